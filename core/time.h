@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+namespace lidard {
+
+/// A signed length of time. Differences of stamps are signed so that a stamp going backwards stays small.
+using Span = std::chrono::nanoseconds;
+
+/// A point in time: nanoseconds since the Unix epoch.
+struct Stamp {
+  std::int64_t ns = 0;
+
+  friend constexpr bool operator==(Stamp a, Stamp b) { return a.ns == b.ns; }
+  friend constexpr bool operator!=(Stamp a, Stamp b) { return a.ns != b.ns; }
+  friend constexpr bool operator<(Stamp a, Stamp b) { return a.ns < b.ns; }
+  friend constexpr bool operator>(Stamp a, Stamp b) { return a.ns > b.ns; }
+  friend constexpr bool operator<=(Stamp a, Stamp b) { return a.ns <= b.ns; }
+  friend constexpr bool operator>=(Stamp a, Stamp b) { return a.ns >= b.ns; }
+  friend constexpr Stamp operator+(Stamp a, Span d) { return {a.ns + d.count()}; }
+  friend constexpr Stamp operator-(Stamp a, Span d) { return {a.ns - d.count()}; }
+  friend constexpr Span operator-(Stamp a, Stamp b) { return Span(a.ns - b.ns); }
+};
+
+/// Length of `d` in seconds.
+constexpr double seconds(Span d) { return static_cast<double>(d.count()) * 1e-9; }
+
+/// `s` seconds as a span, rounded to the nearest nanosecond; |s| must be below 292 years.
+constexpr Span span_from_seconds(double s) {
+  return Span(static_cast<std::int64_t>(s * 1e9 + (s < 0 ? -0.5 : 0.5)));
+}
+
+}  // namespace lidard

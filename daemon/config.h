@@ -1,0 +1,100 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "core/pose.h"
+#include "core/scan_grid.h"
+#include "drivers/driver.h"
+#include "drivers/model.h"
+
+namespace lidard {
+
+/// A mistake in the configuration: `file:line:column: what; expected …`. Exit code 78.
+class ConfigError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// `vehicle:` of the configuration.
+struct VehicleConfig {
+  std::string base_frame = "base_link";
+  std::vector<Eigen::Vector2d> footprint;  ///< m, base_frame; empty: no self filter
+  std::string odometry_frame;              ///< empty: no deskew
+};
+
+/// One entry of `sensors:`. Exactly one of model and topic is set.
+struct SensorConfig {
+  std::string name;
+  const Model* model = nullptr;
+  std::string topic;                    ///< a LaserScan or PointCloud2 topic of another driver
+  std::optional<IpAddress> ip_address;  ///< only packets from here; unset: any sender not claimed by another sensor
+  std::uint16_t ip_port = 0;            ///< local UDP port
+  std::optional<IpAddress> multicast_group;
+  std::string interface;                ///< network interface to join the group on; empty: the kernel's choice
+  std::string frame_id;                 ///< default: the sensor's name
+  std::optional<Pose> pose;             ///< of the sensor in base_frame; unset: from tf
+  DriverConfig driver;                  ///< model, frame_id and options, ready for Model::make
+};
+
+/// What stands in a beam of the output where nothing was seen.
+enum class EmptyBeam : std::uint8_t { inf, nan, range_max_plus_one };
+/// How a scan is computed; `strict` and `safety` come with the truthful modes.
+enum class Profile : std::uint8_t { flatten };
+
+/// Keys that merged and virtual scans share.
+struct OutputScanConfig {
+  Profile profile = Profile::flatten;
+  ScanGridSpec grid;
+  EmptyBeam empty = EmptyBeam::inf;
+  std::optional<double> min_height, max_height;  ///< m, in the output frame; unset: the default of the kind of output
+};
+
+/// One entry of `merged_scans:`.
+struct MergedScanConfig {
+  std::string name;
+  std::vector<std::string> laserscan_topics;  ///< names of sensors
+  std::string destination_frame;
+  std::optional<Pose> destination_pose;       ///< of destination_frame in base_frame; identity for base_frame itself
+  std::string scan_destination_topic;         ///< default: the entry's name
+  std::string cloud_destination_topic;        ///< empty: no cloud
+  Span lost_after = std::chrono::milliseconds(500);  ///< a source silent for longer is not waited for
+  OutputScanConfig output;
+};
+
+/// One entry of `virtual_scans:`.
+struct VirtualScanConfig {
+  std::string name;
+  std::string cloud_topic;                      ///< name of a sensor that gives clouds
+  std::string base_frame;                       ///< parent of the poses
+  std::vector<std::string> virtual_laser_scan;  ///< output frames
+  std::map<std::string, Pose> poses;            ///< of output frames in base_frame; a frame without one comes from tf
+  std::string output_laser_topic;               ///< empty: one topic per frame, named like the frame
+  OutputScanConfig output;
+};
+
+/// The whole configuration, complete and validated.
+struct Config {
+  std::string file;
+  VehicleConfig vehicle;
+  std::vector<SensorConfig> sensors;
+  std::vector<MergedScanConfig> merged_scans;
+  std::vector<VirtualScanConfig> virtual_scans;
+  std::vector<std::string> warnings;  ///< `file:line:column: what`, to be shown once
+
+  const SensorConfig* find_sensor(const std::string& name) const;
+};
+
+/// Reads and validates a configuration file; throws ConfigError.
+Config load_config(const std::string& path);
+/// The same from text; `name` stands in messages where a file name would.
+Config parse_config(const std::string& text, const std::string& name);
+/// The configuration as YAML with every default filled in; parse_config() reads it back to the same.
+std::string to_yaml(const Config& config);
+
+}  // namespace lidard

@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "daemon/config.h"
+#include "daemon/sink.h"
+
+namespace lidard {
+
+/// What one sensor did since the start, for the table at the end of a replay and for diagnostics.
+struct SensorReport {
+  std::string name;
+  std::string model;  ///< or "topic"
+  Counters counters;
+  DeviceInfo info;
+  bool seen = false;          ///< anything received at all
+  Stamp last_arrival;
+};
+
+/// Packets and messages in; frames, merged and virtual scans out. The same object serves live input and replay;
+/// it has no thread and no clock: time is what the arrivals and tick() say.
+class Pipeline {
+ public:
+  /// `poses` and `sink` must outlive the pipeline.
+  Pipeline(const Config& config, PoseLookup& poses, FrameSink& sink);
+  ~Pipeline();
+
+  /// Every topic the pipeline may publish on.
+  const std::vector<TopicInfo>& topics() const;
+  /// The configured transforms, for /tf_static.
+  std::vector<StaticTransform> static_transforms() const;
+
+  /// A datagram; finds the sensor it belongs to by port and sender.
+  void packet(const Packet& packet);
+  /// A message of a `topic:` source, `sensor` being its name in the configuration.
+  void scan_message(const std::string& sensor, PlanarScan& scan, Stamp received);
+  void cloud_message(const std::string& sensor, Cloud& cloud, Stamp received);
+  /// Time passed; publishes diagnostics once per second of it.
+  void tick(Stamp now);
+  /// End of input: hands on what is complete.
+  void finish(Stamp now);
+  /// The input starts again (replay --loop).
+  void restart();
+
+  std::vector<SensorReport> report() const;
+  /// Senders on a configured port that no sensor claims, "192.168.1.9:2368 (412 packets)".
+  std::vector<std::string> unclaimed_senders() const;
+  std::vector<DiagnosticItem> diagnostics(Stamp now) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lidard

@@ -1,0 +1,86 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/bytes.h"
+#include "core/cloud.h"
+#include "core/counters.h"
+#include "core/device_clock.h"
+#include "core/scan.h"
+#include "core/time.h"
+#include "drivers/address.h"
+
+namespace lidard {
+
+/// A datagram (or a chunk of a TCP stream) as it came in. The payload is valid only during the call.
+struct Packet {
+  ByteView payload;
+  Stamp arrival;  ///< kernel receive stamp, or the stamp of the capture
+  Endpoint from;
+  Endpoint to;
+};
+
+/// Takes what a driver produces. The references are valid during the call; a cloud's or scan's buffers may be
+/// swapped out by the receiver, which must leave a valid (possibly empty) vector behind.
+class DriverOutput {
+ public:
+  virtual ~DriverOutput() = default;
+  virtual void scan(PlanarScan& scan) = 0;
+  virtual void cloud(Cloud& cloud) = 0;
+  /// Bytes to send to the device (TCP devices only).
+  virtual void request(ByteView bytes) { static_cast<void>(bytes); }
+};
+
+/// What is known of the device beyond its data; grows while packets come in. Keys as in REP 138 where it has one.
+struct DeviceInfo {
+  std::string serial;                                        ///< empty: unknown
+  std::vector<std::pair<std::string, std::string>> details;  ///< for diagnostics, in display order
+  std::vector<std::string> warnings;                         ///< full sentences, each with its remedy
+};
+
+/// Speaks one device's protocol: bytes and an arrival stamp in; frames, requests and status out.
+/// Owns no socket, thread or clock, so that live input, replay, fuzzers and tests make the same calls.
+class Driver {
+ public:
+  virtual ~Driver() = default;
+  /// One datagram. Returns why it was not used; the counters already hold it.
+  virtual Reject receive(const Packet& packet, DriverOutput& out) = 0;
+  /// A stream device was connected; its dialogue starts here.
+  virtual void connected(DriverOutput& out) { static_cast<void>(out); }
+  /// Time passed (arrival time scale); for time-outs and keep-alives.
+  virtual void tick(Stamp now, DriverOutput& out) {
+    static_cast<void>(now);
+    static_cast<void>(out);
+  }
+  /// No more input: hands on what is complete enough (end of a capture).
+  virtual void finish(DriverOutput& out) { static_cast<void>(out); }
+  /// Forgets what belongs to the stream so far (a capture starts again), keeps counters and what is known of the device.
+  virtual void restart() = 0;
+
+  virtual const Counters& counters() const = 0;
+  virtual const DeviceInfo& info() const = 0;
+};
+
+struct Model;
+
+/// What a driver needs to know; everything has a default that fits the model.
+struct DriverConfig {
+  const Model* model = nullptr;
+  std::string frame_id;
+  ClockMode clock = ClockMode::smooth;
+  Span time_offset{0};            ///< added to every stamp
+  double cut_angle = 0;           ///< rad, as the sensor counts azimuth: where one revolution ends (multi-plane lidars)
+  bool keep_partial = false;      ///< hand on first, last and torn frames too
+  bool keep_origins = false;      ///< fill Cloud::origins
+  std::optional<double> angle_min, angle_max;  ///< rad: keep only these beams of a planar scanner (REP 138)
+  bool publish_intensity = true;
+};
+
+}  // namespace lidard

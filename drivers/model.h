@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "drivers/driver.h"
+
+namespace lidard {
+
+/// What a sensor produces.
+enum class FrameKind : std::uint8_t { scan, cloud };
+/// How a sensor sends.
+enum class Transport : std::uint8_t { udp, tcp };
+
+/// Everything the rest of the program needs to know about one product. What only its protocol needs (beam angles,
+/// firing times) stands in the family's own table, behind `row`.
+struct Model {
+  std::string_view name;      ///< as in the configuration, e.g. "velodyne_vlp16"
+  std::string_view vendor;    ///< "Velodyne"
+  std::string_view product;   ///< "VLP-16"
+  std::string_view protocol;  ///< for people: "Velodyne data packet", "MS3 MD"
+  FrameKind kind;
+  Transport transport;
+  std::uint16_t port;            ///< default destination port of the data; 0: must be configured
+  std::uint16_t telemetry_port;  ///< 0 none
+  double packets_per_s;          ///< highest rate, all return modes; sizes the receive buffer
+  double frame_period;           ///< s, usual
+  double range_min, range_max;   ///< m, constant in every scan
+  std::size_t beams;             ///< rings of a multi-plane lidar; 0: the packets tell
+  std::string_view verified;     ///< on what the decoder was tested, a few words for the table of models
+  const void* row;               ///< the family's own table entry
+  std::unique_ptr<Driver> (*make)(const DriverConfig& config);
+};
+
+/// All supported models, in the order of the documentation.
+const std::vector<Model>& models();
+/// The model of that name, or nullptr.
+const Model* find_model(std::string_view name);
+/// The names nearest to `name`, best first, at most three: for "did you mean".
+std::vector<std::string_view> nearest_models(std::string_view name);
+
+/// Guesses the model behind one sender's packets. Feed it data in order; a verdict may change while evidence grows
+/// (product bytes can lie; the packet period cannot).
+class Identifier {
+ public:
+  Identifier();
+  ~Identifier();
+  Identifier(Identifier&&) noexcept;
+  Identifier& operator=(Identifier&&) noexcept;
+
+  void add(const Packet& packet);
+  /// nullptr while nothing fits.
+  const Model* verdict() const;
+  /// A sentence when the packets contradict themselves ("product byte says HDL-32E, the packet period says VLP-16"), else empty.
+  std::string remark() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lidard

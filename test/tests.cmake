@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: 2026 the lidard authors
+# SPDX-License-Identifier: BSD-3-Clause
+find_package(GTest REQUIRED)
+find_package(benchmark REQUIRED)
+include(GoogleTest)
+
+lidard_library(lidard_sim test/sim lidard_drivers PkgConfig::YAML CLI11::CLI11)
+add_executable(lidard-sim test/sim/main.cpp)
+target_link_libraries(lidard-sim PRIVATE lidard_sim)
+
+# test/<folder>/*_test.cpp is one GoogleTest program; folders mirror the sources.
+function(lidard_tests folder)
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/${folder}/*_test.cpp
+       ${CMAKE_CURRENT_SOURCE_DIR}/test/support/*.cpp)
+  set(name test_${folder})
+  add_executable(${name} ${sources})
+  target_link_libraries(${name} PRIVATE lidard_sim ${ARGN} GTest::gtest GTest::gmock GTest::gtest_main)
+  target_compile_definitions(${name} PRIVATE LIDARD_SOURCE_DIR="${CMAKE_CURRENT_SOURCE_DIR}"
+                             LIDARD_BINARY="$<TARGET_FILE:lidard>" LIDARD_SIM_BINARY="$<TARGET_FILE:lidard-sim>")
+  add_dependencies(${name} lidard lidard-sim)
+  gtest_discover_tests(${name} TEST_PREFIX "${folder}." DISCOVERY_TIMEOUT 120 PROPERTIES TIMEOUT 300)
+endfunction()
+
+lidard_tests(core lidard_core)
+lidard_tests(drivers lidard_drivers)
+lidard_tests(daemon lidard_daemon)
+lidard_tests(sim lidard_drivers)
+
+add_test(NAME layering COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/layering.py ${CMAKE_CURRENT_SOURCE_DIR})
+
+# test/system/*.py drive the real programs: sockets on loopback, a real rosmaster, roscpp, bags.
+file(GLOB system_tests CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/system/test_*.py)
+foreach(script ${system_tests})
+  get_filename_component(name ${script} NAME_WE)
+  add_test(NAME system.${name} COMMAND /usr/bin/python3 ${script})
+  set_tests_properties(system.${name} PROPERTIES TIMEOUT 300 SKIP_RETURN_CODE 77 RUN_SERIAL TRUE
+    ENVIRONMENT "LIDARD=$<TARGET_FILE:lidard>;LIDARD_SIM=$<TARGET_FILE:lidard-sim>;LIDARD_SOURCE_DIR=${CMAKE_CURRENT_SOURCE_DIR}")
+endforeach()
+
+file(GLOB benches CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/bench/*.cpp)
+foreach(source ${benches})
+  get_filename_component(name ${source} NAME_WE)
+  add_executable(${name} ${source})
+  target_link_libraries(${name} PRIVATE lidard_sim lidard_daemon benchmark::benchmark)
+  target_compile_definitions(${name} PRIVATE LIDARD_SOURCE_DIR="${CMAKE_CURRENT_SOURCE_DIR}")
+endforeach()
+
+if(LIDARD_FUZZ)
+  file(GLOB fuzzers CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/fuzz/*.cpp)
+  foreach(source ${fuzzers})
+    get_filename_component(name ${source} NAME_WE)
+    add_executable(${name} ${source})
+    target_compile_options(${name} PRIVATE -fsanitize=fuzzer)
+    target_link_options(${name} PRIVATE -fsanitize=fuzzer)
+    target_link_libraries(${name} PRIVATE lidard_sim lidard_drivers)
+  endforeach()
+endif()
