@@ -11,8 +11,8 @@ namespace lidard {
 
 /// A view of bytes that somebody else owns; valid as long as they are.
 ///
-/// Readers take an offset from the start of the view. Test lengths that come from the wire with `has()` first:
-/// a read outside the view is a bug of ours and ends the process.
+/// Readers take an offset from the start of the view. Test lengths that come from the wire with `has()`
+/// first: a read outside the view is a bug of ours and ends the process.
 class ByteView {
  public:
   constexpr ByteView() = default;

@@ -27,31 +27,33 @@ struct CloudColumn {
   std::uint32_t packet;       ///< data packets of this sensor, counted from 0
   std::uint8_t block;         ///< block of the packet
   std::uint8_t echo;          ///< 0, or the number of the return the column holds
-  float azimuth;              ///< rad, at the sequence's first firing, as the sensor counts it (Velodyne: clockwise)
-  Stamp stamp;                ///< its first firing
+  float azimuth;  ///< rad, at the sequence's first firing, as the sensor counts it (Velodyne: clockwise)
+  Stamp stamp;    ///< its first firing
 };
 
 /// Where a return came from; kept only where somebody asks for it (`lidard decode`).
 struct ReturnOrigin {
-  std::uint32_t column;      ///< index into columns
-  std::uint16_t laser;       ///< the device's own number of the laser
-  double azimuth_deg;        ///< after interpolation and correction, as the sensor counts it
+  std::uint32_t column;  ///< index into columns
+  std::uint16_t laser;   ///< the device's own number of the laser
+  double azimuth_deg;    ///< after interpolation and correction, as the sensor counts it
   double distance_m;
-  std::int64_t offset_ns;    ///< firing time after the packet's own stamp
-  Stamp stamp;               ///< firing time on the host's time scale
+  std::int64_t offset_ns;  ///< firing time after the packet's own stamp
+  Stamp stamp;             ///< firing time on the host's time scale
 };
 
 /// One frame (revolution) of a multi-plane lidar, in the sensor's ROS frame.
 ///
-/// The points stand in firing order, so column c holds points [columns[c].first_point, columns[c + 1].first_point).
-/// Buffers keep their memory from frame to frame; `points_bytes` may be swapped into a message.
+/// The points stand in firing order, so column c holds points [columns[c].first_point, columns[c +
+/// 1].first_point). Buffers keep their memory from frame to frame; `points_bytes` may be swapped into a
+/// message.
 struct Cloud {
   std::string frame_id;
-  Stamp stamp;          ///< the first firing sequence
-  Stamp end;            ///< the last one
+  Stamp stamp;  ///< the first firing sequence
+  Stamp end;    ///< the last one
   std::uint16_t rings = 0;
   bool complete = false;  ///< false: the revolution was cut off by the begin or end of the data
-  std::size_t expected_columns = 0;  ///< what a whole revolution would have had at the measured rate; 0 unknown
+  std::size_t expected_columns =
+      0;  ///< what a whole revolution would have had at the measured rate; 0 unknown
   std::vector<std::uint8_t> points_bytes;
   std::vector<CloudColumn> columns;
   std::vector<ReturnOrigin> origins;  ///< empty, or one per point

@@ -28,16 +28,20 @@ const char* to_string(Reject reason);
 
 /// What happened to one sensor's input since the start. Every loss shows up here.
 struct Counters {
-  std::uint64_t packets = 0;       ///< data packets received, good or bad
-  std::uint64_t bytes = 0;         ///< their payload bytes
-  std::uint64_t other_packets = 0; ///< packets of another kind of the same sensor (telemetry), recognised and set aside
-  std::uint64_t frames = 0;        ///< scans or revolutions handed on
-  std::uint64_t partial_frames = 0;    ///< frames cut off by begin, end or a hole, not handed on unless asked for
-  std::uint64_t incomplete = 0;        ///< telegrams given up because a part of them never came
-  std::uint64_t lost_packets = 0;      ///< packets (or scans, for scanners that count scans) missing between those received
-  std::uint64_t reordered = 0;         ///< packets older than one already used
-  std::uint64_t clock_steps = 0;       ///< jumps of the device clock
-  std::uint64_t lying_packets = 0;     ///< packets whose model byte contradicts the configured model; decoded as configured
+  std::uint64_t packets = 0;  ///< data packets received, good or bad
+  std::uint64_t bytes = 0;    ///< their payload bytes
+  std::uint64_t other_packets =
+      0;  ///< packets of another kind of the same sensor (telemetry), recognised and set aside
+  std::uint64_t frames = 0;  ///< scans or revolutions handed on
+  std::uint64_t partial_frames =
+      0;                         ///< frames cut off by begin, end or a hole, not handed on unless asked for
+  std::uint64_t incomplete = 0;  ///< telegrams given up because a part of them never came
+  std::uint64_t lost_packets =
+      0;  ///< packets (or scans, for scanners that count scans) missing between those received
+  std::uint64_t reordered = 0;    ///< packets older than one already used
+  std::uint64_t clock_steps = 0;  ///< jumps of the device clock
+  std::uint64_t lying_packets =
+      0;  ///< packets whose model byte contradicts the configured model; decoded as configured
   std::array<std::uint64_t, reject_reasons> rejected{};  ///< by reason, [Reject]
 
   void reject(Reject reason) { ++rejected[static_cast<std::size_t>(reason)]; }

@@ -11,21 +11,23 @@ namespace lidard {
 
 /// How a device's own time becomes host time.
 enum class ClockMode : std::uint8_t {
-  arrival,  ///< every packet is placed by its own arrival: truthful about each packet, with the network's jitter
+  arrival,  ///< every packet is placed by its own arrival: truthful about each packet, with the network's
+            ///< jitter
   smooth    ///< lower envelope of the arrivals over the last seconds: no jitter, follows drift
 };
 
 /// Maps the (unwrapped) clock of one device to host time by listening alone.
 ///
-/// A packet can be late but never early, so the lowest of `arrival - device` over a window is the best guess of
-/// the offset between the clocks; a line through the minima of several windows follows the drift. Usable from the
-/// first packet on. A pure function of what it was given: the same packets give the same stamps.
+/// A packet can be late but never early, so the lowest of `arrival - device` over a window is the best guess
+/// of the offset between the clocks; a line through the minima of several windows follows the drift. Usable
+/// from the first packet on. A pure function of what it was given: the same packets give the same stamps.
 class DeviceClock {
  public:
   explicit DeviceClock(ClockMode mode = ClockMode::smooth) : mode_(mode) {}
 
-  /// A packet that could not leave before device time `device` arrived at `arrival`. Device time must be unwrapped
-  /// (no overflow); a step of the device or the host clock beyond `step_limit` restarts the estimate.
+  /// A packet that could not leave before device time `device` arrived at `arrival`. Device time must be
+  /// unwrapped (no overflow); a step of the device or the host clock beyond `step_limit` restarts the
+  /// estimate.
   void observe(Span device, Stamp arrival);
   /// Host time of a device time near those observed. Epoch + device before the first observation.
   Stamp to_host(Span device) const;
@@ -48,8 +50,8 @@ class DeviceClock {
   ClockMode mode_;
   bool ready_ = false;
   std::uint64_t steps_ = 0;
-  std::int64_t late_since_ = 0;   // device time since when every arrival was beyond the step limit; 0 none
-  std::int64_t window_begin_ = 0; // device time
+  std::int64_t late_since_ = 0;    // device time since when every arrival was beyond the step limit; 0 none
+  std::int64_t window_begin_ = 0;  // device time
   Minimum window_{0, 0};
   static constexpr std::size_t max_minima = 20;
   Minimum minima_[max_minima]{};

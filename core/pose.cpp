@@ -17,8 +17,8 @@ Pose make_pose(const Eigen::Vector3d& xyz, const Eigen::Vector3d& rpy) {
 bool is_rigid(const Pose& pose) {
   constexpr double tolerance = 1e-6;
   const Eigen::Matrix3d& r = pose.linear();
-  return pose.matrix().allFinite() &&
-         (r * r.transpose()).isApprox(Eigen::Matrix3d::Identity(), tolerance) && r.determinant() > 0;
+  return pose.matrix().allFinite() && (r * r.transpose()).isApprox(Eigen::Matrix3d::Identity(), tolerance) &&
+         r.determinant() > 0;
 }
 
 }  // namespace lidard

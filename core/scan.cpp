@@ -8,10 +8,14 @@ namespace lidard {
 
 const char* to_string(BeamStatus status) {
   switch (status) {
-    case BeamStatus::hit: return "hit";
-    case BeamStatus::none: return "none";
-    case BeamStatus::near: return "near";
-    case BeamStatus::invalid: return "invalid";
+    case BeamStatus::hit:
+      return "hit";
+    case BeamStatus::none:
+      return "none";
+    case BeamStatus::near:
+      return "near";
+    case BeamStatus::invalid:
+      return "invalid";
   }
   return "invalid";
 }
@@ -42,10 +46,14 @@ namespace {
 bool beam_is_consistent(const PlanarScan& scan, std::size_t i) {
   const float r = scan.ranges[i];
   switch (scan.statuses[i]) {
-    case BeamStatus::hit: return r >= scan.range_min && r <= scan.range_max;
-    case BeamStatus::none: return std::isinf(r) && r > 0;
-    case BeamStatus::near: return std::isinf(r) && r < 0;
-    case BeamStatus::invalid: return std::isnan(r);
+    case BeamStatus::hit:
+      return r >= scan.range_min && r <= scan.range_max;
+    case BeamStatus::none:
+      return std::isinf(r) && r > 0;
+    case BeamStatus::near:
+      return std::isinf(r) && r < 0;
+    case BeamStatus::invalid:
+      return std::isnan(r);
   }
   return false;
 }
@@ -56,7 +64,8 @@ const char* violation(const PlanarScan& scan) {
   const std::size_t n = scan.beams * scan.echoes;
   if (scan.beams < 1 || scan.echoes < 1) return "no beams";
   if (scan.ranges.size() != n || scan.statuses.size() != n) return "number of ranges is not beams x echoes";
-  if (!scan.intensities.empty() && scan.intensities.size() != n) return "number of intensities is not that of ranges";
+  if (!scan.intensities.empty() && scan.intensities.size() != n)
+    return "number of intensities is not that of ranges";
   if (!std::isfinite(scan.angle_min) || !std::isfinite(scan.angle_increment)) return "angles are not finite";
   if (scan.angle_increment == 0 && scan.beams > 1) return "angle_increment is 0";
   if (scan.angle_max != scan.angle(scan.beams - 1)) return "angle_max is not that of the last beam";

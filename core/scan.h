@@ -21,22 +21,23 @@ const char* to_string(BeamStatus status);
 /// The range that REP 117 prescribes for a beam without a measurement: +inf, -inf or NaN.
 float range_without_hit(BeamStatus status);
 
-/// One sweep of a single-plane scanner (or a merged or virtual scan), in its own frame: x ahead, angles in rad
-/// counter-clockwise from x (REP 103).
+/// One sweep of a single-plane scanner (or a merged or virtual scan), in its own frame: x ahead, angles in
+/// rad counter-clockwise from x (REP 103).
 ///
-/// Invariants, tested by `violation()`: beam i points at angle_min + i * angle_increment; angle_max is that of the
-/// last beam, computed in float; stamp is the first ray's time; a hit lies inside [range_min, range_max], every
-/// other beam holds `range_without_hit()` of its status. The number of beams stays constant for the life of a source.
+/// Invariants, tested by `violation()`: beam i points at angle_min + i * angle_increment; angle_max is that
+/// of the last beam, computed in float; stamp is the first ray's time; a hit lies inside [range_min,
+/// range_max], every other beam holds `range_without_hit()` of its status. The number of beams stays constant
+/// for the life of a source.
 struct PlanarScan {
   std::string frame_id;
-  Stamp stamp;               ///< first ray
-  float angle_min = 0;       ///< rad
-  float angle_max = 0;       ///< rad
-  float angle_increment = 0; ///< rad, may be negative (scanner mounted upside down)
-  float time_increment = 0;  ///< s between neighbouring beams
-  float scan_time = 0;       ///< s between scans
-  float range_min = 0;       ///< m
-  float range_max = 0;       ///< m
+  Stamp stamp;                ///< first ray
+  float angle_min = 0;        ///< rad
+  float angle_max = 0;        ///< rad
+  float angle_increment = 0;  ///< rad, may be negative (scanner mounted upside down)
+  float time_increment = 0;   ///< s between neighbouring beams
+  float scan_time = 0;        ///< s between scans
+  float range_min = 0;        ///< m
+  float range_max = 0;        ///< m
   std::size_t beams = 0;
   std::size_t echoes = 1;
   std::vector<float> ranges;         ///< m, [echo * beams + beam]

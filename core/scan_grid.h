@@ -10,20 +10,22 @@
 
 namespace lidard {
 
-/// What a user asks of a merged or virtual scan. Names and meaning as in ira_laser_tools; angles in rad, m, s.
+/// What a user asks of a merged or virtual scan. Names and meaning as in ira_laser_tools; angles in rad, m,
+/// s.
 struct ScanGridSpec {
   double angle_min = -3.14159265358979323846;
   double angle_max = 3.14159265358979323846;
   std::optional<double> angle_increment;  ///< default: from `beams`
   std::optional<std::size_t> beams;       ///< beams of the whole span; default 1440 for a full circle
   double time_increment = 0;
-  double scan_time = 0;                   ///< 0: the period of the sources
+  double scan_time = 0;  ///< 0: the period of the sources
   double range_min = 0;
   double range_max = 100;
 };
 
 /// The beams of an output scan. Angles are computed in double and stored in float, such that every consumer's
-/// count rule holds: angle_max = angle_min + (beams - 1) * increment; a full circle has no repeated last beam.
+/// count rule holds: angle_max = angle_min + (beams - 1) * increment; a full circle has no repeated last
+/// beam.
 struct ScanGrid {
   double angle_min = 0;
   double increment = 0;
@@ -34,7 +36,8 @@ struct ScanGrid {
   double range_min = 0;
   double range_max = 0;
 
-  /// The beam whose centre is nearest to `angle` (any finite rad); `beams` if the angle lies outside the span.
+  /// The beam whose centre is nearest to `angle` (any finite rad); `beams` if the angle lies outside the
+  /// span.
   std::size_t nearest(double angle) const;
   double angle(std::size_t beam) const { return angle_min + static_cast<double>(beam) * increment; }
   /// Sets geometry and limits of `scan` and makes every beam `invalid`.

@@ -32,14 +32,15 @@ struct VehicleConfig {
 struct SensorConfig {
   std::string name;
   const Model* model = nullptr;
-  std::string topic;                    ///< a LaserScan or PointCloud2 topic of another driver
-  std::optional<IpAddress> ip_address;  ///< only packets from here; unset: any sender not claimed by another sensor
-  std::uint16_t ip_port = 0;            ///< local UDP port
+  std::string topic;  ///< a LaserScan or PointCloud2 topic of another driver
+  std::optional<IpAddress>
+      ip_address;             ///< only packets from here; unset: any sender not claimed by another sensor
+  std::uint16_t ip_port = 0;  ///< local UDP port
   std::optional<IpAddress> multicast_group;
-  std::string interface;                ///< network interface to join the group on; empty: the kernel's choice
-  std::string frame_id;                 ///< default: the sensor's name
-  std::optional<Pose> pose;             ///< of the sensor in base_frame; unset: from tf
-  DriverConfig driver;                  ///< model, frame_id and options, ready for Model::make
+  std::string interface;     ///< network interface to join the group on; empty: the kernel's choice
+  std::string frame_id;      ///< default: the sensor's name
+  std::optional<Pose> pose;  ///< of the sensor in base_frame; unset: from tf
+  DriverConfig driver;       ///< model, frame_id and options, ready for Model::make
 };
 
 /// What stands in a beam of the output where nothing was seen.
@@ -52,7 +53,8 @@ struct OutputScanConfig {
   Profile profile = Profile::flatten;
   ScanGridSpec grid;
   EmptyBeam empty = EmptyBeam::inf;
-  std::optional<double> min_height, max_height;  ///< m, in the output frame; unset: the default of the kind of output
+  std::optional<double> min_height,
+      max_height;  ///< m, in the output frame; unset: the default of the kind of output
 };
 
 /// One entry of `merged_scans:`.
@@ -60,9 +62,10 @@ struct MergedScanConfig {
   std::string name;
   std::vector<std::string> laserscan_topics;  ///< names of sensors
   std::string destination_frame;
-  std::optional<Pose> destination_pose;       ///< of destination_frame in base_frame; identity for base_frame itself
-  std::string scan_destination_topic;         ///< default: the entry's name
-  std::string cloud_destination_topic;        ///< empty: no cloud
+  std::optional<Pose>
+      destination_pose;                ///< of destination_frame in base_frame; identity for base_frame itself
+  std::string scan_destination_topic;  ///< default: the entry's name
+  std::string cloud_destination_topic;               ///< empty: no cloud
   Span lost_after = std::chrono::milliseconds(500);  ///< a source silent for longer is not waited for
   OutputScanConfig output;
 };
@@ -73,8 +76,8 @@ struct VirtualScanConfig {
   std::string cloud_topic;                      ///< name of a sensor that gives clouds
   std::string base_frame;                       ///< parent of the poses
   std::vector<std::string> virtual_laser_scan;  ///< output frames
-  std::map<std::string, Pose> poses;            ///< of output frames in base_frame; a frame without one comes from tf
-  std::string output_laser_topic;               ///< empty: one topic per frame, named like the frame
+  std::map<std::string, Pose> poses;  ///< of output frames in base_frame; a frame without one comes from tf
+  std::string output_laser_topic;     ///< empty: one topic per frame, named like the frame
   OutputScanConfig output;
 };
 

@@ -17,12 +17,12 @@ struct SensorReport {
   std::string model;  ///< or "topic"
   Counters counters;
   DeviceInfo info;
-  bool seen = false;          ///< anything received at all
+  bool seen = false;  ///< anything received at all
   Stamp last_arrival;
 };
 
-/// Packets and messages in; frames, merged and virtual scans out. The same object serves live input and replay;
-/// it has no thread and no clock: time is what the arrivals and tick() say.
+/// Packets and messages in; frames, merged and virtual scans out. The same object serves live input and
+/// replay; it has no thread and no clock: time is what the arrivals and tick() say.
 class Pipeline {
  public:
   /// `poses` and `sink` must outlive the pipeline.

@@ -30,7 +30,8 @@ struct StaticTransform {
 
 enum class Health : std::uint8_t { ok, warn, error, stale };
 
-/// One status of /diagnostics. Keys as in REP 138 where it has one; `hardware_id` is the serial number (REP 107).
+/// One status of /diagnostics. Keys as in REP 138 where it has one; `hardware_id` is the serial number (REP
+/// 107).
 struct DiagnosticItem {
   std::string name;
   std::string hardware_id;
@@ -39,8 +40,8 @@ struct DiagnosticItem {
   std::vector<std::pair<std::string, std::string>> values;
 };
 
-/// Takes what the pipeline finished: ROS, a bag, a file, a test. Called from the sensor thread; must not block.
-/// Topic kinds are known beforehand from Pipeline::topics().
+/// Takes what the pipeline finished: ROS, a bag, a file, a test. Called from the sensor thread; must not
+/// block. Topic kinds are known beforehand from Pipeline::topics().
 class FrameSink {
  public:
   virtual ~FrameSink() = default;

@@ -38,7 +38,8 @@ class DriverOutput {
   virtual void request(ByteView bytes) { static_cast<void>(bytes); }
 };
 
-/// What is known of the device beyond its data; grows while packets come in. Keys as in REP 138 where it has one.
+/// What is known of the device beyond its data; grows while packets come in. Keys as in REP 138 where it has
+/// one.
 struct DeviceInfo {
   std::string serial;                                        ///< empty: unknown
   std::vector<std::pair<std::string, std::string>> details;  ///< for diagnostics, in display order
@@ -61,7 +62,8 @@ class Driver {
   }
   /// No more input: hands on what is complete enough (end of a capture).
   virtual void finish(DriverOutput& out) { static_cast<void>(out); }
-  /// Forgets what belongs to the stream so far (a capture starts again), keeps counters and what is known of the device.
+  /// Forgets what belongs to the stream so far (a capture starts again), keeps counters and what is known of
+  /// the device.
   virtual void restart() = 0;
 
   virtual const Counters& counters() const = 0;
@@ -75,10 +77,11 @@ struct DriverConfig {
   const Model* model = nullptr;
   std::string frame_id;
   ClockMode clock = ClockMode::smooth;
-  Span time_offset{0};            ///< added to every stamp
-  double cut_angle = 0;           ///< rad, as the sensor counts azimuth: where one revolution ends (multi-plane lidars)
-  bool keep_partial = false;      ///< hand on first, last and torn frames too
-  bool keep_origins = false;      ///< fill Cloud::origins
+  Span time_offset{0};  ///< added to every stamp
+  double cut_angle =
+      0;  ///< rad, as the sensor counts azimuth: where one revolution ends (multi-plane lidars)
+  bool keep_partial = false;                   ///< hand on first, last and torn frames too
+  bool keep_origins = false;                   ///< fill Cloud::origins
   std::optional<double> angle_min, angle_max;  ///< rad: keep only these beams of a planar scanner (REP 138)
   bool publish_intensity = true;
 };

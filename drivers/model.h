@@ -17,8 +17,8 @@ enum class FrameKind : std::uint8_t { scan, cloud };
 /// How a sensor sends.
 enum class Transport : std::uint8_t { udp, tcp };
 
-/// Everything the rest of the program needs to know about one product. What only its protocol needs (beam angles,
-/// firing times) stands in the family's own table, behind `row`.
+/// Everything the rest of the program needs to know about one product. What only its protocol needs (beam
+/// angles, firing times) stands in the family's own table, behind `row`.
 struct Model {
   std::string_view name;      ///< as in the configuration, e.g. "velodyne_vlp16"
   std::string_view vendor;    ///< "Velodyne"
@@ -44,8 +44,8 @@ const Model* find_model(std::string_view name);
 /// The names nearest to `name`, best first, at most three: for "did you mean".
 std::vector<std::string_view> nearest_models(std::string_view name);
 
-/// Guesses the model behind one sender's packets. Feed it data in order; a verdict may change while evidence grows
-/// (product bytes can lie; the packet period cannot).
+/// Guesses the model behind one sender's packets. Feed it data in order; a verdict may change while evidence
+/// grows (product bytes can lie; the packet period cannot).
 class Identifier {
  public:
   Identifier();
@@ -56,7 +56,8 @@ class Identifier {
   void add(const Packet& packet);
   /// nullptr while nothing fits.
   const Model* verdict() const;
-  /// A sentence when the packets contradict themselves ("product byte says HDL-32E, the packet period says VLP-16"), else empty.
+  /// A sentence when the packets contradict themselves ("product byte says HDL-32E, the packet period says
+  /// VLP-16"), else empty.
   std::string remark() const;
 
  private:

@@ -17,23 +17,24 @@ class CaptureError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What became of the frames of a capture. Every frame is counted in exactly one of the fields after `frames`,
-/// except that a datagram put together from fragments counts its frames in `fragments` and itself in `reassembled`.
+/// What became of the frames of a capture. Every frame is counted in exactly one of the fields after
+/// `frames`, except that a datagram put together from fragments counts its frames in `fragments` and itself
+/// in `reassembled`.
 struct CaptureCounters {
-  std::uint64_t frames = 0;       ///< records read
-  std::uint64_t datagrams = 0;    ///< UDP datagrams handed on, put together from fragments or not
-  std::uint64_t not_ip = 0;       ///< ARP, LLDP, ...
-  std::uint64_t not_udp = 0;      ///< TCP, ICMP, ... (TCP streams: a later version)
-  std::uint64_t truncated = 0;    ///< cut by the capture's snapshot length: record again with `tcpdump -s 0`
-  std::uint64_t malformed = 0;    ///< headers that contradict themselves
+  std::uint64_t frames = 0;     ///< records read
+  std::uint64_t datagrams = 0;  ///< UDP datagrams handed on, put together from fragments or not
+  std::uint64_t not_ip = 0;     ///< ARP, LLDP, ...
+  std::uint64_t not_udp = 0;    ///< TCP, ICMP, ... (TCP streams: a later version)
+  std::uint64_t truncated = 0;  ///< cut by the capture's snapshot length: record again with `tcpdump -s 0`
+  std::uint64_t malformed = 0;  ///< headers that contradict themselves
   std::uint64_t unsupported_link = 0;   ///< link-layer type we do not read
   std::uint64_t fragments = 0;          ///< IP fragments
   std::uint64_t reassembled = 0;        ///< datagrams put together from fragments
   std::uint64_t fragments_dropped = 0;  ///< fragments of datagrams that never became whole, or came twice
 };
 
-/// Reads UDP datagrams from a capture file: pcap and pcapng, both byte orders, us and ns; Ethernet, VLAN, QinQ,
-/// Linux cooked v1 and v2, raw IP, null and loop; IPv4 (options, fragments) and IPv6.
+/// Reads UDP datagrams from a capture file: pcap and pcapng, both byte orders, us and ns; Ethernet, VLAN,
+/// QinQ, Linux cooked v1 and v2, raw IP, null and loop; IPv4 (options, fragments) and IPv6.
 class PcapSource {
  public:
   /// Opens the file; throws CaptureError.

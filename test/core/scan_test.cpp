@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <gtest/gtest.h>
-
 #include "core/scan.h"
+
+#include <gtest/gtest.h>
 
 TEST(PlanarScan, FreshScanHasNoViolationOnceItHasAnglesAndLimits) {
   lidard::PlanarScan scan;
