@@ -1,0 +1,142 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/counters.h"
+#include "core/time.h"
+#include "drivers/velodyne/model_row.h"
+#include "drivers/velodyne/packet.h"
+
+namespace lidard::velodyne {
+
+/// A data packet with its place in the stream.
+struct OrderedPacket {
+  std::array<std::uint8_t, packet_size> bytes;
+  Stamp arrival;
+  std::uint32_t index;  ///< data packets of this sensor before it
+  bool other_product;   ///< its product byte is not the model's
+
+  DataPacket view() const { return DataPacket(ByteView(bytes.data(), bytes.size())); }
+};
+
+/// Signed difference of two hour stamps, later - earlier, into +-1800 s. Holds also where the counter passes
+/// 3600 s without a reset (ros-drivers/velodyne#218).
+Span hour_difference(std::uint32_t later_us, std::uint32_t earlier_us);
+
+/// Brings packets into the order of their stamps, looking one packet ahead only where the stamps leave a
+/// hole, so that undisturbed packets are not delayed. Also decides whether packets with another product byte
+/// are those of the configured model: a product byte can lie, the packet period cannot.
+class PacketOrder {
+ public:
+  PacketOrder(const ModelRow& row, Counters& counters) : row_(row), counters_(counters) {}
+
+  /// Takes a packet of the right size and calls `use(packet, device_time)` for each that is due, in order;
+  /// device time is unwrapped. Returns why this packet was not used, if so; the counters hold it already.
+  template <typename Use>
+  Reject add(const OrderedPacket& packet, Use&& use);
+  /// No packet follows: what is held back is due.
+  template <typename Use>
+  void flush(Use&& use) {
+    if (holding_ &&
+        !(held_.other_product && counters_.rejected[static_cast<std::size_t>(Reject::model)] > 0)) {
+      advance(held_, use);
+    }
+    holding_ = false;
+  }
+  void reset() { started_ = holding_ = false; }
+  /// The product byte that contradicts the model although the packets are the model's; 0 none.
+  std::uint8_t lying_product() const { return lying_product_; }
+  /// The product byte of packets refused as another model's; 0 none.
+  std::uint8_t refused_product() const { return refused_product_; }
+
+ private:
+  Span period(const OrderedPacket& p) const { return row_.packet_period(is_dual(p.view()) ? 2 : 1); }
+  Span since_last(const OrderedPacket& p) const { return hour_difference(p.view().stamp_us(), last_us_); }
+  bool is_model_period(Span step, Span expected) const;
+  Reject judge_product(const OrderedPacket& packet);
+  template <typename Use>
+  void advance(const OrderedPacket& packet, Use&& use);
+
+  const ModelRow& row_;
+  Counters& counters_;
+  bool started_ = false;
+  bool holding_ = false;
+  OrderedPacket held_{};
+  std::uint32_t last_us_ = 0;
+  Span last_period_{0};
+  Span time_{0};
+  std::uint8_t lying_product_ = 0;
+  std::uint8_t refused_product_ = 0;
+};
+
+template <typename Use>
+void PacketOrder::advance(const OrderedPacket& packet, Use&& use) {
+  const std::uint32_t us = packet.view().stamp_us();
+  if (!started_) {
+    time_ = std::chrono::microseconds(us);
+  } else {
+    const Span step = since_last(packet);
+    time_ += step;
+    const auto periods = (step + last_period_ / 2) / last_period_;
+    if (periods > 1) counters_.lost_packets += static_cast<std::uint64_t>(periods - 1);
+  }
+  started_ = true;
+  last_us_ = us;
+  last_period_ = period(packet);
+  if (packet.other_product) ++counters_.lying_packets;
+  use(packet, time_);
+}
+
+template <typename Use>
+Reject PacketOrder::add(const OrderedPacket& packet, Use&& use) {
+  if (packet.other_product) {
+    const Reject verdict = judge_product(packet);
+    if (verdict != Reject::none) return verdict;
+    if (lying_product_ == 0) return Reject::none;  // held back until the next one tells the period
+  }
+  if (holding_) {
+    const Span after_held = hour_difference(packet.view().stamp_us(), held_.view().stamp_us());
+    if (after_held == Span(0)) {
+      counters_.reject(Reject::duplicate);
+      return Reject::duplicate;
+    }
+    holding_ = false;
+    const bool between = after_held < Span(0) && (!started_ || since_last(packet) > Span(0));
+    if (between) {
+      ++counters_.reordered;
+      advance(packet, use);
+      advance(held_, use);
+      return Reject::none;
+    }
+    advance(held_, use);
+  }
+  if (!started_) {
+    advance(packet, use);
+    return Reject::none;
+  }
+  // So far back or ahead it is no late packet: the device's clock was set.
+  constexpr Span step_limit = std::chrono::seconds(1);
+  const Span step = since_last(packet);
+  if (step > -step_limit && step <= Span(0)) {
+    const Reject reason = step == Span(0) ? Reject::duplicate : Reject::stale;
+    if (reason == Reject::stale) ++counters_.reordered;
+    counters_.reject(reason);
+    return reason;
+  }
+  if (step < Span(0) || step > 10 * step_limit) {
+    ++counters_.clock_steps;
+    started_ = false;
+    advance(packet, use);
+  } else if (step * 2 > last_period_ * 3) {
+    held_ = packet;
+    holding_ = true;
+  } else {
+    advance(packet, use);
+  }
+  return Reject::none;
+}
+
+}  // namespace lidard::velodyne
