@@ -23,7 +23,7 @@ endfunction()
 
 lidard_tests(core lidard_core)
 lidard_tests(drivers lidard_drivers)
-lidard_tests(daemon lidard_daemon)
+lidard_tests(daemon lidard_daemon lidard_rosbag)
 lidard_tests(sim lidard_drivers)
 
 add_test(NAME layering COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/layering.py ${CMAKE_CURRENT_SOURCE_DIR})

@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "test/support/ros_samples.h"
+
+namespace lidard::test {
+
+PlanarScan sample_scan() {
+  PlanarScan scan;
+  scan.frame_id = "front_laser";
+  scan.stamp = {1'700'000'000'000'000'005};
+  scan.reset(5);
+  scan.set_angles(-1.0F, 0.5F);
+  scan.time_increment = 1e-4F;
+  scan.scan_time = 0.04F;
+  scan.range_min = 0.1F;
+  scan.range_max = 40.0F;
+  scan.set_hit(0, 1.0F);
+  scan.set_without_hit(1, BeamStatus::none);
+  scan.set_without_hit(2, BeamStatus::near);
+  scan.set_hit(4, 40.0F);
+  scan.intensities = {10, 20, 30, 40, 50};
+  return scan;
+}
+
+Cloud sample_cloud(std::size_t points) {
+  Cloud cloud;
+  cloud.frame_id = "/velodyne";
+  cloud.stamp = {1'700'000'000'250'000'000};
+  cloud.complete = true;
+  cloud.rings = 16;
+  cloud.points_bytes.resize(points * sizeof(CloudPoint));
+  for (std::size_t i = 0; i < points; ++i) {
+    const auto n = static_cast<float>(i);
+    cloud.points()[i] = {n, -n, n / 2, n + 1, static_cast<std::uint16_t>(i % 16), n * 1e-4F};
+  }
+  cloud.end = cloud.stamp;
+  return cloud;
+}
+
+}  // namespace lidard::test
