@@ -40,6 +40,9 @@ struct PlanarScan {
   float range_max = 0;        ///< m
   std::size_t beams = 0;
   std::size_t echoes = 1;
+  /// What messages hold for beams with status `none`; +inf (REP 117) unless an output's consumers need
+  /// another value.
+  float none_as = std::numeric_limits<float>::infinity();
   std::vector<float> ranges;         ///< m, [echo * beams + beam]
   std::vector<float> intensities;    ///< device units; empty, or as long as ranges
   std::vector<BeamStatus> statuses;  ///< as long as ranges
