@@ -17,9 +17,10 @@ class CaptureError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What became of the frames of a capture. Every frame is counted in exactly one of the fields after
-/// `frames`, except that a datagram put together from fragments counts its frames in `fragments` and itself
-/// in `reassembled`.
+/// What became of the frames of a capture. Every frame is counted in exactly one of datagrams, not_ip,
+/// not_udp, truncated, malformed, unsupported_link and fragments; a packet put together from fragments is
+/// counted in `reassembled` and then once more like a frame. So frames + reassembled is the sum of those
+/// seven.
 struct CaptureCounters {
   std::uint64_t frames = 0;     ///< records read
   std::uint64_t datagrams = 0;  ///< UDP datagrams handed on, put together from fragments or not
