@@ -1,0 +1,179 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <charconv>
+#include <cmath>
+
+#include "daemon/config_parts.h"
+
+namespace lidard {
+namespace {
+
+/// The shortest text that reads back to the same number.
+std::string text_of(double number) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, number == 0 ? 0.0 : number).ptr;
+  return {text, end};
+}
+
+/// Digits beyond these come from turning an angle into a matrix and back.
+double rounded(double value, double unit) { return std::round(value / unit) * unit; }
+
+class ConfigWriter {
+ public:
+  std::string write(const Config& config) {
+    yaml_ << YAML::BeginMap;
+    vehicle(config.vehicle);
+    section("sensors", config.sensors, [this](const SensorConfig& sensor) { this->sensor(sensor); });
+    section("merged_scans", config.merged_scans, [this](const MergedScanConfig& scan) { merged(scan); });
+    section("virtual_scans", config.virtual_scans,
+            [this](const VirtualScanConfig& scan) { virtual_scan(scan); });
+    yaml_ << YAML::EndMap;
+    return std::string(yaml_.c_str()) + "\n";
+  }
+
+ private:
+  template <class List, class WriteOne>
+  void section(const char* key, const List& list, WriteOne write_one) {
+    if (list.empty()) return;
+    yaml_ << YAML::Key << key << YAML::Value << YAML::BeginMap;
+    for (const auto& entry : list) {
+      yaml_ << YAML::Key << entry.name << YAML::Value << YAML::BeginMap;
+      write_one(entry);
+      yaml_ << YAML::EndMap;
+    }
+    yaml_ << YAML::EndMap;
+  }
+  void text(const char* key, const std::string& value) { yaml_ << YAML::Key << key << YAML::Value << value; }
+  void number(const char* key, double value) { text(key, text_of(value)); }
+  void flag(const char* key, bool value) { text(key, value ? "true" : "false"); }
+  /// Says what holds while an optional key is not there.
+  void unset(const char* remark) { yaml_ << YAML::Newline << YAML::Comment(remark); }
+  void optional_number(const char* key, const std::optional<double>& value, const char* remark) {
+    if (value)
+      number(key, *value);
+    else
+      unset(remark);
+  }
+  void numbers(const std::vector<double>& values) {
+    yaml_ << YAML::Flow << YAML::BeginSeq;
+    for (const double value : values) yaml_ << text_of(value);
+    yaml_ << YAML::EndSeq;
+  }
+  void names(const char* key, const std::vector<std::string>& values) {
+    yaml_ << YAML::Key << key << YAML::Value << YAML::Flow << values;
+  }
+  void pose(const std::string& key, const Pose& value) {
+    const Eigen::Vector3d rpy = rpy_of(value) * (180 / M_PI);
+    const auto degrees = [](double angle) { return std::stod(text_of(rounded(angle, 1e-9))); };
+    const Eigen::Vector3d& xyz = value.translation();
+    yaml_ << YAML::Key << key << YAML::Value << YAML::Flow << YAML::BeginMap << YAML::Key << "xyz"
+          << YAML::Value;
+    numbers({xyz.x(), xyz.y(), xyz.z()});
+    yaml_ << YAML::Key << "rpy_deg" << YAML::Value;
+    numbers({degrees(rpy.x()), degrees(rpy.y()), degrees(rpy.z())});
+    yaml_ << YAML::EndMap;
+  }
+
+  void vehicle(const VehicleConfig& vehicle);
+  void sensor(const SensorConfig& sensor);
+  void network(const SensorConfig& sensor);
+  void output(const OutputScanConfig& output);
+  void merged(const MergedScanConfig& scan);
+  void virtual_scan(const VirtualScanConfig& scan);
+
+  YAML::Emitter yaml_;
+};
+
+void ConfigWriter::vehicle(const VehicleConfig& vehicle) {
+  yaml_ << YAML::Key << "vehicle" << YAML::Value << YAML::BeginMap;
+  text("base_frame", vehicle.base_frame);
+  yaml_ << YAML::Key << "footprint" << YAML::Value << YAML::Flow << YAML::BeginSeq;
+  for (const Eigen::Vector2d& vertex : vehicle.footprint) numbers({vertex.x(), vertex.y()});
+  yaml_ << YAML::EndSeq;
+  text("odometry_frame", vehicle.odometry_frame);
+  yaml_ << YAML::EndMap;
+}
+
+void ConfigWriter::network(const SensorConfig& sensor) {
+  if (sensor.ip_address)
+    text("ip_address", sensor.ip_address->to_string());
+  else
+    unset("ip_address: any sender that no other sensor claims");
+  number("ip_port", sensor.ip_port);
+  if (!sensor.multicast_group) return;
+  text("multicast_group", sensor.multicast_group->to_string());
+  text("interface", sensor.interface);
+}
+
+void ConfigWriter::sensor(const SensorConfig& sensor) {
+  const DriverConfig& driver = sensor.driver;
+  if (sensor.model != nullptr) {
+    text("model", std::string(sensor.model->name));
+    network(sensor);
+  } else {
+    text("topic", sensor.topic);
+  }
+  text("frame_id", sensor.frame_id);
+  if (sensor.pose)
+    pose("pose", *sensor.pose);
+  else
+    unset("pose: from tf");
+  if (sensor.model == nullptr) return;
+  text("clock", driver.clock == ClockMode::smooth ? "smooth" : "arrival");
+  number("time_offset", seconds(driver.time_offset));
+  if (sensor.model->kind == FrameKind::cloud) {
+    number("cut_angle", driver.cut_angle);
+    return;
+  }
+  optional_number("angle_min", driver.angle_min, "angle_min: all beams");
+  optional_number("angle_max", driver.angle_max, "angle_max: all beams");
+  flag("publish_intensity", driver.publish_intensity);
+}
+
+void ConfigWriter::output(const OutputScanConfig& output) {
+  text("profile", "flatten");
+  const ScanGridSpec& grid = output.grid;
+  number("angle_min", grid.angle_min);
+  number("angle_max", grid.angle_max);
+  if (grid.beams) number("beams", static_cast<double>(*grid.beams));
+  if (grid.angle_increment) number("angle_increment", *grid.angle_increment);
+  number("time_increment", grid.time_increment);
+  number("scan_time", grid.scan_time);
+  number("range_min", grid.range_min);
+  number("range_max", grid.range_max);
+  text("empty", output.empty == EmptyBeam::inf   ? "inf"
+                : output.empty == EmptyBeam::nan ? "nan"
+                                                 : "range_max_plus_one");
+  optional_number("min_height", output.min_height, "min_height: no limit");
+  optional_number("max_height", output.max_height, "max_height: no limit");
+}
+
+void ConfigWriter::merged(const MergedScanConfig& scan) {
+  names("laserscan_topics", scan.laserscan_topics);
+  text("destination_frame", scan.destination_frame);
+  if (scan.destination_pose)
+    pose("destination_pose", *scan.destination_pose);
+  else
+    unset("destination_pose: from tf");
+  text("scan_destination_topic", scan.scan_destination_topic);
+  text("cloud_destination_topic", scan.cloud_destination_topic);
+  number("lost_after", seconds(scan.lost_after));
+  output(scan.output);
+}
+
+void ConfigWriter::virtual_scan(const VirtualScanConfig& scan) {
+  text("cloud_topic", scan.cloud_topic);
+  text("base_frame", scan.base_frame);
+  names("virtual_laser_scan", scan.virtual_laser_scan);
+  yaml_ << YAML::Key << "poses" << YAML::Value << YAML::BeginMap;
+  for (const auto& [frame, value] : scan.poses) pose(frame, value);
+  yaml_ << YAML::EndMap;
+  text("output_laser_topic", scan.output_laser_topic);
+  output(scan.output);
+}
+
+}  // namespace
+
+std::string to_yaml(const Config& config) { return ConfigWriter().write(config); }
+
+}  // namespace lidard

@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "daemon/config.h"
+#include "daemon/yaml_reader.h"
+
+namespace lidard {
+
+/// What must be unique among all parts of a configuration, gathered while they are read.
+class ConfigClaims {
+ public:
+  ConfigClaims();
+  /// Notes that `owner` publishes on `topic`; throws at `value` if somebody else does.
+  void publishes(const std::string& topic, const std::string& owner, const Value& value);
+  /// Notes that a sensor listens to `topic`.
+  void listens(const std::string& topic, const std::string& owner, const Value& value);
+  /// Notes the pose of `child` in `parent`; throws at `value` if it has another one already.
+  void holds_frame(const std::string& child, const std::string& parent, const Pose& pose,
+                   const std::string& owner, const Value& value);
+  /// Notes what `owner` takes the source with `topic:` named `sensor` for; throws if it was the other kind.
+  void uses(const std::string& sensor, FrameKind kind, const std::string& owner, const Value& value);
+  bool is_used(const std::string& sensor) const { return uses_.count(sensor) != 0; }
+
+ private:
+  struct Frame {
+    std::string parent;
+    Pose pose;
+    std::string owner;
+  };
+  struct Use {
+    FrameKind kind;
+    std::string owner;
+  };
+  std::map<std::string, std::string> topics_;  // without leading slash, to the owner
+  std::map<std::string, Frame> frames_;
+  std::map<std::string, Use> uses_;
+};
+
+/// Reads the sections into `config`; `claims` sees every name they give away.
+void read_sensors(Mapping& root, Config& config, ConfigClaims& claims);
+void read_outputs(Mapping& root, Config& config, ConfigClaims& claims);
+
+/// A pose from {xyz: m, rpy: rad or rpy_deg}.
+Pose read_pose(const Value& value);
+/// A frame's name without leading slash (tf2 has none).
+std::string read_frame(const Value& value);
+/// A ROS topic name.
+std::string read_topic(const Value& value);
+/// `name` itself if it can be part of a topic name; throws at the key otherwise.
+void check_entry_name(const std::string& name, const Value& value);
+/// Keeps a remark that is no error.
+void warn(Config& config, const Place& place, const std::string& what);
+
+/// Roll, pitch, yaw (fixed axes, rad) that make_pose() turns into the rotation of `pose`.
+Eigen::Vector3d rpy_of(const Pose& pose);
+
+}  // namespace lidard

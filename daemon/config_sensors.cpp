@@ -1,0 +1,181 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "daemon/config_parts.h"
+
+namespace lidard {
+namespace {
+
+constexpr double longest_offset_s = 1e9;  // three decades: also a device that counts from its own epoch
+
+const std::vector<std::string_view> sensor_keys = {
+    "model",          "topic",         "ip_address",        "ip_port",
+    "frame_id",       "pose",          "multicast_group",   "interface",
+    "clock",          "time_offset",   "cut_angle",         "cut_angle_deg",
+    "angle_min",      "angle_min_deg", "angle_max",         "angle_max_deg",
+    "cluster",        "skip",          "publish_intensity", "publish_multiecho",
+    "calibrate_time", "frame_stamp"};
+
+/// Why a key that this kind of sensor does not read is refused, and what to do instead.
+std::pair<std::string, std::string> refusal(const std::string& key, const SensorConfig& sensor) {
+  if (sensor.model == nullptr)
+    return {"does not apply to a source with topic:", "topic, frame_id and pose only"};
+  if (key == "calibrate_time")
+    return {"is not available in this version", "clock: smooth, which follows the device clock all the time"};
+  if (key == "frame_stamp")
+    return {"is not available in this version", "no such key: a cloud has the stamp of its first firing"};
+  const std::string model = "is not available for " + std::string(sensor.model->name);
+  if (key == "cut_angle" || key == "cut_angle_deg")
+    return {model + ", which has no revolutions to cut", "no such key"};
+  if (sensor.model->kind == FrameKind::cloud)
+    return {model + ", whose clouds are complete with all returns", "no such key"};
+  return {model + ", which sends what its own configuration says", "no such key; set it in the device"};
+}
+
+std::optional<IpAddress> read_address(const std::optional<Value>& value, bool multicast) {
+  if (!value) return std::nullopt;
+  const std::string expected = multicast ? "a multicast address like 239.0.0.10"
+                                         : "the sensor's IPv4 or IPv6 address like 192.168.1.201";
+  const auto address = IpAddress::parse(value->text(expected));
+  if (!address) value->fail("is " + value->quoted() + ", which is no address", expected);
+  if (address->is_multicast() != multicast)
+    value->fail(
+        "is " + value->quoted() + (multicast ? ", which is no multicast group" : ", a multicast group"),
+        multicast ? expected : expected + "; the group goes into multicast_group");
+  return address;
+}
+
+const Model* read_model(const Value& value) {
+  const std::string name = value.text("a name from `lidard models`");
+  if (const Model* model = find_model(name)) return model;
+  std::string expected;
+  for (const std::string_view near : nearest_models(name))
+    expected.append(expected.empty() ? "" : " or ").append(near);
+  value.fail("is " + value.quoted() + ", which is no model",
+             expected.empty() ? "a name from `lidard models`" : expected + "; see `lidard models`");
+}
+
+ClockMode read_clock(const Value& value) {
+  const std::string word = value.text("smooth or arrival");
+  if (word == "smooth") return ClockMode::smooth;
+  if (word == "arrival") return ClockMode::arrival;
+  value.fail("is " + value.quoted(), "smooth or arrival");
+}
+
+void read_network(Mapping& yaml, SensorConfig& sensor) {
+  const bool later = sensor.model->transport == Transport::tcp;
+  if (later)
+    yaml.where("model").fail("is " + std::string(sensor.model->name) + ", which is read through TCP",
+                             "a model that sends UDP: TCP is not available in this version");
+  sensor.ip_address = read_address(yaml.find("ip_address"), false);
+  sensor.ip_port = sensor.model->port;
+  if (const auto port = yaml.find("ip_port"))
+    sensor.ip_port = static_cast<std::uint16_t>(port->integer(1, 65535));
+  if (sensor.ip_port == 0)
+    yaml.self().fail_at_key("has no ip_port",
+                            "the UDP port that the sensor sends to: its model has no usual one");
+  sensor.multicast_group = read_address(yaml.find("multicast_group"), true);
+  const auto interface = yaml.find("interface");
+  if (!interface) return;
+  sensor.interface = interface->text_or_empty();
+  if (!sensor.interface.empty() && !sensor.multicast_group)
+    interface->fail_at_key("is given without multicast_group",
+                           "both: the interface is where the group is joined");
+}
+
+void read_beams_kept(Mapping& yaml, DriverConfig& driver) {
+  driver.angle_min = yaml.angle("angle_min");
+  driver.angle_max = yaml.angle("angle_max");
+  if (driver.angle_min && driver.angle_max && *driver.angle_max <= *driver.angle_min)
+    yaml.where(yaml.has("angle_max") ? "angle_max" : "angle_max_deg")
+        .fail("is not above angle_min", "angle_min < angle_max");
+  if (const auto intensity = yaml.find("publish_intensity")) driver.publish_intensity = intensity->boolean();
+}
+
+void read_device(Mapping& yaml, SensorConfig& sensor) {
+  read_network(yaml, sensor);
+  DriverConfig& driver = sensor.driver;
+  driver.model = sensor.model;
+  driver.frame_id = sensor.frame_id;
+  if (const auto clock = yaml.find("clock")) driver.clock = read_clock(*clock);
+  if (const auto offset = yaml.find("time_offset"))
+    driver.time_offset = offset->duration(-longest_offset_s, longest_offset_s);
+  if (sensor.model->kind == FrameKind::cloud)
+    driver.cut_angle = yaml.angle("cut_angle").value_or(0);
+  else
+    read_beams_kept(yaml, driver);
+}
+
+void read_pose_of(Mapping& yaml, SensorConfig& sensor, const Config& config, ConfigClaims& claims) {
+  if (const auto pose = yaml.find("pose")) {
+    sensor.pose = read_pose(*pose);
+    claims.holds_frame(sensor.frame_id, config.vehicle.base_frame, *sensor.pose, "sensors." + sensor.name,
+                       *pose);
+  } else if (sensor.frame_id == config.vehicle.base_frame) {
+    sensor.pose = Pose::Identity();
+  }
+}
+
+SensorConfig read_sensor(const std::string& name, Mapping& yaml, const Config& config, ConfigClaims& claims) {
+  SensorConfig sensor;
+  sensor.name = name;
+  sensor.frame_id = name;
+  const auto model = yaml.find("model");
+  const auto topic = yaml.find("topic");
+  if (model && topic)
+    topic->fail_at_key("is given beside model", "one of them: model (our driver) or topic (another driver)");
+  if (!model && !topic)
+    yaml.self().fail_at_key("has neither model nor topic", "model: a name from `lidard models`, or topic:");
+  if (const auto frame = yaml.find("frame_id")) sensor.frame_id = read_frame(*frame);
+  read_pose_of(yaml, sensor, config, claims);
+  const std::string owner = "sensors." + name;
+  if (model) {
+    sensor.model = read_model(*model);
+    read_device(yaml, sensor);
+    claims.publishes(name + (sensor.model->kind == FrameKind::cloud ? "/points" : "/scan"), owner,
+                     yaml.self());
+  } else {
+    sensor.topic = read_topic(*topic);
+    claims.listens(sensor.topic, owner, *topic);
+  }
+  yaml.finish([&](const std::string& key) { return refusal(key, sensor); });
+  return sensor;
+}
+
+/// Sensors are told apart by port and sender; refuses what cannot be.
+void check_distinct(const SensorConfig& sensor, const Mapping& yaml,
+                    const std::vector<SensorConfig>& earlier) {
+  if (sensor.model == nullptr) return;
+  for (const SensorConfig& other : earlier) {
+    if (other.model == nullptr || other.ip_port != sensor.ip_port || other.ip_address != sensor.ip_address)
+      continue;
+    const std::string port = std::to_string(sensor.ip_port);
+    if (sensor.ip_address)
+      yaml.where("ip_address")
+          .fail("and port " + port + " are those of sensors." + other.name + " too",
+                "another ip_address or ip_port for each sensor");
+    yaml.self().fail_at_key("and sensors." + other.name + " share port " + port +
+                                " without ip_address, so nothing tells them apart",
+                            "ip_address for at least one of them");
+  }
+}
+
+}  // namespace
+
+void read_sensors(Mapping& root, Config& config, ConfigClaims& claims) {
+  const std::string expected = "sensors: with at least one entry, each with model: or topic:";
+  const Value section = root.require("sensors", expected);
+  for (auto& [name, entry] : named_entries(section)) {
+    check_entry_name(name, entry);
+    Mapping yaml(entry, sensor_keys);
+    SensorConfig sensor = read_sensor(name, yaml, config, claims);
+    check_distinct(sensor, yaml, config.sensors);
+    config.sensors.push_back(std::move(sensor));
+  }
+  if (config.sensors.empty()) section.fail("is empty", expected);
+}
+
+}  // namespace lidard
