@@ -12,6 +12,9 @@ target_link_libraries(lidard-sim PRIVATE lidard_sim)
 function(lidard_tests folder)
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/${folder}/*_test.cpp
        ${CMAKE_CURRENT_SOURCE_DIR}/test/support/*.cpp)
+  if(NOT folder STREQUAL daemon)
+    list(FILTER sources EXCLUDE REGEX "/support/ros_")  # only the daemon knows ROS
+  endif()
   set(name test_${folder})
   add_executable(${name} ${sources})
   target_link_libraries(${name} PRIVATE lidard_sim ${ARGN} GTest::gtest GTest::gmock GTest::gtest_main)
