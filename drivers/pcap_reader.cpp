@@ -3,8 +3,13 @@
 #include "drivers/pcap_reader.h"
 
 #include <pcap/pcap.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstring>
+#include <new>
 
 #include "drivers/pcap_source.h"
 
@@ -52,6 +57,54 @@ class LibpcapReader : public CaptureReader {
   std::string error_;
 };
 
+/// A stream over somebody else's descriptor, with a position of its own.
+struct FileView {
+  int fd;
+  bool hide_snapshot_length;
+  off_t position = 0;
+
+  static ssize_t read(void* self, char* out, std::size_t size);
+  static int seek(void* self, off64_t* offset, int whence);
+  static int close(void* self) {
+    delete static_cast<FileView*>(self);
+    return 0;
+  }
+};
+
+ssize_t FileView::read(void* self, char* out, std::size_t size) {
+  auto& view = *static_cast<FileView*>(self);
+  const ssize_t got = ::pread(view.fd, out, size, view.position);
+  if (got < 0) return got;
+  // libpcap cuts records at the snapshot length of the file header, even where it lies and the bytes are
+  // there. Zero means no limit of the file's own (pcap-savefile(5): bytes 16 to 19).
+  for (off_t i = std::max<off_t>(16, view.position); view.hide_snapshot_length && i < 20; ++i) {
+    if (i < view.position + got) out[i - view.position] = 0;
+  }
+  view.position += got;
+  return got;
+}
+
+int FileView::seek(void* self, off64_t* offset, int whence) {
+  auto& view = *static_cast<FileView*>(self);
+  if (whence == SEEK_END) return -1;
+  const off64_t target = whence == SEEK_CUR ? view.position + *offset : *offset;
+  if (target < 0) return -1;
+  *offset = view.position = target;
+  return 0;
+}
+
+FileHandle open_stream(int fd, bool hide_snapshot_length) {
+  cookie_io_functions_t functions{};
+  functions.read = FileView::read;
+  functions.seek = FileView::seek;
+  functions.close = FileView::close;
+  auto view = std::make_unique<FileView>(FileView{fd, hide_snapshot_length});
+  FileHandle file(::fopencookie(view.get(), "rb", functions));
+  if (!file) throw std::bad_alloc();
+  static_cast<void>(view.release());  // close() deletes it
+  return file;
+}
+
 bool is_compressed(ByteView magic) {
   // RFC 1952; RFC 8878; xz-file-format 1.2.
   return magic.be16(0) == 0x1f8b || magic.le32(0) == 0xfd2fb528U || magic.be32(0) == 0xfd377a58U;
@@ -68,19 +121,19 @@ std::unique_ptr<CaptureReader> open_pcap(FileHandle file, const std::string& nam
   return std::make_unique<LibpcapReader>(std::move(pcap));
 }
 
-std::unique_ptr<CaptureReader> open_capture(FileHandle file, const std::string& name, std::uint64_t size) {
+std::unique_ptr<CaptureReader> open_capture(int fd, const std::string& name, std::uint64_t size) {
   std::array<std::uint8_t, 4> bytes{};
   const ByteView magic(bytes.data(), bytes.size());
   if (size == 0) throw CaptureError(name + ": the file is empty (0 bytes); record it again");
-  if (std::fread(bytes.data(), 1, bytes.size(), file.get()) != bytes.size()) {
-    throw CaptureError(name + ": too short to be a capture" + remedy);
-  }
-  std::rewind(file.get());
+  const ssize_t got = ::pread(fd, bytes.data(), bytes.size(), 0);
+  if (got < 0) throw CaptureError(name + ": cannot be read: " + std::strerror(errno) + "; check the disk");
+  if (got < 4) throw CaptureError(name + ": too short to be a capture" + remedy);
   if (is_compressed(magic))
     throw CaptureError(name + ": is compressed; unpack it first (gunzip, unzstd, unxz)");
   // Section Header Block, draft-ietf-opsawg-pcapng section 4.1.
-  return magic.be32(0) == 0x0a0d0d0aU ? open_pcapng(std::move(file), name, size)
-                                      : open_pcap(std::move(file), name);
+  const bool is_pcapng = magic.be32(0) == 0x0a0d0d0aU;
+  FileHandle file = open_stream(fd, !is_pcapng);
+  return is_pcapng ? open_pcapng(std::move(file), name, size) : open_pcap(std::move(file), name);
 }
 
 }  // namespace lidard

@@ -49,7 +49,8 @@ std::unique_ptr<CaptureReader> open_pcap(FileHandle file, const std::string& nam
 /// types. Throws CaptureError.
 std::unique_ptr<CaptureReader> open_pcapng(FileHandle file, const std::string& name, std::uint64_t size);
 
-/// Whichever of the two the file is; throws CaptureError where it is neither. `file` stands at its beginning.
-std::unique_ptr<CaptureReader> open_capture(FileHandle file, const std::string& name, std::uint64_t size);
+/// Whichever of the two the open file `fd` of `size` bytes is, from its beginning; throws CaptureError where
+/// it is neither. The descriptor must outlive the reader; its offset is neither used nor changed.
+std::unique_ptr<CaptureReader> open_capture(int fd, const std::string& name, std::uint64_t size);
 
 }  // namespace lidard

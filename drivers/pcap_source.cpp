@@ -39,7 +39,6 @@ class Descriptor {
 struct PcapSource::Impl {
   explicit Impl(const std::string& path);
 
-  void open();
   bool next(Packet& packet);
   bool take(const CaptureRecord& record, Packet& packet);
   bool take_fragment(IpPacket& ip, bool snapped, Packet& packet);
@@ -68,15 +67,7 @@ PcapSource::Impl::Impl(const std::string& path)
   if (!S_ISREG(status.st_mode))
     throw CaptureError(name + ": is not a regular file; save the capture to a file first");
   size = static_cast<std::uint64_t>(status.st_size);
-  open();
-}
-
-void PcapSource::Impl::open() {
-  reader.reset();  // first: closing a stream moves the offset that all copies of the descriptor share
-  const int copy = ::fcntl(file.get(), F_DUPFD_CLOEXEC, 0);
-  FileHandle handle(copy < 0 || ::lseek(copy, 0, SEEK_SET) != 0 ? nullptr : ::fdopen(copy, "rb"));
-  if (!handle) throw CaptureError(name + ": cannot be read: " + why_not());
-  reader = open_capture(std::move(handle), name, size);
+  reader = open_capture(file.get(), name, size);
 }
 
 bool PcapSource::Impl::next(Packet& packet) {
@@ -172,7 +163,7 @@ PcapSource& PcapSource::operator=(PcapSource&&) noexcept = default;
 bool PcapSource::next(Packet& packet) { return impl_->next(packet); }
 const std::string& PcapSource::error() const { return impl_->error; }
 const CaptureCounters& PcapSource::counters() const { return impl_->counters; }
-std::uint64_t PcapSource::position() const { return impl_->reader ? impl_->reader->position() : 0; }
+std::uint64_t PcapSource::position() const { return impl_->reader->position(); }
 std::uint64_t PcapSource::size() const { return impl_->size; }
 
 void PcapSource::rewind() {
@@ -180,8 +171,7 @@ void PcapSource::rewind() {
   impl_->counters.fragments_dropped = impl_->defragmenter.dropped();
   impl_->error.clear();
   impl_->records = 0;
-  impl_->ended = true;  // stays so if the file has become unreadable
-  impl_->open();
+  impl_->reader = open_capture(impl_->file.get(), impl_->name, impl_->size);
   impl_->ended = false;
 }
 

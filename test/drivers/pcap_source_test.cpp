@@ -87,6 +87,15 @@ TEST(PcapSource, UsesADatagramWhosePaddingAloneWasCutBySnapshotLength) {
   EXPECT_THAT(got.payloads, ElementsAre(text(payload)));
 }
 
+TEST(PcapSource, UsesRecordsLongerThanTheSnapshotLengthOfTheFileHeader) {
+  for (const bool big_endian : {false, true}) {
+    Bytes bytes = PcapBytes(1, big_endian).add(frame()).bytes;
+    const Bytes sixty_bytes = big_endian ? big(60, 4) : little(60, 4);
+    std::copy(sixty_bytes.begin(), sixty_bytes.end(), bytes.begin() + 16);
+    EXPECT_THAT(read_capture(bytes).payloads, ElementsAre(text(payload)));
+  }
+}
+
 TEST(PcapSource, CountsALinkTypeItDoesNotRead) {
   const Contents got = read_capture(PcapBytes(105).add(frame()).add(frame()).bytes);
   EXPECT_EQ(got.counters.unsupported_link, 2U);
