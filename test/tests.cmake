@@ -5,6 +5,8 @@ find_package(benchmark REQUIRED)
 include(GoogleTest)
 
 lidard_library(lidard_sim test/sim lidard_drivers PkgConfig::YAML CLI11::CLI11)
+# Fused multiply-add would make captures differ between processors.
+target_compile_options(lidard_sim PRIVATE -ffp-contract=off)
 add_executable(lidard-sim test/sim/main.cpp)
 target_link_libraries(lidard-sim PRIVATE lidard_sim)
 

@@ -1,3 +1,159 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-int main() { return 2; }
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "drivers/pcap_source.h"
+#include "test/sim/capture.h"
+#include "test/sim/scene_file.h"
+#include "test/sim/simulate.h"
+#include "test/sim/udp_sender.h"
+
+namespace {
+
+using namespace lidard;
+using namespace lidard::sim;
+
+struct Arguments {
+  std::string input;
+  std::string output;
+  std::string to;
+  std::string rate = "1";
+  std::vector<std::string> source_map;
+  double duration = 0;
+};
+
+IpAddress parse_address(const std::string& text) {
+  const auto address = IpAddress::parse(text);
+  if (!address) throw CLI::ValidationError("'" + text + "' is not an IP address; expected e.g. 127.0.0.1");
+  return *address;
+}
+
+Route parse_route(const Arguments& arguments) {
+  Route route;
+  if (!arguments.to.empty()) route.to = parse_address(arguments.to);
+  for (const std::string& entry : arguments.source_map) {
+    const std::size_t sign = entry.find('=');
+    if (sign == std::string::npos) {
+      throw CLI::ValidationError("'" + entry + "' has no '='; expected e.g. 192.168.0.21=127.0.0.21");
+    }
+    route.sources[parse_address(entry.substr(0, sign))] = parse_address(entry.substr(sign + 1));
+  }
+  return route;
+}
+
+double parse_rate(const std::string& text) {
+  if (text == "max") return 0;
+  char* end = nullptr;
+  const double rate = std::strtod(text.c_str(), &end);
+  if (*end != '\0' || !(rate > 0 && rate <= 1e6)) {
+    throw CLI::ValidationError("--rate '" + text + "'; expected a number above 0, or max");
+  }
+  return rate;
+}
+
+int report(const UdpSender& sender, const Pacer& pacer) {
+  int code = 0;
+  for (const auto& entry : sender.flows()) {
+    const UdpSender::Flow& flow = entry.second;
+    std::printf("%s: %llu packets, %llu bytes\n", flow.route.c_str(),
+                static_cast<unsigned long long>(flow.packets), static_cast<unsigned long long>(flow.bytes));
+    if (flow.failed == 0) continue;
+    code = 1;
+    std::fprintf(stderr, "lidard-sim: %llu packets of %s could not be sent: %s\n",
+                 static_cast<unsigned long long>(flow.failed), entry.first.first.to_string().c_str(),
+                 flow.error.c_str());
+  }
+  std::printf("latest packet: %.3f ms behind its time\n", pacer.worst_delay() * 1e3);
+  return code;
+}
+
+int make(const Arguments& arguments) {
+  const CaptureSummary summary = make_capture(load_scene(arguments.input), arguments.output);
+  std::printf("%s.pcap: %llu packets; %s.truth: %llu packets and scans\n", arguments.output.c_str(),
+              static_cast<unsigned long long>(summary.packets), arguments.output.c_str(),
+              static_cast<unsigned long long>(summary.measurements));
+  return 0;
+}
+
+int live(const Arguments& arguments) {
+  Scene scene = load_scene(arguments.input);
+  if (arguments.duration > 0) scene.duration = span_from_seconds(arguments.duration);
+  UdpSender sender(parse_route(arguments));
+  Pacer pacer(parse_rate(arguments.rate));
+  simulate(scene, [&](const SimPacket& packet) {
+    pacer.wait_until(packet.time);
+    sender.send(packet.from, packet.to, packet.payload);
+    return true;
+  });
+  return report(sender, pacer);
+}
+
+int send(const Arguments& arguments) {
+  PcapSource capture(arguments.input);
+  UdpSender sender(parse_route(arguments));
+  Pacer pacer(parse_rate(arguments.rate));
+  for (Packet packet; capture.next(packet);) {
+    pacer.wait_until(packet.arrival);
+    sender.send(packet.from, packet.to, packet.payload);
+  }
+  const int code = report(sender, pacer);
+  if (capture.error().empty()) return code;
+  std::fprintf(stderr, "lidard-sim: %s\n", capture.error().c_str());
+  return 1;
+}
+
+void add_route_options(CLI::App& command, Arguments& arguments) {
+  command.add_option("--to", arguments.to, "Send there, whatever the packet says; ports are kept")
+      ->type_name("ADDRESS");
+  command
+      .add_option(
+          "--source-map", arguments.source_map,
+          "Send the packets of ORIGINAL from the local address LOCAL. Towards 127.x.x.x a sender a.b.c.d "
+          "is 127.b.c.d by default")
+      ->type_name("ORIGINAL=LOCAL");
+  command.add_option("--rate", arguments.rate, "Times the pace of the recording, or max (default 1)")
+      ->type_name("R|max");
+}
+
+int run(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app("Virtual vehicle: what lidars would send while driving through a scene", "lidard-sim");
+  app.require_subcommand(1);
+  CLI::App* make_command = app.add_subcommand("make", "Writes a scene's packets and the truth beside them");
+  make_command->add_option("SCENE", arguments.input, "Scene file (see pcaps/README.md)")->required();
+  make_command
+      ->add_option("-o,--output", arguments.output, "Writes PREFIX.pcap, PREFIX.truth and PREFIX.digest")
+      ->type_name("PREFIX")
+      ->required();
+  CLI::App* live_command = app.add_subcommand("live", "Sends a scene's packets over UDP when they are due");
+  live_command->add_option("SCENE", arguments.input, "Scene file (see pcaps/README.md)")->required();
+  live_command->add_option("--duration", arguments.duration, "Stop after that time (default: the scene's)")
+      ->type_name("S")
+      ->check(CLI::PositiveNumber);
+  add_route_options(*live_command, arguments);
+  CLI::App* send_command =
+      app.add_subcommand("send", "Sends the UDP datagrams of a capture at their own pace");
+  send_command->add_option("CAPTURE", arguments.input, "pcap or pcapng file")->required();
+  add_route_options(*send_command, arguments);
+  try {
+    app.parse(argc, argv);
+    if (make_command->parsed()) return make(arguments);
+    return live_command->parsed() ? live(arguments) : send(arguments);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "lidard-sim: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,3 +1,0 @@
-// SPDX-FileCopyrightText: 2026 the lidard authors
-// SPDX-License-Identifier: BSD-3-Clause
-namespace lidard::sim {}
