@@ -76,7 +76,7 @@ struct RosLink::Impl {
   FrameQueue queue;
   RosPublishers publishers;
   RosDiagnostics diagnostics;
-  std::vector<RosClient*> clients;
+  std::vector<std::shared_ptr<RosClient>> clients;
 
   std::atomic<bool> stopping{false};
   std::atomic<bool> master_present{false};
@@ -180,7 +180,7 @@ void RosLink::Impl::master_answered(MasterClient& master, int pid) {
     registered = register_again(master, publishers.types());
     if (registered) spdlog::warn("ROS master at {} came back; all topics are registered again", master_uri);
   }
-  for (auto* client : clients) {
+  for (const auto& client : clients) {
     if (!stopping && running) client->poll(master);
   }
 }
@@ -200,13 +200,13 @@ void RosLink::Impl::start_ros() {
   ros::start();
   publishers.advertise();
   diagnostics.start();
-  for (auto* client : clients) client->connected();
+  for (const auto& client : clients) client->connected();
   running = true;
   registered = true;
 }
 
 void RosLink::Impl::end_ros(bool leave) {
-  for (auto* client : clients) client->disconnected(leave);
+  for (const auto& client : clients) client->disconnected(leave);
   diagnostics.drop(leave);
   publishers.drop(leave);
   running = false;
@@ -229,7 +229,7 @@ void RosLink::Impl::restart_after_foreign_stop() {
 void RosLink::Impl::publish_diagnostics() {
   next_diagnostics = Clock::now() + std::chrono::seconds(1);
   std::vector<DiagnosticItem> more{own_status()};
-  for (auto* client : clients) {
+  for (const auto& client : clients) {
     for (auto& item : client->diagnostics()) more.push_back(std::move(item));
   }
   diagnostics.publish(more);
@@ -264,7 +264,7 @@ void RosLink::Impl::shut_down(MasterClient& master) {
 RosLink::RosLink(RosOptions options) : impl_(std::make_shared<Impl>(std::move(options))) {}
 RosLink::~RosLink() { stop(); }
 
-void RosLink::add_client(RosClient& client) { impl_->clients.push_back(&client); }
+void RosLink::add_client(std::shared_ptr<RosClient> client) { impl_->clients.push_back(std::move(client)); }
 
 void RosLink::start() {
   impl_->ros_thread = std::thread([impl = impl_] { impl->run_ros(); });

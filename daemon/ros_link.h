@@ -63,8 +63,8 @@ class RosLink : public FrameSink {
   explicit RosLink(RosOptions options);
   ~RosLink() override;
 
-  /// To be called before start(); `client` must outlive stop().
-  void add_client(RosClient& client);
+  /// To be called before start(). Shared, since a master thread that hangs at the end may outlive its owner.
+  void add_client(std::shared_ptr<RosClient> client);
   void start();
 
   void scan(const std::string& topic, const PlanarScan& scan, Stamp released) override;

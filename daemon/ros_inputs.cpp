@@ -1,0 +1,210 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/ros_inputs.h"
+
+#include <ros/callback_queue.h>
+#include <ros/names.h>
+#include <ros/node_handle.h>
+#include <ros/spinner.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "daemon/ros_convert.h"
+#include "daemon/ros_master.h"
+
+namespace lidard {
+namespace {
+
+/// Messages of one source that may wait for the sensor thread.
+constexpr int most_pending = 4;
+
+Stamp now() {
+  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
+  return {std::chrono::duration_cast<Span>(since_epoch).count()};
+}
+
+const char* read(const sensor_msgs::LaserScan& message, PlanarScan& scan, std::size_t&) {
+  return from_ros(message, scan);
+}
+
+const char* read(const sensor_msgs::PointCloud2& message, Cloud& cloud, std::size_t& dropped) {
+  const auto reading = from_ros(message, cloud);
+  dropped = reading.dropped;
+  return reading.error;
+}
+
+}  // namespace
+
+struct RosInputs::Source {
+  mutable std::mutex mutex;
+  TopicReport report;
+  int pending = 0;
+  bool subscribed = false;  // belongs to the master thread
+
+  /// Counts a message; false if the sensor thread is too far behind to take it.
+  bool accept() {
+    const std::lock_guard lock(mutex);
+    ++report.messages;
+    if (pending < most_pending) return true;
+    ++report.dropped;
+    return false;
+  }
+  /// True if the type is new.
+  bool notice_type(const std::string& type) {
+    const std::lock_guard lock(mutex);
+    if (report.type == type) return false;
+    report.type = type;
+    return true;
+  }
+  void forget_type() {
+    const std::lock_guard lock(mutex);
+    report.type.clear();
+  }
+  void reject(const char* reason) {
+    const std::lock_guard lock(mutex);
+    ++report.rejected;
+    if (report.last_reason == reason) return;
+    report.last_reason = reason;
+    spdlog::warn("messages of {} are not used: {}", report.topic, reason);
+  }
+  void hand_on(std::size_t dropped_points) {
+    const std::lock_guard lock(mutex);
+    report.points_dropped += dropped_points;
+    ++pending;
+  }
+  void taken() {
+    const std::lock_guard lock(mutex);
+    --pending;
+  }
+};
+
+/// What needs ROS: created when it runs, gone before it ends.
+struct RosInputs::Reception {
+  ros::CallbackQueue queue;
+  ros::NodeHandle node;
+  ros::AsyncSpinner spinner{1, &queue};
+  std::vector<ros::Subscriber> subscribers;
+
+  Reception() {
+    node.setCallbackQueue(&queue);
+    spinner.start();
+  }
+};
+
+namespace {
+
+/// Converts a message and posts it to the sensor thread.
+template <typename Frame, typename Message, typename Source, typename Handler>
+void receive(const std::shared_ptr<Source>& source, const RosInputs::Post& post, const Handler& handler,
+             const Message& message) {
+  const Stamp received = now();
+  if (!source->accept()) return;
+  auto frame = std::make_shared<Frame>();
+  std::size_t dropped_points = 0;
+  if (const char* reason = read(message, *frame, dropped_points)) {
+    source->reject(reason);
+    return;
+  }
+  source->hand_on(dropped_points);
+  post([source, handler, frame, received] {
+    handler(source->report.sensor, *frame, received);
+    source->taken();
+  });
+}
+
+}  // namespace
+
+RosInputs::RosInputs(const std::vector<TopicSource>& sources, Post post, TopicHandlers handlers)
+    : post_(std::move(post)), handlers_(std::move(handlers)) {
+  for (const auto& source : sources) {
+    sources_.push_back(std::make_shared<Source>());
+    sources_.back()->report.sensor = source.sensor;
+    sources_.back()->report.topic = source.topic;
+  }
+}
+
+RosInputs::~RosInputs() = default;
+
+void RosInputs::connected() {
+  if (!sources_.empty()) reception_ = std::make_unique<Reception>();
+}
+
+void RosInputs::disconnected(bool leave) {
+  static auto* const left = new std::vector<std::unique_ptr<Reception>>;
+  if (leave && reception_) {
+    reception_->spinner.stop();
+    left->push_back(std::move(reception_));
+  }
+  reception_.reset();
+  for (auto& source : sources_) {
+    source->subscribed = false;
+    source->forget_type();
+  }
+}
+
+template <typename Message, typename Frame>
+void RosInputs::subscribe_as(const std::shared_ptr<Source>& source,
+                             const std::function<void(const std::string&, Frame&, Stamp)>& handler) {
+  const boost::function<void(const boost::shared_ptr<const Message>&)> callback =
+      [source, post = post_, handler](const auto& message) {
+        receive<Frame>(source, post, handler, *message);
+      };
+  reception_->subscribers.push_back(reception_->node.subscribe<Message>(source->report.topic, 10, callback));
+  source->subscribed = true;
+}
+
+void RosInputs::subscribe(const std::shared_ptr<Source>& source, const std::string& type) {
+  if (type == ros::message_traits::datatype<sensor_msgs::LaserScan>()) {
+    subscribe_as<sensor_msgs::LaserScan>(source, handlers_.scan);
+  } else if (type == ros::message_traits::datatype<sensor_msgs::PointCloud2>()) {
+    subscribe_as<sensor_msgs::PointCloud2>(source, handlers_.cloud);
+  } else {
+    spdlog::error("topic {} carries {}; expected sensor_msgs/LaserScan or sensor_msgs/PointCloud2",
+                  source->report.topic, type);
+  }
+}
+
+void RosInputs::poll(MasterClient& master) {
+  const bool all = std::all_of(sources_.begin(), sources_.end(), [](const auto& s) { return s->subscribed; });
+  if (all || !reception_) return;
+  const auto types = master.topic_types();
+  for (auto& source : sources_) {
+    const auto found = types.find(reception_->node.resolveName(source->report.topic));
+    // "*" is what a subscriber alone leaves there; a type that was seen before was dealt with.
+    if (source->subscribed || found == types.end() || found->second == "*") continue;
+    if (source->notice_type(found->second)) subscribe(source, found->second);
+  }
+}
+
+std::vector<TopicReport> RosInputs::report() const {
+  std::vector<TopicReport> all;
+  for (const auto& source : sources_) {
+    const std::lock_guard lock(source->mutex);
+    all.push_back(source->report);
+  }
+  return all;
+}
+
+std::vector<DiagnosticItem> RosInputs::diagnostics() {
+  std::vector<DiagnosticItem> items;
+  for (const auto& r : report()) {
+    DiagnosticItem item;
+    item.name = r.sensor + " input";
+    item.health = r.messages == 0 || r.rejected > 0 ? Health::warn : Health::ok;
+    item.message = r.messages == 0 ? "nobody publishes " + r.topic + "; start its driver"
+                                   : (r.rejected > 0 ? "unusable messages: " + r.last_reason : "receiving");
+    item.values = {{"Topic", r.topic},
+                   {"Type", r.type},
+                   {"Messages", std::to_string(r.messages)},
+                   {"Rejected", std::to_string(r.rejected)},
+                   {"Dropped", std::to_string(r.dropped)},
+                   {"Points not finite", std::to_string(r.points_dropped)}};
+    items.push_back(std::move(item));
+  }
+  return items;
+}
+
+}  // namespace lidard

@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "daemon/ros_link.h"
+
+namespace lidard {
+
+/// A sensor whose data another node publishes: its name in the configuration and the topic.
+struct TopicSource {
+  std::string sensor;
+  std::string topic;
+};
+
+/// Where the messages of topic sources go; called in the sensor thread. `received` is the host's time of
+/// arrival.
+struct TopicHandlers {
+  std::function<void(const std::string& sensor, PlanarScan& scan, Stamp received)> scan;
+  std::function<void(const std::string& sensor, Cloud& cloud, Stamp received)> cloud;
+};
+
+/// What happened to one topic source since the start.
+struct TopicReport {
+  std::string sensor;
+  std::string topic;
+  std::string type;                  ///< ROS type; empty while nobody publishes
+  std::uint64_t messages = 0;        ///< received, good or bad
+  std::uint64_t rejected = 0;        ///< unusable messages
+  std::uint64_t dropped = 0;         ///< messages dropped because the sensor thread was behind
+  std::uint64_t points_dropped = 0;  ///< points whose coordinates are not finite
+  std::string last_reason;           ///< why the last unusable one was not used
+};
+
+/// Subscribes LaserScan and PointCloud2 topics of other nodes. The type comes from the master, asked in the
+/// master thread; one thread of its own converts and hands the result to the sensor thread.
+class RosInputs : public RosClient {
+ public:
+  /// Runs a function in the sensor thread.
+  using Post = std::function<void(std::function<void()>)>;
+
+  RosInputs(const std::vector<TopicSource>& sources, Post post, TopicHandlers handlers);
+  ~RosInputs() override;
+
+  void connected() override;
+  void disconnected(bool leave) override;
+  void poll(MasterClient& master) override;
+  std::vector<DiagnosticItem> diagnostics() override;
+  std::vector<TopicReport> report() const;
+
+ private:
+  struct Source;
+  struct Reception;
+  void subscribe(const std::shared_ptr<Source>& source, const std::string& type);
+  template <typename Message, typename Frame>
+  void subscribe_as(const std::shared_ptr<Source>& source,
+                    const std::function<void(const std::string&, Frame&, Stamp)>& handler);
+
+  Post post_;
+  TopicHandlers handlers_;
+  std::vector<std::shared_ptr<Source>> sources_;
+  std::unique_ptr<Reception> reception_;
+};
+
+}  // namespace lidard
