@@ -21,6 +21,9 @@ struct SensorReport {
   Stamp last_arrival;
 };
 
+/// Every topic that a pipeline of this configuration may publish on.
+std::vector<TopicInfo> pipeline_topics(const Config& config);
+
 /// Packets and messages in; frames, merged and virtual scans out. The same object serves live input and
 /// replay; it has no thread and no clock: time is what the arrivals and tick() say.
 class Pipeline {
@@ -29,8 +32,6 @@ class Pipeline {
   Pipeline(const Config& config, PoseLookup& poses, FrameSink& sink);
   ~Pipeline();
 
-  /// Every topic the pipeline may publish on.
-  const std::vector<TopicInfo>& topics() const;
   /// The configured transforms, for /tf_static.
   std::vector<StaticTransform> static_transforms() const;
 
@@ -52,6 +53,7 @@ class Pipeline {
   std::vector<DiagnosticItem> diagnostics(Stamp now) const;
 
  private:
+  friend struct SensorLine;
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -41,7 +41,7 @@ struct DiagnosticItem {
 };
 
 /// Takes what the pipeline finished: ROS, a bag, a file, a test. Called from the sensor thread; must not
-/// block. Topic kinds are known beforehand from Pipeline::topics().
+/// block. Topic kinds are known beforehand from pipeline_topics().
 class FrameSink {
  public:
   virtual ~FrameSink() = default;

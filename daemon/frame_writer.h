@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "core/cloud.h"
+#include "core/scan.h"
+
+namespace lidard {
+
+/// What the column stamp_ns holds.
+enum class StampColumn : std::uint8_t {
+  host,   ///< since the Unix epoch
+  device  ///< since the packet's own stamp (clouds), since the first ray (planar scans)
+};
+
+/// Writes decoded frames to a file. Formats are those of `lidard decode --format`.
+class FrameWriter {
+ public:
+  virtual ~FrameWriter() = default;
+  /// Clouds need Cloud::origins.
+  virtual void cloud(std::uint64_t frame, const Cloud& cloud) = 0;
+  virtual void scan(std::uint64_t frame, const PlanarScan& scan) = 0;
+  /// Completes the file; throws std::runtime_error if it could not be written whole.
+  virtual void finish() = 0;
+};
+
+/// `path` "-" is standard output. Throws std::runtime_error naming the path if it cannot be opened.
+std::unique_ptr<FrameWriter> make_csv_writer(const std::string& path, StampColumn stamps);
+std::unique_ptr<FrameWriter> make_json_writer(const std::string& path, StampColumn stamps);
+/// One PCD file (binary_compressed, fields x y z intensity ring time) with the points of all frames.
+std::unique_ptr<FrameWriter> make_pcd_writer(const std::string& path);
+
+}  // namespace lidard

@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/merged_capture.h"
+
+namespace lidard {
+
+MergedCapture::MergedCapture(const std::vector<std::string>& paths) {
+  files_.reserve(paths.size());
+  for (const auto& path : paths) files_.push_back({PcapSource(path), {}, false});
+  for (File& file : files_) fill(file);
+}
+
+bool MergedCapture::next(Packet& packet) {
+  if (given_ != nullptr) fill(*given_);
+  given_ = nullptr;
+  for (File& file : files_) {
+    if (file.ready && (given_ == nullptr || file.packet.arrival < given_->packet.arrival)) given_ = &file;
+  }
+  if (given_ == nullptr) return false;
+  packet = given_->packet;
+  return true;
+}
+
+void MergedCapture::rewind() {
+  given_ = nullptr;
+  for (File& file : files_) {
+    file.source.rewind();
+    fill(file);
+  }
+}
+
+std::vector<std::string> MergedCapture::errors() const {
+  std::vector<std::string> all;
+  for (const File& file : files_) {
+    if (!file.source.error().empty()) all.push_back(file.source.error());
+  }
+  return all;
+}
+
+CaptureCounters MergedCapture::counters() const {
+  CaptureCounters sum;
+  for (const File& file : files_) {
+    const CaptureCounters& c = file.source.counters();
+    sum.frames += c.frames;
+    sum.datagrams += c.datagrams;
+    sum.not_ip += c.not_ip;
+    sum.not_udp += c.not_udp;
+    sum.truncated += c.truncated;
+    sum.malformed += c.malformed;
+    sum.unsupported_link += c.unsupported_link;
+    sum.fragments += c.fragments;
+    sum.reassembled += c.reassembled;
+    sum.fragments_dropped += c.fragments_dropped;
+  }
+  return sum;
+}
+
+double MergedCapture::progress() const {
+  double read = 0;
+  double all = 0;
+  for (const File& file : files_) {
+    read += static_cast<double>(file.source.position());
+    all += static_cast<double>(file.source.size());
+  }
+  return all > 0 ? read / all : 1;
+}
+
+}  // namespace lidard

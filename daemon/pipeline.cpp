@@ -1,0 +1,258 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/pipeline.h"
+
+#include <map>
+
+#include "daemon/outputs.h"
+#include "daemon/sensor_health.h"
+
+namespace lidard {
+namespace {
+
+/// So many unknown senders are remembered by name; a flood of forged ones must not grow memory.
+constexpr std::size_t max_strangers = 32;
+constexpr Span diagnostics_period = std::chrono::seconds(1);
+
+TopicInfo sensor_topic(const SensorConfig& config) {
+  const bool cloud = config.model != nullptr && config.model->kind == FrameKind::cloud;
+  return {config.name + (cloud ? "/points" : "/scan"), cloud ? TopicKind::cloud : TopicKind::scan};
+}
+
+}  // namespace
+
+/// One sensor: its driver, and where its frames go.
+struct SensorLine final : public DriverOutput {
+  SensorLine(const SensorConfig& sensor, Pipeline::Impl& pipeline) : config(sensor), owner(pipeline) {
+    if (config.model != nullptr) driver = config.model->make(config.driver);
+    topic = sensor_topic(config).name;
+  }
+  bool owns_port(std::uint16_t port) const {
+    if (config.model == nullptr) return false;
+    return port == config.ip_port ||
+           (config.model->telemetry_port != 0 && port == config.model->telemetry_port);
+  }
+  void scan(PlanarScan& scan) override;
+  void cloud(Cloud& cloud) override;
+
+  SensorConfig config;
+  Pipeline::Impl& owner;
+  std::unique_ptr<Driver> driver;
+  std::string topic;
+  bool seen = false;
+  Stamp last_arrival{};
+  Counters topic_counters;  // of a `topic:` source
+};
+
+struct Pipeline::Impl {
+  Impl(const Config& configuration, PoseLookup& lookup, FrameSink& frame_sink)
+      : poses(configuration, lookup), sink(frame_sink) {
+    for (const auto& sensor : configuration.sensors) {
+      lines.push_back(std::make_unique<SensorLine>(sensor, *this));
+    }
+    for (const auto& entry : configuration.merged_scans) {
+      merged.push_back(std::make_unique<MergedOutput>(entry, poses));
+    }
+    for (const auto& entry : configuration.virtual_scans) {
+      virtuals.push_back(std::make_unique<VirtualOutput>(entry, poses));
+    }
+  }
+
+  SensorLine* find_line(const Packet& packet);
+  SensorLine& line_named(const std::string& name);
+  void scan_from(const SensorLine& line, const PlanarScan& scan);
+  void cloud_from(const SensorLine& line, const Cloud& cloud);
+  void note_stranger(const Packet& packet);
+
+  PoseBook poses;
+  FrameSink& sink;
+  std::vector<std::unique_ptr<SensorLine>> lines;
+  std::vector<std::unique_ptr<MergedOutput>> merged;
+  std::vector<std::unique_ptr<VirtualOutput>> virtuals;
+  std::map<Endpoint, std::uint64_t> strangers;  // sender's address, destination port
+  std::uint64_t strangers_not_named = 0;
+  Stamp now{};
+  Stamp last_diagnostics{};
+};
+
+void SensorLine::scan(PlanarScan& scan) {
+  owner.sink.scan(topic, scan, owner.now);
+  owner.scan_from(*this, scan);
+}
+
+void SensorLine::cloud(Cloud& cloud) {
+  owner.cloud_from(*this, cloud);
+  owner.sink.cloud(topic, cloud, owner.now);
+}
+
+std::vector<TopicInfo> pipeline_topics(const Config& config) {
+  std::vector<TopicInfo> topics;
+  for (const auto& sensor : config.sensors) {
+    if (sensor.model != nullptr) topics.push_back(sensor_topic(sensor));
+  }
+  for (const auto& merged : config.merged_scans) {
+    topics.push_back({merged.scan_destination_topic, TopicKind::scan});
+    if (!merged.cloud_destination_topic.empty())
+      topics.push_back({merged.cloud_destination_topic, TopicKind::cloud});
+  }
+  for (const auto& group : config.virtual_scans) {
+    if (!group.output_laser_topic.empty()) {
+      topics.push_back({group.output_laser_topic, TopicKind::scan});
+      continue;
+    }
+    for (const auto& frame : group.virtual_laser_scan) topics.push_back({frame, TopicKind::scan});
+  }
+  return topics;
+}
+
+SensorLine* Pipeline::Impl::find_line(const Packet& packet) {
+  SensorLine* anybody = nullptr;
+  for (const auto& line : lines) {
+    if (!line->owns_port(packet.to.port)) continue;
+    if (!line->config.ip_address) {
+      anybody = line.get();
+    } else if (*line->config.ip_address == packet.from.address) {
+      return line.get();
+    }
+  }
+  return anybody;
+}
+
+SensorLine& Pipeline::Impl::line_named(const std::string& name) {
+  for (const auto& line : lines) {
+    if (line->config.name == name) return *line;
+  }
+  throw std::logic_error("no sensor named " + name);
+}
+
+void Pipeline::Impl::scan_from(const SensorLine& line, const PlanarScan& scan) {
+  for (const auto& output : merged) {
+    const int source = output->source_index(line.config.name);
+    if (source >= 0) output->add(static_cast<std::size_t>(source), scan, now, sink);
+  }
+}
+
+void Pipeline::Impl::cloud_from(const SensorLine& line, const Cloud& cloud) {
+  for (const auto& output : virtuals) {
+    if (output->cloud_sensor() == line.config.name) output->add(cloud, now, sink);
+  }
+}
+
+void Pipeline::Impl::note_stranger(const Packet& packet) {
+  const Endpoint key{packet.from.address, packet.to.port};
+  const auto entry = strangers.find(key);
+  if (entry != strangers.end()) {
+    ++entry->second;
+  } else if (strangers.size() < max_strangers) {
+    strangers.emplace(key, 1);
+  } else {
+    ++strangers_not_named;
+  }
+}
+
+Pipeline::Pipeline(const Config& config, PoseLookup& poses, FrameSink& sink)
+    : impl_(std::make_unique<Impl>(config, poses, sink)) {}
+Pipeline::~Pipeline() = default;
+
+std::vector<StaticTransform> Pipeline::static_transforms() const { return impl_->poses.transforms(); }
+
+void Pipeline::packet(const Packet& packet) {
+  impl_->now = packet.arrival;
+  SensorLine* line = impl_->find_line(packet);
+  if (line == nullptr) {
+    impl_->note_stranger(packet);
+    return;
+  }
+  line->seen = true;
+  line->last_arrival = packet.arrival;
+  line->driver->receive(packet, *line);
+}
+
+void Pipeline::scan_message(const std::string& sensor, PlanarScan& scan, Stamp received) {
+  impl_->now = received;
+  SensorLine& line = impl_->line_named(sensor);
+  line.seen = true;
+  line.last_arrival = received;
+  ++line.topic_counters.packets;
+  if (violation(scan) != nullptr) {
+    line.topic_counters.reject(Reject::field);
+    return;
+  }
+  ++line.topic_counters.frames;
+  impl_->scan_from(line, scan);
+}
+
+void Pipeline::cloud_message(const std::string& sensor, Cloud& cloud, Stamp received) {
+  impl_->now = received;
+  SensorLine& line = impl_->line_named(sensor);
+  line.seen = true;
+  line.last_arrival = received;
+  ++line.topic_counters.packets;
+  ++line.topic_counters.frames;
+  impl_->cloud_from(line, cloud);
+}
+
+void Pipeline::tick(Stamp now) {
+  impl_->now = now;
+  for (const auto& line : impl_->lines) {
+    if (line->driver) line->driver->tick(now, *line);
+  }
+  const Span since = now - impl_->last_diagnostics;
+  if (since >= Span(0) && since < diagnostics_period) return;
+  impl_->last_diagnostics = now;
+  impl_->sink.diagnostics(diagnostics(now), now);
+}
+
+void Pipeline::finish(Stamp now) {
+  impl_->now = now;
+  for (const auto& line : impl_->lines) {
+    if (line->driver) line->driver->finish(*line);
+  }
+}
+
+void Pipeline::restart() {
+  for (const auto& line : impl_->lines) {
+    if (line->driver) line->driver->restart();
+  }
+  for (const auto& output : impl_->merged) output->restart();
+}
+
+std::vector<SensorReport> Pipeline::report() const {
+  std::vector<SensorReport> reports;
+  for (const auto& line : impl_->lines) {
+    SensorReport report;
+    report.name = line->config.name;
+    report.model = line->driver ? std::string(line->config.model->name) : "topic";
+    report.counters = line->driver ? line->driver->counters() : line->topic_counters;
+    if (line->driver) report.info = line->driver->info();
+    report.seen = line->seen;
+    report.last_arrival = line->last_arrival;
+    reports.push_back(std::move(report));
+  }
+  return reports;
+}
+
+std::vector<std::string> Pipeline::unclaimed_senders() const {
+  std::vector<std::string> senders;
+  for (const auto& [key, count] : impl_->strangers) {
+    senders.push_back(key.address.to_string() + " -> port " + std::to_string(key.port) + " (" +
+                      std::to_string(count) + " packets)");
+  }
+  if (impl_->strangers_not_named > 0) {
+    senders.push_back("further senders (" + std::to_string(impl_->strangers_not_named) + " packets)");
+  }
+  return senders;
+}
+
+std::vector<DiagnosticItem> Pipeline::diagnostics(Stamp now) const {
+  std::vector<DiagnosticItem> items;
+  const auto reports = report();
+  for (std::size_t i = 0; i < reports.size(); ++i) {
+    items.push_back(sensor_health(impl_->lines[i]->config, reports[i], unclaimed_senders(), now));
+  }
+  for (const auto& output : impl_->merged) items.push_back(output->diagnostics(now));
+  for (const auto& output : impl_->virtuals) items.push_back(output->diagnostics(now));
+  return items;
+}
+
+}  // namespace lidard

@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/config.h"
+#include "daemon/sink.h"
+
+namespace lidard {
+
+/// Where frames are: configured poses first, so that a vehicle without a tf tree works and replay is
+/// deterministic; what the configuration does not hold comes from the lookup (tf).
+class PoseBook {
+ public:
+  PoseBook(const Config& config, PoseLookup& lookup);
+
+  /// Pose of `child` in `parent` at `stamp`; false and the reason when it is not known.
+  bool find(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
+            std::string& why_not) const;
+  /// What the configuration holds, for /tf_static.
+  const std::vector<StaticTransform>& transforms() const { return transforms_; }
+
+ private:
+  bool in_base(const std::string& frame, Stamp stamp, Pose& pose, std::string& why_not) const;
+  void add(const std::string& parent, const std::string& child, const Pose& pose);
+
+  std::string base_;
+  PoseLookup& lookup_;
+  std::map<std::string, std::pair<std::string, Pose>> known_;  // child: parent and pose in it
+  std::vector<StaticTransform> transforms_;
+};
+
+}  // namespace lidard

@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/report.h"
+
+#include <algorithm>
+#include <array>
+#include <iomanip>
+#include <ostream>
+
+namespace lidard {
+namespace {
+
+class Line {
+ public:
+  explicit Line(std::ostream& out) : out_(out) {}
+  Line& add(const char* name, std::uint64_t n) {
+    if (n != 0) out_ << (empty_ ? "  " : ", ") << name << ' ' << n, empty_ = false;
+    return *this;
+  }
+  void end() {
+    if (!empty_) out_ << '\n';
+  }
+
+ private:
+  std::ostream& out_;
+  bool empty_ = true;
+};
+
+}  // namespace
+
+std::string rejected_text(const Counters& counters) {
+  std::string reasons;
+  for (std::size_t i = 1; i < reject_reasons; ++i) {
+    if (counters.rejected[i] == 0) continue;
+    reasons += std::string(reasons.empty() ? " (" : ", ") + to_string(static_cast<Reject>(i)) + " " +
+               std::to_string(counters.rejected[i]);
+  }
+  return std::to_string(counters.rejected_total()) + (reasons.empty() ? "" : reasons + ")");
+}
+
+void print_counters(const Counters& c, std::ostream& out) {
+  out << "  packets " << c.packets << ", rejected " << rejected_text(c) << ", lost " << c.lost_packets
+      << '\n';
+  Line(out)
+      .add("other packets", c.other_packets)
+      .add("incomplete", c.incomplete)
+      .add("reordered", c.reordered)
+      .add("clock steps", c.clock_steps)
+      .add("partial frames dropped", c.partial_frames)
+      .add("packets with a wrong product byte", c.lying_packets)
+      .end();
+}
+
+void print_capture_counters(const CaptureCounters& c, std::uint64_t other_datagrams, std::ostream& out) {
+  Line(out)
+      .add("capture: datagrams of other senders or ports", other_datagrams)
+      .add("not IP", c.not_ip)
+      .add("not UDP", c.not_udp)
+      .add("cut by snapshot length", c.truncated)
+      .add("malformed", c.malformed)
+      .add("unsupported link layer", c.unsupported_link)
+      .add("fragments dropped", c.fragments_dropped)
+      .end();
+}
+
+void print_table(const std::vector<SensorReport>& sensors, std::ostream& out) {
+  std::size_t name_width = 6;
+  std::size_t model_width = 5;
+  for (const auto& s : sensors) {
+    name_width = std::max(name_width, s.name.size());
+    model_width = std::max(model_width, s.model.size());
+  }
+  const auto text = [&](const std::string& t, std::size_t w) {
+    out << std::left << std::setw(static_cast<int>(w) + 2) << t;
+  };
+  const auto number = [&](const std::string& t) { out << std::right << std::setw(10) << t; };
+  text("sensor", name_width);
+  text("model", model_width);
+  for (const char* head : {"packets", "frames", "partial", "lost"}) number(head);
+  out << "  rejected\n";
+  for (const auto& s : sensors) {
+    const Counters& c = s.counters;
+    text(s.name, name_width);
+    text(s.model, model_width);
+    for (const auto n : {c.packets, c.frames, c.partial_frames, c.lost_packets + c.incomplete})
+      number(std::to_string(n));
+    out << "  " << rejected_text(c) << '\n';
+  }
+}
+
+}  // namespace lidard

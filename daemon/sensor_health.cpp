@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/sensor_health.h"
+
+#include "daemon/report.h"
+
+namespace lidard {
+namespace {
+
+constexpr double silent_warning_s = 1;
+constexpr double silent_error_s = 3;
+
+std::string where(const SensorConfig& config) {
+  if (config.model == nullptr) return "topic " + config.topic;
+  return (config.ip_address ? config.ip_address->to_string() : "any sender") + " to port " +
+         std::to_string(config.ip_port);
+}
+
+std::string why_nothing(const SensorConfig& config, const std::vector<std::string>& unclaimed_senders) {
+  if (config.model == nullptr) return "; is its driver running?";
+  const std::string port = "port " + std::to_string(config.ip_port) + " ";
+  for (const auto& sender : unclaimed_senders) {
+    if (sender.find(port) != std::string::npos)
+      return "; but there are packets from " + sender + ": correct ip_address?";
+  }
+  return "; check the sensor's power, its destination address and port, and the firewall";
+}
+
+void judge(const SensorConfig& config, const SensorReport& report,
+           const std::vector<std::string>& unclaimed_senders, Stamp now, DiagnosticItem& item) {
+  const double age = seconds(now - report.last_arrival);
+  const Counters& c = report.counters;
+  if (!report.seen) {
+    item.health = Health::error;
+    item.message = "nothing received from " + where(config) + why_nothing(config, unclaimed_senders);
+  } else if (age > silent_warning_s) {
+    item.health = age > silent_error_s ? Health::error : Health::warn;
+    item.message = "silent: nothing received from " + where(config) + why_nothing(config, unclaimed_senders);
+  } else if (c.packets > 0 && c.rejected_total() == c.packets) {
+    item.health = Health::error;
+    item.message = "no packet could be used: rejected " + rejected_text(c) + "; is it the configured model?";
+  } else if (!report.info.warnings.empty()) {
+    item.health = Health::warn;
+    item.message = report.info.warnings.back();
+  } else {
+    item.message = "receiving";
+  }
+}
+
+}  // namespace
+
+DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& report,
+                             const std::vector<std::string>& unclaimed_senders, Stamp now) {
+  DiagnosticItem item;
+  item.name = "sensor " + report.name;
+  item.hardware_id = report.info.serial.empty() ? report.name : report.info.serial;
+  judge(config, report, unclaimed_senders, now, item);
+  const auto value = [&item](const char* key, std::string text) {
+    item.values.emplace_back(key, std::move(text));
+  };
+  if (config.ip_address) value("IP Address", config.ip_address->to_string());
+  if (config.model != nullptr) value("IP Port", std::to_string(config.ip_port));
+  for (const auto& [key, text] : report.info.details) item.values.emplace_back(key, text);
+  const Counters& c = report.counters;
+  value("Packets", std::to_string(c.packets));
+  value("Other packets", std::to_string(c.other_packets));
+  value("Frames", std::to_string(c.frames));
+  value("Partial frames dropped", std::to_string(c.partial_frames));
+  value("Lost packets", std::to_string(c.lost_packets));
+  value("Incomplete telegrams", std::to_string(c.incomplete));
+  value("Reordered packets", std::to_string(c.reordered));
+  value("Rejected", rejected_text(c));
+  value("Clock steps", std::to_string(c.clock_steps));
+  return item;
+}
+
+}  // namespace lidard

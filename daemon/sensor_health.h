@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "daemon/pipeline.h"
+
+namespace lidard {
+
+/// A sensor's line on /diagnostics: is there data, and if not, why probably not.
+DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& report,
+                             const std::vector<std::string>& unclaimed_senders, Stamp now);
+
+}  // namespace lidard

@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "test/support/collector.h"
+
+#include <gtest/gtest.h>
+
+#include "drivers/model.h"
+#include "drivers/pcap_source.h"
+
+namespace lidard::test {
+
+void Collector::cloud(Cloud& cloud) {
+  for (std::size_t i = 0; i < cloud.origins.size(); ++i) {
+    const ReturnOrigin& o = cloud.origins[i];
+    const CloudColumn& c = cloud.columns.at(o.column);
+    const CloudPoint p = cloud.points()[i];
+    rows.push_back({clouds.size(), c.packet, c.block, o.laser, p.ring, c.echo, o.offset_ns, o.stamp.ns,
+                    o.azimuth_deg, o.distance_m, p.x, p.y, p.z, p.intensity, p.time});
+  }
+  clouds.push_back(cloud);
+}
+
+Decoded decode_capture(const std::string& path, const std::string& model, DriverConfig config) {
+  Decoded decoded;
+  config.model = find_model(model);
+  if (config.model == nullptr) {
+    ADD_FAILURE() << "no model " << model;
+    return decoded;
+  }
+  try {
+    PcapSource source(path);
+    const auto driver = config.model->make(config);
+    Packet packet;
+    while (source.next(packet)) {
+      const auto port = packet.to.port;
+      if (port == config.model->port || port == config.model->telemetry_port)
+        driver->receive(packet, decoded.output);
+    }
+    driver->finish(decoded.output);
+    decoded.counters = driver->counters();
+    decoded.info = driver->info();
+    decoded.capture_error = source.error();
+  } catch (const CaptureError& e) {
+    ADD_FAILURE() << e.what();
+  }
+  return decoded;
+}
+
+}  // namespace lidard::test
