@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "drivers/driver.h"
+#include "drivers/model.h"
+#include "drivers/pcap_source.h"
+
+namespace lidard {
+
+/// The datagrams from one address to one port: as far as a configuration can tell senders apart.
+struct Flow {
+  IpAddress sender;
+  std::uint16_t port = 0;  ///< destination
+  std::set<IpAddress> destinations;
+  std::uint16_t source_port = 0;  ///< of the first datagram
+  std::uint64_t packets = 0;
+  std::uint64_t bytes = 0;  ///< of payload
+  std::size_t smallest = 0, largest = 0;
+  Stamp first, last;
+  std::string remark;  ///< of the identifier; may be set where no model claims the flow
+
+  double duration() const { return seconds(last - first); }
+  /// Packets per second; 0 where there is no duration.
+  double rate() const { return duration() > 0 ? static_cast<double>(packets - 1) / duration() : 0; }
+};
+
+/// A sensor that was recognised, and what its driver made of its packets.
+struct FoundSensor {
+  std::string name;  ///< for the configuration
+  const Model* model = nullptr;
+  Flow data;
+  std::optional<Flow> telemetry;
+  Counters counters;
+  DeviceInfo info;
+};
+
+/// One capture file.
+struct SurveyedCapture {
+  std::string file;
+  CaptureCounters counters;
+  std::optional<Stamp> first, last;  ///< of its datagrams
+  std::string error;                 ///< why it could not be read, or not to its end
+};
+
+/// What is in a set of captures.
+struct Survey {
+  std::vector<SurveyedCapture> captures;
+  std::vector<FoundSensor> sensors;  ///< by address and port
+  std::vector<Flow> unknown;         ///< flows that no model claims, the one with most packets first
+  std::uint64_t uncounted = 0;       ///< datagrams beyond the number of flows that are told apart
+};
+
+/// Reads the captures twice: to recognise the sensors, and to let their drivers judge the packets.
+Survey survey(const std::vector<std::string>& captures);
+
+/// The configuration that replays what was found, as YAML.
+std::string config_of(const Survey& survey);
+
+}  // namespace lidard
