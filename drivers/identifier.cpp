@@ -16,7 +16,10 @@ Identifier::~Identifier() = default;
 Identifier::Identifier(Identifier&&) noexcept = default;
 Identifier& Identifier::operator=(Identifier&&) noexcept = default;
 
-void Identifier::add(const Packet& packet) { impl_->velodyne.add(packet.payload); }
+void Identifier::add(const Packet& packet) {
+  if (sick::looks_like_ms3(packet.payload)) impl_->other = find_model("sick_microscan3");
+  impl_->velodyne.add(packet.payload);
+}
 
 const Model* Identifier::verdict() const {
   const auto* row = impl_->velodyne.verdict();

@@ -2,6 +2,55 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/sick/safety_models.h"
 
+#include "drivers/sick/ms3_reassembler.h"
+#include "drivers/sick/safety_driver.h"
+
 namespace lidard::sick {
-void append_safety_models(std::vector<Model>& list) { static_cast<void>(list); }
+namespace {
+
+// 0 deg is right of the device, counter-clockwise (SICK 8022708 p. 15).
+constexpr SafetyRow safety_row = {90};
+
+// The port is chosen in Safety Designer; 6060 is what most examples for these devices use.
+constexpr std::uint16_t usual_port = 6060;
+/// 2751 beams (275 deg in steps of 0.1 deg) with all blocks are 14 datagrams, each 40 ms. Unverified.
+constexpr double highest_rate = 350;
+// As sick_safetyscanners has it; unverified.
+constexpr double range_min = 0.1;
+
+Model scanner(const char* name, const char* product, double frame_period, double range_max) {
+  return {name,
+          "SICK",
+          product,
+          "MS3 MD",
+          FrameKind::scan,
+          Transport::udp,
+          usual_port,
+          0,
+          highest_rate,
+          frame_period,
+          range_min,
+          range_max,
+          0,
+          "the telegrams printed in SICK 8022708; no capture of a device",
+          &safety_row,
+          make_safety_driver};
+}
+
+}  // namespace
+
+// Ranges by type code, as sick_safetyscanners_base derives them: ..30.., ..40.., ..55.. are 40 m, ..90.. is
+// 64 m. Scan cycle times: microScan3 30 or 40 ms, the others unverified.
+void append_safety_models(std::vector<Model>& list) {
+  list.push_back(scanner("sick_microscan3", "microScan3", 0.03, 40));
+  list.push_back(scanner("sick_microscan3_9m", "microScan3 9.0 m", 0.04, 64));
+  list.push_back(scanner("sick_nanoscan3", "nanoScan3", 0.03, 40));
+  list.push_back(scanner("sick_outdoorscan3", "outdoorScan3", 0.04, 40));
+}
+
+bool looks_like_ms3(ByteView payload) {
+  Ms3Datagram datagram;
+  return read_ms3_datagram(payload, datagram) == Reject::none;
+}
+
 }  // namespace lidard::sick
