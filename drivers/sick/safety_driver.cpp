@@ -50,6 +50,14 @@ std::string describe(const Ms3Derived& d) {
   return text.data();
 }
 
+/// Time between neighbouring beams. The announced one is rounded to us, 0.3 ms in a scan; the exact one follows
+/// from the turn of the mirror and is taken where it agrees.
+Span beam_period(const Ms3Derived& d) {
+  const Span announced = std::chrono::microseconds(d.beam_period_us);
+  const Span exact = span_from_seconds(d.scan_time_ms * 1e-3 * std::abs(d.step_deg) / 360);
+  return std::chrono::abs(exact - announced) <= std::chrono::microseconds(1) ? exact : announced;
+}
+
 /// A dazzled receiver misses what is there, so glare comes before "no echo": never free space by mistake.
 BeamStatus status_of(Ms3Beam beam) {
   if (beam.is(ms3_beam::glare)) return BeamStatus::invalid;
@@ -289,7 +297,7 @@ void SafetyDriver::choose_beams() {
   scan_.set_angles(static_cast<float>(first + step * static_cast<double>(first_beam_)),
                    static_cast<float>(step));
   scan_.scan_time = static_cast<float>(geometry_->scan_time_ms * 1e-3);
-  scan_.time_increment = static_cast<float>(geometry_->beam_period_us * 1e-6);
+  scan_.time_increment = static_cast<float>(seconds(beam_period(*geometry_)));
   warn(Warning::no_beams_left, count == 0, [&] {
     return "no beam lies between angle_min and angle_max, the scanner sends " + describe(*geometry_) +
            " (90 deg is ahead); correct the angles in the configuration";
@@ -299,8 +307,7 @@ void SafetyDriver::choose_beams() {
 /// The data leaves when the last beam is measured; the first published one came so many periods before.
 Stamp SafetyDriver::first_ray(Stamp end) {
   const auto before = static_cast<std::int64_t>(geometry_->beams - 1 - first_beam_);
-  const Stamp stamp =
-      end - std::chrono::microseconds(geometry_->beam_period_us * before) + config_.time_offset;
+  const Stamp stamp = end - beam_period(*geometry_) * before + config_.time_offset;
   // Consumers drop what is not newer. Only a clock that was set by more than that may go back.
   constexpr Span hidden_step = std::chrono::seconds(1);
   const bool back_a_little = stamp <= last_stamp_ && last_stamp_ - stamp < hidden_step;

@@ -7,7 +7,7 @@
 
 #include "drivers/sick/safety_models.h"
 #include "test/drivers/safety_bench.h"
-#include "test/support/alloc_counter.h"
+#include "test/support/allocations.h"
 
 namespace lidard::sick {
 namespace {
@@ -60,11 +60,11 @@ TEST(SafetyDriver, TurnsTheManualsTelegramIntoAScan) {
   EXPECT_NEAR(scan.angle_increment, 0.51306 * rad, 1e-7);
   EXPECT_NEAR(scan.angle_max, (-10.5597 - 90 + 47 * 0.51306) * rad, 1e-5);
   EXPECT_FLOAT_EQ(scan.scan_time, 0.03F);
-  EXPECT_FLOAT_EQ(scan.time_increment, 43e-6F);
+  EXPECT_NEAR(scan.time_increment, 42.755e-6, 1e-9);
   EXPECT_FLOAT_EQ(scan.ranges[0], 1.408F);
   EXPECT_FLOAT_EQ(scan.ranges[1], 1.411F);
   EXPECT_FLOAT_EQ(scan.intensities[0], 26.0F);
-  EXPECT_EQ(scan.stamp, bench.now - std::chrono::microseconds(47 * 43));
+  EXPECT_EQ(scan.stamp, bench.now - 47 * beam_period);
   EXPECT_EQ(bench.driver->info().serial, "17479021");
   EXPECT_EQ(bench.driver->counters().frames, 1U);
   EXPECT_EQ(bench.driver->counters().rejected_total(), 0U);
@@ -134,7 +134,7 @@ TEST(SafetyDriver, CutsBeamsToTheConfiguredAngles) {
     EXPECT_NEAR(scan.angle_min, *config.angle_min, 1e-5);
     EXPECT_NEAR(scan.angle_max, *config.angle_max, 1e-5);
   }
-  EXPECT_EQ(bench.scans[1].stamp, bench.now - std::chrono::microseconds(37 * 43));
+  EXPECT_EQ(bench.scans[1].stamp, bench.now - 37 * beam_period);
 }
 
 TEST(SafetyDriver, SaysWhenTheConfiguredAnglesLeaveNothing) {

@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "drivers/driver.h"
+
+namespace boost::asio {
+class io_context;
+}
+
+namespace lidard {
+
+/// A multicast group to listen to.
+struct MulticastGroup {
+  IpAddress group;
+  std::string interface;  ///< name or IPv4 address of the host's interface; empty: the kernel chooses
+};
+
+struct UdpOptions {
+  std::uint16_t port = 0;                         ///< local; 0 lets the kernel choose
+  IpAddress address = IpAddress::v4(0, 0, 0, 0);  ///< local; 0.0.0.0 survives changes of the interfaces
+  std::vector<IpAddress> senders;                 ///< IPv4; empty: anybody
+  std::vector<MulticastGroup> groups;
+  double packets_per_s = 1000;  ///< of all sensors on this port
+  Span tolerated_stall = std::chrono::milliseconds(500);
+  std::size_t receive_buffer =
+      0;  ///< bytes, as in SO_RCVBUF; 0: from rate and stall, but not below the system's default
+  std::size_t max_datagram = 2048;  ///< bytes of payload; longer ones are counted as truncated and left out
+  bool share_port = false;          ///< let other programs receive the same broadcasts and multicasts
+};
+
+struct UdpStats {
+  std::uint64_t datagrams = 0;           ///< handed on
+  std::uint64_t bytes = 0;               ///< their payloads
+  std::uint64_t kernel_drops = 0;        ///< lost because the receive buffer was full
+  std::uint64_t truncated = 0;           ///< longer than max_datagram
+  std::uint64_t strangers_sampled = 0;   ///< from other senders and handed on nevertheless, 1 of 64
+  std::uint64_t strangers_filtered = 0;  ///< from other senders and dropped by the kernel
+  std::size_t receive_buffer_asked = 0, receive_buffer_got = 0;  ///< bytes, as in SO_RCVBUF
+  std::uint64_t wakeups = 0;
+};
+
+struct UdpState {
+  enum class Phase : std::uint8_t {
+    stopped,
+    waiting,  ///< cannot receive now, tries again
+    partial,  ///< receives, but not every multicast group could be joined; tries again
+    receiving
+  };
+  Phase phase = Phase::stopped;
+  std::string message;  ///< what is wrong and the remedy; empty while receiving
+};
+
+/// Receives datagrams from any number of senders on one local port, with the kernel's time of arrival.
+///
+/// Never throws and never gives up: what the system refuses (port in use, no such interface, ...) becomes a
+/// state with a message, and is tried again after 0.1 s, then ever later up to 5 s.
+class UdpSource {
+ public:
+  using Handler = std::function<void(const Packet&)>;
+
+  /// `handler` is called once per datagram, from within `io`.
+  UdpSource(boost::asio::io_context& io, UdpOptions options, Handler handler);
+  ~UdpSource();
+  UdpSource(const UdpSource&) = delete;
+  UdpSource& operator=(const UdpSource&) = delete;
+
+  void start();
+  /// No handler is called any more once this returned.
+  void stop();
+
+  const UdpState& state() const;
+  const UdpStats& stats() const;
+  /// A sentence if the system grants a smaller receive buffer than asked for, else empty.
+  const std::string& warning() const;
+  /// The port that is bound; 0 while none is.
+  std::uint16_t local_port() const;
+
+ private:
+  class Impl;
+  std::shared_ptr<Impl> impl_;
+};
+
+}  // namespace lidard
