@@ -50,8 +50,8 @@ std::string describe(const Ms3Derived& d) {
   return text.data();
 }
 
-/// Time between neighbouring beams. The announced one is rounded to us, 0.3 ms in a scan; the exact one follows
-/// from the turn of the mirror and is taken where it agrees.
+/// Time between neighbouring beams. The announced one is rounded to us, 0.3 ms in a scan; the exact one
+/// follows from the turn of the mirror and is taken where it agrees.
 Span beam_period(const Ms3Derived& d) {
   const Span announced = std::chrono::microseconds(d.beam_period_us);
   const Span exact = span_from_seconds(d.scan_time_ms * 1e-3 * std::abs(d.step_deg) / 360);
