@@ -49,6 +49,8 @@ void check_simple(const std::vector<Point>& polygon, const std::vector<Value>& v
   for (std::size_t i = 0; i < n; ++i) {
     if ((polygon[i] - polygon[(i + 1) % n]).norm() < 1e-6)
       vertices[(i + 1) % n].fail("is the same point as its neighbour", expected);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = i + 2; j < n; ++j) {
       if (i == 0 && j == n - 1) continue;
       if (meet(polygon[i], polygon[i + 1], polygon[j], polygon[(j + 1) % n]))

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <charconv>
 #include <cmath>
+#include <sstream>
 
 #include "daemon/config_parts.h"
 
@@ -16,7 +17,25 @@ std::string text_of(double number) {
 }
 
 /// Digits beyond these come from turning an angle into a matrix and back.
-double rounded(double value, double unit) { return std::round(value / unit) * unit; }
+double rounded(double degrees) { return std::round(degrees * 1e9) / 1e9; }
+
+/// Divides, so that the shortest text of a decimal fraction comes out.
+double seconds_of(Span span) { return static_cast<double>(span.count()) / 1e9; }
+
+/// yaml-cpp begins comments at the margin; each belongs to the mapping of the line above it.
+std::string with_indented_comments(const std::string& yaml) {
+  std::istringstream lines(yaml);
+  std::string result;
+  std::string indent;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.empty() && line.front() == '#')
+      line.insert(0, indent);
+    else
+      indent = line.substr(0, line.find_first_not_of(' '));
+    result += line + '\n';
+  }
+  return result;
+}
 
 class ConfigWriter {
  public:
@@ -28,7 +47,7 @@ class ConfigWriter {
     section("virtual_scans", config.virtual_scans,
             [this](const VirtualScanConfig& scan) { virtual_scan(scan); });
     yaml_ << YAML::EndMap;
-    return std::string(yaml_.c_str()) + "\n";
+    return with_indented_comments(yaml_.c_str());
   }
 
  private:
@@ -64,13 +83,12 @@ class ConfigWriter {
   }
   void pose(const std::string& key, const Pose& value) {
     const Eigen::Vector3d rpy = rpy_of(value) * (180 / M_PI);
-    const auto degrees = [](double angle) { return std::stod(text_of(rounded(angle, 1e-9))); };
     const Eigen::Vector3d& xyz = value.translation();
     yaml_ << YAML::Key << key << YAML::Value << YAML::Flow << YAML::BeginMap << YAML::Key << "xyz"
           << YAML::Value;
     numbers({xyz.x(), xyz.y(), xyz.z()});
     yaml_ << YAML::Key << "rpy_deg" << YAML::Value;
-    numbers({degrees(rpy.x()), degrees(rpy.y()), degrees(rpy.z())});
+    numbers({rounded(rpy.x()), rounded(rpy.y()), rounded(rpy.z())});
     yaml_ << YAML::EndMap;
   }
 
@@ -120,7 +138,7 @@ void ConfigWriter::sensor(const SensorConfig& sensor) {
     unset("pose: from tf");
   if (sensor.model == nullptr) return;
   text("clock", driver.clock == ClockMode::smooth ? "smooth" : "arrival");
-  number("time_offset", seconds(driver.time_offset));
+  number("time_offset", seconds_of(driver.time_offset));
   if (sensor.model->kind == FrameKind::cloud) {
     number("cut_angle", driver.cut_angle);
     return;
@@ -157,7 +175,7 @@ void ConfigWriter::merged(const MergedScanConfig& scan) {
     unset("destination_pose: from tf");
   text("scan_destination_topic", scan.scan_destination_topic);
   text("cloud_destination_topic", scan.cloud_destination_topic);
-  number("lost_after", seconds(scan.lost_after));
+  number("lost_after", seconds_of(scan.lost_after));
   output(scan.output);
 }
 

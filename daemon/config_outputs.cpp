@@ -263,8 +263,8 @@ void read_virtual_topics(Mapping& yaml, const std::string& owner, Config& config
                          VirtualScanConfig& scan) {
   const auto topic = yaml.find("output_laser_topic");
   if (!topic || topic->text_or_empty().empty()) {
-    for (const std::string& frame : scan.virtual_laser_scan)
-      claims.publishes(frame, owner, yaml.where("virtual_laser_scan"));
+    for (const Value& frame : yaml.where("virtual_laser_scan").names("names of frames"))
+      claims.publishes(read_topic(frame), owner, frame);
     return;
   }
   scan.output_laser_topic = read_topic(*topic);

@@ -9,7 +9,7 @@
 namespace lidard {
 namespace {
 
-constexpr double longest_offset_s = 1e9;  // three decades: also a device that counts from its own epoch
+constexpr double longest_offset_s = 1e6;  // so that a nanosecond survives in a double
 
 const std::vector<std::string_view> sensor_keys = {
     "model",          "topic",         "ip_address",        "ip_port",

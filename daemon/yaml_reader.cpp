@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/yaml_reader.h"
 
+#include <yaml-cpp/eventhandler.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
 
 #include "core/nearest.h"
@@ -15,13 +18,16 @@ namespace {
 
 constexpr std::size_t longest_quote = 40;
 
-std::string shorten(const std::string& text) {
-  std::string shown;
-  for (const char c : text.substr(0, longest_quote)) {
+std::string printable(std::string text) {
+  for (char& c : text) {
     const auto byte = static_cast<unsigned char>(c);
-    shown += byte < 0x20 || byte == 0x7f ? '?' : c;
+    if (byte < 0x20 || byte == 0x7f) c = '?';
   }
-  return text.size() > longest_quote ? shown + "…" : shown;
+  return text;
+}
+
+std::string shorten(const std::string& text) {
+  return printable(text.substr(0, longest_quote)) + (text.size() > longest_quote ? "…" : "");
 }
 
 std::string shown(double number) {
@@ -77,6 +83,46 @@ std::vector<std::pair<std::string, Value>> entries_of(const Value& value) {
     entries.emplace_back(key, Value(entry.second, place, key_place, prefix + shorten(key)));
   }
   return entries;
+}
+
+/// Notes where a document begins and lets everything else pass.
+class DocumentStart : public YAML::EventHandler {
+ public:
+  void OnDocumentStart(const YAML::Mark& mark) override { mark_ = mark; }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
+  void OnAlias(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
+  void OnScalar(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                const std::string& /*value*/) override {}
+  void OnSequenceStart(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                       YAML::EmitterStyle::value /*style*/) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                  YAML::EmitterStyle::value /*style*/) override {}
+  void OnMapEnd() override {}
+  const YAML::Mark& mark() const { return mark_; }
+
+ private:
+  YAML::Mark mark_ = YAML::Mark::null_mark();
+};
+
+/// YAML::Load() says nothing of what follows the first document, and YAML::LoadAll() of yaml-cpp 0.7 never
+/// ends on a stray "," or "]": it makes empty documents of it for ever.
+void refuse_second_document(const std::string& text, const Place& top) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  DocumentStart start;
+  if (parser.HandleNextDocument(start) && parser.HandleNextDocument(start))
+    fail_at(place_of(start.mark(), top), "a second YAML document begins, or what is no YAML",
+            "one document per file");
+}
+
+/// The parser only complains of what the tab leads to.
+bool is_indented_with_tab(const std::string& text, int line) {
+  std::istringstream lines(text);
+  std::string content;
+  for (int i = 0; i < line; ++i) std::getline(lines, content);
+  return content.substr(0, content.find_first_not_of(" \t")).find('\t') != std::string::npos;
 }
 
 std::string list_of(const std::vector<std::string_view>& words) {
@@ -251,14 +297,15 @@ std::vector<std::pair<std::string, Value>> named_entries(const Value& value) { r
 Value parse_yaml(const std::string& text, const std::string& file) {
   const Place top{file, 1, 1};
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() > 1)
-      fail_at(place_of(documents[1].Mark(), top), "a second YAML document begins", "one document per file");
-    const YAML::Node root = documents.empty() ? YAML::Node(YAML::NodeType::Null) : documents.front();
+    refuse_second_document(text, top);
+    const YAML::Node root = YAML::Load(text);
     const Place begin = root.IsNull() ? top : place_of(root.Mark(), top);
     return {root, begin, begin, ""};
   } catch (const YAML::Exception& error) {
-    fail_at(place_of(error.mark, top), "not YAML: " + error.msg, "`key: value` lines, indented with blanks");
+    const Place place = place_of(error.mark, top);
+    const bool tab = is_indented_with_tab(text, place.line);
+    fail_at(place, "not YAML: " + (tab ? "a tab in the indentation" : printable(error.msg)),
+            "`key: value` lines, indented with blanks");
   }
 }
 

@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/models_command.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "drivers/model.h"
+
+namespace lidard {
+namespace {
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST(ModelsCommand, PrintsOneAlignedLinePerModel) {
+  std::ostringstream out;
+  EXPECT_EQ(run_models(false, out), 0);
+  const std::vector<std::string> lines = lines_of(out.str());
+  ASSERT_EQ(lines.size(), models().size() + 1);
+  for (std::size_t i = 0; i < models().size(); ++i) {
+    const Model& model = models()[i];
+    EXPECT_EQ(lines[i + 1].rfind(std::string(model.name) + " ", 0), 0U);
+    EXPECT_EQ(lines[i + 1].find(model.verified), lines[0].find("verified")) << lines[i + 1];
+    EXPECT_EQ(lines[i + 1].find(model.protocol), lines[0].find("protocol")) << lines[i + 1];
+  }
+}
+
+TEST(ModelsCommand, PrintsJson) {
+  std::ostringstream out;
+  EXPECT_EQ(run_models(true, out), 0);
+  const auto list = nlohmann::json::parse(out.str());
+  ASSERT_EQ(list.size(), models().size());
+  for (const auto& entry : list) {
+    const Model* model = find_model(entry.at("name").get<std::string>());
+    ASSERT_NE(model, nullptr);
+    EXPECT_EQ(entry.at("port"), model->port);
+    EXPECT_EQ(entry.at("verified"), model->verified);
+    EXPECT_EQ(entry.at("frames"), model->kind == FrameKind::cloud ? "cloud" : "scan");
+  }
+}
+
+}  // namespace
+}  // namespace lidard
