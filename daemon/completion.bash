@@ -1,0 +1,36 @@
+# SPDX-FileCopyrightText: 2026 the lidard authors
+# SPDX-License-Identifier: BSD-3-Clause
+# Completion of lidard for bash: commands, options, and file names by their suffix.
+_lidard() {
+  local word=$2 before=$3 command=${COMP_WORDS[1]}
+  COMPREPLY=()
+  _lidard_words() { mapfile -t COMPREPLY < <(compgen -W "$1" -- "$word"); }
+  _lidard_files() {
+    local suffix
+    mapfile -t COMPREPLY < <(
+      compgen -d -S / -- "$word"
+      for suffix in "$@"; do compgen -f -X "!*.$suffix" -- "$word"; done
+    )
+    compopt -o nospace -o filenames 2>/dev/null
+  }
+  if ((COMP_CWORD == 1)); then
+    _lidard_words "run replay decode inspect check models --help --version"
+    return
+  fi
+  case $before in
+    -c | --calibration) _lidard_files yaml yml; return ;;
+    --pcap) _lidard_files pcap pcapng; return ;;
+    --model) _lidard_words "$(lidard models 2>/dev/null | sed '1d; s/ .*//')"; return ;;
+    --format) _lidard_words "csv pcd json"; return ;;
+    --rate) _lidard_words "max 1"; return ;;
+  esac
+  case $command:$word in
+    run:*) _lidard_words "-c --help" ;;
+    replay:-*) _lidard_words "-c --pcap --rate --loop --start --duration --clock --bag --help" ;;
+    decode:-*) _lidard_words "--model --calibration --source --port --format --clock --time -o --help" ;;
+    inspect:-* | models:*) _lidard_words "--json --help" ;;
+    check:*) _lidard_files yaml yml ;;
+    *) _lidard_files pcap pcapng ;;
+  esac
+}
+complete -F _lidard lidard
