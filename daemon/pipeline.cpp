@@ -73,6 +73,7 @@ struct Pipeline::Impl {
   std::uint64_t strangers_not_named = 0;
   Stamp now{};
   Stamp last_diagnostics{};
+  std::function<void(std::vector<DiagnosticItem>&)> more_diagnostics;
 };
 
 void SensorLine::scan(PlanarScan& scan) {
@@ -252,7 +253,12 @@ std::vector<DiagnosticItem> Pipeline::diagnostics(Stamp now) const {
   }
   for (const auto& output : impl_->merged) items.push_back(output->diagnostics(now));
   for (const auto& output : impl_->virtuals) items.push_back(output->diagnostics(now));
+  if (impl_->more_diagnostics) impl_->more_diagnostics(items);
   return items;
+}
+
+void Pipeline::add_diagnostics(std::function<void(std::vector<DiagnosticItem>&)> source) {
+  impl_->more_diagnostics = std::move(source);
 }
 
 }  // namespace lidard

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -51,6 +52,8 @@ class Pipeline {
   /// Senders on a configured port that no sensor claims, "192.168.1.9:2368 (412 packets)".
   std::vector<std::string> unclaimed_senders() const;
   std::vector<DiagnosticItem> diagnostics(Stamp now) const;
+  /// Adds what others know (sockets) to every diagnostics() list.
+  void add_diagnostics(std::function<void(std::vector<DiagnosticItem>&)> source);
 
  private:
   friend struct SensorLine;

@@ -1,0 +1,165 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/cli.h"
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <iostream>
+
+#include "daemon/check.h"
+#include "daemon/decode.h"
+#include "daemon/inspect.h"
+#include "daemon/models_command.h"
+#include "daemon/replay.h"
+#include "daemon/run.h"
+
+namespace lidard {
+namespace {
+
+constexpr const char* default_config = "/etc/lidard/lidard.yaml";
+
+/// The commands; each fills in what to do once the line was read.
+struct Commands {
+  CLI::App app{
+      "Lidar daemon: SICK, Hokuyo and Velodyne packets in, merged and virtual LaserScans on ROS topics out.",
+      "lidard"};
+  std::function<int()> action;
+  std::vector<std::string> ros_arguments;
+
+  std::string config = default_config;
+  std::vector<std::string> captures;
+  bool json = false;
+  std::string rate = "1";
+  std::string source;
+  std::string clock = "arrival";
+  std::string time = "host";
+  ReplayOptions replay;
+  DecodeOptions decode;
+
+  Commands() {
+    app.set_version_flag("--version", "lidard " LIDARD_VERSION);
+    app.require_subcommand(1);
+    app.footer("Exit codes: 0 ok, 1 failed, 2 usage, 78 configuration. See lidard(8).");
+    add_run();
+    add_replay();
+    add_decode();
+    add_inspect();
+    add_check();
+    add_models();
+  }
+
+ private:
+  void add_run() {
+    auto* c = app.add_subcommand("run", "The daemon: live sensors to ROS");
+    c->add_option("-c,--config", config, "Configuration file")->capture_default_str();
+    c->callback([this] { action = [this] { return run_daemon(config, ros_arguments, std::cerr); }; });
+  }
+  void add_replay() {
+    auto* c = app.add_subcommand("replay", "The same pipeline on captures");
+    c->add_option("-c,--config", replay.config, "Configuration file")->required();
+    c->add_option("--pcap", replay.captures, "Captures, merged by time")->required()->expected(1, 1000);
+    c->add_option("--rate", rate, "Of the recorded pace, or max")->capture_default_str();
+    c->add_flag("--loop", replay.loop, "Again and again");
+    c->add_option("--start", replay.start, "Seconds into the capture")->check(CLI::NonNegativeNumber);
+    c->add_option("--duration", replay.duration, "Seconds to play")->check(CLI::NonNegativeNumber);
+    c->add_option("--wait", replay.wait, "Seconds from advertising the topics to the first frame")
+        ->check(CLI::Range(0.0, 3600.0));
+    c->add_flag("--clock", replay.clock, "Publish /clock");
+    c->add_option("--bag", replay.bag, "Write the messages to this bag instead of ROS");
+    c->callback([this] { action = [this] { return start_replay(); }; });
+  }
+  void add_decode() {
+    auto* c = app.add_subcommand("decode", "One sensor's frames of a capture, without a configuration");
+    c->add_option("capture", decode.capture, "pcap or pcapng file")->required();
+    c->add_option("--model", decode.model, "See `lidard models`; may be left out where the packets tell");
+    c->add_option("--source", source, "Sender, IP[:PORT]");
+    c->add_option("--port", decode.port, "Destination port");
+    c->add_option("--format", decode.format, "csv, json or pcd")
+        ->check(CLI::IsMember({"csv", "json", "pcd"}))
+        ->capture_default_str();
+    c->add_option("-o,--output", decode.output, "File, or - for standard output")->capture_default_str();
+    c->add_option("--frame", decode.frame, "Only this frame, counted from 0");
+    c->add_option("--clock", clock, "stamps placed by each packet's arrival, or smooth")
+        ->check(CLI::IsMember({"arrival", "smooth"}))
+        ->capture_default_str();
+    c->add_option("--time", time, "host: stamp_ns since the epoch; device: since the packet's own stamp")
+        ->check(CLI::IsMember({"host", "device"}))
+        ->capture_default_str();
+    c->callback([this] { action = [this] { return start_decode(); }; });
+  }
+  void add_inspect() {
+    auto* c = app.add_subcommand("inspect", "Which sensors are in a capture");
+    c->add_option("captures", captures, "pcap or pcapng files")->required();
+    c->add_flag("--json", json, "For scripts");
+    c->callback([this] { action = [this] { return run_inspect(captures, json, std::cout, std::cerr); }; });
+  }
+  void add_check() {
+    auto* c = app.add_subcommand("check", "Validates a configuration and prints it with all defaults");
+    c->add_option("file", config, "Configuration file")->required();
+    c->callback([this] { action = [this] { return run_check(config, std::cout, std::cerr); }; });
+  }
+  void add_models() {
+    auto* c = app.add_subcommand("models", "The supported models and how each was verified");
+    c->add_flag("--json", json, "For scripts");
+    c->callback([this] { action = [this] { return run_models(json, std::cout); }; });
+  }
+
+  int start_replay();
+  int start_decode();
+};
+
+int Commands::start_replay() {
+  try {
+    replay.rate = rate == "max" ? 0 : CLI::detail::lexical_cast(rate, replay.rate) ? replay.rate : -1;
+  } catch (const std::exception&) {
+    replay.rate = -1;
+  }
+  if (!(replay.rate >= 0) || (replay.rate == 0 && rate != "max")) {
+    std::cerr << "--rate: '" << rate << "' is neither a positive number nor max\n";
+    return exit_usage;
+  }
+  if (replay.loop && !replay.bag.empty()) {
+    std::cerr << "--loop and --bag: a bag of endless replay would never be complete; leave one out\n";
+    return exit_usage;
+  }
+  replay.ros_arguments = ros_arguments;
+  return run_replay(replay, std::cout, std::cerr);
+}
+
+int Commands::start_decode() {
+  if (!source.empty()) {
+    const auto colon = source.find(':');
+    const bool has_port = colon != std::string::npos && source.find(':', colon + 1) == std::string::npos;
+    decode.source = IpAddress::parse(has_port ? source.substr(0, colon) : source);
+    const bool port_ok = !has_port || CLI::detail::lexical_cast(source.substr(colon + 1), decode.source_port);
+    if (!decode.source || !port_ok) {
+      std::cerr << "--source: '" << source
+                << "' is not an address; expected IP or IP:PORT, e.g. 192.168.1.201\n";
+      return exit_usage;
+    }
+  }
+  decode.clock = clock == "smooth" ? ClockMode::smooth : ClockMode::arrival;
+  decode.stamps = time == "device" ? StampColumn::device : StampColumn::host;
+  return run_decode(decode, std::cerr);
+}
+
+}  // namespace
+
+int run_cli(int argc, char** argv) {
+  Commands commands;
+  std::vector<std::string> arguments;
+  for (int i = argc - 1; i > 0; --i) {
+    // Remappings as roslaunch appends them.
+    const std::string argument = argv[i];
+    const bool is_remapping = argument.find(":=") != std::string::npos;
+    (is_remapping ? commands.ros_arguments : arguments).push_back(argument);
+  }
+  try {
+    commands.app.parse(arguments);
+  } catch (const CLI::ParseError& e) {
+    return commands.app.exit(e) == 0 ? exit_ok : exit_usage;
+  }
+  return commands.action();
+}
+
+}  // namespace lidard

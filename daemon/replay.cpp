@@ -1,0 +1,129 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/replay.h"
+
+#include <csignal>
+#include <memory>
+#include <ostream>
+#include <thread>
+
+#include "daemon/bag_sink.h"
+#include "daemon/cli.h"
+#include "daemon/player.h"
+#include "daemon/report.h"
+#include "daemon/ros_link.h"
+#include "daemon/tf_poses.h"
+
+namespace lidard {
+namespace {
+
+volatile std::sig_atomic_t stop_signal = 0;
+
+bool stopped() { return stop_signal != 0; }
+
+void stop_on_signals() {
+  stop_signal = 0;
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int number) { stop_signal = number; });
+}
+
+/// The parts that a replay needs whatever it writes to.
+struct Replay {
+  const ReplayOptions& options;
+  const Config& config;
+  MergedCapture& capture;
+  std::ostream& out;
+  std::ostream& err;
+
+  void play(FrameSink& sink, PoseLookup& poses, std::function<void(Stamp)> on_time) {
+    Pipeline pipeline(config, poses, sink);
+    Player player(options, capture, pipeline);
+    bool first = true;
+    player.on_time = [&, on_time = std::move(on_time)](Stamp stamp) {
+      if (first) sink.transforms(pipeline.static_transforms(), stamp);
+      first = false;
+      if (on_time) on_time(stamp);
+    };
+    player.play(stopped);
+    print_table(pipeline.report(), out);
+    print_capture_counters(capture.counters(), 0, out);
+    if (player.skipped() > 0) out << "  " << player.skipped() << " datagrams before --start not played\n";
+    for (const auto& sender : pipeline.unclaimed_senders())
+      out << "  no sensor is configured for " << sender << '\n';
+    for (const auto& sensor : pipeline.report()) {
+      for (const auto& warning : sensor.info.warnings) err << sensor.name << ": " << warning << '\n';
+    }
+  }
+
+  void wait_for_subscribers() const {
+    const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(options.wait);
+    while (!stopped() && std::chrono::steady_clock::now() < until) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+  }
+
+  int into_bag() {
+    BagSink sink(options.bag, pipeline_topics(config));
+    NoPoses poses;
+    play(sink, poses, nullptr);
+    sink.close();
+    return exit_ok;
+  }
+
+  int into_ros() {
+    stop_on_signals();
+    RosOptions ros;
+    ros.remappings = options.ros_arguments;
+    ros.topics = pipeline_topics(config);
+    ros.backpressure = Backpressure::block;
+    ros.clock = options.clock;
+    RosLink link(ros);
+    TfPoses poses;
+    link.add_client(poses);
+    // roscpp installs handlers of its own when it starts; ours must come last.
+    link.start();
+    constexpr Span master_patience = std::chrono::seconds(5);
+    if (!link.wait_for_master(master_patience)) {
+      err << "no ROS master answers at " << choose_master(options.ros_arguments)
+          << "; start one (roscore), set ROS_MASTER_URI, or write a bag with --bag\n";
+      link.stop();
+      return exit_failed;
+    }
+    stop_on_signals();
+    wait_for_subscribers();
+    play(link, poses,
+         options.clock ? [&link](Stamp stamp) { link.publish_clock(stamp); } : std::function<void(Stamp)>());
+    constexpr Span flush_patience = std::chrono::seconds(5);
+    const bool flushed = link.flush(flush_patience);
+    if (!flushed) err << "some frames were not taken by their subscribers within 5 s\n";
+    const bool clean = link.stop();
+    if (!clean) std::quick_exit(flushed ? exit_ok : exit_failed);
+    return flushed ? exit_ok : exit_failed;
+  }
+};
+
+}  // namespace
+
+int run_replay(const ReplayOptions& options, std::ostream& out, std::ostream& err) {
+  try {
+    const Config config = load_config(options.config);
+    for (const auto& warning : config.warnings) err << warning << '\n';
+    MergedCapture capture(options.captures);
+    stop_on_signals();
+    Replay replay{options, config, capture, out, err};
+    const int code = options.bag.empty() ? replay.into_ros() : replay.into_bag();
+    const auto broken = capture.errors();
+    for (const auto& error : broken) err << error << '\n';
+    return broken.empty() ? code : exit_failed;
+  } catch (const ConfigError& e) {
+    err << e.what() << '\n';
+    return exit_config;
+  } catch (const RosError& e) {
+    err << e.what() << '\n';
+    return exit_usage;
+  } catch (const std::exception& e) {
+    err << e.what() << '\n';
+    return exit_failed;
+  }
+}
+
+}  // namespace lidard

@@ -1,0 +1,169 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/run.h"
+
+#include <spdlog/spdlog.h>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <cstdlib>
+#include <ostream>
+
+#include "daemon/cli.h"
+#include "daemon/pipeline.h"
+#include "daemon/ports.h"
+#include "daemon/report.h"
+#include "daemon/ros_inputs.h"
+#include "daemon/ros_link.h"
+#include "daemon/service.h"
+#include "daemon/tf_poses.h"
+
+namespace lidard {
+namespace {
+
+constexpr auto tick_period = std::chrono::milliseconds(100);
+constexpr int ticks_per_status = 10;
+constexpr int ticks_per_summary = 100;
+
+Stamp wall_clock() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return Stamp{std::chrono::duration_cast<std::chrono::nanoseconds>(now).count()};
+}
+
+std::vector<TopicSource> topic_sources(const Config& config) {
+  std::vector<TopicSource> sources;
+  for (const auto& sensor : config.sensors) {
+    if (sensor.model == nullptr) sources.push_back({sensor.name, sensor.topic});
+  }
+  return sources;
+}
+
+/// Everything of a running daemon. The constructor's thread becomes the sensor thread.
+class Daemon {
+ public:
+  Daemon(const Config& config, const std::vector<std::string>& ros_arguments)
+      : link_(ros_options(config, ros_arguments)),
+        pipeline_(config, poses_, link_),
+        ports_(io_, config, [this](const Packet& packet) { pipeline_.packet(packet); }),
+        inputs_(
+            topic_sources(config),
+            [this](std::function<void()> task) { boost::asio::post(io_, std::move(task)); },
+            {[this](const std::string& s, PlanarScan& scan, Stamp t) { pipeline_.scan_message(s, scan, t); },
+             [this](const std::string& s, Cloud& cloud, Stamp t) { pipeline_.cloud_message(s, cloud, t); }}),
+        signals_(io_, SIGINT, SIGTERM),
+        timer_(io_) {
+    link_.add_client(poses_);
+    link_.add_client(inputs_);
+    pipeline_.add_diagnostics([this](std::vector<DiagnosticItem>& items) { ports_.add_diagnostics(items); });
+  }
+
+  /// Runs until a signal. False if ROS could not be left in time.
+  bool run() {
+    signals_.async_wait([this](const boost::system::error_code& error, int signal) {
+      if (error) return;
+      spdlog::info("stopping on signal {}", signal);
+      io_.stop();
+    });
+    ports_.start();
+    link_.start();
+    link_.transforms(pipeline_.static_transforms(), wall_clock());
+    service_.ready(status());
+    next_tick_ = std::chrono::steady_clock::now();
+    schedule_tick();
+    io_.run();
+    service_.stopping();
+    ports_.stop();
+    for (const auto& sensor : pipeline_.report()) log_sensor(sensor);
+    return link_.stop();
+  }
+
+ private:
+  static RosOptions ros_options(const Config& config, const std::vector<std::string>& arguments) {
+    RosOptions options;
+    options.remappings = arguments;
+    options.topics = pipeline_topics(config);
+    return options;
+  }
+  std::string status() const {
+    std::size_t alive = 0;
+    const Stamp now = wall_clock();
+    const auto reports = pipeline_.report();
+    for (const auto& sensor : reports)
+      alive += sensor.seen && seconds(now - sensor.last_arrival) < 1 ? 1U : 0U;
+    return std::to_string(alive) + "/" + std::to_string(reports.size()) + " lidars, " + ports_.summary() +
+           ", ROS master " + (link_.status().master ? "present" : "absent");
+  }
+  static void log_sensor(const SensorReport& sensor) {
+    const Counters& c = sensor.counters;
+    spdlog::info("{} ({}): {} packets, {} frames, {} lost, rejected {}", sensor.name, sensor.model, c.packets,
+                 c.frames, c.lost_packets + c.incomplete, rejected_text(c));
+  }
+  void schedule_tick() {
+    next_tick_ += tick_period;
+    timer_.expires_at(next_tick_);
+    timer_.async_wait([this](const boost::system::error_code& error) {
+      if (error) return;
+      tick();
+      schedule_tick();
+    });
+  }
+  void tick() {
+    pipeline_.tick(wall_clock());
+    ports_.log_changes();
+    service_.alive();
+    ++ticks_;
+    if (ticks_ % ticks_per_status == 0) service_.status(status());
+    if (ticks_ % ticks_per_summary == 0) log_trouble();
+  }
+  /// What went wrong since the last summary, in one line per sensor; silence when all is well.
+  void log_trouble() {
+    for (const auto& item : pipeline_.diagnostics(wall_clock())) {
+      std::string& told = told_[item.name];
+      if (item.health == Health::ok) {
+        if (!told.empty()) spdlog::info("{}: {}", item.name, item.message);
+        told.clear();
+      } else if (told != item.message) {
+        spdlog::warn("{}: {}", item.name, item.message);
+        told = item.message;
+      }
+    }
+  }
+
+  boost::asio::io_context io_{1};
+  ServiceManager service_;
+  TfPoses poses_;
+  RosLink link_;
+  Pipeline pipeline_;
+  Ports ports_;
+  RosInputs inputs_;
+  boost::asio::signal_set signals_;
+  boost::asio::steady_timer timer_;
+  std::chrono::steady_clock::time_point next_tick_;
+  int ticks_ = 0;
+  std::map<std::string, std::string> told_;
+};
+
+}  // namespace
+
+int run_daemon(const std::string& config_file, const std::vector<std::string>& ros_arguments,
+               std::ostream& err) {
+  set_up_logging();
+  try {
+    const Config config = load_config(config_file);
+    for (const auto& warning : config.warnings) spdlog::warn("{}", warning);
+    Daemon daemon(config, ros_arguments);
+    // roscpp's destructors would wait for a master that hangs.
+    if (!daemon.run()) std::quick_exit(exit_ok);
+    return exit_ok;
+  } catch (const ConfigError& e) {
+    err << e.what() << '\n';
+    return exit_config;
+  } catch (const RosError& e) {
+    err << e.what() << '\n';
+    return exit_usage;
+  }
+}
+
+}  // namespace lidard

@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+namespace lidard {
+
+/// The daemon: listens to the configured sensors and publishes until SIGTERM or SIGINT. Returns the exit
+/// code.
+int run_daemon(const std::string& config_file, const std::vector<std::string>& ros_arguments,
+               std::ostream& err);
+
+}  // namespace lidard

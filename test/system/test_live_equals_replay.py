@@ -1,0 +1,91 @@
+#!/usr/bin/python3
+# SPDX-FileCopyrightText: 2026 the lidard authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""A capture sent over loopback at its own pace gives a real subscriber the messages of the offline replay, none lost."""
+import collections
+import socket
+import subprocess
+import threading
+
+import rosbag
+import rospy
+from harness import (LIDARD, LIDARD_SIM, ROOT, expect, folder, free_port, live_config, process, ros_master, run,
+                     use_master_at, wait_for)
+
+
+def content(message):
+    """A message without its stamps (the live host's clock) and sequence number."""
+    fields = [message._type, message.header.frame_id]
+    if message._type == "sensor_msgs/LaserScan":
+        fields += [message.angle_min, message.angle_max, message.angle_increment, message.time_increment,
+                   [repr(r) for r in message.ranges], list(message.intensities)]
+    else:
+        fields += [message.width, message.point_step, bytes(message.data)]
+    return fields
+
+
+def compare(name, config_text, capture, ports, tmp):
+    config = tmp / f"{name}.yaml"
+    config.write_text(config_text)
+    bag = tmp / f"{name}.bag"
+    result = run("replay", "-c", config, "--pcap", capture, "--rate", "max", "--bag", bag)
+    expect(result.returncode == 0, result.stderr)
+    expected = collections.defaultdict(list)
+    types = {}
+    with rosbag.Bag(str(bag)) as messages:
+        for topic, message, _ in messages.read_messages():
+            if hasattr(message, "header") and message._type.startswith("sensor_msgs"):
+                expected[topic].append(content(message))
+                types[topic] = type(message)
+
+    live = tmp / f"{name}_live.yaml"
+    live.write_text(live_config(config_text, ports))
+    received = collections.defaultdict(list)
+    lock = threading.Lock()
+
+    def take(message, topic):
+        with lock:
+            received[topic].append(content(message))
+
+    import roslib.message
+    subscribers = []
+    for topic in expected:
+        kind = roslib.message.get_message_class(types[topic]._type)
+        subscribers.append(rospy.Subscriber(topic, kind, take, callback_args=topic, queue_size=1000))
+    log = (tmp / f"{name}.log").open("w")
+    with process([LIDARD, "run", "-c", live], stdout=log, stderr=subprocess.STDOUT):
+        wait_for(lambda: all(s.get_num_connections() > 0 for s in subscribers), 20, f"{name}: subscribers are connected")
+        port_options = [f"--port-map={old}={new}" for old, new in ports.items()]
+        sender = subprocess.run([LIDARD_SIM, "send", str(capture), "--to", "127.0.0.1", *port_options], capture_output=True,
+                                text=True, timeout=120)
+        expect(sender.returncode == 0, sender.stderr)
+
+        def complete():
+            with lock:
+                return all(len(received[t]) >= len(expected[t]) for t in expected)
+
+        wait_for(complete, 10, f"{name}: all messages of the replay arrived; log:\n" + (tmp / f"{name}.log").read_text())
+    for s in subscribers:
+        s.unregister()
+    for topic, messages in expected.items():
+        expect(len(received[topic]) == len(messages), f"{name} {topic}: {len(received[topic])} live, {len(messages)} replayed")
+        for n, (a, b) in enumerate(zip(received[topic], messages)):
+            expect(a == b, f"{name} {topic}: message {n} differs")
+    print(f"{name}: " + ", ".join(f"{t} {len(m)}" for t, m in sorted(expected.items())))
+
+
+def main():
+    port = free_port()
+    use_master_at(port)
+    with folder() as tmp, ros_master(port):
+        rospy.init_node("listener", disable_signals=True, anonymous=True)
+        udp = {p: free_port(socket.SOCK_DGRAM) for p in (2368, 6060)}
+        compare("demo", (ROOT / "config/demo.yaml").read_text(), ROOT / "pcaps/demo.pcap", udp, tmp)
+        # 1507 packets per second.
+        dual = "sensors:\n  roof: {model: velodyne_vlp16, ip_address: 192.168.1.201, ip_port: 2368, pose: {xyz: [0, 0, 2]}}\n"
+        compare("dual", dual, ROOT / "pcaps/vlp16_dual.pcap", udp, tmp)
+    print("ok")
+
+
+if __name__ == "__main__":
+    main()
