@@ -77,7 +77,7 @@ struct Replay {
     ros.backpressure = Backpressure::block;
     ros.clock = options.clock;
     RosLink link(ros);
-    TfPoses poses;
+    const auto poses = std::make_shared<TfPoses>();
     link.add_client(poses);
     // roscpp installs handlers of its own when it starts; ours must come last.
     link.start();
@@ -90,7 +90,7 @@ struct Replay {
     }
     stop_on_signals();
     wait_for_subscribers();
-    play(link, poses,
+    play(link, *poses,
          options.clock ? [&link](Stamp stamp) { link.publish_clock(stamp); } : std::function<void(Stamp)>());
     constexpr Span flush_patience = std::chrono::seconds(5);
     const bool flushed = link.flush(flush_patience);

@@ -45,13 +45,17 @@ class Daemon {
  public:
   Daemon(const Config& config, const std::vector<std::string>& ros_arguments)
       : link_(ros_options(config, ros_arguments)),
-        pipeline_(config, poses_, link_),
+        pipeline_(config, *poses_, link_),
         ports_(io_, config, [this](const Packet& packet) { pipeline_.packet(packet); }),
-        inputs_(
+        inputs_(std::make_shared<RosInputs>(
             topic_sources(config),
             [this](std::function<void()> task) { boost::asio::post(io_, std::move(task)); },
-            {[this](const std::string& s, PlanarScan& scan, Stamp t) { pipeline_.scan_message(s, scan, t); },
-             [this](const std::string& s, Cloud& cloud, Stamp t) { pipeline_.cloud_message(s, cloud, t); }}),
+            TopicHandlers{[this](const std::string& s, PlanarScan& scan, Stamp t) {
+                            pipeline_.scan_message(s, scan, t);
+                          },
+                          [this](const std::string& s, Cloud& cloud, Stamp t) {
+                            pipeline_.cloud_message(s, cloud, t);
+                          }})),
         signals_(io_, SIGINT, SIGTERM),
         timer_(io_) {
     link_.add_client(poses_);
@@ -133,11 +137,11 @@ class Daemon {
 
   boost::asio::io_context io_{1};
   ServiceManager service_;
-  TfPoses poses_;
+  std::shared_ptr<TfPoses> poses_ = std::make_shared<TfPoses>();
   RosLink link_;
   Pipeline pipeline_;
   Ports ports_;
-  RosInputs inputs_;
+  std::shared_ptr<RosInputs> inputs_;
   boost::asio::signal_set signals_;
   boost::asio::steady_timer timer_;
   std::chrono::steady_clock::time_point next_tick_;
