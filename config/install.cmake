@@ -1,8 +1,35 @@
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
+# `cmake --install build --prefix ANYWHERE` needs no root. Paths that stand inside files follow the prefix given there.
+set(share ${CMAKE_INSTALL_DATADIR}/lidard)
+set(config ${CMAKE_CURRENT_SOURCE_DIR}/config)
+
 install(TARGETS lidard RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 # rosrun and roslaunch look for a package's executables under lib/<package> and for package.xml under share/<package>.
 install(CODE "
   file(MAKE_DIRECTORY \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/lib/lidard\")
   file(CREATE_LINK \"../../${CMAKE_INSTALL_BINDIR}/lidard\" \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/lib/lidard/lidard\" SYMBOLIC)")
-install(FILES package.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/lidard)
+install(FILES package.xml DESTINATION ${share})
+install(FILES ${config}/lidard.launch DESTINATION ${share}/launch)
+install(FILES ${config}/lidard.rviz DESTINATION ${share}/rviz)
+install(DIRECTORY ${config}/ DESTINATION ${share}/config FILES_MATCHING PATTERN "*.yaml")
+
+install(FILES ${config}/60-lidard.conf DESTINATION lib/sysctl.d)
+install(FILES daemon/lidard.8 DESTINATION ${CMAKE_INSTALL_MANDIR}/man8 OPTIONAL)
+install(FILES daemon/lidard.bash-completion DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME lidard OPTIONAL)
+install(CODE "
+  set(bindir \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}\")
+  # The system's own prefix keeps its configuration in /etc (Filesystem Hierarchy Standard).
+  if(CMAKE_INSTALL_PREFIX STREQUAL \"/usr\")
+    set(sysconfdir /etc)
+  else()
+    set(sysconfdir \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_SYSCONFDIR}\")
+  endif()
+  configure_file(\"${config}/lidard.service.in\" \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/lib/systemd/system/lidard.service\" @ONLY)
+  message(STATUS \"Installing: \$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/lib/systemd/system/lidard.service\")
+  # What an administrator wrote stays.
+  set(example \"\$ENV{DESTDIR}\${sysconfdir}/lidard/lidard.yaml\")
+  if(NOT EXISTS \"\${example}\")
+    configure_file(\"${config}/demo.yaml\" \"\${example}\" COPYONLY)
+    message(STATUS \"Installing: \${example}\")
+  endif()")

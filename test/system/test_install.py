@@ -1,0 +1,120 @@
+#!/usr/bin/python3
+# SPDX-FileCopyrightText: 2026 the lidard authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Installs into a temporary prefix, as any user may, and looks at what lies there."""
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import unittest
+import xml.etree.ElementTree
+
+import rospkg
+import yaml
+
+BUILD = pathlib.Path(os.environ["LIDARD"]).parent
+SOURCE = pathlib.Path(os.environ["LIDARD_SOURCE_DIR"])
+
+
+def install(prefix, destdir=None):
+    environment = dict(os.environ)
+    environment.pop("DESTDIR", None)
+    if destdir:
+        environment["DESTDIR"] = str(destdir)
+    done = subprocess.run(["cmake", "--install", str(BUILD), "--prefix", str(prefix)], env=environment,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+    if done.returncode != 0:
+        raise RuntimeError(done.stdout)
+
+
+class Installation(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="lidard-install-"))
+        cls.prefix = cls.folder / "prefix"
+        install(cls.prefix)
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.folder)
+
+    def text(self, name):
+        return (self.prefix / name).read_text()
+
+    def test_the_program_lies_where_ros_and_people_look_for_it(self):
+        self.assertTrue(os.access(self.prefix / "bin/lidard", os.X_OK))
+        link = self.prefix / "lib/lidard/lidard"
+        self.assertTrue(link.is_symlink())
+        self.assertEqual(link.resolve(), (self.prefix / "bin/lidard").resolve())
+
+    def test_ros_finds_the_package(self):
+        packages = rospkg.RosPack(ros_paths=[str(self.prefix / "share")])
+        self.assertEqual(packages.get_path("lidard"), str(self.prefix / "share/lidard"))
+        self.assertEqual(packages.get_manifest("lidard").license, "BSD-3-Clause")
+
+    def test_the_launch_file_names_what_is_installed(self):
+        launch = xml.etree.ElementTree.parse(self.prefix / "share/lidard/launch/lidard.launch")
+        node = launch.find("node")
+        self.assertEqual((node.get("pkg"), node.get("type")), ("lidard", "lidard"))
+        self.assertTrue(node.get("args").startswith("run -c "))
+        text = self.text("share/lidard/launch/lidard.launch")
+        for name in ("config/demo.yaml", "rviz/lidard.rviz"):
+            self.assertIn("$(find lidard)/" + name, text)
+            self.assertTrue((self.prefix / "share/lidard" / name).exists(), name)
+
+    def test_the_rviz_file_shows_topics_of_the_demo_vehicle(self):
+        rviz = yaml.safe_load(self.text("share/lidard/rviz/lidard.rviz"))
+        topics = {d["Topic"] for d in rviz["Visualization Manager"]["Displays"] if "Topic" in d}
+        demo = yaml.safe_load(self.text("share/lidard/config/demo.yaml"))
+        frames = {f for group in demo["virtual_scans"].values() for f in group["virtual_laser_scan"]}
+        names = set(demo["sensors"]) | set(demo["merged_scans"]) | frames
+        for topic in topics:
+            self.assertIn(topic.strip("/").split("/")[0], names)
+
+    def test_systemd_accepts_the_unit(self):
+        unit = self.prefix / "lib/systemd/system/lidard.service"
+        self.assertNotIn("@", unit.read_text())
+        done = subprocess.run(["systemd-analyze", "verify", "--man=no", str(unit)], stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, text=True, check=False)
+        complaints = [line for line in done.stdout.splitlines() if "lidard" in line]
+        self.assertEqual(complaints, [])
+        self.assertEqual(done.returncode, 0, done.stdout)
+
+    def test_the_unit_runs_the_installed_program_with_the_installed_configuration(self):
+        lines = self.text("lib/systemd/system/lidard.service").splitlines()
+        self.assertIn(f"ExecStart={self.prefix}/bin/lidard run -c {self.prefix}/etc/lidard/lidard.yaml", lines)
+        for line in ("Type=notify", "DynamicUser=yes", "Environment=ROS_LOG_DIR=%t/lidard",
+                     "RestartPreventExitStatus=2 78"):
+            self.assertIn(line, lines)
+        done = subprocess.run([self.prefix / "bin/lidard", "check", self.prefix / "etc/lidard/lidard.yaml"],
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout)
+
+    def test_the_receive_buffer_may_grow(self):
+        self.assertIn("net.core.rmem_max=8388608", self.text("lib/sysctl.d/60-lidard.conf").splitlines())
+
+    def test_documentation_that_exists_is_installed(self):
+        for source, installed in (("daemon/lidard.8", "share/man/man8/lidard.8"),
+                                  ("daemon/lidard.bash-completion", "share/bash-completion/completions/lidard")):
+            self.assertEqual((SOURCE / source).exists(), (self.prefix / installed).exists(), source)
+
+    def test_a_configuration_that_was_edited_stays(self):
+        other = self.folder / "other"
+        install(other)
+        config = other / "etc/lidard/lidard.yaml"
+        config.write_text("# mine\n")
+        install(other)
+        self.assertEqual(config.read_text(), "# mine\n")
+
+    def test_the_system_prefix_keeps_its_configuration_in_etc(self):
+        stage = self.folder / "stage"
+        install("/usr", stage)
+        self.assertTrue((stage / "etc/lidard/lidard.yaml").exists())
+        self.assertTrue((stage / "usr/bin/lidard").exists())
+        unit = (stage / "usr/lib/systemd/system/lidard.service").read_text()
+        self.assertIn("ExecStart=/usr/bin/lidard run -c /etc/lidard/lidard.yaml", unit)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
