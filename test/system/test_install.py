@@ -96,7 +96,7 @@ class Installation(unittest.TestCase):
 
     def test_documentation_that_exists_is_installed(self):
         for source, installed in (("daemon/lidard.8", "share/man/man8/lidard.8"),
-                                  ("daemon/lidard.bash-completion", "share/bash-completion/completions/lidard")):
+                                  ("daemon/completion.bash", "share/bash-completion/completions/lidard")):
             self.assertEqual((SOURCE / source).exists(), (self.prefix / installed).exists(), source)
 
     def test_a_configuration_that_was_edited_stays(self):
