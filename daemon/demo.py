@@ -98,7 +98,7 @@ def main():
             known = set()
             master = xmlrpc.client.ServerProxy(os.environ["ROS_MASTER_URI"])
             while player.poll() is None:
-                for topic, kind in master.getTopicTypes("/demo")[2]:
+                for topic, kind in master.getPublishedTopics("/demo", "")[2]:
                     if topic not in known and not topic.startswith("/rosout"):
                         known.add(topic)
                         listener.subscribe(topic, kind)
