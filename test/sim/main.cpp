@@ -22,6 +22,7 @@ struct Arguments {
   std::string to;
   std::string rate = "1";
   std::vector<std::string> source_map;
+  std::vector<std::string> port_map;
   double duration = 0;
 };
 
@@ -40,6 +41,16 @@ Route parse_route(const Arguments& arguments) {
       throw CLI::ValidationError("'" + entry + "' has no '='; expected e.g. 192.168.0.21=127.0.0.21");
     }
     route.sources[parse_address(entry.substr(0, sign))] = parse_address(entry.substr(sign + 1));
+  }
+  for (const std::string& entry : arguments.port_map) {
+    unsigned from = 0;
+    unsigned to = 0;
+    int used = 0;
+    const bool read = std::sscanf(entry.c_str(), "%u=%u%n", &from, &to, &used) == 2;
+    if (!read || static_cast<std::size_t>(used) != entry.size() || from > 65535 || to > 65535) {
+      throw CLI::ValidationError("--port-map '" + entry + "'; expected e.g. 2368=12368");
+    }
+    route.ports[static_cast<std::uint16_t>(from)] = static_cast<std::uint16_t>(to);
   }
   return route;
 }
@@ -106,8 +117,9 @@ int send(const Arguments& arguments) {
 }
 
 void add_route_options(CLI::App& command, Arguments& arguments) {
-  command.add_option("--to", arguments.to, "Send there, whatever the packet says; ports are kept")
-      ->type_name("ADDRESS");
+  command.add_option("--to", arguments.to, "Send there, whatever the packet says")->type_name("ADDRESS");
+  command.add_option("--port-map", arguments.port_map, "Send to port NEW what was sent to port OLD")
+      ->type_name("OLD=NEW");
   command
       .add_option(
           "--source-map", arguments.source_map,

@@ -111,7 +111,9 @@ int UdpSender::socket_for(const Endpoint& from, const IpAddress& destination) {
 }
 
 void UdpSender::send(const Endpoint& from, const Endpoint& to, ByteView payload) {
-  const Endpoint destination{route_.to.value_or(to.address), to.port};
+  const auto other_port = route_.ports.find(to.port);
+  const Endpoint destination{route_.to.value_or(to.address),
+                             other_port == route_.ports.end() ? to.port : other_port->second};
   const int fd = socket_for(from, destination.address);
   sockaddr_storage storage;
   const socklen_t length = to_sockaddr(destination, storage);

@@ -33,8 +33,9 @@ class Pacer {
 
 /// Where packets really go, and from where.
 struct Route {
-  std::optional<IpAddress> to;             ///< instead of the packet's own destination; ports are kept
-  std::map<IpAddress, IpAddress> sources;  ///< own address to send from, by the sender in the capture
+  std::optional<IpAddress> to;                   ///< instead of the packet's own destination
+  std::map<std::uint16_t, std::uint16_t> ports;  ///< destination port by the port in the capture
+  std::map<IpAddress, IpAddress> sources;        ///< own address to send from, by the sender in the capture
 };
 
 /// The local address that stands for a sender. Every address 127.x.y.z is at hand on Linux: towards loopback
