@@ -30,9 +30,8 @@ std::vector<std::string_view> with_output_keys(std::vector<std::string_view> key
 using Sources = std::vector<const SensorConfig*>;
 
 std::string kind_of(const SensorConfig& sensor) {
-  if (sensor.model == nullptr) return "a source of another driver";
-  return std::string(sensor.model->name) +
-         (sensor.model->kind == FrameKind::cloud ? ", which gives clouds" : ", which gives scans");
+  const bool cloud = sensor.model->kind == FrameKind::cloud;
+  return std::string(sensor.model->name) + (cloud ? ", which gives clouds" : ", which gives scans");
 }
 
 bool can_give(const SensorConfig& sensor, FrameKind kind) {

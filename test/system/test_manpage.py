@@ -1,0 +1,68 @@
+#!/usr/bin/python3
+# SPDX-FileCopyrightText: 2026 the lidard authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The manual page and the completion know every command and option that `lidard --help` knows, and no other."""
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+LIDARD = os.environ["LIDARD"]
+ROOT = pathlib.Path(os.environ["LIDARD_SOURCE_DIR"])
+PAGE = ROOT / "daemon/lidard.8"
+
+
+def output(*command, **environment):
+    done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **environment}, check=False)
+    return done.returncode, done.stdout, done.stderr
+
+
+def help_of(*command):
+    code, text, _ = output(LIDARD, *command, "--help")
+    assert code == 0 and text, f"lidard {' '.join(command)} --help: exit {code}"
+    return text
+
+
+def commands():
+    """Names below `Subcommands:`, each indented by two blanks."""
+    listed = help_of().split("Subcommands:", 1)[1]
+    return re.findall(r"^  ([a-z]+)\s", listed, re.MULTILINE)
+
+
+def options(text):
+    return set(re.findall(r"(?<![\w-])--[a-z]+", text))
+
+
+def page_sections(text):
+    """Text of each command in the page's COMMANDS, by name."""
+    body = text.split("\nCOMMANDS\n", 1)[1].split("\nCONFIGURATION\n", 1)[0]
+    parts = re.split(r"^ {7}([a-z]+)(?= |$)", body, flags=re.MULTILINE)
+    return dict(zip(parts[1::2], parts[2::2]))
+
+
+def main():
+    code, text, warnings = output("man", "--warnings", "-l", str(PAGE), MANWIDTH="300", LC_ALL="C.UTF-8", MANPAGER="cat")
+    text = re.sub(".\b", "", text)
+    assert code == 0 and not warnings, f"man: exit {code}, {warnings}"
+    described = page_sections(text)
+    known = commands()
+    assert known and set(described) == set(known), f"page has {sorted(described)}, --help has {sorted(known)}"
+    general = options(text.split("\nCOMMANDS\n", 1)[0])
+    completion = (ROOT / "daemon/completion.bash").read_text()
+    for command in known:
+        real = options(help_of(command))
+        missing = real - options(described[command]) - general
+        invented = options(described[command]) - real
+        assert not missing and not invented, f"{command}: page lacks {missing}, invents {invented}"
+        assert re.search(rf'"[^"]*\b{command}\b', completion), f"completion lacks {command}"
+        unknown = real - options(completion)
+        assert not unknown, f"{command}: completion lacks {unknown}"
+    print(f"{len(known)} commands agree")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except AssertionError as error:
+        sys.exit(f"FAILED: {error}")
