@@ -13,8 +13,11 @@ namespace {
 
 using namespace lidard::test;
 
-Reject parse(const Bytes& bytes, Ms3Telegram& t) {
-  return parse_ms3_telegram(ByteView(bytes.data(), bytes.size()), t);
+/// The views of `t` stay valid until the next call.
+Reject parse(Bytes bytes, Ms3Telegram& t) {
+  static Bytes kept;
+  kept = std::move(bytes);
+  return parse_ms3_telegram(ByteView(kept.data(), kept.size()), t);
 }
 
 /// SICK 8022708 p. 55, table 64, from the data header to the eleventh beam; what the manual leaves out is
