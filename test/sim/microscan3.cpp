@@ -86,6 +86,10 @@ class MicroScan3 : public SensorModel {
     return static_cast<std::uint32_t>(std::lround(echo.distance * 1000));
   }
 
+  static std::uint64_t percent(double reflectivity) {
+    return static_cast<std::uint64_t>(std::min(255L, std::lround(100 * reflectivity)));
+  }
+
   bool dirty(std::size_t i) const {
     return std::any_of(options_.dirty_deg.begin(), options_.dirty_deg.end(), [&](const auto& sector) {
       return angle_deg(i) >= sector.first && angle_deg(i) <= sector.second;
@@ -162,7 +166,7 @@ class MicroScan3 : public SensorModel {
       const Answer::Echo& echo = answers[i].near();
       const bool hit = answers[i].count > 0;
       wire.put16(at, dirty(i) ? 0 : hit ? std::min(millimetres(echo), 65535U) : no_echo_mm_);
-      wire.put8(at + 2, hit ? std::min(255L, std::lround(100 * echo.reflectivity)) : 0L);
+      wire.put8(at + 2, hit ? percent(echo.reflectivity) : 0U);
       unsigned status = hit ? status_valid : status_valid | status_infinite;
       if (hit && echo.reflectivity > 1) status |= status_reflector;
       if (dirty(i)) status = status_contamination;
