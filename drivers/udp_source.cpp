@@ -45,7 +45,8 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
 
   void stop() {
     close();
-    timer_.cancel();
+    boost::system::error_code ignored;
+    timer_.cancel(ignored);
     state_ = {};
   }
 

@@ -9,6 +9,7 @@
 
 #include <boost/asio/io_context.hpp>
 #include <chrono>
+#include <cmath>
 #include <map>
 #include <thread>
 
@@ -85,23 +86,35 @@ struct Bench {
   UdpSource source;
 };
 
-TEST(UdpSource, ReceivesUnicastWithSenderReceiverAndKernelStamp) {
+TEST(UdpSource, ReceivesUnicastWithSenderAndReceiver) {
   Bench bench;
   ASSERT_EQ(bench.source.state().phase, UdpState::Phase::receiving) << bench.source.state().message;
   Sender sender("127.0.0.2");
   ASSERT_TRUE(sender.send(bench.port(), "hello"));
-  const auto sent = std::chrono::system_clock::now().time_since_epoch();
-  std::this_thread::sleep_for(milliseconds(50));  // the stamp is the arrival's, not the reading's
   ASSERT_TRUE(bench.run_until_count(1));
   EXPECT_EQ(bench.text, "hello");
   EXPECT_EQ(bench.last.from.address, IpAddress::v4(127, 0, 0, 2));
   EXPECT_NE(bench.last.from.port, 0);
   EXPECT_EQ(bench.last.to.address, IpAddress::v4(127, 0, 0, 1));
   EXPECT_EQ(bench.last.to.port, bench.port());
-  EXPECT_NEAR(seconds(Span(sent) - Span(bench.last.arrival.ns)), 0, 20e-3);
   EXPECT_EQ(bench.source.stats().datagrams, 1U);
   EXPECT_EQ(bench.source.stats().bytes, 5U);
   EXPECT_EQ(bench.source.stats().kernel_drops, 0U);
+}
+
+TEST(UdpSource, StampsTheArrivalNotTheReading) {
+  Bench bench;
+  Sender sender;
+  // The kernel switches stamping on in the background; until then it stamps when the datagram is read.
+  double late = 1;
+  for (std::uint64_t attempt = 1; attempt <= 20 && late > 20e-3; ++attempt) {
+    ASSERT_TRUE(sender.send(bench.port(), "x"));
+    const auto sent = std::chrono::system_clock::now().time_since_epoch();
+    std::this_thread::sleep_for(milliseconds(50));
+    ASSERT_TRUE(bench.run_until_count(attempt));
+    late = std::abs(seconds(Span(bench.last.arrival.ns) - Span(sent)));
+  }
+  EXPECT_LT(late, 20e-3);
 }
 
 TEST(UdpSource, ReceivesBroadcastsFromListedSenders) {
