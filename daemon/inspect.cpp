@@ -122,6 +122,7 @@ Row row_of(const FoundSensor& sensor) {
           sensor.info.serial.empty() ? "-" : printable(sensor.info.serial)};
 }
 
+/// The device's own details are many: they stand in the JSON.
 void print_remarks(const FoundSensor& sensor, std::ostream& out) {
   const auto remark = [&](const std::string& text) {
     if (!text.empty()) out << "# " << sensor.name << ": " << printable(text) << '\n';
@@ -130,9 +131,6 @@ void print_remarks(const FoundSensor& sensor, std::ostream& out) {
   remark(in_words(troubles(sensor.counters)));
   const std::string rejects = rejects_in_words(sensor.counters);
   remark(rejects.empty() ? "" : "rejected: " + rejects);
-  for (const auto& [key, value] : sensor.info.details) {
-    if (value != sensor.model->vendor && value != sensor.model->product) remark(key + ": " + value);
-  }
   for (const std::string& warning : sensor.info.warnings) remark(warning);
 }
 

@@ -124,6 +124,23 @@ void expect_config_replays(const std::string& capture) {
   }
 }
 
+TEST(Inspect, FindsEverySensorOfTheDemoVehicle) {
+  const std::string path = project_file("pcaps/demo.pcap");
+  const Json said = inspect_json(path);
+  ASSERT_EQ(said["sensors"].size(), 3U);
+  EXPECT_EQ(said["sensors"][0]["model"], "sick_microscan3");
+  EXPECT_EQ(said["sensors"][1]["name"], "sick_microscan3_2");
+  EXPECT_EQ(said["sensors"][2]["model"], "velodyne_vlp16");
+  EXPECT_NE(said["sensors"][0]["serial"], said["sensors"][1]["serial"]);
+  for (const Json& sensor : said["sensors"]) {
+    EXPECT_GT(sensor["frames"], 10);
+    EXPECT_EQ(sensor["lost_packets"], 0);
+    for (const auto& rejects : sensor["rejected"]) EXPECT_EQ(rejects, 0);
+  }
+  EXPECT_TRUE(said["unknown"].empty());
+  expect_config_replays(path);
+}
+
 TEST(Inspect, FindsAVlp16WithItsPositionPackets) {
   LIDARD_NEED_CAPTURE(path, "velodyne/vlp16_gps_293.pcap");
   const Json said = inspect_json(path);
