@@ -13,6 +13,8 @@
 #include "core/cloud.h"
 #include "core/counters.h"
 #include "core/device_clock.h"
+#include "core/gnss.h"
+#include "core/imu.h"
 #include "core/scan.h"
 #include "core/time.h"
 #include "drivers/address.h"
@@ -34,6 +36,10 @@ class DriverOutput {
   virtual ~DriverOutput() = default;
   virtual void scan(PlanarScan& scan) = 0;
   virtual void cloud(Cloud& cloud) = 0;
+  /// What a satellite receiver or an inertial unit in the device told, beside its frames.
+  virtual void fix(const GnssFix& fix) { static_cast<void>(fix); }
+  virtual void time_reference(const TimeReference& reference) { static_cast<void>(reference); }
+  virtual void imu(const ImuSample& sample) { static_cast<void>(sample); }
   /// Bytes to send to the device (TCP devices only).
   virtual void request(ByteView bytes) { static_cast<void>(bytes); }
 };

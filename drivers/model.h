@@ -27,7 +27,7 @@ struct Model {
   FrameKind kind;
   Transport transport;
   std::uint16_t port;            ///< default destination port of the data; 0: must be configured
-  std::uint16_t telemetry_port;  ///< 0 none
+  std::uint16_t telemetry_port;  ///< 0 none; carries a satellite receiver's sentences
   double packets_per_s;          ///< highest rate, all return modes; sizes the receive buffer
   double frame_period;           ///< s, usual
   double range_min, range_max;   ///< m, constant in every scan
@@ -35,6 +35,9 @@ struct Model {
   std::string_view verified;     ///< on what the decoder was tested, a few words for the table of models
   const void* row;               ///< the family's own table entry
   std::unique_ptr<Driver> (*make)(const DriverConfig& config);
+  bool has_imu = false;  ///< its telemetry holds an inertial unit
+
+  bool has_gnss() const { return telemetry_port != 0; }
 };
 
 /// All supported models, in the order of the documentation.
