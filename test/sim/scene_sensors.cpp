@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "test/sim/microscan3.h"
 #include "test/sim/scene_file.h"
-#include "test/sim/velodyne.h"
+#include "test/sim/scene_velodyne.h"
 
 namespace lidard::sim {
 namespace {
@@ -11,32 +11,10 @@ Span milliseconds(double ms) { return span_from_seconds(ms / 1000); }
 
 /// What a model adds to the keys that every sensor has.
 struct Family {
-  const char* name;
+  std::string name;
   double range_min, range_max;  ///< m
-  ModelMaker (*parse)(const YamlReader& options);
+  std::function<ModelMaker(const YamlReader& options)> parse;
 };
-
-ReturnMode return_mode(const YamlReader& yaml) {
-  const std::string mode = yaml.text();
-  if (mode == "strongest") return ReturnMode::strongest;
-  if (mode == "last") return ReturnMode::last;
-  if (mode == "dual") return ReturnMode::dual;
-  yaml.fail("unknown return mode '" + mode + "'; expected strongest, last or dual");
-}
-
-ModelMaker parse_vlp16(const YamlReader& yaml) {
-  yaml.allow({"return_mode", "rpm", "start_azimuth_deg", "telemetry_hz", "pps_locked"});
-  VelodyneOptions options;
-  if (yaml.has("return_mode")) options.mode = return_mode(yaml.at("return_mode"));
-  if (yaml.has("rpm")) {
-    const double deg_per_s = yaml.positive("rpm") * 6;
-    options.sequence_turn_deg = deg_per_s * static_cast<double>(vlp16_table().sequence_ns) * 1e-9;
-  }
-  options.start_azimuth_deg = yaml.not_negative("start_azimuth_deg", 0);
-  options.telemetry_hz = yaml.not_negative("telemetry_hz", 0);
-  if (yaml.has("pps_locked")) options.pps_locked = yaml.at("pps_locked").flag();
-  return make_velodyne(vlp16_table(), options);
-}
 
 ModelMaker parse_microscan3(const YamlReader& yaml) {
   yaml.allow({"start_deg", "end_deg", "resolution_deg", "scan_time_ms", "serial", "first_scan", "channel",
@@ -66,20 +44,24 @@ ModelMaker parse_microscan3(const YamlReader& yaml) {
   return make_microscan3(options);
 }
 
-// A further model: one row here, and its own file beside velodyne.cpp and microscan3.cpp (or a table in one
-// of them).
-const Family families[] = {
-    {"velodyne_vlp16", 0.1, 100, parse_vlp16},
-    {"sick_microscan3", 0, 40, parse_microscan3},
-    {"sick_nanoscan3", 0, 40, parse_microscan3},
-    {"sick_outdoorscan3", 0, 40, parse_microscan3},
-};
+std::vector<Family> make_families() {
+  std::vector<Family> families;
+  for (const VelodyneTable& table : velodyne_tables()) {
+    families.push_back({table.name, 0.1, table.range_max,
+                        [&table](const YamlReader& options) { return parse_velodyne(table, options); }});
+  }
+  for (const char* name : {"sick_microscan3", "sick_nanoscan3", "sick_outdoorscan3"}) {
+    families.push_back({name, 0, 40, parse_microscan3});
+  }
+  return families;
+}
 
 const Family& find_family(const YamlReader& yaml) {
+  static const std::vector<Family> families = make_families();
   std::string names;
   for (const Family& family : families) {
     if (yaml.text() == family.name) return family;
-    names += std::string(names.empty() ? "" : ", ") + family.name;
+    names += (names.empty() ? "" : ", ") + family.name;
   }
   yaml.fail("unknown model '" + yaml.text() + "'; expected one of " + names);
 }

@@ -3,49 +3,43 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
-#include <vector>
 
 #include "test/sim/sensor_model.h"
+#include "test/sim/velodyne_layout.h"
+#include "test/sim/velodyne_tables.h"
 
 namespace lidard::sim {
 
-enum class ReturnMode : std::uint8_t { strongest, last, dual };
-
-/// One laser of a rotating head.
-struct VelodyneLaser {
-  double elevation_deg;
-  double z_offset_mm;      ///< height where its beam crosses the axis
-  std::int64_t firing_ns;  ///< after the begin of its firing sequence
+/// A part of the turn, clockwise from `start_deg` to `end_deg`, both included.
+struct AzimuthSector {
+  double start_deg = 0;
+  double end_deg = 360;
 };
-
-/// A product that sends 12 blocks of 32 slots, all with the flag 0xEEFF.
-struct VelodyneTable {
-  const char* name;
-  std::uint8_t product;               ///< byte 1205
-  double step_mm;                     ///< of a distance count
-  std::int64_t sequence_ns;           ///< from one firing sequence to the next
-  std::vector<VelodyneLaser> lasers;  ///< 16 or 32, in firing order
-  double range_min, range_max;        ///< m
-};
-
-/// VLP-16 and Puck LITE.
-const VelodyneTable& vlp16_table();
 
 struct VelodyneOptions {
   ReturnMode mode = ReturnMode::strongest;
-  /// Turn during one firing sequence. The default makes all azimuths exact on the wire (602.8 rpm for 16
-  /// lasers).
-  double sequence_turn_deg = 0.2;
+  /// Turn per firing sequence. The product's default makes all azimuths exact on the wire (602.8 rpm on a
+  /// VLP-16).
+  std::optional<double> turn_deg;
   double start_azimuth_deg = 0;
   double telemetry_hz = 0;  ///< position packets per second; 0 none
   bool pps_locked = false;  ///< what the position packets say
+  /// The device is silent outside. Its firings keep their rhythm and its packets fill up only here, so that
+  /// one packet may hold firings from before and after the silence.
+  std::optional<AzimuthSector> fov;
+  std::string timing;                 ///< name of one of the product's; empty: the default
+  std::int64_t rest_spread_ns = 700;  ///< a random rest differs from its mean by up to this
+  std::uint64_t rest_seed = 1;
+  bool old_stamp = false;     ///< HDL-32E before firmware 2.2.20: stamp of the last firing, no factory bytes
+  bool status_stream = true;  ///< HDL-64E S2 and later: status bytes; else zeros
 };
 
-/// A device of that product.
-ModelMaker make_velodyne(const VelodyneTable& table, const VelodyneOptions& options);
+/// The product's timing of that name; throws std::invalid_argument.
+const VelodyneTiming& velodyne_timing(const VelodyneTable& table, const std::string& name);
 
-/// The sentence a GPS receiver sends for that time (UTC), with checksum and line end.
-std::string gprmc(Stamp time, bool valid);
+/// A device of that product. The table must live on.
+ModelMaker make_velodyne(const VelodyneTable& table, const VelodyneOptions& options);
 
 }  // namespace lidard::sim

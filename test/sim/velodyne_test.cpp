@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "test/sim/test_scene.h"
+#include "test/sim/velodyne_telemetry.h"
 
 namespace {
 
