@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/velodyne/calibration.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <tuple>
+
+namespace lidard::velodyne {
+namespace {
+
+/// velodyne_pointcloud's rawdata.cc unpacks a VLS-128 by a way of its own that knows only the angles.
+constexpr std::size_t lasers_of_vls128 = 128;
+/// Full scale of the intensity formula, 65535 counts of 2 mm: the manual's 13100 is in cm, our focal distance
+/// in m.
+constexpr double focal_scale_m = 131;
+constexpr double focal_scale_of_ros_drivers = 13100;
+
+bool is_two_point(const LaserCalibration& laser, CalibrationModel model) {
+  if (laser.two_point != TwoPoint::unstated) return laser.two_point == TwoPoint::on;
+  return model == CalibrationModel::exact && laser.dist_correction_x != 0 && laser.dist_correction_y != 0;
+}
+
+LaserCalibration angles_only(const LaserCalibration& laser) {
+  LaserCalibration angles;
+  angles.rot_correction = laser.rot_correction;
+  angles.vert_correction = laser.vert_correction;
+  return angles;
+}
+
+auto all_of(const LaserCalibration& l) {
+  return std::tie(l.rot_correction, l.vert_correction, l.dist_correction, l.dist_correction_x,
+                  l.dist_correction_y, l.vert_offset, l.horiz_offset, l.two_point, l.focal_distance,
+                  l.focal_slope, l.min_intensity, l.max_intensity);
+}
+
+}  // namespace
+
+bool operator==(const LaserCalibration& a, const LaserCalibration& b) { return all_of(a) == all_of(b); }
+
+std::vector<std::uint16_t> rings_by_elevation(const Calibration& calibration) {
+  std::vector<std::size_t> order(calibration.lasers.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return calibration.lasers[a].vert_correction < calibration.lasers[b].vert_correction;
+  });
+  std::vector<std::uint16_t> rings(order.size());
+  for (std::size_t ring = 0; ring < order.size(); ++ring)
+    rings[order[ring]] = static_cast<std::uint16_t>(ring);
+  return rings;
+}
+
+CalibratedGeometry::CalibratedGeometry(const Calibration& calibration)
+    : step_m_(calibration.distance_step_m),
+      two_point_below_m_(calibration.model == CalibrationModel::exact
+                             ? far_target_m
+                             : std::numeric_limits<double>::infinity()) {
+  const bool just_angles =
+      calibration.model == CalibrationModel::ros_drivers && calibration.lasers.size() == lasers_of_vls128;
+  lasers_.reserve(calibration.lasers.size());
+  for (const LaserCalibration& laser : calibration.lasers)
+    lasers_.push_back(terms_of(just_angles ? angles_only(laser) : laser, calibration.model));
+}
+
+CalibratedGeometry::Terms CalibratedGeometry::terms_of(const LaserCalibration& laser,
+                                                       CalibrationModel model) {
+  const bool exact = model == CalibrationModel::exact;
+  Terms t{};
+  t.rot_correction = laser.rot_correction;
+  t.cos_rot = std::cos(laser.rot_correction);
+  t.sin_rot = std::sin(laser.rot_correction);
+  t.cos_vert = std::cos(laser.vert_correction);
+  t.sin_vert = std::sin(laser.vert_correction);
+  t.dist_correction = laser.dist_correction;
+  t.horiz_offset = laser.horiz_offset;
+  t.r_offset = exact ? 0 : laser.vert_offset * t.sin_vert;
+  t.z_offset = exact ? laser.vert_offset : laser.vert_offset * t.cos_vert;
+  t.two_point = is_two_point(laser, model);
+  t.near_x = (laser.dist_correction - laser.dist_correction_x) / (far_target_m - near_target_x_m);
+  t.near_y = (laser.dist_correction - laser.dist_correction_y) / (far_target_m - near_target_y_m);
+  const double focal_nearness =
+      1 - laser.focal_distance / (exact ? focal_scale_m : focal_scale_of_ros_drivers);
+  t.focal = 256 * focal_nearness * focal_nearness;
+  t.focal_slope = laser.focal_slope;
+  t.min_intensity = laser.min_intensity;
+  t.max_intensity = laser.max_intensity;
+  return t;
+}
+
+}  // namespace lidard::velodyne

@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace lidard::velodyne {
+
+/// Whose equations turn a calibrated return into a point.
+///
+/// `exact`: those of the HDL-64E S3 manual (63-HDL64ES3 Rev K, appendix F): the beam starts vert_offset above
+/// the origin, and the two-point correction is for returns nearer than the far target only. `ros_drivers`:
+/// those of velodyne_pointcloud (rawdata.cc), so that its users get the cloud they know: the offset turns
+/// with the beam, the two-point correction goes on beyond the far target, the intensity formula takes the
+/// metres of the focal distance for centimetres, and of a VLS-128's calibration only the angles count.
+enum class CalibrationModel : std::uint8_t { exact, ros_drivers };
+
+/// Whether the near corrections are interpolated. Files written for velodyne_pointcloud often hold them
+/// without the key that enables them: then `ros_drivers` leaves them out, as it does there, and `exact` uses
+/// them where both are there.
+enum class TwoPoint : std::uint8_t { off, on, unstated };
+
+/// What was measured of one laser at the factory. Angles in rad, lengths in m.
+struct LaserCalibration {
+  double rot_correction = 0;     ///< subtracted from the azimuth
+  double vert_correction = 0;    ///< elevation
+  double dist_correction = 0;    ///< added to the distance; measured at 25.04 m
+  double dist_correction_x = 0;  ///< instead, across, at 2.40 m
+  double dist_correction_y = 0;  ///< instead, ahead, at 1.93 m
+  double vert_offset = 0;        ///< of the beam's origin, up
+  double horiz_offset = 0;       ///< of the beam's origin, to the left of its direction
+  TwoPoint two_point = TwoPoint::off;
+  double focal_distance = 0;
+  double focal_slope = 0;  ///< 0: intensities as they come
+  int min_intensity = 0;
+  int max_intensity = 255;
+};
+bool operator==(const LaserCalibration& a, const LaserCalibration& b);
+
+/// One sensor's calibration; lasers in the order of the slots of a firing sequence.
+struct Calibration {
+  double distance_step_m = 0.002;  ///< one count of the packet's distances
+  std::vector<LaserCalibration> lasers;
+  CalibrationModel model = CalibrationModel::exact;
+};
+
+/// Rings in ascending order of elevation, equal ones in order of the laser's number.
+std::vector<std::uint16_t> rings_by_elevation(const Calibration& calibration);
+
+/// A return in the sensor's ROS frame (REP 103), m.
+struct CalibratedPoint {
+  float x, y, z;
+  float intensity;
+};
+
+/// Places returns with a calibration; everything that does not depend on the return was computed beforehand.
+///
+/// With D the distance with its far correction, ω the elevation, α the azimuth without rot_correction, v and
+/// h the offsets (sensor frame: Y ahead, X right):
+///
+///     exact:        r = D cos ω           Z = Dy sin ω + v
+///     ros_drivers:  r = D cos ω − v sin ω  Z = Dy sin ω + v cos ω
+///     X = r(Dx) sin α − h cos α           Y = r(Dy) cos α + h sin α
+///
+/// where Dx and Dy are D moved between the near and the far correction in proportion to |X| and |Y|.
+/// In double: at 262 m a float has only 0.03 mm to give, and each step would take its share.
+class CalibratedGeometry {
+ public:
+  explicit CalibratedGeometry(const Calibration& calibration);
+
+  std::size_t lasers() const { return lasers_.size(); }
+  /// The distance with its far correction, m: what range limits apply to.
+  double distance(std::size_t laser, std::uint16_t count) const {
+    return count * step_m_ + lasers_[laser].dist_correction;
+  }
+  /// The laser's rot_correction, rad: what `place` subtracts from the azimuth.
+  double rot_correction(std::size_t laser) const { return lasers_[laser].rot_correction; }
+  /// The point of a return of `count` steps. The azimuth is that of the firing, clockwise from ahead, still
+  /// without rot_correction.
+  CalibratedPoint place(std::size_t laser, std::uint16_t count, std::uint8_t raw_intensity,
+                        double cos_azimuth, double sin_azimuth) const {
+    const Terms& t = lasers_[laser];
+    const double cos_alpha = cos_azimuth * t.cos_rot + sin_azimuth * t.sin_rot;
+    const double sin_alpha = sin_azimuth * t.cos_rot - cos_azimuth * t.sin_rot;
+    const double d = count * step_m_ + t.dist_correction;
+    const double r = d * t.cos_vert - t.r_offset;
+    const double side_x = t.horiz_offset * cos_alpha;
+    const double side_y = t.horiz_offset * sin_alpha;
+    double dx = 0;
+    double dy = 0;
+    if (t.two_point && d < two_point_below_m_) {
+      dx = t.near_x * (std::abs(r * sin_alpha - side_x) - far_target_m);
+      dy = t.near_y * (std::abs(r * cos_alpha + side_y) - far_target_m);
+    }
+    const double right = (r + dx * t.cos_vert) * sin_alpha - side_x;
+    const double ahead = (r + dy * t.cos_vert) * cos_alpha + side_y;
+    const double up = (d + dy) * t.sin_vert + t.z_offset;
+    return {static_cast<float>(ahead), static_cast<float>(-right), static_cast<float>(up),
+            intensity(t, count, raw_intensity)};
+  }
+
+  /// Where the two-point calibration was made: 63-HDL64ES3 Rev K p. 43.
+  static constexpr double far_target_m = 25.04;
+  static constexpr double near_target_x_m = 2.40;
+  static constexpr double near_target_y_m = 1.93;
+
+ private:
+  struct Terms {
+    double rot_correction, cos_rot, sin_rot, cos_vert, sin_vert;
+    double dist_correction, horiz_offset;
+    double r_offset, z_offset;  // what vert_offset takes from the ground distance and adds to the height
+    double near_x, near_y;      // change of the correction per metre towards the near target
+    double focal, focal_slope;
+    double min_intensity, max_intensity;
+    bool two_point;
+  };
+  static Terms terms_of(const LaserCalibration& laser, CalibrationModel model);
+  static float intensity(const Terms& t, std::uint16_t count, std::uint8_t raw) {
+    const double nearness = 1 - count * (1.0 / 65535);
+    double value = raw + t.focal_slope * std::abs(t.focal - 256 * nearness * nearness);
+    value = value < t.min_intensity ? t.min_intensity : value;
+    return static_cast<float>(value > t.max_intensity ? t.max_intensity : value);
+  }
+
+  double step_m_;
+  double two_point_below_m_;
+  std::vector<Terms> lasers_;
+};
+
+}  // namespace lidard::velodyne

@@ -1,0 +1,276 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/velodyne/hdl64_status.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lidard::velodyne {
+namespace {
+
+// Layout: 63-HDL64ES3 Rev K pp. 32-38; the offsets of the settings as velodyne_decoder's hdl64e.py reads
+// them.
+constexpr int slots_per_cycle = 16;
+constexpr int first_calibration_slot = 9;
+constexpr int bytes_per_cycle = 7;
+constexpr int cycles_per_round = 260;
+constexpr int lasers = 64;
+constexpr int first_laser = 7;    // position in the round's calibration bytes
+constexpr int laser_stride = 28;  // 4 cycles
+constexpr int laser_bytes = 21;
+constexpr int settings_begin = 1792;  // in the reserved part of the last laser
+constexpr int checksum_at = 1818;
+constexpr int enough_times = 3;
+constexpr char token[] = {'U', 'N', 'I', 'T', '#'};
+constexpr int whole_token = 0x1f;
+constexpr int whole_date = 0x3f;
+constexpr double rad_per_hundredth_deg = 3.14159265358979323846 / 18000;
+
+/// Slot of a packet in its cycle, -1 where the type does not tell. The settings have types of their own in
+/// place of the digits: 63-HDL64ES3 Rev K p. 37.
+int slot_of(std::uint8_t type) {
+  constexpr char letters[] = {'H', 'M', 'S', 'D', 'N', 'Y', 'G', 'T', 'V'};
+  const auto* letter = std::find(std::begin(letters), std::end(letters), static_cast<char>(type));
+  if (letter != std::end(letters)) return static_cast<int>(letter - std::begin(letters));
+  if (type >= '1' && type <= '7') return first_calibration_slot + type - '1';
+  switch (type) {
+    case 'W':
+    case 0xFE:
+      return first_calibration_slot;
+    case 0xFF:
+      return first_calibration_slot + 1;
+    case 0xFC:
+    case 0xF9:
+      return first_calibration_slot + 2;
+    case 0xFD:
+      return first_calibration_slot + 3;
+    case 0xFA:
+    case 0xF8:
+      return first_calibration_slot + 4;
+    case 0xFB:
+      return first_calibration_slot + 5;
+    default:
+      return -1;
+  }
+}
+
+/// CRC-16, polynomial 0x8005, most significant bit first, from 0.
+std::uint16_t crc16(std::uint16_t crc, std::uint8_t byte) {
+  unsigned value = crc ^ static_cast<unsigned>(byte) << 8U;
+  for (int bit = 0; bit < 8; ++bit) value = (value << 1U) ^ ((value & 0x8000U) != 0 ? 0x8005U : 0U);
+  return static_cast<std::uint16_t>(value & 0xFFFFU);
+}
+
+}  // namespace
+
+void Hdl64Status::add(std::uint8_t type, std::uint8_t value) {
+  int slot = slot_of(type);
+  if (slot < 0) {
+    if (slot_ < 0) return;
+    slot = (slot_ + 1) % slots_per_cycle;
+  }
+  step_to(slot);
+  if (slot < first_calibration_slot)
+    take_status(type, value);
+  else
+    take_calibration(slot - first_calibration_slot, type, value);
+}
+
+void Hdl64Status::restart() {
+  slot_ = -1;
+  cycle_ = -1;
+  pending_count_ = 0;
+  token_ = 0;
+  date_ = 0;
+}
+
+/// Lost packets are skipped; a whole cycle of them is not noticed here but at the next landmark.
+void Hdl64Status::step_to(int slot) {
+  if (slot <= slot_) {
+    token_ = 0;
+    date_ = 0;
+    if (cycle_ >= 0) cycle_ = (cycle_ + 1) % cycles_per_round;
+  }
+  slot_ = slot;
+}
+
+void Hdl64Status::take_status(std::uint8_t type, std::uint8_t value) {
+  switch (type) {
+    case 'G':
+      info_.gps = static_cast<char>(value);
+      break;
+    case 'T':
+      info_.temperature = static_cast<std::int8_t>(value);
+      break;
+    case 'V':
+      info_.firmware = value;
+      break;
+    default:
+      take_date(slot_, value);
+      break;
+  }
+}
+
+/// Only parts of one cycle make a date: across a change of the minute others would not belong together.
+void Hdl64Status::take_date(int slot, std::uint8_t value) {
+  if (slot > 5) return;
+  int* const parts[] = {&date_parts_.hour, &date_parts_.minute, &date_parts_.second,
+                        &date_parts_.day,  &date_parts_.month,  &date_parts_.year};
+  *parts[slot] = value + (slot == 5 ? 2000 : 0);
+  date_ |= 1 << slot;
+  if (date_ == whole_date) info_.time = date_parts_;
+}
+
+void Hdl64Status::take_calibration(int index, std::uint8_t type, std::uint8_t value) {
+  if (type == 'W') {  // in place of a reserved byte
+    info_.is_s3 = true;
+    info_.warnings = value;
+    return;
+  }
+  if (follow_token(index, value) || cycle_ < 0) return;
+  if (!is_landmark_right(index, value) || pending_count_ == pending_.size()) {
+    lose_place();
+    return;
+  }
+  pending_[pending_count_++] = {static_cast<std::uint16_t>(cycle_ * bytes_per_cycle + index), value};
+}
+
+/// True if the byte completes the token, the begin of a round.
+bool Hdl64Status::follow_token(int index, std::uint8_t value) {
+  if (index >= static_cast<int>(sizeof token) || value != static_cast<std::uint8_t>(token[index]))
+    return false;
+  token_ |= 1 << index;
+  if (token_ != whole_token) return false;
+  if (cycle_ == 0) {
+    commit();
+    finish_round();
+  } else if (cycle_ > 0) {
+    lose_place();
+  }
+  cycle_ = 0;
+  return true;
+}
+
+/// A landmark says that the bytes before it stood where they were taken to stand.
+bool Hdl64Status::is_landmark_right(int index, std::uint8_t value) {
+  if (cycle_ == 0 && index < static_cast<int>(sizeof token))
+    return value == static_cast<std::uint8_t>(token[index]);
+  const int position = cycle_ * bytes_per_cycle + index - first_laser;
+  if (position < 0 || position >= lasers * laser_stride || position % laser_stride != 0) return true;
+  if (value != position / laser_stride) return false;
+  commit();
+  return true;
+}
+
+void Hdl64Status::lose_place() {
+  pending_count_ = 0;
+  cycle_ = -1;
+  ++resynchronisations_;
+}
+
+void Hdl64Status::commit() {
+  for (std::size_t i = 0; i < pending_count_; ++i) {
+    Byte& byte = bytes_[pending_[i].position];
+    if (byte.value != pending_[i].value) byte = {pending_[i].value, 0};
+    if (byte.times < std::numeric_limits<std::uint8_t>::max()) ++byte.times;
+  }
+  pending_count_ = 0;
+}
+
+void Hdl64Status::finish_round() {
+  take_settings();
+  if (!is_trustworthy()) return;
+  bool is_new = calibration_ == nullptr;
+  for (int i = 0; i < lasers && !is_new; ++i)
+    is_new = !(calibration_->lasers[static_cast<std::size_t>(i)] == laser(i));
+  if (!is_new) return;
+  Calibration fresh;
+  fresh.lasers.reserve(lasers);
+  for (int i = 0; i < lasers; ++i) fresh.lasers.push_back(laser(i));
+  calibration_ = std::make_shared<const Calibration>(std::move(fresh));
+}
+
+/// How often in succession each byte of the part was the same, for the least of them.
+int Hdl64Status::times_known(int begin, int end) const {
+  int least = std::numeric_limits<int>::max();
+  for (int i = begin; i < end; ++i) least = std::min<int>(least, bytes_[static_cast<std::size_t>(i)].times);
+  return least;
+}
+
+std::uint16_t Hdl64Status::le16(int position) const {
+  const auto at = static_cast<std::size_t>(position);
+  return static_cast<std::uint16_t>(bytes_[at].value | bytes_[at + 1].value << 8U);
+}
+
+/// Over the lasers' records without their numbers, as velodyne_decoder's hdl64e.py has it.
+bool Hdl64Status::is_checksum_right() const {
+  if (times_known(checksum_at, round_bytes) == 0) return false;
+  std::uint16_t crc = 0;
+  for (int i = 0; i < lasers; ++i) {
+    const int record = first_laser + i * laser_stride;
+    for (int k = record + 1; k < record + laser_bytes; ++k)
+      crc = crc16(crc, bytes_[static_cast<std::size_t>(k)].value);
+  }
+  return crc == le16(checksum_at);
+}
+
+bool Hdl64Status::is_trustworthy() const {
+  int times = std::numeric_limits<int>::max();
+  for (int i = 0; i < lasers; ++i) {
+    const int record = first_laser + i * laser_stride;
+    times = std::min(times, times_known(record, record + laser_bytes));
+    constexpr double right_angle = 1.5708;
+    if (std::abs(laser(i).vert_correction) > right_angle) return false;
+  }
+  return times >= enough_times || (times > 0 && info_.is_s3 && is_checksum_right());
+}
+
+/// 63-HDL64ES3 Rev K p. 34: angles in 1/100 degree, lengths in mm, the focal slope in tenths.
+LaserCalibration Hdl64Status::laser(int index) const {
+  const int record = first_laser + index * laser_stride;
+  const auto value = [&](int offset) { return static_cast<std::int16_t>(le16(record + offset)); };
+  const auto byte = [&](int offset) { return bytes_[static_cast<std::size_t>(record + offset)].value; };
+  LaserCalibration laser;
+  laser.vert_correction = value(1) * rad_per_hundredth_deg;
+  laser.rot_correction = value(3) * rad_per_hundredth_deg;
+  laser.dist_correction = value(5) / 1e3;
+  laser.dist_correction_x = value(7) / 1e3;
+  laser.dist_correction_y = value(9) / 1e3;
+  laser.vert_offset = value(11) / 1e3;
+  laser.horiz_offset = value(13) / 1e3;
+  laser.focal_distance = value(15) / 1e3;
+  laser.focal_slope = value(17) / 1e1;
+  laser.min_intensity = byte(19);
+  laser.max_intensity = byte(20);
+  const bool has_near = laser.dist_correction_x != 0 && laser.dist_correction_y != 0;
+  laser.two_point = has_near ? TwoPoint::on : TwoPoint::off;
+  return laser;
+}
+
+/// 63-HDL64ES3 Rev K p. 37. In an S3 the first byte, the year, has the type of any other byte.
+void Hdl64Status::take_settings() {
+  if (times_known(settings_begin, round_bytes) == 0) return;
+  const auto byte = [&](int offset) {
+    return bytes_[static_cast<std::size_t>(settings_begin + offset)].value;
+  };
+  Hdl64Settings settings;
+  bool has_date = true;
+  for (int i = 0; i < 6; ++i) has_date = has_date && byte(i) != 0xFF;
+  if (has_date) settings.calibrated = SensorDate{2000 + byte(0), byte(1), byte(2), byte(3), byte(4), byte(5)};
+  settings.humidity = byte(6);
+  settings.rpm = static_cast<std::int16_t>(le16(settings_begin + 7));
+  settings.fov_start_deg = le16(settings_begin + 9) / 1e2;
+  settings.fov_end_deg = le16(settings_begin + 11) / 1e2;
+  settings.life_hours = le16(settings_begin + 13);
+  for (int i = 0; i < 4; ++i) {
+    settings.source[static_cast<std::size_t>(i)] = byte(15 + i);
+    settings.destination[static_cast<std::size_t>(i)] = byte(19 + i);
+  }
+  settings.return_mode = byte(23);
+  settings.power_level = byte(25);
+  if (!info_.is_s3) info_.warnings = byte(24);
+  info_.settings = settings;
+}
+
+}  // namespace lidard::velodyne
