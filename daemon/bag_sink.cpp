@@ -45,6 +45,9 @@ struct BagSink::Impl {
   sensor_msgs::LaserScan scan;
   sensor_msgs::MultiEchoLaserScan echoes;
   sensor_msgs::PointCloud2 cloud;
+  sensor_msgs::NavSatFix fix;
+  sensor_msgs::TimeReference reference;
+  sensor_msgs::Imu imu;
   tf2_msgs::TFMessage tf;
   diagnostic_msgs::DiagnosticArray diagnostics;
 
@@ -115,6 +118,21 @@ void BagSink::cloud(const std::string& topic, Cloud& cloud, Stamp released) {
   to_ros(cloud, impl_->cloud);
   impl_->write(topic, released, impl_->cloud);
   cloud.points_bytes.swap(impl_->cloud.data);  // the driver gets its own buffer back
+}
+
+void BagSink::fix(const std::string& topic, const GnssFix& fix, Stamp released) {
+  to_ros(fix, impl_->fix);
+  impl_->write(topic, released, impl_->fix);
+}
+
+void BagSink::time_reference(const std::string& topic, const TimeReference& reference, Stamp released) {
+  to_ros(reference, impl_->reference);
+  impl_->write(topic, released, impl_->reference);
+}
+
+void BagSink::imu(const std::string& topic, const ImuSample& sample, Stamp released) {
+  to_ros(sample, impl_->imu);
+  impl_->write(topic, released, impl_->imu);
 }
 
 void BagSink::transforms(const std::vector<StaticTransform>& transforms, Stamp released) {

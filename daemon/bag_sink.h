@@ -28,6 +28,9 @@ class BagSink : public FrameSink {
 
   void scan(const std::string& topic, const PlanarScan& scan, Stamp released) override;
   void cloud(const std::string& topic, Cloud& cloud, Stamp released) override;
+  void fix(const std::string& topic, const GnssFix& fix, Stamp released) override;
+  void time_reference(const std::string& topic, const TimeReference& reference, Stamp released) override;
+  void imu(const std::string& topic, const ImuSample& sample, Stamp released) override;
   void transforms(const std::vector<StaticTransform>& transforms, Stamp released) override;
   void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) override;
 

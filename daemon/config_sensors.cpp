@@ -137,6 +137,10 @@ SensorConfig read_sensor(const std::string& name, Mapping& yaml, const Config& c
     read_device(yaml, sensor);
     claims.publishes(name + (sensor.model->kind == FrameKind::cloud ? "/points" : "/scan"), owner,
                      yaml.self());
+    if (sensor.model->has_gnss())
+      for (const char* topic_name : {"/fix", "/time_reference"})
+        claims.publishes(name + topic_name, owner, yaml.self());
+    if (sensor.model->has_imu) claims.publishes(name + "/imu", owner, yaml.self());
   } else {
     sensor.topic = read_topic(*topic);
     claims.listens(sensor.topic, owner, *topic);

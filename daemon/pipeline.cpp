@@ -26,6 +26,9 @@ struct SensorLine final : public DriverOutput {
   SensorLine(const SensorConfig& sensor, Pipeline::Impl& pipeline) : config(sensor), owner(pipeline) {
     if (config.model != nullptr) driver = config.model->make(config.driver);
     topic = sensor_topic(config).name;
+    fix_topic = config.name + "/fix";
+    time_topic = config.name + "/time_reference";
+    imu_topic = config.name + "/imu";
   }
   bool owns_port(std::uint16_t port) const {
     if (config.model == nullptr) return false;
@@ -34,11 +37,17 @@ struct SensorLine final : public DriverOutput {
   }
   void scan(PlanarScan& scan) override;
   void cloud(Cloud& cloud) override;
+  void fix(const GnssFix& fix) override;
+  void time_reference(const TimeReference& reference) override;
+  void imu(const ImuSample& sample) override;
 
   SensorConfig config;
   Pipeline::Impl& owner;
   std::unique_ptr<Driver> driver;
   std::string topic;
+  std::string fix_topic;
+  std::string time_topic;
+  std::string imu_topic;
   bool seen = false;
   Stamp last_arrival{};
   Counters topic_counters;  // of a `topic:` source
@@ -86,10 +95,24 @@ void SensorLine::cloud(Cloud& cloud) {
   owner.sink.cloud(topic, cloud, owner.now);
 }
 
+void SensorLine::fix(const GnssFix& fix) { owner.sink.fix(fix_topic, fix, owner.now); }
+
+void SensorLine::time_reference(const TimeReference& reference) {
+  owner.sink.time_reference(time_topic, reference, owner.now);
+}
+
+void SensorLine::imu(const ImuSample& sample) { owner.sink.imu(imu_topic, sample, owner.now); }
+
 std::vector<TopicInfo> pipeline_topics(const Config& config) {
   std::vector<TopicInfo> topics;
   for (const auto& sensor : config.sensors) {
-    if (sensor.model != nullptr) topics.push_back(sensor_topic(sensor));
+    if (sensor.model == nullptr) continue;
+    topics.push_back(sensor_topic(sensor));
+    if (sensor.model->has_gnss()) {
+      topics.push_back({sensor.name + "/fix", TopicKind::fix});
+      topics.push_back({sensor.name + "/time_reference", TopicKind::time_reference});
+    }
+    if (sensor.model->has_imu) topics.push_back({sensor.name + "/imu", TopicKind::imu});
   }
   for (const auto& merged : config.merged_scans) {
     topics.push_back({merged.scan_destination_topic, TopicKind::scan});

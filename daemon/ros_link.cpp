@@ -277,6 +277,15 @@ void RosLink::scan(const std::string& topic, const PlanarScan& scan, Stamp relea
 void RosLink::cloud(const std::string& topic, Cloud& cloud, Stamp released) {
   impl_->queue.push(topic, cloud, released);
 }
+void RosLink::fix(const std::string& topic, const GnssFix& fix, Stamp released) {
+  impl_->queue.push(topic, fix, released);
+}
+void RosLink::time_reference(const std::string& topic, const TimeReference& reference, Stamp released) {
+  impl_->queue.push(topic, reference, released);
+}
+void RosLink::imu(const std::string& topic, const ImuSample& sample, Stamp released) {
+  impl_->queue.push(topic, sample, released);
+}
 void RosLink::transforms(const std::vector<StaticTransform>& transforms, Stamp released) {
   impl_->queue.push(transforms, released);
 }

@@ -21,6 +21,12 @@ ros::Publisher advertise_kind(ros::NodeHandle& node, const TopicInfo& topic, std
       return node.advertise<sensor_msgs::MultiEchoLaserScan>(topic.name, queue_size);
     case TopicKind::cloud:
       return node.advertise<sensor_msgs::PointCloud2>(topic.name, queue_size);
+    case TopicKind::fix:
+      return node.advertise<sensor_msgs::NavSatFix>(topic.name, queue_size);
+    case TopicKind::time_reference:
+      return node.advertise<sensor_msgs::TimeReference>(topic.name, queue_size);
+    case TopicKind::imu:
+      return node.advertise<sensor_msgs::Imu>(topic.name, queue_size);
   }
   return {};
 }
@@ -33,6 +39,12 @@ const char* type_of(TopicKind kind) {
       return ros::message_traits::datatype<sensor_msgs::MultiEchoLaserScan>();
     case TopicKind::cloud:
       return ros::message_traits::datatype<sensor_msgs::PointCloud2>();
+    case TopicKind::fix:
+      return ros::message_traits::datatype<sensor_msgs::NavSatFix>();
+    case TopicKind::time_reference:
+      return ros::message_traits::datatype<sensor_msgs::TimeReference>();
+    case TopicKind::imu:
+      return ros::message_traits::datatype<sensor_msgs::Imu>();
   }
   return "*";
 }
@@ -47,7 +59,8 @@ void RosPublishers::advertise() {
   std::vector<Output> outputs(topics_.size());
   std::map<std::string, std::string> types;
   for (std::size_t i = 0; i < topics_.size(); ++i) {
-    outputs[i].publisher = advertise_kind(node, topics_[i], queue_size);
+    if (topics_[i].kind == TopicKind::imu) outputs[i].queue_size = imu_queue_size;
+    outputs[i].publisher = advertise_kind(node, topics_[i], outputs[i].queue_size);
     types[outputs[i].publisher.getTopic()] = type_of(topics_[i].kind);
   }
   auto transforms = node.advertise<tf2_msgs::TFMessage>("/tf_static", queue_size, true);
@@ -95,7 +108,7 @@ void RosPublishers::send(Output& output, const Message& message) {
       output.publisher.getTopic(), [&message] { return ros::serialization::serializeMessage(message); },
       serialized);
   if (serialized.buf) output.sent.push_back(serialized.buf);
-  while (output.sent.size() > queue_size) output.sent.pop_front();
+  while (output.sent.size() > output.queue_size) output.sent.pop_front();
 }
 
 void RosPublishers::send_transforms(ros::Publisher& publisher) {
@@ -118,6 +131,18 @@ void RosPublishers::send_frame(QueuedFrame& frame, Output& output) {
       to_ros(frame.cloud, cloud_);
       send(output, cloud_);
       cloud_.data.swap(frame.cloud.points_bytes);
+      break;
+    case QueuedFrame::What::fix:
+      to_ros(frame.fix, fix_);
+      send(output, fix_);
+      break;
+    case QueuedFrame::What::time_reference:
+      to_ros(frame.reference, reference_);
+      send(output, reference_);
+      break;
+    case QueuedFrame::What::imu:
+      to_ros(frame.imu, imu_);
+      send(output, imu_);
       break;
     case QueuedFrame::What::clock: {
       rosgraph_msgs::Clock message;

@@ -42,12 +42,15 @@ class RosPublishers {
 
   /// How many messages roscpp keeps for a slow subscriber before it drops the oldest.
   static constexpr std::uint32_t queue_size = 10;
+  /// The same for inertial samples: a quarter of a second of them.
+  static constexpr std::uint32_t imu_queue_size = 50;
 
  private:
   using Buffer = boost::shared_array<std::uint8_t>;
   struct Output {
     ros::Publisher publisher;
     std::deque<Buffer> sent;  // buffers that roscpp may still hold
+    std::uint32_t queue_size = RosPublishers::queue_size;
   };
 
   template <typename Message>
@@ -70,6 +73,9 @@ class RosPublishers {
   sensor_msgs::LaserScan scan_;
   sensor_msgs::MultiEchoLaserScan echoes_;
   sensor_msgs::PointCloud2 cloud_;
+  sensor_msgs::NavSatFix fix_;
+  sensor_msgs::TimeReference reference_;
+  sensor_msgs::Imu imu_;
 };
 
 }  // namespace lidard

@@ -13,9 +13,18 @@ QueuedFrame::What what_travels(TopicKind kind) {
       return QueuedFrame::What::echoes;
     case TopicKind::cloud:
       return QueuedFrame::What::cloud;
+    case TopicKind::fix:
+      return QueuedFrame::What::fix;
+    case TopicKind::time_reference:
+      return QueuedFrame::What::time_reference;
+    case TopicKind::imu:
+      return QueuedFrame::What::imu;
   }
   return QueuedFrame::What::scan;
 }
+
+/// How many frames may wait. Inertial samples come every 5 ms, and a large cloud takes longer to publish.
+std::size_t depth_of(QueuedFrame::What what) { return what == QueuedFrame::What::imu ? 32 : 2; }
 
 }  // namespace
 
@@ -30,9 +39,9 @@ FrameQueue::FrameQueue(const std::vector<TopicInfo>& topics, Backpressure backpr
 }
 
 void FrameQueue::add_lane(QueuedFrame::What what) {
-  Lane lane{what, {}, {}, 0};
+  Lane lane{what, depth_of(what), {}, {}, 0};
   // One more than may wait: the ROS thread holds one.
-  for (std::size_t i = 0; i < depth + 1; ++i) {
+  for (std::size_t i = 0; i < lane.depth + 1; ++i) {
     frames_.emplace_back();
     frames_.back().what = what;
     frames_.back().topic = lanes_.size();
@@ -50,10 +59,10 @@ template <typename Fill>
 void FrameQueue::push_to(Lane& lane, Fill fill) {
   std::unique_lock lock(mutex_);
   if (backpressure_ == Backpressure::block)
-    emptied_.wait(lock, [&] { return stopped_ || lane.waiting.size() < depth; });
+    emptied_.wait(lock, [&] { return stopped_ || lane.waiting.size() < lane.depth; });
   if (stopped_) return;
   QueuedFrame* frame = nullptr;
-  if (lane.waiting.size() < depth) {
+  if (lane.waiting.size() < lane.depth) {
     frame = lane.free.back();
     lane.free.pop_back();
   } else {
@@ -70,7 +79,8 @@ void FrameQueue::push_to(Lane& lane, Fill fill) {
 
 bool FrameQueue::push(const std::string& topic, const PlanarScan& scan, Stamp released) {
   Lane* lane = find(topic);
-  if (lane == nullptr || lane->what == QueuedFrame::What::cloud) return false;
+  if (lane == nullptr) return false;
+  if (lane->what != QueuedFrame::What::scan && lane->what != QueuedFrame::What::echoes) return false;
   push_to(*lane, [&](QueuedFrame& frame) {
     frame.scan = scan;
     frame.released = released;
@@ -88,6 +98,30 @@ bool FrameQueue::push(const std::string& topic, Cloud& cloud, Stamp released) {
     frame.released = released;
   });
   return true;
+}
+
+template <typename Item>
+bool FrameQueue::push_item(const std::string& topic, QueuedFrame::What what, Item QueuedFrame::*place,
+                           const Item& item, Stamp released) {
+  Lane* lane = find(topic);
+  if (lane == nullptr || lane->what != what) return false;
+  push_to(*lane, [&](QueuedFrame& frame) {
+    frame.*place = item;
+    frame.released = released;
+  });
+  return true;
+}
+
+bool FrameQueue::push(const std::string& topic, const GnssFix& fix, Stamp released) {
+  return push_item(topic, QueuedFrame::What::fix, &QueuedFrame::fix, fix, released);
+}
+
+bool FrameQueue::push(const std::string& topic, const TimeReference& reference, Stamp released) {
+  return push_item(topic, QueuedFrame::What::time_reference, &QueuedFrame::reference, reference, released);
+}
+
+bool FrameQueue::push(const std::string& topic, const ImuSample& sample, Stamp released) {
+  return push_item(topic, QueuedFrame::What::imu, &QueuedFrame::imu, sample, released);
 }
 
 void FrameQueue::push(const std::vector<StaticTransform>& transforms, Stamp released) {

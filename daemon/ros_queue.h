@@ -23,18 +23,21 @@ enum class Backpressure : std::uint8_t {
 
 /// A frame on its way from the sensor thread to the ROS thread.
 struct QueuedFrame {
-  enum class What : std::uint8_t { scan, echoes, cloud, transforms, clock };
+  enum class What : std::uint8_t { scan, echoes, cloud, fix, time_reference, imu, transforms, clock };
   What what = What::scan;
   std::size_t topic = 0;  ///< index into the list of topics; of no meaning for transforms and clock
   std::uint64_t number = 0;
   Stamp released;
   PlanarScan scan;
   Cloud cloud;
+  GnssFix fix;
+  TimeReference reference;
+  ImuSample imu;
   std::vector<StaticTransform> transforms;
 };
 
-/// A bounded queue with a lane of two frames per topic; frames leave in the order they came. Frames and their
-/// buffers are recycled: no allocation after warm-up.
+/// A bounded queue with a lane per topic, of two frames or of 32 inertial samples; frames leave in the order
+/// they came. Frames and their buffers are recycled: no allocation after warm-up.
 class FrameQueue {
  public:
   FrameQueue(const std::vector<TopicInfo>& topics, Backpressure backpressure);
@@ -43,6 +46,9 @@ class FrameQueue {
   bool push(const std::string& topic, const PlanarScan& scan, Stamp released);
   /// Swaps points_bytes with a recycled buffer.
   bool push(const std::string& topic, Cloud& cloud, Stamp released);
+  bool push(const std::string& topic, const GnssFix& fix, Stamp released);
+  bool push(const std::string& topic, const TimeReference& reference, Stamp released);
+  bool push(const std::string& topic, const ImuSample& sample, Stamp released);
   void push(const std::vector<StaticTransform>& transforms, Stamp released);
   void push_clock(Stamp now);
 
@@ -60,16 +66,18 @@ class FrameQueue {
  private:
   struct Lane {
     QueuedFrame::What what;
+    std::size_t depth;
     std::deque<QueuedFrame*> waiting;
     std::vector<QueuedFrame*> free;
     std::uint64_t dropped = 0;
   };
-  static constexpr std::size_t depth = 2;
-
   void add_lane(QueuedFrame::What what);
   Lane* find(const std::string& topic);
   template <typename Fill>
   void push_to(Lane& lane, Fill fill);
+  template <typename Item>
+  bool push_item(const std::string& topic, QueuedFrame::What what, Item QueuedFrame::*place, const Item& item,
+                 Stamp released);
   Lane* oldest();
 
   Backpressure backpressure_;

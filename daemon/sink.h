@@ -7,13 +7,15 @@
 #include <vector>
 
 #include "core/cloud.h"
+#include "core/gnss.h"
+#include "core/imu.h"
 #include "core/pose.h"
 #include "core/scan.h"
 
 namespace lidard {
 
 /// What travels on a topic. A scan with several echoes goes to a topic of its own (MultiEchoLaserScan).
-enum class TopicKind : std::uint8_t { scan, echoes, cloud };
+enum class TopicKind : std::uint8_t { scan, echoes, cloud, fix, time_reference, imu };
 
 /// One output topic; `name` as ROS has it (relative names are resolved by the sink).
 struct TopicInfo {
@@ -49,6 +51,15 @@ class FrameSink {
   virtual void scan(const std::string& topic, const PlanarScan& scan, Stamp released) = 0;
   /// May swap out cloud.points_bytes.
   virtual void cloud(const std::string& topic, Cloud& cloud, Stamp released) = 0;
+  virtual void fix(const std::string& topic, const GnssFix& fix, Stamp released) {
+    static_cast<void>(topic), static_cast<void>(fix), static_cast<void>(released);
+  }
+  virtual void time_reference(const std::string& topic, const TimeReference& reference, Stamp released) {
+    static_cast<void>(topic), static_cast<void>(reference), static_cast<void>(released);
+  }
+  virtual void imu(const std::string& topic, const ImuSample& sample, Stamp released) {
+    static_cast<void>(topic), static_cast<void>(sample), static_cast<void>(released);
+  }
   virtual void transforms(const std::vector<StaticTransform>& transforms, Stamp released) = 0;
   virtual void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) = 0;
 };

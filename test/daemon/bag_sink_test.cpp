@@ -114,6 +114,33 @@ TEST_F(Bags, HoldCloudsByteForByteAndGiveTheDriverItsBufferBack) {
   EXPECT_EQ(clouds[0]->header.frame_id, "velodyne");
 }
 
+TEST_F(Bags, HoldFixesTimeReferencesAndImuSamples) {
+  {
+    BagSink sink(path("a.bag"), {{"roof/fix", TopicKind::fix},
+                                 {"roof/time_reference", TopicKind::time_reference},
+                                 {"roof/imu", TopicKind::imu}});
+    const Stamp released{1'700'000'001'000'000'000};
+    sink.fix("roof/fix", test::sample_fix(), released);
+    sink.time_reference("roof/time_reference", test::sample_time_reference(), released);
+    sink.imu("roof/imu", test::sample_imu(), released);
+    sink.close();
+    EXPECT_EQ(sink.messages(), 3U);
+  }
+  rosbag::Bag bag(path("a.bag"));
+  const auto fixes = read<sensor_msgs::NavSatFix>(bag, "/roof/fix");
+  ASSERT_EQ(fixes.size(), 1U);
+  ASSERT_NE(fixes[0], nullptr);
+  EXPECT_EQ(fixes[0]->longitude, test::sample_fix().longitude_deg);
+  const auto references = read<sensor_msgs::TimeReference>(bag, "/roof/time_reference");
+  ASSERT_EQ(references.size(), 1U);
+  EXPECT_EQ(references[0]->time_ref, ros::Time(1'700'000'000, 342'001'000));
+  const auto samples = read<sensor_msgs::Imu>(bag, "/roof/imu");
+  ASSERT_EQ(samples.size(), 1U);
+  EXPECT_EQ(samples[0]->angular_velocity.z, 0.3);
+  rosbag::View view(bag, rosbag::TopicQuery("/roof/imu"));
+  EXPECT_EQ(view.begin()->getTime(), ros::Time(1'700'000'001, 0));
+}
+
 TEST_F(Bags, AreTheSameByteForByteForTheSameInput) {
   write(path("a.bag"), 40);
   write(path("b.bag"), 40);

@@ -92,6 +92,37 @@ TEST(RosLink, PublishesScansEchoesCloudsAndLatchedTransforms) {
   });
 }
 
+TEST(RosLink, PublishesFixesTimeReferencesAndImuSamples) {
+  in_own_process([] {
+    RosMaster master;
+    Listener<sensor_msgs::NavSatFix> fixes("/roof/fix");
+    Listener<sensor_msgs::TimeReference> references("/roof/time_reference");
+    Listener<sensor_msgs::Imu> samples("/roof/imu");
+    master.start();
+    RosOptions with_navigation = options();
+    with_navigation.topics = {{"roof/fix", TopicKind::fix},
+                              {"roof/time_reference", TopicKind::time_reference},
+                              {"roof/imu", TopicKind::imu}};
+    RosLink link(with_navigation);
+    link.start();
+    ASSERT_TRUE(link.wait_for_subscribers(3, 10s));
+    link.fix("roof/fix", test::sample_fix(), Stamp{1});
+    link.time_reference("roof/time_reference", test::sample_time_reference(), Stamp{1});
+    for (int i = 0; i < 20; ++i) link.imu("roof/imu", test::sample_imu(), Stamp{1});
+
+    const auto fix = fixes.take(1);
+    ASSERT_EQ(fix.size(), 1U);
+    EXPECT_EQ(fix[0].latitude, test::sample_fix().latitude_deg);
+    const auto reference = references.take(1);
+    ASSERT_EQ(reference.size(), 1U);
+    EXPECT_EQ(reference[0].source, "gps_pps");
+    const auto imu = samples.take(20);
+    ASSERT_EQ(imu.size(), 20U) << "a burst is not dropped";
+    EXPECT_EQ(imu[19].linear_acceleration.z, 9.8);
+    EXPECT_TRUE(link.stop());
+  });
+}
+
 TEST(RosLink, ReceivesWithoutAMasterAndPublishesSoonAfterItCame) {
   in_own_process([] {
     RosMaster master;

@@ -37,4 +37,29 @@ Cloud sample_cloud(std::size_t points) {
   return cloud;
 }
 
+GnssFix sample_fix() {
+  GnssFix fix;
+  fix.frame_id = "/velodyne";
+  fix.stamp = {1'700'000'000'367'120'000};
+  fix.latitude_deg = 36.82913093;
+  fix.longitude_deg = -2.40757155;
+  fix.altitude_m = 59.5;
+  fix.status = FixStatus::sbas;
+  fix.source_time = Stamp{1'700'000'000'000'000'000};
+  return fix;
+}
+
+TimeReference sample_time_reference() {
+  return {{1'700'000'000'709'121'000}, {1'700'000'000'342'001'000}, "gps_pps"};
+}
+
+ImuSample sample_imu() {
+  ImuSample sample;
+  sample.frame_id = "/velodyne";
+  sample.stamp = {1'700'000'000'380'293'000};
+  sample.angular_velocity = {0.01, -0.02, 0.3};
+  sample.linear_acceleration = {0.5, -0.25, 9.8};
+  return sample;
+}
+
 }  // namespace lidard::test

@@ -5,6 +5,8 @@
 #include <cstddef>
 
 #include "core/cloud.h"
+#include "core/gnss.h"
+#include "core/imu.h"
 #include "core/scan.h"
 
 namespace lidard::test {
@@ -13,5 +15,11 @@ namespace lidard::test {
 PlanarScan sample_scan();
 /// A cloud of 16 rings with `points` distinct points, 0.1 ms apart.
 Cloud sample_cloud(std::size_t points);
+/// A fix with corrections, of known altitude.
+GnssFix sample_fix();
+/// An instant that both clocks tell, from "gps_pps".
+TimeReference sample_time_reference();
+/// Turning left on level ground.
+ImuSample sample_imu();
 
 }  // namespace lidard::test
