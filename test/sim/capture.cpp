@@ -37,10 +37,11 @@ std::string digest_line(const std::string& path) {
          std::to_string(std::filesystem::file_size(path)) + "\n";
 }
 
-void write_digest(const std::string& prefix) {
+void write_digest(const std::string& prefix, bool with_truth) {
   std::string text;
   std::string others;
-  for (const char* kind : {".pcap", ".truth"}) text += digest_line(prefix + kind);
+  text += digest_line(prefix + ".pcap");
+  if (with_truth) text += digest_line(prefix + ".truth");
   std::ifstream old(prefix + ".digest");
   const std::string stem = std::filesystem::path(prefix).filename().string();
   for (std::string line; std::getline(old, line);) {
@@ -61,7 +62,7 @@ std::uint32_t file_crc32(const std::string& path) {
   return crc.checksum();
 }
 
-CaptureSummary make_capture(const Scene& scene, const std::string& prefix) {
+CaptureSummary make_capture(const Scene& scene, const std::string& prefix, bool with_truth) {
   PcapWriter pcap(prefix + ".pcap");
   TruthWriter truth(scene);
   CaptureSummary summary;
@@ -75,9 +76,11 @@ CaptureSummary make_capture(const Scene& scene, const std::string& prefix) {
     return true;
   });
   pcap.close();
-  const auto bytes = truth.bytes();
-  write_file(prefix + ".truth", reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  write_digest(prefix);
+  if (with_truth) {
+    const auto bytes = truth.bytes();
+    write_file(prefix + ".truth", reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  }
+  write_digest(prefix, with_truth);
   return summary;
 }
 

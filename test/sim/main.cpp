@@ -24,6 +24,7 @@ struct Arguments {
   std::vector<std::string> source_map;
   std::vector<std::string> port_map;
   double duration = 0;
+  bool no_truth = false;
 };
 
 IpAddress parse_address(const std::string& text) {
@@ -82,10 +83,15 @@ int report(const UdpSender& sender, const Pacer& pacer) {
 }
 
 int make(const Arguments& arguments) {
-  const CaptureSummary summary = make_capture(load_scene(arguments.input), arguments.output);
-  std::printf("%s.pcap: %llu packets; %s.truth: %llu packets and scans\n", arguments.output.c_str(),
-              static_cast<unsigned long long>(summary.packets), arguments.output.c_str(),
-              static_cast<unsigned long long>(summary.measurements));
+  const CaptureSummary summary =
+      make_capture(load_scene(arguments.input), arguments.output, !arguments.no_truth);
+  std::printf("%s.pcap: %llu packets", arguments.output.c_str(),
+              static_cast<unsigned long long>(summary.packets));
+  if (!arguments.no_truth) {
+    std::printf("; %s.truth: %llu packets and scans", arguments.output.c_str(),
+                static_cast<unsigned long long>(summary.measurements));
+  }
+  std::printf("\n");
   return 0;
 }
 
@@ -140,6 +146,8 @@ int run(int argc, char** argv) {
       ->add_option("-o,--output", arguments.output, "Writes PREFIX.pcap, PREFIX.truth and PREFIX.digest")
       ->type_name("PREFIX")
       ->required();
+  make_command->add_flag("--no-truth", arguments.no_truth,
+                         "Without PREFIX.truth, which is larger than the packets");
   CLI::App* live_command = app.add_subcommand("live", "Sends a scene's packets over UDP when they are due");
   live_command->add_option("SCENE", arguments.input, "Scene file (see pcaps/README.md)")->required();
   live_command->add_option("--duration", arguments.duration, "Stop after that time (default: the scene's)")

@@ -26,7 +26,7 @@ struct VelodyneSetup {
   double start_azimuth_deg = 0;
   double telemetry_hz = 0;     ///< position packets too
   double divergence_mrad = 0;  ///< above 0 the poles' edges give two echoes; needed for dual
-  double range_max = 0;        ///< m; 0: the product's. The room is 3 to 12 m away
+  double range_max = 0;        ///< m; 0: the product's. The room is 2.2 to 12.3 m away
   Span duration = std::chrono::milliseconds(250);
   Stamp start{1'767'226'643'500'000'000};        ///< 2026-01-01T00:17:23.5Z
   Span clock_offset{0};                          ///< the device's clock minus the true time
@@ -46,7 +46,7 @@ struct SimulatedPacket {
 };
 
 /// The room with that sensor. Walls, floor and ceiling, at a different distance in every direction, and six
-/// poles at 2 to 4 m. The sensor's frame is the world's.
+/// poles at 2.3 to 4 m. The sensor's frame is the world's.
 Scene velodyne_room(const VelodyneSetup& setup);
 
 /// Where the distance on the wire puts a slot's point: the exact beam, the rounded distance (m, sensor
