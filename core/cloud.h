@@ -34,7 +34,8 @@ struct CloudColumn {
 /// Where a return came from; kept only where somebody asks for it (`lidard decode`).
 struct ReturnOrigin {
   std::uint32_t column;  ///< index into columns
-  std::uint16_t laser;   ///< the device's own number of the laser
+  std::uint16_t laser;     ///< the device's own number of the laser
+  std::uint8_t block;      ///< of the packet
   double azimuth_deg;    ///< after interpolation and correction, as the sensor counts it
   double distance_m;
   std::int64_t offset_ns;  ///< firing time after the packet's own stamp

@@ -11,7 +11,7 @@ constexpr double backwards_limit_deg = 1;
 /// Slower than this (60 rpm) counts as standing: frames are then cut by time.
 constexpr Span slowest_turn = std::chrono::seconds(1);
 /// The rate is measured over at least this angle, so that the 0.01 deg steps of the wire do not matter.
-constexpr double rate_angle_deg = 20;
+constexpr double rate_angle_deg = 90;
 
 double wrap_deg(double angle) {
   const double a = std::fmod(angle, 360);

@@ -22,7 +22,7 @@ class CsvWriter final : public FrameWriter {
       const CloudColumn& c = cloud.columns[o.column];
       fmt::format_to(std::back_inserter(text_),
                      "{},{},{},{},{},{},{},{:.5f},{:.4f},{:.5f},{:.5f},{:.5f},{:g}\n", frame, c.packet,
-                     c.block, o.laser, copy_of(p.ring), c.echo,
+                     o.block, o.laser, copy_of(p.ring), c.echo,
                      stamps_ == StampColumn::device ? o.offset_ns : o.stamp.ns, o.azimuth_deg, o.distance_m,
                      copy_of(p.x), copy_of(p.y), copy_of(p.z), copy_of(p.intensity));
     }

@@ -30,7 +30,7 @@ class JsonWriter final : public FrameWriter {
       const std::int64_t stamp = stamps_ == StampColumn::device ? o.offset_ns : o.stamp.ns;
       const float x = p.x, y = p.y, z = p.z, intensity = p.intensity;
       const std::uint16_t ring = p.ring;
-      rows.push_back(json::array({c.packet, c.block, o.laser, ring, c.echo, stamp, o.azimuth_deg,
+      rows.push_back(json::array({c.packet, o.block, o.laser, ring, c.echo, stamp, o.azimuth_deg,
                                   o.distance_m, x, y, z, intensity}));
     }
     write(json{{"frame", frame},

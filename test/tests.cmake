@@ -22,7 +22,6 @@ function(lidard_tests folder)
   target_link_libraries(${name} PRIVATE lidard_sim ${ARGN} GTest::gtest GTest::gmock GTest::gtest_main)
   target_compile_definitions(${name} PRIVATE LIDARD_SOURCE_DIR="${CMAKE_CURRENT_SOURCE_DIR}"
                              LIDARD_BINARY="$<TARGET_FILE:lidard>" LIDARD_SIM_BINARY="$<TARGET_FILE:lidard-sim>")
-  add_dependencies(${name} lidard lidard-sim)
   gtest_discover_tests(${name} TEST_PREFIX "${folder}." DISCOVERY_TIMEOUT 120 PROPERTIES TIMEOUT 300)
 endfunction()
 
@@ -30,6 +29,7 @@ lidard_tests(core lidard_core)
 lidard_tests(drivers lidard_drivers)
 lidard_tests(daemon lidard_daemon lidard_rosbag)
 lidard_tests(sim lidard_drivers)
+add_dependencies(test_sim lidard-sim)
 
 add_test(NAME layering COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/layering.py ${CMAKE_CURRENT_SOURCE_DIR})
 

@@ -7,8 +7,7 @@
 namespace lidard::velodyne {
 namespace {
 
-constexpr double gap_factor =
-    4;  // a step this much larger than the median crosses a sector the sensor does not send
+constexpr double gap_factor = 4;
 constexpr int backwards_limit = 100;  // 1/100 deg
 
 int step_between(int from, int to) {
@@ -18,24 +17,31 @@ int step_between(int from, int to) {
 
 }  // namespace
 
-PacketAzimuths read_azimuths(const DataPacket& packet, std::size_t blocks_per_group) {
+PacketAzimuths read_azimuths(const DataPacket& packet, const PacketLayout& layout) {
   PacketAzimuths azimuths;
-  azimuths.groups = blocks_per_packet / blocks_per_group;
+  azimuths.groups = layout.groups;
   std::array<int, blocks_per_packet> steps{};
   const std::size_t count = azimuths.groups - 1;
   for (std::size_t g = 0; g < azimuths.groups; ++g) {
-    const int azimuth = packet.azimuth(g * blocks_per_group);
+    const int azimuth = packet.azimuth(layout.first_block(g));
     azimuths.group_deg[g] = azimuth * 0.01;
-    if (g > 0) steps[g - 1] = step_between(packet.azimuth((g - 1) * blocks_per_group), azimuth);
+    if (g > 0) steps[g - 1] = step_between(packet.azimuth(layout.first_block(g - 1)), azimuth);
   }
+  if (count == 0) return azimuths;
   auto sorted = steps;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(count / 2);
+  // The lower median: with few steps a hidden sector must not become the measure.
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>((count - 1) / 2);
   std::nth_element(sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(count));
-  const double limit = std::max(gap_factor * *middle, 1.0);
+  const int median = *middle;
+  const double limit = std::max(gap_factor * median, 100.0);
   int sum = 0;
   int used = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    if (steps[i] > limit) continue;
+    if (steps[i] > limit) {
+      azimuths.hidden_deg[i + 1] = 0.01 * (steps[i] - median);
+      azimuths.hidden_total_deg += azimuths.hidden_deg[i + 1];
+      continue;
+    }
     sum += steps[i];
     ++used;
   }

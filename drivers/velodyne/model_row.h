@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -19,23 +20,45 @@ struct Laser {
   double z_offset_mm;         ///< added to z: where the beam leaves the axis
 };
 
+/// When the lasers of one firing sequence fire, in one firmware.
+struct Timing {
+  Span sequence;                ///< from one firing sequence to the next, random rest included
+  Span step;                    ///< from one firing instant of a sequence to the next
+  std::size_t together;         ///< lasers that fire at the same instant
+  std::size_t pause_after = 0;  ///< lasers before the pause inside a sequence; 0: no pause
+  Span pause{0};
+  std::array<Span, 4> within{};  ///< of the lasers of a group of four (HDL-64E)
+  Span before{0};                ///< the first firing is this long before the packet's stamp
+};
+
 /// What the data packet of one model means: its lasers and when each of them fires.
 struct ModelRow {
   std::string_view product;
-  std::uint8_t product_id;  ///< last byte of the packet
+  std::array<std::uint8_t, 2> product_ids;  ///< last byte of the packet; 0: none
   double distance_step_m;
-  std::size_t lasers;  ///< slots of one firing sequence; a divisor or multiple of the 32 slots of a block
-  std::size_t lasers_together;  ///< lasers that fire at the same instant
-  Span slot_time;               ///< from one instant of a sequence to the next
-  Span sequence_time;           ///< from one firing sequence to the next
-  const Laser* laser;           ///< [lasers]
+  std::size_t lasers;  ///< of one firing sequence
+  std::size_t
+      banks;         ///< blocks that hold one firing sequence (1, 2, 4); flags 0xEEFF, 0xDDFF, 0xCCFF, 0xBBFF
+  bool random_rest;  ///< sequences rest for a random time: their begin follows from the next packet's stamp
+  std::vector<Timing> timings;  ///< firmware variants, told apart by the packet period; the usual one first
+  const Timing*
+      without_factory_bytes;  ///< timing of old firmware that leaves the last two bytes open; nullptr none
+  const Laser* laser;         ///< [lasers]
 
-  std::size_t sequences_per_block() const { return 32 / lasers; }
-  /// Firing time of a laser after the begin of its sequence.
-  Span firing_time(std::size_t index) const { return slot_time * static_cast<int>(index / lasers_together); }
-  /// Time from packet to packet in single (`echoes` 1) or dual return mode (2).
-  Span packet_period(std::size_t echoes) const {
-    return sequence_time * static_cast<int>(12 / echoes * sequences_per_block());
+  bool has_product(std::uint8_t id) const {
+    return id != 0 && (id == product_ids[0] || id == product_ids[1]);
+  }
+  bool names_product() const { return product_ids[0] != 0; }
+  std::size_t sequences_per_block() const { return banks == 1 ? 32 / lasers : 1; }
+  /// Sequences of a packet in single (`echoes` 1) or dual return mode (2).
+  std::size_t sequences_per_packet(std::size_t echoes) const {
+    return 12 / (banks * echoes) * sequences_per_block();
+  }
+  /// Firing time of a laser after the packet's stamp, for the first sequence of the packet.
+  Span firing_time(const Timing& timing, std::size_t index) const;
+  /// Time from packet to packet.
+  Span packet_period(const Timing& timing, std::size_t echoes) const {
+    return timing.sequence * static_cast<int>(sequences_per_packet(echoes));
   }
 };
 
@@ -48,5 +71,7 @@ const std::vector<const ModelRow*>& model_rows();
 /// "HDL-32E" for a product byte of any Velodyne, also of those without a row; "unknown product 0x.."
 /// otherwise.
 std::string product_name(std::uint8_t product_id);
+/// True if some Velodyne has this product byte.
+bool is_product(std::uint8_t product_id);
 
 }  // namespace lidard::velodyne

@@ -7,6 +7,8 @@
 
 #include "core/counters.h"
 #include "core/time.h"
+#include "drivers/velodyne/azimuth.h"
+#include "drivers/velodyne/hidden_sectors.h"
 #include "drivers/velodyne/model_row.h"
 #include "drivers/velodyne/packet.h"
 
@@ -31,7 +33,8 @@ Span hour_difference(std::uint32_t later_us, std::uint32_t earlier_us);
 /// are those of the configured model: a product byte can lie, the packet period cannot.
 class PacketOrder {
  public:
-  PacketOrder(const ModelRow& row, Counters& counters) : row_(row), counters_(counters) {}
+  PacketOrder(const ModelRow& row, Counters& counters)
+      : row_(row), counters_(counters), timing_(&row.timings.front()) {}
 
   /// Takes a packet of the right size and calls `use(packet, device_time)` for each that is due, in order;
   /// device time is unwrapped. Returns why this packet was not used, if so; the counters hold it already.
@@ -45,17 +48,31 @@ class PacketOrder {
       advance(held_, use);
     }
     holding_ = false;
+    counters_.lost_packets += hidden_.finish();
   }
-  void reset() { started_ = holding_ = false; }
+  void reset() {
+    started_ = holding_ = false;
+    hidden_.reset();
+  }
+  /// The timing variant in force.
+  void set_timing(const Timing& timing) { timing_ = &timing; }
+  /// Measured rotation, deg/s; 0 unknown.
+  void set_turn_rate(double deg_per_s) { turn_rate_ = deg_per_s; }
   /// The product byte that contradicts the model although the packets are the model's; 0 none.
   std::uint8_t lying_product() const { return lying_product_; }
   /// The product byte of packets refused as another model's; 0 none.
   std::uint8_t refused_product() const { return refused_product_; }
 
  private:
-  Span period(const OrderedPacket& p) const { return row_.packet_period(is_dual(p.view()) ? 2 : 1); }
+  Span period(const OrderedPacket& p) const {
+    return row_.packet_period(*timing_, layout_of(p.view(), row_).echoes);
+  }
+  /// Time from the last packet to the next one if none is lost.
+  Span due() const;
+  void count_loss(const OrderedPacket& packet, Span step);
+  void remember(const OrderedPacket& packet);
   Span since_last(const OrderedPacket& p) const { return hour_difference(p.view().stamp_us(), last_us_); }
-  bool is_model_period(Span step, Span expected) const;
+  bool is_model_period(Span step, const OrderedPacket& packet) const;
   Reject judge_product(const OrderedPacket& packet);
   template <typename Use>
   void advance(const OrderedPacket& packet, Use&& use);
@@ -67,6 +84,11 @@ class PacketOrder {
   OrderedPacket held_{};
   std::uint32_t last_us_ = 0;
   Span last_period_{0};
+  PacketAzimuths last_azimuths_;
+  const Timing* timing_;
+  HiddenSectors hidden_;
+  double turn_rate_ = 0;
+  double turned_deg_ = 0;
   Span time_{0};
   std::uint8_t lying_product_ = 0;
   std::uint8_t refused_product_ = 0;
@@ -80,12 +102,11 @@ void PacketOrder::advance(const OrderedPacket& packet, Use&& use) {
   } else {
     const Span step = since_last(packet);
     time_ += step;
-    const auto periods = (step + last_period_ / 2) / last_period_;
-    if (periods > 1) counters_.lost_packets += static_cast<std::uint64_t>(periods - 1);
+    count_loss(packet, step);
   }
   started_ = true;
   last_us_ = us;
-  last_period_ = period(packet);
+  remember(packet);
   if (packet.other_product) ++counters_.lying_packets;
   use(packet, time_);
 }
@@ -130,7 +151,7 @@ Reject PacketOrder::add(const OrderedPacket& packet, Use&& use) {
     ++counters_.clock_steps;
     started_ = false;
     advance(packet, use);
-  } else if (step * 2 > last_period_ * 3) {
+  } else if ((step - due()) * 2 > last_period_) {
     held_ = packet;
     holding_ = true;
   } else {

@@ -5,18 +5,20 @@
 #include <algorithm>
 
 #include "drivers/velodyne/packet.h"
+#include "drivers/velodyne/packet_layout.h"
 #include "drivers/velodyne/packet_order.h"
 
 namespace lidard::velodyne {
 namespace {
 
-bool looks_like_data(ByteView payload) {
-  if (payload.size() != packet_size) return false;
+/// A row of the family whose flags the packet has; nullptr if it is no data packet.
+const ModelRow* family_of(ByteView payload) {
+  if (payload.size() != packet_size) return nullptr;
   const DataPacket packet(payload);
-  for (std::size_t b = 0; b < blocks_per_packet; ++b) {
-    if (packet.flag(b) != flag_lasers_0_31 || packet.azimuth(b) >= azimuth_limit) return false;
+  for (const ModelRow* row : model_rows()) {
+    if (check_blocks(packet, layout_of(packet, *row)) == Reject::none) return row;
   }
-  return true;
+  return nullptr;
 }
 
 bool within_percent(Span a, Span b, int percent) {
@@ -26,7 +28,8 @@ bool within_percent(Span a, Span b, int percent) {
 }  // namespace
 
 void Recognizer::add(ByteView payload) {
-  if (!looks_like_data(payload)) return;
+  const ModelRow* family = family_of(payload);
+  if (family == nullptr) return;
   const DataPacket packet(payload);
   if (packets_ > 0 && step_count_ < steps_.size()) {
     const Span step = hour_difference(packet.stamp_us(), last_us_);
@@ -34,7 +37,8 @@ void Recognizer::add(ByteView payload) {
   }
   last_us_ = packet.stamp_us();
   ++packets_;
-  if (is_dual(packet)) ++dual_packets_;
+  banks_ = family->banks;
+  if (layout_of(packet, *family).echoes == 2) ++dual_packets_;
   product_ = packet.product();
 }
 
@@ -49,7 +53,7 @@ Span Recognizer::median_period() const {
 
 const ModelRow* Recognizer::by_product() const {
   for (const ModelRow* row : model_rows()) {
-    if (row->product_id == product_) return row;
+    if (row->banks == banks_ && row->has_product(product_)) return row;
   }
   return nullptr;
 }
@@ -59,7 +63,10 @@ const ModelRow* Recognizer::verdict() const {
   const Span period = median_period();
   const std::size_t echoes = dual_packets_ * 2 > packets_ ? 2 : 1;
   const auto fits = [&](const ModelRow* row) {
-    return within_percent(period, row->packet_period(echoes), 3);
+    for (const Timing& timing : row->timings) {
+      if (row->banks == banks_ && within_percent(period, row->packet_period(timing, echoes), 3)) return true;
+    }
+    return false;
   };
   const ModelRow* named = by_product();
   if (period == Span(0) || (named != nullptr && fits(named))) return named;
@@ -73,7 +80,7 @@ std::string Recognizer::remark() const {
   if (packets_ == 0) return {};
   const ModelRow* row = verdict();
   if (row == nullptr) return "Velodyne packets of a " + product_name(product_) + ", which is not supported";
-  if (row->product_id == product_) return {};
+  if (!row->names_product() || row->has_product(product_)) return {};
   return "product byte says " + product_name(product_) + ", the packet period says " +
          std::string(row->product);
 }

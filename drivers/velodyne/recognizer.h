@@ -28,6 +28,7 @@ class Recognizer {
   std::uint64_t packets_ = 0;
   std::uint64_t dual_packets_ = 0;
   std::uint8_t product_ = 0;
+  std::size_t banks_ = 1;
   std::uint32_t last_us_ = 0;
   std::array<std::int64_t, 128> steps_{};
   std::size_t step_count_ = 0;

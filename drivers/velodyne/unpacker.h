@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -12,21 +13,23 @@ namespace lidard::velodyne {
 
 /// A firing sequence ready to be unpacked.
 struct Sequence {
-  const std::uint8_t* slots;  ///< the first laser's slot in the packet
-  double azimuth_deg;         ///< of its first firing, as the sensor counts it
-  Span in_packet;             ///< its begin after the packet's stamp
-  Span in_frame;              ///< its begin after the frame's stamp
-  Stamp stamp;                ///< its begin on the host's time scale
+  std::array<const std::uint8_t*, 4> slots;  ///< the first slot of each bank in the packet
+  double azimuth_deg;                        ///< at its begin, as the sensor counts it
+  Span in_packet;                            ///< its begin after the packet's stamp
+  Span in_frame;                             ///< its begin after the frame's stamp
+  Stamp stamp;                               ///< its begin on the host's time scale
   std::uint32_t packet;
-  std::uint8_t block;
+  std::array<std::uint8_t, 4> blocks;  ///< of the banks
   std::uint8_t echo;
 };
 
 /// Turns the slots of firing sequences into points, straight into the cloud's message bytes.
 class Unpacker {
  public:
-  explicit Unpacker(const ModelRow& row, bool keep_origins);
+  /// Distances (m) outside [min_range, max_range] are left out; max_range 0: no limit.
+  Unpacker(const ModelRow& row, bool keep_origins, double min_range, double max_range);
 
+  void set_timing(const Timing& timing);
   /// The rotation during the coming sequences, degrees per second.
   void set_rate(double deg_per_s);
   /// Makes room for one more packet; call before its sequences.
@@ -39,17 +42,23 @@ class Unpacker {
   struct LaserTable {
     float cos_elevation, sin_elevation, z_offset;
     float cos_shift, sin_shift;  // of the azimuth between the sequence's begin and this laser's beam
+    float cos_rot, sin_rot;      // of the fixed part of it
     float time;
-    double shift_deg;
-    Span firing;
     std::uint16_t ring;
   };
+  struct LaserOrigin {
+    double firing_s, shift_deg;
+    Span firing;
+  };
+  bool is_return(std::uint16_t count) const { return static_cast<std::uint16_t>(count - nearest_) <= span_; }
   void append_origins(const Sequence& sequence, Cloud& cloud) const;
 
   const ModelRow& row_;
   bool keep_origins_;
+  std::uint16_t nearest_, span_;  // of distance counts
   double rate_ = 0;
   std::vector<LaserTable> lasers_;
+  std::vector<LaserOrigin> origins_;
 };
 
 }  // namespace lidard::velodyne

@@ -25,9 +25,9 @@ TEST(VelodyneTable, Vlp16ElevationsAreTheOddDegreesAndRingsAscend) {
 
 TEST(VelodyneTable, Vlp16PacketPeriodsAreThoseOfTheManual) {
   const ModelRow& row = row_of("velodyne_vlp16");
-  EXPECT_EQ(row.packet_period(1).count(), 1327104);
-  EXPECT_EQ(row.packet_period(2).count(), 663552);
-  EXPECT_EQ(row.firing_time(15).count(), 34560);
+  EXPECT_EQ(row.packet_period(row.timings.front(), 1).count(), 1327104);
+  EXPECT_EQ(row.packet_period(row.timings.front(), 2).count(), 663552);
+  EXPECT_EQ(row.firing_time(row.timings.front(), 15).count(), 34560);
 }
 
 TEST(VelodyneTable, HourStampsDifferAcrossTheTopOfTheHour) {

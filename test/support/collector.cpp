@@ -14,7 +14,7 @@ void Collector::cloud(Cloud& cloud) {
     const ReturnOrigin& o = cloud.origins[i];
     const CloudColumn& c = cloud.columns.at(o.column);
     const CloudPoint p = cloud.points()[i];
-    rows.push_back({clouds.size(), c.packet, c.block, o.laser, p.ring, c.echo, o.offset_ns, o.stamp.ns,
+    rows.push_back({clouds.size(), c.packet, o.block, o.laser, p.ring, c.echo, o.offset_ns, o.stamp.ns,
                     o.azimuth_deg, o.distance_m, p.x, p.y, p.z, p.intensity, p.time});
   }
   clouds.push_back(cloud);

@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/velodyne/frame_builder.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lidard::velodyne {
+namespace {
+
+constexpr double deg_per_rad = 180 / 3.14159265358979323846;
+
+}  // namespace
+
+FrameBuilder::FrameBuilder(const DriverConfig& config, const ModelRow& row, Counters& counters)
+    : config_(config),
+      row_(row),
+      counters_(counters),
+      unpacker_(row, config.keep_origins, config.min_range, config.max_range),
+      cutter_(config.cut_angle * deg_per_rad) {
+  cloud_.frame_id = config.frame_id;
+  cloud_.rings = static_cast<std::uint16_t>(row.lasers);
+}
+
+bool FrameBuilder::in_view(double azimuth_deg) const {
+  if (config_.view_width >= 2 * 3.14159265) return true;
+  // The view's direction counts counter-clockwise from the front (REP 103), azimuth clockwise.
+  const double off = std::remainder(-azimuth_deg - config_.view_direction * deg_per_rad, 360);
+  return std::fabs(off) <= config_.view_width * deg_per_rad / 2;
+}
+
+void FrameBuilder::place(Sequence& sequence, Span time, const DeviceClock& clock, DriverOutput& out) {
+  const auto verdict = cutter_.next(sequence.azimuth_deg, time);
+  if (!in_stream_) {
+    begin(time, false, clock);
+  } else if (verdict != RevolutionCutter::Verdict::same) {
+    const bool at_cut = verdict == RevolutionCutter::Verdict::crossed;
+    end(at_cut, out);
+    begin(time, at_cut, clock);
+  }
+  sequence.in_frame = time - frame_time_;
+  sequence.stamp = clock.to_host(time) + config_.time_offset;
+  visible_ = in_view(sequence.azimuth_deg);
+}
+
+void FrameBuilder::begin(Span time, bool at_cut, const DeviceClock& clock) {
+  in_stream_ = true;
+  began_at_cut_ = at_cut;
+  frame_time_ = time;
+  cloud_.columns.clear();
+  cloud_.origins.clear();
+  points_ = 0;
+  unpacker_.reserve_packet(cloud_);
+  const Stamp stamp = clock.to_host(time) + config_.time_offset;
+  // Stamps never go backwards; a jump of seconds is a clock that was set, and is followed.
+  constexpr Span jump = std::chrono::seconds(1);
+  cloud_.stamp = stamp <= last_stamp_ && last_stamp_ - stamp < jump ? last_stamp_ + Span(1) : stamp;
+}
+
+void FrameBuilder::end(bool at_cut, DriverOutput& out) {
+  if (!in_stream_) return;
+  in_stream_ = false;
+  if (cloud_.columns.empty()) return;
+  cloud_.complete = began_at_cut_ && at_cut;
+  if (!cloud_.complete && !config_.keep_partial) {
+    ++counters_.partial_frames;
+    return;
+  }
+  cloud_.end = cloud_.columns.back().stamp;
+  cloud_.expected_columns =
+      static_cast<std::size_t>(cutter_.period() / row_.timings.front().sequence) * echoes_;
+  cloud_.points_bytes.resize(points_ * sizeof(CloudPoint));
+  last_stamp_ = cloud_.stamp;
+  ++counters_.frames;
+  out.cloud(cloud_);
+}
+
+void FrameBuilder::cut_off(DriverOutput& out) {
+  end(false, out);
+  cutter_.reset();
+}
+
+void FrameBuilder::reset() {
+  cutter_.reset();
+  cloud_.columns.clear();
+  in_stream_ = false;
+}
+
+}  // namespace lidard::velodyne

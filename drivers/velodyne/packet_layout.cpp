@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/velodyne/packet_layout.h"
+
+namespace lidard::velodyne {
+namespace {
+
+constexpr std::array<std::uint16_t, 4> bank_flags = {0xEEFF, 0xDDFF, 0xCCFF, 0xBBFF};
+
+constexpr std::uint8_t byte(std::size_t n) { return static_cast<std::uint8_t>(n); }
+
+/// Single return: the banks of a sequence one after another.
+PacketLayout single(std::size_t banks) {
+  PacketLayout layout;
+  layout.banks = banks;
+  layout.groups = blocks_per_packet / banks;
+  for (std::size_t b = 0; b < blocks_per_packet; ++b) layout.block[b / banks][0][b % banks] = byte(b);
+  return layout;
+}
+
+/// Dual return of sensors with one bank, and of the VLS-128: both returns of a bank side by side. The VLS-128
+/// has room for one sequence and leaves the last four blocks empty.
+PacketLayout dual_by_bank(std::size_t banks) {
+  PacketLayout layout;
+  layout.banks = banks;
+  layout.echoes = 2;
+  layout.groups = blocks_per_packet / (2 * banks);
+  for (std::size_t b = 0; b < layout.groups * 2 * banks; ++b) {
+    layout.block[b / (2 * banks)][b % 2][b / 2 % banks] = byte(b);
+  }
+  return layout;
+}
+
+/// HDL-64E: both banks of one return, then both of the other.
+PacketLayout dual_by_return() {
+  PacketLayout layout;
+  layout.banks = 2;
+  layout.echoes = 2;
+  layout.groups = 3;
+  for (std::size_t b = 0; b < blocks_per_packet; ++b) layout.block[b / 4][b / 2 % 2][b % 2] = byte(b);
+  return layout;
+}
+
+/// VLS-128 modes 0x3A and 0x3B: return 1, return 2, confidence words of each bank.
+PacketLayout dual_with_confidence() {
+  PacketLayout layout;
+  layout.banks = 4;
+  layout.echoes = 2;
+  layout.confidence = true;
+  layout.groups = 1;
+  for (std::size_t b = 0; b < blocks_per_packet; ++b) layout.block[0][b % 3][b / 3] = byte(b);
+  return layout;
+}
+
+bool is_dual_hdl64e(const DataPacket& packet) {
+  bool pairs_equal = true;
+  bool all_equal = true;
+  for (std::size_t b = 0; b < blocks_per_packet; b += 4) {
+    pairs_equal = pairs_equal && packet.azimuth(b) == packet.azimuth(b + 2);
+    all_equal = all_equal && packet.azimuth(b) == packet.azimuth(0);
+  }
+  // It has no mode byte: a standing motor looks like single return.
+  return pairs_equal && !all_equal;
+}
+
+}  // namespace
+
+const PacketLayout& layout_of(const DataPacket& packet, const ModelRow& row) {
+  static const PacketLayout single1 = single(1), single2 = single(2), single4 = single(4);
+  static const PacketLayout dual1 = dual_by_bank(1), dual4 = dual_by_bank(4), dual2 = dual_by_return();
+  static const PacketLayout confident = dual_with_confidence();
+  if (row.banks == 1) return is_dual(packet) ? dual1 : single1;
+  if (row.banks == 2) return is_dual_hdl64e(packet) ? dual2 : single2;
+  constexpr std::uint8_t triple = 0x3A, confidence = 0x3B;  // VeloView vtkDataPacket.h; 0x3A unverified
+  if (packet.mode() == triple || packet.mode() == confidence) return confident;
+  return packet.flag(0) == packet.flag(1) ? dual4 : single4;
+}
+
+Reject check_blocks(const DataPacket& packet, const PacketLayout& layout) {
+  for (std::size_t g = 0; g < layout.groups; ++g) {
+    for (std::size_t e = 0; e < layout.echoes; ++e) {
+      for (std::size_t bank = 0; bank < layout.banks; ++bank) {
+        const std::size_t b = layout.block[g][e][bank];
+        if (packet.flag(b) != bank_flags[bank]) return Reject::magic;
+        if (packet.azimuth(b) >= azimuth_limit) return Reject::field;
+      }
+    }
+  }
+  return Reject::none;
+}
+
+}  // namespace lidard::velodyne

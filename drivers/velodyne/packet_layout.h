@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/counters.h"
+#include "drivers/velodyne/model_row.h"
+#include "drivers/velodyne/packet.h"
+
+namespace lidard::velodyne {
+
+/// Which block holds which part of which firing sequence, for one model and return mode
+/// (63-9243 Rev D, section 9.3; UniBwTAS/velodyne and VeloView for the VLS-128).
+struct PacketLayout {
+  std::size_t groups = 0;  ///< sets of blocks with one azimuth
+  std::size_t echoes = 1;
+  bool confidence = false;  ///< a third block of each bank holds confidence words
+  std::size_t banks = 1;
+  std::array<std::array<std::array<std::uint8_t, 4>, 3>, 12>
+      block{};  ///< [group][echo or 2 = confidence][bank]
+
+  std::size_t first_block(std::size_t group) const { return block[group][0][0]; }
+};
+
+/// How the packet is laid out. Dual return shows in the azimuths and flags; where the motor stands still all
+/// azimuths are equal, and the mode byte decides.
+const PacketLayout& layout_of(const DataPacket& packet, const ModelRow& row);
+
+/// Flags and azimuths of every block the layout uses.
+Reject check_blocks(const DataPacket& packet, const PacketLayout& layout);
+
+}  // namespace lidard::velodyne
