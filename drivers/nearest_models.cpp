@@ -29,7 +29,8 @@ std::size_t distance_to(const std::string& written, const Model& model) {
   const std::string product = essence(model.product);
   std::size_t best = std::string::npos;
   for (const std::string& spelling : {essence(model.name), product, essence(model.vendor) + product}) {
-    const bool begins = written.size() > 2 && spelling.compare(0, written.size(), written) == 0;
+    const bool begins = written.size() > 2 && written.size() < spelling.size() &&
+                        spelling.compare(0, written.size(), written) == 0;
     best = std::min(best, begins ? std::size_t{1} : edit_distance(written, spelling));
   }
   return best;

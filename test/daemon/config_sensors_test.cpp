@@ -93,7 +93,8 @@ TEST(SensorConfig, RefusesNeitherAndBothOfModelAndTopic) {
 
 TEST(SensorConfig, NamesTheNearestModels) {
   EXPECT_EQ(error_of("sensors:\n  a: {model: velodyne_vlp61}\n"),
-            "f:2:14: sensors.a.model is \"velodyne_vlp61\", which is no model; expected velodyne_vlp16; see "
+            "f:2:14: sensors.a.model is \"velodyne_vlp61\", which is no model; expected velodyne_vlp16 or "
+            "velodyne_vlp32a or velodyne_vlp32b; see "
             "`lidard models`");
   EXPECT_EQ(error_of("sensors:\n  a: {model: qqqqqqqqqqqq}\n"),
             "f:2:14: sensors.a.model is \"qqqqqqqqqqqq\", which is no model; expected a name from `lidard "
