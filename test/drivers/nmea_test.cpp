@@ -143,7 +143,7 @@ TEST(Nmea, SurvivesJunkAndNeverBelievesImpossibleValues) {
       if (random() % 3 == 0)
         body.erase(at, random() % 5);
       else
-        body[at] = static_cast<char>(random() % 4 == 0 ? random() % 256 : ",.*$-0159NWAVe\0"[random() % 16]);
+        body[at] = random() % 4 == 0 ? static_cast<char>(random() % 256) : ",.*$-0159NWAVe\0"[random() % 16];
       if (body.empty()) body = ",";
     }
     // The checksum is right, so that the fields are read.
