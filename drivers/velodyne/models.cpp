@@ -96,22 +96,24 @@ Model spinning(const char* name, const char* product, const ModelRow& row, doubl
                const char* verified) {
   constexpr double default_rpm = 600;
   const std::size_t most_echoes = row.banks == 2 ? 1 : 2;
-  return {name,
-          "Velodyne",
-          product,
-          "Velodyne data packet",
-          FrameKind::cloud,
-          Transport::udp,
-          2368,
-          8308,
-          1 / seconds(row.packet_period(row.timings.front(), most_echoes)),
-          60 / default_rpm,
-          0.4,  // nearer returns come from the housing or the mounting (ros-drivers/velodyne launch files)
-          range_max,
-          row.lasers,
-          verified,
-          &row,
-          &make_driver};
+  return {
+      name,
+      "Velodyne",
+      product,
+      "Velodyne data packet",
+      FrameKind::cloud,
+      Transport::udp,
+      2368,
+      row.names_product() ? std::uint16_t{8308} : std::uint16_t{0},  // the HDL-64E has no telemetry packet
+      1 / seconds(row.packet_period(row.timings.front(), most_echoes)),
+      60 / default_rpm,
+      0.4,  // nearer returns come from the housing or the mounting (ros-drivers/velodyne launch files)
+      range_max,
+      row.lasers,
+      verified,
+      &row,
+      &make_driver,
+      row.without_factory_bytes != nullptr};  // only the HDL-32E has an IMU
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "drivers/velodyne/packet.h"
 #include "drivers/velodyne/packet_layout.h"
 #include "drivers/velodyne/packet_order.h"
+#include "drivers/velodyne/telemetry_receiver.h"
 
 namespace lidard::velodyne {
 namespace {
@@ -22,7 +23,8 @@ class VelodyneDriver final : public Driver {
         order_(row_, counters_),
         timing_(row_),
         frames_(config_, row_, counters_),
-        clock_(config.clock) {
+        clock_(config.clock),
+        telemetry_(config) {
     info_.details = {{"Vendor Name", "Velodyne"}, {"Product Name", std::string(config.model->product)}};
   }
 
@@ -36,8 +38,10 @@ class VelodyneDriver final : public Driver {
     order_.reset();
     frames_.reset();
     clock_.reset();
+    telemetry_.restart();
     pending_ = in_stream_ = false;
   }
+  void tick(Stamp now, DriverOutput& /*out*/) override { telemetry_.tick(now, info_); }
   const Counters& counters() const override { return counters_; }
   const DeviceInfo& info() const override { return info_; }
 
@@ -59,6 +63,7 @@ class VelodyneDriver final : public Driver {
   TimingChooser timing_;
   FrameBuilder frames_;
   DeviceClock clock_;
+  TelemetryReceiver telemetry_;
   const Timing* timing_in_force_ = nullptr;
   OrderedPacket incoming_{};
   OrderedPacket waiting_{};  // for what the next packet tells about it
@@ -83,7 +88,7 @@ Reject VelodyneDriver::check(ByteView payload) {
 Reject VelodyneDriver::receive(const Packet& packet, DriverOutput& out) {
   if (packet.payload.size() == position_packet_size) {
     ++counters_.other_packets;
-    return Reject::none;
+    return telemetry_.receive(packet.payload, packet.arrival, out, info_);
   }
   incoming_.index = static_cast<std::uint32_t>(counters_.packets++);
   counters_.bytes += packet.payload.size();
