@@ -10,6 +10,7 @@
 
 #include "core/pose.h"
 #include "core/scan_grid.h"
+#include "daemon/velodyne_settings.h"
 #include "drivers/driver.h"
 #include "drivers/model.h"
 
@@ -41,6 +42,7 @@ struct SensorConfig {
   std::string frame_id;      ///< default: the sensor's name
   std::optional<Pose> pose;  ///< of the sensor in base_frame; unset: from tf
   DriverConfig driver;       ///< model, frame_id and options, ready for Model::make
+  VelodyneControl control;   ///< the sensor's web interface; nothing is done with it by default
 };
 
 /// What stands in a beam of the output where nothing was seen.

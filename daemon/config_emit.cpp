@@ -139,6 +139,10 @@ void ConfigWriter::sensor(const SensorConfig& sensor) {
   if (sensor.model == nullptr) return;
   text("clock", driver.clock == ClockMode::smooth ? "smooth" : "arrival");
   number("time_offset", seconds_of(driver.time_offset));
+  if (has_web_interface(*sensor.model)) {
+    yaml_ << YAML::Key << "control" << YAML::Value;
+    write_control(yaml_, sensor.control);
+  }
   if (sensor.model->kind == FrameKind::cloud) {
     number("cut_angle", driver.cut_angle);
     return;

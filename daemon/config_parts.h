@@ -45,6 +45,13 @@ class ConfigClaims {
 void read_sensors(Mapping& root, Config& config, ConfigClaims& claims);
 void read_outputs(Mapping& root, Config& config, ConfigClaims& claims);
 
+/// True if this model answers HTTP, so that `control` applies to it.
+bool has_web_interface(const Model& model);
+/// `control:` of a sensor whose other keys are read already.
+VelodyneControl read_control(const Value& value, const SensorConfig& sensor, Config& config);
+/// The value of `control:`, all keys.
+void write_control(YAML::Emitter& yaml, const VelodyneControl& control);
+
 /// A pose from {xyz: m, rpy: rad or rpy_deg}.
 Pose read_pose(const Value& value);
 /// A frame's name without leading slash (tf2 has none).

@@ -11,13 +11,29 @@ namespace {
 
 constexpr double longest_offset_s = 1e6;  // so that a nanosecond survives in a double
 
-const std::vector<std::string_view> sensor_keys = {
-    "model",          "topic",         "ip_address",        "ip_port",
-    "frame_id",       "pose",          "multicast_group",   "interface",
-    "clock",          "time_offset",   "cut_angle",         "cut_angle_deg",
-    "angle_min",      "angle_min_deg", "angle_max",         "angle_max_deg",
-    "cluster",        "skip",          "publish_intensity", "publish_multiecho",
-    "calibrate_time", "frame_stamp"};
+const std::vector<std::string_view> sensor_keys = {"model",
+                                                   "topic",
+                                                   "ip_address",
+                                                   "ip_port",
+                                                   "frame_id",
+                                                   "pose",
+                                                   "multicast_group",
+                                                   "interface",
+                                                   "clock",
+                                                   "time_offset",
+                                                   "cut_angle",
+                                                   "cut_angle_deg",
+                                                   "angle_min",
+                                                   "angle_min_deg",
+                                                   "angle_max",
+                                                   "angle_max_deg",
+                                                   "cluster",
+                                                   "skip",
+                                                   "publish_intensity",
+                                                   "publish_multiecho",
+                                                   "calibrate_time",
+                                                   "frame_stamp",
+                                                   "control"};
 
 /// Why a key that this kind of sensor does not read is refused, and what to do instead.
 std::pair<std::string, std::string> refusal(const std::string& key, const SensorConfig& sensor) {
@@ -28,6 +44,9 @@ std::pair<std::string, std::string> refusal(const std::string& key, const Sensor
   if (key == "frame_stamp")
     return {"is not available in this version", "no such key: a cloud has the stamp of its first firing"};
   const std::string model = "is not available for " + std::string(sensor.model->name);
+  if (key == "control")
+    return {model + ", which has no web interface that is known",
+            "no such key: it applies to Velodynes other than the HDL-64E"};
   if (key == "cut_angle" || key == "cut_angle_deg")
     return {model + ", which has no revolutions to cut", "no such key"};
   if (sensor.model->kind == FrameKind::cloud)
@@ -119,7 +138,7 @@ void read_pose_of(Mapping& yaml, SensorConfig& sensor, const Config& config, Con
   }
 }
 
-SensorConfig read_sensor(const std::string& name, Mapping& yaml, const Config& config, ConfigClaims& claims) {
+SensorConfig read_sensor(const std::string& name, Mapping& yaml, Config& config, ConfigClaims& claims) {
   SensorConfig sensor;
   sensor.name = name;
   sensor.frame_id = name;
@@ -135,6 +154,9 @@ SensorConfig read_sensor(const std::string& name, Mapping& yaml, const Config& c
   if (model) {
     sensor.model = read_model(*model);
     read_device(yaml, sensor);
+    if (has_web_interface(*sensor.model)) {
+      if (const auto control = yaml.find("control")) sensor.control = read_control(*control, sensor, config);
+    }
     claims.publishes(name + (sensor.model->kind == FrameKind::cloud ? "/points" : "/scan"), owner,
                      yaml.self());
     if (sensor.model->has_gnss())

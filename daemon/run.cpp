@@ -19,6 +19,7 @@
 #include "daemon/ros_link.h"
 #include "daemon/service.h"
 #include "daemon/tf_poses.h"
+#include "daemon/velodyne_controls.h"
 
 namespace lidard {
 namespace {
@@ -46,7 +47,12 @@ class Daemon {
   Daemon(const Config& config, const std::vector<std::string>& ros_arguments)
       : link_(ros_options(config, ros_arguments)),
         pipeline_(config, *poses_, link_),
-        ports_(io_, config, [this](const Packet& packet) { pipeline_.packet(packet); }),
+        controls_(config),
+        ports_(io_, config,
+               [this](const Packet& packet) {
+                 pipeline_.packet(packet);
+                 controls_.packet(packet);
+               }),
         inputs_(std::make_shared<RosInputs>(
             topic_sources(config),
             [this](std::function<void()> task) { boost::asio::post(io_, std::move(task)); },
@@ -60,7 +66,10 @@ class Daemon {
         timer_(io_) {
     link_.add_client(poses_);
     link_.add_client(inputs_);
-    pipeline_.add_diagnostics([this](std::vector<DiagnosticItem>& items) { ports_.add_diagnostics(items); });
+    pipeline_.add_diagnostics([this](std::vector<DiagnosticItem>& items) {
+      ports_.add_diagnostics(items);
+      controls_.add_diagnostics(items, wall_clock());
+    });
   }
 
   /// Runs until a signal. False if ROS could not be left in time.
@@ -71,6 +80,7 @@ class Daemon {
       io_.stop();
     });
     ports_.start();
+    controls_.start();
     link_.start();
     link_.transforms(pipeline_.static_transforms(), wall_clock());
     service_.ready(status());
@@ -79,6 +89,7 @@ class Daemon {
     io_.run();
     service_.stopping();
     ports_.stop();
+    controls_.stop();
     for (const auto& sensor : pipeline_.report()) log_sensor(sensor);
     return link_.stop();
   }
@@ -140,6 +151,7 @@ class Daemon {
   std::shared_ptr<TfPoses> poses_ = std::make_shared<TfPoses>();
   RosLink link_;
   Pipeline pipeline_;
+  VelodyneControls controls_;
   Ports ports_;
   std::shared_ptr<RosInputs> inputs_;
   boost::asio::signal_set signals_;

@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace lidard::test {
+
+/// The web server of a Velodyne on a loopback port of its own: holds the settings, answers GETs with JSON,
+/// takes POSTs, remembers every request, and misbehaves when told to.
+class FakeVelodyne {
+ public:
+  enum class Fault {
+    none,
+    error_500,
+    garbage,          ///< an answer that is no JSON
+    half_closed,      ///< reads the request and closes
+    hang,             ///< reads the request and answers never
+    http_1_0,         ///< HTTP/1.0 without a length, ended by closing
+    length_too_large  ///< a Content-Length beyond the body, ended by closing
+  };
+  struct Request {
+    std::string text;  ///< "GET /cgi/status.json", "POST /cgi/setting rpm=1200"
+    std::chrono::steady_clock::time_point time;
+  };
+
+  FakeVelodyne();
+  ~FakeVelodyne();
+
+  std::uint16_t port() const;
+  /// The next `times` requests whose text begins with `beginning` are answered so.
+  void misbehave(Fault fault, int times, const std::string& beginning = "");
+  /// POSTs of settings are answered well and ignored.
+  void ignore_settings();
+  /// The setting is no longer reported, "config.rpm".
+  void forget(const std::string& key);
+  void set(const std::string& key, const std::string& value);
+  std::string get(const std::string& key) const;
+  /// Nobody listens any more; or again, on the same port.
+  void switch_off();
+  void switch_on();
+
+  std::vector<Request> requests() const;
+  /// The texts of those that begin with `beginning`.
+  std::vector<std::string> requests(const std::string& beginning) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lidard::test
