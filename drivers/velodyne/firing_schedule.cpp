@@ -8,16 +8,12 @@
 namespace lidard::velodyne {
 namespace {
 
-/// Sequence time and rate from the next packet, where the two follow each other directly.
-void use_next(const NextPacket& next, double first_azimuth_deg, std::size_t sequences,
-              FiringSchedule& schedule) {
+/// Sequence time from the next packet, where the two follow each other directly.
+void use_next(const NextPacket& next, std::size_t sequences, FiringSchedule& schedule) {
   const Span one = next.step / static_cast<int>(sequences);
   const Span off = one - schedule.sequence;
   if (off > schedule.sequence / 10 || off < -schedule.sequence / 10) return;
   schedule.sequence = one;
-  double turned = std::fmod(next.azimuth_deg - first_azimuth_deg + 360, 360);
-  if (turned > 180) turned -= 360;
-  schedule.rate_deg_per_s = turned / seconds(next.step);
 }
 
 /// The silences of the hidden sectors inside the packet, together.
@@ -42,10 +38,11 @@ FiringSchedule schedule_of(const ModelRow& row, const TimingChooser& timing, con
   const auto per_block = static_cast<int>(row.sequences_per_block());
   const std::size_t sequences = row.sequences_per_packet(echoes);
   schedule.rate_deg_per_s = azimuths.step_deg / seconds(schedule.sequence * per_block);
-  if (azimuths.groups == 1) schedule.rate_deg_per_s = turn_rate;
   if (row.random_rest && next && azimuths.hidden_total_deg <= 0) {
-    use_next(*next, azimuths.group_deg[0], sequences, schedule);
+    use_next(*next, sequences, schedule);
   }
+  // Its few groups tell the rotation only roughly, and so does one step of stamps in whole microseconds.
+  if (row.random_rest && turn_rate > 0) schedule.rate_deg_per_s = turn_rate;
   const Span group = schedule.sequence * per_block;
   const Span busy = group * static_cast<int>(azimuths.groups);
   const Span silence = silence_of(azimuths, busy, next, turn_rate);

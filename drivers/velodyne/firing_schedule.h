@@ -12,8 +12,7 @@ namespace lidard::velodyne {
 
 /// What the packet after one tells about it.
 struct NextPacket {
-  Span step;           ///< from stamp to stamp
-  double azimuth_deg;  ///< of its first group
+  Span step;  ///< from stamp to stamp
 };
 
 /// When each group of a packet's blocks fired, and how fast the sensor turned meanwhile.

@@ -73,8 +73,8 @@ const std::array<Laser, 32> hdl32e_lasers = {
      {6.67, 0, -3.38},   {-13.33, 0, 6.86},  {8, 0, -4.07},      {-12, 0, 6.15},     {9.33, 0, -4.76},
      {-10.67, 0, 5.45},  {10.67, 0, -5.45}}};
 
-// HDL-64E S1: one unit's calibration (ros-drivers/velodyne 64e_utexas.yaml); every unit differs, load its
-// own.
+// HDL-64E S1 and S2: one unit's calibration (ros-drivers/velodyne 64e_utexas.yaml); every unit differs, load
+// its own.
 const std::array<Laser, 64> hdl64e_s1_lasers = {
     {{-7.16, -4.00, 0},  {-6.82, -2.25, 0},  {0.32, 4.00, 0},    {0.66, 6.00, 0},    {-6.48, 0.80, 0},
      {-6.14, 2.25, 0},   {-8.52, 0.00, 0},   {-8.18, 1.30, 0},   {-5.80, 4.70, 0},   {-5.46, 6.50, 0},
@@ -90,8 +90,8 @@ const std::array<Laser, 64> hdl64e_s1_lasers = {
      {-17.12, 9.00, 0},  {-10.49, -6.00, 0}, {-9.98, -3.50, 0},  {-13.56, -8.00, 0}, {-13.05, -4.50, 0},
      {-9.46, 0.00, 0},   {-8.95, 2.50, 0},   {-12.54, -1.00, 0}, {-12.03, 1.80, 0}}};
 
-// HDL-64E S2 and S2.1: one unit's calibration (64e_s2.1-sztaki.yaml); every unit differs.
-const std::array<Laser, 64> hdl64e_s2_lasers = {
+// HDL-64E S2.1: one unit's calibration (64e_s2.1-sztaki.yaml); every unit differs.
+const std::array<Laser, 64> hdl64e_s21_lasers = {
     {{-8.77, -7.16, 0},  {-8.36, -3.97, 0},  {2.49, 4.72, 0},    {2.98, 7.90, 0},    {-7.78, -0.64, 0},
      {-7.26, 2.62, 0},   {-10.86, -1.81, 0}, {-10.36, 1.34, 0},  {-6.86, 5.77, 0},   {-6.26, 9.17, 0},
      {-9.82, 4.76, 0},   {-9.34, 7.94, 0},   {-2.59, -7.20, 0},  {-2.06, -3.85, 0},  {-5.67, -8.35, 0},

@@ -16,7 +16,7 @@ extern const std::array<Laser, 32> vlp32a_lasers;
 extern const std::array<Laser, 32> vlp32c_lasers;
 extern const std::array<Laser, 32> hdl32e_lasers;
 extern const std::array<Laser, 64> hdl64e_s1_lasers;
-extern const std::array<Laser, 64> hdl64e_s2_lasers;
+extern const std::array<Laser, 64> hdl64e_s21_lasers;
 extern const std::array<Laser, 64> hdl64e_s3_lasers;
 extern const std::array<Laser, 128> vls128_lasers;
 

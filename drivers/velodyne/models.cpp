@@ -76,7 +76,9 @@ const ModelRow hdl32e = {"HDL-32E",   {0x21, 0},           0.002, 32, 1, false, 
 const ModelRow hdl64e_s1_row = {"HDL-64E S1",           {0, 0}, 0.002, 64, 2, false, {hdl64e_s1}, nullptr,
                                 hdl64e_s1_lasers.data()};
 const ModelRow hdl64e_s2_row = {"HDL-64E S2",           {0, 0}, 0.002, 64, 2, false, {hdl64e_48us}, nullptr,
-                                hdl64e_s2_lasers.data()};
+                                hdl64e_s1_lasers.data()};
+const ModelRow hdl64e_s21_row = {"HDL-64E S2.1",          {0, 0}, 0.002, 64, 2, false, {hdl64e_48us}, nullptr,
+                                 hdl64e_s21_lasers.data()};
 const ModelRow hdl64e_s3_row = {
     "HDL-64E S3", {0, 0}, 0.002, 64, 2, false, {hdl64e_57us, hdl64e_48us}, nullptr, hdl64e_s3_lasers.data()};
 const ModelRow vls128_row = {
@@ -122,20 +124,21 @@ void append_models(std::vector<Model>& list) {
   // Ranges: data sheets, unverified.
   list.push_back(spinning("velodyne_vlp16", "VLP-16", vlp16, 100, "real captures: strongest, last, dual"));
   list.push_back(spinning("velodyne_puck_lite", "Puck LITE", vlp16, 100, "same packets as VLP-16"));
-  list.push_back(spinning("velodyne_puck_hires", "Puck Hi-Res", hires, 100, "untested: no public capture"));
-  list.push_back(spinning("velodyne_vlp32a", "VLP-32A", vlp32a, 200, "untested: no public capture"));
-  list.push_back(spinning("velodyne_vlp32b", "VLP-32B", vlp32b, 200, "untested: no public capture"));
+  list.push_back(
+      spinning("velodyne_puck_hires", "Puck Hi-Res", hires, 100, "our simulator; no public capture"));
+  list.push_back(spinning("velodyne_vlp32a", "VLP-32A", vlp32a, 200, "our simulator; no public capture"));
+  list.push_back(spinning("velodyne_vlp32b", "VLP-32B", vlp32b, 200, "our simulator; no public capture"));
   list.push_back(
       spinning("velodyne_vlp32c", "VLP-32C", vlp32c, 200, "real capture: strongest, field of view"));
   list.push_back(spinning("velodyne_hdl32e", "HDL-32E", hdl32e, 100, "real captures: strongest"));
   list.push_back(
-      spinning("velodyne_hdl64e_s1", "HDL-64E S1", hdl64e_s1_row, 120, "untested: no public capture"));
+      spinning("velodyne_hdl64e_s1", "HDL-64E S1", hdl64e_s1_row, 120, "our simulator; no public capture"));
   list.push_back(
-      spinning("velodyne_hdl64e_s2", "HDL-64E S2", hdl64e_s2_row, 120, "untested: no public capture"));
+      spinning("velodyne_hdl64e_s2", "HDL-64E S2", hdl64e_s2_row, 120, "our simulator; no public capture"));
+  list.push_back(spinning("velodyne_hdl64e_s21", "HDL-64E S2.1", hdl64e_s21_row, 120,
+                          "our simulator; no public capture"));
   list.push_back(
-      spinning("velodyne_hdl64e_s21", "HDL-64E S2.1", hdl64e_s2_row, 120, "untested: no public capture"));
-  list.push_back(
-      spinning("velodyne_hdl64e_s3", "HDL-64E S3", hdl64e_s3_row, 120, "untested: no public capture"));
+      spinning("velodyne_hdl64e_s3", "HDL-64E S3", hdl64e_s3_row, 120, "our simulator; no public capture"));
   list.push_back(spinning("velodyne_vls128", "VLS-128", vls128_row, 300, "real capture: strongest"));
   list.push_back(spinning("velodyne_alpha_prime", "Alpha Prime", vls128_row, 300, "same packets as VLS-128"));
 }

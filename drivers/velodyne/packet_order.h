@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "core/counters.h"
 #include "core/time.h"
@@ -58,10 +59,10 @@ class PacketOrder {
   void set_timing(const Timing& timing) { timing_ = &timing; }
   /// Measured rotation, deg/s; 0 unknown.
   void set_turn_rate(double deg_per_s) { turn_rate_ = deg_per_s; }
-  /// The product byte that contradicts the model although the packets are the model's; 0 none.
-  std::uint8_t lying_product() const { return lying_product_; }
-  /// The product byte of packets refused as another model's; 0 none.
-  std::uint8_t refused_product() const { return refused_product_; }
+  /// The product byte that contradicts the model although the packets are the model's, if any.
+  std::optional<std::uint8_t> lying_product() const { return lying_product_; }
+  /// The product byte of packets refused as another model's, if any.
+  std::optional<std::uint8_t> refused_product() const { return refused_product_; }
 
  private:
   Span period(const OrderedPacket& p) const {
@@ -90,8 +91,8 @@ class PacketOrder {
   double turn_rate_ = 0;
   double turned_deg_ = 0;
   Span time_{0};
-  std::uint8_t lying_product_ = 0;
-  std::uint8_t refused_product_ = 0;
+  std::optional<std::uint8_t> lying_product_;
+  std::optional<std::uint8_t> refused_product_;
 };
 
 template <typename Use>
@@ -116,7 +117,7 @@ Reject PacketOrder::add(const OrderedPacket& packet, Use&& use) {
   if (packet.other_product) {
     const Reject verdict = judge_product(packet);
     if (verdict != Reject::none) return verdict;
-    if (lying_product_ == 0) return Reject::none;  // held back until the next one tells the period
+    if (!lying_product_) return Reject::none;  // held back until the next one tells the period
   }
   if (holding_) {
     const Span after_held = hour_difference(packet.view().stamp_us(), held_.view().stamp_us());

@@ -44,8 +44,10 @@ Unpacker::Unpacker(const ModelRow& row, bool keep_origins, double min_range, dou
 void Unpacker::set_timing(const Timing& timing) {
   for (std::size_t k = 0; k < lasers_.size(); ++k) {
     origins_[k].firing = row_.firing_time(timing, k);
-    origins_[k].firing_s = seconds(origins_[k].firing);
-    lasers_[k].time = static_cast<float>(origins_[k].firing_s);
+    lasers_[k].time = static_cast<float>(seconds(origins_[k].firing));
+    // The block's azimuth is that of its first firing, wherever the stamp stands.
+    origins_[k].turning_s = seconds(origins_[k].firing + timing.before);
+    lasers_[k].turning = static_cast<float>(origins_[k].turning_s);
   }
   const double rate = rate_;
   rate_ = -1;
@@ -58,7 +60,7 @@ void Unpacker::set_rate(double deg_per_s) {
   const auto rate = static_cast<float>(deg_per_s * rad_per_deg);
   for (LaserTable& table : lasers_) {
     // The turn within a sequence stays below 2 deg at 1200 rpm: the series are exact to 1e-7.
-    const float turn = rate * table.time;
+    const float turn = rate * table.turning;
     const float square = turn * turn;
     const float cos_turn = 1 - square * (0.5F - square / 24);
     const float sin_turn = turn * (1 - square / 6);
@@ -67,7 +69,7 @@ void Unpacker::set_rate(double deg_per_s) {
   }
   if (!keep_origins_) return;
   for (std::size_t k = 0; k < origins_.size(); ++k) {
-    origins_[k].shift_deg = rate_ * origins_[k].firing_s - row_.laser[k].rot_correction_deg;
+    origins_[k].shift_deg = rate_ * origins_[k].turning_s - row_.laser[k].rot_correction_deg;
   }
 }
 

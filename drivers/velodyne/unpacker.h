@@ -43,11 +43,12 @@ class Unpacker {
     float cos_elevation, sin_elevation, z_offset;
     float cos_shift, sin_shift;  // of the azimuth between the sequence's begin and this laser's beam
     float cos_rot, sin_rot;      // of the fixed part of it
-    float time;
+    float time;                  // of the beam after the sequence's begin by the stamp
+    float turning;               // after the sequence's first firing
     std::uint16_t ring;
   };
   struct LaserOrigin {
-    double firing_s, shift_deg;
+    double turning_s, shift_deg;
     Span firing;
   };
   bool is_return(std::uint16_t count) const { return static_cast<std::uint16_t>(count - nearest_) <= span_; }

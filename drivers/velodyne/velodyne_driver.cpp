@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/velodyne/velodyne_driver.h"
 
+#include <cmath>
 #include <cstring>
 
 #include "drivers/model.h"
@@ -52,7 +53,9 @@ class VelodyneDriver final : public Driver {
   void decode(const OrderedPacket& packet, Span time, const std::optional<NextPacket>& next,
               DriverOutput& out);
   void set_timing(const Timing& timing);
-  double turn_rate() const { return frames_.period() > Span(0) ? 360 / seconds(frames_.period()) : 0; }
+  void measure_turn(double azimuth_deg, Span step);
+  /// Rotation over the last packets, deg/s; 0 unknown.
+  double turn_rate() const { return turned_s_ > 0 ? turned_deg_ / turned_s_ : 0; }
   void note_product(std::uint8_t product, bool refused);
 
   DriverConfig config_;
@@ -71,6 +74,8 @@ class VelodyneDriver final : public Driver {
   bool pending_ = false;
   bool in_stream_ = false;
   Span last_time_{0};
+  double last_azimuth_deg_ = 0;
+  double turned_deg_ = 0, turned_s_ = 0;
   std::uint8_t told_product_ = 0;
 };
 
@@ -100,7 +105,8 @@ Reject VelodyneDriver::receive(const Packet& packet, DriverOutput& out) {
   std::memcpy(incoming_.bytes.data(), packet.payload.data(), packet_size);
   incoming_.arrival = packet.arrival;
   const std::uint8_t product = incoming_.view().product();
-  incoming_.other_product = row_.names_product() && !row_.has_product(product);
+  const bool may_be_old = row_.without_factory_bytes != nullptr && !is_product(product);
+  incoming_.other_product = row_.names_product() && !row_.has_product(product) && !may_be_old;
   const Reject verdict =
       order_.add(incoming_, [&](const OrderedPacket& p, Span time) { accept(p, time, out); });
   if (incoming_.other_product) {
@@ -128,8 +134,10 @@ void VelodyneDriver::accept(const OrderedPacket& packet, Span time, DriverOutput
     decode_pending(std::nullopt, out);
     frames_.cut_off(out);
     clock_.reset();
+    turned_deg_ = turned_s_ = 0;
   } else if (in_stream_) {
-    const NextPacket next{time - last_time_, packet.view().azimuth(0) * 0.01};
+    const NextPacket next{time - last_time_};
+    measure_turn(packet.view().azimuth(0) * 0.01, next.step);
     if (pending_) {
       const std::size_t echoes = layout_of(waiting_.view(), row_).echoes;
       timing_.add(next.step, row_.sequences_per_packet(echoes));
@@ -138,6 +146,7 @@ void VelodyneDriver::accept(const OrderedPacket& packet, Span time, DriverOutput
   }
   in_stream_ = true;
   last_time_ = time;
+  last_azimuth_deg_ = packet.view().azimuth(0) * 0.01;
   const PacketAzimuths azimuths = read_azimuths(packet.view(), layout_of(packet.view(), row_));
   if (row_.random_rest || azimuths.hidden_total_deg > 0 || !timing_.decided()) {
     waiting_ = packet;
@@ -146,6 +155,18 @@ void VelodyneDriver::accept(const OrderedPacket& packet, Span time, DriverOutput
   } else {
     decode(packet, time, std::nullopt, out);
   }
+}
+
+void VelodyneDriver::measure_turn(double azimuth_deg, Span step) {
+  // Long enough that whole microseconds and 0.01 deg do not matter, short enough to follow the motor.
+  constexpr double window_s = 0.2;
+  constexpr Span longest_step = std::chrono::milliseconds(40);  // below one turn at 1200 rpm
+  if (step <= Span(0) || step > longest_step) return;
+  turned_deg_ += std::fmod(azimuth_deg - last_azimuth_deg_ + 360.5, 360) - 0.5;
+  turned_s_ += seconds(step);
+  if (turned_s_ < window_s) return;
+  turned_deg_ /= 2;
+  turned_s_ /= 2;
 }
 
 void VelodyneDriver::decode_pending(const std::optional<NextPacket>& next, DriverOutput& out) {
