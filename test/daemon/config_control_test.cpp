@@ -117,6 +117,8 @@ TEST(ControlConfig, IsRefusedForOtherSensors) {
       error_of("sensors: {a: {model: sick_microscan3, control: {read: true}}}"),
       "f:1:39: sensors.a.control is not available for sick_microscan3, which has no web interface that is "
       "known; expected no such key: it applies to Velodynes other than the HDL-64E");
+  EXPECT_THAT(error_of("sensors: {a: {model: velodyne_hdl64e_s3, control: {read: true}}}"),
+              HasSubstr("sensors.a.control is not available for velodyne_hdl64e_s3"));
   EXPECT_THAT(error_of("sensors: {a: {topic: /scan, control: {read: true}}}"),
               HasSubstr("sensors.a.control does not apply to a source with topic:"));
 }
