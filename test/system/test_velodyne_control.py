@@ -29,6 +29,9 @@ class Sensor(http.server.ThreadingHTTPServer):
         self.hang = threading.Event()
         self.lock = threading.Lock()
 
+    def handle_error(self, request, client_address):
+        """A daemon that ends cuts its request off."""
+
     def tree(self):
         status = {"gps": {"pps_state": "Absent", "position": ""}, "motor": {"state": "On", "rpm": self.config["rpm"]},
                   "laser": {"state": "On"}}
