@@ -74,6 +74,8 @@ struct Commands {
     c->add_option("--model", decode.model, "See `lidard models`; may be left out where the packets tell");
     c->add_option("--source", source, "Sender, IP[:PORT]");
     c->add_option("--port", decode.port, "Destination port");
+    c->add_option("--calibration", decode.calibration,
+                  "Of a Velodyne: YAML of velodyne_pointcloud, or db.xml");
     c->add_option("--format", decode.format, "csv, json or pcd")
         ->check(CLI::IsMember({"csv", "json", "pcd"}))
         ->capture_default_str();

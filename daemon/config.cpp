@@ -2,18 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/config.h"
 
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <iterator>
 
 #include "daemon/config_parts.h"
+#include "daemon/read_file.h"
 
 namespace lidard {
 namespace {
 
-constexpr std::size_t largest_file = 1U << 20U;  // bytes; a configuration is a few kB
 constexpr double largest_vehicle_m = 1000;
 constexpr double smallest_area_m2 = 1e-4;
 
@@ -97,22 +94,6 @@ void warn_of_unused(Mapping& root, Config& config, const ConfigClaims& claims) {
   }
 }
 
-std::string read_file(const std::string& path) {
-  const std::string expected = "; expected a readable YAML file";
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  std::string text;
-  if (file) {
-    text.resize(largest_file + 1);
-    file.read(text.data(), static_cast<std::streamsize>(text.size()));
-    text.resize(static_cast<std::size_t>(file.gcount()));
-  }
-  if (!file.is_open() || file.bad() || (file.fail() && !file.eof()))
-    throw ConfigError(path + ": cannot be read: " + std::strerror(errno != 0 ? errno : EIO) + expected);
-  if (text.size() > largest_file) throw ConfigError(path + ": is larger than 1 MiB" + expected);
-  return text;
-}
-
 }  // namespace
 
 const SensorConfig* Config::find_sensor(const std::string& name) const {
@@ -134,6 +115,8 @@ Config parse_config(const std::string& text, const std::string& name) {
   return config;
 }
 
-Config load_config(const std::string& path) { return parse_config(read_file(path), path); }
+Config load_config(const std::string& path) {
+  return parse_config(read_file(path, "a readable YAML file"), path);
+}
 
 }  // namespace lidard

@@ -41,6 +41,7 @@ struct SensorConfig {
   std::string interface;     ///< network interface to join the group on; empty: the kernel's choice
   std::string frame_id;      ///< default: the sensor's name
   std::optional<Pose> pose;  ///< of the sensor in base_frame; unset: from tf
+  std::string calibration;   ///< file as written, relative to the configuration's folder; empty: none
   DriverConfig driver;       ///< model, frame_id and options, ready for Model::make
   VelodyneControl control;   ///< the sensor's web interface; nothing is done with it by default
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "daemon/calibration_file.h"
 #include "daemon/config_parts.h"
 
 namespace lidard {
@@ -95,6 +96,7 @@ class ConfigWriter {
   void vehicle(const VehicleConfig& vehicle);
   void sensor(const SensorConfig& sensor);
   void network(const SensorConfig& sensor);
+  void calibration(const SensorConfig& sensor);
   void output(const OutputScanConfig& output);
   void merged(const MergedScanConfig& scan);
   void virtual_scan(const VirtualScanConfig& scan);
@@ -145,11 +147,23 @@ void ConfigWriter::sensor(const SensorConfig& sensor) {
   }
   if (sensor.model->kind == FrameKind::cloud) {
     number("cut_angle", driver.cut_angle);
+    calibration(sensor);
     return;
   }
   optional_number("angle_min", driver.angle_min, "angle_min: all beams");
   optional_number("angle_max", driver.angle_max, "angle_max: all beams");
   flag("publish_intensity", driver.publish_intensity);
+}
+
+void ConfigWriter::calibration(const SensorConfig& sensor) {
+  if (!takes_calibration(*sensor.model)) return;
+  if (sensor.driver.calibration == nullptr) {
+    unset("calibration: what the model or the device itself says");
+    return;
+  }
+  text("calibration", sensor.calibration);
+  const bool exact = sensor.driver.calibration->model == velodyne::CalibrationModel::exact;
+  text("calibration_model", exact ? "exact" : "ros_drivers");
 }
 
 void ConfigWriter::output(const OutputScanConfig& output) {

@@ -51,6 +51,8 @@ bool has_web_interface(const Model& model);
 VelodyneControl read_control(const Value& value, const SensorConfig& sensor, Config& config);
 /// The value of `control:`, all keys.
 void write_control(YAML::Emitter& yaml, const VelodyneControl& control);
+/// Reads `calibration:` and `calibration_model:` of a sensor and the file itself.
+void read_calibration(Mapping& yaml, SensorConfig& sensor, Config& config);
 
 /// A pose from {xyz: m, rpy: rad or rpy_deg}.
 Pose read_pose(const Value& value);

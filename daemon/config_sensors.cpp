@@ -33,7 +33,9 @@ const std::vector<std::string_view> sensor_keys = {"model",
                                                    "publish_multiecho",
                                                    "calibrate_time",
                                                    "frame_stamp",
-                                                   "control"};
+                                                   "control",
+                                                   "calibration",
+                                                   "calibration_model"};
 
 /// Why a key that this kind of sensor does not read is refused, and what to do instead.
 std::pair<std::string, std::string> refusal(const std::string& key, const SensorConfig& sensor) {
@@ -47,6 +49,8 @@ std::pair<std::string, std::string> refusal(const std::string& key, const Sensor
   if (key == "control")
     return {model + ", which has no web interface that is known",
             "no such key: it applies to Velodynes other than the HDL-64E"};
+  if (key == "calibration" || key == "calibration_model")
+    return {model + ", which sends calibrated measurements", "no such key"};
   if (key == "cut_angle" || key == "cut_angle_deg")
     return {model + ", which has no revolutions to cut", "no such key"};
   if (sensor.model->kind == FrameKind::cloud)
@@ -157,6 +161,7 @@ SensorConfig read_sensor(const std::string& name, Mapping& yaml, Config& config,
     if (has_web_interface(*sensor.model)) {
       if (const auto control = yaml.find("control")) sensor.control = read_control(*control, sensor, config);
     }
+    read_calibration(yaml, sensor, config);
     claims.publishes(name + (sensor.model->kind == FrameKind::cloud ? "/points" : "/scan"), owner,
                      yaml.self());
     if (sensor.model->has_gnss())

@@ -4,6 +4,9 @@
 
 #include <ostream>
 
+#include "daemon/calibration_file.h"
+#include "daemon/cli.h"
+#include "daemon/config.h"
 #include "daemon/report.h"
 #include "daemon/stream_finder.h"
 #include "drivers/pcap_source.h"
@@ -58,7 +61,30 @@ std::optional<SensorStream> choose_stream(const DecodeOptions& options, const Mo
   return std::nullopt;
 }
 
-int decode_stream(const DecodeOptions& options, const SensorStream& stream, std::ostream& err) {
+using CalibrationPtr = std::shared_ptr<const velodyne::Calibration>;
+
+/// The calibration asked for, if any; throws ConfigError.
+CalibrationPtr read_calibration(const std::string& file, std::ostream& err) {
+  if (file.empty()) return nullptr;
+  std::vector<std::string> warnings;
+  auto calibration = std::make_shared<velodyne::Calibration>(load_calibration(file, warnings));
+  for (const std::string& warning : warnings) err << "note: " << warning << '\n';
+  return calibration;
+}
+
+/// Throws ConfigError if the calibration cannot be that of the model.
+void check_calibration(const DecodeOptions& options, const velodyne::Calibration& calibration,
+                       const Model& model, std::ostream& err) {
+  const std::string misfit = calibration_misfit(calibration, model);
+  if (!misfit.empty())
+    throw ConfigError(options.calibration + ": " + misfit + "; expected the calibration of this sensor");
+  const std::string doubt = calibration_doubt(calibration, model);
+  if (!doubt.empty()) err << "note: " << options.calibration << ": " << doubt << '\n';
+}
+
+int decode_stream(const DecodeOptions& options, const SensorStream& stream, CalibrationPtr calibration,
+                  std::ostream& err) {
+  if (calibration != nullptr) check_calibration(options, *calibration, *stream.model, err);
   if (!stream.remark.empty()) err << options.capture << ": note: " << stream.remark << '\n';
   DriverConfig config;
   config.model = stream.model;
@@ -66,6 +92,7 @@ int decode_stream(const DecodeOptions& options, const SensorStream& stream, std:
   config.clock = options.clock;
   config.keep_partial = true;
   config.keep_origins = true;
+  config.calibration = std::move(calibration);
   const auto driver = stream.model->make(config);
   const auto writer = make_writer(options);
   WriterOutput output(*writer, options.frame);
@@ -105,8 +132,12 @@ int run_decode(const DecodeOptions& options, std::ostream& err) {
     }
   }
   try {
+    auto calibration = read_calibration(options.calibration, err);
     const auto stream = choose_stream(options, model, err);
-    return stream ? decode_stream(options, *stream, err) : 1;
+    return stream ? decode_stream(options, *stream, std::move(calibration), err) : 1;
+  } catch (const ConfigError& e) {
+    err << e.what() << '\n';
+    return exit_config;
   } catch (const std::exception& e) {
     err << e.what() << '\n';
     return 1;

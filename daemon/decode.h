@@ -20,6 +20,7 @@ struct DecodeOptions {
   std::optional<IpAddress> source;  ///< only packets from this sender
   std::uint16_t source_port = 0;    ///< 0: any
   std::uint16_t port = 0;           ///< destination port; 0: any
+  std::string calibration;          ///< file; empty: what the model or the device says
   std::string format = "csv";       ///< csv, json or pcd
   std::string output = "-";
   std::optional<std::uint64_t> frame;  ///< only this frame

@@ -77,6 +77,9 @@ class Driver {
 };
 
 struct Model;
+namespace velodyne {
+struct Calibration;
+}
 
 /// What a driver needs to know; everything has a default that fits the model.
 struct DriverConfig {
@@ -86,14 +89,16 @@ struct DriverConfig {
   Span time_offset{0};  ///< added to every stamp
   double cut_angle =
       0;  ///< rad, as the sensor counts azimuth: where one revolution ends (multi-plane lidars)
-  double min_range = 0;           ///< m: nearer returns are left out (multi-plane lidars)
-  double max_range = 0;           ///< m: farther returns are left out; 0: no limit
-  double view_direction = 0;      ///< rad, counter-clockwise from the front: middle of the sector that is kept
-  double view_width = 6.2831853071795865;  ///< rad: width of that sector
+  double min_range = 0;       ///< m: nearer returns are left out (multi-plane lidars)
+  double max_range = 0;       ///< m: farther returns are left out; 0: no limit
+  double view_direction = 0;  ///< rad, counter-clockwise from the front: middle of the sector that is kept
+  double view_width = 6.2831853071795865;      ///< rad: width of that sector
   bool keep_partial = false;                   ///< hand on first, last and torn frames too
   bool keep_origins = false;                   ///< fill Cloud::origins
   std::optional<double> angle_min, angle_max;  ///< rad: keep only these beams of a planar scanner (REP 138)
   bool publish_intensity = true;
+  std::shared_ptr<const velodyne::Calibration>
+      calibration;  ///< of a Velodyne; nullptr: the model's table, or what the device sends of itself
 };
 
 }  // namespace lidard
