@@ -98,7 +98,7 @@ struct DriverConfig {
   std::optional<double> angle_min, angle_max;  ///< rad: keep only these beams of a planar scanner (REP 138)
   bool publish_intensity = true;
   std::shared_ptr<const velodyne::Calibration>
-      calibration;  ///< of a Velodyne; nullptr: the model's table, or what the device sends of itself
+      calibration;  ///< of a Velodyne; nullptr: the model's table
 };
 
 }  // namespace lidard

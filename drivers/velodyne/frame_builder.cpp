@@ -16,7 +16,7 @@ FrameBuilder::FrameBuilder(const DriverConfig& config, const ModelRow& row, Coun
     : config_(config),
       row_(row),
       counters_(counters),
-      unpacker_(row, config.keep_origins, config.min_range, config.max_range),
+      unpacker_(row, config.keep_origins, config.min_range, config.max_range, config.calibration.get()),
       cutter_(config.cut_angle * deg_per_rad) {
   cloud_.frame_id = config.frame_id;
   cloud_.rings = static_cast<std::uint16_t>(row.lasers);

@@ -18,14 +18,16 @@ std::uint16_t distance_count(const std::uint8_t* slot) {
 
 }  // namespace
 
-Unpacker::Unpacker(const ModelRow& row, bool keep_origins, double min_range, double max_range)
+Unpacker::Unpacker(const ModelRow& row, bool keep_origins, double min_range, double max_range,
+                   const Calibration* calibration)
     : row_(row), keep_origins_(keep_origins) {
   // A count of 0 is the wire's "no return", so it is never inside.
-  const double step = row.distance_step_m;
+  if (calibration != nullptr) geometry_.emplace(*calibration);
+  const double step = calibration != nullptr ? calibration->distance_step_m : row.distance_step_m;
   nearest_ = static_cast<std::uint16_t>(std::clamp(std::ceil(min_range / step - 1e-9), 1.0, 65535.0));
   const double farthest = max_range > 0 ? std::floor(max_range / step + 1e-9) : 65535.0;
   span_ = static_cast<std::uint16_t>(std::clamp(farthest, static_cast<double>(nearest_), 65535.0) - nearest_);
-  const auto rings = rings_by_elevation(row);
+  const auto rings = calibration != nullptr ? rings_by_elevation(*calibration) : rings_by_elevation(row);
   for (std::size_t k = 0; k < row.lasers; ++k) {
     const Laser& laser = row.laser[k];
     LaserTable table{};
@@ -38,6 +40,10 @@ Unpacker::Unpacker(const ModelRow& row, bool keep_origins, double min_range, dou
     lasers_.push_back(table);
   }
   origins_.resize(row.lasers);
+  for (std::size_t k = 0; k < row.lasers; ++k) {
+    origins_[k].rot_deg =
+        geometry_ ? geometry_->rot_correction(k) / rad_per_deg : row.laser[k].rot_correction_deg;
+  }
   set_timing(row.timings.front());
 }
 
@@ -67,9 +73,12 @@ void Unpacker::set_rate(double deg_per_s) {
     table.cos_shift = table.cos_rot * cos_turn - table.sin_rot * sin_turn;
     table.sin_shift = table.sin_rot * cos_turn + table.cos_rot * sin_turn;
   }
-  if (!keep_origins_) return;
+  if (!keep_origins_ && !geometry_) return;
   for (std::size_t k = 0; k < origins_.size(); ++k) {
-    origins_[k].shift_deg = rate_ * origins_[k].turning_s - row_.laser[k].rot_correction_deg;
+    const double turn_deg = rate_ * origins_[k].turning_s;
+    origins_[k].shift_deg = turn_deg - origins_[k].rot_deg;
+    origins_[k].cos_turn = std::cos(turn_deg * rad_per_deg);
+    origins_[k].sin_turn = std::sin(turn_deg * rad_per_deg);
   }
 }
 
@@ -90,6 +99,11 @@ void Unpacker::append(const Sequence& sequence, Cloud& cloud, std::size_t& point
   column.azimuth = static_cast<float>(sequence.azimuth_deg * rad_per_deg);
   column.stamp = sequence.stamp;
   cloud.columns.push_back(column);
+  if (geometry_) {
+    append_calibrated(sequence, cloud, points);
+    if (keep_origins_) append_origins(sequence, cloud);
+    return;
+  }
 
   const double alpha = sequence.azimuth_deg * rad_per_deg;
   const auto cos_a = static_cast<float>(std::cos(alpha));
@@ -120,6 +134,25 @@ void Unpacker::append(const Sequence& sequence, Cloud& cloud, std::size_t& point
   if (keep_origins_) append_origins(sequence, cloud);
 }
 
+/// With a calibration of the very sensor: its equations for each return, in double.
+void Unpacker::append_calibrated(const Sequence& sequence, Cloud& cloud, std::size_t& points) const {
+  const double alpha = sequence.azimuth_deg * rad_per_deg;
+  const double cos_a = std::cos(alpha);
+  const double sin_a = std::sin(alpha);
+  const auto begin = static_cast<float>(seconds(sequence.in_frame));
+  const std::size_t per_bank = row_.lasers / row_.banks;
+  for (std::size_t k = 0; k < lasers_.size(); ++k) {
+    const std::uint8_t* slot = sequence.slots[k / per_bank] + 3 * (k % per_bank);
+    const std::uint16_t count = distance_count(slot);
+    if (!is_return(count)) continue;
+    const LaserOrigin& turn = origins_[k];
+    const CalibratedPoint p =
+        geometry_->place(k, count, slot[2], cos_a * turn.cos_turn - sin_a * turn.sin_turn,
+                         sin_a * turn.cos_turn + cos_a * turn.sin_turn);
+    cloud.points()[points++] = {p.x, p.y, p.z, p.intensity, lasers_[k].ring, begin + lasers_[k].time};
+  }
+}
+
 void Unpacker::append_origins(const Sequence& sequence, Cloud& cloud) const {
   const std::size_t per_bank = row_.lasers / row_.banks;
   for (std::size_t k = 0; k < lasers_.size(); ++k) {
@@ -131,7 +164,7 @@ void Unpacker::append_origins(const Sequence& sequence, Cloud& cloud) const {
     origin.block = sequence.blocks[k / per_bank];
     const double azimuth = std::fmod(sequence.azimuth_deg + origins_[k].shift_deg, 360);
     origin.azimuth_deg = azimuth < 0 ? azimuth + 360 : azimuth;
-    origin.distance_m = count * row_.distance_step_m;
+    origin.distance_m = geometry_ ? geometry_->distance(k, count) : count * row_.distance_step_m;
     origin.offset_ns = (sequence.in_packet + origins_[k].firing).count();
     origin.stamp = sequence.stamp + origins_[k].firing;
     cloud.origins.push_back(origin);

@@ -4,9 +4,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/cloud.h"
+#include "drivers/velodyne/calibration.h"
 #include "drivers/velodyne/model_row.h"
 
 namespace lidard::velodyne {
@@ -26,8 +28,10 @@ struct Sequence {
 /// Turns the slots of firing sequences into points, straight into the cloud's message bytes.
 class Unpacker {
  public:
-  /// Distances (m) outside [min_range, max_range] are left out; max_range 0: no limit.
-  Unpacker(const ModelRow& row, bool keep_origins, double min_range, double max_range);
+  /// Distances (m) outside [min_range, max_range] are left out; max_range 0: no limit. `calibration`: of this
+  /// very sensor, instead of the model's table; nullptr none.
+  Unpacker(const ModelRow& row, bool keep_origins, double min_range, double max_range,
+           const Calibration* calibration);
 
   void set_timing(const Timing& timing);
   /// The rotation during the coming sequences, degrees per second.
@@ -48,10 +52,11 @@ class Unpacker {
     std::uint16_t ring;
   };
   struct LaserOrigin {
-    double turning_s, shift_deg;
+    double turning_s, rot_deg, shift_deg, cos_turn, sin_turn;
     Span firing;
   };
   bool is_return(std::uint16_t count) const { return static_cast<std::uint16_t>(count - nearest_) <= span_; }
+  void append_calibrated(const Sequence& sequence, Cloud& cloud, std::size_t& points) const;
   void append_origins(const Sequence& sequence, Cloud& cloud) const;
 
   const ModelRow& row_;
@@ -60,6 +65,7 @@ class Unpacker {
   double rate_ = 0;
   std::vector<LaserTable> lasers_;
   std::vector<LaserOrigin> origins_;
+  std::optional<CalibratedGeometry> geometry_;
 };
 
 }  // namespace lidard::velodyne
