@@ -48,6 +48,7 @@ struct BagSink::Impl {
   sensor_msgs::NavSatFix fix;
   sensor_msgs::TimeReference reference;
   sensor_msgs::Imu imu;
+  diagnostic_msgs::DiagnosticArray state;
   tf2_msgs::TFMessage tf;
   diagnostic_msgs::DiagnosticArray diagnostics;
 
@@ -133,6 +134,11 @@ void BagSink::time_reference(const std::string& topic, const TimeReference& refe
 void BagSink::imu(const std::string& topic, const ImuSample& sample, Stamp released) {
   to_ros(sample, impl_->imu);
   impl_->write(topic, released, impl_->imu);
+}
+
+void BagSink::state(const std::string& topic, const DeviceState& state, Stamp released) {
+  to_ros(state, impl_->state);
+  impl_->write(topic, released, impl_->state);
 }
 
 void BagSink::transforms(const std::vector<StaticTransform>& transforms, Stamp released) {

@@ -31,6 +31,7 @@ class BagSink : public FrameSink {
   void fix(const std::string& topic, const GnssFix& fix, Stamp released) override;
   void time_reference(const std::string& topic, const TimeReference& reference, Stamp released) override;
   void imu(const std::string& topic, const ImuSample& sample, Stamp released) override;
+  void state(const std::string& topic, const DeviceState& state, Stamp released) override;
   void transforms(const std::vector<StaticTransform>& transforms, Stamp released) override;
   void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) override;
 

@@ -19,6 +19,14 @@ TopicInfo sensor_topic(const SensorConfig& config) {
   return {config.name + (cloud ? "/points" : "/scan"), cloud ? TopicKind::cloud : TopicKind::scan};
 }
 
+bool sends_echoes(const SensorConfig& sensor) {
+  return sensor.model->has_echoes && sensor.driver.publish_multiecho;
+}
+
+std::string topic_below(const SensorConfig& sensor, std::string_view name) {
+  return sensor.name + "/" + std::string(name);
+}
+
 }  // namespace
 
 /// One sensor: its driver, and where its frames go.
@@ -29,6 +37,10 @@ struct SensorLine final : public DriverOutput {
     fix_topic = config.name + "/fix";
     time_topic = config.name + "/time_reference";
     imu_topic = config.name + "/imu";
+    if (config.model == nullptr) return;
+    if (sends_echoes(config)) echoes_topic = config.name + "/echoes";
+    for (const auto name : config.model->state_topics) named_topics[name] = topic_below(config, name);
+    for (const auto name : config.model->extra_scans) named_topics[name] = topic_below(config, name);
   }
   bool owns_port(std::uint16_t port) const {
     if (config.model == nullptr) return false;
@@ -40,6 +52,8 @@ struct SensorLine final : public DriverOutput {
   void fix(const GnssFix& fix) override;
   void time_reference(const TimeReference& reference) override;
   void imu(const ImuSample& sample) override;
+  void state(const DeviceState& state) override;
+  void extra_scan(std::string_view name, PlanarScan& scan) override;
 
   SensorConfig config;
   Pipeline::Impl& owner;
@@ -48,6 +62,8 @@ struct SensorLine final : public DriverOutput {
   std::string fix_topic;
   std::string time_topic;
   std::string imu_topic;
+  std::string echoes_topic;                              // empty: none
+  std::map<std::string_view, std::string> named_topics;  // states and further scans
   bool seen = false;
   Stamp last_arrival{};
   Counters topic_counters;  // of a `topic:` source
@@ -87,6 +103,7 @@ struct Pipeline::Impl {
 
 void SensorLine::scan(PlanarScan& scan) {
   owner.sink.scan(topic, scan, owner.now);
+  if (!echoes_topic.empty()) owner.sink.scan(echoes_topic, scan, owner.now);
   owner.scan_from(*this, scan);
 }
 
@@ -103,6 +120,14 @@ void SensorLine::time_reference(const TimeReference& reference) {
 
 void SensorLine::imu(const ImuSample& sample) { owner.sink.imu(imu_topic, sample, owner.now); }
 
+void SensorLine::state(const DeviceState& state) {
+  owner.sink.state(named_topics.at(state.topic), state, owner.now);
+}
+
+void SensorLine::extra_scan(std::string_view name, PlanarScan& scan) {
+  owner.sink.scan(named_topics.at(name), scan, owner.now);
+}
+
 std::vector<TopicInfo> pipeline_topics(const Config& config) {
   std::vector<TopicInfo> topics;
   for (const auto& sensor : config.sensors) {
@@ -113,6 +138,11 @@ std::vector<TopicInfo> pipeline_topics(const Config& config) {
       topics.push_back({sensor.name + "/time_reference", TopicKind::time_reference});
     }
     if (sensor.model->has_imu) topics.push_back({sensor.name + "/imu", TopicKind::imu});
+    if (sends_echoes(sensor)) topics.push_back({sensor.name + "/echoes", TopicKind::echoes});
+    for (const auto name : sensor.model->state_topics)
+      topics.push_back({topic_below(sensor, name), TopicKind::state});
+    for (const auto name : sensor.model->extra_scans)
+      topics.push_back({topic_below(sensor, name), TopicKind::scan});
   }
   for (const auto& merged : config.merged_scans) {
     topics.push_back({merged.scan_destination_topic, TopicKind::scan});

@@ -38,6 +38,9 @@ void to_ros(const GnssFix& fix, sensor_msgs::NavSatFix& message);
 void to_ros(const TimeReference& reference, sensor_msgs::TimeReference& message);
 /// A sample as sensor_msgs/Imu: no orientation, covariances unknown.
 void to_ros(const ImuSample& sample, sensor_msgs::Imu& message);
+/// A device's state as one status of diagnostic_msgs/DiagnosticArray, which has a stamp and needs no message
+/// package of ours; `topic` is its name.
+void to_ros(const DeviceState& state, diagnostic_msgs::DiagnosticArray& message);
 /// Fixed transforms as tf2_msgs/TFMessage.
 void to_ros(const std::vector<StaticTransform>& transforms, Stamp stamp, tf2_msgs::TFMessage& message);
 /// Status items as diagnostic_msgs/DiagnosticArray; names are prefixed "`node`: " (REP 107).

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
 #include "daemon/ros_convert.h"
 
 namespace lidard {
@@ -51,6 +53,19 @@ void to_ros(const ImuSample& sample, sensor_msgs::Imu& message) {
   message.orientation_covariance[0] = -1;  // sensor_msgs/Imu: there is no orientation
   copy_vector(sample.angular_velocity, message.angular_velocity);
   copy_vector(sample.linear_acceleration, message.linear_acceleration);
+}
+
+void to_ros(const DeviceState& state, diagnostic_msgs::DiagnosticArray& message) {
+  message.header.stamp = to_ros(state.stamp);
+  message.header.frame_id = ros_frame(state.frame_id);
+  message.status.resize(1);
+  auto& status = message.status.front();
+  status.name = state.topic;
+  status.values.resize(state.values.size());
+  for (std::size_t i = 0; i < state.values.size(); ++i) {
+    status.values[i].key = state.values[i].name;
+    status.values[i].value = fmt::format("{}", state.values[i].value);
+  }
 }
 
 }  // namespace lidard

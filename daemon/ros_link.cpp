@@ -286,6 +286,9 @@ void RosLink::time_reference(const std::string& topic, const TimeReference& refe
 void RosLink::imu(const std::string& topic, const ImuSample& sample, Stamp released) {
   impl_->queue.push(topic, sample, released);
 }
+void RosLink::state(const std::string& topic, const DeviceState& state, Stamp released) {
+  impl_->queue.push(topic, state, released);
+}
 void RosLink::transforms(const std::vector<StaticTransform>& transforms, Stamp released) {
   impl_->queue.push(transforms, released);
 }

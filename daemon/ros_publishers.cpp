@@ -27,6 +27,8 @@ ros::Publisher advertise_kind(ros::NodeHandle& node, const TopicInfo& topic, std
       return node.advertise<sensor_msgs::TimeReference>(topic.name, queue_size);
     case TopicKind::imu:
       return node.advertise<sensor_msgs::Imu>(topic.name, queue_size);
+    case TopicKind::state:
+      return node.advertise<diagnostic_msgs::DiagnosticArray>(topic.name, queue_size);
   }
   return {};
 }
@@ -45,6 +47,8 @@ const char* type_of(TopicKind kind) {
       return ros::message_traits::datatype<sensor_msgs::TimeReference>();
     case TopicKind::imu:
       return ros::message_traits::datatype<sensor_msgs::Imu>();
+    case TopicKind::state:
+      return ros::message_traits::datatype<diagnostic_msgs::DiagnosticArray>();
   }
   return "*";
 }
@@ -143,6 +147,10 @@ void RosPublishers::send_frame(QueuedFrame& frame, Output& output) {
     case QueuedFrame::What::imu:
       to_ros(frame.imu, imu_);
       send(output, imu_);
+      break;
+    case QueuedFrame::What::state:
+      to_ros(frame.state, state_);
+      send(output, state_);
       break;
     case QueuedFrame::What::clock: {
       rosgraph_msgs::Clock message;

@@ -76,6 +76,7 @@ class RosPublishers {
   sensor_msgs::NavSatFix fix_;
   sensor_msgs::TimeReference reference_;
   sensor_msgs::Imu imu_;
+  diagnostic_msgs::DiagnosticArray state_;
 };
 
 }  // namespace lidard

@@ -19,6 +19,8 @@ QueuedFrame::What what_travels(TopicKind kind) {
       return QueuedFrame::What::time_reference;
     case TopicKind::imu:
       return QueuedFrame::What::imu;
+    case TopicKind::state:
+      return QueuedFrame::What::state;
   }
   return QueuedFrame::What::scan;
 }
@@ -122,6 +124,10 @@ bool FrameQueue::push(const std::string& topic, const TimeReference& reference, 
 
 bool FrameQueue::push(const std::string& topic, const ImuSample& sample, Stamp released) {
   return push_item(topic, QueuedFrame::What::imu, &QueuedFrame::imu, sample, released);
+}
+
+bool FrameQueue::push(const std::string& topic, const DeviceState& state, Stamp released) {
+  return push_item(topic, QueuedFrame::What::state, &QueuedFrame::state, state, released);
 }
 
 void FrameQueue::push(const std::vector<StaticTransform>& transforms, Stamp released) {

@@ -23,7 +23,7 @@ enum class Backpressure : std::uint8_t {
 
 /// A frame on its way from the sensor thread to the ROS thread.
 struct QueuedFrame {
-  enum class What : std::uint8_t { scan, echoes, cloud, fix, time_reference, imu, transforms, clock };
+  enum class What : std::uint8_t { scan, echoes, cloud, fix, time_reference, imu, state, transforms, clock };
   What what = What::scan;
   std::size_t topic = 0;  ///< index into the list of topics; of no meaning for transforms and clock
   std::uint64_t number = 0;
@@ -33,6 +33,7 @@ struct QueuedFrame {
   GnssFix fix;
   TimeReference reference;
   ImuSample imu;
+  DeviceState state;
   std::vector<StaticTransform> transforms;
 };
 
@@ -49,6 +50,7 @@ class FrameQueue {
   bool push(const std::string& topic, const GnssFix& fix, Stamp released);
   bool push(const std::string& topic, const TimeReference& reference, Stamp released);
   bool push(const std::string& topic, const ImuSample& sample, Stamp released);
+  bool push(const std::string& topic, const DeviceState& state, Stamp released);
   void push(const std::vector<StaticTransform>& transforms, Stamp released);
   void push_clock(Stamp now);
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/cloud.h"
+#include "core/device_state.h"
 #include "core/gnss.h"
 #include "core/imu.h"
 #include "core/pose.h"
@@ -15,7 +16,7 @@
 namespace lidard {
 
 /// What travels on a topic. A scan with several echoes goes to a topic of its own (MultiEchoLaserScan).
-enum class TopicKind : std::uint8_t { scan, echoes, cloud, fix, time_reference, imu };
+enum class TopicKind : std::uint8_t { scan, echoes, cloud, fix, time_reference, imu, state };
 
 /// One output topic; `name` as ROS has it (relative names are resolved by the sink).
 struct TopicInfo {
@@ -59,6 +60,9 @@ class FrameSink {
   }
   virtual void imu(const std::string& topic, const ImuSample& sample, Stamp released) {
     static_cast<void>(topic), static_cast<void>(sample), static_cast<void>(released);
+  }
+  virtual void state(const std::string& topic, const DeviceState& state, Stamp released) {
+    static_cast<void>(topic), static_cast<void>(state), static_cast<void>(released);
   }
   virtual void transforms(const std::vector<StaticTransform>& transforms, Stamp released) = 0;
   virtual void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) = 0;

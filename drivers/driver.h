@@ -13,6 +13,7 @@
 #include "core/cloud.h"
 #include "core/counters.h"
 #include "core/device_clock.h"
+#include "core/device_state.h"
 #include "core/gnss.h"
 #include "core/imu.h"
 #include "core/scan.h"
@@ -21,12 +22,19 @@
 
 namespace lidard {
 
-/// A datagram (or a chunk of a TCP stream) as it came in. The payload is valid only during the call.
+/// How bytes travel.
+enum class Transport : std::uint8_t { udp, tcp };
+
+/// A datagram, or a chunk of one direction of a TCP stream, as it came in. The payload is valid only during
+/// the call.
 struct Packet {
   ByteView payload;
   Stamp arrival;  ///< kernel receive stamp, or the stamp of the capture
   Endpoint from;
   Endpoint to;
+  Transport transport = Transport::udp;
+  bool stream_start = false;  ///< first chunk of a connection, or of what a capture holds of it
+  std::uint64_t missing = 0;  ///< bytes of the stream lost right before this chunk (captures with holes)
 };
 
 /// Takes what a driver produces. The references are valid during the call; a cloud's or scan's buffers may be
@@ -40,8 +48,16 @@ class DriverOutput {
   virtual void fix(const GnssFix& fix) { static_cast<void>(fix); }
   virtual void time_reference(const TimeReference& reference) { static_cast<void>(reference); }
   virtual void imu(const ImuSample& sample) { static_cast<void>(sample); }
-  /// Bytes to send to the device (TCP devices only).
+  /// What the device tells beside its frames, on a topic of its own.
+  virtual void state(const DeviceState& state) { static_cast<void>(state); }
+  /// A further scan of the device (its intrusion data, say); `topic` is one of Model::extra_scans.
+  virtual void extra_scan(std::string_view topic, PlanarScan& scan) {
+    static_cast<void>(topic), static_cast<void>(scan);
+  }
+  /// Bytes to send to the device over its TCP connection; dropped in replay.
   virtual void request(ByteView bytes) { static_cast<void>(bytes); }
+  /// The dialogue cannot go on: close the connection and, unless it was only needed for a while, try again.
+  virtual void disconnect(bool again) { static_cast<void>(again); }
 };
 
 /// What is known of the device beyond its data; grows while packets come in. Keys as in REP 138 where it has
@@ -57,10 +73,16 @@ struct DeviceInfo {
 class Driver {
  public:
   virtual ~Driver() = default;
-  /// One datagram. Returns why it was not used; the counters already hold it.
+  /// One datagram, or one chunk of what the device sent over TCP (`packet.transport`; what was sent to it is
+  /// not handed in). Returns why it was not used; the counters already hold it.
   virtual Reject receive(const Packet& packet, DriverOutput& out) = 0;
-  /// A stream device was connected; its dialogue starts here.
-  virtual void connected(DriverOutput& out) { static_cast<void>(out); }
+  /// A TCP connection to the device stands; its dialogue starts here. Never called in replay.
+  virtual void connected(Stamp now, DriverOutput& out) {
+    static_cast<void>(now);
+    static_cast<void>(out);
+  }
+  /// That connection ended; half a telegram is worth nothing now.
+  virtual void disconnected() {}
   /// Time passed (arrival time scale); for time-outs and keep-alives.
   virtual void tick(Stamp now, DriverOutput& out) {
     static_cast<void>(now);
@@ -81,6 +103,25 @@ namespace velodyne {
 struct Calibration;
 }
 
+/// What a driver may ask of its device. By default nothing that is not needed to start the stream.
+struct DeviceRequests {
+  bool allow_write = false;   ///< settings that differ from the configuration are written
+  bool listen_only = false;   ///< no connection at all (devices that stream over UDP)
+  std::string user_level;     ///< SOPAS: number of the level to log in at; empty: the model's default
+  std::string password_hash;  ///< SOPAS: 8 hexadecimal digits; empty: the model's default
+  std::optional<IpAddress> host_address;  ///< where the device shall send its datagrams
+  std::uint16_t host_port = 0;            ///< 0: the sensor's port
+  std::optional<int> skip;                ///< scans left out between two (REP 138)
+  std::optional<int> cluster;             ///< beams merged into one (REP 138)
+};
+
+/// Where one frame of a multi-plane lidar ends and the next begins.
+enum class FrameCut : std::uint8_t {
+  angle,  ///< at DriverConfig::cut_angle
+  view,   ///< in the sector that the sensor was told to leave out; at cut_angle while there is none
+  time    ///< every DriverConfig::frame_duration
+};
+
 /// What a driver needs to know; everything has a default that fits the model.
 struct DriverConfig {
   const Model* model = nullptr;
@@ -89,16 +130,21 @@ struct DriverConfig {
   Span time_offset{0};  ///< added to every stamp
   double cut_angle =
       0;  ///< rad, as the sensor counts azimuth: where one revolution ends (multi-plane lidars)
-  double min_range = 0;       ///< m: nearer returns are left out (multi-plane lidars)
-  double max_range = 0;       ///< m: farther returns are left out; 0: no limit
-  double view_direction = 0;  ///< rad, counter-clockwise from the front: middle of the sector that is kept
+  FrameCut frame_cut = FrameCut::angle;
+  Span frame_duration = std::chrono::milliseconds(100);  ///< for FrameCut::time
+  bool organized = false;        ///< a row per ring, a column per firing; NaN where nothing came back
+  bool keep_confidence = false;  ///< fill the cloud's confidence words, where the model sends them
+  double min_range = 0;          ///< m: nearer returns are left out (multi-plane lidars)
+  double max_range = 0;          ///< m: farther returns are left out; 0: no limit
+  double view_direction = 0;     ///< rad, counter-clockwise from the front: middle of the sector that is kept
   double view_width = 6.2831853071795865;      ///< rad: width of that sector
   bool keep_partial = false;                   ///< hand on first, last and torn frames too
   bool keep_origins = false;                   ///< fill Cloud::origins
   std::optional<double> angle_min, angle_max;  ///< rad: keep only these beams of a planar scanner (REP 138)
   bool publish_intensity = true;
-  std::shared_ptr<const velodyne::Calibration>
-      calibration;  ///< of a Velodyne; nullptr: the model's table
+  bool publish_multiecho = false;  ///< all echoes of a planar scanner (REP 138)
+  DeviceRequests requests;
+  std::shared_ptr<const velodyne::Calibration> calibration;  ///< of a Velodyne; nullptr: the model's table
 };
 
 }  // namespace lidard

@@ -14,8 +14,6 @@ namespace lidard {
 
 /// What a sensor produces.
 enum class FrameKind : std::uint8_t { scan, cloud };
-/// How a sensor sends.
-enum class Transport : std::uint8_t { udp, tcp };
 
 /// Everything the rest of the program needs to know about one product. What only its protocol needs (beam
 /// angles, firing times) stands in the family's own table, behind `row`.
@@ -26,7 +24,8 @@ struct Model {
   std::string_view protocol;  ///< for people: "Velodyne data packet", "MS3 MD"
   FrameKind kind;
   Transport transport;
-  std::uint16_t port;            ///< default destination port of the data; 0: must be configured
+  std::uint16_t
+      port;  ///< default: UDP destination port of the data, or the device's TCP port; 0: must be configured
   std::uint16_t telemetry_port;  ///< 0 none; carries a satellite receiver's sentences
   double packets_per_s;          ///< highest rate, all return modes; sizes the receive buffer
   double frame_period;           ///< s, usual
@@ -35,7 +34,11 @@ struct Model {
   std::string_view verified;     ///< on what the decoder was tested, a few words for the table of models
   const void* row;               ///< the family's own table entry
   std::unique_ptr<Driver> (*make)(const DriverConfig& config);
-  bool has_imu = false;  ///< its telemetry holds an inertial unit
+  bool has_imu = false;                          ///< it holds an inertial unit
+  bool has_echoes = false;                       ///< it can send several echoes of a beam
+  std::uint16_t dialogue_port = 0;               ///< TCP port of a UDP device's settings; 0 none
+  std::vector<std::string_view> state_topics{};  ///< of DriverOutput::state()
+  std::vector<std::string_view> extra_scans{};   ///< of DriverOutput::extra_scan()
 
   bool has_gnss() const { return telemetry_port != 0; }
 };

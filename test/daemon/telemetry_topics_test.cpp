@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "daemon/pipeline.h"
+#include "daemon/ros_convert.h"
 #include "daemon/ros_queue.h"
 #include "daemon/tf_poses.h"
 #include "test/support/ros_samples.h"
@@ -16,11 +17,17 @@ using testing::ElementsAre;
 /// Tells a fix, a time reference and two samples with every packet.
 class TellingDriver final : public Driver {
  public:
+  explicit TellingDriver(DriverConfig config) : config_(std::move(config)) {}
   Reject receive(const Packet& /*packet*/, DriverOutput& out) override {
     out.fix(test::sample_fix());
     out.time_reference(test::sample_time_reference());
     out.imu(test::sample_imu());
     out.imu(test::sample_imu());
+    if (config_.model->state_topics.empty()) return Reject::none;
+    out.state({"outputs", "laser", Stamp{5}, {{"output_1", 1}}});
+    PlanarScan scan = test::sample_scan();
+    out.extra_scan("intrusion", scan);
+    out.scan(scan);
     return Reject::none;
   }
   void restart() override {}
@@ -28,6 +35,7 @@ class TellingDriver final : public Driver {
   const DeviceInfo& info() const override { return info_; }
 
  private:
+  DriverConfig config_;
   Counters counters_;
   DeviceInfo info_;
 };
@@ -36,8 +44,8 @@ Model telling_model(std::uint16_t telemetry_port, bool has_imu) {
   Model model = *find_model("velodyne_vlp16");
   model.telemetry_port = telemetry_port;
   model.has_imu = has_imu;
-  model.make = [](const DriverConfig&) -> std::unique_ptr<Driver> {
-    return std::make_unique<TellingDriver>();
+  model.make = [](const DriverConfig& config) -> std::unique_ptr<Driver> {
+    return std::make_unique<TellingDriver>(config);
   };
   return model;
 }
@@ -71,6 +79,7 @@ class Journal final : public FrameSink {
     lines.push_back(topic);
   }
   void imu(const std::string& topic, const ImuSample&, Stamp) override { lines.push_back(topic); }
+  void state(const std::string& topic, const DeviceState&, Stamp) override { lines.push_back(topic); }
   void transforms(const std::vector<StaticTransform>&, Stamp) override {}
   void diagnostics(const std::vector<DiagnosticItem>&, Stamp) override {}
 
@@ -114,6 +123,39 @@ TEST(TelemetryTopics, CarryWhatTheDriverTellsAtTheTimeOfItsPacket) {
   pipeline.packet(packet);
   EXPECT_THAT(sink.lines, ElementsAre("roof/fix", "roof/time_reference", "roof/imu", "roof/imu"));
   EXPECT_EQ(sink.released, packet.arrival);
+}
+
+TEST(TelemetryTopics, CarryStatesEchoesAndFurtherScans) {
+  Model model = telling_model(0, false);
+  model.kind = FrameKind::scan;
+  model.has_echoes = true;
+  model.state_topics = {"outputs"};
+  model.extra_scans = {"intrusion"};
+  Config config = config_with(model);
+  EXPECT_THAT(names(config), ElementsAre("roof/scan", "roof/outputs", "roof/intrusion"));
+  config.sensors.front().driver.publish_multiecho = true;
+  EXPECT_THAT(names(config), ElementsAre("roof/scan", "roof/echoes", "roof/outputs", "roof/intrusion"));
+  NoPoses poses;
+  Journal sink;
+  Pipeline pipeline(config, poses, sink);
+  Packet packet;
+  packet.to.port = 2368;
+  pipeline.packet(packet);
+  EXPECT_THAT(sink.lines,
+              testing::IsSupersetOf({"roof/outputs", "roof/intrusion", "roof/scan", "roof/echoes"}));
+}
+
+TEST(TelemetryTopics, HoldAStateAsDiagnosticStatus) {
+  diagnostic_msgs::DiagnosticArray message;
+  to_ros(DeviceState{"encoder", "/laser", Stamp{1'500'000'000}, {{"ticks", 42}, {"speed", 0.25}}}, message);
+  EXPECT_EQ(message.header.stamp, ros::Time(1, 500'000'000));
+  EXPECT_EQ(message.header.frame_id, "laser");
+  ASSERT_EQ(message.status.size(), 1U);
+  EXPECT_EQ(message.status[0].name, "encoder");
+  ASSERT_EQ(message.status[0].values.size(), 2U);
+  EXPECT_EQ(message.status[0].values[0].key, "ticks");
+  EXPECT_EQ(message.status[0].values[0].value, "42");
+  EXPECT_EQ(message.status[0].values[1].value, "0.25");
 }
 
 TEST(TelemetryTopics, ArePassedToTheRosThreadInOrder) {
