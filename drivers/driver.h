@@ -56,7 +56,11 @@ class DriverOutput {
   }
   /// Bytes to send to the device over its TCP connection; dropped in replay.
   virtual void request(ByteView bytes) { static_cast<void>(bytes); }
-  /// The dialogue cannot go on: close the connection and, unless it was only needed for a while, try again.
+  /// Open the TCP connection (again). A device that streams over TCP is connected without asking; one that
+  /// streams over UDP (Model::dialogue_port) only when its driver asks, from tick() or receive().
+  virtual void connect() {}
+  /// The dialogue is over or cannot go on: close the connection and, with `again`, open it anew after a
+  /// pause.
   virtual void disconnect(bool again) { static_cast<void>(again); }
 };
 
