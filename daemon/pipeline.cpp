@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/pipeline.h"
 
+#include <spdlog/spdlog.h>
+
 #include <map>
 
 #include "daemon/outputs.h"
@@ -54,6 +56,7 @@ struct SensorLine final : public DriverOutput {
   void imu(const ImuSample& sample) override;
   void state(const DeviceState& state) override;
   void extra_scan(std::string_view name, PlanarScan& scan) override;
+  void note(std::string_view sentence) override;
 
   SensorConfig config;
   Pipeline::Impl& owner;
@@ -127,6 +130,8 @@ void SensorLine::state(const DeviceState& state) {
 void SensorLine::extra_scan(std::string_view name, PlanarScan& scan) {
   owner.sink.scan(named_topics.at(name), scan, owner.now);
 }
+
+void SensorLine::note(std::string_view sentence) { spdlog::info("{}: {}", config.name, sentence); }
 
 std::vector<TopicInfo> pipeline_topics(const Config& config) {
   std::vector<TopicInfo> topics;

@@ -56,6 +56,8 @@ class DriverOutput {
   }
   /// Bytes to send to the device over its TCP connection; dropped in replay.
   virtual void request(ByteView bytes) { static_cast<void>(bytes); }
+  /// A sentence for the log: a setting of the device was written ("host address 192.168.0.2 -> 192.168.0.5").
+  virtual void note(std::string_view sentence) { static_cast<void>(sentence); }
   /// Open the TCP connection (again). A device that streams over TCP is connected without asking; one that
   /// streams over UDP (Model::dialogue_port) only when its driver asks, from tick() or receive().
   virtual void connect() {}
