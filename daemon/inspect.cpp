@@ -27,14 +27,16 @@ struct NamedCount {
 };
 
 /// What kept frames of a capture from becoming datagrams.
-std::array<NamedCount, 7> losses(const CaptureCounters& c) {
+std::array<NamedCount, 9> losses(const CaptureCounters& c) {
   return {{{"not_ip", "not IP", c.not_ip},
-           {"not_udp", "not UDP (TCP, ICMP)", c.not_udp},
+           {"other_ip", "neither UDP nor TCP (ICMP, IGMP)", c.other_ip},
            {"truncated", "cut by the snapshot length (record with tcpdump -s 0)", c.truncated},
            {"malformed", "malformed", c.malformed},
            {"unsupported_link", "of an unsupported link type", c.unsupported_link},
            {"fragments", "fragments", c.fragments},
-           {"fragments_dropped", "fragments without use", c.fragments_dropped}}};
+           {"fragments_dropped", "fragments without use", c.fragments_dropped},
+           {"tcp_holes", "holes in TCP streams", c.tcp.holes},
+           {"tcp_missing", "bytes missing in TCP streams", c.tcp.missing}}};
 }
 
 /// What did not go well with a sensor's packets, apart from rejects.

@@ -53,6 +53,7 @@ SurveyedCapture read(const std::string& file, Take take) {
     PcapSource source(file);
     Packet packet;
     while (source.next(packet)) {
+      if (packet.transport != Transport::udp) continue;
       capture.first = std::min(capture.first.value_or(packet.arrival), packet.arrival);
       capture.last = std::max(capture.last.value_or(packet.arrival), packet.arrival);
       take(packet);

@@ -44,13 +44,20 @@ CaptureCounters MergedCapture::counters() const {
     sum.frames += c.frames;
     sum.datagrams += c.datagrams;
     sum.not_ip += c.not_ip;
-    sum.not_udp += c.not_udp;
+    sum.tcp_segments += c.tcp_segments;
+    sum.other_ip += c.other_ip;
     sum.truncated += c.truncated;
     sum.malformed += c.malformed;
     sum.unsupported_link += c.unsupported_link;
     sum.fragments += c.fragments;
     sum.reassembled += c.reassembled;
     sum.fragments_dropped += c.fragments_dropped;
+    sum.tcp.streams += c.tcp.streams;
+    sum.tcp.bytes += c.tcp.bytes;
+    sum.tcp.duplicates += c.tcp.duplicates;
+    sum.tcp.out_of_order += c.tcp.out_of_order;
+    sum.tcp.holes += c.tcp.holes;
+    sum.tcp.missing += c.tcp.missing;
   }
   return sum;
 }

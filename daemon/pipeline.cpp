@@ -217,6 +217,7 @@ std::vector<StaticTransform> Pipeline::static_transforms() const { return impl_-
 
 void Pipeline::packet(const Packet& packet) {
   impl_->now = packet.arrival;
+  if (packet.transport == Transport::tcp) return;
   SensorLine* line = impl_->find_line(packet);
   if (line == nullptr) {
     impl_->note_stranger(packet);

@@ -55,11 +55,13 @@ void print_capture_counters(const CaptureCounters& c, std::uint64_t other_datagr
   Line(out)
       .add("capture: datagrams of other senders or ports", other_datagrams)
       .add("not IP", c.not_ip)
-      .add("not UDP", c.not_udp)
+      .add("neither UDP nor TCP", c.other_ip)
       .add("cut by snapshot length", c.truncated)
       .add("malformed", c.malformed)
       .add("unsupported link layer", c.unsupported_link)
       .add("fragments dropped", c.fragments_dropped)
+      .add("holes in TCP streams", c.tcp.holes)
+      .add("bytes missing there", c.tcp.missing)
       .end();
 }
 

@@ -34,7 +34,7 @@ struct Candidate {
 }  // namespace
 
 bool SensorStream::owns(const Packet& packet) const {
-  if (packet.from.address != sender) return false;
+  if (packet.transport != Transport::udp || packet.from.address != sender) return false;
   return packet.to.port == port || (model->telemetry_port != 0 && packet.to.port == model->telemetry_port);
 }
 
@@ -43,6 +43,7 @@ std::string SensorStream::to_string() const {
 }
 
 bool is_wanted(const Packet& packet, const DecodeOptions& options) {
+  if (packet.transport != Transport::udp) return false;
   if (options.source && packet.from.address != *options.source) return false;
   if (options.source_port != 0 && packet.from.port != options.source_port) return false;
   return options.port == 0 || packet.to.port == options.port;

@@ -9,6 +9,7 @@ namespace {
 
 void set_bytes(ByteView rest, std::size_t declared, IpPacket& out) {
   out.captured = rest;
+  out.declared = declared;
   out.transport = rest.sub(0, std::min(declared, rest.size()));
   out.shorter_than_declared = declared > rest.size();
 }
@@ -27,8 +28,12 @@ HeaderResult parse_v4(ByteView bytes, IpPacket& out) {
   out.fragment.offset = (flags_and_offset & 0x1fffU) * 8U;
   out.fragment.is_fragment = out.fragment.more || out.fragment.offset != 0;
   out.fragment.id = bytes.be16(4);
-  const std::size_t total = bytes.be16(2);
-  set_bytes(bytes.from(header), total > header ? total - header : 0, out);
+  const ByteView rest = bytes.from(header);
+  std::size_t total = bytes.be16(2);
+  // Hosts record what they leave to the network card to cut into packets (TCP segmentation offload) without
+  // a length.
+  if (total == 0 && out.protocol == static_cast<std::uint8_t>(IpProtocol::tcp)) total = header + rest.size();
+  set_bytes(rest, total > header ? total - header : 0, out);
   return HeaderResult::ok;
 }
 
@@ -114,6 +119,8 @@ HeaderResult skip_reassembled_extensions(IpPacket& packet) {
   const HeaderResult result = packet.from.v6 ? walk_extensions(rest, packet) : HeaderResult::ok;
   if (packet.fragment.is_fragment) return HeaderResult::malformed;  // a fragment inside a reassembled packet
   packet.transport = packet.captured = rest;
+  packet.declared = rest.size();
+  packet.shorter_than_declared = false;
   return result;
 }
 
@@ -126,6 +133,27 @@ HeaderResult parse_udp(ByteView bytes, UdpDatagram& out) {
   out.from_port = bytes.be16(0);
   out.to_port = bytes.be16(2);
   out.payload = bytes.sub(8, length - 8);
+  return HeaderResult::ok;
+}
+
+/// RFC 9293 section 3.1.
+HeaderResult parse_tcp(const IpPacket& packet, TcpSegment& out) {
+  const ByteView bytes = packet.transport;
+  if (!bytes.has(0, 20)) return HeaderResult::cut;
+  const std::size_t header = (bytes.u8(12) >> 4U) * 4U;
+  if (header < 20 || header > packet.declared) return HeaderResult::malformed;
+  if (!bytes.has(0, header)) return HeaderResult::cut;
+  out.from_port = bytes.be16(0);
+  out.to_port = bytes.be16(2);
+  out.sequence = bytes.be32(4);
+  out.acknowledgement = bytes.be32(8);
+  const std::uint8_t flags = bytes.u8(13);
+  out.fin = (flags & 0x01U) != 0;
+  out.syn = (flags & 0x02U) != 0;
+  out.rst = (flags & 0x04U) != 0;
+  out.ack = (flags & 0x10U) != 0;
+  out.payload = bytes.from(header);
+  out.length = static_cast<std::uint32_t>(packet.declared - header);
   return HeaderResult::ok;
 }
 

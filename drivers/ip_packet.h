@@ -21,8 +21,7 @@ struct IpFragment {
   std::uint32_t id = 0;
 };
 
-/// An IP packet: who to whom, and the bytes of the transport protocol inside (UDP now; TCP has all it needs
-/// here).
+/// An IP packet: who to whom, and the bytes of the transport protocol inside.
 struct IpPacket {
   IpAddress from;
   IpAddress to;
@@ -32,7 +31,8 @@ struct IpPacket {
   /// All bytes behind the IP headers, padding included: for UDP, whose own length is the better witness
   /// (a known capture has IP lengths of 1234 on packets of 540 bytes).
   ByteView captured;
-  bool shorter_than_declared = false;  ///< `transport` holds less than the IP length promises
+  std::size_t declared = 0;            ///< bytes of the transport that the IP length promises
+  bool shorter_than_declared = false;  ///< `transport` holds less than that
   IpFragment fragment;
 };
 
@@ -52,5 +52,19 @@ struct UdpDatagram {
 /// Reads the UDP header; `bytes` may go on behind the datagram. `cut`: fewer bytes than the UDP length
 /// promises. The checksum is not verified: hosts record what they send before the network card fills it in.
 HeaderResult parse_udp(ByteView bytes, UdpDatagram& out);
+
+/// A TCP segment.
+struct TcpSegment {
+  std::uint16_t from_port = 0;
+  std::uint16_t to_port = 0;
+  std::uint32_t sequence = 0;
+  std::uint32_t acknowledgement = 0;
+  bool syn = false, ack = false, fin = false, rst = false;
+  ByteView payload;          ///< as far as it was captured
+  std::uint32_t length = 0;  ///< of the payload as it was sent
+};
+
+/// Reads the TCP header of a packet. The checksum is not verified, as for UDP.
+HeaderResult parse_tcp(const IpPacket& packet, TcpSegment& out);
 
 }  // namespace lidard

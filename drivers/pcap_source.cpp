@@ -43,6 +43,7 @@ struct PcapSource::Impl {
   bool take(const CaptureRecord& record, Packet& packet);
   bool take_fragment(IpPacket& ip, bool snapped, Packet& packet);
   bool take_transport(const IpPacket& ip, bool snapped, Packet& packet);
+  void take_segment(const IpPacket& ip, bool snapped, Stamp stamp);
   bool count(HeaderResult result, bool snapped);
   void end();
 
@@ -51,6 +52,7 @@ struct PcapSource::Impl {
   std::uint64_t size = 0;
   std::unique_ptr<CaptureReader> reader;
   IpDefragmenter defragmenter;
+  TcpReassembler tcp;
   CaptureCounters counters;
   std::uint64_t records = 0;  // since the last rewind
   bool ended = false;
@@ -72,16 +74,21 @@ PcapSource::Impl::Impl(const std::string& path)
 
 bool PcapSource::Impl::next(Packet& packet) {
   CaptureRecord record;
-  while (!ended && reader->next(record)) {
+  while (!tcp.next(packet)) {
+    if (ended) return false;
+    if (!reader->next(record)) {
+      end();
+      continue;
+    }
     ++counters.frames;
     ++records;
+    tcp.expire(record.stamp);
     if (take(record, packet)) {
       ++counters.datagrams;
       return true;
     }
   }
-  end();
-  return false;
+  return true;
 }
 
 void PcapSource::Impl::end() {
@@ -89,6 +96,7 @@ void PcapSource::Impl::end() {
   ended = true;
   defragmenter.flush();
   counters.fragments_dropped = defragmenter.dropped();
+  tcp.flush();
   if (!reader->error().empty()) {
     error = name + ": " + reader->error() + "; " +
             (records == 0 ? "there is nothing before it, record again" : "what came before it was used");
@@ -142,8 +150,12 @@ bool PcapSource::Impl::take_fragment(IpPacket& ip, bool snapped, Packet& packet)
 }
 
 bool PcapSource::Impl::take_transport(const IpPacket& ip, bool snapped, Packet& packet) {
+  if (ip.protocol == static_cast<std::uint8_t>(IpProtocol::tcp)) {
+    take_segment(ip, snapped, packet.arrival);
+    return false;
+  }
   if (ip.protocol != static_cast<std::uint8_t>(IpProtocol::udp)) {
-    ++counters.not_udp;
+    ++counters.other_ip;
     return false;
   }
   UdpDatagram udp;
@@ -152,7 +164,22 @@ bool PcapSource::Impl::take_transport(const IpPacket& ip, bool snapped, Packet& 
   packet.payload = udp.payload;
   packet.from = {ip.from, udp.from_port};
   packet.to = {ip.to, udp.to_port};
+  packet.transport = Transport::udp;
+  packet.stream_start = false;
+  packet.missing = 0;
   return true;
+}
+
+void PcapSource::Impl::take_segment(const IpPacket& ip, bool snapped, Stamp stamp) {
+  TcpSegment segment;
+  HeaderResult result = parse_tcp(ip, segment);
+  if (result == HeaderResult::ok && ip.shorter_than_declared && !snapped) result = HeaderResult::malformed;
+  if (result != HeaderResult::ok) {
+    count(result, snapped);
+    return;
+  }
+  ++(ip.shorter_than_declared ? counters.truncated : counters.tcp_segments);
+  tcp.add(segment, ip.from, ip.to, stamp);
 }
 
 PcapSource::PcapSource(const std::string& path) : impl_(std::make_unique<Impl>(path)) {}
@@ -162,13 +189,17 @@ PcapSource& PcapSource::operator=(PcapSource&&) noexcept = default;
 
 bool PcapSource::next(Packet& packet) { return impl_->next(packet); }
 const std::string& PcapSource::error() const { return impl_->error; }
-const CaptureCounters& PcapSource::counters() const { return impl_->counters; }
+const CaptureCounters& PcapSource::counters() const {
+  impl_->counters.tcp = impl_->tcp.counters();
+  return impl_->counters;
+}
 std::uint64_t PcapSource::position() const { return impl_->reader->position(); }
 std::uint64_t PcapSource::size() const { return impl_->size; }
 
 void PcapSource::rewind() {
   impl_->defragmenter.flush();
   impl_->counters.fragments_dropped = impl_->defragmenter.dropped();
+  impl_->tcp.restart();
   impl_->error.clear();
   impl_->records = 0;
   impl_->reader = open_capture(impl_->file.get(), impl_->name, impl_->size);

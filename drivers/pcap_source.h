@@ -8,6 +8,7 @@
 #include <string>
 
 #include "drivers/driver.h"
+#include "drivers/tcp_reassembler.h"
 
 namespace lidard {
 
@@ -17,25 +18,30 @@ class CaptureError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What became of the frames of a capture. Every frame is counted in exactly one of datagrams, not_ip,
-/// not_udp, truncated, malformed, unsupported_link and fragments; a packet put together from fragments is
-/// counted in `reassembled` and then once more like a frame. So frames + reassembled is the sum of those
-/// seven.
+/// What became of the frames of a capture. Every frame is counted in exactly one of datagrams, tcp_segments,
+/// not_ip, other_ip, truncated, malformed, unsupported_link and fragments; a packet put together from
+/// fragments is counted in `reassembled` and then once more like a frame. So frames + reassembled is the sum
+/// of those eight.
 struct CaptureCounters {
-  std::uint64_t frames = 0;     ///< records read
-  std::uint64_t datagrams = 0;  ///< UDP datagrams handed on, put together from fragments or not
-  std::uint64_t not_ip = 0;     ///< ARP, LLDP, ...
-  std::uint64_t not_udp = 0;    ///< TCP, ICMP, ... (TCP streams: a later version)
-  std::uint64_t truncated = 0;  ///< cut by the capture's snapshot length: record again with `tcpdump -s 0`
-  std::uint64_t malformed = 0;  ///< headers that contradict themselves
+  std::uint64_t frames = 0;        ///< records read
+  std::uint64_t datagrams = 0;     ///< UDP datagrams handed on, put together from fragments or not
+  std::uint64_t not_ip = 0;        ///< ARP, LLDP, ...
+  std::uint64_t tcp_segments = 0;  ///< TCP segments, with or without payload
+  std::uint64_t other_ip = 0;      ///< neither UDP nor TCP: ICMP, IGMP, ...
+  /// Cut by the capture's snapshot length: record again with `tcpdump -s 0`. What is there of a TCP segment
+  /// is used.
+  std::uint64_t truncated = 0;
+  std::uint64_t malformed = 0;          ///< headers that contradict themselves
   std::uint64_t unsupported_link = 0;   ///< link-layer type we do not read
   std::uint64_t fragments = 0;          ///< IP fragments
   std::uint64_t reassembled = 0;        ///< datagrams put together from fragments
   std::uint64_t fragments_dropped = 0;  ///< fragments of datagrams that never became whole, or came twice
+  TcpCounters tcp;                      ///< of the streams that the segments make
 };
 
-/// Reads UDP datagrams from a capture file: pcap and pcapng, both byte orders, us and ns; Ethernet, VLAN,
-/// QinQ, Linux cooked v1 and v2, raw IP, null and loop; IPv4 (options, fragments) and IPv6.
+/// Reads UDP datagrams, and TCP streams in both directions, from a capture file: pcap and pcapng, both byte
+/// orders, us and ns; Ethernet, VLAN, QinQ, Linux cooked v1 and v2, raw IP, null and loop; IPv4 (options,
+/// fragments) and IPv6.
 class PcapSource {
  public:
   /// Opens the file; throws CaptureError.
@@ -44,7 +50,8 @@ class PcapSource {
   PcapSource(PcapSource&&) noexcept;
   PcapSource& operator=(PcapSource&&) noexcept;
 
-  /// The next datagram, or false at the end. The payload stays valid until the next call.
+  /// The next datagram or chunk of a TCP stream (Packet::transport tells), or false at the end. The payload
+  /// stays valid until the next call.
   /// A broken record ends the capture: the call returns false, and `error()` says what and where.
   bool next(Packet& packet);
   /// Why the capture ended early; empty if it did not.

@@ -57,13 +57,13 @@ TEST(PcapSource, TrustsTheUdpLengthWhereTheIpLengthLies) {
 TEST(PcapSource, CountsWhatItDoesNotHandOn) {
   Bytes long_udp = udp(payload), short_udp = udp(payload);
   long_udp[4] = 4, short_udp[4] = 0, short_udp[5] = 3;
-  V4 tcp;
-  tcp.protocol = 6;
+  V4 icmp;
+  icmp.protocol = 1;
   Bytes snapped = frame();
   snapped.pop_back();
   const Contents got = read_capture(PcapBytes()
                                         .add(ethernet({1, 2, 3}, {0x0806}))
-                                        .add(ethernet(ipv4(Bytes(20), tcp)))
+                                        .add(ethernet(ipv4(Bytes(20), icmp)))
                                         .add(ethernet(ipv4(long_udp)))
                                         .add(ethernet(ipv4(short_udp)))
                                         .add({1, 2, 3})
@@ -75,7 +75,7 @@ TEST(PcapSource, CountsWhatItDoesNotHandOn) {
   EXPECT_EQ(got.error, "");
   EXPECT_EQ(got.counters.frames, 9U);
   EXPECT_EQ(got.counters.not_ip, 1U);
-  EXPECT_EQ(got.counters.not_udp, 1U);
+  EXPECT_EQ(got.counters.other_ip, 1U);
   EXPECT_EQ(got.counters.malformed, 3U);
   EXPECT_EQ(got.counters.truncated, 3U);
   EXPECT_EQ(got.counters.datagrams, 1U);
@@ -163,12 +163,12 @@ TEST(PcapSource, CountsAFragmentCutByTheSnapshotLengthAndNeverUsesIt) {
 
 TEST(PcapSource, CountsAPacketPutTogetherThatIsNotADatagram) {
   V4 first, second;
-  first.protocol = second.protocol = 6;
+  first.protocol = second.protocol = 1;
   first.more = true, second.offset = 16;
   const Contents got =
       read_capture(PcapBytes(228).add(ipv4(Bytes(16), first)).add(ipv4(Bytes(9), second)).bytes);
   EXPECT_EQ(got.counters.reassembled, 1U);
-  EXPECT_EQ(got.counters.not_udp, 1U);
+  EXPECT_EQ(got.counters.other_ip, 1U);
   EXPECT_TRUE(adds_up(got.counters));
 }
 

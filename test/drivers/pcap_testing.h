@@ -45,6 +45,18 @@ inline Bytes udp(const Bytes& payload, std::uint16_t from = 2368, std::uint16_t 
   return big(from, 2) + big(to, 2) + big(payload.size() + 8, 2) + big(0, 2) + payload;
 }
 
+/// Flags of a TCP header.
+constexpr std::uint8_t tcp_fin = 1, tcp_syn = 2, tcp_rst = 4, tcp_ack = 16;
+
+/// A TCP segment; options fill `options` bytes (a multiple of 4) with no-operations.
+inline Bytes tcp(const Bytes& payload, std::uint32_t sequence, std::uint16_t from = 2112,
+                 std::uint16_t to = 40000, std::uint8_t flags = tcp_ack, std::uint32_t acknowledged = 0,
+                 std::size_t options = 0) {
+  return big(from, 2) + big(to, 2) + big(sequence, 4) + big(acknowledged, 4) +
+         Bytes{static_cast<std::uint8_t>((20 + options) / 4 << 4U), flags, 0xff, 0xff, 0, 0, 0, 0} +
+         Bytes(options, 1) + payload;
+}
+
 struct V4 {
   std::uint8_t protocol = 17;
   std::uint16_t id = 0;
@@ -54,6 +66,11 @@ struct V4 {
   int lie = 0;  ///< added to the total length
   std::uint8_t last_of_sender = 201;
 };
+inline V4 of_tcp() {
+  V4 o;
+  o.protocol = 6;
+  return o;
+}
 inline Bytes ipv4(const Bytes& transport, const V4& o = {}) {
   const std::size_t header = 20 + o.options.size();
   const auto total = static_cast<std::size_t>(static_cast<long>(header + transport.size()) + o.lie);
@@ -119,11 +136,21 @@ class MemoryFile {
   int fd_;
 };
 
+/// A chunk of a TCP stream.
+struct TcpChunk {
+  Endpoint from, to;
+  std::string bytes;
+  Stamp arrival;
+  bool stream_start = false;
+  std::uint64_t missing = 0;
+};
+
 /// What a capture holds.
 struct Contents {
   std::vector<std::string> payloads;
   std::vector<std::string> flows;  ///< "from > to", one per payload
   std::vector<Stamp> stamps;
+  std::vector<TcpChunk> chunks;
   CaptureCounters counters;
   std::string error;  ///< of the source, or of the exception when it could not be opened
   bool opened = false;
@@ -132,6 +159,11 @@ struct Contents {
 inline void read_all(PcapSource& source, Contents& out) {
   Packet packet;
   while (source.next(packet)) {
+    if (packet.transport == Transport::tcp) {
+      out.chunks.push_back({packet.from, packet.to, std::string(packet.payload.text()), packet.arrival,
+                            packet.stream_start, packet.missing});
+      continue;
+    }
     out.payloads.emplace_back(packet.payload.text());
     out.flows.push_back(packet.from.to_string() + " > " + packet.to.to_string());
     out.stamps.push_back(packet.arrival);
@@ -155,8 +187,8 @@ inline Contents read_capture(const Bytes& bytes) { return read_capture(MemoryFil
 
 /// The rule of CaptureCounters: nothing vanishes.
 inline bool adds_up(const CaptureCounters& c) {
-  return c.frames + c.reassembled == c.datagrams + c.not_ip + c.not_udp + c.truncated + c.malformed +
-                                         c.unsupported_link + c.fragments &&
+  return c.frames + c.reassembled == c.datagrams + c.not_ip + c.tcp_segments + c.other_ip + c.truncated +
+                                         c.malformed + c.unsupported_link + c.fragments &&
          c.fragments_dropped <= c.fragments;
 }
 

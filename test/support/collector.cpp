@@ -8,6 +8,16 @@
 #include "drivers/pcap_source.h"
 
 namespace lidard::test {
+namespace {
+
+/// From a device that listens on the model's TCP port, or to the UDP port that the model sends to.
+bool is_for(const Model& model, const Packet& packet) {
+  if (packet.transport != model.transport) return false;
+  if (packet.transport == Transport::tcp) return packet.from.port == model.port;
+  return packet.to.port == model.port || packet.to.port == model.telemetry_port;
+}
+
+}  // namespace
 
 void Collector::cloud(Cloud& cloud) {
   for (std::size_t i = 0; i < cloud.origins.size(); ++i) {
@@ -32,9 +42,7 @@ Decoded decode_capture(const std::string& path, const std::string& model, Driver
     const auto driver = config.model->make(config);
     Packet packet;
     while (source.next(packet)) {
-      const auto port = packet.to.port;
-      if (port == config.model->port || port == config.model->telemetry_port)
-        driver->receive(packet, decoded.output);
+      if (is_for(*config.model, packet)) driver->receive(packet, decoded.output);
     }
     driver->finish(decoded.output);
     decoded.counters = driver->counters();

@@ -40,7 +40,8 @@ struct Decoded {
   std::string capture_error;
 };
 
-/// Decodes all datagrams of a capture that go to the ports of the model. Fails the test if it cannot be
+/// Decodes all datagrams of a capture that go to the ports of the model, or all that came over TCP from its
+/// port. Fails the test if it cannot be
 /// opened.
 Decoded decode_capture(const std::string& path, const std::string& model, DriverConfig config = {});
 
