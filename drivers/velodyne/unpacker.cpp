@@ -44,7 +44,21 @@ Unpacker::Unpacker(const ModelRow& row, bool keep_origins, double min_range, dou
     origins_[k].rot_deg =
         geometry_ ? geometry_->rot_correction(k) / rad_per_deg : row.laser[k].rot_correction_deg;
   }
+  set_limits(min_range, max_range, step);
   set_timing(row.timings.front());
+}
+
+/// The limits are those of the true distance: each laser's correction decides which counts lie within.
+void Unpacker::set_limits(double min_range, double max_range, double step) {
+  constexpr double most = 65535;
+  for (std::size_t k = 0; k < origins_.size(); ++k) {
+    const double at_zero = geometry_ ? geometry_->distance(k, 0) : 0;
+    // A count of 0 is the wire's "no return", so it is never inside.
+    const double nearest = std::clamp(std::ceil((min_range - at_zero) / step - 1e-9), 1.0, most);
+    const double farthest = max_range > 0 ? std::floor((max_range - at_zero) / step + 1e-9) : most;
+    origins_[k].nearest = static_cast<std::uint16_t>(nearest);
+    origins_[k].farthest = static_cast<std::uint16_t>(std::clamp(farthest, 0.0, most));
+  }
 }
 
 void Unpacker::set_timing(const Timing& timing) {
@@ -144,8 +158,8 @@ void Unpacker::append_calibrated(const Sequence& sequence, Cloud& cloud, std::si
   for (std::size_t k = 0; k < lasers_.size(); ++k) {
     const std::uint8_t* slot = sequence.slots[k / per_bank] + 3 * (k % per_bank);
     const std::uint16_t count = distance_count(slot);
-    if (!is_return(count)) continue;
     const LaserOrigin& turn = origins_[k];
+    if (!is_return(turn, count)) continue;
     const CalibratedPoint p =
         geometry_->place(k, count, slot[2], cos_a * turn.cos_turn - sin_a * turn.sin_turn,
                          sin_a * turn.cos_turn + cos_a * turn.sin_turn);
@@ -157,7 +171,7 @@ void Unpacker::append_origins(const Sequence& sequence, Cloud& cloud) const {
   const std::size_t per_bank = row_.lasers / row_.banks;
   for (std::size_t k = 0; k < lasers_.size(); ++k) {
     const std::uint16_t count = distance_count(sequence.slots[k / per_bank] + 3 * (k % per_bank));
-    if (!is_return(count)) continue;
+    if (geometry_ ? !is_return(origins_[k], count) : !is_return(count)) continue;
     ReturnOrigin origin{};
     origin.column = static_cast<std::uint32_t>(cloud.columns.size() - 1);
     origin.laser = static_cast<std::uint16_t>(k);

@@ -28,8 +28,8 @@ struct Sequence {
 /// Turns the slots of firing sequences into points, straight into the cloud's message bytes.
 class Unpacker {
  public:
-  /// Distances (m) outside [min_range, max_range] are left out; max_range 0: no limit. `calibration`: of this
-  /// very sensor, instead of the model's table; nullptr none.
+  /// Distances (m, with the far correction of a calibration) outside [min_range, max_range] are left out;
+  /// max_range 0: no limit. `calibration`: of this very sensor, instead of the model's table; nullptr none.
   Unpacker(const ModelRow& row, bool keep_origins, double min_range, double max_range,
            const Calibration* calibration);
 
@@ -54,8 +54,13 @@ class Unpacker {
   struct LaserOrigin {
     double turning_s, rot_deg, shift_deg, cos_turn, sin_turn;
     Span firing;
+    std::uint16_t nearest, farthest;  // distance counts within the limits, the laser's correction applied
   };
   bool is_return(std::uint16_t count) const { return static_cast<std::uint16_t>(count - nearest_) <= span_; }
+  static bool is_return(const LaserOrigin& laser, std::uint16_t count) {
+    return count >= laser.nearest && count <= laser.farthest;
+  }
+  void set_limits(double min_range, double max_range, double step);
   void append_calibrated(const Sequence& sequence, Cloud& cloud, std::size_t& points) const;
   void append_origins(const Sequence& sequence, Cloud& cloud) const;
 
