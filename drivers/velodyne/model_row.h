@@ -28,6 +28,7 @@ struct Timing {
   std::size_t pause_after = 0;  ///< lasers before the pause inside a sequence; 0: no pause
   Span pause{0};
   std::array<Span, 4> within{};  ///< of the lasers of a group of four (HDL-64E)
+  Span packet_pause{0};          ///< after the last sequence of a packet, where the device fires in bursts
   Span before{0};                ///< the first firing is this long before the packet's stamp
 };
 
@@ -58,7 +59,7 @@ struct ModelRow {
   Span firing_time(const Timing& timing, std::size_t index) const;
   /// Time from packet to packet.
   Span packet_period(const Timing& timing, std::size_t echoes) const {
-    return timing.sequence * static_cast<int>(sequences_per_packet(echoes));
+    return timing.sequence * static_cast<int>(sequences_per_packet(echoes)) + timing.packet_pause;
   }
 };
 

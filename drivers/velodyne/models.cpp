@@ -55,8 +55,15 @@ const Timing hdl32e_old = [] {
 // public.
 const Timing hdl64e_48us = hdl64e(48000, 6000, {ns(0), ns(1260), ns(2460), ns(3660)});
 const Timing hdl64e_57us = hdl64e(57600, 7200, {ns(0), ns(1300), ns(2500), ns(3700)});
-// S1: estimated from one recording by valgur/velodyne_decoder; unverified.
-const Timing hdl64e_s1 = even(24812, 3101, 4);
+// S1: a packet's six sequences in one burst, then a pause for the transmission, laser after laser within a
+// sequence: HDL-64E S2 manual (firmware 4.07) appendix G tells so of the older firmware, with 0.7277 us per
+// laser and 23.295 us per sequence. The sequence of 24.812 us was estimated from a recording of an S1 by
+// valgur/velodyne_decoder, the 2600 packets per second stand in ros-drivers/velodyne. All of it unverified.
+const Timing hdl64e_s1 = [] {
+  Timing timing = even(24812, 775, 1);
+  timing.packet_pause = ns(384586) - 6 * timing.sequence;
+  return timing;
+}();
 // VLS-128: Rev 3 (firmware 5.1.7.1) rests a random time after each sequence, mean 1.941 us; Rev A (draft
 // manual 63-9483); Rev 4 (firmware from 5.2.3). UniBwTAS/velodyne, valgur/velodyne_decoder,
 // ros-drivers/velodyne.
@@ -75,10 +82,11 @@ const ModelRow hdl32e = {"HDL-32E",   {0x21, 0},           0.002, 32, 1, false, 
                          &hdl32e_old, hdl32e_lasers.data()};
 const ModelRow hdl64e_s1_row = {"HDL-64E S1",           {0, 0}, 0.002, 64, 2, false, {hdl64e_s1}, nullptr,
                                 hdl64e_s1_lasers.data()};
-const ModelRow hdl64e_s2_row = {"HDL-64E S2",           {0, 0}, 0.002, 64, 2, false, {hdl64e_48us}, nullptr,
-                                hdl64e_s1_lasers.data()};
-const ModelRow hdl64e_s21_row = {"HDL-64E S2.1",          {0, 0}, 0.002, 64, 2, false, {hdl64e_48us}, nullptr,
-                                 hdl64e_s21_lasers.data()};
+const ModelRow hdl64e_s2_row = {
+    "HDL-64E S2", {0, 0}, 0.002, 64, 2, false, {hdl64e_48us, hdl64e_57us}, nullptr, hdl64e_s1_lasers.data()};
+const ModelRow hdl64e_s21_row = {
+    "HDL-64E S2.1",          {0, 0}, 0.002, 64, 2, false, {hdl64e_48us, hdl64e_57us}, nullptr,
+    hdl64e_s21_lasers.data()};
 const ModelRow hdl64e_s3_row = {
     "HDL-64E S3", {0, 0}, 0.002, 64, 2, false, {hdl64e_57us, hdl64e_48us}, nullptr, hdl64e_s3_lasers.data()};
 const ModelRow vls128_row = {

@@ -43,8 +43,9 @@ VelodyneTiming hdl64e_timing(std::string name, std::int64_t group_ns, std::vecto
 VelodyneTiming column_48() { return hdl64e_timing("48", 6'000, {0, 1'260, 2'460, 3'660}, 0.17); }
 VelodyneTiming column_57_6() { return hdl64e_timing("57.6", 7'200, {0, 1'300, 2'500, 3'700}, 0.2); }
 
-/// S1: bursts of six columns, then silence; 2600 packets per second as ros-drivers/velodyne counts, column
-/// period as velodyne_decoder estimates (both unverified). The turn and the pause keep every column on
+/// S1: bursts of six columns, then silence, laser after laser within a column (HDL-64E S2 manual,
+/// firmware 4.07, appendix G, of the older firmware); 2600 packets per second as ros-drivers/velodyne counts,
+/// column period as velodyne_decoder estimates (all unverified). The turn and the pause keep every column on
 /// 0.01 deg.
 VelodyneTiming hdl64e_s1_timing() {
   constexpr std::int64_t column_ns = 24'812;
