@@ -17,7 +17,8 @@ FrameBuilder::FrameBuilder(const DriverConfig& config, const ModelRow& row, Coun
       row_(row),
       counters_(counters),
       unpacker_(row, config.keep_origins, config.min_range, config.max_range, config.calibration.get()),
-      cutter_(config.cut_angle * deg_per_rad) {
+      cutter_(config.cut_angle * deg_per_rad),
+      interval_(std::max(config.frame_duration, Span(1))) {
   cloud_.frame_id = config.frame_id;
   cloud_.rings = static_cast<std::uint16_t>(row.lasers);
 }
@@ -29,8 +30,21 @@ bool FrameBuilder::in_view(double azimuth_deg) const {
   return std::fabs(off) <= config_.view_width * deg_per_rad / 2;
 }
 
+void FrameBuilder::set_hidden_middle(std::optional<double> azimuth_deg) {
+  const bool moved = cutter_.set_cut(azimuth_deg.value_or(config_.cut_angle * deg_per_rad));
+  // The frame at hand began elsewhere than it will end: no whole revolution.
+  if (moved) began_at_cut_ = false;
+}
+
+RevolutionCutter::Verdict FrameBuilder::judge(double azimuth_deg, Span time) {
+  using Verdict = RevolutionCutter::Verdict;
+  const Verdict turn = cutter_.next(azimuth_deg, time);  // it measures the period in any case
+  if (config_.frame_cut != FrameCut::time) return turn;
+  return interval_.next(time) ? Verdict::crossed : Verdict::same;
+}
+
 void FrameBuilder::place(Sequence& sequence, Span time, const DeviceClock& clock, DriverOutput& out) {
-  const auto verdict = cutter_.next(sequence.azimuth_deg, time);
+  const auto verdict = judge(sequence.azimuth_deg, time);
   if (!in_stream_) {
     begin(time, false, clock);
   } else if (verdict != RevolutionCutter::Verdict::same) {
@@ -67,8 +81,8 @@ void FrameBuilder::end(bool at_cut, DriverOutput& out) {
     return;
   }
   cloud_.end = cloud_.columns.back().stamp;
-  cloud_.expected_columns =
-      static_cast<std::size_t>(cutter_.period() / row_.timings.front().sequence) * echoes_;
+  const Span whole = config_.frame_cut == FrameCut::time ? config_.frame_duration : cutter_.period();
+  cloud_.expected_columns = static_cast<std::size_t>(whole / row_.timings.front().sequence) * echoes_;
   cloud_.points_bytes.resize(points_ * sizeof(CloudPoint));
   last_stamp_ = cloud_.stamp;
   ++counters_.frames;
@@ -78,10 +92,12 @@ void FrameBuilder::end(bool at_cut, DriverOutput& out) {
 void FrameBuilder::cut_off(DriverOutput& out) {
   end(false, out);
   cutter_.reset();
+  interval_.reset();
 }
 
 void FrameBuilder::reset() {
   cutter_.reset();
+  interval_.reset();
   cloud_.columns.clear();
   in_stream_ = false;
 }

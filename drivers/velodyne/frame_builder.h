@@ -2,18 +2,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
+
 #include "core/revolution.h"
 #include "drivers/driver.h"
 #include "drivers/velodyne/unpacker.h"
 
 namespace lidard::velodyne {
 
-/// Collects firing sequences into revolutions and hands them on.
+/// Collects firing sequences into frames and hands them on.
 class FrameBuilder {
  public:
   FrameBuilder(const DriverConfig& config, const ModelRow& row, Counters& counters);
 
   Unpacker& unpacker() { return unpacker_; }
+  /// For FrameCut::view: the middle of the sector that the sensor leaves out; empty while there is none.
+  void set_hidden_middle(std::optional<double> azimuth_deg);
   /// Makes room for a packet; call before its sequences.
   void begin_packet() { unpacker_.reserve_packet(cloud_); }
   /// Finds the frame of a sequence at device time `time` and fills in the times that depend on it.
@@ -31,6 +35,7 @@ class FrameBuilder {
   void set_echoes(std::size_t echoes) { echoes_ = echoes; }
 
  private:
+  RevolutionCutter::Verdict judge(double azimuth_deg, Span time);
   void begin(Span time, bool at_cut, const DeviceClock& clock);
   void end(bool at_cut, DriverOutput& out);
   bool in_view(double azimuth_deg) const;
@@ -40,6 +45,7 @@ class FrameBuilder {
   Counters& counters_;
   Unpacker unpacker_;
   RevolutionCutter cutter_;
+  IntervalCutter interval_;
   Cloud cloud_;
   std::size_t points_ = 0;
   std::size_t echoes_ = 1;

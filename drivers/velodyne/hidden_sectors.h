@@ -5,35 +5,69 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+
+#include "drivers/velodyne/azimuth.h"
 
 namespace lidard::velodyne {
 
-/// Tells a hole that packets left when they got lost from the sector a sensor hides because its field of view
-/// is limited. A sector seen inside a packet is hidden for certain: loss takes whole packets. Where the
-/// sector ends with a packet it looks like loss, but comes back at the same place every turn.
+/// What lies between two packets that do not follow each other at once.
+struct StreamHole {
+  double from_deg;          ///< first group of the packet before
+  double last_deg;          ///< last group of the packet before
+  double turned_deg;        ///< from the first group before to the first group after, whole turns included
+  std::int64_t groups;      ///< firing groups in that time, sent, hidden or lost
+  std::int64_t per_packet;  ///< groups of a packet
+};
+
+/// Tells packets that got lost from the sector a sensor hides because its field of view is limited.
+///
+/// The stamps tell how many firing groups passed between two packets, the azimuth which of them fell into the
+/// hidden sector; the others must have been sent, so what is missing of them is lost. The sector itself shows
+/// where it lies inside a packet, since loss takes whole packets. A hole between packets may be either: it
+/// counts as hidden until something is received inside it, and what was taken for hidden wrongly is then
+/// counted after all. The edges of a sector are the outermost groups ever received, so right after its
+/// discovery a sequence at the very edge may be taken for hidden: of importance only where a packet holds no
+/// more than one (VLS-128, two returns).
 class HiddenSectors {
  public:
-  /// A packet had this sector inside it. Angles in deg, as the sensor counts them.
-  void learn(double from_deg, double to_deg);
-  /// Between two packets there was this hole, `packets` wide. Returns how many packets are known to be lost
-  /// now, from this or earlier holes: 0 while it may be a hidden sector.
-  std::uint64_t hole(double from_deg, double to_deg, std::uint64_t packets, double turned_deg);
-  /// No packet follows: what is still in doubt counts as lost unless it came twice.
+  /// Packets known to be lost since the last call, from this or earlier holes.
+  std::uint64_t hole(const StreamHole& hole);
+  /// A packet came. Returns how many earlier packets are known to be lost now.
+  std::uint64_t receive(const PacketAzimuths& azimuths);
+  /// No packet follows: what is still in doubt counts as lost if chance could have taken so many packets.
   std::uint64_t finish();
   void reset() { *this = HiddenSectors(); }
+  /// Azimuth in the middle of the widest sector that is hidden beyond doubt; empty: none.
+  std::optional<double> middle_deg() const;
 
  private:
   struct Sector {
-    double from_deg = 0, to_deg = 0;
-    std::uint64_t packets = 0;  // in doubt; all turns together
-    int turns = 0;              // seen so far
-    double last_turned_deg = 0;
-    bool known = false;
+    double from_deg = 0, width_deg = 0;  // between the last group before and the first group after it
+    double packet_deg = 0;               // turn during a packet
+    double slack_deg = 0;                // may still be taken from it once it is known
+    int passes = 0;                      // holes over the whole of it
+    bool known = false;                  // it lay inside a packet or came too often for chance
     bool used = false;
   };
-  Sector* find(double from_deg, double to_deg);
+  struct Past {
+    StreamHole hole;
+    std::int64_t counted = 0;  // packets of it that count as lost
+    bool used = false;
+  };
 
-  std::array<Sector, 8> sectors_{};
+  bool learn(double from_deg, double to_deg, double packet_deg);
+  void add_candidates(const StreamHole& hole);
+  void add_sector(double from_deg, double width_deg, double packet_deg);
+  void take_out(Sector& sector, double azimuth_deg);
+  bool could_be_chance(const Sector& sector) const;
+  std::int64_t hidden_groups(const StreamHole& hole) const;
+  std::uint64_t count_again();
+
+  std::array<Sector, 16> sectors_{};
+  std::array<Past, 64> past_{};  // holes with something hidden in them
+  std::size_t next_past_ = 0;
+  std::uint64_t received_ = 0, lost_ = 0;
 };
 
 }  // namespace lidard::velodyne

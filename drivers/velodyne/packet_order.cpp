@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/velodyne/packet_order.h"
 
-#include <cstdlib>
+#include <algorithm>
+#include <cmath>
 
 namespace lidard::velodyne {
 
@@ -28,31 +29,61 @@ bool PacketOrder::is_model_period(Span step, const OrderedPacket& packet) const 
   return false;
 }
 
+double PacketOrder::rate() const {
+  if (turn_rate_ > 0 || last_azimuths_.groups == 0) return turn_rate_;
+  return last_azimuths_.step_deg / seconds(last_period_ / static_cast<int>(last_azimuths_.groups));
+}
+
 Span PacketOrder::due() const {
-  if (last_azimuths_.hidden_total_deg <= 0) return last_period_;
+  if (last_azimuths_.hidden_total_deg <= 0 || rate() <= 0) return last_period_;
   // The packet goes on to be filled after the hidden sector, so its successor comes later by the time of the
   // silence.
-  if (turn_rate_ <= 0) return std::chrono::seconds(2);
-  return last_period_ + span_from_seconds(last_azimuths_.hidden_total_deg / turn_rate_);
+  return last_period_ + span_from_seconds(last_azimuths_.hidden_total_deg / rate());
 }
 
 void PacketOrder::count_loss(const OrderedPacket& packet, Span step) {
-  const Span excess = step - due();
-  if (excess * 2 <= last_period_) return;
-  const auto packets = static_cast<std::uint64_t>((excess + last_period_ / 2) / last_period_);
-  const double from = last_azimuths_.group_deg[last_azimuths_.groups - 1];
-  const double to = packet.view().azimuth(0) * 0.01;
-  counters_.lost_packets += hidden_.hole(from, to, packets, turned_deg_ + turn_rate_ * seconds(step));
+  if (step * 2 <= last_period_ * 3) return;
+  Hole hole{};
+  hole.step = step;
+  hole.echoes = layout_of(packet.view(), row_).echoes;
+  hole.hole.from_deg = last_azimuths_.group_deg[0];
+  hole.hole.last_deg = last_azimuths_.group_deg[last_azimuths_.groups - 1];
+  hole.hole.per_packet = static_cast<std::int64_t>(last_azimuths_.groups);
+  double& turned = hole.hole.turned_deg;
+  turned = packet.view().azimuth(0) * 0.01 - hole.hole.from_deg;
+  // The azimuths tell the turn up to whole ones, the rotation tells how many those are.
+  const double turns = std::round((rate() * seconds(step) - turned) / 360);
+  turned += 360 * std::max(turns, turned < -1 ? 1.0 : 0.0);
+  if (!decided_ && early_count_ < early_.size()) {
+    early_[early_count_++] = hole;
+  } else {
+    count_hole(hole);
+  }
+}
+
+void PacketOrder::count_hole(const Hole& hole) {
+  StreamHole counted = hole.hole;
+  const Span expected = row_.packet_period(*timing_, hole.echoes);
+  counted.groups =
+      std::llround(seconds(hole.step) / seconds(expected) * static_cast<double>(counted.per_packet));
+  counters_.lost_packets += hidden_.hole(counted);
+}
+
+void PacketOrder::count_early_holes() {
+  for (std::size_t i = 0; i < early_count_; ++i) count_hole(early_[i]);
+  early_count_ = 0;
+}
+
+void PacketOrder::set_timing(const Timing& timing, bool decided) {
+  timing_ = &timing;
+  decided_ = decided;
+  if (decided) count_early_holes();
 }
 
 void PacketOrder::remember(const OrderedPacket& packet) {
   last_period_ = period(packet);
   last_azimuths_ = read_azimuths(packet.view(), layout_of(packet.view(), row_));
-  turned_deg_ = turn_rate_ * seconds(time_);
-  for (std::size_t g = 1; g < last_azimuths_.groups; ++g) {
-    if (last_azimuths_.hidden_deg[g] > 0)
-      hidden_.learn(last_azimuths_.group_deg[g - 1], last_azimuths_.group_deg[g]);
-  }
+  counters_.lost_packets += hidden_.receive(last_azimuths_);
 }
 
 Reject PacketOrder::judge_product(const OrderedPacket& packet) {

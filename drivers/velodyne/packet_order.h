@@ -35,7 +35,7 @@ Span hour_difference(std::uint32_t later_us, std::uint32_t earlier_us);
 class PacketOrder {
  public:
   PacketOrder(const ModelRow& row, Counters& counters)
-      : row_(row), counters_(counters), timing_(&row.timings.front()) {}
+      : row_(row), counters_(counters), timing_(&row.timings.front()), decided_(row.timings.size() == 1) {}
 
   /// Takes a packet of the right size and calls `use(packet, device_time)` for each that is due, in order;
   /// device time is unwrapped. Returns why this packet was not used, if so; the counters hold it already.
@@ -49,16 +49,20 @@ class PacketOrder {
       advance(held_, use);
     }
     holding_ = false;
+    count_early_holes();
     counters_.lost_packets += hidden_.finish();
   }
   void reset() {
     started_ = holding_ = false;
     hidden_.reset();
+    early_count_ = 0;
   }
-  /// The timing variant in force.
-  void set_timing(const Timing& timing) { timing_ = &timing; }
+  /// The timing variant in force; `decided`: chosen by the packets, not the usual one for want of a better.
+  void set_timing(const Timing& timing, bool decided);
   /// Measured rotation, deg/s; 0 unknown.
   void set_turn_rate(double deg_per_s) { turn_rate_ = deg_per_s; }
+  /// Azimuth in the middle of the sector that the sensor leaves out; empty: none, or not known yet.
+  std::optional<double> hidden_middle_deg() const { return hidden_.middle_deg(); }
   /// The product byte that contradicts the model although the packets are the model's, if any.
   std::optional<std::uint8_t> lying_product() const { return lying_product_; }
   /// The product byte of packets refused as another model's, if any.
@@ -68,9 +72,18 @@ class PacketOrder {
   Span period(const OrderedPacket& p) const {
     return row_.packet_period(*timing_, layout_of(p.view(), row_).echoes);
   }
+  /// Rotation as far as it is known, deg/s; 0 unknown.
+  double rate() const;
   /// Time from the last packet to the next one if none is lost.
   Span due() const;
+  struct Hole {
+    StreamHole hole;
+    Span step;
+    std::size_t echoes;
+  };
   void count_loss(const OrderedPacket& packet, Span step);
+  void count_hole(const Hole& hole);
+  void count_early_holes();
   void remember(const OrderedPacket& packet);
   Span since_last(const OrderedPacket& p) const { return hour_difference(p.view().stamp_us(), last_us_); }
   bool is_model_period(Span step, const OrderedPacket& packet) const;
@@ -87,9 +100,11 @@ class PacketOrder {
   Span last_period_{0};
   PacketAzimuths last_azimuths_;
   const Timing* timing_;
+  bool decided_;
   HiddenSectors hidden_;
+  std::array<Hole, 16> early_{};  // seen before the timing variant was known, which tells their packets
+  std::size_t early_count_ = 0;
   double turn_rate_ = 0;
-  double turned_deg_ = 0;
   Span time_{0};
   std::optional<std::uint8_t> lying_product_;
   std::optional<std::uint8_t> refused_product_;

@@ -52,7 +52,7 @@ class VelodyneDriver final : public Driver {
   void decode_pending(const std::optional<NextPacket>& next, DriverOutput& out);
   void decode(const OrderedPacket& packet, Span time, const std::optional<NextPacket>& next,
               DriverOutput& out);
-  void set_timing(const Timing& timing);
+  void set_timing(const Timing& timing, bool decided);
   void measure_turn(double azimuth_deg, Span step);
   /// Rotation over the last packets, deg/s; 0 unknown.
   double turn_rate() const { return turned_s_ > 0 ? turned_deg_ / turned_s_ : 0; }
@@ -175,10 +175,10 @@ void VelodyneDriver::decode_pending(const std::optional<NextPacket>& next, Drive
   decode(waiting_, waiting_time_, next, out);
 }
 
-void VelodyneDriver::set_timing(const Timing& timing) {
+void VelodyneDriver::set_timing(const Timing& timing, bool decided) {
+  order_.set_timing(timing, decided);
   if (timing_in_force_ == &timing) return;
   timing_in_force_ = &timing;
-  order_.set_timing(timing);
   frames_.unpacker().set_timing(timing);
 }
 
@@ -187,7 +187,7 @@ void VelodyneDriver::decode(const OrderedPacket& packet, Span time, const std::o
   const DataPacket view = packet.view();
   const PacketLayout& layout = layout_of(view, row_);
   const bool old_firmware = row_.without_factory_bytes != nullptr && !row_.has_product(view.product());
-  set_timing(old_firmware ? *row_.without_factory_bytes : timing_.timing());
+  set_timing(old_firmware ? *row_.without_factory_bytes : timing_.timing(), timing_.decided());
   const PacketAzimuths azimuths = read_azimuths(view, layout);
   const FiringSchedule schedule = schedule_of(row_, timing_, azimuths, layout.echoes, next, turn_rate());
   // The packet leaves after its last firing sequence.
@@ -195,6 +195,7 @@ void VelodyneDriver::decode(const OrderedPacket& packet, Span time, const std::o
 
   frames_.unpacker().set_rate(schedule.rate_deg_per_s);
   frames_.set_echoes(layout.echoes);
+  if (config_.frame_cut == FrameCut::view) frames_.set_hidden_middle(order_.hidden_middle_deg());
   frames_.begin_packet();
   const std::size_t per_block = row_.sequences_per_block();
   Sequence sequence{};

@@ -1,0 +1,223 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <set>
+
+#include "drivers/model.h"
+#include "test/support/velodyne_wire.h"
+
+namespace lidard {
+namespace {
+
+using sim::AzimuthSector;
+using test::Columns;
+using test::ModelMode;
+using test::WirePacket;
+
+constexpr double deg = M_PI / 180;
+constexpr double start_deg = 211.4;
+
+DriverConfig config_of(const ModelMode& which, double cut_deg) {
+  DriverConfig config;
+  config.model = find_model(which.model);
+  config.clock = ClockMode::arrival;
+  config.cut_angle = cut_deg * deg;
+  config.keep_partial = true;
+  return config;
+}
+
+std::vector<WirePacket> stream_of(const ModelMode& which, double turns,
+                                  const std::optional<AzimuthSector>& view = std::nullopt) {
+  sim::VelodyneOptions options;
+  options.start_azimuth_deg = start_deg;
+  options.fov = view;
+  options.rest_spread_ns = 0;
+  return test::spin(which, turns, options);
+}
+
+Columns play(const DriverConfig& config, const std::vector<WirePacket>& packets, double drop = 0) {
+  std::mt19937 random(11);
+  std::bernoulli_distribution dropped(drop);
+  const auto driver = config.model->make(config);
+  Columns out;
+  for (const WirePacket& packet : packets) {
+    if (!dropped(random)) give(*driver, packet, out);
+  }
+  driver->finish(out);
+  EXPECT_EQ(driver->counters().rejected_total(), 0U);
+  return out;
+}
+
+/// Packet, block and return of a column tell which firing it is, up to the two sequences of a VLP-16's block.
+void expect_each_firing_once(const ModelMode& which, const Columns& out, std::size_t packets) {
+  const std::size_t echoes = which.is_dual() ? 2 : 1;
+  std::size_t columns = 0;
+  std::uint32_t last_packet = 0;
+  Stamp last_stamp{0};
+  for (const Columns::Frame& frame : out.frames) {
+    ASSERT_FALSE(frame.columns.empty());
+    for (const CloudColumn& column : frame.columns) {
+      ASSERT_GE(column.packet, last_packet);
+      // Within a packet the firings follow each other; between packets the arrivals shift them a little.
+      if (column.packet == last_packet && columns > 0) {
+        ASSERT_GE(column.stamp, last_stamp);
+        if (column.echo == 0) {
+          ASSERT_GT(column.stamp, last_stamp);
+        }
+      }
+      last_packet = column.packet;
+      last_stamp = column.stamp;
+      ++columns;
+    }
+  }
+  EXPECT_EQ(columns, packets * which.sequences() * echoes);
+  EXPECT_EQ(out.points, packets * which.sequences() * echoes * which.table().lasers.size());
+}
+
+/// No frame goes over the cut; whole ones begin and end at it.
+void expect_cut_at(const ModelMode& which, const Columns& out, double cut_deg) {
+  const double step = which.turn_deg();
+  for (const Columns::Frame& frame : out.frames) {
+    double last = -1;
+    for (const CloudColumn& column : frame.columns) {
+      const double since_cut = std::fmod(column.azimuth / deg - cut_deg + 720.0005, 360);
+      ASSERT_GE(since_cut, last - 1e-3);
+      last = since_cut;
+    }
+  }
+  std::size_t whole = 0;
+  for (const Columns::Frame& frame : out.frames) whole += frame.complete ? 1U : 0U;
+  EXPECT_GT(whole, 0U);
+  for (const Columns::Frame& frame : out.frames) {
+    if (!frame.complete) continue;
+    // An HDL-64E S1 pauses between its bursts.
+    const double edge = which.model == "velodyne_hdl64e_s1" ? 1.3 : step + 0.001;
+    EXPECT_LT(std::fmod(frame.columns.front().azimuth / deg - cut_deg + 720.0005, 360), edge);
+    EXPECT_GT(std::fmod(frame.columns.back().azimuth / deg - cut_deg + 720.0005, 360), 360 - edge);
+  }
+}
+
+TEST(VelodyneFrames, EachFiringIsInExactlyOneFrameForEveryCutAngleModelAndMode) {
+  for (const ModelMode& which : test::model_modes()) {
+    const auto packets = stream_of(which, 2.3);
+    // Each a few degrees, so that the cut also falls between the sequences of a packet, and the edges.
+    std::set<double> cuts = {0, 0.1, 359, 359.99, start_deg, start_deg - 0.01};
+    for (int cut = 7; cut < 360; cut += which.table().lasers.size() < 64 ? 7 : 29) cuts.insert(cut);
+    for (const double cut : cuts) {
+      SCOPED_TRACE(which.name() + " cut " + std::to_string(cut));
+      const Columns out = play(config_of(which, cut), packets);
+      expect_each_firing_once(which, out, packets.size());
+      expect_cut_at(which, out, cut);
+      if (testing::Test::HasFailure()) return;
+    }
+  }
+}
+
+TEST(VelodyneFrames, EachFiringThatCameIsInExactlyOneFrameWhateverWasLost) {
+  for (const ModelMode& which : test::model_modes()) {
+    const auto packets = stream_of(which, 3.3);
+    for (const double drop : {0.01, 0.1, 0.5}) {
+      SCOPED_TRACE(which.name() + " dropped " + std::to_string(drop));
+      DriverConfig config = config_of(which, 123);
+      const Columns out = play(config, packets, drop);
+      std::size_t columns = 0;
+      for (const Columns::Frame& frame : out.frames) columns += frame.columns.size();
+      EXPECT_EQ(out.points, columns * which.table().lasers.size());
+      EXPECT_EQ(columns % (which.sequences() * (which.is_dual() ? 2 : 1)), 0U);
+      for (const Columns::Frame& frame : out.frames) {
+        double last = -1;
+        for (const CloudColumn& column : frame.columns) {
+          const double since_cut = std::fmod(column.azimuth / deg - 123 + 720.0005, 360);
+          ASSERT_GE(since_cut, last - 1e-3);
+          last = since_cut;
+        }
+      }
+    }
+  }
+}
+
+struct SeenView {
+  AzimuthSector view;
+  double visible_deg;
+};
+const std::vector<SeenView> views = {
+    {{270, 90}, 180}, {{10.05, 150.15}, 140.1}, {{185, 174}, 349}, {{40, 70}, 30}};
+
+/// Of an HDL-64E S1 no field of view is known; last return is sent like the strongest.
+bool knows_view(const ModelMode& which) {
+  return which.model != "velodyne_hdl64e_s1" && which.mode != sim::ReturnMode::last;
+}
+
+TEST(VelodyneFrames, ACutByViewIsInTheSectorThatTheSensorLeavesOut) {
+  for (const ModelMode& which : test::model_modes()) {
+    if (!knows_view(which)) continue;
+    for (const SeenView& seen : views) {
+      SCOPED_TRACE(which.name() + " from " + std::to_string(seen.view.start_deg));
+      const auto packets = stream_of(which, 5.4, seen.view);
+      DriverConfig config = config_of(which, seen.view.start_deg + 15);  // in the midst of what is seen
+      config.frame_cut = FrameCut::view;
+      const Columns out = play(config, packets);
+      expect_each_firing_once(which, out, packets.size());
+      std::size_t whole = 0;
+      for (const Columns::Frame& frame : out.frames) {
+        if (!frame.complete) continue;
+        const double first =
+            std::fmod(frame.columns.front().azimuth / deg - seen.view.start_deg + 360.001, 360);
+        const double last =
+            std::fmod(frame.columns.back().azimuth / deg - seen.view.start_deg + 360.001, 360);
+        // The sector shows after some turns where it never lies inside a packet; till then the angle cuts.
+        const bool by_angle = std::fabs(first - 15) < 1 && &frame - out.frames.data() < 5;
+        if (by_angle) continue;
+        ++whole;
+        EXPECT_LT(first, which.turn_deg() + 0.2);
+        EXPECT_GT(last, seen.visible_deg - which.turn_deg() - 0.2);
+      }
+      EXPECT_GE(whole, 1U);
+    }
+  }
+}
+
+TEST(VelodyneFrames, ACutByViewWithoutAHiddenSectorIsAtTheAngle) {
+  for (const ModelMode& which : test::model_modes()) {
+    SCOPED_TRACE(which.name());
+    DriverConfig config = config_of(which, 77);
+    config.frame_cut = FrameCut::view;
+    const auto packets = stream_of(which, 2.3);
+    const Columns out = play(config, packets);
+    expect_each_firing_once(which, out, packets.size());
+    expect_cut_at(which, out, 77);
+  }
+}
+
+TEST(VelodyneFrames, ACutByTimeGivesFramesOfEqualDurationWhateverTheSensorTurns) {
+  for (const ModelMode& which : test::model_modes()) {
+    const auto packets = stream_of(which, 2.3);
+    for (const int milliseconds : {7, 33, 100}) {
+      SCOPED_TRACE(which.name() + " " + std::to_string(milliseconds) + " ms");
+      DriverConfig config = config_of(which, 0);
+      config.frame_cut = FrameCut::time;
+      config.frame_duration = std::chrono::milliseconds(milliseconds);
+      const Columns out = play(config, packets);
+      expect_each_firing_once(which, out, packets.size());
+      const Stamp begin = out.frames.front().stamp;
+      ASSERT_GE(out.frames.size(), 2U);
+      for (std::size_t i = 0; i < out.frames.size(); ++i) {
+        const Columns::Frame& frame = out.frames[i];
+        const bool between = i > 0 && i + 1 < out.frames.size();
+        EXPECT_EQ(frame.complete, between);
+        // The arrivals place the stamps: 20 us of latency and the whole microseconds of the device.
+        const double due = static_cast<double>(i) * milliseconds * 1e-3;
+        const double longest_step_s = 390e-6;
+        EXPECT_GT(seconds(frame.stamp - begin), due - 50e-6);
+        EXPECT_LT(seconds(frame.stamp - begin), due + longest_step_s);
+        EXPECT_LT(seconds(frame.end - frame.stamp), milliseconds * 1e-3 + 50e-6);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lidard
