@@ -107,16 +107,28 @@ class CalibratedGeometry {
   static constexpr double near_target_x_m = 2.40;
   static constexpr double near_target_y_m = 1.93;
 
- private:
+  /// What the equations need of one laser.
   struct Terms {
     double rot_correction, cos_rot, sin_rot, cos_vert, sin_vert;
     double dist_correction, horiz_offset;
-    double r_offset, z_offset;  // what vert_offset takes from the ground distance and adds to the height
-    double near_x, near_y;      // change of the correction per metre towards the near target
+    double r_offset, z_offset;  ///< what vert_offset takes from the ground distance and adds to the height
+    double near_x, near_y;      ///< change of the correction per metre towards the near target
     double focal, focal_slope;
     double min_intensity, max_intensity;
     bool two_point;
+    /// True if a distance along the beam and the beam's own two angles place a return, and intensities stay
+    /// as they come.
+    bool is_straight() const {
+      return horiz_offset == 0 && !two_point && focal_slope == 0 && min_intensity <= 0 &&
+             max_intensity >= 255;
+    }
   };
+  const Terms& terms(std::size_t laser) const { return lasers_[laser]; }
+  double step_m() const { return step_m_; }
+  /// The near corrections apply to shorter distances.
+  double two_point_below_m() const { return two_point_below_m_; }
+
+ private:
   static Terms terms_of(const LaserCalibration& laser, CalibrationModel model);
   static float intensity(const Terms& t, std::uint16_t count, std::uint8_t raw) {
     const double nearness = 1 - count * (1.0 / 65535);

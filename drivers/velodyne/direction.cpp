@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/velodyne/direction.h"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace lidard::velodyne {
+namespace {
+
+constexpr double rad_per_deg = 3.14159265358979323846 / 180;
+constexpr int turn = 360;
+
+using WholeDegrees = std::array<Direction, 2 * turn + 1>;  // from -360 to 360
+
+WholeDegrees whole_degrees() {
+  WholeDegrees table{};
+  for (int i = -turn; i <= turn; ++i)
+    table[static_cast<std::size_t>(i + turn)] = {std::cos(i * rad_per_deg), std::sin(i * rad_per_deg)};
+  return table;
+}
+
+}  // namespace
+
+Direction direction(double angle_deg) {
+  static const WholeDegrees table = whole_degrees();
+  if (!(angle_deg > -turn && angle_deg < turn)) {
+    return {std::cos(angle_deg * rad_per_deg), std::sin(angle_deg * rad_per_deg)};
+  }
+  const int place = static_cast<int>(angle_deg + (turn + 0.5));
+  const Direction whole = table[static_cast<std::size_t>(place)];
+  // Within half a degree the series end at 1e-17.
+  const double rest = (angle_deg - (place - turn)) * rad_per_deg;
+  const double square = rest * rest;
+  const double cosine = 1 - square * (1.0 / 2 - square * (1.0 / 24 - square * (1.0 / 720)));
+  const double sine = rest * (1 - square * (1.0 / 6 - square * (1.0 / 120 - square * (1.0 / 5040))));
+  return {whole.cosine * cosine - whole.sine * sine, whole.sine * cosine + whole.cosine * sine};
+}
+
+}  // namespace lidard::velodyne

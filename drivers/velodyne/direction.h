@@ -1,0 +1,15 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+namespace lidard::velodyne {
+
+/// Cosine and sine of an angle.
+struct Direction {
+  double cosine, sine;
+};
+
+/// Of an angle in degrees, to 1e-15; quickest within a turn either way.
+Direction direction(double angle_deg);
+
+}  // namespace lidard::velodyne

@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+// The innermost loops of decoding, from the slots of a firing sequence to points in the bytes of a
+// PointCloud2. Compiled twice, for any processor and for those with AVX2, with the same results to the bit;
+// so this header and the kernels use nothing but plain arrays: an inline function of the standard library
+// compiled for AVX2 could be linked into the rest of the program.
+
+#include <cstddef>
+#include <cstdint>
+
+namespace lidard::velodyne {
+
+/// Of one firing sequence: the VLS-128's.
+constexpr std::size_t most_lasers = 128;
+/// Slots are unpacked this many at a time; 16 lasers or 32 slots of a block are whole numbers of it.
+constexpr std::size_t lanes = 8;
+
+/// What is known of each laser, one array per quantity, so that several lasers are computed at once. m, rad,
+/// s.
+struct alignas(32) LaserArrays {
+  double turning[most_lasers];      ///< its firing after the sequence's first
+  double cos_rot[most_lasers];      ///< of its rot_correction
+  double sin_rot[most_lasers];      ///< "
+  double cos_shift[most_lasers];    ///< of its azimuth minus the sequence's; see turn_lasers
+  double sin_shift[most_lasers];    ///< "
+  float cos_near[most_lasers];      ///< the same as float
+  float sin_near[most_lasers];      ///< "
+  float ground_step[most_lasers];   ///< distance over ground of one count
+  float ground_begin[most_lasers];  ///< distance over ground of count 0
+  float up_step[most_lasers];       ///< height of one count
+  float up_begin[most_lasers];      ///< height of count 0
+  float time[most_lasers];          ///< its firing after the sequence's begin by the stamp
+  std::uint64_t ring[most_lasers];
+  std::int32_t nearest[most_lasers];   ///< counts below are no returns
+  std::int32_t farthest[most_lasers];  ///< counts above are none either
+  std::size_t size;                    ///< lasers there are, a multiple of `lanes`
+};
+
+/// What a calibration of the very sensor adds; see CalibratedGeometry for the names and equations. m, rad.
+struct alignas(32) CalibrationArrays {
+  double dist_correction[most_lasers];
+  double cos_vert[most_lasers];
+  double sin_vert[most_lasers];
+  double r_offset[most_lasers];
+  double z_offset[most_lasers];
+  double horiz_offset[most_lasers];
+  double near_x[most_lasers];  ///< 0 without two-point correction
+  double near_y[most_lasers];  ///< "
+  double focal[most_lasers];
+  double focal_slope[most_lasers];
+  double min_intensity[most_lasers];
+  double max_intensity[most_lasers];
+  double step;             ///< one count
+  double two_point_below;  ///< the near corrections apply to shorter distances
+  double far_target;
+};
+
+/// The slots of one firing sequence, and which way it looked when.
+struct SequenceSlots {
+  const std::uint8_t* slots[4];  ///< the first slot of each bank; 8 bytes behind the last can be read
+  std::size_t banks;
+  double cos_azimuth, sin_azimuth;  ///< at the sequence's first firing
+  float begin;                      ///< s after the frame's stamp
+};
+
+/// PointCloud2 bytes of a point: CloudPoint.
+constexpr std::size_t point_step = 22;
+/// Kernels write up to this many bytes beyond the last point.
+constexpr std::size_t overshoot = 2 * point_step;
+
+/// The loops for one kind of processor.
+struct SequenceKernels {
+  /// Turns the lasers by the rotation (rad/s) between the sequence's first firing and theirs: below 0.1 rad,
+  /// or the series lose the 9th digit.
+  void (*turn_lasers)(LaserArrays& lasers, double rate);
+  /// Writes the returns of a sequence to `out`; returns the end of the last.
+  std::uint8_t* (*place)(const LaserArrays& lasers, const SequenceSlots& sequence, std::uint8_t* out);
+  /// The same with every term of a calibration, in double.
+  std::uint8_t* (*place_calibrated)(const LaserArrays& lasers, const CalibrationArrays& calibration,
+                                    const SequenceSlots& sequence, std::uint8_t* out);
+};
+
+/// For any processor.
+const SequenceKernels& portable_kernels();
+/// For processors with AVX2; nullptr if the program was compiled for an architecture without.
+const SequenceKernels* avx2_kernels();
+/// The fastest that this processor has.
+const SequenceKernels& best_kernels();
+
+}  // namespace lidard::velodyne

@@ -1,0 +1,226 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+// Included by sequence_kernel.cpp and sequence_kernel_avx2.cpp alone, which differ in the processor they are
+// compiled for. Loops have fixed lengths and no branches, so that the compiler turns them into vector code.
+
+#include <cstring>
+
+#include "drivers/velodyne/sequence_kernel.h"
+
+#if defined(__AVX2__)
+#include <immintrin.h>
+#endif
+
+namespace lidard::velodyne {
+namespace {
+
+/// `lanes` slots of 3 bytes: distance count (u16 LE), reflectivity (63-9243 Rev D, section 9.3.1.3).
+struct alignas(32) Slots {
+  std::int32_t count[lanes];
+  std::int32_t reflectivity[lanes];
+};
+
+/// `lanes` points, returns or not.
+struct alignas(32) Points {
+  float x[lanes], y[lanes], z[lanes], intensity[lanes], time[lanes];
+};
+
+#if defined(__AVX2__)
+
+inline __m256i load(const std::int32_t* from) {
+  return _mm256_load_si256(reinterpret_cast<const __m256i*>(from));
+}
+inline __m128i load_bytes(const std::uint8_t* from) {
+  return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from));
+}
+
+inline void read_slots(const std::uint8_t* from, Slots& slots) {
+  const __m256i spread = _mm256_setr_epi8(0, 1, 2, -1, 3, 4, 5, -1, 6, 7, 8, -1, 9, 10, 11, -1,  //
+                                          0, 1, 2, -1, 3, 4, 5, -1, 6, 7, 8, -1, 9, 10, 11, -1);
+  const __m256i bytes = _mm256_set_m128i(load_bytes(from + 12), load_bytes(from));
+  const __m256i words = _mm256_shuffle_epi8(bytes, spread);
+  _mm256_store_si256(reinterpret_cast<__m256i*>(slots.count),
+                     _mm256_and_si256(words, _mm256_set1_epi32(0xFFFF)));
+  _mm256_store_si256(reinterpret_cast<__m256i*>(slots.reflectivity), _mm256_srli_epi32(words, 16));
+}
+
+/// Where each of eight points goes (bytes), by which of them are returns, and where they end.
+struct PlaceTable {
+  std::uint8_t at[256][16];
+};
+constexpr PlaceTable make_place_table() {
+  PlaceTable table{};
+  for (unsigned mask = 0; mask < 256; ++mask) {
+    unsigned place = 0;
+    for (unsigned k = 0; k < lanes; ++k) {
+      table.at[mask][k] = static_cast<std::uint8_t>(place * point_step);
+      place += mask >> k & 1U;
+    }
+    table.at[mask][lanes] = static_cast<std::uint8_t>(place * point_step);
+  }
+  return table;
+}
+constexpr PlaceTable place_table = make_place_table();
+
+inline void store_low(std::uint8_t* to, __m256 xyzi, __m128i ring_time) {
+  _mm_storeu_ps(reinterpret_cast<float*>(to), _mm256_castps256_ps128(xyzi));
+  _mm_storel_epi64(reinterpret_cast<__m128i*>(to + 16), ring_time);
+}
+inline void store_high(std::uint8_t* to, __m256 xyzi, __m128i ring_time) {
+  _mm_storeu_ps(reinterpret_cast<float*>(to), _mm256_extractf128_ps(xyzi, 1));
+  _mm_storel_epi64(reinterpret_cast<__m128i*>(to + 16), ring_time);
+}
+
+/// Ring (16 bit) and time (32 bit) of four points, each in 8 bytes.
+inline __m256i rings_and_times(const std::uint64_t* ring, const float* time) {
+  const __m128i times = _mm_load_si128(reinterpret_cast<const __m128i*>(time));
+  const __m256i rings = _mm256_load_si256(reinterpret_cast<const __m256i*>(ring));
+  return _mm256_or_si256(_mm256_slli_epi64(_mm256_cvtepu32_epi64(times), 16), rings);
+}
+
+/// Points that are no returns are written, too, and then overwritten: a branch for each costs more.
+inline std::uint8_t* write_returns(const LaserArrays& lasers, std::size_t k, const Slots& slots,
+                                   const Points& p, std::uint8_t* out) {
+  const __m256i count = load(slots.count);
+  const __m256i none = _mm256_or_si256(_mm256_cmpgt_epi32(load(lasers.nearest + k), count),
+                                       _mm256_cmpgt_epi32(count, load(lasers.farthest + k)));
+  const int mask = ~_mm256_movemask_ps(_mm256_castsi256_ps(none)) & 0xFF;
+  const std::uint8_t* at = place_table.at[mask];
+  const __m256 x = _mm256_load_ps(p.x), y = _mm256_load_ps(p.y);
+  const __m256 z = _mm256_load_ps(p.z), intensity = _mm256_load_ps(p.intensity);
+  const __m256 xy01 = _mm256_unpacklo_ps(x, y), xy23 = _mm256_unpackhi_ps(x, y);
+  const __m256 zi01 = _mm256_unpacklo_ps(z, intensity), zi23 = _mm256_unpackhi_ps(z, intensity);
+  const __m256 p04 = _mm256_shuffle_ps(xy01, zi01, 0x44), p15 = _mm256_shuffle_ps(xy01, zi01, 0xEE);
+  const __m256 p26 = _mm256_shuffle_ps(xy23, zi23, 0x44), p37 = _mm256_shuffle_ps(xy23, zi23, 0xEE);
+  const __m256i low = rings_and_times(lasers.ring + k, p.time);
+  const __m256i high = rings_and_times(lasers.ring + k + 4, p.time + 4);
+  const __m128i t01 = _mm256_castsi256_si128(low), t23 = _mm256_extracti128_si256(low, 1);
+  const __m128i t45 = _mm256_castsi256_si128(high), t67 = _mm256_extracti128_si256(high, 1);
+  store_low(out + at[0], p04, t01);
+  store_low(out + at[1], p15, _mm_unpackhi_epi64(t01, t01));
+  store_low(out + at[2], p26, t23);
+  store_low(out + at[3], p37, _mm_unpackhi_epi64(t23, t23));
+  store_high(out + at[4], p04, t45);
+  store_high(out + at[5], p15, _mm_unpackhi_epi64(t45, t45));
+  store_high(out + at[6], p26, t67);
+  store_high(out + at[7], p37, _mm_unpackhi_epi64(t67, t67));
+  return out + at[lanes];
+}
+
+#else
+
+inline void read_slots(const std::uint8_t* from, Slots& slots) {
+  for (std::size_t i = 0; i < lanes; ++i) {
+    slots.count[i] = from[3 * i] | from[3 * i + 1] << 8;
+    slots.reflectivity[i] = from[3 * i + 2];
+  }
+}
+
+/// Points that are no returns are written, too, and then overwritten: a branch for each costs more.
+inline std::uint8_t* write_returns(const LaserArrays& lasers, std::size_t k, const Slots& slots,
+                                   const Points& p, std::uint8_t* out) {
+  for (std::size_t i = 0; i < lanes; ++i) {
+    const float xyzi[4] = {p.x[i], p.y[i], p.z[i], p.intensity[i]};
+    const auto ring = static_cast<std::uint16_t>(lasers.ring[k + i]);
+    std::memcpy(out, xyzi, sizeof xyzi);
+    std::memcpy(out + 16, &ring, sizeof ring);
+    std::memcpy(out + 18, &p.time[i], sizeof p.time[i]);
+    const bool is_return =
+        slots.count[i] >= lasers.nearest[k + i] && slots.count[i] <= lasers.farthest[k + i];
+    out += is_return ? point_step : 0;
+  }
+  return out;
+}
+
+#endif
+
+/// The azimuth that a laser fires at is the sequence's, plus the turn until then, minus its rot_correction.
+void turn_lasers(LaserArrays& lasers, double rate) {
+  for (std::size_t k = 0; k < lasers.size; ++k) {
+    const double turn = rate * lasers.turning[k];
+    const double square = turn * turn;
+    const double cos_turn = 1 - square * (1.0 / 2 - square * (1.0 / 24 - square * (1.0 / 720)));
+    const double sin_turn = turn * (1 - square * (1.0 / 6 - square * (1.0 / 120 - square * (1.0 / 5040))));
+    const double cos_shift = cos_turn * lasers.cos_rot[k] + sin_turn * lasers.sin_rot[k];
+    const double sin_shift = sin_turn * lasers.cos_rot[k] - cos_turn * lasers.sin_rot[k];
+    lasers.cos_shift[k] = cos_shift;
+    lasers.sin_shift[k] = sin_shift;
+    lasers.cos_near[k] = static_cast<float>(cos_shift);
+    lasers.sin_near[k] = static_cast<float>(sin_shift);
+  }
+}
+
+/// The sensor counts azimuth clockwise from ahead; ROS has x ahead and y to the left.
+std::uint8_t* place(const LaserArrays& lasers, const SequenceSlots& sequence, std::uint8_t* out) {
+  const auto cos_a = static_cast<float>(sequence.cos_azimuth);
+  const auto sin_a = static_cast<float>(sequence.sin_azimuth);
+  const std::size_t per_bank = lasers.size / sequence.banks;
+  for (std::size_t first = 0; first < lasers.size; first += lanes) {
+    Slots slots;
+    Points p;
+    read_slots(sequence.slots[first / per_bank] + 3 * (first % per_bank), slots);
+    for (std::size_t i = 0; i < lanes; ++i) {
+      const std::size_t k = first + i;
+      const auto count = static_cast<float>(slots.count[i]);
+      const float cos_alpha = cos_a * lasers.cos_near[k] - sin_a * lasers.sin_near[k];
+      const float sin_alpha = sin_a * lasers.cos_near[k] + cos_a * lasers.sin_near[k];
+      const float ground = count * lasers.ground_step[k] + lasers.ground_begin[k];
+      p.x[i] = ground * cos_alpha;
+      p.y[i] = -(ground * sin_alpha);
+      p.z[i] = count * lasers.up_step[k] + lasers.up_begin[k];
+      p.intensity[i] = static_cast<float>(slots.reflectivity[i]);
+      p.time[i] = sequence.begin + lasers.time[k];
+    }
+    out = write_returns(lasers, first, slots, p, out);
+  }
+  return out;
+}
+
+/// CalibratedGeometry::place for `lanes` lasers.
+inline void place_lanes(const LaserArrays& lasers, const CalibrationArrays& c, const SequenceSlots& sequence,
+                        std::size_t first, const Slots& slots, Points& p) {
+  for (std::size_t i = 0; i < lanes; ++i) {
+    const std::size_t k = first + i;
+    const auto count = static_cast<double>(slots.count[i]);
+    const double cos_alpha =
+        sequence.cos_azimuth * lasers.cos_shift[k] - sequence.sin_azimuth * lasers.sin_shift[k];
+    const double sin_alpha =
+        sequence.sin_azimuth * lasers.cos_shift[k] + sequence.cos_azimuth * lasers.sin_shift[k];
+    const double d = count * c.step + c.dist_correction[k];
+    const double r = d * c.cos_vert[k] - c.r_offset[k];
+    const double side_x = c.horiz_offset[k] * cos_alpha;
+    const double side_y = c.horiz_offset[k] * sin_alpha;
+    const double near = d < c.two_point_below ? 1.0 : 0.0;
+    const double dx = near * c.near_x[k] * (__builtin_fabs(r * sin_alpha - side_x) - c.far_target);
+    const double dy = near * c.near_y[k] * (__builtin_fabs(r * cos_alpha + side_y) - c.far_target);
+    p.x[i] = static_cast<float>((r + dy * c.cos_vert[k]) * cos_alpha + side_y);
+    p.y[i] = static_cast<float>(side_x - (r + dx * c.cos_vert[k]) * sin_alpha);
+    p.z[i] = static_cast<float>((d + dy) * c.sin_vert[k] + c.z_offset[k]);
+    const double nearness = 1 - count * (1.0 / 65535);
+    double value = static_cast<double>(slots.reflectivity[i]) +
+                   c.focal_slope[k] * __builtin_fabs(c.focal[k] - 256 * nearness * nearness);
+    value = value < c.min_intensity[k] ? c.min_intensity[k] : value;
+    p.intensity[i] = static_cast<float>(value > c.max_intensity[k] ? c.max_intensity[k] : value);
+    p.time[i] = sequence.begin + lasers.time[k];
+  }
+}
+
+std::uint8_t* place_calibrated(const LaserArrays& lasers, const CalibrationArrays& calibration,
+                               const SequenceSlots& sequence, std::uint8_t* out) {
+  const std::size_t per_bank = lasers.size / sequence.banks;
+  for (std::size_t first = 0; first < lasers.size; first += lanes) {
+    Slots slots;
+    Points p;
+    read_slots(sequence.slots[first / per_bank] + 3 * (first % per_bank), slots);
+    place_lanes(lasers, calibration, sequence, first, slots, p);
+    out = write_returns(lasers, first, slots, p, out);
+  }
+  return out;
+}
+
+constexpr SequenceKernels kernels = {&turn_lasers, &place, &place_calibrated};
+
+}  // namespace
+}  // namespace lidard::velodyne
