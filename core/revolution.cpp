@@ -22,6 +22,12 @@ double wrap_deg(double angle) {
   return a < 0 ? a + 360 : a;
 }
 
+/// The same, without a division for angles within a turn either way.
+double wrap_quick_deg(double angle) {
+  if (angle >= 0 && angle < 360) return angle;
+  return angle < 0 && angle >= -360 ? angle + 360 : wrap_deg(angle);
+}
+
 }  // namespace
 
 RevolutionCutter::RevolutionCutter(double cut_deg) : cut_deg_(wrap_deg(cut_deg - rounding_deg)) {}
@@ -61,12 +67,12 @@ RevolutionCutter::Verdict RevolutionCutter::next(double azimuth_deg, Span time) 
   if (!started_) {
     started_ = true;
     azimuth_deg_ = azimuth_deg;
-    position_deg_ = wrap_deg(azimuth_deg - cut_deg_);
+    position_deg_ = wrap_quick_deg(azimuth_deg - cut_deg_);
     frame_start_ = turned_since_ = last_time_ = time;
     turned_deg_ = 0;
     return Verdict::same;
   }
-  const double step = wrap_deg(azimuth_deg - azimuth_deg_);
+  const double step = wrap_quick_deg(azimuth_deg - azimuth_deg_);
   const int whole = whole_turns(step, time - last_time_);
   const bool backwards = whole == 0 && step > 360 - backwards_limit_deg;
   last_time_ = time;
@@ -75,7 +81,7 @@ RevolutionCutter::Verdict RevolutionCutter::next(double azimuth_deg, Span time) 
     if (position_deg_ + step >= 360) verdict = Verdict::crossed;
     if (whole > 0) verdict = Verdict::forced;
     azimuth_deg_ = azimuth_deg;
-    position_deg_ = wrap_deg(azimuth_deg - cut_deg_);
+    position_deg_ = wrap_quick_deg(azimuth_deg - cut_deg_);
     measure_rate(step + 360.0 * whole, time);
   }
   const Span limit = period_.count() > 0 && period_ < slowest_turn ? period_ * 3 / 2 : slowest_turn * 3 / 2;

@@ -21,20 +21,21 @@ WholeDegrees whole_degrees() {
   return table;
 }
 
+const WholeDegrees table = whole_degrees();
+
 }  // namespace
 
 Direction direction(double angle_deg) {
-  static const WholeDegrees table = whole_degrees();
   if (!(angle_deg > -turn && angle_deg < turn)) {
     return {std::cos(angle_deg * rad_per_deg), std::sin(angle_deg * rad_per_deg)};
   }
   const int place = static_cast<int>(angle_deg + (turn + 0.5));
   const Direction whole = table[static_cast<std::size_t>(place)];
-  // Within half a degree the series end at 1e-17.
+  // Within half a degree the next terms of the series are below 1e-15.
   const double rest = (angle_deg - (place - turn)) * rad_per_deg;
   const double square = rest * rest;
-  const double cosine = 1 - square * (1.0 / 2 - square * (1.0 / 24 - square * (1.0 / 720)));
-  const double sine = rest * (1 - square * (1.0 / 6 - square * (1.0 / 120 - square * (1.0 / 5040))));
+  const double cosine = 1 - square * (1.0 / 2 - square * (1.0 / 24));
+  const double sine = rest * (1 - square * (1.0 / 6 - square * (1.0 / 120)));
   return {whole.cosine * cosine - whole.sine * sine, whole.sine * cosine + whole.cosine * sine};
 }
 

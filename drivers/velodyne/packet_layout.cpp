@@ -63,12 +63,13 @@ bool is_dual_hdl64e(const DataPacket& packet) {
   return pairs_equal && !all_equal;
 }
 
+const PacketLayout single1 = single(1), single2 = single(2), single4 = single(4);
+const PacketLayout dual1 = dual_by_bank(1), dual4 = dual_by_bank(4), dual2 = dual_by_return();
+const PacketLayout confident = dual_with_confidence();
+
 }  // namespace
 
 const PacketLayout& layout_of(const DataPacket& packet, const ModelRow& row) {
-  static const PacketLayout single1 = single(1), single2 = single(2), single4 = single(4);
-  static const PacketLayout dual1 = dual_by_bank(1), dual4 = dual_by_bank(4), dual2 = dual_by_return();
-  static const PacketLayout confident = dual_with_confidence();
   if (row.banks == 1) return is_dual(packet) ? dual1 : single1;
   if (row.banks == 2) return is_dual_hdl64e(packet) ? dual2 : single2;
   constexpr std::uint8_t triple = 0x3A, confidence = 0x3B;  // VeloView vtkDataPacket.h; 0x3A unverified

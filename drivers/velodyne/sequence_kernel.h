@@ -59,7 +59,7 @@ struct alignas(32) CalibrationArrays {
 
 /// The slots of one firing sequence, and which way it looked when.
 struct SequenceSlots {
-  const std::uint8_t* slots[4];  ///< the first slot of each bank; 8 bytes behind the last can be read
+  const std::uint8_t* const* slots;  ///< the first slot of each bank; 8 bytes behind the last can be read
   std::size_t banks;
   double cos_azimuth, sin_azimuth;  ///< at the sequence's first firing
   float begin;                      ///< s after the frame's stamp

@@ -14,16 +14,21 @@ void TimingChooser::add(Span step, std::size_t sequences) {
   if (one * 2 > row_.timings.front().sequence.count() * 3 || one * 2 < row_.timings.front().sequence.count())
     return;
   const std::size_t slot = count_ % steps_.size();
-  if (count_ >= steps_.size()) sum_ -= steps_[slot];
+  auto end = sorted_.begin() + static_cast<std::ptrdiff_t>(std::min(count_, steps_.size()));
+  if (count_ >= steps_.size()) {
+    sum_ -= steps_[slot];
+    const auto oldest = std::lower_bound(sorted_.begin(), end, steps_[slot]);
+    end = std::move(oldest + 1, end, oldest);
+  }
   steps_[slot] = one;
   sum_ += one;
   ++count_;
-  auto sorted = steps_;
-  const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(std::min(count_, steps_.size()));
-  const auto middle = sorted.begin() + (end - sorted.begin()) / 2;
-  std::nth_element(sorted.begin(), middle, end);
+  const auto place = std::upper_bound(sorted_.begin(), end, one);
+  std::move_backward(place, end, end + 1);
+  *place = one;
+  const std::int64_t median = sorted_[static_cast<std::size_t>(end + 1 - sorted_.begin()) / 2];
   for (const Timing& timing : row_.timings) {
-    if (std::abs(timing.sequence.count() - *middle) < std::abs(chosen_->sequence.count() - *middle))
+    if (std::abs(timing.sequence.count() - median) < std::abs(chosen_->sequence.count() - median))
       chosen_ = &timing;
   }
 }

@@ -26,7 +26,8 @@ class TimingChooser {
  private:
   const ModelRow& row_;
   const Timing* chosen_;
-  std::array<std::int64_t, 64> steps_{};  // ns per sequence
+  std::array<std::int64_t, 64> steps_{};   // ns per sequence, in order of arrival
+  std::array<std::int64_t, 64> sorted_{};  // the same in order of size
   std::size_t count_ = 0;
   std::int64_t sum_ = 0;
 };

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "drivers/velodyne/direction.h"
 #include "drivers/velodyne/packet.h"
 
 namespace lidard::velodyne {
@@ -136,22 +135,16 @@ void Unpacker::reserve_packet(Cloud& cloud) const {
 }
 
 void Unpacker::append(const Sequence& sequence, Cloud& cloud, std::size_t& points) const {
-  CloudColumn column{};
+  CloudColumn& column = cloud.columns.emplace_back();
   column.first_point = static_cast<std::uint32_t>(points);
   column.packet = sequence.packet;
   column.block = sequence.blocks[0];
   column.echo = sequence.echo;
   column.azimuth = static_cast<float>(sequence.azimuth_deg * rad_per_deg);
   column.stamp = sequence.stamp;
-  cloud.columns.push_back(column);
 
-  const Direction ahead = direction(sequence.azimuth_deg);
-  SequenceSlots slots{};
-  std::copy(sequence.slots.begin(), sequence.slots.end(), slots.slots);
-  slots.banks = row_.banks;
-  slots.cos_azimuth = ahead.cosine;
-  slots.sin_azimuth = ahead.sine;
-  slots.begin = static_cast<float>(seconds(sequence.in_frame));
+  const SequenceSlots slots = {sequence.slots.data(), row_.banks, sequence.ahead.cosine, sequence.ahead.sine,
+                               static_cast<float>(seconds(sequence.in_frame))};
   std::uint8_t* const begin = cloud.points_bytes.data() + points * point_step;
   const std::uint8_t* const end = calibration_
                                       ? kernels_.place_calibrated(lasers_, *calibration_, slots, begin)

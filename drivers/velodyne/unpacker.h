@@ -10,6 +10,7 @@
 
 #include "core/cloud.h"
 #include "drivers/velodyne/calibration.h"
+#include "drivers/velodyne/direction.h"
 #include "drivers/velodyne/model_row.h"
 #include "drivers/velodyne/sequence_kernel.h"
 
@@ -19,6 +20,7 @@ namespace lidard::velodyne {
 struct Sequence {
   std::array<const std::uint8_t*, 4> slots;  ///< the first slot of each bank in the packet
   double azimuth_deg;                        ///< at its begin, as the sensor counts it
+  Direction ahead;                           ///< of that azimuth
   Span in_packet;                            ///< its begin after the packet's stamp
   Span in_frame;                             ///< its begin after the frame's stamp
   Stamp stamp;                               ///< its begin on the host's time scale
@@ -30,8 +32,8 @@ struct Sequence {
 /// Turns the slots of firing sequences into points, straight into the cloud's message bytes.
 class Unpacker {
  public:
-  /// Distances (m, corrected) outside [min_range, max_range] are left out; max_range 0: no limit.
-  /// `calibration`: of this very sensor, instead of the model's table; nullptr none.
+  /// Distances (m, with the far correction of a calibration) outside [min_range, max_range] are left out;
+  /// max_range 0: no limit. `calibration`: of this very sensor, instead of the model's table; nullptr none.
   Unpacker(const ModelRow& row, bool keep_origins, double min_range, double max_range,
            const Calibration* calibration, const SequenceKernels& kernels = best_kernels());
 

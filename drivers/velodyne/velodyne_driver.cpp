@@ -206,6 +206,7 @@ void VelodyneDriver::decode(const OrderedPacket& packet, Span time, const std::o
       sequence.in_packet = schedule.begin[g] + into_group;
       const double azimuth = azimuths.group_deg[g] + schedule.rate_deg_per_s * seconds(into_group);
       sequence.azimuth_deg = azimuth < 360 ? azimuth : azimuth - 360;
+      sequence.ahead = direction(sequence.azimuth_deg);
       frames_.place(sequence, time + sequence.in_packet, clock_, out);
       for (std::size_t echo = 0; echo < layout.echoes; ++echo) {
         sequence.echo = static_cast<std::uint8_t>(echo);
