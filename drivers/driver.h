@@ -119,6 +119,7 @@ struct DeviceRequests {
   std::uint16_t host_port = 0;            ///< 0: the sensor's port
   std::optional<int> skip;                ///< scans left out between two (REP 138)
   std::optional<int> cluster;             ///< beams merged into one (REP 138)
+  bool calibrate_time = true;  ///< compare both clocks once before the stream starts (REP 138; SCIP: TM)
 };
 
 /// Where one frame of a multi-plane lidar ends and the next begins.

@@ -1,0 +1,112 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "core/device_clock.h"
+#include "core/time.h"
+
+namespace lidard::hokuyo {
+
+/// What a sensor's counter shows.
+struct ScipStamp {
+  std::uint64_t ticks = 0;
+  bool microseconds = false;  ///< of the % extension; else ms, 24 bits (Hokuyo C-42-03320B p. 12)
+};
+
+/// The last turns of a motor that runs evenly: what a counter showed when each began, and when its scan came.
+class TurnLine {
+ public:
+  struct Turn {
+    std::int64_t number, tick, arrival;  ///< tick and arrival in ns
+  };
+  /// Takes the next turn; `period`: nominal, a whole part of it may have passed. False if the motor did not
+  /// turn evenly: numbers begin at 0 again.
+  bool add(Span tick, Span period, Stamp arrival);
+  void reset() { count_ = 0; }
+  std::size_t count() const { return count_; }
+  const Turn& newest() const { return newest_; }
+  /// Turns between the newest and the one before.
+  std::int64_t skipped() const { return skipped_; }
+  /// Least squares through the ticks: ns of a turn, and of the newest tick without its fraction.
+  void fit(double& period, double& newest) const;
+  /// Calls take(turn) from the oldest to the newest.
+  template <class Take>
+  void for_each(Take&& take) const {
+    for (std::size_t i = 0; i < count_; ++i) take(turns_[(next_ + length - count_ + i) % length]);
+  }
+
+ private:
+  static constexpr std::size_t length = 256;
+  std::array<Turn, length> turns_{};
+  std::size_t count_ = 0, next_ = 0;
+  Turn newest_{0, 0, 0};
+  std::int64_t skipped_ = 0;
+};
+
+/// Host times of a SCIP sensor's sweeps, by listening; comparisons of both clocks (TM1) show what the way to
+/// us takes.
+///
+/// A counter of whole ms does not show where in one a sweep began. Sensors that send as soon as a sweep ends
+/// tell by the arrival; the motor is the clock then, the counter only says which turn it is. Those that send
+/// on a tick do not; there a line through the ticks of the last turns is the best guess. Stamps in us
+/// need neither.
+class ScipClock {
+ public:
+  ScipClock(ClockMode mode, bool sends_on_tick) : mode_(mode), on_tick_(sends_on_tick), clock_(mode) {}
+
+  struct Sweep {
+    ScipStamp stamp;     ///< counter at step 0
+    Span period{0};      ///< of a turn
+    Span until_sent{0};  ///< from step 0 to the last step asked for: no answer leaves before
+    Stamp arrival;
+    bool evenly = true;  ///< one of an endless row; not an answer to a single request
+  };
+  /// Host time of step 0. `skipped` gets the number of turns since the last sweep, less one.
+  Stamp begin_of(const Sweep& sweep, std::int64_t& skipped);
+  /// Both clocks at once: the counter was read between `sent` and `received`.
+  void compare(ScipStamp stamp, Stamp sent, Stamp received);
+  /// Width of what the comparisons leave open; nothing without one.
+  std::optional<Span> uncertainty() const;
+  /// From the end of a sweep to its arrival, as far as the comparisons showed it.
+  std::optional<Span> measured_delay() const;
+  /// A new connection: comparisons start again, and the next sweep does not follow the last one.
+  void connection();
+  void reset();
+  std::uint64_t steps() const { return clock_.steps() + restarts_; }
+  double drift_ppm() const { return clock_.drift_ppm(); }
+
+ private:
+  Span unwrap(ScipStamp stamp, Stamp arrival);
+  Span device_begin(const Sweep& sweep, Span read);
+  Span by_motor(const Sweep& sweep);
+  void choose_turn();
+  void learn_delay(Span read, const Sweep& sweep, Stamp smooth);
+
+  ClockMode mode_;
+  bool on_tick_;
+  DeviceClock clock_;
+  TurnLine turns_;
+  bool known_ = false;
+  Span last_{0};
+  Stamp last_arrival_;
+  std::uint64_t restarts_ = 0;
+  // The motor as a clock: begin of turn 0 and length of a turn, ns of the device.
+  double turn_ = 0;
+  std::int64_t base_ = 0;
+  std::size_t chosen_at_ = 0;  // number of turns known when `turn_` was chosen; 0: not yet
+  // Bounds of host minus device from comparisons, ns.
+  bool compared_ = false;
+  std::int64_t lowest_ = 0, highest_ = 0;
+  Stamp compared_at_;
+  // Bounds of the delay behind a sweep, ns.
+  std::size_t delays_ = 0;
+  std::int64_t least_ = 0, most_ = 0;
+  std::optional<std::int64_t> delay_;
+};
+
+}  // namespace lidard::hokuyo

@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "drivers/driver.h"
+#include "drivers/hokuyo/scip_clock.h"
+#include "drivers/hokuyo/scip_message.h"
+#include "drivers/hokuyo/warning_board.h"
+
+namespace lidard::hokuyo {
+
+enum class ScipTrouble : std::uint8_t {
+  silent,
+  refused,
+  fault,
+  no_echoes,
+  no_intensities,
+  parameters,
+  model,
+  device,
+  geometry,
+  no_beams,
+  values,
+  count_
+};
+
+/// Leads a connection from the first request to the endless stream, and back to it after trouble.
+///
+/// What it writes by default is what a stream needs: QT (ends what a former client left running), VV, PP and
+/// II (who is there), TM0, TM1 and TM2 (what its clock shows), and the request itself. It changes no
+/// setting of the sensor.
+class ScipDialogue {
+ public:
+  /// Whoever knows the sensor.
+  class Owner {
+   public:
+    virtual ~Owner() = default;
+    /// The steps, cluster and skip to ask for.
+    virtual ScipScanRequest wanted() = 0;
+    /// True if the sensor's firmware knows the % extension, as far as one can tell.
+    virtual bool knows_percent() const = 0;
+    /// Takes a comparison of the clocks; true if no more are needed.
+    virtual bool compared(ScipStamp stamp, Stamp sent, Stamp received) = 0;
+  };
+
+  ScipDialogue(Owner& owner, WarningBoard<ScipTrouble>& board, const DriverConfig& config)
+      : owner_(owner), board_(board), config_(config) {}
+
+  void connected(Stamp now, DriverOutput& out);
+  void disconnected() { step_ = Step::idle; }
+  bool active() const { return step_ != Step::idle; }
+  bool streaming() const { return step_ == Step::streaming; }
+  /// Every answer goes here, too; `now`: when it came.
+  void take(const ScipMessage& message, Stamp now, DriverOutput& out);
+  void tick(Stamp now, DriverOutput& out);
+  /// Ends the stream and asks for it again, at most once a second.
+  void restart_stream(Stamp now, DriverOutput& out);
+
+ private:
+  enum class Step : std::uint8_t {
+    idle,
+    quit,
+    leave_old_time_mode,
+    version,
+    parameters,
+    information,
+    enter_time_mode,
+    compare,
+    leave_time_mode,
+    start,
+    streaming,
+    waiting
+  };
+
+  void go(Step step, Stamp now, DriverOutput& out);
+  void send(std::string_view request, Stamp now, DriverOutput& out);
+  void after_quit(const ScipMessage& message, Stamp now, DriverOutput& out);
+  void after_comparison(const ScipMessage& message, Stamp now, DriverOutput& out);
+  void take_stream(const ScipMessage& message, Stamp now, DriverOutput& out);
+  void ask_for_less(const ScipMessage& message, Stamp now, DriverOutput& out);
+  void wait(Span time, Stamp now) { step_ = Step::waiting, sent_ = now, patience_ = time; }
+  void start(Stamp now, DriverOutput& out);
+  void overdue(Stamp now, DriverOutput& out);
+  Span stream_patience() const;
+
+  Owner& owner_;
+  WarningBoard<ScipTrouble>& board_;
+  const DriverConfig& config_;
+  Step step_ = Step::idle;
+  std::string_view expected_;
+  Stamp sent_;               // the last request, or the last sign of life of the stream
+  Span patience_{0};         // from sent_ on
+  bool introduced_ = false;  // VV, PP, II and TM are done
+  bool percent_ = false, echoes_ = false, intensities_ = false;
+  int comparisons_ = 0;
+  int stalls_ = 0;
+  Stamp restarted_;
+  double turn_s_ = 0;
+  std::vector<char> request_;
+};
+
+}  // namespace lidard::hokuyo

@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/hokuyo/scip_models.h"
+
+#include "drivers/hokuyo/scip_driver.h"
+
+namespace lidard::hokuyo {
+namespace {
+
+constexpr std::uint16_t scip_port = 10940;  // Hokuyo C-42-04076 (UST-10LX)
+constexpr std::string_view tested =
+    "own simulator; single answers of real sensors, no capture of a connection";
+
+// Angles of UST, UTM: 270 deg in steps of 0.25 deg, 40 turns a second. Least and largest distance as the
+// sensors answer PP (UTM-30LX-EW 23 and 60000 mm, UST-10LX 20 and 30000 mm); of the others unverified.
+constexpr ScipParameters ust(int range_max_mm) { return {20, range_max_mm, 1440, 0, 1080, 540, 2400}; }
+constexpr ScipRow ust_05lx = {"UST-05LX", ust(30000), CodeTable::utm, true, true, false};  // 5 m; unverified
+constexpr ScipRow ust_10lx = {"UST-10LX", ust(30000), CodeTable::utm, true, true, false};
+constexpr ScipRow ust_20lx = {"UST-20LX", ust(60000), CodeTable::utm, true, true, false};  // unverified
+constexpr ScipRow ust_30lx = {"UST-30LX", ust(60000), CodeTable::utm, true, true, false};  // unverified
+constexpr ScipRow utm_30lx_ew = {
+    "UTM-30LX", {23, 60000, 1440, 0, 1080, 540, 2400}, CodeTable::utm, false, false, false};
+// 190 deg, 20 turns a second (data sheet); all else unverified, the sensor's PP counts.
+constexpr ScipRow uxm_30lx_ew = {
+    "UXM-30LX", {100, 80000, 1440, 0, 760, 380, 1200}, CodeTable::utm, false, false, false};
+constexpr ScipRow any_scip = {"", {20, 60000, 1440, 0, 1080, 540, 2400}, CodeTable::utm, true, false, true};
+
+Model scanner(const char* name, const char* product, const ScipRow& row, bool has_echoes) {
+  const ScipParameters& p = row.parameters;
+  const double turns = 1 / p.turn_seconds();
+  return {name,
+          "Hokuyo",
+          product,
+          "SCIP 2",
+          FrameKind::scan,
+          Transport::tcp,
+          scip_port,
+          0,
+          turns,
+          p.turn_seconds(),
+          p.range_min_mm * 1e-3,
+          p.range_max_mm * 1e-3,
+          0,
+          tested,
+          &row,
+          make_scip_driver,
+          false,
+          has_echoes};
+}
+
+}  // namespace
+
+void append_scip_models(std::vector<Model>& list) {
+  list.push_back(scanner("hokuyo_ust_05lx", "UST-05LX", ust_05lx, false));
+  list.push_back(scanner("hokuyo_ust_10lx", "UST-10LX", ust_10lx, false));
+  list.push_back(scanner("hokuyo_ust_20lx", "UST-20LX", ust_20lx, false));
+  list.push_back(scanner("hokuyo_ust_30lx", "UST-30LX", ust_30lx, false));
+  list.push_back(scanner("hokuyo_utm_30lx_ew", "UTM-30LX-EW", utm_30lx_ew, true));
+  list.push_back(scanner("hokuyo_uxm_30lx_ew", "UXM-30LX-EW", uxm_30lx_ew, true));
+  list.push_back(scanner("hokuyo_scip", "any sensor with SCIP 2", any_scip, true));
+}
+
+const Model* scip_model_of(std::string_view product) {
+  const Model* generic = nullptr;
+  for (const Model& model : models()) {
+    if (model.make != make_scip_driver) continue;
+    const auto& row = *static_cast<const ScipRow*>(model.row);
+    if (row.any) {
+      generic = &model;
+    } else if (product.substr(0, row.product.size()) == row.product) {
+      return &model;
+    }
+  }
+  return generic;
+}
+
+}  // namespace lidard::hokuyo

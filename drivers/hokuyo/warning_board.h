@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace lidard::hokuyo {
+
+/// One sentence per kind of trouble, kept in DeviceInfo::warnings while it lasts.
+template <class Kind>
+class WarningBoard {
+ public:
+  explicit WarningBoard(std::vector<std::string>& shown) : shown_(shown) {}
+
+  void set(Kind kind, std::string text) {
+    std::string& slot = texts_[static_cast<std::size_t>(kind)];
+    if (slot == text) return;
+    slot = std::move(text);
+    show();
+  }
+  void clear(Kind kind) {
+    std::string& slot = texts_[static_cast<std::size_t>(kind)];
+    if (slot.empty()) return;
+    slot.clear();
+    show();
+  }
+  bool is_set(Kind kind) const { return !texts_[static_cast<std::size_t>(kind)].empty(); }
+
+ private:
+  void show() {
+    shown_.clear();
+    for (const std::string& text : texts_) {
+      if (!text.empty()) shown_.push_back(text);
+    }
+  }
+
+  std::vector<std::string>& shown_;
+  std::array<std::string, static_cast<std::size_t>(Kind::count_)> texts_;
+};
+
+}  // namespace lidard::hokuyo
