@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
 
+#include "drivers/hokuyo/recognizer.h"
 #include "drivers/model.h"
 #include "drivers/sick/safety_models.h"
 #include "drivers/velodyne/recognizer.h"
@@ -18,7 +19,7 @@ class Recognizer {
   virtual std::string remark() const = 0;
 };
 
-[[maybe_unused]] const Model* model_of(const Model* model) { return model; }
+const Model* model_of(const Model* model) { return model; }
 /// By name; empty: none.
 const Model* model_of(std::string_view name) { return name.empty() ? nullptr : find_model(name); }
 const Model* model_of(const velodyne::ModelRow* row) {
@@ -76,6 +77,7 @@ class SafetyData {
 constexpr std::array protocols{
     make<VelodyneData>,  //
     make<SafetyData>,    //
+    make<hokuyo::Recognizer>,
 };
 
 }  // namespace

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/hokuyo/scip_models.h"
+#include "drivers/hokuyo/uam_driver.h"
 #include "drivers/model.h"
 #include "drivers/sick/safety_models.h"
 #include "drivers/velodyne/models.h"
@@ -11,6 +13,8 @@ const std::vector<Model>& models() {
     std::vector<Model> list;
     velodyne::append_models(list);
     sick::append_safety_models(list);
+    hokuyo::append_scip_models(list);
+    hokuyo::append_uam_models(list);
     return list;
   }();
   return all;

@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "drivers/hokuyo/scip_message.h"
+#include "drivers/hokuyo/uam_frame.h"
+#include "drivers/model.h"
+
+namespace lidard::hokuyo {
+
+/// Finds out whether a TCP stream is a Hokuyo's, and which one's.
+class Recognizer {
+ public:
+  Recognizer();
+  void add(const Packet& packet);
+  /// nullptr while nothing fits; the generic SCIP model while distances came but no name.
+  const Model* verdict() const { return model_; }
+
+ private:
+  void take(const ScipMessage& message);
+
+  Counters ignored_;
+  ScipReader scip_{ignored_};
+  UamReader uam_{ignored_};
+  std::uint64_t useless_bytes_ = 0;
+  const Model* model_ = nullptr;
+};
+
+}  // namespace lidard::hokuyo

@@ -1,0 +1,400 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/hokuyo/uam_driver.h"
+
+#include <array>
+#include <cmath>
+
+#include "core/device_clock.h"
+#include "drivers/hokuyo/uam_frame.h"
+#include "drivers/hokuyo/warning_board.h"
+#include "drivers/model.h"
+
+namespace lidard::hokuyo {
+namespace {
+
+constexpr double rad_per_deg = 3.14159265358979323846 / 180;
+
+/// One way to ask for distances.
+struct UamRow {
+  std::string_view start;   ///< command of the endless stream
+  std::string_view answer;  ///< sub-header of its frames
+  std::size_t beams;
+  double step_deg;
+  bool intensities;  ///< a block of as many intensities follows the distances; unverified
+};
+
+// Distances are 16 bits; from 40 000 on they are codes (UAM-05LP driver of locusrobotics).
+constexpr std::uint32_t first_code = 40'000;
+constexpr std::uint32_t no_object = 0xfffe, too_near = 0xfffd;
+constexpr double first_deg = -135;
+constexpr double turn_s = 0.03;
+constexpr Span answer_patience = std::chrono::seconds(2);
+constexpr Span stream_patience = std::chrono::milliseconds(600);
+constexpr Span retry_after = std::chrono::seconds(1);
+constexpr std::int64_t counter_length_ms = std::int64_t{1} << 32U;
+constexpr std::int64_t jump_limit_ms = 1000;
+constexpr std::int64_t longest_loss = 10'000;
+
+enum class Trouble : std::uint8_t {
+  silent,
+  refused,
+  error,
+  lockout,
+  laser_off,
+  contaminated,
+  device,
+  count_
+};
+
+class UamDriver final : public Driver {
+ public:
+  explicit UamDriver(const DriverConfig& config);
+
+  Reject receive(const Packet& packet, DriverOutput& out) override;
+  void connected(Stamp now, DriverOutput& out) override;
+  void disconnected() override;
+  void tick(Stamp now, DriverOutput& out) override;
+  void restart() override;
+  const Counters& counters() const override { return counters_; }
+  const DeviceInfo& info() const override { return info_; }
+
+ private:
+  enum class Step : std::uint8_t { idle, version, start, streaming, waiting };
+
+  Reject handle(std::string_view frame, Stamp arrival, DriverOutput& out);
+  void take_version(std::string_view frame);
+  void answer_to_start(std::string_view frame, Stamp now);
+  Reject publish(std::string_view frame, Stamp arrival, DriverOutput& out);
+  void ask(Step step, std::string_view command, Stamp now, DriverOutput& out);
+  void choose_beams();
+  Reject fill(std::string_view frame);
+  Stamp first_ray(Stamp arrival);
+  void note_troubles();
+  void tell_state(DriverOutput& out);
+
+  DriverConfig config_;
+  const UamRow& row_;
+  Counters counters_;
+  DeviceInfo info_;
+  WarningBoard<Trouble> board_{info_.warnings};
+  UamReader reader_{counters_};
+  Step step_ = Step::idle;
+  Stamp sent_;
+  Span patience_{0};
+
+  DeviceClock clock_;
+  bool known_ = false;
+  std::int64_t device_ms_ = 0;
+  Stamp last_arrival_, last_stamp_;
+  std::uint64_t restarts_ = 0;
+  UamStatus status_;
+  std::size_t first_beam_ = 0;
+  PlanarScan scan_;
+  DeviceState state_;
+};
+
+UamDriver::UamDriver(const DriverConfig& config)
+    : config_(config), row_(*static_cast<const UamRow*>(config.model->row)), clock_(config.clock) {
+  info_.details = {{"Vendor Name", "Hokuyo"}, {"Product Name", std::string(config.model->product)}};
+  scan_.frame_id = config.frame_id;
+  scan_.range_min = static_cast<float>(config.model->range_min);
+  scan_.range_max = static_cast<float>(config.model->range_max);
+  scan_.scan_time = static_cast<float>(turn_s);
+  scan_.time_increment = static_cast<float>(turn_s * row_.step_deg / 360);
+  state_.topic = "status";
+  state_.frame_id = config.frame_id;
+  choose_beams();
+}
+
+void UamDriver::choose_beams() {
+  const double slack = 0.01 * row_.step_deg * rad_per_deg;
+  const double lowest = config_.angle_min.value_or(-1e9) - slack;
+  const double highest = config_.angle_max.value_or(1e9) + slack;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < row_.beams; ++i) {
+    const double angle = (first_deg + row_.step_deg * static_cast<double>(i)) * rad_per_deg;
+    if (angle < lowest || angle > highest) continue;
+    if (count++ == 0) first_beam_ = i;
+  }
+  scan_.beams = count;
+  scan_.set_angles(
+      static_cast<float>((first_deg + row_.step_deg * static_cast<double>(first_beam_)) * rad_per_deg),
+      static_cast<float>(row_.step_deg * rad_per_deg));
+}
+
+void UamDriver::ask(Step step, std::string_view command, Stamp now, DriverOutput& out) {
+  step_ = step;
+  sent_ = now;
+  patience_ = answer_patience;
+  const std::string request = uam_request(command);
+  out.request(ByteView(request));
+}
+
+void UamDriver::connected(Stamp now, DriverOutput& out) {
+  reader_.interrupt();
+  ask(Step::version, "VR00", now, out);
+}
+
+void UamDriver::disconnected() {
+  reader_.interrupt();
+  step_ = Step::idle;
+}
+
+void UamDriver::tick(Stamp now, DriverOutput& out) {
+  if (step_ == Step::idle) return;
+  if (sent_ > now) sent_ = now;  // the clock was set back
+  if (now - sent_ <= patience_) return;
+  if (step_ == Step::waiting) return ask(Step::start, row_.start, now, out);
+  board_.set(
+      Trouble::silent,
+      "the sensor takes the connection but sends nothing; end other programs that are connected to it, "
+      "or switch its power off and on");
+  step_ = Step::idle;
+  out.disconnect(true);
+}
+
+void UamDriver::restart() {
+  reader_.interrupt();
+  clock_.reset();
+  known_ = false;
+  last_stamp_ = Stamp();
+}
+
+Reject UamDriver::receive(const Packet& packet, DriverOutput& out) {
+  counters_.bytes += packet.payload.size();
+  if (packet.stream_start || packet.missing > 0) reader_.interrupt();
+  reader_.add(packet.payload);
+  Reject result = Reject::none;
+  for (std::string_view frame; reader_.next(frame);) {
+    ++counters_.packets;
+    const Reject reason = handle(frame, packet.arrival, out);
+    if (reason == Reject::none) continue;
+    counters_.reject(reason);
+    result = reason;
+  }
+  return result;
+}
+
+Reject UamDriver::handle(std::string_view frame, Stamp arrival, DriverOutput& out) {
+  const std::string_view command = frame.substr(5, 4);
+  const std::size_t blocks = row_.intensities ? 2 : 1;
+  const bool has_distances = command == row_.answer;
+  if (has_distances) {
+    if (frame.size() != uam_distances_at + 4 * row_.beams * blocks + uam_tail) return Reject::size;
+    if (step_ != Step::idle) {
+      step_ = Step::streaming;
+      sent_ = arrival;
+      patience_ = stream_patience;
+      board_.clear(Trouble::silent);
+      board_.clear(Trouble::refused);
+    }
+    return publish(frame, arrival, out);
+  }
+  ++counters_.other_packets;
+  if (command == "VR00") take_version(frame);
+  if (step_ == Step::version && command == "VR00") ask(Step::start, row_.start, arrival, out);
+  if (step_ == Step::start && command == row_.start) answer_to_start(frame, arrival);
+  return Reject::none;
+}
+
+/// Model, firmware, a reserved field and the serial number, separated by commas.
+void UamDriver::take_version(std::string_view frame) {
+  if (frame.size() < 11 + uam_tail) return;
+  std::string_view text = frame.substr(11, frame.size() - 11 - uam_tail);
+  constexpr std::array<const char*, 4> keys = {"Product Name", "Firmware Version", "", "Device ID"};
+  for (const char* key : keys) {
+    std::string_view field = text.substr(0, text.find(','));
+    text.remove_prefix(std::min(field.size() + 1, text.size()));
+    while (!field.empty() && (field.back() == ' ' || field.back() == '\0')) field.remove_suffix(1);
+    while (!field.empty() && field.front() == ' ') field.remove_prefix(1);
+    if (*key == '\0' || field.empty()) continue;
+    if (std::string_view(key) == "Device ID") {
+      if (!info_.serial.empty() && info_.serial != field)
+        board_.set(Trouble::device, "sensor " + info_.serial + " was replaced by sensor " +
+                                        std::string(field) + "; check its pose and its areas");
+      info_.serial = field;
+    }
+    bool found = false;
+    for (auto& detail : info_.details) {
+      if (detail.first == key) detail.second = field, found = true;
+    }
+    if (!found) info_.details.emplace_back(key, field);
+  }
+}
+
+void UamDriver::answer_to_start(std::string_view frame, Stamp now) {
+  const std::string_view status = frame.size() >= 16 ? frame.substr(9, 2) : std::string_view("00");
+  sent_ = now;
+  if (status == "00") {
+    step_ = Step::streaming;
+    patience_ = answer_patience;
+    return;
+  }
+  board_.set(Trouble::refused, "the sensor refuses to send (" + std::string(row_.start) + ", status " +
+                                   std::string(status) +
+                                   "); it is asked again every second: look at its display and end the "
+                                   "setting mode of the maker's tool");
+  step_ = Step::waiting;
+  patience_ = retry_after;
+}
+
+Reject UamDriver::publish(std::string_view frame, Stamp arrival, DriverOutput& out) {
+  if (frame.substr(9, 2) != "00" || !parse_uam_status(frame, status_)) return Reject::field;
+  const Reject reason = fill(frame);
+  if (reason != Reject::none) return reason;
+  note_troubles();
+  scan_.stamp = first_ray(arrival);
+  tell_state(out);
+  if (scan_.beams == 0) return Reject::none;
+  ++counters_.frames;
+  out.scan(scan_);
+  return Reject::none;
+}
+
+/// The frame's counter in ms; unverified: taken as the first beam's time.
+Stamp UamDriver::first_ray(Stamp arrival) {
+  std::int64_t device = status_.time_ms;
+  const Span sweep = span_from_seconds(turn_s * row_.step_deg / 360 * static_cast<double>(row_.beams - 1));
+  if (known_) {
+    const std::int64_t expected = device_ms_ + (arrival - last_arrival_).count() / 1'000'000;
+    device += std::llround(static_cast<double>(expected - device) / static_cast<double>(counter_length_ms)) *
+              counter_length_ms;
+    const auto turns =
+        static_cast<std::int64_t>(std::llround(static_cast<double>(device - device_ms_) / (1e3 * turn_s)));
+    if (std::abs(device - expected) > jump_limit_ms) {
+      ++restarts_;
+      clock_.reset();
+      device = status_.time_ms;
+    } else if (turns > 1 && turns <= longest_loss) {
+      counters_.lost_packets += static_cast<std::uint64_t>(turns - 1);
+    }
+  }
+  known_ = true;
+  device_ms_ = device;
+  last_arrival_ = arrival;
+  const Span sent = std::chrono::milliseconds(device) + sweep;
+  clock_.observe(sent, arrival);
+  counters_.clock_steps = clock_.steps() + restarts_;
+  const Span before = span_from_seconds(turn_s * row_.step_deg / 360 * static_cast<double>(first_beam_));
+  const Stamp stamp = clock_.to_host(sent) - sweep + before + config_.time_offset;
+  // Consumers drop what is not newer. Only a clock that was set by more than that may go back.
+  const bool back_a_little = stamp <= last_stamp_ && last_stamp_ - stamp < std::chrono::seconds(1);
+  last_stamp_ = back_a_little ? last_stamp_ + Span(1) : stamp;
+  return last_stamp_;
+}
+
+Reject UamDriver::fill(std::string_view frame) {
+  const bool with_intensities = row_.intensities && config_.publish_intensity;
+  scan_.reset(scan_.beams, 1, with_intensities);
+  for (std::size_t i = 0; i < scan_.beams; ++i) {
+    const std::size_t at = uam_distances_at + 4 * (first_beam_ + i);
+    const auto value = uam_number(frame, at, 4);
+    if (!value) return Reject::field;
+    const auto range = static_cast<float>(*value * 1e-3);
+    if (*value == no_object) {
+      scan_.set_without_hit(i, BeamStatus::none);
+    } else if (*value == too_near) {
+      scan_.set_without_hit(i, BeamStatus::near);
+    } else if (*value >= first_code) {
+      scan_.set_without_hit(i, BeamStatus::invalid);
+    } else if (range < scan_.range_min) {
+      scan_.set_without_hit(i, BeamStatus::near);
+    } else if (range > scan_.range_max) {
+      scan_.set_without_hit(i, BeamStatus::none);
+    } else {
+      scan_.set_hit(i, range);
+    }
+    if (!with_intensities) continue;
+    const auto intensity = uam_number(frame, at + 4 * row_.beams, 4);
+    if (!intensity) return Reject::field;
+    scan_.intensities[i] = static_cast<float>(*intensity);
+  }
+  return Reject::none;
+}
+
+void UamDriver::note_troubles() {
+  const auto tell = [this](Trouble trouble, bool active, const char* text) {
+    if (active == board_.is_set(trouble)) return;
+    if (active) return board_.set(trouble, text);
+    board_.clear(trouble);
+  };
+  tell(Trouble::error, status_.error_state != 0 || status_.error_code != 0,
+       "the scanner reports an error and switches its outputs off; its display shows the number (topic "
+       "status, "
+       "error_code): look it up in the manual");
+  tell(Trouble::lockout, status_.lockout != 0,
+       "the scanner is locked out; remove the cause shown on its display and switch its power off and on");
+  tell(Trouble::laser_off, status_.laser_off != 0,
+       "the scanner's laser is off, beams are invalid; wait until it has started, or wake it up");
+  tell(Trouble::contaminated, status_.contaminated != 0, "the scanner's window is dirty; clean it");
+}
+
+void UamDriver::tell_state(DriverOutput& out) {
+  const UamStatus& s = status_;
+  const std::pair<std::string_view, std::uint32_t> values[] = {{"operating_mode", s.operating_mode},
+                                                               {"area", s.area},
+                                                               {"error_state", s.error_state},
+                                                               {"error_code", s.error_code},
+                                                               {"lockout", s.lockout},
+                                                               {"ossd1", s.ossd[0]},
+                                                               {"ossd2", s.ossd[1]},
+                                                               {"ossd3", s.ossd[2]},
+                                                               {"ossd4", s.ossd[3]},
+                                                               {"warning1", s.warning[0]},
+                                                               {"warning2", s.warning[1]},
+                                                               {"muting1", s.muting[0]},
+                                                               {"muting2", s.muting[1]},
+                                                               {"reset_request1", s.reset_request[0]},
+                                                               {"reset_request2", s.reset_request[1]},
+                                                               {"encoder_speed", s.encoder_speed},
+                                                               {"laser_off", s.laser_off},
+                                                               {"window_contaminated", s.contaminated}};
+  state_.values.clear();
+  for (const auto& [name, value] : values) state_.values.push_back({name, static_cast<double>(value)});
+  state_.stamp = scan_.stamp;
+  out.state(state_);
+}
+
+// AR02 streams frames AR00, AR04 frames AR01, AR07 frames AR06.
+constexpr UamRow plain = {"AR02", "AR00", 1081, 0.25, false};
+constexpr UamRow with_intensity = {"AR04", "AR01", 1081, 0.25, true};
+constexpr UamRow fine = {"AR07", "AR06", 2161, 0.125, false};
+
+Model scanner(const char* name, const char* product, const UamRow& row, const char* verified) {
+  Model model = {name,
+                 "Hokuyo",
+                 product,
+                 "UAM AR",
+                 FrameKind::scan,
+                 Transport::tcp,
+                 10940,
+                 0,
+                 1 / turn_s,
+                 turn_s,
+                 0.05,                     // unverified
+                 (first_code - 1) * 1e-3,  // what the wire can say
+                 row.beams,
+                 verified,
+                 &row,
+                 make_uam_driver};
+  model.state_topics = {"status"};
+  return model;
+}
+
+}  // namespace
+
+void append_uam_models(std::vector<Model>& list) {
+  list.push_back(scanner("hokuyo_uam_05lp", "UAM-05LP", plain,
+                         "own simulator; layout as two drivers have it, no capture of a device"));
+  list.push_back(scanner("hokuyo_uam_05lp_intensity", "UAM-05LP with intensities", with_intensity,
+                         "own simulator; place of the intensities unverified"));
+  list.push_back(scanner("hokuyo_uam_05lp_fine", "UAM-05LP in steps of 0.125 deg", fine,
+                         "own simulator; meaning of the 2161 values unverified"));
+}
+
+std::unique_ptr<Driver> make_uam_driver(const DriverConfig& config) {
+  return std::make_unique<UamDriver>(config);
+}
+
+}  // namespace lidard::hokuyo

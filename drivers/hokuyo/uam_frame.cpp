@@ -1,0 +1,143 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/hokuyo/uam_frame.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <iterator>
+
+namespace lidard::hokuyo {
+namespace {
+
+constexpr std::uint8_t stx = 0x02, etx = 0x03;
+constexpr std::size_t shortest_frame = 14;     // a request without data
+constexpr std::size_t longest_frame = 0x4000;  // the longest known one has 8703 bytes
+constexpr std::size_t head = 5;                // STX and the length
+constexpr std::size_t checksum_size = 5;       // CRC and ETX
+
+constexpr std::array<std::uint16_t, 256> make_table() {
+  std::array<std::uint16_t, 256> table{};
+  for (unsigned byte = 0; byte < 256; ++byte) {
+    unsigned value = byte;
+    for (int bit = 0; bit < 8; ++bit) value = value >> 1U ^ ((value & 1U) != 0 ? 0x8408U : 0U);
+    table[byte] = static_cast<std::uint16_t>(value);
+  }
+  return table;
+}
+constexpr std::array<std::uint16_t, 256> crc_table = make_table();
+
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
+}
+
+}  // namespace
+
+std::uint16_t uam_crc(std::string_view text) {
+  unsigned crc = 0;
+  for (const char c : text) crc = crc >> 8U ^ crc_table[(crc ^ static_cast<unsigned char>(c)) & 0xffU];
+  return static_cast<std::uint16_t>(crc);
+}
+
+std::string uam_request(std::string_view command) {
+  std::array<char, 8> number{};
+  std::snprintf(number.data(), number.size(), "%04zX", command.size() + head + checksum_size);
+  std::string text = std::string(number.data()) + std::string(command);
+  std::snprintf(number.data(), number.size(), "%04X", uam_crc(text));
+  return static_cast<char>(stx) + text + number.data() + static_cast<char>(etx);
+}
+
+std::optional<std::uint32_t> uam_number(std::string_view text, std::size_t at, std::size_t digits) {
+  if (at > text.size() || digits > text.size() - at) return std::nullopt;
+  std::uint32_t value = 0;
+  for (const char c : text.substr(at, digits)) {
+    const int digit = hex_digit(c);
+    if (digit < 0) return std::nullopt;
+    value = value << 4U | static_cast<std::uint32_t>(digit);
+  }
+  return value;
+}
+
+UamReader::UamReader(Counters& counters) : counters_(counters) {}
+
+void UamReader::interrupt() {
+  if (begin_ < buffer_.size()) ++counters_.incomplete;
+  buffer_.clear();
+  begin_ = 0;
+  torn_ = true;
+}
+
+void UamReader::add(ByteView bytes) {
+  buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(begin_));
+  begin_ = 0;
+  buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
+}
+
+/// Moves to the next STX; counts a torn frame's rest once.
+bool UamReader::skip_to_frame() {
+  const auto from = buffer_.begin() + static_cast<std::ptrdiff_t>(begin_);
+  const auto start = std::find(from, buffer_.end(), stx);
+  if (start != from && torn_) ++counters_.incomplete;
+  if (start != from) torn_ = false;
+  begin_ = static_cast<std::size_t>(start - buffer_.begin());
+  return start != buffer_.end();
+}
+
+bool UamReader::next(std::string_view& frame) {
+  while (skip_to_frame()) {
+    const std::string_view rest(reinterpret_cast<const char*>(buffer_.data()) + begin_,
+                                buffer_.size() - begin_);
+    if (rest.size() < head) return false;
+    const auto size = uam_number(rest, 1, 4);
+    Reject reason = Reject::none;
+    if (!size || *size < shortest_frame || *size > longest_frame) {
+      reason = Reject::size;
+    } else if (rest.size() < *size) {
+      return false;
+    } else if (static_cast<std::uint8_t>(rest[*size - 1]) != etx) {
+      reason = Reject::magic;
+    } else if (uam_number(rest, *size - checksum_size, 4) !=
+               uam_crc(rest.substr(1, *size - 1 - checksum_size))) {
+      reason = Reject::checksum;
+    }
+    torn_ = false;
+    if (reason == Reject::none) {
+      begin_ += *size;
+      frame = rest.substr(0, *size);
+      return true;
+    }
+    ++counters_.packets;
+    counters_.reject(reason);
+    ++begin_;  // a frame may begin inside of what only looked like one
+  }
+  return false;
+}
+
+bool parse_uam_status(std::string_view frame, UamStatus& s) {
+  struct Field {
+    std::uint32_t* value;
+    std::size_t at, digits;
+  };
+  const Field fields[] = {{&s.operating_mode, 11, 1},   {&s.area, 12, 2},
+                          {&s.error_state, 14, 1},      {&s.error_code, 15, 2},
+                          {&s.lockout, 17, 1},          {&s.ossd[0], 18, 1},
+                          {&s.ossd[1], 19, 1},          {&s.warning[0], 20, 1},
+                          {&s.warning[1], 21, 1},       {&s.ossd[2], 22, 1},
+                          {&s.ossd[3], 23, 1},          {&s.muting[0], 26, 1},
+                          {&s.muting[1], 27, 1},        {&s.reset_request[0], 28, 1},
+                          {&s.reset_request[1], 29, 1}, {&s.encoder_speed, 30, 4},
+                          {&s.time_ms, 34, 8},          {&s.laser_off, 42, 1},
+                          {&s.contaminated, 43, 1}};
+  for (const Field& field : fields) {
+    const auto value = uam_number(frame, field.at, field.digits);
+    if (!value) return false;
+    *field.value = *value;
+  }
+  ++s.area;                                     // areas count from 1
+  if (s.error_code != 0) s.error_code += 0x40;  // as the sensor's own display has it
+  return true;
+}
+
+}  // namespace lidard::hokuyo

@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/bytes.h"
+#include "core/counters.h"
+
+namespace lidard::hokuyo {
+
+/// CRC-16/KERMIT (polynomial 0x1021 reflected, start 0) over what stands between STX and the checksum.
+std::uint16_t uam_crc(std::string_view text);
+/// A request of the AR family, e.g. "AR02": STX, length, command, checksum, ETX.
+std::string uam_request(std::string_view command);
+/// `digits` hexadecimal digits at `at`; empty if one of them is none.
+std::optional<std::uint32_t> uam_number(std::string_view text, std::size_t at, std::size_t digits);
+
+/// Cuts a stream into frames STX length ... CRC ETX; a view into its own buffer. Text outside of frames
+/// (SCIP answers on the same connection) is passed over.
+class UamReader {
+ public:
+  explicit UamReader(Counters& counters);
+  void interrupt();
+  void add(ByteView bytes);
+  /// The next frame from STX to ETX, its checksum is right; valid until the next call.
+  bool next(std::string_view& frame);
+
+ private:
+  bool skip_to_frame();
+
+  Counters& counters_;
+  std::vector<std::uint8_t> buffer_;
+  std::size_t begin_ = 0;
+  bool torn_ = true;
+};
+
+/// What stands in an answer with distances beside them (UAM-05LP, offsets from STX as urg_node and the
+/// UAM-05LP driver of locusrobotics have them). Flags are 0 or 1 as the sensor sends them.
+struct UamStatus {
+  std::uint32_t operating_mode = 0, area = 0, error_state = 0, error_code = 0, lockout = 0;
+  std::uint32_t ossd[4] = {0, 0, 0, 0};
+  std::uint32_t warning[2] = {0, 0}, muting[2] = {0, 0}, reset_request[2] = {0, 0};
+  std::uint32_t encoder_speed = 0;
+  std::uint32_t time_ms = 0;
+  std::uint32_t laser_off = 0, contaminated = 0;
+};
+
+/// False if a field is no hexadecimal number.
+bool parse_uam_status(std::string_view frame, UamStatus& status);
+
+/// Where the distances begin, and how many bytes of a frame are none of them.
+constexpr std::size_t uam_distances_at = 50;
+constexpr std::size_t uam_tail = 5;
+
+}  // namespace lidard::hokuyo
