@@ -5,13 +5,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "drivers/model.h"
+#include "drivers/sick/ms3_geometry.h"
 #include "drivers/sick/ms3_reassembler.h"
 #include "drivers/sick/ms3_telegram.h"
+#include "drivers/sick/safety_dialogue.h"
 #include "drivers/sick/safety_models.h"
 #include "drivers/sick/safety_status.h"
+#include "drivers/sick/safety_topics.h"
 #include "drivers/sick/scan_clock.h"
 
 namespace lidard::sick {
@@ -38,40 +40,14 @@ enum class Warning : std::uint8_t {
   count_
 };
 
-bool same_geometry(const Ms3Derived& a, const Ms3Derived& b) {
-  return a.beams == b.beams && a.raw_start == b.raw_start && a.raw_step == b.raw_step &&
-         a.scan_time_ms == b.scan_time_ms && a.beam_period_us == b.beam_period_us;
-}
-
-std::string describe(const Ms3Derived& d) {
-  std::array<char, 128> text{};
-  std::snprintf(text.data(), text.size(), "%u beams from %.4f deg in steps of %.5f deg, %u ms a scan",
-                d.beams, d.start_deg, d.step_deg, d.scan_time_ms);
-  return text.data();
-}
-
-/// Time between neighbouring beams. The announced one is rounded to us, 0.3 ms in a scan; the exact one
-/// follows from the turn of the mirror and is taken where it agrees.
-Span beam_period(const Ms3Derived& d) {
-  const Span announced = std::chrono::microseconds(d.beam_period_us);
-  const Span exact = span_from_seconds(d.scan_time_ms * 1e-3 * std::abs(d.step_deg) / 360);
-  return std::chrono::abs(exact - announced) <= std::chrono::microseconds(1) ? exact : announced;
-}
-
-/// A dazzled receiver misses what is there, so glare comes before "no echo": never free space by mistake.
-BeamStatus status_of(Ms3Beam beam) {
-  if (beam.is(ms3_beam::glare)) return BeamStatus::invalid;
-  if (beam.is(ms3_beam::infinite)) return BeamStatus::none;
-  return beam.is(ms3_beam::valid) ? BeamStatus::hit : BeamStatus::invalid;
-}
-
 class SafetyDriver final : public Driver {
  public:
   explicit SafetyDriver(const DriverConfig& config)
       : config_(config),
         row_(*static_cast<const SafetyRow*>(config.model->row)),
         reassembler_(counters_),
-        clock_(config.clock) {
+        clock_(config.clock),
+        dialogue_(config) {
     scan_.frame_id = config.frame_id;
     scan_.range_min = static_cast<float>(config.model->range_min);
     scan_.range_max = static_cast<float>(config.model->range_max);
@@ -80,7 +56,9 @@ class SafetyDriver final : public Driver {
   }
 
   Reject receive(const Packet& packet, DriverOutput& out) override;
-  void tick(Stamp now, DriverOutput&) override { reassembler_.expire(now); }
+  void connected(Stamp now, DriverOutput& out) override { dialogue_.connected(now, out); }
+  void disconnected() override { dialogue_.disconnected(); }
+  void tick(Stamp now, DriverOutput& out) override;
   void finish(DriverOutput&) override { reassembler_.give_up_all(); }
   void restart() override;
   const Counters& counters() const override { return counters_; }
@@ -92,6 +70,9 @@ class SafetyDriver final : public Driver {
   Reject follow_sequence(Stamp arrival);
   void note_status();
   void note_blocks();
+  void note_dialogue();
+  void list_details();
+  void list_warnings();
   void take_geometry(const Ms3Derived& derived);
   void choose_beams();
   void publish(Stamp end, DriverOutput& out);
@@ -125,6 +106,11 @@ class SafetyDriver final : public Driver {
   PlanarScan scan_;
   Stamp last_stamp_;
   double beyond_range_m_ = 0;
+
+  SafetyTopics topics_;
+  SafetyDialogue dialogue_;
+  unsigned dialogue_version_ = 0;
+  std::optional<Stamp> last_datagram_;
 };
 
 template <class MakeText>
@@ -132,13 +118,38 @@ void SafetyDriver::warn(Warning what, bool active, MakeText&& make_text) {
   std::string& text = warnings_[static_cast<std::size_t>(what)];
   if (active == !text.empty()) return;
   text = active ? make_text() : std::string();
-  info_.warnings.clear();
+  list_warnings();
+}
+
+void SafetyDriver::list_warnings() {
+  info_.warnings = dialogue_.warnings();
   for (const std::string& each : warnings_) {
     if (!each.empty()) info_.warnings.push_back(each);
   }
 }
 
+void SafetyDriver::tick(Stamp now, DriverOutput& out) {
+  reassembler_.expire(now);
+  dialogue_.tick(now, last_datagram_, out);
+  note_dialogue();
+}
+
+void SafetyDriver::note_dialogue() {
+  if (dialogue_.version() == dialogue_version_) return;
+  dialogue_version_ = dialogue_.version();
+  if (info_.serial.empty()) info_.serial = dialogue_.serial();
+  list_details();
+  list_warnings();
+}
+
 Reject SafetyDriver::receive(const Packet& packet, DriverOutput& out) {
+  if (packet.transport == Transport::tcp) {
+    ++counters_.other_packets;
+    dialogue_.receive(packet, out);
+    note_dialogue();
+    return Reject::none;
+  }
+  last_datagram_ = packet.arrival;
   ++counters_.packets;
   counters_.bytes += packet.payload.size();
   Ms3Reassembler::Instance instance;
@@ -239,7 +250,13 @@ void SafetyDriver::note_status() {
   if (status_known_ && now == status_) return;
   status_known_ = true;
   status_ = now;
+  list_details();
+}
+
+void SafetyDriver::list_details() {
   info_.details.resize(own_details_);
+  for (const auto& detail : dialogue_.details()) info_.details.push_back(detail);
+  if (!status_known_) return;
   for (auto& detail : describe(status_)) info_.details.push_back(std::move(detail));
 }
 
@@ -328,6 +345,7 @@ void SafetyDriver::publish(Stamp end, DriverOutput& out) {
            " m and farther echoes count as none; choose the model with the longer range";
   });
   ++counters_.frames;
+  topics_.publish(telegram_, scan_, first_beam_, out);
   out.scan(scan_);
 }
 

@@ -4,6 +4,7 @@
 
 #include "drivers/sick/ms3_reassembler.h"
 #include "drivers/sick/safety_driver.h"
+#include "drivers/sick/safety_topics.h"
 
 namespace lidard::sick {
 namespace {
@@ -18,23 +19,30 @@ constexpr double highest_rate = 350;
 // As sick_safetyscanners has it; unverified.
 constexpr double range_min = 0.1;
 
+/// CoLa 2 (SICK 8022708 p. 28).
+constexpr std::uint16_t settings_port = 2122;
+
 Model scanner(const char* name, const char* product, double frame_period, double range_max) {
-  return {name,
-          "SICK",
-          product,
-          "MS3 MD",
-          FrameKind::scan,
-          Transport::udp,
-          usual_port,
-          0,
-          highest_rate,
-          frame_period,
-          range_min,
-          range_max,
-          0,
-          "the telegrams printed in SICK 8022708; no capture of a device",
-          &safety_row,
-          make_safety_driver};
+  Model model{name,
+              "SICK",
+              product,
+              "MS3 MD",
+              FrameKind::scan,
+              Transport::udp,
+              usual_port,
+              0,
+              highest_rate,
+              frame_period,
+              range_min,
+              range_max,
+              0,
+              "the telegrams printed in SICK 8022708; no capture of a device",
+              &safety_row,
+              make_safety_driver};
+  model.dialogue_port = settings_port;
+  model.state_topics = {safety_topic::system_state, safety_topic::output_paths};
+  model.extra_scans = {safety_topic::intrusion};
+  return model;
 }
 
 }  // namespace

@@ -29,6 +29,12 @@ class SafetyBench final : public DriverOutput {
     EXPECT_EQ(violation(scan), nullptr) << violation(scan);
     scans.push_back(scan);
   }
+  void state(const DeviceState& state) override { states.push_back(state); }
+  void extra_scan(std::string_view topic, PlanarScan& scan) override {
+    EXPECT_EQ(topic, "intrusion");
+    EXPECT_EQ(violation(scan), nullptr) << violation(scan);
+    intrusions.push_back(scan);
+  }
   void cloud(Cloud&) override { ADD_FAILURE() << "a planar scanner made a cloud"; }
 
   /// Sends the sample as the scan that ends at `arrival`.
@@ -62,6 +68,8 @@ class SafetyBench final : public DriverOutput {
 
   std::unique_ptr<Driver> driver;
   std::vector<PlanarScan> scans;
+  std::vector<PlanarScan> intrusions;
+  std::vector<DeviceState> states;
   Ms3Sample sample;
   Stamp now = ms3_epoch;
   std::uint32_t identification = 1;

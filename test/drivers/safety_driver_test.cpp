@@ -277,6 +277,7 @@ TEST(SafetyDriver, AllocatesNothingPerScanAfterWarmUp) {
   sample.beams.resize(1651);
   sample.step = 713032;
   sample.period_us = 14;
+  sample.intrusion[3] = Bytes(207, 0x5a);
   std::vector<std::vector<Bytes>> scans;
   for (std::uint32_t i = 0; i < 200; ++i) {
     ++sample.sequence;
