@@ -64,6 +64,7 @@ void FrameBuilder::begin(Span time, bool at_cut, const DeviceClock& clock) {
   cloud_.columns.clear();
   cloud_.origins.clear();
   points_ = 0;
+  if (fresh_) unpacker_.set_calibration(*std::exchange(fresh_, nullptr));
   unpacker_.reserve_packet(cloud_);
   const Stamp stamp = clock.to_host(time) + config_.time_offset;
   // Stamps never go backwards; a jump of seconds is a clock that was set, and is followed.

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <optional>
+#include <utility>
 
 #include "core/revolution.h"
 #include "drivers/driver.h"
@@ -16,6 +18,8 @@ class FrameBuilder {
   FrameBuilder(const DriverConfig& config, const ModelRow& row, Counters& counters);
 
   Unpacker& unpacker() { return unpacker_; }
+  /// From the next frame on.
+  void set_calibration(std::shared_ptr<const Calibration> calibration) { fresh_ = std::move(calibration); }
   /// For FrameCut::view: the middle of the sector that the sensor leaves out; empty while there is none.
   void set_hidden_middle(std::optional<double> azimuth_deg);
   /// Makes room for a packet; call before its sequences.
@@ -46,6 +50,7 @@ class FrameBuilder {
   Unpacker unpacker_;
   RevolutionCutter cutter_;
   IntervalCutter interval_;
+  std::shared_ptr<const Calibration> fresh_;  // waits for the next frame
   Cloud cloud_;
   std::size_t points_ = 0;
   std::size_t echoes_ = 1;

@@ -64,11 +64,23 @@ CalibratedGeometry::Terms terms_of(const Laser& laser) {
 
 Unpacker::Unpacker(const ModelRow& row, bool keep_origins, double min_range, double max_range,
                    const Calibration* calibration, const SequenceKernels& kernels)
-    : row_(row), keep_origins_(keep_origins), kernels_(kernels), origins_(row.lasers) {
+    : row_(row),
+      keep_origins_(keep_origins),
+      min_range_(min_range),
+      max_range_(max_range),
+      kernels_(kernels),
+      origins_(row.lasers) {
   lasers_.size = row.lasers;
   set_geometry(calibration);
-  set_limits(min_range, max_range);
+  set_limits();
   set_timing(row.timings.front());
+}
+
+void Unpacker::set_calibration(const Calibration& calibration) {
+  calibration_.reset();
+  set_geometry(&calibration);
+  set_limits();
+  turn_anew();
 }
 
 void Unpacker::set_geometry(const Calibration* calibration) {
@@ -91,13 +103,13 @@ void Unpacker::set_geometry(const Calibration* calibration) {
   }
 }
 
-void Unpacker::set_limits(double min_range, double max_range) {
+void Unpacker::set_limits() {
   constexpr double most = 65535;
   const double step = geometry_ ? geometry_->step_m() : row_.distance_step_m;
   for (std::size_t k = 0; k < row_.lasers; ++k) {
     const double added = geometry_ ? geometry_->terms(k).dist_correction : 0;
-    const double nearest = min_range > 0 ? std::ceil((min_range - added) / step - 1e-9) : 1;
-    const double farthest = max_range > 0 ? std::floor((max_range - added) / step + 1e-9) : most;
+    const double nearest = min_range_ > 0 ? std::ceil((min_range_ - added) / step - 1e-9) : 1;
+    const double farthest = max_range_ > 0 ? std::floor((max_range_ - added) / step + 1e-9) : most;
     // A count of 0 is the wire's "no return", so it is never inside.
     lasers_.nearest[k] = static_cast<std::int32_t>(std::clamp(nearest, 1.0, most));
     lasers_.farthest[k] = static_cast<std::int32_t>(std::clamp(farthest, 0.0, most));
@@ -112,6 +124,10 @@ void Unpacker::set_timing(const Timing& timing) {
     origins_[k].turning_s = seconds(origins_[k].firing + timing.before);
     lasers_.turning[k] = origins_[k].turning_s;
   }
+  turn_anew();
+}
+
+void Unpacker::turn_anew() {
   const double rate = rate_;
   rate_ = -1;
   set_rate(rate);

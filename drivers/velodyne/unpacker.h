@@ -37,6 +37,8 @@ class Unpacker {
   Unpacker(const ModelRow& row, bool keep_origins, double min_range, double max_range,
            const Calibration* calibration, const SequenceKernels& kernels = best_kernels());
 
+  /// Places what comes from now on with that calibration, instead of what was given before.
+  void set_calibration(const Calibration& calibration);
   void set_timing(const Timing& timing);
   /// The rotation during the coming sequences, degrees per second.
   void set_rate(double deg_per_s);
@@ -52,11 +54,13 @@ class Unpacker {
     Span firing;
   };
   void set_geometry(const Calibration* calibration);
-  void set_limits(double min_range, double max_range);
+  void set_limits();
+  void turn_anew();
   void append_origins(const Sequence& sequence, Cloud& cloud) const;
 
   const ModelRow& row_;
   bool keep_origins_;
+  double min_range_, max_range_;
   double rate_ = 0;
   const SequenceKernels& kernels_;
   LaserArrays lasers_{};

@@ -8,6 +8,7 @@
 #include "drivers/model.h"
 #include "drivers/velodyne/firing_schedule.h"
 #include "drivers/velodyne/frame_builder.h"
+#include "drivers/velodyne/hdl64_status.h"
 #include "drivers/velodyne/packet.h"
 #include "drivers/velodyne/packet_layout.h"
 #include "drivers/velodyne/packet_order.h"
@@ -27,6 +28,7 @@ class VelodyneDriver final : public Driver {
         clock_(config.clock),
         telemetry_(config) {
     info_.details = {{"Vendor Name", "Velodyne"}, {"Product Name", std::string(config.model->product)}};
+    own_details_ = info_.details.size();
   }
 
   Reject receive(const Packet& packet, DriverOutput& out) override;
@@ -34,15 +36,23 @@ class VelodyneDriver final : public Driver {
     order_.flush([&](const OrderedPacket& p, Span time) { accept(p, time, out); });
     decode_pending(std::nullopt, out);
     frames_.cut_off(out);
+    describe_status();
   }
   void restart() override {
     order_.reset();
+    status_.restart();
     frames_.reset();
     clock_.reset();
     telemetry_.restart();
     pending_ = in_stream_ = false;
   }
-  void tick(Stamp now, DriverOutput& /*out*/) override { telemetry_.tick(now, info_); }
+  void tick(Stamp now, DriverOutput& /*out*/) override {
+    telemetry_.tick(now, info_);
+    constexpr Span describe_period = std::chrono::seconds(1);
+    if (now - described_ < describe_period && described_ < now) return;
+    described_ = now;
+    describe_status();
+  }
   const Counters& counters() const override { return counters_; }
   const DeviceInfo& info() const override { return info_; }
 
@@ -57,6 +67,9 @@ class VelodyneDriver final : public Driver {
   /// Rotation over the last packets, deg/s; 0 unknown.
   double turn_rate() const { return turned_s_ > 0 ? turned_deg_ / turned_s_ : 0; }
   void note_product(std::uint8_t product, bool refused);
+  bool has_status() const { return !row_.names_product(); }
+  void read_status(const DataPacket& packet);
+  void describe_status();
 
   DriverConfig config_;
   const ModelRow& row_;
@@ -67,6 +80,10 @@ class VelodyneDriver final : public Driver {
   FrameBuilder frames_;
   DeviceClock clock_;
   TelemetryReceiver telemetry_;
+  Hdl64Status status_;
+  std::shared_ptr<const Calibration> sent_;  // by the sensor, in the last bytes of its packets
+  std::size_t own_details_ = 0;
+  Stamp described_{};
   const Timing* timing_in_force_ = nullptr;
   OrderedPacket incoming_{};
   OrderedPacket waiting_{};  // for what the next packet tells about it
@@ -126,8 +143,29 @@ void VelodyneDriver::note_product(std::uint8_t product, bool refused) {
                       : "; their period is that of the configured model, so they are decoded as it"));
 }
 
+/// An HDL-64E has no product byte: the last two bytes tell its state and, little by little, its calibration.
+void VelodyneDriver::read_status(const DataPacket& packet) {
+  status_.add(packet.mode(), packet.product());
+  if (status_.calibration() == sent_) return;
+  sent_ = status_.calibration();
+  if (config_.calibration == nullptr) frames_.set_calibration(sent_);
+  describe_status();
+}
+
+void VelodyneDriver::describe_status() {
+  if (!has_status()) return;
+  info_.details.resize(own_details_);
+  const char* source = config_.calibration != nullptr ? "file"
+                       : sent_ != nullptr             ? "sent by the sensor"
+                                                      : "that of another sensor, until it sends its own";
+  info_.details.emplace_back("calibration", source);
+  for (auto& detail : hdl64_details(status_.info())) info_.details.push_back(std::move(detail));
+  info_.warnings = hdl64_warnings(status_.info());
+}
+
 /// A packet in its place in the stream; it waits for the next one where that one tells its times.
 void VelodyneDriver::accept(const OrderedPacket& packet, Span time, DriverOutput& out) {
+  if (has_status()) read_status(packet.view());
   // A jump of the device clock cannot lie inside a frame: times within it are differences.
   constexpr Span jump = std::chrono::seconds(5);
   if (in_stream_ && (time < last_time_ || time - last_time_ > jump)) {
