@@ -36,7 +36,7 @@ struct SensorConfig {
   std::string topic;  ///< a LaserScan or PointCloud2 topic of another driver
   std::optional<IpAddress>
       ip_address;             ///< only packets from here; unset: any sender not claimed by another sensor
-  std::uint16_t ip_port = 0;  ///< local UDP port
+  std::uint16_t ip_port = 0;  ///< local UDP port; of a device that streams over TCP: its own port
   std::optional<IpAddress> multicast_group;
   std::string interface;     ///< network interface to join the group on; empty: the kernel's choice
   std::string frame_id;      ///< default: the sensor's name

@@ -46,6 +46,8 @@ std::pair<std::string, std::string> refusal(const std::string& key, const Sensor
   if (key == "frame_stamp")
     return {"is not available in this version", "no such key: a cloud has the stamp of its first firing"};
   const std::string model = "is not available for " + std::string(sensor.model->name);
+  if (key == "multicast_group" || key == "interface")
+    return {model + ", which is read over TCP", "no such key"};
   if (key == "control")
     return {model + ", which has no web interface that is known",
             "no such key: it applies to Velodynes other than the HDL-64E"};
@@ -89,17 +91,21 @@ ClockMode read_clock(const Value& value) {
 }
 
 void read_network(Mapping& yaml, SensorConfig& sensor) {
-  const bool later = sensor.model->transport == Transport::tcp;
-  if (later)
-    yaml.where("model").fail("is " + std::string(sensor.model->name) + ", which is read through TCP",
-                             "a model that sends UDP: TCP is not available in this version");
+  const bool tcp = sensor.model->transport == Transport::tcp;
   sensor.ip_address = read_address(yaml.find("ip_address"), false);
   sensor.ip_port = sensor.model->port;
   if (const auto port = yaml.find("ip_port"))
     sensor.ip_port = static_cast<std::uint16_t>(port->integer(1, 65535));
   if (sensor.ip_port == 0)
     yaml.self().fail_at_key("has no ip_port",
-                            "the UDP port that the sensor sends to: its model has no usual one");
+                            tcp ? "the TCP port that the device listens on: its model has no usual one"
+                                : "the UDP port that the sensor sends to: its model has no usual one");
+  if (tcp) {
+    if (!sensor.ip_address)
+      yaml.self().fail_at_key("has no ip_address",
+                              "the device's address: it is read over TCP, so somebody has to connect to it");
+    return;  // the keys of multicast stay unread, which is refused
+  }
   sensor.multicast_group = read_address(yaml.find("multicast_group"), true);
   const auto interface = yaml.find("interface");
   if (!interface) return;
@@ -181,8 +187,8 @@ void check_distinct(const SensorConfig& sensor, const Mapping& yaml,
                     const std::vector<SensorConfig>& earlier) {
   if (sensor.model == nullptr) return;
   for (const SensorConfig& other : earlier) {
-    if (other.model == nullptr || other.ip_port != sensor.ip_port || other.ip_address != sensor.ip_address)
-      continue;
+    if (other.model == nullptr || other.model->transport != sensor.model->transport) continue;
+    if (other.ip_port != sensor.ip_port || other.ip_address != sensor.ip_address) continue;
     const std::string port = std::to_string(sensor.ip_port);
     if (sensor.ip_address)
       yaml.where("ip_address")

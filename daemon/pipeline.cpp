@@ -5,9 +5,11 @@
 #include <spdlog/spdlog.h>
 
 #include <map>
+#include <utility>
 
 #include "daemon/outputs.h"
 #include "daemon/sensor_health.h"
+#include "drivers/connection_picker.h"
 
 namespace lidard {
 namespace {
@@ -33,7 +35,8 @@ std::string topic_below(const SensorConfig& sensor, std::string_view name) {
 
 /// One sensor: its driver, and where its frames go.
 struct SensorLine final : public DriverOutput {
-  SensorLine(const SensorConfig& sensor, Pipeline::Impl& pipeline) : config(sensor), owner(pipeline) {
+  SensorLine(const SensorConfig& sensor, std::size_t place, Pipeline::Impl& pipeline)
+      : config(sensor), index(place), owner(pipeline) {
     if (config.model != nullptr) driver = config.model->make(config.driver);
     topic = sensor_topic(config).name;
     fix_topic = config.name + "/fix";
@@ -45,10 +48,17 @@ struct SensorLine final : public DriverOutput {
     for (const auto name : config.model->extra_scans) named_topics[name] = topic_below(config, name);
   }
   bool owns_port(std::uint16_t port) const {
-    if (config.model == nullptr) return false;
+    if (config.model == nullptr || config.model->transport != Transport::udp) return false;
     return port == config.ip_port ||
            (config.model->telemetry_port != 0 && port == config.model->telemetry_port);
   }
+  /// Where the device listens for its TCP connection; port 0: it has none, or its address is not known.
+  Endpoint device() const {
+    if (config.model == nullptr || !config.ip_address) return {};
+    const bool streams = config.model->transport == Transport::tcp;
+    return {*config.ip_address, streams ? config.ip_port : config.model->dialogue_port};
+  }
+  void receive(const Packet& packet);
   void scan(PlanarScan& scan) override;
   void cloud(Cloud& cloud) override;
   void fix(const GnssFix& fix) override;
@@ -57,8 +67,16 @@ struct SensorLine final : public DriverOutput {
   void state(const DeviceState& state) override;
   void extra_scan(std::string_view name, PlanarScan& scan) override;
   void note(std::string_view sentence) override;
+  void request(ByteView bytes) override;
+  void connect() override { wish = Wish::connect; }
+  void disconnect(bool again) override { wish = again ? Wish::connect_anew : Wish::hang_up; }
+  /// Does with the connection what the driver asked for in the call that just returned.
+  void settle();
+
+  enum class Wish : std::uint8_t { none, connect, connect_anew, hang_up };
 
   SensorConfig config;
+  std::size_t index;  // in the configuration
   Pipeline::Impl& owner;
   std::unique_ptr<Driver> driver;
   std::string topic;
@@ -67,6 +85,9 @@ struct SensorLine final : public DriverOutput {
   std::string imu_topic;
   std::string echoes_topic;                              // empty: none
   std::map<std::string_view, std::string> named_topics;  // states and further scans
+  ConnectionPicker connection;
+  IpAddress sender;  // of the last datagram
+  Wish wish = Wish::none;
   bool seen = false;
   Stamp last_arrival{};
   Counters topic_counters;  // of a `topic:` source
@@ -76,7 +97,7 @@ struct Pipeline::Impl {
   Impl(const Config& configuration, PoseLookup& lookup, FrameSink& frame_sink)
       : poses(configuration, lookup), sink(frame_sink) {
     for (const auto& sensor : configuration.sensors) {
-      lines.push_back(std::make_unique<SensorLine>(sensor, *this));
+      lines.push_back(std::make_unique<SensorLine>(sensor, lines.size(), *this));
     }
     for (const auto& entry : configuration.merged_scans) {
       merged.push_back(std::make_unique<MergedOutput>(entry, poses));
@@ -87,6 +108,7 @@ struct Pipeline::Impl {
   }
 
   SensorLine* find_line(const Packet& packet);
+  void chunk(Packet packet);
   SensorLine& line_named(const std::string& name);
   void scan_from(const SensorLine& line, const PlanarScan& scan);
   void cloud_from(const SensorLine& line, const Cloud& cloud);
@@ -97,7 +119,9 @@ struct Pipeline::Impl {
   std::vector<std::unique_ptr<SensorLine>> lines;
   std::vector<std::unique_ptr<MergedOutput>> merged;
   std::vector<std::unique_ptr<VirtualOutput>> virtuals;
-  std::map<Endpoint, std::uint64_t> strangers;  // sender's address, destination port
+  DeviceLinks* links = nullptr;
+  /// Sender's address with the destination port, or with its own where it was a connection.
+  std::map<std::pair<Transport, Endpoint>, std::uint64_t> strangers;
   std::uint64_t strangers_not_named = 0;
   Stamp now{};
   Stamp last_diagnostics{};
@@ -129,6 +153,29 @@ void SensorLine::state(const DeviceState& state) {
 
 void SensorLine::extra_scan(std::string_view name, PlanarScan& scan) {
   owner.sink.scan(named_topics.at(name), scan, owner.now);
+}
+
+void SensorLine::request(ByteView bytes) {
+  if (owner.links != nullptr) owner.links->send(index, bytes);
+}
+
+void SensorLine::settle() {
+  const Wish what = std::exchange(wish, Wish::none);
+  if (owner.links == nullptr || what == Wish::none) return;
+  if (what != Wish::connect) return owner.links->disconnect(index, what == Wish::connect_anew);
+  const IpAddress address = config.ip_address.value_or(sender);
+  if (address != IpAddress()) owner.links->connect(index, address);
+}
+
+/// What comes in a dialogue beside the data does not show that the data come.
+void SensorLine::receive(const Packet& packet) {
+  if (packet.transport == config.model->transport) {
+    seen = true;
+    last_arrival = packet.arrival;
+  }
+  if (packet.transport == Transport::udp) sender = packet.from.address;
+  driver->receive(packet, *this);
+  settle();
 }
 
 void SensorLine::note(std::string_view sentence) { spdlog::info("{}: {}", config.name, sentence); }
@@ -177,6 +224,23 @@ SensorLine* Pipeline::Impl::find_line(const Packet& packet) {
   return anybody;
 }
 
+/// A chunk of a connection in a capture; what was sent to a device is not of interest.
+void Pipeline::Impl::chunk(Packet packet) {
+  bool known_port = false;
+  for (const auto& line : lines) {
+    const Endpoint device = line->device();
+    if (device.port == 0) continue;
+    if (packet.to == device) return;
+    if (packet.from == device) {
+      if (line->connection.pick(packet)) line->receive(packet);
+      return;
+    }
+    known_port = known_port || (line->config.model->transport == Transport::tcp &&
+                                line->config.ip_port == packet.from.port);
+  }
+  if (known_port) note_stranger(packet);
+}
+
 SensorLine& Pipeline::Impl::line_named(const std::string& name) {
   for (const auto& line : lines) {
     if (line->config.name == name) return *line;
@@ -198,7 +262,9 @@ void Pipeline::Impl::cloud_from(const SensorLine& line, const Cloud& cloud) {
 }
 
 void Pipeline::Impl::note_stranger(const Packet& packet) {
-  const Endpoint key{packet.from.address, packet.to.port};
+  const bool datagram = packet.transport == Transport::udp;
+  const std::pair key(packet.transport,
+                      Endpoint{packet.from.address, datagram ? packet.to.port : packet.from.port});
   const auto entry = strangers.find(key);
   if (entry != strangers.end()) {
     ++entry->second;
@@ -217,15 +283,33 @@ std::vector<StaticTransform> Pipeline::static_transforms() const { return impl_-
 
 void Pipeline::packet(const Packet& packet) {
   impl_->now = packet.arrival;
-  if (packet.transport == Transport::tcp) return;
+  if (packet.transport == Transport::tcp) return impl_->chunk(packet);
   SensorLine* line = impl_->find_line(packet);
   if (line == nullptr) {
     impl_->note_stranger(packet);
     return;
   }
-  line->seen = true;
-  line->last_arrival = packet.arrival;
-  line->driver->receive(packet, *line);
+  line->receive(packet);
+}
+
+void Pipeline::set_links(DeviceLinks* links) { impl_->links = links; }
+
+void Pipeline::chunk(std::size_t sensor, const Packet& packet) {
+  impl_->now = packet.arrival;
+  impl_->lines.at(sensor)->receive(packet);
+}
+
+void Pipeline::connected(std::size_t sensor, Stamp now) {
+  impl_->now = now;
+  SensorLine& line = *impl_->lines.at(sensor);
+  line.driver->connected(now, line);
+  line.settle();
+}
+
+void Pipeline::disconnected(std::size_t sensor) { impl_->lines.at(sensor)->driver->disconnected(); }
+
+std::uint64_t Pipeline::frames(std::size_t sensor) const {
+  return impl_->lines.at(sensor)->driver->counters().frames;
 }
 
 void Pipeline::scan_message(const std::string& sensor, PlanarScan& scan, Stamp received) {
@@ -255,7 +339,9 @@ void Pipeline::cloud_message(const std::string& sensor, Cloud& cloud, Stamp rece
 void Pipeline::tick(Stamp now) {
   impl_->now = now;
   for (const auto& line : impl_->lines) {
-    if (line->driver) line->driver->tick(now, *line);
+    if (line->driver == nullptr) continue;
+    line->driver->tick(now, *line);
+    line->settle();
   }
   const Span since = now - impl_->last_diagnostics;
   if (since >= Span(0) && since < diagnostics_period) return;
@@ -273,6 +359,7 @@ void Pipeline::finish(Stamp now) {
 void Pipeline::restart() {
   for (const auto& line : impl_->lines) {
     if (line->driver) line->driver->restart();
+    line->connection.restart();
   }
   for (const auto& output : impl_->merged) output->restart();
 }
@@ -287,6 +374,7 @@ std::vector<SensorReport> Pipeline::report() const {
     if (line->driver) report.info = line->driver->info();
     report.seen = line->seen;
     report.last_arrival = line->last_arrival;
+    if (impl_->links != nullptr) report.link_trouble = impl_->links->trouble(line->index);
     reports.push_back(std::move(report));
   }
   return reports;
@@ -295,8 +383,11 @@ std::vector<SensorReport> Pipeline::report() const {
 std::vector<std::string> Pipeline::unclaimed_senders() const {
   std::vector<std::string> senders;
   for (const auto& [key, count] : impl_->strangers) {
-    senders.push_back(key.address.to_string() + " -> port " + std::to_string(key.port) + " (" +
-                      std::to_string(count) + " packets)");
+    const auto& [transport, sender] = key;
+    const std::string which = transport == Transport::udp
+                                  ? sender.address.to_string() + " -> port " + std::to_string(sender.port)
+                                  : sender.to_string() + " over TCP";
+    senders.push_back(which + " (" + std::to_string(count) + " packets)");
   }
   if (impl_->strangers_not_named > 0) {
     senders.push_back("further senders (" + std::to_string(impl_->strangers_not_named) + " packets)");

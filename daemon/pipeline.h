@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "daemon/config.h"
+#include "daemon/device_links.h"
 #include "daemon/sink.h"
 
 namespace lidard {
@@ -20,6 +21,7 @@ struct SensorReport {
   DeviceInfo info;
   bool seen = false;  ///< anything received at all
   Stamp last_arrival;
+  std::string link_trouble;  ///< why there is no connection to a device that needs one; empty: there is
 };
 
 /// Every topic that a pipeline of this configuration may publish on.
@@ -36,8 +38,18 @@ class Pipeline {
   /// The configured transforms, for /tf_static.
   std::vector<StaticTransform> static_transforms() const;
 
-  /// A datagram; finds the sensor it belongs to by port and sender.
+  /// A datagram, or a chunk of a connection in a capture; finds the sensor it belongs to by port and sender.
   void packet(const Packet& packet);
+
+  /// Where requests to devices go; must outlive the pipeline's use. nullptr, as in replay: they are dropped.
+  void set_links(DeviceLinks* links);
+  /// What came over the connection of a sensor, `sensor` being its place in the configuration.
+  void chunk(std::size_t sensor, const Packet& packet);
+  void connected(std::size_t sensor, Stamp now);
+  void disconnected(std::size_t sensor);
+  /// Frames that a sensor's driver has handed on so far.
+  std::uint64_t frames(std::size_t sensor) const;
+
   /// A message of a `topic:` source, `sensor` being its name in the configuration.
   void scan_message(const std::string& sensor, PlanarScan& scan, Stamp received);
   void cloud_message(const std::string& sensor, Cloud& cloud, Stamp received);

@@ -110,6 +110,7 @@ void Ports::add_diagnostics(std::vector<DiagnosticItem>& items) const {
 }
 
 std::string Ports::summary() const {
+  if (ports_.empty()) return {};
   std::size_t open = 0;
   for (const auto& port : ports_) open += receives(port.source->state()) ? 1U : 0U;
   return std::to_string(open) + " of " + std::to_string(ports_.size()) + " ports open";

@@ -24,7 +24,7 @@ class Ports {
   void log_changes();
   /// One item per port.
   void add_diagnostics(std::vector<DiagnosticItem>& items) const;
-  /// "2 of 2 ports open".
+  /// "2 of 2 ports open"; empty without ports.
   std::string summary() const;
 
  private:

@@ -12,6 +12,7 @@
 #include <ostream>
 
 #include "daemon/cli.h"
+#include "daemon/links.h"
 #include "daemon/pipeline.h"
 #include "daemon/ports.h"
 #include "daemon/report.h"
@@ -53,6 +54,11 @@ class Daemon {
                  pipeline_.packet(packet);
                  controls_.packet(packet);
                }),
+        links_(io_, config,
+               {[this](std::size_t sensor, const Packet& packet) { pipeline_.chunk(sensor, packet); },
+                [this](std::size_t sensor, Stamp now) { pipeline_.connected(sensor, now); },
+                [this](std::size_t sensor) { pipeline_.disconnected(sensor); },
+                [this](std::size_t sensor) { return pipeline_.frames(sensor); }}),
         inputs_(std::make_shared<RosInputs>(
             topic_sources(config),
             [this](std::function<void()> task) { boost::asio::post(io_, std::move(task)); },
@@ -64,10 +70,12 @@ class Daemon {
                           }})),
         signals_(io_, SIGINT, SIGTERM),
         timer_(io_) {
+    pipeline_.set_links(&links_);
     link_.add_client(poses_);
     link_.add_client(inputs_);
     pipeline_.add_diagnostics([this](std::vector<DiagnosticItem>& items) {
       ports_.add_diagnostics(items);
+      links_.add_diagnostics(items);
       controls_.add_diagnostics(items, wall_clock());
     });
   }
@@ -80,6 +88,7 @@ class Daemon {
       io_.stop();
     });
     ports_.start();
+    links_.start();
     controls_.start();
     link_.start();
     link_.transforms(pipeline_.static_transforms(), wall_clock());
@@ -89,6 +98,7 @@ class Daemon {
     io_.run();
     service_.stopping();
     ports_.stop();
+    links_.stop();
     controls_.stop();
     for (const auto& sensor : pipeline_.report()) log_sensor(sensor);
     return link_.stop();
@@ -107,8 +117,10 @@ class Daemon {
     const auto reports = pipeline_.report();
     for (const auto& sensor : reports)
       alive += sensor.seen && seconds(now - sensor.last_arrival) < 1 ? 1U : 0U;
-    return std::to_string(alive) + "/" + std::to_string(reports.size()) + " lidars, " + ports_.summary() +
-           ", ROS master " + (link_.status().master ? "present" : "absent");
+    std::string text = std::to_string(alive) + "/" + std::to_string(reports.size()) + " lidars, ";
+    for (const std::string& part : {ports_.summary(), links_.summary()})
+      if (!part.empty()) text += part + ", ";
+    return text + "ROS master " + (link_.status().master ? "present" : "absent");
   }
   static void log_sensor(const SensorReport& sensor) {
     const Counters& c = sensor.counters;
@@ -126,7 +138,9 @@ class Daemon {
   }
   void tick() {
     pipeline_.tick(wall_clock());
+    links_.tick();
     ports_.log_changes();
+    links_.log_changes();
     service_.alive();
     ++ticks_;
     if (ticks_ % ticks_per_status == 0) service_.status(status());
@@ -153,6 +167,7 @@ class Daemon {
   Pipeline pipeline_;
   VelodyneControls controls_;
   Ports ports_;
+  Links links_;
   std::shared_ptr<RosInputs> inputs_;
   boost::asio::signal_set signals_;
   boost::asio::steady_timer timer_;

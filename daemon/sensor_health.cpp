@@ -12,12 +12,17 @@ constexpr double silent_error_s = 3;
 
 std::string where(const SensorConfig& config) {
   if (config.model == nullptr) return "topic " + config.topic;
+  if (config.model->transport == Transport::tcp)
+    return Endpoint{config.ip_address.value_or(IpAddress()), config.ip_port}.to_string();
   return (config.ip_address ? config.ip_address->to_string() : "any sender") + " to port " +
          std::to_string(config.ip_port);
 }
 
-std::string why_nothing(const SensorConfig& config, const std::vector<std::string>& unclaimed_senders) {
+std::string why_nothing(const SensorConfig& config, const SensorReport& report,
+                        const std::vector<std::string>& unclaimed_senders) {
   if (config.model == nullptr) return "; is its driver running?";
+  if (!report.link_trouble.empty()) return ": " + report.link_trouble;
+  if (config.model->transport == Transport::tcp) return "; does the device measure?";
   const std::string port = "port " + std::to_string(config.ip_port) + " ";
   for (const auto& sender : unclaimed_senders) {
     if (sender.find(port) != std::string::npos)
@@ -32,10 +37,11 @@ void judge(const SensorConfig& config, const SensorReport& report,
   const Counters& c = report.counters;
   if (!report.seen) {
     item.health = Health::error;
-    item.message = "nothing received from " + where(config) + why_nothing(config, unclaimed_senders);
+    item.message = "nothing received from " + where(config) + why_nothing(config, report, unclaimed_senders);
   } else if (age > silent_warning_s) {
     item.health = age > silent_error_s ? Health::error : Health::warn;
-    item.message = "silent: nothing received from " + where(config) + why_nothing(config, unclaimed_senders);
+    item.message =
+        "silent: nothing received from " + where(config) + why_nothing(config, report, unclaimed_senders);
   } else if (c.packets > 0 && c.rejected_total() == c.packets) {
     item.health = Health::error;
     item.message = "no packet could be used: rejected " + rejected_text(c) + "; is it the configured model?";
