@@ -7,6 +7,7 @@
 
 #include "drivers/pcap_source.h"
 #include "test/sim/capture.h"
+#include "test/sim/repeater.h"
 #include "test/sim/scene_file.h"
 #include "test/sim/simulate.h"
 #include "test/sim/udp_sender.h"
@@ -24,6 +25,7 @@ struct Arguments {
   std::vector<std::string> source_map;
   std::vector<std::string> port_map;
   double duration = 0;
+  std::uint64_t repeat = 1;
   bool no_truth = false;
 };
 
@@ -112,9 +114,14 @@ int send(const Arguments& arguments) {
   PcapSource capture(arguments.input);
   UdpSender sender(parse_route(arguments));
   Pacer pacer(parse_rate(arguments.rate));
-  for (Packet packet; capture.next(packet);) {
+  const auto use = [&](const Packet& packet) {
     pacer.wait_until(packet.arrival);
     sender.send(packet.from, packet.to, packet.payload);
+  };
+  if (arguments.repeat > 1) {
+    Repeater(capture).play(arguments.repeat, use);
+  } else {
+    for (Packet packet; capture.next(packet);) use(packet);
   }
   const int code = report(sender, pacer);
   if (capture.error().empty()) return code;
@@ -157,6 +164,11 @@ int run(int argc, char** argv) {
   CLI::App* send_command =
       app.add_subcommand("send", "Sends the UDP datagrams of a capture at their own pace");
   send_command->add_option("CAPTURE", arguments.input, "pcap or pcapng file")->required();
+  send_command
+      ->add_option("--repeat", arguments.repeat,
+                   "Send it N times without a break, the stamps of Velodynes going on")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber);
   add_route_options(*send_command, arguments);
   try {
     app.parse(argc, argv);
