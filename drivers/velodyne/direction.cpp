@@ -23,9 +23,7 @@ WholeDegrees whole_degrees() {
 
 const WholeDegrees table = whole_degrees();
 
-}  // namespace
-
-Direction direction(double angle_deg) {
+inline Direction direction_of(double angle_deg) {
   if (!(angle_deg > -turn && angle_deg < turn)) {
     return {std::cos(angle_deg * rad_per_deg), std::sin(angle_deg * rad_per_deg)};
   }
@@ -37,6 +35,14 @@ Direction direction(double angle_deg) {
   const double cosine = 1 - square * (1.0 / 2 - square * (1.0 / 24));
   const double sine = rest * (1 - square * (1.0 / 6 - square * (1.0 / 120)));
   return {whole.cosine * cosine - whole.sine * sine, whole.sine * cosine + whole.cosine * sine};
+}
+
+}  // namespace
+
+Direction direction(double angle_deg) { return direction_of(angle_deg); }
+
+void directions(const double* angles_deg, std::size_t count, Direction* to) {
+  for (std::size_t i = 0; i < count; ++i) to[i] = direction_of(angles_deg[i]);
 }
 
 }  // namespace lidard::velodyne

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+
 namespace lidard::velodyne {
 
 /// Cosine and sine of an angle.
@@ -11,5 +13,7 @@ struct Direction {
 
 /// Of an angle in degrees, to 1e-15; quickest within a turn either way.
 Direction direction(double angle_deg);
+/// Of many: each takes a while, but all together little more.
+void directions(const double* angles_deg, std::size_t count, Direction* to);
 
 }  // namespace lidard::velodyne

@@ -17,7 +17,7 @@ Span hour_difference(std::uint32_t later_us, std::uint32_t earlier_us) {
 }
 
 bool PacketOrder::is_model_period(Span step, const OrderedPacket& packet) const {
-  const std::size_t echoes = layout_of(packet.view(), row_).echoes;
+  const std::size_t echoes = packet.layout->echoes;
   for (const Timing& timing : row_.timings) {
     const Span expected = row_.packet_period(timing, echoes);
     // A lost packet or two may lie between; clocks and random rests stay well within 3 %.
@@ -45,7 +45,7 @@ void PacketOrder::count_loss(const OrderedPacket& packet, Span step) {
   if (step * 2 <= last_period_ * 3) return;
   Hole hole{};
   hole.step = step;
-  hole.echoes = layout_of(packet.view(), row_).echoes;
+  hole.echoes = packet.layout->echoes;
   hole.hole.from_deg = last_azimuths_.group_deg[0];
   hole.hole.last_deg = last_azimuths_.group_deg[last_azimuths_.groups - 1];
   hole.hole.per_packet = static_cast<std::int64_t>(last_azimuths_.groups);
@@ -82,7 +82,7 @@ void PacketOrder::set_timing(const Timing& timing, bool decided) {
 
 void PacketOrder::remember(const OrderedPacket& packet) {
   last_period_ = period(packet);
-  last_azimuths_ = read_azimuths(packet.view(), layout_of(packet.view(), row_));
+  last_azimuths_ = packet.azimuths;
   counters_.lost_packets += hidden_.receive(last_azimuths_);
 }
 

@@ -21,6 +21,8 @@ struct OrderedPacket {
   Stamp arrival;
   std::uint32_t index;  ///< data packets of this sensor before it
   bool other_product;   ///< its product byte is not the model's
+  const PacketLayout* layout;
+  PacketAzimuths azimuths;
 
   DataPacket view() const { return DataPacket(ByteView(bytes.data(), bytes.size())); }
 };
@@ -69,9 +71,7 @@ class PacketOrder {
   std::optional<std::uint8_t> refused_product() const { return refused_product_; }
 
  private:
-  Span period(const OrderedPacket& p) const {
-    return row_.packet_period(*timing_, layout_of(p.view(), row_).echoes);
-  }
+  Span period(const OrderedPacket& p) const { return row_.packet_period(*timing_, p.layout->echoes); }
   /// Rotation as far as it is known, deg/s; 0 unknown.
   double rate() const;
   /// Time from the last packet to the next one if none is lost.

@@ -23,10 +23,8 @@ struct alignas(32) LaserArrays {
   double turning[most_lasers];      ///< its firing after the sequence's first
   double cos_rot[most_lasers];      ///< of its rot_correction
   double sin_rot[most_lasers];      ///< "
-  double cos_shift[most_lasers];    ///< of its azimuth minus the sequence's; see turn_lasers
-  double sin_shift[most_lasers];    ///< "
-  float cos_near[most_lasers];      ///< the same as float
-  float sin_near[most_lasers];      ///< "
+  float cos_shift[most_lasers];     ///< of its azimuth minus the sequence's; see turn_lasers
+  float sin_shift[most_lasers];     ///< "
   float ground_step[most_lasers];   ///< distance over ground of one count
   float ground_begin[most_lasers];  ///< distance over ground of count 0
   float up_step[most_lasers];       ///< height of one count
@@ -39,22 +37,23 @@ struct alignas(32) LaserArrays {
 };
 
 /// What a calibration of the very sensor adds; see CalibratedGeometry for the names and equations. m, rad.
+/// In float: the corrections are small, and the distance loses no more than with the model's table.
 struct alignas(32) CalibrationArrays {
-  double dist_correction[most_lasers];
-  double cos_vert[most_lasers];
-  double sin_vert[most_lasers];
-  double r_offset[most_lasers];
-  double z_offset[most_lasers];
-  double horiz_offset[most_lasers];
-  double near_x[most_lasers];  ///< 0 without two-point correction
-  double near_y[most_lasers];  ///< "
-  double focal[most_lasers];
-  double focal_slope[most_lasers];
-  double min_intensity[most_lasers];
-  double max_intensity[most_lasers];
-  double step;             ///< one count
-  double two_point_below;  ///< the near corrections apply to shorter distances
-  double far_target;
+  float dist_correction[most_lasers];
+  float cos_vert[most_lasers];
+  float sin_vert[most_lasers];
+  float r_offset[most_lasers];
+  float z_offset[most_lasers];
+  float horiz_offset[most_lasers];
+  float near_x[most_lasers];  ///< 0 without two-point correction
+  float near_y[most_lasers];  ///< "
+  float focal[most_lasers];
+  float focal_slope[most_lasers];
+  float min_intensity[most_lasers];
+  float max_intensity[most_lasers];
+  float step;             ///< one count
+  float two_point_below;  ///< the near corrections apply to shorter distances
+  float far_target;
 };
 
 /// The slots of one firing sequence, and which way it looked when.
@@ -77,7 +76,7 @@ struct SequenceKernels {
   void (*turn_lasers)(LaserArrays& lasers, double rate);
   /// Writes the returns of a sequence to `out`; returns the end of the last.
   std::uint8_t* (*place)(const LaserArrays& lasers, const SequenceSlots& sequence, std::uint8_t* out);
-  /// The same with every term of a calibration, in double.
+  /// The same with every term of a calibration.
   std::uint8_t* (*place_calibrated)(const LaserArrays& lasers, const CalibrationArrays& calibration,
                                     const SequenceSlots& sequence, std::uint8_t* out);
 };

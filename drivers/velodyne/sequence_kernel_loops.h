@@ -80,9 +80,15 @@ inline __m256i rings_and_times(const std::uint64_t* ring, const float* time) {
   return _mm256_or_si256(_mm256_slli_epi64(_mm256_cvtepu32_epi64(times), 16), rings);
 }
 
+/// Bytes from where a point is written to where it will be a little later.
+constexpr std::size_t ahead = 2048;
+
 /// Points that are no returns are written, too, and then overwritten: a branch for each costs more.
 inline std::uint8_t* write_returns(const LaserArrays& lasers, std::size_t k, const Slots& slots,
                                    const Points& p, std::uint8_t* out) {
+  // A large frame is not in the near caches when it is written again.
+  for (std::size_t line = 0; line < lanes * point_step; line += 64)
+    _mm_prefetch(reinterpret_cast<const char*>(out + ahead + line), _MM_HINT_T0);
   const __m256i count = load(slots.count);
   const __m256i none = _mm256_or_si256(_mm256_cmpgt_epi32(load(lasers.nearest + k), count),
                                        _mm256_cmpgt_epi32(count, load(lasers.farthest + k)));
@@ -143,81 +149,91 @@ void turn_lasers(LaserArrays& lasers, double rate) {
     const double square = turn * turn;
     const double cos_turn = 1 - square * (1.0 / 2 - square * (1.0 / 24 - square * (1.0 / 720)));
     const double sin_turn = turn * (1 - square * (1.0 / 6 - square * (1.0 / 120 - square * (1.0 / 5040))));
-    const double cos_shift = cos_turn * lasers.cos_rot[k] + sin_turn * lasers.sin_rot[k];
-    const double sin_shift = sin_turn * lasers.cos_rot[k] - cos_turn * lasers.sin_rot[k];
-    lasers.cos_shift[k] = cos_shift;
-    lasers.sin_shift[k] = sin_shift;
-    lasers.cos_near[k] = static_cast<float>(cos_shift);
-    lasers.sin_near[k] = static_cast<float>(sin_shift);
+    lasers.cos_shift[k] = static_cast<float>(cos_turn * lasers.cos_rot[k] + sin_turn * lasers.sin_rot[k]);
+    lasers.sin_shift[k] = static_cast<float>(sin_turn * lasers.cos_rot[k] - cos_turn * lasers.sin_rot[k]);
   }
 }
 
-/// The sensor counts azimuth clockwise from ahead; ROS has x ahead and y to the left.
-std::uint8_t* place(const LaserArrays& lasers, const SequenceSlots& sequence, std::uint8_t* out) {
+/// Points of `lanes` lasers. The sensor counts azimuth clockwise from ahead; ROS has x ahead and y to the
+/// left.
+inline void place_lanes(const LaserArrays& lasers, const SequenceSlots& sequence, std::size_t first,
+                        const Slots& slots, Points& p) {
   const auto cos_a = static_cast<float>(sequence.cos_azimuth);
   const auto sin_a = static_cast<float>(sequence.sin_azimuth);
-  const std::size_t per_bank = lasers.size / sequence.banks;
-  for (std::size_t first = 0; first < lasers.size; first += lanes) {
-    Slots slots;
-    Points p;
-    read_slots(sequence.slots[first / per_bank] + 3 * (first % per_bank), slots);
-    for (std::size_t i = 0; i < lanes; ++i) {
-      const std::size_t k = first + i;
-      const auto count = static_cast<float>(slots.count[i]);
-      const float cos_alpha = cos_a * lasers.cos_near[k] - sin_a * lasers.sin_near[k];
-      const float sin_alpha = sin_a * lasers.cos_near[k] + cos_a * lasers.sin_near[k];
-      const float ground = count * lasers.ground_step[k] + lasers.ground_begin[k];
-      p.x[i] = ground * cos_alpha;
-      p.y[i] = -(ground * sin_alpha);
-      p.z[i] = count * lasers.up_step[k] + lasers.up_begin[k];
-      p.intensity[i] = static_cast<float>(slots.reflectivity[i]);
-      p.time[i] = sequence.begin + lasers.time[k];
-    }
-    out = write_returns(lasers, first, slots, p, out);
-  }
-  return out;
-}
-
-/// CalibratedGeometry::place for `lanes` lasers.
-inline void place_lanes(const LaserArrays& lasers, const CalibrationArrays& c, const SequenceSlots& sequence,
-                        std::size_t first, const Slots& slots, Points& p) {
   for (std::size_t i = 0; i < lanes; ++i) {
     const std::size_t k = first + i;
-    const auto count = static_cast<double>(slots.count[i]);
-    const double cos_alpha =
-        sequence.cos_azimuth * lasers.cos_shift[k] - sequence.sin_azimuth * lasers.sin_shift[k];
-    const double sin_alpha =
-        sequence.sin_azimuth * lasers.cos_shift[k] + sequence.cos_azimuth * lasers.sin_shift[k];
-    const double d = count * c.step + c.dist_correction[k];
-    const double r = d * c.cos_vert[k] - c.r_offset[k];
-    const double side_x = c.horiz_offset[k] * cos_alpha;
-    const double side_y = c.horiz_offset[k] * sin_alpha;
-    const double near = d < c.two_point_below ? 1.0 : 0.0;
-    const double dx = near * c.near_x[k] * (__builtin_fabs(r * sin_alpha - side_x) - c.far_target);
-    const double dy = near * c.near_y[k] * (__builtin_fabs(r * cos_alpha + side_y) - c.far_target);
-    p.x[i] = static_cast<float>((r + dy * c.cos_vert[k]) * cos_alpha + side_y);
-    p.y[i] = static_cast<float>(side_x - (r + dx * c.cos_vert[k]) * sin_alpha);
-    p.z[i] = static_cast<float>((d + dy) * c.sin_vert[k] + c.z_offset[k]);
-    const double nearness = 1 - count * (1.0 / 65535);
-    double value = static_cast<double>(slots.reflectivity[i]) +
-                   c.focal_slope[k] * __builtin_fabs(c.focal[k] - 256 * nearness * nearness);
-    value = value < c.min_intensity[k] ? c.min_intensity[k] : value;
-    p.intensity[i] = static_cast<float>(value > c.max_intensity[k] ? c.max_intensity[k] : value);
+    const auto count = static_cast<float>(slots.count[i]);
+    const float cos_alpha = cos_a * lasers.cos_shift[k] - sin_a * lasers.sin_shift[k];
+    const float sin_alpha = sin_a * lasers.cos_shift[k] + cos_a * lasers.sin_shift[k];
+    const float ground = count * lasers.ground_step[k] + lasers.ground_begin[k];
+    p.x[i] = ground * cos_alpha;
+    p.y[i] = -(ground * sin_alpha);
+    p.z[i] = count * lasers.up_step[k] + lasers.up_begin[k];
+    p.intensity[i] = static_cast<float>(slots.reflectivity[i]);
     p.time[i] = sequence.begin + lasers.time[k];
   }
 }
 
-std::uint8_t* place_calibrated(const LaserArrays& lasers, const CalibrationArrays& calibration,
-                               const SequenceSlots& sequence, std::uint8_t* out) {
+/// CalibratedGeometry::place for `lanes` lasers.
+inline void place_lanes_calibrated(const LaserArrays& lasers, const CalibrationArrays& c,
+                                   const SequenceSlots& sequence, std::size_t first, const Slots& slots,
+                                   Points& p) {
+  const auto cos_a = static_cast<float>(sequence.cos_azimuth);
+  const auto sin_a = static_cast<float>(sequence.sin_azimuth);
+  for (std::size_t i = 0; i < lanes; ++i) {
+    const std::size_t k = first + i;
+    const auto count = static_cast<float>(slots.count[i]);
+    const float cos_alpha = cos_a * lasers.cos_shift[k] - sin_a * lasers.sin_shift[k];
+    const float sin_alpha = sin_a * lasers.cos_shift[k] + cos_a * lasers.sin_shift[k];
+    const float d = count * c.step + c.dist_correction[k];
+    const float r = d * c.cos_vert[k] - c.r_offset[k];
+    const float side_x = c.horiz_offset[k] * cos_alpha;
+    const float side_y = c.horiz_offset[k] * sin_alpha;
+    const float near = d < c.two_point_below ? 1.0F : 0.0F;
+    const float dx = near * c.near_x[k] * (__builtin_fabsf(r * sin_alpha - side_x) - c.far_target);
+    const float dy = near * c.near_y[k] * (__builtin_fabsf(r * cos_alpha + side_y) - c.far_target);
+    p.x[i] = (r + dy * c.cos_vert[k]) * cos_alpha + side_y;
+    p.y[i] = side_x - (r + dx * c.cos_vert[k]) * sin_alpha;
+    p.z[i] = (d + dy) * c.sin_vert[k] + c.z_offset[k];
+    const float nearness = 1 - count * (1.0F / 65535);
+    float value = static_cast<float>(slots.reflectivity[i]) +
+                  c.focal_slope[k] * __builtin_fabsf(c.focal[k] - 256 * nearness * nearness);
+    value = value < c.min_intensity[k] ? c.min_intensity[k] : value;
+    p.intensity[i] = value > c.max_intensity[k] ? c.max_intensity[k] : value;
+    p.time[i] = sequence.begin + lasers.time[k];
+  }
+}
+
+/// Bank after bank, `lanes` slots at a time.
+template <typename PlaceLanes>
+inline std::uint8_t* for_all_lanes(const LaserArrays& lasers, const SequenceSlots& sequence,
+                                   std::uint8_t* out, PlaceLanes place_points) {
   const std::size_t per_bank = lasers.size / sequence.banks;
-  for (std::size_t first = 0; first < lasers.size; first += lanes) {
-    Slots slots;
-    Points p;
-    read_slots(sequence.slots[first / per_bank] + 3 * (first % per_bank), slots);
-    place_lanes(lasers, calibration, sequence, first, slots, p);
-    out = write_returns(lasers, first, slots, p, out);
+  std::size_t first = 0;
+  for (std::size_t bank = 0; bank < sequence.banks; ++bank) {
+    const std::uint8_t* slot = sequence.slots[bank];
+    for (const std::size_t end = first + per_bank; first < end; first += lanes, slot += 3 * lanes) {
+      Slots slots;
+      Points p;
+      read_slots(slot, slots);
+      place_points(first, slots, p);
+      out = write_returns(lasers, first, slots, p, out);
+    }
   }
   return out;
+}
+
+std::uint8_t* place(const LaserArrays& lasers, const SequenceSlots& sequence, std::uint8_t* out) {
+  return for_all_lanes(lasers, sequence, out, [&](std::size_t first, const Slots& slots, Points& p) {
+    place_lanes(lasers, sequence, first, slots, p);
+  });
+}
+
+std::uint8_t* place_calibrated(const LaserArrays& lasers, const CalibrationArrays& calibration,
+                               const SequenceSlots& sequence, std::uint8_t* out) {
+  return for_all_lanes(lasers, sequence, out, [&](std::size_t first, const Slots& slots, Points& p) {
+    place_lanes_calibrated(lasers, calibration, sequence, first, slots, p);
+  });
 }
 
 constexpr SequenceKernels kernels = {&turn_lasers, &place, &place_calibrated};

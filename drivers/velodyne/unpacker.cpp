@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "drivers/velodyne/packet.h"
 
@@ -20,23 +21,23 @@ std::int32_t distance_count(const std::uint8_t* slot) { return slot[0] | slot[1]
 
 std::unique_ptr<CalibrationArrays> arrays_of(const CalibratedGeometry& geometry) {
   auto arrays = std::make_unique<CalibrationArrays>();
-  arrays->step = geometry.step_m();
-  arrays->two_point_below = geometry.two_point_below_m();
-  arrays->far_target = CalibratedGeometry::far_target_m;
+  arrays->step = static_cast<float>(geometry.step_m());
+  arrays->two_point_below = static_cast<float>(geometry.two_point_below_m());
+  arrays->far_target = static_cast<float>(CalibratedGeometry::far_target_m);
   for (std::size_t k = 0; k < geometry.lasers(); ++k) {
     const CalibratedGeometry::Terms& t = geometry.terms(k);
-    arrays->dist_correction[k] = t.dist_correction;
-    arrays->cos_vert[k] = t.cos_vert;
-    arrays->sin_vert[k] = t.sin_vert;
-    arrays->r_offset[k] = t.r_offset;
-    arrays->z_offset[k] = t.z_offset;
-    arrays->horiz_offset[k] = t.horiz_offset;
-    arrays->near_x[k] = t.two_point ? t.near_x : 0;
-    arrays->near_y[k] = t.two_point ? t.near_y : 0;
-    arrays->focal[k] = t.focal;
-    arrays->focal_slope[k] = t.focal_slope;
-    arrays->min_intensity[k] = t.min_intensity;
-    arrays->max_intensity[k] = t.max_intensity;
+    arrays->dist_correction[k] = static_cast<float>(t.dist_correction);
+    arrays->cos_vert[k] = static_cast<float>(t.cos_vert);
+    arrays->sin_vert[k] = static_cast<float>(t.sin_vert);
+    arrays->r_offset[k] = static_cast<float>(t.r_offset);
+    arrays->z_offset[k] = static_cast<float>(t.z_offset);
+    arrays->horiz_offset[k] = static_cast<float>(t.horiz_offset);
+    arrays->near_x[k] = static_cast<float>(t.two_point ? t.near_x : 0);
+    arrays->near_y[k] = static_cast<float>(t.two_point ? t.near_y : 0);
+    arrays->focal[k] = static_cast<float>(t.focal);
+    arrays->focal_slope[k] = static_cast<float>(t.focal_slope);
+    arrays->min_intensity[k] = static_cast<float>(t.min_intensity);
+    arrays->max_intensity[k] = static_cast<float>(t.max_intensity);
   }
   return arrays;
 }
@@ -124,17 +125,20 @@ void Unpacker::set_timing(const Timing& timing) {
     origins_[k].turning_s = seconds(origins_[k].firing + timing.before);
     lasers_.turning[k] = origins_[k].turning_s;
   }
+  longest_turning_ = *std::max_element(lasers_.turning, lasers_.turning + row_.lasers);
   turn_anew();
 }
 
 void Unpacker::turn_anew() {
   const double rate = rate_;
-  rate_ = -1;
+  rate_ = std::numeric_limits<double>::infinity();
   set_rate(rate);
 }
 
 void Unpacker::set_rate(double deg_per_s) {
-  if (deg_per_s == rate_) return;
+  // Below it a beam does not move by 0.01 mm at any range.
+  constexpr double negligible_deg = 2e-6;
+  if (std::abs(deg_per_s - rate_) * longest_turning_ < negligible_deg) return;
   rate_ = deg_per_s;
   kernels_.turn_lasers(lasers_, deg_per_s * rad_per_deg);
   if (!keep_origins_) return;

@@ -62,6 +62,7 @@ class Unpacker {
   bool keep_origins_;
   double min_range_, max_range_;
   double rate_ = 0;
+  double longest_turning_ = 0;  // s
   const SequenceKernels& kernels_;
   LaserArrays lasers_{};
   std::unique_ptr<CalibrationArrays> calibration_;  // where lasers_ alone do not place a return

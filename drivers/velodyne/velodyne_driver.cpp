@@ -17,6 +17,26 @@
 namespace lidard::velodyne {
 namespace {
 
+/// Which way each firing sequence of a packet looked.
+struct Look {
+  std::array<double, 2 * blocks_per_packet> azimuth_deg;
+  std::array<Direction, 2 * blocks_per_packet> ahead;
+};
+
+Look look_of(const PacketAzimuths& azimuths, const FiringSchedule& schedule, std::size_t per_block) {
+  Look look;
+  std::size_t n = 0;
+  for (std::size_t g = 0; g < azimuths.groups; ++g) {
+    for (std::size_t s = 0; s < per_block; ++s) {
+      const Span into_group = schedule.sequence * static_cast<int>(s);
+      const double azimuth = azimuths.group_deg[g] + schedule.rate_deg_per_s * seconds(into_group);
+      look.azimuth_deg[n++] = azimuth < 360 ? azimuth : azimuth - 360;
+    }
+  }
+  directions(look.azimuth_deg.data(), n, look.ahead.data());
+  return look;
+}
+
 class VelodyneDriver final : public Driver {
  public:
   explicit VelodyneDriver(const DriverConfig& config)
@@ -114,13 +134,17 @@ Reject VelodyneDriver::receive(const Packet& packet, DriverOutput& out) {
   }
   incoming_.index = static_cast<std::uint32_t>(counters_.packets++);
   counters_.bytes += packet.payload.size();
+  // Copied before the blocks are looked at: memory is read faster in one go.
+  if (packet.payload.size() == packet_size)
+    std::memcpy(incoming_.bytes.data(), packet.payload.data(), packet_size);
   const Reject reason = check(packet.payload);
   if (reason != Reject::none) {
     counters_.reject(reason);
     return reason;
   }
-  std::memcpy(incoming_.bytes.data(), packet.payload.data(), packet_size);
   incoming_.arrival = packet.arrival;
+  incoming_.layout = &layout_of(incoming_.view(), row_);
+  incoming_.azimuths = read_azimuths(incoming_.view(), *incoming_.layout);
   const std::uint8_t product = incoming_.view().product();
   const bool may_be_old = row_.without_factory_bytes != nullptr && !is_product(product);
   incoming_.other_product = row_.names_product() && !row_.has_product(product) && !may_be_old;
@@ -177,7 +201,7 @@ void VelodyneDriver::accept(const OrderedPacket& packet, Span time, DriverOutput
     const NextPacket next{time - last_time_};
     measure_turn(packet.view().azimuth(0) * 0.01, next.step);
     if (pending_) {
-      const std::size_t echoes = layout_of(waiting_.view(), row_).echoes;
+      const std::size_t echoes = waiting_.layout->echoes;
       timing_.add(next.step, row_.sequences_per_packet(echoes));
     }
     decode_pending(next, out);
@@ -185,8 +209,7 @@ void VelodyneDriver::accept(const OrderedPacket& packet, Span time, DriverOutput
   in_stream_ = true;
   last_time_ = time;
   last_azimuth_deg_ = packet.view().azimuth(0) * 0.01;
-  const PacketAzimuths azimuths = read_azimuths(packet.view(), layout_of(packet.view(), row_));
-  if (row_.random_rest || azimuths.hidden_total_deg > 0 || !timing_.decided()) {
+  if (row_.random_rest || packet.azimuths.hidden_total_deg > 0 || !timing_.decided()) {
     waiting_ = packet;
     waiting_time_ = time;
     pending_ = true;
@@ -223,10 +246,10 @@ void VelodyneDriver::set_timing(const Timing& timing, bool decided) {
 void VelodyneDriver::decode(const OrderedPacket& packet, Span time, const std::optional<NextPacket>& next,
                             DriverOutput& out) {
   const DataPacket view = packet.view();
-  const PacketLayout& layout = layout_of(view, row_);
+  const PacketLayout& layout = *packet.layout;
   const bool old_firmware = row_.without_factory_bytes != nullptr && !row_.has_product(view.product());
   set_timing(old_firmware ? *row_.without_factory_bytes : timing_.timing(), timing_.decided());
-  const PacketAzimuths azimuths = read_azimuths(view, layout);
+  const PacketAzimuths& azimuths = packet.azimuths;
   const FiringSchedule schedule = schedule_of(row_, timing_, azimuths, layout.echoes, next, turn_rate());
   // The packet leaves after its last firing sequence.
   clock_.observe(time + schedule.end - timing_in_force_->before, packet.arrival);
@@ -236,15 +259,15 @@ void VelodyneDriver::decode(const OrderedPacket& packet, Span time, const std::o
   if (config_.frame_cut == FrameCut::view) frames_.set_hidden_middle(order_.hidden_middle_deg());
   frames_.begin_packet();
   const std::size_t per_block = row_.sequences_per_block();
+  const Look look = look_of(azimuths, schedule, per_block);
   Sequence sequence{};
   sequence.packet = packet.index;
   for (std::size_t g = 0; g < layout.groups; ++g) {
     for (std::size_t s = 0; s < per_block; ++s) {
       const Span into_group = schedule.sequence * static_cast<int>(s);
       sequence.in_packet = schedule.begin[g] + into_group;
-      const double azimuth = azimuths.group_deg[g] + schedule.rate_deg_per_s * seconds(into_group);
-      sequence.azimuth_deg = azimuth < 360 ? azimuth : azimuth - 360;
-      sequence.ahead = direction(sequence.azimuth_deg);
+      sequence.azimuth_deg = look.azimuth_deg[g * per_block + s];
+      sequence.ahead = look.ahead[g * per_block + s];
       frames_.place(sequence, time + sequence.in_packet, clock_, out);
       for (std::size_t echo = 0; echo < layout.echoes; ++echo) {
         sequence.echo = static_cast<std::uint8_t>(echo);

@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <cstring>
 #include <ctime>
-#include <limits>
 #include <vector>
 
 namespace lidard::bench {
@@ -45,30 +44,38 @@ class Yardstick {
   std::size_t at_ = 0;
 };
 
+/// The round in the middle.
+inline double median(std::vector<double> rounds) {
+  const auto middle = rounds.begin() + static_cast<std::ptrdiff_t>(rounds.size() / 2);
+  std::nth_element(rounds.begin(), middle, rounds.end());
+  return *middle;
+}
+
 /// Times `work`, which writes `points` points into frames of these bytes, and beside each round the copying
-/// of the same bytes. Counters: the quickest rounds of both, since whatever else the machine does only adds,
-/// and their ratio.
+/// of the same bytes. Counters: nanoseconds per point of both (medians of the rounds), their ratio, and the
+/// ratio of the quickest rounds, which what else the machine does disturbs least.
 template <typename Work>
 void against_memcpy(benchmark::State& state, std::size_t points, const std::vector<std::size_t>& frames,
                     Work&& work) {
   Yardstick yardstick(frames);
   yardstick.copy();
-  double best_work = std::numeric_limits<double>::infinity();
-  double best_copy = best_work;
+  std::vector<double> works, copies;
   for (auto _ : state) {
     const double begin = cpu_seconds();
     work();
     const double worked = cpu_seconds();
     yardstick.copy();
-    best_copy = std::min(best_copy, cpu_seconds() - worked);
-    best_work = std::min(best_work, worked - begin);
+    copies.push_back(cpu_seconds() - worked);
+    works.push_back(worked - begin);
     state.SetIterationTime(worked - begin);
   }
   const auto n = static_cast<double>(points);
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(points));
-  state.counters["ns_point"] = best_work * 1e9 / n;
-  state.counters["ns_memcpy"] = best_copy * 1e9 / n;
-  state.counters["x_memcpy"] = best_work / best_copy;
+  state.counters["ns_point"] = median(works) * 1e9 / n;
+  state.counters["ns_memcpy"] = median(copies) * 1e9 / n;
+  state.counters["x_memcpy"] = median(works) / median(copies);
+  state.counters["x_best"] =
+      *std::min_element(works.begin(), works.end()) / *std::min_element(copies.begin(), copies.end());
 }
 
 }  // namespace lidard::bench
