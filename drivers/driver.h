@@ -120,6 +120,7 @@ struct DeviceRequests {
   std::optional<int> skip;                ///< scans left out between two (REP 138)
   std::optional<int> cluster;             ///< beams merged into one (REP 138)
   bool calibrate_time = true;  ///< compare both clocks once before the stream starts (REP 138; SCIP: TM)
+  bool device_states = false;             ///< SOPAS: subscribe to field evaluation, inputs and outputs
 };
 
 /// Where one frame of a multi-plane lidar ends and the next begins.

@@ -4,6 +4,7 @@
 
 #include "drivers/hokuyo/recognizer.h"
 #include "drivers/model.h"
+#include "drivers/sick/cola_recognizer.h"
 #include "drivers/sick/safety_models.h"
 #include "drivers/velodyne/recognizer.h"
 
@@ -77,6 +78,7 @@ class SafetyData {
 constexpr std::array protocols{
     make<VelodyneData>,  //
     make<SafetyData>,    //
+    make<sick::ColaRecognizer>,
     make<hokuyo::Recognizer>,
 };
 

@@ -3,6 +3,7 @@
 #include "drivers/hokuyo/scip_models.h"
 #include "drivers/hokuyo/uam_driver.h"
 #include "drivers/model.h"
+#include "drivers/sick/cola_models.h"
 #include "drivers/sick/safety_models.h"
 #include "drivers/velodyne/models.h"
 
@@ -13,6 +14,7 @@ const std::vector<Model>& models() {
     std::vector<Model> list;
     velodyne::append_models(list);
     sick::append_safety_models(list);
+    sick::append_cola_models(list);
     hokuyo::append_scip_models(list);
     hokuyo::append_uam_models(list);
     return list;

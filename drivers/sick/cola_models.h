@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "drivers/model.h"
+
+namespace lidard::sick {
+
+/// What the telegram's "time since start up" means. SICK 8014631 says "time at the zero index before the
+/// measurement itself starts"; the times of transmission beside it contradict that for some devices.
+enum class ColaStamp : std::uint8_t { first_beam, last_beam };
+
+/// What the protocol needs to know of one device.
+struct ColaRow {
+  double shift_deg;        ///< added to the device's angle: what points ahead becomes 0
+  bool mirrored;           ///< then the sign changes: the device counts clockwise
+  ColaStamp stamp;         ///< see there
+  std::uint8_t turn;       ///< telegrams for each turn of the mirror
+  std::uint8_t login;      ///< SOPAS user level that may write settings
+  std::uint32_t password;  ///< its factory password, as SOPAS hashes it
+  bool layered;            ///< several planes, one telegram for each: a cloud
+};
+
+/// Adds the scanners that speak CoLa A and B over TCP to the table of models.
+void append_cola_models(std::vector<Model>& list);
+
+/// Topics of what such a device tells beside its scans, in Model::state_topics.
+constexpr std::string_view topic_fields = "lferec";
+constexpr std::string_view topic_outputs = "lidoutputstate";
+constexpr std::string_view topic_inputs = "lidinputstate";
+constexpr std::string_view topic_encoder = "encoder";
+
+}  // namespace lidard::sick
