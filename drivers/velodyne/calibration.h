@@ -66,7 +66,8 @@ struct CalibratedPoint {
 ///     X = r(Dx) sin α − h cos α           Y = r(Dy) cos α + h sin α
 ///
 /// where Dx and Dy are D moved between the near and the far correction in proportion to |X| and |Y|.
-/// In double: at 262 m a float has only 0.03 mm to give, and each step would take its share.
+/// In double, one return at a time: what the loops of sequence_kernel.h, which do the same in float for eight
+/// at once, are tested against.
 class CalibratedGeometry {
  public:
   explicit CalibratedGeometry(const Calibration& calibration);

@@ -92,7 +92,7 @@ class Installation(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stdout)
 
     def test_the_receive_buffer_may_grow(self):
-        self.assertIn("net.core.rmem_max=8388608", self.text("lib/sysctl.d/60-lidard.conf").splitlines())
+        self.assertIn("net.core.rmem_max=16777216", self.text("lib/sysctl.d/60-lidard.conf").splitlines())
 
     def test_documentation_that_exists_is_installed(self):
         for source, installed in (("daemon/lidard.8", "share/man/man8/lidard.8"),
