@@ -2,18 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <limits>
-
+#include "core/height_band.h"
 #include "core/pose.h"
 #include "core/scan_grid.h"
 
 namespace lidard {
-
-/// Heights of the output frame that count, m; by default all.
-struct HeightBand {
-  double min = -std::numeric_limits<double>::infinity();
-  double max = std::numeric_limits<double>::infinity();
-};
 
 /// Projects points on the xy plane of an output scan and keeps the nearest one per beam: what ira_laser_tools
 /// publishes, but rounded to the nearest beam's centre, with the right number of beams and a height rule.

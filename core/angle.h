@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+
+namespace lidard {
+
+constexpr double pi_d = 3.14159265358979323846;
+
+/// `angle` brought into [-pi, pi]; at most one turn off.
+inline float wrapped(float angle) {
+  constexpr auto turn = static_cast<float>(2 * pi_d);
+  if (angle > turn / 2) return angle - turn;
+  return angle < -turn / 2 ? angle + turn : angle;
+}
+
+/// atan2 to about 2e-7 rad, without a branch that depends on the arguments, so that a loop over it can be
+/// vectorised; 0 at the origin. Polynomial: Abramowitz and Stegun, Handbook of Mathematical
+/// Functions, 4.4.49.
+inline float fast_atan2(float y, float x) {
+  const float ax = std::fabs(x);
+  const float ay = std::fabs(y);
+  const float big = ax > ay ? ax : ay;
+  const float small = ax > ay ? ay : ax;
+  const float z = small / (big + 1e-37F);
+  const float s = z * z;
+  float p = 0.0028662257F;
+  p = p * s - 0.0161657367F;
+  p = p * s + 0.0429096138F;
+  p = p * s - 0.0752896400F;
+  p = p * s + 0.1065626393F;
+  p = p * s - 0.1420889944F;
+  p = p * s + 0.1999355085F;
+  p = p * s - 0.3333314528F;
+  p = (p * s + 1.0F) * z;
+  p = ay > ax ? static_cast<float>(pi_d / 2) - p : p;
+  p = x < 0 ? static_cast<float>(pi_d) - p : p;
+  return y < 0 ? -p : p;
+}
+
+}  // namespace lidard

@@ -1,0 +1,96 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/beam_rays.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/angle.h"
+
+namespace lidard {
+namespace {
+
+constexpr float nowhere = std::numeric_limits<float>::infinity();
+// Returns so near to the outline are the vehicle's: mirrors, cables, an outline drawn a little too small.
+constexpr double margin_m = 0.05;
+// A scanner stands a little inside the outline; so much of the body cannot block its beams.
+constexpr double housing_m = 0.5;
+// Beams that graze an edge they start on do not enter the body.
+constexpr double graze_m = 0.002;
+
+/// Ranges at which a beam that begins at height `from` and climbs `slope` per m is inside the band.
+void clip(double from, double slope, HeightBand band, float& begin, float& end) {
+  if (std::abs(slope) < 1e-9) {
+    begin = 0;
+    end = from >= band.min && from <= band.max ? nowhere : -1.0F;
+    return;
+  }
+  const double at_min = (band.min - from) / slope;
+  const double at_max = (band.max - from) / slope;
+  begin = static_cast<float>(std::max(0.0, std::min(at_min, at_max)));
+  end = static_cast<float>(std::max(at_min, at_max));
+}
+
+}  // namespace
+
+bool BeamRays::fits(const PlanarScan& scan, const Pose& output_from_sensor) const {
+  return size() == scan.beams && angle_min == static_cast<double>(scan.angle_min) &&
+         increment == static_cast<double>(scan.angle_increment) &&
+         pose.matrix() == output_from_sensor.matrix();
+}
+
+void BeamRays::build(const PlanarScan& scan, const Pose& output_from_sensor, const Footprint& footprint,
+                     HeightBand band) {
+  pose = output_from_sensor;
+  angle_min = static_cast<double>(scan.angle_min);
+  increment = static_cast<double>(scan.angle_increment);
+  for (auto* list :
+       {&x, &y, &z, &level, &cosine, &sine, &own_begin, &own_end, &blocked_at, &band_begin, &band_end})
+    list->clear();
+  from_inside.clear();
+  const Footprint body = footprint.padded(-graze_m);
+  const Footprint margin = footprint.padded(margin_m);
+  for (std::size_t i = 0; i < scan.beams; ++i) {
+    add_beam(angle_min + static_cast<double>(i) * increment, body, margin, band);
+  }
+  const Eigen::Matrix2d forward = pose.linear().topLeftCorner<2, 2>();
+  // A plane that stands upright has no beam per direction; then none is found.
+  inverse_ = std::abs(forward.determinant()) > 1e-3 ? Eigen::Matrix2f(forward.inverse().cast<float>())
+                                                    : Eigen::Matrix2f::Zero().eval();
+}
+
+void BeamRays::add_beam(double angle, const Footprint& body, const Footprint& margin, HeightBand band) {
+  const Eigen::Vector3d ray = pose.linear() * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
+  const Eigen::Vector2d origin = pose.translation().head<2>();
+  x.push_back(static_cast<float>(ray.x()));
+  y.push_back(static_cast<float>(ray.y()));
+  z.push_back(static_cast<float>(ray.z()));
+  level.push_back(static_cast<float>(ray.head<2>().norm()));
+  cosine.push_back(static_cast<float>(std::cos(angle)));
+  sine.push_back(static_cast<float>(std::sin(angle)));
+  const auto own = margin.crossing(origin, ray.head<2>());
+  own_begin.push_back(own ? static_cast<float>(own->in) : nowhere);
+  own_end.push_back(own ? static_cast<float>(own->out) : nowhere);
+  const auto blocked = body.crossing(origin, ray.head<2>());
+  blocked_at.push_back(blocked && blocked->in > 0 ? static_cast<float>(blocked->in) : nowhere);
+  band_begin.push_back(0);
+  band_end.push_back(0);
+  clip(pose.translation().z(), ray.z(), band, band_begin.back(), band_end.back());
+  from_inside.push_back(blocked && blocked->in <= 0 && blocked->out > housing_m ? 1 : 0);
+}
+
+float BeamRays::beam_towards(float dx, float dy) const {
+  const Eigen::Vector2f in_sensor = inverse_ * Eigen::Vector2f(dx, dy);
+  if (in_sensor.squaredNorm() <= 0) return -1;
+  constexpr auto full = static_cast<float>(2 * pi_d);
+  const auto step = static_cast<float>(std::abs(increment));
+  float turn = fast_atan2(in_sensor.y(), in_sensor.x()) - static_cast<float>(angle_min);
+  if (increment < 0) turn = -turn;
+  // Half a beam before the first one still belongs to it. Scanners count from -2 pi to 2 pi.
+  while (turn < -step / 2) turn += full;
+  while (turn >= full - step / 2) turn -= full;
+  return turn / step;
+}
+
+}  // namespace lidard

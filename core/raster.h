@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "core/scan_grid.h"
+#include "core/sweep.h"
+
+namespace lidard {
+
+/// The nearest thing in each beam of an output scan; infinite range: nothing.
+struct RangeLayer {
+  std::vector<float> range;  ///< m
+  std::vector<float> intensity;
+  void clear(std::size_t beams);
+};
+
+/// Draws surfaces into the beams of an output scan: what a scanner in the output frame's origin would
+/// measure of them. Each beam's range is where it meets the surface; the nearest one stays.
+class Raster {
+ public:
+  using Point = Sweep::Point;
+
+  explicit Raster(const ScanGrid& grid);
+
+  const ScanGrid& grid() const { return grid_; }
+  float cosine(std::size_t beam) const { return cosine_[beam]; }
+  float sine(std::size_t beam) const { return sine_[beam]; }
+
+  /// All surfaces of a sweep. Ends of surfaces and single returns also count in the beam nearest to them.
+  void draw(const Sweep& sweep, RangeLayer& layer);
+  /// The returns of a sweep that are doubtful, as points.
+  void draw_doubtful(const Sweep& sweep, RangeLayer& layer) const;
+  void draw_point(Point p, RangeLayer& layer) const;
+  void draw_segment(Point p, Point q, RangeLayer& layer) const;
+  /// Marks the beams between the ends of surfaces and the next beam of the source: a surface may reach as
+  /// far as there. Call after draw() of the same sweep.
+  void mark_ends(const Sweep& sweep, const BeamRays& rays, std::vector<char>& marks) const;
+
+ private:
+  /// Beams from the first one to the azimuth of (x, y), in [0, turn_).
+  float position(float x, float y) const;
+  std::size_t nearest_beam(float at) const;
+  void draw_point(Point p, float at, RangeLayer& layer) const;
+  /// The end `p` of a surface that comes from `inner`, in the beam nearest to it.
+  void draw_end(Point p, Point inner, float at, RangeLayer& layer) const;
+  void draw_segment(Point p, Point q, float at_p, float at_q, RangeLayer& layer) const;
+  void mark_end(const Sweep& sweep, const BeamRays& rays, std::size_t end, std::size_t next,
+                std::vector<char>& marks) const;
+  void fill(Point p, Point q, float from, float to, RangeLayer& layer) const;
+
+  ScanGrid grid_;
+  float turn_;     // beams of a full turn
+  float per_rad_;  // beams
+  float first_;    // rad
+  std::vector<float> cosine_;
+  std::vector<float> sine_;
+  std::vector<float> positions_;  // of one sweep's returns
+};
+
+}  // namespace lidard

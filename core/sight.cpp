@@ -1,0 +1,182 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/sight.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lidard {
+namespace {
+
+constexpr float infinite = std::numeric_limits<float>::infinity();
+// Profiles count distances in steps of such a share of the farthest one.
+constexpr double distance_steps = 60000;
+// As far as the sources may stand from the origin, m; farther away they see nothing of it.
+constexpr double farthest_source = 100;
+constexpr double body_margin = 0.05;  // m, as far as returns count as the vehicle's own
+
+}  // namespace
+
+Sight::Sight(const ScanGrid& grid, const SightSettings& settings, std::size_t sources)
+    : settings_(settings),
+      raster_(grid),
+      table_(raster_),
+      rays_(sources),
+      profiles_(sources),
+      layers_(sources),
+      begin_(grid.beams, 0),
+      begin_step_(grid.beams, 0),
+      seen_(grid.beams, Seen::unobserved),
+      covered_(grid.beams, 0) {
+  if (settings_.free_required <= 0) settings_.free_required = grid.range_max;
+  nearest_.clear(grid.beams);
+  doubtful_.clear(grid.beams);
+}
+
+void Sight::set_footprint(const Footprint& footprint) {
+  const Footprint body = footprint.padded(body_margin);
+  const bool inside = footprint.contains({0, 0}) || body.contains({0, 0});
+  for (std::size_t beam = 0; beam < beams(); ++beam) {
+    const double angle = raster_.grid().angle(beam);
+    const auto crossing = body.crossing({0, 0}, {std::cos(angle), std::sin(angle)});
+    begin_[beam] = inside && crossing ? static_cast<float>(crossing->out) : 0.0F;
+    begin_step_[beam] = table_.step_at(begin_[beam]);
+  }
+}
+
+void Sight::set_source(std::size_t source, const BeamRays& rays) {
+  rays_[source] = rays;
+  const double unit = (raster_.grid().range_max + farthest_source) / distance_steps;
+  profiles_[source].set(rays, unit);
+  table_.set(source, rays_.size(), raster_, rays, profiles_[source]);
+}
+
+void Sight::compute(const std::vector<const Sweep*>& sweeps) {
+  combine(sweeps);
+  for (std::size_t beam = 0; beam < beams(); ++beam) decide(beam);
+}
+
+void Sight::combine(const std::vector<const Sweep*>& sweeps) {
+  nearest_.clear(beams());
+  doubtful_.clear(beams());
+  at_end_.assign(beams(), 0);
+  for (std::size_t s = 0; s < sweeps.size(); ++s) {
+    layers_[s].clear(beams());
+    if (sweeps[s] == nullptr) {
+      profiles_[s].clear();
+      continue;
+    }
+    profiles_[s].fill(*sweeps[s]);
+    raster_.draw(*sweeps[s], layers_[s]);
+    raster_.mark_ends(*sweeps[s], rays_[s], at_end_);
+    raster_.draw_doubtful(*sweeps[s], doubtful_);
+    for (std::size_t beam = 0; beam < beams(); ++beam) {
+      if (!(layers_[s].range[beam] < nearest_.range[beam])) continue;
+      nearest_.range[beam] = layers_[s].range[beam];
+      nearest_.intensity[beam] = layers_[s].intensity[beam];
+    }
+  }
+  if (!settings_.mean || sweeps.size() < 2) return;
+  for (std::size_t beam = 0; beam < beams(); ++beam) average(beam);
+}
+
+void Sight::average(std::size_t beam) {
+  if (nearest_.range[beam] == infinite) return;
+  const float limit = nearest_.range[beam] + static_cast<float>(3 * settings_.noise);
+  float range = 0;
+  float intensity = 0;
+  float count = 0;
+  for (const RangeLayer& layer : layers_) {
+    if (!(layer.range[beam] <= limit)) continue;
+    range += layer.range[beam];
+    intensity += layer.intensity[beam];
+    ++count;
+  }
+  nearest_.range[beam] = range / count;
+  nearest_.intensity[beam] = intensity / count;
+}
+
+bool Sight::is_free_at(std::size_t beam, float range) const {
+  const float x = range * raster_.cosine(beam);
+  const float y = range * raster_.sine(beam);
+  for (std::size_t s = 0; s < rays_.size(); ++s) {
+    if (rays_[s].size() == 0) continue;
+    const float dx = x - static_cast<float>(rays_[s].pose.translation().x());
+    const float dy = y - static_cast<float>(rays_[s].pose.translation().y());
+    const std::uint16_t distance = profiles_[s].distance(std::sqrt(dx * dx + dy * dy));
+    if (profiles_[s].cells()[profiles_[s].cell_towards(rays_[s], dx, dy)].is_free(distance)) return true;
+  }
+  return false;
+}
+
+bool Sight::is_covered(std::size_t beam, float end) {
+  const auto gap = static_cast<float>(settings_.gap);
+  const auto share = static_cast<float>(settings_.gap_share);
+  float known = begin_[beam];
+  std::size_t witness = 0;
+  const std::size_t sources = rays_.size();
+  const SightTable::Step* row = table_.row(beam, 0);
+  const std::size_t steps = table_.steps();
+  std::size_t m = begin_step_[beam];
+  for (; m < steps && table_.edge(m) < end; ++m) {
+    bool free = false;
+    for (std::size_t tried = 0; tried < sources && !free; ++tried) {
+      const std::size_t s = witness + tried < sources ? witness + tried : witness + tried - sources;
+      const SightTable::Step step = row[s * steps + m];
+      free = profiles_[s].size() != 0 && profiles_[s].cells()[step.cell].is_free(step.distance);
+      if (free) witness = s;
+    }
+    const float edge = std::min(table_.edge(m + 1), end);
+    if (free)
+      known = edge;
+    else if (edge - known > std::max(gap, share * edge))
+      break;
+  }
+  covered_[beam] = known;
+  return m >= steps || table_.edge(m) >= end;
+}
+
+void Sight::decide(std::size_t beam) {
+  const auto range_max = static_cast<float>(raster_.grid().range_max);
+  const float range = nearest_.range[beam];
+  if (!(range <= range_max)) {
+    // Nothing bounds what was not seen at the end of the way, so its very end must be free.
+    const auto end = std::min(static_cast<float>(settings_.free_required), range_max);
+    const bool free = is_covered(beam, end) && at_end_[beam] == 0 && is_free_at(beam, end);
+    seen_[beam] = free ? Seen::free : Seen::unobserved;
+    return;
+  }
+  const float before = range - static_cast<float>(std::max(settings_.approach, 5 * settings_.noise));
+  const bool approached = before <= begin_[beam] || is_free_at(beam, before);
+  const bool covered = is_covered(beam, before);
+  seen_[beam] = !approached ? Seen::behind : covered ? Seen::hit : Seen::gap;
+}
+
+void Sight::encode(Profile profile, PlanarScan& scan, bool with_intensities) const {
+  raster_.grid().prepare(scan, with_intensities);
+  for (std::size_t beam = 0; beam < beams(); ++beam) {
+    float range = nearest_.range[beam];
+    float intensity = nearest_.intensity[beam];
+    bool hit = seen_[beam] == Seen::hit;
+    bool free = seen_[beam] == Seen::free;
+    if (profile == Profile::safety) {
+      if (doubtful_.range[beam] < range) {
+        range = doubtful_.range[beam];
+        intensity = doubtful_.intensity[beam];
+      }
+      hit = range <= scan.range_max;
+      free = free && !hit;
+    }
+    if (free) scan.set_without_hit(beam, BeamStatus::none);
+    if (!hit) continue;
+    if (range < scan.range_min) {
+      scan.set_without_hit(beam, BeamStatus::near);
+    } else {
+      scan.set_hit(beam, range);
+      if (with_intensities) scan.intensities[beam] = intensity;
+    }
+  }
+}
+
+}  // namespace lidard

@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/flatten.h"
+#include "core/sight_table.h"
+
+namespace lidard {
+
+/// How a scan says what is known. `strict`: only what is proven. `safety`: every return, and free only what
+/// is proven free. `flatten`: points alone, as ira_laser_tools has it.
+enum class Profile : std::uint8_t { strict, safety, flatten };
+
+/// What is known about a beam of the output. `behind`: a surface that no source sees from the side the beam
+/// comes from. `gap`: a surface, but the way to it was not observed.
+enum class Seen : std::uint8_t { unobserved, free, hit, behind, gap };
+
+struct SightSettings {
+  double noise = 0.02;       ///< the largest of the sources' standard deviations, m
+  double gap = 0.3;          ///< so much of the way may go unobserved, m ...
+  double gap_share = 0.05;   ///< ... or this share of the range, whichever is more
+  double approach = 0.12;    ///< so far before a surface the way must be free, m
+  double free_required = 0;  ///< how far a beam must be observed to be free, m; 0: range_max
+  bool mean = false;         ///< surfaces that several sources see in one place are averaged
+};
+
+/// What can be said from the origin of an output frame about the surfaces and the free space that several
+/// sources see: per beam the nearest surface, and whether the way to it is known to be free.
+class Sight {
+ public:
+  Sight(const ScanGrid& grid, const SightSettings& settings, std::size_t sources);
+
+  /// The vehicle's outline in the output frame: the way inside it need not be observed.
+  void set_footprint(const Footprint& footprint);
+  /// Tells where a source looks from; needed once, and whenever it moves.
+  void set_source(std::size_t source, const BeamRays& rays);
+  /// Computes from the newest sweep of each source; nullptr: this source has none.
+  void compute(const std::vector<const Sweep*>& sweeps);
+  /// Writes the result in the words of a profile, `strict` or `safety`.
+  void encode(Profile profile, PlanarScan& scan, bool with_intensities) const;
+
+  std::size_t beams() const { return seen_.size(); }
+  Seen seen(std::size_t beam) const { return seen_[beam]; }
+  /// m to the nearest surface; infinite: none.
+  float range(std::size_t beam) const { return nearest_.range[beam]; }
+  /// m from the origin as far as the way is observed to be free.
+  float covered(std::size_t beam) const { return covered_[beam]; }
+
+ private:
+  void combine(const std::vector<const Sweep*>& sweeps);
+  void average(std::size_t beam);
+  void decide(std::size_t beam);
+  /// True if some source sees that nothing is at `range` of the beam.
+  bool is_free_at(std::size_t beam, float range) const;
+  /// Walks from where the vehicle ends to `end`; false at the first gap. Sets covered.
+  bool is_covered(std::size_t beam, float end);
+
+  SightSettings settings_;
+  Raster raster_;
+  SightTable table_;
+  std::vector<BeamRays> rays_;
+  std::vector<FreeProfile> profiles_;
+  std::vector<RangeLayer> layers_;  // per source
+  RangeLayer nearest_;
+  RangeLayer doubtful_;
+  std::vector<char> at_end_;  // a surface ends here, perhaps inside the beam
+  std::vector<float> begin_;  // m, where the vehicle ends
+  std::vector<std::size_t> begin_step_;
+  std::vector<Seen> seen_;
+  std::vector<float> covered_;
+};
+
+}  // namespace lidard

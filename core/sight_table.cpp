@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/sight_table.h"
+
+#include <algorithm>
+
+namespace lidard {
+namespace {
+
+// A third of the longest way that may go unseen (0.3 m or 5 % of the range), and finer.
+constexpr double shortest_step = 0.1;  // m
+constexpr double growth = 0.02;        // of the range
+
+}  // namespace
+
+SightTable::SightTable(const Raster& raster) {
+  double at = 0;
+  while (at < raster.grid().range_max) {
+    const double step = std::max(shortest_step, growth * at);
+    edges_.push_back(static_cast<float>(at));
+    middles_.push_back(static_cast<float>(at + step / 2));
+    at += step;
+  }
+  edges_.push_back(static_cast<float>(at));
+}
+
+std::size_t SightTable::step_at(float range) const {
+  return static_cast<std::size_t>(std::lower_bound(middles_.begin(), middles_.end(), range) -
+                                  middles_.begin());
+}
+
+void SightTable::set(std::size_t source, std::size_t sources, const Raster& raster, const BeamRays& rays,
+                     const FreeProfile& profile) {
+  if (sources != sources_) {
+    sources_ = sources;
+    steps_.assign(raster.grid().beams * sources * middles_.size(), {0, 0xFFFF});
+  }
+  const auto x = static_cast<float>(rays.pose.translation().x());
+  const auto y = static_cast<float>(rays.pose.translation().y());
+  for (std::size_t beam = 0; beam < raster.grid().beams; ++beam) {
+    Step* row = steps_.data() + (beam * sources_ + source) * middles_.size();
+    for (const float range : middles_) {
+      const float dx = range * raster.cosine(beam) - x;
+      const float dy = range * raster.sine(beam) - y;
+      *row++ = {profile.cell_towards(rays, dx, dy), profile.distance(std::sqrt(dx * dx + dy * dy))};
+    }
+  }
+}
+
+}  // namespace lidard
