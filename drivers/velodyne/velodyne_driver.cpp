@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "drivers/model.h"
 #include "drivers/velodyne/firing_schedule.h"
@@ -64,6 +65,7 @@ class VelodyneDriver final : public Driver {
     frames_.reset();
     clock_.reset();
     telemetry_.restart();
+    edge_.reset();
     pending_ = in_stream_ = false;
   }
   void tick(Stamp now, DriverOutput& /*out*/) override {
@@ -86,6 +88,7 @@ class VelodyneDriver final : public Driver {
   void measure_turn(double azimuth_deg, Span step);
   /// Rotation over the last packets, deg/s; 0 unknown.
   double turn_rate() const { return turned_s_ > 0 ? turned_deg_ / turned_s_ : 0; }
+  double rate_over_turn(const PacketAzimuths& azimuths, Span time);
   void note_product(std::uint8_t product, bool refused);
   bool has_status() const { return !row_.names_product(); }
   void read_status(const DataPacket& packet);
@@ -113,6 +116,8 @@ class VelodyneDriver final : public Driver {
   Span last_time_{0};
   double last_azimuth_deg_ = 0;
   double turned_deg_ = 0, turned_s_ = 0;
+  std::optional<std::pair<Span, double>>
+      edge_;  // when the last hidden sector inside a packet began, and where
   std::uint8_t told_product_ = 0;
 };
 
@@ -197,6 +202,7 @@ void VelodyneDriver::accept(const OrderedPacket& packet, Span time, DriverOutput
     frames_.cut_off(out);
     clock_.reset();
     turned_deg_ = turned_s_ = 0;
+    edge_.reset();
   } else if (in_stream_) {
     const NextPacket next{time - last_time_};
     measure_turn(packet.view().azimuth(0) * 0.01, next.step);
@@ -230,6 +236,25 @@ void VelodyneDriver::measure_turn(double azimuth_deg, Span step) {
   turned_s_ /= 2;
 }
 
+/// The rotation that a silence is reckoned with: over whole turns, from one begin of the hidden sector to the
+/// next, where a hundredth of a degree is little.
+double VelodyneDriver::rate_over_turn(const PacketAzimuths& azimuths, Span time) {
+  const double usual = turn_rate();
+  if (azimuths.hidden_total_deg <= 0) return usual;
+  std::size_t g = 1;
+  while (azimuths.hidden_deg[g] <= 0) ++g;
+  const auto sequences = static_cast<int>((g - 1) * row_.sequences_per_block());
+  const Span begin = time + timing_.timing().sequence * sequences;
+  const double azimuth = azimuths.group_deg[g - 1];
+  const auto before = std::exchange(edge_, std::make_pair(begin, azimuth));
+  if (!before) return usual;
+  const double elapsed = seconds(begin - before->first);
+  const double beyond = std::remainder(azimuth - before->second, 360);
+  const double turns = std::round((usual * elapsed - beyond) / 360);
+  constexpr double recent_turns = 3;
+  return turns < 1 || turns > recent_turns ? usual : (360 * turns + beyond) / elapsed;
+}
+
 void VelodyneDriver::decode_pending(const std::optional<NextPacket>& next, DriverOutput& out) {
   if (!pending_) return;
   pending_ = false;
@@ -250,7 +275,8 @@ void VelodyneDriver::decode(const OrderedPacket& packet, Span time, const std::o
   const bool old_firmware = row_.without_factory_bytes != nullptr && !row_.has_product(view.product());
   set_timing(old_firmware ? *row_.without_factory_bytes : timing_.timing(), timing_.decided());
   const PacketAzimuths& azimuths = packet.azimuths;
-  const FiringSchedule schedule = schedule_of(row_, timing_, azimuths, layout.echoes, next, turn_rate());
+  const FiringSchedule schedule =
+      schedule_of(row_, timing_, azimuths, layout.echoes, next, rate_over_turn(azimuths, time));
   // The packet leaves after its last firing sequence.
   clock_.observe(time + schedule.end - timing_in_force_->before, packet.arrival);
 
