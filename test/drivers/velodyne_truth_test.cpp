@@ -96,7 +96,7 @@ VelodyneSetup setup_of(const char* model, const char* mode) {
   VelodyneSetup setup;
   setup.model = model;
   setup.mode = mode;
-  if (setup.mode == "dual") setup.divergence_mrad = 3;
+  if (setup.mode != "strongest" && setup.mode != "last") setup.divergence_mrad = 3;
   setup.duration = std::chrono::milliseconds(120);
   return setup;
 }
@@ -116,7 +116,7 @@ TEST(VelodyneTruth, OldHdl32eFirmwareStampsTheEndOfThePacket) {
 
 TEST(VelodyneTruth, Vls128IsRightInEachTimingVariantAndMode) {
   for (const char* timing : {"a", "b", "c"}) {
-    for (const char* mode : {"strongest", "dual"}) {
+    for (const char* mode : {"strongest", "dual", "dual_confidence"}) {
       VelodyneSetup setup = setup_of("velodyne_vls128", mode);
       setup.timing = timing;
       setup.rest_spread_us = 0;
@@ -127,8 +127,15 @@ TEST(VelodyneTruth, Vls128IsRightInEachTimingVariantAndMode) {
 }
 
 TEST(VelodyneTruth, Hdl64eIsWhereTheSimulatorSaysItIs) {
+  compare(setup_of("velodyne_hdl64e_s1", "strongest"), 0, arrival_limit_s);
   for (const char* model : {"velodyne_hdl64e_s2", "velodyne_hdl64e_s21", "velodyne_hdl64e_s3"}) {
-    compare(setup_of(model, "strongest"), 0, arrival_limit_s);
+    for (const char* mode : {"strongest", "dual"}) {
+      for (const char* timing : {"48", "57.6"}) {
+        VelodyneSetup setup = setup_of(model, mode);
+        setup.timing = timing;
+        compare(setup, 0, arrival_limit_s);
+      }
+    }
   }
 }
 
