@@ -12,6 +12,7 @@
 #include "drivers/hokuyo/scip_dialogue.h"
 #include "drivers/hokuyo/scip_message.h"
 #include "drivers/hokuyo/scip_models.h"
+#include "drivers/hokuyo/scip_request.h"
 #include "drivers/hokuyo/warning_board.h"
 
 namespace lidard::hokuyo {
@@ -28,13 +29,6 @@ constexpr int foreign_limit = 10;
 constexpr std::int64_t longest_loss = 10'000;
 constexpr int enough_comparisons = 10;
 constexpr Span fine_comparison = std::chrono::microseconds(300);
-
-/// UST firmware from 4.1, or from 1.1 within 1.x, knows the % extension (as urg_stamped has it).
-bool firmware_knows_percent(const std::string& firmware) {
-  int major = 0, minor = 0;
-  if (std::sscanf(firmware.c_str(), "%d.%d", &major, &minor) != 2) return false;
-  return major > 4 || (major == 4 && minor >= 1) || (major == 1 && minor >= 1);
-}
 
 class ScipDriver final : public Driver, private ScipDialogue::Owner {
  public:
@@ -244,25 +238,7 @@ bool ScipDriver::compared(ScipStamp stamp, Stamp sent, Stamp received) {
   return ++comparisons_ >= enough_comparisons && rest && *rest < fine_comparison;
 }
 
-/// The steps inside the configured angles; all of them if there are none.
-ScipScanRequest ScipDriver::wanted() {
-  ScipScanRequest request;
-  const ScipParameters& p = parameters_;
-  // Configured angles are rounded: a step on the limit is inside.
-  constexpr double slack = 0.01;
-  const auto step_at = [&p](double angle) { return angle / p.rad_per_step() + p.front_step; };
-  const double low = config_.angle_min ? std::ceil(step_at(*config_.angle_min) - slack) : p.first_step;
-  const double high = config_.angle_max ? std::floor(step_at(*config_.angle_max) + slack) : p.last_step;
-  request.first_step = static_cast<int>(std::clamp<double>(low, p.first_step, p.last_step));
-  request.last_step = static_cast<int>(std::clamp<double>(high, p.first_step, p.last_step));
-  if (low > high || request.last_step < request.first_step) {
-    request.first_step = p.first_step;
-    request.last_step = p.last_step;
-  }
-  request.cluster = std::clamp(config_.requests.cluster.value_or(1), 1, 99);
-  request.skip = std::clamp(config_.requests.skip.value_or(0), 0, 9);
-  return request;
-}
+ScipScanRequest ScipDriver::wanted() { return request_for(parameters_, config_); }
 
 Reject ScipDriver::publish(const ScipMessage& message, const ScipScanRequest& request, Stamp arrival,
                            DriverOutput& out) {

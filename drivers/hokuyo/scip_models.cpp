@@ -57,7 +57,7 @@ void append_scip_models(std::vector<Model>& list) {
   list.push_back(scanner("hokuyo_ust_30lx", "UST-30LX", ust_30lx, false));
   list.push_back(scanner("hokuyo_utm_30lx_ew", "UTM-30LX-EW", utm_30lx_ew, true));
   list.push_back(scanner("hokuyo_uxm_30lx_ew", "UXM-30LX-EW", uxm_30lx_ew, true));
-  list.push_back(scanner("hokuyo_scip", "any sensor with SCIP 2", any_scip, true));
+  list.push_back(scanner("hokuyo_scip", "generic", any_scip, true));
 }
 
 const Model* scip_model_of(std::string_view product) {
