@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <stdexcept>
 #include <vector>
 
@@ -66,12 +67,20 @@ CaptureSummary make_capture(const Scene& scene, const std::string& prefix, bool 
   PcapWriter pcap(prefix + ".pcap");
   TruthWriter truth(scene);
   CaptureSummary summary;
+  std::set<std::size_t> opened;
   simulate(scene, [&](const SimPacket& packet) {
+    if (packet.tcp) {
+      // A capture that begins with a request begins with the connection.
+      if (packet.to_device && opened.insert(packet.sensor).second)
+        pcap.open_tcp(packet.time - Span(300'000), packet.from, packet.to);
+      pcap.write_tcp(packet.time, packet.from, packet.to, packet.payload);
+    } else {
+      pcap.write(packet.time, packet.from, packet.to, packet.payload);
+    }
     if (packet.measurement != nullptr) {
-      truth.add(*packet.measurement, pcap.records());
+      truth.add(*packet.measurement, pcap.records() - 1);
       ++summary.measurements;
     }
-    pcap.write(packet.time, packet.from, packet.to, packet.payload);
     ++summary.packets;
     return true;
   });

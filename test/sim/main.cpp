@@ -2,11 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "drivers/pcap_source.h"
 #include "test/sim/capture.h"
+#include "test/sim/device_server.h"
 #include "test/sim/repeater.h"
 #include "test/sim/scene_file.h"
 #include "test/sim/simulate.h"
@@ -97,17 +100,56 @@ int make(const Arguments& arguments) {
   return 0;
 }
 
+/// Where a client finds a TCP sensor of the scene.
+Endpoint server_of(const SensorEntry& sensor, const Route& route) {
+  const auto local = local_source(route, sensor.from.address, route.to.value_or(sensor.to.address));
+  const auto port = route.ports.find(sensor.from.port);
+  return {local.value_or(sensor.from.address), port == route.ports.end() ? sensor.from.port : port->second};
+}
+
+/// Puts the scene's TCP sensors behind sockets; takes them out of `scene`, which sends datagrams then.
+std::vector<std::unique_ptr<DeviceServer>> serve(const Scene& all, const Route& route, Scene& scene) {
+  std::vector<std::unique_ptr<DeviceServer>> servers;
+  scene.sensors.clear();
+  const Stamp now = wall_clock();
+  for (std::size_t i = 0; i < all.sensors.size(); ++i) {
+    const SensorEntry& sensor = all.sensors[i];
+    if (!sensor.is_tcp()) {
+      scene.sensors.push_back(sensor);
+      continue;
+    }
+    const Endpoint address = server_of(sensor, route);
+    servers.push_back(
+        std::make_unique<DeviceServer>(address, sensor.make_device(all, i, now, all.start - now)));
+    std::printf("%s: waits for a client at %s\n", sensor.name.c_str(), address.to_string().c_str());
+  }
+  std::fflush(stdout);
+  return servers;
+}
+
 int live(const Arguments& arguments) {
-  Scene scene = load_scene(arguments.input);
-  if (arguments.duration > 0) scene.duration = span_from_seconds(arguments.duration);
-  UdpSender sender(parse_route(arguments));
+  Scene all = load_scene(arguments.input);
+  if (arguments.duration > 0) all.duration = span_from_seconds(arguments.duration);
+  Scene scene = all;
+  const Route route = parse_route(arguments);
+  const auto servers = serve(all, route, scene);
+  UdpSender sender(route);
   Pacer pacer(parse_rate(arguments.rate));
-  simulate(scene, [&](const SimPacket& packet) {
-    pacer.wait_until(packet.time);
-    sender.send(packet.from, packet.to, packet.payload);
-    return true;
-  });
-  return report(sender, pacer);
+  const Stamp begin = wall_clock();
+  if (!scene.sensors.empty()) {
+    simulate(scene, [&](const SimPacket& packet) {
+      pacer.wait_until(packet.time);
+      sender.send(packet.from, packet.to, packet.payload);
+      return true;
+    });
+  }
+  if (!servers.empty()) std::this_thread::sleep_for(begin + scene.duration - wall_clock());
+  for (const auto& server : servers) {
+    std::printf("port %u: %llu connections, %llu bytes\n", server->port(),
+                static_cast<unsigned long long>(server->connections()),
+                static_cast<unsigned long long>(server->bytes_sent()));
+  }
+  return scene.sensors.empty() ? 0 : report(sender, pacer);
 }
 
 int send(const Arguments& arguments) {
@@ -155,7 +197,8 @@ int run(int argc, char** argv) {
       ->required();
   make_command->add_flag("--no-truth", arguments.no_truth,
                          "Without PREFIX.truth, which is larger than the packets");
-  CLI::App* live_command = app.add_subcommand("live", "Sends a scene's packets over UDP when they are due");
+  CLI::App* live_command = app.add_subcommand(
+      "live", "Sends a scene's packets over UDP when they are due; TCP sensors wait for clients");
   live_command->add_option("SCENE", arguments.input, "Scene file (see pcaps/README.md)")->required();
   live_command->add_option("--duration", arguments.duration, "Stop after that time (default: the scene's)")
       ->type_name("S")

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "test/sim/hokuyo_scene.h"
 #include "test/sim/microscan3.h"
 #include "test/sim/scene_file.h"
 #include "test/sim/scene_velodyne.h"
@@ -14,6 +15,7 @@ struct Family {
   std::string name;
   double range_min, range_max;  ///< m
   std::function<ModelMaker(const YamlReader& options)> parse;
+  std::function<void(const YamlReader& options, SensorEntry& entry)> parse_tcp{};  ///< instead
 };
 
 ModelMaker parse_microscan3(const YamlReader& yaml) {
@@ -52,6 +54,15 @@ std::vector<Family> make_families() {
   }
   for (const char* name : {"sick_microscan3", "sick_nanoscan3", "sick_outdoorscan3"}) {
     families.push_back({name, 0, 40, parse_microscan3});
+  }
+  for (const HokuyoFamily& hokuyo : hokuyo_families()) {
+    families.push_back({hokuyo.name,
+                        hokuyo.range_min,
+                        hokuyo.range_max,
+                        {},
+                        [name = hokuyo.name](const YamlReader& options, SensorEntry& entry) {
+                          parse_hokuyo(name, options, entry);
+                        }});
   }
   return families;
 }
@@ -95,7 +106,12 @@ SensorEntry parse_sensor(const std::string& name, const YamlReader& yaml) {
   sensor.range_min = yaml.not_negative("range_min", family.range_min);
   sensor.range_max = yaml.positive("range_max", family.range_max);
   const YamlReader none(yaml.file(), YAML::Node(YAML::NodeType::Map));
-  sensor.make = family.parse(yaml.has("options") ? yaml.at("options") : none);
+  const YamlReader options = yaml.has("options") ? yaml.at("options") : none;
+  if (family.parse_tcp) {
+    family.parse_tcp(options, sensor);
+  } else {
+    sensor.make = family.parse(options);
+  }
   return sensor;
 }
 

@@ -54,11 +54,12 @@ struct SlotTruth {
   Eigen::Vector3d xyz = Eigen::Vector3d::Zero();
 };
 
-/// A UDP payload and when it is ready to leave.
+/// A UDP payload, or a piece of a TCP stream, and when it is ready to leave.
 struct Datagram {
   Stamp ready;
   std::uint16_t port = 0;  ///< both sides' port where it is not that of the data
   std::vector<std::uint8_t> payload;
+  bool to_device = false;  ///< TCP: what its client wrote
 };
 
 /// What the device knows of its vehicle's motion when it encodes.
@@ -78,6 +79,12 @@ class SensorModel {
 };
 
 struct SensorEntry;
+struct Scene;
+class TcpDevice;
+/// Makes the device that a client finds at a TCP sensor's address, switched on long ago; `shift` is added to
+/// a time of the client's clock to get the scene's.
+using DeviceMaker =
+    std::function<std::unique_ptr<TcpDevice>(const Scene& scene, std::size_t sensor, Stamp now, Span shift)>;
 /// Makes a device that starts to measure at `start`.
 using ModelMaker = std::function<std::unique_ptr<SensorModel>(const SensorEntry& entry, Stamp start)>;
 
@@ -96,6 +103,8 @@ struct SensorEntry {
   double range_min = 0;   ///< m
   double range_max = 0;   ///< m
   ModelMaker make;
+  DeviceMaker make_device;  ///< empty: the sensor sends UDP datagrams
+  bool is_tcp() const { return static_cast<bool>(make_device); }
 };
 
 /// The distance that `count` steps of `step` mm mean; +inf for none.

@@ -40,6 +40,9 @@ class Station {
     packet.to = entry_.to;
     if (datagram.port != 0) packet.from.port = packet.to.port = datagram.port;
     packet.payload = ByteView(datagram.payload.data(), datagram.payload.size());
+    if (datagram.to_device) std::swap(packet.from, packet.to);
+    packet.tcp = entry_.is_tcp();
+    packet.to_device = datagram.to_device;
     if (waiting_.size() == 1) packet.measurement = &measurement_;
     return packet;
   }

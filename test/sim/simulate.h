@@ -22,12 +22,13 @@ struct Measurement {
   std::vector<SlotTruth> slots;
 };
 
-/// A datagram on its way. Everything is valid during the call only.
+/// A datagram or a piece of a TCP stream on its way. Everything is valid during the call only.
 struct SimPacket {
   std::size_t sensor = 0;
   Stamp time;  ///< when it leaves
   Endpoint from, to;
   ByteView payload;
+  bool tcp = false, to_device = false;
   const Measurement* measurement = nullptr;  ///< on the last datagram of a measurement
 };
 
