@@ -153,6 +153,11 @@ void ConfigWriter::sensor(const SensorConfig& sensor) {
   optional_number("angle_min", driver.angle_min, "angle_min: all beams");
   optional_number("angle_max", driver.angle_max, "angle_max: all beams");
   flag("publish_intensity", driver.publish_intensity);
+  if (sensor.model->has_echoes) flag("publish_multiecho", driver.publish_multiecho);
+  if (!speaks_scip(*sensor.model)) return;
+  number("skip", driver.requests.skip.value_or(0));
+  number("cluster", driver.requests.cluster.value_or(1));
+  flag("calibrate_time", driver.requests.calibrate_time);
 }
 
 void ConfigWriter::calibration(const SensorConfig& sensor) {

@@ -45,6 +45,8 @@ class ConfigClaims {
 void read_sensors(Mapping& root, Config& config, ConfigClaims& claims);
 void read_outputs(Mapping& root, Config& config, ConfigClaims& claims);
 
+/// True if skip, cluster and calibrate_time mean something to this model.
+bool speaks_scip(const Model& model);
 /// True if this model answers HTTP, so that `control` applies to it.
 bool has_web_interface(const Model& model);
 /// `control:` of a sensor whose other keys are read already.

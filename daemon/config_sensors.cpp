@@ -122,6 +122,16 @@ void read_beams_kept(Mapping& yaml, DriverConfig& driver) {
     yaml.where(yaml.has("angle_max") ? "angle_max" : "angle_max_deg")
         .fail("is not above angle_min", "angle_min < angle_max");
   if (const auto intensity = yaml.find("publish_intensity")) driver.publish_intensity = intensity->boolean();
+  if (!driver.model->has_echoes) return;
+  if (const auto echoes = yaml.find("publish_multiecho")) driver.publish_multiecho = echoes->boolean();
+}
+
+/// What a request for distances of SCIP may ask for.
+void read_scip_requests(Mapping& yaml, DeviceRequests& requests) {
+  if (const auto skip = yaml.find("skip")) requests.skip = static_cast<int>(skip->integer(0, 9));
+  if (const auto cluster = yaml.find("cluster"))
+    requests.cluster = static_cast<int>(cluster->integer(1, 99));
+  if (const auto calibrate = yaml.find("calibrate_time")) requests.calibrate_time = calibrate->boolean();
 }
 
 void read_device(Mapping& yaml, SensorConfig& sensor) {
@@ -136,6 +146,7 @@ void read_device(Mapping& yaml, SensorConfig& sensor) {
     driver.cut_angle = yaml.angle("cut_angle").value_or(0);
   else
     read_beams_kept(yaml, driver);
+  if (speaks_scip(*sensor.model)) read_scip_requests(yaml, driver.requests);
 }
 
 void read_pose_of(Mapping& yaml, SensorConfig& sensor, const Config& config, ConfigClaims& claims) {
@@ -170,6 +181,10 @@ SensorConfig read_sensor(const std::string& name, Mapping& yaml, Config& config,
     read_calibration(yaml, sensor, config);
     claims.publishes(name + (sensor.model->kind == FrameKind::cloud ? "/points" : "/scan"), owner,
                      yaml.self());
+    if (sensor.model->has_echoes && sensor.driver.publish_multiecho)
+      claims.publishes(name + "/echoes", owner, yaml.self());
+    for (const std::string_view state : sensor.model->state_topics)
+      claims.publishes(name + "/" + std::string(state), owner, yaml.self());
     if (sensor.model->has_gnss())
       for (const char* topic_name : {"/fix", "/time_reference"})
         claims.publishes(name + topic_name, owner, yaml.self());
@@ -201,6 +216,8 @@ void check_distinct(const SensorConfig& sensor, const Mapping& yaml,
 }
 
 }  // namespace
+
+bool speaks_scip(const Model& model) { return model.protocol == "SCIP 2"; }
 
 void read_sensors(Mapping& root, Config& config, ConfigClaims& claims) {
   const std::string expected = "sensors: with at least one entry, each with model: or topic:";

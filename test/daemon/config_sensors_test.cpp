@@ -232,6 +232,30 @@ TEST(SensorConfig, RefusesUnknownWordsAndTimes) {
             "f:1:49: sensors.a.cut_angle is 90; expected a number from -7 to 7 rad (degrees: cut_angle_deg)");
 }
 
+TEST(SensorConfig, TakesEveryKeyOfAHokuyo) {
+  const Config config = parse_config(
+      "sensors: {a: {model: hokuyo_utm_30lx_ew, ip_address: 192.168.0.10, skip: 3, cluster: 2, "
+      "publish_multiecho: true, calibrate_time: false}, b: {model: hokuyo_ust_10lx, ip_address: 10.0.0.1}}",
+      "f");
+  const DriverConfig& driver = config.sensors.at(0).driver;
+  EXPECT_EQ(driver.requests.skip, 3);
+  EXPECT_EQ(driver.requests.cluster, 2);
+  EXPECT_TRUE(driver.publish_multiecho);
+  EXPECT_FALSE(driver.requests.calibrate_time);
+  EXPECT_EQ(config.sensors[0].ip_port, 10940);
+  EXPECT_TRUE(config.sensors[1].driver.requests.calibrate_time);
+  const std::string yaml = to_yaml(config);
+  EXPECT_EQ(to_yaml(parse_config(yaml, "g")), yaml);
+}
+
+TEST(SensorConfig, RefusesWhatAHokuyoCannotDo) {
+  const std::string head = "sensors: {a: {model: hokuyo_ust_10lx, ip_address: 10.0.0.1, ";
+  EXPECT_EQ(error_of(head + "skip: 10}}"), "f:1:67: sensors.a.skip is 10; expected a whole number from 0 to 9");
+  EXPECT_NE(error_of(head + "cluster: 0}}"), "no error");
+  EXPECT_NE(error_of(head + "publish_multiecho: true}}"), "no error") << "it has one echo";
+  EXPECT_NE(error_of("sensors: {a: {model: hokuyo_uam_05lp, ip_address: 10.0.0.1, skip: 1}}"), "no error");
+}
+
 TEST(SensorConfig, WarnsOfATopicSourceThatNobodyUses) {
   const Config config = parse_config("sensors:\n  rear: {topic: /rear/scan}\n", "f");
   EXPECT_EQ(config.warnings,

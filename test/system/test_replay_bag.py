@@ -13,6 +13,7 @@ EXAMPLES = {
     "demo.yaml": "demo.pcap",
     "velodyne_vlp16.yaml": "vlp16_dual.pcap",
     "sick_microscan3.yaml": "demo.pcap",
+    "hokuyo_ust_10lx.yaml": "hokuyo_ust_10lx.pcap",
     "two_safety_scanners.yaml": "demo.pcap",
 }
 

@@ -1,0 +1,77 @@
+#!/usr/bin/python3
+# SPDX-FileCopyrightText: 2026 the lidard authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Hokuyos that wait on loopback, `lidard run` and subscribers: scans at the sensors' rate, and again after they were away."""
+import subprocess
+import time
+
+import rospy
+from harness import LIDARD, LIDARD_SIM, expect, folder, free_port, process, ros_master, use_master_at, wait_for
+from sensor_msgs.msg import LaserScan
+
+SCENE = """\
+start: 2026-01-01T00:00:00Z
+duration: 600
+sensors:
+  ust: {{model: hokuyo_ust_10lx, from: '192.168.0.10:{ust}', to: '127.0.0.1:40000', options: {{clock_ppm: 100}}}}
+  uam: {{model: hokuyo_uam_05lp, from: '192.168.0.11:{uam}', to: '127.0.0.1:40001'}}
+objects:
+  - wall: {{from: [4, -3], to: [4, 3], z: [-1, 1]}}
+"""
+CONFIG = """\
+sensors:
+  ust: {{model: hokuyo_ust_10lx, ip_address: 127.168.0.10, ip_port: {ust}}}
+  uam: {{model: hokuyo_uam_05lp, ip_address: 127.168.0.11, ip_port: {uam}}}
+"""
+
+
+def ahead(scan):
+    """The range straight ahead, where the wall stands."""
+    return scan.ranges[round(-scan.angle_min / scan.angle_increment)]
+
+
+def check(scans, period, seconds):
+    expect(abs(len(scans) * period / seconds - 1) < 0.2, f"{len(scans)} scans in {seconds:.1f} s, one each {period} s")
+    for before, after in zip(scans, scans[1:]):
+        step = (after.header.stamp - before.header.stamp).to_sec()
+        expect(abs(step - period) < 0.25 * period, f"stamps {step} s apart")
+    for scan in scans:
+        expect(len(scan.ranges) == 1081, f"{len(scan.ranges)} beams")
+        expect(abs(ahead(scan) - 4) < 0.002, f"wall at {ahead(scan)} m")
+        expect(abs(scan.header.stamp.to_sec() - time.time()) < 60, "stamps are of today")
+
+
+def main():
+    ports = {"ust": free_port(), "uam": free_port(), "master": free_port()}
+    use_master_at(ports["master"])
+    with folder() as tmp, ros_master(ports["master"]):
+        (tmp / "scene.yaml").write_text(SCENE.format(**ports))
+        (tmp / "live.yaml").write_text(CONFIG.format(**ports))
+        log = tmp / "log.txt"
+        simulator = [LIDARD_SIM, "live", tmp / "scene.yaml"]
+        rospy.init_node("listener", disable_signals=True, anonymous=True)
+        got = {"ust": [], "uam": []}
+        for name, scans in got.items():
+            rospy.Subscriber(f"/{name}/scan", LaserScan, scans.append, queue_size=1000)
+        with log.open("w") as sink, process([LIDARD, "run", "-c", tmp / "live.yaml"], stdout=sink,
+                                            stderr=subprocess.STDOUT):
+            with process(simulator, stdout=subprocess.DEVNULL):
+                wait_for(lambda: all(len(scans) > 20 for scans in got.values()), 20, "scans of both:\n" + log.read_text())
+                begin = {name: len(scans) for name, scans in got.items()}
+                started = time.monotonic()
+                time.sleep(4)
+                seconds = time.monotonic() - started
+                check(got["ust"][begin["ust"]:], 0.025, seconds)
+                check(got["uam"][begin["uam"]:], 0.03, seconds)
+            time.sleep(2)
+            begin = {name: len(scans) for name, scans in got.items()}
+            with process(simulator, stdout=subprocess.DEVNULL):
+                back = time.monotonic()
+                wait_for(lambda: all(len(scans) > begin[name] + 10 for name, scans in got.items()), 10,
+                         "scans after the sensors were away:\n" + log.read_text())
+                print(f"scans again {time.monotonic() - back:.1f} s after the sensors were back")
+    print("ok")
+
+
+if __name__ == "__main__":
+    main()
