@@ -8,6 +8,7 @@
 
 #include "daemon/check.h"
 #include "daemon/decode.h"
+#include "daemon/discover.h"
 #include "daemon/inspect.h"
 #include "daemon/models_command.h"
 #include "daemon/replay.h"
@@ -35,6 +36,8 @@ struct Commands {
   std::string time = "host";
   ReplayOptions replay;
   DecodeOptions decode;
+  DiscoverOptions discover;
+  std::vector<std::string> hokuyos{"192.168.0.10:10940"}, sicks;
 
   Commands() {
     app.set_version_flag("--version", "lidard " LIDARD_VERSION);
@@ -46,6 +49,7 @@ struct Commands {
     add_inspect();
     add_check();
     add_models();
+    add_discover();
   }
 
  private:
@@ -106,8 +110,18 @@ struct Commands {
     c->callback([this] { action = [this] { return run_models(json, std::cout); }; });
   }
 
+  void add_discover() {
+    auto* c = app.add_subcommand("discover", "Which SICK and Hokuyo devices answer in the network");
+    c->add_option("--hokuyo", hokuyos, "Addresses to ask, IP[:PORT]")->capture_default_str();
+    c->add_option("--sick", sicks, "Where to send the search, IP[:PORT]; else broadcast on all interfaces");
+    c->add_option("--wait", discover.wait, "Seconds")->check(CLI::Range(0.1, 60.0))->capture_default_str();
+    c->add_flag("--json", discover.json, "For scripts");
+    c->callback([this] { action = [this] { return start_discover(); }; });
+  }
+
   int start_replay();
   int start_decode();
+  int start_discover();
 };
 
 int Commands::start_replay() {
@@ -143,6 +157,35 @@ int Commands::start_decode() {
   decode.clock = clock == "smooth" ? ClockMode::smooth : ClockMode::arrival;
   decode.stamps = time == "device" ? StampColumn::device : StampColumn::host;
   return run_decode(decode, std::cerr);
+}
+
+/// IP[:PORT], IPv4 only.
+std::optional<Endpoint> read_endpoint(const std::string& text, std::uint16_t port) {
+  const std::size_t colon = text.find(':');
+  const auto address = IpAddress::parse(text.substr(0, colon));
+  if (!address || address->v6) return std::nullopt;
+  if (colon != std::string::npos && !CLI::detail::lexical_cast(text.substr(colon + 1), port))
+    return std::nullopt;
+  return Endpoint{*address, port};
+}
+
+int Commands::start_discover() {
+  const auto read = [](const std::vector<std::string>& texts, std::uint16_t port, const char* option,
+                       std::vector<Endpoint>& endpoints) {
+    for (const std::string& text : texts) {
+      const auto endpoint = read_endpoint(text, port);
+      if (!endpoint) {
+        std::cerr << option << ": '" << text
+                  << "' is not an address; expected IPv4 or IPv4:PORT, e.g. 192.168.0.10\n";
+        return false;
+      }
+      endpoints.push_back(*endpoint);
+    }
+    return true;
+  };
+  const bool fine =
+      read(hokuyos, 10940, "--hokuyo", discover.hokuyos) && read(sicks, 30718, "--sick", discover.sicks);
+  return fine ? run_discover(discover, std::cout, std::cerr) : exit_usage;
 }
 
 }  // namespace

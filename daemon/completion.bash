@@ -14,7 +14,7 @@ _lidard() {
     compopt -o nospace -o filenames 2>/dev/null
   }
   if ((COMP_CWORD == 1)); then
-    _lidard_words "run replay decode inspect check models --help --version"
+    _lidard_words "run replay decode inspect check models discover --help --version"
     return
   fi
   case $before in
@@ -31,6 +31,7 @@ _lidard() {
     decode:-*) _lidard_words "--model --source --port --calibration --format --frame --clock --time --output --help" ;;
     inspect:-* | models:*) _lidard_words "--json --help" ;;
     check:*) _lidard_files yaml yml ;;
+    discover:*) _lidard_words "--hokuyo --sick --wait --json --help" ;;
     *) _lidard_files pcap pcapng ;;
   esac
 }
