@@ -157,6 +157,7 @@ int send(const Arguments& arguments) {
   UdpSender sender(parse_route(arguments));
   Pacer pacer(parse_rate(arguments.rate));
   const auto use = [&](const Packet& packet) {
+    if (packet.transport != Transport::udp) return;  // a connection is more than its bytes
     pacer.wait_until(packet.arrival);
     sender.send(packet.from, packet.to, packet.payload);
   };

@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "drivers/pcap_source.h"
+
 namespace {
 
 using namespace lidard;
@@ -32,6 +34,54 @@ TEST(EthernetFrame, ChecksumsAddUpForEvenAndOddPayloads) {
     const auto length = static_cast<std::uint32_t>(8 + size);
     EXPECT_EQ(folded_sum(&frame[34], 8 + size, folded_sum(&frame[26], 8) + 17 + length), 0xffffU);
   }
+}
+
+TEST(EthernetFrame, TcpChecksumsAddUpAndNumbersStandInTheirPlace) {
+  const std::vector<std::uint8_t> payload = {1, 2, 250, 4, 5};
+  for (const std::size_t size : {std::size_t{0}, std::size_t{4}, std::size_t{5}}) {
+    const Endpoint to{IpAddress::v4(10, 0, 0, 9), 10940};
+    const auto frame =
+        ethernet_tcp_frame(from, to, {payload.data(), size}, 77, {0x01020304, 0x05060708, 0x18});
+    ASSERT_EQ(frame.size(), 54 + size);
+    EXPECT_EQ(folded_sum(&frame[14], 20), 0xffffU);
+    EXPECT_EQ(frame[23], 6) << "TCP";
+    const auto length = static_cast<std::uint32_t>(20 + size);
+    EXPECT_EQ(folded_sum(&frame[34], 20 + size, folded_sum(&frame[26], 8) + 6 + length), 0xffffU);
+    const ByteView tcp(&frame[34], 20 + size);
+    EXPECT_EQ(tcp.be32(4), 0x01020304U);
+    EXPECT_EQ(tcp.be32(8), 0x05060708U);
+    EXPECT_EQ(tcp.u8(13), 0x18);
+  }
+}
+
+TEST(PcapWriter, AConnectionComesBackInOrderFromItsHandshakeOn) {
+  const std::string path =
+      (std::filesystem::temp_directory_path() / ("tcp_writer_" + std::to_string(::getpid()) + ".pcap"))
+          .string();
+  const Endpoint client{IpAddress::v4(10, 0, 0, 2), 40000}, server{IpAddress::v4(10, 0, 0, 9), 10940};
+  const std::string question = "VV\n", answer(5000, 'x');
+  const Stamp begin{1'767'225'600'000'000'000};
+  {
+    PcapWriter writer(path);
+    writer.open_tcp(begin, client, server);
+    writer.write_tcp(begin + std::chrono::milliseconds(1), client, server, ByteView(question));
+    writer.write_tcp(begin + std::chrono::milliseconds(2), server, client, ByteView(answer));
+    EXPECT_EQ(writer.records(), 3U + 1 + 4);
+    writer.close();
+  }
+  PcapSource source(path);
+  std::string up, down;
+  std::size_t starts = 0;
+  for (Packet packet; source.next(packet);) {
+    EXPECT_EQ(packet.transport, Transport::tcp);
+    EXPECT_EQ(packet.missing, 0U);
+    starts += packet.stream_start ? 1U : 0U;
+    (packet.from == client ? up : down) += packet.payload.text();
+  }
+  std::filesystem::remove(path);
+  EXPECT_EQ(up, question);
+  EXPECT_EQ(down, answer);
+  EXPECT_EQ(starts, 2U);
 }
 
 TEST(EthernetFrame, DestinationDecidesTheHardwareAddress) {

@@ -34,7 +34,8 @@ void move_stamp(std::vector<std::uint8_t>& payload, std::uint64_t by_us) {
 
 Repeater::Repeater(PcapSource& capture) {
   for (Packet p; capture.next(p);)
-    packets_.push_back({{p.payload.begin(), p.payload.end()}, p.arrival, p.from, p.to});
+    if (p.transport == Transport::udp)
+      packets_.push_back({{p.payload.begin(), p.payload.end()}, p.arrival, p.from, p.to});
   std::map<std::pair<Endpoint, std::uint16_t>, Flow> flows;
   for (const Recorded& packet : packets_) {
     Flow& flow = flows[{packet.from, packet.to.port}];
