@@ -11,7 +11,7 @@ namespace lidard::hokuyo {
 namespace {
 
 /// Sensors answer within some ms; UTM-30LX-EW takes longer for QT while its last scan is on the way.
-constexpr Span answer_patience = std::chrono::seconds(2);
+constexpr Span answer_patience = std::chrono::milliseconds(1200);
 constexpr Span time_patience = std::chrono::milliseconds(500);
 constexpr Span least_stream_patience = std::chrono::milliseconds(600);
 constexpr Span verifying_patience = std::chrono::seconds(5);

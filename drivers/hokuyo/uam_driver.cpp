@@ -29,7 +29,7 @@ constexpr std::uint32_t first_code = 40'000;
 constexpr std::uint32_t no_object = 0xfffe, too_near = 0xfffd;
 constexpr double first_deg = -135;
 constexpr double turn_s = 0.03;
-constexpr Span answer_patience = std::chrono::seconds(2);
+constexpr Span answer_patience = std::chrono::milliseconds(1200);
 constexpr Span stream_patience = std::chrono::milliseconds(600);
 constexpr Span retry_after = std::chrono::seconds(1);
 constexpr std::int64_t counter_length_ms = std::int64_t{1} << 32U;
