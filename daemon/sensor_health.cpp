@@ -22,7 +22,11 @@ std::string why_nothing(const SensorConfig& config, const SensorReport& report,
                         const std::vector<std::string>& unclaimed_senders) {
   if (config.model == nullptr) return "; is its driver running?";
   if (!report.link_trouble.empty()) return ": " + report.link_trouble;
-  if (config.model->transport == Transport::tcp) return "; does the device measure?";
+  if (config.model->transport == Transport::tcp) {
+    // A device that refuses says why.
+    const auto& warnings = report.info.warnings;
+    return warnings.empty() ? "; does the device measure?" : ": " + warnings.back();
+  }
   const std::string port = "port " + std::to_string(config.ip_port) + " ";
   for (const auto& sender : unclaimed_senders) {
     if (sender.find(port) != std::string::npos)

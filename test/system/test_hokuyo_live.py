@@ -1,12 +1,14 @@
 #!/usr/bin/python3
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Hokuyos that wait on loopback, `lidard run` and subscribers: scans at the sensors' rate, and again after they were away."""
+"""Hokuyos that wait on loopback, `lidard run` and subscribers: scans at the sensors' rate, and again after they were away;
+one that refuses is told of on /diagnostics in words."""
 import subprocess
 import time
 
 import rospy
 from harness import LIDARD, LIDARD_SIM, expect, folder, free_port, process, ros_master, use_master_at, wait_for
+from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import LaserScan
 
 SCENE = """\
@@ -15,6 +17,7 @@ duration: 600
 sensors:
   ust: {{model: hokuyo_ust_10lx, from: '192.168.0.10:{ust}', to: '127.0.0.1:40000', options: {{clock_ppm: 100}}}}
   uam: {{model: hokuyo_uam_05lp, from: '192.168.0.11:{uam}', to: '127.0.0.1:40001'}}
+  slow: {{model: hokuyo_ust_10lx, from: '192.168.0.12:{ust}', to: '127.0.0.1:40000', options: {{boot: 100000}}}}
 objects:
   - wall: {{from: [4, -3], to: [4, 3], z: [-1, 1]}}
 """
@@ -22,6 +25,7 @@ CONFIG = """\
 sensors:
   ust: {{model: hokuyo_ust_10lx, ip_address: 127.168.0.10, ip_port: {ust}}}
   uam: {{model: hokuyo_uam_05lp, ip_address: 127.168.0.11, ip_port: {uam}}}
+  slow: {{model: hokuyo_ust_10lx, ip_address: 127.168.0.12, ip_port: {ust}}}
 """
 
 
@@ -53,6 +57,9 @@ def main():
         got = {"ust": [], "uam": []}
         for name, scans in got.items():
             rospy.Subscriber(f"/{name}/scan", LaserScan, scans.append, queue_size=1000)
+        told = {}
+        rospy.Subscriber("/diagnostics", DiagnosticArray,
+                         lambda array: told.update((status.name.split(": ")[-1], status) for status in array.status), queue_size=100)
         with log.open("w") as sink, process([LIDARD, "run", "-c", tmp / "live.yaml"], stdout=sink,
                                             stderr=subprocess.STDOUT):
             with process(simulator, stdout=subprocess.DEVNULL):
@@ -63,6 +70,10 @@ def main():
                 seconds = time.monotonic() - started
                 check(got["ust"][begin["ust"]:], 0.025, seconds)
                 check(got["uam"][begin["uam"]:], 0.03, seconds)
+                status = told.get("sensor slow")
+                expect(status is not None and status.level > 0 and "status 10: " in status.message and ";" in status.message,
+                       f"the refusal is told in words: {status}")
+                expect(told["sensor ust"].message == "receiving", f"{told['sensor ust'].message}")
             time.sleep(2)
             begin = {name: len(scans) for name, scans in got.items()}
             with process(simulator, stdout=subprocess.DEVNULL):
