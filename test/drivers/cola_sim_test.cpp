@@ -23,12 +23,12 @@ using sim::ColaDevice;
 using sim::ColaDeviceOptions;
 
 /// A room whose wall moves: every scan is another one.
-std::vector<std::uint16_t> room(Stamp when, std::size_t beams) {
-  std::vector<std::uint16_t> mm(beams);
+std::vector<sim::ColaBeam> room(Stamp when, std::size_t beams) {
+  std::vector<sim::ColaBeam> seen(beams);
   const auto base = static_cast<std::size_t>(when.ns / 1'000'000 % 1000) + 1000;
-  for (std::size_t i = 0; i < beams; ++i) mm[i] = static_cast<std::uint16_t>(base + i % 50);
-  if (beams > 2) mm[0] = 0, mm[1] = 2;
-  return mm;
+  for (std::size_t i = 0; i < beams; ++i) seen[i].mm[0] = static_cast<std::uint16_t>(base + i % 50);
+  if (beams > 2) seen[0].mm[0] = 0, seen[1].mm[0] = 2;
+  return seen;
 }
 
 /// One scanner and its driver on one virtual clock.
@@ -48,7 +48,7 @@ class Session final : public DriverOutput {
     if (keep_lags) lags.push_back(lag);
     ASSERT_EQ(scan.ranges.size(), device.options().beams);
     const auto expected = room(sweep, 3);
-    EXPECT_FLOAT_EQ(scan.ranges[2], static_cast<float>(expected[2] * 1e-3));
+    EXPECT_FLOAT_EQ(scan.ranges[2], static_cast<float>(expected[2].mm[0] * 1e-3));
     EXPECT_TRUE(std::isinf(scan.ranges[0]) && std::isnan(scan.ranges[1]));
   }
   void cloud(Cloud&) override { ++clouds; }

@@ -196,18 +196,19 @@ void ColaDevice::send_scan(std::int64_t number, Stamp first_beam) {
   scan.scan_frequency = static_cast<std::uint32_t>(std::lround(options_.hz * 100));
   scan.measurement_frequency =
       static_cast<std::uint32_t>(std::lround(1e9 / static_cast<double>(beam_period().count()) / 100));
-  const std::vector<std::uint16_t> distances = scene_(first_beam, options_.beams);
+  const std::vector<ColaBeam> beams = scene_(first_beam, options_.beams);
   static const char* const names[] = {"DIST1", "DIST2", "DIST3", "DIST4", "DIST5"};
   for (unsigned echo = 0; echo < 5; ++echo) {
     if ((options_.channels >> echo & 1U) == 0) continue;
-    // Further echoes: nothing.
-    const std::vector<std::uint16_t> values =
-        echo == 0 ? distances : std::vector<std::uint16_t>(distances.size(), 0);
-    scan.channels.push_back({names[echo], 1, 0, options_.start, options_.step, true, values});
+    SickChannel channel{names[echo], 1, 0, options_.start, options_.step, true, {}};
+    for (const ColaBeam& beam : beams)
+      channel.values.push_back(echo < 2 ? beam.mm.at(echo) : std::uint16_t{0});
+    scan.channels.push_back(std::move(channel));
   }
   if (options_.rssi != 0) {
-    scan.channels.push_back({"RSSI1", 1, 0, options_.start, options_.step, false,
-                             std::vector<std::uint16_t>(distances.size(), 180)});
+    SickChannel channel{"RSSI1", 1, 0, options_.start, options_.step, false, {}};
+    for (const ColaBeam& beam : beams) channel.values.push_back(beam.rssi);
+    scan.channels.push_back(std::move(channel));
   }
   send(text_of(scan.bytes(options_.dialect)), last_beam + options_.processing, first_beam);
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -39,8 +40,13 @@ struct ColaDeviceOptions {
   bool measures = true;                      ///< false: takes subscriptions and sends nothing
 };
 
-/// What the device sees: the distances (mm) of a sweep whose first beam fires then.
-using ColaScene = std::function<std::vector<std::uint16_t>(Stamp first_beam, std::size_t beams)>;
+/// What a beam brings back: up to two distances (mm; 0: none, below 16: a code), and how bright the first is.
+struct ColaBeam {
+  std::array<std::uint16_t, 2> mm{};
+  std::uint8_t rssi = 180;
+};
+/// What the device sees in a sweep whose first beam fires then.
+using ColaScene = std::function<std::vector<ColaBeam>(Stamp first_beam, std::size_t beams)>;
 
 /// The simulated scanner. Understands DeviceIdent, LMPoutputRange, LMDscandatacfg, SetAccessMode, Run and
 /// subscriptions; like the real ones it sends no scans while somebody is logged in.

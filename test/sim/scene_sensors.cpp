@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "test/sim/cola_scene.h"
 #include "test/sim/hokuyo_scene.h"
 #include "test/sim/microscan3.h"
 #include "test/sim/scene_file.h"
@@ -54,6 +55,15 @@ std::vector<Family> make_families() {
   }
   for (const char* name : {"sick_microscan3", "sick_nanoscan3", "sick_outdoorscan3"}) {
     families.push_back({name, 0, 40, parse_microscan3});
+  }
+  for (const ColaFamily& cola : cola_families()) {
+    families.push_back({cola.name,
+                        cola.range_min,
+                        cola.range_max,
+                        {},
+                        [name = cola.name](const YamlReader& options, SensorEntry& entry) {
+                          parse_cola(name, options, entry);
+                        }});
   }
   for (const HokuyoFamily& hokuyo : hokuyo_families()) {
     families.push_back({hokuyo.name,

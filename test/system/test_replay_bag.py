@@ -14,6 +14,7 @@ EXAMPLES = {
     "velodyne_vlp16.yaml": "vlp16_dual.pcap",
     "sick_microscan3.yaml": "demo.pcap",
     "hokuyo_ust_10lx.yaml": "hokuyo_ust_10lx.pcap",
+    "sick_lms1xx.yaml": "sick_lms111.pcap",
     "two_safety_scanners.yaml": "demo.pcap",
 }
 
