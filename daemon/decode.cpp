@@ -9,6 +9,7 @@
 #include "daemon/config.h"
 #include "daemon/report.h"
 #include "daemon/stream_finder.h"
+#include "drivers/connection_picker.h"
 #include "drivers/pcap_source.h"
 
 namespace lidard {
@@ -98,12 +99,13 @@ int decode_stream(const DecodeOptions& options, const SensorStream& stream, Cali
   WriterOutput output(*writer, options.frame);
   PcapSource source(options.capture);
   Packet packet;
+  ConnectionPicker connection;
   std::uint64_t others = 0;
   while (source.next(packet)) {
-    if (stream.owns(packet)) {
+    if (!stream.owns(packet)) {
+      others += packet.transport == Transport::udp ? 1U : 0U;
+    } else if (packet.transport == Transport::udp || connection.pick(packet)) {
       driver->receive(packet, output);
-    } else {
-      ++others;
     }
   }
   driver->finish(output);

@@ -100,6 +100,9 @@ void print_captures(const Survey& survey, std::ostream& out) {
     if (capture.counters.frames == 0) continue;
     out << "# " << printable(capture.file) << ": " << capture.counters.datagrams << " datagrams in "
         << capture.counters.frames << " frames";
+    if (capture.counters.tcp.streams > 0)
+      out << ", " << capture.counters.tcp.bytes << " bytes in " << capture.counters.tcp.streams
+          << " TCP streams";
     if (capture.first) out << ", " << fixed(seconds(*capture.last - *capture.first), 3) << " s";
     const std::string lost = in_words(losses(capture.counters));
     out << (lost.empty() ? "" : "; " + lost) << '\n';
@@ -109,6 +112,7 @@ void print_captures(const Survey& survey, std::ostream& out) {
 Row row_of(const FoundSensor& sensor) {
   const Flow& data = sensor.data;
   std::string ports = std::to_string(data.port), packets = std::to_string(sensor.counters.packets);
+  if (data.transport == Transport::tcp) ports = "TCP " + ports;
   if (sensor.telemetry) ports += "+" + std::to_string(sensor.telemetry->port);
   if (sensor.counters.other_packets > 0) packets += "+" + std::to_string(sensor.counters.other_packets);
   return {sensor.name,
@@ -156,8 +160,10 @@ void print_unknown(const Survey& survey, std::ostream& out) {
     const Flow& flow = survey.unknown[i];
     std::string bytes = std::to_string(flow.smallest);
     if (flow.largest != flow.smallest) bytes += "-" + std::to_string(flow.largest);
-    table.push_back({flow.sender.to_string(), std::to_string(flow.port), std::to_string(flow.packets),
-                     fixed(flow.rate(), 1) + "/s", fixed(flow.duration(), 3) + " s",
+    table.push_back({flow.sender.to_string(),
+                     (flow.transport == Transport::tcp ? "TCP " : "") + std::to_string(flow.port),
+                     std::to_string(flow.packets), fixed(flow.rate(), 1) + "/s",
+                     fixed(flow.duration(), 3) + " s",
                      bytes + (flow.remark.empty() ? "" : "  " + printable(flow.remark))});
   }
   out << "#\n";
@@ -187,6 +193,9 @@ Json json_of(const SurveyedCapture& capture) {
   Json out{{"file", capture.file}, {"error", nullptr}, {"frames", capture.counters.frames}};
   if (!capture.error.empty()) out["error"] = capture.error;
   out["datagrams"] = capture.counters.datagrams;
+  out["tcp_segments"] = capture.counters.tcp_segments;
+  out["tcp_streams"] = capture.counters.tcp.streams;
+  out["tcp_bytes"] = capture.counters.tcp.bytes;
   put_counts(losses(capture.counters), out);
   out["reassembled"] = capture.counters.reassembled;
   if (capture.first) {
@@ -199,7 +208,8 @@ Json json_of(const SurveyedCapture& capture) {
 Json json_of(const Flow& flow) {
   Json destinations = Json::array();
   for (const IpAddress& destination : flow.destinations) destinations.push_back(destination.to_string());
-  Json out{{"sender", flow.sender.to_string()},
+  Json out{{"transport", flow.transport == Transport::tcp ? "tcp" : "udp"},
+           {"sender", flow.sender.to_string()},
            {"source_port", flow.source_port},
            {"destinations", destinations},
            {"port", flow.port},

@@ -7,17 +7,26 @@
 #include <memory>
 #include <utility>
 
+#include "drivers/connection_picker.h"
+
 namespace lidard {
 namespace {
 
 // An address scan or a peer-to-peer program makes a flow per packet; a vehicle has some dozens.
 constexpr std::size_t max_flows = 1000;
 
-using FlowKey = std::pair<IpAddress, std::uint16_t>;
+/// Sender's address, and the destination port or, of a connection, its own.
+using FlowKey = std::pair<Transport, Endpoint>;
+
+FlowKey key_of(const Packet& packet) {
+  const bool tcp = packet.transport == Transport::tcp;
+  return {packet.transport, {packet.from.address, tcp ? packet.from.port : packet.to.port}};
+}
 
 struct Watched {
   Flow flow;
   Identifier identifier;
+  ConnectionPicker connection;
 };
 using Flows = std::map<FlowKey, Watched>;
 
@@ -31,8 +40,10 @@ void add_to(Flow& flow, const Packet& packet) {
   const std::size_t size = packet.payload.size();
   if (flow.packets++ == 0) {
     flow.sender = packet.from.address;
-    flow.port = packet.to.port;
+    flow.transport = packet.transport;
+    flow.port = key_of(packet).second.port;
     flow.source_port = packet.from.port;
+    flow.peer = packet.to;
     flow.smallest = size;
     flow.first = flow.last = packet.arrival;
   }
@@ -44,7 +55,7 @@ void add_to(Flow& flow, const Packet& packet) {
   flow.last = std::max(flow.last, packet.arrival);
 }
 
-/// Calls `take` with every datagram; returns what is to be said of the file.
+/// Calls `take` with every datagram and chunk; returns what is to be said of the file.
 template <typename Take>
 SurveyedCapture read(const std::string& file, Take take) {
   SurveyedCapture capture;
@@ -53,7 +64,6 @@ SurveyedCapture read(const std::string& file, Take take) {
     PcapSource source(file);
     Packet packet;
     while (source.next(packet)) {
-      if (packet.transport != Transport::udp) continue;
       capture.first = std::min(capture.first.value_or(packet.arrival), packet.arrival);
       capture.last = std::max(capture.last.value_or(packet.arrival), packet.arrival);
       take(packet);
@@ -66,8 +76,8 @@ SurveyedCapture read(const std::string& file, Take take) {
   return capture;
 }
 
-void watch(const Packet& packet, Flows& flows, std::uint64_t& uncounted) {
-  const FlowKey key{packet.from.address, packet.to.port};
+void watch(Packet packet, Flows& flows, std::uint64_t& uncounted) {
+  const FlowKey key = key_of(packet);
   auto found = flows.find(key);
   if (found == flows.end()) {
     if (flows.size() >= max_flows) {
@@ -77,13 +87,28 @@ void watch(const Packet& packet, Flows& flows, std::uint64_t& uncounted) {
     found = flows.emplace(key, Watched{}).first;
   }
   add_to(found->second.flow, packet);
-  found->second.identifier.add(packet);
+  if (packet.transport == Transport::udp || found->second.connection.pick(packet))
+    found->second.identifier.add(packet);
 }
 
 std::string name_for(const Model& model, const std::vector<FoundSensor>& others) {
   const auto same = std::count_if(others.begin(), others.end(),
                                   [&](const FoundSensor& sensor) { return sensor.model == &model; });
   return std::string(model.name) + (same == 0 ? "" : "_" + std::to_string(same + 1));
+}
+
+/// The sensor whose telemetry or dialogue this flow is, or whose client's side of the conversation.
+FoundSensor* owner_of(const Flow& flow, std::vector<FoundSensor>& sensors) {
+  for (FoundSensor& sensor : sensors) {
+    const bool tcp = sensor.data.transport == Transport::tcp;
+    const Endpoint device{sensor.data.sender, tcp ? sensor.data.port : sensor.model->dialogue_port};
+    if (flow.transport == Transport::tcp) {
+      if (flow.peer == device || device == Endpoint{flow.sender, flow.port}) return &sensor;
+    } else if (!tcp && flow.sender == sensor.data.sender && flow.port == sensor.model->telemetry_port) {
+      return &sensor;
+    }
+  }
+  return nullptr;
 }
 
 /// Sorts the flows into sensors, their telemetry and the rest.
@@ -100,12 +125,10 @@ void sort_out(Flows& flows, Survey& out) {
   }
   for (auto& [key, watched] : flows) {
     if (watched.identifier.verdict() != nullptr) continue;
-    const auto owner = std::find_if(out.sensors.begin(), out.sensors.end(), [&](const FoundSensor& sensor) {
-      return sensor.data.sender == key.first && sensor.model->telemetry_port == key.second;
-    });
-    if (owner == out.sensors.end())
+    FoundSensor* owner = owner_of(watched.flow, out.sensors);
+    if (owner == nullptr)
       out.unknown.push_back(watched.flow);
-    else
+    else if (watched.flow.transport == Transport::udp)
       owner->telemetry = watched.flow;
   }
   std::stable_sort(out.unknown.begin(), out.unknown.end(),
@@ -114,21 +137,32 @@ void sort_out(Flows& flows, Survey& out) {
 
 /// Lets the drivers of the sensors see their packets.
 void judge(const std::vector<std::string>& captures, std::vector<FoundSensor>& sensors) {
+  struct Receiver {
+    Driver* driver;
+    ConnectionPicker connection{};
+  };
   std::vector<std::unique_ptr<Driver>> drivers;
-  std::map<FlowKey, Driver*> receivers;
+  std::map<FlowKey, Receiver> receivers;
   for (const FoundSensor& sensor : sensors) {
     DriverConfig config;
     config.model = sensor.model;
     config.frame_id = sensor.name;
     drivers.push_back(sensor.model->make(config));
-    receivers[{sensor.data.sender, sensor.data.port}] = drivers.back().get();
-    if (sensor.telemetry) receivers[{sensor.data.sender, sensor.telemetry->port}] = drivers.back().get();
+    const auto listen = [&](Transport transport, std::uint16_t port) {
+      receivers[{transport, {sensor.data.sender, port}}] = {drivers.back().get()};
+    };
+    listen(sensor.data.transport, sensor.data.port);
+    if (sensor.telemetry) listen(Transport::udp, sensor.telemetry->port);
+    if (sensor.model->dialogue_port != 0) listen(Transport::tcp, sensor.model->dialogue_port);
   }
   NullOutput output;
   for (const std::string& file : captures) {
-    read(file, [&](const Packet& packet) {
-      const auto receiver = receivers.find({packet.from.address, packet.to.port});
-      if (receiver != receivers.end()) receiver->second->receive(packet, output);
+    read(file, [&](Packet packet) {
+      const auto found = receivers.find(key_of(packet));
+      if (found == receivers.end()) return;
+      Receiver& receiver = found->second;
+      if (packet.transport == Transport::udp || receiver.connection.pick(packet))
+        receiver.driver->receive(packet, output);
     });
   }
   for (std::size_t i = 0; i < sensors.size(); ++i) {

@@ -14,14 +14,17 @@
 
 namespace lidard {
 
-/// The datagrams from one address to one port: as far as a configuration can tell senders apart.
+/// The datagrams from one address to one port, or what it sent over connections to one port of its own: as
+/// far as a configuration can tell senders apart.
 struct Flow {
+  Transport transport = Transport::udp;
   IpAddress sender;
-  std::uint16_t port = 0;  ///< destination
+  std::uint16_t port = 0;  ///< destination; of connections: the sender's own
   std::set<IpAddress> destinations;
   std::uint16_t source_port = 0;  ///< of the first datagram
-  std::uint64_t packets = 0;
-  std::uint64_t bytes = 0;  ///< of payload
+  Endpoint peer;                  ///< of the first connection
+  std::uint64_t packets = 0;      ///< or chunks of connections
+  std::uint64_t bytes = 0;        ///< of payload
   std::size_t smallest = 0, largest = 0;
   Stamp first, last;
   std::string remark;  ///< of the identifier; may be set where no model claims the flow
