@@ -11,6 +11,7 @@
 #include "daemon/discover.h"
 #include "daemon/inspect.h"
 #include "daemon/models_command.h"
+#include "daemon/record.h"
 #include "daemon/replay.h"
 #include "daemon/run.h"
 
@@ -38,6 +39,7 @@ struct Commands {
   DecodeOptions decode;
   DiscoverOptions discover;
   std::vector<std::string> hokuyos{"192.168.0.10:10940"}, sicks;
+  RecordOptions record;
 
   Commands() {
     app.set_version_flag("--version", "lidard " LIDARD_VERSION);
@@ -50,6 +52,7 @@ struct Commands {
     add_check();
     add_models();
     add_discover();
+    add_record();
   }
 
  private:
@@ -108,6 +111,14 @@ struct Commands {
     auto* c = app.add_subcommand("models", "The supported models and how each was verified");
     c->add_flag("--json", json, "For scripts");
     c->callback([this] { action = [this] { return run_models(json, std::cout); }; });
+  }
+  void add_record() {
+    auto* c = app.add_subcommand("record", "Records the configured sensors' traffic to a capture");
+    c->add_option("-c,--config", record.config, "Configuration file")->required();
+    c->add_option("-o,--output", record.output, "pcap file to write")->required();
+    c->add_option("--interface", record.interface, "Network interface")->capture_default_str();
+    c->add_option("--duration", record.duration, "Seconds; 0: until Ctrl-C")->check(CLI::NonNegativeNumber);
+    c->callback([this] { action = [this] { return run_record(record, std::cerr); }; });
   }
 
   void add_discover() {

@@ -14,7 +14,7 @@ _lidard() {
     compopt -o nospace -o filenames 2>/dev/null
   }
   if ((COMP_CWORD == 1)); then
-    _lidard_words "run replay decode inspect check models discover --help --version"
+    _lidard_words "run replay decode inspect check models discover record --help --version"
     return
   fi
   case $before in
@@ -29,6 +29,7 @@ _lidard() {
     run:*) _lidard_words "--config --help" ;;
     replay:-*) _lidard_words "--config --pcap --rate --loop --start --duration --wait --clock --bag --help" ;;
     decode:-*) _lidard_words "--model --source --port --calibration --format --frame --clock --time --output --help" ;;
+    record:*) _lidard_words "--config --output --interface --duration --help" ;;
     inspect:-* | models:*) _lidard_words "--json --help" ;;
     check:*) _lidard_files yaml yml ;;
     discover:*) _lidard_words "--hokuyo --sick --wait --json --help" ;;
