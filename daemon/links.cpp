@@ -32,8 +32,8 @@ std::string text_of(const TcpState& state, bool streams) {
 
 }  // namespace
 
-Links::Links(boost::asio::io_context& io, const Config& config, LinkEvents events)
-    : io_(io), events_(std::move(events)) {
+Links::Links(boost::asio::io_context& io, const Config& config, LinkEvents events, TcpOptions options)
+    : io_(io), events_(std::move(events)), options_(options) {
   for (std::size_t i = 0; i < config.sensors.size(); ++i) {
     const SensorConfig& sensor = config.sensors[i];
     if (sensor.model == nullptr) continue;
@@ -52,7 +52,7 @@ Links::Links(boost::asio::io_context& io, const Config& config, LinkEvents event
 
 void Links::open(Link& link, const IpAddress& device) {
   link.device.address = device;
-  TcpOptions options;
+  TcpOptions options = options_;
   options.device = link.device;
   TcpHandlers handlers;
   handlers.receive = [this, sensor = link.sensor](const Packet& packet) { events_.chunk(sensor, packet); };

@@ -27,7 +27,8 @@ struct LinkEvents {
 /// device whose driver asks for a dialogue.
 class Links final : public DeviceLinks {
  public:
-  Links(boost::asio::io_context& io, const Config& config, LinkEvents events);
+  /// `options`: of every connection; the device is filled in.
+  Links(boost::asio::io_context& io, const Config& config, LinkEvents events, TcpOptions options = {});
 
   void start();
   void stop();
@@ -64,6 +65,7 @@ class Links final : public DeviceLinks {
 
   boost::asio::io_context& io_;
   LinkEvents events_;
+  TcpOptions options_;
   std::vector<std::unique_ptr<Link>> links_;
 };
 

@@ -262,5 +262,29 @@ TEST(SensorConfig, WarnsOfATopicSourceThatNobodyUses) {
             std::vector<std::string>{"f:2:3: sensors.rear is used by no merged and no virtual scan"});
 }
 
+TEST(SensorConfig, OfATcpDeviceNeedsItsAddressAndNoMulticast) {
+  EXPECT_EQ(error_of("sensors:\n  front: {model: hokuyo_ust_10lx}\n"),
+            "f:2:3: sensors.front has no ip_address; expected the device's address: it is read over TCP, so "
+            "somebody has to connect to it");
+  const Config config =
+      parse_config("sensors: {front: {model: hokuyo_ust_10lx, ip_address: 192.168.0.10}}", "f");
+  EXPECT_EQ(config.sensors[0].ip_port, 10940);
+  EXPECT_THAT(
+      error_of("sensors:\n  front:\n    model: hokuyo_ust_10lx\n    ip_address: 192.168.0.10\n"
+               "    multicast_group: 239.0.0.1\n"),
+      StartsWith("f:5:5: sensors.front.multicast_group is not available for hokuyo_ust_10lx, which is "
+                 "read over TCP"));
+}
+
+TEST(SensorConfig, TellsTcpDevicesApartByAddressAndPort) {
+  const std::string one =
+      "sensors:\n  a: {model: hokuyo_ust_10lx, ip_address: 192.168.0.10, ip_port: 2368}\n";
+  EXPECT_THAT(error_of(one + "  b: {model: hokuyo_ust_10lx, ip_address: 192.168.0.10, ip_port: 2368}\n"),
+              testing::HasSubstr("and port 2368 are those of sensors.a too"));
+  EXPECT_EQ(error_of(one + "  b: {model: hokuyo_ust_10lx, ip_address: 192.168.0.10}\n"), "no error");
+  EXPECT_EQ(error_of(one + "  b: {model: velodyne_vlp16, ip_address: 192.168.0.10, ip_port: 2368}\n"),
+            "no error");
+}
+
 }  // namespace
 }  // namespace lidard

@@ -2,11 +2,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/links.h"
 
+#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <boost/asio/io_context.hpp>
+#include <filesystem>
+#include <fstream>
 
+#include "daemon/ports.h"
 #include "daemon/tf_poses.h"
 #include "test/daemon/line_driver.h"
 #include "test/support/tcp_peer.h"
@@ -27,16 +33,19 @@ Stamp wall_clock() {
 
 /// A pipeline with its links, as the daemon has them.
 struct Bench {
-  explicit Bench(const Config& config)
+  explicit Bench(const Config& config, const TcpOptions& options = {})
       : pipeline(config, poses, sink),
         driver(*last_line_driver()),
         links(io, config,
               {[this](std::size_t sensor, const Packet& packet) { pipeline.chunk(sensor, packet); },
                [this](std::size_t sensor, Stamp now) { pipeline.connected(sensor, now); },
                [this](std::size_t sensor) { pipeline.disconnected(sensor); },
-               [this](std::size_t sensor) { return pipeline.frames(sensor); }}) {
+               [this](std::size_t sensor) { return pipeline.frames(sensor); }},
+              options),
+        ports(io, config, [this](const Packet& packet) { pipeline.packet(packet); }) {
     pipeline.set_links(&links);
     links.start();
+    ports.start();
   }
   void run(milliseconds time) {
     const auto end = Clock::now() + time;
@@ -68,6 +77,7 @@ struct Bench {
   Pipeline pipeline;
   LineDriver& driver;
   Links links;
+  Ports ports;
 };
 
 struct TcpBench {
@@ -194,6 +204,92 @@ TEST(Links, DialTheSenderWhereNoAddressIsConfiguredAndNobodyInListenOnlyMode) {
     b.run(milliseconds(100));
     EXPECT_EQ(b.driver.dialogues, listen_only ? 0 : 1);
   }
+}
+
+/// A sensor's stand-in that sends numbered datagrams over loopback.
+class Sender {
+ public:
+  explicit Sender(std::uint16_t port) : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {
+    to_.sin_family = AF_INET;
+    to_.sin_port = htons(port);
+    to_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  }
+  ~Sender() { close(fd_); }
+  Sender(const Sender&) = delete;
+  Sender& operator=(const Sender&) = delete;
+  void send() {
+    sendto(fd_, "data", 4, 0, reinterpret_cast<const sockaddr*>(&to_), sizeof to_);
+    ++sent;
+  }
+  std::uint64_t sent = 0;
+
+ private:
+  int fd_;
+  sockaddr_in to_{};
+};
+
+/// A UDP port that nobody uses now.
+std::uint16_t free_port() {
+  const int fd = socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in address{};
+  socklen_t size = sizeof address;
+  address.sin_family = AF_INET;
+  EXPECT_EQ(bind(fd, reinterpret_cast<const sockaddr*>(&address), size), 0);
+  EXPECT_EQ(getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size), 0);
+  close(fd);
+  return ntohs(address.sin_port);
+}
+
+std::size_t open_files() {
+  const std::filesystem::directory_iterator files("/proc/self/fd");
+  return static_cast<std::size_t>(std::distance(begin(files), end(files)));
+}
+/// Resident memory in kB.
+long resident() {
+  std::ifstream file("/proc/self/statm");
+  long all = 0, pages = 0;
+  file >> all >> pages;
+  return pages * sysconf(_SC_PAGESIZE) / 1024;
+}
+
+TEST(Links, LoseNothingOfOtherSensorsAndLeakNothingWhileOneDisconnectsAThousandTimes) {
+  TcpPeer peer;
+  const Model planar = line_model(Transport::tcp, peer.port());
+  const Model other = line_model(Transport::udp, free_port());
+  Config config;
+  config.sensors.push_back(line_sensor(planar, "front", loopback));
+  config.sensors.push_back(line_sensor(other, "rear", loopback));
+  TcpOptions options;
+  options.first_retry = options.last_retry = milliseconds(0);
+  Bench b(config, options);
+  Sender sender(other.port);
+  const auto turn = [&] {
+    sender.send();
+    b.io.restart();
+    b.io.run_for(milliseconds(1));
+  };
+  long memory = 0;
+  std::size_t files = 0;
+  for (int i = 1; i <= 1100; ++i) {
+    const auto limit = Clock::now() + std::chrono::seconds(5);
+    while (!peer.accept()) {
+      ASSERT_LT(Clock::now(), limit) << i;
+      turn();
+    }
+    if (i == 100) memory = resident(), files = open_files();
+    ASSERT_TRUE(peer.send("scan\nhalf"));
+    while (b.pipeline.frames(0) < static_cast<std::uint64_t>(i)) {
+      ASSERT_LT(Clock::now(), limit) << i;
+      turn();
+    }
+    if (i % 100 == 0) b.pipeline.tick(wall_clock());
+    i % 2 == 0 ? peer.reset_client() : peer.close_client();
+  }
+  b.run(milliseconds(100));
+  EXPECT_EQ(b.sink.scans["front/scan"], 1100);
+  EXPECT_EQ(b.pipeline.report()[1].counters.packets, sender.sent);
+  EXPECT_LE(open_files(), files);
+  EXPECT_LE(resident() - memory, 512);
 }
 
 Packet chunk(std::string_view bytes, const Endpoint& from, const Endpoint& to, bool start = false) {
