@@ -13,10 +13,11 @@ namespace {
 
 /// Recorded devices answer within 20 ms; one that starts up takes longer, but then it is asked again.
 constexpr Span patience = std::chrono::seconds(2);
-/// While it is not known which dialect the device speaks.
+/// For the first answer, which tells the dialect that the device speaks. Twice that is less than what the
+/// connection waits for a first byte, so that our words are the ones that are shown.
 constexpr Span probe_patience = std::chrono::milliseconds(600);
-/// The mirror may have to reach its speed first.
-constexpr Span first_scan_patience = std::chrono::seconds(10);
+/// The mirror may have to reach its speed first. Shorter than what the connection waits for a first scan.
+constexpr Span first_scan_patience = std::chrono::seconds(4);
 
 /// What is asked in each step, by Step; arguments follow.
 constexpr std::array<const char*, 13> commands = {"",
@@ -121,6 +122,7 @@ bool operator==(const ColaOutputs& a, const ColaOutputs& b) {
 }
 
 void ColaDialogue::start(Stamp now, DriverOutput& out) {
+  answered_ = false;
   logged_in_ = false;
   want_login_ = false;
   settings_.reset();
@@ -224,6 +226,7 @@ void ColaDialogue::answer(const ColaTelegram& telegram, Stamp now, DriverOutput&
   const std::string_view command = commands[static_cast<std::size_t>(step_)];
   const bool error = telegram.kind() == "sFA";
   if (!error && telegram.name() != variable_of(command)) return;
+  answered_ = true;
   if (telegram.dialect != dialect_) {
     // Whoever set the device to the other dialect wanted it so: we speak it too.
     dialect_ = telegram.dialect;
@@ -351,7 +354,7 @@ void ColaDialogue::tick(Stamp now, DriverOutput& out) {
     if (now - asked_ <= first_scan_patience) return;
     return give_up(no_scans, out);
   }
-  if (now - asked_ <= (dialect_known_ ? patience : probe_patience)) return;
+  if (now - asked_ <= (answered_ ? patience : probe_patience)) return;
   if (!dialect_known_) {
     // Whatever was not understood was not answered either.
     dialect_known_ = true;

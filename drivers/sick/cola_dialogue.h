@@ -84,6 +84,7 @@ class ColaDialogue {
   const ColaRow& row_;
   ColaDialect dialect_ = ColaDialect::b;
   bool dialect_known_ = false;
+  bool answered_ = false;  // in this connection
   Step step_ = Step::idle;
   Stamp asked_;
   bool logged_in_ = false;

@@ -327,7 +327,7 @@ TEST(ColaDialogue, ASubscriptionWithoutScansIsToldAndTriedAgain) {
   ColaBench bench;
   FakeDevice device(bench);
   device.connect();
-  device.wait(9);
+  device.wait(3);
   EXPECT_EQ(bench.reconnects, 0);
   device.wait(2);
   EXPECT_EQ(bench.reconnects, 1);
