@@ -19,8 +19,7 @@ class Checker {
   void take(const Packet& packet) {
     got += packet.payload.size();
     std::uint8_t& next = next_[{packet.from, packet.to}];
-    if (packet.stream_start) next = packet.payload.u8(0);
-    next = static_cast<std::uint8_t>(next + packet.missing);
+    next = packet.stream_start ? packet.payload.u8(0) : static_cast<std::uint8_t>(next + packet.missing);
     for (const std::uint8_t byte : packet.payload) {
       if (byte != next++) std::abort();
     }
