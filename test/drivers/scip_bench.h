@@ -52,7 +52,7 @@ class TcpBench : public DriverOutput {
     cut = true;
   }
 
-  void connect() {
+  void connect_now() {
     device->connected(now);
     driver->connected(now, *this);
     online = true;
@@ -68,7 +68,7 @@ class TcpBench : public DriverOutput {
     const Stamp end = now + time;
     while (now < end) {
       if (cut) disconnect_now(), reconnect = now + std::chrono::milliseconds(200);
-      if (!online && auto_connect && now >= reconnect) connect();
+      if (!online && auto_connect && now >= reconnect) connect_now();
       step(end);
     }
   }
