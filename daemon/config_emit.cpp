@@ -97,6 +97,7 @@ class ConfigWriter {
   void sensor(const SensorConfig& sensor);
   void network(const SensorConfig& sensor);
   void calibration(const SensorConfig& sensor);
+  void cola(const DeviceRequests& requests);
   void output(const OutputScanConfig& output);
   void merged(const MergedScanConfig& scan);
   void virtual_scan(const VirtualScanConfig& scan);
@@ -147,6 +148,7 @@ void ConfigWriter::sensor(const SensorConfig& sensor) {
   }
   if (sensor.model->kind == FrameKind::cloud) {
     number("cut_angle", driver.cut_angle);
+    if (speaks_cola(*sensor.model)) cola(driver.requests);
     calibration(sensor);
     return;
   }
@@ -154,10 +156,19 @@ void ConfigWriter::sensor(const SensorConfig& sensor) {
   optional_number("angle_max", driver.angle_max, "angle_max: all beams");
   flag("publish_intensity", driver.publish_intensity);
   if (sensor.model->has_echoes) flag("publish_multiecho", driver.publish_multiecho);
+  if (speaks_cola(*sensor.model)) cola(driver.requests);
   if (!speaks_scip(*sensor.model)) return;
   number("skip", driver.requests.skip.value_or(0));
   number("cluster", driver.requests.cluster.value_or(1));
   flag("calibrate_time", driver.requests.calibrate_time);
+}
+
+void ConfigWriter::cola(const DeviceRequests& requests) {
+  flag("publish_states", requests.device_states);
+  if (requests.skip)
+    number("skip", *requests.skip);
+  else
+    unset("skip: as the device is set");
 }
 
 void ConfigWriter::calibration(const SensorConfig& sensor) {

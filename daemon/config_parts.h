@@ -47,6 +47,10 @@ void read_outputs(Mapping& root, Config& config, ConfigClaims& claims);
 
 /// True if skip, cluster and calibrate_time mean something to this model.
 bool speaks_scip(const Model& model);
+/// True if skip and publish_states mean something to this model.
+bool speaks_cola(const Model& model);
+/// Those keys.
+void read_cola_requests(Mapping& yaml, DeviceRequests& requests);
 /// True if this model answers HTTP, so that `control` applies to it.
 bool has_web_interface(const Model& model);
 /// `control:` of a sensor whose other keys are read already.

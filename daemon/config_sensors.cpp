@@ -32,6 +32,7 @@ const std::vector<std::string_view> sensor_keys = {"model",
                                                    "publish_intensity",
                                                    "publish_multiecho",
                                                    "calibrate_time",
+                                                   "publish_states",
                                                    "frame_stamp",
                                                    "control",
                                                    "calibration",
@@ -129,8 +130,7 @@ void read_beams_kept(Mapping& yaml, DriverConfig& driver) {
 /// What a request for distances of SCIP may ask for.
 void read_scip_requests(Mapping& yaml, DeviceRequests& requests) {
   if (const auto skip = yaml.find("skip")) requests.skip = static_cast<int>(skip->integer(0, 9));
-  if (const auto cluster = yaml.find("cluster"))
-    requests.cluster = static_cast<int>(cluster->integer(1, 99));
+  if (const auto cluster = yaml.find("cluster")) requests.cluster = static_cast<int>(cluster->integer(1, 99));
   if (const auto calibrate = yaml.find("calibrate_time")) requests.calibrate_time = calibrate->boolean();
 }
 
@@ -147,6 +147,7 @@ void read_device(Mapping& yaml, SensorConfig& sensor) {
   else
     read_beams_kept(yaml, driver);
   if (speaks_scip(*sensor.model)) read_scip_requests(yaml, driver.requests);
+  if (speaks_cola(*sensor.model)) read_cola_requests(yaml, driver.requests);
 }
 
 void read_pose_of(Mapping& yaml, SensorConfig& sensor, const Config& config, ConfigClaims& claims) {
