@@ -3,6 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <optional>
 #include <string>
 
 #include "core/time.h"
@@ -15,6 +17,7 @@ struct ImuSample {
   Stamp stamp;
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();     ///< rad/s
   Eigen::Vector3d linear_acceleration = Eigen::Vector3d::Zero();  ///< m/s²; at rest +g along what is up
+  std::optional<Eigen::Quaterniond> orientation;  ///< turns these axes to those with z up; yaw from anywhere
 };
 
 }  // namespace lidard

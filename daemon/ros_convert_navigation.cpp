@@ -50,7 +50,16 @@ void to_ros(const TimeReference& reference, sensor_msgs::TimeReference& message)
 void to_ros(const ImuSample& sample, sensor_msgs::Imu& message) {
   message.header.stamp = to_ros(sample.stamp);
   message.header.frame_id = ros_frame(sample.frame_id);
-  message.orientation_covariance[0] = -1;  // sensor_msgs/Imu: there is no orientation
+  if (sample.orientation) {
+    message.orientation.w = sample.orientation->w();
+    message.orientation.x = sample.orientation->x();
+    message.orientation.y = sample.orientation->y();
+    message.orientation.z = sample.orientation->z();
+    message.orientation_covariance[0] = 0;  // sensor_msgs/Imu: all zero, not known
+  } else {
+    message.orientation = geometry_msgs::Quaternion();
+    message.orientation_covariance[0] = -1;  // sensor_msgs/Imu: there is no orientation
+  }
   copy_vector(sample.angular_velocity, message.angular_velocity);
   copy_vector(sample.linear_acceleration, message.linear_acceleration);
 }

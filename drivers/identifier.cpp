@@ -5,6 +5,7 @@
 #include "drivers/hokuyo/recognizer.h"
 #include "drivers/model.h"
 #include "drivers/sick/cola_recognizer.h"
+#include "drivers/sick/compact_models.h"
 #include "drivers/sick/safety_models.h"
 #include "drivers/velodyne/recognizer.h"
 
@@ -80,6 +81,7 @@ constexpr std::array protocols{
     make<SafetyData>,    //
     make<sick::ColaRecognizer>,
     make<hokuyo::Recognizer>,
+    make<sick::CompactRecognizer>,
 };
 
 }  // namespace

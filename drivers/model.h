@@ -26,7 +26,7 @@ struct Model {
   Transport transport;
   std::uint16_t
       port;  ///< default: UDP destination port of the data, or the device's TCP port; 0: must be configured
-  std::uint16_t telemetry_port;  ///< 0 none; carries a satellite receiver's sentences
+  std::uint16_t telemetry_port;  ///< second UDP port of the device, 0 none: a satellite receiver's sentences
   double packets_per_s;          ///< highest rate, all return modes; sizes the receive buffer
   double frame_period;           ///< s, usual
   double range_min, range_max;   ///< m, constant in every scan
@@ -39,8 +39,9 @@ struct Model {
   std::uint16_t dialogue_port = 0;               ///< TCP port of a UDP device's settings; 0 none
   std::vector<std::string_view> state_topics{};  ///< of DriverOutput::state()
   std::vector<std::string_view> extra_scans{};   ///< of DriverOutput::extra_scan()
+  bool telemetry_is_imu = false;                 ///< what comes on telemetry_port is the inertial unit's
 
-  bool has_gnss() const { return telemetry_port != 0; }
+  bool has_gnss() const { return telemetry_port != 0 && !telemetry_is_imu; }
 };
 
 /// All supported models, in the order of the documentation.

@@ -4,6 +4,7 @@
 #include "drivers/hokuyo/uam_driver.h"
 #include "drivers/model.h"
 #include "drivers/sick/cola_models.h"
+#include "drivers/sick/compact_models.h"
 #include "drivers/sick/safety_models.h"
 #include "drivers/velodyne/models.h"
 
@@ -15,6 +16,7 @@ const std::vector<Model>& models() {
     velodyne::append_models(list);
     sick::append_safety_models(list);
     sick::append_cola_models(list);
+    sick::append_compact_models(list);
     hokuyo::append_scip_models(list);
     hokuyo::append_uam_models(list);
     return list;

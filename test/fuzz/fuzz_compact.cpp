@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Telegrams of picoScan100, multiScan100 and LRS4000, Compact and MSGPACK: the input is parsed as one
+// telegram of each format; then it is cut into pieces, each behind a length (16 bit), whose checksums are
+// made right, and given to drivers of one and of several layers as datagrams; at last all of it as a stream.
+// A scan that breaks an invariant is a finding.
+#include <boost/crc.hpp>
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+#include "drivers/model.h"
+#include "drivers/sick/compact_telegram.h"
+#include "drivers/sick/msgpack_telegram.h"
+
+namespace {
+
+using namespace lidard;
+
+class Checker final : public DriverOutput {
+ public:
+  void scan(PlanarScan& scan) override {
+    if (violation(scan) != nullptr) std::abort();
+  }
+  void extra_scan(std::string_view, PlanarScan& scan) override {
+    if (violation(scan) != nullptr) std::abort();
+  }
+  void cloud(Cloud& cloud) override {
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const CloudPoint p = cloud.points()[i];
+      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) std::abort();
+    }
+  }
+};
+
+void make_checksum_right(std::vector<std::uint8_t>& telegram) {
+  const sick::TelegramHead head = sick::read_head({telegram.data(), telegram.size()});
+  if (head.reject != Reject::none || head.length < 12 || head.length > telegram.size()) return;
+  boost::crc_32_type crc;
+  const std::size_t skipped = head.type == sick::TelegramType::msgpack ? 8 : 0;
+  crc.process_bytes(telegram.data() + skipped, head.length - 4 - skipped);
+  for (unsigned i = 0; i < 4; ++i)
+    telegram[head.length - 4 + i] = static_cast<std::uint8_t>(crc.checksum() >> 8 * i);
+}
+
+void play(const char* model, ByteView input, bool as_stream) {
+  DriverConfig config;
+  config.model = find_model(model);
+  config.publish_multiecho = true;
+  const auto driver = config.model->make(config);
+  Checker out;
+  Packet packet;
+  packet.transport = as_stream ? Transport::tcp : Transport::udp;
+  packet.arrival = Stamp{1'767'225'600'000'000'000};
+  std::size_t at = 0;
+  while (input.has(at, 2)) {
+    const std::size_t length = input.le16(at);
+    at += 2;
+    const ByteView piece = input.sub(at, length < input.size() - at ? length : input.size() - at);
+    at += piece.size();
+    std::vector<std::uint8_t> telegram(piece.begin(), piece.end());
+    make_checksum_right(telegram);
+    packet.payload = {telegram.data(), telegram.size()};
+    packet.arrival = packet.arrival + std::chrono::milliseconds(5);
+    static_cast<void>(driver->receive(packet, out));
+    driver->tick(packet.arrival, out);
+  }
+  driver->finish(out);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const ByteView input(data, size);
+  static sick::Segment segment;
+  static_cast<void>(sick::parse_compact_scan(input, segment));
+  static_cast<void>(sick::parse_msgpack(input, segment));
+  static_cast<void>(sick::parse_msgpack_payload(input, segment));
+  play("sick_picoscan150", input, false);
+  play("sick_multiscan136", input, false);
+  play("sick_lrs4000", input, true);
+  return 0;
+}
