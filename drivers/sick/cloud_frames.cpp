@@ -176,7 +176,10 @@ bool CloudFrames::end(std::size_t slot, const FrameEnd& how, DriverOutput& out) 
   Cloud& cloud = open.cloud;
   cloud.points_bytes.resize(open.points * sizeof(CloudPoint));
   float earliest = 0;
-  for (std::size_t i = 0; i < open.points; ++i) earliest = std::min<float>(earliest, cloud.points()[i].time);
+  for (std::size_t i = 0; i < open.points; ++i) {
+    const float time = cloud.points()[i].time;  // a copy: the member is not aligned
+    earliest = std::min(earliest, time);
+  }
   // A segment that was overtaken may hold the first beams.
   for (std::size_t i = 0; earliest < 0 && i < open.points; ++i) cloud.points()[i].time -= earliest;
   const Span first = device_span(open.base_us) + span_from_seconds(static_cast<double>(earliest));

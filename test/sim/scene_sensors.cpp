@@ -4,6 +4,7 @@
 #include "test/sim/hokuyo_scene.h"
 #include "test/sim/microscan3.h"
 #include "test/sim/scene_file.h"
+#include "test/sim/scene_sick.h"
 #include "test/sim/scene_velodyne.h"
 
 namespace lidard::sim {
@@ -74,6 +75,10 @@ std::vector<Family> make_families() {
                           parse_hokuyo(name, options, entry);
                         }});
   }
+  for (const char* name : {"sick_picoscan150", "sick_picoscan120"})
+    families.push_back({name, 0.05, 60, [](const YamlReader& o) { return parse_sick_segments(false, o); }});
+  for (const char* name : {"sick_multiscan136", "sick_multiscan165", "sick_multiscan166"})
+    families.push_back({name, 0.05, 60, [](const YamlReader& o) { return parse_sick_segments(true, o); }});
   return families;
 }
 
