@@ -9,6 +9,7 @@
 #include "drivers/sick/compact_telegram.h"
 #include "drivers/sick/msgpack_telegram.h"
 #include "drivers/sick/segment_frames.h"
+#include "drivers/sick/sopas_dialogue.h"
 #include "drivers/sick/telegram_order.h"
 #include "drivers/sick/telegram_stream.h"
 
@@ -25,7 +26,11 @@ constexpr Span deadline_slack = std::chrono::milliseconds(10);
 class CompactDriver final : public Driver {
  public:
   explicit CompactDriver(const DriverConfig& config)
-      : config_(config), clock_(config.clock), side_clock_(config.clock), warnings_(info_) {
+      : config_(config),
+        clock_(config.clock),
+        side_clock_(config.clock),
+        warnings_(info_),
+        dialogue_(config) {
     frames_ = config.model->kind == FrameKind::cloud ? make_cloud_frames(config_, clock_)
                                                      : make_planar_frames(config_, clock_, warnings_);
     info_.details = {{"Vendor Name", "SICK"}, {"Product Name", std::string(config.model->product)}};
@@ -37,7 +42,13 @@ class CompactDriver final : public Driver {
   }
 
   Reject receive(const Packet& packet, DriverOutput& out) override;
-  void disconnected() override { stream_.cut(counters_); }
+  void connected(Stamp now, DriverOutput& out) override {
+    if (has_dialogue()) dialogue_.connected(now, out);
+  }
+  void disconnected() override {
+    stream_.cut(counters_);
+    if (has_dialogue()) dialogue_.disconnected();
+  }
   void tick(Stamp now, DriverOutput& out) override;
   void finish(DriverOutput& out) override { flush(out, true); }
   void restart() override;
@@ -45,6 +56,9 @@ class CompactDriver final : public Driver {
   const DeviceInfo& info() const override { return info_; }
 
  private:
+  /// Its TCP connection is for settings, not for data.
+  bool has_dialogue() const { return config_.model->dialogue_port != 0; }
+  void note_dialogue();
   Reject receive_datagram(const Packet& packet, DriverOutput& out);
   Reject receive_stream(const Packet& packet, DriverOutput& out);
   Reject take(ByteView telegram, TelegramType type, Stamp arrival, DriverOutput& out);
@@ -66,6 +80,7 @@ class CompactDriver final : public Driver {
   DeviceClock clock_;
   DeviceClock side_clock_;  // of inertial unit and encoder, where their time is another one
   WarningSlots warnings_;
+  SopasDialogue dialogue_;
   Segment segment_;
   TelegramStream stream_;
   TelegramOrder order_;
@@ -85,7 +100,15 @@ class CompactDriver final : public Driver {
 
 Reject CompactDriver::receive(const Packet& packet, DriverOutput& out) {
   if (packet.transport == Transport::udp) return receive_datagram(packet, out);
-  return receive_stream(packet, out);
+  if (!has_dialogue()) return receive_stream(packet, out);
+  dialogue_.receive(packet, out);
+  note_dialogue();
+  return Reject::none;
+}
+
+void CompactDriver::note_dialogue() {
+  warnings_.set(WarningSlots::dialogue, dialogue_.warning());
+  if (!dialogue_.data_output().empty()) set_detail("Data Output", dialogue_.data_output());
 }
 
 Reject CompactDriver::receive_datagram(const Packet& packet, DriverOutput& out) {
@@ -239,6 +262,11 @@ void CompactDriver::begin_stream(DriverOutput& out) {
 
 /// A frame whose last segment was lost must not wait for the next frame, which may be half a turn away.
 void CompactDriver::tick(Stamp now, DriverOutput& out) {
+  if (has_dialogue()) {
+    const bool heard = last_stop_us_ != 0;
+    dialogue_.tick(now, heard ? std::optional<Stamp>(last_arrival_) : std::nullopt, out);
+    note_dialogue();
+  }
   if (tracker_.expected() == 0 || last_stop_us_ == 0) return;
   const Span period = span_from_seconds(config_.model->frame_period);
   if (now - last_arrival_ < period + deadline_slack) return;

@@ -5,6 +5,7 @@
 #include "test/drivers/segment_bench.h"
 #include "test/sim/scene_file.h"
 #include "test/sim/simulate.h"
+#include "test/sim/test_scene.h"
 #include "test/support/captures.h"
 
 namespace lidard::sick {
@@ -32,8 +33,7 @@ struct Sensor {
 };
 
 /// Plays a scene's packets to a driver for each of its sensors.
-std::map<std::size_t, Sensor> play(const std::string& name, DriverConfig config = {}) {
-  const sim::Scene scene = sim::load_scene(project_file("pcaps/" + name + ".scene.yaml"));
+std::map<std::size_t, Sensor> play(const sim::Scene& scene, DriverConfig config = {}) {
   std::map<std::size_t, Sensor> sensors;
   for (std::size_t i = 0; i < scene.sensors.size(); ++i) {
     config.model = find_model(scene.sensors[i].model);
@@ -52,6 +52,10 @@ std::map<std::size_t, Sensor> play(const std::string& name, DriverConfig config 
     return true;
   });
   return sensors;
+}
+
+sim::Scene shipped(const std::string& name) {
+  return sim::load_scene(project_file("pcaps/" + name + ".scene.yaml"));
 }
 
 /// The truth of the scan, of which the first turn is left out.
@@ -89,7 +93,7 @@ TEST(SegmentTruth, EachSingleLayerCaptureGivesTheSimulatorsTruth) {
         Case{"picoscan150_filter", 240, 1, 120, 4}, Case{"picoscan150_msgpack", 277, 1, 0, 3}}) {
     DriverConfig config;
     config.publish_multiecho = true;
-    const auto sensors = play(c.name, config);
+    const auto sensors = play(shipped(c.name), config);
     const Sensor& sensor = sensors.at(0);
     ASSERT_GE(sensor.out.scans.size(), c.scans) << c.name;
     EXPECT_EQ(sensor.driver->counters().rejected_total(), 0U);
@@ -104,7 +108,7 @@ TEST(SegmentTruth, EachSingleLayerCaptureGivesTheSimulatorsTruth) {
 }
 
 TEST(SegmentTruth, TwoDevicesOnOnePortAreToldApartByTheirSender) {
-  const auto sensors = play("two_picoscans");
+  const auto sensors = play(shipped("two_picoscans"));
   for (const auto& [index, sensor] : sensors) {
     ASSERT_GE(sensor.out.scans.size(), 4U);
     EXPECT_EQ(sensor.driver->info().serial, index == 0 ? "31" : "32");
@@ -115,8 +119,10 @@ TEST(SegmentTruth, TwoDevicesOnOnePortAreToldApartByTheirSender) {
 }
 
 TEST(SegmentTruth, EachLayerOfAMultiScanGivesTheSimulatorsTruth) {
-  for (const char* name : {"multiscan136", "multiscan136_msgpack"}) {
-    const auto sensors = play(name);
+  for (const std::string name : {"compact4", "compact3", "msgpack"}) {
+    const std::string options = "options: {format: " + name + "}";
+    const auto sensors = play(name == "compact4" ? shipped("multiscan136")
+                                                 : sim::room("sick_multiscan136", options, "", "0.17"));
     const Sensor& sensor = sensors.at(0);
     ASSERT_GE(sensor.out.clouds.size(), 1U) << name;
     const Cloud& cloud = sensor.out.clouds[0];
@@ -162,7 +168,7 @@ TEST(SegmentTruth, EachLayerOfAMultiScanGivesTheSimulatorsTruth) {
 }
 
 TEST(SegmentTruth, InertialSamplesHaveTheTimeTheyWereTaken) {
-  const auto sensors = play("multiscan136");
+  const auto sensors = play(shipped("multiscan136"));
   const Sensor& sensor = sensors.at(0);
   ASSERT_GE(sensor.out.samples.size(), 10U);
   for (std::size_t i = 2; i < sensor.out.samples.size(); ++i) {
