@@ -142,6 +142,7 @@ void ConfigWriter::sensor(const SensorConfig& sensor) {
   if (sensor.model == nullptr) return;
   text("clock", driver.clock == ClockMode::smooth ? "smooth" : "arrival");
   number("time_offset", seconds_of(driver.time_offset));
+  for (const auto& [key, value] : requests_text(sensor)) text(key.c_str(), value);
   if (has_web_interface(*sensor.model)) {
     yaml_ << YAML::Key << "control" << YAML::Value;
     write_control(yaml_, sensor.control);

@@ -60,6 +60,12 @@ void write_control(YAML::Emitter& yaml, const VelodyneControl& control);
 /// Reads `calibration:` and `calibration_model:` of a sensor and the file itself.
 void read_calibration(Mapping& yaml, SensorConfig& sensor, Config& config);
 
+/// Reads what the device of a sensor may be asked for: allow_write, listen_only, udp_receiver_ip, user_level,
+/// user_level_password, where its model knows them.
+void read_requests(Mapping& yaml, SensorConfig& sensor);
+/// The same as keys and texts.
+std::vector<std::pair<std::string, std::string>> requests_text(const SensorConfig& sensor);
+
 /// A pose from {xyz: m, rpy: rad or rpy_deg}.
 Pose read_pose(const Value& value);
 /// A frame's name without leading slash (tf2 has none).

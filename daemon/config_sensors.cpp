@@ -34,6 +34,11 @@ const std::vector<std::string_view> sensor_keys = {"model",
                                                    "calibrate_time",
                                                    "publish_states",
                                                    "frame_stamp",
+                                                   "allow_write",
+                                                   "listen_only",
+                                                   "udp_receiver_ip",
+                                                   "user_level",
+                                                   "user_level_password",
                                                    "control",
                                                    "calibration",
                                                    "calibration_model"};
@@ -47,6 +52,11 @@ std::pair<std::string, std::string> refusal(const std::string& key, const Sensor
   if (key == "frame_stamp")
     return {"is not available in this version", "no such key: a cloud has the stamp of its first firing"};
   const std::string model = "is not available for " + std::string(sensor.model->name);
+  for (const char* request :
+       {"allow_write", "listen_only", "udp_receiver_ip", "user_level", "user_level_password"}) {
+    if (key == request)
+      return {model + ", to whose settings nothing is said", "no such key; set it up in the device"};
+  }
   if (key == "multicast_group" || key == "interface")
     return {model + ", which is read over TCP", "no such key"};
   if (key == "control")
@@ -180,6 +190,7 @@ SensorConfig read_sensor(const std::string& name, Mapping& yaml, Config& config,
       if (const auto control = yaml.find("control")) sensor.control = read_control(*control, sensor, config);
     }
     read_calibration(yaml, sensor, config);
+    read_requests(yaml, sensor);
     claims.publishes(name + (sensor.model->kind == FrameKind::cloud ? "/points" : "/scan"), owner,
                      yaml.self());
     if (sensor.model->has_echoes && sensor.driver.publish_multiecho)
