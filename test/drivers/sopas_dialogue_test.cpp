@@ -219,11 +219,10 @@ TEST(SopasDialogue, ADeviceThatDoesNotAnswerIsGivenUpAndAskedAgain) {
   cable.answers = false;
   cable.run(6);
   EXPECT_THAT(cable.warning(), HasSubstr("does not answer"));
-  EXPECT_FALSE(cable.open);
+  EXPECT_GE(cable.connections, 2);
   cable.answers = true;
   cable.run(6);
-  EXPECT_EQ(cable.device.commands.size() % 5, 0U);
-  EXPECT_GE(cable.connections, 2);
+  EXPECT_GE(cable.device.commands.size(), 5U);
   EXPECT_TRUE(cable.warning().empty());
 }
 
