@@ -403,6 +403,8 @@ std::vector<DiagnosticItem> Pipeline::diagnostics(Stamp now) const {
   }
   for (const auto& output : impl_->merged) items.push_back(output->diagnostics(now));
   for (const auto& output : impl_->virtuals) items.push_back(output->diagnostics(now));
+  if (const auto strangers = unclaimed_senders(); !strangers.empty())
+    items.push_back(unknown_senders_item(strangers));
   if (impl_->more_diagnostics) impl_->more_diagnostics(items);
   return items;
 }

@@ -84,4 +84,17 @@ DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& rep
   return item;
 }
 
+DiagnosticItem unknown_senders_item(const std::vector<std::string>& senders) {
+  DiagnosticItem item;
+  item.name = "unknown senders";
+  item.hardware_id = "none";
+  item.health = Health::warn;
+  item.message = senders.front() + (senders.size() > 1 ? " and others send" : " sends") +
+                 " to a port of ours but belong to no sensor; add them to the configuration, or correct an "
+                 "ip_address";
+  for (std::size_t i = 0; i < senders.size(); ++i)
+    item.values.emplace_back("Sender " + std::to_string(i + 1), senders[i]);
+  return item;
+}
+
 }  // namespace lidard

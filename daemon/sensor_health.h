@@ -13,4 +13,7 @@ namespace lidard {
 DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& report,
                              const std::vector<std::string>& unclaimed_senders, Stamp now);
 
+/// Names the senders on our ports that no sensor claims; there is at least one.
+DiagnosticItem unknown_senders_item(const std::vector<std::string>& senders);
+
 }  // namespace lidard

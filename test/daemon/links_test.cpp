@@ -8,13 +8,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <boost/asio/io_context.hpp>
 #include <filesystem>
 #include <fstream>
 
-#include "daemon/ports.h"
-#include "daemon/tf_poses.h"
-#include "test/daemon/line_driver.h"
+#include "test/daemon/live_bench.h"
 #include "test/support/tcp_peer.h"
 
 namespace lidard::test {
@@ -27,57 +24,10 @@ using Clock = std::chrono::steady_clock;
 
 const IpAddress loopback = IpAddress::v4(127, 0, 0, 1);
 
-Stamp wall_clock() {
-  return Stamp{std::chrono::duration_cast<Span>(std::chrono::system_clock::now().time_since_epoch()).count()};
-}
-
-/// A pipeline with its links, as the daemon has them.
-struct Bench {
+struct Bench : LiveBench {
   explicit Bench(const Config& config, const TcpOptions& options = {})
-      : pipeline(config, poses, sink),
-        driver(*last_line_driver()),
-        links(io, config,
-              {[this](std::size_t sensor, const Packet& packet) { pipeline.chunk(sensor, packet); },
-               [this](std::size_t sensor, Stamp now) { pipeline.connected(sensor, now); },
-               [this](std::size_t sensor) { pipeline.disconnected(sensor); },
-               [this](std::size_t sensor) { return pipeline.frames(sensor); }},
-              options),
-        ports(io, config, [this](const Packet& packet) { pipeline.packet(packet); }) {
-    pipeline.set_links(&links);
-    links.start();
-    ports.start();
-  }
-  void run(milliseconds time) {
-    const auto end = Clock::now() + time;
-    do {
-      io.restart();
-      io.run_for(milliseconds(5));
-      pipeline.tick(wall_clock());
-      links.tick();
-    } while (Clock::now() < end);
-  }
-  template <class Condition>
-  bool until(Condition done) {
-    const auto limit = Clock::now() + std::chrono::seconds(8);
-    while (!done()) {
-      if (Clock::now() > limit) return false;
-      run(milliseconds(5));
-    }
-    return true;
-  }
-  std::string message(std::size_t item) {
-    std::vector<DiagnosticItem> items;
-    links.add_diagnostics(items);
-    return items.at(item).message;
-  }
-
-  boost::asio::io_context io;
-  NoPoses poses;
-  CountingSink sink;
-  Pipeline pipeline;
+      : LiveBench(config, options), driver(*last_line_driver()) {}
   LineDriver& driver;
-  Links links;
-  Ports ports;
 };
 
 struct TcpBench {
