@@ -21,6 +21,24 @@ struct __attribute__((packed, may_alias)) CloudPoint {
 };
 static_assert(sizeof(CloudPoint) == 22, "the PointCloud2 layout is a contract");
 
+/// How points stand in the bytes of a cloud. As drivers make them they are a list of CloudPoint; only what
+/// goes to a topic may stand otherwise (CloudArranger).
+struct CloudFormat {
+  std::uint32_t point_step = sizeof(CloudPoint);
+  std::uint32_t height = 0;  ///< rows of an organised cloud, in which missing returns are NaN; 0: a list
+  bool confidence = false;   ///< uint16 `confidence` behind `time`
+  bool echo = false;         ///< uint8 `echo` at the end: CloudColumn::echo
+};
+
+/// What stands in `confidences` where the device vouches for nothing: it was not asked to.
+constexpr std::uint16_t no_confidence = 0xFFFF;
+
+/// A return that is in no point, since it was nearer than DriverConfig::min_range.
+struct NearReturn {
+  std::uint32_t column;  ///< index into columns
+  std::uint16_t ring;
+};
+
 /// One firing sequence of a cloud: the returns measured at (nearly) one azimuth.
 struct CloudColumn {
   std::uint32_t first_point;  ///< index of its first return; it ends where the next column begins
@@ -34,8 +52,8 @@ struct CloudColumn {
 /// Where a return came from; kept only where somebody asks for it (`lidard decode`).
 struct ReturnOrigin {
   std::uint32_t column;  ///< index into columns
-  std::uint16_t laser;     ///< the device's own number of the laser
-  std::uint8_t block;      ///< of the packet
+  std::uint16_t laser;   ///< the device's own number of the laser
+  std::uint8_t block;    ///< of the packet
   double azimuth_deg;    ///< after interpolation and correction, as the sensor counts it
   double distance_m;
   std::int64_t offset_ns;  ///< firing time after the packet's own stamp
@@ -57,9 +75,12 @@ struct Cloud {
       0;  ///< what a whole revolution would have had at the measured rate; 0 unknown
   std::vector<std::uint8_t> points_bytes;
   std::vector<CloudColumn> columns;
-  std::vector<ReturnOrigin> origins;  ///< empty, or one per point
+  std::vector<ReturnOrigin> origins;       ///< empty, or one per point
+  std::vector<std::uint16_t> confidences;  ///< empty, or one per point: the device's own bits
+  std::vector<NearReturn> too_near;        ///< in order of columns; only where asked for
+  CloudFormat format;
 
-  std::size_t size() const { return points_bytes.size() / sizeof(CloudPoint); }
+  std::size_t size() const { return points_bytes.size() / format.point_step; }
   const CloudPoint* points() const { return reinterpret_cast<const CloudPoint*>(points_bytes.data()); }
   CloudPoint* points() { return reinterpret_cast<CloudPoint*>(points_bytes.data()); }
 
@@ -68,6 +89,8 @@ struct Cloud {
     points_bytes.clear();
     columns.clear();
     origins.clear();
+    confidences.clear();
+    too_near.clear();
     complete = false;
     expected_columns = 0;
   }

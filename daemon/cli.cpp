@@ -83,6 +83,10 @@ struct Commands {
     c->add_option("--port", decode.port, "Destination port");
     c->add_option("--calibration", decode.calibration,
                   "Of a Velodyne: YAML of velodyne_pointcloud, or db.xml");
+    c->add_option(
+         "--calibration-model", decode.calibration_model,
+         "Its equations: ros_drivers (velodyne_pointcloud's; default for a file) or exact (the manual's)")
+        ->check(CLI::IsMember({"ros_drivers", "exact"}));
     c->add_option("--format", decode.format, "csv, json or pcd")
         ->check(CLI::IsMember({"csv", "json", "pcd"}))
         ->capture_default_str();

@@ -22,13 +22,14 @@ _lidard() {
     --pcap) _lidard_files pcap pcapng; return ;;
     --model) _lidard_words "$(lidard models 2>/dev/null | sed '1d; s/ .*//')"; return ;;
     --calibration) _lidard_files yaml yml xml; return ;;
+    --calibration-model) _lidard_words "ros_drivers exact"; return ;;
     --format) _lidard_words "csv pcd json"; return ;;
     --rate) _lidard_words "max 1"; return ;;
   esac
   case $command:$word in
     run:*) _lidard_words "--config --help" ;;
     replay:-*) _lidard_words "--config --pcap --rate --loop --start --duration --wait --clock --bag --help" ;;
-    decode:-*) _lidard_words "--model --source --port --calibration --format --frame --clock --time --output --help" ;;
+    decode:-*) _lidard_words "--model --source --port --calibration --calibration-model --format --frame --clock --time --output --help" ;;
     record:*) _lidard_words "--config --output --interface --duration --help" ;;
     inspect:-* | models:*) _lidard_words "--json --help" ;;
     check:*) _lidard_files yaml yml ;;

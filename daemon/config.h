@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "core/cloud_layout.h"
 #include "core/pose.h"
+#include "core/ring_scan.h"
 #include "core/scan_grid.h"
 #include "daemon/velodyne_settings.h"
 #include "drivers/driver.h"
@@ -37,6 +39,8 @@ struct SensorConfig {
   std::optional<IpAddress>
       ip_address;             ///< only packets from here; unset: any sender not claimed by another sensor
   std::uint16_t ip_port = 0;  ///< local UDP port; of a device that streams over TCP: its own port
+  std::uint16_t telemetry_port = 0;  ///< local UDP port of what it sends beside its data; 0: not listened to
+  std::string packet_topic;          ///< its packets come from here (velodyne_msgs/VelodyneScan), not by UDP
   std::optional<IpAddress> multicast_group;
   std::string interface;     ///< network interface to join the group on; empty: the kernel's choice
   std::string frame_id;      ///< default: the sensor's name
@@ -44,6 +48,10 @@ struct SensorConfig {
   std::string calibration;   ///< file as written, relative to the configuration's folder; empty: none
   DriverConfig driver;       ///< model, frame_id and options, ready for Model::make
   VelodyneControl control;   ///< the sensor's web interface; nothing is done with it by default
+  std::string scan_topic;    ///< of a planar scanner, or of the ring `ring_scan` of a multi-plane lidar
+  std::string points_topic;  ///< of a multi-plane lidar
+  CloudLayout layout;        ///< of its cloud message
+  std::optional<RingScanSpec> ring_scan;  ///< one ring of a multi-plane lidar as a planar scan
 };
 
 /// What stands in a beam of the output where nothing was seen.

@@ -7,6 +7,7 @@
 
 #include "daemon/calibration_file.h"
 #include "daemon/config_parts.h"
+#include "drivers/velodyne/table_calibration.h"
 
 namespace lidard {
 namespace {
@@ -24,15 +25,25 @@ std::string in_folder_of(const std::string& config_file, const std::string& path
   return path.front() == '/' || slash == std::string::npos ? path : config_file.substr(0, slash + 1) + path;
 }
 
+/// `calibration_model:` without a file: which equations place the returns of the model's own table.
+void apply_to_table(const Value& value, SensorConfig& sensor) {
+  if (read_calibration_model(value) == velodyne::CalibrationModel::exact) return;
+  if (velodyne::needs_own_calibration(*sensor.model))
+    value.fail_at_key("is given without calibration", "both: each HDL-64E is calibrated on its own");
+  sensor.driver.calibration =
+      std::make_shared<velodyne::Calibration>(velodyne::table_calibration(*sensor.model));
+}
+
 }  // namespace
 
 void read_calibration(Mapping& yaml, SensorConfig& sensor, Config& config) {
   if (!takes_calibration(*sensor.model)) return;  // the keys stay unread, which is refused
   const auto file = yaml.find("calibration");
   const auto model = yaml.find("calibration_model");
-  if (model && !file)
-    model->fail_at_key("is given without calibration", "both: the model says how the file is applied");
-  if (!file) return;
+  if (!file) {
+    if (model) apply_to_table(*model, sensor);
+    return;
+  }
   const std::string expected = "a calibration file, relative to the configuration's folder";
   sensor.calibration = file->text(expected);
   const std::string path = in_folder_of(config.file, sensor.calibration);

@@ -96,6 +96,7 @@ class ConfigWriter {
   void vehicle(const VehicleConfig& vehicle);
   void sensor(const SensorConfig& sensor);
   void network(const SensorConfig& sensor);
+  void cloud(const SensorConfig& sensor);
   void calibration(const SensorConfig& sensor);
   void cola(const DeviceRequests& requests);
   void output(const OutputScanConfig& output);
@@ -116,11 +117,16 @@ void ConfigWriter::vehicle(const VehicleConfig& vehicle) {
 }
 
 void ConfigWriter::network(const SensorConfig& sensor) {
+  if (!sensor.packet_topic.empty()) {
+    text("packet_topic", sensor.packet_topic);
+    return;
+  }
   if (sensor.ip_address)
     text("ip_address", sensor.ip_address->to_string());
   else
     unset("ip_address: any sender that no other sensor claims");
   number("ip_port", sensor.ip_port);
+  if (sensor.model->has_gnss()) number("telemetry_port", sensor.telemetry_port);
   if (!sensor.multicast_group) return;
   text("multicast_group", sensor.multicast_group->to_string());
   text("interface", sensor.interface);
@@ -143,19 +149,20 @@ void ConfigWriter::sensor(const SensorConfig& sensor) {
   text("clock", driver.clock == ClockMode::smooth ? "smooth" : "arrival");
   number("time_offset", seconds_of(driver.time_offset));
   for (const auto& [key, value] : requests_text(sensor)) text(key.c_str(), value);
-  if (has_web_interface(*sensor.model)) {
+  if (has_web_interface(*sensor.model) && sensor.packet_topic.empty()) {
     yaml_ << YAML::Key << "control" << YAML::Value;
     write_control(yaml_, sensor.control);
   }
   if (sensor.model->kind == FrameKind::cloud) {
-    number("cut_angle", driver.cut_angle);
     if (speaks_cola(*sensor.model)) cola(driver.requests);
+    cloud(sensor);
     calibration(sensor);
     return;
   }
   optional_number("angle_min", driver.angle_min, "angle_min: all beams");
   optional_number("angle_max", driver.angle_max, "angle_max: all beams");
   flag("publish_intensity", driver.publish_intensity);
+  text("scan_topic", sensor.scan_topic);
   if (sensor.model->has_echoes) flag("publish_multiecho", driver.publish_multiecho);
   if (speaks_cola(*sensor.model)) cola(driver.requests);
   if (!speaks_scip(*sensor.model)) return;
@@ -172,13 +179,51 @@ void ConfigWriter::cola(const DeviceRequests& requests) {
     unset("skip: as the device is set");
 }
 
+void ConfigWriter::cloud(const SensorConfig& sensor) {
+  const CloudLayout& layout = sensor.layout;
+  text("points_topic", sensor.points_topic);
+  text("frame_stamp", layout.stamp == FrameStamp::first ? "first" : "last");
+  if (!has_revolutions(*sensor.model)) return;
+  const DriverConfig& driver = sensor.driver;
+  switch (driver.frame_cut) {
+    case FrameCut::angle:
+    case FrameCut::view:
+      text("frame_cut", driver.frame_cut == FrameCut::view ? "view" : "angle");
+      number("cut_angle", driver.cut_angle);
+      break;
+    case FrameCut::time:
+      text("frame_cut", "time");
+      number("frame_duration", seconds_of(driver.frame_duration));
+      break;
+  }
+  number("min_range", driver.min_range);
+  number("max_range", driver.max_range);
+  number("view_direction", driver.view_direction);
+  number("view_width", driver.view_width);
+  text("organize_cloud", layout.order == CloudOrder::list        ? "false"
+                         : layout.order == CloudOrder::ring_rows ? "rings"
+                                                                 : "firings");
+  if (sensor.model->has_confidence) flag("publish_confidence", layout.confidence);
+  flag("publish_echo", layout.echo);
+  if (!sensor.ring_scan) {
+    unset("scan_ring: no LaserScan");
+    return;
+  }
+  number("scan_ring", sensor.ring_scan->ring);
+  number("scan_resolution", sensor.ring_scan->resolution);
+  text("scan_topic", sensor.scan_topic);
+}
+
 void ConfigWriter::calibration(const SensorConfig& sensor) {
   if (!takes_calibration(*sensor.model)) return;
   if (sensor.driver.calibration == nullptr) {
     unset("calibration: what the model or the device itself says");
     return;
   }
-  text("calibration", sensor.calibration);
+  if (sensor.calibration.empty())
+    unset("calibration: the model's table");
+  else
+    text("calibration", sensor.calibration);
   const bool exact = sensor.driver.calibration->model == velodyne::CalibrationModel::exact;
   text("calibration_model", exact ? "exact" : "ros_drivers");
 }

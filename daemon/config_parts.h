@@ -51,6 +51,10 @@ bool speaks_scip(const Model& model);
 bool speaks_cola(const Model& model);
 /// Those keys.
 void read_cola_requests(Mapping& yaml, DeviceRequests& requests);
+/// True if its clouds are revolutions of firing sequences, which can be cut, organised and seen ring by ring.
+bool has_revolutions(const Model& model);
+/// Keys of multi-plane lidars; the calibration was read already.
+void read_cloud_keys(Mapping& yaml, SensorConfig& sensor);
 /// True if this model answers HTTP, so that `control` applies to it.
 bool has_web_interface(const Model& model);
 /// `control:` of a sensor whose other keys are read already.

@@ -23,6 +23,24 @@ const std::vector<std::string_view> sensor_keys = {"model",
                                                    "time_offset",
                                                    "cut_angle",
                                                    "cut_angle_deg",
+                                                   "frame_cut",
+                                                   "frame_duration",
+                                                   "min_range",
+                                                   "max_range",
+                                                   "view_direction",
+                                                   "view_direction_deg",
+                                                   "view_width",
+                                                   "view_width_deg",
+                                                   "organize_cloud",
+                                                   "publish_confidence",
+                                                   "publish_echo",
+                                                   "points_topic",
+                                                   "scan_topic",
+                                                   "scan_ring",
+                                                   "scan_resolution",
+                                                   "scan_resolution_deg",
+                                                   "telemetry_port",
+                                                   "packet_topic",
                                                    "angle_min",
                                                    "angle_min_deg",
                                                    "angle_max",
@@ -49,14 +67,19 @@ std::pair<std::string, std::string> refusal(const std::string& key, const Sensor
     return {"does not apply to a source with topic:", "topic, frame_id and pose only"};
   if (key == "calibrate_time")
     return {"is not available in this version", "clock: smooth, which follows the device clock all the time"};
-  if (key == "frame_stamp")
-    return {"is not available in this version", "no such key: a cloud has the stamp of its first firing"};
   const std::string model = "is not available for " + std::string(sensor.model->name);
   for (const char* request :
        {"allow_write", "listen_only", "udp_receiver_ip", "user_level", "user_level_password"}) {
     if (key == request)
       return {model + ", to whose settings nothing is said", "no such key; set it up in the device"};
   }
+  if (key == "telemetry_port") return {model + ", which sends no telemetry beside its data", "no such key"};
+  if (key == "packet_topic")
+    return {model + ", whose packets travel in no message that is known", "a Velodyne, or no such key"};
+  if (key == "publish_confidence")
+    return {model + ", which does not vouch for its returns", "no such key: it applies to the VLS-128"};
+  if (!sensor.packet_topic.empty())
+    return {"is given beside packet_topic", "one of them: the network and its sensor are another node's"};
   if (key == "multicast_group" || key == "interface")
     return {model + ", which is read over TCP", "no such key"};
   if (key == "control")
@@ -64,8 +87,13 @@ std::pair<std::string, std::string> refusal(const std::string& key, const Sensor
             "no such key: it applies to Velodynes other than the HDL-64E"};
   if (key == "calibration" || key == "calibration_model")
     return {model + ", which sends calibrated measurements", "no such key"};
-  if (key == "cut_angle" || key == "cut_angle_deg")
-    return {model + ", which has no revolutions to cut", "no such key"};
+  const bool of_beams = key == "angle_min" || key == "angle_max" || key == "angle_min_deg" ||
+                        key == "angle_max_deg" || key == "publish_intensity" || key == "publish_multiecho";
+  if (sensor.model->kind == FrameKind::cloud && of_beams)
+    return {model + ", whose clouds are complete with all returns",
+            "no such key; view_direction and view_width keep a sector"};
+  if (sensor.model->kind == FrameKind::scan && key != "cluster" && key != "skip" && !of_beams)
+    return {model + ", which is no multi-plane lidar", "no such key"};
   if (sensor.model->kind == FrameKind::cloud)
     return {model + ", whose clouds are complete with all returns", "no such key"};
   return {model + ", which sends what its own configuration says", "no such key; set it in the device"};
@@ -101,8 +129,24 @@ ClockMode read_clock(const Value& value) {
   value.fail("is " + value.quoted(), "smooth or arrival");
 }
 
+void read_telemetry_port(Mapping& yaml, SensorConfig& sensor) {
+  sensor.telemetry_port = sensor.model->telemetry_port;
+  if (!sensor.model->has_gnss()) return;
+  const auto port = yaml.find("telemetry_port");
+  if (port) sensor.telemetry_port = static_cast<std::uint16_t>(port->integer(0, 65535));
+  if (sensor.telemetry_port != sensor.ip_port) return;
+  (port ? *port : *yaml.find("ip_port"))
+      .fail("is both ip_port and telemetry_port", "two ports, or telemetry_port: 0");
+}
+
 void read_network(Mapping& yaml, SensorConfig& sensor) {
   const bool tcp = sensor.model->transport == Transport::tcp;
+  if (sensor.model->vendor == "Velodyne") {
+    if (const auto packets = yaml.find("packet_topic")) {
+      sensor.packet_topic = read_topic(*packets);
+      return;  // the keys of the network stay unread, which is refused
+    }
+  }
   sensor.ip_address = read_address(yaml.find("ip_address"), false);
   sensor.ip_port = sensor.model->port;
   if (const auto port = yaml.find("ip_port"))
@@ -117,6 +161,7 @@ void read_network(Mapping& yaml, SensorConfig& sensor) {
                               "the device's address: it is read over TCP, so somebody has to connect to it");
     return;  // the keys of multicast stay unread, which is refused
   }
+  read_telemetry_port(yaml, sensor);
   sensor.multicast_group = read_address(yaml.find("multicast_group"), true);
   const auto interface = yaml.find("interface");
   if (!interface) return;
@@ -152,12 +197,28 @@ void read_device(Mapping& yaml, SensorConfig& sensor) {
   if (const auto clock = yaml.find("clock")) driver.clock = read_clock(*clock);
   if (const auto offset = yaml.find("time_offset"))
     driver.time_offset = offset->duration(-longest_offset_s, longest_offset_s);
-  if (sensor.model->kind == FrameKind::cloud)
-    driver.cut_angle = yaml.angle("cut_angle").value_or(0);
-  else
-    read_beams_kept(yaml, driver);
-  if (speaks_scip(*sensor.model)) read_scip_requests(yaml, driver.requests);
   if (speaks_cola(*sensor.model)) read_cola_requests(yaml, driver.requests);
+  if (sensor.model->kind == FrameKind::cloud) return;
+  read_beams_kept(yaml, driver);
+  if (speaks_scip(*sensor.model)) read_scip_requests(yaml, driver.requests);
+  const auto topic = yaml.find("scan_topic");
+  sensor.scan_topic = topic ? read_topic(*topic) : sensor.name + "/scan";
+}
+
+/// Everything that the sensor publishes.
+void claim_topics(const SensorConfig& sensor, const Value& value, ConfigClaims& claims) {
+  const std::string owner = "sensors." + sensor.name;
+  const bool cloud = sensor.model->kind == FrameKind::cloud;
+  if (cloud) claims.publishes(sensor.points_topic, owner, value);
+  if (!cloud || sensor.ring_scan) claims.publishes(sensor.scan_topic, owner, value);
+  if (sensor.model->has_echoes && sensor.driver.publish_multiecho)
+    claims.publishes(sensor.name + "/echoes", owner, value);
+  for (const std::string_view state : sensor.model->state_topics)
+    claims.publishes(sensor.name + "/" + std::string(state), owner, value);
+  if (sensor.model->has_gnss())
+    for (const char* topic : {"/fix", "/time_reference"}) claims.publishes(sensor.name + topic, owner, value);
+  if (sensor.model->has_imu) claims.publishes(sensor.name + "/imu", owner, value);
+  if (!sensor.packet_topic.empty()) claims.listens(sensor.packet_topic, owner, value);
 }
 
 void read_pose_of(Mapping& yaml, SensorConfig& sensor, const Config& config, ConfigClaims& claims) {
@@ -182,28 +243,19 @@ SensorConfig read_sensor(const std::string& name, Mapping& yaml, Config& config,
     yaml.self().fail_at_key("has neither model nor topic", "model: a name from `lidard models`, or topic:");
   if (const auto frame = yaml.find("frame_id")) sensor.frame_id = read_frame(*frame);
   read_pose_of(yaml, sensor, config, claims);
-  const std::string owner = "sensors." + name;
   if (model) {
     sensor.model = read_model(*model);
     read_device(yaml, sensor);
-    if (has_web_interface(*sensor.model)) {
+    if (has_web_interface(*sensor.model) && sensor.packet_topic.empty()) {
       if (const auto control = yaml.find("control")) sensor.control = read_control(*control, sensor, config);
     }
     read_calibration(yaml, sensor, config);
     read_requests(yaml, sensor);
-    claims.publishes(name + (sensor.model->kind == FrameKind::cloud ? "/points" : "/scan"), owner,
-                     yaml.self());
-    if (sensor.model->has_echoes && sensor.driver.publish_multiecho)
-      claims.publishes(name + "/echoes", owner, yaml.self());
-    for (const std::string_view state : sensor.model->state_topics)
-      claims.publishes(name + "/" + std::string(state), owner, yaml.self());
-    if (sensor.model->has_gnss())
-      for (const char* topic_name : {"/fix", "/time_reference"})
-        claims.publishes(name + topic_name, owner, yaml.self());
-    if (sensor.model->has_imu) claims.publishes(name + "/imu", owner, yaml.self());
+    if (sensor.model->kind == FrameKind::cloud) read_cloud_keys(yaml, sensor);
+    claim_topics(sensor, yaml.self(), claims);
   } else {
     sensor.topic = read_topic(*topic);
-    claims.listens(sensor.topic, owner, *topic);
+    claims.listens(sensor.topic, "sensors." + name, *topic);
   }
   yaml.finish([&](const std::string& key) { return refusal(key, sensor); });
   return sensor;
@@ -212,9 +264,10 @@ SensorConfig read_sensor(const std::string& name, Mapping& yaml, Config& config,
 /// Sensors are told apart by port and sender; refuses what cannot be.
 void check_distinct(const SensorConfig& sensor, const Mapping& yaml,
                     const std::vector<SensorConfig>& earlier) {
-  if (sensor.model == nullptr) return;
+  if (sensor.model == nullptr || !sensor.packet_topic.empty()) return;
   for (const SensorConfig& other : earlier) {
-    if (other.model == nullptr || other.model->transport != sensor.model->transport) continue;
+    if (other.model == nullptr || !other.packet_topic.empty()) continue;
+    if (other.model->transport != sensor.model->transport) continue;
     if (other.ip_port != sensor.ip_port || other.ip_address != sensor.ip_address) continue;
     const std::string port = std::to_string(sensor.ip_port);
     if (sensor.ip_address)

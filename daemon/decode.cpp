@@ -11,6 +11,7 @@
 #include "daemon/stream_finder.h"
 #include "drivers/connection_picker.h"
 #include "drivers/pcap_source.h"
+#include "drivers/velodyne/table_calibration.h"
 
 namespace lidard {
 namespace {
@@ -65,12 +66,22 @@ std::optional<SensorStream> choose_stream(const DecodeOptions& options, const Mo
 using CalibrationPtr = std::shared_ptr<const velodyne::Calibration>;
 
 /// The calibration asked for, if any; throws ConfigError.
-CalibrationPtr read_calibration(const std::string& file, std::ostream& err) {
-  if (file.empty()) return nullptr;
+CalibrationPtr read_calibration(const DecodeOptions& options, std::ostream& err) {
+  if (options.calibration.empty()) return nullptr;
   std::vector<std::string> warnings;
-  auto calibration = std::make_shared<velodyne::Calibration>(load_calibration(file, warnings));
+  auto calibration = std::make_shared<velodyne::Calibration>(load_calibration(options.calibration, warnings));
+  if (options.calibration_model == "exact") calibration->model = velodyne::CalibrationModel::exact;
   for (const std::string& warning : warnings) err << "note: " << warning << '\n';
   return calibration;
+}
+
+/// The model's table with the equations asked for, where no file was given; nullptr: as the driver does it.
+CalibrationPtr table_calibration(const DecodeOptions& options, const Model& model) {
+  if (options.calibration_model != "ros_drivers") return nullptr;
+  if (!takes_calibration(model) || velodyne::needs_own_calibration(model))
+    throw ConfigError("--calibration-model ros_drivers: " + std::string(model.product) +
+                      " has no table of its own for it; expected --calibration FILE");
+  return std::make_shared<velodyne::Calibration>(velodyne::table_calibration(model));
 }
 
 /// Throws ConfigError if the calibration cannot be that of the model.
@@ -85,7 +96,10 @@ void check_calibration(const DecodeOptions& options, const velodyne::Calibration
 
 int decode_stream(const DecodeOptions& options, const SensorStream& stream, CalibrationPtr calibration,
                   std::ostream& err) {
-  if (calibration != nullptr) check_calibration(options, *calibration, *stream.model, err);
+  if (calibration != nullptr)
+    check_calibration(options, *calibration, *stream.model, err);
+  else
+    calibration = table_calibration(options, *stream.model);
   if (!stream.remark.empty()) err << options.capture << ": note: " << stream.remark << '\n';
   DriverConfig config;
   config.model = stream.model;
@@ -134,7 +148,7 @@ int run_decode(const DecodeOptions& options, std::ostream& err) {
     }
   }
   try {
-    auto calibration = read_calibration(options.calibration, err);
+    auto calibration = read_calibration(options, err);
     const auto stream = choose_stream(options, model, err);
     return stream ? decode_stream(options, *stream, std::move(calibration), err) : 1;
   } catch (const ConfigError& e) {

@@ -18,9 +18,15 @@ namespace {
 constexpr std::size_t max_strangers = 32;
 constexpr Span diagnostics_period = std::chrono::seconds(1);
 
-TopicInfo sensor_topic(const SensorConfig& config) {
-  const bool cloud = config.model != nullptr && config.model->kind == FrameKind::cloud;
-  return {config.name + (cloud ? "/points" : "/scan"), cloud ? TopicKind::cloud : TopicKind::scan};
+bool sends_clouds(const SensorConfig& sensor) {
+  return sensor.model != nullptr && sensor.model->kind == FrameKind::cloud;
+}
+
+TopicInfo sensor_topic(const SensorConfig& sensor) {
+  const bool cloud = sends_clouds(sensor);
+  if (cloud)
+    return {sensor.points_topic.empty() ? sensor.name + "/points" : sensor.points_topic, TopicKind::cloud};
+  return {sensor.scan_topic.empty() ? sensor.name + "/scan" : sensor.scan_topic, TopicKind::scan};
 }
 
 bool sends_echoes(const SensorConfig& sensor) {
@@ -36,21 +42,22 @@ std::string topic_below(const SensorConfig& sensor, std::string_view name) {
 /// One sensor: its driver, and where its frames go.
 struct SensorLine final : public DriverOutput {
   SensorLine(const SensorConfig& sensor, std::size_t place, Pipeline::Impl& pipeline)
-      : config(sensor), index(place), owner(pipeline) {
+      : config(sensor), index(place), owner(pipeline), arranger(sensor.layout) {
     if (config.model != nullptr) driver = config.model->make(config.driver);
     topic = sensor_topic(config).name;
     fix_topic = config.name + "/fix";
     time_topic = config.name + "/time_reference";
     imu_topic = config.name + "/imu";
     if (config.model == nullptr) return;
+    if (config.ring_scan) ring_scan.emplace(*config.ring_scan);
     if (sends_echoes(config)) echoes_topic = config.name + "/echoes";
     for (const auto name : config.model->state_topics) named_topics[name] = topic_below(config, name);
     for (const auto name : config.model->extra_scans) named_topics[name] = topic_below(config, name);
   }
   bool owns_port(std::uint16_t port) const {
     if (config.model == nullptr || config.model->transport != Transport::udp) return false;
-    return port == config.ip_port ||
-           (config.model->telemetry_port != 0 && port == config.model->telemetry_port);
+    if (!config.packet_topic.empty()) return false;
+    return port == config.ip_port || (config.telemetry_port != 0 && port == config.telemetry_port);
   }
   /// Where the device listens for its TCP connection; port 0: it has none, or its address is not known.
   Endpoint device() const {
@@ -58,7 +65,7 @@ struct SensorLine final : public DriverOutput {
     const bool streams = config.model->transport == Transport::tcp;
     return {*config.ip_address, streams ? config.ip_port : config.model->dialogue_port};
   }
-  void receive(const Packet& packet);
+  void receive(const Packet& packet, Stamp received);
   void scan(PlanarScan& scan) override;
   void cloud(Cloud& cloud) override;
   void fix(const GnssFix& fix) override;
@@ -79,6 +86,9 @@ struct SensorLine final : public DriverOutput {
   std::size_t index;  // in the configuration
   Pipeline::Impl& owner;
   std::unique_ptr<Driver> driver;
+  CloudArranger arranger;
+  std::optional<RingScan> ring_scan;
+  PlanarScan ring;
   std::string topic;
   std::string fix_topic;
   std::string time_topic;
@@ -88,8 +98,9 @@ struct SensorLine final : public DriverOutput {
   ConnectionPicker connection;
   IpAddress sender;  // of the last datagram
   Wish wish = Wish::none;
-  bool seen = false;
+  bool seen = false;  // data; not what a device tells beside it
   Stamp last_arrival{};
+  Stamp last_telemetry{};
   Counters topic_counters;  // of a `topic:` source
 };
 
@@ -136,7 +147,8 @@ void SensorLine::scan(PlanarScan& scan) {
 
 void SensorLine::cloud(Cloud& cloud) {
   owner.cloud_from(*this, cloud);
-  owner.sink.cloud(topic, cloud, owner.now);
+  if (ring_scan && ring_scan->convert(cloud, ring)) owner.sink.scan(config.scan_topic, ring, owner.now);
+  owner.sink.cloud(topic, arranger.is_plain() ? cloud : arranger.arrange(cloud), owner.now);
 }
 
 void SensorLine::fix(const GnssFix& fix) { owner.sink.fix(fix_topic, fix, owner.now); }
@@ -168,13 +180,17 @@ void SensorLine::settle() {
 }
 
 /// What comes in a dialogue beside the data does not show that the data come.
-void SensorLine::receive(const Packet& packet) {
-  if (packet.transport == config.model->transport) {
-    seen = true;
-    last_arrival = packet.arrival;
-  }
-  if (packet.transport == Transport::udp) sender = packet.from.address;
+void SensorLine::receive(const Packet& packet, Stamp received) {
+  const bool datagram = packet.transport == Transport::udp;
+  if (datagram) sender = packet.from.address;
+  const std::uint64_t data_packets = driver->counters().packets;
   driver->receive(packet, *this);
+  if (packet.transport == config.model->transport) {
+    // Chunks of a stream are data whether or not a telegram is complete.
+    const bool data = !datagram || driver->counters().packets != data_packets;
+    (data ? last_arrival : last_telemetry) = received;
+    seen = seen || data;
+  }
   settle();
 }
 
@@ -185,6 +201,7 @@ std::vector<TopicInfo> pipeline_topics(const Config& config) {
   for (const auto& sensor : config.sensors) {
     if (sensor.model == nullptr) continue;
     topics.push_back(sensor_topic(sensor));
+    if (sensor.ring_scan) topics.push_back({sensor.scan_topic, TopicKind::scan});
     if (sensor.model->has_gnss()) {
       topics.push_back({sensor.name + "/fix", TopicKind::fix});
       topics.push_back({sensor.name + "/time_reference", TopicKind::time_reference});
@@ -232,7 +249,7 @@ void Pipeline::Impl::chunk(Packet packet) {
     if (device.port == 0) continue;
     if (packet.to == device) return;
     if (packet.from == device) {
-      if (line->connection.pick(packet)) line->receive(packet);
+      if (line->connection.pick(packet)) line->receive(packet, packet.arrival);
       return;
     }
     known_port = known_port || (line->config.model->transport == Transport::tcp &&
@@ -289,14 +306,14 @@ void Pipeline::packet(const Packet& packet) {
     impl_->note_stranger(packet);
     return;
   }
-  line->receive(packet);
+  line->receive(packet, packet.arrival);
 }
 
 void Pipeline::set_links(DeviceLinks* links) { impl_->links = links; }
 
 void Pipeline::chunk(std::size_t sensor, const Packet& packet) {
   impl_->now = packet.arrival;
-  impl_->lines.at(sensor)->receive(packet);
+  impl_->lines.at(sensor)->receive(packet, packet.arrival);
 }
 
 void Pipeline::connected(std::size_t sensor, Stamp now) {
@@ -310,6 +327,11 @@ void Pipeline::disconnected(std::size_t sensor) { impl_->lines.at(sensor)->drive
 
 std::uint64_t Pipeline::frames(std::size_t sensor) const {
   return impl_->lines.at(sensor)->driver->counters().frames;
+}
+
+void Pipeline::packet_message(const std::string& sensor, const Packet& packet, Stamp received) {
+  impl_->now = received;
+  impl_->line_named(sensor).receive(packet, received);
 }
 
 void Pipeline::scan_message(const std::string& sensor, PlanarScan& scan, Stamp received) {
@@ -375,6 +397,7 @@ std::vector<SensorReport> Pipeline::report() const {
     report.seen = line->seen;
     report.last_arrival = line->last_arrival;
     if (impl_->links != nullptr) report.link_trouble = impl_->links->trouble(line->index);
+    report.last_telemetry = line->last_telemetry;
     reports.push_back(std::move(report));
   }
   return reports;

@@ -19,8 +19,9 @@ struct SensorReport {
   std::string model;  ///< or "topic"
   Counters counters;
   DeviceInfo info;
-  bool seen = false;  ///< anything received at all
-  Stamp last_arrival;
+  bool seen = false;         ///< any data received at all
+  Stamp last_arrival;        ///< of data
+  Stamp last_telemetry;      ///< of what the device tells beside its data
   std::string link_trouble;  ///< why there is no connection to a device that needs one; empty: there is
 };
 
@@ -50,6 +51,9 @@ class Pipeline {
   /// Frames that a sensor's driver has handed on so far.
   std::uint64_t frames(std::size_t sensor) const;
 
+  /// A packet of a sensor with `packet_topic:`; its `arrival` is that at the node that received it,
+  /// `received` when its message came here.
+  void packet_message(const std::string& sensor, const Packet& packet, Stamp received);
   /// A message of a `topic:` source, `sensor` being its name in the configuration.
   void scan_message(const std::string& sensor, PlanarScan& scan, Stamp received);
   void cloud_message(const std::string& sensor, Cloud& cloud, Stamp received);

@@ -11,8 +11,10 @@
 namespace lidard {
 namespace {
 
-/// Pause between the last packet of a round and the first of the next in a loop.
-constexpr Span loop_gap = std::chrono::milliseconds(100);
+Stamp wall_clock() {
+  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
+  return {std::chrono::duration_cast<Span>(since_epoch).count()};
+}
 
 }  // namespace
 
@@ -46,6 +48,7 @@ bool Player::play_once(const std::function<bool()>& stop) {
       continue;
     }
     if (options_.duration >= 0 && into >= options_.start + options_.duration) break;
+    if (!started_ && options_.restamp) loop_shift_ = restamp_shift_ = wall_clock() - packet.arrival;
     packet.arrival = packet.arrival + loop_shift_;
     if (!started_) {
       started_ = true;
@@ -76,7 +79,7 @@ void Player::play(const std::function<bool()>& stop) {
     pipeline_.restart();
     capture_.rewind();
     // begin_ stays that of the first round, so the shift grows by a round each time.
-    loop_shift_ = last_ - begin_ + loop_gap;
+    loop_shift_ = restamp_shift_ + (last_ - begin_) + options_.loop_gap;
     more = play_once(stop);
   }
   pipeline_.finish(last_);

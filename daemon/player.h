@@ -36,7 +36,8 @@ class Player {
   bool started_ = false;
   Stamp begin_{};  // of what is played, on the output's time scale
   Stamp last_{};
-  Span loop_shift_{0};  // added to the stamps of the capture in later rounds
+  Span restamp_shift_{0};  // from the capture's stamps to those of the first round
+  Span loop_shift_{0};     // from the capture's stamps to those of this round
   std::chrono::steady_clock::time_point wall_begin_;
   std::uint64_t skipped_ = 0;
 };

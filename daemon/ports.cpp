@@ -13,13 +13,14 @@ bool receives(const UdpState& state) {
   return state.phase == UdpState::Phase::receiving || state.phase == UdpState::Phase::partial;
 }
 
-/// The sockets needed: data ports, and the telemetry port of models that have one.
+/// The sockets needed: data ports, and telemetry ports.
 std::map<std::uint16_t, UdpOptions> options_by_port(const Config& config) {
   std::map<std::uint16_t, UdpOptions> all;
   std::map<std::uint16_t, bool> anybody;
   for (const auto& sensor : config.sensors) {
     if (sensor.model == nullptr || sensor.model->transport != Transport::udp) continue;
-    for (const std::uint16_t number : {sensor.ip_port, sensor.model->telemetry_port}) {
+    if (!sensor.packet_topic.empty()) continue;
+    for (const std::uint16_t number : {sensor.ip_port, sensor.telemetry_port}) {
       if (number == 0) continue;
       const bool fresh = all.find(number) == all.end();
       UdpOptions& options = all[number];

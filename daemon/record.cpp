@@ -36,8 +36,7 @@ std::string sensor_filter(const SensorConfig& sensor) {
   if (sensor.ip_address) return "host " + sensor.ip_address->to_string();
   // Fragments but the first have no ports; a sender that is not known cannot be picked out of them.
   std::string filter = "udp dst port " + std::to_string(sensor.ip_port) + " or (ip[6:2] & 0x1fff != 0)";
-  if (sensor.model->telemetry_port != 0)
-    filter += " or udp dst port " + std::to_string(sensor.model->telemetry_port);
+  if (sensor.telemetry_port != 0) filter += " or udp dst port " + std::to_string(sensor.telemetry_port);
   return filter;
 }
 
@@ -102,7 +101,7 @@ void tell(pcap_t* capture, const RecordOptions& options, std::uint64_t packets, 
 std::string capture_filter(const Config& config) {
   std::string all;
   for (const SensorConfig& sensor : config.sensors) {
-    if (sensor.model == nullptr) continue;
+    if (sensor.model == nullptr || !sensor.packet_topic.empty()) continue;
     all += (all.empty() ? "(" : " or (") + sensor_filter(sensor) + ")";
   }
   return all;

@@ -72,6 +72,7 @@ struct Replay {
   int into_ros() {
     stop_on_signals();
     RosOptions ros;
+    ros.node_name = options.node_name;
     ros.remappings = options.ros_arguments;
     ros.topics = pipeline_topics(config);
     ros.backpressure = Backpressure::block;
@@ -105,7 +106,15 @@ struct Replay {
 
 int run_replay(const ReplayOptions& options, std::ostream& out, std::ostream& err) {
   try {
-    const Config config = load_config(options.config);
+    return run_replay(options, load_config(options.config), out, err);
+  } catch (const ConfigError& e) {
+    err << e.what() << '\n';
+    return exit_config;
+  }
+}
+
+int run_replay(const ReplayOptions& options, const Config& config, std::ostream& out, std::ostream& err) {
+  try {
     for (const auto& warning : config.warnings) err << warning << '\n';
     MergedCapture capture(options.captures);
     stop_on_signals();
@@ -114,9 +123,6 @@ int run_replay(const ReplayOptions& options, std::ostream& out, std::ostream& er
     const auto broken = capture.errors();
     for (const auto& error : broken) err << error << '\n';
     return broken.empty() ? code : exit_failed;
-  } catch (const ConfigError& e) {
-    err << e.what() << '\n';
-    return exit_config;
   } catch (const RosError& e) {
     err << e.what() << '\n';
     return exit_usage;

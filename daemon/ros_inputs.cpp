@@ -14,6 +14,7 @@
 
 #include "daemon/ros_convert.h"
 #include "daemon/ros_master.h"
+#include "daemon/velodyne_scan.h"
 
 namespace lidard {
 namespace {
@@ -41,6 +42,7 @@ const char* read(const sensor_msgs::PointCloud2& message, Cloud& cloud, std::siz
 struct RosInputs::Source {
   mutable std::mutex mutex;
   TopicReport report;
+  bool packets = false;
   int pending = 0;
   bool subscribed = false;  // belongs to the master thread
 
@@ -123,6 +125,7 @@ RosInputs::RosInputs(const std::vector<TopicSource>& sources, Post post, TopicHa
     sources_.push_back(std::make_shared<Source>());
     sources_.back()->report.sensor = source.sensor;
     sources_.back()->report.topic = source.topic;
+    sources_.back()->packets = source.packets;
   }
 }
 
@@ -156,8 +159,41 @@ void RosInputs::subscribe_as(const std::shared_ptr<Source>& source,
   source->subscribed = true;
 }
 
+void RosInputs::subscribe_packets(const std::shared_ptr<Source>& source) {
+  using Message = boost::shared_ptr<const VelodyneScanBytes>;
+  const boost::function<void(const Message&)> callback =
+      [source, post = post_, handler = handlers_.packet](const Message& message) {
+        const Stamp received = now();
+        if (!source->accept()) return;
+        // Looked at before it is handed on, so that a bad message counts at once.
+        const ByteView bytes(message->bytes.data(), message->bytes.size());
+        if (const char* reason = read_velodyne_scan(bytes, [](ByteView, Stamp) {})) {
+          source->reject(reason);
+          return;
+        }
+        source->hand_on(0);
+        post([source, handler, message, bytes, received] {
+          read_velodyne_scan(bytes, [&](ByteView packet, Stamp arrival) {
+            // Nobody stamps 1970; a stamp that was left out is the time at hand.
+            handler(source->report.sensor, packet, arrival == Stamp{} ? received : arrival, received);
+          });
+          source->taken();
+        });
+      };
+  // roscpp itself refuses a publisher of another type or md5sum.
+  reception_->subscribers.push_back(
+      reception_->node.subscribe<VelodyneScanBytes>(source->report.topic, 10, callback));
+  source->subscribed = true;
+}
+
 void RosInputs::subscribe(const std::shared_ptr<Source>& source, const std::string& type) {
-  if (type == ros::message_traits::datatype<sensor_msgs::LaserScan>()) {
+  const char* const packets = ros::message_traits::datatype<VelodyneScanBytes>();
+  if (source->packets != (type == packets)) {
+    spdlog::error("topic {} carries {}; expected {}", source->report.topic, type,
+                  source->packets ? packets : "sensor_msgs/LaserScan or sensor_msgs/PointCloud2");
+  } else if (source->packets) {
+    subscribe_packets(source);
+  } else if (type == ros::message_traits::datatype<sensor_msgs::LaserScan>()) {
     subscribe_as<sensor_msgs::LaserScan>(source, handlers_.scan);
   } else if (type == ros::message_traits::datatype<sensor_msgs::PointCloud2>()) {
     subscribe_as<sensor_msgs::PointCloud2>(source, handlers_.cloud);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/bytes.h"
 #include "daemon/ros_link.h"
 
 namespace lidard {
@@ -15,6 +16,7 @@ namespace lidard {
 struct TopicSource {
   std::string sensor;
   std::string topic;
+  bool packets = false;  ///< the topic carries velodyne_msgs/VelodyneScan for a driver of ours
 };
 
 /// Where the messages of topic sources go; called in the sensor thread. `received` is the host's time of
@@ -22,6 +24,8 @@ struct TopicSource {
 struct TopicHandlers {
   std::function<void(const std::string& sensor, PlanarScan& scan, Stamp received)> scan;
   std::function<void(const std::string& sensor, Cloud& cloud, Stamp received)> cloud;
+  /// `arrival` is when the node that sends the message received the packet.
+  std::function<void(const std::string& sensor, ByteView packet, Stamp arrival, Stamp received)> packet = {};
 };
 
 /// What happened to one topic source since the start.
@@ -36,8 +40,8 @@ struct TopicReport {
   std::string last_reason;           ///< why the last unusable one was not used
 };
 
-/// Subscribes LaserScan and PointCloud2 topics of other nodes. The type comes from the master, asked in the
-/// master thread; one thread of its own converts and hands the result to the sensor thread.
+/// Subscribes LaserScan, PointCloud2 and VelodyneScan topics of other nodes. The type comes from the master,
+/// asked in the master thread; one thread of its own converts and hands the result to the sensor thread.
 class RosInputs : public RosClient {
  public:
   /// Runs a function in the sensor thread.
@@ -59,6 +63,7 @@ class RosInputs : public RosClient {
   template <typename Message, typename Frame>
   void subscribe_as(const std::shared_ptr<Source>& source,
                     const std::function<void(const std::string&, Frame&, Stamp)>& handler);
+  void subscribe_packets(const std::shared_ptr<Source>& source);
 
   Post post_;
   TopicHandlers handlers_;

@@ -96,6 +96,7 @@ bool FrameQueue::push(const std::string& topic, Cloud& cloud, Stamp released) {
   push_to(*lane, [&](QueuedFrame& frame) {
     frame.cloud.frame_id = cloud.frame_id;
     frame.cloud.stamp = cloud.stamp;
+    frame.cloud.format = cloud.format;
     frame.cloud.points_bytes.swap(cloud.points_bytes);
     frame.released = released;
   });

@@ -38,6 +38,7 @@ std::vector<TopicSource> topic_sources(const Config& config) {
   std::vector<TopicSource> sources;
   for (const auto& sensor : config.sensors) {
     if (sensor.model == nullptr) sources.push_back({sensor.name, sensor.topic});
+    if (!sensor.packet_topic.empty()) sources.push_back({sensor.name, sensor.packet_topic, true});
   }
   return sources;
 }
@@ -45,8 +46,8 @@ std::vector<TopicSource> topic_sources(const Config& config) {
 /// Everything of a running daemon. The constructor's thread becomes the sensor thread.
 class Daemon {
  public:
-  Daemon(const Config& config, const std::vector<std::string>& ros_arguments)
-      : link_(ros_options(config, ros_arguments)),
+  Daemon(const Config& config, const std::vector<std::string>& ros_arguments, const std::string& node_name)
+      : link_(ros_options(config, ros_arguments, node_name)),
         pipeline_(config, *poses_, link_),
         controls_(config),
         ports_(io_, config,
@@ -62,12 +63,14 @@ class Daemon {
         inputs_(std::make_shared<RosInputs>(
             topic_sources(config),
             [this](std::function<void()> task) { boost::asio::post(io_, std::move(task)); },
-            TopicHandlers{[this](const std::string& s, PlanarScan& scan, Stamp t) {
-                            pipeline_.scan_message(s, scan, t);
-                          },
-                          [this](const std::string& s, Cloud& cloud, Stamp t) {
-                            pipeline_.cloud_message(s, cloud, t);
-                          }})),
+            TopicHandlers{
+                [this](const std::string& s, PlanarScan& scan, Stamp t) {
+                  pipeline_.scan_message(s, scan, t);
+                },
+                [this](const std::string& s, Cloud& cloud, Stamp t) { pipeline_.cloud_message(s, cloud, t); },
+                [this](const std::string& s, ByteView packet, Stamp arrival, Stamp t) {
+                  pipeline_.packet_message(s, {packet, arrival, {}, {}}, t);
+                }})),
         signals_(io_, SIGINT, SIGTERM),
         timer_(io_) {
     pipeline_.set_links(&links_);
@@ -105,8 +108,10 @@ class Daemon {
   }
 
  private:
-  static RosOptions ros_options(const Config& config, const std::vector<std::string>& arguments) {
+  static RosOptions ros_options(const Config& config, const std::vector<std::string>& arguments,
+                                const std::string& node_name) {
     RosOptions options;
+    options.node_name = node_name;
     options.remappings = arguments;
     options.topics = pipeline_topics(config);
     return options;
@@ -178,22 +183,28 @@ class Daemon {
 
 }  // namespace
 
+int run_daemon(const Config& config, const std::vector<std::string>& ros_arguments,
+               const std::string& node_name, std::ostream& err) {
+  try {
+    for (const auto& warning : config.warnings) spdlog::warn("{}", warning);
+    Daemon daemon(config, ros_arguments, node_name);
+    // roscpp's destructors would wait for a master that hangs.
+    if (!daemon.run()) std::quick_exit(exit_ok);
+    return exit_ok;
+  } catch (const RosError& e) {
+    err << e.what() << '\n';
+    return exit_usage;
+  }
+}
+
 int run_daemon(const std::string& config_file, const std::vector<std::string>& ros_arguments,
                std::ostream& err) {
   set_up_logging();
   try {
-    const Config config = load_config(config_file);
-    for (const auto& warning : config.warnings) spdlog::warn("{}", warning);
-    Daemon daemon(config, ros_arguments);
-    // roscpp's destructors would wait for a master that hangs.
-    if (!daemon.run()) std::quick_exit(exit_ok);
-    return exit_ok;
+    return run_daemon(load_config(config_file), ros_arguments, "lidard", err);
   } catch (const ConfigError& e) {
     err << e.what() << '\n';
     return exit_config;
-  } catch (const RosError& e) {
-    err << e.what() << '\n';
-    return exit_usage;
   }
 }
 

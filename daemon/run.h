@@ -8,8 +8,13 @@
 
 namespace lidard {
 
+struct Config;
+
 /// The daemon: listens to the configured sensors and publishes until SIGTERM or SIGINT. Returns the exit
 /// code.
+int run_daemon(const Config& config, const std::vector<std::string>& ros_arguments,
+               const std::string& node_name, std::ostream& err);
+/// The same with a configuration file.
 int run_daemon(const std::string& config_file, const std::vector<std::string>& ros_arguments,
                std::ostream& err);
 

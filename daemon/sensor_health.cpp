@@ -14,13 +14,14 @@ std::string where(const SensorConfig& config) {
   if (config.model == nullptr) return "topic " + config.topic;
   if (config.model->transport == Transport::tcp)
     return Endpoint{config.ip_address.value_or(IpAddress()), config.ip_port}.to_string();
+  if (!config.packet_topic.empty()) return "topic " + config.packet_topic;
   return (config.ip_address ? config.ip_address->to_string() : "any sender") + " to port " +
          std::to_string(config.ip_port);
 }
 
 std::string why_nothing(const SensorConfig& config, const SensorReport& report,
                         const std::vector<std::string>& unclaimed_senders) {
-  if (config.model == nullptr) return "; is its driver running?";
+  if (config.model == nullptr || !config.packet_topic.empty()) return "; is its driver running?";
   if (!report.link_trouble.empty()) return ": " + report.link_trouble;
   if (config.model->transport == Transport::tcp) {
     // A device that refuses says why.
@@ -39,7 +40,13 @@ void judge(const SensorConfig& config, const SensorReport& report,
            const std::vector<std::string>& unclaimed_senders, Stamp now, DiagnosticItem& item) {
   const double age = seconds(now - report.last_arrival);
   const Counters& c = report.counters;
-  if (!report.seen) {
+  const bool silent = !report.seen || age > silent_warning_s;
+  if (silent && seconds(now - report.last_telemetry) < silent_warning_s) {
+    item.health = Health::error;
+    item.message = "no data, only telemetry on port " + std::to_string(config.telemetry_port) +
+                   "; check that its laser and motor are on and that it sends data to port " +
+                   std::to_string(config.ip_port);
+  } else if (!report.seen) {
     item.health = Health::error;
     item.message = "nothing received from " + where(config) + why_nothing(config, report, unclaimed_senders);
   } else if (age > silent_warning_s) {
@@ -69,7 +76,8 @@ DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& rep
     item.values.emplace_back(key, std::move(text));
   };
   if (config.ip_address) value("IP Address", config.ip_address->to_string());
-  if (config.model != nullptr) value("IP Port", std::to_string(config.ip_port));
+  if (config.model != nullptr && config.packet_topic.empty())
+    value("IP Port", std::to_string(config.ip_port));
   for (const auto& [key, text] : report.info.details) item.values.emplace_back(key, text);
   const Counters& c = report.counters;
   value("Packets", std::to_string(c.packets));

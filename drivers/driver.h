@@ -140,8 +140,8 @@ struct DriverConfig {
       0;  ///< rad, as the sensor counts azimuth: where one revolution ends (multi-plane lidars)
   FrameCut frame_cut = FrameCut::angle;
   Span frame_duration = std::chrono::milliseconds(100);  ///< for FrameCut::time
-  bool organized = false;        ///< a row per ring, a column per firing; NaN where nothing came back
-  bool keep_confidence = false;  ///< fill the cloud's confidence words, where the model sends them
+  bool keep_confidence = false;  ///< fill Cloud::confidences, where the model sends them
+  bool keep_too_near = false;    ///< fill Cloud::too_near
   double min_range = 0;          ///< m: nearer returns are left out (multi-plane lidars)
   double max_range = 0;          ///< m: farther returns are left out; 0: no limit
   double view_direction = 0;     ///< rad, counter-clockwise from the front: middle of the sector that is kept

@@ -41,6 +41,10 @@ struct Model {
   std::vector<std::string_view> extra_scans{};   ///< of DriverOutput::extra_scan()
   bool telemetry_is_imu = false;                 ///< what comes on telemetry_port is the inertial unit's
 
+  bool has_confidence = false;  ///< it can vouch for each return (Cloud::confidences)
+  /// The ring nearest to the horizontal, of a multi-plane lidar; nullptr: not known.
+  std::uint16_t (*level_ring)(const DriverConfig& config) = nullptr;
+
   bool has_gnss() const { return telemetry_port != 0 && !telemetry_is_imu; }
 };
 

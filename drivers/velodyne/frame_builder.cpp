@@ -19,6 +19,7 @@ FrameBuilder::FrameBuilder(const DriverConfig& config, const ModelRow& row, Coun
       unpacker_(row, config.keep_origins, config.min_range, config.max_range, config.calibration.get()),
       cutter_(config.cut_angle * deg_per_rad),
       interval_(std::max(config.frame_duration, Span(1))) {
+  unpacker_.keep(config.keep_confidence, config.keep_too_near);
   cloud_.frame_id = config.frame_id;
   cloud_.rings = static_cast<std::uint16_t>(row.lasers);
 }
@@ -63,6 +64,8 @@ void FrameBuilder::begin(Span time, bool at_cut, const DeviceClock& clock) {
   frame_time_ = time;
   cloud_.columns.clear();
   cloud_.origins.clear();
+  cloud_.confidences.clear();
+  cloud_.too_near.clear();
   points_ = 0;
   if (fresh_) unpacker_.set_calibration(*std::exchange(fresh_, nullptr));
   unpacker_.reserve_packet(cloud_);

@@ -3,9 +3,11 @@
 #include "drivers/velodyne/models.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <numeric>
 
+#include "drivers/velodyne/calibration.h"
 #include "drivers/velodyne/laser_tables.h"
 #include "drivers/velodyne/velodyne_driver.h"
 
@@ -102,11 +104,31 @@ constexpr std::array<std::pair<std::uint8_t, const char*>, 8> products = {{{0x21
                                                                            {0x63, "VLS-128"},
                                                                            {0xA1, "VLS-128"}}};
 
+/// Of two equally near to the horizontal the upper one, as velodyne_laserscan chooses on a VLP-16.
+std::uint16_t level_ring(const DriverConfig& config) {
+  const auto& row = *static_cast<const ModelRow*>(config.model->row);
+  const Calibration* calibration = config.calibration.get();
+  const auto rings = calibration != nullptr ? rings_by_elevation(*calibration) : rings_by_elevation(row);
+  std::uint16_t best_ring = 0;
+  double best = 1e9;
+  for (std::size_t k = 0; k < rings.size(); ++k) {
+    const double elevation_deg = calibration != nullptr
+                                     ? calibration->lasers[k].vert_correction * (180 / 3.14159265358979323846)
+                                     : row.laser[k].elevation_deg;
+    constexpr double equal_deg = 1e-6;
+    const double off = std::fabs(elevation_deg);
+    if (off > best + equal_deg || (off > best - equal_deg && rings[k] < best_ring)) continue;
+    best = off;
+    best_ring = rings[k];
+  }
+  return best_ring;
+}
+
 Model spinning(const char* name, const char* product, const ModelRow& row, double range_max,
                const char* verified) {
   constexpr double default_rpm = 600;
   const std::size_t most_echoes = row.banks == 2 ? 1 : 2;
-  return {
+  Model model{
       name,
       "Velodyne",
       product,
@@ -124,6 +146,9 @@ Model spinning(const char* name, const char* product, const ModelRow& row, doubl
       &row,
       &make_driver,
       row.without_factory_bytes != nullptr};  // only the HDL-32E has an IMU
+  model.has_confidence = row.banks == 4;      // return mode 0x3B of the VLS-128
+  model.level_ring = &level_ring;
+  return model;
 }
 
 }  // namespace

@@ -18,12 +18,13 @@ namespace lidard::velodyne {
 
 /// A firing sequence ready to be unpacked.
 struct Sequence {
-  std::array<const std::uint8_t*, 4> slots;  ///< the first slot of each bank in the packet
-  double azimuth_deg;                        ///< at its begin, as the sensor counts it
-  Direction ahead;                           ///< of that azimuth
-  Span in_packet;                            ///< its begin after the packet's stamp
-  Span in_frame;                             ///< its begin after the frame's stamp
-  Stamp stamp;                               ///< its begin on the host's time scale
+  std::array<const std::uint8_t*, 4> slots;       ///< the first slot of each bank in the packet
+  std::array<const std::uint8_t*, 4> confidence;  ///< the first confidence word of each bank; nullptr none
+  double azimuth_deg;                             ///< at its begin, as the sensor counts it
+  Direction ahead;                                ///< of that azimuth
+  Span in_packet;                                 ///< its begin after the packet's stamp
+  Span in_frame;                                  ///< its begin after the frame's stamp
+  Stamp stamp;                                    ///< its begin on the host's time scale
   std::uint32_t packet;
   std::array<std::uint8_t, 4> blocks;  ///< of the banks
   std::uint8_t echo;
@@ -39,6 +40,11 @@ class Unpacker {
 
   /// Places what comes from now on with that calibration, instead of what was given before.
   void set_calibration(const Calibration& calibration);
+  /// Also fills Cloud::confidences and Cloud::too_near.
+  void keep(bool confidences, bool too_near) {
+    keep_confidences_ = confidences;
+    keep_too_near_ = too_near;
+  }
   void set_timing(const Timing& timing);
   /// The rotation during the coming sequences, degrees per second.
   void set_rate(double deg_per_s);
@@ -56,11 +62,16 @@ class Unpacker {
   void set_geometry(const Calibration* calibration);
   void set_limits();
   void turn_anew();
+  void append_extras(const Sequence& sequence, Cloud& cloud) const;
   void append_origins(const Sequence& sequence, Cloud& cloud) const;
+  void append_confidences(const Sequence& sequence, Cloud& cloud) const;
+  void append_too_near(const Sequence& sequence, Cloud& cloud) const;
 
   const ModelRow& row_;
   bool keep_origins_;
   double min_range_, max_range_;
+  bool keep_confidences_ = false;
+  bool keep_too_near_ = false;
   double rate_ = 0;
   double longest_turning_ = 0;  // s
   const SequenceKernels& kernels_;

@@ -300,6 +300,7 @@ void VelodyneDriver::decode(const OrderedPacket& packet, Span time, const std::o
         for (std::size_t bank = 0; bank < layout.banks; ++bank) {
           sequence.blocks[bank] = layout.block[g][echo][bank];
           sequence.slots[bank] = view.slots(sequence.blocks[bank]) + s * row_.lasers * 3;
+          if (layout.confidence) sequence.confidence[bank] = view.slots(layout.block[g][2][bank]);
         }
         frames_.append(sequence);
       }

@@ -82,6 +82,23 @@ TEST_F(ConfigCalibration, TakesEitherModel) {
               model);
 }
 
+TEST_F(ConfigCalibration, WithoutAFileTheModelsOwnTableHasEitherEquations) {
+  EXPECT_EQ(parse("calibration_model: exact").sensors.at(0).driver.calibration, nullptr);
+  const Config config = parse("calibration_model: ros_drivers");
+  const auto& table = config.sensors.at(0).driver.calibration;
+  ASSERT_NE(table, nullptr);
+  EXPECT_EQ(table->model, CalibrationModel::ros_drivers);
+  ASSERT_EQ(table->lasers.size(), 16U);
+  EXPECT_NEAR(table->lasers[2].vert_correction, -13 * M_PI / 180, 1e-12);
+  EXPECT_EQ(table->lasers[2].vert_offset, 0) << "velodyne_pointcloud's own files have none";
+  const std::string yaml = to_yaml(config);
+  EXPECT_THAT(yaml, HasSubstr("    # calibration: the model's table\n    calibration_model: ros_drivers\n"));
+  EXPECT_EQ(to_yaml(parse_config(yaml, folder_ + config_)), yaml);
+  EXPECT_THROW(
+      parse_config("sensors: {a: {model: velodyne_hdl64e_s3, calibration_model: ros_drivers}}", "f"),
+      ConfigError);
+}
+
 TEST_F(ConfigCalibration, CheckPrintsWhatReadsBackToTheSame) {
   std::ofstream(folder_ + config_) << "sensors: {a: {model: velodyne_vlp16, calibration: " + good_ +
                                           ", calibration_model: exact}, b: {model: velodyne_vlp16, ip_port: "
@@ -106,10 +123,6 @@ TEST_F(ConfigCalibration, MistakesHaveTheirPlace) {
             config_ +
                 ":1:51: sensors.a.calibration has 32 lasers, VLP-16 has 16; expected the calibration of "
                 "this sensor");
-  EXPECT_EQ(error("calibration_model: exact"),
-            config_ +
-                ":1:38: sensors.a.calibration_model is given without calibration; expected both: the "
-                "model says how the file is applied");
   EXPECT_THAT(error("calibration: " + good_ + ", calibration_model: manual"),
               HasSubstr("sensors.a.calibration_model is \"manual\"; expected ros_drivers"));
   std::ofstream(folder_ + good_) << "distance_resolution: x\nlasers: 3\n";

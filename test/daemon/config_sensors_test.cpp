@@ -151,8 +151,9 @@ TEST(SensorConfig, RefusesKeysThatTheModelCannotHonour) {
   const std::string cloud = "is not available for velodyne_vlp16, whose clouds are complete with all returns";
   for (const std::string key :
        {"publish_multiecho: true", "cluster: 2", "skip: 1", "angle_min: 0", "publish_intensity: true"}) {
-    EXPECT_EQ(error_of("sensors: {a: {model: velodyne_vlp16, " + key + "}}"),
-              "f:1:38: sensors.a." + key.substr(0, key.find(':')) + " " + cloud + "; expected no such key");
+    EXPECT_THAT(error_of("sensors: {a: {model: velodyne_vlp16, " + key + "}}"),
+                StartsWith("f:1:38: sensors.a." + key.substr(0, key.find(':')) + " " + cloud +
+                           "; expected no such key"));
   }
   EXPECT_EQ(
       error_of("sensors: {a: {model: velodyne_vlp16, calibrate_time: true}}"),
@@ -165,8 +166,8 @@ TEST(SensorConfig, RefusesKeysThatAPlanarScannerCannotHonour) {
             "f:1:39: sensors.a.skip is not available for sick_microscan3, which sends what its own "
             "configuration says; expected no such key; set it in the device");
   EXPECT_EQ(error_of("sensors: {a: {model: sick_microscan3, cut_angle: 1}}"),
-            "f:1:39: sensors.a.cut_angle is not available for sick_microscan3, which has no revolutions to "
-            "cut; expected no such key");
+            "f:1:39: sensors.a.cut_angle is not available for sick_microscan3, which is no "
+            "multi-plane lidar; expected no such key");
   EXPECT_EQ(error_of("sensors: {a: {model: sick_microscan3, angle_min: 1, angle_max_deg: 10}}"),
             "f:1:68: sensors.a.angle_max_deg is not above angle_min; expected angle_min < angle_max");
 }

@@ -56,6 +56,7 @@ Config config_with(const Model& model) {
   sensor.name = "roof";
   sensor.model = sensor.driver.model = &model;
   sensor.ip_port = 2368;
+  sensor.telemetry_port = model.telemetry_port;
   config.sensors.push_back(sensor);
   return config;
 }
