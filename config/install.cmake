@@ -8,11 +8,14 @@ install(TARGETS lidard RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 # rosrun and roslaunch look for a package's executables under lib/<package> and for package.xml under share/<package>.
 install(CODE "
   file(MAKE_DIRECTORY \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/lib/lidard\")
-  file(CREATE_LINK \"../../${CMAKE_INSTALL_BINDIR}/lidard\" \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/lib/lidard/lidard\" SYMBOLIC)")
+  foreach(name lidard velodyne_node)
+    file(CREATE_LINK \"../../${CMAKE_INSTALL_BINDIR}/lidard\" \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/lib/lidard/\${name}\" SYMBOLIC)
+  endforeach()")
 install(FILES package.xml DESTINATION ${share})
 install(FILES ${config}/lidard.launch DESTINATION ${share}/launch)
+install(DIRECTORY ${config}/velodyne/ DESTINATION ${share}/launch FILES_MATCHING PATTERN "*.launch")
 install(FILES ${config}/lidard.rviz DESTINATION ${share}/rviz)
-install(DIRECTORY ${config}/ DESTINATION ${share}/config FILES_MATCHING PATTERN "*.yaml")
+install(DIRECTORY ${config}/ DESTINATION ${share}/config FILES_MATCHING PATTERN "*.yaml" PATTERN velodyne EXCLUDE)
 
 install(FILES ${config}/60-lidard.conf DESTINATION lib/sysctl.d)
 install(FILES daemon/lidard.8 DESTINATION ${CMAKE_INSTALL_MANDIR}/man8 OPTIONAL)

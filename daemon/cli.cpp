@@ -14,6 +14,7 @@
 #include "daemon/record.h"
 #include "daemon/replay.h"
 #include "daemon/run.h"
+#include "daemon/velodyne_node.h"
 
 namespace lidard {
 namespace {
@@ -206,6 +207,9 @@ int Commands::start_discover() {
 }  // namespace
 
 int run_cli(int argc, char** argv) {
+  const std::string program = argc > 0 ? argv[0] : "";
+  if (program.substr(program.rfind('/') + 1) == "velodyne_node")
+    return run_velodyne_node({argv + 1, argv + argc}, std::cout, std::cerr);
   Commands commands;
   std::vector<std::string> arguments;
   for (int i = argc - 1; i > 0; --i) {

@@ -91,6 +91,18 @@ std::map<std::string, std::string> MasterClient::topic_types() {
   return types;
 }
 
+std::optional<XmlRpcValue> MasterClient::parameters(const std::string& name) {
+  // getParam refuses what is not there as it refuses what is wrong.
+  auto there = call("hasParam", {name});
+  if (!there || there->getType() != XmlRpcValue::TypeBoolean) return std::nullopt;
+  if (!static_cast<bool&>(*there)) {
+    XmlRpcValue none;
+    none.begin();  // makes it a struct
+    return none;
+  }
+  return call("getParam", {name});
+}
+
 bool register_again(MasterClient& master, const std::map<std::string, std::string>& types) {
   const std::string our_uri = ros::XMLRPCManager::instance()->getServerURI();
   ros::V_string published;

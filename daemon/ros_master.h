@@ -45,6 +45,9 @@ class MasterClient {
   /// Types by topic, of all topics the master knows; empty without an answer.
   std::map<std::string, std::string> topic_types();
 
+  /// The parameters below a name, a struct that is empty where there are none; nothing without an answer.
+  std::optional<XmlRpc::XmlRpcValue> parameters(const std::string& name);
+
   const XmlRpcServer& server() const { return server_; }
   const std::string& caller_id() const { return caller_id_; }
   /// Why the last call had no answer.

@@ -44,9 +44,10 @@ class Installation(unittest.TestCase):
 
     def test_the_program_lies_where_ros_and_people_look_for_it(self):
         self.assertTrue(os.access(self.prefix / "bin/lidard", os.X_OK))
-        link = self.prefix / "lib/lidard/lidard"
-        self.assertTrue(link.is_symlink())
-        self.assertEqual(link.resolve(), (self.prefix / "bin/lidard").resolve())
+        for name in ("lidard", "velodyne_node"):
+            link = self.prefix / "lib/lidard" / name
+            self.assertTrue(link.is_symlink())
+            self.assertEqual(link.resolve(), (self.prefix / "bin/lidard").resolve())
 
     def test_ros_finds_the_package(self):
         packages = rospkg.RosPack(ros_paths=[str(self.prefix / "share")])
@@ -62,6 +63,11 @@ class Installation(unittest.TestCase):
         for name in ("config/demo.yaml", "rviz/lidard.rviz"):
             self.assertIn("$(find lidard)/" + name, text)
             self.assertTrue((self.prefix / "share/lidard" / name).exists(), name)
+
+    def test_the_launch_files_of_velodynes_start_what_is_installed(self):
+        for name in ("VLP16_points", "VLP-32C_points", "32e_points", "VLS128_points", "64e_S3"):
+            node = xml.etree.ElementTree.parse(self.prefix / f"share/lidard/launch/{name}.launch").find("node")
+            self.assertEqual((node.get("pkg"), node.get("type")), ("lidard", "velodyne_node"))
 
     def test_the_rviz_file_shows_topics_of_the_demo_vehicle(self):
         rviz = yaml.safe_load(self.text("share/lidard/rviz/lidard.rviz"))

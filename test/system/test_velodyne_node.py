@@ -1,0 +1,130 @@
+#!/usr/bin/python3
+# SPDX-FileCopyrightText: 2026 the lidard authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""velodyne_node with parameters of ros-drivers/velodyne on a real master: clouds and scans come, live and of a capture."""
+import math
+import os
+import socket
+import struct
+import subprocess
+import xml.etree.ElementTree
+import xmlrpc.client
+
+import rospy
+from harness import LIDARD, LIDARD_SIM, ROOT, expect, folder, free_port, process, ros_master, use_master_at, wait_for
+from sensor_msgs.msg import LaserScan, PointCloud2
+
+
+class Topics:
+    """What comes on the two topics of the drop-in, below a namespace."""
+
+    def __init__(self, namespace=""):
+        self.clouds, self.scans = [], []
+        rospy.Subscriber(f"{namespace}/velodyne_points", PointCloud2, self.clouds.append, queue_size=100)
+        rospy.Subscriber(f"{namespace}/scan", LaserScan, self.scans.append, queue_size=100)
+
+
+def check_cloud(cloud):
+    expect(cloud.header.frame_id == "roof", f"frame {cloud.header.frame_id}")
+    layout = [(f.name, f.offset, f.datatype, f.count) for f in cloud.fields]
+    expect(layout == [("x", 0, 7, 1), ("y", 4, 7, 1), ("z", 8, 7, 1), ("intensity", 12, 7, 1), ("ring", 16, 4, 1),
+                      ("time", 18, 7, 1)] and cloud.point_step == 22, f"layout of velodyne_points: {layout}")
+    times, ranges = [], []
+    for point in range(cloud.width * cloud.height):
+        x, y, z, _, ring, time = struct.unpack_from("<ffffHf", cloud.data, point * 22)
+        times.append(time)
+        ranges.append(math.sqrt(x * x + y * y + z * z))
+        expect(0 <= ring < 16, f"ring {ring}")
+    expect(max(times) == 0 and -0.11 < min(times) < -0.09, f"times {min(times)} to {max(times)}: stamp is the last firing")
+    expect(min(ranges) > 0.99 and max(ranges) < 20.01, f"ranges {min(ranges)} to {max(ranges)}")
+
+
+def check_scan(scan):
+    expect(scan.header.frame_id == "roof", f"frame {scan.header.frame_id}")
+    n = len(scan.ranges)
+    expect(n == round(2 * math.pi / 0.007), f"{n} beams")
+    expect(abs(scan.angle_max - scan.angle_min - (n - 1) * scan.angle_increment) < 1e-4, "angles agree with their number")
+    expect(0.09 < scan.scan_time < 0.11 and abs(scan.time_increment * n - scan.scan_time) < 1e-4, "true times")
+    hits = [r for r in scan.ranges if math.isfinite(r)]
+    expect(len(hits) > 100, f"{len(hits)} of {n} beams hit")
+
+
+def check_launch_files():
+    """Each sets only parameters that velodyne_node knows: the node complains of others."""
+    names = set()
+    for launch in sorted((ROOT / "config/velodyne").glob("*.launch")):
+        tree = xml.etree.ElementTree.parse(launch)
+        expect(tree.find("node").get("type") == "velodyne_node", f"{launch.name} starts velodyne_node")
+        arguments = {arg.get("name"): arg.get("default") for arg in tree.findall("arg")}
+        for param in tree.findall("node/param"):
+            value = param.get("value")
+            used = value[len("$(arg "):-1] if value.startswith("$(arg ") else None
+            expect(used is None or used in arguments, f"{launch.name}: {value}")
+            names.add((param.get("name"), arguments[used] if used else value))
+    return names
+
+
+def set_parameters(port, node, parameters):
+    master = xmlrpc.client.ServerProxy(f"http://127.0.0.1:{port}")
+    for name, value in parameters.items():
+        code, message, _ = master.setParam("/test", f"{node}/{name}", value)
+        expect(code == 1, message)
+
+
+def main():
+    port = free_port()
+    use_master_at(port)
+    data, other = (free_port(socket.SOCK_DGRAM) for _ in range(2))
+    with folder() as tmp:
+        program = tmp / "velodyne_node"
+        program.symlink_to(os.path.abspath(LIDARD))
+        code = subprocess.run([program, "nonsense"], capture_output=True, text=True, check=False)
+        expect(code.returncode == 2 and "no parameter" in code.stderr, f"usage: {code}")
+        log = tmp / "log.txt"
+        with log.open("w") as sink, process([program, "__name:=velodyne", "_max_range:=20.0"], stdout=sink,
+                                            stderr=subprocess.STDOUT):
+            wait_for(lambda: "waiting for the ROS master" in log.read_text(), 10, "it waits for the master")
+        parameters = {"model": "VLP16", "port": data, "frame_id": "roof", "rpm": 600.0, "min_range": 1.0,
+                      "max_range": 130.0, "laserscan_ring": -1, "laserscan_resolution": 0.007, "cut_angle": -0.01,
+                      "timestamp_first_packet": False, "device_ip": "", "pcap": "", "calibration": ""}
+        with ros_master(port):
+            rospy.init_node("listener", disable_signals=True, anonymous=True)
+            live = Topics()
+            set_parameters(port, "/velodyne", parameters)
+            with log.open("w") as sink, process([program, "__name:=velodyne", "_max_range:=20.0"], stdout=sink,
+                                                stderr=subprocess.STDOUT) as node:
+                wait_for(lambda: "ROS master found" in log.read_text(), 20, "it starts:\n" + log.read_text())
+                with process(["/bin/sh", "-c", f"while :; do '{LIDARD_SIM}' send '{ROOT}/pcaps/demo.pcap' "
+                              f"--to 127.0.0.1 --port-map=2368={data} --port-map=6060={other}; done"], stdout=subprocess.DEVNULL,
+                             start_new_session=True):
+                    wait_for(lambda: len(live.clouds) > 3 and len(live.scans) > 3, 30,
+                             "velodyne_points and scan come:\n" + log.read_text())
+                expect("has no effect" not in log.read_text(), "no complaint:\n" + log.read_text())
+                node.terminate()
+                expect(node.wait(5) == 0, "SIGTERM ends it with 0")
+            for cloud in live.clouds[:3]:
+                check_cloud(cloud)
+            for scan in live.scans[:3]:
+                check_scan(scan)
+            replayed = Topics("/car")
+            set_parameters(port, "/car/velodyne", {**parameters, "pcap": str(ROOT / "pcaps/demo.pcap"), "port": 2368,
+                                                   "repeat_delay": 0.1, "max_range": 20.0})
+            with log.open("w") as sink, process([program, "__name:=velodyne", "__ns:=/car"], stdout=sink,
+                                                stderr=subprocess.STDOUT):
+                wait_for(lambda: len(replayed.clouds) > 6 and len(replayed.scans) > 6, 30,
+                         "the capture is played again and again:\n" + log.read_text())
+            age = rospy.Time.now().to_sec() - replayed.clouds[-1].header.stamp.to_sec()
+            expect(0 <= age < 20, f"stamps are of now, {age} s old")
+            set_parameters(port, "/checked", {"model": "VLP16", "pcap": "/nowhere.pcap",
+                                              **{n: v for n, v in check_launch_files() if n not in ("pcap", "model")}})
+            done = subprocess.run([program, "__name:=checked"], capture_output=True, text=True, timeout=20, check=False)
+            expect(done.returncode == 1 and "/nowhere.pcap" in done.stderr, f"a missing capture: {done}")
+            expect("not known" not in done.stdout + done.stderr, f"launch files set known parameters: {done}")
+            set_parameters(port, "/wrong", {"model": "VLP17"})
+            done = subprocess.run([program, "__name:=wrong"], capture_output=True, text=True, timeout=20, check=False)
+            expect(done.returncode == 78 and "expected one of VLP16" in done.stderr, f"a wrong model: {done}")
+    print("ok")
+
+
+if __name__ == "__main__":
+    main()
