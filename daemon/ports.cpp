@@ -13,6 +13,17 @@ bool receives(const UdpState& state) {
   return state.phase == UdpState::Phase::receiving || state.phase == UdpState::Phase::partial;
 }
 
+/// What UDP over IPv4 can carry: a telegram of a multiScan136 is one datagram of up to 24 kB.
+constexpr std::size_t largest_datagram = 65507;
+
+/// Usual datagrams per second that take as much of a receive buffer as the model's.
+double load_of(const Model& model) {
+  // A datagram of 24 kB arrives in 17 fragments, whose buffers are of up to 2304 bytes each.
+  constexpr double fragments = 17 * 2;
+  const bool large = model.protocol == "Compact or MSGPACK" && model.kind == FrameKind::cloud;
+  return model.packets_per_s * (large ? fragments : 1);
+}
+
 /// The sockets needed: data ports, and telemetry ports.
 std::map<std::uint16_t, UdpOptions> options_by_port(const Config& config) {
   std::map<std::uint16_t, UdpOptions> all;
@@ -25,9 +36,10 @@ std::map<std::uint16_t, UdpOptions> options_by_port(const Config& config) {
       const bool fresh = all.find(number) == all.end();
       UdpOptions& options = all[number];
       options.port = number;
+      options.max_datagram = largest_datagram;
       if (fresh) options.packets_per_s = 0;
       options.packets_per_s +=
-          number == sensor.ip_port ? sensor.model->packets_per_s : sensor.model->packets_per_s / 10;
+          number == sensor.ip_port ? load_of(*sensor.model) : sensor.model->packets_per_s / 10;
       if (sensor.ip_address) {
         options.senders.push_back(*sensor.ip_address);
       } else {

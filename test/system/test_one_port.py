@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Two safety scanners and two picoScans send to one UDP port; each is told by its sender, and a fifth that nobody
-configured is named on /diagnostics. The same live and in replay."""
+"""Two safety scanners, two picoScans and a multiScan, whose datagrams are large, send to one UDP port; each is told by its
+sender, and a sixth that nobody configured is named on /diagnostics. The same live and in replay."""
 import subprocess
 
 import rosbag
@@ -17,6 +17,7 @@ sensors:
   front: {{model: sick_picoscan150, from: '192.168.0.31:2115', to: '127.0.0.1:{port}', options: {{serial: 31, resolution_deg: 1}}}}
   back: {{model: sick_picoscan150, from: '192.168.0.32:2115', to: '127.0.0.1:{port}', phase_ms: 7,
     options: {{serial: 32, resolution_deg: 1}}}}
+  dome: {{model: sick_multiscan136, from: '192.168.0.33:2115', to: '127.0.0.1:{port}', options: {{serial: 33}}}}
   stranger: {{model: sick_microscan3, from: '192.168.0.99:6060', to: '127.0.0.1:{port}', options: {{serial: 99}}}}
 objects:
   - wall: {{from: [4, -3], to: [4, 3], z: [-1, 1]}}
@@ -27,9 +28,11 @@ sensors:
   right: {{model: sick_microscan3, ip_address: {net}.168.0.22, ip_port: {port}}}
   front: {{model: sick_picoscan150, ip_address: {net}.168.0.31, ip_port: {port}, listen_only: true}}
   back: {{model: sick_picoscan150, ip_address: {net}.168.0.32, ip_port: {port}, listen_only: true}}
+  dome: {{model: sick_multiscan136, ip_address: {net}.168.0.33, ip_port: {port}, listen_only: true}}
 """
-SERIALS = {"left": "21", "right": "22", "front": "31", "back": "32"}
-PERIODS = {"left": 0.03, "right": 0.03, "front": 0.05, "back": 0.05}
+SERIALS = {"left": "21", "right": "22", "front": "31", "back": "32", "dome": "33"}
+PERIODS = {"left": 0.03, "right": 0.03, "front": 0.05, "back": 0.05, "dome": 0.05}
+TOPICS = {name: f"/{name}/points" if name == "dome" else f"/{name}/scan" for name in SERIALS}
 
 
 def check_items(items, net):
@@ -58,14 +61,14 @@ def replay(tmp):
                 items.update((status.name.split(": ")[-1], status) for status in message.status)
     for name, period in PERIODS.items():
         expected = 2 / period
-        expect(abs(counts.get(f"/{name}/scan", 0) - expected) <= 2, f"{counts.get(f'/{name}/scan')} scans of {name}")
+        expect(abs(counts.get(TOPICS[name], 0) - expected) <= 2, f"{counts.get(TOPICS[name])} frames of {name}")
     check_items(items, 192)
 
 
 def live(tmp):
     import rospy
     from diagnostic_msgs.msg import DiagnosticArray
-    from sensor_msgs.msg import LaserScan
+    from sensor_msgs.msg import LaserScan, PointCloud2
 
     master, port = free_port(), free_port()
     use_master_at(master)
@@ -75,15 +78,16 @@ def live(tmp):
         rospy.init_node("listener", disable_signals=True, anonymous=True)
         got, items = {name: [] for name in SERIALS}, {}
         for name, scans in got.items():
-            rospy.Subscriber(f"/{name}/scan", LaserScan, scans.append, queue_size=1000)
+            rospy.Subscriber(TOPICS[name], PointCloud2 if name == "dome" else LaserScan, scans.append, queue_size=1000)
         rospy.Subscriber("/diagnostics", DiagnosticArray,
                          lambda array: items.update((status.name.split(": ")[-1], status) for status in array.status), queue_size=100)
         with process([LIDARD, "run", "-c", tmp / "live.yaml"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL):
             wait_for(lambda: "sensor left" in items, 20, "diagnostics")
             with process([LIDARD_SIM, "live", tmp / "live_scene.yaml"], stdout=subprocess.DEVNULL):
-                wait_for(lambda: all(len(scans) > 60 for scans in got.values()), 30, "scans of all four")
+                wait_for(lambda: all(len(scans) > 60 for scans in got.values()), 30, "frames of all five")
                 wait_for(lambda: items["sensor left"].hardware_id == "21", 5, "a status with the serial number")
                 check_items(items, 127)
+    expect(all(cloud.width * cloud.height > 100 for cloud in got.pop("dome")), "clouds have points")
     for name, scans in got.items():
         expect({len(scan.ranges) for scan in scans} == {len(scans[0].ranges)}, f"{name}: the number of beams changes")
 

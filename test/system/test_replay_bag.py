@@ -15,6 +15,7 @@ EXAMPLES = {
     "sick_microscan3.yaml": "demo.pcap",
     "hokuyo_ust_10lx.yaml": "hokuyo_ust_10lx.pcap",
     "sick_lms1xx.yaml": "sick_lms111.pcap",
+    "sick_picoscan150.yaml": "picoscan150.pcap",
     "two_safety_scanners.yaml": "demo.pcap",
 }
 
