@@ -12,8 +12,6 @@ namespace lidard {
 namespace {
 
 constexpr float nowhere = std::numeric_limits<float>::infinity();
-// Returns so near to the outline are the vehicle's: mirrors, cables, an outline drawn a little too small.
-constexpr double margin_m = 0.05;
 // A scanner stands a little inside the outline; so much of the body cannot block its beams.
 constexpr double housing_m = 0.5;
 // Beams that graze an edge they start on do not enter the body.
@@ -50,7 +48,7 @@ void BeamRays::build(const PlanarScan& scan, const Pose& output_from_sensor, con
     list->clear();
   from_inside.clear();
   const Footprint body = footprint.padded(-graze_m);
-  const Footprint margin = footprint.padded(margin_m);
+  const Footprint margin = footprint.padded(Footprint::margin_m);
   for (std::size_t i = 0; i < scan.beams; ++i) {
     add_beam(angle_min + static_cast<double>(i) * increment, body, margin, band);
   }

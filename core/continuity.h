@@ -11,7 +11,8 @@ namespace lidard {
 /// Sets `sweep.linked`: which neighbouring returns belong to one surface.
 ///
 /// The adaptive breakpoint rule: two returns are one surface if it need not be steeper than 10 degrees
-/// against the beam (9 here, to leave room at the limit). A wall seen at a more grazing angle is recognised by four returns on one line.
+/// against the beam (9 here, to leave room at the limit). A wall seen at a more grazing angle is recognised
+/// by four returns on one line.
 void link_neighbours(const BeamRays& rays, double noise, Sweep& sweep);
 
 /// Marks veil points `doubtful` and unlinks them: returns between a near and a far surface that come from a

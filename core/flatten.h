@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "core/footprint.h"
 #include "core/height_band.h"
 #include "core/pose.h"
 #include "core/scan_grid.h"
@@ -21,11 +22,15 @@ class Flattener {
   /// left out.
   void add(const Eigen::Vector3d& point, float intensity);
 
+  /// Points inside the vehicle's outline (in the output frame) are left out.
+  void set_footprint(const Footprint& footprint) { own_ = footprint; }
+
   const ScanGrid& grid() const { return grid_; }
 
  private:
   ScanGrid grid_;
   HeightBand band_;
+  Footprint own_;
   PlanarScan* scan_ = nullptr;
 };
 

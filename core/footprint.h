@@ -19,6 +19,9 @@ class Footprint {
     double out = 0;
   };
 
+  /// Returns so near to the outline are the vehicle's: mirrors, cables, an outline drawn a little too small.
+  static constexpr double margin_m = 0.05;
+
   Footprint() = default;
   /// Vertices in order, either way round; fewer than three make an outline that contains nothing.
   explicit Footprint(std::vector<Eigen::Vector2d> vertices);

@@ -9,8 +9,23 @@
 
 #include "core/cloud.h"
 #include "core/flatten.h"
+#include "core/sight.h"
 
 namespace lidard {
+
+/// One output of a merge.
+struct MergedScan {
+  Profile profile;
+  PlanarScan* scan;
+};
+
+/// What a merge computes beside points.
+struct MergeSettings {
+  bool points = true;  ///< keeps the points, for profile `flatten` and the cloud
+  bool sight = false;  ///< surfaces and free space, for profiles `strict` and `safety`
+  SightSettings how;
+  SourceSettings source;  ///< of every source
+};
 
 /// Merges the newest sweeps of several single-plane scanners into one scan.
 ///
@@ -19,7 +34,11 @@ namespace lidard {
 /// cannot stop the output.
 class Merger {
  public:
-  Merger(const ScanGrid& grid, HeightBand band, std::size_t sources, Span lost_after);
+  Merger(const ScanGrid& grid, HeightBand band, std::size_t sources, Span lost_after,
+         const MergeSettings& settings = {});
+
+  /// The vehicle's outline in the output frame: what lies inside is the vehicle's own.
+  void set_footprint(const Footprint& footprint);
 
   /// Stores a sweep; `output_from_sensor` takes the scanner's coordinates to the output frame.
   /// True when an output is due: call merge().
@@ -27,7 +46,9 @@ class Merger {
   /// Merges what is there. Stamp: the newest of the sweeps' first rays, strictly increasing from output to
   /// output. The caller sets the frames' names. If `cloud` is not nullptr it gets all points (ring = source,
   /// time 0).
-  void merge(PlanarScan& scan, Cloud* cloud);
+  void merge(const std::vector<MergedScan>& outputs, Cloud* cloud);
+  /// The same for a single output of profile `flatten`.
+  void merge(PlanarScan& scan, Cloud* cloud) { merge({{Profile::flatten, &scan}}, cloud); }
   /// Forgets all sweeps (the input starts again).
   void reset();
 
@@ -49,10 +70,23 @@ class Merger {
     bool fresh = false;
     bool has_intensities = false;
     float scan_time = 0;
+    BeamRays rays;
+    Sweep sweep;
   };
   bool is_due() const;
+  bool intensities_everywhere() const;
+  void take_points(const PlanarScan& scan, const Pose& output_from_sensor, Source& source) const;
+  void take_sweep(std::size_t index, const PlanarScan& scan, const Pose& output_from_sensor);
+  void flatten(PlanarScan& scan, bool intensities);
+  void fill(Cloud& cloud) const;
+  bool used(std::size_t source) const { return sources_[source].stamp && alive(source); }
 
+  MergeSettings settings_;
+  HeightBand band_;
+  Footprint footprint_;
   Flattener flattener_;
+  std::optional<Sight> sight_;
+  std::vector<const Sweep*> newest_sweeps_;
   Span lost_after_;
   std::vector<Source> sources_;
   std::optional<Stamp> first_;

@@ -43,6 +43,8 @@ struct PlanarScan {
   /// What messages hold for beams with status `none`; +inf (REP 117) unless an output's consumers need
   /// another value.
   float none_as = std::numeric_limits<float>::infinity();
+  /// The same for beams with status `invalid`: not observed.
+  float invalid_as = std::numeric_limits<float>::quiet_NaN();
   std::vector<float> ranges;         ///< m, [echo * beams + beam]
   std::vector<float> intensities;    ///< device units; empty, or as long as ranges
   std::vector<BeamStatus> statuses;  ///< as long as ranges

@@ -14,7 +14,6 @@ constexpr float infinite = std::numeric_limits<float>::infinity();
 constexpr double distance_steps = 60000;
 // As far as the sources may stand from the origin, m; farther away they see nothing of it.
 constexpr double farthest_source = 100;
-constexpr double body_margin = 0.05;  // m, as far as returns count as the vehicle's own
 
 }  // namespace
 
@@ -35,7 +34,7 @@ Sight::Sight(const ScanGrid& grid, const SightSettings& settings, std::size_t so
 }
 
 void Sight::set_footprint(const Footprint& footprint) {
-  const Footprint body = footprint.padded(body_margin);
+  const Footprint body = footprint.padded(Footprint::margin_m);
   const bool inside = footprint.contains({0, 0}) || body.contains({0, 0});
   for (std::size_t beam = 0; beam < beams(); ++beam) {
     const double angle = raster_.grid().angle(beam);

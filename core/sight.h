@@ -6,14 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "core/flatten.h"
+#include "core/profile.h"
 #include "core/sight_table.h"
 
 namespace lidard {
-
-/// How a scan says what is known. `strict`: only what is proven. `safety`: every return, and free only what
-/// is proven free. `flatten`: points alone, as ira_laser_tools has it.
-enum class Profile : std::uint8_t { strict, safety, flatten };
 
 /// What is known about a beam of the output. `behind`: a surface that no source sees from the side the beam
 /// comes from. `gap`: a surface, but the way to it was not observed.

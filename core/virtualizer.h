@@ -13,6 +13,8 @@ class Virtualizer {
  public:
   Virtualizer(const ScanGrid& grid, HeightBand band) : flattener_(grid, band) {}
 
+  /// The vehicle's outline in the virtual frame: points inside are left out.
+  void set_footprint(const Footprint& footprint) { flattener_.set_footprint(footprint); }
   /// `virtual_from_cloud` takes the cloud's coordinates to the virtual frame. Stamp and frame period come
   /// from the cloud; the caller sets the frame's name.
   void project(const Cloud& cloud, const Pose& virtual_from_cloud, PlanarScan& scan);

@@ -10,8 +10,10 @@
 
 #include "core/cloud_layout.h"
 #include "core/pose.h"
+#include "core/profile.h"
 #include "core/ring_scan.h"
 #include "core/scan_grid.h"
+#include "core/sweep.h"
 #include "daemon/velodyne_settings.h"
 #include "drivers/driver.h"
 #include "drivers/model.h"
@@ -55,17 +57,24 @@ struct SensorConfig {
 };
 
 /// What stands in a beam of the output where nothing was seen.
-enum class EmptyBeam : std::uint8_t { inf, nan, range_max_plus_one };
-/// How a scan is computed; `strict` and `safety` come with the truthful modes.
-enum class Profile : std::uint8_t { flatten };
+enum class EmptyBeam : std::uint8_t { inf, nan, range_max_plus_one, minus_inf, zero };
 
 /// Keys that merged and virtual scans share.
 struct OutputScanConfig {
   Profile profile = Profile::flatten;
   ScanGridSpec grid;
-  EmptyBeam empty = EmptyBeam::inf;
+  EmptyBeam empty = EmptyBeam::inf;       ///< nothing there
+  EmptyBeam unobserved = EmptyBeam::nan;  ///< not known
   std::optional<double> min_height,
       max_height;  ///< m, in the output frame; unset: the default of the kind of output
+};
+
+/// One more scan of the same merge: `also:` of an entry of `merged_scans:`.
+struct AlsoScanConfig {
+  std::string topic;
+  Profile profile = Profile::safety;
+  EmptyBeam empty = EmptyBeam::inf;
+  EmptyBeam unobserved = EmptyBeam::nan;
 };
 
 /// One entry of `merged_scans:`.
@@ -79,6 +88,12 @@ struct MergedScanConfig {
   std::string cloud_destination_topic;               ///< empty: no cloud
   Span lost_after = std::chrono::milliseconds(500);  ///< a source silent for longer is not waited for
   OutputScanConfig output;
+  std::vector<AlsoScanConfig> also;
+  EchoChoice echoes = EchoChoice::last;
+  bool veil_filter = true;
+  bool mean = false;          ///< fuse: mean instead of nearest
+  double range_noise = 0.02;  ///< m, one standard deviation of the sources' ranges
+  double free_required = 0;   ///< m that a beam must be observed to be free; 0: range_max
 };
 
 /// One entry of `virtual_scans:`.

@@ -229,7 +229,7 @@ void ConfigWriter::calibration(const SensorConfig& sensor) {
 }
 
 void ConfigWriter::output(const OutputScanConfig& output) {
-  text("profile", "flatten");
+  text("profile", word_of(output.profile));
   const ScanGridSpec& grid = output.grid;
   number("angle_min", grid.angle_min);
   number("angle_max", grid.angle_max);
@@ -239,9 +239,8 @@ void ConfigWriter::output(const OutputScanConfig& output) {
   number("scan_time", grid.scan_time);
   number("range_min", grid.range_min);
   number("range_max", grid.range_max);
-  text("empty", output.empty == EmptyBeam::inf   ? "inf"
-                : output.empty == EmptyBeam::nan ? "nan"
-                                                 : "range_max_plus_one");
+  text("empty", word_of(output.empty));
+  text("unobserved", word_of(output.unobserved));
   optional_number("min_height", output.min_height, "min_height: no limit");
   optional_number("max_height", output.max_height, "max_height: no limit");
 }
@@ -257,6 +256,20 @@ void ConfigWriter::merged(const MergedScanConfig& scan) {
   text("cloud_destination_topic", scan.cloud_destination_topic);
   number("lost_after", seconds_of(scan.lost_after));
   output(scan.output);
+  text("fuse", scan.mean ? "mean" : "nearest");
+  text("echoes", word_of(scan.echoes));
+  flag("veil_filter", scan.veil_filter);
+  number("range_noise", scan.range_noise);
+  number("free_required", scan.free_required > 0 ? scan.free_required : scan.output.grid.range_max);
+  yaml_ << YAML::Key << "also" << YAML::Value << YAML::BeginMap;
+  for (const AlsoScanConfig& also : scan.also) {
+    yaml_ << YAML::Key << also.topic << YAML::Value << YAML::BeginMap;
+    text("profile", word_of(also.profile));
+    text("empty", word_of(also.empty));
+    text("unobserved", word_of(also.unobserved));
+    yaml_ << YAML::EndMap;
+  }
+  yaml_ << YAML::EndMap;
 }
 
 void ConfigWriter::virtual_scan(const VirtualScanConfig& scan) {

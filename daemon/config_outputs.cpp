@@ -18,9 +18,9 @@ constexpr std::size_t default_beams_per_turn = 1440;
 constexpr long most_beams = 32767;
 
 const std::vector<std::string_view> output_keys = {
-    "profile",       "beams",     "empty",         "min_height",      "max_height",          "angle_min",
-    "angle_min_deg", "angle_max", "angle_max_deg", "angle_increment", "angle_increment_deg", "time_increment",
-    "scan_time",     "range_min", "range_max"};
+    "profile",        "beams",         "empty",     "unobserved",    "min_height",      "max_height",
+    "angle_min",      "angle_min_deg", "angle_max", "angle_max_deg", "angle_increment", "angle_increment_deg",
+    "time_increment", "scan_time",     "range_min", "range_max"};
 
 std::vector<std::string_view> with_output_keys(std::vector<std::string_view> keys) {
   keys.insert(keys.end(), output_keys.begin(), output_keys.end());
@@ -73,23 +73,6 @@ const SensorConfig& read_source(const Value& value, FrameKind kind, const Config
   if (!can_give(*sensor, kind)) value.fail("names " + sensor->name + ", a " + kind_of(*sensor), expected);
   if (sensor->model == nullptr) claims.uses(sensor->name, kind, owner, value);
   return *sensor;
-}
-
-Profile read_profile(const Value& value) {
-  const std::string word = value.text("flatten");
-  if (word == "strict" || word == "safety")
-    value.fail("is " + value.quoted() + ", which is not available in this version", "flatten");
-  if (word != "flatten") value.fail("is " + value.quoted(), "flatten");
-  return Profile::flatten;
-}
-
-EmptyBeam read_empty(const Value& value) {
-  const std::string expected = "inf, nan or range_max_plus_one";
-  const std::string word = value.text(expected);
-  if (word == "inf" || word == ".inf") return EmptyBeam::inf;
-  if (word == "nan" || word == ".nan") return EmptyBeam::nan;
-  if (word == "range_max_plus_one") return EmptyBeam::range_max_plus_one;
-  value.fail("is " + value.quoted(), expected);
 }
 
 void default_ranges(ScanGridSpec& grid, const Sources& sources) {
@@ -165,9 +148,11 @@ void read_heights(Mapping& yaml, OutputScanConfig& output) {
 }
 
 /// The keys that merged and virtual scans share; `output` holds the defaults of the kind.
-void read_output(Mapping& yaml, const Sources& sources, Config& config, OutputScanConfig& output) {
-  if (const auto profile = yaml.find("profile")) output.profile = read_profile(*profile);
+void read_output(Mapping& yaml, const Sources& sources, bool with_sight, Config& config,
+                 OutputScanConfig& output) {
+  if (const auto profile = yaml.find("profile")) output.profile = read_profile(*profile, with_sight);
   if (const auto empty = yaml.find("empty")) output.empty = read_empty(*empty);
+  if (const auto unobserved = yaml.find("unobserved")) output.unobserved = read_empty(*unobserved);
   read_heights(yaml, output);
   default_ranges(output.grid, sources);
   read_grid(yaml, output.grid);
@@ -217,15 +202,18 @@ void read_merged_topics(Mapping& yaml, const std::string& owner, ConfigClaims& c
 
 MergedScanConfig read_merged(const std::string& name, const Value& entry, Config& config,
                              ConfigClaims& claims) {
-  Mapping yaml(entry, with_output_keys({"laserscan_topics", "destination_frame", "destination_pose",
-                                        "scan_destination_topic", "cloud_destination_topic", "lost_after"}));
+  Mapping yaml(entry,
+               with_output_keys({"laserscan_topics", "destination_frame", "destination_pose",
+                                 "scan_destination_topic", "cloud_destination_topic", "lost_after", "also",
+                                 "echoes", "veil_filter", "fuse", "range_noise", "free_required"}));
   MergedScanConfig merged;
   merged.name = name;
   const Sources sources = read_sources(yaml, config, entry.path(), claims, merged.laserscan_topics);
   read_destination(yaml, config, entry.path(), claims, merged);
   read_merged_topics(yaml, entry.path(), claims, merged);
   if (const auto lost = yaml.find("lost_after")) merged.lost_after = lost->duration(0.001, longest_period_s);
-  read_output(yaml, sources, config, merged.output);
+  read_output(yaml, sources, true, config, merged.output);
+  read_sight(yaml, entry.path(), config, claims, merged);
   return merged;
 }
 
@@ -291,7 +279,7 @@ VirtualScanConfig read_virtual(const std::string& name, const Value& entry, Conf
   read_virtual_topics(yaml, entry.path(), config, claims, scan);
   scan.output.min_height = -virtual_half_height_m;
   scan.output.max_height = virtual_half_height_m;
-  read_output(yaml, {&source}, config, scan.output);
+  read_output(yaml, {&source}, false, config, scan.output);
   return scan;
 }
 

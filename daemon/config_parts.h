@@ -69,6 +69,16 @@ void read_calibration(Mapping& yaml, SensorConfig& sensor, Config& config);
 void read_requests(Mapping& yaml, SensorConfig& sensor);
 /// The same as keys and texts.
 std::vector<std::pair<std::string, std::string>> requests_text(const SensorConfig& sensor);
+/// The word of a profile; `with_sight`: others than flatten can be had.
+Profile read_profile(const Value& value, bool with_sight);
+EmptyBeam read_empty(const Value& value);
+/// The word for it in a configuration.
+const char* word_of(Profile profile);
+const char* word_of(EmptyBeam beam);
+const char* word_of(EchoChoice choice);
+/// The keys of a merged scan that say how surfaces and free space are found.
+void read_sight(Mapping& yaml, const std::string& owner, Config& config, ConfigClaims& claims,
+                MergedScanConfig& merged);
 
 /// A pose from {xyz: m, rpy: rad or rpy_deg}.
 Pose read_pose(const Value& value);

@@ -22,16 +22,37 @@ HeightBand band_of(const OutputScanConfig& config) {
   return band;
 }
 
-float value_of_empty_beam(const OutputScanConfig& config) {
-  switch (config.empty) {
+float value_of(EmptyBeam beam, const OutputScanConfig& config) {
+  constexpr float infinite = std::numeric_limits<float>::infinity();
+  switch (beam) {
     case EmptyBeam::inf:
-      return std::numeric_limits<float>::infinity();
+      return infinite;
     case EmptyBeam::nan:
       return std::numeric_limits<float>::quiet_NaN();
     case EmptyBeam::range_max_plus_one:
       return static_cast<float>(config.grid.range_max) + 1;
+    case EmptyBeam::minus_inf:
+      return -infinite;
+    case EmptyBeam::zero:
+      return 0;
   }
-  return std::numeric_limits<float>::infinity();
+  return infinite;
+}
+
+MergeSettings settings_of(const MergedScanConfig& config) {
+  MergeSettings settings;
+  settings.points = config.output.profile == Profile::flatten || !config.cloud_destination_topic.empty();
+  settings.sight = config.output.profile != Profile::flatten;
+  for (const AlsoScanConfig& also : config.also) {
+    settings.points |= also.profile == Profile::flatten;
+    settings.sight |= also.profile != Profile::flatten;
+  }
+  settings.how.noise = settings.source.noise = config.range_noise;
+  settings.how.mean = config.mean;
+  settings.how.free_required = config.free_required;
+  settings.source.echoes = config.echoes;
+  settings.source.veil_filter = config.veil_filter;
+  return settings;
 }
 
 DiagnosticItem health_of(const std::string& name, const OutputCounters& counters, Stamp now) {
@@ -56,13 +77,35 @@ DiagnosticItem health_of(const std::string& name, const OutputCounters& counters
 
 }  // namespace
 
-MergedOutput::MergedOutput(const MergedScanConfig& config, const PoseBook& poses)
+MergedOutput::MergedOutput(const MergedScanConfig& config, const VehicleConfig& vehicle,
+                           const PoseBook& poses)
     : config_(config),
+      base_frame_(vehicle.base_frame),
+      footprint_(vehicle.footprint),
       poses_(poses),
       merger_(grid_of(config.output.grid), band_of(config.output), config.laserscan_topics.size(),
-              config.lost_after) {
-  scan_.frame_id = cloud_.frame_id = config.destination_frame;
-  scan_.none_as = value_of_empty_beam(config.output);
+              config.lost_after, settings_of(config)),
+      scans_(1 + config.also.size()) {
+  cloud_.frame_id = config.destination_frame;
+  merged_.push_back({config.output.profile, &scans_[0]});
+  scans_[0].none_as = value_of(config.output.empty, config.output);
+  scans_[0].invalid_as = value_of(config.output.unobserved, config.output);
+  for (std::size_t i = 0; i < config.also.size(); ++i) {
+    merged_.push_back({config.also[i].profile, &scans_[i + 1]});
+    scans_[i + 1].none_as = value_of(config.also[i].empty, config.output);
+    scans_[i + 1].invalid_as = value_of(config.also[i].unobserved, config.output);
+  }
+  for (PlanarScan& scan : scans_) scan.frame_id = config.destination_frame;
+}
+
+bool MergedOutput::place_footprint(Stamp stamp) {
+  if (footprint_.empty()) return true;
+  Pose pose;
+  if (!poses_.find(config_.destination_frame, base_frame_, stamp, pose, counters_.why_no_pose)) return false;
+  if (footprint_placed_ && footprint_placed_->matrix() == pose.matrix()) return true;
+  footprint_placed_ = pose;
+  merger_.set_footprint(footprint_.transformed(pose));
+  return true;
 }
 
 int MergedOutput::source_index(const std::string& sensor) const {
@@ -74,16 +117,18 @@ int MergedOutput::source_index(const std::string& sensor) const {
 
 void MergedOutput::add(std::size_t source, const PlanarScan& scan, Stamp now, FrameSink& sink) {
   Pose pose;
-  if (!poses_.find(config_.destination_frame, scan.frame_id, scan.stamp, pose, counters_.why_no_pose)) {
+  if (!place_footprint(scan.stamp) ||
+      !poses_.find(config_.destination_frame, scan.frame_id, scan.stamp, pose, counters_.why_no_pose)) {
     ++counters_.no_pose;
     return;
   }
   if (!merger_.add(source, scan, pose)) return;
   const bool with_cloud = !config_.cloud_destination_topic.empty();
-  merger_.merge(scan_, with_cloud ? &cloud_ : nullptr);
+  merger_.merge(merged_, with_cloud ? &cloud_ : nullptr);
   ++counters_.published;
   counters_.last_published = now;
-  sink.scan(config_.scan_destination_topic, scan_, now);
+  sink.scan(config_.scan_destination_topic, scans_[0], now);
+  for (std::size_t i = 0; i < config_.also.size(); ++i) sink.scan(config_.also[i].topic, scans_[i + 1], now);
   if (with_cloud) sink.cloud(config_.cloud_destination_topic, cloud_, now);
 }
 
@@ -103,9 +148,15 @@ DiagnosticItem MergedOutput::diagnostics(Stamp now) const {
   return item;
 }
 
-VirtualOutput::VirtualOutput(const VirtualScanConfig& config, const PoseBook& poses)
-    : config_(config), poses_(poses), virtualizer_(grid_of(config.output.grid), band_of(config.output)) {
-  scan_.none_as = value_of_empty_beam(config.output);
+VirtualOutput::VirtualOutput(const VirtualScanConfig& config, const VehicleConfig& vehicle,
+                             const PoseBook& poses)
+    : config_(config),
+      base_frame_(vehicle.base_frame),
+      footprint_(Footprint(vehicle.footprint).padded(Footprint::margin_m)),
+      poses_(poses),
+      virtualizer_(grid_of(config.output.grid), band_of(config.output)) {
+  scan_.none_as = value_of(config.output.empty, config.output);
+  scan_.invalid_as = value_of(config.output.unobserved, config.output);
 }
 
 const std::string& VirtualOutput::topic_of(const std::string& frame) const {
@@ -118,6 +169,14 @@ void VirtualOutput::add(const Cloud& cloud, Stamp now, FrameSink& sink) {
     if (!poses_.find(frame, cloud.frame_id, cloud.stamp, pose, counters_.why_no_pose)) {
       ++counters_.no_pose;
       continue;
+    }
+    if (!footprint_.empty()) {
+      Pose base;
+      if (!poses_.find(frame, base_frame_, cloud.stamp, base, counters_.why_no_pose)) {
+        ++counters_.no_pose;
+        continue;
+      }
+      virtualizer_.set_footprint(footprint_.transformed(base));
     }
     scan_.frame_id = frame;
     virtualizer_.project(cloud, pose, scan_);

@@ -25,7 +25,7 @@ struct OutputCounters {
 /// A merged scan: takes the scans of its sources, publishes when one is due.
 class MergedOutput {
  public:
-  MergedOutput(const MergedScanConfig& config, const PoseBook& poses);
+  MergedOutput(const MergedScanConfig& config, const VehicleConfig& vehicle, const PoseBook& poses);
 
   /// Index of a sensor among the sources, or -1.
   int source_index(const std::string& sensor) const;
@@ -34,10 +34,16 @@ class MergedOutput {
   void restart() { merger_.reset(); }
 
  private:
+  bool place_footprint(Stamp stamp);
+
   MergedScanConfig config_;
+  std::string base_frame_;
+  Footprint footprint_;                   // in base_frame
+  std::optional<Pose> footprint_placed_;  // base_frame in the output frame when it was last set
   const PoseBook& poses_;
   Merger merger_;
-  PlanarScan scan_;
+  std::vector<PlanarScan> scans_;  // the first is the entry's own, then those of `also`
+  std::vector<MergedScan> merged_;
   Cloud cloud_;
   OutputCounters counters_;
 };
@@ -45,7 +51,7 @@ class MergedOutput {
 /// The virtual scans of one cloud.
 class VirtualOutput {
  public:
-  VirtualOutput(const VirtualScanConfig& config, const PoseBook& poses);
+  VirtualOutput(const VirtualScanConfig& config, const VehicleConfig& vehicle, const PoseBook& poses);
 
   const std::string& cloud_sensor() const { return config_.cloud_topic; }
   void add(const Cloud& cloud, Stamp now, FrameSink& sink);
@@ -55,6 +61,8 @@ class VirtualOutput {
   const std::string& topic_of(const std::string& frame) const;
 
   VirtualScanConfig config_;
+  std::string base_frame_;
+  Footprint footprint_;  // in base_frame, with its margin
   const PoseBook& poses_;
   Virtualizer virtualizer_;
   PlanarScan scan_;

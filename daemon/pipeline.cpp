@@ -111,10 +111,10 @@ struct Pipeline::Impl {
       lines.push_back(std::make_unique<SensorLine>(sensor, lines.size(), *this));
     }
     for (const auto& entry : configuration.merged_scans) {
-      merged.push_back(std::make_unique<MergedOutput>(entry, poses));
+      merged.push_back(std::make_unique<MergedOutput>(entry, configuration.vehicle, poses));
     }
     for (const auto& entry : configuration.virtual_scans) {
-      virtuals.push_back(std::make_unique<VirtualOutput>(entry, poses));
+      virtuals.push_back(std::make_unique<VirtualOutput>(entry, configuration.vehicle, poses));
     }
   }
 
@@ -215,6 +215,7 @@ std::vector<TopicInfo> pipeline_topics(const Config& config) {
   }
   for (const auto& merged : config.merged_scans) {
     topics.push_back({merged.scan_destination_topic, TopicKind::scan});
+    for (const auto& also : merged.also) topics.push_back({also.topic, TopicKind::scan});
     if (!merged.cloud_destination_topic.empty())
       topics.push_back({merged.cloud_destination_topic, TopicKind::cloud});
   }

@@ -83,6 +83,10 @@ void to_ros(const PlanarScan& scan, sensor_msgs::LaserScan& message) {
   copy_geometry(scan, message);
   const auto beams = static_cast<std::ptrdiff_t>(scan.beams);
   message.ranges.assign(scan.ranges.begin(), scan.ranges.begin() + beams);
+  for (std::size_t b = 0; b < scan.beams; ++b) {
+    if (scan.statuses[b] == BeamStatus::none) message.ranges[b] = scan.none_as;
+    if (scan.statuses[b] == BeamStatus::invalid) message.ranges[b] = scan.invalid_as;
+  }
   const auto intensities = scan.intensities.empty() ? 0 : beams;
   message.intensities.assign(scan.intensities.begin(), scan.intensities.begin() + intensities);
 }

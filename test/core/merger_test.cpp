@@ -162,6 +162,65 @@ TEST(Merger, IntensitiesAreLeftOutWhenASourceHasNone) {
   EXPECT_EQ(static_cast<int>(cloud.points()[361].ring), 1);
 }
 
+MergeSettings with_sight() {
+  MergeSettings settings;
+  settings.sight = true;
+  return settings;
+}
+
+TEST(Merger, GivesAllProfilesFromOneMerge) {
+  Merger merger(full_circle(360, 30), {}, 1, ms(500), with_sight());
+  PlanarScan scan = arc(5, t0);
+  scan.set_without_hit(90, BeamStatus::none);
+  scan.set_without_hit(45, BeamStatus::invalid);
+  ASSERT_TRUE(merger.add(0, scan, Pose::Identity()));
+  PlanarScan strict, safety, flat;
+  Cloud cloud;
+  merger.merge({{Profile::strict, &strict}, {Profile::safety, &safety}, {Profile::flatten, &flat}}, &cloud);
+  for (const PlanarScan* out : {&strict, &safety, &flat}) {
+    EXPECT_EQ(violation(*out), nullptr);
+    EXPECT_EQ(out->stamp, t0);
+    EXPECT_FLOAT_EQ(out->ranges[200], 5);
+    EXPECT_FLOAT_EQ(out->intensities[200], 110);
+  }
+  EXPECT_EQ(cloud.size(), 179U);
+  // Straight ahead nothing came back, but a surface may end inside the beams beside it.
+  EXPECT_EQ(strict.statuses[180], BeamStatus::none);
+  EXPECT_EQ(strict.statuses[135], BeamStatus::invalid);  // the device did not vouch for it
+  EXPECT_EQ(flat.statuses[135], BeamStatus::none);
+  EXPECT_EQ(strict.statuses[0], BeamStatus::invalid);  // behind, where the scanner does not look
+  EXPECT_EQ(flat.statuses[0], BeamStatus::none);
+}
+
+TEST(Merger, ReturnsInsideTheVehiclesOutlineAreLeftOutInEveryProfile) {
+  Merger merger(full_circle(360, 30), {}, 1, ms(500), with_sight());
+  merger.set_footprint(
+      Footprint({{-4, -1}, {0, -1}, {0, 1}, {-4, 1}}).transformed(make_pose({5.5, 0, 0}, {0, 0, 0})));
+  ASSERT_TRUE(merger.add(0, arc(5, t0), Pose::Identity()));
+  PlanarScan strict, flat;
+  merger.merge({{Profile::strict, &strict}, {Profile::flatten, &flat}}, nullptr);
+  EXPECT_NE(strict.statuses[180], BeamStatus::hit);
+  EXPECT_NE(flat.statuses[180], BeamStatus::hit);
+  EXPECT_EQ(strict.statuses[240], BeamStatus::hit);
+  EXPECT_EQ(flat.statuses[240], BeamStatus::hit);
+}
+
+TEST(Merger, SectorOfASourceThatDiedBecomesUnknown) {
+  Merger merger(full_circle(360, 30), {}, 2, ms(100), with_sight());
+  const Pose backwards = make_pose({0, 0, 0}, {0, 0, pi});
+  merger.add(0, arc(5, t0), Pose::Identity());
+  ASSERT_TRUE(merger.add(1, arc(7, t0 + ms(5)), backwards));
+  PlanarScan strict;
+  merger.merge({{Profile::strict, &strict}}, nullptr);
+  EXPECT_FLOAT_EQ(strict.ranges[0], 7);
+  for (int i = 1; i < 10; ++i) {
+    if (merger.add(0, arc(5, t0 + ms(30 * i)), Pose::Identity()))
+      merger.merge({{Profile::strict, &strict}}, nullptr);
+  }
+  EXPECT_EQ(strict.statuses[0], BeamStatus::invalid);
+  EXPECT_FLOAT_EQ(strict.ranges[180], 5);
+}
+
 TEST(Virtualizer, ProjectsOnlyTheBandOfTheVirtualFrame) {
   Cloud cloud;
   cloud.stamp = t0;

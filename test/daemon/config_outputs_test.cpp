@@ -127,14 +127,47 @@ TEST(MergedScanConfig, RefusesNoSourcesAtAll) {
             "f:7:25: merged_scans.m.laserscan_topics is a mapping" + expected);
 }
 
-TEST(MergedScanConfig, RefusesProfilesOfLaterVersions) {
-  for (const std::string profile : {"strict", "safety"}) {
-    EXPECT_EQ(merged_error("laserscan_topics: rear, profile: " + profile),
-              "f:7:40: merged_scans.m.profile is \"" + profile +
-                  "\", which is not available in this version; expected flatten");
-  }
+TEST(MergedScanConfig, ReadsTheProfileAndWhatItNeeds) {
+  const Config config = with_outputs(
+      "merged_scans: {m: {laserscan_topics: rear, profile: strict, unobserved: minus_inf, empty: zero, fuse: "
+      "mean, echoes: all, veil_filter: no, range_noise: 0.03, range_max: 30, free_required: 28, also: {safe: "
+      "safety, flat: {profile: flatten, empty: range_max_plus_one, unobserved: inf}}}}\n"
+      "vehicle: {footprint: [[-1, -1], [1, -1], [0, 1]]}");
+  EXPECT_TRUE(config.warnings.empty());
+  const MergedScanConfig& m = config.merged_scans[0];
+  EXPECT_EQ(m.output.profile, Profile::strict);
+  EXPECT_EQ(m.output.unobserved, EmptyBeam::minus_inf);
+  EXPECT_EQ(m.output.empty, EmptyBeam::zero);
+  EXPECT_TRUE(m.mean);
+  EXPECT_EQ(m.echoes, EchoChoice::all);
+  EXPECT_FALSE(m.veil_filter);
+  EXPECT_EQ(m.range_noise, 0.03);
+  EXPECT_EQ(m.free_required, 28);
+  ASSERT_EQ(m.also.size(), 2U);
+  EXPECT_EQ(m.also[0].topic, "safe");
+  EXPECT_EQ(m.also[0].profile, Profile::safety);
+  EXPECT_EQ(m.also[1].profile, Profile::flatten);
+  EXPECT_EQ(m.also[1].empty, EmptyBeam::range_max_plus_one);
+  EXPECT_EQ(m.also[1].unobserved, EmptyBeam::inf);
+}
+
+TEST(MergedScanConfig, WarnsWhenTheVehiclesOutlineIsNeededAndNotThere) {
+  const Config config = with_outputs("merged_scans: {m: {laserscan_topics: rear, also: {safe: safety}}}");
+  ASSERT_EQ(config.warnings.size(), 1U);
+  EXPECT_THAT(config.warnings[0], ::testing::HasSubstr("vehicle.footprint is not set"));
+}
+
+TEST(MergedScanConfig, RefusesWrongProfiles) {
   EXPECT_EQ(merged_error("laserscan_topics: rear, profile: flat"),
-            "f:7:40: merged_scans.m.profile is \"flat\"; expected flatten");
+            "f:7:40: merged_scans.m.profile is \"flat\"; expected strict, safety or flatten");
+  EXPECT_EQ(merged_error("laserscan_topics: rear, fuse: max"),
+            "f:7:37: merged_scans.m.fuse is \"max\"; expected nearest or mean");
+  EXPECT_EQ(merged_error("laserscan_topics: rear, echoes: 2nd"),
+            "f:7:39: merged_scans.m.echoes is \"2nd\"; expected first, last, strongest or all");
+  EXPECT_EQ(merged_error("laserscan_topics: rear, also: {x: safe}"),
+            "f:7:41: merged_scans.m.also.x is \"safe\"; expected strict, safety or flatten");
+  EXPECT_EQ(merged_error("laserscan_topics: rear, also: {x: {empty: nan}}"),
+            "f:7:38: merged_scans.m.also.x has no profile; expected strict, safety or flatten");
 }
 
 TEST(MergedScanConfig, RefusesGridsWhereTheMistakeStands) {
@@ -162,8 +195,9 @@ TEST(MergedScanConfig, RefusesHeightsEncodingsAndTimes) {
   EXPECT_EQ(merged_error(begin + "min_height: 1, max_height: 0"),
             "f:7:58: merged_scans.m.max_height leaves no height between min_height and max_height; expected "
             "min_height < max_height");
-  EXPECT_EQ(merged_error(begin + "empty: zero"),
-            "f:7:38: merged_scans.m.empty is \"zero\"; expected inf, nan or range_max_plus_one");
+  EXPECT_EQ(
+      merged_error(begin + "empty: none"),
+      "f:7:38: merged_scans.m.empty is \"none\"; expected inf, nan, range_max_plus_one, minus_inf or zero");
   EXPECT_EQ(merged_error(begin + "lost_after: 0"),
             "f:7:43: merged_scans.m.lost_after is 0; expected a number from 0.001 to 3600 s");
   EXPECT_EQ(merged_error(begin + "destination_pose: {xyz: [1, 0, 0]}"),

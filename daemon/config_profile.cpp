@@ -1,0 +1,121 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <array>
+
+#include "core/nearest.h"
+#include "daemon/config_parts.h"
+
+namespace lidard {
+namespace {
+
+template <class Choice>
+struct Word {
+  const char* word;
+  Choice choice;
+};
+
+constexpr std::array<Word<Profile>, 3> profiles{
+    {{"strict", Profile::strict}, {"safety", Profile::safety}, {"flatten", Profile::flatten}}};
+constexpr std::array<Word<EmptyBeam>, 5> beams{{{"inf", EmptyBeam::inf},
+                                                {"nan", EmptyBeam::nan},
+                                                {"range_max_plus_one", EmptyBeam::range_max_plus_one},
+                                                {"minus_inf", EmptyBeam::minus_inf},
+                                                {"zero", EmptyBeam::zero}}};
+constexpr std::array<Word<EchoChoice>, 4> echo_choices{{{"first", EchoChoice::first},
+                                                        {"last", EchoChoice::last},
+                                                        {"strongest", EchoChoice::strongest},
+                                                        {"all", EchoChoice::all}}};
+
+template <class Words>
+std::string list_of(const Words& words) {
+  std::string list;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (i > 0) list += i + 1 == words.size() ? " or " : ", ";
+    list += words[i].word;
+  }
+  return list;
+}
+
+template <class Choice, std::size_t n>
+Choice read_word(const Value& value, const std::array<Word<Choice>, n>& words) {
+  const std::string expected = list_of(words);
+  const std::string text = value.text(expected);
+  for (const auto& one : words) {
+    if (text == one.word || text == std::string(".") + one.word) return one.choice;
+  }
+  value.fail("is " + value.quoted(), expected);
+}
+
+template <class Choice, std::size_t n>
+const char* word_in(Choice choice, const std::array<Word<Choice>, n>& words) {
+  for (const auto& one : words) {
+    if (one.choice == choice) return one.word;
+  }
+  return "";
+}
+
+AlsoScanConfig read_also(const std::string& topic, const Value& value) {
+  AlsoScanConfig also;
+  also.topic = topic;
+  if (value.node().IsScalar()) {
+    also.profile = read_profile(value, true);
+    return also;
+  }
+  Mapping yaml(value, {"profile", "empty", "unobserved"});
+  also.profile = read_profile(yaml.require("profile", list_of(profiles)), true);
+  if (const auto empty = yaml.find("empty")) also.empty = read_empty(*empty);
+  if (const auto unobserved = yaml.find("unobserved")) also.unobserved = read_empty(*unobserved);
+  return also;
+}
+
+bool has_sight(const MergedScanConfig& merged) {
+  if (merged.output.profile != Profile::flatten) return true;
+  for (const AlsoScanConfig& also : merged.also) {
+    if (also.profile != Profile::flatten) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+Profile read_profile(const Value& value, bool with_sight) {
+  if (with_sight) return read_word(value, profiles);
+  const std::string word = value.text("flatten");
+  if (word == "strict" || word == "safety")
+    value.fail("is " + value.quoted() + ", which virtual scans do not have in this version", "flatten");
+  if (word != "flatten") value.fail("is " + value.quoted(), "flatten");
+  return Profile::flatten;
+}
+
+EmptyBeam read_empty(const Value& value) { return read_word(value, beams); }
+const char* word_of(Profile profile) { return word_in(profile, profiles); }
+const char* word_of(EmptyBeam beam) { return word_in(beam, beams); }
+const char* word_of(EchoChoice choice) { return word_in(choice, echo_choices); }
+
+void read_sight(Mapping& yaml, const std::string& owner, Config& config, ConfigClaims& claims,
+                MergedScanConfig& merged) {
+  if (const auto fuse = yaml.find("fuse")) {
+    const std::string word = fuse->text("nearest or mean");
+    if (word != "nearest" && word != "mean") fuse->fail("is " + fuse->quoted(), "nearest or mean");
+    merged.mean = word == "mean";
+  }
+  if (const auto echoes = yaml.find("echoes")) merged.echoes = read_word(*echoes, echo_choices);
+  if (const auto filter = yaml.find("veil_filter")) merged.veil_filter = filter->boolean();
+  if (const auto noise = yaml.find("range_noise")) merged.range_noise = noise->number(0.0005, 1, "m");
+  if (const auto free = yaml.find("free_required"))
+    merged.free_required = free->number(0.1, merged.output.grid.range_max, "m");
+  if (const auto also = yaml.find("also")) {
+    for (const auto& [topic, value] : named_entries(*also)) {
+      check_entry_name(topic, value);
+      merged.also.push_back(read_also(topic, value));
+      claims.publishes(topic, owner, value);
+    }
+  }
+  if (!has_sight(merged) || !config.vehicle.footprint.empty()) return;
+  warn(config, yaml.where("profile").place(),
+       owner +
+           " is to say what is observed, but vehicle.footprint is not set: where the vehicle hides the way " +
+           "from " + merged.destination_frame + " outward, every beam stays unobserved");
+}
+
+}  // namespace lidard
