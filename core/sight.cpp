@@ -99,7 +99,9 @@ void Sight::average(std::size_t beam) {
 bool Sight::is_free_at(std::size_t beam, float range) const {
   const float x = range * raster_.cosine(beam);
   const float y = range * raster_.sine(beam);
-  for (std::size_t s = 0; s < rays_.size(); ++s) {
+  for (std::size_t tried = 0; tried < rays_.size(); ++tried) {
+    const std::size_t s =
+        witness_ + tried < rays_.size() ? witness_ + tried : witness_ + tried - rays_.size();
     if (rays_[s].size() == 0) continue;
     const float dx = x - static_cast<float>(rays_[s].pose.translation().x());
     const float dy = y - static_cast<float>(rays_[s].pose.translation().y());
@@ -109,31 +111,40 @@ bool Sight::is_free_at(std::size_t beam, float range) const {
   return false;
 }
 
+std::size_t Sight::free_run(std::size_t source, std::size_t beam, std::size_t from, std::size_t to) const {
+  if (profiles_[source].size() == 0) return from;
+  const SightTable::Step* const steps = table_.row(beam, source);
+  const FreeProfile::Cell* const cells = profiles_[source].cells();
+  while (from < to && cells[steps[from].cell].is_free(steps[from].distance)) ++from;
+  return from;
+}
+
 bool Sight::is_covered(std::size_t beam, float end) {
   const auto gap = static_cast<float>(settings_.gap);
   const auto share = static_cast<float>(settings_.gap_share);
-  float known = begin_[beam];
-  std::size_t witness = 0;
   const std::size_t sources = rays_.size();
-  const SightTable::Step* row = table_.row(beam, 0);
-  const std::size_t steps = table_.steps();
+  const std::size_t last = table_.steps_to(end);
   std::size_t m = begin_step_[beam];
-  for (; m < steps && table_.edge(m) < end; ++m) {
-    bool free = false;
-    for (std::size_t tried = 0; tried < sources && !free; ++tried) {
-      const std::size_t s = witness + tried < sources ? witness + tried : witness + tried - sources;
-      const SightTable::Step step = row[s * steps + m];
-      free = profiles_[s].size() != 0 && profiles_[s].cells()[step.cell].is_free(step.distance);
-      if (free) witness = s;
+  std::size_t source = witness_;
+  std::size_t refused = 0;  // sources that do not see step m, one after the other
+  float known = begin_[beam];
+  while (m < last) {
+    const std::size_t seen_to = free_run(source, beam, m, last);
+    refused = seen_to > m ? 1 : refused + 1;
+    if (seen_to > m) {
+      known = table_.edge(seen_to);
+      witness_ = source;
     }
+    m = seen_to;
+    source = source + 1 < sources ? source + 1 : 0;
+    if (refused < sources || m >= last) continue;
     const float edge = std::min(table_.edge(m + 1), end);
-    if (free)
-      known = edge;
-    else if (edge - known > std::max(gap, share * edge))
-      break;
+    if (edge - known > std::max(gap, share * edge)) break;
+    ++m;
+    refused = 0;
   }
-  covered_[beam] = known;
-  return m >= steps || table_.edge(m) >= end;
+  covered_[beam] = std::min(known, std::max(end, begin_[beam]));
+  return m >= last;
 }
 
 void Sight::decide(std::size_t beam) {
@@ -147,9 +158,10 @@ void Sight::decide(std::size_t beam) {
     return;
   }
   const float before = range - static_cast<float>(std::max(settings_.approach, 5 * settings_.noise));
-  const bool approached = before <= begin_[beam] || is_free_at(beam, before);
-  const bool covered = is_covered(beam, before);
-  seen_[beam] = !approached ? Seen::behind : covered ? Seen::hit : Seen::gap;
+  if (!is_covered(beam, before))
+    seen_[beam] = Seen::gap;
+  else
+    seen_[beam] = before <= begin_[beam] || is_free_at(beam, before) ? Seen::hit : Seen::behind;
 }
 
 void Sight::encode(Profile profile, PlanarScan& scan, bool with_intensities) const {

@@ -11,8 +11,8 @@
 
 namespace lidard {
 
-/// What is known about a beam of the output. `behind`: a surface that no source sees from the side the beam
-/// comes from. `gap`: a surface, but the way to it was not observed.
+/// What is known about a beam of the output. `gap`: a surface, but the way to it was not observed. `behind`:
+/// it was, but no source sees the surface from the side the beam comes from.
 enum class Seen : std::uint8_t { unobserved, free, hit, behind, gap };
 
 struct SightSettings {
@@ -54,6 +54,8 @@ class Sight {
   bool is_free_at(std::size_t beam, float range) const;
   /// Walks from where the vehicle ends to `end`; false at the first gap. Sets covered.
   bool is_covered(std::size_t beam, float end);
+  /// The first step in [from, to) that this source does not see to be free, or `to`.
+  std::size_t free_run(std::size_t source, std::size_t beam, std::size_t from, std::size_t to) const;
 
   SightSettings settings_;
   Raster raster_;
@@ -61,6 +63,7 @@ class Sight {
   std::vector<BeamRays> rays_;
   std::vector<FreeProfile> profiles_;
   std::vector<RangeLayer> layers_;  // per source
+  std::size_t witness_ = 0;         // the source that saw the farthest part of the last way walked
   RangeLayer nearest_;
   RangeLayer doubtful_;
   std::vector<char> at_end_;  // a surface ends here, perhaps inside the beam

@@ -7,9 +7,9 @@
 namespace lidard {
 namespace {
 
-// A third of the longest way that may go unseen (0.3 m or 5 % of the range), and finer.
-constexpr double shortest_step = 0.1;  // m
-constexpr double growth = 0.02;        // of the range
+// Half of the longest way that may go unseen (0.3 m or 5 % of the range), or finer.
+constexpr double shortest_step = 0.12;  // m
+constexpr double growth = 0.025;        // of the range
 
 }  // namespace
 
@@ -27,6 +27,11 @@ SightTable::SightTable(const Raster& raster) {
 std::size_t SightTable::step_at(float range) const {
   return static_cast<std::size_t>(std::lower_bound(middles_.begin(), middles_.end(), range) -
                                   middles_.begin());
+}
+
+std::size_t SightTable::steps_to(float range) const {
+  const auto end = std::lower_bound(edges_.begin(), edges_.end(), range);
+  return std::min(static_cast<std::size_t>(end - edges_.begin()), middles_.size());
 }
 
 void SightTable::set(std::size_t source, std::size_t sources, const Raster& raster, const BeamRays& rays,

@@ -32,6 +32,8 @@ class SightTable {
   float edge(std::size_t m) const { return edges_[m]; }
   /// The first step whose middle is not nearer than `range`.
   std::size_t step_at(float range) const;
+  /// The number of steps that begin before `range`.
+  std::size_t steps_to(float range) const;
   const Step* row(std::size_t beam, std::size_t source) const {
     return steps_.data() + (beam * sources_ + source) * middles_.size();
   }

@@ -171,7 +171,7 @@ MergeSettings with_sight() {
 TEST(Merger, GivesAllProfilesFromOneMerge) {
   Merger merger(full_circle(360, 30), {}, 1, ms(500), with_sight());
   PlanarScan scan = arc(5, t0);
-  scan.set_without_hit(90, BeamStatus::none);
+  for (std::size_t i = 86; i <= 94; ++i) scan.set_without_hit(i, BeamStatus::none);
   scan.set_without_hit(45, BeamStatus::invalid);
   ASSERT_TRUE(merger.add(0, scan, Pose::Identity()));
   PlanarScan strict, safety, flat;
@@ -183,9 +183,10 @@ TEST(Merger, GivesAllProfilesFromOneMerge) {
     EXPECT_FLOAT_EQ(out->ranges[200], 5);
     EXPECT_FLOAT_EQ(out->intensities[200], 110);
   }
-  EXPECT_EQ(cloud.size(), 179U);
-  // Straight ahead nothing came back, but a surface may end inside the beams beside it.
+  EXPECT_EQ(cloud.size(), 171U);
   EXPECT_EQ(strict.statuses[180], BeamStatus::none);
+  EXPECT_EQ(safety.statuses[180], BeamStatus::none);
+  EXPECT_EQ(strict.statuses[176], BeamStatus::invalid);  // the surface may end inside this beam
   EXPECT_EQ(strict.statuses[135], BeamStatus::invalid);  // the device did not vouch for it
   EXPECT_EQ(flat.statuses[135], BeamStatus::none);
   EXPECT_EQ(strict.statuses[0], BeamStatus::invalid);  // behind, where the scanner does not look
