@@ -6,8 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/angle.h"
-
 namespace lidard {
 namespace {
 
@@ -52,10 +50,6 @@ void BeamRays::build(const PlanarScan& scan, const Pose& output_from_sensor, con
   for (std::size_t i = 0; i < scan.beams; ++i) {
     add_beam(angle_min + static_cast<double>(i) * increment, body, margin, band);
   }
-  const Eigen::Matrix2d forward = pose.linear().topLeftCorner<2, 2>();
-  // A plane that stands upright has no beam per direction; then none is found.
-  inverse_ = std::abs(forward.determinant()) > 1e-3 ? Eigen::Matrix2f(forward.inverse().cast<float>())
-                                                    : Eigen::Matrix2f::Zero().eval();
 }
 
 void BeamRays::add_beam(double angle, const Footprint& body, const Footprint& margin, HeightBand band) {
@@ -76,19 +70,6 @@ void BeamRays::add_beam(double angle, const Footprint& body, const Footprint& ma
   band_end.push_back(0);
   clip(pose.translation().z(), ray.z(), band, band_begin.back(), band_end.back());
   from_inside.push_back(blocked && blocked->in <= 0 && blocked->out > housing_m ? 1 : 0);
-}
-
-float BeamRays::beam_towards(float dx, float dy) const {
-  const Eigen::Vector2f in_sensor = inverse_ * Eigen::Vector2f(dx, dy);
-  if (in_sensor.squaredNorm() <= 0) return -1;
-  constexpr auto full = static_cast<float>(2 * pi_d);
-  const auto step = static_cast<float>(std::abs(increment));
-  float turn = fast_atan2(in_sensor.y(), in_sensor.x()) - static_cast<float>(angle_min);
-  if (increment < 0) turn = -turn;
-  // Half a beam before the first one still belongs to it. Scanners count from -2 pi to 2 pi.
-  while (turn < -step / 2) turn += full;
-  while (turn >= full - step / 2) turn -= full;
-  return turn / step;
 }
 
 }  // namespace lidard

@@ -22,9 +22,6 @@ class BeamRays {
              HeightBand band);
 
   std::size_t size() const { return x.size(); }
-  /// Beam at which the vertical plane through the scanner with direction (dx, dy) meets its plane, as a
-  /// fraction; outside [-0.5, size() - 0.5) if it has no beam there.
-  float beam_towards(float dx, float dy) const;
 
   Pose pose = Pose::Identity();  ///< output_from_sensor
   double angle_min = 0;          ///< rad, sensor frame
@@ -42,8 +39,6 @@ class BeamRays {
 
  private:
   void add_beam(double angle, const Footprint& body, const Footprint& margin, HeightBand band);
-
-  Eigen::Matrix2f inverse_ = Eigen::Matrix2f::Identity();  // output directions to sensor directions
 };
 
 }  // namespace lidard

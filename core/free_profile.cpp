@@ -11,18 +11,24 @@ namespace lidard {
 namespace {
 
 // Between two returns of a slanting wall the free way changes; so fine it is followed.
-constexpr double cell_width = 0.2 * pi_d / 180;
-constexpr std::size_t most_cells = 65000;
+constexpr double widest_cell = 0.2 * pi_d / 180;
+constexpr double most_cells = 65000;
+// Neighbouring beams farther apart than that are no neighbours; a plane that stands nearly upright has such.
+constexpr float widest_step = 0.2F;  // rad
 
 }  // namespace
 
-void FreeProfile::set(const BeamRays& rays, double unit) {
-  beams_ = rays.size();
+void FreeProfile::set(float x, float y, double beam_width, double unit) {
+  x_ = x;
+  y_ = y;
   per_meter_ = static_cast<float>(1 / unit);
-  const double wanted = std::ceil(std::abs(rays.increment) / cell_width - 1e-3);
-  per_beam_ = std::max<std::size_t>(1, static_cast<std::size_t>(wanted));
-  per_beam_ = std::max<std::size_t>(1, std::min(per_beam_, most_cells / std::max<std::size_t>(beams_, 1)));
-  cells_.assign(beams_ * per_beam_ + 1, {});
+  const double width = std::clamp(std::abs(beam_width), 2 * pi_d / most_cells, 0.1);
+  const double cell = width / std::ceil(width / widest_cell - 1e-3);
+  const double count = std::min(std::round(2 * pi_d / cell), most_cells);
+  per_rad_ = static_cast<float>(count / (2 * pi_d));
+  cells_.assign(static_cast<std::size_t>(count), {});
+  slots_.clear();
+  first_slot_.assign(1, 0);
 }
 
 void FreeProfile::clear() { std::fill(cells_.begin(), cells_.end(), Cell{}); }
@@ -34,38 +40,69 @@ FreeProfile::Cell FreeProfile::cell_of(float from, float to) const {
   return {static_cast<std::uint16_t>(first), static_cast<std::uint16_t>(last - first)};
 }
 
-void FreeProfile::fill(const Sweep& sweep) {
-  const auto parts = static_cast<float>(per_beam_);
-  const std::size_t half = per_beam_ / 2;
-  for (std::size_t beam = 0; beam < beams_; ++beam) {
-    const Cell own = cell_of(sweep.free_from[beam], sweep.free_to[beam]);
-    Cell* const cells = cells_.data() + beam * per_beam_;
-    for (std::size_t part = 0; part < per_beam_; ++part) {
-      // Middle of the cell, in beams from this beam's direction.
-      const float off = (static_cast<float>(part) + 0.5F) / parts - 0.5F;
-      const bool after = part > half || (part == half && per_beam_ % 2 == 0);
-      const std::size_t other = after ? beam + 1 : beam - 1;
-      const bool linked = after ? sweep.linked[beam] != 0 : beam > 0 && sweep.linked[beam - 1] != 0;
-      if (!linked || off == 0) {
-        cells[part] = own;
-        continue;
-      }
-      const float share = std::fabs(off);
-      const float a = sweep.free_to[beam];
-      const float b = sweep.free_to[other];
-      // On a straight line the inverse of the distance changes (nearly) evenly.
-      cells[part] = cell_of(sweep.free_from[beam], a * b / (b + share * (a - b)));
-    }
-  }
-  if (!cells_.empty()) cells_.back() = {};
+std::uint16_t FreeProfile::cell_towards(float dx, float dy) const {
+  const auto cell = static_cast<std::size_t>((fast_atan2(dy, dx) + static_cast<float>(pi_d)) * per_rad_);
+  return static_cast<std::uint16_t>(cell < cells_.size() ? cell : 0);
 }
 
-std::uint16_t FreeProfile::cell_towards(const BeamRays& rays, float dx, float dy) const {
-  const float beam = rays.beam_towards(dx, dy);
-  const auto last = static_cast<std::uint16_t>(cells_.size() - 1);
-  if (beam < -0.5F) return last;
-  const auto cell = static_cast<std::size_t>((beam + 0.5F) * static_cast<float>(per_beam_));
-  return cell < last ? static_cast<std::uint16_t>(cell) : last;
+/// The cells whose middle lies between two directions, counted in cells from -pi, one of them that of the
+/// beam, the other half way to a neighbour.
+void FreeProfile::add_slots(double beam, double border, bool after) {
+  const auto count = static_cast<double>(cells_.size());
+  const double width = 2 * std::fabs(border - beam);
+  const double to = std::max(beam, border);
+  for (double cell = std::ceil(std::min(beam, border) - 0.5); cell + 0.5 < to; ++cell) {
+    const double inside = cell - count * std::floor(cell / count);
+    slots_.push_back({static_cast<std::uint16_t>(inside), after,
+                      static_cast<float>(std::fabs(cell + 0.5 - beam) / width)});
+  }
+}
+
+void FreeProfile::place_beams(const float* dx, const float* dy, std::size_t beams) {
+  slots_.clear();
+  first_slot_.assign(1, 0);
+  if (beams == 0) return;
+  const auto azimuth = [&](std::size_t beam) { return fast_atan2(dy[beam], dx[beam]); };
+  const auto step_from = [&](std::size_t beam) {
+    if (beam + 1 >= beams) return 0.0F;
+    const float step = wrapped(azimuth(beam + 1) - azimuth(beam));
+    return std::fabs(step) > widest_step ? 0.0F : step;
+  };
+  const auto per_rad = static_cast<double>(per_rad_);
+  double at = (static_cast<double>(azimuth(0)) + pi_d) * per_rad;
+  double step = static_cast<double>(step_from(0)) * per_rad;
+  // The outer halves of the first and the last beam are as wide as their inner ones. Both beams at a border
+  // use the same number for it, so that each cell belongs to one of them.
+  double border = at - step / 2;
+  for (std::size_t beam = 0; beam < beams; ++beam) {
+    add_slots(at, border, false);
+    if (beam + 1 < beams) step = static_cast<double>(step_from(beam)) * per_rad;
+    border = at + step / 2;
+    add_slots(at, border, true);
+    at += step;
+    first_slot_.push_back(static_cast<std::uint32_t>(slots_.size()));
+  }
+}
+
+void FreeProfile::fill(const Sweep& sweep) {
+  clear();
+  const std::size_t beams = first_slot_.size() - 1;
+  for (std::size_t beam = 0; beam < beams; ++beam) {
+    const Cell own = cell_of(sweep.free_from[beam], sweep.free_to[beam]);
+    const bool to_next = sweep.linked[beam] != 0;
+    const bool to_previous = beam > 0 && sweep.linked[beam - 1] != 0;
+    for (std::uint32_t s = first_slot_[beam]; s < first_slot_[beam + 1]; ++s) {
+      const Slot& slot = slots_[s];
+      if (!(slot.after ? to_next : to_previous)) {
+        cells_[slot.cell] = own;
+        continue;
+      }
+      const float a = sweep.free_to[beam];
+      const float b = sweep.free_to[slot.after ? beam + 1 : beam - 1];
+      // On a straight line the inverse of the distance changes (nearly) evenly.
+      cells_[slot.cell] = cell_of(sweep.free_from[beam], a * b / (b + slot.share * (a - b)));
+    }
+  }
 }
 
 }  // namespace lidard

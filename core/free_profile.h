@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -10,8 +11,8 @@
 namespace lidard {
 
 /// How far one source sees in each direction around itself, as integers that a walk along the output's beams
-/// can compare quickly. A cell is a part of a beam's width; the cell after the last one is everything outside
-/// the field of view, where nothing is free.
+/// can compare quickly. Cells are equal parts of the full circle around the source's place in the output's
+/// plane; the beams of the source need not lie evenly in it.
 class FreeProfile {
  public:
   struct Cell {
@@ -20,29 +21,48 @@ class FreeProfile {
     bool is_free(std::uint16_t distance) const { return static_cast<std::uint16_t>(distance - from) <= span; }
   };
 
-  /// Sets the cells for a source; `unit` is the length of one step of distance, m.
-  void set(const BeamRays& rays, double unit);
+  /// Sets the place of a source, m in the output's plane. Cells divide `beam_width` (rad between beams)
+  /// evenly; `unit` is the length of one step of distance, m. Nothing is free then.
+  void set(float x, float y, double beam_width, double unit);
+  /// Tells in which directions of the output's plane the `beams` beams of the source look, in order; needed
+  /// before fill(), and whenever they change. Cells between two beams belong to the nearer one.
+  void place_beams(const float* dx, const float* dy, std::size_t beams);
+
   /// Takes the evidence of a sweep: linked returns are interpolated, else the nearest beam counts.
   void fill(const Sweep& sweep);
   /// No evidence at all.
   void clear();
+  /// States that the cell is free between two distances from the source, m; replaces what was known of it.
+  void claim(std::size_t cell, float from, float to) { cells_[cell] = cell_of(from, to); }
 
+  float x() const { return x_; }
+  float y() const { return y_; }
   /// The cell in direction (dx, dy) of the output frame from the source.
-  std::uint16_t cell_towards(const BeamRays& rays, float dx, float dy) const;
+  std::uint16_t cell_towards(float dx, float dy) const;
   std::uint16_t distance(float meters) const {
     const float units = meters * per_meter_;
     return units < 65534.0F ? static_cast<std::uint16_t>(units + 0.5F) : std::uint16_t{65534};
   }
   const Cell* cells() const { return cells_.data(); }
+  /// 0: no source is set.
   std::size_t size() const { return cells_.size(); }
 
  private:
+  /// A cell that a beam looks into: the part of the way to a neighbouring beam.
+  struct Slot {
+    std::uint16_t cell;
+    bool after;   // towards the next beam, not the one before
+    float share;  // 0: in the beam's own direction
+  };
   Cell cell_of(float from, float to) const;
+  void add_slots(double beam, double border, bool after);
 
-  std::size_t beams_ = 0;
-  std::size_t per_beam_ = 1;
+  float x_ = 0, y_ = 0;
   float per_meter_ = 1;
+  float per_rad_ = 1;  // cells
   std::vector<Cell> cells_;
+  std::vector<Slot> slots_;                // by beam
+  std::vector<std::uint32_t> first_slot_;  // of each beam, and the end
 };
 
 }  // namespace lidard

@@ -33,6 +33,7 @@ void PlanarScan::reset(std::size_t beam_count, std::size_t echo_count, bool with
   ranges.assign(n, range_without_hit(BeamStatus::invalid));
   statuses.assign(n, BeamStatus::invalid);
   intensities.assign(with_intensities ? n : 0, 0.0F);
+  free_from.clear();
 }
 
 void PlanarScan::set_angles(float first, float increment) {
@@ -66,6 +67,8 @@ const char* violation(const PlanarScan& scan) {
   if (scan.ranges.size() != n || scan.statuses.size() != n) return "number of ranges is not beams x echoes";
   if (!scan.intensities.empty() && scan.intensities.size() != n)
     return "number of intensities is not that of ranges";
+  if (!scan.free_from.empty() && scan.free_from.size() != scan.beams)
+    return "number of free_from is not that of beams";
   if (!std::isfinite(scan.angle_min) || !std::isfinite(scan.angle_increment)) return "angles are not finite";
   if (scan.angle_increment == 0 && scan.beams > 1) return "angle_increment is 0";
   if (scan.angle_max != scan.angle(scan.beams - 1)) return "angle_max is not that of the last beam";

@@ -48,6 +48,9 @@ struct PlanarScan {
   std::vector<float> ranges;         ///< m, [echo * beams + beam]
   std::vector<float> intensities;    ///< device units; empty, or as long as ranges
   std::vector<BeamStatus> statuses;  ///< as long as ranges
+  /// m per beam: nearer than that nothing was observed, though what lies beyond was; empty: 0 everywhere.
+  /// Only virtual scans have it.
+  std::vector<float> free_from;
 
   std::size_t index(std::size_t beam, std::size_t echo = 0) const { return echo * beams + beam; }
   float angle(std::size_t beam) const { return angle_min + static_cast<float>(beam) * angle_increment; }

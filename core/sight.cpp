@@ -47,8 +47,11 @@ void Sight::set_footprint(const Footprint& footprint) {
 void Sight::set_source(std::size_t source, const BeamRays& rays) {
   rays_[source] = rays;
   const double unit = (raster_.grid().range_max + farthest_source) / distance_steps;
-  profiles_[source].set(rays, unit);
-  table_.set(source, rays_.size(), raster_, rays, profiles_[source]);
+  FreeProfile& profile = profiles_[source];
+  const Eigen::Vector3d at = rays.pose.translation();
+  profile.set(static_cast<float>(at.x()), static_cast<float>(at.y()), rays.increment, unit);
+  profile.place_beams(rays.x.data(), rays.y.data(), rays.size());
+  table_.set(source, rays_.size(), raster_, profile);
 }
 
 void Sight::compute(const std::vector<const Sweep*>& sweeps) {
@@ -102,11 +105,12 @@ bool Sight::is_free_at(std::size_t beam, float range) const {
   for (std::size_t tried = 0; tried < rays_.size(); ++tried) {
     const std::size_t s =
         witness_ + tried < rays_.size() ? witness_ + tried : witness_ + tried - rays_.size();
-    if (rays_[s].size() == 0) continue;
-    const float dx = x - static_cast<float>(rays_[s].pose.translation().x());
-    const float dy = y - static_cast<float>(rays_[s].pose.translation().y());
-    const std::uint16_t distance = profiles_[s].distance(std::sqrt(dx * dx + dy * dy));
-    if (profiles_[s].cells()[profiles_[s].cell_towards(rays_[s], dx, dy)].is_free(distance)) return true;
+    const FreeProfile& profile = profiles_[s];
+    if (profile.size() == 0) continue;
+    const float dx = x - profile.x();
+    const float dy = y - profile.y();
+    const std::uint16_t distance = profile.distance(std::sqrt(dx * dx + dy * dy));
+    if (profile.cells()[profile.cell_towards(dx, dy)].is_free(distance)) return true;
   }
   return false;
 }

@@ -34,20 +34,18 @@ std::size_t SightTable::steps_to(float range) const {
   return std::min(static_cast<std::size_t>(end - edges_.begin()), middles_.size());
 }
 
-void SightTable::set(std::size_t source, std::size_t sources, const Raster& raster, const BeamRays& rays,
+void SightTable::set(std::size_t source, std::size_t sources, const Raster& raster,
                      const FreeProfile& profile) {
   if (sources != sources_) {
     sources_ = sources;
     steps_.assign(raster.grid().beams * sources * middles_.size(), {0, 0xFFFF});
   }
-  const auto x = static_cast<float>(rays.pose.translation().x());
-  const auto y = static_cast<float>(rays.pose.translation().y());
   for (std::size_t beam = 0; beam < raster.grid().beams; ++beam) {
     Step* row = steps_.data() + (beam * sources_ + source) * middles_.size();
     for (const float range : middles_) {
-      const float dx = range * raster.cosine(beam) - x;
-      const float dy = range * raster.sine(beam) - y;
-      *row++ = {profile.cell_towards(rays, dx, dy), profile.distance(std::sqrt(dx * dx + dy * dy))};
+      const float dx = range * raster.cosine(beam) - profile.x();
+      const float dy = range * raster.sine(beam) - profile.y();
+      *row++ = {profile.cell_towards(dx, dy), profile.distance(std::sqrt(dx * dx + dy * dy))};
     }
   }
 }

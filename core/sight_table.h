@@ -24,8 +24,7 @@ class SightTable {
   explicit SightTable(const Raster& raster);
 
   /// Fills in one of `sources` sources.
-  void set(std::size_t source, std::size_t sources, const Raster& raster, const BeamRays& rays,
-           const FreeProfile& profile);
+  void set(std::size_t source, std::size_t sources, const Raster& raster, const FreeProfile& profile);
 
   std::size_t steps() const { return middles_.size(); }
   /// Where step m begins, m from the origin; edge(steps()) is where the last one ends.

@@ -75,8 +75,10 @@ std::size_t Conditioner::chosen_echo(std::size_t beam) const {
 /// The beam is free up to `to` (range), as far as it is at heights that count.
 void Conditioner::free_in_band(std::size_t beam, float to) {
   const float end = std::min(to, rays_.band_end[beam]);
-  if (end <= rays_.band_begin[beam]) return;
-  sweep_.free_from[beam] = rays_.band_begin[beam] * rays_.level[beam];
+  const float observed_from = scan_.free_from.empty() ? 0 : scan_.free_from[beam];
+  const float begin = std::max(rays_.band_begin[beam], observed_from);
+  if (end <= begin) return;
+  sweep_.free_from[beam] = begin * rays_.level[beam];
   sweep_.free_to[beam] = end * rays_.level[beam];
 }
 

@@ -110,7 +110,8 @@ Config parse_config(const std::string& text, const std::string& name) {
   ConfigClaims claims;
   read_vehicle(root, config.vehicle);
   read_sensors(root, config, claims);
-  read_outputs(root, config, claims);
+  read_virtual_scans(root, config, claims);
+  read_merged_scans(root, config, claims);
   warn_of_unused(root, config, claims);
   return config;
 }

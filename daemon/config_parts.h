@@ -43,7 +43,8 @@ class ConfigClaims {
 
 /// Reads the sections into `config`; `claims` sees every name they give away.
 void read_sensors(Mapping& root, Config& config, ConfigClaims& claims);
-void read_outputs(Mapping& root, Config& config, ConfigClaims& claims);
+void read_merged_scans(Mapping& root, Config& config, ConfigClaims& claims);
+void read_virtual_scans(Mapping& root, Config& config, ConfigClaims& claims);
 
 /// True if skip, cluster and calibrate_time mean something to this model.
 bool speaks_scip(const Model& model);

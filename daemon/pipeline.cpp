@@ -7,8 +7,9 @@
 #include <map>
 #include <utility>
 
-#include "daemon/outputs.h"
+#include "daemon/merged_output.h"
 #include "daemon/sensor_health.h"
+#include "daemon/virtual_output.h"
 #include "drivers/connection_picker.h"
 
 namespace lidard {

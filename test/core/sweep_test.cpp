@@ -294,7 +294,6 @@ TEST(Sweep, ScannerMountedUpsideDownSeesTheSameWorld) {
     const std::size_t j = upright.scan.beams - 1 - i;
     EXPECT_NEAR(upright.sweep.x[i], turned.sweep.x[j], 1e-4);
     EXPECT_NEAR(upright.sweep.y[i], turned.sweep.y[j], 1e-4);
-    EXPECT_NEAR(turned.rays.beam_towards(turned.sweep.x[j], turned.sweep.y[j]), static_cast<double>(j), 0.01);
   }
 }
 

@@ -1,43 +1,9 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/outputs.h"
-
-#include <limits>
-#include <stdexcept>
+#include "daemon/merged_output.h"
 
 namespace lidard {
 namespace {
-
-ScanGrid grid_of(const ScanGridSpec& spec) {
-  std::string error;
-  const auto grid = make_grid(spec, error);
-  if (!grid) throw std::logic_error("configuration accepted a grid that is wrong: " + error);
-  return *grid;
-}
-
-HeightBand band_of(const OutputScanConfig& config) {
-  HeightBand band;
-  if (config.min_height) band.min = *config.min_height;
-  if (config.max_height) band.max = *config.max_height;
-  return band;
-}
-
-float value_of(EmptyBeam beam, const OutputScanConfig& config) {
-  constexpr float infinite = std::numeric_limits<float>::infinity();
-  switch (beam) {
-    case EmptyBeam::inf:
-      return infinite;
-    case EmptyBeam::nan:
-      return std::numeric_limits<float>::quiet_NaN();
-    case EmptyBeam::range_max_plus_one:
-      return static_cast<float>(config.grid.range_max) + 1;
-    case EmptyBeam::minus_inf:
-      return -infinite;
-    case EmptyBeam::zero:
-      return 0;
-  }
-  return infinite;
-}
 
 MergeSettings settings_of(const MergedScanConfig& config) {
   MergeSettings settings;
@@ -53,26 +19,6 @@ MergeSettings settings_of(const MergedScanConfig& config) {
   settings.source.echoes = config.echoes;
   settings.source.veil_filter = config.veil_filter;
   return settings;
-}
-
-DiagnosticItem health_of(const std::string& name, const OutputCounters& counters, Stamp now) {
-  DiagnosticItem item;
-  item.name = name;
-  const double age = seconds(now - counters.last_published);
-  if (counters.published == 0) {
-    item.health = Health::error;
-    item.message =
-        counters.no_pose > 0 ? "no output: " + counters.why_no_pose : "no output: no input has come in yet";
-  } else if (age > 3) {
-    item.health = Health::error;
-    item.message = counters.no_pose > 0 ? "no output any more: " + counters.why_no_pose
-                                        : "no output for more than 3 s: see the state of its sensors";
-  } else {
-    item.message = "publishing";
-  }
-  item.values.emplace_back("Published", std::to_string(counters.published));
-  item.values.emplace_back("Inputs without pose", std::to_string(counters.no_pose));
-  return item;
 }
 
 }  // namespace
@@ -146,53 +92,6 @@ DiagnosticItem MergedOutput::diagnostics(Stamp now) const {
   item.values.emplace_back("Sweeps replaced before use", std::to_string(merger_.superseded()));
   item.values.emplace_back("Sweeps out of order", std::to_string(merger_.out_of_order()));
   return item;
-}
-
-VirtualOutput::VirtualOutput(const VirtualScanConfig& config, const VehicleConfig& vehicle,
-                             const PoseBook& poses)
-    : config_(config),
-      base_frame_(vehicle.base_frame),
-      footprint_(Footprint(vehicle.footprint).padded(Footprint::margin_m)),
-      poses_(poses),
-      virtualizer_(grid_of(config.output.grid), band_of(config.output)) {
-  scan_.none_as = value_of(config.output.empty, config.output);
-  scan_.invalid_as = value_of(config.output.unobserved, config.output);
-}
-
-const std::string& VirtualOutput::topic_of(const std::string& frame) const {
-  return config_.output_laser_topic.empty() ? frame : config_.output_laser_topic;
-}
-
-void VirtualOutput::add(const Cloud& cloud, Stamp now, FrameSink& sink) {
-  for (const auto& frame : config_.virtual_laser_scan) {
-    Pose pose;
-    if (!poses_.find(frame, cloud.frame_id, cloud.stamp, pose, counters_.why_no_pose)) {
-      ++counters_.no_pose;
-      continue;
-    }
-    if (!footprint_.empty()) {
-      Pose base;
-      if (!poses_.find(frame, base_frame_, cloud.stamp, base, counters_.why_no_pose)) {
-        ++counters_.no_pose;
-        continue;
-      }
-      virtualizer_.set_footprint(footprint_.transformed(base));
-    }
-    scan_.frame_id = frame;
-    virtualizer_.project(cloud, pose, scan_);
-    // Several frames on one topic share the cloud's stamp; consumers want stamps that increase.
-    Stamp& last = last_stamps_[topic_of(frame)];
-    constexpr Span restart_limit = std::chrono::seconds(1);
-    if (scan_.stamp <= last && last - scan_.stamp < restart_limit) scan_.stamp = last + Span(1);
-    last = scan_.stamp;
-    ++counters_.published;
-    counters_.last_published = now;
-    sink.scan(topic_of(frame), scan_, now);
-  }
-}
-
-DiagnosticItem VirtualOutput::diagnostics(Stamp now) const {
-  return health_of("virtual " + config_.name, counters_, now);
 }
 
 }  // namespace lidard

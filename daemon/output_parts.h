@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/height_band.h"
+#include "core/scan_grid.h"
+#include "daemon/config.h"
+#include "daemon/sink.h"
+
+namespace lidard {
+
+/// What one output did since the start.
+struct OutputCounters {
+  std::uint64_t published = 0;
+  std::uint64_t no_pose = 0;  ///< inputs not used because the pose of a frame was not known
+  std::string why_no_pose;    ///< the newest reason
+  Stamp last_published{};
+};
+
+/// The grid of a specification that the configuration has accepted.
+ScanGrid grid_of(const ScanGridSpec& spec);
+HeightBand band_of(const OutputScanConfig& config);
+/// What a message holds for `beam` of an output.
+float value_of(EmptyBeam beam, const OutputScanConfig& config);
+/// Whether an output publishes, and if not, why.
+DiagnosticItem health_of(const std::string& name, const OutputCounters& counters, Stamp now);
+
+}  // namespace lidard
