@@ -74,6 +74,7 @@ void FreeProfile::place_beams(const float* dx, const float* dy, std::size_t beam
   // The outer halves of the first and the last beam are as wide as their inner ones. Both beams at a border
   // use the same number for it, so that each cell belongs to one of them.
   double border = at - step / 2;
+  half_beam_ = static_cast<float>(step / 2);
   for (std::size_t beam = 0; beam < beams; ++beam) {
     add_slots(at, border, false);
     if (beam + 1 < beams) step = static_cast<double>(step_from(beam)) * per_rad;
@@ -85,6 +86,10 @@ void FreeProfile::place_beams(const float* dx, const float* dy, std::size_t beam
 }
 
 void FreeProfile::fill(const Sweep& sweep) {
+  if (sweep.moved) {
+    fill_moved(sweep);
+    return;
+  }
   clear();
   const std::size_t beams = first_slot_.size() - 1;
   for (std::size_t beam = 0; beam < beams; ++beam) {
@@ -103,6 +108,72 @@ void FreeProfile::fill(const Sweep& sweep) {
       cells_[slot.cell] = cell_of(sweep.free_from[beam], a * b / (b + slot.share * (a - b)));
     }
   }
+}
+
+void FreeProfile::limit(float begin, float end, float from, float a, float b) {
+  // Both ends of a stretch count, so that no cell between two stretches is forgotten.
+  constexpr float slack = 0.01F;
+  const auto count = static_cast<std::int64_t>(cells_.size());
+  const float width = end - begin;
+  const auto first = static_cast<std::int64_t>(std::ceil(std::min(begin, end) - 0.5F - slack));
+  const float last = std::max(begin, end) - 0.5F + slack;
+  for (std::int64_t cell = first; static_cast<float>(cell) <= last; ++cell) {
+    const auto inside = static_cast<std::size_t>(cell < 0        ? cell + count
+                                                 : cell >= count ? cell - count
+                                                                 : cell);
+    const float share = std::fabs(width) > slack ? (static_cast<float>(cell) + 0.5F - begin) / width : 0.0F;
+    const float within = std::clamp(share, 0.0F, 1.0F);
+    const float to = a == b ? a : a * b / (b + within * (a - b));
+    starts_[inside] = std::max(starts_[inside], from);
+    if (ends_[inside] < 0 || to < ends_[inside]) ends_[inside] = to;
+  }
+}
+
+void FreeProfile::limit_pair(const Sweep& sweep, std::size_t beam, float step) {
+  const float at = azimuths_[beam];
+  const float to = lengths_[beam];
+  const float next = lengths_[beam + 1];
+  const float from = std::max(sweep.free_from[beam], sweep.free_from[beam + 1]);
+  if (sweep.linked[beam] != 0) {
+    limit(at, at + step, from, to, next);
+    return;
+  }
+  const bool side_by_side = step * half_beam_ > 0 && std::fabs(step) <= 3 * std::fabs(half_beam_);
+  const float reach = side_by_side ? step / 2 : half_beam_;
+  limit(at, at + reach, sweep.free_from[beam], to, to);
+  limit(at + step - reach, at + step, sweep.free_from[beam + 1], next, next);
+  // The vehicle moved and sees the edge between both from elsewhere now: what opened was hidden.
+  if (!side_by_side) limit(at, at + step, from, std::min(to, next), std::min(to, next));
+}
+
+void FreeProfile::fill_moved(const Sweep& sweep) {
+  const std::size_t beams = sweep.kind.size();
+  const auto count = static_cast<float>(cells_.size());
+  azimuths_.resize(beams);
+  lengths_.resize(beams);
+  starts_.assign(cells_.size(), 0);
+  ends_.assign(cells_.size(), -1);
+  for (std::size_t i = 0; i < beams; ++i) {
+    const float x = sweep.free_x[i];
+    const float y = sweep.free_y[i];
+    azimuths_[i] = (fast_atan2(y, x) + static_cast<float>(pi_d)) * per_rad_;
+    lengths_[i] = sweep.free_to[i] > 0 ? std::sqrt(x * x + y * y) : 0;
+  }
+  const auto is_free = [&](std::size_t i) { return i < beams && lengths_[i] > 0; };
+  for (std::size_t i = 0; i < beams; ++i) {
+    if (!is_free(i)) continue;
+    const float at = azimuths_[i];
+    if (i == 0 || !is_free(i - 1)) limit(at - half_beam_, at, sweep.free_from[i], lengths_[i], lengths_[i]);
+    if (!is_free(i + 1)) {
+      limit(at, at + half_beam_, sweep.free_from[i], lengths_[i], lengths_[i]);
+      continue;
+    }
+    float step = azimuths_[i + 1] - at;
+    if (step > count / 2) step -= count;
+    if (step < -count / 2) step += count;
+    if (std::fabs(step) < widest_step * per_rad_) limit_pair(sweep, i, step);
+  }
+  for (std::size_t cell = 0; cell < cells_.size(); ++cell) cells_[cell] = cell_of(starts_[cell], ends_[cell]);
 }
 
 }  // namespace lidard

@@ -55,12 +55,22 @@ class FreeProfile {
     float share;  // 0: in the beam's own direction
   };
   Cell cell_of(float from, float to) const;
+  /// The same as fill() where the vehicle moved: the beams' ends lie anywhere, also in another order.
+  void fill_moved(const Sweep& sweep);
+  void limit_pair(const Sweep& sweep, std::size_t beam, float step);
+  /// Free ways in cells [begin, end] (cells from -pi; either may be the larger) are no longer than `a` to
+  /// `b`.
+  void limit(float begin, float end, float from, float a, float b);
   void add_slots(double beam, double border, bool after);
 
   float x_ = 0, y_ = 0;
   float per_meter_ = 1;
-  float per_rad_ = 1;  // cells
+  float per_rad_ = 1;    // cells
+  float half_beam_ = 0;  // cells to half way to the next beam, signed
   std::vector<Cell> cells_;
+  std::vector<float> azimuths_;            // of the ends of moved beams, cells from -pi
+  std::vector<float> lengths_;             // m, of their free ways
+  std::vector<float> starts_, ends_;       // m, of each cell's free way; end < 0: none
   std::vector<Slot> slots_;                // by beam
   std::vector<std::uint32_t> first_slot_;  // of each beam, and the end
 };

@@ -14,7 +14,9 @@ Merger::Merger(const ScanGrid& grid, HeightBand band, std::size_t sources, Span 
       flattener_(grid, band),
       newest_sweeps_(sources, nullptr),
       lost_after_(lost_after),
-      sources_(sources) {
+      sources_(sources),
+      living_(sources, 0) {
+  report_.sources.assign(sources, SourceUse::not_used);
   if (settings.sight) sight_.emplace(grid, settings.how, sources);
 }
 
@@ -22,7 +24,7 @@ void Merger::set_footprint(const Footprint& footprint) {
   footprint_ = footprint;
   flattener_.set_footprint(footprint.padded(Footprint::margin_m));
   if (sight_) sight_->set_footprint(footprint);
-  for (Source& source : sources_) source.rays = {};
+  for (Source& source : sources_) source.rays_outdated = true;
 }
 
 void Merger::reset() {
@@ -51,6 +53,10 @@ bool Merger::is_due() const {
 
 bool Merger::add(std::size_t index, const PlanarScan& scan, const Pose& output_from_sensor) {
   Source& source = sources_[index];
+  if (!has_usable_times(scan)) {
+    ++bad_times_;
+    return false;
+  }
   // Far back it is no late sweep but a clock that was set, or an input that starts again.
   constexpr Span restart_limit = std::chrono::seconds(1);
   if (first_ && scan.stamp + restart_limit < newest_) reset();
@@ -62,6 +68,7 @@ bool Merger::add(std::size_t index, const PlanarScan& scan, const Pose& output_f
   if (!first_) first_ = newest_ = scan.stamp;
   newest_ = std::max(newest_, scan.stamp);
   source.stamp = scan.stamp;
+  source.times = times_of(scan);
   source.fresh = true;
   source.has_intensities = !scan.intensities.empty();
   source.scan_time = scan.scan_time;
@@ -79,32 +86,52 @@ void Merger::take_points(const PlanarScan& scan, const Pose& output_from_sensor,
                          static_cast<double>(beam) * static_cast<double>(scan.angle_increment);
     const auto range = static_cast<double>(scan.ranges[i]);
     const Eigen::Vector3d in_sensor(range * std::cos(angle), range * std::sin(angle), 0);
-    source.points.push_back(
-        {output_from_sensor * in_sensor, source.has_intensities ? scan.intensities[i] : 0.0F});
+    source.points.push_back({output_from_sensor * in_sensor,
+                             source.has_intensities ? scan.intensities[i] : 0.0F,
+                             static_cast<std::uint32_t>(beam)});
   }
 }
 
 void Merger::take_sweep(std::size_t index, const PlanarScan& scan, const Pose& output_from_sensor) {
   Source& source = sources_[index];
-  if (!source.rays.fits(scan, output_from_sensor)) {
+  if (source.rays_outdated || !source.rays.fits(scan, output_from_sensor)) {
+    source.rays_outdated = false;
     source.rays.build(scan, output_from_sensor, footprint_, band_);
     sight_->set_source(index, source.rays);
   }
-  condition(scan, source.rays, settings_.source, source.sweep);
+  measure(scan, source.rays, settings_.source, source.sweep);
 }
 
-bool Merger::intensities_everywhere() const {
+std::optional<SweepTimes> Merger::times(std::size_t source) const {
+  if (!sources_[source].stamp) return std::nullopt;
+  return sources_[source].times;
+}
+
+bool Merger::poses_cover(std::size_t source, const MergeMoment& moment) const {
+  if (moment.track == nullptr || !sources_[source].stamp) return false;
+  const SweepTimes& times = sources_[source].times;
+  return moment.track->covers(times.first, times.last()) && moment.track->covers(moment.at, moment.at);
+}
+
+bool Merger::intensities_everywhere(const std::vector<char>& use) const {
   for (std::size_t s = 0; s < sources_.size(); ++s) {
-    if (used(s) && !sources_[s].has_intensities) return false;
+    if (use[s] != 0 && sources_[s].stamp && !sources_[s].has_intensities) return false;
   }
   return true;
+}
+
+template <class Use>
+void Merger::each_point(const Source& source, Use use) {
+  const bool stands = source.motion.stands();
+  for (const Point& point : source.points)
+    use(stands ? point.position : source.motion.moved(point.beam, point.position), point.intensity);
 }
 
 void Merger::flatten(PlanarScan& scan, bool intensities) {
   flattener_.begin(scan, intensities);
   for (std::size_t s = 0; s < sources_.size(); ++s) {
     if (!used(s)) continue;
-    for (const Point& point : sources_[s].points) flattener_.add(point.position, point.intensity);
+    each_point(sources_[s], [this](const Eigen::Vector3d& p, float i) { flattener_.add(p, i); });
   }
 }
 
@@ -114,42 +141,69 @@ void Merger::fill(Cloud& cloud) const {
   cloud.complete = true;
   for (std::size_t s = 0; s < sources_.size(); ++s) {
     if (!used(s)) continue;
-    const auto& points = sources_[s].points;
     const std::size_t begin = cloud.points_bytes.size();
-    cloud.points_bytes.resize(begin + points.size() * sizeof(CloudPoint));
+    cloud.points_bytes.resize(begin + sources_[s].points.size() * sizeof(CloudPoint));
     CloudPoint* out = cloud.points() + begin / sizeof(CloudPoint);
-    for (const Point& point : points) {
-      const Eigen::Vector3f p = point.position.cast<float>();
-      *out++ = {p.x(), p.y(), p.z(), point.intensity, static_cast<std::uint16_t>(s), 0};
-    }
+    each_point(sources_[s], [&](const Eigen::Vector3d& position, float intensity) {
+      const Eigen::Vector3f p = position.cast<float>();
+      *out++ = {p.x(), p.y(), p.z(), intensity, static_cast<std::uint16_t>(s), 0};
+    });
   }
 }
 
-void Merger::merge(const std::vector<MergedScan>& outputs, Cloud* cloud) {
-  const bool intensities = intensities_everywhere();
-  Stamp stamp{};
+/// Places a source's sweep in the output frame as it stands at the moment.
+SourceUse Merger::bring(std::size_t index, const MergeMoment& moment) {
+  Source& source = sources_[index];
+  source.fresh = false;
+  const PoseOrigin origin = source.motion.follow(moment, source.times);
+  if (sight_) {
+    place(source.rays, source.motion, settings_.source.noise, source.sweep);
+    newest_sweeps_[index] = &source.sweep;
+  }
+  if (origin == PoseOrigin::missing) return SourceUse::static_poses;
+  report_.deskewed = true;
+  return origin == PoseOrigin::known ? SourceUse::deskewed : SourceUse::extrapolated;
+}
+
+const MergeReport& Merger::merge(const MergeMoment& moment, const std::vector<char>& use,
+                                 const std::vector<MergedScan>& outputs, Cloud* cloud) {
+  const bool intensities = intensities_everywhere(use);
   float scan_time = 0;
+  report_.deskewed = false;
   for (std::size_t s = 0; s < sources_.size(); ++s) {
-    sources_[s].fresh = false;
-    newest_sweeps_[s] = sight_ && used(s) ? &sources_[s].sweep : nullptr;
-    if (!used(s)) continue;
-    stamp = std::max(stamp, *sources_[s].stamp);
+    newest_sweeps_[s] = nullptr;
+    report_.sources[s] = SourceUse::not_used;
+    if (use[s] == 0 || !sources_[s].stamp) continue;
+    report_.sources[s] = bring(s, moment);
     scan_time = std::max(scan_time, sources_[s].scan_time);
   }
-  if (last_output_ && stamp <= *last_output_) stamp = *last_output_ + Span(1);
-  last_output_ = stamp;
   if (sight_) sight_->compute(newest_sweeps_);
   for (const MergedScan& output : outputs) {
     if (output.profile == Profile::flatten)
       flatten(*output.scan, intensities);
     else
       sight_->encode(output.profile, *output.scan, intensities);
-    output.scan->stamp = stamp;
+    output.scan->stamp = moment.at;
+    // All beams are brought to one instant; consumers that deskew must not do it again.
+    if (report_.deskewed) output.scan->time_increment = 0;
     if (output.scan->scan_time == 0) output.scan->scan_time = scan_time;
   }
-  if (cloud == nullptr) return;
+  if (cloud == nullptr) return report_;
   fill(*cloud);
-  cloud->stamp = cloud->end = stamp;
+  cloud->stamp = cloud->end = moment.at;
+  return report_;
+}
+
+void Merger::merge(const std::vector<MergedScan>& outputs, Cloud* cloud) {
+  MergeMoment moment;
+  for (std::size_t s = 0; s < sources_.size(); ++s) {
+    living_[s] = sources_[s].stamp && alive(s) ? 1 : 0;
+    sources_[s].fresh = false;
+    if (living_[s] != 0) moment.at = std::max(moment.at, *sources_[s].stamp);
+  }
+  if (last_output_ && moment.at <= *last_output_) moment.at = *last_output_ + Span(1);
+  last_output_ = moment.at;
+  merge(moment, living_, outputs, cloud);
 }
 
 }  // namespace lidard

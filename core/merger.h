@@ -27,11 +27,21 @@ struct MergeSettings {
   SourceSettings source;  ///< of every source
 };
 
-/// Merges the newest sweeps of several single-plane scanners into one scan.
+/// What became of a source in a merge. `static_poses`: its points stand where they were measured, since poses
+/// are missing (or there is no track at all). `extrapolated`: deskewed, partly beyond the newest pose.
+enum class SourceUse : std::uint8_t { not_used, static_poses, deskewed, extrapolated };
+
+/// What a merge did.
+struct MergeReport {
+  std::vector<SourceUse> sources;
+  bool deskewed = false;  ///< of some source
+};
+
+/// Merges the newest sweeps of several single-plane scanners into one scan, all beams brought to one instant.
 ///
-/// An output is due when every source that is alive has delivered since the last one. A source that was
-/// silent for `lost_after` (by the stamps of the others) is neither waited for nor used, so a dead scanner
-/// cannot stop the output.
+/// add() and merge() without a moment decide by themselves: an output is due when every source that is alive
+/// has delivered since the last one. A source that was silent for `lost_after` (by the stamps of the others)
+/// is neither waited for nor used, so a dead scanner cannot stop the output.
 class Merger {
  public:
   Merger(const ScanGrid& grid, HeightBand band, std::size_t sources, Span lost_after,
@@ -40,12 +50,17 @@ class Merger {
   /// The vehicle's outline in the output frame: what lies inside is the vehicle's own.
   void set_footprint(const Footprint& footprint);
 
-  /// Stores a sweep; `output_from_sensor` takes the scanner's coordinates to the output frame.
-  /// True when an output is due: call merge().
+  /// Stores a sweep; `output_from_sensor` takes the scanner's coordinates to the output frame. Sweeps that
+  /// are not newer than the last one, or whose beams have impossible times, are counted and not used. True
+  /// when an output is due.
   bool add(std::size_t source, const PlanarScan& scan, const Pose& output_from_sensor);
-  /// Merges what is there. Stamp: the newest of the sweeps' first rays, strictly increasing from output to
-  /// output. The caller sets the frames' names. If `cloud` is not nullptr it gets all points (ring = source,
-  /// time 0).
+  /// Merges the sweeps of the sources that `use` names (one flag per source), brought to `moment`, whose
+  /// instant is the stamp. The caller sets the frames' names. If `cloud` is not nullptr it gets all points
+  /// (ring = source, time 0). The report stays valid until the next call.
+  const MergeReport& merge(const MergeMoment& moment, const std::vector<char>& use,
+                           const std::vector<MergedScan>& outputs, Cloud* cloud);
+  /// Merges what is there, without motion. Stamp: the newest of the sweeps' first rays, strictly increasing
+  /// from output to output.
   void merge(const std::vector<MergedScan>& outputs, Cloud* cloud);
   /// The same for a single output of profile `flatten`.
   void merge(PlanarScan& scan, Cloud* cloud) { merge({{Profile::flatten, &scan}}, cloud); }
@@ -56,30 +71,43 @@ class Merger {
   std::uint64_t superseded() const { return superseded_; }
   /// Sweeps older than one of the same source already taken; not used.
   std::uint64_t out_of_order() const { return out_of_order_; }
+  /// Sweeps with a time between beams that is not finite, negative or too long.
+  std::uint64_t bad_times() const { return bad_times_; }
+  /// When the beams of a source's newest sweep were measured; none if it has none.
+  std::optional<SweepTimes> times(std::size_t source) const;
+  /// True if the source has a sweep and all its poses are known.
+  bool poses_cover(std::size_t source, const MergeMoment& moment) const;
   /// True if the source is alive at the newest stamp seen.
   bool alive(std::size_t source) const;
 
  private:
   struct Point {
-    Eigen::Vector3d position;
+    Eigen::Vector3d position;  // as measured
     float intensity;
+    std::uint32_t beam;
   };
   struct Source {
     std::vector<Point> points;
     std::optional<Stamp> stamp;
+    SweepTimes times;
+    SweepMotion motion;
     bool fresh = false;
     bool has_intensities = false;
     float scan_time = 0;
     BeamRays rays;
+    bool rays_outdated = false;  // the vehicle's outline has changed
     Sweep sweep;
   };
   bool is_due() const;
-  bool intensities_everywhere() const;
+  bool intensities_everywhere(const std::vector<char>& use) const;
   void take_points(const PlanarScan& scan, const Pose& output_from_sensor, Source& source) const;
   void take_sweep(std::size_t index, const PlanarScan& scan, const Pose& output_from_sensor);
   void flatten(PlanarScan& scan, bool intensities);
   void fill(Cloud& cloud) const;
-  bool used(std::size_t source) const { return sources_[source].stamp && alive(source); }
+  SourceUse bring(std::size_t index, const MergeMoment& moment);
+  bool used(std::size_t source) const { return report_.sources[source] != SourceUse::not_used; }
+  template <class Use>
+  static void each_point(const Source& source, Use use);
 
   MergeSettings settings_;
   HeightBand band_;
@@ -94,6 +122,9 @@ class Merger {
   std::optional<Stamp> last_output_;
   std::uint64_t superseded_ = 0;
   std::uint64_t out_of_order_ = 0;
+  std::uint64_t bad_times_ = 0;
+  std::vector<char> living_;  // per source, of the last merge without a moment
+  MergeReport report_;
 };
 
 }  // namespace lidard

@@ -34,7 +34,7 @@ class Conditioner {
   void take_hit(std::size_t beam, std::size_t i);
   void take_none(std::size_t beam);
   void take_early_echoes(std::size_t beam, std::size_t chosen);
-  void place(std::size_t beam);
+  void drop_outside_band(std::size_t beam);
   void shorten_veils();
   void free_in_band(std::size_t beam, float to);
 
@@ -110,9 +110,7 @@ void Conditioner::take_early_echoes(std::size_t beam, std::size_t chosen) {
     const float to = r * rays_.level[beam];
     sweep_.free_to[beam] = sweep_.free_to[beam] > 0 ? std::min(sweep_.free_to[beam], to) : to;
     if (r < rays_.band_begin[beam] || r > rays_.band_end[beam]) continue;
-    sweep_.early_echoes.push_back({static_cast<float>(rays_.pose.translation().x()) + r * rays_.x[beam],
-                                   static_cast<float>(rays_.pose.translation().y()) + r * rays_.y[beam],
-                                   scan_.intensities.empty() ? 0 : scan_.intensities[i]});
+    sweep_.early_returns.push_back({beam, r, scan_.intensities.empty() ? 0 : scan_.intensities[i]});
   }
 }
 
@@ -138,12 +136,10 @@ void Conditioner::shorten_veils() {
   }
 }
 
-void Conditioner::place(std::size_t beam) {
+/// A return at a height that does not count is none; its beam is free as far as it counts.
+void Conditioner::drop_outside_band(std::size_t beam) {
   const float r = sweep_.range[beam];
-  const bool counts = r >= rays_.band_begin[beam] && r <= rays_.band_end[beam];
-  sweep_.x[beam] = static_cast<float>(rays_.pose.translation().x()) + r * rays_.x[beam];
-  sweep_.y[beam] = static_cast<float>(rays_.pose.translation().y()) + r * rays_.y[beam];
-  if (counts) return;
+  if (r >= rays_.band_begin[beam] && r <= rays_.band_end[beam]) return;
   sweep_.kind[beam] = Return::nothing;
   sweep_.linked[beam] = 0;
   if (beam > 0) sweep_.linked[beam - 1] = 0;
@@ -153,12 +149,10 @@ void Conditioner::run() {
   const std::size_t n = scan_.beams;
   sweep_.range.assign(n, 0);
   sweep_.kind.assign(n, Return::nothing);
-  sweep_.x.resize(n);
-  sweep_.y.resize(n);
   sweep_.intensity.assign(scan_.intensities.empty() ? 0 : n, 0);
   sweep_.free_from.assign(n, 0);
   sweep_.free_to.assign(n, 0);
-  sweep_.early_echoes.clear();
+  sweep_.early_returns.clear();
   for (std::size_t beam = 0; beam < n; ++beam) take_beam(beam);
   link_neighbours(rays_, settings_.noise, sweep_);
   if (settings_.veil_filter && n > 2) mark_veils(rays_, settings_.noise, sweep_);
@@ -170,15 +164,75 @@ void Conditioner::run() {
   }
   shorten_veils();
   for (std::size_t beam = 0; beam < n; ++beam) {
-    if (sweep_.kind[beam] != Return::nothing) place(beam);
+    if (sweep_.kind[beam] != Return::nothing) drop_outside_band(beam);
   }
-  find_corners(settings_.noise, sweep_);
+}
+
+/// Places returns where the vehicle stood all the time.
+void place_standing(const BeamRays& rays, Sweep& sweep) {
+  const auto x = static_cast<float>(rays.pose.translation().x());
+  const auto y = static_cast<float>(rays.pose.translation().y());
+  for (std::size_t beam = 0; beam < sweep.kind.size(); ++beam) {
+    if (sweep.kind[beam] == Return::nothing) continue;
+    sweep.x[beam] = x + sweep.range[beam] * rays.x[beam];
+    sweep.y[beam] = y + sweep.range[beam] * rays.y[beam];
+  }
+  for (const Sweep::EarlyReturn& early : sweep.early_returns) {
+    sweep.early_echoes.push_back(
+        {x + early.range * rays.x[early.beam], y + early.range * rays.y[early.beam], early.intensity});
+  }
+}
+
+Eigen::Vector3d point_on(const BeamRays& rays, std::size_t beam, float range) {
+  return rays.pose.translation() +
+         static_cast<double>(range) *
+             Eigen::Vector3f(rays.x[beam], rays.y[beam], rays.z[beam]).cast<double>();
+}
+
+/// Places returns and the ends of free ways where they are now that the vehicle has moved on.
+void place_moving(const BeamRays& rays, const SweepMotion& motion, Sweep& sweep) {
+  const Eigen::Vector2d here = rays.pose.translation().head<2>();
+  sweep.free_x.resize(sweep.kind.size());
+  sweep.free_y.resize(sweep.kind.size());
+  motion.each_beam([&](std::size_t beam, const SweepMotion::Matrix& transform) {
+    if (sweep.kind[beam] != Return::nothing) {
+      const Eigen::Vector3d p = transform * point_on(rays, beam, sweep.range[beam]).homogeneous();
+      sweep.x[beam] = static_cast<float>(p.x());
+      sweep.y[beam] = static_cast<float>(p.y());
+    }
+    if (!(sweep.free_to[beam] > 0)) return;
+    const float range = sweep.free_to[beam] / rays.level[beam];
+    const Eigen::Vector3d end = transform * point_on(rays, beam, range).homogeneous();
+    sweep.free_x[beam] = static_cast<float>(end.x() - here.x());
+    sweep.free_y[beam] = static_cast<float>(end.y() - here.y());
+  });
+  for (const Sweep::EarlyReturn& early : sweep.early_returns) {
+    const Eigen::Vector3d p = motion.moved(early.beam, point_on(rays, early.beam, early.range));
+    sweep.early_echoes.push_back({static_cast<float>(p.x()), static_cast<float>(p.y()), early.intensity});
+  }
 }
 
 }  // namespace
 
-void condition(const PlanarScan& scan, const BeamRays& rays, const SourceSettings& settings, Sweep& sweep) {
+void measure(const PlanarScan& scan, const BeamRays& rays, const SourceSettings& settings, Sweep& sweep) {
   Conditioner(scan, rays, settings, sweep).run();
+}
+
+void place(const BeamRays& rays, const SweepMotion& motion, double noise, Sweep& sweep) {
+  sweep.x.resize(sweep.kind.size());
+  sweep.y.resize(sweep.kind.size());
+  sweep.early_echoes.clear();
+  sweep.moved = !motion.stands();
+  if (sweep.moved)
+    place_moving(rays, motion, sweep);
+  else
+    place_standing(rays, sweep);
+  find_corners(noise, sweep);
+}
+
+void condition(const PlanarScan& scan, const BeamRays& rays, const SourceSettings& settings, Sweep& sweep) {
+  measure(scan, rays, settings, sweep);
+  place(rays, SweepMotion(), settings.noise, sweep);
 }
 
 }  // namespace lidard

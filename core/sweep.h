@@ -8,6 +8,7 @@
 
 #include "core/beam_rays.h"
 #include "core/scan.h"
+#include "core/sweep_motion.h"
 
 namespace lidard {
 
@@ -32,7 +33,8 @@ struct SourceSettings {
 /// What a beam is worth. `doubtful`: a veil point, between two surfaces where no surface is.
 enum class Return : std::uint8_t { nothing, surface, doubtful };
 
-/// One sweep of a source, freed of what is not the world's, in the output frame. Buffers keep their memory.
+/// One sweep of a source, freed of what is not the world's, seen from the output frame. Buffers keep their
+/// memory.
 struct Sweep {
   struct Point {
     float x, y;  ///< m, output frame
@@ -45,22 +47,40 @@ struct Sweep {
     Point at;
   };
 
+  /// A return before the one that is surface.
+  struct EarlyReturn {
+    std::size_t beam;
+    float range;  ///< m
+    float intensity;
+  };
+
   std::vector<float> range;  ///< m along the beam
   std::vector<Return> kind;
-  std::vector<float> x, y;          ///< m, output frame; valid where kind is not `nothing`
-  std::vector<float> intensity;     ///< empty, or as long as range
-  std::vector<char> linked;         ///< beam i and i + 1 lie on one surface
-  std::vector<Corner> corners;      ///< by increasing beam
-  std::vector<float> free_from;     ///< m level from the source; the beam is free from here ...
-  std::vector<float> free_to;       ///< ... to here; 0: no evidence
-  std::vector<Point> early_echoes;  ///< returns before the one that is surface
-  std::uint64_t own_returns = 0;    ///< on the vehicle itself, since the start
-  std::uint64_t seen_through = 0;   ///< returns from behind the vehicle's body, since the start
-  std::uint64_t veils = 0;          ///< veil points, since the start
+  std::vector<float> intensity;  ///< empty, or as long as range
+  std::vector<char> linked;      ///< beam i and i + 1 lie on one surface
+  std::vector<float> free_from;  ///< m level from the source; the beam is free from here ...
+  std::vector<float> free_to;    ///< ... to here; 0: no evidence
+  std::vector<EarlyReturn> early_returns;
+  std::uint64_t own_returns = 0;   ///< on the vehicle itself, since the start
+  std::uint64_t seen_through = 0;  ///< returns from behind the vehicle's body, since the start
+  std::uint64_t veils = 0;         ///< veil points, since the start
+
+  // What follows is in the output frame as it stands at the output's instant.
+  std::vector<float> x, y;            ///< m; valid where kind is not `nothing`
+  std::vector<Corner> corners;        ///< by increasing beam
+  std::vector<Point> early_echoes;    ///< places of the early returns
+  bool moved = false;                 ///< the vehicle moved; then:
+  std::vector<float> free_x, free_y;  ///< m from the source's place at the instant to the end of the free way
 };
 
-/// Fills `sweep` from a scan (conditioning, continuity, veil filter, places).
+/// Fills `sweep` from a scan (conditioning, continuity, veil filter) but for places.
 /// The scan must hold its invariants and `rays` be built for it.
+void measure(const PlanarScan& scan, const BeamRays& rays, const SourceSettings& settings, Sweep& sweep);
+
+/// Places what was measured in the output frame; `noise` as in SourceSettings.
+void place(const BeamRays& rays, const SweepMotion& motion, double noise, Sweep& sweep);
+
+/// Both, for a vehicle that stands.
 void condition(const PlanarScan& scan, const BeamRays& rays, const SourceSettings& settings, Sweep& sweep);
 
 }  // namespace lidard

@@ -28,19 +28,19 @@ bool has_usable_times(const PlanarScan& scan) {
   return between >= 0 && between * static_cast<double>(scan.beams) <= longest_sweep_s;
 }
 
-PoseOrigin SweepMotion::follow(const MotionTarget& target, const SweepTimes& times) {
+PoseOrigin SweepMotion::follow(const MergeMoment& moment, const SweepTimes& times) {
   stand();
   Pose end;
-  if (target.track == nullptr) return PoseOrigin::missing;
-  PoseOrigin worst = target.track->at(target.at, end);
+  if (moment.track == nullptr) return PoseOrigin::missing;
+  PoseOrigin worst = moment.track->at(moment.at, end);
   if (worst == PoseOrigin::missing || times.beams == 0) return worst;
-  const Pose output_from_odom = target.output_from_base * end.inverse();
-  const Pose base_from_output = target.output_from_base.inverse();
-  const std::size_t step = beams_per_stretch(times);
+  const Pose output_from_odom = moment.output_from_base * end.inverse();
+  const Pose base_from_output = moment.output_from_base.inverse();
+  step_ = beams_per_stretch(times);
   bool moves = false;
   for (std::size_t beam = 0; beam < times.beams;) {
     Pose pose;
-    worst = std::max(worst, target.track->at(times.at(beam), pose));
+    worst = std::max(worst, moment.track->at(times.at(beam), pose));
     if (worst == PoseOrigin::missing) break;
     Stretch here{beam, beam + 1, Matrix::Identity(), Matrix::Zero()};
     // A vehicle that stands must leave every point where it is to the last bit.
@@ -51,7 +51,7 @@ PoseOrigin SweepMotion::follow(const MotionTarget& target, const SweepTimes& tim
     if (!stretches_.empty()) stretches_.back().lead_to(here);
     stretches_.push_back(here);
     // The last beam is a border too.
-    beam = beam + 1 == times.beams ? times.beams : std::min(beam + step, times.beams - 1);
+    beam = beam + 1 == times.beams ? times.beams : std::min(beam + step_, times.beams - 1);
   }
   if (!moves || worst == PoseOrigin::missing) stand();
   return worst;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -25,10 +26,10 @@ SweepTimes times_of(const PlanarScan& scan);
 /// False if the time between beams is not finite, negative, or would make the sweep last longer than 10 s.
 bool has_usable_times(const PlanarScan& scan);
 
-/// What to bring everything to: the output's frame as it stands at one instant.
-struct MotionTarget {
+/// The instant that all beams of a merge are brought to.
+struct MergeMoment {
   Stamp at;
-  const PoseTrack* track = nullptr;  ///< nullptr: nothing is known of motion
+  const PoseTrack* track = nullptr;  ///< nullptr: nothing is known of motion, everything stands
   Pose output_from_base = Pose::Identity();
 };
 
@@ -47,12 +48,17 @@ class SweepMotion {
   };
 
   /// Works out the motion; `missing` if a pose is not known: then everything stands.
-  PoseOrigin follow(const MotionTarget& target, const SweepTimes& times);
+  PoseOrigin follow(const MergeMoment& moment, const SweepTimes& times);
   /// Nothing moves.
   void stand() { stretches_.clear(); }
 
   bool stands() const { return stretches_.empty(); }
   const std::vector<Stretch>& stretches() const { return stretches_; }
+  /// What `beam` measured at `point`, m. Not while everything stands.
+  Eigen::Vector3d moved(std::size_t beam, const Eigen::Vector3d& point) const {
+    const Stretch& s = stretches_[std::min(beam / step_, stretches_.size() - 1)];
+    return (s.from + static_cast<double>(beam - s.begin) * s.change) * point.homogeneous();
+  }
   /// Calls use(beam, transform) for all beams in order, unless everything stands.
   template <class Use>
   void each_beam(Use use) const {
@@ -64,6 +70,7 @@ class SweepMotion {
 
  private:
   std::vector<Stretch> stretches_;
+  std::size_t step_ = 1;  // beams per stretch
 };
 
 }  // namespace lidard
