@@ -2,15 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/pipeline.h"
 
-#include <spdlog/spdlog.h>
-
 #include <map>
 #include <utility>
 
 #include "daemon/merged_output.h"
 #include "daemon/sensor_health.h"
+#include "daemon/sensor_line.h"
 #include "daemon/virtual_output.h"
-#include "drivers/connection_picker.h"
 
 namespace lidard {
 namespace {
@@ -19,95 +17,11 @@ namespace {
 constexpr std::size_t max_strangers = 32;
 constexpr Span diagnostics_period = std::chrono::seconds(1);
 
-bool sends_clouds(const SensorConfig& sensor) {
-  return sensor.model != nullptr && sensor.model->kind == FrameKind::cloud;
-}
-
-TopicInfo sensor_topic(const SensorConfig& sensor) {
-  const bool cloud = sends_clouds(sensor);
-  if (cloud)
-    return {sensor.points_topic.empty() ? sensor.name + "/points" : sensor.points_topic, TopicKind::cloud};
-  return {sensor.scan_topic.empty() ? sensor.name + "/scan" : sensor.scan_topic, TopicKind::scan};
-}
-
-bool sends_echoes(const SensorConfig& sensor) {
-  return sensor.model->has_echoes && sensor.driver.publish_multiecho;
-}
-
-std::string topic_below(const SensorConfig& sensor, std::string_view name) {
-  return sensor.name + "/" + std::string(name);
-}
-
 }  // namespace
 
-/// One sensor: its driver, and where its frames go.
-struct SensorLine final : public DriverOutput {
-  SensorLine(const SensorConfig& sensor, std::size_t place, Pipeline::Impl& pipeline)
-      : config(sensor), index(place), owner(pipeline), arranger(sensor.layout) {
-    if (config.model != nullptr) driver = config.model->make(config.driver);
-    topic = sensor_topic(config).name;
-    fix_topic = config.name + "/fix";
-    time_topic = config.name + "/time_reference";
-    imu_topic = config.name + "/imu";
-    if (config.model == nullptr) return;
-    if (config.ring_scan) ring_scan.emplace(*config.ring_scan);
-    if (sends_echoes(config)) echoes_topic = config.name + "/echoes";
-    for (const auto name : config.model->state_topics) named_topics[name] = topic_below(config, name);
-    for (const auto name : config.model->extra_scans) named_topics[name] = topic_below(config, name);
-  }
-  bool owns_port(std::uint16_t port) const {
-    if (config.model == nullptr || config.model->transport != Transport::udp) return false;
-    if (!config.packet_topic.empty()) return false;
-    return port == config.ip_port || (config.telemetry_port != 0 && port == config.telemetry_port);
-  }
-  /// Where the device listens for its TCP connection; port 0: it has none, or its address is not known.
-  Endpoint device() const {
-    if (config.model == nullptr || !config.ip_address) return {};
-    const bool streams = config.model->transport == Transport::tcp;
-    return {*config.ip_address, streams ? config.ip_port : config.model->dialogue_port};
-  }
-  void receive(const Packet& packet, Stamp received);
-  void scan(PlanarScan& scan) override;
-  void cloud(Cloud& cloud) override;
-  void fix(const GnssFix& fix) override;
-  void time_reference(const TimeReference& reference) override;
-  void imu(const ImuSample& sample) override;
-  void state(const DeviceState& state) override;
-  void extra_scan(std::string_view name, PlanarScan& scan) override;
-  void note(std::string_view sentence) override;
-  void request(ByteView bytes) override;
-  void connect() override { wish = Wish::connect; }
-  void disconnect(bool again) override { wish = again ? Wish::connect_anew : Wish::hang_up; }
-  /// Does with the connection what the driver asked for in the call that just returned.
-  void settle();
-
-  enum class Wish : std::uint8_t { none, connect, connect_anew, hang_up };
-
-  SensorConfig config;
-  std::size_t index;  // in the configuration
-  Pipeline::Impl& owner;
-  std::unique_ptr<Driver> driver;
-  CloudArranger arranger;
-  std::optional<RingScan> ring_scan;
-  PlanarScan ring;
-  std::string topic;
-  std::string fix_topic;
-  std::string time_topic;
-  std::string imu_topic;
-  std::string echoes_topic;                              // empty: none
-  std::map<std::string_view, std::string> named_topics;  // states and further scans
-  ConnectionPicker connection;
-  IpAddress sender;  // of the last datagram
-  Wish wish = Wish::none;
-  bool seen = false;  // data; not what a device tells beside it
-  Stamp last_arrival{};
-  Stamp last_telemetry{};
-  Counters topic_counters;  // of a `topic:` source
-};
-
-struct Pipeline::Impl {
+struct Pipeline::Impl final : public LineOwner {
   Impl(const Config& configuration, PoseLookup& lookup, FrameSink& frame_sink)
-      : poses(configuration, lookup), sink(frame_sink) {
+      : LineOwner(frame_sink), poses(configuration, lookup) {
     for (const auto& sensor : configuration.sensors) {
       lines.push_back(std::make_unique<SensorLine>(sensor, lines.size(), *this));
     }
@@ -122,97 +36,25 @@ struct Pipeline::Impl {
   SensorLine* find_line(const Packet& packet);
   void chunk(Packet packet);
   SensorLine& line_named(const std::string& name);
-  void scan_from(const SensorLine& line, const PlanarScan& scan);
-  void cloud_from(const SensorLine& line, const Cloud& cloud);
+  void scan_from(const SensorLine& line, const PlanarScan& scan) override;
+  void cloud_from(const SensorLine& line, const Cloud& cloud) override;
   void note_stranger(const Packet& packet);
 
   PoseBook poses;
-  FrameSink& sink;
   std::vector<std::unique_ptr<SensorLine>> lines;
   std::vector<std::unique_ptr<MergedOutput>> merged;
   std::vector<std::unique_ptr<VirtualOutput>> virtuals;
-  DeviceLinks* links = nullptr;
   /// Sender's address with the destination port, or with its own where it was a connection.
   std::map<std::pair<Transport, Endpoint>, std::uint64_t> strangers;
   std::uint64_t strangers_not_named = 0;
-  Stamp now{};
   Stamp last_diagnostics{};
   std::function<void(std::vector<DiagnosticItem>&)> more_diagnostics;
 };
 
-void SensorLine::scan(PlanarScan& scan) {
-  owner.sink.scan(topic, scan, owner.now);
-  if (!echoes_topic.empty()) owner.sink.scan(echoes_topic, scan, owner.now);
-  owner.scan_from(*this, scan);
-}
-
-void SensorLine::cloud(Cloud& cloud) {
-  owner.cloud_from(*this, cloud);
-  if (ring_scan && ring_scan->convert(cloud, ring)) owner.sink.scan(config.scan_topic, ring, owner.now);
-  owner.sink.cloud(topic, arranger.is_plain() ? cloud : arranger.arrange(cloud), owner.now);
-}
-
-void SensorLine::fix(const GnssFix& fix) { owner.sink.fix(fix_topic, fix, owner.now); }
-
-void SensorLine::time_reference(const TimeReference& reference) {
-  owner.sink.time_reference(time_topic, reference, owner.now);
-}
-
-void SensorLine::imu(const ImuSample& sample) { owner.sink.imu(imu_topic, sample, owner.now); }
-
-void SensorLine::state(const DeviceState& state) {
-  owner.sink.state(named_topics.at(state.topic), state, owner.now);
-}
-
-void SensorLine::extra_scan(std::string_view name, PlanarScan& scan) {
-  owner.sink.scan(named_topics.at(name), scan, owner.now);
-}
-
-void SensorLine::request(ByteView bytes) {
-  if (owner.links != nullptr) owner.links->send(index, bytes);
-}
-
-void SensorLine::settle() {
-  const Wish what = std::exchange(wish, Wish::none);
-  if (owner.links == nullptr || what == Wish::none) return;
-  if (what != Wish::connect) return owner.links->disconnect(index, what == Wish::connect_anew);
-  const IpAddress address = config.ip_address.value_or(sender);
-  if (address != IpAddress()) owner.links->connect(index, address);
-}
-
-/// What comes in a dialogue beside the data does not show that the data come.
-void SensorLine::receive(const Packet& packet, Stamp received) {
-  const bool datagram = packet.transport == Transport::udp;
-  if (datagram) sender = packet.from.address;
-  const std::uint64_t data_packets = driver->counters().packets;
-  driver->receive(packet, *this);
-  if (packet.transport == config.model->transport) {
-    // Chunks of a stream are data whether or not a telegram is complete.
-    const bool data = !datagram || driver->counters().packets != data_packets;
-    (data ? last_arrival : last_telemetry) = received;
-    seen = seen || data;
-  }
-  settle();
-}
-
-void SensorLine::note(std::string_view sentence) { spdlog::info("{}: {}", config.name, sentence); }
-
 std::vector<TopicInfo> pipeline_topics(const Config& config) {
   std::vector<TopicInfo> topics;
   for (const auto& sensor : config.sensors) {
-    if (sensor.model == nullptr) continue;
-    topics.push_back(sensor_topic(sensor));
-    if (sensor.ring_scan) topics.push_back({sensor.scan_topic, TopicKind::scan});
-    if (sensor.model->has_gnss()) {
-      topics.push_back({sensor.name + "/fix", TopicKind::fix});
-      topics.push_back({sensor.name + "/time_reference", TopicKind::time_reference});
-    }
-    if (sensor.model->has_imu) topics.push_back({sensor.name + "/imu", TopicKind::imu});
-    if (sends_echoes(sensor)) topics.push_back({sensor.name + "/echoes", TopicKind::echoes});
-    for (const auto name : sensor.model->state_topics)
-      topics.push_back({topic_below(sensor, name), TopicKind::state});
-    for (const auto name : sensor.model->extra_scans)
-      topics.push_back({topic_below(sensor, name), TopicKind::scan});
+    for (auto& topic : sensor_topics(sensor)) topics.push_back(std::move(topic));
   }
   for (const auto& merged : config.merged_scans) {
     topics.push_back({merged.scan_destination_topic, TopicKind::scan});

@@ -72,7 +72,6 @@ class Pipeline {
   void add_diagnostics(std::function<void(std::vector<DiagnosticItem>&)> source);
 
  private:
-  friend struct SensorLine;
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

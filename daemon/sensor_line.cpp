@@ -1,0 +1,122 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/sensor_line.h"
+
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+namespace lidard {
+namespace {
+
+bool sends_clouds(const SensorConfig& sensor) {
+  return sensor.model != nullptr && sensor.model->kind == FrameKind::cloud;
+}
+
+TopicInfo sensor_topic(const SensorConfig& sensor) {
+  const bool cloud = sends_clouds(sensor);
+  if (cloud)
+    return {sensor.points_topic.empty() ? sensor.name + "/points" : sensor.points_topic, TopicKind::cloud};
+  return {sensor.scan_topic.empty() ? sensor.name + "/scan" : sensor.scan_topic, TopicKind::scan};
+}
+
+bool sends_echoes(const SensorConfig& sensor) {
+  return sensor.model->has_echoes && sensor.driver.publish_multiecho;
+}
+
+std::string topic_below(const SensorConfig& sensor, std::string_view name) {
+  return sensor.name + "/" + std::string(name);
+}
+
+}  // namespace
+
+SensorLine::SensorLine(const SensorConfig& sensor, std::size_t place, LineOwner& line_owner)
+    : config(sensor), index(place), owner(line_owner), arranger(sensor.layout) {
+  if (config.model != nullptr) driver = config.model->make(config.driver);
+  topic = sensor_topic(config).name;
+  fix_topic = config.name + "/fix";
+  time_topic = config.name + "/time_reference";
+  imu_topic = config.name + "/imu";
+  if (config.model == nullptr) return;
+  if (config.ring_scan) ring_scan.emplace(*config.ring_scan);
+  if (sends_echoes(config)) echoes_topic = config.name + "/echoes";
+  for (const auto name : config.model->state_topics) named_topics[name] = topic_below(config, name);
+  for (const auto name : config.model->extra_scans) named_topics[name] = topic_below(config, name);
+}
+
+void SensorLine::scan(PlanarScan& scan) {
+  owner.sink.scan(topic, scan, owner.now);
+  if (!echoes_topic.empty()) owner.sink.scan(echoes_topic, scan, owner.now);
+  owner.scan_from(*this, scan);
+}
+
+void SensorLine::cloud(Cloud& cloud) {
+  owner.cloud_from(*this, cloud);
+  if (ring_scan && ring_scan->convert(cloud, ring)) owner.sink.scan(config.scan_topic, ring, owner.now);
+  owner.sink.cloud(topic, arranger.is_plain() ? cloud : arranger.arrange(cloud), owner.now);
+}
+
+void SensorLine::fix(const GnssFix& fix) { owner.sink.fix(fix_topic, fix, owner.now); }
+
+void SensorLine::time_reference(const TimeReference& reference) {
+  owner.sink.time_reference(time_topic, reference, owner.now);
+}
+
+void SensorLine::imu(const ImuSample& sample) { owner.sink.imu(imu_topic, sample, owner.now); }
+
+void SensorLine::state(const DeviceState& state) {
+  owner.sink.state(named_topics.at(state.topic), state, owner.now);
+}
+
+void SensorLine::extra_scan(std::string_view name, PlanarScan& scan) {
+  owner.sink.scan(named_topics.at(name), scan, owner.now);
+}
+
+void SensorLine::request(ByteView bytes) {
+  if (owner.links != nullptr) owner.links->send(index, bytes);
+}
+
+void SensorLine::settle() {
+  const Wish what = std::exchange(wish, Wish::none);
+  if (owner.links == nullptr || what == Wish::none) return;
+  if (what != Wish::connect) return owner.links->disconnect(index, what == Wish::connect_anew);
+  const IpAddress address = config.ip_address.value_or(sender);
+  if (address != IpAddress()) owner.links->connect(index, address);
+}
+
+/// What comes in a dialogue beside the data does not show that the data come.
+void SensorLine::receive(const Packet& packet, Stamp received) {
+  const bool datagram = packet.transport == Transport::udp;
+  if (datagram) sender = packet.from.address;
+  const std::uint64_t data_packets = driver->counters().packets;
+  driver->receive(packet, *this);
+  if (packet.transport == config.model->transport) {
+    // Chunks of a stream are data whether or not a telegram is complete.
+    const bool data = !datagram || driver->counters().packets != data_packets;
+    (data ? last_arrival : last_telemetry) = received;
+    seen = seen || data;
+  }
+  settle();
+}
+
+void SensorLine::note(std::string_view sentence) { spdlog::info("{}: {}", config.name, sentence); }
+
+std::vector<TopicInfo> sensor_topics(const SensorConfig& sensor) {
+  std::vector<TopicInfo> topics;
+  if (sensor.model == nullptr) return topics;
+  topics.push_back(sensor_topic(sensor));
+  if (sensor.ring_scan) topics.push_back({sensor.scan_topic, TopicKind::scan});
+  if (sensor.model->has_gnss()) {
+    topics.push_back({sensor.name + "/fix", TopicKind::fix});
+    topics.push_back({sensor.name + "/time_reference", TopicKind::time_reference});
+  }
+  if (sensor.model->has_imu) topics.push_back({sensor.name + "/imu", TopicKind::imu});
+  if (sends_echoes(sensor)) topics.push_back({sensor.name + "/echoes", TopicKind::echoes});
+  for (const auto name : sensor.model->state_topics)
+    topics.push_back({topic_below(sensor, name), TopicKind::state});
+  for (const auto name : sensor.model->extra_scans)
+    topics.push_back({topic_below(sensor, name), TopicKind::scan});
+  return topics;
+}
+
+}  // namespace lidard

@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/config.h"
+#include "daemon/device_links.h"
+#include "daemon/sink.h"
+#include "drivers/connection_picker.h"
+
+namespace lidard {
+
+struct SensorLine;
+
+/// Where the frames of a sensor go beside its own topics.
+class LineOwner {
+ public:
+  explicit LineOwner(FrameSink& frame_sink) : sink(frame_sink) {}
+  virtual ~LineOwner() = default;
+  virtual void scan_from(const SensorLine& line, const PlanarScan& scan) = 0;
+  virtual void cloud_from(const SensorLine& line, const Cloud& cloud) = 0;
+
+  FrameSink& sink;
+  DeviceLinks* links = nullptr;  ///< nullptr, as in replay: requests are dropped
+  Stamp now{};
+};
+
+/// The topics of one sensor.
+std::vector<TopicInfo> sensor_topics(const SensorConfig& sensor);
+
+/// One sensor: its driver, and where its frames go.
+struct SensorLine final : public DriverOutput {
+  SensorLine(const SensorConfig& sensor, std::size_t place, LineOwner& owner);
+  bool owns_port(std::uint16_t port) const {
+    if (config.model == nullptr || config.model->transport != Transport::udp) return false;
+    if (!config.packet_topic.empty()) return false;
+    return port == config.ip_port || (config.telemetry_port != 0 && port == config.telemetry_port);
+  }
+  /// Where the device listens for its TCP connection; port 0: it has none, or its address is not known.
+  Endpoint device() const {
+    if (config.model == nullptr || !config.ip_address) return {};
+    const bool streams = config.model->transport == Transport::tcp;
+    return {*config.ip_address, streams ? config.ip_port : config.model->dialogue_port};
+  }
+  /// A packet of this sensor, or a chunk of its connection.
+  void receive(const Packet& packet, Stamp received);
+  void scan(PlanarScan& scan) override;
+  void cloud(Cloud& cloud) override;
+  void fix(const GnssFix& fix) override;
+  void time_reference(const TimeReference& reference) override;
+  void imu(const ImuSample& sample) override;
+  void state(const DeviceState& state) override;
+  void extra_scan(std::string_view name, PlanarScan& scan) override;
+  void note(std::string_view sentence) override;
+  void request(ByteView bytes) override;
+  void connect() override { wish = Wish::connect; }
+  void disconnect(bool again) override { wish = again ? Wish::connect_anew : Wish::hang_up; }
+  /// Does with the connection what the driver asked for in the call that just returned.
+  void settle();
+
+  enum class Wish : std::uint8_t { none, connect, connect_anew, hang_up };
+
+  SensorConfig config;
+  std::size_t index;  // in the configuration
+  LineOwner& owner;
+  std::unique_ptr<Driver> driver;
+  CloudArranger arranger;
+  std::optional<RingScan> ring_scan;
+  PlanarScan ring;
+  std::string topic;
+  std::string fix_topic;
+  std::string time_topic;
+  std::string imu_topic;
+  std::string echoes_topic;                              // empty: none
+  std::map<std::string_view, std::string> named_topics;  // states and further scans
+  ConnectionPicker connection;
+  IpAddress sender;  // of the last datagram
+  Wish wish = Wish::none;
+  bool seen = false;  // data; not what a device tells beside it
+  Stamp last_arrival{};
+  Stamp last_telemetry{};
+  Counters topic_counters;  // of a `topic:` source
+};
+
+}  // namespace lidard
