@@ -72,15 +72,16 @@ bool Merger::add(std::size_t index, const PlanarScan& scan, const Pose& output_f
   source.fresh = true;
   source.has_intensities = !scan.intensities.empty();
   source.scan_time = scan.scan_time;
-  if (settings_.points) take_points(scan, output_from_sensor, source);
+  if (settings_.points) take_points(scan, output_from_sensor, settings_of(index), source);
   if (sight_) take_sweep(index, scan, output_from_sensor);
   return is_due();
 }
 
-void Merger::take_points(const PlanarScan& scan, const Pose& output_from_sensor, Source& source) const {
+void Merger::take_points(const PlanarScan& scan, const Pose& output_from_sensor,
+                         const SourceSettings& settings, Source& source) const {
   source.points.clear();
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
-    if (scan.statuses[i] != BeamStatus::hit) continue;
+    if (scan.statuses[i] != BeamStatus::hit || !settings.wants(scan, i)) continue;
     const std::size_t beam = i % scan.beams;
     const double angle = static_cast<double>(scan.angle_min) +
                          static_cast<double>(beam) * static_cast<double>(scan.angle_increment);
@@ -99,7 +100,7 @@ void Merger::take_sweep(std::size_t index, const PlanarScan& scan, const Pose& o
     source.rays.build(scan, output_from_sensor, footprint_, band_);
     sight_->set_source(index, source.rays);
   }
-  measure(scan, source.rays, settings_.source, source.sweep);
+  measure(scan, source.rays, settings_of(index), source.sweep);
 }
 
 std::optional<SweepTimes> Merger::times(std::size_t source) const {
@@ -157,7 +158,7 @@ SourceUse Merger::bring(std::size_t index, const MergeMoment& moment) {
   source.fresh = false;
   const PoseOrigin origin = source.motion.follow(moment, source.times);
   if (sight_) {
-    place(source.rays, source.motion, settings_.source.noise, source.sweep);
+    place(source.rays, source.motion, settings_of(index).noise, source.sweep);
     newest_sweeps_[index] = &source.sweep;
   }
   if (origin == PoseOrigin::missing) return SourceUse::static_poses;

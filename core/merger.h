@@ -24,7 +24,8 @@ struct MergeSettings {
   bool points = true;  ///< keeps the points, for profile `flatten` and the cloud
   bool sight = false;  ///< surfaces and free space, for profiles `strict` and `safety`
   SightSettings how;
-  SourceSettings source;  ///< of every source
+  SourceSettings source;               ///< of every source
+  std::vector<SourceSettings> each{};  ///< per source, where they differ; empty: `source` for all
 };
 
 /// What became of a source in a merge. `static_poses`: its points stand where they were measured, since poses
@@ -77,6 +78,8 @@ class Merger {
   std::optional<SweepTimes> times(std::size_t source) const;
   /// True if the source has a sweep and all its poses are known.
   bool poses_cover(std::size_t source, const MergeMoment& moment) const;
+  /// What is known of each beam; nullptr if no profile needs it.
+  const Sight* sight() const { return sight_ ? &*sight_ : nullptr; }
   /// True if the source is alive at the newest stamp seen.
   bool alive(std::size_t source) const;
 
@@ -99,8 +102,12 @@ class Merger {
     Sweep sweep;
   };
   bool is_due() const;
+  const SourceSettings& settings_of(std::size_t source) const {
+    return settings_.each.empty() ? settings_.source : settings_.each[source];
+  }
   bool intensities_everywhere(const std::vector<char>& use) const;
-  void take_points(const PlanarScan& scan, const Pose& output_from_sensor, Source& source) const;
+  void take_points(const PlanarScan& scan, const Pose& output_from_sensor, const SourceSettings& settings,
+                   Source& source) const;
   void take_sweep(std::size_t index, const PlanarScan& scan, const Pose& output_from_sensor);
   void flatten(PlanarScan& scan, bool intensities);
   void fill(Cloud& cloud) const;

@@ -54,6 +54,8 @@ class Scheduler {
   double period(std::size_t source) const { return sources_[source].period; }
   /// Age of the source's newest sweep, from its last ray on.
   Span age(std::size_t source, Stamp now) const { return now - sources_[source].end; }
+  /// How long something that is late is waited for.
+  Span deadline() const;
   /// Outputs that were made without a source that was waited for in vain.
   std::uint64_t deadlines_missed() const { return deadlines_missed_; }
   /// How often the time jumped back.
@@ -69,7 +71,6 @@ class Scheduler {
   };
   void notice(Stamp now);
   Span max_age(const Source& source) const;
-  Span deadline() const;
   /// Until when the source is waited for.
   Stamp patience_end(const Source& source) const;
   bool all_delivered(Stamp now);

@@ -9,6 +9,11 @@
 namespace lidard {
 namespace {
 
+bool within_intensities(const SourceSettings& settings, float intensity) {
+  const auto value = static_cast<double>(intensity);
+  return value >= settings.intensity_min && value <= settings.intensity_max;
+}
+
 /// Turns the beams of one scan into what they prove.
 class Conditioner {
  public:
@@ -50,9 +55,7 @@ class Conditioner {
 bool Conditioner::usable(std::size_t i) const {
   if (scan_.statuses[i] != BeamStatus::hit) return false;
   if (scan_.ranges[i] < nearest_ || scan_.ranges[i] > farthest_) return false;
-  if (scan_.intensities.empty()) return true;
-  const auto intensity = static_cast<double>(scan_.intensities[i]);
-  return intensity >= settings_.intensity_min && intensity <= settings_.intensity_max;
+  return scan_.intensities.empty() || within_intensities(settings_, scan_.intensities[i]);
 }
 
 /// Index of the return that counts, or of the first echo if none does.
@@ -213,6 +216,15 @@ void place_moving(const BeamRays& rays, const SweepMotion& motion, Sweep& sweep)
 }
 
 }  // namespace
+
+bool SourceSettings::wants(const PlanarScan& scan, std::size_t i) const {
+  const auto range = static_cast<double>(scan.ranges[i]);
+  if (range < range_min || range > range_max) return false;
+  const double angle = static_cast<double>(scan.angle_min) +
+                       static_cast<double>(i % scan.beams) * static_cast<double>(scan.angle_increment);
+  if (angle < angle_min || angle > angle_max) return false;
+  return scan.intensities.empty() || within_intensities(*this, scan.intensities[i]);
+}
 
 void measure(const PlanarScan& scan, const BeamRays& rays, const SourceSettings& settings, Sweep& sweep) {
   Conditioner(scan, rays, settings, sweep).run();

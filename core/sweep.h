@@ -28,6 +28,9 @@ struct SourceSettings {
   /// How far a beam without return proves that nothing is there, m; infinite: to the scan's range_max.
   double no_return_free_range = std::numeric_limits<double>::infinity();
   bool veil_filter = true;
+
+  /// True if the hit `i` of a scan lies in all windows.
+  bool wants(const PlanarScan& scan, std::size_t i) const;
 };
 
 /// What a beam is worth. `doubtful`: a veil point, between two surfaces where no surface is.

@@ -72,6 +72,8 @@ struct Commands {
     c->add_option("--duration", replay.duration, "Seconds to play")->check(CLI::NonNegativeNumber);
     c->add_option("--wait", replay.wait, "Seconds from advertising the topics to the first frame")
         ->check(CLI::Range(0.0, 3600.0));
+    c->add_option("--motion", replay.motion,
+                  "With --bag: a bag whose tf or odometry says how the vehicle moved");
     c->add_flag("--clock", replay.clock, "Publish /clock");
     c->add_option("--bag", replay.bag, "Write the messages to this bag instead of ROS");
     c->callback([this] { action = [this] { return start_replay(); }; });

@@ -72,17 +72,42 @@ std::vector<Point> read_footprint(const Value& value) {
   return polygon;
 }
 
+std::string optional_topic(Mapping& yaml, const char* key) {
+  const auto topic = yaml.find(key);
+  return topic && !topic->text_or_empty().empty() ? read_topic(*topic) : std::string();
+}
+
+/// Where the poses come from that scans are deskewed with.
+void read_motion(Mapping& yaml, VehicleConfig& vehicle) {
+  const auto odometry = yaml.find("odometry_frame");
+  if (odometry && !odometry->text_or_empty().empty()) {
+    vehicle.odometry_frame = read_frame(*odometry);
+    if (vehicle.odometry_frame == vehicle.base_frame)
+      odometry->fail("is base_frame too", "the frame that stands still, usually odom");
+  }
+  vehicle.odometry_topic = optional_topic(yaml, "odometry_topic");
+  vehicle.imu_topic = optional_topic(yaml, "imu_topic");
+  vehicle.speed_topic = optional_topic(yaml, "speed_topic");
+  if (vehicle.imu_topic.empty() != vehicle.speed_topic.empty())
+    yaml.where(vehicle.imu_topic.empty() ? "speed_topic" : "imu_topic")
+        .fail_at_key("stands alone", "imu_topic (turn rates) and speed_topic together");
+  const char* second = nullptr;
+  if (!vehicle.odometry_topic.empty() && !vehicle.odometry_frame.empty()) second = "odometry_topic";
+  if (!vehicle.imu_topic.empty() && (!vehicle.odometry_topic.empty() || !vehicle.odometry_frame.empty()))
+    second = "imu_topic";
+  if (second != nullptr)
+    yaml.where(second).fail_at_key("is a second source of motion",
+                                   "one of odometry_frame, odometry_topic, or imu_topic with speed_topic");
+}
+
 void read_vehicle(Mapping& root, VehicleConfig& vehicle) {
   const auto section = root.find("vehicle");
   if (!section) return;
-  Mapping yaml(*section, {"base_frame", "footprint", "odometry_frame"});
+  Mapping yaml(*section,
+               {"base_frame", "footprint", "odometry_frame", "odometry_topic", "imu_topic", "speed_topic"});
   if (const auto frame = yaml.find("base_frame")) vehicle.base_frame = read_frame(*frame);
   if (const auto footprint = yaml.find("footprint")) vehicle.footprint = read_footprint(*footprint);
-  const auto odometry = yaml.find("odometry_frame");
-  if (!odometry || odometry->text_or_empty().empty()) return;
-  vehicle.odometry_frame = read_frame(*odometry);
-  if (vehicle.odometry_frame == vehicle.base_frame)
-    odometry->fail("is base_frame too", "the frame that stands still, usually odom");
+  read_motion(yaml, vehicle);
 }
 
 void warn_of_unused(Mapping& root, Config& config, const ConfigClaims& claims) {

@@ -13,6 +13,7 @@
 #include "core/profile.h"
 #include "core/ring_scan.h"
 #include "core/scan_grid.h"
+#include "core/scheduler.h"
 #include "core/sweep.h"
 #include "daemon/velodyne_settings.h"
 #include "drivers/driver.h"
@@ -30,7 +31,12 @@ class ConfigError : public std::runtime_error {
 struct VehicleConfig {
   std::string base_frame = "base_link";
   std::vector<Eigen::Vector2d> footprint;  ///< m, base_frame; empty: no self filter
-  std::string odometry_frame;              ///< empty: no deskew
+  std::string odometry_frame;              ///< poses of base_frame in it come from tf; empty: none
+  std::string odometry_topic;              ///< or from a nav_msgs/Odometry topic; empty: none
+  std::string imu_topic;    ///< or from turn rates (sensor_msgs/Imu) and a speed ahead; empty: none
+  std::string speed_topic;  ///< geometry_msgs/TwistStamped; empty: none
+
+  bool has_motion() const { return !odometry_frame.empty() || !odometry_topic.empty() || !imu_topic.empty(); }
 };
 
 /// One entry of `sensors:`. Exactly one of model and topic is set.
@@ -77,6 +83,10 @@ struct AlsoScanConfig {
   EmptyBeam unobserved = EmptyBeam::nan;
 };
 
+/// What a merged scan does while poses of the vehicle are missing: as if it stood, wait for them as long as
+/// for a source, or leave the output out.
+enum class MissingMotion : std::uint8_t { stand, wait, drop };
+
 /// One entry of `merged_scans:`.
 struct MergedScanConfig {
   std::string name;
@@ -85,15 +95,18 @@ struct MergedScanConfig {
   std::optional<Pose>
       destination_pose;                ///< of destination_frame in base_frame; identity for base_frame itself
   std::string scan_destination_topic;  ///< default: the entry's name
-  std::string cloud_destination_topic;               ///< empty: no cloud
-  Span lost_after = std::chrono::milliseconds(500);  ///< a source silent for longer is not waited for
+  std::string cloud_destination_topic;  ///< empty: no cloud
+  ScheduleSettings schedule;
+  MissingMotion on_missing_motion = MissingMotion::stand;
+  std::string status_topic;  ///< what is known of each beam, as a LaserScan; empty: none
   OutputScanConfig output;
   std::vector<AlsoScanConfig> also;
   EchoChoice echoes = EchoChoice::last;
   bool veil_filter = true;
   bool mean = false;          ///< fuse: mean instead of nearest
   double range_noise = 0.02;  ///< m, one standard deviation of the sources' ranges
-  double free_required = 0;   ///< m that a beam must be observed to be free; 0: range_max
+  std::map<std::string, SourceSettings> source_settings;  ///< of sources that differ from the rest, by name
+  double free_required = 0;  ///< m that a beam must be observed to be free; 0: range_max
 };
 
 /// One entry of `virtual_scans:`.

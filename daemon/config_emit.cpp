@@ -101,6 +101,8 @@ class ConfigWriter {
   void cola(const DeviceRequests& requests);
   void output(const OutputScanConfig& output);
   void merged(const MergedScanConfig& scan);
+  void schedule(const MergedScanConfig& scan);
+  void source_settings(const std::string& name, const SourceSettings& settings);
   void virtual_scan(const VirtualScanConfig& scan);
 
   YAML::Emitter yaml_;
@@ -113,6 +115,9 @@ void ConfigWriter::vehicle(const VehicleConfig& vehicle) {
   for (const Eigen::Vector2d& vertex : vehicle.footprint) numbers({vertex.x(), vertex.y()});
   yaml_ << YAML::EndSeq;
   text("odometry_frame", vehicle.odometry_frame);
+  text("odometry_topic", vehicle.odometry_topic);
+  text("imu_topic", vehicle.imu_topic);
+  text("speed_topic", vehicle.speed_topic);
   yaml_ << YAML::EndMap;
 }
 
@@ -254,7 +259,8 @@ void ConfigWriter::merged(const MergedScanConfig& scan) {
     unset("destination_pose: from tf");
   text("scan_destination_topic", scan.scan_destination_topic);
   text("cloud_destination_topic", scan.cloud_destination_topic);
-  number("lost_after", seconds_of(scan.lost_after));
+  text("status_topic", scan.status_topic);
+  schedule(scan);
   output(scan.output);
   text("fuse", scan.mean ? "mean" : "nearest");
   text("echoes", word_of(scan.echoes));
@@ -269,6 +275,45 @@ void ConfigWriter::merged(const MergedScanConfig& scan) {
     text("unobserved", word_of(also.unobserved));
     yaml_ << YAML::EndMap;
   }
+  yaml_ << YAML::EndMap;
+}
+
+void ConfigWriter::schedule(const MergedScanConfig& scan) {
+  const ScheduleSettings& s = scan.schedule;
+  text("policy", to_string(s.policy));
+  if (s.policy == Policy::rate) number("rate", s.rate);
+  if (s.policy == Policy::trigger) text("trigger", scan.laserscan_topics[s.trigger]);
+  if (s.deadline)
+    number("deadline", seconds_of(*s.deadline));
+  else
+    yaml_ << YAML::Comment("deadline: 0.3 of the shortest period of the sources") << YAML::Newline;
+  if (s.max_age)
+    number("max_age", seconds_of(*s.max_age));
+  else
+    yaml_ << YAML::Comment("max_age: 1.5 periods of the source") << YAML::Newline;
+  number("lost_after", seconds_of(s.lost_after));
+  flag("publish_when_empty", s.publish_when_empty);
+  text("on_missing_motion", word_of(scan.on_missing_motion));
+  yaml_ << YAML::Key << "source_settings" << YAML::Value << YAML::BeginMap;
+  for (const auto& [name, settings] : scan.source_settings) source_settings(name, settings);
+  yaml_ << YAML::EndMap;
+}
+
+void ConfigWriter::source_settings(const std::string& name, const SourceSettings& settings) {
+  const auto limit = [this](const char* key, double value) {
+    if (std::isfinite(value)) number(key, value);
+  };
+  yaml_ << YAML::Key << name << YAML::Value << YAML::BeginMap;
+  limit("range_min", settings.range_min);
+  limit("range_max", settings.range_max);
+  limit("angle_min", settings.angle_min);
+  limit("angle_max", settings.angle_max);
+  limit("intensity_min", settings.intensity_min);
+  limit("intensity_max", settings.intensity_max);
+  number("range_noise", settings.noise);
+  limit("no_return_free_range", settings.no_return_free_range);
+  text("echoes", word_of(settings.echoes));
+  flag("veil_filter", settings.veil_filter);
   yaml_ << YAML::EndMap;
 }
 

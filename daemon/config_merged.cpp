@@ -7,17 +7,52 @@
 namespace lidard {
 namespace {
 
+/// The topics of virtual scans, each of one frame.
+std::vector<std::pair<std::string, const VirtualScanConfig*>> virtual_topics(const Config& config) {
+  std::vector<std::pair<std::string, const VirtualScanConfig*>> topics;
+  for (const VirtualScanConfig& group : config.virtual_scans) {
+    if (group.output_laser_topic.empty())
+      for (const std::string& frame : group.virtual_laser_scan) topics.emplace_back(frame, &group);
+    else if (group.virtual_laser_scan.size() == 1)
+      topics.emplace_back(group.output_laser_topic, &group);
+  }
+  return topics;
+}
+
+/// The virtual scan that a source names by its topic; nullptr if it names none.
+const VirtualScanConfig* find_virtual(const Config& config, const std::string& topic) {
+  for (const auto& [name, group] : virtual_topics(config)) {
+    if (name == topic || "/" + name == topic) return group;
+  }
+  return nullptr;
+}
+
 Sources read_sources(Mapping& yaml, const Config& config, const std::string& owner, ConfigClaims& claims,
                      std::vector<std::string>& names) {
-  const std::string expected = "names of sensors that give scans: " + names_of(config, FrameKind::scan);
+  std::string expected = "names of sensors that give scans: " + names_of(config, FrameKind::scan);
+  const auto virtuals = virtual_topics(config);
+  for (const auto& [topic, group] : virtuals)
+    expected += (group == virtuals.front().second && topic == virtuals.front().first ? "; or virtual scans: "
+                                                                                     : ", ") +
+                topic;
   const Value list = yaml.require("laserscan_topics", expected);
   Sources sources;
   for (const Value& value : list.names(expected)) {
+    const std::string name = value.text(expected);
+    if (const VirtualScanConfig* group = find_virtual(config, name);
+        group != nullptr && config.find_sensor(name) == nullptr) {
+      const std::string topic = name.front() == '/' ? name.substr(1) : name;
+      if (std::find(names.begin(), names.end(), topic) != names.end())
+        value.fail("names " + topic + " again", "every source once");
+      names.push_back(topic);
+      sources.emplace_back(group->output.grid);
+      continue;
+    }
     const SensorConfig& sensor = read_source(value, FrameKind::scan, config, owner, claims);
     if (std::find(names.begin(), names.end(), sensor.name) != names.end())
       value.fail("names " + sensor.name + " again", "every sensor once");
     names.push_back(sensor.name);
-    sources.push_back(&sensor);
+    sources.emplace_back(&sensor);
   }
   if (sources.empty()) list.fail("names nothing", expected);
   return sources;
@@ -41,26 +76,55 @@ void read_merged_topics(Mapping& yaml, const std::string& owner, ConfigClaims& c
   const auto scan = yaml.find("scan_destination_topic");
   merged.scan_destination_topic = scan ? read_topic(*scan) : merged.name;
   claims.publishes(merged.scan_destination_topic, owner, scan ? *scan : yaml.self());
+  const auto status = yaml.find("status_topic");
+  if (status && !status->text_or_empty().empty()) {
+    merged.status_topic = read_topic(*status);
+    claims.publishes(merged.status_topic, owner, *status);
+  }
   const auto cloud = yaml.find("cloud_destination_topic");
   if (!cloud || cloud->text_or_empty().empty()) return;
   merged.cloud_destination_topic = read_topic(*cloud);
   claims.publishes(merged.cloud_destination_topic, owner, *cloud);
 }
 
+/// Points alone prove nothing, so they are no evidence for what is free or hidden.
+void refuse_flat_sources(Mapping& yaml, const Config& config, const MergedScanConfig& merged) {
+  if (!has_sight(merged)) return;
+  for (const Value& value : yaml.where("laserscan_topics").names("names")) {
+    const VirtualScanConfig* group = find_virtual(config, value.text());
+    if (group == nullptr || config.find_sensor(value.text()) != nullptr) continue;
+    if (group->output.profile == Profile::flatten)
+      value.fail("names " + value.quoted() + ", a virtual scan of profile flatten, which proves nothing",
+                 "a virtual scan of profile strict or safety, or profile: flatten here");
+  }
+}
+
 MergedScanConfig read_merged(const std::string& name, const Value& entry, Config& config,
                              ConfigClaims& claims) {
-  Mapping yaml(entry,
-               with_output_keys({"laserscan_topics", "destination_frame", "destination_pose",
-                                 "scan_destination_topic", "cloud_destination_topic", "lost_after", "also",
-                                 "echoes", "veil_filter", "fuse", "range_noise", "free_required"}));
+  std::vector<std::string_view> keys = {"laserscan_topics",
+                                        "destination_frame",
+                                        "destination_pose",
+                                        "scan_destination_topic",
+                                        "cloud_destination_topic",
+                                        "status_topic",
+                                        "also",
+                                        "echoes",
+                                        "veil_filter",
+                                        "fuse",
+                                        "range_noise",
+                                        "free_required"};
+  keys.insert(keys.end(), schedule_keys.begin(), schedule_keys.end());
+  Mapping yaml(entry, with_output_keys(std::move(keys)));
   MergedScanConfig merged;
   merged.name = name;
   const Sources sources = read_sources(yaml, config, entry.path(), claims, merged.laserscan_topics);
   read_destination(yaml, config, entry.path(), claims, merged);
   read_merged_topics(yaml, entry.path(), claims, merged);
-  if (const auto lost = yaml.find("lost_after")) merged.lost_after = lost->duration(0.001, longest_period_s);
   read_output(yaml, sources, true, config, merged.output);
   read_sight(yaml, entry.path(), config, claims, merged);
+  refuse_flat_sources(yaml, config, merged);
+  read_schedule(yaml, merged);
+  read_source_settings(yaml, merged);
   return merged;
 }
 

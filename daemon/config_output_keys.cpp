@@ -25,6 +25,7 @@ std::string kind_of(const SensorConfig& sensor) {
 }
 
 bool can_give(const SensorConfig& sensor, FrameKind kind) {
+  if (kind == FrameKind::scan && sensor.ring_scan) return true;
   return sensor.model == nullptr || sensor.model->kind == kind;
 }
 
@@ -42,10 +43,9 @@ const SensorConfig* find_source(const Config& config, std::string name) {
 void default_ranges(ScanGridSpec& grid, const Sources& sources) {
   double nearest = farthest_m;
   double farthest = 0;
-  const ScanGridSpec open;
-  for (const SensorConfig* sensor : sources) {
-    nearest = std::min(nearest, sensor->model != nullptr ? sensor->model->range_min : open.range_min);
-    farthest = std::max(farthest, sensor->model != nullptr ? sensor->model->range_max : open.range_max);
+  for (const SourceLimits& source : sources) {
+    nearest = std::min(nearest, source.range_min);
+    farthest = std::max(farthest, source.range_max);
   }
   grid.range_min = nearest;
   grid.range_max = farthest;
@@ -112,6 +112,12 @@ void read_heights(Mapping& yaml, OutputScanConfig& output) {
 }
 
 }  // namespace
+
+SourceLimits::SourceLimits(const SensorConfig* sensor) : SourceLimits(ScanGridSpec()) {
+  if (sensor->model == nullptr) return;
+  range_min = sensor->model->range_min;
+  range_max = sensor->model->range_max;
+}
 
 std::vector<std::string_view> with_output_keys(std::vector<std::string_view> keys) {
   keys.insert(keys.end(), output_keys.begin(), output_keys.end());

@@ -10,7 +10,14 @@
 
 namespace lidard {
 
-using Sources = std::vector<const SensorConfig*>;
+/// Between which ranges a source measures, m.
+struct SourceLimits {
+  SourceLimits(const SensorConfig* sensor);
+  SourceLimits(const ScanGridSpec& grid) : range_min(grid.range_min), range_max(grid.range_max) {}
+
+  double range_min, range_max;
+};
+using Sources = std::vector<SourceLimits>;
 
 constexpr double longest_period_s = 3600;
 

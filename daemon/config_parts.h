@@ -81,6 +81,18 @@ const char* word_of(EchoChoice choice);
 void read_sight(Mapping& yaml, const std::string& owner, Config& config, ConfigClaims& claims,
                 MergedScanConfig& merged);
 
+/// True if some scan of this merge is more than points.
+bool has_sight(const MergedScanConfig& merged);
+/// The keys of a merged scan that say when it is published.
+void read_schedule(Mapping& yaml, MergedScanConfig& merged);
+/// Windows and properties of single sources; the keys that hold for all of them are read already.
+void read_source_settings(Mapping& yaml, MergedScanConfig& merged);
+/// Both as keys.
+extern const std::vector<std::string_view> schedule_keys;
+const char* word_of(MissingMotion what);
+/// What `echoes` may be, by its word; throws if it is none.
+EchoChoice read_echoes(const Value& value);
+
 /// A pose from {xyz: m, rpy: rad or rpy_deg}.
 Pose read_pose(const Value& value);
 /// A frame's name without leading slash (tf2 has none).

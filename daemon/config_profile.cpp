@@ -1,18 +1,11 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <array>
-
 #include "core/nearest.h"
 #include "daemon/config_parts.h"
+#include "daemon/config_words.h"
 
 namespace lidard {
 namespace {
-
-template <class Choice>
-struct Word {
-  const char* word;
-  Choice choice;
-};
 
 constexpr std::array<Word<Profile>, 3> profiles{
     {{"strict", Profile::strict}, {"safety", Profile::safety}, {"flatten", Profile::flatten}}};
@@ -25,34 +18,6 @@ constexpr std::array<Word<EchoChoice>, 4> echo_choices{{{"first", EchoChoice::fi
                                                         {"last", EchoChoice::last},
                                                         {"strongest", EchoChoice::strongest},
                                                         {"all", EchoChoice::all}}};
-
-template <class Words>
-std::string list_of(const Words& words) {
-  std::string list;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    if (i > 0) list += i + 1 == words.size() ? " or " : ", ";
-    list += words[i].word;
-  }
-  return list;
-}
-
-template <class Choice, std::size_t n>
-Choice read_word(const Value& value, const std::array<Word<Choice>, n>& words) {
-  const std::string expected = list_of(words);
-  const std::string text = value.text(expected);
-  for (const auto& one : words) {
-    if (text == one.word || text == std::string(".") + one.word) return one.choice;
-  }
-  value.fail("is " + value.quoted(), expected);
-}
-
-template <class Choice, std::size_t n>
-const char* word_in(Choice choice, const std::array<Word<Choice>, n>& words) {
-  for (const auto& one : words) {
-    if (one.choice == choice) return one.word;
-  }
-  return "";
-}
 
 AlsoScanConfig read_also(const std::string& topic, const Value& value) {
   AlsoScanConfig also;
@@ -68,6 +33,8 @@ AlsoScanConfig read_also(const std::string& topic, const Value& value) {
   return also;
 }
 
+}  // namespace
+
 bool has_sight(const MergedScanConfig& merged) {
   if (merged.output.profile != Profile::flatten) return true;
   for (const AlsoScanConfig& also : merged.also) {
@@ -75,8 +42,6 @@ bool has_sight(const MergedScanConfig& merged) {
   }
   return false;
 }
-
-}  // namespace
 
 Profile read_profile(const Value& value, bool with_sight) {
   if (with_sight) return read_word(value, profiles);
@@ -87,6 +52,7 @@ Profile read_profile(const Value& value, bool with_sight) {
   return Profile::flatten;
 }
 
+EchoChoice read_echoes(const Value& value) { return read_word(value, echo_choices); }
 EmptyBeam read_empty(const Value& value) { return read_word(value, beams); }
 const char* word_of(Profile profile) { return word_in(profile, profiles); }
 const char* word_of(EmptyBeam beam) { return word_in(beam, beams); }
@@ -99,7 +65,7 @@ void read_sight(Mapping& yaml, const std::string& owner, Config& config, ConfigC
     if (word != "nearest" && word != "mean") fuse->fail("is " + fuse->quoted(), "nearest or mean");
     merged.mean = word == "mean";
   }
-  if (const auto echoes = yaml.find("echoes")) merged.echoes = read_word(*echoes, echo_choices);
+  if (const auto echoes = yaml.find("echoes")) merged.echoes = read_echoes(*echoes);
   if (const auto filter = yaml.find("veil_filter")) merged.veil_filter = filter->boolean();
   if (const auto noise = yaml.find("range_noise")) merged.range_noise = noise->number(0.0005, 1, "m");
   if (const auto free = yaml.find("free_required"))

@@ -2,13 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/merged_output.h"
 
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+
 namespace lidard {
 namespace {
 
 MergeSettings settings_of(const MergedScanConfig& config) {
   MergeSettings settings;
+  settings.sight = !config.status_topic.empty();
   settings.points = config.output.profile == Profile::flatten || !config.cloud_destination_topic.empty();
-  settings.sight = config.output.profile != Profile::flatten;
+  settings.sight = settings.sight || config.output.profile != Profile::flatten;
   for (const AlsoScanConfig& also : config.also) {
     settings.points |= also.profile == Profile::flatten;
     settings.sight |= also.profile != Profile::flatten;
@@ -18,6 +23,11 @@ MergeSettings settings_of(const MergedScanConfig& config) {
   settings.how.free_required = config.free_required;
   settings.source.echoes = config.echoes;
   settings.source.veil_filter = config.veil_filter;
+  for (const std::string& name : config.laserscan_topics) {
+    const auto own = config.source_settings.find(name);
+    settings.each.push_back(own == config.source_settings.end() ? settings.source : own->second);
+    settings.how.noise = std::max(settings.how.noise, settings.each.back().noise);
+  }
   return settings;
 }
 
@@ -30,9 +40,12 @@ MergedOutput::MergedOutput(const MergedScanConfig& config, const VehicleConfig& 
       footprint_(vehicle.footprint),
       poses_(poses),
       merger_(grid_of(config.output.grid), band_of(config.output), config.laserscan_topics.size(),
-              config.lost_after, settings_of(config)),
+              config.schedule.lost_after, settings_of(config)),
+      scheduler_(config.laserscan_topics.size(), config.schedule),
+      told_states_(config.laserscan_topics.size(), SourceState::never),
       scans_(1 + config.also.size()) {
   cloud_.frame_id = config.destination_frame;
+  status_.frame_id = config.destination_frame;
   merged_.push_back({config.output.profile, &scans_[0]});
   scans_[0].none_as = value_of(config.output.empty, config.output);
   scans_[0].invalid_as = value_of(config.output.unobserved, config.output);
@@ -61,6 +74,13 @@ int MergedOutput::source_index(const std::string& sensor) const {
   return -1;
 }
 
+void MergedOutput::restart() {
+  merger_.reset();
+  scheduler_.reset();
+  last_stamp_.reset();
+  waits_for_motion_since_.reset();
+}
+
 void MergedOutput::add(std::size_t source, const PlanarScan& scan, Stamp now, FrameSink& sink) {
   Pose pose;
   if (!place_footprint(scan.stamp) ||
@@ -68,29 +88,182 @@ void MergedOutput::add(std::size_t source, const PlanarScan& scan, Stamp now, Fr
     ++counters_.no_pose;
     return;
   }
-  if (!merger_.add(source, scan, pose)) return;
+  const std::uint64_t refused = merger_.out_of_order() + merger_.bad_times();
+  merger_.add(source, scan, pose);
+  if (merger_.out_of_order() + merger_.bad_times() != refused) return;
+  scheduler_.delivered(source, merger_.times(source)->last(), static_cast<double>(scan.scan_time), now);
+  advance(now, sink);
+}
+
+std::optional<Stamp> MergedOutput::next_event() const {
+  const auto event = scheduler_.next_event();
+  if (!waits_for_motion_since_) return event;
+  const Stamp given_up = *waits_for_motion_since_ + scheduler_.deadline();
+  return event ? std::min(*event, given_up) : given_up;
+}
+
+bool MergedOutput::states_changed(Stamp now) {
+  bool changed = false;
+  for (std::size_t s = 0; s < told_states_.size(); ++s) {
+    const SourceState state = scheduler_.state(s, now);
+    changed = changed || state != told_states_[s];
+    told_states_[s] = state;
+  }
+  return changed;
+}
+
+MergeMoment MergedOutput::moment_of(Stamp now) {
+  MergeMoment moment;
+  const std::vector<char>& use = scheduler_.usable(now);
+  std::optional<Stamp> first, oldest, newest;
+  for (std::size_t s = 0; s < use.size(); ++s) {
+    const auto times = merger_.times(s);
+    if (use[s] == 0 || !times) continue;
+    first = std::max(first.value_or(times->first), times->first);
+    oldest = std::min(oldest.value_or(times->last()), times->last());
+    newest = std::max(newest.value_or(times->last()), times->last());
+  }
+  skew_ = newest ? *newest - *oldest : Span(0);
+  const PoseTrack* const track = poses_.track();
+  moment.at = first.value_or(now);
+  if (newest && track != nullptr && !track->empty()) {
+    // A transform to the odometry frame exists for stamps up to the newest pose.
+    moment.at = config_.schedule.policy == Policy::rate ? now : *newest;
+    moment.at = std::max(*first, std::min(moment.at, track->newest()));
+    moment.track = track;
+  }
+  if (last_stamp_ && moment.at <= *last_stamp_) moment.at = *last_stamp_ + Span(1);
+  if (moment.track != nullptr && !poses_.find(config_.destination_frame, base_frame_, moment.at,
+                                              moment.output_from_base, counters_.why_no_pose))
+    moment.track = nullptr;
+  return moment;
+}
+
+bool MergedOutput::must_wait_for_motion(const MergeMoment& moment, Stamp now) {
+  if (poses_.track() == nullptr || config_.on_missing_motion == MissingMotion::stand) return false;
+  const std::vector<char>& use = scheduler_.usable(now);
+  bool known = true;
+  for (std::size_t s = 0; s < use.size(); ++s)
+    known = known && (use[s] == 0 || merger_.poses_cover(s, moment));
+  if (known) {
+    waits_for_motion_since_.reset();
+    return false;
+  }
+  if (config_.on_missing_motion == MissingMotion::drop) {
+    ++dropped_;
+    scheduler_.done(now);
+    return true;
+  }
+  if (!waits_for_motion_since_) waits_for_motion_since_ = now;
+  if (now - *waits_for_motion_since_ < scheduler_.deadline()) return true;
+  waits_for_motion_since_.reset();
+  return false;
+}
+
+void MergedOutput::advance(Stamp now, FrameSink& sink) {
+  if (!scheduler_.is_due(now)) {
+    waits_for_motion_since_.reset();
+    return;
+  }
+  const MergeMoment moment = moment_of(now);
+  if (must_wait_for_motion(moment, now)) return;
+  publish(moment, now, sink);
+}
+
+void MergedOutput::publish(const MergeMoment& moment, Stamp now, FrameSink& sink) {
   const bool with_cloud = !config_.cloud_destination_topic.empty();
-  merger_.merge(merged_, with_cloud ? &cloud_ : nullptr);
+  const MergeReport& report =
+      merger_.merge(moment, scheduler_.usable(now), merged_, with_cloud ? &cloud_ : nullptr);
+  scheduler_.done(now);
+  uses_ = report.sources;
+  const bool stands = std::count(uses_.begin(), uses_.end(), SourceUse::static_poses) > 0;
+  if (poses_.track() != nullptr && stands) ++without_motion_;
+  last_stamp_ = moment.at;
+  latency_ = now - moment.at;
   ++counters_.published;
   counters_.last_published = now;
   sink.scan(config_.scan_destination_topic, scans_[0], now);
   for (std::size_t i = 0; i < config_.also.size(); ++i) sink.scan(config_.also[i].topic, scans_[i + 1], now);
   if (with_cloud) sink.cloud(config_.cloud_destination_topic, cloud_, now);
+  if (config_.status_topic.empty()) return;
+  fill_status();
+  sink.scan(config_.status_topic, status_, now);
+}
+
+void MergedOutput::fill_status() {
+  const Sight& sight = *merger_.sight();
+  const PlanarScan& scan = scans_[0];
+  status_.reset(scan.beams);
+  status_.set_angles(scan.angle_min, scan.angle_increment);
+  status_.stamp = scan.stamp;
+  status_.scan_time = scan.scan_time;
+  status_.range_max = scan.range_max;
+  for (std::size_t beam = 0; beam < scan.beams; ++beam) {
+    status_.set_hit(beam, std::min(sight.covered(beam), scan.range_max));
+    status_.intensities[beam] = static_cast<float>(sight.seen(beam));
+  }
+}
+
+void MergedOutput::describe_sources(DiagnosticItem& item, Stamp now) const {
+  std::string silent, lost;
+  for (std::size_t s = 0; s < config_.laserscan_topics.size(); ++s) {
+    const std::string& name = config_.laserscan_topics[s];
+    const SourceState state = scheduler_.state(s, now);
+    std::string text = to_string(state);
+    if (state != SourceState::never) {
+      const double period = scheduler_.period(s);
+      text += fmt::format(", {:.1f} Hz, age {:.0f} ms", period > 0 ? 1 / period : 0,
+                          seconds(scheduler_.age(s, now)) * 1000);
+    }
+    item.values.emplace_back("Source " + name, text);
+    std::string& list = state == SourceState::stale ? silent : lost;
+    if (state != SourceState::ok) list += (list.empty() ? "" : ", ") + name;
+  }
+  item.values.emplace_back("Sources lost", lost);
+  if (item.health != Health::ok || (lost.empty() && silent.empty())) return;
+  item.health = lost.empty() ? Health::warn : Health::error;
+  item.message = "publishing without " + (lost.empty() ? silent + ", whose sweeps are too old" : lost);
+  if (counters_.no_pose > 0 && !counters_.why_no_pose.empty()) item.message += ": " + counters_.why_no_pose;
+}
+
+void MergedOutput::describe_motion(DiagnosticItem& item) const {
+  if (poses_.track() == nullptr) return;
+  const auto count = [this](SourceUse use) { return std::count(uses_.begin(), uses_.end(), use); };
+  std::string text = poses_.track()->empty() ? "no poses yet" : "deskewed";
+  if (count(SourceUse::extrapolated) > 0) text = "deskewed, partly beyond the newest pose";
+  const bool stands = poses_.track()->empty() || count(SourceUse::static_poses) > 0;
+  if (stands && !poses_.track()->empty()) text = "not deskewed: poses of the sweeps' time are missing";
+  item.values.emplace_back("Motion", text);
+  item.values.emplace_back("Outputs not deskewed", std::to_string(without_motion_));
+  item.values.emplace_back("Outputs left out for want of poses", std::to_string(dropped_));
+  if (!stands || item.health != Health::ok || counters_.published == 0) return;
+  item.health = Health::warn;
+  item.message = "publishing as if the vehicle stood still: " + text + "; see that odometry is published";
+}
+
+void MergedOutput::describe_beams(DiagnosticItem& item) const {
+  const PlanarScan& scan = scans_[0];
+  if (scan.beams == 0) return;
+  const auto share = [&](BeamStatus status) {
+    const auto n = std::count(scan.statuses.begin(), scan.statuses.end(), status);
+    return fmt::format("{:.1f} %", 100.0 * static_cast<double>(n) / static_cast<double>(scan.beams));
+  };
+  item.values.emplace_back("Beams with a hit", share(BeamStatus::hit));
+  item.values.emplace_back("Beams free", share(BeamStatus::none));
+  item.values.emplace_back("Beams unobserved", share(BeamStatus::invalid));
 }
 
 DiagnosticItem MergedOutput::diagnostics(Stamp now) const {
   DiagnosticItem item = health_of("merged " + config_.name, counters_, now);
-  std::string lost;
-  for (std::size_t i = 0; i < config_.laserscan_topics.size(); ++i) {
-    if (!merger_.alive(i)) lost += (lost.empty() ? "" : ", ") + config_.laserscan_topics[i];
-  }
-  if (item.health == Health::ok && !lost.empty()) {
-    item.health = Health::error;
-    item.message = "publishing without " + lost;
-  }
-  item.values.emplace_back("Sources lost", lost);
+  describe_sources(item, now);
+  describe_motion(item);
+  describe_beams(item);
+  item.values.emplace_back("Latency (ms)", fmt::format("{:.1f}", seconds(latency_) * 1000));
+  item.values.emplace_back("Skew of the sources (ms)", fmt::format("{:.1f}", seconds(skew_) * 1000));
+  item.values.emplace_back("Sources waited for in vain", std::to_string(scheduler_.deadlines_missed()));
   item.values.emplace_back("Sweeps replaced before use", std::to_string(merger_.superseded()));
   item.values.emplace_back("Sweeps out of order", std::to_string(merger_.out_of_order()));
+  item.values.emplace_back("Sweeps with impossible times", std::to_string(merger_.bad_times()));
   return item;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/merger.h"
+#include "core/scheduler.h"
 #include "daemon/config.h"
 #include "daemon/output_parts.h"
 #include "daemon/pose_book.h"
@@ -19,14 +20,29 @@ class MergedOutput {
  public:
   MergedOutput(const MergedScanConfig& config, const VehicleConfig& vehicle, const PoseBook& poses);
 
-  /// Index of a sensor among the sources, or -1.
-  int source_index(const std::string& sensor) const;
+  const MergedScanConfig& config() const { return config_; }
+  /// Index of a sensor or a virtual scan among the sources, or -1.
+  int source_index(const std::string& name) const;
   void add(std::size_t source, const PlanarScan& scan, Stamp now, FrameSink& sink);
+  /// Time passed, or the vehicle's poses went on: publishes what is due.
+  void advance(Stamp now, FrameSink& sink);
+  /// When advance() is worth a call if nothing else happens.
+  std::optional<Stamp> next_event() const;
+  /// True if a source has come, gone stale or was lost since the last call.
+  bool states_changed(Stamp now);
   DiagnosticItem diagnostics(Stamp now) const;
-  void restart() { merger_.reset(); }
+  void restart();
 
  private:
   bool place_footprint(Stamp stamp);
+  /// The instant that the beams are brought to.
+  MergeMoment moment_of(Stamp now);
+  bool must_wait_for_motion(const MergeMoment& moment, Stamp now);
+  void publish(const MergeMoment& moment, Stamp now, FrameSink& sink);
+  void fill_status();
+  void describe_motion(DiagnosticItem& item) const;
+  void describe_sources(DiagnosticItem& item, Stamp now) const;
+  void describe_beams(DiagnosticItem& item) const;
 
   MergedScanConfig config_;
   std::string base_frame_;
@@ -34,10 +50,20 @@ class MergedOutput {
   std::optional<Pose> footprint_placed_;  // base_frame in the output frame when it was last set
   const PoseBook& poses_;
   Merger merger_;
+  Scheduler scheduler_;
+  std::vector<SourceState> told_states_;
   std::vector<PlanarScan> scans_;  // the first is the entry's own, then those of `also`
   std::vector<MergedScan> merged_;
+  PlanarScan status_;
   Cloud cloud_;
   OutputCounters counters_;
+  std::optional<Stamp> last_stamp_;
+  std::optional<Stamp> waits_for_motion_since_;
+  std::vector<SourceUse> uses_;       // of the last output
+  Span latency_{};                    // of the last output: from its instant to its publication
+  Span skew_{};                       // between the last rays of the sweeps that it was made of
+  std::uint64_t without_motion_ = 0;  // outputs with sources that could not be deskewed
+  std::uint64_t dropped_ = 0;         // outputs left out since poses were missing
 };
 
 }  // namespace lidard

@@ -2,26 +2,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/pipeline.h"
 
-#include <map>
 #include <utility>
 
+#include "core/dead_reckoning.h"
 #include "daemon/merged_output.h"
+#include "daemon/scan_tap.h"
 #include "daemon/sensor_health.h"
 #include "daemon/sensor_line.h"
+#include "daemon/strangers.h"
 #include "daemon/virtual_output.h"
 
 namespace lidard {
 namespace {
 
-/// So many unknown senders are remembered by name; a flood of forged ones must not grow memory.
-constexpr std::size_t max_strangers = 32;
 constexpr Span diagnostics_period = std::chrono::seconds(1);
 
 }  // namespace
 
 struct Pipeline::Impl final : public LineOwner {
-  Impl(const Config& configuration, PoseLookup& lookup, FrameSink& frame_sink)
-      : LineOwner(frame_sink), poses(configuration, lookup) {
+  Impl(const Config& configuration, PoseLookup& pose_lookup, FrameSink& frame_sink)
+      : LineOwner(frame_sink),
+        lookup(pose_lookup),
+        odometry_frame(configuration.vehicle.odometry_frame),
+        base_frame(configuration.vehicle.base_frame),
+        poses(configuration, pose_lookup) {
+    if (configuration.vehicle.has_motion()) poses.set_track(&track);
     for (const auto& sensor : configuration.sensors) {
       lines.push_back(std::make_unique<SensorLine>(sensor, lines.size(), *this));
     }
@@ -38,16 +43,32 @@ struct Pipeline::Impl final : public LineOwner {
   SensorLine& line_named(const std::string& name);
   void scan_from(const SensorLine& line, const PlanarScan& scan) override;
   void cloud_from(const SensorLine& line, const Cloud& cloud) override;
-  void note_stranger(const Packet& packet);
+  /// A scan of a sensor or a virtual scan, for the merged scans that use it.
+  void merge(const std::string& source_name, const PlanarScan& scan);
+  /// Takes what tf has learned of the vehicle's way.
+  void poll_motion();
+  /// Publishes what is due at `at`.
+  void advance_to(Stamp at);
+  std::optional<Stamp> next_event() const;
+  DiagnosticItem motion_item() const;
+
+  PoseLookup& lookup;
+  PoseTrack track;
+  std::vector<StampedPose> new_poses;
+  DeadReckoning reckoning;
+  std::string why_no_motion;
+  std::uint64_t poses_refused = 0;  // since the pose of their frame on the vehicle is not known
+  std::string odometry_frame;       // empty: poses come by message, if at all
+  std::string base_frame;
 
   PoseBook poses;
   std::vector<std::unique_ptr<SensorLine>> lines;
   std::vector<std::unique_ptr<MergedOutput>> merged;
   std::vector<std::unique_ptr<VirtualOutput>> virtuals;
-  /// Sender's address with the destination port, or with its own where it was a connection.
-  std::map<std::pair<Transport, Endpoint>, std::uint64_t> strangers;
-  std::uint64_t strangers_not_named = 0;
+  ScanTap tap{sink, [this](const std::string& topic, const PlanarScan& scan) { merge(topic, scan); }};
+  Strangers strangers;
   Stamp last_diagnostics{};
+  bool diagnostics_wanted = false;  // a source has come or gone
   std::function<void(std::vector<DiagnosticItem>&)> more_diagnostics;
 };
 
@@ -58,6 +79,7 @@ std::vector<TopicInfo> pipeline_topics(const Config& config) {
   }
   for (const auto& merged : config.merged_scans) {
     topics.push_back({merged.scan_destination_topic, TopicKind::scan});
+    if (!merged.status_topic.empty()) topics.push_back({merged.status_topic, TopicKind::scan});
     for (const auto& also : merged.also) topics.push_back({also.topic, TopicKind::scan});
     if (!merged.cloud_destination_topic.empty())
       topics.push_back({merged.cloud_destination_topic, TopicKind::cloud});
@@ -99,7 +121,7 @@ void Pipeline::Impl::chunk(Packet packet) {
     known_port = known_port || (line->config.model->transport == Transport::tcp &&
                                 line->config.ip_port == packet.from.port);
   }
-  if (known_port) note_stranger(packet);
+  if (known_port) strangers.note(packet);
 }
 
 SensorLine& Pipeline::Impl::line_named(const std::string& name) {
@@ -110,29 +132,21 @@ SensorLine& Pipeline::Impl::line_named(const std::string& name) {
 }
 
 void Pipeline::Impl::scan_from(const SensorLine& line, const PlanarScan& scan) {
+  poll_motion();
+  merge(line.config.name, scan);
+}
+
+void Pipeline::Impl::merge(const std::string& source_name, const PlanarScan& scan) {
   for (const auto& output : merged) {
-    const int source = output->source_index(line.config.name);
+    const int source = output->source_index(source_name);
     if (source >= 0) output->add(static_cast<std::size_t>(source), scan, now, sink);
   }
 }
 
 void Pipeline::Impl::cloud_from(const SensorLine& line, const Cloud& cloud) {
+  poll_motion();
   for (const auto& output : virtuals) {
-    if (output->cloud_sensor() == line.config.name) output->add(cloud, now, sink);
-  }
-}
-
-void Pipeline::Impl::note_stranger(const Packet& packet) {
-  const bool datagram = packet.transport == Transport::udp;
-  const std::pair key(packet.transport,
-                      Endpoint{packet.from.address, datagram ? packet.to.port : packet.from.port});
-  const auto entry = strangers.find(key);
-  if (entry != strangers.end()) {
-    ++entry->second;
-  } else if (strangers.size() < max_strangers) {
-    strangers.emplace(key, 1);
-  } else {
-    ++strangers_not_named;
+    if (output->cloud_sensor() == line.config.name) output->add(cloud, now, tap);
   }
 }
 
@@ -143,11 +157,12 @@ Pipeline::~Pipeline() = default;
 std::vector<StaticTransform> Pipeline::static_transforms() const { return impl_->poses.transforms(); }
 
 void Pipeline::packet(const Packet& packet) {
+  advance(packet.arrival);
   impl_->now = packet.arrival;
   if (packet.transport == Transport::tcp) return impl_->chunk(packet);
   SensorLine* line = impl_->find_line(packet);
   if (line == nullptr) {
-    impl_->note_stranger(packet);
+    impl_->strangers.note(packet);
     return;
   }
   line->receive(packet, packet.arrival);
@@ -156,6 +171,7 @@ void Pipeline::packet(const Packet& packet) {
 void Pipeline::set_links(DeviceLinks* links) { impl_->links = links; }
 
 void Pipeline::chunk(std::size_t sensor, const Packet& packet) {
+  advance(packet.arrival);
   impl_->now = packet.arrival;
   impl_->lines.at(sensor)->receive(packet, packet.arrival);
 }
@@ -174,11 +190,13 @@ std::uint64_t Pipeline::frames(std::size_t sensor) const {
 }
 
 void Pipeline::packet_message(const std::string& sensor, const Packet& packet, Stamp received) {
+  advance(received);
   impl_->now = received;
   impl_->line_named(sensor).receive(packet, received);
 }
 
 void Pipeline::scan_message(const std::string& sensor, PlanarScan& scan, Stamp received) {
+  advance(received);
   impl_->now = received;
   SensorLine& line = impl_->line_named(sensor);
   line.seen = true;
@@ -193,6 +211,7 @@ void Pipeline::scan_message(const std::string& sensor, PlanarScan& scan, Stamp r
 }
 
 void Pipeline::cloud_message(const std::string& sensor, Cloud& cloud, Stamp received) {
+  advance(received);
   impl_->now = received;
   SensorLine& line = impl_->line_named(sensor);
   line.seen = true;
@@ -202,15 +221,97 @@ void Pipeline::cloud_message(const std::string& sensor, Cloud& cloud, Stamp rece
   impl_->cloud_from(line, cloud);
 }
 
+void Pipeline::pose_message(Stamp stamp, const Pose& pose, const std::string& child, Stamp received) {
+  advance(received);
+  Pose child_from_base = Pose::Identity();
+  const bool known = child.empty() || impl_->poses.find(child, impl_->base_frame, stamp, child_from_base,
+                                                        impl_->why_no_motion);
+  if (known) impl_->track.add(stamp, pose * child_from_base);
+  impl_->poses_refused += known ? 0 : 1;
+  impl_->advance_to(received);
+}
+
+void Pipeline::turn_message(Stamp stamp, const Eigen::Vector3d& rates, const std::string& frame,
+                            Stamp received) {
+  advance(received);
+  Pose base_from_imu = Pose::Identity();
+  const bool known = frame.empty() ||
+                     impl_->poses.find(impl_->base_frame, frame, stamp, base_from_imu, impl_->why_no_motion);
+  if (known) impl_->reckoning.turn(stamp, base_from_imu.linear() * rates, impl_->track);
+  impl_->poses_refused += known ? 0 : 1;
+  impl_->advance_to(received);
+}
+
+void Pipeline::speed_message(double speed) { impl_->reckoning.speed(speed); }
+
+DiagnosticItem Pipeline::Impl::motion_item() const {
+  DiagnosticItem item;
+  item.name = "motion";
+  const bool fresh = !track.empty() && seconds(now - track.newest()) < 0.5;
+  item.health = fresh ? Health::ok : Health::warn;
+  item.message = "poses come in";
+  if (!fresh) {
+    item.message = track.empty() ? "no pose of the vehicle yet; scans are not deskewed"
+                                 : "no pose of the vehicle any more; scans are not deskewed";
+    if (poses_refused > 0) item.message += ": " + why_no_motion;
+  }
+  item.values = {{"Knots", std::to_string(track.size())},
+                 {"Out of order", std::to_string(track.out_of_order() + reckoning.refused())},
+                 {"Jumps back", std::to_string(track.restarts())},
+                 {"Not rigid", std::to_string(track.not_rigid())},
+                 {"Frame not known", std::to_string(poses_refused)}};
+  return item;
+}
+
+void Pipeline::Impl::poll_motion() {
+  if (odometry_frame.empty()) return;
+  new_poses.clear();
+  lookup.history(odometry_frame, base_frame, track.newest(), now, new_poses);
+  for (const StampedPose& one : new_poses) track.add(one.stamp, one.pose);
+}
+
+void Pipeline::Impl::advance_to(Stamp at) {
+  now = at;
+  poll_motion();
+  bool changed = false;
+  for (const auto& output : merged) {
+    output->advance(at, sink);
+    changed = output->states_changed(at) || changed;
+  }
+  if (changed) diagnostics_wanted = true;
+}
+
+std::optional<Stamp> Pipeline::Impl::next_event() const {
+  std::optional<Stamp> next;
+  for (const auto& output : merged) {
+    const auto event = output->next_event();
+    if (event && (!next || *event < *next)) next = event;
+  }
+  return next;
+}
+
+std::optional<Stamp> Pipeline::next_event() const { return impl_->next_event(); }
+
+void Pipeline::advance(Stamp now) {
+  // After a long pause there is nobody to publish the past for.
+  constexpr Span longest_pause = std::chrono::seconds(1);
+  const Stamp newest_past = now - longest_pause;
+  for (auto event = impl_->next_event(); event && *event <= now; event = impl_->next_event()) {
+    impl_->advance_to(std::max(*event, newest_past));
+  }
+}
+
 void Pipeline::tick(Stamp now) {
-  impl_->now = now;
+  advance(now);
+  impl_->advance_to(now);
   for (const auto& line : impl_->lines) {
     if (line->driver == nullptr) continue;
     line->driver->tick(now, *line);
     line->settle();
   }
   const Span since = now - impl_->last_diagnostics;
-  if (since >= Span(0) && since < diagnostics_period) return;
+  const bool wanted = std::exchange(impl_->diagnostics_wanted, false);
+  if (!wanted && since >= Span(0) && since < diagnostics_period) return;
   impl_->last_diagnostics = now;
   impl_->sink.diagnostics(diagnostics(now), now);
 }
@@ -228,6 +329,7 @@ void Pipeline::restart() {
     line->connection.restart();
   }
   for (const auto& output : impl_->merged) output->restart();
+  impl_->track.clear();
 }
 
 std::vector<SensorReport> Pipeline::report() const {
@@ -247,20 +349,7 @@ std::vector<SensorReport> Pipeline::report() const {
   return reports;
 }
 
-std::vector<std::string> Pipeline::unclaimed_senders() const {
-  std::vector<std::string> senders;
-  for (const auto& [key, count] : impl_->strangers) {
-    const auto& [transport, sender] = key;
-    const std::string which = transport == Transport::udp
-                                  ? sender.address.to_string() + " -> port " + std::to_string(sender.port)
-                                  : sender.to_string() + " over TCP";
-    senders.push_back(which + " (" + std::to_string(count) + " packets)");
-  }
-  if (impl_->strangers_not_named > 0) {
-    senders.push_back("further senders (" + std::to_string(impl_->strangers_not_named) + " packets)");
-  }
-  return senders;
-}
+std::vector<std::string> Pipeline::unclaimed_senders() const { return impl_->strangers.names(); }
 
 std::vector<DiagnosticItem> Pipeline::diagnostics(Stamp now) const {
   std::vector<DiagnosticItem> items;
@@ -268,6 +357,7 @@ std::vector<DiagnosticItem> Pipeline::diagnostics(Stamp now) const {
   for (std::size_t i = 0; i < reports.size(); ++i) {
     items.push_back(sensor_health(impl_->lines[i]->config, reports[i], unclaimed_senders(), now));
   }
+  if (impl_->poses.track() != nullptr) items.push_back(impl_->motion_item());
   for (const auto& output : impl_->merged) items.push_back(output->diagnostics(now));
   for (const auto& output : impl_->virtuals) items.push_back(output->diagnostics(now));
   if (const auto strangers = unclaimed_senders(); !strangers.empty())

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -57,7 +58,17 @@ class Pipeline {
   /// A message of a `topic:` source, `sensor` being its name in the configuration.
   void scan_message(const std::string& sensor, PlanarScan& scan, Stamp received);
   void cloud_message(const std::string& sensor, Cloud& cloud, Stamp received);
-  /// Time passed; publishes diagnostics once per second of it.
+  /// A pose of `child` (empty: base_frame) in the odometry's frame, for deskewing.
+  void pose_message(Stamp stamp, const Pose& pose, const std::string& child, Stamp received);
+  /// Turn rates in `frame`, rad/s, and the speed ahead, m/s: the vehicle's motion where nobody knows its
+  /// poses.
+  void turn_message(Stamp stamp, const Eigen::Vector3d& rates, const std::string& frame, Stamp received);
+  void speed_message(double speed);
+  /// Time passed: publishes what is due at or before `now`, each at its own time.
+  void advance(Stamp now);
+  /// The next time at which advance() has something to do.
+  std::optional<Stamp> next_event() const;
+  /// Time passed; publishes diagnostics once per second of it, and when a source comes or goes.
   void tick(Stamp now);
   /// End of input: hands on what is complete.
   void finish(Stamp now);

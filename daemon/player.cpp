@@ -34,6 +34,16 @@ bool Player::wait_for(Stamp stamp, const std::function<bool()>& stop) {
   return false;
 }
 
+/// What the pipeline has to do before `until` happens at its own time too.
+bool Player::play_events(Stamp until, const std::function<bool()>& stop) {
+  if (options_.rate <= 0) return true;
+  for (auto event = pipeline_.next_event(); event && *event < until; event = pipeline_.next_event()) {
+    if (!wait_for(*event, stop)) return false;
+    pipeline_.advance(*event);
+  }
+  return true;
+}
+
 bool Player::play_once(const std::function<bool()>& stop) {
   Progress progress;
   Packet packet;
@@ -55,7 +65,7 @@ bool Player::play_once(const std::function<bool()>& stop) {
       begin_ = last_ = packet.arrival;
       wall_begin_ = std::chrono::steady_clock::now();
     }
-    if (!wait_for(packet.arrival, stop)) return false;
+    if (!play_events(packet.arrival, stop) || !wait_for(packet.arrival, stop)) return false;
     last_ = std::max(last_, packet.arrival);
     if (on_time) on_time(packet.arrival);
     pipeline_.packet(packet);

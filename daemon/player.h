@@ -28,6 +28,7 @@ class Player {
 
  private:
   bool play_once(const std::function<bool()>& stop);
+  bool play_events(Stamp until, const std::function<bool()>& stop);
   bool wait_for(Stamp stamp, const std::function<bool()>& stop);
 
   const ReplayOptions& options_;

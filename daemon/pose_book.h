@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/pose_track.h"
 #include "daemon/config.h"
 #include "daemon/sink.h"
 
@@ -21,6 +22,9 @@ class PoseBook {
   /// Pose of `child` in `parent` at `stamp`; false and the reason when it is not known.
   bool find(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
             std::string& why_not) const;
+  /// How the vehicle moves; nullptr: nobody tells.
+  const PoseTrack* track() const { return track_; }
+  void set_track(const PoseTrack* track) { track_ = track; }
   /// What the configuration holds, for /tf_static.
   const std::vector<StaticTransform>& transforms() const { return transforms_; }
 
@@ -29,6 +33,7 @@ class PoseBook {
   void add(const std::string& parent, const std::string& child, const Pose& pose);
 
   std::string base_;
+  const PoseTrack* track_ = nullptr;
   PoseLookup& lookup_;
   std::map<std::string, std::pair<std::string, Pose>> known_;  // child: parent and pose in it
   std::vector<StaticTransform> transforms_;

@@ -7,6 +7,7 @@
 #include <ostream>
 #include <thread>
 
+#include "daemon/bag_poses.h"
 #include "daemon/bag_sink.h"
 #include "daemon/cli.h"
 #include "daemon/player.h"
@@ -34,13 +35,16 @@ struct Replay {
   std::ostream& out;
   std::ostream& err;
 
-  void play(FrameSink& sink, PoseLookup& poses, std::function<void(Stamp)> on_time) {
+  /// `motion` is called before each packet, for poses that come by message.
+  void play(FrameSink& sink, PoseLookup& poses, std::function<void(Stamp)> on_time,
+            const std::function<void(Pipeline&, Stamp)>& motion = nullptr) {
     Pipeline pipeline(config, poses, sink);
     Player player(options, capture, pipeline);
     bool first = true;
     player.on_time = [&, on_time = std::move(on_time)](Stamp stamp) {
       if (first) sink.transforms(pipeline.static_transforms(), stamp);
       first = false;
+      if (motion) motion(pipeline, stamp);
       if (on_time) on_time(stamp);
     };
     player.play(stopped);
@@ -63,8 +67,17 @@ struct Replay {
 
   int into_bag() {
     BagSink sink(options.bag, pipeline_topics(config));
-    NoPoses poses;
-    play(sink, poses, nullptr);
+    if (options.motion.empty()) {
+      NoPoses poses;
+      play(sink, poses, nullptr);
+    } else {
+      BagPoses poses(options.motion, config.vehicle.odometry_topic);
+      play(sink, poses, nullptr, [&poses](Pipeline& pipeline, Stamp now) {
+        poses.odometry_until(now, [&](Stamp stamp, const Pose& pose, const std::string& child) {
+          pipeline.pose_message(stamp, pose, child, stamp);
+        });
+      });
+    }
     sink.close();
     return exit_ok;
   }

@@ -25,7 +25,8 @@ struct ReplayOptions {
   bool restamp = false;                            ///< stamps as if it were live: the first packet comes now
   Span loop_gap = std::chrono::milliseconds(100);  ///< between the last packet of a round and the next round
   std::string node_name = "lidard";
-  std::string bag;                         ///< write here instead of to ROS
+  std::string bag;     ///< write here instead of to ROS
+  std::string motion;  ///< with `bag`: a bag whose tf or odometry tells how the vehicle moved
   std::vector<std::string> ros_arguments;  ///< remappings, for ros::init
 };
 

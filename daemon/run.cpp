@@ -18,6 +18,7 @@
 #include "daemon/report.h"
 #include "daemon/ros_inputs.h"
 #include "daemon/ros_link.h"
+#include "daemon/ros_motion.h"
 #include "daemon/service.h"
 #include "daemon/tf_poses.h"
 #include "daemon/velodyne_controls.h"
@@ -54,28 +55,47 @@ class Daemon {
                [this](const Packet& packet) {
                  pipeline_.packet(packet);
                  controls_.packet(packet);
+                 arm();
                }),
         links_(io_, config,
-               {[this](std::size_t sensor, const Packet& packet) { pipeline_.chunk(sensor, packet); },
+               {[this](std::size_t sensor, const Packet& packet) {
+                  pipeline_.chunk(sensor, packet);
+                  arm();
+                },
                 [this](std::size_t sensor, Stamp now) { pipeline_.connected(sensor, now); },
                 [this](std::size_t sensor) { pipeline_.disconnected(sensor); },
                 [this](std::size_t sensor) { return pipeline_.frames(sensor); }}),
         inputs_(std::make_shared<RosInputs>(
             topic_sources(config),
             [this](std::function<void()> task) { boost::asio::post(io_, std::move(task)); },
-            TopicHandlers{
-                [this](const std::string& s, PlanarScan& scan, Stamp t) {
-                  pipeline_.scan_message(s, scan, t);
-                },
-                [this](const std::string& s, Cloud& cloud, Stamp t) { pipeline_.cloud_message(s, cloud, t); },
-                [this](const std::string& s, ByteView packet, Stamp arrival, Stamp t) {
-                  pipeline_.packet_message(s, {packet, arrival, {}, {}}, t);
-                }})),
+            TopicHandlers{[this](const std::string& s, PlanarScan& scan, Stamp t) {
+                            pipeline_.scan_message(s, scan, t);
+                            arm();
+                          },
+                          [this](const std::string& s, Cloud& cloud, Stamp t) {
+                            pipeline_.cloud_message(s, cloud, t);
+                            arm();
+                          },
+                          [this](const std::string& s, ByteView packet, Stamp arrival, Stamp t) {
+                            pipeline_.packet_message(s, {packet, arrival, {}, {}}, t);
+                            arm();
+                          }})),
+        motion_(std::make_shared<RosMotion>(
+            config.vehicle, [this](std::function<void()> task) { boost::asio::post(io_, std::move(task)); },
+            MotionHandlers{[this](Stamp stamp, const Pose& pose, const std::string& child) {
+                             pipeline_.pose_message(stamp, pose, child, wall_clock());
+                           },
+                           [this](Stamp stamp, const Eigen::Vector3d& rates, const std::string& frame) {
+                             pipeline_.turn_message(stamp, rates, frame, wall_clock());
+                           },
+                           [this](double speed) { pipeline_.speed_message(speed); }})),
         signals_(io_, SIGINT, SIGTERM),
-        timer_(io_) {
+        timer_(io_),
+        event_timer_(io_) {
     pipeline_.set_links(&links_);
     link_.add_client(poses_);
     link_.add_client(inputs_);
+    link_.add_client(motion_);
     pipeline_.add_diagnostics([this](std::vector<DiagnosticItem>& items) {
       ports_.add_diagnostics(items);
       links_.add_diagnostics(items);
@@ -141,8 +161,22 @@ class Daemon {
       schedule_tick();
     });
   }
+  /// Sets the timer to the next thing that the pipeline has to do without new input.
+  void arm() {
+    const auto event = pipeline_.next_event();
+    if (!event || event == next_event_) return;
+    next_event_ = event;
+    event_timer_.expires_after(std::max(Span(0), *event - wall_clock()));
+    event_timer_.async_wait([this](const boost::system::error_code& error) {
+      if (error) return;
+      next_event_.reset();
+      pipeline_.tick(wall_clock());
+      arm();
+    });
+  }
   void tick() {
     pipeline_.tick(wall_clock());
+    arm();
     links_.tick();
     ports_.log_changes();
     links_.log_changes();
@@ -174,8 +208,11 @@ class Daemon {
   Ports ports_;
   Links links_;
   std::shared_ptr<RosInputs> inputs_;
+  std::shared_ptr<RosMotion> motion_;
   boost::asio::signal_set signals_;
   boost::asio::steady_timer timer_;
+  boost::asio::steady_timer event_timer_;
+  std::optional<Stamp> next_event_;  // what event_timer_ is set to
   std::chrono::steady_clock::time_point next_tick_;
   int ticks_ = 0;
   std::map<std::string, std::string> told_;

@@ -52,7 +52,10 @@ void SensorLine::scan(PlanarScan& scan) {
 
 void SensorLine::cloud(Cloud& cloud) {
   owner.cloud_from(*this, cloud);
-  if (ring_scan && ring_scan->convert(cloud, ring)) owner.sink.scan(config.scan_topic, ring, owner.now);
+  if (ring_scan && ring_scan->convert(cloud, ring)) {
+    owner.sink.scan(config.scan_topic, ring, owner.now);
+    owner.scan_from(*this, ring);
+  }
   owner.sink.cloud(topic, arranger.is_plain() ? cloud : arranger.arrange(cloud), owner.now);
 }
 

@@ -68,6 +68,12 @@ class FrameSink {
   virtual void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) = 0;
 };
 
+/// Where something was at a time.
+struct StampedPose {
+  Stamp stamp;
+  Pose pose;
+};
+
 /// Poses that the configuration does not hold (tf). Must answer at once.
 class PoseLookup {
  public:
@@ -75,6 +81,13 @@ class PoseLookup {
   /// Pose of `child` in `parent` at `stamp`; false and a reason when it is not known.
   virtual bool lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
                       std::string& why_not) = 0;
+  /// Appends the poses of `child` in `parent` after `after` (of a restart: whatever is known) and not after
+  /// `until`, oldest first, in steps of about 10 ms.
+  virtual void history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
+                       std::vector<StampedPose>& poses) {
+    static_cast<void>(parent), static_cast<void>(child), static_cast<void>(after);
+    static_cast<void>(until), static_cast<void>(poses);
+  }
 };
 
 }  // namespace lidard

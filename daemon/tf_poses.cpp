@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/ros_convert.h"
+#include "daemon/tf_history.h"
 
 namespace lidard {
 namespace {
@@ -17,15 +17,6 @@ namespace {
 /// How long transforms are kept; frames are looked up at most some hundred milliseconds after they were
 /// measured.
 constexpr double kept_s = 10;
-
-Pose to_pose(const geometry_msgs::Transform& transform) {
-  const auto& t = transform.translation;
-  const auto& q = transform.rotation;
-  Pose pose = Pose::Identity();
-  pose.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
-  pose.translation() = Eigen::Vector3d(t.x, t.y, t.z);
-  return pose;
-}
 
 }  // namespace
 
@@ -47,33 +38,15 @@ TfPoses::~TfPoses() = default;
 
 bool TfPoses::lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
                      std::string& why_not) {
-  const std::string to = ros_frame(parent);
-  const std::string from = ros_frame(child);
-  if (to.empty() || from.empty()) {
-    why_not = "a frame name is empty";
-    return false;
-  }
-  if (to == from) {
-    pose = Pose::Identity();
-    return true;
-  }
-  const ros::Time time = to_ros(stamp);
-  // Asked first, because lookupTransform() throws, and an unknown pose is an everyday matter.
-  const tf2::BufferCore& buffer = *impl_->buffer;
-  why_not.clear();
-  if (!buffer.canTransform(to, from, time, &why_not)) {
-    if (!impl_->listening) why_not = "no tf: there was no ROS master yet";
-    if (why_not.empty()) why_not = "tf does not know " + from + " in " + to;
-    why_not += "; publish it on tf or configure the pose";
-    return false;
-  }
-  try {
-    pose = to_pose(buffer.lookupTransform(to, from, time).transform);
-  } catch (const tf2::TransformException& problem) {
-    why_not = problem.what();
-    return false;
-  }
-  return true;
+  if (look_up(*impl_->buffer, parent, child, stamp, pose, why_not)) return true;
+  if (!impl_->listening)
+    why_not = "no tf: there was no ROS master yet; publish it on tf or configure the pose";
+  return false;
+}
+
+void TfPoses::history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
+                      std::vector<StampedPose>& poses) {
+  read_history(*impl_->buffer, parent, child, after, until, poses);
 }
 
 void TfPoses::connected() {

@@ -25,6 +25,8 @@ class TfPoses : public PoseLookup, public RosClient {
 
   bool lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
               std::string& why_not) override;
+  void history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
+               std::vector<StampedPose>& poses) override;
   void connected() override;
   void disconnected(bool leave) override;
 

@@ -49,7 +49,7 @@ void expect_same(const Config& a, const Config& b) {
     EXPECT_EQ(a.merged_scans[i].output.grid.angle_increment, b.merged_scans[i].output.grid.angle_increment);
     EXPECT_EQ(a.merged_scans[i].output.max_height, b.merged_scans[i].output.max_height);
     EXPECT_EQ(a.merged_scans[i].destination_pose.has_value(), b.merged_scans[i].destination_pose.has_value());
-    EXPECT_EQ(a.merged_scans[i].lost_after, b.merged_scans[i].lost_after);
+    EXPECT_EQ(a.merged_scans[i].schedule.lost_after, b.merged_scans[i].schedule.lost_after);
   }
   ASSERT_EQ(a.virtual_scans.size(), b.virtual_scans.size());
   for (std::size_t i = 0; i < a.virtual_scans.size(); ++i)

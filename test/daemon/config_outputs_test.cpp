@@ -27,7 +27,7 @@ TEST(MergedScanConfig, GetsItsDefaults) {
   EXPECT_TRUE(merged.destination_pose->isApprox(Pose::Identity()));
   EXPECT_EQ(merged.scan_destination_topic, "m");
   EXPECT_EQ(merged.cloud_destination_topic, "");
-  EXPECT_EQ(merged.lost_after, std::chrono::milliseconds(500));
+  EXPECT_EQ(merged.schedule.lost_after, std::chrono::milliseconds(500));
   EXPECT_EQ(merged.output.profile, Profile::flatten);
   EXPECT_EQ(merged.output.empty, EmptyBeam::inf);
   EXPECT_FALSE(merged.output.min_height || merged.output.max_height);
@@ -77,7 +77,7 @@ TEST(MergedScanConfig, TakesOurOwnKeys) {
   EXPECT_EQ(merged.output.empty, EmptyBeam::range_max_plus_one);
   EXPECT_EQ(merged.output.min_height, -0.2);
   EXPECT_EQ(merged.output.max_height, 1.5);
-  EXPECT_EQ(merged.lost_after, std::chrono::milliseconds(100));
+  EXPECT_EQ(merged.schedule.lost_after, std::chrono::milliseconds(100));
   EXPECT_EQ(merged.output.grid.beams, 720U);
   ASSERT_TRUE(merged.destination_pose);
   EXPECT_EQ(merged.destination_pose->translation().x(), 1);
@@ -244,11 +244,10 @@ TEST(VirtualScanConfig, RefusesCloudsThatAreNone) {
 }
 
 TEST(VirtualScanConfig, RefusesATopicTakenForBothKinds) {
-  EXPECT_EQ(
-      error_of(roof_and_rear + "merged_scans: {m: {laserscan_topics: rear}}\n"
-                               "virtual_scans: {v: {cloud_topic: rear, virtual_laser_scan: a}}\n"),
-      "f:7:34: virtual_scans.v.cloud_topic names rear, which merged_scans.m takes for a scan; expected a "
-      "topic to be one or the other");
+  EXPECT_EQ(error_of(roof_and_rear + "merged_scans: {m: {laserscan_topics: rear}}\n"
+                                     "virtual_scans: {v: {cloud_topic: rear, virtual_laser_scan: a}}\n"),
+            "f:6:38: merged_scans.m.laserscan_topics[0] names rear, which virtual_scans.v takes for a cloud; "
+            "expected a topic to be one or the other");
 }
 
 TEST(VirtualScanConfig, RefusesFramesThatAreNone) {
@@ -305,10 +304,9 @@ TEST(OutputTopics, MustAllDiffer) {
             "f:7:55: merged_scans.m.scan_destination_topic would publish on /diagnostics, the topic of ROS "
             "itself" +
                 own);
-  EXPECT_EQ(
-      error_of(roof_and_rear + "merged_scans: {m: {laserscan_topics: rear}}\n"
-                               "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: [a, m]}}\n"),
-      "f:7:64: virtual_scans.v.virtual_laser_scan[1] would publish on m, the topic of merged_scans.m" + own);
+  EXPECT_EQ(error_of(roof_and_rear + "merged_scans: {m: {laserscan_topics: rear}}\n"
+                                     "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: [a, m]}}\n"),
+            "f:6:19: merged_scans.m would publish on m, the topic of virtual_scans.v" + own);
   EXPECT_EQ(
       error_of("sensors:\n  a: {topic: s}\n  b: {topic: /s}\n"),
       "f:3:14: sensors.b.topic is the topic of sensors.a already; expected the topic of another driver");
