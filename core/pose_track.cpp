@@ -113,25 +113,44 @@ PoseOrigin PoseTrack::at(Stamp stamp, Pose& pose) const {
   return PoseOrigin::known;
 }
 
+std::size_t PoseTrack::twist_begin(std::size_t end) const {
+  std::size_t begin = end;
+  while (begin > 0 && knot(end).stamp - knot(begin).stamp < shortest_twist) --begin;
+  return begin;
+}
+
+PoseTrack::Twist PoseTrack::twist(const Knot& from, const Knot& to) {
+  if (same_place(from, to)) return {};
+  const double time = seconds(to.stamp - from.stamp);
+  const Eigen::Quaterniond back = from.turn.conjugate();
+  const Eigen::Vector3d turn = turn_vector(back * to.turn);
+  const Eigen::Vector3d way = arc_matrix(turn).inverse() * (back * (to.position - from.position));
+  return {turn / time, way / time};
+}
+
 PoseOrigin PoseTrack::beyond(Stamp stamp, Pose& pose) const {
   const Knot& last = knot(count_ - 1);
   if (stamp - last.stamp > settings_.max_extrapolation) return PoseOrigin::missing;
-  std::size_t before = count_ - 1;
-  while (before > 0 && last.stamp - knot(before).stamp < shortest_twist) --before;
-  const Knot& first = knot(before);
+  const std::size_t begin = twist_begin(count_ - 1);
+  const Knot& first = knot(begin);
   if (first.stamp == last.stamp || last.stamp - first.stamp > settings_.max_pose_gap)
     return PoseOrigin::missing;
-  if (same_place(first, last)) {
-    pose = pose_of(last.position, last.turn);
-    return PoseOrigin::extrapolated;
+  const double time = seconds(stamp - last.stamp);
+  Twist now = twist(first, last);
+  // The twist goes on changing as it did between the last two stretches of about equal length: at 50 Hz and
+  // 2 rad/s2 a steady twist would be 4 mm off at 10 m when the next pose is due.
+  const Knot& before = knot(twist_begin(begin));
+  const double stretch = seconds(last.stamp - first.stamp);
+  const double stretch_before = seconds(first.stamp - before.stamp);
+  if (stretch_before > 0 && stretch_before < 2 * stretch && stretch < 2 * stretch_before) {
+    const Twist then = twist(before, first);
+    const double share = (stretch + time) / (stretch + stretch_before);
+    now.turn += share * (now.turn - then.turn);
+    now.way += share * (now.way - then.way);
   }
-  const Eigen::Quaterniond back = first.turn.conjugate();
-  const Eigen::Vector3d turn = turn_vector(back * last.turn);
-  const Eigen::Vector3d moved = back * (last.position - first.position);
-  const double share = seconds(stamp - last.stamp) / seconds(last.stamp - first.stamp);
-  const Eigen::Vector3d way = arc_matrix(turn).inverse() * moved;  // the twist, times the time between both
-  pose = pose_of(last.position + last.turn * (arc_matrix(share * turn) * (share * way)),
-                 (last.turn * turned_by(share * turn)).normalized());
+  const Eigen::Vector3d turned = time * now.turn;
+  pose = pose_of(last.position + last.turn * (arc_matrix(turned) * (time * now.way)),
+                 (last.turn * turned_by(turned)).normalized());
   return PoseOrigin::extrapolated;
 }
 

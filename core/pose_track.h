@@ -29,8 +29,8 @@ class PoseTrack {
   /// Takes a knot. False if it is not used: not newer than the newest one, or not a rigid transform. A stamp
   /// more than 1 s back is a clock that was set or an input that starts again: the track begins anew.
   bool add(Stamp stamp, const Pose& odom_from_base);
-  /// The pose at a time. Beyond the newest knot the twist of the last two is carried on for a short while.
-  /// Leaves `pose` alone if it is missing.
+  /// The pose at a time. Beyond the newest knot the last motion, and its change, are carried on for a short
+  /// while. Leaves `pose` alone if it is missing.
   PoseOrigin at(Stamp stamp, Pose& pose) const;
   /// True if no moment from `first` to `last` lacks its pose.
   bool covers(Stamp first, Stamp last) const;
@@ -60,6 +60,13 @@ class PoseTrack {
   static bool same_place(const Knot& a, const Knot& b);
   /// The number of knots not later than `stamp`.
   std::size_t knots_until(Stamp stamp) const;
+  struct Twist {
+    Eigen::Vector3d turn = Eigen::Vector3d::Zero();  // rad/s
+    Eigen::Vector3d way = Eigen::Vector3d::Zero();   // m/s
+  };
+  static Twist twist(const Knot& from, const Knot& to);
+  /// The knot from which the way to knot `end` is long enough to tell a twist; `end` if there is none.
+  std::size_t twist_begin(std::size_t end) const;
   PoseOrigin beyond(Stamp stamp, Pose& pose) const;
 
   PoseTrackSettings settings_;
