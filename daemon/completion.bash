@@ -28,7 +28,7 @@ _lidard() {
   esac
   case $command:$word in
     run:*) _lidard_words "--config --help" ;;
-    replay:-*) _lidard_words "--config --pcap --rate --loop --start --duration --wait --clock --bag --help" ;;
+    replay:-*) _lidard_words "--config --pcap --rate --loop --start --duration --wait --motion --clock --bag --help" ;;
     decode:-*) _lidard_words "--model --source --port --calibration --calibration-model --format --frame --clock --time --output --help" ;;
     record:*) _lidard_words "--config --output --interface --duration --help" ;;
     inspect:-* | models:*) _lidard_words "--json --help" ;;

@@ -150,9 +150,9 @@ void ConfigWriter::sensor(const SensorConfig& sensor) {
     pose("pose", *sensor.pose);
   else
     unset("pose: from tf");
+  number("time_offset", seconds_of(driver.time_offset));
   if (sensor.model == nullptr) return;
   text("clock", driver.clock == ClockMode::smooth ? "smooth" : "arrival");
-  number("time_offset", seconds_of(driver.time_offset));
   for (const auto& [key, value] : requests_text(sensor)) text(key.c_str(), value);
   if (has_web_interface(*sensor.model) && sensor.packet_topic.empty()) {
     yaml_ << YAML::Key << "control" << YAML::Value;

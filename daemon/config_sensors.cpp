@@ -64,7 +64,7 @@ const std::vector<std::string_view> sensor_keys = {"model",
 /// Why a key that this kind of sensor does not read is refused, and what to do instead.
 std::pair<std::string, std::string> refusal(const std::string& key, const SensorConfig& sensor) {
   if (sensor.model == nullptr)
-    return {"does not apply to a source with topic:", "topic, frame_id and pose only"};
+    return {"does not apply to a source with topic:", "topic, frame_id, pose and time_offset only"};
   if (key == "calibrate_time")
     return {"is not available in this version", "clock: smooth, which follows the device clock all the time"};
   const std::string model = "is not available for " + std::string(sensor.model->name);
@@ -195,8 +195,6 @@ void read_device(Mapping& yaml, SensorConfig& sensor) {
   driver.model = sensor.model;
   driver.frame_id = sensor.frame_id;
   if (const auto clock = yaml.find("clock")) driver.clock = read_clock(*clock);
-  if (const auto offset = yaml.find("time_offset"))
-    driver.time_offset = offset->duration(-longest_offset_s, longest_offset_s);
   if (speaks_cola(*sensor.model)) read_cola_requests(yaml, driver.requests);
   if (sensor.model->kind == FrameKind::cloud) return;
   read_beams_kept(yaml, driver);
@@ -243,6 +241,8 @@ SensorConfig read_sensor(const std::string& name, Mapping& yaml, Config& config,
     yaml.self().fail_at_key("has neither model nor topic", "model: a name from `lidard models`, or topic:");
   if (const auto frame = yaml.find("frame_id")) sensor.frame_id = read_frame(*frame);
   read_pose_of(yaml, sensor, config, claims);
+  if (const auto offset = yaml.find("time_offset"))
+    sensor.driver.time_offset = offset->duration(-longest_offset_s, longest_offset_s);
   if (model) {
     sensor.model = read_model(*model);
     read_device(yaml, sensor);

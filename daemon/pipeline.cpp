@@ -207,6 +207,7 @@ void Pipeline::scan_message(const std::string& sensor, PlanarScan& scan, Stamp r
     return;
   }
   ++line.topic_counters.frames;
+  scan.stamp = scan.stamp + line.config.driver.time_offset;
   impl_->scan_from(line, scan);
 }
 
@@ -218,6 +219,8 @@ void Pipeline::cloud_message(const std::string& sensor, Cloud& cloud, Stamp rece
   line.last_arrival = received;
   ++line.topic_counters.packets;
   ++line.topic_counters.frames;
+  cloud.stamp = cloud.stamp + line.config.driver.time_offset;
+  cloud.end = cloud.end + line.config.driver.time_offset;
   impl_->cloud_from(line, cloud);
 }
 

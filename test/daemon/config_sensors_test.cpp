@@ -175,8 +175,8 @@ TEST(SensorConfig, RefusesKeysThatAPlanarScannerCannotHonour) {
 TEST(SensorConfig, RefusesDeviceKeysBesideATopic) {
   EXPECT_EQ(
       error_of("sensors:\n  a:\n    topic: /scan\n    ip_port: 2368\n"),
-      "f:4:5: sensors.a.ip_port does not apply to a source with topic:; expected topic, frame_id and pose "
-      "only");
+      "f:4:5: sensors.a.ip_port does not apply to a source with topic:; expected topic, frame_id, pose "
+      "and time_offset only");
 }
 
 TEST(SensorConfig, RefusesNamesThatRosWouldRefuse) {

@@ -215,6 +215,25 @@ TEST(MergedPipeline, LeavesOutWhatItCannotDeskewIfThatIsWished) {
   EXPECT_EQ(item.health, Health::error);
 }
 
+TEST(MergedPipeline, TimeOffsetOfATopicMovesItsStamps) {
+  NoTf tf;
+  KeepingSink sink;
+  const Config config = parse_config(
+      "sensors: {a: {topic: /a, frame_id: a, pose: {xyz: [0, 0, 0]}, time_offset: -0.004}}\n"
+      "merged_scans: {m: {laserscan_topics: a, beams: 90, range_max: 9}}\n",
+      "test");
+  Pipeline pipeline(config, tf, sink);
+  PlanarScan scan;
+  scan.reset(90);
+  scan.set_angles(0, 0.01F);
+  scan.range_max = 9;
+  scan.frame_id = "a";
+  scan.stamp = begin;
+  pipeline.scan_message("a", scan, begin);
+  ASSERT_EQ(sink.scans["m"].size(), 1U);
+  EXPECT_EQ(sink.scans["m"][0].scan.stamp, begin - ms(4));
+}
+
 TEST(MergedPipeline, SweepOfASourceWithoutPoseIsCountedAndItsFrameNamed) {
   Vehicle vehicle("policy: complete");
   PlanarScan scan;
