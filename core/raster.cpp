@@ -13,6 +13,9 @@ namespace {
 // Nearer to the origin than this there is no direction.
 constexpr float nearest = 0.001F;
 
+// So much of the way to the next beam a surface more likely than not goes on.
+constexpr float likely = 0.5F;
+
 void keep_nearer(RangeLayer& layer, std::size_t beam, float range, float intensity) {
   if (!(range < layer.range[beam])) return;
   layer.range[beam] = range;
@@ -28,6 +31,11 @@ Raster::Point point_of(const Sweep& sweep, std::size_t i) {
 void RangeLayer::clear(std::size_t beams) {
   range.assign(beams, std::numeric_limits<float>::infinity());
   intensity.assign(beams, 0);
+}
+
+void EndLayer::clear(std::size_t beams) {
+  marked.assign(beams, 0);
+  range.assign(beams, std::numeric_limits<float>::infinity());
 }
 
 Raster::Raster(const ScanGrid& grid)
@@ -122,31 +130,39 @@ void Raster::draw_segment(Point p, Point q, float at_p, float at_q, RangeLayer& 
   if (to >= turn_) fill(p, q, 0, to - turn_, layer);
 }
 
-void Raster::mark_ends(const Sweep& sweep, const BeamRays& rays, std::vector<char>& marks) const {
+void Raster::mark_ends(const Sweep& sweep, const BeamRays& rays, EndLayer& layer) const {
   const std::size_t n = sweep.kind.size();
+  if (n < 2) return;
   for (std::size_t i = 0; i < n; ++i) {
     if (sweep.kind[i] == Return::nothing) continue;
-    if (i > 0 && sweep.linked[i - 1] == 0) mark_end(sweep, rays, i, i - 1, marks);
-    if (i + 1 < n && sweep.linked[i] == 0) mark_end(sweep, rays, i, i + 1, marks);
+    const bool first = i == 0;
+    const bool last = i + 1 == n;
+    // Outside the field of view a surface goes on too, for all that is known.
+    if (first || sweep.linked[i - 1] == 0) mark_end(sweep, rays, i, first ? 1 : i - 1, first ? -1 : 1, layer);
+    if (last || sweep.linked[i] == 0) mark_end(sweep, rays, i, last ? i - 1 : i + 1, last ? -1 : 1, layer);
   }
 }
 
-void Raster::mark_end(const Sweep& sweep, const BeamRays& rays, std::size_t end, std::size_t next,
-                      std::vector<char>& marks) const {
-  // As far out as the end, in the direction of the next beam.
-  const float range = sweep.range[end];
+void Raster::mark_end(const Sweep& sweep, const BeamRays& rays, std::size_t end, std::size_t next, float side,
+                      EndLayer& layer) const {
+  // As far out as the end, in the direction of the next beam (or the one that would lie on the other side).
+  const float range = side * sweep.range[end];
   const float at = positions_[end];
   float span = position(sweep.x[end] + range * (rays.x[next] - rays.x[end]),
                         sweep.y[end] + range * (rays.y[next] - rays.y[end])) -
                at;
   if (span > turn_ / 2) span -= turn_;
   if (span < -turn_ / 2) span += turn_;
+  const float away = std::sqrt(sweep.x[end] * sweep.x[end] + sweep.y[end] * sweep.y[end]);
   const float from = std::floor(span < 0 ? at + span : at);
   const float to = std::ceil(span < 0 ? at : at + span);
   for (float beam = from; beam <= to; ++beam) {
     const float inside = beam < 0 ? beam + turn_ : beam >= turn_ ? beam - turn_ : beam;
     const auto index = static_cast<std::size_t>(inside);
-    if (index < marks.size()) marks[index] = 1;
+    if (index >= layer.marked.size()) continue;
+    layer.marked[index] = 1;
+    if (std::fabs(beam - at) <= std::fabs(span) * likely)
+      layer.range[index] = std::min(layer.range[index], away);
   }
 }
 

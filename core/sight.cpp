@@ -62,7 +62,7 @@ void Sight::compute(const std::vector<const Sweep*>& sweeps) {
 void Sight::combine(const std::vector<const Sweep*>& sweeps) {
   nearest_.clear(beams());
   doubtful_.clear(beams());
-  at_end_.assign(beams(), 0);
+  ends_.clear(beams());
   for (std::size_t s = 0; s < sweeps.size(); ++s) {
     layers_[s].clear(beams());
     if (sweeps[s] == nullptr) {
@@ -71,7 +71,7 @@ void Sight::combine(const std::vector<const Sweep*>& sweeps) {
     }
     profiles_[s].fill(*sweeps[s]);
     raster_.draw(*sweeps[s], layers_[s]);
-    raster_.mark_ends(*sweeps[s], rays_[s], at_end_);
+    raster_.mark_ends(*sweeps[s], rays_[s], ends_);
     raster_.draw_doubtful(*sweeps[s], doubtful_);
     for (std::size_t beam = 0; beam < beams(); ++beam) {
       if (!(layers_[s].range[beam] < nearest_.range[beam])) continue;
@@ -157,12 +157,12 @@ void Sight::decide(std::size_t beam) {
   if (!(range <= range_max)) {
     // Nothing bounds what was not seen at the end of the way, so its very end must be free.
     const auto end = std::min(static_cast<float>(settings_.free_required), range_max);
-    const bool free = is_covered(beam, end) && at_end_[beam] == 0 && is_free_at(beam, end);
+    const bool free = is_covered(beam, end) && ends_.marked[beam] == 0 && is_free_at(beam, end);
     seen_[beam] = free ? Seen::free : Seen::unobserved;
     return;
   }
   const float before = range - static_cast<float>(std::max(settings_.approach, 5 * settings_.noise));
-  if (!is_covered(beam, before))
+  if (!is_covered(beam, before) || ends_.range[beam] < before)
     seen_[beam] = Seen::gap;
   else
     seen_[beam] = before <= begin_[beam] || is_free_at(beam, before) ? Seen::hit : Seen::behind;

@@ -66,7 +66,7 @@ class Sight {
   std::size_t witness_ = 0;         // the source that saw the farthest part of the last way walked
   RangeLayer nearest_;
   RangeLayer doubtful_;
-  std::vector<char> at_end_;  // a surface ends here, perhaps inside the beam
+  EndLayer ends_;
   std::vector<float> begin_;  // m, where the vehicle ends
   std::vector<std::size_t> begin_step_;
   std::vector<Seen> seen_;

@@ -8,8 +8,6 @@
 namespace lidard::sim {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
-
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 }  // namespace
@@ -56,15 +54,23 @@ bool FlatScanner::sees(const FlatWorld& world, const Eigen::Vector2d& point) con
 }
 
 void FlatScanner::measure(const FlatWorld& world, Rng& rng, PlanarScan& scan) const {
+  measure(
+      world, [](std::size_t) { return Pose2(); }, rng, scan);
+}
+
+void FlatScanner::measure(const FlatWorld& world, const std::function<Pose2(std::size_t)>& place, Rng& rng,
+                          PlanarScan& scan) const {
   scan.reset(static_cast<std::size_t>(std::lround(field / increment)) + 1, 1, true);
   scan.set_angles(static_cast<float>(-field / 2), static_cast<float>(increment));
   scan.range_max = static_cast<float>(range_max);
   for (std::size_t i = 0; i < scan.beams; ++i) {
-    const double angle = yaw - field / 2 + static_cast<double>(i) * increment;
-    double range = world.cast(at, angle);
+    const Pose2 vehicle = place(i);
+    const Eigen::Vector2d from = Eigen::Vector2d(vehicle.x, vehicle.y) + Eigen::Rotation2Dd(vehicle.yaw) * at;
+    const double angle = vehicle.yaw + yaw - field / 2 + static_cast<double>(i) * increment;
+    double range = world.cast(from, angle);
     if (spot > 0) {
-      const double left = world.cast(at, angle + spot);
-      const double right = world.cast(at, angle - spot);
+      const double left = world.cast(from, angle + spot);
+      const double right = world.cast(from, angle - spot);
       const bool touches_two = std::abs(left - right) > 0.15 && std::abs(left - right) < 5;
       const double mixed = left + rng.uniform() * (right - left);
       if (touches_two && rng.uniform() < 0.5) range = mixed;

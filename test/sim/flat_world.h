@@ -3,10 +3,12 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <functional>
 #include <vector>
 
 #include "core/pose.h"
 #include "core/scan.h"
+#include "test/sim/motion.h"
 #include "test/sim/rng.h"
 
 namespace lidard::sim {
@@ -44,6 +46,9 @@ struct FlatScanner {
   bool sees(const FlatWorld& world, const Eigen::Vector2d& point) const;
   /// What it measures; the draws from `rng` depend on the world alone.
   void measure(const FlatWorld& world, Rng& rng, PlanarScan& scan) const;
+  /// The same on a vehicle that drives: `place` tells where in the world it is when a beam is measured.
+  void measure(const FlatWorld& world, const std::function<Pose2(std::size_t)>& place, Rng& rng,
+               PlanarScan& scan) const;
 };
 
 }  // namespace lidard::sim

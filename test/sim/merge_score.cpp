@@ -8,6 +8,7 @@
 
 #include "core/angle.h"
 #include "core/sweep.h"
+#include "test/sim/vehicle_motion.h"
 
 namespace lidard::sim {
 namespace {
@@ -48,7 +49,8 @@ bool is_near_vehicle(const Eigen::Vector2d& p, double reach, bool diagonal) {
   return p.x() > rear - reach && p.x() < front + reach && std::abs(p.y()) < 1 + reach;
 }
 
-FlatWorld random_world(Rng& rng, bool diagonal) {
+FlatWorld random_world(Rng& rng, const MergeCase& set_up) {
+  const double clear = set_up.driving ? 0.8 : 0.3;  // of the vehicle, m
   FlatWorld world;
   world.add_box({0, 0}, {15, 10}, 0);
   const Eigen::Vector2d at((rng.uniform() - 0.5) * 16, (rng.uniform() - 0.5) * 8);
@@ -57,7 +59,8 @@ FlatWorld random_world(Rng& rng, bool diagonal) {
     const Eigen::Vector2d center((rng.uniform() - 0.5) * 29, (rng.uniform() - 0.5) * 19);
     const Eigen::Vector2d half(0.05 + 0.75 * rng.uniform(), 0.05 + 0.75 * rng.uniform());
     const double turn = rng.uniform() * pi_d;
-    if (is_near_vehicle(Eigen::Rotation2Dd(-yaw) * (center - at), half.norm() + 0.3, diagonal)) continue;
+    if (is_near_vehicle(Eigen::Rotation2Dd(-yaw) * (center - at), half.norm() + clear, set_up.diagonal))
+      continue;
     world.add_box(center, half, turn);
     ++boxes;
   }
@@ -84,6 +87,34 @@ bool is_observable(const MergeScene& scene, double angle, double truth) {
   return truth > merge_range_max || any_sees(scene, (truth - 0.02) * ray);
 }
 
+/// Sweeps of 60 ms of a vehicle that swings; the second one ends up to 20 ms before the first one, whose end
+/// is the output's instant. The world is as the vehicle sees it then.
+void drive_through(std::uint64_t seed, Rng& rng, MergeScene& scene) {
+  constexpr double sweep_s = 0.06;
+  constexpr Stamp start{1'000'000'000'000'000'000};
+  const SwingingVehicle vehicle(seed, 2);
+  const double end = 1 + 0.5 * rng.uniform();
+  const Pose here = to_pose(vehicle.at(end)).inverse();
+  const auto place = [&](double time) {
+    const Pose p = here * to_pose(vehicle.at(time));
+    return Pose2{p.translation().x(), p.translation().y(), std::atan2(p.linear()(1, 0), p.linear()(0, 0))};
+  };
+  PoseTrack track;
+  vehicle.report(track, start, 50, end - 0.3, end + 0.02);
+  for (std::size_t s = 0; s < scene.scanners.size(); ++s) {
+    const FlatScanner& scanner = scene.scanners[s];
+    PlanarScan& scan = scene.scans.emplace_back();
+    const double begin = end - sweep_s - (s == 0 ? 0 : 0.02 * rng.uniform());
+    const double between = sweep_s / (scanner.field / scanner.increment + 1);
+    scanner.measure(
+        scene.world, [&](std::size_t i) { return place(begin + static_cast<double>(i) * between); }, rng,
+        scan);
+    scan.stamp = start + span_from_seconds(begin);
+    scan.time_increment = static_cast<float>(between);
+    scene.motions.emplace_back().follow({start + span_from_seconds(end), &track}, times_of(scan));
+  }
+}
+
 template <class TakePoint>
 void each_point(const MergeScene& scene, TakePoint take) {
   for (std::size_t s = 0; s < scene.scans.size(); ++s) {
@@ -93,7 +124,8 @@ void each_point(const MergeScene& scene, TakePoint take) {
       if (scan.statuses[i] != BeamStatus::hit) continue;
       const auto r = static_cast<double>(scan.ranges[i]);
       const auto a = static_cast<double>(scan.angle(i));
-      const Eigen::Vector3d p = pose * Eigen::Vector3d(r * std::cos(a), r * std::sin(a), 0);
+      Eigen::Vector3d p = pose * Eigen::Vector3d(r * std::cos(a), r * std::sin(a), 0);
+      if (!scene.motions[s].stands()) p = scene.motions[s].moved(i, p);
       take(Eigen::Vector2d(p.head<2>()));
     }
   }
@@ -161,7 +193,9 @@ const std::vector<MergeCase>& merge_cases() {
       {"diagonal 0.5 deg -> 1080, 10 mm, veils", true, 0.5, 1080, 0.010, true},
       {"diagonal 0.25 deg -> 1440, 10 mm, veils", true, 0.25, 1440, 0.010, true},
       {"diagonal 1/3 deg -> 720, 15 mm, veils", true, 1.0 / 3, 720, 0.015, true},
-      {"diagonal 1 deg -> 1440, 20 mm, veils", true, 1.0, 1440, 0.020, true}};
+      {"diagonal 1 deg -> 1440, 20 mm, veils", true, 1.0, 1440, 0.020, true},
+      {"diagonal 0.5 deg -> 1080, 10 mm, veils, driving", true, 0.5, 1080, 0.010, true, true},
+      {"diagonal 1 deg -> 1440, 20 mm, veils, driving", true, 1.0, 1440, 0.020, true, true}};
   return cases;
 }
 
@@ -195,15 +229,17 @@ double MergeScore::p99() const {
 MergeScene make_scene(const MergeCase& set_up, std::uint64_t seed) {
   Rng rng(seed);
   MergeScene scene;
-  scene.world = random_world(rng, set_up.diagonal);
+  scene.world = random_world(rng, set_up);
   scene.scanners = scanners_of(set_up);
   scene.grid = full_circle(set_up.beams);
   scene.body = set_up.diagonal ? Footprint({{-2.25, -1}, {2.25, -1}, {2.25, 1}, {-2.25, 1}})
                                : Footprint({{-4, -1}, {0, -1}, {0, 1}, {-4, 1}});
-  for (const FlatScanner& scanner : scene.scanners) {
-    scene.scans.emplace_back();
-    scanner.measure(scene.world, rng, scene.scans.back());
-  }
+  if (set_up.driving)
+    drive_through(seed, rng, scene);
+  else
+    for (const FlatScanner& scanner : scene.scanners)
+      scanner.measure(scene.world, rng, scene.scans.emplace_back());
+  scene.motions.resize(scene.scans.size());
   for (std::size_t beam = 0; beam < scene.grid.beams; ++beam) {
     const double angle = scene.grid.angle(beam);
     scene.truth.push_back(scene.world.cast({0, 0}, angle));
@@ -246,7 +282,8 @@ TruthfulClaims truthful_claims(const MergeScene& scene, const MergeCase& set_up,
     BeamRays rays;
     rays.build(scene.scans[s], scene.scanners[s].pose(), scene.body, {});
     sight.set_source(s, rays);
-    condition(scene.scans[s], rays, source, sweeps[s]);
+    measure(scene.scans[s], rays, source, sweeps[s]);
+    place(rays, scene.motions[s], source.noise, sweeps[s]);
     newest.push_back(&sweeps[s]);
   }
   sight.compute(newest);

@@ -19,6 +19,7 @@ struct MergeCase {
   std::size_t beams;  ///< of the output
   double noise;       ///< one standard deviation, m
   bool veils;
+  bool driving = false;  ///< sweeps of 60 ms while the vehicle swings; odometry of 50 Hz
 };
 
 /// The set-ups whose figures are compared.
@@ -52,6 +53,7 @@ struct MergeScene {
   FlatWorld world;
   std::vector<FlatScanner> scanners;
   std::vector<PlanarScan> scans;
+  std::vector<SweepMotion> motions;  ///< of the vehicle, during each sweep
   Footprint body;
   ScanGrid grid;
   std::vector<double> truth;     ///< m per beam; infinite: nothing

@@ -16,7 +16,7 @@ namespace lidard::sim {
 /// nanometre per step), so that it is truth for what is interpolated.
 class SwingingVehicle {
  public:
-  /// `duration`: s. The swings take 2.5 ... 4 s.
+  /// `duration`: s. The swings take 1.25 ... 2.5 s.
   SwingingVehicle(std::uint64_t seed, double duration);
 
   /// The place `time` s after the start.
