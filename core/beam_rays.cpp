@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace lidard {
 namespace {
@@ -14,6 +15,13 @@ constexpr float nowhere = std::numeric_limits<float>::infinity();
 constexpr double housing_m = 0.5;
 // Beams that graze an edge they start on do not enter the body.
 constexpr double graze_m = 0.002;
+
+/// True if a beam runs into the body. A scanner on the border of an outline that reaches a little beyond it
+/// is not blocked by that strip.
+bool is_blocked(const std::optional<Footprint::Crossing>& body) {
+  if (!body || body->in <= 0) return false;
+  return body->in > Footprint::margin_m || body->out - body->in > housing_m;
+}
 
 /// Ranges at which a beam that begins at height `from` and climbs `slope` per m is inside the band.
 void clip(double from, double slope, HeightBand band, float& begin, float& end) {
@@ -65,7 +73,7 @@ void BeamRays::add_beam(double angle, const Footprint& body, const Footprint& ma
   own_begin.push_back(own ? static_cast<float>(own->in) : nowhere);
   own_end.push_back(own ? static_cast<float>(own->out) : nowhere);
   const auto blocked = body.crossing(origin, ray.head<2>());
-  blocked_at.push_back(blocked && blocked->in > 0 ? static_cast<float>(blocked->in) : nowhere);
+  blocked_at.push_back(is_blocked(blocked) ? static_cast<float>(blocked->in) : nowhere);
   band_begin.push_back(0);
   band_end.push_back(0);
   clip(pose.translation().z(), ray.z(), band, band_begin.back(), band_end.back());

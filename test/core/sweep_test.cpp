@@ -101,6 +101,18 @@ TEST(Sweep, ReturnsFromBehindTheBodyAreNotBelieved) {
   EXPECT_NEAR(c.sweep.free_to[middle], 1, 0.01);
 }
 
+TEST(Sweep, OutlineThatReachesALittleBeyondAScannerOnItsBorderDoesNotBlindIt) {
+  // The scanner stands on the left border, 0.1 m behind the front.
+  FlatWorld world;
+  world.add_box({0, 0}, {12, 12}, 0);
+  const Conditioned c(world, scanner_at(0, 1, 45, 0.5), Footprint({{-4, -1}, {0.1, -1}, {0.1, 1}, {-4, 1}}));
+  for (const double direction : {-75.0, -45.0, -10.0, 0.0, 60.0, 170.0}) {
+    EXPECT_EQ(c.sweep.kind[c.towards((direction - 45) * degree)], Return::surface) << direction;
+  }
+  // Along the front, and into the body, it sees nothing of the world.
+  EXPECT_EQ(c.sweep.kind[c.towards(-135 * degree)], Return::nothing);
+}
+
 TEST(Sweep, ScannerAboveTheVehicleSeesOverIt) {
   FlatWorld world;
   world.add_box({0, 0}, {20, 20}, 0);
