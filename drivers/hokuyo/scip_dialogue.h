@@ -8,7 +8,7 @@
 #include "drivers/driver.h"
 #include "drivers/hokuyo/scip_clock.h"
 #include "drivers/hokuyo/scip_message.h"
-#include "drivers/hokuyo/warning_board.h"
+#include "drivers/warning_board.h"
 
 namespace lidard::hokuyo {
 

@@ -8,12 +8,14 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "core/beam_window.h"
+#include "core/steady_stamps.h"
 #include "drivers/hokuyo/scip_clock.h"
 #include "drivers/hokuyo/scip_dialogue.h"
 #include "drivers/hokuyo/scip_message.h"
 #include "drivers/hokuyo/scip_models.h"
 #include "drivers/hokuyo/scip_request.h"
-#include "drivers/hokuyo/warning_board.h"
+#include "drivers/warning_board.h"
 
 namespace lidard::hokuyo {
 namespace {
@@ -83,7 +85,7 @@ class ScipDriver final : public Driver, private ScipDialogue::Owner {
   Span before_first_ray_{0};
   int range_max_mm_ = 0;
   PlanarScan scan_;
-  Stamp last_stamp_;
+  SteadyStamps stamps_;
   Stamp last_report_;
   std::vector<char> flat_;
 };
@@ -124,7 +126,7 @@ void ScipDriver::tick(Stamp now, DriverOutput& out) {
 void ScipDriver::restart() {
   reader_.interrupt();
   clock_.reset();
-  last_stamp_ = Stamp();
+  stamps_.reset();
 }
 
 Reject ScipDriver::receive(const Packet& packet, DriverOutput& out) {
@@ -300,16 +302,9 @@ void ScipDriver::choose_beams() {
   const ScipScanRequest& request = geometry_->request;
   const double step = request.cluster * p.rad_per_step();
   const double first = p.angle(request.first_step + (request.cluster - 1) / 2.0);
-  const double slack = 0.01 * step;
-  std::size_t count = 0;
-  first_beam_ = 0;
-  for (std::size_t i = 0; i < request.values(); ++i) {
-    const double angle = first + step * static_cast<double>(i);
-    if (angle < config_.angle_min.value_or(-1e9) - slack || angle > config_.angle_max.value_or(1e9) + slack)
-      continue;
-    if (count++ == 0) first_beam_ = i;
-  }
-  scan_.beams = count;
+  const BeamWindow kept = beams_between(first, step, request.values(), config_.angle_min, config_.angle_max);
+  first_beam_ = kept.first;
+  scan_.beams = kept.count;
   scan_.set_angles(static_cast<float>(first + step * static_cast<double>(first_beam_)),
                    static_cast<float>(step));
   scan_.time_increment = static_cast<float>(p.step_seconds() * request.cluster);
@@ -319,7 +314,7 @@ void ScipDriver::choose_beams() {
   const auto steps_before = request.first_step + static_cast<int>(first_beam_) * request.cluster;
   before_first_ray_ = span_from_seconds(p.step_seconds() * steps_before);
   board_.clear(ScipTrouble::no_beams);
-  if (count == 0)
+  if (kept.count == 0)
     board_.set(ScipTrouble::no_beams,
                "no beam lies between angle_min and angle_max; correct the angles in the configuration");
 }
@@ -330,12 +325,7 @@ Stamp ScipDriver::first_ray(const ScipClock::Sweep& sweep) {
   const Stamp begin = clock_.begin_of(sweep, skipped);
   if (skipped <= longest_loss) counters_.lost_packets += static_cast<std::uint64_t>(skipped);
   counters_.clock_steps = clock_.steps();
-  const Stamp stamp = begin + before_first_ray_ + config_.time_offset;
-  // Consumers drop what is not newer. Only a clock that was set by more than that may go back.
-  constexpr Span hidden_step = std::chrono::seconds(1);
-  const bool back_a_little = stamp <= last_stamp_ && last_stamp_ - stamp < hidden_step;
-  last_stamp_ = back_a_little ? last_stamp_ + Span(1) : stamp;
-  return last_stamp_;
+  return stamps_.next(begin + before_first_ray_ + config_.time_offset);
 }
 
 Reject ScipDriver::fill(const ScipScanRequest& request) {

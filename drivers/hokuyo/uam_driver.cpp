@@ -5,9 +5,11 @@
 #include <array>
 #include <cmath>
 
+#include "core/beam_window.h"
 #include "core/device_clock.h"
+#include "core/steady_stamps.h"
 #include "drivers/hokuyo/uam_frame.h"
-#include "drivers/hokuyo/warning_board.h"
+#include "drivers/warning_board.h"
 #include "drivers/model.h"
 
 namespace lidard::hokuyo {
@@ -86,7 +88,8 @@ class UamDriver final : public Driver {
   DeviceClock clock_;
   bool known_ = false;
   std::int64_t device_ms_ = 0;
-  Stamp last_arrival_, last_stamp_;
+  Stamp last_arrival_;
+  SteadyStamps stamps_;
   std::uint64_t restarts_ = 0;
   UamStatus status_;
   std::size_t first_beam_ = 0;
@@ -108,16 +111,10 @@ UamDriver::UamDriver(const DriverConfig& config)
 }
 
 void UamDriver::choose_beams() {
-  const double slack = 0.01 * row_.step_deg * rad_per_deg;
-  const double lowest = config_.angle_min.value_or(-1e9) - slack;
-  const double highest = config_.angle_max.value_or(1e9) + slack;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < row_.beams; ++i) {
-    const double angle = (first_deg + row_.step_deg * static_cast<double>(i)) * rad_per_deg;
-    if (angle < lowest || angle > highest) continue;
-    if (count++ == 0) first_beam_ = i;
-  }
-  scan_.beams = count;
+  const BeamWindow kept = beams_between(first_deg * rad_per_deg, row_.step_deg * rad_per_deg, row_.beams,
+                                        config_.angle_min, config_.angle_max);
+  first_beam_ = kept.first;
+  scan_.beams = kept.count;
   scan_.set_angles(
       static_cast<float>((first_deg + row_.step_deg * static_cast<double>(first_beam_)) * rad_per_deg),
       static_cast<float>(row_.step_deg * rad_per_deg));
@@ -158,7 +155,7 @@ void UamDriver::restart() {
   reader_.interrupt();
   clock_.reset();
   known_ = false;
-  last_stamp_ = Stamp();
+  stamps_.reset();
 }
 
 Reject UamDriver::receive(const Packet& packet, DriverOutput& out) {
@@ -277,11 +274,7 @@ Stamp UamDriver::first_ray(Stamp arrival) {
   clock_.observe(sent, arrival);
   counters_.clock_steps = clock_.steps() + restarts_;
   const Span before = span_from_seconds(turn_s * row_.step_deg / 360 * static_cast<double>(first_beam_));
-  const Stamp stamp = clock_.to_host(sent) - sweep + before + config_.time_offset;
-  // Consumers drop what is not newer. Only a clock that was set by more than that may go back.
-  const bool back_a_little = stamp <= last_stamp_ && last_stamp_ - stamp < std::chrono::seconds(1);
-  last_stamp_ = back_a_little ? last_stamp_ + Span(1) : stamp;
-  return last_stamp_;
+  return stamps_.next(clock_.to_host(sent) - sweep + before + config_.time_offset);
 }
 
 Reject UamDriver::fill(std::string_view frame) {

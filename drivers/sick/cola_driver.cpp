@@ -5,6 +5,7 @@
 #include <array>
 #include <string>
 
+#include "core/steady_stamps.h"
 #include "drivers/model.h"
 #include "drivers/sick/cola_clock.h"
 #include "drivers/sick/cola_dialogue.h"
@@ -60,7 +61,6 @@ class ColaDriver final : public Driver {
   Reject take_geometry();
   Span first_of_telegram(Span start) const;
   void publish(Span first, DriverOutput& out);
-  Stamp rising(Stamp stamp);
   void show_info();
   template <class MakeText>
   void warn(Warning what, bool active, MakeText&& make_text);
@@ -88,7 +88,7 @@ class ColaDriver final : public Driver {
   std::uint16_t telegram_counter_ = 0, scan_counter_ = 0;
   Span counted_at_{0};  // device time
   Stamp counted_arrival_;
-  Stamp last_stamp_;
+  SteadyStamps stamps_;
 };
 
 template <class MakeText>
@@ -240,19 +240,11 @@ Span ColaDriver::first_of_telegram(Span start) const {
   return row_.stamp == ColaStamp::last_beam ? start - geometry_.sweep() : start;
 }
 
-/// Consumers drop what is not newer. Only a clock that was set by more than that may go back.
-Stamp ColaDriver::rising(Stamp stamp) {
-  constexpr Span hidden_step = std::chrono::seconds(1);
-  const bool back_a_little = stamp <= last_stamp_ && last_stamp_ - stamp < hidden_step;
-  last_stamp_ = back_a_little ? last_stamp_ + Span(1) : stamp;
-  return last_stamp_;
-}
-
 void ColaDriver::publish(Span first, DriverOutput& out) {
   if (!has_beams_) return;
   const Span before = span_from_seconds(geometry_.beam_period * static_cast<double>(planar_.first_beam()));
   PlanarScan& scan = planar_.fill(scan_);
-  scan.stamp = rising(clock_.to_host(first + before) + config_.time_offset);
+  scan.stamp = stamps_.next(clock_.to_host(first + before) + config_.time_offset);
   ++counters_.frames;
   out.scan(scan);
 }
@@ -280,7 +272,7 @@ void ColaDriver::restart() {
   clock_.reset();
   layers_.clear();
   counting_ = false;
-  last_stamp_ = Stamp();
+  stamps_.reset();
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/beam_window.h"
 #include "drivers/model.h"
 
 namespace lidard::sick {
@@ -18,8 +19,8 @@ constexpr std::array<std::string_view, 5> intensity_names = {"RSSI1", "RSSI2", "
 ColaPlanar::ColaPlanar(const DriverConfig& config, const ColaRow& row)
     : with_intensity_(config.publish_intensity),
       multi_echo_(config.publish_multiecho),
-      lowest_(config.angle_min.value_or(-1e9)),
-      highest_(config.angle_max.value_or(1e9)),
+      lowest_(config.angle_min),
+      highest_(config.angle_max),
       row_(row) {
   scan_.frame_id = config.frame_id;
   scan_.range_min = static_cast<float>(config.model->range_min);
@@ -27,23 +28,18 @@ ColaPlanar::ColaPlanar(const DriverConfig& config, const ColaRow& row)
 }
 
 bool ColaPlanar::choose(const ColaGeometry& geometry) {
-  // Configured angles are rounded: a beam on the limit is inside.
-  const double slack = 0.01 * std::abs(geometry.angle(row_, 1) - geometry.angle(row_, 0));
-  std::size_t count = 0;
-  first_beam_ = 0;
-  for (std::size_t i = 0; i < geometry.beams; ++i) {
-    const double angle = geometry.angle(row_, static_cast<double>(i));
-    if (angle < lowest_ - slack || angle > highest_ + slack) continue;
-    if (count++ == 0) first_beam_ = i;
-  }
+  const double start = geometry.angle(row_, 0);
+  const BeamWindow kept =
+      beams_between(start, geometry.angle(row_, 1) - start, geometry.beams, lowest_, highest_);
+  first_beam_ = kept.first;
   const double first = geometry.angle(row_, static_cast<double>(first_beam_));
   const double next = geometry.angle(row_, static_cast<double>(first_beam_) + 1);
   echoes_ = multi_echo_ ? geometry.echoes : 1;
-  scan_.beams = count;
+  scan_.beams = kept.count;
   scan_.set_angles(static_cast<float>(first), static_cast<float>(next - first));
   scan_.scan_time = geometry.scan_hz > 0 ? static_cast<float>(1 / geometry.scan_hz) : 0;
   scan_.time_increment = static_cast<float>(geometry.beam_period);
-  return count > 0;
+  return kept.count > 0;
 }
 
 PlanarScan& ColaPlanar::fill(const ColaScan& telegram) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 
 #include "core/scan.h"
 #include "drivers/driver.h"
@@ -26,7 +27,7 @@ class ColaPlanar {
   void fill_echo(const ColaScan& telegram, std::size_t echo);
 
   bool with_intensity_, multi_echo_;
-  double lowest_, highest_;  // rad
+  std::optional<double> lowest_, highest_;  // rad
   const ColaRow& row_;
   std::size_t first_beam_ = 0;
   std::size_t echoes_ = 1;

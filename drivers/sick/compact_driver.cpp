@@ -29,7 +29,7 @@ class CompactDriver final : public Driver {
       : config_(config),
         clock_(config.clock),
         side_clock_(config.clock),
-        warnings_(info_),
+        warnings_(info_.warnings),
         dialogue_(config) {
     frames_ = config.model->kind == FrameKind::cloud ? make_cloud_frames(config_, clock_)
                                                      : make_planar_frames(config_, clock_, warnings_);
@@ -79,7 +79,7 @@ class CompactDriver final : public Driver {
   DeviceInfo info_;
   DeviceClock clock_;
   DeviceClock side_clock_;  // of inertial unit and encoder, where their time is another one
-  WarningSlots warnings_;
+  SegmentWarnings warnings_;
   SopasDialogue dialogue_;
   Segment segment_;
   TelegramStream stream_;
@@ -107,7 +107,7 @@ Reject CompactDriver::receive(const Packet& packet, DriverOutput& out) {
 }
 
 void CompactDriver::note_dialogue() {
-  warnings_.set(WarningSlots::dialogue, dialogue_.warning());
+  warnings_.set(SegmentTrouble::dialogue, dialogue_.warning());
   if (!dialogue_.data_output().empty()) set_detail("Data Output", dialogue_.data_output());
 }
 
@@ -276,16 +276,16 @@ void CompactDriver::tick(Stamp now, DriverOutput& out) {
 bool CompactDriver::is_ours(std::uint32_t sender, Stamp arrival) {
   if (sender_known_ && sender == sender_) return true;
   if (sender_known_ && std::chrono::abs(arrival - last_arrival_) <= silence) {
-    if (!warnings_.is_set(WarningSlots::other_device))
-      warnings_.set(WarningSlots::other_device,
+    if (!warnings_.is_set(SegmentTrouble::other_device))
+      warnings_.set(SegmentTrouble::other_device,
                     "device " + std::to_string(sender) + " sends to the same place as device " +
                         std::to_string(sender_) + " and is left out; set ip_address for each");
     return false;
   }
   if (sender_known_)
-    warnings_.set(WarningSlots::other_device, "device " + std::to_string(sender_) +
-                                                  " was replaced by device " + std::to_string(sender) +
-                                                  "; check its pose");
+    warnings_.set(SegmentTrouble::other_device, "device " + std::to_string(sender_) +
+                                                    " was replaced by device " + std::to_string(sender) +
+                                                    "; check its pose");
   sender_known_ = true;
   sender_ = sender;
   order_.reset();

@@ -16,7 +16,7 @@ constexpr std::string_view reflectors_topic = "reflectors";
 
 class PlanarFrames final : public SegmentFrames {
  public:
-  PlanarFrames(const DriverConfig& config, const DeviceClock& clock, WarningSlots& warnings)
+  PlanarFrames(const DriverConfig& config, const DeviceClock& clock, SegmentWarnings& warnings)
       : config_(config), clock_(clock), warnings_(warnings) {
     for (PlanarScan* scan : {&scan_, &marked_}) {
       scan->frame_id = config.frame_id;
@@ -49,7 +49,7 @@ class PlanarFrames final : public SegmentFrames {
 
   DriverConfig config_;
   const DeviceClock& clock_;
-  WarningSlots& warnings_;
+  SegmentWarnings& warnings_;
   std::optional<SweepGrid> grid_;
   std::size_t echoes_ = 1;
   std::array<Sweep, FrameTracker::open_frames> sweeps_;
@@ -65,12 +65,12 @@ class PlanarFrames final : public SegmentFrames {
 
 Reject PlanarFrames::check(const Segment& segment) {
   const bool planar = segment.line_count == 1;
-  if (planar == warnings_.is_set(WarningSlots::layers)) {
-    warnings_.set(WarningSlots::layers, planar ? ""
-                                               : "the device sends " + std::to_string(segment.line_count) +
-                                                     " layers, so it is no " +
-                                                     std::string(config_.model->product) +
-                                                     ": set the model, for instance sick_multiscan136");
+  if (planar == warnings_.is_set(SegmentTrouble::layers)) {
+    warnings_.set(SegmentTrouble::layers, planar ? ""
+                                                 : "the device sends " + std::to_string(segment.line_count) +
+                                                       " layers, so it is no " +
+                                                       std::string(config_.model->product) +
+                                                       ": set the model, for instance sick_multiscan136");
   }
   if (!planar) return Reject::model;
   const SegmentLine& line = segment.lines[0];
@@ -91,7 +91,7 @@ void PlanarFrames::adopt(const Segment& segment) {
                   "the device changed from beams each %.4f deg to %.4f deg or to other angles or echoes; "
                   "restart whatever expects the former",
                   grid_->step * deg_per_rad, grid->step * deg_per_rad);
-    warnings_.set(WarningSlots::geometry, text.data());
+    warnings_.set(SegmentTrouble::geometry, text.data());
   }
   grid_ = grid;
   echoes_ = config_.publish_multiecho ? segment.lines[0].echoes : 1;
@@ -104,8 +104,8 @@ void PlanarFrames::begin(std::size_t slot) {
 }
 
 void PlanarFrames::add(std::size_t slot, const Segment& segment, std::uint32_t /*packet*/) {
-  if (sweeps_[slot].add(segment.lines[0], had_echo_) == 0 || warnings_.is_set(WarningSlots::uneven)) return;
-  warnings_.set(WarningSlots::uneven,
+  if (sweeps_[slot].add(segment.lines[0], had_echo_) == 0 || warnings_.is_set(SegmentTrouble::uneven)) return;
+  warnings_.set(SegmentTrouble::uneven,
                 "beams of the device are not evenly spaced; each is taken for the nearest even angle, which "
                 "is wrong by up to half a step");
 }
@@ -119,7 +119,7 @@ void PlanarFrames::learn_window(const Sweep& sweep, std::uint64_t segments) {
                   "whatever expects the former",
                   window_.count, grid_->angle(window_.begin) * deg_per_rad, found.count,
                   grid_->angle(found.begin) * deg_per_rad);
-    warnings_.set(WarningSlots::geometry, text.data());
+    warnings_.set(SegmentTrouble::geometry, text.data());
   }
   window_segments_ = segments;
   window_ = found;
@@ -135,8 +135,8 @@ PlanarFrames::Window PlanarFrames::kept(Window window) {
   while (config_.angle_min && begin < end && grid_->angle(begin) < *config_.angle_min - slack) ++begin;
   while (config_.angle_max && begin < end && grid_->angle(end - 1) > *config_.angle_max + slack) --end;
   const bool none = begin == end;
-  if (none != warnings_.is_set(WarningSlots::no_beams)) {
-    warnings_.set(WarningSlots::no_beams,
+  if (none != warnings_.is_set(SegmentTrouble::no_beams)) {
+    warnings_.set(SegmentTrouble::no_beams,
                   none ? "no beam of the device lies between angle_min and angle_max; correct the angles in "
                          "the configuration"
                        : "");
@@ -218,7 +218,7 @@ void PlanarFrames::publish_reflectors(const Sweep& sweep, Window kept, DriverOut
 }  // namespace
 
 std::unique_ptr<SegmentFrames> make_planar_frames(const DriverConfig& config, const DeviceClock& clock,
-                                                  WarningSlots& warnings) {
+                                                  SegmentWarnings& warnings) {
   return std::make_unique<PlanarFrames>(config, clock, warnings);
 }
 

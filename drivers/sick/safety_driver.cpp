@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/beam_window.h"
+#include "core/steady_stamps.h"
 #include "drivers/model.h"
 #include "drivers/sick/ms3_geometry.h"
 #include "drivers/sick/ms3_reassembler.h"
@@ -104,7 +106,7 @@ class SafetyDriver final : public Driver {
   std::optional<Ms3Derived> geometry_;
   std::size_t first_beam_ = 0;
   PlanarScan scan_;
-  Stamp last_stamp_;
+  SteadyStamps stamps_;
   double beyond_range_m_ = 0;
 
   SafetyTopics topics_;
@@ -299,23 +301,14 @@ void SafetyDriver::take_geometry(const Ms3Derived& derived) {
 void SafetyDriver::choose_beams() {
   const double step = geometry_->step_deg * rad_per_deg;
   const double first = (geometry_->start_deg - row_.ahead_deg) * rad_per_deg;
-  // Configured angles are rounded: a beam on the limit is inside.
-  const double slack = 0.01 * std::abs(step);
-  const double lowest = config_.angle_min.value_or(-1e9) - slack;
-  const double highest = config_.angle_max.value_or(1e9) + slack;
-  std::size_t count = 0;
-  first_beam_ = 0;
-  for (std::size_t i = 0; i < geometry_->beams; ++i) {
-    const double angle = first + step * static_cast<double>(i);
-    if (angle < lowest || angle > highest) continue;
-    if (count++ == 0) first_beam_ = i;
-  }
-  scan_.beams = count;
+  const BeamWindow kept = beams_between(first, step, geometry_->beams, config_.angle_min, config_.angle_max);
+  first_beam_ = kept.first;
+  scan_.beams = kept.count;
   scan_.set_angles(static_cast<float>(first + step * static_cast<double>(first_beam_)),
                    static_cast<float>(step));
   scan_.scan_time = static_cast<float>(geometry_->scan_time_ms * 1e-3);
   scan_.time_increment = static_cast<float>(seconds(beam_period(*geometry_)));
-  warn(Warning::no_beams_left, count == 0, [&] {
+  warn(Warning::no_beams_left, kept.count == 0, [&] {
     return "no beam lies between angle_min and angle_max, the scanner sends " + describe(*geometry_) +
            " (90 deg is ahead); correct the angles in the configuration";
   });
@@ -324,12 +317,7 @@ void SafetyDriver::choose_beams() {
 /// The data leaves when the last beam is measured; the first published one came so many periods before.
 Stamp SafetyDriver::first_ray(Stamp end) {
   const auto before = static_cast<std::int64_t>(geometry_->beams - 1 - first_beam_);
-  const Stamp stamp = end - beam_period(*geometry_) * before + config_.time_offset;
-  // Consumers drop what is not newer. Only a clock that was set by more than that may go back.
-  constexpr Span hidden_step = std::chrono::seconds(1);
-  const bool back_a_little = stamp <= last_stamp_ && last_stamp_ - stamp < hidden_step;
-  last_stamp_ = back_a_little ? last_stamp_ + Span(1) : stamp;
-  return last_stamp_;
+  return stamps_.next(end - beam_period(*geometry_) * before + config_.time_offset);
 }
 
 void SafetyDriver::publish(Stamp end, DriverOutput& out) {
@@ -376,7 +364,7 @@ void SafetyDriver::restart() {
   clock_.reset();
   stream_known_ = false;
   sequence_known_ = false;
-  last_stamp_ = Stamp();
+  stamps_.reset();
 }
 
 }  // namespace

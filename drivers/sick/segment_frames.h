@@ -2,45 +2,34 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
 
 #include "core/device_clock.h"
+#include "core/steady_stamps.h"
 #include "drivers/driver.h"
 #include "drivers/sick/frame_tracker.h"
 #include "drivers/sick/segment.h"
+#include "drivers/warning_board.h"
 
 namespace lidard::sick {
 
 /// Device time as the clock counts it. `us` is at most what is_plausible() lets pass.
 inline Span device_span(std::uint64_t us) { return std::chrono::microseconds(static_cast<std::int64_t>(us)); }
 
-/// Warnings that come and go, each once.
-class WarningSlots {
- public:
-  enum Slot : std::uint8_t { geometry, layers, uneven, no_beams, other_device, far, dialogue, count_ };
-
-  explicit WarningSlots(DeviceInfo& info) : info_(info) {}
-  bool is_set(Slot slot) const { return !texts_[slot].empty(); }
-  /// Sets or, with an empty text, clears a warning.
-  void set(Slot slot, std::string text);
-
- private:
-  DeviceInfo& info_;
-  std::array<std::string, count_> texts_;
+/// What may be wrong with a stream of segments.
+enum class SegmentTrouble : std::uint8_t {
+  geometry,
+  layers,
+  uneven,
+  no_beams,
+  other_device,
+  far,
+  dialogue,
+  count_
 };
-
-/// Stamps that do not go back, unless a clock was set.
-class SteadyStamps {
- public:
-  Stamp next(Stamp stamp);
-  void reset() { last_ = Stamp(); }
-
- private:
-  Stamp last_;
-};
+using SegmentWarnings = WarningBoard<SegmentTrouble>;
 
 /// Why and how whole a frame ends.
 struct FrameEnd {
@@ -70,7 +59,7 @@ class SegmentFrames {
 
 /// Scans of a single-plane device, of constant geometry.
 std::unique_ptr<SegmentFrames> make_planar_frames(const DriverConfig& config, const DeviceClock& clock,
-                                                  WarningSlots& warnings);
+                                                  SegmentWarnings& warnings);
 /// Clouds of a device with several layers.
 std::unique_ptr<SegmentFrames> make_cloud_frames(const DriverConfig& config, const DeviceClock& clock);
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace lidard::hokuyo {
+namespace lidard {
 
 /// One sentence per kind of trouble, kept in DeviceInfo::warnings while it lasts.
 template <class Kind>
@@ -16,18 +16,14 @@ class WarningBoard {
  public:
   explicit WarningBoard(std::vector<std::string>& shown) : shown_(shown) {}
 
+  /// An empty text clears the warning.
   void set(Kind kind, std::string text) {
     std::string& slot = texts_[static_cast<std::size_t>(kind)];
     if (slot == text) return;
     slot = std::move(text);
     show();
   }
-  void clear(Kind kind) {
-    std::string& slot = texts_[static_cast<std::size_t>(kind)];
-    if (slot.empty()) return;
-    slot.clear();
-    show();
-  }
+  void clear(Kind kind) { set(kind, {}); }
   bool is_set(Kind kind) const { return !texts_[static_cast<std::size_t>(kind)].empty(); }
 
  private:
@@ -42,4 +38,4 @@ class WarningBoard {
   std::array<std::string, static_cast<std::size_t>(Kind::count_)> texts_;
 };
 
-}  // namespace lidard::hokuyo
+}  // namespace lidard
