@@ -25,7 +25,7 @@ Sight::Sight(const ScanGrid& grid, const SightSettings& settings, std::size_t so
       profiles_(sources),
       layers_(sources),
       begin_(grid.beams, 0),
-      begin_step_(grid.beams, 0),
+      inside_(grid.beams),
       seen_(grid.beams, Seen::unobserved),
       covered_(grid.beams, 0) {
   if (settings_.free_required <= 0) settings_.free_required = grid.range_max;
@@ -40,7 +40,12 @@ void Sight::set_footprint(const Footprint& footprint) {
     const double angle = raster_.grid().angle(beam);
     const auto crossing = body.crossing({0, 0}, {std::cos(angle), std::sin(angle)});
     begin_[beam] = inside && crossing ? static_cast<float>(crossing->out) : 0.0F;
-    begin_step_[beam] = table_.step_at(begin_[beam]);
+    inside_[beam] = {};
+    if (!crossing) continue;
+    const auto end = static_cast<float>(crossing->out);
+    // The step that holds the border is the body's too: nobody sees into it.
+    const std::size_t border = table_.steps_to(static_cast<float>(crossing->in));
+    inside_[beam] = {inside || border == 0 ? 0 : border - 1, table_.step_at(end), end};
   }
 }
 
@@ -128,12 +133,19 @@ bool Sight::is_covered(std::size_t beam, float end) {
   const auto share = static_cast<float>(settings_.gap_share);
   const std::size_t sources = rays_.size();
   const std::size_t last = table_.steps_to(end);
-  std::size_t m = begin_step_[beam];
+  const Inside& body = inside_[beam];
+  std::size_t m = 0;
   std::size_t source = witness_;
   std::size_t refused = 0;  // sources that do not see step m, one after the other
-  float known = begin_[beam];
+  float known = 0;
   while (m < last) {
-    const std::size_t seen_to = free_run(source, beam, m, last);
+    if (m >= body.from && m < body.to) {
+      m = body.to;
+      known = std::max(known, body.end);
+      refused = 0;
+      continue;
+    }
+    const std::size_t seen_to = free_run(source, beam, m, m < body.from ? std::min(last, body.from) : last);
     refused = seen_to > m ? 1 : refused + 1;
     if (seen_to > m) {
       known = table_.edge(seen_to);

@@ -67,8 +67,13 @@ class Sight {
   RangeLayer nearest_;
   RangeLayer doubtful_;
   EndLayer ends_;
-  std::vector<float> begin_;  // m, where the vehicle ends
-  std::vector<std::size_t> begin_step_;
+  /// Where a beam leads through the vehicle; the way in there need not be observed.
+  struct Inside {
+    std::size_t from = 0, to = 0;  // steps [from, to)
+    float end = 0;                 // m
+  };
+  std::vector<float> begin_;  // m, where the vehicle ends if the origin lies inside
+  std::vector<Inside> inside_;
   std::vector<Seen> seen_;
   std::vector<float> covered_;
 };
