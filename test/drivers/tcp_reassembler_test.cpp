@@ -6,79 +6,19 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <random>
 
 #include "test/drivers/pcap_testing.h"
+#include "test/drivers/tcp_bench.h"
 #include "test/support/allocations.h"
 
-namespace lidard::test {
+namespace lidard::test::segments {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-const IpAddress device = IpAddress::v4(192, 168, 0, 1);
-const IpAddress host = IpAddress::v4(192, 168, 0, 99);
-
-Stamp at(double seconds) { return Stamp{} + span_from_seconds(seconds); }
-
-TcpSegment segment(std::uint32_t sequence, std::string_view bytes) {
-  TcpSegment out;
-  out.from_port = 2112, out.to_port = 40000;
-  out.sequence = sequence;
-  out.ack = true;
-  out.payload = ByteView(bytes);
-  out.length = static_cast<std::uint32_t>(bytes.size());
-  return out;
-}
-TcpSegment syn(std::uint32_t sequence) {
-  TcpSegment out = segment(sequence, "");
-  out.syn = true;
-  return out;
-}
-
-/// A reassembler and what came out of it.
-struct Bench {
-  TcpReassembler streams;
-  std::vector<std::string> chunks;
-  std::vector<std::uint64_t> missing;
-  std::vector<bool> starts;
-  std::vector<Stamp> stamps;
-
-  void add(const TcpSegment& what, double t = 0) {
-    streams.add(what, device, host, at(t));
-    drain();
-  }
-  void answer(std::uint32_t acknowledgement, double t = 0) {
-    TcpSegment out;
-    out.from_port = 40000, out.to_port = 2112;
-    out.ack = true;
-    out.acknowledgement = acknowledgement;
-    streams.add(out, host, device, at(t));
-    drain();
-  }
-  void drain() {
-    Packet packet;
-    while (streams.next(packet)) {
-      chunks.emplace_back(packet.payload.text());
-      missing.push_back(packet.missing);
-      starts.push_back(packet.stream_start);
-      stamps.push_back(packet.arrival);
-    }
-  }
-  void flush() {
-    streams.flush();
-    drain();
-  }
-  std::string all() const {
-    std::string text;
-    for (const auto& chunk : chunks) text += chunk;
-    return text;
-  }
-};
-
 TEST(TcpReassembler, HandsOnWhatComesInOrderAtOnce) {
-  Bench b;
+  TcpBench b;
   b.add(syn(999), 1);
   b.add(segment(1000, "abc"), 2);
   b.add(segment(1003, "de"), 3);
@@ -90,7 +30,7 @@ TEST(TcpReassembler, HandsOnWhatComesInOrderAtOnce) {
 }
 
 TEST(TcpReassembler, JoinsAConnectionInTheMiddle) {
-  Bench b;
+  TcpBench b;
   b.add(segment(77, ""));  // an acknowledgement alone begins nothing
   EXPECT_EQ(b.streams.streams(), 0U);
   b.add(segment(77, "xyz"));
@@ -100,7 +40,7 @@ TEST(TcpReassembler, JoinsAConnectionInTheMiddle) {
 }
 
 TEST(TcpReassembler, OrdersSegmentsAndStampsThemWithTheTimeTheyCouldBeRead) {
-  Bench b;
+  TcpBench b;
   b.add(segment(100, "a"), 1);
   b.add(segment(103, "d"), 2);
   b.add(segment(102, "c"), 3);
@@ -114,7 +54,7 @@ TEST(TcpReassembler, OrdersSegmentsAndStampsThemWithTheTimeTheyCouldBeRead) {
 }
 
 TEST(TcpReassembler, UsesEachByteOnceWhateverIsSentAgain) {
-  Bench b;
+  TcpBench b;
   b.add(segment(100, "abcd"));
   b.add(segment(100, "abcd"));    // sent again
   b.add(segment(102, "cdef"));    // overlaps with what is known
@@ -130,7 +70,7 @@ TEST(TcpReassembler, UsesEachByteOnceWhateverIsSentAgain) {
 }
 
 TEST(TcpReassembler, CountsOverTheWrapOfSequenceNumbers) {
-  Bench b;
+  TcpBench b;
   b.add(syn(0xfffffffdU));
   b.add(segment(1, "de"));
   b.add(segment(0xfffffffeU, "abc"));
@@ -140,7 +80,7 @@ TEST(TcpReassembler, CountsOverTheWrapOfSequenceNumbers) {
 }
 
 TEST(TcpReassembler, GivesUpAHoleWhoseBytesTheReceiverAcknowledged) {
-  Bench b;
+  TcpBench b;
   b.add(segment(100, "ab"), 1);
   b.add(segment(107, "hi"), 2);
   b.answer(107, 2.001);
@@ -154,7 +94,7 @@ TEST(TcpReassembler, GivesUpAHoleWhoseBytesTheReceiverAcknowledged) {
 }
 
 TEST(TcpReassembler, WaitsForBytesThatTheReceiverLacksToo) {
-  Bench b;
+  TcpBench b;
   b.add(segment(100, "ab"), 1);
   b.add(segment(104, "ef"), 1.1);
   b.answer(102, 1.1);
@@ -165,7 +105,7 @@ TEST(TcpReassembler, WaitsForBytesThatTheReceiverLacksToo) {
 }
 
 TEST(TcpReassembler, GivesUpAHoleWhenPatienceEnds) {
-  Bench b;
+  TcpBench b;
   b.add(segment(100, "ab"), 1);
   b.add(segment(104, "ef"), 2);
   b.streams.expire(at(4.9));
@@ -177,7 +117,7 @@ TEST(TcpReassembler, GivesUpAHoleWhenPatienceEnds) {
 }
 
 TEST(TcpReassembler, GivesUpAtTheEndAndSaysHowMuchIsMissing) {
-  Bench b;
+  TcpBench b;
   b.add(segment(100, "ab"));
   b.add(segment(104, "ef"));
   b.add(segment(110, "kl"));
@@ -189,7 +129,7 @@ TEST(TcpReassembler, GivesUpAtTheEndAndSaysHowMuchIsMissing) {
 TEST(TcpReassembler, HoldsLittleBehindAHole) {
   const std::string block(1400, 'x');
   for (const std::uint32_t step : {1U, 1400U}) {
-    Bench b;
+    TcpBench b;
     b.add(segment(0, "a"));
     std::size_t most = 0;
     for (std::uint32_t i = 0; i < 3000; ++i) {
@@ -204,7 +144,7 @@ TEST(TcpReassembler, HoldsLittleBehindAHole) {
 }
 
 TEST(TcpReassembler, BeginsAgainWithANewConnectionOfTheSamePorts) {
-  Bench b;
+  TcpBench b;
   b.add(syn(499));
   b.add(segment(500, "old"));
   b.add(segment(505, "waits"));
@@ -219,7 +159,7 @@ TEST(TcpReassembler, BeginsAgainWithANewConnectionOfTheSamePorts) {
 
 TEST(TcpReassembler, BeginsAgainWhereAnEndedConnectionGoesOnElsewhere) {
   for (const bool reset : {false, true}) {
-    Bench b;
+    TcpBench b;
     TcpSegment last = segment(103, "");
     (reset ? last.rst : last.fin) = true;
     b.add(segment(100, "abc"));
@@ -233,7 +173,7 @@ TEST(TcpReassembler, BeginsAgainWhereAnEndedConnectionGoesOnElsewhere) {
 }
 
 TEST(TcpReassembler, BeginsAgainWhereTheSequenceJumpsFarAway) {
-  Bench b;
+  TcpBench b;
   b.add(segment(100, "abc"));
   b.add(segment(3'000'000'000U, "def"));
   b.add(segment(3'000'000'003U, "ghi"));
@@ -242,7 +182,7 @@ TEST(TcpReassembler, BeginsAgainWhereTheSequenceJumpsFarAway) {
 }
 
 TEST(TcpReassembler, TakesBytesThatComeBeforeThoseOfTheLastSegment) {
-  Bench b;
+  TcpBench b;
   TcpSegment last = segment(106, "ghi");
   last.fin = true;
   b.add(segment(100, "abc"));
@@ -285,7 +225,7 @@ TEST(TcpReassembler, KeepsConnectionsAndDirectionsApart) {
 }
 
 TEST(TcpReassembler, RemembersABoundedNumberOfConnections) {
-  Bench b;
+  TcpBench b;
   const std::string block(1000, 'x');
   for (std::uint32_t i = 0; i < 5000; ++i) {
     for (const std::uint32_t sequence : {0U, 2000U, 5000U}) {  // each with two holes
@@ -302,7 +242,7 @@ TEST(TcpReassembler, RemembersABoundedNumberOfConnections) {
 }
 
 TEST(TcpReassembler, TakesWhatTheSnapshotLengthLeft) {
-  Bench b;
+  TcpBench b;
   TcpSegment cut = segment(100, "ab");
   cut.length = 10;
   b.add(cut);
@@ -332,75 +272,5 @@ TEST(TcpReassembler, AllocatesNothingForSegmentsInOrder) {
 }
 
 /// A segment of the property test, and when it comes.
-struct Piece {
-  std::size_t begin, length;
-};
-
-/// Cuts `size` bytes into pieces, sends some twice or overlapping, and swaps them inside a window.
-std::vector<Piece> pieces(std::size_t size, std::mt19937& rng) {
-  const auto up_to = [&](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n)(rng); };
-  std::vector<Piece> out;
-  for (std::size_t begin = 0; begin < size;) {
-    const std::size_t length = std::min(size - begin, 1 + up_to(1500));
-    out.push_back({begin, length});
-    begin += length;
-    if (up_to(4) == 0) out.push_back(out[out.size() - 1 - up_to(std::min<std::size_t>(out.size() - 1, 5))]);
-    if (up_to(4) == 0) {  // put together anew, as a sender does that sends again
-      const std::size_t from = begin - std::min(begin, up_to(4000));
-      out.push_back({from, std::min(size - from, 1 + up_to(3000))});
-    }
-  }
-  for (std::size_t i = 1; i + 1 < out.size(); ++i)
-    std::swap(out[i], out[i + up_to(std::min<std::size_t>(8, out.size() - 1 - i))]);
-  return out;
-}
-
-TEST(TcpReassembler, GivesTheSameBytesHoweverTheyWereSegmented) {
-  for (unsigned seed = 0; seed < 300; ++seed) {
-    std::mt19937 rng(seed);
-    std::string stream(20'000 + rng() % 60'000, '\0');
-    for (char& c : stream) c = static_cast<char>(rng());
-    const auto isn = static_cast<std::uint32_t>(seed % 3 == 0 ? 0xffffffffU - rng() % 60'000 : rng());
-    Bench b;
-    b.add(syn(isn - 1));
-    double t = 0;
-    for (const Piece& piece : pieces(stream.size(), rng)) {
-      b.add(segment(isn + static_cast<std::uint32_t>(piece.begin),
-                    std::string_view(stream).substr(piece.begin, piece.length)),
-            t += 0.001);
-    }
-    ASSERT_TRUE(b.all() == stream) << "seed " << seed;
-    EXPECT_EQ(b.streams.counters().missing, 0U) << "seed " << seed;
-    EXPECT_EQ(b.streams.waiting(), 0U);
-    EXPECT_TRUE(std::is_sorted(b.stamps.begin(), b.stamps.end()));
-  }
-}
-
-TEST(TcpReassembler, PutsWhatIsThereInItsPlaceWhateverIsLost) {
-  for (unsigned seed = 0; seed < 200; ++seed) {
-    std::mt19937 rng(seed);
-    std::string stream(50'000, '\0');
-    for (char& c : stream) c = static_cast<char>(rng());
-    Bench b;
-    b.add(syn(41));
-    for (const Piece& piece : pieces(stream.size(), rng)) {
-      if (rng() % 10 == 0) continue;
-      b.add(segment(42 + static_cast<std::uint32_t>(piece.begin),
-                    std::string_view(stream).substr(piece.begin, piece.length)));
-    }
-    b.flush();
-    std::size_t position = 0;
-    std::uint64_t missing = 0;
-    for (std::size_t i = 0; i < b.chunks.size(); ++i) {
-      position += b.missing[i];
-      missing += b.missing[i];
-      ASSERT_EQ(stream.compare(position, b.chunks[i].size(), b.chunks[i]), 0) << "seed " << seed;
-      position += b.chunks[i].size();
-    }
-    EXPECT_EQ(missing, b.streams.counters().missing);
-    EXPECT_LE(position, stream.size());
-  }
-}
-
 }  // namespace
-}  // namespace lidard::test
+}  // namespace lidard::test::segments
