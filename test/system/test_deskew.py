@@ -9,8 +9,9 @@ import subprocess
 import rosbag
 import rospy
 from geometry_msgs.msg import TransformStamped
-from harness import LIDARD_SIM, expect, folder, run
+from harness import LIDARD, LIDARD_SIM, expect, folder, free_port, process, ros_master, run, use_master_at, wait_for
 from nav_msgs.msg import Odometry
+from sensor_msgs.msg import LaserScan
 from tf2_msgs.msg import TFMessage
 
 START = 1767226643.456  # 2026-01-01T00:17:23.456Z
@@ -90,17 +91,24 @@ def true_range(place, angle):
     return best
 
 
+def transforms(way, until):
+    for i in range(int(until * 50) + 1):
+        x, y, yaw = way.at(i / 50)
+        pose = TransformStamped()
+        pose.header.stamp = rospy.Time.from_sec(START) + rospy.Duration.from_sec(i / 50)
+        pose.header.frame_id, pose.child_frame_id = "odom", "base_link"
+        pose.transform.translation.x, pose.transform.translation.y = x, y
+        pose.transform.rotation.z, pose.transform.rotation.w = math.sin(yaw / 2), math.cos(yaw / 2)
+        yield TFMessage([pose])
+
+
 def write_motion(path, way, until, with_tf):
     with rosbag.Bag(str(path), "w") as bag:
-        for i in range(int(until * 50) + 1):
-            x, y, yaw = way.at(i / 50)
-            stamp = rospy.Time.from_sec(START) + rospy.Duration.from_sec(i / 50)
+        for message in transforms(way, until):
+            stamp = message.transforms[0].header.stamp
+            x, y, yaw = way.at((stamp - rospy.Time.from_sec(START)).to_sec())
             if with_tf:
-                pose = TransformStamped()
-                pose.header.stamp, pose.header.frame_id, pose.child_frame_id = stamp, "odom", "base_link"
-                pose.transform.translation.x, pose.transform.translation.y = x, y
-                pose.transform.rotation.z, pose.transform.rotation.w = math.sin(yaw / 2), math.cos(yaw / 2)
-                bag.write("/tf", TFMessage([pose]), stamp)
+                bag.write("/tf", message, stamp)
             else:
                 pose = Odometry()
                 pose.header.stamp, pose.header.frame_id, pose.child_frame_id = stamp, "odom", "base_link"
@@ -115,28 +123,57 @@ def errors(tmp, way, motion, motion_bag):
     extra = ["--motion", motion_bag] if motion_bag else []
     result = run("replay", "-c", config, "--pcap", tmp / "drive.pcap", "--rate", "max", "--bag", out, *extra)
     expect(result.returncode == 0, result.stderr)
-    off, health, silent, beams = [], set(), 0, 0
+    scans, health = [], set()
     with rosbag.Bag(str(out)) as bag:
         for topic, message, _ in bag.read_messages():
             if message._type == "sensor_msgs/LaserScan" and topic.strip("/") == "scan":
-                t = message.header.stamp.to_sec() - START
-                if not 0.5 < t < DURATION - 0.3:
-                    continue
-                place = way.at(t)
-                for i, r in enumerate(message.ranges):
-                    true = true_range(place, message.angle_min + i * message.angle_increment)
-                    beams += 1
-                    if math.isfinite(r) and true <= 10:
-                        off.append(abs(r - true))
-                    silent += math.isnan(r)
+                scans.append(message)
             if message._type == "diagnostic_msgs/DiagnosticArray":
                 for status in message.status:
                     if status.name.endswith("merged scan") and message.header.stamp.to_sec() - START > 1:
                         health.add(status.message)
+    return (*judge(way, scans), health)
+
+
+def judge(way, scans):
+    """Root mean square and 99th percentile of the ranges' errors up to 10 m, and the share of silent beams."""
+    off, silent, beams = [], 0, 0
+    for message in scans:
+        t = message.header.stamp.to_sec() - START
+        if not 0.5 < t < DURATION - 0.3:
+            continue
+        expect(message.time_increment == 0, "beams of one instant have a time between them")
+        place = way.at(t)
+        for i, r in enumerate(message.ranges):
+            true = true_range(place, message.angle_min + i * message.angle_increment)
+            beams += 1
+            silent += math.isnan(r)
+            if math.isfinite(r) and true <= 10:
+                off.append(abs(r - true))
     expect(len(off) > 100000, f"only {len(off)} beams to judge")
     off.sort()
     rms = math.sqrt(sum(e * e for e in off) / len(off))
-    return rms, off[int(0.99 * len(off))], silent / beams, health
+    return rms, off[int(0.99 * len(off))], silent / beams
+
+
+def live(tmp, way):
+    """The same with tf of a ROS master, the scan taken by a subscriber."""
+    port = free_port()
+    use_master_at(port)
+    (tmp / "live.yaml").write_text(CONFIG.format(motion="  odometry_frame: odom"))
+    scans = []
+    with ros_master(port):
+        rospy.init_node("listener", disable_signals=True, anonymous=True)
+        rospy.Subscriber("/scan", LaserScan, scans.append, queue_size=1000)
+        tf = rospy.Publisher("/tf", TFMessage, queue_size=1000)
+        command = [LIDARD, "replay", "-c", tmp / "live.yaml", "--pcap", tmp / "drive.pcap", "--wait", "4"]
+        with process(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as child:
+            wait_for(lambda: tf.get_num_connections() > 0, 20, "a subscriber of /tf")
+            for message in transforms(way, DURATION):
+                tf.publish(message)
+            child.wait(timeout=60)
+        wait_for(lambda: len(scans) > 150, 5, "merged scans")
+    return judge(way, scans)
 
 
 def main():
@@ -160,6 +197,9 @@ def main():
         write_motion(tmp / "short.bag", way, 2.0, True)
         *_, health = errors(tmp, way, "  odometry_frame: odom", tmp / "short.bag")
         expect(any("as if the vehicle stood still" in one for one in health), f"poses that stop: {health}")
+        rms, p99, silent = live(tmp, way)
+        print(f"live tf: rms {rms * 1000:.2f} mm, p99 {p99 * 1000:.2f} mm, {silent:.1%} NaN")
+        expect(rms <= 0.001 and p99 <= 0.003, f"live tf: rms {rms * 1000:.2f} mm, p99 {p99 * 1000:.2f} mm")
 
 
 main()
