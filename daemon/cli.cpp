@@ -14,6 +14,7 @@
 #include "daemon/record.h"
 #include "daemon/replay.h"
 #include "daemon/run.h"
+#include "daemon/snapshot.h"
 #include "daemon/velodyne_node.h"
 
 namespace lidard {
@@ -41,6 +42,7 @@ struct Commands {
   DiscoverOptions discover;
   std::vector<std::string> hokuyos{"192.168.0.10:10940"}, sicks;
   RecordOptions record;
+  SnapshotOptions snapshot;
 
   Commands() {
     app.set_version_flag("--version", "lidard " LIDARD_VERSION);
@@ -54,6 +56,7 @@ struct Commands {
     add_models();
     add_discover();
     add_record();
+    add_snapshot();
   }
 
  private:
@@ -126,6 +129,19 @@ struct Commands {
     c->add_option("--interface", record.interface, "Network interface")->capture_default_str();
     c->add_option("--duration", record.duration, "Seconds; 0: until Ctrl-C")->check(CLI::NonNegativeNumber);
     c->callback([this] { action = [this] { return run_record(record, std::cerr); }; });
+  }
+  void add_snapshot() {
+    auto* c = app.add_subcommand("snapshot", "Draws what the vehicle sees at one moment, from above");
+    c->add_option("-c,--config", snapshot.config, "Configuration file")->required();
+    c->add_option("--pcap", snapshot.captures, "Captures, merged by time")->required()->expected(1, 1000);
+    c->add_option("--at", snapshot.at, "Seconds into the capture; default: its middle")
+        ->check(CLI::NonNegativeNumber);
+    c->add_option("--range", snapshot.range, "Metres from base_frame to the edge; default: fits the scans")
+        ->check(CLI::Range(0.5, 10000.0));
+    c->add_option("--areas", snapshot.areas,
+                  "Topic whose free and unknown areas are shaded; default: the first merged scan");
+    c->add_option("-o,--output", snapshot.output, "Picture to write, .png or .svg")->required();
+    c->callback([this] { action = [this] { return run_snapshot(snapshot, std::cerr); }; });
   }
 
   void add_discover() {
