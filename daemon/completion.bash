@@ -14,7 +14,7 @@ _lidard() {
     compopt -o nospace -o filenames 2>/dev/null
   }
   if ((COMP_CWORD == 1)); then
-    _lidard_words "run replay decode inspect check models discover record --help --version"
+    _lidard_words "run replay decode inspect check models discover record snapshot --help --version"
     return
   fi
   case $before in
@@ -31,6 +31,7 @@ _lidard() {
     replay:-*) _lidard_words "--config --pcap --rate --loop --start --duration --wait --motion --clock --bag --help" ;;
     decode:-*) _lidard_words "--model --source --port --calibration --calibration-model --format --frame --clock --time --output --help" ;;
     record:*) _lidard_words "--config --output --interface --duration --help" ;;
+    snapshot:-*) _lidard_words "--config --pcap --at --range --areas --output --help" ;;
     inspect:-* | models:*) _lidard_words "--json --help" ;;
     check:*) _lidard_files yaml yml ;;
     discover:*) _lidard_words "--hokuyo --sick --wait --json --help" ;;

@@ -112,8 +112,12 @@ def main():
             print("topics:")
             for text, _ in rows:
                 print(text)
+            picture = os.path.join(os.path.dirname(lidard), "demo.png")
+            drawn = subprocess.run([lidard, "snapshot", "-c", config, "--pcap", capture, "-o", picture], check=False)
+            if drawn.returncode == 0:
+                print(f"what the vehicle sees: {picture}")
             silent = [text for text, heard in rows if not heard]
-            code = player.returncode or (1 if silent or not rows else 0)
+            code = player.returncode or drawn.returncode or (1 if silent or not rows else 0)
             print("demo failed" if code else "demo done")
             listener.rospy.signal_shutdown("done")
         finally:
