@@ -202,12 +202,14 @@ void Pipeline::scan_message(const std::string& sensor, PlanarScan& scan, Stamp r
   line.seen = true;
   line.last_arrival = received;
   ++line.topic_counters.packets;
+  if (scan.beams == 0) line.fill_empty(scan);
   if (violation(scan) != nullptr) {
     line.topic_counters.reject(Reject::field);
     return;
   }
   ++line.topic_counters.frames;
   scan.stamp = scan.stamp + line.config.driver.time_offset;
+  line.notice_shape(scan);
   impl_->scan_from(line, scan);
 }
 

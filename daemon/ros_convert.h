@@ -54,8 +54,11 @@ std::int8_t to_ros(Health health);
 /// NaN is `invalid`, +inf `none`, -inf `near` (REP 117); a finite range outside the message's limits is
 /// `invalid` (sensor_msgs/LaserScan: "should be discarded"). A negative increment is a scanner mounted upside
 /// down and is kept when it agrees with the angles. One beam more or less than the angles say is rounding and
-/// is accepted.
+/// is accepted. A message without ranges is a sweep that says nothing: `scan` then has no beams. Intensities
+/// of another number than the ranges are left out.
 const char* from_ros(const sensor_msgs::LaserScan& message, PlanarScan& scan);
+/// False if the message has intensities, but not one for each range.
+bool intensities_fit(const sensor_msgs::LaserScan& message);
 
 /// What became of a point cloud message.
 struct CloudReading {

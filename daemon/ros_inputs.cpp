@@ -27,13 +27,20 @@ Stamp now() {
   return {std::chrono::duration_cast<Span>(since_epoch).count()};
 }
 
-const char* read(const sensor_msgs::LaserScan& message, PlanarScan& scan, std::size_t&) {
+/// What a usable message held that was not used.
+struct LeftOut {
+  std::size_t points = 0;
+  bool intensities = false;
+};
+
+const char* read(const sensor_msgs::LaserScan& message, PlanarScan& scan, LeftOut& left_out) {
+  left_out.intensities = !intensities_fit(message);
   return from_ros(message, scan);
 }
 
-const char* read(const sensor_msgs::PointCloud2& message, Cloud& cloud, std::size_t& dropped) {
+const char* read(const sensor_msgs::PointCloud2& message, Cloud& cloud, LeftOut& left_out) {
   const auto reading = from_ros(message, cloud);
-  dropped = reading.dropped;
+  left_out.points = reading.dropped;
   return reading.error;
 }
 
@@ -72,9 +79,10 @@ struct RosInputs::Source {
     report.last_reason = reason;
     spdlog::warn("messages of {} are not used: {}", report.topic, reason);
   }
-  void hand_on(std::size_t dropped_points) {
+  void hand_on(const LeftOut& left_out) {
     const std::lock_guard lock(mutex);
-    report.points_dropped += dropped_points;
+    report.points_dropped += left_out.points;
+    report.intensities_ignored += left_out.intensities ? 1 : 0;
     ++pending;
   }
   void taken() {
@@ -105,12 +113,12 @@ void receive(const std::shared_ptr<Source>& source, const RosInputs::Post& post,
   const Stamp received = now();
   if (!source->accept()) return;
   auto frame = std::make_shared<Frame>();
-  std::size_t dropped_points = 0;
-  if (const char* reason = read(message, *frame, dropped_points)) {
+  LeftOut left_out;
+  if (const char* reason = read(message, *frame, left_out)) {
     source->reject(reason);
     return;
   }
-  source->hand_on(dropped_points);
+  source->hand_on(left_out);
   post([source, handler, frame, received] {
     handler(source->report.sensor, *frame, received);
     source->taken();
@@ -171,7 +179,7 @@ void RosInputs::subscribe_packets(const std::shared_ptr<Source>& source) {
           source->reject(reason);
           return;
         }
-        source->hand_on(0);
+        source->hand_on({});
         post([source, handler, message, bytes, received] {
           read_velodyne_scan(bytes, [&](ByteView packet, Stamp arrival) {
             // Nobody stamps 1970; a stamp that was left out is the time at hand.
@@ -237,7 +245,8 @@ std::vector<DiagnosticItem> RosInputs::diagnostics() {
                    {"Messages", std::to_string(r.messages)},
                    {"Rejected", std::to_string(r.rejected)},
                    {"Dropped", std::to_string(r.dropped)},
-                   {"Points not finite", std::to_string(r.points_dropped)}};
+                   {"Points not finite", std::to_string(r.points_dropped)},
+                   {"Intensities ignored", std::to_string(r.intensities_ignored)}};
     items.push_back(std::move(item));
   }
   return items;

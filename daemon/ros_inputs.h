@@ -32,12 +32,13 @@ struct TopicHandlers {
 struct TopicReport {
   std::string sensor;
   std::string topic;
-  std::string type;                  ///< ROS type; empty while nobody publishes
-  std::uint64_t messages = 0;        ///< received, good or bad
-  std::uint64_t rejected = 0;        ///< unusable messages
-  std::uint64_t dropped = 0;         ///< messages dropped because the sensor thread was behind
-  std::uint64_t points_dropped = 0;  ///< points whose coordinates are not finite
-  std::string last_reason;           ///< why the last unusable one was not used
+  std::string type;                       ///< ROS type; empty while nobody publishes
+  std::uint64_t messages = 0;             ///< received, good or bad
+  std::uint64_t rejected = 0;             ///< unusable messages
+  std::uint64_t dropped = 0;              ///< messages dropped because the sensor thread was behind
+  std::uint64_t points_dropped = 0;       ///< points whose coordinates are not finite
+  std::uint64_t intensities_ignored = 0;  ///< scans whose intensities are not as many as their ranges
+  std::string last_reason;                ///< why the last unusable one was not used
 };
 
 /// Subscribes LaserScan, PointCloud2 and VelodyneScan topics of other nodes. The type comes from the master,

@@ -28,6 +28,14 @@ std::string topic_below(const SensorConfig& sensor, std::string_view name) {
   return sensor.name + "/" + std::string(name);
 }
 
+/// Takes the geometry and limits of `shape` and makes every beam `invalid`: a sweep that says nothing.
+void set_unobserved(const PlanarScan& shape, PlanarScan& scan) {
+  scan.reset(shape.beams, 1, false);
+  scan.set_angles(shape.angle_min, shape.angle_increment);
+  scan.range_min = shape.range_min;
+  scan.range_max = shape.range_max;
+}
+
 }  // namespace
 
 SensorLine::SensorLine(const SensorConfig& sensor, std::size_t place, LineOwner& line_owner)
@@ -45,6 +53,7 @@ SensorLine::SensorLine(const SensorConfig& sensor, std::size_t place, LineOwner&
 }
 
 void SensorLine::scan(PlanarScan& scan) {
+  notice_shape(scan);
   owner.sink.scan(topic, scan, owner.now);
   if (!echoes_topic.empty()) owner.sink.scan(echoes_topic, scan, owner.now);
   owner.scan_from(*this, scan);
@@ -100,6 +109,23 @@ void SensorLine::receive(const Packet& packet, Stamp received) {
     seen = seen || data;
   }
   settle();
+}
+
+void SensorLine::fill_empty(PlanarScan& scan) const {
+  if (shape.beams > 0) return set_unobserved(shape, scan);
+  scan.reset(1, 1, false);
+  scan.set_angles(0, 0);
+  scan.range_min = 0;
+  scan.range_max = 1;
+}
+
+void SensorLine::notice_shape(const PlanarScan& scan) {
+  if (scan.beams == shape.beams && scan.angle_min == shape.angle_min &&
+      scan.angle_increment == shape.angle_increment)
+    return;
+  if (shape.beams != 0 && shape.beams != scan.beams)
+    note("now has " + std::to_string(scan.beams) + " beams instead of " + std::to_string(shape.beams));
+  set_unobserved(scan, shape);
 }
 
 void SensorLine::note(std::string_view sentence) { spdlog::info("{}: {}", config.name, sentence); }

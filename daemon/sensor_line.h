@@ -63,6 +63,10 @@ struct SensorLine final : public DriverOutput {
   void disconnect(bool again) override { wish = again ? Wish::connect_anew : Wish::hang_up; }
   /// Does with the connection what the driver asked for in the call that just returned.
   void settle();
+  /// Makes a scan without beams one that observed nothing, so that it counts as delivered.
+  void fill_empty(PlanarScan& scan) const;
+  /// Remembers the geometry; says so when the number of beams changed.
+  void notice_shape(const PlanarScan& scan);
 
   enum class Wish : std::uint8_t { none, connect, connect_anew, hang_up };
 
@@ -86,6 +90,7 @@ struct SensorLine final : public DriverOutput {
   Stamp last_arrival{};
   Stamp last_telemetry{};
   Counters topic_counters;  // of a `topic:` source
+  PlanarScan shape;         // geometry of its last scan that had beams
 };
 
 }  // namespace lidard

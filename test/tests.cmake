@@ -27,7 +27,9 @@ endfunction()
 
 lidard_tests(core lidard_core)
 lidard_tests(drivers lidard_drivers)
-lidard_tests(daemon lidard_daemon lidard_rosbag)
+# What users' programs and ira_laser_tools make of scans with; the daemon needs none of them.
+pkg_check_modules(ANCESTOR REQUIRED IMPORTED_TARGET laser_geometry tf pcl_common)
+lidard_tests(daemon lidard_daemon lidard_rosbag PkgConfig::ANCESTOR)
 lidard_tests(sim lidard_drivers)
 add_dependencies(test_sim lidard-sim)
 
@@ -43,14 +45,8 @@ foreach(script ${system_tests})
 endforeach()
 
 file(GLOB benches CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/bench/*.cpp)
-# bench_merge compares with the libraries that ira_laser_tools stands on; the daemon needs none of them.
-pkg_check_modules(ANCESTOR IMPORTED_TARGET laser_geometry tf pcl_common)
 foreach(source ${benches})
   get_filename_component(name ${source} NAME_WE)
-  if(name STREQUAL bench_merge AND NOT ANCESTOR_FOUND)
-    message(STATUS "bench_merge is left out: needs liblaser-geometry-dev")
-    continue()
-  endif()
   add_executable(${name} ${source})
   target_link_libraries(${name} PRIVATE lidard_sim lidard_daemon benchmark::benchmark)
   if(name STREQUAL bench_merge)

@@ -124,6 +124,31 @@ TEST(ScanFromRos, AcceptsOneBeamMoreThanTheAnglesSay) {
   EXPECT_EQ(scan.angle_max, 1.0F);
 }
 
+TEST(ScanFromRos, LeavesOutIntensitiesOfTheWrongNumber) {
+  for (const std::size_t n : {2U, 9U}) {
+    auto message = sample_message();
+    message.intensities.resize(n);
+    PlanarScan scan;
+    EXPECT_FALSE(intensities_fit(message));
+    ASSERT_EQ(from_ros(message, scan), nullptr);
+    EXPECT_TRUE(scan.intensities.empty());
+    EXPECT_EQ(scan.statuses, sample_scan().statuses);
+    EXPECT_EQ(violation(scan), nullptr);
+  }
+  EXPECT_TRUE(intensities_fit(sample_message()));
+}
+
+TEST(ScanFromRos, TakesAMessageWithoutRangesAsASweepThatSaysNothing) {
+  auto message = sample_message();
+  message.ranges.clear();
+  message.intensities.clear();
+  message.angle_max = message.angle_min - 1;  // of no meaning without ranges
+  PlanarScan scan;
+  ASSERT_EQ(from_ros(message, scan), nullptr);
+  EXPECT_EQ(scan.beams, 0U);
+  EXPECT_EQ(scan.stamp, sample_scan().stamp);
+}
+
 TEST(ScanFromRos, SaysWhatIsWrong) {
   const auto broken = [](auto&& change) {
     auto message = sample_message();
@@ -134,15 +159,16 @@ TEST(ScanFromRos, SaysWhatIsWrong) {
   };
   constexpr float nan = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(broken([](auto&) {}), "");
-  EXPECT_EQ(broken([](auto& m) { m.ranges.clear(); }), "no ranges");
   EXPECT_EQ(broken([](auto& m) { m.angle_min = nan; }), "angles are not finite");
   EXPECT_EQ(broken([](auto& m) { m.angle_increment = 0; }), "angle_increment is 0");
   EXPECT_EQ(broken([](auto& m) { m.angle_increment = -0.5F; }),
             "angle_increment has the wrong sign for angle_min and angle_max");
   EXPECT_EQ(broken([](auto& m) { m.ranges.resize(9); }),
             "number of ranges does not fit angle_min, angle_max and angle_increment");
-  EXPECT_EQ(broken([](auto& m) { m.intensities.resize(2); }), "number of intensities is not that of ranges");
   EXPECT_EQ(broken([](auto& m) { m.time_increment = nan; }), "time_increment is not finite");
+  EXPECT_EQ(broken([](auto& m) { m.time_increment = -1e-5F; }), "time_increment is negative");
+  EXPECT_EQ(broken([](auto& m) { m.time_increment = 20; }), "time_increment makes the scan longer than 60 s");
+  EXPECT_EQ(broken([](auto& m) { m.time_increment = inf; }), "time_increment is not finite");
   EXPECT_EQ(broken([](auto& m) { m.scan_time = inf; }), "scan_time is not finite");
   EXPECT_EQ(broken([](auto& m) { m.range_max = nan; }), "range limits are not 0 <= min < max");
   EXPECT_EQ(broken([](auto& m) { m.range_min = -1; }), "range limits are not 0 <= min < max");

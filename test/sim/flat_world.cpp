@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "test/sim/flat_world.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -34,6 +35,16 @@ double FlatWorld::cast(const Eigen::Vector2d& origin, double angle) const {
     const double along = cross(to, edge) / slope;
     const double share = cross(to, ray) / slope;
     if (along > 0 && share >= 0 && share <= 1) nearest = std::min(nearest, along);
+  }
+  return nearest;
+}
+
+double FlatWorld::distance(const Eigen::Vector2d& point) const {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Wall& wall : walls_) {
+    const Eigen::Vector2d edge = wall.b - wall.a;
+    const double along = std::clamp((point - wall.a).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+    nearest = std::min(nearest, (wall.a + along * edge - point).norm());
   }
   return nearest;
 }

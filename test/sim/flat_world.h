@@ -21,6 +21,8 @@ class FlatWorld {
   void add_box(const Eigen::Vector2d& center, const Eigen::Vector2d& half, double yaw);
   /// m to the first wall in direction `angle` (rad); infinite if there is none.
   double cast(const Eigen::Vector2d& origin, double angle) const;
+  /// m from a point to the nearest wall; infinite if there is none.
+  double distance(const Eigen::Vector2d& point) const;
   /// The same world seen from a frame at `center` turned by `yaw`.
   FlatWorld seen_from(const Eigen::Vector2d& center, double yaw) const;
 

@@ -12,7 +12,9 @@ from harness import LIDARD_SIM, ROOT, expect, folder, run
 
 # A vehicle with a scanner on each front corner between walls; a box stands 2 m ahead.
 SCENE = """
+start: 2026-01-01T00:00:00Z
 duration: 0.6
+seed: 1
 sensors:
   left:
     model: sick_microscan3

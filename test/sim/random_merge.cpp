@@ -1,0 +1,155 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "test/sim/random_merge.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+
+#include "core/merger.h"
+#include "core/overlap.h"
+
+namespace lidard::sim {
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+
+/// Values out of bytes; zeros when there are no more.
+class Bytes {
+ public:
+  Bytes(const std::uint8_t* data, std::size_t size) : data_(data), left_(size) {}
+  bool empty() const { return left_ == 0; }
+  std::uint8_t byte() {
+    if (left_ == 0) return 0;
+    --left_;
+    return *data_++;
+  }
+  std::size_t below(std::size_t n) { return (byte() | static_cast<std::size_t>(byte()) << 8U) % n; }
+  bool chance(unsigned of_256) { return byte() < of_256; }
+  double between(double low, double high) {
+    return low + (high - low) * static_cast<double>(below(65536)) / 65535;
+  }
+  float any_float() {
+    const std::uint32_t bits =
+        static_cast<std::uint32_t>(below(65536)) << 16U | static_cast<std::uint32_t>(below(65536));
+    float value;
+    std::memcpy(&value, &bits, sizeof value);
+    return value;
+  }
+
+ private:
+  const std::uint8_t* data_;
+  std::size_t left_;
+};
+
+ScanGrid read_grid(Bytes& in) {
+  ScanGridSpec spec;
+  spec.beams = 2 + in.below(2000);
+  if (in.chance(100))
+    spec.angle_min = in.between(-pi, 0), spec.angle_max = spec.angle_min + in.between(0.1, pi);
+  spec.range_max = in.between(0.5, 80);
+  if (in.chance(60)) spec.range_min = in.between(0, 0.4);
+  std::string error;
+  const auto grid = make_grid(spec, error);
+  if (!grid) std::abort();
+  return *grid;
+}
+
+MergeSettings read_settings(Bytes& in) {
+  MergeSettings settings;
+  settings.points = settings.sight = true;
+  settings.how.noise = settings.source.noise = in.between(0, 0.1);
+  settings.how.mean = in.chance(128);
+  if (in.chance(40)) settings.how.free_required = in.between(0, 100);
+  settings.source.echoes = static_cast<EchoChoice>(in.below(4));
+  settings.source.veil_filter = in.chance(200);
+  if (in.chance(40)) settings.source.angle_max = in.between(-4, 4);
+  if (in.chance(40)) settings.source.no_return_free_range = in.between(0, 10);
+  return settings;
+}
+
+HeightBand read_band(Bytes& in) {
+  HeightBand band;
+  if (in.chance(80)) band.min = in.between(-1, 0.2), band.max = band.min + in.between(0, 1);
+  return band;
+}
+
+/// A sweep of anything: runs of surfaces, single returns, values from the edge of what is possible.
+void read_scan(Bytes& in, PlanarScan& scan) {
+  const std::size_t beams = in.chance(10) ? 1 + in.below(3) : 1 + in.below(700);
+  scan.reset(beams, in.chance(40) ? 1 + in.below(3) : 1, in.chance(128));
+  const double increment = in.between(1e-4, 2 * pi) / static_cast<double>(beams);
+  scan.set_angles(static_cast<float>(in.between(-4, 4)),
+                  static_cast<float>(in.chance(60) ? -increment : increment));
+  scan.range_min = static_cast<float>(in.between(0, 0.3));
+  scan.range_max = static_cast<float>(in.between(0.5, in.chance(20) ? 1e6 : 60));
+  scan.time_increment = in.chance(10) ? in.any_float() : static_cast<float>(in.between(0, 1e-4));
+  double range = in.between(0, 20);
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    const std::uint8_t what = in.byte();
+    if (what < 20) range = in.between(0, 40);
+    range += (static_cast<double>(what) - 128) * 1e-4;
+    const float r = what == 21 ? scan.range_min : what == 22 ? scan.range_max : static_cast<float>(range);
+    if (what < 230 && r >= scan.range_min && r <= scan.range_max)
+      scan.set_hit(i, r);
+    else
+      scan.set_without_hit(i, what % 3 == 0   ? BeamStatus::none
+                              : what % 3 == 1 ? BeamStatus::near
+                                              : BeamStatus::invalid);
+    if (!scan.intensities.empty())
+      scan.intensities[i] = what == 23 ? in.any_float() : static_cast<float>(what);
+  }
+}
+
+Pose read_pose(Bytes& in) {
+  const double tilt = in.chance(100) ? pi : 0.05;
+  return make_pose({in.between(-5, 5), in.between(-5, 5), in.between(-1, 1)},
+                   {in.between(-tilt, tilt), in.between(-tilt, tilt), in.between(-pi, pi)});
+}
+
+Footprint read_footprint(Bytes& in) {
+  std::vector<Eigen::Vector2d> corners;
+  for (std::size_t n = in.below(7); n > 0; --n) corners.emplace_back(in.between(-4, 4), in.between(-2, 2));
+  return Footprint(corners);
+}
+
+void check(const PlanarScan& scan, const ScanGrid& grid) {
+  if (violation(scan) != nullptr || scan.beams != grid.beams) std::abort();
+}
+
+}  // namespace
+
+std::size_t merge_bytes(const std::uint8_t* data, std::size_t size) {
+  Bytes in(data, size);
+  const ScanGrid grid = read_grid(in);
+  const std::size_t sources = 1 + in.below(3);
+  const HeightBand band = read_band(in);
+  Merger merger(grid, band, sources, std::chrono::milliseconds(200), read_settings(in));
+  if (in.chance(128)) merger.set_footprint(read_footprint(in));
+  std::vector<Pose> poses;
+  for (std::size_t s = 0; s < sources; ++s) poses.push_back(read_pose(in));
+  PlanarScan scan;
+  PlanarScan out[3];
+  Cloud cloud;
+  Stamp now{1'000'000'000'000};
+  std::size_t outputs = 0;
+  while (!in.empty()) {
+    const std::size_t source = in.below(sources);
+    if (in.chance(10)) poses[source] = read_pose(in);
+    if (in.chance(5)) merger.set_footprint(read_footprint(in));
+    read_scan(in, scan);
+    now = now +
+          std::chrono::microseconds(static_cast<std::int64_t>(in.below(65536)) * (in.chance(20) ? -40 : 1));
+    scan.stamp = now;
+    if (violation(scan) != nullptr) continue;
+    if (!merger.add(source, scan, poses[source])) continue;
+    merger.merge({{Profile::strict, &out[0]}, {Profile::safety, &out[1]}, {Profile::flatten, &out[2]}},
+                 &cloud);
+    for (const PlanarScan& merged : out) check(merged, grid);
+    ++outputs;
+  }
+  return outputs;
+}
+
+}  // namespace lidard::sim
