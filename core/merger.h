@@ -80,6 +80,12 @@ class Merger {
   bool poses_cover(std::size_t source, const MergeMoment& moment) const;
   /// What is known of each beam; nullptr if no profile needs it.
   const Sight* sight() const { return sight_ ? &*sight_ : nullptr; }
+  /// A source's sweep as the last merge placed it; nullptr: it was not used, or no surfaces are computed.
+  const Sweep* sweep(std::size_t source) const { return newest_sweeps_[source]; }
+  /// Where it was measured from, in the output frame.
+  Eigen::Vector2d looks_from(std::size_t source) const {
+    return sources_[source].rays.pose.translation().head<2>();
+  }
   /// True if the source is alive at the newest stamp seen.
   bool alive(std::size_t source) const;
 

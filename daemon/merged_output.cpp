@@ -31,6 +31,17 @@ MergeSettings settings_of(const MergedScanConfig& config) {
   return settings;
 }
 
+/// What to add to the pose of the pair's second source, in the output frame.
+std::string correction_of(const OverlapState& pair) {
+  const auto part = [&](std::size_t i, const char* name, double value, const char* unit) {
+    return pair.determined[i] ? fmt::format("{} {:+.3f} {}", name, value, unit)
+                              : fmt::format("{} not determined by the surroundings", name);
+  };
+  constexpr double degrees = 57.29577951308232;
+  return part(0, "yaw", pair.correction[0] * degrees, "deg") + ", " + part(1, "x", pair.correction[1], "m") +
+         ", " + part(2, "y", pair.correction[2], "m");
+}
+
 }  // namespace
 
 MergedOutput::MergedOutput(const MergedScanConfig& config, const VehicleConfig& vehicle,
@@ -42,6 +53,9 @@ MergedOutput::MergedOutput(const MergedScanConfig& config, const VehicleConfig& 
       merger_(grid_of(config.output.grid), band_of(config.output), config.laserscan_topics.size(),
               config.schedule.lost_after, settings_of(config)),
       scheduler_(config.laserscan_topics.size(), config.schedule),
+      overlap_(config.laserscan_topics.size()),
+      compared_(config.laserscan_topics.size(), nullptr),
+      places_(config.laserscan_topics.size(), Eigen::Vector2d::Zero()),
       told_states_(config.laserscan_topics.size(), SourceState::never),
       scans_(1 + config.also.size()) {
   cloud_.frame_id = config.destination_frame;
@@ -77,6 +91,7 @@ int MergedOutput::source_index(const std::string& sensor) const {
 void MergedOutput::restart() {
   merger_.reset();
   scheduler_.reset();
+  overlap_.reset();
   last_stamp_.reset();
   waits_for_motion_since_.reset();
 }
@@ -182,12 +197,22 @@ void MergedOutput::publish(const MergeMoment& moment, Stamp now, FrameSink& sink
   latency_ = now - moment.at;
   ++counters_.published;
   counters_.last_published = now;
+  compare_sources(moment.at);
   sink.scan(config_.scan_destination_topic, scans_[0], now);
   for (std::size_t i = 0; i < config_.also.size(); ++i) sink.scan(config_.also[i].topic, scans_[i + 1], now);
   if (with_cloud) sink.cloud(config_.cloud_destination_topic, cloud_, now);
   if (config_.status_topic.empty()) return;
   fill_status();
   sink.scan(config_.status_topic, status_, now);
+}
+
+void MergedOutput::compare_sources(Stamp stamp) {
+  if (merger_.sight() == nullptr || !overlap_.is_due(stamp)) return;
+  for (std::size_t s = 0; s < compared_.size(); ++s) {
+    compared_[s] = merger_.sweep(s);
+    places_[s] = merger_.looks_from(s);
+  }
+  overlap_.look(stamp, compared_, places_);
 }
 
 void MergedOutput::fill_status() {
@@ -253,11 +278,30 @@ void MergedOutput::describe_beams(DiagnosticItem& item) const {
   item.values.emplace_back("Beams unobserved", share(BeamStatus::invalid));
 }
 
+void MergedOutput::describe_overlap(DiagnosticItem& item) const {
+  for (const OverlapState& pair : overlap_.pairs()) {
+    const std::string& first = config_.laserscan_topics[pair.first];
+    const std::string& second = config_.laserscan_topics[pair.second];
+    if (pair.beams <= 0) continue;
+    const std::string correction = correction_of(pair);
+    item.values.emplace_back(
+        "Overlap " + first + "/" + second,
+        fmt::format("median {:+.1f} mm, MAD {:.1f} mm, {:.0f} beams; mount of {}: {}", pair.median * 1000,
+                    pair.mad * 1000, pair.beams, second, correction));
+    if (!pair.misaligned || item.health != Health::ok) continue;
+    item.health = Health::warn;
+    item.message = first + " and " + second +
+                   " do not agree on where surfaces are; correct a mount, e.g. that of " + second + " by " +
+                   correction;
+  }
+}
+
 DiagnosticItem MergedOutput::diagnostics(Stamp now) const {
   DiagnosticItem item = health_of("merged " + config_.name, counters_, now);
   describe_sources(item, now);
   describe_motion(item);
   describe_beams(item);
+  describe_overlap(item);
   item.values.emplace_back("Latency (ms)", fmt::format("{:.1f}", seconds(latency_) * 1000));
   item.values.emplace_back("Skew of the sources (ms)", fmt::format("{:.1f}", seconds(skew_) * 1000));
   item.values.emplace_back("Sources waited for in vain", std::to_string(scheduler_.deadlines_missed()));

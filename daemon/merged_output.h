@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/merger.h"
+#include "core/overlap.h"
 #include "core/scheduler.h"
 #include "daemon/config.h"
 #include "daemon/output_parts.h"
@@ -40,9 +41,12 @@ class MergedOutput {
   bool must_wait_for_motion(const MergeMoment& moment, Stamp now);
   void publish(const MergeMoment& moment, Stamp now, FrameSink& sink);
   void fill_status();
+  /// Compares what the sources of the output just made see of the same surfaces.
+  void compare_sources(Stamp stamp);
   void describe_motion(DiagnosticItem& item) const;
   void describe_sources(DiagnosticItem& item, Stamp now) const;
   void describe_beams(DiagnosticItem& item) const;
+  void describe_overlap(DiagnosticItem& item) const;
 
   MergedScanConfig config_;
   std::string base_frame_;
@@ -51,6 +55,9 @@ class MergedOutput {
   const PoseBook& poses_;
   Merger merger_;
   Scheduler scheduler_;
+  Overlap overlap_;
+  std::vector<const Sweep*> compared_;
+  std::vector<Eigen::Vector2d> places_;
   std::vector<SourceState> told_states_;
   std::vector<PlanarScan> scans_;  // the first is the entry's own, then those of `also`
   std::vector<MergedScan> merged_;
