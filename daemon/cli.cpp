@@ -138,8 +138,9 @@ struct Commands {
         ->check(CLI::NonNegativeNumber);
     c->add_option("--range", snapshot.range, "Metres from base_frame to the edge; default: fits the scans")
         ->check(CLI::Range(0.5, 10000.0));
-    c->add_option("--areas", snapshot.areas,
-                  "Topic whose free and unknown areas are shaded; default: the first merged scan");
+    c->add_option(
+        "--areas", snapshot.areas,
+        "Topic whose free and unknown areas are shaded; default: a merged one, strict before others");
     c->add_option("-o,--output", snapshot.output, "Picture to write, .png or .svg")->required();
     c->callback([this] { action = [this] { return run_snapshot(snapshot, std::cerr); }; });
   }

@@ -130,9 +130,11 @@ void Painter::rings() {
   }
   // On a diagonal, where the axes and usually the vehicle are not.
   const double angle = -0.7;
-  for (double r = step; r < reach; r += step)
-    chart_.label(chart_.to_page(Vector2d(r * std::cos(angle), r * std::sin(angle))), meters(r), 12, pale,
-                 Align::middle);
+  for (double r = step; r < reach; r += step) {
+    const Vector2d at = chart_.to_page(Vector2d(r * std::cos(angle), r * std::sin(angle)));
+    if (at.x() < field_left + field_width - 24 && at.y() > field_top + 14)
+      chart_.label(at, meters(r), 12, pale, Align::middle);
+  }
 }
 
 void Painter::line(const SnapshotView::Layer& layer, double width, const std::vector<double>& dashes) {

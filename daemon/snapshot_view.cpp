@@ -18,7 +18,7 @@ constexpr std::size_t most_cloud_points = 4000;
 
 std::string percent(std::size_t part, std::size_t all) {
   const double share = all == 0 ? 0 : 100.0 * static_cast<double>(part) / static_cast<double>(all);
-  return std::to_string(std::lround(share)) + " %";
+  return std::to_string(std::lround(share)) + "%";
 }
 
 std::size_t count(const PlanarScan& scan, BeamStatus status) {
@@ -61,6 +61,7 @@ class Gatherer {
   const FrameKeeper& frames_;
   std::string areas_;
   const PlanarScan* shaded_ = nullptr;
+  Profile shaded_profile_ = Profile::flatten;
   const PlanarScan* first_input_ = nullptr;
   std::string first_input_topic_;
   std::map<Role, std::size_t> numbers_;
@@ -181,9 +182,12 @@ void Gatherer::add_sensor(const SensorConfig& sensor) {
   }
 }
 
+/// Prefers scans that say only what is proven.
 void Gatherer::choose_areas(const std::string& topic, const PlanarScan& scan, Profile profile) {
-  if (shaded_ != nullptr || (!areas_.empty() && areas_ != topic)) return;
+  const bool better = shaded_ == nullptr || profile < shaded_profile_;
+  if (areas_.empty() ? !better : areas_ != topic) return;
   shaded_ = &scan;
+  shaded_profile_ = profile;
   const std::string shares =
       percent(count(scan, BeamStatus::none) + count(scan, BeamStatus::hit), scan.beams);
   view_.free_note = profile == Profile::flatten
@@ -237,7 +241,8 @@ SnapshotView Gatherer::run() {
   for (const MergedScanConfig& merged : config_.merged_scans) add_merged(merged);
   for (const VirtualScanConfig& group : config_.virtual_scans) add_virtual(group);
   // What a device itself says is as good as proven.
-  if (first_input_ != nullptr) choose_areas(first_input_topic_, *first_input_, Profile::strict);
+  if (first_input_ != nullptr && (shaded_ == nullptr || !areas_.empty()))
+    choose_areas(first_input_topic_, *first_input_, Profile::strict);
   if (shaded_ == nullptr && !areas_.empty())
     throw std::runtime_error("--areas: no scan '" + areas_ + "' had come by then");
   if (shaded_ != nullptr) shade(*shaded_);

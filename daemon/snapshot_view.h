@@ -57,7 +57,8 @@ struct SnapshotView {
 };
 
 /// Gathers what `frames` holds. `areas` is the topic whose free and unobserved areas are shaded; empty: the
-/// first merged scan that came, else the first scan of all. Throws std::runtime_error if it did not come.
+/// first merged or virtual scan in profile strict, else safety, else flatten, else the first scan of all.
+/// Throws std::runtime_error if it did not come.
 SnapshotView make_view(const Config& config, const PoseBook& poses, const FrameKeeper& frames,
                        const std::string& areas);
 

@@ -104,11 +104,11 @@ def check_pixels(picture, half):
         return picture.around(round(LEFT + WIDTH / 2 - left * scale), round(TOP + HEIGHT / 2 - ahead * scale), reach)
 
     expect((picture.width, picture.height) == (1200, 1200), f"{picture.width} x {picture.height} pixels")
-    for name, left, color in (("left", 0.4, BLUE), ("right", -0.4, ORANGE)):
-        expect(has(at(2.0, left), color), f"the {name} scanner's returns on the box 2 m ahead")
+    for name, left, color in (("left", 0.5, BLUE), ("right", -0.5, ORANGE)):
+        expect(has(at(2.5, left), color), f"the {name} scanner's returns on its side of the box 2 m ahead")
     expect(has(at(2.0, 0.2), BLACK), "the merged scan on the box")
     for left, color in ((11.99, BLUE), (-11.99, ORANGE)):
-        expect(has(at(0.0, left), color), f"the wall at {left} m")
+        expect(has(at(-6.0, left), color), f"the wall at {left} m")
     expect(has(at(1.0, 0.3, 0), FREE) and has(at(5.3, 6.1, 0), FREE), "free before the box and beside it")
     expect(has(at(-9.0, 0.0, 4), UNKNOWN), "nobody sees behind the vehicle")
     expect(not has(at(-9.0, 0.0, 4), FREE), "free behind the vehicle")
