@@ -26,6 +26,9 @@ constexpr float steep = 0.342F;            // sine of 20 degrees: a flatter beam
 // Neighbouring pieces share their returns, so that so many beams are worth one.
 constexpr double beams_per_sample = 2 * reach + 1;
 constexpr double enough_beams = 50;
+// A vehicle whose surroundings move by less from look to look makes no difference between two sweeps, which
+// are much less than a look apart.
+constexpr double standing_m = 0.03;
 // Share of the evidence that must speak for a direction.
 constexpr double determined_share = 0.02;
 constexpr double mad_to_sigma = 1.4826;
@@ -63,7 +66,7 @@ Solution solve(const Eigen::Matrix3d& levers, const Eigen::Vector3d& pulls, doub
 }  // namespace
 
 Overlap::Overlap(std::size_t sources, double tolerance)
-    : tolerance_(tolerance), facets_(sources, std::vector<Facet>(beams)) {
+    : tolerance_(tolerance), facets_(sources, std::vector<Facet>(beams)), before_(facets_) {
   for (std::size_t i = 0; i < beams; ++i) {
     const double angle = 2 * pi_d * static_cast<double>(i) / static_cast<double>(beams);
     rays_.emplace_back(static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)));
@@ -155,6 +158,22 @@ void Overlap::see(const Sweep& sweep, const Eigen::Vector2d& place, std::vector<
   }
 }
 
+/// True if a source sees what it saw at the look before.
+bool Overlap::stands(std::size_t source) {
+  sorted_.clear();
+  for (std::size_t i = 0; i < beams; ++i) {
+    const Facet& now = facets_[source][i];
+    const Facet& then = before_[source][i];
+    if (now.range == 0 || then.range == 0 || now.normal.dot(then.normal) < same_direction) continue;
+    sorted_.push_back(static_cast<double>(std::abs((now.range - then.range) * now.normal.dot(rays_[i]))));
+  }
+  if (static_cast<double>(sorted_.size()) < enough_beams) return false;
+  // Walls along the way do not move: it is the few across it that tell.
+  const auto most = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() * 9 / 10);
+  std::nth_element(sorted_.begin(), most, sorted_.end());
+  return *most < standing_m;
+}
+
 void Overlap::compare(const std::vector<Facet>& first, const std::vector<Facet>& second,
                       const Eigen::Vector2d& place) {
   common_.clear();
@@ -236,16 +255,21 @@ void Overlap::judge(const Memory& memory, OverlapState& state) const {
 }
 
 void Overlap::look(Stamp stamp, const std::vector<const Sweep*>& sweeps,
-                   const std::vector<Eigen::Vector2d>& places) {
+                   const std::vector<Eigen::Vector2d>& places, bool deskewed) {
   if (last_look_ && *last_look_ - stamp > restart_limit) reset();
   const double since = last_look_ ? std::max(0.0, seconds(stamp - *last_look_)) : 0;
   last_look_ = stamp;
   for (std::size_t s = 0; s < facets_.size(); ++s) {
-    if (sweeps[s] != nullptr) see(*sweeps[s], places[s], facets_[s]);
+    facets_[s].swap(before_[s]);
+    if (sweeps[s] != nullptr)
+      see(*sweeps[s], places[s], facets_[s]);
+    else
+      std::fill(facets_[s].begin(), facets_[s].end(), Facet{});
   }
   for (std::size_t i = 0; i < states_.size(); ++i) {
     OverlapState& state = states_[i];
     if (sweeps[state.first] == nullptr || sweeps[state.second] == nullptr) continue;
+    if (!deskewed && !(stands(state.first) && stands(state.second))) continue;
     compare(facets_[state.first], facets_[state.second], places[state.second]);
     remember(std::exp(-since / memory_s), memories_[i]);
     judge(memories_[i], state);

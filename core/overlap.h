@@ -38,8 +38,11 @@ class Overlap {
   /// True when the next look is due: a few per second are enough.
   bool is_due(Stamp stamp) const;
   /// Takes the newest sweep of each source (nullptr: none) and the place it was measured from, in the output
-  /// frame. A stamp that goes back by more than a moment forgets everything.
-  void look(Stamp stamp, const std::vector<const Sweep*>& sweeps, const std::vector<Eigen::Vector2d>& places);
+  /// frame. `deskewed`: they were brought to one instant. If not, they are compared only while the vehicle
+  /// stands, as each source's own view shows, since motion between two sweeps looks like a wrong mount.
+  /// A stamp that goes back by more than a moment forgets everything.
+  void look(Stamp stamp, const std::vector<const Sweep*>& sweeps, const std::vector<Eigen::Vector2d>& places,
+            bool deskewed);
   void reset();
 
   /// One per pair of sources; `beams` is 0 while they have nothing in common.
@@ -64,6 +67,7 @@ class Overlap {
     Eigen::Matrix3d levers = Eigen::Matrix3d::Zero();
     Eigen::Vector3d pulls = Eigen::Vector3d::Zero();
   };
+  bool stands(std::size_t source);
   void see(const Sweep& sweep, const Eigen::Vector2d& place, std::vector<Facet>& facets);
   bool fit(const Sweep& sweep, std::size_t beam, Eigen::Vector2f& middle, Eigen::Vector2f& normal) const;
   void draw(const Eigen::Vector2f& p, const Eigen::Vector2f& q, const Eigen::Vector2f& middle,
@@ -79,6 +83,7 @@ class Overlap {
   double tolerance_;
   std::optional<Stamp> last_look_;
   std::vector<std::vector<Facet>> facets_;  // per source and beam
+  std::vector<std::vector<Facet>> before_;  // the same at the look before
   std::vector<Eigen::Vector2f> rays_;
   std::vector<Common> common_;
   std::vector<double> sorted_;

@@ -212,7 +212,9 @@ void MergedOutput::compare_sources(Stamp stamp) {
     compared_[s] = merger_.sweep(s);
     places_[s] = merger_.looks_from(s);
   }
-  overlap_.look(stamp, compared_, places_);
+  const auto moved = [](SourceUse use) { return use == SourceUse::static_poses; };
+  overlap_.look(stamp, compared_, places_,
+                poses_.track() != nullptr && std::none_of(uses_.begin(), uses_.end(), moved));
 }
 
 void MergedOutput::fill_status() {

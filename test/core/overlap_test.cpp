@@ -46,6 +46,7 @@ struct Vehicle {
           real.yaw += error.yaw_deg * degree;
           real.at += Eigen::Vector2d(error.x, error.y);
         }
+        real.at.x() += speed * (t + 0.02 * static_cast<double>(s));
         PlanarScan scan;
         real.measure(world, rng, scan);
         BeamRays rays;
@@ -53,7 +54,7 @@ struct Vehicle {
         condition(scan, rays, settings, sweeps[s]);
       }
       const Stamp stamp{1'000'000'000 + static_cast<std::int64_t>(t * 1e9)};
-      if (overlap.is_due(stamp)) overlap.look(stamp, {&sweeps[0], &sweeps[1]}, {{0, 1}, {0, -1}});
+      if (overlap.is_due(stamp)) overlap.look(stamp, {&sweeps[0], &sweeps[1]}, {{0, 1}, {0, -1}}, deskewed);
     }
     return overlap.pairs().at(0);
   }
@@ -61,6 +62,8 @@ struct Vehicle {
   FlatWorld world;
   std::vector<FlatScanner> configured;
   SourceSettings settings;
+  double speed = 0;  // m/s; the second scanner measures 20 ms after the first
+  bool deskewed = false;
   sim::Rng rng{7};
   Sweep sweeps[2];
   Overlap overlap{2};
@@ -120,6 +123,21 @@ TEST(Overlap, NoticesAMountThatIsKnockedOnTheWay) {
   EXPECT_FALSE(vehicle.drive({}, 15, 20).misaligned);
 }
 
+TEST(Overlap, MotionThatIsNotKnownIsNotTakenForAWrongMount) {
+  Vehicle vehicle(paper_room());
+  vehicle.speed = 1.5;
+  EXPECT_FALSE(vehicle.drive({}, 0, 4).misaligned);
+  EXPECT_EQ(vehicle.drive({}, 4, 0.1).beams, 0);
+  vehicle.speed = 0;
+  EXPECT_TRUE(vehicle.drive({0.5, 0, 0}, 5, 2).misaligned);
+}
+
+TEST(Overlap, ComparesAlsoWhileDrivingOnceSweepsAreDeskewed) {
+  Vehicle vehicle(paper_room());
+  vehicle.deskewed = true;
+  expect_correction(vehicle.drive({0.5, 0, 0}, 0, 2), {0.5, 0, 0});
+}
+
 TEST(Overlap, InACorridorItDoesNotGuessHowFarAlongOneIs) {
   FlatWorld corridor;
   corridor.add_wall({-60, 2}, {60, 2});
@@ -157,7 +175,7 @@ TEST(Overlap, LooksFiveTimesASecondAndStartsAnewWhenTheInputDoes) {
   Overlap overlap(2);
   const Stamp t{5'000'000'000};
   EXPECT_TRUE(overlap.is_due(t));
-  overlap.look(t, {nullptr, nullptr}, {{0, 0}, {0, 0}});
+  overlap.look(t, {nullptr, nullptr}, {{0, 0}, {0, 0}}, false);
   EXPECT_FALSE(overlap.is_due(t + std::chrono::milliseconds(199)));
   EXPECT_TRUE(overlap.is_due(t + std::chrono::milliseconds(200)));
   EXPECT_TRUE(overlap.is_due(t - std::chrono::seconds(2)));
@@ -170,7 +188,7 @@ TEST(Overlap, DoesNotAllocateAfterItsFirstLook) {
   const std::vector<Eigen::Vector2d> places = {{0, 1}, {0, -1}};
   const Stamp later{9'000'000'000};
   const auto before = test::allocations();
-  vehicle.overlap.look(later, sweeps, places);
+  vehicle.overlap.look(later, sweeps, places, true);
   EXPECT_EQ(test::allocations(), before);
 }
 
