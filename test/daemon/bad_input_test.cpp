@@ -266,6 +266,20 @@ TEST(BadInput, ReturnsBeyondTheOutputsRangeAreNoHitsButShowThatTheWayIsFree) {
   room.expect_valid();
 }
 
+TEST(BadInput, AScannerWhoseClockIsAnHourBehindDoesNotTurnBackTheOutput) {
+  Room room;
+  Stamp last{};
+  int outputs = 0;
+  for (int i = 0; i < 100; ++i) {
+    room.sweep([](auto& m) { m.header.stamp -= ros::Duration(3600); });
+    if (room.sink.scans.count("around") == 0) continue;
+    if (room.strict().stamp != last) ++outputs;
+    EXPECT_GE(room.strict().stamp, last) << i;
+    last = room.strict().stamp;
+  }
+  EXPECT_GT(outputs, 50);
+}
+
 TEST(BadInput, PointsOfACloudThatAreNotFiniteAreLeftOutAndCounted) {
   Cloud cloud;
   const std::vector<CloudPoint> points = {
