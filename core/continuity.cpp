@@ -15,7 +15,10 @@ constexpr float veil_sine = 0.2079117F;      // of 12 degrees
 constexpr float longest_grazing_step = 3;    // m
 constexpr float steady_growth = 2.5F;        // of the steps along a wall
 constexpr float sharpest_bend = 0.34F;       // sine of 20 degrees; less is noise or a curve
-constexpr float line_tolerance = 0.005F;     // m, beside the noise
+constexpr float shortest_bridge = 0.1F;      // m
+constexpr float bridge_sine = 0.4226183F;    // of 25 degrees
+constexpr float bridge_cosine = 0.9063078F;
+constexpr float line_tolerance = 0.005F;  // m, beside the noise
 
 struct Point {
   float x, y;
@@ -82,6 +85,30 @@ bool is_veil(const Returns& returns, const Sweep& sweep, std::size_t i) {
   return !returns.continues(i + 2, i + 1, i);
 }
 
+/// True if the link from i to i + 1 leads steeply from one surface to another: both go on beyond it, on other
+/// lines. Between coarse beams it is wide enough to bridge a step of more than a metre.
+bool is_bridge(const Returns& returns, const BeamRays& rays, const Sweep& sweep, std::size_t i,
+               float shortest) {
+  if (sweep.linked[i - 1] == 0 || sweep.linked[i] == 0 || sweep.linked[i + 1] == 0) return false;
+  if (std::fabs(sweep.range[i] - sweep.range[i + 1]) < shortest * bridge_cosine) return false;
+  const Point b = returns.at(i), c = returns.at(i + 1);
+  const Point step = c - b;
+  if (length(step) < shortest) return false;
+  if (std::fabs(cross({rays.cosine[i], rays.sine[i]}, step)) >= bridge_sine * length(step)) return false;
+  return !returns.in_line(returns.at(i - 1), b, c) && !returns.in_line(b, c, returns.at(i + 2));
+}
+
+void cut_bridges(const Returns& returns, const BeamRays& rays, double noise, Sweep& sweep) {
+  const float shortest = std::max(shortest_bridge, static_cast<float>(5 * noise));
+  bool before = false;  // the link before is one; it goes only after this one was judged by it
+  for (std::size_t i = 1; i + 2 < sweep.linked.size(); ++i) {
+    const bool bridge = is_bridge(returns, rays, sweep, i, shortest);
+    if (before) sweep.linked[i - 1] = 0;
+    before = bridge;
+    if (bridge && i + 3 >= sweep.linked.size()) sweep.linked[i] = 0;
+  }
+}
+
 }  // namespace
 
 void link_neighbours(const BeamRays& rays, double noise, Sweep& sweep) {
@@ -101,6 +128,7 @@ void link_neighbours(const BeamRays& rays, double noise, Sweep& sweep) {
     const float squared = (a - b) * (a - b) + a * b * spread;
     if (squared <= limit * limit || returns.grazing(i)) sweep.linked[i] = 1;
   }
+  cut_bridges(returns, rays, noise, sweep);
 }
 
 void mark_veils(const BeamRays& rays, double noise, Sweep& sweep) {

@@ -12,7 +12,8 @@ namespace lidard {
 ///
 /// The adaptive breakpoint rule: two returns are one surface if it need not be steeper than 10 degrees
 /// against the beam (9 here, to leave room at the limit). A wall seen at a more grazing angle is recognised
-/// by four returns on one line.
+/// by four returns on one line. A steep link between two surfaces that both go on is none: between coarse
+/// beams the rule alone would bridge steps of more than a metre.
 void link_neighbours(const BeamRays& rays, double noise, Sweep& sweep);
 
 /// Marks veil points `doubtful` and unlinks them: returns between a near and a far surface that come from a

@@ -63,8 +63,25 @@ TEST(MergeBench, SparseScannersFillADenseOutput) {
   const Totals totals = totals_of(merge_cases()[4], 12);
   const MergeScore& s = totals.strict;
   EXPECT_GE(s.share(s.right), 96);
+  EXPECT_LE(s.share(s.see_through), 0.3);
   EXPECT_EQ(s.false_free, 0U);
   EXPECT_LT(totals.ancestor.share(totals.ancestor.right), 40);
+}
+
+TEST(MergeBench, DrivingMakesNoClaimWrong) {
+  const MergeCase& set_up = merge_cases()[5];
+  const Totals totals = totals_of(set_up, 12);
+  const MergeScore& s = totals.strict;
+  ASSERT_GT(s.seen, 10'000U);
+  EXPECT_GE(s.share(s.right), 97.5);
+  EXPECT_LE(s.share(s.see_through), 0.3);
+  EXPECT_LE(s.unseen_share(s.unseen_wrong), 2);
+  EXPECT_LE(s.rms(), set_up.noise);
+  for (const MergeScore* score : {&totals.strict, &totals.safety}) {
+    EXPECT_EQ(score->false_free, 0U);
+    EXPECT_EQ(score->unseen_free, 0U);
+  }
+  EXPECT_EQ(totals.dropped, 0U);
 }
 
 }  // namespace

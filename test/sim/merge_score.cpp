@@ -116,7 +116,7 @@ void drive_through(std::uint64_t seed, Rng& rng, MergeScene& scene) {
 }
 
 template <class TakePoint>
-void each_point(const MergeScene& scene, TakePoint take) {
+void each_point(const MergeScene& scene, bool deskewed, TakePoint take) {
   for (std::size_t s = 0; s < scene.scans.size(); ++s) {
     const PlanarScan& scan = scene.scans[s];
     const Pose pose = scene.scanners[s].pose();
@@ -125,7 +125,7 @@ void each_point(const MergeScene& scene, TakePoint take) {
       const auto r = static_cast<double>(scan.ranges[i]);
       const auto a = static_cast<double>(scan.angle(i));
       Eigen::Vector3d p = pose * Eigen::Vector3d(r * std::cos(a), r * std::sin(a), 0);
-      if (!scene.motions[s].stands()) p = scene.motions[s].moved(i, p);
+      if (deskewed && !scene.motions[s].stands()) p = scene.motions[s].moved(i, p);
       take(Eigen::Vector2d(p.head<2>()));
     }
   }
@@ -133,7 +133,7 @@ void each_point(const MergeScene& scene, TakePoint take) {
 
 std::vector<Claim> nearest_points(const MergeScene& scene, double offset) {
   std::vector<Claim> claims(scene.grid.beams, Claim{Claim::free, 0});
-  each_point(scene, [&](const Eigen::Vector2d& p) {
+  each_point(scene, false, [&](const Eigen::Vector2d& p) {
     const double range = p.norm();
     const double at = (std::atan2(p.y(), p.x()) + pi_d) / scene.grid.increment + offset;
     Claim& claim = claims[static_cast<std::size_t>(at) % claims.size()];
@@ -293,7 +293,7 @@ TruthfulClaims truthful_claims(const MergeScene& scene, const MergeCase& set_up,
   claims.strict = claims_of(scan);
   sight.encode(Profile::safety, scan, false);
   claims.safety = claims_of(scan);
-  each_point(scene, [&](const Eigen::Vector2d& p) {
+  each_point(scene, true, [&](const Eigen::Vector2d& p) {
     // At the very limit the surface between this return and the next one may lie beyond it.
     if (p.norm() > merge_range_max - 0.1) return;
     ++claims.returns;
