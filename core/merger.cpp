@@ -7,15 +7,12 @@
 
 namespace lidard {
 
-Merger::Merger(const ScanGrid& grid, HeightBand band, std::size_t sources, Span lost_after,
-               const MergeSettings& settings)
+Merger::Merger(const ScanGrid& grid, HeightBand band, std::size_t sources, const MergeSettings& settings)
     : settings_(settings),
       band_(band),
       flattener_(grid, band),
       newest_sweeps_(sources, nullptr),
-      lost_after_(lost_after),
-      sources_(sources),
-      living_(sources, 0) {
+      sources_(sources) {
   report_.sources.assign(sources, SourceUse::not_used);
   if (settings.sight) sight_.emplace(grid, settings.how, sources);
 }
@@ -33,22 +30,6 @@ void Merger::reset() {
     source.stamp.reset();
     source.fresh = false;
   }
-  first_.reset();
-  last_output_.reset();
-}
-
-bool Merger::alive(std::size_t source) const {
-  if (!first_) return false;
-  // A source never heard of gets the same patience, counted from the first sweep of any.
-  const Stamp last = sources_[source].stamp.value_or(*first_);
-  return newest_ - last <= lost_after_;
-}
-
-bool Merger::is_due() const {
-  for (std::size_t s = 0; s < sources_.size(); ++s) {
-    if (alive(s) && !sources_[s].fresh) return false;
-  }
-  return true;
 }
 
 bool Merger::add(std::size_t index, const PlanarScan& scan, const Pose& output_from_sensor) {
@@ -59,14 +40,12 @@ bool Merger::add(std::size_t index, const PlanarScan& scan, const Pose& output_f
   }
   // Far back it is no late sweep but a clock that was set, or an input that starts again.
   constexpr Span restart_limit = std::chrono::seconds(1);
-  if (first_ && scan.stamp + restart_limit < newest_) reset();
+  if (source.stamp && scan.stamp + restart_limit < *source.stamp) reset();
   if (source.stamp && scan.stamp <= *source.stamp) {
     ++out_of_order_;
     return false;
   }
   if (source.fresh) ++superseded_;
-  if (!first_) first_ = newest_ = scan.stamp;
-  newest_ = std::max(newest_, scan.stamp);
   source.stamp = scan.stamp;
   source.times = times_of(scan);
   source.fresh = true;
@@ -74,7 +53,7 @@ bool Merger::add(std::size_t index, const PlanarScan& scan, const Pose& output_f
   source.scan_time = scan.scan_time;
   if (settings_.points) take_points(scan, output_from_sensor, settings_of(index), source);
   if (sight_) take_sweep(index, scan, output_from_sensor);
-  return is_due();
+  return true;
 }
 
 void Merger::take_points(const PlanarScan& scan, const Pose& output_from_sensor,
@@ -193,18 +172,6 @@ const MergeReport& Merger::merge(const MergeMoment& moment, const std::vector<ch
   fill(*cloud);
   cloud->stamp = cloud->end = moment.at;
   return report_;
-}
-
-void Merger::merge(const std::vector<MergedScan>& outputs, Cloud* cloud) {
-  MergeMoment moment;
-  for (std::size_t s = 0; s < sources_.size(); ++s) {
-    living_[s] = sources_[s].stamp && alive(s) ? 1 : 0;
-    sources_[s].fresh = false;
-    if (living_[s] != 0) moment.at = std::max(moment.at, *sources_[s].stamp);
-  }
-  if (last_output_ && moment.at <= *last_output_) moment.at = *last_output_ + Span(1);
-  last_output_ = moment.at;
-  merge(moment, living_, outputs, cloud);
 }
 
 }  // namespace lidard

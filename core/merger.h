@@ -39,32 +39,24 @@ struct MergeReport {
 };
 
 /// Merges the newest sweeps of several single-plane scanners into one scan, all beams brought to one instant.
-///
-/// add() and merge() without a moment decide by themselves: an output is due when every source that is alive
-/// has delivered since the last one. A source that was silent for `lost_after` (by the stamps of the others)
-/// is neither waited for nor used, so a dead scanner cannot stop the output.
+/// When, and which sources are fit to be used, is for the Scheduler to say.
 class Merger {
  public:
-  Merger(const ScanGrid& grid, HeightBand band, std::size_t sources, Span lost_after,
-         const MergeSettings& settings = {});
+  Merger(const ScanGrid& grid, HeightBand band, std::size_t sources, const MergeSettings& settings = {});
 
   /// The vehicle's outline in the output frame: what lies inside is the vehicle's own.
   void set_footprint(const Footprint& footprint);
 
-  /// Stores a sweep; `output_from_sensor` takes the scanner's coordinates to the output frame. Sweeps that
-  /// are not newer than the last one, or whose beams have impossible times, are counted and not used. True
-  /// when an output is due.
+  /// Stores a sweep; `output_from_sensor` takes the scanner's coordinates to the output frame. False for
+  /// sweeps that are not newer than the source's last one, or whose beams have impossible times: they are
+  /// counted and not used. A stamp more than 1 s back is an input that starts again: all sweeps are
+  /// forgotten.
   bool add(std::size_t source, const PlanarScan& scan, const Pose& output_from_sensor);
   /// Merges the sweeps of the sources that `use` names (one flag per source), brought to `moment`, whose
   /// instant is the stamp. The caller sets the frames' names. If `cloud` is not nullptr it gets all points
   /// (ring = source, time 0). The report stays valid until the next call.
   const MergeReport& merge(const MergeMoment& moment, const std::vector<char>& use,
                            const std::vector<MergedScan>& outputs, Cloud* cloud);
-  /// Merges what is there, without motion. Stamp: the newest of the sweeps' first rays, strictly increasing
-  /// from output to output.
-  void merge(const std::vector<MergedScan>& outputs, Cloud* cloud);
-  /// The same for a single output of profile `flatten`.
-  void merge(PlanarScan& scan, Cloud* cloud) { merge({{Profile::flatten, &scan}}, cloud); }
   /// Forgets all sweeps (the input starts again).
   void reset();
 
@@ -86,8 +78,6 @@ class Merger {
   Eigen::Vector2d looks_from(std::size_t source) const {
     return sources_[source].rays.pose.translation().head<2>();
   }
-  /// True if the source is alive at the newest stamp seen.
-  bool alive(std::size_t source) const;
 
  private:
   struct Point {
@@ -107,7 +97,6 @@ class Merger {
     bool rays_outdated = false;  // the vehicle's outline has changed
     Sweep sweep;
   };
-  bool is_due() const;
   const SourceSettings& settings_of(std::size_t source) const {
     return settings_.each.empty() ? settings_.source : settings_.each[source];
   }
@@ -128,15 +117,10 @@ class Merger {
   Flattener flattener_;
   std::optional<Sight> sight_;
   std::vector<const Sweep*> newest_sweeps_;
-  Span lost_after_;
   std::vector<Source> sources_;
-  std::optional<Stamp> first_;
-  Stamp newest_{};
-  std::optional<Stamp> last_output_;
   std::uint64_t superseded_ = 0;
   std::uint64_t out_of_order_ = 0;
   std::uint64_t bad_times_ = 0;
-  std::vector<char> living_;  // per source, of the last merge without a moment
   MergeReport report_;
 };
 

@@ -121,7 +121,7 @@ bool Sight::is_free_at(std::size_t beam, float range) const {
 }
 
 std::size_t Sight::free_run(std::size_t source, std::size_t beam, std::size_t from, std::size_t to) const {
-  if (profiles_[source].size() == 0) return from;
+  if (source >= profiles_.size() || profiles_[source].size() == 0) return from;
   const SightTable::Step* const steps = table_.row(beam, source);
   const FreeProfile::Cell* const cells = profiles_[source].cells();
   while (from < to && cells[steps[from].cell].is_free(steps[from].distance)) ++from;

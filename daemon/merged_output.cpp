@@ -51,7 +51,7 @@ MergedOutput::MergedOutput(const MergedScanConfig& config, const VehicleConfig& 
       footprint_(vehicle.footprint),
       poses_(poses),
       merger_(grid_of(config.output.grid), band_of(config.output), config.laserscan_topics.size(),
-              config.schedule.lost_after, settings_of(config)),
+              settings_of(config)),
       scheduler_(config.laserscan_topics.size(), config.schedule),
       overlap_(config.laserscan_topics.size()),
       compared_(config.laserscan_topics.size(), nullptr),
@@ -103,9 +103,7 @@ void MergedOutput::add(std::size_t source, const PlanarScan& scan, Stamp now, Fr
     ++counters_.no_pose;
     return;
   }
-  const std::uint64_t refused = merger_.out_of_order() + merger_.bad_times();
-  merger_.add(source, scan, pose);
-  if (merger_.out_of_order() + merger_.bad_times() != refused) return;
+  if (!merger_.add(source, scan, pose)) return;
   scheduler_.delivered(source, merger_.times(source)->last(), static_cast<double>(scan.scan_time), now);
   advance(now, sink);
 }

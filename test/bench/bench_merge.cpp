@@ -21,6 +21,7 @@ namespace {
 
 constexpr std::size_t output_beams = 1440;
 constexpr float output_range_max = 24;
+const std::vector<char> both = {1, 1};  // scanners
 
 /// The scene that both merge: scanners of 0.25 degrees on opposite corners of a vehicle, boxes around it.
 const sim::MergeScene& scene() {
@@ -33,7 +34,7 @@ void truthful(benchmark::State& state, bool strict, bool safety) {
   settings.points = false;
   settings.sight = true;
   settings.how.noise = settings.source.noise = 0.01;
-  Merger merger(scene().grid, {}, 2, std::chrono::milliseconds(500), settings);
+  Merger merger(scene().grid, {}, 2, settings);
   merger.set_footprint(scene().body);
   std::vector<PlanarScan> scans = scene().scans;
   PlanarScan first, second;
@@ -45,7 +46,7 @@ void truthful(benchmark::State& state, bool strict, bool safety) {
       scans[s].stamp = scans[s].stamp + std::chrono::milliseconds(25);
       merger.add(s, scans[s], scene().scanners[s].pose());
     }
-    merger.merge(outputs, nullptr);
+    merger.merge({scans[1].stamp}, both, outputs, nullptr);
   };
   scans[1].stamp = scans[1].stamp + std::chrono::milliseconds(1);
   merge();
@@ -54,7 +55,7 @@ void truthful(benchmark::State& state, bool strict, bool safety) {
 }
 
 void flatten(benchmark::State& state) {
-  Merger merger(scene().grid, {}, 2, std::chrono::milliseconds(500));
+  Merger merger(scene().grid, {}, 2);
   std::vector<PlanarScan> scans = scene().scans;
   PlanarScan out;
   const std::vector<MergedScan> outputs = {{Profile::flatten, &out}};
@@ -63,7 +64,7 @@ void flatten(benchmark::State& state) {
       scans[s].stamp = scans[s].stamp + std::chrono::milliseconds(25);
       merger.add(s, scans[s], scene().scanners[s].pose());
     }
-    merger.merge(outputs, nullptr);
+    merger.merge({scans[1].stamp}, both, outputs, nullptr);
   }
   benchmark::DoNotOptimize(out.ranges.data());
 }

@@ -42,17 +42,19 @@ PlanarScan room_scan() {
 }
 
 void merge(benchmark::State& state) {
-  Merger merger(full_circle(), {}, 2, std::chrono::milliseconds(500));
+  Merger merger(full_circle(), {}, 2);
   const Pose left = make_pose({1.2, 0.6, 0.2}, {0, 0, pi / 4});
   const Pose right = make_pose({-1.2, -0.6, 0.2}, {0, 0, -0.75 * pi});
   PlanarScan scan = room_scan();
   PlanarScan merged;
+  const std::vector<MergedScan> outputs = {{Profile::flatten, &merged}};
+  const std::vector<char> both = {1, 1};
   std::size_t beams = 0;
   for (auto _ : state) {
     scan.stamp = scan.stamp + std::chrono::milliseconds(40);
     merger.add(0, scan, left);
-    if (!merger.add(1, scan, right)) state.SkipWithError("two fresh scans and no output");
-    merger.merge(merged, nullptr);
+    merger.add(1, scan, right);
+    merger.merge({scan.stamp}, both, outputs, nullptr);
     beams += 2 * scan.beams;
     benchmark::DoNotOptimize(merged.ranges.data());
   }

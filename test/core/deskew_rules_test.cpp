@@ -60,7 +60,7 @@ struct Outputs {
 };
 
 TEST(DeskewRules, MotionIsCarriedOnFor50MillisecondsThenBeamsStayWhereTheyWereMeasured) {
-  Merger merger(grid_of(720), {}, 1, ms(500), with_sight());
+  Merger merger(grid_of(720), {}, 1, with_sight());
   merger.add(0, sweep_of(541), Pose::Identity());
   Outputs out;
   const struct {
@@ -86,7 +86,7 @@ TEST(DeskewRules, MotionIsCarriedOnFor50MillisecondsThenBeamsStayWhereTheyWereMe
 }
 
 TEST(DeskewRules, SourceWithoutPosesStandsBesideOneThatIsDeskewed) {
-  Merger merger(grid_of(720), {}, 2, ms(500), with_sight());
+  Merger merger(grid_of(720), {}, 2, with_sight());
   merger.add(0, sweep_of(541), Pose::Identity());
   merger.add(1, sweep_of(541, t0 - ms(300)), Pose::Identity());  // before the oldest pose
   const PoseTrack track = track_until(80);
@@ -102,7 +102,7 @@ TEST(DeskewRules, SourceWithoutPosesStandsBesideOneThatIsDeskewed) {
 TEST(DeskewRules, ScansOfOneBeamAndOfNoneDoNoHarm) {
   const PoseTrack track = track_until(80);
   for (const std::size_t beams : {0U, 1U, 2U}) {
-    Merger merger(grid_of(360), {}, 1, ms(500), with_sight());
+    Merger merger(grid_of(360), {}, 1, with_sight());
     merger.set_footprint(Footprint({{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}));
     PlanarScan scan = sweep_of(std::max<std::size_t>(beams, 1));
     if (beams == 0) scan.reset(0);
@@ -117,7 +117,7 @@ TEST(DeskewRules, ScansOfOneBeamAndOfNoneDoNoHarm) {
 }
 
 TEST(DeskewRules, ScansWithImpossibleTimesAreCountedAndNotUsed) {
-  Merger merger(grid_of(360), {}, 1, ms(500), with_sight());
+  Merger merger(grid_of(360), {}, 1, with_sight());
   const float bad[] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
                        -1e-4F, 1e9F, 0.1F};
   int i = 0;
@@ -137,7 +137,7 @@ TEST(DeskewRules, ScansWithImpossibleTimesAreCountedAndNotUsed) {
 TEST(DeskewRules, BeamsOfAScannerMountedUpsideDownCountInOrderOfMeasuring) {
   // The same returns, once counted from the right and once from the left, both from right to left in time.
   const PoseTrack track = track_until(80);
-  Merger merger(grid_of(720), {}, 2, ms(500), with_sight());
+  Merger merger(grid_of(720), {}, 2, with_sight());
   PlanarScan upright = sweep_of(541);
   PlanarScan turned = upright;
   turned.set_angles(-upright.angle_min, -upright.angle_increment);
@@ -154,7 +154,7 @@ TEST(DeskewRules, BeamsOfAScannerMountedUpsideDownCountInOrderOfMeasuring) {
 
 TEST(DeskewRules, EchoesOfABeamMoveTogether) {
   const PoseTrack track = track_until(80);
-  Merger merger(grid_of(720), {}, 1, ms(500), with_sight(EchoChoice::all));
+  Merger merger(grid_of(720), {}, 1, with_sight(EchoChoice::all));
   merger.add(0, sweep_of(541, t0, 2), Pose::Identity());  // 5 m and 6 m
   Outputs out;
   merger.merge({t0 + ms(60), &track}, {1}, out.list, &out.cloud);
@@ -171,7 +171,7 @@ TEST(DeskewRules, EchoesOfABeamMoveTogether) {
 TEST(DeskewRules, NothingIsAllocatedPerMergeInAnyProfileWithOrWithoutMotion) {
   MergeSettings settings = with_sight();
   settings.how.mean = true;
-  Merger merger(grid_of(1440), {}, 2, ms(500), settings);
+  Merger merger(grid_of(1440), {}, 2, settings);
   PlanarScan safety;
   Outputs out;
   out.list.push_back({Profile::safety, &safety});

@@ -64,7 +64,7 @@ struct Scene {
     MergeSettings settings;
     settings.sight = true;
     settings.how.noise = settings.source.noise = 0.001;
-    Merger merger(make_grid(spec, error).value(), {}, scanners.size(), std::chrono::seconds(1), settings);
+    Merger merger(make_grid(spec, error).value(), {}, scanners.size(), settings);
     merger.set_footprint(Footprint({{-4, -1}, {0, -1}, {0, 1}, {-4, 1}}));
     sim::Rng rng(1);
     PlanarScan measured, merged;
@@ -73,7 +73,7 @@ struct Scene {
       measured.stamp = {1'000'000'000};
       merger.add(s, as_mounted(measured, mount), pose_of(scanners[s], mount));
     }
-    merger.merge({{profile, &merged}}, nullptr);
+    merger.merge({measured.stamp}, std::vector<char>(scanners.size(), 1), {{profile, &merged}}, nullptr);
     sensor_msgs::LaserScan message;
     to_ros(merged, message);
     sensor_msgs::PointCloud2 cloud;
