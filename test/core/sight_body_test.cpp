@@ -24,7 +24,7 @@ PlanarScan look_from_before(double front) {
   settings.points = false;
   settings.sight = true;
   settings.how.noise = settings.source.noise = 0.01;
-  Merger merger(*make_grid(spec, error), {}, 2, std::chrono::milliseconds(500), settings);
+  Merger merger(*make_grid(spec, error), {}, 2, settings);
   merger.set_footprint(Footprint({{-4, -1}, {front, -1}, {front, 1}, {-4, 1}}));
   for (std::size_t s = 0; s < 2; ++s) {
     const double side = s == 0 ? 1 : -1;
@@ -39,7 +39,7 @@ PlanarScan look_from_before(double front) {
     merger.add(s, scan, scanner.pose());
   }
   PlanarScan out;
-  merger.merge({{Profile::strict, &out}}, nullptr);
+  merger.merge({Stamp{1'700'000'000'000'000'000}}, {1, 1}, {{Profile::strict, &out}}, nullptr);
   return out;
 }
 

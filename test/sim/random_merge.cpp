@@ -125,7 +125,7 @@ std::size_t merge_bytes(const std::uint8_t* data, std::size_t size) {
   const ScanGrid grid = read_grid(in);
   const std::size_t sources = 1 + in.below(3);
   const HeightBand band = read_band(in);
-  Merger merger(grid, band, sources, std::chrono::milliseconds(200), read_settings(in));
+  Merger merger(grid, band, sources, read_settings(in));
   if (in.chance(128)) merger.set_footprint(read_footprint(in));
   std::vector<Pose> poses;
   for (std::size_t s = 0; s < sources; ++s) poses.push_back(read_pose(in));
@@ -134,6 +134,8 @@ std::size_t merge_bytes(const std::uint8_t* data, std::size_t size) {
   Cloud cloud;
   Stamp now{1'000'000'000'000};
   std::size_t outputs = 0;
+  PoseTrack track;
+  std::vector<char> use(sources, 1);
   while (!in.empty()) {
     const std::size_t source = in.below(sources);
     if (in.chance(10)) poses[source] = read_pose(in);
@@ -143,8 +145,13 @@ std::size_t merge_bytes(const std::uint8_t* data, std::size_t size) {
           std::chrono::microseconds(static_cast<std::int64_t>(in.below(65536)) * (in.chance(20) ? -40 : 1));
     scan.stamp = now;
     if (violation(scan) != nullptr) continue;
+    if (in.chance(128)) track.add(now, read_pose(in));
     if (!merger.add(source, scan, poses[source])) continue;
-    merger.merge({{Profile::strict, &out[0]}, {Profile::safety, &out[1]}, {Profile::flatten, &out[2]}},
+    use[in.below(sources)] = in.chance(240) ? 1 : 0;
+    const MergeMoment moment{now + std::chrono::milliseconds(in.below(80)), in.chance(128) ? &track : nullptr,
+                             poses[0]};
+    merger.merge(moment, use,
+                 {{Profile::strict, &out[0]}, {Profile::safety, &out[1]}, {Profile::flatten, &out[2]}},
                  &cloud);
     for (const PlanarScan& merged : out) check(merged, grid);
     ++outputs;
