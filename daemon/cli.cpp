@@ -134,7 +134,8 @@ struct Commands {
     auto* c = app.add_subcommand("snapshot", "Draws what the vehicle sees at one moment, from above");
     c->add_option("-c,--config", snapshot.config, "Configuration file")->required();
     c->add_option("--pcap", snapshot.captures, "Captures, merged by time")->required()->expected(1, 1000);
-    c->add_option("--at", snapshot.at, "Seconds into the capture; default: its middle")
+    c->add_option("--at", snapshot.at,
+                  "Seconds into the capture; default: its middle, or the first frame after it")
         ->check(CLI::NonNegativeNumber);
     c->add_option("--range", snapshot.range, "Metres from base_frame to the edge; default: fits the scans")
         ->check(CLI::Range(0.5, 10000.0));

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/snapshot.h"
 
+#include <algorithm>
 #include <cmath>
 #include <ctime>
 #include <ostream>
@@ -49,22 +50,29 @@ double length_of(MergedCapture& capture) {
   return seconds(last - first);
 }
 
-/// Plays up to `at` and keeps what came until then; frames that the end of play would cut off are no frames.
-void play_until(double at, const Config& config, MergedCapture& capture, FrameKeeper& keeper) {
+/// Plays up to `at`, or on to the first frame if `patient`, and keeps what came until then; returns the
+/// seconds played. Frames that the end of play would cut off are no frames.
+double play_until(double at, bool patient, const Config& config, MergedCapture& capture,
+                  FrameKeeper& keeper) {
   NoPoses poses;
   Pipeline pipeline(config, poses, keeper);
   ReplayOptions fast;
   fast.rate = 0;
   Player player(fast, capture, pipeline);
   std::optional<Stamp> first;
+  double played = 0;
   bool done = false;
   player.on_time = [&](Stamp stamp) {
     if (!first) first = stamp;
-    if (seconds(stamp - *first) <= at) return;
-    done = true;
-    keeper.freeze();
+    const double into = seconds(stamp - *first);
+    done = done || (into > at && !(patient && keeper.empty()));
+    if (done)
+      keeper.freeze();
+    else
+      played = into;
   };
   player.play([&] { return done; });
+  return std::max(at, played);
 }
 
 std::string nothing_there(double at, double length) {
@@ -76,11 +84,11 @@ std::string nothing_there(double at, double length) {
 std::string picture(const SnapshotOptions& options, const Config& config, Chart::Format format) {
   MergedCapture capture(options.captures);
   const double length = length_of(capture);
-  const double at = options.at.value_or(length / 2);
-  if (at > length)
-    throw std::runtime_error("--at " + fixed(at, 3) + ": the capture is " + fixed(length, 3) + " s long");
+  if (options.at.value_or(0) > length)
+    throw std::runtime_error("--at " + fixed(*options.at, 3) + ": the capture is " + fixed(length, 3) +
+                             " s long");
   FrameKeeper frames;
-  play_until(at, config, capture, frames);
+  const double at = play_until(options.at.value_or(length / 2), !options.at, config, capture, frames);
   if (frames.empty()) throw std::runtime_error(nothing_there(at, length));
   NoPoses none;
   const PoseBook poses(config, none);

@@ -131,6 +131,9 @@ std::size_t merge_bytes(const std::uint8_t* data, std::size_t size) {
   for (std::size_t s = 0; s < sources; ++s) poses.push_back(read_pose(in));
   PlanarScan scan;
   PlanarScan out[3];
+  Overlap overlap(sources);
+  std::vector<const Sweep*> sweeps(sources, nullptr);
+  std::vector<Eigen::Vector2d> places(sources, Eigen::Vector2d::Zero());
   Cloud cloud;
   Stamp now{1'000'000'000'000};
   std::size_t outputs = 0;
@@ -154,6 +157,14 @@ std::size_t merge_bytes(const std::uint8_t* data, std::size_t size) {
                  {{Profile::strict, &out[0]}, {Profile::safety, &out[1]}, {Profile::flatten, &out[2]}},
                  &cloud);
     for (const PlanarScan& merged : out) check(merged, grid);
+    for (std::size_t s = 0; s < sources; ++s) {
+      sweeps[s] = merger.sweep(s);
+      places[s] = merger.looks_from(s);
+    }
+    overlap.look(now, sweeps, places, true);
+    for (const OverlapState& pair : overlap.pairs()) {
+      if (!std::isfinite(pair.median) || !pair.correction.allFinite()) std::abort();
+    }
     ++outputs;
   }
   return outputs;
