@@ -65,14 +65,15 @@ struct AllProfiles {
     grid = make_grid(spec, error).value();
     MergeSettings settings;
     settings.sight = true;
-    merger.emplace(grid, HeightBand{}, 2, ms(500), settings);
+    merger.emplace(grid, HeightBand{}, 2, settings);
   }
   bool add(std::size_t source, Stamp stamp) {
     const double yaw = source == 0 ? 0.0 : pi_d;
     return merger->add(source, sweep_at(stamp, yaw), make_pose({0, 0, 0}, {0, 0, yaw}));
   }
   void merge() {
-    merger->merge({{Profile::strict, &scans[0]}, {Profile::safety, &scans[1]}, {Profile::flatten, &scans[2]}},
+    merger->merge({t0 + ms(1)}, {1, 1},
+                  {{Profile::strict, &scans[0]}, {Profile::safety, &scans[1]}, {Profile::flatten, &scans[2]}},
                   nullptr);
   }
   ScanGrid grid;
@@ -116,28 +117,6 @@ TEST(Consumers, TakePartsOfACircleAlso) {
       expect_consumers_take(scan, all.grid.beams);
     }
   }
-}
-
-TEST(Consumers, SeeAConstantNumberOfBeamsAndStampsThatIncreaseWhileSourcesComeAndGo) {
-  AllProfiles all(circle(720));
-  Stamp last{};
-  int outputs = 0;
-  for (int i = 0; i < 300; ++i) {
-    const Stamp now = t0 + ms(20 * i);
-    // The second source dies twice, and comes back once with a clock that is a little behind.
-    const bool second_alive = i < 80 || (i > 140 && i < 180) || i > 240;
-    bool due = all.add(0, now);
-    if (second_alive) due = all.add(1, i > 240 ? now - ms(300) : now + ms(7)) || due;
-    if (!due) continue;
-    all.merge();
-    ++outputs;
-    for (const PlanarScan& scan : all.scans) {
-      EXPECT_GT(scan.stamp, last) << i;
-      expect_consumers_take(scan, 720);
-    }
-    last = all.scans[0].stamp;
-  }
-  EXPECT_GT(outputs, 200);
 }
 
 TEST(Consumers, TakeVirtualScans) {

@@ -266,6 +266,29 @@ TEST(BadInput, ReturnsBeyondTheOutputsRangeAreNoHitsButShowThatTheWayIsFree) {
   room.expect_valid();
 }
 
+TEST(BadInput, StampsIncreaseAndBeamsStayTheSameWhileSourcesComeAndGo) {
+  Room room;
+  Stamp last{};
+  int outputs = 0;
+  for (int i = 0; i < 300; ++i) {
+    room.now = room.now + std::chrono::milliseconds(20);
+    // The rear scanner dies twice, and comes back once with a clock that is a little behind.
+    room.send("front", room.message("front_laser"));
+    auto rear = room.message("rear_laser");
+    if (i > 240) rear.header.stamp -= ros::Duration(0.3);
+    if (i < 80 || (i > 140 && i < 180) || i > 240) room.send("rear", rear);
+    room.pipeline.tick(room.now + std::chrono::milliseconds(15));
+    if (room.sink.scans.count("around") == 0 || room.strict().stamp == last) continue;
+    ++outputs;
+    EXPECT_GT(room.strict().stamp, last) << i;
+    EXPECT_EQ(room.safety().stamp, room.strict().stamp);
+    EXPECT_EQ(room.strict().beams, 360U);
+    room.expect_valid();
+    last = room.strict().stamp;
+  }
+  EXPECT_GT(outputs, 200);
+}
+
 TEST(BadInput, AScannerWhoseClockIsAnHourBehindDoesNotTurnBackTheOutput) {
   Room room;
   Stamp last{};
