@@ -29,7 +29,17 @@ const sim::MergeScene& scene() {
   return made;
 }
 
-void truthful(benchmark::State& state, bool strict, bool safety) {
+/// A vehicle that drives a circle, its poses every 20 ms.
+void drive_on(PoseTrack& track, Stamp until) {
+  while (track.empty() || track.newest() < until) {
+    const Stamp next = track.empty() ? until - std::chrono::milliseconds(200)
+                                     : track.newest() + std::chrono::milliseconds(20);
+    const double turn = 1e-9 * static_cast<double>(next.ns);
+    track.add(next, make_pose({2 * std::sin(turn), 2 - 2 * std::cos(turn), 0}, {0, 0, turn}));
+  }
+}
+
+void truthful(benchmark::State& state, bool strict, bool safety, bool moving) {
   MergeSettings settings;
   settings.points = false;
   settings.sight = true;
@@ -37,6 +47,11 @@ void truthful(benchmark::State& state, bool strict, bool safety) {
   Merger merger(scene().grid, {}, 2, settings);
   merger.set_footprint(scene().body);
   std::vector<PlanarScan> scans = scene().scans;
+  for (PlanarScan& scan : scans) {
+    scan.stamp = {1'000'000'000};
+    scan.time_increment = 0.02F / static_cast<float>(scan.beams);
+  }
+  PoseTrack track;
   PlanarScan first, second;
   std::vector<MergedScan> outputs;
   if (strict) outputs.push_back({Profile::strict, &first});
@@ -46,7 +61,9 @@ void truthful(benchmark::State& state, bool strict, bool safety) {
       scans[s].stamp = scans[s].stamp + std::chrono::milliseconds(25);
       merger.add(s, scans[s], scene().scanners[s].pose());
     }
-    merger.merge({scans[1].stamp}, both, outputs, nullptr);
+    if (moving) drive_on(track, scans[1].stamp + std::chrono::milliseconds(40));
+    merger.merge({scans[1].stamp + std::chrono::milliseconds(20), moving ? &track : nullptr}, both, outputs,
+                 nullptr);
   };
   scans[1].stamp = scans[1].stamp + std::chrono::milliseconds(1);
   merge();
@@ -170,8 +187,9 @@ void ancestor(benchmark::State& state) {
 }
 
 BENCHMARK(ancestor)->Name("ancestor's chain of calls");
-BENCHMARK_CAPTURE(truthful, strict_and_safety, true, true);
-BENCHMARK_CAPTURE(truthful, strict, true, false);
+BENCHMARK_CAPTURE(truthful, strict_and_safety, true, true, false);
+BENCHMARK_CAPTURE(truthful, strict_and_safety_deskewed, true, true, true);
+BENCHMARK_CAPTURE(truthful, strict, true, false, false);
 BENCHMARK(flatten);
 
 }  // namespace
