@@ -5,14 +5,22 @@ set(share ${CMAKE_INSTALL_DATADIR}/lidard)
 set(config ${CMAKE_CURRENT_SOURCE_DIR}/config)
 
 install(TARGETS lidard RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-# rosrun and roslaunch look for a package's executables under lib/<package> and for package.xml under share/<package>.
+# rosrun and roslaunch look for a package's executables under lib/<package> of /usr and of catkin workspaces, elsewhere
+# beside package.xml, which they find under share/<package>.
 install(CODE "
-  file(MAKE_DIRECTORY \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/lib/lidard\")
-  foreach(name lidard velodyne_node)
-    file(CREATE_LINK \"../../${CMAKE_INSTALL_BINDIR}/lidard\" \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/lib/lidard/\${name}\" SYMBOLIC)
+  set(folders lib/lidard)
+  if(NOT CMAKE_INSTALL_PREFIX STREQUAL \"/usr\")
+    list(APPEND folders ${share})
+  endif()
+  foreach(folder \${folders})
+    file(MAKE_DIRECTORY \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/\${folder}\")
+    foreach(name lidard velodyne_node laserscan_multi_merger laserscan_virtualizer)
+      file(CREATE_LINK \"../../${CMAKE_INSTALL_BINDIR}/lidard\" \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/\${folder}/\${name}\" SYMBOLIC)
+    endforeach()
   endforeach()")
 install(FILES package.xml DESTINATION ${share})
-install(FILES ${config}/lidard.launch DESTINATION ${share}/launch)
+install(FILES ${config}/lidard.launch ${config}/laserscan_multi_merger.launch ${config}/laserscan_virtualizer.launch
+        DESTINATION ${share}/launch)
 install(DIRECTORY ${config}/velodyne/ DESTINATION ${share}/launch FILES_MATCHING PATTERN "*.launch")
 install(FILES ${config}/lidard.rviz DESTINATION ${share}/rviz)
 install(DIRECTORY ${config}/ DESTINATION ${share}/config FILES_MATCHING PATTERN "*.yaml" PATTERN velodyne EXCLUDE)

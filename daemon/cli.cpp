@@ -9,13 +9,13 @@
 #include "daemon/check.h"
 #include "daemon/decode.h"
 #include "daemon/discover.h"
+#include "daemon/dropin_node.h"
 #include "daemon/inspect.h"
 #include "daemon/models_command.h"
 #include "daemon/record.h"
 #include "daemon/replay.h"
 #include "daemon/run.h"
 #include "daemon/snapshot.h"
-#include "daemon/velodyne_node.h"
 
 namespace lidard {
 namespace {
@@ -228,8 +228,8 @@ int Commands::start_discover() {
 
 int run_cli(int argc, char** argv) {
   const std::string program = argc > 0 ? argv[0] : "";
-  if (program.substr(program.rfind('/') + 1) == "velodyne_node")
-    return run_velodyne_node({argv + 1, argv + argc}, std::cout, std::cerr);
+  if (const auto dropin = find_dropin(program.substr(program.rfind('/') + 1)))
+    return dropin({argv + 1, argv + argc}, std::cout, std::cerr);
   Commands commands;
   std::vector<std::string> arguments;
   for (int i = argc - 1; i > 0; --i) {

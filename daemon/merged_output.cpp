@@ -96,6 +96,23 @@ void MergedOutput::restart() {
   waits_for_motion_since_.reset();
 }
 
+void MergedOutput::continue_from(const MergedOutput& before) {
+  scheduler_ = before.scheduler_;
+  told_states_ = before.told_states_;
+  counters_ = before.counters_;
+  last_stamp_ = before.last_stamp_;
+  without_motion_ = before.without_motion_;
+  dropped_ = before.dropped_;
+}
+
+/// After a change of the grid the sources that are well have to deliver again, lest what they see be missing.
+bool MergedOutput::lacks_sweeps(Stamp now) const {
+  for (std::size_t s = 0; s < config_.laserscan_topics.size(); ++s) {
+    if (scheduler_.state(s, now) == SourceState::ok && !merger_.times(s)) return true;
+  }
+  return false;
+}
+
 void MergedOutput::add(std::size_t source, const PlanarScan& scan, Stamp now, FrameSink& sink) {
   Pose pose;
   if (!place_footprint(scan.stamp) ||
@@ -178,6 +195,7 @@ void MergedOutput::advance(Stamp now, FrameSink& sink) {
     waits_for_motion_since_.reset();
     return;
   }
+  if (lacks_sweeps(now)) return;
   const MergeMoment moment = moment_of(now);
   if (must_wait_for_motion(moment, now)) return;
   publish(moment, now, sink);

@@ -33,11 +33,14 @@ class MergedOutput {
   bool states_changed(Stamp now);
   DiagnosticItem diagnostics(Stamp now) const;
   void restart();
+  /// Takes the place of an output with another grid.
+  void continue_from(const MergedOutput& before);
 
  private:
   bool place_footprint(Stamp stamp);
   /// The instant that the beams are brought to.
   MergeMoment moment_of(Stamp now);
+  bool lacks_sweeps(Stamp now) const;
   bool must_wait_for_motion(const MergeMoment& moment, Stamp now);
   void publish(const MergeMoment& moment, Stamp now, FrameSink& sink);
   void fill_status();

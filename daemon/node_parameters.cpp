@@ -26,7 +26,18 @@ std::string argument(const std::vector<std::string>& arguments, const std::strin
   return value;
 }
 
-/// A scalar as text; false for lists, dictionaries and binary data.
+bool as_text(XmlRpcValue& value, std::string& text);
+
+bool list_as_text(XmlRpcValue& list, std::string& text) {
+  for (int i = 0; i < list.size(); ++i) {
+    std::string word;
+    if (!as_text(list[i], word)) return false;
+    text += (i == 0 ? "" : " ") + word;
+  }
+  return true;
+}
+
+/// A scalar, or scalars of a list, as text; false for dictionaries and binary data.
 bool as_text(XmlRpcValue& value, std::string& text) {
   switch (value.getType()) {
     case XmlRpcValue::TypeBoolean:
@@ -41,6 +52,8 @@ bool as_text(XmlRpcValue& value, std::string& text) {
     case XmlRpcValue::TypeString:
       text = static_cast<std::string&>(value);
       return true;
+    case XmlRpcValue::TypeArray:
+      return list_as_text(value, text);
     default:
       return false;
   }
@@ -54,7 +67,7 @@ NodeParameters scalars(XmlRpcValue& all) {
     if (as_text(value, text))
       parameters[name] = text;
     else
-      spdlog::warn("parameter ~{} is no single value and has no effect", name);
+      spdlog::warn("parameter ~{} is neither a value nor a list of values and has no effect", name);
   }
   return parameters;
 }

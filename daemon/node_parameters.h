@@ -2,15 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
-#include "daemon/velodyne_node.h"
-
 namespace lidard {
 
-/// The name of the node unless __name:= says otherwise.
-constexpr const char* velodyne_node_name = "velodyne_node";
+/// Values of a node's private parameters as text, by name; those of a list are separated by blanks.
+using NodeParameters = std::map<std::string, std::string>;
 
 /// The node's name with its namespace: `name` or __name:=…, in __ns:=… or $ROS_NAMESPACE.
 std::string full_node_name(const std::vector<std::string>& arguments, const std::string& name);

@@ -23,8 +23,7 @@ struct Pipeline::Impl final : public LineOwner {
   Impl(const Config& configuration, PoseLookup& pose_lookup, FrameSink& frame_sink)
       : LineOwner(frame_sink),
         lookup(pose_lookup),
-        odometry_frame(configuration.vehicle.odometry_frame),
-        base_frame(configuration.vehicle.base_frame),
+        vehicle(configuration.vehicle),
         poses(configuration, pose_lookup) {
     if (configuration.vehicle.has_motion()) poses.set_track(&track);
     for (const auto& sensor : configuration.sensors) {
@@ -51,6 +50,9 @@ struct Pipeline::Impl final : public LineOwner {
   void advance_to(Stamp at);
   std::optional<Stamp> next_event() const;
   DiagnosticItem motion_item() const;
+  template <class Output>
+  bool rebuild(std::vector<std::unique_ptr<Output>>& outputs, const std::string& entry,
+               const OutputScanConfig& wanted);
 
   PoseLookup& lookup;
   PoseTrack track;
@@ -58,8 +60,7 @@ struct Pipeline::Impl final : public LineOwner {
   DeadReckoning reckoning;
   std::string why_no_motion;
   std::uint64_t poses_refused = 0;  // since the pose of their frame on the vehicle is not known
-  std::string odometry_frame;       // empty: poses come by message, if at all
-  std::string base_frame;
+  VehicleConfig vehicle;
 
   PoseBook poses;
   std::vector<std::unique_ptr<SensorLine>> lines;
@@ -229,8 +230,8 @@ void Pipeline::cloud_message(const std::string& sensor, Cloud& cloud, Stamp rece
 void Pipeline::pose_message(Stamp stamp, const Pose& pose, const std::string& child, Stamp received) {
   advance(received);
   Pose child_from_base = Pose::Identity();
-  const bool known = child.empty() || impl_->poses.find(child, impl_->base_frame, stamp, child_from_base,
-                                                        impl_->why_no_motion);
+  const bool known = child.empty() || impl_->poses.find(child, impl_->vehicle.base_frame, stamp,
+                                                        child_from_base, impl_->why_no_motion);
   if (known) impl_->track.add(stamp, pose * child_from_base);
   impl_->poses_refused += known ? 0 : 1;
   impl_->advance_to(received);
@@ -240,8 +241,8 @@ void Pipeline::turn_message(Stamp stamp, const Eigen::Vector3d& rates, const std
                             Stamp received) {
   advance(received);
   Pose base_from_imu = Pose::Identity();
-  const bool known = frame.empty() ||
-                     impl_->poses.find(impl_->base_frame, frame, stamp, base_from_imu, impl_->why_no_motion);
+  const bool known = frame.empty() || impl_->poses.find(impl_->vehicle.base_frame, frame, stamp,
+                                                        base_from_imu, impl_->why_no_motion);
   if (known) impl_->reckoning.turn(stamp, base_from_imu.linear() * rates, impl_->track);
   impl_->poses_refused += known ? 0 : 1;
   impl_->advance_to(received);
@@ -269,9 +270,9 @@ DiagnosticItem Pipeline::Impl::motion_item() const {
 }
 
 void Pipeline::Impl::poll_motion() {
-  if (odometry_frame.empty()) return;
+  if (vehicle.odometry_frame.empty()) return;
   new_poses.clear();
-  lookup.history(odometry_frame, base_frame, track.newest(), now, new_poses);
+  lookup.history(vehicle.odometry_frame, vehicle.base_frame, track.newest(), now, new_poses);
   for (const StampedPose& one : new_poses) track.add(one.stamp, one.pose);
 }
 
@@ -335,6 +336,30 @@ void Pipeline::restart() {
   }
   for (const auto& output : impl_->merged) output->restart();
   impl_->track.clear();
+}
+
+template <class Output>
+bool Pipeline::Impl::rebuild(std::vector<std::unique_ptr<Output>>& outputs, const std::string& entry,
+                             const OutputScanConfig& wanted) {
+  for (auto& output : outputs) {
+    if (output->config().name != entry) continue;
+    auto config = output->config();
+    config.output = wanted;
+    auto next = std::make_unique<Output>(config, vehicle, poses);
+    next->continue_from(*output);
+    output = std::move(next);
+    return true;
+  }
+  return false;
+}
+
+std::string Pipeline::set_output(const OutputId& output, const OutputScanConfig& wanted) {
+  std::string complaint;
+  if (!make_grid(wanted.grid, complaint)) return complaint;
+  const bool found = output.kind == OutputId::Kind::merged
+                         ? impl_->rebuild(impl_->merged, output.entry, wanted)
+                         : impl_->rebuild(impl_->virtuals, output.entry, wanted);
+  return found ? "" : "there is no output named " + output.entry;
 }
 
 std::vector<SensorReport> Pipeline::report() const {

@@ -10,6 +10,7 @@
 
 #include "daemon/config.h"
 #include "daemon/device_links.h"
+#include "daemon/output_id.h"
 #include "daemon/sink.h"
 
 namespace lidard {
@@ -74,6 +75,10 @@ class Pipeline {
   void finish(Stamp now);
   /// The input starts again (replay --loop).
   void restart();
+
+  /// Gives a merged scan or a group of virtual scans another grid, profile or encoding from its next input on.
+  /// Empty, or why it cannot be: then nothing changes.
+  std::string set_output(const OutputId& output, const OutputScanConfig& wanted);
 
   std::vector<SensorReport> report() const;
   /// Senders on a configured port that no sensor claims, "192.168.1.9:2368 (412 packets)".

@@ -4,6 +4,7 @@
 
 #include <diagnostic_updater/diagnostic_updater.h>
 
+#include <algorithm>
 #include <map>
 
 #include "daemon/ros_convert.h"
@@ -39,9 +40,13 @@ struct RosDiagnostics::Updater {
 RosDiagnostics::RosDiagnostics() = default;
 RosDiagnostics::~RosDiagnostics() = default;
 
-void RosDiagnostics::set(const std::vector<DiagnosticItem>& items) {
+bool RosDiagnostics::set(const std::vector<DiagnosticItem>& items) {
   const std::lock_guard lock(mutex_);
+  const bool news = items.size() != newest_.size() ||
+                    !std::equal(items.begin(), items.end(), newest_.begin(),
+                                [](const auto& a, const auto& b) { return a.health == b.health; });
   newest_ = items;
+  return news;
 }
 
 void RosDiagnostics::start() {

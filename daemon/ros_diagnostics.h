@@ -18,7 +18,8 @@ class RosDiagnostics {
   RosDiagnostics();
   ~RosDiagnostics();
 
-  void set(const std::vector<DiagnosticItem>& items);
+  /// True if the state of an item is another one than before, which is to be told at once.
+  bool set(const std::vector<DiagnosticItem>& items);
   /// ROS runs: from now on publish() works. May wait for the master.
   void start();
   /// Publishes the items given to set(), followed by `more`.

@@ -50,6 +50,7 @@ struct RosInputs::Source {
   mutable std::mutex mutex;
   TopicReport report;
   bool packets = false;
+  std::optional<FrameKind> kind;
   int pending = 0;
   bool subscribed = false;  // belongs to the master thread
 
@@ -66,11 +67,24 @@ struct RosInputs::Source {
     const std::lock_guard lock(mutex);
     if (report.type == type) return false;
     report.type = type;
+    report.wrong_type.clear();
     return true;
   }
   void forget_type() {
     const std::lock_guard lock(mutex);
     report.type.clear();
+  }
+  bool takes(FrameKind frames) const { return !packets && kind.value_or(frames) == frames; }
+  std::string expected_type() const {
+    if (packets) return ros::message_traits::datatype<VelodyneScanBytes>();
+    const char* const scan = takes(FrameKind::scan) ? "sensor_msgs/LaserScan" : "";
+    const char* const cloud = takes(FrameKind::cloud) ? "sensor_msgs/PointCloud2" : "";
+    return std::string(scan) + (*scan != 0 && *cloud != 0 ? " or " : "") + cloud;
+  }
+  void refuse_type() {
+    const std::lock_guard lock(mutex);
+    report.wrong_type = "topic " + report.topic + " carries " + report.type + "; expected " + expected_type();
+    spdlog::error("{}", report.wrong_type);
   }
   void reject(const char* reason) {
     const std::lock_guard lock(mutex);
@@ -134,6 +148,7 @@ RosInputs::RosInputs(const std::vector<TopicSource>& sources, Post post, TopicHa
     sources_.back()->report.sensor = source.sensor;
     sources_.back()->report.topic = source.topic;
     sources_.back()->packets = source.packets;
+    sources_.back()->kind = source.kind;
   }
 }
 
@@ -195,19 +210,16 @@ void RosInputs::subscribe_packets(const std::shared_ptr<Source>& source) {
 }
 
 void RosInputs::subscribe(const std::shared_ptr<Source>& source, const std::string& type) {
-  const char* const packets = ros::message_traits::datatype<VelodyneScanBytes>();
-  if (source->packets != (type == packets)) {
-    spdlog::error("topic {} carries {}; expected {}", source->report.topic, type,
-                  source->packets ? packets : "sensor_msgs/LaserScan or sensor_msgs/PointCloud2");
-  } else if (source->packets) {
+  if (source->packets && type == ros::message_traits::datatype<VelodyneScanBytes>()) {
     subscribe_packets(source);
-  } else if (type == ros::message_traits::datatype<sensor_msgs::LaserScan>()) {
+  } else if (type == ros::message_traits::datatype<sensor_msgs::LaserScan>() &&
+             source->takes(FrameKind::scan)) {
     subscribe_as<sensor_msgs::LaserScan>(source, handlers_.scan);
-  } else if (type == ros::message_traits::datatype<sensor_msgs::PointCloud2>()) {
+  } else if (type == ros::message_traits::datatype<sensor_msgs::PointCloud2>() &&
+             source->takes(FrameKind::cloud)) {
     subscribe_as<sensor_msgs::PointCloud2>(source, handlers_.cloud);
   } else {
-    spdlog::error("topic {} carries {}; expected sensor_msgs/LaserScan or sensor_msgs/PointCloud2",
-                  source->report.topic, type);
+    source->refuse_type();
   }
 }
 
@@ -232,14 +244,29 @@ std::vector<TopicReport> RosInputs::report() const {
   return all;
 }
 
+namespace {
+
+void judge(const TopicReport& report, DiagnosticItem& item) {
+  item.health = report.messages == 0 || report.rejected > 0 ? Health::warn : Health::ok;
+  item.message = "receiving";
+  if (!report.wrong_type.empty()) {
+    item.health = Health::error;
+    item.message = report.wrong_type;
+  } else if (report.messages == 0) {
+    item.message = "nobody publishes " + report.topic + "; start its driver";
+  } else if (report.rejected > 0) {
+    item.message = "unusable messages: " + report.last_reason;
+  }
+}
+
+}  // namespace
+
 std::vector<DiagnosticItem> RosInputs::diagnostics() {
   std::vector<DiagnosticItem> items;
   for (const auto& r : report()) {
     DiagnosticItem item;
     item.name = r.sensor + " input";
-    item.health = r.messages == 0 || r.rejected > 0 ? Health::warn : Health::ok;
-    item.message = r.messages == 0 ? "nobody publishes " + r.topic + "; start its driver"
-                                   : (r.rejected > 0 ? "unusable messages: " + r.last_reason : "receiving");
+    judge(r, item);
     item.values = {{"Topic", r.topic},
                    {"Type", r.type},
                    {"Messages", std::to_string(r.messages)},

@@ -4,11 +4,13 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/bytes.h"
 #include "daemon/ros_link.h"
+#include "drivers/model.h"
 
 namespace lidard {
 
@@ -16,7 +18,8 @@ namespace lidard {
 struct TopicSource {
   std::string sensor;
   std::string topic;
-  bool packets = false;  ///< the topic carries velodyne_msgs/VelodyneScan for a driver of ours
+  bool packets = false;                ///< the topic carries velodyne_msgs/VelodyneScan for a driver of ours
+  std::optional<FrameKind> kind = {};  ///< what it is taken for; unset: nobody minds
 };
 
 /// Where the messages of topic sources go; called in the sensor thread. `received` is the host's time of
@@ -39,6 +42,7 @@ struct TopicReport {
   std::uint64_t points_dropped = 0;       ///< points whose coordinates are not finite
   std::uint64_t intensities_ignored = 0;  ///< scans whose intensities are not as many as their ranges
   std::string last_reason;                ///< why the last unusable one was not used
+  std::string wrong_type;                 ///< why the topic is not subscribed: its type, and the one expected
 };
 
 /// Subscribes LaserScan, PointCloud2 and VelodyneScan topics of other nodes. The type comes from the master,

@@ -82,6 +82,7 @@ struct RosLink::Impl {
   std::atomic<bool> master_present{false};
   std::atomic<bool> master_ended{false};
   std::atomic<bool> ended_clean{true};
+  std::atomic<bool> news{false};  // for /diagnostics, not to be held back
   std::atomic<std::uint64_t> published{0};
   std::atomic<std::uint64_t> without_ros{0};
   std::atomic<std::uint64_t> foreign_stops{0};
@@ -101,6 +102,7 @@ struct RosLink::Impl {
   void run_ros();
   void deal_with(QueuedFrame& frame);
   void wait_for_subscribers_of(const QueuedFrame& frame);
+  void hurry();
   void run_master();
   void look_after(MasterClient& master);
   void master_answered(MasterClient& master, int pid);
@@ -146,12 +148,20 @@ void RosLink::Impl::wait_for_subscribers_of(const QueuedFrame& frame) {
 
 // ---- master thread
 
+void RosLink::Impl::hurry() {
+  {
+    const std::lock_guard lock(wake_mutex);
+    news = true;
+  }
+  wake.notify_all();
+}
+
 void RosLink::Impl::run_master() {
   MasterClient master(*parse_server_uri(master_uri), node);
   while (!stopping) {
     look_after(master);
     std::unique_lock lock(wake_mutex);
-    wake.wait_for(lock, master_period, [this] { return stopping.load(); });
+    wake.wait_for(lock, master_period, [this] { return stopping || news; });
   }
   shut_down(master);
   master_ended = true;
@@ -166,6 +176,7 @@ void RosLink::Impl::look_after(MasterClient& master) {
   } else {
     master_silent(master);
   }
+  if (news.exchange(false) && running) next_diagnostics = Clock::now();
   if (running && Clock::now() >= next_diagnostics) publish_diagnostics();
 }
 
@@ -178,10 +189,13 @@ void RosLink::Impl::master_answered(MasterClient& master, int pid) {
     spdlog::info("ROS master found at {}; publishing as {}", master_uri, node);
   } else if (another || !registered) {
     registered = register_again(master, publishers.types());
+    for (const auto& client : clients) registered &= client->register_again(master);
     if (registered) spdlog::warn("ROS master at {} came back; all topics are registered again", master_uri);
   }
   for (const auto& client : clients) {
-    if (!stopping && running) client->poll(master);
+    if (stopping || !running) return;
+    client->poll(master);
+    publishers.advertise_again(client->stale_topics());
   }
 }
 
@@ -292,7 +306,9 @@ void RosLink::state(const std::string& topic, const DeviceState& state, Stamp re
 void RosLink::transforms(const std::vector<StaticTransform>& transforms, Stamp released) {
   impl_->queue.push(transforms, released);
 }
-void RosLink::diagnostics(const std::vector<DiagnosticItem>& items, Stamp) { impl_->diagnostics.set(items); }
+void RosLink::diagnostics(const std::vector<DiagnosticItem>& items, Stamp) {
+  if (impl_->diagnostics.set(items)) impl_->hurry();
+}
 void RosLink::publish_clock(Stamp now) { impl_->queue.push_clock(now); }
 
 bool RosLink::wait_for_master(Span limit) {

@@ -51,6 +51,14 @@ class RosClient {
   virtual void disconnected(bool leave) = 0;
   /// Twice a second while the master answers.
   virtual void poll(MasterClient& master) { static_cast<void>(master); }
+  /// The master was restarted: tells it what the client publishes, with its type, and what it serves. False
+  /// if the master did not answer every call.
+  virtual bool register_again(MasterClient& master) {
+    static_cast<void>(master);
+    return true;
+  }
+  /// Frame topics that are to be advertised anew, since what they carry changed its shape.
+  virtual std::vector<std::string> stale_topics() { return {}; }
   virtual std::vector<DiagnosticItem> diagnostics() { return {}; }
 };
 

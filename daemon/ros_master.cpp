@@ -46,7 +46,11 @@ std::optional<XmlRpcValue> MasterClient::call(const std::string& method,
   XmlRpcValue list;
   list[0] = caller_id_;
   for (std::size_t i = 0; i < arguments.size(); ++i) list[static_cast<int>(i + 1)] = arguments[i];
-  auto answer = xmlrpc_call(server_, method, list, limit_, error_);
+  return ask(method, list);
+}
+
+std::optional<XmlRpcValue> MasterClient::ask(const std::string& method, const XmlRpcValue& arguments) {
+  auto answer = xmlrpc_call(server_, method, arguments, limit_, error_);
   if (!answer) return std::nullopt;
   // Every answer of the master is [code, message, value]; code 1 is success (Master API).
   if (answer->getType() != XmlRpcValue::TypeArray || answer->size() != 3 ||
@@ -101,6 +105,14 @@ std::optional<XmlRpcValue> MasterClient::parameters(const std::string& name) {
     return none;
   }
   return call("getParam", {name});
+}
+
+bool MasterClient::set_parameter(const std::string& name, const XmlRpcValue& value) {
+  XmlRpcValue arguments;
+  arguments[0] = caller_id_;
+  arguments[1] = name;
+  arguments[2] = value;
+  return ask("setParam", arguments).has_value();
 }
 
 bool register_again(MasterClient& master, const std::map<std::string, std::string>& types) {

@@ -48,6 +48,8 @@ class MasterClient {
   /// The parameters below a name, a struct that is empty where there are none; nothing without an answer.
   std::optional<XmlRpc::XmlRpcValue> parameters(const std::string& name);
 
+  bool set_parameter(const std::string& name, const XmlRpc::XmlRpcValue& value);
+
   const XmlRpcServer& server() const { return server_; }
   const std::string& caller_id() const { return caller_id_; }
   /// Why the last call had no answer.
@@ -56,6 +58,7 @@ class MasterClient {
  private:
   std::optional<XmlRpc::XmlRpcValue> call(const std::string& method,
                                           const std::vector<std::string>& arguments);
+  std::optional<XmlRpc::XmlRpcValue> ask(const std::string& method, const XmlRpc::XmlRpcValue& arguments);
 
   XmlRpcServer server_;
   std::string caller_id_;

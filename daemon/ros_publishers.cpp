@@ -84,6 +84,22 @@ void RosPublishers::advertise() {
   ready_ = true;
 }
 
+void RosPublishers::advertise_again(const std::vector<std::string>& topics) {
+  ros::NodeHandle node;
+  for (std::size_t i = 0; i < topics_.size(); ++i) {
+    if (!ready_ || std::find(topics.begin(), topics.end(), topics_[i].name) == topics.end()) continue;
+    Output output;
+    {
+      const std::lock_guard lock(mutex_);
+      std::swap(output, outputs_[i]);
+    }
+    output.publisher.shutdown();
+    output.publisher = advertise_kind(node, topics_[i], output.queue_size);
+    const std::lock_guard lock(mutex_);
+    outputs_[i] = std::move(output);
+  }
+}
+
 void RosPublishers::drop(bool leave) {
   std::vector<Output> outputs;
   Output clock;
@@ -177,7 +193,8 @@ bool RosPublishers::publish(QueuedFrame& frame) {
   }
   if (!ready_ || !ros::ok()) return false;
   Output& output = output_of(frame);
-  if (output.publisher) send_frame(frame, output);
+  if (!output.publisher) return false;
+  send_frame(frame, output);
   return true;
 }
 

@@ -25,6 +25,9 @@ class RosPublishers {
 
   /// Advertises everything; ROS must run. Called by the master thread, may wait for the master.
   void advertise();
+  /// Withdraws topics and advertises them anew, so that subscribers see a new publisher. Called like
+  /// advertise(); frames of these topics are lost meanwhile.
+  void advertise_again(const std::vector<std::string>& topics);
   /// Withdraws everything. With `leave` nothing is told to roscpp, whose destructors wait for the master.
   void drop(bool leave);
   bool ready() const { return ready_; }

@@ -4,6 +4,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
@@ -19,6 +20,7 @@
 #include "daemon/ros_inputs.h"
 #include "daemon/ros_link.h"
 #include "daemon/ros_motion.h"
+#include "daemon/ros_reconfigure.h"
 #include "daemon/service.h"
 #include "daemon/tf_poses.h"
 #include "daemon/velodyne_controls.h"
@@ -35,10 +37,23 @@ Stamp wall_clock() {
   return Stamp{std::chrono::duration_cast<std::chrono::nanoseconds>(now).count()};
 }
 
+/// What the outputs take a source for.
+std::optional<FrameKind> use_of(const std::string& sensor, const Config& config) {
+  for (const auto& merged : config.merged_scans) {
+    const auto& names = merged.laserscan_topics;
+    if (std::find(names.begin(), names.end(), sensor) != names.end()) return FrameKind::scan;
+  }
+  for (const auto& group : config.virtual_scans) {
+    if (group.cloud_topic == sensor) return FrameKind::cloud;
+  }
+  return std::nullopt;
+}
+
 std::vector<TopicSource> topic_sources(const Config& config) {
   std::vector<TopicSource> sources;
   for (const auto& sensor : config.sensors) {
-    if (sensor.model == nullptr) sources.push_back({sensor.name, sensor.topic});
+    if (sensor.model == nullptr)
+      sources.push_back({sensor.name, sensor.topic, false, use_of(sensor.name, config)});
     if (!sensor.packet_topic.empty()) sources.push_back({sensor.name, sensor.packet_topic, true});
   }
   return sources;
@@ -47,8 +62,8 @@ std::vector<TopicSource> topic_sources(const Config& config) {
 /// Everything of a running daemon. The constructor's thread becomes the sensor thread.
 class Daemon {
  public:
-  Daemon(const Config& config, const std::vector<std::string>& ros_arguments, const std::string& node_name)
-      : link_(ros_options(config, ros_arguments, node_name)),
+  Daemon(const Config& config, const RunOptions& how)
+      : link_(ros_options(config, how)),
         pipeline_(config, *poses_, link_),
         controls_(config),
         ports_(io_, config,
@@ -89,6 +104,14 @@ class Daemon {
                              pipeline_.turn_message(stamp, rates, frame, wall_clock());
                            },
                            [this](double speed) { pipeline_.speed_message(speed); }})),
+        reconfigure_(
+            std::make_shared<RosReconfigure>(changeable_outputs(config, how.reconfigure),
+                                             [this](const OutputId& output, const OutputScanConfig& wanted) {
+                                               boost::asio::post(io_, [this, output, wanted] {
+                                                 pipeline_.set_output(output, wanted);
+                                                 arm();
+                                               });
+                                             })),
         signals_(io_, SIGINT, SIGTERM),
         timer_(io_),
         event_timer_(io_) {
@@ -96,6 +119,7 @@ class Daemon {
     link_.add_client(poses_);
     link_.add_client(inputs_);
     link_.add_client(motion_);
+    link_.add_client(reconfigure_);
     pipeline_.add_diagnostics([this](std::vector<DiagnosticItem>& items) {
       ports_.add_diagnostics(items);
       links_.add_diagnostics(items);
@@ -128,11 +152,10 @@ class Daemon {
   }
 
  private:
-  static RosOptions ros_options(const Config& config, const std::vector<std::string>& arguments,
-                                const std::string& node_name) {
+  static RosOptions ros_options(const Config& config, const RunOptions& how) {
     RosOptions options;
-    options.node_name = node_name;
-    options.remappings = arguments;
+    options.node_name = how.node_name;
+    options.remappings = how.ros_arguments;
     options.topics = pipeline_topics(config);
     return options;
   }
@@ -209,6 +232,7 @@ class Daemon {
   Links links_;
   std::shared_ptr<RosInputs> inputs_;
   std::shared_ptr<RosMotion> motion_;
+  std::shared_ptr<RosReconfigure> reconfigure_;
   boost::asio::signal_set signals_;
   boost::asio::steady_timer timer_;
   boost::asio::steady_timer event_timer_;
@@ -220,11 +244,10 @@ class Daemon {
 
 }  // namespace
 
-int run_daemon(const Config& config, const std::vector<std::string>& ros_arguments,
-               const std::string& node_name, std::ostream& err) {
+int run_daemon(const Config& config, const RunOptions& options, std::ostream& err) {
   try {
     for (const auto& warning : config.warnings) spdlog::warn("{}", warning);
-    Daemon daemon(config, ros_arguments, node_name);
+    Daemon daemon(config, options);
     // roscpp's destructors would wait for a master that hangs.
     if (!daemon.run()) std::quick_exit(exit_ok);
     return exit_ok;
@@ -238,7 +261,9 @@ int run_daemon(const std::string& config_file, const std::vector<std::string>& r
                std::ostream& err) {
   set_up_logging();
   try {
-    return run_daemon(load_config(config_file), ros_arguments, "lidard", err);
+    RunOptions options;
+    options.ros_arguments = ros_arguments;
+    return run_daemon(load_config(config_file), options, err);
   } catch (const ConfigError& e) {
     err << e.what() << '\n';
     return exit_config;

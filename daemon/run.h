@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <iosfwd>
 #include <string>
 #include <vector>
@@ -10,10 +11,22 @@ namespace lidard {
 
 struct Config;
 
+/// Where the dynamic_reconfigure servers of the merged and virtual scans are.
+enum class ReconfigureNames : std::uint8_t {
+  entries,  ///< one below the node for each entry of the configuration
+  node      ///< the node itself, for the first entry: as ira_laser_tools has it
+};
+
+/// How to appear in ROS.
+struct RunOptions {
+  std::vector<std::string> ros_arguments;
+  std::string node_name = "lidard";
+  ReconfigureNames reconfigure = ReconfigureNames::entries;
+};
+
 /// The daemon: listens to the configured sensors and publishes until SIGTERM or SIGINT. Returns the exit
 /// code.
-int run_daemon(const Config& config, const std::vector<std::string>& ros_arguments,
-               const std::string& node_name, std::ostream& err);
+int run_daemon(const Config& config, const RunOptions& options, std::ostream& err);
 /// The same with a configuration file.
 int run_daemon(const std::string& config_file, const std::vector<std::string>& ros_arguments,
                std::ostream& err);

@@ -3,16 +3,13 @@
 #pragma once
 
 #include <iosfwd>
-#include <map>
 #include <string>
 #include <vector>
 
+#include "daemon/node_parameters.h"
 #include "daemon/replay.h"
 
 namespace lidard {
-
-/// Values of a node's private parameters as text, by name.
-using NodeParameters = std::map<std::string, std::string>;
 
 /// What the parameters of ros-drivers/velodyne's nodes ask for.
 struct VelodyneNodeSetup {
@@ -24,6 +21,9 @@ struct VelodyneNodeSetup {
 /// Translates the parameters of velodyne_driver's, velodyne_pointcloud's and velodyne_laserscan's nodes, with
 /// their defaults. Throws ConfigError for a value that means nothing.
 VelodyneNodeSetup velodyne_node_setup(const NodeParameters& parameters);
+
+/// The name of the node unless __name:= says otherwise.
+constexpr const char* velodyne_node_name = "velodyne_node";
 
 /// The executable `velodyne_node`: stands in for those three nodes. Reads the private parameters from the
 /// master, for which it waits, then publishes `velodyne_points` and `scan`. Returns the exit code.

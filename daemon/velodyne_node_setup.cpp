@@ -3,11 +3,10 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
-#include "core/nearest.h"
 #include "daemon/config.h"
+#include "daemon/parameter_reader.h"
 #include "daemon/velodyne_node.h"
 
 namespace lidard {
@@ -30,50 +29,6 @@ constexpr std::pair<const char*, const char*> without_effect[] = {
 /// Accepted in silence: they change nothing that a user could miss.
 constexpr const char* needless[] = {"rpm", "diagnostic_frequency_tolerance", "manager", "max_rate"};
 
-/// Takes parameters one by one; what is left over is unknown.
-class Reader {
- public:
-  explicit Reader(NodeParameters parameters) : left_(std::move(parameters)) {}
-
-  std::string text(const std::string& name, const std::string& missing) {
-    known_.push_back(name);
-    const auto found = left_.find(name);
-    if (found == left_.end()) return missing;
-    const std::string value = found->second;
-    left_.erase(found);
-    return value;
-  }
-  double number(const std::string& name, double missing) {
-    const std::string given = text(name, "");
-    if (given.empty()) return missing;
-    double value = 0;
-    const auto end = given.data() + given.size();
-    const auto parsed = std::from_chars(given.data(), end, value);
-    if (parsed.ec != std::errc() || parsed.ptr != end || !std::isfinite(value))
-      throw ConfigError("parameter ~" + name + " is '" + given + "'; expected a number");
-    return value;
-  }
-  bool flag(const std::string& name) {
-    const std::string given = text(name, "false");
-    if (given == "true" || given == "1" || given == "True") return true;
-    if (given == "false" || given == "0" || given == "False" || given.empty()) return false;
-    throw ConfigError("parameter ~" + name + " is '" + given + "'; expected true or false");
-  }
-  /// Remarks on what nobody took.
-  void remark_on_rest(std::vector<std::string>& warnings) const {
-    std::vector<std::string_view> names(known_.begin(), known_.end());
-    for (const auto& [name, value] : left_) {
-      const std::string near(nearest_word(name, names));
-      warnings.push_back("parameter ~" + name + " is not known and has no effect" +
-                         (near.empty() ? "" : "; did you mean ~" + near + "?"));
-    }
-  }
-
- private:
-  NodeParameters left_;
-  std::vector<std::string> known_;
-};
-
 std::string model_of(const std::string& given, const std::string& calibration) {
   const std::string file = calibration.substr(calibration.rfind('/') + 1);
   // velodyne_driver knows no Puck Hi-Res: its users name a VLP-16 with the other calibration.
@@ -95,10 +50,7 @@ class Writer {
           << "velodyne" << YAML::Value << YAML::BeginMap;
   }
   void text(const char* key, const std::string& value) { yaml_ << YAML::Key << key << YAML::Value << value; }
-  void number(const char* key, double value) {
-    char digits[32];
-    text(key, {digits, std::to_chars(digits, digits + sizeof digits, value).ptr});
-  }
+  void number(const char* key, double value) { text(key, exact_text(value)); }
   std::string finish() {
     yaml_ << YAML::EndMap << YAML::EndMap << YAML::EndMap;
     return yaml_.c_str() + std::string("\n");
@@ -109,7 +61,7 @@ class Writer {
 };
 
 /// velodyne_driver's parameters but for those of captures.
-void write_driver(Reader& reader, Writer& writer, const std::string& model, bool live) {
+void write_driver(ParameterReader& reader, Writer& writer, const std::string& model, bool live) {
   writer.text("model", model);
   const std::string address = reader.text("device_ip", "");
   const double port = reader.number("port", 2368);
@@ -132,7 +84,8 @@ void write_driver(Reader& reader, Writer& writer, const std::string& model, bool
 }
 
 /// velodyne_pointcloud's and velodyne_laserscan's.
-void write_outputs(Reader& reader, Writer& writer, const std::string& model, const std::string& calibration) {
+void write_outputs(ParameterReader& reader, Writer& writer, const std::string& model,
+                   const std::string& calibration) {
   writer.number("min_range", reader.number("min_range", 0.9));
   writer.number("max_range", reader.number("max_range", 130));
   writer.number("view_direction", reader.number("view_direction", 0));
@@ -151,7 +104,7 @@ void write_outputs(Reader& reader, Writer& writer, const std::string& model, con
   writer.text("scan_topic", "scan");
 }
 
-void read_replay(Reader& reader, ReplayOptions& replay) {
+void read_replay(ParameterReader& reader, ReplayOptions& replay) {
   const std::string capture = reader.text("pcap", "");
   const bool fast = reader.flag("read_fast");
   const bool once = reader.flag("read_once");
@@ -169,7 +122,7 @@ void read_replay(Reader& reader, ReplayOptions& replay) {
 
 VelodyneNodeSetup velodyne_node_setup(const NodeParameters& parameters) {
   VelodyneNodeSetup setup;
-  Reader reader(parameters);
+  ParameterReader reader(parameters);
   for (const auto& [name, why] : without_effect) {
     const std::string value = reader.text(name, "");
     const bool wanted = !value.empty() && value != "0" && value != "false" && std::string(name) != "enabled";

@@ -21,6 +21,12 @@ class VirtualOutput {
   const std::string& cloud_sensor() const { return config_.cloud_topic; }
   void add(const Cloud& cloud, Stamp now, FrameSink& sink);
   DiagnosticItem diagnostics(Stamp now) const;
+  const VirtualScanConfig& config() const { return config_; }
+  /// Takes the place of an output with another grid.
+  void continue_from(const VirtualOutput& before) {
+    counters_ = before.counters_;
+    last_stamps_ = before.last_stamps_;
+  }
 
  private:
   const std::string& topic_of(const std::string& frame) const;

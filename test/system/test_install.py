@@ -44,10 +44,11 @@ class Installation(unittest.TestCase):
 
     def test_the_program_lies_where_ros_and_people_look_for_it(self):
         self.assertTrue(os.access(self.prefix / "bin/lidard", os.X_OK))
-        for name in ("lidard", "velodyne_node"):
-            link = self.prefix / "lib/lidard" / name
-            self.assertTrue(link.is_symlink())
-            self.assertEqual(link.resolve(), (self.prefix / "bin/lidard").resolve())
+        for name in ("lidard", "velodyne_node", "laserscan_multi_merger", "laserscan_virtualizer"):
+            for folder in ("lib/lidard", "share/lidard"):
+                link = self.prefix / folder / name
+                self.assertTrue(link.is_symlink())
+                self.assertEqual(link.resolve(), (self.prefix / "bin/lidard").resolve())
 
     def test_ros_finds_the_package(self):
         packages = rospkg.RosPack(ros_paths=[str(self.prefix / "share")])
@@ -68,6 +69,19 @@ class Installation(unittest.TestCase):
         for name in ("VLP16_points", "VLP-32C_points", "32e_points", "VLS128_points", "64e_S3"):
             node = xml.etree.ElementTree.parse(self.prefix / f"share/lidard/launch/{name}.launch").find("node")
             self.assertEqual((node.get("pkg"), node.get("type")), ("lidard", "velodyne_node"))
+
+    def test_the_launch_files_of_ira_laser_tools_start_what_is_installed(self):
+        for name in ("laserscan_multi_merger", "laserscan_virtualizer"):
+            node = xml.etree.ElementTree.parse(self.prefix / f"share/lidard/launch/{name}.launch").find("node")
+            self.assertEqual((node.get("pkg"), node.get("type")), ("lidard", name))
+            self.assertTrue(os.access(self.prefix / "lib/lidard" / name, os.X_OK))
+
+    def test_roslaunch_finds_the_executables(self):
+        environment = {**os.environ, "ROS_PACKAGE_PATH": f"{self.prefix}/share"}
+        for name in ("laserscan_multi_merger", "laserscan_virtualizer"):
+            done = subprocess.run(["/usr/bin/python3", "-c", "import sys, roslib.packages; print(*roslib.packages.find_node('lidard', "
+                                   "sys.argv[1]))", name], env=environment, stdout=subprocess.PIPE, text=True, check=True)
+            self.assertEqual(done.stdout.split(), [f"{self.prefix}/share/lidard/{name}"])
 
     def test_the_rviz_file_shows_topics_of_the_demo_vehicle(self):
         rviz = yaml.safe_load(self.text("share/lidard/rviz/lidard.rviz"))
@@ -118,6 +132,8 @@ class Installation(unittest.TestCase):
         install("/usr", stage)
         self.assertTrue((stage / "etc/lidard/lidard.yaml").exists())
         self.assertTrue((stage / "usr/bin/lidard").exists())
+        self.assertTrue((stage / "usr/lib/lidard/laserscan_multi_merger").is_symlink())
+        self.assertFalse((stage / "usr/share/lidard/laserscan_multi_merger").is_symlink(), "rosrun would find two")
         unit = (stage / "usr/lib/systemd/system/lidard.service").read_text()
         self.assertIn("ExecStart=/usr/bin/lidard run -c /etc/lidard/lidard.yaml", unit)
 

@@ -1,0 +1,211 @@
+#!/usr/bin/python3
+# SPDX-FileCopyrightText: 2026 the lidard authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""laserscan_multi_merger with the parameters of ira_laser_tools on a real master: the merged scan is what an independent
+computation makes of the inputs, it comes whatever starts when, and goes on when a scanner dies."""
+import math
+import os
+import shutil
+import signal
+import subprocess
+import time
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray
+from harness import LIDARD, ROOT, expect, folder, free_port, process, ros_master, use_master_at, wait_for
+from laser_tools import (Listener, Talker, check_consistent, cloud_listener, expect_same, nearest_per_beam, place,
+                         scan_points, set_parameters, static_transforms, transform, wall_scan)
+from sensor_msgs.msg import LaserScan, PointCloud2
+
+MOUNTS = {"left_laser": ((0.3, 0.4, 0.2), (0, 0, 0.5)), "right_laser": ((0.3, -0.4, 0.2), (math.pi, 0, -0.5))}
+GRID = {"angle_min": -2.0, "angle_max": 2.0, "angle_increment": 0.0058, "range_min": 0.3, "range_max": 50.0}
+
+LAUNCH = """\
+<launch>
+  <node pkg="lidard" name="laserscan_multi_merger" type="laserscan_multi_merger" output="screen">
+    <param name="destination_frame" value="cart_frame"/>
+    <param name="cloud_destination_topic" value="/merged_cloud"/>
+    <param name="scan_destination_topic" value="/scan_multi"/>
+    <param name="laserscan_topics" value ="/scansx /scandx" />
+    <param name="angle_min" value="-2.0"/>
+    <param name="angle_max" value="2.0"/>
+    <param name="angle_increment" value="0.0058"/>
+    <param name="scan_time" value="0.0333333"/>
+    <param name="range_min" value="0.30"/>
+    <param name="range_max" value="50.0"/>
+  </node>
+</launch>
+"""
+
+
+def left_scan():
+    return wall_scan("left_laser", [3 + math.sin(i / 20) for i in range(300)])
+
+
+def right_scan():
+    ranges = [5 + 2 * math.cos(i / 9) for i in range(300)]
+    ranges[10:20] = [math.inf] * 10
+    ranges[30:40] = [math.nan] * 10
+    return wall_scan("right_laser", ranges)
+
+
+def merged_by_hand(scans):
+    points = []
+    for scan in scans:
+        points += place(scan_points(scan), *MOUNTS[scan.header.frame_id])
+    return points, nearest_per_beam(points, **GRID)
+
+
+class Program:
+    """The executable below its name, as rosrun would start it."""
+
+    def __init__(self, tmp):
+        self.path, self.log = tmp / "laserscan_multi_merger", tmp / "log.txt"
+        self.path.symlink_to(os.path.abspath(LIDARD))
+
+    def run(self, sink, *arguments):
+        return process([self.path, *arguments], stdout=sink, stderr=subprocess.STDOUT)
+
+
+def check_values(program, port):
+    """Names with and without slash, a remapping, late topics, tf that comes last: outputs are there from the start."""
+    set_parameters(port, "/scan_merger", {"destination_frame": "cart_frame", "laserscan_topics": "/scansx scandx",
+                                          "scan_time": 0.0333333, **GRID})
+    merged, cloud = Listener("/scan_multi"), cloud_listener("/merged_cloud")
+    with program.log.open("w") as sink, program.run(sink, "__name:=scan_merger", "scandx:=/right/scan") as node:
+        wait_for(lambda: merged.subscriber.get_num_connections() == 1, 10, "output before any input:\n" + program.log.read_text())
+        left = Talker("/scansx", left_scan())
+        time.sleep(1)
+        right = Talker("/right/scan", right_scan())
+        wait_for(lambda: "cart_frame" in program.log.read_text(), 15, "a word about the missing tf")
+        expect(not merged.messages, "nothing without tf")
+        mounts = static_transforms([transform("cart_frame", frame, *pose) for frame, pose in MOUNTS.items()])
+        wait_for(lambda: len(merged.messages) > 10 and cloud.messages, 15, "scans:\n" + program.log.read_text())
+        scan = merged.messages[-1]
+        check_consistent(scan)
+        points, expected = merged_by_hand([left.message, right.message])
+        expect(len(expected) == 691, "691 beams as slam_toolbox counts")
+        expect_same(scan, expected, "merged scan")
+        expect(scan.header.frame_id == "cart_frame" and abs(scan.scan_time - 0.0333333) < 1e-6, f"{scan.header}")
+        expect(cloud.messages[-1].width * cloud.messages[-1].height == len(points), "the cloud holds every point")
+        check_dead_scanner(program, merged, right, left)
+        node.send_signal(signal.SIGINT)
+        begin = time.monotonic()
+        expect(node.wait(5) == 0 and time.monotonic() - begin < 1, f"Ctrl-C took {time.monotonic() - begin:.2f} s")
+    for one in (left, merged, cloud):
+        one.close()
+    return mounts
+
+
+def check_dead_scanner(program, merged, right, left):
+    right.close()
+    closed = time.monotonic()
+    time.sleep(2)
+    late = merged.since(closed + 1)
+    expect(len(late) > 12, f"{len(late)} scans in the second after a scanner was lost")
+    longest = max(b - a for a, b in zip(merged.times, merged.times[1:]))
+    expect(longest < 1, f"a gap of {longest:.2f} s")
+    expect_same(late[-1], merged_by_hand([left.message])[1], "scan without the dead one")
+    back = Talker("/right/scan", right_scan())
+    began = time.monotonic()
+    both = merged_by_hand([left.message, back.message])[1]
+    wait_for(lambda: any(list(m.ranges) != list(late[-1].ranges) for m in merged.since(began)), 5, "it is back")
+    time.sleep(0.3)
+    expect_same(merged.messages[-1], both, "scan with the scanner that came back")
+    back.close()
+
+
+def check_two_in_namespaces(program, port):
+    """Private parameters of each, relative topics below each namespace, a relative output."""
+    talkers, listeners = [], []
+    for side, frame, message in (("a", "left_laser", left_scan()), ("b", "right_laser", right_scan())):
+        set_parameters(port, f"/{side}/laser_multi_merger", {"laserscan_topics": "scan", "destination_frame": frame,
+                                                             "scan_destination_topic": "merged", "empty": "inf"})
+        talkers.append(Talker(f"/{side}/scan", message))
+        listeners.append(Listener(f"/{side}/merged"))
+    with program.log.open("w") as sink, program.run(sink, "__ns:=/a"), program.run(sink, "__ns:=/b"):
+        wait_for(lambda: all(len(one.messages) > 5 for one in listeners), 15, "two at once:\n" + program.log.read_text())
+        frames = [one.messages[-1].header.frame_id for one in listeners]
+        expect(frames == ["left_laser", "right_laser"], f"each merges its own: {frames}")
+        expect(any(math.isinf(r) for r in listeners[1].messages[-1].ranges), "empty: inf")
+        expect(len(listeners[0].messages[-1].ranges) == 815, "the default grid")
+    for one in talkers + listeners:
+        one.close()
+
+
+def check_other_clock(program, port):
+    """Stamps of a bag or a simulator have nothing to do with the time at hand."""
+    set_parameters(port, "/old", {"laserscan_topics": "/scansx /scandx", "destination_frame": "cart_frame"})
+    talkers = [Talker(topic, scan, offset=-1e8) for topic, scan in (("/scansx", left_scan()), ("/scandx", right_scan()))]
+    merged = Listener("/scan_multi")
+    with program.log.open("w") as sink, program.run(sink, "__name:=old"):
+        wait_for(lambda: len(merged.messages) > 10, 10, "scans with old stamps:\n" + program.log.read_text())
+        age = rospy.Time.now().to_sec() - merged.messages[-1].header.stamp.to_sec()
+        expect(abs(age - 1e8) < 5, f"the stamps of the inputs, {age} s old")
+    for one in [*talkers, merged]:
+        one.close()
+
+
+def check_wrong_type(program, port):
+    set_parameters(port, "/wrong", {"laserscan_topics": "/cloud", "destination_frame": "left_laser"})
+    items = {}
+    diagnostics = rospy.Subscriber("/diagnostics", DiagnosticArray,
+                                   lambda array: items.update((s.name, s) for s in array.status))
+    talker = Talker("/cloud", PointCloud2())
+    with program.log.open("w") as sink, program.run(sink, "__name:=wrong"):
+        wait_for(lambda: "carries sensor_msgs/PointCloud2; expected sensor_msgs/LaserScan" in program.log.read_text(), 10,
+                 "a word about the type:\n" + program.log.read_text())
+        wait_for(lambda: any("expected sensor_msgs/LaserScan" in s.message and s.level == 2 for s in items.values()), 5,
+                 "an ERROR on /diagnostics")
+    talker.close()
+    diagnostics.unregister()
+
+
+def check_launch_file(tmp, port):
+    """A launch file as ira_laser_tools' users have it, with another pkg=, and the one that is shipped."""
+    package = tmp / "lidard"
+    package.mkdir()
+    shutil.copy(ROOT / "package.xml", package)
+    (package / "laserscan_multi_merger").symlink_to(os.path.abspath(LIDARD))
+    (tmp / "old.launch").write_text(LAUNCH)
+    set_parameters(port, "", {"run_id": "lidard-test"})  # which roscore gives, and roslaunch waits for
+    environment = {**os.environ, "ROS_PACKAGE_PATH": f"{tmp}", "ROS_HOME": str(tmp)}
+    talkers = [Talker("/scansx", left_scan()), Talker("/scandx", right_scan())]
+    expected = merged_by_hand([t.message for t in talkers])[1]
+    for launch in (tmp / "old.launch", ROOT / "config/laserscan_multi_merger.launch"):
+        merged, log = Listener("/scan_multi"), tmp / "roslaunch.txt"
+        with log.open("w") as sink, process(["/usr/bin/roslaunch", "--wait", launch], env=environment, stdout=sink,
+                                            stderr=subprocess.STDOUT):
+            wait_for(lambda: len(merged.messages) > 5, 30, f"scans with {launch}:\n" + log.read_text())
+            expect_same(merged.messages[-1], expected, launch.name)
+        expect("has no effect" not in log.read_text(), "every parameter is known:\n" + log.read_text())
+        merged.close()
+    for talker in talkers:
+        talker.close()
+
+
+def check_refusals(program, port):
+    for parameters, text in (({}, "~laserscan_topics is empty"), ({"laserscan_topics": "a", "angle_increment": 0}, "above 0")):
+        set_parameters(port, "/refused", {"laserscan_topics": "", "angle_increment": 0.0058, **parameters})
+        done = subprocess.run([program.path, "__name:=refused"], capture_output=True, text=True, timeout=20, check=False)
+        expect(done.returncode == 78 and text in done.stderr, f"{parameters}: {done}")
+
+
+def main():
+    port = free_port()
+    use_master_at(port)
+    with folder() as tmp, ros_master(port):
+        rospy.init_node("listener", disable_signals=True, anonymous=True)
+        program = Program(tmp)
+        mounts = check_values(program, port)
+        check_two_in_namespaces(program, port)
+        check_launch_file(tmp, port)
+        check_other_clock(program, port)
+        check_wrong_type(program, port)
+        check_refusals(program, port)
+        mounts.unregister()
+    print("ok")
+
+
+if __name__ == "__main__":
+    main()
