@@ -7,7 +7,7 @@
 #include <set>
 #include <sstream>
 
-#include "daemon/config_output_keys.h"
+#include "daemon/config_parts.h"
 #include "daemon/grid_limits.h"
 #include "daemon/laser_tools_node.h"
 #include "daemon/parameter_reader.h"

@@ -42,6 +42,13 @@ std::string correction_of(const OverlapState& pair) {
          ", " + part(2, "y", pair.correction[2], "m");
 }
 
+/// A stamp to tell a sweep's age by. Stamps that are far from the time at hand are of another clock, a bag's
+/// or a simulator's: then the arrival counts.
+Stamp comparable(Stamp stamp, Stamp now) {
+  constexpr Span another_clock = std::chrono::seconds(10);
+  return now - stamp > another_clock || stamp - now > another_clock ? now : stamp;
+}
+
 }  // namespace
 
 MergedOutput::MergedOutput(const MergedScanConfig& config, const VehicleConfig& vehicle,
@@ -121,7 +128,8 @@ void MergedOutput::add(std::size_t source, const PlanarScan& scan, Stamp now, Fr
     return;
   }
   if (!merger_.add(source, scan, pose)) return;
-  scheduler_.delivered(source, merger_.times(source)->last(), static_cast<double>(scan.scan_time), now);
+  scheduler_.delivered(source, comparable(merger_.times(source)->last(), now),
+                       static_cast<double>(scan.scan_time), now);
   advance(now, sink);
 }
 

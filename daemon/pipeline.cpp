@@ -29,12 +29,10 @@ struct Pipeline::Impl final : public LineOwner {
     for (const auto& sensor : configuration.sensors) {
       lines.push_back(std::make_unique<SensorLine>(sensor, lines.size(), *this));
     }
-    for (const auto& entry : configuration.merged_scans) {
-      merged.push_back(std::make_unique<MergedOutput>(entry, configuration.vehicle, poses));
-    }
-    for (const auto& entry : configuration.virtual_scans) {
-      virtuals.push_back(std::make_unique<VirtualOutput>(entry, configuration.vehicle, poses));
-    }
+    for (const auto& entry : configuration.merged_scans)
+      merged.push_back(std::make_unique<MergedOutput>(entry, vehicle, poses));
+    for (const auto& entry : configuration.virtual_scans)
+      virtuals.push_back(std::make_unique<VirtualOutput>(entry, vehicle, poses));
   }
 
   SensorLine* find_line(const Packet& packet);
@@ -61,7 +59,6 @@ struct Pipeline::Impl final : public LineOwner {
   std::string why_no_motion;
   std::uint64_t poses_refused = 0;  // since the pose of their frame on the vehicle is not known
   VehicleConfig vehicle;
-
   PoseBook poses;
   std::vector<std::unique_ptr<SensorLine>> lines;
   std::vector<std::unique_ptr<MergedOutput>> merged;
