@@ -164,6 +164,37 @@ TEST(RosInputs, CountAndExplainMessagesTheyCannotUse) {
   });
 }
 
+TEST(RosInputs, UseScansWithOddIntensitiesOrWithoutRangesAndCountWhatTheyLeaveOut) {
+  in_own_process([] {
+    RosMaster master;
+    auto odd = scan_message();
+    odd.intensities.resize(2);
+    auto empty = scan_message();
+    empty.ranges.clear();
+    empty.intensities.clear();
+    const Child odd_scans = talker("/odd", odd);
+    const Child empty_scans = talker("/empty", empty);
+    master.start();
+    Posted posted;
+    Seen seen;
+    RosLink link({});
+    const auto inputs = add_inputs(link, {{"a", "/odd"}, {"b", "/empty"}}, posted.post(), seen.handlers());
+
+    link.start();
+    EXPECT_TRUE(posted.run_until([&] {
+      const auto report = inputs->report();
+      return report[0].intensities_ignored > 2 && report[1].messages > 2 && seen.scans.size() > 6;
+    }));
+    for (const auto& report : inputs->report()) EXPECT_EQ(report.rejected, 0U) << report.last_reason;
+    EXPECT_EQ(inputs->report()[1].intensities_ignored, 0U);
+    for (const PlanarScan& scan : seen.scans) EXPECT_TRUE(scan.intensities.empty());
+    using ::testing::Pair;
+    EXPECT_THAT(inputs->diagnostics().at(0).values,
+                ::testing::Contains(Pair("Intensities ignored", ::testing::Ne("0"))));
+    EXPECT_TRUE(link.stop());
+  });
+}
+
 TEST(RosInputs, DropAndCountWhatASlowSensorThreadDoesNotTake) {
   in_own_process([] {
     RosMaster master;
