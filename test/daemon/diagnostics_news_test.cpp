@@ -53,8 +53,10 @@ merged_scans:
   pipeline.tick(at(11.3));
   EXPECT_EQ(sink.told, 3) << "both are well now";
   EXPECT_EQ(sink.newest.at(0).health, Health::ok);
-  pipeline.tick(at(11.4));
+  pipeline.tick(at(11.32));
   EXPECT_EQ(sink.told, 3);
+  pipeline.tick(at(11.4));
+  EXPECT_EQ(sink.told, 4) << "the only sweep is too old by now";
 }
 
 }  // namespace

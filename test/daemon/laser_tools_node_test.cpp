@@ -68,13 +68,13 @@ TEST(LaserMerger, HasTheNumberOfBeamsThatSlamToolboxExpects) {
 
 TEST(LaserMerger, TakesTopicsOfAnyNameOnceEach) {
   const LaserToolsSetup setup =
-      laser_merger_setup({{"laserscan_topics", " /scansx  front/scan /2nd /scansx front_scan "}});
+      laser_merger_setup({{"laserscan_topics", " /scansx  front/scan /s2 /scansx front_scan "}});
   const Config config = parse_config(setup.yaml, "p");
   std::vector<std::string> topics;
   for (const auto& sensor : config.sensors) topics.push_back(sensor.topic);
-  EXPECT_THAT(topics, ElementsAre("/scansx", "front/scan", "/2nd", "front_scan"));
+  EXPECT_THAT(topics, ElementsAre("/scansx", "front/scan", "/s2", "front_scan"));
   EXPECT_THAT(config.merged_scans[0].laserscan_topics,
-              ElementsAre("scansx", "front_scan", "scan_2nd", "front_scan_2"));
+              ElementsAre("scansx", "front_scan", "s2", "front_scan_2"));
 }
 
 TEST(LaserMerger, BringsNumbersIntoTheLimitsOfDynamicReconfigureAndSaysSo) {
