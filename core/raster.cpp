@@ -166,6 +166,16 @@ void Raster::mark_end(const Sweep& sweep, const BeamRays& rays, std::size_t end,
   }
 }
 
+void Raster::mark_near(Point p, float at, float reach, std::vector<char>& marks) const {
+  const float range = std::sqrt(p.x * p.x + p.y * p.y);
+  const float span = range > reach ? reach / range * per_rad_ : turn_ / 2;
+  for (float beam = std::floor(at - span); beam <= std::ceil(at + span); ++beam) {
+    const float inside = beam < 0 ? beam + turn_ : beam >= turn_ ? beam - turn_ : beam;
+    const auto index = static_cast<std::size_t>(inside);
+    if (index < marks.size()) marks[index] = 1;
+  }
+}
+
 void Raster::fill(Point p, Point q, float from, float to, RangeLayer& layer) const {
   const auto last = std::min(grid_.beams, static_cast<std::size_t>(to) + 1);
   for (auto beam = static_cast<std::size_t>(std::ceil(from)); beam < last; ++beam) {

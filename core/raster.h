@@ -42,18 +42,21 @@ class Raster {
   void draw_doubtful(const Sweep& sweep, RangeLayer& layer) const;
   void draw_point(Point p, RangeLayer& layer) const;
   void draw_segment(Point p, Point q, RangeLayer& layer) const;
+  /// Beams from the first one to the azimuth of (x, y), less than a turn of them.
+  float position(float x, float y) const;
+  /// The same for points whose position() is known.
+  void draw_point(Point p, float at, RangeLayer& layer) const;
+  void draw_segment(Point p, Point q, float at_p, float at_q, RangeLayer& layer) const;
+  /// The end `p` of a surface that comes from `inner`, in the beam nearest to it.
+  void draw_end(Point p, Point inner, float at, RangeLayer& layer) const;
+  /// Marks the beams that pass within `reach` m of a point.
+  void mark_near(Point p, float at, float reach, std::vector<char>& marks) const;
   /// Marks the beams between the ends of surfaces and the next beam of the source. Call after draw() of the
   /// same sweep.
   void mark_ends(const Sweep& sweep, const BeamRays& rays, EndLayer& layer) const;
 
  private:
-  /// Beams from the first one to the azimuth of (x, y), in [0, turn_).
-  float position(float x, float y) const;
   std::size_t nearest_beam(float at) const;
-  void draw_point(Point p, float at, RangeLayer& layer) const;
-  /// The end `p` of a surface that comes from `inner`, in the beam nearest to it.
-  void draw_end(Point p, Point inner, float at, RangeLayer& layer) const;
-  void draw_segment(Point p, Point q, float at_p, float at_q, RangeLayer& layer) const;
   void mark_end(const Sweep& sweep, const BeamRays& rays, std::size_t end, std::size_t next, float side,
                 EndLayer& layer) const;
   void fill(Point p, Point q, float from, float to, RangeLayer& layer) const;

@@ -59,8 +59,27 @@ void Sight::set_source(std::size_t source, const BeamRays& rays) {
   table_.set(source, rays_.size(), raster_, profile);
 }
 
+void Sight::set_place(float x, float y, double width) {
+  const double unit = (raster_.grid().range_max + farthest_source) / distance_steps;
+  for (FreeProfile& profile : profiles_) profile.set(x, y, width, unit);
+  table_.set(0, 1, raster_, profiles_[0]);
+  one_place_ = true;
+  has_blind_ = true;
+}
+
+void Sight::begin() {
+  nearest_.clear(beams());
+  doubtful_.clear(beams());
+  ends_.clear(beams());
+  for (FreeProfile& profile : profiles_) profile.clear();
+}
+
 void Sight::compute(const std::vector<const Sweep*>& sweeps) {
   combine(sweeps);
+  compute();
+}
+
+void Sight::compute() {
   for (std::size_t beam = 0; beam < beams(); ++beam) decide(beam);
 }
 
@@ -104,12 +123,11 @@ void Sight::average(std::size_t beam) {
   nearest_.intensity[beam] = intensity / count;
 }
 
-bool Sight::is_free_at(std::size_t beam, float range) const {
+bool Sight::is_free_at(std::size_t beam, float range, std::size_t sources) const {
   const float x = range * raster_.cosine(beam);
   const float y = range * raster_.sine(beam);
-  for (std::size_t tried = 0; tried < rays_.size(); ++tried) {
-    const std::size_t s =
-        witness_ + tried < rays_.size() ? witness_ + tried : witness_ + tried - rays_.size();
+  for (std::size_t tried = 0; tried < sources; ++tried) {
+    const std::size_t s = (witness_ + tried) % sources;
     const FreeProfile& profile = profiles_[s];
     if (profile.size() == 0) continue;
     const float dx = x - profile.x();
@@ -122,20 +140,19 @@ bool Sight::is_free_at(std::size_t beam, float range) const {
 
 std::size_t Sight::free_run(std::size_t source, std::size_t beam, std::size_t from, std::size_t to) const {
   if (source >= profiles_.size() || profiles_[source].size() == 0) return from;
-  const SightTable::Step* const steps = table_.row(beam, source);
+  const SightTable::Step* const steps = row(beam, source);
   const FreeProfile::Cell* const cells = profiles_[source].cells();
   while (from < to && cells[steps[from].cell].is_free(steps[from].distance)) ++from;
   return from;
 }
 
-bool Sight::is_covered(std::size_t beam, float end) {
+bool Sight::is_covered(std::size_t beam, float end, std::size_t sources) {
   const auto gap = static_cast<float>(settings_.gap);
   const auto share = static_cast<float>(settings_.gap_share);
-  const std::size_t sources = rays_.size();
   const std::size_t last = table_.steps_to(end);
   const Inside& body = inside_[beam];
   std::size_t m = 0;
-  std::size_t source = witness_;
+  std::size_t source = witness_ < sources ? witness_ : 0;
   std::size_t refused = 0;  // sources that do not see step m, one after the other
   float known = 0;
   while (m < last) {
@@ -169,15 +186,33 @@ void Sight::decide(std::size_t beam) {
   if (!(range <= range_max)) {
     // Nothing bounds what was not seen at the end of the way, so its very end must be free.
     const auto end = std::min(static_cast<float>(settings_.free_required), range_max);
-    const bool free = is_covered(beam, end) && ends_.marked[beam] == 0 && is_free_at(beam, end);
+    const std::size_t sources = profiles_.size() - (has_blind_ ? 1 : 0);
+    const bool free =
+        is_covered(beam, end, sources) && ends_.marked[beam] == 0 && is_free_at(beam, end, sources);
     seen_[beam] = free ? Seen::free : Seen::unobserved;
     return;
   }
   const float before = range - static_cast<float>(std::max(settings_.approach, 5 * settings_.noise));
-  if (!is_covered(beam, before) || ends_.range[beam] < before)
+  if (!is_covered(beam, before, profiles_.size()) || ends_.range[beam] < before)
     seen_[beam] = Seen::gap;
+  else if (before <= begin_[beam] || is_free_at(beam, before, profiles_.size()))
+    seen_[beam] = Seen::hit;
   else
-    seen_[beam] = before <= begin_[beam] || is_free_at(beam, before) ? Seen::hit : Seen::behind;
+    seen_[beam] = Seen::behind;
+}
+
+float Sight::blind_to(std::size_t beam, float end) const {
+  const FreeProfile& blind = profiles_.back();
+  const SightTable::Step* const steps = row(beam, profiles_.size() - 1);
+  const auto is_blind = [&](std::size_t m) {
+    return blind.cells()[steps[m].cell].is_free(steps[m].distance);
+  };
+  const std::size_t last = table_.steps_to(end);
+  std::size_t m = 0;
+  while (m < last && !is_blind(m)) ++m;
+  if (m >= last) return 0;
+  while (m < last && is_blind(m)) ++m;
+  return std::min(table_.edge(m), end);
 }
 
 void Sight::encode(Profile profile, PlanarScan& scan, bool with_intensities) const {
@@ -203,6 +238,11 @@ void Sight::encode(Profile profile, PlanarScan& scan, bool with_intensities) con
       scan.set_hit(beam, range);
       if (with_intensities) scan.intensities[beam] = intensity;
     }
+  }
+  if (!has_blind_) return;
+  scan.free_from.assign(beams(), 0);
+  for (std::size_t beam = 0; beam < beams(); ++beam) {
+    if (scan.statuses[beam] == BeamStatus::hit) scan.free_from[beam] = blind_to(beam, scan.ranges[beam]);
   }
 }
 

@@ -36,6 +36,19 @@ class Sight {
   void set_source(std::size_t source, const BeamRays& rays);
   /// Computes from the newest sweep of each source; nullptr: this source has none.
   void compute(const std::vector<const Sweep*>& sweeps);
+  /// For what is no sweep: the place of all sources, m in the output's plane; their columns are `width` rad
+  /// apart. The last source then is not what is seen to be free but what no beam can see: a surface counts
+  /// although the way to it leads through, but no beam is free that does.
+  void set_place(float x, float y, double width);
+  /// Begins anew with surfaces and evidence that the caller fills in, in place of sweeps.
+  void begin();
+  const Raster& raster() const { return raster_; }
+  RangeLayer& surfaces() { return nearest_; }
+  RangeLayer& doubtful() { return doubtful_; }
+  std::vector<char>& ends() { return ends_.marked; }
+  FreeProfile& profile(std::size_t source) { return profiles_[source]; }
+  /// Computes from what was filled in.
+  void compute();
   /// Writes the result in the words of a profile, `strict` or `safety`.
   void encode(Profile profile, PlanarScan& scan, bool with_intensities) const;
 
@@ -50,10 +63,15 @@ class Sight {
   void combine(const std::vector<const Sweep*>& sweeps);
   void average(std::size_t beam);
   void decide(std::size_t beam);
-  /// True if some source sees that nothing is at `range` of the beam.
-  bool is_free_at(std::size_t beam, float range) const;
+  /// True if one of the first `sources` sources sees that nothing is at `range` of the beam.
+  bool is_free_at(std::size_t beam, float range, std::size_t sources) const;
   /// Walks from where the vehicle ends to `end`; false at the first gap. Sets covered.
-  bool is_covered(std::size_t beam, float end);
+  bool is_covered(std::size_t beam, float end, std::size_t sources);
+  const SightTable::Step* row(std::size_t beam, std::size_t source) const {
+    return table_.row(beam, one_place_ ? 0 : source);
+  }
+  /// m of the way to `end` up to which it leads through what no beam can see.
+  float blind_to(std::size_t beam, float end) const;
   /// The first step in [from, to) that this source does not see to be free, or `to`.
   std::size_t free_run(std::size_t source, std::size_t beam, std::size_t from, std::size_t to) const;
 
@@ -63,6 +81,8 @@ class Sight {
   std::vector<BeamRays> rays_;
   std::vector<FreeProfile> profiles_;
   std::vector<RangeLayer> layers_;  // per source
+  bool has_blind_ = false;          // the last profile is what cannot be seen
+  bool one_place_ = false;          // all sources look from there, so that they share the table's row
   std::size_t witness_ = 0;         // the source that saw the farthest part of the last way walked
   RangeLayer nearest_;
   RangeLayer doubtful_;

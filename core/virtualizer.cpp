@@ -2,22 +2,159 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/virtualizer.h"
 
-namespace lidard {
+#include <algorithm>
+#include <cmath>
 
-void Virtualizer::project(const Cloud& cloud, const Pose& virtual_from_cloud, PlanarScan& scan) {
+namespace lidard {
+namespace {
+
+// Sources of a frame's Sight: the evidence's free pieces, and what is blind.
+constexpr std::size_t blind_source = CutEvidence::pieces;
+constexpr std::size_t sight_sources = CutEvidence::pieces + 1;
+// Columns whose width changed by less (share) still fit the tables.
+constexpr double width_slack = 0.05;
+// A band that reaches into the ground is observed from so much above the ground on, m.
+constexpr double above_ground = 0.02;
+
+Eigen::Vector3d place_of(const CloudPoint& p) {
+  return {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
+}
+
+}  // namespace
+
+Virtualizer::Frame::Frame(const ScanGrid& grid, const SightSettings& how) : sight(grid, how, sight_sources) {}
+
+Virtualizer::Virtualizer(const ScanGrid& grid, HeightBand band, std::size_t frames,
+                         const VirtualSettings& settings)
+    : settings_(settings), band_(band), flattener_(grid, band), grid_(settings.beams) {
+  if (!settings.sight) return;
+  for (std::size_t i = 0; i < frames; ++i) frames_.push_back(std::make_unique<Frame>(grid, settings.how));
+}
+
+void Virtualizer::set_footprint(const Footprint& footprint) {
+  footprint_ = footprint;
+  own_ = footprint.padded(Footprint::margin_m);
+  placed_ = false;
+}
+
+/// What depends on the lidar's place on the vehicle alone.
+void Virtualizer::place_cloud(const Pose& vehicle_from_cloud) {
+  if (placed_ && vehicle_from_cloud_.matrix() == vehicle_from_cloud.matrix()) return;
+  placed_ = true;
+  vehicle_from_cloud_ = vehicle_from_cloud;
+  grid_.set_footprint(own_, vehicle_from_cloud);
+  for (auto& frame : frames_) frame->placed = false;
+}
+
+void Virtualizer::set_cloud(const Cloud& cloud, const Pose& vehicle_from_cloud,
+                            const std::vector<Pose>* columns_to_now) {
+  static const std::vector<Pose> none;
+  cloud_ = &cloud;
+  columns_to_now_ = columns_to_now == nullptr ? &none : columns_to_now;
+  place_cloud(vehicle_from_cloud);
+  if (!settings_.sight) return;
+  organised_ = grid_.organise(cloud, *columns_to_now_);
+  if (!organised_) return;
+  find_ground(grid_, settings_.ground, vehicle_from_cloud, ground_);
+  links_.set(grid_, settings_.how.noise);
+  const Eigen::Vector3f up = vehicle_from_cloud.linear().row(2).transpose().cast<float>();
+  cut_.set_cloud(grid_, ground_, links_, up);
+}
+
+void Virtualizer::flatten(const Pose& virtual_from_cloud, PlanarScan& scan) {
+  const Pose vehicle = virtual_from_cloud * vehicle_from_cloud_.inverse();
+  if (!own_.empty()) flattener_.set_footprint(own_.transformed(vehicle));
   flattener_.begin(scan, true);
-  scan.stamp = cloud.stamp;
-  if (scan.scan_time == 0 && cloud.end > cloud.stamp) {
-    scan.scan_time = static_cast<float>(seconds(cloud.end - cloud.stamp));
+  const bool moves = !columns_to_now_->empty();
+  std::size_t column = 0;
+  Pose pose = virtual_from_cloud;
+  for (std::size_t i = 0; i < cloud_->size(); ++i) {
+    if (moves) {
+      while (column + 1 < cloud_->columns.size() && cloud_->columns[column + 1].first_point <= i) ++column;
+      if (i == cloud_->columns[column].first_point) pose = virtual_from_cloud * (*columns_to_now_)[column];
+    }
+    const CloudPoint& point = cloud_->points()[i];
+    flattener_.add(pose.linear() * place_of(point) + pose.translation(), point.intensity);
   }
-  const Eigen::Matrix3d rotation = virtual_from_cloud.linear();
-  const Eigen::Vector3d translation = virtual_from_cloud.translation();
-  const CloudPoint* points = cloud.points();
-  const std::size_t n = cloud.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    const Eigen::Vector3d p(static_cast<double>(points[i].x), static_cast<double>(points[i].y),
-                            static_cast<double>(points[i].z));
-    flattener_.add(rotation * p + translation, points[i].intensity);
+}
+
+void Virtualizer::place(Frame& frame, const Pose& virtual_from_cloud) const {
+  const double step = organised_ ? grid_.step() : frame.step;
+  const bool same = frame.placed && frame.pose.matrix() == virtual_from_cloud.matrix() &&
+                    std::abs(step - frame.step) <= width_slack * frame.step;
+  if (same) return;
+  frame.placed = true;
+  frame.pose = virtual_from_cloud;
+  frame.step = step;
+  const Pose vehicle = virtual_from_cloud * vehicle_from_cloud_.inverse();
+  frame.sight.set_footprint(footprint_.transformed(vehicle));
+  const Eigen::Vector3d at = virtual_from_cloud.translation();
+  frame.sight.set_place(static_cast<float>(at.x()), static_cast<float>(at.y()), step);
+}
+
+/// The plane on which a frame's beams must be free: of a band the limit that is farther from the sensor,
+/// since nothing of the band is hidden from beams that reach it.
+float Virtualizer::evidence_level(const Pose& virtual_from_cloud) const {
+  if (settings_.mode == CutMode::slice) return 0;
+  if (virtual_from_cloud.translation().z() < band_.min) return static_cast<float>(band_.max);
+  double level = band_.min;
+  if (ground_.known) {
+    const Pose vehicle = virtual_from_cloud * vehicle_from_cloud_.inverse();
+    const double ground = (vehicle * Eigen::Vector3d(0, 0, settings_.ground.z)).z();
+    level = std::max(level, ground + settings_.ground.tolerance + above_ground);
+  }
+  return static_cast<float>(level);
+}
+
+/// Single points at heights that count: earlier returns, and all where no surfaces are known.
+void Virtualizer::splat_points(Frame& frame, const Pose& virtual_from_cloud) {
+  const auto splat = [&](const CloudPoint& point) {
+    const Eigen::Vector3d p = virtual_from_cloud * place_of(point);
+    if (!(p.z() >= band_.min && p.z() <= band_.max)) return;
+    const Eigen::Vector3d in_vehicle = vehicle_from_cloud_ * place_of(point);
+    if (own_.contains(in_vehicle.head<2>())) return;
+    frame.sight.raster().draw_point({static_cast<float>(p.x()), static_cast<float>(p.y()), point.intensity},
+                                    frame.sight.surfaces());
+  };
+  if (organised_) {
+    for (const CloudPoint& point : grid_.early) splat(point);
+    return;
+  }
+  for (std::size_t i = 0; i < cloud_->size(); ++i) splat(cloud_->points()[i]);
+}
+
+void Virtualizer::look(Frame& frame, const Pose& virtual_from_cloud) {
+  place(frame, virtual_from_cloud);
+  Sight& sight = frame.sight;
+  sight.begin();
+  splat_points(frame, virtual_from_cloud);
+  if (organised_) {
+    cut_.set_frame(virtual_from_cloud, settings_.keep_ground);
+    const bool band = settings_.mode == CutMode::band;
+    if (band)
+      cut_.draw_band(band_, sight.raster(), sight.surfaces(), sight.ends());
+    else
+      cut_.draw_slice(0, sight.raster(), sight.surfaces(), sight.ends());
+    evidence_.find(grid_, ground_, cut_, evidence_level(virtual_from_cloud), band ? band_ : HeightBand{0, 0},
+                   {&sight.profile(0), &sight.profile(1)}, sight.profile(blind_source));
+  }
+  sight.compute();
+}
+
+void Virtualizer::project(std::size_t frame, const Pose& virtual_from_cloud,
+                          const std::vector<VirtualScan>& outputs) {
+  const bool needed = std::any_of(outputs.begin(), outputs.end(),
+                                  [](const VirtualScan& one) { return one.profile != Profile::flatten; });
+  if (needed) look(*frames_[frame], virtual_from_cloud);
+  for (const VirtualScan& output : outputs) {
+    PlanarScan& scan = *output.scan;
+    if (output.profile == Profile::flatten)
+      flatten(virtual_from_cloud, scan);
+    else
+      frames_[frame]->sight.encode(output.profile, scan, true);
+    scan.stamp = cloud_->stamp;
+    if (scan.scan_time == 0 && cloud_->end > cloud_->stamp)
+      scan.scan_time = static_cast<float>(seconds(cloud_->end - cloud_->stamp));
   }
 }
 

@@ -15,6 +15,7 @@
 #include "core/scan_grid.h"
 #include "core/scheduler.h"
 #include "core/sweep.h"
+#include "core/virtualizer.h"
 #include "daemon/velodyne_settings.h"
 #include "drivers/driver.h"
 #include "drivers/model.h"
@@ -118,6 +119,17 @@ struct VirtualScanConfig {
   std::map<std::string, Pose> poses;  ///< of output frames in base_frame; a frame without one comes from tf
   std::string output_laser_topic;     ///< empty: one topic per frame, named like the frame
   OutputScanConfig output;
+  std::vector<AlsoScanConfig> also;  ///< topics beneath that of the frame
+  CutMode mode = CutMode::slice;
+  GroundSettings ground;
+  bool keep_ground = false;
+  bool early_returns = false;  ///< echoes: all
+  double range_noise = 0.02;   ///< m, one standard deviation of the ranges
+  double free_required = 0;    ///< m that a beam must be observed to be free; 0: range_max
+  double no_return_free_range = 0;  ///< m that a beam without return proves free
+  bool has_sight() const;
+  /// Topic of a frame's scan, or of one of its further scans.
+  std::string topic(const std::string& frame, const AlsoScanConfig* further = nullptr) const;
 };
 
 /// The whole configuration, complete and validated.

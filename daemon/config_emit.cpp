@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "daemon/calibration_file.h"
+#include "daemon/config_cut.h"
 #include "daemon/config_parts.h"
 
 namespace lidard {
@@ -103,6 +104,7 @@ class ConfigWriter {
   void merged(const MergedScanConfig& scan);
   void schedule(const MergedScanConfig& scan);
   void source_settings(const std::string& name, const SourceSettings& settings);
+  void also_scans(const std::vector<AlsoScanConfig>& scans);
   void virtual_scan(const VirtualScanConfig& scan);
 
   YAML::Emitter yaml_;
@@ -267,8 +269,12 @@ void ConfigWriter::merged(const MergedScanConfig& scan) {
   flag("veil_filter", scan.veil_filter);
   number("range_noise", scan.range_noise);
   number("free_required", scan.free_required > 0 ? scan.free_required : scan.output.grid.range_max);
+  also_scans(scan.also);
+}
+
+void ConfigWriter::also_scans(const std::vector<AlsoScanConfig>& scans) {
   yaml_ << YAML::Key << "also" << YAML::Value << YAML::BeginMap;
-  for (const AlsoScanConfig& also : scan.also) {
+  for (const AlsoScanConfig& also : scans) {
     yaml_ << YAML::Key << also.topic << YAML::Value << YAML::BeginMap;
     text("profile", word_of(also.profile));
     text("empty", word_of(also.empty));
@@ -326,6 +332,20 @@ void ConfigWriter::virtual_scan(const VirtualScanConfig& scan) {
   yaml_ << YAML::EndMap;
   text("output_laser_topic", scan.output_laser_topic);
   output(scan.output);
+  also_scans(scan.also);
+  if (!scan.has_sight()) return;
+  text("mode", word_of(scan.mode));
+  yaml_ << YAML::Key << "ground" << YAML::Value << YAML::BeginMap;
+  text("model", word_of(scan.ground.model));
+  number("z", scan.ground.z);
+  number("tolerance", scan.ground.tolerance);
+  if (scan.ground.model == GroundModel::slope) number("steepest", scan.ground.steepest);
+  yaml_ << YAML::EndMap;
+  flag("keep_ground", scan.keep_ground);
+  text("echoes", word_of(scan.early_returns ? EchoChoice::all : EchoChoice::last));
+  number("range_noise", scan.range_noise);
+  number("free_required", scan.free_required > 0 ? scan.free_required : scan.output.grid.range_max);
+  number("no_return_free_range", scan.no_return_free_range);
 }
 
 }  // namespace

@@ -120,7 +120,7 @@ MergedScanConfig read_merged(const std::string& name, const Value& entry, Config
   const Sources sources = read_sources(yaml, config, entry.path(), claims, merged.laserscan_topics);
   read_destination(yaml, config, entry.path(), claims, merged);
   read_merged_topics(yaml, entry.path(), claims, merged);
-  read_output(yaml, sources, true, config, merged.output);
+  read_output(yaml, sources, config, merged.output);
   read_sight(yaml, entry.path(), config, claims, merged);
   refuse_flat_sources(yaml, config, merged);
   read_schedule(yaml, merged);

@@ -150,9 +150,8 @@ const SensorConfig& read_source(const Value& value, FrameKind kind, const Config
   return *sensor;
 }
 
-void read_output(Mapping& yaml, const Sources& sources, bool with_sight, Config& config,
-                 OutputScanConfig& output) {
-  if (const auto profile = yaml.find("profile")) output.profile = read_profile(*profile, with_sight);
+void read_output(Mapping& yaml, const Sources& sources, Config& config, OutputScanConfig& output) {
+  if (const auto profile = yaml.find("profile")) output.profile = read_profile(*profile);
   if (const auto empty = yaml.find("empty")) output.empty = read_empty(*empty);
   if (const auto unobserved = yaml.find("unobserved")) output.unobserved = read_empty(*unobserved);
   read_heights(yaml, output);

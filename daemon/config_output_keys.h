@@ -29,7 +29,7 @@ std::string names_of(const Config& config, FrameKind kind);
 const SensorConfig& read_source(const Value& value, FrameKind kind, const Config& config,
                                 const std::string& owner, ConfigClaims& claims);
 /// The keys that merged and virtual scans share; `output` holds the defaults of the kind.
-void read_output(Mapping& yaml, const Sources& sources, bool with_sight, Config& config,
+void read_output(Mapping& yaml, const Sources& sources, Config& config,
                  OutputScanConfig& output);
 
 }  // namespace lidard

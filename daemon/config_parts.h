@@ -70,8 +70,10 @@ void read_calibration(Mapping& yaml, SensorConfig& sensor, Config& config);
 void read_requests(Mapping& yaml, SensorConfig& sensor);
 /// The same as keys and texts.
 std::vector<std::pair<std::string, std::string>> requests_text(const SensorConfig& sensor);
-/// The word of a profile; `with_sight`: others than flatten can be had.
-Profile read_profile(const Value& value, bool with_sight);
+/// The profile that a word names; throws if it names none.
+Profile read_profile(const Value& value);
+/// An entry of `also:`.
+AlsoScanConfig read_also(const std::string& topic, const Value& value);
 EmptyBeam read_empty(const Value& value);
 /// The word for it in a configuration.
 const char* word_of(Profile profile);

@@ -19,20 +19,6 @@ constexpr std::array<Word<EchoChoice>, 4> echo_choices{{{"first", EchoChoice::fi
                                                         {"strongest", EchoChoice::strongest},
                                                         {"all", EchoChoice::all}}};
 
-AlsoScanConfig read_also(const std::string& topic, const Value& value) {
-  AlsoScanConfig also;
-  also.topic = topic;
-  if (value.node().IsScalar()) {
-    also.profile = read_profile(value, true);
-    return also;
-  }
-  Mapping yaml(value, {"profile", "empty", "unobserved"});
-  also.profile = read_profile(yaml.require("profile", list_of(profiles)), true);
-  if (const auto empty = yaml.find("empty")) also.empty = read_empty(*empty);
-  if (const auto unobserved = yaml.find("unobserved")) also.unobserved = read_empty(*unobserved);
-  return also;
-}
-
 }  // namespace
 
 bool has_sight(const MergedScanConfig& merged) {
@@ -43,13 +29,20 @@ bool has_sight(const MergedScanConfig& merged) {
   return false;
 }
 
-Profile read_profile(const Value& value, bool with_sight) {
-  if (with_sight) return read_word(value, profiles);
-  const std::string word = value.text("flatten");
-  if (word == "strict" || word == "safety")
-    value.fail("is " + value.quoted() + ", which virtual scans do not have in this version", "flatten");
-  if (word != "flatten") value.fail("is " + value.quoted(), "flatten");
-  return Profile::flatten;
+Profile read_profile(const Value& value) { return read_word(value, profiles); }
+
+AlsoScanConfig read_also(const std::string& topic, const Value& value) {
+  AlsoScanConfig also;
+  also.topic = topic;
+  if (value.node().IsScalar()) {
+    also.profile = read_profile(value);
+    return also;
+  }
+  Mapping yaml(value, {"profile", "empty", "unobserved"});
+  also.profile = read_profile(yaml.require("profile", list_of(profiles)));
+  if (const auto empty = yaml.find("empty")) also.empty = read_empty(*empty);
+  if (const auto unobserved = yaml.find("unobserved")) also.unobserved = read_empty(*unobserved);
+  return also;
 }
 
 EchoChoice read_echoes(const Value& value) { return read_word(value, echo_choices); }

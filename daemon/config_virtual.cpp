@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 
+#include "daemon/config_cut.h"
 #include "daemon/config_output_keys.h"
 
 namespace lidard {
@@ -57,8 +58,10 @@ void read_virtual_topics(Mapping& yaml, const std::string& owner, Config& config
 
 VirtualScanConfig read_virtual(const std::string& name, const Value& entry, Config& config,
                                ConfigClaims& claims) {
-  Mapping yaml(entry, with_output_keys({"cloud_topic", "base_frame", "virtual_laser_scan", "poses",
-                                        "output_laser_topic"}));
+  std::vector<std::string_view> keys = {"cloud_topic", "base_frame", "virtual_laser_scan", "poses",
+                                        "output_laser_topic"};
+  keys.insert(keys.end(), cut_keys.begin(), cut_keys.end());
+  Mapping yaml(entry, with_output_keys(std::move(keys)));
   VirtualScanConfig scan;
   scan.name = name;
   const std::string expected = "a sensor that gives clouds: " + names_of(config, FrameKind::cloud);
@@ -72,7 +75,8 @@ VirtualScanConfig read_virtual(const std::string& name, const Value& entry, Conf
   read_virtual_topics(yaml, entry.path(), config, claims, scan);
   scan.output.min_height = -virtual_half_height_m;
   scan.output.max_height = virtual_half_height_m;
-  read_output(yaml, {&source}, false, config, scan.output);
+  read_output(yaml, {&source}, config, scan.output);
+  read_cut(yaml, source, entry.path(), config, claims, scan);
   return scan;
 }
 

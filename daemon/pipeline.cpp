@@ -83,11 +83,11 @@ std::vector<TopicInfo> pipeline_topics(const Config& config) {
       topics.push_back({merged.cloud_destination_topic, TopicKind::cloud});
   }
   for (const auto& group : config.virtual_scans) {
-    if (!group.output_laser_topic.empty()) {
-      topics.push_back({group.output_laser_topic, TopicKind::scan});
-      continue;
+    for (const auto& frame : group.virtual_laser_scan) {
+      topics.push_back({group.topic(frame), TopicKind::scan});
+      for (const auto& also : group.also) topics.push_back({group.topic(frame, &also), TopicKind::scan});
+      if (!group.output_laser_topic.empty()) break;
     }
-    for (const auto& frame : group.virtual_laser_scan) topics.push_back({frame, TopicKind::scan});
   }
   return topics;
 }

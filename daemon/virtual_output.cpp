@@ -2,53 +2,129 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/virtual_output.h"
 
+#include <spdlog/fmt/fmt.h>
+
+#include <array>
+
 namespace lidard {
+namespace {
+
+VirtualSettings settings_of(const VirtualScanConfig& config) {
+  VirtualSettings settings;
+  settings.sight = config.has_sight();
+  settings.mode = config.mode;
+  settings.ground = config.ground;
+  settings.keep_ground = config.keep_ground;
+  settings.how.noise = config.range_noise;
+  settings.how.free_required = config.free_required;
+  settings.beams.no_return_free_range = config.no_return_free_range;
+  settings.beams.early_returns = config.early_returns;
+  return settings;
+}
+
+}  // namespace
 
 VirtualOutput::VirtualOutput(const VirtualScanConfig& config, const VehicleConfig& vehicle,
                              const PoseBook& poses)
     : config_(config),
       base_frame_(vehicle.base_frame),
-      footprint_(Footprint(vehicle.footprint).padded(Footprint::margin_m)),
+      needs_vehicle_(config.has_sight() || !vehicle.footprint.empty() || vehicle.has_motion()),
       poses_(poses),
-      virtualizer_(grid_of(config.output.grid), band_of(config.output)) {
-  scan_.none_as = value_of(config.output.empty, config.output);
-  scan_.invalid_as = value_of(config.output.unobserved, config.output);
+      virtualizer_(grid_of(config.output.grid), band_of(config.output), config.virtual_laser_scan.size(),
+                   settings_of(config)),
+      scans_(1 + config.also.size()) {
+  virtualizer_.set_footprint(Footprint(vehicle.footprint));
+  outputs_.push_back({config.output.profile, &scans_[0]});
+  scans_[0].none_as = value_of(config.output.empty, config.output);
+  scans_[0].invalid_as = value_of(config.output.unobserved, config.output);
+  for (std::size_t i = 0; i < config.also.size(); ++i) {
+    outputs_.push_back({config.also[i].profile, &scans_[i + 1]});
+    scans_[i + 1].none_as = value_of(config.also[i].empty, config.output);
+    scans_[i + 1].invalid_as = value_of(config.also[i].unobserved, config.output);
+  }
 }
 
-const std::string& VirtualOutput::topic_of(const std::string& frame) const {
-  return config_.output_laser_topic.empty() ? frame : config_.output_laser_topic;
+bool VirtualOutput::place_vehicle(const Cloud& cloud, Pose& vehicle_from_cloud) {
+  vehicle_from_cloud = Pose::Identity();
+  if (!needs_vehicle_) return true;
+  return poses_.find(base_frame_, cloud.frame_id, cloud.stamp, vehicle_from_cloud, counters_.why_no_pose);
+}
+
+Stamp VirtualOutput::take(const Cloud& cloud, const Pose& vehicle_from_cloud) {
+  const PoseTrack* const track = poses_.track();
+  const bool moves = track != nullptr && motion_.find(cloud, vehicle_from_cloud, *track);
+  if (track != nullptr && !moves) ++without_motion_;
+  virtualizer_.set_cloud(moves ? motion_.moved(cloud) : cloud, vehicle_from_cloud,
+                         moves ? &motion_.columns() : nullptr);
+  if (virtualizer_.why_no_surfaces()[0] != '\0') ++without_rings_;
+  return moves ? motion_.instant() : cloud.stamp;
+}
+
+void VirtualOutput::publish(const std::string& frame, Stamp stamp, Stamp now, FrameSink& sink) {
+  // Several frames on one topic share the cloud's stamp; consumers want stamps that increase.
+  Stamp& last = last_stamps_[config_.topic(frame)];
+  constexpr Span restart_limit = std::chrono::seconds(1);
+  if (stamp <= last && last - stamp < restart_limit) stamp = last + Span(1);
+  last = stamp;
+  ++counters_.published;
+  counters_.last_published = now;
+  for (std::size_t i = 0; i < scans_.size(); ++i) {
+    scans_[i].frame_id = frame;
+    scans_[i].stamp = stamp;
+    sink.scan(config_.topic(frame, i == 0 ? nullptr : &config_.also[i - 1]), scans_[i], now);
+  }
 }
 
 void VirtualOutput::add(const Cloud& cloud, Stamp now, FrameSink& sink) {
-  for (const auto& frame : config_.virtual_laser_scan) {
+  Pose vehicle_from_cloud;
+  if (!place_vehicle(cloud, vehicle_from_cloud)) {
+    ++counters_.no_pose;
+    return;
+  }
+  const Stamp stamp = take(cloud, vehicle_from_cloud);
+  for (std::size_t i = 0; i < config_.virtual_laser_scan.size(); ++i) {
+    const std::string& frame = config_.virtual_laser_scan[i];
     Pose pose;
     if (!poses_.find(frame, cloud.frame_id, cloud.stamp, pose, counters_.why_no_pose)) {
       ++counters_.no_pose;
       continue;
     }
-    if (!footprint_.empty()) {
-      Pose base;
-      if (!poses_.find(frame, base_frame_, cloud.stamp, base, counters_.why_no_pose)) {
-        ++counters_.no_pose;
-        continue;
-      }
-      virtualizer_.set_footprint(footprint_.transformed(base));
-    }
-    scan_.frame_id = frame;
-    virtualizer_.project(cloud, pose, scan_);
-    // Several frames on one topic share the cloud's stamp; consumers want stamps that increase.
-    Stamp& last = last_stamps_[topic_of(frame)];
-    constexpr Span restart_limit = std::chrono::seconds(1);
-    if (scan_.stamp <= last && last - scan_.stamp < restart_limit) scan_.stamp = last + Span(1);
-    last = scan_.stamp;
-    ++counters_.published;
-    counters_.last_published = now;
-    sink.scan(topic_of(frame), scan_, now);
+    virtualizer_.project(i, pose, outputs_);
+    publish(frame, stamp, now, sink);
+  }
+}
+
+void VirtualOutput::describe_beams(DiagnosticItem& item) const {
+  for (std::size_t i = 0; i < config_.virtual_laser_scan.size(); ++i) {
+    const Sight& sight = virtualizer_.sight(i);
+    std::array<std::size_t, 5> counts{};
+    for (std::size_t beam = 0; beam < sight.beams(); ++beam)
+      ++counts[static_cast<std::size_t>(sight.seen(beam))];
+    const auto share = [&](Seen seen) {
+      return 100.0 * static_cast<double>(counts[static_cast<std::size_t>(seen)]) /
+             static_cast<double>(sight.beams());
+    };
+    item.values.emplace_back(
+        "Beams of " + config_.virtual_laser_scan[i],
+        fmt::format("hit {:.1f} %, free {:.1f} %, behind {:.1f} %, gap {:.1f} %, unobserved {:.1f} %",
+                    share(Seen::hit), share(Seen::free), share(Seen::behind), share(Seen::gap),
+                    share(Seen::unobserved)));
   }
 }
 
 DiagnosticItem VirtualOutput::diagnostics(Stamp now) const {
-  return health_of("virtual " + config_.name, counters_, now);
+  DiagnosticItem item = health_of("virtual " + config_.name, counters_, now);
+  item.values.emplace_back("Clouds without motion", std::to_string(without_motion_));
+  if (!config_.has_sight()) return item;
+  item.values.emplace_back("Clouds without rings", std::to_string(without_rings_));
+  item.values.emplace_back("Returns on the vehicle", std::to_string(virtualizer_.own_returns()));
+  const std::string why = virtualizer_.why_no_surfaces();
+  if (item.health == Health::ok && !why.empty()) {
+    item.health = Health::warn;
+    item.message = "points alone, nothing is known to be free: of the cloud " + why;
+  }
+  describe_beams(item);
+  return item;
 }
 
 }  // namespace lidard

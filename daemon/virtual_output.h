@@ -4,7 +4,9 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
+#include "core/cloud_motion.h"
 #include "core/virtualizer.h"
 #include "daemon/config.h"
 #include "daemon/output_parts.h"
@@ -29,16 +31,24 @@ class VirtualOutput {
   }
 
  private:
-  const std::string& topic_of(const std::string& frame) const;
+  bool place_vehicle(const Cloud& cloud, Pose& vehicle_from_cloud);
+  /// Takes the cloud; returns the instant that its scans show.
+  Stamp take(const Cloud& cloud, const Pose& vehicle_from_cloud);
+  void publish(const std::string& frame, Stamp stamp, Stamp now, FrameSink& sink);
+  void describe_beams(DiagnosticItem& item) const;
 
   VirtualScanConfig config_;
   std::string base_frame_;
-  Footprint footprint_;  // in base_frame, with its margin
+  bool needs_vehicle_;  // the cloud's place on the vehicle
   const PoseBook& poses_;
   Virtualizer virtualizer_;
-  PlanarScan scan_;
+  CloudMotion motion_;
+  std::vector<PlanarScan> scans_;  // the first is the entry's own, then those of `also`
+  std::vector<VirtualScan> outputs_;
   std::map<std::string, Stamp> last_stamps_;  // by topic
   OutputCounters counters_;
+  std::uint64_t without_rings_ = 0;   // clouds that are points alone
+  std::uint64_t without_motion_ = 0;  // clouds that could not be deskewed
 };
 
 }  // namespace lidard

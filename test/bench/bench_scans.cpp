@@ -84,7 +84,8 @@ void virtualize(benchmark::State& state) {
   PlanarScan scan;
   std::size_t points = 0;
   for (auto _ : state) {
-    virtualizer.project(output.last, from_cloud, scan);
+    virtualizer.set_cloud(output.last, Pose::Identity());
+    virtualizer.project(0, from_cloud, {{Profile::flatten, &scan}});
     points += output.last.size();
     benchmark::DoNotOptimize(scan.ranges.data());
   }

@@ -133,7 +133,8 @@ TEST(Consumers, TakeVirtualScans) {
     std::string error;
     Virtualizer virtualizer(make_grid(circle(n), error).value(), {-0.1, 0.1});
     PlanarScan scan;
-    virtualizer.project(cloud, Pose::Identity(), scan);
+    virtualizer.set_cloud(cloud, Pose::Identity());
+    virtualizer.project(0, Pose::Identity(), {{Profile::flatten, &scan}});
     SCOPED_TRACE(n);
     expect_consumers_take(scan, n);
   }

@@ -239,7 +239,8 @@ TEST(Virtualizer, ProjectsOnlyTheBandOfTheVirtualFrame) {
   const Pose sensor_in_base = make_pose({0, 0, 2}, {0, 0, 0});
   const Pose virtual_in_base = make_pose({1.5, 0, 0.5}, {0, 0, 0});
   PlanarScan scan;
-  virtualizer.project(cloud, virtual_in_base.inverse() * sensor_in_base, scan);
+  virtualizer.set_cloud(cloud, sensor_in_base);
+  virtualizer.project(0, virtual_in_base.inverse() * sensor_in_base, {{Profile::flatten, &scan}});
   EXPECT_EQ(violation(scan), nullptr);
   EXPECT_FLOAT_EQ(scan.ranges[180], 8.5F);
   EXPECT_EQ(std::count(scan.statuses.begin(), scan.statuses.end(), BeamStatus::hit), 2);
@@ -260,7 +261,8 @@ TEST(Virtualizer, TiltedFrameSeesTheAnalyticLine) {
   }
   Virtualizer virtualizer(full_circle(720), {-0.05, 0.05});
   PlanarScan scan;
-  virtualizer.project(cloud, tilted.inverse(), scan);
+  virtualizer.set_cloud(cloud, Pose::Identity());
+  virtualizer.project(0, tilted.inverse(), {{Profile::flatten, &scan}});
   for (std::size_t i = 300; i <= 420; ++i) {
     const double beam = full_circle(720).angle(i);
     ASSERT_EQ(scan.statuses[i], BeamStatus::hit) << i;

@@ -233,6 +233,67 @@ TEST(VirtualScanConfig, GetsItsDefaults) {
   EXPECT_TRUE(config.warnings.empty());
 }
 
+TEST(VirtualScanConfig, ReadsTheProfileAndWhatItNeeds) {
+  const Config config = with_outputs(
+      "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: [low, high], profile: strict, mode: band, "
+      "min_height: 0.1, max_height: 1.8, ground: {model: slope, z: -0.3, tolerance: 0.05, steepest: 0.2}, "
+      "keep_ground: no, echoes: all, range_noise: 0.03, range_max: 50, free_required: 20, "
+      "no_return_free_range: 40, unobserved: minus_inf, also: {safe: safety}}}\n");
+  EXPECT_TRUE(config.warnings.empty());
+  const VirtualScanConfig& scan = config.virtual_scans.at(0);
+  EXPECT_EQ(scan.output.profile, Profile::strict);
+  EXPECT_EQ(scan.mode, CutMode::band);
+  EXPECT_EQ(scan.ground.model, GroundModel::slope);
+  EXPECT_EQ(scan.ground.z, -0.3);
+  EXPECT_EQ(scan.ground.steepest, 0.2);
+  EXPECT_TRUE(scan.early_returns);
+  EXPECT_EQ(scan.free_required, 20);
+  EXPECT_EQ(scan.no_return_free_range, 40);
+  ASSERT_EQ(scan.also.size(), 1U);
+  EXPECT_EQ(scan.topic("low"), "low");
+  EXPECT_EQ(scan.topic("low", &scan.also[0]), "low/safe");
+  // Returns too near to measure are no free beams, so the driver keeps them.
+  EXPECT_TRUE(config.find_sensor("roof")->driver.keep_too_near);
+}
+
+TEST(VirtualScanConfig, BeamsWithoutReturnProveFreedomOnlyWhereTheDriverIsOurs) {
+  const Config config = with_outputs(
+      "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: a, profile: strict, ground: plane},\n"
+      "  w: {cloud_topic: rear, virtual_laser_scan: b, profile: safety, ground: none}}\n");
+  EXPECT_TRUE(config.warnings.empty());
+  EXPECT_EQ(config.virtual_scans[0].no_return_free_range, find_model("velodyne_vlp16")->range_max);
+  EXPECT_EQ(config.virtual_scans[0].ground.model, GroundModel::plane);
+  EXPECT_EQ(config.virtual_scans[1].no_return_free_range, 0);
+}
+
+TEST(VirtualScanConfig, WarnsWhenNobodySaysWhereTheGroundIs) {
+  const Config config =
+      with_outputs("virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: a, profile: strict}}\n");
+  ASSERT_EQ(config.warnings.size(), 1U);
+  EXPECT_THAT(config.warnings[0], ::testing::HasSubstr("does not know the ground"));
+}
+
+TEST(VirtualScanConfig, RefusesKeysThatPointsAloneHaveNoUseFor) {
+  const std::string begin = "cloud_topic: roof, virtual_laser_scan: a, ";
+  EXPECT_EQ(virtual_error(begin + "mode: slice"),
+            "f:8:56: virtual_scans.v.mode is of no use for a scan of profile flatten, which is points alone; "
+            "expected profile: strict or safety (or such a scan under also), or no such key");
+  EXPECT_THAT(virtual_error(begin + "ground: plane"), ::testing::HasSubstr("is of no use"));
+  EXPECT_EQ(virtual_error(begin + "ground: plane, also: {safe: safety}"), "no error");
+}
+
+TEST(VirtualScanConfig, RefusesWrongCuts) {
+  const std::string begin = "cloud_topic: roof, virtual_laser_scan: a, profile: strict, ";
+  EXPECT_THAT(virtual_error(begin + "mode: cut"), ::testing::HasSubstr("is \"cut\"; expected slice or band"));
+  EXPECT_THAT(virtual_error(begin + "ground: flat"),
+              ::testing::HasSubstr("is \"flat\"; expected none, plane or slope"));
+  EXPECT_THAT(virtual_error(begin + "ground: {model: plane, steepest: 0.1}"),
+              ::testing::HasSubstr("is for a ground of model slope, and this is plane"));
+  EXPECT_THAT(virtual_error(begin + "echoes: first"), ::testing::HasSubstr("expected last or all"));
+  EXPECT_THAT(virtual_error(begin + "free_required: 1000"), ::testing::HasSubstr("free_required"));
+  EXPECT_THAT(virtual_error(begin + "also: {a: safety, 'b c': strict}"), ::testing::StartsWith("f:"));
+}
+
 TEST(VirtualScanConfig, RefusesCloudsThatAreNone) {
   EXPECT_EQ(virtual_error("cloud_topic: rof, virtual_laser_scan: a"),
             "f:7:20: virtual_scans.v.cloud_topic names \"rof\", which is no sensor; expected roof");

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <map>
 
 #include "daemon/pipeline.h"
@@ -55,7 +56,8 @@ struct Demo {
   std::map<std::string, std::vector<TrueFrame>> truth;
   std::vector<SensorReport> report;
 
-  Demo() {
+  explicit Demo(const std::function<void(Config&)>& change = {}) {
+    if (change) change(config);
     play();
     simulate();
   }
@@ -217,6 +219,60 @@ TEST(Demo, VirtualScansAreTheTruthProjectedByTheFlattenRule) {
                    std::to_string(100.0 * static_cast<double>(right) / static_cast<double>(all)));
     EXPECT_GE(static_cast<double>(right), 0.999 * static_cast<double>(all))
         << frame << ": " << right << " of " << all;
+  }
+}
+
+/// Virtual beams of the drive against the world itself.
+struct CutScore {
+  std::size_t hits = 0, right = 0, falsely_free = 0, beams = 0;
+
+  /// The vehicle moves while the lidar turns, so a beam may show any moment of the revolution.
+  void add(const sim::Scene& scene, const sim::SensorEntry& frame, const PlanarScan& scan) {
+    for (std::size_t beam = 0; beam < scan.beams; ++beam) {
+      ++beams;
+      if (scan.statuses[beam] == BeamStatus::invalid) continue;
+      double best = INFINITY;
+      double farthest = 0;
+      for (int ms = 0; ms <= 100; ms += 20) {
+        for (const double side : {-1.0, -0.5, 0.0, 0.5, 1.0}) {
+          const double angle =
+              static_cast<double>(scan.angle(beam)) + side * static_cast<double>(scan.angle_increment);
+          const sim::Ray ray{{0, 0, 0}, {std::cos(angle), std::sin(angle), 0}};
+          const double truth =
+              sim::look(scene, frame, ray, scan.stamp + std::chrono::milliseconds(ms)).distance;
+          best = std::min(best, std::abs(truth - static_cast<double>(scan.ranges[beam])));
+          farthest = std::max(farthest, truth);
+        }
+      }
+      if (scan.statuses[beam] == BeamStatus::none) {
+        falsely_free += farthest < static_cast<double>(scan.range_max) ? 1 : 0;
+        continue;
+      }
+      ++hits;
+      right += best < 0.1 ? 1 : 0;
+    }
+  }
+};
+
+TEST(Demo, StrictVirtualScansMeetWhatIsThere) {
+  const Demo demo([](Config& config) {
+    VirtualScanConfig& scan = config.virtual_scans.at(0);
+    scan.also = {{"strict", Profile::strict, EmptyBeam::inf, EmptyBeam::nan}};
+    scan.ground.model = GroundModel::plane;
+    scan.no_return_free_range = 100;
+  });
+  auto scene = sim::load_scene(test::project_file("pcaps/demo.scene.yaml"));
+  scene.body.clear();
+  for (const auto& [frame, pose] : demo.config.virtual_scans.at(0).poses) {
+    CutScore score;
+    sim::SensorEntry entry = scene.sensors.at(0);
+    entry.mount = pose;
+    for (const auto& scan : demo.sink.scans.at(frame + "/strict")) score.add(scene, entry, scan);
+    ASSERT_GT(score.beams, 15 * 720U) << frame;
+    EXPECT_GT(score.hits, score.beams / 5) << frame;
+    EXPECT_EQ(score.falsely_free, 0U) << frame;
+    EXPECT_GE(static_cast<double>(score.right), 0.97 * static_cast<double>(score.hits))
+        << frame << ": " << score.right << " of " << score.hits << " in " << score.beams;
   }
 }
 
