@@ -20,6 +20,17 @@ constexpr float touching_share = 0.02F;
 // Neighbouring columns share their border, so that no cell between them is left out.
 constexpr float overlap = 1.05F;
 
+/// Calls `take` for each of `cells` cells, all around, whose middle lies within `half` of `azimuth`.
+template <class Cells, class Take>
+void each_cell(Cells& cells, float azimuth, float half, Take take) {
+  const std::size_t count = cells.size();
+  // A turn ahead, so that nothing is negative and rounding down is cutting off.
+  const float middle = azimuth + static_cast<float>(count);
+  const auto last = static_cast<std::size_t>(middle + half - 0.5F);
+  for (auto k = static_cast<std::size_t>(middle - half + 0.5F); k <= last; ++k)
+    take(cells[k >= 2 * count ? k - 2 * count : k >= count ? k - count : k]);
+}
+
 bool has_end(Beam kind) { return kind == Beam::point || kind == Beam::none; }
 
 }  // namespace
@@ -41,12 +52,9 @@ float CutEvidence::azimuth(const Ray& ray) const {
 void CutEvidence::claim(float azimuth, float from, float to) {
   to = std::min(to, farthest_);
   if (!(to >= from)) return;
-  const float half = width_ * overlap / 2;
-  const auto count = static_cast<float>(cells_.size());
-  for (float k = std::ceil(azimuth - half - 0.5F); k + 0.5F <= azimuth + half; ++k) {
-    const float inside = k < 0 ? k + count : k >= count ? k - count : k;
-    auto& free = cells_[static_cast<std::size_t>(inside)].free;
-    const float slack = touching + touching_share * to;
+  const float slack = touching + touching_share * to;
+  each_cell(cells_, azimuth, width_ * overlap / 2, [&](Cell& cell) {
+    auto& free = cell.free;
     bool taken = false;
     for (Piece& piece : free) {
       if (piece.exists() && (from > piece.to + slack || to < piece.from - slack)) continue;
@@ -56,7 +64,7 @@ void CutEvidence::claim(float azimuth, float from, float to) {
     }
     if (taken && free[1].exists() && free[1].from <= free[0].to + slack && free[1].to >= free[0].from - slack)
       free = {Piece{std::min(free[0].from, free[1].from), std::max(free[0].to, free[1].to)}, Piece{}};
-  }
+  });
 }
 
 void CutEvidence::take_wedge(const Ray& a, const Ray& b, float end) {
@@ -79,13 +87,7 @@ void CutEvidence::take_wedge(const Ray& a, const Ray& b, float end) {
 }
 
 void CutEvidence::take_blind(const Ray& lowest) {
-  const float at = azimuth(lowest);
-  const float half = width_ * overlap / 2;
-  const auto count = static_cast<float>(cells_.size());
-  for (float k = std::ceil(at - half - 0.5F); k + 0.5F <= at + half; ++k) {
-    const float inside = k < 0 ? k + count : k >= count ? k - count : k;
-    cells_[static_cast<std::size_t>(inside)].blind = lowest.at;
-  }
+  each_cell(cells_, azimuth(lowest), width_ * overlap / 2, [&](Cell& cell) { cell.blind = lowest.at; });
 }
 
 /// m to the nearest thing of a column that stands between the heights of the band.

@@ -10,6 +10,7 @@
 #include <pcl/point_types.h>
 
 #include <cmath>
+#include <variant>
 
 #include "core/virtualizer.h"
 #include "test/sim/yard.h"
@@ -17,8 +18,19 @@
 namespace lidard {
 namespace {
 
+/// A yard with walls so high that each of the 28800 beams comes back.
+sim::YardScene walled_yard() {
+  sim::YardScene scene = sim::make_yard_scene(sim::yard_cases()[0], 1);
+  for (sim::Object& object : scene.yard.objects) {
+    if (auto* wall = std::get_if<sim::Wall>(&object.shape)) wall->z_max = 20;
+  }
+  sim::Rng rng(1);
+  scene.cloud = sim::measure(scene.yard, scene.lidar, rng);
+  return scene;
+}
+
 const sim::YardScene& scene() {
-  static const sim::YardScene made = sim::make_yard_scene(sim::yard_cases()[0], 1);
+  static const sim::YardScene made = walled_yard();
   return made;
 }
 

@@ -235,6 +235,7 @@ TEST(VirtualScanConfig, GetsItsDefaults) {
 
 TEST(VirtualScanConfig, ReadsTheProfileAndWhatItNeeds) {
   const Config config = with_outputs(
+      "merged_scans: {m: {laserscan_topics: rear}}\n"
       "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: [low, high], profile: strict, mode: band, "
       "min_height: 0.1, max_height: 1.8, ground: {model: slope, z: -0.3, tolerance: 0.05, steepest: 0.2}, "
       "keep_ground: no, echoes: all, range_noise: 0.03, range_max: 50, free_required: 20, "
@@ -267,8 +268,9 @@ TEST(VirtualScanConfig, BeamsWithoutReturnProveFreedomOnlyWhereTheDriverIsOurs) 
 }
 
 TEST(VirtualScanConfig, WarnsWhenNobodySaysWhereTheGroundIs) {
-  const Config config =
-      with_outputs("virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: a, profile: strict}}\n");
+  const Config config = with_outputs(
+      "merged_scans: {m: {laserscan_topics: rear}}\n"
+      "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: a, profile: strict}}\n");
   ASSERT_EQ(config.warnings.size(), 1U);
   EXPECT_THAT(config.warnings[0], ::testing::HasSubstr("does not know the ground"));
 }
@@ -276,7 +278,7 @@ TEST(VirtualScanConfig, WarnsWhenNobodySaysWhereTheGroundIs) {
 TEST(VirtualScanConfig, RefusesKeysThatPointsAloneHaveNoUseFor) {
   const std::string begin = "cloud_topic: roof, virtual_laser_scan: a, ";
   EXPECT_EQ(virtual_error(begin + "mode: slice"),
-            "f:8:56: virtual_scans.v.mode is of no use for a scan of profile flatten, which is points alone; "
+            "f:7:55: virtual_scans.v.mode is of no use for a scan of profile flatten, which is points alone; "
             "expected profile: strict or safety (or such a scan under also), or no such key");
   EXPECT_THAT(virtual_error(begin + "ground: plane"), ::testing::HasSubstr("is of no use"));
   EXPECT_EQ(virtual_error(begin + "ground: plane, also: {safe: safety}"), "no error");
