@@ -18,7 +18,7 @@ void Flattener::add(const Eigen::Vector3d& point, float intensity) {
   if (!(point.z() >= band_.min && point.z() <= band_.max)) return;
   const auto range = static_cast<float>(std::hypot(point.x(), point.y()));
   if (!(range >= scan_->range_min && range <= scan_->range_max)) return;
-  if (own_.contains(point.head<2>())) return;
+  if (is_own(point)) return;
   const std::size_t beam = grid_.nearest(std::atan2(point.y(), point.x()));
   if (beam >= grid_.beams || !(range < scan_->ranges[beam])) return;
   scan_->set_hit(beam, range);

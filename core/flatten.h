@@ -25,6 +25,8 @@ class Flattener {
   /// Points inside the vehicle's outline (in the output frame) are left out.
   void set_footprint(const Footprint& footprint) { own_ = footprint; }
 
+  bool is_own(const Eigen::Vector3d& point) const { return own_.contains(point.head<2>()); }
+
   const ScanGrid& grid() const { return grid_; }
 
  private:

@@ -104,14 +104,18 @@ template <class Use>
 void Merger::each_point(const Source& source, Use use) {
   const bool stands = source.motion.stands();
   for (const Point& point : source.points)
-    use(stands ? point.position : source.motion.moved(point.beam, point.position), point.intensity);
+    use(stands ? point.position : source.motion.moved(point.beam, point.position), point);
 }
 
 void Merger::flatten(PlanarScan& scan, bool intensities) {
   flattener_.begin(scan, intensities);
   for (std::size_t s = 0; s < sources_.size(); ++s) {
     if (!used(s)) continue;
-    each_point(sources_[s], [this](const Eigen::Vector3d& p, float i) { flattener_.add(p, i); });
+    const bool moves = !sources_[s].motion.stands();
+    each_point(sources_[s], [&](const Eigen::Vector3d& here, const Point& measured) {
+      // What is the vehicle's own goes with it: its place when it was measured tells.
+      if (!moves || !flattener_.is_own(measured.position)) flattener_.add(here, measured.intensity);
+    });
   }
 }
 
@@ -124,9 +128,9 @@ void Merger::fill(Cloud& cloud) const {
     const std::size_t begin = cloud.points_bytes.size();
     cloud.points_bytes.resize(begin + sources_[s].points.size() * sizeof(CloudPoint));
     CloudPoint* out = cloud.points() + begin / sizeof(CloudPoint);
-    each_point(sources_[s], [&](const Eigen::Vector3d& position, float intensity) {
-      const Eigen::Vector3f p = position.cast<float>();
-      *out++ = {p.x(), p.y(), p.z(), intensity, static_cast<std::uint16_t>(s), 0};
+    each_point(sources_[s], [&](const Eigen::Vector3d& here, const Point& measured) {
+      const Eigen::Vector3f p = here.cast<float>();
+      *out++ = {p.x(), p.y(), p.z(), measured.intensity, static_cast<std::uint16_t>(s), 0};
     });
   }
 }

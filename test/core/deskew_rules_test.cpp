@@ -3,6 +3,7 @@
 // What a merge does when poses are missing, beams have no times, or scans hardly any beams.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -166,6 +167,25 @@ TEST(DeskewRules, EchoesOfABeamMoveTogether) {
   }
   // The first beam was measured 60 ms and 0.12 m before the instant.
   EXPECT_GT(std::fabs(std::hypot(out.cloud.points()[0].x, out.cloud.points()[0].y) - 5), 0.05);
+}
+
+TEST(DeskewRules, VehiclesOwnReturnsStayItsOwnWhileItDrives) {
+  // The rear left corner of the vehicle, seen 60 ms and 0.12 m before the instant.
+  Merger merger(grid_of(720), {}, 1, with_sight());
+  merger.set_footprint(Footprint({{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}));
+  PlanarScan scan = sweep_of(541);
+  for (std::size_t i = 0; i < scan.beams; ++i) {
+    if (i < 4) scan.set_hit(i, 1.38F);
+    if (i >= 4) scan.set_without_hit(i, BeamStatus::none);
+  }
+  merger.add(0, scan, Pose::Identity());
+  PoseTrack track;
+  for (int t = -100; t <= 80; t += 20) track.add(t0 + ms(t), make_pose({0.002 * t, 0, 0}, {0, 0, 0}));
+  Outputs out;
+  EXPECT_TRUE(merger.merge({t0 + ms(60), &track}, {1}, out.list, &out.cloud).deskewed);
+  EXPECT_LT(out.cloud.points()[0].x, -1.05F);
+  for (const PlanarScan* one : {&out.strict, &out.flat})
+    EXPECT_EQ(std::count(one->statuses.begin(), one->statuses.end(), BeamStatus::hit), 0);
 }
 
 TEST(DeskewRules, NothingIsAllocatedPerMergeInAnyProfileWithOrWithoutMotion) {
