@@ -7,6 +7,11 @@
 namespace lidard {
 namespace {
 
+// Between sparse rings a slope could be anything; what rises by more is no ground, m.
+constexpr float most_rise = 0.3F;
+// So far outward the ground must have gone on before it counts as higher, m.
+constexpr float least_advance = 0.5F;
+
 void find_slope(const RingGrid& grid, const GroundSettings& settings, Ground& ground) {
   const auto slack = static_cast<float>(settings.tolerance);
   const auto steepest = static_cast<float>(settings.steepest);
@@ -18,9 +23,11 @@ void find_slope(const RingGrid& grid, const GroundSettings& settings, Ground& gr
       if (grid.kind[i] != Beam::point) continue;
       const float rise = ground.height[i] - ground.sensor;
       const float level = std::sqrt(std::max(0.0F, grid.range[i] * grid.range[i] - rise * rise));
-      const float step = std::fabs(level - distance);
-      if (std::fabs(ground.height[i] - height) > steepest * step + slack) continue;
+      const float rise_allowed = std::min(steepest * std::fabs(level - distance), most_rise);
+      if (std::fabs(ground.height[i] - height) > rise_allowed + slack) continue;
       ground.is_ground[i] = 1;
+      // A wall must not be climbed in small steps.
+      if (level - distance < least_advance) continue;
       height = ground.height[i];
       distance = level;
     }

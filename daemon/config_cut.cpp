@@ -61,15 +61,6 @@ void refuse_without_sight(const Mapping& yaml) {
   }
 }
 
-void warn_without_ground(const Mapping& yaml, const std::string& owner, Config& config,
-                         const VirtualScanConfig& scan) {
-  if (scan.ground.model != GroundModel::none || yaml.has("ground")) return;
-  warn(config, yaml.where("profile").place(),
-       owner +
-           " does not know the ground, so an obstacle is met only between two rings that both see it; set "
-           "ground: plane (or slope) where the vehicle stands on one");
-}
-
 }  // namespace
 
 const std::vector<std::string_view> cut_keys = {
@@ -96,6 +87,8 @@ void read_cut(Mapping& yaml, const SensorConfig& source, const std::string& owne
   }
   scan.no_return_free_range = default_free_range(source);
   if (const auto mode = yaml.find("mode")) scan.mode = read_word(*mode, modes);
+  // Without a ground an obstacle is met only between two rings that both see it.
+  scan.ground.model = GroundModel::slope;
   if (const auto ground = yaml.find("ground")) scan.ground = read_ground(*ground);
   if (const auto keep = yaml.find("keep_ground")) scan.keep_ground = keep->boolean();
   if (const auto echoes = yaml.find("echoes")) {
@@ -110,7 +103,6 @@ void read_cut(Mapping& yaml, const SensorConfig& source, const std::string& owne
     scan.free_required = free->number(0.1, scan.output.grid.range_max, "m");
   if (const auto range = yaml.find("no_return_free_range"))
     scan.no_return_free_range = range->number(0, farthest_m, "m");
-  warn_without_ground(yaml, owner, config, scan);
   // A beam that met something too near to measure is not free.
   for (SensorConfig& sensor : config.sensors) {
     if (sensor.name == source.name) sensor.driver.keep_too_near = true;

@@ -8,86 +8,13 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/angle.h"
-#include "test/sim/yard.h"
+#include "test/core/cut_bench.h"
 #include "test/support/allocations.h"
 
 namespace lidard {
 namespace {
 
-constexpr double degree = pi_d / 180;
-constexpr double lidar_height = 2.0;
-constexpr double plane_height = 0.5;
-
-ScanGrid full_circle(std::size_t beams) {
-  ScanGridSpec spec;
-  spec.beams = beams;
-  spec.range_max = 60;
-  std::string error;
-  return *make_grid(spec, error);
-}
-
-sim::Object wall(double x0, double y0, double x1, double y1, double z_max = 4, double z_min = 0) {
-  sim::Object object;
-  object.shape = sim::Wall{{x0, y0}, {x1, y1}, z_min, z_max};
-  return object;
-}
-
-sim::Object box(const Eigen::Vector3d& center, const Eigen::Vector3d& size) {
-  sim::Object object;
-  object.shape = sim::Box{size};
-  object.pose = make_pose(center, {0, 0, 0});
-  return object;
-}
-
-sim::YardLidar lidar16() {
-  sim::YardLidar lidar;
-  lidar.elevations = sim::even_rings(16, -15, 15);
-  lidar.pose = make_pose({0, 0, lidar_height}, {0, 0, 0});
-  return lidar;
-}
-
-Cloud seen(const sim::Yard& yard, const sim::YardLidar& lidar) {
-  sim::Rng rng(1);
-  return sim::measure(yard, lidar, rng);
-}
-
-VirtualSettings settings_with_ground() {
-  VirtualSettings settings;
-  settings.sight = true;
-  settings.how.noise = 0.005;
-  settings.ground.model = GroundModel::plane;
-  settings.beams.no_return_free_range = 100;
-  return settings;
-}
-
-/// A virtual frame of a cloud, and what is made of it.
-struct Cut {
-  Pose frame = make_pose({0, 0, plane_height}, {0, 0, 0});  // in the world
-  VirtualSettings settings = settings_with_ground();
-  HeightBand band;
-  ScanGrid grid = full_circle(720);
-  Footprint footprint;
-  PlanarScan strict, safety;
-  float covered_ahead = 0;
-
-  void make(const Cloud& cloud, const Pose& lidar) {
-    Virtualizer virtualizer(grid, band, 1, settings);
-    virtualizer.set_footprint(footprint);
-    virtualizer.set_cloud(cloud, lidar);
-    virtualizer.project(0, frame.inverse() * lidar, {{Profile::strict, &strict}, {Profile::safety, &safety}});
-    covered_ahead = virtualizer.sight(0).covered(grid.nearest(0));
-    EXPECT_EQ(violation(strict), nullptr);
-    EXPECT_EQ(violation(safety), nullptr);
-  }
-  double range(const PlanarScan& scan, double angle) const {
-    const std::size_t beam = grid.nearest(angle);
-    return scan.statuses[beam] == BeamStatus::hit ? static_cast<double>(scan.ranges[beam]) : NAN;
-  }
-  std::size_t count(const PlanarScan& scan, BeamStatus status) const {
-    return static_cast<std::size_t>(std::count(scan.statuses.begin(), scan.statuses.end(), status));
-  }
-};
+using namespace test::cut;
 
 TEST(Virtualizer, WallsAreWhereTheyAreFromFiveToTwentyMetres) {
   for (double distance = 5; distance <= 20; distance += 2.5) {
@@ -312,91 +239,6 @@ TEST(Virtualizer, LasersThatPointToDifferentAzimuthsAreStraightened) {
               0.03);
 }
 
-/// The cloud as another driver's topic has it: no columns, in any order.
-Cloud as_topic(const Cloud& cloud, std::uint64_t seed) {
-  Cloud topic = cloud;
-  topic.columns.clear();
-  sim::Rng rng(seed);
-  // Ring by ring, as organised messages stand.
-  std::stable_sort(topic.points(), topic.points() + topic.size(),
-                   [](const CloudPoint& a, const CloudPoint& b) { return a.ring < b.ring; });
-  return topic;
-}
-
-TEST(Virtualizer, TopicCloudsWithRingsGiveTheSameScan) {
-  sim::Yard yard;
-  yard.objects = {wall(10, -30, 10, 30), wall(-14, -30, -14, 30)};
-  const Cloud cloud = seen(yard, lidar16());
-  Cut known, topic;
-  known.make(cloud, lidar16().pose);
-  topic.make(as_topic(cloud, 1), lidar16().pose);
-  for (double angle = -40; angle <= 40; angle += 1)
-    EXPECT_NEAR(topic.range(topic.strict, angle * degree), known.range(known.strict, angle * degree), 0.005);
-  EXPECT_NEAR(topic.range(topic.strict, pi_d), 14, 0.005);
-}
-
-TEST(Virtualizer, RingsAreFoundByTheirElevations) {
-  sim::Yard yard;
-  yard.objects = {wall(10, -30, 10, 30)};
-  Cloud cloud = as_topic(seen(yard, lidar16()), 1);
-  for (std::size_t i = 0; i < cloud.size(); ++i) cloud.points()[i].ring = 0;
-  cloud.rings = 1;
-  Cut cut;
-  cut.make(cloud, lidar16().pose);
-  EXPECT_NEAR(cut.range(cut.strict, 0.2), 10 / std::cos(cut.grid.angle(cut.grid.nearest(0.2))), 0.01);
-}
-
-TEST(Virtualizer, ACloudWithoutRingsIsPointsAloneAndProvesNothing) {
-  Cloud cloud;
-  cloud.stamp = Stamp{1'000'000'000};
-  cloud.rings = 1;
-  sim::Rng rng(3);
-  std::vector<CloudPoint> points;
-  for (int i = 0; i < 5000; ++i) {
-    const double a = rng.uniform() * 2 * pi_d;
-    const double z = (rng.uniform() - 0.5) * 4;
-    points.push_back({static_cast<float>(9 * std::cos(a)), static_cast<float>(9 * std::sin(a)),
-                      static_cast<float>(z), 1, 0, 0});
-  }
-  cloud.points_bytes.resize(points.size() * sizeof(CloudPoint));
-  std::copy(points.begin(), points.end(), cloud.points());
-  Cut cut;
-  cut.band = {-0.1, 0.1};
-  cut.frame = make_pose({0, 0, 2}, {0, 0, 0});
-  cut.make(cloud, lidar16().pose);
-  EXPECT_EQ(cut.count(cut.strict, BeamStatus::invalid), cut.grid.beams);
-  EXPECT_GT(cut.count(cut.safety, BeamStatus::hit), 100U);
-  EXPECT_EQ(cut.count(cut.safety, BeamStatus::none), 0U);
-}
-
-TEST(Virtualizer, OfTwoReturnsTheLastIsTheSurface) {
-  sim::Yard yard;
-  yard.objects = {wall(15, -30, 15, 30)};
-  Cloud cloud = seen(yard, lidar16());
-  // A fence at 8 m: a second column per firing, of the same instant, with the nearer returns.
-  sim::Yard fence;
-  fence.ground = false;
-  fence.objects = {wall(8, -30, 8, 30)};
-  const Cloud near = seen(fence, lidar16());
-  Cloud dual = cloud;
-  dual.columns.clear();
-  dual.points_bytes.clear();
-  const auto append = [&](const Cloud& from, std::size_t c, std::uint8_t echo) {
-    CloudColumn column = from.columns[c];
-    const std::size_t end = c + 1 < from.columns.size() ? from.columns[c + 1].first_point : from.size();
-    const auto first = from.points_bytes.begin() + static_cast<std::ptrdiff_t>(column.first_point * 22);
-    const auto last = from.points_bytes.begin() + static_cast<std::ptrdiff_t>(end * 22);
-    column.first_point = static_cast<std::uint32_t>(dual.size());
-    column.echo = echo;
-    dual.columns.push_back(column);
-    dual.points_bytes.insert(dual.points_bytes.end(), first, last);
-  };
-  for (std::size_t c = 0; c < cloud.columns.size(); ++c) append(cloud, c, 0), append(near, c, 1);
-  Cut cut;
-  cut.make(dual, lidar16().pose);
-  EXPECT_NEAR(cut.range(cut.strict, 0), 15, 0.01);
-}
-
 TEST(Virtualizer, AnyPoseGivesAWellFormedScan) {
   const sim::YardScene scene = sim::make_yard_scene(sim::yard_cases()[0], 5);
   sim::Rng rng(7);
@@ -441,34 +283,6 @@ TEST(Virtualizer, NothingIsAllocatedPerCloudAfterWarmUp) {
   for (int i = 0; i < 5; ++i) once();
   EXPECT_EQ(test::allocations() - before, 0U);
 }
-
-struct Bar {
-  std::size_t which;
-  double strict_right, safety_right;
-};
-
-class YardBars : public ::testing::TestWithParam<Bar> {};
-
-TEST_P(YardBars, MostOfWhatTheLidarCouldSeeIsRightAndNothingIsFalselyFree) {
-  const sim::YardCase& set_up = sim::yard_cases()[GetParam().which];
-  sim::YardScore strict, safety, band;
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const sim::YardScene scene = sim::make_yard_scene(set_up, seed);
-    strict.add(sim::judge_yard(scene, sim::cut_claims(scene, Profile::strict)));
-    safety.add(sim::judge_yard(scene, sim::cut_claims(scene, Profile::safety)));
-    band.add(sim::judge_yard(scene, sim::banded_claims(scene, 0.3)));
-  }
-  EXPECT_GT(strict.visible, strict.beams * 9 / 10);
-  EXPECT_GE(strict.share(strict.right), GetParam().strict_right);
-  EXPECT_GE(safety.share(safety.right), GetParam().safety_right);
-  EXPECT_GT(safety.right, band.right);
-  EXPECT_LE(safety.share(safety.phantom), 0.5);
-  EXPECT_LE(safety.share_missed_of_sampled(), 1.5);
-  EXPECT_EQ(strict.free + safety.free, 0U);
-}
-
-INSTANTIATE_TEST_SUITE_P(PlaneAtHalfAMetre, YardBars,
-                         ::testing::Values(Bar{0, 95, 96.5}, Bar{3, 97, 98}, Bar{5, 98, 99}));
 
 }  // namespace
 }  // namespace lidard

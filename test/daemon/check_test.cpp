@@ -3,6 +3,7 @@
 #include "daemon/check.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <fstream>
@@ -15,7 +16,7 @@ namespace {
 
 class Check : public ::testing::Test {
  protected:
-  Check() : path_(::testing::TempDir() + "lidard_check_test.yaml") {}
+  Check() : path_(::testing::TempDir() + "lidard_check_" + std::to_string(getpid()) + ".yaml") {}
   ~Check() override { std::remove(path_.c_str()); }
   int check(const std::string& text) {
     std::ofstream(path_) << text;

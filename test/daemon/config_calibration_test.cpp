@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -24,12 +26,11 @@ using velodyne::CalibrationModel;
 class ConfigCalibration : public ::testing::Test {
  protected:
   ConfigCalibration() {
+    std::filesystem::create_directories(folder_);
     std::ofstream(folder_ + good_) << calibration(16, 0.002);
     std::ofstream(folder_ + other_) << calibration(32, 0.004);
   }
-  ~ConfigCalibration() override {
-    for (const std::string& name : {good_, other_, config_}) std::remove((folder_ + name).c_str());
-  }
+  ~ConfigCalibration() override { std::filesystem::remove_all(folder_); }
 
   static std::string calibration(int lasers, double step) {
     std::string text = "distance_resolution: " + std::to_string(step) + "\nlasers:\n";
@@ -52,7 +53,8 @@ class ConfigCalibration : public ::testing::Test {
     }
   }
 
-  const std::string folder_ = ::testing::TempDir();
+  // Tests run beside each other.
+  const std::string folder_ = ::testing::TempDir() + "lidard_calibration_" + std::to_string(getpid()) + "/";
   const std::string good_ = "config_calibration_16.yaml";
   const std::string other_ = "config_calibration_32.yaml";
   const std::string config_ = "config_calibration.yaml";
@@ -94,9 +96,8 @@ TEST_F(ConfigCalibration, WithoutAFileTheModelsOwnTableHasEitherEquations) {
   const std::string yaml = to_yaml(config);
   EXPECT_THAT(yaml, HasSubstr("    # calibration: the model's table\n    calibration_model: ros_drivers\n"));
   EXPECT_EQ(to_yaml(parse_config(yaml, folder_ + config_)), yaml);
-  EXPECT_THROW(
-      parse_config("sensors: {a: {model: velodyne_hdl64e_s3, calibration_model: ros_drivers}}", "f"),
-      ConfigError);
+  EXPECT_THROW(parse_config("sensors: {a: {model: velodyne_hdl64e_s3, calibration_model: ros_drivers}}", "f"),
+               ConfigError);
 }
 
 TEST_F(ConfigCalibration, CheckPrintsWhatReadsBackToTheSame) {

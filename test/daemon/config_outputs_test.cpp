@@ -267,12 +267,14 @@ TEST(VirtualScanConfig, BeamsWithoutReturnProveFreedomOnlyWhereTheDriverIsOurs) 
   EXPECT_EQ(config.virtual_scans[1].no_return_free_range, 0);
 }
 
-TEST(VirtualScanConfig, WarnsWhenNobodySaysWhereTheGroundIs) {
+TEST(VirtualScanConfig, LooksForTheGroundUnlessItIsToldWhereItIs) {
   const Config config = with_outputs(
-      "merged_scans: {m: {laserscan_topics: rear}}\n"
-      "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: a, profile: strict}}\n");
-  ASSERT_EQ(config.warnings.size(), 1U);
-  EXPECT_THAT(config.warnings[0], ::testing::HasSubstr("does not know the ground"));
+      "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: a, profile: strict},\n"
+      "  w: {cloud_topic: roof, virtual_laser_scan: b, profile: strict, ground: none}}\n"
+      "merged_scans: {m: {laserscan_topics: rear}}\n");
+  EXPECT_TRUE(config.warnings.empty());
+  EXPECT_EQ(config.virtual_scans[0].ground.model, GroundModel::slope);
+  EXPECT_EQ(config.virtual_scans[1].ground.model, GroundModel::none);
 }
 
 TEST(VirtualScanConfig, RefusesKeysThatPointsAloneHaveNoUseFor) {

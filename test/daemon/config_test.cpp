@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <fstream>
@@ -145,7 +146,7 @@ TEST(LoadConfig, FilesThatCannotBeReadSayWhy) {
 }
 
 TEST(LoadConfig, MessagesNameTheFile) {
-  const std::string path = ::testing::TempDir() + "lidard_config_test.yaml";
+  const std::string path = ::testing::TempDir() + "lidard_config_" + std::to_string(getpid()) + ".yaml";
   std::ofstream(path) << "sensors: 5\n";
   EXPECT_EQ(load_error(path), path + ":1:10: sensors is \"5\"; expected a mapping (`key: value` lines)");
   std::ofstream(path) << sensor;

@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <map>
 #include <sstream>
@@ -48,7 +50,7 @@ Points decode(const std::string& capture, const char* model) {
 double distance(const Point& a, const Point& b) { return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z); }
 
 TEST(DecodeHdl64, UsesTheCalibrationInTheStreamAsSoonAsItIsWhole) {
-  const std::string prefix = testing::TempDir() + "decode_hdl64";
+  const std::string prefix = testing::TempDir() + "decode_hdl64_" + std::to_string(getpid());
   sim::VelodyneSetup setup;
   setup.model = "velodyne_hdl64e_s3";
   setup.range_max = 2.6;  // the nearest poles: enough
@@ -57,6 +59,7 @@ TEST(DecodeHdl64, UsesTheCalibrationInTheStreamAsSoonAsItIsWhole) {
   // The simulator's lasers are those of the S3's table; as an S2.1 they are placed by another unit's.
   const Points right = decode(prefix + ".pcap", "velodyne_hdl64e_s3");
   const Points learnt = decode(prefix + ".pcap", "velodyne_hdl64e_s21");
+  for (const char* made : {".pcap", ".pcap.csv", ".digest", ".truth"}) std::remove((prefix + made).c_str());
   ASSERT_EQ(right.size(), learnt.size());
   constexpr long round_packets = 4160;
   double before = 0;

@@ -257,11 +257,11 @@ std::vector<Claim> claims_of_scan(const PlanarScan& scan) {
   return claims;
 }
 
-std::vector<Claim> cut_claims(const YardScene& scene, Profile profile) {
+std::vector<Claim> cut_claims(const YardScene& scene, Profile profile, GroundModel model) {
   VirtualSettings settings;
   settings.sight = true;
   settings.how.noise = scene.lidar.noise;
-  settings.ground.model = GroundModel::plane;
+  settings.ground.model = model;
   settings.beams.no_return_free_range = scene.lidar.range_max;
   Virtualizer virtualizer(scene.grid, {}, 1, settings);
   virtualizer.set_cloud(scene.cloud, scene.lidar.pose);

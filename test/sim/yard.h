@@ -80,7 +80,8 @@ YardScore judge_yard(const YardScene& scene, const std::vector<Claim>& claims);
 /// The nearest point per beam of those within `half_height` of the plane: what other tools do.
 std::vector<Claim> banded_claims(const YardScene& scene, double half_height);
 /// Our own cut in one profile.
-std::vector<Claim> cut_claims(const YardScene& scene, Profile profile);
+std::vector<Claim> cut_claims(const YardScene& scene, Profile profile,
+                              GroundModel model = GroundModel::plane);
 std::vector<Claim> claims_of_scan(const PlanarScan& scan);
 
 }  // namespace lidard::sim
