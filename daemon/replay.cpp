@@ -84,6 +84,9 @@ struct Replay {
 
   int into_ros() {
     stop_on_signals();
+    if (!config.vehicle.odometry_topic.empty() || !config.vehicle.imu_topic.empty())
+      err << "a replay to ROS listens to no odometry_topic and no imu_topic, so scans are not deskewed; use "
+             "odometry_frame (tf), or --bag with --motion\n";
     RosOptions ros;
     ros.node_name = options.node_name;
     ros.remappings = options.ros_arguments;

@@ -2,10 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/ros_inputs.h"
 
-#include <ros/callback_queue.h>
 #include <ros/names.h>
-#include <ros/node_handle.h>
-#include <ros/spinner.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -14,6 +11,7 @@
 
 #include "daemon/ros_convert.h"
 #include "daemon/ros_master.h"
+#include "daemon/ros_reception.h"
 #include "daemon/velodyne_scan.h"
 
 namespace lidard {
@@ -105,19 +103,6 @@ struct RosInputs::Source {
   }
 };
 
-/// What needs ROS: created when it runs, gone before it ends.
-struct RosInputs::Reception {
-  ros::CallbackQueue queue;
-  ros::NodeHandle node;
-  ros::AsyncSpinner spinner{1, &queue};
-  std::vector<ros::Subscriber> subscribers;
-
-  Reception() {
-    node.setCallbackQueue(&queue);
-    spinner.start();
-  }
-};
-
 namespace {
 
 /// Converts a message and posts it to the sensor thread.
@@ -155,16 +140,11 @@ RosInputs::RosInputs(const std::vector<TopicSource>& sources, Post post, TopicHa
 RosInputs::~RosInputs() = default;
 
 void RosInputs::connected() {
-  if (!sources_.empty()) reception_ = std::make_unique<Reception>();
+  if (!sources_.empty()) reception_ = std::make_unique<RosReception>();
 }
 
 void RosInputs::disconnected(bool leave) {
-  static auto* const left = new std::vector<std::unique_ptr<Reception>>;
-  if (leave && reception_) {
-    reception_->spinner.stop();
-    left->push_back(std::move(reception_));
-  }
-  reception_.reset();
+  RosReception::end(reception_, leave);
   for (auto& source : sources_) {
     source->subscribed = false;
     source->forget_type();

@@ -14,6 +14,8 @@
 
 namespace lidard {
 
+struct RosReception;
+
 /// A sensor whose data another node publishes: its name in the configuration and the topic.
 struct TopicSource {
   std::string sensor;
@@ -63,7 +65,6 @@ class RosInputs : public RosClient {
 
  private:
   struct Source;
-  struct Reception;
   void subscribe(const std::shared_ptr<Source>& source, const std::string& type);
   template <typename Message, typename Frame>
   void subscribe_as(const std::shared_ptr<Source>& source,
@@ -73,7 +74,7 @@ class RosInputs : public RosClient {
   Post post_;
   TopicHandlers handlers_;
   std::vector<std::shared_ptr<Source>> sources_;
-  std::unique_ptr<Reception> reception_;
+  std::unique_ptr<RosReception> reception_;
 };
 
 }  // namespace lidard

@@ -4,15 +4,13 @@
 
 #include <geometry_msgs/TwistStamped.h>
 #include <nav_msgs/Odometry.h>
-#include <ros/callback_queue.h>
-#include <ros/node_handle.h>
-#include <ros/spinner.h>
 #include <sensor_msgs/Imu.h>
 
 #include <atomic>
 #include <utility>
 
 #include "daemon/ros_convert.h"
+#include "daemon/ros_reception.h"
 
 namespace lidard {
 namespace {
@@ -27,32 +25,21 @@ Pose pose_of(const geometry_msgs::Pose& message) {
   return pose;
 }
 
+template <typename Message, typename Use>
+void subscribe(RosReception& reception, const std::string& topic, Use use) {
+  if (topic.empty()) return;
+  const boost::function<void(const boost::shared_ptr<const Message>&)> callback = [use](const auto& message) {
+    use(*message);
+  };
+  // A pose that comes late by Nagle's algorithm is a scan that is not deskewed.
+  reception.subscribers.push_back(reception.node.subscribe<Message>(topic, queue_length, callback, {},
+                                                                    ros::TransportHints().tcpNoDelay()));
+}
+
 }  // namespace
 
 struct RosMotion::Counts {
   std::atomic<std::uint64_t> poses{0}, turns{0}, speeds{0};
-};
-
-/// What needs ROS: created when it runs, gone before it ends.
-struct RosMotion::Reception {
-  ros::CallbackQueue queue;
-  ros::NodeHandle node;
-  ros::AsyncSpinner spinner{1, &queue};
-  std::vector<ros::Subscriber> subscribers;
-
-  Reception() {
-    node.setCallbackQueue(&queue);
-    spinner.start();
-  }
-  template <typename Message, typename Use>
-  void subscribe(const std::string& topic, Use use) {
-    if (topic.empty()) return;
-    const boost::function<void(const boost::shared_ptr<const Message>&)> callback =
-        [use](const auto& message) { use(*message); };
-    // A pose that comes late by Nagle's algorithm is a scan that is not deskewed.
-    subscribers.push_back(
-        node.subscribe<Message>(topic, queue_length, callback, {}, ros::TransportHints().tcpNoDelay()));
-  }
 };
 
 RosMotion::RosMotion(const VehicleConfig& vehicle, Post post, MotionHandlers handlers)
@@ -67,38 +54,33 @@ RosMotion::~RosMotion() = default;
 
 void RosMotion::connected() {
   if (odometry_topic_.empty() && imu_topic_.empty()) return;
-  reception_ = std::make_unique<Reception>();
-  reception_->subscribe<nav_msgs::Odometry>(
-      odometry_topic_, [counts = counts_, post = post_, use = handlers_.pose](const nav_msgs::Odometry& m) {
+  reception_ = std::make_unique<RosReception>();
+  subscribe<nav_msgs::Odometry>(
+      *reception_, odometry_topic_,
+      [counts = counts_, post = post_, use = handlers_.pose](const nav_msgs::Odometry& m) {
         ++counts->poses;
         post([use, stamp = from_ros(m.header.stamp), pose = pose_of(m.pose.pose), child = m.child_frame_id] {
           use(stamp, pose, child);
         });
       });
-  reception_->subscribe<sensor_msgs::Imu>(
-      imu_topic_, [counts = counts_, post = post_, use = handlers_.turn](const sensor_msgs::Imu& m) {
+  subscribe<sensor_msgs::Imu>(
+      *reception_, imu_topic_,
+      [counts = counts_, post = post_, use = handlers_.turn](const sensor_msgs::Imu& m) {
         ++counts->turns;
         const Eigen::Vector3d rates(m.angular_velocity.x, m.angular_velocity.y, m.angular_velocity.z);
         post([use, stamp = from_ros(m.header.stamp), rates, frame = m.header.frame_id] {
           use(stamp, rates, frame);
         });
       });
-  reception_->subscribe<geometry_msgs::TwistStamped>(
-      speed_topic_,
+  subscribe<geometry_msgs::TwistStamped>(
+      *reception_, speed_topic_,
       [counts = counts_, post = post_, use = handlers_.speed](const geometry_msgs::TwistStamped& m) {
         ++counts->speeds;
         post([use, speed = m.twist.linear.x] { use(speed); });
       });
 }
 
-void RosMotion::disconnected(bool leave) {
-  static auto* const left = new std::vector<std::unique_ptr<Reception>>;
-  if (leave && reception_) {
-    reception_->spinner.stop();
-    left->push_back(std::move(reception_));
-  }
-  reception_.reset();
-}
+void RosMotion::disconnected(bool leave) { RosReception::end(reception_, leave); }
 
 std::vector<DiagnosticItem> RosMotion::diagnostics() {
   std::vector<DiagnosticItem> items;

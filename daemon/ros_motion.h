@@ -14,6 +14,8 @@
 
 namespace lidard {
 
+struct RosReception;
+
 /// Where the messages about the vehicle's motion go; called in the sensor thread.
 struct MotionHandlers {
   /// Pose of the message's child frame in the frame of the odometry.
@@ -39,14 +41,13 @@ class RosMotion : public RosClient {
   std::vector<DiagnosticItem> diagnostics() override;
 
  private:
-  struct Reception;
   struct Counts;
 
   std::string odometry_topic_, imu_topic_, speed_topic_;
   Post post_;
   MotionHandlers handlers_;
   std::shared_ptr<Counts> counts_;
-  std::unique_ptr<Reception> reception_;
+  std::unique_ptr<RosReception> reception_;
 };
 
 }  // namespace lidard
