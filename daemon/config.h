@@ -108,6 +108,9 @@ struct MergedScanConfig {
   double range_noise = 0.02;  ///< m, one standard deviation of the sources' ranges
   std::map<std::string, SourceSettings> source_settings;  ///< of sources that differ from the rest, by name
   double free_required = 0;  ///< m that a beam must be observed to be free; 0: range_max
+
+  /// True if some scan of this merge is more than points.
+  bool has_sight() const;
 };
 
 /// One entry of `virtual_scans:`.
@@ -123,9 +126,9 @@ struct VirtualScanConfig {
   CutMode mode = CutMode::slice;
   GroundSettings ground;
   bool keep_ground = false;
-  bool early_returns = false;  ///< echoes: all
-  double range_noise = 0.02;   ///< m, one standard deviation of the ranges
-  double free_required = 0;    ///< m that a beam must be observed to be free; 0: range_max
+  bool early_returns = false;       ///< echoes: all
+  double range_noise = 0.02;        ///< m, one standard deviation of the ranges
+  double free_required = 0;         ///< m that a beam must be observed to be free; 0: range_max
   double no_return_free_range = 0;  ///< m that a beam without return proves free
   bool has_sight() const;
   /// Topic of a frame's scan, or of one of its further scans.

@@ -19,12 +19,18 @@ std::vector<std::pair<std::string, const VirtualScanConfig*>> virtual_topics(con
   return topics;
 }
 
-/// The virtual scan that a source names by its topic; nullptr if it names none.
-const VirtualScanConfig* find_virtual(const Config& config, const std::string& topic) {
-  for (const auto& [name, group] : virtual_topics(config)) {
-    if (name == topic || "/" + name == topic) return group;
+std::string without_slash(const std::string& topic) {
+  return !topic.empty() && topic.front() == '/' ? topic.substr(1) : topic;
+}
+
+/// The virtual scan that a source names by its topic, and the topic as it is published; nullptr if it names
+/// none, or a sensor.
+std::pair<std::string, const VirtualScanConfig*> find_virtual(const Config& config, const std::string& name) {
+  if (config.find_sensor(name) != nullptr) return {};
+  for (const auto& one : virtual_topics(config)) {
+    if (without_slash(one.first) == without_slash(name)) return one;
   }
-  return nullptr;
+  return {};
 }
 
 Sources read_sources(Mapping& yaml, const Config& config, const std::string& owner, ConfigClaims& claims,
@@ -38,10 +44,7 @@ Sources read_sources(Mapping& yaml, const Config& config, const std::string& own
   const Value list = yaml.require("laserscan_topics", expected);
   Sources sources;
   for (const Value& value : list.names(expected)) {
-    const std::string name = value.text(expected);
-    if (const VirtualScanConfig* group = find_virtual(config, name);
-        group != nullptr && config.find_sensor(name) == nullptr) {
-      const std::string topic = name.front() == '/' ? name.substr(1) : name;
+    if (const auto [topic, group] = find_virtual(config, value.text(expected)); group != nullptr) {
       if (std::find(names.begin(), names.end(), topic) != names.end())
         value.fail("names " + topic + " again", "every source once");
       names.push_back(topic);
@@ -89,11 +92,10 @@ void read_merged_topics(Mapping& yaml, const std::string& owner, ConfigClaims& c
 
 /// Points alone prove nothing, so they are no evidence for what is free or hidden.
 void refuse_flat_sources(Mapping& yaml, const Config& config, const MergedScanConfig& merged) {
-  if (!has_sight(merged)) return;
+  if (!merged.has_sight()) return;
   for (const Value& value : yaml.where("laserscan_topics").names("names")) {
-    const VirtualScanConfig* group = find_virtual(config, value.text());
-    if (group == nullptr || config.find_sensor(value.text()) != nullptr) continue;
-    if (group->output.profile == Profile::flatten)
+    const VirtualScanConfig* group = find_virtual(config, value.text()).second;
+    if (group != nullptr && group->output.profile == Profile::flatten)
       value.fail("names " + value.quoted() + ", a virtual scan of profile flatten, which proves nothing",
                  "a virtual scan of profile strict or safety, or profile: flatten here");
   }

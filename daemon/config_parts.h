@@ -83,8 +83,6 @@ const char* word_of(EchoChoice choice);
 void read_sight(Mapping& yaml, const std::string& owner, Config& config, ConfigClaims& claims,
                 MergedScanConfig& merged);
 
-/// True if some scan of this merge is more than points.
-bool has_sight(const MergedScanConfig& merged);
 /// The keys of a merged scan that say when it is published.
 void read_schedule(Mapping& yaml, MergedScanConfig& merged);
 /// Windows and properties of single sources; the keys that hold for all of them are read already.

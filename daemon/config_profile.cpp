@@ -21,12 +21,10 @@ constexpr std::array<Word<EchoChoice>, 4> echo_choices{{{"first", EchoChoice::fi
 
 }  // namespace
 
-bool has_sight(const MergedScanConfig& merged) {
-  if (merged.output.profile != Profile::flatten) return true;
-  for (const AlsoScanConfig& also : merged.also) {
-    if (also.profile != Profile::flatten) return true;
-  }
-  return false;
+bool MergedScanConfig::has_sight() const {
+  bool sight = output.profile != Profile::flatten;
+  for (const AlsoScanConfig& one : also) sight |= one.profile != Profile::flatten;
+  return sight;
 }
 
 Profile read_profile(const Value& value) { return read_word(value, profiles); }
@@ -70,7 +68,7 @@ void read_sight(Mapping& yaml, const std::string& owner, Config& config, ConfigC
       claims.publishes(topic, owner, value);
     }
   }
-  if (!has_sight(merged) || !config.vehicle.footprint.empty()) return;
+  if (!merged.has_sight() || !config.vehicle.footprint.empty()) return;
   warn(config, yaml.where("profile").place(),
        owner +
            " is to say what is observed, but vehicle.footprint is not set: where the vehicle hides the way " +

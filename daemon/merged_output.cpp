@@ -11,13 +11,9 @@ namespace {
 
 MergeSettings settings_of(const MergedScanConfig& config) {
   MergeSettings settings;
-  settings.sight = !config.status_topic.empty();
   settings.points = config.output.profile == Profile::flatten || !config.cloud_destination_topic.empty();
-  settings.sight = settings.sight || config.output.profile != Profile::flatten;
-  for (const AlsoScanConfig& also : config.also) {
-    settings.points |= also.profile == Profile::flatten;
-    settings.sight |= also.profile != Profile::flatten;
-  }
+  for (const AlsoScanConfig& also : config.also) settings.points |= also.profile == Profile::flatten;
+  settings.sight = config.has_sight() || !config.status_topic.empty();
   settings.how.noise = settings.source.noise = config.range_noise;
   settings.how.mean = config.mean;
   settings.how.free_required = config.free_required;
@@ -68,13 +64,9 @@ MergedOutput::MergedOutput(const MergedScanConfig& config, const VehicleConfig& 
   cloud_.frame_id = config.destination_frame;
   status_.frame_id = config.destination_frame;
   merged_.push_back({config.output.profile, &scans_[0]});
-  scans_[0].none_as = value_of(config.output.empty, config.output);
-  scans_[0].invalid_as = value_of(config.output.unobserved, config.output);
-  for (std::size_t i = 0; i < config.also.size(); ++i) {
+  for (std::size_t i = 0; i < config.also.size(); ++i)
     merged_.push_back({config.also[i].profile, &scans_[i + 1]});
-    scans_[i + 1].none_as = value_of(config.also[i].empty, config.output);
-    scans_[i + 1].invalid_as = value_of(config.also[i].unobserved, config.output);
-  }
+  set_encodings(config.output, config.also, scans_);
   for (PlanarScan& scan : scans_) scan.frame_id = config.destination_frame;
 }
 
@@ -99,7 +91,7 @@ void MergedOutput::restart() {
   merger_.reset();
   scheduler_.reset();
   overlap_.reset();
-  last_stamp_.reset();
+  stamps_.reset();
   waits_for_motion_since_.reset();
 }
 
@@ -107,7 +99,7 @@ void MergedOutput::continue_from(const MergedOutput& before) {
   scheduler_ = before.scheduler_;
   told_states_ = before.told_states_;
   counters_ = before.counters_;
-  last_stamp_ = before.last_stamp_;
+  stamps_ = before.stamps_;
   without_motion_ = before.without_motion_;
   dropped_ = before.dropped_;
 }
@@ -170,7 +162,6 @@ MergeMoment MergedOutput::moment_of(Stamp now) {
     moment.at = std::max(*first, std::min(moment.at, track->newest()));
     moment.track = track;
   }
-  if (last_stamp_ && moment.at <= *last_stamp_) moment.at = *last_stamp_ + Span(1);
   if (moment.track != nullptr && !poses_.find(config_.destination_frame, base_frame_, moment.at,
                                               moment.output_from_base, counters_.why_no_pose))
     moment.track = nullptr;
@@ -209,7 +200,8 @@ void MergedOutput::advance(Stamp now, FrameSink& sink) {
   publish(moment, now, sink);
 }
 
-void MergedOutput::publish(const MergeMoment& moment, Stamp now, FrameSink& sink) {
+void MergedOutput::publish(MergeMoment moment, Stamp now, FrameSink& sink) {
+  moment.at = stamps_.next(moment.at);
   const bool with_cloud = !config_.cloud_destination_topic.empty();
   const MergeReport& report =
       merger_.merge(moment, scheduler_.usable(now), merged_, with_cloud ? &cloud_ : nullptr);
@@ -217,7 +209,6 @@ void MergedOutput::publish(const MergeMoment& moment, Stamp now, FrameSink& sink
   uses_ = report.sources;
   const bool stands = std::count(uses_.begin(), uses_.end(), SourceUse::static_poses) > 0;
   if (poses_.track() != nullptr && stands) ++without_motion_;
-  last_stamp_ = moment.at;
   latency_ = now - moment.at;
   ++counters_.published;
   counters_.last_published = now;

@@ -9,6 +9,7 @@
 #include "core/merger.h"
 #include "core/overlap.h"
 #include "core/scheduler.h"
+#include "core/steady_stamps.h"
 #include "daemon/config.h"
 #include "daemon/output_parts.h"
 #include "daemon/pose_book.h"
@@ -42,7 +43,7 @@ class MergedOutput {
   MergeMoment moment_of(Stamp now);
   bool lacks_sweeps(Stamp now) const;
   bool must_wait_for_motion(const MergeMoment& moment, Stamp now);
-  void publish(const MergeMoment& moment, Stamp now, FrameSink& sink);
+  void publish(MergeMoment moment, Stamp now, FrameSink& sink);
   void fill_status();
   /// Compares what the sources of the output just made see of the same surfaces.
   void compare_sources(Stamp stamp);
@@ -67,7 +68,7 @@ class MergedOutput {
   PlanarScan status_;
   Cloud cloud_;
   OutputCounters counters_;
-  std::optional<Stamp> last_stamp_;
+  SteadyStamps stamps_;
   std::optional<Stamp> waits_for_motion_since_;
   std::vector<SourceUse> uses_;       // of the last output
   Span latency_{};                    // of the last output: from its instant to its publication

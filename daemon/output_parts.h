@@ -4,8 +4,10 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "core/height_band.h"
+#include "core/scan.h"
 #include "core/scan_grid.h"
 #include "daemon/config.h"
 #include "daemon/sink.h"
@@ -25,6 +27,9 @@ ScanGrid grid_of(const ScanGridSpec& spec);
 HeightBand band_of(const OutputScanConfig& config);
 /// What a message holds for `beam` of an output.
 float value_of(EmptyBeam beam, const OutputScanConfig& config);
+/// How an entry's own scan (the first) and those of `also` hold what is not there and what is not known.
+void set_encodings(const OutputScanConfig& output, const std::vector<AlsoScanConfig>& also,
+                   std::vector<PlanarScan>& scans);
 /// Whether an output publishes, and if not, why.
 DiagnosticItem health_of(const std::string& name, const OutputCounters& counters, Stamp now);
 

@@ -55,6 +55,7 @@ struct Pipeline::Impl final : public LineOwner {
   PoseLookup& lookup;
   PoseTrack track;
   std::vector<StampedPose> new_poses;
+  Stamp last_poll{};  // of tf
   DeadReckoning reckoning;
   std::string why_no_motion;
   std::uint64_t poses_refused = 0;  // since the pose of their frame on the vehicle is not known
@@ -69,28 +70,6 @@ struct Pipeline::Impl final : public LineOwner {
   bool diagnostics_wanted = false;  // a source has come or gone
   std::function<void(std::vector<DiagnosticItem>&)> more_diagnostics;
 };
-
-std::vector<TopicInfo> pipeline_topics(const Config& config) {
-  std::vector<TopicInfo> topics;
-  for (const auto& sensor : config.sensors) {
-    for (auto& topic : sensor_topics(sensor)) topics.push_back(std::move(topic));
-  }
-  for (const auto& merged : config.merged_scans) {
-    topics.push_back({merged.scan_destination_topic, TopicKind::scan});
-    if (!merged.status_topic.empty()) topics.push_back({merged.status_topic, TopicKind::scan});
-    for (const auto& also : merged.also) topics.push_back({also.topic, TopicKind::scan});
-    if (!merged.cloud_destination_topic.empty())
-      topics.push_back({merged.cloud_destination_topic, TopicKind::cloud});
-  }
-  for (const auto& group : config.virtual_scans) {
-    for (const auto& frame : group.virtual_laser_scan) {
-      topics.push_back({group.topic(frame), TopicKind::scan});
-      for (const auto& also : group.also) topics.push_back({group.topic(frame, &also), TopicKind::scan});
-      if (!group.output_laser_topic.empty()) break;
-    }
-  }
-  return topics;
-}
 
 SensorLine* Pipeline::Impl::find_line(const Packet& packet) {
   SensorLine* anybody = nullptr;
@@ -267,7 +246,11 @@ DiagnosticItem Pipeline::Impl::motion_item() const {
 }
 
 void Pipeline::Impl::poll_motion() {
+  // Packets come by the thousand, poses by the dozen.
+  constexpr Span between_polls = std::chrono::milliseconds(5);
   if (vehicle.odometry_frame.empty()) return;
+  if (now >= last_poll && now - last_poll < between_polls) return;
+  last_poll = now;
   new_poses.clear();
   lookup.history(vehicle.odometry_frame, vehicle.base_frame, track.newest(), now, new_poses);
   for (const StampedPose& one : new_poses) track.add(one.stamp, one.pose);

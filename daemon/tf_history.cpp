@@ -51,10 +51,10 @@ bool look_up(const tf2::BufferCore& buffer, const std::string& parent, const std
   }
   const ros::Time time = to_ros(stamp);
   // Asked first, because lookupTransform() throws, and an unknown pose is an everyday matter.
-  why_not.clear();
-  if (!buffer.canTransform(to, from, time, &why_not)) {
-    if (why_not.empty()) why_not = "tf does not know " + from + " in " + to;
-    why_not += "; publish it on tf or configure the pose";
+  std::string reason;
+  if (!buffer.canTransform(to, from, time, &reason)) {
+    if (reason.empty()) reason = "tf does not know " + from + " in " + to;
+    why_not = reason + "; publish it on tf or configure the pose";
     return false;
   }
   try {

@@ -35,13 +35,9 @@ VirtualOutput::VirtualOutput(const VirtualScanConfig& config, const VehicleConfi
       scans_(1 + config.also.size()) {
   virtualizer_.set_footprint(Footprint(vehicle.footprint));
   outputs_.push_back({config.output.profile, &scans_[0]});
-  scans_[0].none_as = value_of(config.output.empty, config.output);
-  scans_[0].invalid_as = value_of(config.output.unobserved, config.output);
-  for (std::size_t i = 0; i < config.also.size(); ++i) {
+  for (std::size_t i = 0; i < config.also.size(); ++i)
     outputs_.push_back({config.also[i].profile, &scans_[i + 1]});
-    scans_[i + 1].none_as = value_of(config.also[i].empty, config.output);
-    scans_[i + 1].invalid_as = value_of(config.also[i].unobserved, config.output);
-  }
+  set_encodings(config.output, config.also, scans_);
 }
 
 bool VirtualOutput::place_vehicle(const Cloud& cloud, Pose& vehicle_from_cloud) {
@@ -62,10 +58,7 @@ Stamp VirtualOutput::take(const Cloud& cloud, const Pose& vehicle_from_cloud) {
 
 void VirtualOutput::publish(const std::string& frame, Stamp stamp, Stamp now, FrameSink& sink) {
   // Several frames on one topic share the cloud's stamp; consumers want stamps that increase.
-  Stamp& last = last_stamps_[config_.topic(frame)];
-  constexpr Span restart_limit = std::chrono::seconds(1);
-  if (stamp <= last && last - stamp < restart_limit) stamp = last + Span(1);
-  last = stamp;
+  stamp = stamps_[config_.topic(frame)].next(stamp);
   ++counters_.published;
   counters_.last_published = now;
   for (std::size_t i = 0; i < scans_.size(); ++i) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/cloud_motion.h"
+#include "core/steady_stamps.h"
 #include "core/virtualizer.h"
 #include "daemon/config.h"
 #include "daemon/output_parts.h"
@@ -27,7 +28,7 @@ class VirtualOutput {
   /// Takes the place of an output with another grid.
   void continue_from(const VirtualOutput& before) {
     counters_ = before.counters_;
-    last_stamps_ = before.last_stamps_;
+    stamps_ = before.stamps_;
   }
 
  private:
@@ -45,7 +46,7 @@ class VirtualOutput {
   CloudMotion motion_;
   std::vector<PlanarScan> scans_;  // the first is the entry's own, then those of `also`
   std::vector<VirtualScan> outputs_;
-  std::map<std::string, Stamp> last_stamps_;  // by topic
+  std::map<std::string, SteadyStamps> stamps_;  // by topic
   OutputCounters counters_;
   std::uint64_t without_rings_ = 0;   // clouds that are points alone
   std::uint64_t without_motion_ = 0;  // clouds that could not be deskewed

@@ -79,6 +79,16 @@ TEST(ScheduleConfig, SourcesMayBeVirtualScansAndSingleRings) {
       "proves nothing; expected a virtual scan of profile strict or safety, or profile: flatten here");
 }
 
+TEST(ScheduleConfig, VirtualScanIsNamedAsItIsPublishedWithOrWithoutASlash) {
+  const std::string text =
+      "sensors: {roof: {model: velodyne_vlp16, pose: {xyz: [0, 0, 2]}}}\n"
+      "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: [low], output_laser_topic: /cut}}\n";
+  for (const char* name : {"cut", "/cut"}) {
+    const Config config = parse(text + "merged_scans: {m: {laserscan_topics: [" + name + "]}}\n");
+    EXPECT_EQ(config.merged_scans.at(0).laserscan_topics, std::vector<std::string>{"/cut"}) << name;
+  }
+}
+
 TEST(MotionConfig, HasOneSource) {
   const auto vehicle = [](const std::string& keys) {
     return parse("vehicle: {" + keys + "}\n" + sensors).vehicle;

@@ -215,6 +215,20 @@ TEST(MergedPipeline, LeavesOutWhatItCannotDeskewIfThatIsWished) {
   EXPECT_EQ(item.health, Health::error);
 }
 
+TEST(MergedPipeline, FollowsAClockThatWasSetBackAnHour) {
+  Vehicle vehicle("policy: complete");
+  vehicle.drive(ms(0), ms(1000));
+  const std::size_t before = vehicle.outputs().size();
+  const Span hour = std::chrono::hours(1);
+  vehicle.drive(-hour, -hour + ms(1000));
+  ASSERT_GT(vehicle.outputs().size(), before + 20);
+  const auto& first = vehicle.outputs()[before];
+  EXPECT_LT(first.released, begin - hour + ms(1000));
+  EXPECT_LT(first.scan.stamp, begin - hour + ms(1000));
+  for (std::size_t i = before + 1; i < vehicle.outputs().size(); ++i)
+    EXPECT_GT(vehicle.outputs()[i].scan.stamp, vehicle.outputs()[i - 1].scan.stamp);
+}
+
 TEST(MergedPipeline, TimeOffsetOfATopicMovesItsStamps) {
   NoTf tf;
   KeepingSink sink;
