@@ -3,51 +3,78 @@
 #include "core/cloud_motion.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace lidard {
 namespace {
 
-// Within that time a vehicle moves by less than a millimetre.
-constexpr Span group = std::chrono::microseconds(250);
+constexpr double most_between_borders_s = 1e-3;
+constexpr double longest_cloud_s = 10;
 
 }  // namespace
 
-/// The motion of a return at `stamp`; returns of nearly the same time share it.
-const Pose& CloudMotion::at(Stamp stamp) {
-  const Span off = stamp - newest_at_;
-  if (off < group && off > -group) return newest_;
-  Pose odom_from_vehicle;
-  if (track_->at(stamp, odom_from_vehicle) == PoseOrigin::missing) return newest_;
-  newest_at_ = stamp;
-  newest_ = now_from_odom_ * odom_from_vehicle * vehicle_from_cloud_;
-  return newest_;
+/// False if a pose is missing.
+bool CloudMotion::find_borders(Stamp end, const Pose& vehicle_from_cloud, const PoseTrack& track) {
+  const double length = seconds(end - begin_);
+  if (!(length <= longest_cloud_s)) return false;
+  const auto spans = static_cast<std::size_t>(std::max(1.0, std::ceil(length / most_between_borders_s)));
+  border_span_s_ = length / static_cast<double>(spans);
+  Pose now;
+  if (track.at(instant_, now) == PoseOrigin::missing) return false;
+  const Pose now_from_odom = (now * vehicle_from_cloud).inverse();
+  bool moves = false;
+  for (std::size_t i = 0; i <= spans; ++i) {
+    Pose pose;
+    const Stamp border =
+        i == spans ? end : begin_ + span_from_seconds(static_cast<double>(i) * border_span_s_);
+    if (track.at(border, pose) == PoseOrigin::missing) return false;
+    borders_.emplace_back(Matrix::Identity());
+    // A vehicle that stands must leave every return where it is to the last bit.
+    if (pose.matrix() == now.matrix()) continue;
+    moves = true;
+    borders_.back() = (now_from_odom * pose * vehicle_from_cloud).matrix().topRows<3>();
+  }
+  if (!moves) borders_.clear();
+  return true;
+}
+
+/// The motion of a return `after_s` after the begin; of one outside of the cloud's time that of its end.
+CloudMotion::Matrix CloudMotion::at(double after_s) const {
+  const double last = static_cast<double>(borders_.size() - 1);
+  const double place = border_span_s_ > 0 && after_s > 0 ? std::min(after_s / border_span_s_, last) : 0;
+  const auto before = std::min(static_cast<std::size_t>(place), borders_.size() - 2);
+  const double share = place - static_cast<double>(before);
+  return borders_[before] + share * (borders_[before + 1] - borders_[before]);
 }
 
 bool CloudMotion::find(const Cloud& cloud, const Pose& vehicle_from_cloud, const PoseTrack& track) {
   columns_.clear();
-  if (track.empty()) return false;
-  instant_ = std::max(cloud.stamp, std::min(cloud.end, track.newest()));
-  Pose odom_from_vehicle;
-  if (!track.covers(cloud.stamp, cloud.end) || track.at(instant_, odom_from_vehicle) == PoseOrigin::missing)
+  borders_.clear();
+  if (track.empty() || !track.covers(cloud.stamp, cloud.end)) return false;
+  begin_ = cloud.stamp;
+  const Stamp end = std::max(cloud.stamp, cloud.end);
+  instant_ = std::max(begin_, std::min(end, track.newest()));
+  if (!find_borders(end, vehicle_from_cloud, track)) {
+    borders_.clear();
     return false;
-  track_ = &track;
-  vehicle_from_cloud_ = vehicle_from_cloud;
-  now_from_odom_ = (odom_from_vehicle * vehicle_from_cloud).inverse();
-  newest_at_ = instant_;
-  newest_ = Pose::Identity();
-  for (const CloudColumn& column : cloud.columns) columns_.push_back(at(column.stamp));
+  }
+  if (borders_.empty()) return true;
+  Pose pose = Pose::Identity();
+  for (const CloudColumn& column : cloud.columns) {
+    pose.affine() = at(seconds(column.stamp - begin_));
+    columns_.push_back(pose);
+  }
   return true;
 }
 
 const Cloud& CloudMotion::moved(const Cloud& cloud) {
-  if (!cloud.columns.empty()) return cloud;
+  if (!cloud.columns.empty() || borders_.empty()) return cloud;
   copy_ = cloud;
   for (std::size_t i = 0; i < copy_.size(); ++i) {
     CloudPoint& point = copy_.points()[i];
-    const Pose& move = at(cloud.stamp + span_from_seconds(static_cast<double>(point.time)));
-    const Eigen::Vector3d p =
-        move * Eigen::Vector3d(static_cast<double>(point.x), static_cast<double>(point.y),
-                               static_cast<double>(point.z));
+    const Eigen::Vector3d p = at(static_cast<double>(point.time)) *
+                              Eigen::Vector4d(static_cast<double>(point.x), static_cast<double>(point.y),
+                                              static_cast<double>(point.z), 1);
     point.x = static_cast<float>(p.x());
     point.y = static_cast<float>(p.y());
     point.z = static_cast<float>(p.z());

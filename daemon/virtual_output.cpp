@@ -49,7 +49,8 @@ bool VirtualOutput::place_vehicle(const Cloud& cloud, Pose& vehicle_from_cloud) 
 Stamp VirtualOutput::take(const Cloud& cloud, const Pose& vehicle_from_cloud) {
   const PoseTrack* const track = poses_.track();
   const bool moves = track != nullptr && motion_.find(cloud, vehicle_from_cloud, *track);
-  if (track != nullptr && !moves) ++without_motion_;
+  stands_ = track != nullptr && !moves;
+  if (stands_) ++without_motion_;
   virtualizer_.set_cloud(moves ? motion_.moved(cloud) : cloud, vehicle_from_cloud,
                          moves ? &motion_.columns() : nullptr);
   if (virtualizer_.why_no_surfaces()[0] != '\0') ++without_rings_;
@@ -105,9 +106,18 @@ void VirtualOutput::describe_beams(DiagnosticItem& item) const {
   }
 }
 
+void VirtualOutput::describe_motion(DiagnosticItem& item) const {
+  item.values.emplace_back("Clouds without motion", std::to_string(without_motion_));
+  if (!stands_ || item.health != Health::ok || counters_.published == 0) return;
+  item.health = Health::warn;
+  item.message =
+      "publishing as if the vehicle stood still: poses of the cloud's time are missing; see that odometry is "
+      "published";
+}
+
 DiagnosticItem VirtualOutput::diagnostics(Stamp now) const {
   DiagnosticItem item = health_of("virtual " + config_.name, counters_, now);
-  item.values.emplace_back("Clouds without motion", std::to_string(without_motion_));
+  describe_motion(item);
   if (!config_.has_sight()) return item;
   item.values.emplace_back("Clouds without rings", std::to_string(without_rings_));
   item.values.emplace_back("Returns on the vehicle", std::to_string(virtualizer_.own_returns()));

@@ -36,6 +36,7 @@ class VirtualOutput {
   /// Takes the cloud; returns the instant that its scans show.
   Stamp take(const Cloud& cloud, const Pose& vehicle_from_cloud);
   void publish(const std::string& frame, Stamp stamp, Stamp now, FrameSink& sink);
+  void describe_motion(DiagnosticItem& item) const;
   void describe_beams(DiagnosticItem& item) const;
 
   VirtualScanConfig config_;
@@ -50,6 +51,7 @@ class VirtualOutput {
   OutputCounters counters_;
   std::uint64_t without_rings_ = 0;   // clouds that are points alone
   std::uint64_t without_motion_ = 0;  // clouds that could not be deskewed
+  bool stands_ = false;               // the newest one among them
 };
 
 }  // namespace lidard

@@ -138,13 +138,13 @@ Cloud measure(const Yard& yard, const YardLidar& lidar, Rng& rng) {
     const Span after = span_from_seconds(share * seconds(revolution));
     cloud.columns.push_back({static_cast<std::uint32_t>(points.size()), static_cast<std::uint32_t>(c / 24), 0,
                              0, static_cast<float>(azimuth), cloud.stamp + after});
+    const Pose pose = lidar.path ? lidar.path(after) : lidar.pose;
     for (std::size_t r = 0; r < lidar.elevations.size(); ++r) {
       const double e = lidar.elevations[r];
       const double a = -azimuth - (lidar.offsets.empty() ? 0 : lidar.offsets[r]);
       const Eigen::Vector3d in_lidar(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
       const double error = lidar.noise > 0 ? lidar.noise * rng.gaussian() : 0;
-      const double range =
-          yard.cast({lidar.pose.translation(), lidar.pose.linear() * in_lidar}, true) + error;
+      const double range = yard.cast({pose.translation(), pose.linear() * in_lidar}, true) + error;
       if (!(range < lidar.range_max)) continue;
       const Eigen::Vector3f p = (range * in_lidar).cast<float>();
       points.push_back({p.x(), p.y(), p.z(), static_cast<float>(r), static_cast<std::uint16_t>(r),

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -27,10 +28,11 @@ struct Yard {
 struct YardLidar {
   std::vector<double> elevations;  ///< rad, ascending
   std::size_t columns = 1800;
-  double noise = 0;               ///< one standard deviation, m
-  double range_max = 100;         ///< m
-  Pose pose = Pose::Identity();   ///< in the world
-  std::vector<double> offsets{};  ///< rad clockwise by which rings point ahead; empty: none
+  double noise = 0;                  ///< one standard deviation, m
+  double range_max = 100;            ///< m
+  Pose pose = Pose::Identity();      ///< in the world
+  std::vector<double> offsets{};     ///< rad clockwise by which rings point ahead; empty: none
+  std::function<Pose(Span)> path{};  ///< where it is so long after the cloud's stamp; empty: at `pose`
 };
 
 /// `count` rings from `lowest` to `highest`, degrees.
