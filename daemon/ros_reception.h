@@ -12,12 +12,15 @@
 
 namespace lidard {
 
-/// What subscribers need of ROS, with a thread of their own: created when it runs, gone before it ends.
+/// What those who take messages or requests need of ROS, with a thread of their own: created when it runs,
+/// gone before it ends.
 struct RosReception {
   ros::CallbackQueue queue;
   ros::NodeHandle node;
   ros::AsyncSpinner spinner{1, &queue};
+  std::vector<ros::Publisher> publishers;
   std::vector<ros::Subscriber> subscribers;
+  std::vector<ros::ServiceServer> services;
 
   RosReception() {
     node.setCallbackQueue(&queue);

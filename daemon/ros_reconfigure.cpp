@@ -4,11 +4,9 @@
 
 #include <dynamic_reconfigure/ConfigDescription.h>
 #include <dynamic_reconfigure/Reconfigure.h>
-#include <ros/callback_queue.h>
 #include <ros/connection_manager.h>
 #include <ros/network.h>
 #include <ros/node_handle.h>
-#include <ros/spinner.h>
 #include <ros/this_node.h>
 #include <ros/xmlrpc_manager.h>
 #include <spdlog/spdlog.h>
@@ -18,6 +16,7 @@
 
 #include "daemon/reconfigure_messages.h"
 #include "daemon/ros_master.h"
+#include "daemon/ros_reception.h"
 
 namespace lidard {
 namespace {
@@ -51,17 +50,6 @@ struct RosReconfigure::Server {
   std::uint64_t accepted = 0;
   std::uint64_t refused = 0;
   std::uint64_t resized = 0;
-};
-
-/// What needs ROS: created when it runs, gone before it ends.
-struct RosReconfigure::Reception {
-  ros::CallbackQueue queue;
-  ros::AsyncSpinner spinner{1, &queue};
-  std::vector<ros::ServiceServer> services;
-  std::vector<ros::Publisher> descriptions;
-
-  Reception() { spinner.start(); }
-  void offer(const std::shared_ptr<Server>& server);
 };
 
 void RosReconfigure::Server::accept(std::size_t beams_before) {
@@ -114,9 +102,9 @@ DiagnosticItem RosReconfigure::Server::status() const {
   return item;
 }
 
-void RosReconfigure::Reception::offer(const std::shared_ptr<Server>& server) {
+void RosReconfigure::offer(const std::shared_ptr<Server>& server) {
   ros::NodeHandle node("~" + server->output.server);
-  node.setCallbackQueue(&queue);
+  node.setCallbackQueue(&reception_->queue);
   auto description =
       node.advertise<dynamic_reconfigure::ConfigDescription>("parameter_descriptions", 1, true);
   auto updates = node.advertise<dynamic_reconfigure::Config>("parameter_updates", 1, true);
@@ -126,12 +114,13 @@ void RosReconfigure::Reception::offer(const std::shared_ptr<Server>& server) {
     updates.publish(config_message(server->output));
     server->updates = updates;
   }
-  descriptions.push_back(description);
+  reception_->publishers.push_back(description);
+  reception_->publishers.push_back(updates);
   const boost::function<bool(Reconfigure::Request&, Reconfigure::Response&)> answer =
       [server](Reconfigure::Request& request, Reconfigure::Response& response) {
         return server->serve(request, response);
       };
-  services.push_back(node.advertiseService("set_parameters", answer));
+  reception_->services.push_back(node.advertiseService("set_parameters", answer));
 }
 
 RosReconfigure::RosReconfigure(std::vector<ChangeableOutput> outputs, Apply apply)
@@ -143,24 +132,19 @@ RosReconfigure::~RosReconfigure() = default;
 
 void RosReconfigure::connected() {
   if (servers_.empty()) return;
-  reception_ = std::make_unique<Reception>();
-  for (const auto& server : servers_) reception_->offer(server);
+  reception_ = std::make_unique<RosReception>();
+  for (const auto& server : servers_) offer(server);
 }
 
 void RosReconfigure::disconnected(bool leave) {
-  // Reachable for ever, so that no destructor asks a master that hangs.
-  static auto* const left = new std::vector<std::unique_ptr<Reception>>;
-  static auto* const left_updates = new std::vector<ros::Publisher>;
   if (!reception_) return;
   reception_->spinner.stop();
   for (const auto& server : servers_) {
     const std::lock_guard lock(server->mutex);
-    if (leave) left_updates->push_back(server->updates);
     server->updates = {};
     server->to_store = true;
   }
-  if (leave) left->push_back(std::move(reception_));
-  reception_.reset();
+  RosReception::end(reception_, leave);
 }
 
 void RosReconfigure::poll(MasterClient& master) {

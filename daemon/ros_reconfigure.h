@@ -12,6 +12,8 @@
 
 namespace lidard {
 
+struct RosReception;
+
 /// dynamic_reconfigure servers of the merged and virtual scans. A thread of its own answers requests; what is
 /// accepted goes to `apply`. The parameter server is written in the master thread, so that a master that
 /// hangs holds up nobody.
@@ -32,10 +34,11 @@ class RosReconfigure : public RosClient {
 
  private:
   struct Server;
-  struct Reception;
+  void offer(const std::shared_ptr<Server>& server);
+
   Apply apply_;
   std::vector<std::shared_ptr<Server>> servers_;
-  std::unique_ptr<Reception> reception_;
+  std::unique_ptr<RosReception> reception_;
 };
 
 }  // namespace lidard

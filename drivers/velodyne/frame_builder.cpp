@@ -69,10 +69,7 @@ void FrameBuilder::begin(Span time, bool at_cut, const DeviceClock& clock) {
   points_ = 0;
   if (fresh_) unpacker_.set_calibration(*std::exchange(fresh_, nullptr));
   unpacker_.reserve_packet(cloud_);
-  const Stamp stamp = clock.to_host(time) + config_.time_offset;
-  // Stamps never go backwards; a jump of seconds is a clock that was set, and is followed.
-  constexpr Span jump = std::chrono::seconds(1);
-  cloud_.stamp = stamp <= last_stamp_ && last_stamp_ - stamp < jump ? last_stamp_ + Span(1) : stamp;
+  cloud_.stamp = stamps_.next(clock.to_host(time) + config_.time_offset);
 }
 
 void FrameBuilder::end(bool at_cut, DriverOutput& out) {
@@ -88,7 +85,6 @@ void FrameBuilder::end(bool at_cut, DriverOutput& out) {
   const Span whole = config_.frame_cut == FrameCut::time ? config_.frame_duration : cutter_.period();
   cloud_.expected_columns = static_cast<std::size_t>(whole / row_.timings.front().sequence) * echoes_;
   cloud_.points_bytes.resize(points_ * sizeof(CloudPoint));
-  last_stamp_ = cloud_.stamp;
   ++counters_.frames;
   out.cloud(cloud_);
 }

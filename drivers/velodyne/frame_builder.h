@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/revolution.h"
+#include "core/steady_stamps.h"
 #include "drivers/driver.h"
 #include "drivers/velodyne/unpacker.h"
 
@@ -58,7 +59,7 @@ class FrameBuilder {
   bool began_at_cut_ = false;
   bool visible_ = true;
   Span frame_time_{0};
-  Stamp last_stamp_{};
+  SteadyStamps stamps_;
 };
 
 }  // namespace lidard::velodyne

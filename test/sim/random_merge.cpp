@@ -9,52 +9,12 @@
 
 #include "core/merger.h"
 #include "core/overlap.h"
+#include "test/sim/random_bytes.h"
 
 namespace lidard::sim {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
-
-/// Values out of bytes; zeros when there are no more.
-class Bytes {
- public:
-  Bytes(const std::uint8_t* data, std::size_t size) : data_(data), left_(size) {}
-  bool empty() const { return left_ == 0; }
-  std::uint8_t byte() {
-    if (left_ == 0) return 0;
-    --left_;
-    return *data_++;
-  }
-  std::size_t below(std::size_t n) { return (byte() | static_cast<std::size_t>(byte()) << 8U) % n; }
-  bool chance(unsigned of_256) { return byte() < of_256; }
-  double between(double low, double high) {
-    return low + (high - low) * static_cast<double>(below(65536)) / 65535;
-  }
-  float any_float() {
-    const std::uint32_t bits =
-        static_cast<std::uint32_t>(below(65536)) << 16U | static_cast<std::uint32_t>(below(65536));
-    float value;
-    std::memcpy(&value, &bits, sizeof value);
-    return value;
-  }
-
- private:
-  const std::uint8_t* data_;
-  std::size_t left_;
-};
-
-ScanGrid read_grid(Bytes& in) {
-  ScanGridSpec spec;
-  spec.beams = 2 + in.below(2000);
-  if (in.chance(100))
-    spec.angle_min = in.between(-pi, 0), spec.angle_max = spec.angle_min + in.between(0.1, pi);
-  spec.range_max = in.between(0.5, 80);
-  if (in.chance(60)) spec.range_min = in.between(0, 0.4);
-  std::string error;
-  const auto grid = make_grid(spec, error);
-  if (!grid) std::abort();
-  return *grid;
-}
 
 MergeSettings read_settings(Bytes& in) {
   MergeSettings settings;
@@ -67,12 +27,6 @@ MergeSettings read_settings(Bytes& in) {
   if (in.chance(40)) settings.source.angle_max = in.between(-4, 4);
   if (in.chance(40)) settings.source.no_return_free_range = in.between(0, 10);
   return settings;
-}
-
-HeightBand read_band(Bytes& in) {
-  HeightBand band;
-  if (in.chance(80)) band.min = in.between(-1, 0.2), band.max = band.min + in.between(0, 1);
-  return band;
 }
 
 /// A sweep of anything: runs of surfaces, single returns, values from the edge of what is possible.
@@ -100,22 +54,6 @@ void read_scan(Bytes& in, PlanarScan& scan) {
     if (!scan.intensities.empty())
       scan.intensities[i] = what == 23 ? in.any_float() : static_cast<float>(what);
   }
-}
-
-Pose read_pose(Bytes& in) {
-  const double tilt = in.chance(100) ? pi : 0.05;
-  return make_pose({in.between(-5, 5), in.between(-5, 5), in.between(-1, 1)},
-                   {in.between(-tilt, tilt), in.between(-tilt, tilt), in.between(-pi, pi)});
-}
-
-Footprint read_footprint(Bytes& in) {
-  std::vector<Eigen::Vector2d> corners;
-  for (std::size_t n = in.below(7); n > 0; --n) corners.emplace_back(in.between(-4, 4), in.between(-2, 2));
-  return Footprint(corners);
-}
-
-void check(const PlanarScan& scan, const ScanGrid& grid) {
-  if (violation(scan) != nullptr || scan.beams != grid.beams) std::abort();
 }
 
 }  // namespace
