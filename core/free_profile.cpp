@@ -15,6 +15,9 @@ constexpr double widest_cell = 0.2 * pi_d / 180;
 constexpr double most_cells = 65000;
 // Neighbouring beams farther apart than that are no neighbours; a plane that stands nearly upright has such.
 constexpr float widest_step = 0.2F;  // rad
+// Runs are of 1, 2, 4 ... cells; two of the longest are the longest that can be asked for.
+constexpr std::size_t run_lengths = 7;
+constexpr std::size_t longest_run = 2U << (run_lengths - 1U);
 
 }  // namespace
 
@@ -31,6 +34,39 @@ void FreeProfile::set(float x, float y, double beam_width, double unit) {
   first_slot_.assign(1, 0);
 }
 
+bool FreeProfile::find_run(std::size_t cell, std::size_t length, RunAt& at) const {
+  if (length == 0 || length > longest_run) return false;
+  std::size_t power = 0;
+  while (power + 1 < run_lengths && (2U << power) <= length) ++power;
+  const std::size_t base = power * (cells_.size() + longest_run);
+  at.first = static_cast<std::uint32_t>(base + cell);
+  at.second = static_cast<std::uint32_t>(base + cell + length - (std::size_t{1} << power));
+  return true;
+}
+
+void FreeProfile::find_runs() {
+  const std::size_t count = cells_.size();
+  if (count == 0) return;
+  // Beyond the last cell the circle begins again.
+  const std::size_t row = count + longest_run;
+  runs_.resize(run_lengths * row);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Cell cell = cells_[i];
+    const auto to = static_cast<std::uint16_t>(cell.from + cell.span);
+    runs_[i] = {ordered(cell.from), static_cast<std::int16_t>(~ordered(to))};
+  }
+  for (std::size_t i = count; i < row; ++i) runs_[i] = runs_[i - count];
+  for (std::size_t power = 1; power < run_lengths; ++power) {
+    const std::size_t half = std::size_t{1} << (power - 1);
+    const Run* const shorter = runs_.data() + (power - 1) * row;
+    Run* const longer = runs_.data() + power * row;
+    for (std::size_t i = 0; i + 2 * half <= row; ++i) {
+      longer[i].from = std::max(shorter[i].from, shorter[i + half].from);
+      longer[i].not_to = std::max(shorter[i].not_to, shorter[i + half].not_to);
+    }
+  }
+}
+
 void FreeProfile::clear() { std::fill(cells_.begin(), cells_.end(), Cell{}); }
 
 FreeProfile::Cell FreeProfile::cell_of(float from, float to) const {
@@ -43,6 +79,32 @@ FreeProfile::Cell FreeProfile::cell_of(float from, float to) const {
 std::uint16_t FreeProfile::cell_towards(float dx, float dy) const {
   const auto cell = static_cast<std::size_t>((fast_atan2(dy, dx) + static_cast<float>(pi_d)) * per_rad_);
   return static_cast<std::uint16_t>(cell < cells_.size() ? cell : 0);
+}
+
+void FreeProfile::find_free(const float* x, const float* y, std::size_t count, char mark, char* free) const {
+  if (cells_.empty()) return;
+  constexpr std::size_t many = 64;
+  const float at_x = x_, at_y = y_, per_rad = per_rad_, per_meter = per_meter_;
+  const auto cells = static_cast<std::int32_t>(cells_.size());
+  std::int32_t cell[many], distance[many];
+  for (std::size_t begin = 0; begin < count; begin += many) {
+    const std::size_t n = std::min(many, count - begin);
+    // The same numbers as cell_towards() and distance(), but many at once.
+    for (std::size_t i = 0; i < n; ++i) {
+      const float dx = x[begin + i] - at_x;
+      const float dy = y[begin + i] - at_y;
+      const auto towards =
+          static_cast<std::int32_t>((fast_atan2(dy, dx) + static_cast<float>(pi_d)) * per_rad);
+      const float units = std::min(std::sqrt(dx * dx + dy * dy) * per_meter + 0.5F, 65534.0F);
+      cell[i] = towards < cells ? towards : 0;
+      distance[i] = static_cast<std::int32_t>(units);
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      const Cell& here = cells_[static_cast<std::size_t>(cell[i])];
+      if (here.is_free(static_cast<std::uint16_t>(distance[i])))
+        free[begin + i] = static_cast<char>(free[begin + i] | mark);
+    }
+  }
 }
 
 /// The cells whose middle lies between two directions, counted in cells from -pi, one of them that of the

@@ -21,6 +21,20 @@ class FreeProfile {
     bool is_free(std::uint16_t distance) const { return static_cast<std::uint16_t>(distance - from) <= span; }
   };
 
+  /// What all of several neighbouring cells have in common: they are free from `from` to `to`. Kept as signed
+  /// numbers in the same order, and `to` turned over, so that the run of both of two runs is their maximum.
+  struct Run {
+    std::int16_t from;
+    std::int16_t not_to;
+  };
+  /// A run of cells, in terms of runs(): it is what two others cover together.
+  struct RunAt {
+    std::uint32_t first = 0, second = 0;
+  };
+  static std::int16_t ordered(std::uint16_t distance) {
+    return static_cast<std::int16_t>(distance ^ 0x8000U);
+  }
+
   /// Sets the place of a source, m in the output's plane. Cells divide `beam_width` (rad between beams)
   /// evenly; `unit` is the length of one step of distance, m. Nothing is free then.
   void set(float x, float y, double beam_width, double unit);
@@ -35,6 +49,12 @@ class FreeProfile {
   /// States that the cell is free between two distances from the source, m; replaces what was known of it.
   void claim(std::size_t cell, float from, float to) { cells_[cell] = cell_of(from, to); }
 
+  /// Works out runs(), from what is known of the cells now.
+  void find_runs();
+  const Run* runs() const { return runs_.data(); }
+  /// Where in runs() `length` cells from `cell` on (all around) are found; false: a run too long.
+  bool find_run(std::size_t cell, std::size_t length, RunAt& at) const;
+
   float x() const { return x_; }
   float y() const { return y_; }
   /// The cell in direction (dx, dy) of the output frame from the source.
@@ -44,6 +64,8 @@ class FreeProfile {
     return units < 65534.0F ? static_cast<std::uint16_t>(units + 0.5F) : std::uint16_t{65534};
   }
   const Cell* cells() const { return cells_.data(); }
+  /// Sets the bits `mark` of those of `count` points of the output frame that are free.
+  void find_free(const float* x, const float* y, std::size_t count, char mark, char* free) const;
   /// 0: no source is set.
   std::size_t size() const { return cells_.size(); }
 
@@ -68,6 +90,7 @@ class FreeProfile {
   float per_rad_ = 1;    // cells
   float half_beam_ = 0;  // cells to half way to the next beam, signed
   std::vector<Cell> cells_;
+  std::vector<Run> runs_;                  // by length (1, 2, 4 ... cells), then by first cell
   std::vector<float> azimuths_;            // of the ends of moved beams, cells from -pi
   std::vector<float> lengths_;             // m, of their free ways
   std::vector<float> starts_, ends_;       // m, of each cell's free way; end < 0: none

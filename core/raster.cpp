@@ -16,6 +16,13 @@ constexpr float nearest = 0.001F;
 // So much of the way to the next beam a surface more likely than not goes on.
 constexpr float likely = 0.5F;
 
+float beams_to(float x, float y, float first, float per_rad, float turn) {
+  float at = (fast_atan2(y, x) - first) * per_rad;
+  at = at < 0 ? at + turn : at;
+  at = at < 0 ? at + turn : at;
+  return at >= turn ? at - turn : at;
+}
+
 void keep_nearer(RangeLayer& layer, std::size_t beam, float range, float intensity) {
   if (!(range < layer.range[beam])) return;
   layer.range[beam] = range;
@@ -49,17 +56,21 @@ Raster::Raster(const ScanGrid& grid)
   }
 }
 
-float Raster::position(float x, float y) const {
-  float at = (fast_atan2(y, x) - first_) * per_rad_;
-  at = at < 0 ? at + turn_ : at;
-  at = at < 0 ? at + turn_ : at;
-  return at >= turn_ ? at - turn_ : at;
+float Raster::position(float x, float y) const { return beams_to(x, y, first_, per_rad_, turn_); }
+
+void Raster::find_positions(const Sweep& sweep) {
+  const std::size_t n = sweep.kind.size();
+  positions_.resize(n);
+  const float* const x = sweep.x.data();
+  const float* const y = sweep.y.data();
+  float* const at = positions_.data();
+  const float first = first_, per_rad = per_rad_, turn = turn_;
+  for (std::size_t i = 0; i < n; ++i) at[i] = beams_to(x[i], y[i], first, per_rad, turn);
 }
 
 void Raster::draw(const Sweep& sweep, RangeLayer& layer) {
   const std::size_t n = sweep.kind.size();
-  positions_.resize(n);
-  for (std::size_t i = 0; i < n; ++i) positions_[i] = position(sweep.x[i], sweep.y[i]);
+  find_positions(sweep);
   bool linked_before = false;
   auto corner = sweep.corners.begin();
   for (std::size_t i = 0; i < n; ++i) {

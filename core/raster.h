@@ -56,6 +56,7 @@ class Raster {
   void mark_ends(const Sweep& sweep, const BeamRays& rays, EndLayer& layer) const;
 
  private:
+  void find_positions(const Sweep& sweep);
   std::size_t nearest_beam(float at) const;
   void mark_end(const Sweep& sweep, const BeamRays& rays, std::size_t end, std::size_t next, float side,
                 EndLayer& layer) const;

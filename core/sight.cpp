@@ -14,6 +14,9 @@ constexpr float infinite = std::numeric_limits<float>::infinity();
 constexpr double distance_steps = 60000;
 // As far as the sources may stand from the origin, m; farther away they see nothing of it.
 constexpr double farthest_source = 100;
+// At the end of a way: some source sees that nothing is there; no beam can see what is.
+constexpr char seen_free = 1;
+constexpr char blind = 2;
 
 }  // namespace
 
@@ -24,11 +27,18 @@ Sight::Sight(const ScanGrid& grid, const SightSettings& settings, std::size_t so
       rays_(sources),
       profiles_(sources),
       layers_(sources),
+      range_max_(static_cast<float>(grid.range_max)),
+      approach_(static_cast<float>(std::max(settings.approach, 5 * settings.noise))),
+      ways_(grid.beams),
+      last_step_(grid.beams),
+      end_x_(grid.beams),
+      end_y_(grid.beams),
       begin_(grid.beams, 0),
       inside_(grid.beams),
       seen_(grid.beams, Seen::unobserved),
       covered_(grid.beams, 0) {
   if (settings_.free_required <= 0) settings_.free_required = grid.range_max;
+  open_ = std::min(static_cast<float>(settings_.free_required), range_max_);
   nearest_.clear(grid.beams);
   doubtful_.clear(grid.beams);
 }
@@ -80,7 +90,9 @@ void Sight::compute(const std::vector<const Sweep*>& sweeps) {
 }
 
 void Sight::compute() {
-  for (std::size_t beam = 0; beam < beams(); ++beam) decide(beam);
+  for (FreeProfile& profile : profiles_) profile.find_runs();
+  look_at_ends();
+  for (std::size_t beam = 0; beam < beams(); ++beam) seen_[beam] = decide(beam);
 }
 
 void Sight::combine(const std::vector<const Sweep*>& sweeps) {
@@ -123,33 +135,46 @@ void Sight::average(std::size_t beam) {
   nearest_.intensity[beam] = intensity / count;
 }
 
-bool Sight::is_free_at(std::size_t beam, float range, std::size_t sources) const {
-  const float x = range * raster_.cosine(beam);
-  const float y = range * raster_.sine(beam);
-  for (std::size_t tried = 0; tried < sources; ++tried) {
-    const std::size_t s = (witness_ + tried) % sources;
-    const FreeProfile& profile = profiles_[s];
-    if (profile.size() == 0) continue;
-    const float dx = x - profile.x();
-    const float dy = y - profile.y();
-    const std::uint16_t distance = profile.distance(std::sqrt(dx * dx + dy * dy));
-    if (profile.cells()[profile.cell_towards(dx, dy)].is_free(distance)) return true;
+void Sight::look_at_ends() {
+  for (std::size_t beam = 0; beam < beams(); ++beam) {
+    const float way = has_hit(beam) ? nearest_.range[beam] - approach_ : open_;
+    ways_[beam] = way;
+    last_step_[beam] = static_cast<std::uint32_t>(table_.steps_to(way));
+    end_x_[beam] = way * raster_.cosine(beam);
+    end_y_[beam] = way * raster_.sine(beam);
   }
-  return false;
+  end_free_.assign(beams(), 0);
+  for (std::size_t s = 0; s < profiles_.size(); ++s) {
+    const char mark = has_blind_ && s + 1 == profiles_.size() ? blind : seen_free;
+    profiles_[s].find_free(end_x_.data(), end_y_.data(), beams(), mark, end_free_.data());
+  }
 }
 
 std::size_t Sight::free_run(std::size_t source, std::size_t beam, std::size_t from, std::size_t to) const {
   if (source >= profiles_.size() || profiles_[source].size() == 0) return from;
-  const SightTable::Step* const steps = row(beam, source);
   const FreeProfile::Cell* const cells = profiles_[source].cells();
-  while (from < to && cells[steps[from].cell].is_free(steps[from].distance)) ++from;
+  const FreeProfile::Run* const runs = profiles_[source].runs();
+  const std::size_t row = row_of(source);
+  constexpr std::size_t many = SightTable::stretch_steps;
+  while (from < to) {
+    const std::size_t begin = from / many * many;
+    if (from == begin && begin + many <= to && table_.stretch(beam, row, from / many).is_free(runs)) {
+      from += many;
+      continue;
+    }
+    const SightTable::Step* const steps = table_.steps(beam, row, from / many);
+    const std::size_t stop = std::min(to, begin + many);
+    while (from < stop && cells[steps[from - begin].cell].is_free(steps[from - begin].distance)) ++from;
+    if (from < stop) break;
+  }
   return from;
 }
 
-bool Sight::is_covered(std::size_t beam, float end, std::size_t sources) {
+bool Sight::is_covered(std::size_t beam, std::size_t sources) {
+  const float end = ways_[beam];
   const auto gap = static_cast<float>(settings_.gap);
   const auto share = static_cast<float>(settings_.gap_share);
-  const std::size_t last = table_.steps_to(end);
+  const std::size_t last = last_step_[beam];
   const Inside& body = inside_[beam];
   std::size_t m = 0;
   std::size_t source = witness_ < sources ? witness_ : 0;
@@ -180,32 +205,25 @@ bool Sight::is_covered(std::size_t beam, float end, std::size_t sources) {
   return m >= last;
 }
 
-void Sight::decide(std::size_t beam) {
-  const auto range_max = static_cast<float>(raster_.grid().range_max);
-  const float range = nearest_.range[beam];
-  if (!(range <= range_max)) {
-    // Nothing bounds what was not seen at the end of the way, so its very end must be free.
-    const auto end = std::min(static_cast<float>(settings_.free_required), range_max);
+Seen Sight::decide(std::size_t beam) {
+  const float way = ways_[beam];
+  // Nothing bounds what was not seen at the end of an open way, so its very end must be free.
+  if (!has_hit(beam)) {
     const std::size_t sources = profiles_.size() - (has_blind_ ? 1 : 0);
     const bool free =
-        is_covered(beam, end, sources) && ends_.marked[beam] == 0 && is_free_at(beam, end, sources);
-    seen_[beam] = free ? Seen::free : Seen::unobserved;
-    return;
+        is_covered(beam, sources) && ends_.marked[beam] == 0 && (end_free_[beam] & seen_free) != 0;
+    return free ? Seen::free : Seen::unobserved;
   }
-  const float before = range - static_cast<float>(std::max(settings_.approach, 5 * settings_.noise));
-  if (!is_covered(beam, before, profiles_.size()) || ends_.range[beam] < before)
-    seen_[beam] = Seen::gap;
-  else if (before <= begin_[beam] || is_free_at(beam, before, profiles_.size()))
-    seen_[beam] = Seen::hit;
-  else
-    seen_[beam] = Seen::behind;
+  if (!is_covered(beam, profiles_.size()) || ends_.range[beam] < way) return Seen::gap;
+  return way <= begin_[beam] || end_free_[beam] != 0 ? Seen::hit : Seen::behind;
 }
 
 float Sight::blind_to(std::size_t beam, float end) const {
-  const FreeProfile& blind = profiles_.back();
-  const SightTable::Step* const steps = row(beam, profiles_.size() - 1);
+  const FreeProfile& profile = profiles_.back();
+  const std::size_t source = row_of(profiles_.size() - 1);
   const auto is_blind = [&](std::size_t m) {
-    return blind.cells()[steps[m].cell].is_free(steps[m].distance);
+    const SightTable::Step& step = table_.step(beam, source, m);
+    return profile.cells()[step.cell].is_free(step.distance);
   };
   const std::size_t last = table_.steps_to(end);
   std::size_t m = 0;

@@ -62,14 +62,13 @@ class Sight {
  private:
   void combine(const std::vector<const Sweep*>& sweeps);
   void average(std::size_t beam);
-  void decide(std::size_t beam);
-  /// True if one of the first `sources` sources sees that nothing is at `range` of the beam.
-  bool is_free_at(std::size_t beam, float range, std::size_t sources) const;
-  /// Walks from where the vehicle ends to `end`; false at the first gap. Sets covered.
-  bool is_covered(std::size_t beam, float end, std::size_t sources);
-  const SightTable::Step* row(std::size_t beam, std::size_t source) const {
-    return table_.row(beam, one_place_ ? 0 : source);
-  }
+  bool has_hit(std::size_t beam) const { return nearest_.range[beam] <= range_max_; }
+  /// Finds which ways end where some source sees that nothing is.
+  void look_at_ends();
+  Seen decide(std::size_t beam);
+  /// Walks along the beam's way from where the vehicle ends; false at the first gap. Sets covered.
+  bool is_covered(std::size_t beam, std::size_t sources);
+  std::size_t row_of(std::size_t source) const { return one_place_ ? 0 : source; }
   /// m of the way to `end` up to which it leads through what no beam can see.
   float blind_to(std::size_t beam, float end) const;
   /// The first step in [from, to) that this source does not see to be free, or `to`.
@@ -92,6 +91,13 @@ class Sight {
     std::size_t from = 0, to = 0;  // steps [from, to)
     float end = 0;                 // m
   };
+  float range_max_;                       // m
+  float open_ = 0;                        // m that a beam without a hit must be free
+  float approach_;                        // m before a hit
+  std::vector<float> ways_;               // m of each beam that must be seen to be free
+  std::vector<std::uint32_t> last_step_;  // of the way, and one
+  std::vector<float> end_x_, end_y_;      // where they end
+  std::vector<char> end_free_;
   std::vector<float> begin_;  // m, where the vehicle ends if the origin lies inside
   std::vector<Inside> inside_;
   std::vector<Seen> seen_;
