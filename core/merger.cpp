@@ -79,6 +79,7 @@ void Merger::take_sweep(std::size_t index, const PlanarScan& scan, const Pose& o
     source.rays.build(scan, output_from_sensor, footprint_, band_);
     sight_->set_source(index, source.rays);
   }
+  sight_->set_reach(index, scan.range_max);
   measure(scan, source.rays, settings_of(index), source.sweep);
 }
 

@@ -268,7 +268,8 @@ void ConfigWriter::merged(const MergedScanConfig& scan) {
   text("echoes", word_of(scan.echoes));
   flag("veil_filter", scan.veil_filter);
   number("range_noise", scan.range_noise);
-  number("free_required", scan.free_required > 0 ? scan.free_required : scan.output.grid.range_max);
+  // Without it the mounts' places count, which tf may tell later.
+  if (scan.free_required > 0) number("free_required", scan.free_required);
   also_scans(scan.also);
 }
 

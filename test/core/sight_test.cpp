@@ -61,6 +61,7 @@ class Merged {
       scanner.measure(paper.world, rng, scans_.emplace_back());
       rays_.emplace_back().build(scans_.back(), scanner.pose(), paper.body, {});
       sight_.set_source(rays_.size() - 1, rays_.back());
+      sight_.set_reach(rays_.size() - 1, scans_.back().range_max);
     }
     SourceSettings source;
     source.noise = 0.001;
@@ -226,6 +227,23 @@ TEST(Sight, WayOutOfReachOfEveryScannerIsNotFree) {
   const PlanarScan& scan = merged.scan(Profile::safety);
   EXPECT_EQ(std::count(scan.statuses.begin(), scan.statuses.end(), BeamStatus::none), 0);
   EXPECT_NEAR(merged.sight().covered(360), 24, 0.5);
+}
+
+TEST(Sight, FreeNeedsNoProofBeyondWhatScannersReachFromTheirPlacesUnlessItIsAskedFor) {
+  Paper paper(0.5);
+  paper.world = FlatWorld();
+  for (FlatScanner& scanner : paper.scanners) scanner.range_max = 24;
+  const auto free_beams = [&](double free_required) {
+    SightSettings settings;
+    settings.free_required = free_required;
+    Merged merged(paper, grid_of(720, 24), settings);
+    const PlanarScan& scan = merged.scan(Profile::strict);
+    return std::count(scan.statuses.begin(), scan.statuses.end(), BeamStatus::none);
+  };
+  // All but the blind cone behind the vehicle, of 12.5 to 14.6 degrees to either side.
+  EXPECT_GE(free_beams(0), 720 - 2 * 30);
+  EXPECT_LE(free_beams(0), 720 - 2 * 25);
+  EXPECT_LT(free_beams(24), 720 / 2);
 }
 
 TEST(Sight, SectorOfAMissingScannerIsUnknownNotFree) {
