@@ -233,17 +233,16 @@ TEST(Sight, FreeNeedsNoProofBeyondWhatScannersReachFromTheirPlacesUnlessItIsAske
   Paper paper(0.5);
   paper.world = FlatWorld();
   for (FlatScanner& scanner : paper.scanners) scanner.range_max = 24;
-  const auto free_beams = [&](double free_required) {
+  const auto ahead = [&](double free_required) {
     SightSettings settings;
     settings.free_required = free_required;
     Merged merged(paper, grid_of(720, 24), settings);
-    const PlanarScan& scan = merged.scan(Profile::strict);
-    return std::count(scan.statuses.begin(), scan.statuses.end(), BeamStatus::none);
+    return merged.scan(Profile::strict).statuses[360];
   };
-  // All but the blind cone behind the vehicle, of 12.5 to 14.6 degrees to either side.
-  EXPECT_GE(free_beams(0), 720 - 2 * 30);
-  EXPECT_LE(free_beams(0), 720 - 2 * 25);
-  EXPECT_LT(free_beams(24), 720 / 2);
+  // Straight ahead the end of 24 m is a little farther than that from both scanners beside the origin.
+  EXPECT_EQ(ahead(0), BeamStatus::none);
+  EXPECT_EQ(ahead(24), BeamStatus::invalid);
+  EXPECT_EQ(ahead(23), BeamStatus::none);
 }
 
 TEST(Sight, SectorOfAMissingScannerIsUnknownNotFree) {
