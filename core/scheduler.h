@@ -15,7 +15,8 @@ namespace lidard {
 /// at a fixed rate. `trigger`: when one of the sources has delivered.
 enum class Policy : std::uint8_t { complete, rate, trigger };
 
-/// What is known of a source. `stale`: its newest sweep is too old to be used. `lost`: silent for long.
+/// What is known of a source. `stale`: its next sweep is overdue, or its newest one is older than `max_age`;
+/// it contributes nothing. `lost`: silent for long.
 enum class SourceState : std::uint8_t { never, ok, stale, lost };
 
 struct ScheduleSettings {
@@ -24,9 +25,11 @@ struct ScheduleSettings {
   std::size_t trigger = 0;       ///< the source that triggers, for policy `trigger`
   std::optional<Span> deadline;  ///< how long a source is waited for beyond the time it was due; default: 0.3
                                  ///< of the shortest period of the sources
-  std::optional<Span> max_age;   ///< older sweeps are not used; default: 1.5 periods of their source
-  Span lost_after = std::chrono::milliseconds(500);
-  bool publish_when_empty = false;  ///< outputs go on when no source has anything to say
+  std::optional<Span> max_age;  ///< older sweeps are not used; default: a sweep is used until the next one of
+                                ///< its source is overdue, that is late by the deadline
+  Span lost_after =
+      std::chrono::milliseconds(400);  ///< of silence; a source is not lost before it is overdue
+  bool publish_when_empty = false;     ///< outputs go on when no source has anything to say
 };
 
 /// Decides when an output is due, and which sources have something to say in it. It has no clock: `now` is
@@ -65,16 +68,24 @@ class Scheduler {
   struct Source {
     bool seen = false;
     bool fresh = false;  // delivered since the last output
+    bool used = false;   // in the last output
+    bool back = false;   // it was lost before its newest sweep, which no output has shown
     Stamp arrival{};     // of the newest sweep
     Stamp end{};         // its last ray
     double period = 0;   // s
+    double delay = 0;    // s from the last ray to the arrival, as usual
+    int pauses = 0;      // in a row
   };
   void notice(Stamp now);
-  Span max_age(const Source& source) const;
-  /// Until when the source is waited for.
+  static void learn_period(Source& source, double measured);
+  /// Until when the source is waited for; later its next sweep is overdue.
   Stamp patience_end(const Source& source) const;
-  bool all_delivered(Stamp now);
+  Stamp stale_after(const Source& source) const;
+  Stamp lost_after(const Source& source) const;
+  bool all_delivered(Stamp now) const;
   bool anything_usable(Stamp now) const;
+  /// True if a source of the last output has become stale since, or one that was lost is back.
+  bool has_news(Stamp now) const;
   Span idle_period() const;
 
   ScheduleSettings settings_;

@@ -297,7 +297,7 @@ void ConfigWriter::schedule(const MergedScanConfig& scan) {
   if (s.max_age)
     number("max_age", seconds_of(*s.max_age));
   else
-    yaml_ << YAML::Comment("max_age: 1.5 periods of the source") << YAML::Newline;
+    yaml_ << YAML::Comment("max_age: until the next sweep of the source is overdue by the deadline") << YAML::Newline;
   number("lost_after", seconds_of(s.lost_after));
   flag("publish_when_empty", s.publish_when_empty);
   text("on_missing_motion", word_of(scan.on_missing_motion));

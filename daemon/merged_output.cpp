@@ -319,7 +319,9 @@ DiagnosticItem MergedOutput::diagnostics(Stamp now) const {
   describe_motion(item);
   describe_beams(item);
   describe_overlap(item);
-  item.values.emplace_back("Latency (ms)", fmt::format("{:.1f}", seconds(latency_) * 1000));
+  const bool same_clock = comparable(now - latency_, now) != now || latency_ == Span(0);
+  item.values.emplace_back("Latency (ms)", same_clock ? fmt::format("{:.1f}", seconds(latency_) * 1000)
+                                                      : "stamps are of another clock");
   item.values.emplace_back("Skew of the sources (ms)", fmt::format("{:.1f}", seconds(skew_) * 1000));
   item.values.emplace_back("Sources waited for in vain", std::to_string(scheduler_.deadlines_missed()));
   item.values.emplace_back("Sweeps replaced before use", std::to_string(merger_.superseded()));

@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/pipeline.h"
 
-#include <utility>
-
 #include "core/dead_reckoning.h"
 #include "daemon/merged_output.h"
+#include "daemon/motion_watch.h"
 #include "daemon/scan_tap.h"
 #include "daemon/sensor_health.h"
 #include "daemon/sensor_line.h"
@@ -47,6 +46,7 @@ struct Pipeline::Impl final : public LineOwner {
   /// Publishes what is due at `at`.
   void advance_to(Stamp at);
   std::optional<Stamp> next_event() const;
+  void tell(const std::vector<DiagnosticItem>& items, Stamp at);
   DiagnosticItem motion_item() const;
   template <class Output>
   bool rebuild(std::vector<std::unique_ptr<Output>>& outputs, const std::string& entry,
@@ -57,6 +57,7 @@ struct Pipeline::Impl final : public LineOwner {
   std::vector<StampedPose> new_poses;
   Stamp last_poll{};  // of tf
   DeadReckoning reckoning;
+  MotionWatch motion;
   std::string why_no_motion;
   std::uint64_t poses_refused = 0;  // since the pose of their frame on the vehicle is not known
   VehicleConfig vehicle;
@@ -110,6 +111,7 @@ SensorLine& Pipeline::Impl::line_named(const std::string& name) {
 
 void Pipeline::Impl::scan_from(const SensorLine& line, const PlanarScan& scan) {
   poll_motion();
+  motion.data(scan.stamp, now);
   merge(line.config.name, scan);
 }
 
@@ -122,6 +124,7 @@ void Pipeline::Impl::merge(const std::string& source_name, const PlanarScan& sca
 
 void Pipeline::Impl::cloud_from(const SensorLine& line, const Cloud& cloud) {
   poll_motion();
+  motion.data(cloud.stamp, now);
   for (const auto& output : virtuals) {
     if (output->cloud_sensor() == line.config.name) output->add(cloud, now, tap);
   }
@@ -209,6 +212,7 @@ void Pipeline::pose_message(Stamp stamp, const Pose& pose, const std::string& ch
   const bool known = child.empty() || impl_->poses.find(child, impl_->vehicle.base_frame, stamp,
                                                         child_from_base, impl_->why_no_motion);
   if (known) impl_->track.add(stamp, pose * child_from_base);
+  impl_->motion.poses(impl_->track, received);
   impl_->poses_refused += known ? 0 : 1;
   impl_->advance_to(received);
 }
@@ -220,6 +224,7 @@ void Pipeline::turn_message(Stamp stamp, const Eigen::Vector3d& rates, const std
   const bool known = frame.empty() || impl_->poses.find(impl_->vehicle.base_frame, frame, stamp,
                                                         base_from_imu, impl_->why_no_motion);
   if (known) impl_->reckoning.turn(stamp, base_from_imu.linear() * rates, impl_->track);
+  impl_->motion.poses(impl_->track, received);
   impl_->poses_refused += known ? 0 : 1;
   impl_->advance_to(received);
 }
@@ -229,19 +234,17 @@ void Pipeline::speed_message(double speed) { impl_->reckoning.speed(speed); }
 DiagnosticItem Pipeline::Impl::motion_item() const {
   DiagnosticItem item;
   item.name = "motion";
-  const bool fresh = !track.empty() && seconds(now - track.newest()) < 0.5;
-  item.health = fresh ? Health::ok : Health::warn;
-  item.message = "poses come in";
-  if (!fresh) {
-    item.message = track.empty() ? "no pose of the vehicle yet; scans are not deskewed"
-                                 : "no pose of the vehicle any more; scans are not deskewed";
-    if (poses_refused > 0) item.message += ": " + why_no_motion;
-  }
+  const std::string trouble = motion.trouble(track, now);
+  item.health = trouble.empty() ? Health::ok : Health::warn;
+  item.message = trouble.empty() ? "poses come in" : trouble;
+  if (!trouble.empty() && poses_refused > 0) item.message += ": " + why_no_motion;
   item.values = {{"Knots", std::to_string(track.size())},
                  {"Out of order", std::to_string(track.out_of_order() + reckoning.refused())},
                  {"Jumps back", std::to_string(track.restarts())},
                  {"Not rigid", std::to_string(track.not_rigid())},
                  {"Frame not known", std::to_string(poses_refused)}};
+  if (const auto lag = motion.lag(track))
+    item.values.emplace_back("Scans ahead of poses (s)", std::to_string(*lag));
   return item;
 }
 
@@ -254,6 +257,7 @@ void Pipeline::Impl::poll_motion() {
   new_poses.clear();
   lookup.history(vehicle.odometry_frame, vehicle.base_frame, track.newest(), now, new_poses);
   for (const StampedPose& one : new_poses) track.add(one.stamp, one.pose);
+  motion.poses(track, now);
 }
 
 void Pipeline::Impl::advance_to(Stamp at) {
@@ -265,6 +269,12 @@ void Pipeline::Impl::advance_to(Stamp at) {
     changed = output->states_changed(at) || changed;
   }
   if (changed) diagnostics_wanted = true;
+}
+
+void Pipeline::Impl::tell(const std::vector<DiagnosticItem>& items, Stamp at) {
+  diagnostics_wanted = false;
+  last_diagnostics = at;
+  sink.diagnostics(items, at);
 }
 
 std::optional<Stamp> Pipeline::Impl::next_event() const {
@@ -283,11 +293,15 @@ void Pipeline::advance(Stamp now) {
   constexpr Span longest_pause = std::chrono::seconds(1);
   const Stamp newest_past = now - longest_pause;
   for (auto event = impl_->next_event(); event && *event <= now; event = impl_->next_event()) {
-    impl_->advance_to(std::max(*event, newest_past));
+    const Stamp at = std::max(*event, newest_past);
+    impl_->advance_to(at);
+    if (impl_->diagnostics_wanted) impl_->tell(diagnostics(at), at);
   }
 }
 
 void Pipeline::tick(Stamp now) {
+  // What arrived after the caller looked at its clock is known already.
+  if (now < impl_->now && impl_->now - now < diagnostics_period) now = impl_->now;
   advance(now);
   impl_->advance_to(now);
   for (const auto& line : impl_->lines) {
@@ -296,10 +310,8 @@ void Pipeline::tick(Stamp now) {
     line->settle();
   }
   const Span since = now - impl_->last_diagnostics;
-  const bool wanted = std::exchange(impl_->diagnostics_wanted, false);
-  if (!wanted && since >= Span(0) && since < diagnostics_period) return;
-  impl_->last_diagnostics = now;
-  impl_->sink.diagnostics(diagnostics(now), now);
+  if (!impl_->diagnostics_wanted && since >= Span(0) && since < diagnostics_period) return;
+  impl_->tell(diagnostics(now), now);
 }
 
 void Pipeline::finish(Stamp now) {

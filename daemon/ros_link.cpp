@@ -169,6 +169,8 @@ void RosLink::Impl::run_master() {
 
 void RosLink::Impl::look_after(MasterClient& master) {
   if (running && !ros::ok()) restart_after_foreign_stop();
+  // News do not wait for the master's answer.
+  if (running && news.exchange(false)) publish_diagnostics();
   const auto pid = master.pid();
   if (stopping) return;
   if (pid) {

@@ -175,12 +175,20 @@ class Daemon {
     spdlog::info("{} ({}): {} packets, {} frames, {} lost, rejected {}", sensor.name, sensor.model, c.packets,
                  c.frames, c.lost_packets + c.incomplete, rejected_text(c));
   }
+  /// Calls `then` with the time that it is now, after all that has arrived by now: what waits in a socket
+  /// while this thread is busy is not late.
+  template <class Then>
+  void catch_up(Then then) {
+    // A handler that is posted runs before those of sockets found ready meanwhile, the next one after them.
+    boost::asio::post(
+        io_, [this, then, now = wall_clock()] { boost::asio::post(io_, [then, now] { then(now); }); });
+  }
   void schedule_tick() {
     next_tick_ += tick_period;
     timer_.expires_at(next_tick_);
     timer_.async_wait([this](const boost::system::error_code& error) {
       if (error) return;
-      tick();
+      catch_up([this](Stamp now) { tick(now); });
       schedule_tick();
     });
   }
@@ -192,13 +200,15 @@ class Daemon {
     event_timer_.expires_after(std::max(Span(0), *event - wall_clock()));
     event_timer_.async_wait([this](const boost::system::error_code& error) {
       if (error) return;
-      next_event_.reset();
-      pipeline_.tick(wall_clock());
-      arm();
+      catch_up([this](Stamp now) {
+        next_event_.reset();
+        pipeline_.tick(now);
+        arm();
+      });
     });
   }
-  void tick() {
-    pipeline_.tick(wall_clock());
+  void tick(Stamp now) {
+    pipeline_.tick(now);
     arm();
     links_.tick();
     ports_.log_changes();

@@ -79,7 +79,7 @@ TEST(ToYaml, FillsInEveryDefault) {
        {"    ip_port: 2368\n", "    # ip_address: any sender that no other sensor claims\n",
         "    # pose: from tf\n", "    clock: smooth\n", "    profile: flatten\n", "    range_min: 0.4\n",
         "    range_max: 100\n", "    beams: 77\n", "    angle_min: -3.141592653589793\n",
-        "    min_height: -0.1\n", "    # max_height: no limit\n", "    lost_after: 0.5\n",
+        "    min_height: -0.1\n", "    # max_height: no limit\n", "    lost_after: 0.4\n",
         "    scan_destination_topic: m\n", "    base_frame: base\n",
         "    pose: {xyz: [0.1, -0.2, 2], rpy_deg: [1, -2, 30]}\n",
         "    angle_increment: 0.004363323129985824\n"}) {

@@ -27,7 +27,7 @@ TEST(MergedScanConfig, GetsItsDefaults) {
   EXPECT_TRUE(merged.destination_pose->isApprox(Pose::Identity()));
   EXPECT_EQ(merged.scan_destination_topic, "m");
   EXPECT_EQ(merged.cloud_destination_topic, "");
-  EXPECT_EQ(merged.schedule.lost_after, std::chrono::milliseconds(500));
+  EXPECT_EQ(merged.schedule.lost_after, std::chrono::milliseconds(400));
   EXPECT_EQ(merged.output.profile, Profile::flatten);
   EXPECT_EQ(merged.output.empty, EmptyBeam::inf);
   EXPECT_FALSE(merged.output.min_height || merged.output.max_height);

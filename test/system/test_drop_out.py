@@ -31,7 +31,7 @@ sensors:
   left: {{model: sick_microscan3, ip_address: 127.168.0.21, ip_port: {port}, pose: {{xyz: [0, 1, 0.35], rpy_deg: [0, 0, 45]}}}}
   right: {{model: sick_microscan3, ip_address: 127.168.0.22, ip_port: {port}, pose: {{xyz: [0, -1, 0.35], rpy_deg: [0, 0, -45]}}}}
 merged_scans:
-  around: {{laserscan_topics: [left, right], profile: strict, range_max: 30, lost_after: 0.4, scan_destination_topic: /around{keys}}}
+  around: {{laserscan_topics: [left, right], profile: strict, range_max: 30, scan_destination_topic: /around{keys}}}
 """
 POLICIES = {"rate": ", policy: rate, rate: 20", "complete": ", policy: complete"}
 RATES = {"rate": 20, "complete": 1 / 0.03}
