@@ -11,16 +11,23 @@ Merger::Merger(const ScanGrid& grid, HeightBand band, std::size_t sources, const
     : settings_(settings),
       band_(band),
       flattener_(grid, band),
+      ends_(sources),
       newest_sweeps_(sources, nullptr),
       sources_(sources) {
   report_.sources.assign(sources, SourceUse::not_used);
-  if (settings.sight) sight_.emplace(grid, settings.how, sources);
+  if (!settings.sight) return;
+  sight_.emplace(grid, settings.how, sources);
+  const MergeOptions& options = settings.options;
+  if (options.newest_wins || options.veil_cross_check)
+    cross_check_.emplace(options, sources, grid.range_max, settings.how.noise);
+  if (options.all_heights) height_groups_.emplace(grid, settings.how, sources);
 }
 
 void Merger::set_footprint(const Footprint& footprint) {
   footprint_ = footprint;
   flattener_.set_footprint(footprint.padded(Footprint::margin_m));
   if (sight_) sight_->set_footprint(footprint);
+  if (height_groups_) height_groups_->set_footprint(footprint);
   for (Source& source : sources_) source.rays_outdated = true;
 }
 
@@ -66,9 +73,10 @@ void Merger::take_points(const PlanarScan& scan, const Pose& output_from_sensor,
                          static_cast<double>(beam) * static_cast<double>(scan.angle_increment);
     const auto range = static_cast<double>(scan.ranges[i]);
     const Eigen::Vector3d in_sensor(range * std::cos(angle), range * std::sin(angle), 0);
-    source.points.push_back({output_from_sensor * in_sensor,
-                             source.has_intensities ? scan.intensities[i] : 0.0F,
-                             static_cast<std::uint32_t>(beam)});
+    source.points.push_back(
+        {output_from_sensor * in_sensor,
+         source.has_intensities ? scan.intensities[i] : settings_.options.missing_intensity,
+         static_cast<std::uint32_t>(beam)});
   }
 }
 
@@ -78,9 +86,16 @@ void Merger::take_sweep(std::size_t index, const PlanarScan& scan, const Pose& o
     source.rays_outdated = false;
     source.rays.build(scan, output_from_sensor, footprint_, band_);
     sight_->set_source(index, source.rays);
+    if (cross_check_) cross_check_->set_source(index, source.rays);
+    if (height_groups_) height_groups_->set_source(index, source.rays);
   }
   sight_->set_reach(index, scan.range_max);
+  if (height_groups_) height_groups_->set_reach(index, scan.range_max);
   measure(scan, source.rays, settings_of(index), source.sweep);
+  if (source.has_intensities || settings_.options.intensities != Intensities::on) return;
+  source.sweep.intensity.assign(scan.beams, settings_.options.missing_intensity);
+  for (Sweep::EarlyReturn& early : source.sweep.early_returns)
+    early.intensity = settings_.options.missing_intensity;
 }
 
 std::optional<SweepTimes> Merger::times(std::size_t source) const {
@@ -94,7 +109,9 @@ bool Merger::poses_cover(std::size_t source, const MergeMoment& moment) const {
   return moment.track->covers(times.first, times.last()) && moment.track->covers(moment.at, moment.at);
 }
 
-bool Merger::intensities_everywhere(const std::vector<char>& use) const {
+bool Merger::with_intensities(const std::vector<char>& use) const {
+  if (settings_.options.intensities != Intensities::automatic)
+    return settings_.options.intensities == Intensities::on;
   for (std::size_t s = 0; s < sources_.size(); ++s) {
     if (use[s] != 0 && sources_[s].stamp && !sources_[s].has_intensities) return false;
   }
@@ -150,9 +167,18 @@ SourceUse Merger::bring(std::size_t index, const MergeMoment& moment) {
   return origin == PoseOrigin::known ? SourceUse::deskewed : SourceUse::extrapolated;
 }
 
+void Merger::look() {
+  if (cross_check_) {
+    for (std::size_t s = 0; s < sources_.size(); ++s) ends_[s] = sources_[s].times.last();
+    cross_check_->check(newest_sweeps_, ends_);
+  }
+  sight_->compute(newest_sweeps_);
+  if (height_groups_) height_groups_->require(newest_sweeps_, *sight_);
+}
+
 const MergeReport& Merger::merge(const MergeMoment& moment, const std::vector<char>& use,
                                  const std::vector<MergedScan>& outputs, Cloud* cloud) {
-  const bool intensities = intensities_everywhere(use);
+  const bool intensities = with_intensities(use);
   float scan_time = 0;
   report_.deskewed = false;
   for (std::size_t s = 0; s < sources_.size(); ++s) {
@@ -162,7 +188,7 @@ const MergeReport& Merger::merge(const MergeMoment& moment, const std::vector<ch
     report_.sources[s] = bring(s, moment);
     scan_time = std::max(scan_time, sources_[s].scan_time);
   }
-  if (sight_) sight_->compute(newest_sweeps_);
+  if (sight_) look();
   for (const MergedScan& output : outputs) {
     if (output.profile == Profile::flatten)
       flatten(*output.scan, intensities);

@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "core/cloud.h"
+#include "core/cross_check.h"
 #include "core/flatten.h"
+#include "core/height_groups.h"
 #include "core/sight.h"
 
 namespace lidard {
@@ -26,6 +28,7 @@ struct MergeSettings {
   SightSettings how;
   SourceSettings source;               ///< of every source
   std::vector<SourceSettings> each{};  ///< per source, where they differ; empty: `source` for all
+  MergeOptions options;
 };
 
 /// What became of a source in a merge. `static_poses`: its points stand where they were measured, since poses
@@ -74,6 +77,8 @@ class Merger {
   const Sight* sight() const { return sight_ ? &*sight_ : nullptr; }
   /// A source's sweep as the last merge placed it; nullptr: it was not used, or no surfaces are computed.
   const Sweep* sweep(std::size_t source) const { return newest_sweeps_[source]; }
+  /// Returns that another source sees through; nullptr: it is not looked for.
+  const CrossCheck* cross_check() const { return cross_check_ ? &*cross_check_ : nullptr; }
   /// Where it was measured from, in the output frame.
   Eigen::Vector2d looks_from(std::size_t source) const {
     return sources_[source].rays.pose.translation().head<2>();
@@ -100,7 +105,9 @@ class Merger {
   const SourceSettings& settings_of(std::size_t source) const {
     return settings_.each.empty() ? settings_.source : settings_.each[source];
   }
-  bool intensities_everywhere(const std::vector<char>& use) const;
+  bool with_intensities(const std::vector<char>& use) const;
+  /// Surfaces and free space of the newest sweeps.
+  void look();
   void take_points(const PlanarScan& scan, const Pose& output_from_sensor, const SourceSettings& settings,
                    Source& source) const;
   void take_sweep(std::size_t index, const PlanarScan& scan, const Pose& output_from_sensor);
@@ -116,6 +123,9 @@ class Merger {
   Footprint footprint_;
   Flattener flattener_;
   std::optional<Sight> sight_;
+  std::optional<CrossCheck> cross_check_;
+  std::optional<HeightGroups> height_groups_;
+  std::vector<Stamp> ends_;  // of the sources' newest sweeps
   std::vector<const Sweep*> newest_sweeps_;
   std::vector<Source> sources_;
   std::uint64_t superseded_ = 0;

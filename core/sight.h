@@ -62,6 +62,12 @@ class Sight {
   float range(std::size_t beam) const { return nearest_.range[beam]; }
   /// m from the origin as far as the way is observed to be free.
   float covered(std::size_t beam) const { return covered_[beam]; }
+  /// A beam that was found to be free is not; only `covered` m of it are.
+  void withdraw_free(std::size_t beam, float covered) {
+    if (seen_[beam] != Seen::free) return;
+    seen_[beam] = Seen::unobserved;
+    covered_[beam] = covered;
+  }
 
  private:
   void find_open_way();

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/cloud_layout.h"
+#include "core/merge_options.h"
 #include "core/pose.h"
 #include "core/profile.h"
 #include "core/ring_scan.h"
@@ -108,6 +109,7 @@ struct MergedScanConfig {
   double range_noise = 0.02;  ///< m, one standard deviation of the sources' ranges
   std::map<std::string, SourceSettings> source_settings;  ///< of sources that differ from the rest, by name
   double free_required = 0;  ///< m that a beam must be observed to be free; 0: see SightSettings
+  MergeOptions options;
 
   /// True if some scan of this merge is more than points.
   bool has_sight() const;

@@ -104,6 +104,7 @@ class ConfigWriter {
   void merged(const MergedScanConfig& scan);
   void schedule(const MergedScanConfig& scan);
   void source_settings(const std::string& name, const SourceSettings& settings);
+  void options(const MergeOptions& options);
   void also_scans(const std::vector<AlsoScanConfig>& scans);
   void virtual_scan(const VirtualScanConfig& scan);
 
@@ -270,7 +271,17 @@ void ConfigWriter::merged(const MergedScanConfig& scan) {
   number("range_noise", scan.range_noise);
   // Without it the mounts' places count, which tf may tell later.
   if (scan.free_required > 0) number("free_required", scan.free_required);
+  options(scan.options);
   also_scans(scan.also);
+}
+
+void ConfigWriter::options(const MergeOptions& options) {
+  text("conflicts", options.newest_wins ? "newest" : "keep");
+  text("free_requires", options.all_heights ? "all" : "any");
+  flag("veil_cross_check", options.veil_cross_check);
+  text("intensity", word_of(options.intensities));
+  if (options.intensities == Intensities::on)
+    number("missing_intensity", static_cast<double>(options.missing_intensity));
 }
 
 void ConfigWriter::also_scans(const std::vector<AlsoScanConfig>& scans) {
@@ -297,7 +308,8 @@ void ConfigWriter::schedule(const MergedScanConfig& scan) {
   if (s.max_age)
     number("max_age", seconds_of(*s.max_age));
   else
-    yaml_ << YAML::Comment("max_age: until the next sweep of the source is overdue by the deadline") << YAML::Newline;
+    yaml_ << YAML::Comment("max_age: until the next sweep of the source is overdue by the deadline")
+          << YAML::Newline;
   number("lost_after", seconds_of(s.lost_after));
   flag("publish_when_empty", s.publish_when_empty);
   text("on_missing_motion", word_of(scan.on_missing_motion));

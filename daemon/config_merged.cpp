@@ -114,7 +114,12 @@ MergedScanConfig read_merged(const std::string& name, const Value& entry, Config
                                         "veil_filter",
                                         "fuse",
                                         "range_noise",
-                                        "free_required"};
+                                        "free_required",
+                                        "conflicts",
+                                        "free_requires",
+                                        "veil_cross_check",
+                                        "intensity",
+                                        "missing_intensity"};
   keys.insert(keys.end(), schedule_keys.begin(), schedule_keys.end());
   Mapping yaml(entry, with_output_keys(std::move(keys)));
   MergedScanConfig merged;
@@ -124,6 +129,7 @@ MergedScanConfig read_merged(const std::string& name, const Value& entry, Config
   read_merged_topics(yaml, entry.path(), claims, merged);
   read_output(yaml, sources, config, merged.output);
   read_sight(yaml, entry.path(), config, claims, merged);
+  read_merge_options(yaml, merged);
   refuse_flat_sources(yaml, config, merged);
   read_schedule(yaml, merged);
   read_source_settings(yaml, merged);

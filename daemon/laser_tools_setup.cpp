@@ -17,8 +17,10 @@ namespace {
 
 /// Keys of our own configuration that may be given as parameters too.
 constexpr const char* our_output_keys[] = {"profile", "unobserved", "min_height", "max_height"};
-constexpr const char* our_merged_keys[] = {"echoes",      "veil_filter",   "fuse",
-                                           "range_noise", "free_required", "status_topic"};
+constexpr const char* our_merged_keys[] = {"echoes",      "veil_filter",      "fuse",
+                                           "range_noise", "free_required",    "status_topic",
+                                           "conflicts",   "free_requires",    "veil_cross_check",
+                                           "intensity",   "missing_intensity"};
 /// Read by laserscan_virtualizer from absolute names.
 constexpr const char* absolute_keys[] = {"base_frame", "cloud_topic", "output_laser_topic",
                                          "virtual_laser_scan"};

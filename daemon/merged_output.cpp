@@ -19,6 +19,7 @@ MergeSettings settings_of(const MergedScanConfig& config) {
   settings.how.free_required = config.free_required;
   settings.source.echoes = config.echoes;
   settings.source.veil_filter = config.veil_filter;
+  settings.options = config.options;
   for (const std::string& name : config.laserscan_topics) {
     const auto own = config.source_settings.find(name);
     settings.each.push_back(own == config.source_settings.end() ? settings.source : own->second);
@@ -324,6 +325,10 @@ DiagnosticItem MergedOutput::diagnostics(Stamp now) const {
                                                       : "stamps are of another clock");
   item.values.emplace_back("Skew of the sources (ms)", fmt::format("{:.1f}", seconds(skew_) * 1000));
   item.values.emplace_back("Sources waited for in vain", std::to_string(scheduler_.deadlines_missed()));
+  if (const CrossCheck* const check = merger_.cross_check()) {
+    item.values.emplace_back("Returns that another source sees through", std::to_string(check->veils()));
+    item.values.emplace_back("Hits that a newer sweep sees through", std::to_string(check->conflicts()));
+  }
   item.values.emplace_back("Sweeps replaced before use", std::to_string(merger_.superseded()));
   item.values.emplace_back("Sweeps out of order", std::to_string(merger_.out_of_order()));
   item.values.emplace_back("Sweeps with impossible times", std::to_string(merger_.bad_times()));
