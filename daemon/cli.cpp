@@ -142,6 +142,7 @@ struct Commands {
     c->add_option(
         "--areas", snapshot.areas,
         "Topic whose free and unknown areas are shaded; default: a merged one, strict before others");
+    c->add_option("--motion", snapshot.motion, "A bag whose tf or odometry says how the vehicle moved");
     c->add_option("-o,--output", snapshot.output, "Picture to write, .png or .svg")->required();
     c->callback([this] { action = [this] { return run_snapshot(snapshot, std::cerr); }; });
   }

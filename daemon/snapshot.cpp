@@ -8,6 +8,7 @@
 #include <ostream>
 #include <stdexcept>
 
+#include "daemon/bag_poses.h"
 #include "daemon/cli.h"
 #include "daemon/player.h"
 #include "daemon/snapshot_draw.h"
@@ -39,6 +40,25 @@ bool ends_with(const std::string& text, const std::string& end) {
   return text.size() > end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
+/// How the vehicle moved, if a bag tells.
+class Motion {
+ public:
+  Motion(const std::string& bag, const Config& config) {
+    if (!bag.empty()) bag_.emplace(bag, config.vehicle.odometry_topic);
+  }
+  PoseLookup& poses() { return bag_ ? static_cast<PoseLookup&>(*bag_) : none_; }
+  void feed(Pipeline& pipeline, Stamp now) {
+    if (!bag_) return;
+    bag_->odometry_until(now, [&](Stamp stamp, const Pose& pose, const std::string& child) {
+      pipeline.pose_message(stamp, pose, child, stamp);
+    });
+  }
+
+ private:
+  NoPoses none_;
+  std::optional<BagPoses> bag_;
+};
+
 /// Seconds from the first packet to the last.
 double length_of(MergedCapture& capture) {
   Packet packet;
@@ -52,10 +72,9 @@ double length_of(MergedCapture& capture) {
 
 /// Plays up to `at`, or on to the first frame if `patient`, and keeps what came until then; returns the
 /// seconds played. Frames that the end of play would cut off are no frames.
-double play_until(double at, bool patient, const Config& config, MergedCapture& capture,
+double play_until(double at, bool patient, const Config& config, MergedCapture& capture, Motion& motion,
                   FrameKeeper& keeper) {
-  NoPoses poses;
-  Pipeline pipeline(config, poses, keeper);
+  Pipeline pipeline(config, motion.poses(), keeper);
   ReplayOptions fast;
   fast.rate = 0;
   Player player(fast, capture, pipeline);
@@ -64,6 +83,7 @@ double play_until(double at, bool patient, const Config& config, MergedCapture& 
   bool done = false;
   player.on_time = [&](Stamp stamp) {
     if (!first) first = stamp;
+    motion.feed(pipeline, stamp);
     const double into = seconds(stamp - *first);
     done = done || (into > at && !(patient && keeper.empty()));
     if (done)
@@ -88,10 +108,10 @@ std::string picture(const SnapshotOptions& options, const Config& config, Chart:
     throw std::runtime_error("--at " + fixed(*options.at, 3) + ": the capture is " + fixed(length, 3) +
                              " s long");
   FrameKeeper frames;
-  const double at = play_until(options.at.value_or(length / 2), !options.at, config, capture, frames);
+  Motion motion(options.motion, config);
+  const double at = play_until(options.at.value_or(length / 2), !options.at, config, capture, motion, frames);
   if (frames.empty()) throw std::runtime_error(nothing_there(at, length));
-  NoPoses none;
-  const PoseBook poses(config, none);
+  const PoseBook poses(config, motion.poses());
   SnapshotView view = make_view(config, poses, frames, options.areas);
   fit_to_points(view);
   if (options.range) view.center = {0, 0}, view.half = {*options.range, *options.range};

@@ -16,6 +16,7 @@ struct SnapshotOptions {
   std::optional<double> at;     ///< s into the capture; unset: its middle
   std::optional<double> range;  ///< m from base_frame to the picture's edge; unset: fits what was measured
   std::string areas;            ///< topic whose free and unobserved areas are shaded; empty: see make_view()
+  std::string motion;           ///< a bag whose tf or odometry tells how the vehicle moved; empty: it stood
   std::string output;           ///< .png or .svg
 };
 

@@ -42,24 +42,24 @@ TEST(MergeOptionsConfig, AreCautiousByDefaultAndTakenByTheirNames) {
 TEST(MergeOptionsConfig, AreRefusedWhereTheyCanHaveNoEffect) {
   EXPECT_EQ(
       error("laserscan_topics: a b, conflicts: newest"),
-      "f:5:42: merged_scans.m.conflicts has no effect with profile: flatten, which knows no free space; "
+      "f:5:43: merged_scans.m.conflicts has no effect with profile: flatten, which knows no free space; "
       "expected profile: strict or safety");
   EXPECT_EQ(
       error("laserscan_topics: a, profile: strict, free_requires: all"),
-      "f:5:57: merged_scans.m.free_requires has no effect with one source; expected two sources or more");
+      "f:5:58: merged_scans.m.free_requires has no effect with one source; expected two sources or more");
   EXPECT_EQ(error("laserscan_topics: a, profile: safety, veil_cross_check: true"),
-            "f:5:57: merged_scans.m.veil_cross_check has no effect with one source; expected two sources or "
+            "f:5:58: merged_scans.m.veil_cross_check has no effect with one source; expected two sources or "
             "more");
   EXPECT_EQ(
       error("laserscan_topics: a b, missing_intensity: 5"),
-      "f:5:42: merged_scans.m.missing_intensity has no effect with intensity: auto; expected intensity: "
+      "f:5:43: merged_scans.m.missing_intensity has no effect with intensity: auto; expected intensity: "
       "on");
   EXPECT_EQ(error("laserscan_topics: a b, intensity: maybe"),
-            "f:5:53: merged_scans.m.intensity is \"maybe\"; expected auto, on or off");
+            "f:5:54: merged_scans.m.intensity is \"maybe\"; expected auto, on or off");
   EXPECT_EQ(error("laserscan_topics: a b, conflicts: oldest"),
-            "f:5:53: merged_scans.m.conflicts is \"oldest\"; expected keep or newest");
+            "f:5:54: merged_scans.m.conflicts is \"oldest\"; expected keep or newest");
   EXPECT_EQ(error("laserscan_topics: a b, profile: strict, free_requires: some"),
-            "f:5:74: merged_scans.m.free_requires is \"some\"; expected any or all");
+            "f:5:75: merged_scans.m.free_requires is \"some\"; expected any or all");
 }
 
 TEST(MergeOptionsConfig, AreWrittenAndReadBack) {

@@ -176,6 +176,26 @@ def live(tmp, way):
     return judge(way, scans)
 
 
+def picture(tmp, motion, motion_bag):
+    """The snapshot at 3 s; its text without the names."""
+    config, out = tmp / "config.yaml", tmp / "out.svg"
+    config.write_text(CONFIG.format(motion=motion))
+    extra = ["--motion", motion_bag] if motion_bag else []
+    result = run("snapshot", "-c", config, "--pcap", tmp / "drive.pcap", "--at", 3, "-o", out, *extra)
+    expect(result.returncode == 0, result.stderr)
+    return out.read_text()
+
+
+def check_pictures(tmp):
+    plain = picture(tmp, "", None)
+    by_tf = picture(tmp, "  odometry_frame: odom", tmp / "tf.bag")
+    expect(plain == picture(tmp, "", None), "the same picture twice")
+    expect(plain != by_tf, "a snapshot with --motion shows what one without it shows")
+    expect(plain != picture(tmp, "  odometry_topic: /odom", tmp / "odom.bag"), "the same with odometry from a topic")
+    missing = run("snapshot", "-c", tmp / "config.yaml", "--pcap", tmp / "drive.pcap", "-o", tmp / "x.svg", "--motion", tmp / "no.bag")
+    expect(missing.returncode == 1 and "no.bag" in missing.stderr, f"a bag that is not there: {missing.stderr}")
+
+
 def main():
     way = Way()
     with folder() as tmp:
@@ -191,6 +211,7 @@ def main():
             print(f"{name}: rms {rms * 1000:.2f} mm, p99 {p99 * 1000:.2f} mm, {silent:.1%} NaN, {health}")
             expect(rms <= 0.001 and p99 <= 0.003, f"{name}: rms {rms * 1000:.2f} mm, p99 {p99 * 1000:.2f} mm")
             expect(health == {"publishing"}, f"{name}: {health}")
+        check_pictures(tmp)
         rms, p99, silent, health = errors(tmp, way, "", None)
         print(f"without: rms {rms * 1000:.2f} mm, p99 {p99 * 1000:.2f} mm, {silent:.1%} NaN")
         expect(rms > 0.01, "without motion the scan is as good: nothing was tested")
