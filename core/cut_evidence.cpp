@@ -20,126 +20,167 @@ constexpr float touching_share = 0.02F;
 // Neighbouring columns share their border, so that no cell between them is left out.
 constexpr float overlap = 1.05F;
 
-/// Calls `take` for each of `cells` cells, all around, whose middle lies within `half` of `azimuth`.
-template <class Cells, class Take>
-void each_cell(Cells& cells, float azimuth, float half, Take take) {
-  const std::size_t count = cells.size();
-  // A turn ahead, so that nothing is negative and rounding down is cutting off.
-  const float middle = azimuth + static_cast<float>(count);
-  const auto last = static_cast<std::size_t>(middle + half - 0.5F);
-  for (auto k = static_cast<std::size_t>(middle - half + 0.5F); k <= last; ++k)
-    take(cells[k >= 2 * count ? k - 2 * count : k >= count ? k - count : k]);
-}
-
-bool has_end(Beam kind) { return kind == Beam::point || kind == Beam::none; }
-
 }  // namespace
 
-CutEvidence::Ray CutEvidence::ray(std::size_t i) const {
-  const RingGrid& g = *grid_;
-  const Eigen::Matrix3f& r = cut_->rotation();
-  const float x = r(0, 0) * g.x[i] + r(0, 1) * g.y[i] + r(0, 2) * g.z[i];
-  const float y = r(1, 0) * g.x[i] + r(1, 1) * g.y[i] + r(1, 2) * g.z[i];
+void CutEvidence::mark_beams() {
+  const std::size_t cells = view_->heights().size();
+  if (marks_.capacity() < cells) marks_.reserve(cells + cells / 16);
+  marks_.resize(cells);
+  const Beam* const kinds = view_->grid().kind.data();
+  const float* const heights = view_->heights().data();
+  const float level = view_->level();
+  const bool from_above = sign_ > 0;
+  std::uint8_t* const marks = marks_.data();
+  for (std::size_t i = 0; i < cells; ++i) {
+    const int ends = (kinds[i] == Beam::point ? known : 0) | (kinds[i] == Beam::none ? known : 0);
+    const int beneath = heights[i] < level ? 1 : 0;
+    const int over = heights[i] > level ? 1 : 0;
+    marks[i] = static_cast<std::uint8_t>(ends | (crosses * (ends & (from_above ? beneath : over))));
+  }
+}
+
+inline CutEvidence::Ray CutEvidence::ray(std::size_t i) const {
+  const BeamEnd e = ends_[i];
+  const float x = axes_[0] * e.x + axes_[1] * e.y + axes_[2] * e.z;
+  const float y = axes_[3] * e.x + axes_[4] * e.y + axes_[5] * e.z;
   const float end = std::sqrt(x * x + y * y);
-  const float share = sensor_ / std::max(sensor_ - above(i), 1e-6F);
-  return {end * share, end, x, y};
+  return {x, y, end, end * sensor_ / std::max(sensor_ - sign_ * view_->above(i), 1e-6F)};
 }
 
-float CutEvidence::azimuth(const Ray& ray) const {
-  return (fast_atan2(ray.y, ray.x) + static_cast<float>(pi_d)) * per_rad_;
+inline void CutEvidence::add(const Ray& first, const Ray& seen_along, float to) {
+  const float begin = tilted_ ? (fast_atan2(first.y, first.x) + static_cast<float>(pi_d)) * per_rad_ : 0;
+  wedges_.push_back({first.at, std::min(to, farthest_), seen_along.x, seen_along.y, begin});
 }
 
-void CutEvidence::claim(float azimuth, float from, float to) {
-  to = std::min(to, farthest_);
+/// Those whose middle lies within half a column of `azimuth`.
+CutEvidence::Cells CutEvidence::cells_at(float azimuth) const {
+  const float half = width_ * overlap / 2;
+  const float middle = azimuth + static_cast<float>(cells_.size());
+  return {static_cast<std::size_t>(middle - half + 0.5F), static_cast<std::size_t>(middle + half - 0.5F)};
+}
+
+void CutEvidence::claim(Cells cells, float from, float to) {
   if (!(to >= from)) return;
-  const float slack = touching + touching_share * to;
-  each_cell(cells_, azimuth, width_ * overlap / 2, [&](Cell& cell) {
-    auto& free = cell.free;
-    bool taken = false;
-    for (Piece& piece : free) {
-      if (piece.exists() && (from > piece.to + slack || to < piece.from - slack)) continue;
-      piece = piece.exists() ? Piece{std::min(piece.from, from), std::max(piece.to, to)} : Piece{from, to};
-      taken = true;
-      break;
-    }
-    if (taken && free[1].exists() && free[1].from <= free[0].to + slack && free[1].to >= free[0].from - slack)
-      free = {Piece{std::min(free[0].from, free[1].from), std::max(free[0].to, free[1].to)}, Piece{}};
-  });
+  for (std::size_t k = cells.first; k <= cells.last; ++k) claim(cell(k), from, to);
 }
 
-void CutEvidence::take_wedge(const Ray& a, const Ray& b, float end) {
-  if (!tilted_) {
-    claim(azimuth(b), a.at, end);
+void CutEvidence::claim(Cell& cell, float from, float to) const {
+  auto& free = cell.free;
+  if (!free[0].exists()) {
+    free[0] = {from, to};
     return;
   }
+  const float slack = touching + touching_share * to;
+  bool taken = false;
+  for (Piece& piece : free) {
+    if (piece.exists() && (from > piece.to + slack || to < piece.from - slack)) continue;
+    piece = piece.exists() ? Piece{std::min(piece.from, from), std::max(piece.to, to)} : Piece{from, to};
+    taken = true;
+    break;
+  }
+  if (taken && free[1].exists() && free[1].from <= free[0].to + slack && free[1].to >= free[0].from - slack)
+    free = {Piece{std::min(free[0].from, free[1].from), std::max(free[0].to, free[1].to)}, Piece{}};
+}
+
+void CutEvidence::take_wedges() {
+  const std::size_t n = wedges_.size();
+  for (auto* list : {&x_, &y_, &azimuths_}) list->resize(n);
+  float* const x = x_.data();
+  float* const y = y_.data();
+  float* const azimuths = azimuths_.data();
+  for (std::size_t i = 0; i < n; ++i) x[i] = wedges_[i].x, y[i] = wedges_[i].y;
+  const float per_rad = per_rad_;
+  for (std::size_t i = 0; i < n; ++i)
+    azimuths[i] = (fast_atan2(y[i], x[i]) + static_cast<float>(pi_d)) * per_rad;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Wedge& wedge = wedges_[i];
+    const Cells cells = cells_at(azimuths[i]);
+    if (wedge.to < 0) {
+      for (std::size_t k = cells.first; k <= cells.last; ++k) cell(k).blind = wedge.from;
+    } else if (tilted_) {
+      take_tilted(wedge, azimuths[i]);
+    } else {
+      claim(cells, wedge.from, wedge.to);
+    }
+  }
+}
+
+/// Between its beams the piece leads through several directions.
+void CutEvidence::take_tilted(const Wedge& wedge, float azimuth) {
   const auto turn = static_cast<float>(cells_.size());
-  const float begin = azimuth(a);
-  float span = azimuth(b) - begin;
+  const float length = wedge.to - wedge.from;
+  float span = azimuth - wedge.begin;
   span -= turn * std::round(span / turn);
   const float parts = std::max(1.0F, std::ceil(std::fabs(span)));
   for (float part = 0; part < parts; ++part) {
-    const float from = a.at + (end - a.at) * part / parts;
-    const float to = a.at + (end - a.at) * (part + 1) / parts;
-    float at = begin + span * (part + 0.5F) / parts;
+    float at = wedge.begin + span * (part + 0.5F) / parts;
     at -= at >= turn ? turn : 0;
-    claim(at < 0 ? at + turn : at, from, to);
+    claim(cells_at(at < 0 ? at + turn : at), wedge.from + length * part / parts,
+          wedge.from + length * (part + 1) / parts);
   }
-}
-
-void CutEvidence::take_blind(const Ray& lowest) {
-  each_cell(cells_, azimuth(lowest), width_ * overlap / 2, [&](Cell& cell) { cell.blind = lowest.at; });
 }
 
 /// m to the nearest thing of a column that stands between the heights of the band.
 float CutEvidence::wall_in_band(std::size_t column) const {
   if (!(band_.max > band_.min)) return infinite;
+  const RingGrid& grid = view_->grid();
   float nearest = infinite;
-  for (std::size_t r = 0; r < grid_->rings(); ++r) {
-    const std::size_t i = grid_->index(column, r);
-    if (grid_->kind[i] != Beam::point || ground_->is_ground[i] != 0) continue;
-    const auto height = static_cast<double>(cut_->heights()[i]);
-    if (height >= band_.min && height <= band_.max) nearest = std::min(nearest, ray(i).end);
+  for (std::size_t r = 0; r < grid.rings(); ++r) {
+    const std::size_t i = grid.index(column, r);
+    if (grid.kind[i] != Beam::point || view_->ground().is_ground[i] != 0) continue;
+    const auto height = static_cast<double>(view_->heights()[i]);
+    if (!(height >= band_.min && height <= band_.max)) continue;
+    const Raster::Point at = view_->place(grid.ends[i]);
+    nearest = std::min(nearest, std::hypot(at.x - view_->translation().x(), at.y - view_->translation().y()));
   }
   return nearest;
 }
 
-void CutEvidence::take_column(std::size_t column) {
-  const std::size_t rings = grid_->rings();
-  const std::size_t base = grid_->index(column, 0);
+/// What the crossing beam `before` meets beyond the plane may stand in the plane too, under its neighbour.
+/// The ground does not, nor what is known to be lower.
+bool CutEvidence::is_hidden(std::size_t before, std::size_t upper) const {
+  if (view_->grid().kind[before] != Beam::point || view_->ground().is_ground[before] != 0) return false;
+  return tops_->verdicts()[upper] != PlaneTops::stays_below;
+}
+
+void CutEvidence::find_wedges(std::size_t column) {
+  const std::size_t base = view_->grid().index(column, 0);
+  const std::uint8_t* const marks = marks_.data();
   farthest_ = wall_in_band(column);
-  bool any = false;
-  bool open = false;
-  std::size_t before = 0;  // the beam that crossed last
-  Ray first{};             // of the piece at hand; its last crossing where the plane leans
-  for (std::size_t k = 0; k < rings; ++k) {
-    const std::size_t i = base + (sign_ > 0 ? k : rings - 1 - k);
-    const bool known = has_end(grid_->kind[i]);
-    const bool crosses = known && above(i) < 0;
-    if (crosses && !open) first = ray(i);
-    if (known && !any && above(i) < sensor_) take_blind(crosses ? first : ray(i));
-    any |= known;
-    if (crosses && open && tilted_) {
-      const Ray next = ray(i);
-      take_wedge(first, next, next.at);
+  const auto mark = [&](std::size_t k) { return marks[beam(base, k)]; };
+  std::size_t k = 0;
+  while (k < rings_ && mark(k) == 0) ++k;
+  if (k == rings_) return;
+  const std::size_t lowest = beam(base, k);
+  if (sign_ * view_->above(lowest) < sensor_) {
+    const Ray nearest = ray(lowest);
+    add(nearest, nearest, -1);
+  }
+  for (;;) {
+    while (k < rings_ && (mark(k) & crosses) == 0) ++k;
+    if (k == rings_) return;
+    Ray first = ray(beam(base, k++));
+    for (; k < rings_ && (mark(k) & crosses) != 0; ++k) {
+      if (!tilted_) continue;
+      const Ray next = ray(beam(base, k));
+      add(first, next, next.at);
       first = next;
     }
-    if (open && !crosses) {
-      const Ray last = ray(before);
-      if (!known) {
-        take_wedge(first, last, last.at);
-      } else {
-        // What stands between both beams hides the rest; the ground does not.
-        const Ray next = ray(i);
-        const bool hidden = grid_->kind[before] == Beam::point && ground_->is_ground[before] == 0;
-        take_wedge(first, next, hidden ? std::max(last.at, std::min(last.end, next.end)) : next.end);
-      }
-    }
-    open = crosses;
-    before = i;
+    const std::size_t last = beam(base, k - 1);
+    end_wedge(first, last, k < rings_ && mark(k) != 0 ? beam(base, k) : last);
   }
-  if (open) {
-    const Ray last = ray(before);
-    take_wedge(first, last, last.at);
+}
+
+/// `next`: the neighbour of the last beam that crosses; `last` itself if nothing is known of it.
+void CutEvidence::end_wedge(const Ray& first, std::size_t last, std::size_t next) {
+  const Ray seen_along = ray(next);
+  if (next == last) {
+    add(first, seen_along, seen_along.at);
+  } else if (!is_hidden(last, next)) {
+    add(first, seen_along, seen_along.end);
+  } else {
+    const Ray before = ray(last);
+    add(first, seen_along, std::max(before.at, std::min(before.end, seen_along.end)));
   }
 }
 
@@ -157,20 +198,25 @@ void CutEvidence::fill_holes() {
   }
 }
 
-void CutEvidence::find(const RingGrid& grid, const Ground& ground, const PlaneCut& cut, float level,
-                       HeightBand band, const std::array<FreeProfile*, pieces>& free, FreeProfile& blind) {
-  grid_ = &grid;
-  ground_ = &ground;
-  cut_ = &cut;
-  level_ = level;
+void CutEvidence::find(const PlaneView& view, const PlaneTops& tops, HeightBand band,
+                       const std::array<FreeProfile*, pieces>& free, FreeProfile& blind) {
+  view_ = &view;
+  tops_ = &tops;
   band_ = band;
-  sign_ = cut.translation().z() >= level ? 1.0F : -1.0F;
-  sensor_ = std::fabs(cut.translation().z() - level);
-  tilted_ = cut.rotation().row(2).head<2>().norm() > level_enough;
+  sign_ = view.sensor_above() >= 0 ? 1.0F : -1.0F;
+  sensor_ = std::fabs(view.sensor_above());
+  tilted_ = view.rotation().row(2).head<2>().norm() > level_enough;
   cells_.assign(blind.size(), {});
   per_rad_ = static_cast<float>(static_cast<double>(cells_.size()) / (2 * pi_d));
-  width_ = static_cast<float>(grid.step()) * per_rad_;
-  for (std::size_t c = 0; c < grid.columns(); ++c) take_column(c);
+  width_ = static_cast<float>(view.grid().step()) * per_rad_;
+  mark_beams();
+  wedges_.clear();
+  rings_ = view.grid().rings();
+  ends_ = view.grid().ends.data();
+  const Eigen::Matrix3f& r = view.rotation();
+  axes_ = {r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2)};
+  for (std::size_t c = 0; c < view.grid().columns(); ++c) find_wedges(c);
+  take_wedges();
   fill_holes();
   for (std::size_t k = 0; k < cells_.size(); ++k) {
     for (std::size_t p = 0; p < pieces; ++p) {

@@ -25,6 +25,7 @@ struct Ground {
   bool known = false;
   std::vector<char> is_ground;  ///< by RingGrid::index()
   std::vector<float> height;    ///< m above z
+  std::vector<float> distance;  ///< m from the sensor, level
   float sensor = 0;             ///< m, the sensor's height above z
 };
 

@@ -58,19 +58,15 @@ Raster::Raster(const ScanGrid& grid)
 
 float Raster::position(float x, float y) const { return beams_to(x, y, first_, per_rad_, turn_); }
 
-void Raster::find_positions(const Sweep& sweep) {
-  const std::size_t n = sweep.kind.size();
-  positions_.resize(n);
-  const float* const x = sweep.x.data();
-  const float* const y = sweep.y.data();
-  float* const at = positions_.data();
+void Raster::positions(const float* x, const float* y, std::size_t count, float* at) const {
   const float first = first_, per_rad = per_rad_, turn = turn_;
-  for (std::size_t i = 0; i < n; ++i) at[i] = beams_to(x[i], y[i], first, per_rad, turn);
+  for (std::size_t i = 0; i < count; ++i) at[i] = beams_to(x[i], y[i], first, per_rad, turn);
 }
 
 void Raster::draw(const Sweep& sweep, RangeLayer& layer) {
   const std::size_t n = sweep.kind.size();
-  find_positions(sweep);
+  positions_.resize(n);
+  positions(sweep.x.data(), sweep.y.data(), n, positions_.data());
   bool linked_before = false;
   auto corner = sweep.corners.begin();
   for (std::size_t i = 0; i < n; ++i) {

@@ -44,6 +44,8 @@ class Raster {
   void draw_segment(Point p, Point q, RangeLayer& layer) const;
   /// Beams from the first one to the azimuth of (x, y), less than a turn of them.
   float position(float x, float y) const;
+  /// The same for `count` points.
+  void positions(const float* x, const float* y, std::size_t count, float* at) const;
   /// The same for points whose position() is known.
   void draw_point(Point p, float at, RangeLayer& layer) const;
   void draw_segment(Point p, Point q, float at_p, float at_q, RangeLayer& layer) const;
@@ -56,7 +58,6 @@ class Raster {
   void mark_ends(const Sweep& sweep, const BeamRays& rays, EndLayer& layer) const;
 
  private:
-  void find_positions(const Sweep& sweep);
   std::size_t nearest_beam(float at) const;
   void mark_end(const Sweep& sweep, const BeamRays& rays, std::size_t end, std::size_t next, float side,
                 EndLayer& layer) const;

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/angle.h"
+#include "core/bytes_set.h"
 
 namespace lidard {
 namespace {
@@ -18,15 +20,11 @@ constexpr double gap_steps = 1.6;
 constexpr std::size_t fewest_columns = 8;
 constexpr std::uint32_t nowhere = 0xFFFFFFFFU;
 
-double step_between(double from, double to) {
-  double step = to - from;
+double step_between(const CloudColumn& a, const CloudColumn& b) {
+  double step = static_cast<double>(b.azimuth) - static_cast<double>(a.azimuth);
   while (step < 0) step += turn;
   while (step >= turn) step -= turn;
   return step > turn - backwards_limit ? step - turn : step;
-}
-
-double step_between(const CloudColumn& a, const CloudColumn& b) {
-  return step_between(static_cast<double>(a.azimuth), static_cast<double>(b.azimuth));
 }
 
 /// Two returns of one firing.
@@ -34,17 +32,29 @@ bool same_firing(const CloudColumn& a, const CloudColumn& b) {
   return a.echo != b.echo && a.stamp == b.stamp && a.azimuth == b.azimuth;
 }
 
-double mean_step(const std::vector<CloudColumn>& columns, double limit) {
+// Stands for the step between two returns of one firing.
+constexpr double no_step = -turn;
+
+double mean_step(const std::vector<double>& steps, double limit) {
   double sum = 0;
   std::size_t count = 0;
-  for (std::size_t c = 1; c < columns.size(); ++c) {
-    const double step = step_between(columns[c - 1], columns[c]);
-    if (step > limit || same_firing(columns[c - 1], columns[c])) continue;
-    sum += step;
+  for (std::size_t c = 1; c < steps.size(); ++c) {
+    if (steps[c] > limit || steps[c] == no_step) continue;
+    sum += steps[c];
     ++count;
   }
   return count == 0 ? 0 : sum / static_cast<double>(count);
 }
+
+void move_end(BeamEnd& end, const Pose& move) {
+  const Eigen::Vector3d moved = move * Eigen::Vector3d(static_cast<double>(end.x), static_cast<double>(end.y),
+                                                       static_cast<double>(end.z));
+  end.x = static_cast<float>(moved.x());
+  end.y = static_cast<float>(moved.y());
+  end.z = static_cast<float>(moved.z());
+}
+
+float length(const BeamEnd& end) { return std::sqrt(end.x * end.x + end.y * end.y + end.z * end.z); }
 
 }  // namespace
 
@@ -70,15 +80,19 @@ bool RingGrid::organise(const Cloud& cloud, const std::vector<Pose>& columns_to_
 
 bool RingGrid::fires_in_columns(const Cloud& cloud) {
   if (cloud.columns.size() < fewest_columns || cloud.rings < 2) return false;
+  turns_.resize(cloud.columns.size());
+  turns_[0] = 0;
   double turned = 0;
   for (std::size_t c = 1; c < cloud.columns.size(); ++c) {
-    turned += step_between(cloud.columns[c - 1], cloud.columns[c]);
+    const bool again = same_firing(cloud.columns[c - 1], cloud.columns[c]);
+    turns_[c] = again ? no_step : step_between(cloud.columns[c - 1], cloud.columns[c]);
+    turned += again ? 0 : turns_[c];
     if (turned > 1.2 * turn) return false;
   }
   // Again, so that neither a hidden sector nor lost packets count as the usual step.
-  step_ = mean_step(cloud.columns, turn);
-  step_ = mean_step(cloud.columns, 2.5 * step_);
-  step_ = mean_step(cloud.columns, gap_steps * step_);
+  step_ = mean_step(turns_, turn);
+  step_ = mean_step(turns_, 2.5 * step_);
+  step_ = mean_step(turns_, gap_steps * step_);
   return step_ > 1e-4;
 }
 
@@ -88,16 +102,16 @@ void RingGrid::clear_grid(std::size_t columns, std::size_t rings) {
   const std::size_t cells = columns * rings;
   // The number of columns varies a little from turn to turn.
   const std::size_t room = cells + cells / 16;
-  for (auto* list : {&x, &y, &z, &range, &intensity}) {
-    if (list->capacity() < cells) list->reserve(room);
-    list->resize(cells);
-  }
   if (kind.capacity() < cells) {
+    ends.reserve(room);
+    range.reserve(room);
     kind.reserve(room);
     fired_.reserve(room / rings);
     azimuths_.reserve(room / rings);
     sources_.reserve(room / rings);
   }
+  ends.resize(cells);
+  range.resize(cells);
   kind.assign(cells, Beam::unknown);
   fired_.assign(columns, 0);
   azimuths_.assign(columns, 0);
@@ -110,14 +124,14 @@ void RingGrid::number_columns(const Cloud& cloud) {
   std::size_t place = 0;
   std::size_t beyond = 0;
   for (std::size_t c = 0; c < cloud.columns.size(); ++c) {
-    if (c > 0 && !same_firing(cloud.columns[c - 1], cloud.columns[c])) {
-      const double step = step_between(cloud.columns[c - 1], cloud.columns[c]);
+    if (c > 0 && turns_[c] != no_step) {
+      const double step = turns_[c];
       const bool closed = turned + step > turn - step_ / 2;
       if (closed || beyond > 0) {
         ++beyond;
       } else {
         turned += step;
-        place += static_cast<std::size_t>(std::max(1L, std::lround(step / step_)));
+        place += step > 1.5 * step_ ? static_cast<std::size_t>(std::lround(step / step_)) : 1;
       }
     }
     places_[c] = beyond > 0 ? nowhere : static_cast<std::uint32_t>(place);
@@ -130,6 +144,10 @@ void RingGrid::number_columns(const Cloud& cloud) {
 void RingGrid::open_column(std::size_t column, double azimuth) {
   fired_[column] = 1;
   azimuths_[column] = static_cast<float>(azimuth);
+  if (straight_) {
+    std::fill_n(kind.begin() + static_cast<std::ptrdiff_t>(index(column, 0)), rings_, Beam::none);
+    return;
+  }
   for (std::size_t r = 0; r < rings_; ++r) {
     if (known_[r] == 0) continue;
     std::size_t to = column + shifts_[r];
@@ -142,34 +160,92 @@ void RingGrid::organise_columns(const Cloud& cloud, const std::vector<Pose>& col
   table_.set_rings(cloud.rings);
   table_.learn(cloud, true);
   number_columns(cloud);
+  number_shifts();
+  const bool moves = !columns_to_now.empty();
+  for (std::size_t c = 0; c < cloud.columns.size(); ++c) {
+    if (places_[c] == nowhere) continue;
+    if (fired_[places_[c]] == 0) open_column(places_[c], static_cast<double>(cloud.columns[c].azimuth));
+    sources_[places_[c]] = static_cast<std::uint32_t>(c);
+    fill_column(cloud, c, moves ? &columns_to_now[c] : nullptr);
+  }
+  if (!moves) measure_ranges();
+  mark_too_near(cloud);
+  place_without_return(columns_to_now);
+  bridge_single_gaps();
+}
+
+void RingGrid::number_shifts() {
   shifts_.resize(rings_);
+  offsets_.resize(rings_);
   elevations_.resize(rings_);
   known_.resize(rings_);
+  straight_ = true;
   const auto columns = static_cast<long>(columns_);
   for (std::size_t r = 0; r < rings_; ++r) {
     const long shift = std::lround(table_.offset(r) / step_) % columns;
     shifts_[r] = static_cast<std::uint32_t>(shift < 0 ? shift + columns : shift);
+    offsets_[r] = index(shifts_[r], r);
     elevations_[r] = table_.elevation(r);
     known_[r] = table_.is_known(r) ? 1 : 0;
+    straight_ = straight_ && shift == 0 && known_[r] != 0;
   }
-  for (std::size_t c = 0; c < cloud.columns.size(); ++c) {
-    const std::size_t place = places_[c];
-    if (place == nowhere) continue;
-    if (fired_[place] == 0) open_column(place, static_cast<double>(cloud.columns[c].azimuth));
-    sources_[place] = static_cast<std::uint32_t>(c);
-    const std::size_t end = c + 1 < cloud.columns.size() ? cloud.columns[c + 1].first_point : cloud.size();
-    const Pose* move = columns_to_now.empty() ? nullptr : &columns_to_now[c];
-    for (std::size_t i = cloud.columns[c].first_point; i < end; ++i) {
-      const CloudPoint& point = cloud.points()[i];
-      if (point.ring >= rings_) continue;
-      std::size_t to = place + shifts_[point.ring];
-      to -= to >= columns_ ? columns_ : 0;
-      put(index(to, point.ring), point, move);
+}
+
+void RingGrid::fill_column(const Cloud& cloud, std::size_t column, const Pose* move) {
+  const bool last = column + 1 == cloud.columns.size();
+  const std::size_t end = last ? cloud.size() : cloud.columns[column + 1].first_point;
+  const std::size_t first = index(places_[column], 0);
+  const std::size_t cells = kind.size();
+  // Copies, since the bytes of points could be anything's, for all that the compiler knows.
+  const std::size_t rings = rings_;
+  const std::size_t* const offsets = offsets_.data();
+  Beam* const kinds = kind.data();
+  BeamEnd* const to = ends.data();
+  for (std::size_t i = cloud.columns[column].first_point; i < end; ++i) {
+    const CloudPoint& point = cloud.points()[i];
+    const std::size_t ring = point.ring;
+    if (ring >= rings) continue;
+    std::size_t at = first + offsets[ring];
+    at -= at >= cells ? cells : 0;
+    if (move == nullptr && kinds[at] != Beam::point) {
+      to[at] = {point.x, point.y, point.z, point.intensity};
+      kinds[at] = Beam::point;
+    } else {
+      if (move == nullptr) range[at] = length(to[at]);
+      put(at, point, move);
     }
   }
-  mark_too_near(cloud);
-  place_without_return(columns_to_now);
-  bridge_single_gaps();
+}
+
+/// For a cloud at rest: what is known of a return only from its range.
+void RingGrid::measure_ranges() {
+  const std::size_t cells = ends.size();
+  const BeamEnd* const from = ends.data();
+  float* const to = range.data();
+  for (std::size_t i = 0; i < cells; ++i)
+    to[i] = std::sqrt(from[i].x * from[i].x + from[i].y * from[i].y + from[i].z * from[i].z);
+  constexpr float infinite = std::numeric_limits<float>::infinity();
+  const float reach = own_reach_;
+  for (std::size_t c = 0; c < columns_; ++c) {
+    const float* const column = to + index(c, 0);
+    int usual = 1;
+    for (std::size_t r = 0; r < rings_; ++r)
+      usual &= (column[r] >= reach ? 1 : 0) & (column[r] < infinite ? 1 : 0);
+    if (usual == 0) sort_out(c);
+  }
+}
+
+/// Returns of a column that may be the vehicle's, or of no place.
+void RingGrid::sort_out(std::size_t column) {
+  for (std::size_t i = index(column, 0); i < index(column, rings_); ++i) {
+    if (kind[i] != Beam::point) continue;
+    if (!std::isfinite(range[i])) {
+      kind[i] = Beam::none;
+    } else if (range[i] < own_reach_ && is_own(ends[i])) {
+      ++own_returns;
+      kind[i] = Beam::own;
+    }
+  }
 }
 
 void RingGrid::mark_too_near(const Cloud& cloud) {
@@ -180,17 +256,16 @@ void RingGrid::mark_too_near(const Cloud& cloud) {
   }
 }
 
-bool RingGrid::is_own(const CloudPoint& point, float range_m) const {
-  if (!(range_m < own_reach_)) return false;
-  const Eigen::Vector3d p(static_cast<double>(point.x), static_cast<double>(point.y),
-                          static_cast<double>(point.z));
+bool RingGrid::is_own(const BeamEnd& end) const {
+  const Eigen::Vector3d p(static_cast<double>(end.x), static_cast<double>(end.y), static_cast<double>(end.z));
   return own_.contains((vehicle_from_cloud_ * p).head<2>());
 }
 
 void RingGrid::put(std::size_t at, const CloudPoint& point, const Pose* move) {
-  const float far = std::sqrt(point.x * point.x + point.y * point.y + point.z * point.z);
+  BeamEnd end{point.x, point.y, point.z, point.intensity};
+  const float far = length(end);
   if (!std::isfinite(far)) return;
-  if (is_own(point, far)) {
+  if (far < own_reach_ && is_own(end)) {
     ++own_returns;
     if (kind[at] != Beam::point) kind[at] = Beam::own;
     return;
@@ -199,24 +274,14 @@ void RingGrid::put(std::size_t at, const CloudPoint& point, const Pose* move) {
   // firings are not known, it may be two beams of a fine ring: the nearer one hides.
   const bool again = kind[at] == Beam::point;
   const bool is_nearer = again && far < range[at];
+  const BeamEnd& known = ends[at];
   if (again && settings_.early_returns)
-    early.push_back(is_nearer ? point : CloudPoint{x[at], y[at], z[at], intensity[at], 0, 0});
+    early.push_back(is_nearer ? point : CloudPoint{known.x, known.y, known.z, known.intensity, 0, 0});
   if (again && is_nearer != by_azimuth_) return;
+  if (move != nullptr) move_end(end, *move);
   kind[at] = Beam::point;
   range[at] = far;
-  intensity[at] = point.intensity;
-  if (move == nullptr) {
-    x[at] = point.x;
-    y[at] = point.y;
-    z[at] = point.z;
-    return;
-  }
-  const Eigen::Vector3d moved =
-      *move * Eigen::Vector3d(static_cast<double>(point.x), static_cast<double>(point.y),
-                              static_cast<double>(point.z));
-  x[at] = static_cast<float>(moved.x());
-  y[at] = static_cast<float>(moved.y());
-  z[at] = static_cast<float>(moved.z());
+  ends[at] = end;
 }
 
 void RingGrid::place_without_return(const std::vector<Pose>& columns_to_now) {
@@ -229,6 +294,7 @@ void RingGrid::place_without_return(const std::vector<Pose>& columns_to_now) {
   }
   for (std::size_t c = 0; c < columns_; ++c) {
     Beam* const beams = kind.data() + index(c, 0);
+    if (!holds(beams, rings_, static_cast<std::uint8_t>(Beam::none))) continue;
     float cosine = 0;
     float sine = 0;
     bool ready = false;
@@ -247,17 +313,9 @@ void RingGrid::place_without_return(const std::vector<Pose>& columns_to_now) {
         ready = true;
       }
       const std::size_t at = index(c, r);
-      x[at] = level_[r] * cosine;
-      y[at] = level_[r] * sine;
-      z[at] = rise_[r];
+      ends[at] = {level_[r] * cosine, level_[r] * sine, rise_[r], 0};
       range[at] = static_cast<float>(reach);
-      if (columns_to_now.empty()) continue;
-      const Eigen::Vector3d moved =
-          columns_to_now[sources_[c]] *
-          Eigen::Vector3d(static_cast<double>(x[at]), static_cast<double>(y[at]), static_cast<double>(z[at]));
-      x[at] = static_cast<float>(moved.x());
-      y[at] = static_cast<float>(moved.y());
-      z[at] = static_cast<float>(moved.z());
+      if (!columns_to_now.empty()) move_end(ends[at], columns_to_now[sources_[c]]);
     }
   }
 }
@@ -285,11 +343,10 @@ void RingGrid::bridge(std::size_t before, std::size_t at, std::size_t after) {
   const auto limit = static_cast<float>(3 * 2 * step_) * near + 0.06F;
   if (std::fabs(range[before] - range[after]) > limit) return;
   kind[at] = kind[before];
-  x[at] = (x[before] + x[after]) / 2;
-  y[at] = (y[before] + y[after]) / 2;
-  z[at] = (z[before] + z[after]) / 2;
+  const BeamEnd& a = ends[before];
+  const BeamEnd& b = ends[after];
+  ends[at] = {(a.x + b.x) / 2, (a.y + b.y) / 2, (a.z + b.z) / 2, (a.intensity + b.intensity) / 2};
   range[at] = (range[before] + range[after]) / 2;
-  intensity[at] = (intensity[before] + intensity[after]) / 2;
 }
 
 }  // namespace lidard

@@ -16,6 +16,12 @@ namespace lidard {
 /// back. `own`: too near to measure, or the vehicle itself; nothing is known about what is beyond.
 enum class Beam : std::uint8_t { unknown, none, point, own };
 
+/// Where a beam ends, m in the cloud's frame.
+struct alignas(16) BeamEnd {
+  float x, y, z;
+  float intensity;
+};
+
 /// How a cloud is organised.
 struct RingGridSettings {
   /// How far a beam without return proves that nothing is there, m; 0: not at all.
@@ -55,10 +61,9 @@ class RingGrid {
   std::size_t index(std::size_t column, std::size_t ring) const { return column * rings_ + ring; }
   bool has_column(std::size_t column) const { return fired_[column] != 0; }
 
-  /// By index(): the return, or where the evidence of a beam without return ends; m, in the cloud's frame.
-  std::vector<float> x, y, z;
+  /// By index(): the return, or where the evidence of a beam without return ends.
+  std::vector<BeamEnd> ends;
   std::vector<float> range;  ///< m from the sensor
-  std::vector<float> intensity;
   std::vector<Beam> kind;
   std::vector<CloudPoint> early;  ///< earlier returns of firings
   std::uint64_t own_returns = 0;  ///< on the vehicle, since the start
@@ -68,7 +73,11 @@ class RingGrid {
   bool fires_in_columns(const Cloud& cloud);
   void organise_columns(const Cloud& cloud, const std::vector<Pose>& columns_to_now);
   void number_columns(const Cloud& cloud);
+  void number_shifts();
   void open_column(std::size_t column, double azimuth);
+  void fill_column(const Cloud& cloud, std::size_t column, const Pose* move);
+  void measure_ranges();
+  void sort_out(std::size_t column);
   void mark_too_near(const Cloud& cloud);
   bool organise_points(const Cloud& cloud);
   bool number_rings(const Cloud& cloud);
@@ -78,7 +87,7 @@ class RingGrid {
   void open_gaps();
   void clear_grid(std::size_t columns, std::size_t rings);
   void put(std::size_t at, const CloudPoint& point, const Pose* move);
-  bool is_own(const CloudPoint& point, float range_m) const;
+  bool is_own(const BeamEnd& end) const;
   void place_without_return(const std::vector<Pose>& columns_to_now);
   void bridge_single_gaps();
   void bridge(std::size_t before, std::size_t at, std::size_t after);
@@ -99,8 +108,11 @@ class RingGrid {
   std::vector<char> fired_;
   std::vector<float> azimuths_;              // rad per column, counted clockwise
   std::vector<std::uint32_t> sources_;       // the cloud's column that fired a column
+  std::vector<double> turns_;                // rad from the column before, of each of the cloud's columns
   std::vector<std::uint32_t> places_;        // column of each of the cloud's columns
   std::vector<std::uint32_t> shifts_;        // columns by which a ring points ahead, less than columns_
+  std::vector<std::size_t> offsets_;         // of a ring's beam in the grid from the begin of its column
+  bool straight_ = false;                    // all rings are known, and none is shifted
   std::vector<std::uint16_t> rows_;          // of the cloud's ring numbers, where columns are not known
   std::vector<float> found_;                 // elevations, where rings are not known either
   std::vector<float> point_azimuths_;        // rad per point, counted clockwise from behind: >= 0

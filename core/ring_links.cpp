@@ -38,30 +38,26 @@ void RingLinks::set(const RingGrid& grid, double noise) {
 bool RingLinks::near(std::size_t a, std::size_t b, float slope) const {
   const RingGrid& g = *grid_;
   const float limit = std::min(g.range[a], g.range[b]) * slope + slack_;
-  const float dx = g.x[a] - g.x[b];
-  const float dy = g.y[a] - g.y[b];
-  const float dz = g.z[a] - g.z[b];
+  const float dx = g.ends[a].x - g.ends[b].x;
+  const float dy = g.ends[a].y - g.ends[b].y;
+  const float dz = g.ends[a].z - g.ends[b].z;
   return dx * dx + dy * dy + dz * dz <= limit * limit;
 }
 
 bool RingLinks::in_line(std::size_t a, std::size_t b, std::size_t c) const {
-  const RingGrid& g = *grid_;
-  const Eigen::Vector3f from(g.x[a], g.y[a], g.z[a]);
-  const Eigen::Vector3f line = Eigen::Vector3f(g.x[c], g.y[c], g.z[c]) - from;
-  const Eigen::Vector3f middle = Eigen::Vector3f(g.x[b], g.y[b], g.z[b]) - from;
+  const Eigen::Vector3f line = end(c) - end(a);
+  const Eigen::Vector3f middle = end(b) - end(a);
   return line.cross(middle).norm() <= (slack_ + line_tolerance) * line.norm();
 }
 
 /// Four returns on one line whose steps grow steadily.
 bool RingLinks::grazing(std::size_t a, std::size_t b, std::size_t c, std::size_t d) const {
-  const RingGrid& g = *grid_;
-  const auto at = [&](std::size_t i) { return Eigen::Vector3f(g.x[i], g.y[i], g.z[i]); };
-  const Eigen::Vector3f line = at(d) - at(a);
-  const float step = (at(c) - at(b)).norm();
-  const float sides = std::max((at(b) - at(a)).norm(), (at(d) - at(c)).norm());
+  const Eigen::Vector3f line = end(d) - end(a);
+  const float step = (end(c) - end(b)).norm();
+  const float sides = std::max((end(b) - end(a)).norm(), (end(d) - end(c)).norm());
   if (step > longest_grazing_step || step > steady_growth * sides) return false;
   const float limit = (slack_ + line_tolerance) * line.norm();
-  return line.cross(at(b) - at(a)).norm() <= limit && line.cross(at(c) - at(a)).norm() <= limit;
+  return line.cross(end(b) - end(a)).norm() <= limit && line.cross(end(c) - end(a)).norm() <= limit;
 }
 
 bool RingLinks::level(std::size_t column, std::size_t ring) const {

@@ -25,6 +25,10 @@ class RingLinks {
 
  private:
   bool is_point(std::size_t i) const { return grid_->kind[i] == Beam::point; }
+  Eigen::Vector3f end(std::size_t i) const {
+    const BeamEnd& at = grid_->ends[i];
+    return {at.x, at.y, at.z};
+  }
   bool near(std::size_t a, std::size_t b, float slope) const;
   bool grazing(std::size_t a, std::size_t b, std::size_t c, std::size_t d) const;
   std::size_t before(std::size_t column) const { return column > 0 ? column - 1 : grid_->columns() - 1; }

@@ -21,9 +21,7 @@ bool is_telling(const CloudPoint& p) {
   return p.x * p.x + p.y * p.y > telling_range_m * telling_range_m && std::isfinite(p.z);
 }
 
-double elevation_of(const CloudPoint& p) {
-  return std::atan2(static_cast<double>(p.z), std::hypot(static_cast<double>(p.x), static_cast<double>(p.y)));
-}
+float elevation_of(const CloudPoint& p) { return fast_atan2(p.z, std::sqrt(p.x * p.x + p.y * p.y)); }
 
 }  // namespace
 
@@ -38,12 +36,12 @@ void RingTable::take(const Cloud& cloud, std::size_t begin, std::size_t end, con
     const CloudPoint& p = cloud.points()[i];
     if (p.ring >= rings_.size() || !is_telling(p)) continue;
     Ring& ring = rings_[p.ring];
-    ring.elevations += elevation_of(p);
+    ring.elevations += static_cast<double>(elevation_of(p));
     ring.count += 1;
     if (column == nullptr) continue;
     // Azimuth counts clockwise.
-    const double azimuth = -std::atan2(static_cast<double>(p.y), static_cast<double>(p.x));
-    ring.offsets += std::remainder(azimuth - static_cast<double>(column->azimuth), 2 * pi_d);
+    const float behind = fast_atan2(-p.y, p.x) - wrapped(column->azimuth);
+    ring.offsets += static_cast<double>(wrapped(behind));
   }
 }
 
@@ -79,7 +77,7 @@ void find_rings(const Cloud& cloud, std::vector<float>& elevations) {
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const CloudPoint& p = cloud.points()[i];
     if (!is_telling(p)) continue;
-    const auto at = (static_cast<float>(elevation_of(p)) + static_cast<float>(pi_d / 2)) / width;
+    const auto at = (elevation_of(p) + static_cast<float>(pi_d / 2)) / width;
     ++counts[std::min(static_cast<std::size_t>(at), bins - 1)];
     ++all;
   }

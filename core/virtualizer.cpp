@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/band_edges.h"
+
 namespace lidard {
 namespace {
 
@@ -58,7 +60,7 @@ void Virtualizer::set_cloud(const Cloud& cloud, const Pose& vehicle_from_cloud,
   find_ground(grid_, settings_.ground, vehicle_from_cloud, ground_);
   links_.set(grid_, settings_.how.noise);
   const Eigen::Vector3f up = vehicle_from_cloud.linear().row(2).transpose().cast<float>();
-  cut_.set_cloud(grid_, ground_, links_, up);
+  view_.set_cloud(grid_, ground_, links_, up);
 }
 
 void Virtualizer::flatten(const Pose& virtual_from_cloud, PlanarScan& scan) {
@@ -129,16 +131,30 @@ void Virtualizer::look(Frame& frame, const Pose& virtual_from_cloud) {
   sight.begin();
   splat_points(frame, virtual_from_cloud);
   if (organised_) {
-    cut_.set_frame(virtual_from_cloud, settings_.keep_ground);
+    view_.set_frame(virtual_from_cloud, settings_.keep_ground);
     const bool band = settings_.mode == CutMode::band;
     if (band)
-      cut_.draw_band(band_, sight.raster(), sight.surfaces(), sight.ends());
+      cut_band(sight, evidence_level(virtual_from_cloud));
     else
-      cut_.draw_slice(0, sight.raster(), sight.surfaces(), sight.ends());
-    evidence_.find(grid_, ground_, cut_, evidence_level(virtual_from_cloud), band ? band_ : HeightBand{0, 0},
-                   {&sight.profile(0), &sight.profile(1)}, sight.profile(blind_source));
+      cut_slice(sight, 0);
+    evidence_.find(view_, tops_, band ? band_ : HeightBand{0, 0}, {&sight.profile(0), &sight.profile(1)},
+                   sight.profile(blind_source));
   }
   sight.compute();
+}
+
+void Virtualizer::cut_slice(Sight& sight, double level) {
+  view_.set_level(static_cast<float>(level));
+  tops_.find(view_);
+  cut_.draw_slice(view_, tops_, sight.raster(), sight.surfaces(), sight.ends());
+}
+
+void Virtualizer::cut_band(Sight& sight, float evidence_level) {
+  if (std::isfinite(band_.min)) cut_slice(sight, band_.min);
+  if (std::isfinite(band_.max)) cut_slice(sight, band_.max);
+  view_.set_level(evidence_level);
+  tops_.find(view_);
+  draw_band_edges(view_, band_, sight.raster(), sight.surfaces());
 }
 
 void Virtualizer::project(std::size_t frame, const Pose& virtual_from_cloud,

@@ -9,6 +9,7 @@
 #include "core/cloud.h"
 #include "core/cut_evidence.h"
 #include "core/flatten.h"
+#include "core/plane_cut.h"
 #include "core/sight.h"
 
 namespace lidard {
@@ -67,6 +68,8 @@ class Virtualizer {
   void place_cloud(const Pose& vehicle_from_cloud);
   void flatten(const Pose& virtual_from_cloud, PlanarScan& scan);
   void look(Frame& frame, const Pose& virtual_from_cloud);
+  void cut_slice(Sight& sight, double level);
+  void cut_band(Sight& sight, float evidence_level);
   void place(Frame& frame, const Pose& virtual_from_cloud) const;
   void splat_points(Frame& frame, const Pose& virtual_from_cloud);
   float evidence_level(const Pose& virtual_from_cloud) const;
@@ -84,6 +87,8 @@ class Virtualizer {
   RingGrid grid_;
   Ground ground_;
   RingLinks links_;
+  PlaneView view_;
+  PlaneTops tops_;
   PlaneCut cut_;
   CutEvidence evidence_;
   std::vector<std::unique_ptr<Frame>> frames_;

@@ -35,7 +35,7 @@ TEST_P(YardBars, MostOfWhatTheLidarCouldSeeIsRightAndNothingIsFalselyFree) {
 }
 
 INSTANTIATE_TEST_SUITE_P(PlaneAtHalfAMetre, YardBars,
-                         ::testing::Values(Bar{0, 95, 96.5}, Bar{3, 97, 98}, Bar{5, 98, 99}));
+                         ::testing::Values(Bar{0, 96, 97.5}, Bar{3, 97.5, 98.5}, Bar{5, 98.3, 99.3}));
 
 TEST(Virtualizer, GroundThatIsLookedForServesAsWellAsOneThatIsTold) {
   for (const auto& set_up : sim::yard_cases()) {
