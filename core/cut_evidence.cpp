@@ -49,7 +49,14 @@ inline CutEvidence::Ray CutEvidence::ray(std::size_t i) const {
 
 inline void CutEvidence::add(const Ray& first, const Ray& seen_along, float to) {
   const float begin = tilted_ ? (fast_atan2(first.y, first.x) + static_cast<float>(pi_d)) * per_rad_ : 0;
-  wedges_.push_back({first.at, std::min(to, farthest_), seen_along.x, seen_along.y, begin});
+  wedges_.push_back({first.at, std::min(to, farthest_), blind_, seen_along.x, seen_along.y, begin});
+  blind_ = 0;
+}
+
+/// A column whose beams do not look in one direction needs it by itself.
+void CutEvidence::add_blind(const Ray& lowest) {
+  blind_ = lowest.at;
+  add(lowest, lowest, -1);
 }
 
 /// Those whose middle lies within half a column of `azimuth`.
@@ -95,13 +102,13 @@ void CutEvidence::take_wedges() {
   for (std::size_t i = 0; i < n; ++i) {
     const Wedge& wedge = wedges_[i];
     const Cells cells = cells_at(azimuths[i]);
-    if (wedge.to < 0) {
-      for (std::size_t k = cells.first; k <= cells.last; ++k) cell(k).blind = wedge.from;
-    } else if (tilted_) {
-      take_tilted(wedge, azimuths[i]);
-    } else {
-      claim(cells, wedge.from, wedge.to);
+    if (wedge.blind > 0) {
+      for (std::size_t k = cells.first; k <= cells.last; ++k) cell(k).blind = wedge.blind;
     }
+    if (tilted_ && wedge.to >= 0)
+      take_tilted(wedge, azimuths[i]);
+    else
+      claim(cells, wedge.from, wedge.to);
   }
 }
 
@@ -152,14 +159,13 @@ void CutEvidence::find_wedges(std::size_t column) {
   while (k < rings_ && mark(k) == 0) ++k;
   if (k == rings_) return;
   const std::size_t lowest = beam(base, k);
-  if (sign_ * view_->above(lowest) < sensor_) {
-    const Ray nearest = ray(lowest);
-    add(nearest, nearest, -1);
-  }
-  for (;;) {
+  const bool in_line = (mark(k) & crosses) != 0 && !tilted_ && view_->grid().fired_in_columns();
+  if (!in_line && sign_ * view_->above(lowest) < sensor_) add_blind(ray(lowest));
+  for (bool nearest = in_line;; nearest = false) {
     while (k < rings_ && (mark(k) & crosses) == 0) ++k;
     if (k == rings_) return;
     Ray first = ray(beam(base, k++));
+    if (nearest) blind_ = first.at;
     for (; k < rings_ && (mark(k) & crosses) != 0; ++k) {
       if (!tilted_) continue;
       const Ray next = ray(beam(base, k));

@@ -51,9 +51,10 @@ class CutEvidence {
     float end = 0;       ///< m, level in the plane, where it ends
     float at = 0;        ///< m, level in the plane, where it crosses or would
   };
-  /// A free piece between neighbouring beams, or (`to` < 0) what no beam sees up to `from`.
+  /// A free piece between neighbouring beams; nearer than `blind` no beam of its column sees the plane.
   struct Wedge {
     float from, to;
+    float blind;
     float x, y;   // towards the beam that it is seen along
     float begin;  // cells, where the plane leans the azimuth of the beam it begins with
   };
@@ -61,6 +62,7 @@ class CutEvidence {
   void mark_beams();
   Ray ray(std::size_t i) const;
   void add(const Ray& first, const Ray& seen_along, float to);
+  void add_blind(const Ray& lowest);
   /// Of the beams of a column, in order away from the sensor's foot, the k-th.
   std::size_t beam(std::size_t base, std::size_t k) const { return base + (sign_ > 0 ? k : rings_ - 1 - k); }
   void find_wedges(std::size_t column);
@@ -86,6 +88,7 @@ class CutEvidence {
   std::size_t rings_ = 0;
   const BeamEnd* ends_ = nullptr;
   std::array<float, 6> axes_{};  // of the frame's x and y in the cloud's frame
+  float blind_ = 0;              // m, of the next wedge
   float farthest_ = 0;           // m, where something stands in the column at hand
   const PlaneView* view_ = nullptr;
   const PlaneTops* tops_ = nullptr;

@@ -47,6 +47,9 @@ class RingGrid {
   /// are known. `columns_to_now`, if not empty, moves the returns of each of the cloud's columns.
   bool organise(const Cloud& cloud, const std::vector<Pose>& columns_to_now = {});
   const char* why_not() const { return why_not_; }
+  /// True if the beams of a column were fired one after the other, in nearly one direction; else returns were
+  /// put into columns by their azimuths.
+  bool fired_in_columns() const { return !by_azimuth_; }
 
   std::size_t rings() const { return rings_; }
   std::size_t columns() const { return columns_; }

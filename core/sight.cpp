@@ -249,9 +249,7 @@ float Sight::blind_to(std::size_t beam, float end) const {
   const std::size_t last = table_.steps_to(end);
   std::size_t m = 0;
   while (m < last && !is_blind(m)) ++m;
-  if (m >= last) return 0;
-  while (m < last && is_blind(m)) ++m;
-  return std::min(table_.edge(m), end);
+  return m < last ? std::min(table_.edge(free_run(profiles_.size() - 1, beam, m, last)), end) : 0;
 }
 
 void Sight::encode(Profile profile, PlanarScan& scan, bool with_intensities) const {
