@@ -38,13 +38,15 @@ bool CloudMotion::find_borders(Stamp end, const Pose& vehicle_from_cloud, const 
   return true;
 }
 
-/// The motion of a return `after_s` after the begin; of one outside of the cloud's time that of its end.
-CloudMotion::Matrix CloudMotion::at(double after_s) const {
+Pose CloudMotion::at(double after_s) const {
+  Pose pose = Pose::Identity();
+  if (stands()) return pose;
   const double last = static_cast<double>(borders_.size() - 1);
   const double place = border_span_s_ > 0 && after_s > 0 ? std::min(after_s / border_span_s_, last) : 0;
   const auto before = std::min(static_cast<std::size_t>(place), borders_.size() - 2);
   const double share = place - static_cast<double>(before);
-  return borders_[before] + share * (borders_[before + 1] - borders_[before]);
+  pose.affine() = borders_[before] + share * (borders_[before + 1] - borders_[before]);
+  return pose;
 }
 
 bool CloudMotion::find(const Cloud& cloud, const Pose& vehicle_from_cloud, const PoseTrack& track) {
@@ -59,27 +61,8 @@ bool CloudMotion::find(const Cloud& cloud, const Pose& vehicle_from_cloud, const
     return false;
   }
   if (borders_.empty()) return true;
-  Pose pose = Pose::Identity();
-  for (const CloudColumn& column : cloud.columns) {
-    pose.affine() = at(seconds(column.stamp - begin_));
-    columns_.push_back(pose);
-  }
+  for (const CloudColumn& column : cloud.columns) columns_.push_back(at(seconds(column.stamp - begin_)));
   return true;
-}
-
-const Cloud& CloudMotion::moved(const Cloud& cloud) {
-  if (!cloud.columns.empty() || borders_.empty()) return cloud;
-  copy_ = cloud;
-  for (std::size_t i = 0; i < copy_.size(); ++i) {
-    CloudPoint& point = copy_.points()[i];
-    const Eigen::Vector3d p = at(static_cast<double>(point.time)) *
-                              Eigen::Vector4d(static_cast<double>(point.x), static_cast<double>(point.y),
-                                              static_cast<double>(point.z), 1);
-    point.x = static_cast<float>(p.x());
-    point.y = static_cast<float>(p.y());
-    point.z = static_cast<float>(p.z());
-  }
-  return copy_;
 }
 
 }  // namespace lidard

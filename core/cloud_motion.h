@@ -16,17 +16,18 @@ class CloudMotion {
   bool find(const Cloud& cloud, const Pose& vehicle_from_cloud, const PoseTrack& track);
 
   Stamp instant() const { return instant_; }
-  /// By column of the cloud: from where the lidar was to where it is at the instant. Empty for a cloud
-  /// without columns and while the vehicle stands.
+  /// Nothing moved: returns stay where they are to the last bit.
+  bool stands() const { return borders_.empty(); }
+  /// From where the lidar was so long after the cloud's stamp to where it is at the instant. Outside of the
+  /// cloud's time the motion of its begin or end.
+  Pose at(double after_s) const;
+  /// The same by column of the cloud; empty for a cloud without columns and while the vehicle stands.
   const std::vector<Pose>& columns() const { return columns_; }
-  /// The cloud itself if it has columns or stands, else a copy with its points moved by their own times.
-  const Cloud& moved(const Cloud& cloud);
 
  private:
   using Matrix = Eigen::Matrix<double, 3, 4>;
 
   bool find_borders(Stamp end, const Pose& vehicle_from_cloud, const PoseTrack& track);
-  Matrix at(double after_s) const;
 
   Stamp begin_{}, instant_{};
   double border_span_s_ = 0;
@@ -34,7 +35,6 @@ class CloudMotion {
   // it changes linearly: at 1.2 rad/s and 10 m this is 2 micrometres off.
   std::vector<Matrix> borders_;
   std::vector<Pose> columns_;
-  Cloud copy_;
 };
 
 }  // namespace lidard

@@ -67,15 +67,15 @@ void RingGrid::set_footprint(const Footprint& own, const Pose& vehicle_from_clou
   own_reach_ = static_cast<float>(reach);
 }
 
-bool RingGrid::organise(const Cloud& cloud, const std::vector<Pose>& columns_to_now) {
+bool RingGrid::organise(const Cloud& cloud, const CloudMotion* motion) {
   early.clear();
   why_not_ = "";
   by_azimuth_ = !fires_in_columns(cloud);
   if (!by_azimuth_) {
-    organise_columns(cloud, columns_to_now);
+    organise_columns(cloud, motion);
     return true;
   }
-  return organise_points(cloud);
+  return organise_points(cloud, motion);
 }
 
 bool RingGrid::fires_in_columns(const Cloud& cloud) {
@@ -108,14 +108,14 @@ void RingGrid::clear_grid(std::size_t columns, std::size_t rings) {
     kind.reserve(room);
     fired_.reserve(room / rings);
     azimuths_.reserve(room / rings);
-    sources_.reserve(room / rings);
+    times_.reserve(room / rings);
   }
   ends.resize(cells);
   range.resize(cells);
   kind.assign(cells, Beam::unknown);
   fired_.assign(columns, 0);
   azimuths_.assign(columns, 0);
-  sources_.assign(columns, 0);
+  times_.assign(columns, 0);
 }
 
 void RingGrid::number_columns(const Cloud& cloud) {
@@ -156,21 +156,21 @@ void RingGrid::open_column(std::size_t column, double azimuth) {
   }
 }
 
-void RingGrid::organise_columns(const Cloud& cloud, const std::vector<Pose>& columns_to_now) {
+void RingGrid::organise_columns(const Cloud& cloud, const CloudMotion* motion) {
   table_.set_rings(cloud.rings);
   table_.learn(cloud, true);
   number_columns(cloud);
   number_shifts();
-  const bool moves = !columns_to_now.empty();
+  const bool moves = motion != nullptr && !motion->stands();
   for (std::size_t c = 0; c < cloud.columns.size(); ++c) {
     if (places_[c] == nowhere) continue;
     if (fired_[places_[c]] == 0) open_column(places_[c], static_cast<double>(cloud.columns[c].azimuth));
-    sources_[places_[c]] = static_cast<std::uint32_t>(c);
-    fill_column(cloud, c, moves ? &columns_to_now[c] : nullptr);
+    times_[places_[c]] = static_cast<float>(seconds(cloud.columns[c].stamp - cloud.stamp));
+    fill_column(cloud, c, moves ? &motion->columns()[c] : nullptr);
   }
   if (!moves) measure_ranges();
   mark_too_near(cloud);
-  place_without_return(columns_to_now);
+  place_without_return(motion);
   bridge_single_gaps();
 }
 
@@ -274,17 +274,19 @@ void RingGrid::put(std::size_t at, const CloudPoint& point, const Pose* move) {
   // firings are not known, it may be two beams of a fine ring: the nearer one hides.
   const bool again = kind[at] == Beam::point;
   const bool is_nearer = again && far < range[at];
-  const BeamEnd& known = ends[at];
-  if (again && settings_.early_returns)
-    early.push_back(is_nearer ? point : CloudPoint{known.x, known.y, known.z, known.intensity, 0, 0});
-  if (again && is_nearer != by_azimuth_) return;
   if (move != nullptr) move_end(end, *move);
+  if (again && settings_.early_returns) {
+    const BeamEnd& first = is_nearer ? end : ends[at];
+    early.push_back({first.x, first.y, first.z, first.intensity, 0, 0});
+  }
+  if (again && is_nearer != by_azimuth_) return;
   kind[at] = Beam::point;
   range[at] = far;
   ends[at] = end;
 }
 
-void RingGrid::place_without_return(const std::vector<Pose>& columns_to_now) {
+void RingGrid::place_without_return(const CloudMotion* motion) {
+  const bool moves = motion != nullptr && !motion->stands();
   const double reach = settings_.no_return_free_range;
   level_.resize(rings_);
   rise_.resize(rings_);
@@ -297,6 +299,7 @@ void RingGrid::place_without_return(const std::vector<Pose>& columns_to_now) {
     if (!holds(beams, rings_, static_cast<std::uint8_t>(Beam::none))) continue;
     float cosine = 0;
     float sine = 0;
+    Pose move = Pose::Identity();
     bool ready = false;
     for (std::size_t r = 0; r < rings_; ++r) {
       if (beams[r] != Beam::none) continue;
@@ -310,12 +313,13 @@ void RingGrid::place_without_return(const std::vector<Pose>& columns_to_now) {
         const float azimuth = azimuths_[from] + (from == c ? 0 : static_cast<float>(step_));
         cosine = std::cos(azimuth);
         sine = -std::sin(azimuth);
+        if (moves) move = motion->at(static_cast<double>(times_[from]));
         ready = true;
       }
       const std::size_t at = index(c, r);
       ends[at] = {level_[r] * cosine, level_[r] * sine, rise_[r], 0};
       range[at] = static_cast<float>(reach);
-      if (!columns_to_now.empty()) move_end(ends[at], columns_to_now[sources_[c]]);
+      if (moves) move_end(ends[at], move);
     }
   }
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/cloud.h"
+#include "core/cloud_motion.h"
 #include "core/footprint.h"
 #include "core/ring_table.h"
 
@@ -44,8 +45,8 @@ class RingGrid {
   /// inside are the vehicle's.
   void set_footprint(const Footprint& own, const Pose& vehicle_from_cloud);
   /// Takes a cloud; false if rings and columns cannot be told from it (`why_not`), so that only its points
-  /// are known. `columns_to_now`, if not empty, moves the returns of each of the cloud's columns.
-  bool organise(const Cloud& cloud, const std::vector<Pose>& columns_to_now = {});
+  /// are known. `motion` moves the ends of beams; which beam is which is told by where they were measured.
+  bool organise(const Cloud& cloud, const CloudMotion* motion = nullptr);
   const char* why_not() const { return why_not_; }
   /// True if the beams of a column were fired one after the other, in nearly one direction; else returns were
   /// put into columns by their azimuths.
@@ -74,7 +75,7 @@ class RingGrid {
 
  private:
   bool fires_in_columns(const Cloud& cloud);
-  void organise_columns(const Cloud& cloud, const std::vector<Pose>& columns_to_now);
+  void organise_columns(const Cloud& cloud, const CloudMotion* motion);
   void number_columns(const Cloud& cloud);
   void number_shifts();
   void open_column(std::size_t column, double azimuth);
@@ -82,16 +83,16 @@ class RingGrid {
   void measure_ranges();
   void sort_out(std::size_t column);
   void mark_too_near(const Cloud& cloud);
-  bool organise_points(const Cloud& cloud);
+  bool organise_points(const Cloud& cloud, const CloudMotion* motion);
   bool number_rings(const Cloud& cloud);
   bool measure_step(const Cloud& cloud);
   void measure_phases(const Cloud& cloud);
-  void place_points(const Cloud& cloud);
+  void place_points(const Cloud& cloud, const CloudMotion* motion);
   void open_gaps();
   void clear_grid(std::size_t columns, std::size_t rings);
   void put(std::size_t at, const CloudPoint& point, const Pose* move);
   bool is_own(const BeamEnd& end) const;
-  void place_without_return(const std::vector<Pose>& columns_to_now);
+  void place_without_return(const CloudMotion* motion);
   void bridge_single_gaps();
   void bridge(std::size_t before, std::size_t at, std::size_t after);
 
@@ -110,7 +111,7 @@ class RingGrid {
   std::vector<float> level_, rise_;  // of the end of a beam without return, m
   std::vector<char> fired_;
   std::vector<float> azimuths_;              // rad per column, counted clockwise
-  std::vector<std::uint32_t> sources_;       // the cloud's column that fired a column
+  std::vector<float> times_;                 // s after the cloud's stamp, per column
   std::vector<double> turns_;                // rad from the column before, of each of the cloud's columns
   std::vector<std::uint32_t> places_;        // column of each of the cloud's columns
   std::vector<std::uint32_t> shifts_;        // columns by which a ring points ahead, less than columns_
@@ -121,9 +122,8 @@ class RingGrid {
   std::vector<float> point_azimuths_;        // rad per point, counted clockwise from behind: >= 0
   std::vector<std::uint16_t> point_rows_;    // per point; 0xFFFF: none
   std::size_t measured_rings_ = 0;           // rings when step_ was measured
-  std::vector<float> last_azimuths_;         // per ring
   std::vector<float> phases_, phase_sines_;  // per ring: where in a column's width its beams are
-  std::vector<std::vector<float>> steps_;    // per ring
+  std::vector<std::vector<float>> steps_;    // per ring; first the azimuths between which they are
 };
 
 }  // namespace lidard

@@ -64,15 +64,17 @@ bool RingGrid::number_rings(const Cloud& cloud) {
 /// The coarsest ring's step between returns: finer rings then have several returns per column.
 bool RingGrid::measure_step(const Cloud& cloud) {
   steps_.resize(rings_);
-  last_azimuths_.assign(rings_, -1);
-  for (auto& steps : steps_) steps.clear();
+  for (auto& azimuths : steps_) azimuths.clear();
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const std::size_t row = point_rows_[i];
-    if (row >= rings_) continue;
-    const float azimuth = point_azimuths_[i];
-    const float step = last_azimuths_[row] < 0 ? 0 : std::fabs(azimuth - last_azimuths_[row]);
-    last_azimuths_[row] = azimuth;
-    if (step > shortest_step && step < longest_step) steps_[row].push_back(step);
+    if (point_rows_[i] < rings_) steps_[point_rows_[i]].push_back(point_azimuths_[i]);
+  }
+  for (auto& steps : steps_) {
+    // Other drivers' points may come in any order.
+    std::sort(steps.begin(), steps.end());
+    std::adjacent_difference(steps.begin(), steps.end(), steps.begin());
+    if (!steps.empty()) steps.front() = 0;
+    const auto is_none = [](float step) { return !(step > shortest_step && step < longest_step); };
+    steps.erase(std::remove_if(steps.begin(), steps.end(), is_none), steps.end());
   }
   float coarsest = 0;
   for (auto& steps : steps_) {
@@ -110,7 +112,8 @@ void RingGrid::measure_phases(const Cloud& cloud) {
   for (std::size_t r = 0; r < rings_; ++r) phases_[r] = fast_atan2(phase_sines_[r], phases_[r]) / turn;
 }
 
-void RingGrid::place_points(const Cloud& cloud) {
+void RingGrid::place_points(const Cloud& cloud, const CloudMotion* motion) {
+  const bool moves = motion != nullptr && !motion->stands();
   const auto per_rad = static_cast<float>(1 / step_);
   const auto columns = static_cast<std::size_t>(std::lround(static_cast<double>(turn) / step_));
   clear_grid(columns, rings_);
@@ -125,7 +128,10 @@ void RingGrid::place_points(const Cloud& cloud) {
     if (column >= columns) column -= columns;
     fired_[column] = 1;
     azimuths_[column] = static_cast<float>(column) * static_cast<float>(step_) - turn / 2;
-    put(index(column, row), cloud.points()[i], nullptr);
+    const CloudPoint& point = cloud.points()[i];
+    times_[column] = point.time;
+    const Pose move = moves ? motion->at(static_cast<double>(point.time)) : Pose::Identity();
+    put(index(column, row), point, moves ? &move : nullptr);
   }
 }
 
@@ -140,7 +146,7 @@ void RingGrid::open_gaps() {
   }
 }
 
-bool RingGrid::organise_points(const Cloud& cloud) {
+bool RingGrid::organise_points(const Cloud& cloud, const CloudMotion* motion) {
   if (!number_rings(cloud)) {
     why_not_ = "its returns do not fall into rings";
     return false;
@@ -169,9 +175,9 @@ bool RingGrid::organise_points(const Cloud& cloud) {
     return false;
   }
   measure_phases(cloud);
-  place_points(cloud);
+  place_points(cloud, motion);
   open_gaps();
-  place_without_return({});
+  place_without_return(motion);
   bridge_single_gaps();
   return true;
 }

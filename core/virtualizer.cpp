@@ -48,14 +48,12 @@ void Virtualizer::place_cloud(const Pose& vehicle_from_cloud) {
   for (auto& frame : frames_) frame->placed = false;
 }
 
-void Virtualizer::set_cloud(const Cloud& cloud, const Pose& vehicle_from_cloud,
-                            const std::vector<Pose>* columns_to_now) {
-  static const std::vector<Pose> none;
+void Virtualizer::set_cloud(const Cloud& cloud, const Pose& vehicle_from_cloud, const CloudMotion* motion) {
   cloud_ = &cloud;
-  columns_to_now_ = columns_to_now == nullptr ? &none : columns_to_now;
+  motion_ = motion != nullptr && !motion->stands() ? motion : nullptr;
   place_cloud(vehicle_from_cloud);
   if (!settings_.sight) return;
-  organised_ = grid_.organise(cloud, *columns_to_now_);
+  organised_ = grid_.organise(cloud, motion_);
   if (!organised_) return;
   find_ground(grid_, settings_.ground, vehicle_from_cloud, ground_);
   links_.set(grid_, settings_.how.noise);
@@ -63,21 +61,33 @@ void Virtualizer::set_cloud(const Cloud& cloud, const Pose& vehicle_from_cloud,
   view_.set_cloud(grid_, ground_, links_, up);
 }
 
-void Virtualizer::flatten(const Pose& virtual_from_cloud, PlanarScan& scan) {
-  const Pose vehicle = virtual_from_cloud * vehicle_from_cloud_.inverse();
-  if (!own_.empty()) flattener_.set_footprint(own_.transformed(vehicle));
-  flattener_.begin(scan, true);
-  const bool moves = !columns_to_now_->empty();
+/// Calls use(return, its place in the virtual frame) for all at heights that count but the vehicle's own.
+/// These go with it: their place when they were measured tells.
+template <class Use>
+void Virtualizer::each_return(const Pose& virtual_from_cloud, Use use) const {
   std::size_t column = 0;
   Pose pose = virtual_from_cloud;
   for (std::size_t i = 0; i < cloud_->size(); ++i) {
-    if (moves) {
-      while (column + 1 < cloud_->columns.size() && cloud_->columns[column + 1].first_point <= i) ++column;
-      if (i == cloud_->columns[column].first_point) pose = virtual_from_cloud * (*columns_to_now_)[column];
-    }
     const CloudPoint& point = cloud_->points()[i];
-    flattener_.add(pose.linear() * place_of(point) + pose.translation(), point.intensity);
+    if (motion_ != nullptr && cloud_->columns.empty()) {
+      pose = virtual_from_cloud * motion_->at(static_cast<double>(point.time));
+    } else if (motion_ != nullptr) {
+      const std::size_t before = column;
+      while (column + 1 < cloud_->columns.size() && cloud_->columns[column + 1].first_point <= i) ++column;
+      if (column != before || i == 0) pose = virtual_from_cloud * motion_->columns()[column];
+    }
+    const Eigen::Vector3d place = pose.linear() * place_of(point) + pose.translation();
+    if (!(place.z() >= band_.min && place.z() <= band_.max)) continue;
+    if (!own_.empty() && own_.contains((vehicle_from_cloud_ * place_of(point)).head<2>())) continue;
+    use(point, place);
   }
+}
+
+void Virtualizer::flatten(const Pose& virtual_from_cloud, PlanarScan& scan) {
+  flattener_.begin(scan, true);
+  each_return(virtual_from_cloud, [this](const CloudPoint& point, const Eigen::Vector3d& place) {
+    flattener_.add(place, point.intensity);
+  });
 }
 
 void Virtualizer::place(Frame& frame, const Pose& virtual_from_cloud) const {
@@ -110,19 +120,15 @@ float Virtualizer::evidence_level(const Pose& virtual_from_cloud) const {
 
 /// Single points at heights that count: earlier returns, and all where no surfaces are known.
 void Virtualizer::splat_points(Frame& frame, const Pose& virtual_from_cloud) {
-  const auto splat = [&](const CloudPoint& point) {
-    const Eigen::Vector3d p = virtual_from_cloud * place_of(point);
-    if (!(p.z() >= band_.min && p.z() <= band_.max)) return;
-    const Eigen::Vector3d in_vehicle = vehicle_from_cloud_ * place_of(point);
-    if (own_.contains(in_vehicle.head<2>())) return;
+  const auto splat = [&frame](const CloudPoint& point, const Eigen::Vector3d& p) {
     frame.sight.raster().draw_point({static_cast<float>(p.x()), static_cast<float>(p.y()), point.intensity},
                                     frame.sight.surfaces());
   };
-  if (organised_) {
-    for (const CloudPoint& point : grid_.early) splat(point);
-    return;
+  if (!organised_) each_return(virtual_from_cloud, splat);
+  for (const CloudPoint& point : grid_.early) {
+    const Eigen::Vector3d place = virtual_from_cloud * place_of(point);
+    if (place.z() >= band_.min && place.z() <= band_.max) splat(point, place);
   }
-  for (std::size_t i = 0; i < cloud_->size(); ++i) splat(cloud_->points()[i]);
 }
 
 void Virtualizer::look(Frame& frame, const Pose& virtual_from_cloud) {

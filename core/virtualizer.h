@@ -43,10 +43,9 @@ class Virtualizer {
 
   /// The vehicle's outline (in its own frame, without margin); returns inside it and near it are left out.
   void set_footprint(const Footprint& footprint);
-  /// The cloud of the following scans; it must stay alive. `columns_to_now` moves the returns
-  /// of each column to the instant that the scans shall show.
-  void set_cloud(const Cloud& cloud, const Pose& vehicle_from_cloud,
-                 const std::vector<Pose>* columns_to_now = nullptr);
+  /// The cloud of the following scans; it must stay alive, and so must `motion`, which moves its returns to
+  /// the instant that the scans shall show.
+  void set_cloud(const Cloud& cloud, const Pose& vehicle_from_cloud, const CloudMotion* motion = nullptr);
   /// Makes the scans of one frame; `virtual_from_cloud` takes the cloud's coordinates to it. Stamp and frame
   /// period come from the cloud; the caller sets the frame's name.
   void project(std::size_t frame, const Pose& virtual_from_cloud, const std::vector<VirtualScan>& outputs);
@@ -66,6 +65,8 @@ class Virtualizer {
     bool placed = false;
   };
   void place_cloud(const Pose& vehicle_from_cloud);
+  template <class Use>
+  void each_return(const Pose& virtual_from_cloud, Use use) const;
   void flatten(const Pose& virtual_from_cloud, PlanarScan& scan);
   void look(Frame& frame, const Pose& virtual_from_cloud);
   void cut_slice(Sight& sight, double level);
@@ -81,7 +82,7 @@ class Virtualizer {
   Footprint own_;  // with its margin
   bool placed_ = false;
   const Cloud* cloud_ = nullptr;
-  const std::vector<Pose>* columns_to_now_ = nullptr;
+  const CloudMotion* motion_ = nullptr;  // nullptr: everything stands
   Pose vehicle_from_cloud_ = Pose::Identity();
   bool organised_ = false;
   RingGrid grid_;

@@ -51,8 +51,7 @@ Stamp VirtualOutput::take(const Cloud& cloud, const Pose& vehicle_from_cloud) {
   const bool moves = track != nullptr && motion_.find(cloud, vehicle_from_cloud, *track);
   stands_ = track != nullptr && !moves;
   if (stands_) ++without_motion_;
-  virtualizer_.set_cloud(moves ? motion_.moved(cloud) : cloud, vehicle_from_cloud,
-                         moves ? &motion_.columns() : nullptr);
+  virtualizer_.set_cloud(cloud, vehicle_from_cloud, moves ? &motion_ : nullptr);
   if (virtualizer_.why_no_surfaces()[0] != '\0') ++without_rings_;
   return moves ? motion_.instant() : cloud.stamp;
 }

@@ -46,6 +46,13 @@ void by_azimuth(Cloud& cloud) {
       [](const CloudPoint& a, const CloudPoint& b) { return std::atan2(a.y, a.x) < std::atan2(b.y, b.x); });
 }
 
+void shuffled(Cloud& cloud) {
+  sim::Rng rng(11);
+  for (std::size_t i = cloud.size() - 1; i > 0; --i)
+    std::swap(cloud.points()[i],
+              cloud.points()[static_cast<std::size_t>(rng.uniform() * static_cast<double>(i + 1))]);
+}
+
 void by_ring_without_rings(Cloud& cloud) {
   by_ring(cloud);
   for (std::size_t i = 0; i < cloud.size(); ++i) cloud.points()[i].ring = 0;
@@ -93,7 +100,7 @@ TEST_P(VirtualTopics, ShowAYardNearlyAsWellAsCloudsWhoseColumnsAreKnown) {
 INSTANTIATE_TEST_SUITE_P(Orders, VirtualTopics,
                          ::testing::Values(Order{"firing", by_firing, 1}, Order{"ring", by_ring, 1},
                                            Order{"ring_from_above", by_ring_from_above, 1},
-                                           Order{"azimuth", by_azimuth, 1},
+                                           Order{"azimuth", by_azimuth, 1}, Order{"shuffled", shuffled, 1},
                                            Order{"ring_without_rings", by_ring_without_rings, 1},
                                            Order{"firing_without_rings", by_firing_without_rings, 1},
                                            Order{"rounded", rounded, 1}),

@@ -97,7 +97,7 @@ TEST(VirtualMotion, ScansAreOfTheInstantOfTheirStampAndMissingPosesAreTold) {
     for (std::size_t beam = 0; beam < scan.beams; ++beam) {
       const double angle = static_cast<double>(scan.angle(beam)) + yaw;
       if (std::cos(angle) < 0.6 || scan.statuses[beam] != BeamStatus::hit) continue;
-      EXPECT_NEAR(static_cast<double>(scan.ranges[beam]), 8 / std::cos(angle), 0.08) << i << ", " << beam;
+      EXPECT_NEAR(static_cast<double>(scan.ranges[beam]), 8 / std::cos(angle), 0.02) << i << ", " << beam;
     }
   }
   EXPECT_EQ(vehicle.told().health, Health::ok) << vehicle.told().message;

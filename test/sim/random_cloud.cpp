@@ -84,7 +84,8 @@ void read_column(Bytes& in, const Layout& layout, std::size_t number, std::size_
   double azimuth = layout.begin + layout.step * static_cast<double>(number);
   if (in.chance(8)) azimuth = in.between(-10, 10);
   const Stamp stamp = cloud.stamp + std::chrono::microseconds(50 * number);
-  for (std::uint8_t echo = 0; echo < (layout.dual ? 2 : 1); ++echo) {
+  const std::uint8_t echoes = layout.dual ? 2 : 1;
+  for (std::uint8_t echo = 0; echo < echoes; ++echo) {
     if (layout.has_columns)
       cloud.columns.push_back({static_cast<std::uint32_t>(cloud.size()), 0, 0, echo,
                                static_cast<float>(azimuth),
@@ -150,8 +151,7 @@ class Run {
     if (in_.chance(128)) track_.add(now_, read_pose(in_));
     if (in_.chance(128)) track_.add(now_ + std::chrono::milliseconds(100), read_pose(in_));
     const bool moves = in_.chance(160) && motion_.find(cloud_, vehicle_from_cloud_, track_);
-    virtualizer_.set_cloud(moves ? motion_.moved(cloud_) : cloud_, vehicle_from_cloud_,
-                           moves ? &motion_.columns() : nullptr);
+    virtualizer_.set_cloud(cloud_, vehicle_from_cloud_, moves ? &motion_ : nullptr);
     std::vector<VirtualScan> outputs = {{Profile::flatten, &scans_[0]}};
     if (settings_.sight) {
       outputs.push_back({Profile::strict, &scans_[1]});
