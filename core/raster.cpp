@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/raster.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -12,6 +13,9 @@ namespace {
 
 // Nearer to the origin than this there is no direction.
 constexpr float nearest = 0.001F;
+
+// Segments that reach less far across a beam lie along it, m.
+constexpr float narrowest = 2e-4F;
 
 // So much of the way to the next beam a surface more likely than not goes on.
 constexpr float likely = 0.5F;
@@ -191,10 +195,11 @@ void Raster::fill(Point p, Point q, float from, float to, RangeLayer& layer) con
     const float side_p = c * p.y - s * p.x;
     const float side_q = c * q.y - s * q.x;
     const float both = side_p - side_q;
-    if (std::fabs(both) < 1e-9F) continue;
-    const float share = side_p / both;
     const float ahead_p = c * p.x + s * p.y;
     const float ahead_q = c * q.x + s * q.y;
+    // Of a surface that lies along the beam its nearer end counts.
+    const float along = ahead_p < ahead_q ? 0.0F : 1.0F;
+    const float share = std::fabs(both) < narrowest ? along : std::clamp(side_p / both, 0.0F, 1.0F);
     const float range = ahead_p + share * (ahead_q - ahead_p);
     if (range > nearest) keep_nearer(layer, beam, range, p.intensity + share * (q.intensity - p.intensity));
   }

@@ -46,7 +46,8 @@ class BandTruth {
  private:
   template <class Use>
   void each_height(Use use) const {
-    for (double z = band_.min + 0.001; z < band_.max; z += 0.05) use(z);
+    const int heights = static_cast<int>((band_.max - band_.min) / 0.05);
+    for (int i = 0; i < heights; ++i) use(band_.min + 0.001 + 0.05 * i);
   }
   double cast(double angle, double z) const {
     return yard_.cast({{at_.x(), at_.y(), z}, {std::cos(angle), std::sin(angle), 0}}, false);
@@ -162,15 +163,19 @@ TEST(VirtualBand, ABeamOverheadIsInTheBandAndNotInTheSlice) {
     const Cloud cloud = seen(yard, lidar);
     Cut slice;
     slice.make(cloud, lidar.pose);
-    Cut band = band_cut({0, 2.5});
-    band.settings.how.noise = 0.005;
-    band.frame = make_pose({0.6, 0.25, 0}, {0, 0, 0});
-    band.make(cloud, lidar.pose);
-    for (double angle = -15; angle <= 15; angle += 0.5) {
-      const double ahead = std::cos(slice.grid.angle(slice.grid.nearest(angle * degree)));
-      EXPECT_NEAR(slice.range(slice.strict, angle * degree), 20 / ahead, 0.01) << rings << ", " << angle;
-      EXPECT_NEAR(band.range(band.strict, angle * degree), 6.9 / ahead, 0.02) << rings << ", " << angle;
-      EXPECT_NEAR(band.range(band.safety, angle * degree), 6.9 / ahead, 0.02) << rings << ", " << angle;
+    // Straight beneath the lidar, where face and underside lie along the beams, and beside it.
+    for (const Eigen::Vector2d& at : {Eigen::Vector2d(0, 0), Eigen::Vector2d(0.6, 0.25)}) {
+      Cut band = band_cut({0, 2.5});
+      band.settings.how.noise = 0.005;
+      band.frame = make_pose({at.x(), at.y(), 0}, {0, 0, 0});
+      band.make(cloud, lidar.pose);
+      for (int step = -30; step <= 30; ++step) {
+        const double angle = step * degree / 2;
+        const double ahead = std::cos(slice.grid.angle(slice.grid.nearest(angle)));
+        EXPECT_NEAR(slice.range(slice.strict, angle), 20 / ahead, 0.01) << rings << ", " << step;
+        EXPECT_NEAR(band.range(band.strict, angle), (7.5 - at.x()) / ahead, 0.02) << rings << ", " << step;
+        EXPECT_NEAR(band.range(band.safety, angle), (7.5 - at.x()) / ahead, 0.02) << rings << ", " << step;
+      }
     }
   }
 }
@@ -207,7 +212,7 @@ TEST(VirtualBand, WhatStandsInFrontHidesWhatIsBehindAsSeenFromTheVirtualFrame) {
     cut.settings.how.noise = 0.005;
     cut.make(seen(yard, lidar16()), lidar16().pose);
     const bool reaches = band.min < 1;
-    for (double angle = -8; angle <= 8; angle += 1) {
+    for (int angle = -8; angle <= 8; ++angle) {
       const double ahead = std::cos(cut.grid.angle(cut.grid.nearest(angle * degree)));
       const double truth = ((reaches ? 5.75 : 15) - 1.5) / ahead;
       EXPECT_NEAR(cut.range(cut.safety, angle * degree), truth, 0.05) << band.min << ", " << angle;
