@@ -18,8 +18,6 @@ constexpr std::size_t checksum_bytes = 4;
 constexpr std::size_t imu_bytes = 64;
 constexpr std::size_t encoder_bytes = 88;
 constexpr std::size_t msgpack_head_bytes = 8;
-/// Two times of 8 bytes and three angles of 4 bytes for each line.
-constexpr std::size_t line_bytes = 28;
 constexpr std::size_t module_fixed_bytes = 32;
 constexpr double theta_zero = 16384;
 constexpr double theta_per_rad = 5215;

@@ -271,7 +271,7 @@ void SopasDialogue::answer_step(const ColaTelegram& telegram, DriverOutput& out)
 
 void SopasDialogue::next_step(DriverOutput& out) {
   if (++step_ < steps_.size()) return ask(steps_[step_].telegram, out);
-  if (scan_target_ && steps_.size() > 0)
+  if (scan_target_ && !steps_.empty())
     data_output_ = (requests_.allow_write ? scan_wanted_ : *scan_target_).describe();
   hang_up(out);
 }

@@ -59,7 +59,7 @@ struct Vehicle {
     sim::YardLidar lidar;
     lidar.elevations = sim::even_rings(16, -15, 15);
     lidar.columns = 900;
-    lidar.path = [this, at](Span after) { return turned(at + after) * make_pose({0, 0, 2}, {0, 0, 0}); };
+    lidar.path = [at](Span after) { return turned(at + after) * make_pose({0, 0, 2}, {0, 0, 0}); };
     sim::Rng rng(1);
     Cloud cloud = sim::measure(yard, lidar, rng);
     cloud.columns.clear();

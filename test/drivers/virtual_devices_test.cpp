@@ -153,7 +153,7 @@ TEST(VirtualMrs1000, NothingIsSaidOfWhereItDoesNotLook) {
   cut.settings.beams.no_return_free_range = 20;
   cut.frame = make_pose({0, 0, 0.6}, {0, 0, 0});
   look(cut, seen.newest, 0.8);
-  for (double angle = 139; angle <= 221; angle += 1) {
+  for (int angle = 139; angle <= 221; ++angle) {
     EXPECT_EQ(cut.strict.statuses[cut.grid.nearest(angle * degree)], BeamStatus::invalid) << angle;
     EXPECT_EQ(cut.safety.statuses[cut.grid.nearest(angle * degree)], BeamStatus::invalid) << angle;
   }
