@@ -26,11 +26,6 @@ void HeightGroups::set_source(std::size_t source, const BeamRays& rays) {
   grouped_ = false;
 }
 
-void HeightGroups::set_reach(std::size_t source, float reach) {
-  members_[source].reach = reach;
-  if (grouped_) groups_[members_[source].group].set_reach(source, reach);
-}
-
 void HeightGroups::group() {
   const auto height = [this](std::size_t s) { return members_[s].rays.pose.translation().z(); };
   std::vector<std::size_t> order(members_.size());
@@ -45,7 +40,6 @@ void HeightGroups::group() {
     }
     members_[order[i]].group = groups_.size() - 1;
     groups_.back().set_source(order[i], members_[order[i]].rays);
-    groups_.back().set_reach(order[i], members_[order[i]].reach);
   }
   grouped_ = true;
 }

@@ -19,8 +19,6 @@ class HeightGroups {
   void set_footprint(const Footprint& footprint);
   /// Tells where a source looks from; needed once, and whenever it moves. Until it is told, nothing is free.
   void set_source(std::size_t source, const BeamRays& rays);
-  /// Tells how far it measures, m from its own place.
-  void set_reach(std::size_t source, float reach);
   /// Takes back what `sight`, computed from these sweeps, calls free and not every height does.
   void require(const std::vector<const Sweep*>& sweeps, Sight& sight);
 
@@ -28,7 +26,6 @@ class HeightGroups {
   struct Member {
     bool known = false;
     BeamRays rays;
-    float reach = 0;  // m
     std::size_t group = 0;
   };
   void group();

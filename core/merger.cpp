@@ -89,8 +89,6 @@ void Merger::take_sweep(std::size_t index, const PlanarScan& scan, const Pose& o
     if (cross_check_) cross_check_->set_source(index, source.rays);
     if (height_groups_) height_groups_->set_source(index, source.rays);
   }
-  sight_->set_reach(index, scan.range_max);
-  if (height_groups_) height_groups_->set_reach(index, scan.range_max);
   measure(scan, source.rays, settings_of(index), source.sweep);
   if (source.has_intensities || settings_.options.intensities != Intensities::on) return;
   source.sweep.intensity.assign(scan.beams, settings_.options.missing_intensity);

@@ -25,7 +25,6 @@ Sight::Sight(const ScanGrid& grid, const SightSettings& settings, std::size_t so
       raster_(grid),
       table_(raster_),
       rays_(sources),
-      reaches_(sources, 0),
       profiles_(sources),
       layers_(sources),
       range_max_(static_cast<float>(grid.range_max)),
@@ -38,7 +37,8 @@ Sight::Sight(const ScanGrid& grid, const SightSettings& settings, std::size_t so
       inside_(grid.beams),
       seen_(grid.beams, Seen::unobserved),
       covered_(grid.beams, 0) {
-  find_open_way();
+  const double asked = settings_.free_required > 0 ? settings_.free_required : grid.range_max;
+  open_ = std::min(static_cast<float>(asked), range_max_);
   nearest_.clear(grid.beams);
   doubtful_.clear(grid.beams);
 }
@@ -67,27 +67,6 @@ void Sight::set_source(std::size_t source, const BeamRays& rays) {
   profile.set(static_cast<float>(at.x()), static_cast<float>(at.y()), rays.increment, unit);
   profile.place_beams(rays.x.data(), rays.y.data(), rays.size());
   table_.set(source, rays_.size(), raster_, profile);
-  find_open_way();
-}
-
-void Sight::set_reach(std::size_t source, float reach) {
-  if (reaches_[source] == reach) return;
-  reaches_[source] = reach;
-  find_open_way();
-}
-
-void Sight::find_open_way() {
-  open_ = range_max_;
-  if (settings_.free_required > 0) {
-    open_ = std::min(static_cast<float>(settings_.free_required), range_max_);
-    return;
-  }
-  for (std::size_t s = 0; s < rays_.size(); ++s) {
-    // One that does not reach so far even from its own place is no measure for the others.
-    if (reaches_[s] < 0.99F * range_max_) continue;
-    const auto away = static_cast<float>(rays_[s].pose.translation().head<2>().norm());
-    open_ = std::min(open_, std::max(reaches_[s] - away, 0.0F));
-  }
 }
 
 void Sight::set_place(float x, float y, double width) {

@@ -16,14 +16,12 @@ namespace lidard {
 enum class Seen : std::uint8_t { unobserved, free, hit, behind, gap };
 
 struct SightSettings {
-  double noise = 0.02;      ///< the largest of the sources' standard deviations, m
-  double gap = 0.3;         ///< so much of the way may go unobserved, m ...
-  double gap_share = 0.05;  ///< ... or this share of the range, whichever is more
-  double approach = 0.12;   ///< so far before a surface the way must be free, m
-  /// How far a beam must be observed to be free, m; 0: range_max, but no farther than scanners that reach so
-  /// far from where they stand see in every direction.
-  double free_required = 0;
-  bool mean = false;  ///< surfaces that several sources see in one place are averaged
+  double noise = 0.02;       ///< the largest of the sources' standard deviations, m
+  double gap = 0.3;          ///< so much of the way may go unobserved, m ...
+  double gap_share = 0.05;   ///< ... or this share of the range, whichever is more
+  double approach = 0.12;    ///< so far before a surface the way must be free, m
+  double free_required = 0;  ///< how far a beam must be observed to be free, m; 0: range_max
+  bool mean = false;         ///< surfaces that several sources see in one place are averaged
 };
 
 /// What can be said from the origin of an output frame about the surfaces and the free space that several
@@ -36,8 +34,6 @@ class Sight {
   void set_footprint(const Footprint& footprint);
   /// Tells where a source looks from; needed once, and whenever it moves.
   void set_source(std::size_t source, const BeamRays& rays);
-  /// Tells how far it measures, m from its own place.
-  void set_reach(std::size_t source, float reach);
   /// Computes from the newest sweep of each source; nullptr: this source has none.
   void compute(const std::vector<const Sweep*>& sweeps);
   /// For what is no sweep: the place of all sources, m in the output's plane; their columns are `width` rad
@@ -70,7 +66,6 @@ class Sight {
   }
 
  private:
-  void find_open_way();
   void combine(const std::vector<const Sweep*>& sweeps);
   void average(std::size_t beam);
   bool has_hit(std::size_t beam) const { return nearest_.range[beam] <= range_max_; }
@@ -89,7 +84,6 @@ class Sight {
   Raster raster_;
   SightTable table_;
   std::vector<BeamRays> rays_;
-  std::vector<float> reaches_;  // m, of each source; 0: not known
   std::vector<FreeProfile> profiles_;
   std::vector<RangeLayer> layers_;  // per source
   bool has_blind_ = false;          // the last profile is what cannot be seen

@@ -108,7 +108,7 @@ struct MergedScanConfig {
   bool mean = false;          ///< fuse: mean instead of nearest
   double range_noise = 0.02;  ///< m, one standard deviation of the sources' ranges
   std::map<std::string, SourceSettings> source_settings;  ///< of sources that differ from the rest, by name
-  double free_required = 0;  ///< m that a beam must be observed to be free; 0: see SightSettings
+  double free_required = 0;  ///< m that a beam must be observed to be free; 0: range_max
   MergeOptions options;
 
   /// True if some scan of this merge is more than points.

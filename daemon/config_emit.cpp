@@ -269,8 +269,7 @@ void ConfigWriter::merged(const MergedScanConfig& scan) {
   text("echoes", word_of(scan.echoes));
   flag("veil_filter", scan.veil_filter);
   number("range_noise", scan.range_noise);
-  // Without it the mounts' places count, which tf may tell later.
-  if (scan.free_required > 0) number("free_required", scan.free_required);
+  number("free_required", scan.free_required > 0 ? scan.free_required : scan.output.grid.range_max);
   options(scan.options);
   also_scans(scan.also);
 }

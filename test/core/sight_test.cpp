@@ -61,7 +61,6 @@ class Merged {
       scanner.measure(paper.world, rng, scans_.emplace_back());
       rays_.emplace_back().build(scans_.back(), scanner.pose(), paper.body, {});
       sight_.set_source(rays_.size() - 1, rays_.back());
-      sight_.set_reach(rays_.size() - 1, scans_.back().range_max);
     }
     SourceSettings source;
     source.noise = 0.001;
@@ -229,7 +228,7 @@ TEST(Sight, WayOutOfReachOfEveryScannerIsNotFree) {
   EXPECT_NEAR(merged.sight().covered(360), 24, 0.5);
 }
 
-TEST(Sight, FreeNeedsNoProofBeyondWhatScannersReachFromTheirPlacesUnlessItIsAskedFor) {
+TEST(Sight, FreeNeedsProofToRangeMaxUnlessLessIsAskedFor) {
   Paper paper(0.5);
   paper.world = FlatWorld();
   for (FlatScanner& scanner : paper.scanners) scanner.range_max = 24;
@@ -240,7 +239,7 @@ TEST(Sight, FreeNeedsNoProofBeyondWhatScannersReachFromTheirPlacesUnlessItIsAske
     return merged.scan(Profile::strict).statuses[360];
   };
   // Straight ahead the end of 24 m is a little farther than that from both scanners beside the origin.
-  EXPECT_EQ(ahead(0), BeamStatus::none);
+  EXPECT_EQ(ahead(0), BeamStatus::invalid);
   EXPECT_EQ(ahead(24), BeamStatus::invalid);
   EXPECT_EQ(ahead(23), BeamStatus::none);
 }

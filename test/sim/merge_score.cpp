@@ -282,7 +282,6 @@ TruthfulClaims truthful_claims(const MergeScene& scene, const MergeCase& set_up,
     BeamRays rays;
     rays.build(scene.scans[s], scene.scanners[s].pose(), scene.body, {});
     sight.set_source(s, rays);
-    sight.set_reach(s, scene.scans[s].range_max);
     measure(scene.scans[s], rays, source, sweeps[s]);
     place(rays, scene.motions[s], source.noise, sweeps[s]);
     newest.push_back(&sweeps[s]);
