@@ -70,10 +70,13 @@ void FreeProfile::find_runs() {
 void FreeProfile::clear() { std::fill(cells_.begin(), cells_.end(), Cell{}); }
 
 FreeProfile::Cell FreeProfile::cell_of(float from, float to) const {
-  const float first = std::ceil(from * per_meter_);
+  const float units = std::min(from * per_meter_, 65534.0F);
   const float last = std::min(to * per_meter_, 65533.0F);
-  if (!(to > 0) || last < first) return {};
-  return {static_cast<std::uint16_t>(first), static_cast<std::uint16_t>(last - first)};
+  // Rounded up; not by a call of the mathematical library.
+  auto first = static_cast<std::int32_t>(units);
+  first += static_cast<float>(first) < units ? 1 : 0;
+  if (!(to > 0) || last < static_cast<float>(first)) return {};
+  return {static_cast<std::uint16_t>(first), static_cast<std::uint16_t>(last - static_cast<float>(first))};
 }
 
 std::uint16_t FreeProfile::cell_towards(float dx, float dy) const {

@@ -199,10 +199,11 @@ void RingGrid::fill_column(const Cloud& cloud, std::size_t column, const Pose* m
   // Copies, since the bytes of points could be anything's, for all that the compiler knows.
   const std::size_t rings = rings_;
   const std::size_t* const offsets = offsets_.data();
+  const CloudPoint* const points = cloud.points();
   Beam* const kinds = kind.data();
   BeamEnd* const to = ends.data();
   for (std::size_t i = cloud.columns[column].first_point; i < end; ++i) {
-    const CloudPoint& point = cloud.points()[i];
+    const CloudPoint& point = points[i];
     const std::size_t ring = point.ring;
     if (ring >= rings) continue;
     std::size_t at = first + offsets[ring];

@@ -35,15 +35,6 @@ void RingLinks::set(const RingGrid& grid, double noise) {
   }
 }
 
-bool RingLinks::near(std::size_t a, std::size_t b, float slope) const {
-  const RingGrid& g = *grid_;
-  const float limit = std::min(g.range[a], g.range[b]) * slope + slack_;
-  const float dx = g.ends[a].x - g.ends[b].x;
-  const float dy = g.ends[a].y - g.ends[b].y;
-  const float dz = g.ends[a].z - g.ends[b].z;
-  return dx * dx + dy * dy + dz * dz <= limit * limit;
-}
-
 bool RingLinks::in_line(std::size_t a, std::size_t b, std::size_t c) const {
   const Eigen::Vector3f line = end(c) - end(a);
   const Eigen::Vector3f middle = end(b) - end(a);
@@ -60,15 +51,12 @@ bool RingLinks::grazing(std::size_t a, std::size_t b, std::size_t c, std::size_t
   return line.cross(end(b) - end(a)).norm() <= limit && line.cross(end(c) - end(a)).norm() <= limit;
 }
 
-bool RingLinks::level(std::size_t column, std::size_t ring) const {
+bool RingLinks::grazing_level(std::size_t column, std::size_t ring) const {
   const std::size_t next = grid_->after(column);
-  const std::size_t a = grid_->index(column, ring);
-  const std::size_t b = grid_->index(next, ring);
-  if (!is_point(a) || !is_point(b)) return false;
-  if (near(a, b, level_slope_)) return true;
   const std::size_t outer_a = grid_->index(before(column), ring);
   const std::size_t outer_b = grid_->index(grid_->after(next), ring);
-  return is_point(outer_a) && is_point(outer_b) && grazing(outer_a, a, b, outer_b);
+  return is_point(outer_a) && is_point(outer_b) &&
+         grazing(outer_a, grid_->index(column, ring), grid_->index(next, ring), outer_b);
 }
 
 bool RingLinks::upright(std::size_t column, std::size_t ring) const {

@@ -13,7 +13,7 @@ namespace {
 // Nearer returns stand too close to the optics to tell the direction of their beam.
 constexpr float telling_range_m = 2;
 // After the first cloud one column in so many is looked at, others each time.
-constexpr std::size_t sampled = 101;
+constexpr std::size_t sampled = 211;
 // Beyond that many returns old ones count less, so that a changed speed of rotation is followed.
 constexpr double memory = 2000;
 

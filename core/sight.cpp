@@ -36,7 +36,8 @@ Sight::Sight(const ScanGrid& grid, const SightSettings& settings, std::size_t so
       begin_(grid.beams, 0),
       inside_(grid.beams),
       seen_(grid.beams, Seen::unobserved),
-      covered_(grid.beams, 0) {
+      covered_(grid.beams, 0),
+      blind_to_(grid.beams, 0) {
   const double asked = settings_.free_required > 0 ? settings_.free_required : grid.range_max;
   open_ = std::min(static_cast<float>(asked), range_max_);
   nearest_.clear(grid.beams);
@@ -177,7 +178,10 @@ bool Sight::is_covered(std::size_t beam, std::size_t sources) {
   const std::size_t last = last_step_[beam];
   const Inside& body = inside_[beam];
   std::size_t m = 0;
-  std::size_t source = witness_ < sources ? witness_ : 0;
+  // What cannot be seen lies nearest.
+  const std::size_t blind_source = has_blind_ ? profiles_.size() - 1 : profiles_.size();
+  std::size_t source = blind_source < sources ? blind_source : witness_ < sources ? witness_ : 0;
+  blind_to_[beam] = 0;
   std::size_t refused = 0;  // sources that do not see step m, one after the other
   float known = 0;
   while (m < last) {
@@ -192,6 +196,7 @@ bool Sight::is_covered(std::size_t beam, std::size_t sources) {
     if (seen_to > m) {
       known = table_.edge(seen_to);
       witness_ = source;
+      if (source == blind_source && blind_to_[beam] <= 0) blind_to_[beam] = known;
     }
     m = seen_to;
     source = source + 1 < sources ? source + 1 : 0;
@@ -216,19 +221,6 @@ Seen Sight::decide(std::size_t beam) {
   }
   if (!is_covered(beam, profiles_.size()) || ends_.range[beam] < way) return Seen::gap;
   return way <= begin_[beam] || end_free_[beam] != 0 ? Seen::hit : Seen::behind;
-}
-
-float Sight::blind_to(std::size_t beam, float end) const {
-  const FreeProfile& profile = profiles_.back();
-  const std::size_t source = row_of(profiles_.size() - 1);
-  const auto is_blind = [&](std::size_t m) {
-    const SightTable::Step& step = table_.step(beam, source, m);
-    return profile.cells()[step.cell].is_free(step.distance);
-  };
-  const std::size_t last = table_.steps_to(end);
-  std::size_t m = 0;
-  while (m < last && !is_blind(m)) ++m;
-  return m < last ? std::min(table_.edge(free_run(profiles_.size() - 1, beam, m, last)), end) : 0;
 }
 
 void Sight::encode(Profile profile, PlanarScan& scan, bool with_intensities) const {
@@ -258,7 +250,10 @@ void Sight::encode(Profile profile, PlanarScan& scan, bool with_intensities) con
   if (!has_blind_) return;
   scan.free_from.assign(beams(), 0);
   for (std::size_t beam = 0; beam < beams(); ++beam) {
-    if (scan.statuses[beam] == BeamStatus::hit) scan.free_from[beam] = blind_to(beam, scan.ranges[beam]);
+    if (scan.statuses[beam] != BeamStatus::hit) continue;
+    // The way to a hit that is not known to be free proves nothing.
+    const float range = scan.ranges[beam];
+    scan.free_from[beam] = seen_[beam] == Seen::hit ? std::min(blind_to_[beam], range) : range;
   }
 }
 

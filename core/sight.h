@@ -75,8 +75,6 @@ class Sight {
   /// Walks along the beam's way from where the vehicle ends; false at the first gap. Sets covered.
   bool is_covered(std::size_t beam, std::size_t sources);
   std::size_t row_of(std::size_t source) const { return one_place_ ? 0 : source; }
-  /// m of the way to `end` up to which it leads through what no beam can see.
-  float blind_to(std::size_t beam, float end) const;
   /// The first step in [from, to) that this source does not see to be free, or `to`.
   std::size_t free_run(std::size_t source, std::size_t beam, std::size_t from, std::size_t to) const;
 
@@ -108,6 +106,7 @@ class Sight {
   std::vector<Inside> inside_;
   std::vector<Seen> seen_;
   std::vector<float> covered_;
+  std::vector<float> blind_to_;  // m of the last ways walked, up to which no beam can see
 };
 
 }  // namespace lidard

@@ -63,6 +63,15 @@ TEST(PlaneTops, WhatNobodyKnowsIsUnobservedInStrict) {
     EXPECT_FALSE(range < 16) << deg;
   }
   EXPECT_GT(silent, 6);
+  // Of safety the wall behind is a hit, whose way proves nothing; beside the block it is free from where the
+  // lowest ring, at -15 degrees, crosses the plane.
+  const PlanarScan& safety = block.cut.safety;
+  const std::size_t ahead = block.cut.grid.nearest(0);
+  const std::size_t beside = block.cut.grid.nearest(20 * degree);
+  ASSERT_EQ(safety.statuses[ahead], BeamStatus::hit);
+  EXPECT_EQ(safety.free_from[ahead], safety.ranges[ahead]);
+  ASSERT_EQ(safety.statuses[beside], BeamStatus::hit);
+  EXPECT_NEAR(safety.free_from[beside], 1.5 / std::tan(15 * degree), 0.2);
 }
 
 TEST(PlaneTops, AWallGoesDownToThePlaneBehindAThingThatHidesItsFoot) {
