@@ -212,7 +212,7 @@ void RingGrid::fill_column(const Cloud& cloud, std::size_t column, const Pose* m
       to[at] = {point.x, point.y, point.z, point.intensity};
       kinds[at] = Beam::point;
     } else {
-      if (move == nullptr) range[at] = length(to[at]);
+      if (move == nullptr) check(at);
       put(at, point, move);
     }
   }
@@ -232,20 +232,21 @@ void RingGrid::measure_ranges() {
     int usual = 1;
     for (std::size_t r = 0; r < rings_; ++r)
       usual &= (column[r] >= reach ? 1 : 0) & (column[r] < infinite ? 1 : 0);
-    if (usual == 0) sort_out(c);
+    if (usual != 0) continue;
+    for (std::size_t i = index(c, 0); i < index(c, rings_); ++i) {
+      if (kind[i] == Beam::point) check(i);
+    }
   }
 }
 
-/// Returns of a column that may be the vehicle's, or of no place.
-void RingGrid::sort_out(std::size_t column) {
-  for (std::size_t i = index(column, 0); i < index(column, rings_); ++i) {
-    if (kind[i] != Beam::point) continue;
-    if (!std::isfinite(range[i])) {
-      kind[i] = Beam::none;
-    } else if (range[i] < own_reach_ && is_own(ends[i])) {
-      ++own_returns;
-      kind[i] = Beam::own;
-    }
+/// Sorts out a return that is the vehicle's, or of no place.
+void RingGrid::check(std::size_t at) {
+  range[at] = length(ends[at]);
+  if (!std::isfinite(range[at])) {
+    kind[at] = Beam::none;
+  } else if (range[at] < own_reach_ && is_own(ends[at])) {
+    ++own_returns;
+    kind[at] = Beam::own;
   }
 }
 

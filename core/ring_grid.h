@@ -81,7 +81,7 @@ class RingGrid {
   void open_column(std::size_t column, double azimuth);
   void fill_column(const Cloud& cloud, std::size_t column, const Pose* move);
   void measure_ranges();
-  void sort_out(std::size_t column);
+  void check(std::size_t at);
   void mark_too_near(const Cloud& cloud);
   bool organise_points(const Cloud& cloud, const CloudMotion* motion);
   bool number_rings(const Cloud& cloud);

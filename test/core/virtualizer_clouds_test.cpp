@@ -71,32 +71,59 @@ TEST(Virtualizer, ACloudWithoutRingsIsPointsAloneAndProvesNothing) {
   EXPECT_EQ(cut.count(cut.safety, BeamStatus::none), 0U);
 }
 
-TEST(Virtualizer, OfTwoReturnsTheLastIsTheSurface) {
-  sim::Yard yard;
-  yard.objects = {wall(15, -30, 15, 30)};
-  Cloud cloud = seen(yard, lidar16());
-  // A fence at 8 m: a second column per firing, of the same instant, with the nearer returns.
-  sim::Yard fence;
-  fence.ground = false;
-  fence.objects = {wall(8, -30, 8, 30)};
-  const Cloud near = seen(fence, lidar16());
-  Cloud dual = cloud;
+/// Firings with two returns, the first one (echo 0) from one cloud and the last from another.
+Cloud dual_of(const Cloud& first, const Cloud& last) {
+  Cloud dual = first;
   dual.columns.clear();
   dual.points_bytes.clear();
   const auto append = [&](const Cloud& from, std::size_t c, std::uint8_t echo) {
     CloudColumn column = from.columns[c];
     const std::size_t end = c + 1 < from.columns.size() ? from.columns[c + 1].first_point : from.size();
-    const auto first = from.points_bytes.begin() + static_cast<std::ptrdiff_t>(column.first_point * 22);
-    const auto last = from.points_bytes.begin() + static_cast<std::ptrdiff_t>(end * 22);
+    const auto begin = from.points_bytes.begin() + static_cast<std::ptrdiff_t>(column.first_point * 22);
+    const auto behind = from.points_bytes.begin() + static_cast<std::ptrdiff_t>(end * 22);
     column.first_point = static_cast<std::uint32_t>(dual.size());
     column.echo = echo;
     dual.columns.push_back(column);
-    dual.points_bytes.insert(dual.points_bytes.end(), first, last);
+    dual.points_bytes.insert(dual.points_bytes.end(), begin, behind);
   };
-  for (std::size_t c = 0; c < cloud.columns.size(); ++c) append(cloud, c, 0), append(near, c, 1);
+  for (std::size_t c = 0; c < first.columns.size(); ++c) append(first, c, 0), append(last, c, 1);
+  return dual;
+}
+
+Cloud seen_alone(const sim::Object& object) {
+  sim::Yard yard;
+  yard.ground = false;
+  yard.objects = {object};
+  return seen(yard, lidar16());
+}
+
+TEST(Virtualizer, OfTwoReturnsTheLastIsTheSurface) {
+  sim::Yard yard;
+  yard.objects = {wall(15, -30, 15, 30)};
+  // A fence at 8 m, whichever return comes first in the data.
+  const Cloud far = seen(yard, lidar16());
+  const Cloud near = seen_alone(wall(8, -30, 8, 30));
+  for (const Cloud& dual : {dual_of(far, near), dual_of(near, far)}) {
+    Cut cut;
+    cut.make(dual, lidar16().pose);
+    EXPECT_NEAR(cut.range(cut.strict, 0), 15, 0.01);
+  }
+}
+
+TEST(Virtualizer, EarlierReturnsFromTheVehicleAreLeftOut) {
+  sim::Yard yard;
+  yard.objects = {wall(15, -30, 15, 30)};
+  // A rail on the vehicle, through which the beams see.
+  const Cloud dual = dual_of(seen_alone(wall(0.8, -0.5, 0.8, 0.5)), seen(yard, lidar16()));
   Cut cut;
+  cut.settings.beams.early_returns = true;
+  cut.frame = make_pose({0, 0, 1.9}, {0, 0, 0});
+  cut.band = {-0.1, 0.1};
   cut.make(dual, lidar16().pose);
-  EXPECT_NEAR(cut.range(cut.strict, 0), 15, 0.01);
+  EXPECT_NEAR(cut.range(cut.safety, 0), 0.8, 0.02);
+  cut.footprint = Footprint({{-2, -1}, {1, -1}, {1, 1}, {-2, 1}});
+  cut.make(dual, lidar16().pose);
+  EXPECT_NEAR(cut.range(cut.safety, 0), 15, 0.02);
 }
 
 }  // namespace
