@@ -5,21 +5,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/profile_unit.h"
+
 namespace lidard {
 namespace {
 
 constexpr double least_margin = 0.1;  // m
 constexpr double margin_in_sigmas = 5;
-// Profiles count distances in steps of such a share of the farthest one.
-constexpr double distance_steps = 60000;
-// As far as sources may stand from each other, m.
-constexpr double farthest_source = 100;
 
 }  // namespace
 
 CrossCheck::CrossCheck(const MergeOptions& options, std::size_t sources, double range_max, double noise)
     : options_(options),
-      unit_((range_max + farthest_source) / distance_steps),
+      unit_(profile_unit(range_max)),
       margin_(static_cast<float>(std::max(least_margin, margin_in_sigmas * noise))),
       sources_(sources) {}
 

@@ -6,14 +6,12 @@
 #include <cmath>
 #include <limits>
 
+#include "core/profile_unit.h"
+
 namespace lidard {
 namespace {
 
 constexpr float infinite = std::numeric_limits<float>::infinity();
-// Profiles count distances in steps of such a share of the farthest one.
-constexpr double distance_steps = 60000;
-// As far as the sources may stand from the origin, m; farther away they see nothing of it.
-constexpr double farthest_source = 100;
 // At the end of a way: some source sees that nothing is there; no beam can see what is.
 constexpr char seen_free = 1;
 constexpr char blind = 2;
@@ -62,7 +60,7 @@ void Sight::set_footprint(const Footprint& footprint) {
 
 void Sight::set_source(std::size_t source, const BeamRays& rays) {
   rays_[source] = rays;
-  const double unit = (raster_.grid().range_max + farthest_source) / distance_steps;
+  const double unit = profile_unit(raster_.grid().range_max);
   FreeProfile& profile = profiles_[source];
   const Eigen::Vector3d at = rays.pose.translation();
   profile.set(static_cast<float>(at.x()), static_cast<float>(at.y()), rays.increment, unit);
@@ -71,7 +69,7 @@ void Sight::set_source(std::size_t source, const BeamRays& rays) {
 }
 
 void Sight::set_place(float x, float y, double width) {
-  const double unit = (raster_.grid().range_max + farthest_source) / distance_steps;
+  const double unit = profile_unit(raster_.grid().range_max);
   for (FreeProfile& profile : profiles_) profile.set(x, y, width, unit);
   table_.set(0, 1, raster_, profiles_[0]);
   one_place_ = true;

@@ -8,6 +8,7 @@
 
 #include "daemon/pipeline.h"
 #include "drivers/pcap_source.h"
+#include "test/daemon/no_tf.h"
 #include "test/sim/scene_file.h"
 #include "test/sim/simulate.h"
 #include "test/support/captures.h"
@@ -16,15 +17,6 @@ namespace lidard {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
-
-class NoTf final : public PoseLookup {
- public:
-  bool lookup(const std::string& /*parent*/, const std::string& /*child*/, Stamp /*stamp*/, Pose& /*pose*/,
-              std::string& why_not) override {
-    why_not = "no tf";
-    return false;
-  }
-};
 
 class KeepingSink final : public FrameSink {
  public:

@@ -9,6 +9,7 @@
 
 #include "core/sight.h"
 #include "daemon/pipeline.h"
+#include "test/daemon/no_tf.h"
 #include "test/sim/flat_world.h"
 
 namespace lidard {
@@ -16,14 +17,6 @@ namespace {
 
 constexpr Stamp begin{1'700'000'000'000'000'000};
 constexpr Span ms(double n) { return span_from_seconds(n / 1000); }
-
-class NoTf final : public PoseLookup {
- public:
-  bool lookup(const std::string&, const std::string& child, Stamp, Pose&, std::string& why_not) override {
-    why_not = "no tf for " + child;
-    return false;
-  }
-};
 
 class KeepingSink final : public FrameSink {
  public:

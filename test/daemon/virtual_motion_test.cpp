@@ -7,20 +7,13 @@
 #include <map>
 
 #include "daemon/pipeline.h"
+#include "test/daemon/no_tf.h"
 #include "test/sim/yard.h"
 
 namespace lidard {
 namespace {
 
 constexpr Stamp begin{1'700'000'000'000'000'000};
-
-class NoTf final : public PoseLookup {
- public:
-  bool lookup(const std::string&, const std::string& child, Stamp, Pose&, std::string& why_not) override {
-    why_not = "no tf for " + child;
-    return false;
-  }
-};
 
 class KeepingSink final : public FrameSink {
  public:
