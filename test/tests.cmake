@@ -10,6 +10,12 @@ target_compile_options(lidard_sim PRIVATE -ffp-contract=off)
 add_executable(lidard-sim test/sim/main.cpp)
 target_link_libraries(lidard-sim PRIVATE lidard_sim)
 
+# Paths are compiled into these files alone, so that a compiler cache can serve a second clone.
+set_source_files_properties(test/support/captures.cpp test/bench/bench_decode.cpp PROPERTIES
+  COMPILE_DEFINITIONS LIDARD_SOURCE_DIR="${CMAKE_CURRENT_SOURCE_DIR}")
+set_source_files_properties(test/sim/capture_test.cpp PROPERTIES
+  COMPILE_DEFINITIONS LIDARD_SIM_BINARY="$<TARGET_FILE:lidard-sim>")
+
 # test/<folder>/*_test.cpp is one GoogleTest program; folders mirror the sources.
 function(lidard_tests folder)
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/${folder}/*_test.cpp
@@ -20,8 +26,6 @@ function(lidard_tests folder)
   set(name test_${folder})
   add_executable(${name} ${sources})
   target_link_libraries(${name} PRIVATE lidard_sim ${ARGN} GTest::gtest GTest::gmock GTest::gtest_main)
-  target_compile_definitions(${name} PRIVATE LIDARD_SOURCE_DIR="${CMAKE_CURRENT_SOURCE_DIR}"
-                             LIDARD_BINARY="$<TARGET_FILE:lidard>" LIDARD_SIM_BINARY="$<TARGET_FILE:lidard-sim>")
   gtest_discover_tests(${name} TEST_PREFIX "${folder}." DISCOVERY_TIMEOUT 120 PROPERTIES TIMEOUT 300)
 endfunction()
 
@@ -52,7 +56,6 @@ foreach(source ${benches})
   if(name STREQUAL bench_merge OR name STREQUAL bench_virtual)
     target_link_libraries(${name} PRIVATE PkgConfig::ANCESTOR)
   endif()
-  target_compile_definitions(${name} PRIVATE LIDARD_SOURCE_DIR="${CMAKE_CURRENT_SOURCE_DIR}")
 endforeach()
 
 if(LIDARD_FUZZ)

@@ -6,13 +6,14 @@
 
 #include "drivers/model.h"
 #include "drivers/velodyne/packet.h"
+#include "test/support/captures.h"
 #include "test/support/collector.h"
 
 namespace lidard::sim {
 namespace {
 
 TEST(Repeater, StampsAndTimesGoOnFromTurnToTurn) {
-  PcapSource capture(LIDARD_SOURCE_DIR "/pcaps/vlp16_dual.pcap");
+  PcapSource capture(test::project_file("pcaps/vlp16_dual.pcap"));
   Repeater repeater(capture);
   ASSERT_GT(repeater.packets(), 10U);
   std::vector<std::uint32_t> stamps;
@@ -33,7 +34,7 @@ TEST(Repeater, StampsAndTimesGoOnFromTurnToTurn) {
 }
 
 TEST(Repeater, TheDriverSeesOneStreamWithoutLoss) {
-  PcapSource capture(LIDARD_SOURCE_DIR "/pcaps/vlp16_dual.pcap");
+  PcapSource capture(test::project_file("pcaps/vlp16_dual.pcap"));
   Repeater repeater(capture);
   DriverConfig config;
   config.model = find_model("velodyne_vlp16");
