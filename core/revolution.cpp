@@ -50,7 +50,8 @@ bool RevolutionCutter::set_cut(double cut_deg) {
 void RevolutionCutter::measure_rate(double step_deg, Span time) {
   turned_deg_ += step_deg;
   if (turned_deg_ < rate_angle_deg) return;
-  const Span elapsed = time - turned_since_;
+  // Overlapping packets can make it negative: then the period is not known.
+  const Span elapsed = std::max(time - turned_since_, Span(0));
   period_ = Span(std::llround(static_cast<double>(elapsed.count()) * 360 / turned_deg_));
   turned_deg_ = 0;
   turned_since_ = time;
@@ -60,7 +61,8 @@ void RevolutionCutter::measure_rate(double step_deg, Span time) {
 int RevolutionCutter::whole_turns(double step_deg, Span elapsed) const {
   if (period_.count() <= 0 || elapsed * 2 < period_) return 0;
   const double turns = static_cast<double>(elapsed.count()) / static_cast<double>(period_.count());
-  return std::max(0, static_cast<int>(std::lround(turns - step_deg / 360)));
+  constexpr double most = 1e6;  // of a period of nanoseconds, which is none
+  return std::max(0, static_cast<int>(std::lround(std::min(turns, most) - step_deg / 360)));
 }
 
 RevolutionCutter::Verdict RevolutionCutter::next(double azimuth_deg, Span time) {

@@ -12,11 +12,16 @@ constexpr int smallest_gap = 100;     // 1/100 deg
 constexpr int backwards_limit = 100;  // 1/100 deg
 
 int step_between(int from, int to) {
-  const int step = to >= from ? to - from : to - from + azimuth_limit;
-  return step > azimuth_limit - backwards_limit ? step - azimuth_limit : step;
+  const int step = to >= from ? to - from : to - from + whole_turn;
+  return step > whole_turn - backwards_limit ? step - whole_turn : step;
 }
 
 }  // namespace
+
+double plausible_rate(double deg_per_s) {
+  constexpr double slowest = 36, fastest = 14400;
+  return deg_per_s >= slowest && deg_per_s <= fastest ? deg_per_s : 0;
+}
 
 PacketAzimuths read_azimuths(const DataPacket& packet, const PacketLayout& layout) {
   PacketAzimuths azimuths;
@@ -26,10 +31,10 @@ PacketAzimuths read_azimuths(const DataPacket& packet, const PacketLayout& layou
   int last = packet.azimuth(layout.first_block(0));
   int sum = 0;
   int largest = 0;
-  azimuths.group_deg[0] = last * 0.01;
+  azimuths.group[0] = last;
   for (std::size_t g = 1; g < azimuths.groups; ++g) {
     const int azimuth = packet.azimuth(layout.first_block(g));
-    azimuths.group_deg[g] = azimuth * 0.01;
+    azimuths.group[g] = azimuth;
     const int step = step_between(last, azimuth);
     steps[g - 1] = step;
     sum += step;

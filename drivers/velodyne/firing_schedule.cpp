@@ -31,13 +31,14 @@ Span silence_of(const PacketAzimuths& azimuths, Span busy, const std::optional<N
 
 }  // namespace
 
-FiringSchedule schedule_of(const ModelRow& row, const TimingChooser& timing, const PacketAzimuths& azimuths,
-                           std::size_t echoes, const std::optional<NextPacket>& next, double turn_rate) {
+FiringSchedule schedule_of(const ModelRow& row, const Timing& timing, Span measured_sequence,
+                           const PacketAzimuths& azimuths, std::size_t echoes,
+                           const std::optional<NextPacket>& next, double turn_rate) {
   FiringSchedule schedule;
-  schedule.sequence = row.random_rest ? timing.measured_sequence() : timing.timing().sequence;
+  schedule.sequence = row.random_rest ? measured_sequence : timing.sequence;
   const auto per_block = static_cast<int>(row.sequences_per_block());
   const std::size_t sequences = row.sequences_per_packet(echoes);
-  schedule.rate_deg_per_s = azimuths.step_deg / seconds(schedule.sequence * per_block);
+  schedule.rate_deg_per_s = plausible_rate(azimuths.step_deg / seconds(schedule.sequence * per_block));
   if (row.random_rest && next && azimuths.hidden_total_deg <= 0) {
     use_next(*next, sequences, schedule);
   }
@@ -45,8 +46,9 @@ FiringSchedule schedule_of(const ModelRow& row, const TimingChooser& timing, con
   if (row.random_rest && turn_rate > 0) schedule.rate_deg_per_s = turn_rate;
   const Span group = schedule.sequence * per_block;
   const Span busy = group * static_cast<int>(azimuths.groups);
-  const Span silence = silence_of(azimuths, busy + timing.timing().packet_pause, next, turn_rate);
-  Span begin{0};
+  const Span silence = silence_of(azimuths, busy + timing.packet_pause, next, turn_rate);
+  // The stamp may stand behind the first firing.
+  Span begin = -timing.before;
   for (std::size_t g = 0; g < azimuths.groups; ++g) {
     if (azimuths.hidden_deg[g] > 0) {
       const double part = azimuths.hidden_deg[g] / azimuths.hidden_total_deg;

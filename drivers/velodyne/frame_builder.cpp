@@ -10,6 +10,18 @@ namespace {
 
 constexpr double deg_per_rad = 180 / 3.14159265358979323846;
 
+/// A frame ends by its stamps after so long: RevolutionCutter's limit.
+constexpr Span longest_turn = std::chrono::milliseconds(1500);
+
+/// Firing sequences that a frame can hold, with some to spare; more of them are no frame. Stamps that stand
+/// still, or nearly so, would let it grow for ever.
+std::size_t most_sequences(const DriverConfig& config, const ModelRow& row) {
+  Span shortest = row.timings.front().sequence;
+  for (const Timing& timing : row.timings) shortest = std::min(shortest, timing.sequence);
+  const Span longest = config.frame_cut == FrameCut::time ? config.frame_duration : longest_turn;
+  return static_cast<std::size_t>(longest / shortest) * 5 / 4 + 100;
+}
+
 }  // namespace
 
 FrameBuilder::FrameBuilder(const DriverConfig& config, const ModelRow& row, Counters& counters)
@@ -18,7 +30,8 @@ FrameBuilder::FrameBuilder(const DriverConfig& config, const ModelRow& row, Coun
       counters_(counters),
       unpacker_(row, config.keep_origins, config.min_range, config.max_range, config.calibration.get()),
       cutter_(config.cut_angle * deg_per_rad),
-      interval_(std::max(config.frame_duration, Span(1))) {
+      interval_(std::max(config.frame_duration, Span(1))),
+      most_sequences_(most_sequences(config, row)) {
   unpacker_.keep(config.keep_confidence, config.keep_too_near);
   cloud_.frame_id = config.frame_id;
   cloud_.rings = static_cast<std::uint16_t>(row.lasers);
@@ -45,7 +58,8 @@ RevolutionCutter::Verdict FrameBuilder::judge(double azimuth_deg, Span time) {
 }
 
 void FrameBuilder::place(Sequence& sequence, Span time, const DeviceClock& clock, DriverOutput& out) {
-  const auto verdict = judge(sequence.azimuth_deg, time);
+  auto verdict = judge(sequence.azimuth_deg, time);
+  if (++sequences_ > most_sequences_) verdict = RevolutionCutter::Verdict::forced;
   if (!in_stream_) {
     begin(time, false, clock);
   } else if (verdict != RevolutionCutter::Verdict::same) {
@@ -53,7 +67,8 @@ void FrameBuilder::place(Sequence& sequence, Span time, const DeviceClock& clock
     end(at_cut, out);
     begin(time, at_cut, clock);
   }
-  sequence.in_frame = time - frame_time_;
+  // Only packets that overlap by their stamps fire before the frame's first sequence.
+  sequence.in_frame = std::max(time - frame_time_, Span(0));
   sequence.stamp = clock.to_host(time) + config_.time_offset;
   visible_ = in_view(sequence.azimuth_deg);
 }
@@ -62,6 +77,7 @@ void FrameBuilder::begin(Span time, bool at_cut, const DeviceClock& clock) {
   in_stream_ = true;
   began_at_cut_ = at_cut;
   frame_time_ = time;
+  sequences_ = 1;
   cloud_.columns.clear();
   cloud_.origins.clear();
   cloud_.confidences.clear();

@@ -25,7 +25,8 @@ class FrameBuilder {
   void set_hidden_middle(std::optional<double> azimuth_deg);
   /// Makes room for a packet; call before its sequences.
   void begin_packet() { unpacker_.reserve_packet(cloud_); }
-  /// Finds the frame of a sequence at device time `time` and fills in the times that depend on it.
+  /// Finds the frame of a sequence whose first laser fires at device time `time` and fills in the times that
+  /// depend on it.
   /// Call once per sequence, then append() for each of its returns.
   void place(Sequence& sequence, Span time, const DeviceClock& clock, DriverOutput& out);
   void append(const Sequence& sequence) {
@@ -55,6 +56,8 @@ class FrameBuilder {
   Cloud cloud_;
   std::size_t points_ = 0;
   std::size_t echoes_ = 1;
+  std::size_t sequences_ = 0;  // of the frame at hand
+  std::size_t most_sequences_;
   bool in_stream_ = false;
   bool began_at_cut_ = false;
   bool visible_ = true;

@@ -18,7 +18,7 @@ constexpr std::size_t stamp_offset = 1200;
 constexpr std::size_t mode_offset = 1204;
 constexpr std::size_t product_offset = 1205;
 constexpr std::uint16_t flag_lasers_0_31 = 0xEEFF;
-constexpr std::uint16_t azimuth_limit = 36000;  // 1/100 deg
+constexpr std::uint16_t whole_turn = 36000;  // 1/100 deg
 /// 63-9243 Rev D, section 9.3.1.6: the position packet.
 constexpr std::size_t position_packet_size = 512;
 
@@ -31,7 +31,12 @@ class DataPacket {
   explicit DataPacket(ByteView bytes) : bytes_(bytes) {}
 
   std::uint16_t flag(std::size_t block) const { return bytes_.le16(block * block_size); }
-  std::uint16_t azimuth(std::size_t block) const { return bytes_.le16(block * block_size + 2); }
+  /// 1/100 deg. Sensors also send exactly a whole turn, which means 0: one packet in about 2,000 of a VLP-16
+  /// and of an HDL-32E (recordings of both). What is more than a turn is handed on as it is.
+  std::uint16_t azimuth(std::size_t block) const {
+    const std::uint16_t sent = bytes_.le16(block * block_size + 2);
+    return sent == whole_turn ? std::uint16_t{0} : sent;
+  }
   /// 32 slots of 3 bytes: distance count (u16 LE, 0 = no return), reflectivity.
   const std::uint8_t* slots(std::size_t block) const { return bytes_.data() + block * block_size + 4; }
   std::uint32_t stamp_us() const { return bytes_.le32(stamp_offset); }

@@ -83,7 +83,7 @@ Reject check_blocks(const DataPacket& packet, const PacketLayout& layout) {
       for (std::size_t bank = 0; bank < layout.banks; ++bank) {
         const std::size_t b = layout.block[g][e][bank];
         if (packet.flag(b) != bank_flags[bank]) return Reject::magic;
-        if (packet.azimuth(b) >= azimuth_limit) return Reject::field;
+        if (packet.azimuth(b) >= whole_turn) return Reject::field;
       }
     }
   }

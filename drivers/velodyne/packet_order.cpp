@@ -31,7 +31,8 @@ bool PacketOrder::is_model_period(Span step, const OrderedPacket& packet) const 
 
 double PacketOrder::rate() const {
   if (turn_rate_ > 0 || last_azimuths_.groups == 0) return turn_rate_;
-  return last_azimuths_.step_deg / seconds(last_period_ / static_cast<int>(last_azimuths_.groups));
+  const Span group = last_period_ / static_cast<int>(last_azimuths_.groups);
+  return plausible_rate(last_azimuths_.step_deg / seconds(group));
 }
 
 Span PacketOrder::due() const {
@@ -46,14 +47,14 @@ void PacketOrder::count_loss(const OrderedPacket& packet, Span step) {
   Hole hole{};
   hole.step = step;
   hole.echoes = packet.layout->echoes;
-  hole.hole.from_deg = last_azimuths_.group_deg[0];
-  hole.hole.last_deg = last_azimuths_.group_deg[last_azimuths_.groups - 1];
+  hole.hole.from = last_azimuths_.group[0];
+  hole.hole.last = last_azimuths_.group[last_azimuths_.groups - 1];
   hole.hole.per_packet = static_cast<std::int64_t>(last_azimuths_.groups);
-  double& turned = hole.hole.turned_deg;
-  turned = packet.view().azimuth(0) * 0.01 - hole.hole.from_deg;
   // The azimuths tell the turn up to whole ones, the rotation tells how many those are.
-  const double turns = std::round((rate() * seconds(step) - turned) / 360);
-  turned += 360 * std::max(turns, turned < -1 ? 1.0 : 0.0);
+  constexpr Hundredths jitter = 100;
+  const Hundredths beyond = packet.azimuths.group[0] - hole.hole.from;
+  const std::int64_t turns = std::llround((rate() * seconds(step) * 100 - beyond) / whole_turn);
+  hole.hole.turned = beyond + whole_turn * std::max<std::int64_t>(turns, beyond < -jitter ? 1 : 0);
   if (!decided_ && early_count_ < early_.size()) {
     early_[early_count_++] = hole;
   } else {
@@ -64,8 +65,8 @@ void PacketOrder::count_loss(const OrderedPacket& packet, Span step) {
 void PacketOrder::count_hole(const Hole& hole) {
   StreamHole counted = hole.hole;
   const Span expected = row_.packet_period(*timing_, hole.echoes);
-  counted.groups =
-      std::llround(seconds(hole.step) / seconds(expected) * static_cast<double>(counted.per_packet));
+  counted.groups = std::max<std::int64_t>(
+      1, std::llround(seconds(hole.step) / seconds(expected) * static_cast<double>(counted.per_packet)));
   counters_.lost_packets += hidden_.hole(counted);
 }
 

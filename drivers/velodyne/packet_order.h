@@ -61,7 +61,7 @@ class PacketOrder {
   }
   /// The timing variant in force; `decided`: chosen by the packets, not the usual one for want of a better.
   void set_timing(const Timing& timing, bool decided);
-  /// Measured rotation, deg/s; 0 unknown.
+  /// Measured rotation, deg/s, a plausible one; 0 unknown.
   void set_turn_rate(double deg_per_s) { turn_rate_ = deg_per_s; }
   /// Azimuth in the middle of the sector that the sensor leaves out; empty: none, or not known yet.
   std::optional<double> hidden_middle_deg() const { return hidden_.middle_deg(); }

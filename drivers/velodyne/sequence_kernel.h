@@ -29,7 +29,7 @@ struct alignas(32) LaserArrays {
   float ground_begin[most_lasers];  ///< distance over ground of count 0
   float up_step[most_lasers];       ///< height of one count
   float up_begin[most_lasers];      ///< height of count 0
-  float time[most_lasers];          ///< its firing after the sequence's begin by the stamp
+  float time[most_lasers];          ///< the same as `turning`
   std::uint64_t ring[most_lasers];
   std::int32_t nearest[most_lasers];   ///< counts below are no returns
   std::int32_t farthest[most_lasers];  ///< counts above are none either

@@ -16,7 +16,7 @@ constexpr std::uint64_t window_us = 1000000;
 void StreamFacts::add(const Packet& packet) {
   if (packet.payload.size() != packet_size) return;
   const DataPacket data(packet.payload);
-  if (data.flag(0) != flag_lasers_0_31 || data.azimuth(0) >= azimuth_limit) return;
+  if (data.flag(0) != flag_lasers_0_31 || data.azimuth(0) >= whole_turn) return;
   last_arrival_ = packet.arrival;
   destination_ = packet.to;
   mode_ = data.mode();
@@ -27,14 +27,14 @@ void StreamFacts::add(const Packet& packet) {
 void StreamFacts::turn(std::uint32_t stamp_us, std::uint16_t azimuth) {
   const std::uint32_t step_us = stamp_us - last_us_;
   if (has_last_ && step_us > 0 && step_us < longest_step_us) {
-    turned_ += static_cast<std::uint64_t>((azimuth + azimuth_limit - last_azimuth_) % azimuth_limit);
+    turned_ += static_cast<std::uint64_t>((azimuth + whole_turn - last_azimuth_) % whole_turn);
     time_us_ += step_us;
   }
   has_last_ = true;
   last_us_ = stamp_us;
   last_azimuth_ = azimuth;
   if (time_us_ < window_us) return;
-  constexpr double turns_per_count = 1.0 / azimuth_limit;
+  constexpr double turns_per_count = 1.0 / whole_turn;
   rpm_ = static_cast<double>(turned_) * turns_per_count * 60e6 / static_cast<double>(time_us_);
   turned_ = 0;
   time_us_ = 0;

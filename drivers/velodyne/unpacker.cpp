@@ -119,11 +119,9 @@ void Unpacker::set_limits() {
 
 void Unpacker::set_timing(const Timing& timing) {
   for (std::size_t k = 0; k < row_.lasers; ++k) {
-    origins_[k].firing = row_.firing_time(timing, k);
-    lasers_.time[k] = static_cast<float>(seconds(origins_[k].firing));
-    // The block's azimuth is that of its first firing, wherever the stamp stands.
-    origins_[k].turning_s = seconds(origins_[k].firing + timing.before);
-    lasers_.turning[k] = origins_[k].turning_s;
+    origins_[k].firing = row_.firing_time(timing, k) + timing.before;
+    lasers_.turning[k] = seconds(origins_[k].firing);
+    lasers_.time[k] = static_cast<float>(lasers_.turning[k]);
   }
   longest_turning_ = *std::max_element(lasers_.turning, lasers_.turning + row_.lasers);
   turn_anew();
@@ -142,7 +140,7 @@ void Unpacker::set_rate(double deg_per_s) {
   rate_ = deg_per_s;
   kernels_.turn_lasers(lasers_, deg_per_s * rad_per_deg);
   if (!keep_origins_) return;
-  for (LaserOrigin& origin : origins_) origin.shift_deg = rate_ * origin.turning_s - origin.rot_deg;
+  for (LaserOrigin& origin : origins_) origin.shift_deg = rate_ * seconds(origin.firing) - origin.rot_deg;
 }
 
 void Unpacker::reserve_packet(Cloud& cloud) const {

@@ -22,9 +22,9 @@ struct Sequence {
   std::array<const std::uint8_t*, 4> confidence;  ///< the first confidence word of each bank; nullptr none
   double azimuth_deg;                             ///< at its begin, as the sensor counts it
   Direction ahead;                                ///< of that azimuth
-  Span in_packet;                                 ///< its begin after the packet's stamp
-  Span in_frame;                                  ///< its begin after the frame's stamp
-  Stamp stamp;                                    ///< its begin on the host's time scale
+  Span in_packet;                                 ///< its first firing after the packet's stamp
+  Span in_frame;                                  ///< its first firing after the frame's stamp
+  Stamp stamp;                                    ///< its first firing on the host's time scale
   std::uint32_t packet;
   std::array<std::uint8_t, 4> blocks;  ///< of the banks
   std::uint8_t echo;
@@ -56,8 +56,8 @@ class Unpacker {
 
  private:
   struct LaserOrigin {
-    double turning_s, rot_deg, shift_deg;
-    Span firing;
+    double rot_deg, shift_deg;
+    Span firing;  // after the sequence's first
   };
   void set_geometry(const Calibration* calibration);
   void set_limits();

@@ -14,6 +14,7 @@
 #include "drivers/velodyne/packet_layout.h"
 #include "drivers/velodyne/packet_order.h"
 #include "drivers/velodyne/telemetry_receiver.h"
+#include "drivers/velodyne/timing_chooser.h"
 
 namespace lidard::velodyne {
 namespace {
@@ -30,7 +31,7 @@ Look look_of(const PacketAzimuths& azimuths, const FiringSchedule& schedule, std
   for (std::size_t g = 0; g < azimuths.groups; ++g) {
     for (std::size_t s = 0; s < per_block; ++s) {
       const Span into_group = schedule.sequence * static_cast<int>(s);
-      const double azimuth = azimuths.group_deg[g] + schedule.rate_deg_per_s * seconds(into_group);
+      const double azimuth = azimuths.group_deg(g) + schedule.rate_deg_per_s * seconds(into_group);
       look.azimuth_deg[n++] = azimuth < 360 ? azimuth : azimuth - 360;
     }
   }
@@ -87,7 +88,7 @@ class VelodyneDriver final : public Driver {
   void set_timing(const Timing& timing, bool decided);
   void measure_turn(double azimuth_deg, Span step);
   /// Rotation over the last packets, deg/s; 0 unknown.
-  double turn_rate() const { return turned_s_ > 0 ? turned_deg_ / turned_s_ : 0; }
+  double turn_rate() const { return turned_s_ > 0 ? plausible_rate(turned_deg_ / turned_s_) : 0; }
   double rate_over_turn(const PacketAzimuths& azimuths, Span time);
   void note_product(std::uint8_t product, bool refused);
   bool has_status() const { return !row_.names_product(); }
@@ -245,14 +246,14 @@ double VelodyneDriver::rate_over_turn(const PacketAzimuths& azimuths, Span time)
   while (azimuths.hidden_deg[g] <= 0) ++g;
   const auto sequences = static_cast<int>((g - 1) * row_.sequences_per_block());
   const Span begin = time + timing_.timing().sequence * sequences;
-  const double azimuth = azimuths.group_deg[g - 1];
+  const double azimuth = azimuths.group_deg(g - 1);
   const auto before = std::exchange(edge_, std::make_pair(begin, azimuth));
   if (!before) return usual;
   const double elapsed = seconds(begin - before->first);
   const double beyond = std::remainder(azimuth - before->second, 360);
   const double turns = std::round((usual * elapsed - beyond) / 360);
   constexpr double recent_turns = 3;
-  return turns < 1 || turns > recent_turns ? usual : (360 * turns + beyond) / elapsed;
+  return turns < 1 || turns > recent_turns ? usual : plausible_rate((360 * turns + beyond) / elapsed);
 }
 
 void VelodyneDriver::decode_pending(const std::optional<NextPacket>& next, DriverOutput& out) {
@@ -275,10 +276,10 @@ void VelodyneDriver::decode(const OrderedPacket& packet, Span time, const std::o
   const bool old_firmware = row_.without_factory_bytes != nullptr && !row_.has_product(view.product());
   set_timing(old_firmware ? *row_.without_factory_bytes : timing_.timing(), timing_.decided());
   const PacketAzimuths& azimuths = packet.azimuths;
-  const FiringSchedule schedule =
-      schedule_of(row_, timing_, azimuths, layout.echoes, next, rate_over_turn(azimuths, time));
+  const FiringSchedule schedule = schedule_of(row_, *timing_in_force_, timing_.measured_sequence(), azimuths,
+                                              layout.echoes, next, rate_over_turn(azimuths, time));
   // The packet leaves after its last firing sequence.
-  clock_.observe(time + schedule.end - timing_in_force_->before, packet.arrival);
+  clock_.observe(time + schedule.end, packet.arrival);
 
   frames_.unpacker().set_rate(schedule.rate_deg_per_s);
   frames_.set_echoes(layout.echoes);
