@@ -15,13 +15,16 @@ constexpr double rad_per_deg = pi / 180;
 constexpr std::array<std::string_view, 5> distance_names = {"DIST1", "DIST2", "DIST3", "DIST4", "DIST5"};
 constexpr std::array<std::string_view, 5> intensity_names = {"RSSI1", "RSSI2", "RSSI3", "RSSI4", "RSSI5"};
 
-/// Planes of an MRS1000 from the lowest to the highest, 1/100 deg in the telegram (SICK 8020494 p. 24 prints
-/// FF06, FA, FE0C hex). That positive means up is unverified.
-constexpr std::array<std::int16_t, 4> planes = {-500, -250, 0, 250};
+/// Planes of an MRS1000 from the lowest to the highest, as the telegram has them: 1/100 deg, positive
+/// downwards. SICK 8020494 p. 24 prints FF06, FA, FE0C hex and no sign; the sign is that of the clouds which
+/// SICK's own driver (sick_scan_xd) published of an MRS1104: the planes lie at -2.5, 0, 2.5 and 5 deg.
+constexpr std::array<std::int16_t, 4> planes = {250, 0, -250, -500};
 constexpr std::size_t no_ring = planes.size();
-/// Planes follow each other as 2.5, -5, 0, -2.5 deg: a cloud begins with the first of them, so that its
-/// telegrams do not depend on when one starts to listen.
-constexpr std::size_t first_ring = 3;
+/// Elevation of a plane, rad, positive upwards.
+double elevation_of(std::size_t ring) { return -planes[ring] / 100.0 * rad_per_deg; }
+/// The telegrams of the planes follow each other as 250, -500, 0, -250: a cloud begins with the first of
+/// them, so that its telegrams do not depend on when one starts to listen.
+constexpr std::size_t first_ring = 0;
 constexpr std::uint32_t all_rings = (1U << planes.size()) - 1;
 /// ANGL1: what to add to the evenly spaced angle, in 1/10000 deg.
 constexpr double correction_deg = 1e-4;
@@ -109,11 +112,14 @@ void ColaLayers::append(const ColaScan& telegram, std::size_t ring, Span first, 
       const double angle = geometry_.angle(row_, (azimuth_deg - geometry_.start_deg) / geometry_.step_deg);
       directions_[beam] = {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))};
     }
-    cloud_.columns.push_back({static_cast<std::uint32_t>(cloud_.size()), packet_, 0, 0,
-                              static_cast<float>(azimuth_deg * rad_per_deg), fired});
     for (std::size_t echo = 0; echo < geometry_.echoes; ++echo) {
+      cloud_.columns.push_back({static_cast<std::uint32_t>(cloud_.size()), packet_, 0,
+                                static_cast<std::uint8_t>(echo),
+                                static_cast<float>(azimuth_deg * rad_per_deg), fired});
       append_return(*telegram.channel(distance_names[echo]), telegram.channel(intensity_names[echo]), beam,
                     azimuth_deg, static_cast<std::uint16_t>(ring), fired);
+      // Second and third echoes are rare: no column of theirs without a point.
+      if (echo > 0 && cloud_.columns.back().first_point == cloud_.size()) cloud_.columns.pop_back();
     }
     cloud_.end = std::max(cloud_.end, fired);
   }
@@ -130,7 +136,7 @@ void ColaLayers::append_return(const ColaChannel& distance, const ColaChannel* r
     const double off = std::remainder(std::atan2(sine, cosine) - limits_.view_direction, 2 * pi);
     if (std::abs(off) > limits_.view_half_width) return;
   }
-  const double elevation = planes[ring] / 100.0 * rad_per_deg;
+  const double elevation = elevation_of(ring);
   const auto flat = static_cast<float>(range * std::cos(elevation));
   CloudPoint point{};
   point.x = flat * cosine;

@@ -15,8 +15,9 @@
 namespace lidard::sick {
 
 /// Makes clouds of a device whose planes come in telegrams of their own (MRS1000): one cloud holds one
-/// telegram of every plane, ring 0 being the lowest. The returns stand in the order of the telegrams; the
-/// sweeps of neighbouring planes overlap in time, so `time` rises within a plane only.
+/// telegram of every plane, ring 0 being the lowest. Each echo of a beam has a column. The returns stand in
+/// the order of the telegrams; the sweeps of neighbouring planes overlap in time, so `time` rises within a
+/// plane only.
 class ColaLayers {
  public:
   ColaLayers(const DriverConfig& config, const ColaRow& row, Counters& counters);

@@ -53,7 +53,7 @@ struct Facts {
 };
 
 // Ranges: the products' data sheets, the largest of each family; the near ends are those of what devices
-// were seen to send (an LMS111 tells 0.08 m). Unverified.
+// were seen to send (an LMS111 tells 0.08 m, an MRS1104 16 mm). Unverified.
 constexpr Facts all_facts[] = {
     {"sick_lms1xx", "LMS1xx", &lms1xx, 50, 0.05, 50, true, "1 capture (LMS111), telegrams of an LMS151"},
     {"sick_lms5xx", "LMS5xx", &lms5xx, 25, 0.05, 80, true, "1 capture (LMS511)"},
@@ -69,8 +69,8 @@ constexpr Facts all_facts[] = {
     {"sick_nav2xx", "NAV2xx", &nav2xx, 25, 0.1, 50, false, unverified},
     {"sick_nav31x", "NAV31x", &nav31x, 8, 0.5, 250, false, unverified, other_port},
     {"sick_oem15xx", "OEM15xx", &nav31x, 8, 0.5, 250, false, unverified, other_port},
-    {"sick_mrs1000", "MRS1000", &mrs1000, 50, 0.05, 64, true,
-     "1 capture (MRS1104); sign of the layers unverified"},
+    {"sick_mrs1000", "MRS1000", &mrs1000, 50, 0.016, 64, true,
+     "2 captures (MRS1104), one beside the clouds that SICK's own driver published of it"},
 };
 
 Model model_of(const Facts& facts) {

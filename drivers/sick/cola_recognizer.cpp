@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/sick/cola_recognizer.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -16,11 +17,11 @@ struct Identity {
   std::string_view begins, model;
 };
 constexpr std::array identities = {
-    Identity{"MRS1", "sick_mrs1000"},    Identity{"LMS10", "sick_lms1xx"},
+    Identity{"MRS1", "sick_mrs1000"},    Identity{"LMS1xxx", "sick_lms1000"},
+    Identity{"LMS1000", "sick_lms1000"}, Identity{"LMS10", "sick_lms1xx"},
     Identity{"LMS11", "sick_lms1xx"},    Identity{"LMS12", "sick_lms1xx"},
     Identity{"LMS13", "sick_lms1xx"},    Identity{"LMS14", "sick_lms1xx"},
-    Identity{"LMS15", "sick_lms1xx"},    Identity{"LMS1xxx", "sick_lms1000"},
-    Identity{"LMS1000", "sick_lms1000"}, Identity{"LMS5", "sick_lms5xx"},
+    Identity{"LMS15", "sick_lms1xx"},    Identity{"LMS5", "sick_lms5xx"},
     Identity{"LMS4", "sick_lms4000"},    Identity{"TiM2", "sick_tim240"},
     Identity{"TiM4", "sick_tim4xx"},     Identity{"TiM5", "sick_tim5xx"},
     Identity{"TiM7", "sick_tim7xx"},     Identity{"LRS36", "sick_lrs36x0"},
@@ -28,45 +29,86 @@ constexpr std::array identities = {
     Identity{"OEM15", "sick_oem15xx"},
 };
 
-/// The shape of the whole sweep of a family; a part of it fits too. The first that fits counts.
-struct Shape {
-  double start_deg, end_deg;  ///< of the device
-  double step_deg;            ///< 0: any
-  double hz;                  ///< 0: any
+constexpr double slack_deg = 0.1;
+constexpr double any = 0;
+
+/// What the scans of a family may be: a part of the sweep from `start_deg` to `end_deg` of the device, at one
+/// of the rates and steps, no distance beyond `farthest_m`.
+struct Family {
   std::string_view model;
+  double start_deg, end_deg;
+  std::array<double, 5> hz;        ///< unused ones 0; all 0: any
+  std::array<double, 9> step_deg;  ///< unused ones 0; all 0: any
+  double most_mm;                  ///< of one step of a distance (the scale factor); 0: any
+  double farthest_m;
 };
-constexpr std::array shapes = {
-    Shape{-47.5, 227.5, 0.25, 50, "sick_lms1000"},  //
-    Shape{-45, 225, 1.0 / 3, 15, "sick_tim7xx"},    //
-    Shape{-120, 120, 1, 14.5, "sick_tim240"},       //
-    Shape{-45, 225, 0.25, 25, "sick_lms1xx"},       //
-    Shape{-45, 225, 0.5, 50, "sick_lms1xx"},        //
-    Shape{-45, 225, 0.25, 50, "sick_lms1xx"},       //
-    Shape{-45, 225, 0.5, 25, "sick_lms1xx"},        //
-    Shape{55, 125, 1.0 / 12, 600, "sick_lms4000"},  //
-    Shape{-5, 185, 0, 0, "sick_lms5xx"},            //
-    Shape{0, 360, 0, 8, "sick_nav31x"},             //
-    Shape{-45, 225, 0, 0, "sick_lms1xx"},           //
+/// Of the families that fit, the first is told. Rates and steps of the LMS5xx: SICK 8013796 p. 85; that it
+/// alone tells distances in steps of 2 mm follows from its range of 80 m (16 bits of 1 mm end at 65 m) and
+/// was seen; the others' were seen or follow their data sheets, unverified.
+constexpr std::array families = {
+    Family{"sick_lms1000", -47.5, 227.5, {50}, {0.25}, 1, 64},
+    Family{"sick_tim7xx", -45, 225, {15}, {1.0 / 3}, 1, 25},
+    Family{"sick_tim7xxs", -45, 225, {15}, {1.0 / 3}, 1, 25},
+    Family{"sick_tim5xx", -45, 225, {15}, {1.0 / 3}, 1, 25},
+    Family{"sick_tim4xx", -30, 210, {15}, {1.0 / 3}, 1, 25},
+    Family{"sick_tim240", -120, 120, {14.5}, {1}, 1, 10},
+    Family{"sick_lms1xx", -45, 225, {25, 50}, {0.25, 0.5}, 1, 50},
+    Family{"sick_lms4000", 55, 125, {600}, {}, 1, 6.5},
+    Family{"sick_lms5xx",
+           -5,
+           185,
+           {25, 35, 50, 75, 100},
+           {1.0 / 24, 1.0 / 12, 1.0 / 6, 0.25, 1.0 / 3, 0.5, 2.0 / 3, 0.75, 1},
+           2,
+           131},
+    Family{"sick_nav31x", 0, 360, {8}, {}, any, any},
+    Family{"sick_oem15xx", 0, 360, {8}, {}, any, any},
+    Family{"sick_lrs36x0", 0, 360, {8}, {}, any, any},
+    // Steps and rates that are not listed: rather a scan than none.
+    Family{"sick_lms5xx", -5, 185, {}, {}, any, any},
+    Family{"sick_lms1xx", -45, 225, {}, {}, 1, 50},
 };
+/// Those before are what devices are known to send.
+constexpr std::size_t known_families = families.size() - 2;
 
 bool near_to(double a, double b, double tolerance) { return std::abs(a - b) <= tolerance; }
 
-std::string_view model_of(const ColaScan& scan) {
+template <std::size_t Size>
+bool is_among(const std::array<double, Size>& values, double value, double tolerance) {
+  if (values[0] == any) return true;
+  return std::any_of(values.begin(), values.end(),
+                     [&](double each) { return each != any && near_to(each, value, tolerance); });
+}
+
+/// A whole sweep of an LMS5xx is a part of the wider ones.
+bool is_whole_lms5xx(const ColaEvidence& seen) {
+  return near_to(seen.start_deg, -5, slack_deg) && near_to(seen.end_deg, 185, slack_deg);
+}
+
+bool fits(const Family& family, const ColaEvidence& seen) {
+  if (seen.start_deg < family.start_deg - slack_deg || seen.end_deg > family.end_deg + slack_deg)
+    return false;
+  if (is_whole_lms5xx(seen) && family.model != "sick_lms5xx") return false;
+  if (family.most_mm != any && seen.scale_mm > family.most_mm) return false;
+  // A device may overshoot its range a little.
+  if (family.farthest_m != any && seen.farthest_m > 1.1 * family.farthest_m) return false;
+  return is_among(family.hz, seen.hz, 0.6) && is_among(family.step_deg, seen.step_deg, 1e-4);
+}
+
+/// What a telegram says, and how far the scans before it saw. False if it has no distances.
+bool look(const ColaScan& scan, ColaEvidence& seen) {
   const ColaChannel* distance = scan.channel("DIST1");
-  if (distance == nullptr || distance->values.empty()) return {};
-  const double step = exact_step_deg(distance->step_deg);
-  const double end = distance->start_deg + step * static_cast<double>(distance->values.size() - 1);
-  constexpr double slack_deg = 0.1;
-  for (const Shape& shape : shapes) {
-    const bool inside =
-        distance->start_deg >= shape.start_deg - slack_deg && end <= shape.end_deg + slack_deg;
-    const bool same_step = shape.step_deg == 0 || near_to(step, shape.step_deg, 1e-4);
-    const bool same_rate = shape.hz == 0 || near_to(scan.scan_hz, shape.hz, 0.6);
-    // A whole LMS5xx sweep is a part of the wider ones.
-    const bool lms5xx = near_to(distance->start_deg, -5, slack_deg) && near_to(end, 185, slack_deg);
-    if (inside && same_step && same_rate && (!lms5xx || shape.start_deg == -5)) return shape.model;
+  if (distance == nullptr || distance->values.empty()) return false;
+  seen.step_deg = exact_step_deg(distance->step_deg);
+  seen.start_deg = distance->start_deg;
+  seen.end_deg = distance->start_deg + seen.step_deg * static_cast<double>(distance->values.size() - 1);
+  seen.hz = scan.scan_hz;
+  seen.scale_mm = static_cast<double>(distance->scale);
+  for (std::size_t i = 0; i < distance->values.size(); ++i) {
+    if (status_of_raw(distance->values[i]) == BeamStatus::hit)
+      seen.farthest_m = std::max(seen.farthest_m, distance->value(i) * 1e-3);
   }
-  return {};
+  return true;
 }
 
 }  // namespace
@@ -84,7 +126,26 @@ void ColaRecognizer::look_at(const ColaTelegram& telegram) {
   if (named_ || telegram.name() != "LMDscandata") return;
   if (parse_cola_scan(telegram, scan_) != Reject::none) return;
   layered_ = layered_ || scan_.layer != 0;
-  verdict_ = layered_ ? std::string_view("sick_mrs1000") : model_of(scan_);
+  if (layered_) {
+    verdict_ = "sick_mrs1000";
+    others_.clear();
+    return;
+  }
+  if (look(scan_, seen_)) choose();
+}
+
+/// The families that fit everything seen so far.
+void ColaRecognizer::choose() {
+  verdict_ = {};
+  others_.clear();
+  for (std::size_t i = 0; i < families.size(); ++i) {
+    if (i >= known_families && !verdict_.empty()) return;
+    if (!fits(families[i], seen_)) continue;
+    if (verdict_.empty())
+      verdict_ = families[i].model;
+    else
+      others_.push_back(families[i].model);
+  }
 }
 
 /// The text stands behind its length, of whichever dialect.
@@ -93,13 +154,17 @@ void ColaRecognizer::note_identity(std::string_view identity) {
     if (identity.substr(0, 16).find(known.begins) == std::string_view::npos) continue;
     verdict_ = known.model;
     named_ = true;
+    others_.clear();
     return;
   }
 }
 
 std::string ColaRecognizer::remark() const {
-  if (named_ || verdict_.empty()) return {};
-  return "SICK scanners of several families send such scans; name the model if it is another one";
+  if (others_.empty()) return {};
+  std::string names;
+  for (const std::string_view other : others_) names += (names.empty() ? "" : ", ") + std::string(other);
+  return "taken for " + std::string(verdict_) + ", but nothing in these scans tells it from " + names +
+         "; set the model if it is another one";
 }
 
 }  // namespace lidard::sick

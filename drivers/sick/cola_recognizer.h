@@ -4,14 +4,24 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "drivers/driver.h"
 #include "drivers/sick/cola_scan.h"
 
 namespace lidard::sick {
 
+/// What the scans of a sender say of it, beside its name.
+struct ColaEvidence {
+  double start_deg = 0, end_deg = 0, step_deg = 0;  ///< as the device counts
+  double hz = 0;                                    ///< scans per second
+  double scale_mm = 1;                              ///< of one step of a distance
+  double farthest_m = 0;                            ///< of all scans so far
+};
+
 /// Recognises scanners that speak CoLa in the bytes of one sender. The model follows from what the device
-/// calls itself (DeviceIdent), else from the shape of its scans, which families share: remark() then says so.
+/// calls itself (DeviceIdent), else from angles, rates and distances of its scans; where they fit several
+/// families, remark() names those that were not chosen.
 class ColaRecognizer {
  public:
   void add(const Packet& packet);
@@ -22,13 +32,16 @@ class ColaRecognizer {
  private:
   void look_at(const ColaTelegram& telegram);
   void note_identity(std::string_view identity);
+  void choose();
 
   Counters counters_;
   ColaStream stream_{counters_};
   ColaScan scan_;
+  ColaEvidence seen_;
   std::string_view verdict_;
-  bool named_ = false;    // by the device itself
-  bool layered_ = false;  // planes other than the horizontal one came
+  std::vector<std::string_view> others_;  // that fit as well
+  bool named_ = false;                    // by the device itself
+  bool layered_ = false;                  // planes other than the horizontal one came
 };
 
 }  // namespace lidard::sick

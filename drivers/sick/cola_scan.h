@@ -57,7 +57,7 @@ struct ColaScan {
   std::uint32_t start_us = 0;     ///< since the device started; wraps after 71.6 min
   std::uint32_t transmit_us = 0;  ///< the same clock, when the scan went out
   std::uint16_t inputs = 0, outputs = 0;
-  std::int16_t layer = 0;     ///< 1/100 deg on MRS1000, else reserved
+  std::int16_t layer = 0;     ///< 1/100 deg downwards on MRS1000, else reserved
   double scan_hz = 0;         ///< telegrams (scans, or layers) per second
   double measurement_hz = 0;  ///< measurements per second
   std::array<Encoder, most_encoders> encoders{};

@@ -55,7 +55,6 @@ class FrameTracker {
   void restart();
 
  private:
-  static constexpr std::uint64_t max_segments = 64;
   /// Frames after which the segments seen are taken for all, where the telegram counter proves nothing.
   static constexpr int patience = 8;
 

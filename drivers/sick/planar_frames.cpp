@@ -11,7 +11,8 @@
 namespace lidard::sick {
 namespace {
 
-constexpr double deg_per_rad = 180 / 3.14159265358979323846;
+constexpr double pi = 3.14159265358979323846;
+constexpr double deg_per_rad = 180 / pi;
 constexpr std::string_view reflectors_topic = "reflectors";
 
 class PlanarFrames final : public SegmentFrames {
@@ -34,7 +35,7 @@ class PlanarFrames final : public SegmentFrames {
   bool end(std::size_t slot, const FrameEnd& how, DriverOutput& out) override;
   void restart() override {
     stamps_.reset();
-    last_base_us_ = 0;
+    last_first_us_ = 0;
   }
 
  private:
@@ -45,6 +46,7 @@ class PlanarFrames final : public SegmentFrames {
   Window kept(Window window);
   void hide_unseen_edges(Window all, Window kept);
   void publish(const Sweep& sweep, Window all, DriverOutput& out);
+  void set_times(const Sweep& sweep, Window part);
   void publish_reflectors(const Sweep& sweep, Window kept, DriverOutput& out);
 
   DriverConfig config_;
@@ -58,7 +60,8 @@ class PlanarFrames final : public SegmentFrames {
   Window window_;
   std::size_t first_segment_ = 0, last_segment_ = 0;
   SteadyStamps stamps_;
-  std::uint64_t last_base_us_ = 0;
+  double beam_us_ = 0;  // from beam to beam, by the last frame that told; 0: none did
+  std::uint64_t last_first_us_ = 0;
   PlanarScan scan_;
   PlanarScan marked_;
 };
@@ -97,6 +100,7 @@ void PlanarFrames::adopt(const Segment& segment) {
   echoes_ = config_.publish_multiecho ? segment.lines[0].echoes : 1;
   had_echo_.assign(grid_->beams, 0);
   window_segments_ = 0;
+  beam_us_ = 0;
 }
 
 void PlanarFrames::begin(std::size_t slot) {
@@ -184,23 +188,33 @@ void PlanarFrames::publish(const Sweep& sweep, Window all, DriverOutput& out) {
   if (part.count == 0) return;
   sweep.copy(part.begin, part.count, echoes_, config_.publish_intensity, scan_);
   hide_unseen_edges(all, part);
-  const double beam_us = sweep.beam_us();
-  const auto to_first = std::chrono::nanoseconds(std::llround(sweep.time_us(part.begin) * 1e3));
-  const Span first = device_span(sweep.base_us()) + to_first;
-  scan_.stamp = stamps_.next(clock_.to_host(first) + config_.time_offset);
-  scan_.time_increment = static_cast<float>(beam_us * 1e-6);
-  const auto base_us = static_cast<std::uint64_t>(first.count() / 1000);
-  const double since_s = base_us > last_base_us_ ? static_cast<double>(base_us - last_base_us_) * 1e-6 : 0;
-  // A frame may have been lost in between.
-  if (last_base_us_ != 0 && since_s > 0 && since_s < 1.5 * static_cast<double>(scan_.scan_time))
-    scan_.scan_time = static_cast<float>(since_s);
-  last_base_us_ = base_us;
+  set_times(sweep, part);
   if (config_.model->extra_scans.empty() || sweep.reflectors() == 0) {
     out.scan(scan_);
     return;
   }
   out.scan(scan_);
   publish_reflectors(sweep, part, out);
+}
+
+/// Stamp, time from beam to beam and from scan to scan.
+void PlanarFrames::set_times(const Sweep& sweep, Window part) {
+  const SweepTimes times = sweep.times(beam_us_);
+  if (sweep.segments() > 1) beam_us_ = times.beam_us;
+  const double before = static_cast<double>(part.begin) - static_cast<double>(sweep.first_beam());
+  const double to_first_us = times.first_us + times.beam_us * before;
+  const Span first = device_span(sweep.base_us()) + std::chrono::nanoseconds(std::llround(to_first_us * 1e3));
+  scan_.stamp = stamps_.next(clock_.to_host(first) + config_.time_offset);
+  scan_.time_increment = static_cast<float>(times.beam_us * 1e-6);
+  const double turn_s = times.beam_us * 1e-6 * 2 * pi / grid_->step;
+  if (turn_s > 0) scan_.scan_time = static_cast<float>(turn_s);
+  const auto first_us = static_cast<std::uint64_t>(first.count() / 1000);
+  const double since_s =
+      first_us > last_first_us_ ? static_cast<double>(first_us - last_first_us_) * 1e-6 : 0;
+  // A frame may have been lost in between.
+  if (last_first_us_ != 0 && since_s > 0.5 * turn_s && since_s < 1.5 * turn_s)
+    scan_.scan_time = static_cast<float>(since_s);
+  last_first_us_ = first_us;
 }
 
 /// The same scan with nothing but the beams that met a reflector.

@@ -15,6 +15,8 @@ namespace lidard::sick {
 constexpr std::size_t max_echoes = 5;
 /// Scan lines of one telegram; a multiScan100 has 16 layers.
 constexpr std::size_t max_lines = 64;
+/// Segments of one frame; picoScan100 and multiScan100 send 12 at most.
+constexpr std::size_t max_segments = 64;
 /// Beams of one line; a full turn in steps of 0.02 deg.
 constexpr std::size_t max_beams = 18000;
 

@@ -26,6 +26,12 @@ double step_of(const SegmentLine& line) {
   return std::fabs(measured - around) * steps < azimuth_rounding ? around : measured;
 }
 
+/// Of the first `count` values, which lose their order; of an even number the mean of the middle two.
+double median(std::array<double, max_segments>& values, std::size_t count) {
+  std::sort(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count));
+  return (values[(count - 1) / 2] + values[count / 2]) / 2;
+}
+
 }  // namespace
 
 long SweepGrid::nearest(double angle) const { return std::lround((angle - first) / step); }
@@ -61,23 +67,29 @@ void Sweep::begin(const SweepGrid& grid, std::size_t echoes, float range_min, fl
   beams_.reset(grid.beams, echoes, true);
   reflectors_.assign(grid.beams, 0);
   reflector_count_ = 0;
+  begin_count_ = 0;
   empty_ = true;
 }
 
 void Sweep::note_extent(const SegmentLine& line, std::size_t begin, std::size_t end) {
   if (empty_ || begin < first_beam_) {
-    const std::uint64_t old_base = base_us_;
-    base_us_ = line.start_us;
-    if (!empty_) last_us_ += static_cast<double>(static_cast<std::int64_t>(old_base - base_us_));
     first_beam_ = begin;
     first_segment_ = end - begin;
   }
   if (empty_ || end > end_beam_) {
-    last_us_ = static_cast<double>(static_cast<std::int64_t>(line.stop_us - base_us_));
     end_beam_ = end;
     last_segment_ = end - begin;
   }
+  inside_us_ = static_cast<double>(line.stop_us - line.start_us);
+  note_begin(begin, line.start_us);
   empty_ = false;
+}
+
+void Sweep::note_begin(std::size_t beam, std::uint64_t us) {
+  if (begin_count_ == begins_.size()) return;
+  std::size_t at = begin_count_++;
+  for (; at > 0 && begins_[at - 1].beam > beam; --at) begins_[at] = begins_[at - 1];
+  begins_[at] = {beam, us};
 }
 
 std::size_t Sweep::add(const SegmentLine& line, std::vector<std::uint8_t>& had_echo) {
@@ -118,12 +130,34 @@ void Sweep::put(const SegmentLine& line, std::size_t from, std::size_t beam) {
   reflectors_[beam] = reflector ? 1 : 0;
 }
 
-double Sweep::beam_us() const {
-  return end_beam_ - first_beam_ < 2 ? 0 : last_us_ / static_cast<double>(end_beam_ - first_beam_ - 1);
-}
-
-double Sweep::time_us(std::size_t beam) const {
-  return (static_cast<double>(beam) - static_cast<double>(first_beam_)) * beam_us();
+/// Only the times at which segments begin tell the time of a beam. In a recording of a picoScan150 (5
+/// segments of 240 beams, 0.25 deg, 40 turns/s) the last segment ends beyond the view: its stop time is that
+/// of the end of the view (+138.25 deg), 95 beams before its last, empty beam; and the first segment's start
+/// time is 17 us, one beam, early. The median overcomes both.
+SweepTimes Sweep::times(double known_beam_us) const {
+  SweepTimes times;
+  std::array<double, max_segments> values{};
+  std::size_t count = 0;
+  const auto after_us = [&](std::size_t i) {
+    return static_cast<double>(static_cast<std::int64_t>(begins_[i].us - base_us()));
+  };
+  for (std::size_t i = 1; i < begin_count_; ++i) {
+    const std::size_t beams = begins_[i].beam - begins_[i - 1].beam;
+    if (beams > 0) values[count++] = (after_us(i) - after_us(i - 1)) / static_cast<double>(beams);
+  }
+  times.beam_us = count > 0 ? median(values, count) : 0;
+  if (!(times.beam_us > 0)) {
+    const std::size_t beams = end_beam_ - first_beam_;
+    times.beam_us = beams < 2 ? 0 : inside_us_ / static_cast<double>(beams - 1);
+    if (known_beam_us > 0) times.beam_us = known_beam_us;
+    return times;
+  }
+  for (std::size_t i = 0; i < begin_count_; ++i) {
+    const auto beams = static_cast<double>(begins_[i].beam - first_beam_);
+    values[i] = after_us(i) - times.beam_us * beams;
+  }
+  times.first_us = median(values, begin_count_);
+  return times;
 }
 
 void Sweep::copy(std::size_t begin, std::size_t count, std::size_t echoes, bool with_intensities,

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -27,6 +28,12 @@ struct SweepGrid {
   bool holds(const SegmentLine& line) const;
 };
 
+/// When the beams of a frame were measured, us of the device's clock.
+struct SweepTimes {
+  double first_us = 0;  ///< the first beam, after Sweep::base_us()
+  double beam_us = 0;   ///< from beam to beam
+};
+
 /// The beams of one frame of a single-plane device, segment by segment.
 class Sweep {
  public:
@@ -43,11 +50,13 @@ class Sweep {
   /// Length of the first and of the last segment, beams.
   std::size_t first_segment() const { return first_segment_; }
   std::size_t last_segment() const { return last_segment_; }
-  /// Device time of a beam, us, by the times of the first and last segment; exact where it was sent.
-  double time_us(std::size_t beam) const;
-  /// Device time between neighbouring beams, us.
-  double beam_us() const;
-  std::uint64_t base_us() const { return base_us_; }
+  /// How many segments are in it.
+  std::size_t segments() const { return begin_count_; }
+  /// The times of the beams by the times at which the segments begin. `known_beam_us` is what an earlier
+  /// frame told (0: none did), for a frame of one segment.
+  SweepTimes times(double known_beam_us) const;
+  /// Told by the first segment, us.
+  std::uint64_t base_us() const { return begins_[0].us; }
   /// Copies the beams [begin, begin + count) to `out`, whose geometry they become; with `echoes` of each.
   void copy(std::size_t begin, std::size_t count, std::size_t echoes, bool with_intensities,
             PlanarScan& out) const;
@@ -58,6 +67,13 @@ class Sweep {
  private:
   void put(const SegmentLine& line, std::size_t from, std::size_t beam);
   void note_extent(const SegmentLine& line, std::size_t begin, std::size_t end);
+  void note_begin(std::size_t beam, std::uint64_t us);
+
+  /// Where and when a segment begins.
+  struct Begin {
+    std::size_t beam;
+    std::uint64_t us;
+  };
 
   SweepGrid grid_;
   PlanarScan beams_;
@@ -65,8 +81,9 @@ class Sweep {
   std::size_t reflector_count_ = 0;
   bool empty_ = true;
   std::size_t first_beam_ = 0, end_beam_ = 0, first_segment_ = 0, last_segment_ = 0;
-  std::uint64_t base_us_ = 0;  // of the first segment's first beam
-  double last_us_ = 0;         // of the last beam, after base_us_
+  std::array<Begin, max_segments> begins_{};  // by angle
+  std::size_t begin_count_ = 0;
+  double inside_us_ = 0;  // from the first beam to the last of the segment that came last
 };
 
 }  // namespace lidard::sick

@@ -151,7 +151,7 @@ TEST_P(ColaCapture, PublishedRangesAreTheTruthsDistances) {
         EXPECT_EQ(point.packet, i);
         EXPECT_NEAR(point.distance_m, mm * 1e-3, 1e-6);
         EXPECT_NEAR(point.azimuth_deg, -47.5 + 0.25 * static_cast<double>(beam), 1e-9);
-        EXPECT_EQ(point.ring, truth[i]["layer_centideg"].get<int>() / 250 + 2);
+        EXPECT_EQ(point.ring, 1 - truth[i]["layer_centideg"].get<int>() / 250);
         EXPECT_NEAR(std::hypot(point.x, point.y, point.z), mm * 1e-3, 1e-4);
       }
     }

@@ -100,7 +100,7 @@ TEST(ColaTruth, FourPlanesOfAnMrs1104) {
   ASSERT_GE(seen.clouds.size(), 3U);
   // The telegrams before the first plane of a turn belong to no whole cloud.
   std::size_t telegram = 0;
-  while (seen.truth.at(telegram).slots.front().laser != 3) ++telegram;
+  while (seen.truth.at(telegram).slots.front().laser != 0) ++telegram;
   for (const Cloud& cloud : seen.clouds) {
     std::size_t point = 0;
     for (std::size_t plane = 0; plane < 4; ++plane, ++telegram) {

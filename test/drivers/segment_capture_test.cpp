@@ -283,6 +283,34 @@ TEST(SegmentCapture, EncoderTelegramsBecomeAState) {
   EXPECT_EQ(bench.states[0].stamp, bench.epoch);
 }
 
+/// 40 turns/s and 1440 beams a turn: 25 ms / 1440. Segments that lie in the view as a whole say the same:
+/// 4185, 4165, 4167 and 4167 us from start to start, for 240 beams.
+TEST(SegmentCapture, TheLastSegmentOfAPicoScanEndsBeyondTheViewAndShortensNoTime) {
+  LIDARD_NEED_CAPTURE(path, "sick/picoscan150_compact_frag.pcap");
+  for (const bool partial : {false, true}) {
+    DriverConfig config;
+    config.keep_partial = partial;
+    const Decoded got = decode_capture(path, "sick_picoscan150", config);
+    EXPECT_EQ(got.counters.packets, 96U);
+    EXPECT_EQ(got.counters.rejected_total(), 0U);
+    EXPECT_EQ(got.counters.lost_packets, 0U);
+    const auto& scans = got.output.scans;
+    ASSERT_GE(scans.size(), 18U);
+    for (const PlanarScan& scan : scans) {
+      EXPECT_NEAR(static_cast<double>(scan.time_increment), 25e-3 / 1440, 0.01e-6);
+      EXPECT_NEAR(static_cast<double>(scan.scan_time), 0.025, 0.00001);
+    }
+    for (std::size_t i = partial ? 2 : 1; i + 1 < scans.size(); ++i)
+      EXPECT_NEAR(seconds(scans[i].stamp - scans[i - 1].stamp), 0.025, 0.0002);
+    const PlanarScan& whole = scans.at(partial ? 1 : 0);
+    EXPECT_EQ(whole.beams, 1200U);
+    EXPECT_NEAR(static_cast<double>(whole.angle_min) / bench_rad, -138, 1e-4);
+    // The device measures nothing beyond 138 deg and sends zeros there.
+    EXPECT_EQ(whole.statuses[1104], BeamStatus::hit);
+    for (std::size_t b = 1105; b < whole.beams; ++b) EXPECT_EQ(whole.statuses[b], BeamStatus::invalid) << b;
+  }
+}
+
 TEST(SegmentCapture, Lrs4000TelegramIsAWholeTurn) {
   SegmentBench bench("sick_lrs4000");
   for (const char* name : {"0", "1", "2"}) {

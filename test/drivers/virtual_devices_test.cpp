@@ -122,7 +122,7 @@ class VirtualDevices : public ::testing::TestWithParam<Bar> {};
 TEST_P(VirtualDevices, TheRoomIsWhereItIs) {
   const Bar& bar = GetParam();
   const bool mrs = std::string(bar.model) == "sick_mrs1000";
-  const double lidar_z = mrs ? 0.8 : 1.2;
+  const double lidar_z = mrs ? 0.4 : 1.2;  // the planes of an MRS1000 look up to 5 deg upwards
   const LastCloud seen = cloud_of(bar.model, lidar_z);
   Cut cut;
   cut.settings.beams.no_return_free_range = 20;
@@ -142,17 +142,17 @@ TEST_P(VirtualDevices, TheRoomIsWhereItIs) {
 INSTANTIATE_TEST_SUITE_P(
     Bars, VirtualDevices,
     ::testing::Values(Bar{"sick_mrs1000", 0.4, 0, 0, 0}, Bar{"sick_mrs1000", 0.6, 0, 0, 0},
-                      Bar{"sick_mrs1000", 0.8, 0, 0, 0}, Bar{"sick_mrs1000", 0.6, 0.5, 40, 4},
+                      Bar{"sick_mrs1000", 0.5, 0, 0, 0}, Bar{"sick_mrs1000", 0.6, 0.5, 40, 4},
                       Bar{"sick_multiscan136", 0.3, 0, 8, 4}, Bar{"sick_multiscan136", 0.5, 0, 8, 4},
                       Bar{"sick_multiscan136", 0.8, 0.5, 40, 8}, Bar{"sick_multiscan136", 1.2, 0, 8, 8}));
 
 TEST(VirtualMrs1000, NothingIsSaidOfWhereItDoesNotLook) {
-  const LastCloud seen = cloud_of("sick_mrs1000", 0.8);
+  const LastCloud seen = cloud_of("sick_mrs1000", 0.4);
   EXPECT_EQ(seen.newest.rings, 4U);
   Cut cut;
   cut.settings.beams.no_return_free_range = 20;
   cut.frame = make_pose({0, 0, 0.6}, {0, 0, 0});
-  look(cut, seen.newest, 0.8);
+  look(cut, seen.newest, 0.4);
   for (int angle = 139; angle <= 221; ++angle) {
     EXPECT_EQ(cut.strict.statuses[cut.grid.nearest(angle * degree)], BeamStatus::invalid) << angle;
     EXPECT_EQ(cut.safety.statuses[cut.grid.nearest(angle * degree)], BeamStatus::invalid) << angle;

@@ -63,11 +63,13 @@ struct Setup {
   }
   Beam beam(Stamp first, std::int64_t number, std::size_t i) const {
     const std::int16_t layer = device.layers[static_cast<std::size_t>(number) % device.layers.size()];
-    const double elevation = layer / 100.0 * rad_per_deg;
+    // Positive is downwards: so the clouds that SICK's driver published of a recorded MRS1104 have it
+    // (sick_scan_xd, test01 of the MRS1000).
+    const double elevation = -layer / 100.0 * rad_per_deg;
     Beam beam;
     beam.time = first + beam_period() * static_cast<std::int64_t>(i);
     beam.azimuth = angle(i);
-    beam.laser = static_cast<std::uint16_t>(layer / 250 + 2);
+    beam.laser = static_cast<std::uint16_t>(1 - layer / 250);  // 0 is the lowest
     beam.ray.direction = {std::cos(elevation) * std::cos(beam.azimuth),
                           std::cos(elevation) * std::sin(beam.azimuth), std::sin(elevation)};
     return beam;

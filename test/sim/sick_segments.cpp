@@ -28,11 +28,12 @@ std::vector<Layers> many_layers() {
           {{-35.04}, 180, 0.125}};
 }
 
-/// One line of one segment of the frame, and where its beams stand among the frame's.
+/// One line of one segment of the frame, and where its beams stand among the frame's. `measured` of its beams
+/// lie in the view.
 struct Part {
   std::size_t segment, module;
   double elevation_deg, first_deg, step_deg;
-  std::size_t beams;
+  std::size_t beams, measured;
   Stamp start;
   double beam_ns;
   std::size_t first_beam;
@@ -45,6 +46,12 @@ struct Part {
 
 double wrapped(double deg) { return deg - 360 * std::floor((deg + 180) / 360); }
 
+/// The layout of the telegrams is that of SICK's descriptions (KaitaiStructDescriptions, ScanSegmentAPI),
+/// checked on recordings of a multiScan136 and a picoScan150. So is how a frame of a single layer begins and
+/// ends (picoscan150_compact_frag: 5 segments of 240 beams each 0.25 deg from -138 deg, 40 turns/s): the last
+/// segment has as many beams as the others; those beyond the end of the view are zero; its stop time is one
+/// beam after the last that is not (2517 us = 145 * 17.36 us); the first segment's start time is one beam
+/// early (from it to the second segment's 4185 us = 241 * 17.36 us).
 class SickSegments final : public SensorModel {
  public:
   SickSegments(const SickSegmentsOptions& options, const SensorEntry& entry, Stamp start)
@@ -84,13 +91,16 @@ class SickSegments final : public SensorModel {
   void add_parts(std::size_t segment, std::size_t module) {
     const Layers& layers = layers_[module];
     const double first = begin_deg_ + options_.segment_deg * static_cast<double>(segment);
-    const double last = std::min(first + options_.segment_deg - 1e-9, end_deg_);
+    const double last = first + options_.segment_deg - 1e-9;
     Part part{};
     part.segment = segment;
     part.module = module;
     part.first_deg = wrapped(first + layers.behind_deg);
     part.step_deg = layers.step_deg;
     part.beams = static_cast<std::size_t>(std::floor((last - first) / layers.step_deg)) + 1;
+    part.measured = part.beams;
+    if (last > end_deg_)
+      part.measured = static_cast<std::size_t>(std::floor((end_deg_ - first) / layers.step_deg)) + 1;
     part.beam_ns = static_cast<double>(options_.turn.count()) * layers.step_deg / 360;
     const Stamp frame = start_ + options_.turn * static_cast<std::int64_t>(frame_);
     part.start =
@@ -113,6 +123,7 @@ class SickSegments final : public SensorModel {
   }
 
   bool is_kept(double deg) const {
+    if (deg > end_deg_) return false;
     return !options_.keep_deg ||
            (deg >= options_.keep_deg->first - 1e-9 && deg <= options_.keep_deg->second + 1e-9);
   }
@@ -144,6 +155,12 @@ class SickSegments final : public SensorModel {
     return static_cast<std::uint64_t>((time + clock_offset_).ns / 1000);
   }
 
+  Stamp told_start(const Part& part) const {
+    const bool early = !options_.several_layers && part.segment == 0;
+    return early ? part.time(0) - Span(std::llround(part.beam_ns)) : part.time(0);
+  }
+  static Stamp told_stop(const Part& part) { return part.time(std::min(part.measured, part.beams - 1)); }
+
   SickBeam beam_on_wire(const Part& part, std::size_t b, const Answer& answer) const {
     SickBeam out;
     out.theta = part.angle_deg(b) * rad_per_deg;
@@ -172,8 +189,8 @@ class SickSegments final : public SensorModel {
     for (const Part& part : parts_) {
       if (part.segment != number) continue;
       SickLine line;
-      line.start_us = device_us(part.time(0));
-      line.stop_us = device_us(part.time(part.beams - 1));
+      line.start_us = device_us(told_start(part));
+      line.stop_us = device_us(told_stop(part));
       line.elevation = part.elevation_deg * rad_per_deg;
       line.theta_start = part.angle_deg(0) * rad_per_deg;
       line.theta_stop = part.angle_deg(part.beams - 1) * rad_per_deg;
@@ -181,7 +198,7 @@ class SickSegments final : public SensorModel {
         line.beams.push_back(beam_on_wire(part, b, answers[part.first_beam + b]));
         any_kept = any_kept || is_kept(part.angle_deg(b));
       }
-      last = std::max(last, part.time(part.beams - 1));
+      last = std::max(last, told_stop(part));
       segment.modules[part.module].push_back(std::move(line));
     }
     if (!any_kept) return;
