@@ -5,6 +5,8 @@
 #include <ostream>
 
 #include "daemon/config.h"
+#include "daemon/forecast.h"
+#include "daemon/read_file.h"
 
 namespace lidard {
 namespace {
@@ -15,8 +17,10 @@ constexpr int exit_config = 78;  // EX_CONFIG of sysexits.h
 
 int run_check(const std::string& file, std::ostream& out, std::ostream& err) {
   try {
-    const Config config = load_config(file);
+    const std::string text = read_file(file, "a readable YAML file");
+    const Config config = parse_config(text, file);
     for (const std::string& warning : config.warnings) err << warning << '\n';
+    for (const std::string& sentence : forecast(config, text)) err << sentence << '\n';
     out << to_yaml(config);
     return 0;
   } catch (const ConfigError& error) {

@@ -3,61 +3,45 @@
 #include <algorithm>
 
 #include "daemon/config_output_keys.h"
+#include "daemon/config_sources.h"
 
 namespace lidard {
 namespace {
 
-/// The topics of virtual scans, each of one frame.
-std::vector<std::pair<std::string, const VirtualScanConfig*>> virtual_topics(const Config& config) {
-  std::vector<std::pair<std::string, const VirtualScanConfig*>> topics;
-  for (const VirtualScanConfig& group : config.virtual_scans) {
-    if (group.output_laser_topic.empty())
-      for (const std::string& frame : group.virtual_laser_scan) topics.emplace_back(frame, &group);
-    else if (group.virtual_laser_scan.size() == 1)
-      topics.emplace_back(group.output_laser_topic, &group);
-  }
-  return topics;
-}
+/// The sources of a merged scan.
+struct ReadSources {
+  Sources limits;
+  std::vector<NamedSource> named;
+  std::vector<Value> values;  // as written
+};
 
-std::string without_slash(const std::string& topic) {
-  return !topic.empty() && topic.front() == '/' ? topic.substr(1) : topic;
-}
-
-/// The virtual scan that a source names by its topic, and the topic as it is published; nullptr if it names
-/// none, or a sensor.
-std::pair<std::string, const VirtualScanConfig*> find_virtual(const Config& config, const std::string& name) {
-  if (config.find_sensor(name) != nullptr) return {};
-  for (const auto& one : virtual_topics(config)) {
-    if (without_slash(one.first) == without_slash(name)) return one;
-  }
-  return {};
-}
-
-Sources read_sources(Mapping& yaml, const Config& config, const std::string& owner, ConfigClaims& claims,
-                     std::vector<std::string>& names) {
+std::string expected_sources(const Config& config) {
   std::string expected = "names of sensors that give scans: " + names_of(config, FrameKind::scan);
-  const auto virtuals = virtual_topics(config);
-  for (const auto& [topic, group] : virtuals)
-    expected += (group == virtuals.front().second && topic == virtuals.front().first ? "; or virtual scans: "
-                                                                                     : ", ") +
-                topic;
-  const Value list = yaml.require("laserscan_topics", expected);
-  Sources sources;
-  for (const Value& value : list.names(expected)) {
-    if (const auto [topic, group] = find_virtual(config, value.text(expected)); group != nullptr) {
-      if (std::find(names.begin(), names.end(), topic) != names.end())
-        value.fail("names " + topic + " again", "every source once");
-      names.push_back(topic);
-      sources.emplace_back(group->output.grid);
-      continue;
-    }
-    const SensorConfig& sensor = read_source(value, FrameKind::scan, config, owner, claims);
-    if (std::find(names.begin(), names.end(), sensor.name) != names.end())
-      value.fail("names " + sensor.name + " again", "every sensor once");
-    names.push_back(sensor.name);
-    sources.emplace_back(&sensor);
+  const char* separator = "; or virtual scans: ";
+  for (const std::string& topic : virtual_topics(config)) {
+    expected += separator + topic;
+    separator = ", ";
   }
-  if (sources.empty()) list.fail("names nothing", expected);
+  return expected;
+}
+
+ReadSources read_sources(Mapping& yaml, const Config& config, const std::string& owner, ConfigClaims& claims,
+                         std::vector<std::string>& names) {
+  const std::string expected = expected_sources(config);
+  const Value list = yaml.require("laserscan_topics", expected);
+  ReadSources sources;
+  for (const Value& value : list.names(expected)) {
+    const NamedSource source = read_source(value, FrameKind::scan, config, expected);
+    const bool sensor = source.sensor != nullptr;
+    if (std::find(names.begin(), names.end(), source.name) != names.end())
+      value.fail("names " + source.name + " again", sensor ? "every sensor once" : "every source once");
+    if (sensor) claims.uses(*source.sensor, FrameKind::scan, owner, value);
+    names.push_back(source.name);
+    sources.limits.push_back(sensor ? SourceLimits(source.sensor) : source.virtual_group->output.grid);
+    sources.named.push_back(source);
+    sources.values.push_back(value);
+  }
+  if (names.empty()) list.fail("names nothing", expected);
   return sources;
 }
 
@@ -91,10 +75,11 @@ void read_merged_topics(Mapping& yaml, const std::string& owner, ConfigClaims& c
 }
 
 /// Points alone prove nothing, so they are no evidence for what is free or hidden.
-void refuse_flat_sources(Mapping& yaml, const Config& config, const MergedScanConfig& merged) {
+void refuse_flat_sources(const ReadSources& sources, const MergedScanConfig& merged) {
   if (!merged.has_sight()) return;
-  for (const Value& value : yaml.where("laserscan_topics").names("names")) {
-    const VirtualScanConfig* group = find_virtual(config, value.text()).second;
+  for (std::size_t i = 0; i < sources.named.size(); ++i) {
+    const VirtualScanConfig* group = sources.named[i].virtual_group;
+    const Value& value = sources.values[i];
     if (group != nullptr && group->output.profile == Profile::flatten)
       value.fail("names " + value.quoted() + ", a virtual scan of profile flatten, which proves nothing",
                  "a virtual scan of profile strict or safety, or profile: flatten here");
@@ -124,15 +109,17 @@ MergedScanConfig read_merged(const std::string& name, const Value& entry, Config
   Mapping yaml(entry, with_output_keys(std::move(keys)));
   MergedScanConfig merged;
   merged.name = name;
-  const Sources sources = read_sources(yaml, config, entry.path(), claims, merged.laserscan_topics);
+  const ReadSources sources = read_sources(yaml, config, entry.path(), claims, merged.laserscan_topics);
   read_destination(yaml, config, entry.path(), claims, merged);
   read_merged_topics(yaml, entry.path(), claims, merged);
-  read_output(yaml, sources, config, merged.output);
+  read_output(yaml, sources.limits, config, merged.output);
   read_sight(yaml, entry.path(), config, claims, merged);
   read_merge_options(yaml, merged);
-  refuse_flat_sources(yaml, config, merged);
-  read_schedule(yaml, merged);
-  read_source_settings(yaml, merged);
+  refuse_flat_sources(sources, merged);
+  std::vector<std::string> written;
+  for (const Value& value : sources.values) written.push_back(value.text());
+  read_schedule(yaml, written, merged);
+  read_source_settings(yaml, written, merged);
   return merged;
 }
 

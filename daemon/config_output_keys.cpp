@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/nearest.h"
-
 namespace lidard {
 namespace {
 
@@ -18,27 +16,6 @@ const std::vector<std::string_view> output_keys = {
     "profile",        "beams",         "empty",     "unobserved",    "min_height",      "max_height",
     "angle_min",      "angle_min_deg", "angle_max", "angle_max_deg", "angle_increment", "angle_increment_deg",
     "time_increment", "scan_time",     "range_min", "range_max"};
-
-std::string kind_of(const SensorConfig& sensor) {
-  const bool cloud = sensor.model->kind == FrameKind::cloud;
-  return std::string(sensor.model->name) + (cloud ? ", which gives clouds" : ", which gives scans");
-}
-
-bool can_give(const SensorConfig& sensor, FrameKind kind) {
-  if (kind == FrameKind::scan && sensor.ring_scan) return true;
-  return sensor.model == nullptr || sensor.model->kind == kind;
-}
-
-/// By its name in `sensors:`, or by a topic: the one it listens to or the one it publishes.
-const SensorConfig* find_source(const Config& config, std::string name) {
-  if (name.size() > 1 && name.front() == '/') name.erase(0, 1);
-  for (const SensorConfig& sensor : config.sensors) {
-    const bool listens = sensor.topic == name || sensor.topic == "/" + name;
-    const bool publishes = name == sensor.name + "/scan" || name == sensor.name + "/points";
-    if (sensor.name == name || (sensor.model == nullptr ? listens : publishes)) return &sensor;
-  }
-  return nullptr;
-}
 
 void default_ranges(ScanGridSpec& grid, const Sources& sources) {
   double nearest = farthest_m;
@@ -122,32 +99,6 @@ SourceLimits::SourceLimits(const SensorConfig* sensor) : SourceLimits(ScanGridSp
 std::vector<std::string_view> with_output_keys(std::vector<std::string_view> keys) {
   keys.insert(keys.end(), output_keys.begin(), output_keys.end());
   return keys;
-}
-
-std::string names_of(const Config& config, FrameKind kind) {
-  std::string list;
-  for (const SensorConfig& sensor : config.sensors) {
-    if (can_give(sensor, kind)) list += (list.empty() ? "" : ", ") + sensor.name;
-  }
-  return list.empty() ? "none is configured" : list;
-}
-
-const SensorConfig& read_source(const Value& value, FrameKind kind, const Config& config,
-                                const std::string& owner, ConfigClaims& claims) {
-  const std::string expected = std::string("a sensor that gives ") +
-                               (kind == FrameKind::scan ? "scans: " : "clouds: ") + names_of(config, kind);
-  const std::string name = value.text(expected);
-  const SensorConfig* sensor = find_source(config, name);
-  if (sensor == nullptr) {
-    std::vector<std::string_view> known;
-    for (const SensorConfig& one : config.sensors) known.push_back(one.name);
-    const std::string_view near = nearest_word(name, known);
-    value.fail("names " + value.quoted() + ", which is no sensor",
-               near.empty() ? expected : std::string(near));
-  }
-  if (!can_give(*sensor, kind)) value.fail("names " + sensor->name + ", a " + kind_of(*sensor), expected);
-  if (sensor->model == nullptr) claims.uses(sensor->name, kind, owner, value);
-  return *sensor;
 }
 
 void read_output(Mapping& yaml, const Sources& sources, Config& config, OutputScanConfig& output) {

@@ -23,13 +23,7 @@ constexpr double longest_period_s = 3600;
 
 /// `keys` and those that merged and virtual scans share.
 std::vector<std::string_view> with_output_keys(std::vector<std::string_view> keys);
-/// The sensors that give frames of this kind, for messages.
-std::string names_of(const Config& config, FrameKind kind);
-/// The sensor that `value` names; throws if it is none, or gives frames of another kind.
-const SensorConfig& read_source(const Value& value, FrameKind kind, const Config& config,
-                                const std::string& owner, ConfigClaims& claims);
 /// The keys that merged and virtual scans share; `output` holds the defaults of the kind.
-void read_output(Mapping& yaml, const Sources& sources, Config& config,
-                 OutputScanConfig& output);
+void read_output(Mapping& yaml, const Sources& sources, Config& config, OutputScanConfig& output);
 
 }  // namespace lidard

@@ -22,8 +22,8 @@ class ConfigClaims {
   /// Notes the pose of `child` in `parent`; throws at `value` if it has another one already.
   void holds_frame(const std::string& child, const std::string& parent, const Pose& pose,
                    const std::string& owner, const Value& value);
-  /// Notes what `owner` takes the source with `topic:` named `sensor` for; throws if it was the other kind.
-  void uses(const std::string& sensor, FrameKind kind, const std::string& owner, const Value& value);
+  /// Notes what `owner` takes a sensor for; throws if a source with `topic:` was taken for the other kind.
+  void uses(const SensorConfig& sensor, FrameKind kind, const std::string& owner, const Value& value);
   bool is_used(const std::string& sensor) const { return uses_.count(sensor) != 0; }
 
  private:
@@ -87,10 +87,11 @@ void read_sight(Mapping& yaml, const std::string& owner, Config& config, ConfigC
 /// The keys of a merged scan for what it does beside what merges always do; the others are read already.
 void read_merge_options(Mapping& yaml, MergedScanConfig& merged);
 
-/// The keys of a merged scan that say when it is published.
-void read_schedule(Mapping& yaml, MergedScanConfig& merged);
+/// The keys of a merged scan that say when it is published. `written`: its sources as laserscan_topics names
+/// them.
+void read_schedule(Mapping& yaml, const std::vector<std::string>& written, MergedScanConfig& merged);
 /// Windows and properties of single sources; the keys that hold for all of them are read already.
-void read_source_settings(Mapping& yaml, MergedScanConfig& merged);
+void read_source_settings(Mapping& yaml, const std::vector<std::string>& written, MergedScanConfig& merged);
 /// Both as keys.
 extern const std::vector<std::string_view> schedule_keys;
 const char* word_of(MissingMotion what);

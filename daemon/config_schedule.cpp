@@ -19,17 +19,20 @@ constexpr std::array<Word<Policy>, 3> policies{
 constexpr std::array<Word<MissingMotion>, 3> motions{
     {{"static", MissingMotion::stand}, {"wait", MissingMotion::wait}, {"drop", MissingMotion::drop}}};
 
-/// Index of the source that `value` names.
-std::size_t read_source_name(const Value& value, const std::vector<std::string>& sources) {
+/// Index of the source that `value` names: as it is named in laserscan_topics, or by its own name.
+std::size_t read_source_name(const Value& value, const std::vector<std::string>& sources,
+                             const std::vector<std::string>& written) {
   std::string expected = "one of laserscan_topics:";
   for (const std::string& source : sources) expected += " " + source;
   const std::string name = value.text(expected);
-  const auto found = std::find(sources.begin(), sources.end(), name);
+  auto found = std::find(sources.begin(), sources.end(), name);
+  if (found == sources.end())
+    found = sources.begin() + (std::find(written.begin(), written.end(), name) - written.begin());
   if (found == sources.end()) value.fail("is " + value.quoted() + ", which is no source of it", expected);
   return static_cast<std::size_t>(found - sources.begin());
 }
 
-void read_policy(Mapping& yaml, MergedScanConfig& merged) {
+void read_policy(Mapping& yaml, const std::vector<std::string>& written, MergedScanConfig& merged) {
   ScheduleSettings& schedule = merged.schedule;
   const auto policy = yaml.find("policy");
   if (policy) schedule.policy = read_word(*policy, policies);
@@ -41,7 +44,7 @@ void read_policy(Mapping& yaml, MergedScanConfig& merged) {
                         "policy: rate");
   }
   if (const auto trigger = yaml.find("trigger")) {
-    schedule.trigger = read_source_name(*trigger, merged.laserscan_topics);
+    schedule.trigger = read_source_name(*trigger, merged.laserscan_topics, written);
     if (!policy) schedule.policy = Policy::trigger;
     if (schedule.policy != Policy::trigger)
       trigger->fail_at_key("has no effect with policy: " + std::string(word_in(schedule.policy, policies)),
@@ -94,9 +97,9 @@ const std::vector<std::string_view> schedule_keys = {"policy",
 
 const char* word_of(MissingMotion what) { return word_in(what, motions); }
 
-void read_schedule(Mapping& yaml, MergedScanConfig& merged) {
+void read_schedule(Mapping& yaml, const std::vector<std::string>& written, MergedScanConfig& merged) {
   ScheduleSettings& schedule = merged.schedule;
-  read_policy(yaml, merged);
+  read_policy(yaml, written, merged);
   if (const auto v = yaml.find("deadline")) schedule.deadline = v->duration(0, longest_wait_s);
   if (const auto v = yaml.find("max_age")) schedule.max_age = v->duration(0.001, longest_wait_s);
   if (const auto v = yaml.find("lost_after")) schedule.lost_after = v->duration(0.001, longest_wait_s);
@@ -104,18 +107,24 @@ void read_schedule(Mapping& yaml, MergedScanConfig& merged) {
   if (const auto v = yaml.find("on_missing_motion")) merged.on_missing_motion = read_word(*v, motions);
 }
 
-void read_source_settings(Mapping& yaml, MergedScanConfig& merged) {
+void read_source_settings(Mapping& yaml, const std::vector<std::string>& written, MergedScanConfig& merged) {
   const auto section = yaml.find("source_settings");
   if (!section) return;
   SourceSettings common;
   common.noise = merged.range_noise;
   common.echoes = merged.echoes;
   common.veil_filter = merged.veil_filter;
-  const std::vector<std::string_view> names(merged.laserscan_topics.begin(), merged.laserscan_topics.end());
+  const auto& sources = merged.laserscan_topics;
+  std::vector<std::string_view> names(sources.begin(), sources.end());
+  names.insert(names.end(), written.begin(), written.end());
   Mapping entries(*section, names);
-  for (const std::string_view name : names) {
-    if (const auto entry = entries.find(name))
-      merged.source_settings[std::string(name)] = read_one_source(*entry, common);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto entry = entries.find(names[i]);
+    const std::string& source = sources[i % sources.size()];
+    if (!entry || (i >= sources.size() && names[i] == source)) continue;
+    if (merged.source_settings.count(source) != 0)
+      entry->fail_at_key("is " + source + ", which has settings already", "one entry for each source");
+    merged.source_settings[source] = read_one_source(*entry, common);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "daemon/config_parts.h"
+#include "daemon/output_topics.h"
 
 namespace lidard {
 namespace {
@@ -206,25 +207,18 @@ void read_device(Mapping& yaml, SensorConfig& sensor) {
 /// Everything that the sensor publishes.
 void claim_topics(const SensorConfig& sensor, const Value& value, ConfigClaims& claims) {
   const std::string owner = "sensors." + sensor.name;
-  const bool cloud = sensor.model->kind == FrameKind::cloud;
-  if (cloud) claims.publishes(sensor.points_topic, owner, value);
-  if (!cloud || sensor.ring_scan) claims.publishes(sensor.scan_topic, owner, value);
-  if (sensor.model->has_echoes && sensor.driver.publish_multiecho)
-    claims.publishes(sensor.name + "/echoes", owner, value);
-  for (const std::string_view state : sensor.model->state_topics)
-    claims.publishes(sensor.name + "/" + std::string(state), owner, value);
-  if (sensor.model->has_gnss())
-    for (const char* topic : {"/fix", "/time_reference"}) claims.publishes(sensor.name + topic, owner, value);
-  if (sensor.model->has_imu) claims.publishes(sensor.name + "/imu", owner, value);
+  for (const OutputTopic& topic : sensor_topics(sensor)) claims.publishes(topic.info.name, owner, value);
   if (!sensor.packet_topic.empty()) claims.listens(sensor.packet_topic, owner, value);
 }
 
-void read_pose_of(Mapping& yaml, SensorConfig& sensor, const Config& config, ConfigClaims& claims) {
+/// `ours`: its frames carry `frame_id`; messages of other drivers carry what these say.
+void read_pose_of(Mapping& yaml, bool ours, SensorConfig& sensor, const Config& config,
+                  ConfigClaims& claims) {
   if (const auto pose = yaml.find("pose")) {
     sensor.pose = read_pose(*pose);
     claims.holds_frame(sensor.frame_id, config.vehicle.base_frame, *sensor.pose, "sensors." + sensor.name,
                        *pose);
-  } else if (sensor.frame_id == config.vehicle.base_frame) {
+  } else if (ours && sensor.frame_id == config.vehicle.base_frame) {
     sensor.pose = Pose::Identity();
   }
 }
@@ -240,7 +234,7 @@ SensorConfig read_sensor(const std::string& name, Mapping& yaml, Config& config,
   if (!model && !topic)
     yaml.self().fail_at_key("has neither model nor topic", "model: a name from `lidard models`, or topic:");
   if (const auto frame = yaml.find("frame_id")) sensor.frame_id = read_frame(*frame);
-  read_pose_of(yaml, sensor, config, claims);
+  read_pose_of(yaml, model.has_value(), sensor, config, claims);
   if (const auto offset = yaml.find("time_offset"))
     sensor.driver.time_offset = offset->duration(-longest_offset_s, longest_offset_s);
   if (model) {

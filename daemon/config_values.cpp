@@ -110,12 +110,13 @@ void ConfigClaims::holds_frame(const std::string& child, const std::string& pare
                "one pose for one frame");
 }
 
-void ConfigClaims::uses(const std::string& sensor, FrameKind kind, const std::string& owner,
+void ConfigClaims::uses(const SensorConfig& sensor, FrameKind kind, const std::string& owner,
                         const Value& value) {
-  const auto [use, is_new] = uses_.emplace(sensor, Use{kind, owner});
+  if (sensor.model != nullptr) return;
+  const auto [use, is_new] = uses_.emplace(sensor.name, Use{kind, owner});
   if (is_new || use->second.kind == kind) return;
   const char* earlier = kind == FrameKind::scan ? "a cloud" : "a scan";
-  value.fail("names " + sensor + ", which " + use->second.owner + " takes for " + earlier,
+  value.fail("names " + sensor.name + ", which " + use->second.owner + " takes for " + earlier,
              "a topic to be one or the other");
 }
 

@@ -4,6 +4,7 @@
 
 #include "daemon/config_cut.h"
 #include "daemon/config_output_keys.h"
+#include "daemon/config_sources.h"
 
 namespace lidard {
 namespace {
@@ -65,8 +66,9 @@ VirtualScanConfig read_virtual(const std::string& name, const Value& entry, Conf
   VirtualScanConfig scan;
   scan.name = name;
   const std::string expected = "a sensor that gives clouds: " + names_of(config, FrameKind::cloud);
-  const SensorConfig& source =
-      read_source(yaml.require("cloud_topic", expected), FrameKind::cloud, config, entry.path(), claims);
+  const Value named = yaml.require("cloud_topic", expected);
+  const SensorConfig& source = *read_source(named, FrameKind::cloud, config, expected).sensor;
+  claims.uses(source, FrameKind::cloud, entry.path(), named);
   scan.cloud_topic = source.name;
   const auto base = yaml.find("base_frame");
   scan.base_frame = base ? read_frame(*base) : config.vehicle.base_frame;

@@ -7,6 +7,8 @@
 #include "daemon/calibration_file.h"
 #include "daemon/cli.h"
 #include "daemon/config.h"
+#include "daemon/missing_outputs.h"
+#include "daemon/output_report.h"
 #include "daemon/report.h"
 #include "daemon/stream_finder.h"
 #include "drivers/connection_picker.h"
@@ -20,17 +22,18 @@ class WriterOutput final : public DriverOutput {
  public:
   WriterOutput(FrameWriter& writer, std::optional<std::uint64_t> only) : writer_(writer), only_(only) {}
   void scan(PlanarScan& scan) override {
-    if (wanted()) writer_.scan(frames_, scan);
+    if (wanted()) writer_.scan(frames_, scan), report_.count(scan.stamp);
     returns_ += scan.beams * scan.echoes;
     ++frames_;
   }
   void cloud(Cloud& cloud) override {
-    if (wanted()) writer_.cloud(frames_, cloud);
+    if (wanted()) writer_.cloud(frames_, cloud), report_.count(cloud.stamp);
     returns_ += cloud.size();
     ++frames_;
   }
   std::uint64_t frames() const { return frames_; }
   std::uint64_t returns() const { return returns_; }
+  const OutputReport& report() const { return report_; }
 
  private:
   bool wanted() const { return !only_ || *only_ == frames_; }
@@ -38,6 +41,38 @@ class WriterOutput final : public DriverOutput {
   std::optional<std::uint64_t> only_;
   std::uint64_t frames_ = 0;
   std::uint64_t returns_ = 0;
+  OutputReport report_;
+};
+
+/// Tells whether the packets of a stream make a whole frame, one that a replay would publish.
+class WholeFrame final : public DriverOutput {
+ public:
+  explicit WholeFrame(DriverConfig config) {
+    config.keep_partial = false;
+    config.keep_origins = false;
+    driver_ = config.model->make(config);
+  }
+  void receive(const Packet& packet) {
+    if (!seen_) first_ = packet.arrival;
+    seen_ = true;
+    last_ = packet.arrival;
+    if (!found_) driver_->receive(packet, *this);
+  }
+  void finish() {
+    if (!found_) driver_->finish(*this);
+  }
+  void scan(PlanarScan& scan) override { static_cast<void>(scan), found_ = true; }
+  void cloud(Cloud& cloud) override { static_cast<void>(cloud), found_ = true; }
+  bool found() const { return found_; }
+  /// From the first to the last packet.
+  Span span() const { return last_ - first_; }
+  const Counters& counters() const { return driver_->counters(); }
+
+ private:
+  std::unique_ptr<Driver> driver_;
+  bool seen_ = false;
+  bool found_ = false;
+  Stamp first_{}, last_{};
 };
 
 std::unique_ptr<FrameWriter> make_writer(const DecodeOptions& options) {
@@ -94,6 +129,20 @@ void check_calibration(const DecodeOptions& options, const velodyne::Calibration
   if (!doubt.empty()) err << "note: " << options.calibration << ": " << doubt << '\n';
 }
 
+/// The table at the end; false if there was no whole frame, or not the one asked for.
+bool tell_output(const DecodeOptions& options, const WriterOutput& output, const WholeFrame& whole,
+                 const Model& model, std::ostream& err) {
+  OutputReport report = output.report();
+  report.name = options.output == "-" ? "standard output" : options.output;
+  const bool beyond = options.frame && *options.frame >= output.frames();
+  if (!whole.found()) report.remark = why_no_frame(model, whole.counters(), whole.span());
+  if (beyond)
+    report.remark = "--frame " + std::to_string(*options.frame) + " is beyond the end: the capture holds " +
+                    std::to_string(output.frames()) + " frames, counted from 0";
+  print_outputs("output", {report}, err);
+  return whole.found() && !beyond;
+}
+
 int decode_stream(const DecodeOptions& options, const SensorStream& stream, CalibrationPtr calibration,
                   std::ostream& err) {
   if (calibration != nullptr)
@@ -109,6 +158,7 @@ int decode_stream(const DecodeOptions& options, const SensorStream& stream, Cali
   config.keep_origins = true;
   config.calibration = std::move(calibration);
   const auto driver = stream.model->make(config);
+  WholeFrame whole(config);
   const auto writer = make_writer(options);
   WriterOutput output(*writer, options.frame);
   PcapSource source(options.capture);
@@ -120,17 +170,19 @@ int decode_stream(const DecodeOptions& options, const SensorStream& stream, Cali
       others += packet.transport == Transport::udp ? 1U : 0U;
     } else if (packet.transport == Transport::udp || connection.pick(packet)) {
       driver->receive(packet, output);
+      whole.receive(packet);
     }
   }
   driver->finish(output);
+  whole.finish();
   writer->finish();
   err << stream.to_string() << ": " << output.frames() << " frames, " << output.returns() << " returns\n";
   print_counters(driver->counters(), err);
   print_capture_counters(source.counters(), others, err);
   for (const auto& warning : driver->info().warnings) err << "note: " << warning << '\n';
-  if (source.error().empty()) return 0;
-  err << source.error() << '\n';
-  return 1;
+  const bool came = tell_output(options, output, whole, *stream.model, err);
+  if (!source.error().empty()) err << source.error() << '\n';
+  return came && source.error().empty() ? exit_ok : exit_failed;
 }
 
 }  // namespace
@@ -150,7 +202,7 @@ int run_decode(const DecodeOptions& options, std::ostream& err) {
   try {
     auto calibration = read_calibration(options, err);
     const auto stream = choose_stream(options, model, err);
-    return stream ? decode_stream(options, *stream, std::move(calibration), err) : 1;
+    return stream ? decode_stream(options, *stream, std::move(calibration), err) : exit_failed;
   } catch (const ConfigError& e) {
     err << e.what() << '\n';
     return exit_config;

@@ -61,6 +61,8 @@ MergedOutput::MergedOutput(const MergedScanConfig& config, const VehicleConfig& 
       compared_(config.laserscan_topics.size(), nullptr),
       places_(config.laserscan_topics.size(), Eigen::Vector2d::Zero()),
       told_states_(config.laserscan_topics.size(), SourceState::never),
+      why_unplaced_(config.laserscan_topics.size()),
+      taken_(config.laserscan_topics.size(), 0),
       scans_(1 + config.also.size()) {
   cloud_.frame_id = config.destination_frame;
   status_.frame_id = config.destination_frame;
@@ -99,6 +101,8 @@ void MergedOutput::restart() {
 void MergedOutput::continue_from(const MergedOutput& before) {
   scheduler_ = before.scheduler_;
   told_states_ = before.told_states_;
+  why_unplaced_ = before.why_unplaced_;
+  taken_ = before.taken_;
   counters_ = before.counters_;
   stamps_ = before.stamps_;
   without_motion_ = before.without_motion_;
@@ -118,12 +122,36 @@ void MergedOutput::add(std::size_t source, const PlanarScan& scan, Stamp now, Fr
   if (!place_footprint(scan.stamp) ||
       !poses_.find(config_.destination_frame, scan.frame_id, scan.stamp, pose, counters_.why_no_pose)) {
     ++counters_.no_pose;
+    why_unplaced_[source] = counters_.why_no_pose;
     return;
   }
+  why_unplaced_[source].clear();
   if (!merger_.add(source, scan, pose)) return;
+  taken_[source] = 1;
   scheduler_.delivered(source, comparable(merger_.times(source)->last(), now),
                        static_cast<double>(scan.scan_time), now);
   advance(now, sink);
+}
+
+bool MergedOutput::publishes(const std::string& topic) const {
+  const auto has = [&](const AlsoScanConfig& also) { return also.topic == topic; };
+  return topic == config_.scan_destination_topic || topic == config_.cloud_destination_topic ||
+         topic == config_.status_topic || std::any_of(config_.also.begin(), config_.also.end(), has);
+}
+
+std::string MergedOutput::why_missing(
+    const std::function<std::string(const std::string& source)>& why_silent) const {
+  std::string missing;
+  for (std::size_t s = 0; s < taken_.size(); ++s) {
+    if (taken_[s] != 0) continue;
+    const std::string& name = config_.laserscan_topics[s];
+    const std::string why = why_unplaced_[s].empty() ? "source " + name + " gave no scans" + why_silent(name)
+                                                     : "no pose for source " + name + ": " + why_unplaced_[s];
+    missing += (missing.empty() ? "" : "; ") + why;
+  }
+  if (counters_.published > 0 || !missing.empty()) return missing;
+  if (dropped_ > 0) return "on_missing_motion: drop, and poses of the vehicle are missing";
+  return std::string("no output was due with policy ") + to_string(config_.schedule.policy);
 }
 
 std::optional<Stamp> MergedOutput::next_event() const {

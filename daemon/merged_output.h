@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +31,10 @@ class MergedOutput {
   void advance(Stamp now, FrameSink& sink);
   /// When advance() is worth a call if nothing else happens.
   std::optional<Stamp> next_event() const;
+  bool publishes(const std::string& topic) const;
+  /// Why nothing was published; or, if something was, what sources never were in it; empty: nothing is
+  /// missing. `why_silent` says why a source gave no scans.
+  std::string why_missing(const std::function<std::string(const std::string& source)>& why_silent) const;
   /// True if a source has come, gone stale or was lost since the last call.
   bool states_changed(Stamp now);
   DiagnosticItem diagnostics(Stamp now) const;
@@ -63,7 +68,9 @@ class MergedOutput {
   std::vector<const Sweep*> compared_;
   std::vector<Eigen::Vector2d> places_;
   std::vector<SourceState> told_states_;
-  std::vector<PlanarScan> scans_;  // the first is the entry's own, then those of `also`
+  std::vector<std::string> why_unplaced_;  // why the newest scan of a source had no place; empty: it had one
+  std::vector<char> taken_;                // sources of which a scan was ever used
+  std::vector<PlanarScan> scans_;          // the first is the entry's own, then those of `also`
   std::vector<MergedScan> merged_;
   PlanarScan status_;
   Cloud cloud_;

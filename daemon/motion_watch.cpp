@@ -46,4 +46,21 @@ std::string MotionWatch::trouble(const PoseTrack& track, Stamp now) const {
   return "";
 }
 
+DiagnosticItem MotionWatch::diagnostics(const PoseTrack& track, std::uint64_t refused, const std::string& why,
+                                        Stamp now) const {
+  DiagnosticItem item;
+  item.name = "motion";
+  const std::string what = trouble(track, now);
+  item.health = what.empty() ? Health::ok : Health::warn;
+  item.message = what.empty() ? "poses come in" : what;
+  if (!what.empty() && refused > 0) item.message += ": " + why;
+  item.values = {{"Knots", std::to_string(track.size())},
+                 {"Jumps back", std::to_string(track.restarts())},
+                 {"Not rigid", std::to_string(track.not_rigid())},
+                 {"Frame not known", std::to_string(refused)}};
+  if (const auto behind = lag(track))
+    item.values.emplace_back("Scans ahead of poses (s)", std::to_string(*behind));
+  return item;
+}
+
 }  // namespace lidard

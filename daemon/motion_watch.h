@@ -7,6 +7,7 @@
 
 #include "core/pose_track.h"
 #include "core/time.h"
+#include "daemon/sink.h"
 
 namespace lidard {
 
@@ -20,6 +21,9 @@ class MotionWatch {
   void poses(const PoseTrack& track, Stamp now);
   /// What is wrong and what to look for; empty: nothing.
   std::string trouble(const PoseTrack& track, Stamp now) const;
+  /// The same for /diagnostics. `refused`: poses that were not used, the last one because of `why`.
+  DiagnosticItem diagnostics(const PoseTrack& track, std::uint64_t refused, const std::string& why,
+                             Stamp now) const;
   /// s that the newest data are ahead of the newest pose; none: one of them is missing.
   std::optional<double> lag(const PoseTrack& track) const;
 

@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/pipeline.h"
 
+#include <algorithm>
+
 #include "core/dead_reckoning.h"
 #include "daemon/merged_output.h"
+#include "daemon/missing_outputs.h"
 #include "daemon/motion_watch.h"
 #include "daemon/scan_tap.h"
 #include "daemon/sensor_health.h"
@@ -37,6 +40,7 @@ struct Pipeline::Impl final : public LineOwner {
   SensorLine* find_line(const Packet& packet);
   void chunk(Packet packet);
   SensorLine& line_named(const std::string& name);
+  bool is_sensor(const std::string& name) const;
   void scan_from(const SensorLine& line, const PlanarScan& scan) override;
   void cloud_from(const SensorLine& line, const Cloud& cloud) override;
   /// A scan of a sensor or a virtual scan, for the merged scans that use it.
@@ -65,7 +69,10 @@ struct Pipeline::Impl final : public LineOwner {
   std::vector<std::unique_ptr<SensorLine>> lines;
   std::vector<std::unique_ptr<MergedOutput>> merged;
   std::vector<std::unique_ptr<VirtualOutput>> virtuals;
-  ScanTap tap{sink, [this](const std::string& topic, const PlanarScan& scan) { merge(topic, scan); }};
+  ScanTap tap{sink, [this](const std::string& topic, const PlanarScan& scan) {
+                // A sensor may have the name of a virtual scan's topic; then the name means the sensor.
+                if (!is_sensor(topic)) merge(topic, scan);
+              }};
   Strangers strangers;
   Stamp last_diagnostics{};
   bool diagnostics_wanted = false;  // a source has come or gone
@@ -107,6 +114,10 @@ SensorLine& Pipeline::Impl::line_named(const std::string& name) {
     if (line->config.name == name) return *line;
   }
   throw std::logic_error("no sensor named " + name);
+}
+
+bool Pipeline::Impl::is_sensor(const std::string& name) const {
+  return std::any_of(lines.begin(), lines.end(), [&](const auto& line) { return line->config.name == name; });
 }
 
 void Pipeline::Impl::scan_from(const SensorLine& line, const PlanarScan& scan) {
@@ -179,8 +190,7 @@ void Pipeline::scan_message(const std::string& sensor, PlanarScan& scan, Stamp r
   advance(received);
   impl_->now = received;
   SensorLine& line = impl_->line_named(sensor);
-  line.seen = true;
-  line.last_arrival = received;
+  line.notice_data(received);
   ++line.topic_counters.packets;
   if (scan.beams == 0) line.fill_empty(scan);
   if (violation(scan) != nullptr) {
@@ -189,6 +199,7 @@ void Pipeline::scan_message(const std::string& sensor, PlanarScan& scan, Stamp r
   }
   ++line.topic_counters.frames;
   scan.stamp = scan.stamp + line.config.driver.time_offset;
+  line.place(scan.frame_id);
   line.notice_shape(scan);
   impl_->scan_from(line, scan);
 }
@@ -197,11 +208,11 @@ void Pipeline::cloud_message(const std::string& sensor, Cloud& cloud, Stamp rece
   advance(received);
   impl_->now = received;
   SensorLine& line = impl_->line_named(sensor);
-  line.seen = true;
-  line.last_arrival = received;
+  line.notice_data(received);
   ++line.topic_counters.packets;
   ++line.topic_counters.frames;
   cloud.stamp = cloud.stamp + line.config.driver.time_offset;
+  line.place(cloud.frame_id);
   cloud.end = cloud.end + line.config.driver.time_offset;
   impl_->cloud_from(line, cloud);
 }
@@ -232,19 +243,8 @@ void Pipeline::turn_message(Stamp stamp, const Eigen::Vector3d& rates, const std
 void Pipeline::speed_message(double speed) { impl_->reckoning.speed(speed); }
 
 DiagnosticItem Pipeline::Impl::motion_item() const {
-  DiagnosticItem item;
-  item.name = "motion";
-  const std::string trouble = motion.trouble(track, now);
-  item.health = trouble.empty() ? Health::ok : Health::warn;
-  item.message = trouble.empty() ? "poses come in" : trouble;
-  if (!trouble.empty() && poses_refused > 0) item.message += ": " + why_no_motion;
-  item.values = {{"Knots", std::to_string(track.size())},
-                 {"Out of order", std::to_string(track.out_of_order() + reckoning.refused())},
-                 {"Jumps back", std::to_string(track.restarts())},
-                 {"Not rigid", std::to_string(track.not_rigid())},
-                 {"Frame not known", std::to_string(poses_refused)}};
-  if (const auto lag = motion.lag(track))
-    item.values.emplace_back("Scans ahead of poses (s)", std::to_string(*lag));
+  DiagnosticItem item = motion.diagnostics(track, poses_refused, why_no_motion, now);
+  item.values.emplace_back("Out of order", std::to_string(track.out_of_order() + reckoning.refused()));
   return item;
 }
 
@@ -386,6 +386,10 @@ std::vector<DiagnosticItem> Pipeline::diagnostics(Stamp now) const {
     items.push_back(unknown_senders_item(strangers));
   if (impl_->more_diagnostics) impl_->more_diagnostics(items);
   return items;
+}
+
+std::string Pipeline::why_missing(const std::string& topic) const {
+  return lidard::why_missing(topic, impl_->lines, impl_->merged, impl_->virtuals, unclaimed_senders());
 }
 
 void Pipeline::add_diagnostics(std::function<void(std::vector<DiagnosticItem>&)> source) {

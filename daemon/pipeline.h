@@ -76,11 +76,14 @@ class Pipeline {
   /// The input starts again (replay --loop).
   void restart();
 
-  /// Gives a merged scan or a group of virtual scans another grid, profile or encoding from its next input on.
-  /// Empty, or why it cannot be: then nothing changes.
+  /// Gives a merged scan or a group of virtual scans another grid, profile or encoding from its next input
+  /// on. Empty, or why it cannot be: then nothing changes.
   std::string set_output(const OutputId& output, const OutputScanConfig& wanted);
 
   std::vector<SensorReport> report() const;
+  /// Why nothing came on one of pipeline_topics() so far, or what was missing in all that came; empty:
+  /// nothing is missing.
+  std::string why_missing(const std::string& topic) const;
   /// Senders on a configured port that no sensor claims, "192.168.1.9:2368 (412 packets)".
   std::vector<std::string> unclaimed_senders() const;
   std::vector<DiagnosticItem> diagnostics(Stamp now) const;

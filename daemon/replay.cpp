@@ -10,6 +10,7 @@
 #include "daemon/bag_poses.h"
 #include "daemon/bag_sink.h"
 #include "daemon/cli.h"
+#include "daemon/output_report.h"
 #include "daemon/player.h"
 #include "daemon/report.h"
 #include "daemon/ros_link.h"
@@ -35,9 +36,10 @@ struct Replay {
   std::ostream& out;
   std::ostream& err;
 
-  /// `motion` is called before each packet, for poses that come by message.
-  void play(FrameSink& sink, PoseLookup& poses, std::function<void(Stamp)> on_time,
+  /// `motion` is called before each packet, for poses that come by message. False if an output never came.
+  bool play(FrameSink& target, PoseLookup& poses, std::function<void(Stamp)> on_time,
             const std::function<void(Pipeline&, Stamp)>& motion = nullptr) {
+    CountingSink sink(target, output_topics(config));
     Pipeline pipeline(config, poses, sink);
     Player player(options, capture, pipeline);
     bool first = true;
@@ -48,12 +50,22 @@ struct Replay {
       if (on_time) on_time(stamp);
     };
     player.play(stopped);
-    print_table(pipeline.report(), out);
+    report(pipeline, player);
+    auto outputs = sink.reports();
+    for (OutputReport& output : outputs) output.remark = pipeline.why_missing(output.name);
+    print_outputs("output", outputs, out);
+    // Who stops a replay early knows that not everything has come.
+    return stopped() || all_came(outputs);
+  }
+
+  void report(const Pipeline& pipeline, const Player& player) const {
+    const auto sensors = pipeline.report();
+    print_table(sensors, out);
     print_capture_counters(capture.counters(), 0, out);
     if (player.skipped() > 0) out << "  " << player.skipped() << " datagrams before --start not played\n";
     for (const auto& sender : pipeline.unclaimed_senders())
       out << "  no sensor is configured for " << sender << '\n';
-    for (const auto& sensor : pipeline.report()) {
+    for (const auto& sensor : sensors) {
       for (const auto& warning : sensor.info.warnings) err << sensor.name << ": " << warning << '\n';
     }
   }
@@ -67,19 +79,20 @@ struct Replay {
 
   int into_bag() {
     BagSink sink(options.bag, pipeline_topics(config));
+    bool complete = false;
     if (options.motion.empty()) {
       NoPoses poses;
-      play(sink, poses, nullptr);
+      complete = play(sink, poses, nullptr);
     } else {
       BagPoses poses(options.motion, config.vehicle.odometry_topic);
-      play(sink, poses, nullptr, [&poses](Pipeline& pipeline, Stamp now) {
+      complete = play(sink, poses, nullptr, [&poses](Pipeline& pipeline, Stamp now) {
         poses.odometry_until(now, [&](Stamp stamp, const Pose& pose, const std::string& child) {
           pipeline.pose_message(stamp, pose, child, stamp);
         });
       });
     }
     sink.close();
-    return exit_ok;
+    return complete ? exit_ok : exit_failed;
   }
 
   int into_ros() {
@@ -107,14 +120,15 @@ struct Replay {
     }
     stop_on_signals();
     wait_for_subscribers();
-    play(link, *poses,
-         options.clock ? [&link](Stamp stamp) { link.publish_clock(stamp); } : std::function<void(Stamp)>());
+    const auto clock =
+        options.clock ? [&link](Stamp stamp) { link.publish_clock(stamp); } : std::function<void(Stamp)>();
+    const bool complete = play(link, *poses, clock);
     constexpr Span flush_patience = std::chrono::seconds(5);
     const bool flushed = link.flush(flush_patience);
     if (!flushed) err << "some frames were not taken by their subscribers within 5 s\n";
-    const bool clean = link.stop();
-    if (!clean) std::quick_exit(flushed ? exit_ok : exit_failed);
-    return flushed ? exit_ok : exit_failed;
+    const int code = flushed && complete ? exit_ok : exit_failed;
+    if (!link.stop()) std::quick_exit(code);
+    return code;
   }
 };
 

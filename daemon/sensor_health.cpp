@@ -10,15 +10,6 @@ namespace {
 constexpr double silent_warning_s = 1;
 constexpr double silent_error_s = 3;
 
-std::string where(const SensorConfig& config) {
-  if (config.model == nullptr) return "topic " + config.topic;
-  if (config.model->transport == Transport::tcp)
-    return Endpoint{config.ip_address.value_or(IpAddress()), config.ip_port}.to_string();
-  if (!config.packet_topic.empty()) return "topic " + config.packet_topic;
-  return (config.ip_address ? config.ip_address->to_string() : "any sender") + " to port " +
-         std::to_string(config.ip_port);
-}
-
 std::string why_nothing(const SensorConfig& config, const SensorReport& report,
                         const std::vector<std::string>& unclaimed_senders) {
   if (config.model == nullptr || !config.packet_topic.empty()) return "; is its driver running?";
@@ -28,11 +19,8 @@ std::string why_nothing(const SensorConfig& config, const SensorReport& report,
     const auto& warnings = report.info.warnings;
     return warnings.empty() ? "; does the device measure?" : ": " + warnings.back();
   }
-  const std::string port = "port " + std::to_string(config.ip_port) + " ";
-  for (const auto& sender : unclaimed_senders) {
-    if (sender.find(port) != std::string::npos)
-      return "; but there are packets from " + sender + ": correct ip_address?";
-  }
+  const std::string sender = likely_sender(config, unclaimed_senders);
+  if (!sender.empty()) return "; but there are packets from " + sender + ": correct ip_address?";
   return "; check the sensor's power, its destination address and port, and the firewall";
 }
 
@@ -48,11 +36,12 @@ void judge(const SensorConfig& config, const SensorReport& report,
                    std::to_string(config.ip_port);
   } else if (!report.seen) {
     item.health = Health::error;
-    item.message = "nothing received from " + where(config) + why_nothing(config, report, unclaimed_senders);
+    item.message =
+        "nothing received from " + where_from(config) + why_nothing(config, report, unclaimed_senders);
   } else if (age > silent_warning_s) {
     item.health = age > silent_error_s ? Health::error : Health::warn;
-    item.message =
-        "silent: nothing received from " + where(config) + why_nothing(config, report, unclaimed_senders);
+    item.message = "silent: nothing received from " + where_from(config) +
+                   why_nothing(config, report, unclaimed_senders);
   } else if (c.packets > 0 && c.rejected_total() == c.packets) {
     item.health = Health::error;
     item.message = "no packet could be used: rejected " + rejected_text(c) + "; is it the configured model?";
@@ -65,6 +54,23 @@ void judge(const SensorConfig& config, const SensorReport& report,
 }
 
 }  // namespace
+
+std::string where_from(const SensorConfig& config) {
+  if (config.model == nullptr) return "topic " + config.topic;
+  if (config.model->transport == Transport::tcp)
+    return Endpoint{config.ip_address.value_or(IpAddress()), config.ip_port}.to_string();
+  if (!config.packet_topic.empty()) return "topic " + config.packet_topic;
+  return (config.ip_address ? config.ip_address->to_string() : "any sender") + " to port " +
+         std::to_string(config.ip_port);
+}
+
+std::string likely_sender(const SensorConfig& config, const std::vector<std::string>& unclaimed_senders) {
+  const std::string port = "port " + std::to_string(config.ip_port) + " ";
+  for (const auto& sender : unclaimed_senders) {
+    if (sender.find(port) != std::string::npos) return sender;
+  }
+  return {};
+}
 
 DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& report,
                              const std::vector<std::string>& unclaimed_senders, Stamp now) {

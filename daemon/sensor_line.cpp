@@ -6,23 +6,10 @@
 
 #include <utility>
 
+#include "daemon/output_topics.h"
+
 namespace lidard {
 namespace {
-
-bool sends_clouds(const SensorConfig& sensor) {
-  return sensor.model != nullptr && sensor.model->kind == FrameKind::cloud;
-}
-
-TopicInfo sensor_topic(const SensorConfig& sensor) {
-  const bool cloud = sends_clouds(sensor);
-  if (cloud)
-    return {sensor.points_topic.empty() ? sensor.name + "/points" : sensor.points_topic, TopicKind::cloud};
-  return {sensor.scan_topic.empty() ? sensor.name + "/scan" : sensor.scan_topic, TopicKind::scan};
-}
-
-bool sends_echoes(const SensorConfig& sensor) {
-  return sensor.model->has_echoes && sensor.driver.publish_multiecho;
-}
 
 std::string topic_below(const SensorConfig& sensor, std::string_view name) {
   return sensor.name + "/" + std::string(name);
@@ -41,14 +28,15 @@ void set_unobserved(const PlanarScan& shape, PlanarScan& scan) {
 SensorLine::SensorLine(const SensorConfig& sensor, std::size_t place, LineOwner& line_owner)
     : config(sensor), index(place), owner(line_owner), arranger(sensor.layout) {
   if (config.model != nullptr) driver = config.model->make(config.driver);
-  topic = sensor_topic(config).name;
+  topic = frame_topic(config).name;
   fix_topic = config.name + "/fix";
   time_topic = config.name + "/time_reference";
   imu_topic = config.name + "/imu";
   if (config.model == nullptr) return;
   if (config.ring_scan) ring_scan.emplace(*config.ring_scan);
-  if (sends_echoes(config)) echoes_topic = config.name + "/echoes";
-  for (const auto name : config.model->state_topics) named_topics[name] = topic_below(config, name);
+  if (config.model->has_echoes && config.driver.publish_multiecho) echoes_topic = config.name + "/echoes";
+  if (publishes_states(config))
+    for (const auto name : config.model->state_topics) named_topics[name] = topic_below(config, name);
   for (const auto name : config.model->extra_scans) named_topics[name] = topic_below(config, name);
 }
 
@@ -77,7 +65,8 @@ void SensorLine::time_reference(const TimeReference& reference) {
 void SensorLine::imu(const ImuSample& sample) { owner.sink.imu(imu_topic, sample, owner.now); }
 
 void SensorLine::state(const DeviceState& state) {
-  owner.sink.state(named_topics.at(state.topic), state, owner.now);
+  const auto published = named_topics.find(state.topic);
+  if (published != named_topics.end()) owner.sink.state(published->second, state, owner.now);
 }
 
 void SensorLine::extra_scan(std::string_view name, PlanarScan& scan) {
@@ -105,10 +94,18 @@ void SensorLine::receive(const Packet& packet, Stamp received) {
   if (packet.transport == config.model->transport) {
     // Chunks of a stream are data whether or not a telegram is complete.
     const bool data = !datagram || driver->counters().packets != data_packets;
-    (data ? last_arrival : last_telemetry) = received;
-    seen = seen || data;
+    if (data)
+      notice_data(received);
+    else
+      last_telemetry = received;
   }
   settle();
+}
+
+void SensorLine::notice_data(Stamp received) {
+  if (!seen) first_arrival = received;
+  seen = true;
+  last_arrival = received;
 }
 
 void SensorLine::fill_empty(PlanarScan& scan) const {
@@ -129,23 +126,5 @@ void SensorLine::notice_shape(const PlanarScan& scan) {
 }
 
 void SensorLine::note(std::string_view sentence) { spdlog::info("{}: {}", config.name, sentence); }
-
-std::vector<TopicInfo> sensor_topics(const SensorConfig& sensor) {
-  std::vector<TopicInfo> topics;
-  if (sensor.model == nullptr) return topics;
-  topics.push_back(sensor_topic(sensor));
-  if (sensor.ring_scan) topics.push_back({sensor.scan_topic, TopicKind::scan});
-  if (sensor.model->has_gnss()) {
-    topics.push_back({sensor.name + "/fix", TopicKind::fix});
-    topics.push_back({sensor.name + "/time_reference", TopicKind::time_reference});
-  }
-  if (sensor.model->has_imu) topics.push_back({sensor.name + "/imu", TopicKind::imu});
-  if (sends_echoes(sensor)) topics.push_back({sensor.name + "/echoes", TopicKind::echoes});
-  for (const auto name : sensor.model->state_topics)
-    topics.push_back({topic_below(sensor, name), TopicKind::state});
-  for (const auto name : sensor.model->extra_scans)
-    topics.push_back({topic_below(sensor, name), TopicKind::scan});
-  return topics;
-}
 
 }  // namespace lidard

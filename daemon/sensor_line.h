@@ -31,9 +31,6 @@ class LineOwner {
   Stamp now{};
 };
 
-/// The topics of one sensor.
-std::vector<TopicInfo> sensor_topics(const SensorConfig& sensor);
-
 /// One sensor: its driver, and where its frames go.
 struct SensorLine final : public DriverOutput {
   SensorLine(const SensorConfig& sensor, std::size_t place, LineOwner& owner);
@@ -65,6 +62,12 @@ struct SensorLine final : public DriverOutput {
   void settle();
   /// Makes a scan without beams one that observed nothing, so that it counts as delivered.
   void fill_empty(PlanarScan& scan) const;
+  /// The configured pose counts whatever frame a message of another driver names.
+  void place(std::string& frame_id) const {
+    if (config.pose) frame_id = config.frame_id;
+  }
+  /// Data came in.
+  void notice_data(Stamp received);
   /// Remembers the geometry; says so when the number of beams changed.
   void notice_shape(const PlanarScan& scan);
 
@@ -82,11 +85,12 @@ struct SensorLine final : public DriverOutput {
   std::string time_topic;
   std::string imu_topic;
   std::string echoes_topic;                              // empty: none
-  std::map<std::string_view, std::string> named_topics;  // states and further scans
+  std::map<std::string_view, std::string> named_topics;  // states and further scans that are published
   ConnectionPicker connection;
   IpAddress sender;  // of the last datagram
   Wish wish = Wish::none;
   bool seen = false;  // data; not what a device tells beside it
+  Stamp first_arrival{};
   Stamp last_arrival{};
   Stamp last_telemetry{};
   Counters topic_counters;  // of a `topic:` source

@@ -4,6 +4,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <array>
 
 namespace lidard {
@@ -32,7 +33,8 @@ VirtualOutput::VirtualOutput(const VirtualScanConfig& config, const VehicleConfi
       poses_(poses),
       virtualizer_(grid_of(config.output.grid), band_of(config.output), config.virtual_laser_scan.size(),
                    settings_of(config)),
-      scans_(1 + config.also.size()) {
+      scans_(1 + config.also.size()),
+      why_unplaced_(config.virtual_laser_scan.size()) {
   virtualizer_.set_footprint(Footprint(vehicle.footprint));
   outputs_.push_back({config.output.profile, &scans_[0]});
   for (std::size_t i = 0; i < config.also.size(); ++i)
@@ -72,6 +74,7 @@ void VirtualOutput::add(const Cloud& cloud, Stamp now, FrameSink& sink) {
   Pose vehicle_from_cloud;
   if (!place_vehicle(cloud, vehicle_from_cloud)) {
     ++counters_.no_pose;
+    for (std::string& why : why_unplaced_) why = counters_.why_no_pose;
     return;
   }
   const Stamp stamp = take(cloud, vehicle_from_cloud);
@@ -80,10 +83,45 @@ void VirtualOutput::add(const Cloud& cloud, Stamp now, FrameSink& sink) {
     Pose pose;
     if (!poses_.find(frame, cloud.frame_id, cloud.stamp, pose, counters_.why_no_pose)) {
       ++counters_.no_pose;
+      why_unplaced_[i] = counters_.why_no_pose;
       continue;
     }
+    why_unplaced_[i].clear();
     virtualizer_.project(i, pose, outputs_);
     publish(frame, stamp, now, sink);
+  }
+}
+
+bool VirtualOutput::carries(const std::string& topic, const std::string& frame) const {
+  const auto has = [&](const AlsoScanConfig& also) { return config_.topic(frame, &also) == topic; };
+  return config_.topic(frame) == topic || std::any_of(config_.also.begin(), config_.also.end(), has);
+}
+
+bool VirtualOutput::publishes(const std::string& topic) const {
+  const auto& frames = config_.virtual_laser_scan;
+  return std::any_of(frames.begin(), frames.end(),
+                     [&](const std::string& frame) { return carries(topic, frame); });
+}
+
+std::string VirtualOutput::why_missing(
+    const std::string& topic, const std::function<std::string(const std::string& sensor)>& why_silent) const {
+  if (counters_.published == 0 && counters_.no_pose == 0)
+    return "source " + config_.cloud_topic + " gave no clouds" + why_silent(config_.cloud_topic);
+  std::string missing;
+  for (std::size_t i = 0; i < why_unplaced_.size(); ++i) {
+    const std::string& frame = config_.virtual_laser_scan[i];
+    if (why_unplaced_[i].empty() || !carries(topic, frame)) continue;
+    missing += (missing.empty() ? "" : "; ") + why_unplaced_[i];
+  }
+  return missing;
+}
+
+void VirtualOutput::describe_frames(DiagnosticItem& item) const {
+  if (item.health != Health::ok) return;
+  for (std::size_t i = 0; i < why_unplaced_.size(); ++i) {
+    if (why_unplaced_[i].empty()) continue;
+    item.health = Health::warn;
+    item.message = "publishing without " + config_.virtual_laser_scan[i] + ": " + why_unplaced_[i];
   }
 }
 
@@ -116,6 +154,7 @@ void VirtualOutput::describe_motion(DiagnosticItem& item) const {
 
 DiagnosticItem VirtualOutput::diagnostics(Stamp now) const {
   DiagnosticItem item = health_of("virtual " + config_.name, counters_, now);
+  describe_frames(item);
   describe_motion(item);
   if (!config_.has_sight()) return item;
   item.values.emplace_back("Clouds without rings", std::to_string(without_rings_));
