@@ -9,9 +9,18 @@
 namespace lidard {
 namespace {
 
-/// Time of the last firing that came back, s after the cloud's stamp.
-float last_time(const Cloud& cloud) {
+/// Begin of a firing sequence, s after the cloud's stamp. Columns have the host's time as it was known when
+/// they came: what was learned of the clocks meanwhile must not put one before the frame.
+float begin_of(const CloudColumn& column, const Cloud& cloud) {
+  return std::max(0.0F, static_cast<float>(seconds(column.stamp - cloud.stamp)));
+}
+
+/// Time of the last firing that came back, in an organised cloud at least the begin of the last sequence, s
+/// after the cloud's stamp.
+float last_time(const Cloud& cloud, bool organised) {
   float last = 0;
+  for (std::size_t c = 0; organised && c < cloud.columns.size(); ++c)
+    last = std::max(last, begin_of(cloud.columns[c], cloud));
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const float time = cloud.points()[i].time;
     last = std::max(last, time);
@@ -56,7 +65,7 @@ void CloudArranger::fill_missing(const Cloud& cloud) {
   const std::size_t columns = cloud.columns.size();
   for (std::size_t c = 0; c < columns; ++c) {
     const CloudColumn& column = cloud.columns[c];
-    const float time = static_cast<float>(seconds(column.stamp - cloud.stamp)) - shift_;
+    const float time = begin_of(column, cloud) - shift_;
     for (std::uint16_t ring = 0; ring < cloud.rings; ++ring) {
       std::uint8_t* to =
           arranged_.points_bytes.data() + slot_of(c, ring, columns) * arranged_.format.point_step;
@@ -75,7 +84,7 @@ Cloud& CloudArranger::arrange(const Cloud& cloud) {
   arranged_.rings = cloud.rings;
   arranged_.complete = cloud.complete;
   arranged_.end = cloud.end;
-  shift_ = layout_.stamp == FrameStamp::last ? last_time(cloud) : 0;
+  shift_ = layout_.stamp == FrameStamp::last ? last_time(cloud, organised) : 0;
   arranged_.stamp = cloud.stamp + span_from_seconds(static_cast<double>(shift_));
   const std::size_t slots = organised ? columns * cloud.rings : cloud.size();
   arranged_.points_bytes.resize(slots * arranged_.format.point_step);
