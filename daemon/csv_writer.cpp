@@ -37,6 +37,7 @@ class CsvWriter final : public FrameWriter {
       const std::int64_t stamp =
           (stamps_ == StampColumn::device ? Stamp{} + since_first : scan.stamp + since_first).ns;
       for (std::size_t echo = 0; echo < scan.echoes; ++echo) {
+        if (!is_written(scan, beam, echo)) continue;
         const std::size_t i = scan.index(beam, echo);
         fmt::format_to(std::back_inserter(text_), "{},{},{},{:.7f},{:.4f},{:g},{},{}\n", frame, beam, echo,
                        scan.angle(beam), scan.ranges[i],

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/decode.h"
 
+#include <algorithm>
 #include <ostream>
 
 #include "daemon/calibration_file.h"
@@ -23,7 +24,8 @@ class WriterOutput final : public DriverOutput {
   WriterOutput(FrameWriter& writer, std::optional<std::uint64_t> only) : writer_(writer), only_(only) {}
   void scan(PlanarScan& scan) override {
     if (wanted()) writer_.scan(frames_, scan), report_.count(scan.stamp);
-    returns_ += scan.beams * scan.echoes;
+    returns_ +=
+        static_cast<std::uint64_t>(std::count(scan.statuses.begin(), scan.statuses.end(), BeamStatus::hit));
     ++frames_;
   }
   void cloud(Cloud& cloud) override {
@@ -156,6 +158,7 @@ int decode_stream(const DecodeOptions& options, const SensorStream& stream, Cali
   config.clock = options.clock;
   config.keep_partial = true;
   config.keep_origins = true;
+  config.publish_multiecho = stream.model->has_echoes;
   config.calibration = std::move(calibration);
   const auto driver = stream.model->make(config);
   WholeFrame whole(config);

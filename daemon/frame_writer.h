@@ -17,6 +17,13 @@ enum class StampColumn : std::uint8_t {
   device  ///< since the packet's own stamp (clouds), since the first ray (planar scans)
 };
 
+/// True if a writer has a row for this echo of a beam: the first always, further ones where something came
+/// back. Most beams of a scanner with several echoes have one.
+inline bool is_written(const PlanarScan& scan, std::size_t beam, std::size_t echo) {
+  const BeamStatus status = scan.statuses[scan.index(beam, echo)];
+  return echo == 0 || status == BeamStatus::hit || status == BeamStatus::near;
+}
+
 /// Writes decoded frames to a file. Formats are those of `lidard decode --format`.
 class FrameWriter {
  public:

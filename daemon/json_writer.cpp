@@ -46,6 +46,7 @@ class JsonWriter final : public FrameWriter {
     json rows = json::array();
     for (std::size_t beam = 0; beam < scan.beams; ++beam) {
       for (std::size_t echo = 0; echo < scan.echoes; ++echo) {
+        if (!is_written(scan, beam, echo)) continue;
         const std::size_t i = scan.index(beam, echo);
         rows.push_back(json::array({beam, echo, scan.angle(beam), number(scan.ranges[i]),
                                     scan.intensities.empty() ? 0.0F : scan.intensities[i],

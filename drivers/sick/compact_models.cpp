@@ -64,7 +64,7 @@ Model lrs4000() {
 // are unverified and generous, since a limit too near would make a wall look like nothing. Rates: 20 turns/s
 // of 12 segments (multiScan100); up to 50 turns/s of 5, or 25 of 10 (picoScan100); inertial unit 100 Hz.
 void append_compact_models(std::vector<Model>& list) {
-  const char* pico = "three telegrams of a picoScan150 and the simulator; no capture of a device";
+  const char* pico = "1 capture and three telegrams of a device, Compact 4; the simulator";
   list.push_back(
       udp_model({"sick_picoscan150", "picoScan150", FrameKind::scan, 400, 0.05, 0.05, 120, 1, pico}));
   list.push_back(udp_model({"sick_picoscan120", "picoScan120", FrameKind::scan, 400, 0.05, 0.05, 120, 1,
