@@ -176,7 +176,7 @@ void SafetyDialogue::take_variable(std::uint16_t index, ByteView value) {
     set_detail("Required User Action", action);
     if (action != "none" && action != "unreadable") warn("the scanner asks its user to " + action);
   } else if (const char* label = label_of(index)) {
-    set_detail(label, read_text(value));
+    set_detail(label, index == idx::application_name ? read_versioned_text(value) : read_text(value));
   } else if (const auto output = read_output(value)) {
     present_ = *output;
     set_detail("Data Output", describe(present_));

@@ -15,6 +15,13 @@ bool has_version(ByteView variable, std::size_t length) {
 
 char printable(std::uint8_t byte) { return byte >= 0x20 && byte < 0x7f ? static_cast<char>(byte) : '?'; }
 
+std::string clean_text(ByteView letters) {
+  std::string text;
+  for (const std::uint8_t letter : letters) text += printable(letter);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '?')) text.pop_back();
+  return text;
+}
+
 void put_le(std::vector<std::uint8_t>& out, std::size_t at, std::uint32_t value, std::size_t bytes) {
   for (std::size_t i = 0; i < bytes; ++i) out[at + i] = static_cast<std::uint8_t>(value >> (8U * i));
 }
@@ -62,11 +69,13 @@ std::string describe(const SafetyOutput& o) {
 
 std::string read_text(ByteView v) {
   if (!v.has(0, 2)) return {};
-  const ByteView letters = v.sub(2, std::min<std::size_t>(v.le16(0), v.size() - 2));
-  std::string text;
-  for (const std::uint8_t letter : letters) text += printable(letter);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '?')) text.pop_back();
-  return text;
+  return clean_text(v.sub(2, std::min<std::size_t>(v.le16(0), v.size() - 2)));
+}
+
+// sick_safetyscanners_base, src/data_processing/ParseApplicationNameData.cpp
+std::string read_versioned_text(ByteView v) {
+  if (!v.has(0, 8)) return {};
+  return clean_text(v.sub(8, std::min<std::size_t>(v.le32(4), v.size() - 8)));
 }
 
 // sick_safetyscanners_base, src/data_processing/ParseTypeCodeData.cpp
@@ -119,7 +128,7 @@ std::optional<SafetyField> read_field(ByteView v) {
   field.method = v.u8(73);
   field.set = v.le16(82);
   const std::size_t length = std::min<std::size_t>(v.le32(84), v.size() - 88);
-  for (const std::uint8_t letter : v.sub(88, length)) field.name += printable(letter);
+  field.name = clean_text(v.sub(88, length));
   return field;
 }
 

@@ -19,7 +19,6 @@ namespace safety_index {
 constexpr std::uint16_t serial_number = 3;
 constexpr std::uint16_t firmware = 4;
 constexpr std::uint16_t type_code = 13;
-constexpr std::uint16_t order_number = 14;
 constexpr std::uint16_t user_action = 16;
 constexpr std::uint16_t device_name = 17;
 constexpr std::uint16_t project_name = 18;
@@ -52,8 +51,10 @@ std::vector<std::uint8_t> encode_output(const SafetyOutput& output, std::uint8_t
 /// "192.168.0.1:6060, every scan".
 std::string describe(const SafetyOutput& output);
 
-/// A text variable: length, then characters. Unprintable ones become '?'.
+/// A text variable: length of two bytes, then characters. Unprintable ones become '?'.
 std::string read_text(ByteView variable);
+/// A text variable with a version: four bytes of it, a length of four bytes, then characters.
+std::string read_versioned_text(ByteView variable);
 /// The interface that the characters 13 and 14 of a type code stand for; empty if unknown.
 std::optional<std::uint8_t> interface_of(const std::string& type_code);
 /// The measuring range in m that the characters 11 and 12 of a type code stand for; 0 if unknown.

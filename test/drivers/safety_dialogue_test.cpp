@@ -142,6 +142,8 @@ TEST(SafetyDialogue, ReadsAndTellsADifferenceButWritesNothingUnlessAllowed) {
   EXPECT_EQ(talk.detail("Type Code"), "MICS3-ACAZ40ZA1P01");
   EXPECT_EQ(talk.detail("Firmware Version"), "R 01.20");
   EXPECT_EQ(talk.detail("Device Name"), "front left");
+  EXPECT_EQ(talk.detail("Project Name"), "yard");
+  EXPECT_EQ(talk.detail("Application Name"), "forklift");
   EXPECT_THAT(talk.detail("Status"), HasSubstr("powered on 42 times, no error"));
   EXPECT_EQ(talk.detail("Data Output"), "192.168.0.1:6060, every scan");
   EXPECT_EQ(talk.detail("Fields"), "Front (protective, set 1); Slow (protective, set 1)");

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "test/sim/safety_settings.h"
 
+#include <iterator>
+
 #include "test/sim/wire.h"
 
 namespace lidard::sim {
@@ -10,9 +12,10 @@ namespace {
 using Bytes = SafetySettings::Bytes;
 
 Bytes text(const std::string& words) {
-  Bytes out = {static_cast<std::uint8_t>(words.size()), static_cast<std::uint8_t>(words.size() >> 8U)};
-  out.insert(out.end(), words.begin(), words.end());
-  return out;
+  Wire wire(2);
+  wire.put16(0, words.size());
+  wire.copy(2, words.data(), words.size());
+  return wire.take();
 }
 
 void put_version(Wire& wire) {
@@ -26,6 +29,8 @@ void put_output(Wire& wire, const SafetySettings::Output& output) {
   for (std::size_t i = 0; i < 4; ++i) wire.put8(8 + i, output.host.bytes[3 - i]);
   wire.put16(12, output.port);
   wire.put16(14, output.every);
+  wire.put32(16, static_cast<std::uint32_t>(output.start));
+  wire.put32(20, static_cast<std::uint32_t>(output.end));
   wire.put16(24, output.features);
 }
 
@@ -45,23 +50,58 @@ Bytes telegram(std::uint32_t session, ByteView request, char type, char mode, co
 }
 
 Bytes indexed(ByteView request, const Bytes& data) {
-  Bytes out = {request.u8(18), request.u8(19)};
-  out.insert(out.end(), data.begin(), data.end());
-  return out;
+  Wire wire(2);
+  wire.put16(0, request.le16(18));
+  wire.copy(2, data.data(), data.size());
+  return wire.take();
 }
 
+/// ParseApplicationNameData.cpp, ParseUserNameData.cpp: a version, a length of four bytes, the text.
+Bytes versioned_text(const std::string& words) {
+  Wire wire(8);
+  put_version(wire);
+  wire.put32(4, words.size());
+  wire.copy(8, words.data(), words.size());
+  return wire.take();
+}
+
+/// ParseFieldHeaderData.cpp.
 Bytes field(const std::string& name) {
+  constexpr std::uint8_t protective = 4;
   Wire wire(88);
   put_version(wire);
   wire.put8(72, 1);
-  wire.put8(73, 4);
+  wire.put8(73, protective);
+  wire.put16(74, 2);   // scans until it counts
+  wire.put16(78, 70);  // mm, resolution
   wire.put16(82, 1);
   wire.put32(84, name.size());
-  Bytes out = wire.bytes();
-  out.insert(out.end(), name.begin(), name.end());
-  return out;
+  wire.copy(88, name.data(), name.size());
+  return wire.take();
 }
 
+/// ParseFieldGeometryData.cpp: a distance for each beam, here all the same.
+Bytes geometry(std::size_t beams) {
+  constexpr std::uint16_t distance_mm = 2500;
+  Wire wire(8 + 2 * beams);
+  put_version(wire);
+  wire.put32(4, beams);
+  for (std::size_t i = 0; i < beams; ++i) wire.put16(8 + 2 * i, distance_mm);
+  return wire.take();
+}
+
+/// ParseFieldSetsData.cpp: a list of names with room for 32 characters each, 104 bytes apart.
+Bytes field_sets(const std::string& name) {
+  Wire wire(8 + 104);
+  put_version(wire);
+  wire.put32(4, 1);
+  wire.put32(8, name.size());
+  wire.copy(12, name.data(), name.size());
+  wire.put8(44, 1);
+  return wire.take();
+}
+
+/// ParseMonitoringCaseData.cpp.
 Bytes monitoring_case(std::uint16_t number, const std::vector<std::uint16_t>& fields) {
   Wire wire(200);
   put_version(wire);
@@ -70,7 +110,53 @@ Bytes monitoring_case(std::uint16_t number, const std::vector<std::uint16_t>& fi
     wire.put8(157 + 4 * i, 1);
     wire.put16(158 + 4 * i, fields[i]);
   }
-  return wire.bytes();
+  return wire.take();
+}
+
+/// ParseConfigMetadata.cpp; days count from 1972-01-01, times are ms of the day.
+Bytes metadata() {
+  Wire wire(84);
+  put_version(wire);
+  wire.put16(4, 18'000);
+  wire.put32(8, 36'000'000);
+  wire.put16(12, 18'001);
+  wire.put32(16, 36'060'000);
+  wire.put32(36, 0x11223344);
+  wire.put32(52, 0x55667788);
+  for (std::size_t i = 0; i < 4; ++i) wire.put32(68 + 4 * i, 0x01010101U * (i + 1));
+  return wire.take();
+}
+
+/// ParseStatusOverview.cpp.
+Bytes status_overview(std::uint32_t power_cycles) {
+  Wire wire(60);
+  put_version(wire);
+  wire.put32(12, power_cycles);
+  wire.put32(16, 43'200'000);
+  wire.put16(20, 18'002);
+  return wire.take();
+}
+
+/// ParseMeasurementPersistentConfigData.cpp.
+Bytes output_variable(const SafetySettings::Output& output) {
+  Wire wire(60);
+  put_version(wire);
+  put_output(wire, output);
+  return wire.take();
+}
+
+/// ParseMeasurementCurrentConfigData.cpp: the same and what follows from it.
+Bytes current_variable(const SafetySettings::Output& output, const SafetySettings::Derived& derived) {
+  Wire wire(60);
+  put_version(wire);
+  put_output(wire, output);
+  wire.put16(28, 1);
+  wire.put16(30, derived.beams);
+  wire.put16(32, derived.scan_time_ms);
+  wire.put32(36, static_cast<std::uint32_t>(derived.start));
+  wire.put32(40, static_cast<std::uint32_t>(derived.step));
+  wire.put32(44, derived.beam_period_us);
+  return wire.take();
 }
 
 }  // namespace
@@ -113,6 +199,8 @@ Bytes SafetySettings::answer_one(ByteView t) {
                          : telegram(session_, t, 'R', 'A', indexed(t, value));
   }
   heard.push_back("call " + std::to_string(index));
+  constexpr std::uint16_t find_me = 14;
+  if (command == "MI" && index == find_me) return telegram(session_, t, 'A', 'I', indexed(t, {0}));
   if (command != "MI" || index != 176) return telegram(session_, t, 'F', 'A', {2, 0});
   return telegram(session_, t, 'A', 'I', indexed(t, {change(t.from(20))}));
 }
@@ -126,11 +214,31 @@ std::uint8_t SafetySettings::change(ByteView a) {
   current.host = IpAddress::v4(a.u8(11), a.u8(10), a.u8(9), a.u8(8));
   current.port = a.le16(12);
   current.every = a.le16(14);
+  current.start = a.le32s(16);
+  current.end = a.le32s(20);
   current.features = a.le16(24);
   return 0;
 }
 
 Bytes SafetySettings::variable(std::uint16_t index) const {
+  constexpr std::uint16_t first_case = 2101, first_field = 0x2710, first_geometry = 0x2810;
+  const auto number_from = [index](std::uint16_t first) { return static_cast<std::size_t>(index - first); };
+  if (index >= first_geometry)
+    return geometry(number_from(first_geometry) < fields.size() ? derived.beams : 0U);
+  if (index >= first_field) {
+    const std::size_t number = number_from(first_field);
+    return number < fields.size() ? field(fields[number]) : Bytes(88);
+  }
+  if (index >= first_case) {
+    const std::size_t number = number_from(first_case);
+    if (number >= cases.size()) return Bytes(200);
+    const auto entry = std::next(cases.begin(), static_cast<std::ptrdiff_t>(number));
+    return monitoring_case(entry->first, entry->second);
+  }
+  return fixed_variable(index);
+}
+
+Bytes SafetySettings::fixed_variable(std::uint16_t index) const {
   switch (index) {
     case 3:
       return text(serial);
@@ -138,33 +246,37 @@ Bytes SafetySettings::variable(std::uint16_t index) const {
       return text(firmware);
     case 13:
       return text(type_code);
+    case 14:
+      return text(order_number);
+    case 15:
+      return {device_status};
     case 16:
       return {static_cast<std::uint8_t>(user_action), static_cast<std::uint8_t>(user_action >> 8U)};
     case 17:
       return text(device_name);
     case 18:
+      return text(project_name);
+    case 23:
+      return status_overview(power_cycles);
+    case 28:
+      return metadata();
     case 33:
-      return text("yard");
+      return versioned_text(application_name);
+    case 35:
+      return versioned_text(user_name);
+    case 177:
+      return output_variable(persistent);
+    case 178:
+      return current_variable(current, derived);
+    case 179:
+      return latest;
+    case 1003:
+      return field_sets("Set 1");
+    case 2100:
+      return Bytes(88);  // a header of the table of cases that the vendor's client does not read
     default:
-      break;
+      return {};
   }
-  Wire wire(60);
-  put_version(wire);
-  if (index == 23) {
-    wire.put32(12, 42);
-    return wire.bytes();
-  }
-  if (index == 177 || index == 178) {
-    put_output(wire, index == 177 ? persistent : current);
-    return wire.bytes();
-  }
-  const std::size_t number = index - (index >= 0x2710 ? 0x2710U : 2101U);
-  if (index >= 0x2710) return number < fields.size() ? field(fields[number]) : Wire(88).bytes();
-  if (index < 2101) return {};
-  auto entry = cases.begin();
-  if (number >= cases.size()) return Wire(200).bytes();
-  std::advance(entry, number);
-  return monitoring_case(entry->first, entry->second);
 }
 
 }  // namespace lidard::sim
