@@ -109,12 +109,15 @@ void write_base(Writer& writer, const std::string& frame) {
   writer.close();
 }
 
-/// The topics as sensors; their names.
+/// The topics as sensors; their names, none of which is the topic of another.
 std::vector<std::string> write_sensors(Writer& writer, const std::vector<std::string>& topics) {
-  std::set<std::string> taken;
   std::vector<std::string> names;
   writer.open("sensors");
   for (const std::string& topic : topics) {
+    std::set<std::string> taken(names.begin(), names.end());
+    for (const std::string& other : topics) {
+      if (other != topic) taken.insert(other.front() == '/' ? other.substr(1) : other);
+    }
     names.push_back(entry_name(topic, taken));
     writer.open(names.back());
     writer.text("topic", topic);

@@ -83,37 +83,12 @@ TEST(MergedScanConfig, TakesOurOwnKeys) {
   EXPECT_EQ(merged.destination_pose->translation().x(), 1);
 }
 
-TEST(MergedScanConfig, FindsSourcesByNameAndByTopic) {
-  const std::string sensors =
-      "sensors: {a: {model: sick_microscan3}, b: {topic: /b_scan}, c: {topic: c_scan}}\nmerged_scans: {m: "
-      "{laserscan_topics: ";
-  const auto names = [&](const std::string& list) {
-    return parse_config(sensors + list + "}}", "f").merged_scans.at(0).laserscan_topics;
-  };
-  EXPECT_THAT(names("[a, b, c]"), ElementsAre("a", "b", "c"));
-  EXPECT_THAT(names("/a /b_scan  c"), ElementsAre("a", "b", "c"));
-  EXPECT_THAT(names("[/a/scan, b_scan, /c_scan]"), ElementsAre("a", "b", "c"));
-}
-
 TEST(MergedScanConfig, TakesItsRangesFromTheModels) {
   const Config config =
       parse_config("sensors: {a: {model: sick_microscan3}}\nmerged_scans: {m: {laserscan_topics: a}}", "f");
   const ScanGridSpec& grid = config.merged_scans.at(0).output.grid;
   EXPECT_EQ(grid.range_min, find_model("sick_microscan3")->range_min);
   EXPECT_EQ(grid.range_max, find_model("sick_microscan3")->range_max);
-}
-
-TEST(MergedScanConfig, RefusesSourcesThatAreNone) {
-  EXPECT_EQ(merged_error("laserscan_topics: [raer]"),
-            "f:7:26: merged_scans.m.laserscan_topics[0] names \"raer\", which is no sensor; expected rear");
-  EXPECT_EQ(merged_error("laserscan_topics: [something]"),
-            "f:7:26: merged_scans.m.laserscan_topics[0] names \"something\", which is no sensor; expected a "
-            "sensor that gives scans: rear");
-  EXPECT_EQ(merged_error("laserscan_topics: [rear, roof]"),
-            "f:7:32: merged_scans.m.laserscan_topics[1] names roof, a velodyne_vlp16, which gives clouds; "
-            "expected a sensor that gives scans: rear");
-  EXPECT_EQ(merged_error("laserscan_topics: [rear, /rear]"),
-            "f:7:32: merged_scans.m.laserscan_topics[1] names rear again; expected every sensor once");
 }
 
 TEST(MergedScanConfig, RefusesNoSourcesAtAll) {
@@ -296,23 +271,6 @@ TEST(VirtualScanConfig, RefusesWrongCuts) {
   EXPECT_THAT(virtual_error(begin + "echoes: first"), ::testing::HasSubstr("expected last or all"));
   EXPECT_THAT(virtual_error(begin + "free_required: 1000"), ::testing::HasSubstr("free_required"));
   EXPECT_THAT(virtual_error(begin + "also: {a: safety, 'b c': strict}"), ::testing::StartsWith("f:"));
-}
-
-TEST(VirtualScanConfig, RefusesCloudsThatAreNone) {
-  EXPECT_EQ(virtual_error("cloud_topic: rof, virtual_laser_scan: a"),
-            "f:7:20: virtual_scans.v.cloud_topic names \"rof\", which is no sensor; expected roof");
-  EXPECT_EQ(virtual_error("virtual_laser_scan: a"),
-            "f:7:3: virtual_scans.v has no cloud_topic; expected a sensor that gives clouds: roof, rear");
-  EXPECT_EQ(error_of("sensors: {a: {model: sick_microscan3}}\nvirtual_scans: {v: {cloud_topic: a}}"),
-            "f:2:34: virtual_scans.v.cloud_topic names a, a sick_microscan3, which gives scans; expected a "
-            "sensor that gives clouds: none is configured");
-}
-
-TEST(VirtualScanConfig, RefusesATopicTakenForBothKinds) {
-  EXPECT_EQ(error_of(roof_and_rear + "merged_scans: {m: {laserscan_topics: rear}}\n"
-                                     "virtual_scans: {v: {cloud_topic: rear, virtual_laser_scan: a}}\n"),
-            "f:6:38: merged_scans.m.laserscan_topics[0] names rear, which virtual_scans.v takes for a cloud; "
-            "expected a topic to be one or the other");
 }
 
 TEST(VirtualScanConfig, RefusesFramesThatAreNone) {

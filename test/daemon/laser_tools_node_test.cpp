@@ -74,7 +74,7 @@ TEST(LaserMerger, TakesTopicsOfAnyNameOnceEach) {
   for (const auto& sensor : config.sensors) topics.push_back(sensor.topic);
   EXPECT_THAT(topics, ElementsAre("/scansx", "front/scan", "/s2", "front_scan"));
   EXPECT_THAT(config.merged_scans[0].laserscan_topics,
-              ElementsAre("scansx", "front_scan", "s2", "front_scan_2"));
+              ElementsAre("scansx", "front_scan_2", "s2", "front_scan"));
 }
 
 TEST(LaserMerger, BringsNumbersIntoTheLimitsOfDynamicReconfigureAndSaysSo) {

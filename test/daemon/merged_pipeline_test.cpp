@@ -293,20 +293,5 @@ TEST(MergedPipeline, TimeOffsetOfATopicMovesItsStamps) {
   EXPECT_EQ(sink.scans["m"][0].scan.stamp, begin - ms(4));
 }
 
-TEST(MergedPipeline, SweepOfASourceWithoutPoseIsCountedAndItsFrameNamed) {
-  Vehicle vehicle("policy: complete");
-  PlanarScan scan;
-  scan.reset(100);
-  scan.set_angles(0, 0.01F);
-  scan.range_max = 10;
-  scan.frame_id = "unheard_of";
-  scan.stamp = begin;
-  vehicle.pipeline.scan_message("left", scan, begin);
-  vehicle.pipeline.tick(begin + std::chrono::seconds(2));
-  const auto& item = vehicle.sink.item("merged m");
-  EXPECT_EQ(item.health, Health::error);
-  EXPECT_NE(item.message.find("unheard_of"), std::string::npos) << item.message;
-}
-
 }  // namespace
 }  // namespace lidard

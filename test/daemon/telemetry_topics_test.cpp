@@ -146,6 +146,27 @@ TEST(TelemetryTopics, CarryStatesEchoesAndFurtherScans) {
               testing::IsSupersetOf({"roof/outputs", "roof/intrusion", "roof/scan", "roof/echoes"}));
 }
 
+TEST(TelemetryTopics, CarryNoStatesOfAColaDeviceThatWasNotAskedForThem) {
+  Model model = telling_model(0, false);
+  model.kind = FrameKind::scan;
+  model.protocol = find_model("sick_lms1xx")->protocol;
+  model.state_topics = {"outputs"};
+  model.extra_scans = {"intrusion"};
+  for (const bool wanted : {false, true}) {
+    Config config = config_with(model);
+    config.sensors.front().driver.requests.device_states = wanted;
+    NoPoses poses;
+    Journal sink;
+    Pipeline pipeline(config, poses, sink);
+    Packet packet;
+    packet.to.port = 2368;
+    pipeline.packet(packet);
+    EXPECT_THAT(sink.lines, testing::Contains("roof/scan"));
+    EXPECT_THAT(sink.lines, testing::Contains("roof/outputs").Times(wanted ? 1 : 0));
+    EXPECT_THAT(names(config), testing::Contains("roof/outputs").Times(wanted ? 1 : 0));
+  }
+}
+
 TEST(TelemetryTopics, HoldAStateAsDiagnosticStatus) {
   diagnostic_msgs::DiagnosticArray message;
   to_ros(DeviceState{"encoder", "/laser", Stamp{1'500'000'000}, {{"ticks", 42}, {"speed", 0.25}}}, message);

@@ -87,7 +87,7 @@ def port_in_use(tmp):
             other.close()
             wait_for(lambda: f"listening on port {port}" in log.read_text(), 10, "the daemon takes the port when it is free")
             daemon.terminate()
-            expect(daemon.wait(5) == 0, "SIGTERM ends it with 0")
+            expect(daemon.wait(20) == 0, "SIGTERM ends it with 0")
 
 
 def main():

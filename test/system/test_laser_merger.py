@@ -12,7 +12,7 @@ import time
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
-from harness import LIDARD, ROOT, expect, folder, free_port, process, ros_master, use_master_at, wait_for
+from harness import LIDARD, ROOT, Starved, expect, folder, free_port, process, ros_master, use_master_at, wait_for
 from laser_tools import (Listener, Talker, check_consistent, cloud_listener, expect_same, nearest_per_beam, place,
                          scan_points, set_parameters, static_transforms, transform, wall_scan)
 from sensor_msgs.msg import LaserScan, PointCloud2
@@ -90,8 +90,8 @@ def check_values(program, port):
         expect(cloud.messages[-1].width * cloud.messages[-1].height == len(points), "the cloud holds every point")
         check_dead_scanner(program, merged, right, left)
         node.send_signal(signal.SIGINT)
-        begin = time.monotonic()
-        expect(node.wait(5) == 0 and time.monotonic() - begin < 1, f"Ctrl-C took {time.monotonic() - begin:.2f} s")
+        begin, starved = time.monotonic(), Starved()
+        expect(node.wait(20) == 0 and time.monotonic() - begin < 1 + starved.seconds(), f"Ctrl-C took {time.monotonic() - begin:.2f} s")
     for one in (left, merged, cloud):
         one.close()
     return mounts
@@ -99,12 +99,12 @@ def check_values(program, port):
 
 def check_dead_scanner(program, merged, right, left):
     right.close()
-    closed = time.monotonic()
+    closed, starved = time.monotonic(), Starved()
     time.sleep(2)
-    late = merged.since(closed + 1)
-    expect(len(late) > 12, f"{len(late)} scans in the second after a scanner was lost")
+    late, starved = merged.since(closed + 1), starved.seconds()
+    expect(len(late) > 12 * (1 - starved), f"{len(late)} scans in the second after a scanner was lost")
     longest = max(b - a for a, b in zip(merged.times, merged.times[1:]))
-    expect(longest < 1, f"a gap of {longest:.2f} s")
+    expect(longest < 1 + starved, f"a gap of {longest:.2f} s")
     expect_same(late[-1], merged_by_hand([left.message])[1], "scan without the dead one")
     back = Talker("/right/scan", right_scan())
     began = time.monotonic()

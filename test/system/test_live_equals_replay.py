@@ -7,10 +7,11 @@ import re
 import socket
 import subprocess
 import threading
+import time
 
 import rosbag
 import rospy
-from harness import (LIDARD, LIDARD_SIM, ROOT, expect, folder, free_port, live_config, process, ros_master, run,
+from harness import (LIDARD, LIDARD_SIM, ROOT, Starved, expect, folder, free_port, live_config, process, ros_master, run,
                      use_master_at, wait_for)
 
 
@@ -23,6 +24,20 @@ def content(message):
     else:
         fields += [message.width, message.point_step, bytes(message.data)]
     return fields
+
+
+def check_messages(what, live, replayed, starved, log):
+    """The same messages in the same order. A frame that is not sent before the next ones come is dropped, so some may be
+    missing after processes of the test waited for a processor; none may be there that the replay does not have."""
+    missing = len(replayed) - len(live)
+    expect(missing == 0 or (starved > 0.1 and 0 < missing < len(replayed) / 2),
+           f"{what}: {len(live)} live, {len(replayed)} replayed, starved {starved:.3f} s; log:\n" + log.read_text())
+    if missing:
+        print(f"{what}: {missing} of {len(replayed)} messages missing, starved {starved:.3f} s")
+    rest = iter(enumerate(replayed))
+    for n, message in enumerate(live):
+        at = next((m for m, one in rest if one == message), None)
+        expect(at is not None and (missing or at == n), f"{what}: message {n} differs")
 
 
 def compare(name, config_text, capture, ports, tmp):
@@ -56,6 +71,7 @@ def compare(name, config_text, capture, ports, tmp):
     log = (tmp / f"{name}.log").open("w")
     with process([LIDARD, "run", "-c", live], stdout=log, stderr=subprocess.STDOUT):
         wait_for(lambda: all(s.get_num_connections() > 0 for s in subscribers), 20, f"{name}: subscribers are connected")
+        starved = Starved()
         port_options = [f"--port-map={old}={new}" for old, new in ports.items()]
         sender = subprocess.run([LIDARD_SIM, "send", str(capture), "--to", "127.0.0.1", *port_options], capture_output=True,
                                 text=True, timeout=120)
@@ -65,13 +81,14 @@ def compare(name, config_text, capture, ports, tmp):
             with lock:
                 return all(len(received[t]) >= len(expected[t]) for t in expected)
 
-        wait_for(complete, 10, f"{name}: all messages of the replay arrived; log:\n" + (tmp / f"{name}.log").read_text())
+        end = time.monotonic() + 10
+        while not complete() and time.monotonic() < end:
+            time.sleep(0.02)
+        starved = starved.seconds()
     for s in subscribers:
         s.unregister()
     for topic, messages in expected.items():
-        expect(len(received[topic]) == len(messages), f"{name} {topic}: {len(received[topic])} live, {len(messages)} replayed")
-        for n, (a, b) in enumerate(zip(received[topic], messages)):
-            expect(a == b, f"{name} {topic}: message {n} differs")
+        check_messages(f"{name} {topic}", received[topic], messages, starved, tmp / f"{name}.log")
     print(f"{name}: " + ", ".join(f"{t} {len(m)}" for t, m in sorted(expected.items())))
 
 

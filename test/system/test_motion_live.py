@@ -51,7 +51,7 @@ def told(motion, publish, tmp, port):
         with process([LIDARD, "run", "-c", config], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL):
             wait_for(lambda: value().startswith("deskewed"), 20, f"{motion}: deskewed scans; it says {value()!r}")
             wait_for(lambda: items["motion"].message == "poses come in", 5, f"{motion}: {items['motion'].message}")
-            expect(items["merged around"].level == b"\x00" or items["merged around"].level == 0, "the merge is well")
+            wait_for(lambda: items["merged around"].level in (0, b"\x00"), 5, "the merge is well")
             stop.set()
             wait_for(lambda: value().startswith("not deskewed"), 5, f"{motion}: poses stopped; it says {value()!r}")
             wait_for(lambda: "stood still" in items["merged around"].message, 5, "a warning")

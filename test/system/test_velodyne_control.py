@@ -11,7 +11,7 @@ import threading
 import time
 import urllib.parse
 
-from harness import LIDARD, LIDARD_SIM, ROOT, expect, folder, free_port, process, use_master_at, wait_for
+from harness import LIDARD, LIDARD_SIM, ROOT, Starved, expect, folder, free_port, process, use_master_at, wait_for
 
 ADDRESS = "127.168.1.201"
 
@@ -103,11 +103,11 @@ def daemon(tmp, server, control):
     with log.open("w") as sink, process([LIDARD, "run", "-c", config], stdout=sink, stderr=subprocess.STDOUT) as child:
         wait_for(lambda: f"listening on port {port}" in log.read_text(), 20, "the daemon listens")
         yield child, log.read_text, port
-        begin = time.monotonic()
+        begin, starved = time.monotonic(), Starved()
         child.terminate()
-        expect(child.wait(10) == 0, "SIGTERM ends the daemon with 0:\n" + log.read_text())
+        expect(child.wait(40) == 0, "SIGTERM ends the daemon with 0:\n" + log.read_text())
         took = time.monotonic() - begin
-        expect(took < 3, f"it took {took:.1f} s to end")
+        expect(took < 3 + starved.seconds(), f"it took {took:.1f} s to end")
 
 
 def nothing_by_default(tmp):
@@ -121,6 +121,7 @@ def nothing_by_default(tmp):
 def only_reading(tmp):
     """Reads at its pace, and notices that the data are not what the sensor reports."""
     with sensor() as server, daemon(tmp, server, "read: true, period: 3") as (_, log, port):
+        starved = Starved()
         send = f"while :; do '{LIDARD_SIM}' send '{ROOT}/pcaps/vlp16_dual.pcap' --to 127.0.0.1 --port-map=2368={port}; done"
         with process(["/bin/sh", "-c", send], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL):
             wait_for(lambda: "reports returns Strongest, but its data are marked Dual" in log(), 40,
@@ -129,7 +130,8 @@ def only_reading(tmp):
         expect(len(server.seen("GET")) == len(server.seen()), f"only reads: {server.seen()}")
         times = server.times()
         shortest = min(b - a for a, b in zip(times, times[1:]))
-        expect(shortest >= 1, f"requests {shortest:.3f} s apart")
+        # A request that is noticed late is nearer to the next one.
+        expect(shortest >= 1 - min(0.9, starved.seconds()), f"requests {shortest:.3f} s apart")
 
 
 def rounds(server, count):

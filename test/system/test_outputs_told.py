@@ -1,0 +1,123 @@
+#!/usr/bin/python3
+# SPDX-FileCopyrightText: 2026 the lidard authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Outputs that never come are told, by replay and decode, with the reason and exit 1; outputs that come have their rate."""
+import re
+import struct
+
+from harness import ROOT, expect, folder, run
+
+DEMO = ROOT / "pcaps/demo.pcap"
+FRONT = "front_left: {model: sick_microscan3, ip_address: 192.168.0.21, pose: {xyz: [0, 1, 0.35]}}"
+UNPLACED = "front_left: {model: sick_microscan3, ip_address: 192.168.0.21}"
+RIGHT = "front_right: {model: sick_microscan3, ip_address: 192.168.0.22, pose: {xyz: [0, -1, 0.35]}}"
+AWAY = "front_right: {model: sick_microscan3, ip_address: 192.168.0.99, pose: {xyz: [0, -1, 0.35]}}"
+ROOF = "roof: {model: velodyne_vlp16, ip_address: 192.168.1.201, pose: {xyz: [0, 0, 2]}}"
+REAR = "rear: {topic: /rear/scan, pose: {xyz: [-1, 0, 0.3]}}"
+BOTH = "merged_scans:\n  both: {laserscan_topics: [front_left, front_right], also: {careful: safety}}\n"
+
+
+def config(tmp, *sensors, outputs=""):
+    path = tmp / "config.yaml"
+    path.write_text("sensors:\n" + "".join(f"  {sensor}\n" for sensor in sensors) + outputs)
+    return path
+
+
+def rows(text):
+    """The table of outputs: messages, rate and remark by name."""
+    table = text.split("\noutput ", 1)[-1].splitlines()[1:]
+    found = [re.fullmatch(r"(\S+|standard output) +(\d+) +(-|\d+\.\d)(?:  (.+))?", line) for line in table]
+    return {row[1]: (int(row[2]), row[3], row[4] or "") for row in found if row}
+
+
+def replay(tmp, path, capture=DEMO, *options):
+    result = run("replay", "-c", path, "--pcap", capture, "--rate", "max", "--bag", tmp / "out.bag", *options)
+    return result.returncode, rows(result.stdout), result.stdout + result.stderr
+
+
+def expect_none(told, name, *words):
+    code, table, text = told
+    expect(code == 1, f"exit {code}, expected 1:\n{text}")
+    expect(name in table, f"{name} is not in the table:\n{text}")
+    messages, _, remark = table[name]
+    expect(messages == 0 and remark.startswith("none: ") and all(word in remark for word in words), f"{name}: {words}\n{text}")
+
+
+def first_packets(capture, count, sender):
+    """The bytes of a capture (pcap, Ethernet, microseconds or nanoseconds) with only so many packets of a sender."""
+    data = capture.read_bytes()
+    out, at, kept = [data[:24]], 24, 0
+    while at < len(data) and kept < count:
+        length = struct.unpack("<I", data[at + 8:at + 12])[0]
+        record = data[at:at + 16 + length]
+        at += 16 + length
+        if record[16 + 26:16 + 30] == bytes(int(part) for part in sender.split(".")):
+            out.append(record)
+            kept += 1
+    expect(kept == count, f"{capture} has only {kept} packets of {sender}")
+    return b"".join(out)
+
+
+def all_well(tmp):
+    code, table, text = replay(tmp, config(tmp, FRONT, RIGHT, ROOF, outputs=BOTH))
+    expect(code == 0, text)
+    scans = table["front_left/scan"]
+    # The scene's scanners measure every 30 ms (pcaps/demo.scene.yaml), the VLP-16 turns 10 times per second.
+    expect(scans[0] > 50 and scans[1] == "33.3" and not scans[2], f"{scans}")
+    expect(table["both"][:2] == table["careful"][:2] == scans[:2], f"{table}")
+    expect(table["roof/points"][1] == "10.0", f"{table}")
+    expect("not told by the devices: roof/fix, roof/time_reference" in text, text)
+
+
+def reasons(tmp):
+    expect_none(replay(tmp, config(tmp, UNPLACED, RIGHT, outputs="merged_scans: {one: {laserscan_topics: front_left}}\n")),
+                "one", "no pose for source front_left", "configure it")
+    expect_none(replay(tmp, config(tmp, FRONT, AWAY)), "front_right/scan", "nothing came from 192.168.0.99 to port 6060",
+                "192.168.0.22", "correct ip_address?")
+    expect_none(replay(tmp, config(tmp, AWAY, outputs="merged_scans: {one: {laserscan_topics: front_right}}\n")),
+                "one", "source front_right gave no scans", "192.168.0.99")
+    expect_none(replay(tmp, config(tmp, FRONT, REAR, outputs="merged_scans: {one: {laserscan_topics: rear}}\n")), "one",
+                "source rear gave no scans", "/rear/scan")
+    frames = "virtual_scans: {levels: {cloud_topic: roof, virtual_laser_scan: [low, high], poses: {low: {xyz: [0, 0, 1]}}}}\n"
+    told = replay(tmp, config(tmp, ROOF, outputs=frames))
+    expect_none(told, "high", "pose of high")
+    expect(told[1]["low"][0] > 10, f"the other frame comes: {told}")
+    wrong = ROOF.replace("vlp16", "vls128")
+    expect_none(replay(tmp, config(tmp, wrong)), "roof/points", "no packet could be used", "VLS-128")
+    expect_none(replay(tmp, config(tmp, ROOF), DEMO, "--duration", "0.04"), "roof/points", "only about 0.4 of a frame")
+
+
+def without_a_source(tmp):
+    """An output that comes without one of its sources is told, but no failure."""
+    code, table, text = replay(tmp, config(tmp, FRONT, REAR, outputs="merged_scans: {one: {laserscan_topics: [front_left, rear]}}\n"))
+    expect(code == 0 and table["one"][0] > 50, text)
+    expect("source rear gave no scans" in table["one"][2] and "none" not in table["one"][2], f"{table}")
+
+
+def decoding(tmp):
+    capture, out = tmp / "few.pcap", tmp / "out.csv"
+    capture.write_bytes(first_packets(DEMO, 30, "192.168.1.201"))
+    few = run("decode", capture, "-o", out)
+    expect(few.returncode == 1 and "only about 0.4 of a frame: 30 packets in 0.0" in few.stderr, f"{few}")
+    expect(out.read_text().count("\n") > 1000, "what there is is written")
+    expect_none(replay(tmp, config(tmp, ROOF), capture), "roof/points", "only about 0.4 of a frame: 30 packets")
+    whole = run("decode", DEMO, "--source", "192.168.1.201", "--frame", "3", "-o", out)
+    expect(whole.returncode == 0 and rows("\n" + whole.stderr)[str(out)][0] == 1, f"{whole}")
+    beyond = run("decode", DEMO, "--source", "192.168.1.201", "--frame", "21", "-o", out)
+    expect(beyond.returncode == 1 and "--frame 21 is beyond the end: the capture holds 21 frames, counted from 0" in beyond.stderr,
+           f"{beyond}")
+    last = run("decode", DEMO, "--source", "192.168.1.201", "--frame", "20", "-o", out)
+    expect(last.returncode == 0, f"{last}")
+
+
+def main():
+    with folder() as tmp:
+        all_well(tmp)
+        reasons(tmp)
+        without_a_source(tmp)
+        decoding(tmp)
+    print("ok")
+
+
+if __name__ == "__main__":
+    main()
