@@ -3,6 +3,7 @@
 #include "drivers/sick/msgpack_telegram.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "drivers/sick/compact_telegram.h"
 #include "drivers/sick/msgpack_reader.h"
@@ -158,6 +159,14 @@ bool read_line_map(MsgpackReader& reader, SegmentLine& line, LineColumns& column
   return read;
 }
 
+/// Columns may hold floating-point numbers, and those be none. A distance that is none is no return.
+bool is_finite(const Column& column, std::size_t beams) {
+  for (std::size_t beam = 0; column.sent() && beam < beams; ++beam) {
+    if (!std::isfinite(column[beam])) return false;
+  }
+  return true;
+}
+
 /// Hands the columns to the line if all of them have a value for each beam.
 bool take_columns(const LineColumns& from, SegmentLine& line) {
   if (line.beams < 1 || line.beams > max_beams) return false;
@@ -168,10 +177,12 @@ bool take_columns(const LineColumns& from, SegmentLine& line) {
   };
   for (std::size_t e = 0; e < line.echoes; ++e) {
     if (!from.distance[e].column.sent() || !fits(from.distance[e]) || !fits(from.rssi[e])) return false;
+    if (!is_finite(from.rssi[e].column, line.beams)) return false;
     line.distance[e] = from.distance[e].column;
     line.rssi[e] = from.rssi[e].column;
   }
   if (!fits(from.theta) || !fits(from.properties)) return false;
+  if (!is_finite(from.theta.column, line.beams)) return false;
   line.theta = from.theta.column;
   line.properties = from.properties.column;
   line.theta_zero = 0;

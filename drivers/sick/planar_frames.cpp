@@ -179,13 +179,13 @@ bool PlanarFrames::end(std::size_t slot, const FrameEnd& how, DriverOutput& out)
     first_segment_ = sweep.first_segment();
     last_segment_ = sweep.last_segment();
   }
+  if (kept(all).count == 0) return false;
   publish(sweep, all, out);
   return true;
 }
 
 void PlanarFrames::publish(const Sweep& sweep, Window all, DriverOutput& out) {
   const Window part = kept(all);
-  if (part.count == 0) return;
   sweep.copy(part.begin, part.count, echoes_, config_.publish_intensity, scan_);
   hide_unseen_edges(all, part);
   set_times(sweep, part);

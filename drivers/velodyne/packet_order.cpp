@@ -90,7 +90,7 @@ void PacketOrder::remember(const OrderedPacket& packet) {
 Reject PacketOrder::judge_product(const OrderedPacket& packet) {
   const std::uint8_t product = packet.view().product();
   if (product == lying_product_) return Reject::none;
-  if (holding_ && held_.other_product) {
+  if (is_held_in_doubt()) {
     const Span step = hour_difference(packet.view().stamp_us(), held_.view().stamp_us());
     if (step == Span(0)) {
       counters_.reject(Reject::duplicate);

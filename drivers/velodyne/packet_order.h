@@ -46,8 +46,9 @@ class PacketOrder {
   /// No packet follows: what is held back is due.
   template <typename Use>
   void flush(Use&& use) {
-    if (holding_ &&
-        !(held_.other_product && counters_.rejected[static_cast<std::size_t>(Reject::model)] > 0)) {
+    if (is_held_in_doubt() && counters_.rejected[static_cast<std::size_t>(Reject::model)] > 0) {
+      counters_.reject(Reject::model);
+    } else if (holding_) {
       advance(held_, use);
     }
     holding_ = false;
@@ -86,6 +87,10 @@ class PacketOrder {
   void count_early_holes();
   void remember(const OrderedPacket& packet);
   Span since_last(const OrderedPacket& p) const { return hour_difference(p.view().stamp_us(), last_us_); }
+  /// The held packet has another product byte, and the next packet's period is to tell whether it lies.
+  bool is_held_in_doubt() const {
+    return holding_ && held_.other_product && held_.view().product() != lying_product_;
+  }
   bool is_model_period(Span step, const OrderedPacket& packet) const;
   Reject judge_product(const OrderedPacket& packet);
   template <typename Use>
@@ -132,7 +137,8 @@ Reject PacketOrder::add(const OrderedPacket& packet, Use&& use) {
   if (packet.other_product) {
     const Reject verdict = judge_product(packet);
     if (verdict != Reject::none) return verdict;
-    if (!lying_product_) return Reject::none;  // held back until the next one tells the period
+    // Held back until the next one tells the period.
+    if (packet.view().product() != lying_product_) return Reject::none;
   }
   if (holding_) {
     const Span after_held = hour_difference(packet.view().stamp_us(), held_.view().stamp_us());

@@ -5,7 +5,6 @@
 // telegram of each format; then it is cut into pieces, each behind a length (16 bit), whose checksums are
 // made right, and given to drivers of one and of several layers as datagrams; at last all of it as a stream.
 // A scan that breaks an invariant is a finding.
-#include <boost/crc.hpp>
 #include <cmath>
 #include <cstdlib>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "drivers/model.h"
 #include "drivers/sick/compact_telegram.h"
 #include "drivers/sick/msgpack_telegram.h"
+#include "test/sim/checksums.h"
 
 namespace {
 
@@ -34,16 +34,6 @@ class Checker final : public DriverOutput {
   }
 };
 
-void make_checksum_right(std::vector<std::uint8_t>& telegram) {
-  const sick::TelegramHead head = sick::read_head({telegram.data(), telegram.size()});
-  if (head.reject != Reject::none || head.length < 12 || head.length > telegram.size()) return;
-  boost::crc_32_type crc;
-  const std::size_t skipped = head.type == sick::TelegramType::msgpack ? 8 : 0;
-  crc.process_bytes(telegram.data() + skipped, head.length - 4 - skipped);
-  for (unsigned i = 0; i < 4; ++i)
-    telegram[head.length - 4 + i] = static_cast<std::uint8_t>(crc.checksum() >> 8 * i);
-}
-
 void play(const char* model, ByteView input, bool as_stream) {
   DriverConfig config;
   config.model = find_model(model);
@@ -60,7 +50,7 @@ void play(const char* model, ByteView input, bool as_stream) {
     const ByteView piece = input.sub(at, length < input.size() - at ? length : input.size() - at);
     at += piece.size();
     std::vector<std::uint8_t> telegram(piece.begin(), piece.end());
-    make_checksum_right(telegram);
+    sim::make_checksums_right(telegram);
     packet.payload = {telegram.data(), telegram.size()};
     packet.arrival = packet.arrival + std::chrono::milliseconds(5);
     static_cast<void>(driver->receive(packet, out));
