@@ -14,6 +14,7 @@
 #include "daemon/stream_finder.h"
 #include "drivers/connection_picker.h"
 #include "drivers/pcap_source.h"
+#include "drivers/sick/safety_topics.h"
 #include "drivers/velodyne/table_calibration.h"
 
 namespace lidard {
@@ -32,6 +33,9 @@ class WriterOutput final : public DriverOutput {
     if (wanted()) writer_.cloud(frames_, cloud), report_.count(cloud.stamp);
     returns_ += cloud.size();
     ++frames_;
+  }
+  void extra_scan(std::string_view topic, PlanarScan& scan) override {
+    if (wanted() && topic == sick::safety_topic::beam_status) writer_.beam_flags(scan.intensities);
   }
   std::uint64_t frames() const { return frames_; }
   std::uint64_t returns() const { return returns_; }

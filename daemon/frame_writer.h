@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/cloud.h"
 #include "core/scan.h"
@@ -31,6 +32,8 @@ class FrameWriter {
   /// Clouds need Cloud::origins.
   virtual void cloud(std::uint64_t frame, const Cloud& cloud) = 0;
   virtual void scan(std::uint64_t frame, const PlanarScan& scan) = 0;
+  /// The device's own flags of the beams of the scan that comes next; only where it sends some.
+  virtual void beam_flags(const std::vector<float>& flags) { static_cast<void>(flags); }
   /// Completes the file; throws std::runtime_error if it could not be written whole.
   virtual void finish() = 0;
 };

@@ -120,7 +120,7 @@ Row row_of(const FoundSensor& sensor) {
           ports,
           std::string(sensor.model->protocol),
           packets,
-          fixed(data.rate(), 1) + "/s",
+          fixed(sensor.rate(), 1) + "/s",
           fixed(data.duration(), 3) + " s",
           std::to_string(sensor.counters.frames),
           std::to_string(sensor.counters.lost_packets),
@@ -234,6 +234,8 @@ Json json_of(const FoundSensor& sensor) {
            {"protocol", sensor.model->protocol}};
   out.update(json_of(sensor.data));
   if (sensor.telemetry) out["telemetry"] = json_of(*sensor.telemetry);
+  out["rate_hz"] = sensor.rate();
+  out["frame_rate_hz"] = sensor.frame_rate();
   out["data_packets"] = c.packets;
   out["other_packets"] = c.other_packets;
   out["frames"] = c.frames;

@@ -30,10 +30,19 @@ struct Watched {
 };
 using Flows = std::map<FlowKey, Watched>;
 
-class NullOutput : public DriverOutput {
+/// Notes when the frames of a sensor were measured.
+class FrameTimes final : public DriverOutput {
  public:
-  void scan(PlanarScan& scan) override { static_cast<void>(scan); }
-  void cloud(Cloud& cloud) override { static_cast<void>(cloud); }
+  explicit FrameTimes(FoundSensor& sensor) : sensor_(&sensor) {}
+  void scan(PlanarScan& scan) override { note(scan.stamp); }
+  void cloud(Cloud& cloud) override { note(cloud.stamp); }
+
+ private:
+  void note(Stamp stamp) {
+    if (sensor_->frames++ == 0) sensor_->first_frame = stamp;
+    sensor_->last_frame = stamp;
+  }
+  FoundSensor* sensor_;
 };
 
 void add_to(Flow& flow, const Packet& packet) {
@@ -139,9 +148,11 @@ void sort_out(Flows& flows, Survey& out) {
 void judge(const std::vector<std::string>& captures, std::vector<FoundSensor>& sensors) {
   struct Receiver {
     Driver* driver;
+    FrameTimes* times;
     ConnectionPicker connection{};
   };
   std::vector<std::unique_ptr<Driver>> drivers;
+  std::vector<FrameTimes> times(sensors.begin(), sensors.end());
   std::map<FlowKey, Receiver> receivers;
   for (const FoundSensor& sensor : sensors) {
     DriverConfig config;
@@ -149,24 +160,23 @@ void judge(const std::vector<std::string>& captures, std::vector<FoundSensor>& s
     config.frame_id = sensor.name;
     drivers.push_back(sensor.model->make(config));
     const auto listen = [&](Transport transport, std::uint16_t port) {
-      receivers[{transport, {sensor.data.sender, port}}] = {drivers.back().get()};
+      receivers[{transport, {sensor.data.sender, port}}] = {drivers.back().get(), &times[drivers.size() - 1]};
     };
     listen(sensor.data.transport, sensor.data.port);
     if (sensor.telemetry) listen(Transport::udp, sensor.telemetry->port);
     if (sensor.model->dialogue_port != 0) listen(Transport::tcp, sensor.model->dialogue_port);
   }
-  NullOutput output;
   for (const std::string& file : captures) {
     read(file, [&](Packet packet) {
       const auto found = receivers.find(key_of(packet));
       if (found == receivers.end()) return;
       Receiver& receiver = found->second;
       if (packet.transport == Transport::udp || receiver.connection.pick(packet))
-        receiver.driver->receive(packet, output);
+        receiver.driver->receive(packet, *receiver.times);
     });
   }
   for (std::size_t i = 0; i < sensors.size(); ++i) {
-    drivers[i]->finish(output);
+    drivers[i]->finish(times[i]);
     sensors[i].counters = drivers[i]->counters();
     sensors[i].info = drivers[i]->info();
   }

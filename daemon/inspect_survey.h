@@ -42,6 +42,16 @@ struct FoundSensor {
   std::optional<Flow> telemetry;
   Counters counters;
   DeviceInfo info;
+  std::uint64_t frames = 0;       ///< handed on
+  Stamp first_frame, last_frame;  ///< their stamps
+
+  /// Frames per second; 0 where there is no duration.
+  double frame_rate() const {
+    const double passed = seconds(last_frame - first_frame);
+    return passed > 0 ? static_cast<double>(frames - 1) / passed : 0;
+  }
+  /// What comes per second: packets or, since a connection's chunks say nothing of the sensor, frames.
+  double rate() const { return data.transport == Transport::tcp ? frame_rate() : data.rate(); }
 };
 
 /// One capture file.

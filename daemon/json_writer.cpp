@@ -51,16 +51,22 @@ class JsonWriter final : public FrameWriter {
         rows.push_back(json::array({beam, echo, scan.angle(beam), number(scan.ranges[i]),
                                     scan.intensities.empty() ? 0.0F : scan.intensities[i],
                                     to_string(scan.statuses[i])}));
+        if (!flags_.empty()) rows.back().push_back(static_cast<int>(flags_[beam]));
       }
     }
+    json columns = {"beam", "echo", "angle_rad", "range_m", "intensity", "status"};
+    if (!flags_.empty()) columns.push_back("device_flags");
+    flags_.clear();
     write(json{{"frame", frame},
                {"stamp_ns", scan.stamp.ns},
                {"time_increment_s", scan.time_increment},
                {"range_min_m", scan.range_min},
                {"range_max_m", scan.range_max},
-               {"columns", {"beam", "echo", "angle_rad", "range_m", "intensity", "status"}},
+               {"columns", std::move(columns)},
                {"rows", std::move(rows)}});
   }
+
+  void beam_flags(const std::vector<float>& flags) override { flags_ = flags; }
 
   void finish() override {
     file_.write("\n]}\n");
@@ -77,6 +83,7 @@ class JsonWriter final : public FrameWriter {
   TextFile file_;
   StampColumn stamps_;
   bool first_ = true;
+  std::vector<float> flags_;  // of the next scan's beams; empty: the device sends none
 };
 
 }  // namespace

@@ -84,9 +84,12 @@ void print_table(const std::vector<SensorReport>& sensors, std::ostream& out) {
     const Counters& c = s.counters;
     text(s.name, name_width);
     text(s.model, model_width);
-    for (const auto n : {c.packets, c.frames, c.partial_frames, c.lost_packets + c.incomplete})
-      number(std::to_string(n));
-    out << "  " << rejected_text(c) << '\n';
+    for (const auto n : {c.packets, c.frames, c.partial_frames, c.lost_packets}) number(std::to_string(n));
+    out << "  " << rejected_text(c);
+    // Of the telegrams that began and never ended; the lost ones hold them, since devices count what they
+    // send.
+    if (c.incomplete != 0) out << ", incomplete " << c.incomplete;
+    out << '\n';
   }
 }
 

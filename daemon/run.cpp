@@ -173,7 +173,7 @@ class Daemon {
   static void log_sensor(const SensorReport& sensor) {
     const Counters& c = sensor.counters;
     spdlog::info("{} ({}): {} packets, {} frames, {} lost, rejected {}", sensor.name, sensor.model, c.packets,
-                 c.frames, c.lost_packets + c.incomplete, rejected_text(c));
+                 c.frames, c.lost_packets, rejected_text(c));
   }
   /// Calls `then` with the time that it is now, after all that has arrived by now: what waits in a socket
   /// while this thread is busy is not late.

@@ -135,7 +135,6 @@ Reject ScipDriver::receive(const Packet& packet, DriverOutput& out) {
   reader_.add(packet.payload);
   Reject result = Reject::none;
   for (ScipMessage message; reader_.next(message);) {
-    ++counters_.packets;
     const Reject reason = handle(message, packet.arrival, out);
     if (reason == Reject::none) continue;
     counters_.reject(reason);
@@ -161,6 +160,7 @@ Reject ScipDriver::handle(const ScipMessage& message, Stamp arrival, DriverOutpu
     ++counters_.other_packets;  // on its way when the stream was ended
     return Reject::none;
   }
+  ++counters_.packets;
   return publish(message, *request, arrival, out);
 }
 

@@ -164,7 +164,6 @@ Reject UamDriver::receive(const Packet& packet, DriverOutput& out) {
   reader_.add(packet.payload);
   Reject result = Reject::none;
   for (std::string_view frame; reader_.next(frame);) {
-    ++counters_.packets;
     const Reject reason = handle(frame, packet.arrival, out);
     if (reason == Reject::none) continue;
     counters_.reject(reason);
@@ -178,6 +177,7 @@ Reject UamDriver::handle(std::string_view frame, Stamp arrival, DriverOutput& ou
   const std::size_t blocks = row_.intensities ? 2 : 1;
   const bool has_distances = command == row_.answer;
   if (has_distances) {
+    ++counters_.packets;
     if (frame.size() != uam_distances_at + 4 * row_.beams * blocks + uam_tail) return Reject::size;
     if (step_ != Step::idle) {
       step_ = Step::streaming;

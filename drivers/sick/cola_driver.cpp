@@ -120,7 +120,6 @@ Reject ColaDriver::receive(const Packet& packet, DriverOutput& out) {
   Reject result = Reject::none;
   ColaTelegram telegram;
   while (stream_.next(telegram)) {
-    ++counters_.packets;
     const Reject reason = handle(telegram, packet.arrival, out);
     if (reason == Reject::none) continue;
     counters_.reject(reason);
@@ -133,8 +132,10 @@ Reject ColaDriver::receive(const Packet& packet, DriverOutput& out) {
 
 Reject ColaDriver::handle(const ColaTelegram& telegram, Stamp arrival, DriverOutput& out) {
   const std::string_view kind = telegram.kind();
-  if (telegram.name() == "LMDscandata" && (kind == "sSN" || kind == "sRA"))
+  if (telegram.name() == "LMDscandata" && (kind == "sSN" || kind == "sRA")) {
+    ++counters_.packets;
     return handle_scan(telegram, arrival, out);
+  }
   ++counters_.other_packets;
   if (kind != "sSN") dialogue_.answer(telegram, arrival, out);
   Reject reason = Reject::none;

@@ -59,6 +59,7 @@ void SafetyTopics::publish(const Ms3Telegram& telegram, const PlanarScan& scan, 
     publish_paths(*telegram.application, out);
   }
   publish_intrusion(telegram, scan, first_beam, out);
+  publish_beam_status(telegram, scan, first_beam, out);
 }
 
 void SafetyTopics::begin(std::string_view topic, const PlanarScan& scan) {
@@ -110,6 +111,20 @@ void SafetyTopics::publish_intrusion(const Ms3Telegram& telegram, const PlanarSc
     intrusion_.statuses[i] = scan.statuses[i];
   }
   out.extra_scan(safety_topic::intrusion, intrusion_);
+}
+
+/// The scan again, with the flags of ms3_beam as intensities; only where a beam has another flag than valid
+/// and infinite, which the ranges tell.
+void SafetyTopics::publish_beam_status(const Ms3Telegram& telegram, const PlanarScan& scan,
+                                       std::size_t first_beam, DriverOutput& out) {
+  unsigned flags = 0;
+  for (std::size_t i = 0; i < scan.beams; ++i) flags |= telegram.beam(first_beam + i).status;
+  if ((flags & ~(0U + ms3_beam::valid + ms3_beam::infinite)) == 0) return;
+  beam_status_ = scan;
+  beam_status_.intensities.resize(scan.beams);
+  for (std::size_t i = 0; i < scan.beams; ++i)
+    beam_status_.intensities[i] = telegram.beam(first_beam + i).status;
+  out.extra_scan(safety_topic::beam_status, beam_status_);
 }
 
 }  // namespace lidard::sick

@@ -124,5 +124,19 @@ TEST(DecodePlanar, CountsReturnsAndNotBeams) {
   EXPECT_THAT(csv.summary, HasSubstr(": 129 frames, 82775 returns\n"));
 }
 
+TEST(DecodePlanar, GivesTheFlagsOfASafetyScannersBeamsInJson) {
+  LIDARD_NEED_CAPTURE(path, "sick/microscan3_398.pcap");
+  const DecodedFile json(path, "json");
+  // Of those that are hits, 0x41, 0x81 and 0xc1 are as many as in the recording, less the ones
+  // nearer than 0.1 m.
+  const std::map<std::string, std::size_t> flags = column_of_json(json.text(), "device_flags");
+  EXPECT_EQ(flags.size(), 4U);
+  EXPECT_EQ(flags.count("3"), 0U) << "no echo";
+  std::size_t hits = 0;
+  for (const auto& [value, count] : flags) hits += count;
+  EXPECT_EQ(hits, 82775U);
+  EXPECT_EQ(flags.at("65"), 2699U);
+}
+
 }  // namespace
 }  // namespace lidard::test

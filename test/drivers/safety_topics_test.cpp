@@ -20,7 +20,7 @@ double value_of(const DeviceState& state, const std::string& name) {
 TEST(SafetyTopics, AreNamedByTheModel) {
   const Model& model = *find_model("sick_nanoscan3");
   EXPECT_EQ(model.state_topics, (std::vector<std::string_view>{"system_state", "output_paths"}));
-  EXPECT_EQ(model.extra_scans, (std::vector<std::string_view>{"intrusion"}));
+  EXPECT_EQ(model.extra_scans, (std::vector<std::string_view>{"intrusion", "beam_status"}));
   EXPECT_EQ(model.dialogue_port, 2122);
 }
 
@@ -81,6 +81,34 @@ TEST(SafetyTopics, MarkTheBeamsThatInterruptACutOffPathFromTheIntrusionBlock) {
     EXPECT_EQ(intrusion.intensities[i], 0.0F);
     EXPECT_TRUE(std::isnan(intrusion.ranges[i]));
   }
+}
+
+TEST(SafetyTopics, TellTheFlagsOfEachBeamWhereTheySayMoreThanTheRanges) {
+  DriverConfig config;
+  config.publish_intensity = false;
+  config.angle_min =
+      (-10.5597 - 90 + 1.9 * 0.51306) * 3.14159265358979323846 / 180;  // leaves beams 0 and 1 out
+  SafetyBench bench(config);
+  bench.sample.beams[1].status = 0x81;  // left out
+  bench.sample.beams[2].status = 0x03;
+  bench.send_next();
+  EXPECT_TRUE(bench.beam_statuses.empty());
+  bench.sample.beams[4].status = 0x41;
+  bench.sample.beams[5].status = 0xc3;
+  bench.send_next();
+  ASSERT_EQ(bench.beam_statuses.size(), 1U);
+  const PlanarScan& flags = bench.beam_statuses[0];
+  const PlanarScan& scan = bench.scans[1];
+  ASSERT_EQ(flags.intensities.size(), 46U);
+  EXPECT_EQ(flags.intensities[0], 3.0F);
+  EXPECT_EQ(flags.intensities[1], 1.0F);
+  EXPECT_EQ(flags.intensities[2], 65.0F);
+  EXPECT_EQ(flags.intensities[3], 195.0F);
+  EXPECT_EQ(flags.ranges[2], scan.ranges[2]);
+  EXPECT_EQ(scan.statuses[2], BeamStatus::hit) << "what the flag means is unknown";
+  EXPECT_EQ(scan.statuses[3], BeamStatus::none);
+  EXPECT_EQ(flags.stamp, scan.stamp);
+  EXPECT_EQ(flags.angle_min, scan.angle_min);
 }
 
 TEST(SafetyTopics, LeaveOutBlocksThatAreSwitchedOff) {
