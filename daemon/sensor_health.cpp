@@ -33,6 +33,8 @@ std::string why_nothing(const SensorConfig& config, const SensorReport& report,
     if (sender.find(port) != std::string::npos)
       return "; but there are packets from " + sender + ": correct ip_address?";
   }
+  // What keeps the dialogue of a device that sends datagrams from starting them.
+  if (!report.info.warnings.empty()) return ": " + report.info.warnings.back();
   return "; check the sensor's power, its destination address and port, and the firewall";
 }
 

@@ -96,16 +96,20 @@ void SensorLine::settle() {
   if (address != IpAddress()) owner.links->connect(index, address);
 }
 
-/// What comes in a dialogue beside the data does not show that the data come.
+/// What comes in a dialogue does not show that the data come, whether it has a connection of its own or the
+/// one of the data.
 void SensorLine::receive(const Packet& packet, Stamp received) {
   const bool datagram = packet.transport == Transport::udp;
   if (datagram) sender = packet.from.address;
-  const std::uint64_t data_packets = driver->counters().packets;
+  const Counters& counters = driver->counters();
+  const std::uint64_t packets = counters.packets, others = counters.other_packets;
   driver->receive(packet, *this);
   if (packet.transport == config.model->transport) {
-    // Chunks of a stream are data whether or not a telegram is complete.
-    const bool data = !datagram || driver->counters().packets != data_packets;
-    (data ? last_arrival : last_telemetry) = received;
+    // In a stream every answer is a packet; one without data is among the others, too.
+    const std::uint64_t answers = datagram ? 0 : counters.other_packets - others;
+    const bool data = counters.packets - packets > answers;
+    if (data) last_arrival = received;
+    if (!data && datagram) last_telemetry = received;
     seen = seen || data;
   }
   settle();

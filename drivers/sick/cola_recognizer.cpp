@@ -71,6 +71,14 @@ std::string_view model_of(const ColaScan& scan) {
 
 }  // namespace
 
+/// The text may stand behind its length, of whichever dialect.
+std::string_view cola_model_named(std::string_view identity) {
+  for (const Identity& known : identities) {
+    if (identity.substr(0, 16).find(known.begins) != std::string_view::npos) return known.model;
+  }
+  return {};
+}
+
 void ColaRecognizer::add(const Packet& packet) {
   if (packet.transport != Transport::tcp) return;
   if (packet.stream_start || packet.missing > 0) stream_.reset();
@@ -87,14 +95,11 @@ void ColaRecognizer::look_at(const ColaTelegram& telegram) {
   verdict_ = layered_ ? std::string_view("sick_mrs1000") : model_of(scan_);
 }
 
-/// The text stands behind its length, of whichever dialect.
 void ColaRecognizer::note_identity(std::string_view identity) {
-  for (const Identity& known : identities) {
-    if (identity.substr(0, 16).find(known.begins) == std::string_view::npos) continue;
-    verdict_ = known.model;
-    named_ = true;
-    return;
-  }
+  const std::string_view model = cola_model_named(identity);
+  if (model.empty()) return;
+  verdict_ = model;
+  named_ = true;
 }
 
 std::string ColaRecognizer::remark() const {

@@ -10,6 +10,9 @@
 
 namespace lidard::sick {
 
+/// The model of a device that calls itself `identity` (DeviceIdent); empty if no known name is in it.
+std::string_view cola_model_named(std::string_view identity);
+
 /// Recognises scanners that speak CoLa in the bytes of one sender. The model follows from what the device
 /// calls itself (DeviceIdent), else from the shape of its scans, which families share: remark() then says so.
 class ColaRecognizer {
