@@ -21,6 +21,8 @@ std::string why_nothing(const SensorConfig& config, const SensorReport& report,
   }
   const std::string sender = likely_sender(config, unclaimed_senders);
   if (!sender.empty()) return "; but there are packets from " + sender + ": correct ip_address?";
+  // What keeps the dialogue of a device that sends datagrams from starting them.
+  if (!report.info.warnings.empty()) return ": " + report.info.warnings.back();
   return "; check the sensor's power, its destination address and port, and the firewall";
 }
 

@@ -85,18 +85,17 @@ void SensorLine::settle() {
   if (address != IpAddress()) owner.links->connect(index, address);
 }
 
-/// What comes in a dialogue beside the data does not show that the data come.
+/// What comes in a dialogue does not show that the data come, whether it has a connection of its own or the
+/// one of the data.
 void SensorLine::receive(const Packet& packet, Stamp received) {
   const bool datagram = packet.transport == Transport::udp;
   if (datagram) sender = packet.from.address;
   const std::uint64_t data_packets = driver->counters().packets;
   driver->receive(packet, *this);
   if (packet.transport == config.model->transport) {
-    // Chunks of a stream are data whether or not a telegram is complete.
-    const bool data = !datagram || driver->counters().packets != data_packets;
-    if (data)
+    if (driver->counters().packets != data_packets)
       notice_data(received);
-    else
+    else if (datagram)
       last_telemetry = received;
   }
   settle();

@@ -10,18 +10,28 @@ namespace {
 
 constexpr std::int64_t ms = 1'000'000;
 constexpr std::int64_t counter_length = (std::int64_t{1} << 24U) * ms;
-/// A counter this far from what the time that passed tells was reset, or a clock was set.
+/// A counter this far ahead of what the time that passed tells was reset, or a clock was set.
 constexpr std::int64_t jump_limit = 1000 * ms;
+/// One that goes on but lags by less shows a host that did not look; TCP keeps what came meanwhile.
+constexpr std::int64_t longest_stall = 5000 * ms;
+/// One that goes back by more was reset.
+constexpr std::int64_t backward_limit = 100 * ms;
 /// A sweep this far from the line means that the motor did not turn evenly.
 constexpr std::int64_t uneven_limit = 3 * ms / 2;
 constexpr std::size_t turns_for_fit = 8;
+/// Whole ms tell the length of a turn better than the clocks drift (1000 ppm) from so many turns on.
+constexpr std::size_t turns_for_motor = 64;
 /// A motor that runs off what was taken for its speed by more gets its turn measured again; the line through
 /// the arrivals follows less.
 constexpr double turn_tolerance = 150e-6;
 /// The first sweeps of a stream have not shown the least delay yet.
 constexpr std::size_t first_delay = 16;
-/// Comparisons are good for so long before the clocks drift apart (100 ppm make 0.2 ms).
-constexpr Span comparison_age = std::chrono::seconds(2);
+/// Before the drift is known, the clocks drift apart from the comparison on (1000 ppm make 0.5 ms).
+constexpr Span comparison_age = std::chrono::milliseconds(500);
+/// The drift is known by then, and the turns since the comparison are still there.
+constexpr Span drift_age = std::chrono::seconds(6);
+/// Turns that tell the delay: the younger the comparison, the less a wrong drift counts.
+constexpr Span turn_age = std::chrono::seconds(2);
 /// A way that takes longer is no way: the comparison and the sweeps do not fit together.
 constexpr std::int64_t longest_delay = 50 * ms;
 
@@ -79,9 +89,11 @@ Span ScipClock::unwrap(ScipStamp stamp, Stamp arrival) {
           std::llround(static_cast<double>(expected - device) / static_cast<double>(counter_length));
       device += turns * counter_length;
     }
-    if (std::abs(device - expected) > jump_limit) {
+    const bool reset = device < last_.count() - backward_limit;
+    if (reset || device - expected > jump_limit || expected - device > longest_stall) {
       ++restarts_;
       clock_.reset();
+      counter_clock_.reset();
       turns_.reset();
       compared_ = false;
       device = nanoseconds(stamp);
@@ -105,15 +117,18 @@ Stamp ScipClock::begin_of(const Sweep& sweep, std::int64_t& skipped) {
   const Span begin = mode_ == ClockMode::smooth ? device_begin(sweep, read) : read;
   const Span sent = begin + sweep.until_sent;
   clock_.observe(sent, sweep.arrival);
-  const Stamp smooth = clock_.to_host(sent);
-  if (mode_ == ClockMode::smooth) learn_delay(read, sweep, smooth);
-  return smooth - sweep.until_sent - Span(delay_.value_or(0));
+  counter_clock_.observe(read + sweep.until_sent, sweep.arrival);
+  if (mode_ == ClockMode::smooth && sweep.evenly) {
+    turns_.set_begin(begin);
+    learn_delay(sweep);
+  }
+  return clock_.to_host(sent) - sweep.until_sent - Span(delay_.value_or(0));
 }
 
 Span ScipClock::device_begin(const Sweep& sweep, Span read) {
   if (sweep.stamp.microseconds) return read;
   if (!sweep.evenly || turns_.count() < turns_for_fit) return read + Span(ms / 2);
-  if (!on_tick_) return by_motor(sweep);
+  if (!on_tick_) return turns_.count() < turns_for_motor ? read + Span(ms / 2) : by_motor(sweep);
   double period = 0, newest = 0;
   turns_.fit(period, newest);
   return Span(std::clamp<std::int64_t>(std::llround(newest) + ms / 2, read.count(), read.count() + ms));
@@ -135,8 +150,9 @@ Span ScipClock::by_motor(const Sweep& sweep) {
       chosen_at_ = count;
       base_ = std::llround(newest - period * static_cast<double>(turns_.newest().number)) + ms / 2;
       clock_.reset();
+      turns_.set_begins(begin);
       turns_.for_each([&](const TurnLine::Turn& turn) {
-        clock_.observe(begin(turn) + sweep.until_sent, Stamp{turn.arrival});
+        clock_.observe(Span(turn.begin) + sweep.until_sent, Stamp{turn.arrival});
       });
     }
   }
@@ -145,16 +161,35 @@ Span ScipClock::by_motor(const Sweep& sweep) {
 
 /// From the end of a sweep to its arrival, without the network's jitter. The counter shows the sweep's begin
 /// but for a fraction of a tick, so each sweep bounds it from both sides.
-void ScipClock::learn_delay(Span read, const Sweep& sweep, Stamp smooth) {
-  if (!compared_ || sweep.arrival - compared_at_ > comparison_age) return;
-  if (++delays_ < first_delay) return;
-  const std::int64_t offset = lowest_ + (highest_ - lowest_) / 2;
-  const std::int64_t most = (smooth - read).ns - sweep.until_sent.count() - offset;
-  const std::int64_t least = most - (sweep.stamp.microseconds ? 0 : ms);
-  if (most < -ms || most > longest_delay) return;
-  least_ = delay_ ? std::max(least_, least) : least;
-  most_ = delay_ ? std::min(most_, most) : most;
-  delay_ = std::max<std::int64_t>(0, least_ + (most_ - least_) / 2);
+void ScipClock::learn_delay(const Sweep& sweep) {
+  if (!compared_) return;
+  const Span age = sweep.arrival - compared_at_;
+  const bool young = turns_.count() >= first_delay && age <= comparison_age;
+  const bool knows_drift = counter_clock_.knows_drift();
+  if (!young && !(knows_drift && age <= drift_age)) return;
+  const double drift = knows_drift ? counter_clock_.drift_ppm() * 1e-6 : 0;
+  const std::int64_t compared = lowest_ + (highest_ - lowest_) / 2;
+  const std::int64_t tick = sweep.stamp.microseconds ? 0 : ms;
+  bool any = false;
+  std::int64_t least = 0, most = 0;
+  turns_.for_each([&](const TurnLine::Turn& turn) {
+    if (Stamp{turn.arrival} - compared_at_ > turn_age) return;
+    const double since = static_cast<double>(turn.tick - compared_device_.count());
+    const std::int64_t offset = compared + std::llround(drift * since);
+    const Stamp smooth = clock_.to_host(Span(turn.begin) + sweep.until_sent);
+    const std::int64_t delay = smooth.ns - turn.tick - sweep.until_sent.count() - offset;
+    most = any ? std::min(most, delay) : delay;
+    least = any ? std::max(least, delay - tick) : delay - tick;
+    any = true;
+  });
+  const std::int64_t delay = least + (most - least) / 2;
+  if (!any || delay < -ms || delay > longest_delay) return;
+  delay_ = std::max<std::int64_t>(0, delay);
+}
+
+bool ScipClock::needs_comparison() const {
+  if (mode_ != ClockMode::smooth || !was_compared_ || delay_) return false;
+  return !compared_ || (known_ && last_arrival_ - compared_at_ > drift_age);
 }
 
 void ScipClock::compare(ScipStamp stamp, Stamp sent, Stamp received) {
@@ -162,9 +197,12 @@ void ScipClock::compare(ScipStamp stamp, Stamp sent, Stamp received) {
   const std::int64_t resolution = stamp.microseconds ? 1000 : ms;
   const std::int64_t low = sent.ns - device - resolution;
   const std::int64_t high = received.ns - device;
+  compared_ = compared_ && received - compared_at_ <= comparison_age;
   lowest_ = compared_ ? std::max(lowest_, low) : low;
   highest_ = compared_ ? std::min(highest_, high) : high;
   compared_ = lowest_ <= highest_;
+  was_compared_ = true;
+  compared_device_ = Span(device);
   compared_at_ = received;
 }
 
@@ -179,15 +217,15 @@ std::optional<Span> ScipClock::measured_delay() const {
 }
 
 void ScipClock::connection() {
-  compared_ = false;
+  compared_ = was_compared_ = false;
   delay_.reset();
-  delays_ = 0;
   turns_.reset();
 }
 
 void ScipClock::reset() {
   connection();
   clock_.reset();
+  counter_clock_.reset();
   known_ = false;
 }
 

@@ -9,20 +9,16 @@
 
 #include "core/device_clock.h"
 #include "core/time.h"
+#include "drivers/hokuyo/scip_message.h"
 
 namespace lidard::hokuyo {
-
-/// What a sensor's counter shows.
-struct ScipStamp {
-  std::uint64_t ticks = 0;
-  bool microseconds = false;  ///< of the % extension; else ms, 24 bits (Hokuyo C-42-03320B p. 12)
-};
 
 /// The last turns of a motor that runs evenly: what a counter showed when each began, and when its scan came.
 class TurnLine {
  public:
   struct Turn {
     std::int64_t number, tick, arrival;  ///< tick and arrival in ns
+    std::int64_t begin = 0;              ///< ns of the device, where more is known than the tick
   };
   /// Takes the next turn; `period`: nominal, a whole part of it may have passed. False if the motor did not
   /// turn evenly: numbers begin at 0 again.
@@ -39,6 +35,12 @@ class TurnLine {
   void for_each(Take&& take) const {
     for (std::size_t i = 0; i < count_; ++i) take(turns_[(next_ + length - count_ + i) % length]);
   }
+  /// Sets what is known of the newest turn's begin, or of all by find(turn).
+  void set_begin(Span begin) { turns_[(next_ + length - 1) % length].begin = begin.count(); }
+  template <class Find>
+  void set_begins(Find&& find) {
+    for (std::size_t i = 0; i < count_; ++i) turns_[i].begin = find(turns_[i]).count();
+  }
 
  private:
   static constexpr std::size_t length = 256;
@@ -49,7 +51,8 @@ class TurnLine {
 };
 
 /// Host times of a SCIP sensor's sweeps, by listening; comparisons of both clocks (TM1) show what the way to
-/// us takes.
+/// us takes. The line through the arrivals is followed back to the moment of the comparison, so that a drift
+/// between the clocks does not count as a part of the way.
 ///
 /// A counter of whole ms does not show where in one a sweep began. Sensors that send as soon as a sweep ends
 /// tell by the arrival; the motor is the clock then, the counter only says which turn it is. Those that send
@@ -57,7 +60,8 @@ class TurnLine {
 /// need neither.
 class ScipClock {
  public:
-  ScipClock(ClockMode mode, bool sends_on_tick) : mode_(mode), on_tick_(sends_on_tick), clock_(mode) {}
+  ScipClock(ClockMode mode, bool sends_on_tick)
+      : mode_(mode), on_tick_(sends_on_tick), clock_(mode), counter_clock_(mode) {}
 
   struct Sweep {
     ScipStamp stamp;     ///< counter at step 0
@@ -74,6 +78,8 @@ class ScipClock {
   std::optional<Span> uncertainty() const;
   /// From the end of a sweep to its arrival, as far as the comparisons showed it.
   std::optional<Span> measured_delay() const;
+  /// True if a comparison was made, but is lost or too old by now to tell the delay that it was made for.
+  bool needs_comparison() const;
   /// A new connection: comparisons start again, and the next sweep does not follow the last one.
   void connection();
   void reset();
@@ -84,12 +90,12 @@ class ScipClock {
   Span unwrap(ScipStamp stamp, Stamp arrival);
   Span device_begin(const Sweep& sweep, Span read);
   Span by_motor(const Sweep& sweep);
-  void choose_turn();
-  void learn_delay(Span read, const Sweep& sweep, Stamp smooth);
+  void learn_delay(const Sweep& sweep);
 
   ClockMode mode_;
   bool on_tick_;
-  DeviceClock clock_;
+  DeviceClock clock_;          // of begins and ends of turns
+  DeviceClock counter_clock_;  // of the counter as it shows: for its drift
   TurnLine turns_;
   bool known_ = false;
   Span last_{0};
@@ -99,13 +105,11 @@ class ScipClock {
   double turn_ = 0;
   std::int64_t base_ = 0;
   std::size_t chosen_at_ = 0;  // number of turns known when `turn_` was chosen; 0: not yet
-  // Bounds of host minus device from comparisons, ns.
-  bool compared_ = false;
+  // Bounds of host minus device from comparisons, ns, and when that was.
+  bool compared_ = false, was_compared_ = false;
   std::int64_t lowest_ = 0, highest_ = 0;
+  Span compared_device_{0};
   Stamp compared_at_;
-  // Bounds of the delay behind a sweep, ns.
-  std::size_t delays_ = 0;
-  std::int64_t least_ = 0, most_ = 0;
   std::optional<std::int64_t> delay_;
 };
 

@@ -17,12 +17,17 @@ constexpr Span least_stream_patience = std::chrono::milliseconds(600);
 constexpr Span verifying_patience = std::chrono::seconds(5);
 constexpr Span before_next_try = std::chrono::seconds(1);
 constexpr int most_comparisons = 60;
-constexpr std::size_t short_stamp = 4, long_stamp = 11;
+
+/// Without the mark of the extension, which not every sensor repeats in its echo.
+std::string_view unmarked(std::string_view echo) {
+  if (!echo.empty() && echo.front() == '%') echo.remove_prefix(1);
+  return echo;
+}
 
 }  // namespace
 
 void ScipDialogue::connected(Stamp now, DriverOutput& out) {
-  introduced_ = false;
+  introduced_ = compare_only_ = without_percent_ = false;
   stalls_ = 0;
   echoes_ = config_.publish_multiecho && config_.model->has_echoes;
   intensities_ = config_.publish_intensity;
@@ -69,6 +74,7 @@ void ScipDialogue::go(Step step, Stamp now, DriverOutput& out) {
 
 void ScipDialogue::start(Stamp now, DriverOutput& out) {
   introduced_ = true;
+  compare_only_ = false;
   step_ = Step::start;
   patience_ = answer_patience;
   ScipScanRequest request = owner_.wanted();
@@ -87,14 +93,14 @@ Span ScipDialogue::stream_patience() const {
 void ScipDialogue::take(const ScipMessage& message, Stamp now, DriverOutput& out) {
   if (step_ == Step::idle) return;
   if (parse_scan_request(message.echo)) return take_stream(message, now, out);
-  if (message.echo.substr(0, expected_.size()) != expected_) return;
+  if (!expects(message)) return;
   switch (step_) {
     case Step::quit:
       return after_quit(message, now, out);
     case Step::leave_old_time_mode:
       return go(Step::version, now, out);
     case Step::version:
-      percent_ = owner_.knows_percent();
+      percent_ = owner_.knows_percent() && !without_percent_;
       return go(Step::parameters, now, out);
     case Step::parameters:
       return go(Step::information, now, out);
@@ -112,7 +118,13 @@ void ScipDialogue::take(const ScipMessage& message, Stamp now, DriverOutput& out
   }
 }
 
+bool ScipDialogue::expects(const ScipMessage& message) const {
+  const std::string_view wanted = unmarked(expected_);
+  return unmarked(message.echo).substr(0, wanted.size()) == wanted;
+}
+
 void ScipDialogue::after_quit(const ScipMessage& message, Stamp now, DriverOutput& out) {
+  if (compare_only_) return go(Step::enter_time_mode, now, out);
   if (introduced_) return go(Step::start, now, out);
   // In time mode QT is unknown to some firmware.
   if (class_of(message.status) == StatusClass::unknown) return go(Step::leave_old_time_mode, now, out);
@@ -126,12 +138,10 @@ void ScipDialogue::after_comparison(const ScipMessage& message, Stamp now, Drive
   }
   std::string_view body = message.body;
   const std::string_view line = take_line(body);
-  const std::size_t size = percent_ ? long_stamp : short_stamp;
   bool enough = true;
-  if (message.status == "00" && line.size() == size + 1 && has_checksum(line)) {
-    if (const auto ticks = scip_number(line.substr(0, size))) {
-      enough = owner_.compared({*ticks, percent_}, sent_, now) || ++comparisons_ >= most_comparisons;
-    }
+  if (message.status == "00" && has_checksum(line)) {
+    if (const auto stamp = parse_stamp(line))
+      enough = owner_.compared(*stamp, sent_, now) || ++comparisons_ >= most_comparisons;
   }
   go(enough ? Step::leave_time_mode : Step::compare, now, out);
 }
@@ -190,6 +200,20 @@ void ScipDialogue::ask_for_less(const ScipMessage& message, Stamp now, DriverOut
 
 void ScipDialogue::restart_stream(Stamp now, DriverOutput& out) {
   if (step_ != Step::streaming || now - restarted_ < before_next_try) return;
+  restarted_ = now;
+  go(Step::quit, now, out);
+}
+
+void ScipDialogue::reexamine(Stamp now, DriverOutput& out) {
+  if (step_ != Step::streaming || now - restarted_ < before_next_try) return;
+  introduced_ = false;
+  without_percent_ = true;
+  restart_stream(now, out);
+}
+
+void ScipDialogue::compare_again(Stamp now, DriverOutput& out) {
+  if (step_ != Step::streaming) return;
+  compare_only_ = true;
   restarted_ = now;
   go(Step::quit, now, out);
 }

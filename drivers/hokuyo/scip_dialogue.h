@@ -24,6 +24,7 @@ enum class ScipTrouble : std::uint8_t {
   geometry,
   no_beams,
   values,
+  misfit,
   count_
 };
 
@@ -58,6 +59,10 @@ class ScipDialogue {
   void tick(Stamp now, DriverOutput& out);
   /// Ends the stream and asks for it again, at most once a second.
   void restart_stream(Stamp now, DriverOutput& out);
+  /// Nothing that the stream brings fits: asks again who is there, and for a stream without the % extension.
+  void reexamine(Stamp now, DriverOutput& out);
+  /// Ends the stream, compares the clocks again and goes on.
+  void compare_again(Stamp now, DriverOutput& out);
 
  private:
   enum class Step : std::uint8_t {
@@ -76,6 +81,7 @@ class ScipDialogue {
   };
 
   void go(Step step, Stamp now, DriverOutput& out);
+  bool expects(const ScipMessage& message) const;
   void send(std::string_view request, Stamp now, DriverOutput& out);
   void after_quit(const ScipMessage& message, Stamp now, DriverOutput& out);
   void after_comparison(const ScipMessage& message, Stamp now, DriverOutput& out);
@@ -94,6 +100,8 @@ class ScipDialogue {
   Stamp sent_;               // the last request, or the last sign of life of the stream
   Span patience_{0};         // from sent_ on
   bool introduced_ = false;  // VV, PP, II and TM are done
+  bool compare_only_ = false;
+  bool without_percent_ = false;  // since connected(): with it nothing fitted
   bool percent_ = false, echoes_ = false, intensities_ = false;
   int comparisons_ = 0;
   int stalls_ = 0;

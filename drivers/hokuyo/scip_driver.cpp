@@ -10,7 +10,6 @@
 
 #include "core/beam_window.h"
 #include "core/steady_stamps.h"
-#include "drivers/hokuyo/scip_clock.h"
 #include "drivers/hokuyo/scip_dialogue.h"
 #include "drivers/hokuyo/scip_message.h"
 #include "drivers/hokuyo/scip_models.h"
@@ -30,7 +29,11 @@ constexpr int foreign_limit = 10;
 /// Longer pauses are no loss but a stream that was ended.
 constexpr std::int64_t longest_loss = 10'000;
 constexpr int enough_comparisons = 10;
+/// Half a second of a fast sensor. One answer in between that fits shows that the line is bad, not the
+/// request.
+constexpr int misfit_limit = 20;
 constexpr Span fine_comparison = std::chrono::microseconds(300);
+constexpr int most_renewals = 3;  // of a connection; each costs some scans
 
 class ScipDriver final : public Driver, private ScipDialogue::Owner {
  public:
@@ -50,6 +53,7 @@ class ScipDriver final : public Driver, private ScipDialogue::Owner {
   bool compared(ScipStamp stamp, Stamp sent, Stamp received) override;
 
   Reject handle(const ScipMessage& message, Stamp arrival, DriverOutput& out);
+  void note_fit(Reject reason, Stamp arrival, DriverOutput& out);
   void note_version(const ScipMessage& message);
   void note_parameters(const ScipMessage& message);
   void note_information(const ScipMessage& message);
@@ -71,7 +75,7 @@ class ScipDriver final : public Driver, private ScipDialogue::Owner {
   ScipReader reader_{counters_};
   ScipDialogue dialogue_;
   ScipClock clock_;
-  int comparisons_ = 0;
+  int comparisons_ = 0, renewals_ = 0;
   std::string product_, firmware_;
   ScipParameters parameters_;  // as far as known
 
@@ -80,7 +84,7 @@ class ScipDriver final : public Driver, private ScipDialogue::Owner {
     ScipScanRequest request;
   };
   std::optional<Geometry> geometry_;
-  int foreign_ = 0;
+  int foreign_ = 0, misfits_ = 0;
   std::size_t first_beam_ = 0;
   Span before_first_ray_{0};
   int range_max_mm_ = 0;
@@ -103,7 +107,7 @@ ScipDriver::ScipDriver(const DriverConfig& config)
 void ScipDriver::connected(Stamp now, DriverOutput& out) {
   reader_.interrupt();
   clock_.connection();
-  comparisons_ = 0;
+  comparisons_ = renewals_ = misfits_ = 0;
   dialogue_.connected(now, out);
 }
 
@@ -161,7 +165,28 @@ Reject ScipDriver::handle(const ScipMessage& message, Stamp arrival, DriverOutpu
     return Reject::none;
   }
   ++counters_.packets;
-  return publish(message, *request, arrival, out);
+  const Reject reason = publish(message, *request, arrival, out);
+  note_fit(reason, arrival, out);
+  return reason;
+}
+
+/// A stream that brings nothing that fits is not what this driver takes it for: it asks again who is there
+/// and for a plainer stream.
+void ScipDriver::note_fit(Reject reason, Stamp arrival, DriverOutput& out) {
+  if (reason == Reject::none) {
+    misfits_ = 0;
+    board_.clear(ScipTrouble::misfit);
+    if (!clock_.needs_comparison() || renewals_ >= most_renewals) return;
+    ++renewals_;
+    comparisons_ = 0;
+    return dialogue_.compare_again(arrival, out);
+  }
+  if (++misfits_ < misfit_limit) return;
+  board_.set(ScipTrouble::misfit,
+             "no answer of the stream fits what was asked for (" + std::string(to_string(reason)) +
+                 "), the sensor is asked again who it is and for plain stamps; if it stays, check the model "
+                 "in the configuration and report the firmware version");
+  dialogue_.reexamine(arrival, out);
 }
 
 void ScipDriver::set_detail(std::string_view key, std::string_view value) {
@@ -247,9 +272,8 @@ Reject ScipDriver::publish(const ScipMessage& message, const ScipScanRequest& re
   std::string_view body = message.body;
   const std::string_view stamp_line = take_line(body);
   if (!has_checksum(stamp_line) || !join_lines(body, flat_)) return Reject::checksum;
-  const std::size_t stamp_size = request.percent ? 11 : 4;
-  const auto ticks = scip_number(stamp_line.substr(0, stamp_line.size() - 1));
-  if (!ticks || stamp_line.size() != stamp_size + 1) return Reject::field;
+  const auto stamp = parse_stamp(stamp_line);
+  if (!stamp) return Reject::field;
   if (!take_geometry(request)) {
     ++counters_.other_packets;
     return Reject::none;
@@ -265,7 +289,7 @@ Reject ScipDriver::publish(const ScipMessage& message, const ScipScanRequest& re
   if (reason != Reject::none) return reason;
   const ScipParameters& p = geometry_->parameters;
   ScipClock::Sweep sweep;
-  sweep.stamp = {*ticks, request.percent};
+  sweep.stamp = *stamp;
   sweep.period = span_from_seconds(p.turn_seconds() * (1 + request.skip));
   sweep.until_sent = span_from_seconds(p.step_seconds() * request.last_step);
   sweep.arrival = arrival;

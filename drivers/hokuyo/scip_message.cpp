@@ -54,6 +54,14 @@ std::optional<std::uint64_t> scip_number(std::string_view text) {
   return value;
 }
 
+std::optional<ScipStamp> parse_stamp(std::string_view line) {
+  constexpr std::size_t in_ms = 4, in_us = 11;
+  if (line.size() != in_ms + 1 && line.size() != in_us + 1) return std::nullopt;
+  const auto ticks = scip_number(line.substr(0, line.size() - 1));
+  if (!ticks) return std::nullopt;
+  return ScipStamp{*ticks, line.size() == in_us + 1};
+}
+
 std::string_view take_line(std::string_view& text) {
   const std::size_t end = std::min(text.find('\n'), text.size());
   const std::string_view line = text.substr(0, end);

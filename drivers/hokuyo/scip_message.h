@@ -58,7 +58,7 @@ class ScipReader {
 
 /// What a request for distances asks for, as its echo repeats it.
 struct ScipScanRequest {
-  bool percent = false;       ///< with the extension: stamps of 64 bits in us
+  bool percent = false;       ///< with the extension, which asks for stamps in us
   bool continuous = false;    ///< M. and N.: the sensor goes on sending
   bool multi_echo = false;    ///< N. and H.
   bool intensities = false;   ///< .E
@@ -73,6 +73,17 @@ struct ScipScanRequest {
     return a.first_step == b.first_step && a.last_step == b.last_step && a.cluster == b.cluster;
   }
 };
+
+/// What a sensor's counter shows.
+struct ScipStamp {
+  std::uint64_t ticks = 0;
+  bool microseconds = false;  ///< of the % extension; else ms, 24 bits (Hokuyo C-42-03320B p. 12)
+};
+
+/// Reads a line with a stamp, checksum included; empty if it is none. How wide it is tells its unit: 4
+/// characters are ms, the 11 of the % extension are us. The echo does not tell: seqsense/urg_stamped's
+/// simulator answers %ME with the echo ME (src/urg_sim/urg_sim.cpp, handleMX).
+std::optional<ScipStamp> parse_stamp(std::string_view line);
 
 /// Empty if the echo is not that of MD, MS, ME, ND, NE, GD, GS, GE, HD or HE with sound parameters.
 std::optional<ScipScanRequest> parse_scan_request(std::string_view echo);

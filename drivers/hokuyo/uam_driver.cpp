@@ -6,11 +6,11 @@
 #include <cmath>
 
 #include "core/beam_window.h"
-#include "core/device_clock.h"
 #include "core/steady_stamps.h"
+#include "drivers/hokuyo/scip_clock.h"
 #include "drivers/hokuyo/uam_frame.h"
-#include "drivers/warning_board.h"
 #include "drivers/model.h"
+#include "drivers/warning_board.h"
 
 namespace lidard::hokuyo {
 namespace {
@@ -34,8 +34,8 @@ constexpr double turn_s = 0.03;
 constexpr Span answer_patience = std::chrono::milliseconds(1200);
 constexpr Span stream_patience = std::chrono::milliseconds(600);
 constexpr Span retry_after = std::chrono::seconds(1);
-constexpr std::int64_t counter_length_ms = std::int64_t{1} << 32U;
-constexpr std::int64_t jump_limit_ms = 1000;
+/// The clock of the SCIP sensors unwraps the low 24 bits of a counter.
+constexpr std::uint32_t shown_by_clock = (1U << 24U) - 1;
 constexpr std::int64_t longest_loss = 10'000;
 
 enum class Trouble : std::uint8_t {
@@ -85,12 +85,8 @@ class UamDriver final : public Driver {
   Stamp sent_;
   Span patience_{0};
 
-  DeviceClock clock_;
-  bool known_ = false;
-  std::int64_t device_ms_ = 0;
-  Stamp last_arrival_;
+  ScipClock clock_;
   SteadyStamps stamps_;
-  std::uint64_t restarts_ = 0;
   UamStatus status_;
   std::size_t first_beam_ = 0;
   PlanarScan scan_;
@@ -98,7 +94,7 @@ class UamDriver final : public Driver {
 };
 
 UamDriver::UamDriver(const DriverConfig& config)
-    : config_(config), row_(*static_cast<const UamRow*>(config.model->row)), clock_(config.clock) {
+    : config_(config), row_(*static_cast<const UamRow*>(config.model->row)), clock_(config.clock, false) {
   info_.details = {{"Vendor Name", "Hokuyo"}, {"Product Name", std::string(config.model->product)}};
   scan_.frame_id = config.frame_id;
   scan_.range_min = static_cast<float>(config.model->range_min);
@@ -154,7 +150,6 @@ void UamDriver::tick(Stamp now, DriverOutput& out) {
 void UamDriver::restart() {
   reader_.interrupt();
   clock_.reset();
-  known_ = false;
   stamps_.reset();
 }
 
@@ -251,30 +246,17 @@ Reject UamDriver::publish(std::string_view frame, Stamp arrival, DriverOutput& o
 
 /// The frame's counter in ms; unverified: taken as the first beam's time.
 Stamp UamDriver::first_ray(Stamp arrival) {
-  std::int64_t device = status_.time_ms;
-  const Span sweep = span_from_seconds(turn_s * row_.step_deg / 360 * static_cast<double>(row_.beams - 1));
-  if (known_) {
-    const std::int64_t expected = device_ms_ + (arrival - last_arrival_).count() / 1'000'000;
-    device += std::llround(static_cast<double>(expected - device) / static_cast<double>(counter_length_ms)) *
-              counter_length_ms;
-    const auto turns =
-        static_cast<std::int64_t>(std::llround(static_cast<double>(device - device_ms_) / (1e3 * turn_s)));
-    if (std::abs(device - expected) > jump_limit_ms) {
-      ++restarts_;
-      clock_.reset();
-      device = status_.time_ms;
-    } else if (turns > 1 && turns <= longest_loss) {
-      counters_.lost_packets += static_cast<std::uint64_t>(turns - 1);
-    }
-  }
-  known_ = true;
-  device_ms_ = device;
-  last_arrival_ = arrival;
-  const Span sent = std::chrono::milliseconds(device) + sweep;
-  clock_.observe(sent, arrival);
-  counters_.clock_steps = clock_.steps() + restarts_;
+  ScipClock::Sweep sweep;
+  sweep.stamp = {status_.time_ms & shown_by_clock, false};
+  sweep.period = span_from_seconds(turn_s);
+  sweep.until_sent = span_from_seconds(turn_s * row_.step_deg / 360 * static_cast<double>(row_.beams - 1));
+  sweep.arrival = arrival;
+  std::int64_t skipped = 0;
+  const Stamp begin = clock_.begin_of(sweep, skipped);
+  if (skipped < longest_loss) counters_.lost_packets += static_cast<std::uint64_t>(skipped);
+  counters_.clock_steps = clock_.steps();
   const Span before = span_from_seconds(turn_s * row_.step_deg / 360 * static_cast<double>(first_beam_));
-  return stamps_.next(clock_.to_host(sent) - sweep + before + config_.time_offset);
+  return stamps_.next(begin + before + config_.time_offset);
 }
 
 Reject UamDriver::fill(std::string_view frame) {

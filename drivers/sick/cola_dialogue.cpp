@@ -7,6 +7,7 @@
 
 #include "drivers/model.h"
 #include "drivers/sick/cola_reader.h"
+#include "drivers/sick/cola_recognizer.h"
 
 namespace lidard::sick {
 namespace {
@@ -91,35 +92,7 @@ unsigned first_number(const ColaTelegram& telegram) {
   return in_dialect(telegram, [](auto in) -> unsigned { return in.u8(); });
 }
 
-std::string echoes_of(const ColaOutputs& s) {
-  std::string text;
-  for (unsigned bit = 0; bit < 5; ++bit) {
-    if ((s.channels[0] >> bit & 1U) != 0) text += (text.empty() ? "" : "+") + std::to_string(bit + 1);
-  }
-  return text.empty() ? "none" : text;
-}
-
-void append_change(std::string& text, const char* what, const std::string& before, const std::string& now) {
-  if (before == now) return;
-  text += (text.empty() ? "" : ", ") + std::string(what) + " " + before + " -> " + now;
-}
-
-std::string changes(const ColaOutputs& before, const ColaOutputs& now) {
-  std::string text;
-  const auto on_off = [](bool on) { return std::string(on ? "on" : "off"); };
-  append_change(text, "echoes", echoes_of(before), echoes_of(now));
-  append_change(text, "intensity", on_off(before.rssi != 0), on_off(now.rssi != 0));
-  append_change(text, "output interval", std::to_string(before.interval), std::to_string(now.interval));
-  return text;
-}
-
 }  // namespace
-
-bool operator==(const ColaOutputs& a, const ColaOutputs& b) {
-  return a.channels == b.channels && a.rssi == b.rssi && a.wide_rssi == b.wide_rssi && a.unit == b.unit &&
-         a.encoders == b.encoders && a.position == b.position && a.name == b.name && a.comment == b.comment &&
-         a.time == b.time && a.interval == b.interval;
-}
 
 void ColaDialogue::start(Stamp now, DriverOutput& out) {
   answered_ = false;
@@ -247,7 +220,7 @@ void ColaDialogue::answer(const ColaTelegram& telegram, Stamp now, DriverOutput&
 void ColaDialogue::accept(const ColaTelegram& telegram, Stamp now, DriverOutput& out) {
   switch (step_) {
     case Step::identity:
-      detail("Device", in_dialect(telegram, [](auto in) { return read_identity(in); }));
+      take_identity(telegram);
       break;
     case Step::range:
       detail("Output range", in_dialect(telegram, [](auto in) { return read_range(in); }));
@@ -301,6 +274,18 @@ void ColaDialogue::give_up(std::string why, DriverOutput& out) {
   show_warnings();
   step_ = Step::idle;
   out.disconnect(true);
+}
+
+/// Variants of a product differ in the last letter of the model's name; what they call themselves does not
+/// tell them apart.
+void ColaDialogue::take_identity(const ColaTelegram& telegram) {
+  const std::string identity = in_dialect(telegram, [](auto in) { return read_identity(in); });
+  detail("Device", identity);
+  const std::string_view named = cola_model_named(identity);
+  const std::string_view configured = config_.model->name;
+  if (named.empty() || configured.substr(0, named.size() - 1) == named.substr(0, named.size() - 1)) return;
+  warn("the device calls itself " + identity + ", which is a " + std::string(named) + ", but " +
+       std::string(configured) + " is configured; correct `model`");
 }
 
 void ColaDialogue::take_settings(const ColaTelegram& telegram) {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -13,19 +12,9 @@
 #include "drivers/driver.h"
 #include "drivers/sick/cola_command.h"
 #include "drivers/sick/cola_models.h"
+#include "drivers/sick/cola_outputs.h"
 
 namespace lidard::sick {
-
-/// LMDscandatacfg: what the device puts into its scans (SICK 8014631 chapter 4.3.1).
-struct ColaOutputs {
-  std::array<std::uint8_t, 2> channels{};  ///< bit by echo
-  std::uint8_t rssi = 0, wide_rssi = 0, unit = 0;
-  std::array<std::uint8_t, 2> encoders{};
-  std::uint8_t position = 0, name = 0, comment = 0, time = 0;
-  std::uint16_t interval = 1;  ///< every n-th scan
-
-  friend bool operator==(const ColaOutputs& a, const ColaOutputs& b);
-};
 
 /// Starts the stream of scans on a device that was just connected: asks what it is and what it is set to,
 /// subscribes, and writes a setting only where the configuration asks for another one and allows it.
@@ -71,6 +60,7 @@ class ColaDialogue {
   void proceed(Stamp now, DriverOutput& out) { ask(after(step_), now, out); }
   void refused(std::uint8_t code, Stamp now, DriverOutput& out);
   void accept(const ColaTelegram& telegram, Stamp now, DriverOutput& out);
+  void take_identity(const ColaTelegram& telegram);
   void take_settings(const ColaTelegram& telegram);
   void compare_settings();
   void settings_written(DriverOutput& out);

@@ -113,6 +113,14 @@ bool look(const ColaScan& scan, ColaEvidence& seen) {
 
 }  // namespace
 
+/// The text may stand behind its length, of whichever dialect.
+std::string_view cola_model_named(std::string_view identity) {
+  for (const Identity& known : identities) {
+    if (identity.substr(0, 16).find(known.begins) != std::string_view::npos) return known.model;
+  }
+  return {};
+}
+
 void ColaRecognizer::add(const Packet& packet) {
   if (packet.transport != Transport::tcp) return;
   if (packet.stream_start || packet.missing > 0) stream_.reset();
@@ -148,15 +156,12 @@ void ColaRecognizer::choose() {
   }
 }
 
-/// The text stands behind its length, of whichever dialect.
 void ColaRecognizer::note_identity(std::string_view identity) {
-  for (const Identity& known : identities) {
-    if (identity.substr(0, 16).find(known.begins) == std::string_view::npos) continue;
-    verdict_ = known.model;
-    named_ = true;
-    others_.clear();
-    return;
-  }
+  const std::string_view model = cola_model_named(identity);
+  if (model.empty()) return;
+  verdict_ = model;
+  named_ = true;
+  others_.clear();
 }
 
 std::string ColaRecognizer::remark() const {

@@ -11,6 +11,9 @@
 
 namespace lidard::sick {
 
+/// The model of a device that calls itself `identity` (DeviceIdent); empty if no known name is in it.
+std::string_view cola_model_named(std::string_view identity);
+
 /// What the scans of a sender say of it, beside its name.
 struct ColaEvidence {
   double start_deg = 0, end_deg = 0, step_deg = 0;  ///< as the device counts

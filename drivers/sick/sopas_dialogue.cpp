@@ -83,7 +83,10 @@ void SopasDialogue::tick(Stamp now, std::optional<Stamp> last_data, DriverOutput
   now_ = now;
   if (!wanted_) return;
   if (phase_ != Phase::idle) {
-    if (phase_ != Phase::dialling && now - asked_ > patience) fail("does not answer on its TCP port", out);
+    if (phase_ != Phase::dialling && now - asked_ > patience)
+      fail("takes the connection but does not answer '" + asked_what() +
+               "'; check that it speaks CoLa A on that port and that nobody else is connected to it",
+           out);
     return;
   }
   const bool silent = !last_data || now - *last_data > silence;
@@ -127,9 +130,13 @@ void SopasDialogue::ask(const std::vector<std::uint8_t>& telegram, DriverOutput&
   out.request(ByteView(telegram.data(), telegram.size()));
 }
 
+std::string SopasDialogue::asked_what() const {
+  return phase_ == Phase::working ? steps_.at(step_).what
+                                  : std::string("sRN ") + name_of(static_cast<Variable>(reading_));
+}
+
 void SopasDialogue::read_next(DriverOutput& out) {
-  const std::string command = std::string("sRN ") + name_of(static_cast<Variable>(reading_));
-  ask(ColaWriter(ColaDialect::a, command).finish(), out);
+  ask(ColaWriter(ColaDialect::a, asked_what()).finish(), out);
 }
 
 void SopasDialogue::answer(const ColaTelegram& telegram, DriverOutput& out) {

@@ -69,6 +69,8 @@ class SopasDialogue {
 
   static const char* name_of(Variable variable);
   void ask(const std::vector<std::uint8_t>& telegram, DriverOutput& out);
+  /// What the device was asked last, for people.
+  std::string asked_what() const;
   void read_next(DriverOutput& out);
   void answer(const ColaTelegram& telegram, DriverOutput& out);
   void take(Variable variable, const ColaTelegram& telegram);

@@ -7,8 +7,7 @@
 
 #include "test/daemon/live_bench.h"
 #include "test/drivers/ms3_encoder.h"
-#include "test/sim/device_server.h"
-#include "test/sim/safety_settings.h"
+#include "test/sim/safety_device.h"
 #include "test/sim/udp_sender.h"
 
 namespace lidard::test {
@@ -21,27 +20,13 @@ using testing::IsEmpty;
 
 const Endpoint loopback{IpAddress::v4(127, 0, 0, 1), 0};
 
-class SettingsDevice final : public sim::TcpDevice {
- public:
-  SettingsDevice() : TcpDevice({}) {}
-  void connected(Stamp) override { settings.connect(); }
-  void receive(std::string_view bytes, Stamp now) override {
-    const auto answer = settings.answer(ByteView(bytes));
-    if (!answer.empty()) send(std::string(answer.begin(), answer.end()), now);
-  }
-  sim::SafetySettings settings;
-
- protected:
-  void produce(Stamp) override {}
-};
-
 /// The scanner as a whole: sends datagrams only where its settings say, and only while it has power.
 struct Scanner {
-  Scanner() : server(loopback, std::make_unique<SettingsDevice>()) {}
+  Scanner() : server(loopback, std::make_unique<sim::SafetyDevice>()) {}
 
   sim::SafetySettings settings() {
     sim::SafetySettings copy;
-    server.with<SettingsDevice>([&](SettingsDevice& device) { copy = device.settings; });
+    server.with<sim::SafetyDevice>([&](sim::SafetyDevice& device) { copy = device.settings; });
     return copy;
   }
   void send_if_due() {
@@ -59,7 +44,7 @@ struct Scanner {
   void power_off() {
     powered = false;
     server.switch_off();
-    server.with<SettingsDevice>([](SettingsDevice& device) { device.settings.power_cycle(); });
+    server.with<sim::SafetyDevice>([](sim::SafetyDevice& device) { device.settings.power_cycle(); });
   }
   void power_on() {
     powered = true;

@@ -189,6 +189,34 @@ TEST(ColaDialogue, AReadThatIsRefusedDoesNotStopTheStream) {
   }
 }
 
+TEST(ColaDialogue, ADeviceThatIsAnotherModelIsNamedBesideTheConfiguredOne) {
+  for (const Cola dialect : {Cola::binary, Cola::text}) {
+    ColaBench bench("sick_lms1xx");
+    FakeDevice device(bench, dialect);
+    // As recorded from an MRS1000.
+    device.answers["sRN DeviceIdent"] =
+        ColaWords(dialect, "sRA DeviceIdent").text("MRS1xxxx", 2).text("1.3.0.0R", 2).bytes();
+    device.connect();
+    device.wait(0.7);
+    bench.dialect = dialect;
+    bench.send_next();
+    EXPECT_TRUE(
+        bench.has_warning("calls itself MRS1xxxx, 1.3.0.0R, which is a sick_mrs1000, but sick_lms1xx "
+                          "is configured; correct `model`"));
+    EXPECT_EQ(bench.requests.back(), subscribe(dialect)) << "its scans come all the same";
+  }
+}
+
+TEST(ColaDialogue, VariantsOfAModelAreNotTakenForAnother) {
+  ColaBench bench("sick_tim7xxs");
+  FakeDevice device(bench);
+  device.answers["sRN DeviceIdent"] =
+      ColaWords(Cola::binary, "sRA DeviceIdent").text("TiM781S", 2).text("V2.53", 2).bytes();
+  device.connect();
+  bench.send_next();
+  EXPECT_TRUE(bench.driver->info().warnings.empty());
+}
+
 TEST(ColaDialogue, ARefusedSubscriptionIsToldAndTriedAgain) {
   ColaBench bench;
   FakeDevice device(bench);

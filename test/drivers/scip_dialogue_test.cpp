@@ -51,7 +51,7 @@ TEST(ScipDialogue, TellsWhoIsThere) {
   EXPECT_EQ(bench.driver->info().serial, "H1234567");
   EXPECT_EQ(bench.detail("Vendor Name"), "Hokuyo Automatic Co., Ltd.");
   EXPECT_EQ(bench.detail("Product Name"), "UST-10LX");
-  EXPECT_EQ(bench.detail("Firmware Version"), "3.1.0");
+  EXPECT_EQ(bench.detail("Firmware Version"), "2.23.0000");
   EXPECT_EQ(bench.detail("Protocol Version"), "SCIP 2.2");
   EXPECT_EQ(bench.detail("Device Status"), "sensor is working normally");
 }
@@ -114,6 +114,47 @@ TEST(ScipDialogue, FallsBackWhereTheFirmwareOnlySeemsToHaveThem) {
   EXPECT_NE(bench.written.find("%TM1\nTM1\n"), std::string::npos);
   EXPECT_NE(bench.written.find("\nME0000108001000\n"), std::string::npos);
   EXPECT_GT(bench.scans.size(), 30U);
+  EXPECT_TRUE(bench.driver->info().warnings.empty());
+}
+
+// seqsense/urg_stamped src/urg_sim/urg_sim.cpp, handleMX and sendScan: %ME is acknowledged with its mark, the
+// scans follow under ME with stamps of 11 characters.
+TEST(ScipDialogue, AnEchoWithoutTheMarkStillHasLongStamps) {
+  ScipDeviceOptions options;
+  options.firmware = "4.1.0b-A";
+  options.knows_percent = options.bare_echo = true;
+  ScipBench bench(options);
+  bench.run(2s);
+  EXPECT_NE(bench.written.find("\n%ME0000108001000\n"), std::string::npos);
+  EXPECT_GT(bench.scans.size(), 70U);
+  EXPECT_EQ(bench.driver->counters().rejected_total(), 0U);
+  EXPECT_TRUE(bench.driver->info().warnings.empty());
+}
+
+TEST(ScipDialogue, WhenNothingFitsTheSensorIsAskedAgainAndForLess) {
+  ScipDeviceOptions options;
+  options.firmware = "4.1.0";
+  options.knows_percent = true;
+  options.long_stamp = 7;
+  ScipBench bench(options, without_comparison());
+  bench.run(3s);
+  EXPECT_EQ(bench.written, "QT\nVV\nPP\nII\n%ME0000108001000\nQT\nVV\nPP\nII\nME0000108001000\n");
+  EXPECT_GT(bench.scans.size(), 50U);
+  EXPECT_EQ(bench.disconnects, 0);
+  EXPECT_GE(bench.driver->counters().rejected_total(), 20U);
+  EXPECT_TRUE(bench.driver->info().warnings.empty()) << "it works, and the counters tell what was lost";
+}
+
+TEST(ScipDialogue, WhenNothingHelpsTheUserIsTold) {
+  ScipDeviceOptions options;
+  options.values_missing = 1;
+  ScipBench bench(options, without_comparison());
+  bench.run(5s);
+  EXPECT_TRUE(bench.scans.empty());
+  EXPECT_TRUE(bench.has_warning("no answer of the stream fits what was asked for (size)"));
+  bench.sensor.options().values_missing = 0;
+  bench.run(2s);
+  EXPECT_FALSE(bench.scans.empty());
   EXPECT_TRUE(bench.driver->info().warnings.empty());
 }
 

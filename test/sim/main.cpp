@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <string>
 #include <thread>
@@ -11,6 +12,7 @@
 #include "test/sim/capture.h"
 #include "test/sim/device_server.h"
 #include "test/sim/repeater.h"
+#include "test/sim/safety_device.h"
 #include "test/sim/scene_file.h"
 #include "test/sim/simulate.h"
 #include "test/sim/udp_sender.h"
@@ -127,19 +129,44 @@ std::vector<std::unique_ptr<DeviceServer>> serve(const Scene& all, const Route& 
   return servers;
 }
 
+/// The settings ports of the scene's safety scanners, by the scanner. One whose address is not ours only
+/// sends.
+std::map<Endpoint, std::unique_ptr<LiveSafetyScanner>> serve_settings(const Scene& scene,
+                                                                      const Route& route) {
+  constexpr std::uint16_t cola2_port = 2122;  // SICK 8022708 p. 28
+  std::map<Endpoint, std::unique_ptr<LiveSafetyScanner>> scanners;
+  for (const SensorEntry& sensor : scene.sensors) {
+    if (!sensor.settings) continue;
+    SensorEntry port = sensor;
+    port.from.port = cola2_port;
+    const Endpoint address = server_of(port, route);
+    try {
+      scanners[sensor.from] = std::make_unique<LiveSafetyScanner>(address, *sensor.settings);
+      std::printf("%s: shows its settings at %s\n", sensor.name.c_str(), address.to_string().c_str());
+    } catch (const std::runtime_error& error) {
+      std::printf("%s: shows no settings: %s\n", sensor.name.c_str(), error.what());
+    }
+  }
+  std::fflush(stdout);
+  return scanners;
+}
+
 int live(const Arguments& arguments) {
   Scene all = load_scene(arguments.input);
   if (arguments.duration > 0) all.duration = span_from_seconds(arguments.duration);
   Scene scene = all;
   const Route route = parse_route(arguments);
   const auto servers = serve(all, route, scene);
+  const auto scanners = serve_settings(scene, route);
   UdpSender sender(route);
   Pacer pacer(parse_rate(arguments.rate));
   const Stamp begin = wall_clock();
   if (!scene.sensors.empty()) {
     simulate(scene, [&](const SimPacket& packet) {
       pacer.wait_until(packet.time);
-      sender.send(packet.from, packet.to, packet.payload);
+      const auto scanner = scanners.find(packet.from);
+      const auto to = scanner == scanners.end() ? packet.to : scanner->second->destination(packet.payload);
+      if (to) sender.send(packet.from, *to, packet.payload);
       return true;
     });
   }

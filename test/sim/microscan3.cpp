@@ -239,6 +239,30 @@ class MicroScan3 : public SensorModel {
 
 }  // namespace
 
+SafetySettings safety_settings(const MicroScan3Options& options, const SensorEntry& entry) {
+  SafetySettings settings;
+  // Type codes of products; that of the nanoScan3 and the outdoorScan3 are unverified.
+  if (entry.model == "sick_nanoscan3") settings.type_code = "NANS3-CAAZ40ZA1P01";
+  if (entry.model == "sick_outdoorscan3") settings.type_code = "MICS3-CBUZ40IZ1P01";
+  settings.serial = std::to_string(options.serial);
+  settings.device_name = entry.name;
+  settings.fields = {"Front", "Slow"};
+  settings.cases = {{1, {1, 2}}};
+  const auto step = std::llround(options.resolution_deg * angle_unit);
+  const double span_deg = options.end_deg - options.start_deg;
+  settings.derived.beams = static_cast<std::uint16_t>(span_deg * angle_unit / static_cast<double>(step) + 1);
+  settings.derived.scan_time_ms = static_cast<std::uint16_t>(options.scan_time.count() / 1'000'000);
+  settings.derived.start = static_cast<std::int32_t>(std::llround(options.start_deg * angle_unit));
+  settings.derived.step = static_cast<std::int32_t>(step);
+  settings.derived.beam_period_us = static_cast<std::uint32_t>(
+      std::llround(static_cast<double>(options.scan_time.count()) / 1000 * options.resolution_deg / 360));
+  settings.persistent.enabled = true;
+  settings.persistent.host = entry.to.address;
+  settings.persistent.port = entry.to.port;
+  settings.current = settings.persistent;
+  return settings;
+}
+
 ModelMaker make_microscan3(const MicroScan3Options& options) {
   return [options](const SensorEntry& entry, Stamp start) {
     return std::make_unique<MicroScan3>(options, entry, start);

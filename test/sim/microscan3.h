@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "test/sim/safety_settings.h"
 #include "test/sim/sensor_model.h"
 
 namespace lidard::sim {
@@ -26,5 +27,7 @@ struct MicroScan3Options {
 
 /// microScan3, nanoScan3, outdoorScan3.
 ModelMaker make_microscan3(const MicroScan3Options& options);
+/// What such a scanner shows on its CoLa 2 port while it sends to `entry.to`.
+SafetySettings safety_settings(const MicroScan3Options& options, const SensorEntry& entry);
 
 }  // namespace lidard::sim

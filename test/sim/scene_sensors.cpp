@@ -17,10 +17,11 @@ struct Family {
   std::string name;
   double range_min, range_max;  ///< m
   std::function<ModelMaker(const YamlReader& options)> parse;
-  std::function<void(const YamlReader& options, SensorEntry& entry)> parse_tcp{};  ///< instead
+  /// Instead, for one that has a TCP port.
+  std::function<void(const YamlReader& options, SensorEntry& entry)> parse_entry{};
 };
 
-ModelMaker parse_microscan3(const YamlReader& yaml) {
+void parse_microscan3(const YamlReader& yaml, SensorEntry& entry) {
   yaml.allow({"start_deg", "end_deg", "resolution_deg", "scan_time_ms", "serial", "first_scan", "channel",
               "protective_field", "dirty_deg"});
   MicroScan3Options options;
@@ -45,7 +46,8 @@ ModelMaker parse_microscan3(const YamlReader& yaml) {
     const Eigen::Vector2d sector = yaml.at("dirty_deg").at(i).vector2();
     options.dirty_deg.emplace_back(sector.x(), sector.y());
   }
-  return make_microscan3(options);
+  entry.make = make_microscan3(options);
+  entry.settings = std::make_shared<const SafetySettings>(safety_settings(options, entry));
 }
 
 std::vector<Family> make_families() {
@@ -55,7 +57,7 @@ std::vector<Family> make_families() {
                         [&table](const YamlReader& options) { return parse_velodyne(table, options); }});
   }
   for (const char* name : {"sick_microscan3", "sick_nanoscan3", "sick_outdoorscan3"}) {
-    families.push_back({name, 0, 40, parse_microscan3});
+    families.push_back({name, 0, 40, {}, parse_microscan3});
   }
   for (const ColaFamily& cola : cola_families()) {
     families.push_back({cola.name,
@@ -122,8 +124,8 @@ SensorEntry parse_sensor(const std::string& name, const YamlReader& yaml) {
   sensor.range_max = yaml.positive("range_max", family.range_max);
   const YamlReader none(yaml.file(), YAML::Node(YAML::NodeType::Map));
   const YamlReader options = yaml.has("options") ? yaml.at("options") : none;
-  if (family.parse_tcp) {
-    family.parse_tcp(options, sensor);
+  if (family.parse_entry) {
+    family.parse_entry(options, sensor);
   } else {
     sensor.make = family.parse(options);
   }

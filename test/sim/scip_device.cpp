@@ -49,11 +49,20 @@ std::optional<ScipOrder> parse_order(const std::string& request) {
   return order;
 }
 
+ScipTexts scip_texts(const std::string& product) {
+  if (product.rfind("UST", 0) == 0)
+    return {"2.23.0000", "Measuring by Sensitive Mode", "Measuring by Sensitive Mode",
+            "sensor is working normally"};
+  return {"1.1.0 (2011-09-30)", "000 Idle", "004 Multi_scan", "Stable 000 no error."};
+}
+
 ScipDevice::ScipDevice(ScipDeviceOptions options, ScipScene scene, Stamp power_on)
     : TcpDevice(options.transit),
       options_(std::move(options)),
       scene_(std::move(scene)),
-      power_on_(power_on) {}
+      power_on_(power_on) {
+  if (options_.firmware.empty()) options_.firmware = scip_texts(options_.product).firmware;
+}
 
 Span ScipDevice::period() const {
   return span_from_seconds(60.0 / options_.rpm * (1 + options_.motor_ppm * 1e-6));
@@ -165,7 +174,7 @@ double ScipDevice::device_us(Stamp when) const {
 /// What the counter shows, coded.
 std::string ScipDevice::counter(Stamp when, bool percent) const {
   const auto us = static_cast<std::uint64_t>(device_us(when));
-  return percent ? scip_code(us, 11) : scip_code(us / 1000 % (1U << 24U), 4);
+  return percent ? scip_code(us, options_.long_stamp) : scip_code(us / 1000 % (1U << 24U), 4);
 }
 
 void ScipDevice::send_scan(Stamp begin, Stamp leaves) {
@@ -179,6 +188,7 @@ void ScipDevice::send_scan(Stamp begin, Stamp leaves) {
     std::snprintf(number, sizeof number, "%02d", left % 100);
     echo.replace(order_->percent ? 14 : 13, 2, number);
   }
+  if (order_->percent && options_.bare_echo) echo.erase(0, 1);
   if (options_.sends_on_tick)
     leaves = leaves + Span(std::llround(1e6 - 1e3 * std::fmod(device_us(leaves), 1000)));
   const std::string body = scip_line(counter(begin, order_->percent)) + scip_data(what, steps);
@@ -217,13 +227,14 @@ std::string ScipDevice::parameters() const {
 }
 
 std::string ScipDevice::information(Stamp now) const {
+  const ScipTexts texts = scip_texts(options_.product);
   return scip_entries({{"MODL", options_.product},
                        {"LASR", order_ ? "ON" : "OFF"},
                        {"SCSP", std::to_string(options_.rpm)},
-                       {"MESM", order_ ? "Measuring" : "IDLE"},
+                       {"MESM", order_ ? texts.streaming : texts.idle},
                        {"SBPS", "Ethernet 100 [Mbps]"},
                        {"TIME", counter(now, false)},
-                       {"STAT", "sensor is working normally"}});
+                       {"STAT", texts.status}});
 }
 
 }  // namespace lidard::sim

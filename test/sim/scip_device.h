@@ -12,10 +12,23 @@
 
 namespace lidard::sim {
 
+/// The texts of an answer to VV and II that differ from product to product.
+struct ScipTexts {
+  std::string firmware;   ///< FIRM
+  std::string idle;       ///< MESM while nobody asked for scans
+  std::string streaming;  ///< MESM while it sends scans without end
+  std::string status;     ///< STAT of a healthy sensor
+};
+/// Those of a product. UST: as the stand-in for a UST-10LX of 2016 answers that was made from a real one's
+/// answers (FIRM, MESM), ros-drivers/urg_node PR#6 (STAT of a real UST-20LX) and seqsense/urg_stamped
+/// src/urg_sim/urg_sim.cpp, handleII, which all agree. UTM-30LX-EW: the last of them alone. UXM: unverified,
+/// taken to be like UTM.
+ScipTexts scip_texts(const std::string& product);
+
 /// A sensor that speaks SCIP 2, as its owner got it.
 struct ScipDeviceOptions {
   std::string product = "UST-10LX";
-  std::string firmware = "3.1.0";
+  std::string firmware;  ///< empty: that of scip_texts()
   std::string serial = "H1234567";
   int range_min_mm = 20, range_max_mm = 30000;
   int steps_per_turn = 1440, first_step = 0, last_step = 1080, front_step = 540, rpm = 2400;
@@ -28,7 +41,10 @@ struct ScipDeviceOptions {
   bool sends_on_tick = false;  ///< scans leave when its counter shows the next ms
   Transit transit;
   std::map<std::string, std::string>
-      refusals;            ///< status by command ("MD", "TM0"); taken off when it is empty
+      refusals;  ///< status by command ("MD", "TM0"); taken off when it is empty
+  /// Scans that were asked for with % have no % in their echo, as those of seqsense/urg_stamped's urg_sim.
+  bool bare_echo = false;
+  int long_stamp = 11;     ///< characters of a stamp in us; any other number is a defect
   int values_missing = 0;  ///< so many values are left out of each scan: a defect
 };
 

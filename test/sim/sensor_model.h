@@ -81,6 +81,7 @@ class SensorModel {
 struct SensorEntry;
 struct Scene;
 class TcpDevice;
+class SafetySettings;
 /// Makes the device that a client finds at a TCP sensor's address, switched on long ago; `shift` is added to
 /// a time of the client's clock to get the scene's.
 using DeviceMaker =
@@ -103,7 +104,8 @@ struct SensorEntry {
   double range_min = 0;   ///< m
   double range_max = 0;   ///< m
   ModelMaker make;
-  DeviceMaker make_device;  ///< empty: the sensor sends UDP datagrams
+  DeviceMaker make_device;                         ///< empty: the sensor sends UDP datagrams
+  std::shared_ptr<const SafetySettings> settings;  ///< of a sensor with a CoLa 2 port beside its datagrams
   bool is_tcp() const { return static_cast<bool>(make_device); }
 };
 
