@@ -113,8 +113,12 @@ struct Replay {
     link.start();
     constexpr Span master_patience = std::chrono::seconds(5);
     if (!link.wait_for_master(master_patience)) {
-      err << "no ROS master answers at " << choose_master(options.ros_arguments)
-          << "; start one (roscore), set ROS_MASTER_URI, or write a bag with --bag\n";
+      const std::string conflict = link.conflict();
+      if (!conflict.empty())
+        err << conflict << '\n';
+      else
+        err << "no ROS master answers at " << choose_master(options.ros_arguments)
+            << "; start one (roscore), set ROS_MASTER_URI, or write a bag with --bag\n";
       link.stop();
       return exit_failed;
     }

@@ -3,6 +3,7 @@
 #include "daemon/ros_diagnostics.h"
 
 #include <diagnostic_updater/diagnostic_updater.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
@@ -10,6 +11,15 @@
 #include "daemon/ros_convert.h"
 
 namespace lidard {
+namespace {
+
+DiagnosticItem aged(DiagnosticItem item, Span age) {
+  item.health = Health::error;
+  item.message = fmt::format("no report from the sensor thread for {:.1f} s: {}", seconds(age), item.message);
+  return item;
+}
+
+}  // namespace
 
 struct RosDiagnostics::Updater {
   diagnostic_updater::Updater updater;
@@ -37,7 +47,7 @@ struct RosDiagnostics::Updater {
   }
 };
 
-RosDiagnostics::RosDiagnostics() = default;
+RosDiagnostics::RosDiagnostics(std::optional<Span> longest_age) : longest_age_(longest_age) {}
 RosDiagnostics::~RosDiagnostics() = default;
 
 bool RosDiagnostics::set(const std::vector<DiagnosticItem>& items) {
@@ -46,6 +56,7 @@ bool RosDiagnostics::set(const std::vector<DiagnosticItem>& items) {
                     !std::equal(items.begin(), items.end(), newest_.begin(),
                                 [](const auto& a, const auto& b) { return a.health == b.health; });
   newest_ = items;
+  set_at_ = std::chrono::steady_clock::now();
   return news;
 }
 
@@ -59,7 +70,9 @@ void RosDiagnostics::publish(const std::vector<DiagnosticItem>& more) {
   if (!updater_) return;
   {
     const std::lock_guard lock(mutex_);
-    for (const auto& item : newest_) updater_->take(item);
+    const Span age = std::chrono::steady_clock::now() - set_at_;
+    const bool old = longest_age_ && age > *longest_age_;
+    for (const auto& item : newest_) updater_->take(old ? aged(item, age) : item);
   }
   for (const auto& item : more) updater_->take(item);
   updater_->updater.force_update();

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +17,9 @@ namespace lidard {
 /// thread, the rest belongs to the master thread.
 class RosDiagnostics {
  public:
-  RosDiagnostics();
+  /// Items that nobody has set() anew for longer than `longest_age` are published as errors that say so: the
+  /// thread that sets them is dead. Empty: never.
+  explicit RosDiagnostics(std::optional<Span> longest_age = std::nullopt);
   ~RosDiagnostics();
 
   /// True if the state of an item is another one than before, which is to be told at once.
@@ -29,7 +33,9 @@ class RosDiagnostics {
 
  private:
   struct Updater;
+  const std::optional<Span> longest_age_;
   std::mutex mutex_;
+  std::chrono::steady_clock::time_point set_at_;
   std::vector<DiagnosticItem> newest_;
   std::unique_ptr<Updater> updater_;
 };

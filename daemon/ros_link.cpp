@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/ros_link.h"
 
+#include <fmt/format.h>
 #include <ros/exceptions.h>
 #include <ros/init.h>
 #include <ros/master.h>
@@ -15,7 +16,9 @@
 
 #include "daemon/ros_diagnostics.h"
 #include "daemon/ros_master.h"
+#include "daemon/ros_name.h"
 #include "daemon/ros_publishers.h"
+#include "daemon/ros_pulse.h"
 
 namespace lidard {
 namespace {
@@ -29,6 +32,13 @@ constexpr auto master_period = milliseconds(500);
 constexpr std::size_t most_in_flight = 8;
 /// After this long a subscriber that takes nothing counts as stuck, and a replay goes on without it.
 constexpr auto stuck_subscriber = std::chrono::seconds(10);
+/// A live thread makes ten rounds per second.
+constexpr auto longest_round = std::chrono::seconds(2);
+
+Stamp wall_clock() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return Stamp{std::chrono::duration_cast<Span>(now).count()};
+}
 
 void init_ros(const RosOptions& options) {
   ros::M_string remappings;
@@ -65,9 +75,11 @@ struct RosLink::Impl {
       : options(std::move(given)),
         master_uri(choose_master(options.remappings)),
         queue(options.topics, options.backpressure),
-        publishers(options.topics, options.clock) {
+        publishers(options.topics, options.clock),
+        diagnostics(options.longest_report_age) {
     init_ros(options);
     node = ros::this_node::getName();
+    name = std::make_unique<RosName>(node, wall_clock());
   }
 
   const RosOptions options;
@@ -77,6 +89,8 @@ struct RosLink::Impl {
   RosPublishers publishers;
   RosDiagnostics diagnostics;
   std::vector<std::shared_ptr<RosClient>> clients;
+  std::unique_ptr<RosName> name;
+  RosPulse pulse;
 
   std::atomic<bool> stopping{false};
   std::atomic<bool> master_present{false};
@@ -86,7 +100,6 @@ struct RosLink::Impl {
   std::atomic<std::uint64_t> published{0};
   std::atomic<std::uint64_t> without_ros{0};
   std::atomic<std::uint64_t> foreign_stops{0};
-  std::atomic<std::uint64_t> ticks{0};
   std::mutex wake_mutex;
   std::condition_variable wake;
   std::thread ros_thread;
@@ -109,17 +122,19 @@ struct RosLink::Impl {
   void master_silent(const MasterClient& master);
   void start_ros();
   void end_ros(bool leave);
-  void restart_after_foreign_stop();
+  void restart_after_foreign_stop(MasterClient& master);
   void publish_diagnostics();
   DiagnosticItem own_status() const;
+  void judge_own_status(DiagnosticItem& item) const;
   void shut_down(MasterClient& master);
 };
 
 // ---- ROS thread
 
 void RosLink::Impl::run_ros() {
+  name_this_thread("lidard-ros");
   while (!stopping) {
-    ++ticks;
+    pulse.tick();
     QueuedFrame* frame = queue.pop(milliseconds(100));
     if (frame == nullptr) continue;
     deal_with(*frame);
@@ -135,7 +150,7 @@ void RosLink::Impl::deal_with(QueuedFrame& frame) {
 
 void RosLink::Impl::wait_for_subscribers_of(const QueuedFrame& frame) {
   const auto keeps_up = [&] {
-    ++ticks;
+    pulse.tick();
     const bool advertised = publishers.ready() || frame.what == QueuedFrame::What::transforms;
     return stopping || (advertised && publishers.in_flight(frame) < most_in_flight);
   };
@@ -157,6 +172,7 @@ void RosLink::Impl::hurry() {
 }
 
 void RosLink::Impl::run_master() {
+  name_this_thread("lidard-master");
   MasterClient master(*parse_server_uri(master_uri), node);
   while (!stopping) {
     look_after(master);
@@ -168,7 +184,7 @@ void RosLink::Impl::run_master() {
 }
 
 void RosLink::Impl::look_after(MasterClient& master) {
-  if (running && !ros::ok()) restart_after_foreign_stop();
+  if (running && !ros::ok()) restart_after_foreign_stop(master);
   // News do not wait for the master's answer.
   if (running && news.exchange(false)) publish_diagnostics();
   const auto pid = master.pid();
@@ -187,6 +203,7 @@ void RosLink::Impl::master_answered(MasterClient& master, int pid) {
   const bool another = pid != master_pid;
   master_pid = pid;
   if (!running) {
+    if (!name->is_free(master)) return;
     start_ros();
     spdlog::info("ROS master found at {}; publishing as {}", master_uri, node);
   } else if (another || !registered) {
@@ -194,6 +211,7 @@ void RosLink::Impl::master_answered(MasterClient& master, int pid) {
     for (const auto& client : clients) registered &= client->register_again(master);
     if (registered) spdlog::warn("ROS master at {} came back; all topics are registered again", master_uri);
   }
+  const RosPulse::Call call(pulse);
   for (const auto& client : clients) {
     if (stopping || !running) return;
     client->poll(master);
@@ -212,34 +230,38 @@ void RosLink::Impl::master_silent(const MasterClient& master) {
 }
 
 void RosLink::Impl::start_ros() {
+  const RosPulse::Call call(pulse);
+  name->answer_others();
   ros::master::setRetryTimeout(ros::WallDuration(0.2));
   ros::start();
   publishers.advertise();
   diagnostics.start();
   for (const auto& client : clients) client->connected();
+  pulse.attach();
+  name->taken();
   running = true;
   registered = true;
 }
 
 void RosLink::Impl::end_ros(bool leave) {
+  const RosPulse::Call call(pulse);
+  pulse.detach();
   for (const auto& client : clients) client->disconnected(leave);
   diagnostics.drop(leave);
   publishers.drop(leave);
+  if (!leave) ros::shutdown();
   running = false;
 }
 
-void RosLink::Impl::restart_after_foreign_stop() {
-  const auto times = ++foreign_stops;
+void RosLink::Impl::restart_after_foreign_stop(MasterClient& master) {
+  ++foreign_stops;
   spdlog::error(
       "our ROS node {} was shut down from outside (a node of the same name, or rosnode kill); starting again",
       node);
   end_ros(false);
-  ros::shutdown();
-  // Two nodes of one name shut each other down in turn: leave the other some time.
-  if (times > 3) {
-    std::unique_lock lock(wake_mutex);
-    wake.wait_for(lock, std::chrono::seconds(5), [this] { return stopping.load(); });
-  }
+  const Span pause = name->thrown_out(master);
+  std::unique_lock lock(wake_mutex);
+  wake.wait_for(lock, pause, [this] { return stopping.load(); });
 }
 
 void RosLink::Impl::publish_diagnostics() {
@@ -251,17 +273,28 @@ void RosLink::Impl::publish_diagnostics() {
   diagnostics.publish(more);
 }
 
+void RosLink::Impl::judge_own_status(DiagnosticItem& item) const {
+  const Span stands = pulse.since_tick();
+  if (stands > longest_round) {
+    item.health = Health::error;
+    item.message = fmt::format("the thread that publishes has stood still for {:.1f} s", seconds(stands));
+  } else if (!master_present) {
+    item.health = Health::warn;
+    item.message = "the master does not answer; check roscore";
+  } else if (foreign_stops > 0) {
+    item.health = Health::warn;
+    item.message = "shut down from outside; look for a node of the same name";
+  } else {
+    item.message = "publishing";
+  }
+}
+
 DiagnosticItem RosLink::Impl::own_status() const {
   DiagnosticItem item;
   item.name = "ROS";
-  const auto dropped = queue.dropped();
-  item.health = foreign_stops > 0 || !master_present ? Health::warn : Health::ok;
-  item.message =
-      !master_present
-          ? "the master does not answer; check roscore"
-          : (foreign_stops > 0 ? "shut down from outside; look for a node of the same name" : "publishing");
+  judge_own_status(item);
   item.values = {{"Frames published", std::to_string(published)},
-                 {"Frames dropped", std::to_string(dropped)},
+                 {"Frames dropped", std::to_string(queue.dropped())},
                  {"Frames before the master came", std::to_string(without_ros)},
                  {"Subscribers", std::to_string(publishers.subscribers())}};
   return item;
@@ -272,7 +305,6 @@ void RosLink::Impl::shut_down(MasterClient& master) {
   const bool leave = !master.pid().has_value();
   ended_clean = !leave;
   end_ros(leave);
-  if (!leave) ros::shutdown();
 }
 
 // ---- interface
@@ -338,9 +370,13 @@ RosStatus RosLink::status() const {
   status.dropped = impl_->queue.dropped();
   status.without_ros = impl_->without_ros;
   status.foreign_stops = impl_->foreign_stops;
-  status.ticks = impl_->ticks;
+  status.ticks = impl_->pulse.ticks();
   return status;
 }
+
+bool RosLink::has_master() const { return impl_->master_present; }
+std::string RosLink::standing_threads() { return impl_->pulse.standing(); }
+std::string RosLink::conflict() const { return impl_->name->conflict(); }
 
 bool RosLink::stop() {
   if (!impl_->master_thread.joinable()) return impl_->ended_clean;

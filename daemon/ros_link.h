@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -27,6 +28,8 @@ struct RosOptions {
   std::vector<TopicInfo> topics;        ///< Pipeline::topics()
   Backpressure backpressure = Backpressure::drop_oldest;
   bool clock = false;  ///< publish_clock() will be used
+  /// Where diagnostics() comes by the clock on the wall: older items are errors. Empty, as in replay: never.
+  std::optional<Span> longest_report_age;
 };
 
 /// A snapshot for status lines, diagnostics and tests.
@@ -94,6 +97,14 @@ class RosLink : public FrameSink {
   bool flush(Span limit);
 
   RosStatus status() const;
+  bool has_master() const;
+  /// The threads that have not moved since the last call that returned "": of ours the ROS thread, of
+  /// roscpp's those that move bytes, answer XML-RPC and call back. The thread that talks to the master does
+  /// not count, and nobody while that thread makes roscpp wait for the master. For a watchdog; always to be
+  /// called by the same thread.
+  std::string standing_threads();
+  /// Why we have left ROS for good: the first daemon of our node name runs elsewhere. Else empty.
+  std::string conflict() const;
   /// Ends everything within a second. False if the master hangs: then leave with std::quick_exit, since
   /// roscpp's destructors would wait for the master.
   bool stop();

@@ -84,6 +84,12 @@ bool MasterClient::register_service(const std::string& service, const std::strin
   return call("registerService", {service, service_uri, our_uri}).has_value();
 }
 
+std::optional<std::string> MasterClient::node_uri(const std::string& node) {
+  auto value = call("lookupNode", {node});
+  if (!value || value->getType() != XmlRpcValue::TypeString) return std::nullopt;
+  return static_cast<std::string&>(*value);
+}
+
 std::map<std::string, std::string> MasterClient::topic_types() {
   std::map<std::string, std::string> types;
   auto value = call("getTopicTypes", {});

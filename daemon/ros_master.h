@@ -42,6 +42,8 @@ class MasterClient {
                                                               const std::string& our_uri);
   bool register_service(const std::string& service, const std::string& service_uri,
                         const std::string& our_uri);
+  /// Where the XML-RPC server of a node is; empty: no node of that name is registered, or no answer.
+  std::optional<std::string> node_uri(const std::string& node);
   /// Types by topic, of all topics the master knows; empty without an answer.
   std::map<std::string, std::string> topic_types();
 

@@ -217,9 +217,12 @@ std::size_t RosPublishers::in_flight() {
 }
 
 std::size_t RosPublishers::subscribers() const {
-  const std::lock_guard lock(mutex_);
+  // Not to be held up by a ROS thread that hangs: its state is to be told.
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  if (!lock.owns_lock()) return subscribers_;
   std::size_t sum = 0;
   for (const auto& output : outputs_) sum += output.publisher.getNumSubscribers();
+  subscribers_ = sum;
   return sum;
 }
 

@@ -38,7 +38,7 @@ class RosPublishers {
   std::size_t in_flight(const QueuedFrame& frame);
   /// The same of all topics.
   std::size_t in_flight();
-  /// Subscribers of all frame topics together.
+  /// Subscribers of all frame topics together; the last known number while a frame is being published.
   std::size_t subscribers() const;
   /// ROS types by resolved topic name.
   std::map<std::string, std::string> types() const;
@@ -67,6 +67,7 @@ class RosPublishers {
   const bool with_clock_;
   std::atomic<bool> ready_{false};
   mutable std::mutex mutex_;
+  mutable std::atomic<std::size_t> subscribers_{0};
   std::vector<Output> outputs_;  // one per topic
   Output clock_;
   ros::Publisher transforms_publisher_;

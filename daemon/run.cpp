@@ -31,6 +31,10 @@ namespace {
 constexpr auto tick_period = std::chrono::milliseconds(100);
 constexpr int ticks_per_status = 10;
 constexpr int ticks_per_summary = 100;
+/// Diagnostics come once per second.
+constexpr Span longest_report_age = std::chrono::seconds(2);
+/// Threads that live make ten rounds per second.
+constexpr auto longest_round = std::chrono::seconds(1);
 
 Stamp wall_clock() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
@@ -127,8 +131,9 @@ class Daemon {
     });
   }
 
-  /// Runs until a signal. False if ROS could not be left in time.
-  bool run() {
+  /// Runs until a signal, or until it must leave the node's name to another daemon. Returns the exit code;
+  /// `left`: false if ROS could not be left in time.
+  int run(bool& left) {
     signals_.async_wait([this](const boost::system::error_code& error, int signal) {
       if (error) return;
       spdlog::info("stopping on signal {}", signal);
@@ -148,7 +153,8 @@ class Daemon {
     links_.stop();
     controls_.stop();
     for (const auto& sensor : pipeline_.report()) log_sensor(sensor);
-    return link_.stop();
+    left = link_.stop();
+    return exit_code_;
   }
 
  private:
@@ -157,6 +163,7 @@ class Daemon {
     options.node_name = how.node_name;
     options.remappings = how.ros_arguments;
     options.topics = pipeline_topics(config);
+    options.longest_report_age = longest_report_age;
     return options;
   }
   std::string status() const {
@@ -168,7 +175,7 @@ class Daemon {
     std::string text = std::to_string(alive) + "/" + std::to_string(reports.size()) + " lidars, ";
     for (const std::string& part : {ports_.summary(), links_.summary()})
       if (!part.empty()) text += part + ", ";
-    return text + "ROS master " + (link_.status().master ? "present" : "absent");
+    return text + "ROS master " + (link_.has_master() ? "present" : "absent");
   }
   static void log_sensor(const SensorReport& sensor) {
     const Counters& c = sensor.counters;
@@ -213,10 +220,31 @@ class Daemon {
     links_.tick();
     ports_.log_changes();
     links_.log_changes();
-    service_.alive();
+    feed_watchdog();
+    leave_name_to_others();
     ++ticks_;
     if (ticks_ % ticks_per_status == 0) service_.status(status());
     if (ticks_ % ticks_per_summary == 0) log_trouble();
+  }
+  /// This thread moves, since it is here.
+  void feed_watchdog() {
+    const auto now = std::chrono::steady_clock::now();
+    const std::string standing = link_.standing_threads();
+    if (standing.empty()) {
+      service_.alive();
+      fed_ = now;
+      told_standing_ = false;
+    } else if (now - fed_ > longest_round && !told_standing_) {
+      spdlog::error("the watchdog is not fed: {} has not moved for 1 s", standing);
+      told_standing_ = true;
+    }
+  }
+  void leave_name_to_others() {
+    const std::string conflict = link_.conflict();
+    if (conflict.empty() || exit_code_ != exit_ok) return;
+    spdlog::error("{}", conflict);
+    exit_code_ = exit_failed;
+    io_.stop();
   }
   /// What went wrong since the last summary, in one line per sensor; silence when all is well.
   void log_trouble() {
@@ -249,6 +277,9 @@ class Daemon {
   std::optional<Stamp> next_event_;  // what event_timer_ is set to
   std::chrono::steady_clock::time_point next_tick_;
   int ticks_ = 0;
+  int exit_code_ = exit_ok;
+  std::chrono::steady_clock::time_point fed_ = std::chrono::steady_clock::now();
+  bool told_standing_ = false;
   std::map<std::string, std::string> told_;
 };
 
@@ -258,9 +289,11 @@ int run_daemon(const Config& config, const RunOptions& options, std::ostream& er
   try {
     for (const auto& warning : config.warnings) spdlog::warn("{}", warning);
     Daemon daemon(config, options);
+    bool left = false;
+    const int code = daemon.run(left);
     // roscpp's destructors would wait for a master that hangs.
-    if (!daemon.run()) std::quick_exit(exit_ok);
-    return exit_ok;
+    if (!left) std::quick_exit(code);
+    return code;
   } catch (const RosError& e) {
     err << e.what() << '\n';
     return exit_usage;
