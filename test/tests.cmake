@@ -26,7 +26,8 @@ function(lidard_tests folder)
   set(name test_${folder})
   add_executable(${name} ${sources})
   target_link_libraries(${name} PRIVATE lidard_sim ${ARGN} GTest::gtest GTest::gmock GTest::gtest_main)
-  gtest_discover_tests(${name} TEST_PREFIX "${folder}." DISCOVERY_TIMEOUT 120 PROPERTIES TIMEOUT 300)
+  # The names of parametrised tests are words of their own; "pretty values" would be the bytes of the parameters.
+  gtest_discover_tests(${name} TEST_PREFIX "${folder}." NO_PRETTY_VALUES DISCOVERY_TIMEOUT 120 PROPERTIES TIMEOUT 300)
 endfunction()
 
 lidard_tests(core lidard_core)
@@ -38,6 +39,9 @@ lidard_tests(sim lidard_drivers)
 add_dependencies(test_sim lidard-sim)
 
 add_test(NAME layering COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/layering.py ${CMAKE_CURRENT_SOURCE_DIR})
+
+add_test(NAME test_names COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/test_names.py ${CMAKE_CTEST_COMMAND} ${CMAKE_CURRENT_BINARY_DIR})
+add_test(NAME skipped_tests COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/skipped_test.py)
 
 # test/system/*.py drive the real programs: sockets on loopback, a real rosmaster, roscpp, bags.
 file(GLOB system_tests CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/system/test_*.py)

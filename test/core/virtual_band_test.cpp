@@ -117,6 +117,7 @@ Cut band_cut(HeightBand band) {
 }
 
 struct Bar {
+  const char* name;
   std::size_t yard_case;
   HeightBand band;
   double strict_right, safety_right, most_phantom;  // percent of what the lidar could see
@@ -150,9 +151,13 @@ TEST_P(VirtualBandBars, MostOfAYardIsRightAndNothingIsFalselyFree) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Yards, VirtualBandBars,
-                         ::testing::Values(Bar{0, {0, 2.5}, 85, 89, 5}, Bar{0, {0.1, 1.8}, 92, 95, 2.5},
-                                           Bar{0, {0.4, 1.0}, 93, 95, 1}, Bar{3, {0, 2.5}, 87, 91, 4.5},
-                                           Bar{3, {0.1, 1.8}, 94, 97, 1}, Bar{5, {0.1, 1.8}, 94, 97, 1}));
+                         ::testing::Values(Bar{"of_16_rings_all_heights", 0, {0, 2.5}, 85, 89, 5},
+                                           Bar{"of_16_rings_without_ground", 0, {0.1, 1.8}, 92, 95, 2.5},
+                                           Bar{"of_16_rings_waist", 0, {0.4, 1.0}, 93, 95, 1},
+                                           Bar{"of_32_rings_all_heights", 3, {0, 2.5}, 87, 91, 4.5},
+                                           Bar{"of_32_rings_without_ground", 3, {0.1, 1.8}, 94, 97, 1},
+                                           Bar{"of_64_rings_without_ground", 5, {0.1, 1.8}, 94, 97, 1}),
+                         [](const auto& each) { return std::string(each.param.name); });
 
 TEST(VirtualBand, ABeamOverheadIsInTheBandAndNotInTheSlice) {
   sim::Yard yard;

@@ -10,6 +10,7 @@ namespace lidard {
 namespace {
 
 struct Bar {
+  const char* name;
   std::size_t which;
   double strict_right, safety_right;
 };
@@ -35,7 +36,9 @@ TEST_P(YardBars, MostOfWhatTheLidarCouldSeeIsRightAndNothingIsFalselyFree) {
 }
 
 INSTANTIATE_TEST_SUITE_P(PlaneAtHalfAMetre, YardBars,
-                         ::testing::Values(Bar{0, 96, 97.5}, Bar{3, 97.5, 98.5}, Bar{5, 98.3, 99.3}));
+                         ::testing::Values(Bar{"of_16_rings", 0, 96, 97.5}, Bar{"of_32_rings", 3, 97.5, 98.5},
+                                           Bar{"of_64_rings", 5, 98.3, 99.3}),
+                         [](const auto& each) { return std::string(each.param.name); });
 
 TEST(Virtualizer, GroundThatIsLookedForServesAsWellAsOneThatIsTold) {
   for (const auto& set_up : sim::yard_cases()) {

@@ -95,7 +95,8 @@ TEST_P(DbXml, GivesItsEnabledLasersInRadAndMetres) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Lasers, DbXml, ::testing::Values(64, 16), ::testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Lasers, DbXml, ::testing::Values(64, 16),
+                         [](const auto& each) { return "of_" + std::to_string(each.param); });
 
 TEST(CalibrationXml, TheStepIsTwoMillimetresWhereTheFileIsOlderThanTheElement) {
   EXPECT_NEAR(calibration_of(db_xml(64, "")).distance_step_m, 0.002, 1e-15);

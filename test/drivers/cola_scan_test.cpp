@@ -73,7 +73,8 @@ SickScan the_lot() {
 }
 
 class BothDialects : public ::testing::TestWithParam<Cola> {};
-INSTANTIATE_TEST_SUITE_P(Cola, BothDialects, ::testing::Values(Cola::text, Cola::binary));
+INSTANTIATE_TEST_SUITE_P(Cola, BothDialects, ::testing::Values(Cola::text, Cola::binary),
+                         [](const auto& each) { return each.param == Cola::binary ? "binary" : "text"; });
 
 TEST_P(BothDialects, EveryFieldOfAFullTelegramIsRead) {
   ColaScan scan;

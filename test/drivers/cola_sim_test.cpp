@@ -285,7 +285,8 @@ class LiveClient final : public DriverOutput {
 };
 
 class ColaLive : public ::testing::TestWithParam<Cola> {};
-INSTANTIATE_TEST_SUITE_P(Dialects, ColaLive, ::testing::Values(Cola::binary, Cola::text));
+INSTANTIATE_TEST_SUITE_P(Dialects, ColaLive, ::testing::Values(Cola::binary, Cola::text),
+                         [](const auto& each) { return each.param == Cola::binary ? "binary" : "text"; });
 
 TEST_P(ColaLive, StreamsAndComesBackAfterResetPowerCycleAndSilence) {
   ColaDeviceOptions options;

@@ -110,6 +110,7 @@ void look(Cut& cut, const Cloud& cloud, double lidar_z) {
 }
 
 struct Bar {
+  const char* name;
   const char* model;
   double height;                   // m of the virtual frame
   double at_x;                     // m of the virtual frame before the lidar
@@ -139,12 +140,17 @@ TEST_P(VirtualDevices, TheRoomIsWhereItIs) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Bars, VirtualDevices,
-    ::testing::Values(Bar{"sick_mrs1000", 0.4, 0, 0, 0}, Bar{"sick_mrs1000", 0.6, 0, 0, 0},
-                      Bar{"sick_mrs1000", 0.5, 0, 0, 0}, Bar{"sick_mrs1000", 0.6, 0.5, 40, 4},
-                      Bar{"sick_multiscan136", 0.3, 0, 8, 4}, Bar{"sick_multiscan136", 0.5, 0, 8, 4},
-                      Bar{"sick_multiscan136", 0.8, 0.5, 40, 8}, Bar{"sick_multiscan136", 1.2, 0, 8, 8}));
+INSTANTIATE_TEST_SUITE_P(Bars, VirtualDevices,
+                         ::testing::Values(Bar{"mrs1000_low", "sick_mrs1000", 0.4, 0, 0, 0},
+                                           Bar{"mrs1000_high", "sick_mrs1000", 0.6, 0, 0, 0},
+                                           Bar{"mrs1000_middle", "sick_mrs1000", 0.5, 0, 0, 0},
+                                           Bar{"mrs1000_before_it", "sick_mrs1000", 0.6, 0.5, 40, 4},
+                                           Bar{"multiscan136_low", "sick_multiscan136", 0.3, 0, 8, 4},
+                                           Bar{"multiscan136_middle", "sick_multiscan136", 0.5, 0, 8, 4},
+                                           Bar{"multiscan136_before_it", "sick_multiscan136", 0.8, 0.5, 40,
+                                               8},
+                                           Bar{"multiscan136_level", "sick_multiscan136", 1.2, 0, 8, 8}),
+                         [](const auto& each) { return std::string(each.param.name); });
 
 TEST(VirtualMrs1000, NothingIsSaidOfWhereItDoesNotLook) {
   const LastCloud seen = cloud_of("sick_mrs1000", 0.4);
