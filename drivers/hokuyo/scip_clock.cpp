@@ -122,7 +122,19 @@ Stamp ScipClock::begin_of(const Sweep& sweep, std::int64_t& skipped) {
     turns_.set_begin(begin);
     learn_delay(sweep);
   }
-  return clock_.to_host(sent) - sweep.until_sent - Span(delay_.value_or(0));
+  return as_compared(clock_.to_host(sent) - sweep.until_sent - Span(delay_.value_or(0)), read, sweep);
+}
+
+/// Next to a comparison that alone bounds when the counter showed what it did, however late the first sweeps
+/// of a stream were taken.
+Stamp ScipClock::as_compared(Stamp begin, Span read, const Sweep& sweep) const {
+  if (mode_ != ClockMode::smooth || !compared_ || sweep.arrival - compared_at_ > turn_age) return begin;
+  constexpr double worst_drift = 1000e-6;
+  const std::int64_t tick = sweep.stamp.microseconds ? 0 : ms;
+  const auto drifted =
+      std::llround(worst_drift * std::abs(static_cast<double>((read - compared_device_).count())));
+  return Stamp{std::clamp<std::int64_t>(begin.ns, read.count() + lowest_ - drifted,
+                                        read.count() + tick + highest_ + drifted)};
 }
 
 Span ScipClock::device_begin(const Sweep& sweep, Span read) {

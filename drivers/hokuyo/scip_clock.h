@@ -91,6 +91,7 @@ class ScipClock {
   Span device_begin(const Sweep& sweep, Span read);
   Span by_motor(const Sweep& sweep);
   void learn_delay(const Sweep& sweep);
+  Stamp as_compared(Stamp begin, Span read, const Sweep& sweep) const;
 
   ClockMode mode_;
   bool on_tick_;

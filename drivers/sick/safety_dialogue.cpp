@@ -248,8 +248,11 @@ void SafetyDialogue::browse(ByteView value, DriverOutput& out) {
   const std::uint16_t next = static_cast<std::uint16_t>(index_ + 1);
   if (of_fields) {
     const auto field = read_field(value);
-    if (field) add_to_list(fields_, field->describe());
-    if (field && next < idx::field_header + most_fields) return ask_index('R', next, {}, out);
+    if (field && field->defined) add_to_list(fields_, field->describe());
+    // The first index may be empty, it is reserved (sick_safetyscanners_base, src/SickSafetyscanners.cpp,
+    // requestFieldData).
+    const bool goes_on = field || index_ == idx::field_header;
+    if (goes_on && next < idx::field_header + most_fields) return ask_index('R', next, {}, out);
     if (!fields_.empty()) set_detail("Fields", fields_);
     return ask_index('R', idx::monitoring_case, {}, out);
   }

@@ -123,8 +123,9 @@ std::string describe_action(ByteView v) {
 
 std::optional<SafetyField> read_field(ByteView v) {
   // sick_safetyscanners_base, src/data_processing/ParseFieldHeaderData.cpp
-  if (!has_version(v, 88) || v.u8(72) == 0) return std::nullopt;
+  if (!has_version(v, 88)) return std::nullopt;
   SafetyField field;
+  field.defined = v.u8(72) != 0;
   field.method = v.u8(73);
   field.set = v.le16(82);
   const std::size_t length = std::min<std::size_t>(v.le32(84), v.size() - 88);

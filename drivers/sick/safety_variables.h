@@ -26,7 +26,7 @@ constexpr std::uint16_t status_overview = 23;
 constexpr std::uint16_t application_name = 33;
 constexpr std::uint16_t current_output = 178;
 constexpr std::uint16_t monitoring_case = 2101;  ///< and the following
-constexpr std::uint16_t field_header = 0x2710;   ///< and the following
+constexpr std::uint16_t field_header = 0x2710;   ///< reserved for contour data; fields are the following
 constexpr std::uint16_t change_output = 176;     ///< a method
 }  // namespace safety_index
 
@@ -70,10 +70,11 @@ struct SafetyField {
   std::string name;
   std::uint8_t method = 0;  ///< 4, 14 protective field, 5, 15 warning field
   std::uint16_t set = 0;
+  bool defined = false;
 
   std::string describe() const;  ///< "Front (protective, set 1)"
 };
-/// Empty where no field is defined under the index.
+/// Empty where there is no field under the index.
 std::optional<SafetyField> read_field(ByteView variable);
 /// "case 3: fields 1 2"; empty where no case is defined under the index.
 std::string describe_case(ByteView variable);

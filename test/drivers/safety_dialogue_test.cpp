@@ -136,8 +136,8 @@ TEST(SafetyDialogue, ReadsAndTellsADifferenceButWritesNothingUnlessAllowed) {
   EXPECT_EQ(talk.hang_ups, 1);
   EXPECT_THAT(talk.settings.heard,
               ElementsAre("open", "read 13", "read 3", "read 4", "read 17", "read 18", "read 33", "read 23",
-                          "read 16", "read 178", "read 10000", "read 10001", "read 10002", "read 2101",
-                          "read 2102", "read 2103", "close"));
+                          "read 16", "read 178", "read 10000", "read 10001", "read 10002", "read 10003",
+                          "read 2101", "read 2102", "read 2103", "close"));
   EXPECT_EQ(talk.driver->info().serial, "12345678");
   EXPECT_EQ(talk.detail("Type Code"), "MICS3-ACAZ40ZA1P01");
   EXPECT_EQ(talk.detail("Firmware Version"), "R 01.20");

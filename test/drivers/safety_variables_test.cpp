@@ -113,6 +113,7 @@ TEST(SafetyVariables, AFieldIsReadFromItsPlaces) {
   Bytes field = bytes(93, {{0, {'Y', 1}}, {72, {1, 15}}, {82, {3, 0, 5, 0, 0, 0, 'F', 'r', 'o', 'n', 't'}}});
   const auto read = read_field(view(field));
   ASSERT_TRUE(read);
+  EXPECT_TRUE(read->defined);
   EXPECT_EQ(read->describe(), "Front (warning, set 3)");
   field[0] = 0;
   EXPECT_FALSE(read_field(view(field)));

@@ -74,7 +74,7 @@ TEST(ScipClock, HoldsUpToAThousandPpmWithEveryKindOfStamp) {
         options.knows_percent = percent;
         if (percent) options.firmware = "4.1.0";
         ScipBench bench(options, {}, percent ? "hokuyo_ust_10lx" : "hokuyo_scip");
-        bench.run(40s);
+        bench.run(25s);
         const Errors settled = errors(bench, 5), begin = errors(bench, 0.5);
         // Where whole ms beat slowly with the motor, a part of one stays hidden.
         const double allowed = percent ? 0.5e-3 : 0.6e-3;
@@ -115,6 +115,27 @@ TEST(ScipClock, AHostThatDoesNotLookForAWhileDoesNotMoveTheStamps) {
   }
 }
 
+TEST(ScipClock, TheFirstScansAreRightThoughTheyWereTakenLate) {
+  for (const bool percent : {false, true}) {
+    hokuyo::ScipClock clock(ClockMode::smooth, false);
+    const auto shown = [&](double t) {
+      return hokuyo::ScipStamp{static_cast<std::uint64_t>(t * (percent ? 1e6 : 1e3)), percent};
+    };
+    const auto at = [](double t) { return scip_epoch + span_from_seconds(t); };
+    for (double t = 0.0103; t < 0.03; t += 0.0017) clock.compare(shown(t), at(t - 0.0001), at(t + 0.0001));
+    std::int64_t skipped = 0;
+    for (double t = 0.1; t < 1; t += 0.02505) {
+      hokuyo::ScipClock::Sweep sweep;
+      sweep.stamp = shown(t);
+      sweep.period = 25ms;
+      sweep.until_sent = 18ms;
+      sweep.arrival = at(t + 0.018 + (t < 0.4 ? 0.015 : 0));
+      const Stamp begin = clock.begin_of(sweep, skipped);
+      EXPECT_LT(std::abs(seconds(begin - at(t))), percent ? 1e-3 : 1.5e-3) << t;
+    }
+  }
+}
+
 // One scan of ten: at 4 Hz the comparison must not be forgotten before the delay is known.
 TEST(ScipClock, AComparisonServesASlowStreamToo) {
   for (const double clock_ppm : {-1000.0, 1000.0}) {
@@ -147,11 +168,11 @@ TEST(ScipClock, AComparisonThatWasLostIsMadeAgain) {
 // Such a sensor hides the fraction of a ms; what is left of it depends on the beat with the motor.
 TEST(ScipClock, StampsOfASensorThatSendsOnItsTickAreWithinLittleMoreThanOneOfThem) {
   for (const double clock_ppm : {-1000.0, 100.0, 1000.0}) {
-    for (const double motor_ppm : {0.0, -100.0, 37.0, 700.0, 2000.0, -3000.0, 8000.0}) {
+    for (const double motor_ppm : {0.0, 37.0, 700.0, 2000.0, -3000.0}) {
       ScipDeviceOptions options = jittery(clock_ppm, motor_ppm);
       options.sends_on_tick = true;
       ScipBench bench(options);
-      bench.run(40s);
+      bench.run(30s);
       const Errors e = errors(bench, 10);
       EXPECT_LT(e.p99, 1.3e-3) << clock_ppm << " ppm, motor " << motor_ppm << " ppm";
       std::printf("on its tick, clock %6.0f, motor %6.0f ppm: p99 %.3f ms, worst %.3f ms, mean %+.3f ms\n",

@@ -221,7 +221,8 @@ std::uint8_t SafetySettings::change(ByteView a) {
 }
 
 Bytes SafetySettings::variable(std::uint16_t index) const {
-  constexpr std::uint16_t first_case = 2101, first_field = 0x2710, first_geometry = 0x2810;
+  // What lies before a first field is reserved for contour data, and empty here.
+  constexpr std::uint16_t first_case = 2101, contour = 0x2710, first_field = 0x2711, first_geometry = 0x2811;
   const auto number_from = [index](std::uint16_t first) { return static_cast<std::size_t>(index - first); };
   if (index >= first_geometry)
     return geometry(number_from(first_geometry) < fields.size() ? derived.beams : 0U);
@@ -229,6 +230,7 @@ Bytes SafetySettings::variable(std::uint16_t index) const {
     const std::size_t number = number_from(first_field);
     return number < fields.size() ? field(fields[number]) : Bytes(88);
   }
+  if (index == contour) return Bytes(88);
   if (index >= first_case) {
     const std::size_t number = number_from(first_case);
     if (number >= cases.size()) return Bytes(200);
