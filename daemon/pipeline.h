@@ -11,6 +11,7 @@
 #include "daemon/config.h"
 #include "daemon/device_links.h"
 #include "daemon/output_id.h"
+#include "daemon/reception.h"
 #include "daemon/sink.h"
 
 namespace lidard {
@@ -25,6 +26,9 @@ struct SensorReport {
   Stamp last_arrival;        ///< of data
   Stamp last_telemetry;      ///< of what the device tells beside its data
   std::string link_trouble;  ///< why there is no connection to a device that needs one; empty: there is
+  bool starting = false;     ///< the first second of all watching: silence says nothing yet
+  Reception recent, whole;   ///< of the last 10 s, and since the start
+  std::vector<std::string> rivals, rivals_ever;  ///< several senders into one entry, now and at any time
 };
 
 /// Every topic that a pipeline of this configuration may publish on.
@@ -76,8 +80,8 @@ class Pipeline {
   /// The input starts again (replay --loop).
   void restart();
 
-  /// Gives a merged scan or a group of virtual scans another grid, profile or encoding from its next input on.
-  /// Empty, or why it cannot be: then nothing changes.
+  /// Gives a merged scan or a group of virtual scans another grid, profile or encoding from its next input
+  /// on. Empty, or why it cannot be: then nothing changes.
   std::string set_output(const OutputId& output, const OutputScanConfig& wanted);
 
   std::vector<SensorReport> report() const;

@@ -49,6 +49,7 @@ struct Replay {
     };
     player.play(stopped);
     print_table(pipeline.report(), out);
+    print_verdicts(config, pipeline.report(), out);
     print_capture_counters(capture.counters(), 0, out);
     if (player.skipped() > 0) out << "  " << player.skipped() << " datagrams before --start not played\n";
     for (const auto& sender : pipeline.unclaimed_senders())

@@ -6,6 +6,8 @@
 
 #include <utility>
 
+#include "daemon/pipeline.h"
+
 namespace lidard {
 namespace {
 
@@ -28,6 +30,16 @@ std::string topic_below(const SensorConfig& sensor, std::string_view name) {
   return sensor.name + "/" + std::string(name);
 }
 
+/// The watch of a sensor: a device that leaves scans out between two sends more seldom; another driver's
+/// topic promises nothing.
+ReceptionWatch watch_of(const SensorConfig& sensor) {
+  if (sensor.model == nullptr) return ReceptionWatch(0);
+  const DriverConfig& driver = sensor.driver;
+  if (sends_clouds(sensor) && driver.frame_cut == FrameCut::time)
+    return ReceptionWatch(seconds(driver.frame_duration), true);
+  return ReceptionWatch(sensor.model->frame_period * (1 + driver.requests.skip.value_or(0)));
+}
+
 /// Takes the geometry and limits of `shape` and makes every beam `invalid`: a sweep that says nothing.
 void set_unobserved(const PlanarScan& shape, PlanarScan& scan) {
   scan.reset(shape.beams, 1, false);
@@ -39,7 +51,7 @@ void set_unobserved(const PlanarScan& shape, PlanarScan& scan) {
 }  // namespace
 
 SensorLine::SensorLine(const SensorConfig& sensor, std::size_t place, LineOwner& line_owner)
-    : config(sensor), index(place), owner(line_owner), arranger(sensor.layout) {
+    : config(sensor), index(place), owner(line_owner), arranger(sensor.layout), watch(watch_of(sensor)) {
   if (config.model != nullptr) driver = config.model->make(config.driver);
   topic = sensor_topic(config).name;
   fix_topic = config.name + "/fix";
@@ -54,12 +66,14 @@ SensorLine::SensorLine(const SensorConfig& sensor, std::size_t place, LineOwner&
 
 void SensorLine::scan(PlanarScan& scan) {
   notice_shape(scan);
+  watch.scan(scan);
   owner.sink.scan(topic, scan, owner.now);
   if (!echoes_topic.empty()) owner.sink.scan(echoes_topic, scan, owner.now);
   owner.scan_from(*this, scan);
 }
 
 void SensorLine::cloud(Cloud& cloud) {
+  watch.cloud(cloud);
   owner.cloud_from(*this, cloud);
   if (ring_scan && ring_scan->convert(cloud, ring)) {
     owner.sink.scan(config.scan_topic, ring, owner.now);
@@ -106,9 +120,27 @@ void SensorLine::receive(const Packet& packet, Stamp received) {
     // Chunks of a stream are data whether or not a telegram is complete.
     const bool data = !datagram || driver->counters().packets != data_packets;
     (data ? last_arrival : last_telemetry) = received;
+    if (data && datagram && !config.ip_address && config.packet_topic.empty()) watch.sender(sender);
     seen = seen || data;
   }
   settle();
+}
+
+SensorReport SensorLine::report() const {
+  SensorReport report;
+  report.name = config.name;
+  report.model = driver ? std::string(config.model->name) : "topic";
+  report.counters = counters();
+  if (driver) report.info = driver->info();
+  report.seen = seen;
+  report.last_arrival = last_arrival;
+  report.last_telemetry = last_telemetry;
+  if (owner.links != nullptr) report.link_trouble = owner.links->trouble(index);
+  report.recent = watch.recent();
+  report.whole = watch.whole();
+  report.rivals = watch.rivals();
+  report.rivals_ever = watch.rivals_ever();
+  return report;
 }
 
 void SensorLine::fill_empty(PlanarScan& scan) const {

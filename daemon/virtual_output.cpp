@@ -114,8 +114,8 @@ void VirtualOutput::describe_motion(DiagnosticItem& item) const {
       "published";
 }
 
-DiagnosticItem VirtualOutput::diagnostics(Stamp now) const {
-  DiagnosticItem item = health_of("virtual " + config_.name, counters_, now);
+DiagnosticItem VirtualOutput::diagnostics(Stamp now, bool starting) const {
+  DiagnosticItem item = health_of("virtual " + config_.name, counters_, now, starting);
   describe_motion(item);
   if (!config_.has_sight()) return item;
   item.values.emplace_back("Clouds without rings", std::to_string(without_rings_));

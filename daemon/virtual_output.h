@@ -23,7 +23,7 @@ class VirtualOutput {
 
   const std::string& cloud_sensor() const { return config_.cloud_topic; }
   void add(const Cloud& cloud, Stamp now, FrameSink& sink);
-  DiagnosticItem diagnostics(Stamp now) const;
+  DiagnosticItem diagnostics(Stamp now, bool starting) const;
   const VirtualScanConfig& config() const { return config_; }
   /// Takes the place of an output with another grid.
   void continue_from(const VirtualOutput& before) {
