@@ -35,7 +35,7 @@ struct Counters {
   std::uint64_t frames = 0;  ///< scans or revolutions handed on
   std::uint64_t partial_frames =
       0;                         ///< frames cut off by begin, end or a hole, not handed on unless asked for
-  std::uint64_t incomplete = 0;  ///< telegrams given up because a part of them never came
+  std::uint64_t incomplete = 0;  ///< telegrams given up because a part never came; lost_packets has them
   std::uint64_t lost_packets =
       0;  ///< packets (or scans, for scanners that count scans) missing between those received
   std::uint64_t reordered = 0;    ///< packets older than one already used

@@ -10,6 +10,9 @@
 
 namespace lidard {
 
+/// What DeviceLinks::trouble() says before the first attempt has come to an end.
+inline constexpr const char* first_attempt = "connecting";
+
 /// The TCP connections to devices, as a pipeline uses them. A sensor is named by its place in the
 /// configuration. In replay there are none.
 class DeviceLinks {

@@ -27,7 +27,7 @@ std::string text_of(const TcpState& state, bool streams) {
   if (is_connected(state)) return "connected";
   if (!state.message.empty()) return state.message;
   if (state.phase == TcpState::Phase::stopped) return streams ? "stopped" : "not needed now";
-  return "connecting";
+  return first_attempt;
 }
 
 }  // namespace
@@ -113,7 +113,8 @@ void Links::add_diagnostics(std::vector<DiagnosticItem>& items) const {
     item.name = "link " + link->name;
     item.hardware_id = link->device.to_string();
     item.message = text_of(state, link->streams);
-    const bool well = is_connected(state) || (!link->streams && state.phase == TcpState::Phase::stopped);
+    const bool well = is_connected(state) || (!link->streams && state.phase == TcpState::Phase::stopped) ||
+                      item.message == first_attempt;
     item.health = well ? Health::ok : Health::error;
     const auto value = [&item](const char* key, std::uint64_t n) {
       item.values.emplace_back(key, std::to_string(n));

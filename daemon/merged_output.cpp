@@ -275,7 +275,7 @@ void MergedOutput::fill_status() {
   }
 }
 
-void MergedOutput::describe_sources(DiagnosticItem& item, Stamp now) const {
+void MergedOutput::describe_sources(DiagnosticItem& item, Stamp now, bool starting) const {
   std::string silent, lost;
   for (std::size_t s = 0; s < config_.laserscan_topics.size(); ++s) {
     const std::string& name = config_.laserscan_topics[s];
@@ -291,7 +291,7 @@ void MergedOutput::describe_sources(DiagnosticItem& item, Stamp now) const {
     if (state != SourceState::ok) list += (list.empty() ? "" : ", ") + name;
   }
   item.values.emplace_back("Sources lost", lost);
-  if (item.health != Health::ok || (lost.empty() && silent.empty())) return;
+  if (starting || item.health != Health::ok || (lost.empty() && silent.empty())) return;
   item.health = lost.empty() ? Health::warn : Health::error;
   item.message = "publishing without " + (lost.empty() ? silent + ", whose sweeps are too old" : lost);
   if (counters_.no_pose > 0 && !counters_.why_no_pose.empty()) item.message += ": " + counters_.why_no_pose;
@@ -342,9 +342,9 @@ void MergedOutput::describe_overlap(DiagnosticItem& item) const {
   }
 }
 
-DiagnosticItem MergedOutput::diagnostics(Stamp now) const {
-  DiagnosticItem item = health_of("merged " + config_.name, counters_, now);
-  describe_sources(item, now);
+DiagnosticItem MergedOutput::diagnostics(Stamp now, bool starting) const {
+  DiagnosticItem item = health_of("merged " + config_.name, counters_, now, starting);
+  describe_sources(item, now, starting);
   describe_motion(item);
   describe_beams(item);
   describe_overlap(item);

@@ -37,7 +37,7 @@ class MergedOutput {
   std::string why_missing(const std::function<std::string(const std::string& source)>& why_silent) const;
   /// True if a source has come, gone stale or was lost since the last call.
   bool states_changed(Stamp now);
-  DiagnosticItem diagnostics(Stamp now) const;
+  DiagnosticItem diagnostics(Stamp now, bool starting) const;
   void restart();
   /// Takes the place of an output with another grid.
   void continue_from(const MergedOutput& before);
@@ -53,7 +53,7 @@ class MergedOutput {
   /// Compares what the sources of the output just made see of the same surfaces.
   void compare_sources(Stamp stamp);
   void describe_motion(DiagnosticItem& item) const;
-  void describe_sources(DiagnosticItem& item, Stamp now) const;
+  void describe_sources(DiagnosticItem& item, Stamp now, bool starting) const;
   void describe_beams(DiagnosticItem& item) const;
   void describe_overlap(DiagnosticItem& item) const;
 

@@ -48,8 +48,8 @@ std::string why_no_frame(const Model& model, const Counters& counters, Span span
   if (part < 1)
     return fmt::format("only about {:.1f} of a frame: {}, a whole one usually takes {} s", part, packets,
                        model.frame_period);
-  return fmt::format("no whole frame: {}, {} lost, {} frames cut off", packets,
-                     counters.lost_packets + counters.incomplete, counters.partial_frames);
+  return fmt::format("no whole frame: {}, {} lost, {} frames cut off", packets, counters.lost_packets,
+                     counters.partial_frames);
 }
 
 std::string why_missing(const std::string& topic, const std::vector<std::unique_ptr<SensorLine>>& lines,

@@ -48,11 +48,13 @@ void set_encodings(const OutputScanConfig& output, const std::vector<AlsoScanCon
   }
 }
 
-DiagnosticItem health_of(const std::string& name, const OutputCounters& counters, Stamp now) {
+DiagnosticItem health_of(const std::string& name, const OutputCounters& counters, Stamp now, bool starting) {
   DiagnosticItem item;
   item.name = name;
   const double age = seconds(now - counters.last_published);
-  if (counters.published == 0) {
+  if (starting && counters.no_pose == 0 && (counters.published == 0 || age > 3)) {
+    item.message = "waiting for input";
+  } else if (counters.published == 0) {
     item.health = Health::error;
     item.message =
         counters.no_pose > 0 ? "no output: " + counters.why_no_pose : "no output: no input has come in yet";

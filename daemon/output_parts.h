@@ -30,7 +30,7 @@ float value_of(EmptyBeam beam, const OutputScanConfig& config);
 /// How an entry's own scan (the first) and those of `also` hold what is not there and what is not known.
 void set_encodings(const OutputScanConfig& output, const std::vector<AlsoScanConfig>& also,
                    std::vector<PlanarScan>& scans);
-/// Whether an output publishes, and if not, why.
-DiagnosticItem health_of(const std::string& name, const OutputCounters& counters, Stamp now);
+/// Whether an output publishes, and if not, why. While all are `starting`, waiting for input is no error.
+DiagnosticItem health_of(const std::string& name, const OutputCounters& counters, Stamp now, bool starting);
 
 }  // namespace lidard

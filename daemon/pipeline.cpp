@@ -11,6 +11,7 @@
 #include "daemon/scan_tap.h"
 #include "daemon/sensor_health.h"
 #include "daemon/sensor_line.h"
+#include "daemon/start_watch.h"
 #include "daemon/strangers.h"
 #include "daemon/virtual_output.h"
 
@@ -47,6 +48,8 @@ struct Pipeline::Impl final : public LineOwner {
   void merge(const std::string& source_name, const PlanarScan& scan);
   /// Takes what tf has learned of the vehicle's way.
   void poll_motion();
+  /// Time passes, perhaps by a jump. Packets that waited while we stood bring their time with them.
+  void step_to(Stamp at);
   /// Publishes what is due at `at`.
   void advance_to(Stamp at);
   std::optional<Stamp> next_event() const;
@@ -74,6 +77,7 @@ struct Pipeline::Impl final : public LineOwner {
                 if (!is_sensor(topic)) merge(topic, scan);
               }};
   Strangers strangers;
+  StartWatch start;
   Stamp last_diagnostics{};
   bool diagnostics_wanted = false;  // a source has come or gone
   std::function<void(std::vector<DiagnosticItem>&)> more_diagnostics;
@@ -160,7 +164,6 @@ void Pipeline::packet(const Packet& packet) {
 }
 
 void Pipeline::set_links(DeviceLinks* links) { impl_->links = links; }
-
 void Pipeline::chunk(std::size_t sensor, const Packet& packet) {
   advance(packet.arrival);
   impl_->now = packet.arrival;
@@ -198,6 +201,7 @@ void Pipeline::scan_message(const std::string& sensor, PlanarScan& scan, Stamp r
     return;
   }
   ++line.topic_counters.frames;
+  line.watch.scan(scan);
   scan.stamp = scan.stamp + line.config.driver.time_offset;
   line.place(scan.frame_id);
   line.notice_shape(scan);
@@ -211,6 +215,7 @@ void Pipeline::cloud_message(const std::string& sensor, Cloud& cloud, Stamp rece
   line.notice_data(received);
   ++line.topic_counters.packets;
   ++line.topic_counters.frames;
+  line.watch.cloud(cloud);
   cloud.stamp = cloud.stamp + line.config.driver.time_offset;
   line.place(cloud.frame_id);
   cloud.end = cloud.end + line.config.driver.time_offset;
@@ -260,6 +265,14 @@ void Pipeline::Impl::poll_motion() {
   motion.poses(track, now);
 }
 
+void Pipeline::Impl::step_to(Stamp at) {
+  const bool jumped = start.step(at);
+  for (const auto& line : lines) {
+    line->watch.advance(at, line->counters());
+    if (jumped) line->clock_jumped_to(at);
+  }
+}
+
 void Pipeline::Impl::advance_to(Stamp at) {
   now = at;
   poll_motion();
@@ -287,8 +300,8 @@ std::optional<Stamp> Pipeline::Impl::next_event() const {
 }
 
 std::optional<Stamp> Pipeline::next_event() const { return impl_->next_event(); }
-
 void Pipeline::advance(Stamp now) {
+  impl_->step_to(now);
   // After a long pause there is nobody to publish the past for.
   constexpr Span longest_pause = std::chrono::seconds(1);
   const Stamp newest_past = now - longest_pause;
@@ -310,8 +323,8 @@ void Pipeline::tick(Stamp now) {
     line->settle();
   }
   const Span since = now - impl_->last_diagnostics;
-  if (!impl_->diagnostics_wanted && since >= Span(0) && since < diagnostics_period) return;
-  impl_->tell(diagnostics(now), now);
+  if (impl_->diagnostics_wanted || since < Span(0) || since >= diagnostics_period)
+    impl_->tell(diagnostics(now), now);
 }
 
 void Pipeline::finish(Stamp now) {
@@ -325,6 +338,7 @@ void Pipeline::restart() {
   for (const auto& line : impl_->lines) {
     if (line->driver) line->driver->restart();
     line->connection.restart();
+    line->watch.restart();
   }
   for (const auto& output : impl_->merged) output->restart();
   impl_->track.clear();
@@ -356,18 +370,7 @@ std::string Pipeline::set_output(const OutputId& output, const OutputScanConfig&
 
 std::vector<SensorReport> Pipeline::report() const {
   std::vector<SensorReport> reports;
-  for (const auto& line : impl_->lines) {
-    SensorReport report;
-    report.name = line->config.name;
-    report.model = line->driver ? std::string(line->config.model->name) : "topic";
-    report.counters = line->driver ? line->driver->counters() : line->topic_counters;
-    if (line->driver) report.info = line->driver->info();
-    report.seen = line->seen;
-    report.last_arrival = line->last_arrival;
-    if (impl_->links != nullptr) report.link_trouble = impl_->links->trouble(line->index);
-    report.last_telemetry = line->last_telemetry;
-    reports.push_back(std::move(report));
-  }
+  for (const auto& line : impl_->lines) reports.push_back(line->report());
   return reports;
 }
 
@@ -375,13 +378,15 @@ std::vector<std::string> Pipeline::unclaimed_senders() const { return impl_->str
 
 std::vector<DiagnosticItem> Pipeline::diagnostics(Stamp now) const {
   std::vector<DiagnosticItem> items;
-  const auto reports = report();
+  const bool starting = impl_->start.is_starting(now);
+  auto reports = report();
   for (std::size_t i = 0; i < reports.size(); ++i) {
+    reports[i].starting = starting;
     items.push_back(sensor_health(impl_->lines[i]->config, reports[i], unclaimed_senders(), now));
   }
   if (impl_->poses.track() != nullptr) items.push_back(impl_->motion_item());
-  for (const auto& output : impl_->merged) items.push_back(output->diagnostics(now));
-  for (const auto& output : impl_->virtuals) items.push_back(output->diagnostics(now));
+  for (const auto& output : impl_->merged) items.push_back(output->diagnostics(now, starting));
+  for (const auto& output : impl_->virtuals) items.push_back(output->diagnostics(now, starting));
   if (const auto strangers = unclaimed_senders(); !strangers.empty())
     items.push_back(unknown_senders_item(strangers));
   if (impl_->more_diagnostics) impl_->more_diagnostics(items);

@@ -11,6 +11,7 @@
 #include "daemon/config.h"
 #include "daemon/device_links.h"
 #include "daemon/output_id.h"
+#include "daemon/reception.h"
 #include "daemon/sink.h"
 
 namespace lidard {
@@ -25,6 +26,9 @@ struct SensorReport {
   Stamp last_arrival;        ///< of data
   Stamp last_telemetry;      ///< of what the device tells beside its data
   std::string link_trouble;  ///< why there is no connection to a device that needs one; empty: there is
+  bool starting = false;     ///< the first second of all watching: silence says nothing yet
+  Reception recent, whole;   ///< of the last 10 s, and since the start
+  std::vector<std::string> rivals, rivals_ever;  ///< several senders into one entry, now and at any time
 };
 
 /// Every topic that a pipeline of this configuration may publish on.

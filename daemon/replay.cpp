@@ -61,6 +61,7 @@ struct Replay {
   void report(const Pipeline& pipeline, const Player& player) const {
     const auto sensors = pipeline.report();
     print_table(sensors, out);
+    print_verdicts(config, sensors, out);
     print_capture_counters(capture.counters(), 0, out);
     if (player.skipped() > 0) out << "  " << player.skipped() << " datagrams before --start not played\n";
     for (const auto& sender : pipeline.unclaimed_senders())

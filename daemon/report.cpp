@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/report.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <iomanip>
@@ -78,18 +80,38 @@ void print_table(const std::vector<SensorReport>& sensors, std::ostream& out) {
   const auto number = [&](const std::string& t) { out << std::right << std::setw(10) << t; };
   text("sensor", name_width);
   text("model", model_width);
-  for (const char* head : {"packets", "frames", "partial", "lost"}) number(head);
+  for (const char* head : {"packets", "frames", "frames/s", "expected", "partial", "lost"}) number(head);
   out << "  rejected\n";
   for (const auto& s : sensors) {
     const Counters& c = s.counters;
     text(s.name, name_width);
     text(s.model, model_width);
-    for (const auto n : {c.packets, c.frames, c.partial_frames, c.lost_packets}) number(std::to_string(n));
+    const Reception& whole = s.whole;
+    for (const auto n : {c.packets, c.frames}) number(std::to_string(n));
+    for (const double frames : {whole.frames, whole.expected})
+      number(whole.expected >= 3 ? fmt::format("{:.1f}", frames / whole.frames_s) : "-");
+    for (const auto n : {c.partial_frames, c.lost_packets}) number(std::to_string(n));
     out << "  " << rejected_text(c);
     // Of the telegrams that began and never ended; the lost ones hold them, since devices count what they
     // send.
     if (c.incomplete != 0) out << ", incomplete " << c.incomplete;
     out << '\n';
+  }
+}
+
+void print_verdicts(const Config& config, const std::vector<SensorReport>& sensors, std::ostream& out) {
+  for (const auto& s : sensors) {
+    const SensorConfig* sensor = config.find_sensor(s.name);
+    if (sensor == nullptr) continue;
+    const ReceptionVerdict verdict =
+        judge(s.whole, sensor->model != nullptr ? sensor->model->kind : FrameKind::scan);
+    const auto print = [&](Health health, const std::string& text) {
+      out << "  " << (health == Health::error ? "ERROR " : "WARN ") << s.name << ": " << text << '\n';
+    };
+    if (!s.rivals_ever.empty()) print(Health::error, rivals_text(s.rivals_ever, sensor->ip_port));
+    if (verdict.health != Health::ok)
+      print(verdict.health,
+            fmt::format("{} in {:.1f} s; {}", verdict.figures, s.whole.watched_s, verdict.remedy));
   }
 }
 

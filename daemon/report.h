@@ -20,5 +20,7 @@ void print_capture_counters(const CaptureCounters& counters, std::uint64_t other
                             std::ostream& out);
 /// The table at the end of a replay: a row per sensor.
 void print_table(const std::vector<SensorReport>& sensors, std::ostream& out);
+/// A line for each sensor that gave less than it should have.
+void print_verdicts(const Config& config, const std::vector<SensorReport>& sensors, std::ostream& out);
 
 }  // namespace lidard

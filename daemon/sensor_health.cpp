@@ -2,6 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/sensor_health.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "daemon/device_links.h"
 #include "daemon/report.h"
 
 namespace lidard {
@@ -9,6 +14,11 @@ namespace {
 
 constexpr double silent_warning_s = 1;
 constexpr double silent_error_s = 3;
+
+/// "10 s", or less soon after the begin.
+std::string window_text(const Reception& recent) {
+  return fmt::format("{:.0f} s", std::min(10.0, recent.watched_s));
+}
 
 std::string why_nothing(const SensorConfig& config, const SensorReport& report,
                         const std::vector<std::string>& unclaimed_senders) {
@@ -26,12 +36,18 @@ std::string why_nothing(const SensorConfig& config, const SensorReport& report,
   return "; check the sensor's power, its destination address and port, and the firewall";
 }
 
-void judge(const SensorConfig& config, const SensorReport& report,
-           const std::vector<std::string>& unclaimed_senders, Stamp now, DiagnosticItem& item) {
+/// True where nobody has yet had the time to send.
+bool may_still_come(const SensorReport& report) {
+  return report.starting && (report.link_trouble.empty() || report.link_trouble == first_attempt);
+}
+
+/// Data do not come.
+void judge_silence(const SensorConfig& config, const SensorReport& report,
+                   const std::vector<std::string>& unclaimed_senders, Stamp now, DiagnosticItem& item) {
   const double age = seconds(now - report.last_arrival);
-  const Counters& c = report.counters;
-  const bool silent = !report.seen || age > silent_warning_s;
-  if (silent && seconds(now - report.last_telemetry) < silent_warning_s) {
+  if (may_still_come(report)) {
+    item.message = "waiting for data from " + where_from(config);
+  } else if (seconds(now - report.last_telemetry) < silent_warning_s) {
     item.health = Health::error;
     item.message = "no data, only telemetry on port " + std::to_string(config.telemetry_port) +
                    "; check that its laser and motor are on and that it sends data to port " +
@@ -40,19 +56,57 @@ void judge(const SensorConfig& config, const SensorReport& report,
     item.health = Health::error;
     item.message =
         "nothing received from " + where_from(config) + why_nothing(config, report, unclaimed_senders);
-  } else if (age > silent_warning_s) {
+  } else {
     item.health = age > silent_error_s ? Health::error : Health::warn;
     item.message = "silent: nothing received from " + where_from(config) +
                    why_nothing(config, report, unclaimed_senders);
+  }
+}
+
+/// Data come: as many as there should be?
+void judge_data(const SensorConfig& config, const SensorReport& report, DiagnosticItem& item) {
+  const Counters& c = report.counters;
+  const FrameKind kind = config.model != nullptr ? config.model->kind : FrameKind::scan;
+  const ReceptionVerdict verdict = lidard::judge(report.recent, kind);
+  if (!report.rivals.empty()) {
+    item.health = Health::error;
+    item.message = rivals_text(report.rivals, config.ip_port);
   } else if (c.packets > 0 && c.rejected_total() == c.packets) {
     item.health = Health::error;
     item.message = "no packet could be used: rejected " + rejected_text(c) + "; is it the configured model?";
+  } else if (verdict.health != Health::ok) {
+    item.health = verdict.health;
+    item.message = verdict.figures + " in the last " + window_text(report.recent) + "; " + verdict.remedy;
+    if (!report.info.warnings.empty()) item.message += ". The device says: " + report.info.warnings.back();
   } else if (!report.info.warnings.empty()) {
     item.health = Health::warn;
     item.message = report.info.warnings.back();
   } else {
     item.message = "receiving";
   }
+}
+
+void judge(const SensorConfig& config, const SensorReport& report,
+           const std::vector<std::string>& unclaimed_senders, Stamp now, DiagnosticItem& item) {
+  if (!report.seen || seconds(now - report.last_arrival) > silent_warning_s)
+    judge_silence(config, report, unclaimed_senders, now, item);
+  else
+    judge_data(config, report, item);
+}
+
+void add_rates(const Reception& recent, DiagnosticItem& item) {
+  const auto value = [&item](const char* key, std::string text) {
+    item.values.emplace_back(key, std::move(text));
+  };
+  const auto rate = [](double frames, double time) {
+    return time > 0 ? fmt::format("{:.1f}", frames / time) : std::string();
+  };
+  value("Frames/s", rate(recent.frames, recent.frames_s));
+  value("Expected frames/s", rate(recent.expected, recent.frames_s));
+  value("Lost in the last 10 s", std::to_string(recent.lost()));
+  value("Rejected in the last 10 s", rejected_text(recent.counters));
+  value("Beams with a return (%)",
+        rate(100.0 * static_cast<double>(recent.returns), static_cast<double>(recent.beams)));
 }
 
 }  // namespace
@@ -97,6 +151,7 @@ DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& rep
   value("Reordered packets", std::to_string(c.reordered));
   value("Rejected", rejected_text(c));
   value("Clock steps", std::to_string(c.clock_steps));
+  add_rates(report.recent, item);
   return item;
 }
 

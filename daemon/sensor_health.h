@@ -9,7 +9,7 @@
 
 namespace lidard {
 
-/// A sensor's line on /diagnostics: is there data, and if not, why probably not.
+/// A sensor's line on /diagnostics: is there data, as much as there should be, and if not, why probably not.
 DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& report,
                              const std::vector<std::string>& unclaimed_senders, Stamp now);
 

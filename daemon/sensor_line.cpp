@@ -7,12 +7,23 @@
 #include <utility>
 
 #include "daemon/output_topics.h"
+#include "daemon/pipeline.h"
 
 namespace lidard {
 namespace {
 
 std::string topic_below(const SensorConfig& sensor, std::string_view name) {
   return sensor.name + "/" + std::string(name);
+}
+
+/// The watch of a sensor: a device that leaves scans out between two sends more seldom; another driver's
+/// topic promises nothing.
+ReceptionWatch watch_of(const SensorConfig& sensor) {
+  if (sensor.model == nullptr) return ReceptionWatch(0);
+  const DriverConfig& driver = sensor.driver;
+  if (sends_clouds(sensor) && driver.frame_cut == FrameCut::time)
+    return ReceptionWatch(seconds(driver.frame_duration), true);
+  return ReceptionWatch(sensor.model->frame_period * (1 + driver.requests.skip.value_or(0)));
 }
 
 /// Takes the geometry and limits of `shape` and makes every beam `invalid`: a sweep that says nothing.
@@ -26,7 +37,7 @@ void set_unobserved(const PlanarScan& shape, PlanarScan& scan) {
 }  // namespace
 
 SensorLine::SensorLine(const SensorConfig& sensor, std::size_t place, LineOwner& line_owner)
-    : config(sensor), index(place), owner(line_owner), arranger(sensor.layout) {
+    : config(sensor), index(place), owner(line_owner), arranger(sensor.layout), watch(watch_of(sensor)) {
   if (config.model != nullptr) driver = config.model->make(config.driver);
   topic = frame_topic(config).name;
   fix_topic = config.name + "/fix";
@@ -42,12 +53,14 @@ SensorLine::SensorLine(const SensorConfig& sensor, std::size_t place, LineOwner&
 
 void SensorLine::scan(PlanarScan& scan) {
   notice_shape(scan);
+  watch.scan(scan);
   owner.sink.scan(topic, scan, owner.now);
   if (!echoes_topic.empty()) owner.sink.scan(echoes_topic, scan, owner.now);
   owner.scan_from(*this, scan);
 }
 
 void SensorLine::cloud(Cloud& cloud) {
+  watch.cloud(cloud);
   owner.cloud_from(*this, cloud);
   if (ring_scan && ring_scan->convert(cloud, ring)) {
     owner.sink.scan(config.scan_topic, ring, owner.now);
@@ -93,10 +106,12 @@ void SensorLine::receive(const Packet& packet, Stamp received) {
   const std::uint64_t data_packets = driver->counters().packets;
   driver->receive(packet, *this);
   if (packet.transport == config.model->transport) {
-    if (driver->counters().packets != data_packets)
+    if (driver->counters().packets != data_packets) {
       notice_data(received);
-    else if (datagram)
+      if (datagram && !config.ip_address && config.packet_topic.empty()) watch.sender(sender);
+    } else if (datagram) {
       last_telemetry = received;
+    }
   }
   settle();
 }
@@ -105,6 +120,23 @@ void SensorLine::notice_data(Stamp received) {
   if (!seen) first_arrival = received;
   seen = true;
   last_arrival = received;
+}
+
+SensorReport SensorLine::report() const {
+  SensorReport report;
+  report.name = config.name;
+  report.model = driver ? std::string(config.model->name) : "topic";
+  report.counters = counters();
+  if (driver) report.info = driver->info();
+  report.seen = seen;
+  report.last_arrival = last_arrival;
+  report.last_telemetry = last_telemetry;
+  if (owner.links != nullptr) report.link_trouble = owner.links->trouble(index);
+  report.recent = watch.recent();
+  report.whole = watch.whole();
+  report.rivals = watch.rivals();
+  report.rivals_ever = watch.rivals_ever();
+  return report;
 }
 
 void SensorLine::fill_empty(PlanarScan& scan) const {

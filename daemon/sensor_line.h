@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <optional>
@@ -11,12 +12,14 @@
 
 #include "daemon/config.h"
 #include "daemon/device_links.h"
+#include "daemon/reception.h"
 #include "daemon/sink.h"
 #include "drivers/connection_picker.h"
 
 namespace lidard {
 
 struct SensorLine;
+struct SensorReport;
 
 /// Where the frames of a sensor go beside its own topics.
 class LineOwner {
@@ -44,6 +47,13 @@ struct SensorLine final : public DriverOutput {
     if (config.model == nullptr || !config.ip_address) return {};
     const bool streams = config.model->transport == Transport::tcp;
     return {*config.ip_address, streams ? config.ip_port : config.model->dialogue_port};
+  }
+  const Counters& counters() const { return driver ? driver->counters() : topic_counters; }
+  SensorReport report() const;
+  /// What has arrived later than it is now has arrived just now.
+  void clock_jumped_to(Stamp now) {
+    last_arrival = std::min(last_arrival, now);
+    last_telemetry = std::min(last_telemetry, now);
   }
   /// A packet of this sensor, or a chunk of its connection.
   void receive(const Packet& packet, Stamp received);
@@ -94,7 +104,8 @@ struct SensorLine final : public DriverOutput {
   Stamp last_arrival{};
   Stamp last_telemetry{};
   Counters topic_counters;  // of a `topic:` source
-  PlanarScan shape;         // geometry of its last scan that had beams
+  ReceptionWatch watch;
+  PlanarScan shape;  // geometry of its last scan that had beams
 };
 
 }  // namespace lidard

@@ -152,8 +152,8 @@ void VirtualOutput::describe_motion(DiagnosticItem& item) const {
       "published";
 }
 
-DiagnosticItem VirtualOutput::diagnostics(Stamp now) const {
-  DiagnosticItem item = health_of("virtual " + config_.name, counters_, now);
+DiagnosticItem VirtualOutput::diagnostics(Stamp now, bool starting) const {
+  DiagnosticItem item = health_of("virtual " + config_.name, counters_, now, starting);
   describe_frames(item);
   describe_motion(item);
   if (!config_.has_sight()) return item;

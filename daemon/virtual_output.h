@@ -29,7 +29,7 @@ class VirtualOutput {
   /// no clouds.
   std::string why_missing(const std::string& topic,
                           const std::function<std::string(const std::string& sensor)>& why_silent) const;
-  DiagnosticItem diagnostics(Stamp now) const;
+  DiagnosticItem diagnostics(Stamp now, bool starting) const;
   const VirtualScanConfig& config() const { return config_; }
   /// Takes the place of an output with another grid.
   void continue_from(const VirtualOutput& before) {
