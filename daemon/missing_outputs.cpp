@@ -40,16 +40,15 @@ bool has_topic(const SensorLine& line, const std::string& topic) {
 }  // namespace
 
 std::string why_no_frame(const Model& model, const Counters& counters, Span span) {
-  const std::string packets = fmt::format("{} packets in {:.3f} s", counters.packets, seconds(span));
   if (counters.packets > 0 && counters.rejected_total() >= counters.packets)
     return "no packet could be used, rejected " + rejected_text(counters) + "; is it a " +
            std::string(model.product) + "?";
+  const std::string data = fmt::format("{} packets in {:.3f} s, a whole one usually takes {} s",
+                                       counters.packets, seconds(span), model.frame_period);
   const double part = seconds(span) / model.frame_period;
-  if (part < 1)
-    return fmt::format("only about {:.1f} of a frame: {}, a whole one usually takes {} s", part, packets,
-                       model.frame_period);
-  return fmt::format("no whole frame: {}, {} lost, {} frames cut off", packets, counters.lost_packets,
-                     counters.partial_frames);
+  if (part < 0.95) return fmt::format("only about {:.1f} of a frame: {}", part, data);
+  return fmt::format("no whole frame: {}; {} lost, {} frames cut off by begin, end or loss", data,
+                     counters.lost_packets, counters.partial_frames);
 }
 
 std::string why_missing(const std::string& topic, const std::vector<std::unique_ptr<SensorLine>>& lines,

@@ -12,6 +12,7 @@
 #include <fstream>
 
 #include "test/daemon/live_bench.h"
+#include "test/support/starved.h"
 #include "test/support/tcp_peer.h"
 
 namespace lidard::test {
@@ -87,10 +88,11 @@ TEST(Links, NoticeAStreamThatFellSilentWithinAboutASecond) {
   ASSERT_TRUE(t.b.until([&] { return t.b.driver.dialogues == 1 && t.peer.accept(); }));
   ASSERT_TRUE(t.peer.send("scan\n"));
   ASSERT_TRUE(t.b.until([&] { return t.b.sink.scans["front/scan"] == 1; }));
+  const test::Starved starved;
   const auto since = Clock::now();
   ASSERT_TRUE(t.b.until([&] { return t.b.driver.ends == 1; }));
   EXPECT_GT(Clock::now() - since, milliseconds(900));
-  EXPECT_LT(Clock::now() - since, milliseconds(1500));
+  EXPECT_LT(Clock::now() - since, milliseconds(1500) + starved.time());
   EXPECT_THAT(t.b.message(0), HasSubstr("sent nothing for 1.0 s"));
 }
 
@@ -221,7 +223,7 @@ TEST(Links, LoseNothingOfOtherSensorsAndLeakNothingWhileOneDisconnectsAThousandT
   long memory = 0;
   std::size_t files = 0;
   for (int i = 1; i <= 1100; ++i) {
-    const auto limit = Clock::now() + std::chrono::seconds(5);
+    const auto limit = Clock::now() + std::chrono::seconds(20);
     while (!peer.accept()) {
       ASSERT_LT(Clock::now(), limit) << i;
       turn();

@@ -44,7 +44,7 @@ class Posted {
     };
   }
   /// Runs what comes until `done` or the time is up.
-  bool run_until(const std::function<bool()>& done, std::chrono::milliseconds limit = 10s) {
+  bool run_until(const std::function<bool()>& done, std::chrono::milliseconds limit = 30s) {
     const auto end = std::chrono::steady_clock::now() + limit;
     while (!done() && std::chrono::steady_clock::now() < end) {
       std::this_thread::sleep_for(5ms);

@@ -15,6 +15,7 @@
 #include "daemon/ros_master.h"
 #include "test/support/ros_listener.h"
 #include "test/support/ros_samples.h"
+#include "test/support/starved.h"
 
 namespace lidard {
 namespace {
@@ -40,16 +41,17 @@ RosOptions options(Backpressure backpressure = Backpressure::drop_oldest) {
 /// and more).
 constexpr auto surely_not_hanging = 3s;
 
+/// At least five scans.
 void publish_for(RosLink& link, std::chrono::milliseconds time) {
   const auto end = SteadyClock::now() + time;
-  while (SteadyClock::now() < end) {
+  for (int n = 0; n < 5 || SteadyClock::now() < end; ++n) {
     link.scan("front/scan", sample_scan(), Stamp{1});
     std::this_thread::sleep_for(10ms);
   }
 }
 
 template <typename Condition>
-bool soon(Condition condition, std::chrono::milliseconds limit = 5s) {
+bool soon(Condition condition, std::chrono::milliseconds limit = 20s) {
   const auto end = SteadyClock::now() + limit;
   while (!condition() && SteadyClock::now() < end) std::this_thread::sleep_for(5ms);
   return condition();
@@ -66,7 +68,7 @@ TEST(RosLink, PublishesScansEchoesCloudsAndLatchedTransforms) {
     RosLink link(options());
     link.transforms({{"base_link", "front_laser", make_pose({1, 0, 0}, {0, 0, 0})}}, Stamp{1'000'000'000});
     link.start();
-    ASSERT_TRUE(link.wait_for_subscribers(3, 10s));
+    ASSERT_TRUE(link.wait_for_subscribers(3, 30s));
     link.scan("front/scan", sample_scan(), Stamp{1});
     link.scan("front/echoes", sample_scan(), Stamp{1});
     auto cloud = sample_cloud(30000);
@@ -104,7 +106,7 @@ TEST(RosLink, PublishesFixesTimeReferencesAndImuSamples) {
                               {"roof/imu", TopicKind::imu}};
     RosLink link(with_navigation);
     link.start();
-    ASSERT_TRUE(link.wait_for_subscribers(3, 10s));
+    ASSERT_TRUE(link.wait_for_subscribers(3, 30s));
     link.fix("roof/fix", test::sample_fix(), Stamp{1});
     link.time_reference("roof/time_reference", test::sample_time_reference(), Stamp{1});
     for (int i = 0; i < 20; ++i) link.imu("roof/imu", test::sample_imu(), Stamp{1});
@@ -129,12 +131,13 @@ TEST(RosLink, ReceivesWithoutAMasterAndPublishesSoonAfterItCame) {
     link.start();
     publish_for(link, 300ms);
     EXPECT_FALSE(link.status().connected);
-    EXPECT_GT(link.status().without_ros, 1U);
+    EXPECT_TRUE(soon([&] { return link.status().without_ros > 1; }));
     master.start();
+    const test::Starved starved;
     const auto begin = SteadyClock::now();
-    EXPECT_TRUE(link.wait_for_master(5s));
+    EXPECT_TRUE(link.wait_for_master(30s));
     const std::chrono::duration<double> took = SteadyClock::now() - begin;
-    EXPECT_LT(took, surely_not_hanging);
+    EXPECT_LT(took, surely_not_hanging + starved.time());
     std::cout << "publishing " << took.count() << " s after the master answered\n";
     EXPECT_TRUE(link.stop());
   });
@@ -147,10 +150,10 @@ TEST(RosLink, RegistersAgainAtAMasterThatWasRestarted) {
     master.start();
     RosLink link(options());
     link.start();
-    ASSERT_TRUE(link.wait_for_subscribers(1, 10s));
+    ASSERT_TRUE(link.wait_for_subscribers(1, 30s));
     master.kill();
     publish_for(link, 200ms);
-    ASSERT_TRUE(link.flush(5s));
+    ASSERT_TRUE(link.flush(30s));
     const std::size_t sent = link.status().published;
     EXPECT_GT(sent, 1U);
     EXPECT_EQ(early.take(sent).size(), sent) << "a connection that exists must not suffer";
@@ -169,8 +172,9 @@ TEST(RosLink, IsNotDisturbedByAMasterThatHangs) {
     master.start();
     RosLink link(options());
     link.start();
-    ASSERT_TRUE(link.wait_for_subscribers(1, 10s));
+    ASSERT_TRUE(link.wait_for_subscribers(1, 30s));
     master.pause();
+    const test::Starved starved;
     auto longest = SteadyClock::duration(0);
     for (int i = 0; i < 100; ++i) {
       const auto begin = SteadyClock::now();
@@ -178,15 +182,15 @@ TEST(RosLink, IsNotDisturbedByAMasterThatHangs) {
       longest = std::max(longest, SteadyClock::now() - begin);
       std::this_thread::sleep_for(10ms);
     }
-    EXPECT_LT(longest, surely_not_hanging);
-    ASSERT_TRUE(link.flush(5s));
+    EXPECT_LT(longest, surely_not_hanging + starved.time());
+    ASSERT_TRUE(link.flush(30s));
     const std::size_t sent = link.status().published;
     EXPECT_GT(sent, 50U);
     EXPECT_EQ(listener.take(sent).size(), sent);
     EXPECT_TRUE(soon([&] { return !link.status().master; }));
     const auto begin = SteadyClock::now();
     EXPECT_FALSE(link.stop());
-    EXPECT_LT(SteadyClock::now() - begin, surely_not_hanging);
+    EXPECT_LT(SteadyClock::now() - begin, surely_not_hanging + starved.time());
     master.resume();
   });
 }
@@ -198,7 +202,7 @@ TEST(RosLink, LosesNothingInAReplayAsFastAsItGoes) {
     master.start();
     RosLink link(options(Backpressure::block));
     link.start();
-    ASSERT_TRUE(link.wait_for_subscribers(1, 10s));
+    ASSERT_TRUE(link.wait_for_subscribers(1, 30s));
     constexpr std::size_t count = 200;
     for (std::size_t i = 0; i < count; ++i) {
       auto cloud = sample_cloud(20000);
@@ -257,7 +261,7 @@ TEST(RosLink, ShowsDiagnosticsToRostopic) {
     master.start();
     RosLink link(options());
     link.start();
-    ASSERT_TRUE(link.wait_for_master(5s));
+    ASSERT_TRUE(link.wait_for_master(30s));
     link.diagnostics(
         {{"front", "SN42", Health::warn, "no data for 2 s; check the cable", {{"IP Port", "6060"}}}},
         Stamp{1});
@@ -282,7 +286,7 @@ TEST(RosLink, PublishesTheClockOfAReplay) {
     with_clock.clock = true;
     RosLink link(with_clock);
     link.start();
-    ASSERT_TRUE(link.wait_for_master(5s));
+    ASSERT_TRUE(link.wait_for_master(30s));
     std::vector<rosgraph_msgs::Clock> got;
     for (int i = 0; got.empty() && i < 100; ++i) {
       link.publish_clock(Stamp{5'000'000'007});
@@ -302,7 +306,7 @@ TEST(RosLink, FollowsNamespaceNodeNameAndRemappings) {
     remapped.remappings = {"__ns:=truck", "__name:=eyes", "front/scan:=bumper/scan"};
     RosLink link(remapped);
     link.start();
-    ASSERT_TRUE(link.wait_for_master(5s));
+    ASSERT_TRUE(link.wait_for_master(30s));
     MasterClient client({"127.0.0.1", master.port()}, "/test");
     const auto types = client.topic_types();
     EXPECT_EQ(types.count("/truck/bumper/scan"), 1U);
@@ -320,7 +324,7 @@ TEST(RosLink, ComesBackWhenSomebodyShutsItsNodeDown) {
     master.start();
     RosLink link(options());
     link.start();
-    ASSERT_TRUE(link.wait_for_master(5s));
+    ASSERT_TRUE(link.wait_for_master(30s));
     for (int i = 1; i <= 2; ++i) {
       XmlRpc::XmlRpcValue arguments;
       arguments[0] = "/intruder";

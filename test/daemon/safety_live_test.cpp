@@ -9,6 +9,7 @@
 #include "test/drivers/ms3_encoder.h"
 #include "test/sim/safety_device.h"
 #include "test/sim/udp_sender.h"
+#include "test/support/starved.h"
 
 namespace lidard::test {
 namespace {
@@ -105,9 +106,10 @@ TEST(SafetyLive, TheStreamStartsWhenTheSettingIsWrittenAndAgainAfterAPowerCycle)
   bench.run(2500ms);
   const std::uint64_t before = bench.scans();
   scanner.power_on();
+  const test::Starved starved;
   const auto back = std::chrono::steady_clock::now();
   ASSERT_TRUE(bench.until([&] { return bench.scans() > before; }));
-  EXPECT_LT(std::chrono::steady_clock::now() - back, 2s);
+  EXPECT_LT(std::chrono::steady_clock::now() - back, 2s + starved.time());
   EXPECT_THAT(scanner.settings().heard, Contains("call 176").Times(2));
 }
 

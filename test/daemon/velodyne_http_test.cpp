@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "test/support/fake_velodyne.h"
+#include "test/support/starved.h"
 
 namespace lidard {
 namespace {
@@ -265,11 +266,15 @@ TEST_F(VelodyneHttpTest, NeverAsksFasterThanItsPace) {
   control.period = 0ms;
   control.wanted.rpm = 1200;
   control.wanted.returns = VelodyneReturns::dual;
+  const test::Starved starved;
   run(control, timing);
   ASSERT_TRUE(within(30s, [&] { return posts().size() == 2; }));
   ASSERT_TRUE(rounds(1));
+  // A request that the sensor notices late is nearer to the next one.
+  const auto shortest = 100ms - std::min<std::chrono::nanoseconds>(starved.time(), 90ms);
   const auto all = sensor_.requests();
-  for (std::size_t i = 1; i < all.size(); ++i) EXPECT_GE(all[i].time - all[i - 1].time, 100ms) << all[i].text;
+  for (std::size_t i = 1; i < all.size(); ++i)
+    EXPECT_GE(all[i].time - all[i - 1].time, shortest) << all[i].text;
 }
 
 TEST_F(VelodyneHttpTest, ASensorThatHangsDoesNotDelayTheEnd) {
@@ -278,9 +283,10 @@ TEST_F(VelodyneHttpTest, ASensorThatHangsDoesNotDelayTheEnd) {
   sensor_.misbehave(Fault::hang, 1'000'000);
   run(reading(sensor_), timing);
   ASSERT_TRUE(asked(1));
+  const test::Starved starved;
   const auto begin = std::chrono::steady_clock::now();
   http_->stop();
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, 2s);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, 2s + starved.time());
 }
 
 TEST_F(VelodyneHttpTest, APauseDoesNotDelayTheEnd) {
@@ -288,9 +294,10 @@ TEST_F(VelodyneHttpTest, APauseDoesNotDelayTheEnd) {
   control.period = 3600s;
   run(control);
   ASSERT_TRUE(asked(3));
+  const test::Starved starved;
   const auto begin = std::chrono::steady_clock::now();
   http_.reset();
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, 2s);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, 2s + starved.time());
 }
 
 }  // namespace

@@ -314,19 +314,19 @@ TEST_P(ColaLive, StreamsAndComesBackAfterResetPowerCycleAndSilence) {
     EXPECT_GE(client.scans, goal);
     return seconds(sim::wall_clock() - begin);
   };
-  wait_for_scans(50, 20);
+  wait_for_scans(50, 60);
   EXPECT_EQ(client.driver->counters().lost_packets, 0U);
   server.drop(true);
-  const double after_reset = wait_for_scans(5, 20);
+  const double after_reset = wait_for_scans(5, 60);
   server.switch_off();
   io.run_for(std::chrono::milliseconds(300));
   server.with<ColaDevice>([](ColaDevice& device) { device.power_cycle(sim::wall_clock()); });
   server.switch_on();
-  const double after_power = wait_for_scans(5, 20);
+  const double after_power = wait_for_scans(5, 60);
   server.hang(true);
   io.run_for(std::chrono::milliseconds(700));
   server.hang(false);
-  const double after_silence = wait_for_scans(5, 20);
+  const double after_silence = wait_for_scans(5, 60);
   std::printf("scans again %.2f s after a reset, %.2f s after a power cycle, %.2f s after silence\n",
               after_reset, after_power, after_silence);
   EXPECT_EQ(client.driver->counters().rejected_total(), 0U);

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "test/support/allocations.h"
+#include "test/support/starved.h"
 #include "test/support/tcp_peer.h"
 
 namespace lidard {
@@ -50,10 +51,10 @@ struct Bench {
     io.restart();
     io.run_for(time);
   }
-  /// Runs until `done`, at most 5 s.
+  /// Runs until `done`, at most 20 s: machines that run tests are busy.
   template <class Condition>
   bool until(Condition done) {
-    const auto limit = Clock::now() + std::chrono::seconds(5);
+    const auto limit = Clock::now() + std::chrono::seconds(20);
     while (!done()) {
       if (Clock::now() > limit) return false;
       run(milliseconds(2));
@@ -81,7 +82,9 @@ TEST(TcpSource, CarriesBytesBothWaysWithEndpointsAndKernelStamp) {
   ASSERT_TRUE(peer.accept());
   EXPECT_EQ(b.source.state().phase, TcpState::Phase::connected);
   EXPECT_TRUE(b.source.send(ByteView("question")));
+  const test::Starved starved;
   ASSERT_TRUE(peer.send("answer"));
+  const double late = starved.seconds();
   const auto sent = std::chrono::system_clock::now();
   std::this_thread::sleep_for(milliseconds(60));  // the stamp is the kernel's, not the reader's
   ASSERT_TRUE(b.until([&] { return b.received == "answer"; }));
@@ -92,7 +95,7 @@ TEST(TcpSource, CarriesBytesBothWaysWithEndpointsAndKernelStamp) {
   EXPECT_NE(b.last.to.port, 0);
   EXPECT_TRUE(b.last.stream_start);
   const double sent_s = std::chrono::duration<double>(sent.time_since_epoch()).count();
-  EXPECT_NEAR(seconds(Span(b.last.arrival.ns)), sent_s, 0.03);
+  EXPECT_NEAR(seconds(Span(b.last.arrival.ns)), sent_s, 0.03 + late);
   EXPECT_EQ(b.source.stats().sent, 8U);
   EXPECT_EQ(b.source.stats().received, 6U);
 }
@@ -103,13 +106,14 @@ TEST(TcpSource, SaysThatAPortRefusesAndConnectsSoonAfterItListens) {
   Bench b(to_port(peer.port()));
   b.source.start();
   b.run(milliseconds(400));
+  EXPECT_TRUE(b.until([&] { return b.source.stats().attempts >= 4; }));
   EXPECT_THAT(b.message(), HasSubstr("refuses the connection; is this the device's port"));
-  EXPECT_GE(b.source.stats().attempts, 4U);
   EXPECT_LE(b.source.stats().attempts, 9U);  // ever later
   peer.listen_again();
+  const test::Starved starved;
   const auto since = Clock::now();
   ASSERT_TRUE(b.until_connected());
-  EXPECT_LT(Clock::now() - since, milliseconds(300));
+  EXPECT_LT(Clock::now() - since, milliseconds(300) + starved.time());
   EXPECT_EQ(b.message(), "");
   EXPECT_EQ(b.disconnects, 0);
 }
@@ -217,9 +221,10 @@ TEST(TcpSource, NoticesADeviceThatVanishedWithoutAWord) {
   ASSERT_TRUE(b.until_connected());
   ASSERT_TRUE(peer.accept());
   if (!peer.vanish()) GTEST_SKIP() << "needs CAP_NET_ADMIN";
+  const test::Starved starved;
   const auto since = Clock::now();
   ASSERT_TRUE(b.until([&] { return b.disconnects == 1; }));  // the kernel's keep-alive finds nobody
-  EXPECT_LT(Clock::now() - since, milliseconds(3500));
+  EXPECT_LT(Clock::now() - since, milliseconds(3500) + starved.time());
   ASSERT_TRUE(b.until_connected(2));
 }
 

@@ -37,7 +37,7 @@ class Listener {
   Listener& operator=(const Listener&) = delete;
 
   /// The next `count` messages, fewer if they do not come within `limit`.
-  std::vector<Message> take(std::size_t count, std::chrono::milliseconds limit = std::chrono::seconds(10)) {
+  std::vector<Message> take(std::size_t count, std::chrono::milliseconds limit = std::chrono::seconds(30)) {
     const auto deadline = std::chrono::steady_clock::now() + limit;
     std::vector<Message> messages;
     while (messages.size() < count) {
