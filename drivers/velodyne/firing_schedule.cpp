@@ -45,7 +45,7 @@ FiringSchedule schedule_of(const ModelRow& row, const TimingChooser& timing, con
   if (row.random_rest && turn_rate > 0) schedule.rate_deg_per_s = turn_rate;
   const Span group = schedule.sequence * per_block;
   const Span busy = group * static_cast<int>(azimuths.groups);
-  const Span silence = silence_of(azimuths, busy + timing.timing().packet_pause, next, turn_rate);
+  const Span silence = silence_of(azimuths, busy, next, turn_rate);
   Span begin{0};
   for (std::size_t g = 0; g < azimuths.groups; ++g) {
     if (azimuths.hidden_deg[g] > 0) {

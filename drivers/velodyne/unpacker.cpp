@@ -121,8 +121,9 @@ void Unpacker::set_timing(const Timing& timing) {
   for (std::size_t k = 0; k < row_.lasers; ++k) {
     origins_[k].firing = row_.firing_time(timing, k);
     lasers_.time[k] = static_cast<float>(seconds(origins_[k].firing));
-    // The block's azimuth is that of its first firing, wherever the stamp stands.
-    origins_[k].turning_s = seconds(origins_[k].firing + timing.before);
+    // The block's azimuth is that of its first firing, wherever the stamp stands. That of an HDL-64E S1 holds
+    // for the whole block: its db.xml and the viewer it was made for know of no turn within it.
+    origins_[k].turning_s = row_.bank_by_bank ? 0 : seconds(origins_[k].firing + timing.before);
     lasers_.turning[k] = origins_[k].turning_s;
   }
   longest_turning_ = *std::max_element(lasers_.turning, lasers_.turning + row_.lasers);
