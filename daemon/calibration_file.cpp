@@ -206,6 +206,25 @@ std::string calibration_misfit(const Calibration& calibration, const Model& mode
          std::to_string(model.beams);
 }
 
+std::optional<CalibrationModel> calibration_model_of(std::string_view name) {
+  for (const auto& [known, equations] : calibration_models) {
+    if (known == name) return equations;
+  }
+  return std::nullopt;
+}
+
+std::string_view name_of(CalibrationModel equations) {
+  for (const auto& [name, known] : calibration_models) {
+    if (known == equations) return name;
+  }
+  return {};
+}
+
+CalibrationModel usual_equations(const Calibration& calibration, const Model& model) {
+  const bool s1 = static_cast<const velodyne::ModelRow*>(model.row)->bank_by_bank;
+  return s1 && calibration.is_db_xml ? CalibrationModel::veloview : CalibrationModel::ros_drivers;
+}
+
 std::string calibration_doubt(const Calibration& calibration, const Model& model) {
   if (!takes_calibration(model)) return {};
   const double usual = static_cast<const velodyne::ModelRow*>(model.row)->distance_step_m;

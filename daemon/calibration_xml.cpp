@@ -59,6 +59,7 @@ class XmlCalibration {
       fail(root == nullptr ? 1 : root->GetLineNum(), "no DB element", "boost_serialization/DB");
     Calibration calibration;
     calibration.model = CalibrationModel::ros_drivers;
+    calibration.is_db_xml = true;
     read_points(*db, calibration.lasers);
     read_intensities(*db, calibration.lasers);
     const XMLElement* step = db->FirstChildElement("distLSB_");

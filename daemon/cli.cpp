@@ -91,8 +91,9 @@ struct Commands {
                   "Of a Velodyne: YAML of velodyne_pointcloud, or db.xml");
     c->add_option(
          "--calibration-model", decode.calibration_model,
-         "Its equations: ros_drivers (velodyne_pointcloud's; default for a file) or exact (the manual's)")
-        ->check(CLI::IsMember({"ros_drivers", "exact"}));
+         "Its equations: ros_drivers (velodyne_pointcloud's; default for a file), exact (the manual's) or "
+         "veloview (the viewer's; default for the db.xml of an HDL-64E S1)")
+        ->check(CLI::IsMember({"ros_drivers", "exact", "veloview"}));
     c->add_option("--format", decode.format, "csv, json or pcd")
         ->check(CLI::IsMember({"csv", "json", "pcd"}))
         ->capture_default_str();

@@ -22,7 +22,7 @@ _lidard() {
     --pcap) _lidard_files pcap pcapng; return ;;
     --model) _lidard_words "$(lidard models 2>/dev/null | sed '1d; s/ .*//')"; return ;;
     --calibration) _lidard_files yaml yml xml; return ;;
-    --calibration-model) _lidard_words "ros_drivers exact"; return ;;
+    --calibration-model) _lidard_words "ros_drivers exact veloview"; return ;;
     --format) _lidard_words "csv pcd json"; return ;;
     --rate) _lidard_words "max 1"; return ;;
   esac

@@ -13,10 +13,10 @@ namespace lidard {
 namespace {
 
 velodyne::CalibrationModel read_calibration_model(const Value& value) {
-  const std::string expected = "ros_drivers (the equations of velodyne_pointcloud) or exact (the manual's)";
-  const std::string word = value.text(expected);
-  if (word == "ros_drivers") return velodyne::CalibrationModel::ros_drivers;
-  if (word == "exact") return velodyne::CalibrationModel::exact;
+  const std::string expected =
+      "ros_drivers (the equations of velodyne_pointcloud), exact (the manual's) or veloview (the viewer's)";
+  const auto equations = calibration_model_of(value.text(expected));
+  if (equations) return *equations;
   value.fail("is " + value.quoted(), expected);
 }
 
@@ -27,7 +27,10 @@ std::string in_folder_of(const std::string& config_file, const std::string& path
 
 /// `calibration_model:` without a file: which equations place the returns of the model's own table.
 void apply_to_table(const Value& value, SensorConfig& sensor) {
-  if (read_calibration_model(value) == velodyne::CalibrationModel::exact) return;
+  const velodyne::CalibrationModel equations = read_calibration_model(value);
+  if (equations == velodyne::CalibrationModel::exact) return;
+  if (equations == velodyne::CalibrationModel::veloview)
+    value.fail_at_key("is veloview without calibration", "it with a calibration file");
   if (velodyne::needs_own_calibration(*sensor.model))
     value.fail_at_key("is given without calibration", "both: each HDL-64E is calibrated on its own");
   sensor.driver.calibration =
@@ -50,7 +53,7 @@ void read_calibration(Mapping& yaml, SensorConfig& sensor, Config& config) {
   if (::access(path.c_str(), R_OK) != 0)
     file->fail("is " + file->quoted() + ", which cannot be read: " + std::strerror(errno), expected);
   auto calibration = std::make_shared<velodyne::Calibration>(load_calibration(path, config.warnings));
-  if (model) calibration->model = read_calibration_model(*model);
+  calibration->model = model ? read_calibration_model(*model) : usual_equations(*calibration, *sensor.model);
   const std::string misfit = calibration_misfit(*calibration, *sensor.model);
   if (!misfit.empty()) file->fail(misfit, "the calibration of this sensor");
   const std::string doubt = calibration_doubt(*calibration, *sensor.model);

@@ -232,8 +232,7 @@ void ConfigWriter::calibration(const SensorConfig& sensor) {
     unset("calibration: the model's table");
   else
     text("calibration", sensor.calibration);
-  const bool exact = sensor.driver.calibration->model == velodyne::CalibrationModel::exact;
-  text("calibration_model", exact ? "exact" : "ros_drivers");
+  text("calibration_model", std::string(name_of(sensor.driver.calibration->model)));
 }
 
 void ConfigWriter::output(const OutputScanConfig& output) {

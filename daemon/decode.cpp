@@ -111,7 +111,6 @@ CalibrationPtr read_calibration(const DecodeOptions& options, std::ostream& err)
   if (options.calibration.empty()) return nullptr;
   std::vector<std::string> warnings;
   auto calibration = std::make_shared<velodyne::Calibration>(load_calibration(options.calibration, warnings));
-  if (options.calibration_model == "exact") calibration->model = velodyne::CalibrationModel::exact;
   for (const std::string& warning : warnings) err << "note: " << warning << '\n';
   return calibration;
 }
@@ -125,14 +124,19 @@ CalibrationPtr table_calibration(const DecodeOptions& options, const Model& mode
   return std::make_shared<velodyne::Calibration>(velodyne::table_calibration(model));
 }
 
-/// Throws ConfigError if the calibration cannot be that of the model.
-void check_calibration(const DecodeOptions& options, const velodyne::Calibration& calibration,
-                       const Model& model, std::ostream& err) {
+/// With the equations asked for, or those that suit it; throws ConfigError if the calibration cannot be that
+/// of the model.
+CalibrationPtr settle_calibration(const DecodeOptions& options, const velodyne::Calibration& calibration,
+                                  const Model& model, std::ostream& err) {
   const std::string misfit = calibration_misfit(calibration, model);
   if (!misfit.empty())
     throw ConfigError(options.calibration + ": " + misfit + "; expected the calibration of this sensor");
   const std::string doubt = calibration_doubt(calibration, model);
   if (!doubt.empty()) err << "note: " << options.calibration << ": " << doubt << '\n';
+  auto settled = std::make_shared<velodyne::Calibration>(calibration);
+  settled->model =
+      calibration_model_of(options.calibration_model).value_or(usual_equations(calibration, model));
+  return settled;
 }
 
 /// The table at the end; false if there was no whole frame, or not the one asked for.
@@ -152,7 +156,7 @@ bool tell_output(const DecodeOptions& options, const WriterOutput& output, const
 int decode_stream(const DecodeOptions& options, const SensorStream& stream, CalibrationPtr calibration,
                   std::ostream& err) {
   if (calibration != nullptr)
-    check_calibration(options, *calibration, *stream.model, err);
+    calibration = settle_calibration(options, *calibration, *stream.model, err);
   else
     calibration = table_calibration(options, *stream.model);
   if (!stream.remark.empty()) err << options.capture << ": note: " << stream.remark << '\n';

@@ -21,7 +21,7 @@ struct DecodeOptions {
   std::uint16_t source_port = 0;    ///< 0: any
   std::uint16_t port = 0;           ///< destination port; 0: any
   std::string calibration;          ///< file; empty: what the model or the device says
-  std::string calibration_model;    ///< ros_drivers or exact; empty: ros_drivers for a file
+  std::string calibration_model;    ///< ros_drivers, exact or veloview; empty: what suits the file
   std::string format = "csv";       ///< csv, json or pcd
   std::string output = "-";
   std::optional<std::uint64_t> frame;  ///< only this frame

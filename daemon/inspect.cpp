@@ -231,7 +231,9 @@ Json json_of(const FoundSensor& sensor) {
            {"model", sensor.model->name},
            {"vendor", sensor.model->vendor},
            {"product", sensor.model->product},
-           {"protocol", sensor.model->protocol}};
+           {"protocol", sensor.model->protocol},
+           {"others", Json::array()}};
+  for (const Model* other : sensor.others) out["others"].push_back(other->name);
   out.update(json_of(sensor.data));
   if (sensor.telemetry) out["telemetry"] = json_of(*sensor.telemetry);
   out["rate_hz"] = sensor.rate();

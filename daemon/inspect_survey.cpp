@@ -129,6 +129,7 @@ void sort_out(Flows& flows, Survey& out) {
     FoundSensor sensor;
     sensor.name = name_for(*model, out.sensors);
     sensor.model = model;
+    sensor.others = watched.identifier.others();
     sensor.data = watched.flow;
     out.sensors.push_back(std::move(sensor));
   }
@@ -182,6 +183,17 @@ void judge(const std::vector<std::string>& captures, std::vector<FoundSensor>& s
   }
 }
 
+/// The models to choose from, as comments.
+std::string others_in_yaml(const FoundSensor& sensor) {
+  if (sensor.others.empty()) return {};
+  std::string yaml = "    # Nothing in the packets tells these apart from it; set the one that you have:\n";
+  for (const Model* other : sensor.others) {
+    const bool alike = other->row == sensor.model->row;
+    yaml += "    # model: " + std::string(other->name) + (alike ? "  # decoded alike" : "") + "\n";
+  }
+  return yaml;
+}
+
 }  // namespace
 
 Survey survey(const std::vector<std::string>& captures) {
@@ -200,6 +212,7 @@ std::string config_of(const Survey& survey) {
   for (const FoundSensor& sensor : survey.sensors) {
     yaml += "  " + sensor.name + ":\n";
     yaml += "    model: " + std::string(sensor.model->name) + "\n";
+    yaml += others_in_yaml(sensor);
     yaml += "    ip_address: \"" + sensor.data.sender.to_string() + "\"\n";
     yaml += "    ip_port: " + std::to_string(sensor.data.port) + "\n";
     for (const IpAddress& destination : sensor.data.destinations) {

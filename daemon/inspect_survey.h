@@ -38,6 +38,7 @@ struct Flow {
 struct FoundSensor {
   std::string name;  ///< for the configuration
   const Model* model = nullptr;
+  std::vector<const Model*> others;  ///< models that the packets may be of as well
   Flow data;
   std::optional<Flow> telemetry;
   Counters counters;

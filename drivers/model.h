@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -67,8 +68,10 @@ class Identifier {
   void add(const Packet& packet);
   /// nullptr while nothing fits.
   const Model* verdict() const;
-  /// A sentence when the packets contradict themselves ("product byte says HDL-32E, the packet period says
-  /// VLP-16"), else empty.
+  /// Models that the packets may be of as well: nothing in them tells these from the verdict.
+  std::vector<const Model*> others() const;
+  /// Sentences when the packets contradict themselves ("product byte says HDL-32E, the packet period says
+  /// VLP-16") or may be of a model that is decoded differently; else empty.
   std::string remark() const;
 
  private:

@@ -32,6 +32,15 @@ void Recognizer::add(const Packet& packet) {
   }
 }
 
+std::vector<std::string_view> Recognizer::others() const {
+  std::vector<std::string_view> names;
+  if (model_ == nullptr || model_ != scip_model_of("")) return names;
+  for (const Model& model : models()) {
+    if (model.protocol == model_->protocol) names.push_back(model.name);
+  }
+  return names;
+}
+
 void Recognizer::take(const ScipMessage& message) {
   if (message.echo == "PP" && message.status == "00") {
     ScipParameters parameters;

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string_view>
+#include <vector>
+
 #include "drivers/hokuyo/scip_message.h"
 #include "drivers/hokuyo/uam_frame.h"
 #include "drivers/model.h"
@@ -15,6 +18,8 @@ class Recognizer {
   void add(const Packet& packet);
   /// nullptr while nothing fits; the generic SCIP model while distances came but no name.
   const Model* verdict() const { return model_; }
+  /// While the sensor did not say its name: every one that speaks SCIP.
+  std::vector<std::string_view> others() const;
 
  private:
   void take(const ScipMessage& message);

@@ -18,6 +18,7 @@ constexpr double focal_scale_m = 131;
 constexpr double focal_scale_of_ros_drivers = 13100;
 
 bool is_two_point(const LaserCalibration& laser, CalibrationModel model) {
+  if (model == CalibrationModel::veloview) return false;
   if (laser.two_point != TwoPoint::unstated) return laser.two_point == TwoPoint::on;
   return model == CalibrationModel::exact && laser.dist_correction_x != 0 && laser.dist_correction_y != 0;
 }
@@ -53,9 +54,9 @@ std::vector<std::uint16_t> rings_by_elevation(const Calibration& calibration) {
 
 CalibratedGeometry::CalibratedGeometry(const Calibration& calibration)
     : step_m_(calibration.distance_step_m),
-      two_point_below_m_(calibration.model == CalibrationModel::exact
-                             ? far_target_m
-                             : std::numeric_limits<double>::infinity()) {
+      two_point_below_m_(calibration.model == CalibrationModel::ros_drivers
+                             ? std::numeric_limits<double>::infinity()
+                             : far_target_m) {
   const bool just_angles =
       calibration.model == CalibrationModel::ros_drivers && calibration.lasers.size() == lasers_of_vls128;
   lasers_.reserve(calibration.lasers.size());
@@ -65,7 +66,7 @@ CalibratedGeometry::CalibratedGeometry(const Calibration& calibration)
 
 CalibratedGeometry::Terms CalibratedGeometry::terms_of(const LaserCalibration& laser,
                                                        CalibrationModel model) {
-  const bool exact = model == CalibrationModel::exact;
+  const bool exact = model != CalibrationModel::ros_drivers;
   Terms t{};
   t.rot_correction = laser.rot_correction;
   t.cos_rot = std::cos(laser.rot_correction);
@@ -85,6 +86,10 @@ CalibratedGeometry::Terms CalibratedGeometry::terms_of(const LaserCalibration& l
   t.focal_slope = laser.focal_slope;
   t.min_intensity = laser.min_intensity;
   t.max_intensity = laser.max_intensity;
+  if (model != CalibrationModel::veloview) return t;
+  t.focal_slope = 0;
+  t.min_intensity = 0;
+  t.max_intensity = 255;
   return t;
 }
 

@@ -16,7 +16,11 @@ namespace lidard::velodyne {
 /// those of velodyne_pointcloud (rawdata.cc), so that its users get the cloud they know: the offset turns
 /// with the beam, the two-point correction goes on beyond the far target, the intensity formula takes the
 /// metres of the focal distance for centimetres, and of a VLS-128's calibration only the angles count.
-enum class CalibrationModel : std::uint8_t { exact, ros_drivers };
+/// `veloview`: those of the vendor's viewer, which a db.xml is made for, as they were when the capture of an
+/// HDL-64E S1 was published (2016): the beam starts vert_offset above the origin, near corrections are never
+/// used, intensities stay as they come. They give all 89,105 points of the published frame; later versions of
+/// the viewer take the offset's turn with the beam off the distance over ground, but leave the height.
+enum class CalibrationModel : std::uint8_t { exact, ros_drivers, veloview };
 
 /// Whether the near corrections are interpolated. Files written for velodyne_pointcloud often hold them
 /// without the key that enables them: then `ros_drivers` leaves them out, as it does there, and `exact` uses
@@ -45,6 +49,7 @@ struct Calibration {
   double distance_step_m = 0.002;  ///< one count of the packet's distances
   std::vector<LaserCalibration> lasers;
   CalibrationModel model = CalibrationModel::exact;
+  bool is_db_xml = false;  ///< it came as the vendor's viewer reads it
 };
 
 /// Rings in ascending order of elevation, equal ones in order of the laser's number.
@@ -61,7 +66,7 @@ struct CalibratedPoint {
 /// With D the distance with its far correction, ω the elevation, α the azimuth without rot_correction, v and
 /// h the offsets (sensor frame: Y ahead, X right):
 ///
-///     exact:        r = D cos ω           Z = Dy sin ω + v
+///     exact, veloview: r = D cos ω        Z = Dy sin ω + v
 ///     ros_drivers:  r = D cos ω − v sin ω  Z = Dy sin ω + v cos ω
 ///     X = r(Dx) sin α − h cos α           Y = r(Dy) cos α + h sin α
 ///

@@ -46,7 +46,7 @@ FiringSchedule schedule_of(const ModelRow& row, const Timing& timing, Span measu
   if (row.random_rest && turn_rate > 0) schedule.rate_deg_per_s = turn_rate;
   const Span group = schedule.sequence * per_block;
   const Span busy = group * static_cast<int>(azimuths.groups);
-  const Span silence = silence_of(azimuths, busy + timing.packet_pause, next, turn_rate);
+  const Span silence = silence_of(azimuths, busy, next, turn_rate);
   // The stamp may stand behind the first firing.
   Span begin = -timing.before;
   for (std::size_t g = 0; g < azimuths.groups; ++g) {

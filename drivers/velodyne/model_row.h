@@ -28,7 +28,6 @@ struct Timing {
   std::size_t pause_after = 0;  ///< lasers before the pause inside a sequence; 0: no pause
   Span pause{0};
   std::array<Span, 4> within{};  ///< of the lasers of a group of four (HDL-64E)
-  Span packet_pause{0};          ///< after the last sequence of a packet, where the device fires in bursts
   Span before{0};                ///< the first firing is this long before the packet's stamp
 };
 
@@ -45,21 +44,28 @@ struct ModelRow {
   const Timing*
       without_factory_bytes;  ///< timing of old firmware that leaves the last two bytes open; nullptr none
   const Laser* laser;         ///< [lasers]
+  /// HDL-64E S1: each block is a firing sequence of one bank alone, with an azimuth that holds for all its
+  /// lasers, and the packet has no stamp.
+  bool bank_by_bank = false;
+  bool warns = false;  ///< HDL-64E S3: warning bytes are among its status bytes
 
   bool has_product(std::uint8_t id) const {
     return id != 0 && (id == product_ids[0] || id == product_ids[1]);
   }
   bool names_product() const { return product_ids[0] != 0; }
+  bool has_stamp() const { return !bank_by_bank; }
+  /// HDL-64E S2 and later: the last two bytes tell the device's state and its calibration.
+  bool has_status() const { return !names_product() && has_stamp(); }
   std::size_t sequences_per_block() const { return banks == 1 ? 32 / lasers : 1; }
   /// Sequences of a packet in single (`echoes` 1) or dual return mode (2).
   std::size_t sequences_per_packet(std::size_t echoes) const {
-    return 12 / (banks * echoes) * sequences_per_block();
+    return 12 / ((bank_by_bank ? 1 : banks) * echoes) * sequences_per_block();
   }
   /// Firing time of a laser after the packet's stamp, for the first sequence of the packet.
   Span firing_time(const Timing& timing, std::size_t index) const;
   /// Time from packet to packet.
   Span packet_period(const Timing& timing, std::size_t echoes) const {
-    return timing.sequence * static_cast<int>(sequences_per_packet(echoes)) + timing.packet_pause;
+    return timing.sequence * static_cast<int>(sequences_per_packet(echoes));
   }
 };
 
@@ -67,7 +73,7 @@ struct ModelRow {
 /// number.
 std::vector<std::uint16_t> rings_by_elevation(const ModelRow& row);
 
-/// All rows, for recognition.
+/// All rows, for recognition: of those that fit equally well the first counts.
 const std::vector<const ModelRow*>& model_rows();
 /// "HDL-32E" for a product byte of any Velodyne, also of those without a row; "unknown product 0x.."
 /// otherwise.

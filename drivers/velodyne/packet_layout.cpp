@@ -41,6 +41,30 @@ PacketLayout dual_by_return() {
   return layout;
 }
 
+/// HDL-64E S1: every block stands for itself.
+PacketLayout bank_by_bank() {
+  PacketLayout layout = single(1);
+  layout.banks = 2;
+  layout.one_bank = true;
+  for (auto& group : layout.block) group[0][1] = group[0][0];
+  return layout;
+}
+
+/// HDL-64E S1: the lower lasers fire once for every three times of the upper ones, so one block of four is
+/// theirs. All 306 packets of the recorded one (chalmers-revere/opendlv.core, "atwall") begin with it; that
+/// another one may begin elsewhere is not known and not excluded.
+Reject check_single_banks(const DataPacket& packet) {
+  std::size_t lower = 0;
+  for (std::size_t b = 0; b < blocks_per_packet; ++b) {
+    const std::uint16_t flag = packet.flag(b);
+    if (flag != bank_flags[0] && flag != bank_flags[1]) return Reject::magic;
+    if (b >= 4 && flag != packet.flag(b - 4)) return Reject::magic;
+    lower += flag == bank_flags[1] ? 1U : 0U;
+    if (packet.azimuth(b) >= azimuth_limit) return Reject::field;
+  }
+  return lower == blocks_per_packet / 4 ? Reject::none : Reject::magic;
+}
+
 /// VLS-128 modes 0x3A and 0x3B: return 1, return 2, confidence words of each bank.
 PacketLayout dual_with_confidence() {
   PacketLayout layout;
@@ -65,11 +89,15 @@ bool is_dual_hdl64e(const DataPacket& packet) {
 
 const PacketLayout single1 = single(1), single2 = single(2), single4 = single(4);
 const PacketLayout dual1 = dual_by_bank(1), dual4 = dual_by_bank(4), dual2 = dual_by_return();
-const PacketLayout confident = dual_with_confidence();
+const PacketLayout confident = dual_with_confidence(), alternating = bank_by_bank();
+
+/// Of a bank that did not fire. The kernels read eight bytes more than the slots.
+constexpr std::array<std::uint8_t, 3 * slots_per_block + 8> silent_slots{};
 
 }  // namespace
 
 const PacketLayout& layout_of(const DataPacket& packet, const ModelRow& row) {
+  if (row.bank_by_bank) return alternating;
   if (row.banks == 1) return is_dual(packet) ? dual1 : single1;
   if (row.banks == 2) return is_dual_hdl64e(packet) ? dual2 : single2;
   constexpr std::uint8_t triple = 0x3A, confidence = 0x3B;  // VeloView vtkDataPacket.h; 0x3A unverified
@@ -77,7 +105,14 @@ const PacketLayout& layout_of(const DataPacket& packet, const ModelRow& row) {
   return packet.flag(0) == packet.flag(1) ? dual4 : single4;
 }
 
+const std::uint8_t* slots_of(const DataPacket& packet, const PacketLayout& layout, std::size_t group,
+                             std::size_t echo, std::size_t bank) {
+  const std::size_t b = layout.block[group][echo][bank];
+  return layout.one_bank && packet.flag(b) != bank_flags[bank] ? silent_slots.data() : packet.slots(b);
+}
+
 Reject check_blocks(const DataPacket& packet, const PacketLayout& layout) {
+  if (layout.one_bank) return check_single_banks(packet);
   for (std::size_t g = 0; g < layout.groups; ++g) {
     for (std::size_t e = 0; e < layout.echoes; ++e) {
       for (std::size_t bank = 0; bank < layout.banks; ++bank) {

@@ -18,6 +18,8 @@ struct PacketLayout {
   std::size_t echoes = 1;
   bool confidence = false;  ///< a third block of each bank holds confidence words
   std::size_t banks = 1;
+  bool one_bank =
+      false;  ///< each block has the lasers of one bank, which its flag names; the other is silent
   std::array<std::array<std::array<std::uint8_t, 4>, 3>, 12>
       block{};  ///< [group][echo or 2 = confidence][bank]
 
@@ -27,6 +29,10 @@ struct PacketLayout {
 /// How the packet is laid out. Dual return shows in the azimuths and flags; where the motor stands still all
 /// azimuths are equal, and the mode byte decides.
 const PacketLayout& layout_of(const DataPacket& packet, const ModelRow& row);
+
+/// The first slot of a bank in that group and return; of a bank that is silent there, slots without returns.
+const std::uint8_t* slots_of(const DataPacket& packet, const PacketLayout& layout, std::size_t group,
+                             std::size_t echo, std::size_t bank);
 
 /// Flags and azimuths of every block the layout uses.
 Reject check_blocks(const DataPacket& packet, const PacketLayout& layout);

@@ -3,6 +3,7 @@
 #include "drivers/velodyne/recognizer.h"
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "drivers/velodyne/packet.h"
 #include "drivers/velodyne/packet_layout.h"
@@ -11,7 +12,19 @@
 namespace lidard::velodyne {
 namespace {
 
-/// A row of the family whose flags the packet has; nullptr if it is no data packet.
+/// An S3 sends a warning byte in every fourth cycle of 16 status bytes, where the others send the first byte
+/// of the calibration: 63-HDL64ES3 Rev K, appendix E.
+constexpr std::uint8_t before_warning = 'V', warning = 'W', first_of_calibration = '1';
+constexpr std::uint64_t enough_quiet_cycles = 5;
+
+bool is_within_percent(Span a, Span b, int percent) {
+  return a * 100 < b * (100 + percent) && a * 100 > b * (100 - percent);
+}
+
+bool is_paired_hdl64e(const ModelRow& row) { return row.has_status(); }
+
+}  // namespace
+
 const ModelRow* family_of(ByteView payload) {
   if (payload.size() != packet_size) return nullptr;
   const DataPacket packet(payload);
@@ -21,25 +34,28 @@ const ModelRow* family_of(ByteView payload) {
   return nullptr;
 }
 
-bool within_percent(Span a, Span b, int percent) {
-  return a * 100 < b * (100 + percent) && a * 100 > b * (100 - percent);
-}
-
-}  // namespace
-
 void Recognizer::add(ByteView payload) {
   const ModelRow* family = family_of(payload);
   if (family == nullptr) return;
   const DataPacket packet(payload);
   if (packets_ > 0 && step_count_ < steps_.size()) {
     const Span step = hour_difference(packet.stamp_us(), last_us_);
-    if (step != Span(0)) steps_[step_count_++] = step < Span(0) ? -step.count() : step.count();
+    if (step != Span(0)) steps_[step_count_++] = std::abs(step.count());
   }
   last_us_ = packet.stamp_us();
   ++packets_;
-  banks_ = family->banks;
+  family_ = family;
   if (layout_of(packet, *family).echoes == 2) ++dual_packets_;
   product_ = packet.product();
+  note_status(packet.mode());
+}
+
+void Recognizer::note_status(std::uint8_t type) {
+  if (last_type_ == before_warning) {
+    warnings_ += type == warning ? 1U : 0U;
+    quiet_ += type == first_of_calibration ? 1U : 0U;
+  }
+  last_type_ = type;
 }
 
 Span Recognizer::median_period() const {
@@ -53,27 +69,67 @@ Span Recognizer::median_period() const {
 
 const ModelRow* Recognizer::by_product() const {
   for (const ModelRow* row : model_rows()) {
-    if (row->banks == banks_ && row->has_product(product_)) return row;
+    if (row->banks == family_->banks && row->has_product(product_)) return row;
   }
   return nullptr;
 }
 
-const ModelRow* Recognizer::verdict() const {
-  if (packets_ == 0) return nullptr;
+bool Recognizer::fits_period(const ModelRow& row) const {
+  if (row.banks != family_->banks) return false;
   const Span period = median_period();
   const std::size_t echoes = dual_packets_ * 2 > packets_ ? 2 : 1;
-  const auto fits = [&](const ModelRow* row) {
-    for (const Timing& timing : row->timings) {
-      if (row->banks == banks_ && within_percent(period, row->packet_period(timing, echoes), 3)) return true;
-    }
-    return false;
-  };
+  return std::any_of(row.timings.begin(), row.timings.end(), [&](const Timing& timing) {
+    return is_within_percent(period, row.packet_period(timing, echoes), 3);
+  });
+}
+
+/// The product byte names a model and the period, if known, is that model's.
+bool Recognizer::is_byte_right() const {
   const ModelRow* named = by_product();
-  if (period == Span(0) || (named != nullptr && fits(named))) return named;
+  return median_period() == Span(0) || (named != nullptr && fits_period(*named));
+}
+
+bool Recognizer::is_possible_generation(const ModelRow& row) const {
+  if (!is_paired_hdl64e(row)) return false;
+  const bool is_s3 = row.warns;
+  if (warnings_ > 0) return is_s3;
+  if (quiet_ >= enough_quiet_cycles) return !is_s3;
+  return true;
+}
+
+const ModelRow* Recognizer::verdict() const {
+  if (packets_ == 0) return nullptr;
+  if (!family_->has_stamp()) return family_;
+  if (is_paired_hdl64e(*family_)) {
+    // Each has both periods; the usual one of the first that it can be is worth a guess.
+    const Span period = median_period();
+    const std::size_t echoes = dual_packets_ * 2 > packets_ ? 2 : 1;
+    const ModelRow* first = nullptr;
+    for (const ModelRow* row : model_rows()) {
+      if (!is_possible_generation(*row)) continue;
+      if (first == nullptr) first = row;
+      if (is_within_percent(period, row->packet_period(row->timings.front(), echoes), 3)) return row;
+    }
+    return first;
+  }
+  if (is_byte_right()) return by_product();
   for (const ModelRow* row : model_rows()) {
-    if (fits(row)) return row;
+    if (fits_period(*row)) return row;
   }
   return nullptr;
+}
+
+std::vector<const ModelRow*> Recognizer::others() const {
+  const ModelRow* chosen = verdict();
+  std::vector<const ModelRow*> rows;
+  if (chosen == nullptr || !chosen->has_stamp()) return rows;
+  for (const ModelRow* row : model_rows()) {
+    const bool possible = is_paired_hdl64e(*chosen) ? is_possible_generation(*row)
+                          : is_byte_right()         ? row->product_ids == chosen->product_ids
+                                                    : fits_period(*row);
+    if (possible && row != chosen) rows.push_back(row);
+  }
+  return rows;
 }
 
 std::string Recognizer::remark() const {

@@ -120,8 +120,11 @@ void Unpacker::set_limits() {
 void Unpacker::set_timing(const Timing& timing) {
   for (std::size_t k = 0; k < row_.lasers; ++k) {
     origins_[k].firing = row_.firing_time(timing, k) + timing.before;
-    lasers_.turning[k] = seconds(origins_[k].firing);
-    lasers_.time[k] = static_cast<float>(lasers_.turning[k]);
+    lasers_.time[k] = static_cast<float>(seconds(origins_[k].firing));
+    // A block's azimuth is that of its first firing. That of an HDL-64E S1 holds for the whole block: its
+    // db.xml and the viewer it was made for know of no turn within it.
+    origins_[k].turning_s = row_.bank_by_bank ? 0 : seconds(origins_[k].firing);
+    lasers_.turning[k] = origins_[k].turning_s;
   }
   longest_turning_ = *std::max_element(lasers_.turning, lasers_.turning + row_.lasers);
   turn_anew();

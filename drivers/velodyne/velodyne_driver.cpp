@@ -7,17 +7,24 @@
 #include <utility>
 
 #include "drivers/model.h"
+#include "drivers/velodyne/arrival_stamps.h"
 #include "drivers/velodyne/firing_schedule.h"
 #include "drivers/velodyne/frame_builder.h"
 #include "drivers/velodyne/hdl64_status.h"
 #include "drivers/velodyne/packet.h"
 #include "drivers/velodyne/packet_layout.h"
 #include "drivers/velodyne/packet_order.h"
+#include "drivers/velodyne/recognizer.h"
 #include "drivers/velodyne/telemetry_receiver.h"
 #include "drivers/velodyne/timing_chooser.h"
 
 namespace lidard::velodyne {
 namespace {
+
+/// An S2 or S3 sends its calibration, an S1 does not.
+constexpr const char* no_calibration =
+    "an HDL-64E S1 does not tell its calibration: without it points are a metre off and more; set "
+    "`calibration` to the db.xml that came with the sensor";
 
 /// Which way each firing sequence of a packet looked.
 struct Look {
@@ -45,11 +52,13 @@ class VelodyneDriver final : public Driver {
       : config_(config),
         row_(*static_cast<const ModelRow*>(config.model->row)),
         order_(row_, counters_),
+        arrival_stamps_(row_),
         timing_(row_),
         frames_(config_, row_, counters_),
         clock_(config.clock),
         telemetry_(config) {
     info_.details = {{"Vendor Name", "Velodyne"}, {"Product Name", std::string(config.model->product)}};
+    if (row_.bank_by_bank && config.calibration == nullptr) info_.warnings.emplace_back(no_calibration);
     own_details_ = info_.details.size();
   }
 
@@ -62,6 +71,7 @@ class VelodyneDriver final : public Driver {
   }
   void restart() override {
     order_.reset();
+    arrival_stamps_.reset();
     status_.restart();
     frames_.reset();
     clock_.reset();
@@ -91,7 +101,7 @@ class VelodyneDriver final : public Driver {
   double turn_rate() const { return turned_s_ > 0 ? plausible_rate(turned_deg_ / turned_s_) : 0; }
   double rate_over_turn(const PacketAzimuths& azimuths, Span time);
   void note_product(std::uint8_t product, bool refused);
-  bool has_status() const { return !row_.names_product(); }
+  bool note_generation(ByteView payload);
   void read_status(const DataPacket& packet);
   void describe_status();
 
@@ -100,6 +110,7 @@ class VelodyneDriver final : public Driver {
   Counters counters_;
   DeviceInfo info_;
   PacketOrder order_;
+  ArrivalStamps arrival_stamps_;
   TimingChooser timing_;
   FrameBuilder frames_;
   DeviceClock clock_;
@@ -120,12 +131,14 @@ class VelodyneDriver final : public Driver {
   std::optional<std::pair<Span, double>>
       edge_;  // when the last hidden sector inside a packet began, and where
   std::uint8_t told_product_ = 0;
+  std::string generation_warning_;
 };
 
 Reject VelodyneDriver::check(ByteView payload) {
   if (payload.size() != packet_size) return Reject::size;
   const DataPacket packet(payload);
   const Reject reason = check_blocks(packet, layout_of(packet, row_));
+  if (reason == Reject::magic && !row_.names_product() && note_generation(payload)) return Reject::model;
   // Another model's packets may not even look like this one's: name them.
   if (reason == Reject::none || row_.has_product(packet.product()) || !is_product(packet.product()))
     return reason;
@@ -151,6 +164,7 @@ Reject VelodyneDriver::receive(const Packet& packet, DriverOutput& out) {
   incoming_.arrival = packet.arrival;
   incoming_.layout = &layout_of(incoming_.view(), row_);
   incoming_.azimuths = read_azimuths(incoming_.view(), *incoming_.layout);
+  if (!row_.has_stamp()) arrival_stamps_.stamp(packet.arrival, incoming_.azimuths, incoming_.bytes.data());
   const std::uint8_t product = incoming_.view().product();
   const bool may_be_old = row_.without_factory_bytes != nullptr && !is_product(product);
   incoming_.other_product = row_.names_product() && !row_.has_product(product) && !may_be_old;
@@ -161,6 +175,18 @@ Reject VelodyneDriver::receive(const Packet& packet, DriverOutput& out) {
     if (product == order_.refused_product()) note_product(product, true);
   }
   return verdict;
+}
+
+/// True if another HDL-64E sends such packets: the blocks of an S1 have another order.
+bool VelodyneDriver::note_generation(ByteView payload) {
+  const ModelRow* other = family_of(payload);
+  if (other == nullptr || other->names_product() || other->has_stamp() == row_.has_stamp()) return false;
+  if (!generation_warning_.empty()) return true;
+  generation_warning_ = "packets are those of an HDL-64E " +
+                        std::string(other->has_stamp() ? "S2, S2.1 or S3" : "S1") + ", configured is " +
+                        std::string(config_.model->product) + "; they are refused: correct `model`";
+  info_.warnings.push_back(generation_warning_);
+  return true;
 }
 
 void VelodyneDriver::note_product(std::uint8_t product, bool refused) {
@@ -183,7 +209,7 @@ void VelodyneDriver::read_status(const DataPacket& packet) {
 }
 
 void VelodyneDriver::describe_status() {
-  if (!has_status()) return;
+  if (!row_.has_status()) return;
   info_.details.resize(own_details_);
   const char* source = config_.calibration != nullptr ? "file"
                        : sent_ != nullptr             ? "sent by the sensor"
@@ -191,11 +217,12 @@ void VelodyneDriver::describe_status() {
   info_.details.emplace_back("calibration", source);
   for (auto& detail : hdl64_details(status_.info())) info_.details.push_back(std::move(detail));
   info_.warnings = hdl64_warnings(status_.info());
+  if (!generation_warning_.empty()) info_.warnings.push_back(generation_warning_);
 }
 
 /// A packet in its place in the stream; it waits for the next one where that one tells its times.
 void VelodyneDriver::accept(const OrderedPacket& packet, Span time, DriverOutput& out) {
-  if (has_status()) read_status(packet.view());
+  if (row_.has_status()) read_status(packet.view());
   // A jump of the device clock cannot lie inside a frame: times within it are differences.
   constexpr Span jump = std::chrono::seconds(5);
   if (in_stream_ && (time < last_time_ || time - last_time_ > jump)) {
@@ -300,7 +327,7 @@ void VelodyneDriver::decode(const OrderedPacket& packet, Span time, const std::o
         sequence.echo = static_cast<std::uint8_t>(echo);
         for (std::size_t bank = 0; bank < layout.banks; ++bank) {
           sequence.blocks[bank] = layout.block[g][echo][bank];
-          sequence.slots[bank] = view.slots(sequence.blocks[bank]) + s * row_.lasers * 3;
+          sequence.slots[bank] = slots_of(view, layout, g, echo, bank) + s * row_.lasers * 3;
           if (layout.confidence) sequence.confidence[bank] = view.slots(layout.block[g][2][bank]);
         }
         frames_.append(sequence);

@@ -66,12 +66,12 @@ class Velodyne : public SensorModel {
         clock_offset_(entry.clock_offset),
         start_(start),
         group_(sequences_per_azimuth(table.lasers.size())),
-        head_(timing_, options, group_, start),
-        plan_(plan_packet(table.lasers.size(), options.mode)),
+        head_(timing_, options, group_, table.bank_by_bank ? encoder_step_deg : 0, start),
+        plan_(table.bank_by_bank ? plan_bank_by_bank(options.mode)
+                                 : plan_packet(table.lasers.size(), options.mode)),
         status_(table.lasers, hdl64_state(table, timing_, options)) {
     if (options_.telemetry_hz > 0) telemetry_period_ = span_from_seconds(1 / options_.telemetry_hz);
-    // S1 knows no status stream.
-    has_status_ = table.has_status() && table.has_dual && options.status_stream;
+    has_status_ = table.has_status() && options.status_stream;
   }
 
   const std::vector<Beam>& next() override {
@@ -80,7 +80,6 @@ class Velodyne : public SensorModel {
     std::size_t last_beam = 0;
     for (const BlockPlan& block : plan_) last_beam = std::max(last_beam, block.first_beam);
     while (beams_.size() <= last_beam) add_group();
-    head_.pause();
     return beams_;
   }
 
@@ -96,14 +95,16 @@ class Velodyne : public SensorModel {
   }
 
  private:
-  std::size_t beams_per_azimuth() const { return group_ * table_.lasers.size(); }
+  std::size_t beams_per_azimuth() const { return group_ * table_.lasers_per_sequence(); }
 
   void add_group() {
     const Stamp begin = head_.next_group();
+    const std::size_t first = table_.bank_by_bank ? 32 * bank_of_sequence(azimuths_.size()) : 0;
     azimuths_.push_back(head_.wire_azimuth(begin));
     for (std::size_t s = 0; s < group_; ++s) {
       const Stamp sequence = begin + Span(static_cast<std::int64_t>(s) * timing_.sequence_ns);
-      for (std::size_t laser = 0; laser < table_.lasers.size(); ++laser) {
+      for (std::size_t k = 0; k < table_.lasers_per_sequence(); ++k) {
+        const std::size_t laser = first + k;
         beams_.push_back(beam(sequence + Span(timing_.firing_ns[laser]), laser));
       }
     }
@@ -113,7 +114,10 @@ class Velodyne : public SensorModel {
     const VelodyneLaser& laser = table_.lasers[index];
     Beam beam;
     beam.time = time;
-    beam.azimuth = std::fmod(head_.azimuth_deg(time) - laser.rot_correction_deg + 360, 360.0) * rad_per_deg;
+    // The rot_correction of an S1 counts from the azimuth of the block: it holds the turn until the laser
+    // fires.
+    const double head_deg = table_.bank_by_bank ? azimuths_.back() * 0.01 : head_.azimuth_deg(time);
+    beam.azimuth = std::fmod(head_deg - laser.rot_correction_deg + 360, 360.0) * rad_per_deg;
     beam.laser = static_cast<std::uint16_t>(index);
     const double elevation = laser.elevation_deg * rad_per_deg;
     // The azimuth counts clockwise from the sensor's front, which is x in ROS.
@@ -189,6 +193,7 @@ class Velodyne : public SensorModel {
   }
 
   void put_end(Wire& wire) const {
+    if (table_.bank_by_bank) return put_text(wire);
     const Stamp stamp =
         options_.old_stamp ? beams_.back().time : beams_.front().time + Span(timing_.stamp_lag_ns);
     wire.put32(stamp_at, device_us(stamp));
@@ -200,6 +205,12 @@ class Velodyne : public SensorModel {
       wire.put8(mode_at, mode_byte(options_.mode));
       wire.put8(product_at, table_.product);
     }
+  }
+
+  /// What the capture of an S1 has in turn; what its numbers mean is not known.
+  void put_text(Wire& wire) const {
+    constexpr std::uint8_t texts[2][6] = {{'Q', ' ', 'D', 'e', 'g', 'C'}, {'"', 0x0c, 'v', '2', '5', 'c'}};
+    for (std::size_t i = 0; i < 6; ++i) wire.put8(stamp_at + i, texts[packets_ % 2][i]);
   }
 
   std::uint32_t device_us(Stamp time) const {

@@ -7,13 +7,14 @@
 namespace lidard::sim {
 
 VelodyneHead::VelodyneHead(const VelodyneTiming& timing, const VelodyneOptions& options, std::size_t group,
-                           Stamp start)
+                           double step_deg, Stamp start)
     : timing_(timing),
       turn_deg_(options.turn_deg.value_or(timing.turn_deg)),
       start_deg_(options.start_azimuth_deg),
       fov_(options.fov),
       rest_spread_ns_(options.rest_spread_ns),
       group_(group),
+      step_deg_(step_deg),
       start_(start),
       next_(start),
       rng_(options.rest_seed) {}
@@ -25,7 +26,10 @@ double VelodyneHead::azimuth_deg(Stamp time) const {
 }
 
 std::uint16_t VelodyneHead::wire_azimuth(Stamp time) const {
-  return static_cast<std::uint16_t>(std::llround(azimuth_deg(time) * 100) % 36000);
+  double azimuth = azimuth_deg(time);
+  constexpr double rounding = 1e-9;
+  if (step_deg_ > 0) azimuth = std::floor(azimuth / step_deg_ + rounding) * step_deg_;
+  return static_cast<std::uint16_t>(std::llround(azimuth * 100) % 36000);
 }
 
 Stamp VelodyneHead::next_group() {
@@ -36,8 +40,6 @@ Stamp VelodyneHead::next_group() {
   } while (!visible(begin));
   return begin;
 }
-
-void VelodyneHead::pause() { next_ = next_ + Span(timing_.pause_ns); }
 
 bool VelodyneHead::visible(Stamp time) const {
   if (!fov_) return true;

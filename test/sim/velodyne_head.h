@@ -13,7 +13,9 @@ namespace lidard::sim {
 class VelodyneHead {
  public:
   /// `group`: firing sequences that share an azimuth on the wire; they are sent or hidden together.
-  VelodyneHead(const VelodyneTiming& timing, const VelodyneOptions& options, std::size_t group, Stamp start);
+  /// `step_deg`: of the azimuth on the wire, which the head has passed; 0: hundredths of a degree, rounded.
+  VelodyneHead(const VelodyneTiming& timing, const VelodyneOptions& options, std::size_t group,
+               double step_deg, Stamp start);
 
   /// Exact, in [0, 360).
   double azimuth_deg(Stamp time) const;
@@ -21,8 +23,6 @@ class VelodyneHead {
   std::uint16_t wire_azimuth(Stamp time) const;
   /// Begin of the next group of sequences that is sent.
   Stamp next_group();
-  /// The packet is full.
-  void pause();
 
  private:
   bool visible(Stamp time) const;
@@ -34,6 +34,7 @@ class VelodyneHead {
   std::optional<AzimuthSector> fov_;
   std::int64_t rest_spread_ns_;
   std::size_t group_;
+  double step_deg_;
   Stamp start_;
   Stamp next_;
   Rng rng_;

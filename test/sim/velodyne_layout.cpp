@@ -69,6 +69,18 @@ std::vector<BlockPlan> plan_packet(std::size_t lasers, ReturnMode mode) {
   return plan;
 }
 
+// Lower, upper, upper, upper, and so on: atwallshort.pcap of chalmers-revere/opendlv.core, all 306 packets.
+std::size_t bank_of_sequence(std::size_t sequence) { return sequence % 4 == 0 ? 1 : 0; }
+
+std::vector<BlockPlan> plan_bank_by_bank(ReturnMode mode) {
+  std::vector<BlockPlan> plan;
+  for (std::size_t block = 0; block < blocks; ++block) {
+    plan.push_back(single_block(block, 1, mode));
+    plan.back().flag = flags[bank_of_sequence(block)];
+  }
+  return plan;
+}
+
 std::uint32_t confidence_bits(double distance, double reflectivity) {
   // Bit 11 drop, 6:5 interference (3: none), 4:3 sun, 2:0 confidence (UniBwTAS/velodyne, README).
   if (!std::isfinite(distance)) return 1U << 11U;

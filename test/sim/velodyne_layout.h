@@ -21,6 +21,10 @@ struct BlockPlan {
 
 /// The 12 blocks of a packet of a head with so many lasers.
 std::vector<BlockPlan> plan_packet(std::size_t lasers, ReturnMode mode);
+/// Those of an HDL-64E S1, where each block is a firing sequence.
+std::vector<BlockPlan> plan_bank_by_bank(ReturnMode mode);
+/// Its bank that fires in that sequence of a packet: 0 the upper, 1 the lower one.
+std::size_t bank_of_sequence(std::size_t sequence);
 
 /// The firing sequences that share one azimuth on the wire: two on a head of 16 lasers.
 inline std::size_t sequences_per_azimuth(std::size_t lasers) { return lasers < 32 ? 32 / lasers : 1; }

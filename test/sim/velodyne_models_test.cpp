@@ -70,7 +70,7 @@ TEST(VelodyneModels, EveryModelAndModeSendsItsFactoryBytesAtItsRate) {
       {"velodyne_vlp32c", "dual", 0x39, 0x28, 331.776},
       {"velodyne_hdl32e", "last", 0x38, 0x21, 552.960},
       {"velodyne_hdl32e", "dual", 0x39, 0x21, 276.480},
-      {"velodyne_hdl64e_s1", "strongest", 0, 0, 384.586},
+      {"velodyne_hdl64e_s1", "strongest", 'g', 'C', 384.0},
       {"velodyne_hdl64e_s2", "strongest", 'H', 0, 288.0},
       {"velodyne_hdl64e_s21", "dual", 'H', 0, 144.0},
       {"velodyne_hdl64e_s3", "strongest", 'H', 0, 345.6},

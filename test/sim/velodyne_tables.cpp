@@ -43,19 +43,14 @@ VelodyneTiming hdl64e_timing(std::string name, std::int64_t group_ns, std::vecto
 VelodyneTiming column_48() { return hdl64e_timing("48", 6'000, {0, 1'260, 2'460, 3'660}, 0.17); }
 VelodyneTiming column_57_6() { return hdl64e_timing("57.6", 7'200, {0, 1'300, 2'500, 3'700}, 0.2); }
 
-/// S1: bursts of six columns, then silence, laser after laser within a column (HDL-64E S2 manual,
-/// firmware 4.07, appendix G, of the older firmware); 2600 packets per second as ros-drivers/velodyne counts,
-/// column period as velodyne_decoder estimates (all unverified). The turn and the pause keep every column on
-/// 0.01 deg.
+/// S1: from the capture of one (chalmers-revere/opendlv.core, atwallshort.pcap): 12 blocks of 32.0 us each,
+/// at even steps of the azimuth also from packet to packet. That the lasers of a block fire one after another
+/// and evenly is unverified. The default turn is two steps of the encoder for each block.
 VelodyneTiming hdl64e_s1_timing() {
-  constexpr std::int64_t column_ns = 24'812;
-  constexpr std::int64_t packet_ns = 384'586;
-  VelodyneTiming timing{"", column_ns, {}, 0.08};
-  for (std::size_t i = 0; i < 64; ++i) {
-    timing.firing_ns.push_back(
-        std::llround(static_cast<double>(column_ns) / 32 * static_cast<double>(i % 32)));
-  }
-  timing.pause_ns = packet_ns - 6 * column_ns;
+  constexpr std::int64_t block_ns = 32'000;
+  VelodyneTiming timing{"", block_ns, {}, 2 * encoder_step_deg};
+  for (std::size_t i = 0; i < 64; ++i)
+    timing.firing_ns.push_back(block_ns / 32 * static_cast<std::int64_t>(i % 32));
   return timing;
 }
 
@@ -106,7 +101,7 @@ std::vector<VelodyneTable> make_tables() {
       {"velodyne_vlp32b", 0x23, 4, 200, true, plain, raised(vlp32c_lasers()), ultra_puck_timing()},
       {"velodyne_vlp32c", 0x28, 4, 200, true, warm, raised(vlp32c_lasers()), ultra_puck_timing()},
       {"velodyne_hdl32e", 0x21, 2, 100, true, Telemetry::inertial, hdl32e_lasers(), hdl32e_timing()},
-      {"velodyne_hdl64e_s1", 0, 2, 120, false, plain, hdl64e_utexas_lasers(), {hdl64e_s1_timing()}},
+      {"velodyne_hdl64e_s1", 0, 2, 120, false, plain, hdl64e_utexas_lasers(), {hdl64e_s1_timing()}, true},
       {"velodyne_hdl64e_s2", 0, 2, 120, true, plain, hdl64e_utexas_lasers(), {column_48(), column_57_6()}},
       {"velodyne_hdl64e_s21", 0, 2, 120, true, plain, hdl64e_sztaki_lasers(), {column_48(), column_57_6()}},
       {"velodyne_hdl64e_s3", 0, 2, 120, true, plain, hdl64e_xiesc_lasers(), {column_57_6(), column_48()}},

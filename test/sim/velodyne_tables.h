@@ -8,6 +8,9 @@
 
 namespace lidard::sim {
 
+/// Of the azimuths of an HDL-64E S1: those of its capture are multiples of it, 4000 in a turn.
+constexpr double encoder_step_deg = 0.09;
+
 /// One laser of a rotating head: where its beam goes when the head's azimuth is 0.
 struct VelodyneLaser {
   double elevation_deg;
@@ -33,7 +36,6 @@ struct VelodyneTiming {
   std::vector<std::int64_t> firing_ns;  ///< [lasers] after the begin of their sequence
   double turn_deg;  ///< default turn per sequence (rest included): azimuths are exact on the wire
   std::int64_t stamp_lag_ns = 0;  ///< the packet's stamp minus its first firing
-  std::int64_t pause_ns = 0;      ///< no firing for so long after the last sequence of a packet
   std::int64_t rest_ns = 0;       ///< mean of the random rest after each sequence
 
   std::int64_t period_ns() const { return sequence_ns + rest_ns; }
@@ -53,9 +55,14 @@ struct VelodyneTable {
   VelodyneTelemetry telemetry;
   VelodyneLasers lasers;                ///< by the device's number
   std::vector<VelodyneTiming> timings;  ///< the first is the default
+  /// HDL-64E S1: a firing sequence is one bank's, its azimuth is where the head's encoder was when it began,
+  /// and the packet ends with text instead of a stamp.
+  bool bank_by_bank = false;
 
-  /// HDL-64E: a status byte per packet instead of mode and product.
-  bool has_status() const { return lasers.size() == 64; }
+  /// Lasers that fire in a sequence.
+  std::size_t lasers_per_sequence() const { return bank_by_bank ? 32 : lasers.size(); }
+  /// HDL-64E from S2: a status byte per packet instead of mode and product.
+  bool has_status() const { return lasers.size() == 64 && !bank_by_bank; }
   /// VLS-128: a return mode of its own with a confidence word per pair of returns.
   bool has_confidence() const { return lasers.size() == 128; }
 };

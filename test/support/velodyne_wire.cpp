@@ -21,13 +21,13 @@ std::string ModelMode::name() const {
 }
 
 std::size_t ModelMode::sequences() const {
-  const std::size_t lasers = table().lasers.size();
+  const std::size_t lasers = table().lasers_per_sequence();
   const std::size_t echoes = is_dual() ? 2 : 1;
   return lasers == 128 && is_dual() ? 1 : 384 / lasers / echoes;
 }
 
 std::size_t ModelMode::groups() const {
-  const std::size_t banks = std::max<std::size_t>(1, table().lasers.size() / 32);
+  const std::size_t banks = std::max<std::size_t>(1, table().lasers_per_sequence() / 32);
   return 12 / banks / (is_dual() ? 2 : 1);
 }
 

@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/velodyne/arrival_stamps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace lidard::velodyne {
+namespace {
+
+/// The table's period counts like so many packets beside those that came.
+constexpr double table_weight = 2000;
+/// Long enough to measure the period to 1e-5 in spite of the jitter, short enough to follow the temperature.
+constexpr double period_window = 50'000;
+/// A fifth of a turn or so: the motor follows its set value slowly.
+constexpr double turn_window = 512;
+/// A packet may arrive so many places too late, or so many periods too early, and its azimuth still counts.
+constexpr double latest_place = 8;
+constexpr double slack_packets = 10;
+/// After such a pause the azimuth tells nothing: the turns in it are too many to count.
+constexpr Span longest_pause = std::chrono::seconds(1);
+
+constexpr double hour_ns = 3.6e12;
+
+double turned_deg(double from, double to) { return to < from ? to - from + 360 : to - from; }
+
+}  // namespace
+
+void ArrivalStamps::Mean::add(double amount, double count, double window) {
+  sum += amount;
+  packets += count;
+  if (packets < window) return;
+  sum /= 2;
+  packets /= 2;
+}
+
+ArrivalStamps::ArrivalStamps(const ModelRow& row) : usual_period_(row.packet_period(row.timings.front(), 1)) {
+  reset();
+}
+
+void ArrivalStamps::reset() {
+  period_ns_ = {static_cast<double>(usual_period_.count()) * table_weight, table_weight};
+  turn_deg_ = {};
+  started_ = false;
+}
+
+/// Whole; 0: the same packet again, below: it comes late.
+double ArrivalStamps::packets_since(Stamp arrival, double azimuth_deg) const {
+  const Span elapsed = arrival - last_arrival_;
+  const double by_arrival = static_cast<double>(elapsed.count()) / period_ns_.value();
+  const double most = by_arrival + slack_packets;
+  const double turn = turn_deg_.packets > 0 ? turn_deg_.value() : 0;
+  constexpr double slowest_deg = 0.1;  // per packet: 43 rpm
+  if (elapsed < longest_pause && elapsed > -longest_pause && turn > slowest_deg) {
+    const double part = turned_deg(last_azimuth_deg_, azimuth_deg) / turn;
+    const double whole_turn = 360 / turn;
+    if (part <= most)
+      return std::max(1.0, std::round(part + whole_turn * std::floor((most - part) / whole_turn)));
+    // Ahead of what can have been sent since: it belongs before the last one.
+    if (whole_turn - part <= latest_place) return std::round(part - whole_turn);
+  }
+  return std::max(1.0, std::round(by_arrival));
+}
+
+bool ArrivalStamps::is_repeated(const std::uint8_t* packet) const {
+  return std::memcmp(packet, last_.data(), last_.size()) == 0;
+}
+
+void ArrivalStamps::learn(Span elapsed, double turned, double packets) {
+  constexpr double certain = 4;  // places that an azimuth and the jitter cannot mistake
+  if (packets < 1 || packets > certain) return;
+  period_ns_.add(static_cast<double>(elapsed.count()), packets, period_window);
+  if (turned < 180) turn_deg_.add(turned, packets, turn_window);
+}
+
+void ArrivalStamps::stamp(Stamp arrival, const PacketAzimuths& azimuths, std::uint8_t* packet) {
+  const double azimuth = azimuths.group_deg[0];
+  if (!started_) {
+    started_ = true;
+    time_ns_ = 0;
+    turn_deg_.add(azimuths.step_deg * static_cast<double>(azimuths.groups), 1, turn_window);
+  } else if (azimuths.step_deg <= 0 || !is_repeated(packet)) {
+    const double packets = packets_since(arrival, azimuth);
+    learn(arrival - last_arrival_, turned_deg(last_azimuth_deg_, azimuth), packets);
+    time_ns_ = std::fmod(time_ns_ + packets * period_ns_.value() + hour_ns, hour_ns);
+  }
+  last_arrival_ = arrival;
+  last_azimuth_deg_ = azimuth;
+  std::memcpy(last_.data(), packet, last_.size());
+  const auto us = static_cast<std::uint32_t>(std::llround(time_ns_ / 1000));
+  for (std::size_t i = 0; i < 4; ++i) packet[stamp_offset + i] = static_cast<std::uint8_t>(us >> (8 * i));
+}
+
+}  // namespace lidard::velodyne
