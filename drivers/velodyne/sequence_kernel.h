@@ -20,7 +20,7 @@ constexpr std::size_t lanes = 8;
 /// What is known of each laser, one array per quantity, so that several lasers are computed at once. m, rad,
 /// s.
 struct alignas(32) LaserArrays {
-  double turning[most_lasers];      ///< its firing after the sequence's first
+  double turning[most_lasers];      ///< how long the head turned before it fired
   double cos_rot[most_lasers];      ///< of its rot_correction
   double sin_rot[most_lasers];      ///< "
   float cos_shift[most_lasers];     ///< of its azimuth minus the sequence's; see turn_lasers
@@ -29,7 +29,7 @@ struct alignas(32) LaserArrays {
   float ground_begin[most_lasers];  ///< distance over ground of count 0
   float up_step[most_lasers];       ///< height of one count
   float up_begin[most_lasers];      ///< height of count 0
-  float time[most_lasers];          ///< the same as `turning`
+  float time[most_lasers];          ///< its firing after the sequence's first
   std::uint64_t ring[most_lasers];
   std::int32_t nearest[most_lasers];   ///< counts below are no returns
   std::int32_t farthest[most_lasers];  ///< counts above are none either

@@ -123,8 +123,7 @@ void Unpacker::set_timing(const Timing& timing) {
     lasers_.time[k] = static_cast<float>(seconds(origins_[k].firing));
     // A block's azimuth is that of its first firing. That of an HDL-64E S1 holds for the whole block: its
     // db.xml and the viewer it was made for know of no turn within it.
-    origins_[k].turning_s = row_.bank_by_bank ? 0 : seconds(origins_[k].firing);
-    lasers_.turning[k] = origins_[k].turning_s;
+    lasers_.turning[k] = row_.bank_by_bank ? 0 : seconds(origins_[k].firing);
   }
   longest_turning_ = *std::max_element(lasers_.turning, lasers_.turning + row_.lasers);
   turn_anew();
@@ -143,7 +142,8 @@ void Unpacker::set_rate(double deg_per_s) {
   rate_ = deg_per_s;
   kernels_.turn_lasers(lasers_, deg_per_s * rad_per_deg);
   if (!keep_origins_) return;
-  for (LaserOrigin& origin : origins_) origin.shift_deg = rate_ * seconds(origin.firing) - origin.rot_deg;
+  for (std::size_t k = 0; k < row_.lasers; ++k)
+    origins_[k].shift_deg = rate_ * lasers_.turning[k] - origins_[k].rot_deg;
 }
 
 void Unpacker::reserve_packet(Cloud& cloud) const {
