@@ -12,7 +12,7 @@ namespace lidard::sick {
 namespace {
 
 /// How the names begin that devices call themselves by; the first that fits counts.
-/// Recorded: "MRS1xxxx". The others follow SICK 8014631 and are unverified.
+/// Recorded: "MRS1xxxx", "MRS1xxxC". The others follow SICK 8014631 and are unverified.
 struct Identity {
   std::string_view begins, model;
 };

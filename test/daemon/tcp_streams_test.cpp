@@ -26,9 +26,10 @@ struct Recorded {
   const char* file;
   const char* model;
   int scans;
+  double hz;  // by the telegrams' own times
 };
-const Recorded lms111{"sick/lms111_colab_20210302.pcap", "sick_lms1xx", 175};
-const Recorded tim781s{"sick/tim781s_colab_20210125.pcap", "sick_tim7xx", 140};
+const Recorded lms111{"sick/lms111_colab_20210302.pcap", "sick_lms1xx", 175, 50.59};
+const Recorded tim781s{"sick/tim781s_colab_20210125.pcap", "sick_tim7xx", 140, 15};
 
 class RecordedConnection : public ::testing::TestWithParam<Recorded> {};
 
@@ -57,6 +58,8 @@ TEST_P(RecordedConnection, IsInspectedAsOneSensorWithAConfigurationThatReplaysIt
   EXPECT_EQ(sensor["port"], 2112);
   EXPECT_EQ(sensor["model"], GetParam().model);
   EXPECT_EQ(sensor["frames"], GetParam().scans);
+  EXPECT_EQ(sensor["data_packets"], GetParam().scans) << "answers and events are no data";
+  EXPECT_NEAR(sensor["rate_hz"].get<double>(), GetParam().hz, 0.05) << "of scans, not of chunks";
   EXPECT_TRUE(said["unknown"].empty());  // the client's side belongs to the conversation
 
   const Config config = parse_config(said["config"].get<std::string>(), "inspected");

@@ -16,7 +16,8 @@ namespace {
 /// Sensors of a scene were switched on so many telegrams before it began or the server started.
 constexpr std::int64_t telegrams_before = 1500;
 
-/// A product as SICK 8014631 and the data sheets describe it.
+/// A product as SICK 8014631 and the data sheets describe it. Angles and rates of LMS111, LMS511, TiM781S and
+/// MRS1104, and the name "MRS1xxxx", are those of recordings.
 struct Product {
   const char* name;
   const char* type;  ///< how it calls itself
@@ -199,6 +200,7 @@ Setup setup_of(const std::string& model) {
   device.stamps_last_beam = setup.product->stamps_last_beam;
   const bool modules = model == "sick_mrs1000" || model == "sick_lms1000";
   if (modules) device.scans_per_turn = 4;
+  // In the order of two recorded MRS1104.
   if (model == "sick_mrs1000") device.layers = {250, -500, 0, -250};
   device.password = model == "sick_tim7xxs" ? 0x6FD62C05 : 0xF4724744;
   // What is left of the period behind the sweep of a fast device is shorter than the others' processing.

@@ -45,7 +45,8 @@ struct SickChannel {
   std::vector<std::uint16_t> values;
 };
 
-/// The telegram LMDscandata (SICK 8014631 chapter 4.3.4).
+/// The telegram LMDscandata (SICK 8014631 chapter 4.3.4). The order of its fields is that of recorded
+/// telegrams of an LMS111, LMS511, TiM781S and MRS1104 (CoLa B) and of an LMS5xx (CoLa A).
 struct SickScan {
   std::string command = "sSN LMDscandata";
   std::uint16_t version = 1, device = 1;

@@ -157,7 +157,8 @@ class MicroScan3 : public SensorModel {
     return wire;
   }
 
-  // SICK 8022708 p. 20-21. The distance of a beam without echo is not specified: here the largest range.
+  // SICK 8022708 p. 20-21. A beam without echo is valid, infinite and as far as the largest range, as the
+  // recorded microScan3 tells it (microscan3_398: 40000 mm, flags 0x03).
   Wire measurement(const std::vector<Answer>& answers) const {
     Wire wire(4 + 4 * count_);
     wire.put32(0, count_);

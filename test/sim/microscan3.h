@@ -25,7 +25,9 @@ struct MicroScan3Options {
   std::vector<std::pair<double, double>> dirty_deg;  ///< sectors of the window that are contaminated
 };
 
-/// microScan3, nanoScan3, outdoorScan3.
+/// microScan3, nanoScan3, outdoorScan3. The layout is that of SICK 8022708 (pages stand beside the code), the
+/// order and sizes of the blocks those of a recorded microScan3 (microscan3_398). Bits 6 and 7 of a beam's
+/// status, which that one sets and nobody documents, are 0 here.
 ModelMaker make_microscan3(const MicroScan3Options& options);
 /// What such a scanner shows on its CoLa 2 port while it sends to `entry.to`.
 SafetySettings safety_settings(const MicroScan3Options& options, const SensorEntry& entry);
