@@ -44,6 +44,13 @@ TEST(ExampleConfigs, AreAllRead) {
   }
 }
 
+TEST(ExampleConfigs, NameTheAddressOfEachSensor) {
+  for (const std::string& file : examples()) {
+    for (const SensorConfig& sensor : load_config(file).sensors)
+      EXPECT_TRUE(sensor.model == nullptr || sensor.ip_address) << file << ": " << sensor.name;
+  }
+}
+
 TEST(ExampleConfigs, GiveScansThatSlamToolboxAccepts) {
   std::size_t checked = 0;
   for (const std::string& file : examples()) {
