@@ -18,7 +18,7 @@ import sys
 import time
 
 import rospy
-from harness import LIDARD, LIDARD_SIM, expect, folder, free_port, process, ros_master, use_master_at, wait_for
+from harness import LIDARD, LIDARD_SIM, expect, folder, free_port, kernel_port_is_open, process, ros_master, use_master_at, wait_for
 
 SCENE = """start: 2026-01-01T00:00:00Z
 duration: 1.0
@@ -90,10 +90,6 @@ def stream(name, capture, seconds, listen, tmp):
     expect(packets == sent and lost == 0 and drops == 0, f"packets were lost; log:\n{text}")
     expect(found.group(4) == "0", text)
     expect(frames >= 10 * seconds - 2, f"{frames} clouds in {seconds} s at 10 turns per second")
-
-
-def kernel_port_is_open(port):
-    return any(f":{port:04X} " in line for line in pathlib.Path("/proc/net/udp").read_text().splitlines())
 
 
 def main():
