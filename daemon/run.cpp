@@ -150,6 +150,7 @@ class Daemon {
     io_.run();
     service_.stopping();
     ports_.stop();
+    pipeline_.finish(wall_clock());  // what is still in doubt of the last packets is counted
     links_.stop();
     controls_.stop();
     for (const auto& sensor : pipeline_.report()) log_sensor(sensor);

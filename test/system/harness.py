@@ -27,6 +27,11 @@ def free_port(kind=socket.SOCK_STREAM):
         return s.getsockname()[1]
 
 
+def kernel_port_is_open(port):
+    """True if somebody listens at this UDP port."""
+    return any(f":{port:04X} " in line for line in pathlib.Path("/proc/net/udp").read_text().splitlines())
+
+
 def wait_for(condition, limit, what):
     """The condition's first true value; fails the test after `limit` seconds on a quiet machine."""
     end = time.monotonic() + PATIENCE * limit

@@ -18,8 +18,8 @@ import sys
 import time
 
 import rospy
-from harness import (LIDARD, LIDARD_SIM, expect, folder, free_port, process, ros_master, use_master_at, wait_for,
-                     waited_for_processor)
+from harness import (LIDARD, LIDARD_SIM, expect, folder, free_port, kernel_port_is_open, process, ros_master,
+                     use_master_at, wait_for, waited_for_processor)
 
 SCENE = """start: 2026-01-01T00:00:00Z
 duration: 1.0
@@ -97,10 +97,6 @@ def stream(name, capture, seconds, listen, tmp):
         return
     expect(packets == sent and lost == 0 and drops == 0, f"packets were lost, starved {starved:.2f} s; log:\n{text}")
     expect(frames >= 10 * seconds - 2, f"{frames} clouds in {seconds} s at 10 turns per second")
-
-
-def kernel_port_is_open(port):
-    return any(f":{port:04X} " in line for line in pathlib.Path("/proc/net/udp").read_text().splitlines())
 
 
 def main():

@@ -1,0 +1,116 @@
+#!/usr/bin/python3
+# SPDX-FileCopyrightText: 2026 the lidard authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Velodynes live over loopback with bursts of 20 to 75 lost packets after every 200, as a loose plug makes them: the daemon
+stays alive and counts every lost packet.
+
+    test_bursts.py [RUNS SECONDS]      default 3 and 2; on demand 25 and 12; with LIDARD, LIDARD_SIM and LIDARD_SOURCE_DIR
+                                       set as ctest does
+
+Two runs at a time.
+"""
+import concurrent.futures
+import pathlib
+import random
+import re
+import signal
+import socket
+import struct
+import subprocess
+import sys
+
+from harness import LIDARD, LIDARD_SIM, expect, folder, free_port, kernel_port_is_open, process, use_master_at, wait_for
+
+SCENE = """start: 2026-01-01T00:00:00Z
+duration: {seconds}
+objects:
+  - wall: {{from: [4, -30], to: [4, 30], z: [-5, 5]}}
+sensors:
+  roof: {{model: {model}, from: '192.168.1.201:2368', to: '192.168.1.77:2368'}}
+"""
+CONFIG = "sensors:\n  roof: {{model: {model}, ip_address: 127.168.1.201, ip_port: {port}}}\n"
+MODELS = ("velodyne_vlp16", "velodyne_vls128", "velodyne_hdl32e")
+FILE_HEAD, RECORD_HEAD = 24, 16
+
+
+def records(capture):
+    """The records of a pcap file of the simulator."""
+    data = capture.read_bytes()
+    at = FILE_HEAD
+    while at < len(data):
+        size = RECORD_HEAD + struct.unpack_from("<I", data, at + 8)[0]
+        yield data[at:at + size]
+        at += size
+
+
+def lose_bursts(capture, out, seed):
+    """Writes what arrives; returns how many packets that is, and how many are missing between them."""
+    rng = random.Random(seed)
+    sent = lost = pending = 0
+    left = 200
+    with out.open("wb") as file:
+        file.write(capture.read_bytes()[:FILE_HEAD])
+        for record in records(capture):
+            if left == 0:
+                left = 200 + rng.randint(20, 75)
+            left -= 1
+            if left >= 200:
+                pending += 1
+                continue
+            lost, pending, sent = lost + pending, 0, sent + 1
+            file.write(record)
+    return sent, lost
+
+
+def is_read(port):
+    """True if nothing waits at this UDP port."""
+    lines = [line.split() for line in pathlib.Path("/proc/net/udp").read_text().splitlines()]
+    return all(fields[4].endswith(":00000000") for fields in lines if fields[1].endswith(f":{port:04X}"))
+
+
+def live(tmp, captures, number):
+    model = MODELS[number % len(MODELS)]
+    port = free_port(socket.SOCK_DGRAM)
+    config, arriving, log = (tmp / f"{number}.{end}" for end in ("yaml", "pcap", "log"))
+    config.write_text(CONFIG.format(model=model, port=port))
+    sent, lost = lose_bursts(captures[model], arriving, number)
+    with log.open("w") as file, process([LIDARD, "run", "-c", config], stdout=file, stderr=subprocess.STDOUT) as daemon:
+        wait_for(lambda: kernel_port_is_open(port), 30, "the daemon listens")
+        sender = subprocess.run([LIDARD_SIM, "send", str(arriving), "--to", "127.0.0.1", f"--port-map=2368={port}"],
+                                capture_output=True, text=True, timeout=300)
+        expect(sender.returncode == 0, sender.stderr)
+        wait_for(lambda: daemon.poll() is not None or is_read(port), 30, f"run {number}: the daemon reads what came")
+        expect(daemon.poll() is None, f"run {number}: the daemon ended by itself")
+        daemon.send_signal(signal.SIGTERM)
+        try:
+            daemon.wait(30)
+        except subprocess.TimeoutExpired:
+            sys.exit(f"FAILED: run {number}: the daemon hangs")
+    arriving.unlink()
+    found = re.search(r"roof \(\w+\): (\d+) packets, (\d+) frames, (\d+) lost, rejected (.*)", log.read_text())
+    expect(found, log.read_text())
+    packets, frames, counted = (int(n) for n in found.group(1, 2, 3))
+    print(f"run {number} {model}: {sent} packets sent, {packets} received, {lost} left out, {counted} counted as lost, {frames} clouds",
+          flush=True)
+    # What a busy machine's kernel threw away is lost, too.
+    expect(counted == lost + sent - packets, f"run {number} of {model}: {counted} counted as lost; log:\n{log.read_text()}")
+    expect(found.group(4) == "0" and frames > 0, log.read_text())
+
+
+def main():
+    runs, seconds = (int(a) for a in sys.argv[1:3]) if len(sys.argv) > 2 else (3, 2)
+    use_master_at(free_port())  # nobody is there
+    with folder() as tmp, concurrent.futures.ThreadPoolExecutor(2) as pool:
+        captures = {}
+        for model in MODELS:
+            scene = tmp / f"{model}.yaml"
+            scene.write_text(SCENE.format(model=model, seconds=seconds))
+            subprocess.run([LIDARD_SIM, "make", scene, "-o", tmp / model, "--no-truth"], check=True, capture_output=True)
+            captures[model] = tmp / f"{model}.pcap"
+        for done in [pool.submit(live, tmp, captures, number) for number in range(runs)]:
+            done.result()
+    print("ok")
+
+
+if __name__ == "__main__":
+    main()
