@@ -10,7 +10,7 @@ namespace lidard::velodyne {
 namespace {
 
 /// The table's period counts like so many packets beside those that came.
-constexpr double table_weight = 2000;
+constexpr double table_weight = 500;
 /// Long enough to measure the period to 1e-5 in spite of the jitter, short enough to follow the temperature.
 constexpr double period_window = 50'000;
 /// A fifth of a turn or so: the motor follows its set value slowly.
@@ -22,6 +22,11 @@ constexpr double slack_packets = 10;
 constexpr Span longest_pause = std::chrono::seconds(1);
 
 constexpr double hour_ns = 3.6e12;
+
+/// The stamps follow the arrivals by this part of what they lag behind, so that no difference of the clocks
+/// adds up; a packet that the host fetched late counts no more than one of the usual jitter.
+constexpr double follow = 1.0 / 128;
+constexpr double usual_jitter_ns = 200e3;
 
 double turned_deg(double from, double to) { return to < from ? to - from + 360 : to - from; }
 
@@ -74,16 +79,26 @@ void ArrivalStamps::learn(Span elapsed, double turned, double packets) {
   if (turned < 180) turn_deg_.add(turned, packets, turn_window);
 }
 
+void ArrivalStamps::advance(Span elapsed, double turned, double packets) {
+  learn(elapsed, turned, packets);
+  double step = packets * period_ns_.value();
+  lag_ns_ += static_cast<double>(elapsed.count()) - step;
+  // The host's clock was set, or turns were counted that never were: from now on from here.
+  if (std::abs(lag_ns_) > static_cast<double>(longest_pause.count())) lag_ns_ = 0;
+  const double correction = follow * std::clamp(lag_ns_, -usual_jitter_ns, usual_jitter_ns);
+  lag_ns_ -= correction;
+  step += correction;
+  time_ns_ = std::fmod(time_ns_ + step + hour_ns, hour_ns);
+}
+
 void ArrivalStamps::stamp(Stamp arrival, const PacketAzimuths& azimuths, std::uint8_t* packet) {
   const double azimuth = azimuths.group_deg[0];
   if (!started_) {
     started_ = true;
-    time_ns_ = 0;
+    time_ns_ = lag_ns_ = 0;
     turn_deg_.add(azimuths.step_deg * static_cast<double>(azimuths.groups), 1, turn_window);
   } else if (azimuths.step_deg <= 0 || !is_repeated(packet)) {
-    const double packets = packets_since(arrival, azimuth);
-    learn(arrival - last_arrival_, turned_deg(last_azimuth_deg_, azimuth), packets);
-    time_ns_ = std::fmod(time_ns_ + packets * period_ns_.value() + hour_ns, hour_ns);
+    advance(arrival - last_arrival_, turned_deg(last_azimuth_deg_, azimuth), packets_since(arrival, azimuth));
   }
   last_arrival_ = arrival;
   last_azimuth_deg_ = azimuth;

@@ -12,7 +12,8 @@
 namespace lidard::velodyne {
 
 /// Stamps for packets that come without (HDL-64E S1): it numbers them, and a packet's number times the packet
-/// period is its stamp, as if the sensor had a clock that was set to 0 with the first packet.
+/// period, as the arrivals have it, is its stamp, as if the sensor had a clock that was set to 0 with the
+/// first packet.
 ///
 /// How many packets lie between two, the azimuth tells but for whole turns, and the arrival tells those. A
 /// packet that came late gets the number of its place, one that came twice the same number again. Where the
@@ -37,6 +38,7 @@ class ArrivalStamps {
   };
   double packets_since(Stamp arrival, double azimuth_deg) const;
   bool is_repeated(const std::uint8_t* packet) const;
+  void advance(Span elapsed, double turned_deg, double packets);
   void learn(Span elapsed, double turned_deg, double packets);
 
   Span usual_period_;
@@ -46,6 +48,7 @@ class ArrivalStamps {
   double last_azimuth_deg_ = 0;
   std::array<std::uint8_t, stamp_offset> last_{};  // blocks of the last packet
   double time_ns_ = 0;
+  double lag_ns_ = 0;  // of the stamps behind the arrivals, since the first packet
 };
 
 }  // namespace lidard::velodyne

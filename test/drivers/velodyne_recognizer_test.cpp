@@ -55,7 +55,9 @@ TEST(VelodyneRecognizer, EveryModelAndModeIsTheVerdictOrAmongTheOthers) {
     const Found found = identify(test::spin(which, 0.5));
     const bool among = std::count(found.others.begin(), found.others.end(), which.model) > 0;
     EXPECT_TRUE(found.model == which.model || among) << found.model;
-    if (among) EXPECT_THAT(found.remark, HasSubstr(which.model));
+    if (among) {
+      EXPECT_THAT(found.remark, HasSubstr(which.model));
+    }
   }
 }
 
