@@ -75,7 +75,12 @@ bool ArrivalStamps::is_repeated(const std::uint8_t* packet) const {
 void ArrivalStamps::learn(Span elapsed, double turned, double packets) {
   constexpr double certain = 4;  // places that an azimuth and the jitter cannot mistake
   if (packets < 1 || packets > certain) return;
-  period_ns_.add(static_cast<double>(elapsed.count()), packets, period_window);
+  const auto usual_ns = static_cast<double>(usual_period_.count());
+  const auto elapsed_ns = static_cast<double>(elapsed.count());
+  // What a host fetched late, and all that it fetched with it, says nothing of the period.
+  constexpr double most_jitter = 0.9;
+  if (std::abs(elapsed_ns - packets * usual_ns) > most_jitter * usual_ns) return;
+  period_ns_.add(elapsed_ns, packets, period_window);
   if (turned < 180) turn_deg_.add(turned, packets, turn_window);
 }
 
