@@ -41,6 +41,13 @@ Stamp wall_clock() {
   return Stamp{std::chrono::duration_cast<std::chrono::nanoseconds>(now).count()};
 }
 
+/// Figures alone are no news.
+std::string without_figures(std::string text) {
+  text.erase(std::remove_if(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; }),
+             text.end());
+  return text;
+}
+
 /// What the outputs take a source for.
 std::optional<FrameKind> use_of(const std::string& sensor, const Config& config) {
   for (const auto& merged : config.merged_scans) {
@@ -254,9 +261,9 @@ class Daemon {
       if (item.health == Health::ok) {
         if (!told.empty()) spdlog::info("{}: {}", item.name, item.message);
         told.clear();
-      } else if (told != item.message) {
+      } else if (const std::string text = without_figures(item.message); told != text) {
         spdlog::warn("{}: {}", item.name, item.message);
-        told = item.message;
+        told = text;
       }
     }
   }

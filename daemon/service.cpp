@@ -6,10 +6,13 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 #include <systemd/sd-daemon.h>
 #include <unistd.h>
 
+#include <cstddef>
 #include <cstdlib>
 #include <memory>
 
@@ -60,6 +63,24 @@ std::shared_ptr<spdlog::logger> terminal_logger() {
   return logger;
 }
 
+/// sd_notify() waits while the service manager does not read; the thread that receives must not. What does
+/// not fit into the manager's queue is dropped: the next one comes soon. Addresses: sd_notify(3).
+void notify_without_waiting(const std::string& text) {
+  const char* const given = std::getenv("NOTIFY_SOCKET");
+  const std::string_view path = given == nullptr ? "" : given;
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.empty() || path.size() >= sizeof address.sun_path || (path[0] != '/' && path[0] != '@')) return;
+  path.copy(address.sun_path, path.size());
+  if (path[0] == '@') address.sun_path[0] = '\0';
+  const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (fd < 0) return;
+  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size());
+  sendto(fd, text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL, reinterpret_cast<sockaddr*>(&address),
+         size);
+  close(fd);
+}
+
 }  // namespace
 
 bool stderr_is_journal() {
@@ -77,10 +98,10 @@ void set_up_logging(const std::string& level) {
 }
 
 void ServiceManager::ready(const std::string& status) { sd_notifyf(0, "READY=1\nSTATUS=%s", status.c_str()); }
-void ServiceManager::status(const std::string& text) { sd_notifyf(0, "STATUS=%s", text.c_str()); }
+void ServiceManager::status(const std::string& text) { notify_without_waiting("STATUS=" + text); }
 void ServiceManager::reloading() { sd_notify(0, "RELOADING=1"); }
 void ServiceManager::stopping() { sd_notify(0, "STOPPING=1"); }
-void ServiceManager::alive() { sd_notify(0, "WATCHDOG=1"); }
+void ServiceManager::alive() { notify_without_waiting("WATCHDOG=1"); }
 
 std::optional<Span> ServiceManager::watchdog_limit() const {
   std::uint64_t us = 0;

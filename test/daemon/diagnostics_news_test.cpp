@@ -36,12 +36,15 @@ merged_scans:
   Pipeline pipeline(config, none, sink);
   pipeline.tick(at(10));
   EXPECT_EQ(sink.told, 1);
+  for (const auto& item : sink.newest)
+    EXPECT_EQ(item.health, Health::ok) << item.name << " may still come: " << item.message;
   pipeline.tick(at(10.1));
   pipeline.tick(at(10.9));
   EXPECT_EQ(sink.told, 1) << "nothing new";
   pipeline.tick(at(11));
   EXPECT_EQ(sink.told, 2);
   EXPECT_EQ(sink.newest.at(0).health, Health::error) << "nothing has come yet";
+  EXPECT_EQ(sink.newest.at(1).health, Health::error) << sink.newest.at(1).name;
 
   PlanarScan scan;
   scan.frame_id = "left";

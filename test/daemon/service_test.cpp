@@ -59,6 +59,18 @@ TEST(ServiceManager, HearsWhenTheDaemonIsReadyAliveAndStopping) {
   });
 }
 
+TEST(ServiceManager, IsNotWaitedForWhereItDoesNotRead) {
+  in_own_process([] {
+    const NotifySocket socket;
+    ServiceManager manager;
+    for (int i = 0; i < 5000; ++i) {
+      manager.alive();
+      manager.status("3 of 3 sensors");
+    }
+    EXPECT_EQ(socket.next(), "WATCHDOG=1");
+  });
+}
+
 TEST(ServiceManager, TellsTheWatchdogsLimit) {
   in_own_process([] {
     ServiceManager manager;
