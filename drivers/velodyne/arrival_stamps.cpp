@@ -59,11 +59,12 @@ double ArrivalStamps::packets_since(Stamp arrival, double azimuth_deg) const {
   constexpr double slowest_deg = 0.1;  // per packet: 43 rpm
   if (elapsed < longest_pause && elapsed > -longest_pause && turn > slowest_deg) {
     const double part = turned_deg(last_azimuth_deg_, azimuth_deg) / turn;
-    const double whole_turn = 360 / turn;
+    const double packets_per_turn = 360 / turn;
     if (part <= most)
-      return std::max(1.0, std::round(part + whole_turn * std::floor((most - part) / whole_turn)));
+      return std::max(1.0,
+                      std::round(part + packets_per_turn * std::floor((most - part) / packets_per_turn)));
     // Ahead of what can have been sent since: it belongs before the last one.
-    if (whole_turn - part <= latest_place) return std::round(part - whole_turn);
+    if (packets_per_turn - part <= latest_place) return std::round(part - packets_per_turn);
   }
   return std::max(1.0, std::round(by_arrival));
 }
@@ -97,7 +98,7 @@ void ArrivalStamps::advance(Span elapsed, double turned, double packets) {
 }
 
 void ArrivalStamps::stamp(Stamp arrival, const PacketAzimuths& azimuths, std::uint8_t* packet) {
-  const double azimuth = azimuths.group_deg[0];
+  const double azimuth = azimuths.group_deg(0);
   if (!started_) {
     started_ = true;
     time_ns_ = lag_ns_ = 0;

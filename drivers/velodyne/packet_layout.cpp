@@ -60,7 +60,7 @@ Reject check_single_banks(const DataPacket& packet) {
     if (flag != bank_flags[0] && flag != bank_flags[1]) return Reject::magic;
     if (b >= 4 && flag != packet.flag(b - 4)) return Reject::magic;
     lower += flag == bank_flags[1] ? 1U : 0U;
-    if (packet.azimuth(b) >= azimuth_limit) return Reject::field;
+    if (packet.azimuth(b) >= whole_turn) return Reject::field;
   }
   return lower == blocks_per_packet / 4 ? Reject::none : Reject::magic;
 }
