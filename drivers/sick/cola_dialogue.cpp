@@ -95,7 +95,7 @@ unsigned first_number(const ColaTelegram& telegram) {
 }  // namespace
 
 void ColaDialogue::start(Stamp now, DriverOutput& out) {
-  answered_ = false;
+  answered_ = scans_ = false;
   logged_in_ = false;
   want_login_ = false;
   settings_.reset();
@@ -327,7 +327,9 @@ void ColaDialogue::settings_written(DriverOutput& out) {
   settings_ = wanted_;
 }
 
-void ColaDialogue::scan_came() {
+void ColaDialogue::scan_came(ColaDialect dialect) {
+  if (!scans_) dialect_ = dialect;
+  scans_ = dialect_known_ = true;
   if (step_ != Step::waiting && step_ != Step::subscribe) return;
   step_ = Step::streaming;
   show_warnings();
@@ -348,6 +350,10 @@ void ColaDialogue::tick(Stamp now, DriverOutput& out) {
     return;
   }
   const std::string command = commands[static_cast<std::size_t>(step_)];
+  if (scans_) {
+    warn("the device did not answer '" + command + "'; its scans are not affected");
+    return proceed(now, out);
+  }
   dialect_known_ = false;
   give_up("the device did not answer '" + command +
               "' in time; check that ip_port is its port for CoLa (2112, or 2111) and that nobody else is "

@@ -28,8 +28,8 @@ class ColaDialogue {
   void stop();
   /// Something that the device said and that is no event.
   void answer(const ColaTelegram& telegram, Stamp now, DriverOutput& out);
-  /// A scan came.
-  void scan_came();
+  /// A scan came, in this dialect.
+  void scan_came(ColaDialect dialect);
   void tick(Stamp now, DriverOutput& out);
 
   /// True once after what follows changed.
@@ -75,6 +75,7 @@ class ColaDialogue {
   ColaDialect dialect_ = ColaDialect::b;
   bool dialect_known_ = false;
   bool answered_ = false;  // in this connection
+  bool scans_ = false;     // likewise: they come although not everything was asked yet
   Step step_ = Step::idle;
   Stamp asked_;
   bool logged_in_ = false;

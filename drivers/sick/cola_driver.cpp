@@ -146,7 +146,7 @@ Reject ColaDriver::handle(const ColaTelegram& telegram, Stamp arrival, DriverOut
 Reject ColaDriver::handle_scan(const ColaTelegram& telegram, Stamp arrival, DriverOutput& out) {
   Reject reason = parse_cola_scan(telegram, scan_);
   if (reason != Reject::none) return reason;
-  dialogue_.scan_came();
+  dialogue_.scan_came(telegram.dialect);
   if (!device_known_ || dialect_ != telegram.dialect || serial_ != scan_.serial || name_ != scan_.name()) {
     dialect_ = telegram.dialect;
     follow_device();

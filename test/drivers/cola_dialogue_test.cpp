@@ -207,6 +207,24 @@ TEST(ColaDialogue, ADeviceThatIsAnotherModelIsNamedBesideTheConfiguredOne) {
   }
 }
 
+// As SICK's own test server, which replays a recording (SICKAG/sick_scan_xd,
+// test/python/sopas_json_test_server.py).
+TEST(ColaDialogue, ADeviceThatSendsScansButDoesNotAnswerIsKept) {
+  for (const Cola dialect : {Cola::binary, Cola::text}) {
+    ColaBench bench;
+    bench.dialect = dialect;
+    bench.driver->connected(bench.now, bench);
+    for (int i = 0; i < 1000; ++i) {
+      bench.send_next();
+      bench.driver->tick(bench.now, bench);
+    }
+    EXPECT_EQ(bench.reconnects, 0);
+    EXPECT_EQ(bench.scans.size(), 1000U);
+    EXPECT_EQ(bench.requests.back(), subscribe(dialect));
+    EXPECT_TRUE(bench.has_warning("did not answer 'sRN LMPoutputRange'; its scans are not affected"));
+  }
+}
+
 TEST(ColaDialogue, VariantsOfAModelAreNotTakenForAnother) {
   ColaBench bench("sick_tim7xxs");
   FakeDevice device(bench);
