@@ -21,7 +21,7 @@ std::string topic_below(const SensorConfig& sensor, std::string_view name) {
 ReceptionWatch watch_of(const SensorConfig& sensor) {
   if (sensor.model == nullptr) return ReceptionWatch(0);
   const DriverConfig& driver = sensor.driver;
-  if (sends_clouds(sensor) && driver.frame_cut == FrameCut::time)
+  if (sensor.model->kind == FrameKind::cloud && driver.frame_cut == FrameCut::time)
     return ReceptionWatch(seconds(driver.frame_duration), true);
   return ReceptionWatch(sensor.model->frame_period * (1 + driver.requests.skip.value_or(0)));
 }
