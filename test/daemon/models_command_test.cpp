@@ -9,7 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "daemon/read_file.h"
 #include "drivers/model.h"
+#include "test/support/captures.h"
 
 namespace lidard {
 namespace {
@@ -45,6 +47,16 @@ TEST(ModelsCommand, PrintsJson) {
     EXPECT_EQ(entry.at("port"), model->port);
     EXPECT_EQ(entry.at("verified"), model->verified);
     EXPECT_EQ(entry.at("frames"), model->kind == FrameKind::cloud ? "cloud" : "scan");
+  }
+}
+
+TEST(ModelsCommand, ThePageOfTruthNamesEveryModelOnce) {
+  const std::string page = read_file(test::project_file("test/TRUTH.md"), "the page");
+  for (const Model& model : models()) {
+    const std::string name = "`" + std::string(model.name) + "`";
+    const std::size_t at = page.find(name);
+    ASSERT_NE(at, std::string::npos) << name;
+    EXPECT_EQ(page.find(name, at + 1), std::string::npos) << name;
   }
 }
 
