@@ -19,8 +19,8 @@ constexpr Hundredths same_edge = 100;
 constexpr Hundredths tolerance = 1;
 /// Holes in one place that make a sector. Packets that are lost one by one are never lost so; bursts of lost
 /// packets may, now and then: where the stream has such, or where the sensor was seen, it takes more.
-constexpr int passes_for_certainty = 3;
-constexpr int passes_against_bursts = 10;
+constexpr std::int64_t passes_for_certainty = 3;
+constexpr std::int64_t passes_against_bursts = 10;
 /// Chance is ruled out where it would do such a thing once in so many streams.
 const double log_certainty = std::log(1e3);
 
@@ -121,9 +121,8 @@ bool HiddenSectors::was_seen(const Sector& sector) const {
 
 /// A hole lay over the whole sector.
 void HiddenSectors::pass(Sector& sector) {
-  if (sector.known) return;
   ++sector.passes;
-  if (sector.passes < passes_for_certainty) return;
+  if (sector.known || sector.passes < passes_for_certainty) return;
   if (sector.passes < passes_against_bursts && (bursts_ || was_seen(sector))) return;
   if (could_be_chance(sector)) return;
   sector.known = true;
@@ -193,6 +192,7 @@ void HiddenSectors::learn(Hundredths from, Hundredths to, Hundredths packet) {
       // The narrower one of both is right: nothing ever came from within it.
       if (!s.known) s.slack = same_edge;
       s.known = true;
+      s.passes = std::max(s.passes, passes_against_bursts);
       return;
     }
     const bool overlaps = ahead(from, s.from) < width || ahead(s.from, from) < s.width;
@@ -200,7 +200,7 @@ void HiddenSectors::learn(Hundredths from, Hundredths to, Hundredths packet) {
     if (!s.used) place = &s;
   }
   if (place == nullptr) place = &sectors_[0];
-  *place = {from, width, std::max(packet, 1), same_edge, 0, true, true};
+  *place = {from, width, std::max(packet, 1), same_edge, passes_against_bursts, true, true};
 }
 
 /// Something came from within the sector: only what lies beside it can be hidden.
@@ -210,8 +210,11 @@ void HiddenSectors::take_out(Sector& sector, Hundredths azimuth) {
   const Hundredths smallest = sector.known ? smallest_sector : smallest_candidate;
   sector.slack -= std::min(before, after);
   if (sector.known && sector.slack < 0) {
-    // More than its edge: the field of view was changed, and the holes of the past were right.
     sector.used = false;
+    // More than its edge. After few passes they were bursts in one place by chance, and what they took is
+    // lost.
+    if (sector.passes < passes_against_bursts) return;
+    // After many the field of view was changed, and the holes of the past were right.
     past_ = {};
     seen_.reset();
     return;

@@ -53,7 +53,7 @@ class HiddenSectors {
     Hundredths from = 0, width = 0;  // between the last group before and the first group after it
     Hundredths packet = 0;           // turn during a packet
     Hundredths slack = 0;            // may still be taken from it once it is known
-    int passes = 0;                  // holes over the whole of it
+    std::int64_t passes = 0;         // holes over the whole of it; many where it lay inside a packet
     bool known = false;              // it lay inside a packet or came too often for chance
     bool used = false;
 

@@ -21,13 +21,20 @@ TEST(VelodyneTables, HoldTheValuesOfTheManuals) {
     double elevation, rot, z_mm;
   };
   const Sample samples[] = {
-      {"velodyne_vlp16", 16, 13, 13, 0, -9.7},        {"velodyne_puck_lite", 16, 0, -15, 0, 11.2},
-      {"velodyne_puck_hires", 16, 3, 2, 0, -1.8},     {"velodyne_vlp32a", 32, 28, -1.167, -3.6, 0.864},
-      {"velodyne_vlp32b", 32, 29, 15, 1.4, -11.361},  {"velodyne_vlp32c", 32, 14, 0.667, -4.2, -0.494},
-      {"velodyne_hdl32e", 32, 0, -30.67, 0, 17.17},   {"velodyne_hdl32e", 32, 31, 10.67, 0, -5.45},
-      {"velodyne_hdl64e_s1", 64, 38, -24.71, -1, 0},  {"velodyne_hdl64e_s2", 64, 31, -0.02, 1.7, 0},
-      {"velodyne_hdl64e_s21", 64, 29, 4.97, 2.51, 0}, {"velodyne_hdl64e_s3", 64, 63, -11.91, 1.66, 0},
-      {"velodyne_vls128", 128, 36, -25, 0.911, 0},    {"velodyne_alpha_prime", 128, 59, 15, -0.911, 0},
+      {"velodyne_vlp16", 16, 13, 13, 0, -9.7},
+      {"velodyne_puck_lite", 16, 0, -15, 0, 11.2},
+      {"velodyne_puck_hires", 16, 3, 2, 0, -1.8},
+      {"velodyne_vlp32a", 32, 28, -1.167, -3.6, 0.864},
+      {"velodyne_vlp32b", 32, 29, 15, 1.4, -11.361},
+      {"velodyne_vlp32c", 32, 14, 0.667, -4.2, -0.494},
+      {"velodyne_hdl32e", 32, 0, -30.67, 0, 17.17},
+      {"velodyne_hdl32e", 32, 31, 10.67, 0, -5.45},
+      {"velodyne_hdl64e_s1", 64, 38, -24.71, -1, 0},
+      {"velodyne_hdl64e_s2", 64, 31, -0.02, 1.7, 0},
+      {"velodyne_hdl64e_s21", 64, 29, 4.97, 2.51, 0},
+      {"velodyne_hdl64e_s3", 64, 63, -11.91, 1.66, 0},
+      {"velodyne_vls128", 128, 36, -25, 0.911, 27.339},
+      {"velodyne_alpha_prime", 128, 59, 15, -0.911, -15.710},
   };
   for (const Sample& sample : samples) {
     const VelodyneTable& table = velodyne_table(sample.model);

@@ -77,10 +77,11 @@ std::vector<VelodyneTiming> vls128_timings() {
   return {b, a, c};
 }
 
-// All beams of the VLP-32 cross 42.4 mm in front of the axis (velodyne_decoder; unverified against a
-// drawing).
+// All beams of the VLP-32 cross 42.4 mm in front of the axis, those of the VLS-128 58.63 mm
+// (velodyne_decoder; the first agrees with the floor of a recording, the second is the likeliest:
+// drivers/velodyne/laser_tables.cpp).
 VelodyneLasers raised(VelodyneLasers lasers) {
-  constexpr double focal_mm = 42.4;
+  const double focal_mm = lasers.size() == 128 ? 58.63 : 42.4;
   for (VelodyneLaser& laser : lasers) {
     laser.z_offset_mm = focal_mm * std::tan(-laser.elevation_deg * rad_per_deg);
   }
@@ -105,8 +106,8 @@ std::vector<VelodyneTable> make_tables() {
       {"velodyne_hdl64e_s2", 0, 2, 120, true, plain, hdl64e_utexas_lasers(), {column_48(), column_57_6()}},
       {"velodyne_hdl64e_s21", 0, 2, 120, true, plain, hdl64e_sztaki_lasers(), {column_48(), column_57_6()}},
       {"velodyne_hdl64e_s3", 0, 2, 120, true, plain, hdl64e_xiesc_lasers(), {column_57_6(), column_48()}},
-      {"velodyne_vls128", 0xa1, 4, 245, true, warm, vls128_lasers(), vls128_timings()},
-      {"velodyne_alpha_prime", 0xa1, 4, 245, true, warm, vls128_lasers(), vls128_timings()},
+      {"velodyne_vls128", 0xa1, 4, 245, true, warm, raised(vls128_lasers()), vls128_timings()},
+      {"velodyne_alpha_prime", 0xa1, 4, 245, true, warm, raised(vls128_lasers()), vls128_timings()},
   };
 }
 

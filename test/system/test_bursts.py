@@ -10,6 +10,7 @@ stays alive and counts every lost packet.
 Two runs at a time.
 """
 import concurrent.futures
+import os
 import pathlib
 import random
 import re
@@ -19,7 +20,7 @@ import struct
 import subprocess
 import sys
 
-from harness import LIDARD, LIDARD_SIM, expect, folder, free_port, kernel_port_is_open, process, use_master_at, wait_for
+from harness import LIDARD, LIDARD_SIM, expect, folder, free_port, kernel_port_is_open, process, run, use_master_at, wait_for
 
 SCENE = """start: 2026-01-01T00:00:00Z
 duration: {seconds}
@@ -97,9 +98,26 @@ def live(tmp, captures, number):
     expect(found.group(4) == "0" and frames > 0, log.read_text())
 
 
+def recordings(tmp):
+    """Two captures on which decode, inspect and replay once hung for ever; run() ends them after two minutes."""
+    captures = pathlib.Path(os.environ.get("LIDARD_CAPTURES", "/nowhere"), "burst")
+    for capture in sorted(captures.glob("*.pcap")):
+        decoded = run("decode", capture, "--format", "csv", "-o", tmp / "out.csv")
+        expect(decoded.returncode == 0 and ", rejected 0, lost " in decoded.stderr, decoded.stderr)
+        inspected = run("inspect", capture)
+        expect(inspected.returncode == 0 and "model: velodyne_vlp16" in inspected.stdout, inspected.stdout + inspected.stderr)
+        config = tmp / "inspected.yaml"
+        config.write_text(inspected.stdout)
+        replayed = run("replay", "-c", config, "--pcap", capture, "--rate", "max", "--bag", tmp / "out.bag")
+        expect(replayed.returncode == 0, replayed.stderr)
+        print(f"{capture.name}: decoded, inspected, replayed")
+
+
 def main():
     runs, seconds = (int(a) for a in sys.argv[1:3]) if len(sys.argv) > 2 else (3, 2)
     use_master_at(free_port())  # nobody is there
+    with folder() as tmp:
+        recordings(tmp)
     with folder() as tmp, concurrent.futures.ThreadPoolExecutor(2) as pool:
         captures = {}
         for model in MODELS:
