@@ -86,6 +86,9 @@ class PacketOrder {
   void count_early_holes();
   void remember(const OrderedPacket& packet);
   Span since_last(const OrderedPacket& p) const { return hour_difference(p.view().stamp_us(), last_us_); }
+  /// The stamp of a packet goes back or stays: true if the sensor's clock was set, for the packet has the
+  /// azimuth of the next one, or many such follow each other.
+  bool is_clock_set(const OrderedPacket& packet);
   bool is_model_period(Span step, const OrderedPacket& packet) const;
   Reject judge_product(const OrderedPacket& packet);
   template <typename Use>
@@ -99,6 +102,8 @@ class PacketOrder {
   std::uint32_t last_us_ = 0;
   Span last_period_{0};
   PacketAzimuths last_azimuths_;
+  double last_azimuth_deg_ = 0;
+  std::size_t late_in_row_ = 0;
   const Timing* timing_;
   bool decided_;
   HiddenSectors hidden_;
@@ -157,13 +162,14 @@ Reject PacketOrder::add(const OrderedPacket& packet, Use&& use) {
   // So far back or ahead it is no late packet: the device's clock was set.
   constexpr Span step_limit = std::chrono::seconds(1);
   const Span step = since_last(packet);
-  if (step > -step_limit && step <= Span(0)) {
+  if (step > -step_limit && step <= Span(0) && !is_clock_set(packet)) {
     const Reject reason = step == Span(0) ? Reject::duplicate : Reject::stale;
     if (reason == Reject::stale) ++counters_.reordered;
     counters_.reject(reason);
     return reason;
   }
-  if (step < Span(0) || step > 10 * step_limit) {
+  late_in_row_ = 0;
+  if (step <= Span(0) || step > 10 * step_limit) {
     ++counters_.clock_steps;
     started_ = false;
     advance(packet, use);
