@@ -176,7 +176,7 @@ void append_models(std::vector<Model>& list) {
 
 const std::vector<const ModelRow*>& model_rows() {
   static const std::vector<const ModelRow*> rows = {
-      &vlp16,      &hires,         &vlp32a,         &vlp32b,        &vlp32c,       &hdl32e,
+      &vlp16,      &hires,         &vlp32c,         &vlp32a,        &vlp32b,       &hdl32e,
       &vls128_row, &hdl64e_s2_row, &hdl64e_s21_row, &hdl64e_s3_row, &hdl64e_s1_row};
   return rows;
 }

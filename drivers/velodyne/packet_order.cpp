@@ -29,6 +29,16 @@ bool PacketOrder::is_model_period(Span step, const OrderedPacket& packet) const 
   return false;
 }
 
+bool PacketOrder::is_clock_set(const OrderedPacket& packet) {
+  // A packet that was late or came twice looks where others looked before.
+  constexpr std::size_t most_late = 16;
+  constexpr double slowest_deg = 0.02;  // per packet
+  const double turn = last_azimuths_.step_deg * static_cast<double>(last_azimuths_.groups);
+  const double turned = std::remainder(packet.view().azimuth(0) * 0.01 - last_azimuths_.group_deg(0), 360);
+  const bool continues = turn > slowest_deg && std::abs(turned - turn) * 2 < turn;
+  return continues || ++late_in_row_ > most_late;
+}
+
 double PacketOrder::rate() const {
   if (turn_rate_ > 0 || last_azimuths_.groups == 0) return turn_rate_;
   const Span group = last_period_ / static_cast<int>(last_azimuths_.groups);

@@ -91,6 +91,9 @@ class PacketOrder {
   bool is_held_in_doubt() const {
     return holding_ && held_.other_product && held_.view().product() != lying_product_;
   }
+  /// The stamp of a packet goes back or stays: true if the sensor's clock was set, for the packet has the
+  /// azimuth of the next one, or many such follow each other.
+  bool is_clock_set(const OrderedPacket& packet);
   bool is_model_period(Span step, const OrderedPacket& packet) const;
   Reject judge_product(const OrderedPacket& packet);
   template <typename Use>
@@ -104,6 +107,7 @@ class PacketOrder {
   std::uint32_t last_us_ = 0;
   Span last_period_{0};
   PacketAzimuths last_azimuths_;
+  std::size_t late_in_row_ = 0;
   const Timing* timing_;
   bool decided_;
   HiddenSectors hidden_;
@@ -163,13 +167,14 @@ Reject PacketOrder::add(const OrderedPacket& packet, Use&& use) {
   // So far back or ahead it is no late packet: the device's clock was set.
   constexpr Span step_limit = std::chrono::seconds(1);
   const Span step = since_last(packet);
-  if (step > -step_limit && step <= Span(0)) {
+  if (step > -step_limit && step <= Span(0) && !is_clock_set(packet)) {
     const Reject reason = step == Span(0) ? Reject::duplicate : Reject::stale;
     if (reason == Reject::stale) ++counters_.reordered;
     counters_.reject(reason);
     return reason;
   }
-  if (step < Span(0) || step > 10 * step_limit) {
+  late_in_row_ = 0;
+  if (step <= Span(0) || step > 10 * step_limit) {
     ++counters_.clock_steps;
     started_ = false;
     advance(packet, use);

@@ -93,14 +93,20 @@ TEST(Hdl64eS1, TimesFollowTheArrivalsAndTheFiringsEachOther) {
   const Cloud& turn = decoded.output.clouds.at(1);
   // 360 deg at the 592.7 rpm of a line through azimuths and arrivals.
   EXPECT_NEAR(seconds(turn.end - turn.stamp), 60 / 592.7, 1e-4);
-  const CloudColumn* before = nullptr;
-  for (const CloudColumn& column : turn.columns) {
-    if (before != nullptr) {
-      // Whole microseconds of the packet's stamp; the clock may move a little between packets.
-      EXPECT_NEAR(seconds(column.stamp - before->stamp), 32e-6, 3e-6);
+  double last_s = 0;
+  std::pair<std::uint32_t, int> last_block{0, -1};
+  std::size_t blocks = 0;
+  for (const Row& row : decoded.output.rows) {
+    if (row.frame != 1 || std::pair(row.packet, row.block) == last_block) continue;
+    const double begin_s = row.time - row.laser % 32 * 1e-6;
+    // Whole microseconds of a packet's stamp; the stamps follow the arrivals by 1.6 us at most.
+    if (blocks++ > 0) {
+      EXPECT_NEAR(begin_s - last_s, 32e-6, 3e-6) << row.packet;
     }
-    before = &column;
+    last_s = begin_s;
+    last_block = {row.packet, row.block};
   }
+  EXPECT_EQ(blocks, turn.columns.size());
 }
 
 }  // namespace

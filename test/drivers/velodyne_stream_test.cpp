@@ -7,8 +7,11 @@
 #include <set>
 
 #include "drivers/model.h"
+#include "drivers/pcap_source.h"
 #include "test/support/allocations.h"
+#include "test/support/captures.h"
 #include "test/support/collector.h"
+#include "test/support/velodyne_wire.h"
 
 namespace lidard {
 namespace {
@@ -249,6 +252,47 @@ TEST(VelodyneStream, DecodingAllocatesNothingAfterWarmUp) {
     EXPECT_GT(driver->counters().frames, 3U);
   }
   EXPECT_GT(out.points, 100'000U);
+}
+
+/// A real stream whose sensor's clock is set in its midst, as a pulse per second does that comes back.
+std::size_t returns_with_clock_set(const char* path, const char* model, std::int64_t by_us,
+                                   Counters& counters) {
+  DriverConfig config;
+  config.model = find_model(model);
+  config.keep_partial = true;
+  const auto driver = config.model->make(config);
+  test::Columns out;
+  PcapSource source(path);
+  Packet packet;
+  std::size_t number = 0;
+  while (source.next(packet)) {
+    if (packet.payload.size() != 1206) continue;
+    Bytes bytes(packet.payload.data(), packet.payload.data() + packet.payload.size());
+    if (++number > 200) {
+      const auto us = static_cast<std::uint32_t>(packet.payload.le32(1200) + by_us);
+      for (std::size_t i = 0; i < 4; ++i) bytes[1200 + i] = static_cast<std::uint8_t>(us >> (8 * i));
+    }
+    packet.payload = {bytes.data(), bytes.size()};
+    driver->receive(packet, out);
+  }
+  driver->finish(out);
+  counters = driver->counters();
+  return out.points;
+}
+
+TEST(VelodyneStream, NoReturnIsLostWhereTheSensorsClockIsSetBack) {
+  LIDARD_NEED_CAPTURE(vlp16, "velodyne/vlp16_gps_293.pcap");
+  LIDARD_NEED_CAPTURE(hdl32e, "velodyne/hdl32e_2011_port443.pcap");
+  for (const std::int64_t by_us : {-1, -300, -1328, -2000, -10'000, -100'000, -999'000, -5'000'000}) {
+    SCOPED_TRACE(by_us);
+    Counters counters;
+    // The numbers that their publisher's tests have.
+    EXPECT_EQ(returns_with_clock_set(vlp16.c_str(), "velodyne_vlp16", by_us, counters), 73486U);
+    EXPECT_EQ(counters.rejected_total(), 0U);
+    EXPECT_LE(counters.clock_steps, 1U);
+    EXPECT_EQ(returns_with_clock_set(hdl32e.c_str(), "velodyne_hdl32e", by_us, counters), 146705U);
+    EXPECT_EQ(counters.rejected_total(), 0U);
+  }
 }
 
 }  // namespace
