@@ -204,14 +204,8 @@ void ScipDriver::note_version(const ScipMessage& message) {
     if (key == "VEND") set_detail("Vendor Name", value);
     if (key == "PROT") set_detail("Protocol Version", value);
     if (key == "SERI") note_serial(value);
-    if (key == "FIRM") {
-      firmware_ = value;
-      set_detail("Firmware Version", value);
-    }
-    if (key == "PROD") {
-      product_ = value;
-      set_detail("Product Name", value);
-    }
+    if (key == "FIRM") set_detail("Firmware Version", firmware_ = value);
+    if (key == "PROD") set_detail("Product Name", product_ = value);
   });
 }
 
