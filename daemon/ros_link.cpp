@@ -375,7 +375,7 @@ RosStatus RosLink::status() const {
 }
 
 bool RosLink::has_master() const { return impl_->master_present; }
-std::string RosLink::standing_threads() { return impl_->pulse.standing(); }
+std::string RosLink::standing_threads() { return impl_->pulse.standing(impl_->master_present); }
 std::string RosLink::conflict() const { return impl_->name->conflict(); }
 
 bool RosLink::stop() {

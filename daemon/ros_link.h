@@ -98,10 +98,8 @@ class RosLink : public FrameSink {
 
   RosStatus status() const;
   bool has_master() const;
-  /// The threads that have not moved since the last call that returned "": of ours the ROS thread, of
-  /// roscpp's those that move bytes, answer XML-RPC and call back. The thread that talks to the master does
-  /// not count, and nobody while that thread makes roscpp wait for the master. For a watchdog; always to be
-  /// called by the same thread.
+  /// The threads that have not moved since the last call that returned "", see RosPulse::standing(). For a
+  /// watchdog; always to be called by the same thread.
   std::string standing_threads();
   /// Why we have left ROS for good: the first daemon of our node name runs elsewhere. Else empty.
   std::string conflict() const;

@@ -5,6 +5,7 @@
 #include <pthread.h>
 #include <ros/callback_queue.h>
 #include <ros/init.h>
+#include <ros/param.h>
 #include <ros/poll_manager.h>
 #include <ros/xmlrpc_manager.h>
 
@@ -69,6 +70,9 @@ void RosPulse::tick() {
 }
 
 void RosPulse::attach() {
+  // Else roscpp asks the master for it in whatever thread first logs a warning, and hangs with the master.
+  bool no_topics = false;
+  ros::param::getCached("/rosout_disable_topics_generation", no_topics);
   counts_->callback_waits = false;
   ros::XMLRPCManager::instance()->addASyncConnection(boost::make_shared<ServerRound>(counts_));
   const ros::CallbackInterfacePtr callback = boost::make_shared<CallbackRound>(counts_);
@@ -80,7 +84,7 @@ void RosPulse::attach() {
   attached_ = true;
 }
 
-std::string RosPulse::standing() {
+std::string RosPulse::standing(bool master_answers) {
   const auto called = called_.load();
   const bool waits = called != Clock::time_point() && Clock::now() - called > quick_call;
   if (waits || ros::isShuttingDown()) return {};
@@ -90,7 +94,7 @@ std::string RosPulse::standing() {
     if (stands) standing += (standing.empty() ? "" : ", ") + std::string(thread);
   };
   add(now.ros == before_.ros, "the ROS thread");
-  if (attached_) {
+  if (attached_ && master_answers) {
     add(now.sockets == before_.sockets, "roscpp's thread for sockets");
     add(now.server == before_.server, "roscpp's thread for XML-RPC");
     add(now.callbacks == before_.callbacks, "roscpp's thread for callbacks");

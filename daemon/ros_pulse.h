@@ -27,7 +27,7 @@ class RosPulse {
   /// How long ago the last round of the ROS thread was.
   Span since_tick() const { return Clock::now() - ticked_.load(); }
 
-  /// To be called after each ros::start(), which forgets what was attached before.
+  /// To be called after each ros::start(), which forgets what was attached before; may wait for the master.
   void attach();
   /// To be called before ros::shutdown().
   void detach() { attached_ = false; }
@@ -45,9 +45,9 @@ class RosPulse {
   };
 
   /// The threads that have not made a round since the last call that returned "". Those of roscpp count while
-  /// they are attached; none counts while a Call takes long, since roscpp holds its locks meanwhile. Always
-  /// to be called by the same thread.
-  std::string standing();
+  /// they are attached and the master answers: without it any of them may wait for it. None counts while a
+  /// Call takes long, since roscpp holds its locks meanwhile. Always to be called by the same thread.
+  std::string standing(bool master_answers);
 
  private:
   struct Counts {

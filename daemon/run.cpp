@@ -243,7 +243,7 @@ class Daemon {
       fed_ = now;
       told_standing_ = false;
     } else if (now - fed_ > longest_round && !told_standing_) {
-      spdlog::error("the watchdog is not fed: {} has not moved for 1 s", standing);
+      spdlog::error("the watchdog is not fed, since for 1 s there stands still: {}", standing);
       told_standing_ = true;
     }
   }

@@ -12,7 +12,9 @@ import socket
 import subprocess
 import threading
 import time
+import xmlrpc.client
 
+import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 from harness import LIDARD, LIDARD_SIM, expect, folder, free_port, process, ros_master, use_master_at, wait_for
@@ -138,9 +140,15 @@ def main():
             wait_for(lambda: len(scans) > 20 and newest.get("sensor front") and newest["sensor front"].level == 0, 20, "scans")
             manager.expect_fed(3, "all is well")
             stop_each(daemon, manager, newest)
+            own = rosgraph.Master("/test").lookupNode("/lidard")
             master.send_signal(signal.SIGSTOP)
             manager.expect_fed(6, "the master hangs")
+            # roscpp's own threads wait for the master then.
+            threading.Thread(target=lambda: xmlrpc.client.ServerProxy(own).shutdown("/intruder", "go away"), daemon=True).start()
+            manager.expect_fed(6, "shut down from outside while the master hangs")
             master.send_signal(signal.SIGCONT)
+            count = len(scans)
+            wait_for(lambda: len(scans) > count + 10, 30, "scans again")
             expect(daemon.poll() is None, "the daemon lives")
         print(log.read_text())
         master.send_signal(signal.SIGSTOP)
