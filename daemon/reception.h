@@ -74,8 +74,9 @@ std::string rivals_text(const std::vector<std::string>& senders, std::uint16_t p
 class ReceptionWatch {
  public:
   /// `promised_s`: usual time between two frames by the model and its settings, s; 0: nobody promises.
-  /// `exact`: frames are cut by this time, whatever the device does.
-  explicit ReceptionWatch(double promised_s, bool exact = false);
+  /// `exact`: frames are cut by this time, whatever the device does. `stream`: answers of the device's
+  /// dialogue are counted as packets too, as other_packets; they are not data.
+  explicit ReceptionWatch(double promised_s, bool exact = false, bool stream = false);
 
   /// The frames, for what their beams see and for the rate: a scanner's own scan_time, or the median of the
   /// stamps' distances. A device that sends more seldom than its scan_time says, without a loss, was told to.
@@ -105,6 +106,7 @@ class ReceptionWatch {
   void learn(Stamp stamp, double declared_s);
   double median_distance() const;
   double period() const;
+  std::uint64_t data_packets(const Counters& counters) const;
   void pass(double passed_s, bool packets_came, bool frames_came);
   void age_senders();
   void forget();
@@ -113,6 +115,7 @@ class ReceptionWatch {
 
   const double promised_s_;
   const bool exact_;
+  const bool stream_;
   bool begun_ = false;
   Stamp last_{};
   double idle_s_ = 0;  // since the last packet

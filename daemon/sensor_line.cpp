@@ -23,7 +23,8 @@ ReceptionWatch watch_of(const SensorConfig& sensor) {
   const DriverConfig& driver = sensor.driver;
   if (sensor.model->kind == FrameKind::cloud && driver.frame_cut == FrameCut::time)
     return ReceptionWatch(seconds(driver.frame_duration), true);
-  return ReceptionWatch(sensor.model->frame_period * (1 + driver.requests.skip.value_or(0)));
+  return ReceptionWatch(sensor.model->frame_period * (1 + driver.requests.skip.value_or(0)), false,
+                        sensor.model->transport == Transport::tcp);
 }
 
 /// Takes the geometry and limits of `shape` and makes every beam `invalid`: a sweep that says nothing.

@@ -247,6 +247,22 @@ TEST(ReceptionWatch, SeesFramesStopWhilePacketsCome) {
               HasSubstr("0 of 10.0 frames/s, no frame for 2."));
 }
 
+TEST(ReceptionWatch, WaitsForTheEndOfADialogue) {
+  ReceptionWatch watch(0.025, false, true);
+  Counters counters;
+  Stamp now{1'767'226'643'000'000'000};
+  for (int i = 0; i < 600; ++i) {
+    ++counters.packets, ++counters.other_packets;
+    watch.advance(now = now + std::chrono::milliseconds(10), counters);
+    EXPECT_EQ(judge(watch.recent(), FrameKind::scan).health, Health::ok) << "answers alone promise no frame";
+  }
+  for (int i = 0; i < 250; ++i) {
+    ++counters.packets;
+    watch.advance(now = now + std::chrono::milliseconds(10), counters);
+  }
+  EXPECT_EQ(judge(watch.recent(), FrameKind::scan).health, Health::error);
+}
+
 TEST(ReceptionWatch, BeginsAnewAfterALongSilenceButNotAfterAShortOne) {
   Stream stream(0.025);
   stream.run(15, 0.025, 0.025);
