@@ -193,32 +193,14 @@ void Pipeline::scan_message(const std::string& sensor, PlanarScan& scan, Stamp r
   advance(received);
   impl_->now = received;
   SensorLine& line = impl_->line_named(sensor);
-  line.notice_data(received);
-  ++line.topic_counters.packets;
-  if (scan.beams == 0) line.fill_empty(scan);
-  if (violation(scan) != nullptr) {
-    line.topic_counters.reject(Reject::field);
-    return;
-  }
-  ++line.topic_counters.frames;
-  line.watch.scan(scan);
-  scan.stamp = scan.stamp + line.config.driver.time_offset;
-  line.place(scan.frame_id);
-  line.notice_shape(scan);
-  impl_->scan_from(line, scan);
+  if (line.take_message(scan, received)) impl_->scan_from(line, scan);
 }
 
 void Pipeline::cloud_message(const std::string& sensor, Cloud& cloud, Stamp received) {
   advance(received);
   impl_->now = received;
   SensorLine& line = impl_->line_named(sensor);
-  line.notice_data(received);
-  ++line.topic_counters.packets;
-  ++line.topic_counters.frames;
-  line.watch.cloud(cloud);
-  cloud.stamp = cloud.stamp + line.config.driver.time_offset;
-  line.place(cloud.frame_id);
-  cloud.end = cloud.end + line.config.driver.time_offset;
+  line.take_message(cloud, received);
   impl_->cloud_from(line, cloud);
 }
 

@@ -117,6 +117,32 @@ void SensorLine::receive(const Packet& packet, Stamp received) {
   settle();
 }
 
+bool SensorLine::take_message(PlanarScan& scan, Stamp received) {
+  notice_data(received);
+  ++topic_counters.packets;
+  if (scan.beams == 0) fill_empty(scan);
+  if (violation(scan) != nullptr) {
+    topic_counters.reject(Reject::field);
+    return false;
+  }
+  ++topic_counters.frames;
+  watch.scan(scan);
+  scan.stamp = scan.stamp + config.driver.time_offset;
+  place(scan.frame_id);
+  notice_shape(scan);
+  return true;
+}
+
+void SensorLine::take_message(Cloud& cloud, Stamp received) {
+  notice_data(received);
+  ++topic_counters.packets;
+  ++topic_counters.frames;
+  watch.cloud(cloud);
+  cloud.stamp = cloud.stamp + config.driver.time_offset;
+  cloud.end = cloud.end + config.driver.time_offset;
+  place(cloud.frame_id);
+}
+
 void SensorLine::notice_data(Stamp received) {
   if (!seen) first_arrival = received;
   seen = true;

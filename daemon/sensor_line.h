@@ -70,7 +70,12 @@ struct SensorLine final : public DriverOutput {
   void disconnect(bool again) override { wish = again ? Wish::connect_anew : Wish::hang_up; }
   /// Does with the connection what the driver asked for in the call that just returned.
   void settle();
-  /// Makes a scan without beams one that observed nothing, so that it counts as delivered.
+  /// A scan that another driver published. A scan without beams becomes one that observed nothing, so that it
+  /// counts as delivered. False if the scan is not sound.
+  bool take_message(PlanarScan& scan, Stamp received);
+  /// A cloud that another driver published.
+  void take_message(Cloud& cloud, Stamp received);
+  /// Makes a scan without beams one that observed nothing.
   void fill_empty(PlanarScan& scan) const;
   /// The configured pose counts whatever frame a message of another driver names.
   void place(std::string& frame_id) const {
