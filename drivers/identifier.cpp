@@ -179,8 +179,7 @@ std::vector<const Model*> Identifier::others() const {
 std::string Identifier::remark() const {
   for (const auto& recognizer : impl_->recognizers) {
     std::string text = recognizer->remark();
-    if (!text.empty())
-      return text + (text.find("tells it from") == std::string::npos ? doubt(*this, "; ") : "");
+    if (!text.empty()) return text + doubt(*this, "; ");
   }
   return doubt(*this, "");
 }

@@ -164,12 +164,4 @@ void ColaRecognizer::note_identity(std::string_view identity) {
   others_.clear();
 }
 
-std::string ColaRecognizer::remark() const {
-  if (others_.empty()) return {};
-  std::string names;
-  for (const std::string_view other : others_) names += (names.empty() ? "" : ", ") + std::string(other);
-  return "taken for " + std::string(verdict_) + ", but nothing in these scans tells it from " + names +
-         "; set the model if it is another one";
-}
-
 }  // namespace lidard::sick

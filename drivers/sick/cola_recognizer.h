@@ -24,13 +24,14 @@ struct ColaEvidence {
 
 /// Recognises scanners that speak CoLa in the bytes of one sender. The model follows from what the device
 /// calls itself (DeviceIdent), else from angles, rates and distances of its scans; where they fit several
-/// families, remark() names those that were not chosen.
+/// families, others() names those that were not chosen.
 class ColaRecognizer {
  public:
   void add(const Packet& packet);
   /// Name of the model; empty while nothing fits.
   std::string_view verdict() const { return verdict_; }
-  std::string remark() const;
+  /// Names of the other models that fit as well.
+  const std::vector<std::string_view>& others() const { return others_; }
 
  private:
   void look_at(const ColaTelegram& telegram);
@@ -42,9 +43,9 @@ class ColaRecognizer {
   ColaScan scan_;
   ColaEvidence seen_;
   std::string_view verdict_;
-  std::vector<std::string_view> others_;  // that fit as well
-  bool named_ = false;                    // by the device itself
-  bool layered_ = false;                  // planes other than the horizontal one came
+  std::vector<std::string_view> others_;
+  bool named_ = false;    // by the device itself
+  bool layered_ = false;  // planes other than the horizontal one came
 };
 
 }  // namespace lidard::sick

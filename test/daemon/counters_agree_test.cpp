@@ -47,7 +47,7 @@ Told by_inspect(const Json& sensor) {
 
 /// The row of a sensor in the table that a replay ends with.
 Told by_replay(const std::string& table, const std::string& name) {
-  const std::regex row("(?:^|\n)" + name + R"( +\S+ +(\d+) +(\d+) +(\d+) +(\d+)  (\d+))");
+  const std::regex row("(?:^|\n)" + name + R"( +\S+ +(\d+) +(\d+) +\S+ +\S+ +(\d+) +(\d+)  (\d+))");
   std::smatch found;
   if (!std::regex_search(table, found, row)) return {};
   const auto number = [&](std::size_t i) { return std::stoull(found[i]); };

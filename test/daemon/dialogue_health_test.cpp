@@ -53,7 +53,7 @@ TEST(DialogueHealth, AnswersOfADialogueAreNoData) {
   bench.pipeline.connected(0, bench.now);
   bench.chunk(sim::scip_answer("QT", "00"));
   bench.chunk(sim::scip_answer("VV", "00", sim::scip_entries({{"PROD", "UST-10LX"}})));
-  bench.pass(100ms);
+  bench.pass(1100ms);
   EXPECT_FALSE(bench.pipeline.report().at(0).seen);
   EXPECT_EQ(bench.health().health, Health::error);
   EXPECT_THAT(bench.health().message, HasSubstr("nothing received from 192.168.0.10:10940"));
@@ -72,7 +72,7 @@ TEST(DialogueHealth, WhatStopsTheDialogueOfAPicoScanIsTheReasonForSilence) {
   Bench bench("sick_picoscan150");
   bench.pipeline.connected(0, bench.now);
   bench.chunk("\x02sFA 3\x03");
-  bench.pass(100ms);
+  bench.pass(1100ms);
   EXPECT_EQ(bench.health().health, Health::error);
   EXPECT_THAT(bench.health().message, HasSubstr("nothing received from 192.168.0.10 to port 2115"));
   EXPECT_THAT(bench.health().message, HasSubstr("the device refuses to tell ScanDataEthSettings"));

@@ -76,7 +76,7 @@ TEST(Reception, OfAScannerThatCountsScansIsJudgedByItsFramesAfterALoss) {
   Reception r = ten_seconds(97);
   r.counters.packets = 97 * 14;
   EXPECT_EQ(judge(r, FrameKind::scan).health, Health::ok) << "a nominal rate may be off by so much";
-  r.counters.incomplete = 3;
+  r.counters.lost_packets = 3;
   EXPECT_EQ(judge(r, FrameKind::scan).health, Health::warn);
   EXPECT_EQ(judge(r, FrameKind::scan).figures, "9.7 of 10.0 frames/s, 3 packets or scans lost");
   r.frames = 94;
