@@ -156,8 +156,7 @@ std::string rivals_text(const std::vector<std::string>& senders, std::uint16_t p
          " here, and give each other sensor an entry of its own";
 }
 
-ReceptionWatch::ReceptionWatch(double promised_s, bool exact, bool stream)
-    : promised_s_(promised_s), exact_(exact), stream_(stream) {
+ReceptionWatch::ReceptionWatch(double promised_s, bool exact) : promised_s_(promised_s), exact_(exact) {
   total_.period_s = promised_s;
 }
 
@@ -269,14 +268,10 @@ void ReceptionWatch::pass(double passed_s, bool packets_came, bool frames_came) 
   if (again) forget();
 }
 
-std::uint64_t ReceptionWatch::data_packets(const Counters& counters) const {
-  return stream_ ? less(counters.packets, counters.other_packets) : counters.packets;
-}
-
 void ReceptionWatch::advance(Stamp now, const Counters& counters) {
-  if (!begun_ && data_packets(counters) == 0) return;
+  if (!begun_ && counters.packets == 0) return;
   const double step = begun_ ? seconds(now - last_) : 0;
-  const bool packets_came = data_packets(counters) != data_packets(total_.counters);
+  const bool packets_came = counters.packets != total_.counters.packets;
   const bool frames_came = counters.frames != total_.counters.frames;
   // What was stamped before the last look at the clock is no jump.
   if (step >= 0 || step < -longest_step_s) last_ = now;

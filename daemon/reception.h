@@ -45,25 +45,21 @@ struct ReceptionVerdict {
 
 /// Compares what came with what should have come.
 ///
-/// | finding | WARN | ERROR | why there |
-/// |---|---|---|---|
-/// | no frame though packets come | | 2 s, or 5 periods | the slowest turn takes 0.2 s, so whole ones fit in
-/// | | frames missing | below 90 % | below 50 % | a window counts one frame more or less, and nominal rates
-/// are
-///   off by 2 %; with less than half of its frames a sensor is of no use for driving |
-/// | lost | from 1 %, at least 2 | from 5 % | a cable loses nothing, a host that stalls loses bursts; 5 % is
-/// 18
-///   degrees of each turn |
-/// | rejected | from 1 %, at least 2 | from 99 % | foreign packets beside good ones take nothing away;
-/// nothing
-///   but foreign ones come from another device |
-/// | blind | 95 % of the beams too near (0.3 m) or invalid, or no return at all, which is for multi-plane
-/// lidars
-///   less than 1 % of the shots, since they see the ground | | a cover or an empty field: only people can
-///   tell |
+/// - No frame though packets come: ERROR after 2 s or 5 periods. The slowest turn takes 0.2 s, so whole turns
+///   fit in.
+/// - Frames missing: WARN below 90 %, since a window counts one frame more or less and nominal rates are off
+///   by 2 %; ERROR below 50 %, where a sensor is of no use for driving.
+/// - Packets lost: WARN from 1 % and two packets on, since a cable loses nothing and a host that stalls loses
+///   bursts; ERROR from 5 % on, which is 18 degrees of each turn.
+/// - Packets rejected: WARN from 1 % and two packets on, since foreign packets beside good ones take nothing
+///   away; ERROR from 99 % on, when another device sends.
+/// - Beams blind: WARN where 95 % are too near (0.3 m) or invalid, or none has a return; of a multi-plane
+///   lidar, which sees the ground, less than 1 % of the shots. Only people can tell a cover from an empty
+///   field.
 ///
 /// How much a scanner that counts scans has lost shows in its frames, so after a loss the missing frames are
-/// judged by the limits for losses. All is judged after 2 s, what beams see after 10 frames.
+/// judged by the limits for losses. All is judged after 2 s, what beams see after 10 frames. The limits are
+/// our choice.
 ReceptionVerdict judge(const Reception& reception, FrameKind kind);
 
 /// The sentence for several senders into one entry.
@@ -74,9 +70,8 @@ std::string rivals_text(const std::vector<std::string>& senders, std::uint16_t p
 class ReceptionWatch {
  public:
   /// `promised_s`: usual time between two frames by the model and its settings, s; 0: nobody promises.
-  /// `exact`: frames are cut by this time, whatever the device does. `stream`: answers of the device's
-  /// dialogue are counted as packets too, as other_packets; they are not data.
-  explicit ReceptionWatch(double promised_s, bool exact = false, bool stream = false);
+  /// `exact`: frames are cut by this time, whatever the device does.
+  explicit ReceptionWatch(double promised_s, bool exact = false);
 
   /// The frames, for what their beams see and for the rate: a scanner's own scan_time, or the median of the
   /// stamps' distances. A device that sends more seldom than its scan_time says, without a loss, was told to.
@@ -106,7 +101,6 @@ class ReceptionWatch {
   void learn(Stamp stamp, double declared_s);
   double median_distance() const;
   double period() const;
-  std::uint64_t data_packets(const Counters& counters) const;
   void pass(double passed_s, bool packets_came, bool frames_came);
   void age_senders();
   void forget();
@@ -115,7 +109,6 @@ class ReceptionWatch {
 
   const double promised_s_;
   const bool exact_;
-  const bool stream_;
   bool begun_ = false;
   Stamp last_{};
   double idle_s_ = 0;  // since the last packet

@@ -23,8 +23,7 @@ ReceptionWatch watch_of(const SensorConfig& sensor) {
   const DriverConfig& driver = sensor.driver;
   if (sensor.model->kind == FrameKind::cloud && driver.frame_cut == FrameCut::time)
     return ReceptionWatch(seconds(driver.frame_duration), true);
-  return ReceptionWatch(sensor.model->frame_period * (1 + driver.requests.skip.value_or(0)), false,
-                        sensor.model->transport == Transport::tcp);
+  return ReceptionWatch(sensor.model->frame_period * (1 + driver.requests.skip.value_or(0)));
 }
 
 /// Takes the geometry and limits of `shape` and makes every beam `invalid`: a sweep that says nothing.
