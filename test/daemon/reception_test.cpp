@@ -248,11 +248,11 @@ TEST(ReceptionWatch, SeesFramesStopWhilePacketsCome) {
 }
 
 TEST(ReceptionWatch, WaitsForTheEndOfADialogue) {
-  ReceptionWatch watch(0.025, false, true);
+  ReceptionWatch watch(0.025);
   Counters counters;
   Stamp now{1'767'226'643'000'000'000};
   for (int i = 0; i < 600; ++i) {
-    ++counters.packets, ++counters.other_packets;
+    ++counters.other_packets;
     watch.advance(now = now + std::chrono::milliseconds(10), counters);
     EXPECT_EQ(judge(watch.recent(), FrameKind::scan).health, Health::ok) << "answers alone promise no frame";
   }
