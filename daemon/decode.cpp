@@ -193,7 +193,7 @@ int decode_stream(const DecodeOptions& options, const SensorStream& stream, Cali
   for (const auto& warning : driver->info().warnings) err << "note: " << warning << '\n';
   const bool came = tell_output(options, output, whole, *stream.model, err);
   if (!source.error().empty()) err << source.error() << '\n';
-  return came && source.error().empty() ? exit_ok : exit_failed;
+  return came && !source.is_damaged() ? exit_ok : exit_failed;
 }
 
 }  // namespace

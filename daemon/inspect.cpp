@@ -272,7 +272,7 @@ int run_inspect(const std::vector<std::string>& captures, bool json, std::ostrea
   bool any_read = false;
   for (const SurveyedCapture& capture : found.captures) {
     if (!capture.error.empty()) err << capture.error << '\n';
-    all_read = all_read && capture.error.empty();
+    all_read = all_read && !capture.damaged;
     any_read = any_read || capture.counters.frames > 0;
   }
   if (json)

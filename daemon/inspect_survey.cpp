@@ -34,11 +34,11 @@ using Flows = std::map<FlowKey, Watched>;
 class FrameTimes final : public DriverOutput {
  public:
   explicit FrameTimes(FoundSensor& sensor) : sensor_(&sensor) {}
-  void scan(PlanarScan& scan) override { note(scan.stamp); }
-  void cloud(Cloud& cloud) override { note(cloud.stamp); }
+  void scan(PlanarScan& scan) override { note_frame(scan.stamp); }
+  void cloud(Cloud& cloud) override { note_frame(cloud.stamp); }
 
  private:
-  void note(Stamp stamp) {
+  void note_frame(Stamp stamp) {
     if (sensor_->frames++ == 0) sensor_->first_frame = stamp;
     sensor_->last_frame = stamp;
   }
@@ -79,8 +79,10 @@ SurveyedCapture read(const std::string& file, Take take) {
     }
     capture.counters = source.counters();
     capture.error = source.error();
+    capture.damaged = source.is_damaged();
   } catch (const CaptureError& error) {
     capture.error = error.what();
+    capture.damaged = true;
   }
   return capture;
 }

@@ -61,6 +61,7 @@ struct SurveyedCapture {
   CaptureCounters counters;
   std::optional<Stamp> first, last;  ///< of its datagrams
   std::string error;                 ///< why it could not be read, or not to its end
+  bool damaged = false;              ///< by more than a last record that is not whole
 };
 
 /// What is in a set of captures.

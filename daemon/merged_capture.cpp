@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/merged_capture.h"
 
+#include <algorithm>
+
 namespace lidard {
 
 MergedCapture::MergedCapture(const std::vector<std::string>& paths) {
@@ -35,6 +37,10 @@ std::vector<std::string> MergedCapture::errors() const {
     if (!file.source.error().empty()) all.push_back(file.source.error());
   }
   return all;
+}
+
+bool MergedCapture::is_damaged() const {
+  return std::any_of(files_.begin(), files_.end(), [](const File& file) { return file.source.is_damaged(); });
 }
 
 CaptureCounters MergedCapture::counters() const {

@@ -22,6 +22,8 @@ class MergedCapture {
   void rewind();
   /// Messages of files that ended early.
   std::vector<std::string> errors() const;
+  /// True if one of them is damaged: more is missing than an unfinished last record.
+  bool is_damaged() const;
   /// Sum over the files.
   CaptureCounters counters() const;
   /// Part of the bytes read, 0 ... 1.

@@ -155,9 +155,8 @@ int run_replay(const ReplayOptions& options, const Config& config, std::ostream&
     stop_on_signals();
     Replay replay{options, config, capture, out, err};
     const int code = options.bag.empty() ? replay.into_ros() : replay.into_bag();
-    const auto broken = capture.errors();
-    for (const auto& error : broken) err << error << '\n';
-    return broken.empty() ? code : exit_failed;
+    for (const auto& error : capture.errors()) err << error << '\n';
+    return capture.is_damaged() ? exit_failed : code;
   } catch (const RosError& e) {
     err << e.what() << '\n';
     return exit_usage;

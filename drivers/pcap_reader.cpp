@@ -47,6 +47,7 @@ class LibpcapReader : public CaptureReader {
     return false;
   }
   const std::string& error() const override { return error_; }
+  bool ran_out() const override { return !error_.empty() && std::feof(pcap_file(pcap_.get())) != 0; }
   std::uint64_t position() const override {
     return static_cast<std::uint64_t>(ftello(pcap_file(pcap_.get())));
   }

@@ -32,6 +32,8 @@ class CaptureReader {
   virtual bool next(CaptureRecord& record) = 0;
   /// What ended the capture early, "what at byte N"; empty if nothing did.
   virtual const std::string& error() const = 0;
+  /// True if the file ended inside a record, or inside what its length says to be one.
+  virtual bool ran_out() const = 0;
   /// Bytes read.
   virtual std::uint64_t position() const = 0;
 };

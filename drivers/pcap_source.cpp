@@ -56,6 +56,7 @@ struct PcapSource::Impl {
   CaptureCounters counters;
   std::uint64_t records = 0;  // since the last rewind
   bool ended = false;
+  bool ends_in_last_record = false;
   std::string error;
 };
 
@@ -76,7 +77,11 @@ bool PcapSource::Impl::next(Packet& packet) {
   CaptureRecord record;
   while (!tcp.next(packet)) {
     if (ended) return false;
+    const std::uint64_t begin = reader->position();
     if (!reader->next(record)) {
+      // More bytes than a record has are more than a last one.
+      constexpr std::uint64_t longest_record = 65536 + 64;
+      ends_in_last_record = records > 0 && reader->ran_out() && size - begin <= longest_record;
       end();
       continue;
     }
@@ -189,6 +194,7 @@ PcapSource& PcapSource::operator=(PcapSource&&) noexcept = default;
 
 bool PcapSource::next(Packet& packet) { return impl_->next(packet); }
 const std::string& PcapSource::error() const { return impl_->error; }
+bool PcapSource::is_damaged() const { return !impl_->error.empty() && !impl_->ends_in_last_record; }
 const CaptureCounters& PcapSource::counters() const {
   impl_->counters.tcp = impl_->tcp.counters();
   return impl_->counters;
@@ -201,6 +207,7 @@ void PcapSource::rewind() {
   impl_->counters.fragments_dropped = impl_->defragmenter.dropped();
   impl_->tcp.restart();
   impl_->error.clear();
+  impl_->ends_in_last_record = false;
   impl_->records = 0;
   impl_->reader = open_capture(impl_->file.get(), impl_->name, impl_->size);
   impl_->ended = false;

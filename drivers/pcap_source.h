@@ -56,6 +56,9 @@ class PcapSource {
   bool next(Packet& packet);
   /// Why the capture ended early; empty if it did not.
   const std::string& error() const;
+  /// True if error() tells of more than a last record that whoever recorded did not finish, as when a
+  /// recording is stopped.
+  bool is_damaged() const;
   const CaptureCounters& counters() const;
   /// Bytes read and in all, for a progress display.
   std::uint64_t position() const;

@@ -95,6 +95,7 @@ class PcapngReader : public CaptureReader {
     return false;
   }
   const std::string& error() const override { return error_; }
+  bool ran_out() const override { return ran_out_; }
   std::uint64_t position() const override { return position_; }
 
  private:
@@ -115,6 +116,10 @@ class PcapngReader : public CaptureReader {
     error_ = what + " at byte " + std::to_string(block_);
     return false;
   }
+  bool run_out(const std::string& what) {
+    ran_out_ = true;
+    return fail(what);
+  }
   bool read(std::uint8_t* out, std::size_t n) {
     position_ += n;
     return std::fread(out, 1, n, file_.get()) == n || fail("block cannot be read");
@@ -129,6 +134,7 @@ class PcapngReader : public CaptureReader {
   std::vector<std::uint8_t> buffer_;
   Stamp last_stamp_;
   std::string error_;
+  bool ran_out_ = false;
 };
 
 bool PcapngReader::read_block(CaptureRecord& record) {
@@ -157,7 +163,7 @@ bool PcapngReader::read_block(CaptureRecord& record) {
 
 bool PcapngReader::read_block_header(std::uint32_t& type, std::uint32_t& length) {
   block_ = position_;
-  if (size_ - position_ < 12) return fail("block cut by the end of the file");
+  if (size_ - position_ < 12) return run_out("block cut by the end of the file");
   std::array<std::uint8_t, 8> bytes{};
   if (!read(bytes.data(), bytes.size())) return false;
   type = Fields{ByteView(bytes.data(), 8), big_}.u32(0);
@@ -166,8 +172,8 @@ bool PcapngReader::read_block_header(std::uint32_t& type, std::uint32_t& length)
   if (length < 12 || length % 4 != 0)
     return fail("block with the impossible length " + std::to_string(length));
   if (length > size_ - block_) {
-    return fail("block of " + std::to_string(length) + " bytes, but the file has only " +
-                std::to_string(size_ - block_) + " left");
+    return run_out("block of " + std::to_string(length) + " bytes, but the file has only " +
+                   std::to_string(size_ - block_) + " left");
   }
   return true;
 }

@@ -181,6 +181,7 @@ TEST(PcapSource, KeepsWhatCameBeforeACutRecord) {
     ASSERT_EQ(got.payloads.size(), 1U);
     EXPECT_THAT(got.error, HasSubstr("truncated"));
     EXPECT_THAT(got.error, EndsWith(" at byte " + std::to_string(second) + "; what came before it was used"));
+    EXPECT_FALSE(got.damaged) << "a recording was stopped";
   }
 }
 
@@ -191,6 +192,18 @@ TEST(PcapSource, NamesThePlaceOfALyingRecord) {
   const Contents got = read_capture(bytes);
   EXPECT_EQ(got.payloads.size(), 1U);
   EXPECT_THAT(got.error, HasSubstr("at byte " + std::to_string(second) + ";"));
+  EXPECT_TRUE(got.damaged);
+}
+
+TEST(PcapSource, IsDamagedWhereALyingLengthHidesMoreThanALastRecord) {
+  PcapBytes file;
+  for (std::size_t bytes = 0; bytes < 100'000; bytes += frame().size() + 16) file.add(frame());
+  Bytes bytes = file.bytes;
+  bytes[24 + 16 + frame().size() + 10] = 2;  // captured length: 131072 and some more
+  const Contents got = read_capture(bytes);
+  EXPECT_EQ(got.payloads.size(), 1U);
+  EXPECT_THAT(got.error, HasSubstr("truncated"));
+  EXPECT_TRUE(got.damaged);
 }
 
 TEST(PcapSource, RefusesWhatIsNoCaptureWithOneSentenceAndARemedy) {

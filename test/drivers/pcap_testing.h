@@ -154,6 +154,7 @@ struct Contents {
   CaptureCounters counters;
   std::string error;  ///< of the source, or of the exception when it could not be opened
   bool opened = false;
+  bool damaged = false;
 };
 
 inline void read_all(PcapSource& source, Contents& out) {
@@ -170,6 +171,7 @@ inline void read_all(PcapSource& source, Contents& out) {
   }
   out.counters = source.counters();
   out.error = source.error();
+  out.damaged = source.is_damaged();
 }
 
 inline Contents read_capture(const std::string& path) {

@@ -51,7 +51,8 @@ def broken_files(tmp):
     cut = tmp / "cut.pcap"
     cut.write_bytes(DEMO.read_bytes()[:1_000_000])
     result = run("decode", cut, "--model", "velodyne_vlp16", "-o", tmp / "cut.csv")
-    expect_refusal(result, 1, "cut.pcap")
+    expect(result.returncode == 0, f"exit {result.returncode} where a last record alone is not whole")
+    expect("cut.pcap: " in result.stderr and "what came before it was used" in result.stderr, result.stderr)
     expect((tmp / "cut.csv").read_text().count("\n") > 100_000, "what came before the cut is written")
 
 

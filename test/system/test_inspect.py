@@ -85,9 +85,10 @@ def check_capture(path, models, tmp):
     replayed = run("replay", "-c", config, "--pcap", path, "--rate", "max", "--bag", tmp / "found.bag", timeout=60)
     if not all(sensor["frames"] > 0 for sensor in sensors):
         return None
-    # A capture that ends inside a record gives what came before it, and exit 1 says so.
+    # A capture that ends inside its last record gives what came before it; one that is damaged ends with 1.
     broken = any(capture["error"] for capture in found["captures"])
-    if replayed.returncode != (1 if broken else 0):
+    damaged = result.returncode != 0
+    if replayed.returncode != (1 if damaged else 0):
         return f"replay ended with {replayed.returncode}: {replayed.stderr}"
     if broken and "what came before it was used" not in replayed.stderr:
         return f"replay does not say what it used: {replayed.stderr}"
