@@ -240,9 +240,11 @@ bool HiddenSectors::take_out(Hundredths azimuth) {
 std::uint64_t HiddenSectors::receive(const PacketAzimuths& azimuths) {
   ++received_;
   bool moved = false;
+  // Most streams have no sectors, and this is done for every packet.
+  const bool any = std::any_of(sectors_.begin(), sectors_.end(), [](const Sector& s) { return s.used; });
   for (std::size_t g = 0; g < azimuths.groups; ++g) {
-    moved = take_out(azimuths.group[g]) || moved;
-    seen_.set(static_cast<std::size_t>(azimuths.group[g] / 100));
+    if (any) moved = take_out(azimuths.group[g]) || moved;
+    seen_[static_cast<std::size_t>(azimuths.group[g] / 100)] = true;
   }
   const double packet_deg = azimuths.step_deg * static_cast<double>(azimuths.groups);
   for (std::size_t g = 1; g < azimuths.groups && azimuths.hidden_total_deg > 0; ++g) {

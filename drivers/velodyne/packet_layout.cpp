@@ -5,8 +5,6 @@
 namespace lidard::velodyne {
 namespace {
 
-constexpr std::array<std::uint16_t, 4> bank_flags = {0xEEFF, 0xDDFF, 0xCCFF, 0xBBFF};
-
 constexpr std::uint8_t byte(std::size_t n) { return static_cast<std::uint8_t>(n); }
 
 /// Single return: the banks of a sequence one after another.
@@ -91,9 +89,6 @@ const PacketLayout single1 = single(1), single2 = single(2), single4 = single(4)
 const PacketLayout dual1 = dual_by_bank(1), dual4 = dual_by_bank(4), dual2 = dual_by_return();
 const PacketLayout confident = dual_with_confidence(), alternating = bank_by_bank();
 
-/// Of a bank that did not fire. The kernels read eight bytes more than the slots.
-constexpr std::array<std::uint8_t, 3 * slots_per_block + 8> silent_slots{};
-
 }  // namespace
 
 const PacketLayout& layout_of(const DataPacket& packet, const ModelRow& row) {
@@ -103,12 +98,6 @@ const PacketLayout& layout_of(const DataPacket& packet, const ModelRow& row) {
   constexpr std::uint8_t triple = 0x3A, confidence = 0x3B;  // VeloView vtkDataPacket.h; 0x3A unverified
   if (packet.mode() == triple || packet.mode() == confidence) return confident;
   return packet.flag(0) == packet.flag(1) ? dual4 : single4;
-}
-
-const std::uint8_t* slots_of(const DataPacket& packet, const PacketLayout& layout, std::size_t group,
-                             std::size_t echo, std::size_t bank) {
-  const std::size_t b = layout.block[group][echo][bank];
-  return layout.one_bank && packet.flag(b) != bank_flags[bank] ? silent_slots.data() : packet.slots(b);
 }
 
 Reject check_blocks(const DataPacket& packet, const PacketLayout& layout) {

@@ -30,9 +30,17 @@ struct PacketLayout {
 /// azimuths are equal, and the mode byte decides.
 const PacketLayout& layout_of(const DataPacket& packet, const ModelRow& row);
 
+/// The flags of the blocks of each bank.
+inline constexpr std::array<std::uint16_t, 4> bank_flags{flag_lasers_0_31, 0xDDFF, 0xCCFF, 0xBBFF};
+/// Of a bank that did not fire. The kernels read eight bytes more than the slots.
+inline constexpr std::array<std::uint8_t, 3 * slots_per_block + 8> silent_slots{};
+
 /// The first slot of a bank in that group and return; of a bank that is silent there, slots without returns.
-const std::uint8_t* slots_of(const DataPacket& packet, const PacketLayout& layout, std::size_t group,
-                             std::size_t echo, std::size_t bank);
+inline const std::uint8_t* slots_of(const DataPacket& packet, const PacketLayout& layout, std::size_t group,
+                                    std::size_t echo, std::size_t bank) {
+  const std::size_t b = layout.block[group][echo][bank];
+  return layout.one_bank && packet.flag(b) != bank_flags[bank] ? silent_slots.data() : packet.slots(b);
+}
 
 /// Flags and azimuths of every block the layout uses.
 Reject check_blocks(const DataPacket& packet, const PacketLayout& layout);
