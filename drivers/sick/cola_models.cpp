@@ -56,7 +56,7 @@ struct Facts {
 // were seen to send (an LMS111 tells 0.08 m, an MRS1104 16 mm). Unverified.
 constexpr Facts all_facts[] = {
     {"sick_lms1xx", "LMS1xx", &lms1xx, 50, 0.05, 50, true, "1 capture (LMS111), telegrams of an LMS151"},
-    {"sick_lms5xx", "LMS5xx", &lms5xx, 25, 0.05, 80, true, "1 capture (LMS511)"},
+    {"sick_lms5xx", "LMS5xx", &lms5xx, 25, 0.05, 80, true, "1 capture (LMS511), single answers in CoLa A"},
     {"sick_lms1000", "LMS1000", &lms1000, 50, 0.05, 64, true, unverified},
     {"sick_lms4000", "LMS4000", &lms4000, 600, 0.5, 3.5, false, unverified},
     {"sick_tim240", "TiM240", &tim240, 14.5, 0.05, 10, false, unverified, other_port},
