@@ -20,6 +20,17 @@ SKIP = 77
 PATIENCE = 4
 CHILDREN = []
 
+# A microScan3 before a wall, live for ten minutes, and the configuration that takes it; format() puts the port in.
+SCANNER_SCENE = """\
+start: 2026-01-01T00:00:00Z
+duration: 600
+sensors:
+  front: {{model: sick_microscan3, from: '192.168.0.21:6060', to: '127.0.0.1:{port}', pose: {{xyz: [0, 0, 0.35]}}}}
+objects:
+  - wall: {{from: [8, -8], to: [8, 8], z: [-1, 2]}}
+"""
+SCANNER_CONFIG = "sensors: {{front: {{model: sick_microscan3, ip_address: 127.168.0.21, ip_port: {port}, listen_only: true}}}}\n"
+
 
 def free_port(kind=socket.SOCK_STREAM):
     with socket.socket(socket.AF_INET, kind) as s:

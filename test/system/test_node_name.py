@@ -15,29 +15,21 @@ import xmlrpc.client
 import xmlrpc.server
 
 import rospy
-from harness import LIDARD, LIDARD_SIM, expect, folder, free_port, process, ros_master, run, use_master_at, wait_for
+from harness import (LIDARD, LIDARD_SIM, SCANNER_CONFIG, SCANNER_SCENE, expect, folder, free_port, process, ros_master,
+                     run, use_master_at, wait_for)
 from sensor_msgs.msg import LaserScan
 
-SCENE = """\
-start: 2026-01-01T00:00:00Z
-duration: 600
-sensors:
-  front: {{model: sick_microscan3, from: '192.168.0.21:6060', to: '127.0.0.1:{port}', pose: {{xyz: [0, 0, 0.35]}}}}
-objects:
-  - wall: {{from: [8, -8], to: [8, 8], z: [-1, 2]}}
-"""
-CONFIG = "sensors: {{front: {{model: sick_microscan3, ip_address: 127.168.0.21, ip_port: {port}, listen_only: true}}}}\n"
 
 
 class Vehicle:
     def __init__(self, tmp):
         self.tmp, self.count, self.port = tmp, 0, free_port(socket.SOCK_DGRAM)
         self.config = tmp / "first.yaml"
-        self.config.write_text(CONFIG.format(port=self.port))
+        self.config.write_text(SCANNER_CONFIG.format(port=self.port))
         # The second one listens to another port, where nothing comes: whose scans they are is plain.
         self.other = tmp / "second.yaml"
-        self.other.write_text(CONFIG.format(port=free_port(socket.SOCK_DGRAM)))
-        (tmp / "scene.yaml").write_text(SCENE.format(port=self.port))
+        self.other.write_text(SCANNER_CONFIG.format(port=free_port(socket.SOCK_DGRAM)))
+        (tmp / "scene.yaml").write_text(SCANNER_SCENE.format(port=self.port))
 
     @contextlib.contextmanager
     def daemon(self, config):

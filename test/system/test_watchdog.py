@@ -17,19 +17,11 @@ import xmlrpc.client
 import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
-from harness import LIDARD, LIDARD_SIM, expect, folder, free_port, process, ros_master, use_master_at, wait_for
+from harness import (LIDARD, LIDARD_SIM, SCANNER_CONFIG, SCANNER_SCENE, expect, folder, free_port, process, ros_master,
+                     use_master_at, wait_for)
 from sensor_msgs.msg import LaserScan
 
 LIMIT = 2.0  # WatchdogSec of config/lidard.service.in
-SCENE = """\
-start: 2026-01-01T00:00:00Z
-duration: 600
-sensors:
-  front: {{model: sick_microscan3, from: '192.168.0.21:6060', to: '127.0.0.1:{port}', pose: {{xyz: [0, 0, 0.35]}}}}
-objects:
-  - wall: {{from: [8, -8], to: [8, 8], z: [-1, 2]}}
-"""
-CONFIG = "sensors: {{front: {{model: sick_microscan3, ip_address: 127.168.0.21, ip_port: {port}, listen_only: true}}}}\n"
 PTRACE_SEIZE, PTRACE_INTERRUPT, PTRACE_DETACH, WALL = 0x4206, 0x4207, 17, 0x40000000
 libc = ctypes.CDLL(None, use_errno=True)
 libc.ptrace.argtypes = [ctypes.c_long, ctypes.c_long, ctypes.c_void_p, ctypes.c_void_p]
@@ -125,8 +117,8 @@ def main():
     master_port, port = free_port(), free_port(socket.SOCK_DGRAM)
     use_master_at(master_port)
     with folder() as tmp, ros_master(master_port) as master:
-        (tmp / "live.yaml").write_text(CONFIG.format(port=port))
-        (tmp / "scene.yaml").write_text(SCENE.format(port=port))
+        (tmp / "live.yaml").write_text(SCANNER_CONFIG.format(port=port))
+        (tmp / "scene.yaml").write_text(SCANNER_SCENE.format(port=port))
         rospy.init_node("listener", disable_signals=True, anonymous=True)
         newest, scans = {}, []
         rospy.Subscriber("/diagnostics", DiagnosticArray, lambda array: newest.update(items_of(array.status)), queue_size=100)
