@@ -31,8 +31,8 @@ class DataPacket {
   explicit DataPacket(ByteView bytes) : bytes_(bytes) {}
 
   std::uint16_t flag(std::size_t block) const { return bytes_.le16(block * block_size); }
-  /// 1/100 deg. Sensors also send exactly a whole turn, which means 0: one packet in about 2,000 of a VLP-16
-  /// and of an HDL-32E (recordings of both). What is more than a turn is handed on as it is.
+  /// 1/100 deg. Exactly a whole turn means 0; it was reported of a VLP-16 and of an HDL-32E, once in about
+  /// 2,000 packets, and stands in none of the captures of test/CAPTURES.md. More than a turn stays as it is.
   std::uint16_t azimuth(std::size_t block) const {
     const std::uint16_t sent = bytes_.le16(block * block_size + 2);
     return sent == whole_turn ? std::uint16_t{0} : sent;
