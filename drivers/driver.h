@@ -9,15 +9,15 @@
 #include <utility>
 #include <vector>
 
-#include "core/bytes.h"
-#include "core/cloud.h"
-#include "core/counters.h"
-#include "core/device_clock.h"
-#include "core/device_state.h"
-#include "core/gnss.h"
-#include "core/imu.h"
-#include "core/scan.h"
-#include "core/time.h"
+#include "core/base/bytes.h"
+#include "core/base/counters.h"
+#include "core/base/device_clock.h"
+#include "core/base/time.h"
+#include "core/frames/cloud.h"
+#include "core/frames/device_state.h"
+#include "core/frames/gnss.h"
+#include "core/frames/imu.h"
+#include "core/frames/scan.h"
 #include "drivers/address.h"
 
 namespace lidard {
@@ -120,7 +120,7 @@ struct DeviceRequests {
   std::optional<int> skip;                ///< scans left out between two (REP 138)
   std::optional<int> cluster;             ///< beams merged into one (REP 138)
   bool calibrate_time = true;  ///< compare both clocks once before the stream starts (REP 138; SCIP: TM)
-  bool device_states = false;             ///< SOPAS: subscribe to field evaluation, inputs and outputs
+  bool device_states = false;  ///< SOPAS: subscribe to field evaluation, inputs and outputs
 };
 
 /// Where one frame of a multi-plane lidar ends and the next begins.

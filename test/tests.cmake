@@ -7,18 +7,18 @@ include(GoogleTest)
 lidard_library(lidard_sim test/sim lidard_drivers PkgConfig::YAML CLI11::CLI11)
 # Fused multiply-add would make captures differ between processors.
 target_compile_options(lidard_sim PRIVATE -ffp-contract=off)
-add_executable(lidard-sim test/sim/main.cpp)
+add_executable(lidard-sim test/sim/servers/main.cpp)
 target_link_libraries(lidard-sim PRIVATE lidard_sim)
 
 # Paths are compiled into these files alone, so that a compiler cache can serve a second clone.
 set_source_files_properties(test/support/captures.cpp test/bench/bench_decode.cpp PROPERTIES
   COMPILE_DEFINITIONS LIDARD_SOURCE_DIR="${CMAKE_CURRENT_SOURCE_DIR}")
-set_source_files_properties(test/sim/capture_test.cpp PROPERTIES
+set_source_files_properties(test/sim/servers/capture_test.cpp PROPERTIES
   COMPILE_DEFINITIONS LIDARD_SIM_BINARY="$<TARGET_FILE:lidard-sim>")
 
 # test/<folder>/*_test.cpp is one GoogleTest program; folders mirror the sources.
 function(lidard_tests folder)
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/${folder}/*_test.cpp
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/${folder}/*_test.cpp
        ${CMAKE_CURRENT_SOURCE_DIR}/test/support/*.cpp)
   if(NOT folder STREQUAL daemon)
     list(FILTER sources EXCLUDE REGEX "/support/ros_")  # only the daemon knows ROS

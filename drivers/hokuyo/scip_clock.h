@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/device_clock.h"
-#include "core/time.h"
+#include "core/base/device_clock.h"
+#include "core/base/time.h"
 #include "drivers/hokuyo/scip_message.h"
 
 namespace lidard::hokuyo {

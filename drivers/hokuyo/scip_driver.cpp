@@ -8,8 +8,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "core/beam_window.h"
-#include "core/steady_stamps.h"
+#include "core/base/steady_stamps.h"
+#include "core/frames/beam_window.h"
 #include "drivers/hokuyo/scip_dialogue.h"
 #include "drivers/hokuyo/scip_message.h"
 #include "drivers/hokuyo/scip_models.h"

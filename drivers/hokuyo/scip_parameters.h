@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/scan.h"
+#include "core/frames/scan.h"
 
 namespace lidard::hokuyo {
 

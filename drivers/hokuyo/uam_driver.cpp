@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "core/beam_window.h"
-#include "core/steady_stamps.h"
+#include "core/base/steady_stamps.h"
+#include "core/frames/beam_window.h"
 #include "drivers/hokuyo/scip_clock.h"
 #include "drivers/hokuyo/uam_frame.h"
 #include "drivers/model.h"

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/bytes.h"
-#include "core/counters.h"
+#include "core/base/bytes.h"
+#include "core/base/counters.h"
 
 namespace lidard::hokuyo {
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <utility>
 
-#include "core/revolution.h"
-#include "core/steady_stamps.h"
+#include "core/base/steady_stamps.h"
+#include "core/frames/revolution.h"
 #include "drivers/driver.h"
 #include "drivers/velodyne/unpacker.h"
 

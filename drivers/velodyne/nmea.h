@@ -7,8 +7,8 @@
 #include <optional>
 #include <string_view>
 
-#include "core/gnss.h"
-#include "core/time.h"
+#include "core/base/time.h"
+#include "core/frames/gnss.h"
 
 namespace lidard::velodyne {
 

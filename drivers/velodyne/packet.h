@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/bytes.h"
+#include "core/base/bytes.h"
 
 namespace lidard::velodyne {
 

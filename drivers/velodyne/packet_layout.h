@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdint>
 
-#include "core/counters.h"
+#include "core/base/counters.h"
 #include "drivers/velodyne/model_row.h"
 #include "drivers/velodyne/packet.h"
 

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/counters.h"
-#include "core/time.h"
+#include "core/base/counters.h"
+#include "core/base/time.h"
 #include "drivers/velodyne/azimuth.h"
 #include "drivers/velodyne/hidden_sectors.h"
 #include "drivers/velodyne/model_row.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/bytes.h"
+#include "core/base/bytes.h"
 #include "drivers/velodyne/model_row.h"
 
 namespace lidard::velodyne {

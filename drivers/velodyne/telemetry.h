@@ -8,8 +8,8 @@
 #include <optional>
 #include <string_view>
 
-#include "core/bytes.h"
-#include "core/time.h"
+#include "core/base/bytes.h"
+#include "core/base/time.h"
 
 namespace lidard::velodyne {
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string_view>
 
-#include "core/device_clock.h"
+#include "core/base/device_clock.h"
 #include "drivers/driver.h"
 #include "drivers/velodyne/nmea.h"
 #include "drivers/velodyne/telemetry.h"

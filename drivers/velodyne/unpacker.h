@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/cloud.h"
+#include "core/frames/cloud.h"
 #include "drivers/velodyne/calibration.h"
 #include "drivers/velodyne/direction.h"
 #include "drivers/velodyne/model_row.h"

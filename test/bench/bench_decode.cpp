@@ -7,8 +7,8 @@
 #include <cstring>
 #include <vector>
 
+#include "drivers/capture/pcap_source.h"
 #include "drivers/model.h"
-#include "drivers/pcap_source.h"
 
 namespace lidard {
 namespace {

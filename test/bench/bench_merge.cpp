@@ -13,8 +13,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/merger.h"
-#include "test/sim/merge_score.h"
+#include "core/merge/merger.h"
+#include "test/support/merge_score.h"
 
 namespace lidard {
 namespace {

@@ -4,11 +4,11 @@
 // two virtual scanners. (Decoding their telegrams: bench_decode.)
 #include <cmath>
 
-#include "core/merger.h"
-#include "core/virtualizer.h"
+#include "core/merge/merger.h"
+#include "core/virtual/virtualizer.h"
 #include "drivers/model.h"
 #include "test/bench/yardstick.h"
-#include "test/sim/velodyne_stream.h"
+#include "test/sim/servers/velodyne_stream.h"
 
 namespace lidard {
 namespace {

@@ -9,8 +9,8 @@
 #include "drivers/velodyne/calibration.h"
 #include "drivers/velodyne/model_row.h"
 #include "test/bench/yardstick.h"
-#include "test/sim/velodyne_stream.h"
-#include "test/sim/velodyne_tables.h"
+#include "test/sim/devices/velodyne_tables.h"
+#include "test/sim/servers/velodyne_stream.h"
 
 namespace lidard {
 namespace {

@@ -12,8 +12,8 @@
 #include <cmath>
 #include <variant>
 
-#include "core/virtualizer.h"
-#include "test/sim/yard.h"
+#include "core/virtual/virtualizer.h"
+#include "test/support/yard.h"
 
 namespace lidard {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <functional>
 
-#include "test/sim/merge_score.h"
+#include "test/support/merge_score.h"
 
 namespace lidard::sim {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <limits>
 
-#include "test/sim/yard.h"
+#include "test/support/yard.h"
 
 namespace lidard::sim {
 namespace {

@@ -8,9 +8,9 @@
 #include <string>
 
 #include "drivers/model.h"
-#include "test/core/cut_bench.h"
-#include "test/sim/scene_file.h"
-#include "test/sim/simulate.h"
+#include "test/core/virtual/cut_bench.h"
+#include "test/sim/servers/scene_file.h"
+#include "test/sim/servers/simulate.h"
 
 namespace lidard {
 namespace {

@@ -8,9 +8,9 @@
 #include <cstdlib>
 
 #include "drivers/model.h"
-#include "drivers/sick/cola_events.h"
-#include "drivers/sick/cola_recognizer.h"
-#include "drivers/sick/cola_scan.h"
+#include "drivers/sick/cola/cola_events.h"
+#include "drivers/sick/cola/cola_recognizer.h"
+#include "drivers/sick/cola/cola_scan.h"
 
 namespace {
 

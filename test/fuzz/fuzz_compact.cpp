@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "drivers/model.h"
-#include "drivers/sick/compact_telegram.h"
-#include "drivers/sick/msgpack_telegram.h"
-#include "test/sim/checksums.h"
+#include "drivers/sick/compact/compact_telegram.h"
+#include "drivers/sick/compact/msgpack_telegram.h"
+#include "test/sim/devices/checksums.h"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "drivers/model.h"
-#include "drivers/sick/ms3_telegram.h"
+#include "drivers/sick/safety/ms3_telegram.h"
 
 namespace {
 

@@ -5,7 +5,7 @@
 // -DLIDARD_FUZZ=ON -DLIDARD_SANITIZE=address,undefined,fuzzer-no-link.
 #include <cstdlib>
 
-#include "test/drivers/pcap_testing.h"
+#include "test/drivers/capture/pcap_testing.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const lidard::test::MemoryFile file(data, size);

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <map>
 
-#include "drivers/tcp_reassembler.h"
+#include "drivers/capture/tcp_reassembler.h"
 
 namespace {
 

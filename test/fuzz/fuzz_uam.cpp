@@ -8,7 +8,7 @@
 #include <string>
 
 #include "drivers/model.h"
-#include "test/sim/uam_device.h"
+#include "test/sim/devices/uam_device.h"
 
 namespace {
 

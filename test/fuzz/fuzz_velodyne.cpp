@@ -14,9 +14,9 @@
 #include "drivers/model.h"
 #include "drivers/velodyne/packet.h"
 #include "drivers/velodyne/table_calibration.h"
-#include "test/sim/output_check.h"
-#include "test/sim/random_bytes.h"
-#include "test/sim/velodyne.h"
+#include "test/sim/devices/velodyne.h"
+#include "test/sim/servers/output_check.h"
+#include "test/support/random_bytes.h"
 
 namespace {
 

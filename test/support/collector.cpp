@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "drivers/capture/pcap_source.h"
 #include "drivers/model.h"
-#include "drivers/pcap_source.h"
 
 namespace lidard::test {
 namespace {

@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <map>
 
-#include "drivers/pcap_source.h"
+#include "drivers/capture/pcap_source.h"
 #include "drivers/velodyne/packet.h"
-#include "test/sim/checksums.h"
+#include "test/sim/devices/checksums.h"
 #include "test/support/captures.h"
 
 namespace lidard::test {

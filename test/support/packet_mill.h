@@ -9,7 +9,7 @@
 
 #include "drivers/driver.h"
 #include "drivers/model.h"
-#include "test/sim/rng.h"
+#include "test/sim/world/rng.h"
 
 namespace lidard::test {
 

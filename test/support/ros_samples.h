@@ -4,10 +4,10 @@
 
 #include <cstddef>
 
-#include "core/cloud.h"
-#include "core/gnss.h"
-#include "core/imu.h"
-#include "core/scan.h"
+#include "core/frames/cloud.h"
+#include "core/frames/gnss.h"
+#include "core/frames/imu.h"
+#include "core/frames/scan.h"
 
 namespace lidard::test {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "drivers/driver.h"
-#include "test/sim/velodyne.h"
+#include "test/sim/devices/velodyne.h"
 
 namespace lidard::test {
 

@@ -1,0 +1,76 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/time.h"
+
+namespace lidard {
+
+/// How a device's own time becomes host time.
+enum class ClockMode : std::uint8_t {
+  arrival,  ///< every packet is placed by its own arrival: truthful about each packet, with the network's
+            ///< jitter; a packet that a stalled host took late is placed by the device's own clock
+  smooth    ///< lower envelope of the arrivals over the last seconds: no jitter, follows drift
+};
+
+/// Maps the (unwrapped) clock of one device to host time by listening alone.
+///
+/// A packet can be late but never early, so the lowest of `arrival - device` over a window is the best guess
+/// of the offset between the clocks; a line below the minima of several windows follows the drift. Usable
+/// from the first packet on: until a drift is known, the offset may rise as fast as the worst clock drifts. A
+/// counter that is rounded down reads low, which looks like a late packet. A pure function of what it was
+/// given: the same packets give the same stamps.
+class DeviceClock {
+ public:
+  explicit DeviceClock(ClockMode mode = ClockMode::smooth) : mode_(mode) {}
+
+  /// A packet that could not leave before device time `device` arrived at `arrival`. Device time must be
+  /// unwrapped (no overflow); a step of the device or the host clock beyond `step_limit` restarts the
+  /// estimate.
+  void observe(Span device, Stamp arrival);
+  /// Host time of a device time near those observed. Epoch + device before the first observation.
+  Stamp to_host(Span device) const;
+  /// True if anything was observed yet.
+  bool ready() const { return ready_; }
+  /// Restarts caused by a clock step.
+  std::uint64_t steps() const { return steps_; }
+  /// What the offset gains, parts per million of the device's time (0 until enough was seen). It is negative
+  /// for a device clock that is fast.
+  double drift_ppm() const { return slope_ * 1e6; }
+  /// True once the drift was measured.
+  bool knows_drift() const { return minima_count_ >= minima_for_slope; }
+  void reset();
+
+ private:
+  struct Minimum {
+    std::int64_t device;
+    std::int64_t offset;
+  };
+  void begin(std::int64_t device, std::int64_t offset);
+  void follow(std::int64_t device, std::int64_t arrival);
+  void close_window(std::int64_t device, std::int64_t offset);
+  void fit();
+  double slope_under_the_middle() const;
+  std::int64_t predicted_offset(std::int64_t device) const;
+
+  ClockMode mode_;
+  bool ready_ = false;
+  std::uint64_t steps_ = 0;
+  // Arrival since when every packet was beyond the step limit; 0: none. After a stall what was held back
+  // arrives at once, however long it took to measure; after a step packets arrive at their pace.
+  std::int64_t late_since_ = 0;
+  std::int64_t window_begin_ = 0;  // device time
+  Minimum window_{0, 0};
+  static constexpr std::size_t max_minima = 20, minima_for_slope = 4;
+  Minimum minima_[max_minima]{};
+  std::size_t minima_count_ = 0;
+  std::int64_t base_device_ = 0;
+  std::int64_t base_offset_ = 0;
+  double slope_ = 0;
+  std::int64_t placed_ = 0;  // offset of the newest packet, in arrival mode
+};
+
+}  // namespace lidard

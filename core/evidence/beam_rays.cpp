@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/evidence/beam_rays.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace lidard {
+namespace {
+
+constexpr float nowhere = std::numeric_limits<float>::infinity();
+// A scanner stands a little inside the outline; so much of the body cannot block its beams.
+constexpr double housing_m = 0.5;
+// Beams that graze an edge they start on do not enter the body.
+constexpr double graze_m = 0.002;
+
+/// True if a beam runs into the body. A scanner on the border of an outline that reaches a little beyond it
+/// is not blocked by that strip.
+bool is_blocked(const std::optional<Footprint::Crossing>& body) {
+  if (!body || body->in <= 0) return false;
+  return body->in > Footprint::margin_m || body->out - body->in > housing_m;
+}
+
+/// Ranges at which a beam that begins at height `from` and climbs `slope` per m is inside the band.
+void clip(double from, double slope, HeightBand band, float& begin, float& end) {
+  if (std::abs(slope) < 1e-9) {
+    begin = 0;
+    end = from >= band.min && from <= band.max ? nowhere : -1.0F;
+    return;
+  }
+  const double at_min = (band.min - from) / slope;
+  const double at_max = (band.max - from) / slope;
+  begin = static_cast<float>(std::max(0.0, std::min(at_min, at_max)));
+  end = static_cast<float>(std::max(at_min, at_max));
+}
+
+}  // namespace
+
+bool BeamRays::fits(const PlanarScan& scan, const Pose& output_from_sensor) const {
+  return size() == scan.beams && angle_min == static_cast<double>(scan.angle_min) &&
+         increment == static_cast<double>(scan.angle_increment) &&
+         pose.matrix() == output_from_sensor.matrix();
+}
+
+void BeamRays::build(const PlanarScan& scan, const Pose& output_from_sensor, const Footprint& footprint,
+                     HeightBand band) {
+  pose = output_from_sensor;
+  angle_min = static_cast<double>(scan.angle_min);
+  increment = static_cast<double>(scan.angle_increment);
+  for (auto* list :
+       {&x, &y, &z, &level, &cosine, &sine, &own_begin, &own_end, &blocked_at, &band_begin, &band_end})
+    list->clear();
+  from_inside.clear();
+  const Footprint body = footprint.padded(-graze_m);
+  const Footprint margin = footprint.padded(Footprint::margin_m);
+  for (std::size_t i = 0; i < scan.beams; ++i) {
+    add_beam(angle_min + static_cast<double>(i) * increment, body, margin, band);
+  }
+}
+
+void BeamRays::add_beam(double angle, const Footprint& body, const Footprint& margin, HeightBand band) {
+  const Eigen::Vector3d ray = pose.linear() * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
+  const Eigen::Vector2d origin = pose.translation().head<2>();
+  x.push_back(static_cast<float>(ray.x()));
+  y.push_back(static_cast<float>(ray.y()));
+  z.push_back(static_cast<float>(ray.z()));
+  level.push_back(static_cast<float>(ray.head<2>().norm()));
+  cosine.push_back(static_cast<float>(std::cos(angle)));
+  sine.push_back(static_cast<float>(std::sin(angle)));
+  const auto own = margin.crossing(origin, ray.head<2>());
+  own_begin.push_back(own ? static_cast<float>(own->in) : nowhere);
+  own_end.push_back(own ? static_cast<float>(own->out) : nowhere);
+  const auto blocked = body.crossing(origin, ray.head<2>());
+  blocked_at.push_back(is_blocked(blocked) ? static_cast<float>(blocked->in) : nowhere);
+  band_begin.push_back(0);
+  band_end.push_back(0);
+  clip(pose.translation().z(), ray.z(), band, band_begin.back(), band_end.back());
+  from_inside.push_back(blocked && blocked->in <= 0 && blocked->out > housing_m ? 1 : 0);
+}
+
+}  // namespace lidard

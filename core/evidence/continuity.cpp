@@ -1,0 +1,169 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/evidence/continuity.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/angle.h"
+
+namespace lidard {
+namespace {
+
+constexpr double steepest = 9 * pi_d / 180;  // rad between surface and beam
+constexpr float veil_sine = 0.2079117F;      // of 12 degrees
+constexpr float longest_grazing_step = 3;    // m
+constexpr float steady_growth = 2.5F;        // of the steps along a wall
+constexpr float sharpest_bend = 0.34F;       // sine of 20 degrees; less is noise or a curve
+constexpr float shortest_bridge = 0.1F;      // m
+constexpr float bridge_sine = 0.4226183F;    // of 25 degrees
+constexpr float bridge_cosine = 0.9063078F;
+constexpr float line_tolerance = 0.005F;  // m, beside the noise
+
+struct Point {
+  float x, y;
+};
+
+Point operator-(Point a, Point b) { return {a.x - b.x, a.y - b.y}; }
+float cross(Point a, Point b) { return a.x * b.y - a.y * b.x; }
+float length(Point a) { return std::sqrt(a.x * a.x + a.y * a.y); }
+
+/// The returns of one sweep in the scanner's own plane.
+class Returns {
+ public:
+  Returns(const BeamRays& rays, double noise, const Sweep& sweep)
+      : rays_(rays), sweep_(sweep), noise_(static_cast<float>(noise)) {}
+
+  bool has(std::size_t i) const { return i < sweep_.kind.size() && sweep_.kind[i] != Return::nothing; }
+  Point at(std::size_t i) const {
+    return {sweep_.range[i] * rays_.cosine[i], sweep_.range[i] * rays_.sine[i]};
+  }
+  float tolerance() const { return 3 * noise_ + line_tolerance; }
+  /// True if `middle` lies on the line through the two others.
+  bool in_line(Point a, Point middle, Point b) const {
+    const Point line = b - a;
+    return std::fabs(cross(line, middle - a)) <= tolerance() * length(line);
+  }
+  /// Four returns around the pair (i, i + 1) on one line whose steps grow steadily: a grazing wall.
+  bool grazing(std::size_t i) const {
+    if (i == 0 || !has(i - 1) || !has(i + 2)) return false;
+    const Point a = at(i - 1), b = at(i), c = at(i + 1), d = at(i + 2);
+    const float step = length(c - b);
+    if (step > longest_grazing_step) return false;
+    if (step > steady_growth * std::max(length(b - a), length(d - c))) return false;
+    return in_line(a, b, d) && in_line(a, c, d);
+  }
+  /// The step from `side` to i continues a line that came from `beyond`.
+  bool continues(std::size_t beyond, std::size_t side, std::size_t i) const {
+    if (!has(beyond) || !has(side)) return false;
+    const Point a = at(beyond), b = at(side), c = at(i);
+    if (length(c - b) > steady_growth * std::max(length(b - a), 6 * noise_)) return false;
+    return in_line(a, b, c);
+  }
+  /// The line from return i to its neighbour makes less than 12 degrees with the beam.
+  bool along_beam(std::size_t i, std::size_t neighbour) const {
+    const Point step = at(neighbour) - at(i);
+    return std::fabs(cross({rays_.cosine[i], rays_.sine[i]}, step)) < veil_sine * length(step);
+  }
+
+ private:
+  const BeamRays& rays_;
+  const Sweep& sweep_;
+  float noise_;
+};
+
+bool is_between(float a, float middle, float b) {
+  return (a < middle && middle < b) || (b < middle && middle < a);
+}
+
+bool is_veil(const Returns& returns, const Sweep& sweep, std::size_t i) {
+  if (!returns.has(i - 1) || !returns.has(i) || !returns.has(i + 1)) return false;
+  if (!is_between(sweep.range[i - 1], sweep.range[i], sweep.range[i + 1])) return false;
+  const bool alone = sweep.linked[i - 1] == 0 && sweep.linked[i] == 0;
+  if (!alone && !(returns.along_beam(i, i - 1) && returns.along_beam(i, i + 1))) return false;
+  if (i >= 2 && returns.continues(i - 2, i - 1, i)) return false;
+  return !returns.continues(i + 2, i + 1, i);
+}
+
+/// True if the link from i to i + 1 leads steeply from one surface to another: both go on beyond it, on other
+/// lines. Between coarse beams it is wide enough to bridge a step of more than a metre.
+bool is_bridge(const Returns& returns, const BeamRays& rays, const Sweep& sweep, std::size_t i,
+               float shortest) {
+  if (sweep.linked[i - 1] == 0 || sweep.linked[i] == 0 || sweep.linked[i + 1] == 0) return false;
+  if (std::fabs(sweep.range[i] - sweep.range[i + 1]) < shortest * bridge_cosine) return false;
+  const Point b = returns.at(i), c = returns.at(i + 1);
+  const Point step = c - b;
+  if (length(step) < shortest) return false;
+  if (std::fabs(cross({rays.cosine[i], rays.sine[i]}, step)) >= bridge_sine * length(step)) return false;
+  return !returns.in_line(returns.at(i - 1), b, c) && !returns.in_line(b, c, returns.at(i + 2));
+}
+
+void cut_bridges(const Returns& returns, const BeamRays& rays, double noise, Sweep& sweep) {
+  const float shortest = std::max(shortest_bridge, static_cast<float>(5 * noise));
+  bool before = false;  // the link before is one; it goes only after this one was judged by it
+  for (std::size_t i = 1; i + 2 < sweep.linked.size(); ++i) {
+    const bool bridge = is_bridge(returns, rays, sweep, i, shortest);
+    if (before) sweep.linked[i - 1] = 0;
+    before = bridge;
+    if (bridge && i + 3 >= sweep.linked.size()) sweep.linked[i] = 0;
+  }
+}
+
+}  // namespace
+
+void link_neighbours(const BeamRays& rays, double noise, Sweep& sweep) {
+  const std::size_t n = sweep.range.size();
+  const double step = std::abs(rays.increment);
+  const auto slope = step < steepest / 2 ? static_cast<float>(std::sin(step) / std::sin(steepest - step)) : 0;
+  const auto spread = static_cast<float>(2 * (1 - std::cos(step)));
+  const auto slack = static_cast<float>(3 * noise);
+  const Returns returns(rays, noise, sweep);
+  sweep.linked.assign(n, 0);
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    if (sweep.kind[i] == Return::nothing || sweep.kind[i + 1] == Return::nothing) continue;
+    const float a = sweep.range[i];
+    const float b = sweep.range[i + 1];
+    const float limit = std::min(a, b) * slope + slack;
+    // The chord, without the cancellation of the cosine rule.
+    const float squared = (a - b) * (a - b) + a * b * spread;
+    if (squared <= limit * limit || returns.grazing(i)) sweep.linked[i] = 1;
+  }
+  cut_bridges(returns, rays, noise, sweep);
+}
+
+void mark_veils(const BeamRays& rays, double noise, Sweep& sweep) {
+  const std::size_t n = sweep.range.size();
+  const Returns returns(rays, noise, sweep);
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    if (sweep.linked[i - 1] != 0 && sweep.linked[i] != 0 && !returns.along_beam(i, i - 1)) continue;
+    if (!is_veil(returns, sweep, i)) continue;
+    sweep.kind[i] = Return::doubtful;
+    ++sweep.veils;
+  }
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    if (sweep.kind[i] == Return::doubtful || sweep.kind[i + 1] == Return::doubtful) sweep.linked[i] = 0;
+  }
+}
+
+void find_corners(double noise, Sweep& sweep) {
+  sweep.corners.clear();
+  const auto shortest = static_cast<float>(10 * noise);
+  const auto at = [&](std::size_t i) { return Point{sweep.x[i], sweep.y[i]}; };
+  for (std::size_t i = 1; i + 2 < sweep.linked.size(); ++i) {
+    if (sweep.linked[i - 1] == 0 || sweep.linked[i] == 0 || sweep.linked[i + 1] == 0) continue;
+    const Point b = at(i), c = at(i + 1);
+    const Point before = b - at(i - 1), after = at(i + 2) - c, across = c - b;
+    const float bend = cross(before, after);
+    const float both = length(before) * length(after);
+    if (std::fabs(bend) < sharpest_bend * both || both < shortest * shortest) continue;
+    // b + t * before meets c - u * after.
+    const float t = cross(across, after) / bend;
+    const float u = cross(before, across) / bend;
+    if (t <= 0 || u <= 0 || t * length(before) > length(across) || u * length(after) > length(across))
+      continue;
+    const float intensity = sweep.intensity.empty() ? 0 : (sweep.intensity[i] + sweep.intensity[i + 1]) / 2;
+    sweep.corners.push_back({i, {b.x + t * before.x, b.y + t * before.y, intensity}});
+  }
+}
+
+}  // namespace lidard

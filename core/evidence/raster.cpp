@@ -1,0 +1,208 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/evidence/raster.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/angle.h"
+
+namespace lidard {
+namespace {
+
+// Nearer to the origin than this there is no direction.
+constexpr float nearest = 0.001F;
+
+// Segments that reach less far across a beam lie along it, m.
+constexpr float narrowest = 2e-4F;
+
+// So much of the way to the next beam a surface more likely than not goes on.
+constexpr float likely = 0.5F;
+
+float beams_to(float x, float y, float first, float per_rad, float turn) {
+  float at = (fast_atan2(y, x) - first) * per_rad;
+  at = at < 0 ? at + turn : at;
+  at = at < 0 ? at + turn : at;
+  return at >= turn ? at - turn : at;
+}
+
+void keep_nearer(RangeLayer& layer, std::size_t beam, float range, float intensity) {
+  if (!(range < layer.range[beam])) return;
+  layer.range[beam] = range;
+  layer.intensity[beam] = intensity;
+}
+
+Raster::Point point_of(const Sweep& sweep, std::size_t i) {
+  return {sweep.x[i], sweep.y[i], sweep.intensity.empty() ? 0.0F : sweep.intensity[i]};
+}
+
+}  // namespace
+
+void RangeLayer::clear(std::size_t beams) {
+  range.assign(beams, std::numeric_limits<float>::infinity());
+  intensity.assign(beams, 0);
+}
+
+void EndLayer::clear(std::size_t beams) {
+  marked.assign(beams, 0);
+  range.assign(beams, std::numeric_limits<float>::infinity());
+}
+
+Raster::Raster(const ScanGrid& grid)
+    : grid_(grid),
+      turn_(static_cast<float>(2 * pi_d / grid.increment)),
+      per_rad_(static_cast<float>(1 / grid.increment)),
+      first_(static_cast<float>(grid.angle_min)) {
+  for (std::size_t i = 0; i < grid.beams; ++i) {
+    cosine_.push_back(static_cast<float>(std::cos(grid.angle(i))));
+    sine_.push_back(static_cast<float>(std::sin(grid.angle(i))));
+  }
+}
+
+float Raster::position(float x, float y) const { return beams_to(x, y, first_, per_rad_, turn_); }
+
+void Raster::positions(const float* x, const float* y, std::size_t count, float* at) const {
+  const float first = first_, per_rad = per_rad_, turn = turn_;
+  for (std::size_t i = 0; i < count; ++i) at[i] = beams_to(x[i], y[i], first, per_rad, turn);
+}
+
+void Raster::draw(const Sweep& sweep, RangeLayer& layer) {
+  const std::size_t n = sweep.kind.size();
+  positions_.resize(n);
+  positions(sweep.x.data(), sweep.y.data(), n, positions_.data());
+  bool linked_before = false;
+  auto corner = sweep.corners.begin();
+  for (std::size_t i = 0; i < n; ++i) {
+    if (sweep.kind[i] != Return::surface) {
+      linked_before = false;
+      continue;
+    }
+    const bool linked = sweep.linked[i] != 0;
+    const Point p = point_of(sweep, i);
+    if (corner != sweep.corners.end() && corner->beam == i) {
+      draw_segment(p, corner->at, layer);
+      draw_segment(corner->at, point_of(sweep, i + 1), layer);
+      ++corner;
+    } else if (linked) {
+      draw_segment(p, point_of(sweep, i + 1), positions_[i], positions_[i + 1], layer);
+    }
+    if (!linked && !linked_before) draw_point(p, positions_[i], layer);
+    if (linked != linked_before) draw_end(p, point_of(sweep, linked ? i + 1 : i - 1), positions_[i], layer);
+    linked_before = linked;
+  }
+  for (const Point& echo : sweep.early_echoes) draw_point(echo, layer);
+}
+
+void Raster::draw_doubtful(const Sweep& sweep, RangeLayer& layer) const {
+  for (std::size_t i = 0; i < sweep.kind.size(); ++i) {
+    if (sweep.kind[i] == Return::doubtful) draw_point(point_of(sweep, i), layer);
+  }
+}
+
+void Raster::draw_point(Point p, RangeLayer& layer) const { draw_point(p, position(p.x, p.y), layer); }
+
+void Raster::draw_segment(Point p, Point q, RangeLayer& layer) const {
+  draw_segment(p, q, position(p.x, p.y), position(q.x, q.y), layer);
+}
+
+std::size_t Raster::nearest_beam(float at) const {
+  const auto beam = static_cast<std::size_t>(at + 0.5F);
+  // Half a beam before the first one, all around.
+  return beam >= grid_.beams && at >= turn_ - 0.5F ? 0 : beam;
+}
+
+void Raster::draw_point(Point p, float at, RangeLayer& layer) const {
+  const float range = std::sqrt(p.x * p.x + p.y * p.y);
+  const std::size_t beam = nearest_beam(at);
+  if (range >= nearest && beam < grid_.beams) keep_nearer(layer, beam, range, p.intensity);
+}
+
+void Raster::draw_end(Point p, Point inner, float at, RangeLayer& layer) const {
+  const float range = std::sqrt(p.x * p.x + p.y * p.y);
+  const std::size_t beam = nearest_beam(at);
+  if (range < nearest || beam >= grid_.beams) return;
+  const float dx = p.x - inner.x;
+  const float dy = p.y - inner.y;
+  // Where the surface, drawn out to the middle of the beam, would be; at a slant it stays where it ends.
+  const float across = cosine_[beam] * dy - sine_[beam] * dx;
+  const float drawn_out = std::fabs(across) > 1e-6F ? (p.x * dy - p.y * dx) / across : range;
+  const bool fits = std::fabs(drawn_out - range) * per_rad_ <= range / 2;
+  keep_nearer(layer, beam, fits ? drawn_out : range, p.intensity);
+}
+
+void Raster::draw_segment(Point p, Point q, float at_p, float at_q, RangeLayer& layer) const {
+  float span = at_q - at_p;
+  if (span > turn_ / 2) span -= turn_;
+  if (span < -turn_ / 2) span += turn_;
+  const float from = span < 0 ? at_q : at_p;
+  const float to = from + std::fabs(span);
+  fill(p, q, from, to, layer);
+  if (to >= turn_) fill(p, q, 0, to - turn_, layer);
+}
+
+void Raster::mark_ends(const Sweep& sweep, const BeamRays& rays, EndLayer& layer) const {
+  const std::size_t n = sweep.kind.size();
+  if (n < 2) return;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (sweep.kind[i] == Return::nothing) continue;
+    const bool first = i == 0;
+    const bool last = i + 1 == n;
+    // Outside the field of view a surface goes on too, for all that is known.
+    if (first || sweep.linked[i - 1] == 0) mark_end(sweep, rays, i, first ? 1 : i - 1, first ? -1 : 1, layer);
+    if (last || sweep.linked[i] == 0) mark_end(sweep, rays, i, last ? i - 1 : i + 1, last ? -1 : 1, layer);
+  }
+}
+
+void Raster::mark_end(const Sweep& sweep, const BeamRays& rays, std::size_t end, std::size_t next, float side,
+                      EndLayer& layer) const {
+  // As far out as the end, in the direction of the next beam (or the one that would lie on the other side).
+  const float range = side * sweep.range[end];
+  const float at = positions_[end];
+  float span = position(sweep.x[end] + range * (rays.x[next] - rays.x[end]),
+                        sweep.y[end] + range * (rays.y[next] - rays.y[end])) -
+               at;
+  if (span > turn_ / 2) span -= turn_;
+  if (span < -turn_ / 2) span += turn_;
+  const float away = std::sqrt(sweep.x[end] * sweep.x[end] + sweep.y[end] * sweep.y[end]);
+  const float from = std::floor(span < 0 ? at + span : at);
+  const float to = std::ceil(span < 0 ? at : at + span);
+  for (float beam = from; beam <= to; ++beam) {
+    const float inside = beam < 0 ? beam + turn_ : beam >= turn_ ? beam - turn_ : beam;
+    const auto index = static_cast<std::size_t>(inside);
+    if (index >= layer.marked.size()) continue;
+    layer.marked[index] = 1;
+    if (std::fabs(beam - at) <= std::fabs(span) * likely)
+      layer.range[index] = std::min(layer.range[index], away);
+  }
+}
+
+void Raster::mark_near(Point p, float at, float reach, std::vector<char>& marks) const {
+  const float range = std::sqrt(p.x * p.x + p.y * p.y);
+  const float span = range > reach ? reach / range * per_rad_ : turn_ / 2;
+  for (float beam = std::floor(at - span); beam <= std::ceil(at + span); ++beam) {
+    const float inside = beam < 0 ? beam + turn_ : beam >= turn_ ? beam - turn_ : beam;
+    const auto index = static_cast<std::size_t>(inside);
+    if (index < marks.size()) marks[index] = 1;
+  }
+}
+
+void Raster::fill(Point p, Point q, float from, float to, RangeLayer& layer) const {
+  const auto last = std::min(grid_.beams, static_cast<std::size_t>(to) + 1);
+  for (auto beam = static_cast<std::size_t>(std::ceil(from)); beam < last; ++beam) {
+    const float c = cosine_[beam];
+    const float s = sine_[beam];
+    const float side_p = c * p.y - s * p.x;
+    const float side_q = c * q.y - s * q.x;
+    const float both = side_p - side_q;
+    const float ahead_p = c * p.x + s * p.y;
+    const float ahead_q = c * q.x + s * q.y;
+    // Of a surface that lies along the beam its nearer end counts.
+    const float along = ahead_p < ahead_q ? 0.0F : 1.0F;
+    const float share = std::fabs(both) < narrowest ? along : std::clamp(side_p / both, 0.0F, 1.0F);
+    const float range = ahead_p + share * (ahead_q - ahead_p);
+    if (range > nearest) keep_nearer(layer, beam, range, p.intensity + share * (q.intensity - p.intensity));
+  }
+}
+
+}  // namespace lidard

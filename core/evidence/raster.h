@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "core/evidence/sweep.h"
+#include "core/frames/scan_grid.h"
+
+namespace lidard {
+
+/// The nearest thing in each beam of an output scan; infinite range: nothing.
+struct RangeLayer {
+  std::vector<float> range;  ///< m
+  std::vector<float> intensity;
+  void clear(std::size_t beams);
+};
+
+/// Where surfaces end, in the beams of an output scan: behind its last return, as far as to the next beam of
+/// the source, a surface may go on, and what lies behind is seen or not.
+struct EndLayer {
+  std::vector<char> marked;  ///< a surface may go on in this beam
+  std::vector<float> range;  ///< m, the nearest surface that more likely than not does; infinite: none
+  void clear(std::size_t beams);
+};
+
+/// Draws surfaces into the beams of an output scan: what a scanner in the output frame's origin would
+/// measure of them. Each beam's range is where it meets the surface; the nearest one stays.
+class Raster {
+ public:
+  using Point = Sweep::Point;
+
+  explicit Raster(const ScanGrid& grid);
+
+  const ScanGrid& grid() const { return grid_; }
+  float cosine(std::size_t beam) const { return cosine_[beam]; }
+  float sine(std::size_t beam) const { return sine_[beam]; }
+
+  /// All surfaces of a sweep. Ends of surfaces and single returns also count in the beam nearest to them.
+  void draw(const Sweep& sweep, RangeLayer& layer);
+  /// The returns of a sweep that are doubtful, as points.
+  void draw_doubtful(const Sweep& sweep, RangeLayer& layer) const;
+  void draw_point(Point p, RangeLayer& layer) const;
+  void draw_segment(Point p, Point q, RangeLayer& layer) const;
+  /// Beams from the first one to the azimuth of (x, y), less than a turn of them.
+  float position(float x, float y) const;
+  /// The same for `count` points.
+  void positions(const float* x, const float* y, std::size_t count, float* at) const;
+  /// The same for points whose position() is known.
+  void draw_point(Point p, float at, RangeLayer& layer) const;
+  void draw_segment(Point p, Point q, float at_p, float at_q, RangeLayer& layer) const;
+  /// The end `p` of a surface that comes from `inner`, in the beam nearest to it.
+  void draw_end(Point p, Point inner, float at, RangeLayer& layer) const;
+  /// Marks the beams that pass within `reach` m of a point.
+  void mark_near(Point p, float at, float reach, std::vector<char>& marks) const;
+  /// Marks the beams between the ends of surfaces and the next beam of the source. Call after draw() of the
+  /// same sweep.
+  void mark_ends(const Sweep& sweep, const BeamRays& rays, EndLayer& layer) const;
+
+ private:
+  std::size_t nearest_beam(float at) const;
+  void mark_end(const Sweep& sweep, const BeamRays& rays, std::size_t end, std::size_t next, float side,
+                EndLayer& layer) const;
+  void fill(Point p, Point q, float from, float to, RangeLayer& layer) const;
+
+  ScanGrid grid_;
+  float turn_;     // beams of a full turn
+  float per_rad_;  // beams
+  float first_;    // rad
+  std::vector<float> cosine_;
+  std::vector<float> sine_;
+  std::vector<float> positions_;  // of one sweep's returns
+};
+
+}  // namespace lidard

@@ -1,0 +1,99 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/base/time.h"
+
+namespace lidard {
+
+/// One return, in the very bytes of our PointCloud2: the layout of ros-drivers/velodyne
+/// (velodyne_pointcloud/pointcloudXYZIRT.cc), point_step 22, `time` unaligned.
+struct __attribute__((packed, may_alias)) CloudPoint {
+  float x, y, z;       ///< m, sensor's ROS frame (REP 103)
+  float intensity;     ///< device units
+  std::uint16_t ring;  ///< 0 = lowest beam
+  float time;          ///< s after the cloud's stamp
+};
+static_assert(sizeof(CloudPoint) == 22, "the PointCloud2 layout is a contract");
+
+/// How points stand in the bytes of a cloud. As drivers make them they are a list of CloudPoint; only what
+/// goes to a topic may stand otherwise (CloudArranger).
+struct CloudFormat {
+  std::uint32_t point_step = sizeof(CloudPoint);
+  std::uint32_t height = 0;  ///< rows of an organised cloud, in which missing returns are NaN; 0: a list
+  bool confidence = false;   ///< uint16 `confidence` behind `time`
+  bool echo = false;         ///< uint8 `echo` at the end: CloudColumn::echo
+};
+
+/// What stands in `confidences` where the device vouches for nothing: it was not asked to.
+constexpr std::uint16_t no_confidence = 0xFFFF;
+
+/// A return that is in no point, since it was nearer than DriverConfig::min_range.
+struct NearReturn {
+  std::uint32_t column;  ///< index into columns
+  std::uint16_t ring;
+};
+
+/// One firing sequence of a cloud: the returns measured at (nearly) one azimuth.
+struct CloudColumn {
+  std::uint32_t first_point;  ///< index of its first return; it ends where the next column begins
+  std::uint32_t packet;       ///< data packets of this sensor, counted from 0
+  std::uint8_t block;         ///< block of the packet
+  std::uint8_t echo;          ///< 0, or the number of the return the column holds
+  float azimuth;  ///< rad, at the sequence's first firing, as the sensor counts it (Velodyne: clockwise)
+  Stamp stamp;    ///< its first firing
+};
+
+/// Where a return came from; kept only where somebody asks for it (`lidard decode`).
+struct ReturnOrigin {
+  std::uint32_t column;  ///< index into columns
+  std::uint16_t laser;   ///< the device's own number of the laser
+  std::uint8_t block;    ///< of the packet
+  double azimuth_deg;    ///< after interpolation and correction, as the sensor counts it
+  double distance_m;
+  std::int64_t offset_ns;  ///< firing time after the packet's own stamp
+  Stamp stamp;             ///< firing time on the host's time scale
+};
+
+/// One frame (revolution) of a multi-plane lidar, in the sensor's ROS frame.
+///
+/// The points stand in firing order, so column c holds points [columns[c].first_point, columns[c +
+/// 1].first_point). Buffers keep their memory from frame to frame; `points_bytes` may be swapped into a
+/// message.
+struct Cloud {
+  std::string frame_id;
+  Stamp stamp;  ///< the first firing sequence
+  Stamp end;    ///< the last one
+  std::uint16_t rings = 0;
+  bool complete = false;  ///< false: the revolution was cut off by the begin or end of the data
+  std::size_t expected_columns =
+      0;  ///< what a whole revolution would have had at the measured rate; 0 unknown
+  std::vector<std::uint8_t> points_bytes;
+  std::vector<CloudColumn> columns;
+  std::vector<ReturnOrigin> origins;       ///< empty, or one per point
+  std::vector<std::uint16_t> confidences;  ///< empty, or one per point: the device's own bits
+  std::vector<NearReturn> too_near;        ///< in order of columns; only where asked for
+  CloudFormat format;
+
+  std::size_t size() const { return points_bytes.size() / format.point_step; }
+  const CloudPoint* points() const { return reinterpret_cast<const CloudPoint*>(points_bytes.data()); }
+  CloudPoint* points() { return reinterpret_cast<CloudPoint*>(points_bytes.data()); }
+
+  /// Empties the frame and keeps the memory.
+  void clear() {
+    points_bytes.clear();
+    columns.clear();
+    origins.clear();
+    confidences.clear();
+    too_near.clear();
+    complete = false;
+    expected_columns = 0;
+  }
+};
+
+}  // namespace lidard

@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "core/frames/cloud.h"
+
+namespace lidard {
+
+/// In which order the points of a cloud message stand.
+enum class CloudOrder : std::uint8_t {
+  list,        ///< as they were measured, only what came back
+  ring_rows,   ///< organised: a row per ring, lowest first, a column per firing sequence
+  firing_rows  ///< organised as velodyne_pointcloud does it: a row per firing sequence, a column per ring
+};
+
+/// Which firing a cloud message is stamped with; `time` of its points counts from there.
+enum class FrameStamp : std::uint8_t {
+  first,  ///< the first: times are >= 0
+  last    ///< the last one that came back: times are <= 0, as in ros-drivers/velodyne
+};
+
+/// How a cloud message looks; the default is what drivers make.
+struct CloudLayout {
+  CloudOrder order = CloudOrder::list;
+  FrameStamp stamp = FrameStamp::first;
+  bool confidence = false;  ///< with a field `confidence`
+  bool echo = false;        ///< with a field `echo`
+};
+
+/// Turns a cloud as drivers make it into one as a message shall have it.
+///
+/// Organised clouds have one line of points per return of a firing sequence: in dual return mode two lines
+/// with the same `time` follow each other, CloudColumn::echo 0 and 1. Where nothing came back x, y, z and
+/// intensity are NaN, `ring` is right and `time` is the begin of the firing sequence.
+class CloudArranger {
+ public:
+  explicit CloudArranger(const CloudLayout& layout) : layout_(layout) {}
+
+  /// True if messages look as drivers make clouds, so that nothing needs to be done.
+  bool is_plain() const {
+    return layout_.order == CloudOrder::list && layout_.stamp == FrameStamp::first && !layout_.confidence &&
+           !layout_.echo;
+  }
+  /// The arranged cloud, valid until the next call; its bytes may be swapped out. `cloud` stays as it is. A
+  /// cloud without columns (of another driver) cannot be organised and stays a list.
+  Cloud& arrange(const Cloud& cloud);
+
+ private:
+  void fill_missing(const Cloud& cloud);
+  std::size_t slot_of(std::size_t column, std::size_t ring, std::size_t columns) const {
+    return layout_.order == CloudOrder::ring_rows ? ring * columns + column : column * arranged_.rings + ring;
+  }
+  void put(const Cloud& cloud, std::size_t point, std::size_t column, std::size_t slot);
+
+  CloudLayout layout_;
+  Cloud arranged_;
+  float shift_ = 0;  // s, subtracted from each time
+};
+
+}  // namespace lidard

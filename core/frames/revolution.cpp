@@ -1,0 +1,106 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/frames/revolution.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lidard {
+namespace {
+
+constexpr double backwards_limit_deg = 1;
+/// Slower than this (60 rpm) counts as standing: frames are then cut by time.
+constexpr Span slowest_turn = std::chrono::seconds(1);
+/// The rate is measured over at least this angle, so that the 0.01 deg steps of the wire do not matter.
+constexpr double rate_angle_deg = 90;
+
+/// A sequence right at the cut begins the new revolution, whichever way the last bit was rounded.
+constexpr double rounding_deg = 1e-6;
+
+double wrap_deg(double angle) {
+  const double a = std::fmod(angle, 360);
+  return a < 0 ? a + 360 : a;
+}
+
+/// The same, without a division for angles within a turn either way.
+double wrap_quick_deg(double angle) {
+  if (angle >= 0 && angle < 360) return angle;
+  return angle < 0 && angle >= -360 ? angle + 360 : wrap_deg(angle);
+}
+
+}  // namespace
+
+RevolutionCutter::RevolutionCutter(double cut_deg) : cut_deg_(wrap_deg(cut_deg - rounding_deg)) {}
+
+void RevolutionCutter::reset() {
+  started_ = false;
+  period_ = Span(0);
+}
+
+bool RevolutionCutter::set_cut(double cut_deg) {
+  const double cut = wrap_deg(cut_deg - rounding_deg);
+  // Where the middle of a hidden sector is taken for the cut, it wanders by the steps at the sector's edges.
+  constexpr double same_cut_deg = 1;
+  if (std::fabs(std::remainder(cut - cut_deg_, 360)) < same_cut_deg) return false;
+  cut_deg_ = cut;
+  position_deg_ = wrap_deg(azimuth_deg_ - cut_deg_);
+  return true;
+}
+
+void RevolutionCutter::measure_rate(double step_deg, Span time) {
+  turned_deg_ += step_deg;
+  if (turned_deg_ < rate_angle_deg) return;
+  // Overlapping packets can make it negative: then the period is not known.
+  const Span elapsed = std::max(time - turned_since_, Span(0));
+  period_ = Span(std::llround(static_cast<double>(elapsed.count()) * 360 / turned_deg_));
+  turned_deg_ = 0;
+  turned_since_ = time;
+}
+
+/// Turns that nothing was received of, besides the step that the azimuths tell.
+int RevolutionCutter::whole_turns(double step_deg, Span elapsed) const {
+  if (period_.count() <= 0 || elapsed * 2 < period_) return 0;
+  const double turns = static_cast<double>(elapsed.count()) / static_cast<double>(period_.count());
+  constexpr double most = 1e6;  // of a period of nanoseconds, which is none
+  return std::max(0, static_cast<int>(std::lround(std::min(turns, most) - step_deg / 360)));
+}
+
+RevolutionCutter::Verdict RevolutionCutter::next(double azimuth_deg, Span time) {
+  if (!started_) {
+    started_ = true;
+    azimuth_deg_ = azimuth_deg;
+    position_deg_ = wrap_quick_deg(azimuth_deg - cut_deg_);
+    frame_start_ = turned_since_ = last_time_ = time;
+    turned_deg_ = 0;
+    return Verdict::same;
+  }
+  const double step = wrap_quick_deg(azimuth_deg - azimuth_deg_);
+  const int whole = whole_turns(step, time - last_time_);
+  const bool backwards = whole == 0 && step > 360 - backwards_limit_deg;
+  last_time_ = time;
+  Verdict verdict = Verdict::same;
+  if (!backwards) {
+    if (position_deg_ + step >= 360) verdict = Verdict::crossed;
+    if (whole > 0) verdict = Verdict::forced;
+    azimuth_deg_ = azimuth_deg;
+    position_deg_ = wrap_quick_deg(azimuth_deg - cut_deg_);
+    measure_rate(step + 360.0 * whole, time);
+  }
+  const Span limit = period_.count() > 0 && period_ < slowest_turn ? period_ * 3 / 2 : slowest_turn * 3 / 2;
+  if (time - frame_start_ > limit) verdict = Verdict::forced;
+  if (verdict != Verdict::same) frame_start_ = time;
+  return verdict;
+}
+
+bool IntervalCutter::next(Span time) {
+  if (!started_) {
+    started_ = true;
+    frame_start_ = time;
+    return false;
+  }
+  if (time - frame_start_ < duration_) return false;
+  frame_start_ += (time - frame_start_) / duration_ * duration_;
+  return true;
+}
+
+}  // namespace lidard

@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/frames/scan.h"
+
+#include <cmath>
+
+namespace lidard {
+
+const char* to_string(BeamStatus status) {
+  switch (status) {
+    case BeamStatus::hit:
+      return "hit";
+    case BeamStatus::none:
+      return "none";
+    case BeamStatus::near:
+      return "near";
+    case BeamStatus::invalid:
+      return "invalid";
+  }
+  return "invalid";
+}
+
+float range_without_hit(BeamStatus status) {
+  if (status == BeamStatus::none) return std::numeric_limits<float>::infinity();
+  if (status == BeamStatus::near) return -std::numeric_limits<float>::infinity();
+  return std::numeric_limits<float>::quiet_NaN();
+}
+
+void PlanarScan::reset(std::size_t beam_count, std::size_t echo_count, bool with_intensities) {
+  beams = beam_count;
+  echoes = echo_count;
+  const std::size_t n = beams * echoes;
+  ranges.assign(n, range_without_hit(BeamStatus::invalid));
+  statuses.assign(n, BeamStatus::invalid);
+  intensities.assign(with_intensities ? n : 0, 0.0F);
+  free_from.clear();
+}
+
+void PlanarScan::set_angles(float first, float increment) {
+  angle_min = first;
+  angle_increment = increment;
+  angle_max = beams == 0 ? first : angle(beams - 1);
+}
+
+namespace {
+
+bool beam_is_consistent(const PlanarScan& scan, std::size_t i) {
+  const float r = scan.ranges[i];
+  switch (scan.statuses[i]) {
+    case BeamStatus::hit:
+      return r >= scan.range_min && r <= scan.range_max;
+    case BeamStatus::none:
+      return std::isinf(r) && r > 0;
+    case BeamStatus::near:
+      return std::isinf(r) && r < 0;
+    case BeamStatus::invalid:
+      return std::isnan(r);
+  }
+  return false;
+}
+
+}  // namespace
+
+const char* violation(const PlanarScan& scan) {
+  const std::size_t n = scan.beams * scan.echoes;
+  if (scan.beams < 1 || scan.echoes < 1) return "no beams";
+  if (scan.ranges.size() != n || scan.statuses.size() != n) return "number of ranges is not beams x echoes";
+  if (!scan.intensities.empty() && scan.intensities.size() != n)
+    return "number of intensities is not that of ranges";
+  if (!scan.free_from.empty() && scan.free_from.size() != scan.beams)
+    return "number of free_from is not that of beams";
+  if (!std::isfinite(scan.angle_min) || !std::isfinite(scan.angle_increment)) return "angles are not finite";
+  if (scan.angle_increment == 0 && scan.beams > 1) return "angle_increment is 0";
+  if (scan.angle_max != scan.angle(scan.beams - 1)) return "angle_max is not that of the last beam";
+  if (!(scan.range_min >= 0 && scan.range_max > scan.range_min)) return "range limits are not 0 <= min < max";
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!beam_is_consistent(scan, i)) return "a range does not fit its status";
+  }
+  return nullptr;
+}
+
+}  // namespace lidard

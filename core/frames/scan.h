@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "core/base/time.h"
+
+namespace lidard {
+
+/// What a beam says. `none`: observed, nothing there. `near`: something too close to measure.
+/// `invalid`: not observed, or the device does not vouch for the value.
+enum class BeamStatus : std::uint8_t { hit, none, near, invalid };
+
+const char* to_string(BeamStatus status);
+
+/// The range that REP 117 prescribes for a beam without a measurement: +inf, -inf or NaN.
+float range_without_hit(BeamStatus status);
+
+/// One sweep of a single-plane scanner (or a merged or virtual scan), in its own frame: x ahead, angles in
+/// rad counter-clockwise from x (REP 103).
+///
+/// Invariants, tested by `violation()`: beam i points at angle_min + i * angle_increment; angle_max is that
+/// of the last beam, computed in float; stamp is the first ray's time; a hit lies inside [range_min,
+/// range_max], every other beam holds `range_without_hit()` of its status. The number of beams stays constant
+/// for the life of a source.
+struct PlanarScan {
+  std::string frame_id;
+  Stamp stamp;                ///< first ray
+  float angle_min = 0;        ///< rad
+  float angle_max = 0;        ///< rad
+  float angle_increment = 0;  ///< rad, may be negative (scanner mounted upside down)
+  float time_increment = 0;   ///< s between neighbouring beams
+  float scan_time = 0;        ///< s between scans
+  float range_min = 0;        ///< m
+  float range_max = 0;        ///< m
+  std::size_t beams = 0;
+  std::size_t echoes = 1;
+  /// What messages hold for beams with status `none`; +inf (REP 117) unless an output's consumers need
+  /// another value.
+  float none_as = std::numeric_limits<float>::infinity();
+  /// The same for beams with status `invalid`: not observed.
+  float invalid_as = std::numeric_limits<float>::quiet_NaN();
+  std::vector<float> ranges;         ///< m, [echo * beams + beam]
+  std::vector<float> intensities;    ///< device units; empty, or as long as ranges
+  std::vector<BeamStatus> statuses;  ///< as long as ranges
+  /// m per beam: nearer than that nothing was observed, though what lies beyond was; empty: 0 everywhere.
+  /// Only virtual scans have it.
+  std::vector<float> free_from;
+
+  std::size_t index(std::size_t beam, std::size_t echo = 0) const { return echo * beams + beam; }
+  float angle(std::size_t beam) const { return angle_min + static_cast<float>(beam) * angle_increment; }
+
+  /// Sets the number of beams and echoes and makes every beam `invalid`. Allocates only when the size grows.
+  void reset(std::size_t beam_count, std::size_t echo_count = 1, bool with_intensities = true);
+  /// Sets the geometry; angle_max follows from the number of beams.
+  void set_angles(float first, float increment);
+  void set_hit(std::size_t i, float range_m) {
+    ranges[i] = range_m;
+    statuses[i] = BeamStatus::hit;
+  }
+  void set_without_hit(std::size_t i, BeamStatus status) {
+    ranges[i] = range_without_hit(status);
+    statuses[i] = status;
+  }
+};
+
+/// What is wrong with `scan` in a few words, or nullptr if all invariants hold.
+const char* violation(const PlanarScan& scan);
+
+}  // namespace lidard

@@ -1,0 +1,206 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/merge/merger.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lidard {
+
+Merger::Merger(const ScanGrid& grid, HeightBand band, std::size_t sources, const MergeSettings& settings)
+    : settings_(settings),
+      band_(band),
+      flattener_(grid, band),
+      ends_(sources),
+      newest_sweeps_(sources, nullptr),
+      sources_(sources) {
+  report_.sources.assign(sources, SourceUse::not_used);
+  if (!settings.sight) return;
+  sight_.emplace(grid, settings.how, sources);
+  const MergeOptions& options = settings.options;
+  if (options.newest_wins || options.veil_cross_check)
+    cross_check_.emplace(options, sources, grid.range_max, settings.how.noise);
+  if (options.all_heights) height_groups_.emplace(grid, settings.how, sources);
+}
+
+void Merger::set_footprint(const Footprint& footprint) {
+  footprint_ = footprint;
+  flattener_.set_footprint(footprint.padded(Footprint::margin_m));
+  if (sight_) sight_->set_footprint(footprint);
+  if (height_groups_) height_groups_->set_footprint(footprint);
+  for (Source& source : sources_) source.rays_outdated = true;
+}
+
+void Merger::reset() {
+  for (Source& source : sources_) {
+    source.points.clear();
+    source.stamp.reset();
+    source.fresh = false;
+  }
+}
+
+bool Merger::add(std::size_t index, const PlanarScan& scan, const Pose& output_from_sensor) {
+  Source& source = sources_[index];
+  if (!has_usable_times(scan)) {
+    ++bad_times_;
+    return false;
+  }
+  // Far back it is no late sweep but a clock that was set, or an input that starts again.
+  constexpr Span restart_limit = std::chrono::seconds(1);
+  if (source.stamp && scan.stamp + restart_limit < *source.stamp) reset();
+  if (source.stamp && scan.stamp <= *source.stamp) {
+    ++out_of_order_;
+    return false;
+  }
+  if (source.fresh) ++superseded_;
+  source.stamp = scan.stamp;
+  source.times = times_of(scan);
+  source.fresh = true;
+  source.has_intensities = !scan.intensities.empty();
+  source.scan_time = scan.scan_time;
+  if (settings_.points) take_points(scan, output_from_sensor, settings_of(index), source);
+  if (sight_) take_sweep(index, scan, output_from_sensor);
+  return true;
+}
+
+void Merger::take_points(const PlanarScan& scan, const Pose& output_from_sensor,
+                         const SourceSettings& settings, Source& source) const {
+  source.points.clear();
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    if (scan.statuses[i] != BeamStatus::hit || !settings.wants(scan, i)) continue;
+    const std::size_t beam = i % scan.beams;
+    const double angle = static_cast<double>(scan.angle_min) +
+                         static_cast<double>(beam) * static_cast<double>(scan.angle_increment);
+    const auto range = static_cast<double>(scan.ranges[i]);
+    const Eigen::Vector3d in_sensor(range * std::cos(angle), range * std::sin(angle), 0);
+    source.points.push_back(
+        {output_from_sensor * in_sensor,
+         source.has_intensities ? scan.intensities[i] : settings_.options.missing_intensity,
+         static_cast<std::uint32_t>(beam)});
+  }
+}
+
+void Merger::take_sweep(std::size_t index, const PlanarScan& scan, const Pose& output_from_sensor) {
+  Source& source = sources_[index];
+  if (source.rays_outdated || !source.rays.fits(scan, output_from_sensor)) {
+    source.rays_outdated = false;
+    source.rays.build(scan, output_from_sensor, footprint_, band_);
+    sight_->set_source(index, source.rays);
+    if (cross_check_) cross_check_->set_source(index, source.rays);
+    if (height_groups_) height_groups_->set_source(index, source.rays);
+  }
+  measure(scan, source.rays, settings_of(index), source.sweep);
+  if (source.has_intensities || settings_.options.intensities != Intensities::on) return;
+  source.sweep.intensity.assign(scan.beams, settings_.options.missing_intensity);
+  for (Sweep::EarlyReturn& early : source.sweep.early_returns)
+    early.intensity = settings_.options.missing_intensity;
+}
+
+std::optional<SweepTimes> Merger::times(std::size_t source) const {
+  if (!sources_[source].stamp) return std::nullopt;
+  return sources_[source].times;
+}
+
+bool Merger::poses_cover(std::size_t source, const MergeMoment& moment) const {
+  if (moment.track == nullptr || !sources_[source].stamp) return false;
+  const SweepTimes& times = sources_[source].times;
+  return moment.track->covers(times.first, times.last()) && moment.track->covers(moment.at, moment.at);
+}
+
+bool Merger::with_intensities(const std::vector<char>& use) const {
+  if (settings_.options.intensities != Intensities::automatic)
+    return settings_.options.intensities == Intensities::on;
+  for (std::size_t s = 0; s < sources_.size(); ++s) {
+    if (use[s] != 0 && sources_[s].stamp && !sources_[s].has_intensities) return false;
+  }
+  return true;
+}
+
+template <class Use>
+void Merger::each_point(const Source& source, Use use) {
+  const bool stands = source.motion.stands();
+  for (const Point& point : source.points)
+    use(stands ? point.position : source.motion.moved(point.beam, point.position), point);
+}
+
+void Merger::flatten(PlanarScan& scan, bool intensities) {
+  flattener_.begin(scan, intensities);
+  for (std::size_t s = 0; s < sources_.size(); ++s) {
+    if (!used(s)) continue;
+    const bool moves = !sources_[s].motion.stands();
+    each_point(sources_[s], [&](const Eigen::Vector3d& here, const Point& measured) {
+      // What is the vehicle's own goes with it: its place when it was measured tells.
+      if (!moves || !flattener_.is_own(measured.position)) flattener_.add(here, measured.intensity);
+    });
+  }
+}
+
+void Merger::fill(Cloud& cloud) const {
+  cloud.clear();
+  cloud.rings = static_cast<std::uint16_t>(sources_.size());
+  cloud.complete = true;
+  for (std::size_t s = 0; s < sources_.size(); ++s) {
+    if (!used(s)) continue;
+    const std::size_t begin = cloud.points_bytes.size();
+    cloud.points_bytes.resize(begin + sources_[s].points.size() * sizeof(CloudPoint));
+    CloudPoint* out = cloud.points() + begin / sizeof(CloudPoint);
+    each_point(sources_[s], [&](const Eigen::Vector3d& here, const Point& measured) {
+      const Eigen::Vector3f p = here.cast<float>();
+      *out++ = {p.x(), p.y(), p.z(), measured.intensity, static_cast<std::uint16_t>(s), 0};
+    });
+  }
+}
+
+/// Places a source's sweep in the output frame as it stands at the moment.
+SourceUse Merger::bring(std::size_t index, const MergeMoment& moment) {
+  Source& source = sources_[index];
+  source.fresh = false;
+  const PoseOrigin origin = source.motion.follow(moment, source.times);
+  if (sight_) {
+    place(source.rays, source.motion, settings_of(index).noise, source.sweep);
+    newest_sweeps_[index] = &source.sweep;
+  }
+  if (origin == PoseOrigin::missing) return SourceUse::static_poses;
+  report_.deskewed = true;
+  return origin == PoseOrigin::known ? SourceUse::deskewed : SourceUse::extrapolated;
+}
+
+void Merger::look() {
+  if (cross_check_) {
+    for (std::size_t s = 0; s < sources_.size(); ++s) ends_[s] = sources_[s].times.last();
+    cross_check_->check(newest_sweeps_, ends_);
+  }
+  sight_->compute(newest_sweeps_);
+  if (height_groups_) height_groups_->require(newest_sweeps_, *sight_);
+}
+
+const MergeReport& Merger::merge(const MergeMoment& moment, const std::vector<char>& use,
+                                 const std::vector<MergedScan>& outputs, Cloud* cloud) {
+  const bool intensities = with_intensities(use);
+  float scan_time = 0;
+  report_.deskewed = false;
+  for (std::size_t s = 0; s < sources_.size(); ++s) {
+    newest_sweeps_[s] = nullptr;
+    report_.sources[s] = SourceUse::not_used;
+    if (use[s] == 0 || !sources_[s].stamp) continue;
+    report_.sources[s] = bring(s, moment);
+    scan_time = std::max(scan_time, sources_[s].scan_time);
+  }
+  if (sight_) look();
+  for (const MergedScan& output : outputs) {
+    if (output.profile == Profile::flatten)
+      flatten(*output.scan, intensities);
+    else
+      sight_->encode(output.profile, *output.scan, intensities);
+    output.scan->stamp = moment.at;
+    // All beams are brought to one instant; consumers that deskew must not do it again.
+    if (report_.deskewed) output.scan->time_increment = 0;
+    if (output.scan->scan_time == 0) output.scan->scan_time = scan_time;
+  }
+  if (cloud == nullptr) return report_;
+  fill(*cloud);
+  cloud->stamp = cloud->end = moment.at;
+  return report_;
+}
+
+}  // namespace lidard

@@ -1,0 +1,221 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/merge/scheduler.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lidard {
+namespace {
+
+constexpr double deadline_share = 0.3;  // of the shortest period
+// Until a period is known: that of a scanner of 10 Hz.
+constexpr double usual_period_s = 0.1;
+// So far back it is no late packet but a clock that was set, or an input that starts again.
+constexpr Span restart_limit = std::chrono::seconds(1);
+constexpr double smoothing = 0.2;
+// So many of its periods between two sweeps are a pause, and no period unless it happens again and again.
+constexpr double pause_share = 1.5;
+constexpr int pauses_to_believe = 3;
+
+}  // namespace
+
+const char* to_string(Policy policy) {
+  switch (policy) {
+    case Policy::complete:
+      return "complete";
+    case Policy::rate:
+      return "rate";
+    case Policy::trigger:
+      return "trigger";
+  }
+  return "";
+}
+
+const char* to_string(SourceState state) {
+  switch (state) {
+    case SourceState::never:
+      return "never";
+    case SourceState::ok:
+      return "ok";
+    case SourceState::stale:
+      return "stale";
+    case SourceState::lost:
+      return "lost";
+  }
+  return "";
+}
+
+Scheduler::Scheduler(std::size_t sources, const ScheduleSettings& settings)
+    : settings_(settings), sources_(sources), usable_(sources, 0) {}
+
+void Scheduler::reset() {
+  sources_.assign(sources_.size(), {});
+  now_.reset();
+  first_.reset();
+  next_tick_.reset();
+  last_done_.reset();
+}
+
+/// The time only goes forward, but for an input that starts again.
+void Scheduler::notice(Stamp now) {
+  if (now_ && now + restart_limit < *now_) {
+    reset();
+    ++restarts_;
+  }
+  now_ = now_ ? std::max(*now_, now) : now;
+}
+
+void Scheduler::learn_period(Source& source, double measured) {
+  if (measured <= 0) return;
+  const bool pause = source.period > 0 && measured > pause_share * source.period;
+  source.pauses = pause ? source.pauses + 1 : 0;
+  if (source.period == 0 || source.pauses >= pauses_to_believe)
+    source.period = measured;
+  else if (!pause)
+    source.period += smoothing * (measured - source.period);
+}
+
+void Scheduler::delivered(std::size_t index, Stamp end, double period, Stamp now) {
+  notice(now);
+  if (!first_) first_ = now;
+  Source& source = sources_[index];
+  source.back = source.back || state(index, now) == SourceState::lost;
+  const double delay = seconds(now - end);
+  if (source.seen) {
+    learn_period(source, seconds(end - source.end));
+    source.delay += smoothing * (delay - source.delay);
+  } else {
+    if (std::isfinite(period) && period > 0) source.period = period;
+    source.delay = delay;
+  }
+  source.seen = source.fresh = true;
+  source.arrival = now;
+  source.end = end;
+}
+
+Span Scheduler::deadline() const {
+  if (settings_.deadline) return *settings_.deadline;
+  double shortest = 0;
+  for (const Source& source : sources_) {
+    if (source.period > 0 && (shortest == 0 || source.period < shortest)) shortest = source.period;
+  }
+  return span_from_seconds(deadline_share * (shortest > 0 ? shortest : usual_period_s));
+}
+
+SourceState Scheduler::state(std::size_t index, Stamp now) const {
+  const Source& source = sources_[index];
+  if (!source.seen) return SourceState::never;
+  if (now > lost_after(source)) return SourceState::lost;
+  return now > stale_after(source) ? SourceState::stale : SourceState::ok;
+}
+
+Stamp Scheduler::patience_end(const Source& source) const {
+  // At the start nobody knows when a source would be due.
+  if (!source.seen) return *first_ + settings_.lost_after;
+  const double period = source.period > 0 ? source.period : usual_period_s;
+  // Counted from the stamp, lest a sweep that came late excuse the next one. Who lags by more than a period
+  // is not up to date.
+  return source.end + span_from_seconds(period + std::min(source.delay, period)) + deadline();
+}
+
+Stamp Scheduler::stale_after(const Source& source) const {
+  return settings_.max_age ? source.end + *settings_.max_age : patience_end(source);
+}
+
+Stamp Scheduler::lost_after(const Source& source) const {
+  // Arrival counts for what is lost: a scanner whose stamps lag is not silent.
+  return std::max(source.arrival + settings_.lost_after, patience_end(source));
+}
+
+bool Scheduler::all_delivered(Stamp now) const {
+  bool any = false;
+  for (std::size_t s = 0; s < sources_.size(); ++s) {
+    const Source& source = sources_[s];
+    any = any || source.fresh;
+    if (source.fresh || state(s, now) == SourceState::lost) continue;
+    if (now < patience_end(source)) return false;
+  }
+  return any;
+}
+
+bool Scheduler::anything_usable(Stamp now) const {
+  for (std::size_t s = 0; s < sources_.size(); ++s) {
+    if (state(s, now) == SourceState::ok) return true;
+  }
+  return false;
+}
+
+bool Scheduler::has_news(Stamp now) const {
+  for (std::size_t s = 0; s < sources_.size(); ++s) {
+    const bool usable = state(s, now) == SourceState::ok;
+    if (usable ? sources_[s].back : sources_[s].used) return true;
+  }
+  return false;
+}
+
+Span Scheduler::idle_period() const {
+  if (settings_.policy == Policy::rate) return span_from_seconds(1 / settings_.rate);
+  double longest = 0;
+  for (const Source& source : sources_) longest = std::max(longest, source.period);
+  return span_from_seconds(longest > 0 ? longest : usual_period_s);
+}
+
+bool Scheduler::is_due(Stamp now) {
+  notice(now);
+  if (settings_.policy == Policy::rate) {
+    if (!next_tick_) next_tick_ = now;
+    const bool due = now >= *next_tick_ || has_news(now);
+    return due && (settings_.publish_when_empty || anything_usable(now));
+  }
+  if (!anything_usable(now)) {
+    if (!settings_.publish_when_empty) return false;
+    return !last_done_ || now - *last_done_ >= idle_period();
+  }
+  if (has_news(now)) return true;
+  const Source& trigger = sources_[settings_.trigger];
+  // Without its trigger the output goes on with what the others deliver.
+  if (settings_.policy == Policy::trigger && now < patience_end(trigger)) return trigger.fresh;
+  return all_delivered(now);
+}
+
+std::optional<Stamp> Scheduler::next_event() const {
+  std::optional<Stamp> next;
+  const auto consider = [&](Stamp at) {
+    if (now_ && at > *now_ && (!next || at < *next)) next = at;
+  };
+  for (const Source& source : sources_) {
+    if (first_) consider(patience_end(source));
+    if (!source.seen) continue;
+    consider(stale_after(source) + Span(1));
+    consider(lost_after(source) + Span(1));
+  }
+  if (settings_.policy == Policy::rate && next_tick_) consider(*next_tick_);
+  if (settings_.publish_when_empty && last_done_) consider(*last_done_ + idle_period());
+  return next;
+}
+
+const std::vector<char>& Scheduler::usable(Stamp now) {
+  for (std::size_t s = 0; s < sources_.size(); ++s) usable_[s] = state(s, now) == SourceState::ok ? 1 : 0;
+  return usable_;
+}
+
+void Scheduler::done(Stamp now) {
+  bool in_vain = false;
+  for (std::size_t s = 0; s < sources_.size(); ++s) {
+    const SourceState is = state(s, now);
+    sources_[s].fresh = sources_[s].back = false;
+    sources_[s].used = is == SourceState::ok;
+    in_vain = in_vain || is == SourceState::stale;
+  }
+  if (in_vain) ++deadlines_missed_;
+  last_done_ = now;
+  if (settings_.policy != Policy::rate || !next_tick_) return;
+  const Span step = idle_period();
+  const bool early = now < *next_tick_;
+  *next_tick_ = *next_tick_ + step;
+  // What was missed is not made up for, and an output out of turn begins a new row.
+  if (early || *next_tick_ <= now) *next_tick_ = now + step;
+}
+
+}  // namespace lidard

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/evidence/raster.h"
+#include "core/virtual/plane_tops.h"
+#include "core/virtual/plane_view.h"
+
+namespace lidard {
+
+/// Cuts the surfaces of an organised cloud with planes z = const of a virtual frame and draws what it finds
+/// into the beams of a virtual scan.
+///
+/// Four neighbouring returns (two rings, two columns) span two triangles, if they lie on one surface. Where
+/// the ground is known, what stands on it reaches down to it: the edge between a return from the ground and
+/// the return above it is no surface, and the latter's surface ends on the ground, unless a beam passed
+/// beneath it. Edges between two returns from the ground are never drawn, unless the view keeps the ground.
+class PlaneCut {
+ public:
+  /// Draws the cut with the view's plane; `tops` were found in it. `marks`: beams in which a surface ends.
+  void draw_slice(const PlaneView& view, const PlaneTops& tops, const Raster& raster, RangeLayer& layer,
+                  std::vector<char>& marks);
+
+ private:
+  /// Where the plane crosses the surface between a ring and the one beneath it.
+  struct Crossing {
+    Raster::Point at{};
+    Raster::Point neighbour{};  // at the other end of the newest segment
+    std::uint32_t ring = 0;     // the upper one
+    bool foot = false;          // of the upper return, on the ground
+    std::uint8_t segments = 0;
+  };
+  /// In the virtual frame; `beam` is its azimuth in beams of the virtual scan.
+  struct Place {
+    Raster::Point point;
+    float beam;
+  };
+  /// What is between two returns of neighbouring rings that may belong together. `top`: the upper one lies on
+  /// top of what the lower one is the face of. `nothing`: each is a face of its own.
+  enum class Between : std::uint8_t { slope, top, nothing };
+  static constexpr std::size_t nobody = static_cast<std::size_t>(-1);
+
+  void find_events();
+  void cross(std::size_t column, std::size_t ring);
+  void add(const Raster::Point& at, std::size_t ring, bool foot);
+  bool passes_beneath(std::size_t lower, std::size_t upper) const;
+  bool has_foot(std::size_t upper, std::size_t upper_ring) const;
+  Between between_rings(std::size_t column, std::size_t upper) const;
+  bool cross_level(std::size_t column, std::size_t ring, Place& at) const;
+  bool turns_between(std::size_t column) const;
+  void connect(std::size_t column);
+  void connect_turning(std::size_t column);
+  bool go_together(std::size_t column, const Crossing& left, const Crossing& right) const;
+  Place place_of(std::size_t crossing) const { return {crossings_[crossing].at, beams_[crossing]}; }
+  void join(std::size_t a, const Place& at_a, std::size_t b, const Place& at_b);
+  void flush(std::size_t crossing, std::vector<char>& marks) const;
+
+  // Of the cut that is drawn now.
+  const PlaneView* view_ = nullptr;
+  const PlaneTops* tops_ = nullptr;
+  const Raster* raster_ = nullptr;
+  RangeLayer* layer_ = nullptr;
+
+  std::vector<std::uint8_t> events_;   // by index(): something may cross beneath this beam
+  std::vector<Crossing> crossings_;    // by column and ring
+  std::vector<std::uint32_t> firsts_;  // crossing of each column, and of the end
+  std::vector<float> x_, y_, beams_;   // of the crossings
+};
+
+}  // namespace lidard

@@ -1,0 +1,358 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/virtual/ring_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/angle.h"
+#include "core/base/bytes_set.h"
+
+namespace lidard {
+namespace {
+
+constexpr double turn = 2 * pi_d;
+// The motor's jitter; a larger step backwards is nearly a whole turn forwards.
+constexpr double backwards_limit = 0.02;
+// A larger step than so many usual ones has unseen columns in between.
+constexpr double gap_steps = 1.6;
+constexpr std::size_t fewest_columns = 8;
+constexpr std::uint32_t nowhere = 0xFFFFFFFFU;
+
+double step_between(const CloudColumn& a, const CloudColumn& b) {
+  double step = static_cast<double>(b.azimuth) - static_cast<double>(a.azimuth);
+  while (step < 0) step += turn;
+  while (step >= turn) step -= turn;
+  return step > turn - backwards_limit ? step - turn : step;
+}
+
+/// Two returns of one firing.
+bool same_firing(const CloudColumn& a, const CloudColumn& b) {
+  return a.echo != b.echo && a.stamp == b.stamp && a.azimuth == b.azimuth;
+}
+
+// Stands for the step between two returns of one firing.
+constexpr double no_step = -turn;
+
+double mean_step(const std::vector<double>& steps, double limit) {
+  double sum = 0;
+  std::size_t count = 0;
+  for (std::size_t c = 1; c < steps.size(); ++c) {
+    if (steps[c] > limit || steps[c] == no_step) continue;
+    sum += steps[c];
+    ++count;
+  }
+  return count == 0 ? 0 : sum / static_cast<double>(count);
+}
+
+void move_end(BeamEnd& end, const Pose& move) {
+  const Eigen::Vector3d moved = move * Eigen::Vector3d(static_cast<double>(end.x), static_cast<double>(end.y),
+                                                       static_cast<double>(end.z));
+  end.x = static_cast<float>(moved.x());
+  end.y = static_cast<float>(moved.y());
+  end.z = static_cast<float>(moved.z());
+}
+
+float length(const BeamEnd& end) { return std::sqrt(end.x * end.x + end.y * end.y + end.z * end.z); }
+
+}  // namespace
+
+void RingGrid::set_footprint(const Footprint& own, const Pose& vehicle_from_cloud) {
+  own_ = own;
+  vehicle_from_cloud_ = vehicle_from_cloud;
+  double reach = 0;
+  const Eigen::Vector2d origin = vehicle_from_cloud.translation().head<2>();
+  for (const auto& corner : own.vertices()) reach = std::max(reach, (corner - origin).norm());
+  own_reach_ = static_cast<float>(reach);
+}
+
+bool RingGrid::organise(const Cloud& cloud, const CloudMotion* motion) {
+  early.clear();
+  why_not_ = "";
+  by_azimuth_ = !fires_in_columns(cloud);
+  if (!by_azimuth_) {
+    organise_columns(cloud, motion);
+    return true;
+  }
+  return organise_points(cloud, motion);
+}
+
+bool RingGrid::fires_in_columns(const Cloud& cloud) {
+  if (cloud.columns.size() < fewest_columns || cloud.rings < 2) return false;
+  turns_.resize(cloud.columns.size());
+  turns_[0] = 0;
+  double turned = 0;
+  for (std::size_t c = 1; c < cloud.columns.size(); ++c) {
+    const bool again = same_firing(cloud.columns[c - 1], cloud.columns[c]);
+    turns_[c] = again ? no_step : step_between(cloud.columns[c - 1], cloud.columns[c]);
+    turned += again ? 0 : turns_[c];
+    if (turned > 1.2 * turn) return false;
+  }
+  // Again, so that neither a hidden sector nor lost packets count as the usual step.
+  step_ = mean_step(turns_, turn);
+  step_ = mean_step(turns_, 2.5 * step_);
+  step_ = mean_step(turns_, gap_steps * step_);
+  return step_ > 1e-4;
+}
+
+void RingGrid::clear_grid(std::size_t columns, std::size_t rings) {
+  columns_ = columns;
+  rings_ = rings;
+  const std::size_t cells = columns * rings;
+  // The number of columns varies a little from turn to turn.
+  const std::size_t room = cells + cells / 16;
+  if (kind.capacity() < cells) {
+    ends.reserve(room);
+    range.reserve(room);
+    kind.reserve(room);
+    fired_.reserve(room / rings);
+    azimuths_.reserve(room / rings);
+    times_.reserve(room / rings);
+  }
+  ends.resize(cells);
+  range.resize(cells);
+  kind.assign(cells, Beam::unknown);
+  fired_.assign(columns, 0);
+  azimuths_.assign(columns, 0);
+  times_.assign(columns, 0);
+}
+
+void RingGrid::number_columns(const Cloud& cloud) {
+  places_.resize(cloud.columns.size());
+  double turned = 0;
+  std::size_t place = 0;
+  std::size_t beyond = 0;
+  for (std::size_t c = 0; c < cloud.columns.size(); ++c) {
+    if (c > 0 && turns_[c] != no_step) {
+      const double step = turns_[c];
+      const bool closed = turned + step > turn - step_ / 2;
+      if (closed || beyond > 0) {
+        ++beyond;
+      } else {
+        turned += step;
+        place += step > 1.5 * step_ ? static_cast<std::size_t>(std::lround(step / step_)) : 1;
+      }
+    }
+    places_[c] = beyond > 0 ? nowhere : static_cast<std::uint32_t>(place);
+  }
+  misplaced += beyond;
+  const long rest = std::max(1L, std::lround((turn - turned) / step_));
+  clear_grid(place + static_cast<std::size_t>(rest), cloud.rings);
+}
+
+void RingGrid::open_column(std::size_t column, double azimuth) {
+  fired_[column] = 1;
+  azimuths_[column] = static_cast<float>(azimuth);
+  if (straight_) {
+    std::fill_n(kind.begin() + static_cast<std::ptrdiff_t>(index(column, 0)), rings_, Beam::none);
+    return;
+  }
+  for (std::size_t r = 0; r < rings_; ++r) {
+    if (known_[r] == 0) continue;
+    std::size_t to = column + shifts_[r];
+    to -= to >= columns_ ? columns_ : 0;
+    kind[index(to, r)] = Beam::none;
+  }
+}
+
+void RingGrid::organise_columns(const Cloud& cloud, const CloudMotion* motion) {
+  table_.set_rings(cloud.rings);
+  table_.learn(cloud, true);
+  number_columns(cloud);
+  number_shifts();
+  const bool moves = motion != nullptr && !motion->stands();
+  for (std::size_t c = 0; c < cloud.columns.size(); ++c) {
+    if (places_[c] == nowhere) continue;
+    if (fired_[places_[c]] == 0) open_column(places_[c], static_cast<double>(cloud.columns[c].azimuth));
+    times_[places_[c]] = static_cast<float>(seconds(cloud.columns[c].stamp - cloud.stamp));
+    fill_column(cloud, c, moves ? &motion->columns()[c] : nullptr);
+  }
+  if (!moves) measure_ranges();
+  mark_too_near(cloud);
+  place_without_return(motion);
+  bridge_single_gaps();
+}
+
+void RingGrid::number_shifts() {
+  shifts_.resize(rings_);
+  offsets_.resize(rings_);
+  elevations_.resize(rings_);
+  known_.resize(rings_);
+  straight_ = true;
+  const auto columns = static_cast<long>(columns_);
+  for (std::size_t r = 0; r < rings_; ++r) {
+    const long shift = std::lround(table_.offset(r) / step_) % columns;
+    shifts_[r] = static_cast<std::uint32_t>(shift < 0 ? shift + columns : shift);
+    offsets_[r] = index(shifts_[r], r);
+    elevations_[r] = table_.elevation(r);
+    known_[r] = table_.is_known(r) ? 1 : 0;
+    straight_ = straight_ && shift == 0 && known_[r] != 0;
+  }
+}
+
+void RingGrid::fill_column(const Cloud& cloud, std::size_t column, const Pose* move) {
+  const bool last = column + 1 == cloud.columns.size();
+  const std::size_t end = last ? cloud.size() : cloud.columns[column + 1].first_point;
+  const std::size_t first = index(places_[column], 0);
+  const std::size_t cells = kind.size();
+  // Copies, since the bytes of points could be anything's, for all that the compiler knows.
+  const std::size_t rings = rings_;
+  const std::size_t* const offsets = offsets_.data();
+  const CloudPoint* const points = cloud.points();
+  Beam* const kinds = kind.data();
+  BeamEnd* const to = ends.data();
+  for (std::size_t i = cloud.columns[column].first_point; i < end; ++i) {
+    const CloudPoint& point = points[i];
+    const std::size_t ring = point.ring;
+    if (ring >= rings) continue;
+    std::size_t at = first + offsets[ring];
+    at -= at >= cells ? cells : 0;
+    if (move == nullptr && kinds[at] != Beam::point) {
+      to[at] = {point.x, point.y, point.z, point.intensity};
+      kinds[at] = Beam::point;
+    } else {
+      if (move == nullptr) check(at);
+      put(at, point, move);
+    }
+  }
+}
+
+/// For a cloud at rest: what is known of a return only from its range.
+void RingGrid::measure_ranges() {
+  const std::size_t cells = ends.size();
+  const BeamEnd* const from = ends.data();
+  float* const to = range.data();
+  for (std::size_t i = 0; i < cells; ++i)
+    to[i] = std::sqrt(from[i].x * from[i].x + from[i].y * from[i].y + from[i].z * from[i].z);
+  constexpr float infinite = std::numeric_limits<float>::infinity();
+  const float reach = own_reach_;
+  for (std::size_t c = 0; c < columns_; ++c) {
+    const float* const column = to + index(c, 0);
+    int usual = 1;
+    for (std::size_t r = 0; r < rings_; ++r)
+      usual &= (column[r] >= reach ? 1 : 0) & (column[r] < infinite ? 1 : 0);
+    if (usual != 0) continue;
+    for (std::size_t i = index(c, 0); i < index(c, rings_); ++i) {
+      if (kind[i] == Beam::point) check(i);
+    }
+  }
+}
+
+/// Sorts out a return that is the vehicle's, or of no place.
+void RingGrid::check(std::size_t at) {
+  range[at] = length(ends[at]);
+  if (!std::isfinite(range[at])) {
+    kind[at] = Beam::none;
+  } else if (range[at] < own_reach_ && is_own(ends[at])) {
+    ++own_returns;
+    kind[at] = Beam::own;
+  }
+}
+
+void RingGrid::mark_too_near(const Cloud& cloud) {
+  for (const NearReturn& near : cloud.too_near) {
+    if (near.column >= places_.size() || places_[near.column] == nowhere || near.ring >= rings_) continue;
+    const std::size_t to = (places_[near.column] + shifts_[near.ring]) % columns_;
+    if (kind[index(to, near.ring)] != Beam::point) kind[index(to, near.ring)] = Beam::own;
+  }
+}
+
+bool RingGrid::is_own(const BeamEnd& end) const {
+  const Eigen::Vector3d p(static_cast<double>(end.x), static_cast<double>(end.y), static_cast<double>(end.z));
+  return own_.contains((vehicle_from_cloud_ * p).head<2>());
+}
+
+void RingGrid::put(std::size_t at, const CloudPoint& point, const Pose* move) {
+  BeamEnd end{point.x, point.y, point.z, point.intensity};
+  const float far = length(end);
+  if (!std::isfinite(far)) return;
+  if (far < own_reach_ && is_own(end)) {
+    ++own_returns;
+    if (kind[at] != Beam::point) kind[at] = Beam::own;
+    return;
+  }
+  // Of several returns of a firing the last one is the surface; those before it are seen through. Where
+  // firings are not known, it may be two beams of a fine ring: the nearer one hides.
+  const bool again = kind[at] == Beam::point;
+  const bool is_nearer = again && far < range[at];
+  if (move != nullptr) move_end(end, *move);
+  if (again && settings_.early_returns) {
+    const BeamEnd& first = is_nearer ? end : ends[at];
+    early.push_back({first.x, first.y, first.z, first.intensity, 0, 0});
+  }
+  if (again && is_nearer != by_azimuth_) return;
+  kind[at] = Beam::point;
+  range[at] = far;
+  ends[at] = end;
+}
+
+void RingGrid::place_without_return(const CloudMotion* motion) {
+  const bool moves = motion != nullptr && !motion->stands();
+  const double reach = settings_.no_return_free_range;
+  level_.resize(rings_);
+  rise_.resize(rings_);
+  for (std::size_t r = 0; r < rings_; ++r) {
+    level_[r] = static_cast<float>(reach * std::cos(elevations_[r]));
+    rise_[r] = static_cast<float>(reach * std::sin(elevations_[r]));
+  }
+  for (std::size_t c = 0; c < columns_; ++c) {
+    Beam* const beams = kind.data() + index(c, 0);
+    if (!holds(beams, rings_, static_cast<std::uint8_t>(Beam::none))) continue;
+    float cosine = 0;
+    float sine = 0;
+    Pose move = Pose::Identity();
+    bool ready = false;
+    for (std::size_t r = 0; r < rings_; ++r) {
+      if (beams[r] != Beam::none) continue;
+      if (!(reach > 0)) {
+        beams[r] = Beam::unknown;
+        continue;
+      }
+      if (!ready) {
+        // A column that was not fired has beams of its neighbours'.
+        const std::size_t from = fired_[c] != 0 || c == 0 ? c : c - 1;
+        const float azimuth = azimuths_[from] + (from == c ? 0 : static_cast<float>(step_));
+        cosine = std::cos(azimuth);
+        sine = -std::sin(azimuth);
+        if (moves) move = motion->at(static_cast<double>(times_[from]));
+        ready = true;
+      }
+      const std::size_t at = index(c, r);
+      ends[at] = {level_[r] * cosine, level_[r] * sine, rise_[r], 0};
+      range[at] = static_cast<float>(reach);
+      if (moves) move_end(ends[at], move);
+    }
+  }
+}
+
+void RingGrid::bridge_single_gaps() {
+  const bool complete = std::all_of(fired_.begin(), fired_.end(), [](char fired) { return fired != 0; });
+  if (complete && !by_azimuth_) return;
+  for (std::size_t c = 0; c < columns_; ++c) {
+    const std::size_t before = c > 0 ? c - 1 : columns_ - 1;
+    const std::size_t next = after(c);
+    const Beam gap = by_azimuth_ ? Beam::none : Beam::unknown;
+    for (std::size_t r = 0; r < rings_; ++r) {
+      const Beam here = kind[index(c, r)];
+      if (here == Beam::unknown || here == gap) bridge(index(before, r), index(c, r), index(next, r));
+    }
+  }
+}
+
+/// A single missing beam between two of the same kind is taken to lie in the middle between them.
+void RingGrid::bridge(std::size_t before, std::size_t at, std::size_t after) {
+  if (kind[before] != kind[after] || (kind[at] == Beam::none && kind[before] == Beam::none)) return;
+  if (kind[before] != Beam::point && kind[before] != Beam::none) return;
+  // A surface that need not be steeper than 18 degrees against the beam.
+  const float near = std::min(range[before], range[after]);
+  const auto limit = static_cast<float>(3 * 2 * step_) * near + 0.06F;
+  if (std::fabs(range[before] - range[after]) > limit) return;
+  kind[at] = kind[before];
+  const BeamEnd& a = ends[before];
+  const BeamEnd& b = ends[after];
+  ends[at] = {(a.x + b.x) / 2, (a.y + b.y) / 2, (a.z + b.z) / 2, (a.intensity + b.intensity) / 2};
+  range[at] = (range[before] + range[after]) / 2;
+}
+
+}  // namespace lidard

@@ -1,0 +1,129 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "core/evidence/footprint.h"
+#include "core/frames/cloud.h"
+#include "core/motion/cloud_motion.h"
+#include "core/virtual/ring_table.h"
+
+namespace lidard {
+
+/// What one beam of a cloud says. `unknown`: it was not fired or its packet was lost. `none`: nothing came
+/// back. `own`: too near to measure, or the vehicle itself; nothing is known about what is beyond.
+enum class Beam : std::uint8_t { unknown, none, point, own };
+
+/// Where a beam ends, m in the cloud's frame.
+struct alignas(16) BeamEnd {
+  float x, y, z;
+  float intensity;
+};
+
+/// How a cloud is organised.
+struct RingGridSettings {
+  /// How far a beam without return proves that nothing is there, m; 0: not at all.
+  double no_return_free_range = 0;
+  /// Earlier returns of a firing are kept as single points; only the last one is surface.
+  bool early_returns = false;
+};
+
+/// A cloud as a grid of rings (ascending elevation) and azimuth columns, so that neighbours are known: those
+/// of a beam are the same ring in the next column and the next ring in the same column.
+///
+/// Firings whose lasers point to different azimuths are straightened: the beams of one column point the same
+/// way within half a column. Columns whose packets were lost stay in their place, `unknown`. Buffers keep
+/// their memory.
+class RingGrid {
+ public:
+  explicit RingGrid(const RingGridSettings& settings) : settings_(settings) {}
+
+  /// The vehicle's outline (with its margin) in its own frame and the pose of clouds in that frame: returns
+  /// inside are the vehicle's.
+  void set_footprint(const Footprint& own, const Pose& vehicle_from_cloud);
+  /// Takes a cloud; false if rings and columns cannot be told from it (`why_not`), so that only its points
+  /// are known. `motion` moves the ends of beams; which beam is which is told by where they were measured.
+  bool organise(const Cloud& cloud, const CloudMotion* motion = nullptr);
+  const char* why_not() const { return why_not_; }
+  /// True if the beams of a column were fired one after the other, in nearly one direction; else returns were
+  /// put into columns by their azimuths.
+  bool fired_in_columns() const { return !by_azimuth_; }
+
+  std::size_t rings() const { return rings_; }
+  std::size_t columns() const { return columns_; }
+  /// A column's neighbour; the columns make a full turn.
+  std::size_t after(std::size_t column) const { return column + 1 < columns_ ? column + 1 : 0; }
+  /// rad between columns.
+  double step() const { return step_; }
+  /// rad, of a ring above the sensor's x-y plane.
+  double elevation(std::size_t ring) const { return elevations_[ring]; }
+  /// False while no return of the ring came in yet.
+  bool is_known(std::size_t ring) const { return known_[ring] != 0; }
+  std::size_t index(std::size_t column, std::size_t ring) const { return column * rings_ + ring; }
+  bool has_column(std::size_t column) const { return fired_[column] != 0; }
+
+  /// By index(): the return, or where the evidence of a beam without return ends.
+  std::vector<BeamEnd> ends;
+  std::vector<float> range;  ///< m from the sensor
+  std::vector<Beam> kind;
+  std::vector<CloudPoint> early;  ///< earlier returns of firings
+  std::uint64_t own_returns = 0;  ///< on the vehicle, since the start
+  std::uint64_t misplaced = 0;    ///< points that found no place of their own in the grid, since the start
+
+ private:
+  bool fires_in_columns(const Cloud& cloud);
+  void organise_columns(const Cloud& cloud, const CloudMotion* motion);
+  void number_columns(const Cloud& cloud);
+  void number_shifts();
+  void open_column(std::size_t column, double azimuth);
+  void fill_column(const Cloud& cloud, std::size_t column, const Pose* move);
+  void measure_ranges();
+  void check(std::size_t at);
+  void mark_too_near(const Cloud& cloud);
+  bool organise_points(const Cloud& cloud, const CloudMotion* motion);
+  bool number_rings(const Cloud& cloud);
+  bool measure_step(const Cloud& cloud);
+  void measure_phases(const Cloud& cloud);
+  void place_points(const Cloud& cloud, const CloudMotion* motion);
+  void open_gaps();
+  void clear_grid(std::size_t columns, std::size_t rings);
+  void put(std::size_t at, const CloudPoint& point, const Pose* move);
+  bool is_own(const BeamEnd& end) const;
+  void place_without_return(const CloudMotion* motion);
+  void bridge_single_gaps();
+  void bridge(std::size_t before, std::size_t at, std::size_t after);
+
+  RingGridSettings settings_;
+  RingTable table_;
+  Footprint own_;
+  Pose vehicle_from_cloud_ = Pose::Identity();
+  float own_reach_ = 0;  // m from the cloud's origin; farther away nothing is the vehicle's
+  const char* why_not_ = "";
+  std::size_t rings_ = 0;
+  std::size_t columns_ = 0;
+  bool by_azimuth_ = false;  // the cloud does not tell its columns
+  double step_ = 0;
+  std::vector<double> elevations_;
+  std::vector<char> known_;
+  std::vector<float> level_, rise_;  // of the end of a beam without return, m
+  std::vector<char> fired_;
+  std::vector<float> azimuths_;              // rad per column, counted clockwise
+  std::vector<float> times_;                 // s after the cloud's stamp, per column
+  std::vector<double> turns_;                // rad from the column before, of each of the cloud's columns
+  std::vector<std::uint32_t> places_;        // column of each of the cloud's columns
+  std::vector<std::uint32_t> shifts_;        // columns by which a ring points ahead, less than columns_
+  std::vector<std::size_t> offsets_;         // of a ring's beam in the grid from the begin of its column
+  bool straight_ = false;                    // all rings are known, and none is shifted
+  std::vector<std::uint16_t> rows_;          // of the cloud's ring numbers, where columns are not known
+  std::vector<float> found_;                 // elevations, where rings are not known either
+  std::vector<float> point_azimuths_;        // rad per point, counted clockwise from behind: >= 0
+  std::vector<std::uint16_t> point_rows_;    // per point; 0xFFFF: none
+  std::size_t measured_rings_ = 0;           // rings when step_ was measured
+  std::vector<float> phases_, phase_sines_;  // per ring: where in a column's width its beams are
+  std::vector<std::vector<float>> steps_;    // per ring; first the azimuths between which they are
+};
+
+}  // namespace lidard

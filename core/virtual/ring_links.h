@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "core/virtual/ring_grid.h"
+
+namespace lidard {
+
+/// Which neighbouring returns of an organised cloud lie on one surface: the rule of the planar scans
+/// (core/evidence/continuity.h) for neighbours in a ring and for neighbours in a column.
+class RingLinks {
+ public:
+  /// The grid must stay alive. `noise`: one standard deviation of a range, m.
+  void set(const RingGrid& grid, double noise);
+
+  /// Return `ring` of `column` and that of the next column.
+  bool level(std::size_t column, std::size_t ring) const {
+    const std::size_t a = grid_->index(column, ring);
+    const std::size_t b = grid_->index(grid_->after(column), ring);
+    return is_point(a) && is_point(b) && (near(a, b, level_slope_) || grazing_level(column, ring));
+  }
+  /// Return `ring` of `column` and that of the next ring.
+  bool upright(std::size_t column, std::size_t ring) const;
+  /// Three returns on one line.
+  bool in_line(std::size_t a, std::size_t b, std::size_t c) const;
+  float slack() const { return slack_; }
+
+ private:
+  bool is_point(std::size_t i) const { return grid_->kind[i] == Beam::point; }
+  Eigen::Vector3f end(std::size_t i) const {
+    const BeamEnd& at = grid_->ends[i];
+    return {at.x, at.y, at.z};
+  }
+  bool near(std::size_t a, std::size_t b, float slope) const {
+    const float limit = std::min(grid_->range[a], grid_->range[b]) * slope + slack_;
+    const BeamEnd p = grid_->ends[a];
+    const BeamEnd q = grid_->ends[b];
+    return (p.x - q.x) * (p.x - q.x) + (p.y - q.y) * (p.y - q.y) + (p.z - q.z) * (p.z - q.z) <= limit * limit;
+  }
+  bool grazing_level(std::size_t column, std::size_t ring) const;
+  bool grazing(std::size_t a, std::size_t b, std::size_t c, std::size_t d) const;
+  std::size_t before(std::size_t column) const { return column > 0 ? column - 1 : grid_->columns() - 1; }
+
+  const RingGrid* grid_ = nullptr;
+  float slack_ = 0;
+  float level_slope_ = 0;
+  std::vector<float> upright_slopes_;  // per ring, to the next one
+};
+
+}  // namespace lidard

@@ -1,0 +1,185 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+// The part of RingGrid for clouds that do not tell their columns: of other drivers, and of scanners that
+// measure one plane after the other.
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/base/angle.h"
+#include "core/virtual/ring_grid.h"
+
+namespace lidard {
+namespace {
+
+constexpr float turn = static_cast<float>(2 * pi_d);
+constexpr std::size_t fewest_steps = 8;
+// Steps outside are those between turns, or of returns of one firing.
+constexpr float shortest_step = 3e-4F;
+constexpr float longest_step = 0.05F;
+constexpr std::size_t most_columns = 20000;
+
+/// The ring whose elevation is the nearest.
+std::uint16_t nearest_ring(const std::vector<float>& elevations, const CloudPoint& p) {
+  const float elevation = fast_atan2(p.z, std::sqrt(p.x * p.x + p.y * p.y));
+  std::size_t best = 0;
+  for (std::size_t r = 1; r < elevations.size(); ++r) {
+    if (std::fabs(elevations[r] - elevation) < std::fabs(elevations[best] - elevation)) best = r;
+  }
+  return static_cast<std::uint16_t>(best);
+}
+
+}  // namespace
+
+/// Fills rows_: the row of each ring number, in order of elevation.
+bool RingGrid::number_rings(const Cloud& cloud) {
+  if (cloud.rings > 1) {
+    found_.clear();
+    table_.set_rings(cloud.rings);
+    table_.learn(cloud, false);
+    rings_ = cloud.rings;
+    elevations_.resize(rings_);
+    known_.resize(rings_);
+    rows_.resize(rings_);
+    for (std::size_t r = 0; r < rings_; ++r) {
+      std::size_t row = 0;
+      for (std::size_t other = 0; other < rings_; ++other) {
+        const double mine = table_.is_known(r) ? table_.elevation(r) : 10;
+        const double its = table_.is_known(other) ? table_.elevation(other) : 10;
+        if (its < mine || (its == mine && other < r)) ++row;
+      }
+      rows_[r] = static_cast<std::uint16_t>(row);
+      elevations_[row] = table_.elevation(r);
+      known_[row] = table_.is_known(r) ? 1 : 0;
+    }
+    return true;
+  }
+  if (found_.empty()) find_rings(cloud, found_);
+  rings_ = found_.size();
+  elevations_.assign(found_.begin(), found_.end());
+  known_.assign(rings_, 1);
+  return rings_ > 1;
+}
+
+/// The coarsest ring's step between returns: finer rings then have several returns per column.
+bool RingGrid::measure_step(const Cloud& cloud) {
+  steps_.resize(rings_);
+  for (auto& azimuths : steps_) azimuths.clear();
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (point_rows_[i] < rings_) steps_[point_rows_[i]].push_back(point_azimuths_[i]);
+  }
+  for (auto& steps : steps_) {
+    // Other drivers' points may come in any order.
+    std::sort(steps.begin(), steps.end());
+    std::adjacent_difference(steps.begin(), steps.end(), steps.begin());
+    if (!steps.empty()) steps.front() = 0;
+    const auto is_none = [](float step) { return !(step > shortest_step && step < longest_step); };
+    steps.erase(std::remove_if(steps.begin(), steps.end(), is_none), steps.end());
+  }
+  float coarsest = 0;
+  for (auto& steps : steps_) {
+    if (steps.size() < fewest_steps) continue;
+    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    std::nth_element(steps.begin(), middle, steps.end());
+    // The mean of the usual steps: single ones are rounded by the wire.
+    const float limit = *middle * 1.3F;
+    float sum = 0;
+    float count = 0;
+    for (const float step : steps) {
+      if (step > limit || step < *middle * 0.7F) continue;
+      sum += step;
+      count += 1;
+    }
+    if (count > 0) coarsest = std::max(coarsest, sum / count);
+  }
+  if (!(coarsest > 0)) return false;
+  step_ = static_cast<double>(turn / std::round(turn / coarsest));
+  return true;
+}
+
+/// Circular mean, per ring, of where in the width of a column its returns lie.
+void RingGrid::measure_phases(const Cloud& cloud) {
+  phases_.assign(rings_, 0);
+  phase_sines_.assign(rings_, 0);
+  const auto per_rad = static_cast<float>(1 / step_);
+  constexpr std::size_t sampled = 7;
+  for (std::size_t i = 0; i < cloud.size(); i += sampled) {
+    if (point_rows_[i] >= rings_) continue;
+    const float angle = turn * point_azimuths_[i] * per_rad;
+    phases_[point_rows_[i]] += std::cos(angle);
+    phase_sines_[point_rows_[i]] += std::sin(angle);
+  }
+  for (std::size_t r = 0; r < rings_; ++r) phases_[r] = fast_atan2(phase_sines_[r], phases_[r]) / turn;
+}
+
+void RingGrid::place_points(const Cloud& cloud, const CloudMotion* motion) {
+  const bool moves = motion != nullptr && !motion->stands();
+  const auto per_rad = static_cast<float>(1 / step_);
+  const auto columns = static_cast<std::size_t>(std::lround(static_cast<double>(turn) / step_));
+  clear_grid(columns, rings_);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const std::size_t row = point_rows_[i];
+    if (row >= rings_) {
+      ++misplaced;
+      continue;
+    }
+    const float at = std::round(point_azimuths_[i] * per_rad - phases_[row]);
+    auto column = static_cast<std::size_t>(at < 0 ? at + static_cast<float>(columns) : at);
+    if (column >= columns) column -= columns;
+    fired_[column] = 1;
+    azimuths_[column] = static_cast<float>(column) * static_cast<float>(step_) - turn / 2;
+    const CloudPoint& point = cloud.points()[i];
+    times_[column] = point.time;
+    const Pose move = moves ? motion->at(static_cast<double>(point.time)) : Pose::Identity();
+    put(index(column, row), point, moves ? &move : nullptr);
+  }
+}
+
+/// Beams that are missing in a column with others did not come back.
+void RingGrid::open_gaps() {
+  for (std::size_t c = 0; c < columns_; ++c) {
+    if (fired_[c] == 0) continue;
+    for (std::size_t r = 0; r < rings_; ++r) {
+      Beam& beam = kind[index(c, r)];
+      if (beam == Beam::unknown && known_[r] != 0) beam = Beam::none;
+    }
+  }
+}
+
+bool RingGrid::organise_points(const Cloud& cloud, const CloudMotion* motion) {
+  if (!number_rings(cloud)) {
+    why_not_ = "its returns do not fall into rings";
+    return false;
+  }
+  point_azimuths_.resize(cloud.size());
+  point_rows_.resize(cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const CloudPoint& p = cloud.points()[i];
+    point_azimuths_[i] = fast_atan2(-p.y, p.x) + turn / 2;
+    const bool finite = std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+    if (!finite)
+      point_rows_[i] = 0xFFFF;
+    else if (!found_.empty())
+      point_rows_[i] = nearest_ring(found_, p);
+    else
+      point_rows_[i] = p.ring < rings_ ? rows_[p.ring] : std::uint16_t{0xFFFF};
+  }
+  if ((step_ <= 0 || measured_rings_ != rings_) && !measure_step(cloud)) {
+    why_not_ = "its rings have too few returns to tell their azimuth step";
+    return false;
+  }
+  measured_rings_ = rings_;
+  const auto columns = static_cast<std::size_t>(std::lround(static_cast<double>(turn) / step_));
+  if (columns < fewest_steps || columns > most_columns) {
+    why_not_ = "its returns' azimuth step is not that of a lidar";
+    return false;
+  }
+  measure_phases(cloud);
+  place_points(cloud, motion);
+  open_gaps();
+  place_without_return(motion);
+  bridge_single_gaps();
+  return true;
+}
+
+}  // namespace lidard

@@ -1,0 +1,226 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/commands/decode.h"
+
+#include <algorithm>
+#include <ostream>
+
+#include "daemon/commands/cli.h"
+#include "daemon/commands/stream_finder.h"
+#include "daemon/config/calibration_file.h"
+#include "daemon/config/config.h"
+#include "daemon/pipeline/missing_outputs.h"
+#include "daemon/pipeline/output_report.h"
+#include "daemon/pipeline/report.h"
+#include "drivers/capture/connection_picker.h"
+#include "drivers/capture/pcap_source.h"
+#include "drivers/sick/safety/safety_topics.h"
+#include "drivers/velodyne/table_calibration.h"
+
+namespace lidard {
+namespace {
+
+class WriterOutput final : public DriverOutput {
+ public:
+  WriterOutput(FrameWriter& writer, std::optional<std::uint64_t> only) : writer_(writer), only_(only) {}
+  void scan(PlanarScan& scan) override {
+    if (wanted()) writer_.scan(frames_, scan), report_.count(scan.stamp);
+    returns_ +=
+        static_cast<std::uint64_t>(std::count(scan.statuses.begin(), scan.statuses.end(), BeamStatus::hit));
+    ++frames_;
+  }
+  void cloud(Cloud& cloud) override {
+    if (wanted()) writer_.cloud(frames_, cloud), report_.count(cloud.stamp);
+    returns_ += cloud.size();
+    ++frames_;
+  }
+  void extra_scan(std::string_view topic, PlanarScan& scan) override {
+    if (wanted() && topic == sick::safety_topic::beam_status) writer_.beam_flags(scan.intensities);
+  }
+  std::uint64_t frames() const { return frames_; }
+  std::uint64_t returns() const { return returns_; }
+  const OutputReport& report() const { return report_; }
+
+ private:
+  bool wanted() const { return !only_ || *only_ == frames_; }
+  FrameWriter& writer_;
+  std::optional<std::uint64_t> only_;
+  std::uint64_t frames_ = 0;
+  std::uint64_t returns_ = 0;
+  OutputReport report_;
+};
+
+/// Tells whether the packets of a stream make a whole frame, one that a replay would publish.
+class WholeFrame final : public DriverOutput {
+ public:
+  explicit WholeFrame(DriverConfig config) {
+    config.keep_partial = false;
+    config.keep_origins = false;
+    driver_ = config.model->make(config);
+  }
+  void receive(const Packet& packet) {
+    if (!seen_) first_ = packet.arrival;
+    seen_ = true;
+    last_ = packet.arrival;
+    if (!found_) driver_->receive(packet, *this);
+  }
+  void finish() {
+    if (!found_) driver_->finish(*this);
+  }
+  void scan(PlanarScan& scan) override { static_cast<void>(scan), found_ = true; }
+  void cloud(Cloud& cloud) override { static_cast<void>(cloud), found_ = true; }
+  bool found() const { return found_; }
+  /// From the first to the last packet.
+  Span span() const { return last_ - first_; }
+  const Counters& counters() const { return driver_->counters(); }
+
+ private:
+  std::unique_ptr<Driver> driver_;
+  bool seen_ = false;
+  bool found_ = false;
+  Stamp first_{}, last_{};
+};
+
+std::unique_ptr<FrameWriter> make_writer(const DecodeOptions& options) {
+  if (options.format == "pcd") return make_pcd_writer(options.output);
+  if (options.format == "json") return make_json_writer(options.output, options.stamps);
+  return make_csv_writer(options.output, options.stamps);
+}
+
+/// The one stream to decode, or nothing after saying why.
+std::optional<SensorStream> choose_stream(const DecodeOptions& options, const Model* model,
+                                          std::ostream& err) {
+  const auto streams = find_streams(options, model);
+  if (streams.size() == 1) return streams.front();
+  if (streams.empty()) {
+    err << options.capture << ": no packets of "
+        << (model == nullptr ? "a supported lidar" : std::string(model->name))
+        << " found; `lidard inspect` shows what is in it, `lidard models` what is supported\n";
+  } else {
+    err << options.capture << ": " << streams.size()
+        << " sensors found; choose one with --source and --port:\n";
+    for (const auto& stream : streams) err << "  " << stream.to_string() << '\n';
+  }
+  return std::nullopt;
+}
+
+using CalibrationPtr = std::shared_ptr<const velodyne::Calibration>;
+
+/// The calibration asked for, if any; throws ConfigError.
+CalibrationPtr read_calibration(const DecodeOptions& options, std::ostream& err) {
+  if (options.calibration.empty()) return nullptr;
+  std::vector<std::string> warnings;
+  auto calibration = std::make_shared<velodyne::Calibration>(load_calibration(options.calibration, warnings));
+  for (const std::string& warning : warnings) err << "note: " << warning << '\n';
+  return calibration;
+}
+
+/// The model's table with the equations asked for, where no file was given; nullptr: as the driver does it.
+CalibrationPtr table_calibration(const DecodeOptions& options, const Model& model) {
+  if (options.calibration_model != "ros_drivers") return nullptr;
+  if (!takes_calibration(model) || velodyne::needs_own_calibration(model))
+    throw ConfigError("--calibration-model ros_drivers: " + std::string(model.product) +
+                      " has no table of its own for it; expected --calibration FILE");
+  return std::make_shared<velodyne::Calibration>(velodyne::table_calibration(model));
+}
+
+/// With the equations asked for, or those that suit it; throws ConfigError if the calibration cannot be that
+/// of the model.
+CalibrationPtr settle_calibration(const DecodeOptions& options, const velodyne::Calibration& calibration,
+                                  const Model& model, std::ostream& err) {
+  const std::string misfit = calibration_misfit(calibration, model);
+  if (!misfit.empty())
+    throw ConfigError(options.calibration + ": " + misfit + "; expected the calibration of this sensor");
+  const std::string doubt = calibration_doubt(calibration, model);
+  if (!doubt.empty()) err << "note: " << options.calibration << ": " << doubt << '\n';
+  auto settled = std::make_shared<velodyne::Calibration>(calibration);
+  settled->model =
+      calibration_model_of(options.calibration_model).value_or(usual_equations(calibration, model));
+  return settled;
+}
+
+/// The table at the end; false if there was no whole frame, or not the one asked for.
+bool tell_output(const DecodeOptions& options, const WriterOutput& output, const WholeFrame& whole,
+                 const Model& model, std::ostream& err) {
+  OutputReport report = output.report();
+  report.name = options.output == "-" ? "standard output" : options.output;
+  const bool beyond = options.frame && *options.frame >= output.frames();
+  if (!whole.found()) report.remark = why_no_frame(model, whole.counters(), whole.span());
+  if (beyond)
+    report.remark = "--frame " + std::to_string(*options.frame) + " is beyond the end: the capture holds " +
+                    std::to_string(output.frames()) + " frames, counted from 0";
+  print_outputs("output", {report}, err);
+  return whole.found() && !beyond;
+}
+
+int decode_stream(const DecodeOptions& options, const SensorStream& stream, CalibrationPtr calibration,
+                  std::ostream& err) {
+  if (calibration != nullptr)
+    calibration = settle_calibration(options, *calibration, *stream.model, err);
+  else
+    calibration = table_calibration(options, *stream.model);
+  if (!stream.remark.empty()) err << options.capture << ": note: " << stream.remark << '\n';
+  DriverConfig config;
+  config.model = stream.model;
+  config.frame_id = stream.model->name;
+  config.clock = options.clock;
+  config.keep_partial = true;
+  config.keep_origins = true;
+  config.publish_multiecho = stream.model->has_echoes;
+  config.calibration = std::move(calibration);
+  const auto driver = stream.model->make(config);
+  WholeFrame whole(config);
+  const auto writer = make_writer(options);
+  WriterOutput output(*writer, options.frame);
+  PcapSource source(options.capture);
+  Packet packet;
+  ConnectionPicker connection;
+  std::uint64_t others = 0;
+  while (source.next(packet)) {
+    if (!stream.owns(packet)) {
+      others += packet.transport == Transport::udp ? 1U : 0U;
+    } else if (packet.transport == Transport::udp || connection.pick(packet)) {
+      driver->receive(packet, output);
+      whole.receive(packet);
+    }
+  }
+  driver->finish(output);
+  whole.finish();
+  writer->finish();
+  err << stream.to_string() << ": " << output.frames() << " frames, " << output.returns() << " returns\n";
+  print_counters(driver->counters(), err);
+  print_capture_counters(source.counters(), others, err);
+  for (const auto& warning : driver->info().warnings) err << "note: " << warning << '\n';
+  const bool came = tell_output(options, output, whole, *stream.model, err);
+  if (!source.error().empty()) err << source.error() << '\n';
+  return came && !source.is_damaged() ? exit_ok : exit_failed;
+}
+
+}  // namespace
+
+int run_decode(const DecodeOptions& options, std::ostream& err) {
+  const Model* model = nullptr;
+  if (!options.model.empty()) {
+    model = find_model(options.model);
+    if (model == nullptr) {
+      err << "unknown model '" << options.model << "'; expected one of `lidard models`";
+      const auto near = nearest_models(options.model);
+      if (!near.empty()) err << ", perhaps " << near.front();
+      err << '\n';
+      return 2;
+    }
+  }
+  try {
+    auto calibration = read_calibration(options, err);
+    const auto stream = choose_stream(options, model, err);
+    return stream ? decode_stream(options, *stream, std::move(calibration), err) : exit_failed;
+  } catch (const ConfigError& e) {
+    err << e.what() << '\n';
+    return exit_config;
+  } catch (const std::exception& e) {
+    err << e.what() << '\n';
+    return 1;
+  }
+}
+
+}  // namespace lidard

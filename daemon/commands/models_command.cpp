@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/commands/models_command.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "drivers/model.h"
+
+namespace lidard {
+namespace {
+
+constexpr std::size_t columns = 6;
+using Row = std::array<std::string, columns>;
+
+const char* transport_of(const Model& model) { return model.transport == Transport::udp ? "UDP" : "TCP"; }
+
+Row row_of(const Model& model) {
+  const std::string port = model.port == 0 ? "port as configured" : std::to_string(model.port);
+  return {std::string(model.name),
+          std::string(model.vendor) + " " + std::string(model.product),
+          std::string(model.protocol),
+          std::string(transport_of(model)) + " " + port,
+          std::to_string(std::lround(model.packets_per_s)) + "/s",
+          std::string(model.verified)};
+}
+
+void print_table(std::ostream& out) {
+  std::vector<Row> rows{{"name", "product", "protocol", "transport", "packets", "verified"}};
+  for (const Model& model : models()) rows.push_back(row_of(model));
+  std::array<std::size_t, columns> widths{};
+  for (const Row& row : rows) {
+    for (std::size_t i = 0; i < columns; ++i) widths[i] = std::max(widths[i], row[i].size());
+  }
+  for (const Row& row : rows) {
+    for (std::size_t i = 0; i + 1 < columns; ++i)
+      out << row[i] << std::string(widths[i] - row[i].size() + 2, ' ');
+    out << row.back() << '\n';
+  }
+}
+
+nlohmann::ordered_json json_of(const Model& model) {
+  return {{"name", model.name},
+          {"vendor", model.vendor},
+          {"product", model.product},
+          {"protocol", model.protocol},
+          {"frames", model.kind == FrameKind::cloud ? "cloud" : "scan"},
+          {"transport", model.transport == Transport::udp ? "udp" : "tcp"},
+          {"port", model.port},
+          {"telemetry_port", model.telemetry_port},
+          {"packets_per_s", model.packets_per_s},
+          {"frame_period_s", model.frame_period},
+          {"range_min_m", model.range_min},
+          {"range_max_m", model.range_max},
+          {"beams", model.beams},
+          {"verified", model.verified}};
+}
+
+}  // namespace
+
+int run_models(bool json, std::ostream& out) {
+  if (!json) {
+    print_table(out);
+    return 0;
+  }
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const Model& model : models()) list.push_back(json_of(model));
+  out << list.dump(2) << '\n';
+  return 0;
+}
+
+}  // namespace lidard

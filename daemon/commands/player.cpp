@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/commands/player.h"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "daemon/commands/progress.h"
+
+namespace lidard {
+namespace {
+
+Stamp wall_clock() {
+  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
+  return {std::chrono::duration_cast<Span>(since_epoch).count()};
+}
+
+}  // namespace
+
+Player::Player(const ReplayOptions& options, MergedCapture& capture, Pipeline& pipeline)
+    : options_(options), capture_(capture), pipeline_(pipeline) {}
+
+bool Player::wait_for(Stamp stamp, const std::function<bool()>& stop) {
+  if (options_.rate <= 0) return !stop();
+  const std::chrono::duration<double> since(seconds(stamp - begin_) / options_.rate);
+  const auto due = wall_begin_ + std::chrono::duration_cast<std::chrono::nanoseconds>(since);
+  // In short steps, so that a stop during a long silence is seen.
+  while (!stop()) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now >= due) return true;
+    std::this_thread::sleep_until(std::min(due, now + std::chrono::milliseconds(100)));
+  }
+  return false;
+}
+
+/// What the pipeline has to do before `until` happens at its own time too.
+bool Player::play_events(Stamp until, const std::function<bool()>& stop) {
+  if (options_.rate <= 0) return true;
+  for (auto event = pipeline_.next_event(); event && *event < until; event = pipeline_.next_event()) {
+    if (!wait_for(*event, stop)) return false;
+    pipeline_.advance(*event);
+  }
+  return true;
+}
+
+bool Player::play_once(const std::function<bool()>& stop) {
+  Progress progress;
+  Packet packet;
+  bool first = true;
+  Stamp capture_begin{};
+  while (capture_.next(packet)) {
+    if (first) capture_begin = packet.arrival;
+    first = false;
+    const double into = seconds(packet.arrival - capture_begin);
+    if (into < options_.start) {
+      ++skipped_;
+      continue;
+    }
+    if (options_.duration >= 0 && into >= options_.start + options_.duration) break;
+    if (!started_ && options_.restamp) loop_shift_ = restamp_shift_ = wall_clock() - packet.arrival;
+    packet.arrival = packet.arrival + loop_shift_;
+    if (!started_) {
+      started_ = true;
+      begin_ = last_ = packet.arrival;
+      wall_begin_ = std::chrono::steady_clock::now();
+    }
+    if (!play_events(packet.arrival, stop) || !wait_for(packet.arrival, stop)) return false;
+    last_ = std::max(last_, packet.arrival);
+    if (on_time) on_time(packet.arrival);
+    pipeline_.packet(packet);
+    pipeline_.tick(packet.arrival);
+    if (progress.is_due()) {
+      std::uint64_t frames = 0;
+      std::uint64_t lost = 0;
+      for (const auto& sensor : pipeline_.report())
+        frames += sensor.counters.frames, lost += sensor.counters.lost_packets;
+      progress.show(capture_.progress(), played_s(), frames, lost);
+    }
+  }
+  progress.clear();
+  return started_;
+}
+
+void Player::play(const std::function<bool()>& stop) {
+  bool more = play_once(stop);
+  while (more && options_.loop && !stop()) {
+    pipeline_.finish(last_);
+    pipeline_.restart();
+    capture_.rewind();
+    // begin_ stays that of the first round, so the shift grows by a round each time.
+    loop_shift_ = restamp_shift_ + (last_ - begin_) + options_.loop_gap;
+    more = play_once(stop);
+  }
+  pipeline_.finish(last_);
+}
+
+}  // namespace lidard

@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+
+#include "daemon/commands/replay.h"
+#include "daemon/pipeline/pipeline.h"
+#include "drivers/capture/merged_capture.h"
+
+namespace lidard {
+
+/// Feeds a pipeline from captures at the pace asked for.
+class Player {
+ public:
+  Player(const ReplayOptions& options, MergedCapture& capture, Pipeline& pipeline);
+
+  /// Called with the stamp of every packet before it is played (for /clock).
+  std::function<void(Stamp)> on_time;
+
+  /// Plays until the end, or until `stop()` says so.
+  void play(const std::function<bool()>& stop);
+
+  /// Seconds of capture played so far.
+  double played_s() const { return seconds(last_ - begin_); }
+  /// Datagrams before `start`, not played.
+  std::uint64_t skipped() const { return skipped_; }
+
+ private:
+  bool play_once(const std::function<bool()>& stop);
+  bool play_events(Stamp until, const std::function<bool()>& stop);
+  bool wait_for(Stamp stamp, const std::function<bool()>& stop);
+
+  const ReplayOptions& options_;
+  MergedCapture& capture_;
+  Pipeline& pipeline_;
+  bool started_ = false;
+  Stamp begin_{};  // of what is played, on the output's time scale
+  Stamp last_{};
+  Span restamp_shift_{0};  // from the capture's stamps to those of the first round
+  Span loop_shift_{0};     // from the capture's stamps to those of this round
+  std::chrono::steady_clock::time_point wall_begin_;
+  std::uint64_t skipped_ = 0;
+};
+
+}  // namespace lidard

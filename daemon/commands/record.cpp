@@ -1,0 +1,139 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/commands/record.h"
+
+#include <pcap/pcap.h>
+#include <poll.h>
+
+#include <chrono>
+#include <csignal>
+#include <memory>
+#include <ostream>
+
+#include "daemon/commands/cli.h"
+
+namespace lidard {
+namespace {
+
+/// Whole datagrams: a host puts fragments and offloaded segments together before they are recorded.
+constexpr int snapshot_length = 262144;
+/// For the moments in which the disk is slow.
+constexpr int buffer_bytes = 64 * 1024 * 1024;
+constexpr int wake_up_ms = 200;
+
+volatile std::sig_atomic_t stop_signal = 0;
+
+struct CloseCapture {
+  void operator()(pcap_t* capture) const { pcap_close(capture); }
+};
+struct CloseDump {
+  void operator()(pcap_dumper_t* dump) const { pcap_dump_close(dump); }
+};
+using Capture = std::unique_ptr<pcap_t, CloseCapture>;
+using Dump = std::unique_ptr<pcap_dumper_t, CloseDump>;
+
+std::string sensor_filter(const SensorConfig& sensor) {
+  if (sensor.ip_address) return "host " + sensor.ip_address->to_string();
+  // Fragments but the first have no ports; a sender that is not known cannot be picked out of them.
+  std::string filter = "udp dst port " + std::to_string(sensor.ip_port) + " or (ip[6:2] & 0x1fff != 0)";
+  if (sensor.telemetry_port != 0) filter += " or udp dst port " + std::to_string(sensor.telemetry_port);
+  return filter;
+}
+
+/// Why a capture cannot be made, or empty.
+std::string begin(pcap_t* capture, const std::string& interface, const std::string& filter) {
+  pcap_set_snaplen(capture, snapshot_length);
+  pcap_set_buffer_size(capture, buffer_bytes);
+  pcap_set_timeout(capture, wake_up_ms);
+  pcap_set_tstamp_precision(capture, PCAP_TSTAMP_PRECISION_NANO);
+  const int result = pcap_activate(capture);
+  if (result == PCAP_ERROR_PERM_DENIED)
+    return "recording from the network needs the capability CAP_NET_RAW; run it as root, or give it to the "
+           "program: setcap cap_net_raw+ep /usr/bin/lidard";
+  if (result == PCAP_ERROR_NO_SUCH_DEVICE)
+    return "there is no network interface " + interface + "; compare with `ip link`";
+  if (result < 0) return "cannot record from " + interface + ": " + pcap_geterr(capture);
+  char why[PCAP_ERRBUF_SIZE] = "";
+  if (pcap_setnonblock(capture, 1, why) != 0) return why;
+  bpf_program program{};
+  const bool well = pcap_compile(capture, &program, filter.c_str(), 1, PCAP_NETMASK_UNKNOWN) == 0 &&
+                    pcap_setfilter(capture, &program) == 0;
+  pcap_freecode(&program);
+  return well ? std::string() : "cannot filter with '" + filter + "': " + pcap_geterr(capture);
+}
+
+/// Records until a signal or the end of the time; returns what went wrong, or nothing.
+std::string record(pcap_t* capture, pcap_dumper_t* dump, double duration, std::uint64_t& packets) {
+  struct Sink {
+    pcap_dumper_t* dump;
+    std::uint64_t* packets;
+  } sink{dump, &packets};
+  const auto take = [](unsigned char* user, const pcap_pkthdr* header, const unsigned char* bytes) {
+    auto* to = reinterpret_cast<Sink*>(user);
+    pcap_dump(reinterpret_cast<unsigned char*>(to->dump), header, bytes);
+    ++*to->packets;
+  };
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(duration);
+  // Left to wait by itself libpcap sleeps through signals and the end of the time while nothing comes.
+  pollfd source{pcap_get_selectable_fd(capture), POLLIN, 0};
+  while (stop_signal == 0 && (duration <= 0 || std::chrono::steady_clock::now() < end)) {
+    static_cast<void>(::poll(&source, 1, wake_up_ms));
+    if (pcap_dispatch(capture, -1, take, reinterpret_cast<unsigned char*>(&sink)) < 0)
+      return std::string("recording ended: ") + pcap_geterr(capture);
+    if (std::ferror(pcap_dump_file(dump)) != 0) return "the file cannot be written; is the disk full?";
+  }
+  return pcap_dump_flush(dump) == 0 ? std::string() : "the file cannot be written; is the disk full?";
+}
+
+void tell(pcap_t* capture, const RecordOptions& options, std::uint64_t packets, std::ostream& err) {
+  err << options.output << ": " << packets << " packets";
+  pcap_stat counts{};
+  if (pcap_stats(capture, &counts) == 0) err << ", " << counts.ps_drop << " lost by the kernel";
+  err << '\n';
+  if (packets == 0)
+    err << "nothing came from the configured sensors; check addresses, ports and cables, `lidard inspect` on "
+           "a "
+           "recording of everything (tcpdump -w) shows what is there\n";
+}
+
+}  // namespace
+
+std::string capture_filter(const Config& config) {
+  std::string all;
+  for (const SensorConfig& sensor : config.sensors) {
+    if (sensor.model == nullptr || !sensor.packet_topic.empty()) continue;
+    all += (all.empty() ? "(" : " or (") + sensor_filter(sensor) + ")";
+  }
+  return all;
+}
+
+int run_record(const RecordOptions& options, std::ostream& err) {
+  std::string filter;
+  try {
+    filter = capture_filter(load_config(options.config));
+  } catch (const ConfigError& error) {
+    err << error.what() << '\n';
+    return exit_config;
+  }
+  const auto fail = [&err](const std::string& why) {
+    err << why << '\n';
+    return exit_failed;
+  };
+  if (filter.empty()) return fail(options.config + " names no sensor that is on the network");
+  char why[PCAP_ERRBUF_SIZE] = "";
+  const Capture capture(pcap_create(options.interface.c_str(), why));
+  if (!capture) return fail(why);
+  std::string trouble = begin(capture.get(), options.interface, filter);
+  if (!trouble.empty()) return fail(trouble);
+  Dump dump(pcap_dump_open(capture.get(), options.output.c_str()));
+  if (!dump) return fail(pcap_geterr(capture.get()));
+  stop_signal = 0;
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int number) { stop_signal = number; });
+  err << "recording to " << options.output << ", stop with Ctrl-C\n";
+  std::uint64_t packets = 0;
+  trouble = record(capture.get(), dump.get(), options.duration, packets);
+  tell(capture.get(), options, packets, err);
+  return trouble.empty() ? exit_ok : fail(trouble);
+}
+
+}  // namespace lidard

@@ -1,0 +1,324 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/commands/run.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <cstdlib>
+#include <ostream>
+
+#include "daemon/commands/cli.h"
+#include "daemon/live/links.h"
+#include "daemon/live/ports.h"
+#include "daemon/live/service.h"
+#include "daemon/live/velodyne_controls.h"
+#include "daemon/pipeline/pipeline.h"
+#include "daemon/pipeline/report.h"
+#include "daemon/ros/ros_inputs.h"
+#include "daemon/ros/ros_link.h"
+#include "daemon/ros/ros_motion.h"
+#include "daemon/ros/ros_reconfigure.h"
+#include "daemon/ros/tf_poses.h"
+
+namespace lidard {
+namespace {
+
+constexpr auto tick_period = std::chrono::milliseconds(100);
+constexpr int ticks_per_status = 10;
+constexpr int ticks_per_summary = 100;
+/// Diagnostics come once per second.
+constexpr Span longest_report_age = std::chrono::seconds(2);
+/// Threads that live make ten rounds per second.
+constexpr auto longest_round = std::chrono::seconds(1);
+
+Stamp wall_clock() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return Stamp{std::chrono::duration_cast<std::chrono::nanoseconds>(now).count()};
+}
+
+/// Figures alone are no news.
+std::string without_figures(std::string text) {
+  text.erase(std::remove_if(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; }),
+             text.end());
+  return text;
+}
+
+/// What the outputs take a source for.
+std::optional<FrameKind> use_of(const std::string& sensor, const Config& config) {
+  for (const auto& merged : config.merged_scans) {
+    const auto& names = merged.laserscan_topics;
+    if (std::find(names.begin(), names.end(), sensor) != names.end()) return FrameKind::scan;
+  }
+  for (const auto& group : config.virtual_scans) {
+    if (group.cloud_topic == sensor) return FrameKind::cloud;
+  }
+  return std::nullopt;
+}
+
+std::vector<TopicSource> topic_sources(const Config& config) {
+  std::vector<TopicSource> sources;
+  for (const auto& sensor : config.sensors) {
+    if (sensor.model == nullptr)
+      sources.push_back({sensor.name, sensor.topic, false, use_of(sensor.name, config)});
+    if (!sensor.packet_topic.empty()) sources.push_back({sensor.name, sensor.packet_topic, true});
+  }
+  return sources;
+}
+
+/// Everything of a running daemon. The constructor's thread becomes the sensor thread.
+class Daemon {
+ public:
+  Daemon(const Config& config, const RunOptions& how)
+      : link_(ros_options(config, how)),
+        pipeline_(config, *poses_, link_),
+        controls_(config),
+        ports_(io_, config,
+               [this](const Packet& packet) {
+                 pipeline_.packet(packet);
+                 controls_.packet(packet);
+                 arm();
+               }),
+        links_(io_, config,
+               {[this](std::size_t sensor, const Packet& packet) {
+                  pipeline_.chunk(sensor, packet);
+                  arm();
+                },
+                [this](std::size_t sensor, Stamp now) { pipeline_.connected(sensor, now); },
+                [this](std::size_t sensor) { pipeline_.disconnected(sensor); },
+                [this](std::size_t sensor) { return pipeline_.frames(sensor); }}),
+        inputs_(std::make_shared<RosInputs>(
+            topic_sources(config),
+            [this](std::function<void()> task) { boost::asio::post(io_, std::move(task)); },
+            TopicHandlers{[this](const std::string& s, PlanarScan& scan, Stamp t) {
+                            pipeline_.scan_message(s, scan, t);
+                            arm();
+                          },
+                          [this](const std::string& s, Cloud& cloud, Stamp t) {
+                            pipeline_.cloud_message(s, cloud, t);
+                            arm();
+                          },
+                          [this](const std::string& s, ByteView packet, Stamp arrival, Stamp t) {
+                            pipeline_.packet_message(s, {packet, arrival, {}, {}}, t);
+                            arm();
+                          }})),
+        motion_(std::make_shared<RosMotion>(
+            config.vehicle, [this](std::function<void()> task) { boost::asio::post(io_, std::move(task)); },
+            MotionHandlers{[this](Stamp stamp, const Pose& pose, const std::string& child) {
+                             pipeline_.pose_message(stamp, pose, child, wall_clock());
+                           },
+                           [this](Stamp stamp, const Eigen::Vector3d& rates, const std::string& frame) {
+                             pipeline_.turn_message(stamp, rates, frame, wall_clock());
+                           },
+                           [this](double speed) { pipeline_.speed_message(speed); }})),
+        reconfigure_(
+            std::make_shared<RosReconfigure>(changeable_outputs(config, how.reconfigure),
+                                             [this](const OutputId& output, const OutputScanConfig& wanted) {
+                                               boost::asio::post(io_, [this, output, wanted] {
+                                                 pipeline_.set_output(output, wanted);
+                                                 arm();
+                                               });
+                                             })),
+        signals_(io_, SIGINT, SIGTERM),
+        timer_(io_),
+        event_timer_(io_) {
+    pipeline_.set_links(&links_);
+    link_.add_client(poses_);
+    link_.add_client(inputs_);
+    link_.add_client(motion_);
+    link_.add_client(reconfigure_);
+    pipeline_.add_diagnostics([this](std::vector<DiagnosticItem>& items) {
+      ports_.add_diagnostics(items);
+      links_.add_diagnostics(items);
+      controls_.add_diagnostics(items, wall_clock());
+    });
+  }
+
+  /// Runs until a signal, or until it must leave the node's name to another daemon. Returns the exit code;
+  /// `left`: false if ROS could not be left in time.
+  int run(bool& left) {
+    signals_.async_wait([this](const boost::system::error_code& error, int signal) {
+      if (error) return;
+      spdlog::info("stopping on signal {}", signal);
+      io_.stop();
+    });
+    ports_.start();
+    links_.start();
+    controls_.start();
+    link_.start();
+    link_.transforms(pipeline_.static_transforms(), wall_clock());
+    service_.ready(status());
+    next_tick_ = std::chrono::steady_clock::now();
+    schedule_tick();
+    io_.run();
+    service_.stopping();
+    ports_.stop();
+    pipeline_.finish(wall_clock());  // what is still in doubt of the last packets is counted
+    links_.stop();
+    controls_.stop();
+    for (const auto& sensor : pipeline_.report()) log_sensor(sensor);
+    left = link_.stop();
+    return exit_code_;
+  }
+
+ private:
+  static RosOptions ros_options(const Config& config, const RunOptions& how) {
+    RosOptions options;
+    options.node_name = how.node_name;
+    options.remappings = how.ros_arguments;
+    options.topics = pipeline_topics(config);
+    options.longest_report_age = longest_report_age;
+    return options;
+  }
+  std::string status() const {
+    std::size_t alive = 0;
+    const Stamp now = wall_clock();
+    const auto reports = pipeline_.report();
+    for (const auto& sensor : reports)
+      alive += sensor.seen && seconds(now - sensor.last_arrival) < 1 ? 1U : 0U;
+    std::string text = std::to_string(alive) + "/" + std::to_string(reports.size()) + " lidars, ";
+    for (const std::string& part : {ports_.summary(), links_.summary()})
+      if (!part.empty()) text += part + ", ";
+    return text + "ROS master " + (link_.has_master() ? "present" : "absent");
+  }
+  static void log_sensor(const SensorReport& sensor) {
+    const Counters& c = sensor.counters;
+    spdlog::info("{} ({}): {} packets, {} frames, {} lost, rejected {}", sensor.name, sensor.model, c.packets,
+                 c.frames, c.lost_packets, rejected_text(c));
+  }
+  /// Calls `then` with the time that it is now, after all that has arrived by now: what waits in a socket
+  /// while this thread is busy is not late.
+  template <class Then>
+  void catch_up(Then then) {
+    // A handler that is posted runs before those of sockets found ready meanwhile, the next one after them.
+    boost::asio::post(
+        io_, [this, then, now = wall_clock()] { boost::asio::post(io_, [then, now] { then(now); }); });
+  }
+  void schedule_tick() {
+    next_tick_ += tick_period;
+    timer_.expires_at(next_tick_);
+    timer_.async_wait([this](const boost::system::error_code& error) {
+      if (error) return;
+      catch_up([this](Stamp now) { tick(now); });
+      schedule_tick();
+    });
+  }
+  /// Sets the timer to the next thing that the pipeline has to do without new input.
+  void arm() {
+    const auto event = pipeline_.next_event();
+    if (!event || event == next_event_) return;
+    next_event_ = event;
+    event_timer_.expires_after(std::max(Span(0), *event - wall_clock()));
+    event_timer_.async_wait([this](const boost::system::error_code& error) {
+      if (error) return;
+      catch_up([this](Stamp now) {
+        next_event_.reset();
+        pipeline_.tick(now);
+        arm();
+      });
+    });
+  }
+  void tick(Stamp now) {
+    pipeline_.tick(now);
+    arm();
+    links_.tick();
+    ports_.log_changes();
+    links_.log_changes();
+    feed_watchdog();
+    leave_name_to_others();
+    ++ticks_;
+    if (ticks_ % ticks_per_status == 0) service_.status(status());
+    if (ticks_ % ticks_per_summary == 0) log_trouble();
+  }
+  /// This thread moves, since it is here.
+  void feed_watchdog() {
+    const auto now = std::chrono::steady_clock::now();
+    const std::string standing = link_.standing_threads();
+    if (standing.empty()) {
+      service_.alive();
+      fed_ = now;
+      told_standing_ = false;
+    } else if (now - fed_ > longest_round && !told_standing_) {
+      spdlog::error("the watchdog is not fed, since for 1 s there stands still: {}", standing);
+      told_standing_ = true;
+    }
+  }
+  void leave_name_to_others() {
+    const std::string conflict = link_.conflict();
+    if (conflict.empty() || exit_code_ != exit_ok) return;
+    spdlog::error("{}", conflict);
+    exit_code_ = exit_failed;
+    io_.stop();
+  }
+  /// What went wrong since the last summary, in one line per sensor; silence when all is well.
+  void log_trouble() {
+    for (const auto& item : pipeline_.diagnostics(wall_clock())) {
+      std::string& told = told_[item.name];
+      if (item.health == Health::ok) {
+        if (!told.empty()) spdlog::info("{}: {}", item.name, item.message);
+        told.clear();
+      } else if (const std::string text = without_figures(item.message); told != text) {
+        spdlog::warn("{}: {}", item.name, item.message);
+        told = text;
+      }
+    }
+  }
+
+  boost::asio::io_context io_{1};
+  ServiceManager service_;
+  std::shared_ptr<TfPoses> poses_ = std::make_shared<TfPoses>();
+  RosLink link_;
+  Pipeline pipeline_;
+  VelodyneControls controls_;
+  Ports ports_;
+  Links links_;
+  std::shared_ptr<RosInputs> inputs_;
+  std::shared_ptr<RosMotion> motion_;
+  std::shared_ptr<RosReconfigure> reconfigure_;
+  boost::asio::signal_set signals_;
+  boost::asio::steady_timer timer_;
+  boost::asio::steady_timer event_timer_;
+  std::optional<Stamp> next_event_;  // what event_timer_ is set to
+  std::chrono::steady_clock::time_point next_tick_;
+  int ticks_ = 0;
+  int exit_code_ = exit_ok;
+  std::chrono::steady_clock::time_point fed_ = std::chrono::steady_clock::now();
+  bool told_standing_ = false;
+  std::map<std::string, std::string> told_;
+};
+
+}  // namespace
+
+int run_daemon(const Config& config, const RunOptions& options, std::ostream& err) {
+  try {
+    for (const auto& warning : config.warnings) spdlog::warn("{}", warning);
+    Daemon daemon(config, options);
+    bool left = false;
+    const int code = daemon.run(left);
+    // roscpp's destructors would wait for a master that hangs.
+    if (!left) std::quick_exit(code);
+    return code;
+  } catch (const RosError& e) {
+    err << e.what() << '\n';
+    return exit_usage;
+  }
+}
+
+int run_daemon(const std::string& config_file, const std::vector<std::string>& ros_arguments,
+               std::ostream& err) {
+  set_up_logging();
+  try {
+    RunOptions options;
+    options.ros_arguments = ros_arguments;
+    return run_daemon(load_config(config_file), options, err);
+  } catch (const ConfigError& e) {
+    err << e.what() << '\n';
+    return exit_config;
+  }
+}
+
+}  // namespace lidard

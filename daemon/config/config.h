@@ -1,0 +1,159 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "core/base/pose.h"
+#include "core/evidence/profile.h"
+#include "core/evidence/sweep.h"
+#include "core/frames/cloud_layout.h"
+#include "core/frames/ring_scan.h"
+#include "core/frames/scan_grid.h"
+#include "core/merge/merge_options.h"
+#include "core/merge/scheduler.h"
+#include "core/virtual/virtualizer.h"
+#include "daemon/live/velodyne_settings.h"
+#include "drivers/driver.h"
+#include "drivers/model.h"
+
+namespace lidard {
+
+/// A mistake in the configuration: `file:line:column: what; expected …`. Exit code 78.
+class ConfigError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// `vehicle:` of the configuration.
+struct VehicleConfig {
+  std::string base_frame = "base_link";
+  std::vector<Eigen::Vector2d> footprint;  ///< m, base_frame; empty: no self filter
+  std::string odometry_frame;              ///< poses of base_frame in it come from tf; empty: none
+  std::string odometry_topic;              ///< or from a nav_msgs/Odometry topic; empty: none
+  std::string imu_topic;    ///< or from turn rates (sensor_msgs/Imu) and a speed ahead; empty: none
+  std::string speed_topic;  ///< geometry_msgs/TwistStamped; empty: none
+
+  bool has_motion() const { return !odometry_frame.empty() || !odometry_topic.empty() || !imu_topic.empty(); }
+};
+
+/// One entry of `sensors:`. Exactly one of model and topic is set.
+struct SensorConfig {
+  std::string name;
+  const Model* model = nullptr;
+  std::string topic;  ///< a LaserScan or PointCloud2 topic of another driver
+  std::optional<IpAddress>
+      ip_address;             ///< only packets from here; unset: any sender not claimed by another sensor
+  std::uint16_t ip_port = 0;  ///< local UDP port; of a device that streams over TCP: its own port
+  std::uint16_t telemetry_port = 0;  ///< local UDP port of what it sends beside its data; 0: not listened to
+  std::string packet_topic;          ///< its packets come from here (velodyne_msgs/VelodyneScan), not by UDP
+  std::optional<IpAddress> multicast_group;
+  std::string interface;     ///< network interface to join the group on; empty: the kernel's choice
+  std::string frame_id;      ///< default: the sensor's name
+  std::optional<Pose> pose;  ///< of the sensor in base_frame; unset: from tf
+  std::string calibration;   ///< file as written, relative to the configuration's folder; empty: none
+  DriverConfig driver;       ///< model, frame_id and options, ready for Model::make
+  VelodyneControl control;   ///< the sensor's web interface; nothing is done with it by default
+  std::string scan_topic;    ///< of a planar scanner, or of the ring `ring_scan` of a multi-plane lidar
+  std::string points_topic;  ///< of a multi-plane lidar
+  CloudLayout layout;        ///< of its cloud message
+  std::optional<RingScanSpec> ring_scan;  ///< one ring of a multi-plane lidar as a planar scan
+};
+
+/// What stands in a beam of the output where nothing was seen.
+enum class EmptyBeam : std::uint8_t { inf, nan, range_max_plus_one, minus_inf, zero };
+
+/// Keys that merged and virtual scans share.
+struct OutputScanConfig {
+  Profile profile = Profile::flatten;
+  ScanGridSpec grid;
+  EmptyBeam empty = EmptyBeam::inf;       ///< nothing there
+  EmptyBeam unobserved = EmptyBeam::nan;  ///< not known
+  std::optional<double> min_height,
+      max_height;  ///< m, in the output frame; unset: the default of the kind of output
+};
+
+/// One more scan of the same merge: `also:` of an entry of `merged_scans:`.
+struct AlsoScanConfig {
+  std::string topic;
+  Profile profile = Profile::safety;
+  EmptyBeam empty = EmptyBeam::inf;
+  EmptyBeam unobserved = EmptyBeam::nan;
+};
+
+/// What a merged scan does while poses of the vehicle are missing: as if it stood, wait for them as long as
+/// for a source, or leave the output out.
+enum class MissingMotion : std::uint8_t { stand, wait, drop };
+
+/// One entry of `merged_scans:`.
+struct MergedScanConfig {
+  std::string name;
+  std::vector<std::string> laserscan_topics;  ///< names of sensors
+  std::string destination_frame;
+  std::optional<Pose>
+      destination_pose;                ///< of destination_frame in base_frame; identity for base_frame itself
+  std::string scan_destination_topic;  ///< default: the entry's name
+  std::string cloud_destination_topic;  ///< empty: no cloud
+  ScheduleSettings schedule;
+  MissingMotion on_missing_motion = MissingMotion::stand;
+  std::string status_topic;  ///< what is known of each beam, as a LaserScan; empty: none
+  OutputScanConfig output;
+  std::vector<AlsoScanConfig> also;
+  EchoChoice echoes = EchoChoice::last;
+  bool veil_filter = true;
+  bool mean = false;          ///< fuse: mean instead of nearest
+  double range_noise = 0.02;  ///< m, one standard deviation of the sources' ranges
+  std::map<std::string, SourceSettings> source_settings;  ///< of sources that differ from the rest, by name
+  double free_required = 0;  ///< m that a beam must be observed to be free; 0: range_max
+  MergeOptions options;
+
+  /// True if some scan of this merge is more than points.
+  bool has_sight() const;
+};
+
+/// One entry of `virtual_scans:`.
+struct VirtualScanConfig {
+  std::string name;
+  std::string cloud_topic;                      ///< name of a sensor that gives clouds
+  std::string base_frame;                       ///< parent of the poses
+  std::vector<std::string> virtual_laser_scan;  ///< output frames
+  std::map<std::string, Pose> poses;  ///< of output frames in base_frame; a frame without one comes from tf
+  std::string output_laser_topic;     ///< empty: one topic per frame, named like the frame
+  OutputScanConfig output;
+  std::vector<AlsoScanConfig> also;  ///< topics beneath that of the frame
+  CutMode mode = CutMode::slice;
+  GroundSettings ground;
+  bool keep_ground = false;
+  bool early_returns = false;       ///< echoes: all
+  double range_noise = 0.02;        ///< m, one standard deviation of the ranges
+  double free_required = 0;         ///< m that a beam must be observed to be free; 0: range_max
+  double no_return_free_range = 0;  ///< m that a beam without return proves free
+  bool has_sight() const;
+  /// Topic of a frame's scan, or of one of its further scans.
+  std::string topic(const std::string& frame, const AlsoScanConfig* further = nullptr) const;
+};
+
+/// The whole configuration, complete and validated.
+struct Config {
+  std::string file;
+  VehicleConfig vehicle;
+  std::vector<SensorConfig> sensors;
+  std::vector<MergedScanConfig> merged_scans;
+  std::vector<VirtualScanConfig> virtual_scans;
+  std::vector<std::string> warnings;  ///< `file:line:column: what`, to be shown once
+
+  const SensorConfig* find_sensor(const std::string& name) const;
+};
+
+/// Reads and validates a configuration file; throws ConfigError.
+Config load_config(const std::string& path);
+/// The same from text; `name` stands in messages where a file name would.
+Config parse_config(const std::string& text, const std::string& name);
+/// The configuration as YAML with every default filled in; parse_config() reads it back to the same.
+std::string to_yaml(const Config& config);
+
+}  // namespace lidard

@@ -1,0 +1,312 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/config/yaml_reader.h"
+
+#include <yaml-cpp/eventhandler.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include "core/base/nearest.h"
+#include "daemon/config/config.h"
+
+namespace lidard {
+namespace {
+
+constexpr std::size_t longest_quote = 40;
+
+std::string printable(std::string text) {
+  for (char& c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x20 || byte == 0x7f) c = '?';
+  }
+  return text;
+}
+
+std::string shorten(const std::string& text) {
+  return printable(text.substr(0, longest_quote)) + (text.size() > longest_quote ? "…" : "");
+}
+
+std::string shown(double number) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, number).ptr;
+  return {text, end};
+}
+
+/// Without the locale, and the whole text or nothing.
+std::optional<double> parse_number(std::string_view text) {
+  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+[[noreturn]] void fail_at(const Place& place, const std::string& what, const std::string& expected) {
+  throw ConfigError(place.to_string() + ": " + what + "; expected " + expected);
+}
+
+Place place_of(const YAML::Mark& mark, const Place& otherwise) {
+  if (mark.is_null()) return otherwise;
+  return {otherwise.file, mark.line + 1, mark.column + 1};
+}
+
+Value element(const Value& parent, const YAML::Node& node, std::size_t index) {
+  const Place place = place_of(node.Mark(), parent.place());
+  return {node, place, place, parent.path() + "[" + std::to_string(index) + "]"};
+}
+
+/// Keys and values as they stand in the file; refuses keys that are no plain text or come twice.
+std::vector<std::pair<std::string, Value>> entries_of(const Value& value) {
+  std::vector<std::pair<std::string, Value>> entries;
+  if (value.is_null()) return entries;
+  if (!value.node().IsMap()) value.fail("is " + value.quoted(), "a mapping (`key: value` lines)");
+  const std::string prefix = value.path().empty() ? "" : value.path() + ".";
+  std::map<std::string, Place> seen;
+  for (const auto& entry : value.node()) {
+    const Place key_place = place_of(entry.first.Mark(), value.key_place());
+    if (!entry.first.IsScalar() || entry.first.Scalar().empty())
+      fail_at(key_place, "a key of " + (prefix.empty() ? "the file" : value.path()) + " is not a name",
+              "a name before the colon");
+    const std::string& key = entry.first.Scalar();
+    const auto [earlier, is_new] = seen.emplace(key, key_place);
+    if (!is_new)
+      fail_at(
+          key_place,
+          prefix + shorten(key) + " is given twice, first in line " + std::to_string(earlier->second.line),
+          "it once");
+    // The parser marks a missing value at whatever follows it.
+    const Place place = entry.second.IsNull() ? key_place : place_of(entry.second.Mark(), key_place);
+    entries.emplace_back(key, Value(entry.second, place, key_place, prefix + shorten(key)));
+  }
+  return entries;
+}
+
+/// Notes where a document begins and lets everything else pass.
+class DocumentStart : public YAML::EventHandler {
+ public:
+  void OnDocumentStart(const YAML::Mark& mark) override { mark_ = mark; }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
+  void OnAlias(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
+  void OnScalar(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                const std::string& /*value*/) override {}
+  void OnSequenceStart(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                       YAML::EmitterStyle::value /*style*/) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                  YAML::EmitterStyle::value /*style*/) override {}
+  void OnMapEnd() override {}
+  const YAML::Mark& mark() const { return mark_; }
+
+ private:
+  YAML::Mark mark_ = YAML::Mark::null_mark();
+};
+
+/// YAML::Load() says nothing of what follows the first document, and YAML::LoadAll() of yaml-cpp 0.7 never
+/// ends on a stray "," or "]": it makes empty documents of it for ever.
+void refuse_second_document(const std::string& text, const Place& top) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  DocumentStart start;
+  if (parser.HandleNextDocument(start) && parser.HandleNextDocument(start))
+    fail_at(place_of(start.mark(), top), "a second YAML document begins, or what is no YAML",
+            "one document per file");
+}
+
+/// The parser only complains of what the tab leads to.
+bool is_indented_with_tab(const std::string& text, int line) {
+  std::istringstream lines(text);
+  std::string content;
+  for (int i = 0; i < line; ++i) std::getline(lines, content);
+  return content.substr(0, content.find_first_not_of(" \t")).find('\t') != std::string::npos;
+}
+
+std::string list_of(const std::vector<std::string_view>& words) {
+  std::string list;
+  for (const std::string_view word : words) list.append(list.empty() ? "" : ", ").append(word);
+  return list;
+}
+
+}  // namespace
+
+std::string Place::to_string() const {
+  return file + ":" + std::to_string(line) + ":" + std::to_string(column);
+}
+
+Value::Value(YAML::Node node, Place place, Place key_place, std::string path)
+    : node_(std::move(node)),
+      place_(std::move(place)),
+      key_place_(std::move(key_place)),
+      path_(std::move(path)) {}
+
+void Value::fail(const std::string& what, const std::string& expected) const {
+  fail_at(place_, (path_.empty() ? "the file" : path_) + " " + what, expected);
+}
+
+void Value::fail_at_key(const std::string& what, const std::string& expected) const {
+  fail_at(key_place_, (path_.empty() ? "the file" : path_) + " " + what, expected);
+}
+
+std::string Value::quoted() const {
+  if (node_.IsScalar()) return '"' + shorten(node_.Scalar()) + '"';
+  if (node_.IsSequence()) return "a list";
+  return node_.IsMap() ? "a mapping" : "empty";
+}
+
+std::string Value::text(const std::string& expected) const {
+  if (!node_.IsScalar() || node_.Scalar().empty())
+    fail("is " + (node_.IsScalar() ? "empty" : quoted()), expected);
+  return node_.Scalar();
+}
+
+std::string Value::text_or_empty() const {
+  if (is_null()) return {};
+  return node_.IsScalar() && node_.Scalar().empty() ? std::string() : text();
+}
+
+double Value::number(double lowest, double highest, const char* unit) const {
+  const std::string expected =
+      "a number from " + shown(lowest) + " to " + shown(highest) + (*unit == '\0' ? "" : " ") + unit;
+  const auto number = node_.IsScalar() ? parse_number(node_.Scalar()) : std::nullopt;
+  if (!number) fail("is " + quoted(), expected);
+  if (!std::isfinite(*number)) fail("is not finite", expected);
+  if (*number < lowest || *number > highest) fail("is " + shown(*number), expected);
+  return *number;
+}
+
+long Value::integer(long lowest, long highest) const {
+  const std::string expected =
+      "a whole number from " + std::to_string(lowest) + " to " + std::to_string(highest);
+  const auto number = node_.IsScalar() ? parse_number(node_.Scalar()) : std::nullopt;
+  if (!number || !(std::abs(*number) < 1e15) || *number != std::floor(*number))
+    fail("is " + quoted(), expected);
+  const auto whole = static_cast<long>(*number);
+  if (whole < lowest || whole > highest) fail("is " + std::to_string(whole), expected);
+  return whole;
+}
+
+bool Value::boolean() const {
+  const std::string word = node_.IsScalar() ? node_.Scalar() : std::string();
+  for (const char* yes : {"true", "True", "TRUE", "yes", "Yes", "on", "On"}) {
+    if (word == yes) return true;
+  }
+  for (const char* no : {"false", "False", "FALSE", "no", "No", "off", "Off"}) {
+    if (word == no) return false;
+  }
+  fail("is " + quoted(), "true or false");
+}
+
+Span Value::duration(double lowest_s, double highest_s) const {
+  return span_from_seconds(number(lowest_s, highest_s, "s"));
+}
+
+std::vector<Value> Value::items(const std::string& expected) const {
+  if (!node_.IsSequence()) fail("is " + quoted(), expected);
+  std::vector<Value> values;
+  for (const auto& node : node_) values.push_back(element(*this, node, values.size()));
+  return values;
+}
+
+std::vector<double> Value::numbers(std::size_t count, double limit, const char* unit) const {
+  const std::string expected = "a list of " + std::to_string(count) + " numbers in " + unit;
+  const std::vector<Value> values = items(expected);
+  if (values.size() != count) fail("has " + std::to_string(values.size()) + " elements", expected);
+  std::vector<double> list;
+  for (const Value& value : values) list.push_back(value.number(-limit, limit, unit));
+  return list;
+}
+
+std::vector<Value> Value::names(const std::string& expected) const {
+  if (is_null()) return {};
+  if (node_.IsSequence()) return items(expected);
+  const std::string all = node_.IsScalar() ? node_.Scalar() : text(expected);
+  std::vector<Value> values;
+  const char* blanks = " \t\r\n";
+  for (std::size_t begin = all.find_first_not_of(blanks); begin != std::string::npos;) {
+    const std::size_t end = std::min(all.find_first_of(blanks, begin), all.size());
+    values.push_back(element(*this, YAML::Node(all.substr(begin, end - begin)), values.size()));
+    begin = all.find_first_not_of(blanks, end);
+  }
+  return values;
+}
+
+Mapping::Mapping(const Value& value, std::vector<std::string_view> known_keys)
+    : self_(value), known_(std::move(known_keys)) {
+  for (auto& [key, entry] : entries_of(value)) {
+    if (std::find(known_.begin(), known_.end(), key) == known_.end()) {
+      const std::string_view near = nearest_word(key, known_);
+      fail_at(entry.key_place(), "unknown key " + entry.path(),
+              near.empty() ? "one of " + list_of(known_) : std::string(near));
+    }
+    unread_.push_back(key);
+    values_.emplace(key, std::move(entry));
+  }
+}
+
+std::optional<Value> Mapping::find(std::string_view key) {
+  if (std::find(known_.begin(), known_.end(), key) == known_.end())
+    throw std::logic_error("key not declared: " + std::string(key));
+  const auto found = values_.find(key);
+  if (found == values_.end()) return std::nullopt;
+  unread_.erase(std::remove(unread_.begin(), unread_.end(), key), unread_.end());
+  return found->second;
+}
+
+Value Mapping::require(std::string_view key, const std::string& expected) {
+  const auto value = find(key);
+  if (!value) self_.fail_at_key("has no " + std::string(key), expected);
+  return *value;
+}
+
+const Value& Mapping::where(std::string_view key) const {
+  const auto found = values_.find(key);
+  return found == values_.end() ? self_ : found->second;
+}
+
+void Mapping::in_rad(const std::string& key, const std::function<void(const Value&, double)>& read) {
+  const auto rad = find(key);
+  const auto deg = find(key + "_deg");
+  if (rad && deg) deg->fail_at_key("is given beside " + key, "one of the two");
+  if (rad) read(*rad, 1);
+  if (deg) read(*deg, M_PI / 180);
+}
+
+std::optional<double> Mapping::angle(const std::string& key) {
+  std::optional<double> angle;
+  in_rad(key, [&](const Value& value, double to_rad) {
+    const bool rad = to_rad == 1;
+    const std::string unit = rad ? "rad (degrees: " + key + "_deg)" : "degrees";
+    angle = value.number(rad ? -7 : -400, rad ? 7 : 400, unit.c_str()) * to_rad;
+  });
+  return angle;
+}
+
+void Mapping::finish(
+    const std::function<std::pair<std::string, std::string>(const std::string& key)>& why) const {
+  if (unread_.empty()) return;
+  const auto [what, expected] = why(unread_.front());
+  where(unread_.front()).fail_at_key(what, expected);
+}
+
+std::vector<std::pair<std::string, Value>> named_entries(const Value& value) { return entries_of(value); }
+
+Value parse_yaml(const std::string& text, const std::string& file) {
+  const Place top{file, 1, 1};
+  try {
+    refuse_second_document(text, top);
+    const YAML::Node root = YAML::Load(text);
+    const Place begin = root.IsNull() ? top : place_of(root.Mark(), top);
+    return {root, begin, begin, ""};
+  } catch (const YAML::Exception& error) {
+    const Place place = place_of(error.mark, top);
+    const bool tab = is_indented_with_tab(text, place.line);
+    fail_at(place, "not YAML: " + (tab ? "a tab in the indentation" : printable(error.msg)),
+            "`key: value` lines, indented with blanks");
+  }
+}
+
+}  // namespace lidard

@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/frames/cloud.h"
+#include "core/frames/scan.h"
+
+namespace lidard {
+
+/// What the column stamp_ns holds.
+enum class StampColumn : std::uint8_t {
+  host,   ///< since the Unix epoch
+  device  ///< since the packet's own stamp (clouds), since the first ray (planar scans)
+};
+
+/// True if a writer has a row for this echo of a beam: the first always, further ones where something came
+/// back. Most beams of a scanner with several echoes have one.
+inline bool is_written(const PlanarScan& scan, std::size_t beam, std::size_t echo) {
+  const BeamStatus status = scan.statuses[scan.index(beam, echo)];
+  return echo == 0 || status == BeamStatus::hit || status == BeamStatus::near;
+}
+
+/// Writes decoded frames to a file. Formats are those of `lidard decode --format`.
+class FrameWriter {
+ public:
+  virtual ~FrameWriter() = default;
+  /// Clouds need Cloud::origins.
+  virtual void cloud(std::uint64_t frame, const Cloud& cloud) = 0;
+  virtual void scan(std::uint64_t frame, const PlanarScan& scan) = 0;
+  /// The device's own flags of the beams of the scan that comes next; only where it sends some.
+  virtual void beam_flags(const std::vector<float>& flags) { static_cast<void>(flags); }
+  /// Completes the file; throws std::runtime_error if it could not be written whole.
+  virtual void finish() = 0;
+};
+
+/// `path` "-" is standard output. Throws std::runtime_error naming the path if it cannot be opened.
+std::unique_ptr<FrameWriter> make_csv_writer(const std::string& path, StampColumn stamps);
+std::unique_ptr<FrameWriter> make_json_writer(const std::string& path, StampColumn stamps);
+/// One PCD file (binary_compressed, fields x y z intensity ring time) with the points of all frames.
+std::unique_ptr<FrameWriter> make_pcd_writer(const std::string& path);
+
+}  // namespace lidard

@@ -1,0 +1,187 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/files/snapshot_chart.h"
+
+#include <cairo-svg.h>
+#include <cairo.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "core/base/angle.h"
+
+namespace lidard {
+namespace {
+
+cairo_status_t append(void* bytes, const unsigned char* data, unsigned int length) {
+  static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data), length);
+  return CAIRO_STATUS_SUCCESS;
+}
+
+/// A tenth of a pixel is enough, and keeps an SVG short.
+double tenth(double pixels) { return std::round(pixels * 10) / 10; }
+
+void set_source(cairo_t* pen, const Color& c) { cairo_set_source_rgba(pen, c.red, c.green, c.blue, c.alpha); }
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else
+      out += c;
+  }
+  return out;
+}
+
+}  // namespace
+
+Chart::Chart(Format format, double width, double height) : format_(format) {
+  if (format == Format::svg) {
+    surface_ = cairo_svg_surface_create_for_stream(append, &bytes_, width, height);
+    cairo_svg_surface_set_document_unit(surface_, CAIRO_SVG_UNIT_PX);
+  } else {
+    surface_ =
+        cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(width), static_cast<int>(height));
+  }
+  pen_ = cairo_create(surface_);
+  rectangle(0, 0, width, height);
+  fill({1, 1, 1});
+}
+
+Chart::~Chart() {
+  cairo_destroy(pen_);
+  cairo_surface_destroy(surface_);
+}
+
+void Chart::set_field(const Eigen::Vector2d& corner, const Eigen::Vector2d& size,
+                      const Eigen::Vector2d& center, const Eigen::Vector2d& half) {
+  corner_ = corner;
+  size_ = size;
+  center_ = center;
+  scale_ = std::min(size.x() / (2 * half.y()), size.y() / (2 * half.x()));
+}
+
+Eigen::Vector2d Chart::to_page(const Eigen::Vector2d& meters) const {
+  const Eigen::Vector2d from_center = meters - center_;
+  return {tenth(corner_.x() + size_.x() / 2 - from_center.y() * scale_),
+          tenth(corner_.y() + size_.y() / 2 - from_center.x() * scale_)};
+}
+
+Eigen::Vector2d Chart::to_page(const Eigen::Vector2f& meters) const {
+  return to_page(Eigen::Vector2d(meters.cast<double>()));
+}
+
+void Chart::begin_clip() {
+  cairo_save(pen_);
+  rectangle(corner_.x(), corner_.y(), size_.x(), size_.y());
+  cairo_clip(pen_);
+}
+
+void Chart::end_clip() { cairo_restore(pen_); }
+
+void Chart::rectangle(double x, double y, double width, double height) {
+  cairo_rectangle(pen_, x, y, width, height);
+}
+
+void Chart::move_to(const Eigen::Vector2d& p) { cairo_move_to(pen_, p.x(), p.y()); }
+
+void Chart::line_to(const Eigen::Vector2d& p) { cairo_line_to(pen_, p.x(), p.y()); }
+
+void Chart::close() { cairo_close_path(pen_); }
+
+void Chart::circle(const Eigen::Vector2d& center, double radius) {
+  cairo_new_sub_path(pen_);
+  cairo_arc(pen_, center.x(), center.y(), radius, 0, 2 * pi_d);
+}
+
+void Chart::fill(const Color& color) {
+  set_source(pen_, color);
+  cairo_fill(pen_);
+}
+
+void Chart::stroke(const Color& color, double width, const std::vector<double>& dashes) {
+  set_source(pen_, color);
+  cairo_set_line_width(pen_, width);
+  cairo_set_line_cap(pen_, CAIRO_LINE_CAP_ROUND);
+  cairo_set_line_join(pen_, CAIRO_LINE_JOIN_ROUND);
+  cairo_set_dash(pen_, dashes.data(), static_cast<int>(dashes.size()), 0);
+  cairo_stroke(pen_);
+  cairo_set_dash(pen_, nullptr, 0, 0);
+}
+
+void Chart::hatch(const Color& color, double distance) {
+  cairo_save(pen_);
+  double left, top, right, bottom;
+  cairo_path_extents(pen_, &left, &top, &right, &bottom);
+  double clip_left, clip_top, clip_right, clip_bottom;
+  cairo_clip_extents(pen_, &clip_left, &clip_top, &clip_right, &clip_bottom);
+  cairo_clip(pen_);
+  left = std::max(left, clip_left), right = std::min(right, clip_right);
+  top = std::max(top, clip_top), bottom = std::min(bottom, clip_bottom);
+  const double height = bottom - top;
+  // Lines of neighbouring areas meet: each lies on a multiple of the distance.
+  for (double at = std::floor((left - bottom) / distance) * distance; at <= right - top; at += distance) {
+    move_to({tenth(at + top), top});
+    line_to({tenth(at + top + height), bottom});
+  }
+  stroke(color, 1);
+  cairo_restore(pen_);
+}
+
+void Chart::dot(const Eigen::Vector2d& p) {
+  move_to(p);
+  line_to(p);
+}
+
+void Chart::set_font(double size, bool bold) {
+  cairo_select_font_face(pen_, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
+                         bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(pen_, size);
+}
+
+double Chart::text_width(const std::string& words, double size, bool bold) {
+  set_font(size, bold);
+  cairo_text_extents_t extents;
+  cairo_text_extents(pen_, words.c_str(), &extents);
+  return extents.x_advance;
+}
+
+void Chart::text(const Eigen::Vector2d& p, const std::string& words, double size, const Color& color,
+                 Align align, bool bold) {
+  const double width = text_width(words, size, bold);
+  const double shift = align == Align::left ? 0 : align == Align::middle ? width / 2 : width;
+  set_source(pen_, color);
+  cairo_move_to(pen_, tenth(p.x() - shift), tenth(p.y()));
+  cairo_show_text(pen_, words.c_str());
+  cairo_new_path(pen_);
+}
+
+void Chart::label(const Eigen::Vector2d& p, const std::string& words, double size, const Color& color,
+                  Align align) {
+  const double width = text_width(words, size);
+  const double shift = align == Align::left ? 0 : align == Align::middle ? width / 2 : width;
+  cairo_move_to(pen_, tenth(p.x() - shift), tenth(p.y()));
+  cairo_text_path(pen_, words.c_str());
+  stroke({1, 1, 1, 0.85}, 3);
+  text(p, words, size, color, align);
+}
+
+std::string Chart::bytes(const std::string& title, const std::string& description) {
+  cairo_status_t status = cairo_status(pen_);
+  if (format_ == Format::png) status = cairo_surface_write_to_png_stream(surface_, append, &bytes_);
+  cairo_surface_finish(surface_);
+  if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_status(surface_);
+  if (status != CAIRO_STATUS_SUCCESS)
+    throw std::runtime_error(std::string("the picture could not be drawn: ") +
+                             cairo_status_to_string(status));
+  if (format_ == Format::png) return bytes_;
+  const std::size_t inside = bytes_.find('>', bytes_.find("<svg")) + 1;
+  return bytes_.substr(0, inside) + "\n<title>" + escaped(title) + "</title>\n<desc>" + escaped(description) +
+         "</desc>" + bytes_.substr(inside);
+}
+
+}  // namespace lidard

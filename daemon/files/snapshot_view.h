@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "daemon/config/config.h"
+#include "daemon/files/snapshot_frames.h"
+#include "daemon/pipeline/pose_book.h"
+
+namespace lidard {
+
+/// Everything a picture shows, in base_frame seen from above, m. Drawing it needs nothing else.
+struct SnapshotView {
+  enum class Role : std::uint8_t { input, merged, virtual_scan, cloud };
+
+  /// One scan or cloud.
+  struct Layer {
+    Role role = Role::input;
+    std::size_t number = 0;  ///< among those of its role; chooses the colour
+    std::string name;
+    std::string note;  ///< what it is and says, for the legend
+    std::vector<Eigen::Vector2f> points;
+    std::vector<char> joined;  ///< point i and i + 1 are neighbouring beams on one surface; empty: none are
+  };
+
+  struct Sensor {
+    std::string name;
+    Eigen::Vector2d at;
+    std::vector<Eigen::Vector2d> field;  ///< directions from its first beam to its last; empty: not known
+    bool all_round = false;
+    Role role = Role::input;  ///< of its layer
+    std::size_t number = 0;
+  };
+
+  /// A beam's width as far as it says something.
+  struct Wedge {
+    Eigen::Vector2f corner[3];  ///< the first one is where the scan looks from
+    bool observed;              ///< free if true
+  };
+
+  std::string title;
+  std::string subtitle;
+  std::string base_frame;
+  std::vector<Eigen::Vector2d> footprint;
+  std::vector<Sensor> sensors;
+  std::vector<Layer> layers;  ///< in the order of the legend
+  std::vector<Wedge> wedges;  ///< by angle
+  std::string free_note;      ///< legend of the areas; empty: none is shown
+  std::string unobserved_note;
+  std::vector<std::string> missing;  ///< one sentence each: what could not be drawn, and why
+  Eigen::Vector2d center{0, 0};
+  Eigen::Vector2d half{10, 10};  ///< m that are shown at least from the center, ahead and to the left
+};
+
+/// Gathers what `frames` holds. `areas` is the topic whose free and unobserved areas are shaded; empty: the
+/// first merged or virtual scan in profile strict, else safety, else flatten, else the first scan of all.
+/// Throws std::runtime_error if it did not come.
+SnapshotView make_view(const Config& config, const PoseBook& poses, const FrameKeeper& frames,
+                       const std::string& areas);
+
+/// Chooses center and half so that nearly all points are shown.
+void fit_to_points(SnapshotView& view);
+
+}  // namespace lidard

@@ -1,0 +1,112 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/live/service.h"
+
+#include <spdlog/pattern_formatter.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <systemd/sd-daemon.h>
+#include <unistd.h>
+
+#include <cstddef>
+#include <cstdlib>
+#include <memory>
+
+namespace lidard {
+namespace {
+
+/// %j: the level as journald reads it at the begin of a line (sd-daemon(3)).
+class JournalLevel : public spdlog::custom_flag_formatter {
+ public:
+  void format(const spdlog::details::log_msg& message, const std::tm&, spdlog::memory_buf_t& to) override {
+    const std::string_view prefix = prefix_of(message.level);
+    to.append(prefix.data(), prefix.data() + prefix.size());
+  }
+  std::unique_ptr<custom_flag_formatter> clone() const override { return std::make_unique<JournalLevel>(); }
+
+ private:
+  static std::string_view prefix_of(spdlog::level::level_enum level) {
+    switch (level) {
+      case spdlog::level::trace:
+      case spdlog::level::debug:
+        return SD_DEBUG;
+      case spdlog::level::warn:
+        return SD_WARNING;
+      case spdlog::level::err:
+        return SD_ERR;
+      case spdlog::level::critical:
+        return SD_CRIT;
+      default:
+        return SD_INFO;
+    }
+  }
+};
+
+std::shared_ptr<spdlog::logger> journal_logger() {
+  auto logger = std::make_shared<spdlog::logger>("lidard", std::make_shared<spdlog::sinks::stderr_sink_mt>());
+  auto formatter = std::make_unique<spdlog::pattern_formatter>();
+  formatter->add_flag<JournalLevel>('j').set_pattern("%j%v");
+  logger->set_formatter(std::move(formatter));
+  return logger;
+}
+
+std::shared_ptr<spdlog::logger> terminal_logger() {
+  const bool no_color = std::getenv("NO_COLOR") != nullptr;
+  const auto mode = no_color ? spdlog::color_mode::never : spdlog::color_mode::automatic;
+  auto sink = std::make_shared<spdlog::sinks::stderr_color_sink_mt>(mode);
+  auto logger = std::make_shared<spdlog::logger>("lidard", std::move(sink));
+  logger->set_pattern("%H:%M:%S.%e %^%l%$: %v");
+  return logger;
+}
+
+/// sd_notify() waits while the service manager does not read; the thread that receives must not. What does
+/// not fit into the manager's queue is dropped: the next one comes soon. Addresses: sd_notify(3).
+void notify_without_waiting(const std::string& text) {
+  const char* const given = std::getenv("NOTIFY_SOCKET");
+  const std::string_view path = given == nullptr ? "" : given;
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.empty() || path.size() >= sizeof address.sun_path || (path[0] != '/' && path[0] != '@')) return;
+  path.copy(address.sun_path, path.size());
+  if (path[0] == '@') address.sun_path[0] = '\0';
+  const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (fd < 0) return;
+  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size());
+  sendto(fd, text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL, reinterpret_cast<sockaddr*>(&address),
+         size);
+  close(fd);
+}
+
+}  // namespace
+
+bool stderr_is_journal() {
+  const char* announced = std::getenv("JOURNAL_STREAM");
+  struct stat is {};
+  if (announced == nullptr || fstat(STDERR_FILENO, &is) != 0) return false;
+  return announced == std::to_string(is.st_dev) + ":" + std::to_string(is.st_ino);
+}
+
+void set_up_logging(const std::string& level) {
+  auto logger = stderr_is_journal() ? journal_logger() : terminal_logger();
+  logger->set_level(spdlog::level::from_str(level));
+  logger->flush_on(spdlog::level::info);
+  spdlog::set_default_logger(std::move(logger));
+}
+
+void ServiceManager::ready(const std::string& status) { sd_notifyf(0, "READY=1\nSTATUS=%s", status.c_str()); }
+void ServiceManager::status(const std::string& text) { notify_without_waiting("STATUS=" + text); }
+void ServiceManager::reloading() { sd_notify(0, "RELOADING=1"); }
+void ServiceManager::stopping() { sd_notify(0, "STOPPING=1"); }
+void ServiceManager::alive() { notify_without_waiting("WATCHDOG=1"); }
+
+std::optional<Span> ServiceManager::watchdog_limit() const {
+  std::uint64_t us = 0;
+  if (sd_watchdog_enabled(0, &us) <= 0) return std::nullopt;
+  return std::chrono::microseconds(us);
+}
+
+}  // namespace lidard

@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/base/time.h"
+
+namespace lidard {
+
+/// Sends the log to stderr: with the journal's level prefixes ("<6>…") if stderr is the journal, else with
+/// time and, on a terminal, colours. `level`: trace, debug, info, warning, error, critical or off.
+void set_up_logging(const std::string& level = "info");
+/// True if file descriptor 2 is the journal's stream that systemd announced in $JOURNAL_STREAM.
+bool stderr_is_journal();
+
+/// Tells systemd how we are. Does nothing where no service manager asked for it ($NOTIFY_SOCKET).
+class ServiceManager {
+ public:
+  /// The configuration is valid, sockets are open, the pipeline runs.
+  void ready(const std::string& status);
+  /// One line for `systemctl status`.
+  void status(const std::string& text);
+  void reloading();
+  void stopping();
+  /// To be called at least twice per watchdog_limit().
+  void alive();
+  /// After this long without alive() systemd kills us; empty: no watchdog.
+  std::optional<Span> watchdog_limit() const;
+};
+
+}  // namespace lidard

@@ -1,0 +1,366 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/pipeline/merged_output.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+
+namespace lidard {
+namespace {
+
+MergeSettings settings_of(const MergedScanConfig& config) {
+  MergeSettings settings;
+  settings.points = config.output.profile == Profile::flatten || !config.cloud_destination_topic.empty();
+  for (const AlsoScanConfig& also : config.also) settings.points |= also.profile == Profile::flatten;
+  settings.sight = config.has_sight() || !config.status_topic.empty();
+  settings.how.noise = settings.source.noise = config.range_noise;
+  settings.how.mean = config.mean;
+  settings.how.free_required = config.free_required;
+  settings.source.echoes = config.echoes;
+  settings.source.veil_filter = config.veil_filter;
+  settings.options = config.options;
+  for (const std::string& name : config.laserscan_topics) {
+    const auto own = config.source_settings.find(name);
+    settings.each.push_back(own == config.source_settings.end() ? settings.source : own->second);
+    settings.how.noise = std::max(settings.how.noise, settings.each.back().noise);
+  }
+  return settings;
+}
+
+/// What to add to the pose of the pair's second source, in the output frame.
+std::string correction_of(const OverlapState& pair) {
+  const auto part = [&](std::size_t i, const char* name, double value, const char* unit) {
+    return pair.determined[i] ? fmt::format("{} {:+.3f} {}", name, value, unit)
+                              : fmt::format("{} not determined by the surroundings", name);
+  };
+  constexpr double degrees = 57.29577951308232;
+  return part(0, "yaw", pair.correction[0] * degrees, "deg") + ", " + part(1, "x", pair.correction[1], "m") +
+         ", " + part(2, "y", pair.correction[2], "m");
+}
+
+/// A stamp to tell a sweep's age by. Stamps that are far from the time at hand are of another clock, a bag's
+/// or a simulator's: then the arrival counts.
+Stamp comparable(Stamp stamp, Stamp now) {
+  constexpr Span another_clock = std::chrono::seconds(10);
+  return now - stamp > another_clock || stamp - now > another_clock ? now : stamp;
+}
+
+}  // namespace
+
+MergedOutput::MergedOutput(const MergedScanConfig& config, const VehicleConfig& vehicle,
+                           const PoseBook& poses)
+    : config_(config),
+      base_frame_(vehicle.base_frame),
+      footprint_(vehicle.footprint),
+      poses_(poses),
+      merger_(grid_of(config.output.grid), band_of(config.output), config.laserscan_topics.size(),
+              settings_of(config)),
+      scheduler_(config.laserscan_topics.size(), config.schedule),
+      overlap_(config.laserscan_topics.size()),
+      compared_(config.laserscan_topics.size(), nullptr),
+      places_(config.laserscan_topics.size(), Eigen::Vector2d::Zero()),
+      told_states_(config.laserscan_topics.size(), SourceState::never),
+      why_unplaced_(config.laserscan_topics.size()),
+      taken_(config.laserscan_topics.size(), 0),
+      scans_(1 + config.also.size()) {
+  cloud_.frame_id = config.destination_frame;
+  status_.frame_id = config.destination_frame;
+  merged_.push_back({config.output.profile, &scans_[0]});
+  for (std::size_t i = 0; i < config.also.size(); ++i)
+    merged_.push_back({config.also[i].profile, &scans_[i + 1]});
+  set_encodings(config.output, config.also, scans_);
+  for (PlanarScan& scan : scans_) scan.frame_id = config.destination_frame;
+}
+
+bool MergedOutput::place_footprint(Stamp stamp) {
+  if (footprint_.empty()) return true;
+  Pose pose;
+  if (!poses_.find(config_.destination_frame, base_frame_, stamp, pose, counters_.why_no_pose)) return false;
+  if (footprint_placed_ && footprint_placed_->matrix() == pose.matrix()) return true;
+  footprint_placed_ = pose;
+  merger_.set_footprint(footprint_.transformed(pose));
+  return true;
+}
+
+int MergedOutput::source_index(const std::string& sensor) const {
+  for (std::size_t i = 0; i < config_.laserscan_topics.size(); ++i) {
+    if (config_.laserscan_topics[i] == sensor) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+void MergedOutput::restart() {
+  merger_.reset();
+  scheduler_.reset();
+  overlap_.reset();
+  stamps_.reset();
+  waits_for_motion_since_.reset();
+}
+
+void MergedOutput::continue_from(const MergedOutput& before) {
+  scheduler_ = before.scheduler_;
+  told_states_ = before.told_states_;
+  why_unplaced_ = before.why_unplaced_;
+  taken_ = before.taken_;
+  counters_ = before.counters_;
+  stamps_ = before.stamps_;
+  without_motion_ = before.without_motion_;
+  dropped_ = before.dropped_;
+}
+
+/// After a change of the grid the sources that are well have to deliver again, lest what they see be missing.
+bool MergedOutput::lacks_sweeps(Stamp now) const {
+  for (std::size_t s = 0; s < config_.laserscan_topics.size(); ++s) {
+    if (scheduler_.state(s, now) == SourceState::ok && !merger_.times(s)) return true;
+  }
+  return false;
+}
+
+void MergedOutput::add(std::size_t source, const PlanarScan& scan, Stamp now, FrameSink& sink) {
+  Pose pose;
+  if (!place_footprint(scan.stamp) ||
+      !poses_.find(config_.destination_frame, scan.frame_id, scan.stamp, pose, counters_.why_no_pose)) {
+    ++counters_.no_pose;
+    why_unplaced_[source] = counters_.why_no_pose;
+    return;
+  }
+  why_unplaced_[source].clear();
+  if (!merger_.add(source, scan, pose)) return;
+  taken_[source] = 1;
+  scheduler_.delivered(source, comparable(merger_.times(source)->last(), now),
+                       static_cast<double>(scan.scan_time), now);
+  advance(now, sink);
+}
+
+bool MergedOutput::publishes(const std::string& topic) const {
+  const auto has = [&](const AlsoScanConfig& also) { return also.topic == topic; };
+  return topic == config_.scan_destination_topic || topic == config_.cloud_destination_topic ||
+         topic == config_.status_topic || std::any_of(config_.also.begin(), config_.also.end(), has);
+}
+
+std::string MergedOutput::why_missing(
+    const std::function<std::string(const std::string& source)>& why_silent) const {
+  std::string missing;
+  for (std::size_t s = 0; s < taken_.size(); ++s) {
+    if (taken_[s] != 0) continue;
+    const std::string& name = config_.laserscan_topics[s];
+    const std::string why = why_unplaced_[s].empty() ? "source " + name + " gave no scans" + why_silent(name)
+                                                     : "no pose for source " + name + ": " + why_unplaced_[s];
+    missing += (missing.empty() ? "" : "; ") + why;
+  }
+  if (counters_.published > 0 || !missing.empty()) return missing;
+  if (dropped_ > 0) return "on_missing_motion: drop, and poses of the vehicle are missing";
+  return std::string("no output was due with policy ") + to_string(config_.schedule.policy);
+}
+
+std::optional<Stamp> MergedOutput::next_event() const {
+  const auto event = scheduler_.next_event();
+  if (!waits_for_motion_since_) return event;
+  const Stamp given_up = *waits_for_motion_since_ + scheduler_.deadline();
+  return event ? std::min(*event, given_up) : given_up;
+}
+
+bool MergedOutput::states_changed(Stamp now) {
+  bool changed = false;
+  for (std::size_t s = 0; s < told_states_.size(); ++s) {
+    const SourceState state = scheduler_.state(s, now);
+    changed = changed || state != told_states_[s];
+    told_states_[s] = state;
+  }
+  return changed;
+}
+
+MergeMoment MergedOutput::moment_of(Stamp now) {
+  MergeMoment moment;
+  const std::vector<char>& use = scheduler_.usable(now);
+  std::optional<Stamp> first, oldest, newest;
+  for (std::size_t s = 0; s < use.size(); ++s) {
+    const auto times = merger_.times(s);
+    if (use[s] == 0 || !times) continue;
+    first = std::max(first.value_or(times->first), times->first);
+    oldest = std::min(oldest.value_or(times->last()), times->last());
+    newest = std::max(newest.value_or(times->last()), times->last());
+  }
+  skew_ = newest ? *newest - *oldest : Span(0);
+  const PoseTrack* const track = poses_.track();
+  moment.at = first.value_or(now);
+  if (newest && track != nullptr && !track->empty()) {
+    // A transform to the odometry frame exists for stamps up to the newest pose.
+    moment.at = config_.schedule.policy == Policy::rate ? now : *newest;
+    moment.at = std::max(*first, std::min(moment.at, track->newest()));
+    moment.track = track;
+  }
+  if (moment.track != nullptr && !poses_.find(config_.destination_frame, base_frame_, moment.at,
+                                              moment.output_from_base, counters_.why_no_pose))
+    moment.track = nullptr;
+  return moment;
+}
+
+bool MergedOutput::must_wait_for_motion(const MergeMoment& moment, Stamp now) {
+  if (poses_.track() == nullptr || config_.on_missing_motion == MissingMotion::stand) return false;
+  const std::vector<char>& use = scheduler_.usable(now);
+  bool known = true;
+  for (std::size_t s = 0; s < use.size(); ++s)
+    known = known && (use[s] == 0 || merger_.poses_cover(s, moment));
+  if (known) {
+    waits_for_motion_since_.reset();
+    return false;
+  }
+  if (config_.on_missing_motion == MissingMotion::drop) {
+    ++dropped_;
+    scheduler_.done(now);
+    return true;
+  }
+  if (!waits_for_motion_since_) waits_for_motion_since_ = now;
+  if (now - *waits_for_motion_since_ < scheduler_.deadline()) return true;
+  waits_for_motion_since_.reset();
+  return false;
+}
+
+void MergedOutput::advance(Stamp now, FrameSink& sink) {
+  if (!scheduler_.is_due(now)) {
+    waits_for_motion_since_.reset();
+    return;
+  }
+  if (lacks_sweeps(now)) return;
+  const MergeMoment moment = moment_of(now);
+  if (must_wait_for_motion(moment, now)) return;
+  publish(moment, now, sink);
+}
+
+void MergedOutput::publish(MergeMoment moment, Stamp now, FrameSink& sink) {
+  moment.at = stamps_.next(moment.at);
+  const bool with_cloud = !config_.cloud_destination_topic.empty();
+  const MergeReport& report =
+      merger_.merge(moment, scheduler_.usable(now), merged_, with_cloud ? &cloud_ : nullptr);
+  scheduler_.done(now);
+  uses_ = report.sources;
+  const bool stands = std::count(uses_.begin(), uses_.end(), SourceUse::static_poses) > 0;
+  if (poses_.track() != nullptr && stands) ++without_motion_;
+  latency_ = now - moment.at;
+  ++counters_.published;
+  counters_.last_published = now;
+  compare_sources(moment.at);
+  sink.scan(config_.scan_destination_topic, scans_[0], now);
+  for (std::size_t i = 0; i < config_.also.size(); ++i) sink.scan(config_.also[i].topic, scans_[i + 1], now);
+  if (with_cloud) sink.cloud(config_.cloud_destination_topic, cloud_, now);
+  if (config_.status_topic.empty()) return;
+  fill_status();
+  sink.scan(config_.status_topic, status_, now);
+}
+
+void MergedOutput::compare_sources(Stamp stamp) {
+  if (merger_.sight() == nullptr || !overlap_.is_due(stamp)) return;
+  for (std::size_t s = 0; s < compared_.size(); ++s) {
+    compared_[s] = merger_.sweep(s);
+    places_[s] = merger_.looks_from(s);
+  }
+  const auto moved = [](SourceUse use) { return use == SourceUse::static_poses; };
+  overlap_.look(stamp, compared_, places_,
+                poses_.track() != nullptr && std::none_of(uses_.begin(), uses_.end(), moved));
+}
+
+void MergedOutput::fill_status() {
+  const Sight& sight = *merger_.sight();
+  const PlanarScan& scan = scans_[0];
+  status_.reset(scan.beams);
+  status_.set_angles(scan.angle_min, scan.angle_increment);
+  status_.stamp = scan.stamp;
+  status_.scan_time = scan.scan_time;
+  status_.range_max = scan.range_max;
+  for (std::size_t beam = 0; beam < scan.beams; ++beam) {
+    status_.set_hit(beam, std::min(sight.covered(beam), scan.range_max));
+    status_.intensities[beam] = static_cast<float>(sight.seen(beam));
+  }
+}
+
+void MergedOutput::describe_sources(DiagnosticItem& item, Stamp now, bool starting) const {
+  std::string silent, lost;
+  for (std::size_t s = 0; s < config_.laserscan_topics.size(); ++s) {
+    const std::string& name = config_.laserscan_topics[s];
+    const SourceState state = scheduler_.state(s, now);
+    std::string text = to_string(state);
+    if (state != SourceState::never) {
+      const double period = scheduler_.period(s);
+      text += fmt::format(", {:.1f} Hz, age {:.0f} ms", period > 0 ? 1 / period : 0,
+                          seconds(scheduler_.age(s, now)) * 1000);
+    }
+    item.values.emplace_back("Source " + name, text);
+    std::string& list = state == SourceState::stale ? silent : lost;
+    if (state != SourceState::ok) list += (list.empty() ? "" : ", ") + name;
+  }
+  item.values.emplace_back("Sources lost", lost);
+  if (starting || item.health != Health::ok || (lost.empty() && silent.empty())) return;
+  item.health = lost.empty() ? Health::warn : Health::error;
+  item.message = "publishing without " + (lost.empty() ? silent + ", whose sweeps are too old" : lost);
+  if (counters_.no_pose > 0 && !counters_.why_no_pose.empty()) item.message += ": " + counters_.why_no_pose;
+}
+
+void MergedOutput::describe_motion(DiagnosticItem& item) const {
+  if (poses_.track() == nullptr) return;
+  const auto count = [this](SourceUse use) { return std::count(uses_.begin(), uses_.end(), use); };
+  std::string text = poses_.track()->empty() ? "no poses yet" : "deskewed";
+  if (count(SourceUse::extrapolated) > 0) text = "deskewed, partly beyond the newest pose";
+  const bool stands = poses_.track()->empty() || count(SourceUse::static_poses) > 0;
+  if (stands && !poses_.track()->empty()) text = "not deskewed: poses of the sweeps' time are missing";
+  item.values.emplace_back("Motion", text);
+  item.values.emplace_back("Outputs not deskewed", std::to_string(without_motion_));
+  item.values.emplace_back("Outputs left out for want of poses", std::to_string(dropped_));
+  if (!stands || item.health != Health::ok || counters_.published == 0) return;
+  item.health = Health::warn;
+  item.message = "publishing as if the vehicle stood still: " + text + "; see that odometry is published";
+}
+
+void MergedOutput::describe_beams(DiagnosticItem& item) const {
+  const PlanarScan& scan = scans_[0];
+  if (scan.beams == 0) return;
+  const auto share = [&](BeamStatus status) {
+    const auto n = std::count(scan.statuses.begin(), scan.statuses.end(), status);
+    return fmt::format("{:.1f} %", 100.0 * static_cast<double>(n) / static_cast<double>(scan.beams));
+  };
+  item.values.emplace_back("Beams with a hit", share(BeamStatus::hit));
+  item.values.emplace_back("Beams free", share(BeamStatus::none));
+  item.values.emplace_back("Beams unobserved", share(BeamStatus::invalid));
+}
+
+void MergedOutput::describe_overlap(DiagnosticItem& item) const {
+  for (const OverlapState& pair : overlap_.pairs()) {
+    const std::string& first = config_.laserscan_topics[pair.first];
+    const std::string& second = config_.laserscan_topics[pair.second];
+    if (pair.beams <= 0) continue;
+    const std::string correction = correction_of(pair);
+    item.values.emplace_back(
+        "Overlap " + first + "/" + second,
+        fmt::format("median {:+.1f} mm, MAD {:.1f} mm, {:.0f} beams; mount of {}: {}", pair.median * 1000,
+                    pair.mad * 1000, pair.beams, second, correction));
+    if (!pair.misaligned || item.health != Health::ok) continue;
+    item.health = Health::warn;
+    item.message = first + " and " + second +
+                   " do not agree on where surfaces are; correct a mount, e.g. that of " + second + " by " +
+                   correction;
+  }
+}
+
+DiagnosticItem MergedOutput::diagnostics(Stamp now, bool starting) const {
+  DiagnosticItem item = health_of("merged " + config_.name, counters_, now, starting);
+  describe_sources(item, now, starting);
+  describe_motion(item);
+  describe_beams(item);
+  describe_overlap(item);
+  const bool same_clock = comparable(now - latency_, now) != now || latency_ == Span(0);
+  item.values.emplace_back("Latency (ms)", same_clock ? fmt::format("{:.1f}", seconds(latency_) * 1000)
+                                                      : "stamps are of another clock");
+  item.values.emplace_back("Skew of the sources (ms)", fmt::format("{:.1f}", seconds(skew_) * 1000));
+  item.values.emplace_back("Sources waited for in vain", std::to_string(scheduler_.deadlines_missed()));
+  if (const CrossCheck* const check = merger_.cross_check()) {
+    item.values.emplace_back("Returns that another source sees through", std::to_string(check->veils()));
+    item.values.emplace_back("Hits that a newer sweep sees through", std::to_string(check->conflicts()));
+  }
+  item.values.emplace_back("Sweeps replaced before use", std::to_string(merger_.superseded()));
+  item.values.emplace_back("Sweeps out of order", std::to_string(merger_.out_of_order()));
+  item.values.emplace_back("Sweeps with impossible times", std::to_string(merger_.bad_times()));
+  return item;
+}
+
+}  // namespace lidard

@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/steady_stamps.h"
+#include "core/merge/merger.h"
+#include "core/merge/overlap.h"
+#include "core/merge/scheduler.h"
+#include "daemon/config/config.h"
+#include "daemon/pipeline/output_parts.h"
+#include "daemon/pipeline/pose_book.h"
+#include "daemon/pipeline/sink.h"
+
+namespace lidard {
+
+/// A merged scan: takes the scans of its sources, publishes when one is due.
+class MergedOutput {
+ public:
+  MergedOutput(const MergedScanConfig& config, const VehicleConfig& vehicle, const PoseBook& poses);
+
+  const MergedScanConfig& config() const { return config_; }
+  /// Index of a sensor or a virtual scan among the sources, or -1.
+  int source_index(const std::string& name) const;
+  void add(std::size_t source, const PlanarScan& scan, Stamp now, FrameSink& sink);
+  /// Time passed, or the vehicle's poses went on: publishes what is due.
+  void advance(Stamp now, FrameSink& sink);
+  /// When advance() is worth a call if nothing else happens.
+  std::optional<Stamp> next_event() const;
+  bool publishes(const std::string& topic) const;
+  /// Why nothing was published; or, if something was, what sources never were in it; empty: nothing is
+  /// missing. `why_silent` says why a source gave no scans.
+  std::string why_missing(const std::function<std::string(const std::string& source)>& why_silent) const;
+  /// True if a source has come, gone stale or was lost since the last call.
+  bool states_changed(Stamp now);
+  DiagnosticItem diagnostics(Stamp now, bool starting) const;
+  void restart();
+  /// Takes the place of an output with another grid.
+  void continue_from(const MergedOutput& before);
+
+ private:
+  bool place_footprint(Stamp stamp);
+  /// The instant that the beams are brought to.
+  MergeMoment moment_of(Stamp now);
+  bool lacks_sweeps(Stamp now) const;
+  bool must_wait_for_motion(const MergeMoment& moment, Stamp now);
+  void publish(MergeMoment moment, Stamp now, FrameSink& sink);
+  void fill_status();
+  /// Compares what the sources of the output just made see of the same surfaces.
+  void compare_sources(Stamp stamp);
+  void describe_motion(DiagnosticItem& item) const;
+  void describe_sources(DiagnosticItem& item, Stamp now, bool starting) const;
+  void describe_beams(DiagnosticItem& item) const;
+  void describe_overlap(DiagnosticItem& item) const;
+
+  MergedScanConfig config_;
+  std::string base_frame_;
+  Footprint footprint_;                   // in base_frame
+  std::optional<Pose> footprint_placed_;  // base_frame in the output frame when it was last set
+  const PoseBook& poses_;
+  Merger merger_;
+  Scheduler scheduler_;
+  Overlap overlap_;
+  std::vector<const Sweep*> compared_;
+  std::vector<Eigen::Vector2d> places_;
+  std::vector<SourceState> told_states_;
+  std::vector<std::string> why_unplaced_;  // why the newest scan of a source had no place; empty: it had one
+  std::vector<char> taken_;                // sources of which a scan was ever used
+  std::vector<PlanarScan> scans_;          // the first is the entry's own, then those of `also`
+  std::vector<MergedScan> merged_;
+  PlanarScan status_;
+  Cloud cloud_;
+  OutputCounters counters_;
+  SteadyStamps stamps_;
+  std::optional<Stamp> waits_for_motion_since_;
+  std::vector<SourceUse> uses_;       // of the last output
+  Span latency_{};                    // of the last output: from its instant to its publication
+  Span skew_{};                       // between the last rays of the sweeps that it was made of
+  std::uint64_t without_motion_ = 0;  // outputs with sources that could not be deskewed
+  std::uint64_t dropped_ = 0;         // outputs left out since poses were missing
+};
+
+}  // namespace lidard

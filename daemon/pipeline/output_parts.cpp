@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/pipeline/output_parts.h"
+
+#include <limits>
+#include <stdexcept>
+
+namespace lidard {
+
+ScanGrid grid_of(const ScanGridSpec& spec) {
+  std::string error;
+  const auto grid = make_grid(spec, error);
+  if (!grid) throw std::logic_error("configuration accepted a grid that is wrong: " + error);
+  return *grid;
+}
+
+HeightBand band_of(const OutputScanConfig& config) {
+  HeightBand band;
+  if (config.min_height) band.min = *config.min_height;
+  if (config.max_height) band.max = *config.max_height;
+  return band;
+}
+
+float value_of(EmptyBeam beam, const OutputScanConfig& config) {
+  constexpr float infinite = std::numeric_limits<float>::infinity();
+  switch (beam) {
+    case EmptyBeam::inf:
+      return infinite;
+    case EmptyBeam::nan:
+      return std::numeric_limits<float>::quiet_NaN();
+    case EmptyBeam::range_max_plus_one:
+      return static_cast<float>(config.grid.range_max) + 1;
+    case EmptyBeam::minus_inf:
+      return -infinite;
+    case EmptyBeam::zero:
+      return 0;
+  }
+  return infinite;
+}
+
+void set_encodings(const OutputScanConfig& output, const std::vector<AlsoScanConfig>& also,
+                   std::vector<PlanarScan>& scans) {
+  scans[0].none_as = value_of(output.empty, output);
+  scans[0].invalid_as = value_of(output.unobserved, output);
+  for (std::size_t i = 0; i < also.size(); ++i) {
+    scans[i + 1].none_as = value_of(also[i].empty, output);
+    scans[i + 1].invalid_as = value_of(also[i].unobserved, output);
+  }
+}
+
+DiagnosticItem health_of(const std::string& name, const OutputCounters& counters, Stamp now, bool starting) {
+  DiagnosticItem item;
+  item.name = name;
+  const double age = seconds(now - counters.last_published);
+  if (starting && counters.no_pose == 0 && (counters.published == 0 || age > 3)) {
+    item.message = "waiting for input";
+  } else if (counters.published == 0) {
+    item.health = Health::error;
+    item.message =
+        counters.no_pose > 0 ? "no output: " + counters.why_no_pose : "no output: no input has come in yet";
+  } else if (age > 3) {
+    item.health = Health::error;
+    item.message = counters.no_pose > 0 ? "no output any more: " + counters.why_no_pose
+                                        : "no output for more than 3 s: see the state of its sensors";
+  } else {
+    item.message = "publishing";
+  }
+  item.values.emplace_back("Published", std::to_string(counters.published));
+  item.values.emplace_back("Inputs without pose", std::to_string(counters.no_pose));
+  return item;
+}
+
+}  // namespace lidard

@@ -1,0 +1,328 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/pipeline/reception.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "daemon/pipeline/report.h"
+
+namespace lidard {
+namespace {
+
+/// A step of the clock that is longer is a stall of the program, a jump of the clock or a hole in a capture.
+constexpr double longest_step_s = 1;
+/// After this long without a packet, which was told as an error meanwhile, data are a new beginning.
+constexpr double new_beginning_s = 3;
+constexpr double judged_after_s = 2;
+constexpr std::uint64_t least_looked = 10;
+/// A hand or a sheet before the window is nearer, in m; next to nothing else surrounds a sensor there.
+constexpr float too_near = 0.3F;
+/// No product turns slower than a third of its usual rate (Velodyne: 300 of 600 rpm).
+constexpr double slowest = 3;
+/// A scanner that sends every second scan, or fewer.
+constexpr double left_out = 1.5;
+
+std::uint64_t less(std::uint64_t now, std::uint64_t before) { return now > before ? now - before : 0; }
+
+Counters less(const Counters& now, const Counters& before) {
+  Counters d;
+  d.packets = less(now.packets, before.packets);
+  d.bytes = less(now.bytes, before.bytes);
+  d.other_packets = less(now.other_packets, before.other_packets);
+  d.frames = less(now.frames, before.frames);
+  d.partial_frames = less(now.partial_frames, before.partial_frames);
+  d.incomplete = less(now.incomplete, before.incomplete);
+  d.lost_packets = less(now.lost_packets, before.lost_packets);
+  d.reordered = less(now.reordered, before.reordered);
+  d.clock_steps = less(now.clock_steps, before.clock_steps);
+  d.lying_packets = less(now.lying_packets, before.lying_packets);
+  for (std::size_t i = 0; i < reject_reasons; ++i) d.rejected[i] = less(now.rejected[i], before.rejected[i]);
+  return d;
+}
+
+double share(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+std::string percent(double part) { return fmt::format(part < 0.0995 ? "{:.1f} %" : "{:.0f} %", 100 * part); }
+
+/// Collects what is wrong; the worst finding decides.
+class Findings {
+ public:
+  void add(Health health, const std::string& figure, const char* remedy) {
+    if (!figure.empty()) verdict_.figures += (verdict_.figures.empty() ? "" : ", ") + figure;
+    if (health == Health::ok) return;
+    if (verdict_.remedy.empty() || health > verdict_.health) verdict_.remedy = remedy;
+    verdict_.health = std::max(verdict_.health, health);
+  }
+  ReceptionVerdict take() {
+    if (verdict_.health == Health::ok) return {};
+    return std::move(verdict_);
+  }
+
+ private:
+  ReceptionVerdict verdict_;
+};
+
+Health level(double value, double warn, double error) {
+  return value >= error ? Health::error : value >= warn ? Health::warn : Health::ok;
+}
+
+constexpr const char* look_at_network = "check the cable, the switch and the load of this computer";
+constexpr const char* look_at_sensor = "check the sensor's state and settings";
+constexpr const char* look_at_model = "is it the configured model, and the only one that sends here?";
+constexpr const char* look_at_window = "is its window covered? An empty field looks the same";
+
+bool has_rate(const Reception& r) { return r.expected > 0 && r.frames_s >= judged_after_s; }
+
+/// The part of the frames that did not come, beyond the one that a window may miss.
+double missing_frames(const Reception& r) {
+  return has_rate(r) ? std::max(0.0, (r.expected - 1 - r.frames) / r.expected) : 0;
+}
+
+std::string rate_text(const Reception& r) {
+  return fmt::format("{:.1f} of {:.1f} frames/s", r.frames / r.frames_s, r.expected / r.frames_s);
+}
+
+void judge_frames(const Reception& r, FrameKind kind, Findings& findings) {
+  const double missing = missing_frames(r);
+  Health health = level(missing, 0.1, 0.5);
+  if (kind == FrameKind::scan && r.lost() >= 2) health = level(missing, 0.01, 0.05);
+  const bool loss = r.lost() >= 2;
+  if (has_rate(r) && (health != Health::ok || loss))
+    findings.add(health, rate_text(r), loss ? look_at_network : look_at_sensor);
+}
+
+void judge_losses(const Reception& r, FrameKind kind, Findings& findings) {
+  const std::uint64_t lost = r.lost();
+  if (lost < 2) return;
+  const double part = share(lost, r.counters.packets + lost);
+  findings.add(level(part, 0.01, 0.05),
+               kind == FrameKind::cloud ? percent(part) + " of packets lost"
+                                        : fmt::format("{} packets or scans lost", lost),
+               look_at_network);
+}
+
+void judge_rejects(const Reception& r, Findings& findings) {
+  const std::uint64_t rejected = r.counters.rejected_total();
+  const double part = share(rejected, r.counters.packets);
+  const Health health = level(part, 0.01, 0.99);
+  if (rejected >= 2 && health != Health::ok)
+    findings.add(health, percent(part) + " of packets rejected: " + rejected_text(r.counters), look_at_model);
+}
+
+void judge_beams(const Reception& r, FrameKind kind, Findings& findings) {
+  if (r.frames_looked < least_looked || r.beams == 0) return;
+  const bool cloud = kind == FrameKind::cloud;
+  const std::uint64_t seen = r.returns + r.blind;
+  const double returned = share(cloud ? seen : r.returns, r.beams);
+  const double blind = share(r.blind, cloud ? seen : r.beams);
+  if (cloud ? returned < 0.01 : r.returns == 0 && blind < 0.95)
+    findings.add(Health::warn, percent(returned) + " of the beams with a return", look_at_window);
+  else if (blind >= 0.95)
+    findings.add(Health::warn, percent(blind) + " of the beams blind (too near or invalid)", look_at_window);
+}
+
+}  // namespace
+
+ReceptionVerdict judge(const Reception& r, FrameKind kind) {
+  Findings findings;
+  const double patience = std::max(judged_after_s, 5 * r.period_s);
+  if (r.counters.packets > 0 && r.without_frame_s >= patience) {
+    const std::string rate = r.period_s > 0 ? fmt::format("0 of {:.1f} frames/s, ", 1 / r.period_s) : "";
+    findings.add(Health::error,
+                 rate + fmt::format("no frame for {:.1f} s although packets come", r.without_frame_s),
+                 look_at_sensor);
+  } else {
+    judge_frames(r, kind, findings);
+  }
+  if (r.watched_s >= judged_after_s) {
+    judge_losses(r, kind, findings);
+    judge_rejects(r, findings);
+  }
+  judge_beams(r, kind, findings);
+  return findings.take();
+}
+
+std::string rivals_text(const std::vector<std::string>& senders, std::uint16_t port) {
+  std::string names;
+  for (std::size_t i = 0; i < senders.size(); ++i)
+    names += (i == 0 ? "" : i + 1 < senders.size() ? ", " : " and ") + senders[i];
+  return names + (senders.size() == 2 ? " both send to port " : " all send to port ") + std::to_string(port) +
+         "; one entry takes one sensor: set ip_address: " + senders.front() +
+         " here, and give each other sensor an entry of its own";
+}
+
+ReceptionWatch::ReceptionWatch(double promised_s, bool exact) : promised_s_(promised_s), exact_(exact) {
+  total_.period_s = promised_s;
+}
+
+void ReceptionWatch::scan(const PlanarScan& scan) {
+  ++total_.frames_looked;
+  total_.beams += scan.beams;
+  for (std::size_t i = 0; i < scan.beams; ++i) {
+    const BeamStatus status = scan.statuses[i];
+    const bool near = status == BeamStatus::hit && scan.ranges[i] < too_near;
+    const bool blind = near || status == BeamStatus::near || status == BeamStatus::invalid;
+    total_.blind += blind ? 1U : 0U;
+    total_.returns += status == BeamStatus::hit && !near ? 1U : 0U;
+  }
+  learn(scan.stamp, static_cast<double>(scan.scan_time));
+}
+
+void ReceptionWatch::cloud(const Cloud& cloud) {
+  // One point in 64 tells whether nearly all are near.
+  constexpr std::size_t step = 64;
+  std::uint64_t near = 0, looked = 0;
+  const CloudPoint* const points = cloud.points();
+  for (std::size_t i = 0; i < cloud.size(); i += step, ++looked) {
+    const CloudPoint p = points[i];
+    near += p.x * p.x + p.y * p.y + p.z * p.z < too_near * too_near ? 1U : 0U;
+  }
+  const std::uint64_t size = cloud.size();
+  const std::uint64_t blind = looked == 0 ? 0 : size * near / looked;
+  ++total_.frames_looked;
+  total_.beams += cloud.columns.size() * cloud.rings;
+  total_.returns += size - blind;
+  total_.blind += blind;
+  learn(cloud.stamp, 0);
+}
+
+void ReceptionWatch::learn(Stamp stamp, double declared_s) {
+  const double passed = seconds(stamp - last_stamp_);
+  last_stamp_ = stamp;
+  declared_s_ = declared_s;
+  distances_[distance_count_++ % distances] = passed;
+  period_s_ = period();
+}
+
+/// 0 while too few are known. The first distance is none.
+double ReceptionWatch::median_distance() const {
+  if (distance_count_ <= distances / 2) return 0;
+  const std::size_t count = std::min(distance_count_, distances);
+  std::array<double, distances> sorted = distances_;
+  const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(count);
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(count / 2);
+  std::nth_element(sorted.begin(), middle, end);
+  return std::max(0.0, *middle);
+}
+
+double ReceptionWatch::period() const {
+  if (promised_s_ <= 0 || exact_) return promised_s_;
+  const double learned = median_distance();
+  if (learned <= 0) return 0;
+  if (declared_s_ <= 0) return std::min(learned, slowest * promised_s_);
+  const bool seldom = learned > left_out * declared_s_ && recent().lost() == 0;
+  return seldom ? learned : declared_s_;
+}
+
+void ReceptionWatch::sender(const IpAddress& address) {
+  const auto end = senders_.begin() + static_cast<std::ptrdiff_t>(sender_count_);
+  auto found = std::find_if(senders_.begin(), end, [&](const Sender& s) { return s.address == address; });
+  if (found == end) {
+    if (sender_count_ == most_senders) return;
+    ++sender_count_;
+    *found = {address, {}};
+  }
+  ++found->packets[0];
+}
+
+/// One second has passed. Two who sent in both of the last two send at the same time; a sensor whose address
+/// changes does not. Who sends less than 1 % of the packets is no sensor.
+void ReceptionWatch::age_senders() {
+  rivals_.clear();
+  std::uint64_t all = 0;
+  for (std::size_t i = 0; i < sender_count_; ++i) all += senders_[i].packets[0] + senders_[i].packets[1];
+  for (std::size_t i = 0; i < sender_count_;) {
+    auto& packets = senders_[i].packets;
+    const std::uint64_t both = packets[0] + packets[1];
+    if (packets[0] > 0 && packets[1] > 0 && both * 100 >= all)
+      rivals_.push_back(senders_[i].address.to_string());
+    packets = {0, packets[0], packets[1]};
+    if (both == 0) {
+      senders_[i] = senders_[--sender_count_];
+    } else {
+      ++i;
+    }
+  }
+  if (rivals_.size() < 2) rivals_.clear();
+  if (!rivals_.empty()) rivals_ever_ = rivals_;
+}
+
+void ReceptionWatch::pass(double passed_s, bool packets_came, bool frames_came) {
+  const bool again = packets_came && idle_s_ >= new_beginning_s;
+  idle_s_ = packets_came ? 0 : idle_s_ + passed_s;
+  total_.watched_s += passed_s;
+  // Silence is another matter than packets without frames.
+  if (idle_s_ < longest_step_s) total_.without_frame_s += passed_s;
+  if (frames_came) total_.without_frame_s = 0;
+  if (period_s_ > 0) {
+    total_.period_s = period_s_;
+    total_.frames_s += passed_s;
+    total_.expected += passed_s / period_s_;
+    total_.frames = static_cast<double>(total_.counters.frames - uncounted_frames_);
+  }
+  if (again) forget();
+}
+
+void ReceptionWatch::advance(Stamp now, const Counters& counters) {
+  if (!begun_ && counters.packets == 0) return;
+  const double step = begun_ ? seconds(now - last_) : 0;
+  const bool packets_came = counters.packets != total_.counters.packets;
+  const bool frames_came = counters.frames != total_.counters.frames;
+  // What was stamped before the last look at the clock is no jump.
+  if (step >= 0 || step < -longest_step_s) last_ = now;
+  total_.counters = counters;
+  if (!rate_known_ && period_s_ > 0) {
+    rate_known_ = true;
+    uncounted_frames_ = counters.frames;
+    forget();
+  }
+  if (!begun_) forget();
+  begun_ = true;
+  pass(step > 0 && step <= longest_step_s ? step : 0, packets_came, frames_came);
+  if (total_.watched_s - marked_at_ < 1) return;
+  age_senders();
+  mark();
+}
+
+void ReceptionWatch::forget() {
+  mark_count_ = 0;
+  total_.without_frame_s = 0;
+  mark();
+}
+
+void ReceptionWatch::mark() {
+  marks_[mark_count_++ % marks] = total_;
+  marked_at_ = total_.watched_s;
+}
+
+Reception ReceptionWatch::since(const Reception& begin) const {
+  Reception r = total_;
+  r.counters = less(total_.counters, begin.counters);
+  r.watched_s -= begin.watched_s;
+  r.frames_s -= begin.frames_s;
+  r.frames -= begin.frames;
+  r.expected -= begin.expected;
+  r.frames_looked -= begin.frames_looked;
+  r.beams -= begin.beams;
+  r.returns -= begin.returns;
+  r.blind -= begin.blind;
+  return r;
+}
+
+Reception ReceptionWatch::recent() const {
+  if (mark_count_ == 0) return total_;
+  return since(mark_count_ < marks ? marks_[0] : marks_[mark_count_ % marks]);
+}
+
+Reception ReceptionWatch::whole() const {
+  Reception r = total_;
+  if (r.counters.frames > 0) r.without_frame_s = 0;
+  return r;
+}
+
+}  // namespace lidard

@@ -1,0 +1,171 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/pipeline/sensor_health.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "daemon/pipeline/device_links.h"
+#include "daemon/pipeline/report.h"
+
+namespace lidard {
+namespace {
+
+constexpr double silent_warning_s = 1;
+constexpr double silent_error_s = 3;
+
+/// "10 s", or less soon after the begin.
+std::string window_text(const Reception& recent) {
+  return fmt::format("{:.0f} s", std::min(10.0, recent.watched_s));
+}
+
+std::string why_nothing(const SensorConfig& config, const SensorReport& report,
+                        const std::vector<std::string>& unclaimed_senders) {
+  if (config.model == nullptr || !config.packet_topic.empty()) return "; is its driver running?";
+  if (!report.link_trouble.empty()) return ": " + report.link_trouble;
+  if (config.model->transport == Transport::tcp) {
+    // A device that refuses says why.
+    const auto& warnings = report.info.warnings;
+    return warnings.empty() ? "; does the device measure?" : ": " + warnings.back();
+  }
+  const std::string sender = likely_sender(config, unclaimed_senders);
+  if (!sender.empty()) return "; but there are packets from " + sender + ": correct ip_address?";
+  // What keeps the dialogue of a device that sends datagrams from starting them.
+  if (!report.info.warnings.empty()) return ": " + report.info.warnings.back();
+  return "; check the sensor's power, its destination address and port, and the firewall";
+}
+
+/// True where nobody has yet had the time to send.
+bool may_still_come(const SensorReport& report) {
+  return report.starting && (report.link_trouble.empty() || report.link_trouble == first_attempt);
+}
+
+/// Data do not come.
+void judge_silence(const SensorConfig& config, const SensorReport& report,
+                   const std::vector<std::string>& unclaimed_senders, Stamp now, DiagnosticItem& item) {
+  const double age = seconds(now - report.last_arrival);
+  if (may_still_come(report)) {
+    item.message = "waiting for data from " + where_from(config);
+  } else if (seconds(now - report.last_telemetry) < silent_warning_s) {
+    item.health = Health::error;
+    item.message = "no data, only telemetry on port " + std::to_string(config.telemetry_port) +
+                   "; check that its laser and motor are on and that it sends data to port " +
+                   std::to_string(config.ip_port);
+  } else if (!report.seen) {
+    item.health = Health::error;
+    item.message =
+        "nothing received from " + where_from(config) + why_nothing(config, report, unclaimed_senders);
+  } else {
+    item.health = age > silent_error_s ? Health::error : Health::warn;
+    item.message = "silent: nothing received from " + where_from(config) +
+                   why_nothing(config, report, unclaimed_senders);
+  }
+}
+
+/// Data come: as many as there should be?
+void judge_data(const SensorConfig& config, const SensorReport& report, DiagnosticItem& item) {
+  const Counters& c = report.counters;
+  const FrameKind kind = config.model != nullptr ? config.model->kind : FrameKind::scan;
+  const ReceptionVerdict verdict = lidard::judge(report.recent, kind);
+  if (!report.rivals.empty()) {
+    item.health = Health::error;
+    item.message = rivals_text(report.rivals, config.ip_port);
+  } else if (c.packets > 0 && c.rejected_total() == c.packets) {
+    item.health = Health::error;
+    item.message = "no packet could be used: rejected " + rejected_text(c) + "; is it the configured model?";
+  } else if (verdict.health != Health::ok) {
+    item.health = verdict.health;
+    item.message = verdict.figures + " in the last " + window_text(report.recent) + "; " + verdict.remedy;
+    if (!report.info.warnings.empty()) item.message += ". The device says: " + report.info.warnings.back();
+  } else if (!report.info.warnings.empty()) {
+    item.health = Health::warn;
+    item.message = report.info.warnings.back();
+  } else {
+    item.message = "receiving";
+  }
+}
+
+void judge(const SensorConfig& config, const SensorReport& report,
+           const std::vector<std::string>& unclaimed_senders, Stamp now, DiagnosticItem& item) {
+  if (!report.seen || seconds(now - report.last_arrival) > silent_warning_s)
+    judge_silence(config, report, unclaimed_senders, now, item);
+  else
+    judge_data(config, report, item);
+}
+
+void add_rates(const Reception& recent, DiagnosticItem& item) {
+  const auto value = [&item](const char* key, std::string text) {
+    item.values.emplace_back(key, std::move(text));
+  };
+  const auto rate = [](double frames, double time) {
+    return time > 0 ? fmt::format("{:.1f}", frames / time) : std::string();
+  };
+  value("Frames/s", rate(recent.frames, recent.frames_s));
+  value("Expected frames/s", rate(recent.expected, recent.frames_s));
+  value("Lost in the last 10 s", std::to_string(recent.lost()));
+  value("Rejected in the last 10 s", rejected_text(recent.counters));
+  value("Beams with a return (%)",
+        rate(100.0 * static_cast<double>(recent.returns), static_cast<double>(recent.beams)));
+}
+
+}  // namespace
+
+std::string where_from(const SensorConfig& config) {
+  if (config.model == nullptr) return "topic " + config.topic;
+  if (config.model->transport == Transport::tcp)
+    return Endpoint{config.ip_address.value_or(IpAddress()), config.ip_port}.to_string();
+  if (!config.packet_topic.empty()) return "topic " + config.packet_topic;
+  return (config.ip_address ? config.ip_address->to_string() : "any sender") + " to port " +
+         std::to_string(config.ip_port);
+}
+
+std::string likely_sender(const SensorConfig& config, const std::vector<std::string>& unclaimed_senders) {
+  const std::string port = "port " + std::to_string(config.ip_port) + " ";
+  for (const auto& sender : unclaimed_senders) {
+    if (sender.find(port) != std::string::npos) return sender;
+  }
+  return {};
+}
+
+DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& report,
+                             const std::vector<std::string>& unclaimed_senders, Stamp now) {
+  DiagnosticItem item;
+  item.name = "sensor " + report.name;
+  item.hardware_id = report.info.serial.empty() ? report.name : report.info.serial;
+  judge(config, report, unclaimed_senders, now, item);
+  const auto value = [&item](const char* key, std::string text) {
+    item.values.emplace_back(key, std::move(text));
+  };
+  if (config.ip_address) value("IP Address", config.ip_address->to_string());
+  if (config.model != nullptr && config.packet_topic.empty())
+    value("IP Port", std::to_string(config.ip_port));
+  for (const auto& [key, text] : report.info.details) item.values.emplace_back(key, text);
+  const Counters& c = report.counters;
+  value("Packets", std::to_string(c.packets));
+  value("Other packets", std::to_string(c.other_packets));
+  value("Frames", std::to_string(c.frames));
+  value("Partial frames dropped", std::to_string(c.partial_frames));
+  value("Lost packets", std::to_string(c.lost_packets));
+  value("Incomplete telegrams", std::to_string(c.incomplete));
+  value("Reordered packets", std::to_string(c.reordered));
+  value("Rejected", rejected_text(c));
+  value("Clock steps", std::to_string(c.clock_steps));
+  add_rates(report.recent, item);
+  return item;
+}
+
+DiagnosticItem unknown_senders_item(const std::vector<std::string>& senders) {
+  DiagnosticItem item;
+  item.name = "unknown senders";
+  item.hardware_id = "none";
+  item.health = Health::warn;
+  item.message = senders.front() + (senders.size() > 1 ? " and others send" : " sends") +
+                 " to a port of ours but belong to no sensor; add them to the configuration, or correct an "
+                 "ip_address";
+  for (std::size_t i = 0; i < senders.size(); ++i)
+    item.values.emplace_back("Sender " + std::to_string(i + 1), senders[i]);
+  return item;
+}
+
+}  // namespace lidard

@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "daemon/pipeline/pipeline.h"
+
+namespace lidard {
+
+/// A sensor's line on /diagnostics: is there data, as much as there should be, and if not, why probably not.
+DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& report,
+                             const std::vector<std::string>& unclaimed_senders, Stamp now);
+
+/// Names the senders on our ports that no sensor claims; there is at least one.
+DiagnosticItem unknown_senders_item(const std::vector<std::string>& senders);
+
+/// Where the data of a sensor come from, as configured: "192.168.1.201 to port 2368", "topic /rear/scan".
+std::string where_from(const SensorConfig& config);
+/// A sender that no sensor claims but that sends to the port of this one; empty: there is none.
+std::string likely_sender(const SensorConfig& config, const std::vector<std::string>& unclaimed_senders);
+
+}  // namespace lidard

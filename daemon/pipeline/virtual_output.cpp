@@ -1,0 +1,171 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/pipeline/virtual_output.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <array>
+
+namespace lidard {
+namespace {
+
+VirtualSettings settings_of(const VirtualScanConfig& config) {
+  VirtualSettings settings;
+  settings.sight = config.has_sight();
+  settings.mode = config.mode;
+  settings.ground = config.ground;
+  settings.keep_ground = config.keep_ground;
+  settings.how.noise = config.range_noise;
+  settings.how.free_required = config.free_required;
+  settings.beams.no_return_free_range = config.no_return_free_range;
+  settings.beams.early_returns = config.early_returns;
+  return settings;
+}
+
+}  // namespace
+
+VirtualOutput::VirtualOutput(const VirtualScanConfig& config, const VehicleConfig& vehicle,
+                             const PoseBook& poses)
+    : config_(config),
+      base_frame_(vehicle.base_frame),
+      needs_vehicle_(config.has_sight() || !vehicle.footprint.empty() || vehicle.has_motion()),
+      poses_(poses),
+      virtualizer_(grid_of(config.output.grid), band_of(config.output), config.virtual_laser_scan.size(),
+                   settings_of(config)),
+      scans_(1 + config.also.size()),
+      why_unplaced_(config.virtual_laser_scan.size()) {
+  virtualizer_.set_footprint(Footprint(vehicle.footprint));
+  outputs_.push_back({config.output.profile, &scans_[0]});
+  for (std::size_t i = 0; i < config.also.size(); ++i)
+    outputs_.push_back({config.also[i].profile, &scans_[i + 1]});
+  set_encodings(config.output, config.also, scans_);
+}
+
+bool VirtualOutput::place_vehicle(const Cloud& cloud, Pose& vehicle_from_cloud) {
+  vehicle_from_cloud = Pose::Identity();
+  if (!needs_vehicle_) return true;
+  return poses_.find(base_frame_, cloud.frame_id, cloud.stamp, vehicle_from_cloud, counters_.why_no_pose);
+}
+
+Stamp VirtualOutput::take(const Cloud& cloud, const Pose& vehicle_from_cloud) {
+  const PoseTrack* const track = poses_.track();
+  const bool moves = track != nullptr && motion_.find(cloud, vehicle_from_cloud, *track);
+  stands_ = track != nullptr && !moves;
+  if (stands_) ++without_motion_;
+  virtualizer_.set_cloud(cloud, vehicle_from_cloud, moves ? &motion_ : nullptr);
+  if (virtualizer_.why_no_surfaces()[0] != '\0') ++without_rings_;
+  return moves ? motion_.instant() : cloud.stamp;
+}
+
+void VirtualOutput::publish(const std::string& frame, Stamp stamp, Stamp now, FrameSink& sink) {
+  // Several frames on one topic share the cloud's stamp; consumers want stamps that increase.
+  stamp = stamps_[config_.topic(frame)].next(stamp);
+  ++counters_.published;
+  counters_.last_published = now;
+  for (std::size_t i = 0; i < scans_.size(); ++i) {
+    scans_[i].frame_id = frame;
+    scans_[i].stamp = stamp;
+    sink.scan(config_.topic(frame, i == 0 ? nullptr : &config_.also[i - 1]), scans_[i], now);
+  }
+}
+
+void VirtualOutput::add(const Cloud& cloud, Stamp now, FrameSink& sink) {
+  Pose vehicle_from_cloud;
+  if (!place_vehicle(cloud, vehicle_from_cloud)) {
+    ++counters_.no_pose;
+    for (std::string& why : why_unplaced_) why = counters_.why_no_pose;
+    return;
+  }
+  const Stamp stamp = take(cloud, vehicle_from_cloud);
+  for (std::size_t i = 0; i < config_.virtual_laser_scan.size(); ++i) {
+    const std::string& frame = config_.virtual_laser_scan[i];
+    Pose pose;
+    if (!poses_.find(frame, cloud.frame_id, cloud.stamp, pose, counters_.why_no_pose)) {
+      ++counters_.no_pose;
+      why_unplaced_[i] = counters_.why_no_pose;
+      continue;
+    }
+    why_unplaced_[i].clear();
+    virtualizer_.project(i, pose, outputs_);
+    publish(frame, stamp, now, sink);
+  }
+}
+
+bool VirtualOutput::carries(const std::string& topic, const std::string& frame) const {
+  const auto has = [&](const AlsoScanConfig& also) { return config_.topic(frame, &also) == topic; };
+  return config_.topic(frame) == topic || std::any_of(config_.also.begin(), config_.also.end(), has);
+}
+
+bool VirtualOutput::publishes(const std::string& topic) const {
+  const auto& frames = config_.virtual_laser_scan;
+  return std::any_of(frames.begin(), frames.end(),
+                     [&](const std::string& frame) { return carries(topic, frame); });
+}
+
+std::string VirtualOutput::why_missing(
+    const std::string& topic, const std::function<std::string(const std::string& sensor)>& why_silent) const {
+  if (counters_.published == 0 && counters_.no_pose == 0)
+    return "source " + config_.cloud_topic + " gave no clouds" + why_silent(config_.cloud_topic);
+  std::string missing;
+  for (std::size_t i = 0; i < why_unplaced_.size(); ++i) {
+    const std::string& frame = config_.virtual_laser_scan[i];
+    if (why_unplaced_[i].empty() || !carries(topic, frame)) continue;
+    missing += (missing.empty() ? "" : "; ") + why_unplaced_[i];
+  }
+  return missing;
+}
+
+void VirtualOutput::describe_frames(DiagnosticItem& item) const {
+  if (item.health != Health::ok) return;
+  for (std::size_t i = 0; i < why_unplaced_.size(); ++i) {
+    if (why_unplaced_[i].empty()) continue;
+    item.health = Health::warn;
+    item.message = "publishing without " + config_.virtual_laser_scan[i] + ": " + why_unplaced_[i];
+  }
+}
+
+void VirtualOutput::describe_beams(DiagnosticItem& item) const {
+  for (std::size_t i = 0; i < config_.virtual_laser_scan.size(); ++i) {
+    const Sight& sight = virtualizer_.sight(i);
+    std::array<std::size_t, 5> counts{};
+    for (std::size_t beam = 0; beam < sight.beams(); ++beam)
+      ++counts[static_cast<std::size_t>(sight.seen(beam))];
+    const auto share = [&](Seen seen) {
+      return 100.0 * static_cast<double>(counts[static_cast<std::size_t>(seen)]) /
+             static_cast<double>(sight.beams());
+    };
+    item.values.emplace_back(
+        "Beams of " + config_.virtual_laser_scan[i],
+        fmt::format("hit {:.1f} %, free {:.1f} %, behind {:.1f} %, gap {:.1f} %, unobserved {:.1f} %",
+                    share(Seen::hit), share(Seen::free), share(Seen::behind), share(Seen::gap),
+                    share(Seen::unobserved)));
+  }
+}
+
+void VirtualOutput::describe_motion(DiagnosticItem& item) const {
+  item.values.emplace_back("Clouds without motion", std::to_string(without_motion_));
+  if (!stands_ || item.health != Health::ok || counters_.published == 0) return;
+  item.health = Health::warn;
+  item.message =
+      "publishing as if the vehicle stood still: poses of the cloud's time are missing; see that odometry is "
+      "published";
+}
+
+DiagnosticItem VirtualOutput::diagnostics(Stamp now, bool starting) const {
+  DiagnosticItem item = health_of("virtual " + config_.name, counters_, now, starting);
+  describe_frames(item);
+  describe_motion(item);
+  if (!config_.has_sight()) return item;
+  item.values.emplace_back("Clouds without rings", std::to_string(without_rings_));
+  item.values.emplace_back("Returns on the vehicle", std::to_string(virtualizer_.own_returns()));
+  const std::string why = virtualizer_.why_no_surfaces();
+  if (item.health == Health::ok && !why.empty()) {
+    item.health = Health::warn;
+    item.message = "points alone, nothing is known to be free: of the cloud " + why;
+  }
+  describe_beams(item);
+  return item;
+}
+
+}  // namespace lidard

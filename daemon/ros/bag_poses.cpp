@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/ros/bag_poses.h"
+
+#include <nav_msgs/Odometry.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "daemon/ros/ros_convert.h"
+#include "daemon/ros/tf_history.h"
+
+namespace lidard {
+namespace {
+
+// The whole of any bag is kept.
+constexpr double kept_s = 1e7;
+
+StampedPose to_pose(const nav_msgs::Odometry& message) {
+  geometry_msgs::Transform transform;
+  transform.translation.x = message.pose.pose.position.x;
+  transform.translation.y = message.pose.pose.position.y;
+  transform.translation.z = message.pose.pose.position.z;
+  transform.rotation = message.pose.pose.orientation;
+  return {from_ros(message.header.stamp), lidard::to_pose(transform)};
+}
+
+}  // namespace
+
+struct BagPoses::Impl {
+  tf2::BufferCore buffer{ros::Duration(kept_s)};
+
+  void take(const tf2_msgs::TFMessage& message, bool fixed) {
+    for (const auto& transform : message.transforms) buffer.setTransform(transform, "bag", fixed);
+  }
+};
+
+BagPoses::BagPoses(const std::string& path, const std::string& odometry_topic)
+    : impl_(std::make_unique<Impl>()) {
+  try {
+    rosbag::Bag bag(path, rosbag::bagmode::Read);
+    for (const auto& message : rosbag::View(bag)) {
+      const std::string topic = message.getTopic();
+      if (const auto tf = message.instantiate<tf2_msgs::TFMessage>())
+        impl_->take(*tf, topic == "/tf_static" || topic == "tf_static");
+      if (odometry_topic.empty() || (topic != odometry_topic && topic != "/" + odometry_topic)) continue;
+      const auto odometry = message.instantiate<nav_msgs::Odometry>();
+      if (!odometry) throw std::runtime_error("topic " + topic + " is no nav_msgs/Odometry");
+      odometry_.push_back(to_pose(*odometry));
+      child_ = odometry->child_frame_id;
+    }
+  } catch (const std::exception& problem) {
+    throw std::runtime_error(path + ": " + problem.what() + "; expected a bag with /tf or the odometry");
+  }
+  std::stable_sort(odometry_.begin(), odometry_.end(),
+                   [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
+}
+
+BagPoses::~BagPoses() = default;
+
+bool BagPoses::lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
+                      std::string& why_not) {
+  return look_up(impl_->buffer, parent, child, stamp, pose, why_not);
+}
+
+void BagPoses::history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
+                       std::vector<StampedPose>& poses) {
+  read_history(impl_->buffer, parent, child, after, until, poses);
+}
+
+}  // namespace lidard

@@ -1,0 +1,171 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/ros/bag_sink.h"
+
+#include <rosbag/bag.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <map>
+
+#include "daemon/ros/ros_convert.h"
+
+namespace lidard {
+namespace {
+
+std::string describe(const std::string& path, const std::exception& problem, int error_number) {
+  const std::string why = error_number != 0 ? std::strerror(error_number) : problem.what();
+  return "cannot write bag '" + path + "': " + why + "; choose a writable path with enough space";
+}
+
+/// The connection header of a latched topic; `rosbag play` latches a topic that was recorded with it.
+template <typename Message>
+boost::shared_ptr<ros::M_string> latched_header() {
+  namespace traits = ros::message_traits;
+  auto header = boost::make_shared<ros::M_string>();
+  (*header)["type"] = traits::datatype<Message>();
+  (*header)["md5sum"] = traits::md5sum<Message>();
+  (*header)["message_definition"] = traits::definition<Message>();
+  (*header)["latching"] = "1";
+  (*header)["callerid"] = "/lidard";
+  return header;
+}
+
+}  // namespace
+
+struct BagSink::Impl {
+  std::string path;
+  std::string prefix;
+  std::map<std::string, TopicKind> kinds;
+  std::unique_ptr<rosbag::Bag> bag = std::make_unique<rosbag::Bag>();
+  std::size_t messages = 0;
+  std::string error;
+  boost::shared_ptr<ros::M_string> tf_header = latched_header<tf2_msgs::TFMessage>();
+  sensor_msgs::LaserScan scan;
+  sensor_msgs::MultiEchoLaserScan echoes;
+  sensor_msgs::PointCloud2 cloud;
+  sensor_msgs::NavSatFix fix;
+  sensor_msgs::TimeReference reference;
+  sensor_msgs::Imu imu;
+  diagnostic_msgs::DiagnosticArray state;
+  tf2_msgs::TFMessage tf;
+  diagnostic_msgs::DiagnosticArray diagnostics;
+
+  /// The bag's destructor writes what is left, and an exception there would end the process: a bag that
+  /// cannot be written is put aside for good.
+  void give_up(const std::exception& problem, int error_number) {
+    static std::vector<std::unique_ptr<rosbag::Bag>>* const broken =
+        new std::vector<std::unique_ptr<rosbag::Bag>>;
+    if (error.empty()) error = describe(path, problem, error_number);
+    broken->push_back(std::move(bag));
+  }
+
+  std::string resolve(const std::string& topic) const {
+    return !topic.empty() && topic.front() == '/' ? topic : prefix + topic;
+  }
+
+  template <typename Message>
+  void write(const std::string& topic, Stamp released, const Message& message,
+             const boost::shared_ptr<ros::M_string>& header = {}) {
+    if (!bag) return;
+    errno = 0;
+    try {
+      // A bag refuses the time 0 (ros::TIME_MIN).
+      bag->write(resolve(topic), std::max(to_ros(released), ros::TIME_MIN), message, header);
+      ++messages;
+    } catch (const rosbag::BagException& problem) {
+      give_up(problem, errno);
+    }
+  }
+};
+
+BagSink::BagSink(const std::string& path, const std::vector<TopicInfo>& topics, const std::string& name_space)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->path = path;
+  impl_->prefix = name_space;
+  if (impl_->prefix.empty() || impl_->prefix.back() != '/') impl_->prefix += '/';
+  if (impl_->prefix.front() != '/') impl_->prefix.insert(0, 1, '/');
+  for (const auto& topic : topics) impl_->kinds[topic.name] = topic.kind;
+  errno = 0;
+  try {
+    impl_->bag->open(path, rosbag::bagmode::Write);
+  } catch (const rosbag::BagException& problem) {
+    impl_->give_up(problem, errno);
+    throw BagError(impl_->error);
+  }
+}
+
+BagSink::~BagSink() {
+  try {
+    close();
+  } catch (const BagError&) {
+    // A destructor cannot tell; who wants to know calls close().
+  }
+}
+
+void BagSink::scan(const std::string& topic, const PlanarScan& scan, Stamp released) {
+  const auto found = impl_->kinds.find(topic);
+  if (found != impl_->kinds.end() && found->second == TopicKind::echoes) {
+    to_ros(scan, impl_->echoes);
+    impl_->write(topic, released, impl_->echoes);
+  } else {
+    to_ros(scan, impl_->scan);
+    impl_->write(topic, released, impl_->scan);
+  }
+}
+
+void BagSink::cloud(const std::string& topic, Cloud& cloud, Stamp released) {
+  to_ros(cloud, impl_->cloud);
+  impl_->write(topic, released, impl_->cloud);
+  cloud.points_bytes.swap(impl_->cloud.data);  // the driver gets its own buffer back
+}
+
+void BagSink::fix(const std::string& topic, const GnssFix& fix, Stamp released) {
+  to_ros(fix, impl_->fix);
+  impl_->write(topic, released, impl_->fix);
+}
+
+void BagSink::time_reference(const std::string& topic, const TimeReference& reference, Stamp released) {
+  to_ros(reference, impl_->reference);
+  impl_->write(topic, released, impl_->reference);
+}
+
+void BagSink::imu(const std::string& topic, const ImuSample& sample, Stamp released) {
+  to_ros(sample, impl_->imu);
+  impl_->write(topic, released, impl_->imu);
+}
+
+void BagSink::state(const std::string& topic, const DeviceState& state, Stamp released) {
+  to_ros(state, impl_->state);
+  impl_->write(topic, released, impl_->state);
+}
+
+void BagSink::transforms(const std::vector<StaticTransform>& transforms, Stamp released) {
+  if (transforms.empty()) return;
+  to_ros(transforms, released, impl_->tf);
+  impl_->write("/tf_static", released, impl_->tf, impl_->tf_header);
+}
+
+void BagSink::diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) {
+  if (items.empty()) return;
+  to_ros(items, "lidard", released, impl_->diagnostics);
+  impl_->write("/diagnostics", released, impl_->diagnostics);
+}
+
+std::size_t BagSink::messages() const { return impl_->messages; }
+const std::string& BagSink::error() const { return impl_->error; }
+
+void BagSink::close() {
+  if (impl_->bag && impl_->bag->isOpen()) {
+    errno = 0;
+    try {
+      impl_->bag->close();
+    } catch (const rosbag::BagException& problem) {
+      impl_->give_up(problem, errno);
+    }
+  }
+  if (!impl_->error.empty()) throw BagError(impl_->error);
+}
+
+}  // namespace lidard

@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "daemon/pipeline/sink.h"
+
+namespace lidard {
+
+/// A bag that cannot be written: "cannot write bag 'out.bag': No space left on device; …".
+class BagError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Writes the messages that ROS would have got into a bag; needs no master. The time of a message in the bag
+/// is the frame's `released`. The same calls give the same file, byte by byte.
+class BagSink : public FrameSink {
+ public:
+  /// Creates or overwrites the file; throws BagError. `topics` as in Pipeline::topics(); relative names are
+  /// put below `name_space`.
+  BagSink(const std::string& path, const std::vector<TopicInfo>& topics, const std::string& name_space = "/");
+  ~BagSink() override;
+
+  void scan(const std::string& topic, const PlanarScan& scan, Stamp released) override;
+  void cloud(const std::string& topic, Cloud& cloud, Stamp released) override;
+  void fix(const std::string& topic, const GnssFix& fix, Stamp released) override;
+  void time_reference(const std::string& topic, const TimeReference& reference, Stamp released) override;
+  void imu(const std::string& topic, const ImuSample& sample, Stamp released) override;
+  void state(const std::string& topic, const DeviceState& state, Stamp released) override;
+  void transforms(const std::vector<StaticTransform>& transforms, Stamp released) override;
+  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) override;
+
+  /// Messages written so far.
+  std::size_t messages() const;
+  /// What went wrong while writing; empty if nothing did. After an error nothing more is written.
+  const std::string& error() const;
+  /// Writes the index and closes the file; throws BagError if the bag is not complete on disk. The destructor
+  /// closes too, and keeps errors to itself.
+  void close();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lidard

@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "daemon/commands/run.h"
+#include "daemon/config/config.h"
+#include "daemon/pipeline/output_id.h"
+
+namespace lidard {
+
+/// Something of an output that may be changed while it runs: a number with limits, or one of a few words.
+struct OutputItem {
+  std::string name;
+  std::string meaning;
+  double min = 0;
+  double max = 0;
+  std::vector<std::string> words;  ///< empty: it is a number
+};
+
+/// Values of items by name.
+struct ItemValues {
+  std::map<std::string, double> numbers;
+  std::map<std::string, std::string> words;
+};
+
+/// An output whose items may be changed while it runs.
+struct ChangeableOutput {
+  OutputId id;
+  std::string server;               ///< name below the node; empty: the node itself
+  std::vector<std::string> topics;  ///< of its scans
+  double free_required = 0;         ///< m; 0: none
+  std::string flat_source;          ///< a source that proves nothing, so that profile is flatten; empty: none
+  OutputScanConfig config;          ///< in force
+  std::vector<OutputItem> items;
+};
+
+/// The outputs of a configuration with their items.
+std::vector<ChangeableOutput> changeable_outputs(const Config& config, ReconfigureNames names);
+
+/// The values in force.
+ItemValues values_of(const ChangeableOutput& output);
+
+/// Changes `output` to `wanted`, in which items may be missing; numbers are brought into their limits first.
+/// Empty, or why it cannot be and what would be right: then nothing changes.
+std::string change(ChangeableOutput& output, const ItemValues& wanted);
+
+/// The number of beams of an output.
+std::size_t beams_of(const OutputScanConfig& config);
+
+}  // namespace lidard

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <sensor_msgs/Imu.h>
+#include <sensor_msgs/LaserScan.h>
+#include <sensor_msgs/MultiEchoLaserScan.h>
+#include <sensor_msgs/NavSatFix.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <sensor_msgs/TimeReference.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "daemon/pipeline/sink.h"
+
+namespace lidard {
+
+/// A stamp as ROS has it. ros::Time reaches from 1970 to 2106; stamps outside are moved to its nearest end.
+ros::Time to_ros(Stamp stamp);
+/// A ROS time as a stamp.
+Stamp from_ros(const ros::Time& time);
+/// A frame name without leading slashes: tf2 refuses them.
+std::string ros_frame(const std::string& frame);
+
+/// A scan (its first echo) as sensor_msgs/LaserScan. The message's buffers are reused.
+void to_ros(const PlanarScan& scan, sensor_msgs::LaserScan& message);
+/// A scan as sensor_msgs/MultiEchoLaserScan: each beam holds its first echo, hit or not, and the further
+/// hits.
+void to_ros(const PlanarScan& scan, sensor_msgs::MultiEchoLaserScan& message);
+/// A cloud as sensor_msgs/PointCloud2. Swaps `points_bytes` with the message's data; nothing is copied.
+void to_ros(Cloud& cloud, sensor_msgs::PointCloud2& message);
+/// A position as sensor_msgs/NavSatFix, its covariance unknown.
+void to_ros(const GnssFix& fix, sensor_msgs::NavSatFix& message);
+void to_ros(const TimeReference& reference, sensor_msgs::TimeReference& message);
+/// A sample as sensor_msgs/Imu: no orientation, covariances unknown.
+void to_ros(const ImuSample& sample, sensor_msgs::Imu& message);
+/// A device's state as one status of diagnostic_msgs/DiagnosticArray, which has a stamp and needs no message
+/// package of ours; `topic` is its name.
+void to_ros(const DeviceState& state, diagnostic_msgs::DiagnosticArray& message);
+/// Fixed transforms as tf2_msgs/TFMessage.
+void to_ros(const std::vector<StaticTransform>& transforms, Stamp stamp, tf2_msgs::TFMessage& message);
+/// Status items as diagnostic_msgs/DiagnosticArray; names are prefixed "`node`: " (REP 107).
+void to_ros(const std::vector<DiagnosticItem>& items, const std::string& node, Stamp stamp,
+            diagnostic_msgs::DiagnosticArray& message);
+/// The level of diagnostic_msgs/DiagnosticStatus.
+std::int8_t to_ros(Health health);
+
+/// Reads another driver's scan. Returns nullptr, or what is wrong with the message; then `scan` is of no use.
+///
+/// NaN is `invalid`, +inf `none`, -inf `near` (REP 117); a finite range outside the message's limits is
+/// `invalid` (sensor_msgs/LaserScan: "should be discarded"). A negative increment is a scanner mounted upside
+/// down and is kept when it agrees with the angles. One beam more or less than the angles say is rounding and
+/// is accepted. A message without ranges is a sweep that says nothing: `scan` then has no beams. Intensities
+/// of another number than the ranges are left out.
+const char* from_ros(const sensor_msgs::LaserScan& message, PlanarScan& scan);
+/// False if the message has intensities, but not one for each range.
+bool intensities_fit(const sensor_msgs::LaserScan& message);
+
+/// What became of a point cloud message.
+struct CloudReading {
+  const char* error = nullptr;  ///< what is wrong with the message; then the cloud is of no use
+  std::size_t dropped = 0;      ///< points left out because a coordinate is not finite
+};
+/// Reads another driver's cloud: fields in any order, of any type and byte order, with padding; `ring`,
+/// `intensity` and `time` (float, s after the stamp) are 0 where the message has none. The cloud has no
+/// columns.
+CloudReading from_ros(const sensor_msgs::PointCloud2& message, Cloud& cloud);
+
+}  // namespace lidard

@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "daemon/ros/ros_link.h"
+#include "daemon/ros/ros_master.h"
+
+namespace lidard {
+namespace {
+
+bool is_set(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value != nullptr && *value != '\0';
+}
+
+bool may_write_below(const std::string& home) {
+  const std::string folder = home + "/.ros";
+  return access(folder.c_str(), F_OK) == 0 ? access(folder.c_str(), W_OK | X_OK) == 0
+                                           : access(home.c_str(), W_OK | X_OK) == 0;
+}
+
+}  // namespace
+
+void choose_ros_log_folder() {
+  if (is_set("ROS_LOG_DIR") || is_set("ROS_HOME") || std::getenv("HOME") == nullptr) return;
+  if (may_write_below(std::getenv("HOME"))) return;
+  std::error_code error;
+  const auto temporary = std::filesystem::temp_directory_path(error);
+  const std::string folder = is_set("RUNTIME_DIRECTORY") ? std::getenv("RUNTIME_DIRECTORY")
+                                                         : (error ? std::string("/tmp") : temporary.string());
+  setenv("ROS_LOG_DIR", folder.c_str(), 1);
+}
+
+std::string choose_master(const std::vector<std::string>& remappings) {
+  std::string uri = is_set("ROS_MASTER_URI") ? std::getenv("ROS_MASTER_URI") : "http://localhost:11311";
+  const std::string remapping = "__master:=";
+  for (const auto& given : remappings) {
+    if (given.compare(0, remapping.size(), remapping) == 0) uri = given.substr(remapping.size());
+  }
+  if (!parse_server_uri(uri))
+    throw RosError("the ROS master's address is '" + uri +
+                   "'; expected http://host:port in ROS_MASTER_URI, e.g. http://localhost:11311");
+  setenv("ROS_MASTER_URI", uri.c_str(), 1);
+  return uri;
+}
+
+}  // namespace lidard

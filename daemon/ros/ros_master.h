@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <xmlrpcpp/XmlRpcValue.h>
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/time.h"
+
+namespace lidard {
+
+/// Where an XML-RPC server listens.
+struct XmlRpcServer {
+  std::string host;
+  std::uint16_t port = 0;
+};
+/// "http://host:port/" taken apart; empty if it is something else.
+std::optional<XmlRpcServer> parse_server_uri(const std::string& uri);
+
+/// Calls a method of an XML-RPC server and waits for the answer no longer than `limit`: roscpp's own client
+/// waits for ever when the master hangs. Returns the value, or nothing and the reason in `error`.
+std::optional<XmlRpc::XmlRpcValue> xmlrpc_call(const XmlRpcServer& server, const std::string& method,
+                                               const XmlRpc::XmlRpcValue& arguments, Span limit,
+                                               std::string& error);
+
+/// The ROS master (Master API, wiki.ros.org/ROS/Master_API), asked with a time limit.
+class MasterClient {
+ public:
+  MasterClient(XmlRpcServer server, std::string caller_id, Span limit = std::chrono::milliseconds(500));
+
+  /// The master's process; changes when it is restarted. Empty: no answer.
+  std::optional<int> pid();
+  bool register_publisher(const std::string& topic, const std::string& type, const std::string& our_uri);
+  /// The publishers of the topic; empty without an answer.
+  std::optional<std::vector<std::string>> register_subscriber(const std::string& topic,
+                                                              const std::string& our_uri);
+  bool register_service(const std::string& service, const std::string& service_uri,
+                        const std::string& our_uri);
+  /// Where the XML-RPC server of a node is; empty: no node of that name is registered, or no answer.
+  std::optional<std::string> node_uri(const std::string& node);
+  /// Types by topic, of all topics the master knows; empty without an answer.
+  std::map<std::string, std::string> topic_types();
+
+  /// The parameters below a name, a struct that is empty where there are none; nothing without an answer.
+  std::optional<XmlRpc::XmlRpcValue> parameters(const std::string& name);
+
+  bool set_parameter(const std::string& name, const XmlRpc::XmlRpcValue& value);
+
+  const XmlRpcServer& server() const { return server_; }
+  const std::string& caller_id() const { return caller_id_; }
+  /// Why the last call had no answer.
+  const std::string& error() const { return error_; }
+
+ private:
+  std::optional<XmlRpc::XmlRpcValue> call(const std::string& method,
+                                          const std::vector<std::string>& arguments);
+  std::optional<XmlRpc::XmlRpcValue> ask(const std::string& method, const XmlRpc::XmlRpcValue& arguments);
+
+  XmlRpcServer server_;
+  std::string caller_id_;
+  Span limit_;
+  std::string error_;
+};
+
+/// Tells a (restarted) master everything this process publishes, subscribes and serves; roscpp registers only
+/// once. `types`: the types of our topics by resolved name. False if the master did not answer every call.
+bool register_again(MasterClient& master, const std::map<std::string, std::string>& types);
+
+}  // namespace lidard

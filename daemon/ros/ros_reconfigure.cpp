@@ -1,0 +1,199 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/ros/ros_reconfigure.h"
+
+#include <dynamic_reconfigure/ConfigDescription.h>
+#include <dynamic_reconfigure/Reconfigure.h>
+#include <ros/connection_manager.h>
+#include <ros/network.h>
+#include <ros/node_handle.h>
+#include <ros/this_node.h>
+#include <ros/xmlrpc_manager.h>
+#include <spdlog/spdlog.h>
+
+#include <mutex>
+#include <utility>
+
+#include "daemon/ros/reconfigure_messages.h"
+#include "daemon/ros/ros_master.h"
+#include "daemon/ros/ros_reception.h"
+
+namespace lidard {
+namespace {
+
+using dynamic_reconfigure::Reconfigure;
+
+}  // namespace
+
+struct RosReconfigure::Server {
+  Server(ChangeableOutput given, Apply to) : output(std::move(given)), apply(std::move(to)) {}
+
+  /// In the answering thread.
+  bool serve(Reconfigure::Request& request, Reconfigure::Response& response);
+  void accept(std::size_t beams_before);
+  void refuse(const std::string& why);
+  DiagnosticItem status() const;
+  std::string name() const { return output.server.empty() ? output.id.entry : output.server; }
+  /// The full name of something of this server.
+  std::string below(const std::string& what) const {
+    const std::string space = output.server.empty() ? "" : "/" + output.server;
+    return ros::this_node::getName() + space + "/" + what;
+  }
+
+  mutable std::mutex mutex;
+  ChangeableOutput output;
+  Apply apply;
+  ros::Publisher updates;
+  bool to_store = true;   // the parameter server does not hold the values in force
+  bool to_renew = false;  // subscribers are to notice that scans have another size
+  std::string refusal;    // of the newest request
+  std::uint64_t accepted = 0;
+  std::uint64_t refused = 0;
+  std::uint64_t resized = 0;
+};
+
+void RosReconfigure::Server::accept(std::size_t beams_before) {
+  ++accepted;
+  refusal.clear();
+  to_store = true;
+  const std::size_t beams = beams_of(output.config);
+  spdlog::info("{}: changed through dynamic_reconfigure; {} beams", name(), beams);
+  if (beams != beams_before) {
+    ++resized;
+    to_renew = true;
+    spdlog::warn("{} has {} beams now, not {}: gmapping refuses scans of another size until it is restarted",
+                 name(), beams, beams_before);
+  }
+  if (beams >= gmapping_beam_limit)
+    spdlog::warn("{} has {} beams; gmapping needs fewer than {}", name(), beams, gmapping_beam_limit);
+  apply(output.id, output.config);
+}
+
+void RosReconfigure::Server::refuse(const std::string& why) {
+  ++refused;
+  refusal = why;
+  spdlog::warn("{}: change refused, the values before stay: {}", name(), why);
+}
+
+bool RosReconfigure::Server::serve(Reconfigure::Request& request, Reconfigure::Response& response) {
+  const std::lock_guard lock(mutex);
+  const std::size_t beams_before = beams_of(output.config);
+  const std::string why = change(output, read_values(request.config));
+  if (why.empty())
+    accept(beams_before);
+  else
+    refuse(why);
+  response.config = config_message(output);
+  updates.publish(response.config);
+  return true;
+}
+
+DiagnosticItem RosReconfigure::Server::status() const {
+  const std::lock_guard lock(mutex);
+  DiagnosticItem item;
+  item.name = "reconfigure " + name();
+  item.hardware_id = "none";
+  item.health = refusal.empty() ? Health::ok : Health::warn;
+  item.message = refusal.empty() ? "values in force" : "change refused, the values before stay: " + refusal;
+  item.values = {{"Changes", std::to_string(accepted)},
+                 {"Changes refused", std::to_string(refused)},
+                 {"Changes of the number of beams", std::to_string(resized)},
+                 {"Beams", std::to_string(beams_of(output.config))}};
+  return item;
+}
+
+void RosReconfigure::offer(const std::shared_ptr<Server>& server) {
+  ros::NodeHandle node("~" + server->output.server);
+  node.setCallbackQueue(&reception_->queue);
+  auto description =
+      node.advertise<dynamic_reconfigure::ConfigDescription>("parameter_descriptions", 1, true);
+  auto updates = node.advertise<dynamic_reconfigure::Config>("parameter_updates", 1, true);
+  {
+    const std::lock_guard lock(server->mutex);
+    description.publish(description_message(server->output));
+    updates.publish(config_message(server->output));
+    server->updates = updates;
+  }
+  reception_->publishers.push_back(description);
+  reception_->publishers.push_back(updates);
+  const boost::function<bool(Reconfigure::Request&, Reconfigure::Response&)> answer =
+      [server](Reconfigure::Request& request, Reconfigure::Response& response) {
+        return server->serve(request, response);
+      };
+  reception_->services.push_back(node.advertiseService("set_parameters", answer));
+}
+
+RosReconfigure::RosReconfigure(std::vector<ChangeableOutput> outputs, Apply apply)
+    : apply_(std::move(apply)) {
+  for (auto& output : outputs) servers_.push_back(std::make_shared<Server>(std::move(output), apply_));
+}
+
+RosReconfigure::~RosReconfigure() = default;
+
+void RosReconfigure::connected() {
+  if (servers_.empty()) return;
+  reception_ = std::make_unique<RosReception>();
+  for (const auto& server : servers_) offer(server);
+}
+
+void RosReconfigure::disconnected(bool leave) {
+  if (!reception_) return;
+  reception_->spinner.stop();
+  for (const auto& server : servers_) {
+    const std::lock_guard lock(server->mutex);
+    server->updates = {};
+    server->to_store = true;
+  }
+  RosReception::end(reception_, leave);
+}
+
+void RosReconfigure::poll(MasterClient& master) {
+  for (const auto& server : servers_) {
+    std::unique_lock lock(server->mutex);
+    if (!std::exchange(server->to_store, false)) continue;
+    const auto values = parameters_of(server->output);
+    lock.unlock();
+    bool stored = true;
+    for (const auto& [name, value] : values)
+      stored = stored && master.set_parameter(server->below(name), value);
+    lock.lock();
+    server->to_store = server->to_store || !stored;
+  }
+}
+
+bool RosReconfigure::register_again(MasterClient& master) {
+  if (!reception_) return true;
+  const std::string our_uri = ros::XMLRPCManager::instance()->getServerURI();
+  const std::string service_uri = "rosrpc://" + ros::network::getHost() + ":" +
+                                  std::to_string(ros::ConnectionManager::instance()->getTCPPort());
+  bool all = true;
+  for (const auto& server : servers_) {
+    const auto topic = [&](const char* name, const char* type) {
+      all &= master.register_publisher(server->below(name), type, our_uri);
+    };
+    topic("parameter_descriptions", ros::message_traits::datatype<dynamic_reconfigure::ConfigDescription>());
+    topic("parameter_updates", ros::message_traits::datatype<dynamic_reconfigure::Config>());
+    all &= master.register_service(server->below("set_parameters"), service_uri, our_uri);
+    const std::lock_guard lock(server->mutex);
+    server->to_store = true;
+  }
+  return all;
+}
+
+std::vector<std::string> RosReconfigure::stale_topics() {
+  std::vector<std::string> topics;
+  for (const auto& server : servers_) {
+    const std::lock_guard lock(server->mutex);
+    if (!std::exchange(server->to_renew, false)) continue;
+    topics.insert(topics.end(), server->output.topics.begin(), server->output.topics.end());
+  }
+  return topics;
+}
+
+std::vector<DiagnosticItem> RosReconfigure::diagnostics() {
+  std::vector<DiagnosticItem> items;
+  for (const auto& server : servers_) items.push_back(server->status());
+  return items;
+}
+
+}  // namespace lidard

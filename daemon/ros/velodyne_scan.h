@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ros/message_traits.h>
+#include <ros/serialization.h>
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "core/base/bytes.h"
+#include "core/base/time.h"
+
+namespace lidard {
+
+/// A velodyne_msgs/VelodyneScan as it came: its bytes, so that the message package is not needed to build.
+struct VelodyneScanBytes {
+  std::vector<std::uint8_t> bytes;
+};
+
+/// Takes one data packet and when the sender of the message received it.
+using PacketTaker = std::function<void(ByteView payload, Stamp arrival)>;
+
+/// Hands on the packets of a VelodyneScan: a header, then a list of a stamp and 1206 bytes each
+/// (velodyne_msgs/VelodyneScan.msg, VelodynePacket.msg). Returns nullptr, or what is wrong with the message;
+/// then nothing is handed on.
+const char* read_velodyne_scan(ByteView message, const PacketTaker& take);
+
+}  // namespace lidard
+
+namespace ros::message_traits {
+
+template <>
+struct MD5Sum<lidard::VelodyneScanBytes> {
+  static const char* value() { return "50804fc9533a0e579e6322c04ae70566"; }
+  static const char* value(const lidard::VelodyneScanBytes&) { return value(); }
+};
+
+template <>
+struct DataType<lidard::VelodyneScanBytes> {
+  static const char* value() { return "velodyne_msgs/VelodyneScan"; }
+  static const char* value(const lidard::VelodyneScanBytes&) { return value(); }
+};
+
+template <>
+struct Definition<lidard::VelodyneScanBytes> {
+  static const char* value() {
+    return "Header header\nVelodynePacket[] packets\n"
+           "================================================================================\n"
+           "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n"
+           "================================================================================\n"
+           "MSG: velodyne_msgs/VelodynePacket\ntime stamp\nuint8[1206] data\n";
+  }
+  static const char* value(const lidard::VelodyneScanBytes&) { return value(); }
+};
+
+}  // namespace ros::message_traits
+
+namespace ros::serialization {
+
+template <>
+struct Serializer<lidard::VelodyneScanBytes> {
+  template <typename Stream>
+  static void write(Stream& stream, const lidard::VelodyneScanBytes& message) {
+    if (!message.bytes.empty())
+      std::memcpy(stream.advance(serializedLength(message)), message.bytes.data(), message.bytes.size());
+  }
+  template <typename Stream>
+  static void read(Stream& stream, lidard::VelodyneScanBytes& message) {
+    const std::uint32_t length = stream.getLength();
+    const std::uint8_t* begin = stream.advance(length);
+    message.bytes.assign(begin, begin + length);
+  }
+  static std::uint32_t serializedLength(const lidard::VelodyneScanBytes& message) {
+    return static_cast<std::uint32_t>(message.bytes.size());
+  }
+};
+
+}  // namespace ros::serialization

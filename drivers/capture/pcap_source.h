@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "drivers/capture/tcp_reassembler.h"
+#include "drivers/driver.h"
+
+namespace lidard {
+
+/// A capture that cannot be opened, or ends in a broken record: "file: what, at byte N; remedy".
+class CaptureError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// What became of the frames of a capture. Every frame is counted in exactly one of datagrams, tcp_segments,
+/// not_ip, other_ip, truncated, malformed, unsupported_link and fragments; a packet put together from
+/// fragments is counted in `reassembled` and then once more like a frame. So frames + reassembled is the sum
+/// of those eight.
+struct CaptureCounters {
+  std::uint64_t frames = 0;        ///< records read
+  std::uint64_t datagrams = 0;     ///< UDP datagrams handed on, put together from fragments or not
+  std::uint64_t not_ip = 0;        ///< ARP, LLDP, ...
+  std::uint64_t tcp_segments = 0;  ///< TCP segments, with or without payload
+  std::uint64_t other_ip = 0;      ///< neither UDP nor TCP: ICMP, IGMP, ...
+  /// Cut by the capture's snapshot length: record again with `tcpdump -s 0`. What is there of a TCP segment
+  /// is used.
+  std::uint64_t truncated = 0;
+  std::uint64_t malformed = 0;          ///< headers that contradict themselves
+  std::uint64_t unsupported_link = 0;   ///< link-layer type we do not read
+  std::uint64_t fragments = 0;          ///< IP fragments
+  std::uint64_t reassembled = 0;        ///< datagrams put together from fragments
+  std::uint64_t fragments_dropped = 0;  ///< fragments of datagrams that never became whole, or came twice
+  TcpCounters tcp;                      ///< of the streams that the segments make
+};
+
+/// Reads UDP datagrams, and TCP streams in both directions, from a capture file: pcap and pcapng, both byte
+/// orders, us and ns; Ethernet, VLAN, QinQ, Linux cooked v1 and v2, raw IP, null and loop; IPv4 (options,
+/// fragments) and IPv6.
+class PcapSource {
+ public:
+  /// Opens the file; throws CaptureError.
+  explicit PcapSource(const std::string& path);
+  ~PcapSource();
+  PcapSource(PcapSource&&) noexcept;
+  PcapSource& operator=(PcapSource&&) noexcept;
+
+  /// The next datagram or chunk of a TCP stream (Packet::transport tells), or false at the end. The payload
+  /// stays valid until the next call.
+  /// A broken record ends the capture: the call returns false, and `error()` says what and where.
+  bool next(Packet& packet);
+  /// Why the capture ended early; empty if it did not.
+  const std::string& error() const;
+  /// True if error() tells of more than a last record that whoever recorded did not finish, as when a
+  /// recording is stopped.
+  bool is_damaged() const;
+  const CaptureCounters& counters() const;
+  /// Bytes read and in all, for a progress display.
+  std::uint64_t position() const;
+  std::uint64_t size() const;
+  /// Starts again from the first record; counters go on.
+  void rewind();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lidard

@@ -1,0 +1,304 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/net/tcp_source.h"
+
+#include <algorithm>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <vector>
+
+#include "drivers/net/tcp_socket.h"
+
+namespace lidard {
+namespace {
+
+using boost::asio::ip::tcp;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t read_buffer = 64 * 1024;
+/// Other sockets of the thread want their turn.
+constexpr int reads_per_wakeup = 8;
+/// A connection that lasted so long was a good one: the next is opened soon.
+constexpr auto steady_after = std::chrono::seconds(2);
+
+tcp::endpoint to_asio(const Endpoint& endpoint) {
+  const auto& bytes = endpoint.address.bytes;
+  if (endpoint.address.v6) {
+    boost::asio::ip::address_v6::bytes_type raw{};
+    std::copy(bytes.begin(), bytes.end(), raw.begin());
+    return {boost::asio::ip::address_v6(raw), endpoint.port};
+  }
+  boost::asio::ip::address_v4::bytes_type raw{};
+  std::copy_n(bytes.begin(), raw.size(), raw.begin());
+  return {boost::asio::ip::address_v4(raw), endpoint.port};
+}
+
+Endpoint from_asio(const tcp::endpoint& endpoint) {
+  Endpoint out;
+  out.port = endpoint.port();
+  out.address.v6 = endpoint.address().is_v6();
+  if (out.address.v6) {
+    const auto raw = endpoint.address().to_v6().to_bytes();
+    std::copy(raw.begin(), raw.end(), out.address.bytes.begin());
+  } else {
+    const auto raw = endpoint.address().to_v4().to_bytes();
+    std::copy(raw.begin(), raw.end(), out.address.bytes.begin());
+  }
+  return out;
+}
+
+Stamp wall_clock() {
+  return Stamp{std::chrono::duration_cast<Span>(std::chrono::system_clock::now().time_since_epoch()).count()};
+}
+
+}  // namespace
+
+class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
+ public:
+  Impl(boost::asio::io_context& io, TcpOptions options, TcpHandlers handlers)
+      : options_(options),
+        handlers_(std::move(handlers)),
+        socket_(io),
+        timer_(io),
+        retry_(options.first_retry),
+        buffer_(read_buffer) {}
+
+  void start() {
+    if (state_.phase != TcpState::Phase::stopped) return;
+    retry_ = options_.first_retry;
+    connect();
+  }
+
+  void stop() {
+    close();
+    state_ = {};
+  }
+
+  void disconnect(bool again, const std::string& why) {
+    if (state_.phase != TcpState::Phase::connected) {
+      if (!again) stop();
+      return;
+    }
+    if (again) return fail(why);
+    stop();
+    handlers_.disconnected();
+  }
+
+  bool send(ByteView bytes);
+  void set_read_time_out(Span time_out) {
+    if (time_out == options_.read_time_out) return;
+    options_.read_time_out = time_out;
+    if (state_.phase == TcpState::Phase::connected) watch_silence();
+  }
+
+  const TcpState& state() const { return state_; }
+  const TcpStats& stats() const { return stats_; }
+
+ private:
+  void connect();
+  void connected();
+  void close();
+  void fail(std::string message);
+  void plan_retry();
+  template <class Action>
+  void at(Clock::time_point time, Action action);
+  void wait_to_read();
+  void wait_to_write();
+  bool read(int rounds);
+  void flush();
+  void watch_silence();
+  void check_silence();
+
+  TcpOptions options_;
+  TcpHandlers handlers_;
+  tcp::socket socket_;
+  boost::asio::steady_timer timer_;
+  TcpState state_;
+  TcpStats stats_;
+  Span retry_;
+  Clock::time_point attempt_began_{};
+  Clock::time_point connected_since_{};
+  Clock::time_point last_byte_{};
+  Endpoint local_;
+  bool fresh_ = true;  // nothing was received on this connection yet
+  bool waits_to_write_ = false;
+  std::vector<std::uint8_t> buffer_;
+  std::vector<std::uint8_t> unsent_;
+  // Handlers that were already queued when the socket was closed find another number here.
+  std::uint64_t generation_ = 0;
+};
+
+template <class Action>
+void TcpSource::Impl::at(Clock::time_point time, Action action) {
+  timer_.expires_at(time);
+  timer_.async_wait([self = shared_from_this(), generation = generation_, action](const auto& error) {
+    if (!error && generation == self->generation_) action(*self);
+  });
+}
+
+void TcpSource::Impl::connect() {
+  close();
+  state_.phase = TcpState::Phase::connecting;  // the message stays that of the last failure
+  ++stats_.attempts;
+  attempt_began_ = Clock::now();
+  const tcp::endpoint device = to_asio(options_.device);
+  boost::system::error_code error;
+  socket_.open(device.protocol(), error);
+  if (error) return fail(why_not_connected(options_.device, error.value()));
+  prepare_tcp_socket(socket_.native_handle());
+  socket_.async_connect(
+      device, [self = shared_from_this(), generation = generation_](const boost::system::error_code& failed) {
+        if (generation != self->generation_) return;
+        if (failed) return self->fail(why_not_connected(self->options_.device, failed.value()));
+        self->connected();
+      });
+  at(attempt_began_ + options_.connect_time_out,
+     [](Impl& self) { self.fail(why_not_connected(self.options_.device, ETIMEDOUT)); });
+}
+
+void TcpSource::Impl::connected() {
+  boost::system::error_code error;
+  socket_.non_blocking(true, error);
+  local_ = from_asio(socket_.local_endpoint(error));
+  ++stats_.connects;
+  state_ = {TcpState::Phase::connected, {}};
+  connected_since_ = last_byte_ = Clock::now();
+  fresh_ = true;
+  timer_.cancel(error);
+  const std::uint64_t generation = generation_;
+  handlers_.connected(wall_clock());
+  if (generation != generation_) return;  // ended by the handler
+  watch_silence();
+  wait_to_read();
+}
+
+void TcpSource::Impl::close() {
+  ++generation_;
+  boost::system::error_code ignored;
+  timer_.cancel(ignored);
+  socket_.close(ignored);
+  if (state_.phase == TcpState::Phase::connected) ++stats_.disconnects;
+  unsent_.clear();
+  waits_to_write_ = false;
+}
+
+/// Ends connection or attempt and plans the next.
+void TcpSource::Impl::fail(std::string message) {
+  const bool was_connected = state_.phase == TcpState::Phase::connected;
+  close();
+  state_ = {TcpState::Phase::waiting, std::move(message)};
+  plan_retry();
+  if (was_connected) handlers_.disconnected();
+}
+
+void TcpSource::Impl::plan_retry() {
+  const auto now = Clock::now();
+  if (!fresh_ && now - connected_since_ > steady_after) retry_ = options_.first_retry;
+  fresh_ = true;
+  const auto pause = std::max(attempt_began_ + retry_, now + options_.first_retry);
+  retry_ = std::min(2 * retry_, options_.last_retry);
+  at(pause, [](Impl& self) { self.connect(); });
+}
+
+void TcpSource::Impl::wait_to_read() {
+  socket_.async_wait(tcp::socket::wait_read,
+                     [self = shared_from_this(), generation = generation_](const auto& error) {
+                       if (generation != self->generation_) return;
+                       if (error) return self->fail(why_disconnected(self->options_.device, error.value()));
+                       if (self->read(reads_per_wakeup)) self->wait_to_read();
+                     });
+}
+
+/// False if the connection ended meanwhile.
+bool TcpSource::Impl::read(int rounds) {
+  const std::uint64_t generation = generation_;
+  for (int round = 0; round < rounds; ++round) {
+    Packet packet;
+    const ssize_t got =
+        receive_bytes(socket_.native_handle(), buffer_.data(), buffer_.size(), packet.arrival);
+    if (got < 0 && (errno == EAGAIN || errno == EINTR)) return true;
+    if (got <= 0) {
+      fail(why_disconnected(options_.device, got == 0 ? 0 : errno));
+      return false;
+    }
+    last_byte_ = Clock::now();
+    stats_.received += static_cast<std::uint64_t>(got);
+    packet.payload = ByteView(buffer_.data(), static_cast<std::size_t>(got));
+    packet.from = options_.device;
+    packet.to = local_;
+    packet.transport = Transport::tcp;
+    packet.stream_start = std::exchange(fresh_, false);
+    handlers_.receive(packet);
+    if (generation != generation_) return false;
+    if (static_cast<std::size_t>(got) < buffer_.size()) return true;
+  }
+  return true;
+}
+
+void TcpSource::Impl::watch_silence() {
+  boost::system::error_code ignored;
+  timer_.cancel(ignored);
+  if (options_.read_time_out <= Span(0)) return;
+  at(last_byte_ + options_.read_time_out, [](Impl& self) { self.check_silence(); });
+}
+
+void TcpSource::Impl::check_silence() {
+  // If it was we who slept, the bytes are there.
+  if (!read(1)) return;
+  const auto quiet = Clock::now() - last_byte_;
+  if (quiet < options_.read_time_out) return watch_silence();
+  ++stats_.silences;
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f", seconds(options_.read_time_out));
+  fail(options_.device.to_string() + " sent nothing for " + text +
+       " s; is it still starting, or has it lost power or cable? the connection is opened again");
+}
+
+bool TcpSource::Impl::send(ByteView bytes) {
+  if (state_.phase != TcpState::Phase::connected || unsent_.size() + bytes.size() > options_.send_limit) {
+    ++stats_.requests_dropped;
+    return false;
+  }
+  unsent_.insert(unsent_.end(), bytes.begin(), bytes.end());
+  if (!waits_to_write_) flush();
+  return true;
+}
+
+/// What is wrong with the connection shows when it is read.
+void TcpSource::Impl::flush() {
+  while (!unsent_.empty()) {
+    const ssize_t taken = send_bytes(socket_.native_handle(), ByteView(unsent_.data(), unsent_.size()));
+    if (taken < 0 && errno == EINTR) continue;
+    if (taken < 0 && errno == EAGAIN) return wait_to_write();
+    if (taken < 0) return unsent_.clear();
+    stats_.sent += static_cast<std::uint64_t>(taken);
+    unsent_.erase(unsent_.begin(), unsent_.begin() + taken);
+  }
+}
+
+void TcpSource::Impl::wait_to_write() {
+  waits_to_write_ = true;
+  socket_.async_wait(tcp::socket::wait_write,
+                     [self = shared_from_this(), generation = generation_](const auto& error) {
+                       if (error || generation != self->generation_) return;
+                       self->waits_to_write_ = false;
+                       self->flush();
+                     });
+}
+
+TcpSource::TcpSource(boost::asio::io_context& io, TcpOptions options, TcpHandlers handlers)
+    : impl_(std::make_shared<Impl>(io, options, std::move(handlers))) {}
+TcpSource::~TcpSource() { impl_->stop(); }
+void TcpSource::start() { impl_->start(); }
+void TcpSource::stop() { impl_->stop(); }
+bool TcpSource::send(ByteView bytes) { return impl_->send(bytes); }
+void TcpSource::disconnect(bool again, const std::string& why) { impl_->disconnect(again, why); }
+void TcpSource::set_read_time_out(Span time_out) { impl_->set_read_time_out(time_out); }
+const TcpState& TcpSource::state() const { return impl_->state(); }
+const TcpStats& TcpSource::stats() const { return impl_->stats(); }
+
+}  // namespace lidard

@@ -1,0 +1,238 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/net/udp_socket.h"
+
+#include <arpa/inet.h>
+#include <linux/filter.h>
+#include <linux/sock_diag.h>
+#include <net/if.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+namespace lidard {
+namespace {
+
+/// What the kernel charges for a datagram of up to 1500 bytes, of which SO_RCVBUF counts half (measured; the
+/// kernel doubles the number for its own bookkeeping).
+constexpr double buffer_bytes_per_packet = 2304.0 / 2;
+constexpr int most_filtered_senders = 200;  // jump distances of classic BPF end at 255
+
+template <class T>
+bool set_option(int fd, int level, int name, const T& value) {
+  return setsockopt(fd, level, name, &value, sizeof value) == 0;
+}
+
+int get_option(int fd, int level, int name) {
+  int value = 0;
+  socklen_t size = sizeof value;
+  return getsockopt(fd, level, name, &value, &size) == 0 ? value : 0;
+}
+
+in_addr to_in_addr(const IpAddress& address) {
+  in_addr raw{};
+  std::memcpy(&raw, address.bytes.data(), sizeof raw);
+  return raw;
+}
+
+IpAddress from_in_addr(const in_addr& raw) {
+  IpAddress address;
+  std::memcpy(address.bytes.data(), &raw, sizeof raw);
+  return address;
+}
+
+sock_filter statement(unsigned code, std::uint32_t k) { return {static_cast<std::uint16_t>(code), 0, 0, k}; }
+
+/// Accepts the listed senders, and 1 of 64 datagrams of all others, so that they can be named.
+bool attach_sender_filter(int fd, const std::vector<IpAddress>& senders) {
+  constexpr std::uint32_t source_in_ip_header = 12;
+  constexpr std::uint32_t accept_whole = 0xffffffffU;
+  std::vector<sock_filter> program;
+  program.push_back(
+      statement(BPF_LD | BPF_W | BPF_ABS, static_cast<std::uint32_t>(SKF_NET_OFF) + source_in_ip_header));
+  const std::size_t n = senders.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto to_accept = static_cast<std::uint8_t>(n - i - 1 + 4);
+    program.push_back({BPF_JMP | BPF_JEQ | BPF_K, to_accept, 0, ntohl(to_in_addr(senders[i]).s_addr)});
+  }
+  program.push_back(
+      statement(BPF_LD | BPF_W | BPF_ABS, static_cast<std::uint32_t>(SKF_AD_OFF + SKF_AD_RANDOM)));
+  program.push_back(statement(BPF_ALU | BPF_AND | BPF_K, 63));
+  program.push_back({BPF_JMP | BPF_JEQ | BPF_K, 1, 0, 0});
+  program.push_back(statement(BPF_RET | BPF_K, 0));
+  program.push_back(statement(BPF_RET | BPF_K, accept_whole));
+  const sock_fprog code = {static_cast<unsigned short>(program.size()), program.data()};
+  if (!set_option(fd, SOL_SOCKET, SO_ATTACH_FILTER, code)) return false;
+  return set_option(fd, SOL_SOCKET, SO_LOCK_FILTER, 1);
+}
+
+void size_receive_buffer(UdpSocket& socket, const UdpOptions& options) {
+  const int fd = socket.fd.get();
+  const auto current = static_cast<std::size_t>(get_option(fd, SOL_SOCKET, SO_RCVBUF)) / 2;
+  socket.buffer_asked = options.receive_buffer;
+  if (socket.buffer_asked == 0) {
+    const double wanted = options.packets_per_s * seconds(options.tolerated_stall) * buffer_bytes_per_packet;
+    socket.buffer_asked = static_cast<std::size_t>(std::clamp(wanted, 0.0, 1e9));
+  }
+  if (options.receive_buffer != 0 || socket.buffer_asked > current)
+    set_option(fd, SOL_SOCKET, SO_RCVBUF, static_cast<int>(socket.buffer_asked));
+  socket.buffer_got = static_cast<std::size_t>(get_option(fd, SOL_SOCKET, SO_RCVBUF)) / 2;
+}
+
+std::string bind_error(const UdpOptions& options, int error) {
+  const std::string port = std::to_string(options.port);
+  switch (error) {
+    case EADDRINUSE:
+      return "port " + port + " is in use by another program; find it with `ss -lunp 'sport = :" + port +
+             "'`";
+    case EACCES:
+      return "this user may not open port " + port +
+             "; ports below 1024 need the capability cap_net_bind_service, or choose another port";
+    case EADDRNOTAVAIL:
+      return "no interface of this host has the address " + options.address.to_string() +
+             "; compare with `ip -4 address`, or listen on 0.0.0.0";
+    default:
+      return "cannot open UDP port " + port + ": " + std::strerror(error) + "; it is tried again";
+  }
+}
+
+UdpSocket failed(std::string error) {
+  UdpSocket socket;
+  socket.error = std::move(error);
+  return socket;
+}
+
+}  // namespace
+
+FileDescriptor::~FileDescriptor() {
+  if (fd_ >= 0) close(fd_);
+}
+
+UdpSocket open_udp_socket(const UdpOptions& options) {
+  UdpSocket s;
+  s.fd = FileDescriptor(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  const int fd = s.fd.get();
+  if (fd < 0)
+    return failed(std::string("cannot make a socket: ") + std::strerror(errno) + "; it is tried again");
+  if (!set_option(fd, SOL_SOCKET, SO_TIMESTAMPNS, 1) || !set_option(fd, SOL_SOCKET, SO_RXQ_OVFL, 1) ||
+      !set_option(fd, IPPROTO_IP, IP_PKTINFO, 1))
+    return failed(std::string("the kernel gives no stamps or drop counters: ") + std::strerror(errno) +
+                  "; Linux 3.8 or later is needed");
+  // Otherwise groups that another program joined on this host would come in, too.
+  set_option(fd, IPPROTO_IP, IP_MULTICAST_ALL, 0);
+  if (options.share_port) set_option(fd, SOL_SOCKET, SO_REUSEADDR, 1);
+  if (!options.senders.empty() && options.senders.size() <= most_filtered_senders)
+    s.filtered = attach_sender_filter(fd, options.senders);
+  size_receive_buffer(s, options);
+  sockaddr_in local{};
+  local.sin_family = AF_INET;
+  local.sin_port = htons(options.port);
+  local.sin_addr = to_in_addr(options.address);
+  socklen_t size = sizeof local;
+  if (bind(fd, reinterpret_cast<const sockaddr*>(&local), size) != 0)
+    return failed(bind_error(options, errno));
+  getsockname(fd, reinterpret_cast<sockaddr*>(&local), &size);
+  s.port = ntohs(local.sin_port);
+  return s;
+}
+
+std::string join_group(int fd, const MulticastGroup& group) {
+  ip_mreqn request{};
+  request.imr_multiaddr = to_in_addr(group.group);
+  const std::string what = "cannot join the multicast group " + group.group.to_string();
+  if (!group.interface.empty()) {
+    const auto address = IpAddress::parse(group.interface);
+    if (address) request.imr_address = to_in_addr(*address);
+    if (!address) request.imr_ifindex = static_cast<int>(if_nametoindex(group.interface.c_str()));
+    if (!address && request.imr_ifindex == 0)
+      return what + ": there is no interface " + group.interface +
+             "; compare with `ip link`, it is tried again";
+  }
+  if (set_option(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, request) || errno == EADDRINUSE) return {};
+  if (errno == ENODEV)
+    return what + ": no interface leads to it; name the sensor's interface, or add a route for 224.0.0.0/4";
+  return what + ": " + std::strerror(errno) + "; it is tried again";
+}
+
+bool receive_buffer_is_filling(int fd) {
+  std::array<std::uint32_t, SK_MEMINFO_VARS> info{};
+  socklen_t size = sizeof info;
+  if (getsockopt(fd, SOL_SOCKET, SO_MEMINFO, info.data(), &size) != 0) return true;
+  return info[SK_MEMINFO_RMEM_ALLOC] > info[SK_MEMINFO_RCVBUF] / 2;
+}
+
+std::string buffer_warning(const UdpSocket& socket, const UdpOptions& options) {
+  if (socket.buffer_got >= socket.buffer_asked) return {};
+  const double packets = static_cast<double>(socket.buffer_got) / buffer_bytes_per_packet;
+  const int stall_ms = static_cast<int>(1000 * packets / std::max(1.0, options.packets_per_s));
+  return "the receive buffer of port " + std::to_string(socket.port) + " has " +
+         std::to_string(socket.buffer_got) + " bytes instead of " + std::to_string(socket.buffer_asked) +
+         ", so packets are lost when the machine is busy for more than " + std::to_string(stall_ms) +
+         " ms; run `sysctl -w net.core.rmem_max=" + std::to_string(socket.buffer_asked) + "`";
+}
+
+struct DatagramBatch::Storage {
+  /// Room for a time stamp, the drop counter and the destination address.
+  static constexpr std::size_t control_size =
+      CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(std::uint32_t)) + CMSG_SPACE(sizeof(in_pktinfo));
+  struct alignas(cmsghdr) Control {
+    std::array<char, control_size> bytes;
+  };
+  std::vector<std::uint8_t> payloads;
+  std::array<mmsghdr, capacity> messages{};
+  std::array<iovec, capacity> vectors{};
+  std::array<sockaddr_in, capacity> senders{};
+  std::array<Control, capacity> controls{};
+};
+
+DatagramBatch::DatagramBatch(std::size_t max_datagram)
+    : max_datagram_(max_datagram), storage_(std::make_unique<Storage>()) {
+  storage_->payloads.resize(capacity * max_datagram);
+}
+DatagramBatch::~DatagramBatch() = default;
+
+int DatagramBatch::receive(int fd) {
+  Storage& s = *storage_;
+  for (std::size_t i = 0; i < capacity; ++i) {
+    s.vectors[i] = {s.payloads.data() + i * max_datagram_, max_datagram_};
+    msghdr& header = s.messages[i].msg_hdr;
+    header = {};
+    header.msg_name = &s.senders[i];
+    header.msg_namelen = sizeof s.senders[i];
+    header.msg_iov = &s.vectors[i];
+    header.msg_iovlen = 1;
+    header.msg_control = s.controls[i].bytes.data();
+    header.msg_controllen = s.controls[i].bytes.size();
+  }
+  return recvmmsg(fd, s.messages.data(), capacity, MSG_DONTWAIT, nullptr);
+}
+
+DatagramBatch::Datagram DatagramBatch::operator[](std::size_t i) const {
+  const Storage& s = *storage_;
+  // The macros that walk the control data want it writable.
+  auto* header = const_cast<msghdr*>(&s.messages[i].msg_hdr);
+  Datagram d;
+  d.payload = ByteView(s.payloads.data() + i * max_datagram_, s.messages[i].msg_len);
+  d.truncated = (header->msg_flags & MSG_TRUNC) != 0;
+  d.from = {from_in_addr(s.senders[i].sin_addr), ntohs(s.senders[i].sin_port)};
+  for (cmsghdr* c = CMSG_FIRSTHDR(header); c != nullptr; c = CMSG_NXTHDR(header, c)) {
+    if (c->cmsg_level == SOL_SOCKET && c->cmsg_type == SCM_TIMESTAMPNS) {
+      timespec time{};
+      std::memcpy(&time, CMSG_DATA(c), sizeof time);
+      d.kernel_stamp = Stamp{time.tv_sec * 1'000'000'000 + time.tv_nsec};
+    } else if (c->cmsg_level == SOL_SOCKET && c->cmsg_type == SO_RXQ_OVFL) {
+      std::memcpy(&d.drops, CMSG_DATA(c), sizeof d.drops);
+    } else if (c->cmsg_level == IPPROTO_IP && c->cmsg_type == IP_PKTINFO) {
+      in_pktinfo info{};
+      std::memcpy(&info, CMSG_DATA(c), sizeof info);
+      d.to = from_in_addr(info.ipi_addr);
+    }
+  }
+  return d;
+}
+
+}  // namespace lidard

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "drivers/net/udp_source.h"
+
+namespace lidard {
+
+/// Owner of a file descriptor.
+class FileDescriptor {
+ public:
+  explicit FileDescriptor(int fd = -1) : fd_(fd) {}
+  ~FileDescriptor();
+  FileDescriptor(FileDescriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  FileDescriptor& operator=(FileDescriptor&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    return *this;
+  }
+  int get() const { return fd_; }
+  int release() { return std::exchange(fd_, -1); }
+  bool valid() const { return fd_ >= 0; }
+
+ private:
+  int fd_;
+};
+
+/// A bound socket with stamps, drop counter, sender filter and receive buffer in place.
+struct UdpSocket {
+  FileDescriptor fd;
+  std::string error;  ///< why fd is invalid: what, and the remedy
+  std::uint16_t port = 0;
+  bool filtered = false;  ///< the kernel drops strangers
+  std::size_t buffer_asked = 0, buffer_got = 0;
+};
+
+UdpSocket open_udp_socket(const UdpOptions& options);
+
+/// Joins the group (again); empty, or what is wrong. Joining twice does no harm and heals a membership that
+/// died with its interface.
+std::string join_group(int fd, const MulticastGroup& group);
+
+/// True if more than half of the receive buffer is occupied.
+bool receive_buffer_is_filling(int fd);
+
+/// The sentence for a buffer smaller than asked for; empty if it is large enough.
+std::string buffer_warning(const UdpSocket& socket, const UdpOptions& options);
+
+/// One receiving system call for up to 32 datagrams; its memory is allocated once.
+class DatagramBatch {
+ public:
+  static constexpr std::size_t capacity = 32;
+  struct Datagram {
+    ByteView payload;
+    std::optional<Stamp> kernel_stamp;
+    Endpoint from;
+    IpAddress to;
+    bool truncated = false;
+    std::uint32_t drops = 0;  ///< of the socket since it was opened
+  };
+
+  explicit DatagramBatch(std::size_t max_datagram);
+  ~DatagramBatch();
+  /// Number of datagrams; -1 with errno set on an error.
+  int receive(int fd);
+  Datagram operator[](std::size_t i) const;
+
+ private:
+  struct Storage;
+  std::size_t max_datagram_;
+  std::unique_ptr<Storage> storage_;
+};
+
+}  // namespace lidard

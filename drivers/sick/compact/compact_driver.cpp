@@ -1,0 +1,393 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/sick/compact/compact_driver.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "drivers/model.h"
+#include "drivers/sick/compact/compact_telegram.h"
+#include "drivers/sick/compact/msgpack_telegram.h"
+#include "drivers/sick/compact/segment_frames.h"
+#include "drivers/sick/compact/sopas_dialogue.h"
+#include "drivers/sick/compact/telegram_order.h"
+#include "drivers/sick/compact/telegram_stream.h"
+
+namespace lidard::sick {
+namespace {
+
+/// After such a silence another device may take over.
+constexpr Span silence = std::chrono::seconds(1);
+/// Two device times so far apart are not of one clock, or it was set.
+constexpr std::uint64_t one_clock_us = 2'000'000;
+/// A frame is given up so long after its last segment should have come.
+constexpr Span deadline_slack = std::chrono::milliseconds(10);
+
+class CompactDriver final : public Driver {
+ public:
+  explicit CompactDriver(const DriverConfig& config)
+      : config_(config),
+        clock_(config.clock),
+        side_clock_(config.clock),
+        warnings_(info_.warnings),
+        dialogue_(config) {
+    frames_ = config.model->kind == FrameKind::cloud ? make_cloud_frames(config_, clock_)
+                                                     : make_planar_frames(config_, clock_, warnings_);
+    info_.details = {{"Vendor Name", "SICK"}, {"Product Name", std::string(config.model->product)}};
+    imu_.frame_id = config.frame_id;
+    encoder_.topic = "encoder";
+    encoder_.frame_id = config.frame_id;
+    encoder_.values = {
+        {"frame", 0}, {"ticks", 0}, {"speed", 0}, {"ticks at reference 1", 0}, {"ticks at reference 2", 0}};
+  }
+
+  Reject receive(const Packet& packet, DriverOutput& out) override;
+  void connected(Stamp now, DriverOutput& out) override {
+    if (has_dialogue()) dialogue_.connected(now, out);
+  }
+  void disconnected() override {
+    stream_.cut(counters_);
+    if (has_dialogue()) dialogue_.disconnected();
+  }
+  void tick(Stamp now, DriverOutput& out) override;
+  void finish(DriverOutput& out) override { flush(out, true); }
+  void restart() override;
+  const Counters& counters() const override { return counters_; }
+  const DeviceInfo& info() const override { return info_; }
+
+ private:
+  /// Its TCP connection is for settings, not for data.
+  bool has_dialogue() const { return config_.model->dialogue_port != 0; }
+  void note_dialogue();
+  Reject receive_datagram(const Packet& packet, DriverOutput& out);
+  Reject receive_stream(const Packet& packet, DriverOutput& out);
+  Reject take(ByteView telegram, TelegramType type, Stamp arrival, DriverOutput& out);
+  Reject take_scan(ByteView telegram, TelegramType type, Stamp arrival, DriverOutput& out);
+  Reject take_segment(Stamp arrival, DriverOutput& out);
+  Reject take_imu(ByteView telegram, Stamp arrival, DriverOutput& out);
+  Reject take_encoder(ByteView telegram, Stamp arrival, DriverOutput& out);
+  bool is_ours(std::uint32_t sender, Stamp arrival);
+  void begin_stream(DriverOutput& out);
+  void flush(DriverOutput& out, bool torn);
+  void end_frame(std::size_t slot, bool torn, DriverOutput& out);
+  void note_format();
+  void set_detail(const char* key, const std::string& value);
+  Stamp stamp_of(std::uint64_t us, Stamp arrival);
+
+  DriverConfig config_;
+  Counters counters_;
+  DeviceInfo info_;
+  DeviceClock clock_;
+  DeviceClock side_clock_;  // of inertial unit and encoder, where their time is another one
+  SegmentWarnings warnings_;
+  SopasDialogue dialogue_;
+  Segment segment_;
+  TelegramStream stream_;
+  TelegramOrder order_;
+  FrameTracker tracker_;
+  std::unique_ptr<SegmentFrames> frames_;
+  bool adopted_ = false;
+  bool first_frame_ = true;  // of the stream: its begin may be missing
+  std::uint64_t clock_restarts_ = 0;
+  std::uint64_t last_stop_us_ = 0;
+  Stamp last_arrival_;
+  bool sender_known_ = false;
+  std::uint32_t sender_ = 0;
+  std::uint32_t told_version_ = ~0U;
+  ImuSample imu_;
+  DeviceState encoder_;
+};
+
+Reject CompactDriver::receive(const Packet& packet, DriverOutput& out) {
+  if (packet.transport == Transport::udp) return receive_datagram(packet, out);
+  if (!has_dialogue()) return receive_stream(packet, out);
+  dialogue_.receive(packet, out);
+  note_dialogue();
+  return Reject::none;
+}
+
+void CompactDriver::note_dialogue() {
+  warnings_.set(SegmentTrouble::dialogue, dialogue_.warning());
+  if (!dialogue_.data_output().empty()) set_detail("Data Output", dialogue_.data_output());
+}
+
+Reject CompactDriver::receive_datagram(const Packet& packet, DriverOutput& out) {
+  counters_.bytes += packet.payload.size();
+  ByteView rest = packet.payload;
+  Reject result = Reject::none;
+  do {
+    const TelegramHead head = read_head(rest);
+    Reject reason = head.reject;
+    if (reason == Reject::none && (head.length == 0 || head.length > rest.size())) reason = Reject::size;
+    const bool known = head.type <= TelegramType::imu || head.type == TelegramType::encoder;
+    if (!known) {
+      // Nobody reads those; a datagram ends where its telegram ends.
+      ++counters_.other_packets;
+      return result;
+    }
+    if (reason == Reject::none && !checksum_is_right(rest.sub(0, head.length), head.type))
+      reason = Reject::checksum;
+    if (reason != Reject::none) {
+      ++counters_.packets;
+      counters_.reject(reason);
+      return reason;
+    }
+    const Reject taken = take(rest.sub(0, head.length), head.type, packet.arrival, out);
+    if (taken != Reject::none) result = taken;
+    rest = rest.from(head.length);
+  } while (!rest.empty());
+  return result;
+}
+
+Reject CompactDriver::receive_stream(const Packet& packet, DriverOutput& out) {
+  if (packet.stream_start || packet.missing > 0) stream_.cut(counters_);
+  counters_.bytes += packet.payload.size();
+  Reject result = Reject::none;
+  const Reject skipped = stream_.feed(packet.payload, counters_, [&](ByteView telegram, TelegramType type) {
+    const Reject taken = take(telegram, type, packet.arrival, out);
+    if (taken != Reject::none) result = taken;
+  });
+  return skipped != Reject::none ? skipped : result;
+}
+
+Reject CompactDriver::take(ByteView telegram, TelegramType type, Stamp arrival, DriverOutput& out) {
+  Reject reason = Reject::none;
+  switch (type) {
+    case TelegramType::scan:
+    case TelegramType::msgpack:
+      ++counters_.packets;
+      reason = take_scan(telegram, type, arrival, out);
+      break;
+    case TelegramType::imu:
+      ++counters_.other_packets;
+      reason = take_imu(telegram, arrival, out);
+      break;
+    case TelegramType::encoder:
+      ++counters_.other_packets;
+      reason = take_encoder(telegram, arrival, out);
+      break;
+    default:
+      ++counters_.other_packets;
+      break;
+  }
+  if (reason != Reject::none) counters_.reject(reason);
+  return reason;
+}
+
+Reject CompactDriver::take_scan(ByteView telegram, TelegramType type, Stamp arrival, DriverOutput& out) {
+  const Reject reason = type == TelegramType::msgpack ? parse_msgpack(telegram, segment_)
+                                                      : parse_compact_scan(telegram, segment_);
+  if (reason != Reject::none) return reason;
+  if (!is_ours(segment_.sender, arrival)) {
+    ++counters_.other_packets;
+    return Reject::none;
+  }
+  const Reject fit = frames_->check(segment_);
+  if (fit != Reject::none) return fit;
+  const auto order = order_.add(segment_.counter, counters_);
+  if (order == TelegramOrder::Verdict::duplicate) return Reject::duplicate;
+  const std::uint64_t stop_us = segment_.stop_us();
+  const bool jumped = last_stop_us_ != 0 && (stop_us + one_clock_us < last_stop_us_ ||
+                                             stop_us > last_stop_us_ + 3600 * one_clock_us);
+  if (order == TelegramOrder::Verdict::restart || jumped) {
+    begin_stream(out);
+    if (jumped) {
+      clock_.reset();
+      ++clock_restarts_;
+      last_stop_us_ = 0;
+    }
+  }
+  note_format();
+  return take_segment(arrival, out);
+}
+
+Reject CompactDriver::take_segment(Stamp arrival, DriverOutput& out) {
+  const std::uint64_t stop_us = segment_.stop_us();
+  clock_.observe(device_span(stop_us), arrival);
+  counters_.clock_steps = clock_.steps() + clock_restarts_;
+  if (stop_us > last_stop_us_) {
+    last_stop_us_ = stop_us;
+    last_arrival_ = arrival;
+  }
+  if (!adopted_ || !frames_->continues(segment_)) {
+    flush(out, true);
+    tracker_.reset();
+    first_frame_ = true;
+    frames_->adopt(segment_);
+    adopted_ = frames_->continues(segment_);
+    if (!adopted_) return Reject::field;
+  }
+  std::size_t slot = 0;
+  const auto release = [&](std::size_t done) { end_frame(done, false, out); };
+  switch (tracker_.place(segment_, slot, release)) {
+    case FrameTracker::Verdict::used:
+      break;
+    case FrameTracker::Verdict::stale:
+      return Reject::stale;
+    case FrameTracker::Verdict::doubled:
+      return Reject::duplicate;
+    case FrameTracker::Verdict::impossible:
+      return Reject::field;
+  }
+  if (tracker_.frame(slot).telegrams == 1) frames_->begin(slot);
+  frames_->add(slot, segment_, static_cast<std::uint32_t>(counters_.packets - 1));
+  tracker_.settle(release);
+  return Reject::none;
+}
+
+void CompactDriver::end_frame(std::size_t slot, bool torn, DriverOutput& out) {
+  const FrameTracker::Frame& frame = tracker_.frame(slot);
+  FrameEnd how;
+  how.segments = frame.segments;
+  how.expected = tracker_.expected();
+  how.torn = (torn || first_frame_) && !how.complete();
+  first_frame_ = false;
+  if (frames_->end(slot, how, out))
+    ++counters_.frames;
+  else
+    ++counters_.partial_frames;
+}
+
+void CompactDriver::flush(DriverOutput& out, bool torn) {
+  while (tracker_.release_oldest([&](std::size_t slot) { end_frame(slot, torn, out); })) {
+  }
+}
+
+/// The device was switched off and on, or its counters start again for another reason.
+void CompactDriver::begin_stream(DriverOutput& out) {
+  flush(out, true);
+  tracker_.restart();
+  first_frame_ = true;
+}
+
+/// A frame whose last segment was lost must not wait for the next frame, which may be half a turn away.
+void CompactDriver::tick(Stamp now, DriverOutput& out) {
+  if (has_dialogue()) {
+    const bool heard = last_stop_us_ != 0;
+    dialogue_.tick(now, heard ? std::optional<Stamp>(last_arrival_) : std::nullopt, out);
+    note_dialogue();
+  }
+  if (tracker_.expected() == 0 || last_stop_us_ == 0) return;
+  const Span period = span_from_seconds(config_.model->frame_period);
+  if (now - last_arrival_ < period + deadline_slack) return;
+  flush(out, false);
+}
+
+bool CompactDriver::is_ours(std::uint32_t sender, Stamp arrival) {
+  if (sender_known_ && sender == sender_) return true;
+  if (sender_known_ && std::chrono::abs(arrival - last_arrival_) <= silence) {
+    if (!warnings_.is_set(SegmentTrouble::other_device))
+      warnings_.set(SegmentTrouble::other_device,
+                    "device " + std::to_string(sender) + " sends to the same place as device " +
+                        std::to_string(sender_) + " and is left out; set ip_address for each");
+    return false;
+  }
+  if (sender_known_)
+    warnings_.set(SegmentTrouble::other_device, "device " + std::to_string(sender_) +
+                                                    " was replaced by device " + std::to_string(sender) +
+                                                    "; check its pose");
+  sender_known_ = true;
+  sender_ = sender;
+  order_.reset();
+  tracker_.restart();
+  first_frame_ = true;
+  clock_.reset();
+  last_stop_us_ = 0;
+  // MSGPACK of older firmware has no serial number.
+  if (sender != 0) info_.serial = std::to_string(sender);
+  return true;
+}
+
+void CompactDriver::set_detail(const char* key, const std::string& value) {
+  for (auto& detail : info_.details) {
+    if (detail.first != key) continue;
+    detail.second = value;
+    return;
+  }
+  info_.details.emplace_back(key, value);
+}
+
+void CompactDriver::note_format() {
+  if (segment_.version == told_version_) return;
+  told_version_ = segment_.version;
+  set_detail("Scan Data Format",
+             told_version_ == 0 ? "MSGPACK" : "Compact, version " + std::to_string(told_version_));
+}
+
+/// Host time of what an inertial unit or encoder measured. Their device time is the scans'; it is taken for
+/// its own where there are no scans or where it is not.
+Stamp CompactDriver::stamp_of(std::uint64_t us, Stamp arrival) {
+  const std::uint64_t apart = us > last_stop_us_ ? us - last_stop_us_ : last_stop_us_ - us;
+  Stamp stamp;
+  if (clock_.ready() && apart < one_clock_us) {
+    stamp = clock_.to_host(device_span(us));
+  } else {
+    side_clock_.observe(device_span(us), arrival);
+    stamp = side_clock_.to_host(device_span(us));
+  }
+  return std::min(stamp, arrival) + config_.time_offset;
+}
+
+Reject CompactDriver::take_imu(ByteView telegram, Stamp arrival, DriverOutput& out) {
+  constexpr std::uint64_t latest_us = 9'000'000'000'000'000;
+  ImuTelegram read;
+  const Reject reason = parse_imu(telegram, read);
+  if (reason != Reject::none) return reason;
+  if (read.time_us > latest_us) return Reject::field;
+  imu_.stamp = stamp_of(read.time_us, arrival);
+  imu_.linear_acceleration = {read.acceleration[0], read.acceleration[1], read.acceleration[2]};
+  imu_.angular_velocity = {read.angular_velocity[0], read.angular_velocity[1], read.angular_velocity[2]};
+  const Eigen::Quaterniond turned(read.orientation[0], read.orientation[1], read.orientation[2],
+                                  read.orientation[3]);
+  imu_.orientation.reset();
+  if (std::fabs(turned.norm() - 1) < 0.1) imu_.orientation = turned.normalized();
+  out.imu(imu_);
+  return Reject::none;
+}
+
+Reject CompactDriver::take_encoder(ByteView telegram, Stamp arrival, DriverOutput& out) {
+  constexpr std::uint64_t latest_us = 9'000'000'000'000'000;
+  EncoderTelegram read;
+  const Reject reason = parse_encoder(telegram, read);
+  if (reason != Reject::none) return reason;
+  if (read.transmit_us > latest_us) return Reject::field;
+  // The time of the tick has lost its upper half in the telegrams of a picoScan150 that are public; that of
+  // the transmission has not, and is near.
+  constexpr std::uint64_t half = 0xffffffffU;
+  auto apart =
+      static_cast<std::int32_t>(static_cast<std::uint32_t>((read.tick_us - read.transmit_us) & half));
+  if (apart < 0 && static_cast<std::uint64_t>(-static_cast<std::int64_t>(apart)) > read.transmit_us)
+    apart = 0;
+  const std::uint64_t us = read.transmit_us + static_cast<std::uint64_t>(static_cast<std::int64_t>(apart));
+  encoder_.stamp = stamp_of(us, arrival);
+  encoder_.values[0].value = static_cast<double>(read.frame);
+  encoder_.values[1].value = read.ticks;
+  encoder_.values[2].value = read.speed;
+  encoder_.values[3].value = read.reference_ticks[0];
+  encoder_.values[4].value = read.reference_ticks[1];
+  for (const std::string_view topic : config_.model->state_topics) {
+    if (topic == encoder_.topic) out.state(encoder_);
+  }
+  return Reject::none;
+}
+
+void CompactDriver::restart() {
+  stream_.cut(counters_);
+  order_.reset();
+  tracker_.restart();
+  frames_->restart();
+  clock_.reset();
+  side_clock_.reset();
+  first_frame_ = true;
+  sender_known_ = false;
+  last_stop_us_ = 0;
+  last_arrival_ = Stamp();
+}
+
+}  // namespace
+
+std::unique_ptr<Driver> make_compact_driver(const DriverConfig& config) {
+  return std::make_unique<CompactDriver>(config);
+}
+
+}  // namespace lidard::sick

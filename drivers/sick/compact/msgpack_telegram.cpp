@@ -1,0 +1,253 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/sick/compact/msgpack_telegram.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "drivers/sick/compact/compact_telegram.h"
+#include "drivers/sick/compact/msgpack_reader.h"
+
+namespace lidard::sick {
+namespace {
+
+// Keys and values of SICK's MSGPACK scan segments, as msgpack_parser.cpp of SICKAG/sick_scan_xd and
+// SICKAG/ScanSegmentAPI name them.
+enum Key : std::uint64_t {
+  key_class = 0x10,
+  key_data = 0x11,
+  key_count = 0x12,
+  key_element_size = 0x13,
+  key_endian = 0x14,
+  key_element_types = 0x15,
+  key_theta = 0x50,
+  key_phi = 0x51,
+  key_distances = 0x52,
+  key_rssi = 0x53,
+  key_properties = 0x54,
+  key_start_time = 0x71,
+  key_stop_time = 0x72,
+  key_theta_start = 0x73,
+  key_theta_stop = 0x74,
+  key_beams = 0x77,
+  key_echoes = 0x78,
+  key_segment = 0x91,
+  key_frame = 0x92,
+  key_sender = 0x94,
+  key_scans = 0x96,
+  key_counter = 0xb0
+};
+constexpr std::uint64_t class_scan = 0x70, class_segment = 0x90;
+constexpr std::uint64_t little_endian = 0x30;
+constexpr std::uint64_t type_f32 = 0x31, type_u32 = 0x32, type_u8 = 0x33, type_u16 = 0x34;
+
+bool element_of(std::uint64_t type, std::uint64_t size, Element& element) {
+  const auto is = [&](std::uint64_t t, std::uint64_t bytes, Element e) {
+    if (type != t || size != bytes) return false;
+    element = e;
+    return true;
+  };
+  return is(type_f32, 4, Element::f32) || is(type_u32, 4, Element::u32) || is(type_u16, 2, Element::u16) ||
+         is(type_u8, 1, Element::u8);
+}
+
+/// A column and how many values it has.
+struct CountedColumn {
+  Column column;
+  std::uint64_t count = 0;
+};
+
+/// Calls `take(key)` at the value of each pair of a map; it must read or skip the value.
+template <class Take>
+bool for_each_pair(MsgpackReader& reader, Take&& take) {
+  std::size_t pairs = 0;
+  if (!reader.map(pairs)) return false;
+  for (std::size_t i = 0; i < pairs; ++i) {
+    std::uint64_t key = 0;
+    if (!reader.unsigned_integer(key) || !take(key)) return false;
+  }
+  return true;
+}
+
+/// An object is {class: .., data: ..}; the data may stand on either side of the class.
+template <class TakeData>
+bool read_object(MsgpackReader& reader, std::uint64_t wanted, TakeData&& take_data) {
+  return for_each_pair(reader, [&](std::uint64_t key) {
+    std::uint64_t name = 0;
+    if (key == key_class) return reader.unsigned_integer(name) && name == wanted;
+    return key == key_data ? take_data() : reader.skip();
+  });
+}
+
+bool read_type(MsgpackReader& reader, std::uint64_t& type) {
+  std::size_t types = 0;
+  return reader.array(types) && types == 1 && reader.unsigned_integer(type);
+}
+
+bool read_column(MsgpackReader& reader, CountedColumn& out) {
+  std::uint64_t size = 0, type = 0, endian = little_endian;
+  ByteView bytes;
+  const bool read = for_each_pair(reader, [&](std::uint64_t key) {
+    if (key == key_count) return reader.unsigned_integer(out.count);
+    if (key == key_element_size) return reader.unsigned_integer(size);
+    if (key == key_endian) return reader.unsigned_integer(endian);
+    if (key == key_element_types) return read_type(reader, type);
+    return key == key_data ? reader.binary(bytes) : reader.skip();
+  });
+  if (!read || endian != little_endian || !element_of(type, size, out.column.element)) return false;
+  if (out.count > max_beams || bytes.size() != out.count * size) return false;
+  out.column.data = out.count > 0 ? bytes.data() : nullptr;
+  out.column.stride = static_cast<std::uint32_t>(size);
+  return true;
+}
+
+/// The columns of one line while its map is read; their lengths are tested when the number of beams is known.
+struct LineColumns {
+  CountedColumn theta, phi, properties;
+  std::array<CountedColumn, max_echoes> distance, rssi;
+  std::size_t distances = 0, rssis = 0;
+};
+
+bool read_columns(MsgpackReader& reader, std::array<CountedColumn, max_echoes>& columns, std::size_t& count) {
+  if (!reader.array(count) || count > max_echoes) return false;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!read_column(reader, columns[i])) return false;
+  }
+  return true;
+}
+
+/// The properties come as a column or as a list with one of them or none.
+bool read_properties(MsgpackReader& reader, CountedColumn& out) {
+  if (reader.next_is_map()) return read_column(reader, out);
+  std::size_t count = 0;
+  if (!reader.array(count) || count > 1) return false;
+  return count == 0 || read_column(reader, out);
+}
+
+bool read_line_map(MsgpackReader& reader, SegmentLine& line, LineColumns& columns) {
+  std::uint64_t beams = 0, echoes = 0;
+  const bool read = for_each_pair(reader, [&](std::uint64_t key) {
+    switch (key) {
+      case key_start_time:
+        return reader.unsigned_integer(line.start_us);
+      case key_stop_time:
+        return reader.unsigned_integer(line.stop_us);
+      case key_theta_start:
+        return reader.number(line.theta_start);
+      case key_theta_stop:
+        return reader.number(line.theta_stop);
+      case key_beams:
+        return reader.unsigned_integer(beams);
+      case key_echoes:
+        return reader.unsigned_integer(echoes);
+      case key_theta:
+        return read_column(reader, columns.theta);
+      case key_phi:
+        return read_column(reader, columns.phi);
+      case key_distances:
+        return read_columns(reader, columns.distance, columns.distances);
+      case key_rssi:
+        return read_columns(reader, columns.rssi, columns.rssis);
+      case key_properties:
+        return read_properties(reader, columns.properties);
+      default:
+        return reader.skip();
+    }
+  });
+  line.beams = beams;
+  line.echoes = echoes;
+  return read;
+}
+
+/// Columns may hold floating-point numbers, and those be none. A distance that is none is no return.
+bool is_finite(const Column& column, std::size_t beams) {
+  for (std::size_t beam = 0; column.sent() && beam < beams; ++beam) {
+    if (!std::isfinite(column[beam])) return false;
+  }
+  return true;
+}
+
+/// Hands the columns to the line if all of them have a value for each beam.
+bool take_columns(const LineColumns& from, SegmentLine& line) {
+  if (line.beams < 1 || line.beams > max_beams) return false;
+  if (line.echoes < 1 || line.echoes != from.distances) return false;
+  if (from.rssis != 0 && from.rssis != line.echoes) return false;
+  const auto fits = [&](const CountedColumn& column) {
+    return !column.column.sent() || column.count == line.beams;
+  };
+  for (std::size_t e = 0; e < line.echoes; ++e) {
+    if (!from.distance[e].column.sent() || !fits(from.distance[e]) || !fits(from.rssi[e])) return false;
+    if (!is_finite(from.rssi[e].column, line.beams)) return false;
+    line.distance[e] = from.distance[e].column;
+    line.rssi[e] = from.rssi[e].column;
+  }
+  if (!fits(from.theta) || !fits(from.properties)) return false;
+  if (!is_finite(from.theta.column, line.beams)) return false;
+  line.theta = from.theta.column;
+  line.properties = from.properties.column;
+  line.theta_zero = 0;
+  line.theta_step = 1;
+  line.metres = 0.001;
+  line.elevation = from.phi.column.sent() && from.phi.count > 0 ? from.phi.column[0] : 0;
+  return is_plausible(line);
+}
+
+bool read_scans(MsgpackReader& reader, Segment& out) {
+  std::size_t scans = 0;
+  if (!reader.array(scans) || scans < 1 || scans > max_lines) return false;
+  out.line_count = 0;
+  for (std::size_t i = 0; i < scans; ++i) {
+    SegmentLine& line = out.lines[i];
+    LineColumns columns;
+    const auto read_data = [&] { return read_line_map(reader, line, columns); };
+    if (!read_object(reader, class_scan, read_data) || !take_columns(columns, line)) return false;
+    ++out.line_count;
+  }
+  return true;
+}
+
+bool read_segment_map(MsgpackReader& reader, Segment& out) {
+  std::uint64_t sender = 0;
+  const bool read = for_each_pair(reader, [&](std::uint64_t key) {
+    switch (key) {
+      case key_counter:
+        return reader.unsigned_integer(out.counter);
+      case key_segment:
+        return reader.unsigned_integer(out.index);
+      case key_frame:
+        return reader.unsigned_integer(out.frame);
+      case key_sender:
+        return reader.unsigned_integer(sender);
+      case key_scans:
+        return read_scans(reader, out);
+      default:
+        return reader.skip();
+    }
+  });
+  out.sender = static_cast<std::uint32_t>(sender);
+  return read;
+}
+
+}  // namespace
+
+Reject parse_msgpack_payload(ByteView payload, Segment& out) {
+  out.version = 0;
+  out.line_count = 0;
+  out.counter = out.frame = out.index = 0;
+  MsgpackReader reader(payload);
+  if (!read_object(reader, class_segment, [&] { return read_segment_map(reader, out); }))
+    return Reject::field;
+  if (!reader.at_end()) return Reject::size;
+  return out.line_count > 0 ? Reject::none : Reject::field;
+}
+
+Reject parse_msgpack(ByteView telegram, Segment& out) {
+  const TelegramHead head = read_head(telegram);
+  if (head.reject != Reject::none) return head.reject;
+  if (head.type != TelegramType::msgpack) return Reject::magic;
+  if (head.length == 0 || head.length != telegram.size()) return Reject::size;
+  constexpr std::size_t head_bytes = 8, checksum_bytes = 4;
+  return parse_msgpack_payload(telegram.sub(head_bytes, telegram.size() - head_bytes - checksum_bytes), out);
+}
+
+}  // namespace lidard::sick

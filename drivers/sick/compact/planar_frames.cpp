@@ -1,0 +1,239 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "drivers/model.h"
+#include "drivers/sick/compact/segment_frames.h"
+#include "drivers/sick/compact/sweep.h"
+
+namespace lidard::sick {
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+constexpr double deg_per_rad = 180 / pi;
+constexpr std::string_view reflectors_topic = "reflectors";
+
+class PlanarFrames final : public SegmentFrames {
+ public:
+  PlanarFrames(const DriverConfig& config, const DeviceClock& clock, SegmentWarnings& warnings)
+      : config_(config), clock_(clock), warnings_(warnings) {
+    for (PlanarScan* scan : {&scan_, &marked_}) {
+      scan->frame_id = config.frame_id;
+      scan->range_min = static_cast<float>(config.model->range_min);
+      scan->range_max = static_cast<float>(config.model->range_max);
+    }
+    scan_.scan_time = static_cast<float>(config.model->frame_period);
+  }
+
+  Reject check(const Segment& segment) override;
+  bool continues(const Segment& segment) const override;
+  void adopt(const Segment& segment) override;
+  void begin(std::size_t slot) override;
+  void add(std::size_t slot, const Segment& segment, std::uint32_t packet) override;
+  bool end(std::size_t slot, const FrameEnd& how, DriverOutput& out) override;
+  void restart() override {
+    stamps_.reset();
+    last_first_us_ = 0;
+  }
+
+ private:
+  struct Window {
+    std::size_t begin = 0, count = 0;
+  };
+  void learn_window(const Sweep& sweep, std::uint64_t segments);
+  Window kept(Window window);
+  void hide_unseen_edges(Window all, Window kept);
+  void publish(const Sweep& sweep, Window all, DriverOutput& out);
+  void set_times(const Sweep& sweep, Window part);
+  void publish_reflectors(const Sweep& sweep, Window kept, DriverOutput& out);
+
+  DriverConfig config_;
+  const DeviceClock& clock_;
+  SegmentWarnings& warnings_;
+  std::optional<SweepGrid> grid_;
+  std::size_t echoes_ = 1;
+  std::array<Sweep, FrameTracker::open_frames> sweeps_;
+  std::vector<std::uint8_t> had_echo_;
+  std::uint64_t window_segments_ = 0;  // of which the window was made; 0: not yet known
+  Window window_;
+  std::size_t first_segment_ = 0, last_segment_ = 0;
+  SteadyStamps stamps_;
+  double beam_us_ = 0;  // from beam to beam, by the last frame that told; 0: none did
+  std::uint64_t last_first_us_ = 0;
+  PlanarScan scan_;
+  PlanarScan marked_;
+};
+
+Reject PlanarFrames::check(const Segment& segment) {
+  const bool planar = segment.line_count == 1;
+  if (planar == warnings_.is_set(SegmentTrouble::layers)) {
+    warnings_.set(SegmentTrouble::layers, planar ? ""
+                                                 : "the device sends " + std::to_string(segment.line_count) +
+                                                       " layers, so it is no " +
+                                                       std::string(config_.model->product) +
+                                                       ": set the model, for instance sick_multiscan136");
+  }
+  if (!planar) return Reject::model;
+  const SegmentLine& line = segment.lines[0];
+  return grid_ || SweepGrid::of(line) ? Reject::none : Reject::field;
+}
+
+bool PlanarFrames::continues(const Segment& segment) const {
+  if (!grid_ || !grid_->holds(segment.lines[0])) return false;
+  return !config_.publish_multiecho || segment.lines[0].echoes == echoes_;
+}
+
+void PlanarFrames::adopt(const Segment& segment) {
+  const auto grid = SweepGrid::of(segment.lines[0]);
+  if (!grid) return;
+  if (grid_) {
+    std::array<char, 160> text{};
+    std::snprintf(text.data(), text.size(),
+                  "the device changed from beams each %.4f deg to %.4f deg or to other angles or echoes; "
+                  "restart whatever expects the former",
+                  grid_->step * deg_per_rad, grid->step * deg_per_rad);
+    warnings_.set(SegmentTrouble::geometry, text.data());
+  }
+  grid_ = grid;
+  echoes_ = config_.publish_multiecho ? segment.lines[0].echoes : 1;
+  had_echo_.assign(grid_->beams, 0);
+  window_segments_ = 0;
+  beam_us_ = 0;
+}
+
+void PlanarFrames::begin(std::size_t slot) {
+  sweeps_[slot].begin(*grid_, echoes_, scan_.range_min, scan_.range_max);
+}
+
+void PlanarFrames::add(std::size_t slot, const Segment& segment, std::uint32_t /*packet*/) {
+  if (sweeps_[slot].add(segment.lines[0], had_echo_) == 0 || warnings_.is_set(SegmentTrouble::uneven)) return;
+  warnings_.set(SegmentTrouble::uneven,
+                "beams of the device are not evenly spaced; each is taken for the nearest even angle, which "
+                "is wrong by up to half a step");
+}
+
+void PlanarFrames::learn_window(const Sweep& sweep, std::uint64_t segments) {
+  const Window found{sweep.first_beam(), sweep.end_beam() - sweep.first_beam()};
+  if (window_segments_ != 0 && (found.begin != window_.begin || found.count != window_.count)) {
+    std::array<char, 160> text{};
+    std::snprintf(text.data(), text.size(),
+                  "the device changed from %zu beams from %.3f deg to %zu beams from %.3f deg; restart "
+                  "whatever expects the former",
+                  window_.count, grid_->angle(window_.begin) * deg_per_rad, found.count,
+                  grid_->angle(found.begin) * deg_per_rad);
+    warnings_.set(SegmentTrouble::geometry, text.data());
+  }
+  window_segments_ = segments;
+  window_ = found;
+  first_segment_ = sweep.first_segment();
+  last_segment_ = sweep.last_segment();
+}
+
+/// The part of the window that the configured angles leave.
+PlanarFrames::Window PlanarFrames::kept(Window window) {
+  // Configured angles are rounded: a beam on the limit is inside.
+  const double slack = 0.01 * grid_->step;
+  std::size_t begin = window.begin, end = window.begin + window.count;
+  while (config_.angle_min && begin < end && grid_->angle(begin) < *config_.angle_min - slack) ++begin;
+  while (config_.angle_max && begin < end && grid_->angle(end - 1) > *config_.angle_max + slack) --end;
+  const bool none = begin == end;
+  if (none != warnings_.is_set(SegmentTrouble::no_beams)) {
+    warnings_.set(SegmentTrouble::no_beams,
+                  none ? "no beam of the device lies between angle_min and angle_max; correct the angles in "
+                         "the configuration"
+                       : "");
+  }
+  return {begin, end - begin};
+}
+
+/// A device whose angle filter hides a part of a segment sends zeros there, as if nothing came back. So the
+/// outermost beams count as not observed until the first echo; only in the first and last segment, since
+/// segments that are hidden altogether are not sent.
+void PlanarFrames::hide_unseen_edges(Window all, Window kept) {
+  const auto hide = [&](std::size_t beam) {
+    if (beam < kept.begin || beam >= kept.begin + kept.count) return;
+    for (std::size_t e = 0; e < scan_.echoes; ++e) {
+      const std::size_t i = scan_.index(beam - kept.begin, e);
+      if (scan_.statuses[i] == BeamStatus::none) scan_.set_without_hit(i, BeamStatus::invalid);
+    }
+  };
+  const std::size_t end = all.begin + all.count;
+  for (std::size_t b = all.begin; b < all.begin + std::min(first_segment_, all.count) && had_echo_[b] == 0;
+       ++b)
+    hide(b);
+  for (std::size_t b = end; b > end - std::min(last_segment_, all.count) && had_echo_[b - 1] == 0; --b)
+    hide(b - 1);
+}
+
+bool PlanarFrames::end(std::size_t slot, const FrameEnd& how, DriverOutput& out) {
+  const Sweep& sweep = sweeps_[slot];
+  if (sweep.is_empty()) return false;
+  if (how.complete() && how.expected != window_segments_) learn_window(sweep, how.expected);
+  const bool wanted = config_.keep_partial || (window_segments_ != 0 && !how.torn);
+  if (!wanted) return false;
+  Window all = window_;
+  if (window_segments_ == 0) {
+    all = {sweep.first_beam(), sweep.end_beam() - sweep.first_beam()};
+    first_segment_ = sweep.first_segment();
+    last_segment_ = sweep.last_segment();
+  }
+  if (kept(all).count == 0) return false;
+  publish(sweep, all, out);
+  return true;
+}
+
+void PlanarFrames::publish(const Sweep& sweep, Window all, DriverOutput& out) {
+  const Window part = kept(all);
+  sweep.copy(part.begin, part.count, echoes_, config_.publish_intensity, scan_);
+  hide_unseen_edges(all, part);
+  set_times(sweep, part);
+  if (config_.model->extra_scans.empty() || sweep.reflectors() == 0) {
+    out.scan(scan_);
+    return;
+  }
+  out.scan(scan_);
+  publish_reflectors(sweep, part, out);
+}
+
+/// Stamp, time from beam to beam and from scan to scan.
+void PlanarFrames::set_times(const Sweep& sweep, Window part) {
+  const SweepTimes times = sweep.times(beam_us_);
+  if (sweep.segments() > 1) beam_us_ = times.beam_us;
+  const double before = static_cast<double>(part.begin) - static_cast<double>(sweep.first_beam());
+  const double to_first_us = times.first_us + times.beam_us * before;
+  const Span first = device_span(sweep.base_us()) + std::chrono::nanoseconds(std::llround(to_first_us * 1e3));
+  scan_.stamp = stamps_.next(clock_.to_host(first) + config_.time_offset);
+  scan_.time_increment = static_cast<float>(times.beam_us * 1e-6);
+  const double turn_s = times.beam_us * 1e-6 * 2 * pi / grid_->step;
+  if (turn_s > 0) scan_.scan_time = static_cast<float>(turn_s);
+  const auto first_us = static_cast<std::uint64_t>(first.count() / 1000);
+  const double since_s =
+      first_us > last_first_us_ ? static_cast<double>(first_us - last_first_us_) * 1e-6 : 0;
+  // A frame may have been lost in between.
+  if (last_first_us_ != 0 && since_s > 0.5 * turn_s && since_s < 1.5 * turn_s)
+    scan_.scan_time = static_cast<float>(since_s);
+  last_first_us_ = first_us;
+}
+
+/// The same scan with nothing but the beams that met a reflector.
+void PlanarFrames::publish_reflectors(const Sweep& sweep, Window kept, DriverOutput& out) {
+  marked_.stamp = scan_.stamp;
+  marked_.time_increment = scan_.time_increment;
+  marked_.scan_time = scan_.scan_time;
+  sweep.copy(kept.begin, kept.count, 1, config_.publish_intensity, marked_);
+  for (std::size_t i = 0; i < kept.count; ++i) {
+    if (!sweep.reflector(kept.begin + i)) marked_.set_without_hit(i, BeamStatus::invalid);
+  }
+  out.extra_scan(reflectors_topic, marked_);
+}
+
+}  // namespace
+
+std::unique_ptr<SegmentFrames> make_planar_frames(const DriverConfig& config, const DeviceClock& clock,
+                                                  SegmentWarnings& warnings) {
+  return std::make_unique<PlanarFrames>(config, clock, warnings);
+}
+
+}  // namespace lidard::sick

@@ -1,0 +1,114 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "core/base/bytes.h"
+#include "core/base/counters.h"
+
+namespace lidard::sick {
+
+/// One beam as the device tells it.
+struct Ms3Beam {
+  std::uint16_t distance;  ///< times Ms3Derived::factor: mm
+  std::uint8_t reflectivity;
+  std::uint8_t status;  ///< Ms3BeamFlag
+
+  bool is(std::uint8_t flag) const { return (status & flag) != 0; }
+};
+
+/// Flags of Ms3Beam::status.
+namespace ms3_beam {
+constexpr std::uint8_t valid = 0x01;
+constexpr std::uint8_t infinite = 0x02;  ///< no echo
+constexpr std::uint8_t glare = 0x04;     ///< the receiver is dazzled
+constexpr std::uint8_t reflector = 0x08;
+constexpr std::uint8_t contamination = 0x10;
+constexpr std::uint8_t contamination_warning = 0x20;
+/// Not described in SICK 8022708 (2019) and not read by SICK's own drivers (sick_safetyscanners_base). In a
+/// recording of a microScan3 (129 scans) 11.5 % of the beams have one or both of them: 79 and 65 % of the
+/// hits with a reflectivity below 20, 2.4 and 3.2 % of those from 30 on; the second alone stands at steps
+/// from one surface to another, also of bright ones. So they may mark weak and mixed echoes, which is
+/// unverified. The distances are as steady as others', and count.
+constexpr std::uint8_t unknown_6 = 0x40;
+constexpr std::uint8_t unknown_7 = 0x80;
+}  // namespace ms3_beam
+
+/// What the data output was configured to, as the device rounded it.
+struct Ms3Derived {
+  std::uint16_t factor;              ///< raw distance times this is mm
+  std::uint16_t beams;               ///< number of beams
+  std::uint16_t scan_time_ms;        ///< ms
+  double start_deg;                  ///< of the first beam; 0 is right of the device, counter-clockwise
+  double step_deg;                   ///< deg between neighbouring beams
+  std::uint32_t beam_period_us;      ///< us between neighbouring beams
+  std::int32_t raw_start, raw_step;  ///< the angles in 1/4194304 deg
+};
+
+/// General system state. Cut-off paths are bits, path 1 first; a set bit of `safe_paths` and
+/// `non_safe_paths` is the ON state (field free).
+struct Ms3State {
+  bool run_mode, standby, contamination_warning, contamination_error, reference_contour, manipulation;
+  std::uint32_t safe_paths, non_safe_paths, reset_required_paths;
+  std::array<std::uint8_t, 4> monitoring_case;  ///< of tables 1-4
+  bool application_error, device_error;
+};
+
+/// Application data, inputs and outputs. Flags say which of the values are valid.
+struct Ms3Application {
+  std::uint32_t unsafe_inputs, unsafe_inputs_flags;
+  std::array<std::uint16_t, 20> case_inputs;
+  std::uint32_t case_inputs_flags;
+  std::array<std::int16_t, 2> velocity_inputs;
+  std::uint8_t velocity_inputs_flags;  ///< bits 0, 1 valid; bits 4, 5 safe
+  std::uint8_t sleep_input;
+  std::uint32_t evaluation_paths, evaluation_safe, evaluation_valid;
+  std::array<std::uint16_t, 20> cases;  ///< active monitoring case per table
+  std::uint32_t cases_flags;
+  std::uint8_t
+      error_flags_unverified;  ///< contamination warning, error, manipulation, glare, contour, critical
+  std::uint8_t standby_state;  ///< 1 standby, 2 not in standby
+  std::array<std::int16_t, 2> velocities;
+  std::uint8_t velocities_flags;
+  std::array<std::int16_t, 20> resulting_velocities;
+  std::uint32_t resulting_velocities_flags;
+  std::uint8_t valid_flags;  ///< bit 0 standby state, bit 1 error flags
+};
+
+/// One instance of the data output of a microScan3, nanoScan3 or outdoorScan3 ("MS3 MD"), all blocks.
+/// The views point into the bytes that were parsed. Blocks that are switched off are empty.
+struct Ms3Telegram {
+  std::uint8_t version_major, version_minor, version_release;
+  std::uint32_t serial, plug_serial;
+  std::uint8_t channel;
+  std::uint32_t sequence;  ///< counts the data sets sent on this channel
+  std::uint32_t scan;      ///< counts scans; does not move in standby
+  std::uint16_t date;      ///< days since 1972-01-01, or since power-up where no clock is set
+  std::uint32_t time_ms;   ///< ms since midnight, when the data set was made (not when it was measured)
+
+  std::optional<Ms3State> state;
+  std::optional<Ms3Derived> derived;
+  bool has_measurement;
+  ByteView beam_bytes;
+  std::array<ByteView, 24> intrusion;  ///< per cut-off path: bits of interrupted beams, first beam in bit 0
+  std::optional<Ms3Application> application;
+  ByteView local_io;          ///< sixth block, not described in SICK 8022708 (2019): raw
+  bool has_unreadable_block;  ///< a status block is shorter than we know it; it was left out
+
+  std::size_t beams() const { return beam_bytes.size() / 4; }
+  Ms3Beam beam(std::size_t i) const {
+    const std::uint8_t* p = beam_bytes.data() + 4 * i;
+    return {static_cast<std::uint16_t>(p[0] | p[1] << 8U), p[2], p[3]};
+  }
+  /// True if any beam of the cut-off path (0-23) is interrupted.
+  bool is_intruded(std::size_t path) const;
+};
+
+/// Reads one instance. Every offset, length and count is checked; Reject::none if the telegram can be used.
+Reject parse_ms3_telegram(ByteView instance, Ms3Telegram& telegram);
+
+}  // namespace lidard::sick

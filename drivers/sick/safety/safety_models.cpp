@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/sick/safety/safety_models.h"
+
+#include "drivers/sick/safety/ms3_reassembler.h"
+#include "drivers/sick/safety/safety_driver.h"
+#include "drivers/sick/safety/safety_topics.h"
+
+namespace lidard::sick {
+namespace {
+
+// 0 deg is right of the device, counter-clockwise (SICK 8022708 p. 15).
+constexpr SafetyRow safety_row = {90};
+
+// The port is chosen in Safety Designer; 6060 is what most examples for these devices use.
+constexpr std::uint16_t usual_port = 6060;
+/// 2751 beams (275 deg in steps of 0.1 deg) with all blocks are 14 datagrams, each 40 ms. Unverified.
+constexpr double highest_rate = 350;
+// As sick_safetyscanners has it; unverified.
+constexpr double range_min = 0.1;
+
+/// CoLa 2 (SICK 8022708 p. 28).
+constexpr std::uint16_t settings_port = 2122;
+
+Model scanner(const char* name, const char* product, double frame_period, double range_max,
+              const char* verified) {
+  Model model{name,       "SICK",   product,      "MS3 MD",          FrameKind::scan, Transport::udp,
+              usual_port, 0,        highest_rate, frame_period,      range_min,       range_max,
+              0,          verified, &safety_row,  make_safety_driver};
+  model.dialogue_port = settings_port;
+  model.state_topics = {safety_topic::system_state, safety_topic::output_paths};
+  model.extra_scans = {safety_topic::intrusion, safety_topic::beam_status};
+  return model;
+}
+
+}  // namespace
+
+// Ranges by type code, as sick_safetyscanners_base derives them: ..30.., ..40.., ..55.. are 40 m, ..90.. is
+// 64 m. Scan cycle times: microScan3 30 or 40 ms, the others unverified.
+void append_safety_models(std::vector<Model>& list) {
+  const char* recorded =
+      "1 capture and the telegrams printed in SICK 8022708; two flags of its beams are unknown";
+  const char* printed = "no capture of a device; sends what a microScan3 sends";
+  list.push_back(scanner("sick_microscan3", "microScan3", 0.03, 40, recorded));
+  list.push_back(scanner("sick_microscan3_9m", "microScan3 9.0 m", 0.04, 64, printed));
+  list.push_back(scanner("sick_nanoscan3", "nanoScan3", 0.03, 40, printed));
+  list.push_back(scanner("sick_outdoorscan3", "outdoorScan3", 0.04, 40, printed));
+}
+
+bool looks_like_ms3(ByteView payload) {
+  Ms3Datagram datagram;
+  return read_ms3_datagram(payload, datagram) == Reject::none;
+}
+
+}  // namespace lidard::sick

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/device_clock.h"
+#include "core/base/time.h"
+
+namespace lidard::sick {
+
+/// The scan number as a clock: it counts turns of the mirror, which are a crystal's, while the device's own
+/// time stamps jitter and belong to no beam (SICK 8022708 p. 11).
+class ScanClock {
+ public:
+  explicit ScanClock(ClockMode mode) : clock_(mode) {}
+
+  /// Host time of the last beam of scan `number`, whose first datagram came at `arrival`.
+  Stamp end_of_scan(std::uint32_t number, Span scan_time, Stamp arrival);
+  /// The scan number stands still while time goes on (standby): the next scan starts afresh.
+  void pause() { paused_ = true; }
+  void reset() { started_ = false; }
+  /// Restarts because the device or the host clock jumped.
+  std::uint64_t steps() const { return clock_.steps() + restarts_; }
+
+ private:
+  bool continues(std::uint32_t number, Span scan_time, Stamp arrival) const;
+
+  DeviceClock clock_;
+  bool started_ = false;
+  bool paused_ = false;
+  std::uint64_t restarts_ = 0;
+  std::uint32_t number_ = 0;
+  Span scan_time_{0};
+  Span device_{0};
+  Stamp arrival_;
+};
+
+}  // namespace lidard::sick

@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+// What is between two rings: tops of things near the plane of a virtual scan.
+#include <gtest/gtest.h>
+
+#include "test/core/virtual/cut_bench.h"
+
+namespace lidard::test::cut {
+namespace {
+
+sim::Object turned_box(const Eigen::Vector3d& center, const Eigen::Vector3d& size, double yaw) {
+  sim::Object object = box(center, size);
+  object.pose = make_pose(center, {0, 0, yaw});
+  return object;
+}
+
+double truth(const sim::Yard& yard, const Pose& frame, double angle) {
+  const Eigen::Vector3d way(std::cos(angle), std::sin(angle), 0);
+  return yard.cast({frame.translation(), frame.linear() * way}, false);
+}
+
+/// A block of that height, seen over a corner; the ring at -7 degrees meets it, the one at -5 degrees passes
+/// over it everywhere.
+struct Block {
+  sim::Yard yard;
+  Cut cut;
+  Block(double height, double away, double wall_away = 25) {
+    yard.objects = {turned_box({away, 0, height / 2}, {1.6, 1.6, height}, 45 * degree),
+                    wall(wall_away, -40, wall_away, 40)};
+    cut.make(seen(yard, lidar16()), lidar16().pose);
+  }
+  double at(const PlanarScan& scan, double deg) { return cut.range(scan, deg * degree); }
+  double truth_at(double deg) const { return truth(yard, cut.frame, deg * degree); }
+};
+
+TEST(PlaneTops, AThingReachesThePlaneWhereAnyOfItsReturnsDoes) {
+  Block block(0.65, 12.8);
+  for (double deg = -4; deg <= 4; deg += 0.5) {
+    ASSERT_LT(block.truth_at(deg), 14) << deg;
+    EXPECT_NEAR(block.at(block.cut.safety, deg), block.truth_at(deg), 0.15) << deg;
+  }
+}
+
+TEST(PlaneTops, AThingDoesNotReachThePlaneWhereItsTopIsSeenBeneath) {
+  // Its front is square to the beams, and the ring meets its top: at one distance all along.
+  sim::Yard yard;
+  yard.objects = {box({12.9, 0, 0.2}, {2.4, 3, 0.4}), wall(25, -40, 25, 40)};
+  Cut cut;
+  cut.make(seen(yard, lidar16()), lidar16().pose);
+  for (double deg = -4; deg <= 4; deg += 0.5) {
+    EXPECT_NEAR(cut.range(cut.safety, deg * degree), truth(yard, cut.frame, deg * degree), 0.05) << deg;
+    EXPECT_NEAR(cut.range(cut.strict, deg * degree), truth(yard, cut.frame, deg * degree), 0.05) << deg;
+  }
+}
+
+TEST(PlaneTops, WhatNobodyKnowsIsUnobservedInStrict) {
+  // Its returns are up to 0.33 m high, the next beam passes at 0.7 m: the top may be anywhere in between.
+  Block block(0.45, 14.7, 16.6);
+  int silent = 0;
+  for (double deg = -3; deg <= 3; deg += 0.5) {
+    const double range = block.at(block.cut.strict, deg);
+    silent += std::isnan(range) ? 1 : 0;
+    EXPECT_FALSE(range < 16) << deg;
+  }
+  EXPECT_GT(silent, 6);
+  // Of safety the wall behind is a hit, whose way proves nothing; beside the block it is free from where the
+  // lowest ring, at -15 degrees, crosses the plane.
+  const PlanarScan& safety = block.cut.safety;
+  const std::size_t ahead = block.cut.grid.nearest(0);
+  const std::size_t beside = block.cut.grid.nearest(20 * degree);
+  ASSERT_EQ(safety.statuses[ahead], BeamStatus::hit);
+  EXPECT_EQ(safety.free_from[ahead], safety.ranges[ahead]);
+  ASSERT_EQ(safety.statuses[beside], BeamStatus::hit);
+  EXPECT_NEAR(safety.free_from[beside], 1.5 / std::tan(15 * degree), 0.2);
+}
+
+TEST(PlaneTops, AWallGoesDownToThePlaneBehindAThingThatHidesItsFoot) {
+  // From beside the lidar a virtual beam passes the thing and meets the wall where no ring does.
+  sim::Yard yard;
+  yard.objects = {box({8, 0, 0.55}, {0.5, 3, 1.1}), wall(22, -40, 22, 40)};
+  Cut cut;
+  cut.frame = make_pose({0, 3, plane_height}, {0, 0, 0});
+  cut.make(seen(yard, lidar16()), lidar16().pose);
+  int hidden = 0;
+  for (double deg = -9; deg <= -2; deg += 0.5) {
+    const double expected = truth(yard, cut.frame, deg * degree);
+    if (expected < 10) continue;
+    ++hidden;
+    EXPECT_NEAR(cut.range(cut.safety, deg * degree), expected, 0.05) << deg;
+  }
+  EXPECT_GT(hidden, 8);
+}
+
+}  // namespace
+}  // namespace lidard::test::cut

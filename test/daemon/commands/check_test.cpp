@@ -1,0 +1,101 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/commands/check.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+
+#include "daemon/config/config.h"
+
+namespace lidard {
+namespace {
+
+class Check : public ::testing::Test {
+ protected:
+  Check() : path_(::testing::TempDir() + "lidard_check_" + std::to_string(getpid()) + ".yaml") {}
+  ~Check() override { std::remove(path_.c_str()); }
+  int check(const std::string& text) {
+    std::ofstream(path_) << text;
+    return run_check(path_, out_, err_);
+  }
+
+  std::string path_;
+  std::ostringstream out_;
+  std::ostringstream err_;
+};
+
+TEST_F(Check, PrintsTheCompleteConfiguration) {
+  EXPECT_EQ(check("sensors: {roof: {model: velodyne_vlp16}}\n"), 0);
+  EXPECT_EQ(err_.str(), "");
+  EXPECT_EQ(out_.str(), to_yaml(parse_config(out_.str(), "f")));
+  EXPECT_NE(out_.str().find("ip_port: 2368"), std::string::npos);
+}
+
+TEST_F(Check, RemarksAreNoErrors) {
+  EXPECT_EQ(check("sensors: {rear: {topic: scan}}\n"), 0);
+  EXPECT_EQ(err_.str(), path_ + ":1:11: sensors.rear is used by no merged and no virtual scan\n");
+  EXPECT_NE(out_.str(), "");
+}
+
+TEST_F(Check, WhatOnlyTfOrAnotherNodeCanTellIsSaidAtOnce) {
+  EXPECT_EQ(check("sensors:\n"
+                  "  front: {model: sick_microscan3, ip_address: 192.168.0.21, pose: {xyz: [1, 0, 0]}}\n"
+                  "  back: {model: sick_microscan3, ip_address: 192.168.0.22}\n"
+                  "  rear: {topic: /rear/scan}\n"
+                  "merged_scans:\n"
+                  "  all: {laserscan_topics: [front, back, rear]}\n"
+                  "  known: {laserscan_topics: [front]}\n"
+                  "  same_frame: {laserscan_topics: [back], destination_frame: back}\n"
+                  "  nowhere: {laserscan_topics: [front], destination_frame: gripper}\n"),
+            0);
+  EXPECT_EQ(err_.str(),
+            path_ +
+                ":6:3: merged_scans.all: the poses of back, rear come from tf only; without tf (replay "
+                "--bag, snapshot) what needs it is left out: configure it\n" +
+                path_ +
+                ":6:3: merged_scans.all: rear comes from /rear/scan, which another node must publish; a "
+                "replay of captures is without it\n" +
+                path_ +
+                ":9:3: merged_scans.nowhere: the pose of destination_frame gripper comes from tf only; "
+                "without tf (replay --bag, snapshot) nothing comes out: configure it\n");
+}
+
+TEST_F(Check, AVirtualScanWhoseFrameOrCloudHasNoPoseIsSaidAtOnce) {
+  EXPECT_EQ(
+      check("sensors:\n"
+            "  roof: {model: velodyne_vlp16, pose: {xyz: [0, 0, 2]}}\n"
+            "  mast: {model: velodyne_vlp16, ip_port: 2369}\n"
+            "virtual_scans:\n"
+            "  some: {cloud_topic: roof, virtual_laser_scan: [low, high], poses: {low: {xyz: [0, 0, 1]}}}\n"
+            "  own: {cloud_topic: mast, virtual_laser_scan: [mast]}\n"
+            "  proof: {cloud_topic: mast, virtual_laser_scan: [chest], profile: strict,\n"
+            "    poses: {chest: {xyz: [0, 0, 1]}}}\n"),
+      0)
+      << err_.str();
+  EXPECT_EQ(err_.str(),
+            path_ +
+                ":5:3: virtual_scans.some: the pose of high comes from tf only; without tf (replay --bag, "
+                "snapshot) what needs it is left out: configure it\n" +
+                path_ +
+                ":7:3: virtual_scans.proof: the pose of mast comes from tf only; without tf (replay "
+                "--bag, snapshot) nothing comes out: configure it\n");
+}
+
+TEST_F(Check, MistakesGiveExitCode78AndOneLine) {
+  EXPECT_EQ(check("sensors: {rear: {topc: scan}}\n"), 78);
+  EXPECT_EQ(out_.str(), "");
+  EXPECT_EQ(err_.str(), path_ + ":1:18: unknown key sensors.rear.topc; expected topic\n");
+}
+
+TEST_F(Check, AMissingFileGivesExitCode78) {
+  EXPECT_EQ(run_check("/nowhere.yaml", out_, err_), 78);
+  EXPECT_EQ(err_.str(),
+            "/nowhere.yaml: cannot be read: No such file or directory; expected a readable YAML file\n");
+}
+
+}  // namespace
+}  // namespace lidard

@@ -1,0 +1,153 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "test/daemon/config/config_support.h"
+
+namespace lidard {
+namespace {
+
+using test::error_of;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+/// A VLP-16 named roof with this `control:`, whose first key stands at line 1, column 78.
+std::string roof(const std::string& control) {
+  return "sensors: {roof: {model: velodyne_vlp16, ip_address: 192.168.1.201, control: {" + control + "}}}\n";
+}
+const std::string at = "f:1:";
+
+VelodyneControl control_of(const std::string& control) {
+  return parse_config(roof(control), "f").sensors.at(0).control;
+}
+
+TEST(ControlConfig, ReadsAndWritesNothingByDefault) {
+  const Config config = parse_config("sensors: {roof: {model: velodyne_vlp16}}", "f");
+  for (const VelodyneControl& control : {config.sensors.at(0).control, control_of("")}) {
+    EXPECT_FALSE(control.read);
+    EXPECT_FALSE(control.allow_write);
+    EXPECT_FALSE(control.save);
+    EXPECT_FALSE(control.wanted.any());
+    EXPECT_EQ(control.port, 80);
+    EXPECT_EQ(control.period, std::chrono::seconds(10));
+  }
+  EXPECT_FALSE(control_of("allow_write: true").read);
+}
+
+TEST(ControlConfig, TakesEveryKey) {
+  const VelodyneControl control = control_of(
+      "allow_write: true, port: 8080, rpm: 900, returns: dual, laser: on, fov: {start_deg: 270, end_deg: "
+      "90}, "
+      "phase_lock: {enabled: true, offset_deg: 90.25}, save: true, period: 3.5, "
+      "host: {address: 192.168.1.77, port: 2368, telemetry_port: 8309}");
+  EXPECT_TRUE(control.read) << "a wanted setting asks for the reading too";
+  EXPECT_TRUE(control.allow_write);
+  EXPECT_TRUE(control.save);
+  EXPECT_EQ(control.port, 8080);
+  EXPECT_EQ(control.period, std::chrono::milliseconds(3500));
+  const VelodyneSettings& wanted = control.wanted;
+  EXPECT_EQ(wanted.rpm, 900);
+  EXPECT_EQ(wanted.returns, VelodyneReturns::dual);
+  EXPECT_EQ(wanted.laser, true);
+  EXPECT_EQ(wanted.fov_start_deg, 270);
+  EXPECT_EQ(wanted.fov_end_deg, 90);
+  EXPECT_EQ(wanted.phase_lock, true);
+  EXPECT_EQ(wanted.phase_lock_offset, 9025);
+  EXPECT_EQ(wanted.host_address, IpAddress::v4(192, 168, 1, 77));
+  EXPECT_EQ(wanted.host_port, 2368);
+  EXPECT_EQ(wanted.host_telemetry_port, 8309);
+}
+
+TEST(ControlConfig, RefusesAWishWithoutPermissionToWrite) {
+  const std::string why =
+      "asks to change the sensor, but control.allow_write is not true; expected allow_write: true beside it, "
+      "or "
+      "no such key";
+  EXPECT_EQ(error_of(roof("rpm: 600")), "f:1:78: sensors.roof.control.rpm " + why);
+  EXPECT_EQ(error_of(roof("allow_write: false, returns: last")),
+            "f:1:98: sensors.roof.control.returns " + why);
+  EXPECT_THAT(error_of(roof("read: true, save: true")), HasSubstr("control.save " + why));
+  for (const char* wish : {"laser: off", "fov: {start_deg: 0, end_deg: 90}", "phase_lock: {enabled: false}",
+                           "host: {port: 2368}"}) {
+    EXPECT_THAT(error_of(roof(wish)), HasSubstr(why)) << wish;
+  }
+}
+
+TEST(ControlConfig, RefusesValuesThatTheSensorWouldNotTake) {
+  const std::string prefix = "allow_write: true, ";
+  const std::vector<std::pair<std::string, std::string>> wrong = {
+      {"rpm: 299", "rpm is 299; expected a whole number from 300 to 1200"},
+      {"rpm: 1260", "rpm is 1260; expected"},
+      {"rpm: 601", "rpm is 601; expected a multiple of 60 from 300 to 1200"},
+      {"returns: all", "returns is \"all\"; expected strongest, last or dual"},
+      {"laser: bright", "laser is \"bright\"; expected true or false"},
+      {"fov: {start_deg: 360, end_deg: 9}", "fov.start_deg is 360; expected a whole number from 0 to 359"},
+      {"fov: {start_deg: 0.5, end_deg: 9}", "fov.start_deg is \"0.5\"; expected"},
+      {"fov: {start_deg: 0, end_deg: 361}", "fov.end_deg is 361; expected a whole number from 0 to 360"},
+      {"fov: {start_deg: 9, end_deg: 9}", "fov.end_deg is start_deg too"},
+      {"fov: {start_deg: 9}", "fov has no end_deg"},
+      {"phase_lock: {offset_deg: 1}", "phase_lock has no enabled"},
+      {"phase_lock: {enabled: on, offset_deg: 361}", "phase_lock.offset_deg is 361"},
+      {"phase_lock: {enabled: on, offset_deg: 0.001}", "expected a multiple of 0.01 degrees"},
+      {"host: {address: roof.local}", "host.address is \"roof.local\"; expected the IPv4 address"},
+      {"host: {address: 'fe80::1'}", "host.address is \"fe80::1\""},
+      {"host: {address: 0.0.0.0}", "host.address is \"0.0.0.0\""},
+      {"host: {port: 0}", "host.port is 0; expected a whole number from 1 to 65535"},
+      {"port: 65536", "control.port is 65536"},
+      {"period: 1", "control.period is 1; expected a number from 3 to 3600 s"},
+      {"rpms: 600", "unknown key sensors.roof.control.rpms; expected rpm"},
+      {"save: true", "control.save is given, but no setting to save"},
+      {"read: false, rpm: 600", "control.read is false, so nobody could tell whether a setting differs"},
+  };
+  for (const auto& [text, message] : wrong) {
+    const std::string error = error_of(roof(prefix + text));
+    EXPECT_THAT(error, HasSubstr(message)) << text;
+    EXPECT_THAT(error, StartsWith(at)) << text;
+  }
+}
+
+TEST(ControlConfig, NeedsTheSensorsAddress) {
+  EXPECT_EQ(error_of("sensors: {roof: {model: velodyne_vlp16, control: {read: true}}}"),
+            "f:1:41: sensors.roof.control needs the sensor's address; expected ip_address: of the sensor");
+}
+
+TEST(ControlConfig, IsRefusedForOtherSensors) {
+  EXPECT_EQ(
+      error_of("sensors: {a: {model: sick_microscan3, control: {read: true}}}"),
+      "f:1:39: sensors.a.control is not available for sick_microscan3, which has no web interface that is "
+      "known; expected no such key: it applies to Velodynes other than the HDL-64E");
+  EXPECT_THAT(error_of("sensors: {a: {model: velodyne_hdl64e_s3, control: {read: true}}}"),
+              HasSubstr("sensors.a.control is not available for velodyne_hdl64e_s3"));
+  EXPECT_THAT(error_of("sensors: {a: {topic: /scan, control: {read: true}}}"),
+              HasSubstr("sensors.a.control does not apply to a source with topic:"));
+}
+
+TEST(ControlConfig, WarnsWhereTheSensorWouldSendElsewhere) {
+  const Config config = parse_config(roof("allow_write: true, host: {port: 2400}"), "f");
+  ASSERT_EQ(config.warnings.size(), 1U);
+  EXPECT_THAT(config.warnings[0],
+              HasSubstr("control.host.port makes the sensor send to a port that is not its ip_port, 2368"));
+}
+
+TEST(ControlConfig, IsEmittedSoThatItReadsBackToTheSame) {
+  EXPECT_THAT(
+      to_yaml(parse_config("sensors: {roof: {model: velodyne_vlp16}}", "f")),
+      HasSubstr("    control: {read: false, allow_write: false, port: 80, save: false, period: 10}\n"));
+  const std::string yaml = to_yaml(parse_config(
+      roof("allow_write: true, rpm: 900, returns: last, laser: off, fov: {start_deg: 270, end_deg: 360}, "
+           "save: "
+           "on, phase_lock: {enabled: off, offset_deg: 0.07}, host: {address: 239.0.0.1, port: 2368, "
+           "telemetry_port: 1}, period: 12.25"),
+      "f"));
+  EXPECT_THAT(
+      yaml,
+      HasSubstr(
+          "control: {read: true, allow_write: true, port: 80, rpm: 900, returns: last, laser: false, fov: "
+          "{start_deg: 270, end_deg: 360}, phase_lock: {enabled: false, offset_deg: 0.07}, host: "
+          "{address: 239.0.0.1, port: 2368, telemetry_port: 1}, save: true, period: 12.25}\n"));
+  EXPECT_EQ(to_yaml(parse_config(yaml, "g")), yaml);
+}
+
+}  // namespace
+}  // namespace lidard

@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "daemon/config/config.h"
+#include "test/support/captures.h"
+
+namespace lidard {
+namespace {
+
+std::vector<std::string> examples() {
+  std::vector<std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(test::project_file("config"))) {
+    if (entry.path().extension() == ".yaml") files.push_back(entry.path().string());
+  }
+  return files;
+}
+
+std::vector<ScanGridSpec> grids_of(const Config& config) {
+  std::vector<ScanGridSpec> grids;
+  for (const auto& scan : config.merged_scans) grids.push_back(scan.output.grid);
+  for (const auto& scan : config.virtual_scans) grids.push_back(scan.output.grid);
+  return grids;
+}
+
+/// The number of ranges that slam_toolbox expects of a LaserScan with these (float) angles.
+std::size_t expected_by_slam_toolbox(const PlanarScan& scan) {
+  const double span = static_cast<double>(scan.angle_max) - static_cast<double>(scan.angle_min);
+  const auto increment = static_cast<double>(scan.angle_increment);
+  const bool full_turn = std::abs(span - 2 * M_PI) < increment - 1e-6;
+  return static_cast<std::size_t>(std::lround(span / increment)) + (full_turn ? 0U : 1U);
+}
+
+TEST(ExampleConfigs, AreAllRead) {
+  const std::vector<std::string> files = examples();
+  EXPECT_GE(files.size(), 4U);
+  for (const std::string& file : files) {
+    const Config config = load_config(file);
+    EXPECT_TRUE(config.warnings.empty()) << config.warnings.front();
+    EXPECT_EQ(to_yaml(parse_config(to_yaml(config), "again")), to_yaml(config)) << file;
+  }
+}
+
+TEST(ExampleConfigs, NameTheAddressOfEachSensor) {
+  for (const std::string& file : examples()) {
+    for (const SensorConfig& sensor : load_config(file).sensors)
+      EXPECT_TRUE(sensor.model == nullptr || sensor.ip_address) << file << ": " << sensor.name;
+  }
+}
+
+TEST(ExampleConfigs, GiveScansThatSlamToolboxAccepts) {
+  std::size_t checked = 0;
+  for (const std::string& file : examples()) {
+    for (const ScanGridSpec& spec : grids_of(load_config(file))) {
+      std::string error;
+      const auto grid = make_grid(spec, error);
+      ASSERT_TRUE(grid) << file << ": " << error;
+      PlanarScan scan;
+      grid->prepare(scan, false);
+      const std::size_t expected = expected_by_slam_toolbox(scan);
+      // A full turn without its repeated last beam is accepted with either count.
+      EXPECT_TRUE(scan.ranges.size() == expected || (grid->full_circle && scan.ranges.size() == expected + 1))
+          << file << ": " << scan.ranges.size() << " beams, slam_toolbox expects " << expected;
+      EXPECT_LT(scan.ranges.size(), gmapping_beam_limit) << file;
+      ++checked;
+    }
+  }
+  EXPECT_GE(checked, 4U);
+}
+
+TEST(ExampleConfigs, TheDemoVehicleIsTheOneOfTheDocumentation) {
+  const Config config = load_config(test::project_file("config/demo.yaml"));
+  const SensorConfig* left = config.find_sensor("front_left");
+  ASSERT_NE(left, nullptr);
+  EXPECT_EQ(left->model, find_model("sick_microscan3"));
+  EXPECT_EQ(left->ip_address, IpAddress::v4(192, 168, 0, 21));
+  EXPECT_TRUE(left->pose->isApprox(make_pose({0, 1, 0.35}, {0, 0, M_PI / 4}), 1e-9));
+  const SensorConfig* roof = config.find_sensor("roof");
+  ASSERT_NE(roof, nullptr);
+  EXPECT_EQ(roof->ip_port, 2368);
+  EXPECT_EQ(config.merged_scans.at(0).cloud_destination_topic, "merged_cloud");
+  EXPECT_EQ(config.virtual_scans.at(0).poses.size(), 2U);
+}
+
+}  // namespace
+}  // namespace lidard

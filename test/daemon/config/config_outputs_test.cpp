@@ -1,0 +1,339 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "test/daemon/config/config_support.h"
+
+namespace lidard {
+namespace {
+
+using test::error_of;
+using test::merged_error;
+using test::roof_and_rear;
+using test::virtual_error;
+using ::testing::ElementsAre;
+using ::testing::StartsWith;
+
+Config with_outputs(const std::string& text) { return parse_config(roof_and_rear + text, "f"); }
+
+TEST(MergedScanConfig, GetsItsDefaults) {
+  const Config config = with_outputs("merged_scans: {m: {laserscan_topics: [rear]}}\n");
+  const MergedScanConfig& merged = config.merged_scans.at(0);
+  EXPECT_EQ(merged.name, "m");
+  EXPECT_THAT(merged.laserscan_topics, ElementsAre("rear"));
+  EXPECT_EQ(merged.destination_frame, "base_link");
+  ASSERT_TRUE(merged.destination_pose);
+  EXPECT_TRUE(merged.destination_pose->isApprox(Pose::Identity()));
+  EXPECT_EQ(merged.scan_destination_topic, "m");
+  EXPECT_EQ(merged.cloud_destination_topic, "");
+  EXPECT_EQ(merged.schedule.lost_after, std::chrono::milliseconds(400));
+  EXPECT_EQ(merged.output.profile, Profile::flatten);
+  EXPECT_EQ(merged.output.empty, EmptyBeam::inf);
+  EXPECT_FALSE(merged.output.min_height || merged.output.max_height);
+  EXPECT_EQ(merged.output.grid.beams, 1440U);
+  EXPECT_EQ(merged.output.grid.range_min, 0);
+  EXPECT_EQ(merged.output.grid.range_max, 100);
+}
+
+TEST(MergedScanConfig, TakesTheParametersOfTheAncestor) {
+  const Config config = with_outputs(
+      "merged_scans:\n"
+      "  m:\n"
+      "    destination_frame: cart_frame\n"
+      "    cloud_destination_topic: /merged_cloud\n"
+      "    scan_destination_topic: /scan_multi\n"
+      "    laserscan_topics: ' /rear '\n"
+      "    angle_min: -2.36\n"
+      "    angle_max: 2.36\n"
+      "    angle_increment: 0.0058\n"
+      "    time_increment: 0.0001\n"
+      "    scan_time: 0.0333333\n"
+      "    range_min: 0.45\n"
+      "    range_max: 25.0\n");
+  const MergedScanConfig& merged = config.merged_scans.at(0);
+  EXPECT_EQ(merged.destination_frame, "cart_frame");
+  EXPECT_FALSE(merged.destination_pose);
+  EXPECT_EQ(merged.cloud_destination_topic, "/merged_cloud");
+  EXPECT_EQ(merged.scan_destination_topic, "/scan_multi");
+  EXPECT_THAT(merged.laserscan_topics, ElementsAre("rear"));
+  const ScanGridSpec& grid = merged.output.grid;
+  EXPECT_EQ(grid.angle_min, -2.36);
+  EXPECT_EQ(grid.angle_max, 2.36);
+  EXPECT_EQ(grid.angle_increment.value(), 0.0058);
+  EXPECT_FALSE(grid.beams);
+  EXPECT_EQ(grid.time_increment, 0.0001);
+  EXPECT_EQ(grid.scan_time, 0.0333333);
+  EXPECT_EQ(grid.range_min, 0.45);
+  EXPECT_EQ(grid.range_max, 25.0);
+}
+
+TEST(MergedScanConfig, TakesOurOwnKeys) {
+  const Config config = with_outputs(
+      "merged_scans: {m: {laserscan_topics: rear, profile: flatten, empty: range_max_plus_one, min_height: "
+      "-0.2, max_height: 1.5, lost_after: 0.1, beams: 720, destination_frame: x, destination_pose: {xyz: [1, "
+      "0, 0]}}}\n");
+  const MergedScanConfig& merged = config.merged_scans.at(0);
+  EXPECT_EQ(merged.output.empty, EmptyBeam::range_max_plus_one);
+  EXPECT_EQ(merged.output.min_height, -0.2);
+  EXPECT_EQ(merged.output.max_height, 1.5);
+  EXPECT_EQ(merged.schedule.lost_after, std::chrono::milliseconds(100));
+  EXPECT_EQ(merged.output.grid.beams, 720U);
+  ASSERT_TRUE(merged.destination_pose);
+  EXPECT_EQ(merged.destination_pose->translation().x(), 1);
+}
+
+TEST(MergedScanConfig, TakesItsRangesFromTheModels) {
+  const Config config =
+      parse_config("sensors: {a: {model: sick_microscan3}}\nmerged_scans: {m: {laserscan_topics: a}}", "f");
+  const ScanGridSpec& grid = config.merged_scans.at(0).output.grid;
+  EXPECT_EQ(grid.range_min, find_model("sick_microscan3")->range_min);
+  EXPECT_EQ(grid.range_max, find_model("sick_microscan3")->range_max);
+}
+
+TEST(MergedScanConfig, RefusesNoSourcesAtAll) {
+  const std::string expected = "; expected names of sensors that give scans: rear";
+  EXPECT_EQ(merged_error("beams: 100"), "f:7:3: merged_scans.m has no laserscan_topics" + expected);
+  EXPECT_EQ(merged_error("laserscan_topics: []"),
+            "f:7:25: merged_scans.m.laserscan_topics names nothing" + expected);
+  EXPECT_EQ(merged_error("laserscan_topics: ' '"),
+            "f:7:25: merged_scans.m.laserscan_topics names nothing" + expected);
+  EXPECT_EQ(merged_error("laserscan_topics: {}"),
+            "f:7:25: merged_scans.m.laserscan_topics is a mapping" + expected);
+}
+
+TEST(MergedScanConfig, ReadsTheProfileAndWhatItNeeds) {
+  const Config config = with_outputs(
+      "merged_scans: {m: {laserscan_topics: rear, profile: strict, unobserved: minus_inf, empty: zero, fuse: "
+      "mean, echoes: all, veil_filter: no, range_noise: 0.03, range_max: 30, free_required: 28, also: {safe: "
+      "safety, flat: {profile: flatten, empty: range_max_plus_one, unobserved: inf}}}}\n"
+      "vehicle: {footprint: [[-1, -1], [1, -1], [0, 1]]}");
+  EXPECT_TRUE(config.warnings.empty());
+  const MergedScanConfig& m = config.merged_scans[0];
+  EXPECT_EQ(m.output.profile, Profile::strict);
+  EXPECT_EQ(m.output.unobserved, EmptyBeam::minus_inf);
+  EXPECT_EQ(m.output.empty, EmptyBeam::zero);
+  EXPECT_TRUE(m.mean);
+  EXPECT_EQ(m.echoes, EchoChoice::all);
+  EXPECT_FALSE(m.veil_filter);
+  EXPECT_EQ(m.range_noise, 0.03);
+  EXPECT_EQ(m.free_required, 28);
+  ASSERT_EQ(m.also.size(), 2U);
+  EXPECT_EQ(m.also[0].topic, "safe");
+  EXPECT_EQ(m.also[0].profile, Profile::safety);
+  EXPECT_EQ(m.also[1].profile, Profile::flatten);
+  EXPECT_EQ(m.also[1].empty, EmptyBeam::range_max_plus_one);
+  EXPECT_EQ(m.also[1].unobserved, EmptyBeam::inf);
+}
+
+TEST(MergedScanConfig, WarnsWhenTheVehiclesOutlineIsNeededAndNotThere) {
+  const Config config = with_outputs("merged_scans: {m: {laserscan_topics: rear, also: {safe: safety}}}");
+  ASSERT_EQ(config.warnings.size(), 1U);
+  EXPECT_THAT(config.warnings[0], ::testing::HasSubstr("vehicle.footprint is not set"));
+}
+
+TEST(MergedScanConfig, RefusesWrongProfiles) {
+  EXPECT_EQ(merged_error("laserscan_topics: rear, profile: flat"),
+            "f:7:40: merged_scans.m.profile is \"flat\"; expected strict, safety or flatten");
+  EXPECT_EQ(merged_error("laserscan_topics: rear, fuse: max"),
+            "f:7:37: merged_scans.m.fuse is \"max\"; expected nearest or mean");
+  EXPECT_EQ(merged_error("laserscan_topics: rear, echoes: 2nd"),
+            "f:7:39: merged_scans.m.echoes is \"2nd\"; expected first, last, strongest or all");
+  EXPECT_EQ(merged_error("laserscan_topics: rear, also: {x: safe}"),
+            "f:7:41: merged_scans.m.also.x is \"safe\"; expected strict, safety or flatten");
+  EXPECT_EQ(merged_error("laserscan_topics: rear, also: {x: {empty: nan}}"),
+            "f:7:38: merged_scans.m.also.x has no profile; expected strict, safety or flatten");
+}
+
+TEST(MergedScanConfig, RefusesGridsWhereTheMistakeStands) {
+  const std::string begin = "laserscan_topics: rear, ";
+  EXPECT_EQ(merged_error(begin + "angle_increment: 0"),
+            "f:7:48: merged_scans.m: angle_increment is not positive; expected a value above 0");
+  EXPECT_EQ(merged_error(begin + "angle_min: 1, angle_max_deg: -1"),
+            "f:7:60: merged_scans.m: angle_max is not above angle_min; expected angle_min < angle_max");
+  EXPECT_EQ(merged_error(begin + "angle_increment: 0.1, beams: 10"),
+            "f:7:48: merged_scans.m: both angle_increment and beams are given; expected one of them");
+  EXPECT_EQ(merged_error(begin + "range_min: 5, range_max: 5"),
+            "f:7:56: merged_scans.m: range_max is not above range_min; expected range_min < range_max");
+  EXPECT_EQ(merged_error(begin + "beams: 1"),
+            "f:7:38: merged_scans.m.beams is 1; expected a whole number from 2 to 32767");
+  EXPECT_EQ(merged_error(begin + "angle_min: -180"),
+            "f:7:42: merged_scans.m.angle_min is -180; expected a number from -7 to 7 rad (degrees: "
+            "angle_min_deg)");
+  EXPECT_EQ(merged_error(begin + "angle_min: 1, angle_min_deg: 2"),
+            "f:7:45: merged_scans.m.angle_min_deg is given beside angle_min; expected one of the two");
+  EXPECT_THAT(merged_error(begin + "angle_increment: 1e-9"), StartsWith("f:7:48: merged_scans.m: "));
+}
+
+TEST(MergedScanConfig, RefusesHeightsEncodingsAndTimes) {
+  const std::string begin = "laserscan_topics: rear, ";
+  EXPECT_EQ(merged_error(begin + "min_height: 1, max_height: 0"),
+            "f:7:58: merged_scans.m.max_height leaves no height between min_height and max_height; expected "
+            "min_height < max_height");
+  EXPECT_EQ(
+      merged_error(begin + "empty: none"),
+      "f:7:38: merged_scans.m.empty is \"none\"; expected inf, nan, range_max_plus_one, minus_inf or zero");
+  EXPECT_EQ(merged_error(begin + "lost_after: 0"),
+            "f:7:43: merged_scans.m.lost_after is 0; expected a number from 0.001 to 3600 s");
+  EXPECT_EQ(merged_error(begin + "destination_pose: {xyz: [1, 0, 0]}"),
+            "f:7:49: merged_scans.m.destination_pose moves base_link against itself; expected no pose, or "
+            "another frame");
+}
+
+TEST(MergedScanConfig, WarnsOfScansThatGmappingDrops) {
+  const Config config = with_outputs("merged_scans:\n  m: {laserscan_topics: rear, beams: 2048}\n");
+  EXPECT_THAT(config.warnings,
+              ElementsAre("f:7:38: merged_scans.m has 2048 beams; gmapping needs fewer than 2048: set beams "
+                          "lower where gmapping is to use the scan"));
+  EXPECT_TRUE(with_outputs("merged_scans: {m: {laserscan_topics: rear, beams: 2047}}").warnings.empty());
+}
+
+TEST(VirtualScanConfig, GetsItsDefaults) {
+  const Config config = with_outputs(
+      "vehicle: {base_frame: base}\n"
+      "merged_scans: {m: {laserscan_topics: rear}}\n"
+      "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: /low high, poses: {low: {xyz: [0, 0, "
+      "1]}}}}\n");
+  const VirtualScanConfig& scan = config.virtual_scans.at(0);
+  EXPECT_EQ(scan.cloud_topic, "roof");
+  EXPECT_EQ(scan.base_frame, "base");
+  EXPECT_THAT(scan.virtual_laser_scan, ElementsAre("low", "high"));
+  EXPECT_EQ(scan.poses.size(), 1U);
+  EXPECT_EQ(scan.poses.at("low").translation().z(), 1);
+  EXPECT_EQ(scan.output_laser_topic, "");
+  EXPECT_EQ(scan.output.min_height, -0.1);
+  EXPECT_EQ(scan.output.max_height, 0.1);
+  EXPECT_EQ(scan.output.grid.range_min, find_model("velodyne_vlp16")->range_min);
+  EXPECT_EQ(scan.output.grid.range_max, find_model("velodyne_vlp16")->range_max);
+  EXPECT_TRUE(config.warnings.empty());
+}
+
+TEST(VirtualScanConfig, ReadsTheProfileAndWhatItNeeds) {
+  const Config config = with_outputs(
+      "merged_scans: {m: {laserscan_topics: rear}}\n"
+      "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: [low, high], profile: strict, mode: band, "
+      "min_height: 0.1, max_height: 1.8, ground: {model: slope, z: -0.3, tolerance: 0.05, steepest: 0.2}, "
+      "keep_ground: no, echoes: all, range_noise: 0.03, range_max: 50, free_required: 20, "
+      "no_return_free_range: 40, unobserved: minus_inf, also: {safe: safety}}}\n");
+  EXPECT_TRUE(config.warnings.empty());
+  const VirtualScanConfig& scan = config.virtual_scans.at(0);
+  EXPECT_EQ(scan.output.profile, Profile::strict);
+  EXPECT_EQ(scan.mode, CutMode::band);
+  EXPECT_EQ(scan.ground.model, GroundModel::slope);
+  EXPECT_EQ(scan.ground.z, -0.3);
+  EXPECT_EQ(scan.ground.steepest, 0.2);
+  EXPECT_TRUE(scan.early_returns);
+  EXPECT_EQ(scan.free_required, 20);
+  EXPECT_EQ(scan.no_return_free_range, 40);
+  ASSERT_EQ(scan.also.size(), 1U);
+  EXPECT_EQ(scan.topic("low"), "low");
+  EXPECT_EQ(scan.topic("low", &scan.also[0]), "low/safe");
+  // Returns too near to measure are no free beams, so the driver keeps them.
+  EXPECT_TRUE(config.find_sensor("roof")->driver.keep_too_near);
+}
+
+TEST(VirtualScanConfig, BeamsWithoutReturnProveFreedomOnlyWhereTheDriverIsOurs) {
+  const Config config = with_outputs(
+      "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: a, profile: strict, ground: plane},\n"
+      "  w: {cloud_topic: rear, virtual_laser_scan: b, profile: safety, ground: none}}\n");
+  EXPECT_TRUE(config.warnings.empty());
+  EXPECT_EQ(config.virtual_scans[0].no_return_free_range, find_model("velodyne_vlp16")->range_max);
+  EXPECT_EQ(config.virtual_scans[0].ground.model, GroundModel::plane);
+  EXPECT_EQ(config.virtual_scans[1].no_return_free_range, 0);
+}
+
+TEST(VirtualScanConfig, LooksForTheGroundUnlessItIsToldWhereItIs) {
+  const Config config = with_outputs(
+      "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: a, profile: strict},\n"
+      "  w: {cloud_topic: roof, virtual_laser_scan: b, profile: strict, ground: none}}\n"
+      "merged_scans: {m: {laserscan_topics: rear}}\n");
+  EXPECT_TRUE(config.warnings.empty());
+  EXPECT_EQ(config.virtual_scans[0].ground.model, GroundModel::slope);
+  EXPECT_EQ(config.virtual_scans[1].ground.model, GroundModel::none);
+}
+
+TEST(VirtualScanConfig, RefusesKeysThatPointsAloneHaveNoUseFor) {
+  const std::string begin = "cloud_topic: roof, virtual_laser_scan: a, ";
+  EXPECT_EQ(virtual_error(begin + "mode: slice"),
+            "f:7:55: virtual_scans.v.mode is of no use for a scan of profile flatten, which is points alone; "
+            "expected profile: strict or safety (or such a scan under also), or no such key");
+  EXPECT_THAT(virtual_error(begin + "ground: plane"), ::testing::HasSubstr("is of no use"));
+  EXPECT_EQ(virtual_error(begin + "ground: plane, also: {safe: safety}"), "no error");
+}
+
+TEST(VirtualScanConfig, RefusesWrongCuts) {
+  const std::string begin = "cloud_topic: roof, virtual_laser_scan: a, profile: strict, ";
+  EXPECT_THAT(virtual_error(begin + "mode: cut"), ::testing::HasSubstr("is \"cut\"; expected slice or band"));
+  EXPECT_THAT(virtual_error(begin + "ground: flat"),
+              ::testing::HasSubstr("is \"flat\"; expected none, plane or slope"));
+  EXPECT_THAT(virtual_error(begin + "ground: {model: plane, steepest: 0.1}"),
+              ::testing::HasSubstr("is for a ground of model slope, and this is plane"));
+  EXPECT_THAT(virtual_error(begin + "echoes: first"), ::testing::HasSubstr("expected last or all"));
+  EXPECT_THAT(virtual_error(begin + "free_required: 1000"), ::testing::HasSubstr("free_required"));
+  EXPECT_THAT(virtual_error(begin + "also: {a: safety, 'b c': strict}"), ::testing::StartsWith("f:"));
+}
+
+TEST(VirtualScanConfig, RefusesFramesThatAreNone) {
+  const std::string expected = "; expected names of frames, each the origin of one virtual scan";
+  EXPECT_EQ(virtual_error("cloud_topic: roof"),
+            "f:7:3: virtual_scans.v has no virtual_laser_scan" + expected);
+  EXPECT_EQ(virtual_error("cloud_topic: roof, virtual_laser_scan: []"),
+            "f:7:46: virtual_scans.v.virtual_laser_scan names nothing" + expected);
+  EXPECT_EQ(virtual_error("cloud_topic: roof, virtual_laser_scan: [a, a]"),
+            "f:7:50: virtual_scans.v.virtual_laser_scan[1] names a again; expected every frame once");
+  EXPECT_EQ(virtual_error("cloud_topic: roof, virtual_laser_scan: [chest], poses: {chst: {xyz: [0, 0, 1]}}"),
+            "f:7:63: unknown key virtual_scans.v.poses.chst; expected chest");
+  EXPECT_EQ(virtual_error("cloud_topic: roof, virtual_laser_scan: base_link, poses: {base_link: {xyz: [0, 0, "
+                          "1]}}"),
+            "f:7:76: virtual_scans.v.poses.base_link moves base_link against itself; expected no pose, or "
+            "another frame");
+}
+
+TEST(VirtualScanConfig, RefusesFramesThatAreNoTopicsUnlessTheTopicIsGiven) {
+  EXPECT_EQ(
+      virtual_error("cloud_topic: roof, virtual_laser_scan: [a-b]"),
+      "f:7:47: virtual_scans.v.virtual_laser_scan[0] is \"a-b\"; expected a topic name: letters, digits, _ "
+      "and /");
+  EXPECT_EQ(virtual_error("cloud_topic: roof, virtual_laser_scan: [a-b], output_laser_topic: ab"),
+            "no error");
+}
+
+TEST(VirtualScanConfig, WarnsOfSeveralFramesOnOneTopic) {
+  const Config config = with_outputs(
+      "merged_scans: {m: {laserscan_topics: rear}}\n"
+      "virtual_scans:\n"
+      "  v: {cloud_topic: roof, virtual_laser_scan: [a, b], output_laser_topic: all}\n");
+  EXPECT_EQ(config.virtual_scans.at(0).output_laser_topic, "all");
+  EXPECT_THAT(
+      config.warnings,
+      ElementsAre("f:8:74: virtual_scans.v.output_laser_topic carries scans of 2 frames; leave it empty "
+                  "for one topic per frame"));
+}
+
+TEST(OutputTopics, MustAllDiffer) {
+  const std::string own = "; expected a topic of its own";
+  EXPECT_EQ(
+      merged_error("laserscan_topics: rear, cloud_destination_topic: m"),
+      "f:7:56: merged_scans.m.cloud_destination_topic would publish on m, the topic of merged_scans.m" + own);
+  EXPECT_EQ(merged_error("laserscan_topics: rear, scan_destination_topic: roof/points"),
+            "f:7:55: merged_scans.m.scan_destination_topic would publish on roof/points, the topic of "
+            "sensors.roof" +
+                own);
+  EXPECT_EQ(merged_error("laserscan_topics: rear, scan_destination_topic: rear/scan"),
+            "f:7:55: merged_scans.m.scan_destination_topic would publish on rear/scan, the topic of "
+            "sensors.rear" +
+                own);
+  EXPECT_EQ(merged_error("laserscan_topics: rear, scan_destination_topic: /diagnostics"),
+            "f:7:55: merged_scans.m.scan_destination_topic would publish on /diagnostics, the topic of ROS "
+            "itself" +
+                own);
+  EXPECT_EQ(error_of(roof_and_rear + "merged_scans: {m: {laserscan_topics: rear}}\n"
+                                     "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: [a, m]}}\n"),
+            "f:6:19: merged_scans.m would publish on m, the topic of virtual_scans.v" + own);
+  EXPECT_EQ(
+      error_of("sensors:\n  a: {topic: s}\n  b: {topic: /s}\n"),
+      "f:3:14: sensors.b.topic is the topic of sensors.a already; expected the topic of another driver");
+}
+
+}  // namespace
+}  // namespace lidard

@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "daemon/live/links.h"
+#include "daemon/live/ports.h"
+#include "daemon/pipeline/pipeline.h"
+#include "daemon/ros/tf_poses.h"
+#include "test/daemon/pipeline/line_driver.h"
+
+namespace lidard::test {
+
+inline Stamp wall_clock() {
+  return Stamp{std::chrono::duration_cast<Span>(std::chrono::system_clock::now().time_since_epoch()).count()};
+}
+
+/// A pipeline with its links and ports, as the daemon has them.
+struct LiveBench {
+  explicit LiveBench(const Config& config, const TcpOptions& options = {})
+      : pipeline(config, poses, sink),
+        links(io, config,
+              {[this](std::size_t sensor, const Packet& packet) { pipeline.chunk(sensor, packet); },
+               [this](std::size_t sensor, Stamp now) { pipeline.connected(sensor, now); },
+               [this](std::size_t sensor) { pipeline.disconnected(sensor); },
+               [this](std::size_t sensor) { return pipeline.frames(sensor); }},
+              options),
+        ports(io, config, [this](const Packet& packet) { pipeline.packet(packet); }) {
+    pipeline.set_links(&links);
+    links.start();
+    ports.start();
+  }
+  virtual ~LiveBench() = default;
+
+  void run(std::chrono::milliseconds time) {
+    const auto end = std::chrono::steady_clock::now() + time;
+    do {
+      io.restart();
+      io.run_for(std::chrono::milliseconds(5));
+      pipeline.tick(wall_clock());
+      links.tick();
+      meanwhile();
+    } while (std::chrono::steady_clock::now() < end);
+  }
+  template <class Condition>
+  bool until(Condition done) {
+    const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    while (!done()) {
+      if (std::chrono::steady_clock::now() > limit) return false;
+      run(std::chrono::milliseconds(5));
+    }
+    return true;
+  }
+  std::string message(std::size_t item) {
+    std::vector<DiagnosticItem> items;
+    links.add_diagnostics(items);
+    return items.at(item).message;
+  }
+  /// What else happens while time passes.
+  virtual void meanwhile() {}
+
+  boost::asio::io_context io;
+  NoPoses poses;
+  CountingSink sink;
+  Pipeline pipeline;
+  Links links;
+  Ports ports;
+};
+
+}  // namespace lidard::test

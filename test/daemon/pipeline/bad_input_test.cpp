@@ -1,0 +1,324 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Whatever another driver publishes: what the merged scan says of it, and where it is counted.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "daemon/pipeline/pipeline.h"
+#include "daemon/ros/ros_convert.h"
+
+namespace lidard {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+constexpr float inf = std::numeric_limits<float>::infinity();
+constexpr std::size_t ahead = 180;  // beam of the output, one per degree
+constexpr std::size_t behind = 0;
+constexpr std::size_t left = 270;
+
+/// Keeps the newest scan of each topic.
+struct NewestScans : FrameSink {
+  void scan(const std::string& topic, const PlanarScan& scan, Stamp) override {
+    scans[topic] = scan;
+    ++count;
+  }
+  void cloud(const std::string&, Cloud&, Stamp) override {}
+  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
+  void diagnostics(const std::vector<DiagnosticItem>& new_items, Stamp) override { items = new_items; }
+  std::map<std::string, PlanarScan> scans;
+  std::vector<DiagnosticItem> items;
+  int count = 0;
+};
+
+/// Knows no pose until it is told.
+struct LatePoses : PoseLookup {
+  bool lookup(const std::string& parent, const std::string& child, Stamp, Pose& pose,
+              std::string& why_not) override {
+    pose = Pose::Identity();
+    if (!known) why_not = "tf does not know " + child + " in " + parent;
+    return known;
+  }
+  bool known = false;
+};
+
+std::string config_text(const std::string& front_pose) {
+  return "sensors:\n"
+         "  front: {topic: /front, frame_id: front_laser" +
+         front_pose +
+         "}\n"
+         "  rear: {topic: /rear, frame_id: rear_laser, pose: {xyz: [0, 0, 0], rpy_deg: [0, 0, 180]}}\n"
+         "merged_scans:\n"
+         "  around: {laserscan_topics: [front, rear], destination_frame: base_link, beams: 360, range_max: "
+         "20,\n"
+         "           profile: strict, also: {careful: {profile: safety}}}\n";
+}
+
+/// Two scanners of 181 beams over a half circle each, back to back, in a round room of 5 m.
+struct Room {
+  explicit Room(const std::string& front_pose = ", pose: {xyz: [0, 0, 0]}")
+      : config(parse_config(config_text(front_pose), "f")), pipeline(config, poses, sink) {}
+
+  sensor_msgs::LaserScan message(const std::string& frame) const {
+    sensor_msgs::LaserScan m;
+    m.header.frame_id = frame;
+    m.header.stamp = to_ros(now);
+    m.angle_min = static_cast<float>(-M_PI / 2);
+    m.angle_max = static_cast<float>(M_PI / 2);
+    m.angle_increment = static_cast<float>(M_PI / 180);
+    m.range_min = 0.1F;
+    m.range_max = 30;
+    m.scan_time = 0.04F;
+    m.ranges.assign(181, 5.0F);
+    m.intensities.assign(181, 7.0F);
+    return m;
+  }
+  const char* send(const std::string& sensor, const sensor_msgs::LaserScan& m) {
+    PlanarScan scan;
+    const char* wrong = from_ros(m, scan);
+    if (wrong == nullptr) pipeline.scan_message(sensor, scan, now);
+    return wrong;
+  }
+  /// One sweep of each; `change` spoils that of the front scanner. Gives what from_ros() finds wrong.
+  template <typename Change>
+  std::string sweep(Change change) {
+    now = now + std::chrono::milliseconds(40);
+    auto front = message("front_laser");
+    change(front);
+    const char* wrong = send("front", front);
+    send("rear", message("rear_laser"));
+    pipeline.tick(now + std::chrono::milliseconds(39));
+    return wrong == nullptr ? "" : wrong;
+  }
+  void good(int n = 1) {
+    for (int i = 0; i < n; ++i) sweep([](auto&) {});
+  }
+  const PlanarScan& strict() { return sink.scans.at("around"); }
+  const PlanarScan& safety() { return sink.scans.at("careful"); }
+  void expect_valid() {
+    for (const auto& [topic, scan] : sink.scans) EXPECT_EQ(violation(scan), nullptr) << topic;
+  }
+  const DiagnosticItem& item(const std::string& name) {
+    for (const auto& i : sink.items) {
+      if (i.name == name) return i;
+    }
+    throw std::runtime_error("no item " + name);
+  }
+
+  NewestScans sink;
+  LatePoses poses;
+  Config config;
+  Pipeline pipeline;
+  Stamp now{1'767'225'600'000'000'000};
+};
+
+TEST(BadInput, GoodSweepsShowTheRoom) {
+  Room room;
+  room.good(3);
+  for (const std::size_t beam : {ahead, behind, left}) {
+    EXPECT_NEAR(room.strict().ranges.at(beam), 5, 0.01) << beam;
+    EXPECT_NEAR(room.safety().ranges.at(beam), 5, 0.01) << beam;
+  }
+  room.expect_valid();
+}
+
+TEST(BadInput, EmptySweepCountsAsDeliveredAndLeavesItsSectorUnobserved) {
+  Room room;
+  room.good(3);
+  const int before = room.sink.count;
+  for (int i = 0; i < 5; ++i)
+    EXPECT_EQ(room.sweep([](auto& m) { m.ranges.clear(), m.intensities.clear(); }), "");
+  EXPECT_EQ(room.sink.count, before + 10);  // both scans, each time, without waiting
+  EXPECT_TRUE(std::isnan(room.strict().ranges.at(ahead)));
+  EXPECT_TRUE(std::isnan(room.safety().ranges.at(ahead)));
+  EXPECT_NEAR(room.strict().ranges.at(behind), 5, 0.01);
+  EXPECT_EQ(room.pipeline.report().at(0).counters.frames, 8U);
+  EXPECT_EQ(room.pipeline.report().at(0).counters.rejected_total(), 0U);
+  room.expect_valid();
+}
+
+TEST(BadInput, EmptySweepsFromTheBeginningDoNotHoldUpTheOthers) {
+  Room room;
+  for (int i = 0; i < 3; ++i) room.sweep([](auto& m) { m.ranges.clear(), m.intensities.clear(); });
+  EXPECT_GE(room.sink.count, 4);
+  EXPECT_NEAR(room.strict().ranges.at(behind), 5, 0.01);
+  EXPECT_TRUE(std::isnan(room.strict().ranges.at(ahead)));
+}
+
+TEST(BadInput, ASweepOfNanIsUnobservedAndNeverFree) {
+  Room room;
+  room.good();
+  room.sweep([](auto& m) { m.ranges.assign(181, nan); });
+  for (std::size_t beam = ahead - 80; beam <= ahead + 80; ++beam) {
+    EXPECT_TRUE(std::isnan(room.strict().ranges.at(beam))) << beam;
+    EXPECT_TRUE(std::isnan(room.safety().ranges.at(beam))) << beam;
+  }
+}
+
+TEST(BadInput, IntensitiesOfTheWrongNumberAreIgnoredAndTheRangesUsed) {
+  for (const std::size_t n : {1U, 180U, 182U, 5000U}) {
+    Room room;
+    room.good();
+    EXPECT_FALSE(room.strict().intensities.empty());
+    EXPECT_EQ(room.sweep([n](auto& m) { m.intensities.resize(n); }), "");
+    EXPECT_NEAR(room.strict().ranges.at(ahead), 5, 0.01);
+    EXPECT_TRUE(room.strict().intensities.empty());
+    room.expect_valid();
+  }
+}
+
+TEST(BadInput, AScannerUpsideDownGivesTheSameScan) {
+  Room upright;
+  const auto wedge = [](auto& m) {
+    for (std::size_t i = 120; i < 150; ++i) m.ranges[i] = 3;
+  };
+  upright.sweep(wedge);
+  Room reversed;
+  reversed.sweep([&](auto& m) {
+    wedge(m);
+    std::reverse(m.ranges.begin(), m.ranges.end());
+    std::swap(m.angle_min, m.angle_max);
+    m.angle_increment = -m.angle_increment;
+  });
+  for (std::size_t i = 0; i < 360; ++i) {
+    EXPECT_EQ(upright.strict().statuses[i], reversed.strict().statuses[i]) << i;
+    if (upright.strict().statuses[i] == BeamStatus::hit) {
+      EXPECT_NEAR(upright.strict().ranges[i], reversed.strict().ranges[i], 1e-4) << i;
+    }
+  }
+}
+
+TEST(BadInput, AnglesThatDoNotFitTheNumberOfRangesAreRefusedWithTheReason) {
+  Room room;
+  room.good();
+  EXPECT_THAT(room.sweep([](auto& m) { m.ranges.resize(90), m.intensities.clear(); }),
+              HasSubstr("number of ranges"));
+  EXPECT_THAT(room.sweep([](auto& m) { m.angle_increment = -m.angle_increment; }), HasSubstr("wrong sign"));
+  EXPECT_THAT(room.sweep([](auto& m) { m.angle_min = inf; }), HasSubstr("not finite"));
+  EXPECT_THAT(room.sweep([](auto& m) { m.angle_increment = 1e-30F; }), HasSubstr("number of ranges"));
+}
+
+TEST(BadInput, TimesThatCannotBeAreRefusedWithTheReason) {
+  Room room;
+  for (const float bad : {nan, inf, -inf, -1e-5F, 1e30F, 10.0F})
+    EXPECT_THAT(room.sweep([bad](auto& m) { m.time_increment = bad; }), HasSubstr("time_increment")) << bad;
+}
+
+TEST(BadInput, ScansThatBreakTheirInvariantsAreCountedAndNotUsed) {
+  Room room;
+  room.good();
+  PlanarScan scan;
+  ASSERT_EQ(from_ros(room.message("front_laser"), scan), nullptr);
+  scan.ranges[3] = -5;
+  room.pipeline.scan_message("front", scan, room.now);
+  EXPECT_EQ(room.pipeline.report().at(0).counters.rejected_total(), 1U);
+}
+
+TEST(BadInput, AMissingPoseIsAnErrorWithTheFramesNameUntilItComes) {
+  Room room("");  // the front scanner's pose would come from tf
+  room.good(60);
+  const DiagnosticItem& item = room.item("merged around");
+  EXPECT_EQ(item.health, Health::error);
+  EXPECT_THAT(item.message, HasSubstr("front_laser"));
+  EXPECT_THAT(item.message, HasSubstr("base_link"));
+  EXPECT_TRUE(std::isnan(room.strict().ranges.at(ahead)));
+  EXPECT_NEAR(room.strict().ranges.at(behind), 5, 0.01);
+  room.poses.known = true;
+  room.good(60);
+  EXPECT_EQ(room.item("merged around").health, Health::ok) << room.item("merged around").message;
+  EXPECT_NEAR(room.strict().ranges.at(ahead), 5, 0.01);
+}
+
+TEST(BadInput, APoseThatIsNoNumberIsRefusedWithTheConfiguration) {
+  EXPECT_THROW(parse_config(config_text(", pose: {xyz: [0, .nan, 0]}"), "f"), ConfigError);
+  EXPECT_THROW(parse_config(config_text(", pose: {xyz: [0, 0, 0], rpy: [0, .inf, 0]}"), "f"), ConfigError);
+}
+
+TEST(BadInput, ASourceMayChangeItsNumberOfBeamsAndTheOutputKeepsItsOwn) {
+  Room room;
+  room.good(2);
+  const auto half = [](auto& m) {
+    m.ranges.assign(91, 4.0F);
+    m.intensities.assign(91, 1.0F);
+    m.angle_increment = static_cast<float>(M_PI / 90);
+  };
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(room.sweep(half), "");
+  EXPECT_EQ(room.strict().beams, 360U);
+  EXPECT_NEAR(room.strict().ranges.at(ahead), 4, 0.01);
+  room.good();
+  EXPECT_EQ(room.strict().beams, 360U);
+  EXPECT_NEAR(room.strict().ranges.at(ahead), 5, 0.01);
+  room.expect_valid();
+}
+
+TEST(BadInput, ReturnsBeyondTheOutputsRangeAreNoHitsButShowThatTheWayIsFree) {
+  Room room;
+  room.sweep([](auto& m) { m.ranges.assign(181, 25.0F); });
+  for (std::size_t beam = ahead - 80; beam <= ahead + 80; ++beam) {
+    EXPECT_EQ(room.strict().statuses.at(beam), BeamStatus::none) << beam;
+    EXPECT_EQ(room.safety().statuses.at(beam), BeamStatus::none) << beam;
+  }
+  room.expect_valid();
+}
+
+TEST(BadInput, StampsIncreaseAndBeamsStayTheSameWhileSourcesComeAndGo) {
+  Room room;
+  Stamp last{};
+  int outputs = 0;
+  for (int i = 0; i < 300; ++i) {
+    room.now = room.now + std::chrono::milliseconds(20);
+    // The rear scanner dies twice, and comes back once with a clock that is a little behind.
+    room.send("front", room.message("front_laser"));
+    auto rear = room.message("rear_laser");
+    if (i > 240) rear.header.stamp -= ros::Duration(0.3);
+    if (i < 80 || (i > 140 && i < 180) || i > 240) room.send("rear", rear);
+    room.pipeline.tick(room.now + std::chrono::milliseconds(15));
+    if (room.sink.scans.count("around") == 0 || room.strict().stamp == last) continue;
+    ++outputs;
+    EXPECT_GT(room.strict().stamp, last) << i;
+    EXPECT_EQ(room.safety().stamp, room.strict().stamp);
+    EXPECT_EQ(room.strict().beams, 360U);
+    room.expect_valid();
+    last = room.strict().stamp;
+  }
+  EXPECT_GT(outputs, 200);
+}
+
+TEST(BadInput, AScannerWhoseClockIsAnHourBehindDoesNotTurnBackTheOutput) {
+  Room room;
+  Stamp last{};
+  int outputs = 0;
+  for (int i = 0; i < 100; ++i) {
+    room.sweep([](auto& m) { m.header.stamp -= ros::Duration(3600); });
+    if (room.sink.scans.count("around") == 0) continue;
+    if (room.strict().stamp != last) ++outputs;
+    EXPECT_GE(room.strict().stamp, last) << i;
+    last = room.strict().stamp;
+  }
+  EXPECT_GT(outputs, 50);
+}
+
+TEST(BadInput, PointsOfACloudThatAreNotFiniteAreLeftOutAndCounted) {
+  Cloud cloud;
+  const std::vector<CloudPoint> points = {
+      {5, 0, 0, 1, 0, 0}, {nan, 0, 0, 1, 0, 0}, {0, inf, 0, 1, 0, 0}, {1, 2, -inf, 1, 0, 0}};
+  cloud.frame_id = "roof";
+  cloud.points_bytes.resize(points.size() * sizeof(CloudPoint));
+  std::copy(points.begin(), points.end(), cloud.points());
+  sensor_msgs::PointCloud2 message;
+  to_ros(cloud, message);
+  Cloud read;
+  const auto reading = from_ros(message, read);
+  EXPECT_EQ(reading.error, nullptr);
+  EXPECT_EQ(reading.dropped, 3U);
+  ASSERT_EQ(read.size(), 1U);
+  EXPECT_EQ(read.points()[0].x, 5.0F);
+}
+
+}  // namespace
+}  // namespace lidard

@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "daemon/pipeline/pipeline.h"
+#include "daemon/ros/tf_poses.h"
+
+namespace lidard {
+namespace {
+
+class TellingSink final : public FrameSink {
+ public:
+  void scan(const std::string&, const PlanarScan&, Stamp) override {}
+  void cloud(const std::string&, Cloud&, Stamp) override {}
+  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
+  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp) override {
+    ++told;
+    newest = items;
+  }
+  int told = 0;
+  std::vector<DiagnosticItem> newest;
+};
+
+constexpr Stamp at(double seconds) { return Stamp{static_cast<std::int64_t>(seconds * 1e9)}; }
+
+TEST(DiagnosticsNews, AreToldAtOnceAndTheRestOncePerSecond) {
+  const Config config = parse_config(R"(
+sensors:
+  left: {topic: left, pose: {xyz: [0, 0, 0]}}
+merged_scans:
+  around: {laserscan_topics: [left], range_max: 20}
+)",
+                                     "p");
+  NoPoses none;
+  TellingSink sink;
+  Pipeline pipeline(config, none, sink);
+  pipeline.tick(at(10));
+  EXPECT_EQ(sink.told, 1);
+  for (const auto& item : sink.newest)
+    EXPECT_EQ(item.health, Health::ok) << item.name << " may still come: " << item.message;
+  pipeline.tick(at(10.1));
+  pipeline.tick(at(10.9));
+  EXPECT_EQ(sink.told, 1) << "nothing new";
+  pipeline.tick(at(11));
+  EXPECT_EQ(sink.told, 2);
+  EXPECT_EQ(sink.newest.at(0).health, Health::error) << "nothing has come yet";
+  EXPECT_EQ(sink.newest.at(1).health, Health::error) << sink.newest.at(1).name;
+
+  PlanarScan scan;
+  scan.frame_id = "left";
+  scan.reset(2, 1, false);
+  scan.range_max = 10;
+  scan.set_angles(0, 0.1F);
+  scan.stamp = at(11.2);
+  pipeline.scan_message("left", scan, at(11.2));
+  pipeline.tick(at(11.3));
+  EXPECT_EQ(sink.told, 3) << "both are well now";
+  EXPECT_EQ(sink.newest.at(0).health, Health::ok);
+  pipeline.tick(at(11.32));
+  EXPECT_EQ(sink.told, 3);
+  pipeline.tick(at(11.4));
+  EXPECT_EQ(sink.told, 4) << "the only sweep is too old by now";
+}
+
+}  // namespace
+}  // namespace lidard

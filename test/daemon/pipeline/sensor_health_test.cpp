@@ -1,0 +1,179 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+// What /diagnostics and the table of a replay say of sensors that give less than they should.
+#include "daemon/pipeline/sensor_health.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+#include <sstream>
+
+#include "daemon/pipeline/report.h"
+#include "daemon/ros/tf_poses.h"
+#include "test/support/velodyne_wire.h"
+
+namespace lidard {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+class NoSink final : public FrameSink {
+ public:
+  void scan(const std::string&, const PlanarScan&, Stamp) override {}
+  void cloud(const std::string&, Cloud&, Stamp) override {}
+  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
+  void diagnostics(const std::vector<DiagnosticItem>&, Stamp) override {}
+};
+
+const IpAddress first = IpAddress::v4(192, 168, 1, 201);
+const IpAddress second = IpAddress::v4(192, 168, 1, 202);
+
+/// 12 s of a VLP-16 at ten turns per second.
+const std::vector<test::WirePacket>& twelve_seconds() {
+  static const auto packets = test::spin({"velodyne_vlp16", sim::ReturnMode::strongest, ""}, 120);
+  return packets;
+}
+
+struct Room {
+  explicit Room(const std::string& keys = "")
+      : config(parse_config("sensors: {roof: {model: velodyne_vlp16" + keys + "}}", "c")) {}
+
+  void give(const std::vector<std::uint8_t>& bytes, Stamp arrival, const IpAddress& from = first) {
+    now = std::max(now, arrival);
+    pipeline.packet({{bytes.data(), bytes.size()}, arrival, {from, 2368}, {{}, 2368}});
+    pipeline.tick(arrival);
+    note();
+  }
+  void note() {
+    const Health health = item().health;
+    worst = std::max(worst, health);
+  }
+  DiagnosticItem item() const { return pipeline.diagnostics(now).at(0); }
+  std::string value(const std::string& key) const {
+    for (const auto& [name, text] : item().values) {
+      if (name == key) return text;
+    }
+    return "no such key";
+  }
+  std::string table() const {
+    std::ostringstream out;
+    print_table(pipeline.report(), out);
+    print_verdicts(config, pipeline.report(), out);
+    return out.str();
+  }
+
+  Config config;
+  NoPoses poses;
+  NoSink sink;
+  Pipeline pipeline{config, poses, sink};
+  Stamp now{};
+  Health worst = Health::ok;
+};
+
+TEST(SensorHealth, OfAWholeStreamIsWellAllTheTime) {
+  Room room(", ip_address: 192.168.1.201");
+  for (const auto& packet : twelve_seconds()) room.give(packet.bytes, packet.arrival);
+  EXPECT_EQ(room.worst, Health::ok);
+  EXPECT_EQ(room.item().message, "receiving");
+  EXPECT_EQ(room.value("Frames/s"), "10.0");
+  EXPECT_EQ(room.value("Expected frames/s"), "10.0");
+  EXPECT_EQ(room.value("Lost in the last 10 s"), "0");
+  EXPECT_THAT(room.table(), AllOf(Not(HasSubstr("WARN")), Not(HasSubstr("ERROR"))));
+}
+
+TEST(SensorHealth, TellsThatATenthOfThePacketsIsLost) {
+  Room room;
+  std::mt19937 random(7);
+  for (const auto& packet : twelve_seconds()) {
+    if (random() % 10 != 0) room.give(packet.bytes, packet.arrival);
+  }
+  EXPECT_EQ(room.item().health, Health::error);
+  EXPECT_THAT(room.item().message,
+              testing::MatchesRegex(".* of 10.0 frames/s, .* % of packets lost in the last 10 s; "
+                                    "check the cable, the switch and the load of this computer"));
+  EXPECT_THAT(room.table(), HasSubstr("ERROR roof: "));
+}
+
+TEST(SensorHealth, NamesTwoSensorsInOneEntry) {
+  Room room;
+  for (const auto& packet : twelve_seconds()) {
+    room.give(packet.bytes, packet.arrival, first);
+    // The other one looks elsewhere at that time.
+    auto other = packet.bytes;
+    for (std::size_t block = 0; block < 12; ++block) {
+      const std::size_t at = block * 100 + 2;
+      const unsigned azimuth = (other[at] + 256U * other[at + 1] + 17000U) % 36000U;
+      other[at] = static_cast<std::uint8_t>(azimuth & 0xFFU);
+      other[at + 1] = static_cast<std::uint8_t>(azimuth >> 8U);
+    }
+    room.give(other, packet.arrival + std::chrono::microseconds(600), second);
+  }
+  EXPECT_EQ(room.item().health, Health::error);
+  EXPECT_THAT(room.item().message, HasSubstr("192.168.1.201 and 192.168.1.202 both send to port 2368"));
+  EXPECT_THAT(room.item().message, HasSubstr("set ip_address: 192.168.1.201"));
+  EXPECT_THAT(room.table(), HasSubstr("ERROR roof: 192.168.1.201 and 192.168.1.202 both send to port 2368"));
+}
+
+TEST(SensorHealth, TellsThatOnlyForeignPacketsCome) {
+  Room room;
+  const auto& packets = twelve_seconds();
+  for (std::size_t i = 0; i < 2000; ++i) room.give(packets[i].bytes, packets[i].arrival);
+  EXPECT_EQ(room.worst, Health::ok);
+  const std::vector<std::uint8_t> foreign(1212, 0x55);
+  for (int i = 0; i < 14000; ++i) room.give(foreign, room.now + std::chrono::milliseconds(1));
+  EXPECT_EQ(room.item().health, Health::error);
+  EXPECT_THAT(room.item().message, AllOf(HasSubstr("0 of 10.0 frames/s, no frame for 1"),
+                                         HasSubstr("100 % of packets rejected"), HasSubstr("size")));
+}
+
+TEST(SensorHealth, TellsACoveredSensor) {
+  Room room;
+  for (const auto& packet : twelve_seconds()) {
+    auto covered = packet.bytes;
+    for (std::size_t block = 0; block < 12; ++block)
+      for (std::size_t k = 0; k < 32; ++k)
+        covered[block * 100 + 4 + k * 3] = covered[block * 100 + 5 + k * 3] = 0;
+    room.give(covered, packet.arrival);
+  }
+  EXPECT_EQ(room.item().health, Health::warn);
+  EXPECT_EQ(room.item().message,
+            "0.0 % of the beams with a return in the last 10 s; is its window covered? An empty field looks "
+            "the same");
+}
+
+TEST(SensorHealth, SaysNothingOfSilenceInTheFirstSecond) {
+  const Stamp begin{1'767'226'643'000'000'000};
+  Room room;
+  for (int ms = 0; ms < 1000; ms += 100) {
+    room.pipeline.tick(room.now = begin + std::chrono::milliseconds(ms));
+    EXPECT_EQ(room.item().health, Health::ok) << ms;
+    EXPECT_THAT(room.item().message, HasSubstr("waiting for data from any sender to port 2368"));
+  }
+  room.pipeline.tick(room.now = begin + std::chrono::seconds(1));
+  EXPECT_EQ(room.item().health, Health::error);
+  EXPECT_THAT(room.item().message, HasSubstr("nothing received from any sender to port 2368"));
+}
+
+TEST(SensorHealth, TakesAJumpOfTheClockForABeginningAndNoticesSilenceAfterIt) {
+  for (const auto jump : {std::chrono::seconds(3600), std::chrono::seconds(-3600)}) {
+    Room room;
+    const auto& packets = twelve_seconds();
+    for (std::size_t i = 0; i < 4000; ++i) room.give(packets[i].bytes, packets[i].arrival);
+    room.now = room.now + jump;
+    for (int ms = 0; ms < 900; ms += 100) {
+      room.pipeline.tick(room.now);
+      EXPECT_NE(room.item().health, Health::error) << ms;
+      room.now = room.now + std::chrono::milliseconds(100);
+    }
+    for (int ms = 0; ms < 3500; ms += 100)
+      room.pipeline.tick(room.now = room.now + std::chrono::milliseconds(100));
+    EXPECT_EQ(room.item().health, Health::error);
+    EXPECT_THAT(room.item().message, HasSubstr("silent: nothing received"));
+  }
+}
+
+}  // namespace
+}  // namespace lidard

@@ -1,0 +1,141 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/ros/output_items.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "daemon/ros/reconfigure_messages.h"
+
+namespace lidard {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+const Config& vehicle() {
+  static const Config config = parse_config(R"(
+sensors:
+  left: {topic: left}
+  roof: {topic: roof}
+merged_scans:
+  around: {laserscan_topics: [left], profile: strict, range_max: 20, free_required: 15, also: {around_safe: safety}}
+virtual_scans:
+  around: {cloud_topic: roof, virtual_laser_scan: [bumper, chest]}
+)",
+                                            "p");
+  return config;
+}
+
+std::vector<std::string> names_of(const ChangeableOutput& output) {
+  std::vector<std::string> names;
+  for (const auto& item : output.items) names.push_back(item.name);
+  return names;
+}
+
+TEST(OutputItems, AreThoseOfTheAncestorForItsNodes) {
+  const auto outputs = changeable_outputs(vehicle(), ReconfigureNames::node);
+  ASSERT_EQ(outputs.size(), 1U);
+  EXPECT_EQ(outputs[0].server, "");
+  EXPECT_THAT(names_of(outputs[0]), ElementsAre("angle_min", "angle_max", "angle_increment", "time_increment",
+                                                "scan_time", "range_min", "range_max"));
+  EXPECT_EQ(outputs[0].items[0].min, -M_PI);
+  EXPECT_EQ(outputs[0].items[5].max, 50);
+  EXPECT_EQ(outputs[0].items[6].max, 1000);
+}
+
+TEST(OutputItems, HaveAServerForEachEntryOfTheConfiguration) {
+  const auto outputs = changeable_outputs(vehicle(), ReconfigureNames::entries);
+  ASSERT_EQ(outputs.size(), 2U);
+  EXPECT_EQ(outputs[0].server, "around");
+  EXPECT_EQ(outputs[1].server, "around_virtual");
+  EXPECT_THAT(outputs[0].topics, ElementsAre("around", "around_safe"));
+  EXPECT_THAT(outputs[1].topics, ElementsAre("bumper", "chest"));
+  EXPECT_EQ(outputs[1].items.size() + 1, outputs[0].items.size()) << "virtual scans without profile";
+}
+
+TEST(OutputItems, ChangeOneByOneAndKeepTheRest) {
+  ChangeableOutput output = changeable_outputs(vehicle(), ReconfigureNames::entries)[0];
+  EXPECT_EQ(beams_of(output.config), 1440U);
+  EXPECT_EQ(change(output, {{{"range_max", 18}}, {{"profile", "safety"}}}), "");
+  EXPECT_EQ(output.config.grid.range_max, 18);
+  EXPECT_EQ(output.config.profile, Profile::safety);
+  EXPECT_EQ(beams_of(output.config), 1440U) << "a full turn stays one";
+  EXPECT_EQ(change(output, {{{"angle_min", -M_PI / 2}, {"angle_max", M_PI / 2}}, {}}), "");
+  EXPECT_EQ(beams_of(output.config), 721U);
+  EXPECT_EQ(change(output, {{{"min_height", 0.1}}, {}}), "");
+  EXPECT_EQ(output.config.min_height, 0.1);
+  EXPECT_FALSE(output.config.max_height);
+  EXPECT_EQ(change(output, {{{"min_height", -10000}}, {}}), "");
+  EXPECT_FALSE(output.config.min_height);
+}
+
+TEST(OutputItems, AreBroughtIntoTheirLimits) {
+  ChangeableOutput output = changeable_outputs(vehicle(), ReconfigureNames::node)[0];
+  EXPECT_EQ(change(output, {{{"range_max", 5000}, {"angle_max", 9}}, {}}), "");
+  EXPECT_EQ(output.config.grid.range_max, 1000);
+  EXPECT_EQ(output.config.grid.angle_max, M_PI);
+}
+
+TEST(OutputItems, AreRefusedTogetherWithWhatWouldBeRight) {
+  ChangeableOutput output = changeable_outputs(vehicle(), ReconfigureNames::entries)[0];
+  const auto refused = [&](const ItemValues& wanted) {
+    const auto before = config_message(output);
+    const std::string why = change(output, wanted);
+    EXPECT_EQ(config_message(output), before) << why;
+    return why;
+  };
+  EXPECT_THAT(refused({{{"range_max", 30}, {"angle_max", -3.2}}, {}}),
+              HasSubstr("expected angle_min < angle_max"));
+  EXPECT_THAT(refused({{{"angle_increment", 0}}, {}}), HasSubstr("expected a value above 0"));
+  EXPECT_THAT(refused({{{"angle_increment", 1e-5}}, {}}),
+              HasSubstr("expected 1 to 32767: change angle_increment"));
+  EXPECT_THAT(refused({{{"range_min", 25}}, {}}), HasSubstr("expected range_min < range_max"));
+  EXPECT_THAT(refused({{{"range_max", 10}}, {}}), HasSubstr("range_max is below free_required"));
+  EXPECT_THAT(refused({{{"min_height", 1}, {"max_height", 0.5}}, {}}),
+              HasSubstr("expected min_height < max_height"));
+  EXPECT_THAT(refused({{{"range_max", std::nan("")}}, {}}), HasSubstr("range_max is not a number"));
+  EXPECT_THAT(refused({{}, {{"profile", "loose"}}}), HasSubstr("expected one of strict, safety, flatten"));
+}
+
+TEST(OutputItems, KeepProfileFlattenWhereASourceProvesNothing) {
+  const Config config = parse_config(R"(
+sensors:
+  roof: {topic: roof}
+virtual_scans:
+  levels: {cloud_topic: roof, virtual_laser_scan: [bumper]}
+merged_scans:
+  around: {laserscan_topics: [bumper]}
+)",
+                                     "p");
+  ChangeableOutput output = changeable_outputs(config, ReconfigureNames::entries).at(0);
+  EXPECT_THAT(change(output, {{}, {{"profile", "strict"}}}),
+              HasSubstr("the source bumper is a virtual scan"));
+  EXPECT_EQ(output.config.profile, Profile::flatten);
+}
+
+TEST(OutputItems, TravelAsDynamicReconfigureHasThem) {
+  const ChangeableOutput output = changeable_outputs(vehicle(), ReconfigureNames::entries)[0];
+  const auto config = config_message(output);
+  EXPECT_EQ(config.doubles.size() + config.strs.size(), output.items.size());
+  ASSERT_EQ(config.groups.size(), 1U);
+  EXPECT_TRUE(config.groups[0].state);
+  const ItemValues read = read_values(config);
+  EXPECT_EQ(read.numbers.at("range_max"), 20);
+  EXPECT_EQ(read.words.at("profile"), "strict");
+  const auto description = description_message(output);
+  EXPECT_EQ(description.groups.at(0).parameters.size(), output.items.size());
+  for (const auto* part : {&description.min, &description.max, &description.dflt})
+    EXPECT_EQ(part->doubles.size() + part->strs.size(), output.items.size());
+  dynamic_reconfigure::Config with_int;
+  with_int.ints.emplace_back();
+  with_int.ints[0].name = "range_max";
+  with_int.ints[0].value = 18;
+  EXPECT_EQ(read_values(with_int).numbers.at("range_max"), 18);
+}
+
+}  // namespace
+}  // namespace lidard

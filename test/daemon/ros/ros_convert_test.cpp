@@ -1,0 +1,228 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/ros/ros_convert.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "test/support/ros_samples.h"
+
+namespace lidard {
+namespace {
+
+using test::sample_cloud;
+using test::sample_scan;
+
+constexpr float inf = std::numeric_limits<float>::infinity();
+
+sensor_msgs::LaserScan sample_message() {
+  sensor_msgs::LaserScan message;
+  to_ros(sample_scan(), message);
+  return message;
+}
+
+TEST(RosTime, KeepsNanosecondsAndMovesWhatRosCannotHoldToTheNearestEnd) {
+  EXPECT_EQ(to_ros(Stamp{1'600'000'000'123'456'789}), ros::Time(1'600'000'000, 123'456'789));
+  EXPECT_EQ(from_ros(to_ros(Stamp{1'600'000'000'123'456'789})).ns, 1'600'000'000'123'456'789);
+  EXPECT_EQ(to_ros(Stamp{-5}), ros::Time(0, 0));
+  EXPECT_EQ(to_ros(Stamp{std::numeric_limits<std::int64_t>::max()}), ros::Time(4294967295U, 999'999'999U));
+}
+
+TEST(RosFrame, NeverBeginsWithASlash) {
+  EXPECT_EQ(ros_frame("/laser"), "laser");
+  EXPECT_EQ(ros_frame("//a/b"), "a/b");
+  EXPECT_EQ(ros_frame("laser"), "laser");
+  EXPECT_EQ(ros_frame("/"), "");
+}
+
+TEST(ScanToRos, CopiesEveryField) {
+  const auto message = sample_message();
+  EXPECT_EQ(message.header.frame_id, "front_laser");
+  EXPECT_EQ(message.header.stamp, ros::Time(1'700'000'000, 5));
+  EXPECT_EQ(message.angle_min, -1.0F);
+  EXPECT_EQ(message.angle_increment, 0.5F);
+  EXPECT_EQ(message.angle_max, 1.0F);
+  EXPECT_EQ(message.time_increment, 1e-4F);
+  EXPECT_EQ(message.scan_time, 0.04F);
+  EXPECT_EQ(message.range_min, 0.1F);
+  EXPECT_EQ(message.range_max, 40.0F);
+  ASSERT_EQ(message.ranges.size(), 5U);
+  EXPECT_EQ(message.ranges[0], 1.0F);
+  EXPECT_EQ(message.ranges[1], inf);
+  EXPECT_EQ(message.ranges[2], -inf);
+  EXPECT_TRUE(std::isnan(message.ranges[3]));
+  EXPECT_EQ(message.intensities, (std::vector<float>{10, 20, 30, 40, 50}));
+}
+
+TEST(ScanToRos, HasNoIntensitiesWhereTheScanHasNone) {
+  auto scan = sample_scan();
+  scan.intensities.clear();
+  sensor_msgs::LaserScan message;
+  message.intensities.resize(3);
+  to_ros(scan, message);
+  EXPECT_TRUE(message.intensities.empty());
+}
+
+TEST(ScanToRos, GivesEachBeamItsEchoes) {
+  PlanarScan scan = sample_scan();
+  scan.reset(2, 3);
+  scan.set_angles(-1, 0.5F);
+  scan.set_hit(scan.index(0, 0), 2.0F);
+  scan.set_hit(scan.index(0, 1), 3.0F);
+  scan.intensities[scan.index(0, 1)] = 7;
+  scan.set_without_hit(scan.index(1, 0), BeamStatus::none);
+  sensor_msgs::MultiEchoLaserScan message;
+  to_ros(scan, message);
+  ASSERT_EQ(message.ranges.size(), 2U);
+  EXPECT_EQ(message.ranges[0].echoes, (std::vector<float>{2, 3}));
+  EXPECT_EQ(message.intensities[0].echoes, (std::vector<float>{0, 7}));
+  EXPECT_EQ(message.ranges[1].echoes, (std::vector<float>{inf}));
+}
+
+TEST(ScanFromRos, GivesBackWhatWasSent) {
+  PlanarScan scan;
+  ASSERT_EQ(from_ros(sample_message(), scan), nullptr);
+  EXPECT_EQ(violation(scan), nullptr);
+  const auto sent = sample_scan();
+  EXPECT_EQ(scan.frame_id, sent.frame_id);
+  EXPECT_EQ(scan.stamp, sent.stamp);
+  EXPECT_EQ(scan.statuses, sent.statuses);
+  EXPECT_EQ(scan.intensities, sent.intensities);
+  EXPECT_EQ(scan.angle_max, sent.angle_max);
+  EXPECT_EQ(scan.time_increment, sent.time_increment);
+}
+
+TEST(ScanFromRos, TakesRangesOutsideTheLimitsAsInvalid) {
+  auto message = sample_message();
+  message.ranges = {0.05F, 41.0F, -1.0F, 0.0F, 40.0F};
+  PlanarScan scan;
+  ASSERT_EQ(from_ros(message, scan), nullptr);
+  for (const std::size_t i : {0U, 1U, 2U, 3U}) EXPECT_EQ(scan.statuses[i], BeamStatus::invalid) << i;
+  EXPECT_EQ(scan.statuses[4], BeamStatus::hit);
+  EXPECT_EQ(violation(scan), nullptr);
+}
+
+TEST(ScanFromRos, KeepsAScannerMountedUpsideDown) {
+  auto message = sample_message();
+  message.angle_min = 1.0F;
+  message.angle_max = -1.0F;
+  message.angle_increment = -0.5F;
+  PlanarScan scan;
+  ASSERT_EQ(from_ros(message, scan), nullptr);
+  EXPECT_EQ(scan.angle_increment, -0.5F);
+  EXPECT_EQ(violation(scan), nullptr);
+}
+
+TEST(ScanFromRos, AcceptsOneBeamMoreThanTheAnglesSay) {
+  auto message = sample_message();
+  message.angle_max += 0.5F;
+  PlanarScan scan;
+  ASSERT_EQ(from_ros(message, scan), nullptr);
+  EXPECT_EQ(scan.angle_max, 1.0F);
+}
+
+TEST(ScanFromRos, LeavesOutIntensitiesOfTheWrongNumber) {
+  for (const std::size_t n : {2U, 9U}) {
+    auto message = sample_message();
+    message.intensities.resize(n);
+    PlanarScan scan;
+    EXPECT_FALSE(intensities_fit(message));
+    ASSERT_EQ(from_ros(message, scan), nullptr);
+    EXPECT_TRUE(scan.intensities.empty());
+    EXPECT_EQ(scan.statuses, sample_scan().statuses);
+    EXPECT_EQ(violation(scan), nullptr);
+  }
+  EXPECT_TRUE(intensities_fit(sample_message()));
+}
+
+TEST(ScanFromRos, TakesAMessageWithoutRangesAsASweepThatSaysNothing) {
+  auto message = sample_message();
+  message.ranges.clear();
+  message.intensities.clear();
+  message.angle_max = message.angle_min - 1;  // of no meaning without ranges
+  PlanarScan scan;
+  ASSERT_EQ(from_ros(message, scan), nullptr);
+  EXPECT_EQ(scan.beams, 0U);
+  EXPECT_EQ(scan.stamp, sample_scan().stamp);
+}
+
+TEST(ScanFromRos, SaysWhatIsWrong) {
+  const auto broken = [](auto&& change) {
+    auto message = sample_message();
+    change(message);
+    PlanarScan scan;
+    const char* reason = from_ros(message, scan);
+    return std::string(reason == nullptr ? "" : reason);
+  };
+  constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(broken([](auto&) {}), "");
+  EXPECT_EQ(broken([](auto& m) { m.angle_min = nan; }), "angles are not finite");
+  EXPECT_EQ(broken([](auto& m) { m.angle_increment = 0; }), "angle_increment is 0");
+  EXPECT_EQ(broken([](auto& m) { m.angle_increment = -0.5F; }),
+            "angle_increment has the wrong sign for angle_min and angle_max");
+  EXPECT_EQ(broken([](auto& m) { m.ranges.resize(9); }),
+            "number of ranges does not fit angle_min, angle_max and angle_increment");
+  EXPECT_EQ(broken([](auto& m) { m.time_increment = nan; }), "time_increment is not finite");
+  EXPECT_EQ(broken([](auto& m) { m.time_increment = -1e-5F; }), "time_increment is negative");
+  EXPECT_EQ(broken([](auto& m) { m.time_increment = 20; }), "time_increment makes the scan longer than 60 s");
+  EXPECT_EQ(broken([](auto& m) { m.time_increment = inf; }), "time_increment is not finite");
+  EXPECT_EQ(broken([](auto& m) { m.scan_time = inf; }), "scan_time is not finite");
+  EXPECT_EQ(broken([](auto& m) { m.range_max = nan; }), "range limits are not 0 <= min < max");
+  EXPECT_EQ(broken([](auto& m) { m.range_min = -1; }), "range limits are not 0 <= min < max");
+}
+
+TEST(CloudToRos, HasTheContractsLayoutAndSwapsTheBytes) {
+  Cloud cloud = sample_cloud(3);
+  const std::uint8_t* bytes = cloud.points_bytes.data();
+  sensor_msgs::PointCloud2 message;
+  to_ros(cloud, message);
+  EXPECT_EQ(message.data.data(), bytes);
+  EXPECT_EQ(message.header.frame_id, "velodyne");
+  EXPECT_EQ(message.height, 1U);
+  EXPECT_EQ(message.width, 3U);
+  EXPECT_EQ(message.point_step, 22U);
+  EXPECT_EQ(message.row_step, 66U);
+  EXPECT_TRUE(message.is_dense);
+  EXPECT_FALSE(message.is_bigendian);
+  const std::vector<std::tuple<std::string, unsigned, int>> expected{
+      {"x", 0, 7}, {"y", 4, 7}, {"z", 8, 7}, {"intensity", 12, 7}, {"ring", 16, 4}, {"time", 18, 7}};
+  ASSERT_EQ(message.fields.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ(message.fields[i].name, std::get<0>(expected[i]));
+    EXPECT_EQ(message.fields[i].offset, std::get<1>(expected[i]));
+    EXPECT_EQ(message.fields[i].datatype, std::get<2>(expected[i]));
+    EXPECT_EQ(message.fields[i].count, 1U);
+  }
+}
+
+TEST(TransformsToRos, KeepTranslationAndRotation) {
+  const StaticTransform transform{"/base_link", "laser", make_pose({1, 2, 3}, {0, 0, M_PI / 2})};
+  tf2_msgs::TFMessage message;
+  to_ros({transform}, Stamp{1'000'000'000}, message);
+  ASSERT_EQ(message.transforms.size(), 1U);
+  EXPECT_EQ(message.transforms[0].header.frame_id, "base_link");
+  EXPECT_EQ(message.transforms[0].child_frame_id, "laser");
+  EXPECT_EQ(message.transforms[0].header.stamp, ros::Time(1, 0));
+  EXPECT_EQ(message.transforms[0].transform.translation.y, 2);
+  EXPECT_NEAR(message.transforms[0].transform.rotation.z, std::sqrt(0.5), 1e-12);
+  EXPECT_NEAR(message.transforms[0].transform.rotation.w, std::sqrt(0.5), 1e-12);
+}
+
+TEST(DiagnosticsToRos, KeepLevelNameAndValues) {
+  diagnostic_msgs::DiagnosticArray message;
+  to_ros({{"front", "SN1", Health::stale, "no data; check the cable", {{"IP Port", "6060"}}}}, "lidard",
+         Stamp{1}, message);
+  ASSERT_EQ(message.status.size(), 1U);
+  EXPECT_EQ(message.status[0].name, "lidard: front");
+  EXPECT_EQ(message.status[0].hardware_id, "SN1");
+  EXPECT_EQ(message.status[0].level, 3);
+  EXPECT_EQ(message.status[0].message, "no data; check the cable");
+  EXPECT_EQ(message.status[0].values.at(0).key, "IP Port");
+  EXPECT_EQ(message.status[0].values.at(0).value, "6060");
+}
+
+}  // namespace
+}  // namespace lidard

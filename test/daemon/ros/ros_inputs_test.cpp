@@ -1,0 +1,323 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/ros/ros_inputs.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <ros/ros.h>
+#include <std_msgs/String.h>
+
+#include <chrono>
+#include <thread>
+
+#include "daemon/ros/ros_convert.h"
+#include "daemon/ros/tf_poses.h"
+#include "test/support/ros_master.h"
+#include "test/support/ros_samples.h"
+
+namespace lidard {
+namespace {
+
+using namespace std::chrono_literals;
+using test::Child;
+using test::in_own_process;
+using test::RosMaster;
+
+/// A node in a process of its own that publishes one message again and again.
+template <typename Message>
+Child talker(const std::string& topic, const Message& message) {
+  return Child([=] {
+    ros::init(ros::M_string(), "talker", ros::init_options::AnonymousName | ros::init_options::NoRosout);
+    ros::NodeHandle node;
+    auto publisher = node.advertise<Message>(topic, 10);
+    for (ros::WallRate rate(50); ros::ok(); rate.sleep()) publisher.publish(message);
+  });
+}
+
+/// Functions posted to the "sensor thread", which here is the test.
+class Posted {
+ public:
+  RosInputs::Post post() {
+    return [this](std::function<void()> f) {
+      const std::lock_guard lock(mutex_);
+      waiting_.push_back(std::move(f));
+    };
+  }
+  /// Runs what comes until `done` or the time is up.
+  bool run_until(const std::function<bool()>& done, std::chrono::milliseconds limit = 30s) {
+    const auto end = std::chrono::steady_clock::now() + limit;
+    while (!done() && std::chrono::steady_clock::now() < end) {
+      std::this_thread::sleep_for(5ms);
+      std::vector<std::function<void()>> now;
+      {
+        const std::lock_guard lock(mutex_);
+        now.swap(waiting_);
+      }
+      for (const auto& f : now) f();
+    }
+    return done();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::function<void()>> waiting_;
+};
+
+/// What the handlers got.
+struct Seen {
+  std::vector<PlanarScan> scans;
+  std::vector<Cloud> clouds;
+  std::string sensor;
+  TopicHandlers handlers() {
+    return {[this](const std::string& name, PlanarScan& scan, Stamp) {
+              sensor = name;
+              scans.push_back(scan);
+            },
+            [this](const std::string& name, Cloud& cloud, Stamp) {
+              sensor = name;
+              clouds.push_back(cloud);
+            }};
+  }
+};
+
+std::shared_ptr<RosInputs> add_inputs(RosLink& link, const std::vector<TopicSource>& sources,
+                                      RosInputs::Post post, TopicHandlers handlers) {
+  auto inputs = std::make_shared<RosInputs>(sources, std::move(post), std::move(handlers));
+  link.add_client(inputs);
+  return inputs;
+}
+
+sensor_msgs::LaserScan scan_message() {
+  sensor_msgs::LaserScan message;
+  to_ros(test::sample_scan(), message);
+  return message;
+}
+
+TEST(RosInputs, FindTheTypeOfATopicAndConvertScans) {
+  in_own_process([] {
+    RosMaster master;
+    const Child scans = talker("/rear/scan", scan_message());
+    master.start();
+    Posted posted;
+    Seen seen;
+    RosLink link({});
+    const auto inputs = add_inputs(link, {{"rear", "/rear/scan"}}, posted.post(), seen.handlers());
+
+    link.start();
+    EXPECT_TRUE(posted.run_until([&] { return seen.scans.size() >= 3; }));
+    ASSERT_FALSE(seen.scans.empty());
+    EXPECT_EQ(seen.sensor, "rear");
+    EXPECT_EQ(seen.scans[0].stamp, test::sample_scan().stamp);
+    EXPECT_EQ(seen.scans[0].statuses, test::sample_scan().statuses);
+    EXPECT_EQ(inputs->report().at(0).type, "sensor_msgs/LaserScan");
+    EXPECT_EQ(inputs->report().at(0).rejected, 0U);
+    EXPECT_EQ(inputs->diagnostics().at(0).health, Health::ok);
+    EXPECT_TRUE(link.stop());
+  });
+}
+
+TEST(RosInputs, ConvertCloudsOfAPublisherThatComesLate) {
+  in_own_process([] {
+    RosMaster master;
+    auto cloud = test::sample_cloud(500);
+    const auto sent = cloud.points_bytes;
+    sensor_msgs::PointCloud2 message;
+    to_ros(cloud, message);
+    Posted posted;
+    Seen seen;
+    const Child clouds = talker("/points", message);  // waits for the master, as we do
+    RosLink link({});
+    const auto inputs = add_inputs(link, {{"roof", "points"}}, posted.post(), seen.handlers());
+
+    link.start();
+    EXPECT_FALSE(posted.run_until([&] { return !seen.clouds.empty(); }, 200ms));
+    EXPECT_EQ(inputs->diagnostics().at(0).health, Health::warn);
+    master.start();
+    EXPECT_TRUE(posted.run_until([&] { return !seen.clouds.empty(); }));
+    ASSERT_FALSE(seen.clouds.empty());
+    EXPECT_EQ(seen.clouds[0].points_bytes, sent);
+    EXPECT_TRUE(link.stop());
+  });
+}
+
+TEST(RosInputs, CountAndExplainMessagesTheyCannotUse) {
+  in_own_process([] {
+    RosMaster master;
+    auto broken = scan_message();
+    broken.ranges.resize(2);
+    const Child scans = talker("/broken", broken);
+    const Child strings = talker("/words", std_msgs::String());
+    master.start();
+    Posted posted;
+    Seen seen;
+    RosLink link({});
+    const auto inputs = add_inputs(link, {{"a", "/broken"}, {"b", "/words"}}, posted.post(), seen.handlers());
+
+    link.start();
+    EXPECT_TRUE(posted.run_until([&] { return inputs->report()[0].rejected > 2; }));
+    EXPECT_EQ(inputs->report()[0].last_reason,
+              "number of ranges does not fit angle_min, angle_max and angle_increment");
+    EXPECT_TRUE(posted.run_until([&] { return inputs->report()[1].type == "std_msgs/String"; }));
+    EXPECT_EQ(inputs->report()[1].messages, 0U);
+    EXPECT_TRUE(seen.scans.empty());
+    EXPECT_TRUE(link.stop());
+  });
+}
+
+TEST(RosInputs, UseScansWithOddIntensitiesOrWithoutRangesAndCountWhatTheyLeaveOut) {
+  in_own_process([] {
+    RosMaster master;
+    auto odd = scan_message();
+    odd.intensities.resize(2);
+    auto empty = scan_message();
+    empty.ranges.clear();
+    empty.intensities.clear();
+    const Child odd_scans = talker("/odd", odd);
+    const Child empty_scans = talker("/empty", empty);
+    master.start();
+    Posted posted;
+    Seen seen;
+    RosLink link({});
+    const auto inputs = add_inputs(link, {{"a", "/odd"}, {"b", "/empty"}}, posted.post(), seen.handlers());
+
+    link.start();
+    EXPECT_TRUE(posted.run_until([&] {
+      const auto report = inputs->report();
+      return report[0].intensities_ignored > 2 && report[1].messages > 2 && seen.scans.size() > 6;
+    }));
+    for (const auto& report : inputs->report()) EXPECT_EQ(report.rejected, 0U) << report.last_reason;
+    EXPECT_EQ(inputs->report()[1].intensities_ignored, 0U);
+    for (const PlanarScan& scan : seen.scans) EXPECT_TRUE(scan.intensities.empty());
+    using ::testing::Pair;
+    EXPECT_THAT(inputs->diagnostics().at(0).values,
+                ::testing::Contains(Pair("Intensities ignored", ::testing::Ne("0"))));
+    EXPECT_TRUE(link.stop());
+  });
+}
+
+TEST(RosInputs, DropAndCountWhatASlowSensorThreadDoesNotTake) {
+  in_own_process([] {
+    RosMaster master;
+    const Child scans = talker("/scan", scan_message());
+    master.start();
+    std::vector<std::function<void()>> never_run;
+    std::mutex mutex;
+    Seen seen;
+    RosLink link({});
+    const auto inputs = add_inputs(
+        link, {{"a", "/scan"}},
+        [&](std::function<void()> f) {
+          const std::lock_guard lock(mutex);
+          never_run.push_back(std::move(f));
+        },
+        seen.handlers());
+
+    link.start();
+    Posted nothing;
+    EXPECT_TRUE(nothing.run_until([&] { return inputs->report()[0].dropped > 3; }));
+    EXPECT_TRUE(link.stop());
+    EXPECT_EQ(never_run.size(), 4U);
+  });
+}
+
+TEST(RosInputs, HearPublishersAgainAfterTheMasterWasRestarted) {
+  in_own_process([] {
+    RosMaster master;
+    auto before = talker("/scan", scan_message());
+    master.start();
+    Posted posted;
+    Seen seen;
+    RosLink link({});
+    const auto inputs = add_inputs(link, {{"a", "/scan"}}, posted.post(), seen.handlers());
+
+    link.start();
+    ASSERT_TRUE(posted.run_until([&] { return !seen.scans.empty(); }));
+    before.kill();
+    master.kill();
+    master.start();
+    std::this_thread::sleep_for(600ms);
+    const auto count = seen.scans.size();
+    const Child after(std::vector<std::string>{
+        "/usr/bin/python3", "/usr/bin/rostopic", "pub", "-r", "20", "/scan", "sensor_msgs/LaserScan",
+        "{angle_min: 0.0, angle_max: 0.1, angle_increment: 0.1, range_max: "
+        "10.0, ranges: [1.0, 2.0]}"});
+    EXPECT_TRUE(posted.run_until([&] { return seen.scans.size() > count + 10; }));
+    EXPECT_TRUE(link.stop());
+  });
+}
+
+geometry_msgs::TransformStamped transform(const std::string& parent, const std::string& child, double x) {
+  geometry_msgs::TransformStamped made;
+  made.header.frame_id = parent;
+  made.child_frame_id = child;
+  made.header.stamp = ros::Time(100, 0);
+  made.transform.translation.x = x;
+  made.transform.rotation.w = 1;
+  return made;
+}
+
+TEST(TfPoses, FollowAChainOfFramesAndSayWhyAPoseIsUnknown) {
+  in_own_process([] {
+    RosMaster master;
+    tf2_msgs::TFMessage message;
+    message.transforms = {transform("base_link", "mast", 1), transform("mast", "laser", 2)};
+    const Child tf = talker("/tf_static", message);
+    master.start();
+    const auto tf_poses = std::make_shared<TfPoses>();
+    TfPoses& poses = *tf_poses;
+    RosLink link({});
+    link.add_client(tf_poses);
+    Pose pose;
+    std::string why;
+    EXPECT_FALSE(poses.lookup("base_link", "laser", Stamp{}, pose, why));
+    EXPECT_THAT(why, testing::HasSubstr("no ROS master yet"));
+    link.start();
+    Posted nothing;
+    EXPECT_TRUE(nothing.run_until([&] { return poses.lookup("/base_link", "laser", Stamp{5}, pose, why); }))
+        << why;
+    EXPECT_EQ(pose.translation().x(), 3);
+    EXPECT_TRUE(is_rigid(pose));
+    EXPECT_FALSE(poses.lookup("base_link", "nowhere", Stamp{}, pose, why));
+    EXPECT_THAT(why, testing::HasSubstr("nowhere"));
+    EXPECT_FALSE(poses.lookup("", "laser", Stamp{}, pose, why));
+    EXPECT_TRUE(poses.lookup("laser", "laser", Stamp{}, pose, why));
+    EXPECT_TRUE(link.stop());
+  });
+}
+
+TEST(TfPoses, TakeAMovingFrameAtTheStampAskedFor) {
+  in_own_process([] {
+    RosMaster master;
+    tf2_msgs::TFMessage message;
+    message.transforms = {transform("odom", "base_link", 1), transform("odom", "base_link", 3)};
+    message.transforms[1].header.stamp = ros::Time(102, 0);
+    const Child tf = talker("/tf", message);
+    master.start();
+    const auto tf_poses = std::make_shared<TfPoses>();
+    TfPoses& poses = *tf_poses;
+    RosLink link({});
+    link.add_client(tf_poses);
+    link.start();
+    Pose pose;
+    std::string why;
+    Posted nothing;
+    const Stamp middle{101'000'000'000};
+    EXPECT_TRUE(nothing.run_until([&] { return poses.lookup("odom", "base_link", middle, pose, why); }))
+        << why;
+    EXPECT_EQ(pose.translation().x(), 2);
+    EXPECT_FALSE(poses.lookup("odom", "base_link", Stamp{103'000'000'000}, pose, why));
+    EXPECT_THAT(why, testing::HasSubstr("extrapolation"));
+    EXPECT_TRUE(link.stop());
+  });
+}
+
+TEST(NoPoses, SaysThatRosIsNeeded) {
+  NoPoses poses;
+  Pose pose;
+  std::string why;
+  EXPECT_FALSE(poses.lookup("base_link", "laser", Stamp{}, pose, why));
+  EXPECT_EQ(why, "the pose of laser in base_link would come from tf, which needs ROS; configure it");
+}
+
+}  // namespace
+}  // namespace lidard

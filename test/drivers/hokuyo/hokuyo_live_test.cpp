@@ -1,0 +1,162 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Driver and TCP source against devices behind real sockets on loopback.
+#include <gtest/gtest.h>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <functional>
+
+#include "drivers/model.h"
+#include "drivers/net/tcp_source.h"
+#include "test/drivers/hokuyo/scip_bench.h"
+#include "test/sim/devices/scip_device.h"
+#include "test/sim/devices/uam_device.h"
+#include "test/sim/servers/device_server.h"
+#include "test/support/starved.h"
+
+namespace lidard::test {
+namespace {
+
+using namespace std::chrono_literals;
+using sim::DeviceServer;
+
+class Live : public DriverOutput {
+ public:
+  Live(const std::string& model, const DeviceServer& server) {
+    DriverConfig config;
+    config.model = find_model(model);
+    config.frame_id = "laser";
+    driver = config.model->make(config);
+    TcpOptions options;
+    options.device = {IpAddress::v4(127, 0, 0, 1), server.port()};
+    options.read_time_out = 1s;
+    TcpHandlers handlers;
+    handlers.receive = [this](const Packet& packet) { driver->receive(packet, *this); };
+    handlers.connected = [this](Stamp now) { driver->connected(now, *this); };
+    handlers.disconnected = [this] { driver->disconnected(); };
+    source = std::make_unique<TcpSource>(io, options, handlers);
+    source->start();
+    tick();
+  }
+
+  void scan(PlanarScan& scan) override {
+    EXPECT_EQ(violation(scan), nullptr);
+    ++scans;
+    last_stamp = scan.stamp;
+  }
+  void cloud(Cloud&) override { ADD_FAILURE(); }
+  void request(ByteView bytes) override { source->send(bytes); }
+  void disconnect(bool again) override { source->disconnect(again, "the sensor does not answer"); }
+
+  void run(Span time) { io.run_for(time); }
+  /// Time until `scans` more scans came, without what was waited for a processor; at most 30 s.
+  double until_scans(std::uint64_t more) {
+    const std::uint64_t wanted = scans + more;
+    const Starved starved;
+    const auto begin = std::chrono::steady_clock::now();
+    while (scans < wanted && std::chrono::steady_clock::now() - begin < 30s) io.run_for(5ms);
+    const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return scans < wanted ? took : took - starved.seconds();
+  }
+
+  boost::asio::io_context io;
+  std::unique_ptr<Driver> driver;
+  std::unique_ptr<TcpSource> source;
+  std::uint64_t scans = 0;
+  Stamp last_stamp;
+
+ private:
+  void tick() {
+    timer.expires_after(20ms);
+    timer.async_wait([this](const boost::system::error_code& error) {
+      if (error) return;
+      driver->tick(sim::wall_clock(), *this);
+      tick();
+    });
+  }
+  boost::asio::steady_timer timer{io};
+};
+
+std::unique_ptr<sim::TcpDevice> ust() {
+  sim::ScipDeviceOptions options;
+  options.clock_ppm = 100;
+  options.transit.jitter = 5ms;
+  return std::make_unique<sim::ScipDevice>(
+      options, [](Stamp) { return scip_wall(1081); }, sim::wall_clock() - 100s);
+}
+
+std::unique_ptr<sim::TcpDevice> uam() {
+  return std::make_unique<sim::UamDevice>(
+      sim::UamDeviceOptions(),
+      [](Stamp, std::size_t beams) {
+        return std::vector<sim::UamBeam>(beams, {1500, 100});
+      },
+      sim::wall_clock() - 100s);
+}
+
+const Endpoint loopback{IpAddress::v4(127, 0, 0, 1), 0};
+
+TEST(HokuyoLive, StreamsWithoutLoss) {
+  DeviceServer server(loopback, ust());
+  Live live("hokuyo_ust_10lx", server);
+  live.until_scans(10);
+  const std::uint64_t before = live.scans;
+  const Stamp from = live.last_stamp;
+  const Starved starved;
+  EXPECT_LT(live.until_scans(120), 3.3);
+  EXPECT_GE(live.scans - before, 120U);
+  // By the device's own clock; each missing scan would be 25 ms more.
+  EXPECT_NEAR(seconds(live.last_stamp - from), 0.025 * static_cast<double>(live.scans - before),
+              0.01 + starved.seconds());
+  EXPECT_EQ(live.driver->counters().lost_packets, 0U);
+  EXPECT_EQ(live.driver->counters().rejected_total(), 0U);
+  EXPECT_EQ(server.connections(), 1U);
+  EXPECT_EQ(live.driver->info().serial, "H1234567");
+}
+
+TEST(HokuyoLive, ComesBackWithinTwoSecondsWhateverHappensToTheConnection) {
+  const std::vector<std::pair<std::string, std::function<void(DeviceServer&)>>> accidents = {
+      {"closed", [](DeviceServer& server) { server.drop(false); }},
+      {"reset", [](DeviceServer& server) { server.drop(true); }},
+      {"power cycle", [](DeviceServer& server) {
+         server.switch_off();
+         server.with<sim::ScipDevice>([](sim::ScipDevice& device) { device.power_cycle(sim::wall_clock()); });
+       }}};
+  DeviceServer server(loopback, ust());
+  Live live("hokuyo_ust_10lx", server);
+  live.until_scans(10);
+  for (const auto& [name, happens] : accidents) {
+    happens(server);
+    live.run(700ms);
+    server.switch_on();
+    EXPECT_LT(live.until_scans(5), 2.2) << name;
+  }
+  EXPECT_EQ(live.driver->counters().rejected_total(), 0U);
+}
+
+TEST(HokuyoLive, AHalfOpenConnectionIsLeftAndMadeAnew) {
+  DeviceServer server(loopback, ust());
+  Live live("hokuyo_ust_10lx", server);
+  live.until_scans(10);
+  server.hang(true);
+  live.run(3s);
+  server.hang(false);
+  EXPECT_LT(live.until_scans(5), 2.2);
+  EXPECT_GE(server.connections(), 2U);
+}
+
+TEST(HokuyoLive, AUamStreamsAndComesBack) {
+  DeviceServer server(loopback, uam());
+  Live live("hokuyo_uam_05lp", server);
+  EXPECT_LT(live.until_scans(20), 4);
+  server.drop(true);
+  EXPECT_LT(live.until_scans(5), 2.2);
+  EXPECT_EQ(live.driver->counters().rejected_total(), 0U);
+  EXPECT_EQ(live.driver->info().serial, "H7001234");
+}
+
+}  // namespace
+}  // namespace lidard::test

@@ -1,0 +1,156 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "drivers/model.h"
+#include "test/sim/devices/scip_device.h"
+
+namespace lidard::test {
+
+constexpr Stamp scip_epoch{1'767'225'600'000'000'000};
+
+/// Steps of a plain wall: 1 m and 1 mm more a step, intensity twice the step.
+inline std::vector<sim::ScipStep> scip_wall(int steps) {
+  std::vector<sim::ScipStep> wall;
+  for (int i = 0; i < steps; ++i)
+    wall.push_back({{static_cast<std::uint32_t>(1000 + i), static_cast<std::uint32_t>(2 * i)}});
+  return wall;
+}
+
+/// A TCP device and its driver with a cable between them, on a clock of their own.
+class TcpBench : public DriverOutput {
+ public:
+  TcpBench(const std::string& model, DriverConfig config = {}) {
+    config.model = find_model(model);
+    config.frame_id = "laser";
+    driver = config.model->make(config);
+  }
+
+  void scan(PlanarScan& scan) override {
+    EXPECT_EQ(violation(scan), nullptr) << violation(scan);
+    scans.push_back(scan);
+    arrivals.push_back(now);
+    sweeps.push_back(sweep);
+  }
+  void cloud(Cloud&) override { ADD_FAILURE() << "a planar scanner made a cloud"; }
+  void state(const DeviceState& state) override { states.push_back(state); }
+  void request(ByteView bytes) override {
+    written += bytes.text();
+    uplink.push_back({now + way_up, std::string(bytes.text())});
+  }
+  void disconnect(bool again) override {
+    EXPECT_TRUE(again);
+    ++disconnects;
+    cut = true;
+  }
+
+  void connect_now() {
+    device->connected(now);
+    driver->connected(now, *this);
+    online = true;
+  }
+  void disconnect_now() {
+    driver->disconnected();
+    device->disconnected();
+    uplink.clear();
+    online = cut = false;
+  }
+  /// Lets both talk; a connection that the driver ends is made again after 0.2 s.
+  void run(Span time) {
+    const Stamp end = now + time;
+    while (now < end) {
+      if (cut) disconnect_now(), reconnect = now + std::chrono::milliseconds(200);
+      if (!online && auto_connect && now >= reconnect) connect_now();
+      step(end);
+    }
+  }
+  bool has_warning(const std::string& part) const {
+    for (const std::string& each : driver->info().warnings) {
+      if (each.find(part) != std::string::npos) return true;
+    }
+    return false;
+  }
+  std::string detail(const std::string& key) const {
+    for (const auto& each : driver->info().details) {
+      if (each.first == key) return each.second;
+    }
+    return "(missing)";
+  }
+  Reject feed(std::string_view bytes, bool start = false, std::uint64_t missing = 0) {
+    Packet packet;
+    packet.payload = ByteView(bytes);
+    packet.arrival = now;
+    packet.transport = Transport::tcp;
+    packet.stream_start = start;
+    packet.missing = missing;
+    return driver->receive(packet, *this);
+  }
+
+  std::unique_ptr<Driver> driver;
+  sim::TcpDevice* device = nullptr;
+  std::vector<PlanarScan> scans;
+  std::vector<Stamp> arrivals, sweeps;  // beside scans
+  std::vector<DeviceState> states;
+  std::string written;
+  Stamp now = scip_epoch;
+  Span way_up{50'000};
+  bool online = false, auto_connect = true, muted = false;
+  int disconnects = 0;
+
+ private:
+  struct Upward {
+    Stamp time;
+    std::string bytes;
+  };
+
+  void step(Stamp end) {
+    Stamp horizon = std::min(end, next_tick);
+    if (!uplink.empty()) horizon = std::min(horizon, uplink.front().time);
+    if (const auto sent = device->next(horizon)) {
+      now = std::max(now, sent->time);
+      sweep = sent->sweep.value_or(Stamp());
+      if (online && !muted) feed(sent->bytes);
+      return;
+    }
+    now = std::max(now, horizon);
+    if (!uplink.empty() && uplink.front().time <= now) {
+      const Upward up = uplink.front();
+      uplink.pop_front();
+      device->receive(up.bytes, now);
+    }
+    if (now >= next_tick) {
+      if (online) driver->tick(now, *this);
+      next_tick = now + std::chrono::milliseconds(20);
+    }
+  }
+
+  std::deque<Upward> uplink;
+  Stamp next_tick = scip_epoch, reconnect = scip_epoch, sweep;
+  bool cut = false;
+};
+
+/// With a SCIP sensor on the other end that looks at scip_wall().
+class ScipBench : public TcpBench {
+ public:
+  explicit ScipBench(sim::ScipDeviceOptions options = {}, DriverConfig config = {},
+                     const std::string& model = "hokuyo_ust_10lx")
+      : TcpBench(model, std::move(config)),
+        wall(scip_wall(options.last_step + 1)),
+        sensor(
+            std::move(options), [this](Stamp) { return wall; }, now - std::chrono::seconds(100)) {
+    device = &sensor;
+  }
+
+  std::vector<sim::ScipStep> wall;
+  sim::ScipDevice sensor;
+};
+
+}  // namespace lidard::test

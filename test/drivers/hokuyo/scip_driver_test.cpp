@@ -1,0 +1,371 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/hokuyo/scip_driver.h"
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+
+#include "test/drivers/hokuyo/scip_bench.h"
+#include "test/support/allocations.h"
+#include "test/support/captures.h"
+
+namespace lidard::test {
+namespace {
+
+using namespace std::chrono_literals;
+using sim::ScipDeviceOptions;
+
+constexpr double rad_per_deg = 3.14159265358979323846 / 180;
+
+std::string content(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+/// What a sensor sends while nobody of ours asks: the answers in a capture.
+std::string recording(ScipDeviceOptions options, const std::string& request, Span time,
+                      std::vector<sim::ScipStep> steps = scip_wall(1081)) {
+  const Stamp begin = scip_epoch;
+  sim::ScipDevice device(
+      std::move(options), [&steps](Stamp) { return steps; }, begin - 100s);
+  device.connected(begin);
+  device.receive(request + "\n", begin);
+  std::string all;
+  while (const auto sent = device.next(begin + time)) all += sent->bytes;
+  return all;
+}
+
+DriverConfig with_echoes() {
+  DriverConfig config;
+  config.publish_multiecho = true;
+  return config;
+}
+
+TEST(ScipDriver, DecodesRealAnswers) {
+  LIDARD_NEED_CAPTURE(one, "hokuyo/MD_100_110_0.scip");
+  LIDARD_NEED_CAPTURE(two, "hokuyo/MD_100_110_1.scip");
+  TcpBench bench("hokuyo_ust_10lx");
+  EXPECT_EQ(bench.feed(content(one), true), Reject::none);
+  bench.now = bench.now + 25ms;
+  EXPECT_EQ(bench.feed(content(two)), Reject::none);
+  ASSERT_EQ(bench.scans.size(), 2U);
+  const PlanarScan& first = bench.scans[0];
+  ASSERT_EQ(first.beams, 11U);
+  EXPECT_NEAR(first.angle_min, -110 * rad_per_deg, 1e-6);
+  EXPECT_NEAR(first.angle_max, -107.5 * rad_per_deg, 1e-6);
+  for (std::size_t i = 0; i < 9; ++i) EXPECT_EQ(first.statuses[i], BeamStatus::none) << "65533 mm";
+  EXPECT_FLOAT_EQ(first.ranges[9], 1.688F);  // 0JH: 26 * 64 + 24
+  EXPECT_FLOAT_EQ(first.ranges[10], 1.690F);
+  EXPECT_FLOAT_EQ(bench.scans[1].ranges[9], 1.689F);
+  EXPECT_NEAR(seconds(bench.scans[1].stamp - first.stamp), 0.025, 0.002) << "the counter shows 24 ms";
+  EXPECT_EQ(bench.driver->counters().rejected_total(), 0U);
+  EXPECT_EQ(bench.driver->counters().packets, 2U);
+}
+
+TEST(ScipDriver, DecodesRealSingleAnswersWithIntensities) {
+  LIDARD_NEED_CAPTURE(distances, "hokuyo/GD_0_10.scip");
+  LIDARD_NEED_CAPTURE(with_intensities, "hokuyo/GE_0_10.scip");
+  TcpBench plain("hokuyo_ust_10lx"), bright("hokuyo_ust_10lx");
+  EXPECT_EQ(plain.feed(content(distances), true), Reject::none);
+  EXPECT_EQ(bright.feed(content(with_intensities), true), Reject::none);
+  ASSERT_EQ(plain.scans.size(), 1U);
+  ASSERT_EQ(bright.scans.size(), 1U);
+  ASSERT_EQ(plain.scans[0].beams, 11U);
+  EXPECT_TRUE(plain.scans[0].intensities.empty());
+  // 063: 6 * 64 + 3.
+  EXPECT_FLOAT_EQ(plain.scans[0].ranges[0], 0.387F);
+  ASSERT_EQ(bright.scans[0].intensities.size(), 11U);
+  // 0NC: 30 * 64 + 19; 0<O: 12 * 64 + 31.
+  EXPECT_FLOAT_EQ(bright.scans[0].ranges[0], 1.939F);
+  EXPECT_FLOAT_EQ(bright.scans[0].intensities[0], 799);
+  // This beam straddles the line end: 0Gj0 and :c.
+  EXPECT_FLOAT_EQ(bright.scans[0].ranges[10], 1.530F);
+  EXPECT_FLOAT_EQ(bright.scans[0].intensities[10], 691);
+}
+
+TEST(ScipDriver, ReadsEveryKindOfRequestAlike) {
+  for (const char* request : {"MD0000108001000", "MS0000108001000", "ME0000108001000", "ND0000108001000",
+                              "NE0000108001000", "%MD0000108001000", "%ME0000108001000", "GD0000108001",
+                              "GS0000108001", "GE0000108001", "HD0000108001", "HE0000108001"}) {
+    ScipDeviceOptions options;
+    options.knows_percent = options.knows_echoes = true;
+    TcpBench bench("hokuyo_utm_30lx_ew");
+    EXPECT_EQ(bench.feed(recording(options, request, 100ms), true), Reject::none) << request;
+    ASSERT_GE(bench.scans.size(), 1U) << request;
+    const PlanarScan& scan = bench.scans[0];
+    ASSERT_EQ(scan.beams, 1081U);
+    for (std::size_t i = 0; i < scan.beams; ++i) {
+      ASSERT_FLOAT_EQ(scan.ranges[i], 1.0F + 0.001F * static_cast<float>(i)) << request;
+      if (!scan.intensities.empty()) {
+        ASSERT_EQ(scan.intensities[i], 2.0F * static_cast<float>(i));
+      }
+    }
+    const bool asked = std::string(request).find('E') != std::string::npos;
+    EXPECT_EQ(!scan.intensities.empty(), asked) << request;
+    EXPECT_EQ(bench.driver->counters().rejected_total(), 0U);
+  }
+}
+
+TEST(ScipDriver, FurtherEchoesFollowTheFirstAndMayStandAtALineEnd) {
+  ScipDeviceOptions options;
+  options.knows_echoes = true;
+  std::vector<sim::ScipStep> steps = scip_wall(1081);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (i % 3 > 0) steps[i].push_back({5000, 7});
+    if (i % 3 > 1) steps[i].push_back({9000, 8});
+  }
+  for (const char* request : {"ND0000108001000", "NE0000108001000"}) {
+    TcpBench bench("hokuyo_utm_30lx_ew", with_echoes()), single("hokuyo_utm_30lx_ew");
+    const std::string stream = recording(options, request, 100ms, steps);
+    EXPECT_EQ(bench.feed(stream, true), Reject::none);
+    EXPECT_EQ(single.feed(stream, true), Reject::none);
+    ASSERT_GE(bench.scans.size(), 1U);
+    const PlanarScan& scan = bench.scans[0];
+    ASSERT_EQ(scan.echoes, 3U);
+    for (std::size_t i = 0; i < scan.beams; ++i) {
+      EXPECT_FLOAT_EQ(scan.ranges[scan.index(i, 0)], 1.0F + 0.001F * static_cast<float>(i));
+      const BeamStatus second = i % 3 > 0 ? BeamStatus::hit : BeamStatus::invalid;
+      ASSERT_EQ(scan.statuses[scan.index(i, 1)], second);
+      if (i % 3 > 1) {
+        ASSERT_FLOAT_EQ(scan.ranges[scan.index(i, 2)], 9.0F);
+      }
+    }
+    ASSERT_EQ(single.scans.at(0).echoes, 1U);
+    EXPECT_EQ(single.scans[0].ranges[2], scan.ranges[2]);
+  }
+}
+
+TEST(ScipDriver, CodesAndDistancesBeyondTheRangeAreNeverRanges) {
+  std::vector<sim::ScipStep> steps = scip_wall(1081);
+  for (unsigned code = 0; code < 20; ++code) steps[code] = {{code, 0}};
+  steps[20] = {{20, 0}};
+  steps[21] = {{30000, 0}};
+  steps[22] = {{30001, 0}};
+  steps[23] = {{65533, 0}};
+  steps[24] = {{262143, 0}};
+  TcpBench bench("hokuyo_ust_10lx");
+  bench.feed(recording({}, "MD0000108001000", 100ms, steps), true);
+  ASSERT_GE(bench.scans.size(), 1U);
+  const PlanarScan& scan = bench.scans[0];
+  EXPECT_EQ(scan.statuses[1], BeamStatus::none);
+  EXPECT_EQ(scan.statuses[2], BeamStatus::near);
+  EXPECT_EQ(scan.statuses[4], BeamStatus::near);
+  for (const std::size_t i : {0U, 3U, 5U, 6U, 19U}) EXPECT_EQ(scan.statuses[i], BeamStatus::invalid) << i;
+  EXPECT_EQ(scan.statuses[20], BeamStatus::hit);
+  EXPECT_EQ(scan.statuses[21], BeamStatus::hit);
+  for (const std::size_t i : {22U, 23U, 24U}) EXPECT_EQ(scan.statuses[i], BeamStatus::none) << i;
+}
+
+TEST(ScipDriver, TwoCharactersEndAtFourMetres) {
+  std::vector<sim::ScipStep> steps = scip_wall(1081);
+  steps[5] = {{9000, 0}};
+  TcpBench bench("hokuyo_ust_10lx");
+  bench.feed(recording({}, "MS0000108001000", 100ms, steps), true);
+  ASSERT_GE(bench.scans.size(), 1U);
+  EXPECT_EQ(bench.scans[0].statuses[5], BeamStatus::none);
+  EXPECT_FLOAT_EQ(bench.scans[0].range_max, 4.094F);
+}
+
+TEST(ScipDriver, AGroupPointsToItsMiddle) {
+  TcpBench bench("hokuyo_ust_10lx");
+  bench.feed(recording({}, "MD0100020003000", 100ms), true);
+  ASSERT_GE(bench.scans.size(), 1U);
+  const PlanarScan& scan = bench.scans[0];
+  ASSERT_EQ(scan.beams, 34U) << "floor(100 / 3) + 1";
+  EXPECT_NEAR(scan.angle_min, (101 - 540) * 0.25 * rad_per_deg, 1e-6);
+  EXPECT_NEAR(scan.angle_increment, 0.75 * rad_per_deg, 1e-8);
+  EXPECT_FLOAT_EQ(scan.ranges[1], 1.103F) << "the least of steps 103 to 105";
+}
+
+TEST(ScipDriver, ParametersInACaptureReplaceThoseOfTheTable) {
+  ScipDeviceOptions options;
+  options.product = "URG-04LX";
+  options.range_min_mm = 20, options.range_max_mm = 5600;
+  options.steps_per_turn = 1024, options.first_step = 44, options.last_step = 725, options.front_step = 384;
+  options.rpm = 600;
+  std::vector<sim::ScipStep> steps = scip_wall(726);
+  steps[50] = {{6, 0}};
+  steps[51] = {{7, 0}};
+  TcpBench bench("hokuyo_scip");
+  bench.feed(recording(options, "PP\nMD0044072501000", 400ms, steps), true);
+  ASSERT_GE(bench.scans.size(), 1U);
+  const PlanarScan& scan = bench.scans[0];
+  EXPECT_EQ(scan.beams, 682U);
+  EXPECT_NEAR(scan.angle_min, (44 - 384) * 2 * 3.14159265358979 / 1024, 1e-6);
+  EXPECT_FLOAT_EQ(scan.range_max, 5.6F);
+  EXPECT_NEAR(scan.scan_time, 0.1, 1e-6);
+  EXPECT_EQ(scan.statuses[6], BeamStatus::none) << "code 6 of a URG";
+  EXPECT_EQ(scan.statuses[7], BeamStatus::invalid);
+  EXPECT_EQ(bench.detail("Product Name"), "URG-04LX");
+}
+
+TEST(ScipDriver, TheStampIsThatOfStepZero) {
+  for (const bool percent : {false, true}) {
+    ScipDeviceOptions options;
+    options.knows_percent = true;
+    TcpBench all("hokuyo_ust_10lx"), late("hokuyo_ust_10lx");
+    const std::string prefix = percent ? "%" : "";
+    // Both devices are the same one at the same time.
+    all.feed(recording(options, prefix + "MD0000108001000", 100ms), true);
+    late.feed(recording(options, prefix + "MD0360108001000", 100ms), true);
+    ASSERT_GE(all.scans.size(), 1U);
+    ASSERT_GE(late.scans.size(), 1U);
+    // Stamps are placed by the arrival of the last step, which is the same in both.
+    EXPECT_NEAR(seconds(late.scans[0].stamp - all.scans[0].stamp), 0.025 / 4, 1e-6);
+  }
+}
+
+TEST(ScipDriver, KeepsBeamsWithinConfiguredAngles) {
+  DriverConfig config;
+  config.angle_min = -90 * rad_per_deg;
+  config.angle_max = 45 * rad_per_deg;
+  TcpBench bench("hokuyo_ust_10lx", config);
+  bench.feed(recording({}, "ME0000108001000", 100ms), true);
+  ASSERT_GE(bench.scans.size(), 1U);
+  const PlanarScan& scan = bench.scans[0];
+  EXPECT_EQ(scan.beams, 541U);
+  EXPECT_NEAR(scan.angle_min, -90 * rad_per_deg, 1e-6);
+  EXPECT_FLOAT_EQ(scan.ranges[0], 1.180F);
+  EXPECT_EQ(scan.intensities[0], 360.0F);
+}
+
+TEST(ScipDriver, OtherStepsInACaptureAreSetAsideUntilTheyStay) {
+  TcpBench bench("hokuyo_ust_10lx");
+  bench.feed(recording({}, "MD0000108001000", 200ms), true);
+  const std::size_t before = bench.scans.size();
+  ASSERT_GT(before, 3U);
+  bench.feed(recording({}, "GD0000001001", 200ms));
+  EXPECT_EQ(bench.scans.size(), before);
+  EXPECT_TRUE(bench.driver->info().warnings.empty());
+  bench.feed(recording({}, "MD0100020001000", 600ms));
+  EXPECT_TRUE(bench.has_warning("number or the angles of the beams changed"));
+  EXPECT_EQ(bench.scans.back().beams, 101U);
+}
+
+TEST(ScipDriver, WrongLinesAreCountedByTheirReason) {
+  const std::string good = recording({}, "MD0000108001000", 60ms);
+  const auto with = [&](std::size_t at, char c) {
+    std::string bad = good;
+    bad[at] = c;
+    TcpBench bench("hokuyo_ust_10lx");
+    bench.feed(bad, true);
+    return bench.driver->counters();
+  };
+  const std::size_t stamp = good.find("99b\n") + 4;
+  const std::size_t data = stamp + 6;
+  EXPECT_EQ(with(stamp, 'o').rejected[static_cast<std::size_t>(Reject::checksum)], 1U);
+  EXPECT_EQ(with(data + 10, 'o').rejected[static_cast<std::size_t>(Reject::checksum)], 1U);
+  EXPECT_EQ(with(good.find("99b") + 2, 'x').rejected[static_cast<std::size_t>(Reject::magic)], 1U);
+  ScipDeviceOptions defect;
+  defect.values_missing = 2;
+  TcpBench bench("hokuyo_ust_10lx");
+  bench.feed(recording(defect, "MD0000108001000", 60ms), true);
+  EXPECT_TRUE(bench.scans.empty());
+  EXPECT_GE(bench.driver->counters().rejected[static_cast<std::size_t>(Reject::size)], 1U);
+  EXPECT_TRUE(bench.has_warning("another number of distances"));
+}
+
+struct Seen {
+  std::size_t beams;
+  std::int64_t stamp;
+  std::vector<float> ranges;
+  friend bool operator==(const Seen& a, const Seen& b) {
+    return a.beams == b.beams && a.stamp == b.stamp && a.ranges == b.ranges;
+  }
+};
+
+std::vector<Seen> seen(const TcpBench& bench) {
+  std::vector<Seen> all;
+  for (const PlanarScan& scan : bench.scans) all.push_back({scan.beams, scan.stamp.ns, scan.ranges});
+  return all;
+}
+
+// Short sweeps, so that every cut can be tried.
+const std::string& short_stream() {
+  static const std::string stream = recording({}, "VV\nPP\nME0100012001000;user", 200ms);
+  return stream;
+}
+
+TEST(ScipDriver, TheSameScansComeOutHoweverTheStreamIsCut) {
+  TcpBench whole("hokuyo_ust_10lx");
+  whole.feed(short_stream(), true);
+  const auto expected = seen(whole);
+  ASSERT_GE(expected.size(), 5U);
+  for (std::size_t cut = 0; cut <= short_stream().size(); ++cut) {
+    TcpBench bench("hokuyo_ust_10lx");
+    bench.feed(short_stream().substr(0, cut), true);
+    bench.feed(short_stream().substr(cut));
+    ASSERT_TRUE(seen(bench) == expected) << cut;
+  }
+  for (const std::size_t size : {1U, 2U, 3U, 7U, 64U, 65U, 1000U}) {
+    TcpBench bench("hokuyo_ust_10lx");
+    for (std::size_t at = 0; at < short_stream().size(); at += size)
+      bench.feed(short_stream().substr(at, size), at == 0);
+    ASSERT_TRUE(seen(bench) == expected) << size;
+  }
+}
+
+TEST(ScipDriver, AStreamJoinedAtAnyByteGivesTheScansThatFollow) {
+  TcpBench whole("hokuyo_ust_10lx");
+  whole.feed(short_stream(), true);
+  const std::size_t all = whole.scans.size();
+  std::vector<std::size_t> begins;
+  for (std::size_t at = 0; (at = short_stream().find("ME0100012001000;user\n99b", at)) != std::string::npos;
+       ++at)
+    begins.push_back(at);
+  ASSERT_EQ(begins.size(), all);
+  for (std::size_t cut = 0; cut < short_stream().size(); ++cut) {
+    TcpBench bench("hokuyo_ust_10lx");
+    bench.feed(short_stream().substr(cut), true);
+    const auto left = static_cast<std::size_t>(
+        std::count_if(begins.begin(), begins.end(), [cut](std::size_t begin) { return begin >= cut; }));
+    ASSERT_EQ(bench.scans.size(), left) << cut;
+    ASSERT_EQ(bench.driver->counters().rejected_total(), 0U) << cut;
+    for (std::size_t i = 0; i < left; ++i)
+      ASSERT_EQ(bench.scans[i].ranges, whole.scans[all - left + i].ranges) << cut;
+  }
+}
+
+TEST(ScipDriver, AHoleCostsOnlyTheScansThatItHit) {
+  TcpBench whole("hokuyo_ust_10lx");
+  whole.feed(short_stream(), true);
+  for (std::size_t from = 1; from + 150 < short_stream().size(); from += 5) {
+    TcpBench bench("hokuyo_ust_10lx");
+    bench.feed(short_stream().substr(0, from), true);
+    bench.feed(short_stream().substr(from + 100), false, 100);
+    ASSERT_GE(bench.scans.size() + 2, whole.scans.size()) << from;
+    ASSERT_EQ(bench.driver->counters().rejected_total(), 0U) << from;
+    for (const PlanarScan& scan : bench.scans) ASSERT_EQ(scan.ranges, whole.scans[0].ranges) << from;
+  }
+}
+
+TEST(ScipDriver, AllocatesNothingOnceWarm) {
+  ScipDeviceOptions options;
+  options.knows_echoes = true;
+  for (const char* request : {"ME0000108001000", "NE0000108001000"}) {
+    const std::string stream = recording(options, request, 2s);
+    class Nowhere final : public DriverOutput {
+      void scan(PlanarScan&) override {}
+      void cloud(Cloud&) override {}
+    } nowhere;
+    DriverConfig config = with_echoes();
+    config.model = find_model("hokuyo_utm_30lx_ew");
+    const auto driver = config.model->make(config);
+    Packet packet;
+    packet.transport = Transport::tcp;
+    packet.arrival = scip_epoch;
+    std::uint64_t before = 0;
+    for (std::size_t at = 0; at + 1448 < stream.size(); at += 1448) {
+      if (at > stream.size() / 4 && before == 0) before = allocations();
+      packet.payload = ByteView(std::string_view(stream).substr(at, 1448));
+      packet.arrival = packet.arrival + 2ms;
+      driver->receive(packet, nowhere);
+    }
+    EXPECT_GT(driver->counters().frames, 50U);
+    EXPECT_EQ(allocations() - before, 0U) << request;
+  }
+}
+
+}  // namespace
+}  // namespace lidard::test

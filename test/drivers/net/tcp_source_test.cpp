@@ -1,0 +1,334 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/net/tcp_source.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <boost/asio/io_context.hpp>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "test/support/allocations.h"
+#include "test/support/starved.h"
+#include "test/support/tcp_peer.h"
+
+namespace lidard {
+namespace {
+
+using std::chrono::milliseconds;
+using test::TcpPeer;
+using ::testing::HasSubstr;
+using Clock = std::chrono::steady_clock;
+
+TcpOptions to_port(std::uint16_t port) {
+  TcpOptions options;
+  options.device = {IpAddress::v4(127, 0, 0, 1), port};
+  options.first_retry = milliseconds(10);
+  options.last_retry = milliseconds(100);
+  return options;
+}
+
+struct Bench {
+  explicit Bench(const TcpOptions& options)
+      : source(io, options,
+               {[this](const Packet& packet) {
+                  received += packet.payload.text();
+                  starts += packet.stream_start ? 1 : 0;
+                  last = packet;
+                  if (on_receive) on_receive();
+                },
+                [this](Stamp) {
+                  ++connects;
+                  if (on_connect) on_connect();
+                },
+                [this] { ++disconnects; }}) {}
+
+  void run(milliseconds time) {
+    io.restart();
+    io.run_for(time);
+  }
+  /// Runs until `done`, at most 20 s: machines that run tests are busy.
+  template <class Condition>
+  bool until(Condition done) {
+    const auto limit = Clock::now() + std::chrono::seconds(20);
+    while (!done()) {
+      if (Clock::now() > limit) return false;
+      run(milliseconds(2));
+    }
+    return true;
+  }
+  bool until_connected(int times = 1) {
+    return until([&] { return connects >= times; });
+  }
+  const std::string& message() const { return source.state().message; }
+
+  boost::asio::io_context io;
+  std::string received;
+  int starts = 0, connects = 0, disconnects = 0;
+  std::function<void()> on_receive, on_connect;
+  Packet last;
+  TcpSource source;
+};
+
+TEST(TcpSource, CarriesBytesBothWaysWithEndpointsAndKernelStamp) {
+  TcpPeer peer;
+  Bench b(to_port(peer.port()));
+  b.source.start();
+  ASSERT_TRUE(b.until_connected());
+  ASSERT_TRUE(peer.accept());
+  EXPECT_EQ(b.source.state().phase, TcpState::Phase::connected);
+  EXPECT_TRUE(b.source.send(ByteView("question")));
+  const test::Starved starved;
+  ASSERT_TRUE(peer.send("answer"));
+  const double late = starved.seconds();
+  const auto sent = std::chrono::system_clock::now();
+  std::this_thread::sleep_for(milliseconds(60));  // the stamp is the kernel's, not the reader's
+  ASSERT_TRUE(b.until([&] { return b.received == "answer"; }));
+  EXPECT_EQ(peer.read(), "question");
+  EXPECT_EQ(b.last.transport, Transport::tcp);
+  EXPECT_EQ(b.last.from.to_string(), "127.0.0.1:" + std::to_string(peer.port()));
+  EXPECT_EQ(b.last.to.address.to_string(), "127.0.0.1");
+  EXPECT_NE(b.last.to.port, 0);
+  EXPECT_TRUE(b.last.stream_start);
+  const double sent_s = std::chrono::duration<double>(sent.time_since_epoch()).count();
+  EXPECT_NEAR(seconds(Span(b.last.arrival.ns)), sent_s, 0.03 + late);
+  EXPECT_EQ(b.source.stats().sent, 8U);
+  EXPECT_EQ(b.source.stats().received, 6U);
+}
+
+TEST(TcpSource, SaysThatAPortRefusesAndConnectsSoonAfterItListens) {
+  TcpPeer peer;
+  peer.stop_listening();
+  Bench b(to_port(peer.port()));
+  b.source.start();
+  b.run(milliseconds(400));
+  EXPECT_TRUE(b.until([&] { return b.source.stats().attempts >= 4; }));
+  EXPECT_THAT(b.message(), HasSubstr("refuses the connection; is this the device's port"));
+  EXPECT_LE(b.source.stats().attempts, 9U);  // ever later
+  peer.listen_again();
+  const test::Starved starved;
+  const auto since = Clock::now();
+  ASSERT_TRUE(b.until_connected());
+  EXPECT_LT(Clock::now() - since, milliseconds(300) + starved.time());
+  EXPECT_EQ(b.message(), "");
+  EXPECT_EQ(b.disconnects, 0);
+}
+
+TEST(TcpSource, TriesAgainWithinTwoSecondsByDefault) {
+  const TcpOptions defaults;
+  EXPECT_EQ(defaults.first_retry, milliseconds(100));
+  // An attempt that times out is followed by the next after first_retry.
+  EXPECT_LE(std::max(defaults.last_retry, defaults.connect_time_out + defaults.first_retry),
+            milliseconds(1700));
+}
+
+TEST(TcpSource, GivesUpAnAttemptThatNobodyAnswers) {
+  TcpPeer full(0, 0);  // holds one client that is never accepted; the kernel drops what others send
+  Bench first(to_port(full.port()));
+  first.source.start();
+  ASSERT_TRUE(first.until_connected());
+  TcpOptions options = to_port(full.port());
+  options.connect_time_out = milliseconds(100);
+  Bench b(options);
+  b.source.start();
+  ASSERT_TRUE(b.until([&] { return b.source.stats().attempts > 2; }));
+  EXPECT_EQ(b.connects, 0);
+  EXPECT_THAT(b.message(), HasSubstr("does not answer; check the device's power"));
+}
+
+TEST(TcpSource, SaysThatNoWayLeadsToTheDevice) {
+  TcpOptions options = to_port(2112);
+  options.device.address = IpAddress::v4(255, 255, 255, 255);
+  Bench b(options);
+  b.source.start();
+  ASSERT_TRUE(b.until([&] { return b.source.state().phase == TcpState::Phase::waiting; }));
+  EXPECT_THAT(b.message(), HasSubstr("it is tried again"));
+}
+
+TEST(TcpSource, ConnectsAgainWhenTheDeviceClosesOrResets) {
+  for (const bool reset : {false, true}) {
+    TcpPeer peer;
+    Bench b(to_port(peer.port()));
+    b.source.start();
+    ASSERT_TRUE(b.until_connected());
+    ASSERT_TRUE(peer.accept());
+    ASSERT_TRUE(peer.send("one"));
+    ASSERT_TRUE(b.until([&] { return b.received == "one"; }));
+    reset ? peer.reset_client() : peer.close_client();
+    ASSERT_TRUE(b.until([&] { return b.disconnects == 1; }));
+    EXPECT_THAT(b.message(), HasSubstr(reset ? "reset the connection" : "closed the connection"));
+    ASSERT_TRUE(b.until_connected(2));
+    ASSERT_TRUE(peer.accept());
+    ASSERT_TRUE(peer.send("two"));
+    ASSERT_TRUE(b.until([&] { return b.received == "onetwo"; }));
+    EXPECT_EQ(b.starts, 2);
+  }
+}
+
+TEST(TcpSource, OpensASilentConnectionAnew) {
+  TcpPeer peer;
+  TcpOptions options = to_port(peer.port());
+  options.read_time_out = milliseconds(150);
+  Bench b(options);
+  b.source.start();
+  ASSERT_TRUE(b.until_connected());
+  ASSERT_TRUE(peer.accept());
+  for (int i = 0; i < 10; ++i) {
+    ASSERT_TRUE(peer.send("x"));
+    b.run(milliseconds(40));
+  }
+  EXPECT_EQ(b.disconnects, 0);  // as long as it talks
+  b.run(milliseconds(250));
+  EXPECT_GE(b.disconnects, 1);
+  EXPECT_GE(b.source.stats().silences, 1U);
+  EXPECT_TRUE(b.until_connected(2));
+}
+
+TEST(TcpSource, TakesASleepOfItsOwnForNoSilence) {
+  TcpPeer peer;
+  TcpOptions options = to_port(peer.port());
+  options.read_time_out = milliseconds(100);
+  Bench b(options);
+  b.source.start();
+  ASSERT_TRUE(b.until_connected());
+  ASSERT_TRUE(peer.accept());
+  ASSERT_TRUE(peer.send("a"));
+  std::this_thread::sleep_for(milliseconds(300));
+  b.run(milliseconds(20));
+  EXPECT_EQ(b.received, "a");
+  EXPECT_EQ(b.disconnects, 0);
+}
+
+TEST(TcpSource, ChangesItsPatienceWhileConnected) {
+  TcpPeer peer;
+  Bench b(to_port(peer.port()));
+  b.source.start();
+  ASSERT_TRUE(b.until_connected());
+  b.run(milliseconds(100));
+  EXPECT_EQ(b.disconnects, 0);  // silence is no fault by default
+  b.source.set_read_time_out(milliseconds(50));
+  EXPECT_TRUE(b.until([&] { return b.disconnects == 1; }));
+}
+
+TEST(TcpSource, NoticesADeviceThatVanishedWithoutAWord) {
+  TcpPeer peer;
+  Bench b(to_port(peer.port()));
+  b.source.start();
+  ASSERT_TRUE(b.until_connected());
+  ASSERT_TRUE(peer.accept());
+  if (!peer.vanish()) GTEST_SKIP() << "needs CAP_NET_ADMIN";
+  const test::Starved starved;
+  const auto since = Clock::now();
+  ASSERT_TRUE(b.until([&] { return b.disconnects == 1; }));  // the kernel's keep-alive finds nobody
+  EXPECT_LT(Clock::now() - since, milliseconds(3500) + starved.time());
+  ASSERT_TRUE(b.until_connected(2));
+}
+
+TEST(TcpSource, KeepsABoundedAmountForADeviceThatDoesNotRead) {
+  TcpPeer peer;
+  Bench b(to_port(peer.port()));
+  b.source.start();
+  ASSERT_TRUE(b.until_connected());
+  ASSERT_TRUE(peer.accept());
+  const std::string block(10'000, 'q');
+  std::size_t accepted = 0;
+  while (b.source.send(ByteView(block)) && accepted < 100'000'000) accepted += block.size();
+  EXPECT_LT(accepted, 100'000'000U);
+  EXPECT_EQ(b.source.stats().requests_dropped, 1U);
+  EXPECT_GE(accepted, b.source.stats().sent + TcpOptions().send_limit - block.size());
+  std::size_t read = 0;
+  EXPECT_TRUE(b.until([&] { return (read += peer.read().size()) == accepted; }));
+  EXPECT_EQ(b.source.stats().sent, accepted);
+  EXPECT_EQ(b.disconnects, 0);
+}
+
+TEST(TcpSource, SendsNothingWithoutAConnection) {
+  TcpPeer peer;
+  Bench b(to_port(peer.port()));
+  EXPECT_FALSE(b.source.send(ByteView("x")));
+  EXPECT_EQ(b.source.stats().requests_dropped, 1U);
+}
+
+TEST(TcpSource, MayBeStoppedAndDisconnectedFromItsOwnHandlers) {
+  TcpPeer peer;
+  Bench b(to_port(peer.port()));
+  b.on_receive = [&] { b.source.disconnect(true, "no more of this"); };
+  b.source.start();
+  ASSERT_TRUE(b.until_connected());
+  ASSERT_TRUE(peer.accept());
+  ASSERT_TRUE(peer.send("a"));
+  ASSERT_TRUE(b.until([&] { return b.disconnects == 1; }));
+  EXPECT_EQ(b.message(), "no more of this");
+  ASSERT_TRUE(b.until_connected(2));
+  b.on_receive = [&] { b.source.disconnect(false, ""); };
+  ASSERT_TRUE(peer.accept());
+  ASSERT_TRUE(peer.send("b"));
+  ASSERT_TRUE(b.until([&] { return b.disconnects == 2; }));
+  EXPECT_EQ(b.source.state().phase, TcpState::Phase::stopped);
+  b.on_connect = [&] { b.source.stop(); };
+  b.source.start();
+  ASSERT_TRUE(b.until_connected(3));
+  b.run(milliseconds(150));
+  EXPECT_EQ(b.connects, 3);
+  EXPECT_EQ(b.disconnects, 2);  // stop() tells of nothing
+}
+
+TEST(TcpSource, AllocatesNothingPerChunkOnceWarm) {
+  TcpPeer peer;
+  Bench b(to_port(peer.port()));
+  b.received.reserve(1'000'000);
+  b.source.start();
+  ASSERT_TRUE(b.until_connected());
+  ASSERT_TRUE(peer.accept());
+  const std::string block(1000, 'x');
+  std::uint64_t before = 0;
+  for (int i = 0; i < 60; ++i) {
+    if (i == 10) before = test::allocations();
+    ASSERT_TRUE(peer.send(block));
+    b.source.send(ByteView("ping"));
+    b.io.restart();
+    while (b.received.size() < 1000U * static_cast<std::size_t>(i + 1)) b.io.run_one_for(milliseconds(100));
+  }
+  EXPECT_EQ(test::allocations(), before);
+}
+
+std::size_t open_files() {
+  const std::filesystem::directory_iterator files("/proc/self/fd");
+  return static_cast<std::size_t>(std::distance(begin(files), end(files)));
+}
+/// Resident memory in kB.
+long resident() {
+  std::ifstream file("/proc/self/statm");
+  long all = 0, pages = 0;
+  file >> all >> pages;
+  return pages * sysconf(_SC_PAGESIZE) / 1024;
+}
+
+TEST(TcpSource, LeaksNothingOverAThousandDisconnects) {
+  TcpPeer peer;
+  TcpOptions options = to_port(peer.port());
+  options.first_retry = options.last_retry = milliseconds(0);
+  Bench b(options);
+  b.source.start();
+  long memory = 0;
+  std::size_t files = 0;
+  for (int i = 1; i <= 1200; ++i) {
+    ASSERT_TRUE(b.until([&] { return b.connects >= i && peer.accept(); })) << i;
+    if (i == 200) memory = resident(), files = open_files();
+    ASSERT_TRUE(peer.send("x"));
+    b.source.send(ByteView("y"));
+    i % 3 == 0 ? peer.reset_client() : peer.close_client();
+    ASSERT_TRUE(b.until([&] { return b.disconnects >= i; })) << i;
+  }
+  ASSERT_TRUE(b.until([&] { return b.connects == 1201 && peer.accept(); }));
+  peer.close_client();
+  EXPECT_LE(open_files(), files);
+  EXPECT_LE(resident() - memory, 256);
+}
+
+}  // namespace
+}  // namespace lidard

@@ -1,0 +1,348 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/net/udp_source.h"
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <boost/asio/io_context.hpp>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <thread>
+
+#include "test/support/allocations.h"
+
+namespace lidard {
+namespace {
+
+using std::chrono::milliseconds;
+
+sockaddr_in ip(const std::string& address, std::uint16_t port) {
+  sockaddr_in raw{};
+  raw.sin_family = AF_INET;
+  raw.sin_port = htons(port);
+  inet_pton(AF_INET, address.c_str(), &raw.sin_addr);
+  return raw;
+}
+
+/// A lidar's stand-in: sends from an address of the loopback network.
+class Sender {
+ public:
+  explicit Sender(const std::string& from = "127.0.0.1") : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {
+    const int yes = 1;
+    setsockopt(fd_, SOL_SOCKET, SO_BROADCAST, &yes, sizeof yes);
+    const sockaddr_in local = ip(from, 0);
+    EXPECT_EQ(bind(fd_, reinterpret_cast<const sockaddr*>(&local), sizeof local), 0) << from;
+  }
+  ~Sender() { close(fd_); }
+  Sender(const Sender&) = delete;
+  Sender& operator=(const Sender&) = delete;
+
+  bool send(std::uint16_t port, const std::string& text, const std::string& to = "127.0.0.1") {
+    const sockaddr_in target = ip(to, port);
+    return sendto(fd_, text.data(), text.size(), 0, reinterpret_cast<const sockaddr*>(&target),
+                  sizeof target) == static_cast<ssize_t>(text.size());
+  }
+  int fd() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+struct Bench {
+  explicit Bench(UdpOptions options = {})
+      : source(io, std::move(options), [this](const Packet& packet) {
+          last = packet;
+          ++by_sender[packet.from.address.to_string()];
+          text = std::string(packet.payload.text());
+          ++count;
+        }) {
+    source.start();
+  }
+  void run(milliseconds span) {
+    io.restart();
+    io.run_for(span);
+  }
+  /// Runs until `done` or 20 s passed: machines that run tests are busy.
+  template <class Done>
+  bool run_until(Done done, milliseconds limit = milliseconds(20000)) {
+    const auto end = std::chrono::steady_clock::now() + limit;
+    while (!done() && std::chrono::steady_clock::now() < end) run(milliseconds(5));
+    return done();
+  }
+  bool run_until_count(std::uint64_t n) {
+    return run_until([&] { return count >= n; });
+  }
+  std::uint16_t port() const { return source.local_port(); }
+
+  boost::asio::io_context io;
+  Packet last;
+  std::string text;
+  std::map<std::string, int> by_sender;
+  std::uint64_t count = 0;
+  UdpSource source;
+};
+
+TEST(UdpSource, ReceivesUnicastWithSenderAndReceiver) {
+  Bench bench;
+  ASSERT_EQ(bench.source.state().phase, UdpState::Phase::receiving) << bench.source.state().message;
+  Sender sender("127.0.0.2");
+  ASSERT_TRUE(sender.send(bench.port(), "hello"));
+  ASSERT_TRUE(bench.run_until_count(1));
+  EXPECT_EQ(bench.text, "hello");
+  EXPECT_EQ(bench.last.from.address, IpAddress::v4(127, 0, 0, 2));
+  EXPECT_NE(bench.last.from.port, 0);
+  EXPECT_EQ(bench.last.to.address, IpAddress::v4(127, 0, 0, 1));
+  EXPECT_EQ(bench.last.to.port, bench.port());
+  EXPECT_EQ(bench.source.stats().datagrams, 1U);
+  EXPECT_EQ(bench.source.stats().bytes, 5U);
+  EXPECT_EQ(bench.source.stats().kernel_drops, 0U);
+}
+
+TEST(UdpSource, StampsTheArrivalNotTheReading) {
+  Bench bench;
+  Sender sender;
+  // The kernel switches stamping on in the background; until then it stamps when the datagram is read.
+  double late = 1;
+  for (std::uint64_t attempt = 1; attempt <= 20 && late > 20e-3; ++attempt) {
+    ASSERT_TRUE(sender.send(bench.port(), "x"));
+    const auto sent = std::chrono::system_clock::now().time_since_epoch();
+    std::this_thread::sleep_for(milliseconds(50));
+    ASSERT_TRUE(bench.run_until_count(attempt));
+    late = std::abs(seconds(Span(bench.last.arrival.ns) - Span(sent)));
+  }
+  EXPECT_LT(late, 20e-3);
+}
+
+TEST(UdpSource, ReceivesBroadcastsFromListedSenders) {
+  UdpOptions options;
+  options.senders = {IpAddress::v4(127, 0, 0, 3)};
+  Bench bench(options);
+  Sender sender("127.0.0.3");
+  ASSERT_TRUE(sender.send(bench.port(), "to all", "127.255.255.255"));
+  ASSERT_TRUE(bench.run_until_count(1));
+  EXPECT_EQ(bench.text, "to all");
+}
+
+TEST(UdpSource, ReceivesMulticastOfJoinedGroups) {
+  UdpOptions options;
+  options.groups = {{IpAddress::v4(239, 1, 2, 3), "lo"}};
+  Bench bench(options);
+  if (bench.source.state().phase != UdpState::Phase::receiving)
+    GTEST_SKIP() << "no multicast on lo here: " << bench.source.state().message;
+  Sender sender;
+  const in_addr loopback{htonl(INADDR_LOOPBACK)};
+  setsockopt(sender.fd(), IPPROTO_IP, IP_MULTICAST_IF, &loopback, sizeof loopback);
+  if (!sender.send(bench.port(), "group", "239.1.2.3")) GTEST_SKIP() << "the kernel sends no multicast on lo";
+  ASSERT_TRUE(bench.run_until_count(1));
+  EXPECT_EQ(bench.last.to.address, IpAddress::v4(239, 1, 2, 3));
+}
+
+TEST(UdpSource, MissingInterfaceIsNamedWhileUnicastGoesOn) {
+  UdpOptions options;
+  options.groups = {{IpAddress::v4(239, 1, 2, 3), "lidar9"}};
+  Bench bench(options);
+  EXPECT_EQ(bench.source.state().phase, UdpState::Phase::partial);
+  EXPECT_NE(bench.source.state().message.find("no interface lidar9"), std::string::npos);
+  Sender sender;
+  sender.send(bench.port(), "x");
+  EXPECT_TRUE(bench.run_until_count(1));
+}
+
+TEST(UdpSource, TellsSensorsOnOnePortApart) {
+  Bench bench;
+  Sender a("127.0.0.2"), b("127.0.0.3"), c("127.0.0.4");
+  for (int i = 0; i < 10; ++i) {
+    a.send(bench.port(), "a");
+    b.send(bench.port(), "b");
+    if (i % 2 == 0) c.send(bench.port(), "c");
+  }
+  ASSERT_TRUE(bench.run_until_count(25));
+  EXPECT_EQ(bench.by_sender["127.0.0.2"], 10);
+  EXPECT_EQ(bench.by_sender["127.0.0.3"], 10);
+  EXPECT_EQ(bench.by_sender["127.0.0.4"], 5);
+}
+
+TEST(UdpSource, KernelFilterLetsASampleOfStrangersThrough) {
+  UdpOptions options;
+  options.senders = {IpAddress::v4(127, 0, 0, 2), IpAddress::v4(127, 0, 0, 3)};
+  Bench bench(options);
+  Sender a("127.0.0.2"), b("127.0.0.3"), stranger("127.0.0.9");
+  constexpr int sent = 6400;
+  for (int i = 0; i < sent; ++i) {
+    stranger.send(bench.port(), "?");
+    if (i % 100 == 0) a.send(bench.port(), "a");
+    if (i % 100 == 50) b.send(bench.port(), "b");
+    if (i % 10 == 0) bench.run(milliseconds(0));
+  }
+  a.send(bench.port(), "a");
+  ASSERT_TRUE(bench.run_until([&] { return bench.by_sender["127.0.0.2"] == 65; }));
+  EXPECT_EQ(bench.by_sender["127.0.0.3"], 64);
+  // Binomial with mean 100 and deviation 10.
+  EXPECT_GT(bench.by_sender["127.0.0.9"], 50);
+  EXPECT_LT(bench.by_sender["127.0.0.9"], 150);
+  const UdpStats& stats = bench.source.stats();
+  EXPECT_EQ(stats.strangers_sampled, static_cast<std::uint64_t>(bench.by_sender["127.0.0.9"]));
+  EXPECT_EQ(stats.strangers_sampled + stats.strangers_filtered, static_cast<std::uint64_t>(sent));
+  EXPECT_EQ(stats.kernel_drops, 0U);
+}
+
+TEST(UdpSource, PortInUseIsExplainedAndTakenWhenFree) {
+  auto other = std::make_unique<Bench>();
+  UdpOptions options;
+  options.port = other->port();
+  Bench bench(options);
+  EXPECT_EQ(bench.source.state().phase, UdpState::Phase::waiting);
+  const std::string port = std::to_string(options.port);
+  EXPECT_EQ(
+      bench.source.state().message,
+      "port " + port + " is in use by another program; find it with `ss -lunp 'sport = :" + port + "'`");
+  bench.run(milliseconds(250));
+  EXPECT_EQ(bench.source.state().phase, UdpState::Phase::waiting);
+  other.reset();
+  ASSERT_TRUE(bench.run_until([&] { return bench.source.state().phase == UdpState::Phase::receiving; }));
+  EXPECT_TRUE(bench.source.state().message.empty());
+  Sender sender;
+  sender.send(bench.port(), "late");
+  EXPECT_TRUE(bench.run_until_count(1));
+}
+
+TEST(UdpSource, ForeignAddressIsExplained) {
+  UdpOptions options;
+  options.address = IpAddress::v4(192, 0, 2, 77);
+  Bench bench(options);
+  EXPECT_EQ(bench.source.state().phase, UdpState::Phase::waiting);
+  EXPECT_NE(bench.source.state().message.find("192.0.2.77"), std::string::npos);
+}
+
+TEST(UdpSource, SharedPortDeliversBroadcastsToBoth) {
+  UdpOptions options;
+  options.share_port = true;
+  Bench first(options);
+  options.port = first.port();
+  Bench second(options);
+  ASSERT_EQ(second.source.state().phase, UdpState::Phase::receiving) << second.source.state().message;
+  Sender sender;
+  sender.send(first.port(), "both", "127.255.255.255");
+  EXPECT_TRUE(first.run_until_count(1));
+  EXPECT_TRUE(second.run_until_count(1));
+}
+
+TEST(UdpSource, OversizedDatagramIsCountedAndLeftOut) {
+  UdpOptions options;
+  options.max_datagram = 1500;
+  Bench bench(options);
+  Sender sender;
+  sender.send(bench.port(), std::string(1501, 'x'));
+  sender.send(bench.port(), std::string(1500, 'y'));
+  sender.send(bench.port(), "");
+  ASSERT_TRUE(bench.run_until_count(2));
+  EXPECT_EQ(bench.source.stats().truncated, 1U);
+  EXPECT_EQ(bench.source.stats().datagrams, 2U);
+  EXPECT_EQ(bench.source.stats().bytes, 1500U);
+}
+
+TEST(UdpSource, CountsWhatTheKernelDropped) {
+  for (const bool filtered : {false, true}) {
+    UdpOptions options;
+    options.receive_buffer = 8192;
+    if (filtered) options.senders = {IpAddress::v4(127, 0, 0, 1)};
+    Bench bench(options);
+    Sender sender;
+    constexpr std::uint64_t sent = 200;
+    for (std::uint64_t i = 0; i < sent; ++i) sender.send(bench.port(), std::string(1206, 'v'));
+    bench.run(milliseconds(50));
+    sender.send(bench.port(), "the counter comes with the next datagram");
+    ASSERT_TRUE(bench.run_until([&] { return bench.text.size() != 1206; }));
+    const UdpStats& stats = bench.source.stats();
+    EXPECT_GT(stats.kernel_drops, 100U);
+    EXPECT_EQ(stats.kernel_drops + stats.datagrams, sent + 1);
+    EXPECT_EQ(stats.strangers_filtered, 0U);
+  }
+}
+
+TEST(UdpSource, AsksForABufferThatFitsTheRateAndSaysWhatIsMissing) {
+  UdpOptions options;
+  options.packets_per_s = 1507;
+  Bench bench(options);
+  EXPECT_EQ(bench.source.stats().receive_buffer_asked, 868032U);  // 1507 / s x 0.5 s x 1152
+  options.packets_per_s = 1e6;
+  Bench greedy(options);
+  const UdpStats& stats = greedy.source.stats();
+  EXPECT_EQ(stats.receive_buffer_asked, 576000000U);
+  if (stats.receive_buffer_got < stats.receive_buffer_asked) {
+    EXPECT_NE(greedy.source.warning().find("`sysctl -w net.core.rmem_max=576000000`"), std::string::npos)
+        << greedy.source.warning();
+  }
+  options.packets_per_s = 1;
+  Bench modest(options);
+  EXPECT_GE(modest.source.stats().receive_buffer_got, 50000U) << "never below the system's default";
+  EXPECT_TRUE(modest.source.warning().empty());
+}
+
+TEST(UdpSource, StopsAtOnceAndStartsAgain) {
+  Bench bench;
+  Sender sender;
+  const std::uint16_t port = bench.port();
+  sender.send(port, "queued");
+  bench.source.stop();
+  EXPECT_EQ(bench.source.state().phase, UdpState::Phase::stopped);
+  EXPECT_EQ(bench.port(), 0);
+  bench.run(milliseconds(20));
+  EXPECT_EQ(bench.count, 0U);
+  bench.source.start();
+  sender.send(bench.port(), "again");
+  ASSERT_TRUE(bench.run_until_count(1));
+  EXPECT_EQ(bench.text, "again");
+  bench.source.stop();
+  bench.run(milliseconds(2000));
+  EXPECT_TRUE(bench.io.stopped()) << "something keeps the loop alive";
+}
+
+TEST(UdpSource, HandlerMayStopTheSource) {
+  boost::asio::io_context io;
+  std::unique_ptr<UdpSource> source;
+  int count = 0;
+  source = std::make_unique<UdpSource>(io, UdpOptions(), [&](const Packet&) {
+    ++count;
+    source->stop();
+  });
+  source->start();
+  Sender sender;
+  for (int i = 0; i < 5; ++i) sender.send(source->local_port(), "x");
+  io.run_for(milliseconds(100));
+  EXPECT_EQ(count, 1);
+}
+
+TEST(UdpSource, LosesNothingAtTheRateOfADualReturnVlp16) {
+  UdpOptions options;
+  options.packets_per_s = 1507;
+  Bench bench(options);
+  constexpr std::uint64_t sent = 3014;
+  std::thread lidar([port = bench.port()] {
+    Sender sender;
+    const auto begin = std::chrono::steady_clock::now();
+    for (std::uint64_t i = 0; i < sent; ++i) {
+      std::this_thread::sleep_until(begin + std::chrono::nanoseconds(663'570) * static_cast<std::int64_t>(i));
+      sender.send(port, std::string(1206, 'v'));
+    }
+  });
+  bench.run_until([&] { return bench.count >= 100; });
+  const std::uint64_t warm = bench.count, before = test::allocations();
+  bench.io.restart();
+  bench.io.run_for(milliseconds(500));
+  // The handler of the bench keeps a copy of each payload: one allocation each, no more.
+  EXPECT_LE(test::allocations() - before, bench.count - warm + 5);
+  EXPECT_GT(bench.count, warm);
+  bench.run_until([&] { return bench.count >= sent; });
+  lidar.join();
+  EXPECT_EQ(bench.count, sent);
+  EXPECT_EQ(bench.source.stats().kernel_drops, 0U);
+  EXPECT_LE(bench.source.stats().wakeups, sent + 10);
+}
+
+}  // namespace
+}  // namespace lidard

@@ -1,0 +1,400 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/sick/cola/cola_driver.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "drivers/sick/cola/cola_models.h"
+#include "test/drivers/sick/cola/cola_bench.h"
+#include "test/sim/world/rng.h"
+#include "test/support/allocations.h"
+
+namespace lidard::test {
+namespace {
+
+using sim::Cola;
+using ::testing::ElementsAre;
+constexpr double pi = 3.14159265358979323846;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+sim::SickChannel channel(const char* name, std::vector<std::uint16_t> values, bool wide = true) {
+  return {name, 1, 0, -450000, 5000, wide, std::move(values)};
+}
+
+TEST(ColaDriver, AnglesAreThoseOfRos) {
+  ColaBench bench;
+  bench.send_sample();
+  ASSERT_EQ(bench.scans.size(), 1U);
+  const PlanarScan& scan = bench.scans[0];
+  EXPECT_EQ(scan.beams, 541U);
+  EXPECT_NEAR(scan.angle_min, -135 * pi / 180, 1e-6);
+  EXPECT_NEAR(scan.angle_max, 135 * pi / 180, 1e-5);
+  EXPECT_NEAR(scan.angle_increment, 0.5 * pi / 180, 1e-8);
+  EXPECT_EQ(scan.frame_id, "laser");
+  EXPECT_NEAR(scan.scan_time, 0.02, 1e-9);
+  EXPECT_NEAR(scan.time_increment, 0.02 * 0.5 / 360, 1e-9);
+}
+
+TEST(ColaDriver, RoundedStepsStandForTheExactOnes) {
+  ColaBench bench("sick_tim7xx");
+  bench.sample.channels = {{"DIST1", 1, 0, -450000, 3333, true, std::vector<std::uint16_t>(811, 500)}};
+  bench.sample.scan_frequency = 1500;
+  bench.sample.measurement_frequency = 162;
+  bench.send_sample();
+  EXPECT_NEAR(bench.scans.at(0).angle_max, 135 * pi / 180, 1e-5);
+  EXPECT_NEAR(bench.scans[0].time_increment, 1.0 / 15 / 1080, 1e-9);
+}
+
+/// Where the row of a model puts the device's zero.
+struct Pointing {
+  const char* model;
+  double ros_deg_of_zero, ros_deg_of_ten;
+};
+class EveryModel : public ::testing::TestWithParam<Pointing> {};
+
+TEST_P(EveryModel, ShiftsAndMirrorsAsItsRowSays) {
+  ColaBench bench(GetParam().model);
+  bench.sample.channels = {
+      {"DIST1", 1, 0, 0, 10000, true, {1000, 1000, 1000, 1000, 1000, 1000, 1000, 1000, 1000, 1000, 1000}}};
+  bench.send_sample();
+  ASSERT_EQ(bench.scans.size(), 1U);
+  EXPECT_NEAR(bench.scans[0].angle_min, GetParam().ros_deg_of_zero * pi / 180, 1e-6);
+  EXPECT_NEAR(bench.scans[0].angle_max, GetParam().ros_deg_of_ten * pi / 180, 1e-6);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Cola, EveryModel,
+    ::testing::Values(Pointing{"sick_lms1xx", -90, -80}, Pointing{"sick_lms5xx", -90, -80},
+                      Pointing{"sick_lms1000", -90, -80}, Pointing{"sick_lms4000", -90, -80},
+                      Pointing{"sick_tim240", 0, 10}, Pointing{"sick_tim4xx", -90, -80},
+                      Pointing{"sick_tim5xx", -90, -80}, Pointing{"sick_tim7xx", -90, -80},
+                      Pointing{"sick_tim7xxs", -90, -80}, Pointing{"sick_lrs36x0", -90, -100},
+                      Pointing{"sick_lrs36x1", -180, -170}, Pointing{"sick_nav2xx", 0, 10},
+                      Pointing{"sick_nav31x", 0, -10}, Pointing{"sick_oem15xx", 0, -10}),
+    [](const auto& each) { return std::string(each.param.model); });
+
+TEST(ColaDriver, EveryModelOfTheTableHasAPointingTest) {
+  std::size_t planar = 0;
+  for (const Model& model : models()) {
+    if (model.protocol == "CoLa A/B" && model.kind == FrameKind::scan) ++planar;
+  }
+  EXPECT_EQ(planar, 14U);
+}
+
+TEST(ColaDriver, CodesAreNoDistances) {
+  ColaBench bench;
+  std::vector<std::uint16_t> raw;
+  for (std::uint16_t code = 0; code < 18; ++code) raw.push_back(code);
+  raw.insert(raw.end(), {50, 49, 50000, 50001, 65535});
+  bench.sample.channels = {channel("DIST1", raw)};
+  bench.send_sample();
+  const PlanarScan& scan = bench.scans.at(0);
+  EXPECT_EQ(scan.statuses[0], BeamStatus::none);
+  EXPECT_EQ(scan.ranges[0], infinity);
+  for (std::size_t code = 1; code < 16; ++code) EXPECT_TRUE(std::isnan(scan.ranges[code])) << code;
+  EXPECT_EQ(scan.ranges[16], -infinity) << "0.016 m is nearer than range_min";
+  EXPECT_FLOAT_EQ(scan.ranges[18], 0.05F);
+  EXPECT_EQ(scan.ranges[19], -infinity);
+  EXPECT_FLOAT_EQ(scan.ranges[20], 50);
+  EXPECT_EQ(scan.ranges[21], infinity);
+  EXPECT_EQ(scan.ranges[22], infinity);
+}
+
+TEST(ColaDriver, ScaleAndOffsetApplyToDistancesAndNotToCodes) {
+  for (const Cola dialect : {Cola::binary, Cola::text}) {
+    ColaBench bench("sick_lms5xx");
+    bench.dialect = dialect;
+    bench.sample.channels = {{"DIST1", 2, 100, -50000, 5000, true, {0, 1, 15, 16, 1000}}};
+    bench.send_sample();
+    const PlanarScan& scan = bench.scans.at(0);
+    EXPECT_EQ(scan.ranges[0], infinity);
+    EXPECT_TRUE(std::isnan(scan.ranges[2]));
+    EXPECT_FLOAT_EQ(scan.ranges[3], 0.132F);
+    EXPECT_FLOAT_EQ(scan.ranges[4], 2.1F);
+  }
+}
+
+TEST(ColaDriver, IntensitiesComeWith8And16Bits) {
+  ColaBench bench;
+  bench.sample.channels = {channel("DIST1", {100, 200}), channel("RSSI1", {254, 3}, false)};
+  bench.send_sample();
+  EXPECT_THAT(bench.scans.at(0).intensities, ElementsAre(254.0F, 3.0F));
+  bench.sample.channels[1] = channel("RSSI1", {65535, 300});
+  bench.send_sample();
+  EXPECT_THAT(bench.scans.at(1).intensities, ElementsAre(65535.0F, 300.0F));
+  DriverConfig without;
+  without.publish_intensity = false;
+  ColaBench plain("sick_lms1xx", without);
+  plain.sample.channels = bench.sample.channels;
+  plain.send_sample();
+  EXPECT_TRUE(plain.scans.at(0).intensities.empty());
+}
+
+TEST(ColaDriver, EchoesComeWhenAskedFor) {
+  DriverConfig config;
+  config.publish_multiecho = true;
+  ColaBench bench("sick_lms5xx", config);
+  bench.sample.channels = {channel("DIST1", {100, 200}), channel("DIST2", {0, 400}),
+                           channel("RSSI1", {1, 2}, false), channel("RSSI2", {0, 4}, false)};
+  bench.send_sample();
+  const PlanarScan& scan = bench.scans.at(0);
+  EXPECT_EQ(scan.echoes, 2U);
+  EXPECT_THAT(scan.ranges, ElementsAre(0.1F, 0.2F, infinity, 0.4F));
+  EXPECT_THAT(scan.intensities, ElementsAre(1, 2, 0, 4));
+  ColaBench first("sick_lms5xx");
+  first.sample = bench.sample;
+  first.send_sample();
+  EXPECT_EQ(first.scans.at(0).echoes, 1U);
+}
+
+TEST(ColaDriver, ConfiguredAnglesCropAndMoveTheStamp) {
+  DriverConfig config;
+  config.angle_min = -45 * pi / 180;
+  config.angle_max = 45 * pi / 180;
+  config.clock = ClockMode::arrival;
+  ColaBench cropped("sick_lms5xx", config), whole("sick_lms5xx", {});
+  for (ColaBench* bench : {&cropped, &whole}) bench->send_sample();
+  const PlanarScan& scan = cropped.scans.at(0);
+  EXPECT_EQ(scan.beams, 181U);
+  EXPECT_NEAR(scan.angle_min, -45 * pi / 180, 1e-5);
+  EXPECT_NEAR(seconds(scan.stamp - whole.scans.at(0).stamp), 90 / 360.0 * 0.02, 1e-6);
+  config.angle_min = 3;
+  config.angle_max = 3.1;
+  ColaBench none("sick_lms5xx", config);
+  none.send_sample();
+  EXPECT_TRUE(none.scans.empty());
+  EXPECT_TRUE(none.has_warning("no beam lies between angle_min and angle_max"));
+}
+
+TEST(ColaDriver, StampIsThatOfTheFirstBeam) {
+  ColaBench last("sick_lms1xx"), first("sick_lms5xx");
+  for (ColaBench* bench : {&last, &first}) bench->send_sample();
+  const Stamp start = last.now - std::chrono::milliseconds(3);  // transmitted 3 ms later, arrived at once
+  EXPECT_EQ(first.scans.at(0).stamp, start);
+  const Span sweep = span_from_seconds(540 * 0.02 * 0.5 / 360);
+  EXPECT_NEAR(static_cast<double>((last.scans.at(0).stamp - (start - sweep)).count()), 0, 10);
+}
+
+TEST(ColaDriver, StampsFollowTheDeviceClockAndNotTheNetwork) {
+  ColaBench bench;
+  sim::Rng random(3);
+  std::vector<double> jitter;
+  const Stamp begin = bench.now;
+  for (int i = 0; i < 500; ++i) {
+    const Stamp due = begin + std::chrono::milliseconds(20) * i;
+    bench.now = due + span_from_seconds(random.uniform() * 0.004) - std::chrono::milliseconds(20);
+    bench.send_next();
+    const Span off = bench.scans.back().stamp - due;
+    if (i > 250) jitter.push_back(seconds(off));
+  }
+  const auto [low, high] = std::minmax_element(jitter.begin(), jitter.end());
+  EXPECT_LT(*high - *low, 150e-6) << "4 ms of jitter";
+}
+
+TEST(ColaDriver, MicrosecondsMayWrap) {
+  ColaBench bench;
+  bench.sample.start_us = 0xffffffffU - 50'000;
+  bench.sample.transmit_us = bench.sample.start_us + 3000;
+  for (int i = 0; i < 10; ++i) bench.send_next();
+  ASSERT_EQ(bench.scans.size(), 10U);
+  for (std::size_t i = 1; i < 10; ++i) {
+    EXPECT_EQ(bench.scans[i].stamp - bench.scans[i - 1].stamp, std::chrono::milliseconds(20));
+  }
+  EXPECT_EQ(bench.counters().clock_steps, 0U);
+}
+
+TEST(ColaDriver, ARestartedDeviceStartsAFreshClock) {
+  ColaBench bench;
+  for (int i = 0; i < 100; ++i) bench.send_next();
+  bench.now = bench.now + std::chrono::seconds(20);
+  bench.sample.start_us = 500'000;
+  bench.sample.transmit_us = 503'000;
+  bench.sample.telegram_counter = 0;
+  for (int i = 0; i < 100; ++i) bench.send_next();
+  const Span late = bench.now - bench.scans.back().stamp;
+  EXPECT_NEAR(seconds(late), 0.003 + 0.015, 0.001);
+  EXPECT_EQ(bench.counters().lost_packets, 0U);
+}
+
+TEST(ColaDriver, StampsRiseStrictlyEvenWhenATelegramComesTwice) {
+  ColaBench bench;
+  bench.send_next();
+  bench.send_sample();
+  ASSERT_EQ(bench.scans.size(), 2U);
+  EXPECT_GT(bench.scans[1].stamp, bench.scans[0].stamp);
+}
+
+TEST(ColaDriver, LostTelegramsAreCounted) {
+  ColaBench bench;
+  for (int i = 0; i < 5; ++i) bench.send_next();
+  const auto skip = [&](std::uint16_t n) {
+    bench.sample.telegram_counter = static_cast<std::uint16_t>(bench.sample.telegram_counter + n);
+    bench.sample.start_us += n * 20'000U;
+    bench.sample.transmit_us += n * 20'000U;
+    bench.now = bench.now + std::chrono::milliseconds(20) * n;
+  };
+  skip(3);
+  bench.send_next();
+  EXPECT_EQ(bench.counters().lost_packets, 3U);
+  bench.sample.telegram_counter = 0xfffe;
+  bench.send_next();  // no time for so many: another count
+  EXPECT_EQ(bench.counters().lost_packets, 3U);
+  for (int i = 0; i < 5; ++i) bench.send_next();
+  EXPECT_EQ(bench.counters().lost_packets, 3U) << "the counter wrapped";
+}
+
+TEST(ColaDriver, EveryThirdScanIsNoLoss) {
+  ColaBench bench;
+  for (int i = 0; i < 20; ++i) {
+    bench.sample.scan_counter = static_cast<std::uint16_t>(bench.sample.scan_counter + 2);
+    bench.send_next();
+  }
+  EXPECT_EQ(bench.counters().lost_packets, 0U);
+}
+
+TEST(ColaDriver, ForeignTelegramsAreSetAside) {
+  ColaBench bench;
+  bench.sample.command = "sSN LMDscandatamon";
+  bench.send_sample();
+  bench.send(sim::ColaWords(Cola::text, "sSN LMDradardata").number(1, 2).bytes());
+  bench.send(sim::ColaWords(Cola::binary, "sRA ODoprh").number(7, 4).bytes());
+  EXPECT_TRUE(bench.scans.empty());
+  EXPECT_EQ(bench.counters().packets, 0U);
+  EXPECT_EQ(bench.counters().other_packets, 3U);
+  EXPECT_EQ(bench.counters().rejected_total(), 0U);
+}
+
+TEST(ColaDriver, AChangedGeometryIsAWarningAndTheScansGoOn) {
+  ColaBench bench;
+  bench.send_next();
+  bench.sample.channels[0].values.resize(271);
+  bench.send_next();
+  EXPECT_EQ(bench.scans.back().beams, 271U);
+  EXPECT_TRUE(bench.has_warning("the scanner changed from 541 beams"));
+}
+
+TEST(ColaDriver, ATelegramWithoutDistancesIsRefusedWithAReason) {
+  ColaBench bench;
+  bench.sample.channels[0].name = "RSSI1";
+  EXPECT_EQ(bench.send_next(), Reject::field);
+  EXPECT_TRUE(bench.has_warning("without distances"));
+  bench.sample.channels[0].name = "DIST1";
+  bench.send_next();
+  EXPECT_FALSE(bench.has_warning("without distances"));
+  EXPECT_EQ(bench.scans.size(), 1U);
+}
+
+TEST(ColaDriver, TheDeviceTellsItsStatusSerialAndName) {
+  ColaBench bench;
+  bench.sample.name = "front left";
+  bench.sample.status[1] = 1;
+  bench.send_next();
+  EXPECT_EQ(bench.driver->info().serial, "12345678");
+  EXPECT_EQ(bench.detail("Device name"), "front left");
+  EXPECT_EQ(bench.detail("Dialect"), "CoLa B");
+  EXPECT_TRUE(bench.has_warning("status 0 1"));
+  bench.sample.status[1] = 0;
+  bench.dialect = Cola::text;
+  bench.send_next();
+  EXPECT_FALSE(bench.has_warning("status"));
+  EXPECT_EQ(bench.detail("Dialect"), "CoLa A");
+  bench.sample.serial = 99;
+  bench.send_next();
+  EXPECT_TRUE(bench.has_warning("scanner 12345678 was replaced by scanner 99"));
+}
+
+TEST(ColaDriver, StatesGoOutOnTheirTopics) {
+  ColaBench bench;
+  bench.sample.encoders = {{1000, 7}};
+  bench.send_next();
+  ASSERT_EQ(bench.states.size(), 1U);
+  EXPECT_EQ(bench.states[0].topic, "encoder");
+  EXPECT_EQ(bench.states[0].stamp, bench.scans[0].stamp);
+  EXPECT_EQ(bench.states[0].values.at(0).name, "position_1");
+  EXPECT_EQ(bench.states[0].values.at(0).value, 1000);
+  EXPECT_EQ(bench.states[0].values.at(1).value, 7);
+  sim::ColaWords out(Cola::binary, "sSN LIDoutputstate");
+  out.number(0, 2).number(bench.sample.start_us, 4).number(1, 1).number(3, 4).number(0, 2);
+  bench.send(out.bytes());
+  ASSERT_EQ(bench.states.size(), 2U);
+  EXPECT_EQ(bench.states[1].topic, "lidoutputstate");
+  EXPECT_EQ(bench.states[1].values.at(1).name, "output_1_count");
+  EXPECT_EQ(bench.states[1].values.at(1).value, 3);
+  EXPECT_NEAR(seconds(bench.now - bench.states[1].stamp), 0.003, 1e-6) << "the device's own time";
+  const Model& model = *find_model("sick_lms1xx");
+  for (const DeviceState& state : bench.states) {
+    EXPECT_THAT(model.state_topics, ::testing::Contains(state.topic));
+  }
+}
+
+TEST(ColaDriver, APlaneMakesARingAndFourPlanesACloud) {
+  DriverConfig config;
+  config.keep_origins = true;
+  ColaBench bench("sick_mrs1000", config);
+  bench.sample.measurement_frequency = 180;
+  bench.sample.channels = {{"DIST1", 1, 0, 0, 900000 / 65, true, {1000, 0, 2}},
+                           {"DIST2", 1, 0, 0, 900000 / 65, true, {3000, 0, 0}}};
+  for (const int layer : {-500, 0, -250, 250, -500, 0, -250, 250, -500}) {
+    bench.sample.layer = static_cast<std::int16_t>(layer);
+    bench.send_next();
+  }
+  ASSERT_EQ(bench.clouds.size(), 1U) << "the first three planes are a part, the last two are begun";
+  EXPECT_EQ(bench.counters().partial_frames, 1U);
+  const Cloud& cloud = bench.clouds[0];
+  EXPECT_TRUE(cloud.complete);
+  EXPECT_EQ(cloud.rings, 4);
+  ASSERT_EQ(cloud.size(), 8U);
+  const CloudPoint first = cloud.points()[0];
+  EXPECT_EQ(first.ring, 0) << "250 is 2.5 deg downwards";
+  EXPECT_NEAR(first.z, -std::sin(2.5 * pi / 180), 1e-6);
+  EXPECT_NEAR(first.x, 0, 1e-6);
+  EXPECT_NEAR(first.y, -std::cos(2.5 * pi / 180), 1e-6);
+  EXPECT_NEAR(cloud.points()[1].y, -3 * std::cos(2.5 * pi / 180), 1e-6);
+  EXPECT_EQ(cloud.points()[2].ring, 3);
+  EXPECT_NEAR(cloud.points()[2].time, 0.02, 1e-6);
+  ASSERT_EQ(cloud.columns.size(), 16U) << "three beams of each plane, and a second echo";
+  EXPECT_EQ(cloud.columns[1].echo, 1);
+  EXPECT_EQ(cloud.columns[2].echo, 0);
+  bench.sample.layer = 7;
+  EXPECT_EQ(bench.send_next(), Reject::model);
+  EXPECT_TRUE(bench.has_warning("a plane at 7"));
+}
+
+TEST(ColaDriver, NothingIsAllocatedOnceItRuns) {
+  for (const char* model : {"sick_lms5xx", "sick_mrs1000"}) {
+    for (const Cola dialect : {Cola::binary, Cola::text}) {
+      struct Silent final : DriverOutput {
+        void scan(PlanarScan&) override { ++frames; }
+        void cloud(Cloud&) override { ++frames; }
+        int frames = 0;
+      } out;
+      ColaBench bench(model);
+      bench.sample.encoders = {{1, 1}};
+      bench.sample.channels = {channel("DIST1", std::vector<std::uint16_t>(541, 900)),
+                               channel("RSSI1", std::vector<std::uint16_t>(541, 200), false)};
+      for (std::uint16_t i = 0; i < 60; ++i) {
+        constexpr std::array<std::int16_t, 4> layers = {250, -500, 0, -250};
+        bench.sample.layer = layers[i % 4];
+        bench.sample.telegram_counter = i;
+        bench.sample.start_us += 20000;
+        bench.sample.transmit_us += 20000;
+        const auto bytes = bench.sample.bytes(dialect);
+        Packet packet;
+        packet.payload = {bytes.data(), bytes.size()};
+        packet.arrival = bench.now + std::chrono::milliseconds(20) * i;
+        const std::uint64_t own = allocations();
+        bench.driver->receive(packet, out);
+        EXPECT_EQ(i < 20 ? 0U : allocations() - own, 0U) << model << " telegram " << i;
+      }
+      EXPECT_GT(out.frames, 10);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lidard::test

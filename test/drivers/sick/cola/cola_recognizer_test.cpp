@@ -1,0 +1,160 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Which scanner it is that speaks CoLa, where it does not say so itself.
+#include "drivers/sick/cola/cola_recognizer.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <string_view>
+#include <vector>
+
+#include "drivers/capture/pcap_source.h"
+#include "drivers/model.h"
+#include "test/sim/devices/cola_telegram.h"
+#include "test/support/captures.h"
+
+namespace lidard::test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+/// Shows one telegram of a scan: `beams` values of `raw` from `start_deg` on.
+struct Shown {
+  double start_deg, step_deg, hz;
+  std::size_t beams;
+  float scale = 1;
+  std::uint16_t raw = 3000;
+  std::string name = {};  // what DeviceIdent answered before
+};
+
+void show(sick::ColaRecognizer& recognizer, const std::vector<std::uint8_t>& bytes) {
+  Packet packet;
+  packet.transport = Transport::tcp;
+  packet.payload = {bytes.data(), bytes.size()};
+  recognizer.add(packet);
+}
+
+void show(sick::ColaRecognizer& recognizer, const Shown& shown) {
+  sim::SickScan scan;
+  scan.scan_frequency = static_cast<std::uint32_t>(shown.hz * 100);
+  sim::SickChannel channel;
+  channel.scale = shown.scale;
+  channel.start = static_cast<std::int32_t>(std::lround(shown.start_deg * 1e4));
+  channel.step = static_cast<std::uint16_t>(std::lround(shown.step_deg * 1e4));
+  channel.values.assign(shown.beams, shown.raw);
+  scan.channels = {channel};
+  if (!shown.name.empty())
+    show(recognizer, sim::ColaWords(sim::Cola::binary, "sRA DeviceIdent").text(shown.name, 2).bytes());
+  show(recognizer, scan.bytes(sim::Cola::binary));
+}
+
+struct Verdict {
+  std::string model;
+  std::vector<std::string_view> others;
+};
+
+Verdict verdict_of(const Shown& shown) {
+  sick::ColaRecognizer recognizer;
+  show(recognizer, shown);
+  return {std::string(recognizer.verdict()), recognizer.others()};
+}
+
+TEST(ColaRecognizer, StepsOfTwoMillimetresAreAnLms5xx) {
+  EXPECT_EQ(verdict_of({0, 0.5, 50, 241, 2}).model, "sick_lms5xx");
+  EXPECT_THAT(verdict_of({0, 0.5, 50, 241, 2}).others, IsEmpty());
+}
+
+TEST(ColaRecognizer, RatesAndStepsThatOneFamilyAloneHasDecide) {
+  // SICK 8013796 p. 85.
+  EXPECT_EQ(verdict_of({30, 2.0 / 3, 100, 181}).model, "sick_lms5xx");
+  EXPECT_EQ(verdict_of({0, 0.25, 35, 400}).model, "sick_lms5xx");
+  EXPECT_EQ(verdict_of({0, 0.5, 75, 200}).model, "sick_lms5xx");
+  EXPECT_EQ(verdict_of({0, 1.0 / 6, 25, 600}).model, "sick_lms5xx");
+  EXPECT_THAT(verdict_of({0, 1.0 / 6, 25, 600}).others, IsEmpty());
+  EXPECT_EQ(verdict_of({-5, 0.5, 25, 381}).model, "sick_lms5xx") << "the whole sweep of one";
+}
+
+TEST(ColaRecognizer, WhatSeveralFamiliesSendIsSaidWithTheirNames) {
+  const Verdict either = verdict_of({0, 0.5, 50, 241});
+  EXPECT_EQ(either.model, "sick_lms1xx");
+  EXPECT_THAT(either.others, ElementsAre("sick_lms5xx"));
+  const Verdict tim = verdict_of({-45, 1.0 / 3, 15, 811});
+  EXPECT_EQ(tim.model, "sick_tim7xx");
+  EXPECT_THAT(tim.others, ElementsAre("sick_tim7xxs", "sick_tim5xx"));
+  EXPECT_THAT(verdict_of({-45, 0.5, 50, 541}).others, IsEmpty()) << "only an LMS1xx looks so far around";
+}
+
+TEST(ColaRecognizer, ADistanceBeyondTheRangeOfAFamilyRulesItOut) {
+  sick::ColaRecognizer recognizer;
+  show(recognizer, Shown{0, 0.5, 50, 241});
+  EXPECT_EQ(recognizer.verdict(), "sick_lms1xx");
+  show(recognizer, Shown{0, 0.5, 50, 241, 1, 60000});
+  EXPECT_EQ(recognizer.verdict(), "sick_lms5xx");
+  show(recognizer, Shown{0, 0.5, 50, 241});
+  EXPECT_EQ(recognizer.verdict(), "sick_lms5xx") << "what was seen once counts";
+}
+
+TEST(ColaRecognizer, TheNameOfTheDeviceCountsMoreThanItsScans) {
+  for (const auto& [name, model] :
+       {std::pair{"LMS511_FieldEval", "sick_lms5xx"}, std::pair{"LMS10x_FieldEval", "sick_lms1xx"},
+        std::pair{"LMS1000", "sick_lms1000"}, std::pair{"TiM571", "sick_tim5xx"}}) {
+    const Verdict named = verdict_of({0, 0.5, 50, 241, 1, 3000, name});
+    EXPECT_EQ(named.model, model) << name;
+    EXPECT_THAT(named.others, IsEmpty()) << name;
+  }
+}
+
+/// Numbers and sums of the distances were computed by another program from the text of the telegrams.
+struct Recorded {
+  const char* capture;
+  std::size_t beams, hits, beyond_50_m;
+  double sum_mm;
+};
+
+TEST(ColaRecognizer, RecordedScansOfAnLms5xxAreRecognisedAndKeepTheirFarReturns) {
+  for (const Recorded& each : {Recorded{"sick/lms5xx_colaa_scale2_25m.pcap", 241, 1056, 18, 5307984},
+                               Recorded{"sick/lms5xx_colaa_100hz.pcap", 181, 1074, 0, 2175570}}) {
+    LIDARD_NEED_CAPTURE(path, each.capture);
+    struct Keeper final : DriverOutput {
+      void scan(PlanarScan& scan) override { scans.push_back(scan); }
+      void cloud(Cloud&) override {}
+      std::vector<PlanarScan> scans;
+    } out;
+    Identifier identifier;
+    PcapSource first(path);
+    for (Packet packet; first.next(packet);) {
+      if (packet.from.port == 2111) identifier.add(packet);
+    }
+    ASSERT_EQ(identifier.verdict(), find_model("sick_lms5xx")) << each.capture;
+    EXPECT_EQ(identifier.remark(), "") << each.capture;
+    DriverConfig config;
+    config.model = identifier.verdict();
+    const auto driver = config.model->make(config);
+    PcapSource second(path);
+    for (Packet packet; second.next(packet);) {
+      if (packet.from.port == 2111) driver->receive(packet, out);
+    }
+    std::size_t hits = 0, far = 0;
+    double sum = 0;
+    for (const PlanarScan& scan : out.scans) {
+      ASSERT_EQ(scan.beams, each.beams);
+      for (std::size_t i = 0; i < scan.beams; ++i) {
+        if (scan.statuses[i] != BeamStatus::hit) continue;
+        ++hits;
+        far += scan.ranges[i] > 50 ? 1U : 0U;
+        sum += static_cast<double>(scan.ranges[i]) * 1000;
+      }
+    }
+    EXPECT_EQ(out.scans.size(), 6U);
+    EXPECT_EQ(hits, each.hits);
+    EXPECT_EQ(far, each.beyond_50_m);
+    EXPECT_NEAR(sum, each.sum_mm, 10);
+    EXPECT_EQ(driver->counters().rejected_total(), 0U);
+  }
+}
+
+}  // namespace
+}  // namespace lidard::test

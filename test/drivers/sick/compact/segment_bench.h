@@ -1,0 +1,136 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "drivers/model.h"
+#include "test/sim/devices/sick_telegram.h"
+
+namespace lidard::test {
+
+constexpr double bench_rad = 3.14159265358979323846 / 180;
+
+/// A device of one layer on the desk: ten segments a frame, 0.5 deg, 20 turns/s, -138 to 138 deg. Beam k of a
+/// frame (0 at -138 deg) has the distance 2000 + k mm.
+class SegmentBench final : public DriverOutput {
+ public:
+  explicit SegmentBench(const char* model = "sick_picoscan150", DriverConfig config = {}) {
+    config.model = find_model(model);
+    config.frame_id = "laser";
+    driver = config.model->make(config);
+  }
+
+  void scan(PlanarScan& scan) override {
+    EXPECT_EQ(violation(scan), nullptr) << violation(scan);
+    if (keep) scans.push_back(scan);
+    ++released;
+  }
+  void cloud(Cloud& cloud) override { clouds.push_back(cloud); }
+  void imu(const ImuSample& sample) override { samples.push_back(sample); }
+  void state(const DeviceState& state) override { states.push_back(state); }
+  void extra_scan(std::string_view topic, PlanarScan& scan) override {
+    EXPECT_EQ(topic, "reflectors");
+    EXPECT_EQ(violation(scan), nullptr) << violation(scan);
+    if (keep) marked.push_back(scan);
+  }
+
+  static constexpr int segments = 10;
+  static constexpr int beams_of(int index) { return index == 9 ? 13 : 60; }
+  static constexpr std::size_t all_beams = 553;
+  static constexpr std::uint64_t frame_us = 50'000;
+  double beam_us() const { return 50'000.0 / 720; }
+
+  std::uint64_t time_us(std::uint64_t frame, std::size_t beam) const {
+    return start_us + frame * frame_us +
+           static_cast<std::uint64_t>(std::llround(static_cast<double>(beam) * beam_us()));
+  }
+  sim::SickSegment segment(std::uint64_t frame, int index) const {
+    sim::SickSegment out;
+    out.counter = 1000 + frame * segments + static_cast<std::uint64_t>(index);
+    out.frame = 70 + frame;
+    out.index = static_cast<std::uint64_t>(index);
+    out.sender = 23370016;
+    sim::SickLine line;
+    const auto first = static_cast<std::size_t>(index) * 60;
+    const int n = beams_of(index);
+    line.start_us = time_us(frame, first);
+    line.stop_us = time_us(frame, first + static_cast<std::size_t>(n) - 1);
+    line.theta_start = (-138 + 30.0 * index) * bench_rad;
+    line.theta_stop = line.theta_start + 0.5 * bench_rad * (n - 1);
+    for (int b = 0; b < n; ++b) {
+      sim::SickBeam beam;
+      const double mm = 2000.0 + static_cast<double>(first) + b;
+      beam.echoes.push_back({mm, 5000});
+      for (int e = 1; e < echoes; ++e) beam.echoes.push_back({b % 2 == 0 ? mm + 1000 * e : 0, 300});
+      beam.theta = line.theta_start + 0.5 * bench_rad * b;
+      line.beams.push_back(beam);
+    }
+    out.modules = {{line}};
+    return out;
+  }
+  /// When the segment's last beam was measured, on the host's clock, and 2 ms.
+  Stamp arrival(std::uint64_t frame, int index) const {
+    const auto last = static_cast<std::size_t>(index) * 60 + static_cast<std::size_t>(beams_of(index)) - 1;
+    return host_of(time_us(frame, last)) + std::chrono::milliseconds(2);
+  }
+  Stamp host_of(std::uint64_t us) const {
+    return epoch + std::chrono::microseconds(static_cast<std::int64_t>(us - start_us));
+  }
+  sim::SickBytes encode(const sim::SickSegment& what) const {
+    return version == 0 ? sim::msgpack_scan(what) : sim::compact_scan(what, version);
+  }
+  Reject send(const sim::SickBytes& bytes, Stamp when, std::uint16_t port = 2115) {
+    Packet packet;
+    packet.payload = ByteView(bytes.data(), bytes.size());
+    packet.arrival = when;
+    packet.from = {IpAddress::v4(192, 168, 0, 30), 2115};
+    packet.to = {IpAddress::v4(192, 168, 0, 1), port};
+    return driver->receive(packet, *this);
+  }
+  Reject send(std::uint64_t frame, int index) {
+    return send(encode(segment(frame, index)), arrival(frame, index));
+  }
+  void send_frame(std::uint64_t frame, int leave_out = -1) {
+    for (int i = 0; i < segments; ++i) {
+      if (i != leave_out) send(frame, i);
+    }
+  }
+  bool has_warning(const std::string& part) const {
+    for (const std::string& each : driver->info().warnings) {
+      if (each.find(part) != std::string::npos) return true;
+    }
+    return false;
+  }
+
+  std::unique_ptr<Driver> driver;
+  std::vector<PlanarScan> scans, marked;
+  std::vector<Cloud> clouds;
+  std::vector<ImuSample> samples;
+  std::vector<DeviceState> states;
+  std::uint64_t start_us = 92'040'000'000;
+  Stamp epoch{1'767'225'600'000'000'000};
+  int echoes = 1;
+  std::uint32_t version = 4;  ///< 0: MSGPACK
+  bool keep = true;
+  std::size_t released = 0;
+};
+
+/// Bytes of a file; empty where it cannot be read.
+inline std::vector<std::uint8_t> file_bytes(const std::string& path) {
+  std::vector<std::uint8_t> bytes;
+  if (std::FILE* file = std::fopen(path.c_str(), "rb")) {
+    for (int c = 0; (c = std::fgetc(file)) != EOF;) bytes.push_back(static_cast<std::uint8_t>(c));
+    std::fclose(file);
+  }
+  return bytes;
+}
+
+inline ByteView view_of(const std::vector<std::uint8_t>& bytes) { return {bytes.data(), bytes.size()}; }
+
+}  // namespace lidard::test

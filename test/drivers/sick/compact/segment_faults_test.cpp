@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "test/drivers/sick/compact/segment_bench.h"
+
+namespace lidard::sick {
+namespace {
+
+using namespace lidard::test;
+
+TEST(SegmentFaults, BadTelegramsAreCountedByTheirFault) {
+  SegmentBench bench;
+  auto bytes = bench.encode(bench.segment(0, 0));
+  bytes[200] ^= 1U;
+  EXPECT_EQ(bench.send(bytes, bench.epoch), Reject::checksum);
+  bytes = bench.encode(bench.segment(0, 0));
+  bytes[24] = 5;
+  EXPECT_EQ(bench.send(bytes, bench.epoch), Reject::version);
+  bytes.resize(500);
+  bytes[24] = 4;
+  EXPECT_EQ(bench.send(bytes, bench.epoch), Reject::size);
+  EXPECT_EQ(bench.send({1, 2, 3, 4, 5, 6, 7, 8, 9}, bench.epoch), Reject::magic);
+  sim::SickSegment twice = bench.segment(0, 0);
+  twice.modules[0].push_back(twice.modules[0][0]);
+  EXPECT_EQ(bench.send(bench.encode(twice), bench.epoch), Reject::model);
+  EXPECT_TRUE(bench.has_warning("sick_multiscan136"));
+  EXPECT_EQ(bench.driver->counters().rejected_total(), 5U);
+  EXPECT_EQ(bench.driver->counters().packets, 5U);
+}
+
+TEST(SegmentFaults, TypesNobodyReadsAreSetAside) {
+  SegmentBench bench;
+  for (const unsigned type : {3U, 5U, 6U, 7U}) {
+    std::vector<std::uint8_t> bytes = {2, 2, 2, 2, static_cast<std::uint8_t>(type), 0, 0, 0};
+    bytes.resize(1200, 0xee);
+    EXPECT_EQ(bench.send(bytes, bench.epoch), Reject::none);
+  }
+  EXPECT_EQ(bench.driver->counters().other_packets, 4U);
+  EXPECT_EQ(bench.driver->counters().rejected_total(), 0U);
+}
+
+TEST(SegmentFaults, AnotherDeviceOnTheSamePortIsLeftOutAndNamed) {
+  SegmentBench bench;
+  for (std::uint64_t f = 0; f < 4; ++f) {
+    for (int i = 0; i < SegmentBench::segments; ++i) {
+      bench.send(f, i);
+      sim::SickSegment other = bench.segment(f, i);
+      other.sender = 4711;
+      bench.send(bench.encode(other), bench.arrival(f, i));
+    }
+  }
+  EXPECT_EQ(bench.scans.size(), 3U);
+  EXPECT_EQ(bench.driver->counters().other_packets, 40U);
+  EXPECT_TRUE(bench.has_warning("4711"));
+}
+
+}  // namespace
+}  // namespace lidard::sick

@@ -1,0 +1,172 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <random>
+
+#include "test/drivers/sick/safety/safety_bench.h"
+
+namespace lidard::sick {
+namespace {
+
+using namespace lidard::test;
+
+TEST(SafetyStream, CountsMissingScansByTheirSequenceNumber) {
+  SafetyBench bench;
+  bench.send_next();
+  bench.sample.sequence += 3;
+  bench.sample.scan += 3;
+  bench.now = bench.now + std::chrono::milliseconds(90);
+  bench.send_next();
+  EXPECT_EQ(bench.driver->counters().lost_packets, 3U);
+}
+
+TEST(SafetyStream, SendingOnlyEverySecondScanIsNoLoss) {
+  SafetyBench bench;
+  for (int i = 0; i < 20; ++i) {
+    ++bench.sample.scan;
+    bench.now = bench.now + std::chrono::milliseconds(30);
+    bench.send_next();
+  }
+  EXPECT_EQ(bench.scans.size(), 20U);
+  EXPECT_EQ(bench.driver->counters().lost_packets, 0U);
+  EXPECT_EQ(bench.driver->counters().clock_steps, 0U);
+}
+
+TEST(SafetyStream, SequenceNumberMayWrap) {
+  SafetyBench bench;
+  bench.sample.sequence = 0xfffffffdU;
+  bench.sample.scan = 0xfffffffeU;
+  for (int i = 0; i < 6; ++i) bench.send_next();
+  EXPECT_EQ(bench.scans.size(), 6U);
+  EXPECT_EQ(bench.driver->counters().lost_packets, 0U);
+  EXPECT_EQ(bench.driver->counters().clock_steps, 0U);
+}
+
+TEST(SafetyStream, LostDatagramCostsOneScan) {
+  SafetyBench bench;
+  bench.sample.beams.resize(537);
+  bench.sample.step = 2151928;
+  bench.send_next();
+  ++bench.sample.sequence;
+  ++bench.sample.scan;
+  bench.now = bench.now + std::chrono::milliseconds(30);
+  const auto parts = ms3_datagrams(bench.sample.instance(), bench.identification++);
+  ASSERT_EQ(parts.size(), 2U);
+  bench.driver->receive(packet_of(parts[0], bench.now), bench);
+  bench.send_next();
+  EXPECT_EQ(bench.scans.size(), 2U);
+  EXPECT_EQ(bench.driver->counters().incomplete, 1U);
+  EXPECT_EQ(bench.driver->counters().lost_packets, 1U);
+  EXPECT_EQ(bench.driver->counters().packets, 5U);
+}
+
+TEST(SafetyStream, FinishCountsWhatNeverBecameWhole) {
+  SafetyBench bench;
+  bench.sample.beams.resize(537);
+  bench.driver->receive(packet_of(ms3_datagrams(bench.sample.instance(), 1)[0]), bench);
+  bench.driver->finish(bench);
+  EXPECT_EQ(bench.driver->counters().incomplete, 1U);
+}
+
+TEST(SafetyStream, StampsFollowTheScanNumberNotTheNetwork) {
+  SafetyBench bench;
+  std::mt19937 random(5);
+  Stamp device = ms3_epoch;
+  double worst = 0;
+  Stamp last;
+  for (int i = 0; i < 2000; ++i) {
+    ++bench.sample.sequence;
+    ++bench.sample.scan;
+    device = device + std::chrono::nanoseconds(30'000'900);  // 30 ppm
+    const double u = static_cast<double>(random() >> 8U) / 16777216.0;
+    const Span delay = span_from_seconds(-1e-3 * std::log(1 - u));
+    bench.send(bench.sample, device + delay);
+    const Stamp stamp = bench.scans.back().stamp;
+    EXPECT_GT(stamp, last);
+    EXPECT_LE(stamp, device + delay);
+    last = stamp;
+    const Stamp truth = device - 47 * beam_period;
+    if (i > 200) worst = std::max(worst, std::abs(seconds(stamp - truth)));
+  }
+  EXPECT_LT(worst, 0.5e-3);
+  EXPECT_EQ(bench.driver->counters().clock_steps, 0U);
+}
+
+TEST(SafetyStream, StandbyStopsScansAndWakingUpStampsRightAtOnce) {
+  SafetyBench bench;
+  for (int i = 0; i < 100; ++i) bench.send_next();
+  bench.sample.state_flags = 2;
+  bench.sample.with_measurement = false;
+  for (int i = 0; i < 1000; ++i) {
+    bench.send_next();
+    --bench.sample.scan;
+  }
+  EXPECT_EQ(bench.scans.size(), 100U);
+  EXPECT_EQ(bench.detail("Standby"), "yes");
+  EXPECT_TRUE(bench.driver->info().warnings.empty());
+  bench.sample.state_flags = 1;
+  bench.sample.with_measurement = true;
+  bench.sample.scan += 5;
+  for (int i = 0; i < 100; ++i) {
+    bench.send_next();
+    EXPECT_NEAR(seconds(bench.now - bench.scans.back().stamp), 47 * seconds(beam_period), 1e-6);
+  }
+  EXPECT_EQ(bench.scans.size(), 200U);
+  EXPECT_EQ(bench.detail("Standby"), "no");
+  EXPECT_EQ(bench.driver->counters().lost_packets, 0U);
+  EXPECT_EQ(bench.driver->counters().clock_steps, 0U);
+}
+
+TEST(SafetyStream, RepeatedMeasurementInStandbyIsNotANewScan) {
+  SafetyBench bench;
+  bench.send_next();
+  for (int i = 0; i < 10; ++i) {
+    --bench.sample.scan;
+    bench.send_next();
+  }
+  EXPECT_EQ(bench.scans.size(), 1U);
+  EXPECT_EQ(bench.driver->counters().other_packets, 10U);
+}
+
+TEST(SafetyStream, PowerCycleStartsAgainWithoutFalseLosses) {
+  SafetyBench bench;
+  for (int i = 0; i < 100; ++i) bench.send_next();
+  bench.sample.sequence = bench.sample.scan = 0;
+  bench.now = bench.now + std::chrono::seconds(20);
+  for (int i = 0; i < 10; ++i) bench.send_next();
+  EXPECT_EQ(bench.scans.size(), 110U);
+  EXPECT_EQ(bench.driver->counters().lost_packets, 0U);
+  EXPECT_EQ(bench.driver->counters().clock_steps, 1U);
+  EXPECT_NEAR(seconds(bench.now - bench.scans.back().stamp), 47 * seconds(beam_period), 1e-6);
+}
+
+TEST(SafetyStream, HostClockStepNeitherDropsNorFreezesScans) {
+  for (const int step_s : {-3600, 3600}) {
+    SafetyBench bench;
+    for (int i = 0; i < 100; ++i) bench.send_next();
+    bench.now = bench.now + std::chrono::seconds(step_s);
+    for (int i = 0; i < 10; ++i) {
+      bench.send_next();
+      EXPECT_NEAR(seconds(bench.now - bench.scans.back().stamp), 47 * seconds(beam_period), 1e-6) << step_s;
+    }
+    EXPECT_EQ(bench.scans.size(), 110U);
+    EXPECT_EQ(bench.driver->counters().clock_steps, 1U);
+  }
+}
+
+TEST(SafetyStream, RestartForgetsTheStreamAndKeepsTheCounters) {
+  SafetyBench bench;
+  for (int i = 0; i < 5; ++i) bench.send_next();
+  bench.driver->restart();
+  bench.sample = Ms3Sample();
+  bench.now = ms3_epoch;
+  for (int i = 0; i < 5; ++i) bench.send_next();
+  ASSERT_EQ(bench.scans.size(), 10U);
+  EXPECT_EQ(bench.scans[0].stamp, bench.scans[5].stamp);
+  EXPECT_EQ(bench.driver->counters().lost_packets, 0U);
+  EXPECT_EQ(bench.driver->counters().clock_steps, 0U);
+  EXPECT_EQ(bench.driver->counters().frames, 10U);
+}
+
+}  // namespace
+}  // namespace lidard::sick

@@ -1,0 +1,94 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "test/sim/devices/cola_telegram.h"
+#include "test/sim/devices/tcp_device.h"
+
+namespace lidard::sim {
+
+/// A scanner that speaks one dialect of CoLa, as its owner set it up.
+struct ColaDeviceOptions {
+  Cola dialect = Cola::binary;
+  std::string type = "LMS1xx", version = "V1.80";
+  std::uint32_t serial = 18090362;
+  double hz = 50;                ///< telegrams per second
+  int scans_per_turn = 1;        ///< telegrams for each turn of the mirror
+  std::int32_t start = -450000;  ///< 1/10000 deg
+  std::uint16_t step = 5000;     ///< 1/10000 deg, as told
+  double exact_step_deg = 0.5;
+  std::size_t beams = 541;
+  std::vector<std::int16_t> layers = {0};  ///< of the telegrams in turn
+  bool stamps_last_beam = true;            ///< the "time since start up" is that of the last beam
+  std::uint32_t clock_us = 0;              ///< what the clock shows at power-up
+  double clock_ppm = 0;                    ///< its crystal is that much fast
+  Span boot{0};                            ///< after power-up it refuses (sFA 4) that long
+  Span processing{3'000'000};              ///< from the last beam to the first byte of the telegram
+  Span answer_time{1'000'000};
+  Transit transit;
+  std::uint8_t channels = 1, rssi = 0;  ///< LMDscandatacfg
+  std::uint16_t interval = 1;
+  std::uint32_t password = 0xF4724744;       ///< of level 3
+  std::map<std::string, unsigned> refusals;  ///< sFA code by command ("sEN LMDscandata")
+  bool measures = true;                      ///< false: takes subscriptions and sends nothing
+};
+
+/// What a beam brings back: up to two distances (mm; 0: none, below 16: a code), and how bright the first is.
+struct ColaBeam {
+  std::array<std::uint16_t, 2> mm{};
+  std::uint8_t rssi = 180;
+};
+/// What the device sees in a sweep whose first beam fires then.
+using ColaScene = std::function<std::vector<ColaBeam>(Stamp first_beam, std::size_t beams)>;
+
+/// The simulated scanner. Understands DeviceIdent, LMPoutputRange, LMDscandatacfg, SetAccessMode, Run and
+/// subscriptions; like the real ones it sends no scans while somebody is logged in.
+class ColaDevice : public TcpDevice {
+ public:
+  ColaDevice(ColaDeviceOptions options, ColaScene scene, Stamp power_on);
+
+  void connected(Stamp now) override;
+  void disconnected() override;
+  void receive(std::string_view bytes, Stamp now) override;
+
+  /// Switched off and on again: clock and counters start anew, the client is gone; settings stay.
+  void power_cycle(Stamp now);
+  ColaDeviceOptions& options() { return options_; }
+  /// Everything that clients wrote since power-up, and settings written.
+  const std::string& received() const { return received_; }
+  int writes() const { return writes_; }
+  Span period() const;
+  Span beam_period() const;
+
+ protected:
+  void produce(Stamp until) override;
+
+ private:
+  bool take_frame(std::string& payload);
+  void answer(const std::string& payload, Stamp now);
+  std::vector<std::uint8_t> answer_to(const std::string& command, const std::string& arguments, Stamp now);
+  std::vector<std::uint8_t> refuse(unsigned code) const;
+  std::vector<std::uint8_t> settings() const;
+  void take_settings(const std::string& arguments);
+  bool is_password(const std::string& arguments) const;
+  std::uint32_t device_us(Stamp when) const;
+  void send_scan(std::int64_t number, Stamp first_beam);
+
+  ColaDeviceOptions options_;
+  ColaScene scene_;
+  Stamp power_on_;
+  std::string buffer_, received_;
+  int writes_ = 0;
+  bool subscribed_ = false, logged_in_ = false;
+  std::int64_t next_scan_ = 0;
+  std::uint16_t telegrams_ = 0;
+};
+
+}  // namespace lidard::sim
