@@ -49,34 +49,4 @@ struct Model {
   bool has_gnss() const { return telemetry_port != 0 && !telemetry_is_imu; }
 };
 
-/// All supported models, in the order of the documentation.
-const std::vector<Model>& models();
-/// The model of that name, or nullptr.
-const Model* find_model(std::string_view name);
-/// The names nearest to `name`, best first, at most three: for "did you mean".
-std::vector<std::string_view> nearest_models(std::string_view name);
-
-/// Guesses the model behind one sender's packets. Feed it data in order; a verdict may change while evidence
-/// grows (product bytes can lie; the packet period cannot).
-class Identifier {
- public:
-  Identifier();
-  ~Identifier();
-  Identifier(Identifier&&) noexcept;
-  Identifier& operator=(Identifier&&) noexcept;
-
-  void add(const Packet& packet);
-  /// nullptr while nothing fits.
-  const Model* verdict() const;
-  /// Models that the packets may be of as well: nothing in them tells these from the verdict.
-  std::vector<const Model*> others() const;
-  /// Sentences when the packets contradict themselves ("product byte says HDL-32E, the packet period says
-  /// VLP-16") or may be of a model that is decoded differently; else empty.
-  std::string remark() const;
-
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
-};
-
 }  // namespace lidard

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every folder may include only what its layer may know; headers of core and drivers stay light.
+"""Every room may include only what it may know; headers of core and drivers stay light.
 
 Debian installs ROS, PCL and the rest under /usr/include, so a wrong include compiles without a murmur.
 """
@@ -9,41 +9,114 @@ import pathlib
 import re
 import sys
 
+# Room: rooms that it may include. It may also include what those may include, and nothing else of ours. A room stands
+# below those that use it, so that no include can run upwards or in a circle.
+ROOMS = {
+    "core/base": [],
+    "core/frames": ["core/base"],
+    "core/motion": ["core/frames"],
+    "core/evidence": ["core/motion"],
+    "core/merge": ["core/evidence"],
+    "core/virtual": ["core/evidence"],
+    "drivers": ["core/merge", "core/virtual"],
+    "drivers/net": ["drivers"],
+    "drivers/capture": ["drivers"],
+    "drivers/velodyne/web": ["drivers"],
+    "drivers/velodyne": ["drivers/velodyne/web"],
+    "drivers/hokuyo": ["drivers"],
+    "drivers/sick/cola": ["drivers"],
+    "drivers/sick/safety": ["drivers"],
+    "drivers/sick/compact": ["drivers/sick/cola"],
+    "drivers/registry": ["drivers/velodyne", "drivers/hokuyo", "drivers/sick/safety", "drivers/sick/compact"],
+    "daemon/config": ["drivers/registry", "drivers/net", "drivers/capture"],
+    "daemon/pipeline": ["daemon/config"],
+    "daemon/live": ["daemon/pipeline"],
+    "daemon/files": ["daemon/pipeline"],
+    "daemon/ros": ["daemon/live"],
+    "daemon/commands": ["daemon/ros", "daemon/files"],
+    "daemon/dropin": ["daemon/commands"],
+    "daemon": ["daemon/dropin"],
+}
+
 ROS = r"ros/|rosbag/|tf2|tf2_ros/|\w+_msgs/|diagnostic_updater/|dynamic_reconfigure/|XmlRpc"
 FILES_AND_SOCKETS = r"boost/asio|boost/beast|pcap|sys/socket|netinet/|arpa/|fstream$|filesystem$"
 THREADS_AND_CLOCKS = r"thread$|mutex$|condition_variable$|future$"
 FORBIDDEN = {
-    "core": "|".join([ROS, FILES_AND_SOCKETS, THREADS_AND_CLOCKS, r"yaml-cpp|spdlog|drivers/|daemon/|test/"]),
-    "drivers": "|".join([ROS, THREADS_AND_CLOCKS, r"yaml-cpp|spdlog|pcl/|daemon/|test/"]),
+    "core": "|".join([ROS, FILES_AND_SOCKETS, THREADS_AND_CLOCKS, r"yaml-cpp|spdlog"]),
+    "drivers": "|".join([ROS, THREADS_AND_CLOCKS, r"yaml-cpp|spdlog|pcl/"]),
     "daemon": r"test/",
+    "daemon/pipeline": "|".join([ROS, r"boost/asio|boost/beast|sys/socket|netinet/|arpa/|yaml-cpp", THREADS_AND_CLOCKS]),
 }
+ONLY_IN = {"yaml-cpp": ["daemon/config", "daemon/dropin"], ROS: ["daemon/ros", "daemon/dropin", "daemon/commands"]}
 HEAVY_IN_HEADERS = "|".join([ROS, r"pcl/|spdlog"])
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 
 
+def reach(room):
+    """The rooms that `room` may include; a circle of rooms ends in an error."""
+    found, waiting = set(), list(ROOMS[room])
+    while waiting:
+        other = waiting.pop()
+        if other == room:
+            sys.exit(f"the table of rooms runs in a circle through {room}")
+        if other not in found:
+            found.add(other)
+            waiting += ROOMS[other]
+    return found
+
+
+def rules_for(room, is_header):
+    layer = room.split("/")[0]
+    rules = [FORBIDDEN[name] for name in {layer, room} if name in FORBIDDEN]
+    if is_header and layer != "daemon":
+        rules.append(HEAVY_IN_HEADERS)
+    rules += [what for what, rooms in ONLY_IN.items() if room not in rooms]
+    return "|".join(rules)
+
+
+def faults_of(path, name, room):
+    rule = rules_for(room, path.suffix == ".h")
+    allowed = reach(room) | {room}
+    for number, line in enumerate(path.read_text().splitlines(), 1):
+        found = INCLUDE.match(line)
+        target = found.group(1) if found else ""
+        ours = target.split("/")[0] in ("core", "drivers", "daemon", "test")
+        if ours and target.rpartition("/")[0] not in allowed:
+            yield f"{name}:{number}: {room}/ must not include {target}"
+        elif not ours and found and re.match(rule, target):
+            yield f"{name}:{number}: {room}/ must not include {target}"
+        if room.startswith("core/") and re.search(r"(system|steady)_clock::now|gettimeofday|clock_gettime", line):
+            yield f"{name}:{number}: core/ has no clock"
+
+
 def violations(root):
-    for folder, forbidden in FORBIDDEN.items():
-        for path in sorted((root / folder).rglob("*")):
+    for layer in ("core", "drivers", "daemon"):
+        for path in sorted((root / layer).rglob("*")):
             if path.suffix not in (".h", ".hpp", ".cpp"):
                 continue
-            rule = forbidden
-            if path.suffix != ".cpp" and folder != "daemon":
-                rule += "|" + HEAVY_IN_HEADERS
-            for number, line in enumerate(path.read_text().splitlines(), 1):
-                found = INCLUDE.match(line)
-                if found and re.match(rule, found.group(1)):
-                    yield f"{path.relative_to(root)}:{number}: {folder}/ must not include {found.group(1)}"
-                if folder == "core" and re.search(r"(system|steady)_clock::now|gettimeofday|clock_gettime", line):
-                    yield f"{path.relative_to(root)}:{number}: core/ has no clock"
+            name = path.relative_to(root)
+            room = str(name.parent)
+            if room not in ROOMS:
+                yield f"{name}: {room}/ is no room; its row in test/layering.py is missing"
+                continue
+            yield from faults_of(path, name, room)
+
+
+def missing_pages(root):
+    for room in ROOMS:
+        page = root / room / "README.md"
+        lines = page.read_text().splitlines() if page.exists() else []
+        if not 3 <= len(lines) <= 15 and room != "drivers":
+            yield f"{room}/README.md: has {len(lines)} lines; a room's page has 3 to 15"
 
 
 def main():
     root = pathlib.Path(sys.argv[1])
-    checked = sum(1 for folder in FORBIDDEN for _ in (root / folder).rglob("*.cpp"))
+    checked = sum(1 for layer in ("core", "drivers", "daemon") for _ in (root / layer).rglob("*.cpp"))
     if checked == 0:
         sys.exit(f"no source file found below {root}")
-    found = list(violations(root))
-    print("\n".join(found) or f"{checked} source files keep to their layers")
+    found = list(violations(root)) + list(missing_pages(root))
+    print("\n".join(found) or f"{checked} source files keep to their rooms")
     sys.exit(1 if found else 0)
 
 

@@ -16,16 +16,20 @@ set_source_files_properties(test/support/captures.cpp test/bench/bench_decode.cp
 set_source_files_properties(test/sim/servers/capture_test.cpp PROPERTIES
   COMPILE_DEFINITIONS LIDARD_SIM_BINARY="$<TARGET_FILE:lidard-sim>")
 
+# What several tests and benchmarks stand on; what knows ROS is the daemon's tests' alone.
+file(GLOB support CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/support/*.cpp)
+set(ros_support ${support})
+list(FILTER support EXCLUDE REGEX "/support/ros_")
+list(FILTER ros_support INCLUDE REGEX "/support/ros_")
+add_library(lidard_support STATIC ${support})
+target_link_libraries(lidard_support PUBLIC lidard_sim GTest::gtest GTest::gmock)
+
 # test/<folder>/*_test.cpp is one GoogleTest program; folders mirror the sources.
 function(lidard_tests folder)
-  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/${folder}/*_test.cpp
-       ${CMAKE_CURRENT_SOURCE_DIR}/test/support/*.cpp)
-  if(NOT folder STREQUAL daemon)
-    list(FILTER sources EXCLUDE REGEX "/support/ros_")  # only the daemon knows ROS
-  endif()
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/${folder}/*_test.cpp)
   set(name test_${folder})
   add_executable(${name} ${sources})
-  target_link_libraries(${name} PRIVATE lidard_sim ${ARGN} GTest::gtest GTest::gmock GTest::gtest_main)
+  target_link_libraries(${name} PRIVATE lidard_support ${ARGN} GTest::gtest_main)
   # The names of parametrised tests are words of their own; "pretty values" would be the bytes of the parameters.
   gtest_discover_tests(${name} TEST_PREFIX "${folder}." NO_PRETTY_VALUES DISCOVERY_TIMEOUT 120 PROPERTIES TIMEOUT 300)
 endfunction()
@@ -35,6 +39,7 @@ lidard_tests(drivers lidard_drivers)
 # What users' programs and ira_laser_tools make of scans with; the daemon needs none of them.
 pkg_check_modules(ANCESTOR REQUIRED IMPORTED_TARGET laser_geometry tf pcl_common)
 lidard_tests(daemon lidard_daemon lidard_rosbag PkgConfig::ANCESTOR)
+target_sources(test_daemon PRIVATE ${ros_support})
 lidard_tests(sim lidard_drivers)
 add_dependencies(test_sim lidard-sim)
 
@@ -56,7 +61,7 @@ file(GLOB benches CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/bench/*.cpp
 foreach(source ${benches})
   get_filename_component(name ${source} NAME_WE)
   add_executable(${name} ${source})
-  target_link_libraries(${name} PRIVATE lidard_sim lidard_daemon benchmark::benchmark)
+  target_link_libraries(${name} PRIVATE lidard_support lidard_daemon benchmark::benchmark)
   if(name STREQUAL bench_merge OR name STREQUAL bench_virtual)
     target_link_libraries(${name} PRIVATE PkgConfig::ANCESTOR)
   endif()

@@ -31,7 +31,7 @@ float length(Point a) { return std::sqrt(a.x * a.x + a.y * a.y); }
 /// The returns of one sweep in the scanner's own plane.
 class Returns {
  public:
-  Returns(const BeamRays& rays, double noise, const Sweep& sweep)
+  Returns(const BeamRays& rays, double noise, const PlacedScan& sweep)
       : rays_(rays), sweep_(sweep), noise_(static_cast<float>(noise)) {}
 
   bool has(std::size_t i) const { return i < sweep_.kind.size() && sweep_.kind[i] != Return::nothing; }
@@ -68,7 +68,7 @@ class Returns {
 
  private:
   const BeamRays& rays_;
-  const Sweep& sweep_;
+  const PlacedScan& sweep_;
   float noise_;
 };
 
@@ -76,7 +76,7 @@ bool is_between(float a, float middle, float b) {
   return (a < middle && middle < b) || (b < middle && middle < a);
 }
 
-bool is_veil(const Returns& returns, const Sweep& sweep, std::size_t i) {
+bool is_veil(const Returns& returns, const PlacedScan& sweep, std::size_t i) {
   if (!returns.has(i - 1) || !returns.has(i) || !returns.has(i + 1)) return false;
   if (!is_between(sweep.range[i - 1], sweep.range[i], sweep.range[i + 1])) return false;
   const bool alone = sweep.linked[i - 1] == 0 && sweep.linked[i] == 0;
@@ -87,7 +87,7 @@ bool is_veil(const Returns& returns, const Sweep& sweep, std::size_t i) {
 
 /// True if the link from i to i + 1 leads steeply from one surface to another: both go on beyond it, on other
 /// lines. Between coarse beams it is wide enough to bridge a step of more than a metre.
-bool is_bridge(const Returns& returns, const BeamRays& rays, const Sweep& sweep, std::size_t i,
+bool is_bridge(const Returns& returns, const BeamRays& rays, const PlacedScan& sweep, std::size_t i,
                float shortest) {
   if (sweep.linked[i - 1] == 0 || sweep.linked[i] == 0 || sweep.linked[i + 1] == 0) return false;
   if (std::fabs(sweep.range[i] - sweep.range[i + 1]) < shortest * bridge_cosine) return false;
@@ -98,7 +98,7 @@ bool is_bridge(const Returns& returns, const BeamRays& rays, const Sweep& sweep,
   return !returns.in_line(returns.at(i - 1), b, c) && !returns.in_line(b, c, returns.at(i + 2));
 }
 
-void cut_bridges(const Returns& returns, const BeamRays& rays, double noise, Sweep& sweep) {
+void cut_bridges(const Returns& returns, const BeamRays& rays, double noise, PlacedScan& sweep) {
   const float shortest = std::max(shortest_bridge, static_cast<float>(5 * noise));
   bool before = false;  // the link before is one; it goes only after this one was judged by it
   for (std::size_t i = 1; i + 2 < sweep.linked.size(); ++i) {
@@ -111,7 +111,7 @@ void cut_bridges(const Returns& returns, const BeamRays& rays, double noise, Swe
 
 }  // namespace
 
-void link_neighbours(const BeamRays& rays, double noise, Sweep& sweep) {
+void link_neighbours(const BeamRays& rays, double noise, PlacedScan& sweep) {
   const std::size_t n = sweep.range.size();
   const double step = std::abs(rays.increment);
   const auto slope = step < steepest / 2 ? static_cast<float>(std::sin(step) / std::sin(steepest - step)) : 0;
@@ -131,7 +131,7 @@ void link_neighbours(const BeamRays& rays, double noise, Sweep& sweep) {
   cut_bridges(returns, rays, noise, sweep);
 }
 
-void mark_veils(const BeamRays& rays, double noise, Sweep& sweep) {
+void mark_veils(const BeamRays& rays, double noise, PlacedScan& sweep) {
   const std::size_t n = sweep.range.size();
   const Returns returns(rays, noise, sweep);
   for (std::size_t i = 1; i + 1 < n; ++i) {
@@ -145,7 +145,7 @@ void mark_veils(const BeamRays& rays, double noise, Sweep& sweep) {
   }
 }
 
-void find_corners(double noise, Sweep& sweep) {
+void find_corners(double noise, PlacedScan& sweep) {
   sweep.corners.clear();
   const auto shortest = static_cast<float>(10 * noise);
   const auto at = [&](std::size_t i) { return Point{sweep.x[i], sweep.y[i]}; };

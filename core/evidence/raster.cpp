@@ -33,7 +33,7 @@ void keep_nearer(RangeLayer& layer, std::size_t beam, float range, float intensi
   layer.intensity[beam] = intensity;
 }
 
-Raster::Point point_of(const Sweep& sweep, std::size_t i) {
+Raster::Point point_of(const PlacedScan& sweep, std::size_t i) {
   return {sweep.x[i], sweep.y[i], sweep.intensity.empty() ? 0.0F : sweep.intensity[i]};
 }
 
@@ -67,7 +67,7 @@ void Raster::positions(const float* x, const float* y, std::size_t count, float*
   for (std::size_t i = 0; i < count; ++i) at[i] = beams_to(x[i], y[i], first, per_rad, turn);
 }
 
-void Raster::draw(const Sweep& sweep, RangeLayer& layer) {
+void Raster::draw(const PlacedScan& sweep, RangeLayer& layer) {
   const std::size_t n = sweep.kind.size();
   positions_.resize(n);
   positions(sweep.x.data(), sweep.y.data(), n, positions_.data());
@@ -94,7 +94,7 @@ void Raster::draw(const Sweep& sweep, RangeLayer& layer) {
   for (const Point& echo : sweep.early_echoes) draw_point(echo, layer);
 }
 
-void Raster::draw_doubtful(const Sweep& sweep, RangeLayer& layer) const {
+void Raster::draw_doubtful(const PlacedScan& sweep, RangeLayer& layer) const {
   for (std::size_t i = 0; i < sweep.kind.size(); ++i) {
     if (sweep.kind[i] == Return::doubtful) draw_point(point_of(sweep, i), layer);
   }
@@ -141,7 +141,7 @@ void Raster::draw_segment(Point p, Point q, float at_p, float at_q, RangeLayer& 
   if (to >= turn_) fill(p, q, 0, to - turn_, layer);
 }
 
-void Raster::mark_ends(const Sweep& sweep, const BeamRays& rays, EndLayer& layer) const {
+void Raster::mark_ends(const PlacedScan& sweep, const BeamRays& rays, EndLayer& layer) const {
   const std::size_t n = sweep.kind.size();
   if (n < 2) return;
   for (std::size_t i = 0; i < n; ++i) {
@@ -154,8 +154,8 @@ void Raster::mark_ends(const Sweep& sweep, const BeamRays& rays, EndLayer& layer
   }
 }
 
-void Raster::mark_end(const Sweep& sweep, const BeamRays& rays, std::size_t end, std::size_t next, float side,
-                      EndLayer& layer) const {
+void Raster::mark_end(const PlacedScan& sweep, const BeamRays& rays, std::size_t end, std::size_t next,
+                      float side, EndLayer& layer) const {
   // As far out as the end, in the direction of the next beam (or the one that would lie on the other side).
   const float range = side * sweep.range[end];
   const float at = positions_[end];

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "core/evidence/sweep.h"
+#include "core/evidence/placed_scan.h"
 #include "core/frames/scan_grid.h"
 
 namespace lidard {
@@ -28,7 +28,7 @@ struct EndLayer {
 /// measure of them. Each beam's range is where it meets the surface; the nearest one stays.
 class Raster {
  public:
-  using Point = Sweep::Point;
+  using Point = PlacedScan::Point;
 
   explicit Raster(const ScanGrid& grid);
 
@@ -37,9 +37,9 @@ class Raster {
   float sine(std::size_t beam) const { return sine_[beam]; }
 
   /// All surfaces of a sweep. Ends of surfaces and single returns also count in the beam nearest to them.
-  void draw(const Sweep& sweep, RangeLayer& layer);
+  void draw(const PlacedScan& sweep, RangeLayer& layer);
   /// The returns of a sweep that are doubtful, as points.
-  void draw_doubtful(const Sweep& sweep, RangeLayer& layer) const;
+  void draw_doubtful(const PlacedScan& sweep, RangeLayer& layer) const;
   void draw_point(Point p, RangeLayer& layer) const;
   void draw_segment(Point p, Point q, RangeLayer& layer) const;
   /// Beams from the first one to the azimuth of (x, y), less than a turn of them.
@@ -55,11 +55,11 @@ class Raster {
   void mark_near(Point p, float at, float reach, std::vector<char>& marks) const;
   /// Marks the beams between the ends of surfaces and the next beam of the source. Call after draw() of the
   /// same sweep.
-  void mark_ends(const Sweep& sweep, const BeamRays& rays, EndLayer& layer) const;
+  void mark_ends(const PlacedScan& sweep, const BeamRays& rays, EndLayer& layer) const;
 
  private:
   std::size_t nearest_beam(float at) const;
-  void mark_end(const Sweep& sweep, const BeamRays& rays, std::size_t end, std::size_t next, float side,
+  void mark_end(const PlacedScan& sweep, const BeamRays& rays, std::size_t end, std::size_t next, float side,
                 EndLayer& layer) const;
   void fill(Point p, Point q, float from, float to, RangeLayer& layer) const;
 

@@ -42,14 +42,14 @@ bool CrossCheck::sees_through(const Source& source, float x, float y) const {
   return true;
 }
 
-void CrossCheck::unlink(std::size_t beam, Sweep& sweep) {
+void CrossCheck::unlink(std::size_t beam, PlacedScan& sweep) {
   sweep.linked[beam] = 0;
   if (beam > 0) sweep.linked[beam - 1] = 0;
 }
 
-void CrossCheck::check_source(std::size_t index, const std::vector<const Sweep*>& sweeps,
+void CrossCheck::check_source(std::size_t index, const std::vector<const PlacedScan*>& sweeps,
                               const std::vector<Stamp>& ends) {
-  Sweep& checked = sources_[index].checked;
+  PlacedScan& checked = sources_[index].checked;
   for (std::size_t beam = 0; beam < checked.kind.size(); ++beam) {
     if (checked.kind[beam] == Return::nothing) continue;
     bool seen_through = false;
@@ -71,12 +71,12 @@ void CrossCheck::check_source(std::size_t index, const std::vector<const Sweep*>
     }
     unlink(beam, checked);
   }
-  const auto cut = [&](const Sweep::Corner& corner) { return checked.linked[corner.beam] == 0; };
+  const auto cut = [&](const PlacedScan::Corner& corner) { return checked.linked[corner.beam] == 0; };
   checked.corners.erase(std::remove_if(checked.corners.begin(), checked.corners.end(), cut),
                         checked.corners.end());
 }
 
-void CrossCheck::check(std::vector<const Sweep*>& sweeps, const std::vector<Stamp>& ends) {
+void CrossCheck::check(std::vector<const PlacedScan*>& sweeps, const std::vector<Stamp>& ends) {
   for (std::size_t s = 0; s < sources_.size(); ++s) {
     if (sweeps[s] != nullptr) sources_[s].profile.fill(*sweeps[s]);
   }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/time.h"
-#include "core/evidence/free_profile.h"
+#include "core/evidence/free_space_map.h"
 #include "core/merge/merge_options.h"
 
 namespace lidard {
@@ -24,7 +24,7 @@ class CrossCheck {
   void set_source(std::size_t source, const BeamRays& rays);
   /// Puts checked copies in the place of the sweeps that need one; `ends` are the times of their last rays.
   /// The copies stay valid until the next call.
-  void check(std::vector<const Sweep*>& sweeps, const std::vector<Stamp>& ends);
+  void check(std::vector<const PlacedScan*>& sweeps, const std::vector<Stamp>& ends);
 
   /// Returns found doubtful, and hits dropped since a newer sweep looks on.
   std::uint64_t veils() const { return veils_; }
@@ -32,14 +32,14 @@ class CrossCheck {
 
  private:
   struct Source {
-    FreeProfile profile;
+    FreeSpaceMap profile;
     float two_beams = 0;  // rad
-    Sweep checked;
+    PlacedScan checked;
   };
   bool sees_through(const Source& source, float x, float y) const;
-  void check_source(std::size_t index, const std::vector<const Sweep*>& sweeps,
+  void check_source(std::size_t index, const std::vector<const PlacedScan*>& sweeps,
                     const std::vector<Stamp>& ends);
-  static void unlink(std::size_t beam, Sweep& sweep);
+  static void unlink(std::size_t beam, PlacedScan& sweep);
 
   MergeOptions options_;
   double unit_;   // m, of the profiles

@@ -12,12 +12,12 @@ constexpr double one_height = 0.1;  // m
 
 }  // namespace
 
-HeightGroups::HeightGroups(const ScanGrid& grid, const SightSettings& settings, std::size_t sources)
+HeightGroups::HeightGroups(const ScanGrid& grid, const VisibilitySettings& settings, std::size_t sources)
     : grid_(grid), settings_(settings), members_(sources), of_group_(sources, nullptr) {}
 
 void HeightGroups::set_footprint(const Footprint& footprint) {
   footprint_ = footprint;
-  for (Sight& sight : groups_) sight.set_footprint(footprint);
+  for (Visibility& visibility : groups_) visibility.set_footprint(footprint);
 }
 
 void HeightGroups::set_source(std::size_t source, const BeamRays& rays) {
@@ -44,11 +44,11 @@ void HeightGroups::group() {
   grouped_ = true;
 }
 
-void HeightGroups::require(const std::vector<const Sweep*>& sweeps, Sight& sight) {
+void HeightGroups::require(const std::vector<const PlacedScan*>& sweeps, Visibility& visibility) {
   const bool all_known =
       std::all_of(members_.begin(), members_.end(), [](const Member& m) { return m.known; });
   if (!all_known) {
-    for (std::size_t beam = 0; beam < sight.beams(); ++beam) sight.withdraw_free(beam, 0);
+    for (std::size_t beam = 0; beam < visibility.beams(); ++beam) visibility.withdraw_free(beam, 0);
     return;
   }
   if (!grouped_) group();
@@ -57,8 +57,8 @@ void HeightGroups::require(const std::vector<const Sweep*>& sweeps, Sight& sight
     for (std::size_t s = 0; s < members_.size(); ++s)
       of_group_[s] = members_[s].group == g ? sweeps[s] : nullptr;
     groups_[g].compute(of_group_);
-    for (std::size_t beam = 0; beam < sight.beams(); ++beam) {
-      if (groups_[g].seen(beam) != Seen::free) sight.withdraw_free(beam, groups_[g].covered(beam));
+    for (std::size_t beam = 0; beam < visibility.beams(); ++beam) {
+      if (groups_[g].seen(beam) != BeamState::free) visibility.withdraw_free(beam, groups_[g].covered(beam));
     }
   }
 }

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/evidence/sight.h"
+#include "core/evidence/visibility.h"
 
 namespace lidard {
 
@@ -13,14 +13,14 @@ namespace lidard {
 /// free for a scanner at knee height may hold a table top. Mounts within 0.1 m of each other are one height.
 class HeightGroups {
  public:
-  HeightGroups(const ScanGrid& grid, const SightSettings& settings, std::size_t sources);
+  HeightGroups(const ScanGrid& grid, const VisibilitySettings& settings, std::size_t sources);
 
   /// The vehicle's outline in the output frame.
   void set_footprint(const Footprint& footprint);
   /// Tells where a source looks from; needed once, and whenever it moves. Until it is told, nothing is free.
   void set_source(std::size_t source, const BeamRays& rays);
-  /// Takes back what `sight`, computed from these sweeps, calls free and not every height does.
-  void require(const std::vector<const Sweep*>& sweeps, Sight& sight);
+  /// Takes back what `visibility`, computed from these sweeps, calls free and not every height does.
+  void require(const std::vector<const PlacedScan*>& sweeps, Visibility& visibility);
 
  private:
   struct Member {
@@ -31,12 +31,12 @@ class HeightGroups {
   void group();
 
   ScanGrid grid_;
-  SightSettings settings_;
+  VisibilitySettings settings_;
   Footprint footprint_;
   std::vector<Member> members_;
-  std::vector<Sight> groups_;
+  std::vector<Visibility> groups_;
   bool grouped_ = false;
-  std::vector<const Sweep*> of_group_;
+  std::vector<const PlacedScan*> of_group_;
 };
 
 }  // namespace lidard

@@ -15,8 +15,8 @@ Merger::Merger(const ScanGrid& grid, HeightBand band, std::size_t sources, const
       newest_sweeps_(sources, nullptr),
       sources_(sources) {
   report_.sources.assign(sources, SourceUse::not_used);
-  if (!settings.sight) return;
-  sight_.emplace(grid, settings.how, sources);
+  if (!settings.visibility) return;
+  visibility_.emplace(grid, settings.how, sources);
   const MergeOptions& options = settings.options;
   if (options.newest_wins || options.veil_cross_check)
     cross_check_.emplace(options, sources, grid.range_max, settings.how.noise);
@@ -26,7 +26,7 @@ Merger::Merger(const ScanGrid& grid, HeightBand band, std::size_t sources, const
 void Merger::set_footprint(const Footprint& footprint) {
   footprint_ = footprint;
   flattener_.set_footprint(footprint.padded(Footprint::margin_m));
-  if (sight_) sight_->set_footprint(footprint);
+  if (visibility_) visibility_->set_footprint(footprint);
   if (height_groups_) height_groups_->set_footprint(footprint);
   for (Source& source : sources_) source.rays_outdated = true;
 }
@@ -59,7 +59,7 @@ bool Merger::add(std::size_t index, const PlanarScan& scan, const Pose& output_f
   source.has_intensities = !scan.intensities.empty();
   source.scan_time = scan.scan_time;
   if (settings_.points) take_points(scan, output_from_sensor, settings_of(index), source);
-  if (sight_) take_sweep(index, scan, output_from_sensor);
+  if (visibility_) take_sweep(index, scan, output_from_sensor);
   return true;
 }
 
@@ -85,14 +85,14 @@ void Merger::take_sweep(std::size_t index, const PlanarScan& scan, const Pose& o
   if (source.rays_outdated || !source.rays.fits(scan, output_from_sensor)) {
     source.rays_outdated = false;
     source.rays.build(scan, output_from_sensor, footprint_, band_);
-    sight_->set_source(index, source.rays);
+    visibility_->set_source(index, source.rays);
     if (cross_check_) cross_check_->set_source(index, source.rays);
     if (height_groups_) height_groups_->set_source(index, source.rays);
   }
   measure(scan, source.rays, settings_of(index), source.sweep);
   if (source.has_intensities || settings_.options.intensities != Intensities::on) return;
   source.sweep.intensity.assign(scan.beams, settings_.options.missing_intensity);
-  for (Sweep::EarlyReturn& early : source.sweep.early_returns)
+  for (PlacedScan::EarlyReturn& early : source.sweep.early_returns)
     early.intensity = settings_.options.missing_intensity;
 }
 
@@ -156,7 +156,7 @@ SourceUse Merger::bring(std::size_t index, const MergeMoment& moment) {
   Source& source = sources_[index];
   source.fresh = false;
   const PoseOrigin origin = source.motion.follow(moment, source.times);
-  if (sight_) {
+  if (visibility_) {
     place(source.rays, source.motion, settings_of(index).noise, source.sweep);
     newest_sweeps_[index] = &source.sweep;
   }
@@ -170,8 +170,8 @@ void Merger::look() {
     for (std::size_t s = 0; s < sources_.size(); ++s) ends_[s] = sources_[s].times.last();
     cross_check_->check(newest_sweeps_, ends_);
   }
-  sight_->compute(newest_sweeps_);
-  if (height_groups_) height_groups_->require(newest_sweeps_, *sight_);
+  visibility_->compute(newest_sweeps_);
+  if (height_groups_) height_groups_->require(newest_sweeps_, *visibility_);
 }
 
 const MergeReport& Merger::merge(const MergeMoment& moment, const std::vector<char>& use,
@@ -186,12 +186,12 @@ const MergeReport& Merger::merge(const MergeMoment& moment, const std::vector<ch
     report_.sources[s] = bring(s, moment);
     scan_time = std::max(scan_time, sources_[s].scan_time);
   }
-  if (sight_) look();
+  if (visibility_) look();
   for (const MergedScan& output : outputs) {
     if (output.profile == Profile::flatten)
       flatten(*output.scan, intensities);
     else
-      sight_->encode(output.profile, *output.scan, intensities);
+      visibility_->encode(output.profile, *output.scan, intensities);
     output.scan->stamp = moment.at;
     // All beams are brought to one instant; consumers that deskew must not do it again.
     if (report_.deskewed) output.scan->time_increment = 0;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/evidence/flatten.h"
-#include "core/evidence/sight.h"
+#include "core/evidence/visibility.h"
 #include "core/frames/cloud.h"
 #include "core/merge/cross_check.h"
 #include "core/merge/height_groups.h"
@@ -23,9 +23,9 @@ struct MergedScan {
 
 /// What a merge computes beside points.
 struct MergeSettings {
-  bool points = true;  ///< keeps the points, for profile `flatten` and the cloud
-  bool sight = false;  ///< surfaces and free space, for profiles `strict` and `safety`
-  SightSettings how;
+  bool points = true;       ///< keeps the points, for profile `flatten` and the cloud
+  bool visibility = false;  ///< surfaces and free space, for profiles `strict` and `safety`
+  VisibilitySettings how;
   SourceSettings source;               ///< of every source
   std::vector<SourceSettings> each{};  ///< per source, where they differ; empty: `source` for all
   MergeOptions options;
@@ -74,9 +74,9 @@ class Merger {
   /// True if the source has a sweep and all its poses are known.
   bool poses_cover(std::size_t source, const MergeMoment& moment) const;
   /// What is known of each beam; nullptr if no profile needs it.
-  const Sight* sight() const { return sight_ ? &*sight_ : nullptr; }
+  const Visibility* visibility() const { return visibility_ ? &*visibility_ : nullptr; }
   /// A source's sweep as the last merge placed it; nullptr: it was not used, or no surfaces are computed.
-  const Sweep* sweep(std::size_t source) const { return newest_sweeps_[source]; }
+  const PlacedScan* sweep(std::size_t source) const { return newest_sweeps_[source]; }
   /// Returns that another source sees through; nullptr: it is not looked for.
   const CrossCheck* cross_check() const { return cross_check_ ? &*cross_check_ : nullptr; }
   /// Where it was measured from, in the output frame.
@@ -100,7 +100,7 @@ class Merger {
     float scan_time = 0;
     BeamRays rays;
     bool rays_outdated = false;  // the vehicle's outline has changed
-    Sweep sweep;
+    PlacedScan sweep;
   };
   const SourceSettings& settings_of(std::size_t source) const {
     return settings_.each.empty() ? settings_.source : settings_.each[source];
@@ -122,11 +122,11 @@ class Merger {
   HeightBand band_;
   Footprint footprint_;
   Flattener flattener_;
-  std::optional<Sight> sight_;
+  std::optional<Visibility> visibility_;
   std::optional<CrossCheck> cross_check_;
   std::optional<HeightGroups> height_groups_;
   std::vector<Stamp> ends_;  // of the sources' newest sweeps
-  std::vector<const Sweep*> newest_sweeps_;
+  std::vector<const PlacedScan*> newest_sweeps_;
   std::vector<Source> sources_;
   std::uint64_t superseded_ = 0;
   std::uint64_t out_of_order_ = 0;

@@ -205,7 +205,7 @@ void CutEvidence::fill_holes() {
 }
 
 void CutEvidence::find(const PlaneView& view, const PlaneTops& tops, HeightBand band,
-                       const std::array<FreeProfile*, pieces>& free, FreeProfile& blind) {
+                       const std::array<FreeSpaceMap*, pieces>& free, FreeSpaceMap& blind) {
   view_ = &view;
   tops_ = &tops;
   band_ = band;

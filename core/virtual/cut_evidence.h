@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/evidence/free_profile.h"
+#include "core/evidence/free_space_map.h"
 #include "core/evidence/height_band.h"
 #include "core/virtual/plane_tops.h"
 #include "core/virtual/plane_view.h"
@@ -28,7 +28,7 @@ class CutEvidence {
   /// stands between the heights of `band` (of all returns but those from the ground). The profiles must have
   /// been set to the sensor's place; they are filled.
   void find(const PlaneView& view, const PlaneTops& tops, HeightBand band,
-            const std::array<FreeProfile*, pieces>& free, FreeProfile& blind);
+            const std::array<FreeSpaceMap*, pieces>& free, FreeSpaceMap& blind);
 
  private:
   struct Piece {

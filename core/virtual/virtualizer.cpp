@@ -10,9 +10,9 @@
 namespace lidard {
 namespace {
 
-// Sources of a frame's Sight: the evidence's free pieces, and what is blind.
+// Sources of a frame's Visibility: the evidence's free pieces, and what is blind.
 constexpr std::size_t blind_source = CutEvidence::pieces;
-constexpr std::size_t sight_sources = CutEvidence::pieces + 1;
+constexpr std::size_t visibility_sources = CutEvidence::pieces + 1;
 // Columns whose width changed by less (share) still fit the tables.
 constexpr double width_slack = 0.05;
 // A band that reaches into the ground is observed from so much above the ground on, m.
@@ -24,12 +24,13 @@ Eigen::Vector3d place_of(const CloudPoint& p) {
 
 }  // namespace
 
-Virtualizer::Frame::Frame(const ScanGrid& grid, const SightSettings& how) : sight(grid, how, sight_sources) {}
+Virtualizer::Frame::Frame(const ScanGrid& grid, const VisibilitySettings& how)
+    : visibility(grid, how, visibility_sources) {}
 
 Virtualizer::Virtualizer(const ScanGrid& grid, HeightBand band, std::size_t frames,
                          const VirtualSettings& settings)
     : settings_(settings), band_(band), flattener_(grid, band), grid_(settings.beams) {
-  if (!settings.sight) return;
+  if (!settings.visibility) return;
   for (std::size_t i = 0; i < frames; ++i) frames_.push_back(std::make_unique<Frame>(grid, settings.how));
 }
 
@@ -52,7 +53,7 @@ void Virtualizer::set_cloud(const Cloud& cloud, const Pose& vehicle_from_cloud, 
   cloud_ = &cloud;
   motion_ = motion != nullptr && !motion->stands() ? motion : nullptr;
   place_cloud(vehicle_from_cloud);
-  if (!settings_.sight) return;
+  if (!settings_.visibility) return;
   organised_ = grid_.organise(cloud, motion_);
   if (!organised_) return;
   find_ground(grid_, settings_.ground, vehicle_from_cloud, ground_);
@@ -99,9 +100,9 @@ void Virtualizer::place(Frame& frame, const Pose& virtual_from_cloud) const {
   frame.pose = virtual_from_cloud;
   frame.step = step;
   const Pose vehicle = virtual_from_cloud * vehicle_from_cloud_.inverse();
-  frame.sight.set_footprint(footprint_.transformed(vehicle));
+  frame.visibility.set_footprint(footprint_.transformed(vehicle));
   const Eigen::Vector3d at = virtual_from_cloud.translation();
-  frame.sight.set_place(static_cast<float>(at.x()), static_cast<float>(at.y()), step);
+  frame.visibility.set_place(static_cast<float>(at.x()), static_cast<float>(at.y()), step);
 }
 
 /// The plane on which a frame's beams must be free: of a band the limit that is farther from the sensor,
@@ -121,8 +122,8 @@ float Virtualizer::evidence_level(const Pose& virtual_from_cloud) const {
 /// Single points at heights that count: earlier returns, and all where no surfaces are known.
 void Virtualizer::splat_points(Frame& frame, const Pose& virtual_from_cloud) {
   const auto splat = [&frame](const CloudPoint& point, const Eigen::Vector3d& p) {
-    frame.sight.raster().draw_point({static_cast<float>(p.x()), static_cast<float>(p.y()), point.intensity},
-                                    frame.sight.surfaces());
+    frame.visibility.raster().draw_point(
+        {static_cast<float>(p.x()), static_cast<float>(p.y()), point.intensity}, frame.visibility.surfaces());
   };
   if (!organised_) each_return(virtual_from_cloud, splat);
   for (const CloudPoint& point : grid_.early) {
@@ -133,34 +134,34 @@ void Virtualizer::splat_points(Frame& frame, const Pose& virtual_from_cloud) {
 
 void Virtualizer::look(Frame& frame, const Pose& virtual_from_cloud) {
   place(frame, virtual_from_cloud);
-  Sight& sight = frame.sight;
-  sight.begin();
+  Visibility& visibility = frame.visibility;
+  visibility.begin();
   splat_points(frame, virtual_from_cloud);
   if (organised_) {
     view_.set_frame(virtual_from_cloud, settings_.keep_ground);
     const bool band = settings_.mode == CutMode::band;
     if (band)
-      cut_band(sight, evidence_level(virtual_from_cloud));
+      cut_band(visibility, evidence_level(virtual_from_cloud));
     else
-      cut_slice(sight, 0);
-    evidence_.find(view_, tops_, band ? band_ : HeightBand{0, 0}, {&sight.profile(0), &sight.profile(1)},
-                   sight.profile(blind_source));
+      cut_slice(visibility, 0);
+    evidence_.find(view_, tops_, band ? band_ : HeightBand{0, 0},
+                   {&visibility.profile(0), &visibility.profile(1)}, visibility.profile(blind_source));
   }
-  sight.compute();
+  visibility.compute();
 }
 
-void Virtualizer::cut_slice(Sight& sight, double level) {
+void Virtualizer::cut_slice(Visibility& visibility, double level) {
   view_.set_level(static_cast<float>(level));
   tops_.find(view_);
-  cut_.draw_slice(view_, tops_, sight.raster(), sight.surfaces(), sight.ends());
+  cut_.draw_slice(view_, tops_, visibility.raster(), visibility.surfaces(), visibility.ends());
 }
 
-void Virtualizer::cut_band(Sight& sight, float evidence_level) {
-  if (std::isfinite(band_.min)) cut_slice(sight, band_.min);
-  if (std::isfinite(band_.max)) cut_slice(sight, band_.max);
+void Virtualizer::cut_band(Visibility& visibility, float evidence_level) {
+  if (std::isfinite(band_.min)) cut_slice(visibility, band_.min);
+  if (std::isfinite(band_.max)) cut_slice(visibility, band_.max);
   view_.set_level(evidence_level);
   tops_.find(view_);
-  draw_band_edges(view_, band_, sight.raster(), sight.surfaces());
+  draw_band_edges(view_, band_, visibility.raster(), visibility.surfaces());
 }
 
 void Virtualizer::project(std::size_t frame, const Pose& virtual_from_cloud,
@@ -173,7 +174,7 @@ void Virtualizer::project(std::size_t frame, const Pose& virtual_from_cloud,
     if (output.profile == Profile::flatten)
       flatten(virtual_from_cloud, scan);
     else
-      frames_[frame]->sight.encode(output.profile, scan, true);
+      frames_[frame]->visibility.encode(output.profile, scan, true);
     scan.stamp = cloud_->stamp;
     if (scan.scan_time == 0 && cloud_->end > cloud_->stamp)
       scan.scan_time = static_cast<float>(seconds(cloud_->end - cloud_->stamp));

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/evidence/flatten.h"
-#include "core/evidence/sight.h"
+#include "core/evidence/visibility.h"
 #include "core/frames/cloud.h"
 #include "core/virtual/cut_evidence.h"
 #include "core/virtual/plane_cut.h"
@@ -19,11 +19,11 @@ namespace lidard {
 enum class CutMode : std::uint8_t { slice, band };
 
 struct VirtualSettings {
-  bool sight = false;  ///< surfaces and free space, for profiles `strict` and `safety`
+  bool visibility = false;  ///< surfaces and free space, for profiles `strict` and `safety`
   CutMode mode = CutMode::slice;
   GroundSettings ground;
   bool keep_ground = false;  ///< the ground is a surface too
-  SightSettings how;
+  VisibilitySettings how;
   RingGridSettings beams;
 };
 
@@ -53,13 +53,13 @@ class Virtualizer {
   /// Why nothing is known of surfaces and free space of the newest cloud; empty: it is.
   const char* why_no_surfaces() const { return organised_ ? "" : grid_.why_not(); }
   std::uint64_t own_returns() const { return grid_.own_returns; }
-  /// What is known of a frame's beams; only with `sight`.
-  const Sight& sight(std::size_t frame) const { return frames_[frame]->sight; }
+  /// What is known of a frame's beams; only with `visibility`.
+  const Visibility& visibility(std::size_t frame) const { return frames_[frame]->visibility; }
 
  private:
   struct Frame {
-    Frame(const ScanGrid& grid, const SightSettings& how);
-    Sight sight;
+    Frame(const ScanGrid& grid, const VisibilitySettings& how);
+    Visibility visibility;
     Pose pose = Pose::Identity();  // virtual_from_cloud that the tables were made for
     double step = 0;               // rad between columns, likewise
     bool placed = false;
@@ -69,8 +69,8 @@ class Virtualizer {
   void each_return(const Pose& virtual_from_cloud, Use use) const;
   void flatten(const Pose& virtual_from_cloud, PlanarScan& scan);
   void look(Frame& frame, const Pose& virtual_from_cloud);
-  void cut_slice(Sight& sight, double level);
-  void cut_band(Sight& sight, float evidence_level);
+  void cut_slice(Visibility& visibility, double level);
+  void cut_band(Visibility& visibility, float evidence_level);
   void place(Frame& frame, const Pose& virtual_from_cloud) const;
   void splat_points(Frame& frame, const Pose& virtual_from_cloud);
   float evidence_level(const Pose& virtual_from_cloud) const;

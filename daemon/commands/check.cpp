@@ -5,16 +5,11 @@
 #include <ostream>
 
 #include "daemon/config/config.h"
+#include "daemon/config/exit_codes.h"
 #include "daemon/config/read_file.h"
 #include "daemon/pipeline/forecast.h"
 
 namespace lidard {
-namespace {
-
-constexpr int exit_config = 78;  // EX_CONFIG of sysexits.h
-
-}  // namespace
-
 int run_check(const std::string& file, std::ostream& out, std::ostream& err) {
   try {
     const std::string text = read_file(file, "a readable YAML file");

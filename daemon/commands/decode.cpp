@@ -5,15 +5,17 @@
 #include <algorithm>
 #include <ostream>
 
-#include "daemon/commands/cli.h"
 #include "daemon/commands/stream_finder.h"
 #include "daemon/config/calibration_file.h"
 #include "daemon/config/config.h"
+#include "daemon/config/exit_codes.h"
 #include "daemon/pipeline/missing_outputs.h"
 #include "daemon/pipeline/output_report.h"
 #include "daemon/pipeline/report.h"
 #include "drivers/capture/connection_picker.h"
 #include "drivers/capture/pcap_source.h"
+#include "drivers/registry/nearest_models.h"
+#include "drivers/registry/registry.h"
 #include "drivers/sick/safety/safety_topics.h"
 #include "drivers/velodyne/table_calibration.h"
 

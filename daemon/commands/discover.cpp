@@ -17,7 +17,7 @@
 #include <ostream>
 #include <random>
 
-#include "daemon/commands/cli.h"
+#include "daemon/config/exit_codes.h"
 
 namespace lidard {
 namespace {

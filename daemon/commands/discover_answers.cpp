@@ -71,8 +71,7 @@ std::optional<FoundDevice> read_hokuyo_answer(ByteView stream, const IpAddress& 
       if (key == "FIRM") device.firmware = value;
       if (key == "SERI") device.serial = value;
     });
-    const Model* model = hokuyo::scip_model_of(device.product);
-    if (model != nullptr) device.model = model->name;
+    device.model = hokuyo::scip_name_of(device.product);
     return device;
   }
   return std::nullopt;

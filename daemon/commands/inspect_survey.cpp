@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "drivers/capture/connection_picker.h"
+#include "drivers/registry/identifier.h"
 
 namespace lidard {
 namespace {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 
 namespace lidard {
 namespace {

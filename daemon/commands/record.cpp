@@ -10,7 +10,7 @@
 #include <memory>
 #include <ostream>
 
-#include "daemon/commands/cli.h"
+#include "daemon/config/exit_codes.h"
 
 namespace lidard {
 namespace {

@@ -7,10 +7,12 @@
 #include <ostream>
 #include <thread>
 
-#include "daemon/commands/cli.h"
 #include "daemon/commands/player.h"
+#include "daemon/config/exit_codes.h"
+#include "daemon/config/output_topics.h"
 #include "daemon/pipeline/output_report.h"
 #include "daemon/pipeline/report.h"
+#include "daemon/pipeline/transform_source.h"
 #include "daemon/ros/bag_poses.h"
 #include "daemon/ros/bag_sink.h"
 #include "daemon/ros/ros_link.h"
@@ -37,7 +39,7 @@ struct Replay {
   std::ostream& err;
 
   /// `motion` is called before each packet, for poses that come by message. False if an output never came.
-  bool play(FrameSink& target, PoseLookup& poses, std::function<void(Stamp)> on_time,
+  bool play(FrameSink& target, TransformSource& poses, std::function<void(Stamp)> on_time,
             const std::function<void(Pipeline&, Stamp)>& motion = nullptr) {
     CountingSink sink(target, output_topics(config));
     Pipeline pipeline(config, poses, sink);
@@ -82,7 +84,7 @@ struct Replay {
     BagSink sink(options.bag, pipeline_topics(config));
     bool complete = false;
     if (options.motion.empty()) {
-      NoPoses poses;
+      NoTransforms poses;
       complete = play(sink, poses, nullptr);
     } else {
       BagPoses poses(options.motion, config.vehicle.odometry_topic);

@@ -12,10 +12,11 @@
 #include <cstdlib>
 #include <ostream>
 
-#include "daemon/commands/cli.h"
-#include "daemon/live/links.h"
-#include "daemon/live/ports.h"
+#include "daemon/config/exit_codes.h"
+#include "daemon/config/output_topics.h"
 #include "daemon/live/service.h"
+#include "daemon/live/tcp_connections.h"
+#include "daemon/live/udp_ports.h"
 #include "daemon/live/velodyne_controls.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/report.h"
@@ -241,10 +242,10 @@ class Daemon {
     if (standing.empty()) {
       service_.alive();
       fed_ = now;
-      told_standing_ = false;
-    } else if (now - fed_ > longest_round && !told_standing_) {
+      reported_standing_ = false;
+    } else if (now - fed_ > longest_round && !reported_standing_) {
       spdlog::error("the watchdog is not fed, since for 1 s there stands still: {}", standing);
-      told_standing_ = true;
+      reported_standing_ = true;
     }
   }
   void leave_name_to_others() {
@@ -274,8 +275,8 @@ class Daemon {
   RosLink link_;
   Pipeline pipeline_;
   VelodyneControls controls_;
-  Ports ports_;
-  Links links_;
+  UdpPorts ports_;
+  TcpConnections links_;
   std::shared_ptr<RosInputs> inputs_;
   std::shared_ptr<RosMotion> motion_;
   std::shared_ptr<RosReconfigure> reconfigure_;
@@ -287,7 +288,7 @@ class Daemon {
   int ticks_ = 0;
   int exit_code_ = exit_ok;
   std::chrono::steady_clock::time_point fed_ = std::chrono::steady_clock::now();
-  bool told_standing_ = false;
+  bool reported_standing_ = false;
   std::map<std::string, std::string> told_;
 };
 

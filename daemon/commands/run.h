@@ -7,22 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "daemon/ros/ros_options.h"
+
 namespace lidard {
 
 struct Config;
-
-/// Where the dynamic_reconfigure servers of the merged and virtual scans are.
-enum class ReconfigureNames : std::uint8_t {
-  entries,  ///< one below the node for each entry of the configuration
-  node      ///< the node itself, for the first entry: as ira_laser_tools has it
-};
-
-/// How to appear in ROS.
-struct RunOptions {
-  std::vector<std::string> ros_arguments;
-  std::string node_name = "lidard";
-  ReconfigureNames reconfigure = ReconfigureNames::entries;
-};
 
 /// The daemon: listens to the configured sensors and publishes until SIGTERM or SIGINT. Returns the exit
 /// code.

@@ -8,12 +8,12 @@
 #include <ostream>
 #include <stdexcept>
 
-#include "daemon/commands/cli.h"
 #include "daemon/commands/player.h"
+#include "daemon/config/exit_codes.h"
 #include "daemon/files/snapshot_draw.h"
 #include "daemon/files/text_file.h"
+#include "daemon/pipeline/transform_source.h"
 #include "daemon/ros/bag_poses.h"
-#include "daemon/ros/tf_poses.h"
 
 namespace lidard {
 namespace {
@@ -46,7 +46,7 @@ class Motion {
   Motion(const std::string& bag, const Config& config) {
     if (!bag.empty()) bag_.emplace(bag, config.vehicle.odometry_topic);
   }
-  PoseLookup& poses() { return bag_ ? static_cast<PoseLookup&>(*bag_) : none_; }
+  TransformSource& poses() { return bag_ ? static_cast<TransformSource&>(*bag_) : none_; }
   void feed(Pipeline& pipeline, Stamp now) {
     if (!bag_) return;
     bag_->odometry_until(now, [&](Stamp stamp, const Pose& pose, const std::string& child) {
@@ -55,7 +55,7 @@ class Motion {
   }
 
  private:
-  NoPoses none_;
+  NoTransforms none_;
   std::optional<BagPoses> bag_;
 };
 
@@ -111,7 +111,7 @@ std::string picture(const SnapshotOptions& options, const Config& config, Chart:
   Motion motion(options.motion, config);
   const double at = play_until(options.at.value_or(length / 2), !options.at, config, capture, motion, frames);
   if (frames.empty()) throw std::runtime_error(nothing_there(at, length));
-  const PoseBook poses(config, motion.poses());
+  const FrameTree poses(config, motion.poses());
   SnapshotView view = make_view(config, poses, frames, options.areas);
   fit_to_points(view);
   if (options.range) view.center = {0, 0}, view.half = {*options.range, *options.range};

@@ -6,6 +6,7 @@
 
 #include "drivers/capture/connection_picker.h"
 #include "drivers/capture/pcap_source.h"
+#include "drivers/registry/identifier.h"
 
 namespace lidard {
 namespace {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string_view>
 
+#include "core/base/number_text.h"
 #include "daemon/config/calibration_parts.h"
 #include "daemon/config/config.h"
 
@@ -88,17 +89,13 @@ class XmlCalibration {
     const bool is_number = error == std::errc() && end == text.data() + text.size();
     if (!is_number || !(value >= lowest && value <= highest))
       fail(element.GetLineNum(), std::string(element.Name()) + " is " + quoted(text),
-           "a number from " + shown(lowest) + " to " + shown(highest));
+           "a number from " + number_text(lowest) + " to " + number_text(highest));
     return value;
   }
   static std::string quoted(std::string_view text) {
     std::string quote(text.substr(0, 40));
     for (char& c : quote) c = static_cast<unsigned char>(c) < 0x20 ? '?' : c;
     return '"' + quote + '"';
-  }
-  static std::string shown(double number) {
-    char text[32];
-    return {text, std::to_chars(text, text + sizeof text, number).ptr};
   }
 
   /// The numbers of `DB/name/item`; empty where the element is not there.

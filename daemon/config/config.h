@@ -4,30 +4,24 @@
 
 #include <map>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "core/base/pose.h"
+#include "core/evidence/placed_scan.h"
 #include "core/evidence/profile.h"
-#include "core/evidence/sweep.h"
 #include "core/frames/cloud_layout.h"
 #include "core/frames/ring_scan.h"
 #include "core/frames/scan_grid.h"
 #include "core/merge/merge_options.h"
 #include "core/merge/scheduler.h"
 #include "core/virtual/virtualizer.h"
-#include "daemon/live/velodyne_settings.h"
+#include "daemon/config/config_error.h"
 #include "drivers/driver.h"
 #include "drivers/model.h"
+#include "drivers/velodyne/web/velodyne_settings.h"
 
 namespace lidard {
-
-/// A mistake in the configuration: `file:line:column: what; expected …`. Exit code 78.
-class ConfigError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// `vehicle:` of the configuration.
 struct VehicleConfig {
@@ -112,7 +106,7 @@ struct MergedScanConfig {
   MergeOptions options;
 
   /// True if some scan of this merge is more than points.
-  bool has_sight() const;
+  bool has_visibility() const;
 };
 
 /// One entry of `virtual_scans:`.
@@ -132,7 +126,7 @@ struct VirtualScanConfig {
   double range_noise = 0.02;        ///< m, one standard deviation of the ranges
   double free_required = 0;         ///< m that a beam must be observed to be free; 0: range_max
   double no_return_free_range = 0;  ///< m that a beam without return proves free
-  bool has_sight() const;
+  bool has_visibility() const;
   /// Topic of a frame's scan, or of one of its further scans.
   std::string topic(const std::string& frame, const AlsoScanConfig* further = nullptr) const;
 };

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "core/base/number_text.h"
 #include "daemon/config/config_parts.h"
 
 namespace lidard {
@@ -108,18 +109,11 @@ void text(YAML::Emitter& yaml, const char* key, const std::string& value) {
 }
 void flag(YAML::Emitter& yaml, const char* key, bool value) { text(yaml, key, value ? "true" : "false"); }
 
-/// The shortest text of a decimal fraction.
-std::string decimal(double value) {
-  std::array<char, 32> digits{};
-  char* const end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
-  return std::string(digits.data(), end);
-}
-
 void write_phase_lock(YAML::Emitter& yaml, const VelodyneSettings& wanted) {
   if (!wanted.phase_lock) return;
   yaml << YAML::Key << "phase_lock" << YAML::Value << YAML::BeginMap;
   flag(yaml, "enabled", *wanted.phase_lock);
-  if (wanted.phase_lock_offset) text(yaml, "offset_deg", decimal(*wanted.phase_lock_offset / 100.0));
+  if (wanted.phase_lock_offset) text(yaml, "offset_deg", number_text(*wanted.phase_lock_offset / 100.0));
   yaml << YAML::EndMap;
 }
 
@@ -178,7 +172,7 @@ void write_control(YAML::Emitter& yaml, const VelodyneControl& control) {
   number(yaml, "port", control.port);
   write_wanted(yaml, control.wanted);
   flag(yaml, "save", control.save);
-  text(yaml, "period", decimal(static_cast<double>(control.period.count()) / 1e9));
+  text(yaml, "period", number_text(static_cast<double>(control.period.count()) / 1e9));
   yaml << YAML::EndMap;
 }
 

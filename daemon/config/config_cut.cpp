@@ -53,7 +53,7 @@ double default_free_range(const SensorConfig& sensor) {
   return sensor.model != nullptr && sensor.model->vendor == "Velodyne" ? sensor.model->range_max : 0;
 }
 
-void refuse_without_sight(const Mapping& yaml) {
+void refuse_without_visibility(const Mapping& yaml) {
   for (const std::string_view key : cut_keys) {
     if (key == "also" || !yaml.has(key)) continue;
     yaml.where(key).fail("is of no use for a scan of profile flatten, which is points alone",
@@ -67,10 +67,10 @@ const std::vector<std::string_view> cut_keys = {
     "also",   "mode",        "ground",        "keep_ground",
     "echoes", "range_noise", "free_required", "no_return_free_range"};
 
-bool VirtualScanConfig::has_sight() const {
-  bool sight = output.profile != Profile::flatten;
-  for (const AlsoScanConfig& one : also) sight |= one.profile != Profile::flatten;
-  return sight;
+bool VirtualScanConfig::has_visibility() const {
+  bool visibility = output.profile != Profile::flatten;
+  for (const AlsoScanConfig& one : also) visibility |= one.profile != Profile::flatten;
+  return visibility;
 }
 
 std::string VirtualScanConfig::topic(const std::string& frame, const AlsoScanConfig* further) const {
@@ -81,8 +81,8 @@ std::string VirtualScanConfig::topic(const std::string& frame, const AlsoScanCon
 void read_cut(Mapping& yaml, const SensorConfig& source, const std::string& owner, Config& config,
               ConfigClaims& claims, VirtualScanConfig& scan) {
   read_also_scans(yaml, owner, claims, scan);
-  if (!scan.has_sight()) {
-    refuse_without_sight(yaml);
+  if (!scan.has_visibility()) {
+    refuse_without_visibility(yaml);
     return;
   }
   scan.no_return_free_range = default_free_range(source);

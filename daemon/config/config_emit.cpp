@@ -4,19 +4,13 @@
 #include <cmath>
 #include <sstream>
 
+#include "core/base/number_text.h"
 #include "daemon/config/calibration_file.h"
 #include "daemon/config/config_cut.h"
 #include "daemon/config/config_parts.h"
 
 namespace lidard {
 namespace {
-
-/// The shortest text that reads back to the same number.
-std::string text_of(double number) {
-  char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, number == 0 ? 0.0 : number).ptr;
-  return {text, end};
-}
 
 /// Digits beyond these come from turning an angle into a matrix and back.
 double rounded(double degrees) { return std::round(degrees * 1e9) / 1e9; }
@@ -65,7 +59,7 @@ class ConfigWriter {
     yaml_ << YAML::EndMap;
   }
   void text(const char* key, const std::string& value) { yaml_ << YAML::Key << key << YAML::Value << value; }
-  void number(const char* key, double value) { text(key, text_of(value)); }
+  void number(const char* key, double value) { text(key, number_text(value)); }
   void flag(const char* key, bool value) { text(key, value ? "true" : "false"); }
   /// Says what holds while an optional key is not there.
   void unset(const char* remark) { yaml_ << YAML::Newline << YAML::Comment(remark); }
@@ -77,7 +71,7 @@ class ConfigWriter {
   }
   void numbers(const std::vector<double>& values) {
     yaml_ << YAML::Flow << YAML::BeginSeq;
-    for (const double value : values) yaml_ << text_of(value);
+    for (const double value : values) yaml_ << number_text(value);
     yaml_ << YAML::EndSeq;
   }
   void names(const char* key, const std::vector<std::string>& values) {
@@ -344,7 +338,7 @@ void ConfigWriter::virtual_scan(const VirtualScanConfig& scan) {
   text("output_laser_topic", scan.output_laser_topic);
   output(scan.output);
   also_scans(scan.also);
-  if (!scan.has_sight()) return;
+  if (!scan.has_visibility()) return;
   text("mode", word_of(scan.mode));
   yaml_ << YAML::Key << "ground" << YAML::Value << YAML::BeginMap;
   text("model", word_of(scan.ground.model));

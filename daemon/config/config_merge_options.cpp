@@ -15,7 +15,7 @@ constexpr std::array<Word<Intensities>, 3> intensities{
 
 /// What compares the evidence of sources needs some evidence, and sources.
 void need_evidence(const Value& key, const MergedScanConfig& merged) {
-  if (!merged.has_sight() && merged.status_topic.empty())
+  if (!merged.has_visibility() && merged.status_topic.empty())
     key.fail_at_key("has no effect with profile: flatten, which knows no free space",
                     "profile: strict or safety");
   if (merged.laserscan_topics.size() < 2)

@@ -76,7 +76,7 @@ void read_merged_topics(Mapping& yaml, const std::string& owner, ConfigClaims& c
 
 /// Points alone prove nothing, so they are no evidence for what is free or hidden.
 void refuse_flat_sources(const ReadSources& sources, const MergedScanConfig& merged) {
-  if (!merged.has_sight()) return;
+  if (!merged.has_visibility()) return;
   for (std::size_t i = 0; i < sources.named.size(); ++i) {
     const VirtualScanConfig* group = sources.named[i].virtual_group;
     const Value& value = sources.values[i];
@@ -113,7 +113,7 @@ MergedScanConfig read_merged(const std::string& name, const Value& entry, Config
   read_destination(yaml, config, entry.path(), claims, merged);
   read_merged_topics(yaml, entry.path(), claims, merged);
   read_output(yaml, sources.limits, config, merged.output);
-  read_sight(yaml, entry.path(), config, claims, merged);
+  read_visibility(yaml, entry.path(), config, claims, merged);
   read_merge_options(yaml, merged);
   refuse_flat_sources(sources, merged);
   std::vector<std::string> written;

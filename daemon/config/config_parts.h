@@ -81,8 +81,8 @@ const char* word_of(EmptyBeam beam);
 const char* word_of(EchoChoice choice);
 const char* word_of(Intensities choice);
 /// The keys of a merged scan that say how surfaces and free space are found.
-void read_sight(Mapping& yaml, const std::string& owner, Config& config, ConfigClaims& claims,
-                MergedScanConfig& merged);
+void read_visibility(Mapping& yaml, const std::string& owner, Config& config, ConfigClaims& claims,
+                     MergedScanConfig& merged);
 
 /// The keys of a merged scan for what it does beside what merges always do; the others are read already.
 void read_merge_options(Mapping& yaml, MergedScanConfig& merged);

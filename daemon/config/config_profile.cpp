@@ -21,10 +21,10 @@ constexpr std::array<Word<EchoChoice>, 4> echo_choices{{{"first", EchoChoice::fi
 
 }  // namespace
 
-bool MergedScanConfig::has_sight() const {
-  bool sight = output.profile != Profile::flatten;
-  for (const AlsoScanConfig& one : also) sight |= one.profile != Profile::flatten;
-  return sight;
+bool MergedScanConfig::has_visibility() const {
+  bool visibility = output.profile != Profile::flatten;
+  for (const AlsoScanConfig& one : also) visibility |= one.profile != Profile::flatten;
+  return visibility;
 }
 
 Profile read_profile(const Value& value) { return read_word(value, profiles); }
@@ -49,8 +49,8 @@ const char* word_of(Profile profile) { return word_in(profile, profiles); }
 const char* word_of(EmptyBeam beam) { return word_in(beam, beams); }
 const char* word_of(EchoChoice choice) { return word_in(choice, echo_choices); }
 
-void read_sight(Mapping& yaml, const std::string& owner, Config& config, ConfigClaims& claims,
-                MergedScanConfig& merged) {
+void read_visibility(Mapping& yaml, const std::string& owner, Config& config, ConfigClaims& claims,
+                     MergedScanConfig& merged) {
   if (const auto fuse = yaml.find("fuse")) {
     const std::string word = fuse->text("nearest or mean");
     if (word != "nearest" && word != "mean") fuse->fail("is " + fuse->quoted(), "nearest or mean");
@@ -68,7 +68,7 @@ void read_sight(Mapping& yaml, const std::string& owner, Config& config, ConfigC
       claims.publishes(topic, owner, value);
     }
   }
-  if (!merged.has_sight() || !config.vehicle.footprint.empty()) return;
+  if (!merged.has_visibility() || !config.vehicle.footprint.empty()) return;
   warn(config, yaml.where("profile").place(),
        owner +
            " is to say what is observed, but vehicle.footprint is not set: where the vehicle hides the way " +

@@ -5,7 +5,9 @@
 #include <utility>
 
 #include "daemon/config/config_parts.h"
-#include "daemon/pipeline/output_topics.h"
+#include "daemon/config/output_topics.h"
+#include "drivers/registry/nearest_models.h"
+#include "drivers/registry/registry.h"
 
 namespace lidard {
 namespace {

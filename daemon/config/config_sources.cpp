@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "core/base/nearest.h"
-#include "daemon/pipeline/output_topics.h"
+#include "daemon/config/output_topics.h"
 
 namespace lidard {
 namespace {

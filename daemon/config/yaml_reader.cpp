@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "core/base/nearest.h"
+#include "core/base/number_text.h"
 #include "daemon/config/config.h"
 
 namespace lidard {
@@ -28,12 +29,6 @@ std::string printable(std::string text) {
 
 std::string shorten(const std::string& text) {
   return printable(text.substr(0, longest_quote)) + (text.size() > longest_quote ? "…" : "");
-}
-
-std::string shown(double number) {
-  char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, number).ptr;
-  return {text, end};
 }
 
 /// Without the locale, and the whole text or nothing.
@@ -169,12 +164,12 @@ std::string Value::text_or_empty() const {
 }
 
 double Value::number(double lowest, double highest, const char* unit) const {
-  const std::string expected =
-      "a number from " + shown(lowest) + " to " + shown(highest) + (*unit == '\0' ? "" : " ") + unit;
+  const std::string expected = "a number from " + number_text(lowest) + " to " + number_text(highest) +
+                               (*unit == '\0' ? "" : " ") + unit;
   const auto number = node_.IsScalar() ? parse_number(node_.Scalar()) : std::nullopt;
   if (!number) fail("is " + quoted(), expected);
   if (!std::isfinite(*number)) fail("is not finite", expected);
-  if (*number < lowest || *number > highest) fail("is " + shown(*number), expected);
+  if (*number < lowest || *number > highest) fail("is " + number_text(*number), expected);
   return *number;
 }
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <ostream>
 
-#include "daemon/commands/cli.h"
 #include "daemon/config/config.h"
+#include "daemon/config/exit_codes.h"
 #include "daemon/dropin/laser_tools_node.h"
 #include "daemon/dropin/node_parameters.h"
 #include "daemon/dropin/velodyne_node.h"

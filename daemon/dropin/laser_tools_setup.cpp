@@ -7,6 +7,7 @@
 #include <set>
 #include <sstream>
 
+#include "core/base/number_text.h"
 #include "daemon/config/config_parts.h"
 #include "daemon/config/grid_limits.h"
 #include "daemon/dropin/laser_tools_node.h"
@@ -81,8 +82,8 @@ ScanGridSpec read_grid(ParameterReader& reader, Warnings& warnings) {
     const double given = reader.number(limit.name, limit.preset);
     *places[i] = std::clamp(given, limit.min, limit.max);
     if (*places[i] != given)
-      warnings.push_back("parameter ~" + std::string(limit.name) + " is " + exact_text(given) +
-                         "; the limit is " + exact_text(*places[i]));
+      warnings.push_back("parameter ~" + std::string(limit.name) + " is " + number_text(given) +
+                         "; the limit is " + number_text(*places[i]));
   }
   grid.angle_increment = increment;
   std::string complaint;
@@ -95,7 +96,7 @@ void write_output(ParameterReader& reader, Writer& writer, Warnings& warnings) {
   const double values[] = {grid.angle_min, grid.angle_max, *grid.angle_increment, grid.time_increment,
                            grid.scan_time, grid.range_min, grid.range_max};
   for (std::size_t i = 0; i < grid_limits.size(); ++i)
-    writer.text(grid_limits[i].name, exact_text(values[i]));
+    writer.text(grid_limits[i].name, number_text(values[i]));
   // What ira_laser_tools publishes where it saw nothing.
   writer.text("empty", reader.text("empty", "range_max_plus_one"));
   for (const char* key : our_output_keys) {

@@ -50,9 +50,4 @@ void ParameterReader::remark_on_rest(std::vector<std::string>& warnings) const {
   }
 }
 
-std::string exact_text(double value) {
-  char digits[32];
-  return {digits, std::to_chars(digits, digits + sizeof digits, value).ptr};
-}
-
 }  // namespace lidard

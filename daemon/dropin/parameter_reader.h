@@ -30,7 +30,4 @@ class ParameterReader {
   std::vector<std::string> known_;
 };
 
-/// A number as text that reads back to the same value.
-std::string exact_text(double value);
-
 }  // namespace lidard

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/number_text.h"
 #include "daemon/config/config.h"
 #include "daemon/dropin/parameter_reader.h"
 #include "daemon/dropin/velodyne_node.h"
+#include "drivers/registry/registry.h"
 
 namespace lidard {
 namespace {
@@ -50,7 +52,7 @@ class Writer {
           << "velodyne" << YAML::Value << YAML::BeginMap;
   }
   void text(const char* key, const std::string& value) { yaml_ << YAML::Key << key << YAML::Value << value; }
-  void number(const char* key, double value) { text(key, exact_text(value)); }
+  void number(const char* key, double value) { text(key, number_text(value)); }
   std::string finish() {
     yaml_ << YAML::EndMap << YAML::EndMap << YAML::EndMap;
     return yaml_.c_str() + std::string("\n");

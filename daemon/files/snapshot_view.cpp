@@ -38,7 +38,7 @@ Eigen::Vector2f from_above(const Pose& pose, double angle, double range) {
 /// Builds a view layer by layer.
 class Gatherer {
  public:
-  Gatherer(const Config& config, const PoseBook& poses, const FrameKeeper& frames, std::string areas)
+  Gatherer(const Config& config, const FrameTree& poses, const FrameKeeper& frames, std::string areas)
       : config_(config), poses_(poses), frames_(frames), areas_(std::move(areas)) {}
 
   SnapshotView run();
@@ -57,7 +57,7 @@ class Gatherer {
   std::string age(Stamp stamp) const;
 
   const Config& config_;
-  const PoseBook& poses_;
+  const FrameTree& poses_;
   const FrameKeeper& frames_;
   std::string areas_;
   const PlanarScan* shaded_ = nullptr;
@@ -263,7 +263,7 @@ std::pair<double, double> spread(std::vector<float>& values) {
 
 }  // namespace
 
-SnapshotView make_view(const Config& config, const PoseBook& poses, const FrameKeeper& frames,
+SnapshotView make_view(const Config& config, const FrameTree& poses, const FrameKeeper& frames,
                        const std::string& areas) {
   return Gatherer(config, poses, frames, areas).run();
 }

@@ -9,7 +9,7 @@
 
 #include "daemon/config/config.h"
 #include "daemon/files/snapshot_frames.h"
-#include "daemon/pipeline/pose_book.h"
+#include "daemon/pipeline/frame_tree.h"
 
 namespace lidard {
 
@@ -59,7 +59,7 @@ struct SnapshotView {
 /// Gathers what `frames` holds. `areas` is the topic whose free and unobserved areas are shaded; empty: the
 /// first merged or virtual scan in profile strict, else safety, else flatten, else the first scan of all.
 /// Throws std::runtime_error if it did not come.
-SnapshotView make_view(const Config& config, const PoseBook& poses, const FrameKeeper& frames,
+SnapshotView make_view(const Config& config, const FrameTree& poses, const FrameKeeper& frames,
                        const std::string& areas);
 
 /// Chooses center and half so that nearly all points are shown.

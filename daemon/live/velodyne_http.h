@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/live/velodyne_settings.h"
+#include "drivers/velodyne/web/velodyne_settings.h"
 
 namespace lidard {
 

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "daemon/live/velodyne_readings.h"
 #include "drivers/velodyne/packet.h"
+#include "drivers/velodyne/web/velodyne_readings.h"
 
 namespace lidard {
 namespace {

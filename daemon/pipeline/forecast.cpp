@@ -5,8 +5,8 @@
 #include <set>
 
 #include "daemon/config/yaml_reader.h"
-#include "daemon/pipeline/pose_book.h"
-#include "daemon/ros/tf_poses.h"
+#include "daemon/pipeline/frame_tree.h"
+#include "daemon/pipeline/transform_source.h"
 
 namespace lidard {
 namespace {
@@ -101,7 +101,7 @@ class Forecast {
       if (!is_known(vehicle.base_frame, frame)) unknown.insert(frame);
       if (!cloud_known) unknown.insert(group.cloud_topic);
     }
-    const bool on_vehicle = group.has_sight() || !vehicle.footprint.empty() || vehicle.has_motion();
+    const bool on_vehicle = group.has_visibility() || !vehicle.footprint.empty() || vehicle.has_motion();
     if (on_vehicle && !cloud_known) unknown.insert(group.cloud_topic);
     tell_poses(entry, unknown, (on_vehicle && !cloud_known) || lost == group.virtual_laser_scan.size());
     tell_topics(entry, {group.cloud_topic});
@@ -109,8 +109,8 @@ class Forecast {
 
   const Config& config_;
   Value root_;
-  NoPoses no_tf_;
-  PoseBook poses_;
+  NoTransforms no_tf_;
+  FrameTree poses_;
   std::vector<std::string> sentences_;
 };
 

@@ -13,7 +13,7 @@ MergeSettings settings_of(const MergedScanConfig& config) {
   MergeSettings settings;
   settings.points = config.output.profile == Profile::flatten || !config.cloud_destination_topic.empty();
   for (const AlsoScanConfig& also : config.also) settings.points |= also.profile == Profile::flatten;
-  settings.sight = config.has_sight() || !config.status_topic.empty();
+  settings.visibility = config.has_visibility() || !config.status_topic.empty();
   settings.how.noise = settings.source.noise = config.range_noise;
   settings.how.mean = config.mean;
   settings.how.free_required = config.free_required;
@@ -49,7 +49,7 @@ Stamp comparable(Stamp stamp, Stamp now) {
 }  // namespace
 
 MergedOutput::MergedOutput(const MergedScanConfig& config, const VehicleConfig& vehicle,
-                           const PoseBook& poses)
+                           const FrameTree& poses)
     : config_(config),
       base_frame_(vehicle.base_frame),
       footprint_(vehicle.footprint),
@@ -60,7 +60,7 @@ MergedOutput::MergedOutput(const MergedScanConfig& config, const VehicleConfig& 
       overlap_(config.laserscan_topics.size()),
       compared_(config.laserscan_topics.size(), nullptr),
       places_(config.laserscan_topics.size(), Eigen::Vector2d::Zero()),
-      told_states_(config.laserscan_topics.size(), SourceState::never),
+      reported_states_(config.laserscan_topics.size(), SourceState::never),
       why_unplaced_(config.laserscan_topics.size()),
       taken_(config.laserscan_topics.size(), 0),
       scans_(1 + config.also.size()) {
@@ -100,7 +100,7 @@ void MergedOutput::restart() {
 
 void MergedOutput::continue_from(const MergedOutput& before) {
   scheduler_ = before.scheduler_;
-  told_states_ = before.told_states_;
+  reported_states_ = before.reported_states_;
   why_unplaced_ = before.why_unplaced_;
   taken_ = before.taken_;
   counters_ = before.counters_;
@@ -163,10 +163,10 @@ std::optional<Stamp> MergedOutput::next_event() const {
 
 bool MergedOutput::states_changed(Stamp now) {
   bool changed = false;
-  for (std::size_t s = 0; s < told_states_.size(); ++s) {
+  for (std::size_t s = 0; s < reported_states_.size(); ++s) {
     const SourceState state = scheduler_.state(s, now);
-    changed = changed || state != told_states_[s];
-    told_states_[s] = state;
+    changed = changed || state != reported_states_[s];
+    reported_states_[s] = state;
   }
   return changed;
 }
@@ -251,7 +251,7 @@ void MergedOutput::publish(MergeMoment moment, Stamp now, FrameSink& sink) {
 }
 
 void MergedOutput::compare_sources(Stamp stamp) {
-  if (merger_.sight() == nullptr || !overlap_.is_due(stamp)) return;
+  if (merger_.visibility() == nullptr || !overlap_.is_due(stamp)) return;
   for (std::size_t s = 0; s < compared_.size(); ++s) {
     compared_[s] = merger_.sweep(s);
     places_[s] = merger_.looks_from(s);
@@ -262,7 +262,7 @@ void MergedOutput::compare_sources(Stamp stamp) {
 }
 
 void MergedOutput::fill_status() {
-  const Sight& sight = *merger_.sight();
+  const Visibility& visibility = *merger_.visibility();
   const PlanarScan& scan = scans_[0];
   status_.reset(scan.beams);
   status_.set_angles(scan.angle_min, scan.angle_increment);
@@ -270,8 +270,8 @@ void MergedOutput::fill_status() {
   status_.scan_time = scan.scan_time;
   status_.range_max = scan.range_max;
   for (std::size_t beam = 0; beam < scan.beams; ++beam) {
-    status_.set_hit(beam, std::min(sight.covered(beam), scan.range_max));
-    status_.intensities[beam] = static_cast<float>(sight.seen(beam));
+    status_.set_hit(beam, std::min(visibility.covered(beam), scan.range_max));
+    status_.intensities[beam] = static_cast<float>(visibility.seen(beam));
   }
 }
 
@@ -331,7 +331,7 @@ void MergedOutput::describe_overlap(DiagnosticItem& item) const {
     if (pair.beams <= 0) continue;
     const std::string correction = correction_of(pair);
     item.values.emplace_back(
-        "Overlap " + first + "/" + second,
+        "MountCheck " + first + "/" + second,
         fmt::format("median {:+.1f} mm, MAD {:.1f} mm, {:.0f} beams; mount of {}: {}", pair.median * 1000,
                     pair.mad * 1000, pair.beams, second, correction));
     if (!pair.misaligned || item.health != Health::ok) continue;

@@ -9,11 +9,11 @@
 
 #include "core/base/steady_stamps.h"
 #include "core/merge/merger.h"
-#include "core/merge/overlap.h"
+#include "core/merge/mount_check.h"
 #include "core/merge/scheduler.h"
 #include "daemon/config/config.h"
+#include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/output_parts.h"
-#include "daemon/pipeline/pose_book.h"
 #include "daemon/pipeline/sink.h"
 
 namespace lidard {
@@ -21,7 +21,7 @@ namespace lidard {
 /// A merged scan: takes the scans of its sources, publishes when one is due.
 class MergedOutput {
  public:
-  MergedOutput(const MergedScanConfig& config, const VehicleConfig& vehicle, const PoseBook& poses);
+  MergedOutput(const MergedScanConfig& config, const VehicleConfig& vehicle, const FrameTree& poses);
 
   const MergedScanConfig& config() const { return config_; }
   /// Index of a sensor or a virtual scan among the sources, or -1.
@@ -61,13 +61,13 @@ class MergedOutput {
   std::string base_frame_;
   Footprint footprint_;                   // in base_frame
   std::optional<Pose> footprint_placed_;  // base_frame in the output frame when it was last set
-  const PoseBook& poses_;
+  const FrameTree& poses_;
   Merger merger_;
   Scheduler scheduler_;
-  Overlap overlap_;
-  std::vector<const Sweep*> compared_;
+  MountCheck overlap_;
+  std::vector<const PlacedScan*> compared_;
   std::vector<Eigen::Vector2d> places_;
-  std::vector<SourceState> told_states_;
+  std::vector<SourceState> reported_states_;
   std::vector<std::string> why_unplaced_;  // why the newest scan of a source had no place; empty: it had one
   std::vector<char> taken_;                // sources of which a scan was ever used
   std::vector<PlanarScan> scans_;          // the first is the entry's own, then those of `also`

@@ -4,18 +4,18 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/config/output_topics.h"
 #include "daemon/pipeline/merged_output.h"
-#include "daemon/pipeline/output_topics.h"
 #include "daemon/pipeline/report.h"
+#include "daemon/pipeline/sensor.h"
 #include "daemon/pipeline/sensor_health.h"
-#include "daemon/pipeline/sensor_line.h"
 #include "daemon/pipeline/virtual_output.h"
 
 namespace lidard {
 namespace {
 
 /// Why a sensor gave no frames; empty: it gave some.
-std::string why_no_frames(const SensorLine& line, const std::vector<std::string>& unclaimed_senders) {
+std::string why_no_frames(const Sensor& line, const std::vector<std::string>& unclaimed_senders) {
   if (line.driver == nullptr) {
     if (line.topic_counters.frames > 0) return {};
     return line.seen ? "no message of " + line.config.topic + " could be used"
@@ -30,7 +30,7 @@ std::string why_no_frames(const SensorLine& line, const std::vector<std::string>
   return text;
 }
 
-bool has_topic(const SensorLine& line, const std::string& topic) {
+bool has_topic(const Sensor& line, const std::string& topic) {
   for (const OutputTopic& one : sensor_topics(line.config)) {
     if (one.info.name == topic) return true;
   }
@@ -51,7 +51,7 @@ std::string why_no_frame(const Model& model, const Counters& counters, Span span
                      counters.lost_packets, counters.partial_frames);
 }
 
-std::string why_missing(const std::string& topic, const std::vector<std::unique_ptr<SensorLine>>& lines,
+std::string why_missing(const std::string& topic, const std::vector<std::unique_ptr<Sensor>>& lines,
                         const std::vector<std::unique_ptr<MergedOutput>>& merged,
                         const std::vector<std::unique_ptr<VirtualOutput>>& virtuals,
                         const std::vector<std::string>& unclaimed_senders) {

@@ -12,7 +12,7 @@
 
 namespace lidard {
 
-struct SensorLine;
+struct Sensor;
 class MergedOutput;
 class VirtualOutput;
 
@@ -21,7 +21,7 @@ std::string why_no_frame(const Model& model, const Counters& counters, Span span
 
 /// Why nothing came on a topic of a pipeline with these parts; empty: nothing is missing.
 /// `unclaimed_senders` as in Pipeline.
-std::string why_missing(const std::string& topic, const std::vector<std::unique_ptr<SensorLine>>& lines,
+std::string why_missing(const std::string& topic, const std::vector<std::unique_ptr<Sensor>>& lines,
                         const std::vector<std::unique_ptr<MergedOutput>>& merged,
                         const std::vector<std::unique_ptr<VirtualOutput>>& virtuals,
                         const std::vector<std::string>& unclaimed_senders);

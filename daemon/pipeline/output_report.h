@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/pipeline/output_topics.h"
+#include "daemon/config/output_topics.h"
 #include "daemon/pipeline/sink.h"
 
 namespace lidard {

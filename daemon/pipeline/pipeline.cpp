@@ -9,10 +9,11 @@
 #include "daemon/pipeline/missing_outputs.h"
 #include "daemon/pipeline/motion_watch.h"
 #include "daemon/pipeline/scan_tap.h"
+#include "daemon/pipeline/sensor.h"
 #include "daemon/pipeline/sensor_health.h"
-#include "daemon/pipeline/sensor_line.h"
 #include "daemon/pipeline/start_watch.h"
-#include "daemon/pipeline/strangers.h"
+#include "daemon/pipeline/transform_source.h"
+#include "daemon/pipeline/unknown_senders.h"
 #include "daemon/pipeline/virtual_output.h"
 
 namespace lidard {
@@ -23,14 +24,14 @@ constexpr Span diagnostics_period = std::chrono::seconds(1);
 }  // namespace
 
 struct Pipeline::Impl final : public LineOwner {
-  Impl(const Config& configuration, PoseLookup& pose_lookup, FrameSink& frame_sink)
+  Impl(const Config& configuration, TransformSource& pose_lookup, FrameSink& frame_sink)
       : LineOwner(frame_sink),
         lookup(pose_lookup),
         vehicle(configuration.vehicle),
         poses(configuration, pose_lookup) {
     if (configuration.vehicle.has_motion()) poses.set_track(&track);
     for (const auto& sensor : configuration.sensors) {
-      lines.push_back(std::make_unique<SensorLine>(sensor, lines.size(), *this));
+      lines.push_back(std::make_unique<Sensor>(sensor, lines.size(), *this));
     }
     for (const auto& entry : configuration.merged_scans)
       merged.push_back(std::make_unique<MergedOutput>(entry, vehicle, poses));
@@ -38,12 +39,12 @@ struct Pipeline::Impl final : public LineOwner {
       virtuals.push_back(std::make_unique<VirtualOutput>(entry, vehicle, poses));
   }
 
-  SensorLine* find_line(const Packet& packet);
+  Sensor* find_line(const Packet& packet);
   void chunk(Packet packet);
-  SensorLine& line_named(const std::string& name);
+  Sensor& line_named(const std::string& name);
   bool is_sensor(const std::string& name) const;
-  void scan_from(const SensorLine& line, const PlanarScan& scan) override;
-  void cloud_from(const SensorLine& line, const Cloud& cloud) override;
+  void scan_from(const Sensor& line, const PlanarScan& scan) override;
+  void cloud_from(const Sensor& line, const Cloud& cloud) override;
   /// A scan of a sensor or a virtual scan, for the merged scans that use it.
   void merge(const std::string& source_name, const PlanarScan& scan);
   /// Takes what tf has learned of the vehicle's way.
@@ -59,7 +60,7 @@ struct Pipeline::Impl final : public LineOwner {
   bool rebuild(std::vector<std::unique_ptr<Output>>& outputs, const std::string& entry,
                const OutputScanConfig& wanted);
 
-  PoseLookup& lookup;
+  TransformSource& lookup;
   PoseTrack track;
   std::vector<StampedPose> new_poses;
   Stamp last_poll{};  // of tf
@@ -68,23 +69,23 @@ struct Pipeline::Impl final : public LineOwner {
   std::string why_no_motion;
   std::uint64_t poses_refused = 0;  // since the pose of their frame on the vehicle is not known
   VehicleConfig vehicle;
-  PoseBook poses;
-  std::vector<std::unique_ptr<SensorLine>> lines;
+  FrameTree poses;
+  std::vector<std::unique_ptr<Sensor>> lines;
   std::vector<std::unique_ptr<MergedOutput>> merged;
   std::vector<std::unique_ptr<VirtualOutput>> virtuals;
   ScanTap tap{sink, [this](const std::string& topic, const PlanarScan& scan) {
                 // A sensor may have the name of a virtual scan's topic; then the name means the sensor.
                 if (!is_sensor(topic)) merge(topic, scan);
               }};
-  Strangers strangers;
+  UnknownSenders unknown_senders;
   StartWatch start;
   Stamp last_diagnostics{};
   bool diagnostics_wanted = false;  // a source has come or gone
   std::function<void(std::vector<DiagnosticItem>&)> more_diagnostics;
 };
 
-SensorLine* Pipeline::Impl::find_line(const Packet& packet) {
-  SensorLine* anybody = nullptr;
+Sensor* Pipeline::Impl::find_line(const Packet& packet) {
+  Sensor* anybody = nullptr;
   for (const auto& line : lines) {
     if (!line->owns_port(packet.to.port)) continue;
     if (!line->config.ip_address) {
@@ -110,10 +111,10 @@ void Pipeline::Impl::chunk(Packet packet) {
     known_port = known_port || (line->config.model->transport == Transport::tcp &&
                                 line->config.ip_port == packet.from.port);
   }
-  if (known_port) strangers.note(packet);
+  if (known_port) unknown_senders.note(packet);
 }
 
-SensorLine& Pipeline::Impl::line_named(const std::string& name) {
+Sensor& Pipeline::Impl::line_named(const std::string& name) {
   for (const auto& line : lines) {
     if (line->config.name == name) return *line;
   }
@@ -124,7 +125,7 @@ bool Pipeline::Impl::is_sensor(const std::string& name) const {
   return std::any_of(lines.begin(), lines.end(), [&](const auto& line) { return line->config.name == name; });
 }
 
-void Pipeline::Impl::scan_from(const SensorLine& line, const PlanarScan& scan) {
+void Pipeline::Impl::scan_from(const Sensor& line, const PlanarScan& scan) {
   poll_motion();
   motion.data(scan.stamp, now);
   merge(line.config.name, scan);
@@ -137,7 +138,7 @@ void Pipeline::Impl::merge(const std::string& source_name, const PlanarScan& sca
   }
 }
 
-void Pipeline::Impl::cloud_from(const SensorLine& line, const Cloud& cloud) {
+void Pipeline::Impl::cloud_from(const Sensor& line, const Cloud& cloud) {
   poll_motion();
   motion.data(cloud.stamp, now);
   for (const auto& output : virtuals) {
@@ -145,7 +146,7 @@ void Pipeline::Impl::cloud_from(const SensorLine& line, const Cloud& cloud) {
   }
 }
 
-Pipeline::Pipeline(const Config& config, PoseLookup& poses, FrameSink& sink)
+Pipeline::Pipeline(const Config& config, TransformSource& poses, FrameSink& sink)
     : impl_(std::make_unique<Impl>(config, poses, sink)) {}
 Pipeline::~Pipeline() = default;
 
@@ -155,15 +156,15 @@ void Pipeline::packet(const Packet& packet) {
   advance(packet.arrival);
   impl_->now = packet.arrival;
   if (packet.transport == Transport::tcp) return impl_->chunk(packet);
-  SensorLine* line = impl_->find_line(packet);
+  Sensor* line = impl_->find_line(packet);
   if (line == nullptr) {
-    impl_->strangers.note(packet);
+    impl_->unknown_senders.note(packet);
     return;
   }
   line->receive(packet, packet.arrival);
 }
 
-void Pipeline::set_links(DeviceLinks* links) { impl_->links = links; }
+void Pipeline::set_links(DeviceConnections* links) { impl_->links = links; }
 void Pipeline::chunk(std::size_t sensor, const Packet& packet) {
   advance(packet.arrival);
   impl_->now = packet.arrival;
@@ -172,9 +173,9 @@ void Pipeline::chunk(std::size_t sensor, const Packet& packet) {
 
 void Pipeline::connected(std::size_t sensor, Stamp now) {
   impl_->now = now;
-  SensorLine& line = *impl_->lines.at(sensor);
+  Sensor& line = *impl_->lines.at(sensor);
   line.driver->connected(now, line);
-  line.settle();
+  line.apply_connection_request();
 }
 
 void Pipeline::disconnected(std::size_t sensor) { impl_->lines.at(sensor)->driver->disconnected(); }
@@ -192,14 +193,14 @@ void Pipeline::packet_message(const std::string& sensor, const Packet& packet, S
 void Pipeline::scan_message(const std::string& sensor, PlanarScan& scan, Stamp received) {
   advance(received);
   impl_->now = received;
-  SensorLine& line = impl_->line_named(sensor);
+  Sensor& line = impl_->line_named(sensor);
   if (line.take_message(scan, received)) impl_->scan_from(line, scan);
 }
 
 void Pipeline::cloud_message(const std::string& sensor, Cloud& cloud, Stamp received) {
   advance(received);
   impl_->now = received;
-  SensorLine& line = impl_->line_named(sensor);
+  Sensor& line = impl_->line_named(sensor);
   line.take_message(cloud, received);
   impl_->cloud_from(line, cloud);
 }
@@ -302,7 +303,7 @@ void Pipeline::tick(Stamp now) {
   for (const auto& line : impl_->lines) {
     if (line->driver == nullptr) continue;
     line->driver->tick(now, *line);
-    line->settle();
+    line->apply_connection_request();
   }
   const Span since = now - impl_->last_diagnostics;
   if (impl_->diagnostics_wanted || since < Span(0) || since >= diagnostics_period)
@@ -356,7 +357,7 @@ std::vector<SensorReport> Pipeline::report() const {
   return reports;
 }
 
-std::vector<std::string> Pipeline::unclaimed_senders() const { return impl_->strangers.names(); }
+std::vector<std::string> Pipeline::unclaimed_senders() const { return impl_->unknown_senders.names(); }
 
 std::vector<DiagnosticItem> Pipeline::diagnostics(Stamp now) const {
   std::vector<DiagnosticItem> items;
@@ -369,8 +370,8 @@ std::vector<DiagnosticItem> Pipeline::diagnostics(Stamp now) const {
   if (impl_->poses.track() != nullptr) items.push_back(impl_->motion_item());
   for (const auto& output : impl_->merged) items.push_back(output->diagnostics(now, starting));
   for (const auto& output : impl_->virtuals) items.push_back(output->diagnostics(now, starting));
-  if (const auto strangers = unclaimed_senders(); !strangers.empty())
-    items.push_back(unknown_senders_item(strangers));
+  if (const auto unknown_senders = unclaimed_senders(); !unknown_senders.empty())
+    items.push_back(unknown_senders_item(unknown_senders));
   if (impl_->more_diagnostics) impl_->more_diagnostics(items);
   return items;
 }

@@ -9,37 +9,21 @@
 #include <vector>
 
 #include "daemon/config/config.h"
-#include "daemon/pipeline/device_links.h"
+#include "daemon/pipeline/device_connections.h"
 #include "daemon/pipeline/output_id.h"
 #include "daemon/pipeline/reception.h"
+#include "daemon/pipeline/sensor_report.h"
 #include "daemon/pipeline/sink.h"
+#include "daemon/pipeline/transform_source.h"
 
 namespace lidard {
-
-/// What one sensor did since the start, for the table at the end of a replay and for diagnostics.
-struct SensorReport {
-  std::string name;
-  std::string model;  ///< or "topic"
-  Counters counters;
-  DeviceInfo info;
-  bool seen = false;         ///< any data received at all
-  Stamp last_arrival;        ///< of data
-  Stamp last_telemetry;      ///< of what the device tells beside its data
-  std::string link_trouble;  ///< why there is no connection to a device that needs one; empty: there is
-  bool starting = false;     ///< the first second of all watching: silence says nothing yet
-  Reception recent, whole;   ///< of the last 10 s, and since the start
-  std::vector<std::string> rivals, rivals_ever;  ///< several senders into one entry, now and at any time
-};
-
-/// Every topic that a pipeline of this configuration may publish on.
-std::vector<TopicInfo> pipeline_topics(const Config& config);
 
 /// Packets and messages in; frames, merged and virtual scans out. The same object serves live input and
 /// replay; it has no thread and no clock: time is what the arrivals and tick() say.
 class Pipeline {
  public:
   /// `poses` and `sink` must outlive the pipeline.
-  Pipeline(const Config& config, PoseLookup& poses, FrameSink& sink);
+  Pipeline(const Config& config, TransformSource& poses, FrameSink& sink);
   ~Pipeline();
 
   /// The configured transforms, for /tf_static.
@@ -49,7 +33,7 @@ class Pipeline {
   void packet(const Packet& packet);
 
   /// Where requests to devices go; must outlive the pipeline's use. nullptr, as in replay: they are dropped.
-  void set_links(DeviceLinks* links);
+  void set_links(DeviceConnections* links);
   /// What came over the connection of a sensor, `sensor` being its place in the configuration.
   void chunk(std::size_t sensor, const Packet& packet);
   void connected(std::size_t sensor, Stamp now);

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "daemon/pipeline/device_links.h"
+#include "daemon/pipeline/device_connections.h"
 #include "daemon/pipeline/report.h"
 
 namespace lidard {

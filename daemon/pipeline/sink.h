@@ -12,17 +12,9 @@
 #include "core/frames/gnss.h"
 #include "core/frames/imu.h"
 #include "core/frames/scan.h"
+#include "daemon/config/output_topics.h"
 
 namespace lidard {
-
-/// What travels on a topic. A scan with several echoes goes to a topic of its own (MultiEchoLaserScan).
-enum class TopicKind : std::uint8_t { scan, echoes, cloud, fix, time_reference, imu, state };
-
-/// One output topic; `name` as ROS has it (relative names are resolved by the sink).
-struct TopicInfo {
-  std::string name;
-  TopicKind kind;
-};
 
 /// A fixed transform for /tf_static.
 struct StaticTransform {
@@ -66,28 +58,6 @@ class FrameSink {
   }
   virtual void transforms(const std::vector<StaticTransform>& transforms, Stamp released) = 0;
   virtual void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) = 0;
-};
-
-/// Where something was at a time.
-struct StampedPose {
-  Stamp stamp;
-  Pose pose;
-};
-
-/// Poses that the configuration does not hold (tf). Must answer at once.
-class PoseLookup {
- public:
-  virtual ~PoseLookup() = default;
-  /// Pose of `child` in `parent` at `stamp`; false and a reason when it is not known.
-  virtual bool lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
-                      std::string& why_not) = 0;
-  /// Appends the poses of `child` in `parent` after `after` (of a restart: whatever is known) and not after
-  /// `until`, oldest first, in steps of about 10 ms.
-  virtual void history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
-                       std::vector<StampedPose>& poses) {
-    static_cast<void>(parent), static_cast<void>(child), static_cast<void>(after);
-    static_cast<void>(until), static_cast<void>(poses);
-  }
 };
 
 }  // namespace lidard

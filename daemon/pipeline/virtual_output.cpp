@@ -12,7 +12,7 @@ namespace {
 
 VirtualSettings settings_of(const VirtualScanConfig& config) {
   VirtualSettings settings;
-  settings.sight = config.has_sight();
+  settings.visibility = config.has_visibility();
   settings.mode = config.mode;
   settings.ground = config.ground;
   settings.keep_ground = config.keep_ground;
@@ -26,10 +26,10 @@ VirtualSettings settings_of(const VirtualScanConfig& config) {
 }  // namespace
 
 VirtualOutput::VirtualOutput(const VirtualScanConfig& config, const VehicleConfig& vehicle,
-                             const PoseBook& poses)
+                             const FrameTree& poses)
     : config_(config),
       base_frame_(vehicle.base_frame),
-      needs_vehicle_(config.has_sight() || !vehicle.footprint.empty() || vehicle.has_motion()),
+      needs_vehicle_(config.has_visibility() || !vehicle.footprint.empty() || vehicle.has_motion()),
       poses_(poses),
       virtualizer_(grid_of(config.output.grid), band_of(config.output), config.virtual_laser_scan.size(),
                    settings_of(config)),
@@ -127,19 +127,19 @@ void VirtualOutput::describe_frames(DiagnosticItem& item) const {
 
 void VirtualOutput::describe_beams(DiagnosticItem& item) const {
   for (std::size_t i = 0; i < config_.virtual_laser_scan.size(); ++i) {
-    const Sight& sight = virtualizer_.sight(i);
+    const Visibility& visibility = virtualizer_.visibility(i);
     std::array<std::size_t, 5> counts{};
-    for (std::size_t beam = 0; beam < sight.beams(); ++beam)
-      ++counts[static_cast<std::size_t>(sight.seen(beam))];
-    const auto share = [&](Seen seen) {
+    for (std::size_t beam = 0; beam < visibility.beams(); ++beam)
+      ++counts[static_cast<std::size_t>(visibility.seen(beam))];
+    const auto share = [&](BeamState seen) {
       return 100.0 * static_cast<double>(counts[static_cast<std::size_t>(seen)]) /
-             static_cast<double>(sight.beams());
+             static_cast<double>(visibility.beams());
     };
     item.values.emplace_back(
         "Beams of " + config_.virtual_laser_scan[i],
         fmt::format("hit {:.1f} %, free {:.1f} %, behind {:.1f} %, gap {:.1f} %, unobserved {:.1f} %",
-                    share(Seen::hit), share(Seen::free), share(Seen::behind), share(Seen::gap),
-                    share(Seen::unobserved)));
+                    share(BeamState::hit), share(BeamState::free), share(BeamState::behind),
+                    share(BeamState::gap), share(BeamState::unobserved)));
   }
 }
 
@@ -156,7 +156,7 @@ DiagnosticItem VirtualOutput::diagnostics(Stamp now, bool starting) const {
   DiagnosticItem item = health_of("virtual " + config_.name, counters_, now, starting);
   describe_frames(item);
   describe_motion(item);
-  if (!config_.has_sight()) return item;
+  if (!config_.has_visibility()) return item;
   item.values.emplace_back("Clouds without rings", std::to_string(without_rings_));
   item.values.emplace_back("Returns on the vehicle", std::to_string(virtualizer_.own_returns()));
   const std::string why = virtualizer_.why_no_surfaces();

@@ -11,8 +11,8 @@
 #include "core/motion/cloud_motion.h"
 #include "core/virtual/virtualizer.h"
 #include "daemon/config/config.h"
+#include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/output_parts.h"
-#include "daemon/pipeline/pose_book.h"
 #include "daemon/pipeline/sink.h"
 
 namespace lidard {
@@ -20,7 +20,7 @@ namespace lidard {
 /// The virtual scans of one cloud.
 class VirtualOutput {
  public:
-  VirtualOutput(const VirtualScanConfig& config, const VehicleConfig& vehicle, const PoseBook& poses);
+  VirtualOutput(const VirtualScanConfig& config, const VehicleConfig& vehicle, const FrameTree& poses);
 
   const std::string& cloud_sensor() const { return config_.cloud_topic; }
   void add(const Cloud& cloud, Stamp now, FrameSink& sink);
@@ -51,7 +51,7 @@ class VirtualOutput {
   VirtualScanConfig config_;
   std::string base_frame_;
   bool needs_vehicle_;  // the cloud's place on the vehicle
-  const PoseBook& poses_;
+  const FrameTree& poses_;
   Virtualizer virtualizer_;
   CloudMotion motion_;
   std::vector<PlanarScan> scans_;  // the first is the entry's own, then those of `also`

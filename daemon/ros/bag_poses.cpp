@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "daemon/pipeline/transform_source.h"
 #include "daemon/ros/ros_convert.h"
 #include "daemon/ros/tf_history.h"
 

@@ -6,13 +6,14 @@
 #include <string>
 
 #include "daemon/pipeline/sink.h"
+#include "daemon/pipeline/transform_source.h"
 
 namespace lidard {
 
 /// Poses from the /tf and /tf_static (and, if asked for, nav_msgs/Odometry) of a recorded bag: what a replay
 /// needs to deskew without a ROS master. Only what was stamped before the time that is asked about counts, as
 /// it would live.
-class BagPoses : public PoseLookup {
+class BagPoses : public TransformSource {
  public:
   /// Reads the whole bag. `odometry_topic` may be empty. Throws std::runtime_error that names the file.
   BagPoses(const std::string& path, const std::string& odometry_topic);

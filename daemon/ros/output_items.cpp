@@ -6,9 +6,9 @@
 #include <cmath>
 #include <set>
 
+#include "core/base/number_text.h"
 #include "daemon/config/config_parts.h"
 #include "daemon/config/grid_limits.h"
-#include "daemon/dropin/parameter_reader.h"
 
 namespace lidard {
 namespace {
@@ -161,7 +161,7 @@ std::string conflict(const OutputScanConfig& config, const ChangeableOutput& out
     return "max_height is not above min_height; expected min_height < max_height";
   if (output.free_required > config.grid.range_max)
     return "range_max is below free_required of the configuration; expected " +
-           exact_text(output.free_required) + " or more";
+           number_text(output.free_required) + " or more";
   if (config.profile != Profile::flatten && !output.flat_source.empty())
     return "profile needs proof, but the source " + output.flat_source +
            " is a virtual scan of profile flatten; expected flatten";

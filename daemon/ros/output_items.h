@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "daemon/commands/run.h"
 #include "daemon/config/config.h"
 #include "daemon/pipeline/output_id.h"
+#include "daemon/ros/ros_options.h"
 
 namespace lidard {
 

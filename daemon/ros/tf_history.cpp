@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "daemon/pipeline/transform_source.h"
 #include "daemon/ros/ros_convert.h"
 
 namespace lidard {

@@ -8,16 +8,17 @@
 #include <vector>
 
 #include "daemon/pipeline/sink.h"
+#include "daemon/pipeline/transform_source.h"
 
 namespace lidard {
 
 Pose to_pose(const geometry_msgs::Transform& transform);
 
-/// PoseLookup::lookup() on a buffer. The names may have a leading slash.
+/// TransformSource::lookup() on a buffer. The names may have a leading slash.
 bool look_up(const tf2::BufferCore& buffer, const std::string& parent, const std::string& child, Stamp stamp,
              Pose& pose, std::string& why_not);
 
-/// PoseLookup::history() on a buffer.
+/// TransformSource::history() on a buffer.
 void read_history(const tf2::BufferCore& buffer, const std::string& parent, const std::string& child,
                   Stamp after, Stamp until, std::vector<StampedPose>& poses);
 

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/pipeline/transform_source.h"
 #include "daemon/ros/tf_history.h"
 
 namespace lidard {
@@ -19,12 +20,6 @@ namespace {
 constexpr double kept_s = 10;
 
 }  // namespace
-
-bool NoPoses::lookup(const std::string& parent, const std::string& child, Stamp, Pose&,
-                     std::string& why_not) {
-  why_not = "the pose of " + child + " in " + parent + " would come from tf, which needs ROS; configure it";
-  return false;
-}
 
 struct TfPoses::Impl {
   // Shared with a listener that is left running when the master hangs at the end.

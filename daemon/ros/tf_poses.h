@@ -5,20 +5,13 @@
 #include <memory>
 #include <string>
 
-#include "daemon/pipeline/sink.h"
+#include "daemon/pipeline/transform_source.h"
 #include "daemon/ros/ros_link.h"
 
 namespace lidard {
 
-/// Without ROS there are no poses but those of the configuration.
-class NoPoses : public PoseLookup {
- public:
-  bool lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
-              std::string& why_not) override;
-};
-
 /// Poses from tf, direct or through a chain. Listens while ROS runs; lookups never wait.
-class TfPoses : public PoseLookup, public RosClient {
+class TfPoses : public TransformSource, public RosClient {
  public:
   TfPoses();
   ~TfPoses() override;

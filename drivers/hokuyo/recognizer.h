@@ -16,8 +16,8 @@ class Recognizer {
  public:
   Recognizer();
   void add(const Packet& packet);
-  /// nullptr while nothing fits; the generic SCIP model while distances came but no name.
-  const Model* verdict() const { return model_; }
+  /// Name of a model; empty while nothing fits, the generic SCIP model while distances came but no name.
+  std::string_view verdict() const { return name_; }
   /// While the sensor did not say its name: every one that speaks SCIP.
   std::vector<std::string_view> others() const;
 
@@ -28,7 +28,7 @@ class Recognizer {
   ScipReader scip_{ignored_};
   UamReader uam_{ignored_};
   std::uint64_t useless_bytes_ = 0;
-  const Model* model_ = nullptr;
+  std::string_view name_;
 };
 
 }  // namespace lidard::hokuyo

@@ -25,7 +25,7 @@ constexpr ScipRow uxm_30lx_ew = {
     "UXM-30LX", {100, 80000, 1440, 0, 760, 380, 1200}, CodeTable::utm, false, false, false};
 constexpr ScipRow any_scip = {"", {20, 60000, 1440, 0, 1080, 540, 2400}, CodeTable::utm, true, false, true};
 
-Model scanner(const char* name, const char* product, const ScipRow& row, bool has_echoes) {
+Model scanner(std::string_view name, const char* product, const ScipRow& row, bool has_echoes) {
   const ScipParameters& p = row.parameters;
   const double turns = 1 / p.turn_seconds();
   return {name,
@@ -57,21 +57,25 @@ void append_scip_models(std::vector<Model>& list) {
   list.push_back(scanner("hokuyo_ust_30lx", "UST-30LX", ust_30lx, false));
   list.push_back(scanner("hokuyo_utm_30lx_ew", "UTM-30LX-EW", utm_30lx_ew, true));
   list.push_back(scanner("hokuyo_uxm_30lx_ew", "UXM-30LX-EW", uxm_30lx_ew, true));
-  list.push_back(scanner("hokuyo_scip", "generic", any_scip, true));
+  list.push_back(scanner(any_scip_name, "generic", any_scip, true));
 }
 
-const Model* scip_model_of(std::string_view product) {
-  const Model* generic = nullptr;
-  for (const Model& model : models()) {
-    if (model.make != make_scip_driver) continue;
+std::vector<std::string_view> scip_names() {
+  std::vector<Model> rows;
+  append_scip_models(rows);
+  std::vector<std::string_view> names;
+  for (const Model& model : rows) names.push_back(model.name);
+  return names;
+}
+
+std::string_view scip_name_of(std::string_view product) {
+  std::vector<Model> rows;
+  append_scip_models(rows);
+  for (const Model& model : rows) {
     const auto& row = *static_cast<const ScipRow*>(model.row);
-    if (row.any) {
-      generic = &model;
-    } else if (product.substr(0, row.product.size()) == row.product) {
-      return &model;
-    }
+    if (!row.any && product.substr(0, row.product.size()) == row.product) return model.name;
   }
-  return generic;
+  return any_scip_name;
 }
 
 }  // namespace lidard::hokuyo

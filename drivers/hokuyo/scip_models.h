@@ -22,7 +22,11 @@ struct ScipRow {
 
 /// Adds the SCIP sensors to the table of models.
 void append_scip_models(std::vector<Model>& list);
-/// The model whose product name begins `product`, the generic one if none does.
-const Model* scip_model_of(std::string_view product);
+/// Name of the generic model.
+constexpr std::string_view any_scip_name = "hokuyo_scip";
+/// Name of the model whose product name begins `product`, the generic one if none does.
+std::string_view scip_name_of(std::string_view product);
+/// Names of all SCIP models.
+std::vector<std::string_view> scip_names();
 
 }  // namespace lidard::hokuyo

@@ -36,7 +36,7 @@ struct UdpSocket {
   FileDescriptor fd;
   std::string error;  ///< why fd is invalid: what, and the remedy
   std::uint16_t port = 0;
-  bool filtered = false;  ///< the kernel drops strangers
+  bool filtered = false;  ///< the kernel drops unknown_senders
   std::size_t buffer_asked = 0, buffer_got = 0;
 };
 

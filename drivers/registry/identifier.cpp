@@ -1,10 +1,13 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/registry/identifier.h"
+
 #include <algorithm>
 #include <array>
 
 #include "drivers/hokuyo/recognizer.h"
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "drivers/sick/cola/cola_recognizer.h"
 #include "drivers/sick/compact/compact_models.h"
 #include "drivers/sick/safety/safety_models.h"
@@ -23,7 +26,6 @@ class Recognizer {
   virtual std::string remark() const = 0;
 };
 
-const Model* model_of(const Model* model) { return model; }
 /// By name; empty: none.
 const Model* model_of(std::string_view name) { return name.empty() ? nullptr : find_model(name); }
 const Model* model_of(const velodyne::ModelRow* row) {

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/registry/nearest_models.h"
+
 #include <algorithm>
 #include <cctype>
 #include <string>
@@ -7,6 +9,7 @@
 
 #include "core/base/nearest.h"
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 
 namespace lidard {
 namespace {

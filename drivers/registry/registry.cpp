@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/registry/registry.h"
+
 #include "drivers/hokuyo/scip_models.h"
 #include "drivers/hokuyo/uam_driver.h"
 #include "drivers/model.h"

@@ -8,8 +8,8 @@
 
 #include "drivers/model.h"
 #include "drivers/velodyne/arrival_stamps.h"
+#include "drivers/velodyne/cloud_builder.h"
 #include "drivers/velodyne/firing_schedule.h"
-#include "drivers/velodyne/frame_builder.h"
 #include "drivers/velodyne/hdl64_status.h"
 #include "drivers/velodyne/packet.h"
 #include "drivers/velodyne/packet_layout.h"
@@ -112,7 +112,7 @@ class VelodyneDriver final : public Driver {
   PacketOrder order_;
   ArrivalStamps arrival_stamps_;
   TimingChooser timing_;
-  FrameBuilder frames_;
+  CloudBuilder frames_;
   DeviceClock clock_;
   TelemetryReceiver telemetry_;
   Hdl64Status status_;

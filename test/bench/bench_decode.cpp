@@ -9,6 +9,7 @@
 
 #include "drivers/capture/pcap_source.h"
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 
 namespace lidard {
 namespace {

@@ -42,7 +42,7 @@ void drive_on(PoseTrack& track, Stamp until) {
 void truthful(benchmark::State& state, bool strict, bool safety, bool moving) {
   MergeSettings settings;
   settings.points = false;
-  settings.sight = true;
+  settings.visibility = true;
   settings.how.noise = settings.source.noise = 0.01;
   Merger merger(scene().grid, {}, 2, settings);
   merger.set_footprint(scene().body);

@@ -7,6 +7,7 @@
 #include "core/merge/merger.h"
 #include "core/virtual/virtualizer.h"
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "test/bench/yardstick.h"
 #include "test/sim/servers/velodyne_stream.h"
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "drivers/velodyne/calibration.h"
 #include "drivers/velodyne/model_row.h"
 #include "test/bench/yardstick.h"

@@ -42,7 +42,7 @@ Pose frame_pose(std::size_t frame) {
 void ours(benchmark::State& state, Profile profile, CutMode mode) {
   const auto frames = static_cast<std::size_t>(state.range(0));
   VirtualSettings settings;
-  settings.sight = profile != Profile::flatten;
+  settings.visibility = profile != Profile::flatten;
   settings.mode = mode;
   settings.ground.model = GroundModel::plane;
   settings.beams.no_return_free_range = 100;

@@ -18,6 +18,7 @@
 #include <thread>
 
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "drivers/velodyne/table_calibration.h"
 #include "test/sim/servers/output_check.h"
 #include "test/support/packet_mill.h"

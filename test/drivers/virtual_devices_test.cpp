@@ -8,6 +8,7 @@
 #include <string>
 
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "test/core/virtual/cut_bench.h"
 #include "test/sim/servers/scene_file.h"
 #include "test/sim/servers/simulate.h"

@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "drivers/sick/cola/cola_events.h"
 #include "drivers/sick/cola/cola_recognizer.h"
 #include "drivers/sick/cola/cola_scan.h"

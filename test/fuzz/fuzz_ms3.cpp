@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "drivers/sick/safety/ms3_telegram.h"
 
 namespace {

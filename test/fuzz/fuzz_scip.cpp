@@ -8,6 +8,7 @@
 
 #include "drivers/hokuyo/recognizer.h"
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 
 namespace {
 

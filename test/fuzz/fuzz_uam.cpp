@@ -8,6 +8,7 @@
 #include <string>
 
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "test/sim/devices/uam_device.h"
 
 namespace {

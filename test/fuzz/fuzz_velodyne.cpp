@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "drivers/velodyne/packet.h"
 #include "drivers/velodyne/table_calibration.h"
 #include "test/sim/devices/velodyne.h"

@@ -6,6 +6,7 @@
 
 #include "drivers/capture/pcap_source.h"
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 
 namespace lidard::test {
 namespace {

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "core/base/angle.h"
-#include "core/evidence/sweep.h"
+#include "core/evidence/placed_scan.h"
 #include "test/sim/world/vehicle_motion.h"
 
 namespace lidard::sim {
@@ -269,29 +269,29 @@ std::vector<Claim> ancestor_claims(const MergeScene& scene) { return nearest_poi
 std::vector<Claim> rounding_claims(const MergeScene& scene) { return nearest_points(scene, 0.5); }
 
 TruthfulClaims truthful_claims(const MergeScene& scene, const MergeCase& set_up, bool mean) {
-  SightSettings settings;
+  VisibilitySettings settings;
   settings.noise = std::max(set_up.noise, 0.001);
   settings.mean = mean;
   SourceSettings source;
   source.noise = settings.noise;
-  Sight sight(scene.grid, settings, scene.scans.size());
-  sight.set_footprint(scene.body);
-  std::vector<Sweep> sweeps(scene.scans.size());
-  std::vector<const Sweep*> newest;
+  Visibility visibility(scene.grid, settings, scene.scans.size());
+  visibility.set_footprint(scene.body);
+  std::vector<PlacedScan> sweeps(scene.scans.size());
+  std::vector<const PlacedScan*> newest;
   for (std::size_t s = 0; s < sweeps.size(); ++s) {
     BeamRays rays;
     rays.build(scene.scans[s], scene.scanners[s].pose(), scene.body, {});
-    sight.set_source(s, rays);
+    visibility.set_source(s, rays);
     measure(scene.scans[s], rays, source, sweeps[s]);
     place(rays, scene.motions[s], source.noise, sweeps[s]);
     newest.push_back(&sweeps[s]);
   }
-  sight.compute(newest);
+  visibility.compute(newest);
   TruthfulClaims claims;
   PlanarScan scan;
-  sight.encode(Profile::strict, scan, false);
+  visibility.encode(Profile::strict, scan, false);
   claims.strict = claims_of(scan);
-  sight.encode(Profile::safety, scan, false);
+  visibility.encode(Profile::safety, scan, false);
   claims.safety = claims_of(scan);
   each_point(scene, true, [&](const Eigen::Vector2d& p) {
     // At the very limit the surface between this return and the next one may lie beyond it.

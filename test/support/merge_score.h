@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/evidence/sight.h"
+#include "core/evidence/visibility.h"
 #include "core/merge/merger.h"
 #include "test/sim/world/flat_world.h"
 

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "drivers/capture/pcap_source.h"
+#include "drivers/registry/registry.h"
 #include "drivers/velodyne/packet.h"
 #include "test/sim/devices/checksums.h"
 #include "test/support/captures.h"

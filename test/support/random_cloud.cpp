@@ -16,7 +16,7 @@ namespace {
 
 VirtualSettings read_settings(Bytes& in) {
   VirtualSettings settings;
-  settings.sight = in.chance(240);
+  settings.visibility = in.chance(240);
   settings.mode = in.chance(128) ? CutMode::slice : CutMode::band;
   settings.ground.model = static_cast<GroundModel>(in.below(3));
   settings.ground.z = in.between(-3, 1);
@@ -153,7 +153,7 @@ class Run {
     const bool moves = in_.chance(160) && motion_.find(cloud_, vehicle_from_cloud_, track_);
     virtualizer_.set_cloud(cloud_, vehicle_from_cloud_, moves ? &motion_ : nullptr);
     std::vector<VirtualScan> outputs = {{Profile::flatten, &scans_[0]}};
-    if (settings_.sight) {
+    if (settings_.visibility) {
       outputs.push_back({Profile::strict, &scans_[1]});
       outputs.push_back({Profile::safety, &scans_[2]});
     }

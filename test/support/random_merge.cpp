@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "core/merge/merger.h"
-#include "core/merge/overlap.h"
+#include "core/merge/mount_check.h"
 #include "test/support/random_bytes.h"
 
 namespace lidard::sim {
@@ -18,7 +18,7 @@ constexpr double pi = 3.14159265358979323846;
 
 MergeSettings read_settings(Bytes& in) {
   MergeSettings settings;
-  settings.points = settings.sight = true;
+  settings.points = settings.visibility = true;
   settings.how.noise = settings.source.noise = in.between(0, 0.1);
   settings.how.mean = in.chance(128);
   if (in.chance(40)) settings.how.free_required = in.between(0, 100);
@@ -69,8 +69,8 @@ std::size_t merge_bytes(const std::uint8_t* data, std::size_t size) {
   for (std::size_t s = 0; s < sources; ++s) poses.push_back(read_pose(in));
   PlanarScan scan;
   PlanarScan out[3];
-  Overlap overlap(sources);
-  std::vector<const Sweep*> sweeps(sources, nullptr);
+  MountCheck overlap(sources);
+  std::vector<const PlacedScan*> sweeps(sources, nullptr);
   std::vector<Eigen::Vector2d> places(sources, Eigen::Vector2d::Zero());
   Cloud cloud;
   Stamp now{1'000'000'000'000};

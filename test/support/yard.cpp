@@ -259,7 +259,7 @@ std::vector<Claim> claims_of_scan(const PlanarScan& scan) {
 
 std::vector<Claim> cut_claims(const YardScene& scene, Profile profile, GroundModel model) {
   VirtualSettings settings;
-  settings.sight = true;
+  settings.visibility = true;
   settings.how.noise = scene.lidar.noise;
   settings.ground.model = model;
   settings.beams.no_return_free_range = scene.lidar.range_max;

@@ -8,12 +8,12 @@
 #include "core/base/steady_stamps.h"
 #include "drivers/model.h"
 #include "drivers/sick/cola/cola_clock.h"
+#include "drivers/sick/cola/cola_cloud_builder.h"
 #include "drivers/sick/cola/cola_dialogue.h"
 #include "drivers/sick/cola/cola_geometry.h"
-#include "drivers/sick/cola/cola_layers.h"
 #include "drivers/sick/cola/cola_models.h"
-#include "drivers/sick/cola/cola_planar.h"
 #include "drivers/sick/cola/cola_scan.h"
+#include "drivers/sick/cola/cola_scan_builder.h"
 #include "drivers/sick/cola/cola_states.h"
 
 namespace lidard::sick {

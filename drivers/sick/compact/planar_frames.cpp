@@ -5,8 +5,8 @@
 #include <cstdio>
 
 #include "drivers/model.h"
+#include "drivers/sick/compact/raster_scan.h"
 #include "drivers/sick/compact/segment_frames.h"
-#include "drivers/sick/compact/sweep.h"
 
 namespace lidard::sick {
 namespace {
@@ -42,19 +42,19 @@ class PlanarFrames final : public SegmentFrames {
   struct Window {
     std::size_t begin = 0, count = 0;
   };
-  void learn_window(const Sweep& sweep, std::uint64_t segments);
+  void learn_window(const RasterScan& sweep, std::uint64_t segments);
   Window kept(Window window);
   void hide_unseen_edges(Window all, Window kept);
-  void publish(const Sweep& sweep, Window all, DriverOutput& out);
-  void set_times(const Sweep& sweep, Window part);
-  void publish_reflectors(const Sweep& sweep, Window kept, DriverOutput& out);
+  void publish(const RasterScan& sweep, Window all, DriverOutput& out);
+  void set_times(const RasterScan& sweep, Window part);
+  void publish_reflectors(const RasterScan& sweep, Window kept, DriverOutput& out);
 
   DriverConfig config_;
   const DeviceClock& clock_;
   SegmentWarnings& warnings_;
   std::optional<SweepGrid> grid_;
   std::size_t echoes_ = 1;
-  std::array<Sweep, FrameTracker::open_frames> sweeps_;
+  std::array<RasterScan, FrameTracker::open_frames> sweeps_;
   std::vector<std::uint8_t> had_echo_;
   std::uint64_t window_segments_ = 0;  // of which the window was made; 0: not yet known
   Window window_;
@@ -114,7 +114,7 @@ void PlanarFrames::add(std::size_t slot, const Segment& segment, std::uint32_t /
                 "is wrong by up to half a step");
 }
 
-void PlanarFrames::learn_window(const Sweep& sweep, std::uint64_t segments) {
+void PlanarFrames::learn_window(const RasterScan& sweep, std::uint64_t segments) {
   const Window found{sweep.first_beam(), sweep.end_beam() - sweep.first_beam()};
   if (window_segments_ != 0 && (found.begin != window_.begin || found.count != window_.count)) {
     std::array<char, 160> text{};
@@ -168,7 +168,7 @@ void PlanarFrames::hide_unseen_edges(Window all, Window kept) {
 }
 
 bool PlanarFrames::end(std::size_t slot, const FrameEnd& how, DriverOutput& out) {
-  const Sweep& sweep = sweeps_[slot];
+  const RasterScan& sweep = sweeps_[slot];
   if (sweep.is_empty()) return false;
   if (how.complete() && how.expected != window_segments_) learn_window(sweep, how.expected);
   const bool wanted = config_.keep_partial || (window_segments_ != 0 && !how.torn);
@@ -184,7 +184,7 @@ bool PlanarFrames::end(std::size_t slot, const FrameEnd& how, DriverOutput& out)
   return true;
 }
 
-void PlanarFrames::publish(const Sweep& sweep, Window all, DriverOutput& out) {
+void PlanarFrames::publish(const RasterScan& sweep, Window all, DriverOutput& out) {
   const Window part = kept(all);
   sweep.copy(part.begin, part.count, echoes_, config_.publish_intensity, scan_);
   hide_unseen_edges(all, part);
@@ -198,7 +198,7 @@ void PlanarFrames::publish(const Sweep& sweep, Window all, DriverOutput& out) {
 }
 
 /// Stamp, time from beam to beam and from scan to scan.
-void PlanarFrames::set_times(const Sweep& sweep, Window part) {
+void PlanarFrames::set_times(const RasterScan& sweep, Window part) {
   const SweepTimes times = sweep.times(beam_us_);
   if (sweep.segments() > 1) beam_us_ = times.beam_us;
   const double before = static_cast<double>(part.begin) - static_cast<double>(sweep.first_beam());
@@ -218,7 +218,7 @@ void PlanarFrames::set_times(const Sweep& sweep, Window part) {
 }
 
 /// The same scan with nothing but the beams that met a reflector.
-void PlanarFrames::publish_reflectors(const Sweep& sweep, Window kept, DriverOutput& out) {
+void PlanarFrames::publish_reflectors(const RasterScan& sweep, Window kept, DriverOutput& out) {
   marked_.stamp = scan_.stamp;
   marked_.time_increment = scan_.time_increment;
   marked_.scan_time = scan_.scan_time;

@@ -64,7 +64,7 @@ struct AllProfiles {
     std::string error;
     grid = make_grid(spec, error).value();
     MergeSettings settings;
-    settings.sight = true;
+    settings.visibility = true;
     merger.emplace(grid, HeightBand{}, 2, settings);
   }
   bool add(std::size_t source, Stamp stamp) {

@@ -47,9 +47,9 @@ PoseTrack track_until(int end) {
   return track;
 }
 
-MergeSettings with_sight(EchoChoice echoes = EchoChoice::last) {
+MergeSettings with_visibility(EchoChoice echoes = EchoChoice::last) {
   MergeSettings settings;
-  settings.sight = true;
+  settings.visibility = true;
   settings.source.echoes = echoes;
   return settings;
 }
@@ -61,7 +61,7 @@ struct Outputs {
 };
 
 TEST(DeskewRules, MotionIsCarriedOnFor50MillisecondsThenBeamsStayWhereTheyWereMeasured) {
-  Merger merger(grid_of(720), {}, 1, with_sight());
+  Merger merger(grid_of(720), {}, 1, with_visibility());
   merger.add(0, sweep_of(541), Pose::Identity());
   Outputs out;
   const struct {
@@ -87,7 +87,7 @@ TEST(DeskewRules, MotionIsCarriedOnFor50MillisecondsThenBeamsStayWhereTheyWereMe
 }
 
 TEST(DeskewRules, SourceWithoutPosesStandsBesideOneThatIsDeskewed) {
-  Merger merger(grid_of(720), {}, 2, with_sight());
+  Merger merger(grid_of(720), {}, 2, with_visibility());
   merger.add(0, sweep_of(541), Pose::Identity());
   merger.add(1, sweep_of(541, t0 - ms(300)), Pose::Identity());  // before the oldest pose
   const PoseTrack track = track_until(80);
@@ -103,7 +103,7 @@ TEST(DeskewRules, SourceWithoutPosesStandsBesideOneThatIsDeskewed) {
 TEST(DeskewRules, ScansOfOneBeamAndOfNoneDoNoHarm) {
   const PoseTrack track = track_until(80);
   for (const std::size_t beams : {0U, 1U, 2U}) {
-    Merger merger(grid_of(360), {}, 1, with_sight());
+    Merger merger(grid_of(360), {}, 1, with_visibility());
     merger.set_footprint(Footprint({{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}));
     PlanarScan scan = sweep_of(std::max<std::size_t>(beams, 1));
     if (beams == 0) scan.reset(0);
@@ -118,7 +118,7 @@ TEST(DeskewRules, ScansOfOneBeamAndOfNoneDoNoHarm) {
 }
 
 TEST(DeskewRules, ScansWithImpossibleTimesAreCountedAndNotUsed) {
-  Merger merger(grid_of(360), {}, 1, with_sight());
+  Merger merger(grid_of(360), {}, 1, with_visibility());
   const float bad[] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
                        -1e-4F, 1e9F, 0.1F};
   int i = 0;
@@ -138,7 +138,7 @@ TEST(DeskewRules, ScansWithImpossibleTimesAreCountedAndNotUsed) {
 TEST(DeskewRules, BeamsOfAScannerMountedUpsideDownCountInOrderOfMeasuring) {
   // The same returns, once counted from the right and once from the left, both from right to left in time.
   const PoseTrack track = track_until(80);
-  Merger merger(grid_of(720), {}, 2, with_sight());
+  Merger merger(grid_of(720), {}, 2, with_visibility());
   PlanarScan upright = sweep_of(541);
   PlanarScan turned = upright;
   turned.set_angles(-upright.angle_min, -upright.angle_increment);
@@ -155,7 +155,7 @@ TEST(DeskewRules, BeamsOfAScannerMountedUpsideDownCountInOrderOfMeasuring) {
 
 TEST(DeskewRules, EchoesOfABeamMoveTogether) {
   const PoseTrack track = track_until(80);
-  Merger merger(grid_of(720), {}, 1, with_sight(EchoChoice::all));
+  Merger merger(grid_of(720), {}, 1, with_visibility(EchoChoice::all));
   merger.add(0, sweep_of(541, t0, 2), Pose::Identity());  // 5 m and 6 m
   Outputs out;
   merger.merge({t0 + ms(60), &track}, {1}, out.list, &out.cloud);
@@ -171,7 +171,7 @@ TEST(DeskewRules, EchoesOfABeamMoveTogether) {
 
 TEST(DeskewRules, VehiclesOwnReturnsStayItsOwnWhileItDrives) {
   // The rear left corner of the vehicle, seen 60 ms and 0.12 m before the instant.
-  Merger merger(grid_of(720), {}, 1, with_sight());
+  Merger merger(grid_of(720), {}, 1, with_visibility());
   merger.set_footprint(Footprint({{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}));
   PlanarScan scan = sweep_of(541);
   for (std::size_t i = 0; i < scan.beams; ++i) {
@@ -189,7 +189,7 @@ TEST(DeskewRules, VehiclesOwnReturnsStayItsOwnWhileItDrives) {
 }
 
 TEST(DeskewRules, NothingIsAllocatedPerMergeInAnyProfileWithOrWithoutMotion) {
-  MergeSettings settings = with_sight();
+  MergeSettings settings = with_visibility();
   settings.how.mean = true;
   Merger merger(grid_of(1440), {}, 2, settings);
   PlanarScan safety;

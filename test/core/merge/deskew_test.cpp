@@ -71,7 +71,7 @@ FlatScanner scanner_of(double increment_deg, double field_deg = 270) {
 
 MergeSettings all_profiles() {
   MergeSettings settings;
-  settings.sight = true;
+  settings.visibility = true;
   settings.how.noise = settings.source.noise = 0.005;
   return settings;
 }

@@ -42,7 +42,7 @@ class Vehicle {
     std::string error;
     MergeSettings settings;
     settings.points = false;
-    settings.sight = true;
+    settings.visibility = true;
     settings.source.veil_filter = false;
     settings.options = options;
     merger.emplace(make_grid(spec, error).value(), HeightBand(), 2, settings);
@@ -202,7 +202,7 @@ TEST(MergeOptions, NothingIsFreeWhileASourceOfUnknownHeightIsMissing) {
 /// Intensities of a merge of a scan with 100 everywhere and one without.
 std::vector<float> intensities(Intensities choice, Profile profile) {
   MergeSettings settings;
-  settings.points = settings.sight = true;
+  settings.points = settings.visibility = true;
   settings.options.intensities = choice;
   settings.options.missing_intensity = 7;
   ScanGridSpec spec;

@@ -168,14 +168,14 @@ TEST(Merger, IntensitiesAreLeftOutWhenASourceHasNone) {
   EXPECT_EQ(static_cast<int>(cloud.points()[361].ring), 1);
 }
 
-MergeSettings with_sight() {
+MergeSettings with_visibility() {
   MergeSettings settings;
-  settings.sight = true;
+  settings.visibility = true;
   return settings;
 }
 
 TEST(Merger, GivesAllProfilesFromOneMerge) {
-  Merger merger(full_circle(360, 30), {}, 1, with_sight());
+  Merger merger(full_circle(360, 30), {}, 1, with_visibility());
   PlanarScan scan = arc(5, t0);
   for (std::size_t i = 86; i <= 94; ++i) scan.set_without_hit(i, BeamStatus::none);
   scan.set_without_hit(45, BeamStatus::invalid);
@@ -201,7 +201,7 @@ TEST(Merger, GivesAllProfilesFromOneMerge) {
 }
 
 TEST(Merger, ReturnsInsideTheVehiclesOutlineAreLeftOutInEveryProfile) {
-  Merger merger(full_circle(360, 30), {}, 1, with_sight());
+  Merger merger(full_circle(360, 30), {}, 1, with_visibility());
   merger.set_footprint(
       Footprint({{-4, -1}, {0, -1}, {0, 1}, {-4, 1}}).transformed(make_pose({5.5, 0, 0}, {0, 0, 0})));
   ASSERT_TRUE(merger.add(0, arc(5, t0), Pose::Identity()));
@@ -214,7 +214,7 @@ TEST(Merger, ReturnsInsideTheVehiclesOutlineAreLeftOutInEveryProfile) {
 }
 
 TEST(Merger, SectorOfASourceThatIsNotUsedIsUnknown) {
-  Merger merger(full_circle(360, 30), {}, 2, with_sight());
+  Merger merger(full_circle(360, 30), {}, 2, with_visibility());
   merger.add(0, arc(5, t0), Pose::Identity());
   merger.add(1, arc(7, t0 + ms(5)), make_pose({0, 0, 0}, {0, 0, pi}));
   PlanarScan strict;

@@ -53,7 +53,7 @@ inline Cloud seen(const sim::Yard& yard, const sim::YardLidar& lidar) {
 
 inline VirtualSettings settings_with_ground() {
   VirtualSettings settings;
-  settings.sight = true;
+  settings.visibility = true;
   settings.how.noise = 0.005;
   settings.ground.model = GroundModel::plane;
   settings.beams.no_return_free_range = 100;
@@ -75,7 +75,7 @@ struct Cut {
     virtualizer.set_footprint(footprint);
     virtualizer.set_cloud(cloud, lidar);
     virtualizer.project(0, frame.inverse() * lidar, {{Profile::strict, &strict}, {Profile::safety, &safety}});
-    covered_ahead = virtualizer.sight(0).covered(grid.nearest(0));
+    covered_ahead = virtualizer.visibility(0).covered(grid.nearest(0));
     EXPECT_EQ(violation(strict), nullptr);
     EXPECT_EQ(violation(safety), nullptr);
   }

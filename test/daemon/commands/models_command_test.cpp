@@ -11,6 +11,7 @@
 
 #include "daemon/config/read_file.h"
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "test/support/captures.h"
 
 namespace lidard {

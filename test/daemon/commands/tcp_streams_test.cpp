@@ -11,7 +11,7 @@
 #include "daemon/commands/decode.h"
 #include "daemon/commands/inspect.h"
 #include "daemon/commands/player.h"
-#include "daemon/ros/tf_poses.h"
+#include "daemon/pipeline/transform_source.h"
 #include "test/daemon/pipeline/line_driver.h"
 #include "test/drivers/capture/pcap_testing.h"
 #include "test/support/captures.h"
@@ -63,7 +63,7 @@ TEST_P(RecordedConnection, IsInspectedAsOneSensorWithAConfigurationThatReplaysIt
   EXPECT_TRUE(said["unknown"].empty());  // the client's side belongs to the conversation
 
   const Config config = parse_config(said["config"].get<std::string>(), "inspected");
-  NoPoses poses;
+  NoTransforms poses;
   CountingSink sink;
   Pipeline pipeline(config, poses, sink);
   ReplayOptions options;

@@ -11,6 +11,7 @@
 #include <random>
 #include <regex>
 
+#include "drivers/registry/registry.h"
 #include "test/daemon/config/calibration_support.h"
 #include "test/support/calibration_equations.h"
 #include "test/support/captures.h"

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "daemon/config/config.h"
+#include "drivers/registry/registry.h"
 #include "test/support/captures.h"
 
 namespace lidard {

@@ -10,6 +10,7 @@
 
 #include "daemon/config/config.h"
 #include "daemon/dropin/node_parameters.h"
+#include "drivers/registry/registry.h"
 #include "drivers/velodyne/calibration.h"
 
 namespace lidard {

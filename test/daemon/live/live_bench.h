@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "daemon/live/links.h"
-#include "daemon/live/ports.h"
+#include "daemon/live/tcp_connections.h"
+#include "daemon/live/udp_ports.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/ros/tf_poses.h"
+#include "daemon/pipeline/transform_source.h"
 #include "test/daemon/pipeline/line_driver.h"
 
 namespace lidard::test {
@@ -64,11 +64,11 @@ struct LiveBench {
   virtual void meanwhile() {}
 
   boost::asio::io_context io;
-  NoPoses poses;
+  NoTransforms poses;
   CountingSink sink;
   Pipeline pipeline;
-  Links links;
-  Ports ports;
+  TcpConnections links;
+  UdpPorts ports;
 };
 
 }  // namespace lidard::test

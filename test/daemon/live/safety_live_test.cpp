@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "drivers/registry/registry.h"
 #include "test/daemon/live/live_bench.h"
 #include "test/drivers/sick/safety/ms3_encoder.h"
 #include "test/sim/servers/safety_device.h"

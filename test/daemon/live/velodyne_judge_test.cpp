@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/live/velodyne_readings.h"
+#include "drivers/velodyne/web/velodyne_readings.h"
 
 namespace lidard {
 namespace {

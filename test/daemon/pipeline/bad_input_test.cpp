@@ -9,6 +9,7 @@
 #include <map>
 
 #include "daemon/pipeline/pipeline.h"
+#include "daemon/pipeline/transform_source.h"
 #include "daemon/ros/ros_convert.h"
 
 namespace lidard {
@@ -37,7 +38,7 @@ struct NewestScans : FrameSink {
 };
 
 /// Knows no pose until it is told.
-struct LatePoses : PoseLookup {
+struct LatePoses : TransformSource {
   bool lookup(const std::string& parent, const std::string& child, Stamp, Pose& pose,
               std::string& why_not) override {
     pose = Pose::Identity();

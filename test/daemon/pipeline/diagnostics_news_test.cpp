@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/ros/tf_poses.h"
+#include "daemon/pipeline/transform_source.h"
 
 namespace lidard {
 namespace {
@@ -31,7 +31,7 @@ merged_scans:
   around: {laserscan_topics: [left], range_max: 20}
 )",
                                      "p");
-  NoPoses none;
+  NoTransforms none;
   TellingSink sink;
   Pipeline pipeline(config, none, sink);
   pipeline.tick(at(10));

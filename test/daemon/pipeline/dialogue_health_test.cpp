@@ -6,7 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/ros/tf_poses.h"
+#include "daemon/pipeline/transform_source.h"
+#include "drivers/registry/registry.h"
 #include "test/daemon/pipeline/line_driver.h"
 #include "test/sim/devices/scip_wire.h"
 
@@ -45,7 +46,7 @@ struct Bench {
   }
   DiagnosticItem health() { return pipeline.diagnostics(now).at(0); }
 
-  NoPoses poses;
+  NoTransforms poses;
   CountingSink sink;
   Pipeline pipeline;
   Stamp now = begin;

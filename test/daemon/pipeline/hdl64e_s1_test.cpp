@@ -9,6 +9,7 @@
 
 #include "daemon/config/calibration_file.h"
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "test/support/captures.h"
 #include "test/support/collector.h"
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "daemon/pipeline/pipeline.h"
+#include "drivers/registry/registry.h"
 
 namespace lidard::test {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-#include "core/evidence/sight.h"
+#include "core/evidence/visibility.h"
 #include "daemon/pipeline/pipeline.h"
 #include "test/daemon/pipeline/no_tf.h"
 #include "test/sim/world/flat_world.h"
@@ -171,9 +171,9 @@ TEST(MergedPipeline, TellsWhatIsKnownOfEachBeam) {
   const PlanarScan& scan = vehicle.outputs().back().scan;
   ASSERT_EQ(status.beams, scan.beams);
   for (std::size_t i = 0; i < scan.beams; ++i) {
-    const auto seen = static_cast<Seen>(status.intensities[i]);
-    EXPECT_EQ(seen == Seen::hit, scan.statuses[i] == BeamStatus::hit) << i;
-    if (seen == Seen::hit) {
+    const auto seen = static_cast<BeamState>(status.intensities[i]);
+    EXPECT_EQ(seen == BeamState::hit, scan.statuses[i] == BeamStatus::hit) << i;
+    if (seen == BeamState::hit) {
       EXPECT_GT(status.ranges[i], scan.ranges[i] - 0.5F) << i;
     }
   }

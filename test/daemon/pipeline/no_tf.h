@@ -5,11 +5,12 @@
 #include <string>
 
 #include "daemon/pipeline/pipeline.h"
+#include "daemon/pipeline/transform_source.h"
 
 namespace lidard {
 
 /// A vehicle without tf.
-class NoTf final : public PoseLookup {
+class NoTf final : public TransformSource {
  public:
   bool lookup(const std::string&, const std::string& child, Stamp, Pose&, std::string& why_not) override {
     why_not = "no tf for " + child;

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/ros/tf_poses.h"
+#include "daemon/pipeline/transform_source.h"
 
 namespace lidard {
 namespace {
@@ -37,7 +37,7 @@ virtual_scans:
   levels: {cloud_topic: roof, virtual_laser_scan: [bumper], poses: {bumper: {xyz: [0, 0, 0]}}, range_max: 20}
 )",
                                "p");
-  NoPoses none;
+  NoTransforms none;
   KeepingSink sink;
   Pipeline pipeline{config, none, sink};
   std::int64_t frames = 0;

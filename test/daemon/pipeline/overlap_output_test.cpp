@@ -6,7 +6,7 @@
 
 #include "core/base/angle.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/ros/tf_poses.h"
+#include "daemon/pipeline/transform_source.h"
 #include "test/sim/world/flat_world.h"
 
 namespace lidard {
@@ -37,7 +37,7 @@ DiagnosticItem status_after(double seconds, double yaw_deg, double x) {
       "24,\n"
       "                        profile: strict}}\n",
       "f");
-  NoPoses poses;
+  NoTransforms poses;
   KeptDiagnostics sink;
   Pipeline pipeline(config, poses, sink);
   sim::FlatWorld room;
@@ -69,7 +69,7 @@ DiagnosticItem status_after(double seconds, double yaw_deg, double x) {
 
 std::string overlap_of(const DiagnosticItem& item) {
   for (const auto& [key, value] : item.values) {
-    if (key == "Overlap left/right") return value;
+    if (key == "MountCheck left/right") return value;
   }
   return "no such value";
 }

@@ -10,7 +10,7 @@
 #include <sstream>
 
 #include "daemon/pipeline/report.h"
-#include "daemon/ros/tf_poses.h"
+#include "daemon/pipeline/transform_source.h"
 #include "test/support/velodyne_wire.h"
 
 namespace lidard {
@@ -66,7 +66,7 @@ struct Room {
   }
 
   Config config;
-  NoPoses poses;
+  NoTransforms poses;
   NoSink sink;
   Pipeline pipeline{config, poses, sink};
   Stamp now{};

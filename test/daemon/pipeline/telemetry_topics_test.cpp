@@ -3,10 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "daemon/config/output_topics.h"
 #include "daemon/pipeline/pipeline.h"
+#include "daemon/pipeline/transform_source.h"
 #include "daemon/ros/ros_convert.h"
 #include "daemon/ros/ros_queue.h"
-#include "daemon/ros/tf_poses.h"
+#include "drivers/registry/registry.h"
 #include "test/support/ros_samples.h"
 
 namespace lidard {
@@ -115,7 +117,7 @@ TEST(TelemetryTopics, AreTakenForOtherOutputs) {
 TEST(TelemetryTopics, CarryWhatTheDriverTellsAtTheTimeOfItsPacket) {
   const Model model = telling_model(8308, true);
   const Config config = config_with(model);
-  NoPoses poses;
+  NoTransforms poses;
   Journal sink;
   Pipeline pipeline(config, poses, sink);
   Packet packet;
@@ -136,7 +138,7 @@ TEST(TelemetryTopics, CarryStatesEchoesAndFurtherScans) {
   EXPECT_THAT(names(config), ElementsAre("roof/scan", "roof/outputs", "roof/intrusion"));
   config.sensors.front().driver.publish_multiecho = true;
   EXPECT_THAT(names(config), ElementsAre("roof/scan", "roof/echoes", "roof/outputs", "roof/intrusion"));
-  NoPoses poses;
+  NoTransforms poses;
   Journal sink;
   Pipeline pipeline(config, poses, sink);
   Packet packet;
@@ -155,7 +157,7 @@ TEST(TelemetryTopics, CarryNoStatesOfAColaDeviceThatWasNotAskedForThem) {
   for (const bool wanted : {false, true}) {
     Config config = config_with(model);
     config.sensors.front().driver.requests.device_states = wanted;
-    NoPoses poses;
+    NoTransforms poses;
     Journal sink;
     Pipeline pipeline(config, poses, sink);
     Packet packet;

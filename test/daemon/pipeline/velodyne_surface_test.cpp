@@ -10,8 +10,8 @@
 #include <tuple>
 
 #include "daemon/pipeline/pipeline.h"
+#include "daemon/pipeline/transform_source.h"
 #include "daemon/ros/ros_convert.h"
-#include "daemon/ros/tf_poses.h"
 #include "test/sim/servers/velodyne_stream.h"
 
 namespace lidard {
@@ -45,7 +45,7 @@ const Endpoint sensor{IpAddress::v4(192, 168, 1, 201), 2368};
 
 Keeper play(const std::string& keys, const std::vector<SimulatedPacket>& packets, const std::string& model) {
   const Config config = parse_config("sensors: {roof: {model: " + model + ", " + keys + "}}", "f");
-  NoPoses poses;
+  NoTransforms poses;
   Keeper sink;
   Pipeline pipeline(config, poses, sink);
   for (const auto& packet : packets)
@@ -258,7 +258,7 @@ TEST(VelodyneSurface, ASensorThatOnlySendsTelemetryIsNotReceiving) {
   setup.duration = std::chrono::milliseconds(300);
   const auto packets = simulate_velodyne(setup);
   const Config config = parse_config("sensors: {roof: {model: velodyne_vlp16}}", "f");
-  NoPoses poses;
+  NoTransforms poses;
   Keeper sink;
   Pipeline pipeline(config, poses, sink);
   for (const auto& packet : packets)
@@ -280,7 +280,7 @@ TEST(VelodyneSurface, ASensorThatOnlySendsTelemetryIsNotReceiving) {
 
 TEST(VelodyneSurface, TelemetryMayComeToAnotherPort) {
   const Config config = parse_config("sensors: {roof: {model: velodyne_vlp16, telemetry_port: 8309}}", "f");
-  NoPoses poses;
+  NoTransforms poses;
   Keeper sink;
   Pipeline pipeline(config, poses, sink);
   const std::vector<std::uint8_t> position(512);

@@ -62,7 +62,7 @@ struct Scene {
     spec.beams = 1440;
     std::string error;
     MergeSettings settings;
-    settings.sight = true;
+    settings.visibility = true;
     settings.how.noise = settings.source.noise = 0.001;
     Merger merger(make_grid(spec, error).value(), {}, scanners.size(), settings);
     merger.set_footprint(Footprint({{-4, -1}, {0, -1}, {0, 1}, {-4, 1}}));

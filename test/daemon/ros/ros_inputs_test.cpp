@@ -10,6 +10,7 @@
 #include <chrono>
 #include <thread>
 
+#include "daemon/pipeline/transform_source.h"
 #include "daemon/ros/ros_convert.h"
 #include "daemon/ros/tf_poses.h"
 #include "test/support/ros_master.h"
@@ -311,8 +312,8 @@ TEST(TfPoses, TakeAMovingFrameAtTheStampAskedFor) {
   });
 }
 
-TEST(NoPoses, SaysThatRosIsNeeded) {
-  NoPoses poses;
+TEST(NoTransforms, SaysThatRosIsNeeded) {
+  NoTransforms poses;
   Pose pose;
   std::string why;
   EXPECT_FALSE(poses.lookup("base_link", "laser", Stamp{}, pose, why));

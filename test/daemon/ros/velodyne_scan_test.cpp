@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "daemon/pipeline/pipeline.h"
+#include "daemon/pipeline/transform_source.h"
 #include "daemon/ros/ros_inputs.h"
-#include "daemon/ros/tf_poses.h"
 #include "test/sim/servers/velodyne_stream.h"
 #include "test/support/ros_master.h"
 
@@ -157,7 +157,7 @@ class Clouds final : public FrameSink {
 struct Listening {
   Config config =
       parse_config("sensors: {roof: {model: velodyne_vlp16, packet_topic: /velodyne_packets}}", "f");
-  NoPoses poses;
+  NoTransforms poses;
   Clouds sink;
   Pipeline pipeline{config, poses, sink};
   std::mutex mutex;
@@ -213,7 +213,7 @@ TEST(VelodyneScanTopic, GivesTheCloudsThatThePacketsGiveByUdp) {
     here.pipeline.finish(all.back().arrival);
 
     const Config config = parse_config("sensors: {roof: {model: velodyne_vlp16}}", "f");
-    NoPoses poses;
+    NoTransforms poses;
     Clouds expected;
     Pipeline by_udp(config, poses, expected);
     for (const auto& packet : all) by_udp.packet({packet.view(), packet.arrival, {}, {{}, 2368}});

@@ -11,6 +11,7 @@
 
 #include "drivers/model.h"
 #include "drivers/net/tcp_source.h"
+#include "drivers/registry/registry.h"
 #include "test/drivers/hokuyo/scip_bench.h"
 #include "test/sim/devices/scip_device.h"
 #include "test/sim/devices/uam_device.h"

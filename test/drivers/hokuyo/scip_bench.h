@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "test/sim/devices/scip_device.h"
 
 namespace lidard::test {

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "drivers/registry/registry.h"
 #include "test/drivers/hokuyo/scip_bench.h"
 #include "test/support/allocations.h"
 #include "test/support/captures.h"

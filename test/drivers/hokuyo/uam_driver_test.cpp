@@ -6,6 +6,8 @@
 
 #include "drivers/hokuyo/recognizer.h"
 #include "drivers/hokuyo/uam_frame.h"
+#include "drivers/registry/identifier.h"
+#include "drivers/registry/registry.h"
 #include "test/drivers/hokuyo/scip_bench.h"
 #include "test/sim/devices/uam_device.h"
 #include "test/support/allocations.h"

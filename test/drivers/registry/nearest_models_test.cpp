@@ -1,9 +1,12 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/registry/nearest_models.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 
 namespace lidard {
 namespace {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "drivers/velodyne/calibration.h"
 #include "drivers/velodyne/model_row.h"
 #include "test/sim/servers/velodyne_stream.h"

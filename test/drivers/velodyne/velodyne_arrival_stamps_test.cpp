@@ -7,6 +7,7 @@
 #include <random>
 
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "test/support/velodyne_wire.h"
 
 namespace lidard {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "drivers/velodyne/model_row.h"
 #include "drivers/velodyne/packet.h"
 #include "drivers/velodyne/timing_chooser.h"

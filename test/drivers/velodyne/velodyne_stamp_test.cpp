@@ -12,6 +12,7 @@
 
 #include "core/frames/cloud_layout.h"
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "drivers/velodyne/table_calibration.h"
 #include "test/support/captures.h"
 #include "test/support/collector.h"

@@ -8,6 +8,7 @@
 
 #include "drivers/capture/pcap_source.h"
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "test/support/allocations.h"
 #include "test/support/captures.h"
 #include "test/support/collector.h"

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "test/sim/servers/velodyne_stream.h"
 #include "test/support/collector.h"
 

@@ -9,6 +9,8 @@
 
 #include "drivers/capture/pcap_source.h"
 #include "drivers/model.h"
+#include "drivers/registry/identifier.h"
+#include "drivers/registry/registry.h"
 #include "test/support/captures.h"
 #include "test/support/collector.h"
 #include "test/support/velodyne_wire.h"

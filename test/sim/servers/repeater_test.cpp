@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "drivers/velodyne/packet.h"
 #include "test/support/captures.h"
 #include "test/support/collector.h"

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "test/sim/devices/cola_telegram.h"
 
 namespace lidard::test {

@@ -13,6 +13,7 @@
 
 #include "drivers/capture/pcap_source.h"
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "drivers/sick/cola/cola_scan.h"
 #include "drivers/sick/cola/cola_stream.h"
 #include "test/sim/world/rng.h"

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 
+#include "drivers/registry/registry.h"
 #include "drivers/sick/cola/cola_models.h"
 #include "test/drivers/sick/cola/cola_bench.h"
 #include "test/sim/world/rng.h"

@@ -12,6 +12,8 @@
 
 #include "drivers/capture/pcap_source.h"
 #include "drivers/model.h"
+#include "drivers/registry/identifier.h"
+#include "drivers/registry/registry.h"
 #include "test/sim/devices/cola_telegram.h"
 #include "test/support/captures.h"
 

@@ -12,6 +12,7 @@
 
 #include "drivers/model.h"
 #include "drivers/net/tcp_source.h"
+#include "drivers/registry/registry.h"
 #include "test/sim/devices/cola_device.h"
 #include "test/sim/servers/device_server.h"
 

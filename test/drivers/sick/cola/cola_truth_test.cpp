@@ -8,6 +8,8 @@
 
 #include "drivers/capture/pcap_source.h"
 #include "drivers/model.h"
+#include "drivers/registry/identifier.h"
+#include "drivers/registry/registry.h"
 #include "test/sim/servers/scene_file.h"
 #include "test/sim/servers/simulate.h"
 #include "test/support/captures.h"

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "test/drivers/capture/pcap_testing.h"
 #include "test/sim/world/rng.h"
 #include "test/support/captures.h"

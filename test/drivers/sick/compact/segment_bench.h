@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "test/sim/devices/sick_telegram.h"
 
 namespace lidard::test {

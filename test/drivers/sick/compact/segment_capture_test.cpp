@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "drivers/capture/pcap_source.h"
+#include "drivers/registry/registry.h"
 #include "drivers/sick/compact/compact_telegram.h"
 #include "drivers/sick/compact/msgpack_telegram.h"
 #include "test/drivers/sick/compact/segment_bench.h"
@@ -90,7 +91,7 @@ TEST(SegmentCapture, ElevationIsPositiveUpwards) {
     const Eigen::Vector3d up = *sample.orientation * sample.linear_acceleration;
     EXPECT_NEAR(up.normalized().z(), 1, 0.001);
   }
-  // Where the sight is free, each of the lower layers ends at the floor, 1.25 to 1.35 m below.
+  // Where the visibility is free, each of the lower layers ends at the floor, 1.25 to 1.35 m below.
   std::map<int, std::vector<float>> heights;
   for (const Cloud& cloud : played.out.clouds) {
     for (std::size_t i = 0; i < cloud.size(); ++i) {

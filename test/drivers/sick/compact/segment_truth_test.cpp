@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <map>
 
+#include "drivers/registry/registry.h"
 #include "test/drivers/sick/compact/segment_bench.h"
 #include "test/sim/servers/scene_file.h"
 #include "test/sim/servers/simulate.h"

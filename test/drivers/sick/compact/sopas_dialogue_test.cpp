@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 
+#include "drivers/registry/registry.h"
 #include "test/drivers/sick/compact/segment_bench.h"
 #include "test/sim/devices/sopas_device.h"
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "test/drivers/sick/safety/ms3_encoder.h"
 
 namespace lidard::test {

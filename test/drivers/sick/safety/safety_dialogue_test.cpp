@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "drivers/model.h"
+#include "drivers/registry/registry.h"
 #include "test/drivers/sick/safety/ms3_encoder.h"
 #include "test/sim/devices/safety_settings.h"
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <random>
 
+#include "drivers/registry/identifier.h"
+#include "drivers/registry/registry.h"
 #include "drivers/sick/safety/safety_models.h"
 #include "test/drivers/sick/safety/safety_bench.h"
 #include "test/support/allocations.h"

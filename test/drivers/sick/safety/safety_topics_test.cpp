@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 
+#include "drivers/registry/registry.h"
 #include "test/drivers/sick/safety/safety_bench.h"
 
 namespace lidard::sick {

@@ -1,0 +1,244 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/evidence/free_space_map.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/angle.h"
+
+namespace lidard {
+namespace {
+
+// Between two returns of a slanting wall the free way changes; so fine it is followed.
+constexpr double widest_cell = 0.2 * pi_d / 180;
+constexpr double most_cells = 65000;
+// Neighbouring beams farther apart than that are no neighbours; a plane that stands nearly upright has such.
+constexpr float widest_step = 0.2F;  // rad
+// Runs are of 1, 2, 4 ... cells; two of the longest are the longest that can be asked for.
+constexpr std::size_t run_lengths = 7;
+constexpr std::size_t longest_run = 2U << (run_lengths - 1U);
+
+}  // namespace
+
+void FreeSpaceMap::set(float x, float y, double beam_width, double unit) {
+  x_ = x;
+  y_ = y;
+  per_meter_ = static_cast<float>(1 / unit);
+  const double width = std::clamp(std::abs(beam_width), 2 * pi_d / most_cells, 0.1);
+  const double cell = width / std::ceil(width / widest_cell - 1e-3);
+  const double count = std::min(std::round(2 * pi_d / cell), most_cells);
+  per_rad_ = static_cast<float>(count / (2 * pi_d));
+  cells_.assign(static_cast<std::size_t>(count), {});
+  slots_.clear();
+  first_slot_.assign(1, 0);
+}
+
+bool FreeSpaceMap::find_run(std::size_t cell, std::size_t length, RunAt& at) const {
+  if (length == 0 || length > longest_run) return false;
+  std::size_t power = 0;
+  while (power + 1 < run_lengths && (2U << power) <= length) ++power;
+  const std::size_t base = power * (cells_.size() + longest_run);
+  at.first = static_cast<std::uint32_t>(base + cell);
+  at.second = static_cast<std::uint32_t>(base + cell + length - (std::size_t{1} << power));
+  return true;
+}
+
+void FreeSpaceMap::find_runs() {
+  const std::size_t count = cells_.size();
+  if (count == 0) return;
+  // Beyond the last cell the circle begins again.
+  const std::size_t row = count + longest_run;
+  runs_.resize(run_lengths * row);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Cell cell = cells_[i];
+    const auto to = static_cast<std::uint16_t>(cell.from + cell.span);
+    runs_[i] = {ordered(cell.from), static_cast<std::int16_t>(~ordered(to))};
+  }
+  for (std::size_t i = count; i < row; ++i) runs_[i] = runs_[i - count];
+  for (std::size_t power = 1; power < run_lengths; ++power) {
+    const std::size_t half = std::size_t{1} << (power - 1);
+    const Run* const shorter = runs_.data() + (power - 1) * row;
+    Run* const longer = runs_.data() + power * row;
+    for (std::size_t i = 0; i + 2 * half <= row; ++i) {
+      longer[i].from = std::max(shorter[i].from, shorter[i + half].from);
+      longer[i].not_to = std::max(shorter[i].not_to, shorter[i + half].not_to);
+    }
+  }
+}
+
+void FreeSpaceMap::clear() { std::fill(cells_.begin(), cells_.end(), Cell{}); }
+
+FreeSpaceMap::Cell FreeSpaceMap::cell_of(float from, float to) const {
+  const float units = std::min(from * per_meter_, 65534.0F);
+  const float last = std::min(to * per_meter_, 65533.0F);
+  // Rounded up; not by a call of the mathematical library.
+  auto first = static_cast<std::int32_t>(units);
+  first += static_cast<float>(first) < units ? 1 : 0;
+  if (!(to > 0) || last < static_cast<float>(first)) return {};
+  return {static_cast<std::uint16_t>(first), static_cast<std::uint16_t>(last - static_cast<float>(first))};
+}
+
+std::uint16_t FreeSpaceMap::cell_towards(float dx, float dy) const {
+  const auto cell = static_cast<std::size_t>((fast_atan2(dy, dx) + static_cast<float>(pi_d)) * per_rad_);
+  return static_cast<std::uint16_t>(cell < cells_.size() ? cell : 0);
+}
+
+void FreeSpaceMap::find_free(const float* x, const float* y, std::size_t count, char mark, char* free) const {
+  if (cells_.empty()) return;
+  constexpr std::size_t many = 64;
+  const float at_x = x_, at_y = y_, per_rad = per_rad_, per_meter = per_meter_;
+  const auto cells = static_cast<std::int32_t>(cells_.size());
+  std::int32_t cell[many], distance[many];
+  for (std::size_t begin = 0; begin < count; begin += many) {
+    const std::size_t n = std::min(many, count - begin);
+    // The same numbers as cell_towards() and distance(), but many at once.
+    for (std::size_t i = 0; i < n; ++i) {
+      const float dx = x[begin + i] - at_x;
+      const float dy = y[begin + i] - at_y;
+      const auto towards =
+          static_cast<std::int32_t>((fast_atan2(dy, dx) + static_cast<float>(pi_d)) * per_rad);
+      const float units = std::min(std::sqrt(dx * dx + dy * dy) * per_meter + 0.5F, 65534.0F);
+      cell[i] = towards < cells ? towards : 0;
+      distance[i] = static_cast<std::int32_t>(units);
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      const Cell& here = cells_[static_cast<std::size_t>(cell[i])];
+      if (here.is_free(static_cast<std::uint16_t>(distance[i])))
+        free[begin + i] = static_cast<char>(free[begin + i] | mark);
+    }
+  }
+}
+
+/// The cells whose middle lies between two directions, counted in cells from -pi, one of them that of the
+/// beam, the other half way to a neighbour.
+void FreeSpaceMap::add_slots(double beam, double border, bool after) {
+  const auto count = static_cast<double>(cells_.size());
+  const double width = 2 * std::fabs(border - beam);
+  const double to = std::max(beam, border);
+  for (double cell = std::ceil(std::min(beam, border) - 0.5); cell + 0.5 < to; ++cell) {
+    const double inside = cell - count * std::floor(cell / count);
+    slots_.push_back({static_cast<std::uint16_t>(inside), after,
+                      static_cast<float>(std::fabs(cell + 0.5 - beam) / width)});
+  }
+}
+
+void FreeSpaceMap::place_beams(const float* dx, const float* dy, std::size_t beams) {
+  slots_.clear();
+  first_slot_.assign(1, 0);
+  if (beams == 0) return;
+  const auto azimuth = [&](std::size_t beam) { return fast_atan2(dy[beam], dx[beam]); };
+  const auto step_from = [&](std::size_t beam) {
+    if (beam + 1 >= beams) return 0.0F;
+    const float step = wrapped(azimuth(beam + 1) - azimuth(beam));
+    return std::fabs(step) > widest_step ? 0.0F : step;
+  };
+  const auto per_rad = static_cast<double>(per_rad_);
+  double at = (static_cast<double>(azimuth(0)) + pi_d) * per_rad;
+  double step = static_cast<double>(step_from(0)) * per_rad;
+  // The outer halves of the first and the last beam are as wide as their inner ones. Both beams at a border
+  // use the same number for it, so that each cell belongs to one of them.
+  double border = at - step / 2;
+  half_beam_ = static_cast<float>(step / 2);
+  for (std::size_t beam = 0; beam < beams; ++beam) {
+    add_slots(at, border, false);
+    if (beam + 1 < beams) step = static_cast<double>(step_from(beam)) * per_rad;
+    border = at + step / 2;
+    add_slots(at, border, true);
+    at += step;
+    first_slot_.push_back(static_cast<std::uint32_t>(slots_.size()));
+  }
+}
+
+void FreeSpaceMap::fill(const PlacedScan& sweep) {
+  if (sweep.moved) {
+    fill_moved(sweep);
+    return;
+  }
+  clear();
+  const std::size_t beams = first_slot_.size() - 1;
+  for (std::size_t beam = 0; beam < beams; ++beam) {
+    const Cell own = cell_of(sweep.free_from[beam], sweep.free_to[beam]);
+    const bool to_next = sweep.linked[beam] != 0;
+    const bool to_previous = beam > 0 && sweep.linked[beam - 1] != 0;
+    for (std::uint32_t s = first_slot_[beam]; s < first_slot_[beam + 1]; ++s) {
+      const Slot& slot = slots_[s];
+      if (!(slot.after ? to_next : to_previous)) {
+        cells_[slot.cell] = own;
+        continue;
+      }
+      const float a = sweep.free_to[beam];
+      const float b = sweep.free_to[slot.after ? beam + 1 : beam - 1];
+      // On a straight line the inverse of the distance changes (nearly) evenly.
+      cells_[slot.cell] = cell_of(sweep.free_from[beam], a * b / (b + slot.share * (a - b)));
+    }
+  }
+}
+
+void FreeSpaceMap::limit(float begin, float end, float from, float a, float b) {
+  // Both ends of a stretch count, so that no cell between two stretches is forgotten.
+  constexpr float slack = 0.01F;
+  const auto count = static_cast<std::int64_t>(cells_.size());
+  const float width = end - begin;
+  const auto first = static_cast<std::int64_t>(std::ceil(std::min(begin, end) - 0.5F - slack));
+  const float last = std::max(begin, end) - 0.5F + slack;
+  for (std::int64_t cell = first; static_cast<float>(cell) <= last; ++cell) {
+    const auto inside = static_cast<std::size_t>(cell < 0        ? cell + count
+                                                 : cell >= count ? cell - count
+                                                                 : cell);
+    const float share = std::fabs(width) > slack ? (static_cast<float>(cell) + 0.5F - begin) / width : 0.0F;
+    const float within = std::clamp(share, 0.0F, 1.0F);
+    const float to = a == b ? a : a * b / (b + within * (a - b));
+    starts_[inside] = std::max(starts_[inside], from);
+    if (ends_[inside] < 0 || to < ends_[inside]) ends_[inside] = to;
+  }
+}
+
+void FreeSpaceMap::limit_pair(const PlacedScan& sweep, std::size_t beam, float step) {
+  const float at = azimuths_[beam];
+  const float to = lengths_[beam];
+  const float next = lengths_[beam + 1];
+  const float from = std::max(sweep.free_from[beam], sweep.free_from[beam + 1]);
+  if (sweep.linked[beam] != 0) {
+    limit(at, at + step, from, to, next);
+    return;
+  }
+  const bool side_by_side = step * half_beam_ > 0 && std::fabs(step) <= 3 * std::fabs(half_beam_);
+  const float reach = side_by_side ? step / 2 : half_beam_;
+  limit(at, at + reach, sweep.free_from[beam], to, to);
+  limit(at + step - reach, at + step, sweep.free_from[beam + 1], next, next);
+  // The vehicle moved and sees the edge between both from elsewhere now: what opened was hidden.
+  if (!side_by_side) limit(at, at + step, from, std::min(to, next), std::min(to, next));
+}
+
+void FreeSpaceMap::fill_moved(const PlacedScan& sweep) {
+  const std::size_t beams = sweep.kind.size();
+  const auto count = static_cast<float>(cells_.size());
+  azimuths_.resize(beams);
+  lengths_.resize(beams);
+  starts_.assign(cells_.size(), 0);
+  ends_.assign(cells_.size(), -1);
+  for (std::size_t i = 0; i < beams; ++i) {
+    const float x = sweep.free_x[i];
+    const float y = sweep.free_y[i];
+    azimuths_[i] = (fast_atan2(y, x) + static_cast<float>(pi_d)) * per_rad_;
+    lengths_[i] = sweep.free_to[i] > 0 ? std::sqrt(x * x + y * y) : 0;
+  }
+  const auto is_free = [&](std::size_t i) { return i < beams && lengths_[i] > 0; };
+  for (std::size_t i = 0; i < beams; ++i) {
+    if (!is_free(i)) continue;
+    const float at = azimuths_[i];
+    if (i == 0 || !is_free(i - 1)) limit(at - half_beam_, at, sweep.free_from[i], lengths_[i], lengths_[i]);
+    if (!is_free(i + 1)) {
+      limit(at, at + half_beam_, sweep.free_from[i], lengths_[i], lengths_[i]);
+      continue;
+    }
+    float step = azimuths_[i + 1] - at;
+    if (step > count / 2) step -= count;
+    if (step < -count / 2) step += count;
+    if (std::fabs(step) < widest_step * per_rad_) limit_pair(sweep, i, step);
+  }
+  for (std::size_t cell = 0; cell < cells_.size(); ++cell) cells_[cell] = cell_of(starts_[cell], ends_[cell]);
+}
+
+}  // namespace lidard

@@ -1,0 +1,101 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/evidence/placed_scan.h"
+
+namespace lidard {
+
+/// How far one source sees in each direction around itself, as integers that a walk along the output's beams
+/// can compare quickly. Cells are equal parts of the full circle around the source's place in the output's
+/// plane; the beams of the source need not lie evenly in it.
+class FreeSpaceMap {
+ public:
+  struct Cell {
+    std::uint16_t from = 0xFFFF;  ///< units
+    std::uint16_t span = 0;
+    bool is_free(std::uint16_t distance) const { return static_cast<std::uint16_t>(distance - from) <= span; }
+  };
+
+  /// What all of several neighbouring cells have in common: they are free from `from` to `to`. Kept as signed
+  /// numbers in the same order, and `to` turned over, so that the run of both of two runs is their maximum.
+  struct Run {
+    std::int16_t from;
+    std::int16_t not_to;
+  };
+  /// A run of cells, in terms of runs(): it is what two others cover together.
+  struct RunAt {
+    std::uint32_t first = 0, second = 0;
+  };
+  static std::int16_t ordered(std::uint16_t distance) {
+    return static_cast<std::int16_t>(distance ^ 0x8000U);
+  }
+
+  /// Sets the place of a source, m in the output's plane. Cells divide `beam_width` (rad between beams)
+  /// evenly; `unit` is the length of one step of distance, m. Nothing is free then.
+  void set(float x, float y, double beam_width, double unit);
+  /// Tells in which directions of the output's plane the `beams` beams of the source look, in order; needed
+  /// before fill(), and whenever they change. Cells between two beams belong to the nearer one.
+  void place_beams(const float* dx, const float* dy, std::size_t beams);
+
+  /// Takes the evidence of a sweep: linked returns are interpolated, else the nearest beam counts.
+  void fill(const PlacedScan& sweep);
+  /// No evidence at all.
+  void clear();
+  /// States that the cell is free between two distances from the source, m; replaces what was known of it.
+  void claim(std::size_t cell, float from, float to) { cells_[cell] = cell_of(from, to); }
+
+  /// Works out runs(), from what is known of the cells now.
+  void find_runs();
+  const Run* runs() const { return runs_.data(); }
+  /// Where in runs() `length` cells from `cell` on (all around) are found; false: a run too long.
+  bool find_run(std::size_t cell, std::size_t length, RunAt& at) const;
+
+  float x() const { return x_; }
+  float y() const { return y_; }
+  /// The cell in direction (dx, dy) of the output frame from the source.
+  std::uint16_t cell_towards(float dx, float dy) const;
+  std::uint16_t distance(float meters) const {
+    const float units = meters * per_meter_;
+    return units < 65534.0F ? static_cast<std::uint16_t>(units + 0.5F) : std::uint16_t{65534};
+  }
+  const Cell* cells() const { return cells_.data(); }
+  /// Sets the bits `mark` of those of `count` points of the output frame that are free.
+  void find_free(const float* x, const float* y, std::size_t count, char mark, char* free) const;
+  /// 0: no source is set.
+  std::size_t size() const { return cells_.size(); }
+
+ private:
+  /// A cell that a beam looks into: the part of the way to a neighbouring beam.
+  struct Slot {
+    std::uint16_t cell;
+    bool after;   // towards the next beam, not the one before
+    float share;  // 0: in the beam's own direction
+  };
+  Cell cell_of(float from, float to) const;
+  /// The same as fill() where the vehicle moved: the beams' ends lie anywhere, also in another order.
+  void fill_moved(const PlacedScan& sweep);
+  void limit_pair(const PlacedScan& sweep, std::size_t beam, float step);
+  /// Free ways in cells [begin, end] (cells from -pi; either may be the larger) are no longer than `a` to
+  /// `b`.
+  void limit(float begin, float end, float from, float a, float b);
+  void add_slots(double beam, double border, bool after);
+
+  float x_ = 0, y_ = 0;
+  float per_meter_ = 1;
+  float per_rad_ = 1;    // cells
+  float half_beam_ = 0;  // cells to half way to the next beam, signed
+  std::vector<Cell> cells_;
+  std::vector<Run> runs_;                  // by length (1, 2, 4 ... cells), then by first cell
+  std::vector<float> azimuths_;            // of the ends of moved beams, cells from -pi
+  std::vector<float> lengths_;             // m, of their free ways
+  std::vector<float> starts_, ends_;       // m, of each cell's free way; end < 0: none
+  std::vector<Slot> slots_;                // by beam
+  std::vector<std::uint32_t> first_slot_;  // of each beam, and the end
+};
+
+}  // namespace lidard

@@ -1,0 +1,180 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/live/tcp_connections.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+namespace lidard {
+namespace {
+
+/// A device that accepts a connection answers soon; one that is stuck is better asked anew.
+constexpr Span first_byte_patience = std::chrono::milliseconds(1500);
+/// It may have to start its motor before it measures.
+constexpr Span first_frame_patience = std::chrono::seconds(5);
+constexpr Span least_silence = std::chrono::seconds(1);
+
+/// How long a stream may be silent: three scans, and those that are left out between two.
+Span silence_of(const SensorConfig& sensor) {
+  const int scans = 3 * (1 + sensor.driver.requests.skip.value_or(0));
+  return std::max(least_silence, span_from_seconds(scans * sensor.model->frame_period));
+}
+
+bool is_connected(const TcpState& state) { return state.phase == TcpState::Phase::connected; }
+
+std::string text_of(const TcpState& state, bool streams) {
+  if (is_connected(state)) return "connected";
+  if (!state.message.empty()) return state.message;
+  if (state.phase == TcpState::Phase::stopped) return streams ? "stopped" : "not needed now";
+  return first_attempt;
+}
+
+}  // namespace
+
+TcpConnections::TcpConnections(boost::asio::io_context& io, const Config& config, LinkEvents events,
+                               TcpOptions options)
+    : io_(io), events_(std::move(events)), options_(options) {
+  for (std::size_t i = 0; i < config.sensors.size(); ++i) {
+    const SensorConfig& sensor = config.sensors[i];
+    if (sensor.model == nullptr) continue;
+    const bool streams = sensor.model->transport == Transport::tcp;
+    if (!streams && (sensor.model->dialogue_port == 0 || sensor.driver.requests.listen_only)) continue;
+    auto link = std::make_unique<Link>();
+    link->sensor = i;
+    link->name = sensor.name;
+    link->streams = streams;
+    link->device.port = streams ? sensor.ip_port : sensor.model->dialogue_port;
+    link->silence = silence_of(sensor);
+    if (streams) open(*link, sensor.ip_address.value());
+    links_.push_back(std::move(link));
+  }
+}
+
+void TcpConnections::open(Link& link, const IpAddress& device) {
+  link.device.address = device;
+  TcpOptions options = options_;
+  options.device = link.device;
+  TcpHandlers handlers;
+  handlers.receive = [this, sensor = link.sensor](const Packet& packet) { events_.chunk(sensor, packet); };
+  handlers.connected = [this, &link](Stamp now) { connected(link, now); };
+  handlers.disconnected = [this, sensor = link.sensor] { events_.disconnected(sensor); };
+  link.source = std::make_unique<TcpSource>(io_, options, std::move(handlers));
+}
+
+void TcpConnections::connected(Link& link, Stamp now) {
+  link.frames_before = events_.frames(link.sensor);
+  link.received_before = link.source->stats().received;
+  if (link.streams) link.source->set_read_time_out(first_byte_patience);
+  events_.connected(link.sensor, now);
+}
+
+void TcpConnections::start() {
+  for (const auto& link : links_) {
+    if (link->streams) link->source->start();
+  }
+}
+
+void TcpConnections::stop() {
+  for (const auto& link : links_) {
+    if (link->source) link->source->stop();
+  }
+}
+
+void TcpConnections::tick() {
+  for (const auto& link : links_) {
+    if (!link->streams || !is_connected(link->source->state())) continue;
+    if (events_.frames(link->sensor) > link->frames_before)
+      link->source->set_read_time_out(link->silence);
+    else if (link->source->stats().received > link->received_before)
+      link->source->set_read_time_out(std::max(first_frame_patience, link->silence));
+  }
+}
+
+void TcpConnections::log_changes() {
+  for (const auto& link : links_) {
+    if (!link->source) continue;
+    const TcpState& state = link->source->state();
+    std::string text = text_of(state, link->streams);
+    if (text == link->told) continue;
+    if (!state.message.empty())
+      spdlog::warn("{}: {}", link->name, text);
+    else if (is_connected(state))
+      spdlog::info("{}: connected to {}", link->name, link->device.to_string());
+    link->told = std::move(text);
+  }
+}
+
+void TcpConnections::add_diagnostics(std::vector<DiagnosticItem>& items) const {
+  for (const auto& link : links_) {
+    if (!link->source) continue;
+    const TcpState& state = link->source->state();
+    const TcpStats& stats = link->source->stats();
+    DiagnosticItem item;
+    item.name = "link " + link->name;
+    item.hardware_id = link->device.to_string();
+    item.message = text_of(state, link->streams);
+    const bool well = is_connected(state) || (!link->streams && state.phase == TcpState::Phase::stopped) ||
+                      item.message == first_attempt;
+    item.health = well ? Health::ok : Health::error;
+    const auto value = [&item](const char* key, std::uint64_t n) {
+      item.values.emplace_back(key, std::to_string(n));
+    };
+    item.values.emplace_back("Device", link->device.to_string());
+    value("Attempts", stats.attempts);
+    value("Connections", stats.connects);
+    value("Disconnections", stats.disconnects);
+    value("Disconnections for silence", stats.silences);
+    value("Bytes received", stats.received);
+    value("Bytes sent", stats.sent);
+    value("Requests dropped", stats.requests_dropped);
+    items.push_back(std::move(item));
+  }
+}
+
+std::string TcpConnections::summary() const {
+  std::size_t all = 0;
+  std::size_t connected = 0;
+  for (const auto& link : links_) {
+    if (!link->streams) continue;
+    ++all;
+    connected += is_connected(link->source->state()) ? 1U : 0U;
+  }
+  if (all == 0) return {};
+  return std::to_string(connected) + " of " + std::to_string(all) + " devices connected";
+}
+
+TcpConnections::Link* TcpConnections::find(std::size_t sensor) {
+  const auto found =
+      std::find_if(links_.begin(), links_.end(), [&](const auto& link) { return link->sensor == sensor; });
+  return found == links_.end() ? nullptr : found->get();
+}
+
+void TcpConnections::connect(std::size_t sensor, const IpAddress& device) {
+  Link* link = find(sensor);
+  if (link == nullptr) return;
+  if (!link->source) open(*link, device);
+  link->source->start();
+}
+
+void TcpConnections::send(std::size_t sensor, ByteView bytes) {
+  Link* link = find(sensor);
+  if (link != nullptr && link->source) link->source->send(bytes);
+}
+
+void TcpConnections::disconnect(std::size_t sensor, bool again) {
+  Link* link = find(sensor);
+  if (link == nullptr || !link->source) return;
+  // A device that streams over TCP is of no use without its connection.
+  link->source->disconnect(again || link->streams,
+                           "the dialogue with " + link->device.to_string() +
+                               " could not go on; it is begun again, the sensor's diagnostics say more");
+}
+
+std::string TcpConnections::trouble(std::size_t sensor) const {
+  const Link* link = find(sensor);
+  if (link == nullptr || !link->streams || is_connected(link->source->state())) return {};
+  return text_of(link->source->state(), true);
+}
+
+}  // namespace lidard

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "daemon/config/config.h"
+#include "daemon/pipeline/device_connections.h"
+#include "daemon/pipeline/sink.h"
+#include "drivers/net/tcp_source.h"
+
+namespace lidard {
+
+/// What TcpConnections tells; `sensor` is the sensor's place in the configuration.
+struct LinkEvents {
+  std::function<void(std::size_t sensor, const Packet& packet)> chunk;
+  std::function<void(std::size_t sensor, Stamp now)> connected;
+  std::function<void(std::size_t sensor)> disconnected;
+  /// How many frames the sensor has given so far.
+  std::function<std::uint64_t(std::size_t sensor)> frames;
+};
+
+/// The TCP connections of a configuration: one to each device that streams over TCP, and one to each other
+/// device whose driver asks for a dialogue.
+class TcpConnections final : public DeviceConnections {
+ public:
+  /// `options`: of every connection; the device is filled in.
+  TcpConnections(boost::asio::io_context& io, const Config& config, LinkEvents events,
+                 TcpOptions options = {});
+
+  void start();
+  void stop();
+  /// To be called about ten times a second: a stream that falls silent is noticed sooner than a device that
+  /// still starts.
+  void tick();
+  /// Logs what changed since the last call.
+  void log_changes();
+  /// One item per connection.
+  void add_diagnostics(std::vector<DiagnosticItem>& items) const;
+  /// "1 of 2 devices connected"; empty without devices that stream over TCP.
+  std::string summary() const;
+
+  void connect(std::size_t sensor, const IpAddress& device) override;
+  void send(std::size_t sensor, ByteView bytes) override;
+  void disconnect(std::size_t sensor, bool again) override;
+  std::string trouble(std::size_t sensor) const override;
+
+ private:
+  struct Link {
+    std::size_t sensor = 0;
+    std::string name;
+    bool streams = false;  // else only a dialogue
+    Endpoint device;
+    Span silence{0};  // longest between two frames
+    std::unique_ptr<TcpSource> source;
+    std::uint64_t frames_before = 0, received_before = 0;  // this connection
+    std::string told;
+  };
+  void open(Link& link, const IpAddress& device);
+  void connected(Link& link, Stamp now);
+  Link* find(std::size_t sensor);
+  const Link* find(std::size_t sensor) const { return const_cast<TcpConnections*>(this)->find(sensor); }
+
+  boost::asio::io_context& io_;
+  LinkEvents events_;
+  TcpOptions options_;
+  std::vector<std::unique_ptr<Link>> links_;
+};
+
+}  // namespace lidard

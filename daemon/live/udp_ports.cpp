@@ -1,0 +1,132 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/live/udp_ports.h"
+
+#include <spdlog/spdlog.h>
+
+#include <map>
+
+namespace lidard {
+namespace {
+
+bool receives(const UdpState& state) {
+  return state.phase == UdpState::Phase::receiving || state.phase == UdpState::Phase::partial;
+}
+
+/// What UDP over IPv4 can carry: a telegram of a multiScan136 is one datagram of up to 24 kB.
+constexpr std::size_t largest_datagram = 65507;
+
+/// Usual datagrams per second that take as much of a receive buffer as the model's.
+double load_of(const Model& model) {
+  // A datagram of 24 kB arrives in 17 fragments, whose buffers are of up to 2304 bytes each.
+  constexpr double fragments = 17 * 2;
+  const bool large = model.protocol == "Compact or MSGPACK" && model.kind == FrameKind::cloud;
+  return model.packets_per_s * (large ? fragments : 1);
+}
+
+/// The sockets needed: data ports, and telemetry ports.
+std::map<std::uint16_t, UdpOptions> options_by_port(const Config& config) {
+  std::map<std::uint16_t, UdpOptions> all;
+  std::map<std::uint16_t, bool> anybody;
+  for (const auto& sensor : config.sensors) {
+    if (sensor.model == nullptr || sensor.model->transport != Transport::udp) continue;
+    if (!sensor.packet_topic.empty()) continue;
+    for (const std::uint16_t number : {sensor.ip_port, sensor.telemetry_port}) {
+      if (number == 0) continue;
+      const bool fresh = all.find(number) == all.end();
+      UdpOptions& options = all[number];
+      options.port = number;
+      options.max_datagram = largest_datagram;
+      if (fresh) options.packets_per_s = 0;
+      options.packets_per_s +=
+          number == sensor.ip_port ? load_of(*sensor.model) : sensor.model->packets_per_s / 10;
+      if (sensor.ip_address) {
+        options.senders.push_back(*sensor.ip_address);
+      } else {
+        anybody[number] = true;
+      }
+      if (sensor.multicast_group) options.groups.push_back({*sensor.multicast_group, sensor.interface});
+    }
+  }
+  for (auto& [number, options] : all) {
+    if (anybody[number]) options.senders.clear();
+  }
+  return all;
+}
+
+}  // namespace
+
+UdpPorts::UdpPorts(boost::asio::io_context& io, const Config& config, const UdpSource::Handler& handler) {
+  for (const auto& [number, options] : options_by_port(config)) {
+    Port port;
+    port.number = number;
+    // The handler sees the configured port also where the packet was addressed to a broadcast or group
+    // address.
+    port.source = std::make_unique<UdpSource>(io, options, handler);
+    ports_.push_back(std::move(port));
+  }
+}
+
+void UdpPorts::start() {
+  for (auto& port : ports_) port.source->start();
+}
+
+void UdpPorts::stop() {
+  for (auto& port : ports_) port.source->stop();
+}
+
+void UdpPorts::log_changes() {
+  for (auto& port : ports_) {
+    const UdpState& state = port.source->state();
+    if (state.phase != port.told.phase || state.message != port.told.message) {
+      if (state.phase == UdpState::Phase::receiving) {
+        spdlog::info("listening on port {}", port.number);
+        if (!port.source->warning().empty()) spdlog::warn("port {}: {}", port.number, port.source->warning());
+      } else {
+        spdlog::warn("{}", state.message);
+      }
+      port.told = state;
+    }
+    const std::uint64_t drops = port.source->stats().kernel_drops;
+    if (drops != port.reported_drops) {
+      spdlog::warn("port {}: {} packets lost in the kernel's receive buffer so far", port.number, drops);
+      port.reported_drops = drops;
+    }
+  }
+}
+
+void UdpPorts::add_diagnostics(std::vector<DiagnosticItem>& items) const {
+  for (const auto& port : ports_) {
+    const UdpState& state = port.source->state();
+    const UdpStats& stats = port.source->stats();
+    DiagnosticItem item;
+    item.name = "port " + std::to_string(port.number);
+    item.hardware_id = item.name;
+    item.health = state.phase == UdpState::Phase::receiving ? Health::ok
+                  : receives(state)                         ? Health::warn
+                                                            : Health::error;
+    item.message = state.message.empty() ? "listening" : state.message;
+    if (item.health == Health::ok && !port.source->warning().empty()) {
+      item.health = Health::warn;
+      item.message = port.source->warning();
+    }
+    const auto value = [&item](const char* key, std::uint64_t n) {
+      item.values.emplace_back(key, std::to_string(n));
+    };
+    value("Datagrams", stats.datagrams);
+    value("Kernel drops", stats.kernel_drops);
+    value("Truncated", stats.truncated);
+    value("From unknown_senders", stats.strangers_sampled + stats.strangers_filtered);
+    value("Receive buffer (bytes)", stats.receive_buffer_got);
+    items.push_back(std::move(item));
+  }
+}
+
+std::string UdpPorts::summary() const {
+  if (ports_.empty()) return {};
+  std::size_t open = 0;
+  for (const auto& port : ports_) open += receives(port.source->state()) ? 1U : 0U;
+  return std::to_string(open) + " of " + std::to_string(ports_.size()) + " ports open";
+}
+
+}  // namespace lidard

@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "daemon/config/config.h"
+#include "daemon/pipeline/sink.h"
+#include "drivers/net/udp_source.h"
+
+namespace lidard {
+
+/// The UDP ports of a configuration: one socket each, shared by the sensors that send there.
+class UdpPorts {
+ public:
+  UdpPorts(boost::asio::io_context& io, const Config& config, const UdpSource::Handler& handler);
+
+  void start();
+  void stop();
+  /// Logs what changed since the last call: listening, waiting for a port, small buffers, kernel drops.
+  void log_changes();
+  /// One item per port.
+  void add_diagnostics(std::vector<DiagnosticItem>& items) const;
+  /// "2 of 2 ports open"; empty without ports.
+  std::string summary() const;
+
+ private:
+  struct Port {
+    std::uint16_t number = 0;
+    std::unique_ptr<UdpSource> source;
+    UdpState told;
+    std::uint64_t reported_drops = 0;
+  };
+  std::vector<Port> ports_;
+};
+
+}  // namespace lidard

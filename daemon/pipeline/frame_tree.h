@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/motion/pose_track.h"
+#include "daemon/config/config.h"
+#include "daemon/pipeline/sink.h"
+#include "daemon/pipeline/transform_source.h"
+
+namespace lidard {
+
+/// Where frames are: configured poses first, so that a vehicle without a tf tree works and replay is
+/// deterministic; what the configuration does not hold comes from the lookup (tf).
+class FrameTree {
+ public:
+  FrameTree(const Config& config, TransformSource& lookup);
+
+  /// Pose of `child` in `parent` at `stamp`; false and the reason when it is not known.
+  bool find(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
+            std::string& why_not) const;
+  /// How the vehicle moves; nullptr: nobody tells.
+  const PoseTrack* track() const { return track_; }
+  void set_track(const PoseTrack* track) { track_ = track; }
+  /// What the configuration holds, for /tf_static.
+  const std::vector<StaticTransform>& transforms() const { return transforms_; }
+
+ private:
+  bool in_base(const std::string& frame, Stamp stamp, Pose& pose, std::string& why_not) const;
+  void add(const std::string& parent, const std::string& child, const Pose& pose);
+
+  std::string base_;
+  const PoseTrack* track_ = nullptr;
+  TransformSource& lookup_;
+  std::map<std::string, std::pair<std::string, Pose>> known_;  // child: parent and pose in it
+  std::vector<StaticTransform> transforms_;
+};
+
+}  // namespace lidard

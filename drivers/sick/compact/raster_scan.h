@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/frames/scan.h"
+#include "drivers/sick/compact/segment.h"
+
+namespace lidard::sick {
+
+/// The angular raster of a single-plane device: beam k points at `first + k * step`, rad. It spans a little
+/// more than a turn, so that every segment finds its place before it is known which of them come.
+struct SweepGrid {
+  double first = 0;
+  double step = 0;
+  std::size_t beams = 0;
+
+  double angle(std::size_t beam) const { return first + step * static_cast<double>(beam); }
+  /// Nearest beam; may lie outside [0, beams).
+  long nearest(double angle) const;
+  /// The raster in which the beams of `line` lie; nothing where it has a single beam or turns clockwise.
+  static std::optional<SweepGrid> of(const SegmentLine& line);
+  /// True if the beams of `line` lie in this raster.
+  bool holds(const SegmentLine& line) const;
+};
+
+/// When the beams of a frame were measured, us of the device's clock.
+struct SweepTimes {
+  double first_us = 0;  ///< the first beam, after RasterScan::base_us()
+  double beam_us = 0;   ///< from beam to beam
+};
+
+/// The beams of one frame of a single-plane device, segment by segment.
+class RasterScan {
+ public:
+  /// Everything of it unobserved; allocates only when the raster or the number of echoes grows.
+  void begin(const SweepGrid& grid, std::size_t echoes, float range_min, float range_max);
+  /// Places the beams of a segment's line. `had_echo` (as long as the raster) remembers which beams ever had
+  /// one. Returns how many beams lie a quarter step or more beside the raster.
+  std::size_t add(const SegmentLine& line, std::vector<std::uint8_t>& had_echo);
+
+  bool is_empty() const { return empty_; }
+  /// Beams that were sent: [first_beam, end_beam).
+  std::size_t first_beam() const { return first_beam_; }
+  std::size_t end_beam() const { return end_beam_; }
+  /// Length of the first and of the last segment, beams.
+  std::size_t first_segment() const { return first_segment_; }
+  std::size_t last_segment() const { return last_segment_; }
+  /// How many segments are in it.
+  std::size_t segments() const { return begin_count_; }
+  /// The times of the beams by the times at which the segments begin. `known_beam_us` is what an earlier
+  /// frame told (0: none did), for a frame of one segment.
+  SweepTimes times(double known_beam_us) const;
+  /// Told by the first segment, us.
+  std::uint64_t base_us() const { return begins_[0].us; }
+  /// Copies the beams [begin, begin + count) to `out`, whose geometry they become; with `echoes` of each.
+  void copy(std::size_t begin, std::size_t count, std::size_t echoes, bool with_intensities,
+            PlanarScan& out) const;
+  bool reflector(std::size_t beam) const { return reflectors_[beam] != 0; }
+  std::size_t reflectors() const { return reflector_count_; }
+  const PlanarScan& beams() const { return beams_; }
+
+ private:
+  void put(const SegmentLine& line, std::size_t from, std::size_t beam);
+  void note_extent(const SegmentLine& line, std::size_t begin, std::size_t end);
+  void note_begin(std::size_t beam, std::uint64_t us);
+
+  /// Where and when a segment begins.
+  struct Begin {
+    std::size_t beam;
+    std::uint64_t us;
+  };
+
+  SweepGrid grid_;
+  PlanarScan beams_;
+  std::vector<std::uint8_t> reflectors_;
+  std::size_t reflector_count_ = 0;
+  bool empty_ = true;
+  std::size_t first_beam_ = 0, end_beam_ = 0, first_segment_ = 0, last_segment_ = 0;
+  std::array<Begin, max_segments> begins_{};  // by angle
+  std::size_t begin_count_ = 0;
+  double inside_us_ = 0;  // from the first beam to the last of the segment that came last
+};
+
+}  // namespace lidard::sick

@@ -1,0 +1,196 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/merge/mount_check.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/base/angle.h"
+#include "test/sim/world/flat_world.h"
+#include "test/support/allocations.h"
+
+namespace lidard {
+namespace {
+
+using sim::FlatScanner;
+using sim::FlatWorld;
+
+constexpr double degree = pi_d / 180;
+
+/// How a scanner is mounted against what the configuration says.
+struct MountError {
+  double yaw_deg = 0, x = 0, y = 0;
+};
+
+/// Two 270 degree scanners on the front corners of a vehicle; the right one may be mounted wrongly.
+struct Vehicle {
+  explicit Vehicle(const FlatWorld& surroundings, double range_noise = 0.01) : world(surroundings) {
+    for (const double side : {1.0, -1.0}) {
+      FlatScanner scanner;
+      scanner.at = {0, side};
+      scanner.yaw = side * 45 * degree;
+      scanner.increment = 0.5 * degree;
+      scanner.noise = range_noise;
+      configured.push_back(scanner);
+    }
+    settings.noise = std::max(range_noise, 0.001);
+  }
+
+  /// Looks from `begin` s on for `length` s, 25 sweeps a second; the state at the end.
+  const OverlapState& drive(const MountError& error, double begin, double length) {
+    for (double t = begin; t < begin + length; t += 0.04) {
+      for (std::size_t s = 0; s < 2; ++s) {
+        FlatScanner real = configured[s];
+        if (s == 1) {
+          real.yaw += error.yaw_deg * degree;
+          real.at += Eigen::Vector2d(error.x, error.y);
+        }
+        real.at.x() += speed * (t + 0.02 * static_cast<double>(s));
+        PlanarScan scan;
+        real.measure(world, rng, scan);
+        BeamRays rays;
+        rays.build(scan, configured[s].pose(), {}, {});
+        condition(scan, rays, settings, sweeps[s]);
+      }
+      const Stamp stamp{1'000'000'000 + static_cast<std::int64_t>(t * 1e9)};
+      if (overlap.is_due(stamp)) overlap.look(stamp, {&sweeps[0], &sweeps[1]}, {{0, 1}, {0, -1}}, deskewed);
+    }
+    return overlap.pairs().at(0);
+  }
+
+  FlatWorld world;
+  std::vector<FlatScanner> configured;
+  SourceSettings settings;
+  double speed = 0;  // m/s; the second scanner measures 20 ms after the first
+  bool deskewed = false;
+  sim::Rng rng{7};
+  PlacedScan sweeps[2];
+  MountCheck overlap{2};
+};
+
+/// The room of the paper on ira_laser_tools: 40 x 24 m, a box before the vehicle.
+FlatWorld paper_room() {
+  FlatWorld world;
+  world.add_box({0, 0}, {20, 12}, 0);
+  world.add_box({2.5, 0}, {0.5, 0.5}, 0);
+  return world;
+}
+
+void expect_correction(const OverlapState& state, const MountError& error) {
+  EXPECT_NEAR(state.correction[0] / degree, error.yaw_deg, 0.1);
+  EXPECT_NEAR(state.correction[1], error.x, 0.01);
+  EXPECT_NEAR(state.correction[2], error.y, 0.01);
+  EXPECT_TRUE(state.determined[0] && state.determined[1] && state.determined[2]);
+}
+
+TEST(MountCheck, ScannersMountedAsConfiguredAgree) {
+  for (const double noise : {0.0, 0.01, 0.02}) {
+    Vehicle vehicle(paper_room(), noise);
+    const OverlapState& state = vehicle.drive({}, 0, 5);
+    EXPECT_LT(std::abs(state.median), 0.002) << noise;
+    EXPECT_GE(state.beams, 50) << noise;
+    EXPECT_FALSE(state.misaligned) << noise;
+    expect_correction(state, {});
+  }
+}
+
+TEST(MountCheck, FindsAMountTurnedByHalfADegreeWithinTwoSeconds) {
+  for (const double noise : {0.0, 0.01, 0.02}) {
+    for (const double yaw : {0.5, -0.5}) {
+      Vehicle vehicle(paper_room(), noise);
+      const OverlapState& state = vehicle.drive({yaw, 0, 0}, 0, 2);
+      EXPECT_TRUE(state.misaligned) << noise << ' ' << yaw;
+      expect_correction(state, {yaw, 0, 0});
+    }
+  }
+}
+
+TEST(MountCheck, FindsAMountShiftedByFiveCentimetresWithinTwoSeconds) {
+  for (const MountError& error :
+       {MountError{0, 0.05, 0}, MountError{0, 0, -0.05}, MountError{0.4, -0.05, 0.05}}) {
+    Vehicle vehicle(paper_room());
+    const OverlapState& state = vehicle.drive(error, 0, 2);
+    EXPECT_TRUE(state.misaligned) << error.x << ' ' << error.y;
+    expect_correction(state, error);
+  }
+}
+
+TEST(MountCheck, NoticesAMountThatIsKnockedOnTheWay) {
+  Vehicle vehicle(paper_room());
+  EXPECT_FALSE(vehicle.drive({}, 0, 10).misaligned);
+  EXPECT_TRUE(vehicle.drive({1.0, 0, 0}, 10, 5).misaligned);
+  EXPECT_FALSE(vehicle.drive({}, 15, 20).misaligned);
+}
+
+TEST(MountCheck, MotionThatIsNotKnownIsNotTakenForAWrongMount) {
+  Vehicle vehicle(paper_room());
+  vehicle.speed = 1.5;
+  EXPECT_FALSE(vehicle.drive({}, 0, 4).misaligned);
+  EXPECT_EQ(vehicle.drive({}, 4, 0.1).beams, 0);
+  vehicle.speed = 0;
+  EXPECT_TRUE(vehicle.drive({0.5, 0, 0}, 5, 2).misaligned);
+}
+
+TEST(MountCheck, ComparesAlsoWhileDrivingOnceSweepsAreDeskewed) {
+  Vehicle vehicle(paper_room());
+  vehicle.deskewed = true;
+  expect_correction(vehicle.drive({0.5, 0, 0}, 0, 2), {0.5, 0, 0});
+}
+
+TEST(MountCheck, InACorridorItDoesNotGuessHowFarAlongOneIs) {
+  FlatWorld corridor;
+  corridor.add_wall({-60, 2}, {60, 2});
+  corridor.add_wall({-60, -2}, {60, -2});
+  Vehicle vehicle(corridor);
+  const OverlapState& state = vehicle.drive({0.5, 0.05, 0.05}, 0, 2);
+  EXPECT_TRUE(state.misaligned);
+  EXPECT_NEAR(state.correction[0] / degree, 0.5, 0.1);
+  EXPECT_TRUE(state.determined[0]);
+  EXPECT_FALSE(state.determined[1]);
+  EXPECT_TRUE(state.determined[2]);
+  EXPECT_NEAR(state.correction[2], 0.05, 0.01);
+  EXPECT_NEAR(state.correction[1], 0, 0.005);
+}
+
+TEST(MountCheck, SaysNothingWhereTheScannersHaveNothingInCommon) {
+  Vehicle vehicle(FlatWorld{});
+  const OverlapState& state = vehicle.drive({2, 0, 0}, 0, 1);
+  EXPECT_EQ(state.beams, 0);
+  EXPECT_FALSE(state.misaligned);
+}
+
+TEST(MountCheck, AWallThatOneScannerAloneSeesIsNotComparedWithTheOneBehindIt) {
+  // Each scanner has a box close in front of it that hides what the other one sees.
+  FlatWorld world;
+  world.add_box({0, 0}, {12, 10}, 0);
+  for (const double side : {1.0, -1.0}) world.add_box({1.2, side * 1.3}, {0.1, 0.4}, 0);
+  Vehicle vehicle(world);
+  const OverlapState& state = vehicle.drive({}, 0, 2);
+  EXPECT_FALSE(state.misaligned);
+  EXPECT_LT(std::abs(state.median), 0.002);
+}
+
+TEST(MountCheck, LooksFiveTimesASecondAndStartsAnewWhenTheInputDoes) {
+  MountCheck overlap(2);
+  const Stamp t{5'000'000'000};
+  EXPECT_TRUE(overlap.is_due(t));
+  overlap.look(t, {nullptr, nullptr}, {{0, 0}, {0, 0}}, false);
+  EXPECT_FALSE(overlap.is_due(t + std::chrono::milliseconds(199)));
+  EXPECT_TRUE(overlap.is_due(t + std::chrono::milliseconds(200)));
+  EXPECT_TRUE(overlap.is_due(t - std::chrono::seconds(2)));
+}
+
+TEST(MountCheck, DoesNotAllocateAfterItsFirstLook) {
+  Vehicle vehicle(paper_room());
+  vehicle.drive({}, 0, 0.3);
+  const std::vector<const PlacedScan*> sweeps = {&vehicle.sweeps[0], &vehicle.sweeps[1]};
+  const std::vector<Eigen::Vector2d> places = {{0, 1}, {0, -1}};
+  const Stamp later{9'000'000'000};
+  const auto before = test::allocations();
+  vehicle.overlap.look(later, sweeps, places, true);
+  EXPECT_EQ(test::allocations(), before);
+}
+
+}  // namespace
+}  // namespace lidard

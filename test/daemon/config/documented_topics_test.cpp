@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+// README and manual page name every topic that a sensor can have, and no other.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "daemon/config/output_topics.h"
+#include "drivers/registry/registry.h"
+#include "test/support/captures.h"
+
+namespace lidard {
+namespace {
+
+using Names = std::set<std::string>;
+
+std::string text_of(const std::string& file) {
+  std::stringstream text;
+  text << std::ifstream(test::project_file(file)).rdbuf();
+  EXPECT_GT(text.str().size(), 1000U) << file;
+  return text.str();
+}
+
+/// The last parts of the topics that a sensor of this model has with everything switched on.
+Names topics_of(const Model& model) {
+  SensorConfig sensor;
+  sensor.name = "s";
+  sensor.model = &model;
+  sensor.driver.publish_multiecho = true;
+  sensor.driver.requests.device_states = true;
+  if (model.level_ring != nullptr) sensor.ring_scan.emplace(), sensor.scan_topic = "s/scan";
+  Names names;
+  for (const OutputTopic& topic : sensor_topics(sensor)) names.insert(topic.info.name.substr(2));
+  return names;
+}
+
+Names all_topics() {
+  Names names;
+  for (const Model& model : models()) names.merge(topics_of(model));
+  return names;
+}
+
+Names found_in(const std::string& text, const std::regex& pattern) {
+  Names names;
+  for (std::sregex_iterator found(text.begin(), text.end(), pattern), end; found != end; ++found)
+    names.insert((*found)[1]);
+  return names;
+}
+
+TEST(DocumentedTopics, OfSensorsAreThoseThatTheModelsHave) {
+  const Names known = all_topics();
+  EXPECT_THAT(known, ::testing::IsSupersetOf({"scan", "points", "intrusion", "lferec", "imu", "status"}));
+  const std::string readme = text_of("README.md");
+  const std::string table = readme.substr(readme.find("\n## Topics\n"));
+  EXPECT_EQ(found_in(table.substr(0, table.find("\n\n", 20)), std::regex("`<sensor>/([a-z_]+)`")), known);
+  const std::string page = text_of("daemon/lidard.8");
+  const std::size_t begin = page.find("\n.SH TOPICS\n");
+  ASSERT_NE(begin, std::string::npos);
+  const std::string section = page.substr(begin, page.find("\n.SH ", begin + 1) - begin);
+  EXPECT_EQ(found_in(section, std::regex("NAME \"?/([a-z_]+)")), known);
+}
+
+TEST(DocumentedTopics, StatesOfAColaDeviceAreNotThereUnlessAskedFor) {
+  const auto names = [](const std::string& keys) {
+    const Config config =
+        parse_config("sensors: {s: {model: sick_lms1xx, ip_address: 192.168.0.1" + keys + "}}", "f");
+    Names topics;
+    for (const OutputTopic& topic : output_topics(config)) topics.insert(topic.info.name);
+    return topics;
+  };
+  EXPECT_EQ(names(""), Names{"s/scan"});
+  EXPECT_EQ(names(", publish_states: false"), Names{"s/scan"});
+  EXPECT_EQ(names(", publish_states: true"),
+            (Names{"s/encoder", "s/lferec", "s/lidinputstate", "s/lidoutputstate", "s/scan"}));
+}
+
+}  // namespace
+}  // namespace lidard

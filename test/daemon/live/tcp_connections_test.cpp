@@ -1,0 +1,293 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/live/tcp_connections.h"
+
+#include <arpa/inet.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "daemon/pipeline/transform_source.h"
+#include "test/daemon/live/live_bench.h"
+#include "test/support/starved.h"
+#include "test/support/tcp_peer.h"
+
+namespace lidard::test {
+namespace {
+
+using std::chrono::milliseconds;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using Clock = std::chrono::steady_clock;
+
+const IpAddress loopback = IpAddress::v4(127, 0, 0, 1);
+
+struct Bench : LiveBench {
+  explicit Bench(const Config& config, const TcpOptions& options = {})
+      : LiveBench(config, options), driver(*last_line_driver()) {}
+  LineDriver& driver;
+};
+
+struct TcpBench {
+  TcpPeer peer;
+  Model model = line_model(Transport::tcp, peer.port());
+  Bench b{config()};
+
+  Config config() const {
+    Config out;
+    out.sensors.push_back(line_sensor(model, "front", loopback));
+    return out;
+  }
+};
+
+TEST(TcpConnections, CarryADialogueAndAStreamToFrames) {
+  TcpBench t;
+  ASSERT_TRUE(t.b.until([&] { return t.b.driver.dialogues == 1 && t.peer.accept(); }));
+  ASSERT_TRUE(t.peer.send("scan\nsc"));
+  ASSERT_TRUE(t.peer.send("an\n"));
+  ASSERT_TRUE(t.b.until([&] { return t.b.sink.scans["front/scan"] == 2; }));
+  EXPECT_EQ(t.peer.read(), "hello\n");
+  EXPECT_EQ(t.b.links.summary(), "1 of 1 devices connected");
+  EXPECT_EQ(t.b.message(0), "connected");
+  const auto report = t.b.pipeline.report();
+  EXPECT_TRUE(report[0].seen);
+  EXPECT_EQ(report[0].link_trouble, "");
+}
+
+TEST(TcpConnections, SayWhyThereIsNoConnectionInTheSensorsDiagnosticsToo) {
+  TcpBench t;
+  ASSERT_TRUE(t.b.until([&] { return t.peer.accept(); }));
+  t.peer.stop_listening();
+  t.peer.close_client();
+  ASSERT_TRUE(t.b.until([&] { return !t.b.pipeline.report()[0].link_trouble.empty(); }));
+  t.b.run(milliseconds(300));
+  EXPECT_THAT(t.b.message(0), HasSubstr("refuses the connection"));
+  EXPECT_EQ(t.b.links.summary(), "0 of 1 devices connected");
+  const auto items = t.b.pipeline.diagnostics(wall_clock());
+  EXPECT_EQ(items[0].health, Health::error);
+  EXPECT_THAT(items[0].message, HasSubstr("refuses the connection"));
+}
+
+TEST(TcpConnections, BeginTheDialogueAnewAfterAResetAndForgetHalfALine) {
+  TcpBench t;
+  ASSERT_TRUE(t.b.until([&] { return t.b.driver.dialogues == 1 && t.peer.accept(); }));
+  ASSERT_TRUE(t.peer.send("scan\nhal"));
+  ASSERT_TRUE(t.b.until([&] { return t.b.sink.scans["front/scan"] == 1; }));
+  t.peer.reset_client();
+  ASSERT_TRUE(t.b.until([&] { return t.b.driver.dialogues == 2 && t.peer.accept(); }));
+  EXPECT_EQ(t.b.driver.ends, 1);
+  ASSERT_TRUE(t.peer.send("scan\n"));
+  ASSERT_TRUE(t.b.until([&] { return t.b.sink.scans["front/scan"] == 2; }));
+}
+
+TEST(TcpConnections, NoticeAStreamThatFellSilentWithinAboutASecond) {
+  TcpBench t;
+  ASSERT_TRUE(t.b.until([&] { return t.b.driver.dialogues == 1 && t.peer.accept(); }));
+  ASSERT_TRUE(t.peer.send("scan\n"));
+  ASSERT_TRUE(t.b.until([&] { return t.b.sink.scans["front/scan"] == 1; }));
+  const test::Starved starved;
+  const auto since = Clock::now();
+  ASSERT_TRUE(t.b.until([&] { return t.b.driver.ends == 1; }));
+  EXPECT_GT(Clock::now() - since, milliseconds(900));
+  EXPECT_LT(Clock::now() - since, milliseconds(1500) + starved.time());
+  EXPECT_THAT(t.b.message(0), HasSubstr("sent nothing for 1.0 s"));
+}
+
+TEST(TcpConnections, WaitLongerForTheFirstScanAfterAnAnswer) {
+  TcpBench t;
+  ASSERT_TRUE(t.b.until([&] { return t.b.driver.dialogues == 1 && t.peer.accept(); }));
+  ASSERT_TRUE(t.peer.send("starting\n"));
+  t.b.run(milliseconds(2500));
+  EXPECT_EQ(t.b.driver.ends, 0);
+}
+
+TEST(TcpConnections, OpenAConnectionAnewWhenTheDriverAsks) {
+  TcpBench t;
+  ASSERT_TRUE(t.b.until([&] { return t.b.driver.dialogues == 1 && t.peer.accept(); }));
+  ASSERT_TRUE(t.peer.send("refused\nignored"));
+  ASSERT_TRUE(t.b.until([&] { return t.b.driver.dialogues == 2 && t.peer.accept(); }));
+  EXPECT_THAT(t.b.driver.lines, ElementsAre("refused"));
+  EXPECT_EQ(t.b.driver.ends, 1);
+}
+
+TEST(TcpConnections, DialWhatStreamsOverUdpOnlyWhenItsDriverAsks) {
+  TcpPeer peer;
+  const Model model = line_model(Transport::udp, 6060, peer.port());
+  Config config;
+  config.sensors.push_back(line_sensor(model, "front", loopback));
+  Bench b(config);
+  b.run(milliseconds(100));
+  EXPECT_FALSE(peer.accept());
+  EXPECT_EQ(b.links.summary(), "");
+  Packet ask;
+  ask.payload = ByteView("ask");
+  ask.from = {loopback, 5000};
+  ask.to.port = 6060;
+  ask.arrival = wall_clock();
+  b.pipeline.packet(ask);
+  ASSERT_TRUE(b.until([&] { return b.driver.dialogues == 1 && peer.accept(); }));
+  ASSERT_TRUE(peer.send("done\n"));
+  ASSERT_TRUE(b.until([&] { return b.driver.ends == 1; }));
+  b.run(milliseconds(300));
+  EXPECT_FALSE(peer.accept());  // over
+  EXPECT_EQ(b.message(0), "not needed now");
+  b.pipeline.packet(ask);
+  EXPECT_TRUE(b.until([&] { return b.driver.dialogues == 2 && peer.accept(); }));
+}
+
+TEST(TcpConnections, DialTheSenderWhereNoAddressIsConfiguredAndNobodyInListenOnlyMode) {
+  for (const bool listen_only : {false, true}) {
+    TcpPeer peer;
+    const Model model = line_model(Transport::udp, 6060, peer.port());
+    Config config;
+    config.sensors.push_back(line_sensor(model, "front", loopback));
+    config.sensors[0].ip_address.reset();
+    config.sensors[0].driver.requests.listen_only = listen_only;
+    Bench b(config);
+    Packet ask;
+    ask.payload = ByteView("ask");
+    ask.from = {loopback, 5000};
+    ask.to.port = 6060;
+    ask.arrival = wall_clock();
+    b.pipeline.packet(ask);
+    b.run(milliseconds(100));
+    EXPECT_EQ(b.driver.dialogues, listen_only ? 0 : 1);
+  }
+}
+
+/// A sensor's stand-in that sends numbered datagrams over loopback.
+class Sender {
+ public:
+  explicit Sender(std::uint16_t port) : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {
+    to_.sin_family = AF_INET;
+    to_.sin_port = htons(port);
+    to_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  }
+  ~Sender() { close(fd_); }
+  Sender(const Sender&) = delete;
+  Sender& operator=(const Sender&) = delete;
+  void send() {
+    sendto(fd_, "data", 4, 0, reinterpret_cast<const sockaddr*>(&to_), sizeof to_);
+    ++sent;
+  }
+  std::uint64_t sent = 0;
+
+ private:
+  int fd_;
+  sockaddr_in to_{};
+};
+
+/// A UDP port that nobody uses now.
+std::uint16_t free_port() {
+  const int fd = socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in address{};
+  socklen_t size = sizeof address;
+  address.sin_family = AF_INET;
+  EXPECT_EQ(bind(fd, reinterpret_cast<const sockaddr*>(&address), size), 0);
+  EXPECT_EQ(getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size), 0);
+  close(fd);
+  return ntohs(address.sin_port);
+}
+
+std::size_t open_files() {
+  const std::filesystem::directory_iterator files("/proc/self/fd");
+  return static_cast<std::size_t>(std::distance(begin(files), end(files)));
+}
+/// Resident memory in kB.
+long resident() {
+  std::ifstream file("/proc/self/statm");
+  long all = 0, pages = 0;
+  file >> all >> pages;
+  return pages * sysconf(_SC_PAGESIZE) / 1024;
+}
+
+TEST(TcpConnections, LoseNothingOfOtherSensorsAndLeakNothingWhileOneDisconnectsAThousandTimes) {
+  TcpPeer peer;
+  const Model planar = line_model(Transport::tcp, peer.port());
+  const Model other = line_model(Transport::udp, free_port());
+  Config config;
+  config.sensors.push_back(line_sensor(planar, "front", loopback));
+  config.sensors.push_back(line_sensor(other, "rear", loopback));
+  TcpOptions options;
+  options.first_retry = options.last_retry = milliseconds(0);
+  Bench b(config, options);
+  Sender sender(other.port);
+  const auto turn = [&] {
+    sender.send();
+    b.io.restart();
+    b.io.run_for(milliseconds(1));
+  };
+  long memory = 0;
+  std::size_t files = 0;
+  for (int i = 1; i <= 1100; ++i) {
+    const auto limit = Clock::now() + std::chrono::seconds(20);
+    while (!peer.accept()) {
+      ASSERT_LT(Clock::now(), limit) << i;
+      turn();
+    }
+    if (i == 100) memory = resident(), files = open_files();
+    ASSERT_TRUE(peer.send("scan\nhalf"));
+    while (b.pipeline.frames(0) < static_cast<std::uint64_t>(i)) {
+      ASSERT_LT(Clock::now(), limit) << i;
+      turn();
+    }
+    if (i % 100 == 0) b.pipeline.tick(wall_clock());
+    i % 2 == 0 ? peer.reset_client() : peer.close_client();
+  }
+  b.run(milliseconds(100));
+  EXPECT_EQ(b.sink.scans["front/scan"], 1100);
+  EXPECT_EQ(b.pipeline.report()[1].counters.packets, sender.sent);
+  EXPECT_LE(open_files(), files);
+  EXPECT_LE(resident() - memory, 512);
+}
+
+Packet chunk(std::string_view bytes, const Endpoint& from, const Endpoint& to, bool start = false) {
+  Packet out;
+  out.payload = ByteView(bytes);
+  out.transport = Transport::tcp;
+  out.from = from;
+  out.to = to;
+  out.stream_start = start;
+  return out;
+}
+
+TEST(PipelineOfConnections, TakesWhatTheDeviceSentOutOfACaptureAndNothingElse) {
+  const Model model = line_model(Transport::tcp, 2112);
+  Config config;
+  const Endpoint device{IpAddress::v4(192, 168, 0, 1), 2112}, host{IpAddress::v4(192, 168, 0, 9), 40000};
+  const Endpoint other{IpAddress::v4(192, 168, 0, 2), 2112}, web{IpAddress::v4(192, 168, 0, 2), 80};
+  config.sensors.push_back(line_sensor(model, "front", device.address));
+  NoTransforms poses;
+  CountingSink sink;
+  Pipeline pipeline(config, poses, sink);
+  pipeline.packet(chunk("hello\n", host, device, true));
+  pipeline.packet(chunk("scan\nsc", device, host, true));
+  pipeline.packet(chunk("scan\n", other, host, true));
+  pipeline.packet(chunk("GET", web, host, true));
+  pipeline.packet(chunk("an\n", device, host));
+  EXPECT_EQ(sink.scans["front/scan"], 2);
+  EXPECT_THAT(pipeline.unclaimed_senders(), ElementsAre("192.168.0.2:2112 over TCP (1 packets)"));
+}
+
+TEST(PipelineOfConnections, NeverMixesTwoConnectionsToOneDevice) {
+  const Model model = line_model(Transport::tcp, 2112);
+  Config config;
+  const Endpoint device{IpAddress::v4(192, 168, 0, 1), 2112};
+  const Endpoint first{IpAddress::v4(192, 168, 0, 9), 1}, second{IpAddress::v4(192, 168, 0, 9), 2};
+  config.sensors.push_back(line_sensor(model, "front", device.address));
+  NoTransforms poses;
+  CountingSink sink;
+  Pipeline pipeline(config, poses, sink);
+  pipeline.packet(chunk("scan\nsc", device, first, true));
+  pipeline.packet(chunk("scan\nsca", device, second, true));
+  pipeline.packet(chunk("an\nscan\n", device, first));
+  pipeline.packet(chunk("n\n", device, second));
+  EXPECT_THAT(last_line_driver()->lines, ElementsAre("scan", "scan", "scan"));
+}
+
+}  // namespace
+}  // namespace lidard::test
