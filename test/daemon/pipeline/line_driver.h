@@ -7,6 +7,7 @@
 
 #include "daemon/pipeline/pipeline.h"
 #include "drivers/registry/registry.h"
+#include "test/support/recording_sink.h"
 
 namespace lidard::test {
 
@@ -93,15 +94,5 @@ inline SensorConfig line_sensor(const Model& model, const std::string& name, con
   sensor.ip_port = model.port;
   return sensor;
 }
-
-/// Counts scans by topic.
-class CountingSink final : public FrameSink {
- public:
-  void scan(const std::string& topic, const PlanarScan&, Stamp) override { ++scans[topic]; }
-  void cloud(const std::string&, Cloud&, Stamp) override {}
-  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
-  void diagnostics(const std::vector<DiagnosticItem>&, Stamp) override {}
-  std::map<std::string, int> scans;
-};
 
 }  // namespace lidard::test
