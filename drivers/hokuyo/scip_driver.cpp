@@ -58,7 +58,9 @@ class ScipDriver final : public Driver, private ScipDialogue::Owner {
   void note_parameters(const ScipMessage& message);
   void note_information(const ScipMessage& message);
   void note_serial(std::string_view serial);
-  void set_detail(std::string_view key, std::string_view value);
+  void detail(std::string_view key, std::string_view value) {
+    set_detail(info_.details, std::string(key), std::string(value));
+  }
   Reject publish(const ScipMessage& message, const ScipScanRequest& request, Stamp arrival,
                  DriverOutput& out);
   bool take_geometry(const ScipScanRequest& request);
@@ -123,7 +125,7 @@ void ScipDriver::tick(Stamp now, DriverOutput& out) {
   if (const auto delay = clock_.measured_delay()) {
     std::array<char, 48> text{};
     std::snprintf(text.data(), text.size(), "%.3f ms after the last beam", seconds(*delay) * 1e3);
-    set_detail("Computed Latency", text.data());
+    detail("Computed Latency", text.data());
   }
 }
 
@@ -189,23 +191,14 @@ void ScipDriver::note_fit(Reject reason, Stamp arrival, DriverOutput& out) {
   dialogue_.reexamine(arrival, out);
 }
 
-void ScipDriver::set_detail(std::string_view key, std::string_view value) {
-  for (auto& detail : info_.details) {
-    if (detail.first != key) continue;
-    if (detail.second != value) detail.second = value;
-    return;
-  }
-  info_.details.emplace_back(key, value);
-}
-
 // Checksums of these lines do not matter: URG-04LX firmware sends a wrong one for the serial number.
 void ScipDriver::note_version(const ScipMessage& message) {
   for_each_entry(message.body, [this](std::string_view key, std::string_view value, bool) {
-    if (key == "VEND") set_detail("Vendor Name", value);
-    if (key == "PROT") set_detail("Protocol Version", value);
+    if (key == "VEND") detail("Vendor Name", value);
+    if (key == "PROT") detail("Protocol Version", value);
     if (key == "SERI") note_serial(value);
-    if (key == "FIRM") set_detail("Firmware Version", firmware_ = value);
-    if (key == "PROD") set_detail("Product Name", product_ = value);
+    if (key == "FIRM") detail("Firmware Version", firmware_ = value);
+    if (key == "PROD") detail("Product Name", product_ = value);
   });
 }
 
@@ -214,7 +207,7 @@ void ScipDriver::note_serial(std::string_view serial) {
     board_.set(ScipTrouble::device, "sensor " + info_.serial + " was replaced by sensor " +
                                         std::string(serial) + "; check its pose");
   info_.serial = serial;
-  set_detail("Device ID", serial);
+  detail("Device ID", serial);
 }
 
 void ScipDriver::note_parameters(const ScipMessage& message) {
@@ -230,7 +223,7 @@ void ScipDriver::note_parameters(const ScipMessage& message) {
   }
   board_.clear(ScipTrouble::parameters);
   parameters_ = read;
-  if (product_.empty()) set_detail("Product Name", product);
+  if (product_.empty()) detail("Product Name", product);
   product_ = product;
   board_.clear(ScipTrouble::model);
   if (!row_.any && product.compare(0, row_.product.size(), row_.product) != 0)
@@ -244,7 +237,7 @@ void ScipDriver::note_information(const ScipMessage& message) {
       {{"LASR", "Laser"}, {"SCSP", "Scan speed"}, {"MESM", "Measurement mode"}, {"STAT", "Device Status"}}};
   for_each_entry(message.body, [this, &shown](std::string_view key, std::string_view value, bool) {
     for (const auto& [name, label] : shown) {
-      if (name == key) set_detail(label, value);
+      if (name == key) detail(label, value);
     }
   });
 }
