@@ -84,7 +84,7 @@ void describe_health(const SensorHealth& health, DeviceInfo& info) {
 }  // namespace
 
 TelemetryReceiver::TelemetryReceiver(const DriverConfig& config)
-    : has_imu_(config.model != nullptr && config.model->has_imu),
+    : has_imu_(config.model != nullptr && config.model->has(Trait::imu)),
       time_offset_(config.time_offset),
       clock_(config.clock) {
   fix_.frame_id = imu_.frame_id = config.frame_id;
