@@ -4,8 +4,6 @@
 
 #include <utility>
 
-#include "daemon/config/config_parts.h"
-
 namespace lidard {
 namespace {
 
@@ -31,11 +29,11 @@ void add_told(const SensorConfig& sensor, std::vector<OutputTopic>& topics) {
   const auto add = [&](std::string_view name, TopicKind kind) {
     topics.push_back({{sensor.name + "/" + std::string(name), kind}, false});
   };
-  if (sensor.model->has_gnss()) {
+  if (sensor.model->has(Trait::gnss)) {
     add("fix", TopicKind::fix);
     add("time_reference", TopicKind::time_reference);
   }
-  if (sensor.model->has_imu) add("imu", TopicKind::imu);
+  if (sensor.model->has(Trait::imu)) add("imu", TopicKind::imu);
   if (publishes_states(sensor))
     for (const auto name : sensor.model->state_topics) add(name, TopicKind::state);
   for (const auto name : sensor.model->extra_scans) add(name, TopicKind::scan);
@@ -51,7 +49,7 @@ TopicInfo frame_topic(const SensorConfig& sensor) {
 
 bool publishes_states(const SensorConfig& sensor) {
   // A CoLa device is asked for them; captures may hold what somebody else asked it for.
-  return !speaks_cola(*sensor.model) || sensor.driver.requests.device_states;
+  return !sensor.model->has(Trait::states_on_request) || sensor.driver.requests.device_states;
 }
 
 std::vector<OutputTopic> sensor_topics(const SensorConfig& sensor) {
@@ -59,7 +57,7 @@ std::vector<OutputTopic> sensor_topics(const SensorConfig& sensor) {
   if (sensor.model == nullptr) return topics;
   topics.push_back({frame_topic(sensor), true});
   if (sensor.ring_scan) topics.push_back({{sensor.scan_topic, TopicKind::scan}, true});
-  if (sensor.model->has_echoes && sensor.driver.publish_multiecho)
+  if (sensor.model->has(Trait::echoes) && sensor.driver.publish_multiecho)
     topics.push_back({{sensor.name + "/echoes", TopicKind::echoes}, true});
   add_told(sensor, topics);
   return topics;

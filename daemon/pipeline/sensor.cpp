@@ -45,7 +45,8 @@ Sensor::Sensor(const SensorConfig& sensor, std::size_t place, LineOwner& line_ow
   imu_topic = config.name + "/imu";
   if (config.model == nullptr) return;
   if (config.ring_scan) ring_scan.emplace(*config.ring_scan);
-  if (config.model->has_echoes && config.driver.publish_multiecho) echoes_topic = config.name + "/echoes";
+  if (config.model->has(Trait::echoes) && config.driver.publish_multiecho)
+    echoes_topic = config.name + "/echoes";
   if (publishes_states(config))
     for (const auto name : config.model->state_topics) named_topics[name] = topic_below(config, name);
   for (const auto name : config.model->extra_scans) named_topics[name] = topic_below(config, name);

@@ -15,8 +15,6 @@
 namespace lidard::hokuyo {
 namespace {
 
-constexpr double rad_per_deg = 3.14159265358979323846 / 180;
-
 /// One way to ask for distances.
 struct UamRow {
   std::string_view start;   ///< command of the endless stream
@@ -207,11 +205,7 @@ void UamDriver::take_version(std::string_view frame) {
                                         std::string(field) + "; check its pose and its areas");
       info_.serial = field;
     }
-    bool found = false;
-    for (auto& detail : info_.details) {
-      if (detail.first == key) detail.second = field, found = true;
-    }
-    if (!found) info_.details.emplace_back(key, field);
+    info_.set(key, field);
   }
 }
 
@@ -266,19 +260,14 @@ Reject UamDriver::fill(std::string_view frame) {
     const std::size_t at = uam_distances_at + 4 * (first_beam_ + i);
     const auto value = uam_number(frame, at, 4);
     if (!value) return Reject::field;
-    const auto range = static_cast<float>(*value * 1e-3);
     if (*value == no_object) {
       scan_.set_without_hit(i, BeamStatus::none);
     } else if (*value == too_near) {
       scan_.set_without_hit(i, BeamStatus::near);
     } else if (*value >= first_code) {
       scan_.set_without_hit(i, BeamStatus::invalid);
-    } else if (range < scan_.range_min) {
-      scan_.set_without_hit(i, BeamStatus::near);
-    } else if (range > scan_.range_max) {
-      scan_.set_without_hit(i, BeamStatus::none);
     } else {
-      scan_.set_hit(i, range);
+      scan_.set_measured(i, static_cast<float>(*value * 1e-3));
     }
     if (!with_intensities) continue;
     const auto intensity = uam_number(frame, at + 4 * row_.beams, 4);
@@ -337,23 +326,22 @@ constexpr UamRow with_intensity = {"AR04", "AR01", 1081, 0.25, true};
 constexpr UamRow fine = {"AR07", "AR06", 2161, 0.125, false};
 
 Model scanner(const char* name, const char* product, const UamRow& row, const char* verified) {
-  Model model = {name,
-                 "Hokuyo",
-                 product,
-                 "UAM AR",
-                 FrameKind::scan,
-                 Transport::tcp,
-                 10940,
-                 0,
-                 1 / turn_s,
-                 turn_s,
-                 0.05,                     // unverified
-                 (first_code - 1) * 1e-3,  // what the wire can say
-                 row.beams,
-                 verified,
-                 &row,
-                 make_uam_driver};
+  Model model;
+  model.name = name;
+  model.vendor = "Hokuyo";
+  model.product = product;
+  model.protocol = "UAM AR";
+  model.verified = verified;
+  model.transport = Transport::tcp;
+  model.port = 10940;
+  model.packets_per_s = 1 / turn_s;
+  model.frame_period = turn_s;
+  model.range_min = 0.05;                     // unverified
+  model.range_max = (first_code - 1) * 1e-3;  // what the wire can say
+  model.beams = row.beams;
   model.state_topics = {"status"};
+  model.row = &row;
+  model.make = make_uam_driver;
   return model;
 }
 

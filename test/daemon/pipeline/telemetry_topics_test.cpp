@@ -46,7 +46,9 @@ class TellingDriver final : public Driver {
 Model telling_model(std::uint16_t telemetry_port, bool has_imu) {
   Model model = *find_model("velodyne_vlp16");
   model.telemetry_port = telemetry_port;
-  model.has_imu = has_imu;
+  model.traits = {};
+  if (telemetry_port != 0) model.traits.add(Trait::gnss);
+  if (has_imu) model.traits.add(Trait::imu);
   model.make = [](const DriverConfig& config) -> std::unique_ptr<Driver> {
     return std::make_unique<TellingDriver>(config);
   };
@@ -112,7 +114,7 @@ TEST(TelemetryTopics, CarryWhatTheDriverTellsAtTheTimeOfItsPacket) {
 TEST(TelemetryTopics, CarryStatesEchoesAndFurtherScans) {
   Model model = telling_model(0, false);
   model.kind = FrameKind::scan;
-  model.has_echoes = true;
+  model.traits.add(Trait::echoes);
   model.state_topics = {"outputs"};
   model.extra_scans = {"intrusion"};
   Config config = config_with(model);
@@ -132,7 +134,7 @@ TEST(TelemetryTopics, CarryStatesEchoesAndFurtherScans) {
 TEST(TelemetryTopics, CarryNoStatesOfAColaDeviceThatWasNotAskedForThem) {
   Model model = telling_model(0, false);
   model.kind = FrameKind::scan;
-  model.protocol = find_model("sick_lms1xx")->protocol;
+  model.traits.add(Trait::states_on_request);
   model.state_topics = {"outputs"};
   model.extra_scans = {"intrusion"};
   for (const bool wanted : {false, true}) {

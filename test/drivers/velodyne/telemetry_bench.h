@@ -49,7 +49,7 @@ class TelemetryBench final : public DriverOutput {
  public:
   explicit TelemetryBench(bool with_imu = false, ClockMode clock = ClockMode::arrival) {
     model = *find_model("velodyne_vlp16");
-    model.has_imu = with_imu;
+    model.traits = with_imu ? Traits{Trait::gnss, Trait::imu} : Traits{Trait::gnss};
     DriverConfig config;
     config.model = &model;
     config.frame_id = "roof";
