@@ -24,6 +24,7 @@
 #include "daemon/ros/ros_motion.h"
 #include "daemon/ros/ros_reconfigure.h"
 #include "daemon/ros/tf_poses.h"
+#include "drivers/net/wall_clock.h"
 
 namespace lidard {
 namespace {
@@ -35,11 +36,6 @@ constexpr int ticks_per_summary = 100;
 constexpr Span longest_report_age = std::chrono::seconds(2);
 /// Threads that live make ten rounds per second.
 constexpr auto longest_round = std::chrono::seconds(1);
-
-Stamp wall_clock() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return Stamp{std::chrono::duration_cast<std::chrono::nanoseconds>(now).count()};
-}
 
 /// Figures alone are no news.
 std::string without_figures(std::string text) {

@@ -343,8 +343,7 @@ bool Pipeline::Impl::rebuild(std::vector<std::unique_ptr<Output>>& outputs, cons
 }
 
 std::string Pipeline::set_output(const OutputId& output, const OutputScanConfig& wanted) {
-  std::string complaint;
-  if (!make_grid(wanted.grid, complaint)) return complaint;
+  if (const auto grid = make_grid(wanted.grid); !grid) return grid.reason();
   const bool found = output.kind == OutputId::Kind::merged
                          ? impl_->rebuild(impl_->merged, output.entry, wanted)
                          : impl_->rebuild(impl_->virtuals, output.entry, wanted);

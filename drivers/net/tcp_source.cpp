@@ -8,10 +8,11 @@
 #include <boost/asio/steady_timer.hpp>
 #include <cerrno>
 #include <chrono>
-#include <cstdio>
 #include <vector>
 
+#include "core/base/number_text.h"
 #include "drivers/net/tcp_socket.h"
+#include "drivers/net/wall_clock.h"
 
 namespace lidard {
 namespace {
@@ -49,10 +50,6 @@ Endpoint from_asio(const tcp::endpoint& endpoint) {
     std::copy(raw.begin(), raw.end(), out.address.bytes.begin());
   }
   return out;
-}
-
-Stamp wall_clock() {
-  return Stamp{std::chrono::duration_cast<Span>(std::chrono::system_clock::now().time_since_epoch()).count()};
 }
 
 }  // namespace
@@ -253,9 +250,7 @@ void TcpSource::Impl::check_silence() {
   const auto quiet = Clock::now() - last_byte_;
   if (quiet < options_.read_time_out) return watch_silence();
   ++stats_.silences;
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f", seconds(options_.read_time_out));
-  fail(options_.device.to_string() + " sent nothing for " + text +
+  fail(options_.device.to_string() + " sent nothing for " + printed("%.1f", seconds(options_.read_time_out)) +
        " s; is it still starting, or has it lost power or cable? the connection is opened again");
 }
 

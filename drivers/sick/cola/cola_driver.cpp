@@ -39,8 +39,8 @@ class ColaDriver final : public Driver {
         row_(*static_cast<const ColaRow*>(config.model->row)),
         stream_(counters_),
         clock_(config.clock),
-        planar_(config, row_),
-        layers_(config, row_, counters_),
+        planar_(config_, row_),
+        layers_(config_, row_, counters_),
         states_(config),
         dialogue_(config, row_) {}
 
@@ -104,8 +104,8 @@ void ColaDriver::show_info() {
                    {"Product Name", std::string(config_.model->product)},
                    {"Dialect", dialect_ == ColaDialect::a ? "CoLa A" : "CoLa B"}};
   if (!name_.empty()) info_.details.emplace_back("Device name", name_);
-  for (const auto& each : dialogue_.details()) info_.details.push_back(each);
-  info_.warnings = dialogue_.warnings();
+  for (const auto& each : dialogue_.info().details) info_.details.push_back(each);
+  info_.warnings = dialogue_.info().warnings;
   for (const std::string& each : warnings_) {
     if (!each.empty()) info_.warnings.push_back(each);
   }

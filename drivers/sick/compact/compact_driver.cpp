@@ -107,7 +107,7 @@ Reject CompactDriver::receive(const Packet& packet, DriverOutput& out) {
 
 void CompactDriver::note_dialogue() {
   warnings_.set(SegmentTrouble::dialogue, dialogue_.warning());
-  if (!dialogue_.data_output().empty()) set_detail(info_.details, "Data Output", dialogue_.data_output());
+  if (!dialogue_.data_output().empty()) info_.set("Data Output", dialogue_.data_output());
 }
 
 Reject CompactDriver::receive_datagram(const Packet& packet, DriverOutput& out) {
@@ -300,8 +300,8 @@ bool CompactDriver::is_ours(std::uint32_t sender, Stamp arrival) {
 void CompactDriver::note_format() {
   if (segment_.version == told_version_) return;
   told_version_ = segment_.version;
-  set_detail(info_.details, "Scan Data Format",
-             told_version_ == 0 ? "MSGPACK" : "Compact, version " + std::to_string(told_version_));
+  info_.set("Scan Data Format",
+            told_version_ == 0 ? "MSGPACK" : "Compact, version " + std::to_string(told_version_));
 }
 
 /// Host time of what an inertial unit or encoder measured. Their device time is the scans'; it is taken for

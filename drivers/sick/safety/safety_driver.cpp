@@ -21,7 +21,6 @@
 namespace lidard::sick {
 namespace {
 
-constexpr double rad_per_deg = 3.14159265358979323846 / 180;
 /// After such a silence another device or channel may take over, and sequence numbers may start again.
 constexpr Span silence = std::chrono::seconds(1);
 /// Data sets that come so little too late were overtaken; anything older is a restart of the device.
@@ -124,7 +123,7 @@ void SafetyDriver::warn(Warning what, bool active, MakeText&& make_text) {
 }
 
 void SafetyDriver::list_warnings() {
-  info_.warnings = dialogue_.warnings();
+  info_.warnings = dialogue_.info().warnings;
   for (const std::string& each : warnings_) {
     if (!each.empty()) info_.warnings.push_back(each);
   }
@@ -139,7 +138,7 @@ void SafetyDriver::tick(Stamp now, DriverOutput& out) {
 void SafetyDriver::note_dialogue() {
   if (dialogue_.version() == dialogue_version_) return;
   dialogue_version_ = dialogue_.version();
-  if (info_.serial.empty()) info_.serial = dialogue_.serial();
+  if (info_.serial.empty()) info_.serial = dialogue_.info().serial;
   list_details();
   list_warnings();
 }
@@ -257,7 +256,7 @@ void SafetyDriver::note_status() {
 
 void SafetyDriver::list_details() {
   info_.details.resize(own_details_);
-  for (const auto& detail : dialogue_.details()) info_.details.push_back(detail);
+  for (const auto& detail : dialogue_.info().details) info_.details.push_back(detail);
   if (!status_known_) return;
   for (auto& detail : describe(status_)) info_.details.push_back(std::move(detail));
 }
@@ -347,15 +346,11 @@ void SafetyDriver::fill() {
     const auto range = static_cast<float>(beam.distance * metres);
     if (status != BeamStatus::hit) {
       scan_.set_without_hit(i, status);
-    } else if (range < scan_.range_min) {
-      scan_.set_without_hit(i, BeamStatus::near);
-    } else if (range > scan_.range_max) {
-      scan_.set_without_hit(i, BeamStatus::none);
-      // A device of that range may overshoot its end a little.
-      if (range > 1.05F * scan_.range_max) beyond_range_m_ = std::max<double>(beyond_range_m_, range);
-    } else {
-      scan_.set_hit(i, range);
+      continue;
     }
+    scan_.set_measured(i, range);
+    // A device of that range may overshoot its end a little.
+    if (range > 1.05F * scan_.range_max) beyond_range_m_ = std::max<double>(beyond_range_m_, range);
   }
 }
 

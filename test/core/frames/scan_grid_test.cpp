@@ -12,10 +12,9 @@ namespace {
 constexpr double pi = 3.14159265358979323846;
 
 ScanGrid grid_of(const ScanGridSpec& spec) {
-  std::string error;
-  const auto grid = make_grid(spec, error);
-  EXPECT_TRUE(grid.has_value()) << error;
-  return grid.value_or(ScanGrid{});
+  const auto grid = make_grid(spec);
+  EXPECT_TRUE(grid) << grid.reason();
+  return grid ? *grid : ScanGrid{};
 }
 
 /// The count that slam_toolbox (noetic, laser_utils.cpp and Karto.h) expects of a scan, in its own float
@@ -106,9 +105,9 @@ TEST(ScanGrid, SaysWhatIsWrong) {
   const auto error_of = [](auto change) {
     ScanGridSpec spec;
     change(spec);
-    std::string error;
-    EXPECT_FALSE(make_grid(spec, error).has_value());
-    return error;
+    const auto grid = make_grid(spec);
+    EXPECT_FALSE(grid);
+    return grid.reason();
   };
   EXPECT_NE(error_of([](auto& s) { s.angle_increment = 0; }).find("angle_increment"), std::string::npos);
   EXPECT_NE(error_of([](auto& s) { s.angle_increment = 1e-9; }).find("increments"), std::string::npos);
