@@ -44,7 +44,7 @@ Model scanner(std::string_view name, const char* product, const ScipRow& row, bo
           tested,
           &row,
           make_scip_driver,
-          false,
+          {},
           has_echoes};
 }
 

@@ -142,9 +142,11 @@ Model spinning(const char* name, const char* product, const ModelRow& row, doubl
       row.lasers,
       verified,
       &row,
-      &make_driver,
-      row.without_factory_bytes != nullptr};  // only the HDL-32E has an IMU
-  model.has_confidence = row.banks == 4;      // return mode 0x3B of the VLS-128
+      &make_driver};
+  if (model.telemetry_port != 0) model.messages = {message_topic<GnssFix>(), message_topic<TimeReference>()};
+  const bool has_imu = row.without_factory_bytes != nullptr;  // only the HDL-32E
+  if (has_imu) model.messages.push_back(message_topic<ImuSample>());
+  model.has_confidence = row.banks == 4;  // return mode 0x3B of the VLS-128
   model.level_ring = &level_ring;
   return model;
 }

@@ -91,7 +91,8 @@ Model model_of(const Facts& facts) {
   model.row = facts.row;
   model.make = make_cola_driver;
   model.has_echoes = facts.has_echoes && !facts.row->layered;
-  model.state_topics = {topic_fields, topic_outputs, topic_inputs, topic_encoder};
+  for (const std::string_view topic : {topic_fields, topic_outputs, topic_inputs, topic_encoder})
+    model.messages.push_back(message_topic<DeviceState>(topic));
   return model;
 }
 

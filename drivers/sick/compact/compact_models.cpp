@@ -26,12 +26,12 @@ Model udp_model(const Product& p) {
   Model model{p.name,    "SICK",     p.product,       "Compact or MSGPACK", p.kind,      Transport::udp,
               scan_port, imu_port,   p.packets_per_s, p.frame_period,       p.range_min, p.range_max,
               p.layers,  p.verified, nullptr,         make_compact_driver};
-  model.has_imu = true;
+  model.messages = {message_topic<ImuSample>()};
   model.telemetry_is_imu = true;
   model.has_echoes = p.kind == FrameKind::scan;
   model.dialogue_port = sopas_port;
   if (p.kind == FrameKind::scan) {
-    model.state_topics = {"encoder"};
+    model.messages.push_back(message_topic<DeviceState>("encoder"));
     model.extra_scans = {"reflectors"};
   }
   return model;

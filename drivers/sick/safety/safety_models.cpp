@@ -28,7 +28,8 @@ Model scanner(const char* name, const char* product, double frame_period, double
               usual_port, 0,        highest_rate, frame_period,      range_min,       range_max,
               0,          verified, &safety_row,  make_safety_driver};
   model.dialogue_port = settings_port;
-  model.state_topics = {safety_topic::system_state, safety_topic::output_paths};
+  model.messages = {message_topic<DeviceState>(safety_topic::system_state),
+                    message_topic<DeviceState>(safety_topic::output_paths)};
   model.extra_scans = {safety_topic::intrusion, safety_topic::beam_status};
   return model;
 }
