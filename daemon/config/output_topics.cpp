@@ -5,8 +5,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "daemon/config/config_parts.h"
-
 namespace lidard {
 namespace {
 
@@ -29,7 +27,7 @@ void add_virtual(const VirtualScanConfig& group, std::vector<OutputTopic>& topic
 /// True if the states of the device (inputs, outputs, fields) are published.
 bool publishes_states(const SensorConfig& sensor) {
   // A CoLa device is asked for them; captures may hold what somebody else asked it for.
-  return !speaks_cola(*sensor.model) || sensor.driver.requests.device_states;
+  return !sensor.model->has(Trait::states_on_request) || sensor.driver.requests.device_states;
 }
 
 /// What the device tells beside its frames.
@@ -56,7 +54,7 @@ std::vector<OutputTopic> sensor_topics(const SensorConfig& sensor) {
   if (sensor.model == nullptr) return topics;
   topics.push_back(frame_topic(sensor));
   if (sensor.ring_scan) topics.push_back({sensor.scan_topic, TopicKind::scan});
-  if (sensor.model->has_echoes && sensor.driver.publish_multiecho)
+  if (sensor.model->has(Trait::echoes) && sensor.driver.publish_multiecho)
     topics.push_back({sensor.name + "/echoes", TopicKind::echoes});
   add_told(sensor, topics);
   return topics;

@@ -337,23 +337,22 @@ constexpr UamRow with_intensity = {"AR04", "AR01", 1081, 0.25, true};
 constexpr UamRow fine = {"AR07", "AR06", 2161, 0.125, false};
 
 Model scanner(const char* name, const char* product, const UamRow& row, const char* verified) {
-  Model model = {name,
-                 "Hokuyo",
-                 product,
-                 "UAM AR",
-                 FrameKind::scan,
-                 Transport::tcp,
-                 10940,
-                 0,
-                 1 / turn_s,
-                 turn_s,
-                 0.05,                     // unverified
-                 (first_code - 1) * 1e-3,  // what the wire can say
-                 row.beams,
-                 verified,
-                 &row,
-                 make_uam_driver};
+  Model model;
+  model.name = name;
+  model.vendor = "Hokuyo";
+  model.product = product;
+  model.protocol = "UAM AR";
+  model.verified = verified;
+  model.transport = Transport::tcp;
+  model.port = 10940;
+  model.packets_per_s = 1 / turn_s;
+  model.frame_period = turn_s;
+  model.range_min = 0.05;                     // unverified
+  model.range_max = (first_code - 1) * 1e-3;  // what the wire can say
+  model.beams = row.beams;
   model.messages = {message_topic<DeviceState>("status")};
+  model.row = &row;
+  model.make = make_uam_driver;
   return model;
 }
 

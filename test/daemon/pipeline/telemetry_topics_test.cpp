@@ -130,7 +130,7 @@ TEST(TelemetryTopics, CarryWhatTheDriverTellsAtTheTimeOfItsPacket) {
 TEST(TelemetryTopics, CarryStatesEchoesAndFurtherScans) {
   Model model = telling_model(0, false);
   model.kind = FrameKind::scan;
-  model.has_echoes = true;
+  model.traits.add(Trait::echoes);
   model.messages = {message_topic<DeviceState>("outputs")};
   model.extra_scans = {"intrusion"};
   Config config = config_with(model);
@@ -150,7 +150,7 @@ TEST(TelemetryTopics, CarryStatesEchoesAndFurtherScans) {
 TEST(TelemetryTopics, CarryNoStatesOfAColaDeviceThatWasNotAskedForThem) {
   Model model = telling_model(0, false);
   model.kind = FrameKind::scan;
-  model.protocol = find_model("sick_lms1xx")->protocol;
+  model.traits.add(Trait::states_on_request);
   model.messages = {message_topic<DeviceState>("outputs")};
   model.extra_scans = {"intrusion"};
   for (const bool wanted : {false, true}) {
