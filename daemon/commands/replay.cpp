@@ -81,7 +81,7 @@ struct Replay {
   }
 
   int into_bag() {
-    BagSink sink(options.bag, pipeline_topics(config));
+    BagSink sink(options.bag);
     bool complete = false;
     if (options.motion.empty()) {
       NoTransforms poses;
@@ -106,7 +106,7 @@ struct Replay {
     RosOptions ros;
     ros.node_name = options.node_name;
     ros.remappings = options.ros_arguments;
-    ros.topics = pipeline_topics(config);
+    ros.topics = output_topics(config);
     ros.backpressure = Backpressure::block;
     ros.clock = options.clock;
     RosLink link(ros);

@@ -161,7 +161,7 @@ class Daemon {
     RosOptions options;
     options.node_name = how.node_name;
     options.remappings = how.ros_arguments;
-    options.topics = pipeline_topics(config);
+    options.topics = output_topics(config);
     options.longest_report_age = longest_report_age;
     return options;
   }

@@ -209,7 +209,7 @@ void read_device(Mapping& yaml, SensorConfig& sensor) {
 /// Everything that the sensor publishes.
 void claim_topics(const SensorConfig& sensor, const Value& value, ConfigClaims& claims) {
   const std::string owner = "sensors." + sensor.name;
-  for (const OutputTopic& topic : sensor_topics(sensor)) claims.publishes(topic.info.name, owner, value);
+  for (const OutputTopic& topic : sensor_topics(sensor)) claims.publishes(topic.name, owner, value);
   if (!sensor.packet_topic.empty()) claims.listens(sensor.packet_topic, owner, value);
 }
 

@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <map>
 
 #include "daemon/ros/ros_convert.h"
+#include "daemon/ros/ros_device_message.h"
 
 namespace lidard {
 namespace {
@@ -37,7 +37,6 @@ boost::shared_ptr<ros::M_string> latched_header() {
 struct BagSink::Impl {
   std::string path;
   std::string prefix;
-  std::map<std::string, TopicKind> kinds;
   std::unique_ptr<rosbag::Bag> bag = std::make_unique<rosbag::Bag>();
   std::size_t messages = 0;
   std::string error;
@@ -45,10 +44,7 @@ struct BagSink::Impl {
   sensor_msgs::LaserScan scan;
   sensor_msgs::MultiEchoLaserScan echoes;
   sensor_msgs::PointCloud2 cloud;
-  sensor_msgs::NavSatFix fix;
-  sensor_msgs::TimeReference reference;
-  sensor_msgs::Imu imu;
-  diagnostic_msgs::DiagnosticArray state;
+  RosDeviceMessages messages_of_devices;
   tf2_msgs::TFMessage tf;
   diagnostic_msgs::DiagnosticArray diagnostics;
 
@@ -80,13 +76,11 @@ struct BagSink::Impl {
   }
 };
 
-BagSink::BagSink(const std::string& path, const std::vector<TopicInfo>& topics, const std::string& name_space)
-    : impl_(std::make_unique<Impl>()) {
+BagSink::BagSink(const std::string& path, const std::string& name_space) : impl_(std::make_unique<Impl>()) {
   impl_->path = path;
   impl_->prefix = name_space;
   if (impl_->prefix.empty() || impl_->prefix.back() != '/') impl_->prefix += '/';
   if (impl_->prefix.front() != '/') impl_->prefix.insert(0, 1, '/');
-  for (const auto& topic : topics) impl_->kinds[topic.name] = topic.kind;
   errno = 0;
   try {
     impl_->bag->open(path, rosbag::bagmode::Write);
@@ -104,41 +98,25 @@ BagSink::~BagSink() {
   }
 }
 
-void BagSink::scan(const std::string& topic, const PlanarScan& scan, Stamp released) {
-  const auto found = impl_->kinds.find(topic);
-  if (found != impl_->kinds.end() && found->second == TopicKind::echoes) {
+void BagSink::scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) {
+  if (topic.kind == TopicKind::echoes) {
     to_ros(scan, impl_->echoes);
-    impl_->write(topic, released, impl_->echoes);
+    impl_->write(topic.name, released, impl_->echoes);
   } else {
     to_ros(scan, impl_->scan);
-    impl_->write(topic, released, impl_->scan);
+    impl_->write(topic.name, released, impl_->scan);
   }
 }
 
-void BagSink::cloud(const std::string& topic, Cloud& cloud, Stamp released) {
+void BagSink::cloud(const OutputTopic& topic, Cloud& cloud, Stamp released) {
   to_ros(cloud, impl_->cloud);
-  impl_->write(topic, released, impl_->cloud);
+  impl_->write(topic.name, released, impl_->cloud);
   cloud.points_bytes.swap(impl_->cloud.data);  // the driver gets its own buffer back
 }
 
-void BagSink::fix(const std::string& topic, const GnssFix& fix, Stamp released) {
-  to_ros(fix, impl_->fix);
-  impl_->write(topic, released, impl_->fix);
-}
-
-void BagSink::time_reference(const std::string& topic, const TimeReference& reference, Stamp released) {
-  to_ros(reference, impl_->reference);
-  impl_->write(topic, released, impl_->reference);
-}
-
-void BagSink::imu(const std::string& topic, const ImuSample& sample, Stamp released) {
-  to_ros(sample, impl_->imu);
-  impl_->write(topic, released, impl_->imu);
-}
-
-void BagSink::state(const std::string& topic, const DeviceState& state, Stamp released) {
-  to_ros(state, impl_->state);
-  impl_->write(topic, released, impl_->state);
+void BagSink::message(const OutputTopic& topic, const DeviceMessage& message, Stamp released) {
+  impl_->messages_of_devices.convert(
+      message, [&](const auto& converted) { impl_->write(topic.name, released, converted); });
 }
 
 void BagSink::transforms(const std::vector<StaticTransform>& transforms, Stamp released) {

@@ -315,23 +315,14 @@ void RosLink::start() {
   impl_->master_thread = std::thread([impl = impl_] { impl->run_master(); });
 }
 
-void RosLink::scan(const std::string& topic, const PlanarScan& scan, Stamp released) {
+void RosLink::scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) {
   impl_->queue.push(topic, scan, released);
 }
-void RosLink::cloud(const std::string& topic, Cloud& cloud, Stamp released) {
+void RosLink::cloud(const OutputTopic& topic, Cloud& cloud, Stamp released) {
   impl_->queue.push(topic, cloud, released);
 }
-void RosLink::fix(const std::string& topic, const GnssFix& fix, Stamp released) {
-  impl_->queue.push(topic, fix, released);
-}
-void RosLink::time_reference(const std::string& topic, const TimeReference& reference, Stamp released) {
-  impl_->queue.push(topic, reference, released);
-}
-void RosLink::imu(const std::string& topic, const ImuSample& sample, Stamp released) {
-  impl_->queue.push(topic, sample, released);
-}
-void RosLink::state(const std::string& topic, const DeviceState& state, Stamp released) {
-  impl_->queue.push(topic, state, released);
+void RosLink::message(const OutputTopic& topic, const DeviceMessage& message, Stamp released) {
+  impl_->queue.push(topic, message, released);
 }
 void RosLink::transforms(const std::vector<StaticTransform>& transforms, Stamp released) {
   impl_->queue.push(transforms, released);

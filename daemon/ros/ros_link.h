@@ -25,7 +25,7 @@ class RosError : public std::runtime_error {
 struct RosOptions {
   std::string node_name = "lidard";
   std::vector<std::string> remappings;  ///< "from:=to", "__ns:=…", "__name:=…", "__master:=…"
-  std::vector<TopicInfo> topics;        ///< Pipeline::topics()
+  std::vector<OutputTopic> topics;      ///< output_topics()
   Backpressure backpressure = Backpressure::drop_oldest;
   bool clock = false;  ///< publish_clock() will be used
   /// Where diagnostics() comes by the clock on the wall: older items are errors. Empty, as in replay: never.
@@ -78,12 +78,9 @@ class RosLink : public FrameSink {
   void add_client(std::shared_ptr<RosClient> client);
   void start();
 
-  void scan(const std::string& topic, const PlanarScan& scan, Stamp released) override;
-  void cloud(const std::string& topic, Cloud& cloud, Stamp released) override;
-  void fix(const std::string& topic, const GnssFix& fix, Stamp released) override;
-  void time_reference(const std::string& topic, const TimeReference& reference, Stamp released) override;
-  void imu(const std::string& topic, const ImuSample& sample, Stamp released) override;
-  void state(const std::string& topic, const DeviceState& state, Stamp released) override;
+  void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) override;
+  void cloud(const OutputTopic& topic, Cloud& cloud, Stamp released) override;
+  void message(const OutputTopic& topic, const DeviceMessage& message, Stamp released) override;
   void transforms(const std::vector<StaticTransform>& transforms, Stamp released) override;
   void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) override;
   /// The time of a replay, on /clock.

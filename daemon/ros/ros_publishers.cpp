@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/ros/ros_publishers.h"
 
-#include <ros/node_handle.h>
 #include <ros/topic_manager.h>
 #include <rosgraph_msgs/Clock.h>
 #include <rosgraph_msgs/Log.h>
@@ -11,61 +10,44 @@
 #include <utility>
 
 namespace lidard {
-namespace {
 
-ros::Publisher advertise_kind(ros::NodeHandle& node, const TopicInfo& topic, std::uint32_t queue_size) {
+RosPublishers::RosPublishers(std::vector<OutputTopic> topics, bool clock)
+    : topics_(std::move(topics)), with_clock_(clock) {}
+
+template <typename Use>
+void RosPublishers::with_message_of(const OutputTopic& topic, Use use) {
   switch (topic.kind) {
     case TopicKind::scan:
-      return node.advertise<sensor_msgs::LaserScan>(topic.name, queue_size);
+      return use(scan_);
     case TopicKind::echoes:
-      return node.advertise<sensor_msgs::MultiEchoLaserScan>(topic.name, queue_size);
+      return use(echoes_);
     case TopicKind::cloud:
-      return node.advertise<sensor_msgs::PointCloud2>(topic.name, queue_size);
-    case TopicKind::fix:
-      return node.advertise<sensor_msgs::NavSatFix>(topic.name, queue_size);
-    case TopicKind::time_reference:
-      return node.advertise<sensor_msgs::TimeReference>(topic.name, queue_size);
-    case TopicKind::imu:
-      return node.advertise<sensor_msgs::Imu>(topic.name, queue_size);
-    case TopicKind::state:
-      return node.advertise<diagnostic_msgs::DiagnosticArray>(topic.name, queue_size);
+      return use(cloud_);
+    case TopicKind::message:
+      return messages_.with_kind(topic.message, use);
   }
-  return {};
 }
 
-const char* type_of(TopicKind kind) {
-  switch (kind) {
-    case TopicKind::scan:
-      return ros::message_traits::datatype<sensor_msgs::LaserScan>();
-    case TopicKind::echoes:
-      return ros::message_traits::datatype<sensor_msgs::MultiEchoLaserScan>();
-    case TopicKind::cloud:
-      return ros::message_traits::datatype<sensor_msgs::PointCloud2>();
-    case TopicKind::fix:
-      return ros::message_traits::datatype<sensor_msgs::NavSatFix>();
-    case TopicKind::time_reference:
-      return ros::message_traits::datatype<sensor_msgs::TimeReference>();
-    case TopicKind::imu:
-      return ros::message_traits::datatype<sensor_msgs::Imu>();
-    case TopicKind::state:
-      return ros::message_traits::datatype<diagnostic_msgs::DiagnosticArray>();
-  }
-  return "*";
+ros::Publisher RosPublishers::advertise(ros::NodeHandle& node, const OutputTopic& topic,
+                                        std::uint32_t length) {
+  ros::Publisher publisher;
+  with_message_of(topic, [&](const auto& message) {
+    publisher = node.advertise<std::decay_t<decltype(message)>>(topic.name, length);
+  });
+  return publisher;
 }
-
-}  // namespace
-
-RosPublishers::RosPublishers(std::vector<TopicInfo> topics, bool clock)
-    : topics_(std::move(topics)), with_clock_(clock) {}
 
 void RosPublishers::advertise() {
   ros::NodeHandle node;
   std::vector<Output> outputs(topics_.size());
   std::map<std::string, std::string> types;
   for (std::size_t i = 0; i < topics_.size(); ++i) {
-    if (topics_[i].kind == TopicKind::imu) outputs[i].queue_size = imu_queue_size;
-    outputs[i].publisher = advertise_kind(node, topics_[i], outputs[i].queue_size);
-    types[outputs[i].publisher.getTopic()] = type_of(topics_[i].kind);
+    const bool imu = topics_[i].kind == TopicKind::message && topics_[i].message == message_kind<ImuSample>();
+    if (imu) outputs[i].queue_size = imu_queue_size;
+    outputs[i].publisher = advertise(node, topics_[i], outputs[i].queue_size);
+    with_message_of(topics_[i], [&](const auto& message) {
+      types[outputs[i].publisher.getTopic()] = ros::message_traits::datatype(message);
+    });
   }
   auto transforms = node.advertise<tf2_msgs::TFMessage>("/tf_static", queue_size, true);
   Output clock;
@@ -94,7 +76,7 @@ void RosPublishers::advertise_again(const std::vector<std::string>& topics) {
       std::swap(output, outputs_[i]);
     }
     output.publisher.shutdown();
-    output.publisher = advertise_kind(node, topics_[i], output.queue_size);
+    output.publisher = advertise(node, topics_[i], output.queue_size);
     const std::lock_guard lock(mutex_);
     outputs_[i] = std::move(output);
   }
@@ -152,21 +134,8 @@ void RosPublishers::send_frame(QueuedFrame& frame, Output& output) {
       send(output, cloud_);
       cloud_.data.swap(frame.cloud.points_bytes);
       break;
-    case QueuedFrame::What::fix:
-      to_ros(frame.fix, fix_);
-      send(output, fix_);
-      break;
-    case QueuedFrame::What::time_reference:
-      to_ros(frame.reference, reference_);
-      send(output, reference_);
-      break;
-    case QueuedFrame::What::imu:
-      to_ros(frame.imu, imu_);
-      send(output, imu_);
-      break;
-    case QueuedFrame::What::state:
-      to_ros(frame.state, state_);
-      send(output, state_);
+    case QueuedFrame::What::message:
+      messages_.convert(frame.message, [&](const auto& message) { send(output, message); });
       break;
     case QueuedFrame::What::clock: {
       rosgraph_msgs::Clock message;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <ros/node_handle.h>
 #include <ros/publisher.h>
 
 #include <atomic>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "daemon/ros/ros_convert.h"
+#include "daemon/ros/ros_device_message.h"
 #include "daemon/ros/ros_queue.h"
 
 namespace lidard {
@@ -21,7 +23,8 @@ namespace lidard {
 /// The publishers of all output topics. The master thread advertises, the ROS thread publishes.
 class RosPublishers {
  public:
-  RosPublishers(std::vector<TopicInfo> topics, bool clock);
+  /// `topics` as in output_topics().
+  RosPublishers(std::vector<OutputTopic> topics, bool clock);
 
   /// Advertises everything; ROS must run. Called by the master thread, may wait for the master.
   void advertise();
@@ -56,6 +59,10 @@ class RosPublishers {
     std::uint32_t queue_size = RosPublishers::queue_size;
   };
 
+  /// Calls `use` with the message that travels on the topic.
+  template <typename Use>
+  void with_message_of(const OutputTopic& topic, Use use);
+  ros::Publisher advertise(ros::NodeHandle& node, const OutputTopic& topic, std::uint32_t length);
   template <typename Message>
   void send(Output& output, const Message& message);
   void send_frame(QueuedFrame& frame, Output& output);
@@ -63,7 +70,7 @@ class RosPublishers {
   Output& output_of(const QueuedFrame& frame);
   static std::size_t in_flight(Output& output);
 
-  const std::vector<TopicInfo> topics_;
+  const std::vector<OutputTopic> topics_;
   const bool with_clock_;
   std::atomic<bool> ready_{false};
   mutable std::mutex mutex_;
@@ -77,10 +84,7 @@ class RosPublishers {
   sensor_msgs::LaserScan scan_;
   sensor_msgs::MultiEchoLaserScan echoes_;
   sensor_msgs::PointCloud2 cloud_;
-  sensor_msgs::NavSatFix fix_;
-  sensor_msgs::TimeReference reference_;
-  sensor_msgs::Imu imu_;
-  diagnostic_msgs::DiagnosticArray state_;
+  RosDeviceMessages messages_;
 };
 
 }  // namespace lidard

@@ -5,6 +5,8 @@
 namespace lidard {
 namespace {
 
+constexpr std::size_t usual_depth = 2;
+
 QueuedFrame::What what_travels(TopicKind kind) {
   switch (kind) {
     case TopicKind::scan:
@@ -13,35 +15,28 @@ QueuedFrame::What what_travels(TopicKind kind) {
       return QueuedFrame::What::echoes;
     case TopicKind::cloud:
       return QueuedFrame::What::cloud;
-    case TopicKind::fix:
-      return QueuedFrame::What::fix;
-    case TopicKind::time_reference:
-      return QueuedFrame::What::time_reference;
-    case TopicKind::imu:
-      return QueuedFrame::What::imu;
-    case TopicKind::state:
-      return QueuedFrame::What::state;
+    case TopicKind::message:
+      return QueuedFrame::What::message;
   }
   return QueuedFrame::What::scan;
 }
 
 /// How many frames may wait. Inertial samples come every 5 ms, and a large cloud takes longer to publish.
-std::size_t depth_of(QueuedFrame::What what) { return what == QueuedFrame::What::imu ? 32 : 2; }
+std::size_t depth_of(const OutputTopic& topic) {
+  return topic.kind == TopicKind::message && topic.message == message_kind<ImuSample>() ? 32 : usual_depth;
+}
 
 }  // namespace
 
-FrameQueue::FrameQueue(const std::vector<TopicInfo>& topics, Backpressure backpressure)
+FrameQueue::FrameQueue(const std::vector<OutputTopic>& topics, Backpressure backpressure)
     : backpressure_(backpressure) {
-  for (const auto& topic : topics) {
-    lanes_by_topic_[topic.name] = lanes_.size();
-    add_lane(what_travels(topic.kind));
-  }
-  add_lane(QueuedFrame::What::transforms);
-  add_lane(QueuedFrame::What::clock);
+  for (const OutputTopic& topic : topics) add_lane(what_travels(topic.kind), depth_of(topic));
+  add_lane(QueuedFrame::What::transforms, usual_depth);
+  add_lane(QueuedFrame::What::clock, usual_depth);
 }
 
-void FrameQueue::add_lane(QueuedFrame::What what) {
-  Lane lane{what, depth_of(what), {}, {}, 0};
+void FrameQueue::add_lane(QueuedFrame::What what, std::size_t depth) {
+  Lane lane{depth, {}, {}, 0};
   // One more than may wait: the ROS thread holds one.
   for (std::size_t i = 0; i < lane.depth + 1; ++i) {
     frames_.emplace_back();
@@ -50,11 +45,6 @@ void FrameQueue::add_lane(QueuedFrame::What what) {
     lane.free.push_back(&frames_.back());
   }
   lanes_.push_back(std::move(lane));
-}
-
-FrameQueue::Lane* FrameQueue::find(const std::string& topic) {
-  const auto found = lanes_by_topic_.find(topic);
-  return found == lanes_by_topic_.end() ? nullptr : &lanes_[found->second];
 }
 
 template <typename Fill>
@@ -79,56 +69,28 @@ void FrameQueue::push_to(Lane& lane, Fill fill) {
   filled_.notify_one();
 }
 
-bool FrameQueue::push(const std::string& topic, const PlanarScan& scan, Stamp released) {
-  Lane* lane = find(topic);
-  if (lane == nullptr) return false;
-  if (lane->what != QueuedFrame::What::scan && lane->what != QueuedFrame::What::echoes) return false;
-  push_to(*lane, [&](QueuedFrame& frame) {
+void FrameQueue::push(const OutputTopic& topic, const PlanarScan& scan, Stamp released) {
+  push_to(lanes_.at(topic.id), [&](QueuedFrame& frame) {
     frame.scan = scan;
     frame.released = released;
   });
-  return true;
 }
 
-bool FrameQueue::push(const std::string& topic, Cloud& cloud, Stamp released) {
-  Lane* lane = find(topic);
-  if (lane == nullptr || lane->what != QueuedFrame::What::cloud) return false;
-  push_to(*lane, [&](QueuedFrame& frame) {
+void FrameQueue::push(const OutputTopic& topic, Cloud& cloud, Stamp released) {
+  push_to(lanes_.at(topic.id), [&](QueuedFrame& frame) {
     frame.cloud.frame_id = cloud.frame_id;
     frame.cloud.stamp = cloud.stamp;
     frame.cloud.format = cloud.format;
     frame.cloud.points_bytes.swap(cloud.points_bytes);
     frame.released = released;
   });
-  return true;
 }
 
-template <typename Item>
-bool FrameQueue::push_item(const std::string& topic, QueuedFrame::What what, Item QueuedFrame::*place,
-                           const Item& item, Stamp released) {
-  Lane* lane = find(topic);
-  if (lane == nullptr || lane->what != what) return false;
-  push_to(*lane, [&](QueuedFrame& frame) {
-    frame.*place = item;
+void FrameQueue::push(const OutputTopic& topic, const DeviceMessage& message, Stamp released) {
+  push_to(lanes_.at(topic.id), [&](QueuedFrame& frame) {
+    frame.message = message;
     frame.released = released;
   });
-  return true;
-}
-
-bool FrameQueue::push(const std::string& topic, const GnssFix& fix, Stamp released) {
-  return push_item(topic, QueuedFrame::What::fix, &QueuedFrame::fix, fix, released);
-}
-
-bool FrameQueue::push(const std::string& topic, const TimeReference& reference, Stamp released) {
-  return push_item(topic, QueuedFrame::What::time_reference, &QueuedFrame::reference, reference, released);
-}
-
-bool FrameQueue::push(const std::string& topic, const ImuSample& sample, Stamp released) {
-  return push_item(topic, QueuedFrame::What::imu, &QueuedFrame::imu, sample, released);
-}
-
-bool FrameQueue::push(const std::string& topic, const DeviceState& state, Stamp released) {
-  return push_item(topic, QueuedFrame::What::state, &QueuedFrame::state, state, released);
 }
 
 void FrameQueue::push(const std::vector<StaticTransform>& transforms, Stamp released) {

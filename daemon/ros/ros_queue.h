@@ -5,10 +5,8 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
-#include <map>
 #include <memory>
 #include <mutex>
-#include <string>
 #include <vector>
 
 #include "daemon/pipeline/sink.h"
@@ -23,17 +21,14 @@ enum class Backpressure : std::uint8_t {
 
 /// A frame on its way from the sensor thread to the ROS thread.
 struct QueuedFrame {
-  enum class What : std::uint8_t { scan, echoes, cloud, fix, time_reference, imu, state, transforms, clock };
+  enum class What : std::uint8_t { scan, echoes, cloud, message, transforms, clock };
   What what = What::scan;
-  std::size_t topic = 0;  ///< index into the list of topics; of no meaning for transforms and clock
+  std::size_t topic = 0;  ///< OutputTopic::id; of no meaning for transforms and clock
   std::uint64_t number = 0;
   Stamp released;
   PlanarScan scan;
   Cloud cloud;
-  GnssFix fix;
-  TimeReference reference;
-  ImuSample imu;
-  DeviceState state;
+  DeviceMessage message;
   std::vector<StaticTransform> transforms;
 };
 
@@ -41,16 +36,13 @@ struct QueuedFrame {
 /// they came. Frames and their buffers are recycled: no allocation after warm-up.
 class FrameQueue {
  public:
-  FrameQueue(const std::vector<TopicInfo>& topics, Backpressure backpressure);
+  /// `topics` as in output_topics().
+  FrameQueue(const std::vector<OutputTopic>& topics, Backpressure backpressure);
 
-  /// False if there is no such topic.
-  bool push(const std::string& topic, const PlanarScan& scan, Stamp released);
+  void push(const OutputTopic& topic, const PlanarScan& scan, Stamp released);
   /// Swaps points_bytes with a recycled buffer.
-  bool push(const std::string& topic, Cloud& cloud, Stamp released);
-  bool push(const std::string& topic, const GnssFix& fix, Stamp released);
-  bool push(const std::string& topic, const TimeReference& reference, Stamp released);
-  bool push(const std::string& topic, const ImuSample& sample, Stamp released);
-  bool push(const std::string& topic, const DeviceState& state, Stamp released);
+  void push(const OutputTopic& topic, Cloud& cloud, Stamp released);
+  void push(const OutputTopic& topic, const DeviceMessage& message, Stamp released);
   void push(const std::vector<StaticTransform>& transforms, Stamp released);
   void push_clock(Stamp now);
 
@@ -67,26 +59,20 @@ class FrameQueue {
 
  private:
   struct Lane {
-    QueuedFrame::What what;
     std::size_t depth;
     std::deque<QueuedFrame*> waiting;
     std::vector<QueuedFrame*> free;
     std::uint64_t dropped = 0;
   };
-  void add_lane(QueuedFrame::What what);
-  Lane* find(const std::string& topic);
+  void add_lane(QueuedFrame::What what, std::size_t depth);
   template <typename Fill>
   void push_to(Lane& lane, Fill fill);
-  template <typename Item>
-  bool push_item(const std::string& topic, QueuedFrame::What what, Item QueuedFrame::*place, const Item& item,
-                 Stamp released);
   Lane* oldest();
 
   Backpressure backpressure_;
   mutable std::mutex mutex_;
   std::condition_variable filled_;
   std::condition_variable emptied_;
-  std::map<std::string, std::size_t> lanes_by_topic_;
   std::deque<Lane> lanes_;  // one per topic, then transforms, then clock
   std::deque<QueuedFrame> frames_;
   std::uint64_t pushed_ = 0;

@@ -88,7 +88,7 @@ class UamDriver final : public Driver {
   UamStatus status_;
   std::size_t first_beam_ = 0;
   PlanarScan scan_;
-  DeviceState state_;
+  ReusedMessage<DeviceState> state_;
 };
 
 UamDriver::UamDriver(const DriverConfig& config)
@@ -99,8 +99,8 @@ UamDriver::UamDriver(const DriverConfig& config)
   scan_.range_max = static_cast<float>(config.model->range_max);
   scan_.scan_time = static_cast<float>(turn_s);
   scan_.time_increment = static_cast<float>(turn_s * row_.step_deg / 360);
-  state_.topic = "status";
-  state_.frame_id = config.frame_id;
+  state_->topic = "status";
+  state_->frame_id = config.frame_id;
   choose_beams();
 }
 
@@ -314,10 +314,10 @@ void UamDriver::tell_state(DriverOutput& out) {
                                                                {"encoder_speed", s.encoder_speed},
                                                                {"laser_off", s.laser_off},
                                                                {"window_contaminated", s.contaminated}};
-  state_.values.clear();
-  for (const auto& [name, value] : values) state_.values.push_back({name, static_cast<double>(value)});
-  state_.stamp = scan_.stamp;
-  out.state(state_);
+  state_->values.clear();
+  for (const auto& [name, value] : values) state_->values.push_back({name, static_cast<double>(value)});
+  state_->stamp = scan_.stamp;
+  out.message(state_);
 }
 
 // AR02 streams frames AR00, AR04 frames AR01, AR07 frames AR06.
@@ -339,7 +339,7 @@ Model scanner(const char* name, const char* product, const UamRow& row, const ch
   model.range_min = 0.05;                     // unverified
   model.range_max = (first_code - 1) * 1e-3;  // what the wire can say
   model.beams = row.beams;
-  model.state_topics = {"status"};
+  model.messages = {message_topic<DeviceState>("status")};
   model.row = &row;
   model.make = make_uam_driver;
   return model;

@@ -11,7 +11,7 @@
 #include <iostream>
 #include <thread>
 
-#include "daemon/ros/ros_convert.h"
+#include "daemon/ros/ros_device_message.h"
 #include "daemon/ros/ros_master.h"
 #include "test/support/ros_listener.h"
 #include "test/support/ros_samples.h"
@@ -30,9 +30,7 @@ using SteadyClock = std::chrono::steady_clock;
 
 RosOptions options(Backpressure backpressure = Backpressure::drop_oldest) {
   RosOptions made;
-  made.topics = {{"front/scan", TopicKind::scan},
-                 {"front/echoes", TopicKind::echoes},
-                 {"roof/points", TopicKind::cloud}};
+  made.topics = test::sample_topics();
   made.backpressure = backpressure;
   return made;
 }
@@ -45,7 +43,7 @@ constexpr auto surely_not_hanging = 3s;
 void publish_for(RosLink& link, std::chrono::milliseconds time) {
   const auto end = SteadyClock::now() + time;
   for (int n = 0; n < 5 || SteadyClock::now() < end; ++n) {
-    link.scan("front/scan", sample_scan(), Stamp{1});
+    link.scan(test::front_scan, sample_scan(), Stamp{1});
     std::this_thread::sleep_for(10ms);
   }
 }
@@ -69,11 +67,11 @@ TEST(RosLink, PublishesScansEchoesCloudsAndLatchedTransforms) {
     link.transforms({{"base_link", "front_laser", make_pose({1, 0, 0}, {0, 0, 0})}}, Stamp{1'000'000'000});
     link.start();
     ASSERT_TRUE(link.wait_for_subscribers(3, 30s));
-    link.scan("front/scan", sample_scan(), Stamp{1});
-    link.scan("front/echoes", sample_scan(), Stamp{1});
+    link.scan(test::front_scan, sample_scan(), Stamp{1});
+    link.scan(test::front_echoes, sample_scan(), Stamp{1});
     auto cloud = sample_cloud(30000);
     const auto sent = cloud.points_bytes;
-    link.cloud("roof/points", cloud, Stamp{1});
+    link.cloud(test::roof_points, cloud, Stamp{1});
 
     const auto scan = scans.take(1);
     ASSERT_EQ(scan.size(), 1U);
@@ -100,16 +98,12 @@ TEST(RosLink, PublishesFixesTimeReferencesAndImuSamples) {
     Listener<sensor_msgs::TimeReference> references("/roof/time_reference");
     Listener<sensor_msgs::Imu> samples("/roof/imu");
     master.start();
-    RosOptions with_navigation = options();
-    with_navigation.topics = {{"roof/fix", TopicKind::fix},
-                              {"roof/time_reference", TopicKind::time_reference},
-                              {"roof/imu", TopicKind::imu}};
-    RosLink link(with_navigation);
+    RosLink link(options());
     link.start();
     ASSERT_TRUE(link.wait_for_subscribers(3, 30s));
-    link.fix("roof/fix", test::sample_fix(), Stamp{1});
-    link.time_reference("roof/time_reference", test::sample_time_reference(), Stamp{1});
-    for (int i = 0; i < 20; ++i) link.imu("roof/imu", test::sample_imu(), Stamp{1});
+    link.message(test::roof_fix, test::sample_fix(), Stamp{1});
+    link.message(test::roof_time, test::sample_time_reference(), Stamp{1});
+    for (int i = 0; i < 20; ++i) link.message(test::roof_imu, test::sample_imu(), Stamp{1});
 
     const auto fix = fixes.take(1);
     ASSERT_EQ(fix.size(), 1U);
@@ -178,7 +172,7 @@ TEST(RosLink, IsNotDisturbedByAMasterThatHangs) {
     auto longest = SteadyClock::duration(0);
     for (int i = 0; i < 100; ++i) {
       const auto begin = SteadyClock::now();
-      link.scan("front/scan", sample_scan(), Stamp{1});
+      link.scan(test::front_scan, sample_scan(), Stamp{1});
       longest = std::max(longest, SteadyClock::now() - begin);
       std::this_thread::sleep_for(10ms);
     }
@@ -207,7 +201,7 @@ TEST(RosLink, LosesNothingInAReplayAsFastAsItGoes) {
     for (std::size_t i = 0; i < count; ++i) {
       auto cloud = sample_cloud(20000);
       cloud.stamp.ns = static_cast<std::int64_t>(i) + 1;
-      link.cloud("roof/points", cloud, Stamp{1});
+      link.cloud(test::roof_points, cloud, Stamp{1});
     }
     EXPECT_TRUE(link.flush(20s));
     const bool stopped = link.stop();
@@ -219,14 +213,12 @@ TEST(RosLink, LosesNothingInAReplayAsFastAsItGoes) {
 }
 
 TEST(RosLink, DropsTheOldestAndCountsItWhenTheSensorThreadIsFaster) {
-  FrameQueue queue({{"a", TopicKind::scan}, {"b", TopicKind::cloud}}, Backpressure::drop_oldest);
+  FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
   auto scan = sample_scan();
   for (int i = 1; i <= 5; ++i) {
     scan.stamp.ns = i;
-    EXPECT_TRUE(queue.push("a", scan, Stamp{i}));
+    queue.push(test::front_scan, scan, Stamp{i});
   }
-  EXPECT_FALSE(queue.push("b", scan, Stamp{1})) << "a scan on a cloud's topic";
-  EXPECT_FALSE(queue.push("unknown", scan, Stamp{1}));
   EXPECT_EQ(queue.dropped(0), 3U);
   auto* first = queue.pop(1ms);
   ASSERT_NE(first, nullptr);
@@ -242,11 +234,11 @@ TEST(RosLink, DropsTheOldestAndCountsItWhenTheSensorThreadIsFaster) {
 }
 
 TEST(RosLink, KeepsTheOrderOfFramesAcrossTopics) {
-  FrameQueue queue({{"a", TopicKind::scan}, {"b", TopicKind::cloud}}, Backpressure::block);
+  FrameQueue queue(test::sample_topics(), Backpressure::block);
   auto cloud = sample_cloud(1);
-  queue.push("b", cloud, Stamp{1});
+  queue.push(test::roof_points, cloud, Stamp{1});
   queue.push_clock(Stamp{2});
-  queue.push("a", sample_scan(), Stamp{3});
+  queue.push(test::front_scan, sample_scan(), Stamp{3});
   for (int i = 1; i <= 3; ++i) {
     auto* frame = queue.pop(1ms);
     ASSERT_NE(frame, nullptr);
@@ -337,7 +329,7 @@ TEST(RosLink, ComesBackWhenSomebodyShutsItsNodeDown) {
       EXPECT_TRUE(soon([&] { return link.status().connected && ros::ok(); }));
       const auto before = link.status().published;
       EXPECT_TRUE(soon([&] {
-        link.scan("front/scan", sample_scan(), Stamp{1});
+        link.scan(test::front_scan, sample_scan(), Stamp{1});
         return link.status().published > before;
       }));
     }
