@@ -6,17 +6,17 @@
 #include "core/base/number_text.h"
 #include "core/frames/beam_window.h"
 #include "drivers/model.h"
+#include "drivers/sick/compact/frame_builder.h"
 #include "drivers/sick/compact/raster_scan.h"
-#include "drivers/sick/compact/segment_frames.h"
 
 namespace lidard::sick {
 namespace {
 
 constexpr std::string_view reflectors_topic = "reflectors";
 
-class PlanarFrames final : public SegmentFrames {
+class ScanBuilder final : public FrameBuilder {
  public:
-  PlanarFrames(const DriverConfig& config, const DeviceClock& clock, SegmentWarnings& warnings)
+  ScanBuilder(const DriverConfig& config, const DeviceClock& clock, SegmentWarnings& warnings)
       : config_(config), clock_(clock), warnings_(warnings) {
     for (PlanarScan* scan : {&scan_, &marked_}) {
       scan->frame_id = config.frame_id;
@@ -50,7 +50,7 @@ class PlanarFrames final : public SegmentFrames {
   SegmentWarnings& warnings_;
   std::optional<SweepGrid> grid_;
   std::size_t echoes_ = 1;
-  std::array<RasterScan, FrameTracker::open_frames> sweeps_;
+  std::array<RasterScan, OpenFrames::most> sweeps_;
   std::vector<std::uint8_t> had_echo_;
   std::uint64_t window_segments_ = 0;  // of which the window was made; 0: not yet known
   BeamWindow window_;
@@ -62,7 +62,7 @@ class PlanarFrames final : public SegmentFrames {
   PlanarScan marked_;
 };
 
-Reject PlanarFrames::check(const Segment& segment) {
+Reject ScanBuilder::check(const Segment& segment) {
   const bool planar = segment.line_count == 1;
   if (planar) {
     warnings_.clear(SegmentTrouble::layers);
@@ -76,12 +76,12 @@ Reject PlanarFrames::check(const Segment& segment) {
   return grid_ || SweepGrid::of(line) ? Reject::none : Reject::field;
 }
 
-bool PlanarFrames::continues(const Segment& segment) const {
+bool ScanBuilder::continues(const Segment& segment) const {
   if (!grid_ || !grid_->holds(segment.lines[0])) return false;
   return !config_.publish_multiecho || segment.lines[0].echoes == echoes_;
 }
 
-void PlanarFrames::adopt(const Segment& segment) {
+void ScanBuilder::adopt(const Segment& segment) {
   const auto grid = SweepGrid::of(segment.lines[0]);
   if (!grid) return;
   if (grid_) {
@@ -98,18 +98,18 @@ void PlanarFrames::adopt(const Segment& segment) {
   beam_us_ = 0;
 }
 
-void PlanarFrames::begin(std::size_t slot) {
+void ScanBuilder::begin(std::size_t slot) {
   sweeps_[slot].begin(*grid_, echoes_, scan_.range_min, scan_.range_max);
 }
 
-void PlanarFrames::add(std::size_t slot, const Segment& segment, std::uint32_t /*packet*/) {
+void ScanBuilder::add(std::size_t slot, const Segment& segment, std::uint32_t /*packet*/) {
   if (sweeps_[slot].add(segment.lines[0], had_echo_) == 0 || warnings_.is_set(SegmentTrouble::uneven)) return;
   warnings_.set(SegmentTrouble::uneven,
                 "beams of the device are not evenly spaced; each is taken for the nearest even angle, which "
                 "is wrong by up to half a step");
 }
 
-void PlanarFrames::learn_window(const RasterScan& sweep, std::uint64_t segments) {
+void ScanBuilder::learn_window(const RasterScan& sweep, std::uint64_t segments) {
   const BeamWindow found{sweep.first_beam(), sweep.end_beam() - sweep.first_beam()};
   if (window_segments_ != 0 && (found.first != window_.first || found.count != window_.count)) {
     warnings_.set(
@@ -126,7 +126,7 @@ void PlanarFrames::learn_window(const RasterScan& sweep, std::uint64_t segments)
 }
 
 /// The part of the window that the configured angles leave.
-BeamWindow PlanarFrames::kept(BeamWindow window) {
+BeamWindow ScanBuilder::kept(BeamWindow window) {
   BeamWindow part = beams_between(grid_->angle(window.first), grid_->step, window.count, config_.angle_min,
                                   config_.angle_max);
   part.first += window.first;
@@ -141,7 +141,7 @@ BeamWindow PlanarFrames::kept(BeamWindow window) {
 /// A device whose angle filter hides a part of a segment sends zeros there, as if nothing came back. So the
 /// outermost beams count as not observed until the first echo; only in the first and last segment, since
 /// segments that are hidden altogether are not sent.
-void PlanarFrames::hide_unseen_edges(BeamWindow all, BeamWindow kept) {
+void ScanBuilder::hide_unseen_edges(BeamWindow all, BeamWindow kept) {
   const auto hide = [&](std::size_t beam) {
     if (beam < kept.first || beam >= kept.first + kept.count) return;
     for (std::size_t e = 0; e < scan_.echoes; ++e) {
@@ -157,7 +157,7 @@ void PlanarFrames::hide_unseen_edges(BeamWindow all, BeamWindow kept) {
     hide(b - 1);
 }
 
-bool PlanarFrames::end(std::size_t slot, const FrameEnd& how, DriverOutput& out) {
+bool ScanBuilder::end(std::size_t slot, const FrameEnd& how, DriverOutput& out) {
   const RasterScan& sweep = sweeps_[slot];
   if (sweep.is_empty()) return false;
   if (how.complete() && how.expected != window_segments_) learn_window(sweep, how.expected);
@@ -174,7 +174,7 @@ bool PlanarFrames::end(std::size_t slot, const FrameEnd& how, DriverOutput& out)
   return true;
 }
 
-void PlanarFrames::publish(const RasterScan& sweep, BeamWindow all, DriverOutput& out) {
+void ScanBuilder::publish(const RasterScan& sweep, BeamWindow all, DriverOutput& out) {
   const BeamWindow part = kept(all);
   sweep.copy(part.first, part.count, echoes_, config_.publish_intensity, scan_);
   hide_unseen_edges(all, part);
@@ -184,7 +184,7 @@ void PlanarFrames::publish(const RasterScan& sweep, BeamWindow all, DriverOutput
 }
 
 /// Stamp, time from beam to beam and from scan to scan.
-void PlanarFrames::set_times(const RasterScan& sweep, BeamWindow part) {
+void ScanBuilder::set_times(const RasterScan& sweep, BeamWindow part) {
   const SweepTimes times = sweep.times(beam_us_);
   if (sweep.segments() > 1) beam_us_ = times.beam_us;
   const double before = static_cast<double>(part.first) - static_cast<double>(sweep.first_beam());
@@ -204,7 +204,7 @@ void PlanarFrames::set_times(const RasterScan& sweep, BeamWindow part) {
 }
 
 /// The scan with nothing but the beams that met a reflector.
-void PlanarFrames::publish_reflectors(const RasterScan& sweep, BeamWindow kept, DriverOutput& out) {
+void ScanBuilder::publish_reflectors(const RasterScan& sweep, BeamWindow kept, DriverOutput& out) {
   marked_.stamp = scan_.stamp;
   marked_.time_increment = scan_.time_increment;
   marked_.scan_time = scan_.scan_time;
@@ -217,9 +217,9 @@ void PlanarFrames::publish_reflectors(const RasterScan& sweep, BeamWindow kept, 
 
 }  // namespace
 
-std::unique_ptr<SegmentFrames> make_planar_frames(const DriverConfig& config, const DeviceClock& clock,
-                                                  SegmentWarnings& warnings) {
-  return std::make_unique<PlanarFrames>(config, clock, warnings);
+std::unique_ptr<FrameBuilder> make_scan_builder(const DriverConfig& config, const DeviceClock& clock,
+                                                SegmentWarnings& warnings) {
+  return std::make_unique<ScanBuilder>(config, clock, warnings);
 }
 
 }  // namespace lidard::sick

@@ -16,9 +16,9 @@ namespace lidard::sick {
 /// A device leaves out the segments that its angle filter hides, so the frame's size is learned: from frames
 /// of which the telegram counter proves that nothing is missing, at either end. Two frames may be open at a
 /// time, so that telegrams may overtake each other.
-class FrameTracker {
+class OpenFrames {
  public:
-  static constexpr std::size_t open_frames = 2;
+  static constexpr std::size_t most = 2;
 
   struct Frame {
     bool open = false;
@@ -68,7 +68,7 @@ class FrameTracker {
   void learn(const Frame& frame);
   void note_late(const Segment& segment);
 
-  std::array<Frame, open_frames> frames_{};
+  std::array<Frame, most> frames_{};
   std::uint64_t expected_ = 0;
   std::uint64_t seen_ = 0;
   int unproven_ = 0;
@@ -78,7 +78,7 @@ class FrameTracker {
 };
 
 template <class Release>
-bool FrameTracker::release_oldest(Release&& release) {
+bool OpenFrames::release_oldest(Release&& release) {
   if (open_count() == 0) return false;
   const std::size_t slot = oldest();
   close(slot);
@@ -87,14 +87,14 @@ bool FrameTracker::release_oldest(Release&& release) {
 }
 
 template <class Release>
-FrameTracker::Verdict FrameTracker::place(const Segment& segment, std::size_t& slot, Release&& release) {
+OpenFrames::Verdict OpenFrames::place(const Segment& segment, std::size_t& slot, Release&& release) {
   if (segment.index >= max_segments) return Verdict::impossible;
   if (released_any_ && segment.frame <= released_number_) {
     note_late(segment);
     return Verdict::stale;
   }
   if (!find_slot(segment.frame, slot)) {
-    if (open_count() == open_frames) {
+    if (open_count() == most) {
       if (segment.frame < frames_[oldest()].number) return Verdict::stale;
       release_oldest(release);
     }
@@ -115,7 +115,7 @@ FrameTracker::Verdict FrameTracker::place(const Segment& segment, std::size_t& s
 }
 
 template <class Release>
-void FrameTracker::settle(Release&& release) {
+void OpenFrames::settle(Release&& release) {
   while (open_count() == 2 && is_overtaken(frames_[oldest()], frames_[newest()])) release_oldest(release);
   while (open_count() > 0 && is_complete(frames_[newest()])) release_oldest(release);
   while (open_count() > 0 && is_complete(frames_[oldest()])) release_oldest(release);

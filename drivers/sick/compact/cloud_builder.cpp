@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "drivers/model.h"
-#include "drivers/sick/compact/segment_frames.h"
+#include "drivers/sick/compact/frame_builder.h"
 
 namespace lidard::sick {
 namespace {
@@ -17,9 +17,9 @@ struct OpenCloud {
   std::uint64_t end_us = 0;
 };
 
-class CloudFrames final : public SegmentFrames {
+class CloudBuilder final : public FrameBuilder {
  public:
-  CloudFrames(const DriverConfig& config, const DeviceClock& clock) : config_(config), clock_(clock) {
+  CloudBuilder(const DriverConfig& config, const DeviceClock& clock) : config_(config), clock_(clock) {
     const double least = std::max(config.min_range, config.model->range_min);
     const double most = config.max_range > 0 ? config.max_range : config.model->range_max;
     nearest_ = least;
@@ -55,12 +55,12 @@ class CloudFrames final : public SegmentFrames {
   DriverConfig config_;
   const DeviceClock& clock_;
   double nearest_ = 0, farthest_ = 0;  // m
-  std::array<OpenCloud, FrameTracker::open_frames> open_;
+  std::array<OpenCloud, OpenFrames::most> open_;
   std::array<LineTable, max_lines> tables_{};
   SteadyStamps stamps_;
 };
 
-void CloudFrames::begin(std::size_t slot) {
+void CloudBuilder::begin(std::size_t slot) {
   OpenCloud& open = open_[slot];
   open.cloud.clear();
   open.cloud.rings = 0;
@@ -71,7 +71,7 @@ void CloudFrames::begin(std::size_t slot) {
 /// Rings count from the lowest line up. Elevations are positive upwards, as SICK's developer guide has it and
 /// unlike sick_scan_xd: in a recording of an upright multiScan136 (its inertial unit says so) all layers of
 /// negative elevation meet the floor at the same height.
-void CloudFrames::prepare(const Segment& segment, const OpenCloud& open) {
+void CloudBuilder::prepare(const Segment& segment, const OpenCloud& open) {
   for (std::size_t i = 0; i < segment.line_count; ++i) {
     const SegmentLine& line = segment.lines[i];
     std::uint16_t lower = 0;
@@ -84,7 +84,7 @@ void CloudFrames::prepare(const Segment& segment, const OpenCloud& open) {
   }
 }
 
-void CloudFrames::add(std::size_t slot, const Segment& segment, std::uint32_t packet) {
+void CloudBuilder::add(std::size_t slot, const Segment& segment, std::uint32_t packet) {
   OpenCloud& open = open_[slot];
   if (open.cloud.columns.empty()) open.base_us = segment.start_us();
   open.end_us = std::max(open.end_us, segment.stop_us());
@@ -106,7 +106,7 @@ void CloudFrames::add(std::size_t slot, const Segment& segment, std::uint32_t pa
   }
 }
 
-void CloudFrames::add_group(const Segment& segment, Group group, std::uint32_t packet, OpenCloud& open) {
+void CloudBuilder::add_group(const Segment& segment, Group group, std::uint32_t packet, OpenCloud& open) {
   const SegmentLine& first = segment.lines[group.begin];
   for (std::size_t beam = 0; beam < first.beams; ++beam) {
     for (std::size_t echo = 0; echo < first.echoes; ++echo) {
@@ -128,8 +128,8 @@ void CloudFrames::add_group(const Segment& segment, Group group, std::uint32_t p
   }
 }
 
-void CloudFrames::add_point(const Segment& segment, std::size_t index, std::size_t beam, std::size_t echo,
-                            Group group, OpenCloud& open) {
+void CloudBuilder::add_point(const Segment& segment, std::size_t index, std::size_t beam, std::size_t echo,
+                             Group group, OpenCloud& open) {
   const SegmentLine& line = segment.lines[index];
   const double distance = line.distance[echo][beam] * line.metres;
   if (!(distance > 0) || distance < nearest_ || distance > farthest_) return;
@@ -159,7 +159,7 @@ void CloudFrames::add_point(const Segment& segment, std::size_t index, std::size
   open.cloud.origins.push_back(origin);
 }
 
-bool CloudFrames::end(std::size_t slot, const FrameEnd& how, DriverOutput& out) {
+bool CloudBuilder::end(std::size_t slot, const FrameEnd& how, DriverOutput& out) {
   OpenCloud& open = open_[slot];
   if (open.cloud.columns.empty()) return false;
   const bool known = how.expected != 0;
@@ -183,8 +183,8 @@ bool CloudFrames::end(std::size_t slot, const FrameEnd& how, DriverOutput& out) 
 
 }  // namespace
 
-std::unique_ptr<SegmentFrames> make_cloud_frames(const DriverConfig& config, const DeviceClock& clock) {
-  return std::make_unique<CloudFrames>(config, clock);
+std::unique_ptr<FrameBuilder> make_cloud_builder(const DriverConfig& config, const DeviceClock& clock) {
+  return std::make_unique<CloudBuilder>(config, clock);
 }
 
 }  // namespace lidard::sick

@@ -9,7 +9,7 @@
 #include "core/base/device_clock.h"
 #include "core/base/steady_stamps.h"
 #include "drivers/driver.h"
-#include "drivers/sick/compact/frame_tracker.h"
+#include "drivers/sick/compact/open_frames.h"
 #include "drivers/sick/compact/segment.h"
 #include "drivers/warning_board.h"
 
@@ -35,15 +35,15 @@ using SegmentWarnings = WarningBoard<SegmentTrouble>;
 struct FrameEnd {
   bool torn = false;           ///< cut off by the begin or end of the data
   std::uint64_t segments = 0;  ///< bit n: segment n is there
-  std::uint64_t expected = 0;  ///< as FrameTracker::expected()
+  std::uint64_t expected = 0;  ///< as OpenFrames::expected()
   bool complete() const { return expected != 0 && (segments & expected) == expected; }
 };
 
 /// What is common to the makers of scans and clouds. They write segments into as many frames as
-/// FrameTracker keeps open.
-class SegmentFrames {
+/// OpenFrames keeps open.
+class FrameBuilder {
  public:
-  virtual ~SegmentFrames() = default;
+  virtual ~FrameBuilder() = default;
   /// Reject::none, or why segments like this one make no frame of the model.
   virtual Reject check(const Segment& segment) = 0;
   /// True if the segment continues the frames so far; false: begin anew.
@@ -58,9 +58,9 @@ class SegmentFrames {
 };
 
 /// Scans of a single-plane device, of constant geometry.
-std::unique_ptr<SegmentFrames> make_planar_frames(const DriverConfig& config, const DeviceClock& clock,
-                                                  SegmentWarnings& warnings);
+std::unique_ptr<FrameBuilder> make_scan_builder(const DriverConfig& config, const DeviceClock& clock,
+                                                SegmentWarnings& warnings);
 /// Clouds of a device with several layers.
-std::unique_ptr<SegmentFrames> make_cloud_frames(const DriverConfig& config, const DeviceClock& clock);
+std::unique_ptr<FrameBuilder> make_cloud_builder(const DriverConfig& config, const DeviceClock& clock);
 
 }  // namespace lidard::sick

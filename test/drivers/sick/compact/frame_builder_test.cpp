@@ -35,7 +35,7 @@ void expect_beams(const PlanarScan& scan, int lost_segment = -1) {
   }
 }
 
-TEST(SegmentFrames, AWholeFrameIsReleasedByItsLastSegment) {
+TEST(FrameBuilder, AWholeFrameIsReleasedByItsLastSegment) {
   for (const std::uint32_t version : {3U, 4U, 0U}) {
     SegmentBench bench;
     bench.version = version;
@@ -59,7 +59,7 @@ TEST(SegmentFrames, AWholeFrameIsReleasedByItsLastSegment) {
   }
 }
 
-TEST(SegmentFrames, StampIsThatOfTheFirstBeam) {
+TEST(FrameBuilder, StampIsThatOfTheFirstBeam) {
   SegmentBench bench;
   for (std::uint64_t f = 0; f < 20; ++f) bench.send_frame(f);
   ASSERT_EQ(bench.scans.size(), 19U);
@@ -73,7 +73,7 @@ TEST(SegmentFrames, StampIsThatOfTheFirstBeam) {
   }
 }
 
-TEST(SegmentFrames, ALostSegmentIsUnobservedInItsPlace) {
+TEST(FrameBuilder, ALostSegmentIsUnobservedInItsPlace) {
   for (int lost = 0; lost < SegmentBench::segments; ++lost) {
     SegmentBench bench;
     for (std::uint64_t f = 0; f < 3; ++f) bench.send_frame(f);
@@ -89,7 +89,7 @@ TEST(SegmentFrames, ALostSegmentIsUnobservedInItsPlace) {
   }
 }
 
-TEST(SegmentFrames, AFrameWhoseEndIsLostIsReleasedByTheClock) {
+TEST(FrameBuilder, AFrameWhoseEndIsLostIsReleasedByTheClock) {
   SegmentBench bench;
   for (std::uint64_t f = 0; f < 3; ++f) bench.send_frame(f);
   bench.send_frame(3, 9);
@@ -101,7 +101,7 @@ TEST(SegmentFrames, AFrameWhoseEndIsLostIsReleasedByTheClock) {
   expect_beams(bench.scans[2], 9);
 }
 
-TEST(SegmentFrames, TelegramsMayOvertakeEachOther) {
+TEST(FrameBuilder, TelegramsMayOvertakeEachOther) {
   for (unsigned seed = 0; seed < 30; ++seed) {
     SegmentBench bench;
     std::mt19937 random(seed);
@@ -126,7 +126,7 @@ TEST(SegmentFrames, TelegramsMayOvertakeEachOther) {
   }
 }
 
-TEST(SegmentFrames, DoubledTelegramsAreCountedAndChangeNothing) {
+TEST(FrameBuilder, DoubledTelegramsAreCountedAndChangeNothing) {
   SegmentBench bench;
   for (std::uint64_t f = 0; f < 4; ++f) {
     for (int i = 0; i < SegmentBench::segments; ++i) {
@@ -139,7 +139,7 @@ TEST(SegmentFrames, DoubledTelegramsAreCountedAndChangeNothing) {
   EXPECT_EQ(bench.driver->counters().lost_packets, 0U);
 }
 
-TEST(SegmentFrames, AnyLossLeavesGeometryAndTimesAsTheyAre) {
+TEST(FrameBuilder, AnyLossLeavesGeometryAndTimesAsTheyAre) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     SegmentBench bench;
     std::mt19937 random(seed);
@@ -186,7 +186,7 @@ sim::SickSegment filtered(const SegmentBench& bench, std::uint64_t frame, int in
   return segment;
 }
 
-TEST(SegmentFrames, BeamsThatTheDevicesFilterHidesAreNotFree) {
+TEST(FrameBuilder, BeamsThatTheDevicesFilterHidesAreNotFree) {
   SegmentBench bench;
   std::uint64_t counter = 1;
   for (std::uint64_t f = 0; f < 4; ++f) {
@@ -211,7 +211,7 @@ TEST(SegmentFrames, BeamsThatTheDevicesFilterHidesAreNotFree) {
   }
 }
 
-TEST(SegmentFrames, FramesThatGrowBecomeTheNewGeometryAndAWarning) {
+TEST(FrameBuilder, FramesThatGrowBecomeTheNewGeometryAndAWarning) {
   SegmentBench bench;
   std::uint64_t counter = 1;
   const auto send = [&](std::uint64_t frame, int from, int to) {
@@ -231,7 +231,7 @@ TEST(SegmentFrames, FramesThatGrowBecomeTheNewGeometryAndAWarning) {
   EXPECT_EQ(bench.scans.back().beams, 180U);
 }
 
-TEST(SegmentFrames, ConfiguredAnglesKeepTheirBeams) {
+TEST(FrameBuilder, ConfiguredAnglesKeepTheirBeams) {
   DriverConfig config;
   config.angle_min = -90 * bench_rad;
   config.angle_max = 45 * bench_rad;
@@ -246,7 +246,7 @@ TEST(SegmentFrames, ConfiguredAnglesKeepTheirBeams) {
   EXPECT_NEAR(seconds(scan.stamp - first), 0, 2e-6);
 }
 
-TEST(SegmentFrames, OneEchoIsTheNearestAndAllComeWhenAskedFor) {
+TEST(FrameBuilder, OneEchoIsTheNearestAndAllComeWhenAskedFor) {
   for (const bool multi : {false, true}) {
     DriverConfig config;
     config.publish_multiecho = multi;
@@ -265,7 +265,7 @@ TEST(SegmentFrames, OneEchoIsTheNearestAndAllComeWhenAskedFor) {
   }
 }
 
-TEST(SegmentFrames, ReflectorsMakeAScanOfTheirOwn) {
+TEST(FrameBuilder, ReflectorsMakeAScanOfTheirOwn) {
   SegmentBench bench;
   for (std::uint64_t f = 0; f < 3; ++f) {
     for (int i = 0; i < SegmentBench::segments; ++i) {
@@ -282,7 +282,7 @@ TEST(SegmentFrames, ReflectorsMakeAScanOfTheirOwn) {
   EXPECT_NEAR(marked.ranges[185], 2.185, 1e-6);
 }
 
-TEST(SegmentFrames, RangesOutsideTheModelsLimitsAreNoHits) {
+TEST(FrameBuilder, RangesOutsideTheModelsLimitsAreNoHits) {
   SegmentBench bench;
   for (std::uint64_t f = 0; f < 3; ++f) {
     for (int i = 0; i < SegmentBench::segments; ++i) {
@@ -300,7 +300,7 @@ TEST(SegmentFrames, RangesOutsideTheModelsLimitsAreNoHits) {
   EXPECT_NEAR(scan.ranges[62], 100, 1e-4);
 }
 
-TEST(SegmentFrames, ARestartOfTheDeviceStampsRightAtOnce) {
+TEST(FrameBuilder, ARestartOfTheDeviceStampsRightAtOnce) {
   SegmentBench bench;
   for (std::uint64_t f = 0; f < 50; ++f) bench.send_frame(f);
   const std::size_t before = bench.scans.size();
@@ -324,7 +324,7 @@ TEST(SegmentFrames, ARestartOfTheDeviceStampsRightAtOnce) {
   EXPECT_EQ(bench.driver->counters().clock_steps, 1U);
 }
 
-TEST(SegmentFrames, StampsFollowTheDeviceClockNotTheNetwork) {
+TEST(FrameBuilder, StampsFollowTheDeviceClockNotTheNetwork) {
   SegmentBench bench;
   std::mt19937 random(3);
   double worst = 0;
@@ -348,7 +348,7 @@ TEST(SegmentFrames, StampsFollowTheDeviceClockNotTheNetwork) {
   EXPECT_LT(worst, 0.2e-3);
 }
 
-TEST(SegmentFrames, NothingIsAllocatedPerScanAfterWarmUp) {
+TEST(FrameBuilder, NothingIsAllocatedPerScanAfterWarmUp) {
   for (const std::uint32_t version : {4U, 0U}) {
     DriverConfig config;
     config.publish_multiecho = true;

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/sick/compact/frame_tracker.h"
+#include "drivers/sick/compact/open_frames.h"
 
 namespace lidard::sick {
 
-bool FrameTracker::find_slot(std::uint64_t number, std::size_t& slot) const {
-  for (std::size_t i = 0; i < open_frames; ++i) {
+bool OpenFrames::find_slot(std::uint64_t number, std::size_t& slot) const {
+  for (std::size_t i = 0; i < most; ++i) {
     if (frames_[i].open && frames_[i].number == number) {
       slot = i;
       return true;
@@ -14,35 +14,35 @@ bool FrameTracker::find_slot(std::uint64_t number, std::size_t& slot) const {
   return false;
 }
 
-std::size_t FrameTracker::open_count() const {
+std::size_t OpenFrames::open_count() const {
   return (frames_[0].open ? 1U : 0U) + (frames_[1].open ? 1U : 0U);
 }
 
-std::size_t FrameTracker::oldest() const {
+std::size_t OpenFrames::oldest() const {
   if (open_count() < 2) return frames_[0].open ? 0 : 1;
   return frames_[0].number < frames_[1].number ? 0 : 1;
 }
 
-std::size_t FrameTracker::newest() const { return open_count() < 2 ? oldest() : 1 - oldest(); }
+std::size_t OpenFrames::newest() const { return open_count() < 2 ? oldest() : 1 - oldest(); }
 
-bool FrameTracker::is_complete(const Frame& frame) const {
+bool OpenFrames::is_complete(const Frame& frame) const {
   return expected_ != 0 && (frame.segments & expected_) == expected_;
 }
 
 /// True if nothing more of the old frame can come: the new one continues it without a gap, or has gone on.
-bool FrameTracker::is_overtaken(const Frame& old_frame, const Frame& new_frame) const {
+bool OpenFrames::is_overtaken(const Frame& old_frame, const Frame& new_frame) const {
   if (new_frame.telegrams > 1) return true;
   return old_frame.is_gapless() && new_frame.first_counter == old_frame.last_counter + 1 && released_any_ &&
          old_frame.first_counter == released_counter_ + 1;
 }
 
-std::size_t FrameTracker::missing(std::size_t slot) const {
+std::size_t OpenFrames::missing(std::size_t slot) const {
   std::size_t count = 0;
   for (std::uint64_t rest = expected_ & ~frames_[slot].segments; rest != 0; rest &= rest - 1) ++count;
   return count;
 }
 
-void FrameTracker::close(std::size_t slot) {
+void OpenFrames::close(std::size_t slot) {
   Frame& frame = frames_[slot];
   frame.open = false;
   const bool head_is_there = released_any_ && frame.first_counter == released_counter_ + 1;
@@ -55,7 +55,7 @@ void FrameTracker::close(std::size_t slot) {
   released_counter_ = frame.last_counter;
 }
 
-void FrameTracker::learn(const Frame& frame) {
+void OpenFrames::learn(const Frame& frame) {
   if (frame.proven) {
     expected_ = frame.segments;
     unproven_ = 0;
@@ -76,19 +76,19 @@ void FrameTracker::learn(const Frame& frame) {
 }
 
 /// A segment of a frame that was held for complete: frames have more segments than was known.
-void FrameTracker::note_late(const Segment& segment) {
+void OpenFrames::note_late(const Segment& segment) {
   if (expected_ != 0 && segment.frame == released_number_ && segment.counter > released_counter_)
     expected_ |= std::uint64_t{1} << segment.index;
 }
 
-void FrameTracker::restart() {
+void OpenFrames::restart() {
   frames_ = {};
   released_any_ = false;
   unproven_ = 0;
   seen_ = 0;
 }
 
-void FrameTracker::reset() {
+void OpenFrames::reset() {
   restart();
   expected_ = 0;
 }
