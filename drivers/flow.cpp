@@ -15,12 +15,11 @@ Flow flow_of(const Packet& packet) {
 }
 
 std::vector<Flow> flows_of(const Model& model, const IpAddress& address, std::uint16_t port,
-                           std::uint16_t telemetry_port) {
+                           std::uint16_t telemetry_port, std::uint16_t dialogue_port) {
   std::vector<Flow> flows = {{model.transport, address, port}};
   if (model.transport == Transport::tcp) return flows;
   if (telemetry_port != 0) flows.push_back({Transport::udp, address, telemetry_port});
-  const bool known = address != IpAddress();
-  if (model.dialogue_port != 0 && known) flows.push_back({Transport::tcp, address, model.dialogue_port});
+  if (dialogue_port != 0) flows.push_back({Transport::tcp, address, dialogue_port});
   return flows;
 }
 

@@ -34,9 +34,13 @@ struct Flow {
 /// The flow that a packet belongs to.
 Flow flow_of(const Packet& packet);
 /// What a device at `address` sends: its data to (or, over TCP, from) `port`, its telemetry, its part of the
-/// dialogue. The data come first.
+/// dialogue; a port 0 is none. The data come first.
 std::vector<Flow> flows_of(const Model& model, const IpAddress& address, std::uint16_t port,
-                           std::uint16_t telemetry_port);
+                           std::uint16_t telemetry_port, std::uint16_t dialogue_port);
+/// The same with the model's usual ports for all but the data.
+inline std::vector<Flow> flows_of(const Model& model, const IpAddress& address, std::uint16_t port) {
+  return flows_of(model, address, port, model.telemetry_port, model.dialogue_port);
+}
 
 /// Whose packet is this? A known sender comes before one that may be anybody.
 template <class Owner>

@@ -106,8 +106,7 @@ FlowTable<std::size_t> owners_of(const std::vector<FoundSensor>& sensors) {
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     const Model& model = *sensors[i].model;
     const Flow& data = sensors[i].data;
-    for (const Flow& flow : flows_of(model, data.address, data.port, model.telemetry_port))
-      owners.add(flow, i);
+    for (const Flow& flow : flows_of(model, data.address, data.port)) owners.add(flow, i);
   }
   return owners;
 }

@@ -57,8 +57,7 @@ void Candidate::add(Packet packet, const Model* model) {
 
 FlowTable<const Model*> SensorStream::flows() const {
   FlowTable<const Model*> all;
-  for (const Flow& flow : flows_of(*model, data.address, data.port, model->telemetry_port))
-    all.add(flow, model);
+  for (const Flow& flow : flows_of(*model, data.address, data.port)) all.add(flow, model);
   return all;
 }
 

@@ -52,11 +52,10 @@ void default_increment(ScanGridSpec& grid) {
 }
 
 void check_grid(const ScanGridSpec& spec, Mapping& yaml, Config& config) {
-  std::string complaint;
-  const auto grid = make_grid(spec, complaint);
+  const auto grid = make_grid(spec);
   if (!grid) {
-    const Value& place = place_of_complaint(complaint, yaml);
-    throw ConfigError(place.place().to_string() + ": " + yaml.self().path() + ": " + complaint);
+    const Value& place = place_of_complaint(grid.reason(), yaml);
+    throw ConfigError(place.place().to_string() + ": " + yaml.self().path() + ": " + grid.reason());
   }
   if (grid->beams < gmapping_beam_limit) return;
   const Value& place = yaml.where(yaml.has("beams") ? "beams" : "angle_increment");

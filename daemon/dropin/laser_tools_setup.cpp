@@ -86,8 +86,7 @@ ScanGridSpec read_grid(ParameterReader& reader, Warnings& warnings) {
                          "; the limit is " + number_text(*places[i]));
   }
   grid.angle_increment = increment;
-  std::string complaint;
-  if (!make_grid(grid, complaint)) throw ConfigError("private parameters: " + complaint);
+  if (const auto made = make_grid(grid); !made) throw ConfigError("private parameters: " + made.reason());
   return grid;
 }
 

@@ -155,6 +155,9 @@ std::vector<DiagnosticItem> Pipeline::Impl::diagnostics(Stamp now) const {
     report.starting = starting;
     items.push_back(sensor_health(sensor->config(), report, unknown_senders, now));
   }
+  for (const auto& sensor : sensors) {
+    if (auto item = sensor->settings(now)) items.push_back(std::move(*item));
+  }
   if (auto item = motion.diagnostics(sensor_context.now)) items.push_back(std::move(*item));
   for (const auto& output : outputs) items.push_back(output->diagnostics(now, starting));
   if (const auto names = unknown_senders.names(); !names.empty())
@@ -270,8 +273,7 @@ void Pipeline::restart() {
 }
 
 std::string Pipeline::set_output(const OutputId& output, const OutputScanConfig& wanted) {
-  std::string complaint;
-  if (!make_grid(wanted.grid, complaint)) return complaint;
+  if (const auto grid = make_grid(wanted.grid); !grid) return grid.reason();
   for (const auto& one : impl_->outputs) {
     if (!(one->id() == output)) continue;
     one->set_scan(wanted);

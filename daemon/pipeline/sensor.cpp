@@ -206,6 +206,13 @@ SensorReport Sensor::report() const {
   return report;
 }
 
+std::optional<DiagnosticItem> Sensor::settings(Stamp now) const {
+  if (driver_ == nullptr || context_.connections == nullptr) return std::nullopt;
+  const auto status = driver_->settings(now);
+  if (!status) return std::nullopt;
+  return settings_item(config_, *status);
+}
+
 std::string Sensor::why_no_frames(const UnknownSenders& unknown) const {
   if (counters().frames > 0) return {};
   if (driver_ == nullptr)

@@ -57,6 +57,8 @@ class Sensor final : public DriverOutput {
   void restart();
 
   SensorReport report() const;
+  /// The device's settings against those wanted; none: its driver does not look at them, or cannot.
+  std::optional<DiagnosticItem> settings(Stamp now) const;
   /// Why it gave no frames; empty: it gave some.
   std::string why_no_frames(const UnknownSenders& unknown) const;
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/base/angle.h"
 #include "core/base/number_text.h"
 #include "daemon/config/config_parts.h"
 #include "daemon/config/grid_limits.h"
@@ -13,7 +14,6 @@
 namespace lidard {
 namespace {
 
-constexpr double two_pi = 6.28318530717958647692;
 /// As far as configurations go; a height at this limit is none.
 constexpr double farthest_m = 10000;
 constexpr double longest_period_s = 3600;
@@ -106,8 +106,7 @@ ChangeableOutput virtual_output(const VirtualScanConfig& group, ReconfigureNames
 }
 
 double increment_of(const OutputScanConfig& config) {
-  std::string error;
-  const auto grid = make_grid(config.grid, error);
+  const auto grid = make_grid(config.grid);
   return config.grid.angle_increment.value_or(grid ? grid->increment : 0);
 }
 
@@ -155,8 +154,7 @@ void put(const ItemValues& values, OutputScanConfig& config) {
 
 /// What speaks against these values together.
 std::string conflict(const OutputScanConfig& config, const ChangeableOutput& output) {
-  std::string complaint;
-  if (!make_grid(config.grid, complaint)) return complaint;
+  if (const auto grid = make_grid(config.grid); !grid) return grid.reason();
   if (config.min_height && config.max_height && *config.max_height <= *config.min_height)
     return "max_height is not above min_height; expected min_height < max_height";
   if (output.free_required > config.grid.range_max)
@@ -218,8 +216,7 @@ std::string change(ChangeableOutput& output, const ItemValues& wanted) {
 }
 
 std::size_t beams_of(const OutputScanConfig& config) {
-  std::string error;
-  const auto grid = make_grid(config.grid, error);
+  const auto grid = make_grid(config.grid);
   return grid ? grid->beams : 0;
 }
 
