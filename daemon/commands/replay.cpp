@@ -10,7 +10,6 @@
 #include "daemon/commands/player.h"
 #include "daemon/config/exit_codes.h"
 #include "daemon/config/output_topics.h"
-#include "daemon/pipeline/output_report.h"
 #include "daemon/pipeline/report.h"
 #include "daemon/pipeline/transform_source.h"
 #include "daemon/ros/bag_poses.h"
@@ -39,9 +38,8 @@ struct Replay {
   std::ostream& err;
 
   /// `motion` is called before each packet, for poses that come by message. False if an output never came.
-  bool play(FrameSink& target, TransformSource& poses, std::function<void(Stamp)> on_time,
+  bool play(FrameSink& sink, TransformSource& poses, std::function<void(Stamp)> on_time,
             const std::function<void(Pipeline&, Stamp)>& motion = nullptr) {
-    CountingSink sink(target, output_topics(config));
     Pipeline pipeline(config, poses, sink);
     Player player(options, capture, pipeline);
     bool first = true;
@@ -53,8 +51,7 @@ struct Replay {
     };
     player.play(stopped);
     report(pipeline, player);
-    auto outputs = sink.reports();
-    for (OutputReport& output : outputs) output.remark = pipeline.why_missing(output.name);
+    const auto outputs = pipeline.output_report();
     print_outputs("output", outputs, out);
     // Who stops a replay early knows that not everything has come.
     return stopped() || all_came(outputs);
