@@ -7,17 +7,9 @@
 #include <thread>
 
 #include "daemon/commands/progress.h"
+#include "drivers/net/wall_clock.h"
 
 namespace lidard {
-namespace {
-
-Stamp wall_clock() {
-  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
-  return {std::chrono::duration_cast<Span>(since_epoch).count()};
-}
-
-}  // namespace
-
 Player::Player(const ReplayOptions& options, MergedCapture& capture, Pipeline& pipeline)
     : options_(options), capture_(capture), pipeline_(pipeline) {}
 

@@ -8,6 +8,7 @@
 #include <ostream>
 #include <stdexcept>
 
+#include "core/base/number_text.h"
 #include "daemon/commands/player.h"
 #include "daemon/config/exit_codes.h"
 #include "daemon/files/snapshot_draw.h"
@@ -18,11 +19,7 @@
 namespace lidard {
 namespace {
 
-std::string fixed(double value, int digits) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", digits, value);
-  return text;
-}
+std::string fixed(double value, int digits) { return printed("%.*f", digits, value); }
 
 std::string to_utc(Stamp stamp) {
   const std::time_t whole = static_cast<std::time_t>(stamp.ns / 1'000'000'000);
@@ -30,8 +27,7 @@ std::string to_utc(Stamp stamp) {
   gmtime_r(&whole, &utc);
   char date[32];
   std::strftime(date, sizeof date, "%F %T", &utc);
-  return std::string(date) + "." +
-         fixed(1000 + static_cast<double>(stamp.ns / 1'000'000 % 1000), 0).substr(1) + " UTC";
+  return date + printed(".%03d UTC", static_cast<int>(stamp.ns / 1'000'000 % 1000));
 }
 
 std::string file_name(const std::string& path) { return path.substr(path.rfind('/') + 1); }

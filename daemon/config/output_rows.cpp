@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/angle.h"
 #include "daemon/config/sections.h"
 
 namespace lidard {
@@ -12,7 +13,6 @@ namespace {
 constexpr double farthest_m = 10000;
 constexpr double longest_period_s = 3600;
 constexpr std::size_t default_beams_per_turn = 1440;
-constexpr double turn = 2 * M_PI;
 
 const keys::Words<Profile> profiles{
     {"strict", Profile::strict}, {"safety", Profile::safety}, {"flatten", Profile::flatten}};
@@ -36,8 +36,8 @@ Keys<Output> beam_rows() {
 
 Keys<ScanGridSpec> grid_rows() {
   using G = ScanGridSpec;
-  return {keys::angle("angle_min", &G::angle_min, -turn, turn, "first beam").changes_live(),
-          keys::angle("angle_max", &G::angle_max, -turn, turn, "last beam").changes_live(),
+  return {keys::angle("angle_min", &G::angle_min, -two_pi, two_pi, "first beam").changes_live(),
+          keys::angle("angle_max", &G::angle_max, -two_pi, two_pi, "last beam").changes_live(),
           keys::whole("beams", &G::beams, 2, 32767, "number of beams, in place of angle_increment")
               .by_default("1440 for a full turn"),
           keys::angle("angle_increment", &G::angle_increment, 0, M_PI, "between beams")
@@ -84,12 +84,11 @@ const Value& place_of_complaint(const std::string& complaint, const Mapping& yam
 }
 
 void check_grid(const ScanGridSpec& spec, const Mapping& yaml, Reading& reading) {
-  std::string complaint;
-  const auto grid = make_grid(spec, complaint);
+  const auto grid = make_grid(spec);
   const std::string path = yaml.self().path();
   if (!grid) {
-    const Place place = place_of_complaint(complaint, yaml).place();
-    throw PlacedError(place, path + ": " + complaint);
+    const Place place = place_of_complaint(grid.reason(), yaml).place();
+    throw PlacedError(place, path + ": " + grid.reason());
   }
   if (grid->beams < gmapping_beam_limit) return;
   reading.warn(yaml.where(yaml.has("beams") ? "beams" : "angle_increment").place(),
@@ -139,10 +138,10 @@ void check_output(Mapping& yaml, OutputScanConfig& output, Reading& reading) {
   });
   ScanGridSpec& grid = output.grid;
   if (!grid.beams && !grid.angle_increment) {
-    if (std::abs(grid.angle_max - grid.angle_min - turn) < 1e-9)
+    if (std::abs(grid.angle_max - grid.angle_min - two_pi) < 1e-9)
       grid.beams = default_beams_per_turn;
     else
-      grid.angle_increment = turn / static_cast<double>(default_beams_per_turn);
+      grid.angle_increment = two_pi / static_cast<double>(default_beams_per_turn);
   }
   yaml.attempt_rule([&] { check_grid(grid, yaml, reading); });
 }

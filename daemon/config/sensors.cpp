@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "core/base/angle.h"
 #include "daemon/config/output_topics.h"
 #include "daemon/config/sections.h"
 #include "drivers/registry/nearest_models.h"
@@ -13,8 +14,6 @@
 
 namespace lidard {
 namespace {
-
-constexpr double full_turn = 2 * M_PI;
 
 bool holds(const SensorGroup& group, const std::string& key) {
   std::vector<std::string> names;
@@ -140,9 +139,10 @@ void check_permissions(const Mapping& yaml, const VelodyneControl& control) {
 }
 
 void check_control(Mapping& parent, SensorConfig& sensor, Reading& reading) {
+  VelodyneControl& control = sensor.control;
+  control.data_port = sensor.ip_port;
   if (!parent.has("control")) return;
   Mapping yaml = parent.inside("control");
-  VelodyneControl& control = sensor.control;
   if (!yaml.has("read")) control.read = control.wanted.any();
   if (control.wanted.fov_start_deg && control.wanted.fov_start_deg == control.wanted.fov_end_deg)
     yaml.inside("fov").where("end_deg").fail("is start_deg too",
@@ -156,6 +156,9 @@ void check_control(Mapping& parent, SensorConfig& sensor, Reading& reading) {
   check_permissions(yaml, control);
   if (control.read && !parent.has("ip_address"))
     yaml.self().fail_at_key("needs the sensor's address", "ip_address: of the sensor");
+  if (!control.read) return;
+  control.address = *sensor.ip_address;
+  sensor.driver.control = std::make_shared<VelodyneControl>(control);
 }
 
 void check_beams(const Mapping& yaml, const DriverConfig& driver) {
@@ -174,11 +177,11 @@ void check_frames(const Mapping& yaml, DriverConfig& driver) {
         .fail_at_key("is given with frame_cut: time", "one of them: frames are cut by time or by angle");
   if (driver.max_range != 0 && driver.max_range <= driver.min_range && yaml.has("max_range"))
     yaml.where("max_range").fail("is not above min_range", "min_range < max_range, or 0 for no limit");
-  if (std::abs(driver.view_direction) > full_turn)
+  if (std::abs(driver.view_direction) > two_pi)
     yaml.where("view_direction").fail("is more than a turn", "an angle in [-pi, pi], 0 ahead");
-  if (driver.view_width <= 0 || driver.view_width > full_turn + 1e-6)
+  if (driver.view_width <= 0 || driver.view_width > two_pi + 1e-6)
     yaml.where("view_width").fail("is no width of a sector", "an angle in (0, 2 pi]");
-  driver.view_width = std::min(driver.view_width, full_turn);
+  driver.view_width = std::min(driver.view_width, two_pi);
 }
 
 /// The ring asked for, or nothing.

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "core/base/angle.h"
 #include "core/base/nearest.h"
 #include "core/base/number_text.h"
 
@@ -263,7 +264,7 @@ void Mapping::in_rad(const std::string& key, const std::function<void(const Valu
   const auto deg = find(key + "_deg");
   if (rad && deg) deg->fail_at_key("is given beside " + key, "one of the two");
   if (rad) read(*rad, 1);
-  if (deg) read(*deg, M_PI / 180);
+  if (deg) read(*deg, rad_per_deg);
 }
 
 std::optional<double> Mapping::angle(const std::string& key) const {

@@ -59,8 +59,8 @@ void add_grid(ParameterReader& reader, KeyMap& entry, Warnings& warnings) {
       if (key.name == name) key.set(output, value);
     }
   }
-  std::string complaint;
-  if (!make_grid(output.grid, complaint)) throw ConfigError("private parameters: " + complaint);
+  if (const auto made = make_grid(output.grid); !made)
+    throw ConfigError("private parameters: " + made.reason());
 }
 
 /// The grid, and the keys of our own configuration that are given as parameters too.

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <memory>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -43,6 +43,19 @@ class Chart {
   void move_to(const Eigen::Vector2d& p);
   void line_to(const Eigen::Vector2d& p);
   void close();
+  /// A path through points.
+  template <class Points>
+  void path(const Points& points) {
+    bool begins = true;
+    for (const Eigen::Vector2d& p : points) {
+      if (begins)
+        move_to(p);
+      else
+        line_to(p);
+      begins = false;
+    }
+  }
+  void path(std::initializer_list<Eigen::Vector2d> points) { path<>(points); }
   /// A round dot once the path is stroked.
   void dot(const Eigen::Vector2d& p);
   void circle(const Eigen::Vector2d& center, double radius);

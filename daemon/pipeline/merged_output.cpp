@@ -271,7 +271,7 @@ void MergedOutput::fill_status() {
   status_.range_max = scan.range_max;
   for (std::size_t beam = 0; beam < scan.beams; ++beam) {
     status_.set_hit(beam, std::min(visibility.covered(beam), scan.range_max));
-    status_.intensities[beam] = static_cast<float>(visibility.seen(beam));
+    status_.intensities[beam] = static_cast<float>(visibility.state(beam));
   }
 }
 

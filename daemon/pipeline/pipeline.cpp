@@ -343,8 +343,7 @@ bool Pipeline::Impl::rebuild(std::vector<std::unique_ptr<Output>>& outputs, cons
 }
 
 std::string Pipeline::set_output(const OutputId& output, const OutputScanConfig& wanted) {
-  std::string complaint;
-  if (!make_grid(wanted.grid, complaint)) return complaint;
+  if (const auto grid = make_grid(wanted.grid); !grid) return grid.reason();
   const bool found = output.kind == OutputId::Kind::merged
                          ? impl_->rebuild(impl_->merged, output.entry, wanted)
                          : impl_->rebuild(impl_->virtuals, output.entry, wanted);
@@ -366,6 +365,11 @@ std::vector<DiagnosticItem> Pipeline::diagnostics(Stamp now) const {
   for (std::size_t i = 0; i < reports.size(); ++i) {
     reports[i].starting = starting;
     items.push_back(sensor_health(impl_->lines[i]->config, reports[i], unclaimed_senders(), now));
+  }
+  for (const auto& line : impl_->lines) {
+    if (line->driver == nullptr || impl_->links == nullptr) continue;
+    if (const auto status = line->driver->settings(now))
+      items.push_back(settings_item(line->config, *status));
   }
   if (impl_->poses.track() != nullptr) items.push_back(impl_->motion_item());
   for (const auto& output : impl_->merged) items.push_back(output->diagnostics(now, starting));

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 
 #include "daemon/pipeline/device_connections.h"
 #include "daemon/pipeline/report.h"
@@ -142,16 +143,28 @@ DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& rep
     value("IP Port", std::to_string(config.ip_port));
   for (const auto& [key, text] : report.info.details) item.values.emplace_back(key, text);
   const Counters& c = report.counters;
-  value("Packets", std::to_string(c.packets));
-  value("Other packets", std::to_string(c.other_packets));
-  value("Frames", std::to_string(c.frames));
-  value("Partial frames dropped", std::to_string(c.partial_frames));
-  value("Lost packets", std::to_string(c.lost_packets));
-  value("Incomplete telegrams", std::to_string(c.incomplete));
-  value("Reordered packets", std::to_string(c.reordered));
+  const auto count = [&](const NamedCounter<Counters>& counter) {
+    item.values.emplace_back(counter.words, std::to_string(c.*counter.value));
+    char& first = item.values.back().first.front();
+    first = static_cast<char>(std::toupper(static_cast<unsigned char>(first)));
+  };
+  for (const auto& counter : usual_counters) count(counter);
   value("Rejected", rejected_text(c));
-  value("Clock steps", std::to_string(c.clock_steps));
+  for (const auto& counter : trouble_counters) count(counter);
   add_rates(report.recent, item);
+  return item;
+}
+
+DiagnosticItem settings_item(const SensorConfig& config, const SettingsStatus& status) {
+  using Level = SettingsStatus::Level;
+  DiagnosticItem item;
+  item.name = "sensor " + config.name + " control";
+  item.hardware_id = status.serial.empty() ? config.name : status.serial;
+  item.health = status.level == Level::ok     ? Health::ok
+                : status.level == Level::warn ? Health::warn
+                                              : Health::error;
+  item.message = status.message;
+  item.values = status.details;
   return item;
 }
 

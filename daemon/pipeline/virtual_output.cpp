@@ -130,7 +130,7 @@ void VirtualOutput::describe_beams(DiagnosticItem& item) const {
     const Visibility& visibility = virtualizer_.visibility(i);
     std::array<std::size_t, 5> counts{};
     for (std::size_t beam = 0; beam < visibility.beams(); ++beam)
-      ++counts[static_cast<std::size_t>(visibility.seen(beam))];
+      ++counts[static_cast<std::size_t>(visibility.state(beam))];
     const auto share = [&](BeamState seen) {
       return 100.0 * static_cast<double>(counts[static_cast<std::size_t>(seen)]) /
              static_cast<double>(visibility.beams());

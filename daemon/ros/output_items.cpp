@@ -16,8 +16,7 @@ namespace {
 /// The increment in force, which may follow from the number of beams; who sets it decides that number.
 void follow_increment(OutputItem& item) {
   item.get = [](const OutputScanConfig& config) {
-    std::string error;
-    const auto grid = make_grid(config.grid, error);
+    const auto grid = make_grid(config.grid);
     return key_value(config.grid.angle_increment.value_or(grid ? grid->increment : 0));
   };
   item.set = [](OutputScanConfig& config, const KeyValue& value) {
@@ -102,8 +101,7 @@ std::string take(const OutputItem& item, const ItemValues& wanted, OutputScanCon
 
 /// What speaks against these values together.
 std::string conflict(const OutputScanConfig& config, const ChangeableOutput& output) {
-  std::string complaint;
-  if (!make_grid(config.grid, complaint)) return complaint;
+  if (const auto grid = make_grid(config.grid); !grid) return grid.reason();
   if (config.min_height && config.max_height && *config.max_height <= *config.min_height)
     return "max_height is not above min_height; expected min_height < max_height";
   if (output.free_required > config.grid.range_max)
@@ -161,8 +159,7 @@ std::string change(ChangeableOutput& output, const ItemValues& wanted) {
 }
 
 std::size_t beams_of(const OutputScanConfig& config) {
-  std::string error;
-  const auto grid = make_grid(config.grid, error);
+  const auto grid = make_grid(config.grid);
   return grid ? grid->beams : 0;
 }
 

@@ -13,17 +13,13 @@
 #include "daemon/ros/ros_master.h"
 #include "daemon/ros/ros_reception.h"
 #include "daemon/ros/velodyne_scan.h"
+#include "drivers/net/wall_clock.h"
 
 namespace lidard {
 namespace {
 
 /// Messages of one source that may wait for the sensor thread.
 constexpr int most_pending = 4;
-
-Stamp now() {
-  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
-  return {std::chrono::duration_cast<Span>(since_epoch).count()};
-}
 
 /// What a usable message held that was not used.
 struct LeftOut {
@@ -109,7 +105,7 @@ namespace {
 template <typename Frame, typename Message, typename Source, typename Handler>
 void receive(const std::shared_ptr<Source>& source, const RosInputs::Post& post, const Handler& handler,
              const Message& message) {
-  const Stamp received = now();
+  const Stamp received = wall_clock();
   if (!source->accept()) return;
   auto frame = std::make_shared<Frame>();
   LeftOut left_out;
@@ -166,7 +162,7 @@ void RosInputs::subscribe_packets(const std::shared_ptr<Source>& source) {
   using Message = boost::shared_ptr<const VelodyneScanBytes>;
   const boost::function<void(const Message&)> callback =
       [source, post = post_, handler = handlers_.packet](const Message& message) {
-        const Stamp received = now();
+        const Stamp received = wall_clock();
         if (!source->accept()) return;
         // Looked at before it is handed on, so that a bad message counts at once.
         const ByteView bytes(message->bytes.data(), message->bytes.size());

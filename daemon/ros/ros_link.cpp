@@ -19,6 +19,7 @@
 #include "daemon/ros/ros_name.h"
 #include "daemon/ros/ros_publishers.h"
 #include "daemon/ros/ros_pulse.h"
+#include "drivers/net/wall_clock.h"
 
 namespace lidard {
 namespace {
@@ -34,11 +35,6 @@ constexpr std::size_t most_in_flight = 8;
 constexpr auto stuck_subscriber = std::chrono::seconds(10);
 /// A live thread makes ten rounds per second.
 constexpr auto longest_round = std::chrono::seconds(2);
-
-Stamp wall_clock() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return Stamp{std::chrono::duration_cast<Span>(now).count()};
-}
 
 void init_ros(const RosOptions& options) {
   ros::M_string remappings;

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 
+#include "core/base/number_text.h"
 #include "core/base/steady_stamps.h"
 #include "core/frames/beam_window.h"
 #include "drivers/hokuyo/scip_dialogue.h"
@@ -58,7 +58,6 @@ class ScipDriver final : public Driver, private ScipDialogue::Owner {
   void note_parameters(const ScipMessage& message);
   void note_information(const ScipMessage& message);
   void note_serial(std::string_view serial);
-  void set_detail(std::string_view key, std::string_view value);
   Reject publish(const ScipMessage& message, const ScipScanRequest& request, Stamp arrival,
                  DriverOutput& out);
   bool take_geometry(const ScipScanRequest& request);
@@ -120,11 +119,8 @@ void ScipDriver::tick(Stamp now, DriverOutput& out) {
   dialogue_.tick(now, out);
   if (std::chrono::abs(now - last_report_) < std::chrono::seconds(1)) return;
   last_report_ = now;
-  if (const auto delay = clock_.measured_delay()) {
-    std::array<char, 48> text{};
-    std::snprintf(text.data(), text.size(), "%.3f ms after the last beam", seconds(*delay) * 1e3);
-    set_detail("Computed Latency", text.data());
-  }
+  if (const auto delay = clock_.measured_delay())
+    info_.set("Computed Latency", printed("%.3f ms after the last beam", seconds(*delay) * 1e3));
 }
 
 void ScipDriver::restart() {
@@ -189,23 +185,14 @@ void ScipDriver::note_fit(Reject reason, Stamp arrival, DriverOutput& out) {
   dialogue_.reexamine(arrival, out);
 }
 
-void ScipDriver::set_detail(std::string_view key, std::string_view value) {
-  for (auto& detail : info_.details) {
-    if (detail.first != key) continue;
-    if (detail.second != value) detail.second = value;
-    return;
-  }
-  info_.details.emplace_back(key, value);
-}
-
 // Checksums of these lines do not matter: URG-04LX firmware sends a wrong one for the serial number.
 void ScipDriver::note_version(const ScipMessage& message) {
   for_each_entry(message.body, [this](std::string_view key, std::string_view value, bool) {
-    if (key == "VEND") set_detail("Vendor Name", value);
-    if (key == "PROT") set_detail("Protocol Version", value);
+    if (key == "VEND") info_.set("Vendor Name", value);
+    if (key == "PROT") info_.set("Protocol Version", value);
     if (key == "SERI") note_serial(value);
-    if (key == "FIRM") set_detail("Firmware Version", firmware_ = value);
-    if (key == "PROD") set_detail("Product Name", product_ = value);
+    if (key == "FIRM") info_.set("Firmware Version", firmware_ = value);
+    if (key == "PROD") info_.set("Product Name", product_ = value);
   });
 }
 
@@ -214,7 +201,7 @@ void ScipDriver::note_serial(std::string_view serial) {
     board_.set(ScipTrouble::device, "sensor " + info_.serial + " was replaced by sensor " +
                                         std::string(serial) + "; check its pose");
   info_.serial = serial;
-  set_detail("Device ID", serial);
+  info_.set("Device ID", serial);
 }
 
 void ScipDriver::note_parameters(const ScipMessage& message) {
@@ -230,7 +217,7 @@ void ScipDriver::note_parameters(const ScipMessage& message) {
   }
   board_.clear(ScipTrouble::parameters);
   parameters_ = read;
-  if (product_.empty()) set_detail("Product Name", product);
+  if (product_.empty()) info_.set("Product Name", product);
   product_ = product;
   board_.clear(ScipTrouble::model);
   if (!row_.any && product.compare(0, row_.product.size(), row_.product) != 0)
@@ -244,7 +231,7 @@ void ScipDriver::note_information(const ScipMessage& message) {
       {{"LASR", "Laser"}, {"SCSP", "Scan speed"}, {"MESM", "Measurement mode"}, {"STAT", "Device Status"}}};
   for_each_entry(message.body, [this, &shown](std::string_view key, std::string_view value, bool) {
     for (const auto& [name, label] : shown) {
-      if (name == key) set_detail(label, value);
+      if (name == key) info_.set(label, value);
     }
   });
 }
@@ -376,14 +363,10 @@ Reject ScipDriver::fill(const ScipScanRequest& request) {
 
 void ScipDriver::put(std::size_t beam, std::size_t echo, std::uint32_t distance_mm) {
   const std::size_t i = scan_.index(beam, echo);
-  const auto value = static_cast<int>(distance_mm);
-  if (value < geometry_->parameters.range_min_mm) {
+  if (static_cast<int>(distance_mm) < geometry_->parameters.range_min_mm)
     scan_.set_without_hit(i, status_of_code(row_.any ? code_table_of(product_) : row_.codes, distance_mm));
-  } else if (value > range_max_mm_) {
-    scan_.set_without_hit(i, BeamStatus::none);
-  } else {
-    scan_.set_hit(i, static_cast<float>(value * 1e-3));
-  }
+  else
+    scan_.set_measured(i, static_cast<float>(distance_mm * 1e-3));
 }
 
 }  // namespace

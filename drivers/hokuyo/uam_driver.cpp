@@ -15,8 +15,6 @@
 namespace lidard::hokuyo {
 namespace {
 
-constexpr double rad_per_deg = 3.14159265358979323846 / 180;
-
 /// One way to ask for distances.
 struct UamRow {
   std::string_view start;   ///< command of the endless stream
@@ -207,11 +205,7 @@ void UamDriver::take_version(std::string_view frame) {
                                         std::string(field) + "; check its pose and its areas");
       info_.serial = field;
     }
-    bool found = false;
-    for (auto& detail : info_.details) {
-      if (detail.first == key) detail.second = field, found = true;
-    }
-    if (!found) info_.details.emplace_back(key, field);
+    info_.set(key, field);
   }
 }
 
@@ -266,19 +260,14 @@ Reject UamDriver::fill(std::string_view frame) {
     const std::size_t at = uam_distances_at + 4 * (first_beam_ + i);
     const auto value = uam_number(frame, at, 4);
     if (!value) return Reject::field;
-    const auto range = static_cast<float>(*value * 1e-3);
     if (*value == no_object) {
       scan_.set_without_hit(i, BeamStatus::none);
     } else if (*value == too_near) {
       scan_.set_without_hit(i, BeamStatus::near);
     } else if (*value >= first_code) {
       scan_.set_without_hit(i, BeamStatus::invalid);
-    } else if (range < scan_.range_min) {
-      scan_.set_without_hit(i, BeamStatus::near);
-    } else if (range > scan_.range_max) {
-      scan_.set_without_hit(i, BeamStatus::none);
     } else {
-      scan_.set_hit(i, range);
+      scan_.set_measured(i, static_cast<float>(*value * 1e-3));
     }
     if (!with_intensities) continue;
     const auto intensity = uam_number(frame, at + 4 * row_.beams, 4);

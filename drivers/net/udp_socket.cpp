@@ -108,10 +108,6 @@ UdpSocket failed(std::string error) {
 
 }  // namespace
 
-FileDescriptor::~FileDescriptor() {
-  if (fd_ >= 0) close(fd_);
-}
-
 UdpSocket open_udp_socket(const UdpOptions& options) {
   UdpSocket s;
   s.fd = FileDescriptor(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));

@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 
+#include "core/base/angle.h"
+#include "core/base/number_text.h"
 #include "drivers/velodyne/calibration.h"
 #include "drivers/velodyne/laser_tables.h"
 #include "drivers/velodyne/velodyne_driver.h"
@@ -110,9 +111,8 @@ std::uint16_t level_ring(const DriverConfig& config) {
   std::uint16_t best_ring = 0;
   double best = 1e9;
   for (std::size_t k = 0; k < rings.size(); ++k) {
-    const double elevation_deg = calibration != nullptr
-                                     ? calibration->lasers[k].vert_correction * (180 / 3.14159265358979323846)
-                                     : row.laser[k].elevation_deg;
+    const double elevation_deg = calibration != nullptr ? calibration->lasers[k].vert_correction * deg_per_rad
+                                                        : row.laser[k].elevation_deg;
     constexpr double equal_deg = 1e-6;
     const double off = std::fabs(elevation_deg);
     if (off > best + equal_deg || (off > best - equal_deg && rings[k] < best_ring)) continue;
@@ -148,12 +148,13 @@ Model spinning(const char* name, const char* product, const ModelRow& row, doubl
   return model;
 }
 
-/// Those with telemetry packets and a web interface, which the HDL-64E has not: it is set through its serial
-/// line (user manual 63-HDL64ES3).
+/// Those with telemetry packets and a web interface (63-9243 Rev D, section 10.2), which the HDL-64E has not:
+/// it is set through its serial line (user manual 63-HDL64ES3).
 Model connected(const char* name, const char* product, const ModelRow& row, double range_max,
                 const char* verified, std::initializer_list<Trait> more = {}) {
   Model model = spinning(name, product, row, range_max, verified);
   model.telemetry_port = 8308;
+  model.dialogue_port = 80;
   model.traits.add({Trait::gnss, Trait::web_control});
   model.traits.add(more);
   return model;
@@ -219,9 +220,7 @@ std::string product_name(std::uint8_t product_id) {
   for (const auto& [id, name] : products) {
     if (id == product_id) return name;
   }
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "unknown product 0x%02x", static_cast<unsigned>(product_id));
-  return text.data();
+  return printed("unknown product 0x%02x", static_cast<unsigned>(product_id));
 }
 
 }  // namespace lidard::velodyne

@@ -39,8 +39,8 @@ class ColaDriver final : public Driver {
         row_(*static_cast<const ColaRow*>(config.model->row)),
         stream_(counters_),
         clock_(config.clock),
-        planar_(config, row_),
-        layers_(config, row_, counters_),
+        planar_(config_, row_),
+        layers_(config_, row_, counters_),
         states_(config),
         dialogue_(config, row_) {}
 

@@ -9,9 +9,6 @@
 namespace lidard::sick {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
-constexpr double deg_per_rad = 180 / pi;
-
 /// One frame while its segments come in.
 struct OpenCloud {
   Cloud cloud;
@@ -54,7 +51,6 @@ class CloudFrames final : public SegmentFrames {
   void add_group(const Segment& segment, Group group, std::uint32_t packet, OpenCloud& open);
   void add_point(const Segment& segment, std::size_t line, std::size_t beam, std::size_t echo, Group group,
                  OpenCloud& open);
-  bool in_view(double azimuth) const;
 
   DriverConfig config_;
   const DeviceClock& clock_;
@@ -138,7 +134,7 @@ void CloudFrames::add_point(const Segment& segment, std::size_t index, std::size
   const double distance = line.distance[echo][beam] * line.metres;
   if (!(distance > 0) || distance < nearest_ || distance > farthest_) return;
   const double azimuth = line.azimuth(beam);
-  if (!in_view(azimuth)) return;
+  if (!config_.in_view(azimuth)) return;
   const LineTable& table = tables_[index];
   const double level = distance * table.cos_elevation;
   const double after_us = line.time_us(beam);
@@ -161,11 +157,6 @@ void CloudFrames::add_point(const Segment& segment, std::size_t index, std::size
   origin.offset_ns = (device_span(line.start_us) - device_span(segment.start_us()) + in_line).count();
   origin.stamp = clock_.to_host(device_span(line.start_us) + in_line) + config_.time_offset;
   open.cloud.origins.push_back(origin);
-}
-
-bool CloudFrames::in_view(double azimuth) const {
-  if (config_.view_width >= 2 * 3.14159265) return true;
-  return std::fabs(std::remainder(azimuth - config_.view_direction, 2 * pi)) <= config_.view_width / 2;
 }
 
 bool CloudFrames::end(std::size_t slot, const FrameEnd& how, DriverOutput& out) {

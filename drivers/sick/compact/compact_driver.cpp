@@ -71,7 +71,6 @@ class CompactDriver final : public Driver {
   void flush(DriverOutput& out, bool torn);
   void end_frame(std::size_t slot, bool torn, DriverOutput& out);
   void note_format();
-  void set_detail(const char* key, const std::string& value);
   Stamp stamp_of(std::uint64_t us, Stamp arrival);
 
   DriverConfig config_;
@@ -108,7 +107,7 @@ Reject CompactDriver::receive(const Packet& packet, DriverOutput& out) {
 
 void CompactDriver::note_dialogue() {
   warnings_.set(SegmentTrouble::dialogue, dialogue_.warning());
-  if (!dialogue_.data_output().empty()) set_detail("Data Output", dialogue_.data_output());
+  if (!dialogue_.data_output().empty()) info_.set("Data Output", dialogue_.data_output());
 }
 
 Reject CompactDriver::receive_datagram(const Packet& packet, DriverOutput& out) {
@@ -298,20 +297,11 @@ bool CompactDriver::is_ours(std::uint32_t sender, Stamp arrival) {
   return true;
 }
 
-void CompactDriver::set_detail(const char* key, const std::string& value) {
-  for (auto& detail : info_.details) {
-    if (detail.first != key) continue;
-    detail.second = value;
-    return;
-  }
-  info_.details.emplace_back(key, value);
-}
-
 void CompactDriver::note_format() {
   if (segment_.version == told_version_) return;
   told_version_ = segment_.version;
-  set_detail("Scan Data Format",
-             told_version_ == 0 ? "MSGPACK" : "Compact, version " + std::to_string(told_version_));
+  info_.set("Scan Data Format",
+            told_version_ == 0 ? "MSGPACK" : "Compact, version " + std::to_string(told_version_));
 }
 
 /// Host time of what an inertial unit or encoder measured. Their device time is the scans'; it is taken for

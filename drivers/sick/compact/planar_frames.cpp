@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "core/base/number_text.h"
+#include "core/frames/beam_window.h"
 #include "drivers/model.h"
 #include "drivers/sick/compact/raster_scan.h"
 #include "drivers/sick/compact/segment_frames.h"
@@ -11,8 +12,6 @@
 namespace lidard::sick {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
-constexpr double deg_per_rad = 180 / pi;
 constexpr std::string_view reflectors_topic = "reflectors";
 
 class PlanarFrames final : public SegmentFrames {
@@ -39,15 +38,12 @@ class PlanarFrames final : public SegmentFrames {
   }
 
  private:
-  struct Window {
-    std::size_t begin = 0, count = 0;
-  };
   void learn_window(const RasterScan& sweep, std::uint64_t segments);
-  Window kept(Window window);
-  void hide_unseen_edges(Window all, Window kept);
-  void publish(const RasterScan& sweep, Window all, DriverOutput& out);
-  void set_times(const RasterScan& sweep, Window part);
-  void publish_reflectors(const RasterScan& sweep, Window kept, DriverOutput& out);
+  BeamWindow kept(BeamWindow window);
+  void hide_unseen_edges(BeamWindow all, BeamWindow kept);
+  void publish(const RasterScan& sweep, BeamWindow all, DriverOutput& out);
+  void set_times(const RasterScan& sweep, BeamWindow part);
+  void publish_reflectors(const RasterScan& sweep, BeamWindow kept, DriverOutput& out);
 
   DriverConfig config_;
   const DeviceClock& clock_;
@@ -57,7 +53,7 @@ class PlanarFrames final : public SegmentFrames {
   std::array<RasterScan, FrameTracker::open_frames> sweeps_;
   std::vector<std::uint8_t> had_echo_;
   std::uint64_t window_segments_ = 0;  // of which the window was made; 0: not yet known
-  Window window_;
+  BeamWindow window_;
   std::size_t first_segment_ = 0, last_segment_ = 0;
   SteadyStamps stamps_;
   double beam_us_ = 0;  // from beam to beam, by the last frame that told; 0: none did
@@ -68,12 +64,12 @@ class PlanarFrames final : public SegmentFrames {
 
 Reject PlanarFrames::check(const Segment& segment) {
   const bool planar = segment.line_count == 1;
-  if (planar == warnings_.is_set(SegmentTrouble::layers)) {
-    warnings_.set(SegmentTrouble::layers, planar ? ""
-                                                 : "the device sends " + std::to_string(segment.line_count) +
-                                                       " layers, so it is no " +
-                                                       std::string(config_.model->product) +
-                                                       ": set the model, for instance sick_multiscan136");
+  if (planar) {
+    warnings_.clear(SegmentTrouble::layers);
+  } else if (!warnings_.is_set(SegmentTrouble::layers)) {
+    warnings_.set(SegmentTrouble::layers, "the device sends " + std::to_string(segment.line_count) +
+                                              " layers, so it is no " + std::string(config_.model->product) +
+                                              ": set the model, for instance sick_multiscan136");
   }
   if (!planar) return Reject::model;
   const SegmentLine& line = segment.lines[0];
@@ -89,12 +85,11 @@ void PlanarFrames::adopt(const Segment& segment) {
   const auto grid = SweepGrid::of(segment.lines[0]);
   if (!grid) return;
   if (grid_) {
-    std::array<char, 160> text{};
-    std::snprintf(text.data(), text.size(),
-                  "the device changed from beams each %.4f deg to %.4f deg or to other angles or echoes; "
-                  "restart whatever expects the former",
-                  grid_->step * deg_per_rad, grid->step * deg_per_rad);
-    warnings_.set(SegmentTrouble::geometry, text.data());
+    warnings_.set(
+        SegmentTrouble::geometry,
+        printed("the device changed from beams each %.4f deg to %.4f deg or to other angles or echoes; "
+                "restart whatever expects the former",
+                grid_->step * deg_per_rad, grid->step * deg_per_rad));
   }
   grid_ = grid;
   echoes_ = config_.publish_multiecho ? segment.lines[0].echoes : 1;
@@ -115,15 +110,14 @@ void PlanarFrames::add(std::size_t slot, const Segment& segment, std::uint32_t /
 }
 
 void PlanarFrames::learn_window(const RasterScan& sweep, std::uint64_t segments) {
-  const Window found{sweep.first_beam(), sweep.end_beam() - sweep.first_beam()};
-  if (window_segments_ != 0 && (found.begin != window_.begin || found.count != window_.count)) {
-    std::array<char, 160> text{};
-    std::snprintf(text.data(), text.size(),
-                  "the device changed from %zu beams from %.3f deg to %zu beams from %.3f deg; restart "
-                  "whatever expects the former",
-                  window_.count, grid_->angle(window_.begin) * deg_per_rad, found.count,
-                  grid_->angle(found.begin) * deg_per_rad);
-    warnings_.set(SegmentTrouble::geometry, text.data());
+  const BeamWindow found{sweep.first_beam(), sweep.end_beam() - sweep.first_beam()};
+  if (window_segments_ != 0 && (found.first != window_.first || found.count != window_.count)) {
+    warnings_.set(
+        SegmentTrouble::geometry,
+        printed("the device changed from %zu beams from %.3f deg to %zu beams from %.3f deg; restart "
+                "whatever expects the former",
+                window_.count, grid_->angle(window_.first) * deg_per_rad, found.count,
+                grid_->angle(found.first) * deg_per_rad));
   }
   window_segments_ = segments;
   window_ = found;
@@ -132,35 +126,31 @@ void PlanarFrames::learn_window(const RasterScan& sweep, std::uint64_t segments)
 }
 
 /// The part of the window that the configured angles leave.
-PlanarFrames::Window PlanarFrames::kept(Window window) {
-  // Configured angles are rounded: a beam on the limit is inside.
-  const double slack = 0.01 * grid_->step;
-  std::size_t begin = window.begin, end = window.begin + window.count;
-  while (config_.angle_min && begin < end && grid_->angle(begin) < *config_.angle_min - slack) ++begin;
-  while (config_.angle_max && begin < end && grid_->angle(end - 1) > *config_.angle_max + slack) --end;
-  const bool none = begin == end;
-  if (none != warnings_.is_set(SegmentTrouble::no_beams)) {
-    warnings_.set(SegmentTrouble::no_beams,
-                  none ? "no beam of the device lies between angle_min and angle_max; correct the angles in "
-                         "the configuration"
-                       : "");
-  }
-  return {begin, end - begin};
+BeamWindow PlanarFrames::kept(BeamWindow window) {
+  BeamWindow part = beams_between(grid_->angle(window.first), grid_->step, window.count, config_.angle_min,
+                                  config_.angle_max);
+  part.first += window.first;
+  warnings_.set(SegmentTrouble::no_beams,
+                part.count > 0
+                    ? ""
+                    : "no beam of the device lies between angle_min and angle_max; correct the angles "
+                      "in the configuration");
+  return part;
 }
 
 /// A device whose angle filter hides a part of a segment sends zeros there, as if nothing came back. So the
 /// outermost beams count as not observed until the first echo; only in the first and last segment, since
 /// segments that are hidden altogether are not sent.
-void PlanarFrames::hide_unseen_edges(Window all, Window kept) {
+void PlanarFrames::hide_unseen_edges(BeamWindow all, BeamWindow kept) {
   const auto hide = [&](std::size_t beam) {
-    if (beam < kept.begin || beam >= kept.begin + kept.count) return;
+    if (beam < kept.first || beam >= kept.first + kept.count) return;
     for (std::size_t e = 0; e < scan_.echoes; ++e) {
-      const std::size_t i = scan_.index(beam - kept.begin, e);
+      const std::size_t i = scan_.index(beam - kept.first, e);
       if (scan_.statuses[i] == BeamStatus::none) scan_.set_without_hit(i, BeamStatus::invalid);
     }
   };
-  const std::size_t end = all.begin + all.count;
-  for (std::size_t b = all.begin; b < all.begin + std::min(first_segment_, all.count) && had_echo_[b] == 0;
+  const std::size_t end = all.first + all.count;
+  for (std::size_t b = all.first; b < all.first + std::min(first_segment_, all.count) && had_echo_[b] == 0;
        ++b)
     hide(b);
   for (std::size_t b = end; b > end - std::min(last_segment_, all.count) && had_echo_[b - 1] == 0; --b)
@@ -173,7 +163,7 @@ bool PlanarFrames::end(std::size_t slot, const FrameEnd& how, DriverOutput& out)
   if (how.complete() && how.expected != window_segments_) learn_window(sweep, how.expected);
   const bool wanted = config_.keep_partial || (window_segments_ != 0 && !how.torn);
   if (!wanted) return false;
-  Window all = window_;
+  BeamWindow all = window_;
   if (window_segments_ == 0) {
     all = {sweep.first_beam(), sweep.end_beam() - sweep.first_beam()};
     first_segment_ = sweep.first_segment();
@@ -184,29 +174,25 @@ bool PlanarFrames::end(std::size_t slot, const FrameEnd& how, DriverOutput& out)
   return true;
 }
 
-void PlanarFrames::publish(const RasterScan& sweep, Window all, DriverOutput& out) {
-  const Window part = kept(all);
-  sweep.copy(part.begin, part.count, echoes_, config_.publish_intensity, scan_);
+void PlanarFrames::publish(const RasterScan& sweep, BeamWindow all, DriverOutput& out) {
+  const BeamWindow part = kept(all);
+  sweep.copy(part.first, part.count, echoes_, config_.publish_intensity, scan_);
   hide_unseen_edges(all, part);
   set_times(sweep, part);
-  if (config_.model->extra_scans.empty() || sweep.reflectors() == 0) {
-    out.scan(scan_);
-    return;
-  }
   out.scan(scan_);
-  publish_reflectors(sweep, part, out);
+  if (!config_.model->extra_scans.empty() && sweep.reflectors() > 0) publish_reflectors(sweep, part, out);
 }
 
 /// Stamp, time from beam to beam and from scan to scan.
-void PlanarFrames::set_times(const RasterScan& sweep, Window part) {
+void PlanarFrames::set_times(const RasterScan& sweep, BeamWindow part) {
   const SweepTimes times = sweep.times(beam_us_);
   if (sweep.segments() > 1) beam_us_ = times.beam_us;
-  const double before = static_cast<double>(part.begin) - static_cast<double>(sweep.first_beam());
+  const double before = static_cast<double>(part.first) - static_cast<double>(sweep.first_beam());
   const double to_first_us = times.first_us + times.beam_us * before;
   const Span first = device_span(sweep.base_us()) + std::chrono::nanoseconds(std::llround(to_first_us * 1e3));
   scan_.stamp = stamps_.next(clock_.to_host(first) + config_.time_offset);
   scan_.time_increment = static_cast<float>(times.beam_us * 1e-6);
-  const double turn_s = times.beam_us * 1e-6 * 2 * pi / grid_->step;
+  const double turn_s = times.beam_us * 1e-6 * two_pi / grid_->step;
   if (turn_s > 0) scan_.scan_time = static_cast<float>(turn_s);
   const auto first_us = static_cast<std::uint64_t>(first.count() / 1000);
   const double since_s =
@@ -217,14 +203,14 @@ void PlanarFrames::set_times(const RasterScan& sweep, Window part) {
   last_first_us_ = first_us;
 }
 
-/// The same scan with nothing but the beams that met a reflector.
-void PlanarFrames::publish_reflectors(const RasterScan& sweep, Window kept, DriverOutput& out) {
+/// The scan with nothing but the beams that met a reflector.
+void PlanarFrames::publish_reflectors(const RasterScan& sweep, BeamWindow kept, DriverOutput& out) {
   marked_.stamp = scan_.stamp;
   marked_.time_increment = scan_.time_increment;
   marked_.scan_time = scan_.scan_time;
-  sweep.copy(kept.begin, kept.count, 1, config_.publish_intensity, marked_);
+  sweep.copy(kept.first, kept.count, 1, config_.publish_intensity, marked_);
   for (std::size_t i = 0; i < kept.count; ++i) {
-    if (!sweep.reflector(kept.begin + i)) marked_.set_without_hit(i, BeamStatus::invalid);
+    if (!sweep.reflector(kept.first + i)) marked_.set_without_hit(i, BeamStatus::invalid);
   }
   out.extra_scan(reflectors_topic, marked_);
 }

@@ -21,7 +21,6 @@
 namespace lidard::sick {
 namespace {
 
-constexpr double rad_per_deg = 3.14159265358979323846 / 180;
 /// After such a silence another device or channel may take over, and sequence numbers may start again.
 constexpr Span silence = std::chrono::seconds(1);
 /// Data sets that come so little too late were overtaken; anything older is a restart of the device.
@@ -347,15 +346,11 @@ void SafetyDriver::fill() {
     const auto range = static_cast<float>(beam.distance * metres);
     if (status != BeamStatus::hit) {
       scan_.set_without_hit(i, status);
-    } else if (range < scan_.range_min) {
-      scan_.set_without_hit(i, BeamStatus::near);
-    } else if (range > scan_.range_max) {
-      scan_.set_without_hit(i, BeamStatus::none);
-      // A device of that range may overshoot its end a little.
-      if (range > 1.05F * scan_.range_max) beyond_range_m_ = std::max<double>(beyond_range_m_, range);
-    } else {
-      scan_.set_hit(i, range);
+      continue;
     }
+    scan_.set_measured(i, range);
+    // A device of that range may overshoot its end a little.
+    if (range > 1.05F * scan_.range_max) beyond_range_m_ = std::max<double>(beyond_range_m_, range);
   }
 }
 

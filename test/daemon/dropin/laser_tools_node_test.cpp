@@ -54,11 +54,10 @@ TEST(LaserMerger, HasTheDefaultsOfTheNodeItStandsInFor) {
 }
 
 TEST(LaserMerger, HasTheNumberOfBeamsThatSlamToolboxExpects) {
-  std::string error;
   const auto beams = [&](const NodeParameters& more) {
     NodeParameters all{{"laserscan_topics", "a"}};
     all.insert(more.begin(), more.end());
-    return make_grid(merger_of(all).merged_scans[0].output.grid, error)->beams;
+    return make_grid(merger_of(all).merged_scans[0].output.grid)->beams;
   };
   // round(span / increment) + 1, for which ira_laser_tools publishes 814 and 690.
   EXPECT_EQ(beams({}), 815U);
