@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/config/reading.h"
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-
-#include "daemon/config/config_parts.h"
 
 namespace lidard {
 namespace {
@@ -13,8 +13,6 @@ constexpr double farthest_m = 1000;  // a vehicle is smaller; millimetres writte
 constexpr double most_turn_rad = 7;  // a bit over a full turn; degrees written for rad are mostly above
 
 bool is_word_character(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
-
-std::string without_slash(const std::string& name) { return name.substr(name.front() == '/' ? 1 : 0); }
 
 /// The rules of ROS names: `~` or `/` or a letter first; then letters, digits, `_`, single `/`.
 bool is_topic_name(const std::string& name) {
@@ -28,8 +26,12 @@ bool is_topic_name(const std::string& name) {
 
 }  // namespace
 
-Pose read_pose(const Value& value) {
-  Mapping pose(value, {"xyz", "rpy", "rpy_deg"});
+std::string without_slash(const std::string& name) {
+  return name.substr(name.compare(0, 1, "/") == 0 ? 1 : 0);
+}
+
+Pose read_pose(const Value& value, Mistakes& mistakes) {
+  Mapping pose(value, {"xyz", "rpy", "rpy_deg"}, mistakes);
   const std::string expected = "{xyz: [x, y, z], rpy_deg: [roll, pitch, yaw]}";
   const std::vector<double> xyz = pose.require("xyz", expected).numbers(3, farthest_m, "m");
   Eigen::Vector3d rpy = Eigen::Vector3d::Zero();
@@ -76,8 +78,24 @@ void check_entry_name(const std::string& name, const Value& value) {
     value.fail_at_key("cannot be part of a topic name", "a letter, then letters, digits and underscores");
 }
 
-void warn(Config& config, const Place& place, const std::string& what) {
+void Reading::warn(const Place& place, const std::string& what) {
   config.warnings.push_back(place.to_string() + ": " + what);
+}
+
+void Reading::doubt_names(const std::string& name, const Value& entry) {
+  constexpr int deepest = 3;  // an alias may hold itself
+  doubtful_names.insert(name);
+  const std::function<void(const YAML::Node&, int)> add = [&](const YAML::Node& node, int level) {
+    if (node.IsScalar()) doubtful_names.insert(without_slash(node.Scalar()));
+    if (level == deepest) return;
+    for (const auto& child : node) add(node.IsMap() ? child.second : child, level + 1);
+  };
+  add(entry.node(), 0);
+}
+
+bool Reading::may_be_named(const std::string& name) const {
+  return doubtful_names.count(without_slash(name)) != 0 ||
+         doubtful_names.count(name.substr(0, name.find('/'))) != 0;
 }
 
 ConfigClaims::ConfigClaims() {
