@@ -13,6 +13,7 @@
 #include "daemon/pipeline/transform_source.h"
 #include "daemon/ros/ros_inputs.h"
 #include "test/sim/servers/velodyne_stream.h"
+#include "test/support/recording_sink.h"
 #include "test/support/ros_master.h"
 
 /// The message of velodyne_msgs as its own package defines it, written here a second time.
@@ -144,19 +145,12 @@ TEST(VelodyneScanMessage, CutOffAnywhereGivesNoPacket) {
   EXPECT_EQ(taken, 2U);
 }
 
-class Clouds final : public FrameSink {
- public:
-  void scan(const OutputTopic&, const PlanarScan&, Stamp) override {}
-  void cloud(const OutputTopic&, Cloud& cloud, Stamp) override { clouds.push_back(cloud); }
-  std::vector<Cloud> clouds;
-};
-
 /// A pipeline whose one sensor takes its packets from a topic, fed by RosInputs.
 struct Listening {
   Config config =
       parse_config("sensors: {roof: {model: velodyne_vlp16, packet_topic: /velodyne_packets}}", "f");
   NoTransforms poses;
-  Clouds sink;
+  test::RecordingSink sink;
   Pipeline pipeline{config, poses, sink};
   std::mutex mutex;
   std::vector<std::function<void()>> waiting;
@@ -212,15 +206,17 @@ TEST(VelodyneScanTopic, GivesTheCloudsThatThePacketsGiveByUdp) {
 
     const Config config = parse_config("sensors: {roof: {model: velodyne_vlp16}}", "f");
     NoTransforms poses;
-    Clouds expected;
-    Pipeline by_udp(config, poses, expected);
+    test::RecordingSink by_port;
+    Pipeline by_udp(config, poses, by_port);
     for (const auto& packet : all) by_udp.packet({packet.view(), packet.arrival, {}, {{}, 2368}});
     by_udp.finish(all.back().arrival);
-    ASSERT_GE(expected.clouds.size(), 3U);
-    ASSERT_EQ(here.sink.clouds.size(), expected.clouds.size());
-    for (std::size_t i = 0; i < expected.clouds.size(); ++i) {
-      EXPECT_EQ(here.sink.clouds[i].stamp, expected.clouds[i].stamp);
-      EXPECT_EQ(here.sink.clouds[i].points_bytes, expected.clouds[i].points_bytes);
+    const auto& expected = by_port.clouds["roof/points"];
+    const auto& clouds = here.sink.clouds["roof/points"];
+    ASSERT_GE(expected.size(), 3U);
+    ASSERT_EQ(clouds.size(), expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      EXPECT_EQ(clouds[i].stamp, expected[i].stamp);
+      EXPECT_EQ(clouds[i].points_bytes, expected[i].points_bytes);
     }
     EXPECT_EQ(here.inputs->report().at(0).type, "velodyne_msgs/VelodyneScan");
     EXPECT_EQ(here.inputs->report().at(0).rejected, 0U);
