@@ -84,6 +84,15 @@ struct DeviceInfo {
   }
 };
 
+/// How the settings of a device stand, where its driver watches them beside the data.
+struct SettingsStatus {
+  enum class Level : std::uint8_t { ok, warn, error };
+  Level level = Level::ok;
+  std::string message;  ///< one sentence; says the remedy when the level is not ok
+  std::string serial;   ///< empty: unknown
+  std::vector<std::pair<std::string, std::string>> details;  ///< for diagnostics, in display order
+};
+
 /// Speaks one device's protocol: bytes and an arrival stamp in; frames, requests and status out.
 /// Owns no socket, thread or clock, so that live input, replay, fuzzers and tests make the same calls.
 class Driver {
@@ -94,7 +103,8 @@ class Driver {
   virtual Reject receive(const Packet& packet, DriverOutput& out) = 0;
   /// A TCP connection to the device stands; its dialogue starts here. Never called in replay.
   virtual void connected(Stamp /*now*/, DriverOutput& /*out*/) {}
-  /// That connection ended; half a telegram is worth nothing now.
+  /// That connection ended, half a telegram is worth nothing now; or, of a device that streams over UDP, the
+  /// connection that was asked for could not be made. The next one is opened only when it is asked for.
   virtual void disconnected() {}
   /// Time passed (arrival time scale); for time-outs and keep-alives.
   virtual void tick(Stamp /*now*/, DriverOutput& /*out*/) {}
@@ -106,9 +116,15 @@ class Driver {
 
   virtual const Counters& counters() const = 0;
   virtual const DeviceInfo& info() const = 0;
+  /// Empty: nothing is watched, or nothing that info() does not tell.
+  virtual std::optional<SettingsStatus> settings(Stamp now) const {
+    static_cast<void>(now);
+    return std::nullopt;
+  }
 };
 
 struct Model;
+struct VelodyneControl;
 namespace velodyne {
 struct Calibration;
 }
@@ -156,6 +172,7 @@ struct DriverConfig {
   bool publish_multiecho = false;  ///< all echoes of a planar scanner (REP 138)
   DeviceRequests requests;
   std::shared_ptr<const velodyne::Calibration> calibration;  ///< of a Velodyne; nullptr: the model's table
+  std::shared_ptr<const VelodyneControl> control;            ///< its web interface; nullptr: nothing is asked
 
   /// True if a direction (rad, counter-clockwise from the front) lies in the sector that is kept.
   bool in_view(double direction) const {

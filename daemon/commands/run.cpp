@@ -17,7 +17,6 @@
 #include "daemon/live/service.h"
 #include "daemon/live/tcp_connections.h"
 #include "daemon/live/udp_ports.h"
-#include "daemon/live/velodyne_controls.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/report.h"
 #include "daemon/ros/ros_inputs.h"
@@ -73,11 +72,9 @@ class Daemon {
   Daemon(const Config& config, const RunOptions& how)
       : link_(ros_options(config, how)),
         pipeline_(config, *poses_, link_),
-        controls_(config),
         ports_(io_, config,
                [this](const Packet& packet) {
                  pipeline_.packet(packet);
-                 controls_.packet(packet);
                  arm();
                }),
         links_(io_, config,
@@ -131,7 +128,6 @@ class Daemon {
     pipeline_.add_diagnostics([this](std::vector<DiagnosticItem>& items) {
       ports_.add_diagnostics(items);
       links_.add_diagnostics(items);
-      controls_.add_diagnostics(items, wall_clock());
     });
   }
 
@@ -145,7 +141,6 @@ class Daemon {
     });
     ports_.start();
     links_.start();
-    controls_.start();
     link_.start();
     link_.transforms(pipeline_.static_transforms(), wall_clock());
     service_.ready(status());
@@ -156,7 +151,6 @@ class Daemon {
     ports_.stop();
     pipeline_.finish(wall_clock());  // what is still in doubt of the last packets is counted
     links_.stop();
-    controls_.stop();
     for (const auto& sensor : pipeline_.report()) log_sensor(sensor);
     left = link_.stop();
     return exit_code_;
@@ -270,7 +264,6 @@ class Daemon {
   std::shared_ptr<TfPoses> poses_ = std::make_shared<TfPoses>();
   RosLink link_;
   Pipeline pipeline_;
-  VelodyneControls controls_;
   UdpPorts ports_;
   TcpConnections links_;
   std::shared_ptr<RosInputs> inputs_;

@@ -157,6 +157,8 @@ VelodyneControl read_control(const Value& value, const SensorConfig& sensor, Con
   check_permissions(yaml, control);
   if (control.read && !sensor.ip_address)
     value.fail_at_key("needs the sensor's address", "ip_address: of the sensor");
+  if (control.read) control.address = *sensor.ip_address;
+  control.data_port = sensor.ip_port;
   return control;
 }
 

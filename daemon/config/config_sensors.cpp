@@ -244,6 +244,7 @@ SensorConfig read_sensor(const std::string& name, Mapping& yaml, Config& config,
     read_device(yaml, sensor);
     if (sensor.model->has(Trait::web_control) && sensor.packet_topic.empty()) {
       if (const auto control = yaml.find("control")) sensor.control = read_control(*control, sensor, config);
+      if (sensor.control.read) sensor.driver.control = std::make_shared<VelodyneControl>(sensor.control);
     }
     read_calibration(yaml, sensor, config);
     read_requests(yaml, sensor);

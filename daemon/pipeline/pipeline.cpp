@@ -366,6 +366,11 @@ std::vector<DiagnosticItem> Pipeline::diagnostics(Stamp now) const {
     reports[i].starting = starting;
     items.push_back(sensor_health(impl_->lines[i]->config, reports[i], unclaimed_senders(), now));
   }
+  for (const auto& line : impl_->lines) {
+    if (line->driver == nullptr || impl_->links == nullptr) continue;
+    if (const auto status = line->driver->settings(now))
+      items.push_back(settings_item(line->config, *status));
+  }
   if (impl_->poses.track() != nullptr) items.push_back(impl_->motion_item());
   for (const auto& output : impl_->merged) items.push_back(output->diagnostics(now, starting));
   for (const auto& output : impl_->virtuals) items.push_back(output->diagnostics(now, starting));

@@ -45,8 +45,7 @@ struct Sensor final : public DriverOutput {
   /// Where the device listens for its TCP connection; port 0: it has none, or its address is not known.
   Endpoint device() const {
     if (config.model == nullptr || !config.ip_address) return {};
-    const bool streams = config.model->transport == Transport::tcp;
-    return {*config.ip_address, streams ? config.ip_port : config.model->dialogue_port};
+    return {*config.ip_address, config.device_port()};
   }
   const Counters& counters() const { return driver ? driver->counters() : topic_counters; }
   SensorReport report() const;

@@ -155,6 +155,19 @@ DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& rep
   return item;
 }
 
+DiagnosticItem settings_item(const SensorConfig& config, const SettingsStatus& status) {
+  using Level = SettingsStatus::Level;
+  DiagnosticItem item;
+  item.name = "sensor " + config.name + " control";
+  item.hardware_id = status.serial.empty() ? config.name : status.serial;
+  item.health = status.level == Level::ok     ? Health::ok
+                : status.level == Level::warn ? Health::warn
+                                              : Health::error;
+  item.message = status.message;
+  item.values = status.details;
+  return item;
+}
+
 DiagnosticItem unknown_senders_item(const std::vector<std::string>& senders) {
   DiagnosticItem item;
   item.name = "unknown senders";

@@ -13,6 +13,9 @@ namespace lidard {
 DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& report,
                              const std::vector<std::string>& unclaimed_senders, Stamp now);
 
+/// "sensor NAME control": what its driver tells of the device's settings.
+DiagnosticItem settings_item(const SensorConfig& config, const SettingsStatus& status);
+
 /// Names the senders on our ports that no sensor claims; there is at least one.
 DiagnosticItem unknown_senders_item(const std::vector<std::string>& senders);
 

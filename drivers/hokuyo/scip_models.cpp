@@ -3,6 +3,7 @@
 #include "drivers/hokuyo/scip_models.h"
 
 #include "drivers/hokuyo/scip_driver.h"
+#include "drivers/hokuyo/uam_driver.h"
 
 namespace lidard::hokuyo {
 namespace {
@@ -54,22 +55,17 @@ void append_scip_models(std::vector<Model>& list) {
   list.push_back(scanner(any_scip_name, "generic", any_scip, several));
 }
 
-std::vector<std::string_view> scip_names() {
-  std::vector<Model> rows;
-  append_scip_models(rows);
-  std::vector<std::string_view> names;
-  for (const Model& model : rows) names.push_back(model.name);
-  return names;
+void append_models(std::vector<Model>& list) {
+  append_scip_models(list);
+  append_uam_models(list);
 }
 
 std::string_view scip_name_of(std::string_view product) {
-  std::vector<Model> rows;
-  append_scip_models(rows);
-  for (const Model& model : rows) {
+  const auto names = names_of(append_scip_models, [product](const Model& model) {
     const auto& row = *static_cast<const ScipRow*>(model.row);
-    if (!row.any && product.substr(0, row.product.size()) == row.product) return model.name;
-  }
-  return any_scip_name;
+    return !row.any && product.substr(0, row.product.size()) == row.product;
+  });
+  return names.empty() ? any_scip_name : names.front();
 }
 
 }  // namespace lidard::hokuyo

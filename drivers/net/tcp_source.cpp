@@ -183,13 +183,13 @@ void TcpSource::Impl::close() {
   waits_to_write_ = false;
 }
 
-/// Ends connection or attempt and plans the next.
+/// Ends connection or attempt; plans the next where the connection is to last.
 void TcpSource::Impl::fail(std::string message) {
   const bool was_connected = state_.phase == TcpState::Phase::connected;
   close();
-  state_ = {TcpState::Phase::waiting, std::move(message)};
-  plan_retry();
-  if (was_connected) handlers_.disconnected();
+  state_ = {options_.keep_up ? TcpState::Phase::waiting : TcpState::Phase::stopped, std::move(message)};
+  if (options_.keep_up) plan_retry();
+  if (was_connected || !options_.keep_up) handlers_.disconnected();
 }
 
 void TcpSource::Impl::plan_retry() {
@@ -219,7 +219,8 @@ bool TcpSource::Impl::read(int rounds) {
         receive_bytes(socket_.native_handle(), buffer_.data(), buffer_.size(), packet.arrival);
     if (got < 0 && (errno == EAGAIN || errno == EINTR)) return true;
     if (got <= 0) {
-      fail(why_disconnected(options_.device, got == 0 ? 0 : errno));
+      // That the device closed it is an end like another where nobody needs a lasting connection.
+      fail(got == 0 && !options_.keep_up ? "" : why_disconnected(options_.device, got == 0 ? 0 : errno));
       return false;
     }
     last_byte_ = Clock::now();

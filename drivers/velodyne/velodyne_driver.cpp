@@ -15,8 +15,11 @@
 #include "drivers/velodyne/packet_layout.h"
 #include "drivers/velodyne/packet_order.h"
 #include "drivers/velodyne/recognizer.h"
+#include "drivers/velodyne/stream_facts.h"
 #include "drivers/velodyne/telemetry_receiver.h"
 #include "drivers/velodyne/timing_chooser.h"
+#include "drivers/velodyne/web/web_dialogue.h"
+#include "drivers/velodyne/web/web_status.h"
 
 namespace lidard::velodyne {
 namespace {
@@ -60,6 +63,7 @@ class VelodyneDriver final : public Driver {
     info_.details = {{"Vendor Name", "Velodyne"}, {"Product Name", std::string(config.model->product)}};
     if (row_.bank_by_bank && config.calibration == nullptr) info_.warnings.emplace_back(no_calibration);
     own_details_ = info_.details.size();
+    if (config.control) web_.emplace(*config.control);
   }
 
   Reject receive(const Packet& packet, DriverOutput& out) override;
@@ -79,8 +83,15 @@ class VelodyneDriver final : public Driver {
     edge_.reset();
     pending_ = in_stream_ = false;
   }
-  void tick(Stamp now, DriverOutput& /*out*/) override {
+  void connected(Stamp now, DriverOutput& out) override {
+    if (web_) web_->dialogue.connected(now, out);
+  }
+  void disconnected() override {
+    if (web_) web_->dialogue.disconnected();
+  }
+  void tick(Stamp now, DriverOutput& out) override {
     telemetry_.tick(now, info_);
+    if (web_) web_->dialogue.tick(now, out);
     constexpr Span describe_period = std::chrono::seconds(1);
     if (now - described_ < describe_period && described_ < now) return;
     described_ = now;
@@ -88,8 +99,16 @@ class VelodyneDriver final : public Driver {
   }
   const Counters& counters() const override { return counters_; }
   const DeviceInfo& info() const override { return info_; }
+  std::optional<SettingsStatus> settings(Stamp now) const override;
 
  private:
+  /// Its web interface, and what arrives to hold against what that tells.
+  struct Web {
+    explicit Web(const VelodyneControl& control) : dialogue(control) {}
+    WebDialogue dialogue;
+    StreamFacts facts;
+  };
+
   Reject check(ByteView payload);
   void accept(const OrderedPacket& packet, Span time, DriverOutput& out);
   void decode_pending(const std::optional<NextPacket>& next, DriverOutput& out);
@@ -115,6 +134,7 @@ class VelodyneDriver final : public Driver {
   CloudBuilder frames_;
   DeviceClock clock_;
   TelemetryReceiver telemetry_;
+  std::optional<Web> web_;
   Hdl64Status status_;
   std::shared_ptr<const Calibration> sent_;  // by the sensor, in the last bytes of its packets
   std::size_t own_details_ = 0;
@@ -147,6 +167,11 @@ Reject VelodyneDriver::check(ByteView payload) {
 }
 
 Reject VelodyneDriver::receive(const Packet& packet, DriverOutput& out) {
+  if (packet.transport == Transport::tcp) {
+    if (web_) web_->dialogue.receive(packet, out);
+    return Reject::none;
+  }
+  if (web_) web_->facts.add(packet);
   if (packet.payload.size() == position_packet_size) {
     ++counters_.other_packets;
     return telemetry_.receive(packet.payload, packet.arrival, out, info_);
@@ -175,6 +200,19 @@ Reject VelodyneDriver::receive(const Packet& packet, DriverOutput& out) {
     if (product == order_.refused_product()) note_product(product, true);
   }
   return verdict;
+}
+
+std::optional<SettingsStatus> VelodyneDriver::settings(Stamp now) const {
+  if (!web_) return std::nullopt;
+  constexpr Span silent_after = std::chrono::seconds(1);
+  const StreamFacts& facts = web_->facts;
+  Received received;
+  received.data = facts.last_arrival() && now - *facts.last_arrival() < silent_after;
+  received.destination = facts.destination();
+  received.returns = facts.returns();
+  received.rpm = facts.rpm();
+  received.listens_on = config_.control->data_port;
+  return web_status(web_->dialogue.state(), received);
 }
 
 /// True if another HDL-64E sends such packets: the blocks of an S1 have another order.

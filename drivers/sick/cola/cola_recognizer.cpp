@@ -164,4 +164,6 @@ void ColaRecognizer::note_identity(std::string_view identity) {
   others_.clear();
 }
 
+std::unique_ptr<Recognizer> make_cola_recognizer() { return std::make_unique<ColaRecognizer>(); }
+
 }  // namespace lidard::sick

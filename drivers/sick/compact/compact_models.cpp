@@ -5,6 +5,7 @@
 #include "drivers/sick/compact/compact_driver.h"
 #include "drivers/sick/compact/compact_telegram.h"
 #include "drivers/sick/compact/msgpack_telegram.h"
+#include "drivers/sick/compact/telegram_stream.h"
 
 namespace lidard::sick {
 namespace {
@@ -80,16 +81,39 @@ void append_compact_models(std::vector<Model>& list) {
   list.push_back(lrs4000());
 }
 
+namespace {
+
+class CompactRecognizer final : public Recognizer {
+ public:
+  void add(const Packet& packet) override;
+  std::string_view verdict() const override { return verdict_; }
+  std::vector<std::string_view> others() const override {
+    return names_of(append_compact_models, [this](const Model& model) {
+      return model.kind == kind_ && model.transport == transport_;
+    });
+  }
+
+ private:
+  void judge(ByteView telegram, TelegramType type, Transport transport);
+
+  TelegramStream stream_;
+  Counters counters_;
+  std::string_view verdict_;
+  FrameKind kind_ = FrameKind::scan;
+  Transport transport_ = Transport::udp;
+};
+
 void CompactRecognizer::judge(ByteView telegram, TelegramType type, Transport transport) {
   auto segment = std::make_unique<Segment>();
   Reject reason = Reject::magic;
   if (type == TelegramType::msgpack) reason = parse_msgpack(telegram, *segment);
   if (type == TelegramType::scan) reason = parse_compact_scan(telegram, *segment);
   if (reason != Reject::none) return;
-  if (transport == Transport::tcp)
-    verdict_ = "sick_lrs4000";
-  else
-    verdict_ = segment->line_count > 1 ? "sick_multiscan136" : "sick_picoscan150";
+  transport_ = transport;
+  kind_ = transport == Transport::udp && segment->line_count > 1 ? FrameKind::cloud : FrameKind::scan;
+  verdict_ = transport == Transport::tcp ? "sick_lrs4000"
+             : kind_ == FrameKind::cloud ? "sick_multiscan136"
+                                         : "sick_picoscan150";
 }
 
 void CompactRecognizer::add(const Packet& packet) {
@@ -106,5 +130,9 @@ void CompactRecognizer::add(const Packet& packet) {
   const ByteView telegram = packet.payload.sub(0, head.length);
   if (checksum_is_right(telegram, head.type)) judge(telegram, head.type, packet.transport);
 }
+
+}  // namespace
+
+std::unique_ptr<Recognizer> make_compact_recognizer() { return std::make_unique<CompactRecognizer>(); }
 
 }  // namespace lidard::sick

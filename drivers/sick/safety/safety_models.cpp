@@ -37,6 +37,20 @@ Model scanner(const char* name, const char* product, double frame_period, double
   return model;
 }
 
+class SafetyRecognizer final : public Recognizer {
+ public:
+  void add(const Packet& packet) override {
+    found_ = found_ || (packet.transport == Transport::udp && looks_like_ms3(packet.payload));
+  }
+  std::string_view verdict() const override { return found_ ? "sick_microscan3" : ""; }
+  std::vector<std::string_view> others() const override {
+    return names_of(append_safety_models, [](const Model&) { return true; });
+  }
+
+ private:
+  bool found_ = false;
+};
+
 }  // namespace
 
 // Ranges by type code, as sick_safetyscanners_base derives them: ..30.., ..40.., ..55.. are 40 m, ..90.. is
@@ -50,6 +64,8 @@ void append_safety_models(std::vector<Model>& list) {
   list.push_back(scanner("sick_nanoscan3", "nanoScan3", 0.03, 40, printed));
   list.push_back(scanner("sick_outdoorscan3", "outdoorScan3", 0.04, 40, printed));
 }
+
+std::unique_ptr<Recognizer> make_safety_recognizer() { return std::make_unique<SafetyRecognizer>(); }
 
 bool looks_like_ms3(ByteView payload) {
   Ms3Datagram datagram;

@@ -181,5 +181,140 @@ TEST(DeviceClock, InArrivalModeAStallOfTheHostDoesNotGoIntoTheStamps) {
   }
 }
 
+/// A packet every 10 ms of a device that keeps time; some packets come late.
+struct Punctual {
+  DeviceClock clock;
+  int at = 0;  // ms
+  void receive(int late_ms = 0) {
+    at += 10;
+    clock.observe(milliseconds(at), epoch + milliseconds(at + late_ms));
+  }
+  void receive_for(int ms, int late_ms = 0) {
+    for (const int end = at + ms; at < end;) receive(late_ms);
+  }
+  Span error() const { return clock.to_host(milliseconds(at)) - (epoch + milliseconds(at)); }
+};
+
+TEST(DeviceClock, LatenessIsAStepOnceEveryPacketOfHalfASecondWasSoLate) {
+  Punctual stall;
+  stall.receive_for(3000);
+  stall.receive_for(490, 200);
+  EXPECT_EQ(stall.clock.steps(), 0U);
+  EXPECT_LT(std::abs(stall.error().count()), 1'000'000);
+  stall.receive_for(1000);
+  EXPECT_EQ(stall.clock.steps(), 0U) << "it was a stall";
+  Punctual step;
+  step.receive_for(3000);
+  step.receive_for(540, 200);
+  EXPECT_EQ(step.clock.steps(), 1U);
+  EXPECT_NEAR(lidard::seconds(step.error()), 0.2, 1e-3);
+}
+
+TEST(DeviceClock, StallsFarApartDoNotAddUpToAStep) {
+  Punctual punctual;
+  punctual.receive_for(3000);
+  for (int stall = 0; stall < 6; ++stall) {
+    punctual.receive_for(300, 200);
+    punctual.receive_for(20);
+  }
+  EXPECT_EQ(punctual.clock.steps(), 0U);
+  EXPECT_LT(std::abs(punctual.error().count()), 1'000'000);
+}
+
+TEST(DeviceClock, AStallBeforeAStepDoesNotHastenTheStep) {
+  Punctual punctual;
+  punctual.receive_for(3000);
+  punctual.receive_for(300, 200);
+  punctual.receive_for(3000);
+  punctual.receive_for(400, 200);
+  EXPECT_EQ(punctual.clock.steps(), 0U);
+  punctual.receive_for(200, 200);
+  EXPECT_EQ(punctual.clock.steps(), 1U);
+  punctual.receive_for(400, 400);
+  EXPECT_EQ(punctual.clock.steps(), 1U) << "what is late after a step is judged anew";
+}
+
+TEST(DeviceClock, FiftyMillisecondsLateIsJitterHoweverLongItLasts) {
+  Punctual punctual;
+  punctual.receive_for(3000);
+  punctual.receive_for(2000, 48);
+  EXPECT_EQ(punctual.clock.steps(), 0U);
+  Punctual stepped;
+  stepped.receive_for(3000);
+  stepped.receive_for(2000, 53);
+  EXPECT_EQ(stepped.clock.steps(), 1U);
+}
+
+TEST(DeviceClock, TooEarlyByMoreThanFiftyMillisecondsIsAStepAtOnceAndLessIsABetterEstimate) {
+  Punctual better;
+  better.receive_for(3000);
+  better.receive(-48);
+  EXPECT_EQ(better.clock.steps(), 0U);
+  EXPECT_NEAR(lidard::seconds(better.error()), -0.048, 1e-3);
+  Punctual stepped;
+  stepped.receive_for(3000);
+  stepped.receive(-53);
+  EXPECT_EQ(stepped.clock.steps(), 1U);
+  EXPECT_NEAR(lidard::seconds(stepped.error()), -0.053, 1e-6);
+  EXPECT_FALSE(stepped.clock.knows_drift());
+}
+
+TEST(DeviceClock, InArrivalModeTenMillisecondsLateIsTheNetworkAndMoreAStalledHost) {
+  for (const int late : {9, 11, 40}) {
+    DeviceClock clock(ClockMode::arrival);
+    for (int i = 1; i <= 400; ++i) clock.observe(milliseconds(10 * i), epoch + milliseconds(10 * i));
+    clock.observe(milliseconds(4010), epoch + milliseconds(4010 + late));
+    const Span error = clock.to_host(milliseconds(4010)) - (epoch + milliseconds(4010));
+    EXPECT_NEAR(lidard::seconds(error), late < 10 ? late * 1e-3 : 0, 0.1e-3) << late;
+  }
+}
+
+TEST(DeviceClock, KnowsTheDriftAfterFourHalfSecondsAndForgetsItOnReset) {
+  Simulation sim{300, 0};
+  DeviceClock clock;
+  EXPECT_FALSE(clock.ready());
+  EXPECT_EQ(clock.to_host(seconds(5)), Stamp{5'000'000'000}) << "nothing is known: device time it is";
+  for (double t = 0; t < 10; t += 0.001) {
+    clock.observe(sim.device(t), sim.arrival(t));
+    if (t < 1.99) {
+      ASSERT_FALSE(clock.knows_drift()) << t;
+      ASSERT_EQ(clock.drift_ppm(), 0);
+    }
+    if (t > 2.02) {
+      ASSERT_TRUE(clock.knows_drift()) << t;
+      ASSERT_NEAR(clock.drift_ppm(), -300, 1) << t;
+    }
+  }
+  clock.reset();
+  EXPECT_FALSE(clock.ready());
+  EXPECT_FALSE(clock.knows_drift());
+  EXPECT_EQ(clock.drift_ppm(), 0);
+}
+
+TEST(DeviceClock, NoClockIsBelievedToDriftByMoreThanTwoPerMille) {
+  Simulation sim{-5000, 0};
+  DeviceClock clock;
+  for (double t = 0; t < 6; t += 0.001) clock.observe(sim.device(t), sim.arrival(t));
+  EXPECT_NEAR(clock.drift_ppm(), 2000, 1e-6);
+  Simulation fast{5000, 0};
+  DeviceClock other;
+  for (double t = 0; t < 6; t += 0.001) other.observe(fast.device(t), fast.arrival(t));
+  EXPECT_NEAR(other.drift_ppm(), -2000, 1e-6);
+}
+
+TEST(DeviceClock, PacketsInTheWrongOrderDoNoHarm) {
+  Simulation sim{200, 0.05e-3};
+  DeviceClock clock;
+  for (int i = 0; i < 20000; ++i) {
+    const int order = i % 8 == 3 ? i + 2 : i % 8 == 5 ? i - 2 : i;  // two of eight change places
+    const double t = order * 0.001;
+    clock.observe(sim.device(t), std::max(sim.arrival(t), epoch + span_from_seconds(i * 0.001)));
+    if (i < 3000) continue;
+    const double error = lidard::seconds(clock.to_host(sim.device(t)) - (epoch + span_from_seconds(t)));
+    ASSERT_LT(std::abs(error), 0.2e-3) << i;
+  }
+  EXPECT_EQ(clock.steps(), 0U);
+}
+
 }  // namespace
 }  // namespace lidard

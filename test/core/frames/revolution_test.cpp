@@ -91,6 +91,116 @@ TEST(RevolutionCutter, ACutThatMovesEndsTheFrameAtTheNewPlace) {
   EXPECT_NEAR(cuts[1], 200, 0.2);
 }
 
+/// A lidar that turns once in 100 ms and sends every 0.2 degrees.
+class Turning {
+ public:
+  explicit Turning(double cut = 0) : cutter(cut) {}
+  /// Sends until it has turned so far, then nothing until `gap_deg` more; the verdict on what comes then. The
+  /// motor turns `faster` than before during the gap.
+  Verdict after_gap(double until_deg, double gap_deg, double faster = 1) {
+    for (; turned < until_deg; turned += 0.2) {
+      const Verdict verdict = cutter.next(wrap(turned), span_from_seconds(turned / 3600));
+      if (verdict != Verdict::same) last_cut = turned;
+    }
+    const double since = turned - 0.2;
+    turned = since + gap_deg;
+    return cutter.next(wrap(turned), span_from_seconds((since + gap_deg / faster) / 3600));
+  }
+  RevolutionCutter cutter;
+  double turned = 0, last_cut = 0;
+};
+
+TEST(RevolutionCutter, AfterAGapOfAnyLengthItTellsWhetherATurnIsMissing) {
+  int missing = 0, crossed = 0, same = 0;
+  for (const double faster : {0.985, 1.0, 1.015}) {
+    for (double until = 1000; until < 1400; until += 53) {
+      for (double gap = 1; gap < 1300; gap += 31) {
+        Turning lidar;
+        const Verdict verdict = lidar.after_gap(until, gap, faster);
+        const double begin = lidar.turned - gap;
+        const double whole = std::floor(gap / 360);
+        const double passed = std::floor(lidar.turned / 360) - std::floor(begin / 360);
+        // A frame that gets more than one and a half turns of time is given up too.
+        const double frame = lidar.turned - gap - lidar.last_cut + gap / faster;
+        if (std::abs(frame - 540) < 12) continue;
+        const Verdict expected = whole > 0 || frame > 540 ? Verdict::forced
+                                 : passed > 0             ? Verdict::crossed
+                                                          : Verdict::same;
+        ASSERT_EQ(verdict, expected) << "gap of " << gap << " at " << begin << ", speed " << faster;
+        ++(expected == Verdict::forced ? missing : expected == Verdict::crossed ? crossed : same);
+      }
+    }
+  }
+  EXPECT_GT(missing, 400);
+  EXPECT_GT(crossed, 50);
+  EXPECT_GT(same, 40);
+}
+
+TEST(RevolutionCutter, ATurnThatIsMissingEndsTheFrameThoughThePeriodSaysALittleLess) {
+  // The motor turns faster than was measured: a turn and 2 degrees in the time of 0.99 turns.
+  Turning lidar;
+  EXPECT_EQ(lidar.after_gap(1100, 362, 362 / (0.99 * 360)), Verdict::forced);
+  EXPECT_NEAR(seconds(lidar.cutter.period()), 0.1, 0.005);
+}
+
+TEST(RevolutionCutter, TheRateIsMeasuredAcrossAGapToo) {
+  Turning lidar;
+  lidar.after_gap(1100, 800);
+  EXPECT_NEAR(seconds(lidar.cutter.period()), 0.1, 1e-4);
+}
+
+TEST(RevolutionCutter, StepsBackOfLessThanADegreeAreJitterAndLongerOnesAreATurn) {
+  const auto cuts_after_step_back = [](double back) {
+    RevolutionCutter cutter(0);
+    for (int i = 0; i < 100; ++i) cutter.next(wrap(300 + 0.2 * i), sequence * i);
+    return cutter.next(wrap(300 + 0.2 * 99 - back), sequence * 100) == Verdict::crossed;
+  };
+  EXPECT_FALSE(cuts_after_step_back(0.5));
+  EXPECT_FALSE(cuts_after_step_back(0.95));
+  EXPECT_TRUE(cuts_after_step_back(1.05));
+  EXPECT_TRUE(cuts_after_step_back(40));
+}
+
+TEST(RevolutionCutter, ACutAtASequencesVeryAzimuthBeginsWithIt) {
+  for (const double cut : {0.0, 90.0, 359.8}) {
+    RevolutionCutter cutter(cut);
+    for (int i = 0; i < 3000; ++i) {
+      const double azimuth = wrap(std::round(2 * i) / 10);
+      if (cutter.next(azimuth, sequence * i) == Verdict::crossed) {
+        EXPECT_NEAR(std::remainder(azimuth - cut, 360), 0, 1e-9) << i;
+      }
+    }
+  }
+}
+
+TEST(RevolutionCutter, ResetForgetsTheRateAndTheFrame) {
+  Turning lidar;
+  lidar.after_gap(1100, 1);
+  ASSERT_NE(lidar.cutter.period().count(), 0);
+  lidar.cutter.reset();
+  EXPECT_EQ(lidar.cutter.period().count(), 0);
+  EXPECT_EQ(lidar.cutter.next(5, std::chrono::hours(1)), Verdict::same) << "the first of a new frame";
+  EXPECT_EQ(lidar.cutter.next(90, std::chrono::hours(1) + std::chrono::milliseconds(900)), Verdict::same)
+      << "no rate is known that a turn could be missing by";
+}
+
+TEST(RevolutionCutter, AFrameLastsOneAndAHalfTurnsAtMostAndASecondAndAHalfUntilTheRateIsKnown) {
+  RevolutionCutter unknown(0);
+  unknown.next(10, Span(0));
+  EXPECT_EQ(unknown.next(10, std::chrono::milliseconds(1500)), Verdict::same);
+  EXPECT_EQ(unknown.next(10, std::chrono::milliseconds(1500) + Span(1)), Verdict::forced);
+  // Once the motor turned it stands still: 100 ms a turn, so that 150 ms end the frame.
+  Turning lidar;
+  lidar.after_gap(1081, 0.2);
+  const Span stopped = span_from_seconds(lidar.turned / 3600);
+  const auto forced_by = [&](int ms) {
+    return lidar.cutter.next(wrap(lidar.turned), stopped + std::chrono::milliseconds(ms)) == Verdict::forced;
+  };
+  for (int ms = 5; ms < 148; ms += 5) EXPECT_FALSE(forced_by(ms)) << ms;
+  EXPECT_FALSE(forced_by(149));
+  EXPECT_TRUE(forced_by(151));
+}
+
 TEST(IntervalCutter, KeepsItsGridWhereFramesHadNothing) {
   IntervalCutter cutter(std::chrono::milliseconds(10));
   const auto next = [&](int ms) { return cutter.next(std::chrono::milliseconds(ms)); };

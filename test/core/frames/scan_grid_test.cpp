@@ -101,6 +101,140 @@ TEST(ScanGrid, EveryAngleOfASpanHasAnIndexInside) {
   }
 }
 
+TEST(ScanGrid, BeamsThatAreAskedForReachFromTheFirstAngleToTheLast) {
+  for (const std::size_t beams : {2U, 3U, 100U, 815U, 5000U}) {
+    for (const double max : {-0.2, 0.4, 2.9}) {
+      ScanGridSpec spec;
+      spec.angle_min = -1.7;
+      spec.angle_max = max;
+      spec.beams = beams;
+      const ScanGrid grid = grid_of(spec);
+      ASSERT_FALSE(grid.full_circle);
+      EXPECT_EQ(grid.beams, beams);
+      EXPECT_NEAR(grid.angle(0), -1.7, 1e-12);
+      EXPECT_NEAR(grid.angle(beams - 1), max, 1e-12) << beams;
+      PlanarScan scan;
+      grid.prepare(scan, true);
+      EXPECT_EQ(violation(scan), nullptr);
+      EXPECT_NEAR(scan.angle_max, max, 1e-5 * static_cast<double>(beams));
+    }
+  }
+}
+
+TEST(ScanGrid, AnIncrementIsKeptAndTheLastBeamIsTheOneNearestToTheEnd) {
+  for (const double increment : {0.1, 0.013, 0.00777}) {
+    for (const double max : {0.5, 1.234, 3.0}) {
+      ScanGridSpec spec;
+      spec.angle_min = -1;
+      spec.angle_max = max;
+      spec.angle_increment = increment;
+      const ScanGrid grid = grid_of(spec);
+      EXPECT_EQ(grid.increment, increment);
+      EXPECT_LE(std::abs(grid.angle(grid.beams - 1) - max), increment / 2 + 1e-12);
+    }
+  }
+}
+
+TEST(ScanGrid, ASpanOfAFullTurnButForHalfABeamIsOne) {
+  const auto full = [](double span) {
+    ScanGridSpec spec;
+    spec.angle_min = -pi;
+    spec.angle_max = -pi + span;
+    spec.angle_increment = 0.02;
+    return grid_of(spec).full_circle;
+  };
+  EXPECT_TRUE(full(2 * pi));
+  EXPECT_TRUE(full(2 * pi - 0.0099));
+  EXPECT_TRUE(full(2 * pi + 0.0099));
+  EXPECT_FALSE(full(2 * pi - 0.0101));
+  ScanGridSpec spec;
+  std::string error;
+  spec.angle_min = -pi;
+  spec.angle_max = pi + 0.011;
+  spec.angle_increment = 0.02;
+  EXPECT_FALSE(make_grid(spec, error).has_value());
+  EXPECT_NE(error.find("full turn"), std::string::npos);
+}
+
+TEST(ScanGrid, TheDefaultIsAQuarterOfADegreeOverAnySpan) {
+  EXPECT_EQ(grid_of({}).beams, 1440U);
+  ScanGridSpec half;
+  half.angle_min = 0, half.angle_max = pi;
+  EXPECT_EQ(grid_of(half).beams, 721U);
+  EXPECT_NEAR(grid_of(half).increment, pi / 720, 1e-12);
+}
+
+TEST(ScanGrid, TheNearestBeamIsTheOneThatASearchOfAllBeamsFinds) {
+  for (const bool full : {true, false}) {
+    for (const double from : {-3.0, -0.4, 1.9}) {
+      ScanGridSpec spec;
+      spec.angle_min = from;
+      spec.angle_max = full ? from + 2 * pi : from + 2.5;
+      spec.angle_increment = 2 * pi / 250;
+      if (spec.angle_max > 2 * pi) continue;
+      const ScanGrid grid = grid_of(spec);
+      for (double angle = -9; angle < 9; angle += 0.00713) {
+        std::size_t nearest = grid.beams;
+        double least = grid.increment / 2;
+        for (std::size_t beam = 0; beam < grid.beams; ++beam) {
+          const double off = std::abs(std::remainder(grid.angle(beam) - angle, 2 * pi));
+          if (off < least) least = off, nearest = beam;
+        }
+        if (std::abs(least - grid.increment / 2) < 1e-6 && nearest < grid.beams) continue;
+        ASSERT_EQ(grid.nearest(angle), nearest) << from << ' ' << angle;
+      }
+    }
+  }
+}
+
+TEST(ScanGrid, CarriesTimesAndRangesIntoTheScan) {
+  ScanGridSpec spec;
+  spec.time_increment = 0.001, spec.scan_time = 0.08, spec.range_min = 0.3, spec.range_max = 40;
+  for (const bool with_intensities : {true, false}) {
+    PlanarScan scan;
+    grid_of(spec).prepare(scan, with_intensities);
+    EXPECT_EQ(scan.time_increment, 0.001F);
+    EXPECT_EQ(scan.scan_time, 0.08F);
+    EXPECT_EQ(scan.range_min, 0.3F);
+    EXPECT_EQ(scan.range_max, 40.0F);
+    EXPECT_EQ(scan.intensities.size(), with_intensities ? 1440U : 0U);
+    for (const BeamStatus status : scan.statuses) ASSERT_EQ(status, BeamStatus::invalid);
+  }
+}
+
+TEST(ScanGrid, LimitsHoldAtTheirEdges) {
+  const auto fits = [](auto change) {
+    ScanGridSpec spec;
+    change(spec);
+    std::string error;
+    const bool made = make_grid(spec, error).has_value();
+    EXPECT_EQ(made, error.empty());
+    return made;
+  };
+  EXPECT_TRUE(fits([](auto& s) { s.angle_min = -2 * pi, s.angle_max = 0; }));
+  EXPECT_FALSE(fits([](auto& s) { s.angle_min = -2 * pi - 0.001, s.angle_max = 0; }));
+  EXPECT_TRUE(fits([](auto& s) { s.angle_min = 0, s.angle_max = 2 * pi; }));
+  EXPECT_FALSE(fits([](auto& s) { s.angle_min = 0.1, s.angle_max = 2 * pi + 0.001; }));
+  EXPECT_FALSE(fits([](auto& s) { s.angle_min = s.angle_max = 1; }));
+  EXPECT_TRUE(fits([](auto& s) { s.beams = 2; }));
+  EXPECT_TRUE(fits([](auto& s) { s.range_min = 0; }));
+  EXPECT_FALSE(fits([](auto& s) { s.range_min = s.range_max = 5; }));
+  EXPECT_FALSE(fits([](auto& s) { s.time_increment = -1e-6; }));
+  EXPECT_FALSE(fits([](auto& s) { s.scan_time = -1e-6; }));
+  EXPECT_TRUE(fits([](auto& s) { s.angle_increment = 2 * pi / 32767; }));
+  EXPECT_FALSE(fits([](auto& s) { s.angle_increment = 2 * pi / 32768; }));
+  EXPECT_FALSE(fits([](auto& s) { s.angle_min = 0, s.angle_max = 0.01, s.angle_increment = 0.021; }));
+  for (const double bad : {std::nan(""), HUGE_VAL}) {
+    EXPECT_FALSE(fits([bad](auto& s) { s.angle_min = bad; }));
+    EXPECT_FALSE(fits([bad](auto& s) { s.angle_max = bad; }));
+    EXPECT_FALSE(fits([bad](auto& s) { s.range_min = bad; }));
+    EXPECT_FALSE(fits([bad](auto& s) { s.range_max = bad; }));
+    EXPECT_FALSE(fits([bad](auto& s) { s.time_increment = bad; }));
+    EXPECT_FALSE(fits([bad](auto& s) { s.scan_time = bad; }));
+    EXPECT_FALSE(fits([bad](auto& s) { s.angle_increment = bad; }));
+  }
+}
+
 TEST(ScanGrid, SaysWhatIsWrong) {
   const auto error_of = [](auto change) {
     ScanGridSpec spec;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/live/velodyne_judge.h"
+#include "drivers/velodyne/web/web_status.h"
 
 #include <algorithm>
 #include <cctype>
@@ -8,16 +8,13 @@
 #include <cmath>
 #include <cstdio>
 
-#include "drivers/velodyne/packet.h"
 #include "drivers/velodyne/web/velodyne_readings.h"
 
-namespace lidard {
+namespace lidard::velodyne {
 namespace {
 
 /// A locked motor stays within a few rpm; what differs by more turns at another speed.
 constexpr double rpm_tolerance = 0.05;
-/// VLS-128 only, as UniBwTAS/velodyne has it (59).
-constexpr std::uint8_t dual_with_confidence = 0x3B;
 
 std::string value_of(const VelodyneTree& tree, const char* key) {
   const auto found = tree.find(key);
@@ -30,21 +27,6 @@ std::optional<double> number_of(const VelodyneTree& tree, const char* key) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) return std::nullopt;
   return number;
-}
-
-const char* mode_name(std::uint8_t mode) {
-  switch (mode) {
-    case static_cast<std::uint8_t>(velodyne::ReturnMode::strongest):
-      return "Strongest";
-    case static_cast<std::uint8_t>(velodyne::ReturnMode::last):
-      return "Last";
-    case static_cast<std::uint8_t>(velodyne::ReturnMode::dual):
-      return "Dual";
-    case dual_with_confidence:
-      return "Dual_conf";
-    default:
-      return nullptr;
-  }
 }
 
 bool same_word(const std::string& a, const std::string& b) {
@@ -62,7 +44,7 @@ bool is_everybody(const IpAddress& address) {
   return address.is_multicast() || (!address.v6 && address.bytes[3] == 255);
 }
 
-void judge_port(const VelodyneTree& tree, const VelodyneReceived& received, std::vector<std::string>& found) {
+void judge_port(const VelodyneTree& tree, const Received& received, std::vector<std::string>& found) {
   const auto port = number_of(tree, "config.host.dport");
   if (!port || *port == received.listens_on) return;
   const std::string reports =
@@ -76,8 +58,7 @@ void judge_port(const VelodyneTree& tree, const VelodyneReceived& received, std:
                     "} in control");
 }
 
-void judge_address(const VelodyneHttpState& state, const VelodyneReceived& received,
-                   std::vector<std::string>& found) {
+void judge_address(const WebState& state, const Received& received, std::vector<std::string>& found) {
   const std::string text = value_of(state.tree, "config.host.addr");
   const auto address = IpAddress::parse(text);
   if (!address || is_everybody(*address)) return;
@@ -93,16 +74,14 @@ void judge_address(const VelodyneHttpState& state, const VelodyneReceived& recei
   }
 }
 
-void judge_mode(const VelodyneTree& tree, const VelodyneReceived& received, std::vector<std::string>& found) {
+void judge_mode(const VelodyneTree& tree, const Received& received, std::vector<std::string>& found) {
   const std::string returns = value_of(tree, "config.returns");
-  const char* mode = mode_name(received.mode);
-  if (returns.empty() || mode == nullptr || same_word(returns, mode)) return;
-  found.push_back("the sensor reports returns " + returns + ", but its data are marked " + mode +
+  if (returns.empty() || received.returns == nullptr || same_word(returns, received.returns)) return;
+  found.push_back("the sensor reports returns " + returns + ", but its data are marked " + received.returns +
                   "; is there another sensor with its address?");
 }
 
-void judge_speed(const VelodyneTree& tree, const VelodyneReceived& received,
-                 std::vector<std::string>& found) {
+void judge_speed(const VelodyneTree& tree, const Received& received, std::vector<std::string>& found) {
   const auto set = number_of(tree, "config.rpm");
   const auto motor = number_of(tree, "status.motor.rpm");
   if (same_word(value_of(tree, "status.motor.state"), "off")) return;
@@ -134,28 +113,28 @@ std::string list_of(const std::vector<std::string>& words) {
   return list;
 }
 
-void judge(const VelodyneHttpState& state, const VelodyneReceived& received, DiagnosticItem& item) {
+void judge(const WebState& state, const Received& received, SettingsStatus& item) {
   std::vector<std::string> found = contradictions(state, received);
   judge_state(state.tree, found);
   if (!state.refused.empty()) {
-    item.health = Health::error;
+    item.level = SettingsStatus::Level::error;
     item.message = "the sensor did not take " + list_of(state.refused) +
                    "; set it in the sensor's web page, or remove it from control";
   } else if (!state.trouble.empty()) {
-    item.health = Health::warn;
+    item.level = SettingsStatus::Level::warn;
     item.message = state.trouble;
   } else if (!state.unknown.empty()) {
-    item.health = Health::warn;
+    item.level = SettingsStatus::Level::warn;
     item.message = "the sensor does not report " + list_of(state.unknown) +
                    ", so it is not written; remove it from control";
   } else if (!found.empty()) {
-    item.health = Health::warn;
+    item.level = SettingsStatus::Level::warn;
     item.message = found.front();
   } else {
     item.message = state.answered ? "answering" : "not asked yet";
   }
   for (std::size_t i = 0; i < found.size(); ++i)
-    item.values.emplace_back("Remark " + std::to_string(i + 1), found[i]);
+    item.details.emplace_back("Remark " + std::to_string(i + 1), found[i]);
 }
 
 std::string shown(const VelodyneReading& reading) {
@@ -165,7 +144,7 @@ std::string shown(const VelodyneReading& reading) {
   return text;
 }
 
-void add_values(const VelodyneTree& tree, DiagnosticItem& item) {
+void add_values(const VelodyneTree& tree, SettingsStatus& item) {
   static constexpr std::pair<const char*, const char*> rows[] = {
       {"Model", "info.model"},
       {"Serial Number", "info.serial"},
@@ -187,14 +166,14 @@ void add_values(const VelodyneTree& tree, DiagnosticItem& item) {
   };
   for (const auto& [label, key] : rows) {
     const std::string value = value_of(tree, key);
-    if (!value.empty()) item.values.emplace_back(label, value);
+    if (!value.empty()) item.details.emplace_back(label, value);
   }
-  for (const auto& reading : velodyne_readings(tree)) item.values.emplace_back(reading.name, shown(reading));
+  for (const auto& reading : velodyne_readings(tree)) item.details.emplace_back(reading.name, shown(reading));
 }
 
 }  // namespace
 
-std::vector<std::string> contradictions(const VelodyneHttpState& state, const VelodyneReceived& received) {
+std::vector<std::string> contradictions(const WebState& state, const Received& received) {
   std::vector<std::string> found;
   judge_port(state.tree, received, found);
   judge_address(state, received, found);
@@ -204,17 +183,15 @@ std::vector<std::string> contradictions(const VelodyneHttpState& state, const Ve
   return found;
 }
 
-DiagnosticItem velodyne_control_item(const std::string& sensor, const VelodyneHttpState& state,
-                                     const VelodyneReceived& received) {
-  DiagnosticItem item;
-  item.name = "sensor " + sensor + " control";
-  item.hardware_id = state.serial.empty() ? sensor : state.serial;
+SettingsStatus web_status(const WebState& state, const Received& received) {
+  SettingsStatus item;
+  item.serial = state.serial;
   judge(state, received, item);
   add_values(state.tree, item);
-  item.values.emplace_back("Requests", std::to_string(state.requests));
-  item.values.emplace_back("Failed requests", std::to_string(state.failures));
-  item.values.emplace_back("Settings written", std::to_string(state.writes));
+  item.details.emplace_back("Requests", std::to_string(state.requests));
+  item.details.emplace_back("Failed requests", std::to_string(state.failures));
+  item.details.emplace_back("Settings written", std::to_string(state.writes));
   return item;
 }
 
-}  // namespace lidard
+}  // namespace lidard::velodyne

@@ -1,14 +1,16 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/live/velodyne_judge.h"
+#include "drivers/velodyne/web/web_status.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "drivers/velodyne/web/velodyne_readings.h"
 
-namespace lidard {
+namespace lidard::velodyne {
 namespace {
+
+using Level = SettingsStatus::Level;
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -60,8 +62,8 @@ TEST(VelodyneReadings, DoNotJudgeTheHighVoltageOfADarkLaser) {
   EXPECT_TRUE(readings[0].is_good());
 }
 
-VelodyneHttpState answering() {
-  VelodyneHttpState state;
+WebState answering() {
+  WebState state;
   state.answered = true;
   state.serial = "AG1";
   state.local_address = "192.168.1.77";
@@ -72,30 +74,30 @@ VelodyneHttpState answering() {
   return state;
 }
 
-VelodyneReceived receiving() {
-  VelodyneReceived received;
+Received receiving() {
+  Received received;
   received.data = true;
   received.destination = {IpAddress::v4(192, 168, 1, 77), 2368};
-  received.mode = 0x37;
+  received.returns = "Strongest";
   received.rpm = 601.2;
   received.listens_on = 2368;
   return received;
 }
 
-VelodyneReceived silent() {
-  VelodyneReceived received;
+Received silent() {
+  Received received;
   received.listens_on = 2368;
   return received;
 }
 
-TEST(VelodyneContradictions, AreNoneWhereReportAndDataAgree) {
+TEST(WebContradictions, AreNoneWhereReportAndDataAgree) {
   EXPECT_THAT(contradictions(answering(), receiving()), IsEmpty());
   EXPECT_THAT(contradictions(answering(), silent()), IsEmpty());
   EXPECT_THAT(contradictions({}, receiving()), IsEmpty());
 }
 
-TEST(VelodyneContradictions, NameADestinationThatIsNotOurs) {
-  VelodyneHttpState state = answering();
+TEST(WebContradictions, NameADestinationThatIsNotOurs) {
+  WebState state = answering();
   state.tree["config.host.dport"] = "2370";
   EXPECT_THAT(
       contradictions(state, silent()),
@@ -111,19 +113,19 @@ TEST(VelodyneContradictions, NameADestinationThatIsNotOurs) {
               ElementsAre(HasSubstr("sends to 192.168.1.99, but its data arrive for 192.168.1.77")));
 }
 
-TEST(VelodyneContradictions, TakeBroadcastAndMulticastForOurs) {
+TEST(WebContradictions, TakeBroadcastAndMulticastForOurs) {
   for (const char* everybody : {"255.255.255.255", "192.168.1.255", "239.0.0.1"}) {
-    VelodyneHttpState state = answering();
+    WebState state = answering();
     state.tree["config.host.addr"] = everybody;
     EXPECT_THAT(contradictions(state, silent()), IsEmpty()) << everybody;
     EXPECT_THAT(contradictions(state, receiving()), IsEmpty()) << everybody;
   }
 }
 
-TEST(VelodyneContradictions, NameReturnsAndSpeedThatDiffer) {
-  VelodyneHttpState state = answering();
-  VelodyneReceived received = receiving();
-  received.mode = 0x39;
+TEST(WebContradictions, NameReturnsAndSpeedThatDiffer) {
+  WebState state = answering();
+  Received received = receiving();
+  received.returns = "Dual";
   EXPECT_THAT(contradictions(state, received),
               ElementsAre(HasSubstr("reports returns Strongest, but its data are marked Dual")));
   received = receiving();
@@ -135,53 +137,52 @@ TEST(VelodyneContradictions, NameReturnsAndSpeedThatDiffer) {
               ElementsAre(HasSubstr("the motor turns at about 300 rpm, though 600 are set")));
 }
 
-TEST(VelodyneContradictions, WaitUntilTheMotorFollowedAChange) {
-  VelodyneHttpState state = answering();
+TEST(WebContradictions, WaitUntilTheMotorFollowedAChange) {
+  WebState state = answering();
   state.settling = true;
   state.tree["status.motor.rpm"] = "304";
-  VelodyneReceived received = receiving();
-  received.mode = 0x39;
+  Received received = receiving();
+  received.returns = "Dual";
   EXPECT_THAT(contradictions(state, received), IsEmpty());
 }
 
-TEST(VelodyneControlItem, SaysWhatIsWrongMostUrgentFirst) {
-  VelodyneHttpState state = answering();
-  DiagnosticItem item = velodyne_control_item("roof", state, receiving());
-  EXPECT_EQ(item.name, "sensor roof control");
-  EXPECT_EQ(item.hardware_id, "AG1");
-  EXPECT_EQ(item.health, Health::ok);
+TEST(WebStatus, SaysWhatIsWrongMostUrgentFirst) {
+  WebState state = answering();
+  SettingsStatus item = web_status(state, receiving());
+  EXPECT_EQ(item.serial, "AG1");
+  EXPECT_EQ(item.level, Level::ok);
   EXPECT_EQ(item.message, "answering");
 
   state.tree["diag.volt_temp.bot.pwr_v_in"] = "500";
-  item = velodyne_control_item("roof", state, receiving());
-  EXPECT_EQ(item.health, Health::warn);
+  item = web_status(state, receiving());
+  EXPECT_EQ(item.level, Level::warn);
   EXPECT_EQ(item.message, "Supply voltage is outside its limits; check supply and cooling");
 
   state.unknown = {"rpm"};
-  item = velodyne_control_item("roof", state, receiving());
+  item = web_status(state, receiving());
   EXPECT_EQ(item.message, "the sensor does not report rpm, so it is not written; remove it from control");
 
   state.trouble = "no web interface";
-  EXPECT_EQ(velodyne_control_item("roof", state, receiving()).message, "no web interface");
+  EXPECT_EQ(web_status(state, receiving()).message, "no web interface");
 
   state.refused = {"rpm: 600 -> 1200"};
-  item = velodyne_control_item("roof", state, receiving());
-  EXPECT_EQ(item.health, Health::error);
+  item = web_status(state, receiving());
+  EXPECT_EQ(item.level, Level::error);
   EXPECT_THAT(item.message, StartsWith("the sensor did not take rpm: 600 -> 1200; "));
 }
 
-TEST(VelodyneControlItem, TellsMotorLaserAndPps) {
+TEST(WebStatus, TellsMotorLaserAndPps) {
   for (const auto& [key, value, message] :
        {std::tuple("status.motor.state", "Off", "the motor is off"),
         std::tuple("status.laser.state", "Off", "the laser is off"),
         std::tuple("status.gps.pps_state", "Error", "the sensor reports an error of the PPS signal")}) {
-    VelodyneHttpState state = answering();
+    WebState state = answering();
     state.tree[key] = value;
-    const DiagnosticItem item = velodyne_control_item("roof", state, silent());
-    EXPECT_EQ(item.health, Health::warn);
+    const SettingsStatus item = web_status(state, silent());
+    EXPECT_EQ(item.level, Level::warn);
     EXPECT_THAT(item.message, StartsWith(message));
   }
 }
 
 }  // namespace
-}  // namespace lidard
+}  // namespace lidard::velodyne

@@ -1,0 +1,143 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "core/base/angle.h"
+#include "core/merge/merger.h"
+
+namespace lidard {
+namespace {
+
+constexpr Stamp now{1'700'000'000'000'000'000};
+
+/// What one of several scanners in one place measures of a round wall.
+struct View {
+  float range, intensity;
+  bool used = true;
+};
+
+PlanarScan merged(const std::vector<View>& views, bool mean, double range_max = 50) {
+  ScanGridSpec spec;
+  spec.beams = 360;
+  spec.range_max = range_max;
+  std::string error;
+  MergeSettings settings;
+  settings.points = false;
+  settings.visibility = true;
+  settings.how.noise = settings.source.noise = 0.02;
+  settings.how.mean = mean;
+  Merger merger(*make_grid(spec, error), {}, views.size(), settings);
+  std::vector<char> use;
+  for (std::size_t s = 0; s < views.size(); ++s) {
+    PlanarScan scan;
+    scan.reset(720, 1, true);
+    scan.set_angles(static_cast<float>(-pi_d), static_cast<float>(pi_d / 360));
+    scan.range_max = 60;
+    scan.stamp = now;
+    for (std::size_t i = 0; i < 720; ++i) {
+      scan.set_hit(i, views[s].range);
+      scan.intensities[i] = views[s].intensity;
+    }
+    EXPECT_TRUE(merger.add(s, scan, Pose::Identity()));
+    use.push_back(views[s].used ? 1 : 0);
+  }
+  PlanarScan out;
+  merger.merge({now}, use, {{Profile::strict, &out}}, nullptr);
+  EXPECT_EQ(violation(out), nullptr);
+  return out;
+}
+
+void expect_everywhere(const PlanarScan& scan, double range, double intensity) {
+  for (std::size_t i = 1; i + 1 < scan.beams; ++i) {
+    ASSERT_EQ(scan.statuses[i], BeamStatus::hit) << i;
+    ASSERT_NEAR(static_cast<double>(scan.ranges[i]), range, 1e-3) << i;
+    ASSERT_NEAR(static_cast<double>(scan.intensities[i]), intensity, 1e-3) << i;
+  }
+}
+
+TEST(VisibilityMean, RangesAndIntensitiesOfOneSurfaceAreAveraged) {
+  expect_everywhere(merged({{5, 100}, {5.04F, 160}}, true), 5.02, 130);
+  expect_everywhere(merged({{5.04F, 160}, {5, 100}}, true), 5.02, 130);
+  expect_everywhere(merged({{5, 100}, {5.02F, 130}, {5.04F, 220}}, true), 5.02, 150);
+}
+
+TEST(VisibilityMean, OtherwiseTheNearestCountsWithItsOwnIntensity) {
+  expect_everywhere(merged({{5, 100}, {5.04F, 160}}, false), 5, 100);
+  expect_everywhere(merged({{5.04F, 160}, {5, 100}}, false), 5, 100);
+}
+
+TEST(VisibilityMean, WhatLiesFartherBehindThanThreeStandardDeviationsIsAnotherSurface) {
+  expect_everywhere(merged({{5, 100}, {5.055F, 160}}, true), 5.0275, 130);
+  expect_everywhere(merged({{5, 100}, {5.065F, 160}}, true), 5, 100);
+  expect_everywhere(merged({{5, 100}, {9, 160}}, true), 5, 100);
+}
+
+TEST(VisibilityMean, OneSourceAloneIsItsOwnMean) {
+  expect_everywhere(merged({{5, 100}}, true), 5, 100);
+  expect_everywhere(merged({{5, 100}, {5.04F, 160, false}}, true), 5, 100);
+}
+
+TEST(VisibilityMean, BeyondTheRangeOfTheOutputThereIsNothing) {
+  const PlanarScan scan = merged({{35, 100}, {35.02F, 50}}, true, 20);
+  for (std::size_t i = 1; i + 1 < scan.beams; ++i) EXPECT_EQ(scan.statuses[i], BeamStatus::none) << i;
+}
+
+/// A scanner in the origin of the output with a surface 20 m away; the way is free from `from` to `to`, m.
+class Alone {
+ public:
+  explicit Alone(double from, double to, const VisibilitySettings& how) {
+    ScanGridSpec spec;
+    spec.beams = 360;
+    spec.range_max = 30;
+    std::string error;
+    const ScanGrid grid = *make_grid(spec, error);
+    Visibility visibility(grid, how, 1);
+    PlanarScan scan;
+    scan.reset(360);
+    scan.set_angles(static_cast<float>(-pi_d), static_cast<float>(pi_d / 180));
+    BeamRays rays;
+    rays.build(scan, Pose::Identity(), {}, {});
+    visibility.set_source(0, rays);
+    visibility.begin();
+    for (std::size_t cell = 0; cell < visibility.profile(0).size(); ++cell)
+      visibility.profile(0).claim(cell, static_cast<float>(from), static_cast<float>(to));
+    for (float& range : visibility.surfaces().range) range = 20;
+    visibility.compute();
+    state = visibility.seen(77);
+    covered = static_cast<double>(visibility.covered(77));
+  }
+  BeamState state;
+  double covered;
+};
+
+TEST(VisibilityGaps, AsMuchOfTheWayAsIsAllowedMayGoUnseenAndNoMore) {
+  VisibilitySettings how;
+  how.gap = 0.5;
+  how.gap_share = 0;
+  EXPECT_EQ(Alone(0, 25, how).state, BeamState::hit);
+  EXPECT_EQ(Alone(0.3, 25, how).state, BeamState::hit);
+  EXPECT_EQ(Alone(0.8, 25, how).state, BeamState::gap);
+  EXPECT_LT(Alone(0.8, 25, how).covered, 0.6);
+  EXPECT_EQ(Alone(0, 10, how).state, BeamState::gap);
+  EXPECT_NEAR(Alone(0, 10, how).covered, 10, 0.5);
+  how.gap_share = 0.2;
+  EXPECT_EQ(Alone(0, 17, how).state, BeamState::behind) << "a fifth of 20 m, but its very end is not seen";
+  EXPECT_EQ(Alone(0, 10, how).state, BeamState::gap);
+}
+
+TEST(VisibilityGaps, ASurfaceIsSeenFromTheSideWhereTheLastOfTheWayIsFree) {
+  VisibilitySettings how;
+  how.gap = 1;
+  how.approach = 0.5;
+  EXPECT_EQ(Alone(0, 19.6, how).state, BeamState::hit);
+  EXPECT_EQ(Alone(0, 19.4, how).state, BeamState::behind);
+  how.noise = 0.2;
+  EXPECT_EQ(Alone(0, 19.1, how).state, BeamState::hit) << "five standard deviations before it";
+  EXPECT_EQ(Alone(0, 18.9, how).state, BeamState::behind);
+}
+
+}  // namespace
+}  // namespace lidard
