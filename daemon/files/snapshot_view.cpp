@@ -121,15 +121,15 @@ void Gatherer::add_field(const SensorConfig& sensor, const PlanarScan* scan, std
   drawn.role = scan == nullptr ? Role::cloud : Role::input;
   drawn.number = number;
   double first = 0;
-  double last = 2 * pi_d;
+  double last = two_pi;
   if (scan != nullptr) {
     first = static_cast<double>(scan->angle_min);
     last = static_cast<double>(scan->angle_max);
-  } else if (sensor.driver.view_width < 2 * pi_d) {
+  } else if (sensor.driver.view_width < two_pi) {
     first = sensor.driver.view_direction - sensor.driver.view_width / 2;
     last = first + sensor.driver.view_width;
   }
-  drawn.all_round = std::abs(last - first) > 2 * pi_d - 0.02;
+  drawn.all_round = std::abs(last - first) > two_pi - 0.02;
   constexpr int steps = 48;
   for (int i = 0; i <= steps; ++i) {
     const double angle = first + (last - first) * i / steps;

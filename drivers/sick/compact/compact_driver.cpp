@@ -37,8 +37,6 @@ class CompactDriver final : public Driver {
     imu_.frame_id = config.frame_id;
     encoder_.topic = "encoder";
     encoder_.frame_id = config.frame_id;
-    encoder_.values = {
-        {"frame", 0}, {"ticks", 0}, {"speed", 0}, {"ticks at reference 1", 0}, {"ticks at reference 2", 0}};
   }
 
   Reject receive(const Packet& packet, DriverOutput& out) override;
@@ -350,11 +348,11 @@ Reject CompactDriver::take_encoder(ByteView telegram, Stamp arrival, DriverOutpu
     apart = 0;
   const std::uint64_t us = read.transmit_us + static_cast<std::uint64_t>(static_cast<std::int64_t>(apart));
   encoder_.stamp = stamp_of(us, arrival);
-  encoder_.values[0].value = static_cast<double>(read.frame);
-  encoder_.values[1].value = read.ticks;
-  encoder_.values[2].value = read.speed;
-  encoder_.values[3].value = read.reference_ticks[0];
-  encoder_.values[4].value = read.reference_ticks[1];
+  encoder_.values = {{"frame", static_cast<double>(read.frame)},
+                     {"ticks", static_cast<double>(read.ticks)},
+                     {"speed", read.speed},
+                     {"ticks at reference 1", static_cast<double>(read.reference_ticks[0])},
+                     {"ticks at reference 2", static_cast<double>(read.reference_ticks[1])}};
   for (const std::string_view topic : config_.model->state_topics) {
     if (topic == encoder_.topic) out.state(encoder_);
   }
