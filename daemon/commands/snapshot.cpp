@@ -3,7 +3,6 @@
 #include "daemon/commands/snapshot.h"
 
 #include <algorithm>
-#include <cmath>
 #include <ctime>
 #include <ostream>
 #include <stdexcept>
