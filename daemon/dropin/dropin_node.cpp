@@ -11,7 +11,7 @@
 #include "daemon/dropin/node_parameters.h"
 #include "daemon/dropin/velodyne_node.h"
 #include "daemon/live/service.h"
-#include "daemon/ros/ros_link.h"
+#include "daemon/ros/ros_environment.h"
 
 namespace lidard {
 namespace {

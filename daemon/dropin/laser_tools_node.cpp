@@ -29,11 +29,7 @@ int run_setup(const LaserToolsSetup& setup, const char* name, const DropinCall& 
   for (const auto& warning : setup.warnings) spdlog::warn("{}", warning);
   spdlog::info("the same as a configuration for `lidard run`:\n{}", setup.yaml);
   const Config config = parse_config(setup.yaml, "parameters of " + call.node);
-  RunOptions options;
-  options.ros_arguments = call.arguments;
-  options.node_name = name;
-  options.reconfigure = ReconfigureNames::node;
-  return run_daemon(config, options, call.err);
+  return run_daemon(config, {name, call.arguments, ReconfigureNames::node}, call.err);
 }
 
 }  // namespace

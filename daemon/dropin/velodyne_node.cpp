@@ -22,14 +22,9 @@ int run_setup(VelodyneNodeSetup setup, const DropinCall& call) {
   for (const auto& warning : setup.warnings) spdlog::warn("{}", warning);
   spdlog::info("the same as a configuration for `lidard run`:\n{}", setup.yaml);
   const Config config = parse_config(setup.yaml, "parameters of " + call.node);
-  if (setup.replay.captures.empty()) {
-    RunOptions options;
-    options.ros_arguments = call.arguments;
-    options.node_name = velodyne_node_name;
-    return run_daemon(config, options, call.err);
-  }
-  setup.replay.ros_arguments = call.arguments;
-  setup.replay.node_name = velodyne_node_name;
+  const RosOptions ros{velodyne_node_name, call.arguments};
+  if (setup.replay.captures.empty()) return run_daemon(config, ros, call.err);
+  setup.replay.ros = ros;
   return run_replay(setup.replay, config, call.out, call.err);
 }
 

@@ -35,20 +35,17 @@ boost::shared_ptr<ros::M_string> latched_header() {
 }  // namespace
 
 struct BagSink::Impl {
+  struct Topic {
+    std::string name;
+    RosMessage message;
+  };
+
   std::string path;
-  std::string prefix;
-  std::map<std::string, TopicKind> kinds;
+  std::map<std::string, Topic> topics;
   std::unique_ptr<rosbag::Bag> bag = std::make_unique<rosbag::Bag>();
   std::size_t messages = 0;
   std::string error;
   boost::shared_ptr<ros::M_string> tf_header = latched_header<tf2_msgs::TFMessage>();
-  sensor_msgs::LaserScan scan;
-  sensor_msgs::MultiEchoLaserScan echoes;
-  sensor_msgs::PointCloud2 cloud;
-  sensor_msgs::NavSatFix fix;
-  sensor_msgs::TimeReference reference;
-  sensor_msgs::Imu imu;
-  diagnostic_msgs::DiagnosticArray state;
   tf2_msgs::TFMessage tf;
   diagnostic_msgs::DiagnosticArray diagnostics;
 
@@ -61,8 +58,14 @@ struct BagSink::Impl {
     broken->push_back(std::move(bag));
   }
 
-  std::string resolve(const std::string& topic) const {
-    return !topic.empty() && topic.front() == '/' ? topic : prefix + topic;
+  /// Writes a frame; returns the message that it became, nullptr if it cannot become one of the topic.
+  template <typename Frame>
+  RosMessage* write_frame(const std::string& topic, Frame& frame, Stamp released) {
+    const auto found = topics.find(topic);
+    if (found == topics.end() || !convert(frame, found->second.message)) return nullptr;
+    std::visit([&](const auto& message) { write(found->second.name, released, message); },
+               found->second.message);
+    return &found->second.message;
   }
 
   template <typename Message>
@@ -72,7 +75,7 @@ struct BagSink::Impl {
     errno = 0;
     try {
       // A bag refuses the time 0 (ros::TIME_MIN).
-      bag->write(resolve(topic), std::max(to_ros(released), ros::TIME_MIN), message, header);
+      bag->write(topic, std::max(to_ros(released), ros::TIME_MIN), message, header);
       ++messages;
     } catch (const rosbag::BagException& problem) {
       give_up(problem, errno);
@@ -80,13 +83,11 @@ struct BagSink::Impl {
   }
 };
 
-BagSink::BagSink(const std::string& path, const std::vector<TopicInfo>& topics, const std::string& name_space)
+BagSink::BagSink(const std::string& path, const std::vector<TopicInfo>& topics)
     : impl_(std::make_unique<Impl>()) {
   impl_->path = path;
-  impl_->prefix = name_space;
-  if (impl_->prefix.empty() || impl_->prefix.back() != '/') impl_->prefix += '/';
-  if (impl_->prefix.front() != '/') impl_->prefix.insert(0, 1, '/');
-  for (const auto& topic : topics) impl_->kinds[topic.name] = topic.kind;
+  for (const auto& [name, kind] : topics)
+    impl_->topics[name] = {(name.compare(0, 1, "/") == 0 ? "" : "/") + name, message_for(kind)};
   errno = 0;
   try {
     impl_->bag->open(path, rosbag::bagmode::Write);
@@ -105,40 +106,29 @@ BagSink::~BagSink() {
 }
 
 void BagSink::scan(const std::string& topic, const PlanarScan& scan, Stamp released) {
-  const auto found = impl_->kinds.find(topic);
-  if (found != impl_->kinds.end() && found->second == TopicKind::echoes) {
-    to_ros(scan, impl_->echoes);
-    impl_->write(topic, released, impl_->echoes);
-  } else {
-    to_ros(scan, impl_->scan);
-    impl_->write(topic, released, impl_->scan);
-  }
+  impl_->write_frame(topic, scan, released);
 }
 
 void BagSink::cloud(const std::string& topic, Cloud& cloud, Stamp released) {
-  to_ros(cloud, impl_->cloud);
-  impl_->write(topic, released, impl_->cloud);
-  cloud.points_bytes.swap(impl_->cloud.data);  // the driver gets its own buffer back
+  // The driver gets its own buffer back.
+  if (RosMessage* message = impl_->write_frame(topic, cloud, released))
+    cloud.points_bytes.swap(std::get<sensor_msgs::PointCloud2>(*message).data);
 }
 
 void BagSink::fix(const std::string& topic, const GnssFix& fix, Stamp released) {
-  to_ros(fix, impl_->fix);
-  impl_->write(topic, released, impl_->fix);
+  impl_->write_frame(topic, fix, released);
 }
 
 void BagSink::time_reference(const std::string& topic, const TimeReference& reference, Stamp released) {
-  to_ros(reference, impl_->reference);
-  impl_->write(topic, released, impl_->reference);
+  impl_->write_frame(topic, reference, released);
 }
 
 void BagSink::imu(const std::string& topic, const ImuSample& sample, Stamp released) {
-  to_ros(sample, impl_->imu);
-  impl_->write(topic, released, impl_->imu);
+  impl_->write_frame(topic, sample, released);
 }
 
 void BagSink::state(const std::string& topic, const DeviceState& state, Stamp released) {
-  to_ros(state, impl_->state);
-  impl_->write(topic, released, impl_->state);
+  impl_->write_frame(topic, state, released);
 }
 
 void BagSink::transforms(const std::vector<StaticTransform>& transforms, Stamp released) {

@@ -21,9 +21,8 @@ class BagError : public std::runtime_error {
 /// is the frame's `released`. The same calls give the same file, byte by byte.
 class BagSink : public FrameSink {
  public:
-  /// Creates or overwrites the file; throws BagError. `topics` as in Pipeline::topics(); relative names are
-  /// put below `name_space`.
-  BagSink(const std::string& path, const std::vector<TopicInfo>& topics, const std::string& name_space = "/");
+  /// Creates or overwrites the file; throws BagError. `topics` as pipeline_topics() has them.
+  BagSink(const std::string& path, const std::vector<TopicInfo>& topics);
   ~BagSink() override;
 
   void scan(const std::string& topic, const PlanarScan& scan, Stamp released) override;

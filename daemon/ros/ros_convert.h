@@ -3,6 +3,7 @@
 #pragma once
 
 #include <diagnostic_msgs/DiagnosticArray.h>
+#include <rosgraph_msgs/Clock.h>
 #include <sensor_msgs/Imu.h>
 #include <sensor_msgs/LaserScan.h>
 #include <sensor_msgs/MultiEchoLaserScan.h>
@@ -13,6 +14,8 @@
 
 #include <cstddef>
 #include <string>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 #include "daemon/pipeline/sink.h"
@@ -48,6 +51,33 @@ void to_ros(const std::vector<DiagnosticItem>& items, const std::string& node, S
             diagnostic_msgs::DiagnosticArray& message);
 /// The level of diagnostic_msgs/DiagnosticStatus.
 std::int8_t to_ros(Health health);
+/// The time of a replay.
+inline void to_ros(Stamp now, rosgraph_msgs::Clock& message) { message.clock = to_ros(now); }
+
+/// A message of any type that goes out on a topic of frames, on /tf_static or on /clock.
+using RosMessage =
+    std::variant<sensor_msgs::LaserScan, sensor_msgs::MultiEchoLaserScan, sensor_msgs::PointCloud2,
+                 sensor_msgs::NavSatFix, sensor_msgs::TimeReference, sensor_msgs::Imu,
+                 diagnostic_msgs::DiagnosticArray, tf2_msgs::TFMessage, rosgraph_msgs::Clock>;
+/// An empty message of the type that topics of a kind carry.
+RosMessage message_for(TopicKind kind);
+/// The name of the message's type, as "sensor_msgs/LaserScan".
+std::string type_of(const RosMessage& message);
+/// Converts a frame with to_ros() into a message of the type that `message` holds; false if the frame does
+/// not travel in such messages.
+template <class Frame>
+bool convert(Frame& frame, RosMessage& message) {
+  const auto to_held_type = [&frame](auto& held) -> decltype(to_ros(frame, held), true) {
+    to_ros(frame, held);
+    return true;
+  };
+  return std::visit(
+      [&](auto& held) {
+        if constexpr (std::is_invocable_v<decltype(to_held_type), decltype(held)>) return to_held_type(held);
+        return false;
+      },
+      message);
+}
 
 /// Reads another driver's scan. Returns nullptr, or what is wrong with the message; then `scan` is of no use.
 ///
@@ -59,6 +89,18 @@ std::int8_t to_ros(Health health);
 const char* from_ros(const sensor_msgs::LaserScan& message, PlanarScan& scan);
 /// False if the message has intensities, but not one for each range.
 bool intensities_fit(const sensor_msgs::LaserScan& message);
+
+/// A position or translation and an orientation as a pose; the orientation need not be normalised.
+template <class Position>
+Pose to_pose(const Position& at, const geometry_msgs::Quaternion& q) {
+  Pose pose = Pose::Identity();
+  pose.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
+  pose.translation() = Eigen::Vector3d(at.x, at.y, at.z);
+  return pose;
+}
+inline Pose to_pose(const geometry_msgs::Transform& transform) {
+  return to_pose(transform.translation, transform.rotation);
+}
 
 /// What became of a point cloud message.
 struct CloudReading {

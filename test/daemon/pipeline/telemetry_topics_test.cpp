@@ -7,7 +7,6 @@
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/transform_source.h"
 #include "daemon/ros/ros_convert.h"
-#include "daemon/ros/ros_queue.h"
 #include "drivers/registry/registry.h"
 #include "test/support/ros_samples.h"
 
@@ -180,49 +179,6 @@ TEST(TelemetryTopics, HoldAStateAsDiagnosticStatus) {
   EXPECT_EQ(message.status[0].values[0].key, "ticks");
   EXPECT_EQ(message.status[0].values[0].value, "42");
   EXPECT_EQ(message.status[0].values[1].value, "0.25");
-}
-
-TEST(TelemetryTopics, ArePassedToTheRosThreadInOrder) {
-  FrameQueue queue({{"roof/fix", TopicKind::fix},
-                    {"roof/time_reference", TopicKind::time_reference},
-                    {"roof/imu", TopicKind::imu}},
-                   Backpressure::drop_oldest);
-  EXPECT_TRUE(queue.push("roof/imu", test::sample_imu(), Stamp{1}));
-  EXPECT_TRUE(queue.push("roof/fix", test::sample_fix(), Stamp{2}));
-  EXPECT_TRUE(queue.push("roof/time_reference", test::sample_time_reference(), Stamp{3}));
-  EXPECT_FALSE(queue.push("roof/imu", test::sample_fix(), Stamp{4})) << "another kind of topic";
-  EXPECT_FALSE(queue.push("roof/imu", test::sample_scan(), Stamp{4}));
-  EXPECT_FALSE(queue.push("roof/nothing", test::sample_imu(), Stamp{4}));
-  const auto next = [&queue] {
-    QueuedFrame* frame = queue.pop(Span(0));
-    EXPECT_NE(frame, nullptr);
-    return frame;
-  };
-  QueuedFrame* frame = next();
-  EXPECT_EQ(frame->what, QueuedFrame::What::imu);
-  EXPECT_EQ(frame->imu.angular_velocity.z(), 0.3);
-  queue.done(frame);
-  frame = next();
-  EXPECT_EQ(frame->what, QueuedFrame::What::fix);
-  EXPECT_EQ(frame->fix.status, FixStatus::sbas);
-  queue.done(frame);
-  frame = next();
-  EXPECT_EQ(frame->what, QueuedFrame::What::time_reference);
-  EXPECT_EQ(frame->reference.source, "gps_pps");
-  queue.done(frame);
-  EXPECT_TRUE(queue.idle());
-}
-
-TEST(TelemetryTopics, AnImuMayRunAheadOfTheRosThreadFurtherThanAFrame) {
-  FrameQueue queue({{"roof/imu", TopicKind::imu}, {"roof/fix", TopicKind::fix}}, Backpressure::drop_oldest);
-  for (int i = 0; i < 40; ++i) queue.push("roof/imu", test::sample_imu(), Stamp{i});
-  for (int i = 0; i < 5; ++i) queue.push("roof/fix", test::sample_fix(), Stamp{i});
-  EXPECT_EQ(queue.dropped(0), 8U);
-  EXPECT_EQ(queue.dropped(1), 3U);
-  QueuedFrame* oldest = queue.pop(Span(0));
-  ASSERT_NE(oldest, nullptr);
-  EXPECT_EQ(oldest->released.ns, 8);
-  queue.done(oldest);
 }
 
 }  // namespace

@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "daemon/pipeline/sink.h"
+
+namespace lidard {
+
+/// What to do with a frame when the thread that publishes has not yet dealt with those before it.
+enum class Backpressure : std::uint8_t {
+  drop_oldest,  ///< live: the sensor thread never waits; what was dropped is counted
+  block         ///< replay: the calling thread waits; nothing is lost
+};
+
+/// Anything that goes out on a topic; a Stamp is the time of a replay.
+using QueuedContent = std::variant<PlanarScan, Cloud, GnssFix, TimeReference, ImuSample, DeviceState,
+                                   std::vector<StaticTransform>, Stamp>;
+
+/// A frame on its way from the sensor thread to the one that publishes.
+struct QueuedFrame {
+  std::size_t lane = 0;  ///< index into the list of topics, or FrameQueue::transforms_lane(), clock_lane()
+  std::uint64_t number = 0;
+  Stamp released;
+  QueuedContent content;
+};
+
+/// A bounded queue with a lane per topic, of two frames or of 32 inertial samples; frames leave in the order
+/// they came. Frames and their buffers are recycled: no allocation after warm-up. Knows no middleware.
+class FrameQueue {
+ public:
+  FrameQueue(const std::vector<TopicInfo>& topics, Backpressure backpressure);
+
+  /// Copies a frame. False if there is no such topic, or if it carries something else.
+  template <typename Frame>
+  bool push(const std::string& topic, const Frame& frame, Stamp released) {
+    return push_with<Frame>(find(topic), released, [&frame](Frame& slot) { slot = frame; });
+  }
+  /// Swaps points_bytes with a recycled buffer.
+  bool push(const std::string& topic, Cloud& cloud, Stamp released);
+  void push(const std::vector<StaticTransform>& transforms, Stamp released);
+  void push_clock(Stamp now);
+
+  /// The oldest frame, or nullptr after `wait` or stop(). Give it back with done().
+  QueuedFrame* pop(Span wait);
+  void done(QueuedFrame* frame);
+  /// True if every frame pushed was also given back.
+  bool idle() const;
+  /// Frames dropped so far, of one topic or of all.
+  std::uint64_t dropped(std::size_t topic) const { return dropped(topic, topic + 1); }
+  std::uint64_t dropped() const { return dropped(0, lanes_.size()); }
+  /// Ends all waiting; nothing is taken or given from now on.
+  void stop();
+
+  std::size_t transforms_lane() const { return lanes_.size() - 2; }
+  std::size_t clock_lane() const { return lanes_.size() - 1; }
+
+ private:
+  struct Lane {
+    std::vector<QueuedFrame> frames;  // all hold the same kind of thing
+    std::deque<QueuedFrame*> waiting;
+    std::vector<QueuedFrame*> free;
+    std::size_t depth = 0;
+    std::uint64_t dropped = 0;
+  };
+  void add_lane(const QueuedContent& empty);
+  Lane* find(const std::string& topic);
+  QueuedFrame* begin_push(Lane& lane, std::unique_lock<std::mutex>& lock);
+  Lane* oldest();
+  std::uint64_t dropped(std::size_t begin, std::size_t end) const;
+
+  template <typename Frame, typename Fill>
+  bool push_with(Lane* lane, Stamp released, Fill fill) {
+    if (lane == nullptr || !std::holds_alternative<Frame>(lane->frames.front().content)) return false;
+    std::unique_lock lock(mutex_);
+    if (QueuedFrame* frame = begin_push(*lane, lock)) {
+      frame->released = released;
+      fill(std::get<Frame>(frame->content));
+      lane->waiting.push_back(frame);
+      filled_.notify_one();
+    }
+    return true;
+  }
+
+  Backpressure backpressure_;
+  mutable std::mutex mutex_;
+  std::condition_variable filled_;
+  std::condition_variable emptied_;
+  std::map<std::string, std::size_t> lanes_by_topic_;
+  std::deque<Lane> lanes_;  // one per topic, then transforms, then clock
+  std::uint64_t pushed_ = 0;
+  std::size_t out_ = 0;
+  bool stopped_ = false;
+};
+
+}  // namespace lidard
