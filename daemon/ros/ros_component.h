@@ -23,16 +23,13 @@ class RosComponent {
   virtual ~RosComponent() = default;
   /// ROS runs: handles of `ros` may be used until disconnected(). May wait for the master.
   virtual void connected(RosCallbackThread& ros) = 0;
-  /// ROS ends; nobody is called back any more, and what `ros` was to keep is gone.
+  /// ROS ends, and `ros` next: nobody is called back any more, and handles must be given up now.
   virtual void disconnected() {}
   /// Twice a second while the master answers.
   virtual void poll(MasterClient& master) { static_cast<void>(master); }
-  /// The master was restarted: tells it what the component publishes, with its type, and what it serves.
-  /// False if the master did not answer every call.
-  virtual bool register_again(MasterClient& master) {
-    static_cast<void>(master);
-    return true;
-  }
+  /// The master was restarted, and is told the topics of this node by others. Returns the services of the
+  /// component, which it is to be told too.
+  virtual std::vector<std::string> master_restarted() { return {}; }
   /// Frame topics that are to be advertised anew, since what they carry changed its shape.
   virtual std::vector<std::string> stale_topics() { return {}; }
   virtual std::vector<DiagnosticItem> diagnostics() { return {}; }

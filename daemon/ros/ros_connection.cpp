@@ -193,8 +193,11 @@ void RosConnection::Impl::master_answered(MasterClient& master, int pid) {
     start_ros();
     spdlog::info("ROS master found at {}; publishing as {}", master_uri, node);
   } else if (another || !registered) {
-    registered = register_again(master, publishers.types());
-    for (const auto& component : components) registered &= component->register_again(master);
+    std::vector<std::string> services;
+    for (const auto& component : components) {
+      for (auto& service : component->master_restarted()) services.push_back(std::move(service));
+    }
+    registered = register_again(master, services);
     if (registered) spdlog::warn("ROS master at {} came back; all topics are registered again", master_uri);
   }
   const RosPulse::Call call(pulse);
@@ -237,9 +240,9 @@ void RosConnection::Impl::end_ros(bool leave) {
   const RosPulse::Call call(pulse);
   pulse.detach();
   callbacks->stop();
+  for (const auto& component : components) component->disconnected();
   if (leave) leave_behind(std::move(callbacks));
   callbacks.reset();
-  for (const auto& component : components) component->disconnected();
   diagnostics.drop(leave);
   publishers.drop(leave);
   if (!leave) ros::shutdown();

@@ -190,8 +190,4 @@ RosMessage message_for(TopicKind kind) {
   return {};
 }
 
-std::string type_of(const RosMessage& message) {
-  return std::visit([](const auto& held) { return ros::message_traits::datatype(held); }, message);
-}
-
 }  // namespace lidard

@@ -61,8 +61,6 @@ using RosMessage =
                  diagnostic_msgs::DiagnosticArray, tf2_msgs::TFMessage, rosgraph_msgs::Clock>;
 /// An empty message of the type that topics of a kind carry.
 RosMessage message_for(TopicKind kind);
-/// The name of the message's type, as "sensor_msgs/LaserScan".
-std::string type_of(const RosMessage& message);
 /// Converts a frame with to_ros() into a message of the type that `message` holds; false if the frame does
 /// not travel in such messages.
 template <class Frame>

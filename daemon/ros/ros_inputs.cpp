@@ -56,8 +56,6 @@ std::vector<TopicSource> topic_sources(const Config& config) {
 struct RosInputs::Source {
   mutable std::mutex mutex;
   TopicReport report;
-  bool packets = false;
-  std::optional<FrameKind> kind;
   int pending = 0;
   bool subscribed = false;  // belongs to the master thread
 
@@ -69,28 +67,15 @@ struct RosInputs::Source {
     ++report.dropped;
     return false;
   }
-  /// True if the type is new.
-  bool notice_type(const std::string& type) {
-    const std::lock_guard lock(mutex);
-    if (report.type == type) return false;
-    report.type = type;
-    report.wrong_type.clear();
-    return true;
-  }
-  void forget_type() {
-    const std::lock_guard lock(mutex);
-    report.type.clear();
-  }
-  bool takes(FrameKind frames) const { return !packets && kind.value_or(frames) == frames; }
-  std::string expected_type() const {
-    if (packets) return ros::message_traits::datatype<VelodyneScanBytes>();
-    const char* const scan = takes(FrameKind::scan) ? "sensor_msgs/LaserScan" : "";
-    const char* const cloud = takes(FrameKind::cloud) ? "sensor_msgs/PointCloud2" : "";
-    return std::string(scan) + (*scan != 0 && *cloud != 0 ? " or " : "") + cloud;
-  }
+  bool takes(FrameKind frames) const { return !report.packets && report.kind.value_or(frames) == frames; }
   void refuse_type() {
+    using namespace ros::message_traits;
+    std::string expected = report.packets ? datatype<VelodyneScanBytes>() : "";
+    if (takes(FrameKind::scan)) expected = datatype<sensor_msgs::LaserScan>();
+    if (takes(FrameKind::cloud))
+      expected += std::string(expected.empty() ? "" : " or ") + datatype<sensor_msgs::PointCloud2>();
     const std::lock_guard lock(mutex);
-    report.wrong_type = "topic " + report.topic + " carries " + report.type + "; expected " + expected_type();
+    report.wrong_type = "topic " + report.topic + " carries " + report.type + "; expected " + expected;
     spdlog::error("{}", report.wrong_type);
   }
   void reject(const char* reason) {
@@ -116,10 +101,7 @@ RosInputs::RosInputs(const std::vector<TopicSource>& sources, RosPost post, RosH
     : post_(std::move(post)), handlers_(std::move(handlers)) {
   for (const auto& source : sources) {
     sources_.push_back(std::make_shared<Source>());
-    sources_.back()->report.sensor = source.sensor;
-    sources_.back()->report.topic = source.topic;
-    sources_.back()->packets = source.packets;
-    sources_.back()->kind = source.kind;
+    static_cast<TopicSource&>(sources_.back()->report) = source;
   }
 }
 
@@ -128,8 +110,9 @@ RosInputs::~RosInputs() = default;
 void RosInputs::disconnected() {
   ros_ = nullptr;
   for (auto& source : sources_) {
+    const std::lock_guard lock(source->mutex);
     source->subscribed = false;
-    source->forget_type();
+    source->report.type.clear();
   }
 }
 
@@ -154,7 +137,7 @@ void RosInputs::subscribe(const std::shared_ptr<Source>& source, const std::stri
   using sensor_msgs::LaserScan;
   using sensor_msgs::PointCloud2;
   const std::string& sensor = source->report.sensor;
-  if (source->packets && type == ros::message_traits::datatype<VelodyneScanBytes>()) {
+  if (source->report.packets && type == ros::message_traits::datatype<VelodyneScanBytes>()) {
     // roscpp itself refuses a publisher of another type or md5sum.
     subscribe_as<VelodyneScanBytes>(
         source, [handle = handlers_.packet, sensor](const auto& message, Task& task, LeftOut&) {
@@ -198,7 +181,12 @@ void RosInputs::poll(MasterClient& master) {
     const auto found = types.find(ros::names::resolve(source->report.topic));
     // "*" is what a subscriber alone leaves there; a type that was seen before was dealt with.
     if (source->subscribed || found == types.end() || found->second == "*") continue;
-    if (source->notice_type(found->second)) subscribe(source, found->second);
+    {
+      const std::lock_guard lock(source->mutex);
+      if (std::exchange(source->report.type, found->second) == found->second) continue;
+      source->report.wrong_type.clear();
+    }
+    subscribe(source, found->second);
   }
 }
 

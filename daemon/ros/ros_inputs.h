@@ -25,9 +25,7 @@ struct TopicSource {
 std::vector<TopicSource> topic_sources(const Config& config);
 
 /// What happened to one topic source since the start.
-struct TopicReport {
-  std::string sensor;
-  std::string topic;
+struct TopicReport : TopicSource {
   std::string type;                       ///< ROS type; empty while nobody publishes
   std::uint64_t messages = 0;             ///< received, good or bad
   std::uint64_t rejected = 0;             ///< unusable messages

@@ -4,7 +4,6 @@
 
 #include <ros/node_handle.h>
 #include <ros/topic_manager.h>
-#include <rosgraph_msgs/Log.h>
 
 #include <algorithm>
 #include <utility>
@@ -128,16 +127,6 @@ std::size_t RosPublishers::subscribers() const {
   for (std::size_t i = 0; i < frames_; ++i) sum += outputs_[i].publisher.getNumSubscribers();
   subscribers_ = sum;
   return sum;
-}
-
-std::map<std::string, std::string> RosPublishers::types() const {
-  std::map<std::string, std::string> types{
-      {"/rosout", ros::message_traits::datatype<rosgraph_msgs::Log>()},
-      {"/diagnostics", ros::message_traits::datatype<diagnostic_msgs::DiagnosticArray>()}};
-  const std::lock_guard lock(mutex_);
-  for (const Output& output : outputs_)
-    if (output.publisher) types[output.publisher.getTopic()] = type_of(output.message);
-  return types;
 }
 
 }  // namespace lidard

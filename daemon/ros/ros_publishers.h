@@ -7,7 +7,6 @@
 #include <atomic>
 #include <boost/shared_array.hpp>
 #include <deque>
-#include <map>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -44,8 +43,6 @@ class RosPublishers {
   std::size_t in_flight();
   /// Subscribers of all frame topics together; the last known number while a frame is being published.
   std::size_t subscribers() const;
-  /// ROS types by resolved topic name.
-  std::map<std::string, std::string> types() const;
 
  private:
   struct Output {

@@ -4,11 +4,8 @@
 
 #include <dynamic_reconfigure/ConfigDescription.h>
 #include <dynamic_reconfigure/Reconfigure.h>
-#include <ros/connection_manager.h>
-#include <ros/network.h>
 #include <ros/node_handle.h>
 #include <ros/this_node.h>
-#include <ros/xmlrpc_manager.h>
 #include <spdlog/spdlog.h>
 
 #include <mutex>
@@ -153,22 +150,14 @@ void RosReconfigure::poll(MasterClient& master) {
   }
 }
 
-bool RosReconfigure::register_again(MasterClient& master) {
-  const std::string our_uri = ros::XMLRPCManager::instance()->getServerURI();
-  const std::string service_uri = "rosrpc://" + ros::network::getHost() + ":" +
-                                  std::to_string(ros::ConnectionManager::instance()->getTCPPort());
-  bool all = true;
+std::vector<std::string> RosReconfigure::master_restarted() {
+  std::vector<std::string> services;
   for (const auto& server : servers_) {
-    const auto topic = [&](const char* name, const char* type) {
-      all &= master.register_publisher(server->below(name), type, our_uri);
-    };
-    topic("parameter_descriptions", ros::message_traits::datatype<dynamic_reconfigure::ConfigDescription>());
-    topic("parameter_updates", ros::message_traits::datatype<dynamic_reconfigure::Config>());
-    all &= master.register_service(server->below("set_parameters"), service_uri, our_uri);
     const std::lock_guard lock(server->mutex);
     server->to_store = true;
+    services.push_back(server->below("set_parameters"));
   }
-  return all;
+  return services;
 }
 
 std::vector<std::string> RosReconfigure::stale_topics() {

@@ -22,7 +22,7 @@ class RosReconfigure : public RosComponent {
   void connected(RosCallbackThread& ros) override;
   void disconnected() override;
   void poll(MasterClient& master) override;
-  bool register_again(MasterClient& master) override;
+  std::vector<std::string> master_restarted() override;
   std::vector<std::string> stale_topics() override;
   std::vector<DiagnosticItem> diagnostics() override;
 
