@@ -14,9 +14,7 @@
 #include "core/base/device_clock.h"
 #include "core/base/time.h"
 #include "core/frames/cloud.h"
-#include "core/frames/device_state.h"
-#include "core/frames/gnss.h"
-#include "core/frames/imu.h"
+#include "core/frames/device_message.h"
 #include "core/frames/scan.h"
 #include "drivers/address.h"
 
@@ -44,12 +42,8 @@ class DriverOutput {
   virtual ~DriverOutput() = default;
   virtual void scan(PlanarScan& scan) = 0;
   virtual void cloud(Cloud& cloud) = 0;
-  /// What a satellite receiver or an inertial unit in the device told, beside its frames.
-  virtual void fix(const GnssFix& fix) { static_cast<void>(fix); }
-  virtual void time_reference(const TimeReference& reference) { static_cast<void>(reference); }
-  virtual void imu(const ImuSample& sample) { static_cast<void>(sample); }
-  /// What the device tells beside its frames, on a topic of its own.
-  virtual void state(const DeviceState& state) { static_cast<void>(state); }
+  /// What the device tells beside its frames; its topic is one of Model::messages.
+  virtual void message(const DeviceMessage& message) { static_cast<void>(message); }
   /// A further scan of the device (its intrusion data, say); `topic` is one of Model::extra_scans.
   virtual void extra_scan(std::string_view topic, PlanarScan& scan) {
     static_cast<void>(topic), static_cast<void>(scan);

@@ -47,6 +47,7 @@ add_test(NAME layering COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test
 
 add_test(NAME test_names COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/test_names.py ${CMAKE_CTEST_COMMAND} ${CMAKE_CURRENT_BINARY_DIR})
 add_test(NAME skipped_tests COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/skipped_test.py)
+add_test(NAME mutate COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/mutate_test.py)
 
 # test/system/*.py drive the real programs: sockets on loopback, a real rosmaster, roscpp, bags.
 file(GLOB system_tests CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/system/test_*.py)

@@ -168,7 +168,7 @@ int decode_stream(const DecodeOptions& options, const SensorStream& stream, Cali
   config.clock = options.clock;
   config.keep_partial = true;
   config.keep_origins = true;
-  config.publish_multiecho = stream.model->has_echoes;
+  config.publish_multiecho = stream.model->has(Trait::echoes);
   config.calibration = std::move(calibration);
   const auto driver = stream.model->make(config);
   WholeFrame whole(config);

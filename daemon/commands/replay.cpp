@@ -84,7 +84,7 @@ struct Replay {
 
 int into_bag(const ReplayOptions& options, const Config& config, MergedCapture& capture, std::ostream& out,
              std::ostream& err) {
-  BagSink sink(options.bag, pipeline_topics(config));
+  BagSink sink(options.bag);
   BagPoses motion(options.motion, config.vehicle.odometry_topic);
   Replay replay(options, config, capture, sink, motion);
   const bool complete = replay.play([&](Stamp now) { motion.feed(replay.pipeline, now); }, out, err);

@@ -81,7 +81,7 @@ void read_layout(Mapping& yaml, SensorConfig& sensor) {
   if (const auto order = yaml.find("organize_cloud")) layout.order = read_order(*order);
   read_frame_stamp(yaml, layout);
   if (const auto echo = yaml.find("publish_echo")) layout.echo = echo->boolean();
-  if (!sensor.model->has_confidence) return;
+  if (!sensor.model->has(Trait::confidence)) return;
   if (const auto confidence = yaml.find("publish_confidence")) layout.confidence = confidence->boolean();
   sensor.driver.keep_confidence = layout.confidence;
 }
@@ -125,12 +125,10 @@ void read_ring_scan(Mapping& yaml, SensorConfig& sensor) {
 
 }  // namespace
 
-bool has_revolutions(const Model& model) { return model.level_ring != nullptr; }
-
 void read_cloud_keys(Mapping& yaml, SensorConfig& sensor) {
   const auto topic = yaml.find("points_topic");
   sensor.points_topic = topic ? read_topic(*topic) : sensor.name + "/points";
-  if (!has_revolutions(*sensor.model)) {
+  if (!sensor.model->has(Trait::revolutions)) {
     read_frame_stamp(yaml, sensor.layout);
     return;  // the other keys stay unread, which is refused
   }

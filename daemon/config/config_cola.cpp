@@ -4,8 +4,6 @@
 
 namespace lidard {
 
-bool speaks_cola(const Model& model) { return model.protocol == "CoLa A/B"; }
-
 void read_cola_requests(Mapping& yaml, DeviceRequests& requests) {
   constexpr int most_skipped = 999;
   if (const auto skip = yaml.find("skip")) requests.skip = static_cast<int>(skip->integer(0, most_skipped));

@@ -142,11 +142,6 @@ void write_wanted(YAML::Emitter& yaml, const VelodyneSettings& wanted) {
 
 }  // namespace
 
-/// The HDL-64E is set through its serial line (user manual 63-HDL64ES3).
-bool has_web_interface(const Model& model) {
-  return model.vendor == "Velodyne" && model.product.substr(0, 6) != "HDL-64";
-}
-
 VelodyneControl read_control(const Value& value, const SensorConfig& sensor, Config& config) {
   Mapping yaml(value, {"read", "allow_write", "port", "rpm", "returns", "laser", "fov", "phase_lock", "host",
                        "save", "period"});

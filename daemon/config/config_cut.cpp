@@ -50,7 +50,8 @@ void read_also_scans(Mapping& yaml, const std::string& owner, ConfigClaims& clai
 /// A beam without return of these proves that nothing is there. Of other drivers' clouds nobody knows whether
 /// a beam was fired.
 double default_free_range(const SensorConfig& sensor) {
-  return sensor.model != nullptr && sensor.model->vendor == "Velodyne" ? sensor.model->range_max : 0;
+  return sensor.model != nullptr && sensor.model->has(Trait::silent_beams_are_free) ? sensor.model->range_max
+                                                                                    : 0;
 }
 
 void refuse_without_visibility(const Mapping& yaml) {

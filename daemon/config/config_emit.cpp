@@ -128,7 +128,7 @@ void ConfigWriter::network(const SensorConfig& sensor) {
   else
     unset("ip_address: any sender that no other sensor claims");
   number("ip_port", sensor.ip_port);
-  if (sensor.model->has_gnss()) number("telemetry_port", sensor.telemetry_port);
+  if (sensor.model->has(Trait::gnss)) number("telemetry_port", sensor.telemetry_port);
   if (!sensor.multicast_group) return;
   text("multicast_group", sensor.multicast_group->to_string());
   text("interface", sensor.interface);
@@ -151,12 +151,12 @@ void ConfigWriter::sensor(const SensorConfig& sensor) {
   if (sensor.model == nullptr) return;
   text("clock", driver.clock == ClockMode::smooth ? "smooth" : "arrival");
   for (const auto& [key, value] : requests_text(sensor)) text(key.c_str(), value);
-  if (has_web_interface(*sensor.model) && sensor.packet_topic.empty()) {
+  if (sensor.model->has(Trait::web_control) && sensor.packet_topic.empty()) {
     yaml_ << YAML::Key << "control" << YAML::Value;
     write_control(yaml_, sensor.control);
   }
   if (sensor.model->kind == FrameKind::cloud) {
-    if (speaks_cola(*sensor.model)) cola(driver.requests);
+    if (sensor.model->has(Trait::skip_setting)) cola(driver.requests);
     cloud(sensor);
     calibration(sensor);
     return;
@@ -165,9 +165,9 @@ void ConfigWriter::sensor(const SensorConfig& sensor) {
   optional_number("angle_max", driver.angle_max, "angle_max: all beams");
   flag("publish_intensity", driver.publish_intensity);
   text("scan_topic", sensor.scan_topic);
-  if (sensor.model->has_echoes) flag("publish_multiecho", driver.publish_multiecho);
-  if (speaks_cola(*sensor.model)) cola(driver.requests);
-  if (!speaks_scip(*sensor.model)) return;
+  if (sensor.model->has(Trait::echoes)) flag("publish_multiecho", driver.publish_multiecho);
+  if (sensor.model->has(Trait::skip_setting)) cola(driver.requests);
+  if (!sensor.model->has(Trait::skip_request)) return;
   number("skip", driver.requests.skip.value_or(0));
   number("cluster", driver.requests.cluster.value_or(1));
   flag("calibrate_time", driver.requests.calibrate_time);
@@ -185,7 +185,7 @@ void ConfigWriter::cloud(const SensorConfig& sensor) {
   const CloudLayout& layout = sensor.layout;
   text("points_topic", sensor.points_topic);
   text("frame_stamp", layout.stamp == FrameStamp::first ? "first" : "last");
-  if (!has_revolutions(*sensor.model)) return;
+  if (!sensor.model->has(Trait::revolutions)) return;
   const DriverConfig& driver = sensor.driver;
   switch (driver.frame_cut) {
     case FrameCut::angle:
@@ -205,7 +205,7 @@ void ConfigWriter::cloud(const SensorConfig& sensor) {
   text("organize_cloud", layout.order == CloudOrder::list        ? "false"
                          : layout.order == CloudOrder::ring_rows ? "rings"
                                                                  : "firings");
-  if (sensor.model->has_confidence) flag("publish_confidence", layout.confidence);
+  if (sensor.model->has(Trait::confidence)) flag("publish_confidence", layout.confidence);
   flag("publish_echo", layout.echo);
   if (!sensor.ring_scan) {
     unset("scan_ring: no LaserScan");

@@ -46,18 +46,10 @@ void read_sensors(Mapping& root, Config& config, ConfigClaims& claims);
 void read_merged_scans(Mapping& root, Config& config, ConfigClaims& claims);
 void read_virtual_scans(Mapping& root, Config& config, ConfigClaims& claims);
 
-/// True if skip, cluster and calibrate_time mean something to this model.
-bool speaks_scip(const Model& model);
-/// True if skip and publish_states mean something to this model.
-bool speaks_cola(const Model& model);
-/// Those keys.
+/// The keys skip and publish_states of a device whose settings they are.
 void read_cola_requests(Mapping& yaml, DeviceRequests& requests);
-/// True if its clouds are revolutions of firing sequences, which can be cut, organised and seen ring by ring.
-bool has_revolutions(const Model& model);
 /// Keys of multi-plane lidars; the calibration was read already.
 void read_cloud_keys(Mapping& yaml, SensorConfig& sensor);
-/// True if this model answers HTTP, so that `control` applies to it.
-bool has_web_interface(const Model& model);
 /// `control:` of a sensor whose other keys are read already.
 VelodyneControl read_control(const Value& value, const SensorConfig& sensor, Config& config);
 /// The value of `control:`, all keys.

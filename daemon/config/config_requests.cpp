@@ -5,17 +5,6 @@
 namespace lidard {
 namespace {
 
-/// UDP devices that are told over TCP where to send.
-bool can_be_told_its_receiver(const Model& model) {
-  return model.vendor == "SICK" && model.transport == Transport::udp && model.dialogue_port != 0;
-}
-
-/// SICK's command language has logins; the safety scanners' CoLa 2 needs none for the data output.
-bool has_logins(const Model& model) {
-  const bool cola = model.protocol.substr(0, 4) == "CoLa";
-  return model.vendor == "SICK" && (cola || model.telemetry_is_imu);
-}
-
 IpAddress read_receiver(const Value& value) {
   const std::string expected = "an IPv4 address of this host (or a multicast group) like 192.168.0.100";
   const auto address = IpAddress::parse(value.text(expected));
@@ -33,16 +22,14 @@ std::string read_hash(const Value& value) {
   return text;
 }
 
-bool takes_requests(const Model& model) { return can_be_told_its_receiver(model) || has_logins(model); }
-
 }  // namespace
 
 void read_requests(Mapping& yaml, SensorConfig& sensor) {
   const Model& model = *sensor.model;
-  if (!takes_requests(model)) return;
+  if (!model.has(Trait::settings_writable)) return;
   DeviceRequests& requests = sensor.driver.requests;
   if (const auto write = yaml.find("allow_write")) requests.allow_write = write->boolean();
-  if (can_be_told_its_receiver(model)) {
+  if (model.has(Trait::receiver_settable)) {
     const auto listen = yaml.find("listen_only");
     if (listen) requests.listen_only = listen->boolean();
     if (const auto receiver = yaml.find("udp_receiver_ip")) {
@@ -56,7 +43,7 @@ void read_requests(Mapping& yaml, SensorConfig& sensor) {
     if (requests.listen_only && requests.allow_write)
       listen->fail_at_key("contradicts allow_write", "one of them");
   }
-  if (!has_logins(model)) return;
+  if (!model.has(Trait::logins)) return;
   const auto level = yaml.find("user_level");
   const auto password = yaml.find("user_level_password");
   if (level) requests.user_level = read_level(*level);
@@ -69,11 +56,11 @@ void read_requests(Mapping& yaml, SensorConfig& sensor) {
 std::vector<std::pair<std::string, std::string>> requests_text(const SensorConfig& sensor) {
   std::vector<std::pair<std::string, std::string>> text;
   const Model& model = *sensor.model;
-  if (!takes_requests(model)) return text;
+  if (!model.has(Trait::settings_writable)) return text;
   const DeviceRequests& requests = sensor.driver.requests;
   const auto flag = [](bool value) { return std::string(value ? "true" : "false"); };
   text.emplace_back("allow_write", flag(requests.allow_write));
-  if (can_be_told_its_receiver(model)) {
+  if (model.has(Trait::receiver_settable)) {
     text.emplace_back("listen_only", flag(requests.listen_only));
     if (requests.host_address) text.emplace_back("udp_receiver_ip", requests.host_address->to_string());
   }

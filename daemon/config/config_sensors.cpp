@@ -134,7 +134,7 @@ ClockMode read_clock(const Value& value) {
 
 void read_telemetry_port(Mapping& yaml, SensorConfig& sensor) {
   sensor.telemetry_port = sensor.model->telemetry_port;
-  if (!sensor.model->has_gnss()) return;
+  if (!sensor.model->has(Trait::gnss)) return;
   const auto port = yaml.find("telemetry_port");
   if (port) sensor.telemetry_port = static_cast<std::uint16_t>(port->integer(0, 65535));
   if (sensor.telemetry_port != sensor.ip_port) return;
@@ -144,7 +144,7 @@ void read_telemetry_port(Mapping& yaml, SensorConfig& sensor) {
 
 void read_network(Mapping& yaml, SensorConfig& sensor) {
   const bool tcp = sensor.model->transport == Transport::tcp;
-  if (sensor.model->vendor == "Velodyne") {
+  if (sensor.model->has(Trait::packet_messages)) {
     if (const auto packets = yaml.find("packet_topic")) {
       sensor.packet_topic = read_topic(*packets);
       return;  // the keys of the network stay unread, which is refused
@@ -181,7 +181,7 @@ void read_beams_kept(Mapping& yaml, DriverConfig& driver) {
     yaml.where(yaml.has("angle_max") ? "angle_max" : "angle_max_deg")
         .fail("is not above angle_min", "angle_min < angle_max");
   if (const auto intensity = yaml.find("publish_intensity")) driver.publish_intensity = intensity->boolean();
-  if (!driver.model->has_echoes) return;
+  if (!driver.model->has(Trait::echoes)) return;
   if (const auto echoes = yaml.find("publish_multiecho")) driver.publish_multiecho = echoes->boolean();
 }
 
@@ -198,10 +198,10 @@ void read_device(Mapping& yaml, SensorConfig& sensor) {
   driver.model = sensor.model;
   driver.frame_id = sensor.frame_id;
   if (const auto clock = yaml.find("clock")) driver.clock = read_clock(*clock);
-  if (speaks_cola(*sensor.model)) read_cola_requests(yaml, driver.requests);
+  if (sensor.model->has(Trait::skip_setting)) read_cola_requests(yaml, driver.requests);
   if (sensor.model->kind == FrameKind::cloud) return;
   read_beams_kept(yaml, driver);
-  if (speaks_scip(*sensor.model)) read_scip_requests(yaml, driver.requests);
+  if (sensor.model->has(Trait::skip_request)) read_scip_requests(yaml, driver.requests);
   const auto topic = yaml.find("scan_topic");
   sensor.scan_topic = topic ? read_topic(*topic) : sensor.name + "/scan";
 }
@@ -209,7 +209,7 @@ void read_device(Mapping& yaml, SensorConfig& sensor) {
 /// Everything that the sensor publishes.
 void claim_topics(const SensorConfig& sensor, const Value& value, ConfigClaims& claims) {
   const std::string owner = "sensors." + sensor.name;
-  for (const OutputTopic& topic : sensor_topics(sensor)) claims.publishes(topic.info.name, owner, value);
+  for (const OutputTopic& topic : sensor_topics(sensor)) claims.publishes(topic.name, owner, value);
   if (!sensor.packet_topic.empty()) claims.listens(sensor.packet_topic, owner, value);
 }
 
@@ -242,7 +242,7 @@ SensorConfig read_sensor(const std::string& name, Mapping& yaml, Config& config,
   if (model) {
     sensor.model = read_model(*model);
     read_device(yaml, sensor);
-    if (has_web_interface(*sensor.model) && sensor.packet_topic.empty()) {
+    if (sensor.model->has(Trait::web_control) && sensor.packet_topic.empty()) {
       if (const auto control = yaml.find("control")) sensor.control = read_control(*control, sensor, config);
     }
     read_calibration(yaml, sensor, config);
@@ -277,8 +277,6 @@ void check_distinct(const SensorConfig& sensor, const Mapping& yaml,
 }
 
 }  // namespace
-
-bool speaks_scip(const Model& model) { return model.protocol == "SCIP 2"; }
 
 void read_sensors(Mapping& root, Config& config, ConfigClaims& claims) {
   const std::string expected = "sensors: with at least one entry, each with model: or topic:";

@@ -6,21 +6,17 @@
 
 namespace lidard {
 
-void FrameKeeper::scan(const std::string& topic, const PlanarScan& scan, Stamp) {
+void FrameKeeper::scan(const OutputTopic& topic, const PlanarScan& scan, Stamp) {
   if (frozen_) return;
-  scans_[{topic, scan.frame_id}] = scan;
+  scans_[{topic.name, scan.frame_id}] = scan;
   newest_ = std::max(newest_, scan.stamp);
 }
 
-void FrameKeeper::cloud(const std::string& topic, Cloud& cloud, Stamp) {
+void FrameKeeper::cloud(const OutputTopic& topic, Cloud& cloud, Stamp) {
   if (frozen_) return;
-  clouds_[topic] = cloud;
+  clouds_[topic.name] = cloud;
   newest_ = std::max(newest_, cloud.stamp);
 }
-
-void FrameKeeper::transforms(const std::vector<StaticTransform>&, Stamp) {}
-
-void FrameKeeper::diagnostics(const std::vector<DiagnosticItem>&, Stamp) {}
 
 const PlanarScan* FrameKeeper::find_scan(const std::string& topic, const std::string& frame) const {
   const auto found = scans_.find({topic, frame});

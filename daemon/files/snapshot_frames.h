@@ -18,10 +18,8 @@ class FrameKeeper : public FrameSink {
   /// What comes after this call is not kept.
   void freeze() { frozen_ = true; }
 
-  void scan(const std::string& topic, const PlanarScan& scan, Stamp released) override;
-  void cloud(const std::string& topic, Cloud& cloud, Stamp released) override;
-  void transforms(const std::vector<StaticTransform>& transforms, Stamp released) override;
-  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) override;
+  void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) override;
+  void cloud(const OutputTopic& topic, Cloud& cloud, Stamp released) override;
 
   /// The newest of them, or nullptr.
   const PlanarScan* find_scan(const std::string& topic, const std::string& frame) const;

@@ -7,59 +7,43 @@
 namespace lidard {
 namespace {
 
+constexpr std::size_t usual_depth = 2;
+
 QueuedContent what_travels(TopicKind kind) {
-  switch (kind) {
-    case TopicKind::scan:
-    case TopicKind::echoes:
-      return PlanarScan();
-    case TopicKind::cloud:
-      return Cloud();
-    case TopicKind::fix:
-      return GnssFix();
-    case TopicKind::time_reference:
-      return TimeReference();
-    case TopicKind::imu:
-      return ImuSample();
-    case TopicKind::state:
-      return DeviceState();
-  }
-  return {};
+  if (kind == TopicKind::message) return DeviceMessage();
+  return kind == TopicKind::cloud ? QueuedContent(Cloud()) : PlanarScan();
 }
 
 /// How many frames may wait. Inertial samples come every 5 ms, and a large cloud takes longer to publish.
-std::size_t depth_of(const QueuedContent& what) { return std::holds_alternative<ImuSample>(what) ? 32 : 2; }
+std::size_t depth_of(const OutputTopic& topic) {
+  return topic.kind == TopicKind::message && topic.message == message_kind<ImuSample>() ? 32 : usual_depth;
+}
 
 }  // namespace
 
-FrameQueue::FrameQueue(const std::vector<TopicInfo>& topics, Backpressure backpressure)
+FrameQueue::FrameQueue(const std::vector<OutputTopic>& topics, Backpressure backpressure)
     : backpressure_(backpressure) {
-  for (const auto& topic : topics) {
-    lanes_by_topic_[topic.name] = lanes_.size();
-    add_lane(what_travels(topic.kind));
-  }
-  add_lane(std::vector<StaticTransform>());
-  add_lane(Stamp());
+  for (const OutputTopic& topic : topics) add_lane(what_travels(topic.kind), depth_of(topic));
+  add_lane(std::vector<StaticTransform>(), usual_depth);
+  add_lane(Stamp(), usual_depth);
 }
 
-void FrameQueue::add_lane(const QueuedContent& empty) {
+void FrameQueue::add_lane(const QueuedContent& empty, std::size_t depth) {
   const std::size_t number = lanes_.size();
   Lane& lane = lanes_.emplace_back();
-  lane.depth = depth_of(empty);
+  lane.depth = depth;
   // One more than may wait: the thread that publishes holds one.
-  lane.frames.assign(lane.depth + 1, {number, 0, {}, empty});
+  lane.frames.assign(depth + 1, {number, 0, {}, empty});
   for (QueuedFrame& frame : lane.frames) lane.free.push_back(&frame);
 }
 
-FrameQueue::Lane* FrameQueue::find(const std::string& topic) {
-  const auto found = lanes_by_topic_.find(topic);
-  return found == lanes_by_topic_.end() ? nullptr : &lanes_[found->second];
-}
-
-/// The frame to fill; nullptr after stop().
-QueuedFrame* FrameQueue::begin_push(Lane& lane, std::unique_lock<std::mutex>& lock) {
+template <typename Fill>
+void FrameQueue::push_to(std::size_t number, Stamp released, Fill fill) {
+  std::unique_lock lock(mutex_);
+  Lane& lane = lanes_.at(number);
   if (backpressure_ == Backpressure::block)
     emptied_.wait(lock, [&] { return stopped_ || lane.waiting.size() < lane.depth; });
-  if (stopped_) return nullptr;
+  if (stopped_) return;
   QueuedFrame* frame = nullptr;
   if (lane.waiting.size() < lane.depth) {
     frame = lane.free.back();
@@ -70,25 +54,37 @@ QueuedFrame* FrameQueue::begin_push(Lane& lane, std::unique_lock<std::mutex>& lo
     ++lane.dropped;
   }
   frame->number = ++pushed_;
-  return frame;
+  frame->released = released;
+  fill(frame->content);
+  lane.waiting.push_back(frame);
+  lock.unlock();
+  filled_.notify_one();
 }
 
-bool FrameQueue::push(const std::string& topic, Cloud& cloud, Stamp released) {
-  return push_with<Cloud>(find(topic), released, [&cloud](Cloud& slot) {
-    slot.frame_id = cloud.frame_id;
-    slot.stamp = cloud.stamp;
-    slot.format = cloud.format;
-    slot.points_bytes.swap(cloud.points_bytes);
+void FrameQueue::push(const OutputTopic& topic, const PlanarScan& scan, Stamp released) {
+  push_to(topic.id, released, [&](QueuedContent& slot) { std::get<PlanarScan>(slot) = scan; });
+}
+
+void FrameQueue::push(const OutputTopic& topic, Cloud& cloud, Stamp released) {
+  push_to(topic.id, released, [&](QueuedContent& slot) {
+    Cloud& kept = std::get<Cloud>(slot);
+    kept.frame_id = cloud.frame_id;
+    kept.stamp = cloud.stamp;
+    kept.format = cloud.format;
+    kept.points_bytes.swap(cloud.points_bytes);
   });
 }
 
+void FrameQueue::push(const OutputTopic& topic, const DeviceMessage& message, Stamp released) {
+  push_to(topic.id, released, [&](QueuedContent& slot) { std::get<DeviceMessage>(slot) = message; });
+}
+
 void FrameQueue::push(const std::vector<StaticTransform>& transforms, Stamp released) {
-  using Transforms = std::vector<StaticTransform>;
-  push_with<Transforms>(&lanes_[transforms_lane()], released, [&](Transforms& slot) { slot = transforms; });
+  push_to(transforms_lane(), released, [&](QueuedContent& slot) { slot = transforms; });
 }
 
 void FrameQueue::push_clock(Stamp now) {
-  push_with<Stamp>(&lanes_[clock_lane()], now, [now](Stamp& slot) { slot = now; });
+  push_to(clock_lane(), now, [now](QueuedContent& slot) { slot = now; });
 }
 
 FrameQueue::Lane* FrameQueue::oldest() {

@@ -5,9 +5,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
-#include <map>
 #include <mutex>
-#include <string>
 #include <variant>
 #include <vector>
 
@@ -22,12 +20,11 @@ enum class Backpressure : std::uint8_t {
 };
 
 /// Anything that goes out on a topic; a Stamp is the time of a replay.
-using QueuedContent = std::variant<PlanarScan, Cloud, GnssFix, TimeReference, ImuSample, DeviceState,
-                                   std::vector<StaticTransform>, Stamp>;
+using QueuedContent = std::variant<PlanarScan, Cloud, DeviceMessage, std::vector<StaticTransform>, Stamp>;
 
 /// A frame on its way from the sensor thread to the one that publishes.
 struct QueuedFrame {
-  std::size_t lane = 0;  ///< index into the list of topics, or FrameQueue::transforms_lane(), clock_lane()
+  std::size_t lane = 0;  ///< OutputTopic::id, or FrameQueue::transforms_lane(), clock_lane()
   std::uint64_t number = 0;
   Stamp released;
   QueuedContent content;
@@ -37,15 +34,13 @@ struct QueuedFrame {
 /// they came. Frames and their buffers are recycled: no allocation after warm-up. Knows no middleware.
 class FrameQueue {
  public:
-  FrameQueue(const std::vector<TopicInfo>& topics, Backpressure backpressure);
+  /// `topics` as in output_topics().
+  FrameQueue(const std::vector<OutputTopic>& topics, Backpressure backpressure);
 
-  /// Copies a frame. False if there is no such topic, or if it carries something else.
-  template <typename Frame>
-  bool push(const std::string& topic, const Frame& frame, Stamp released) {
-    return push_with<Frame>(find(topic), released, [&frame](Frame& slot) { slot = frame; });
-  }
+  void push(const OutputTopic& topic, const PlanarScan& scan, Stamp released);
   /// Swaps points_bytes with a recycled buffer.
-  bool push(const std::string& topic, Cloud& cloud, Stamp released);
+  void push(const OutputTopic& topic, Cloud& cloud, Stamp released);
+  void push(const OutputTopic& topic, const DeviceMessage& message, Stamp released);
   void push(const std::vector<StaticTransform>& transforms, Stamp released);
   void push_clock(Stamp now);
 
@@ -71,30 +66,16 @@ class FrameQueue {
     std::size_t depth = 0;
     std::uint64_t dropped = 0;
   };
-  void add_lane(const QueuedContent& empty);
-  Lane* find(const std::string& topic);
-  QueuedFrame* begin_push(Lane& lane, std::unique_lock<std::mutex>& lock);
+  void add_lane(const QueuedContent& empty, std::size_t depth);
+  template <typename Fill>
+  void push_to(std::size_t lane, Stamp released, Fill fill);
   Lane* oldest();
   std::uint64_t dropped(std::size_t begin, std::size_t end) const;
-
-  template <typename Frame, typename Fill>
-  bool push_with(Lane* lane, Stamp released, Fill fill) {
-    if (lane == nullptr || !std::holds_alternative<Frame>(lane->frames.front().content)) return false;
-    std::unique_lock lock(mutex_);
-    if (QueuedFrame* frame = begin_push(*lane, lock)) {
-      frame->released = released;
-      fill(std::get<Frame>(frame->content));
-      lane->waiting.push_back(frame);
-      filled_.notify_one();
-    }
-    return true;
-  }
 
   Backpressure backpressure_;
   mutable std::mutex mutex_;
   std::condition_variable filled_;
   std::condition_variable emptied_;
-  std::map<std::string, std::size_t> lanes_by_topic_;
   std::deque<Lane> lanes_;  // one per topic, then transforms, then clock
   std::uint64_t pushed_ = 0;
   std::size_t out_ = 0;

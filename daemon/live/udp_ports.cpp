@@ -13,15 +13,14 @@ bool receives(const UdpState& state) {
   return state.phase == UdpState::Phase::receiving || state.phase == UdpState::Phase::partial;
 }
 
-/// What UDP over IPv4 can carry: a telegram of a multiScan136 is one datagram of up to 24 kB.
+/// What UDP over IPv4 can carry.
 constexpr std::size_t largest_datagram = 65507;
 
 /// Usual datagrams per second that take as much of a receive buffer as the model's.
 double load_of(const Model& model) {
-  // A datagram of 24 kB arrives in 17 fragments, whose buffers are of up to 2304 bytes each.
-  constexpr double fragments = 17 * 2;
-  const bool large = model.protocol == "Compact or MSGPACK" && model.kind == FrameKind::cloud;
-  return model.packets_per_s * (large ? fragments : 1);
+  // Buffers of fragments are of up to 2304 bytes each.
+  const double fragments = model.fragments_per_packet;
+  return model.packets_per_s * (fragments > 1 ? 2 * fragments : 1);
 }
 
 /// The sockets needed: data ports, and telemetry ports.

@@ -49,7 +49,7 @@ Stamp comparable(Stamp stamp, Stamp now) {
 }  // namespace
 
 MergedOutput::MergedOutput(const MergedScanConfig& config, const VehicleConfig& vehicle,
-                           const FrameTree& poses)
+                           const std::vector<OutputTopic>& topics, const FrameTree& poses)
     : config_(config),
       base_frame_(vehicle.base_frame),
       footprint_(vehicle.footprint),
@@ -64,6 +64,11 @@ MergedOutput::MergedOutput(const MergedScanConfig& config, const VehicleConfig& 
       why_unplaced_(config.laserscan_topics.size()),
       taken_(config.laserscan_topics.size(), 0),
       scans_(1 + config.also.size()) {
+  scan_topics_.push_back(&topic_named(topics, config.scan_destination_topic));
+  for (const AlsoScanConfig& also : config.also) scan_topics_.push_back(&topic_named(topics, also.topic));
+  if (!config.cloud_destination_topic.empty())
+    cloud_topic_ = &topic_named(topics, config.cloud_destination_topic);
+  if (!config.status_topic.empty()) status_topic_ = &topic_named(topics, config.status_topic);
   cloud_.frame_id = config.destination_frame;
   status_.frame_id = config.destination_frame;
   merged_.push_back({config.output.profile, &scans_[0]});
@@ -231,9 +236,8 @@ void MergedOutput::advance(Stamp now, FrameSink& sink) {
 
 void MergedOutput::publish(MergeMoment moment, Stamp now, FrameSink& sink) {
   moment.at = stamps_.next(moment.at);
-  const bool with_cloud = !config_.cloud_destination_topic.empty();
   const MergeReport& report =
-      merger_.merge(moment, scheduler_.usable(now), merged_, with_cloud ? &cloud_ : nullptr);
+      merger_.merge(moment, scheduler_.usable(now), merged_, cloud_topic_ != nullptr ? &cloud_ : nullptr);
   scheduler_.done(now);
   uses_ = report.sources;
   const bool stands = std::count(uses_.begin(), uses_.end(), SourceUse::static_poses) > 0;
@@ -242,12 +246,11 @@ void MergedOutput::publish(MergeMoment moment, Stamp now, FrameSink& sink) {
   ++counters_.published;
   counters_.last_published = now;
   compare_sources(moment.at);
-  sink.scan(config_.scan_destination_topic, scans_[0], now);
-  for (std::size_t i = 0; i < config_.also.size(); ++i) sink.scan(config_.also[i].topic, scans_[i + 1], now);
-  if (with_cloud) sink.cloud(config_.cloud_destination_topic, cloud_, now);
-  if (config_.status_topic.empty()) return;
+  for (std::size_t i = 0; i < scans_.size(); ++i) sink.scan(*scan_topics_[i], scans_[i], now);
+  if (cloud_topic_ != nullptr) sink.cloud(*cloud_topic_, cloud_, now);
+  if (status_topic_ == nullptr) return;
   fill_status();
-  sink.scan(config_.status_topic, status_, now);
+  sink.scan(*status_topic_, status_, now);
 }
 
 void MergedOutput::compare_sources(Stamp stamp) {

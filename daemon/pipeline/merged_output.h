@@ -21,7 +21,9 @@ namespace lidard {
 /// A merged scan: takes the scans of its sources, publishes when one is due.
 class MergedOutput {
  public:
-  MergedOutput(const MergedScanConfig& config, const VehicleConfig& vehicle, const FrameTree& poses);
+  /// `topics`: all of the configuration.
+  MergedOutput(const MergedScanConfig& config, const VehicleConfig& vehicle,
+               const std::vector<OutputTopic>& topics, const FrameTree& poses);
 
   const MergedScanConfig& config() const { return config_; }
   /// Index of a sensor or a virtual scan among the sources, or -1.
@@ -71,6 +73,9 @@ class MergedOutput {
   std::vector<std::string> why_unplaced_;  // why the newest scan of a source had no place; empty: it had one
   std::vector<char> taken_;                // sources of which a scan was ever used
   std::vector<PlanarScan> scans_;          // the first is the entry's own, then those of `also`
+  std::vector<const OutputTopic*> scan_topics_;  // theirs
+  const OutputTopic* cloud_topic_ = nullptr;     // nullptr, as below: none
+  const OutputTopic* status_topic_ = nullptr;
   std::vector<MergedScan> merged_;
   PlanarScan status_;
   Cloud cloud_;

@@ -32,7 +32,7 @@ std::string why_no_frames(const Sensor& line, const std::vector<std::string>& un
 
 bool has_topic(const Sensor& line, const std::string& topic) {
   for (const OutputTopic& one : sensor_topics(line.config)) {
-    if (one.info.name == topic) return true;
+    if (one.name == topic) return true;
   }
   return false;
 }

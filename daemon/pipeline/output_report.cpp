@@ -23,46 +23,25 @@ double OutputReport::rate() const {
 
 CountingSink::CountingSink(FrameSink& sink, const std::vector<OutputTopic>& topics) : sink_(sink) {
   for (const OutputTopic& topic : topics) {
-    places_.emplace(topic.info.name, reports_.size());
     reports_.emplace_back();
-    reports_.back().name = topic.info.name;
+    reports_.back().name = topic.name;
     reports_.back().promised = topic.promised;
   }
 }
 
-void CountingSink::count(const std::string& topic, Stamp released) {
-  const auto place = places_.find(topic);
-  if (place != places_.end()) reports_[place->second].count(released);
-}
-
-void CountingSink::scan(const std::string& topic, const PlanarScan& scan, Stamp released) {
-  count(topic, released);
+void CountingSink::scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) {
+  reports_[topic.id].count(released);
   sink_.scan(topic, scan, released);
 }
 
-void CountingSink::cloud(const std::string& topic, Cloud& cloud, Stamp released) {
-  count(topic, released);
+void CountingSink::cloud(const OutputTopic& topic, Cloud& cloud, Stamp released) {
+  reports_[topic.id].count(released);
   sink_.cloud(topic, cloud, released);
 }
 
-void CountingSink::fix(const std::string& topic, const GnssFix& fix, Stamp released) {
-  count(topic, released);
-  sink_.fix(topic, fix, released);
-}
-
-void CountingSink::time_reference(const std::string& topic, const TimeReference& reference, Stamp released) {
-  count(topic, released);
-  sink_.time_reference(topic, reference, released);
-}
-
-void CountingSink::imu(const std::string& topic, const ImuSample& sample, Stamp released) {
-  count(topic, released);
-  sink_.imu(topic, sample, released);
-}
-
-void CountingSink::state(const std::string& topic, const DeviceState& state, Stamp released) {
-  count(topic, released);
-  sink_.state(topic, state, released);
+void CountingSink::message(const OutputTopic& topic, const DeviceMessage& message, Stamp released) {
+  reports_[topic.id].count(released);
+  sink_.message(topic, message, released);
 }
 
 void print_outputs(const char* head, const std::vector<OutputReport>& outputs, std::ostream& out) {

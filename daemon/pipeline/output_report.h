@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <iosfwd>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -29,15 +28,12 @@ struct OutputReport {
 /// Hands everything on to another sink and counts it by topic.
 class CountingSink final : public FrameSink {
  public:
-  /// `sink` must outlive this.
+  /// `sink` must outlive this; `topics` as in output_topics().
   CountingSink(FrameSink& sink, const std::vector<OutputTopic>& topics);
 
-  void scan(const std::string& topic, const PlanarScan& scan, Stamp released) override;
-  void cloud(const std::string& topic, Cloud& cloud, Stamp released) override;
-  void fix(const std::string& topic, const GnssFix& fix, Stamp released) override;
-  void time_reference(const std::string& topic, const TimeReference& reference, Stamp released) override;
-  void imu(const std::string& topic, const ImuSample& sample, Stamp released) override;
-  void state(const std::string& topic, const DeviceState& state, Stamp released) override;
+  void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) override;
+  void cloud(const OutputTopic& topic, Cloud& cloud, Stamp released) override;
+  void message(const OutputTopic& topic, const DeviceMessage& message, Stamp released) override;
   void transforms(const std::vector<StaticTransform>& transforms, Stamp released) override {
     sink_.transforms(transforms, released);
   }
@@ -49,11 +45,8 @@ class CountingSink final : public FrameSink {
   const std::vector<OutputReport>& reports() const { return reports_; }
 
  private:
-  void count(const std::string& topic, Stamp released);
-
   FrameSink& sink_;
   std::vector<OutputReport> reports_;
-  std::map<std::string, std::size_t> places_;  // of a topic in reports_
 };
 
 /// The table of outputs: a row for each that was promised or came, and one line for the others.

@@ -27,16 +27,17 @@ struct Pipeline::Impl final : public LineOwner {
   Impl(const Config& configuration, TransformSource& pose_lookup, FrameSink& frame_sink)
       : LineOwner(frame_sink),
         lookup(pose_lookup),
+        topics(output_topics(configuration)),
         vehicle(configuration.vehicle),
         poses(configuration, pose_lookup) {
     if (configuration.vehicle.has_motion()) poses.set_track(&track);
     for (const auto& sensor : configuration.sensors) {
-      lines.push_back(std::make_unique<Sensor>(sensor, lines.size(), *this));
+      lines.push_back(std::make_unique<Sensor>(sensor, lines.size(), topics, *this));
     }
     for (const auto& entry : configuration.merged_scans)
-      merged.push_back(std::make_unique<MergedOutput>(entry, vehicle, poses));
+      merged.push_back(std::make_unique<MergedOutput>(entry, vehicle, topics, poses));
     for (const auto& entry : configuration.virtual_scans)
-      virtuals.push_back(std::make_unique<VirtualOutput>(entry, vehicle, poses));
+      virtuals.push_back(std::make_unique<VirtualOutput>(entry, vehicle, topics, poses));
   }
 
   Sensor* find_line(const Packet& packet);
@@ -61,6 +62,7 @@ struct Pipeline::Impl final : public LineOwner {
                const OutputScanConfig& wanted);
 
   TransformSource& lookup;
+  const std::vector<OutputTopic> topics;
   PoseTrack track;
   std::vector<StampedPose> new_poses;
   Stamp last_poll{};  // of tf
@@ -73,9 +75,9 @@ struct Pipeline::Impl final : public LineOwner {
   std::vector<std::unique_ptr<Sensor>> lines;
   std::vector<std::unique_ptr<MergedOutput>> merged;
   std::vector<std::unique_ptr<VirtualOutput>> virtuals;
-  ScanTap tap{sink, [this](const std::string& topic, const PlanarScan& scan) {
+  ScanTap tap{sink, [this](const OutputTopic& topic, const PlanarScan& scan) {
                 // A sensor may have the name of a virtual scan's topic; then the name means the sensor.
-                if (!is_sensor(topic)) merge(topic, scan);
+                if (!is_sensor(topic.name)) merge(topic.name, scan);
               }};
   UnknownSenders unknown_senders;
   StartWatch start;
@@ -334,7 +336,7 @@ bool Pipeline::Impl::rebuild(std::vector<std::unique_ptr<Output>>& outputs, cons
     if (output->config().name != entry) continue;
     auto config = output->config();
     config.output = wanted;
-    auto next = std::make_unique<Output>(config, vehicle, poses);
+    auto next = std::make_unique<Output>(config, vehicle, topics, poses);
     next->continue_from(*output);
     output = std::move(next);
     return true;

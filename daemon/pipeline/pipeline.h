@@ -69,7 +69,7 @@ class Pipeline {
   std::string set_output(const OutputId& output, const OutputScanConfig& wanted);
 
   std::vector<SensorReport> report() const;
-  /// Why nothing came on one of pipeline_topics() so far, or what was missing in all that came; empty:
+  /// Why nothing came on one of output_topics() so far, or what was missing in all that came; empty:
   /// nothing is missing.
   std::string why_missing(const std::string& topic) const;
   /// Senders on a configured port that no sensor claims, "192.168.1.9:2368 (412 packets)".

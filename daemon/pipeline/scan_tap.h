@@ -3,7 +3,6 @@
 #pragma once
 
 #include <functional>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -14,14 +13,14 @@ namespace lidard {
 /// A sink that shows every scan to somebody else too.
 class ScanTap final : public FrameSink {
  public:
-  using Use = std::function<void(const std::string& topic, const PlanarScan& scan)>;
+  using Use = std::function<void(const OutputTopic& topic, const PlanarScan& scan)>;
   ScanTap(FrameSink& sink, Use use) : sink_(sink), use_(std::move(use)) {}
 
-  void scan(const std::string& topic, const PlanarScan& scan, Stamp released) override {
+  void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) override {
     sink_.scan(topic, scan, released);
     use_(topic, scan);
   }
-  void cloud(const std::string& topic, Cloud& cloud, Stamp released) override {
+  void cloud(const OutputTopic& topic, Cloud& cloud, Stamp released) override {
     sink_.cloud(topic, cloud, released);
   }
   void transforms(const std::vector<StaticTransform>& transforms, Stamp released) override {

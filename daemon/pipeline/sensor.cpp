@@ -12,10 +12,6 @@
 namespace lidard {
 namespace {
 
-std::string topic_below(const SensorConfig& sensor, std::string_view name) {
-  return sensor.name + "/" + std::string(name);
-}
-
 /// The watch of a sensor: a device that leaves scans out between two sends more seldom; another driver's
 /// topic promises nothing.
 ReceptionWatch watch_of(const SensorConfig& sensor) {
@@ -36,26 +32,28 @@ void set_unobserved(const PlanarScan& shape, PlanarScan& scan) {
 
 }  // namespace
 
-Sensor::Sensor(const SensorConfig& sensor, std::size_t place, LineOwner& line_owner)
+Sensor::Sensor(const SensorConfig& sensor, std::size_t place, const std::vector<OutputTopic>& topics,
+               LineOwner& line_owner)
     : config(sensor), index(place), owner(line_owner), arranger(sensor.layout), watch(watch_of(sensor)) {
-  if (config.model != nullptr) driver = config.model->make(config.driver);
-  topic = frame_topic(config).name;
-  fix_topic = config.name + "/fix";
-  time_topic = config.name + "/time_reference";
-  imu_topic = config.name + "/imu";
   if (config.model == nullptr) return;
-  if (config.ring_scan) ring_scan.emplace(*config.ring_scan);
-  if (config.model->has_echoes && config.driver.publish_multiecho) echoes_topic = config.name + "/echoes";
-  if (publishes_states(config))
-    for (const auto name : config.model->state_topics) named_topics[name] = topic_below(config, name);
-  for (const auto name : config.model->extra_scans) named_topics[name] = topic_below(config, name);
+  driver = config.model->make(config.driver);
+  topic = &topic_named(topics, frame_topic(config).name);
+  if (config.ring_scan) {
+    ring_scan.emplace(*config.ring_scan);
+    ring_topic = &topic_named(topics, config.scan_topic);
+  }
+  for (const OutputTopic& own : sensor_topics(config)) {
+    const OutputTopic& entry = topic_named(topics, own.name);
+    if (entry.kind == TopicKind::echoes) echoes_topic = &entry;
+    if (!entry.promised) told_topics[std::string_view(entry.name).substr(config.name.size() + 1)] = &entry;
+  }
 }
 
 void Sensor::scan(PlanarScan& scan) {
   notice_shape(scan);
   watch.scan(scan);
-  owner.sink.scan(topic, scan, owner.now);
-  if (!echoes_topic.empty()) owner.sink.scan(echoes_topic, scan, owner.now);
+  owner.sink.scan(*topic, scan, owner.now);
+  if (echoes_topic != nullptr) owner.sink.scan(*echoes_topic, scan, owner.now);
   owner.scan_from(*this, scan);
 }
 
@@ -63,27 +61,19 @@ void Sensor::cloud(Cloud& cloud) {
   watch.cloud(cloud);
   owner.cloud_from(*this, cloud);
   if (ring_scan && ring_scan->convert(cloud, ring)) {
-    owner.sink.scan(config.scan_topic, ring, owner.now);
+    owner.sink.scan(*ring_topic, ring, owner.now);
     owner.scan_from(*this, ring);
   }
-  owner.sink.cloud(topic, arranger.is_plain() ? cloud : arranger.arrange(cloud), owner.now);
+  owner.sink.cloud(*topic, arranger.is_plain() ? cloud : arranger.arrange(cloud), owner.now);
 }
 
-void Sensor::fix(const GnssFix& fix) { owner.sink.fix(fix_topic, fix, owner.now); }
-
-void Sensor::time_reference(const TimeReference& reference) {
-  owner.sink.time_reference(time_topic, reference, owner.now);
-}
-
-void Sensor::imu(const ImuSample& sample) { owner.sink.imu(imu_topic, sample, owner.now); }
-
-void Sensor::state(const DeviceState& state) {
-  const auto published = named_topics.find(state.topic);
-  if (published != named_topics.end()) owner.sink.state(published->second, state, owner.now);
+void Sensor::message(const DeviceMessage& message) {
+  const auto published = told_topics.find(topic_of(message));
+  if (published != told_topics.end()) owner.sink.message(*published->second, message, owner.now);
 }
 
 void Sensor::extra_scan(std::string_view name, PlanarScan& scan) {
-  owner.sink.scan(named_topics.at(name), scan, owner.now);
+  owner.sink.scan(*told_topics.at(name), scan, owner.now);
 }
 
 void Sensor::request(ByteView bytes) {

@@ -36,7 +36,9 @@ class LineOwner {
 
 /// One sensor: its driver, and where its frames go.
 struct Sensor final : public DriverOutput {
-  Sensor(const SensorConfig& sensor, std::size_t place, LineOwner& owner);
+  /// `topics`: all of the configuration.
+  Sensor(const SensorConfig& sensor, std::size_t place, const std::vector<OutputTopic>& topics,
+         LineOwner& owner);
   bool owns_port(std::uint16_t port) const {
     if (config.model == nullptr || config.model->transport != Transport::udp) return false;
     if (!config.packet_topic.empty()) return false;
@@ -59,10 +61,7 @@ struct Sensor final : public DriverOutput {
   void receive(const Packet& packet, Stamp received);
   void scan(PlanarScan& scan) override;
   void cloud(Cloud& cloud) override;
-  void fix(const GnssFix& fix) override;
-  void time_reference(const TimeReference& reference) override;
-  void imu(const ImuSample& sample) override;
-  void state(const DeviceState& state) override;
+  void message(const DeviceMessage& message) override;
   void extra_scan(std::string_view name, PlanarScan& scan) override;
   void note(std::string_view sentence) override;
   void request(ByteView bytes) override;
@@ -97,12 +96,10 @@ struct Sensor final : public DriverOutput {
   CloudArranger arranger;
   std::optional<RingScan> ring_scan;
   PlanarScan ring;
-  std::string topic;
-  std::string fix_topic;
-  std::string time_topic;
-  std::string imu_topic;
-  std::string echoes_topic;                              // empty: none
-  std::map<std::string_view, std::string> named_topics;  // states and further scans that are published
+  const OutputTopic* topic = nullptr;                          // of its frames; nullptr, as below: none
+  const OutputTopic* ring_topic = nullptr;                     // of the ring that is a scan
+  const OutputTopic* echoes_topic = nullptr;                   // of its scans with all echoes
+  std::map<std::string_view, const OutputTopic*> told_topics;  // of messages and further scans
   ConnectionPicker connection;
   IpAddress sender;  // of the last datagram
   ConnectionRequest wish = ConnectionRequest::none;

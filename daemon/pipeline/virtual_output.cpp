@@ -26,7 +26,7 @@ VirtualSettings settings_of(const VirtualScanConfig& config) {
 }  // namespace
 
 VirtualOutput::VirtualOutput(const VirtualScanConfig& config, const VehicleConfig& vehicle,
-                             const FrameTree& poses)
+                             const std::vector<OutputTopic>& topics, const FrameTree& poses)
     : config_(config),
       base_frame_(vehicle.base_frame),
       needs_vehicle_(config.has_visibility() || !vehicle.footprint.empty() || vehicle.has_motion()),
@@ -34,7 +34,13 @@ VirtualOutput::VirtualOutput(const VirtualScanConfig& config, const VehicleConfi
       virtualizer_(grid_of(config.output.grid), band_of(config.output), config.virtual_laser_scan.size(),
                    settings_of(config)),
       scans_(1 + config.also.size()),
+      stamps_(config.output_laser_topic.empty() ? config.virtual_laser_scan.size() : 1),
       why_unplaced_(config.virtual_laser_scan.size()) {
+  for (const std::string& frame : config.virtual_laser_scan) {
+    topics_.push_back({&topic_named(topics, config.topic(frame))});
+    for (const AlsoScanConfig& also : config.also)
+      topics_.back().push_back(&topic_named(topics, config.topic(frame, &also)));
+  }
   virtualizer_.set_footprint(Footprint(vehicle.footprint));
   outputs_.push_back({config.output.profile, &scans_[0]});
   for (std::size_t i = 0; i < config.also.size(); ++i)
@@ -58,15 +64,15 @@ Stamp VirtualOutput::take(const Cloud& cloud, const Pose& vehicle_from_cloud) {
   return moves ? motion_.instant() : cloud.stamp;
 }
 
-void VirtualOutput::publish(const std::string& frame, Stamp stamp, Stamp now, FrameSink& sink) {
+void VirtualOutput::publish(std::size_t frame, Stamp stamp, Stamp now, FrameSink& sink) {
   // Several frames on one topic share the cloud's stamp; consumers want stamps that increase.
-  stamp = stamps_[config_.topic(frame)].next(stamp);
+  stamp = stamps_[std::min(frame, stamps_.size() - 1)].next(stamp);
   ++counters_.published;
   counters_.last_published = now;
   for (std::size_t i = 0; i < scans_.size(); ++i) {
-    scans_[i].frame_id = frame;
+    scans_[i].frame_id = config_.virtual_laser_scan[frame];
     scans_[i].stamp = stamp;
-    sink.scan(config_.topic(frame, i == 0 ? nullptr : &config_.also[i - 1]), scans_[i], now);
+    sink.scan(*topics_[frame][i], scans_[i], now);
   }
 }
 
@@ -79,16 +85,16 @@ void VirtualOutput::add(const Cloud& cloud, Stamp now, FrameSink& sink) {
   }
   const Stamp stamp = take(cloud, vehicle_from_cloud);
   for (std::size_t i = 0; i < config_.virtual_laser_scan.size(); ++i) {
-    const std::string& frame = config_.virtual_laser_scan[i];
     Pose pose;
-    if (!poses_.find(frame, cloud.frame_id, cloud.stamp, pose, counters_.why_no_pose)) {
+    if (!poses_.find(config_.virtual_laser_scan[i], cloud.frame_id, cloud.stamp, pose,
+                     counters_.why_no_pose)) {
       ++counters_.no_pose;
       why_unplaced_[i] = counters_.why_no_pose;
       continue;
     }
     why_unplaced_[i].clear();
     virtualizer_.project(i, pose, outputs_);
-    publish(frame, stamp, now, sink);
+    publish(i, stamp, now, sink);
   }
 }
 

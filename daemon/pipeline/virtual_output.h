@@ -3,7 +3,6 @@
 #pragma once
 
 #include <functional>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -20,7 +19,9 @@ namespace lidard {
 /// The virtual scans of one cloud.
 class VirtualOutput {
  public:
-  VirtualOutput(const VirtualScanConfig& config, const VehicleConfig& vehicle, const FrameTree& poses);
+  /// `topics`: all of the configuration.
+  VirtualOutput(const VirtualScanConfig& config, const VehicleConfig& vehicle,
+                const std::vector<OutputTopic>& topics, const FrameTree& poses);
 
   const std::string& cloud_sensor() const { return config_.cloud_topic; }
   void add(const Cloud& cloud, Stamp now, FrameSink& sink);
@@ -42,7 +43,8 @@ class VirtualOutput {
   bool place_vehicle(const Cloud& cloud, Pose& vehicle_from_cloud);
   /// Takes the cloud; returns the instant that its scans show.
   Stamp take(const Cloud& cloud, const Pose& vehicle_from_cloud);
-  void publish(const std::string& frame, Stamp stamp, Stamp now, FrameSink& sink);
+  /// The scans of one of the frames.
+  void publish(std::size_t frame, Stamp stamp, Stamp now, FrameSink& sink);
   bool carries(const std::string& topic, const std::string& frame) const;
   void describe_frames(DiagnosticItem& item) const;
   void describe_motion(DiagnosticItem& item) const;
@@ -56,7 +58,8 @@ class VirtualOutput {
   CloudMotion motion_;
   std::vector<PlanarScan> scans_;  // the first is the entry's own, then those of `also`
   std::vector<VirtualScan> outputs_;
-  std::map<std::string, SteadyStamps> stamps_;  // by topic
+  std::vector<std::vector<const OutputTopic*>> topics_;  // of scans_, for each frame
+  std::vector<SteadyStamps> stamps_;                     // one for all where the frames share a topic
   std::vector<std::string>
       why_unplaced_;  // why the newest cloud could not be seen from a frame; empty: it could
   OutputCounters counters_;

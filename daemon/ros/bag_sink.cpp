@@ -9,7 +9,7 @@
 #include <cstring>
 #include <map>
 
-#include "daemon/ros/ros_convert.h"
+#include "daemon/ros/ros_message.h"
 
 namespace lidard {
 namespace {
@@ -35,13 +35,8 @@ boost::shared_ptr<ros::M_string> latched_header() {
 }  // namespace
 
 struct BagSink::Impl {
-  struct Topic {
-    std::string name;
-    RosMessage message;
-  };
-
   std::string path;
-  std::map<std::string, Topic> topics;
+  std::map<std::string, RosMessage> messages_by_topic;
   std::unique_ptr<rosbag::Bag> bag = std::make_unique<rosbag::Bag>();
   std::size_t messages = 0;
   std::string error;
@@ -58,14 +53,14 @@ struct BagSink::Impl {
     broken->push_back(std::move(bag));
   }
 
-  /// Writes a frame; returns the message that it became, nullptr if it cannot become one of the topic.
+  /// Writes a frame; returns the message that it became.
   template <typename Frame>
-  RosMessage* write_frame(const std::string& topic, Frame& frame, Stamp released) {
-    const auto found = topics.find(topic);
-    if (found == topics.end() || !convert(frame, found->second.message)) return nullptr;
-    std::visit([&](const auto& message) { write(found->second.name, released, message); },
-               found->second.message);
-    return &found->second.message;
+  RosMessage& write_frame(const OutputTopic& topic, Frame& frame, Stamp released) {
+    RosMessage& message = messages_by_topic.try_emplace(topic.name, message_for(topic)).first->second;
+    const std::string root = topic.name.compare(0, 1, "/") == 0 ? "" : "/";
+    if (convert(frame, message))
+      std::visit([&](const auto& held) { write(root + topic.name, released, held); }, message);
+    return message;
   }
 
   template <typename Message>
@@ -83,11 +78,8 @@ struct BagSink::Impl {
   }
 };
 
-BagSink::BagSink(const std::string& path, const std::vector<TopicInfo>& topics)
-    : impl_(std::make_unique<Impl>()) {
+BagSink::BagSink(const std::string& path) : impl_(std::make_unique<Impl>()) {
   impl_->path = path;
-  for (const auto& [name, kind] : topics)
-    impl_->topics[name] = {(name.compare(0, 1, "/") == 0 ? "" : "/") + name, message_for(kind)};
   errno = 0;
   try {
     impl_->bag->open(path, rosbag::bagmode::Write);
@@ -105,30 +97,18 @@ BagSink::~BagSink() {
   }
 }
 
-void BagSink::scan(const std::string& topic, const PlanarScan& scan, Stamp released) {
+void BagSink::scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) {
   impl_->write_frame(topic, scan, released);
 }
 
-void BagSink::cloud(const std::string& topic, Cloud& cloud, Stamp released) {
+void BagSink::cloud(const OutputTopic& topic, Cloud& cloud, Stamp released) {
+  RosMessage& message = impl_->write_frame(topic, cloud, released);
   // The driver gets its own buffer back.
-  if (RosMessage* message = impl_->write_frame(topic, cloud, released))
-    cloud.points_bytes.swap(std::get<sensor_msgs::PointCloud2>(*message).data);
+  cloud.points_bytes.swap(std::get<sensor_msgs::PointCloud2>(message).data);
 }
 
-void BagSink::fix(const std::string& topic, const GnssFix& fix, Stamp released) {
-  impl_->write_frame(topic, fix, released);
-}
-
-void BagSink::time_reference(const std::string& topic, const TimeReference& reference, Stamp released) {
-  impl_->write_frame(topic, reference, released);
-}
-
-void BagSink::imu(const std::string& topic, const ImuSample& sample, Stamp released) {
-  impl_->write_frame(topic, sample, released);
-}
-
-void BagSink::state(const std::string& topic, const DeviceState& state, Stamp released) {
-  impl_->write_frame(topic, state, released);
+void BagSink::message(const OutputTopic& topic, const DeviceMessage& message, Stamp released) {
+  impl_->write_frame(topic, message, released);
 }
 
 void BagSink::transforms(const std::vector<StaticTransform>& transforms, Stamp released) {

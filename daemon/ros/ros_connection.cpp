@@ -57,7 +57,7 @@ bool wait_until(Condition condition, Span limit) {
 
 // Shared with the threads: one that hangs in roscpp at the end outlives the RosConnection.
 struct RosConnection::Impl {
-  Impl(RosOptions given, const std::vector<TopicInfo>& topics)
+  Impl(RosOptions given, const std::vector<OutputTopic>& topics)
       : options(std::move(given)),
         master_uri(choose_master(options.remappings)),
         queue(topics, options.backpressure),
@@ -305,7 +305,7 @@ void RosConnection::Impl::shut_down(MasterClient& master) {
 
 // ---- interface
 
-RosConnection::RosConnection(RosOptions options, const std::vector<TopicInfo>& topics)
+RosConnection::RosConnection(RosOptions options, const std::vector<OutputTopic>& topics)
     : impl_(std::make_shared<Impl>(std::move(options), topics)) {}
 RosConnection::~RosConnection() { stop(); }
 
@@ -318,23 +318,14 @@ void RosConnection::start() {
   impl_->master_thread = std::thread([impl = impl_] { impl->run_master(); });
 }
 
-void RosConnection::scan(const std::string& topic, const PlanarScan& scan, Stamp released) {
+void RosConnection::scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) {
   impl_->queue.push(topic, scan, released);
 }
-void RosConnection::cloud(const std::string& topic, Cloud& cloud, Stamp released) {
+void RosConnection::cloud(const OutputTopic& topic, Cloud& cloud, Stamp released) {
   impl_->queue.push(topic, cloud, released);
 }
-void RosConnection::fix(const std::string& topic, const GnssFix& fix, Stamp released) {
-  impl_->queue.push(topic, fix, released);
-}
-void RosConnection::time_reference(const std::string& topic, const TimeReference& reference, Stamp released) {
-  impl_->queue.push(topic, reference, released);
-}
-void RosConnection::imu(const std::string& topic, const ImuSample& sample, Stamp released) {
-  impl_->queue.push(topic, sample, released);
-}
-void RosConnection::state(const std::string& topic, const DeviceState& state, Stamp released) {
-  impl_->queue.push(topic, state, released);
+void RosConnection::message(const OutputTopic& topic, const DeviceMessage& message, Stamp released) {
+  impl_->queue.push(topic, message, released);
 }
 void RosConnection::transforms(const std::vector<StaticTransform>& transforms, Stamp released) {
   impl_->queue.push(transforms, released);

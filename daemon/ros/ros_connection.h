@@ -30,20 +30,17 @@ struct RosStatus {
 /// was restarted; a third, RosCallbackThread, lives while ROS runs.
 class RosConnection : public FrameSink {
  public:
-  /// Calls init_ros(), which may throw RosError. `topics` as pipeline_topics() has them.
-  RosConnection(RosOptions options, const std::vector<TopicInfo>& topics);
+  /// Calls init_ros(), which may throw RosError. `topics` as output_topics() has them.
+  RosConnection(RosOptions options, const std::vector<OutputTopic>& topics);
   ~RosConnection() override;
 
   /// To be called before start(). Shared, since a master thread that hangs at the end may outlive its owner.
   void add(std::shared_ptr<RosComponent> component);
   void start();
 
-  void scan(const std::string& topic, const PlanarScan& scan, Stamp released) override;
-  void cloud(const std::string& topic, Cloud& cloud, Stamp released) override;
-  void fix(const std::string& topic, const GnssFix& fix, Stamp released) override;
-  void time_reference(const std::string& topic, const TimeReference& reference, Stamp released) override;
-  void imu(const std::string& topic, const ImuSample& sample, Stamp released) override;
-  void state(const std::string& topic, const DeviceState& state, Stamp released) override;
+  void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) override;
+  void cloud(const OutputTopic& topic, Cloud& cloud, Stamp released) override;
+  void message(const OutputTopic& topic, const DeviceMessage& message, Stamp released) override;
   void transforms(const std::vector<StaticTransform>& transforms, Stamp released) override;
   void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) override;
   /// The time of a replay, on /clock.

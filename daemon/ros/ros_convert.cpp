@@ -170,24 +170,4 @@ void to_ros(const std::vector<DiagnosticItem>& items, const std::string& node, S
   }
 }
 
-RosMessage message_for(TopicKind kind) {
-  switch (kind) {
-    case TopicKind::scan:
-      return sensor_msgs::LaserScan();
-    case TopicKind::echoes:
-      return sensor_msgs::MultiEchoLaserScan();
-    case TopicKind::cloud:
-      return sensor_msgs::PointCloud2();
-    case TopicKind::fix:
-      return sensor_msgs::NavSatFix();
-    case TopicKind::time_reference:
-      return sensor_msgs::TimeReference();
-    case TopicKind::imu:
-      return sensor_msgs::Imu();
-    case TopicKind::state:
-      return diagnostic_msgs::DiagnosticArray();
-  }
-  return {};
-}
-
 }  // namespace lidard

@@ -3,19 +3,13 @@
 #pragma once
 
 #include <diagnostic_msgs/DiagnosticArray.h>
-#include <rosgraph_msgs/Clock.h>
-#include <sensor_msgs/Imu.h>
 #include <sensor_msgs/LaserScan.h>
 #include <sensor_msgs/MultiEchoLaserScan.h>
-#include <sensor_msgs/NavSatFix.h>
 #include <sensor_msgs/PointCloud2.h>
-#include <sensor_msgs/TimeReference.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include <cstddef>
 #include <string>
-#include <type_traits>
-#include <variant>
 #include <vector>
 
 #include "daemon/pipeline/sink.h"
@@ -36,14 +30,6 @@ void to_ros(const PlanarScan& scan, sensor_msgs::LaserScan& message);
 void to_ros(const PlanarScan& scan, sensor_msgs::MultiEchoLaserScan& message);
 /// A cloud as sensor_msgs/PointCloud2. Swaps `points_bytes` with the message's data; nothing is copied.
 void to_ros(Cloud& cloud, sensor_msgs::PointCloud2& message);
-/// A position as sensor_msgs/NavSatFix, its covariance unknown.
-void to_ros(const GnssFix& fix, sensor_msgs::NavSatFix& message);
-void to_ros(const TimeReference& reference, sensor_msgs::TimeReference& message);
-/// A sample as sensor_msgs/Imu: no orientation, covariances unknown.
-void to_ros(const ImuSample& sample, sensor_msgs::Imu& message);
-/// A device's state as one status of diagnostic_msgs/DiagnosticArray, which has a stamp and needs no message
-/// package of ours; `topic` is its name.
-void to_ros(const DeviceState& state, diagnostic_msgs::DiagnosticArray& message);
 /// Fixed transforms as tf2_msgs/TFMessage.
 void to_ros(const std::vector<StaticTransform>& transforms, Stamp stamp, tf2_msgs::TFMessage& message);
 /// Status items as diagnostic_msgs/DiagnosticArray; names are prefixed "`node`: " (REP 107).
@@ -51,32 +37,6 @@ void to_ros(const std::vector<DiagnosticItem>& items, const std::string& node, S
             diagnostic_msgs::DiagnosticArray& message);
 /// The level of diagnostic_msgs/DiagnosticStatus.
 std::int8_t to_ros(Health health);
-/// The time of a replay.
-inline void to_ros(Stamp now, rosgraph_msgs::Clock& message) { message.clock = to_ros(now); }
-
-/// A message of any type that goes out on a topic of frames, on /tf_static or on /clock.
-using RosMessage =
-    std::variant<sensor_msgs::LaserScan, sensor_msgs::MultiEchoLaserScan, sensor_msgs::PointCloud2,
-                 sensor_msgs::NavSatFix, sensor_msgs::TimeReference, sensor_msgs::Imu,
-                 diagnostic_msgs::DiagnosticArray, tf2_msgs::TFMessage, rosgraph_msgs::Clock>;
-/// An empty message of the type that topics of a kind carry.
-RosMessage message_for(TopicKind kind);
-/// Converts a frame with to_ros() into a message of the type that `message` holds; false if the frame does
-/// not travel in such messages.
-template <class Frame>
-bool convert(Frame& frame, RosMessage& message) {
-  const auto to_held_type = [&frame](auto& held) -> decltype(to_ros(frame, held), true) {
-    to_ros(frame, held);
-    return true;
-  };
-  return std::visit(
-      [&](auto& held) {
-        if constexpr (std::is_invocable_v<decltype(to_held_type), decltype(held)>) return to_held_type(held);
-        return false;
-      },
-      message);
-}
-
 /// Reads another driver's scan. Returns nullptr, or what is wrong with the message; then `scan` is of no use.
 ///
 /// NaN is `invalid`, +inf `none`, -inf `near` (REP 117); a finite range outside the message's limits is

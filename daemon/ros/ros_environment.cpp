@@ -28,7 +28,7 @@ bool may_write_below(const std::string& home) {
 
 }  // namespace
 
-void init_ros(const RosOptions& options, const std::vector<TopicInfo>& topics) {
+void init_ros(const RosOptions& options, const std::vector<OutputTopic>& topics) {
   ros::M_string remappings;
   for (const auto& remapping : options.remappings) {
     const auto at = remapping.find(":=");

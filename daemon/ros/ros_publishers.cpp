@@ -12,9 +12,9 @@
 
 namespace lidard {
 
-RosPublishers::RosPublishers(const std::vector<TopicInfo>& topics, bool clock)
+RosPublishers::RosPublishers(const std::vector<OutputTopic>& topics, bool clock)
     : frames_(topics.size()), with_clock_(clock) {
-  for (const TopicInfo& topic : topics) outputs_.push_back({topic.name, message_for(topic.kind)});
+  for (const OutputTopic& topic : topics) outputs_.push_back({topic.name, message_for(topic)});
   outputs_.push_back({"/tf_static", tf2_msgs::TFMessage()});
   outputs_.push_back({"/clock", rosgraph_msgs::Clock()});
 }

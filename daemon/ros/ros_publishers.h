@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "daemon/live/frame_queue.h"
-#include "daemon/ros/ros_convert.h"
+#include "daemon/ros/ros_message.h"
 
 namespace ros {
 class NodeHandle;
@@ -24,7 +24,7 @@ namespace lidard {
 /// ROS thread publishes.
 class RosPublishers {
  public:
-  RosPublishers(const std::vector<TopicInfo>& topics, bool clock);
+  RosPublishers(const std::vector<OutputTopic>& topics, bool clock);
 
   /// Advertises everything; ROS must run. Called by the master thread, may wait for the master.
   void advertise();

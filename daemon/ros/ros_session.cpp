@@ -38,7 +38,7 @@ RosHandlers into(Pipeline& pipeline) {
 }  // namespace
 
 RosSession::RosSession(const Config& config, const RosOptions& options)
-    : RosConnection(options, pipeline_topics(config)),
+    : RosConnection(options, output_topics(config)),
       config_(config),
       reconfigure_(options.reconfigure),
       poses_(std::make_shared<TfPoses>()) {

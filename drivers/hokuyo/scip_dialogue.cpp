@@ -29,7 +29,7 @@ std::string_view unmarked(std::string_view echo) {
 void ScipDialogue::connected(Stamp now, DriverOutput& out) {
   introduced_ = compare_only_ = without_percent_ = false;
   stalls_ = 0;
-  echoes_ = config_.publish_multiecho && config_.model->has_echoes;
+  echoes_ = config_.publish_multiecho && config_.model->has(Trait::echoes);
   intensities_ = config_.publish_intensity;
   board_.clear(ScipTrouble::no_echoes);
   board_.clear(ScipTrouble::no_intensities);

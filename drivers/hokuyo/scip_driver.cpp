@@ -347,7 +347,7 @@ Stamp ScipDriver::first_ray(const ScipClock::Sweep& sweep) {
 }
 
 Reject ScipDriver::fill(const ScipScanRequest& request) {
-  const std::size_t echoes = config_.publish_multiecho && config_.model->has_echoes ? most_echoes : 1;
+  const std::size_t echoes = config_.publish_multiecho && config_.model->has(Trait::echoes) ? most_echoes : 1;
   const bool with_intensities = config_.publish_intensity && request.intensities;
   scan_.reset(scan_.beams, echoes, with_intensities);
   const std::size_t distance_size = request.short_values ? 2 : 3;

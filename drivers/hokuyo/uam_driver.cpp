@@ -90,7 +90,7 @@ class UamDriver final : public Driver {
   UamStatus status_;
   std::size_t first_beam_ = 0;
   PlanarScan scan_;
-  DeviceState state_;
+  ReusedMessage<DeviceState> state_;
 };
 
 UamDriver::UamDriver(const DriverConfig& config)
@@ -101,8 +101,8 @@ UamDriver::UamDriver(const DriverConfig& config)
   scan_.range_max = static_cast<float>(config.model->range_max);
   scan_.scan_time = static_cast<float>(turn_s);
   scan_.time_increment = static_cast<float>(turn_s * row_.step_deg / 360);
-  state_.topic = "status";
-  state_.frame_id = config.frame_id;
+  state_->topic = "status";
+  state_->frame_id = config.frame_id;
   choose_beams();
 }
 
@@ -325,10 +325,10 @@ void UamDriver::tell_state(DriverOutput& out) {
                                                                {"encoder_speed", s.encoder_speed},
                                                                {"laser_off", s.laser_off},
                                                                {"window_contaminated", s.contaminated}};
-  state_.values.clear();
-  for (const auto& [name, value] : values) state_.values.push_back({name, static_cast<double>(value)});
-  state_.stamp = scan_.stamp;
-  out.state(state_);
+  state_->values.clear();
+  for (const auto& [name, value] : values) state_->values.push_back({name, static_cast<double>(value)});
+  state_->stamp = scan_.stamp;
+  out.message(state_);
 }
 
 // AR02 streams frames AR00, AR04 frames AR01, AR07 frames AR06.
@@ -337,23 +337,22 @@ constexpr UamRow with_intensity = {"AR04", "AR01", 1081, 0.25, true};
 constexpr UamRow fine = {"AR07", "AR06", 2161, 0.125, false};
 
 Model scanner(const char* name, const char* product, const UamRow& row, const char* verified) {
-  Model model = {name,
-                 "Hokuyo",
-                 product,
-                 "UAM AR",
-                 FrameKind::scan,
-                 Transport::tcp,
-                 10940,
-                 0,
-                 1 / turn_s,
-                 turn_s,
-                 0.05,                     // unverified
-                 (first_code - 1) * 1e-3,  // what the wire can say
-                 row.beams,
-                 verified,
-                 &row,
-                 make_uam_driver};
-  model.state_topics = {"status"};
+  Model model;
+  model.name = name;
+  model.vendor = "Hokuyo";
+  model.product = product;
+  model.protocol = "UAM AR";
+  model.verified = verified;
+  model.transport = Transport::tcp;
+  model.port = 10940;
+  model.packets_per_s = 1 / turn_s;
+  model.frame_period = turn_s;
+  model.range_min = 0.05;                     // unverified
+  model.range_max = (first_code - 1) * 1e-3;  // what the wire can say
+  model.beams = row.beams;
+  model.messages = {message_topic<DeviceState>("status")};
+  model.row = &row;
+  model.make = make_uam_driver;
   return model;
 }
 

@@ -130,7 +130,7 @@ class VelodyneDriver final : public Driver {
   double turned_deg_ = 0, turned_s_ = 0;
   std::optional<std::pair<Span, double>>
       edge_;  // when the last hidden sector inside a packet began, and where
-  std::uint8_t told_product_ = 0;
+  std::uint8_t reported_product_ = 0;
   std::string generation_warning_;
 };
 
@@ -190,8 +190,8 @@ bool VelodyneDriver::note_generation(ByteView payload) {
 }
 
 void VelodyneDriver::note_product(std::uint8_t product, bool refused) {
-  if (product == told_product_) return;
-  told_product_ = product;
+  if (product == reported_product_) return;
+  reported_product_ = product;
   const std::string says = "packets name " + product_name(product) + " as their product, configured is " +
                            std::string(config_.model->product);
   info_.warnings.push_back(

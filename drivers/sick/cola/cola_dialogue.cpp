@@ -308,7 +308,7 @@ void ColaDialogue::compare_settings() {
   ColaOutputs wanted = *settings_;
   constexpr std::uint8_t all_echoes = 0x1f;  // SICK 8014631: bits of DIST1 to DIST5
   if (config_.requests.skip) wanted.interval = static_cast<std::uint16_t>(*config_.requests.skip + 1);
-  if (config_.publish_multiecho && config_.model->has_echoes) wanted.channels[0] = all_echoes;
+  if (config_.publish_multiecho && config_.model->has(Trait::echoes)) wanted.channels[0] = all_echoes;
   const bool explicit_wish = !(wanted == *settings_);
   // Intensities are published by default where they are; that alone is no reason to ask for a permission.
   if (config_.publish_intensity && config_.requests.allow_write) wanted.rssi = 1;

@@ -27,7 +27,7 @@ struct ColaRow {
 /// Adds the scanners that speak CoLa A and B over TCP to the table of models.
 void append_cola_models(std::vector<Model>& list);
 
-/// Topics of what such a device tells beside its scans, in Model::state_topics.
+/// Topics of what such a device tells beside its scans, in Model::messages.
 constexpr std::string_view topic_fields = "lferec";
 constexpr std::string_view topic_outputs = "lidoutputstate";
 constexpr std::string_view topic_inputs = "lidinputstate";

@@ -34,10 +34,10 @@ class CompactDriver final : public Driver {
     frames_ = config.model->kind == FrameKind::cloud ? make_cloud_frames(config_, clock_)
                                                      : make_planar_frames(config_, clock_, warnings_);
     info_.details = {{"Vendor Name", "SICK"}, {"Product Name", std::string(config.model->product)}};
-    imu_.frame_id = config.frame_id;
-    encoder_.topic = "encoder";
-    encoder_.frame_id = config.frame_id;
-    encoder_.values = {
+    imu_->frame_id = config.frame_id;
+    encoder_->topic = "encoder";
+    encoder_->frame_id = config.frame_id;
+    encoder_->values = {
         {"frame", 0}, {"ticks", 0}, {"speed", 0}, {"ticks at reference 1", 0}, {"ticks at reference 2", 0}};
   }
 
@@ -94,8 +94,8 @@ class CompactDriver final : public Driver {
   bool sender_known_ = false;
   std::uint32_t sender_ = 0;
   std::uint32_t told_version_ = ~0U;
-  ImuSample imu_;
-  DeviceState encoder_;
+  ReusedMessage<ImuSample> imu_;
+  ReusedMessage<DeviceState> encoder_;
 };
 
 Reject CompactDriver::receive(const Packet& packet, DriverOutput& out) {
@@ -334,14 +334,14 @@ Reject CompactDriver::take_imu(ByteView telegram, Stamp arrival, DriverOutput& o
   const Reject reason = parse_imu(telegram, read);
   if (reason != Reject::none) return reason;
   if (read.time_us > latest_us) return Reject::field;
-  imu_.stamp = stamp_of(read.time_us, arrival);
-  imu_.linear_acceleration = {read.acceleration[0], read.acceleration[1], read.acceleration[2]};
-  imu_.angular_velocity = {read.angular_velocity[0], read.angular_velocity[1], read.angular_velocity[2]};
+  imu_->stamp = stamp_of(read.time_us, arrival);
+  imu_->linear_acceleration = {read.acceleration[0], read.acceleration[1], read.acceleration[2]};
+  imu_->angular_velocity = {read.angular_velocity[0], read.angular_velocity[1], read.angular_velocity[2]};
   const Eigen::Quaterniond turned(read.orientation[0], read.orientation[1], read.orientation[2],
                                   read.orientation[3]);
-  imu_.orientation.reset();
-  if (std::fabs(turned.norm() - 1) < 0.1) imu_.orientation = turned.normalized();
-  out.imu(imu_);
+  imu_->orientation.reset();
+  if (std::fabs(turned.norm() - 1) < 0.1) imu_->orientation = turned.normalized();
+  out.message(imu_);
   return Reject::none;
 }
 
@@ -359,15 +359,13 @@ Reject CompactDriver::take_encoder(ByteView telegram, Stamp arrival, DriverOutpu
   if (apart < 0 && static_cast<std::uint64_t>(-static_cast<std::int64_t>(apart)) > read.transmit_us)
     apart = 0;
   const std::uint64_t us = read.transmit_us + static_cast<std::uint64_t>(static_cast<std::int64_t>(apart));
-  encoder_.stamp = stamp_of(us, arrival);
-  encoder_.values[0].value = static_cast<double>(read.frame);
-  encoder_.values[1].value = read.ticks;
-  encoder_.values[2].value = read.speed;
-  encoder_.values[3].value = read.reference_ticks[0];
-  encoder_.values[4].value = read.reference_ticks[1];
-  for (const std::string_view topic : config_.model->state_topics) {
-    if (topic == encoder_.topic) out.state(encoder_);
-  }
+  encoder_->stamp = stamp_of(us, arrival);
+  encoder_->values[0].value = static_cast<double>(read.frame);
+  encoder_->values[1].value = read.ticks;
+  encoder_->values[2].value = read.speed;
+  encoder_->values[3].value = read.reference_ticks[0];
+  encoder_->values[4].value = read.reference_ticks[1];
+  if (config_.model->tells<DeviceState>()) out.message(encoder_);
   return Reject::none;
 }
 

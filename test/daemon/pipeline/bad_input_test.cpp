@@ -25,12 +25,11 @@ constexpr std::size_t left = 270;
 
 /// Keeps the newest scan of each topic.
 struct NewestScans : FrameSink {
-  void scan(const std::string& topic, const PlanarScan& scan, Stamp) override {
-    scans[topic] = scan;
+  void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp) override {
+    scans[topic.name] = scan;
     ++count;
   }
-  void cloud(const std::string&, Cloud&, Stamp) override {}
-  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
+  void cloud(const OutputTopic&, Cloud&, Stamp) override {}
   void diagnostics(const std::vector<DiagnosticItem>& new_items, Stamp) override { items = new_items; }
   std::map<std::string, PlanarScan> scans;
   std::vector<DiagnosticItem> items;
@@ -102,7 +101,7 @@ struct Room {
   const PlanarScan& strict() { return sink.scans.at("around"); }
   const PlanarScan& safety() { return sink.scans.at("careful"); }
   void expect_valid() {
-    for (const auto& [topic, scan] : sink.scans) EXPECT_EQ(violation(scan), nullptr) << topic;
+    for (const auto& [topic, scan] : sink.scans) EXPECT_EQ(violation(scan), nullptr) << topic.name;
   }
   const DiagnosticItem& item(const std::string& name) {
     for (const auto& i : sink.items) {

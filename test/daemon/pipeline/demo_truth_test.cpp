@@ -21,12 +21,12 @@ constexpr double pi = 3.14159265358979323846;
 
 class KeepingSink final : public FrameSink {
  public:
-  void scan(const std::string& topic, const PlanarScan& scan, Stamp /*released*/) override {
-    EXPECT_EQ(violation(scan), nullptr) << topic;
-    scans[topic].push_back(scan);
+  void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp /*released*/) override {
+    EXPECT_EQ(violation(scan), nullptr) << topic.name;
+    scans[topic.name].push_back(scan);
   }
-  void cloud(const std::string& topic, Cloud& cloud, Stamp /*released*/) override {
-    clouds[topic].push_back(cloud);
+  void cloud(const OutputTopic& topic, Cloud& cloud, Stamp /*released*/) override {
+    clouds[topic.name].push_back(cloud);
   }
   void transforms(const std::vector<StaticTransform>& /*all*/, Stamp /*released*/) override {}
   void diagnostics(const std::vector<DiagnosticItem>& items, Stamp /*released*/) override { newest = items; }
@@ -150,7 +150,7 @@ TEST(Demo, LosesNothingAndPublishesEveryTopic) {
     EXPECT_EQ(sensor.counters.incomplete, 0U) << sensor.name;
     EXPECT_EQ(sensor.counters.rejected_total(), 0U) << sensor.name;
   }
-  for (const auto& topic : pipeline_topics(demo.config)) {
+  for (const auto& topic : output_topics(demo.config)) {
     const bool cloud = topic.kind == TopicKind::cloud;
     if (!cloud && topic.kind != TopicKind::scan) continue;  // the demo's sensors have no receiver
     EXPECT_GT(cloud ? demo.sink.clouds.count(topic.name) : demo.sink.scans.count(topic.name), 0U)

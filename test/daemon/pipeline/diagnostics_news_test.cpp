@@ -10,9 +10,8 @@ namespace {
 
 class TellingSink final : public FrameSink {
  public:
-  void scan(const std::string&, const PlanarScan&, Stamp) override {}
-  void cloud(const std::string&, Cloud&, Stamp) override {}
-  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
+  void scan(const OutputTopic&, const PlanarScan&, Stamp) override {}
+  void cloud(const OutputTopic&, Cloud&, Stamp) override {}
   void diagnostics(const std::vector<DiagnosticItem>& items, Stamp) override {
     ++told;
     newest = items;

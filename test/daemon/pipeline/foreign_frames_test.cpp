@@ -17,11 +17,10 @@ constexpr Stamp begin{1'700'000'000'000'000'000};
 
 class NewestSink final : public FrameSink {
  public:
-  void scan(const std::string& topic, const PlanarScan& scan, Stamp) override {
-    scans[topic].push_back(scan);
+  void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp) override {
+    scans[topic.name].push_back(scan);
   }
-  void cloud(const std::string&, Cloud&, Stamp) override {}
-  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
+  void cloud(const OutputTopic&, Cloud&, Stamp) override {}
   void diagnostics(const std::vector<DiagnosticItem>& all, Stamp) override { items = all; }
   DiagnosticItem item(const std::string& name) const {
     for (const auto& one : items)

@@ -24,12 +24,11 @@ class KeepingSink final : public FrameSink {
     PlanarScan scan;
     Stamp released;
   };
-  void scan(const std::string& topic, const PlanarScan& scan, Stamp released) override {
-    EXPECT_EQ(violation(scan), nullptr) << topic;
-    scans[topic].push_back({scan, released});
+  void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) override {
+    EXPECT_EQ(violation(scan), nullptr) << topic.name;
+    scans[topic.name].push_back({scan, released});
   }
-  void cloud(const std::string&, Cloud&, Stamp) override {}
-  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
+  void cloud(const OutputTopic&, Cloud&, Stamp) override {}
   void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) override {
     for (const auto& item : items) {
       if (!told[item.name].empty() && told[item.name].back().first == item.health) continue;

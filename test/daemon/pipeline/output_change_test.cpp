@@ -15,13 +15,11 @@ using ::testing::HasSubstr;
 
 class KeepingSink final : public FrameSink {
  public:
-  void scan(const std::string& topic, const PlanarScan& scan, Stamp) override {
-    EXPECT_EQ(violation(scan), nullptr) << topic;
-    scans[topic].push_back(scan);
+  void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp) override {
+    EXPECT_EQ(violation(scan), nullptr) << topic.name;
+    scans[topic.name].push_back(scan);
   }
-  void cloud(const std::string&, Cloud&, Stamp) override {}
-  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
-  void diagnostics(const std::vector<DiagnosticItem>&, Stamp) override {}
+  void cloud(const OutputTopic&, Cloud&, Stamp) override {}
 
   std::map<std::string, std::vector<PlanarScan>> scans;
 };

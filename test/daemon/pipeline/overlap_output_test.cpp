@@ -15,9 +15,8 @@ namespace {
 using ::testing::HasSubstr;
 
 struct KeptDiagnostics : FrameSink {
-  void scan(const std::string&, const PlanarScan&, Stamp) override {}
-  void cloud(const std::string&, Cloud&, Stamp) override {}
-  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
+  void scan(const OutputTopic&, const PlanarScan&, Stamp) override {}
+  void cloud(const OutputTopic&, Cloud&, Stamp) override {}
   void diagnostics(const std::vector<DiagnosticItem>& items, Stamp) override {
     for (const auto& item : items) {
       if (item.name == "merged around") merged = item;

@@ -22,10 +22,8 @@ using testing::Not;
 
 class NoSink final : public FrameSink {
  public:
-  void scan(const std::string&, const PlanarScan&, Stamp) override {}
-  void cloud(const std::string&, Cloud&, Stamp) override {}
-  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
-  void diagnostics(const std::vector<DiagnosticItem>&, Stamp) override {}
+  void scan(const OutputTopic&, const PlanarScan&, Stamp) override {}
+  void cloud(const OutputTopic&, Cloud&, Stamp) override {}
 };
 
 const IpAddress first = IpAddress::v4(192, 168, 1, 201);

@@ -6,7 +6,7 @@
 #include "daemon/config/output_topics.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/transform_source.h"
-#include "daemon/ros/ros_convert.h"
+#include "daemon/ros/ros_device_message.h"
 #include "drivers/registry/registry.h"
 #include "test/support/ros_samples.h"
 
@@ -20,12 +20,12 @@ class TellingDriver final : public Driver {
  public:
   explicit TellingDriver(DriverConfig config) : config_(std::move(config)) {}
   Reject receive(const Packet& /*packet*/, DriverOutput& out) override {
-    out.fix(test::sample_fix());
-    out.time_reference(test::sample_time_reference());
-    out.imu(test::sample_imu());
-    out.imu(test::sample_imu());
-    if (config_.model->state_topics.empty()) return Reject::none;
-    out.state({"outputs", "laser", Stamp{5}, {{"output_1", 1}}});
+    out.message(test::sample_fix());
+    out.message(test::sample_time_reference());
+    out.message(test::sample_imu());
+    out.message(test::sample_imu());
+    if (!config_.model->tells<DeviceState>()) return Reject::none;
+    out.message(DeviceState{"outputs", "laser", Stamp{5}, {{"output_1", 1}}});
     PlanarScan scan = test::sample_scan();
     out.extra_scan("intrusion", scan);
     out.scan(scan);
@@ -44,7 +44,9 @@ class TellingDriver final : public Driver {
 Model telling_model(std::uint16_t telemetry_port, bool has_imu) {
   Model model = *find_model("velodyne_vlp16");
   model.telemetry_port = telemetry_port;
-  model.has_imu = has_imu;
+  model.messages.clear();
+  if (telemetry_port != 0) model.messages = {message_topic<GnssFix>(), message_topic<TimeReference>()};
+  if (has_imu) model.messages.push_back(message_topic<ImuSample>());
   model.make = [](const DriverConfig& config) -> std::unique_ptr<Driver> {
     return std::make_unique<TellingDriver>(config);
   };
@@ -64,26 +66,23 @@ Config config_with(const Model& model) {
 
 std::vector<std::string> names(const Config& config) {
   std::vector<std::string> all;
-  for (const auto& topic : pipeline_topics(config)) all.push_back(topic.name);
+  for (const auto& topic : output_topics(config)) all.push_back(topic.name);
   return all;
 }
 
 class Journal final : public FrameSink {
  public:
-  void scan(const std::string& topic, const PlanarScan&, Stamp) override { lines.push_back(topic); }
-  void cloud(const std::string& topic, Cloud&, Stamp) override { lines.push_back(topic); }
-  void fix(const std::string& topic, const GnssFix& fix, Stamp at) override {
-    EXPECT_EQ(fix.latitude_deg, test::sample_fix().latitude_deg);
+  void scan(const OutputTopic& topic, const PlanarScan&, Stamp) override { lines.push_back(topic.name); }
+  void cloud(const OutputTopic& topic, Cloud&, Stamp) override { lines.push_back(topic.name); }
+  void message(const OutputTopic& topic, const DeviceMessage& message, Stamp at) override {
+    EXPECT_EQ(topic.kind, TopicKind::message);
+    EXPECT_EQ(topic.message, message.index());
+    if (const auto* fix = std::get_if<GnssFix>(&message)) {
+      EXPECT_EQ(fix->latitude_deg, test::sample_fix().latitude_deg);
+    }
     released = at;
-    lines.push_back(topic);
+    lines.push_back(topic.name);
   }
-  void time_reference(const std::string& topic, const TimeReference&, Stamp) override {
-    lines.push_back(topic);
-  }
-  void imu(const std::string& topic, const ImuSample&, Stamp) override { lines.push_back(topic); }
-  void state(const std::string& topic, const DeviceState&, Stamp) override { lines.push_back(topic); }
-  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
-  void diagnostics(const std::vector<DiagnosticItem>&, Stamp) override {}
 
   std::vector<std::string> lines;
   Stamp released{};
@@ -130,8 +129,8 @@ TEST(TelemetryTopics, CarryWhatTheDriverTellsAtTheTimeOfItsPacket) {
 TEST(TelemetryTopics, CarryStatesEchoesAndFurtherScans) {
   Model model = telling_model(0, false);
   model.kind = FrameKind::scan;
-  model.has_echoes = true;
-  model.state_topics = {"outputs"};
+  model.traits.add(Trait::echoes);
+  model.messages = {message_topic<DeviceState>("outputs")};
   model.extra_scans = {"intrusion"};
   Config config = config_with(model);
   EXPECT_THAT(names(config), ElementsAre("roof/scan", "roof/outputs", "roof/intrusion"));
@@ -150,8 +149,8 @@ TEST(TelemetryTopics, CarryStatesEchoesAndFurtherScans) {
 TEST(TelemetryTopics, CarryNoStatesOfAColaDeviceThatWasNotAskedForThem) {
   Model model = telling_model(0, false);
   model.kind = FrameKind::scan;
-  model.protocol = find_model("sick_lms1xx")->protocol;
-  model.state_topics = {"outputs"};
+  model.traits.add(Trait::states_on_request);
+  model.messages = {message_topic<DeviceState>("outputs")};
   model.extra_scans = {"intrusion"};
   for (const bool wanted : {false, true}) {
     Config config = config_with(model);

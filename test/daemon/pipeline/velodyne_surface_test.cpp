@@ -24,17 +24,15 @@ using ::testing::HasSubstr;
 /// Keeps what a pipeline publishes.
 class Keeper final : public FrameSink {
  public:
-  void scan(const std::string& topic, const PlanarScan& scan, Stamp) override {
-    scans[topic].push_back(scan);
+  void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp) override {
+    scans[topic.name].push_back(scan);
   }
-  void cloud(const std::string& topic, Cloud& cloud, Stamp) override {
-    clouds[topic].push_back(cloud);
+  void cloud(const OutputTopic& topic, Cloud& cloud, Stamp) override {
+    clouds[topic.name].push_back(cloud);
     messages.emplace_back();
     Cloud copy = cloud;
     to_ros(copy, messages.back());
   }
-  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
-  void diagnostics(const std::vector<DiagnosticItem>&, Stamp) override {}
 
   std::map<std::string, std::vector<PlanarScan>> scans;
   std::map<std::string, std::vector<Cloud>> clouds;

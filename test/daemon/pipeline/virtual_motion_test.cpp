@@ -17,12 +17,11 @@ constexpr Stamp begin{1'700'000'000'000'000'000};
 
 class KeepingSink final : public FrameSink {
  public:
-  void scan(const std::string&, const PlanarScan& scan, Stamp) override {
+  void scan(const OutputTopic&, const PlanarScan& scan, Stamp) override {
     EXPECT_EQ(violation(scan), nullptr);
     scans.push_back(scan);
   }
-  void cloud(const std::string&, Cloud&, Stamp) override {}
-  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
+  void cloud(const OutputTopic&, Cloud&, Stamp) override {}
   void diagnostics(const std::vector<DiagnosticItem>& items, Stamp) override {
     for (const auto& item : items) newest[item.name] = item;
   }

@@ -11,7 +11,7 @@
 #include <iostream>
 #include <thread>
 
-#include "daemon/ros/ros_convert.h"
+#include "daemon/ros/ros_device_message.h"
 #include "daemon/ros/ros_environment.h"
 #include "daemon/ros/ros_master.h"
 #include "test/support/ros_listener.h"
@@ -27,13 +27,8 @@ using test::Listener;
 using test::RosMaster;
 using test::sample_cloud;
 using test::sample_scan;
+using test::sample_topics;
 using SteadyClock = std::chrono::steady_clock;
-
-std::vector<TopicInfo> topics() {
-  return {{"front/scan", TopicKind::scan},
-          {"front/echoes", TopicKind::echoes},
-          {"roof/points", TopicKind::cloud}};
-}
 
 /// A replay, which waits instead of dropping.
 RosOptions blocking() {
@@ -50,7 +45,7 @@ constexpr auto surely_not_hanging = 3s;
 void publish_for(RosConnection& connection, std::chrono::milliseconds time) {
   const auto end = SteadyClock::now() + time;
   for (int n = 0; n < 5 || SteadyClock::now() < end; ++n) {
-    connection.scan("front/scan", sample_scan(), Stamp{1});
+    connection.scan(test::front_scan, sample_scan(), Stamp{1});
     std::this_thread::sleep_for(10ms);
   }
 }
@@ -70,16 +65,16 @@ TEST(RosConnection, PublishesScansEchoesCloudsAndLatchedTransforms) {
     Listener<sensor_msgs::PointCloud2> clouds("/roof/points");
     Listener<tf2_msgs::TFMessage> transforms("/tf_static");
     master.start();
-    RosConnection connection({}, topics());
+    RosConnection connection({}, sample_topics());
     connection.transforms({{"base_link", "front_laser", make_pose({1, 0, 0}, {0, 0, 0})}},
                           Stamp{1'000'000'000});
     connection.start();
     ASSERT_TRUE(connection.wait_for_subscribers(3, 30s));
-    connection.scan("front/scan", sample_scan(), Stamp{1});
-    connection.scan("front/echoes", sample_scan(), Stamp{1});
+    connection.scan(test::front_scan, sample_scan(), Stamp{1});
+    connection.scan(test::front_echoes, sample_scan(), Stamp{1});
     auto cloud = sample_cloud(30000);
     const auto sent = cloud.points_bytes;
-    connection.cloud("roof/points", cloud, Stamp{1});
+    connection.cloud(test::roof_points, cloud, Stamp{1});
 
     const auto scan = scans.take(1);
     ASSERT_EQ(scan.size(), 1U);
@@ -106,14 +101,12 @@ TEST(RosConnection, PublishesFixesTimeReferencesAndImuSamples) {
     Listener<sensor_msgs::TimeReference> references("/roof/time_reference");
     Listener<sensor_msgs::Imu> samples("/roof/imu");
     master.start();
-    RosConnection connection({}, {{"roof/fix", TopicKind::fix},
-                                  {"roof/time_reference", TopicKind::time_reference},
-                                  {"roof/imu", TopicKind::imu}});
+    RosConnection connection({}, sample_topics());
     connection.start();
     ASSERT_TRUE(connection.wait_for_subscribers(3, 30s));
-    connection.fix("roof/fix", test::sample_fix(), Stamp{1});
-    connection.time_reference("roof/time_reference", test::sample_time_reference(), Stamp{1});
-    for (int i = 0; i < 20; ++i) connection.imu("roof/imu", test::sample_imu(), Stamp{1});
+    connection.message(test::roof_fix, test::sample_fix(), Stamp{1});
+    connection.message(test::roof_time, test::sample_time_reference(), Stamp{1});
+    for (int i = 0; i < 20; ++i) connection.message(test::roof_imu, test::sample_imu(), Stamp{1});
 
     const auto fix = fixes.take(1);
     ASSERT_EQ(fix.size(), 1U);
@@ -131,7 +124,7 @@ TEST(RosConnection, PublishesFixesTimeReferencesAndImuSamples) {
 TEST(RosConnection, ReceivesWithoutAMasterAndPublishesSoonAfterItCame) {
   in_own_process([] {
     RosMaster master;
-    RosConnection connection({}, topics());
+    RosConnection connection({}, sample_topics());
     connection.start();
     publish_for(connection, 300ms);
     EXPECT_FALSE(connection.status().connected);
@@ -152,7 +145,7 @@ TEST(RosConnection, RegistersAgainAtAMasterThatWasRestarted) {
     RosMaster master;
     Listener<sensor_msgs::LaserScan> early("/front/scan");
     master.start();
-    RosConnection connection({}, topics());
+    RosConnection connection({}, sample_topics());
     connection.start();
     ASSERT_TRUE(connection.wait_for_subscribers(1, 30s));
     master.kill();
@@ -174,7 +167,7 @@ TEST(RosConnection, IsNotDisturbedByAMasterThatHangs) {
     RosMaster master;
     Listener<sensor_msgs::LaserScan> listener("/front/scan");
     master.start();
-    RosConnection connection({}, topics());
+    RosConnection connection({}, sample_topics());
     connection.start();
     ASSERT_TRUE(connection.wait_for_subscribers(1, 30s));
     master.pause();
@@ -182,7 +175,7 @@ TEST(RosConnection, IsNotDisturbedByAMasterThatHangs) {
     auto longest = SteadyClock::duration(0);
     for (int i = 0; i < 100; ++i) {
       const auto begin = SteadyClock::now();
-      connection.scan("front/scan", sample_scan(), Stamp{1});
+      connection.scan(test::front_scan, sample_scan(), Stamp{1});
       longest = std::max(longest, SteadyClock::now() - begin);
       std::this_thread::sleep_for(10ms);
     }
@@ -204,14 +197,14 @@ TEST(RosConnection, LosesNothingInAReplayAsFastAsItGoes) {
     RosMaster master;
     Listener<sensor_msgs::PointCloud2> listener("/roof/points");
     master.start();
-    RosConnection connection(blocking(), topics());
+    RosConnection connection(blocking(), sample_topics());
     connection.start();
     ASSERT_TRUE(connection.wait_for_subscribers(1, 30s));
     constexpr std::size_t count = 200;
     for (std::size_t i = 0; i < count; ++i) {
       auto cloud = sample_cloud(20000);
       cloud.stamp.ns = static_cast<std::int64_t>(i) + 1;
-      connection.cloud("roof/points", cloud, Stamp{1});
+      connection.cloud(test::roof_points, cloud, Stamp{1});
     }
     EXPECT_TRUE(connection.flush(20s));
     const bool stopped = connection.stop();
@@ -226,7 +219,7 @@ TEST(RosConnection, ShowsDiagnosticsToRostopic) {
   in_own_process([] {
     RosMaster master;
     master.start();
-    RosConnection connection({}, topics());
+    RosConnection connection({}, sample_topics());
     connection.start();
     ASSERT_TRUE(connection.wait_for_master(30s));
     connection.diagnostics(
@@ -251,7 +244,7 @@ TEST(RosConnection, PublishesTheClockOfAReplay) {
     master.start();
     auto with_clock = blocking();
     with_clock.clock = true;
-    RosConnection connection(with_clock, topics());
+    RosConnection connection(with_clock, sample_topics());
     connection.start();
     ASSERT_TRUE(connection.wait_for_master(30s));
     std::vector<rosgraph_msgs::Clock> got;
@@ -271,7 +264,7 @@ TEST(RosConnection, FollowsNamespaceNodeNameAndRemappings) {
     master.start();
     RosOptions remapped;
     remapped.remappings = {"__ns:=truck", "__name:=eyes", "front/scan:=bumper/scan"};
-    RosConnection connection(remapped, topics());
+    RosConnection connection(remapped, sample_topics());
     connection.start();
     ASSERT_TRUE(connection.wait_for_master(30s));
     MasterClient client({"127.0.0.1", master.port()}, "/test");
@@ -289,7 +282,7 @@ TEST(RosConnection, ComesBackWhenSomebodyShutsItsNodeDown) {
   in_own_process([] {
     RosMaster master;
     master.start();
-    RosConnection connection({}, topics());
+    RosConnection connection({}, sample_topics());
     connection.start();
     ASSERT_TRUE(connection.wait_for_master(30s));
     for (int i = 1; i <= 2; ++i) {
@@ -304,7 +297,7 @@ TEST(RosConnection, ComesBackWhenSomebodyShutsItsNodeDown) {
       EXPECT_TRUE(soon([&] { return connection.status().connected && ros::ok(); }));
       const auto before = connection.status().published;
       EXPECT_TRUE(soon([&] {
-        connection.scan("front/scan", sample_scan(), Stamp{1});
+        connection.scan(test::front_scan, sample_scan(), Stamp{1});
         return connection.status().published > before;
       }));
     }
@@ -317,7 +310,7 @@ TEST(RosConnection, ComesBackWhenSomebodyShutsItsNodeDown) {
 TEST(RosConnection, SaysWhatIsWrongWithNamesAndAddresses) {
   const auto error_of = [](const RosOptions& given) {
     try {
-      RosConnection connection(given, topics());
+      RosConnection connection(given, sample_topics());
     } catch (const RosError& problem) {
       return std::string(problem.what());
     }

@@ -147,10 +147,8 @@ TEST(VelodyneScanMessage, CutOffAnywhereGivesNoPacket) {
 
 class Clouds final : public FrameSink {
  public:
-  void scan(const std::string&, const PlanarScan&, Stamp) override {}
-  void cloud(const std::string&, Cloud& cloud, Stamp) override { clouds.push_back(cloud); }
-  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
-  void diagnostics(const std::vector<DiagnosticItem>&, Stamp) override {}
+  void scan(const OutputTopic&, const PlanarScan&, Stamp) override {}
+  void cloud(const OutputTopic&, Cloud& cloud, Stamp) override { clouds.push_back(cloud); }
   std::vector<Cloud> clouds;
 };
 

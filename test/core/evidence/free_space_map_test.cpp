@@ -1,0 +1,392 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/evidence/free_space_map.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/base/angle.h"
+#include "test/sim/world/rng.h"
+
+namespace lidard {
+namespace {
+
+constexpr double degree = pi_d / 180;
+constexpr double unit = 0.002;
+
+double turn_between(double a, double b) { return std::remainder(a - b, 2 * pi_d); }
+
+/// A fan of beams around a source, and what they prove.
+struct Fan {
+  Eigen::Vector2d at{0, 0};
+  double first = 0;  ///< rad
+  double step = 0;   ///< rad; negative: of a scanner that is mounted upside down
+  PlacedScan sweep;
+
+  Fan(std::size_t beams, double first_rad, double step_rad) : first(first_rad), step(step_rad) {
+    sweep.kind.assign(beams, Return::surface);
+    sweep.linked.assign(beams, 0);
+    sweep.free_from.assign(beams, 0);
+    sweep.free_to.assign(beams, 0);
+  }
+  std::size_t beams() const { return sweep.kind.size(); }
+  double angle(std::size_t beam) const { return first + static_cast<double>(beam) * step; }
+  void prepare(FreeSpaceMap& map) const {
+    std::vector<float> dx, dy;
+    for (std::size_t i = 0; i < beams(); ++i) {
+      dx.push_back(static_cast<float>(std::cos(angle(i))));
+      dy.push_back(static_cast<float>(std::sin(angle(i))));
+    }
+    map.set(static_cast<float>(at.x()), static_cast<float>(at.y()), step, unit);
+    map.place_beams(dx.data(), dy.data(), beams());
+  }
+  /// The free ways end where the vehicle sees them from now.
+  void move() {
+    sweep.moved = true;
+    sweep.free_x.clear();
+    sweep.free_y.clear();
+    for (std::size_t i = 0; i < beams(); ++i) {
+      sweep.free_x.push_back(static_cast<float>(std::cos(angle(i))) * sweep.free_to[i]);
+      sweep.free_y.push_back(static_cast<float>(std::sin(angle(i))) * sweep.free_to[i]);
+    }
+  }
+};
+
+double middle_of(const FreeSpaceMap& map, std::size_t cell) {
+  return (static_cast<double>(cell) + 0.5) / static_cast<double>(map.size()) * 2 * pi_d - pi_d;
+}
+
+bool is_free(const FreeSpaceMap& map, std::size_t cell, double meters) {
+  return map.cells()[cell].is_free(map.distance(static_cast<float>(meters)));
+}
+
+/// As far as a cell is free, m; 0: nowhere.
+double free_to(const FreeSpaceMap& map, std::size_t cell) {
+  const FreeSpaceMap::Cell& here = map.cells()[cell];
+  if (here.from > map.distance(std::numeric_limits<float>::max())) return 0;
+  return unit * static_cast<double>(here.from + here.span);
+}
+
+Fan random_fan(sim::Rng& rng) {
+  const double width = (0.3 + 4.5 * rng.uniform()) * degree;
+  const auto most = static_cast<std::size_t>(2 * pi_d / width) - 1;
+  const auto beams = std::min(most, static_cast<std::size_t>(3 + 40 * rng.uniform()));
+  const double sign = rng.uniform() < 0.5 ? -1 : 1;
+  // The fan lies anywhere, also across the direction in which the circle of cells begins.
+  Fan fan(beams, (2 * rng.uniform() - 1) * pi_d, sign * width);
+  fan.at = {8 * rng.uniform() - 4, 8 * rng.uniform() - 4};
+  return fan;
+}
+
+TEST(FreeSpaceMap, UnlinkedBeamsCountUpToTheMiddleBetweenThemWhateverTheMount) {
+  sim::Rng rng(1);
+  std::size_t inside = 0, outside = 0;
+  for (int round = 0; round < 60; ++round) {
+    Fan fan = random_fan(rng);
+    for (std::size_t i = 0; i < fan.beams(); ++i) {
+      fan.sweep.free_from[i] = static_cast<float>(rng.uniform());
+      fan.sweep.free_to[i] = rng.uniform() < 0.2 ? 0 : static_cast<float>(1.5 + 20 * rng.uniform());
+    }
+    FreeSpaceMap map;
+    fan.prepare(map);
+    fan.sweep.linked.assign(fan.beams(), 0);
+    map.fill(fan.sweep);
+    for (std::size_t cell = 0; cell < map.size(); ++cell) {
+      // Beams from the first one on, which way round they ever go.
+      double place = turn_between(middle_of(map, cell), fan.angle(0)) / fan.step;
+      const double circle = 2 * pi_d / std::abs(fan.step);
+      if (place < -0.5) place += circle;
+      const double beam = std::round(place);
+      if (std::abs(place - beam) > 0.49) continue;  // on the border between two
+      if (beam >= static_cast<double>(fan.beams())) {
+        ++outside;
+        ASSERT_FALSE(is_free(map, cell, 1.2)) << round << " cell " << cell;
+        continue;
+      }
+      const auto i = static_cast<std::size_t>(beam);
+      const double from = static_cast<double>(fan.sweep.free_from[i]);
+      const double to = static_cast<double>(fan.sweep.free_to[i]);
+      ++inside;
+      ASSERT_EQ(is_free(map, cell, 1.2), to > 0) << round << " cell " << cell;
+      if (to == 0) continue;
+      ASSERT_TRUE(is_free(map, cell, from + 2 * unit));
+      ASSERT_TRUE(is_free(map, cell, to - 2 * unit));
+      ASSERT_FALSE(is_free(map, cell, to + 2 * unit));
+      if (from > 2 * unit) {
+        ASSERT_FALSE(is_free(map, cell, from - 2 * unit));
+      }
+    }
+  }
+  EXPECT_GT(inside, 5000U);
+  EXPECT_GT(outside, 5000U);
+}
+
+/// A wall that a fan looks at from some way off, at some slant.
+struct Slant {
+  double distance, normal;  // m, rad
+  double range(double angle) const { return distance / std::cos(angle - normal); }
+};
+
+Slant before(const Fan& fan, sim::Rng& rng) {
+  const double middle = fan.angle(fan.beams() / 2);
+  return {1 + 4 * rng.uniform(), middle + (2 * rng.uniform() - 1) * 0.6};
+}
+
+Fan fan_at_a_wall(const Slant*& wall, std::vector<Slant>& walls, sim::Rng& rng) {
+  // Not more than 40 degrees to either side, so that the wall is met by all beams.
+  Fan fan(static_cast<std::size_t>(4 + 10 * rng.uniform()), (2 * rng.uniform() - 1) * pi_d,
+          (rng.uniform() < 0.5 ? -1 : 1) * (1 + 4 * rng.uniform()) * degree);
+  walls.push_back(before(fan, rng));
+  wall = &walls.back();
+  for (std::size_t i = 0; i < fan.beams(); ++i) {
+    fan.sweep.free_to[i] = static_cast<float>(wall->range(fan.angle(i)));
+    fan.sweep.linked[i] = i + 1 < fan.beams() ? 1 : 0;
+  }
+  return fan;
+}
+
+TEST(FreeSpaceMap, BetweenTheReturnsOfAWallTheWayIsFreeAsFarAsTheWall) {
+  sim::Rng rng(2);
+  std::size_t compared = 0;
+  for (const bool moved : {false, true}) {
+    for (int round = 0; round < 200; ++round) {
+      std::vector<Slant> walls;
+      const Slant* wall = nullptr;
+      Fan fan = fan_at_a_wall(wall, walls, rng);
+      if (moved) fan.move();
+      FreeSpaceMap map;
+      fan.prepare(map);
+      map.fill(fan.sweep);
+      for (std::size_t cell = 0; cell < map.size(); ++cell) {
+        const double angle = middle_of(map, cell);
+        const double place = turn_between(angle, fan.angle(0)) / fan.step;
+        if (place < 0.02 || place > static_cast<double>(fan.beams()) - 1.02) continue;
+        const double range = wall->range(angle);
+        ++compared;
+        // The inverse of the range of a wall is a cosine: between beams 5 degrees apart it is even to 0.1 %.
+        ASSERT_TRUE(is_free(map, cell, range * 0.9985 - 2 * unit)) << moved << ' ' << round << ' ' << place;
+        ASSERT_FALSE(is_free(map, cell, range * 1.0015 + 2 * unit)) << moved << ' ' << round << ' ' << place;
+      }
+    }
+  }
+  EXPECT_GT(compared, 20000U);
+}
+
+TEST(FreeSpaceMap, WhatNoBeamLooksIntoIsNotFreeThoughTheVehicleMoved) {
+  sim::Rng rng(3);
+  for (int round = 0; round < 100; ++round) {
+    std::vector<Slant> walls;
+    const Slant* wall = nullptr;
+    Fan fan = fan_at_a_wall(wall, walls, rng);
+    fan.move();
+    FreeSpaceMap map;
+    fan.prepare(map);
+    map.fill(fan.sweep);
+    std::size_t free = 0;
+    for (std::size_t cell = 0; cell < map.size(); ++cell) {
+      const double place = turn_between(middle_of(map, cell), fan.angle(0)) / fan.step;
+      const bool beside = place < -0.6 || place > static_cast<double>(fan.beams()) - 0.4;
+      if (beside) {
+        ASSERT_EQ(free_to(map, cell), 0) << round << ' ' << place;
+      }
+      free += is_free(map, cell, 0.5) ? 1 : 0;
+    }
+    // The outermost beams count half a beam beyond, as the others do.
+    const double expected = static_cast<double>(fan.beams()) * std::abs(fan.step) / (2 * pi_d);
+    EXPECT_NEAR(static_cast<double>(free) / static_cast<double>(map.size()), expected,
+                expected * 0.2 + 0.003);
+  }
+}
+
+TEST(FreeSpaceMap, AMovedSweepSaysTheSameAsAStandingOneWhereNothingMoved) {
+  sim::Rng rng(4);
+  std::size_t compared = 0;
+  for (int round = 0; round < 60; ++round) {
+    Fan fan = random_fan(rng);
+    for (std::size_t i = 0; i < fan.beams(); ++i) {
+      fan.sweep.free_from[i] = rng.uniform() < 0.5 ? 0 : static_cast<float>(rng.uniform());
+      fan.sweep.free_to[i] = rng.uniform() < 0.2 ? 0 : static_cast<float>(1.5 + 10 * rng.uniform());
+    }
+    FreeSpaceMap standing, moved;
+    fan.prepare(standing);
+    fan.prepare(moved);
+    standing.fill(fan.sweep);
+    fan.move();
+    moved.fill(fan.sweep);
+    for (std::size_t cell = 0; cell < standing.size(); ++cell) {
+      const double place = turn_between(middle_of(standing, cell), fan.angle(0)) / fan.step;
+      const double within = std::abs(place - std::round(place));
+      if (within > 0.4) continue;  // at the border both claim no more than the shorter way
+      const double here = free_to(standing, cell), there = free_to(moved, cell);
+      ASSERT_NEAR(here, there, 2 * unit) << round << ' ' << place;
+      compared += here > 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(compared, 2000U);
+}
+
+TEST(FreeSpaceMap, WhatOpenedWhileTheVehicleMovedIsFreeOnlyAsFarAsTheNearerSide) {
+  // Two surfaces, beams of 1 degree on each; the vehicle has moved on and sees 6 degrees between them.
+  for (const double sign : {1.0, -1.0}) {
+    for (const double towards : {0.3, 3.1, -3.1, -1.5}) {
+      Fan fan(8, towards, sign * degree);
+      fan.sweep.free_to.assign(8, 9);
+      for (std::size_t i = 4; i < 8; ++i) fan.sweep.free_to[i] = 4;
+      fan.move();
+      for (std::size_t i = 4; i < 8; ++i) {
+        const double angle = fan.angle(i) + sign * 6 * degree;
+        fan.sweep.free_x[i] = static_cast<float>(4 * std::cos(angle));
+        fan.sweep.free_y[i] = static_cast<float>(4 * std::sin(angle));
+      }
+      FreeSpaceMap map;
+      fan.prepare(map);
+      map.fill(fan.sweep);
+      for (std::size_t cell = 0; cell < map.size(); ++cell) {
+        const double place = turn_between(middle_of(map, cell), towards) / fan.step;
+        if (place > 0.2 && place < 2.8) {
+          EXPECT_NEAR(free_to(map, cell), 9, 0.01) << place;
+        }
+        if (place > 3.6 && place < 13.4) {
+          EXPECT_NEAR(free_to(map, cell), 4, 0.01) << place;
+        }
+      }
+    }
+  }
+}
+
+TEST(FreeSpaceMap, DirectionsFarApartAreNoNeighboursThoughTheBeamsAre) {
+  // A plane that stands nearly upright: beam by beam the direction on the ground jumps.
+  for (const bool moved : {false, true}) {
+    Fan fan(2, 1, 30 * degree);
+    fan.sweep.free_to = {5, 5};
+    fan.sweep.linked = {1, 0};
+    if (moved) fan.move();
+    FreeSpaceMap map;
+    fan.prepare(map);
+    map.fill(fan.sweep);
+    const auto between = map.cell_towards(std::cos(1.26F), std::sin(1.26F));
+    EXPECT_FALSE(is_free(map, between, 1)) << moved;
+  }
+}
+
+TEST(FreeSpaceMap, PointsAreFreeWhereTheirCellIs) {
+  sim::Rng rng(5);
+  Fan fan(300, -2, degree);
+  fan.at = {1.5, -0.7};
+  for (float& to : fan.sweep.free_to) to = static_cast<float>(1 + 5 * rng.uniform());
+  FreeSpaceMap map;
+  fan.prepare(map);
+  map.fill(fan.sweep);
+  std::vector<float> x, y;
+  std::vector<char> free(1000, 4);
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    x.push_back(static_cast<float>(16 * rng.uniform() - 8));
+    y.push_back(static_cast<float>(16 * rng.uniform() - 8));
+  }
+  map.find_free(x.data(), y.data(), x.size(), 2, free.data());
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    const Eigen::Vector2d to = Eigen::Vector2d(x[i], y[i]) - fan.at;
+    const double place = turn_between(std::atan2(to.y(), to.x()), fan.first + 2.6) / fan.step + 2.6 / degree;
+    const double beam = std::round(place);
+    if (std::abs(place - beam) > 0.4) continue;
+    const bool looks = beam >= 0 && beam < 300;
+    const double end = looks ? static_cast<double>(fan.sweep.free_to[static_cast<std::size_t>(beam)]) : 0;
+    if (std::abs(to.norm() - end) < 2 * unit) continue;
+    EXPECT_EQ(free[i], to.norm() < end ? 6 : 4) << i << ": other bits stay";
+    found += to.norm() < end ? 1 : 0;
+  }
+  EXPECT_GT(found, 100U);
+  FreeSpaceMap nobody;
+  nobody.find_free(x.data(), y.data(), x.size(), 1, free.data());
+  EXPECT_EQ(free[0] & 1, 0);
+}
+
+TEST(FreeSpaceMap, AClaimIsRoundedInwardsAndReplacesTheOneBefore) {
+  FreeSpaceMap map;
+  map.set(0, 0, degree, 0.25);
+  map.claim(3, 1.1F, 2.9F);
+  const auto& cell = map.cells()[3];
+  for (std::uint16_t units = 0; units < 20; ++units) {
+    const double meters = 0.25 * units;
+    EXPECT_EQ(cell.is_free(units), meters >= 1.1 && meters <= 2.9) << meters;
+  }
+  map.claim(3, 0, 0.5F);
+  EXPECT_TRUE(cell.is_free(0));
+  EXPECT_TRUE(cell.is_free(2));
+  EXPECT_FALSE(cell.is_free(3));
+  map.claim(3, 2, 1);
+  for (std::uint16_t units = 0; units < 20; ++units) EXPECT_FALSE(cell.is_free(units));
+  map.claim(3, 0, 0);
+  EXPECT_FALSE(cell.is_free(0)) << "no evidence";
+  // As far as numbers go; nothing is free beyond.
+  map.claim(3, 0, std::numeric_limits<float>::infinity());
+  EXPECT_TRUE(cell.is_free(map.distance(16000)));
+  EXPECT_EQ(map.distance(1e9F), 65534);
+  EXPECT_FALSE(cell.is_free(map.distance(1e9F)));
+  map.clear();
+  EXPECT_FALSE(cell.is_free(map.distance(1)));
+}
+
+TEST(FreeSpaceMap, ARunIsWhatItsCellsHaveInCommonAllAround) {
+  sim::Rng rng(6);
+  for (const double width : {10 * degree, 2.3 * degree, 0.25 * degree}) {
+    FreeSpaceMap map;
+    map.set(0, 0, width, unit);
+    for (std::size_t cell = 0; cell < map.size(); ++cell)
+      map.claim(cell, static_cast<float>(rng.uniform()), static_cast<float>(0.9 + 10 * rng.uniform()));
+    map.find_runs();
+    for (int round = 0; round < 500; ++round) {
+      const auto first = static_cast<std::size_t>(rng.uniform() * static_cast<double>(map.size()));
+      const auto length = 1 + static_cast<std::size_t>(rng.uniform() * 128);
+      FreeSpaceMap::RunAt at;
+      ASSERT_TRUE(map.find_run(first, length, at));
+      const FreeSpaceMap::Run a = map.runs()[at.first], b = map.runs()[at.second];
+      const auto meters = static_cast<float>(12 * rng.uniform());
+      const std::int16_t near = FreeSpaceMap::ordered(map.distance(meters));
+      const bool run_is_free = std::max(a.from, b.from) <= near &&
+                               std::max(a.not_to, b.not_to) <= static_cast<std::int16_t>(~near);
+      bool all_are_free = true;
+      for (std::size_t i = 0; i < length; ++i)
+        all_are_free = all_are_free && map.cells()[(first + i) % map.size()].is_free(map.distance(meters));
+      ASSERT_EQ(run_is_free, all_are_free) << width << ' ' << first << " + " << length << " at " << meters;
+    }
+    FreeSpaceMap::RunAt at;
+    EXPECT_FALSE(map.find_run(0, 0, at));
+    EXPECT_TRUE(map.find_run(0, 128, at));
+    EXPECT_FALSE(map.find_run(0, 129, at));
+  }
+}
+
+TEST(FreeSpaceMap, CellsAreFineAndDivideTheBeamsEvenly) {
+  for (const double width :
+       {1 * degree, -1 * degree, 0.5 * degree, 0.25 * degree, 0.1 * degree, 5 * degree}) {
+    FreeSpaceMap map;
+    map.set(0, 0, width, unit);
+    const double cells_per_beam = static_cast<double>(map.size()) * std::abs(width) / (2 * pi_d);
+    EXPECT_NEAR(cells_per_beam, std::round(cells_per_beam), 1e-6) << width / degree;
+    EXPECT_LE(2 * pi_d / static_cast<double>(map.size()), 0.2 * degree * 1.001) << width / degree;
+    EXPECT_LE(cells_per_beam, std::abs(width) / (0.2 * degree) + 1) << "and not finer than needed";
+  }
+  FreeSpaceMap map;
+  EXPECT_EQ(map.size(), 0U);
+  map.set(0, 0, 1e-9, unit);
+  EXPECT_LE(map.size(), 65535U) << "a cell's number has 16 bits";
+}
+
+TEST(FreeSpaceMap, TheCellOfADirectionHoldsIt) {
+  FreeSpaceMap map;
+  map.set(3, 4, degree, unit);
+  for (double angle = -pi_d + 1e-4; angle < pi_d; angle += 0.0137) {
+    const std::size_t cell =
+        map.cell_towards(static_cast<float>(2 * std::cos(angle)), static_cast<float>(2 * std::sin(angle)));
+    EXPECT_NEAR(turn_between(middle_of(map, cell), angle), 0, pi_d / static_cast<double>(map.size()) + 1e-6);
+  }
+  EXPECT_EQ(map.cell_towards(-1, 0), 0) << "the last cell ends where the first one begins";
+}
+
+}  // namespace
+}  // namespace lidard

@@ -1,0 +1,357 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/merge/scheduler.h"
+#include "test/sim/world/rng.h"
+
+namespace lidard {
+namespace {
+
+constexpr Span ms(double n) { return span_from_seconds(n / 1000); }
+constexpr Stamp begin{1'700'000'000'000'000'000};
+
+struct Delivery {
+  std::size_t source;
+  Span end, arrival;
+  double period;
+};
+
+struct Output {
+  Span at;
+  std::vector<char> use;
+};
+
+/// A day in the life of some scanners: some late, some silent for a while, some from the start.
+std::vector<Delivery> random_deliveries(sim::Rng& rng, std::size_t sources, Span length) {
+  std::vector<Delivery> all;
+  for (std::size_t s = 0; s < sources; ++s) {
+    const double period = 20 + 60 * rng.uniform();
+    const double silent_from = rng.uniform() * 2500, silent_to = silent_from + rng.uniform() * 1500;
+    const double delay = 10 * rng.uniform();
+    for (double end = period * rng.uniform(); ms(end) < length; end += period) {
+      if (end > silent_from && end < silent_to) continue;
+      const Span arrival = ms(end + delay + 3 * rng.uniform());
+      all.push_back({s, ms(end), arrival, period / 1000});
+    }
+  }
+  std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.arrival < b.arrival; });
+  return all;
+}
+
+/// The outputs if the scheduler is asked at deliveries, when it says, and (`always`) every half millisecond
+/// too.
+std::vector<Output> outputs_of(const std::vector<Delivery>& deliveries, std::size_t sources,
+                               const ScheduleSettings& settings, Span length, bool always) {
+  Scheduler scheduler(sources, settings);
+  std::vector<Output> outputs;
+  Span now{};
+  const auto look = [&] {
+    if (!scheduler.is_due(begin + now)) return;
+    outputs.push_back({now, scheduler.usable(begin + now)});
+    scheduler.done(begin + now);
+  };
+  look();
+  for (std::size_t next = 0;;) {
+    Span at = next < deliveries.size() ? deliveries[next].arrival : length;
+    const Span delivery = at;
+    if (const auto event = scheduler.next_event()) at = std::min(at, *event - begin);
+    if (always) at = std::min(at, now + ms(0.5));
+    now = at;
+    if (now >= length) return outputs;
+    if (at == delivery && next < deliveries.size()) {
+      const Delivery& d = deliveries[next++];
+      scheduler.delivered(d.source, begin + d.end, d.period, begin + now);
+    }
+    look();
+  }
+}
+
+TEST(SchedulerEvents, WhoAsksAtTheEventsAloneMissesNothingThatWhoAlwaysAsksGets) {
+  constexpr Span length = ms(4000);
+  sim::Rng rng(3);
+  std::size_t compared = 0;
+  for (const Policy policy : {Policy::complete, Policy::rate, Policy::trigger}) {
+    for (const bool when_empty : {false, true}) {
+      for (int round = 0; round < 12; ++round) {
+        ScheduleSettings settings;
+        settings.policy = policy;
+        settings.publish_when_empty = when_empty;
+        settings.rate = 5 + 20 * rng.uniform();
+        if (round % 3 == 1) settings.max_age = ms(30 + 100 * rng.uniform());
+        if (round % 4 == 1) settings.deadline = ms(30 * rng.uniform());
+        const std::size_t sources = 1 + static_cast<std::size_t>(round) % 3;
+        settings.trigger = sources - 1;
+        const auto deliveries = random_deliveries(rng, sources, length);
+        const auto events = outputs_of(deliveries, sources, settings, length, false);
+        const auto always = outputs_of(deliveries, sources, settings, length, true);
+        ASSERT_EQ(events.size(), always.size()) << to_string(policy) << when_empty << ' ' << round;
+        for (std::size_t i = 0; i < events.size(); ++i) {
+          ASSERT_EQ(events[i].at, always[i].at)
+              << to_string(policy) << when_empty << ' ' << round << ' ' << seconds(always[i].at);
+          ASSERT_EQ(events[i].use, always[i].use) << seconds(events[i].at);
+        }
+        compared += events.size();
+      }
+    }
+  }
+  EXPECT_GT(compared, 3000U);
+}
+
+TEST(SchedulerEvents, AnEventLiesInTheFutureAndThereIsNoneOnceEverythingIsLost) {
+  Scheduler scheduler(2, {});
+  scheduler.delivered(0, begin, 0.05, begin);
+  scheduler.delivered(1, begin + ms(7), 0.08, begin + ms(9));
+  Stamp now = begin + ms(9);
+  int events = 0;
+  while (const auto event = scheduler.next_event()) {
+    ASSERT_GT(*event, now);
+    now = *event;
+    scheduler.is_due(now);
+    ASSERT_LT(++events, 20);
+  }
+  EXPECT_EQ(scheduler.state(0, now), SourceState::lost);
+  EXPECT_EQ(scheduler.state(1, now), SourceState::lost);
+}
+
+TEST(SchedulerEvents, AnEmptyOutputIsAnnouncedAPeriodAfterTheLastOne) {
+  for (const Policy policy : {Policy::complete, Policy::trigger}) {
+    ScheduleSettings settings;
+    settings.policy = policy;
+    settings.publish_when_empty = true;
+    Scheduler scheduler(1, settings);
+    scheduler.delivered(0, begin, 0.05, begin);
+    const Stamp later = begin + std::chrono::seconds(10);
+    ASSERT_TRUE(scheduler.is_due(later));
+    scheduler.done(later);
+    EXPECT_FALSE(scheduler.is_due(later + ms(50) - Span(1)));
+    ASSERT_TRUE(scheduler.next_event().has_value());
+    EXPECT_EQ(*scheduler.next_event(), later + ms(50));
+    EXPECT_TRUE(scheduler.is_due(later + ms(50)));
+  }
+}
+
+/// One source whose sweeps end and arrive after so many ms each.
+struct OneSource {
+  Scheduler scheduler{1, {}};
+  Span at{};
+  void deliver(double after_ms, double told_s = 0) {
+    at += ms(after_ms);
+    scheduler.delivered(0, begin + at, told_s, begin + at);
+  }
+  double period_ms() const { return scheduler.period(0) * 1000; }
+};
+
+TEST(SchedulerPeriod, PausesThatAreNotInARowAreNoSlowerPeriod) {
+  OneSource source;
+  for (int i = 0; i < 10; ++i) source.deliver(50, 0.05);
+  for (int i = 0; i < 12; ++i) {
+    source.deliver(200);
+    source.deliver(200);
+    source.deliver(50);
+    ASSERT_NEAR(source.period_ms(), 50, 1e-6) << i;
+  }
+  source.deliver(200);
+  source.deliver(200);
+  ASSERT_NEAR(source.period_ms(), 50, 1e-6);
+  source.deliver(200);
+  EXPECT_NEAR(source.period_ms(), 200, 1e-6) << "the third in a row is believed";
+}
+
+TEST(SchedulerPeriod, LessThanOneAndAHalfPeriodsAreNoPause) {
+  OneSource source;
+  source.deliver(0, 0.04);
+  source.deliver(59);
+  EXPECT_GT(source.period_ms(), 40.1);
+  OneSource other;
+  other.deliver(0, 0.04);
+  other.deliver(61);
+  EXPECT_NEAR(other.period_ms(), 40, 1e-9);
+}
+
+TEST(SchedulerPeriod, FollowsADeviceThatTurnsALittleFasterOrSlower) {
+  for (const double now : {45.0, 58.0}) {
+    OneSource source;
+    for (int i = 0; i < 10; ++i) source.deliver(50, 0.05);
+    for (int i = 0; i < 30; ++i) source.deliver(now);
+    EXPECT_NEAR(source.period_ms(), now, 0.05);
+  }
+}
+
+TEST(SchedulerPeriod, WhatIsToldCountsUntilSomethingIsMeasuredAndNonsenseNever) {
+  for (const double nonsense :
+       {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    OneSource source;
+    source.deliver(0, nonsense);
+    EXPECT_EQ(source.period_ms(), 0) << nonsense;
+    source.deliver(70, nonsense);
+    EXPECT_NEAR(source.period_ms(), 70, 1e-9);
+  }
+  OneSource source;
+  source.deliver(0, 0.05);
+  EXPECT_NEAR(source.period_ms(), 50, 1e-9);
+  source.scheduler.delivered(0, begin, 0, begin + ms(1));  // a sweep that ends when the last one did
+  EXPECT_NEAR(source.period_ms(), 50, 1e-9);
+}
+
+TEST(SchedulerLimits, ASourceIsWaitedForByThreeTenthsOfTheShortestPeriod) {
+  Scheduler scheduler(3, {});
+  EXPECT_EQ(scheduler.deadline(), ms(30)) << "of 10 Hz, until a period is known";
+  scheduler.delivered(0, begin, 0.08, begin);
+  EXPECT_EQ(scheduler.deadline(), ms(24));
+  scheduler.delivered(1, begin, 0.02, begin);
+  scheduler.delivered(2, begin, 0.05, begin);
+  EXPECT_EQ(scheduler.deadline(), ms(6));
+  EXPECT_EQ(scheduler.state(0, begin + ms(86)), SourceState::ok);
+  EXPECT_EQ(scheduler.state(0, begin + ms(86) + Span(1)), SourceState::stale);
+  ScheduleSettings settings;
+  settings.deadline = ms(1);
+  Scheduler strict(1, settings);
+  strict.delivered(0, begin, 0.05, begin);
+  EXPECT_EQ(strict.state(0, begin + ms(51)), SourceState::ok);
+  EXPECT_EQ(strict.state(0, begin + ms(51) + Span(1)), SourceState::stale);
+}
+
+TEST(SchedulerLimits, TheUsualDelayOfASourceIsWaitedForButNotMoreThanItsPeriod) {
+  for (const double delay : {0.0, 10.0, 39.0, 41.0, 90.0}) {
+    ScheduleSettings settings;
+    settings.deadline = ms(5);
+    Scheduler scheduler(1, settings);
+    for (int i = 0; i < 50; ++i) scheduler.delivered(0, begin + ms(40 * i), 0.04, begin + ms(40 * i + delay));
+    const Stamp end = begin + ms(40 * 49);
+    const Stamp overdue = end + ms(40 + std::min(delay, 40.0) + 5);
+    if (overdue > end + ms(delay)) {
+      EXPECT_EQ(scheduler.state(0, overdue - ms(0.001)), SourceState::ok) << delay;
+    }
+    EXPECT_EQ(scheduler.state(0, std::max(overdue, end + ms(delay)) + ms(0.001)), SourceState::stale)
+        << delay;
+    EXPECT_EQ(scheduler.age(0, end + ms(123)), ms(123));
+  }
+}
+
+TEST(SchedulerLimits, JumpsBackOfASecondAreNoRestartButLongerOnesAre) {
+  for (const bool by_asking : {true, false}) {
+    const auto step_to = [&](Scheduler& scheduler, Stamp at) {
+      if (by_asking)
+        scheduler.is_due(at);
+      else
+        scheduler.delivered(0, at, 0.04, at);
+    };
+    Scheduler scheduler(1, {});
+    scheduler.delivered(0, begin, 0.04, begin);
+    step_to(scheduler, begin - std::chrono::seconds(1));
+    EXPECT_EQ(scheduler.restarts(), 0U);
+    step_to(scheduler, begin - std::chrono::seconds(1) - Span(1));
+    EXPECT_EQ(scheduler.restarts(), 1U) << by_asking;
+    EXPECT_EQ(scheduler.state(0, begin), by_asking ? SourceState::never : SourceState::lost);
+  }
+}
+
+TEST(SchedulerLimits, AStampALittleBackDoesNotMoveTheTimeOfEvents) {
+  Scheduler scheduler(1, {});
+  scheduler.delivered(0, begin, 0.04, begin);
+  scheduler.is_due(begin + ms(300));
+  scheduler.is_due(begin + ms(100));
+  ASSERT_TRUE(scheduler.next_event().has_value());
+  EXPECT_EQ(*scheduler.next_event(), begin + ms(400) + Span(1)) << "what lies before 300 ms is past";
+}
+
+TEST(SchedulerLimits, ResetForgetsSourcesPeriodsAndTheLastOutput) {
+  ScheduleSettings settings;
+  settings.publish_when_empty = true;
+  Scheduler scheduler(2, settings);
+  scheduler.delivered(0, begin, 0.04, begin);
+  scheduler.delivered(1, begin, 0.04, begin);
+  ASSERT_TRUE(scheduler.is_due(begin));
+  scheduler.done(begin);
+  scheduler.reset();
+  EXPECT_EQ(scheduler.state(0, begin + ms(1)), SourceState::never);
+  EXPECT_EQ(scheduler.period(0), 0);
+  EXPECT_EQ(scheduler.deadline(), ms(30));
+  EXPECT_FALSE(scheduler.next_event().has_value());
+  EXPECT_TRUE(scheduler.is_due(begin + ms(1))) << "the first empty output is due at once";
+  // Who is not there at the start is waited for anew.
+  scheduler.reset();
+  scheduler.delivered(0, begin + ms(1000), 0.04, begin + ms(1000));
+  EXPECT_FALSE(scheduler.is_due(begin + ms(1000)));
+}
+
+TEST(SchedulerRate, WhatWasMissedIsNotMadeUpForAndTheGridIsKeptOtherwise) {
+  ScheduleSettings settings;
+  settings.policy = Policy::rate;
+  settings.rate = 10;
+  Scheduler scheduler(1, settings);
+  const auto ask = [&](double at) {
+    scheduler.delivered(0, begin + ms(at), 0.01, begin + ms(at));
+    const bool due = scheduler.is_due(begin + ms(at));
+    if (due) scheduler.done(begin + ms(at));
+    return due;
+  };
+  EXPECT_TRUE(ask(0));
+  EXPECT_FALSE(ask(99));
+  EXPECT_TRUE(ask(104));  // late by 4 ms
+  EXPECT_FALSE(ask(199));
+  EXPECT_TRUE(ask(200)) << "the next one is not late for that";
+  EXPECT_TRUE(ask(555));
+  EXPECT_FALSE(ask(600)) << "three were missed; a new row begins";
+  EXPECT_TRUE(ask(655));
+}
+
+TEST(SchedulerRate, AnOutputOutOfTurnBeginsANewRow) {
+  ScheduleSettings settings;
+  settings.policy = Policy::rate;
+  settings.rate = 10;
+  Scheduler scheduler(2, settings);
+  const auto look = [&](double at) {
+    const bool due = scheduler.is_due(begin + ms(at));
+    if (due) scheduler.done(begin + ms(at));
+    return due;
+  };
+  scheduler.delivered(0, begin, 0.03, begin);
+  scheduler.delivered(1, begin, 0.03, begin);
+  EXPECT_TRUE(look(0));
+  scheduler.delivered(1, begin + ms(30), 0.03, begin + ms(30));
+  EXPECT_FALSE(look(39));
+  EXPECT_TRUE(look(40)) << "the first source is overdue: it must be gone from the output";
+  for (double at = 60; at < 135; at += 30) scheduler.delivered(1, begin + ms(at), 0.03, begin + ms(at));
+  EXPECT_FALSE(look(100));
+  EXPECT_FALSE(look(139));
+  EXPECT_TRUE(look(140));
+  EXPECT_EQ(scheduler.deadlines_missed(), 2U);
+}
+
+TEST(SchedulerTrigger, WaitsForItsSourceUntilThatIsOverdueThoughTheOthersHaveDelivered) {
+  ScheduleSettings settings;
+  settings.policy = Policy::trigger;
+  settings.trigger = 0;
+  Scheduler scheduler(2, settings);
+  const auto deliver = [&](std::size_t source, double at) {
+    scheduler.delivered(source, begin + ms(at), source == 0 ? 0.1 : 0.04, begin + ms(at));
+    const bool due = scheduler.is_due(begin + ms(at));
+    if (due) scheduler.done(begin + ms(at));
+    return due;
+  };
+  EXPECT_FALSE(deliver(1, 0)) << "at the start the trigger is waited for";
+  EXPECT_TRUE(deliver(0, 10));
+  EXPECT_FALSE(deliver(1, 40));
+  EXPECT_FALSE(deliver(1, 80));
+  EXPECT_TRUE(deliver(0, 110));
+}
+
+TEST(SchedulerStates, NamesAreThoseOfTheReports) {
+  EXPECT_STREQ(to_string(Policy::complete), "complete");
+  EXPECT_STREQ(to_string(Policy::rate), "rate");
+  EXPECT_STREQ(to_string(Policy::trigger), "trigger");
+  EXPECT_STREQ(to_string(SourceState::never), "never");
+  EXPECT_STREQ(to_string(SourceState::ok), "ok");
+  EXPECT_STREQ(to_string(SourceState::stale), "stale");
+  EXPECT_STREQ(to_string(SourceState::lost), "lost");
+}
+
+}  // namespace
+}  // namespace lidard
