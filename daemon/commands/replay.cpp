@@ -13,8 +13,6 @@
 
 #include "daemon/commands/player.h"
 #include "daemon/config/exit_codes.h"
-#include "daemon/config/output_topics.h"
-#include "daemon/pipeline/output_report.h"
 #include "daemon/pipeline/report.h"
 #include "daemon/ros/bag_poses.h"
 #include "daemon/ros/bag_sink.h"
@@ -35,19 +33,17 @@ void stop_on_signals() {
 
 /// Captures on their way through a pipeline into a sink.
 struct Replay {
-  Replay(const ReplayOptions& how, const Config& what, MergedCapture& from, FrameSink& target,
+  Replay(const ReplayOptions& how, const Config& what, MergedCapture& from, FrameSink& to,
          TransformSource& poses)
-      : options(how),
-        config(what),
+      : config(what),
         capture(from),
-        sink(target, output_topics(config)),
+        sink(to),
         pipeline(config, poses, sink),
-        player(options, capture, pipeline) {}
+        player(how, capture, pipeline) {}
 
-  const ReplayOptions& options;
   const Config& config;
   MergedCapture& capture;
-  CountingSink sink;
+  FrameSink& sink;
   Pipeline pipeline;
   Player player;
 
@@ -61,8 +57,7 @@ struct Replay {
     };
     player.play(stopped);
     report(out, err);
-    auto outputs = sink.reports();
-    for (OutputReport& output : outputs) output.remark = pipeline.why_missing(output.name);
+    const auto outputs = pipeline.output_report();
     print_outputs("output", outputs, out);
     // Who stops a replay early knows that not everything has come.
     return stopped() || all_came(outputs);

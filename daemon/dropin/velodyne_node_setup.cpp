@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/dropin/velodyne_node_setup.h"
+
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
@@ -8,7 +10,6 @@
 #include "core/base/number_text.h"
 #include "daemon/config/config.h"
 #include "daemon/dropin/parameter_reader.h"
-#include "daemon/dropin/velodyne_node.h"
 #include "drivers/registry/registry.h"
 
 namespace lidard {
@@ -122,8 +123,8 @@ void read_replay(ParameterReader& reader, ReplayOptions& replay) {
 
 }  // namespace
 
-VelodyneNodeSetup velodyne_node_setup(const NodeParameters& parameters) {
-  VelodyneNodeSetup setup;
+DropinSetup velodyne_node_setup(const NodeParameters& parameters) {
+  DropinSetup setup;
   ParameterReader reader(parameters);
   for (const auto& [name, why] : without_effect) {
     const std::string value = reader.text(name, "");

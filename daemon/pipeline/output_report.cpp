@@ -8,6 +8,8 @@
 #include <cstring>
 #include <ostream>
 
+#include "daemon/pipeline/report.h"
+
 namespace lidard {
 
 void OutputReport::count(Stamp released) {
@@ -21,27 +23,16 @@ double OutputReport::rate() const {
   return messages < 2 || span <= 0 ? 0 : static_cast<double>(messages - 1) / span;
 }
 
-CountingSink::CountingSink(FrameSink& sink, const std::vector<OutputTopic>& topics) : sink_(sink) {
-  for (const OutputTopic& topic : topics) {
-    reports_.emplace_back();
-    reports_.back().name = topic.name;
-    reports_.back().promised = topic.promised;
-  }
-}
-
-void CountingSink::scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) {
-  reports_[topic.id].count(released);
-  sink_.scan(topic, scan, released);
-}
-
-void CountingSink::cloud(const OutputTopic& topic, Cloud& cloud, Stamp released) {
-  reports_[topic.id].count(released);
-  sink_.cloud(topic, cloud, released);
-}
-
-void CountingSink::message(const OutputTopic& topic, const DeviceMessage& message, Stamp released) {
-  reports_[topic.id].count(released);
-  sink_.message(topic, message, released);
+std::string why_no_frame(const Model& model, const Counters& counters, Span span) {
+  if (counters.packets > 0 && counters.rejected_total() >= counters.packets)
+    return "no packet could be used, rejected " + rejected_text(counters) + "; is it a " +
+           std::string(model.product) + "?";
+  const std::string data = fmt::format("{} packets in {:.3f} s, a whole one usually takes {} s",
+                                       counters.packets, seconds(span), model.frame_period);
+  const double part = seconds(span) / model.frame_period;
+  if (part < 0.95) return fmt::format("only about {:.1f} of a frame: {}", part, data);
+  return fmt::format("no whole frame: {}; {} lost, {} frames cut off by begin, end or loss", data,
+                     counters.lost_packets, counters.partial_frames);
 }
 
 void print_outputs(const char* head, const std::vector<OutputReport>& outputs, std::ostream& out) {
