@@ -7,7 +7,6 @@
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/transform_source.h"
 #include "daemon/ros/ros_device_message.h"
-#include "daemon/ros/ros_queue.h"
 #include "drivers/registry/registry.h"
 #include "test/support/recording_sink.h"
 #include "test/support/ros_samples.h"
@@ -163,41 +162,6 @@ TEST(TelemetryTopics, HoldAStateAsDiagnosticStatus) {
   EXPECT_EQ(message.status[0].values[0].key, "ticks");
   EXPECT_EQ(message.status[0].values[0].value, "42");
   EXPECT_EQ(message.status[0].values[1].value, "0.25");
-}
-
-TEST(TelemetryTopics, ArePassedToTheRosThreadInOrder) {
-  FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
-  queue.push(test::roof_imu, test::sample_imu(), Stamp{1});
-  queue.push(test::roof_fix, test::sample_fix(), Stamp{2});
-  queue.push(test::roof_time, test::sample_time_reference(), Stamp{3});
-  const auto next = [&queue] {
-    QueuedFrame* frame = queue.pop(Span(0));
-    EXPECT_NE(frame, nullptr);
-    EXPECT_EQ(frame->what, QueuedFrame::What::message);
-    return frame;
-  };
-  QueuedFrame* frame = next();
-  EXPECT_EQ(std::get<ImuSample>(frame->message).angular_velocity.z(), 0.3);
-  queue.done(frame);
-  frame = next();
-  EXPECT_EQ(std::get<GnssFix>(frame->message).status, FixStatus::sbas);
-  queue.done(frame);
-  frame = next();
-  EXPECT_EQ(std::get<TimeReference>(frame->message).source, "gps_pps");
-  queue.done(frame);
-  EXPECT_TRUE(queue.idle());
-}
-
-TEST(TelemetryTopics, AnImuMayRunAheadOfTheRosThreadFurtherThanAFrame) {
-  FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
-  for (int i = 0; i < 40; ++i) queue.push(test::roof_imu, test::sample_imu(), Stamp{i});
-  for (int i = 0; i < 5; ++i) queue.push(test::roof_fix, test::sample_fix(), Stamp{i});
-  EXPECT_EQ(queue.dropped(test::roof_imu.id), 8U);
-  EXPECT_EQ(queue.dropped(test::roof_fix.id), 3U);
-  QueuedFrame* oldest = queue.pop(Span(0));
-  ASSERT_NE(oldest, nullptr);
-  EXPECT_EQ(oldest->released.ns, 8);
-  queue.done(oldest);
 }
 
 }  // namespace
