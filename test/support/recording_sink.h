@@ -27,30 +27,28 @@ class RecordingSink final : public FrameSink {
   /// `keep_frames` false: scans and clouds are counted and not kept, for long streams.
   explicit RecordingSink(bool keep_frames = true) : keep_frames_(keep_frames) {}
 
-  void scan(const std::string& topic, const PlanarScan& scan, Stamp at) override {
-    EXPECT_EQ(violation(scan), nullptr) << topic;
-    note(topic, at);
-    if (keep_frames_) scans[topic].push_back(scan);
+  void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp at) override {
+    EXPECT_EQ(violation(scan), nullptr) << topic.name;
+    note(topic.name, at);
+    if (keep_frames_) scans[topic.name].push_back(scan);
   }
-  void cloud(const std::string& topic, Cloud& cloud, Stamp at) override {
-    note(topic, at);
-    if (keep_frames_) clouds[topic].push_back(cloud);
+  void cloud(const OutputTopic& topic, Cloud& cloud, Stamp at) override {
+    note(topic.name, at);
+    if (keep_frames_) clouds[topic.name].push_back(cloud);
   }
-  void fix(const std::string& topic, const GnssFix& fix, Stamp at) override {
-    note(topic, at);
-    fixes[topic].push_back(fix);
+  void message(const OutputTopic& topic, const DeviceMessage& message, Stamp at) override {
+    note(topic.name, at);
+    messages[topic.name].push_back(message);
   }
-  void time_reference(const std::string& topic, const TimeReference& reference, Stamp at) override {
-    note(topic, at);
-    references[topic].push_back(reference);
-  }
-  void imu(const std::string& topic, const ImuSample& sample, Stamp at) override {
-    note(topic, at);
-    samples[topic].push_back(sample);
-  }
-  void state(const std::string& topic, const DeviceState& state, Stamp at) override {
-    note(topic, at);
-    states[topic].push_back(state);
+  /// The messages of one type that came on a topic.
+  template <class Kind>
+  std::vector<Kind> of(const std::string& topic) const {
+    std::vector<Kind> all;
+    const auto found = messages.find(topic);
+    if (found == messages.end()) return all;
+    for (const DeviceMessage& message : found->second)
+      if (const Kind* one = std::get_if<Kind>(&message)) all.push_back(*one);
+    return all;
   }
   void transforms(const std::vector<StaticTransform>& all, Stamp) override { static_transforms = all; }
   void diagnostics(const std::vector<DiagnosticItem>& items, Stamp at) override {
@@ -78,10 +76,7 @@ class RecordingSink final : public FrameSink {
   std::map<std::string, std::vector<Stamp>> released;
   std::map<std::string, std::vector<PlanarScan>> scans;
   std::map<std::string, std::vector<Cloud>> clouds;
-  std::map<std::string, std::vector<GnssFix>> fixes;
-  std::map<std::string, std::vector<TimeReference>> references;
-  std::map<std::string, std::vector<ImuSample>> samples;
-  std::map<std::string, std::vector<DeviceState>> states;
+  std::map<std::string, std::vector<DeviceMessage>> messages;
   std::vector<StaticTransform> static_transforms;
   std::vector<DiagnosticItem> newest;
   std::map<std::string, std::vector<std::pair<Health, Stamp>>> healths;  ///< changes, by the item's name

@@ -134,7 +134,7 @@ TEST(Demo, LosesNothingAndPublishesEveryTopic) {
     EXPECT_EQ(sensor.counters.incomplete, 0U) << sensor.name;
     EXPECT_EQ(sensor.counters.rejected_total(), 0U) << sensor.name;
   }
-  for (const auto& topic : pipeline_topics(demo.config)) {
+  for (const auto& topic : output_topics(demo.config)) {
     const bool cloud = topic.kind == TopicKind::cloud;
     if (!cloud && topic.kind != TopicKind::scan) continue;  // the demo's sensors have no receiver
     EXPECT_GT(cloud ? demo.sink.clouds.count(topic.name) : demo.sink.scans.count(topic.name), 0U)

@@ -77,7 +77,7 @@ inline Model line_model(Transport transport, std::uint16_t port, std::uint16_t d
   model.port = port;
   model.dialogue_port = dialogue_port;
   model.frame_period = 0.02;
-  model.state_topics = {}, model.extra_scans = {};
+  model.messages = {}, model.extra_scans = {};
   model.make = [](const DriverConfig& config) -> std::unique_ptr<Driver> {
     auto driver = std::make_unique<LineDriver>(config);
     last_line_driver() = driver.get();

@@ -11,6 +11,7 @@
 
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/transform_source.h"
+#include "daemon/ros/ros_connection.h"
 #include "daemon/ros/ros_inputs.h"
 #include "test/sim/servers/velodyne_stream.h"
 #include "test/support/recording_sink.h"
@@ -153,32 +154,32 @@ struct Listening {
   test::RecordingSink sink;
   Pipeline pipeline{config, poses, sink};
   std::mutex mutex;
-  std::vector<std::function<void()>> waiting;
-  RosLink link{RosOptions{}};
+  std::vector<std::function<void(Stamp)>> waiting;
+  RosConnection connection{{}, {}};
   std::shared_ptr<RosInputs> inputs = std::make_shared<RosInputs>(
       std::vector<TopicSource>{{"roof", "/velodyne_packets", true}},
-      [this](std::function<void()> task) {
+      [this](std::function<void(Stamp)> task) {
         const std::lock_guard lock(mutex);
         waiting.push_back(std::move(task));
       },
-      TopicHandlers{{}, {}, [this](const std::string& name, ByteView packet, Stamp arrival, Stamp received) {
-                      pipeline.packet_message(name, {packet, arrival, {}, {}}, received);
-                    }});
+      RosHandlers{{}, {}, [this](const std::string& name, ByteView packet, Stamp arrival, Stamp received) {
+                    pipeline.packet_message(name, {packet, arrival, {}, {}}, received);
+                  }});
 
   Listening() {
-    link.add_client(inputs);
-    link.start();
+    connection.add(inputs);
+    connection.start();
   }
   bool run_until(const std::function<bool()>& done) {
     const auto end = std::chrono::steady_clock::now() + 20s;
     while (!done() && std::chrono::steady_clock::now() < end) {
       std::this_thread::sleep_for(5ms);
-      std::vector<std::function<void()>> tasks;
+      std::vector<std::function<void(Stamp)>> tasks;
       {
         const std::lock_guard lock(mutex);
         tasks.swap(waiting);
       }
-      for (const auto& task : tasks) task();
+      for (const auto& task : tasks) task(Stamp{1});
     }
     return done();
   }
@@ -220,7 +221,7 @@ TEST(VelodyneScanTopic, GivesTheCloudsThatThePacketsGiveByUdp) {
     }
     EXPECT_EQ(here.inputs->report().at(0).type, "velodyne_msgs/VelodyneScan");
     EXPECT_EQ(here.inputs->report().at(0).rejected, 0U);
-    EXPECT_TRUE(here.link.stop());
+    EXPECT_TRUE(here.connection.stop());
   });
 }
 
@@ -244,7 +245,7 @@ TEST(VelodyneScanTopic, CountsMessagesThatAreCutOffAndGoesOn) {
     }));
     EXPECT_EQ(here.inputs->report().at(0).last_reason, "the message is shorter than its own counts say");
     EXPECT_EQ(here.inputs->diagnostics().at(0).health, Health::warn);
-    EXPECT_TRUE(here.link.stop());
+    EXPECT_TRUE(here.connection.stop());
   });
 }
 

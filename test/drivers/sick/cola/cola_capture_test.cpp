@@ -323,7 +323,10 @@ TEST(ColaCaptures, FieldsAndOutputsOfAnLms511GoOut) {
   struct States final : DriverOutput {
     void scan(PlanarScan&) override {}
     void cloud(Cloud&) override {}
-    void state(const DeviceState& state) override { ++count[std::string(state.topic)], last = state; }
+    void message(const DeviceMessage& message) override {
+      last = std::get<DeviceState>(message);
+      ++count[std::string(last.topic)];
+    }
     std::map<std::string, int> count;
     DeviceState last;
   } out;

@@ -24,7 +24,9 @@ struct Kept final : DriverOutput {
   std::vector<ImuSample> samples;
   void scan(PlanarScan&) override { ADD_FAILURE() << "several layers made a scan"; }
   void cloud(Cloud& cloud) override { clouds.push_back(cloud); }
-  void imu(const ImuSample& sample) override { samples.push_back(sample); }
+  void message(const DeviceMessage& message) override {
+    if (const auto* sample = std::get_if<ImuSample>(&message)) samples.push_back(*sample);
+  }
 };
 
 struct Played {
