@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/pipeline/motion_watch.h"
+#include "daemon/pipeline/vehicle_motion.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,22 +18,39 @@ using test::PipelineBench;
 using test::round_scan;
 using testing::HasSubstr;
 
-/// A watch that has seen poses of [0, newest pose] and data stamped `data`; all of it came in at time 0.
+/// The motion of a vehicle that has told poses from `oldest_pose` to `newest_pose`, ms, and data stamped
+/// `data`; all of it came in at time 0.
 struct Watched {
   Watched(double newest_pose, double data) : Watched(0, newest_pose, data) {}
   Watched(double oldest_pose, double newest_pose, double data) {
-    track.add(bench_begin + ms(oldest_pose), Pose::Identity());
-    if (newest_pose > oldest_pose) track.add(bench_begin + ms(newest_pose), Pose::Identity());
-    watch.data(bench_begin + ms(data), bench_begin);
-    watch.poses(track, bench_begin);
+    add(oldest_pose, 0);
+    if (newest_pose > oldest_pose) add(newest_pose, 0);
+    motion.note_data(bench_begin + ms(data), bench_begin);
   }
-  std::string after(double passed) const { return watch.trouble(track, bench_begin + ms(passed)); }
-  MotionWatch watch;
-  PoseTrack track;
+  static VehicleConfig moving() {
+    VehicleConfig vehicle;
+    vehicle.odometry_topic = "/odom";
+    return vehicle;
+  }
+  void add(double stamp, double now) {
+    motion.add_pose(bench_begin + ms(stamp), Pose::Identity(), "", bench_begin + ms(now));
+  }
+  DiagnosticItem item(double passed) const {
+    return motion.diagnostics(bench_begin + ms(passed)).value_or(DiagnosticItem());
+  }
+  std::string after(double passed) const { return item(passed).message; }
+
+  Config config;
+  test::KnownTransforms tf;
+  VehicleConfig vehicle = moving();
+  FrameTree frames{config, tf};
+  VehicleMotion motion{vehicle, tf, frames};
 };
 
+const char* const well = "poses come in";
+
 TEST(MotionWatch, PosesMayLagTheDataByHalfASecond) {
-  EXPECT_EQ(Watched(1000, 1500).after(0), "");
+  EXPECT_EQ(Watched(1000, 1500).after(0), well);
   EXPECT_EQ(Watched(1000, 1501).after(0),
             "the newest pose of the vehicle is 0.5 s older than the newest scan, which is not deskewed; does "
             "odometry still come, and are its stamps of the same clock?");
@@ -41,7 +58,7 @@ TEST(MotionWatch, PosesMayLagTheDataByHalfASecond) {
 }
 
 TEST(MotionWatch, PosesMayBeginHalfASecondAfterTheData) {
-  EXPECT_EQ(Watched(1500, 2000, 1000).after(0), "");
+  EXPECT_EQ(Watched(1500, 2000, 1000).after(0), well);
   EXPECT_EQ(Watched(1501, 2000, 1000).after(0),
             "the oldest pose of the vehicle is 0.5 s newer than the newest scan, which is not deskewed; are "
             "the stamps of both of the same clock?");
@@ -52,34 +69,32 @@ TEST(MotionWatch, WithoutDataForASecondThePosesAloneAreLookedAt) {
   EXPECT_THAT(lagging.after(999), HasSubstr("older than the newest scan"));
   EXPECT_EQ(lagging.after(1000), "no pose of the vehicle any more");
   Watched live(1000, 3000);
-  live.track.add(bench_begin + ms(1100), Pose::Identity());
-  live.watch.poses(live.track, bench_begin + ms(1000));
-  EXPECT_EQ(live.after(1000), "");
-  EXPECT_EQ(live.after(1499), "");
+  live.add(1100, 1000);
+  EXPECT_EQ(live.after(1000), well);
+  EXPECT_EQ(live.after(1499), well);
   EXPECT_EQ(live.after(1500), "no pose of the vehicle any more");
 }
 
 TEST(MotionWatch, APoseThatIsHeldToItTwiceIsNoNewOne) {
   Watched live(1000, 3000);
-  live.watch.poses(live.track, bench_begin + ms(1400));
+  live.add(1000, 1400);
   EXPECT_EQ(live.after(1400), "no pose of the vehicle any more") << "it is still that of the begin";
 }
 
 TEST(MotionWatch, ShowsItsCountersAndTheLag) {
   Watched watched(1000, 1250);
-  watched.track.add(bench_begin + ms(1010), Pose::Identity());
-  DiagnosticItem item = watched.watch.diagnostics(watched.track, 0, "never said", bench_begin);
+  watched.add(1010, 0);
+  watched.motion.add_pose(bench_begin + ms(1020), Pose::Identity(), "gnss", bench_begin);
+  DiagnosticItem item = watched.item(0);
   EXPECT_EQ(item.name, "motion");
   EXPECT_EQ(item.health, Health::ok);
-  EXPECT_EQ(item.message, "poses come in");
+  EXPECT_EQ(item.message, well);
   EXPECT_EQ(test::value_of(item, "Knots"), "3");
-  EXPECT_EQ(test::value_of(item, "Frame not known"), "0");
+  EXPECT_EQ(test::value_of(item, "Frame not known"), "1");
   EXPECT_NEAR(std::stod(test::value_of(item, "Scans ahead of poses (s)")), 0.24, 1e-6);
-  item = MotionWatch().diagnostics(PoseTrack(), 3, "no tf from odom", bench_begin);
+  item = watched.item(1000);
   EXPECT_EQ(item.health, Health::warn);
-  EXPECT_EQ(item.message, "no pose of the vehicle yet; scans are not deskewed: no tf from odom");
-  EXPECT_EQ(test::value_of(item, "Frame not known"), "3");
-  EXPECT_EQ(test::value_of(item, "Scans ahead of poses (s)"), "no such key");
+  EXPECT_THAT(item.message, testing::StartsWith("no pose of the vehicle any more: no tf from "));
 }
 
 /// A merged scan of one sweep of 100 ms while the vehicle turns at `yaw_rate` and drives at 2 m/s; the motion
