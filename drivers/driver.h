@@ -16,9 +16,7 @@
 #include "core/base/device_clock.h"
 #include "core/base/time.h"
 #include "core/frames/cloud.h"
-#include "core/frames/device_state.h"
-#include "core/frames/gnss.h"
-#include "core/frames/imu.h"
+#include "core/frames/device_message.h"
 #include "core/frames/scan.h"
 #include "drivers/address.h"
 
@@ -46,12 +44,8 @@ class DriverOutput {
   virtual ~DriverOutput() = default;
   virtual void scan(PlanarScan& scan) = 0;
   virtual void cloud(Cloud& cloud) = 0;
-  /// What a satellite receiver or an inertial unit in the device told, beside its frames.
-  virtual void fix(const GnssFix& /*fix*/) {}
-  virtual void time_reference(const TimeReference& /*reference*/) {}
-  virtual void imu(const ImuSample& /*sample*/) {}
-  /// What the device tells beside its frames, on a topic of its own.
-  virtual void state(const DeviceState& /*state*/) {}
+  /// What the device tells beside its frames; its topic is one of Model::messages.
+  virtual void message(const DeviceMessage& /*message*/) {}
   /// A further scan of the device (its intrusion data, say); `topic` is one of Model::extra_scans.
   virtual void extra_scan(std::string_view /*topic*/, PlanarScan& /*scan*/) {}
   /// Bytes to send to the device over its TCP connection; dropped in replay.
@@ -117,10 +111,7 @@ class Driver {
   virtual const Counters& counters() const = 0;
   virtual const DeviceInfo& info() const = 0;
   /// Empty: nothing is watched, or nothing that info() does not tell.
-  virtual std::optional<SettingsStatus> settings(Stamp now) const {
-    static_cast<void>(now);
-    return std::nullopt;
-  }
+  virtual std::optional<SettingsStatus> settings(Stamp /*now*/) const { return std::nullopt; }
 };
 
 struct Model;

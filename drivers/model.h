@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
@@ -27,14 +28,13 @@ enum class Trait : std::uint8_t {
   silent_beams_are_free,  ///< a beam without return proves that nothing is there, up to range_max
   packet_messages,        ///< its packets travel in velodyne_msgs/VelodyneScan too
   gnss,                   ///< sends a satellite receiver's sentences to telemetry_port
-  imu,                    ///< holds an inertial unit
   web_control,            ///< its settings are read and changed through its web interface
   settings_writable,      ///< its settings can be changed over TCP, if that is allowed
   receiver_settable,      ///< streams over UDP and can be told over TCP where to send
   logins,                 ///< has user levels with passwords
   skip_setting,           ///< can leave scans out, which is a setting of the device (CoLa)
   skip_request,           ///< can leave scans out and merge beams, as the request for scans says (SCIP)
-  states_on_request,      ///< tells `state_topics` only if asked to (CoLa)
+  states_on_request,      ///< tells its states only if asked to (CoLa)
 };
 
 /// The traits of a model.
@@ -52,6 +52,16 @@ class Traits {
   static constexpr std::uint32_t bit(Trait trait) { return 1U << static_cast<unsigned>(trait); }
   std::uint32_t bits_ = 0;
 };
+
+/// Messages of one kind that a device tells beside its frames.
+struct MessageTopic {
+  std::string_view name;  ///< last part of the topic's name
+  std::size_t kind;       ///< message_kind() of what travels there
+};
+template <class Told>
+MessageTopic message_topic(std::string_view name = Told::topic) {
+  return {name, message_kind<Told>()};
+}
 
 /// Everything the rest of the program needs to know about one product. What only its protocol needs (beam
 /// angles, firing times) stands in the family's own table, behind `row`.
@@ -72,14 +82,20 @@ struct Model {
   double range_min = 0, range_max = 0;  ///< m, constant in every scan
   std::size_t beams = 0;                ///< rings of a multi-plane lidar; 0: the packets tell
   Traits traits{};
-  std::vector<std::string_view> state_topics{};  ///< of DriverOutput::state()
-  std::vector<std::string_view> extra_scans{};   ///< of DriverOutput::extra_scan()
+  std::vector<MessageTopic> messages{};         ///< of DriverOutput::message()
+  std::vector<std::string_view> extra_scans{};  ///< of DriverOutput::extra_scan()
   /// The ring nearest to the horizontal, of a multi-plane lidar; nullptr: not known.
   std::uint16_t (*level_ring)(const DriverConfig& config) = nullptr;
   const void* row = nullptr;  ///< the family's own table entry
   std::unique_ptr<Driver> (*make)(const DriverConfig& config) = nullptr;
 
   bool has(Trait trait) const { return traits.has(trait); }
+  /// True if the device may tell messages of this kind.
+  template <class Told>
+  bool tells() const {
+    return std::any_of(messages.begin(), messages.end(),
+                       [](const MessageTopic& topic) { return topic.kind == message_kind<Told>(); });
+  }
 };
 
 }  // namespace lidard

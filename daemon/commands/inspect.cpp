@@ -63,13 +63,13 @@ void print_captures(const Survey& survey, std::ostream& out) {
 }
 
 std::vector<std::string> row_of(const FoundSensor& sensor) {
-  const Flow& data = sensor.data;
+  const SeenFlow& data = sensor.data;
   std::string ports = std::to_string(data.port), packets = std::to_string(sensor.counters.packets);
   if (data.transport == Transport::tcp) ports = "TCP " + ports;
   if (sensor.telemetry) ports += "+" + std::to_string(sensor.telemetry->port);
   if (sensor.counters.other_packets > 0) packets += "+" + std::to_string(sensor.counters.other_packets);
   return {sensor.name,
-          data.sender.to_string(),
+          data.address.to_string(),
           ports,
           std::string(sensor.model->protocol),
           packets,
@@ -114,10 +114,10 @@ void print_unknown(const Survey& survey, std::ostream& out) {
   if (survey.unknown.empty()) return;
   TextTable table{{"NOT RECOGNISED", "PORT", "PACKETS", "RATE", "DURATION", "BYTES"}};
   for (std::size_t i = 0; i < std::min(unknown_rows, survey.unknown.size()); ++i) {
-    const Flow& flow = survey.unknown[i];
+    const SeenFlow& flow = survey.unknown[i];
     std::string bytes = std::to_string(flow.smallest);
     if (flow.largest != flow.smallest) bytes += "-" + std::to_string(flow.largest);
-    table.push_back({flow.sender.to_string(),
+    table.push_back({flow.address.to_string(),
                      (flow.transport == Transport::tcp ? "TCP " : "") + std::to_string(flow.port),
                      std::to_string(flow.packets), fixed(flow.rate(), 1) + "/s",
                      fixed(flow.duration(), 3) + " s",
@@ -160,11 +160,11 @@ Json json_of(const SurveyedCapture& capture) {
   return out;
 }
 
-Json json_of(const Flow& flow) {
+Json json_of(const SeenFlow& flow) {
   Json destinations = Json::array();
   for (const IpAddress& destination : flow.destinations) destinations.push_back(destination.to_string());
   Json out{{"transport", flow.transport == Transport::tcp ? "tcp" : "udp"},
-           {"sender", flow.sender.to_string()},
+           {"sender", flow.address.to_string()},
            {"source_port", flow.source_port},
            {"destinations", destinations},
            {"port", flow.port},
@@ -209,7 +209,7 @@ void print_json(const Survey& survey, std::ostream& out) {
   Json captures = Json::array(), sensors = Json::array(), unknown = Json::array();
   for (const SurveyedCapture& capture : survey.captures) captures.push_back(json_of(capture));
   for (const FoundSensor& sensor : survey.sensors) sensors.push_back(json_of(sensor));
-  for (const Flow& flow : survey.unknown) unknown.push_back(json_of(flow));
+  for (const SeenFlow& flow : survey.unknown) unknown.push_back(json_of(flow));
   Json all{
       {"captures", captures}, {"sensors", sensors}, {"unknown", unknown}, {"uncounted", survey.uncounted}};
   all["config"] = survey.sensors.empty() ? Json() : Json(config_of(survey));

@@ -37,10 +37,10 @@ void add_sensor(const SensorConfig& sensor, FrameKind wanted, std::vector<Candid
     return;
   }
   for (const OutputTopic& topic : sensor_topics(sensor)) {
-    const TopicKind kind = topic.info.kind;
+    const TopicKind kind = topic.kind;
     if (!topic.promised || (kind != TopicKind::scan && kind != TopicKind::cloud)) continue;
-    candidates.push_back({topic.info.name, kind == TopicKind::cloud ? FrameKind::cloud : FrameKind::scan,
-                          source, "the topic of " + path});
+    candidates.push_back({topic.name, kind == TopicKind::cloud ? FrameKind::cloud : FrameKind::scan, source,
+                          "the topic of " + path});
   }
 }
 

@@ -230,7 +230,7 @@ void check_cloud(Mapping& yaml, SensorConfig& sensor) {
 void claim_topics(const Mapping& yaml, const SensorConfig& sensor, Reading& reading) {
   const std::string& owner = yaml.self().path();
   for (const OutputTopic& topic : sensor_topics(sensor))
-    reading.claims.publishes(topic.info.name, owner, yaml.self());
+    reading.claims.publishes(topic.name, owner, yaml.self());
   if (!sensor.packet_topic.empty()) reading.claims.listens(sensor.packet_topic, owner, yaml.self());
   if (!sensor.topic.empty()) reading.claims.listens(sensor.topic, owner, yaml.where("topic"));
 }

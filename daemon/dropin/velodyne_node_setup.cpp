@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/dropin/velodyne_node_setup.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -7,7 +9,6 @@
 #include "daemon/config/config.h"
 #include "daemon/config/key_tables.h"
 #include "daemon/dropin/parameter_reader.h"
-#include "daemon/dropin/velodyne_node.h"
 #include "drivers/registry/registry.h"
 
 namespace lidard {
@@ -102,8 +103,8 @@ void read_replay(ParameterReader& reader, ReplayOptions& replay) {
 
 }  // namespace
 
-VelodyneNodeSetup velodyne_node_setup(const NodeParameters& parameters) {
-  VelodyneNodeSetup setup;
+DropinSetup velodyne_node_setup(const NodeParameters& parameters) {
+  DropinSetup setup;
   ParameterReader reader(parameters);
   for (const auto& [name, why] : without_effect) {
     const std::string value = reader.text(name, "");

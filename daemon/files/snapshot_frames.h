@@ -19,18 +19,16 @@ class FrameKeeper : public FrameSink {
   /// What comes after this call is not kept.
   void freeze() { frozen_ = true; }
 
-  void scan(const std::string& topic, const PlanarScan& scan, Stamp /*released*/) override {
+  void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp /*released*/) override {
     if (frozen_) return;
-    scans_[{topic, scan.frame_id}] = scan;
+    scans_[{topic.name, scan.frame_id}] = scan;
     newest_ = std::max(newest_, scan.stamp);
   }
-  void cloud(const std::string& topic, Cloud& cloud, Stamp /*released*/) override {
+  void cloud(const OutputTopic& topic, Cloud& cloud, Stamp /*released*/) override {
     if (frozen_) return;
-    clouds_[topic] = cloud;
+    clouds_[topic.name] = cloud;
     newest_ = std::max(newest_, cloud.stamp);
   }
-  void transforms(const std::vector<StaticTransform>& /*transforms*/, Stamp /*released*/) override {}
-  void diagnostics(const std::vector<DiagnosticItem>& /*items*/, Stamp /*released*/) override {}
 
   /// The newest of them, or nullptr.
   const PlanarScan* find_scan(const std::string& topic, const std::string& frame) const {

@@ -6,6 +6,8 @@
 
 #include <map>
 
+#include "daemon/pipeline/sensor_flows.h"
+
 namespace lidard {
 namespace {
 
@@ -28,10 +30,9 @@ std::map<std::uint16_t, UdpOptions> options_by_port(const Config& config) {
   std::map<std::uint16_t, UdpOptions> all;
   std::map<std::uint16_t, bool> anybody;
   for (const auto& sensor : config.sensors) {
-    if (sensor.model == nullptr || sensor.model->transport != Transport::udp) continue;
-    if (!sensor.packet_topic.empty()) continue;
-    for (const std::uint16_t number : {sensor.ip_port, sensor.telemetry_port}) {
-      if (number == 0) continue;
+    for (const Flow& flow : flows_of(sensor)) {
+      if (flow.transport != Transport::udp) continue;
+      const std::uint16_t number = flow.port;
       const bool fresh = all.find(number) == all.end();
       UdpOptions& options = all[number];
       options.port = number;

@@ -156,6 +156,7 @@ Model connected(const char* name, const char* product, const ModelRow& row, doub
   model.telemetry_port = 8308;
   model.dialogue_port = 80;
   model.traits.add({Trait::gnss, Trait::web_control});
+  model.messages = {message_topic<GnssFix>(), message_topic<TimeReference>()};
   model.traits.add(more);
   return model;
 }
@@ -172,7 +173,8 @@ void append_models(std::vector<Model>& list) {
   add(connected("velodyne_vlp32a", "VLP-32A", vlp32a, 200, simulated));
   add(connected("velodyne_vlp32b", "VLP-32B", vlp32b, 200, simulated));
   add(connected("velodyne_vlp32c", "VLP-32C", vlp32c, 200, "real capture: strongest, field of view"));
-  add(connected("velodyne_hdl32e", "HDL-32E", hdl32e, 100, "real captures: strongest", {Trait::imu}));
+  add(connected("velodyne_hdl32e", "HDL-32E", hdl32e, 100, "real captures: strongest"));
+  list.back().messages.push_back(message_topic<ImuSample>());
   add(spinning("velodyne_hdl64e_s1", "HDL-64E S1", hdl64e_s1_row, 120, "real capture with its calibration"));
   add(spinning("velodyne_hdl64e_s2", "HDL-64E S2", hdl64e_s2_row, 120, simulated));
   add(spinning("velodyne_hdl64e_s21", "HDL-64E S2.1", hdl64e_s21_row, 120, simulated));

@@ -84,10 +84,10 @@ void describe_health(const SensorHealth& health, DeviceInfo& info) {
 }  // namespace
 
 TelemetryReceiver::TelemetryReceiver(const DriverConfig& config)
-    : has_imu_(config.model != nullptr && config.model->has(Trait::imu)),
+    : has_imu_(config.model != nullptr && config.model->tells<ImuSample>()),
       time_offset_(config.time_offset),
       clock_(config.clock) {
-  fix_.frame_id = imu_.frame_id = config.frame_id;
+  fix_->frame_id = imu_->frame_id = config.frame_id;
 }
 
 void TelemetryReceiver::restart() {
@@ -161,27 +161,27 @@ void TelemetryReceiver::send_sentence(DriverOutput& out, bool age_known) {
   const bool synchronised = claim_ == ClockClaim::synchronised;
   const NmeaReading nowhere;
   const NmeaReading& position = valid ? nmea_ : nowhere;
-  fix_.stamp = host_time(synchronised ? device_ - sentence_age_ : device_);
-  fix_.status = position.status;
-  fix_.latitude_deg = position.latitude_deg;
-  fix_.longitude_deg = position.longitude_deg;
-  fix_.altitude_m = position.altitude_m;
-  fix_.source_time = position.utc;
-  out.fix(fix_);
+  fix_->stamp = host_time(synchronised ? device_ - sentence_age_ : device_);
+  fix_->status = position.status;
+  fix_->latitude_deg = position.latitude_deg;
+  fix_->longitude_deg = position.longitude_deg;
+  fix_->altitude_m = position.altitude_m;
+  fix_->source_time = position.utc;
+  out.message(fix_);
   if (!position.utc || !(synchronised || age_known)) return;
-  reference_.stamp = host_time(device_);
-  reference_.reference = *position.utc + (synchronised ? sentence_age_ : Span(0));
-  reference_.source = synchronised ? "gps_pps" : "gps_nmea";
-  out.time_reference(reference_);
+  reference_->stamp = host_time(device_);
+  reference_->reference = *position.utc + (synchronised ? sentence_age_ : Span(0));
+  reference_->source = synchronised ? "gps_pps" : "gps_nmea";
+  out.message(reference_);
 }
 
 void TelemetryReceiver::send_imu(const RawImu& raw, DriverOutput& out) {
   const auto turn = raw.angular_velocity();
   const auto push = raw.linear_acceleration();
-  imu_.stamp = host_time(device_);
-  imu_.angular_velocity = {turn[0], turn[1], turn[2]};
-  imu_.linear_acceleration = {push[0], push[1], push[2]};
-  out.imu(imu_);
+  imu_->stamp = host_time(device_);
+  imu_->angular_velocity = {turn[0], turn[1], turn[2]};
+  imu_->linear_acceleration = {push[0], push[1], push[2]};
+  out.message(imu_);
 }
 
 void TelemetryReceiver::set_claim(ClockClaim claim, DeviceInfo& info) {

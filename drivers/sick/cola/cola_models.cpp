@@ -92,7 +92,8 @@ Model model_of(const Facts& facts) {
   model.make = make_cola_driver;
   model.traits = {Trait::settings_writable, Trait::logins, Trait::skip_setting, Trait::states_on_request};
   if (facts.has_echoes && !facts.row->layered) model.traits.add(Trait::echoes);
-  model.state_topics = {topic_fields, topic_outputs, topic_inputs, topic_encoder};
+  for (const std::string_view topic : {topic_fields, topic_outputs, topic_inputs, topic_encoder})
+    model.messages.push_back(message_topic<DeviceState>(topic));
   return model;
 }
 

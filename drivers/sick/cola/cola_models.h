@@ -28,7 +28,7 @@ struct ColaRow {
 void append_cola_models(std::vector<Model>& list);
 std::unique_ptr<Recognizer> make_cola_recognizer();
 
-/// Topics of what such a device tells beside its scans, in Model::state_topics.
+/// Topics of what such a device tells beside its scans, in Model::messages.
 constexpr std::string_view topic_fields = "lferec";
 constexpr std::string_view topic_outputs = "lidoutputstate";
 constexpr std::string_view topic_inputs = "lidinputstate";

@@ -32,14 +32,15 @@ Model udp_model(const char* name, const char* product, const char* verified) {
   model.telemetry_port = 7503;
   model.dialogue_port = 2111;
   model.packets_per_s = 400;
-  model.traits = {Trait::imu, Trait::settings_writable, Trait::receiver_settable, Trait::logins};
+  model.messages = {message_topic<ImuSample>()};
+  model.traits = {Trait::settings_writable, Trait::receiver_settable, Trait::logins};
   return model;
 }
 
 Model picoscan(const char* name, const char* product, const char* verified) {
   Model model = udp_model(name, product, verified);
   model.traits.add(Trait::echoes);
-  model.state_topics = {"encoder"};
+  model.messages.push_back(message_topic<DeviceState>("encoder"));
   model.extra_scans = {"reflectors"};
   return model;
 }

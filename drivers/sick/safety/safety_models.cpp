@@ -30,7 +30,8 @@ Model scanner(const char* name, const char* product, double frame_period, double
   model.range_max = range_max;
   // CoLa 2 needs no login for what concerns the data output.
   model.traits = {Trait::settings_writable, Trait::receiver_settable};
-  model.state_topics = {safety_topic::system_state, safety_topic::output_paths};
+  model.messages = {message_topic<DeviceState>(safety_topic::system_state),
+                    message_topic<DeviceState>(safety_topic::output_paths)};
   model.extra_scans = {safety_topic::intrusion, safety_topic::beam_status};
   model.row = &safety_row;
   model.make = make_safety_driver;
