@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <boost/asio/coroutine.hpp>
 #include <optional>
-#include <string>
-#include <utility>
 #include <vector>
 
 #include "drivers/driver.h"
@@ -28,17 +26,6 @@ class Patience {
   Stamp since_{};
   Span limit_{0};
 };
-
-/// Key and text of what was told, for diagnostics; a key that is there already gets the new text.
-inline void set_detail(std::vector<std::pair<std::string, std::string>>& details, const std::string& key,
-                       std::string text) {
-  const auto known = std::find_if(details.begin(), details.end(),
-                                  [&key](const auto& detail) { return detail.first == key; });
-  if (known != details.end())
-    known->second = std::move(text);
-  else
-    details.emplace_back(key, std::move(text));
-}
 
 /// A talk over a TCP connection beside a stream of datagrams: asks, compares, sets what may be set, hangs up.
 /// It takes place once, and again when the stream stopped, since the device may have lost what was set.

@@ -111,10 +111,7 @@ class Driver {
   virtual const Counters& counters() const = 0;
   virtual const DeviceInfo& info() const = 0;
   /// Empty: nothing is watched, or nothing that info() does not tell.
-  virtual std::optional<SettingsStatus> settings(Stamp now) const {
-    static_cast<void>(now);
-    return std::nullopt;
-  }
+  virtual std::optional<SettingsStatus> settings(Stamp /*now*/) const { return std::nullopt; }
 };
 
 struct Model;

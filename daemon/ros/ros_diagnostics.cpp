@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <map>
 
+#include "daemon/ros/ros_callback_thread.h"
 #include "daemon/ros/ros_convert.h"
 
 namespace lidard {
@@ -79,8 +80,7 @@ void RosDiagnostics::publish(const std::vector<DiagnosticItem>& more) {
 }
 
 void RosDiagnostics::drop(bool leave) {
-  static auto* const left = new std::vector<std::unique_ptr<Updater>>;
-  if (leave) left->push_back(std::move(updater_));
+  if (leave) leave_behind(std::move(updater_));
   updater_.reset();
 }
 

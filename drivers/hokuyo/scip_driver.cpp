@@ -4,12 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstdlib>
 
 #include "core/base/number_text.h"
 #include "core/base/steady_stamps.h"
-#include "core/frames/beam_window.h"
+#include "drivers/driver_base.h"
 #include "drivers/hokuyo/scip_dialogue.h"
 #include "drivers/hokuyo/scip_message.h"
 #include "drivers/hokuyo/scip_models.h"
@@ -35,7 +33,7 @@ constexpr int misfit_limit = 20;
 constexpr Span fine_comparison = std::chrono::microseconds(300);
 constexpr int most_renewals = 3;  // of a connection; each costs some scans
 
-class ScipDriver final : public Driver, private ScipDialogue::Owner {
+class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
  public:
   explicit ScipDriver(const DriverConfig& config);
 
@@ -44,8 +42,6 @@ class ScipDriver final : public Driver, private ScipDialogue::Owner {
   void disconnected() override;
   void tick(Stamp now, DriverOutput& out) override;
   void restart() override;
-  const Counters& counters() const override { return counters_; }
-  const DeviceInfo& info() const override { return info_; }
 
  private:
   ScipScanRequest wanted() override;
@@ -66,10 +62,7 @@ class ScipDriver final : public Driver, private ScipDialogue::Owner {
   Reject fill(const ScipScanRequest& request);
   void put(std::size_t beam, std::size_t echo, std::uint32_t distance_mm);
 
-  DriverConfig config_;
   const ScipRow& row_;
-  Counters counters_;
-  DeviceInfo info_;
   WarningBoard<ScipTrouble> board_{info_.warnings};
   ScipReader reader_{counters_};
   ScipDialogue dialogue_;
@@ -94,13 +87,12 @@ class ScipDriver final : public Driver, private ScipDialogue::Owner {
 };
 
 ScipDriver::ScipDriver(const DriverConfig& config)
-    : config_(config),
+    : DriverBase(config),
       row_(*static_cast<const ScipRow*>(config.model->row)),
       dialogue_(*this, board_, config_),
       clock_(config.clock, row_.sends_on_tick),
       parameters_(row_.parameters) {
   scan_.frame_id = config.frame_id;
-  info_.details = {{"Vendor Name", "Hokuyo"}, {"Product Name", std::string(config.model->product)}};
 }
 
 void ScipDriver::connected(Stamp now, DriverOutput& out) {
@@ -307,21 +299,17 @@ void ScipDriver::choose_beams() {
   const ScipScanRequest& request = geometry_->request;
   const double step = request.cluster * p.rad_per_step();
   const double first = p.angle(request.first_step + (request.cluster - 1) / 2.0);
-  const BeamWindow kept = beams_between(first, step, request.values(), config_.angle_min, config_.angle_max);
+  const BeamWindow kept = lidard::choose_beams(config_, first, step, request.values(), scan_);
   first_beam_ = kept.first;
-  scan_.beams = kept.count;
-  scan_.set_angles(static_cast<float>(first + step * static_cast<double>(first_beam_)),
-                   static_cast<float>(step));
   scan_.time_increment = static_cast<float>(p.step_seconds() * request.cluster);
   range_max_mm_ = request.short_values ? std::min(p.range_max_mm, short_range_max_mm) : p.range_max_mm;
   scan_.range_min = static_cast<float>(p.range_min_mm * 1e-3);
   scan_.range_max = static_cast<float>(range_max_mm_ * 1e-3);
   const auto steps_before = request.first_step + static_cast<int>(first_beam_) * request.cluster;
   before_first_ray_ = span_from_seconds(p.step_seconds() * steps_before);
-  board_.clear(ScipTrouble::no_beams);
-  if (kept.count == 0)
-    board_.set(ScipTrouble::no_beams,
-               "no beam lies between angle_min and angle_max; correct the angles in the configuration");
+  board_.tell(ScipTrouble::no_beams, kept.count == 0, [] {
+    return "no beam lies between angle_min and angle_max; correct the angles in the configuration";
+  });
 }
 
 /// The stamp is that of step 0, even if it is not asked for (Hokuyo C-42-03320B p. 12).

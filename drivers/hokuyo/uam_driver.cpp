@@ -3,13 +3,12 @@
 #include "drivers/hokuyo/uam_driver.h"
 
 #include <array>
-#include <cmath>
 
 #include "core/base/steady_stamps.h"
-#include "core/frames/beam_window.h"
+#include "drivers/dialogue.h"
+#include "drivers/driver_base.h"
 #include "drivers/hokuyo/scip_clock.h"
 #include "drivers/hokuyo/uam_frame.h"
-#include "drivers/model.h"
 #include "drivers/warning_board.h"
 
 namespace lidard::hokuyo {
@@ -47,7 +46,7 @@ enum class Trouble : std::uint8_t {
   count_
 };
 
-class UamDriver final : public Driver {
+class UamDriver final : public DriverBase {
  public:
   explicit UamDriver(const DriverConfig& config);
 
@@ -56,8 +55,6 @@ class UamDriver final : public Driver {
   void disconnected() override;
   void tick(Stamp now, DriverOutput& out) override;
   void restart() override;
-  const Counters& counters() const override { return counters_; }
-  const DeviceInfo& info() const override { return info_; }
 
  private:
   enum class Step : std::uint8_t { idle, version, start, streaming, waiting };
@@ -67,21 +64,16 @@ class UamDriver final : public Driver {
   void answer_to_start(std::string_view frame, Stamp now);
   Reject publish(std::string_view frame, Stamp arrival, DriverOutput& out);
   void ask(Step step, std::string_view command, Stamp now, DriverOutput& out);
-  void choose_beams();
   Reject fill(std::string_view frame);
   Stamp first_ray(Stamp arrival);
   void note_troubles();
   void tell_state(DriverOutput& out);
 
-  DriverConfig config_;
   const UamRow& row_;
-  Counters counters_;
-  DeviceInfo info_;
   WarningBoard<Trouble> board_{info_.warnings};
   UamReader reader_{counters_};
   Step step_ = Step::idle;
-  Stamp sent_;
-  Span patience_{0};
+  Patience patience_;
 
   ScipClock clock_;
   SteadyStamps stamps_;
@@ -92,32 +84,19 @@ class UamDriver final : public Driver {
 };
 
 UamDriver::UamDriver(const DriverConfig& config)
-    : config_(config), row_(*static_cast<const UamRow*>(config.model->row)), clock_(config.clock, false) {
-  info_.details = {{"Vendor Name", "Hokuyo"}, {"Product Name", std::string(config.model->product)}};
-  scan_.frame_id = config.frame_id;
-  scan_.range_min = static_cast<float>(config.model->range_min);
-  scan_.range_max = static_cast<float>(config.model->range_max);
+    : DriverBase(config), row_(*static_cast<const UamRow*>(config.model->row)), clock_(config.clock, false) {
+  prepare_scan(config, scan_);
   scan_.scan_time = static_cast<float>(turn_s);
   scan_.time_increment = static_cast<float>(turn_s * row_.step_deg / 360);
   state_->topic = "status";
   state_->frame_id = config.frame_id;
-  choose_beams();
-}
-
-void UamDriver::choose_beams() {
-  const BeamWindow kept = beams_between(first_deg * rad_per_deg, row_.step_deg * rad_per_deg, row_.beams,
-                                        config_.angle_min, config_.angle_max);
-  first_beam_ = kept.first;
-  scan_.beams = kept.count;
-  scan_.set_angles(
-      static_cast<float>((first_deg + row_.step_deg * static_cast<double>(first_beam_)) * rad_per_deg),
-      static_cast<float>(row_.step_deg * rad_per_deg));
+  first_beam_ =
+      choose_beams(config_, first_deg * rad_per_deg, row_.step_deg * rad_per_deg, row_.beams, scan_).first;
 }
 
 void UamDriver::ask(Step step, std::string_view command, Stamp now, DriverOutput& out) {
   step_ = step;
-  sent_ = now;
-  patience_ = answer_patience;
+  patience_.start(now, answer_patience);
   const std::string request = uam_request(command);
   out.request(ByteView(request));
 }
@@ -133,9 +112,7 @@ void UamDriver::disconnected() {
 }
 
 void UamDriver::tick(Stamp now, DriverOutput& out) {
-  if (step_ == Step::idle) return;
-  if (sent_ > now) sent_ = now;  // the clock was set back
-  if (now - sent_ <= patience_) return;
+  if (step_ == Step::idle || !patience_.is_over(now)) return;
   if (step_ == Step::waiting) return ask(Step::start, row_.start, now, out);
   board_.set(
       Trouble::silent,
@@ -174,8 +151,7 @@ Reject UamDriver::handle(std::string_view frame, Stamp arrival, DriverOutput& ou
     if (frame.size() != uam_distances_at + 4 * row_.beams * blocks + uam_tail) return Reject::size;
     if (step_ != Step::idle) {
       step_ = Step::streaming;
-      sent_ = arrival;
-      patience_ = stream_patience;
+      patience_.start(arrival, stream_patience);
       board_.clear(Trouble::silent);
       board_.clear(Trouble::refused);
     }
@@ -211,10 +187,9 @@ void UamDriver::take_version(std::string_view frame) {
 
 void UamDriver::answer_to_start(std::string_view frame, Stamp now) {
   const std::string_view status = frame.size() >= 16 ? frame.substr(9, 2) : std::string_view("00");
-  sent_ = now;
   if (status == "00") {
     step_ = Step::streaming;
-    patience_ = answer_patience;
+    patience_.start(now, answer_patience);
     return;
   }
   board_.set(Trouble::refused, "the sensor refuses to send (" + std::string(row_.start) + ", status " +
@@ -222,7 +197,7 @@ void UamDriver::answer_to_start(std::string_view frame, Stamp now) {
                                    "); it is asked again every second: look at its display and end the "
                                    "setting mode of the maker's tool");
   step_ = Step::waiting;
-  patience_ = retry_after;
+  patience_.start(now, retry_after);
 }
 
 Reject UamDriver::publish(std::string_view frame, Stamp arrival, DriverOutput& out) {
@@ -279,9 +254,7 @@ Reject UamDriver::fill(std::string_view frame) {
 
 void UamDriver::note_troubles() {
   const auto tell = [this](Trouble trouble, bool active, const char* text) {
-    if (active == board_.is_set(trouble)) return;
-    if (active) return board_.set(trouble, text);
-    board_.clear(trouble);
+    board_.tell(trouble, active, [text] { return text; });
   };
   tell(Trouble::error, status_.error_state != 0 || status_.error_code != 0,
        "the scanner reports an error and switches its outputs off; its display shows the number (topic "

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <utility>
 
-#include "drivers/model.h"
+#include "drivers/driver_base.h"
 #include "drivers/velodyne/arrival_stamps.h"
 #include "drivers/velodyne/cloud_builder.h"
 #include "drivers/velodyne/firing_schedule.h"
@@ -49,10 +49,10 @@ Look look_of(const PacketAzimuths& azimuths, const FiringSchedule& schedule, std
   return look;
 }
 
-class VelodyneDriver final : public Driver {
+class VelodyneDriver final : public DriverBase {
  public:
   explicit VelodyneDriver(const DriverConfig& config)
-      : config_(config),
+      : DriverBase(config),
         row_(*static_cast<const ModelRow*>(config.model->row)),
         order_(row_, counters_),
         arrival_stamps_(row_),
@@ -60,9 +60,7 @@ class VelodyneDriver final : public Driver {
         frames_(config_, row_, counters_),
         clock_(config.clock),
         telemetry_(config) {
-    info_.details = {{"Vendor Name", "Velodyne"}, {"Product Name", std::string(config.model->product)}};
     if (row_.bank_by_bank && config.calibration == nullptr) info_.warnings.emplace_back(no_calibration);
-    own_details_ = info_.details.size();
     if (config.control) web_.emplace(*config.control);
   }
 
@@ -97,8 +95,6 @@ class VelodyneDriver final : public Driver {
     described_ = now;
     describe_status();
   }
-  const Counters& counters() const override { return counters_; }
-  const DeviceInfo& info() const override { return info_; }
   std::optional<SettingsStatus> settings(Stamp now) const override;
 
  private:
@@ -124,10 +120,7 @@ class VelodyneDriver final : public Driver {
   void read_status(const DataPacket& packet);
   void describe_status();
 
-  DriverConfig config_;
   const ModelRow& row_;
-  Counters counters_;
-  DeviceInfo info_;
   PacketOrder order_;
   ArrivalStamps arrival_stamps_;
   TimingChooser timing_;
@@ -137,7 +130,6 @@ class VelodyneDriver final : public Driver {
   std::optional<Web> web_;
   Hdl64Status status_;
   std::shared_ptr<const Calibration> sent_;  // by the sensor, in the last bytes of its packets
-  std::size_t own_details_ = 0;
   Stamp described_{};
   const Timing* timing_in_force_ = nullptr;
   OrderedPacket incoming_{};
@@ -248,7 +240,7 @@ void VelodyneDriver::read_status(const DataPacket& packet) {
 
 void VelodyneDriver::describe_status() {
   if (!row_.has_status()) return;
-  info_.details.resize(own_details_);
+  clear_details();
   const char* source = config_.calibration != nullptr ? "file"
                        : sent_ != nullptr             ? "sent by the sensor"
                                                       : "that of another sensor, until it sends its own";

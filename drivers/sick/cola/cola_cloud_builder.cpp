@@ -30,7 +30,7 @@ std::size_t ring_of(std::int16_t layer) {
 
 }  // namespace
 
-ColaLayers::ColaLayers(const DriverConfig& config, const ColaRow& row, Counters& counters)
+ColaCloudBuilder::ColaCloudBuilder(const DriverConfig& config, const ColaRow& row, Counters& counters)
     : config_(config),
       row_(row),
       counters_(counters),
@@ -41,19 +41,19 @@ ColaLayers::ColaLayers(const DriverConfig& config, const ColaRow& row, Counters&
   cloud_.rings = planes.size();
 }
 
-void ColaLayers::clear() {
+void ColaCloudBuilder::clear() {
   seen_ = 0;
   cloud_.clear();
 }
 
-void ColaLayers::begin(Stamp stamp) {
+void ColaCloudBuilder::begin(Stamp stamp) {
   cloud_.clear();
   cloud_.stamp = stamp;
   cloud_.end = stamp;
   seen_ = 0;
 }
 
-void ColaLayers::choose(const ColaGeometry& geometry) {
+void ColaCloudBuilder::choose(const ColaGeometry& geometry) {
   if (geometry == geometry_ && !corrected_) return;
   corrected_ = false;
   geometry_ = geometry;
@@ -64,8 +64,8 @@ void ColaLayers::choose(const ColaGeometry& geometry) {
   }
 }
 
-bool ColaLayers::add(const ColaScan& telegram, const ColaGeometry& geometry, Span first,
-                     const ColaClock& clock, DriverOutput& out) {
+bool ColaCloudBuilder::add(const ColaScan& telegram, const ColaGeometry& geometry, Span first,
+                           const ColaClock& clock, DriverOutput& out) {
   const std::size_t ring = ring_of(telegram.layer);
   if (ring == no_ring) return false;
   choose(geometry);
@@ -79,7 +79,7 @@ bool ColaLayers::add(const ColaScan& telegram, const ColaGeometry& geometry, Spa
   return true;
 }
 
-void ColaLayers::finish(DriverOutput& out) {
+void ColaCloudBuilder::finish(DriverOutput& out) {
   if (seen_ == 0) return;
   cloud_.complete = seen_ == all_rings;
   seen_ = 0;
@@ -90,7 +90,8 @@ void ColaLayers::finish(DriverOutput& out) {
   out.cloud(cloud_);
 }
 
-void ColaLayers::append(const ColaScan& telegram, std::size_t ring, Span first, const ColaClock& clock) {
+void ColaCloudBuilder::append(const ColaScan& telegram, std::size_t ring, Span first,
+                              const ColaClock& clock) {
   const ColaChannel* correction = telegram.channel("ANGL1");
   if (correction != nullptr && correction->values.size() != geometry_.beams) correction = nullptr;
   const Stamp begin_stamp = clock.to_host(first) + config_.time_offset;
@@ -118,8 +119,8 @@ void ColaLayers::append(const ColaScan& telegram, std::size_t ring, Span first, 
   corrected_ = correction != nullptr;
 }
 
-void ColaLayers::append_return(const ColaChannel& distance, const ColaChannel* rssi, std::size_t beam,
-                               double azimuth_deg, std::uint16_t ring, Stamp fired) {
+void ColaCloudBuilder::append_return(const ColaChannel& distance, const ColaChannel* rssi, std::size_t beam,
+                                     double azimuth_deg, std::uint16_t ring, Stamp fired) {
   if (status_of_raw(distance.values[beam]) != BeamStatus::hit) return;
   const double range = distance.value(beam) * 1e-3;
   if (range < range_min_ || range > range_max_) return;

@@ -18,9 +18,9 @@ namespace lidard::sick {
 /// telegram of every plane, ring 0 being the lowest. Each echo of a beam has a column. The returns stand in
 /// the order of the telegrams; the sweeps of neighbouring planes overlap in time, so `time` rises within a
 /// plane only.
-class ColaLayers {
+class ColaCloudBuilder {
  public:
-  ColaLayers(const DriverConfig& config, const ColaRow& row, Counters& counters);
+  ColaCloudBuilder(const DriverConfig& config, const ColaRow& row, Counters& counters);
 
   /// Takes a telegram whose first beam was measured at `first` of the device's clock. Hands on the cloud
   /// that it completes. False: no plane of the device has that angle.

@@ -343,17 +343,10 @@ void ColaDialogue::tick(Stamp now, DriverOutput& out) {
 
 bool ColaDialogue::changed() { return std::exchange(changed_, false); }
 
-void ColaDialogue::detail(const char* key, std::string value) {
-  changed_ = true;
-  set_detail(details_, key, std::move(value));
-}
-
-void ColaDialogue::warn(std::string sentence) { found_.push_back(std::move(sentence)); }
-
 /// Those of the last attempt stay until this one has come to its end: nothing flickers while it goes on.
 void ColaDialogue::show_warnings() {
-  if (warnings_ == found_) return;
-  warnings_ = found_;
+  if (info_.warnings == found_) return;
+  info_.warnings = found_;
   changed_ = true;
 }
 

@@ -34,8 +34,7 @@ class ColaDialogue {
 
   /// True once after what follows changed.
   bool changed();
-  const std::vector<std::pair<std::string, std::string>>& details() const { return details_; }
-  const std::vector<std::string>& warnings() const { return warnings_; }
+  const DeviceInfo& info() const { return info_; }
 
  private:
   enum class Step : std::uint8_t {
@@ -69,8 +68,8 @@ class ColaDialogue {
   void compare_settings();
   void settings_written(DriverOutput& out);
   void give_up(std::string why, DriverOutput& out);
-  void detail(const char* key, std::string value);
-  void warn(std::string sentence);
+  void detail(std::string_view key, std::string_view value) { changed_ = true, info_.set(key, value); }
+  void warn(std::string sentence) { found_.push_back(std::move(sentence)); }
   void show_warnings();
   void change_dialect();
 
@@ -89,8 +88,7 @@ class ColaDialogue {
   bool logged_in_ = false;
   std::optional<ColaOutputs> settings_, wanted_;
   bool changed_ = false;
-  std::vector<std::pair<std::string, std::string>> details_;
-  std::vector<std::string> warnings_;
+  DeviceInfo info_;
   std::vector<std::string> found_;  // in this attempt
 };
 

@@ -2,20 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/sick/cola/cola_scan_builder.h"
 
-#include <array>
-#include <cmath>
-
 #include "core/frames/beam_window.h"
 #include "drivers/model.h"
 
 namespace lidard::sick {
-ColaPlanar::ColaPlanar(const DriverConfig& config, const ColaRow& row) : config_(config), row_(row) {
+ColaScanBuilder::ColaScanBuilder(const DriverConfig& config, const ColaRow& row)
+    : config_(config), row_(row) {
   scan_.frame_id = config.frame_id;
   scan_.range_min = static_cast<float>(config.model->range_min);
   scan_.range_max = static_cast<float>(config.model->range_max);
 }
 
-bool ColaPlanar::choose(const ColaGeometry& geometry) {
+bool ColaScanBuilder::choose(const ColaGeometry& geometry) {
   const double start = geometry.angle(row_, 0);
   const BeamWindow kept = beams_between(start, geometry.angle(row_, 1) - start, geometry.beams,
                                         config_.angle_min, config_.angle_max);
@@ -30,14 +28,14 @@ bool ColaPlanar::choose(const ColaGeometry& geometry) {
   return kept.count > 0;
 }
 
-PlanarScan& ColaPlanar::fill(const ColaScan& telegram) {
+PlanarScan& ColaScanBuilder::fill(const ColaScan& telegram) {
   const ColaChannel* rssi = telegram.channel("RSSI1");
   scan_.reset(scan_.beams, echoes_, config_.publish_intensity && rssi != nullptr);
   for (std::size_t echo = 0; echo < echoes_; ++echo) fill_echo(telegram, echo);
   return scan_;
 }
 
-void ColaPlanar::fill_echo(const ColaScan& telegram, std::size_t echo) {
+void ColaScanBuilder::fill_echo(const ColaScan& telegram, std::size_t echo) {
   const ColaChannel& distance = *telegram.channel(distance_names[echo]);
   const ColaChannel* rssi = scan_.intensities.empty() ? nullptr : telegram.channel(intensity_names[echo]);
   if (rssi != nullptr && rssi->values.size() != distance.values.size()) rssi = nullptr;

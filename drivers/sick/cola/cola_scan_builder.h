@@ -11,9 +11,9 @@
 namespace lidard::sick {
 
 /// Makes planar scans of the telegrams of a single-plane device.
-class ColaPlanar {
+class ColaScanBuilder {
  public:
-  ColaPlanar(const DriverConfig& config, const ColaRow& row);
+  ColaScanBuilder(const DriverConfig& config, const ColaRow& row);
 
   /// Which beams the configured angles leave of this geometry. False: none.
   bool choose(const ColaGeometry& geometry);

@@ -69,8 +69,8 @@ void SafetyDialogue::script(DriverOutput& out) {
     yield open(out);
     if (!answer_.is('O', 'A')) return fail("refuses the CoLa 2 session; is another program connected?", out);
     session_ = answer_.session;
-    details_.clear();
-    warnings_.clear();
+    info_.details.clear();
+    info_.warnings.clear();
     ++version_;
     for (variable_ = 0; variable_ < variables.size(); ++variable_) {
       yield read(variables[variable_], out);
@@ -145,7 +145,7 @@ void SafetyDialogue::take_variable(std::uint16_t index) {
            std::to_string(static_cast<int>(range)) + " m, but " + product_ +
            " is configured; choose the model with that range");
   } else if (index == idx::serial_number) {
-    serial_ = read_text(value);
+    info_.serial = read_text(value);
   } else if (index == idx::status_overview) {
     detail("Status", describe_status(value));
   } else if (index == idx::user_action) {
@@ -233,12 +233,13 @@ void SafetyDialogue::fail(const std::string& why, DriverOutput& out) {
 
 void SafetyDialogue::detail(const std::string& key, const std::string& text) {
   ++version_;
-  set_detail(details_, key, text);
+  info_.set(key, text);
 }
 
 void SafetyDialogue::warn(const std::string& text) {
   ++version_;
-  if (std::find(warnings_.begin(), warnings_.end(), text) == warnings_.end()) warnings_.push_back(text);
+  auto& known = info_.warnings;
+  if (std::find(known.begin(), known.end(), text) == known.end()) known.push_back(text);
 }
 
 }  // namespace lidard::sick

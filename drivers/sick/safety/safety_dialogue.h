@@ -26,12 +26,9 @@ class SafetyDialogue final : public SideDialogue {
   /// Bytes from the scanner.
   void receive(const Packet& packet, DriverOutput& out);
 
-  /// Key and text of what was read, for diagnostics.
-  const std::vector<std::pair<std::string, std::string>>& details() const { return details_; }
-  /// What is wrong and the remedy; empty when all is as wanted.
-  const std::vector<std::string>& warnings() const { return warnings_; }
-  const std::string& serial() const { return serial_; }
-  /// Changes whenever details or warnings did.
+  /// What was read, and what is wrong with it.
+  const DeviceInfo& info() const { return info_; }
+  /// Changes whenever info() did.
   unsigned version() const { return version_; }
 
  private:
@@ -66,11 +63,9 @@ class SafetyDialogue final : public SideDialogue {
   std::size_t variable_ = 0;
   bool refused_ = false;
   std::string type_code_;
-  std::string serial_;
   SafetyOutput present_, target_;
   std::string fields_, cases_;
-  std::vector<std::pair<std::string, std::string>> details_;
-  std::vector<std::string> warnings_;
+  DeviceInfo info_;
   unsigned version_ = 0;
 };
 

@@ -32,9 +32,14 @@ HttpAnswer read_http_answer(std::string_view bytes, bool ended) {
   http::response_parser<http::string_body> parser;
   parser.header_limit(longest_header);
   parser.body_limit(longest_body);
-  parser.eager(true);
   boost::beast::error_code error;
-  if (!bytes.empty()) parser.put(boost::asio::buffer(bytes.data(), bytes.size()), error);
+  // The header alone first: where all is read in one go, the parser forgets that the length is beyond its
+  // limit.
+  const std::size_t header =
+      bytes.empty() ? 0 : parser.put(boost::asio::buffer(bytes.data(), bytes.size()), error);
+  parser.eager(true);
+  if (!error && header < bytes.size())
+    parser.put(boost::asio::buffer(bytes.data() + header, bytes.size() - header), error);
   if (error == http::error::need_more) error = {};
   if (!error && ended && !parser.is_done()) parser.put_eof(error);
   HttpAnswer answer;

@@ -181,6 +181,114 @@ TEST(MountCheck, LooksFiveTimesASecondAndStartsAnewWhenTheInputDoes) {
   EXPECT_TRUE(overlap.is_due(t - std::chrono::seconds(2)));
 }
 
+/// Two scanners in a room of which one sees things move, look by look; nothing is deskewed.
+double beams_compared(bool first_moves, bool second_moves, bool deskewed) {
+  Vehicle vehicle(paper_room(), 0.001);
+  double beams = 0;
+  for (int look = 0; look < 8; ++look) {
+    for (std::size_t s = 0; s < 2; ++s) {
+      FlatScanner scanner = vehicle.configured[s];
+      if (s == 0 ? first_moves : second_moves) scanner.at.x() += 0.1 * (look % 2);
+      PlanarScan scan;
+      scanner.measure(vehicle.world, vehicle.rng, scan);
+      BeamRays rays;
+      rays.build(scan, vehicle.configured[s].pose(), {}, {});
+      condition(scan, rays, vehicle.settings, vehicle.sweeps[s]);
+    }
+    const Stamp stamp{1'000'000'000 + look * 200'000'000LL};
+    vehicle.overlap.look(stamp, {&vehicle.sweeps[0], &vehicle.sweeps[1]}, {{0, 1}, {0, -1}}, deskewed);
+    beams = vehicle.overlap.pairs().at(0).beams;
+  }
+  return beams;
+}
+
+TEST(MountCheck, IsNotFooledWhileOneScannerMovesThoughTheOtherOneStands) {
+  EXPECT_GT(beams_compared(false, false, false), 100);
+  EXPECT_EQ(beams_compared(true, false, false), 0);
+  EXPECT_EQ(beams_compared(false, true, false), 0);
+  EXPECT_EQ(beams_compared(true, true, false), 0);
+  EXPECT_GT(beams_compared(true, true, true), 100) << "deskewed sweeps may be compared always";
+}
+
+TEST(MountCheck, MotionOfLessThanThreeCentimetresFromLookToLookIsStanding) {
+  for (const double speed : {0.1, 0.2}) {
+    Vehicle vehicle(paper_room(), 0.001);
+    vehicle.speed = speed;  // 2 and 4 cm a look
+    EXPECT_EQ(vehicle.drive({}, 0, 2).beams > 0, speed < 0.15) << speed;
+  }
+}
+
+TEST(MountCheck, TellsWhichOfThreeScannersIsMountedWronglyAndHowFarOff) {
+  FlatWorld world = paper_room();
+  world.add_box({-7, 5}, {1, 2}, 0.4);
+  const std::vector<Eigen::Vector2d> places = {{0, 1}, {0, -1}, {-2, 0.3}};
+  MountCheck check(3);
+  std::vector<PlacedScan> sweeps(3);
+  sim::Rng rng(3);
+  for (int look = 0; look < 10; ++look) {
+    for (std::size_t s = 0; s < 3; ++s) {
+      FlatScanner scanner;
+      scanner.at = places[s];
+      scanner.field = 350 * degree;
+      scanner.increment = 0.5 * degree;
+      scanner.noise = 0.005;
+      const Pose configured = scanner.pose();
+      if (s == 2) scanner.yaw = 1 * degree, scanner.at += Eigen::Vector2d(0.04, -0.03);
+      PlanarScan scan;
+      scanner.measure(world, rng, scan);
+      BeamRays rays;
+      rays.build(scan, configured, {}, {});
+      SourceSettings settings;
+      settings.noise = 0.005;
+      condition(scan, rays, settings, sweeps[s]);
+    }
+    check.look(Stamp{1'000'000'000 + look * 200'000'000LL}, {&sweeps[0], &sweeps[1], &sweeps[2]}, places,
+               false);
+  }
+  ASSERT_EQ(check.pairs().size(), 3U);
+  for (const OverlapState& pair : check.pairs()) {
+    const bool wrong = pair.second == 2;
+    EXPECT_EQ(pair.misaligned, wrong) << pair.first << ' ' << pair.second;
+    expect_correction(pair, wrong ? MountError{1, 0.04, -0.03} : MountError{});
+    if (wrong) {
+      EXPECT_GT(pair.shift, 0.03);
+    }
+  }
+  check.reset();
+  for (const OverlapState& pair : check.pairs()) {
+    EXPECT_EQ(pair.beams, 0);
+    EXPECT_FALSE(pair.misaligned);
+    EXPECT_LT(pair.first, pair.second) << "which sources it is about stays";
+  }
+  EXPECT_TRUE(check.is_due(Stamp{1}));
+}
+
+TEST(MountCheck, AJumpBackOfMoreThanASecondForgetsWhatWasSeen) {
+  Vehicle vehicle(paper_room());
+  ASSERT_TRUE(vehicle.drive({1, 0, 0}, 10, 3).misaligned);
+  const double before = vehicle.overlap.pairs()[0].beams;
+  ASSERT_GT(before, 0);
+  const Stamp newest{1'000'000'000 + 12'960'000'000};
+  EXPECT_FALSE(vehicle.overlap.is_due(newest - std::chrono::milliseconds(900)));
+  vehicle.overlap.look(newest - std::chrono::milliseconds(900), {nullptr, nullptr}, {{0, 1}, {0, -1}}, false);
+  EXPECT_EQ(vehicle.overlap.pairs()[0].beams, before);
+  EXPECT_TRUE(vehicle.overlap.is_due(newest - std::chrono::milliseconds(2000)));
+  vehicle.overlap.look(newest - std::chrono::milliseconds(2000), {nullptr, nullptr}, {{0, 1}, {0, -1}},
+                       false);
+  EXPECT_EQ(vehicle.overlap.pairs()[0].beams, 0);
+  EXPECT_FALSE(vehicle.overlap.pairs()[0].misaligned);
+}
+
+TEST(MountCheck, TheToleranceIsWhatMayDiffer) {
+  for (const double tolerance : {0.01, 0.1}) {
+    Vehicle vehicle(paper_room());
+    vehicle.overlap = MountCheck(2, tolerance);
+    EXPECT_EQ(vehicle.drive({0, 0.05, 0}, 0, 2).misaligned, tolerance < 0.05);
+    vehicle.overlap.reset();
+    EXPECT_EQ(vehicle.drive({0, 0, -0.05}, 3, 2).misaligned, tolerance < 0.05);
+  }
+}
+
 TEST(MountCheck, DoesNotAllocateAfterItsFirstLook) {
   Vehicle vehicle(paper_room());
   vehicle.drive({}, 0, 0.3);
