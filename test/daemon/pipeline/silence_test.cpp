@@ -31,11 +31,18 @@ struct Sample {
     report.counters.packets = 1000;
   }
   DiagnosticItem after(double passed_ms) const {
-    return sensor_health(config, report, unclaimed, bench_begin + ms(passed_ms));
+    return sensor_health(config, report, unknown, bench_begin + ms(passed_ms));
   }
   SensorConfig config;
   SensorReport report;
-  std::vector<std::string> unclaimed;
+  /// Datagrams that no sensor claims.
+  void stray(const IpAddress& sender, std::uint16_t port, int packets) {
+    Packet packet;
+    packet.from.address = sender;
+    packet.to.port = port;
+    for (int i = 0; i < packets; ++i) unknown.note(packet);
+  }
+  UnknownSenders unknown;
 };
 
 const char* const network = "; check the sensor's power, its destination address and port, and the firewall";
@@ -89,7 +96,8 @@ TEST(Silence, NamesItsCauseAsFarAsItIsKnown) {
   const auto message = [&] { return sample.after(1001).message; };
   sample.report.info.warnings = {"first", "the device says so"};
   EXPECT_THAT(message(), testing::EndsWith("to port 2368: the device says so"));
-  sample.unclaimed = {"192.168.1.9 -> port 23680 (9 packets)", "192.168.1.7 -> port 2368 (3 packets)"};
+  sample.stray(IpAddress::v4(192, 168, 1, 9), 23680, 9);
+  sample.stray(IpAddress::v4(192, 168, 1, 7), 2368, 3);
   EXPECT_THAT(message(),
               testing::EndsWith("; but there are packets from 192.168.1.7 -> port 2368 (3 packets): correct "
                                 "ip_address?"));
