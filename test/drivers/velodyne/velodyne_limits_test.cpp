@@ -124,11 +124,12 @@ TEST(VelodyneOrder, APacketThatComesTwiceIsUsedOnceAlsoWhileItIsHeldBack) {
   }
 }
 
-/// The stream of a sensor at one speed, its stamps moved by so much; the arrivals begin at `begin`.
-std::vector<WirePacket> moved_stream(const ModelMode& which, double turn_factor, std::int64_t stamp_us,
-                                     Span arrival) {
+/// The stream of a sensor at one speed, in view of a part of the turn or of all, its stamps moved by so much.
+std::vector<WirePacket> moved_stream(const ModelMode& which, bool hides, double turn_factor,
+                                     std::int64_t stamp_us, Span arrival) {
   sim::VelodyneOptions options;
   options.turn_deg = which.turn_deg() * turn_factor;
+  if (hides) options.fov = sim::AzimuthSector{270, 90};
   auto packets = test::spin(which, 2.4, options);
   for (WirePacket& packet : packets) {
     const std::int64_t hour = 3'600'000'000;
@@ -138,31 +139,66 @@ std::vector<WirePacket> moved_stream(const ModelMode& which, double turn_factor,
   return packets;
 }
 
+/// The newest rows of `played` are those of `alone`, but for a hundredth of a degree and 2 us.
+std::size_t differing_rows(const Collector& played, const Collector& alone) {
+  const std::size_t skip = played.rows.size() - alone.rows.size();
+  std::size_t differ = 0;
+  for (std::size_t i = 0; i < alone.rows.size(); ++i) {
+    const auto &a = played.rows[skip + i], &b = alone.rows[i];
+    differ += std::abs(std::remainder(a.azimuth_deg - b.azimuth_deg, 360)) > 0.001 || a.laser != b.laser ||
+                      std::abs(a.stamp_ns - b.stamp_ns) > 2000
+                  ? 1
+                  : 0;
+  }
+  return differ;
+}
+
 // After its clock was set a sensor is decoded as if it had just been switched on: nothing of the time before
 // the jump is left, the speed of its motor above all.
 TEST(VelodyneClock, AfterAJumpNothingOfTheTimeBeforeIsLeft) {
   for (const ModelMode& which : {ModelMode{"velodyne_vlp16", sim::ReturnMode::strongest, ""},
-                                 ModelMode{"velodyne_hdl64e_s2", sim::ReturnMode::strongest, "48"},
+                                 ModelMode{"velodyne_vls128", sim::ReturnMode::strongest, ""},
                                  ModelMode{"velodyne_vlp32c", sim::ReturnMode::dual, ""}}) {
-    for (const std::int64_t jump_us : {-700'000'000LL, 700'000'000LL}) {
-      const auto before = moved_stream(which, 1, 0, Span(0));
-      const auto after = moved_stream(which, 0.5, jump_us, std::chrono::seconds(1));
-      const Played alone = play(which.model, after);
-      auto both = before;
-      both.insert(both.end(), after.begin(), after.end());
-      const Played played = play(which.model, both);
-      EXPECT_EQ(played.counters.clock_steps, 1U) << which.name() << jump_us;
-      EXPECT_EQ(played.counters.rejected_total(), 0U) << which.name();
-      // The newest rows are those of the second stream.
-      ASSERT_GE(played.out.rows.size(), alone.out.rows.size()) << which.name();
-      const std::size_t skip = played.out.rows.size() - alone.out.rows.size();
-      std::size_t differ = 0;
-      for (std::size_t i = 0; i < alone.out.rows.size(); ++i) {
-        const auto &a = played.out.rows[skip + i], &b = alone.out.rows[i];
-        differ += a.azimuth_deg != b.azimuth_deg || a.laser != b.laser || a.stamp_ns != b.stamp_ns ? 1 : 0;
+    for (const bool hides : {false, true}) {
+      const auto before = moved_stream(which, hides, 1, 0, Span(0));
+      const Played first = play(which.model, before);
+      for (const std::int64_t jump_us : {-700'000'000LL, 700'000'000LL}) {
+        const auto after = moved_stream(which, hides, 0.5, jump_us, std::chrono::seconds(1));
+        const Played alone = play(which.model, after);
+        auto both = before;
+        both.insert(both.end(), after.begin(), after.end());
+        const Played played = play(which.model, both);
+        const std::string what = which.name() + (hides ? " hides, " : ", ") + std::to_string(jump_us);
+        EXPECT_EQ(played.counters.clock_steps, 1U) << what;
+        EXPECT_EQ(played.counters.rejected_total(), 0U) << what;
+        // No frame is made of what came before the jump and what came after it.
+        ASSERT_EQ(played.out.rows.size(), first.out.rows.size() + alone.out.rows.size()) << what;
+        EXPECT_EQ(played.counters.partial_frames,
+                  first.counters.partial_frames + alone.counters.partial_frames)
+            << what;
+        EXPECT_EQ(differing_rows(played.out, alone.out), 0U) << what;
       }
-      EXPECT_EQ(differ, 0U) << which.name() << ", " << jump_us;
     }
+  }
+}
+
+TEST(VelodyneClock, ARestartInTheMiddleOfAFrameLeavesNothingOfIt) {
+  for (const ModelMode& which : {ModelMode{"velodyne_vlp16", sim::ReturnMode::strongest, ""},
+                                 ModelMode{"velodyne_hdl64e_s2", sim::ReturnMode::strongest, "48"}}) {
+    const auto packets = test::spin(which, 2.4);
+    const Played alone = play(which.model, packets);
+    const DriverConfig config = config_of(which.model);
+    const auto driver = config.model->make(config);
+    Collector before, out;
+    for (std::size_t i = 0; i < packets.size() * 2 / 3; ++i) test::give(*driver, packets[i], before);
+    driver->restart();
+    for (const auto& packet : packets) test::give(*driver, packet, out);
+    driver->finish(out);
+    ASSERT_EQ(out.rows.size(), alone.out.rows.size()) << which.name();
+    EXPECT_EQ(differing_rows(out, alone.out), 0U) << which.name();
+    EXPECT_EQ(driver->counters().clock_steps, 0U) << which.name();
+    EXPECT_EQ(driver->counters().reordered, 0U) << which.name();
+    EXPECT_EQ(driver->counters().rejected_total(), 0U) << which.name();
   }
 }
 
