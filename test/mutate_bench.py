@@ -66,7 +66,7 @@ class Processes:
 
 
 def set_apart():
-    """A group of its own, to be killed with all that it starts; no session, which Linux would give a share of its own."""
+    """A group of its own, to be killed as a whole; no session, which Linux would give a share of the processor."""
     os.setpgrp()
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
