@@ -41,6 +41,7 @@ class SideDialogue {
   void connected(Stamp now, DriverOutput& out) {
     now_ = now;
     phase_ = Phase::talking;
+    talked_ = true;
     script_ = {};
     begin();
     script(out);
@@ -53,6 +54,7 @@ class SideDialogue {
     if (phase_ == Phase::talking && patience_.is_over(now)) return silent(out);
     if (phase_ != Phase::idle || !is_due(last_data)) return;
     last_dial_ = now;
+    talked_ = false;
     phase_ = Phase::dialling;
     out.connect();
   }
@@ -90,7 +92,7 @@ class SideDialogue {
     constexpr Span fruitless_pause = std::chrono::seconds(5);
     const bool stopped = !last_data || now_ - *last_data > silence;
     if (!wanted_ || (complete_ && !(restores_ && stopped))) return false;
-    const bool fruitless = complete_ && (!last_data || *last_data < last_dial_);
+    const bool fruitless = complete_ && talked_ && (!last_data || *last_data < last_dial_);
     return !last_dial_ || now_ - *last_dial_ >= (fruitless ? fruitless_pause : pause);
   }
 
@@ -99,6 +101,7 @@ class SideDialogue {
   Patience patience_;
   Phase phase_ = Phase::idle;
   std::optional<Stamp> last_dial_;
+  bool talked_ = false;    // a connection was made when it was dialled last
   bool complete_ = false;  // one dialogue came to its end
 };
 

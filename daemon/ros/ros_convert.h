@@ -35,8 +35,8 @@ void to_ros(const std::vector<StaticTransform>& transforms, Stamp stamp, tf2_msg
 /// Status items as diagnostic_msgs/DiagnosticArray; names are prefixed "`node`: " (REP 107).
 void to_ros(const std::vector<DiagnosticItem>& items, const std::string& node, Stamp stamp,
             diagnostic_msgs::DiagnosticArray& message);
-/// The level of diagnostic_msgs/DiagnosticStatus.
-std::int8_t to_ros(Health health);
+/// One of them but for its name; the status has no values yet.
+void to_ros(const DiagnosticItem& item, diagnostic_msgs::DiagnosticStatus& status);
 /// Reads another driver's scan. Returns nullptr, or what is wrong with the message; then `scan` is of no use.
 ///
 /// NaN is `invalid`, +inf `none`, -inf `near` (REP 117); a finite range outside the message's limits is

@@ -32,10 +32,7 @@ struct RosDiagnostics::Updater {
       status.summary(diagnostic_msgs::DiagnosticStatus::STALE, "no longer reported");
       return;
     }
-    const DiagnosticItem& item = found->second;
-    status.hardware_id = item.hardware_id;
-    status.summary(static_cast<std::uint8_t>(to_ros(item.health)), item.message);
-    for (const auto& [key, value] : item.values) status.add(key, value);
+    to_ros(found->second, status);
   }
 
   void take(const DiagnosticItem& item) {

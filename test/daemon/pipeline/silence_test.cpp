@@ -35,6 +35,13 @@ struct Sample {
   }
   SensorConfig config;
   SensorReport report;
+  /// Datagrams that no sensor claims.
+  void stray(const IpAddress& sender, std::uint16_t port, int packets) {
+    Packet packet;
+    packet.from.address = sender;
+    packet.to.port = port;
+    for (int i = 0; i < packets; ++i) unknown.note(packet);
+  }
   UnknownSenders unknown;
 };
 
@@ -89,14 +96,8 @@ TEST(Silence, NamesItsCauseAsFarAsItIsKnown) {
   const auto message = [&] { return sample.after(1001).message; };
   sample.report.info.warnings = {"first", "the device says so"};
   EXPECT_THAT(message(), testing::EndsWith("to port 2368: the device says so"));
-  const auto unknown_sends = [&](int host, std::uint16_t port, int packets) {
-    Packet packet;
-    packet.from = {IpAddress::v4(192, 168, 1, static_cast<std::uint8_t>(host)), 40000};
-    packet.to.port = port;
-    for (int i = 0; i < packets; ++i) sample.unknown.note(packet);
-  };
-  unknown_sends(9, 23680, 9);
-  unknown_sends(7, 2368, 3);
+  sample.stray(IpAddress::v4(192, 168, 1, 9), 23680, 9);
+  sample.stray(IpAddress::v4(192, 168, 1, 7), 2368, 3);
   EXPECT_THAT(message(),
               testing::EndsWith("; but there are packets from 192.168.1.7 -> port 2368 (3 packets): correct "
                                 "ip_address?"));

@@ -18,83 +18,79 @@ using test::PipelineBench;
 using test::round_scan;
 using testing::HasSubstr;
 
-/// The motion of a vehicle that has told poses from `oldest_pose` to `newest_pose`, ms, and data stamped
-/// `data`; all of it came in at time 0.
+/// A vehicle that has told poses of [0, newest pose] and data stamped `data`; all of it came in at time 0.
 struct Watched {
+  Watched() { vehicle.odometry_topic = "/odom"; }
   Watched(double newest_pose, double data) : Watched(0, newest_pose, data) {}
-  Watched(double oldest_pose, double newest_pose, double data) {
-    add(oldest_pose, 0);
-    if (newest_pose > oldest_pose) add(newest_pose, 0);
+  Watched(double oldest_pose, double newest_pose, double data) : Watched() {
+    tell_pose(oldest_pose, 0);
+    if (newest_pose > oldest_pose) tell_pose(newest_pose, 0);
     motion.note_data(bench_begin + ms(data), bench_begin);
   }
-  static VehicleConfig moving() {
-    VehicleConfig vehicle;
-    vehicle.odometry_topic = "/odom";
-    return vehicle;
+  void tell_pose(double at, double arrival, const std::string& child = "") {
+    motion.add_pose(bench_begin + ms(at), Pose::Identity(), child, bench_begin + ms(arrival));
   }
-  void add(double stamp, double now) {
-    motion.add_pose(bench_begin + ms(stamp), Pose::Identity(), "", bench_begin + ms(now));
+  /// What is wrong; empty: nothing.
+  std::string after(double passed) const {
+    const DiagnosticItem item = motion.diagnostics(bench_begin + ms(passed)).value();
+    EXPECT_EQ(item.health, item.message == "poses come in" ? Health::ok : Health::warn);
+    return item.health == Health::ok ? "" : item.message;
   }
-  DiagnosticItem item(double passed) const {
-    return motion.diagnostics(bench_begin + ms(passed)).value_or(DiagnosticItem());
-  }
-  std::string after(double passed) const { return item(passed).message; }
-
-  Config config;
+  VehicleConfig vehicle;
   test::KnownTransforms tf;
-  VehicleConfig vehicle = moving();
-  FrameTree frames{config, tf};
+  FrameTree frames{Config{}, tf};
   VehicleMotion motion{vehicle, tf, frames};
 };
 
-const char* const well = "poses come in";
-
-TEST(MotionWatch, PosesMayLagTheDataByHalfASecond) {
-  EXPECT_EQ(Watched(1000, 1500).after(0), well);
+TEST(VehicleMotion, PosesMayLagTheDataByHalfASecond) {
+  EXPECT_EQ(Watched(1000, 1500).after(0), "");
   EXPECT_EQ(Watched(1000, 1501).after(0),
             "the newest pose of the vehicle is 0.5 s older than the newest scan, which is not deskewed; does "
             "odometry still come, and are its stamps of the same clock?");
   EXPECT_THAT(Watched(1000, 3000).after(0), HasSubstr("is 2.0 s older"));
 }
 
-TEST(MotionWatch, PosesMayBeginHalfASecondAfterTheData) {
-  EXPECT_EQ(Watched(1500, 2000, 1000).after(0), well);
+TEST(VehicleMotion, PosesMayBeginHalfASecondAfterTheData) {
+  EXPECT_EQ(Watched(1500, 2000, 1000).after(0), "");
   EXPECT_EQ(Watched(1501, 2000, 1000).after(0),
             "the oldest pose of the vehicle is 0.5 s newer than the newest scan, which is not deskewed; are "
             "the stamps of both of the same clock?");
 }
 
-TEST(MotionWatch, WithoutDataForASecondThePosesAloneAreLookedAt) {
+TEST(VehicleMotion, WithoutDataForASecondThePosesAloneAreLookedAt) {
   Watched lagging(1000, 3000);
   EXPECT_THAT(lagging.after(999), HasSubstr("older than the newest scan"));
   EXPECT_EQ(lagging.after(1000), "no pose of the vehicle any more");
   Watched live(1000, 3000);
-  live.add(1100, 1000);
-  EXPECT_EQ(live.after(1000), well);
-  EXPECT_EQ(live.after(1499), well);
+  live.tell_pose(1100, 1000);
+  EXPECT_EQ(live.after(1000), "");
+  EXPECT_EQ(live.after(1499), "");
   EXPECT_EQ(live.after(1500), "no pose of the vehicle any more");
 }
 
-TEST(MotionWatch, APoseThatIsHeldToItTwiceIsNoNewOne) {
+TEST(VehicleMotion, APoseThatIsToldTwiceIsNoNewOne) {
   Watched live(1000, 3000);
-  live.add(1000, 1400);
+  live.tell_pose(1000, 1400);
   EXPECT_EQ(live.after(1400), "no pose of the vehicle any more") << "it is still that of the begin";
 }
 
-TEST(MotionWatch, ShowsItsCountersAndTheLag) {
+TEST(VehicleMotion, ShowsItsCountersAndTheLag) {
   Watched watched(1000, 1250);
-  watched.add(1010, 0);
-  watched.motion.add_pose(bench_begin + ms(1020), Pose::Identity(), "gnss", bench_begin);
-  DiagnosticItem item = watched.item(0);
+  watched.tell_pose(1010, 0);
+  DiagnosticItem item = watched.motion.diagnostics(bench_begin).value();
   EXPECT_EQ(item.name, "motion");
   EXPECT_EQ(item.health, Health::ok);
-  EXPECT_EQ(item.message, well);
+  EXPECT_EQ(item.message, "poses come in");
   EXPECT_EQ(test::value_of(item, "Knots"), "3");
-  EXPECT_EQ(test::value_of(item, "Frame not known"), "1");
+  EXPECT_EQ(test::value_of(item, "Frame not known"), "0");
   EXPECT_NEAR(std::stod(test::value_of(item, "Scans ahead of poses (s)")), 0.24, 1e-6);
-  item = watched.item(1000);
+  Watched placeless;
+  for (const double at : {0, 10, 20}) placeless.tell_pose(at, at, "gnss");
+  item = placeless.motion.diagnostics(bench_begin).value();
   EXPECT_EQ(item.health, Health::warn);
-  EXPECT_THAT(item.message, testing::StartsWith("no pose of the vehicle any more: no tf from "));
+  EXPECT_EQ(item.message, "no pose of the vehicle yet; scans are not deskewed: no tf from gnss to base_link");
+  EXPECT_EQ(test::value_of(item, "Frame not known"), "3");
+  EXPECT_EQ(test::value_of(item, "Scans ahead of poses (s)"), "no such key");
 }
 
 /// A merged scan of one sweep of 100 ms while the vehicle turns at `yaw_rate` and drives at 2 m/s; the motion
