@@ -21,6 +21,22 @@ constexpr double last_port = 65535;
 constexpr const char* sender_form = "the sensor's IPv4 or IPv6 address like 192.168.1.201";
 constexpr const char* group_form = "a multicast address like 239.0.0.10";
 
+/// Why models refuse keys that others take, and what to do instead.
+constexpr const char* no_key = "no such key";
+const Misfit no_cloud{", which is no multi-plane lidar", no_key};
+const Misfit no_settings{", to whose settings nothing is said", "no such key; set it up in the device"};
+const Misfit no_web{", which has no web interface that is known",
+                    "no such key: it applies to Velodynes other than the HDL-64E"};
+const Misfit no_packets{", whose packets travel in no message that is known", "a Velodyne, or no such key"};
+const Misfit no_telemetry{", which sends no telemetry beside its data", no_key};
+const Misfit no_beams{", whose clouds are complete with all returns",
+                      "no such key; view_direction and view_width keep a sector"};
+const Misfit no_vouching{", which does not vouch for its returns", "no such key: it applies to the VLS-128"};
+const Misfit calibrated{", which sends calibrated measurements", no_key};
+const Misfit tcp{", which is read over TCP", no_key};
+const Misfit no_clock{", which is not asked for its clock",
+                      "clock: smooth, which follows the device clock all the time"};
+
 bool any_model(const Model& /*model*/) { return true; }
 template <FrameKind kind>
 bool gives(const Model& model) {
@@ -182,21 +198,6 @@ bool takes(const S& sensor, const SensorGroup& group) {
 }
 
 const std::vector<SensorGroup>& sensor_groups() {
-  constexpr const char* no_key = "no such key";
-  const Misfit no_cloud{", which is no multi-plane lidar", no_key};
-  const Misfit no_settings{", to whose settings nothing is said", "no such key; set it up in the device"};
-  const Misfit no_web{", which has no web interface that is known",
-                      "no such key: it applies to Velodynes other than the HDL-64E"};
-  const Misfit no_packets{", whose packets travel in no message that is known", "a Velodyne, or no such key"};
-  const Misfit no_telemetry{", which sends no telemetry beside its data", no_key};
-  const Misfit no_beams{", whose clouds are complete with all returns",
-                        "no such key; view_direction and view_width keep a sector"};
-  const Misfit no_vouching{", which does not vouch for its returns",
-                           "no such key: it applies to the VLS-128"};
-  const Misfit calibrated{", which sends calibrated measurements", no_key};
-  const Misfit tcp{", which is read over TCP", no_key};
-  const Misfit no_clock{", which is not asked for its clock",
-                        "clock: smooth, which follows the device clock all the time"};
   const auto udp = [](const Model& model) { return model.transport == Transport::udp; };
   const auto echoes = [](const Model& model) {
     return model.has(Trait::echoes) && model.kind == FrameKind::scan;

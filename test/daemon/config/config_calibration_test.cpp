@@ -94,7 +94,8 @@ TEST_F(ConfigCalibration, WithoutAFileTheModelsOwnTableHasEitherEquations) {
   EXPECT_NEAR(table->lasers[2].vert_correction, -13 * M_PI / 180, 1e-12);
   EXPECT_EQ(table->lasers[2].vert_offset, 0) << "velodyne_pointcloud's own files have none";
   const std::string yaml = to_yaml(config);
-  EXPECT_THAT(yaml, HasSubstr("    # calibration: the model's table\n    calibration_model: ros_drivers\n"));
+  EXPECT_THAT(yaml, HasSubstr("    # calibration: what the model or the device itself says\n"
+                              "    calibration_model: ros_drivers\n"));
   EXPECT_EQ(to_yaml(parse_config(yaml, folder_ + config_)), yaml);
   EXPECT_THROW(parse_config("sensors: {a: {model: velodyne_hdl64e_s3, calibration_model: ros_drivers}}", "f"),
                ConfigError);
