@@ -81,7 +81,7 @@ struct Commands {
         ->check(CLI::Range(0.0, 3600.0));
     c->add_option("--motion", replay.motion,
                   "With --bag: a bag whose tf or odometry says how the vehicle moved");
-    c->add_flag("--clock", replay.clock, "Publish /clock");
+    c->add_flag("--clock", replay.ros.clock, "Publish /clock");
     c->add_option("--bag", replay.bag, "Write the messages to this bag instead of ROS");
     c->callback([this] { action = [this] { return start_replay(); }; });
   }
@@ -191,7 +191,7 @@ int Commands::start_replay() {
     std::cerr << "--loop and --bag: a bag of endless replay would never be complete; leave one out\n";
     return exit_usage;
   }
-  replay.ros_arguments = ros_arguments;
+  replay.ros.remappings = ros_arguments;
   return run_replay(replay, std::cout, std::cerr);
 }
 

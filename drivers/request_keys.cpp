@@ -5,6 +5,7 @@
 namespace lidard {
 namespace {
 
+using namespace keys;
 using R = DeviceRequests;
 
 std::optional<Misfit> no_receiver(const KeyValue& value) {
@@ -26,25 +27,25 @@ std::optional<Misfit> no_hash(const KeyValue& value) {
 }  // namespace
 
 Keys<R> write_keys() {
-  return {keys::flag("allow_write", &R::allow_write,
-                     "settings of the device that differ from the configuration are written")};
+  return {flag("allow_write", &R::allow_write,
+               "settings of the device that differ from the configuration are written")};
 }
 
 Keys<R> receiver_keys() {
-  return {keys::flag("listen_only", &R::listen_only, "no connection to the device at all"),
-          keys::text("udp_receiver_ip", &R::host_address,
-                     "an IPv4 address of this host (or a multicast group) like 192.168.0.100",
-                     "where the device shall send its datagrams")
+  return {flag("listen_only", &R::listen_only, "no connection to the device at all"),
+          text("udp_receiver_ip", &R::host_address,
+               "an IPv4 address of this host (or a multicast group) like 192.168.0.100",
+               "where the device shall send its datagrams")
               .checked(no_receiver)};
 }
 
 Keys<R> login_keys() {
-  auto level = keys::whole("user_level", &R::user_level, 1, 9, "number of the level to log in at");
+  auto level = whole("user_level", &R::user_level, 1, 9, "number of the level to log in at");
   level.preset = "of the model";
   level.set = [](R& requests, const KeyValue& value) {
     requests.user_level = number_text(std::get<double>(value));
   };
-  return {level, keys::text("user_level_password", &R::password_hash, hash_form, "hash of its password")
+  return {level, text("user_level_password", &R::password_hash, hash_form, "hash of its password")
                      .by_default("of the model")
                      .checked(no_hash)};
 }

@@ -54,7 +54,7 @@ FORBIDDEN = {
     "daemon": r"test/",
     "daemon/pipeline": "|".join([ROS, r"boost/asio|boost/beast|sys/socket|netinet/|arpa/|yaml-cpp", THREADS_AND_CLOCKS]),
 }
-ONLY_IN = {"yaml-cpp": ["daemon/config", "daemon/dropin"], ROS: ["daemon/ros", "daemon/dropin", "daemon/commands"]}
+ONLY_IN = {"yaml-cpp": ["daemon/config"], ROS: ["daemon/ros", "daemon/dropin", "daemon/commands"]}
 HEAVY_IN_HEADERS = "|".join([ROS, r"pcl/|spdlog"])
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 

@@ -38,8 +38,7 @@ class Processes:
             if self.ended:
                 raise KeyboardInterrupt
             process = subprocess.Popen(command, cwd=cwd, env=environment, stdin=subprocess.DEVNULL,
-                                       stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True,
-                                       preexec_fn=limits)
+                                       stdout=subprocess.PIPE, stderr=subprocess.STDOUT, preexec_fn=set_apart)
             self.running.add(process)
         try:
             output, _ = process.communicate(timeout=limit)
@@ -66,7 +65,9 @@ class Processes:
                 self.kill(process)
 
 
-def limits():
+def set_apart():
+    """A group of its own, to be killed as a whole; no session, which Linux would give a share of the processor."""
+    os.setpgrp()
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
 

@@ -20,7 +20,8 @@ namespace {
 struct Entry {
   Key key;
   std::string preset;
-  const SensorGroup* group = nullptr;  // of models that take it; nullptr: not a key of sensors
+  const SensorGroup* group;  // of models that take it; nullptr: not a key of sensors
+  bool inner;                // beneath a key of the same models
 };
 struct Section {
   std::string name;
@@ -53,15 +54,15 @@ class Reference {
 
   template <class Owner>
   void add(const std::string& name, const Keys<Owner>& keys, const Owner& owner,
-           const SensorGroup* group = nullptr) {
+           const SensorGroup* group = nullptr, bool inner = false) {
     auto known =
         std::find_if(sections.begin(), sections.end(), [&](const auto& s) { return s.name == name; });
     if (known == sections.end()) known = sections.insert(known, {name, {}});
     const auto index = known - sections.begin();
     for (const auto& key : keys) {
       const std::string preset = key.kind == KeyKind::section ? "" : preset_of(key, owner);
-      sections[static_cast<std::size_t>(index)].entries.push_back({key, preset, group});
-      if (!key.inner.empty()) add(name + "." + std::string(key.name), key.inner, owner, group);
+      sections[static_cast<std::size_t>(index)].entries.push_back({key, preset, group, inner});
+      if (!key.inner.empty()) add(name + "." + std::string(key.name), key.inner, owner, group, true);
     }
   }
 };
@@ -74,7 +75,7 @@ std::vector<Section> all_sections() {
   all.add("merged_scans.NAME", merged_keys(), MergedScanConfig());
   all.add("merged_scans.NAME.also.TOPIC", also_key().inner, AlsoScanConfig());
   all.add("merged_scans.NAME.source_settings.SOURCE", source_keys(), SourceSettings());
-  all.add("virtual_scans.NAME", virtual_keys(), VirtualScanConfig());
+  all.add("virtual_scans.NAME", virtual_keys(), default_virtual_scan());
   all.add("virtual_scans.NAME.also.TOPIC", also_key().inner, AlsoScanConfig());
   return all.sections;
 }
@@ -119,7 +120,7 @@ std::string value_text(const Key& key) {
 /// The meaning, and where and when the key has one.
 std::string meaning_text(const Entry& entry) {
   std::string text(entry.key.meaning);
-  if (entry.group != nullptr && !entry.group->models.empty())
+  if (entry.group != nullptr && !entry.inner && !entry.group->models.empty())
     text.append(" (").append(entry.group->models).append(")");
   return text + (entry.key.live ? " [live]" : "");
 }

@@ -15,7 +15,9 @@ namespace lidard {
 const Keys<VehicleConfig>& vehicle_keys();
 const Keys<MergedScanConfig>& merged_keys();
 const Keys<VirtualScanConfig>& virtual_keys();
-/// That merged and virtual scans share.
+/// What holds for a virtual scan before its keys are read.
+VirtualScanConfig default_virtual_scan();
+/// The keys that merged and virtual scans share.
 const Keys<OutputScanConfig>& output_keys();
 /// Of an entry of `source_settings:` of a merged scan.
 const Keys<SourceSettings>& source_keys();

@@ -9,6 +9,7 @@
 namespace lidard {
 namespace {
 
+using namespace keys;
 using Merged = MergedScanConfig;
 
 constexpr double longest_wait_s = 3600;
@@ -16,58 +17,60 @@ constexpr double farthest_m = 10000;
 constexpr double strongest = 1e9;
 constexpr double most_outputs_per_s = 1000;
 
-const keys::Words<EchoChoice> echo_choices{{"first", EchoChoice::first},
-                                           {"last", EchoChoice::last},
-                                           {"strongest", EchoChoice::strongest},
-                                           {"all", EchoChoice::all}};
+const Words<EchoChoice> echo_choices{{"first", EchoChoice::first},
+                                     {"last", EchoChoice::last},
+                                     {"strongest", EchoChoice::strongest},
+                                     {"all", EchoChoice::all}};
 
 Keys<Merged> source_and_topic_rows() {
-  return {
-      keys::special<Merged>(
-          "laserscan_topics", "names of sensors that give scans, or of virtual scans",
-          [](const Merged& merged) { return key_value(merged.laserscan_topics); },
-          "the sources, by name or by the topic that they publish"),
-      keys::frame("destination_frame", &Merged::destination_frame, "the scan's origin")
-          .by_default("vehicle.base_frame"),
-      keys::of_kind(KeyKind::pose, "destination_pose", &Merged::destination_pose,
-                    "of destination_frame in vehicle.base_frame")
-          .unless_set("from tf"),
-      keys::topic("scan_destination_topic", &Merged::scan_destination_topic, "the scan")
-          .by_default("the entry's name"),
-      keys::topic("cloud_destination_topic", &Merged::cloud_destination_topic,
-                  "the returns of all sources as one cloud; empty: none")
-          .or_empty(),
-      keys::topic("status_topic", &Merged::status_topic,
-                  "a LaserScan of how far each beam is observed; as intensity 0 unobserved, 1 free, 2 hit, "
-                  "3 a surface seen from behind, 4 a way with a gap; empty: none")
-          .or_empty()};
+  return {special<Merged>(
+              "laserscan_topics", "names of sensors that give scans, or of virtual scans",
+              [](const Merged& merged) { return key_value(merged.laserscan_topics); },
+              "the sources, by name or by the topic that they publish")
+              .needed(),
+          frame("destination_frame", &Merged::destination_frame, "the scan's origin")
+              .by_default("vehicle.base_frame"),
+          of_kind(KeyKind::pose, "destination_pose", &Merged::destination_pose,
+                  "of destination_frame in vehicle.base_frame")
+              .unless_set("from tf"),
+          topic("scan_destination_topic", &Merged::scan_destination_topic, "the scan")
+              .by_default("the entry's name"),
+          topic("cloud_destination_topic", &Merged::cloud_destination_topic,
+                "the returns of all sources as one cloud; empty: none")
+              .or_empty(),
+          topic("status_topic", &Merged::status_topic,
+                "a LaserScan of how far each beam is observed; as intensity 0 unobserved, 1 free, 2 hit, "
+                "3 a surface seen from behind, 4 a way with a gap; empty: none")
+              .or_empty()};
 }
 
 Keys<ScheduleSettings> policy_rows() {
   using S = ScheduleSettings;
-  const keys::Words<Policy> policies{
+  const Words<Policy> policies{
       {"complete", Policy::complete}, {"rate", Policy::rate}, {"trigger", Policy::trigger}};
-  return {keys::word("policy", &S::policy, policies,
-                     "published when all sources have delivered, at a rate, or when one has delivered"),
-          keys::number("rate", &S::rate, 0.01, most_outputs_per_s, "1/s", "with policy rate")
-              .shown_if([](const S& s) { return s.policy == Policy::rate; })};
+  return {
+      word("policy", &S::policy, policies,
+           "published when all sources have delivered, at a rate, or when one has delivered"),
+      number("rate", &S::rate, 0.01, most_outputs_per_s, "1/s", "with policy rate").shown_if([](const S& s) {
+        return s.policy == Policy::rate;
+      })};
 }
 
 Keys<ScheduleSettings> patience_rows() {
   using S = ScheduleSettings;
-  return {keys::number("deadline", &S::deadline, 0, longest_wait_s, "s",
-                       "how late a source may be before an output is published without it")
-              .unless_set("0.3 of the shortest period of the sources"),
-          keys::number("max_age", &S::max_age, 0.001, longest_wait_s, "s", "older sweeps are not used")
-              .unless_set("until the next sweep of the source is overdue by the deadline"),
-          keys::number("lost_after", &S::lost_after, 0.001, longest_wait_s, "s",
-                       "silence after which a source is lost, which is an ERROR"),
-          keys::flag("publish_when_empty", &S::publish_when_empty,
-                     "outputs go on when no source has anything to say")};
+  return {
+      number("deadline", &S::deadline, 0, longest_wait_s, "s",
+             "how late a source may be before an output is published without it")
+          .unless_set("0.3 of the shortest period of the sources"),
+      number("max_age", &S::max_age, 0.001, longest_wait_s, "s", "older sweeps are not used")
+          .unless_set("until the next sweep of the source is overdue by the deadline"),
+      number("lost_after", &S::lost_after, 0.001, longest_wait_s, "s",
+             "silence after which a source is lost, which is an ERROR"),
+      flag("publish_when_empty", &S::publish_when_empty, "outputs go on when no source has anything to say")};
 }
 
 KeyOf<Merged> trigger_row() {
-  return keys::special<Merged>(
+  return special<Merged>(
              "trigger", "the source whose sweeps trigger the output",
              [](const Merged& merged) {
                const bool known = merged.schedule.trigger < merged.laserscan_topics.size();
@@ -84,32 +87,32 @@ KeyOf<Merged> source_settings_row() {
       map.emplace_back(name, shown_values(source_keys(), one));
     return map;
   };
-  return keys::special<Merged>("source_settings", "{SOURCE: {range_max: 8, …}}", get,
-                               "windows and properties of single sources, by their name");
+  return special<Merged>("source_settings", "{SOURCE: {range_max: 8, …}}", get,
+                         "windows and properties of single sources, by their name");
 }
 
 Keys<Merged> fusion_rows() {
-  return {keys::word("fuse", &Merged::mean, {{"nearest", false}, {"mean", true}},
-                     "what stands where several sources see the same surface"),
-          keys::word("echoes", &Merged::echoes, echo_choices, "which echo of a beam counts"),
-          keys::flag("veil_filter", &Merged::veil_filter,
-                     "leaves out mixed pixels: returns between two surfaces where no surface is"),
+  return {word("fuse", &Merged::mean, {{"nearest", false}, {"mean", true}},
+               "what stands where several sources see the same surface"),
+          word("echoes", &Merged::echoes, echo_choices, "which echo of a beam counts"),
+          flag("veil_filter", &Merged::veil_filter,
+               "leaves out mixed pixels: returns between two surfaces where no surface is"),
           range_noise_row<Merged>(), free_required_row<Merged>()};
 }
 
 Keys<MergeOptions> option_rows() {
   using O = MergeOptions;
-  const keys::Words<Intensities> intensities{
+  const Words<Intensities> intensities{
       {"auto", Intensities::automatic}, {"on", Intensities::on}, {"off", Intensities::off}};
-  return {keys::word("conflicts", &O::newest_wins, {{"keep", false}, {"newest", true}},
-                     "newest: a hit inside what a newer sweep of another source sees through is dropped"),
-          keys::word("free_requires", &O::all_heights, {{"any", false}, {"all", true}},
-                     "all: a beam is free only where the sources of every mounting height say so"),
-          keys::flag("veil_cross_check", &O::veil_cross_check,
-                     "a return that another source sees through counts for profile safety alone"),
-          keys::word("intensity", &O::intensities, intensities, "auto: where all sources have intensities"),
-          keys::number("missing_intensity", &O::missing_intensity, -strongest, strongest, "",
-                       "of sources without intensities, with intensity: on")
+  return {word("conflicts", &O::newest_wins, {{"keep", false}, {"newest", true}},
+               "newest: a hit inside what a newer sweep of another source sees through is dropped"),
+          word("free_requires", &O::all_heights, {{"any", false}, {"all", true}},
+               "all: a beam is free only where the sources of every mounting height say so"),
+          flag("veil_cross_check", &O::veil_cross_check,
+               "a return that another source sees through counts for profile safety alone"),
+          word("intensity", &O::intensities, intensities, "auto: where all sources have intensities"),
+          number("missing_intensity", &O::missing_intensity, -strongest, strongest, "",
+                 "of sources without intensities, with intensity: on")
               .shown_if([](const O& o) { return o.intensities == Intensities::on; })};
 }
 
@@ -325,36 +328,33 @@ bool MergedScanConfig::has_visibility() const { return knows_free_space(output, 
 const Keys<SourceSettings>& source_keys() {
   using S = SourceSettings;
   static const Keys<S> rows{
-      keys::number("range_min", &S::range_min, 0, farthest_m, "m", "nearer returns are left out"),
-      keys::number("range_max", &S::range_max, 0, farthest_m, "m", "farther returns are left out"),
-      keys::angle("angle_min", &S::angle_min, -7, 7, "first angle in the sensor's frame"),
-      keys::angle("angle_max", &S::angle_max, -7, 7, "last angle in the sensor's frame"),
-      keys::number("intensity_min", &S::intensity_min, -strongest, strongest, "",
-                   "weaker returns are left out"),
-      keys::number("intensity_max", &S::intensity_max, -strongest, strongest, "",
-                   "stronger returns are left out"),
-      keys::number("range_noise", &S::noise, 0.0005, 1, "m", "one standard deviation of its ranges")
+      number("range_min", &S::range_min, 0, farthest_m, "m", "nearer returns are left out"),
+      number("range_max", &S::range_max, 0, farthest_m, "m", "farther returns are left out"),
+      angle("angle_min", &S::angle_min, -7, 7, "first angle in the sensor's frame"),
+      angle("angle_max", &S::angle_max, -7, 7, "last angle in the sensor's frame"),
+      number("intensity_min", &S::intensity_min, -strongest, strongest, "", "weaker returns are left out"),
+      number("intensity_max", &S::intensity_max, -strongest, strongest, "", "stronger returns are left out"),
+      number("range_noise", &S::noise, 0.0005, 1, "m", "one standard deviation of its ranges")
           .by_default("that of the merged scan"),
-      keys::number("no_return_free_range", &S::no_return_free_range, 0, farthest_m, "m",
-                   "how far a beam without return proves that nothing is there")
+      number("no_return_free_range", &S::no_return_free_range, 0, farthest_m, "m",
+             "how far a beam without return proves that nothing is there")
           .by_default("range_max of the merged scan"),
-      keys::word("echoes", &S::echoes, echo_choices, "which echo of a beam counts")
+      word("echoes", &S::echoes, echo_choices, "which echo of a beam counts")
           .by_default("that of the merged scan"),
-      keys::flag("veil_filter", &S::veil_filter, "leaves out mixed pixels")
-          .by_default("that of the merged scan")};
+      flag("veil_filter", &S::veil_filter, "leaves out mixed pixels").by_default("that of the merged scan")};
   return rows;
 }
 
 const Keys<Merged>& merged_keys() {
-  const keys::Words<MissingMotion> motions{
+  const Words<MissingMotion> motions{
       {"static", MissingMotion::stand}, {"wait", MissingMotion::wait}, {"drop", MissingMotion::drop}};
   static const Keys<Merged> all = joined<Merged>(
       {source_and_topic_rows(),
        within(&Merged::schedule, policy_rows()),
        {trigger_row()},
        within(&Merged::schedule, patience_rows()),
-       {keys::word("on_missing_motion", &Merged::on_missing_motion, motions,
-                   "while poses of the vehicle are missing: as if it stood, wait for them, or no output"),
+       {word("on_missing_motion", &Merged::on_missing_motion, motions,
+             "while poses of the vehicle are missing: as if it stood, wait for them, or no output"),
         source_settings_row()},
        within(&Merged::output, output_keys()),
        fusion_rows(),

@@ -19,6 +19,11 @@ std::string Place::to_string() const {
 PlacedError::PlacedError(const Place& where, const std::string& what)
     : ConfigError(where.to_string() + ": " + what), place(where) {}
 
+void Mistakes::end_if_in_doubt(const std::string& path) const {
+  const auto next = doubted_.lower_bound(path);
+  if (next != doubted_.end() && next->compare(0, path.size(), path) == 0) throw AlreadyNoted();
+}
+
 void Mistakes::throw_if_any() {
   if (noted_.empty()) return;
   std::stable_sort(noted_.begin(), noted_.end(), [](const auto& a, const auto& b) {

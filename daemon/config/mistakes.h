@@ -52,6 +52,8 @@ class Mistakes {
   /// Whoever asks for this key, or for one that is missing in this mapping, ends with AlreadyNoted.
   void doubt(const std::string& path) { doubted_.insert(path); }
   bool is_in_doubt(const std::string& path) const { return doubted_.count(path) != 0; }
+  /// Ends with AlreadyNoted if this, or anything beneath it, is in doubt.
+  void end_if_in_doubt(const std::string& path) const;
   std::size_t count() const { return noted_.size(); }
   /// Throws one ConfigError that tells all of them, a line for each, in the order of the file.
   void throw_if_any();

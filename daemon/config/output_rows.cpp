@@ -10,64 +10,58 @@
 namespace lidard {
 namespace {
 
+using namespace keys;
+
 constexpr double farthest_m = 10000;
 constexpr double longest_period_s = 3600;
 constexpr std::size_t default_beams_per_turn = 1440;
 
-const keys::Words<Profile> profiles{
+const Words<Profile> profiles{
     {"strict", Profile::strict}, {"safety", Profile::safety}, {"flatten", Profile::flatten}};
-const keys::Words<EmptyBeam> beams{{"inf", EmptyBeam::inf},
-                                   {"nan", EmptyBeam::nan},
-                                   {"range_max_plus_one", EmptyBeam::range_max_plus_one},
-                                   {"minus_inf", EmptyBeam::minus_inf},
-                                   {"zero", EmptyBeam::zero}};
+const Words<EmptyBeam> beams{{"inf", EmptyBeam::inf},
+                             {"nan", EmptyBeam::nan},
+                             {"range_max_plus_one", EmptyBeam::range_max_plus_one},
+                             {"minus_inf", EmptyBeam::minus_inf},
+                             {"zero", EmptyBeam::zero}};
 
 template <class Output>
 KeyOf<Output> profile_row() {
-  return keys::word("profile", &Output::profile, profiles, "how the scan says what is known");
+  return word("profile", &Output::profile, profiles, "how the scan says what is known");
 }
 /// What stands in beams without a range.
 template <class Output>
 Keys<Output> beam_rows() {
-  return {keys::word("empty", &Output::empty, beams, "what stands where nothing is").changes_live(),
-          keys::word("unobserved", &Output::unobserved, beams, "what stands where nothing is known")
-              .changes_live()};
+  return {word("empty", &Output::empty, beams, "what stands where nothing is"),
+          word("unobserved", &Output::unobserved, beams, "what stands where nothing is known")};
 }
 
 Keys<ScanGridSpec> grid_rows() {
   using G = ScanGridSpec;
-  return {keys::angle("angle_min", &G::angle_min, -two_pi, two_pi, "first beam").changes_live(),
-          keys::angle("angle_max", &G::angle_max, -two_pi, two_pi, "last beam").changes_live(),
-          keys::whole("beams", &G::beams, 2, 32767, "number of beams, in place of angle_increment")
-              .by_default("1440 for a full turn"),
-          keys::angle("angle_increment", &G::angle_increment, 0, M_PI, "between beams")
-              .by_default("a 1440th of a turn")
-              .changes_live(),
-          keys::number("time_increment", &G::time_increment, 0, longest_period_s, "s", "between beams")
-              .changes_live(),
-          keys::number("scan_time", &G::scan_time, 0, longest_period_s, "s",
-                       "between scans; 0: that of the sources")
-              .changes_live(),
-          keys::number("range_min", &G::range_min, 0, farthest_m, "m", "nearer returns are left out")
-              .by_default("of the nearest-sighted source")
-              .changes_live(),
-          keys::number("range_max", &G::range_max, 0, farthest_m, "m", "farther returns are left out")
-              .by_default("of the farthest-sighted source")
-              .changes_live()};
+  return {
+      angle("angle_min", &G::angle_min, -two_pi, two_pi, "first beam"),
+      angle("angle_max", &G::angle_max, -two_pi, two_pi, "last beam"),
+      whole("beams", &G::beams, 2, 32767, "number of beams, in place of angle_increment")
+          .by_default("1440 for a full turn"),
+      angle("angle_increment", &G::angle_increment, 0, pi_d, "between beams")
+          .by_default("a 1440th of a turn"),
+      number("time_increment", &G::time_increment, 0, longest_period_s, "s", "between beams"),
+      number("scan_time", &G::scan_time, 0, longest_period_s, "s", "between scans; 0: that of the sources"),
+      number("range_min", &G::range_min, 0, farthest_m, "m", "nearer returns are left out")
+          .by_default("of the nearest-sighted source"),
+      number("range_max", &G::range_max, 0, farthest_m, "m", "farther returns are left out")
+          .by_default("of the farthest-sighted source")};
 }
 
 Keys<OutputScanConfig> height_rows() {
   using O = OutputScanConfig;
-  return {keys::number("min_height", &O::min_height, -farthest_m, farthest_m, "m",
-                       "lower returns are left out, in the frame of the scan")
+  return {number("min_height", &O::min_height, -farthest_m, farthest_m, "m",
+                 "lower returns are left out, in the frame of the scan")
               .unless_set("no limit")
-              .or_else(-farthest_m)
-              .changes_live(),
-          keys::number("max_height", &O::max_height, -farthest_m, farthest_m, "m",
-                       "higher returns are left out, in the frame of the scan")
+              .or_else(-farthest_m),
+          number("max_height", &O::max_height, -farthest_m, farthest_m, "m",
+                 "higher returns are left out, in the frame of the scan")
               .unless_set("no limit")
-              .or_else(farthest_m)
-              .changes_live()};
+              .or_else(farthest_m)};
 }
 
 /// The key that a complaint about the grid is about: the first one it mentions that the user wrote.
@@ -101,16 +95,19 @@ void check_grid(const ScanGridSpec& spec, const Mapping& yaml, Reading& reading)
 
 const Keys<OutputScanConfig>& output_keys() {
   using O = OutputScanConfig;
-  static const Keys<O> rows = joined<O>(
-      {{profile_row<O>().changes_live()}, within(&O::grid, grid_rows()), beam_rows<O>(), height_rows()});
+  static const Keys<O> rows = [] {
+    Keys<O> all =
+        joined<O>({{profile_row<O>()}, within(&O::grid, grid_rows()), beam_rows<O>(), height_rows()});
+    for (Key& key : all) key.live = key.name != "beams";  // which angle_increment stands for
+    return all;
+  }();
   return rows;
 }
 
 const KeyOf<AlsoScanConfig>& also_key() {
   using A = AlsoScanConfig;
   static const KeyOf<A> key =
-      keys::section("also", joined<A>({{profile_row<A>().needed()}, beam_rows<A>()}), "one more scan")
-          .in_short();
+      section("also", joined<A>({{profile_row<A>().needed()}, beam_rows<A>()}), "one more scan").in_short();
   return key;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/angle.h"
 #include "core/base/number_text.h"
 #include "daemon/config/reading.h"
 
@@ -66,7 +67,7 @@ std::string quoted(const Value& value, const KeyValue& read) {
 KeyMap tree_of(const Pose& pose) {
   // Digits beyond these come from turning an angle into a matrix and back.
   const auto rounded = [](double degrees) { return std::round(degrees * 1e9) / 1e9; };
-  const Eigen::Vector3d rpy = (rpy_of(pose) * (180 / M_PI)).unaryExpr(rounded);
+  const Eigen::Vector3d rpy = (rpy_of(pose) * deg_per_rad).unaryExpr(rounded);
   const auto list = [](const Eigen::Vector3d& v) { return KeyList{v.x(), v.y(), v.z()}; };
   return {{"xyz", list(pose.translation())}, {"rpy_deg", list(rpy)}};
 }

@@ -12,6 +12,7 @@
 namespace lidard {
 namespace {
 
+using namespace keys;
 using S = SensorConfig;
 using Rows = Keys<S>;
 
@@ -51,100 +52,102 @@ std::optional<Misfit> no_group(const KeyValue& value) {
 }
 
 KeyOf<S> model_row() {
-  return keys::special<S>(
-      "model", "a name from `lidard models`",
-      [](const S& sensor) { return sensor.model == nullptr ? KeyValue() : std::string(sensor.model->name); },
-      "the product; else topic is needed");
+  return special<S>(
+             "model", "a name from `lidard models`",
+             [](const S& sensor) {
+               return sensor.model == nullptr ? KeyValue() : std::string(sensor.model->name);
+             },
+             "the product")
+      .by_default("none: then topic is needed");
 }
 
 Rows network_rows() {
-  return {keys::text("ip_address", &S::ip_address, sender_form, "only packets from here are accepted")
+  return {text("ip_address", &S::ip_address, sender_form, "only packets from here are accepted")
               .unless_set("any sender that no other sensor claims")
               .checked(no_sender),
-          keys::whole("ip_port", &S::ip_port, 1, last_port,
-                      "local UDP port; of a device that is read over TCP: its own port")
+          whole("ip_port", &S::ip_port, 1, last_port,
+                "local UDP port; of a device that is read over TCP: its own port")
               .by_default("of the model")};
 }
 
 Rows group_rows() {
-  return {keys::text("multicast_group", &S::multicast_group, group_form, "a group to join").checked(no_group),
-          keys::text("interface", &S::interface, "the name of a network interface",
-                     "where the group is joined; empty: the kernel's choice")
+  return {text("multicast_group", &S::multicast_group, group_form, "a group to join").checked(no_group),
+          text("interface", &S::interface, "the name of a network interface",
+               "where the group is joined; empty: the kernel's choice")
               .or_empty()
               .shown_if([](const S& sensor) { return sensor.multicast_group.has_value(); })};
 }
 
 Rows place_rows() {
-  return {keys::topic("topic", &S::topic, "a LaserScan or PointCloud2 of another driver, in place of model"),
-          keys::frame("frame_id", &S::frame_id, "frame of its messages").by_default("the sensor's name"),
-          keys::of_kind(KeyKind::pose, "pose", &S::pose, "of the sensor in vehicle.base_frame")
-              .unless_set("from tf")};
+  return {
+      topic("topic", &S::topic, "a LaserScan or PointCloud2 of another driver, in place of model"),
+      frame("frame_id", &S::frame_id, "frame of its messages").by_default("the sensor's name"),
+      of_kind(KeyKind::pose, "pose", &S::pose, "of the sensor in vehicle.base_frame").unless_set("from tf")};
 }
 
 Keys<DriverConfig> time_rows() {
-  return {keys::number("time_offset", &DriverConfig::time_offset, -longest_offset_s, longest_offset_s, "s",
-                       "added to every stamp")};
+  return {number("time_offset", &DriverConfig::time_offset, -longest_offset_s, longest_offset_s, "s",
+                 "added to every stamp")};
 }
 
 Keys<DriverConfig> clock_rows() {
-  return {keys::word("clock", &DriverConfig::clock,
-                     {{"smooth", ClockMode::smooth}, {"arrival", ClockMode::arrival}},
-                     "stamps follow the device clock, or each packet's arrival")};
+  return {word("clock", &DriverConfig::clock,
+               {{"smooth", ClockMode::smooth}, {"arrival", ClockMode::arrival}},
+               "stamps follow the device clock, or each packet's arrival")};
 }
 
 Rows control_rows() {
-  return {keys::section("control", within(&S::control, control_keys()), "the web interface of the sensor")
+  return {section("control", within(&S::control, control_keys()), "the web interface of the sensor")
               .in_one_line()};
 }
 
 Keys<DriverConfig> beam_rows() {
   using D = DriverConfig;
-  return {
-      keys::angle("angle_min", &D::angle_min, -7, 7, "beams before it are left out").unless_set("all beams"),
-      keys::angle("angle_max", &D::angle_max, -7, 7, "beams after it are left out").unless_set("all beams"),
-      keys::flag("publish_intensity", &D::publish_intensity, "scans have intensities")};
+  return {angle("angle_min", &D::angle_min, -7, 7, "beams before it are left out").unless_set("all beams"),
+          angle("angle_max", &D::angle_max, -7, 7, "beams after it are left out").unless_set("all beams"),
+          flag("publish_intensity", &D::publish_intensity, "scans have intensities")};
 }
 
 KeyOf<S> scan_topic_row() {
-  return keys::topic("scan_topic", &S::scan_topic, "its LaserScan").by_default("NAME/scan");
+  return topic("scan_topic", &S::scan_topic, "its LaserScan").by_default("NAME/scan");
 }
 
 Keys<DriverConfig> echo_rows() {
-  return {keys::flag("publish_multiecho", &DriverConfig::publish_multiecho, "all echoes, on NAME/echoes")};
+  return {flag("publish_multiecho", &DriverConfig::publish_multiecho, "all echoes, on NAME/echoes")};
 }
 
 Rows cloud_rows() {
-  const Keys<CloudLayout> stamp{keys::word("frame_stamp", &CloudLayout::stamp,
-                                           {{"first", FrameStamp::first}, {"last", FrameStamp::last}},
-                                           "the firing that a cloud is stamped with")
+  const Keys<CloudLayout> stamp{word("frame_stamp", &CloudLayout::stamp,
+                                     {{"first", FrameStamp::first}, {"last", FrameStamp::last}},
+                                     "the firing that a cloud is stamped with")
                                     .of_form("one of first, last")};
-  return joined<S>({{keys::topic("points_topic", &S::points_topic, "its cloud").by_default("NAME/points")},
+  return joined<S>({{topic("points_topic", &S::points_topic, "its cloud").by_default("NAME/points")},
                     within(&S::layout, stamp)});
 }
 
 Rows field_row(std::string_view name, bool CloudLayout::*member, std::string_view meaning) {
-  return within(&S::layout, Keys<CloudLayout>{keys::flag(name, member, meaning)});
+  return within(&S::layout, Keys<CloudLayout>{flag(name, member, meaning)});
 }
 
 Keys<CloudLayout> order_rows() {
-  const keys::Words<CloudOrder> orders{{"true", CloudOrder::ring_rows},
-                                       {"false", CloudOrder::list},
-                                       {"rings", CloudOrder::ring_rows},
-                                       {"firings", CloudOrder::firing_rows}};
-  return {keys::word("organize_cloud", &CloudLayout::order, orders,
-                     "a list of returns, or organised with a row per ring or per firing sequence")};
+  const Words<CloudOrder> orders{{"true", CloudOrder::ring_rows},
+                                 {"false", CloudOrder::list},
+                                 {"rings", CloudOrder::ring_rows},
+                                 {"firings", CloudOrder::firing_rows}};
+  return {word("organize_cloud", &CloudLayout::order, orders,
+               "a list of returns, or organised with a row per ring or per firing sequence")};
 }
 
 /// Read by the section, which knows the rings of the model.
 Rows ring_rows() {
   const auto has_ring = [](const S& sensor) { return sensor.ring_scan.has_value(); };
   return {
-      keys::special<S>(
+      special<S>(
           "scan_ring", "auto, or a ring counted from 0",
           [](const S& sensor) { return sensor.ring_scan ? key_value(sensor.ring_scan->ring) : KeyValue(); },
           "a ring as a LaserScan, 0 the lowest; auto: the level one")
           .unless_set("no LaserScan"),
-      keys::special<S>(
+      special<S>(
           "scan_resolution", "0.0005 to 0.2 rad",
           [](const S& sensor) { return key_value(sensor.ring_scan.value_or(RingScanSpec()).resolution); },
           "between beams of that scan")
@@ -154,12 +157,12 @@ Rows ring_rows() {
 }
 
 Rows calibration_rows() {
-  return {keys::special<S>(
+  return {special<S>(
               "calibration", "a calibration file, relative to the configuration's folder",
               [](const S& sensor) { return key_value(sensor.calibration); },
               "YAML of velodyne_pointcloud or db.xml, relative to the configuration's folder")
               .unless_set("what the model or the device itself says"),
-          keys::special<S>(
+          special<S>(
               "calibration_model", "ros_drivers, exact or veloview",
               [](const S& sensor) {
                 return sensor.driver.calibration == nullptr
@@ -203,15 +206,15 @@ const std::vector<SensorGroup>& sensor_groups() {
       {"Velodynes",
        can<Trait::packet_messages>,
        false,
-       {keys::topic("packet_topic", &S::packet_topic, "velodyne_msgs/VelodyneScan in place of the network")},
+       {topic("packet_topic", &S::packet_topic, "velodyne_msgs/VelodyneScan in place of the network")},
        no_packets,
        no_packets},
       {"", any_model, true, network_rows()},
       {"devices with a satellite receiver",
        can<Trait::gnss>,
        true,
-       {keys::whole("telemetry_port", &S::telemetry_port, 0, last_port,
-                    "local UDP port of a satellite receiver's sentences; 0: none")
+       {whole("telemetry_port", &S::telemetry_port, 0, last_port,
+              "local UDP port of a satellite receiver's sentences; 0: none")
             .by_default("of the model")},
        no_telemetry,
        no_telemetry},

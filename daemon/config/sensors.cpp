@@ -104,7 +104,7 @@ void check_network(Mapping& yaml, SensorConfig& sensor) {
   if (sensor.model->has(Trait::gnss) && sensor.telemetry_port == sensor.ip_port)
     yaml.where(yaml.has("telemetry_port") ? "telemetry_port" : "ip_port")
         .fail("is both ip_port and telemetry_port", "two ports, or telemetry_port: 0");
-  if (!sensor.interface.empty() && !sensor.multicast_group)
+  if (!sensor.interface.empty() && !yaml.has("multicast_group"))
     yaml.where("interface")
         .fail_at_key("is given without multicast_group", "both: the interface is where the group is joined");
 }
@@ -118,8 +118,8 @@ void check_requests(Mapping& yaml, SensorConfig& sensor) {
                      "both: the device is told over TCP where to send, so its address must be known");
   if (requests.listen_only && requests.allow_write)
     yaml.where("listen_only").fail_at_key("contradicts allow_write", "one of them");
-  if (requests.user_level.empty() != requests.password_hash.empty())
-    yaml.where(requests.user_level.empty() ? "user_level_password" : "user_level")
+  if (sensor.model->has(Trait::logins) && yaml.has("user_level") != yaml.has("user_level_password"))
+    yaml.where(yaml.has("user_level") ? "user_level" : "user_level_password")
         .fail_at_key("is given alone", "both user_level and user_level_password, or none");
 }
 
@@ -143,6 +143,7 @@ void check_control(Mapping& parent, SensorConfig& sensor, Reading& reading) {
   control.data_port = sensor.ip_port;
   if (!parent.has("control")) return;
   Mapping yaml = parent.inside("control");
+  reading.mistakes.end_if_in_doubt(yaml.self().path());
   if (!yaml.has("read")) control.read = control.wanted.any();
   if (control.wanted.fov_start_deg && control.wanted.fov_start_deg == control.wanted.fov_end_deg)
     yaml.inside("fov").where("end_deg").fail("is start_deg too",

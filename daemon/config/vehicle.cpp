@@ -8,6 +8,8 @@
 namespace lidard {
 namespace {
 
+using namespace keys;
+
 constexpr double largest_vehicle_m = 1000;
 constexpr double smallest_area_m2 = 1e-4;
 
@@ -75,12 +77,13 @@ KeyOf<VehicleConfig> footprint_row() {
     for (const Point& vertex : vehicle.footprint) vertices.push_back(KeyList{vertex.x(), vertex.y()});
     return vertices;
   };
-  return keys::special<VehicleConfig>("footprint", "[[x, y], …], m", get,
-                                      "polygon in base_frame; returns from inside are left out");
+  return special<VehicleConfig>("footprint", "[[x, y], …], m", get,
+                                "polygon in base_frame; returns from inside are left out");
 }
 
 /// Where the poses come from that scans are deskewed with.
 void check_motion(const Mapping& yaml, const VehicleConfig& vehicle) {
+  yaml.mistakes().end_if_in_doubt(yaml.self().path());
   const bool odometry = !vehicle.odometry_frame.empty();
   const bool topic = !vehicle.odometry_topic.empty();
   const bool imu = !vehicle.imu_topic.empty();
@@ -100,17 +103,16 @@ void check_motion(const Mapping& yaml, const VehicleConfig& vehicle) {
 const Keys<VehicleConfig>& vehicle_keys() {
   using V = VehicleConfig;
   static const Keys<V> all{
-      keys::frame("base_frame", &V::base_frame, "the frame of the vehicle"),
+      frame("base_frame", &V::base_frame, "the frame of the vehicle"),
       footprint_row(),
-      keys::frame("odometry_frame", &V::odometry_frame,
-                  "poses of base_frame in it come from tf; scans are deskewed by them; empty: none")
+      frame("odometry_frame", &V::odometry_frame,
+            "poses of base_frame in it come from tf; scans are deskewed by them; empty: none")
           .or_empty(),
-      keys::topic("odometry_topic", &V::odometry_topic, "or from a nav_msgs/Odometry; empty: none")
+      topic("odometry_topic", &V::odometry_topic, "or from a nav_msgs/Odometry; empty: none").or_empty(),
+      topic("imu_topic", &V::imu_topic,
+            "or from the turn rates of a sensor_msgs/Imu and a speed ahead; empty: none")
           .or_empty(),
-      keys::topic("imu_topic", &V::imu_topic,
-                  "or from the turn rates of a sensor_msgs/Imu and a speed ahead; empty: none")
-          .or_empty(),
-      keys::topic("speed_topic", &V::speed_topic, "that speed, a geometry_msgs/TwistStamped").or_empty()};
+      topic("speed_topic", &V::speed_topic, "that speed, a geometry_msgs/TwistStamped").or_empty()};
   return all;
 }
 

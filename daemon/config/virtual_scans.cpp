@@ -9,6 +9,7 @@
 namespace lidard {
 namespace {
 
+using namespace keys;
 using Virtual = VirtualScanConfig;
 
 constexpr double farthest_m = 10000;
@@ -16,49 +17,50 @@ constexpr double farthest_m = 10000;
 constexpr double virtual_half_height_m = 0.1;
 
 Keys<Virtual> frame_rows() {
-  return {
-      keys::special<Virtual>(
-          "cloud_topic", "a sensor that gives clouds",
-          [](const Virtual& scan) { return key_value(scan.cloud_topic); },
-          "the source, by name or by the topic that it publishes"),
-      keys::frame("base_frame", &Virtual::base_frame, "parent of the poses").by_default("vehicle.base_frame"),
-      keys::special<Virtual>(
-          "virtual_laser_scan", "names of frames, each the origin of one virtual scan",
-          [](const Virtual& scan) { return key_value(scan.virtual_laser_scan); },
-          "the frames, each the origin of one scan"),
-      keys::special<Virtual>(
-          "poses", "{FRAME: {xyz: [x, y, z]}}",
-          [](const Virtual& scan) { return KeyMap(scan.poses.begin(), scan.poses.end()); },
-          "of the frames in base_frame; a frame without one comes from tf"),
-      keys::topic("output_laser_topic", &Virtual::output_laser_topic,
-                  "the topic of all scans; empty: one topic per frame, named like it")
-          .or_empty()};
+  return {special<Virtual>(
+              "cloud_topic", "a sensor that gives clouds",
+              [](const Virtual& scan) { return key_value(scan.cloud_topic); },
+              "the source, by name or by the topic that it publishes")
+              .needed(),
+          frame("base_frame", &Virtual::base_frame, "parent of the poses").by_default("vehicle.base_frame"),
+          special<Virtual>(
+              "virtual_laser_scan", "names of frames, each the origin of one virtual scan",
+              [](const Virtual& scan) { return key_value(scan.virtual_laser_scan); },
+              "the frames, each the origin of one scan")
+              .needed(),
+          special<Virtual>(
+              "poses", "{FRAME: {xyz: [x, y, z]}}",
+              [](const Virtual& scan) { return KeyMap(scan.poses.begin(), scan.poses.end()); },
+              "of the frames in base_frame; a frame without one comes from tf"),
+          topic("output_laser_topic", &Virtual::output_laser_topic,
+                "the topic of all scans; empty: one topic per frame, named like it")
+              .or_empty()};
 }
 
 Keys<GroundSettings> ground_rows() {
   using G = GroundSettings;
-  const keys::Words<GroundModel> grounds{
+  const Words<GroundModel> grounds{
       {"none", GroundModel::none}, {"plane", GroundModel::plane}, {"slope", GroundModel::slope}};
-  return {keys::word("model", &G::model, grounds, "what the ground is taken for").needed(),
-          keys::number("z", &G::z, -farthest_m, farthest_m, "m", "its height in vehicle.base_frame"),
-          keys::number("tolerance", &G::tolerance, 0.001, 10, "m", "what lies nearer to it belongs to it"),
-          keys::number("steepest", &G::steepest, 0.001, 1, "m of rise per m", "of model slope")
+  return {word("model", &G::model, grounds, "what the ground is taken for").needed(),
+          number("z", &G::z, -farthest_m, farthest_m, "m", "its height in vehicle.base_frame"),
+          number("tolerance", &G::tolerance, 0.001, 10, "m", "what lies nearer to it belongs to it"),
+          number("steepest", &G::steepest, 0.001, 1, "m of rise per m", "of model slope")
               .shown_if([](const G& ground) { return ground.model == GroundModel::slope; })};
 }
 
 /// Keys that say how surfaces and free space are found.
 Keys<Virtual> evidence_rows() {
   Keys<Virtual> rows{
-      keys::word("mode", &Virtual::mode, {{"slice", CutMode::slice}, {"band", CutMode::band}},
-                 "slice: what crosses the plane; band: all between min_height and max_height"),
-      keys::section("ground", within(&Virtual::ground, ground_rows()), "what is no obstacle").in_short(),
-      keys::flag("keep_ground", &Virtual::keep_ground, "the ground is seen like anything else"),
-      keys::word("echoes", &Virtual::early_returns, {{"last", false}, {"all", true}},
-                 "which returns count; the surface is made of the last ones"),
+      word("mode", &Virtual::mode, {{"slice", CutMode::slice}, {"band", CutMode::band}},
+           "slice: what crosses the plane; band: all between min_height and max_height"),
+      section("ground", within(&Virtual::ground, ground_rows()), "what is no obstacle").in_short(),
+      flag("keep_ground", &Virtual::keep_ground, "the ground is seen like anything else"),
+      word("echoes", &Virtual::early_returns, {{"last", false}, {"all", true}},
+           "which returns count; the surface is made of the last ones"),
       range_noise_row<Virtual>(),
       free_required_row<Virtual>(),
-      keys::number("no_return_free_range", &Virtual::no_return_free_range, 0, farthest_m, "m",
-                   "how far a beam without return proves that nothing is there")
+      number("no_return_free_range", &Virtual::no_return_free_range, 0, farthest_m, "m",
+             "how far a beam without return proves that nothing is there")
           .by_default("range_max of the model, 0 of a topic")};
   for (auto& row : rows) row.shown = [](const Virtual& scan) { return scan.has_visibility(); };
   return rows;
@@ -165,13 +167,9 @@ const SensorConfig* read_cloud_source(Mapping& yaml, Virtual& scan, Reading& rea
 
 Virtual read_virtual(const std::string& name, const Value& entry, Reading& reading) {
   Mapping yaml = mapping_of(entry, virtual_keys(), reading.mistakes);
-  Virtual scan;
+  Virtual scan = default_virtual_scan();
   scan.name = name;
   scan.base_frame = reading.config.vehicle.base_frame;
-  scan.output.min_height = -virtual_half_height_m;
-  scan.output.max_height = virtual_half_height_m;
-  // Without a ground an obstacle is met only between two rings that both see it.
-  scan.ground.model = GroundModel::slope;
   const SensorConfig* source = read_cloud_source(yaml, scan, reading);
   if (source != nullptr) {
     default_ranges({*source}, scan.output.grid);
@@ -192,6 +190,15 @@ Virtual read_virtual(const std::string& name, const Value& entry, Reading& readi
 }
 
 }  // namespace
+
+Virtual default_virtual_scan() {
+  Virtual scan;
+  scan.output.min_height = -virtual_half_height_m;
+  scan.output.max_height = virtual_half_height_m;
+  // Without a ground an obstacle is met only between two rings that both see it.
+  scan.ground.model = GroundModel::slope;
+  return scan;
+}
 
 bool VirtualScanConfig::has_visibility() const { return knows_free_space(output, also); }
 

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/dropin/laser_tools_setup.h"
+
 #include <algorithm>
 #include <cctype>
 #include <set>
@@ -9,7 +11,6 @@
 #include "daemon/config/config.h"
 #include "daemon/config/grid_limits.h"
 #include "daemon/config/key_tables.h"
-#include "daemon/dropin/laser_tools_node.h"
 #include "daemon/dropin/parameter_reader.h"
 
 namespace lidard {
@@ -102,8 +103,8 @@ std::vector<std::string> required_words(ParameterReader& reader, const char* nam
 
 }  // namespace
 
-LaserToolsSetup laser_merger_setup(const NodeParameters& parameters) {
-  LaserToolsSetup setup;
+DropinSetup laser_merger_setup(const NodeParameters& parameters) {
+  DropinSetup setup;
   ParameterReader reader(parameters);
   const auto topics = required_words(reader, "laserscan_topics", "topics of LaserScans");
   const std::string frame = reader.text("destination_frame", "cart_frame");
@@ -123,8 +124,8 @@ LaserToolsSetup laser_merger_setup(const NodeParameters& parameters) {
   return setup;
 }
 
-LaserToolsSetup laser_virtualizer_setup(const NodeParameters& parameters) {
-  LaserToolsSetup setup;
+DropinSetup laser_virtualizer_setup(const NodeParameters& parameters) {
+  DropinSetup setup;
   ParameterReader reader(parameters);
   const auto frames = required_words(reader, "virtual_laser_scan", "frames");
   const std::string base = reader.text("base_frame", "/cart_frame");

@@ -1,12 +1,14 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/dropin/velodyne_node_setup.h"
+
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/angle.h"
 #include "daemon/config/config.h"
 #include "daemon/config/key_tables.h"
 #include "daemon/dropin/parameter_reader.h"
-#include "daemon/dropin/velodyne_node.h"
 #include "drivers/registry/registry.h"
 
 namespace lidard {
@@ -63,7 +65,7 @@ void add_driver(ParameterReader& reader, const std::string& model, bool live, Ke
   sensor.emplace_back("frame_stamp", reader.flag("timestamp_first_packet") ? "first" : "last");
   // Without a cut of the user's the seam lies behind, where scans go from +pi to -pi.
   const double cut = reader.number("cut_angle", -0.01);
-  sensor.emplace_back("cut_angle", cut < 0 ? M_PI : cut);
+  sensor.emplace_back("cut_angle", cut < 0 ? pi_d : cut);
 }
 
 /// velodyne_pointcloud's and velodyne_laserscan's.
@@ -72,7 +74,7 @@ void add_outputs(ParameterReader& reader, const std::string& model, const std::s
   constexpr std::pair<const char*, double> plain[] = {
       {"min_range", 0.9}, {"max_range", 130}, {"view_direction", 0}};
   for (const auto& [name, preset] : plain) sensor.emplace_back(name, reader.number(name, preset));
-  sensor.emplace_back("view_width", std::min(reader.number("view_width", 2 * M_PI), 2 * M_PI));
+  sensor.emplace_back("view_width", std::min(reader.number("view_width", two_pi), two_pi));
   sensor.emplace_back("organize_cloud", reader.flag("organize_cloud") ? "firings" : "false");
   const bool has_table = model.find("hdl64e") == std::string::npos;
   if (!calibration.empty()) sensor.emplace_back("calibration", calibration);
@@ -101,8 +103,8 @@ void read_replay(ParameterReader& reader, ReplayOptions& replay) {
 
 }  // namespace
 
-VelodyneNodeSetup velodyne_node_setup(const NodeParameters& parameters) {
-  VelodyneNodeSetup setup;
+DropinSetup velodyne_node_setup(const NodeParameters& parameters) {
+  DropinSetup setup;
   ParameterReader reader(parameters);
   for (const auto& [name, why] : without_effect) {
     const std::string value = reader.text(name, "");

@@ -68,7 +68,7 @@ class Chart {
   /// Text whose baseline stands at `p`.
   void text(const Eigen::Vector2d& p, const std::string& words, double size, const Color& color,
             Align align = Align::left, bool bold = false);
-  /// The same with a white edge, to be readable on whatever is below.
+  /// text() with a white edge, to be readable on whatever is below.
   void label(const Eigen::Vector2d& p, const std::string& words, double size, const Color& color,
              Align align = Align::left);
   double text_width(const std::string& words, double size, bool bold = false);

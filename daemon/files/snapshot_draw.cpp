@@ -91,7 +91,8 @@ class Painter {
   void legend_layer(const SnapshotView::Layer& layer);
   void legend_entry(const std::string& name, const std::string& note);
   void legend_area(const std::string& name, const std::string& note, bool observed);
-  void legend_text(const std::string& words, double size, const Color& color, double indent, bool bold);
+  void legend_text(const std::string& words, double size, const Color& color, double indent = 0,
+                   bool bold = false);
   std::string description() const;
 
   const SnapshotView& view_;
@@ -277,7 +278,7 @@ void Painter::legend_area(const std::string& name, const std::string& note, bool
 
 void Painter::legend_entry(const std::string& name, const std::string& note) {
   legend_text(name, 14, ink, 38, true);
-  legend_text(note, 12, pale, 38, false);
+  legend_text(note, 12, pale, 38);
   legend_y_ += 9;
 }
 
@@ -287,7 +288,7 @@ void Painter::legend() {
     bool any = false;
     for (const auto& layer : view_.layers) {
       if (layer.role != role) continue;
-      if (!any) legend_text(heading, 12, pale, 0, false), legend_y_ += 6;
+      if (!any) legend_text(heading, 12, pale), legend_y_ += 6;
       any = true;
       legend_layer(layer);
     }
@@ -298,7 +299,7 @@ void Painter::legend() {
   group("MERGED SCANS", Role::merged);
   group("VIRTUAL SCANS", Role::virtual_scan);
   if (!view_.free_note.empty()) {
-    legend_text("AREAS", 12, pale, 0, false);
+    legend_text("AREAS", 12, pale);
     legend_y_ += 6;
     legend_area("free", view_.free_note, true);
     legend_area("unknown", view_.unobserved_note, false);
@@ -309,7 +310,7 @@ void Painter::legend() {
           view_.base_frame + ".",
       12, pale, 0, false);
   legend_y_ += 8;
-  for (const auto& sentence : view_.missing) legend_text(sentence, 12, {0.70, 0.20, 0.00}, 0, false);
+  for (const auto& sentence : view_.missing) legend_text(sentence, 12, {0.70, 0.20, 0.00});
 }
 
 std::string Painter::description() const {

@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <map>
 
-#include "daemon/ros/ros_convert.h"
-#include "daemon/ros/ros_device_message.h"
+#include "daemon/ros/ros_message.h"
 
 namespace lidard {
 namespace {
@@ -36,15 +36,11 @@ boost::shared_ptr<ros::M_string> latched_header() {
 
 struct BagSink::Impl {
   std::string path;
-  std::string prefix;
+  std::map<std::string, RosMessage> messages_by_topic;
   std::unique_ptr<rosbag::Bag> bag = std::make_unique<rosbag::Bag>();
   std::size_t messages = 0;
   std::string error;
   boost::shared_ptr<ros::M_string> tf_header = latched_header<tf2_msgs::TFMessage>();
-  sensor_msgs::LaserScan scan;
-  sensor_msgs::MultiEchoLaserScan echoes;
-  sensor_msgs::PointCloud2 cloud;
-  RosDeviceMessages messages_of_devices;
   tf2_msgs::TFMessage tf;
   diagnostic_msgs::DiagnosticArray diagnostics;
 
@@ -57,8 +53,14 @@ struct BagSink::Impl {
     broken->push_back(std::move(bag));
   }
 
-  std::string resolve(const std::string& topic) const {
-    return !topic.empty() && topic.front() == '/' ? topic : prefix + topic;
+  /// Writes a frame; returns the message that it became.
+  template <typename Frame>
+  RosMessage& write_frame(const OutputTopic& topic, Frame& frame, Stamp released) {
+    RosMessage& message = messages_by_topic.try_emplace(topic.name, message_for(topic)).first->second;
+    const std::string root = topic.name.compare(0, 1, "/") == 0 ? "" : "/";
+    if (convert(frame, message))
+      std::visit([&](const auto& held) { write(root + topic.name, released, held); }, message);
+    return message;
   }
 
   template <typename Message>
@@ -68,7 +70,7 @@ struct BagSink::Impl {
     errno = 0;
     try {
       // A bag refuses the time 0 (ros::TIME_MIN).
-      bag->write(resolve(topic), std::max(to_ros(released), ros::TIME_MIN), message, header);
+      bag->write(topic, std::max(to_ros(released), ros::TIME_MIN), message, header);
       ++messages;
     } catch (const rosbag::BagException& problem) {
       give_up(problem, errno);
@@ -76,11 +78,8 @@ struct BagSink::Impl {
   }
 };
 
-BagSink::BagSink(const std::string& path, const std::string& name_space) : impl_(std::make_unique<Impl>()) {
+BagSink::BagSink(const std::string& path) : impl_(std::make_unique<Impl>()) {
   impl_->path = path;
-  impl_->prefix = name_space;
-  if (impl_->prefix.empty() || impl_->prefix.back() != '/') impl_->prefix += '/';
-  if (impl_->prefix.front() != '/') impl_->prefix.insert(0, 1, '/');
   errno = 0;
   try {
     impl_->bag->open(path, rosbag::bagmode::Write);
@@ -99,24 +98,17 @@ BagSink::~BagSink() {
 }
 
 void BagSink::scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) {
-  if (topic.kind == TopicKind::echoes) {
-    to_ros(scan, impl_->echoes);
-    impl_->write(topic.name, released, impl_->echoes);
-  } else {
-    to_ros(scan, impl_->scan);
-    impl_->write(topic.name, released, impl_->scan);
-  }
+  impl_->write_frame(topic, scan, released);
 }
 
 void BagSink::cloud(const OutputTopic& topic, Cloud& cloud, Stamp released) {
-  to_ros(cloud, impl_->cloud);
-  impl_->write(topic.name, released, impl_->cloud);
-  cloud.points_bytes.swap(impl_->cloud.data);  // the driver gets its own buffer back
+  RosMessage& message = impl_->write_frame(topic, cloud, released);
+  // The driver gets its own buffer back.
+  cloud.points_bytes.swap(std::get<sensor_msgs::PointCloud2>(message).data);
 }
 
 void BagSink::message(const OutputTopic& topic, const DeviceMessage& message, Stamp released) {
-  impl_->messages_of_devices.convert(
-      message, [&](const auto& converted) { impl_->write(topic.name, released, converted); });
+  impl_->write_frame(topic, message, released);
 }
 
 void BagSink::transforms(const std::vector<StaticTransform>& transforms, Stamp released) {

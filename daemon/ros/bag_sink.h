@@ -21,8 +21,8 @@ class BagError : public std::runtime_error {
 /// is the frame's `released`. The same calls give the same file, byte by byte.
 class BagSink : public FrameSink {
  public:
-  /// Creates or overwrites the file; throws BagError. Relative names of topics are put below `name_space`.
-  explicit BagSink(const std::string& path, const std::string& name_space = "/");
+  /// Creates or overwrites the file; throws BagError.
+  explicit BagSink(const std::string& path);
   ~BagSink() override;
 
   void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) override;

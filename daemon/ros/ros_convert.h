@@ -35,9 +35,8 @@ void to_ros(const std::vector<StaticTransform>& transforms, Stamp stamp, tf2_msg
 /// Status items as diagnostic_msgs/DiagnosticArray; names are prefixed "`node`: " (REP 107).
 void to_ros(const std::vector<DiagnosticItem>& items, const std::string& node, Stamp stamp,
             diagnostic_msgs::DiagnosticArray& message);
-/// The level of diagnostic_msgs/DiagnosticStatus.
-std::int8_t to_ros(Health health);
-
+/// One of them but for its name; the status has no values yet.
+void to_ros(const DiagnosticItem& item, diagnostic_msgs::DiagnosticStatus& status);
 /// Reads another driver's scan. Returns nullptr, or what is wrong with the message; then `scan` is of no use.
 ///
 /// NaN is `invalid`, +inf `none`, -inf `near` (REP 117); a finite range outside the message's limits is
@@ -48,6 +47,18 @@ std::int8_t to_ros(Health health);
 const char* from_ros(const sensor_msgs::LaserScan& message, PlanarScan& scan);
 /// False if the message has intensities, but not one for each range.
 bool intensities_fit(const sensor_msgs::LaserScan& message);
+
+/// A position or translation and an orientation as a pose; the orientation need not be normalised.
+template <class Position>
+Pose to_pose(const Position& at, const geometry_msgs::Quaternion& q) {
+  Pose pose = Pose::Identity();
+  pose.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
+  pose.translation() = Eigen::Vector3d(at.x, at.y, at.z);
+  return pose;
+}
+inline Pose to_pose(const geometry_msgs::Transform& transform) {
+  return to_pose(transform.translation, transform.rotation);
+}
 
 /// What became of a point cloud message.
 struct CloudReading {

@@ -8,10 +8,6 @@
 #include <sensor_msgs/NavSatFix.h>
 #include <sensor_msgs/TimeReference.h>
 
-#include <tuple>
-#include <utility>
-#include <variant>
-
 #include "core/frames/device_message.h"
 #include "daemon/ros/ros_convert.h"
 
@@ -82,42 +78,5 @@ inline void to_ros(const DeviceState& state, diagnostic_msgs::DiagnosticArray& m
     status.values[i].value = fmt::format("{}", state.values[i].value);
   }
 }
-
-/// One ROS message of each kind, which is filled again and again.
-template <class List>
-struct RosMessagesOf;
-template <class... Told>
-struct RosMessagesOf<std::variant<Told...>> {
-  using Tuple = std::tuple<decltype(ros_type(std::declval<const Told&>()))...>;
-};
-
-class RosDeviceMessages {
- public:
-  /// Calls `use` with the ROS message that `message` becomes.
-  template <class Use>
-  void convert(const DeviceMessage& message, Use use) {
-    std::visit(
-        [&](const auto& told) {
-          auto& converted = std::get<message_kind<std::decay_t<decltype(told)>>()>(messages_);
-          to_ros(told, converted);
-          use(converted);
-        },
-        message);
-  }
-  /// Calls `use` with a ROS message of the kind: DeviceMessage::index().
-  template <class Use>
-  void with_kind(std::size_t kind, Use use) {
-    find<0>(kind, use);
-  }
-
- private:
-  template <std::size_t place, class Use>
-  void find(std::size_t kind, Use& use) {
-    if (place == kind) return use(std::get<place>(messages_));
-    if constexpr (place + 1 < std::variant_size_v<DeviceMessage>) find<place + 1>(kind, use);
-  }
-
-  RosMessagesOf<DeviceMessage>::Tuple messages_;
-};
 
 }  // namespace lidard

@@ -120,7 +120,6 @@ class TcpReassembler {
   bool is_hopeless(const Stream& stream, Stamp now) const;
   void give_up_hopeless(Streams::iterator at, Stamp now);
   void advance(Streams::iterator at, std::size_t length, Chunk chunk);
-  void hole_changed(Stream& stream);
 
   Streams streams_;
   std::vector<Chunk> ready_;

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstdlib>
 
 #include "core/base/number_text.h"
 #include "core/base/steady_stamps.h"

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/hokuyo/scip_parameters.h"
 
-#include <algorithm>
 #include <array>
 #include <charconv>
 

@@ -3,7 +3,6 @@
 #include "drivers/hokuyo/uam_driver.h"
 
 #include <array>
-#include <cmath>
 
 #include "core/base/steady_stamps.h"
 #include "drivers/dialogue.h"

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <boost/crc.hpp>
-#include <iterator>
 
 #include "core/base/number_text.h"
 

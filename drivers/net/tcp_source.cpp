@@ -27,29 +27,11 @@ constexpr int reads_per_wakeup = 8;
 constexpr auto steady_after = std::chrono::seconds(2);
 
 tcp::endpoint to_asio(const Endpoint& endpoint) {
-  const auto& bytes = endpoint.address.bytes;
-  if (endpoint.address.v6) {
-    boost::asio::ip::address_v6::bytes_type raw{};
-    std::copy(bytes.begin(), bytes.end(), raw.begin());
-    return {boost::asio::ip::address_v6(raw), endpoint.port};
-  }
-  boost::asio::ip::address_v4::bytes_type raw{};
-  std::copy_n(bytes.begin(), raw.size(), raw.begin());
-  return {boost::asio::ip::address_v4(raw), endpoint.port};
+  return {boost::asio::ip::make_address(endpoint.address.to_string()), endpoint.port};
 }
 
 Endpoint from_asio(const tcp::endpoint& endpoint) {
-  Endpoint out;
-  out.port = endpoint.port();
-  out.address.v6 = endpoint.address().is_v6();
-  if (out.address.v6) {
-    const auto raw = endpoint.address().to_v6().to_bytes();
-    std::copy(raw.begin(), raw.end(), out.address.bytes.begin());
-  } else {
-    const auto raw = endpoint.address().to_v4().to_bytes();
-    std::copy(raw.begin(), raw.end(), out.address.bytes.begin());
-  }
-  return out;
+  return {IpAddress::parse(endpoint.address().to_string()).value_or(IpAddress()), endpoint.port()};
 }
 
 }  // namespace

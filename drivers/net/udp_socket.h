@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/expected.h"
 #include "drivers/file_descriptor.h"
 #include "drivers/net/udp_source.h"
 
@@ -16,13 +17,12 @@ namespace lidard {
 /// A bound socket with stamps, drop counter, sender filter and receive buffer in place.
 struct UdpSocket {
   FileDescriptor fd;
-  std::string error;  ///< why fd is invalid: what, and the remedy
   std::uint16_t port = 0;
   bool filtered = false;  ///< the kernel drops what other senders send
   std::size_t buffer_asked = 0, buffer_got = 0;
 };
 
-UdpSocket open_udp_socket(const UdpOptions& options);
+Expected<UdpSocket> open_udp_socket(const UdpOptions& options);
 
 /// Joins the group (again); empty, or what is wrong. Joining twice does no harm and heals a membership that
 /// died with its interface.

@@ -86,8 +86,9 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
 };
 
 void UdpSource::Impl::open() {
-  UdpSocket socket = open_udp_socket(options_);
-  if (!socket.fd.valid()) return fail(std::move(socket.error));
+  auto opened = open_udp_socket(options_);
+  if (!opened) return fail(opened.reason());
+  UdpSocket& socket = opened.value();
   boost::system::error_code error;
   descriptor_.assign(socket.fd.get(), error);
   if (error) return fail("cannot wait for the socket: " + error.message() + "; it is tried again");

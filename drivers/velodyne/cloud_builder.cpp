@@ -3,7 +3,6 @@
 #include "drivers/velodyne/cloud_builder.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace lidard::velodyne {
 namespace {

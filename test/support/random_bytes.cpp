@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "test/support/random_bytes.h"
 
-#include <string>
 #include <vector>
 
 #include "core/base/angle.h"

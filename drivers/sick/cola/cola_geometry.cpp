@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/sick/cola/cola_geometry.h"
 
-#include <array>
 #include <cmath>
 
 #include "core/base/angle.h"

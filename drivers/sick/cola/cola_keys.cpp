@@ -4,12 +4,12 @@
 
 namespace lidard {
 
+using namespace keys;
 using R = DeviceRequests;
 
 Keys<R> cola_keys() {
-  return {
-      keys::flag("publish_states", &R::device_states, "also field evaluation, inputs and outputs"),
-      keys::whole("skip", &R::skip, 0, 999, "scans left out between two").unless_set("as the device is set")};
+  return {flag("publish_states", &R::device_states, "also field evaluation, inputs and outputs"),
+          whole("skip", &R::skip, 0, 999, "scans left out between two").unless_set("as the device is set")};
 }
 
 }  // namespace lidard

@@ -2,9 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/sick/cola/cola_scan_builder.h"
 
-#include <array>
-#include <cmath>
-
 #include "core/frames/beam_window.h"
 #include "drivers/model.h"
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "core/base/steady_stamps.h"
 #include "drivers/driver_base.h"

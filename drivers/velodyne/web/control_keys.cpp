@@ -7,6 +7,7 @@
 namespace lidard {
 namespace {
 
+using namespace keys;
 using S = VelodyneSettings;
 
 // Ranges: VLP-16 user manual 63-9243 Rev D, section 10.2.
@@ -38,17 +39,16 @@ std::optional<Misfit> no_host(const KeyValue& value) {
 }
 
 Keys<S> fov_keys() {
-  return {keys::whole("start_deg", &S::fov_start_deg, 0, 359, "as the sensor counts azimuth")
-              .of_form(fov_form)
-              .needed(),
-          keys::whole("end_deg", &S::fov_end_deg, 0, 360, "as the sensor counts azimuth")
-              .of_form(fov_form)
-              .needed()};
+  return {
+      whole("start_deg", &S::fov_start_deg, 0, 359, "as the sensor counts azimuth")
+          .of_form(fov_form)
+          .needed(),
+      whole("end_deg", &S::fov_end_deg, 0, 360, "as the sensor counts azimuth").of_form(fov_form).needed()};
 }
 
 Keys<S> phase_lock_keys() {
-  auto offset = keys::number("offset_deg", &S::phase_lock_offset, 0, 360, "degrees",
-                             "where the lasers fire at the top of the second")
+  auto offset = number("offset_deg", &S::phase_lock_offset, 0, 360, "degrees",
+                       "where the lasers fire at the top of the second")
                     .checked(no_hundredths);
   offset.get = [](const S& wanted) {
     return wanted.phase_lock_offset ? key_value(*wanted.phase_lock_offset / 100.0) : KeyValue();
@@ -56,29 +56,28 @@ Keys<S> phase_lock_keys() {
   offset.set = [](S& wanted, const KeyValue& value) {
     wanted.phase_lock_offset = static_cast<int>(std::lround(std::get<double>(value) * 100));
   };
-  return {keys::flag("enabled", &S::phase_lock, "the rotation is locked to the top of the second")
+  return {flag("enabled", &S::phase_lock, "the rotation is locked to the top of the second")
               .of_form("{enabled: true, offset_deg: 0}")
               .needed(),
           offset};
 }
 
 Keys<S> wanted_keys() {
-  const keys::Words<std::optional<VelodyneReturns>> returns{{"strongest", VelodyneReturns::strongest},
-                                                            {"last", VelodyneReturns::last},
-                                                            {"dual", VelodyneReturns::dual}};
+  const Words<std::optional<VelodyneReturns>> returns{{"strongest", VelodyneReturns::strongest},
+                                                      {"last", VelodyneReturns::last},
+                                                      {"dual", VelodyneReturns::dual}};
   return {
-      keys::whole("rpm", &S::rpm, slowest_rpm, fastest_rpm, "speed of rotation, a multiple of 60")
-          .checked(no_rpm),
-      keys::word("returns", &S::returns, returns, "which returns it sends"),
-      keys::flag("laser", &S::laser, "the lasers fire"),
-      keys::section("fov", fov_keys(), "the sector that it sends"),
-      keys::section("phase_lock", phase_lock_keys(), "where it looks at the top of the second"),
-      keys::section<S>("host",
-                       {keys::text("address", &S::host_address, host_form, "where it sends").checked(no_host),
-                        keys::whole("port", &S::host_port, 1, last_port, "of its data"),
-                        keys::whole("telemetry_port", &S::host_telemetry_port, 1, last_port,
-                                    "of its satellite receiver's sentences")},
-                       "where it sends")};
+      whole("rpm", &S::rpm, slowest_rpm, fastest_rpm, "speed of rotation, a multiple of 60").checked(no_rpm),
+      word("returns", &S::returns, returns, "which returns it sends"),
+      flag("laser", &S::laser, "the lasers fire"),
+      section("fov", fov_keys(), "the sector that it sends"),
+      section("phase_lock", phase_lock_keys(), "where it looks at the top of the second"),
+      section<S>("host",
+                 {text("address", &S::host_address, host_form, "where it sends").checked(no_host),
+                  whole("port", &S::host_port, 1, last_port, "of its data"),
+                  whole("telemetry_port", &S::host_telemetry_port, 1, last_port,
+                        "of its satellite receiver's sentences")},
+                 "where it sends")};
 }
 
 }  // namespace
@@ -86,15 +85,14 @@ Keys<S> wanted_keys() {
 Keys<VelodyneControl> control_keys() {
   using C = VelodyneControl;
   Keys<C> rows{
-      keys::flag("read", &C::read, "asks the sensor for its settings")
-          .by_default("true if a setting is wanted"),
-      keys::flag("allow_write", &C::allow_write, "settings that differ from those wanted here are written"),
-      keys::whole("port", &C::port, 1, last_port, "TCP port of its web interface")};
+      flag("read", &C::read, "asks the sensor for its settings").by_default("true if a setting is wanted"),
+      flag("allow_write", &C::allow_write, "settings that differ from those wanted here are written"),
+      whole("port", &C::port, 1, last_port, "TCP port of its web interface")};
   const Keys<C> wanted = within(&C::wanted, wanted_keys());
   rows.insert(rows.end(), wanted.begin(), wanted.end());
-  rows.push_back(keys::flag("save", &C::save, "keeps what was written in the sensor's flash memory"));
-  rows.push_back(keys::number("period", &C::period, shortest_period_s, longest_period_s, "s",
-                              "between two rounds of requests"));
+  rows.push_back(flag("save", &C::save, "keeps what was written in the sensor's flash memory"));
+  rows.push_back(number("period", &C::period, shortest_period_s, longest_period_s, "s",
+                        "between two rounds of requests"));
   return rows;
 }
 

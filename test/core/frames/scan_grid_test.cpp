@@ -148,12 +148,10 @@ TEST(ScanGrid, ASpanOfAFullTurnButForHalfABeamIsOne) {
   EXPECT_TRUE(full(2 * pi + 0.0099));
   EXPECT_FALSE(full(2 * pi - 0.0101));
   ScanGridSpec spec;
-  std::string error;
   spec.angle_min = -pi;
   spec.angle_max = pi + 0.011;
   spec.angle_increment = 0.02;
-  EXPECT_FALSE(make_grid(spec, error).has_value());
-  EXPECT_NE(error.find("full turn"), std::string::npos);
+  EXPECT_NE(make_grid(spec).reason().find("full turn"), std::string::npos);
 }
 
 TEST(ScanGrid, TheDefaultIsAQuarterOfADegreeOverAnySpan) {
@@ -206,9 +204,9 @@ TEST(ScanGrid, LimitsHoldAtTheirEdges) {
   const auto fits = [](auto change) {
     ScanGridSpec spec;
     change(spec);
-    std::string error;
-    const bool made = make_grid(spec, error).has_value();
-    EXPECT_EQ(made, error.empty());
+    const auto grid = make_grid(spec);
+    const bool made = static_cast<bool>(grid);
+    EXPECT_EQ(made, grid.reason().empty());
     return made;
   };
   EXPECT_TRUE(fits([](auto& s) { s.angle_min = -2 * pi, s.angle_max = 0; }));

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "core/base/number_text.h"
 #include "test/daemon/config/config_support.h"
 #include "test/support/captures.h"
 

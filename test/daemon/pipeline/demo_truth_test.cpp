@@ -13,28 +13,12 @@
 #include "test/sim/servers/scene_file.h"
 #include "test/sim/servers/simulate.h"
 #include "test/support/captures.h"
+#include "test/support/recording_sink.h"
 
 namespace lidard {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
-
-class KeepingSink final : public FrameSink {
- public:
-  void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp /*released*/) override {
-    EXPECT_EQ(violation(scan), nullptr) << topic.name;
-    scans[topic.name].push_back(scan);
-  }
-  void cloud(const OutputTopic& topic, Cloud& cloud, Stamp /*released*/) override {
-    clouds[topic.name].push_back(cloud);
-  }
-  void transforms(const std::vector<StaticTransform>& /*all*/, Stamp /*released*/) override {}
-  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp /*released*/) override { newest = items; }
-
-  std::map<std::string, std::vector<PlanarScan>> scans;
-  std::map<std::string, std::vector<Cloud>> clouds;
-  std::vector<DiagnosticItem> newest;
-};
 
 /// What one sensor truly saw: exact points in its own frame, with the time of the first beam.
 struct TrueFrame {
@@ -45,7 +29,7 @@ struct TrueFrame {
 struct Demo {
   Config config = load_config(test::project_file("config/demo.yaml"));
   NoTf tf;
-  KeepingSink sink;
+  test::RecordingSink sink;
   std::map<std::string, std::vector<TrueFrame>> truth;
   std::vector<SensorReport> report;
 
@@ -156,8 +140,14 @@ TEST(Demo, LosesNothingAndPublishesEveryTopic) {
     EXPECT_GT(cloud ? demo.sink.clouds.count(topic.name) : demo.sink.scans.count(topic.name), 0U)
         << topic.name;
   }
-  for (const auto& item : demo.sink.newest)
-    EXPECT_EQ(item.health, Health::ok) << item.name << ": " << item.message;
+  const Config& config = demo.config;
+  EXPECT_EQ(demo.sink.newest.size(),
+            config.sensors.size() + config.merged_scans.size() + config.virtual_scans.size());
+  EXPECT_EQ(demo.sink.healths.size(), demo.sink.newest.size());
+  for (const auto& [name, changes] : demo.sink.healths) {
+    EXPECT_EQ(changes.size(), 1U) << name << " was not well all the time";
+    EXPECT_EQ(changes.back().first, Health::ok) << name << ": " << demo.sink.item(name).message;
+  }
 }
 
 TEST(Demo, StampsIncreaseStrictlyAndAreThoseOfTheFirstBeam) {

@@ -7,6 +7,7 @@
 
 #include "daemon/pipeline/pipeline.h"
 #include "drivers/registry/registry.h"
+#include "test/support/recording_sink.h"
 
 namespace lidard::test {
 
@@ -93,13 +94,5 @@ inline SensorConfig line_sensor(const Model& model, const std::string& name, con
   sensor.ip_port = model.port;
   return sensor;
 }
-
-/// Counts scans by topic.
-class CountingSink final : public FrameSink {
- public:
-  void scan(const OutputTopic& topic, const PlanarScan&, Stamp) override { ++scans[topic.name]; }
-  void cloud(const OutputTopic&, Cloud&, Stamp) override {}
-  std::map<std::string, int> scans;
-};
 
 }  // namespace lidard::test

@@ -7,22 +7,12 @@
 
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/transform_source.h"
+#include "test/support/recording_sink.h"
 
 namespace lidard {
 namespace {
 
 using ::testing::HasSubstr;
-
-class KeepingSink final : public FrameSink {
- public:
-  void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp) override {
-    EXPECT_EQ(violation(scan), nullptr) << topic.name;
-    scans[topic.name].push_back(scan);
-  }
-  void cloud(const OutputTopic&, Cloud&, Stamp) override {}
-
-  std::map<std::string, std::vector<PlanarScan>> scans;
-};
 
 struct Vehicle {
   Config config = parse_config(R"(
@@ -36,7 +26,7 @@ virtual_scans:
 )",
                                "p");
   NoTransforms none;
-  KeepingSink sink;
+  test::RecordingSink sink;
   Pipeline pipeline{config, none, sink};
   std::int64_t frames = 0;
 

@@ -11,6 +11,7 @@
 
 #include "daemon/pipeline/report.h"
 #include "daemon/pipeline/transform_source.h"
+#include "test/support/recording_sink.h"
 #include "test/support/velodyne_wire.h"
 
 namespace lidard {
@@ -19,12 +20,6 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
-
-class NoSink final : public FrameSink {
- public:
-  void scan(const OutputTopic&, const PlanarScan&, Stamp) override {}
-  void cloud(const OutputTopic&, Cloud&, Stamp) override {}
-};
 
 const IpAddress first = IpAddress::v4(192, 168, 1, 201);
 const IpAddress second = IpAddress::v4(192, 168, 1, 202);
@@ -65,7 +60,7 @@ struct Room {
 
   Config config;
   NoTransforms poses;
-  NoSink sink;
+  test::RecordingSink sink{false};
   Pipeline pipeline{config, poses, sink};
   Stamp now{};
   Health worst = Health::ok;

@@ -7,8 +7,8 @@
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/transform_source.h"
 #include "daemon/ros/ros_device_message.h"
-#include "daemon/ros/ros_queue.h"
 #include "drivers/registry/registry.h"
+#include "test/support/recording_sink.h"
 #include "test/support/ros_samples.h"
 
 namespace lidard {
@@ -71,24 +71,6 @@ std::vector<std::string> names(const Config& config) {
   return all;
 }
 
-class Journal final : public FrameSink {
- public:
-  void scan(const OutputTopic& topic, const PlanarScan&, Stamp) override { lines.push_back(topic.name); }
-  void cloud(const OutputTopic& topic, Cloud&, Stamp) override { lines.push_back(topic.name); }
-  void message(const OutputTopic& topic, const DeviceMessage& message, Stamp at) override {
-    EXPECT_EQ(topic.kind, TopicKind::message);
-    EXPECT_EQ(topic.message, message.index());
-    if (const auto* fix = std::get_if<GnssFix>(&message)) {
-      EXPECT_EQ(fix->latitude_deg, test::sample_fix().latitude_deg);
-    }
-    released = at;
-    lines.push_back(topic.name);
-  }
-
-  std::vector<std::string> lines;
-  Stamp released{};
-};
-
 TEST(TelemetryTopics, AreThoseTheModelCanHave) {
   const Model plain = telling_model(0, false);
   EXPECT_THAT(names(config_with(plain)), ElementsAre("roof/points"));
@@ -117,14 +99,15 @@ TEST(TelemetryTopics, CarryWhatTheDriverTellsAtTheTimeOfItsPacket) {
   const Model model = telling_model(8308, true);
   const Config config = config_with(model);
   NoTransforms poses;
-  Journal sink;
+  test::RecordingSink sink;
   Pipeline pipeline(config, poses, sink);
   Packet packet;
   packet.arrival = Stamp{1'700'000'002'000'000'000};
   packet.to.port = 8308;
   pipeline.packet(packet);
-  EXPECT_THAT(sink.lines, ElementsAre("roof/fix", "roof/time_reference", "roof/imu", "roof/imu"));
-  EXPECT_EQ(sink.released, packet.arrival);
+  EXPECT_THAT(sink.topics, ElementsAre("roof/fix", "roof/time_reference", "roof/imu", "roof/imu"));
+  EXPECT_EQ(sink.released["roof/fix"].at(0), packet.arrival);
+  EXPECT_EQ(sink.of<GnssFix>("roof/fix").at(0).latitude_deg, test::sample_fix().latitude_deg);
 }
 
 TEST(TelemetryTopics, CarryStatesEchoesAndFurtherScans) {
@@ -138,12 +121,12 @@ TEST(TelemetryTopics, CarryStatesEchoesAndFurtherScans) {
   config.sensors.front().driver.publish_multiecho = true;
   EXPECT_THAT(names(config), ElementsAre("roof/scan", "roof/echoes", "roof/outputs", "roof/intrusion"));
   NoTransforms poses;
-  Journal sink;
+  test::RecordingSink sink;
   Pipeline pipeline(config, poses, sink);
   Packet packet;
   packet.to.port = 2368;
   pipeline.packet(packet);
-  EXPECT_THAT(sink.lines,
+  EXPECT_THAT(sink.topics,
               testing::IsSupersetOf({"roof/outputs", "roof/intrusion", "roof/scan", "roof/echoes"}));
 }
 
@@ -157,13 +140,13 @@ TEST(TelemetryTopics, CarryNoStatesOfAColaDeviceThatWasNotAskedForThem) {
     Config config = config_with(model);
     config.sensors.front().driver.requests.device_states = wanted;
     NoTransforms poses;
-    Journal sink;
+    test::RecordingSink sink;
     Pipeline pipeline(config, poses, sink);
     Packet packet;
     packet.to.port = 2368;
     pipeline.packet(packet);
-    EXPECT_THAT(sink.lines, testing::Contains("roof/scan"));
-    EXPECT_THAT(sink.lines, testing::Contains("roof/outputs").Times(wanted ? 1 : 0));
+    EXPECT_THAT(sink.topics, testing::Contains("roof/scan"));
+    EXPECT_THAT(sink.topics, testing::Contains("roof/outputs").Times(wanted ? 1 : 0));
     EXPECT_THAT(names(config), testing::Contains("roof/outputs").Times(wanted ? 1 : 0));
   }
 }
@@ -179,41 +162,6 @@ TEST(TelemetryTopics, HoldAStateAsDiagnosticStatus) {
   EXPECT_EQ(message.status[0].values[0].key, "ticks");
   EXPECT_EQ(message.status[0].values[0].value, "42");
   EXPECT_EQ(message.status[0].values[1].value, "0.25");
-}
-
-TEST(TelemetryTopics, ArePassedToTheRosThreadInOrder) {
-  FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
-  queue.push(test::roof_imu, test::sample_imu(), Stamp{1});
-  queue.push(test::roof_fix, test::sample_fix(), Stamp{2});
-  queue.push(test::roof_time, test::sample_time_reference(), Stamp{3});
-  const auto next = [&queue] {
-    QueuedFrame* frame = queue.pop(Span(0));
-    EXPECT_NE(frame, nullptr);
-    EXPECT_EQ(frame->what, QueuedFrame::What::message);
-    return frame;
-  };
-  QueuedFrame* frame = next();
-  EXPECT_EQ(std::get<ImuSample>(frame->message).angular_velocity.z(), 0.3);
-  queue.done(frame);
-  frame = next();
-  EXPECT_EQ(std::get<GnssFix>(frame->message).status, FixStatus::sbas);
-  queue.done(frame);
-  frame = next();
-  EXPECT_EQ(std::get<TimeReference>(frame->message).source, "gps_pps");
-  queue.done(frame);
-  EXPECT_TRUE(queue.idle());
-}
-
-TEST(TelemetryTopics, AnImuMayRunAheadOfTheRosThreadFurtherThanAFrame) {
-  FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
-  for (int i = 0; i < 40; ++i) queue.push(test::roof_imu, test::sample_imu(), Stamp{i});
-  for (int i = 0; i < 5; ++i) queue.push(test::roof_fix, test::sample_fix(), Stamp{i});
-  EXPECT_EQ(queue.dropped(test::roof_imu.id), 8U);
-  EXPECT_EQ(queue.dropped(test::roof_fix.id), 3U);
-  QueuedFrame* oldest = queue.pop(Span(0));
-  ASSERT_NE(oldest, nullptr);
-  EXPECT_EQ(oldest->released.ns, 8);
-  queue.done(oldest);
 }
 
 }  // namespace

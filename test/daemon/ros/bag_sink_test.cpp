@@ -155,15 +155,15 @@ TEST_F(Bags, MarkFixedTransformsAsLatched) {
   EXPECT_EQ(transforms.at(0)->transforms.at(0).child_frame_id, "front_laser");
 }
 
-TEST_F(Bags, PutRelativeTopicsBelowTheNamespace) {
+TEST_F(Bags, PutRelativeTopicsBelowTheRoot) {
   {
-    BagSink sink(path("a.bag"), "vehicle");
+    BagSink sink(path("a.bag"));
     sink.scan(test::front_scan, sample_scan(), Stamp{});
-    sink.scan("/absolute", sample_scan(), Stamp{});
+    sink.scan({"/absolute", TopicKind::scan}, sample_scan(), Stamp{});
     sink.close();
   }
   rosbag::Bag bag(path("a.bag"));
-  EXPECT_EQ(read<sensor_msgs::LaserScan>(bag, "/vehicle/front/scan").size(), 1U);
+  EXPECT_EQ(read<sensor_msgs::LaserScan>(bag, "/front/scan").size(), 1U);
   EXPECT_EQ(read<sensor_msgs::LaserScan>(bag, "/absolute").size(), 1U);
 }
 

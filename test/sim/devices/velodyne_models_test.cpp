@@ -107,7 +107,9 @@ TEST(VelodyneModels, EveryAzimuthIsExactOnTheWireByDefault) {
   for (const VelodyneTable& table : velodyne_tables()) {
     VelodyneSetup setup = setup_of(table.name);
     setup.rest_spread_us = 0;
-    for (const SimulatedPacket& packet : simulate_velodyne(setup)) {
+    const auto packets = simulate_velodyne(setup);
+    ASSERT_GT(packets.size(), 10U) << table.name;
+    for (const SimulatedPacket& packet : packets) {
       for (std::size_t b = 0; b < 12; ++b) {
         const SlotTruth& first = packet.slots[32 * b];
         const double bank_ns = static_cast<double>(table.timings[0].firing_ns[first.laser]);
@@ -140,7 +142,10 @@ TEST(VirtualVlp32, PairsFireTogetherAndTheCorrectionIsSubtracted) {
 
 TEST(VirtualVlp32, DistancesAreInFourMillimetresFromWhereTheBeamCrossesTheAxis) {
   const VelodyneTable& table = velodyne_table("velodyne_vlp32c");
-  for (const SimulatedPacket& packet : simulate_velodyne(setup_of("velodyne_vlp32c"))) {
+  const auto packets = simulate_velodyne(setup_of("velodyne_vlp32c"));
+  ASSERT_GT(packets.size(), 25U);
+  for (const SimulatedPacket& packet : packets) {
+    ASSERT_EQ(packet.slots.size(), 384U);
     for (std::size_t i = 0; i < 384; ++i) {
       const SlotTruth& slot = packet.slots[i];
       ASSERT_NEAR(packet.view().le16(100 * (i / 32) + 4 + 3 * (i % 32)) * 0.004, slot.wire, 1e-9);

@@ -59,13 +59,16 @@ TEST(VirtualVlp16, EveryLaserFiresAtTheTimeOfTheManualAndTurnsOnMeanwhile) {
 
 TEST(VirtualVlp16, PacketLeavesAfterItsLastFiringAndTheNextOneFollowsAtTheManualsRate) {
   const auto kept = packets("latency_us: 20");
+  ASSERT_GT(kept.size(), 50U);
   EXPECT_EQ((kept[0].time - kept[0].measurement.begin).count(), 1306368 + 20000);
   for (std::size_t i = 1; i < kept.size(); ++i) EXPECT_EQ((kept[i].time - kept[i - 1].time).count(), 1327104);
 }
 
 TEST(VirtualVlp16, PointIsWhereTheBeamMeetsTheWallAndTheWireRoundsToTwoMillimetres) {
   const auto kept = packets("options: {}");
+  ASSERT_GT(kept.size(), 50U);
   for (const KeptPacket& packet : kept) {
+    ASSERT_EQ(packet.measurement.slots.size(), 384U);
     for (std::size_t i = 0; i < packet.measurement.slots.size(); ++i) {
       const SlotTruth& slot = packet.measurement.slots[i];
       const double to_wall = std::max(std::abs(slot.xyz.x()), std::abs(slot.xyz.y()));

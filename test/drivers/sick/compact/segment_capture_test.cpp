@@ -86,6 +86,7 @@ TEST(SegmentCapture, ElevationIsPositiveUpwards) {
   LIDARD_NEED_CAPTURE(path, "sick/multiscan_compact_frag.pcap");
   const Played played = play(path);
   // The device stands upright: its inertial unit feels gravity's counterforce along +z.
+  ASSERT_GT(played.out.samples.size(), 10U);
   for (const ImuSample& sample : played.out.samples) {
     EXPECT_NEAR(sample.linear_acceleration.z(), 9.63, 0.1);
     ASSERT_TRUE(sample.orientation);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/dropin/velodyne_node.h"
+#include "daemon/dropin/velodyne_node_setup.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -56,7 +56,7 @@ TEST(VelodyneNode, HasTheDefaultsOfTheNodesItStandsInFor) {
 }
 
 TEST(VelodyneNode, TakesEveryParameterThatHasAMeaningHere) {
-  const VelodyneNodeSetup setup = velodyne_node_setup({{"model", "VLS128"},
+  const DropinSetup setup = velodyne_node_setup({{"model", "VLS128"},
                                                        {"device_ip", "192.168.1.201"},
                                                        {"port", "2370"},
                                                        {"frame_id", "roof"},

@@ -1,24 +1,17 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/ros/ros_queue.h"
+#include "daemon/live/frame_queue.h"
+
+#include <algorithm>
 
 namespace lidard {
 namespace {
 
 constexpr std::size_t usual_depth = 2;
 
-QueuedFrame::What what_travels(TopicKind kind) {
-  switch (kind) {
-    case TopicKind::scan:
-      return QueuedFrame::What::scan;
-    case TopicKind::echoes:
-      return QueuedFrame::What::echoes;
-    case TopicKind::cloud:
-      return QueuedFrame::What::cloud;
-    case TopicKind::message:
-      return QueuedFrame::What::message;
-  }
-  return QueuedFrame::What::scan;
+QueuedContent what_travels(TopicKind kind) {
+  if (kind == TopicKind::message) return DeviceMessage();
+  return kind == TopicKind::cloud ? QueuedContent(Cloud()) : PlanarScan();
 }
 
 /// How many frames may wait. Inertial samples come every 5 ms, and a large cloud takes longer to publish.
@@ -31,25 +24,23 @@ std::size_t depth_of(const OutputTopic& topic) {
 FrameQueue::FrameQueue(const std::vector<OutputTopic>& topics, Backpressure backpressure)
     : backpressure_(backpressure) {
   for (const OutputTopic& topic : topics) add_lane(what_travels(topic.kind), depth_of(topic));
-  add_lane(QueuedFrame::What::transforms, usual_depth);
-  add_lane(QueuedFrame::What::clock, usual_depth);
+  add_lane(std::vector<StaticTransform>(), usual_depth);
+  add_lane(Stamp(), usual_depth);
 }
 
-void FrameQueue::add_lane(QueuedFrame::What what, std::size_t depth) {
-  Lane lane{depth, {}, {}, 0};
-  // One more than may wait: the ROS thread holds one.
-  for (std::size_t i = 0; i < lane.depth + 1; ++i) {
-    frames_.emplace_back();
-    frames_.back().what = what;
-    frames_.back().topic = lanes_.size();
-    lane.free.push_back(&frames_.back());
-  }
-  lanes_.push_back(std::move(lane));
+void FrameQueue::add_lane(const QueuedContent& empty, std::size_t depth) {
+  const std::size_t number = lanes_.size();
+  Lane& lane = lanes_.emplace_back();
+  lane.depth = depth;
+  // One more than may wait: the thread that publishes holds one.
+  lane.frames.assign(depth + 1, {number, 0, {}, empty});
+  for (QueuedFrame& frame : lane.frames) lane.free.push_back(&frame);
 }
 
 template <typename Fill>
-void FrameQueue::push_to(Lane& lane, Fill fill) {
+void FrameQueue::push_to(std::size_t number, Stamp released, Fill fill) {
   std::unique_lock lock(mutex_);
+  Lane& lane = lanes_.at(number);
   if (backpressure_ == Backpressure::block)
     emptied_.wait(lock, [&] { return stopped_ || lane.waiting.size() < lane.depth; });
   if (stopped_) return;
@@ -63,45 +54,37 @@ void FrameQueue::push_to(Lane& lane, Fill fill) {
     ++lane.dropped;
   }
   frame->number = ++pushed_;
-  fill(*frame);
+  frame->released = released;
+  fill(frame->content);
   lane.waiting.push_back(frame);
   lock.unlock();
   filled_.notify_one();
 }
 
 void FrameQueue::push(const OutputTopic& topic, const PlanarScan& scan, Stamp released) {
-  push_to(lanes_.at(topic.id), [&](QueuedFrame& frame) {
-    frame.scan = scan;
-    frame.released = released;
-  });
+  push_to(topic.id, released, [&](QueuedContent& slot) { std::get<PlanarScan>(slot) = scan; });
 }
 
 void FrameQueue::push(const OutputTopic& topic, Cloud& cloud, Stamp released) {
-  push_to(lanes_.at(topic.id), [&](QueuedFrame& frame) {
-    frame.cloud.frame_id = cloud.frame_id;
-    frame.cloud.stamp = cloud.stamp;
-    frame.cloud.format = cloud.format;
-    frame.cloud.points_bytes.swap(cloud.points_bytes);
-    frame.released = released;
+  push_to(topic.id, released, [&](QueuedContent& slot) {
+    Cloud& kept = std::get<Cloud>(slot);
+    kept.frame_id = cloud.frame_id;
+    kept.stamp = cloud.stamp;
+    kept.format = cloud.format;
+    kept.points_bytes.swap(cloud.points_bytes);
   });
 }
 
 void FrameQueue::push(const OutputTopic& topic, const DeviceMessage& message, Stamp released) {
-  push_to(lanes_.at(topic.id), [&](QueuedFrame& frame) {
-    frame.message = message;
-    frame.released = released;
-  });
+  push_to(topic.id, released, [&](QueuedContent& slot) { std::get<DeviceMessage>(slot) = message; });
 }
 
 void FrameQueue::push(const std::vector<StaticTransform>& transforms, Stamp released) {
-  push_to(lanes_[lanes_.size() - 2], [&](QueuedFrame& frame) {
-    frame.transforms = transforms;
-    frame.released = released;
-  });
+  push_to(transforms_lane(), released, [&](QueuedContent& slot) { slot = transforms; });
 }
 
 void FrameQueue::push_clock(Stamp now) {
-  push_to(lanes_.back(), [&](QueuedFrame& frame) { frame.released = now; });
+  push_to(clock_lane(), now, [now](QueuedContent& slot) { slot = now; });
 }
 
 FrameQueue::Lane* FrameQueue::oldest() {
@@ -128,27 +111,21 @@ QueuedFrame* FrameQueue::pop(Span wait) {
 
 void FrameQueue::done(QueuedFrame* frame) {
   const std::lock_guard lock(mutex_);
-  lanes_[frame->topic].free.push_back(frame);
+  lanes_[frame->lane].free.push_back(frame);
   --out_;
 }
 
 bool FrameQueue::idle() const {
   const std::lock_guard lock(mutex_);
-  for (const auto& lane : lanes_) {
-    if (!lane.waiting.empty()) return false;
-  }
-  return out_ == 0;
+  const bool empty =
+      std::all_of(lanes_.begin(), lanes_.end(), [](const Lane& lane) { return lane.waiting.empty(); });
+  return empty && out_ == 0;
 }
 
-std::uint64_t FrameQueue::dropped(std::size_t topic) const {
-  const std::lock_guard lock(mutex_);
-  return lanes_[topic].dropped;
-}
-
-std::uint64_t FrameQueue::dropped() const {
+std::uint64_t FrameQueue::dropped(std::size_t begin, std::size_t end) const {
   const std::lock_guard lock(mutex_);
   std::uint64_t sum = 0;
-  for (const auto& lane : lanes_) sum += lane.dropped;
+  for (std::size_t i = begin; i < end; ++i) sum += lanes_[i].dropped;
   return sum;
 }
 

@@ -1,12 +1,10 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/ros/ros_link.h"
+#include "daemon/ros/ros_connection.h"
 
 #include <fmt/format.h>
-#include <ros/exceptions.h>
 #include <ros/init.h>
 #include <ros/master.h>
-#include <ros/names.h>
 #include <ros/this_node.h>
 #include <spdlog/spdlog.h>
 
@@ -14,7 +12,10 @@
 #include <thread>
 #include <utility>
 
+#include "daemon/ros/ros_callback_thread.h"
+#include "daemon/ros/ros_component.h"
 #include "daemon/ros/ros_diagnostics.h"
+#include "daemon/ros/ros_environment.h"
 #include "daemon/ros/ros_master.h"
 #include "daemon/ros/ros_name.h"
 #include "daemon/ros/ros_publishers.h"
@@ -27,6 +28,8 @@ namespace {
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
+/// Of the thread that talks to the master, for debuggers.
+constexpr const char* thread_name = "lidard-master";
 /// How often the master is asked whether it is there.
 constexpr auto master_period = milliseconds(500);
 /// Of the 10 messages that roscpp keeps for a slow subscriber; the rest is slack for its own queue.
@@ -35,23 +38,6 @@ constexpr std::size_t most_in_flight = 8;
 constexpr auto stuck_subscriber = std::chrono::seconds(10);
 /// A live thread makes ten rounds per second.
 constexpr auto longest_round = std::chrono::seconds(2);
-
-void init_ros(const RosOptions& options) {
-  ros::M_string remappings;
-  for (const auto& remapping : options.remappings) {
-    const auto at = remapping.find(":=");
-    if (at == std::string::npos || at == 0)
-      throw RosError("'" + remapping + "' is not a remapping; expected from:=to");
-    remappings[remapping.substr(0, at)] = remapping.substr(at + 2);
-  }
-  choose_ros_log_folder();
-  try {
-    ros::init(remappings, options.node_name, ros::init_options::NoSigintHandler);
-    for (const auto& topic : options.topics) ros::names::resolve(topic.name);
-  } catch (const ros::Exception& problem) {
-    throw RosError(std::string(problem.what()) + "; expected names of letters, digits, _ and /");
-  }
-}
 
 template <typename Condition>
 bool wait_until(Condition condition, Span limit) {
@@ -65,15 +51,15 @@ bool wait_until(Condition condition, Span limit) {
 
 }  // namespace
 
-// Shared with the threads: one that hangs in roscpp at the end outlives the RosLink.
-struct RosLink::Impl {
-  explicit Impl(RosOptions given)
+// Shared with the threads: one that hangs in roscpp at the end outlives the RosConnection.
+struct RosConnection::Impl {
+  Impl(RosOptions given, const std::vector<OutputTopic>& topics)
       : options(std::move(given)),
         master_uri(choose_master(options.remappings)),
-        queue(options.topics, options.backpressure),
-        publishers(options.topics, options.clock),
+        queue(topics, options.backpressure),
+        publishers(topics, options.clock),
         diagnostics(options.longest_report_age) {
-    init_ros(options);
+    init_ros(options, topics);
     node = ros::this_node::getName();
     name = std::make_unique<RosName>(node, wall_clock());
   }
@@ -84,9 +70,10 @@ struct RosLink::Impl {
   FrameQueue queue;
   RosPublishers publishers;
   RosDiagnostics diagnostics;
-  std::vector<std::shared_ptr<RosClient>> clients;
+  std::vector<std::shared_ptr<RosComponent>> components;
   std::unique_ptr<RosName> name;
   RosPulse pulse;
+  std::unique_ptr<RosCallbackThread> callbacks;  // while ROS runs
 
   std::atomic<bool> stopping{false};
   std::atomic<bool> master_present{false};
@@ -127,10 +114,9 @@ struct RosLink::Impl {
 
 // ---- ROS thread
 
-void RosLink::Impl::run_ros() {
-  name_this_thread("lidard-ros");
+void RosConnection::Impl::run_ros() {
   while (!stopping) {
-    pulse.tick();
+    pulse.tick(RosPulse::publishing);
     QueuedFrame* frame = queue.pop(milliseconds(100));
     if (frame == nullptr) continue;
     deal_with(*frame);
@@ -138,16 +124,16 @@ void RosLink::Impl::run_ros() {
   }
 }
 
-void RosLink::Impl::deal_with(QueuedFrame& frame) {
+void RosConnection::Impl::deal_with(QueuedFrame& frame) {
   if (options.backpressure == Backpressure::block) wait_for_subscribers_of(frame);
   const bool sent = publishers.publish(frame);
   ++(sent ? published : without_ros);
 }
 
-void RosLink::Impl::wait_for_subscribers_of(const QueuedFrame& frame) {
+void RosConnection::Impl::wait_for_subscribers_of(const QueuedFrame& frame) {
   const auto keeps_up = [&] {
-    pulse.tick();
-    const bool advertised = publishers.ready() || frame.what == QueuedFrame::What::transforms;
+    pulse.tick(RosPulse::publishing);
+    const bool advertised = publishers.ready() || frame.lane == queue.transforms_lane();
     return stopping || (advertised && publishers.in_flight(frame) < most_in_flight);
   };
   while (!wait_until(keeps_up, stuck_subscriber)) {
@@ -159,7 +145,7 @@ void RosLink::Impl::wait_for_subscribers_of(const QueuedFrame& frame) {
 
 // ---- master thread
 
-void RosLink::Impl::hurry() {
+void RosConnection::Impl::hurry() {
   {
     const std::lock_guard lock(wake_mutex);
     news = true;
@@ -167,8 +153,8 @@ void RosLink::Impl::hurry() {
   wake.notify_all();
 }
 
-void RosLink::Impl::run_master() {
-  name_this_thread("lidard-master");
+void RosConnection::Impl::run_master() {
+  name_this_thread(thread_name);
   MasterClient master(*parse_server_uri(master_uri), node);
   while (!stopping) {
     look_after(master);
@@ -179,7 +165,7 @@ void RosLink::Impl::run_master() {
   master_ended = true;
 }
 
-void RosLink::Impl::look_after(MasterClient& master) {
+void RosConnection::Impl::look_after(MasterClient& master) {
   if (running && !ros::ok()) restart_after_foreign_stop(master);
   // News do not wait for the master's answer.
   if (running && news.exchange(false)) publish_diagnostics();
@@ -194,7 +180,7 @@ void RosLink::Impl::look_after(MasterClient& master) {
   if (running && Clock::now() >= next_diagnostics) publish_diagnostics();
 }
 
-void RosLink::Impl::master_answered(MasterClient& master, int pid) {
+void RosConnection::Impl::master_answered(MasterClient& master, int pid) {
   master_present = true;
   const bool another = pid != master_pid;
   master_pid = pid;
@@ -203,19 +189,22 @@ void RosLink::Impl::master_answered(MasterClient& master, int pid) {
     start_ros();
     spdlog::info("ROS master found at {}; publishing as {}", master_uri, node);
   } else if (another || !registered) {
-    registered = register_again(master, publishers.types());
-    for (const auto& client : clients) registered &= client->register_again(master);
+    std::vector<std::string> services;
+    for (const auto& component : components) {
+      for (auto& service : component->master_restarted()) services.push_back(std::move(service));
+    }
+    registered = register_again(master, services);
     if (registered) spdlog::warn("ROS master at {} came back; all topics are registered again", master_uri);
   }
   const RosPulse::Call call(pulse);
-  for (const auto& client : clients) {
+  for (const auto& component : components) {
     if (stopping || !running) return;
-    client->poll(master);
-    publishers.advertise_again(client->stale_topics());
+    component->poll(master);
+    publishers.advertise_again(component->stale_topics());
   }
 }
 
-void RosLink::Impl::master_silent(const MasterClient& master) {
+void RosConnection::Impl::master_silent(const MasterClient& master) {
   master_present = false;
   registered = false;
   if (Clock::now() < next_notice) return;
@@ -225,31 +214,38 @@ void RosLink::Impl::master_silent(const MasterClient& master) {
                running ? "new subscribers cannot find us" : "data is received but not published");
 }
 
-void RosLink::Impl::start_ros() {
+void RosConnection::Impl::start_ros() {
   const RosPulse::Call call(pulse);
   name->answer_others();
   ros::master::setRetryTimeout(ros::WallDuration(0.2));
+  // A new thread has the name of the one that starts it; RosPulse names all of roscpp's but that of /rosout.
+  name_this_thread("roscpp-rosout");
   ros::start();
+  name_this_thread(thread_name);
   publishers.advertise();
   diagnostics.start();
-  for (const auto& client : clients) client->connected();
+  callbacks = std::make_unique<RosCallbackThread>(pulse);
+  for (const auto& component : components) component->connected(*callbacks);
   pulse.attach();
   name->taken();
   running = true;
   registered = true;
 }
 
-void RosLink::Impl::end_ros(bool leave) {
+void RosConnection::Impl::end_ros(bool leave) {
   const RosPulse::Call call(pulse);
   pulse.detach();
-  for (const auto& client : clients) client->disconnected(leave);
+  callbacks->stop();
+  for (const auto& component : components) component->disconnected();
+  if (leave) leave_behind(std::move(callbacks));
+  callbacks.reset();
   diagnostics.drop(leave);
   publishers.drop(leave);
   if (!leave) ros::shutdown();
   running = false;
 }
 
-void RosLink::Impl::restart_after_foreign_stop(MasterClient& master) {
+void RosConnection::Impl::restart_after_foreign_stop(MasterClient& master) {
   ++foreign_stops;
   spdlog::error(
       "our ROS node {} was shut down from outside (a node of the same name, or rosnode kill); starting again",
@@ -260,16 +256,16 @@ void RosLink::Impl::restart_after_foreign_stop(MasterClient& master) {
   wake.wait_for(lock, pause, [this] { return stopping.load(); });
 }
 
-void RosLink::Impl::publish_diagnostics() {
+void RosConnection::Impl::publish_diagnostics() {
   next_diagnostics = Clock::now() + std::chrono::seconds(1);
   std::vector<DiagnosticItem> more{own_status()};
-  for (const auto& client : clients) {
-    for (auto& item : client->diagnostics()) more.push_back(std::move(item));
+  for (const auto& component : components) {
+    for (auto& item : component->diagnostics()) more.push_back(std::move(item));
   }
   diagnostics.publish(more);
 }
 
-void RosLink::Impl::judge_own_status(DiagnosticItem& item) const {
+void RosConnection::Impl::judge_own_status(DiagnosticItem& item) const {
   const Span stands = pulse.since_tick();
   if (stands > longest_round) {
     item.health = Health::error;
@@ -285,7 +281,7 @@ void RosLink::Impl::judge_own_status(DiagnosticItem& item) const {
   }
 }
 
-DiagnosticItem RosLink::Impl::own_status() const {
+DiagnosticItem RosConnection::Impl::own_status() const {
   DiagnosticItem item;
   item.name = "ROS";
   judge_own_status(item);
@@ -296,7 +292,7 @@ DiagnosticItem RosLink::Impl::own_status() const {
   return item;
 }
 
-void RosLink::Impl::shut_down(MasterClient& master) {
+void RosConnection::Impl::shut_down(MasterClient& master) {
   if (!running) return;
   const bool leave = !master.pid().has_value();
   ended_clean = !leave;
@@ -305,42 +301,45 @@ void RosLink::Impl::shut_down(MasterClient& master) {
 
 // ---- interface
 
-RosLink::RosLink(RosOptions options) : impl_(std::make_shared<Impl>(std::move(options))) {}
-RosLink::~RosLink() { stop(); }
+RosConnection::RosConnection(RosOptions options, const std::vector<OutputTopic>& topics)
+    : impl_(std::make_shared<Impl>(std::move(options), topics)) {}
+RosConnection::~RosConnection() { stop(); }
 
-void RosLink::add_client(std::shared_ptr<RosClient> client) { impl_->clients.push_back(std::move(client)); }
+void RosConnection::add(std::shared_ptr<RosComponent> component) {
+  impl_->components.push_back(std::move(component));
+}
 
-void RosLink::start() {
+void RosConnection::start() {
   impl_->ros_thread = std::thread([impl = impl_] { impl->run_ros(); });
   impl_->master_thread = std::thread([impl = impl_] { impl->run_master(); });
 }
 
-void RosLink::scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) {
+void RosConnection::scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) {
   impl_->queue.push(topic, scan, released);
 }
-void RosLink::cloud(const OutputTopic& topic, Cloud& cloud, Stamp released) {
+void RosConnection::cloud(const OutputTopic& topic, Cloud& cloud, Stamp released) {
   impl_->queue.push(topic, cloud, released);
 }
-void RosLink::message(const OutputTopic& topic, const DeviceMessage& message, Stamp released) {
+void RosConnection::message(const OutputTopic& topic, const DeviceMessage& message, Stamp released) {
   impl_->queue.push(topic, message, released);
 }
-void RosLink::transforms(const std::vector<StaticTransform>& transforms, Stamp released) {
+void RosConnection::transforms(const std::vector<StaticTransform>& transforms, Stamp released) {
   impl_->queue.push(transforms, released);
 }
-void RosLink::diagnostics(const std::vector<DiagnosticItem>& items, Stamp) {
+void RosConnection::diagnostics(const std::vector<DiagnosticItem>& items, Stamp) {
   if (impl_->diagnostics.set(items)) impl_->hurry();
 }
-void RosLink::publish_clock(Stamp now) { impl_->queue.push_clock(now); }
+void RosConnection::publish_clock(Stamp now) { impl_->queue.push_clock(now); }
 
-bool RosLink::wait_for_master(Span limit) {
+bool RosConnection::wait_for_master(Span limit) {
   return wait_until([this] { return impl_->publishers.ready(); }, limit);
 }
 
-bool RosLink::wait_for_subscribers(std::size_t count, Span limit) {
+bool RosConnection::wait_for_subscribers(std::size_t count, Span limit) {
   return wait_until([&] { return impl_->publishers.subscribers() >= count; }, limit);
 }
 
-bool RosLink::flush(Span limit) {
+bool RosConnection::flush(Span limit) {
   const bool sent =
       wait_until([this] { return impl_->queue.idle() && impl_->publishers.in_flight() == 0; }, limit);
   // A subscriber drops what it has not read yet when the master tells it that we are gone.
@@ -348,7 +347,7 @@ bool RosLink::flush(Span limit) {
   return sent;
 }
 
-RosStatus RosLink::status() const {
+RosStatus RosConnection::status() const {
   RosStatus status;
   status.master = impl_->master_present;
   status.connected = impl_->publishers.ready();
@@ -357,15 +356,14 @@ RosStatus RosLink::status() const {
   status.dropped = impl_->queue.dropped();
   status.without_ros = impl_->without_ros;
   status.foreign_stops = impl_->foreign_stops;
-  status.ticks = impl_->pulse.ticks();
   return status;
 }
 
-bool RosLink::has_master() const { return impl_->master_present; }
-std::string RosLink::standing_threads() { return impl_->pulse.standing(impl_->master_present); }
-std::string RosLink::conflict() const { return impl_->name->conflict(); }
+bool RosConnection::has_master() const { return impl_->master_present; }
+std::string RosConnection::standing_threads() { return impl_->pulse.standing(impl_->master_present); }
+std::string RosConnection::conflict() const { return impl_->name->conflict(); }
 
-bool RosLink::stop() {
+bool RosConnection::stop() {
   if (!impl_->master_thread.joinable()) return impl_->ended_clean;
   {
     const std::lock_guard lock(impl_->wake_mutex);

@@ -4,33 +4,15 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "daemon/pipeline/sink.h"
-#include "daemon/ros/ros_queue.h"
+#include "daemon/ros/ros_options.h"
 
 namespace lidard {
 
-class MasterClient;
-
-/// ROS cannot be used as asked: a wrong name or address. A usage error.
-class RosError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-struct RosOptions {
-  std::string node_name = "lidard";
-  std::vector<std::string> remappings;  ///< "from:=to", "__ns:=…", "__name:=…", "__master:=…"
-  std::vector<OutputTopic> topics;      ///< output_topics()
-  Backpressure backpressure = Backpressure::drop_oldest;
-  bool clock = false;  ///< publish_clock() will be used
-  /// Where diagnostics() comes by the clock on the wall: older items are errors. Empty, as in replay: never.
-  std::optional<Span> longest_report_age;
-};
+class RosComponent;
 
 /// A snapshot for status lines, diagnostics and tests.
 struct RosStatus {
@@ -41,41 +23,19 @@ struct RosStatus {
   std::uint64_t dropped = 0;        ///< frames dropped because the ROS thread was behind
   std::uint64_t without_ros = 0;    ///< frames that came while there was no master yet
   std::uint64_t foreign_stops = 0;  ///< how often somebody shut our node down from outside
-  std::uint64_t ticks = 0;          ///< rounds of the ROS thread, at least 5 per second; for a watchdog
-};
-
-/// Something else that needs the ROS connection. All calls come from the master thread.
-class RosClient {
- public:
-  virtual ~RosClient() = default;
-  /// ROS runs: node handles may be used. May wait for the master.
-  virtual void connected() = 0;
-  /// ROS ends. With `leave`, roscpp must not be told: its destructors would wait for the master.
-  virtual void disconnected(bool leave) = 0;
-  /// Twice a second while the master answers.
-  virtual void poll(MasterClient& master) { static_cast<void>(master); }
-  /// The master was restarted: tells it what the client publishes, with its type, and what it serves. False
-  /// if the master did not answer every call.
-  virtual bool register_again(MasterClient& master) {
-    static_cast<void>(master);
-    return true;
-  }
-  /// Frame topics that are to be advertised anew, since what they carry changed its shape.
-  virtual std::vector<std::string> stale_topics() { return {}; }
-  virtual std::vector<DiagnosticItem> diagnostics() { return {}; }
 };
 
 /// Publishes what the pipeline produces. The calls of FrameSink never wait (unless Backpressure::block); one
 /// thread converts and publishes; another alone talks to the master, waits for it, registers again when it
-/// was restarted.
-class RosLink : public FrameSink {
+/// was restarted; a third, RosCallbackThread, lives while ROS runs.
+class RosConnection : public FrameSink {
  public:
-  /// Calls ros::init, which no master is needed for; once per process. Throws RosError.
-  explicit RosLink(RosOptions options);
-  ~RosLink() override;
+  /// Calls init_ros(), which may throw RosError. `topics` as output_topics() has them.
+  RosConnection(RosOptions options, const std::vector<OutputTopic>& topics);
+  ~RosConnection() override;
 
   /// To be called before start(). Shared, since a master thread that hangs at the end may outlive its owner.
-  void add_client(std::shared_ptr<RosClient> client);
+  void add(std::shared_ptr<RosComponent> component);
   void start();
 
   void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) override;
@@ -108,12 +68,5 @@ class RosLink : public FrameSink {
   struct Impl;
   std::shared_ptr<Impl> impl_;
 };
-
-/// Lets roscpp write its logs where it may: it aborts the process when $HOME is set but cannot be written.
-void choose_ros_log_folder();
-/// The master's address: "__master:=…" of the remappings, else $ROS_MASTER_URI, else the default, which is
-/// then put into the environment. Throws RosError if it is not "http://host:port": roscpp would abort the
-/// process.
-std::string choose_master(const std::vector<std::string>& remappings);
 
 }  // namespace lidard

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/dropin/laser_tools_node.h"
+#include "daemon/dropin/laser_tools_setup.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-std::string error_of(const std::function<LaserToolsSetup()>& setup) {
+std::string error_of(const std::function<DropinSetup()>& setup) {
   try {
     parse_config(setup().yaml, "p");
     return "no error";
@@ -66,7 +66,7 @@ TEST(LaserMerger, HasTheNumberOfBeamsThatSlamToolboxExpects) {
 }
 
 TEST(LaserMerger, TakesTopicsOfAnyNameOnceEach) {
-  const LaserToolsSetup setup =
+  const DropinSetup setup =
       laser_merger_setup({{"laserscan_topics", " /scansx  front/scan /s2 /scansx front_scan "}});
   const Config config = parse_config(setup.yaml, "p");
   std::vector<std::string> topics;
@@ -77,7 +77,7 @@ TEST(LaserMerger, TakesTopicsOfAnyNameOnceEach) {
 }
 
 TEST(LaserMerger, BringsNumbersIntoTheLimitsOfDynamicReconfigureAndSaysSo) {
-  const LaserToolsSetup setup = laser_merger_setup(
+  const DropinSetup setup = laser_merger_setup(
       {{"laserscan_topics", "a"}, {"angle_min", "-3.1416"}, {"range_max", "2000"}, {"range_min", "0.3"}});
   const ScanGridSpec grid = parse_config(setup.yaml, "p").merged_scans[0].output.grid;
   EXPECT_DOUBLE_EQ(grid.angle_min, -3.14159265358979323846);
@@ -88,7 +88,7 @@ TEST(LaserMerger, BringsNumbersIntoTheLimitsOfDynamicReconfigureAndSaysSo) {
 }
 
 TEST(LaserMerger, KnowsKeysOfOurOwnConfiguration) {
-  const LaserToolsSetup setup = laser_merger_setup({{"laserscan_topics", "a b"},
+  const DropinSetup setup = laser_merger_setup({{"laserscan_topics", "a b"},
                                                     {"profile", "safety"},
                                                     {"empty", "inf"},
                                                     {"unobserved", "minus_inf"},
@@ -140,7 +140,7 @@ TEST(LaserVirtualizer, HasTheDefaultsOfTheNodeItStandsInFor) {
 }
 
 TEST(LaserVirtualizer, TakesEveryParameter) {
-  const LaserToolsSetup setup = laser_virtualizer_setup({{"cloud_topic", "cloud_in"},
+  const DropinSetup setup = laser_virtualizer_setup({{"cloud_topic", "cloud_in"},
                                                          {"base_frame", "/laser_frame"},
                                                          {"output_laser_topic", "/scan"},
                                                          {"virtual_laser_scan", "bumper"},
