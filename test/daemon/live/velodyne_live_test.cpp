@@ -62,6 +62,7 @@ Config config_of(const WebServer& server, bool write) {
   if (write) sensor.control.wanted.rpm = 1200;
   sensor.control.port = server.peer.port();
   sensor.control.address = *sensor.ip_address;
+  sensor.control.data_port = 2368;
   sensor.driver.control = std::make_shared<VelodyneControl>(sensor.control);
   config.sensors.push_back(sensor);
   return config;
