@@ -11,7 +11,6 @@
 #include "core/merge/mount_check.h"
 #include "core/merge/scheduler.h"
 #include "daemon/pipeline/output.h"
-#include "daemon/pipeline/output_parts.h"
 
 namespace lidard {
 

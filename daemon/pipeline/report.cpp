@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <iomanip>
 #include <ostream>
 
 namespace lidard {
@@ -69,24 +68,17 @@ void print_table(const std::vector<SensorReport>& sensors, std::ostream& out) {
     name_width = std::max(name_width, s.name.size());
     model_width = std::max(model_width, s.model.size());
   }
-  const auto text = [&](const std::string& t, std::size_t w) {
-    out << std::left << std::setw(static_cast<int>(w) + 2) << t;
-  };
-  const auto number = [&](const std::string& t) { out << std::right << std::setw(10) << t; };
-  text("sensor", name_width);
-  text("model", model_width);
-  for (const char* head : {"packets", "frames", "frames/s", "expected", "partial", "lost"}) number(head);
-  out << "  rejected\n";
+  out << fmt::format("{:<{}}{:<{}}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}  rejected\n", "sensor", name_width + 2,
+                     "model", model_width + 2, "packets", "frames", "frames/s", "expected", "partial",
+                     "lost");
   for (const auto& s : sensors) {
     const Counters& c = s.counters;
-    text(s.name, name_width);
-    text(s.model, model_width);
-    const Reception& whole = s.whole;
-    for (const auto n : {c.packets, c.frames}) number(std::to_string(n));
-    for (const double frames : {whole.frames, whole.expected})
-      number(whole.expected >= 3 ? fmt::format("{:.1f}", frames / whole.frames_s) : "-");
-    for (const auto n : {c.partial_frames, c.lost_packets}) number(std::to_string(n));
-    out << "  " << rejected_text(c);
+    const auto rate = [&](double frames) {
+      return s.whole.expected >= 3 ? fmt::format("{:.1f}", frames / s.whole.frames_s) : "-";
+    };
+    out << fmt::format("{:<{}}{:<{}}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}  {}", s.name, name_width + 2,
+                       s.model, model_width + 2, c.packets, c.frames, rate(s.whole.frames),
+                       rate(s.whole.expected), c.partial_frames, c.lost_packets, rejected_text(c));
     // Of the telegrams that began and never ended; the lost ones hold them, since devices count what they
     // send.
     if (c.incomplete != 0) out << ", incomplete " << c.incomplete;

@@ -10,7 +10,6 @@
 #include "core/motion/cloud_motion.h"
 #include "core/virtual/virtualizer.h"
 #include "daemon/pipeline/output.h"
-#include "daemon/pipeline/output_parts.h"
 
 namespace lidard {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/pipeline/output_parts.h"
+#include "daemon/pipeline/output.h"
 
 #include <limits>
 #include <stdexcept>
