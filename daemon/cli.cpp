@@ -10,6 +10,7 @@
 #include "daemon/commands/decode.h"
 #include "daemon/commands/discover.h"
 #include "daemon/commands/inspect.h"
+#include "daemon/commands/keys_command.h"
 #include "daemon/commands/models_command.h"
 #include "daemon/commands/record.h"
 #include "daemon/commands/replay.h"
@@ -34,6 +35,7 @@ struct Commands {
   std::string config = default_config;
   std::vector<std::string> captures;
   bool json = false;
+  KeysFormat keys = KeysFormat::table;
   std::string rate = "1";
   std::string source;
   std::string clock = "arrival";
@@ -55,6 +57,7 @@ struct Commands {
     add_inspect();
     add_check();
     add_models();
+    add_keys();
     add_discover();
     add_record();
     add_snapshot();
@@ -78,7 +81,7 @@ struct Commands {
         ->check(CLI::Range(0.0, 3600.0));
     c->add_option("--motion", replay.motion,
                   "With --bag: a bag whose tf or odometry says how the vehicle moved");
-    c->add_flag("--clock", replay.clock, "Publish /clock");
+    c->add_flag("--clock", replay.ros.clock, "Publish /clock");
     c->add_option("--bag", replay.bag, "Write the messages to this bag instead of ROS");
     c->callback([this] { action = [this] { return start_replay(); }; });
   }
@@ -123,6 +126,17 @@ struct Commands {
     auto* c = app.add_subcommand("models", "The supported models and how each was verified");
     c->add_flag("--json", json, "For scripts");
     c->callback([this] { action = [this] { return run_models(json, std::cout); }; });
+  }
+  void add_keys() {
+    auto* c = app.add_subcommand("keys", "The reference of all configuration keys");
+    auto* format = c->add_option_group("format")->require_option(0, 1);
+    format->add_flag_callback(
+        "--markdown", [this] { keys = KeysFormat::markdown; }, "As in config/KEYS.md");
+    format->add_flag_callback(
+        "--man", [this] { keys = KeysFormat::man; }, "As in the manual page");
+    format->add_flag_callback(
+        "--json", [this] { keys = KeysFormat::json; }, "For scripts");
+    c->callback([this] { action = [this] { return run_keys(keys, std::cout); }; });
   }
   void add_record() {
     auto* c = app.add_subcommand("record", "Records the configured sensors' traffic to a capture");
@@ -177,7 +191,7 @@ int Commands::start_replay() {
     std::cerr << "--loop and --bag: a bag of endless replay would never be complete; leave one out\n";
     return exit_usage;
   }
-  replay.ros_arguments = ros_arguments;
+  replay.ros.remappings = ros_arguments;
   return run_replay(replay, std::cout, std::cerr);
 }
 

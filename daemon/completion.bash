@@ -14,7 +14,7 @@ _lidard() {
     compopt -o nospace -o filenames 2>/dev/null
   }
   if ((COMP_CWORD == 1)); then
-    _lidard_words "run replay decode inspect check models discover record snapshot --help --version"
+    _lidard_words "run replay decode inspect check models keys discover record snapshot --help --version"
     return
   fi
   case $before in
@@ -33,6 +33,7 @@ _lidard() {
     record:*) _lidard_words "--config --output --interface --duration --help" ;;
     snapshot:-*) _lidard_words "--config --pcap --at --range --areas --output --help" ;;
     inspect:-* | models:*) _lidard_words "--json --help" ;;
+    keys:*) _lidard_words "--markdown --man --json --help" ;;
     check:*) _lidard_files yaml yml ;;
     discover:*) _lidard_words "--hokuyo --sick --wait --json --help" ;;
     *) _lidard_files pcap pcapng ;;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,14 +10,13 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/angle.h"
 #include "core/base/bytes.h"
 #include "core/base/counters.h"
 #include "core/base/device_clock.h"
 #include "core/base/time.h"
 #include "core/frames/cloud.h"
-#include "core/frames/device_state.h"
-#include "core/frames/gnss.h"
-#include "core/frames/imu.h"
+#include "core/frames/device_message.h"
 #include "core/frames/scan.h"
 #include "drivers/address.h"
 
@@ -44,26 +44,20 @@ class DriverOutput {
   virtual ~DriverOutput() = default;
   virtual void scan(PlanarScan& scan) = 0;
   virtual void cloud(Cloud& cloud) = 0;
-  /// What a satellite receiver or an inertial unit in the device told, beside its frames.
-  virtual void fix(const GnssFix& fix) { static_cast<void>(fix); }
-  virtual void time_reference(const TimeReference& reference) { static_cast<void>(reference); }
-  virtual void imu(const ImuSample& sample) { static_cast<void>(sample); }
-  /// What the device tells beside its frames, on a topic of its own.
-  virtual void state(const DeviceState& state) { static_cast<void>(state); }
+  /// What the device tells beside its frames; its topic is one of Model::messages.
+  virtual void message(const DeviceMessage& /*message*/) {}
   /// A further scan of the device (its intrusion data, say); `topic` is one of Model::extra_scans.
-  virtual void extra_scan(std::string_view topic, PlanarScan& scan) {
-    static_cast<void>(topic), static_cast<void>(scan);
-  }
+  virtual void extra_scan(std::string_view /*topic*/, PlanarScan& /*scan*/) {}
   /// Bytes to send to the device over its TCP connection; dropped in replay.
-  virtual void request(ByteView bytes) { static_cast<void>(bytes); }
+  virtual void request(ByteView /*bytes*/) {}
   /// A sentence for the log: a setting of the device was written ("host address 192.168.0.2 -> 192.168.0.5").
-  virtual void note(std::string_view sentence) { static_cast<void>(sentence); }
+  virtual void note(std::string_view /*sentence*/) {}
   /// Open the TCP connection (again). A device that streams over TCP is connected without asking; one that
   /// streams over UDP (Model::dialogue_port) only when its driver asks, from tick() or receive().
   virtual void connect() {}
   /// The dialogue is over or cannot go on: close the connection and, with `again`, open it anew after a
   /// pause.
-  virtual void disconnect(bool again) { static_cast<void>(again); }
+  virtual void disconnect(bool /*again*/) {}
 };
 
 /// What is known of the device beyond its data; grows while packets come in. Keys as in REP 138 where it has
@@ -72,6 +66,25 @@ struct DeviceInfo {
   std::string serial;                                        ///< empty: unknown
   std::vector<std::pair<std::string, std::string>> details;  ///< for diagnostics, in display order
   std::vector<std::string> warnings;                         ///< full sentences, each with its remedy
+
+  /// Sets a detail, behind the others where it is new.
+  void set(std::string_view key, std::string_view value) {
+    for (auto& detail : details) {
+      if (detail.first != key) continue;
+      if (detail.second != value) detail.second = value;
+      return;
+    }
+    details.emplace_back(key, value);
+  }
+};
+
+/// How the settings of a device stand, where its driver watches them beside the data.
+struct SettingsStatus {
+  enum class Level : std::uint8_t { ok, warn, error };
+  Level level = Level::ok;
+  std::string message;  ///< one sentence; says the remedy when the level is not ok
+  std::string serial;   ///< empty: unknown
+  std::vector<std::pair<std::string, std::string>> details;  ///< for diagnostics, in display order
 };
 
 /// Speaks one device's protocol: bytes and an arrival stamp in; frames, requests and status out.
@@ -83,28 +96,26 @@ class Driver {
   /// not handed in). Returns why it was not used; the counters already hold it.
   virtual Reject receive(const Packet& packet, DriverOutput& out) = 0;
   /// A TCP connection to the device stands; its dialogue starts here. Never called in replay.
-  virtual void connected(Stamp now, DriverOutput& out) {
-    static_cast<void>(now);
-    static_cast<void>(out);
-  }
-  /// That connection ended; half a telegram is worth nothing now.
+  virtual void connected(Stamp /*now*/, DriverOutput& /*out*/) {}
+  /// That connection ended, half a telegram is worth nothing now; or, of a device that streams over UDP, the
+  /// connection that was asked for could not be made. The next one is opened only when it is asked for.
   virtual void disconnected() {}
   /// Time passed (arrival time scale); for time-outs and keep-alives.
-  virtual void tick(Stamp now, DriverOutput& out) {
-    static_cast<void>(now);
-    static_cast<void>(out);
-  }
+  virtual void tick(Stamp /*now*/, DriverOutput& /*out*/) {}
   /// No more input: hands on what is complete enough (end of a capture).
-  virtual void finish(DriverOutput& out) { static_cast<void>(out); }
+  virtual void finish(DriverOutput& /*out*/) {}
   /// Forgets what belongs to the stream so far (a capture starts again), keeps counters and what is known of
   /// the device.
   virtual void restart() = 0;
 
   virtual const Counters& counters() const = 0;
   virtual const DeviceInfo& info() const = 0;
+  /// Empty: nothing is watched, or nothing that info() does not tell.
+  virtual std::optional<SettingsStatus> settings(Stamp /*now*/) const { return std::nullopt; }
 };
 
 struct Model;
+struct VelodyneControl;
 namespace velodyne {
 struct Calibration;
 }
@@ -135,9 +146,8 @@ struct DriverConfig {
   const Model* model = nullptr;
   std::string frame_id;
   ClockMode clock = ClockMode::smooth;
-  Span time_offset{0};  ///< added to every stamp
-  double cut_angle =
-      0;  ///< rad, as the sensor counts azimuth: where one revolution ends (multi-plane lidars)
+  Span time_offset{0};   ///< added to every stamp
+  double cut_angle = 0;  ///< rad, as the sensor counts azimuth: where a revolution ends (multi-plane lidars)
   FrameCut frame_cut = FrameCut::angle;
   Span frame_duration = std::chrono::milliseconds(100);  ///< for FrameCut::time
   bool keep_confidence = false;  ///< fill Cloud::confidences, where the model sends them
@@ -145,14 +155,22 @@ struct DriverConfig {
   double min_range = 0;          ///< m: nearer returns are left out (multi-plane lidars)
   double max_range = 0;          ///< m: farther returns are left out; 0: no limit
   double view_direction = 0;     ///< rad, counter-clockwise from the front: middle of the sector that is kept
-  double view_width = 6.2831853071795865;      ///< rad: width of that sector
-  bool keep_partial = false;                   ///< hand on first, last and torn frames too
-  bool keep_origins = false;                   ///< fill Cloud::origins
+  double view_width = two_pi;    ///< rad: width of that sector
+  bool keep_partial = false;     ///< hand on first, last and torn frames too
+  bool keep_origins = false;     ///< fill Cloud::origins
   std::optional<double> angle_min, angle_max;  ///< rad: keep only these beams of a planar scanner (REP 138)
   bool publish_intensity = true;
   bool publish_multiecho = false;  ///< all echoes of a planar scanner (REP 138)
   DeviceRequests requests;
   std::shared_ptr<const velodyne::Calibration> calibration;  ///< of a Velodyne; nullptr: the model's table
+  std::shared_ptr<const VelodyneControl> control;            ///< its web interface; nullptr: nothing is asked
+
+  /// True if a direction (rad, counter-clockwise from the front) lies in the sector that is kept.
+  bool in_view(double direction) const {
+    constexpr double nearly_all = two_pi - 1e-8;
+    return view_width >= nearly_all ||
+           std::fabs(std::remainder(direction - view_direction, two_pi)) <= view_width / 2;
+  }
 };
 
 }  // namespace lidard

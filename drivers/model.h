@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -16,6 +18,51 @@ namespace lidard {
 /// What a sensor produces.
 enum class FrameKind : std::uint8_t { scan, cloud };
 
+/// What some models can and others cannot. A key of the configuration that only some models take names one of
+/// these.
+enum class Trait : std::uint8_t {
+  echoes,       ///< several echoes of a beam of a planar scanner
+  confidence,   ///< vouches for each return (Cloud::confidences)
+  revolutions,  ///< clouds are revolutions of firing sequences: they can be cut, organised, seen by ring
+  calibration,  ///< takes a calibration file
+  silent_beams_are_free,  ///< a beam without return proves that nothing is there, up to range_max
+  packet_messages,        ///< its packets travel in velodyne_msgs/VelodyneScan too
+  gnss,                   ///< sends a satellite receiver's sentences to telemetry_port
+  web_control,            ///< its settings are read and changed through its web interface
+  settings_writable,      ///< its settings can be changed over TCP, if that is allowed
+  receiver_settable,      ///< streams over UDP and can be told over TCP where to send
+  logins,                 ///< has user levels with passwords
+  skip_setting,           ///< can leave scans out, which is a setting of the device (CoLa)
+  skip_request,           ///< can leave scans out and merge beams, as the request for scans says (SCIP)
+  states_on_request,      ///< tells its states only if asked to (CoLa)
+};
+
+/// The traits of a model.
+class Traits {
+ public:
+  constexpr Traits() = default;
+  constexpr Traits(std::initializer_list<Trait> traits) { add(traits); }
+  constexpr void add(Trait trait) { bits_ |= bit(trait); }
+  constexpr void add(std::initializer_list<Trait> traits) {
+    for (const Trait trait : traits) add(trait);
+  }
+  constexpr bool has(Trait trait) const { return (bits_ & bit(trait)) != 0; }
+
+ private:
+  static constexpr std::uint32_t bit(Trait trait) { return 1U << static_cast<unsigned>(trait); }
+  std::uint32_t bits_ = 0;
+};
+
+/// Messages of one kind that a device tells beside its frames.
+struct MessageTopic {
+  std::string_view name;  ///< last part of the topic's name
+  std::size_t kind;       ///< message_kind() of what travels there
+};
+template <class Told>
+MessageTopic message_topic(std::string_view name = Told::topic) {
+  return {name, message_kind<Told>()};
+}
+
 /// Everything the rest of the program needs to know about one product. What only its protocol needs (beam
 /// angles, firing times) stands in the family's own table, behind `row`.
 struct Model {
@@ -23,30 +70,32 @@ struct Model {
   std::string_view vendor;    ///< "Velodyne"
   std::string_view product;   ///< "VLP-16"
   std::string_view protocol;  ///< for people: "Velodyne data packet", "MS3 MD"
-  FrameKind kind;
-  Transport transport;
-  std::uint16_t
-      port;  ///< default: UDP destination port of the data, or the device's TCP port; 0: must be configured
-  std::uint16_t telemetry_port;  ///< second UDP port of the device, 0 none: a satellite receiver's sentences
-  double packets_per_s;          ///< highest rate, all return modes; sizes the receive buffer
-  double frame_period;           ///< s, usual
-  double range_min, range_max;   ///< m, constant in every scan
-  std::size_t beams;             ///< rings of a multi-plane lidar; 0: the packets tell
-  std::string_view verified;     ///< on what the decoder was tested, a few words for the table of models
-  const void* row;               ///< the family's own table entry
-  std::unique_ptr<Driver> (*make)(const DriverConfig& config);
-  bool has_imu = false;                          ///< it holds an inertial unit
-  bool has_echoes = false;                       ///< it can send several echoes of a beam
-  std::uint16_t dialogue_port = 0;               ///< TCP port of a UDP device's settings; 0 none
-  std::vector<std::string_view> state_topics{};  ///< of DriverOutput::state()
-  std::vector<std::string_view> extra_scans{};   ///< of DriverOutput::extra_scan()
-  bool telemetry_is_imu = false;                 ///< what comes on telemetry_port is the inertial unit's
-
-  bool has_confidence = false;  ///< it can vouch for each return (Cloud::confidences)
+  std::string_view verified;  ///< on what the decoder was tested, a few words for the table of models
+  FrameKind kind = FrameKind::scan;
+  Transport transport = Transport::udp;
+  std::uint16_t port = 0;            ///< default: UDP destination port of the data, or the device's TCP port
+  std::uint16_t telemetry_port = 0;  ///< second UDP port of the device: GNSS, inertial unit; 0 none
+  std::uint16_t dialogue_port = 0;   ///< TCP port of a UDP device's settings; 0 none
+  double packets_per_s = 0;          ///< highest rate, all return modes; sizes the receive buffer
+  double fragments_per_packet = 1;   ///< IP fragments of a usual datagram; sizes the receive buffer
+  double frame_period = 0;           ///< s, usual
+  double range_min = 0, range_max = 0;  ///< m, constant in every scan
+  std::size_t beams = 0;                ///< rings of a multi-plane lidar; 0: the packets tell
+  Traits traits{};
+  std::vector<MessageTopic> messages{};         ///< of DriverOutput::message()
+  std::vector<std::string_view> extra_scans{};  ///< of DriverOutput::extra_scan()
   /// The ring nearest to the horizontal, of a multi-plane lidar; nullptr: not known.
   std::uint16_t (*level_ring)(const DriverConfig& config) = nullptr;
+  const void* row = nullptr;  ///< the family's own table entry
+  std::unique_ptr<Driver> (*make)(const DriverConfig& config) = nullptr;
 
-  bool has_gnss() const { return telemetry_port != 0 && !telemetry_is_imu; }
+  bool has(Trait trait) const { return traits.has(trait); }
+  /// True if the device may tell messages of this kind.
+  template <class Told>
+  bool tells() const {
+    return std::any_of(messages.begin(), messages.end(),
+                       [](const MessageTopic& topic) { return topic.kind == message_kind<Told>(); });
+  }
 };
 
 }  // namespace lidard

@@ -25,16 +25,27 @@ class WarningBoard {
   }
   void clear(Kind kind) { set(kind, {}); }
   bool is_set(Kind kind) const { return !texts_[static_cast<std::size_t>(kind)].empty(); }
+  /// Sets the warning when the trouble begins, with what `make_text` says then, and clears it when it ends.
+  template <class MakeText>
+  void tell(Kind kind, bool lasts, MakeText&& make_text) {
+    if (lasts != is_set(kind)) set(kind, lasts ? std::string(make_text()) : std::string());
+  }
+  /// What others warn of, shown before everything else.
+  void lead(const std::vector<std::string>& sentences) {
+    lead_ = sentences;
+    show();
+  }
 
  private:
   void show() {
-    shown_.clear();
+    shown_ = lead_;
     for (const std::string& text : texts_) {
       if (!text.empty()) shown_.push_back(text);
     }
   }
 
   std::vector<std::string>& shown_;
+  std::vector<std::string> lead_;
   std::array<std::string, static_cast<std::size_t>(Kind::count_)> texts_;
 };
 

@@ -7,10 +7,13 @@
 namespace lidard {
 
 constexpr double pi_d = 3.14159265358979323846;
+constexpr double two_pi = 2 * pi_d;
+constexpr double rad_per_deg = pi_d / 180;
+constexpr double deg_per_rad = 180 / pi_d;
 
 /// `angle` brought into [-pi, pi]; at most one turn off.
 inline float wrapped(float angle) {
-  constexpr auto turn = static_cast<float>(2 * pi_d);
+  constexpr auto turn = static_cast<float>(two_pi);
   if (angle > turn / 2) return angle - turn;
   return angle < -turn / 2 ? angle + turn : angle;
 }

@@ -8,6 +8,16 @@
 
 namespace lidard {
 
+/// Resizes lists, with some room for more: the number of a lidar's columns varies a little from turn to turn.
+template <class... Lists>
+void resize_amply(std::size_t size, Lists&... lists) {
+  const auto resize = [size](auto& list) {
+    if (list.capacity() < size) list.reserve(size + size / 16);
+    list.resize(size);
+  };
+  (resize(lists), ...);
+}
+
 /// Calls `take` with the index of each of `count` bytes that is not 0; made for few of them.
 template <class Take>
 void each_set(const std::uint8_t* bytes, std::size_t count, Take take) {

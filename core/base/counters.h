@@ -26,22 +26,26 @@ constexpr std::size_t reject_reasons = static_cast<std::size_t>(Reject::count_);
 /// Short name for tables and diagnostics.
 const char* to_string(Reject reason);
 
+/// A counter of `Owner` and what users read of it: reports, diagnostics and JSON come from lists of these.
+template <class Owner>
+struct NamedCounter {
+  std::uint64_t Owner::*value;
+  const char* key;    ///< in JSON
+  const char* words;  ///< for people, fit to follow a number
+};
+
 /// What happened to one sensor's input since the start. Every loss shows up here.
 struct Counters {
-  std::uint64_t packets = 0;  ///< data packets received, good or bad
-  std::uint64_t bytes = 0;    ///< their payload bytes
-  std::uint64_t other_packets =
-      0;  ///< packets of another kind of the same sensor (telemetry), recognised and set aside
-  std::uint64_t frames = 0;  ///< scans or revolutions handed on
-  std::uint64_t partial_frames =
-      0;                         ///< frames cut off by begin, end or a hole, not handed on unless asked for
-  std::uint64_t incomplete = 0;  ///< telegrams given up because a part never came; lost_packets has them
-  std::uint64_t lost_packets =
-      0;  ///< packets (or scans, for scanners that count scans) missing between those received
-  std::uint64_t reordered = 0;    ///< packets older than one already used
-  std::uint64_t clock_steps = 0;  ///< jumps of the device clock
-  std::uint64_t lying_packets =
-      0;  ///< packets whose model byte contradicts the configured model; decoded as configured
+  std::uint64_t packets = 0;         ///< data packets received, good or bad
+  std::uint64_t bytes = 0;           ///< their payload bytes
+  std::uint64_t other_packets = 0;   ///< other packets of the sensor (telemetry), recognised and set aside
+  std::uint64_t frames = 0;          ///< scans or revolutions handed on
+  std::uint64_t partial_frames = 0;  ///< cut off by begin, end or a hole, not handed on unless asked for
+  std::uint64_t lost_packets = 0;    ///< packets (or scans, where those are counted) missing between others
+  std::uint64_t incomplete = 0;      ///< telegrams given up because a part never came; lost_packets has them
+  std::uint64_t reordered = 0;       ///< packets older than one already used
+  std::uint64_t clock_steps = 0;     ///< jumps of the device clock
+  std::uint64_t lying_packets = 0;  ///< whose model byte is not the configured model's; decoded as configured
   std::array<std::uint64_t, reject_reasons> rejected{};  ///< by reason, [Reject]
 
   void reject(Reject reason) { ++rejected[static_cast<std::size_t>(reason)]; }
@@ -51,5 +55,19 @@ struct Counters {
     return sum;
   }
 };
+
+/// What is told of every sensor, apart from the rejected packets.
+constexpr NamedCounter<Counters> usual_counters[] = {
+    {&Counters::packets, "data_packets", "packets"},
+    {&Counters::other_packets, "other_packets", "other packets"},
+    {&Counters::frames, "frames", "frames"},
+    {&Counters::lost_packets, "lost_packets", "lost packets"}};
+/// What else may have gone wrong with its packets.
+constexpr NamedCounter<Counters> trouble_counters[] = {
+    {&Counters::incomplete, "incomplete", "incomplete telegrams"},
+    {&Counters::partial_frames, "partial_frames", "partial frames dropped"},
+    {&Counters::reordered, "reordered", "reordered packets"},
+    {&Counters::clock_steps, "clock_steps", "clock steps"},
+    {&Counters::lying_packets, "lying_packets", "packets with a wrong product byte"}};
 
 }  // namespace lidard

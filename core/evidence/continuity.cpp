@@ -5,20 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/angle.h"
-
 namespace lidard {
 namespace {
 
-constexpr double steepest = 9 * pi_d / 180;  // rad between surface and beam
-constexpr float veil_sine = 0.2079117F;      // of 12 degrees
-constexpr float longest_grazing_step = 3;    // m
-constexpr float steady_growth = 2.5F;        // of the steps along a wall
-constexpr float sharpest_bend = 0.34F;       // sine of 20 degrees; less is noise or a curve
-constexpr float shortest_bridge = 0.1F;      // m
-constexpr float bridge_sine = 0.4226183F;    // of 25 degrees
+using namespace breakpoint;
+constexpr float veil_sine = 0.2079117F;    // of 12 degrees
+constexpr float sharpest_bend = 0.34F;     // sine of 20 degrees; less is noise or a curve
+constexpr float shortest_bridge = 0.1F;    // m
+constexpr float bridge_sine = 0.4226183F;  // of 25 degrees
 constexpr float bridge_cosine = 0.9063078F;
-constexpr float line_tolerance = 0.005F;  // m, beside the noise
 
 struct Point {
   float x, y;

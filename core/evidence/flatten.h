@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/base/pose.h"
 #include "core/evidence/footprint.h"
 #include "core/evidence/height_band.h"
@@ -17,10 +20,24 @@ class Flattener {
   Flattener(const ScanGrid& grid, HeightBand band) : grid_(grid), band_(band) {}
 
   /// Starts a scan: every beam `none`.
-  void begin(PlanarScan& scan, bool with_intensities);
+  void begin(PlanarScan& scan, bool with_intensities) {
+    grid_.prepare(scan, with_intensities);
+    std::fill(scan.ranges.begin(), scan.ranges.end(), range_without_hit(BeamStatus::none));
+    std::fill(scan.statuses.begin(), scan.statuses.end(), BeamStatus::none);
+    scan_ = &scan;
+  }
   /// One point in the output frame, m. Points outside the band, the ranges or the span, or not finite, are
   /// left out.
-  void add(const Eigen::Vector3d& point, float intensity);
+  void add(const Eigen::Vector3d& point, float intensity) {
+    if (!(point.z() >= band_.min && point.z() <= band_.max)) return;
+    const auto range = static_cast<float>(std::hypot(point.x(), point.y()));
+    if (!(range >= scan_->range_min && range <= scan_->range_max)) return;
+    if (is_own(point)) return;
+    const std::size_t beam = grid_.nearest(std::atan2(point.y(), point.x()));
+    if (beam >= grid_.beams || !(range < scan_->ranges[beam])) return;
+    scan_->set_hit(beam, range);
+    if (!scan_->intensities.empty()) scan_->intensities[beam] = intensity;
+  }
 
   /// Points inside the vehicle's outline (in the output frame) are left out.
   void set_footprint(const Footprint& footprint) { own_ = footprint; }

@@ -11,7 +11,7 @@ namespace lidard {
 namespace {
 
 // Between two returns of a slanting wall the free way changes; so fine it is followed.
-constexpr double widest_cell = 0.2 * pi_d / 180;
+constexpr double widest_cell = 0.2 * rad_per_deg;
 constexpr double most_cells = 65000;
 // Neighbouring beams farther apart than that are no neighbours; a plane that stands nearly upright has such.
 constexpr float widest_step = 0.2F;  // rad
@@ -25,10 +25,10 @@ void FreeSpaceMap::set(float x, float y, double beam_width, double unit) {
   x_ = x;
   y_ = y;
   per_meter_ = static_cast<float>(1 / unit);
-  const double width = std::clamp(std::abs(beam_width), 2 * pi_d / most_cells, 0.1);
+  const double width = std::clamp(std::abs(beam_width), two_pi / most_cells, 0.1);
   const double cell = width / std::ceil(width / widest_cell - 1e-3);
-  const double count = std::min(std::round(2 * pi_d / cell), most_cells);
-  per_rad_ = static_cast<float>(count / (2 * pi_d));
+  const double count = std::min(std::round(two_pi / cell), most_cells);
+  per_rad_ = static_cast<float>(count / (two_pi));
   cells_.assign(static_cast<std::size_t>(count), {});
   slots_.clear();
   first_slot_.assign(1, 0);

@@ -11,10 +11,24 @@
 namespace lidard {
 
 /// How far one source sees in each direction around itself, as integers that a walk along the output's beams
-/// can compare quickly. Cells are equal parts of the full circle around the source's place in the output's
-/// plane; the beams of the source need not lie evenly in it.
+/// can compare quickly: a polar map. Cells are equal parts of the full circle around the source's place in
+/// the output's plane; the beams of the source need not lie evenly in it.
+///
+///      cell k:  from ..... to          A beam of the output that starts elsewhere (o) crosses the cells of
+///         \                 .          a source (S) one after the other. A point of it, d m from S in the
+///          \          ...../           direction of cell k, is free if from <= d <= to:
+///           S----------o---x-->
+///                                        uint16(d - from) <= uint16(to - from)    (one comparison)
+///
+/// Between two linked returns at ranges a and b, on a straight surface, the inverse of the range changes
+/// (nearly) evenly with the angle: at the share t of the way from a to b
+///     1 / r(t) = (1 - t) / a + t / b,  so  r(t) = a b / (b + t (a - b)).
 class FreeSpaceMap {
  public:
+  /// m, the step of distance of maps that tell ways as far as `range_max` (m) from the output's origin;
+  /// sources that stand more than 100 m away from it see nothing of it.
+  static constexpr double unit_for(double range_max) { return (range_max + 100) / 60000; }
+
   struct Cell {
     std::uint16_t from = 0xFFFF;  ///< units
     std::uint16_t span = 0;
@@ -38,6 +52,12 @@ class FreeSpaceMap {
   /// Sets the place of a source, m in the output's plane. Cells divide `beam_width` (rad between beams)
   /// evenly; `unit` is the length of one step of distance, m. Nothing is free then.
   void set(float x, float y, double beam_width, double unit);
+  /// Sets place and directions of a scanner whose beams are `rays`.
+  void set_source(const BeamRays& rays, double unit) {
+    const Eigen::Vector3d at = rays.pose.translation();
+    set(static_cast<float>(at.x()), static_cast<float>(at.y()), rays.increment, unit);
+    place_beams(rays.x.data(), rays.y.data(), rays.size());
+  }
   /// Tells in which directions of the output's plane the `beams` beams of the source look, in order; needed
   /// before fill(), and whenever they change. Cells between two beams belong to the nearer one.
   void place_beams(const float* dx, const float* dy, std::size_t beams);
@@ -77,7 +97,7 @@ class FreeSpaceMap {
     float share;  // 0: in the beam's own direction
   };
   Cell cell_of(float from, float to) const;
-  /// The same as fill() where the vehicle moved: the beams' ends lie anywhere, also in another order.
+  /// fill() where the vehicle moved: the beams' ends lie anywhere, also in another order.
   void fill_moved(const PlacedScan& sweep);
   void limit_pair(const PlacedScan& sweep, std::size_t beam, float step);
   /// Free ways in cells [begin, end] (cells from -pi; either may be the larger) are no longer than `a` to

@@ -33,7 +33,7 @@ struct SourceSettings {
   bool wants(const PlanarScan& scan, std::size_t i) const;
 };
 
-/// What a beam is worth. `doubtful`: a veil point, between two surfaces where no surface is.
+/// What a beam is worth. `doubtful`: a veil point (mark_veils()), between two surfaces where no surface is.
 enum class Return : std::uint8_t { nothing, surface, doubtful };
 
 /// One sweep of a source, freed of what is not the world's, seen from the output frame. Buffers keep their
@@ -83,7 +83,7 @@ void measure(const PlanarScan& scan, const BeamRays& rays, const SourceSettings&
 /// Places what was measured in the output frame; `noise` as in SourceSettings.
 void place(const BeamRays& rays, const SweepMotion& motion, double noise, PlacedScan& sweep);
 
-/// Both, for a vehicle that stands.
+/// measure() and place(), for a vehicle that stands.
 void condition(const PlanarScan& scan, const BeamRays& rays, const SourceSettings& settings,
                PlacedScan& sweep);
 

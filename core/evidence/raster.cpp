@@ -27,6 +27,17 @@ float beams_to(float x, float y, float first, float per_rad, float turn) {
   return at >= turn ? at - turn : at;
 }
 
+/// A step between two places, in beams, the short way round.
+float short_way(float span, float turn) {
+  if (span > turn / 2) return span - turn;
+  return span < -turn / 2 ? span + turn : span;
+}
+
+/// The beam, if the scan is thought to go on all around.
+std::size_t beam_inside(float beam, float turn) {
+  return static_cast<std::size_t>(beam < 0 ? beam + turn : beam >= turn ? beam - turn : beam);
+}
+
 void keep_nearer(RangeLayer& layer, std::size_t beam, float range, float intensity) {
   if (!(range < layer.range[beam])) return;
   layer.range[beam] = range;
@@ -51,7 +62,7 @@ void EndLayer::clear(std::size_t beams) {
 
 Raster::Raster(const ScanGrid& grid)
     : grid_(grid),
-      turn_(static_cast<float>(2 * pi_d / grid.increment)),
+      turn_(static_cast<float>(two_pi / grid.increment)),
       per_rad_(static_cast<float>(1 / grid.increment)),
       first_(static_cast<float>(grid.angle_min)) {
   for (std::size_t i = 0; i < grid.beams; ++i) {
@@ -132,9 +143,7 @@ void Raster::draw_end(Point p, Point inner, float at, RangeLayer& layer) const {
 }
 
 void Raster::draw_segment(Point p, Point q, float at_p, float at_q, RangeLayer& layer) const {
-  float span = at_q - at_p;
-  if (span > turn_ / 2) span -= turn_;
-  if (span < -turn_ / 2) span += turn_;
+  const float span = short_way(at_q - at_p, turn_);
   const float from = span < 0 ? at_q : at_p;
   const float to = from + std::fabs(span);
   fill(p, q, from, to, layer);
@@ -159,17 +168,14 @@ void Raster::mark_end(const PlacedScan& sweep, const BeamRays& rays, std::size_t
   // As far out as the end, in the direction of the next beam (or the one that would lie on the other side).
   const float range = side * sweep.range[end];
   const float at = positions_[end];
-  float span = position(sweep.x[end] + range * (rays.x[next] - rays.x[end]),
-                        sweep.y[end] + range * (rays.y[next] - rays.y[end])) -
-               at;
-  if (span > turn_ / 2) span -= turn_;
-  if (span < -turn_ / 2) span += turn_;
+  const float there = position(sweep.x[end] + range * (rays.x[next] - rays.x[end]),
+                               sweep.y[end] + range * (rays.y[next] - rays.y[end]));
+  const float span = short_way(there - at, turn_);
   const float away = std::sqrt(sweep.x[end] * sweep.x[end] + sweep.y[end] * sweep.y[end]);
   const float from = std::floor(span < 0 ? at + span : at);
   const float to = std::ceil(span < 0 ? at : at + span);
   for (float beam = from; beam <= to; ++beam) {
-    const float inside = beam < 0 ? beam + turn_ : beam >= turn_ ? beam - turn_ : beam;
-    const auto index = static_cast<std::size_t>(inside);
+    const std::size_t index = beam_inside(beam, turn_);
     if (index >= layer.marked.size()) continue;
     layer.marked[index] = 1;
     if (std::fabs(beam - at) <= std::fabs(span) * likely)
@@ -181,8 +187,7 @@ void Raster::mark_near(Point p, float at, float reach, std::vector<char>& marks)
   const float range = std::sqrt(p.x * p.x + p.y * p.y);
   const float span = range > reach ? reach / range * per_rad_ : turn_ / 2;
   for (float beam = std::floor(at - span); beam <= std::ceil(at + span); ++beam) {
-    const float inside = beam < 0 ? beam + turn_ : beam >= turn_ ? beam - turn_ : beam;
-    const auto index = static_cast<std::size_t>(inside);
+    const std::size_t index = beam_inside(beam, turn_);
     if (index < marks.size()) marks[index] = 1;
   }
 }

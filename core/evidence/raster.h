@@ -44,9 +44,9 @@ class Raster {
   void draw_segment(Point p, Point q, RangeLayer& layer) const;
   /// Beams from the first one to the azimuth of (x, y), less than a turn of them.
   float position(float x, float y) const;
-  /// The same for `count` points.
+  /// The positions of `count` points.
   void positions(const float* x, const float* y, std::size_t count, float* at) const;
-  /// The same for points whose position() is known.
+  /// Points and segments whose position() is known.
   void draw_point(Point p, float at, RangeLayer& layer) const;
   void draw_segment(Point p, Point q, float at_p, float at_q, RangeLayer& layer) const;
   /// The end `p` of a surface that comes from `inner`, in the beam nearest to it.

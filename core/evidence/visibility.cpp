@@ -6,8 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/evidence/profile_unit.h"
-
 namespace lidard {
 namespace {
 
@@ -23,7 +21,7 @@ Visibility::Visibility(const ScanGrid& grid, const VisibilitySettings& settings,
       raster_(grid),
       table_(raster_),
       rays_(sources),
-      profiles_(sources),
+      maps_(sources),
       layers_(sources),
       range_max_(static_cast<float>(grid.range_max)),
       approach_(static_cast<float>(std::max(settings.approach, 5 * settings.noise))),
@@ -33,7 +31,7 @@ Visibility::Visibility(const ScanGrid& grid, const VisibilitySettings& settings,
       end_y_(grid.beams),
       begin_(grid.beams, 0),
       inside_(grid.beams),
-      seen_(grid.beams, BeamState::unobserved),
+      states_(grid.beams, BeamState::unobserved),
       covered_(grid.beams, 0),
       blind_to_(grid.beams, 0) {
   const double asked = settings_.free_required > 0 ? settings_.free_required : grid.range_max;
@@ -60,18 +58,14 @@ void Visibility::set_footprint(const Footprint& footprint) {
 
 void Visibility::set_source(std::size_t source, const BeamRays& rays) {
   rays_[source] = rays;
-  const double unit = profile_unit(raster_.grid().range_max);
-  FreeSpaceMap& profile = profiles_[source];
-  const Eigen::Vector3d at = rays.pose.translation();
-  profile.set(static_cast<float>(at.x()), static_cast<float>(at.y()), rays.increment, unit);
-  profile.place_beams(rays.x.data(), rays.y.data(), rays.size());
-  table_.set(source, rays_.size(), raster_, profile);
+  maps_[source].set_source(rays, FreeSpaceMap::unit_for(raster_.grid().range_max));
+  table_.set(source, rays_.size(), raster_, maps_[source]);
 }
 
 void Visibility::set_place(float x, float y, double width) {
-  const double unit = profile_unit(raster_.grid().range_max);
-  for (FreeSpaceMap& profile : profiles_) profile.set(x, y, width, unit);
-  table_.set(0, 1, raster_, profiles_[0]);
+  const double unit = FreeSpaceMap::unit_for(raster_.grid().range_max);
+  for (FreeSpaceMap& map : maps_) map.set(x, y, width, unit);
+  table_.set(0, 1, raster_, maps_[0]);
   one_place_ = true;
   has_blind_ = true;
 }
@@ -80,7 +74,7 @@ void Visibility::begin() {
   nearest_.clear(beams());
   doubtful_.clear(beams());
   ends_.clear(beams());
-  for (FreeSpaceMap& profile : profiles_) profile.clear();
+  for (FreeSpaceMap& map : maps_) map.clear();
 }
 
 void Visibility::compute(const std::vector<const PlacedScan*>& sweeps) {
@@ -89,9 +83,9 @@ void Visibility::compute(const std::vector<const PlacedScan*>& sweeps) {
 }
 
 void Visibility::compute() {
-  for (FreeSpaceMap& profile : profiles_) profile.find_runs();
+  for (FreeSpaceMap& map : maps_) map.find_runs();
   look_at_ends();
-  for (std::size_t beam = 0; beam < beams(); ++beam) seen_[beam] = decide(beam);
+  for (std::size_t beam = 0; beam < beams(); ++beam) states_[beam] = decide(beam);
 }
 
 void Visibility::combine(const std::vector<const PlacedScan*>& sweeps) {
@@ -101,10 +95,10 @@ void Visibility::combine(const std::vector<const PlacedScan*>& sweeps) {
   for (std::size_t s = 0; s < sweeps.size(); ++s) {
     layers_[s].clear(beams());
     if (sweeps[s] == nullptr) {
-      profiles_[s].clear();
+      maps_[s].clear();
       continue;
     }
-    profiles_[s].fill(*sweeps[s]);
+    maps_[s].fill(*sweeps[s]);
     raster_.draw(*sweeps[s], layers_[s]);
     raster_.mark_ends(*sweeps[s], rays_[s], ends_);
     raster_.draw_doubtful(*sweeps[s], doubtful_);
@@ -143,17 +137,17 @@ void Visibility::look_at_ends() {
     end_y_[beam] = way * raster_.sine(beam);
   }
   end_free_.assign(beams(), 0);
-  for (std::size_t s = 0; s < profiles_.size(); ++s) {
-    const char mark = has_blind_ && s + 1 == profiles_.size() ? blind : seen_free;
-    profiles_[s].find_free(end_x_.data(), end_y_.data(), beams(), mark, end_free_.data());
+  for (std::size_t s = 0; s < maps_.size(); ++s) {
+    const char mark = has_blind_ && s + 1 == maps_.size() ? blind : seen_free;
+    maps_[s].find_free(end_x_.data(), end_y_.data(), beams(), mark, end_free_.data());
   }
 }
 
 std::size_t Visibility::free_run(std::size_t source, std::size_t beam, std::size_t from,
                                  std::size_t to) const {
-  if (source >= profiles_.size() || profiles_[source].size() == 0) return from;
-  const FreeSpaceMap::Cell* const cells = profiles_[source].cells();
-  const FreeSpaceMap::Run* const runs = profiles_[source].runs();
+  if (source >= maps_.size() || maps_[source].size() == 0) return from;
+  const FreeSpaceMap::Cell* const cells = maps_[source].cells();
+  const FreeSpaceMap::Run* const runs = maps_[source].runs();
   const std::size_t row = row_of(source);
   constexpr std::size_t many = VisibilityTable::stretch_steps;
   while (from < to) {
@@ -178,7 +172,7 @@ bool Visibility::is_covered(std::size_t beam, std::size_t sources) {
   const Inside& body = inside_[beam];
   std::size_t m = 0;
   // What cannot be seen lies nearest.
-  const std::size_t blind_source = has_blind_ ? profiles_.size() - 1 : profiles_.size();
+  const std::size_t blind_source = has_blind_ ? maps_.size() - 1 : maps_.size();
   std::size_t source = blind_source < sources ? blind_source : witness_ < sources ? witness_ : 0;
   blind_to_[beam] = 0;
   std::size_t refused = 0;  // sources that do not see step m, one after the other
@@ -213,12 +207,12 @@ BeamState Visibility::decide(std::size_t beam) {
   const float way = ways_[beam];
   // Nothing bounds what was not seen at the end of an open way, so its very end must be free.
   if (!has_hit(beam)) {
-    const std::size_t sources = profiles_.size() - (has_blind_ ? 1 : 0);
+    const std::size_t sources = maps_.size() - (has_blind_ ? 1 : 0);
     const bool free =
         is_covered(beam, sources) && ends_.marked[beam] == 0 && (end_free_[beam] & seen_free) != 0;
     return free ? BeamState::free : BeamState::unobserved;
   }
-  if (!is_covered(beam, profiles_.size()) || ends_.range[beam] < way) return BeamState::gap;
+  if (!is_covered(beam, maps_.size()) || ends_.range[beam] < way) return BeamState::gap;
   return way <= begin_[beam] || end_free_[beam] != 0 ? BeamState::hit : BeamState::behind;
 }
 
@@ -227,8 +221,8 @@ void Visibility::encode(Profile profile, PlanarScan& scan, bool with_intensities
   for (std::size_t beam = 0; beam < beams(); ++beam) {
     float range = nearest_.range[beam];
     float intensity = nearest_.intensity[beam];
-    bool hit = seen_[beam] == BeamState::hit;
-    bool free = seen_[beam] == BeamState::free;
+    bool hit = states_[beam] == BeamState::hit;
+    bool free = states_[beam] == BeamState::free;
     if (profile == Profile::safety) {
       if (doubtful_.range[beam] < range) {
         range = doubtful_.range[beam];
@@ -252,7 +246,7 @@ void Visibility::encode(Profile profile, PlanarScan& scan, bool with_intensities
     if (scan.statuses[beam] != BeamStatus::hit) continue;
     // The way to a hit that is not known to be free proves nothing.
     const float range = scan.ranges[beam];
-    scan.free_from[beam] = seen_[beam] == BeamState::hit ? std::min(blind_to_[beam], range) : range;
+    scan.free_from[beam] = states_[beam] == BeamState::hit ? std::min(blind_to_[beam], range) : range;
   }
 }
 

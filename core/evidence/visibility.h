@@ -46,22 +46,22 @@ class Visibility {
   RangeLayer& surfaces() { return nearest_; }
   RangeLayer& doubtful() { return doubtful_; }
   std::vector<char>& ends() { return ends_.marked; }
-  FreeSpaceMap& profile(std::size_t source) { return profiles_[source]; }
+  FreeSpaceMap& free_space(std::size_t source) { return maps_[source]; }
   /// Computes from what was filled in.
   void compute();
   /// Writes the result in the words of a profile, `strict` or `safety`.
   void encode(Profile profile, PlanarScan& scan, bool with_intensities) const;
 
-  std::size_t beams() const { return seen_.size(); }
-  BeamState seen(std::size_t beam) const { return seen_[beam]; }
+  std::size_t beams() const { return states_.size(); }
+  BeamState state(std::size_t beam) const { return states_[beam]; }
   /// m to the nearest surface; infinite: none.
   float range(std::size_t beam) const { return nearest_.range[beam]; }
   /// m from the origin as far as the way is observed to be free.
   float covered(std::size_t beam) const { return covered_[beam]; }
   /// A beam that was found to be free is not; only `covered` m of it are.
   void withdraw_free(std::size_t beam, float covered) {
-    if (seen_[beam] != BeamState::free) return;
-    seen_[beam] = BeamState::unobserved;
+    if (states_[beam] != BeamState::free) return;
+    states_[beam] = BeamState::unobserved;
     covered_[beam] = covered;
   }
 
@@ -82,9 +82,9 @@ class Visibility {
   Raster raster_;
   VisibilityTable table_;
   std::vector<BeamRays> rays_;
-  std::vector<FreeSpaceMap> profiles_;
+  std::vector<FreeSpaceMap> maps_;
   std::vector<RangeLayer> layers_;  // per source
-  bool has_blind_ = false;          // the last profile is what cannot be seen
+  bool has_blind_ = false;          // the last map is what cannot be seen
   bool one_place_ = false;          // all sources look from there, so that they share the table's row
   std::size_t witness_ = 0;         // the source that saw the farthest part of the last way walked
   RangeLayer nearest_;
@@ -104,7 +104,7 @@ class Visibility {
   std::vector<char> end_free_;
   std::vector<float> begin_;  // m, where the vehicle ends if the origin lies inside
   std::vector<Inside> inside_;
-  std::vector<BeamState> seen_;
+  std::vector<BeamState> states_;
   std::vector<float> covered_;
   std::vector<float> blind_to_;  // m of the last ways walked, up to which no beam can see
 };

@@ -45,8 +45,8 @@ std::size_t VisibilityTable::steps_to(float range) const {
   return steps;
 }
 
-VisibilityTable::Stretch VisibilityTable::stretch_of(const Step* steps, const FreeSpaceMap& profile) {
-  const auto count = static_cast<std::int32_t>(profile.size());
+VisibilityTable::Stretch VisibilityTable::stretch_of(const Step* steps, const FreeSpaceMap& map) {
+  const auto count = static_cast<std::int32_t>(map.size());
   std::int32_t at = 0, low = 0, high = 0;  // cells from the first step's
   std::uint16_t nearest = steps[0].distance, farthest = steps[0].distance;
   for (std::size_t m = 1; m < stretch_steps; ++m) {
@@ -64,13 +64,13 @@ VisibilityTable::Stretch VisibilityTable::stretch_of(const Step* steps, const Fr
   const std::int32_t first = steps[0].cell + low;
   const auto cell = static_cast<std::size_t>(first < 0 ? first + count : first);
   // Nothing is free from before the source.
-  if (!profile.find_run(cell, static_cast<std::size_t>(high - low + 1), stretch.cells))
+  if (!map.find_run(cell, static_cast<std::size_t>(high - low + 1), stretch.cells))
     stretch.nearest = FreeSpaceMap::ordered(0), stretch.not_farthest = FreeSpaceMap::ordered(0);
   return stretch;
 }
 
 void VisibilityTable::set(std::size_t source, std::size_t sources, const Raster& raster,
-                          const FreeSpaceMap& profile) {
+                          const FreeSpaceMap& map) {
   if (sources != sources_) {
     sources_ = sources;
     stretches_.assign(beams_ * sources * stretches_of_beam_, {});
@@ -81,11 +81,11 @@ void VisibilityTable::set(std::size_t source, std::size_t sources, const Raster&
       Step* const steps = steps_.data() + index(beam, source, k) * stretch_steps;
       for (std::size_t i = 0; i < stretch_steps; ++i) {
         const float range = middles_[std::min(k * stretch_steps + i, middles_.size() - 1)];
-        const float dx = range * raster.cosine(beam) - profile.x();
-        const float dy = range * raster.sine(beam) - profile.y();
-        steps[i] = {profile.cell_towards(dx, dy), profile.distance(std::sqrt(dx * dx + dy * dy))};
+        const float dx = range * raster.cosine(beam) - map.x();
+        const float dy = range * raster.sine(beam) - map.y();
+        steps[i] = {map.cell_towards(dx, dy), map.distance(std::sqrt(dx * dx + dy * dy))};
       }
-      stretches_[index(beam, source, k)] = stretch_of(steps, profile);
+      stretches_[index(beam, source, k)] = stretch_of(steps, map);
     }
   }
 }

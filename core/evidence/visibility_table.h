@@ -18,7 +18,7 @@ class VisibilityTable {
  public:
   struct Step {
     std::uint16_t cell;
-    std::uint16_t distance;  ///< units of the profile
+    std::uint16_t distance;  ///< units of the map
   };
 
   /// So many steps at once: the cells they lie in, and between which distances of the source.
@@ -38,7 +38,7 @@ class VisibilityTable {
   explicit VisibilityTable(const Raster& raster);
 
   /// Fills in one of `sources` sources.
-  void set(std::size_t source, std::size_t sources, const Raster& raster, const FreeSpaceMap& profile);
+  void set(std::size_t source, std::size_t sources, const Raster& raster, const FreeSpaceMap& map);
 
   std::size_t steps() const { return middles_.size(); }
   /// Where step m begins, m from the origin; edge(steps()) is where the last one ends.
@@ -63,7 +63,7 @@ class VisibilityTable {
   std::size_t index(std::size_t beam, std::size_t source, std::size_t k) const {
     return (source * stretches_of_beam_ + k) * beams_ + beam;
   }
-  static Stretch stretch_of(const Step* steps, const FreeSpaceMap& profile);
+  static Stretch stretch_of(const Step* steps, const FreeSpaceMap& map);
 
   std::vector<float> edges_;
   std::vector<std::uint32_t> steps_to_;  // for every shortest step, the steps that begin before its end

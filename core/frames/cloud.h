@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "core/base/angle.h"
 #include "core/base/time.h"
 
 namespace lidard {
@@ -49,6 +51,21 @@ struct CloudColumn {
   Stamp stamp;    ///< its first firing
 };
 
+/// True for two returns of one firing sequence.
+inline bool same_firing(const CloudColumn& a, const CloudColumn& b) {
+  return a.echo != b.echo && a.stamp == b.stamp && a.azimuth == b.azimuth;
+}
+
+/// rad that the lidar turned from a to b, less than a turn; a small step back (the motor's jitter) is
+/// negative.
+inline double azimuth_step(const CloudColumn& a, const CloudColumn& b) {
+  constexpr double backwards_limit = 0.02;
+  double step = static_cast<double>(b.azimuth) - static_cast<double>(a.azimuth);
+  if (!(step > -two_pi && step < two_pi)) step = std::fmod(step, two_pi);
+  if (step < 0) step += two_pi;
+  return step > two_pi - backwards_limit ? step - two_pi : step;
+}
+
 /// Where a return came from; kept only where somebody asks for it (`lidard decode`).
 struct ReturnOrigin {
   std::uint32_t column;  ///< index into columns
@@ -70,9 +87,8 @@ struct Cloud {
   Stamp stamp;  ///< the first firing sequence
   Stamp end;    ///< the last one
   std::uint16_t rings = 0;
-  bool complete = false;  ///< false: the revolution was cut off by the begin or end of the data
-  std::size_t expected_columns =
-      0;  ///< what a whole revolution would have had at the measured rate; 0 unknown
+  bool complete = false;             ///< false: the revolution was cut off by the begin or end of the data
+  std::size_t expected_columns = 0;  ///< of a whole revolution at the measured rate; 0 unknown
   std::vector<std::uint8_t> points_bytes;
   std::vector<CloudColumn> columns;
   std::vector<ReturnOrigin> origins;       ///< empty, or one per point
@@ -82,6 +98,10 @@ struct Cloud {
 
   std::size_t size() const { return points_bytes.size() / format.point_step; }
   const CloudPoint* points() const { return reinterpret_cast<const CloudPoint*>(points_bytes.data()); }
+  /// The index behind the last return of a column.
+  std::size_t points_end(std::size_t column) const {
+    return column + 1 < columns.size() ? columns[column + 1].first_point : size();
+  }
   CloudPoint* points() { return reinterpret_cast<CloudPoint*>(points_bytes.data()); }
 
   /// Empties the frame and keeps the memory.

@@ -22,7 +22,7 @@ double wrap_deg(double angle) {
   return a < 0 ? a + 360 : a;
 }
 
-/// The same, without a division for angles within a turn either way.
+/// wrap_deg(), without a division for angles within a turn either way.
 double wrap_quick_deg(double angle) {
   if (angle >= 0 && angle < 360) return angle;
   return angle < 0 && angle >= -360 ? angle + 360 : wrap_deg(angle);

@@ -8,10 +8,7 @@
 namespace lidard {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
-constexpr double turn = 2 * pi;
-/// The motor's jitter; a larger step backwards is nearly a whole turn forwards.
-constexpr double backwards_limit = 0.02;
+constexpr double turn = two_pi;
 /// Neighbours farther apart than this many firing steps have something unseen between them.
 constexpr double gap_steps = 1.6;
 /// A firing tells this far beyond itself where its neighbour is missing, and at both ends of the revolution.
@@ -22,24 +19,12 @@ constexpr double steepest = 3;
 /// Returns nearer than this stand too close to the sensor's optics to tell the direction of the beam.
 constexpr double telling_range_m = 1;
 
-double step_between(double from, double to) {
-  double step = std::fmod(to - from, turn);
-  if (step < 0) step += turn;
-  return step > turn - backwards_limit ? step - turn : step;
-}
-
 /// The point of `ring` in a column, or nullptr.
 const CloudPoint* point_in_column(const Cloud& cloud, std::size_t column, std::uint16_t ring) {
-  const std::size_t end =
-      column + 1 < cloud.columns.size() ? cloud.columns[column + 1].first_point : cloud.size();
-  for (std::size_t i = cloud.columns[column].first_point; i < end; ++i) {
+  for (std::size_t i = cloud.columns[column].first_point; i < cloud.points_end(column); ++i) {
     if (cloud.points()[i].ring == ring) return cloud.points() + i;
   }
   return nullptr;
-}
-
-bool same_firing(const CloudColumn& a, const CloudColumn& b) {
-  return a.echo != b.echo && a.stamp == b.stamp && a.azimuth == b.azimuth;
 }
 
 }  // namespace
@@ -59,7 +44,7 @@ void RingScan::gather(const Cloud& cloud) {
   for (std::size_t c = 0; c < cloud.columns.size(); ++c) {
     const CloudColumn& column = cloud.columns[c];
     const bool again = c > 0 && same_firing(cloud.columns[c - 1], column);
-    if (c > 0) position += step_between(cloud.columns[c - 1].azimuth, column.azimuth);
+    if (c > 0) position += azimuth_step(cloud.columns[c - 1], column);
     Firing firing{position, 0, 0, BeamStatus::none};
     while (near < cloud.too_near.size() && cloud.too_near[near].column < c) ++near;
     for (std::size_t n = near; n < cloud.too_near.size() && cloud.too_near[n].column == c; ++n) {
@@ -127,7 +112,7 @@ bool RingScan::measure(const Cloud& cloud) {
   const double time = seconds(cloud.columns.back().stamp - cloud.columns.front().stamp);
   double angle = 0;
   for (std::size_t c = 1; c < cloud.columns.size(); ++c)
-    angle += step_between(cloud.columns[c - 1].azimuth, cloud.columns[c].azimuth);
+    angle += azimuth_step(cloud.columns[c - 1], cloud.columns[c]);
   if (!(time > 0) || !(angle > 0)) return false;
   rate_ = angle / time;
   // Twice, so that neither a hidden sector nor lost packets count as the usual step.
@@ -144,14 +129,8 @@ bool RingScan::same_surface(const Firing& a, const Firing& b) const {
 }
 
 void RingScan::put(PlanarScan& scan, std::size_t beam, double range, float intensity) const {
-  if (range < spec_.range_min) {
-    scan.set_without_hit(beam, BeamStatus::near);
-  } else if (range > spec_.range_max) {
-    scan.set_without_hit(beam, BeamStatus::none);
-  } else {
-    scan.set_hit(beam, std::clamp(static_cast<float>(range), scan.range_min, scan.range_max));
-    scan.intensities[beam] = intensity;
-  }
+  scan.set_measured(beam, static_cast<float>(range));
+  if (scan.statuses[beam] == BeamStatus::hit) scan.intensities[beam] = intensity;
 }
 
 void RingScan::put(PlanarScan& scan, std::size_t beam, const Firing& firing) const {

@@ -2,22 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/frames/scan.h"
 
+#include <array>
 #include <cmath>
 
 namespace lidard {
 
 const char* to_string(BeamStatus status) {
-  switch (status) {
-    case BeamStatus::hit:
-      return "hit";
-    case BeamStatus::none:
-      return "none";
-    case BeamStatus::near:
-      return "near";
-    case BeamStatus::invalid:
-      return "invalid";
-  }
-  return "invalid";
+  constexpr std::array<const char*, 4> names = {"hit", "none", "near", "invalid"};
+  return names.at(static_cast<std::size_t>(status));
 }
 
 float range_without_hit(BeamStatus status) {
@@ -45,18 +37,10 @@ void PlanarScan::set_angles(float first, float increment) {
 namespace {
 
 bool beam_is_consistent(const PlanarScan& scan, std::size_t i) {
-  const float r = scan.ranges[i];
-  switch (scan.statuses[i]) {
-    case BeamStatus::hit:
-      return r >= scan.range_min && r <= scan.range_max;
-    case BeamStatus::none:
-      return std::isinf(r) && r > 0;
-    case BeamStatus::near:
-      return std::isinf(r) && r < 0;
-    case BeamStatus::invalid:
-      return std::isnan(r);
-  }
-  return false;
+  const float range = scan.ranges[i];
+  if (scan.statuses[i] == BeamStatus::hit) return range >= scan.range_min && range <= scan.range_max;
+  const float expected = range_without_hit(scan.statuses[i]);
+  return std::isnan(expected) ? std::isnan(range) : range == expected;
 }
 
 }  // namespace

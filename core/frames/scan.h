@@ -43,7 +43,7 @@ struct PlanarScan {
   /// What messages hold for beams with status `none`; +inf (REP 117) unless an output's consumers need
   /// another value.
   float none_as = std::numeric_limits<float>::infinity();
-  /// The same for beams with status `invalid`: not observed.
+  /// What messages hold for beams with status `invalid`: not observed.
   float invalid_as = std::numeric_limits<float>::quiet_NaN();
   std::vector<float> ranges;         ///< m, [echo * beams + beam]
   std::vector<float> intensities;    ///< device units; empty, or as long as ranges
@@ -66,6 +66,15 @@ struct PlanarScan {
   void set_without_hit(std::size_t i, BeamStatus status) {
     ranges[i] = range_without_hit(status);
     statuses[i] = status;
+  }
+  /// What a device measured, m: nearer than range_min it is `near`, beyond range_max `none`.
+  void set_measured(std::size_t i, float range_m) {
+    if (range_m < range_min)
+      set_without_hit(i, BeamStatus::near);
+    else if (range_m > range_max)
+      set_without_hit(i, BeamStatus::none);
+    else
+      set_hit(i, range_m);
   }
 };
 

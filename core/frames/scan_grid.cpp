@@ -7,7 +7,6 @@
 namespace lidard {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 constexpr std::size_t max_beams = 32768;
 constexpr std::size_t default_full_circle_beams = 1440;
 
@@ -19,7 +18,7 @@ bool all_finite(const ScanGridSpec& s) {
 
 std::string complaint(const ScanGridSpec& s) {
   if (!all_finite(s)) return "a number is not finite; expected finite angles, ranges and times";
-  if (s.angle_min < -2 * pi || s.angle_max > 2 * pi + 1e-6)
+  if (s.angle_min < -two_pi || s.angle_max > two_pi + 1e-6)
     return "angle_min or angle_max is beyond a full turn; expected radians within -2 pi and 2 pi";
   if (s.angle_max <= s.angle_min) return "angle_max is not above angle_min; expected angle_min < angle_max";
   if (s.angle_increment && s.beams) return "both angle_increment and beams are given; expected one of them";
@@ -35,33 +34,29 @@ std::string complaint(const ScanGridSpec& s) {
 
 double wanted_increment(const ScanGridSpec& s, double span) {
   if (s.angle_increment) return *s.angle_increment;
-  if (s.beams) return 2 * pi / static_cast<double>(*s.beams) * (span / (2 * pi));
-  return 2 * pi / static_cast<double>(default_full_circle_beams);
+  if (s.beams) return two_pi / static_cast<double>(*s.beams) * (span / two_pi);
+  return two_pi / static_cast<double>(default_full_circle_beams);
 }
 
 }  // namespace
 
-std::optional<ScanGrid> make_grid(const ScanGridSpec& spec, std::string& error) {
-  error = complaint(spec);
-  if (!error.empty()) return std::nullopt;
+Expected<ScanGrid> make_grid(const ScanGridSpec& spec) {
+  std::string wrong = complaint(spec);
+  if (!wrong.empty()) return Reason{std::move(wrong)};
   const double span = spec.angle_max - spec.angle_min;
   const double wanted = wanted_increment(spec, span);
-  if (span > 2 * pi + wanted / 2) {
-    error = "angle_min to angle_max is more than a full turn; expected a span of at most 2 pi";
-    return std::nullopt;
-  }
+  if (span > two_pi + wanted / 2)
+    return Reason{"angle_min to angle_max is more than a full turn; expected a span of at most 2 pi"};
   ScanGrid grid;
   grid.angle_min = spec.angle_min;
-  grid.full_circle = std::abs(span - 2 * pi) < wanted / 2;
-  const double steps = std::round((grid.full_circle ? 2 * pi : span) / wanted);
-  if (!(steps < static_cast<double>(max_beams)) || steps < 1) {
-    error =
-        "the span has " + std::to_string(steps) + " increments; expected 1 to 32767: change angle_increment";
-    return std::nullopt;
-  }
+  grid.full_circle = std::abs(span - two_pi) < wanted / 2;
+  const double steps = std::round((grid.full_circle ? two_pi : span) / wanted);
+  if (!(steps < static_cast<double>(max_beams)) || steps < 1)
+    return Reason{"the span has " + std::to_string(steps) +
+                  " increments; expected 1 to 32767: change angle_increment"};
   grid.beams = static_cast<std::size_t>(steps);
   if (grid.full_circle) {
-    grid.increment = 2 * pi / steps;
+    grid.increment = two_pi / steps;
   } else if (spec.beams) {
     grid.beams = *spec.beams;
     grid.increment = span / static_cast<double>(grid.beams - 1);
@@ -77,12 +72,12 @@ std::optional<ScanGrid> make_grid(const ScanGridSpec& spec, std::string& error) 
 }
 
 std::size_t ScanGrid::nearest(double angle) const {
-  double turn = std::fmod(angle - angle_min, 2 * pi);
-  if (turn < 0) turn += 2 * pi;
+  double turn = std::fmod(angle - angle_min, two_pi);
+  if (turn < 0) turn += two_pi;
   const auto index = static_cast<std::size_t>(turn / increment + 0.5);
   if (index < beams) return index;
   if (full_circle) return 0;
-  return turn - 2 * pi > -increment / 2 ? 0 : beams;
+  return turn - two_pi > -increment / 2 ? 0 : beams;
 }
 
 void ScanGrid::prepare(PlanarScan& scan, bool with_intensities) const {

@@ -4,8 +4,9 @@
 
 #include <cstddef>
 #include <optional>
-#include <string>
 
+#include "core/base/angle.h"
+#include "core/base/expected.h"
 #include "core/frames/scan.h"
 
 namespace lidard {
@@ -13,8 +14,8 @@ namespace lidard {
 /// What a user asks of a merged or virtual scan. Names and meaning as in ira_laser_tools; angles in rad, m,
 /// s.
 struct ScanGridSpec {
-  double angle_min = -3.14159265358979323846;
-  double angle_max = 3.14159265358979323846;
+  double angle_min = -pi_d;
+  double angle_max = pi_d;
   std::optional<double> angle_increment;  ///< default: from `beams`
   std::optional<std::size_t> beams;       ///< beams of the whole span; default 1440 for a full circle
   double time_increment = 0;
@@ -44,8 +45,8 @@ struct ScanGrid {
   void prepare(PlanarScan& scan, bool with_intensities) const;
 };
 
-/// Builds the grid, or says in `error` what is wrong with the specification and what would be right.
-std::optional<ScanGrid> make_grid(const ScanGridSpec& spec, std::string& error);
+/// Builds the grid, or says what is wrong with the specification and what would be right.
+Expected<ScanGrid> make_grid(const ScanGridSpec& spec);
 
 /// gmapping drops scans with this many beams or more (openslam_gmapping, LASER_MAXBEAMS).
 constexpr std::size_t gmapping_beam_limit = 2048;

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/evidence/profile_unit.h"
-
 namespace lidard {
 namespace {
 
@@ -17,26 +15,24 @@ constexpr double margin_in_sigmas = 5;
 
 CrossCheck::CrossCheck(const MergeOptions& options, std::size_t sources, double range_max, double noise)
     : options_(options),
-      unit_(profile_unit(range_max)),
+      unit_(FreeSpaceMap::unit_for(range_max)),
       margin_(static_cast<float>(std::max(least_margin, margin_in_sigmas * noise))),
       sources_(sources) {}
 
 void CrossCheck::set_source(std::size_t index, const BeamRays& rays) {
   Source& source = sources_[index];
-  const Eigen::Vector3d at = rays.pose.translation();
-  source.profile.set(static_cast<float>(at.x()), static_cast<float>(at.y()), rays.increment, unit_);
-  source.profile.place_beams(rays.x.data(), rays.y.data(), rays.size());
+  source.map.set_source(rays, unit_);
   source.two_beams = static_cast<float>(2 * std::abs(rays.increment));
 }
 
 bool CrossCheck::sees_through(const Source& source, float x, float y) const {
-  const float dx = x - source.profile.x();
-  const float dy = y - source.profile.y();
+  const float dx = x - source.map.x();
+  const float dy = y - source.map.y();
   const float away = std::sqrt(dx * dx + dy * dy);
-  const std::uint16_t here = source.profile.distance(away);
-  const std::uint16_t behind = source.profile.distance(away + margin_);
+  const std::uint16_t here = source.map.distance(away);
+  const std::uint16_t behind = source.map.distance(away + margin_);
   for (const float side : {0.0F, -source.two_beams, source.two_beams}) {
-    const auto& cell = source.profile.cells()[source.profile.cell_towards(dx - side * dy, dy + side * dx)];
+    const auto& cell = source.map.cells()[source.map.cell_towards(dx - side * dy, dy + side * dx)];
     if (!cell.is_free(here) || !cell.is_free(behind)) return false;
   }
   return true;
@@ -78,7 +74,7 @@ void CrossCheck::check_source(std::size_t index, const std::vector<const PlacedS
 
 void CrossCheck::check(std::vector<const PlacedScan*>& sweeps, const std::vector<Stamp>& ends) {
   for (std::size_t s = 0; s < sources_.size(); ++s) {
-    if (sweeps[s] != nullptr) sources_[s].profile.fill(*sweeps[s]);
+    if (sweeps[s] != nullptr) sources_[s].map.fill(*sweeps[s]);
   }
   for (std::size_t s = 0; s < sources_.size(); ++s) {
     if (sweeps[s] == nullptr) continue;

@@ -32,7 +32,7 @@ class CrossCheck {
 
  private:
   struct Source {
-    FreeSpaceMap profile;
+    FreeSpaceMap map;
     float two_beams = 0;  // rad
     PlacedScan checked;
   };
@@ -42,7 +42,7 @@ class CrossCheck {
   static void unlink(std::size_t beam, PlacedScan& sweep);
 
   MergeOptions options_;
-  double unit_;   // m, of the profiles
+  double unit_;   // m, of the maps
   float margin_;  // m
   std::vector<Source> sources_;
   std::uint64_t veils_ = 0;

@@ -58,7 +58,7 @@ void HeightGroups::require(const std::vector<const PlacedScan*>& sweeps, Visibil
       of_group_[s] = members_[s].group == g ? sweeps[s] : nullptr;
     groups_[g].compute(of_group_);
     for (std::size_t beam = 0; beam < visibility.beams(); ++beam) {
-      if (groups_[g].seen(beam) != BeamState::free) visibility.withdraw_free(beam, groups_[g].covered(beam));
+      if (groups_[g].state(beam) != BeamState::free) visibility.withdraw_free(beam, groups_[g].covered(beam));
     }
   }
 }

@@ -68,7 +68,7 @@ Solution solve(const Eigen::Matrix3d& levers, const Eigen::Vector3d& pulls, doub
 MountCheck::MountCheck(std::size_t sources, double tolerance)
     : tolerance_(tolerance), facets_(sources, std::vector<Facet>(beams)), before_(facets_) {
   for (std::size_t i = 0; i < beams; ++i) {
-    const double angle = 2 * pi_d * static_cast<double>(i) / static_cast<double>(beams);
+    const double angle = two_pi * static_cast<double>(i) / static_cast<double>(beams);
     rays_.emplace_back(static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)));
   }
   for (std::size_t a = 0; a < sources; ++a) {
@@ -126,7 +126,7 @@ bool MountCheck::fit(const PlacedScan& sweep, std::size_t beam, Eigen::Vector2f&
 /// Writes the piece of surface from p to q into the beams that meet it.
 void MountCheck::draw(const Eigen::Vector2f& p, const Eigen::Vector2f& q, const Eigen::Vector2f& middle,
                       const Eigen::Vector2f& normal, std::vector<Facet>& facets) const {
-  constexpr auto per_rad = static_cast<float>(static_cast<double>(beams) / (2 * pi_d));
+  constexpr auto per_rad = static_cast<float>(static_cast<double>(beams) / (two_pi));
   float from = std::atan2(p.y(), p.x());
   float width = wrapped(std::atan2(q.y(), q.x()) - from);
   if (width < 0) from += width, width = -width;

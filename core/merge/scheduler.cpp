@@ -3,6 +3,7 @@
 #include "core/merge/scheduler.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace lidard {
@@ -21,29 +22,13 @@ constexpr int pauses_to_believe = 3;
 }  // namespace
 
 const char* to_string(Policy policy) {
-  switch (policy) {
-    case Policy::complete:
-      return "complete";
-    case Policy::rate:
-      return "rate";
-    case Policy::trigger:
-      return "trigger";
-  }
-  return "";
+  constexpr std::array<const char*, 3> names = {"complete", "rate", "trigger"};
+  return names.at(static_cast<std::size_t>(policy));
 }
 
 const char* to_string(SourceState state) {
-  switch (state) {
-    case SourceState::never:
-      return "never";
-    case SourceState::ok:
-      return "ok";
-    case SourceState::stale:
-      return "stale";
-    case SourceState::lost:
-      return "lost";
-  }
-  return "";
+  constexpr std::array<const char*, 4> names = {"never", "ok", "stale", "lost"};
+  return names.at(static_cast<std::size_t>(state));
 }
 
 Scheduler::Scheduler(std::size_t sources, const ScheduleSettings& settings)

@@ -21,7 +21,7 @@ class CloudMotion {
   /// From where the lidar was so long after the cloud's stamp to where it is at the instant. Outside of the
   /// cloud's time the motion of its begin or end.
   Pose at(double after_s) const;
-  /// The same by column of the cloud; empty for a cloud without columns and while the vehicle stands.
+  /// The motion of each column of the cloud; empty for a cloud without columns and while the vehicle stands.
   const std::vector<Pose>& columns() const { return columns_; }
 
  private:

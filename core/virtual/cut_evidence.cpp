@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/base/angle.h"
+#include "core/base/bytes_set.h"
 
 namespace lidard {
 namespace {
@@ -24,8 +25,7 @@ constexpr float overlap = 1.05F;
 
 void CutEvidence::mark_beams() {
   const std::size_t cells = view_->heights().size();
-  if (marks_.capacity() < cells) marks_.reserve(cells + cells / 16);
-  marks_.resize(cells);
+  resize_amply(cells, marks_);
   const Beam* const kinds = view_->grid().kind.data();
   const float* const heights = view_->heights().data();
   const float level = view_->level();
@@ -59,7 +59,7 @@ void CutEvidence::add_blind(const Ray& lowest) {
   add(lowest, lowest, -1);
 }
 
-/// Those whose middle lies within half a column of `azimuth`.
+/// The cells whose middle lies within half a column of `azimuth`.
 CutEvidence::Cells CutEvidence::cells_at(float azimuth) const {
   const float half = width_ * overlap / 2;
   const float middle = azimuth + static_cast<float>(cells_.size());
@@ -213,7 +213,7 @@ void CutEvidence::find(const PlaneView& view, const PlaneTops& tops, HeightBand 
   sensor_ = std::fabs(view.sensor_above());
   tilted_ = view.rotation().row(2).head<2>().norm() > level_enough;
   cells_.assign(blind.size(), {});
-  per_rad_ = static_cast<float>(static_cast<double>(cells_.size()) / (2 * pi_d));
+  per_rad_ = static_cast<float>(static_cast<double>(cells_.size()) / (two_pi));
   width_ = static_cast<float>(view.grid().step()) * per_rad_;
   mark_beams();
   wedges_.clear();

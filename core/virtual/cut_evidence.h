@@ -15,6 +15,12 @@ namespace lidard {
 
 /// What the beams of an organised cloud prove of a plane of a virtual frame.
 ///
+///      S                    A beam from the sensor S, H above the plane (===), whose end E is at height h
+///      |`-._                (h < H) and e m away (level), crosses the plane, or would, at
+///    H |    `-._                a = e H / (H - h).
+///    ==+========`x===       The plane is free there if h < 0: the beam goes on to E beneath.
+///      |--- a ---| `-.E
+///
 /// A beam proves the plane free only where it crosses it before its return. Two neighbouring beams of a
 /// column that both cross it bound a piece of the plane that is taken to be free; so do a beam that crosses
 /// it and the next one up to where that one meets something. Nearer than the nearest crossing no beam can
@@ -25,7 +31,7 @@ class CutEvidence {
   static constexpr std::size_t pieces = 2;
 
   /// Finds the evidence for the view's plane, in which `tops` were found. Free pieces end where something
-  /// stands between the heights of `band` (of all returns but those from the ground). The profiles must have
+  /// stands between the heights of `band` (of all returns but those from the ground). The maps must have
   /// been set to the sensor's place; they are filled.
   void find(const PlaneView& view, const PlaneTops& tops, HeightBand band,
             const std::array<FreeSpaceMap*, pieces>& free, FreeSpaceMap& blind);
@@ -45,7 +51,7 @@ class CutEvidence {
   };
   /// What a beam is to the plane.
   enum Mark : std::uint8_t { known = 1, crosses = 2 };
-  /// A beam as the plane sees it.
+  /// A beam as the plane sees it; `at` is a of the drawing, `end` is e.
   struct Ray {
     float x = 0, y = 0;  ///< towards its end
     float end = 0;       ///< m, level in the plane, where it ends

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "core/base/bytes_set.h"
+
 namespace lidard {
 namespace {
 
@@ -53,14 +55,8 @@ void find_ground(const RingGrid& grid, const GroundSettings& settings, const Pos
                  Ground& ground) {
   const std::size_t cells = grid.kind.size();
   ground.known = settings.model != GroundModel::none;
-  if (ground.is_ground.capacity() < cells) {
-    ground.is_ground.reserve(cells + cells / 16);
-    ground.height.reserve(cells + cells / 16);
-    ground.distance.reserve(cells + cells / 16);
-  }
+  resize_amply(cells, ground.is_ground, ground.height, ground.distance);
   ground.is_ground.assign(cells, 0);
-  ground.height.resize(cells);
-  ground.distance.resize(cells);
   ground.sensor = static_cast<float>(vehicle_from_cloud.translation().z() - settings.z);
   measure(grid, vehicle_from_cloud.linear().row(2).transpose().cast<float>(), ground);
   if (!ground.known) return;

@@ -58,8 +58,7 @@ PlaneCut::Between PlaneCut::between_rings(std::size_t column, std::size_t upper)
 void PlaneCut::find_events() {
   const RingGrid& grid = view_->grid();
   const std::size_t cells = grid.kind.size();
-  if (events_.capacity() < cells) events_.reserve(cells + cells / 16);
-  events_.resize(cells);
+  resize_amply(cells, events_);
   const std::uint8_t* const sides = view_->sides().data();
   const std::uint8_t* const verdicts = tops_->verdicts().data();
   std::uint8_t* const events = events_.data();

@@ -21,12 +21,8 @@ constexpr float flat_slack = 0.02F;  // m, beside the noise
 void PlaneTops::find(const PlaneView& view) {
   const RingGrid& grid = view.grid();
   const std::size_t cells = grid.kind.size();
-  if (verdicts_.capacity() < cells) {
-    verdicts_.reserve(cells + cells / 16);
-    steps_.reserve(cells + cells / 16);
-  }
+  resize_amply(cells, verdicts_, steps_);
   verdicts_.assign(cells, none);
-  steps_.resize(cells);
   runs_.assign(grid.rings(), {});
   if (view.rise() < PlaneView::steepest) return;
   mark_steps(view);

@@ -12,6 +12,13 @@ namespace lidard {
 /// Judges what lies between two neighbouring rings of which the upper one passes over what the lower one
 /// meets, and whether that concerns a plane.
 ///
+///    S (sensor)                 With level distances d and heights h above the plane, the upper beam passes
+///     \ `-._                    over what the lower one meets at
+///      \    `-._ passing            passing = h_S + (h_up - h_S) d_low / d_up.
+///    ===\=======`-._======      The plane (===), at h = 0, lies at -top above the highest return (top); the
+///        x top      `-._        thing reaches it if
+///    ____|______________`x_         -top < (passing - top) / 3.
+///
 /// The top of a thing is at least as high as its highest return and lower than the lowest beam that passes
 /// over it; both are taken over all neighbouring columns that see the thing, for tops are mostly level. Where
 /// the plane is close to the return, the thing reaches it; where it is close to the beam, the thing does not.

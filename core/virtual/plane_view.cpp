@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "core/base/bytes_set.h"
+
 namespace lidard {
 
 void PlaneView::set_cloud(const RingGrid& grid, const Ground& ground, const RingLinks& links,
@@ -13,12 +15,8 @@ void PlaneView::set_cloud(const RingGrid& grid, const Ground& ground, const Ring
   links_ = &links;
   up_ = up;
   const std::size_t cells = grid.kind.size();
-  if (heights_.capacity() < cells) {
-    heights_.reserve(cells + cells / 16);
-    sides_.reserve(cells + cells / 16 + grid.rings());
-  }
-  heights_.resize(cells);
-  sides_.resize(cells + grid.rings());
+  resize_amply(cells, heights_);
+  resize_amply(cells + grid.rings(), sides_);
 }
 
 void PlaneView::set_frame(const Pose& virtual_from_cloud, bool keep_ground) {

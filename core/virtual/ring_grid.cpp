@@ -12,25 +12,11 @@
 namespace lidard {
 namespace {
 
-constexpr double turn = 2 * pi_d;
-// The motor's jitter; a larger step backwards is nearly a whole turn forwards.
-constexpr double backwards_limit = 0.02;
+constexpr double turn = two_pi;
 // A larger step than so many usual ones has unseen columns in between.
 constexpr double gap_steps = 1.6;
 constexpr std::size_t fewest_columns = 8;
 constexpr std::uint32_t nowhere = 0xFFFFFFFFU;
-
-double step_between(const CloudColumn& a, const CloudColumn& b) {
-  double step = static_cast<double>(b.azimuth) - static_cast<double>(a.azimuth);
-  while (step < 0) step += turn;
-  while (step >= turn) step -= turn;
-  return step > turn - backwards_limit ? step - turn : step;
-}
-
-/// Two returns of one firing.
-bool same_firing(const CloudColumn& a, const CloudColumn& b) {
-  return a.echo != b.echo && a.stamp == b.stamp && a.azimuth == b.azimuth;
-}
 
 // Stands for the step between two returns of one firing.
 constexpr double no_step = -turn;
@@ -85,7 +71,7 @@ bool RingGrid::fires_in_columns(const Cloud& cloud) {
   double turned = 0;
   for (std::size_t c = 1; c < cloud.columns.size(); ++c) {
     const bool again = same_firing(cloud.columns[c - 1], cloud.columns[c]);
-    turns_[c] = again ? no_step : step_between(cloud.columns[c - 1], cloud.columns[c]);
+    turns_[c] = again ? no_step : azimuth_step(cloud.columns[c - 1], cloud.columns[c]);
     turned += again ? 0 : turns_[c];
     if (turned > 1.2 * turn) return false;
   }
@@ -99,23 +85,12 @@ bool RingGrid::fires_in_columns(const Cloud& cloud) {
 void RingGrid::clear_grid(std::size_t columns, std::size_t rings) {
   columns_ = columns;
   rings_ = rings;
-  const std::size_t cells = columns * rings;
-  // The number of columns varies a little from turn to turn.
-  const std::size_t room = cells + cells / 16;
-  if (kind.capacity() < cells) {
-    ends.reserve(room);
-    range.reserve(room);
-    kind.reserve(room);
-    fired_.reserve(room / rings);
-    azimuths_.reserve(room / rings);
-    times_.reserve(room / rings);
-  }
-  ends.resize(cells);
-  range.resize(cells);
-  kind.assign(cells, Beam::unknown);
-  fired_.assign(columns, 0);
-  azimuths_.assign(columns, 0);
-  times_.assign(columns, 0);
+  resize_amply(columns * rings, ends, range, kind);
+  resize_amply(columns, fired_, azimuths_, times_);
+  std::fill(kind.begin(), kind.end(), Beam::unknown);
+  std::fill(fired_.begin(), fired_.end(), char{0});
+  std::fill(azimuths_.begin(), azimuths_.end(), 0.0F);
+  std::fill(times_.begin(), times_.end(), 0.0F);
 }
 
 void RingGrid::number_columns(const Cloud& cloud) {
@@ -192,8 +167,7 @@ void RingGrid::number_shifts() {
 }
 
 void RingGrid::fill_column(const Cloud& cloud, std::size_t column, const Pose* move) {
-  const bool last = column + 1 == cloud.columns.size();
-  const std::size_t end = last ? cloud.size() : cloud.columns[column + 1].first_point;
+  const std::size_t end = cloud.points_end(column);
   const std::size_t first = index(places_[column], 0);
   const std::size_t cells = kind.size();
   // Copies, since the bytes of points could be anything's, for all that the compiler knows.

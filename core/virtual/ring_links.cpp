@@ -5,15 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/angle.h"
+#include "core/evidence/continuity.h"
 
 namespace lidard {
 namespace {
 
-constexpr double steepest = 9 * pi_d / 180;  // rad between surface and beam
-constexpr float longest_grazing_step = 3;    // m
-constexpr float steady_growth = 2.5F;        // of the steps along a wall
-constexpr float line_tolerance = 0.005F;     // m, beside the noise
+using namespace breakpoint;
 
 /// Longest distance between two returns of one surface per m of range, for beams `apart` (rad).
 float slope_of(double apart) {

@@ -12,7 +12,7 @@
 namespace lidard {
 namespace {
 
-constexpr float turn = static_cast<float>(2 * pi_d);
+constexpr float turn = static_cast<float>(two_pi);
 constexpr std::size_t fewest_steps = 8;
 // Steps outside are those between turns, or of returns of one firing.
 constexpr float shortest_step = 3e-4F;

@@ -61,8 +61,7 @@ void RingTable::learn(const Cloud& cloud, bool with_offsets) {
     for (std::size_t i = first; i < cloud.size(); i += step) take(cloud, i, i + 1, nullptr);
   } else {
     for (std::size_t c = first; c < cloud.columns.size(); c += step) {
-      const std::size_t end = c + 1 < cloud.columns.size() ? cloud.columns[c + 1].first_point : cloud.size();
-      take(cloud, cloud.columns[c].first_point, end, &cloud.columns[c]);
+      take(cloud, cloud.columns[c].first_point, cloud.points_end(c), &cloud.columns[c]);
     }
   }
   fade();

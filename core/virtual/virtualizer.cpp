@@ -63,7 +63,7 @@ void Virtualizer::set_cloud(const Cloud& cloud, const Pose& vehicle_from_cloud, 
 }
 
 /// Calls use(return, its place in the virtual frame) for all at heights that count but the vehicle's own.
-/// These go with it: their place when they were measured tells.
+/// The vehicle's own returns go with it: their place when they were measured tells.
 template <class Use>
 void Virtualizer::each_return(const Pose& virtual_from_cloud, Use use) const {
   std::size_t column = 0;
@@ -145,7 +145,8 @@ void Virtualizer::look(Frame& frame, const Pose& virtual_from_cloud) {
     else
       cut_slice(visibility, 0);
     evidence_.find(view_, tops_, band ? band_ : HeightBand{0, 0},
-                   {&visibility.profile(0), &visibility.profile(1)}, visibility.profile(blind_source));
+                   {&visibility.free_space(0), &visibility.free_space(1)},
+                   visibility.free_space(blind_source));
   }
   visibility.compute();
 }

@@ -9,7 +9,6 @@
 #include "daemon/config/calibration_file.h"
 #include "daemon/config/config.h"
 #include "daemon/config/exit_codes.h"
-#include "daemon/pipeline/missing_outputs.h"
 #include "daemon/pipeline/output_report.h"
 #include "daemon/pipeline/report.h"
 #include "drivers/capture/connection_picker.h"
@@ -168,7 +167,7 @@ int decode_stream(const DecodeOptions& options, const SensorStream& stream, Cali
   config.clock = options.clock;
   config.keep_partial = true;
   config.keep_origins = true;
-  config.publish_multiecho = stream.model->has_echoes;
+  config.publish_multiecho = stream.model->has(Trait::echoes);
   config.calibration = std::move(calibration);
   const auto driver = stream.model->make(config);
   WholeFrame whole(config);
@@ -176,10 +175,11 @@ int decode_stream(const DecodeOptions& options, const SensorStream& stream, Cali
   WriterOutput output(*writer, options.frame);
   PcapSource source(options.capture);
   Packet packet;
+  const auto flows = stream.flows();
   ConnectionPicker connection;
   std::uint64_t others = 0;
   while (source.next(packet)) {
-    if (!stream.owns(packet)) {
+    if (flows.find(packet) == nullptr) {
       others += packet.transport == Transport::udp ? 1U : 0U;
     } else if (packet.transport == Transport::udp || connection.pick(packet)) {
       driver->receive(packet, output);

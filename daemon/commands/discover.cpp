@@ -4,67 +4,63 @@
 
 #include <ifaddrs.h>
 #include <net/if.h>
-#include <netinet/in.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
+#include <tinyxml2.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <chrono>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <boost/asio/write.hpp>
+#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <random>
 
 #include "daemon/config/exit_codes.h"
+#include "daemon/files/text_table.h"
+#include "drivers/hokuyo/scip_message.h"
+#include "drivers/hokuyo/scip_models.h"
 
 namespace lidard {
 namespace {
 
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using asio::ip::udp;
+using Error = boost::system::error_code;
+
 constexpr std::uint16_t sick_port = 30718;
 constexpr std::size_t longest_answer = 8192;
 
-sockaddr_in to_sockaddr(const Endpoint& endpoint) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(endpoint.port);
-  std::memcpy(&address.sin_addr, endpoint.address.bytes.data(), 4);
-  return address;
+IpAddress address_of(const asio::ip::address_v4& address) {
+  const auto bytes = address.to_bytes();
+  return IpAddress::v4(bytes[0], bytes[1], bytes[2], bytes[3]);
 }
 
 IpAddress address_of(const sockaddr* address) {
-  IpAddress ip;
-  if (address == nullptr) return ip;
   sockaddr_in v4{};
-  std::memcpy(&v4, address, sizeof v4);
-  std::memcpy(ip.bytes.data(), &v4.sin_addr, 4);
-  return ip;
+  if (address != nullptr) std::memcpy(&v4, address, sizeof v4);
+  return address_of(asio::ip::address_v4(ntohl(v4.sin_addr.s_addr)));
 }
 
-/// A socket that closes itself.
-class Socket {
- public:
-  explicit Socket(int type) : fd_(::socket(AF_INET, type | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)) {}
-  ~Socket() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Socket(Socket&& other) noexcept : fd_(other.fd_) { other.fd_ = -1; }
-  Socket(const Socket&) = delete;
-  Socket& operator=(const Socket&) = delete;
-  Socket& operator=(Socket&&) = delete;
-  int fd() const { return fd_; }
+asio::ip::address_v4 to_asio(const IpAddress& address) {
+  return asio::ip::address_v4({address.bytes[0], address.bytes[1], address.bytes[2], address.bytes[3]});
+}
 
- private:
-  int fd_;
+/// A socket that waits for the answers to one search.
+struct Listener {
+  udp::socket socket;
+  udp::endpoint from{};
+  std::array<std::uint8_t, longest_answer> datagram{};
 };
 
 /// A TCP connection to what may be a Hokuyo.
 struct Asked {
-  Socket socket{SOCK_STREAM};
+  tcp::socket socket;
   Endpoint to;
-  bool sent = false, done = false;
-  std::string stream;
+  std::array<char, 2048> chunk{};
+  std::string stream{};
 };
 
 class Search {
@@ -74,8 +70,7 @@ class Search {
   std::vector<FoundDevice> run() {
     search_sicks();
     for (const Endpoint& endpoint : options_.hokuyos) ask(endpoint);
-    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(options_.wait);
-    while (std::chrono::steady_clock::now() < end && anything_open()) wait();
+    io_.run_for(std::chrono::milliseconds(std::llround(options_.wait * 1000)));
     std::sort(found_.begin(), found_.end(),
               [](const FoundDevice& a, const FoundDevice& b) { return a.address < b.address; });
     return std::move(found_);
@@ -104,78 +99,53 @@ class Search {
   }
 
   void send_search(std::uint32_t key, const IpAddress& own, const IpAddress& mask, const Endpoint& to) {
-    Socket socket(SOCK_DGRAM);
-    const int on = 1;
-    ::setsockopt(socket.fd(), SOL_SOCKET, SO_BROADCAST, &on, sizeof on);
-    const sockaddr_in from = to_sockaddr({own, 0});
-    ::bind(socket.fd(), reinterpret_cast<const sockaddr*>(&from), sizeof from);
-    const auto request = sick_search(key, own, mask);
-    const sockaddr_in address = to_sockaddr(to);
-    const auto sent = ::sendto(socket.fd(), request.data(), request.size(), 0,
-                               reinterpret_cast<const sockaddr*>(&address), sizeof address);
-    if (sent < 0) return;
+    const auto listener = std::make_shared<Listener>(Listener{udp::socket(io_)});
+    udp::socket& socket = listener->socket;
+    Error error;
+    socket.open(udp::v4(), error);
+    socket.set_option(asio::socket_base::broadcast(true), error);
+    socket.bind({to_asio(own), 0}, error);
+    socket.send_to(asio::buffer(sick_search(key, own, mask)), {to_asio(to.address), to.port}, 0, error);
+    if (error) return;
     places_.push_back(to.to_string());
-    searches_.push_back(std::move(socket));
+    listen(listener);
+  }
+
+  void listen(const std::shared_ptr<Listener>& listener) {
+    listener->socket.async_receive_from(asio::buffer(listener->datagram), listener->from,
+                                        [this, listener](const Error& error, std::size_t size) {
+                                          if (error) return;
+                                          const ByteView datagram(listener->datagram.data(), size);
+                                          const auto device = read_sick_answer(
+                                              datagram, address_of(listener->from.address().to_v4()));
+                                          if (device) keep(*device);
+                                          listen(listener);
+                                        });
   }
 
   void ask(const Endpoint& to) {
-    Asked asked;
-    asked.to = to;
-    const sockaddr_in address = to_sockaddr(to);
-    const int result =
-        ::connect(asked.socket.fd(), reinterpret_cast<const sockaddr*>(&address), sizeof address);
-    if (result != 0 && errno != EINPROGRESS) return;
+    const auto asked = std::make_shared<Asked>(Asked{tcp::socket(io_), to});
     places_.push_back(to.to_string());
-    asked_.push_back(std::move(asked));
+    asked->socket.async_connect({to_asio(to.address), to.port}, [this, asked](const Error& error) {
+      if (error == asio::error::network_unreachable)
+        places_.erase(std::remove(places_.begin(), places_.end(), asked->to.to_string()), places_.end());
+      if (error) return;
+      asio::async_write(asked->socket, asio::buffer("VV\n", 3),
+                        [this, asked](const Error& failed, std::size_t) {
+                          if (!failed) read(asked);
+                        });
+    });
   }
 
-  bool anything_open() const {
-    return !searches_.empty() ||
-           std::any_of(asked_.begin(), asked_.end(), [](const Asked& asked) { return !asked.done; });
-  }
-
-  void wait() {
-    std::vector<pollfd> waiting;
-    for (const Socket& socket : searches_) waiting.push_back({socket.fd(), POLLIN, 0});
-    for (const Asked& asked : asked_) {
-      const auto events = static_cast<short>(asked.sent ? POLLIN : POLLOUT);
-      waiting.push_back({asked.done ? -1 : asked.socket.fd(), events, 0});
-    }
-    constexpr int slice_ms = 50;
-    ::poll(waiting.data(), waiting.size(), slice_ms);
-    for (std::size_t i = 0; i < searches_.size(); ++i) {
-      if (waiting[i].revents != 0) read_search(searches_[i]);
-    }
-    for (std::size_t i = 0; i < asked_.size(); ++i) {
-      if (waiting[searches_.size() + i].revents != 0) go_on(asked_[i]);
-    }
-  }
-
-  void read_search(const Socket& socket) {
-    std::array<std::uint8_t, longest_answer> buffer{};
-    sockaddr_in from{};
-    socklen_t size = sizeof from;
-    const auto got =
-        ::recvfrom(socket.fd(), buffer.data(), buffer.size(), 0, reinterpret_cast<sockaddr*>(&from), &size);
-    if (got <= 0) return;
-    const ByteView datagram(buffer.data(), static_cast<std::size_t>(got));
-    const auto device = read_sick_answer(datagram, address_of(reinterpret_cast<sockaddr*>(&from)));
-    if (device) keep(*device);
-  }
-
-  void go_on(Asked& asked) {
-    if (!asked.sent) {
-      constexpr std::string_view who = "VV\n";
-      asked.sent = true;
-      if (::send(asked.socket.fd(), who.data(), who.size(), MSG_NOSIGNAL) < 0) asked.done = true;
-      return;
-    }
-    std::array<char, 2048> buffer{};
-    const auto got = ::recv(asked.socket.fd(), buffer.data(), buffer.size(), 0);
-    if (got > 0) asked.stream.append(buffer.data(), static_cast<std::size_t>(got));
-    const auto device = read_hokuyo_answer(ByteView(asked.stream), asked.to.address);
-    if (device) keep(*device);
-    asked.done = device || got <= 0 || asked.stream.size() > longest_answer;
+  void read(const std::shared_ptr<Asked>& asked) {
+    asked->socket.async_read_some(
+        asio::buffer(asked->chunk), [this, asked](const Error& error, std::size_t size) {
+          if (error) return;
+          asked->stream.append(asked->chunk.data(), size);
+          const auto device = read_hokuyo_answer(ByteView(asked->stream), asked->to.address);
+          if (device) keep(*device);
+          if (!device && asked->stream.size() <= longest_answer) read(asked);
+        });
   }
 
   void keep(const FoundDevice& device) {
@@ -186,28 +156,17 @@ class Search {
   }
 
   const DiscoverOptions& options_;
-  std::vector<Socket> searches_;
-  std::vector<Asked> asked_;
+  asio::io_context io_;
   std::vector<std::string> places_;
   std::vector<FoundDevice> found_;
 };
 
-using Row = std::array<std::string, 6>;
-
 void print_table(const std::vector<FoundDevice>& found, std::ostream& out) {
-  std::vector<Row> rows{{"address", "vendor", "product", "serial", "firmware", "model"}};
+  TextTable rows{{"address", "vendor", "product", "serial", "firmware", "model"}};
   for (const FoundDevice& device : found)
     rows.push_back({device.address.to_string(), device.vendor, device.product, device.serial, device.firmware,
                     device.model.empty() ? "see `lidard models`" : device.model});
-  std::array<std::size_t, 6> widths{};
-  for (const Row& row : rows) {
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
-  }
-  for (const Row& row : rows) {
-    for (std::size_t i = 0; i + 1 < row.size(); ++i)
-      out << row[i] << std::string(widths[i] - row[i].size() + 2, ' ');
-    out << row.back() << '\n';
-  }
+  print_columns(rows, out);
 }
 
 void print_json(const std::vector<FoundDevice>& found, std::ostream& out) {
@@ -222,7 +181,71 @@ void print_json(const std::vector<FoundDevice>& found, std::ostream& out) {
   out << list.dump(2) << '\n';
 }
 
+/// The value of `key` in an answer: <Item key="K" value="V"/>, <K>V</K> or an attribute of the root.
+std::string value_of(const tinyxml2::XMLElement& root, const char* key) {
+  for (const auto* item = root.FirstChildElement(); item != nullptr; item = item->NextSiblingElement()) {
+    const char* name = item->Attribute("key");
+    const char* value = item->Attribute("value");
+    if (name != nullptr && value != nullptr && std::string_view(name) == key) return value;
+    if (std::string_view(item->Name()) == key && item->GetText() != nullptr) return item->GetText();
+  }
+  const char* attribute = root.Attribute(key);
+  return attribute == nullptr ? "" : attribute;
+}
+
 }  // namespace
+
+std::array<std::uint8_t, 24> sick_search(std::uint32_t key, const IpAddress& own, const IpAddress& mask) {
+  std::array<std::uint8_t, 24> bytes{0x10, 0, 0, 0x08, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff};
+  for (std::size_t i = 0; i < 4; ++i) {
+    bytes[10 + i] = static_cast<std::uint8_t>(key >> (24 - 8 * i) & 0xffU);
+    bytes[16 + i] = own.bytes[i];
+    bytes[20 + i] = mask.bytes[i];
+  }
+  bytes[14] = 0x01;
+  bytes[15] = 0x02;
+  return bytes;
+}
+
+std::optional<FoundDevice> read_sick_answer(ByteView datagram, const IpAddress& sender) {
+  const std::string_view text = datagram.text();
+  const std::size_t begin = std::min(text.find("<?xml"), text.find("<NetScanResult"));
+  if (begin == std::string_view::npos) return std::nullopt;
+  const std::size_t end = text.rfind('>');
+  if (end == std::string_view::npos || end < begin) return std::nullopt;
+  tinyxml2::XMLDocument document;
+  if (document.Parse(text.data() + begin, end - begin + 1) != tinyxml2::XML_SUCCESS) return std::nullopt;
+  const auto* root = document.FirstChildElement("NetScanResult");
+  if (root == nullptr) return std::nullopt;
+  FoundDevice device;
+  device.vendor = "SICK";
+  device.product = value_of(*root, "DeviceType");
+  device.serial = value_of(*root, "SerialNumber");
+  device.firmware = value_of(*root, "FirmwareVersion");
+  // A device in another subnet answers, too: its own address counts, not the router's.
+  device.address = IpAddress::parse(value_of(*root, "IPAddress")).value_or(sender);
+  return device;
+}
+
+std::optional<FoundDevice> read_hokuyo_answer(ByteView stream, const IpAddress& sender) {
+  Counters ignored;
+  hokuyo::ScipReader reader(ignored);
+  reader.add(stream);
+  for (hokuyo::ScipMessage message; reader.next(message);) {
+    if (message.echo != "VV" || message.status != "00") continue;
+    FoundDevice device;
+    device.vendor = "Hokuyo";
+    device.address = sender;
+    hokuyo::for_each_entry(message.body, [&](std::string_view key, std::string_view value, bool) {
+      if (key == "PROD") device.product = value;
+      if (key == "FIRM") device.firmware = value;
+      if (key == "SERI") device.serial = value;
+    });
+    device.model = hokuyo::scip_name_of(device.product);
+    return device;
+  }
+  return std::nullopt;
+}
 
 int run_discover(const DiscoverOptions& options, std::ostream& out, std::ostream& err) {
   Search search(options);

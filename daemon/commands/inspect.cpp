@@ -3,57 +3,22 @@
 #include "daemon/commands/inspect.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "core/base/number_text.h"
 #include "daemon/commands/inspect_survey.h"
+#include "daemon/files/text_table.h"
 
 namespace lidard {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Row = std::vector<std::string>;
-using Table = std::vector<Row>;
 
 // Enough to see what else is on the network; --json has all of it.
 constexpr std::size_t unknown_rows = 10;
 
-struct NamedCount {
-  const char* name;    // in JSON
-  const char* phrase;  // for people
-  std::uint64_t n;
-};
-
-/// What kept frames of a capture from becoming datagrams.
-std::array<NamedCount, 9> losses(const CaptureCounters& c) {
-  return {{{"not_ip", "not IP", c.not_ip},
-           {"other_ip", "neither UDP nor TCP (ICMP, IGMP)", c.other_ip},
-           {"truncated", "cut by the snapshot length (record with tcpdump -s 0)", c.truncated},
-           {"malformed", "malformed", c.malformed},
-           {"unsupported_link", "of an unsupported link type", c.unsupported_link},
-           {"fragments", "fragments", c.fragments},
-           {"fragments_dropped", "fragments without use", c.fragments_dropped},
-           {"tcp_holes", "holes in TCP streams", c.tcp.holes},
-           {"tcp_missing", "bytes missing in TCP streams", c.tcp.missing}}};
-}
-
-/// What did not go well with a sensor's packets, apart from rejects.
-std::array<NamedCount, 6> troubles(const Counters& c) {
-  return {{{"lost_packets", "lost", c.lost_packets},
-           {"incomplete", "incomplete telegrams", c.incomplete},
-           {"partial_frames", "partial frames", c.partial_frames},
-           {"reordered", "out of order", c.reordered},
-           {"clock_steps", "steps of the device clock", c.clock_steps},
-           {"lying_packets", "with the model byte of another model", c.lying_packets}}};
-}
-
-std::string fixed(double value, int digits) {
-  std::array<char, 48> text{};
-  std::snprintf(text.data(), text.size(), "%.*f", digits, value);
-  return text.data();
-}
+std::string fixed(double value, int digits) { return printed("%.*f", digits, value); }
 
 /// Text from the network, fit for a line of a comment.
 std::string printable(std::string text) {
@@ -64,13 +29,12 @@ std::string printable(std::string text) {
 
 void append(std::string& list, const std::string& item) { list += (list.empty() ? "" : ", ") + item; }
 
-template <typename Counts>
-std::string in_words(const Counts& counts) {
-  std::string text;
-  for (const NamedCount& count : counts) {
-    if (count.n > 0) append(text, std::to_string(count.n) + " " + count.phrase);
+/// Appends the counters of a list that are not 0.
+template <class Owner, std::size_t n>
+void append(std::string& list, const NamedCounter<Owner> (&counters)[n], const Owner& owner) {
+  for (const auto& counter : counters) {
+    if (owner.*counter.value > 0) append(list, std::to_string(owner.*counter.value) + " " + counter.words);
   }
-  return text;
 }
 
 std::string rejects_in_words(const Counters& counters) {
@@ -82,19 +46,6 @@ std::string rejects_in_words(const Counters& counters) {
   return text;
 }
 
-void print_table(const Table& table, std::ostream& out) {
-  std::vector<std::size_t> widths(table.front().size());
-  for (const Row& row : table) {
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
-  }
-  for (const Row& row : table) {
-    std::string line = "#";
-    for (std::size_t i = 0; i < row.size(); ++i)
-      line += " " + row[i] + std::string(widths[i] - row[i].size() + 1, ' ');
-    out << line.substr(0, line.find_last_not_of(' ') + 1) << '\n';
-  }
-}
-
 void print_captures(const Survey& survey, std::ostream& out) {
   for (const SurveyedCapture& capture : survey.captures) {
     if (capture.counters.frames == 0) continue;
@@ -104,19 +55,21 @@ void print_captures(const Survey& survey, std::ostream& out) {
       out << ", " << capture.counters.tcp.bytes << " bytes in " << capture.counters.tcp.streams
           << " TCP streams";
     if (capture.first) out << ", " << fixed(seconds(*capture.last - *capture.first), 3) << " s";
-    const std::string lost = in_words(losses(capture.counters));
+    std::string lost;
+    append(lost, capture_losses, capture.counters);
+    append(lost, tcp_losses, capture.counters.tcp);
     out << (lost.empty() ? "" : "; " + lost) << '\n';
   }
 }
 
-Row row_of(const FoundSensor& sensor) {
-  const Flow& data = sensor.data;
+std::vector<std::string> row_of(const FoundSensor& sensor) {
+  const SeenFlow& data = sensor.data;
   std::string ports = std::to_string(data.port), packets = std::to_string(sensor.counters.packets);
   if (data.transport == Transport::tcp) ports = "TCP " + ports;
   if (sensor.telemetry) ports += "+" + std::to_string(sensor.telemetry->port);
   if (sensor.counters.other_packets > 0) packets += "+" + std::to_string(sensor.counters.other_packets);
   return {sensor.name,
-          data.sender.to_string(),
+          data.address.to_string(),
           ports,
           std::string(sensor.model->protocol),
           packets,
@@ -134,7 +87,11 @@ void print_remarks(const FoundSensor& sensor, std::ostream& out) {
     if (!text.empty()) out << "# " << sensor.name << ": " << printable(text) << '\n';
   };
   remark(sensor.data.remark);
-  remark(in_words(troubles(sensor.counters)));
+  std::string troubles;
+  if (sensor.counters.lost_packets > 0)
+    append(troubles, std::to_string(sensor.counters.lost_packets) + " lost packets");
+  append(troubles, trouble_counters, sensor.counters);
+  remark(troubles);
   const std::string rejects = rejects_in_words(sensor.counters);
   remark(rejects.empty() ? "" : "rejected: " + rejects);
   for (const std::string& warning : sensor.info.warnings) remark(warning);
@@ -145,29 +102,29 @@ void print_sensors(const Survey& survey, std::ostream& out) {
     out << "# no sensor was recognised (`lidard models` lists the supported ones)\n";
     return;
   }
-  Table table{{"SENSOR", "SENDER", "PORTS", "PROTOCOL", "PACKETS", "RATE", "DURATION", "FRAMES", "LOST",
-               "REJECTED", "SERIAL"}};
+  TextTable table{{"SENSOR", "SENDER", "PORTS", "PROTOCOL", "PACKETS", "RATE", "DURATION", "FRAMES", "LOST",
+                   "REJECTED", "SERIAL"}};
   for (const FoundSensor& sensor : survey.sensors) table.push_back(row_of(sensor));
   out << "#\n";
-  print_table(table, out);
+  print_columns(table, out, "# ");
   for (const FoundSensor& sensor : survey.sensors) print_remarks(sensor, out);
 }
 
 void print_unknown(const Survey& survey, std::ostream& out) {
   if (survey.unknown.empty()) return;
-  Table table{{"NOT RECOGNISED", "PORT", "PACKETS", "RATE", "DURATION", "BYTES"}};
+  TextTable table{{"NOT RECOGNISED", "PORT", "PACKETS", "RATE", "DURATION", "BYTES"}};
   for (std::size_t i = 0; i < std::min(unknown_rows, survey.unknown.size()); ++i) {
-    const Flow& flow = survey.unknown[i];
+    const SeenFlow& flow = survey.unknown[i];
     std::string bytes = std::to_string(flow.smallest);
     if (flow.largest != flow.smallest) bytes += "-" + std::to_string(flow.largest);
-    table.push_back({flow.sender.to_string(),
+    table.push_back({flow.address.to_string(),
                      (flow.transport == Transport::tcp ? "TCP " : "") + std::to_string(flow.port),
                      std::to_string(flow.packets), fixed(flow.rate(), 1) + "/s",
                      fixed(flow.duration(), 3) + " s",
                      bytes + (flow.remark.empty() ? "" : "  " + printable(flow.remark))});
   }
   out << "#\n";
-  print_table(table, out);
+  print_columns(table, out, "# ");
   const std::size_t more = survey.unknown.size() - table.size() + 1;
   if (more > 0) out << "# and " << more << " more (see --json)\n";
   if (survey.uncounted > 0)
@@ -184,20 +141,18 @@ void print_text(const Survey& survey, std::ostream& out) {
       << config_of(survey);
 }
 
-template <typename Counts>
-void put_counts(const Counts& counts, Json& out) {
-  for (const NamedCount& count : counts) out[count.name] = count.n;
+template <class Owner, std::size_t n>
+void put(const NamedCounter<Owner> (&counters)[n], const Owner& owner, Json& out) {
+  for (const auto& counter : counters) out[counter.key] = owner.*counter.value;
 }
 
 Json json_of(const SurveyedCapture& capture) {
-  Json out{{"file", capture.file}, {"error", nullptr}, {"frames", capture.counters.frames}};
+  Json out{{"file", capture.file}, {"error", nullptr}};
   if (!capture.error.empty()) out["error"] = capture.error;
-  out["datagrams"] = capture.counters.datagrams;
-  out["tcp_segments"] = capture.counters.tcp_segments;
-  out["tcp_streams"] = capture.counters.tcp.streams;
-  out["tcp_bytes"] = capture.counters.tcp.bytes;
-  put_counts(losses(capture.counters), out);
-  out["reassembled"] = capture.counters.reassembled;
+  put(capture_counts, capture.counters, out);
+  put(tcp_counts, capture.counters.tcp, out);
+  put(capture_losses, capture.counters, out);
+  put(tcp_losses, capture.counters.tcp, out);
   if (capture.first) {
     out["first_ns"] = capture.first->ns;
     out["last_ns"] = capture.last->ns;
@@ -205,11 +160,11 @@ Json json_of(const SurveyedCapture& capture) {
   return out;
 }
 
-Json json_of(const Flow& flow) {
+Json json_of(const SeenFlow& flow) {
   Json destinations = Json::array();
   for (const IpAddress& destination : flow.destinations) destinations.push_back(destination.to_string());
   Json out{{"transport", flow.transport == Transport::tcp ? "tcp" : "udp"},
-           {"sender", flow.sender.to_string()},
+           {"sender", flow.address.to_string()},
            {"source_port", flow.source_port},
            {"destinations", destinations},
            {"port", flow.port},
@@ -238,10 +193,8 @@ Json json_of(const FoundSensor& sensor) {
   if (sensor.telemetry) out["telemetry"] = json_of(*sensor.telemetry);
   out["rate_hz"] = sensor.rate();
   out["frame_rate_hz"] = sensor.frame_rate();
-  out["data_packets"] = c.packets;
-  out["other_packets"] = c.other_packets;
-  out["frames"] = c.frames;
-  put_counts(troubles(c), out);
+  put(usual_counters, c, out);
+  put(trouble_counters, c, out);
   out["rejected"] = Json::object();
   for (std::size_t i = 1; i < reject_reasons; ++i)
     out["rejected"][to_string(static_cast<Reject>(i))] = c.rejected[i];
@@ -256,7 +209,7 @@ void print_json(const Survey& survey, std::ostream& out) {
   Json captures = Json::array(), sensors = Json::array(), unknown = Json::array();
   for (const SurveyedCapture& capture : survey.captures) captures.push_back(json_of(capture));
   for (const FoundSensor& sensor : survey.sensors) sensors.push_back(json_of(sensor));
-  for (const Flow& flow : survey.unknown) unknown.push_back(json_of(flow));
+  for (const SeenFlow& flow : survey.unknown) unknown.push_back(json_of(flow));
   Json all{
       {"captures", captures}, {"sensors", sensors}, {"unknown", unknown}, {"uncounted", survey.uncounted}};
   all["config"] = survey.sensors.empty() ? Json() : Json(config_of(survey));

@@ -16,20 +16,12 @@ namespace {
 // An address scan or a peer-to-peer program makes a flow per packet; a vehicle has some dozens.
 constexpr std::size_t max_flows = 1000;
 
-/// Sender's address, and the destination port or, of a connection, its own.
-using FlowKey = std::pair<Transport, Endpoint>;
-
-FlowKey key_of(const Packet& packet) {
-  const bool tcp = packet.transport == Transport::tcp;
-  return {packet.transport, {packet.from.address, tcp ? packet.from.port : packet.to.port}};
-}
-
 struct Watched {
-  Flow flow;
+  SeenFlow flow;
   Identifier identifier;
   ConnectionPicker connection;
 };
-using Flows = std::map<FlowKey, Watched>;
+using Flows = std::map<Flow, Watched>;
 
 /// Notes when the frames of a sensor were measured.
 class FrameTimes final : public DriverOutput {
@@ -46,12 +38,10 @@ class FrameTimes final : public DriverOutput {
   FoundSensor* sensor_;
 };
 
-void add_to(Flow& flow, const Packet& packet) {
+void add_to(SeenFlow& flow, const Packet& packet) {
   const std::size_t size = packet.payload.size();
   if (flow.packets++ == 0) {
-    flow.sender = packet.from.address;
-    flow.transport = packet.transport;
-    flow.port = key_of(packet).second.port;
+    static_cast<Flow&>(flow) = flow_of(packet);
     flow.source_port = packet.from.port;
     flow.peer = packet.to;
     flow.smallest = size;
@@ -89,7 +79,7 @@ SurveyedCapture read(const std::string& file, Take take) {
 }
 
 void watch(Packet packet, Flows& flows, std::uint64_t& uncounted) {
-  const FlowKey key = key_of(packet);
+  const Flow key = flow_of(packet);
   auto found = flows.find(key);
   if (found == flows.end()) {
     if (flows.size() >= max_flows) {
@@ -109,18 +99,16 @@ std::string name_for(const Model& model, const std::vector<FoundSensor>& others)
   return std::string(model.name) + (same == 0 ? "" : "_" + std::to_string(same + 1));
 }
 
-/// The sensor whose telemetry or dialogue this flow is, or whose client's side of the conversation.
-FoundSensor* owner_of(const Flow& flow, std::vector<FoundSensor>& sensors) {
-  for (FoundSensor& sensor : sensors) {
-    const bool tcp = sensor.data.transport == Transport::tcp;
-    const Endpoint device{sensor.data.sender, tcp ? sensor.data.port : sensor.model->dialogue_port};
-    if (flow.transport == Transport::tcp) {
-      if (flow.peer == device || device == Endpoint{flow.sender, flow.port}) return &sensor;
-    } else if (!tcp && flow.sender == sensor.data.sender && flow.port == sensor.model->telemetry_port) {
-      return &sensor;
-    }
+/// Whose packets: the sensors found, by their places in the list.
+FlowTable<std::size_t> owners_of(const std::vector<FoundSensor>& sensors) {
+  FlowTable<std::size_t> owners;
+  for (std::size_t i = 0; i < sensors.size(); ++i) owners.add(sensors[i].data, i);
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    const Model& model = *sensors[i].model;
+    const Flow& data = sensors[i].data;
+    for (const Flow& flow : flows_of(model, data.address, data.port)) owners.add(flow, i);
   }
-  return nullptr;
+  return owners;
 }
 
 /// Sorts the flows into sensors, their telemetry and the rest.
@@ -136,53 +124,51 @@ void sort_out(Flows& flows, Survey& out) {
     sensor.data = watched.flow;
     out.sensors.push_back(std::move(sensor));
   }
-  for (auto& [key, watched] : flows) {
+  const FlowTable<std::size_t> owners = owners_of(out.sensors);
+  for (auto& [flow, watched] : flows) {
     if (watched.identifier.verdict() != nullptr) continue;
-    FoundSensor* owner = owner_of(watched.flow, out.sensors);
+    const std::size_t* owner = owners.find(flow);
+    const Endpoint& peer = watched.flow.peer;
+    // The client's side of a conversation is of no interest.
+    if (owner == nullptr && flow.transport == Transport::tcp)
+      owner = owners.find({Transport::tcp, peer.address, peer.port});
     if (owner == nullptr)
       out.unknown.push_back(watched.flow);
-    else if (watched.flow.transport == Transport::udp)
-      owner->telemetry = watched.flow;
+    else if (flow.transport == Transport::udp)
+      out.sensors[*owner].telemetry = watched.flow;
   }
   std::stable_sort(out.unknown.begin(), out.unknown.end(),
-                   [](const Flow& a, const Flow& b) { return a.packets > b.packets; });
+                   [](const SeenFlow& a, const SeenFlow& b) { return a.packets > b.packets; });
 }
 
 /// Lets the drivers of the sensors see their packets.
 void judge(const std::vector<std::string>& captures, std::vector<FoundSensor>& sensors) {
   struct Receiver {
-    Driver* driver;
-    FrameTimes* times;
+    std::unique_ptr<Driver> driver;
+    FrameTimes times;
     ConnectionPicker connection{};
   };
-  std::vector<std::unique_ptr<Driver>> drivers;
-  std::vector<FrameTimes> times(sensors.begin(), sensors.end());
-  std::map<FlowKey, Receiver> receivers;
-  for (const FoundSensor& sensor : sensors) {
+  std::vector<Receiver> receivers;
+  for (FoundSensor& sensor : sensors) {
     DriverConfig config;
     config.model = sensor.model;
     config.frame_id = sensor.name;
-    drivers.push_back(sensor.model->make(config));
-    const auto listen = [&](Transport transport, std::uint16_t port) {
-      receivers[{transport, {sensor.data.sender, port}}] = {drivers.back().get(), &times[drivers.size() - 1]};
-    };
-    listen(sensor.data.transport, sensor.data.port);
-    if (sensor.telemetry) listen(Transport::udp, sensor.telemetry->port);
-    if (sensor.model->dialogue_port != 0) listen(Transport::tcp, sensor.model->dialogue_port);
+    receivers.push_back({sensor.model->make(config), FrameTimes(sensor)});
   }
+  const FlowTable<std::size_t> owners = owners_of(sensors);
   for (const std::string& file : captures) {
     read(file, [&](Packet packet) {
-      const auto found = receivers.find(key_of(packet));
-      if (found == receivers.end()) return;
-      Receiver& receiver = found->second;
+      const std::size_t* owner = owners.find(packet);
+      if (owner == nullptr) return;
+      Receiver& receiver = receivers[*owner];
       if (packet.transport == Transport::udp || receiver.connection.pick(packet))
-        receiver.driver->receive(packet, *receiver.times);
+        receiver.driver->receive(packet, receiver.times);
     });
   }
   for (std::size_t i = 0; i < sensors.size(); ++i) {
-    drivers[i]->finish(times[i]);
-    sensors[i].counters = drivers[i]->counters();
-    sensors[i].info = drivers[i]->info();
+    receivers[i].driver->finish(receivers[i].times);
+    sensors[i].counters = receivers[i].driver->counters();
+    sensors[i].info = receivers[i].driver->info();
   }
 }
 
@@ -216,7 +202,7 @@ std::string config_of(const Survey& survey) {
     yaml += "  " + sensor.name + ":\n";
     yaml += "    model: " + std::string(sensor.model->name) + "\n";
     yaml += others_in_yaml(sensor);
-    yaml += "    ip_address: \"" + sensor.data.sender.to_string() + "\"\n";
+    yaml += "    ip_address: \"" + sensor.data.address.to_string() + "\"\n";
     yaml += "    ip_port: " + std::to_string(sensor.data.port) + "\n";
     for (const IpAddress& destination : sensor.data.destinations) {
       if (!destination.is_multicast()) continue;

@@ -9,17 +9,12 @@
 #include <vector>
 
 #include "drivers/capture/pcap_source.h"
-#include "drivers/driver.h"
-#include "drivers/model.h"
+#include "drivers/flow.h"
 
 namespace lidard {
 
-/// The datagrams from one address to one port, or what it sent over connections to one port of its own: as
-/// far as a configuration can tell senders apart.
-struct Flow {
-  Transport transport = Transport::udp;
-  IpAddress sender;
-  std::uint16_t port = 0;  ///< destination; of connections: the sender's own
+/// A flow, and what came of it.
+struct SeenFlow : Flow {
   std::set<IpAddress> destinations;
   std::uint16_t source_port = 0;  ///< of the first datagram
   Endpoint peer;                  ///< of the first connection
@@ -39,8 +34,8 @@ struct FoundSensor {
   std::string name;  ///< for the configuration
   const Model* model = nullptr;
   std::vector<const Model*> others;  ///< models that the packets may be of as well
-  Flow data;
-  std::optional<Flow> telemetry;
+  SeenFlow data;
+  std::optional<SeenFlow> telemetry;
   Counters counters;
   DeviceInfo info;
   std::uint64_t frames = 0;       ///< handed on
@@ -68,7 +63,7 @@ struct SurveyedCapture {
 struct Survey {
   std::vector<SurveyedCapture> captures;
   std::vector<FoundSensor> sensors;  ///< by address and port
-  std::vector<Flow> unknown;         ///< flows that no model claims, the one with most packets first
+  std::vector<SeenFlow> unknown;     ///< flows that no model claims, the one with most packets first
   std::uint64_t uncounted = 0;       ///< datagrams beyond the number of flows that are told apart
 };
 

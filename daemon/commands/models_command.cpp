@@ -2,26 +2,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/commands/models_command.h"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <string>
 #include <vector>
 
+#include "daemon/files/text_table.h"
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
 
 namespace lidard {
 namespace {
 
-constexpr std::size_t columns = 6;
-using Row = std::array<std::string, columns>;
-
 const char* transport_of(const Model& model) { return model.transport == Transport::udp ? "UDP" : "TCP"; }
 
-Row row_of(const Model& model) {
+std::vector<std::string> row_of(const Model& model) {
   const std::string port = model.port == 0 ? "port as configured" : std::to_string(model.port);
   return {std::string(model.name),
           std::string(model.vendor) + " " + std::string(model.product),
@@ -29,20 +25,6 @@ Row row_of(const Model& model) {
           std::string(transport_of(model)) + " " + port,
           std::to_string(std::lround(model.packets_per_s)) + "/s",
           std::string(model.verified)};
-}
-
-void print_table(std::ostream& out) {
-  std::vector<Row> rows{{"name", "product", "protocol", "transport", "packets", "verified"}};
-  for (const Model& model : models()) rows.push_back(row_of(model));
-  std::array<std::size_t, columns> widths{};
-  for (const Row& row : rows) {
-    for (std::size_t i = 0; i < columns; ++i) widths[i] = std::max(widths[i], row[i].size());
-  }
-  for (const Row& row : rows) {
-    for (std::size_t i = 0; i + 1 < columns; ++i)
-      out << row[i] << std::string(widths[i] - row[i].size() + 2, ' ');
-    out << row.back() << '\n';
-  }
 }
 
 nlohmann::ordered_json json_of(const Model& model) {
@@ -66,7 +48,9 @@ nlohmann::ordered_json json_of(const Model& model) {
 
 int run_models(bool json, std::ostream& out) {
   if (!json) {
-    print_table(out);
+    TextTable table{{"name", "product", "protocol", "transport", "packets", "verified"}};
+    for (const Model& model : models()) table.push_back(row_of(model));
+    print_columns(table, out);
     return 0;
   }
   nlohmann::ordered_json list = nlohmann::ordered_json::array();

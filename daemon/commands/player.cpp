@@ -3,45 +3,48 @@
 #include "daemon/commands/player.h"
 
 #include <algorithm>
-#include <chrono>
 #include <thread>
 
 #include "daemon/commands/progress.h"
+#include "drivers/net/wall_clock.h"
 
 namespace lidard {
-namespace {
-
-Stamp wall_clock() {
-  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
-  return {std::chrono::duration_cast<Span>(since_epoch).count()};
-}
-
-}  // namespace
-
 Player::Player(const ReplayOptions& options, MergedCapture& capture, Pipeline& pipeline)
-    : options_(options), capture_(capture), pipeline_(pipeline) {}
+    : rest([](auto until) { std::this_thread::sleep_until(until); }),
+      options_(options),
+      capture_(capture),
+      pipeline_(pipeline) {}
 
-bool Player::wait_for(Stamp stamp, const std::function<bool()>& stop) {
-  if (options_.rate <= 0) return !stop();
+std::chrono::steady_clock::time_point Player::due(Stamp stamp) const {
   const std::chrono::duration<double> since(seconds(stamp - begin_) / options_.rate);
-  const auto due = wall_begin_ + std::chrono::duration_cast<std::chrono::nanoseconds>(since);
-  // In short steps, so that a stop during a long silence is seen.
-  while (!stop()) {
-    const auto now = std::chrono::steady_clock::now();
-    if (now >= due) return true;
-    std::this_thread::sleep_until(std::min(due, now + std::chrono::milliseconds(100)));
-  }
-  return false;
+  return wall_begin_ + std::chrono::duration_cast<std::chrono::nanoseconds>(since);
 }
 
-/// What the pipeline has to do before `until` happens at its own time too.
-bool Player::play_events(Stamp until, const std::function<bool()>& stop) {
-  if (options_.rate <= 0) return true;
-  for (auto event = pipeline_.next_event(); event && *event < until; event = pipeline_.next_event()) {
-    if (!wait_for(*event, stop)) return false;
-    pipeline_.advance(*event);
+Stamp Player::now() const {
+  if (options_.rate <= 0) return last_;
+  const std::chrono::duration<double> since = std::chrono::steady_clock::now() - wall_begin_;
+  return std::clamp(begin_ + span_from_seconds(since.count() * options_.rate), last_, std::max(last_, next_));
+}
+
+/// Waits until it is `stamp`. What the pipeline has to do before happens at its own time too.
+bool Player::wait_for(Stamp stamp, const std::function<bool()>& stop) {
+  next_ = stamp;
+  rest({});
+  while (options_.rate > 0 && !stop()) {
+    const auto event = pipeline_.next_event();
+    const bool has_event = event && *event < stamp;
+    const auto until = due(has_event ? *event : stamp);
+    const auto now = std::chrono::steady_clock::now();
+    if (now < until) {
+      // In short steps, so that a stop during a long silence is seen.
+      rest(std::min(until, now + std::chrono::milliseconds(100)));
+    } else if (has_event) {
+      pipeline_.advance(*event);
+    } else {
+      return true;
+    }
   }
-  return true;
+  return !stop();
 }
 
 bool Player::play_once(const std::function<bool()>& stop) {
@@ -65,7 +68,7 @@ bool Player::play_once(const std::function<bool()>& stop) {
       begin_ = last_ = packet.arrival;
       wall_begin_ = std::chrono::steady_clock::now();
     }
-    if (!play_events(packet.arrival, stop) || !wait_for(packet.arrival, stop)) return false;
+    if (!wait_for(packet.arrival, stop)) return false;
     last_ = std::max(last_, packet.arrival);
     if (on_time) on_time(packet.arrival);
     pipeline_.packet(packet);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <functional>
 
 #include "daemon/commands/replay.h"
@@ -17,10 +18,15 @@ class Player {
 
   /// Called with the stamp of every packet before it is played (for /clock).
   std::function<void(Stamp)> on_time;
+  /// Called for each packet, and while there is nothing to do before `until`, which may have passed. Returns
+  /// then, or earlier.
+  std::function<void(std::chrono::steady_clock::time_point until)> rest;
 
   /// Plays until the end, or until `stop()` says so.
   void play(const std::function<bool()>& stop);
 
+  /// What time it is in the replay, once it has begun.
+  Stamp now() const;
   /// Seconds of capture played so far.
   double played_s() const { return seconds(last_ - begin_); }
   /// Datagrams before `start`, not played.
@@ -28,8 +34,8 @@ class Player {
 
  private:
   bool play_once(const std::function<bool()>& stop);
-  bool play_events(Stamp until, const std::function<bool()>& stop);
   bool wait_for(Stamp stamp, const std::function<bool()>& stop);
+  std::chrono::steady_clock::time_point due(Stamp stamp) const;
 
   const ReplayOptions& options_;
   MergedCapture& capture_;
@@ -37,6 +43,7 @@ class Player {
   bool started_ = false;
   Stamp begin_{};  // of what is played, on the output's time scale
   Stamp last_{};
+  Stamp next_{};
   Span restamp_shift_{0};  // from the capture's stamps to those of the first round
   Span loop_shift_{0};     // from the capture's stamps to those of this round
   std::chrono::steady_clock::time_point wall_begin_;

@@ -11,6 +11,7 @@
 #include <ostream>
 
 #include "daemon/config/exit_codes.h"
+#include "daemon/pipeline/sensor_flows.h"
 
 namespace lidard {
 namespace {
@@ -35,8 +36,8 @@ using Dump = std::unique_ptr<pcap_dumper_t, CloseDump>;
 std::string sensor_filter(const SensorConfig& sensor) {
   if (sensor.ip_address) return "host " + sensor.ip_address->to_string();
   // Fragments but the first have no ports; a sender that is not known cannot be picked out of them.
-  std::string filter = "udp dst port " + std::to_string(sensor.ip_port) + " or (ip[6:2] & 0x1fff != 0)";
-  if (sensor.telemetry_port != 0) filter += " or udp dst port " + std::to_string(sensor.telemetry_port);
+  std::string filter = "(ip[6:2] & 0x1fff != 0)";
+  for (const Flow& flow : flows_of(sensor)) filter += " or udp dst port " + std::to_string(flow.port);
   return filter;
 }
 

@@ -2,21 +2,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/commands/replay.h"
 
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
 #include <csignal>
+#include <cstdlib>
 #include <memory>
 #include <ostream>
 #include <thread>
 
 #include "daemon/commands/player.h"
 #include "daemon/config/exit_codes.h"
-#include "daemon/config/output_topics.h"
-#include "daemon/pipeline/output_report.h"
 #include "daemon/pipeline/report.h"
-#include "daemon/pipeline/transform_source.h"
 #include "daemon/ros/bag_poses.h"
 #include "daemon/ros/bag_sink.h"
-#include "daemon/ros/ros_link.h"
-#include "daemon/ros/tf_poses.h"
+#include "daemon/ros/ros_environment.h"
+#include "daemon/ros/ros_session.h"
 
 namespace lidard {
 namespace {
@@ -30,37 +31,39 @@ void stop_on_signals() {
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int number) { stop_signal = number; });
 }
 
-/// The parts that a replay needs whatever it writes to.
+/// Captures on their way through a pipeline into a sink.
 struct Replay {
-  const ReplayOptions& options;
+  Replay(const ReplayOptions& how, const Config& what, MergedCapture& from, FrameSink& to,
+         TransformSource& poses)
+      : config(what),
+        capture(from),
+        sink(to),
+        pipeline(config, poses, sink),
+        player(how, capture, pipeline) {}
+
   const Config& config;
   MergedCapture& capture;
-  std::ostream& out;
-  std::ostream& err;
+  FrameSink& sink;
+  Pipeline pipeline;
+  Player player;
 
-  /// `motion` is called before each packet, for poses that come by message. False if an output never came.
-  bool play(FrameSink& target, TransformSource& poses, std::function<void(Stamp)> on_time,
-            const std::function<void(Pipeline&, Stamp)>& motion = nullptr) {
-    CountingSink sink(target, output_topics(config));
-    Pipeline pipeline(config, poses, sink);
-    Player player(options, capture, pipeline);
+  /// Plays and prints what came; `on_time` is called before each packet. False if an output never came.
+  bool play(const std::function<void(Stamp)>& on_time, std::ostream& out, std::ostream& err) {
     bool first = true;
-    player.on_time = [&, on_time = std::move(on_time)](Stamp stamp) {
+    player.on_time = [&](Stamp stamp) {
       if (first) sink.transforms(pipeline.static_transforms(), stamp);
       first = false;
-      if (motion) motion(pipeline, stamp);
-      if (on_time) on_time(stamp);
+      on_time(stamp);
     };
     player.play(stopped);
-    report(pipeline, player);
-    auto outputs = sink.reports();
-    for (OutputReport& output : outputs) output.remark = pipeline.why_missing(output.name);
+    report(out, err);
+    const auto outputs = pipeline.output_report();
     print_outputs("output", outputs, out);
     // Who stops a replay early knows that not everything has come.
     return stopped() || all_came(outputs);
   }
 
-  void report(const Pipeline& pipeline, const Player& player) const {
+  void report(std::ostream& out, std::ostream& err) const {
     const auto sensors = pipeline.report();
     print_table(sensors, out);
     print_verdicts(config, sensors, out);
@@ -72,72 +75,67 @@ struct Replay {
       for (const auto& warning : sensor.info.warnings) err << sensor.name << ": " << warning << '\n';
     }
   }
-
-  void wait_for_subscribers() const {
-    const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(options.wait);
-    while (!stopped() && std::chrono::steady_clock::now() < until) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-  }
-
-  int into_bag() {
-    BagSink sink(options.bag, pipeline_topics(config));
-    bool complete = false;
-    if (options.motion.empty()) {
-      NoTransforms poses;
-      complete = play(sink, poses, nullptr);
-    } else {
-      BagPoses poses(options.motion, config.vehicle.odometry_topic);
-      complete = play(sink, poses, nullptr, [&poses](Pipeline& pipeline, Stamp now) {
-        poses.odometry_until(now, [&](Stamp stamp, const Pose& pose, const std::string& child) {
-          pipeline.pose_message(stamp, pose, child, stamp);
-        });
-      });
-    }
-    sink.close();
-    return complete ? exit_ok : exit_failed;
-  }
-
-  int into_ros() {
-    stop_on_signals();
-    if (!config.vehicle.odometry_topic.empty() || !config.vehicle.imu_topic.empty())
-      err << "a replay to ROS listens to no odometry_topic and no imu_topic, so scans are not deskewed; use "
-             "odometry_frame (tf), or --bag with --motion\n";
-    RosOptions ros;
-    ros.node_name = options.node_name;
-    ros.remappings = options.ros_arguments;
-    ros.topics = pipeline_topics(config);
-    ros.backpressure = Backpressure::block;
-    ros.clock = options.clock;
-    RosLink link(ros);
-    const auto poses = std::make_shared<TfPoses>();
-    link.add_client(poses);
-    // roscpp installs handlers of its own when it starts; ours must come last.
-    link.start();
-    constexpr Span master_patience = std::chrono::seconds(5);
-    if (!link.wait_for_master(master_patience)) {
-      const std::string conflict = link.conflict();
-      if (!conflict.empty())
-        err << conflict << '\n';
-      else
-        err << "no ROS master answers at " << choose_master(options.ros_arguments)
-            << "; start one (roscore), set ROS_MASTER_URI, or write a bag with --bag\n";
-      link.stop();
-      return exit_failed;
-    }
-    stop_on_signals();
-    wait_for_subscribers();
-    const auto clock =
-        options.clock ? [&link](Stamp stamp) { link.publish_clock(stamp); } : std::function<void(Stamp)>();
-    const bool complete = play(link, *poses, clock);
-    constexpr Span flush_patience = std::chrono::seconds(5);
-    const bool flushed = link.flush(flush_patience);
-    if (!flushed) err << "some frames were not taken by their subscribers within 5 s\n";
-    const int code = flushed && complete ? exit_ok : exit_failed;
-    if (!link.stop()) std::quick_exit(code);
-    return code;
-  }
 };
+
+int into_bag(const ReplayOptions& options, const Config& config, MergedCapture& capture, std::ostream& out,
+             std::ostream& err) {
+  BagSink sink(options.bag);
+  BagPoses motion(options.motion, config.vehicle.odometry_topic);
+  Replay replay(options, config, capture, sink, motion);
+  const bool complete = replay.play([&](Stamp now) { motion.feed(replay.pipeline, now); }, out, err);
+  sink.close();
+  return complete ? exit_ok : exit_failed;
+}
+
+void wait_for_subscribers(double limit) {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(limit);
+  while (!stopped() && std::chrono::steady_clock::now() < until)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+}
+
+/// What is wrong if the session has not come to ROS.
+std::string why_not_connected(const RosSession& session, const RosOptions& ros) {
+  const std::string conflict = session.conflict();
+  return !conflict.empty() ? conflict
+                           : "no ROS master answers at " + choose_master(ros.remappings) +
+                                 "; start one (roscore), set ROS_MASTER_URI, or write a bag with --bag";
+}
+
+int into_ros(const ReplayOptions& options, const Config& config, MergedCapture& capture, std::ostream& out,
+             std::ostream& err) {
+  RosOptions ros = options.ros;
+  ros.backpressure = Backpressure::block;
+  boost::asio::io_context messages;  // for the thread of the pipeline, which is this one
+  const auto more_may_come = boost::asio::make_work_guard(messages);
+  RosSession session(config, ros);
+  Replay replay(options, config, capture, session, session.poses());
+  session.feed(replay.pipeline, [&](std::function<void(Stamp)> task) {
+    boost::asio::post(messages, [&replay, task = std::move(task)] { task(replay.player.now()); });
+  });
+  replay.player.rest = [&messages](auto until) {
+    messages.poll();
+    messages.run_one_until(until);
+  };
+  session.start();
+  constexpr Span patience = std::chrono::seconds(5);
+  if (!session.wait_for_master(patience)) {
+    err << why_not_connected(session, ros) << '\n';
+    session.stop();
+    return exit_failed;
+  }
+  // roscpp installs handlers of its own when it starts; ours must come last.
+  stop_on_signals();
+  wait_for_subscribers(options.wait);
+  const auto clock = [&](Stamp now) {
+    if (ros.clock) session.publish_clock(now);
+  };
+  const bool complete = replay.play(clock, out, err);
+  const bool flushed = session.flush(patience);
+  if (!flushed) err << "some frames were not taken by their subscribers within 5 s\n";
+  const int code = flushed && complete ? exit_ok : exit_failed;
+  if (!session.stop()) std::quick_exit(code);
+  return code;
+}
 
 }  // namespace
 
@@ -155,8 +153,8 @@ int run_replay(const ReplayOptions& options, const Config& config, std::ostream&
     for (const auto& warning : config.warnings) err << warning << '\n';
     MergedCapture capture(options.captures);
     stop_on_signals();
-    Replay replay{options, config, capture, out, err};
-    const int code = options.bag.empty() ? replay.into_ros() : replay.into_bag();
+    const auto play = options.bag.empty() ? into_ros : into_bag;
+    const int code = play(options, config, capture, out, err);
     for (const auto& error : capture.errors()) err << error << '\n';
     return capture.is_damaged() ? exit_failed : code;
   } catch (const RosError& e) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/time.h"
+#include "daemon/ros/ros_options.h"
 
 namespace lidard {
 
@@ -20,14 +21,12 @@ struct ReplayOptions {
   bool loop = false;                               ///< again and again, stamps going on
   double start = 0;                                ///< s into the capture
   double duration = -1;                            ///< s; negative: to the end
-  bool clock = false;                              ///< publish /clock
   double wait = 0;                                 ///< s between advertising the topics and the first frame
   bool restamp = false;                            ///< stamps as if it were live: the first packet comes now
   Span loop_gap = std::chrono::milliseconds(100);  ///< between the last packet of a round and the next round
-  std::string node_name = "lidard";
+  RosOptions ros;
   std::string bag;     ///< write here instead of to ROS
   std::string motion;  ///< with `bag`: a bag whose tf or odometry tells how the vehicle moved
-  std::vector<std::string> ros_arguments;  ///< remappings, for ros::init
 };
 
 /// Plays captures through the pipeline of a configuration into ROS or a bag. Messages go to `err`, the table

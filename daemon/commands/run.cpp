@@ -9,22 +9,17 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <cstdlib>
 #include <ostream>
 
 #include "daemon/config/exit_codes.h"
-#include "daemon/config/output_topics.h"
 #include "daemon/live/service.h"
 #include "daemon/live/tcp_connections.h"
 #include "daemon/live/udp_ports.h"
-#include "daemon/live/velodyne_controls.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/report.h"
-#include "daemon/ros/ros_inputs.h"
-#include "daemon/ros/ros_link.h"
-#include "daemon/ros/ros_motion.h"
-#include "daemon/ros/ros_reconfigure.h"
-#include "daemon/ros/tf_poses.h"
+#include "daemon/ros/ros_environment.h"
+#include "daemon/ros/ros_session.h"
+#include "drivers/net/wall_clock.h"
 
 namespace lidard {
 namespace {
@@ -37,11 +32,6 @@ constexpr Span longest_report_age = std::chrono::seconds(2);
 /// Threads that live make ten rounds per second.
 constexpr auto longest_round = std::chrono::seconds(1);
 
-Stamp wall_clock() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return Stamp{std::chrono::duration_cast<std::chrono::nanoseconds>(now).count()};
-}
-
 /// Figures alone are no news.
 std::string without_figures(std::string text) {
   text.erase(std::remove_if(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; }),
@@ -49,39 +39,15 @@ std::string without_figures(std::string text) {
   return text;
 }
 
-/// What the outputs take a source for.
-std::optional<FrameKind> use_of(const std::string& sensor, const Config& config) {
-  for (const auto& merged : config.merged_scans) {
-    const auto& names = merged.laserscan_topics;
-    if (std::find(names.begin(), names.end(), sensor) != names.end()) return FrameKind::scan;
-  }
-  for (const auto& group : config.virtual_scans) {
-    if (group.cloud_topic == sensor) return FrameKind::cloud;
-  }
-  return std::nullopt;
-}
-
-std::vector<TopicSource> topic_sources(const Config& config) {
-  std::vector<TopicSource> sources;
-  for (const auto& sensor : config.sensors) {
-    if (sensor.model == nullptr)
-      sources.push_back({sensor.name, sensor.topic, false, use_of(sensor.name, config)});
-    if (!sensor.packet_topic.empty()) sources.push_back({sensor.name, sensor.packet_topic, true});
-  }
-  return sources;
-}
-
 /// Everything of a running daemon. The constructor's thread becomes the sensor thread.
 class Daemon {
  public:
-  Daemon(const Config& config, const RunOptions& how)
-      : link_(ros_options(config, how)),
-        pipeline_(config, *poses_, link_),
-        controls_(config),
+  Daemon(const Config& config, const RosOptions& how)
+      : ros_(config, how),
+        pipeline_(config, ros_.poses(), ros_),
         ports_(io_, config,
                [this](const Packet& packet) {
                  pipeline_.packet(packet);
-                 controls_.packet(packet);
                  arm();
                }),
         links_(io_, config,
@@ -92,50 +58,19 @@ class Daemon {
                 [this](std::size_t sensor, Stamp now) { pipeline_.connected(sensor, now); },
                 [this](std::size_t sensor) { pipeline_.disconnected(sensor); },
                 [this](std::size_t sensor) { return pipeline_.frames(sensor); }}),
-        inputs_(std::make_shared<RosInputs>(
-            topic_sources(config),
-            [this](std::function<void()> task) { boost::asio::post(io_, std::move(task)); },
-            TopicHandlers{[this](const std::string& s, PlanarScan& scan, Stamp t) {
-                            pipeline_.scan_message(s, scan, t);
-                            arm();
-                          },
-                          [this](const std::string& s, Cloud& cloud, Stamp t) {
-                            pipeline_.cloud_message(s, cloud, t);
-                            arm();
-                          },
-                          [this](const std::string& s, ByteView packet, Stamp arrival, Stamp t) {
-                            pipeline_.packet_message(s, {packet, arrival, {}, {}}, t);
-                            arm();
-                          }})),
-        motion_(std::make_shared<RosMotion>(
-            config.vehicle, [this](std::function<void()> task) { boost::asio::post(io_, std::move(task)); },
-            MotionHandlers{[this](Stamp stamp, const Pose& pose, const std::string& child) {
-                             pipeline_.pose_message(stamp, pose, child, wall_clock());
-                           },
-                           [this](Stamp stamp, const Eigen::Vector3d& rates, const std::string& frame) {
-                             pipeline_.turn_message(stamp, rates, frame, wall_clock());
-                           },
-                           [this](double speed) { pipeline_.speed_message(speed); }})),
-        reconfigure_(
-            std::make_shared<RosReconfigure>(changeable_outputs(config, how.reconfigure),
-                                             [this](const OutputId& output, const OutputScanConfig& wanted) {
-                                               boost::asio::post(io_, [this, output, wanted] {
-                                                 pipeline_.set_output(output, wanted);
-                                                 arm();
-                                               });
-                                             })),
         signals_(io_, SIGINT, SIGTERM),
         timer_(io_),
         event_timer_(io_) {
     pipeline_.set_links(&links_);
-    link_.add_client(poses_);
-    link_.add_client(inputs_);
-    link_.add_client(motion_);
-    link_.add_client(reconfigure_);
+    ros_.feed(pipeline_, [this](std::function<void(Stamp)> task) {
+      boost::asio::post(io_, [this, task = std::move(task), received = wall_clock()] {
+        task(received);
+        arm();
+      });
+    });
     pipeline_.add_diagnostics([this](std::vector<DiagnosticItem>& items) {
       ports_.add_diagnostics(items);
       links_.add_diagnostics(items);
-      controls_.add_diagnostics(items, wall_clock());
     });
   }
 
@@ -149,9 +84,8 @@ class Daemon {
     });
     ports_.start();
     links_.start();
-    controls_.start();
-    link_.start();
-    link_.transforms(pipeline_.static_transforms(), wall_clock());
+    ros_.start();
+    ros_.transforms(pipeline_.static_transforms(), wall_clock());
     service_.ready(status());
     next_tick_ = std::chrono::steady_clock::now();
     schedule_tick();
@@ -160,21 +94,12 @@ class Daemon {
     ports_.stop();
     pipeline_.finish(wall_clock());  // what is still in doubt of the last packets is counted
     links_.stop();
-    controls_.stop();
     for (const auto& sensor : pipeline_.report()) log_sensor(sensor);
-    left = link_.stop();
+    left = ros_.stop();
     return exit_code_;
   }
 
  private:
-  static RosOptions ros_options(const Config& config, const RunOptions& how) {
-    RosOptions options;
-    options.node_name = how.node_name;
-    options.remappings = how.ros_arguments;
-    options.topics = pipeline_topics(config);
-    options.longest_report_age = longest_report_age;
-    return options;
-  }
   std::string status() const {
     std::size_t alive = 0;
     const Stamp now = wall_clock();
@@ -184,7 +109,7 @@ class Daemon {
     std::string text = std::to_string(alive) + "/" + std::to_string(reports.size()) + " lidars, ";
     for (const std::string& part : {ports_.summary(), links_.summary()})
       if (!part.empty()) text += part + ", ";
-    return text + "ROS master " + (link_.has_master() ? "present" : "absent");
+    return text + "ROS master " + (ros_.has_master() ? "present" : "absent");
   }
   static void log_sensor(const SensorReport& sensor) {
     const Counters& c = sensor.counters;
@@ -238,7 +163,7 @@ class Daemon {
   /// This thread moves, since it is here.
   void feed_watchdog() {
     const auto now = std::chrono::steady_clock::now();
-    const std::string standing = link_.standing_threads();
+    const std::string standing = ros_.standing_threads();
     if (standing.empty()) {
       service_.alive();
       fed_ = now;
@@ -249,7 +174,7 @@ class Daemon {
     }
   }
   void leave_name_to_others() {
-    const std::string conflict = link_.conflict();
+    const std::string conflict = ros_.conflict();
     if (conflict.empty() || exit_code_ != exit_ok) return;
     spdlog::error("{}", conflict);
     exit_code_ = exit_failed;
@@ -271,15 +196,10 @@ class Daemon {
 
   boost::asio::io_context io_{1};
   ServiceManager service_;
-  std::shared_ptr<TfPoses> poses_ = std::make_shared<TfPoses>();
-  RosLink link_;
+  RosSession ros_;
   Pipeline pipeline_;
-  VelodyneControls controls_;
   UdpPorts ports_;
   TcpConnections links_;
-  std::shared_ptr<RosInputs> inputs_;
-  std::shared_ptr<RosMotion> motion_;
-  std::shared_ptr<RosReconfigure> reconfigure_;
   boost::asio::signal_set signals_;
   boost::asio::steady_timer timer_;
   boost::asio::steady_timer event_timer_;
@@ -294,10 +214,11 @@ class Daemon {
 
 }  // namespace
 
-int run_daemon(const Config& config, const RunOptions& options, std::ostream& err) {
+int run_daemon(const Config& config, RosOptions ros, std::ostream& err) {
   try {
+    ros.longest_report_age = longest_report_age;
     for (const auto& warning : config.warnings) spdlog::warn("{}", warning);
-    Daemon daemon(config, options);
+    Daemon daemon(config, ros);
     bool left = false;
     const int code = daemon.run(left);
     // roscpp's destructors would wait for a master that hangs.
@@ -313,9 +234,9 @@ int run_daemon(const std::string& config_file, const std::vector<std::string>& r
                std::ostream& err) {
   set_up_logging();
   try {
-    RunOptions options;
-    options.ros_arguments = ros_arguments;
-    return run_daemon(load_config(config_file), options, err);
+    RosOptions ros;
+    ros.remappings = ros_arguments;
+    return run_daemon(load_config(config_file), ros, err);
   } catch (const ConfigError& e) {
     err << e.what() << '\n';
     return exit_config;

@@ -3,26 +3,21 @@
 #include "daemon/commands/snapshot.h"
 
 #include <algorithm>
-#include <cmath>
 #include <ctime>
 #include <ostream>
 #include <stdexcept>
 
+#include "core/base/number_text.h"
 #include "daemon/commands/player.h"
 #include "daemon/config/exit_codes.h"
 #include "daemon/files/snapshot_draw.h"
 #include "daemon/files/text_file.h"
-#include "daemon/pipeline/transform_source.h"
 #include "daemon/ros/bag_poses.h"
 
 namespace lidard {
 namespace {
 
-std::string fixed(double value, int digits) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", digits, value);
-  return text;
-}
+std::string fixed(double value, int digits) { return printed("%.*f", digits, value); }
 
 std::string to_utc(Stamp stamp) {
   const std::time_t whole = static_cast<std::time_t>(stamp.ns / 1'000'000'000);
@@ -30,8 +25,7 @@ std::string to_utc(Stamp stamp) {
   gmtime_r(&whole, &utc);
   char date[32];
   std::strftime(date, sizeof date, "%F %T", &utc);
-  return std::string(date) + "." +
-         fixed(1000 + static_cast<double>(stamp.ns / 1'000'000 % 1000), 0).substr(1) + " UTC";
+  return date + printed(".%03d UTC", static_cast<int>(stamp.ns / 1'000'000 % 1000));
 }
 
 std::string file_name(const std::string& path) { return path.substr(path.rfind('/') + 1); }
@@ -39,25 +33,6 @@ std::string file_name(const std::string& path) { return path.substr(path.rfind('
 bool ends_with(const std::string& text, const std::string& end) {
   return text.size() > end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
-
-/// How the vehicle moved, if a bag tells.
-class Motion {
- public:
-  Motion(const std::string& bag, const Config& config) {
-    if (!bag.empty()) bag_.emplace(bag, config.vehicle.odometry_topic);
-  }
-  TransformSource& poses() { return bag_ ? static_cast<TransformSource&>(*bag_) : none_; }
-  void feed(Pipeline& pipeline, Stamp now) {
-    if (!bag_) return;
-    bag_->odometry_until(now, [&](Stamp stamp, const Pose& pose, const std::string& child) {
-      pipeline.pose_message(stamp, pose, child, stamp);
-    });
-  }
-
- private:
-  NoTransforms none_;
-  std::optional<BagPoses> bag_;
-};
 
 /// Seconds from the first packet to the last.
 double length_of(MergedCapture& capture) {
@@ -72,9 +47,9 @@ double length_of(MergedCapture& capture) {
 
 /// Plays up to `at`, or on to the first frame if `patient`, and keeps what came until then; returns the
 /// seconds played. Frames that the end of play would cut off are no frames.
-double play_until(double at, bool patient, const Config& config, MergedCapture& capture, Motion& motion,
+double play_until(double at, bool patient, const Config& config, MergedCapture& capture, BagPoses& motion,
                   FrameKeeper& keeper) {
-  Pipeline pipeline(config, motion.poses(), keeper);
+  Pipeline pipeline(config, motion, keeper);
   ReplayOptions fast;
   fast.rate = 0;
   Player player(fast, capture, pipeline);
@@ -108,10 +83,10 @@ std::string picture(const SnapshotOptions& options, const Config& config, Chart:
     throw std::runtime_error("--at " + fixed(*options.at, 3) + ": the capture is " + fixed(length, 3) +
                              " s long");
   FrameKeeper frames;
-  Motion motion(options.motion, config);
+  BagPoses motion(options.motion, config.vehicle.odometry_topic);
   const double at = play_until(options.at.value_or(length / 2), !options.at, config, capture, motion, frames);
   if (frames.empty()) throw std::runtime_error(nothing_there(at, length));
-  const FrameTree poses(config, motion.poses());
+  const FrameTree poses(config, motion);
   SnapshotView view = make_view(config, poses, frames, options.areas);
   fit_to_points(view);
   if (options.range) view.center = {0, 0}, view.half = {*options.range, *options.range};

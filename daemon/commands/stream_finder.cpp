@@ -55,48 +55,35 @@ void Candidate::add(Packet packet, const Model* model) {
 
 }  // namespace
 
-bool SensorStream::owns(const Packet& packet) const {
-  if (packet.from.address != sender) return false;
-  if (packet.transport == Transport::tcp)
-    return packet.from.port == (transport == Transport::tcp ? port : model->dialogue_port);
-  if (transport == Transport::tcp) return false;
-  return packet.to.port == port || (model->telemetry_port != 0 && packet.to.port == model->telemetry_port);
-}
-
-std::string SensorStream::to_string() const {
-  const std::string name(model->name);
-  if (transport == Transport::tcp) return name + " " + Endpoint{sender, port}.to_string() + " over TCP";
-  return name + " " + sender.to_string() + " -> port " + std::to_string(port);
+FlowTable<const Model*> SensorStream::flows() const {
+  FlowTable<const Model*> all;
+  for (const Flow& flow : flows_of(*model, data.address, data.port)) all.add(flow, model);
+  return all;
 }
 
 bool is_wanted(const Packet& packet, const DecodeOptions& options) {
   if (options.source && packet.from.address != *options.source) return false;
   if (options.source_port != 0 && packet.from.port != options.source_port) return false;
-  const std::uint16_t port = packet.transport == Transport::tcp ? packet.from.port : packet.to.port;
-  return options.port == 0 || port == options.port;
+  return options.port == 0 || flow_of(packet).port == options.port;
 }
 
 std::vector<SensorStream> find_streams(const DecodeOptions& options, const Model* model) {
   PcapSource source(options.capture);
-  // Sender's address, and the destination port or, of a connection, its own.
-  std::map<std::pair<Transport, Endpoint>, Candidate> candidates;
+  std::map<Flow, Candidate> candidates;
   bool found = false;
   Packet packet;
   for (std::uint64_t n = 0; (n < enough_datagrams || !found) && source.next(packet); ++n) {
     if (!is_wanted(packet, options)) continue;
-    const std::uint16_t port = packet.transport == Transport::tcp ? packet.from.port : packet.to.port;
-    const std::pair key(packet.transport, Endpoint{packet.from.address, port});
-    if (candidates.size() >= max_candidates && candidates.find(key) == candidates.end()) continue;
-    Candidate& candidate = candidates[key];
+    const Flow flow = flow_of(packet);
+    if (candidates.size() >= max_candidates && candidates.find(flow) == candidates.end()) continue;
+    Candidate& candidate = candidates[flow];
     candidate.add(packet, model);
     found = found || candidate.verdict(model) != nullptr;
   }
   std::vector<SensorStream> streams;
-  for (const auto& [key, candidate] : candidates) {
+  for (const auto& [flow, candidate] : candidates) {
     const Model* verdict = candidate.verdict(model);
-    if (verdict != nullptr)
-      streams.push_back(
-          {key.first, key.second.address, key.second.port, verdict, candidate.identifier.remark()});
+    if (verdict != nullptr) streams.push_back({flow, verdict, candidate.identifier.remark()});
   }
   return streams;
 }

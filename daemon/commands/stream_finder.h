@@ -7,22 +7,19 @@
 #include <vector>
 
 #include "daemon/commands/decode.h"
-#include "drivers/model.h"
+#include "drivers/flow.h"
 
 namespace lidard {
 
-/// The packets of one sensor in a capture: one sender's datagrams to one port, or what it sent over
-/// connections to one port of its own.
+/// The packets of one sensor in a capture.
 struct SensorStream {
-  Transport transport = Transport::udp;
-  IpAddress sender;
-  std::uint16_t port = 0;
+  Flow data;
   const Model* model = nullptr;
   std::string remark;
 
-  /// True for the stream's own data and its model's telemetry and dialogue.
-  bool owns(const Packet& packet) const;
-  std::string to_string() const;
+  /// Its data, and its model's telemetry and dialogue.
+  FlowTable<const Model*> flows() const;
+  std::string to_string() const { return std::string(model->name) + " " + data.to_string(); }
 };
 
 /// True if the packet passes the sender and port asked for; the port of a connection is the device's own.

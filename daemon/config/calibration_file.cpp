@@ -196,7 +196,7 @@ Calibration load_calibration(const std::string& path, std::vector<std::string>& 
   return parse_calibration(read_file(path, expected_file), path, warnings);
 }
 
-bool takes_calibration(const Model& model) { return model.vendor == "Velodyne"; }
+bool takes_calibration(const Model& model) { return model.has(Trait::calibration); }
 
 std::string calibration_misfit(const Calibration& calibration, const Model& model) {
   const std::string product(model.product);

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string_view>
 
+#include "core/base/angle.h"
 #include "core/base/number_text.h"
 #include "daemon/config/calibration_parts.h"
 #include "daemon/config/config.h"
@@ -21,7 +22,6 @@ using velodyne::CalibrationModel;
 using velodyne::LaserCalibration;
 using velodyne::TwoPoint;
 
-constexpr double rad_per_deg = 3.14159265358979323846 / 180;
 constexpr double m_per_cm = 0.01;
 constexpr double usual_step_cm = 0.2;  // of files from before distLSB_: all of them HDL-64E and HDL-32E
 

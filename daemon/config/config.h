@@ -56,6 +56,13 @@ struct SensorConfig {
   std::string points_topic;  ///< of a multi-plane lidar
   CloudLayout layout;        ///< of its cloud message
   std::optional<RingScanSpec> ring_scan;  ///< one ring of a multi-plane lidar as a planar scan
+
+  /// TCP port that the device listens on, for its data or its settings; 0: none.
+  std::uint16_t device_port() const {
+    if (model == nullptr) return 0;
+    if (model->transport == Transport::tcp) return ip_port;
+    return model->has(Trait::web_control) ? control.port : model->dialogue_port;
+  }
 };
 
 /// What stands in a beam of the output where nothing was seen.

@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "daemon/config/calibration_file.h"
-#include "daemon/config/config_parts.h"
+#include "daemon/config/sections.h"
 #include "drivers/velodyne/table_calibration.h"
 
 namespace lidard {
@@ -39,8 +39,7 @@ void apply_to_table(const Value& value, SensorConfig& sensor) {
 
 }  // namespace
 
-void read_calibration(Mapping& yaml, SensorConfig& sensor, Config& config) {
-  if (!takes_calibration(*sensor.model)) return;  // the keys stay unread, which is refused
+void read_calibration(Mapping& yaml, SensorConfig& sensor, Reading& reading) {
   const auto file = yaml.find("calibration");
   const auto model = yaml.find("calibration_model");
   if (!file) {
@@ -49,15 +48,15 @@ void read_calibration(Mapping& yaml, SensorConfig& sensor, Config& config) {
   }
   const std::string expected = "a calibration file, relative to the configuration's folder";
   sensor.calibration = file->text(expected);
-  const std::string path = in_folder_of(config.file, sensor.calibration);
+  const std::string path = in_folder_of(reading.config.file, sensor.calibration);
   if (::access(path.c_str(), R_OK) != 0)
     file->fail("is " + file->quoted() + ", which cannot be read: " + std::strerror(errno), expected);
-  auto calibration = std::make_shared<velodyne::Calibration>(load_calibration(path, config.warnings));
+  auto calibration = std::make_shared<velodyne::Calibration>(load_calibration(path, reading.config.warnings));
   calibration->model = model ? read_calibration_model(*model) : usual_equations(*calibration, *sensor.model);
   const std::string misfit = calibration_misfit(*calibration, *sensor.model);
   if (!misfit.empty()) file->fail(misfit, "the calibration of this sensor");
   const std::string doubt = calibration_doubt(*calibration, *sensor.model);
-  if (!doubt.empty()) warn(config, file->place(), file->path() + " " + doubt);
+  if (!doubt.empty()) reading.warn(file->place(), file->path() + " " + doubt);
   sensor.driver.calibration = std::move(calibration);
 }
 

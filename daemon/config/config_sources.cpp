@@ -20,10 +20,6 @@ bool can_give(const SensorConfig& sensor, FrameKind kind) {
   return sensor.model == nullptr || sensor.model->kind == kind;
 }
 
-std::string without_slash(const std::string& topic) {
-  return !topic.empty() && topic.front() == '/' ? topic.substr(1) : topic;
-}
-
 /// A name by which something may be called, and what it is.
 struct Candidate {
   std::string called;  // as in the configuration
@@ -41,10 +37,10 @@ void add_sensor(const SensorConfig& sensor, FrameKind wanted, std::vector<Candid
     return;
   }
   for (const OutputTopic& topic : sensor_topics(sensor)) {
-    const TopicKind kind = topic.info.kind;
+    const TopicKind kind = topic.kind;
     if (!topic.promised || (kind != TopicKind::scan && kind != TopicKind::cloud)) continue;
-    candidates.push_back({topic.info.name, kind == TopicKind::cloud ? FrameKind::cloud : FrameKind::scan,
-                          source, "the topic of " + path});
+    candidates.push_back({topic.name, kind == TopicKind::cloud ? FrameKind::cloud : FrameKind::scan, source,
+                          "the topic of " + path});
   }
 }
 
@@ -105,10 +101,10 @@ std::string names_of(const Config& config, FrameKind kind) {
   return list.empty() ? "none is configured" : list;
 }
 
-NamedSource read_source(const Value& value, FrameKind kind, const Config& config,
+NamedSource read_source(const Value& value, FrameKind kind, const Reading& reading,
                         const std::string& expected) {
   const std::string name = without_slash(value.text(expected));
-  const std::vector<Candidate> candidates = candidates_of(config, kind);
+  const std::vector<Candidate> candidates = candidates_of(reading.config, kind);
   const Candidate* found = nullptr;
   const Candidate* other_kind = nullptr;
   for (const Candidate& one : candidates) {
@@ -123,6 +119,7 @@ NamedSource read_source(const Value& value, FrameKind kind, const Config& config
     }
   }
   if (found != nullptr) return found->source;
+  if (reading.may_be_named(name)) throw AlreadyNoted();
   if (other_kind == nullptr) fail_unknown(value, candidates, kind, expected);
   if (other_kind->source.sensor == nullptr)
     value.fail("names " + other_kind->called + ", a virtual scan, which gives no clouds", expected);

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/config/config_parts.h"
+#include "daemon/config/reading.h"
 
 namespace lidard {
 
@@ -23,7 +23,7 @@ std::string names_of(const Config& config, FrameKind kind);
 /// of this kind on; or a virtual scan by its topic, where scans are wanted. A leading slash is of no
 /// importance. Throws if that is nothing, several things, or something that gives frames of another kind;
 /// `expected` says what may be named.
-NamedSource read_source(const Value& value, FrameKind kind, const Config& config,
+NamedSource read_source(const Value& value, FrameKind kind, const Reading& reading,
                         const std::string& expected);
 /// The topics of virtual scans that carry scans of one frame each.
 std::vector<std::string> virtual_topics(const Config& config);

@@ -10,29 +10,24 @@
 namespace lidard {
 
 /// What travels on a topic. A scan with several echoes goes to a topic of its own (MultiEchoLaserScan).
-enum class TopicKind : std::uint8_t { scan, echoes, cloud, fix, time_reference, imu, state };
-
-/// One output topic; `name` as ROS has it (relative names are resolved by the sink).
-struct TopicInfo {
-  std::string name;
-  TopicKind kind;
-};
+enum class TopicKind : std::uint8_t { scan, echoes, cloud, message };
 
 /// A topic that something in a configuration may publish on.
 struct OutputTopic {
-  TopicInfo info;
-  bool promised;  ///< comes with every frame; else only when the device has something to tell
+  std::string name;  ///< as ROS has it (relative names are resolved by the sink)
+  TopicKind kind;
+  bool promised = true;     ///< comes with every frame; else only when the device has something to tell
+  std::size_t message = 0;  ///< of TopicKind::message: message_kind() of what travels
+  std::size_t id = 0;       ///< place in output_topics()
 };
 
 /// The topic of a sensor's own frames: its cloud, or its scan.
-TopicInfo frame_topic(const SensorConfig& sensor);
-/// True if what the device tells beside its frames (inputs, outputs, fields) is published.
-bool publishes_states(const SensorConfig& sensor);
+OutputTopic frame_topic(const SensorConfig& sensor);
 /// Everything that a sensor of ours may publish on; a source with `topic:` publishes nothing.
 std::vector<OutputTopic> sensor_topics(const SensorConfig& sensor);
-/// Everything that the configuration may publish on.
+/// The entry of that name, which must be there.
+const OutputTopic& topic_named(const std::vector<OutputTopic>& topics, const std::string& name);
+/// Everything that the configuration may publish on. At run time a topic travels as its entry of this list.
 std::vector<OutputTopic> output_topics(const Config& config);
-/// Every topic that a pipeline of this configuration may publish on.
-std::vector<TopicInfo> pipeline_topics(const Config& config);
 
 }  // namespace lidard

@@ -10,9 +10,9 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "core/base/angle.h"
 #include "core/base/nearest.h"
 #include "core/base/number_text.h"
-#include "daemon/config/config.h"
 
 namespace lidard {
 namespace {
@@ -40,8 +40,18 @@ std::optional<double> parse_number(std::string_view text) {
   return number;
 }
 
+std::optional<bool> truth_of(std::string_view word) {
+  for (const char* yes : {"true", "True", "TRUE", "yes", "Yes", "on", "On"}) {
+    if (word == yes) return true;
+  }
+  for (const char* no : {"false", "False", "FALSE", "no", "No", "off", "Off"}) {
+    if (word == no) return false;
+  }
+  return std::nullopt;
+}
+
 [[noreturn]] void fail_at(const Place& place, const std::string& what, const std::string& expected) {
-  throw ConfigError(place.to_string() + ": " + what + "; expected " + expected);
+  throw PlacedError(place, what + "; expected " + expected);
 }
 
 Place place_of(const YAML::Mark& mark, const Place& otherwise) {
@@ -54,30 +64,18 @@ Value element(const Value& parent, const YAML::Node& node, std::size_t index) {
   return {node, place, place, parent.path() + "[" + std::to_string(index) + "]"};
 }
 
-/// Keys and values as they stand in the file; refuses keys that are no plain text or come twice.
-std::vector<std::pair<std::string, Value>> entries_of(const Value& value) {
-  std::vector<std::pair<std::string, Value>> entries;
-  if (value.is_null()) return entries;
-  if (!value.node().IsMap()) value.fail("is " + value.quoted(), "a mapping (`key: value` lines)");
-  const std::string prefix = value.path().empty() ? "" : value.path() + ".";
-  std::map<std::string, Place> seen;
-  for (const auto& entry : value.node()) {
-    const Place key_place = place_of(entry.first.Mark(), value.key_place());
-    if (!entry.first.IsScalar() || entry.first.Scalar().empty())
-      fail_at(key_place, "a key of " + (prefix.empty() ? "the file" : value.path()) + " is not a name",
-              "a name before the colon");
-    const std::string& key = entry.first.Scalar();
-    const auto [earlier, is_new] = seen.emplace(key, key_place);
-    if (!is_new)
-      fail_at(
-          key_place,
-          prefix + shorten(key) + " is given twice, first in line " + std::to_string(earlier->second.line),
-          "it once");
-    // The parser marks a missing value at whatever follows it.
-    const Place place = entry.second.IsNull() ? key_place : place_of(entry.second.Mark(), key_place);
-    entries.emplace_back(key, Value(entry.second, place, key_place, prefix + shorten(key)));
-  }
-  return entries;
+/// Refuses keys that are no plain text or come twice; `seen` holds those before.
+void check_key(const YAML::Node& key, const Place& place, const Value& parent, const std::string& prefix,
+               std::map<std::string, Place>& seen) {
+  if (!key.IsScalar() || key.Scalar().empty())
+    fail_at(place, "a key of " + (prefix.empty() ? "the file" : parent.path()) + " is not a name",
+            "a name before the colon");
+  const auto [earlier, is_new] = seen.emplace(key.Scalar(), place);
+  if (!is_new)
+    fail_at(place,
+            prefix + shorten(key.Scalar()) + " is given twice, first in line " +
+                std::to_string(earlier->second.line),
+            "it once");
 }
 
 /// Notes where a document begins and lets everything else pass.
@@ -127,10 +125,6 @@ std::string list_of(const std::vector<std::string_view>& words) {
 }
 
 }  // namespace
-
-std::string Place::to_string() const {
-  return file + ":" + std::to_string(line) + ":" + std::to_string(column);
-}
 
 Value::Value(YAML::Node node, Place place, Place key_place, std::string path)
     : node_(std::move(node)),
@@ -184,19 +178,11 @@ long Value::integer(long lowest, long highest) const {
   return whole;
 }
 
-bool Value::boolean() const {
-  const std::string word = node_.IsScalar() ? node_.Scalar() : std::string();
-  for (const char* yes : {"true", "True", "TRUE", "yes", "Yes", "on", "On"}) {
-    if (word == yes) return true;
-  }
-  for (const char* no : {"false", "False", "FALSE", "no", "No", "off", "Off"}) {
-    if (word == no) return false;
-  }
-  fail("is " + quoted(), "true or false");
-}
+bool Value::is_boolean() const { return node_.IsScalar() && truth_of(node_.Scalar()).has_value(); }
 
-Span Value::duration(double lowest_s, double highest_s) const {
-  return span_from_seconds(number(lowest_s, highest_s, "s"));
+bool Value::boolean() const {
+  if (!is_boolean()) fail("is " + quoted(), "true or false");
+  return *truth_of(node_.Scalar());
 }
 
 std::vector<Value> Value::items(const std::string& expected) const {
@@ -229,48 +215,59 @@ std::vector<Value> Value::names(const std::string& expected) const {
   return values;
 }
 
-Mapping::Mapping(const Value& value, std::vector<std::string_view> known_keys)
-    : self_(value), known_(std::move(known_keys)) {
-  for (auto& [key, entry] : entries_of(value)) {
-    if (std::find(known_.begin(), known_.end(), key) == known_.end()) {
-      const std::string_view near = nearest_word(key, known_);
-      fail_at(entry.key_place(), "unknown key " + entry.path(),
-              near.empty() ? "one of " + list_of(known_) : std::string(near));
+Mapping::Mapping(const Value& value, std::vector<std::string_view> known_keys, Mistakes& mistakes)
+    : self_(value), mistakes_(mistakes) {
+  const auto is_known = [&](const std::string& key) {
+    return known_keys.empty() || std::find(known_keys.begin(), known_keys.end(), key) != known_keys.end();
+  };
+  for (auto& [key, entry] : named_entries(value, &mistakes)) {
+    if (is_known(key)) {
+      keys_.push_back(key);
+      values_.emplace(key, std::move(entry));
+      continue;
     }
-    unread_.push_back(key);
-    values_.emplace(key, std::move(entry));
+    mistakes.attempt(entry.key_place(), [&, &written = key, &unknown = entry] {
+      const std::string_view near = nearest_word(written, known_keys);
+      fail_at(unknown.key_place(), "unknown key " + unknown.path(),
+              near.empty() ? "one of " + list_of(known_keys) : std::string(near));
+    });
+    mistakes.doubt(value.path());
   }
 }
 
-std::optional<Value> Mapping::find(std::string_view key) {
-  if (std::find(known_.begin(), known_.end(), key) == known_.end())
-    throw std::logic_error("key not declared: " + std::string(key));
+std::optional<Value> Mapping::find(std::string_view key) const {
   const auto found = values_.find(key);
   if (found == values_.end()) return std::nullopt;
-  unread_.erase(std::remove(unread_.begin(), unread_.end(), key), unread_.end());
+  if (mistakes_.is_in_doubt(found->second.path())) throw AlreadyNoted();
   return found->second;
 }
 
-Value Mapping::require(std::string_view key, const std::string& expected) {
+Value Mapping::require(std::string_view key, const std::string& expected) const {
   const auto value = find(key);
+  if (!value && mistakes_.is_in_doubt(self_.path())) throw AlreadyNoted();
   if (!value) self_.fail_at_key("has no " + std::string(key), expected);
   return *value;
 }
 
 const Value& Mapping::where(std::string_view key) const {
-  const auto found = values_.find(key);
-  return found == values_.end() ? self_ : found->second;
+  auto found = values_.find(key);
+  if (found == values_.end()) found = values_.find(std::string(key) + "_deg");
+  if (found == values_.end()) return self_;
+  if (mistakes_.is_in_doubt(found->second.path())) throw AlreadyNoted();
+  return found->second;
 }
 
-void Mapping::in_rad(const std::string& key, const std::function<void(const Value&, double)>& read) {
+Mapping Mapping::inside(std::string_view key) const { return {find(key).value(), {}, mistakes_}; }
+
+void Mapping::in_rad(const std::string& key, const std::function<void(const Value&, double)>& read) const {
   const auto rad = find(key);
   const auto deg = find(key + "_deg");
   if (rad && deg) deg->fail_at_key("is given beside " + key, "one of the two");
   if (rad) read(*rad, 1);
-  if (deg) read(*deg, M_PI / 180);
+  if (deg) read(*deg, rad_per_deg);
 }
 
-std::optional<double> Mapping::angle(const std::string& key) {
+std::optional<double> Mapping::angle(const std::string& key) const {
   std::optional<double> angle;
   in_rad(key, [&](const Value& value, double to_rad) {
     const bool rad = to_rad == 1;
@@ -280,14 +277,26 @@ std::optional<double> Mapping::angle(const std::string& key) {
   return angle;
 }
 
-void Mapping::finish(
-    const std::function<std::pair<std::string, std::string>(const std::string& key)>& why) const {
-  if (unread_.empty()) return;
-  const auto [what, expected] = why(unread_.front());
-  where(unread_.front()).fail_at_key(what, expected);
+std::vector<std::pair<std::string, Value>> named_entries(const Value& value, Mistakes* mistakes) {
+  std::vector<std::pair<std::string, Value>> entries;
+  if (value.is_null()) return entries;
+  if (!value.node().IsMap()) value.fail("is " + value.quoted(), "a mapping (`key: value` lines)");
+  const std::string prefix = value.path().empty() ? "" : value.path() + ".";
+  std::map<std::string, Place> seen;
+  for (const auto& entry : value.node()) {
+    const Place key_place = place_of(entry.first.Mark(), value.key_place());
+    const auto check = [&] { check_key(entry.first, key_place, value, prefix, seen); };
+    if (mistakes == nullptr)
+      check();
+    else if (!mistakes->attempt(key_place, check))
+      continue;
+    // The parser marks a missing value at whatever follows it.
+    const Place place = entry.second.IsNull() ? key_place : place_of(entry.second.Mark(), key_place);
+    const std::string& key = entry.first.Scalar();
+    entries.emplace_back(key, Value(entry.second, place, key_place, prefix + shorten(key)));
+  }
+  return entries;
 }
-
-std::vector<std::pair<std::string, Value>> named_entries(const Value& value) { return entries_of(value); }
 
 Value parse_yaml(const std::string& text, const std::string& file) {
   const Place top{file, 1, 1};

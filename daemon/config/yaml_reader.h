@@ -12,19 +12,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/time.h"
+#include "daemon/config/mistakes.h"
 
 namespace lidard {
-
-/// Where something stands in a file; line and column count from 1.
-struct Place {
-  std::string file;
-  int line = 1;
-  int column = 1;
-
-  /// "file:line:column".
-  std::string to_string() const;
-};
 
 /// One YAML value that knows where it stands and what it is called. Every reader throws ConfigError
 /// `file:line:column: what; expected …`.
@@ -56,8 +46,7 @@ class Value {
   /// A whole number within the limits.
   long integer(long lowest, long highest) const;
   bool boolean() const;
-  /// Seconds.
-  Span duration(double lowest_s, double highest_s) const;
+  bool is_boolean() const;
   /// The elements of a list.
   std::vector<Value> items(const std::string& expected) const;
   /// A list of exactly `count` numbers.
@@ -72,37 +61,56 @@ class Value {
   std::string path_;
 };
 
-/// A YAML mapping whose keys are known beforehand. The constructor refuses unknown and doubled keys;
-/// `finish()` refuses those that nobody read.
+/// A YAML mapping whose keys are known beforehand. Unknown and doubled keys are mistakes. Keys with which
+/// something was wrong are in doubt: to ask for one ends with AlreadyNoted.
 class Mapping {
  public:
-  /// A value of null is an empty mapping.
-  Mapping(const Value& value, std::vector<std::string_view> known_keys);
+  /// A value of null is an empty mapping. Without known keys any key may be there.
+  Mapping(const Value& value, std::vector<std::string_view> known_keys, Mistakes& mistakes);
 
   const Value& self() const { return self_; }
-  /// The value of `key`, which must be one of the known ones; empty if it is not there.
-  std::optional<Value> find(std::string_view key);
+  Mistakes& mistakes() const { return mistakes_; }
+  /// The value of `key`; empty if it is not there.
+  std::optional<Value> find(std::string_view key) const;
   /// The same; throws `… is missing; expected` where it is not there.
-  Value require(std::string_view key, const std::string& expected);
-  /// The value of `key` or, where it is not there, the mapping itself: for messages.
+  Value require(std::string_view key, const std::string& expected) const;
+  /// The value of `key` or of `key`_deg or, where neither is there, the mapping itself: for messages.
   const Value& where(std::string_view key) const;
-  bool has(std::string_view key) const { return values_.count(std::string(key)) != 0; }
+  /// True if `key` or `key`_deg is there.
+  bool has(std::string_view key) const { return &where(key) != &self_; }
   /// `key` in rad or `key`_deg in degrees.
-  std::optional<double> angle(const std::string& key);
+  std::optional<double> angle(const std::string& key) const;
   /// `key` in rad or `key`_deg in degrees; `read` gets the value and the factor that makes it rad.
-  void in_rad(const std::string& key, const std::function<void(const Value&, double)>& read);
-  /// Throws for every key that is there and was not read: "path.key `why`; expected …".
-  void finish(const std::function<std::pair<std::string, std::string>(const std::string& key)>& why) const;
+  void in_rad(const std::string& key, const std::function<void(const Value&, double)>& read) const;
+  /// The mapping that `key` holds, with any keys.
+  Mapping inside(std::string_view key) const;
+  /// The keys that are there, in the order of the file.
+  const std::vector<std::string>& keys() const { return keys_; }
+  /// Notes the mistake that `read` throws as one of `key`, which is in doubt from then on.
+  template <class Read>
+  void attempt(std::string_view key, const Read& read) const {
+    mistakes_.attempt(self_.place(), [&] {
+      const Value& value = where(key);
+      if (!mistakes_.attempt(value.place(), read)) mistakes_.doubt(value.path());
+    });
+  }
+  /// Notes the mistake in how keys go together that `check` throws; does nothing while keys are missing or
+  /// unknown.
+  template <class Check>
+  void attempt_rule(const Check& check) const {
+    if (!mistakes_.is_in_doubt(self_.path())) mistakes_.attempt(self_.place(), check);
+  }
 
  private:
   Value self_;
-  std::vector<std::string_view> known_;
+  Mistakes& mistakes_;
   std::map<std::string, Value, std::less<>> values_;
-  std::vector<std::string> unread_;  // in the order of the file
+  std::vector<std::string> keys_;
 };
 
-/// The named entries of a mapping whose keys the user chooses, in the order of the file.
-std::vector<std::pair<std::string, Value>> named_entries(const Value& value);
+/// The named entries of a mapping whose keys the user chooses, in the order of the file. Keys that are no
+/// plain text or come twice are refused; where `mistakes` are gathered, only they are left out.
+std::vector<std::pair<std::string, Value>> named_entries(const Value& value, Mistakes* mistakes = nullptr);
 
 /// Parses one YAML document; throws ConfigError for syntax errors and more than one document.
 Value parse_yaml(const std::string& text, const std::string& file);

@@ -2,39 +2,100 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/dropin/dropin_node.h"
 
-#include <algorithm>
-#include <ostream>
+#include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <optional>
+#include <ostream>
+#include <string_view>
+
+#include "daemon/commands/run.h"
 #include "daemon/config/config.h"
 #include "daemon/config/exit_codes.h"
-#include "daemon/dropin/laser_tools_node.h"
+#include "daemon/dropin/laser_tools_setup.h"
 #include "daemon/dropin/node_parameters.h"
-#include "daemon/dropin/velodyne_node.h"
+#include "daemon/dropin/velodyne_node_setup.h"
 #include "daemon/live/service.h"
-#include "daemon/ros/ros_link.h"
+#include "daemon/ros/ros_environment.h"
 
 namespace lidard {
 namespace {
 
+using Arguments = std::vector<std::string>;
+
+/// A node of another package.
+struct Dropin {
+  std::string_view executable;
+  const char* node;   ///< its name unless __name:= says otherwise
+  const char* usage;  ///< what stands before the line on arguments
+  ReconfigureNames reconfigure;
+  DropinSetup (*setup)(const Arguments& arguments, const std::string& full_name);
+};
+
+constexpr const char* virtualizer_name = "laserscan_virtualizer";
+
+constexpr Dropin dropins[] = {
+    {"velodyne_node", "velodyne_node",
+     "Stands in for the nodes of ros-drivers/velodyne: reads their private parameters (model, device_ip, "
+     "port, pcap, calibration, min_range, max_range, ...) and publishes velodyne_points and scan.\n",
+     ReconfigureNames::entries,
+     [](const Arguments& arguments, const std::string& node) {
+       return velodyne_node_setup(wait_for_parameters(arguments, node));
+     }},
+    // ira_laser_tools' name for the node differs from that of its executable.
+    {"laserscan_multi_merger", "laser_multi_merger",
+     "Stands in for laserscan_multi_merger of ira_laser_tools: reads its private parameters "
+     "(laserscan_topics, destination_frame, ...) and publishes the merged scan and cloud.\n",
+     ReconfigureNames::node,
+     [](const Arguments& arguments, const std::string& node) {
+       return laser_merger_setup(wait_for_parameters(arguments, node));
+     }},
+    {virtualizer_name, virtualizer_name,
+     "Stands in for laserscan_virtualizer of ira_laser_tools: reads its parameters (cloud_topic, "
+     "virtual_laser_scan, ...) and publishes a scan for each virtual frame.\n",
+     ReconfigureNames::node, [](const Arguments& arguments, const std::string& node) {
+       const NodeParameters own = wait_for_parameters(arguments, node);
+       const NodeParameters absolute = wait_for_parameters(arguments, std::string("/") + virtualizer_name);
+       return laser_virtualizer_setup(with_absolute_names(own, absolute));
+     }}};
+
+std::string usage_of(const Dropin& dropin) {
+  return std::string(dropin.usage) + "usage: " + std::string(dropin.executable) +
+         " [_PARAMETER:=VALUE]... [FROM:=TO]...\n";
+}
+
 bool asks_for_help(const std::string& argument) { return argument == "--help" || argument == "-h"; }
 bool means_something(const std::string& argument) { return argument.find(":=") != std::string::npos; }
 
-}  // namespace
-
-int run_dropin(const char* name, const char* usage, const std::vector<std::string>& arguments,
-               std::ostream& out, std::ostream& err, const std::function<int(const DropinCall&)>& body) {
+/// Answers --help and refuses arguments that mean nothing to ROS: then with an exit code.
+std::optional<int> answer(const Dropin& dropin, const Arguments& arguments, std::ostream& out,
+                          std::ostream& err) {
   if (std::any_of(arguments.begin(), arguments.end(), asks_for_help)) {
-    out << usage;
+    out << usage_of(dropin);
     return exit_ok;
   }
   const auto strange = std::find_if_not(arguments.begin(), arguments.end(), means_something);
-  if (strange != arguments.end()) {
-    err << "'" << *strange << "' is no parameter and no remapping\n" << usage;
-    return exit_usage;
-  }
+  if (strange == arguments.end()) return std::nullopt;
+  err << "'" << *strange << "' is no parameter and no remapping\n" << usage_of(dropin);
+  return exit_usage;
+}
+
+int run_setup(const Dropin& dropin, const Arguments& arguments, std::ostream& out, std::ostream& err) {
+  const std::string node = full_node_name(arguments, dropin.node);
+  DropinSetup setup = dropin.setup(arguments, node);
+  for (const auto& warning : setup.warnings) spdlog::warn("{}", warning);
+  spdlog::info("the same as a configuration for `lidard run`:\n{}", setup.yaml);
+  const Config config = parse_config(setup.yaml, "parameters of " + node);
+  setup.replay.ros = {dropin.node, arguments, dropin.reconfigure};
+  if (setup.replay.captures.empty()) return run_daemon(config, setup.replay.ros, err);
+  return run_replay(setup.replay, config, out, err);
+}
+
+int run_dropin(const Dropin& dropin, const Arguments& arguments, std::ostream& out, std::ostream& err) {
+  if (const auto code = answer(dropin, arguments, out, err)) return *code;
   set_up_logging();
   try {
-    return body({arguments, full_node_name(arguments, name), out, err});
+    return run_setup(dropin, arguments, out, err);
   } catch (const ConfigError& e) {
     err << e.what() << '\n';
     return exit_config;
@@ -44,11 +105,16 @@ int run_dropin(const char* name, const char* usage, const std::vector<std::strin
   }
 }
 
-std::function<int(const std::vector<std::string>&, std::ostream&, std::ostream&)> find_dropin(
+}  // namespace
+
+std::function<int(const Arguments&, std::ostream&, std::ostream&)> find_dropin(
     const std::string& executable) {
-  if (executable == "velodyne_node") return run_velodyne_node;
-  if (executable == "laserscan_multi_merger") return run_laser_merger;
-  if (executable == "laserscan_virtualizer") return run_laser_virtualizer;
+  for (const Dropin& dropin : dropins) {
+    if (dropin.executable == executable)
+      return [&dropin](const Arguments& arguments, std::ostream& out, std::ostream& err) {
+        return run_dropin(dropin, arguments, out, err);
+      };
+  }
   return {};
 }
 

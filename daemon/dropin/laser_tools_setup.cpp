@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <yaml-cpp/yaml.h>
+#include "daemon/dropin/laser_tools_setup.h"
 
 #include <algorithm>
 #include <cctype>
@@ -8,20 +8,14 @@
 #include <sstream>
 
 #include "core/base/number_text.h"
-#include "daemon/config/config_parts.h"
+#include "daemon/config/config.h"
 #include "daemon/config/grid_limits.h"
-#include "daemon/dropin/laser_tools_node.h"
+#include "daemon/config/key_tables.h"
 #include "daemon/dropin/parameter_reader.h"
 
 namespace lidard {
 namespace {
 
-/// Keys of our own configuration that may be given as parameters too.
-constexpr const char* our_output_keys[] = {"profile", "unobserved", "min_height", "max_height"};
-constexpr const char* our_merged_keys[] = {"echoes",      "veil_filter",      "fuse",
-                                           "range_noise", "free_required",    "status_topic",
-                                           "conflicts",   "free_requires",    "veil_cross_check",
-                                           "intensity",   "missing_intensity"};
 /// Read by laserscan_virtualizer from absolute names.
 constexpr const char* absolute_keys[] = {"base_frame", "cloud_topic", "output_laser_topic",
                                          "virtual_laser_scan"};
@@ -51,81 +45,52 @@ std::string entry_name(const std::string& topic, std::set<std::string>& taken) {
   return unique;
 }
 
-class Writer {
- public:
-  void open(const std::string& name) { yaml_ << YAML::Key << name << YAML::Value << YAML::BeginMap; }
-  void close() { yaml_ << YAML::EndMap; }
-  void text(const std::string& key, const std::string& value) {
-    yaml_ << YAML::Key << key << YAML::Value << value;
-  }
-  void list(const std::string& key, const std::vector<std::string>& values) {
-    yaml_ << YAML::Key << key << YAML::Value << YAML::Flow << values;
-  }
-  std::string finish() {
-    yaml_ << YAML::EndMap;
-    return yaml_.c_str() + std::string("\n");
-  }
-  Writer() { yaml_ << YAML::BeginMap; }
-
- private:
-  YAML::Emitter yaml_;
-};
-
 /// The grid, each number brought into its limits as dynamic_reconfigure does; what is left must make sense.
-ScanGridSpec read_grid(ParameterReader& reader, Warnings& warnings) {
-  ScanGridSpec grid;
-  double increment = 0;
-  double* const places[] = {&grid.angle_min, &grid.angle_max, &increment,     &grid.time_increment,
-                            &grid.scan_time, &grid.range_min, &grid.range_max};
-  for (std::size_t i = 0; i < grid_limits.size(); ++i) {
-    const GridLimit& limit = grid_limits[i];
-    const double given = reader.number(limit.name, limit.preset);
-    *places[i] = std::clamp(given, limit.min, limit.max);
-    if (*places[i] != given)
-      warnings.push_back("parameter ~" + std::string(limit.name) + " is " + number_text(given) +
-                         "; the limit is " + number_text(*places[i]));
+void add_grid(ParameterReader& reader, KeyMap& entry, Warnings& warnings) {
+  OutputScanConfig output;
+  for (const GridLimit& limit : grid_limits) {
+    const std::string name(limit.name);
+    const double given = reader.number(name, limit.preset);
+    const double value = std::clamp(given, limit.min, limit.max);
+    if (value != given)
+      warnings.push_back("parameter ~" + name + " is " + number_text(given) + "; the limit is " +
+                         number_text(value));
+    entry.emplace_back(name, value);
+    for (const auto& key : output_keys()) {
+      if (key.name == name) key.set(output, value);
+    }
   }
-  grid.angle_increment = increment;
-  std::string complaint;
-  if (!make_grid(grid, complaint)) throw ConfigError("private parameters: " + complaint);
-  return grid;
+  if (const auto made = make_grid(output.grid); !made)
+    throw ConfigError("private parameters: " + made.reason());
 }
 
-void write_output(ParameterReader& reader, Writer& writer, Warnings& warnings) {
-  const ScanGridSpec grid = read_grid(reader, warnings);
-  const double values[] = {grid.angle_min, grid.angle_max, *grid.angle_increment, grid.time_increment,
-                           grid.scan_time, grid.range_min, grid.range_max};
-  for (std::size_t i = 0; i < grid_limits.size(); ++i)
-    writer.text(grid_limits[i].name, number_text(values[i]));
+/// The grid, and the keys of our own configuration that are given as parameters too.
+template <class Owner>
+void add_output(ParameterReader& reader, const Keys<Owner>& keys, KeyMap& entry, Warnings& warnings) {
+  add_grid(reader, entry, warnings);
   // What ira_laser_tools publishes where it saw nothing.
-  writer.text("empty", reader.text("empty", "range_max_plus_one"));
-  for (const char* key : our_output_keys) {
-    if (const auto value = reader.find(key)) writer.text(key, *value);
+  entry.emplace_back("empty", reader.text("empty", "range_max_plus_one"));
+  std::set<std::string_view> given{"beams"};
+  for (const auto& one : entry) given.insert(one.first);
+  for (const Key& key : keys) {
+    const bool is_text = key.kind != KeyKind::pose && key.kind != KeyKind::section;
+    if (!is_text || !given.insert(key.name).second) continue;
+    if (const auto value = reader.find(std::string(key.name))) entry.emplace_back(key.name, *value);
   }
 }
 
-void write_base(Writer& writer, const std::string& frame) {
-  writer.open("vehicle");
-  writer.text("base_frame", frame);
-  writer.close();
-}
-
-/// The topics as sensors; their names, none of which is the topic of another.
-std::vector<std::string> write_sensors(Writer& writer, const std::vector<std::string>& topics) {
-  std::vector<std::string> names;
-  writer.open("sensors");
+/// The topics as sensors; their names, none of which is the topic of another, are added to `names`.
+KeyMap sensors_of(const std::vector<std::string>& topics, std::vector<std::string>& names) {
+  KeyMap sensors;
   for (const std::string& topic : topics) {
     std::set<std::string> taken(names.begin(), names.end());
     for (const std::string& other : topics) {
       if (other != topic) taken.insert(other.front() == '/' ? other.substr(1) : other);
     }
     names.push_back(entry_name(topic, taken));
-    writer.open(names.back());
-    writer.text("topic", topic);
-    writer.close();
+    sensors.emplace_back(names.back(), KeyMap{{"topic", topic}});
   }
-  writer.close();
-  return names;
+  return sensors;
 }
 
 std::vector<std::string> required_words(ParameterReader& reader, const char* name, const char* what) {
@@ -138,54 +103,42 @@ std::vector<std::string> required_words(ParameterReader& reader, const char* nam
 
 }  // namespace
 
-LaserToolsSetup laser_merger_setup(const NodeParameters& parameters) {
-  LaserToolsSetup setup;
+DropinSetup laser_merger_setup(const NodeParameters& parameters) {
+  DropinSetup setup;
   ParameterReader reader(parameters);
   const auto topics = required_words(reader, "laserscan_topics", "topics of LaserScans");
   const std::string frame = reader.text("destination_frame", "cart_frame");
   const std::string scan_topic = reader.text("scan_destination_topic", "/scan_multi");
   std::set<std::string> none;
-  Writer writer;
-  write_base(writer, frame);
-  const auto names = write_sensors(writer, topics);
-  writer.open("merged_scans");
-  writer.open(entry_name(scan_topic, none));
-  writer.list("laserscan_topics", names);
-  writer.text("destination_frame", frame);
-  writer.text("scan_destination_topic", scan_topic);
-  writer.text("cloud_destination_topic", reader.text("cloud_destination_topic", "/merged_cloud"));
-  write_output(reader, writer, setup.warnings);
-  for (const char* key : our_merged_keys) {
-    if (const auto value = reader.find(key)) writer.text(key, *value);
-  }
-  for (const std::string_view key : schedule_keys) {
-    if (const auto value = reader.find(std::string(key))) writer.text(std::string(key), *value);
-  }
-  writer.close();
-  writer.close();
-  setup.yaml = writer.finish();
+  std::vector<std::string> names;
+  KeyMap sensors = sensors_of(topics, names);
+  KeyMap entry{{"laserscan_topics", key_value(names)},
+               {"destination_frame", frame},
+               {"scan_destination_topic", scan_topic},
+               {"cloud_destination_topic", reader.text("cloud_destination_topic", "/merged_cloud")}};
+  add_output(reader, merged_keys(), entry, setup.warnings);
+  setup.yaml = yaml_text({{"vehicle", KeyMap{{"base_frame", frame}}},
+                          {"sensors", std::move(sensors)},
+                          {"merged_scans", KeyMap{{entry_name(scan_topic, none), std::move(entry)}}}});
   reader.remark_on_rest(setup.warnings);
   return setup;
 }
 
-LaserToolsSetup laser_virtualizer_setup(const NodeParameters& parameters) {
-  LaserToolsSetup setup;
+DropinSetup laser_virtualizer_setup(const NodeParameters& parameters) {
+  DropinSetup setup;
   ParameterReader reader(parameters);
   const auto frames = required_words(reader, "virtual_laser_scan", "frames");
   const std::string base = reader.text("base_frame", "/cart_frame");
-  Writer writer;
-  write_base(writer, base);
-  const auto names = write_sensors(writer, {reader.text("cloud_topic", "/cloud_pcd")});
-  writer.open("virtual_scans");
-  writer.open("virtual_laser_scan");
-  writer.text("cloud_topic", names.front());
-  writer.text("base_frame", base);
-  writer.list("virtual_laser_scan", frames);
-  writer.text("output_laser_topic", reader.text("output_laser_topic", ""));
-  write_output(reader, writer, setup.warnings);
-  writer.close();
-  writer.close();
-  setup.yaml = writer.finish();
+  std::vector<std::string> names;
+  KeyMap sensors = sensors_of({reader.text("cloud_topic", "/cloud_pcd")}, names);
+  KeyMap entry{{"cloud_topic", names.front()},
+               {"base_frame", base},
+               {"virtual_laser_scan", key_value(frames)},
+               {"output_laser_topic", reader.text("output_laser_topic", "")}};
+  add_output(reader, virtual_keys(), entry, setup.warnings);
+  setup.yaml = yaml_text({{"vehicle", KeyMap{{"base_frame", base}}},
+                          {"sensors", std::move(sensors)},
+                          {"virtual_scans", KeyMap{{"virtual_laser_scan", std::move(entry)}}}});
   reader.remark_on_rest(setup.warnings);
   return setup;
 }

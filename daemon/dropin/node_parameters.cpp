@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <thread>
 
-#include "daemon/ros/ros_link.h"
+#include "daemon/ros/ros_environment.h"
 #include "daemon/ros/ros_master.h"
 
 namespace lidard {

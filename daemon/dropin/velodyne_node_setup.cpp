@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <yaml-cpp/yaml.h>
+#include "daemon/dropin/velodyne_node_setup.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/number_text.h"
+#include "core/base/angle.h"
 #include "daemon/config/config.h"
+#include "daemon/config/key_tables.h"
 #include "daemon/dropin/parameter_reader.h"
-#include "daemon/dropin/velodyne_node.h"
 #include "drivers/registry/registry.h"
 
 namespace lidard {
@@ -45,65 +45,46 @@ std::string model_of(const std::string& given, const std::string& calibration) {
                     ", or a name from `lidard models`");
 }
 
-class Writer {
- public:
-  Writer() {
-    yaml_ << YAML::BeginMap << YAML::Key << "sensors" << YAML::Value << YAML::BeginMap << YAML::Key
-          << "velodyne" << YAML::Value << YAML::BeginMap;
-  }
-  void text(const char* key, const std::string& value) { yaml_ << YAML::Key << key << YAML::Value << value; }
-  void number(const char* key, double value) { text(key, number_text(value)); }
-  std::string finish() {
-    yaml_ << YAML::EndMap << YAML::EndMap << YAML::EndMap;
-    return yaml_.c_str() + std::string("\n");
-  }
-
- private:
-  YAML::Emitter yaml_;
-};
-
 /// velodyne_driver's parameters but for those of captures.
-void write_driver(ParameterReader& reader, Writer& writer, const std::string& model, bool live) {
-  writer.text("model", model);
+void add_driver(ParameterReader& reader, const std::string& model, bool live, KeyMap& sensor) {
+  sensor.emplace_back("model", model);
   const std::string address = reader.text("device_ip", "");
   const double port = reader.number("port", 2368);
   const std::string packets = reader.text("packet_topic", "");
   if (!packets.empty()) {
-    writer.text("packet_topic", packets);
+    sensor.emplace_back("packet_topic", packets);
   } else {
-    if (!address.empty()) writer.text("ip_address", address);
-    writer.number("ip_port", port);
+    if (!address.empty()) sensor.emplace_back("ip_address", address);
+    sensor.emplace_back("ip_port", port);
     // Several of these nodes may run on one machine, and those they stand in for do not listen there either.
     const double telemetry = reader.number("telemetry_port", live ? 0 : find_model(model)->telemetry_port);
-    if (find_model(model)->telemetry_port != 0) writer.number("telemetry_port", telemetry);
+    if (find_model(model)->telemetry_port != 0) sensor.emplace_back("telemetry_port", telemetry);
   }
-  writer.text("frame_id", reader.text("frame_id", "velodyne"));
-  writer.number("time_offset", reader.number("time_offset", 0));
-  writer.text("frame_stamp", reader.flag("timestamp_first_packet") ? "first" : "last");
+  sensor.emplace_back("frame_id", reader.text("frame_id", "velodyne"));
+  sensor.emplace_back("time_offset", reader.number("time_offset", 0));
+  sensor.emplace_back("frame_stamp", reader.flag("timestamp_first_packet") ? "first" : "last");
   // Without a cut of the user's the seam lies behind, where scans go from +pi to -pi.
   const double cut = reader.number("cut_angle", -0.01);
-  writer.number("cut_angle", cut < 0 ? M_PI : cut);
+  sensor.emplace_back("cut_angle", cut < 0 ? pi_d : cut);
 }
 
 /// velodyne_pointcloud's and velodyne_laserscan's.
-void write_outputs(ParameterReader& reader, Writer& writer, const std::string& model,
-                   const std::string& calibration) {
-  writer.number("min_range", reader.number("min_range", 0.9));
-  writer.number("max_range", reader.number("max_range", 130));
-  writer.number("view_direction", reader.number("view_direction", 0));
-  writer.number("view_width", std::min(reader.number("view_width", 2 * M_PI), 2 * M_PI));
-  writer.text("organize_cloud", reader.flag("organize_cloud") ? "firings" : "false");
+void add_outputs(ParameterReader& reader, const std::string& model, const std::string& calibration,
+                 KeyMap& sensor) {
+  constexpr std::pair<const char*, double> plain[] = {
+      {"min_range", 0.9}, {"max_range", 130}, {"view_direction", 0}};
+  for (const auto& [name, preset] : plain) sensor.emplace_back(name, reader.number(name, preset));
+  sensor.emplace_back("view_width", std::min(reader.number("view_width", two_pi), two_pi));
+  sensor.emplace_back("organize_cloud", reader.flag("organize_cloud") ? "firings" : "false");
   const bool has_table = model.find("hdl64e") == std::string::npos;
-  if (!calibration.empty()) writer.text("calibration", calibration);
-  if (!calibration.empty() || has_table) writer.text("calibration_model", "ros_drivers");
+  if (!calibration.empty()) sensor.emplace_back("calibration", calibration);
+  if (!calibration.empty() || has_table) sensor.emplace_back("calibration_model", "ros_drivers");
   const double ring = reader.number("laserscan_ring", reader.number("ring", -1));
-  if (ring < 0)
-    writer.text("scan_ring", "auto");
-  else
-    writer.number("scan_ring", ring);
-  writer.number("scan_resolution", reader.number("laserscan_resolution", reader.number("resolution", 0.007)));
-  writer.text("points_topic", "velodyne_points");
-  writer.text("scan_topic", "scan");
+  sensor.emplace_back("scan_ring", ring < 0 ? KeyValue(std::string("auto")) : KeyValue(ring));
+  sensor.emplace_back("scan_resolution",
+                      reader.number("laserscan_resolution", reader.number("resolution", 0.007)));
+  sensor.emplace_back("points_topic", "velodyne_points");
+  sensor.emplace_back("scan_topic", "scan");
 }
 
 void read_replay(ParameterReader& reader, ReplayOptions& replay) {
@@ -122,8 +103,8 @@ void read_replay(ParameterReader& reader, ReplayOptions& replay) {
 
 }  // namespace
 
-VelodyneNodeSetup velodyne_node_setup(const NodeParameters& parameters) {
-  VelodyneNodeSetup setup;
+DropinSetup velodyne_node_setup(const NodeParameters& parameters) {
+  DropinSetup setup;
   ParameterReader reader(parameters);
   for (const auto& [name, why] : without_effect) {
     const std::string value = reader.text(name, "");
@@ -135,10 +116,10 @@ VelodyneNodeSetup velodyne_node_setup(const NodeParameters& parameters) {
   read_replay(reader, setup.replay);
   const std::string calibration = reader.text("calibration", "");
   const std::string model = model_of(reader.text("model", "64E"), calibration);
-  Writer writer;
-  write_driver(reader, writer, model, setup.replay.captures.empty());
-  write_outputs(reader, writer, model, calibration);
-  setup.yaml = writer.finish();
+  KeyMap sensor;
+  add_driver(reader, model, setup.replay.captures.empty(), sensor);
+  add_outputs(reader, model, calibration, sensor);
+  setup.yaml = yaml_text({{"sensors", KeyMap{{"velodyne", std::move(sensor)}}}});
   reader.remark_on_rest(setup.warnings);
   return setup;
 }

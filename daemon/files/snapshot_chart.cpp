@@ -95,7 +95,7 @@ void Chart::close() { cairo_close_path(pen_); }
 
 void Chart::circle(const Eigen::Vector2d& center, double radius) {
   cairo_new_sub_path(pen_);
-  cairo_arc(pen_, center.x(), center.y(), radius, 0, 2 * pi_d);
+  cairo_arc(pen_, center.x(), center.y(), radius, 0, two_pi);
 }
 
 void Chart::fill(const Color& color) {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <memory>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -43,6 +43,19 @@ class Chart {
   void move_to(const Eigen::Vector2d& p);
   void line_to(const Eigen::Vector2d& p);
   void close();
+  /// A path through points.
+  template <class Points>
+  void path(const Points& points) {
+    bool begins = true;
+    for (const Eigen::Vector2d& p : points) {
+      if (begins)
+        move_to(p);
+      else
+        line_to(p);
+      begins = false;
+    }
+  }
+  void path(std::initializer_list<Eigen::Vector2d> points) { path<>(points); }
   /// A round dot once the path is stroked.
   void dot(const Eigen::Vector2d& p);
   void circle(const Eigen::Vector2d& center, double radius);
@@ -55,7 +68,7 @@ class Chart {
   /// Text whose baseline stands at `p`.
   void text(const Eigen::Vector2d& p, const std::string& words, double size, const Color& color,
             Align align = Align::left, bool bold = false);
-  /// The same with a white edge, to be readable on whatever is below.
+  /// text() with a white edge, to be readable on whatever is below.
   void label(const Eigen::Vector2d& p, const std::string& words, double size, const Color& color,
              Align align = Align::left);
   double text_width(const std::string& words, double size, bool bold = false);

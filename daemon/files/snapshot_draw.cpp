@@ -81,15 +81,18 @@ class Painter {
   void areas(bool observed);
   void rings();
   void layer(const SnapshotView::Layer& layer);
-  void line(const SnapshotView::Layer& layer, double width, const std::vector<double>& dashes);
+  void line(const SnapshotView::Layer& layer);
+  void stroke_line(const SnapshotView::Layer& layer);
   void vehicle();
   void sensor(const SnapshotView::Sensor& sensor, std::size_t index);
   void scale_bar();
   void heading();
   void legend();
   void legend_layer(const SnapshotView::Layer& layer);
+  void legend_entry(const std::string& name, const std::string& note);
   void legend_area(const std::string& name, const std::string& note, bool observed);
-  void legend_text(const std::string& words, double size, const Color& color, double indent, bool bold);
+  void legend_text(const std::string& words, double size, const Color& color, double indent = 0,
+                   bool bold = false);
   std::string description() const;
 
   const SnapshotView& view_;
@@ -124,8 +127,8 @@ void Painter::rings() {
     chart_.stroke({0.62, 0.62, 0.62}, 0.7, {2, 4});
   }
   for (const auto& [dx, dy] : {std::pair{1.0, 0.0}, std::pair{0.0, 1.0}}) {
-    chart_.move_to(chart_.to_page(Vector2d(-reach * dx, -reach * dy)));
-    chart_.line_to(chart_.to_page(Vector2d(reach * dx, reach * dy)));
+    const Vector2d along(reach * dx, reach * dy);
+    chart_.path({chart_.to_page(Vector2d(-along)), chart_.to_page(along)});
     chart_.stroke({0.80, 0.80, 0.80}, 0.6);
   }
   // On a diagonal, where the axes and usually the vehicle are not.
@@ -137,8 +140,7 @@ void Painter::rings() {
   }
 }
 
-void Painter::line(const SnapshotView::Layer& layer, double width, const std::vector<double>& dashes) {
-  const Color color = color_of(layer.role, layer.number);
+void Painter::line(const SnapshotView::Layer& layer) {
   bool open = false;
   for (std::size_t i = 0; i < layer.points.size(); ++i) {
     const Vector2d p = chart_.to_page(layer.points[i]);
@@ -150,49 +152,41 @@ void Painter::line(const SnapshotView::Layer& layer, double width, const std::ve
     open = layer.joined[i] != 0;
     if (begins && !open) chart_.line_to(p);  // a return of its own: a dot
   }
-  chart_.stroke(color, width, dashes);
+  stroke_line(layer);
 }
 
 void Painter::layer(const SnapshotView::Layer& layer) {
   const Color color = color_of(layer.role, layer.number);
-  switch (layer.role) {
-    case Role::cloud:
-      for (const auto& p : layer.points) chart_.dot(chart_.to_page(p));
-      return chart_.stroke({color.red, color.green, color.blue, 0.8}, 1.5);
-    case Role::input:
-      for (const auto& p : layer.points) chart_.dot(chart_.to_page(p));
-      return chart_.stroke(color, 6);
-    case Role::merged:
-      // Further scans of a merge lie below as a wider line, so that their edges show.
-      return line(layer, 1.6 + 2.4 * static_cast<double>(layer.number), {});
-    case Role::virtual_scan:
-      return line(layer, 2.2, {7, 5});
-  }
+  if (layer.role == Role::merged || layer.role == Role::virtual_scan) return line(layer);
+  for (const auto& p : layer.points) chart_.dot(chart_.to_page(p));
+  if (layer.role == Role::cloud) return chart_.stroke({color.red, color.green, color.blue, 0.8}, 1.5);
+  chart_.stroke(color, 6);
+}
+
+void Painter::stroke_line(const SnapshotView::Layer& layer) {
+  const Color color = color_of(layer.role, layer.number);
+  if (layer.role == Role::virtual_scan) return chart_.stroke(color, 2.2, {7, 5});
+  // Further scans of a merge lie below as a wider line, so that their edges show.
+  chart_.stroke(color, 1.6 + 2.4 * static_cast<double>(layer.number));
 }
 
 void Painter::vehicle() {
   if (view_.footprint.size() > 2) {
-    for (std::size_t i = 0; i < view_.footprint.size(); ++i) {
-      const Vector2d p = chart_.to_page(view_.footprint[i]);
-      if (i == 0)
-        chart_.move_to(p);
-      else
-        chart_.line_to(p);
-    }
+    std::vector<Vector2d> corners;
+    for (const Vector2d& corner : view_.footprint) corners.push_back(chart_.to_page(corner));
+    chart_.path(corners);
     chart_.close();
     chart_.fill({0.97, 0.97, 0.97, 0.9});
-    for (const auto& corner : view_.footprint) chart_.line_to(chart_.to_page(corner));
+    chart_.path(corners);
     chart_.close();
     chart_.stroke(ink, 1.6);
   }
   const double m = chart_.pixels_per_meter();
   const Vector2d o = chart_.to_page(Vector2d(0, 0));
   const double arrow = std::clamp(0.9 * m, 14.0, 40.0);
-  chart_.move_to(o);
-  chart_.line_to(o - Vector2d(0, arrow));
-  chart_.line_to(o + Vector2d(-4, 7 - arrow));
-  chart_.move_to(o - Vector2d(0, arrow));
-  chart_.line_to(o + Vector2d(4, 7 - arrow));
+  const Vector2d tip = o - Vector2d(0, arrow);
+  chart_.path({o, tip, tip + Vector2d(-4, 7)});
+  chart_.path({tip, tip + Vector2d(4, 7)});
   chart_.stroke(ink, 1.6);
   chart_.circle(o, 2.5);
   chart_.fill(ink);
@@ -204,16 +198,11 @@ void Painter::sensor(const SnapshotView::Sensor& sensor, std::size_t index) {
   const Vector2d at = chart_.to_page(sensor.at);
   // Radii differ, so that sensors in one place can be told apart.
   const double radius = 26 + 7 * static_cast<double>(index % 4);
-  if (!sensor.all_round) chart_.move_to(at);
-  bool first = sensor.all_round;
-  for (const Vector2d& direction : sensor.field) {
-    const Vector2d p = at + radius * Vector2d(-direction.y(), -direction.x());
-    if (first)
-      chart_.move_to(p);
-    else
-      chart_.line_to(p);
-    first = false;
-  }
+  std::vector<Vector2d> outline;
+  if (!sensor.all_round) outline.push_back(at);
+  for (const Vector2d& direction : sensor.field)
+    outline.emplace_back(at + radius * Vector2d(-direction.y(), -direction.x()));
+  chart_.path(outline);
   chart_.close();
   chart_.stroke(color, 1.4);
   chart_.circle(at, 4);
@@ -233,10 +222,7 @@ void Painter::scale_bar() {
   const double y = field_top + field_height - 16;
   chart_.rectangle(x - 8, y - 26, pixels + 16, 36);
   chart_.fill({1, 1, 1, 0.85});
-  chart_.move_to({x, y - 5});
-  chart_.line_to({x, y});
-  chart_.line_to({x + pixels, y});
-  chart_.line_to({x + pixels, y - 5});
+  chart_.path({{x, y - 5}, {x, y}, {x + pixels, y}, {x + pixels, y - 5}});
   chart_.stroke(ink, 1.6);
   chart_.text({x + pixels / 2, y - 9}, meters(length), 12, ink, Align::middle);
 }
@@ -274,16 +260,10 @@ void Painter::legend_layer(const SnapshotView::Layer& layer) {
     for (const double x : {4.0, 14.0, 24.0}) chart_.dot({legend_left + x, y});
     chart_.stroke(color, layer.role == Role::input ? 6 : 2);
   } else {
-    chart_.move_to({legend_left, y});
-    chart_.line_to({legend_left + 28, y});
-    if (layer.role == Role::merged)
-      chart_.stroke(color, 1.6 + 2.4 * static_cast<double>(layer.number));
-    else
-      chart_.stroke(color, 2.2, {7, 5});
+    chart_.path({{legend_left, y}, {legend_left + 28, y}});
+    stroke_line(layer);
   }
-  legend_text(layer.name, 14, ink, 38, true);
-  legend_text(layer.note, 12, pale, 38, false);
-  legend_y_ += 9;
+  legend_entry(layer.name, layer.note);
 }
 
 void Painter::legend_area(const std::string& name, const std::string& note, bool observed) {
@@ -293,8 +273,12 @@ void Painter::legend_area(const std::string& name, const std::string& note, bool
   if (!observed) chart_.hatch(hatch_color, 7);
   chart_.rectangle(legend_left, legend_y_ - 13, 28, 18);
   chart_.stroke({0.6, 0.6, 0.6}, 0.8);
+  legend_entry(name, note);
+}
+
+void Painter::legend_entry(const std::string& name, const std::string& note) {
   legend_text(name, 14, ink, 38, true);
-  legend_text(note, 12, pale, 38, false);
+  legend_text(note, 12, pale, 38);
   legend_y_ += 9;
 }
 
@@ -304,7 +288,7 @@ void Painter::legend() {
     bool any = false;
     for (const auto& layer : view_.layers) {
       if (layer.role != role) continue;
-      if (!any) legend_text(heading, 12, pale, 0, false), legend_y_ += 6;
+      if (!any) legend_text(heading, 12, pale), legend_y_ += 6;
       any = true;
       legend_layer(layer);
     }
@@ -315,7 +299,7 @@ void Painter::legend() {
   group("MERGED SCANS", Role::merged);
   group("VIRTUAL SCANS", Role::virtual_scan);
   if (!view_.free_note.empty()) {
-    legend_text("AREAS", 12, pale, 0, false);
+    legend_text("AREAS", 12, pale);
     legend_y_ += 6;
     legend_area("free", view_.free_note, true);
     legend_area("unknown", view_.unobserved_note, false);
@@ -326,7 +310,7 @@ void Painter::legend() {
           view_.base_frame + ".",
       12, pale, 0, false);
   legend_y_ += 8;
-  for (const auto& sentence : view_.missing) legend_text(sentence, 12, {0.70, 0.20, 0.00}, 0, false);
+  for (const auto& sentence : view_.missing) legend_text(sentence, 12, {0.70, 0.20, 0.00});
 }
 
 std::string Painter::description() const {
@@ -344,9 +328,8 @@ std::string Painter::paint() {
   areas(false);
   for (const auto& wedge : view_.wedges) {
     if (wedge.observed) continue;
-    chart_.move_to(chart_.to_page(wedge.corner[0]));
-    chart_.line_to(chart_.to_page(wedge.corner[1]));
-    chart_.line_to(chart_.to_page(wedge.corner[2]));
+    chart_.path(
+        {chart_.to_page(wedge.corner[0]), chart_.to_page(wedge.corner[1]), chart_.to_page(wedge.corner[2])});
     chart_.close();
   }
   chart_.hatch(hatch_color, 9);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -18,14 +19,26 @@ class FrameKeeper : public FrameSink {
   /// What comes after this call is not kept.
   void freeze() { frozen_ = true; }
 
-  void scan(const std::string& topic, const PlanarScan& scan, Stamp released) override;
-  void cloud(const std::string& topic, Cloud& cloud, Stamp released) override;
-  void transforms(const std::vector<StaticTransform>& transforms, Stamp released) override;
-  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) override;
+  void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp /*released*/) override {
+    if (frozen_) return;
+    scans_[{topic.name, scan.frame_id}] = scan;
+    newest_ = std::max(newest_, scan.stamp);
+  }
+  void cloud(const OutputTopic& topic, Cloud& cloud, Stamp /*released*/) override {
+    if (frozen_) return;
+    clouds_[topic.name] = cloud;
+    newest_ = std::max(newest_, cloud.stamp);
+  }
 
   /// The newest of them, or nullptr.
-  const PlanarScan* find_scan(const std::string& topic, const std::string& frame) const;
-  const Cloud* find_cloud(const std::string& topic) const;
+  const PlanarScan* find_scan(const std::string& topic, const std::string& frame) const {
+    const auto found = scans_.find({topic, frame});
+    return found == scans_.end() ? nullptr : &found->second;
+  }
+  const Cloud* find_cloud(const std::string& topic) const {
+    const auto found = clouds_.find(topic);
+    return found == clouds_.end() ? nullptr : &found->second;
+  }
   bool empty() const { return scans_.empty() && clouds_.empty(); }
   /// Stamp of the newest frame of all.
   Stamp newest() const { return newest_; }

@@ -44,6 +44,9 @@ class Gatherer {
   SnapshotView run();
 
  private:
+  SnapshotView::Layer& add_layer(Role role, const std::string& name, const std::string& note) {
+    return view_.layers.emplace_back(SnapshotView::Layer{role, numbers_[role]++, name, note, {}, {}});
+  }
   void add_sensor(const SensorConfig& sensor);
   void add_cloud(const SensorConfig& sensor, const std::string& topic);
   void add_field(const SensorConfig& sensor, const PlanarScan* scan, std::size_t number);
@@ -90,11 +93,8 @@ const PlanarScan* Gatherer::add_scan(Role role, const std::string& topic, const 
   }
   Pose pose;
   if (!place(frame, scan->stamp, pose)) return nullptr;
-  SnapshotView::Layer layer;
-  layer.role = role;
-  layer.number = numbers_[role]++;
-  layer.name = topic;
-  layer.note = what + ", " + std::to_string(scan->beams) + " beams" + age(scan->stamp);
+  auto& layer =
+      add_layer(role, topic, what + ", " + std::to_string(scan->beams) + " beams" + age(scan->stamp));
   std::size_t last_hit = scan->beams;
   for (std::size_t i = 0; i < scan->beams; ++i) {
     if (scan->statuses[i] != BeamStatus::hit) continue;
@@ -108,7 +108,6 @@ const PlanarScan* Gatherer::add_scan(Role role, const std::string& topic, const 
       layer.joined[n - 2] = 1;
     last_hit = i;
   }
-  view_.layers.push_back(std::move(layer));
   return scan;
 }
 
@@ -121,15 +120,15 @@ void Gatherer::add_field(const SensorConfig& sensor, const PlanarScan* scan, std
   drawn.role = scan == nullptr ? Role::cloud : Role::input;
   drawn.number = number;
   double first = 0;
-  double last = 2 * pi_d;
+  double last = two_pi;
   if (scan != nullptr) {
     first = static_cast<double>(scan->angle_min);
     last = static_cast<double>(scan->angle_max);
-  } else if (sensor.driver.view_width < 2 * pi_d) {
+  } else if (sensor.driver.view_width < two_pi) {
     first = sensor.driver.view_direction - sensor.driver.view_width / 2;
     last = first + sensor.driver.view_width;
   }
-  drawn.all_round = std::abs(last - first) > 2 * pi_d - 0.02;
+  drawn.all_round = std::abs(last - first) > two_pi - 0.02;
   constexpr int steps = 48;
   for (int i = 0; i <= steps; ++i) {
     const double angle = first + (last - first) * i / steps;
@@ -147,11 +146,8 @@ void Gatherer::add_cloud(const SensorConfig& sensor, const std::string& topic) {
   }
   Pose pose;
   if (!place(cloud->frame_id, cloud->stamp, pose)) return;
-  SnapshotView::Layer layer;
-  layer.role = Role::cloud;
-  layer.number = numbers_[Role::cloud]++;
-  layer.name = topic;
-  layer.note = "cloud, " + std::to_string(cloud->size()) + " points, thinned" + age(cloud->stamp);
+  auto& layer = add_layer(Role::cloud, topic,
+                          "cloud, " + std::to_string(cloud->size()) + " points, thinned" + age(cloud->stamp));
   // An odd stride visits every ring.
   const std::size_t stride = (cloud->size() / most_cloud_points) | 1U;
   for (std::size_t i = 0; i < cloud->size(); i += stride) {
@@ -160,8 +156,7 @@ void Gatherer::add_cloud(const SensorConfig& sensor, const std::string& topic) {
     const Eigen::Vector3f in_sensor(p->x, p->y, p->z);
     if (in_sensor.allFinite()) layer.points.push_back((pose.cast<float>() * in_sensor).head<2>());
   }
-  view_.layers.push_back(std::move(layer));
-  add_field(sensor, nullptr, view_.layers.back().number);
+  add_field(sensor, nullptr, layer.number);
 }
 
 void Gatherer::add_sensor(const SensorConfig& sensor) {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/live/http_client.h"
 
-#include <atomic>
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -19,75 +18,48 @@ namespace http = beast::http;
 using asio::ip::tcp;
 
 /// RFC 3986, section 3.2.2: an IPv6 address stands in brackets.
-std::string host_field(const HttpRequest& request) {
-  const std::string host =
-      request.host.find(':') == std::string::npos ? request.host : "[" + request.host + "]";
-  return request.port == 80 ? host : host + ":" + std::to_string(request.port);
+std::string host_field(const HttpPost& post) {
+  const std::string host = post.host.find(':') == std::string::npos ? post.host : "[" + post.host + "]";
+  return post.port == 80 ? host : host + ":" + std::to_string(post.port);
 }
 
 /// One request. Each step starts the next; the stream's time limit ends whatever takes too long.
 class Exchange {
  public:
-  Exchange(asio::io_context& io, const HttpRequest& request, Span limit)
-      : resolver_(io), stream_(io), limit_(limit) {
-    const bool post = !request.content_type.empty();
-    request_.method(post ? http::verb::post : http::verb::get);
-    request_.target(request.path);
-    request_.set(http::field::host, host_field(request));
+  Exchange(asio::io_context& io, const HttpPost& post, Span limit)
+      : resolver_(io), stream_(io), limit_(limit), request_(http::verb::post, post.path, 11, post.body) {
+    request_.set(http::field::host, host_field(post));
+    request_.set(http::field::content_type, post.content_type);
     request_.keep_alive(false);
-    if (post) request_.set(http::field::content_type, request.content_type);
-    request_.body() = request.body;
     request_.prepare_payload();
-    find(request);
-  }
-
-  HttpAnswer answer() {
-    HttpAnswer answer;
-    answer.connected = connected_;
-    answer.local_address = local_address_;
-    if (parser_.is_header_done()) {
-      answer.status = parser_.get().result_int();
-      answer.body = std::move(parser_.get().body());
-    }
-    if (!finished_) answer.error = "stopped";
-    if (error_) answer.error = reason();
-    return answer;
-  }
-
- private:
-  std::string reason() const {
-    if (error_ == beast::error::timeout) return "no answer in time";
-    if (error_ == http::error::end_of_stream) return "the connection was closed without an answer";
-    if (error_ == http::error::partial_message) return "the answer ends in its middle";
-    return error_.message();
-  }
-  /// A literal address needs no resolver, whose thread cannot be interrupted.
-  void find(const HttpRequest& request) {
+    // A literal address needs no resolver, whose thread cannot be interrupted.
     beast::error_code no_address;
-    const auto address = asio::ip::make_address(request.host, no_address);
+    const auto address = asio::ip::make_address(post.host, no_address);
     if (!no_address) {
-      stream_.expires_after(limit_);
-      stream_.async_connect(tcp::endpoint(address, request.port),
-                            [this](beast::error_code error) { on_connect(error); });
+      connect(tcp::resolver::results_type::create({address, post.port}, "", ""));
       return;
     }
-    resolver_.async_resolve(request.host, std::to_string(request.port),
+    resolver_.async_resolve(post.host, std::to_string(post.port),
                             [this](beast::error_code error, const tcp::resolver::results_type& found) {
                               if (!failed(error)) connect(found);
                             });
   }
+  std::string answer(std::string& error) {
+    if (error_)
+      error = error_ == beast::error::timeout ? "no answer in time" : error_.message();
+    else if (response_.result() != http::status::ok)
+      error = "HTTP status " + std::to_string(response_.result_int());
+    else
+      return std::move(response_.body());
+    return {};
+  }
+
+ private:
   void connect(const tcp::resolver::results_type& found) {
     stream_.expires_after(limit_);
-    stream_.async_connect(found,
-                          [this](beast::error_code error, const tcp::endpoint&) { on_connect(error); });
-  }
-  void on_connect(beast::error_code error) {
-    if (failed(error)) return;
-    connected_ = true;
-    beast::error_code unknown;
-    const auto local = stream_.socket().local_endpoint(unknown);
-    if (!unknown) local_address_ = local.address().to_string();
-    write();
+    stream_.async_connect(found, [this](beast::error_code error, const tcp::endpoint&) {
+      if (!failed(error)) write();
+    });
   }
   void write() {
     http::async_write(stream_, request_, [this](beast::error_code error, std::size_t) {
@@ -95,56 +67,30 @@ class Exchange {
     });
   }
   void read() {
-    http::async_read(stream_, buffer_, parser_, [this](beast::error_code error, std::size_t) {
-      failed(error);
-      finished_ = true;
-    });
+    http::async_read(stream_, buffer_, response_,
+                     [this](beast::error_code error, std::size_t) { failed(error); });
   }
   bool failed(beast::error_code error) {
     error_ = error;
-    finished_ = finished_ || error_;
-    return static_cast<bool>(error_);
+    return static_cast<bool>(error);
   }
 
   tcp::resolver resolver_;
   beast::tcp_stream stream_;
   Span limit_;
   http::request<http::string_body> request_;
+  http::response<http::string_body> response_;
   beast::flat_buffer buffer_;
-  http::response_parser<http::string_body> parser_;
   beast::error_code error_;
-  bool connected_ = false;
-  bool finished_ = false;
-  std::string local_address_;
 };
 
 }  // namespace
 
-struct HttpClient::Impl {
-  std::atomic<bool> stopped{false};
+std::string http_post(const HttpPost& post, Span limit, std::string& error) {
   asio::io_context io{1};
-};
-
-HttpClient::HttpClient() : impl_(std::make_unique<Impl>()) {}
-HttpClient::~HttpClient() = default;
-
-HttpAnswer HttpClient::request(const HttpRequest& request, Span limit) {
-  // A stop() after restart() ends run(); one before is seen in `stopped`.
-  impl_->io.restart();
-  if (impl_->stopped) {
-    HttpAnswer nothing;
-    nothing.error = "stopped";
-    return nothing;
-  }
-  Exchange exchange(impl_->io, request, limit);
-  impl_->io.run();
-  HttpAnswer answer = exchange.answer();
-  return answer;
-}
-
-void HttpClient::stop() {
-  impl_->stopped = true;
-  impl_->io.stop();
+  Exchange exchange(io, post, limit);
+  io.run();
+  return exchange.answer(error);
 }
 
 }  // namespace lidard

@@ -39,12 +39,12 @@ TcpConnections::TcpConnections(boost::asio::io_context& io, const Config& config
     const SensorConfig& sensor = config.sensors[i];
     if (sensor.model == nullptr) continue;
     const bool streams = sensor.model->transport == Transport::tcp;
-    if (!streams && (sensor.model->dialogue_port == 0 || sensor.driver.requests.listen_only)) continue;
+    if (sensor.device_port() == 0 || sensor.driver.requests.listen_only) continue;
     auto link = std::make_unique<Link>();
     link->sensor = i;
     link->name = sensor.name;
     link->streams = streams;
-    link->device.port = streams ? sensor.ip_port : sensor.model->dialogue_port;
+    link->device.port = sensor.device_port();
     link->silence = silence_of(sensor);
     if (streams) open(*link, sensor.ip_address.value());
     links_.push_back(std::move(link));
@@ -55,6 +55,7 @@ void TcpConnections::open(Link& link, const IpAddress& device) {
   link.device.address = device;
   TcpOptions options = options_;
   options.device = link.device;
+  options.keep_up = link.streams;
   TcpHandlers handlers;
   handlers.receive = [this, sensor = link.sensor](const Packet& packet) { events_.chunk(sensor, packet); };
   handlers.connected = [this, &link](Stamp now) { connected(link, now); };
@@ -97,10 +98,13 @@ void TcpConnections::log_changes() {
     const TcpState& state = link->source->state();
     std::string text = text_of(state, link->streams);
     if (text == link->told) continue;
+    // A dialogue that comes and goes is no news.
     if (!state.message.empty())
       spdlog::warn("{}: {}", link->name, text);
     else if (is_connected(state))
       spdlog::info("{}: connected to {}", link->name, link->device.to_string());
+    else
+      continue;
     link->told = std::move(text);
   }
 }
@@ -114,9 +118,9 @@ void TcpConnections::add_diagnostics(std::vector<DiagnosticItem>& items) const {
     item.name = "link " + link->name;
     item.hardware_id = link->device.to_string();
     item.message = text_of(state, link->streams);
-    const bool well = is_connected(state) || (!link->streams && state.phase == TcpState::Phase::stopped) ||
-                      item.message == first_attempt;
-    item.health = well ? Health::ok : Health::error;
+    const bool idle = !link->streams && state.phase == TcpState::Phase::stopped && state.message.empty();
+    if (!is_connected(state) && !idle && item.message != first_attempt)
+      item.health = link->streams ? Health::error : Health::warn;  // data come without a dialogue
     const auto value = [&item](const char* key, std::uint64_t n) {
       item.values.emplace_back(key, std::to_string(n));
     };

@@ -6,6 +6,8 @@
 
 #include <map>
 
+#include "daemon/pipeline/sensor_flows.h"
+
 namespace lidard {
 namespace {
 
@@ -13,15 +15,14 @@ bool receives(const UdpState& state) {
   return state.phase == UdpState::Phase::receiving || state.phase == UdpState::Phase::partial;
 }
 
-/// What UDP over IPv4 can carry: a telegram of a multiScan136 is one datagram of up to 24 kB.
+/// What UDP over IPv4 can carry.
 constexpr std::size_t largest_datagram = 65507;
 
 /// Usual datagrams per second that take as much of a receive buffer as the model's.
 double load_of(const Model& model) {
-  // A datagram of 24 kB arrives in 17 fragments, whose buffers are of up to 2304 bytes each.
-  constexpr double fragments = 17 * 2;
-  const bool large = model.protocol == "Compact or MSGPACK" && model.kind == FrameKind::cloud;
-  return model.packets_per_s * (large ? fragments : 1);
+  // Buffers of fragments are of up to 2304 bytes each.
+  const double fragments = model.fragments_per_packet;
+  return model.packets_per_s * (fragments > 1 ? 2 * fragments : 1);
 }
 
 /// The sockets needed: data ports, and telemetry ports.
@@ -29,10 +30,9 @@ std::map<std::uint16_t, UdpOptions> options_by_port(const Config& config) {
   std::map<std::uint16_t, UdpOptions> all;
   std::map<std::uint16_t, bool> anybody;
   for (const auto& sensor : config.sensors) {
-    if (sensor.model == nullptr || sensor.model->transport != Transport::udp) continue;
-    if (!sensor.packet_topic.empty()) continue;
-    for (const std::uint16_t number : {sensor.ip_port, sensor.telemetry_port}) {
-      if (number == 0) continue;
+    for (const Flow& flow : flows_of(sensor)) {
+      if (flow.transport != Transport::udp) continue;
+      const std::uint16_t number = flow.port;
       const bool fresh = all.find(number) == all.end();
       UdpOptions& options = all[number];
       options.port = number;

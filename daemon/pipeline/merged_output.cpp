@@ -48,76 +48,78 @@ Stamp comparable(Stamp stamp, Stamp now) {
 
 }  // namespace
 
-MergedOutput::MergedOutput(const MergedScanConfig& config, const VehicleConfig& vehicle,
-                           const FrameTree& poses)
+MergedOutput::MergedOutput(const MergedScanConfig& config, const OutputContext& context)
     : config_(config),
-      base_frame_(vehicle.base_frame),
-      footprint_(vehicle.footprint),
-      poses_(poses),
-      merger_(grid_of(config.output.grid), band_of(config.output), config.laserscan_topics.size(),
-              settings_of(config)),
+      context_(context),
+      poses_(context.poses),
+      footprint_(context.vehicle.footprint),
       scheduler_(config.laserscan_topics.size(), config.schedule),
       overlap_(config.laserscan_topics.size()),
       compared_(config.laserscan_topics.size(), nullptr),
       places_(config.laserscan_topics.size(), Eigen::Vector2d::Zero()),
       reported_states_(config.laserscan_topics.size(), SourceState::never),
       why_unplaced_(config.laserscan_topics.size()),
-      taken_(config.laserscan_topics.size(), 0),
-      scans_(1 + config.also.size()) {
+      taken_(config.laserscan_topics.size(), 0) {
+  const auto topic = [&](const std::string& name) { return &topic_named(context.outlet.topics(), name); };
+  scan_topics_.push_back(topic(config.scan_destination_topic));
+  for (const AlsoScanConfig& also : config.also) scan_topics_.push_back(topic(also.topic));
+  if (!config.cloud_destination_topic.empty()) cloud_topic_ = topic(config.cloud_destination_topic);
+  if (!config.status_topic.empty()) status_topic_ = topic(config.status_topic);
   cloud_.frame_id = config.destination_frame;
   status_.frame_id = config.destination_frame;
-  merged_.push_back({config.output.profile, &scans_[0]});
-  for (std::size_t i = 0; i < config.also.size(); ++i)
-    merged_.push_back({config.also[i].profile, &scans_[i + 1]});
-  set_encodings(config.output, config.also, scans_);
-  for (PlanarScan& scan : scans_) scan.frame_id = config.destination_frame;
+  set_up();
+}
+
+void MergedOutput::set_up() {
+  merger_.emplace(grid_of(config_.output.grid), band_of(config_.output), config_.laserscan_topics.size(),
+                  settings_of(config_));
+  footprint_placed_.reset();
+  scans_.assign(1 + config_.also.size(), PlanarScan());
+  set_encodings(config_.output, config_.also, scans_);
+  for (PlanarScan& scan : scans_) scan.frame_id = config_.destination_frame;
+  merged_ = {{config_.output.profile, &scans_[0]}};
+  for (std::size_t i = 0; i < config_.also.size(); ++i)
+    merged_.push_back({config_.also[i].profile, &scans_[i + 1]});
+}
+
+void MergedOutput::set_scan(const OutputScanConfig& wanted) {
+  config_.output = wanted;
+  set_up();
+  overlap_ = MountCheck(config_.laserscan_topics.size());
+  waits_for_motion_since_.reset();
+  uses_.clear();
+  latency_ = skew_ = Span(0);
 }
 
 bool MergedOutput::place_footprint(Stamp stamp) {
   if (footprint_.empty()) return true;
   Pose pose;
-  if (!poses_.find(config_.destination_frame, base_frame_, stamp, pose, counters_.why_no_pose)) return false;
+  if (!poses_.find(config_.destination_frame, context_.vehicle.base_frame, stamp, pose,
+                   counters_.why_no_pose))
+    return false;
   if (footprint_placed_ && footprint_placed_->matrix() == pose.matrix()) return true;
   footprint_placed_ = pose;
-  merger_.set_footprint(footprint_.transformed(pose));
+  merger_->set_footprint(footprint_.transformed(pose));
   return true;
 }
 
-int MergedOutput::source_index(const std::string& sensor) const {
-  for (std::size_t i = 0; i < config_.laserscan_topics.size(); ++i) {
-    if (config_.laserscan_topics[i] == sensor) return static_cast<int>(i);
-  }
-  return -1;
-}
-
 void MergedOutput::restart() {
-  merger_.reset();
+  merger_->reset();
   scheduler_.reset();
   overlap_.reset();
   stamps_.reset();
   waits_for_motion_since_.reset();
 }
 
-void MergedOutput::continue_from(const MergedOutput& before) {
-  scheduler_ = before.scheduler_;
-  reported_states_ = before.reported_states_;
-  why_unplaced_ = before.why_unplaced_;
-  taken_ = before.taken_;
-  counters_ = before.counters_;
-  stamps_ = before.stamps_;
-  without_motion_ = before.without_motion_;
-  dropped_ = before.dropped_;
-}
-
 /// After a change of the grid the sources that are well have to deliver again, lest what they see be missing.
 bool MergedOutput::lacks_sweeps(Stamp now) const {
   for (std::size_t s = 0; s < config_.laserscan_topics.size(); ++s) {
-    if (scheduler_.state(s, now) == SourceState::ok && !merger_.times(s)) return true;
+    if (scheduler_.state(s, now) == SourceState::ok && !merger_->times(s)) return true;
   }
   return false;
 }
 
-void MergedOutput::add(std::size_t source, const PlanarScan& scan, Stamp now, FrameSink& sink) {
+void MergedOutput::add_scan(std::size_t source, const PlanarScan& scan, Stamp now) {
   Pose pose;
   if (!place_footprint(scan.stamp) ||
       !poses_.find(config_.destination_frame, scan.frame_id, scan.stamp, pose, counters_.why_no_pose)) {
@@ -126,21 +128,20 @@ void MergedOutput::add(std::size_t source, const PlanarScan& scan, Stamp now, Fr
     return;
   }
   why_unplaced_[source].clear();
-  if (!merger_.add(source, scan, pose)) return;
+  if (!merger_->add(source, scan, pose)) return;
   taken_[source] = 1;
-  scheduler_.delivered(source, comparable(merger_.times(source)->last(), now),
+  scheduler_.delivered(source, comparable(merger_->times(source)->last(), now),
                        static_cast<double>(scan.scan_time), now);
-  advance(now, sink);
+  advance(now);
 }
 
 bool MergedOutput::publishes(const std::string& topic) const {
-  const auto has = [&](const AlsoScanConfig& also) { return also.topic == topic; };
-  return topic == config_.scan_destination_topic || topic == config_.cloud_destination_topic ||
-         topic == config_.status_topic || std::any_of(config_.also.begin(), config_.also.end(), has);
+  const auto has = [&](const OutputTopic* own) { return own != nullptr && own->name == topic; };
+  return has(cloud_topic_) || has(status_topic_) ||
+         std::any_of(scan_topics_.begin(), scan_topics_.end(), has);
 }
 
-std::string MergedOutput::why_missing(
-    const std::function<std::string(const std::string& source)>& why_silent) const {
+std::string MergedOutput::why_missing(const std::string&, const WhySilent& why_silent) const {
   std::string missing;
   for (std::size_t s = 0; s < taken_.size(); ++s) {
     if (taken_[s] != 0) continue;
@@ -176,7 +177,7 @@ MergeMoment MergedOutput::moment_of(Stamp now) {
   const std::vector<char>& use = scheduler_.usable(now);
   std::optional<Stamp> first, oldest, newest;
   for (std::size_t s = 0; s < use.size(); ++s) {
-    const auto times = merger_.times(s);
+    const auto times = merger_->times(s);
     if (use[s] == 0 || !times) continue;
     first = std::max(first.value_or(times->first), times->first);
     oldest = std::min(oldest.value_or(times->last()), times->last());
@@ -191,8 +192,8 @@ MergeMoment MergedOutput::moment_of(Stamp now) {
     moment.at = std::max(*first, std::min(moment.at, track->newest()));
     moment.track = track;
   }
-  if (moment.track != nullptr && !poses_.find(config_.destination_frame, base_frame_, moment.at,
-                                              moment.output_from_base, counters_.why_no_pose))
+  if (moment.track != nullptr && !poses_.find(config_.destination_frame, context_.vehicle.base_frame,
+                                              moment.at, moment.output_from_base, counters_.why_no_pose))
     moment.track = nullptr;
   return moment;
 }
@@ -202,7 +203,7 @@ bool MergedOutput::must_wait_for_motion(const MergeMoment& moment, Stamp now) {
   const std::vector<char>& use = scheduler_.usable(now);
   bool known = true;
   for (std::size_t s = 0; s < use.size(); ++s)
-    known = known && (use[s] == 0 || merger_.poses_cover(s, moment));
+    known = known && (use[s] == 0 || merger_->poses_cover(s, moment));
   if (known) {
     waits_for_motion_since_.reset();
     return false;
@@ -218,7 +219,7 @@ bool MergedOutput::must_wait_for_motion(const MergeMoment& moment, Stamp now) {
   return false;
 }
 
-void MergedOutput::advance(Stamp now, FrameSink& sink) {
+void MergedOutput::advance(Stamp now) {
   if (!scheduler_.is_due(now)) {
     waits_for_motion_since_.reset();
     return;
@@ -226,14 +227,13 @@ void MergedOutput::advance(Stamp now, FrameSink& sink) {
   if (lacks_sweeps(now)) return;
   const MergeMoment moment = moment_of(now);
   if (must_wait_for_motion(moment, now)) return;
-  publish(moment, now, sink);
+  publish(moment, now);
 }
 
-void MergedOutput::publish(MergeMoment moment, Stamp now, FrameSink& sink) {
+void MergedOutput::publish(MergeMoment moment, Stamp now) {
   moment.at = stamps_.next(moment.at);
-  const bool with_cloud = !config_.cloud_destination_topic.empty();
   const MergeReport& report =
-      merger_.merge(moment, scheduler_.usable(now), merged_, with_cloud ? &cloud_ : nullptr);
+      merger_->merge(moment, scheduler_.usable(now), merged_, cloud_topic_ != nullptr ? &cloud_ : nullptr);
   scheduler_.done(now);
   uses_ = report.sources;
   const bool stands = std::count(uses_.begin(), uses_.end(), SourceUse::static_poses) > 0;
@@ -242,19 +242,19 @@ void MergedOutput::publish(MergeMoment moment, Stamp now, FrameSink& sink) {
   ++counters_.published;
   counters_.last_published = now;
   compare_sources(moment.at);
-  sink.scan(config_.scan_destination_topic, scans_[0], now);
-  for (std::size_t i = 0; i < config_.also.size(); ++i) sink.scan(config_.also[i].topic, scans_[i + 1], now);
-  if (with_cloud) sink.cloud(config_.cloud_destination_topic, cloud_, now);
-  if (config_.status_topic.empty()) return;
+  Outlet& outlet = context_.outlet;
+  for (std::size_t i = 0; i < scans_.size(); ++i) outlet.publish(*scan_topics_[i], scans_[i], now);
+  if (cloud_topic_ != nullptr) outlet.publish(*cloud_topic_, cloud_, now);
+  if (status_topic_ == nullptr) return;
   fill_status();
-  sink.scan(config_.status_topic, status_, now);
+  outlet.publish(*status_topic_, status_, now);
 }
 
 void MergedOutput::compare_sources(Stamp stamp) {
-  if (merger_.visibility() == nullptr || !overlap_.is_due(stamp)) return;
+  if (merger_->visibility() == nullptr || !overlap_.is_due(stamp)) return;
   for (std::size_t s = 0; s < compared_.size(); ++s) {
-    compared_[s] = merger_.sweep(s);
-    places_[s] = merger_.looks_from(s);
+    compared_[s] = merger_->sweep(s);
+    places_[s] = merger_->looks_from(s);
   }
   const auto moved = [](SourceUse use) { return use == SourceUse::static_poses; };
   overlap_.look(stamp, compared_, places_,
@@ -262,7 +262,7 @@ void MergedOutput::compare_sources(Stamp stamp) {
 }
 
 void MergedOutput::fill_status() {
-  const Visibility& visibility = *merger_.visibility();
+  const Visibility& visibility = *merger_->visibility();
   const PlanarScan& scan = scans_[0];
   status_.reset(scan.beams);
   status_.set_angles(scan.angle_min, scan.angle_increment);
@@ -271,7 +271,7 @@ void MergedOutput::fill_status() {
   status_.range_max = scan.range_max;
   for (std::size_t beam = 0; beam < scan.beams; ++beam) {
     status_.set_hit(beam, std::min(visibility.covered(beam), scan.range_max));
-    status_.intensities[beam] = static_cast<float>(visibility.seen(beam));
+    status_.intensities[beam] = static_cast<float>(visibility.state(beam));
   }
 }
 
@@ -353,13 +353,13 @@ DiagnosticItem MergedOutput::diagnostics(Stamp now, bool starting) const {
                                                       : "stamps are of another clock");
   item.values.emplace_back("Skew of the sources (ms)", fmt::format("{:.1f}", seconds(skew_) * 1000));
   item.values.emplace_back("Sources waited for in vain", std::to_string(scheduler_.deadlines_missed()));
-  if (const CrossCheck* const check = merger_.cross_check()) {
+  if (const CrossCheck* const check = merger_->cross_check()) {
     item.values.emplace_back("Returns that another source sees through", std::to_string(check->veils()));
     item.values.emplace_back("Hits that a newer sweep sees through", std::to_string(check->conflicts()));
   }
-  item.values.emplace_back("Sweeps replaced before use", std::to_string(merger_.superseded()));
-  item.values.emplace_back("Sweeps out of order", std::to_string(merger_.out_of_order()));
-  item.values.emplace_back("Sweeps with impossible times", std::to_string(merger_.bad_times()));
+  item.values.emplace_back("Sweeps replaced before use", std::to_string(merger_->superseded()));
+  item.values.emplace_back("Sweeps out of order", std::to_string(merger_->out_of_order()));
+  item.values.emplace_back("Sweeps with impossible times", std::to_string(merger_->bad_times()));
   return item;
 }
 

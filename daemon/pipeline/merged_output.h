@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,44 +10,37 @@
 #include "core/merge/merger.h"
 #include "core/merge/mount_check.h"
 #include "core/merge/scheduler.h"
-#include "daemon/config/config.h"
-#include "daemon/pipeline/frame_tree.h"
+#include "daemon/pipeline/output.h"
 #include "daemon/pipeline/output_parts.h"
-#include "daemon/pipeline/sink.h"
 
 namespace lidard {
 
 /// A merged scan: takes the scans of its sources, publishes when one is due.
-class MergedOutput {
+class MergedOutput final : public Output {
  public:
-  MergedOutput(const MergedScanConfig& config, const VehicleConfig& vehicle, const FrameTree& poses);
+  MergedOutput(const MergedScanConfig& config, const OutputContext& context);
 
-  const MergedScanConfig& config() const { return config_; }
-  /// Index of a sensor or a virtual scan among the sources, or -1.
-  int source_index(const std::string& name) const;
-  void add(std::size_t source, const PlanarScan& scan, Stamp now, FrameSink& sink);
-  /// Time passed, or the vehicle's poses went on: publishes what is due.
-  void advance(Stamp now, FrameSink& sink);
-  /// When advance() is worth a call if nothing else happens.
-  std::optional<Stamp> next_event() const;
-  bool publishes(const std::string& topic) const;
-  /// Why nothing was published; or, if something was, what sources never were in it; empty: nothing is
-  /// missing. `why_silent` says why a source gave no scans.
-  std::string why_missing(const std::function<std::string(const std::string& source)>& why_silent) const;
-  /// True if a source has come, gone stale or was lost since the last call.
-  bool states_changed(Stamp now);
-  DiagnosticItem diagnostics(Stamp now, bool starting) const;
-  void restart();
-  /// Takes the place of an output with another grid.
-  void continue_from(const MergedOutput& before);
+  OutputId id() const override { return {OutputId::Kind::merged, config_.name}; }
+  std::vector<std::string> sources() const override { return config_.laserscan_topics; }
+  void add_scan(std::size_t source, const PlanarScan& scan, Stamp now) override;
+  void advance(Stamp now) override;
+  std::optional<Stamp> next_event() const override;
+  bool states_changed(Stamp now) override;
+  void set_scan(const OutputScanConfig& wanted) override;
+  void restart() override;
+  bool publishes(const std::string& topic) const override;
+  std::string why_missing(const std::string& topic, const WhySilent& why_silent) const override;
+  DiagnosticItem diagnostics(Stamp now, bool starting) const override;
 
  private:
+  /// Makes what depends on the grid and the profiles.
+  void set_up();
   bool place_footprint(Stamp stamp);
   /// The instant that the beams are brought to.
   MergeMoment moment_of(Stamp now);
   bool lacks_sweeps(Stamp now) const;
   bool must_wait_for_motion(const MergeMoment& moment, Stamp now);
-  void publish(MergeMoment moment, Stamp now, FrameSink& sink);
+  void publish(MergeMoment moment, Stamp now);
   void fill_status();
   /// Compares what the sources of the output just made see of the same surfaces.
   void compare_sources(Stamp stamp);
@@ -58,11 +50,11 @@ class MergedOutput {
   void describe_overlap(DiagnosticItem& item) const;
 
   MergedScanConfig config_;
-  std::string base_frame_;
+  const OutputContext& context_;
+  const FrameTree& poses_;
   Footprint footprint_;                   // in base_frame
   std::optional<Pose> footprint_placed_;  // base_frame in the output frame when it was last set
-  const FrameTree& poses_;
-  Merger merger_;
+  std::optional<Merger> merger_;
   Scheduler scheduler_;
   MountCheck overlap_;
   std::vector<const PlacedScan*> compared_;
@@ -71,6 +63,9 @@ class MergedOutput {
   std::vector<std::string> why_unplaced_;  // why the newest scan of a source had no place; empty: it had one
   std::vector<char> taken_;                // sources of which a scan was ever used
   std::vector<PlanarScan> scans_;          // the first is the entry's own, then those of `also`
+  std::vector<const OutputTopic*> scan_topics_;  // theirs
+  const OutputTopic* cloud_topic_ = nullptr;     // nullptr, as below: none
+  const OutputTopic* status_topic_ = nullptr;
   std::vector<MergedScan> merged_;
   PlanarScan status_;
   Cloud cloud_;

@@ -12,6 +12,10 @@ struct OutputId {
   enum class Kind : std::uint8_t { merged, virtual_group };
   Kind kind = Kind::merged;
   std::string entry;
+
+  friend bool operator==(const OutputId& a, const OutputId& b) {
+    return a.kind == b.kind && a.entry == b.entry;
+  }
 };
 
 }  // namespace lidard

@@ -8,9 +8,8 @@
 namespace lidard {
 
 ScanGrid grid_of(const ScanGridSpec& spec) {
-  std::string error;
-  const auto grid = make_grid(spec, error);
-  if (!grid) throw std::logic_error("configuration accepted a grid that is wrong: " + error);
+  const auto grid = make_grid(spec);
+  if (!grid) throw std::logic_error("configuration accepted a grid that is wrong: " + grid.reason());
   return *grid;
 }
 

@@ -8,6 +8,8 @@
 #include <cstring>
 #include <ostream>
 
+#include "daemon/pipeline/report.h"
+
 namespace lidard {
 
 void OutputReport::count(Stamp released) {
@@ -21,48 +23,16 @@ double OutputReport::rate() const {
   return messages < 2 || span <= 0 ? 0 : static_cast<double>(messages - 1) / span;
 }
 
-CountingSink::CountingSink(FrameSink& sink, const std::vector<OutputTopic>& topics) : sink_(sink) {
-  for (const OutputTopic& topic : topics) {
-    places_.emplace(topic.info.name, reports_.size());
-    reports_.emplace_back();
-    reports_.back().name = topic.info.name;
-    reports_.back().promised = topic.promised;
-  }
-}
-
-void CountingSink::count(const std::string& topic, Stamp released) {
-  const auto place = places_.find(topic);
-  if (place != places_.end()) reports_[place->second].count(released);
-}
-
-void CountingSink::scan(const std::string& topic, const PlanarScan& scan, Stamp released) {
-  count(topic, released);
-  sink_.scan(topic, scan, released);
-}
-
-void CountingSink::cloud(const std::string& topic, Cloud& cloud, Stamp released) {
-  count(topic, released);
-  sink_.cloud(topic, cloud, released);
-}
-
-void CountingSink::fix(const std::string& topic, const GnssFix& fix, Stamp released) {
-  count(topic, released);
-  sink_.fix(topic, fix, released);
-}
-
-void CountingSink::time_reference(const std::string& topic, const TimeReference& reference, Stamp released) {
-  count(topic, released);
-  sink_.time_reference(topic, reference, released);
-}
-
-void CountingSink::imu(const std::string& topic, const ImuSample& sample, Stamp released) {
-  count(topic, released);
-  sink_.imu(topic, sample, released);
-}
-
-void CountingSink::state(const std::string& topic, const DeviceState& state, Stamp released) {
-  count(topic, released);
-  sink_.state(topic, state, released);
+std::string why_no_frame(const Model& model, const Counters& counters, Span span) {
+  if (counters.packets > 0 && counters.rejected_total() >= counters.packets)
+    return "no packet could be used, rejected " + rejected_text(counters) + "; is it a " +
+           std::string(model.product) + "?";
+  const std::string data = fmt::format("{} packets in {:.3f} s, a whole one usually takes {} s",
+                                       counters.packets, seconds(span), model.frame_period);
+  const double part = seconds(span) / model.frame_period;
+  if (part < 0.95) return fmt::format("only about {:.1f} of a frame: {}", part, data);
+  return fmt::format("no whole frame: {}; {} lost, {} frames cut off by begin, end or loss", data,
+                     counters.lost_packets, counters.partial_frames);
 }
 
 void print_outputs(const char* head, const std::vector<OutputReport>& outputs, std::ostream& out) {

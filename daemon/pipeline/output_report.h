@@ -4,12 +4,12 @@
 
 #include <cstdint>
 #include <iosfwd>
-#include <map>
 #include <string>
 #include <vector>
 
-#include "daemon/config/output_topics.h"
-#include "daemon/pipeline/sink.h"
+#include "core/base/counters.h"
+#include "core/base/time.h"
+#include "drivers/model.h"
 
 namespace lidard {
 
@@ -26,36 +26,8 @@ struct OutputReport {
   double rate() const;
 };
 
-/// Hands everything on to another sink and counts it by topic.
-class CountingSink final : public FrameSink {
- public:
-  /// `sink` must outlive this.
-  CountingSink(FrameSink& sink, const std::vector<OutputTopic>& topics);
-
-  void scan(const std::string& topic, const PlanarScan& scan, Stamp released) override;
-  void cloud(const std::string& topic, Cloud& cloud, Stamp released) override;
-  void fix(const std::string& topic, const GnssFix& fix, Stamp released) override;
-  void time_reference(const std::string& topic, const TimeReference& reference, Stamp released) override;
-  void imu(const std::string& topic, const ImuSample& sample, Stamp released) override;
-  void state(const std::string& topic, const DeviceState& state, Stamp released) override;
-  void transforms(const std::vector<StaticTransform>& transforms, Stamp released) override {
-    sink_.transforms(transforms, released);
-  }
-  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) override {
-    sink_.diagnostics(items, released);
-  }
-
-  /// One per topic, in the order of the configuration, without remarks.
-  const std::vector<OutputReport>& reports() const { return reports_; }
-
- private:
-  void count(const std::string& topic, Stamp released);
-
-  FrameSink& sink_;
-  std::vector<OutputReport> reports_;
-  std::map<std::string, std::size_t> places_;  // of a topic in reports_
-};
-
+/// Why a driver that got packets over a time of `span` gave no whole frame: "only about 0.4 of a frame: …".
+std::string why_no_frame(const Model& model, const Counters& counters, Span span);
 /// The table of outputs: a row for each that was promised or came, and one line for the others.
 void print_outputs(const char* head, const std::vector<OutputReport>& outputs, std::ostream& out);
 /// False if an output that was promised never came.

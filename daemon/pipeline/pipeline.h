@@ -11,7 +11,7 @@
 #include "daemon/config/config.h"
 #include "daemon/pipeline/device_connections.h"
 #include "daemon/pipeline/output_id.h"
-#include "daemon/pipeline/reception.h"
+#include "daemon/pipeline/output_report.h"
 #include "daemon/pipeline/sensor_report.h"
 #include "daemon/pipeline/sink.h"
 #include "daemon/pipeline/transform_source.h"
@@ -22,8 +22,9 @@ namespace lidard {
 /// replay; it has no thread and no clock: time is what the arrivals and tick() say.
 class Pipeline {
  public:
-  /// `poses` and `sink` must outlive the pipeline.
-  Pipeline(const Config& config, TransformSource& poses, FrameSink& sink);
+  /// `transforms` and the sinks must outlive the pipeline.
+  Pipeline(const Config& config, TransformSource& transforms, FrameSink& sink);
+  Pipeline(const Config& config, TransformSource& transforms, std::vector<FrameSink*> sinks);
   ~Pipeline();
 
   /// The configured transforms, for /tf_static.
@@ -69,7 +70,9 @@ class Pipeline {
   std::string set_output(const OutputId& output, const OutputScanConfig& wanted);
 
   std::vector<SensorReport> report() const;
-  /// Why nothing came on one of pipeline_topics() so far, or what was missing in all that came; empty:
+  /// What came out so far, one for each of output_topics(), with what was missing in it as its remark.
+  std::vector<OutputReport> output_report() const;
+  /// Why nothing came on one of output_topics() so far, or what was missing in all that came; empty:
   /// nothing is missing.
   std::string why_missing(const std::string& topic) const;
   /// Senders on a configured port that no sensor claims, "192.168.1.9:2368 (412 packets)".

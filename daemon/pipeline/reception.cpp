@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "daemon/pipeline/report.h"
 
@@ -29,16 +30,12 @@ std::uint64_t less(std::uint64_t now, std::uint64_t before) { return now > befor
 
 Counters less(const Counters& now, const Counters& before) {
   Counters d;
-  d.packets = less(now.packets, before.packets);
   d.bytes = less(now.bytes, before.bytes);
-  d.other_packets = less(now.other_packets, before.other_packets);
-  d.frames = less(now.frames, before.frames);
-  d.partial_frames = less(now.partial_frames, before.partial_frames);
-  d.incomplete = less(now.incomplete, before.incomplete);
-  d.lost_packets = less(now.lost_packets, before.lost_packets);
-  d.reordered = less(now.reordered, before.reordered);
-  d.clock_steps = less(now.clock_steps, before.clock_steps);
-  d.lying_packets = less(now.lying_packets, before.lying_packets);
+  const auto take = [&](const NamedCounter<Counters>& counter) {
+    d.*counter.value = less(now.*counter.value, before.*counter.value);
+  };
+  std::for_each(std::begin(usual_counters), std::end(usual_counters), take);
+  std::for_each(std::begin(trouble_counters), std::end(trouble_counters), take);
   for (std::size_t i = 0; i < reject_reasons; ++i) d.rejected[i] = less(now.rejected[i], before.rejected[i]);
   return d;
 }

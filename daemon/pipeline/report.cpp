@@ -12,15 +12,22 @@
 namespace lidard {
 namespace {
 
+/// Counters that are not 0, on one line.
 class Line {
  public:
   explicit Line(std::ostream& out) : out_(out) {}
-  Line& add(const char* name, std::uint64_t n) {
-    if (n != 0) out_ << (empty_ ? "  " : ", ") << name << ' ' << n, empty_ = false;
-    return *this;
-  }
-  void end() {
+  ~Line() {
     if (!empty_) out_ << '\n';
+  }
+  Line(const Line&) = delete;
+  Line& operator=(const Line&) = delete;
+
+  void add(const char* name, std::uint64_t n) {
+    if (n != 0) out_ << (empty_ ? "  " : ", ") << name << ' ' << n, empty_ = false;
+  }
+  template <class Owner, std::size_t n>
+  void add(const NamedCounter<Owner> (&counters)[n], const Owner& owner) {
+    for (const auto& counter : counters) add(counter.words, owner.*counter.value);
   }
 
  private:
@@ -43,28 +50,16 @@ std::string rejected_text(const Counters& counters) {
 void print_counters(const Counters& c, std::ostream& out) {
   out << "  packets " << c.packets << ", rejected " << rejected_text(c) << ", lost " << c.lost_packets
       << '\n';
-  Line(out)
-      .add("other packets", c.other_packets)
-      .add("incomplete", c.incomplete)
-      .add("reordered", c.reordered)
-      .add("clock steps", c.clock_steps)
-      .add("partial frames dropped", c.partial_frames)
-      .add("packets with a wrong product byte", c.lying_packets)
-      .end();
+  Line line(out);
+  line.add("other packets", c.other_packets);
+  line.add(trouble_counters, c);
 }
 
 void print_capture_counters(const CaptureCounters& c, std::uint64_t other_datagrams, std::ostream& out) {
-  Line(out)
-      .add("capture: datagrams of other senders or ports", other_datagrams)
-      .add("not IP", c.not_ip)
-      .add("neither UDP nor TCP", c.other_ip)
-      .add("cut by snapshot length", c.truncated)
-      .add("malformed", c.malformed)
-      .add("unsupported link layer", c.unsupported_link)
-      .add("fragments dropped", c.fragments_dropped)
-      .add("holes in TCP streams", c.tcp.holes)
-      .add("bytes missing there", c.tcp.missing)
-      .end();
+  Line line(out);
+  line.add("capture: datagrams of other senders or ports", other_datagrams);
+  line.add(capture_losses, c);
+  line.add(tcp_losses, c.tcp);
 }
 
 void print_table(const std::vector<SensorReport>& sensors, std::ostream& out) {

@@ -4,17 +4,14 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <utility>
 
-#include "daemon/config/output_topics.h"
-#include "daemon/pipeline/pipeline.h"
+#include "daemon/pipeline/output_report.h"
+#include "daemon/pipeline/sensor_health.h"
 
 namespace lidard {
 namespace {
-
-std::string topic_below(const SensorConfig& sensor, std::string_view name) {
-  return sensor.name + "/" + std::string(name);
-}
 
 /// The watch of a sensor: a device that leaves scans out between two sends more seldom; another driver's
 /// topic promises nothing.
@@ -36,138 +33,200 @@ void set_unobserved(const PlanarScan& shape, PlanarScan& scan) {
 
 }  // namespace
 
-Sensor::Sensor(const SensorConfig& sensor, std::size_t place, LineOwner& line_owner)
-    : config(sensor), index(place), owner(line_owner), arranger(sensor.layout), watch(watch_of(sensor)) {
-  if (config.model != nullptr) driver = config.model->make(config.driver);
-  topic = frame_topic(config).name;
-  fix_topic = config.name + "/fix";
-  time_topic = config.name + "/time_reference";
-  imu_topic = config.name + "/imu";
+Sensor::Sensor(const SensorConfig& config, std::size_t place, SensorContext& context)
+    : config_(config), place_(place), context_(context), arranger_(config.layout), watch_(watch_of(config)) {
   if (config.model == nullptr) return;
-  if (config.ring_scan) ring_scan.emplace(*config.ring_scan);
-  if (config.model->has_echoes && config.driver.publish_multiecho) echoes_topic = config.name + "/echoes";
-  if (publishes_states(config))
-    for (const auto name : config.model->state_topics) named_topics[name] = topic_below(config, name);
-  for (const auto name : config.model->extra_scans) named_topics[name] = topic_below(config, name);
-}
-
-void Sensor::scan(PlanarScan& scan) {
-  notice_shape(scan);
-  watch.scan(scan);
-  owner.sink.scan(topic, scan, owner.now);
-  if (!echoes_topic.empty()) owner.sink.scan(echoes_topic, scan, owner.now);
-  owner.scan_from(*this, scan);
-}
-
-void Sensor::cloud(Cloud& cloud) {
-  watch.cloud(cloud);
-  owner.cloud_from(*this, cloud);
-  if (ring_scan && ring_scan->convert(cloud, ring)) {
-    owner.sink.scan(config.scan_topic, ring, owner.now);
-    owner.scan_from(*this, ring);
+  driver_ = config.model->make(config.driver);
+  if (config.ring_scan) ring_scan_.emplace(*config.ring_scan);
+  for (const OutputTopic& own : sensor_topics(config)) {
+    const OutputTopic& topic = topic_named(context.outlet.topics(), own.name);
+    if (!topic.promised)
+      told_topics_.emplace_back(std::string_view(topic.name).substr(config.name.size() + 1), &topic);
+    else if (topic.kind == TopicKind::echoes)
+      echoes_topic_ = &topic;
+    else
+      (topic_ == nullptr ? topic_ : ring_topic_) = &topic;
   }
-  owner.sink.cloud(topic, arranger.is_plain() ? cloud : arranger.arrange(cloud), owner.now);
-}
-
-void Sensor::fix(const GnssFix& fix) { owner.sink.fix(fix_topic, fix, owner.now); }
-
-void Sensor::time_reference(const TimeReference& reference) {
-  owner.sink.time_reference(time_topic, reference, owner.now);
-}
-
-void Sensor::imu(const ImuSample& sample) { owner.sink.imu(imu_topic, sample, owner.now); }
-
-void Sensor::state(const DeviceState& state) {
-  const auto published = named_topics.find(state.topic);
-  if (published != named_topics.end()) owner.sink.state(published->second, state, owner.now);
-}
-
-void Sensor::extra_scan(std::string_view name, PlanarScan& scan) {
-  owner.sink.scan(named_topics.at(name), scan, owner.now);
-}
-
-void Sensor::request(ByteView bytes) {
-  if (owner.links != nullptr) owner.links->send(index, bytes);
-}
-
-void Sensor::apply_connection_request() {
-  const ConnectionRequest what = std::exchange(wish, ConnectionRequest::none);
-  if (owner.links == nullptr || what == ConnectionRequest::none) return;
-  if (what != ConnectionRequest::connect)
-    return owner.links->disconnect(index, what == ConnectionRequest::connect_anew);
-  const IpAddress address = config.ip_address.value_or(sender);
-  if (address != IpAddress()) owner.links->connect(index, address);
 }
 
 /// What comes in a dialogue does not show that the data come, whether it has a connection of its own or the
 /// one of the data.
 void Sensor::receive(const Packet& packet, Stamp received) {
   const bool datagram = packet.transport == Transport::udp;
-  if (datagram) sender = packet.from.address;
-  const std::uint64_t data_packets = driver->counters().packets;
-  driver->receive(packet, *this);
-  if (packet.transport == config.model->transport) {
-    if (driver->counters().packets != data_packets) {
+  if (datagram) sender_ = packet.from.address;
+  const std::uint64_t data_packets = counters().packets;
+  driver_->receive(packet, *this);
+  if (packet.transport == config_.model->transport) {
+    if (counters().packets != data_packets) {
       notice_data(received);
-      if (datagram && !config.ip_address && config.packet_topic.empty()) watch.sender(sender);
+      if (datagram && !config_.ip_address && config_.packet_topic.empty()) watch_.sender(sender_);
     } else if (datagram) {
-      last_telemetry = received;
+      last_telemetry_ = received;
     }
   }
   apply_connection_request();
 }
 
-bool Sensor::take_message(PlanarScan& scan, Stamp received) {
-  notice_data(received);
-  ++topic_counters.packets;
-  if (scan.beams == 0) fill_empty(scan);
-  if (violation(scan) != nullptr) {
-    topic_counters.reject(Reject::field);
-    return false;
-  }
-  ++topic_counters.frames;
-  watch.scan(scan);
-  scan.stamp = scan.stamp + config.driver.time_offset;
-  place(scan.frame_id);
+void Sensor::receive_recorded(Packet chunk) {
+  if (connection_.pick(chunk)) receive(chunk, chunk.arrival);
+}
+
+void Sensor::scan(PlanarScan& scan) {
   notice_shape(scan);
-  return true;
+  watch_.scan(scan);
+  context_.outlet.publish(*topic_, scan, context_.now);
+  if (echoes_topic_ != nullptr) context_.outlet.publish(*echoes_topic_, scan, context_.now);
+  feed(scan);
+}
+
+void Sensor::cloud(Cloud& cloud) {
+  watch_.cloud(cloud);
+  feed(cloud);
+  if (ring_scan_ && ring_scan_->convert(cloud, ring_)) {
+    context_.outlet.publish(*ring_topic_, ring_, context_.now);
+    feed(ring_);
+  }
+  // The sinks come last, since they may keep the points.
+  context_.outlet.publish(*topic_, arranger_.is_plain() ? cloud : arranger_.arrange(cloud), context_.now);
+}
+
+template <class Frame>
+void Sensor::feed(const Frame& frame) {
+  context_.motion.poll(context_.now);
+  context_.motion.note_data(frame.stamp, context_.now);
+  context_.outlet.feed(place_, frame, context_.now);
+}
+
+const OutputTopic* Sensor::topic_told_as(std::string_view name) const {
+  for (const auto& [told, topic] : told_topics_) {
+    if (told == name) return topic;
+  }
+  return nullptr;
+}
+
+void Sensor::message(const DeviceMessage& message) {
+  if (const OutputTopic* topic = topic_told_as(topic_of(message)))
+    context_.outlet.publish(*topic, message, context_.now);
+}
+
+void Sensor::extra_scan(std::string_view name, PlanarScan& scan) {
+  if (const OutputTopic* topic = topic_told_as(name)) context_.outlet.publish(*topic, scan, context_.now);
+}
+
+void Sensor::note(std::string_view sentence) { spdlog::info("{}: {}", config_.name, sentence); }
+
+void Sensor::request(ByteView bytes) {
+  if (context_.connections != nullptr) context_.connections->send(place_, bytes);
+}
+
+void Sensor::apply_connection_request() {
+  const ConnectionRequest what = std::exchange(request_, ConnectionRequest::none);
+  DeviceConnections* const connections = context_.connections;
+  if (connections == nullptr || what == ConnectionRequest::none) return;
+  if (what != ConnectionRequest::connect)
+    return connections->disconnect(place_, what == ConnectionRequest::connect_anew);
+  const IpAddress address = config_.ip_address.value_or(sender_);
+  if (address != IpAddress()) connections->connect(place_, address);
+}
+
+void Sensor::connected(Stamp now) {
+  driver_->connected(now, *this);
+  apply_connection_request();
+}
+
+void Sensor::take_message(PlanarScan& scan, Stamp received) {
+  notice_data(received);
+  ++topic_counters_.packets;
+  if (scan.beams == 0) fill_empty(scan);
+  if (violation(scan) != nullptr) return topic_counters_.reject(Reject::field);
+  ++topic_counters_.frames;
+  watch_.scan(scan);
+  scan.stamp = scan.stamp + config_.driver.time_offset;
+  // The configured pose counts whatever frame the message names.
+  if (config_.pose) scan.frame_id = config_.frame_id;
+  notice_shape(scan);
+  feed(scan);
 }
 
 void Sensor::take_message(Cloud& cloud, Stamp received) {
   notice_data(received);
-  ++topic_counters.packets;
-  ++topic_counters.frames;
-  watch.cloud(cloud);
-  cloud.stamp = cloud.stamp + config.driver.time_offset;
-  cloud.end = cloud.end + config.driver.time_offset;
-  place(cloud.frame_id);
+  ++topic_counters_.packets;
+  ++topic_counters_.frames;
+  watch_.cloud(cloud);
+  cloud.stamp = cloud.stamp + config_.driver.time_offset;
+  cloud.end = cloud.end + config_.driver.time_offset;
+  if (config_.pose) cloud.frame_id = config_.frame_id;
+  feed(cloud);
 }
 
 void Sensor::notice_data(Stamp received) {
-  if (!seen) first_arrival = received;
-  seen = true;
-  last_arrival = received;
+  if (!seen_) first_arrival_ = received;
+  seen_ = true;
+  last_arrival_ = received;
+}
+
+void Sensor::advance(Stamp now, bool jumped) {
+  watch_.advance(now, counters());
+  if (!jumped) return;
+  // What has arrived later than it is now has arrived just now.
+  last_arrival_ = std::min(last_arrival_, now);
+  last_telemetry_ = std::min(last_telemetry_, now);
+}
+
+void Sensor::tick(Stamp now) {
+  if (driver_ == nullptr) return;
+  driver_->tick(now, *this);
+  apply_connection_request();
+}
+
+void Sensor::finish() {
+  if (driver_ != nullptr) driver_->finish(*this);
+}
+
+void Sensor::restart() {
+  if (driver_ != nullptr) driver_->restart();
+  connection_.restart();
+  watch_.restart();
 }
 
 SensorReport Sensor::report() const {
   SensorReport report;
-  report.name = config.name;
-  report.model = driver ? std::string(config.model->name) : "topic";
+  report.name = config_.name;
+  report.model = driver_ ? std::string(config_.model->name) : "topic";
   report.counters = counters();
-  if (driver) report.info = driver->info();
-  report.seen = seen;
-  report.last_arrival = last_arrival;
-  report.last_telemetry = last_telemetry;
-  if (owner.links != nullptr) report.link_trouble = owner.links->trouble(index);
-  report.recent = watch.recent();
-  report.whole = watch.whole();
-  report.rivals = watch.rivals();
-  report.rivals_ever = watch.rivals_ever();
+  if (driver_) report.info = driver_->info();
+  report.seen = seen_;
+  report.last_arrival = last_arrival_;
+  report.last_telemetry = last_telemetry_;
+  if (context_.connections != nullptr) report.link_trouble = context_.connections->trouble(place_);
+  report.recent = watch_.recent();
+  report.whole = watch_.whole();
+  report.rivals = watch_.rivals();
+  report.rivals_ever = watch_.rivals_ever();
   return report;
 }
 
+std::optional<DiagnosticItem> Sensor::settings(Stamp now) const {
+  if (driver_ == nullptr || context_.connections == nullptr) return std::nullopt;
+  const auto status = driver_->settings(now);
+  if (!status) return std::nullopt;
+  return settings_item(config_, *status);
+}
+
+std::string Sensor::why_no_frames(const UnknownSenders& unknown) const {
+  if (counters().frames > 0) return {};
+  if (driver_ == nullptr)
+    return seen_ ? "no message of " + config_.topic + " could be used"
+                 : "no message came on " + config_.topic + ", which another node publishes";
+  if (seen_) return why_no_frame(*config_.model, counters(), last_arrival_ - first_arrival_);
+  std::string text = "nothing came from " + where_from(config_);
+  if (const std::string sender = unknown.sender_to(config_.ip_port); !sender.empty())
+    text += ", but packets from " + sender + ": correct ip_address?";
+  return text;
+}
+
 void Sensor::fill_empty(PlanarScan& scan) const {
-  if (shape.beams > 0) return set_unobserved(shape, scan);
+  if (shape_.beams > 0) return set_unobserved(shape_, scan);
   scan.reset(1, 1, false);
   scan.set_angles(0, 0);
   scan.range_min = 0;
@@ -175,14 +234,12 @@ void Sensor::fill_empty(PlanarScan& scan) const {
 }
 
 void Sensor::notice_shape(const PlanarScan& scan) {
-  if (scan.beams == shape.beams && scan.angle_min == shape.angle_min &&
-      scan.angle_increment == shape.angle_increment)
+  if (scan.beams == shape_.beams && scan.angle_min == shape_.angle_min &&
+      scan.angle_increment == shape_.angle_increment)
     return;
-  if (shape.beams != 0 && shape.beams != scan.beams)
-    note("now has " + std::to_string(scan.beams) + " beams instead of " + std::to_string(shape.beams));
-  set_unobserved(scan, shape);
+  if (shape_.beams != 0 && shape_.beams != scan.beams)
+    note("now has " + std::to_string(scan.beams) + " beams instead of " + std::to_string(shape_.beams));
+  set_unobserved(scan, shape_);
 }
-
-void Sensor::note(std::string_view sentence) { spdlog::info("{}: {}", config.name, sentence); }
 
 }  // namespace lidard

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 
 #include "daemon/pipeline/device_connections.h"
 #include "daemon/pipeline/report.h"
@@ -21,7 +22,7 @@ std::string window_text(const Reception& recent) {
 }
 
 std::string why_nothing(const SensorConfig& config, const SensorReport& report,
-                        const std::vector<std::string>& unclaimed_senders) {
+                        const UnknownSenders& unknown) {
   if (config.model == nullptr || !config.packet_topic.empty()) return "; is its driver running?";
   if (!report.link_trouble.empty()) return ": " + report.link_trouble;
   if (config.model->transport == Transport::tcp) {
@@ -29,7 +30,7 @@ std::string why_nothing(const SensorConfig& config, const SensorReport& report,
     const auto& warnings = report.info.warnings;
     return warnings.empty() ? "; does the device measure?" : ": " + warnings.back();
   }
-  const std::string sender = likely_sender(config, unclaimed_senders);
+  const std::string sender = unknown.sender_to(config.ip_port);
   if (!sender.empty()) return "; but there are packets from " + sender + ": correct ip_address?";
   // What keeps the dialogue of a device that sends datagrams from starting them.
   if (!report.info.warnings.empty()) return ": " + report.info.warnings.back();
@@ -42,8 +43,8 @@ bool may_still_come(const SensorReport& report) {
 }
 
 /// Data do not come.
-void judge_silence(const SensorConfig& config, const SensorReport& report,
-                   const std::vector<std::string>& unclaimed_senders, Stamp now, DiagnosticItem& item) {
+void judge_silence(const SensorConfig& config, const SensorReport& report, const UnknownSenders& unknown,
+                   Stamp now, DiagnosticItem& item) {
   const double age = seconds(now - report.last_arrival);
   if (may_still_come(report)) {
     item.message = "waiting for data from " + where_from(config);
@@ -54,12 +55,11 @@ void judge_silence(const SensorConfig& config, const SensorReport& report,
                    std::to_string(config.ip_port);
   } else if (!report.seen) {
     item.health = Health::error;
-    item.message =
-        "nothing received from " + where_from(config) + why_nothing(config, report, unclaimed_senders);
+    item.message = "nothing received from " + where_from(config) + why_nothing(config, report, unknown);
   } else {
     item.health = age > silent_error_s ? Health::error : Health::warn;
-    item.message = "silent: nothing received from " + where_from(config) +
-                   why_nothing(config, report, unclaimed_senders);
+    item.message =
+        "silent: nothing received from " + where_from(config) + why_nothing(config, report, unknown);
   }
 }
 
@@ -86,10 +86,10 @@ void judge_data(const SensorConfig& config, const SensorReport& report, Diagnost
   }
 }
 
-void judge(const SensorConfig& config, const SensorReport& report,
-           const std::vector<std::string>& unclaimed_senders, Stamp now, DiagnosticItem& item) {
+void judge(const SensorConfig& config, const SensorReport& report, const UnknownSenders& unknown, Stamp now,
+           DiagnosticItem& item) {
   if (!report.seen || seconds(now - report.last_arrival) > silent_warning_s)
-    judge_silence(config, report, unclaimed_senders, now, item);
+    judge_silence(config, report, unknown, now, item);
   else
     judge_data(config, report, item);
 }
@@ -120,20 +120,12 @@ std::string where_from(const SensorConfig& config) {
          std::to_string(config.ip_port);
 }
 
-std::string likely_sender(const SensorConfig& config, const std::vector<std::string>& unclaimed_senders) {
-  const std::string port = "port " + std::to_string(config.ip_port) + " ";
-  for (const auto& sender : unclaimed_senders) {
-    if (sender.find(port) != std::string::npos) return sender;
-  }
-  return {};
-}
-
 DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& report,
-                             const std::vector<std::string>& unclaimed_senders, Stamp now) {
+                             const UnknownSenders& unknown, Stamp now) {
   DiagnosticItem item;
   item.name = "sensor " + report.name;
   item.hardware_id = report.info.serial.empty() ? report.name : report.info.serial;
-  judge(config, report, unclaimed_senders, now, item);
+  judge(config, report, unknown, now, item);
   const auto value = [&item](const char* key, std::string text) {
     item.values.emplace_back(key, std::move(text));
   };
@@ -142,16 +134,28 @@ DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& rep
     value("IP Port", std::to_string(config.ip_port));
   for (const auto& [key, text] : report.info.details) item.values.emplace_back(key, text);
   const Counters& c = report.counters;
-  value("Packets", std::to_string(c.packets));
-  value("Other packets", std::to_string(c.other_packets));
-  value("Frames", std::to_string(c.frames));
-  value("Partial frames dropped", std::to_string(c.partial_frames));
-  value("Lost packets", std::to_string(c.lost_packets));
-  value("Incomplete telegrams", std::to_string(c.incomplete));
-  value("Reordered packets", std::to_string(c.reordered));
+  const auto count = [&](const NamedCounter<Counters>& counter) {
+    item.values.emplace_back(counter.words, std::to_string(c.*counter.value));
+    char& first = item.values.back().first.front();
+    first = static_cast<char>(std::toupper(static_cast<unsigned char>(first)));
+  };
+  for (const auto& counter : usual_counters) count(counter);
   value("Rejected", rejected_text(c));
-  value("Clock steps", std::to_string(c.clock_steps));
+  for (const auto& counter : trouble_counters) count(counter);
   add_rates(report.recent, item);
+  return item;
+}
+
+DiagnosticItem settings_item(const SensorConfig& config, const SettingsStatus& status) {
+  using Level = SettingsStatus::Level;
+  DiagnosticItem item;
+  item.name = "sensor " + config.name + " control";
+  item.hardware_id = status.serial.empty() ? config.name : status.serial;
+  item.health = status.level == Level::ok     ? Health::ok
+                : status.level == Level::warn ? Health::warn
+                                              : Health::error;
+  item.message = status.message;
+  item.values = status.details;
   return item;
 }
 

@@ -8,9 +8,7 @@
 
 #include "core/base/pose.h"
 #include "core/frames/cloud.h"
-#include "core/frames/device_state.h"
-#include "core/frames/gnss.h"
-#include "core/frames/imu.h"
+#include "core/frames/device_message.h"
 #include "core/frames/scan.h"
 #include "daemon/config/output_topics.h"
 
@@ -36,28 +34,23 @@ struct DiagnosticItem {
 };
 
 /// Takes what the pipeline finished: ROS, a bag, a file, a test. Called from the sensor thread; must not
-/// block. Topic kinds are known beforehand from pipeline_topics().
+/// block. The topics are entries of output_topics() of the pipeline's configuration.
 class FrameSink {
  public:
   virtual ~FrameSink() = default;
   /// `released`: arrival of the packet that completed the frame.
-  virtual void scan(const std::string& topic, const PlanarScan& scan, Stamp released) = 0;
+  virtual void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) = 0;
   /// May swap out cloud.points_bytes.
-  virtual void cloud(const std::string& topic, Cloud& cloud, Stamp released) = 0;
-  virtual void fix(const std::string& topic, const GnssFix& fix, Stamp released) {
-    static_cast<void>(topic), static_cast<void>(fix), static_cast<void>(released);
+  virtual void cloud(const OutputTopic& topic, Cloud& cloud, Stamp released) = 0;
+  virtual void message(const OutputTopic& topic, const DeviceMessage& message, Stamp released) {
+    static_cast<void>(topic), static_cast<void>(message), static_cast<void>(released);
   }
-  virtual void time_reference(const std::string& topic, const TimeReference& reference, Stamp released) {
-    static_cast<void>(topic), static_cast<void>(reference), static_cast<void>(released);
+  virtual void transforms(const std::vector<StaticTransform>& transforms, Stamp released) {
+    static_cast<void>(transforms), static_cast<void>(released);
   }
-  virtual void imu(const std::string& topic, const ImuSample& sample, Stamp released) {
-    static_cast<void>(topic), static_cast<void>(sample), static_cast<void>(released);
+  virtual void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) {
+    static_cast<void>(items), static_cast<void>(released);
   }
-  virtual void state(const std::string& topic, const DeviceState& state, Stamp released) {
-    static_cast<void>(topic), static_cast<void>(state), static_cast<void>(released);
-  }
-  virtual void transforms(const std::vector<StaticTransform>& transforms, Stamp released) = 0;
-  virtual void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) = 0;
 };
 
 }  // namespace lidard

@@ -8,17 +8,19 @@ namespace {
 /// So many are remembered by name; a flood of forged ones must not grow memory.
 constexpr std::size_t most_names = 32;
 
+std::string name_of(const Flow& flow, std::uint64_t packets) {
+  return flow.to_string() + " (" + std::to_string(packets) + " packets)";
+}
+
 }  // namespace
 
 void UnknownSenders::note(const Packet& packet) {
-  const bool datagram = packet.transport == Transport::udp;
-  const std::pair key(packet.transport,
-                      Endpoint{packet.from.address, datagram ? packet.to.port : packet.from.port});
-  const auto entry = packets_.find(key);
+  const Flow flow = flow_of(packet);
+  const auto entry = packets_.find(flow);
   if (entry != packets_.end()) {
     ++entry->second;
   } else if (packets_.size() < most_names) {
-    packets_.emplace(key, 1);
+    packets_.emplace(flow, 1);
   } else {
     ++not_named_;
   }
@@ -26,15 +28,16 @@ void UnknownSenders::note(const Packet& packet) {
 
 std::vector<std::string> UnknownSenders::names() const {
   std::vector<std::string> senders;
-  for (const auto& [key, count] : packets_) {
-    const auto& [transport, sender] = key;
-    const std::string which = transport == Transport::udp
-                                  ? sender.address.to_string() + " -> port " + std::to_string(sender.port)
-                                  : sender.to_string() + " over TCP";
-    senders.push_back(which + " (" + std::to_string(count) + " packets)");
-  }
+  for (const auto& [flow, packets] : packets_) senders.push_back(name_of(flow, packets));
   if (not_named_ > 0) senders.push_back("further senders (" + std::to_string(not_named_) + " packets)");
   return senders;
+}
+
+std::string UnknownSenders::sender_to(std::uint16_t port) const {
+  for (const auto& [flow, packets] : packets_) {
+    if (flow.transport == Transport::udp && flow.port == port) return name_of(flow, packets);
+  }
+  return {};
 }
 
 }  // namespace lidard

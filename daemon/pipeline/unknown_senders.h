@@ -5,10 +5,9 @@
 #include <cstdint>
 #include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "drivers/driver.h"
+#include "drivers/flow.h"
 
 namespace lidard {
 
@@ -18,10 +17,11 @@ class UnknownSenders {
   void note(const Packet& packet);
   /// "192.168.1.9 -> port 2368 (412 packets)".
   std::vector<std::string> names() const;
+  /// The first of them that sends datagrams to the port; empty: there is none.
+  std::string sender_to(std::uint16_t port) const;
 
  private:
-  /// Sender's address with the destination port, or with its own where it was a connection.
-  std::map<std::pair<Transport, Endpoint>, std::uint64_t> packets_;
+  std::map<Flow, std::uint64_t> packets_;
   std::uint64_t not_named_ = 0;
 };
 

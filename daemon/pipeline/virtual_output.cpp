@@ -25,27 +25,46 @@ VirtualSettings settings_of(const VirtualScanConfig& config) {
 
 }  // namespace
 
-VirtualOutput::VirtualOutput(const VirtualScanConfig& config, const VehicleConfig& vehicle,
-                             const FrameTree& poses)
+VirtualOutput::VirtualOutput(const VirtualScanConfig& config, const OutputContext& context)
     : config_(config),
-      base_frame_(vehicle.base_frame),
-      needs_vehicle_(config.has_visibility() || !vehicle.footprint.empty() || vehicle.has_motion()),
-      poses_(poses),
-      virtualizer_(grid_of(config.output.grid), band_of(config.output), config.virtual_laser_scan.size(),
-                   settings_of(config)),
-      scans_(1 + config.also.size()),
+      context_(context),
+      poses_(context.poses),
+      stamps_(config.output_laser_topic.empty() ? config.virtual_laser_scan.size() : 1),
       why_unplaced_(config.virtual_laser_scan.size()) {
-  virtualizer_.set_footprint(Footprint(vehicle.footprint));
-  outputs_.push_back({config.output.profile, &scans_[0]});
-  for (std::size_t i = 0; i < config.also.size(); ++i)
-    outputs_.push_back({config.also[i].profile, &scans_[i + 1]});
-  set_encodings(config.output, config.also, scans_);
+  const auto topic = [&](const std::string& name) { return &topic_named(context.outlet.topics(), name); };
+  for (const std::string& frame : config.virtual_laser_scan) {
+    topics_.push_back({topic(config.topic(frame))});
+    for (const AlsoScanConfig& also : config.also)
+      topics_.back().push_back(topic(config.topic(frame, &also)));
+  }
+  set_up();
+}
+
+void VirtualOutput::set_up() {
+  const VehicleConfig& vehicle = context_.vehicle;
+  needs_vehicle_ = config_.has_visibility() || !vehicle.footprint.empty() || vehicle.has_motion();
+  virtualizer_.emplace(grid_of(config_.output.grid), band_of(config_.output),
+                       config_.virtual_laser_scan.size(), settings_of(config_));
+  virtualizer_->set_footprint(Footprint(vehicle.footprint));
+  scans_.assign(1 + config_.also.size(), PlanarScan());
+  set_encodings(config_.output, config_.also, scans_);
+  outputs_ = {{config_.output.profile, &scans_[0]}};
+  for (std::size_t i = 0; i < config_.also.size(); ++i)
+    outputs_.push_back({config_.also[i].profile, &scans_[i + 1]});
+  without_rings_ = without_motion_ = 0;
+  stands_ = false;
+}
+
+void VirtualOutput::set_scan(const OutputScanConfig& wanted) {
+  config_.output = wanted;
+  set_up();
 }
 
 bool VirtualOutput::place_vehicle(const Cloud& cloud, Pose& vehicle_from_cloud) {
   vehicle_from_cloud = Pose::Identity();
   if (!needs_vehicle_) return true;
-  return poses_.find(base_frame_, cloud.frame_id, cloud.stamp, vehicle_from_cloud, counters_.why_no_pose);
+  return poses_.find(context_.vehicle.base_frame, cloud.frame_id, cloud.stamp, vehicle_from_cloud,
+                     counters_.why_no_pose);
 }
 
 Stamp VirtualOutput::take(const Cloud& cloud, const Pose& vehicle_from_cloud) {
@@ -53,24 +72,26 @@ Stamp VirtualOutput::take(const Cloud& cloud, const Pose& vehicle_from_cloud) {
   const bool moves = track != nullptr && motion_.find(cloud, vehicle_from_cloud, *track);
   stands_ = track != nullptr && !moves;
   if (stands_) ++without_motion_;
-  virtualizer_.set_cloud(cloud, vehicle_from_cloud, moves ? &motion_ : nullptr);
-  if (virtualizer_.why_no_surfaces()[0] != '\0') ++without_rings_;
+  virtualizer_->set_cloud(cloud, vehicle_from_cloud, moves ? &motion_ : nullptr);
+  if (virtualizer_->why_no_surfaces()[0] != '\0') ++without_rings_;
   return moves ? motion_.instant() : cloud.stamp;
 }
 
-void VirtualOutput::publish(const std::string& frame, Stamp stamp, Stamp now, FrameSink& sink) {
+void VirtualOutput::publish(std::size_t frame, Stamp stamp, Stamp now) {
   // Several frames on one topic share the cloud's stamp; consumers want stamps that increase.
-  stamp = stamps_[config_.topic(frame)].next(stamp);
+  stamp = stamps_[std::min(frame, stamps_.size() - 1)].next(stamp);
   ++counters_.published;
   counters_.last_published = now;
   for (std::size_t i = 0; i < scans_.size(); ++i) {
-    scans_[i].frame_id = frame;
+    scans_[i].frame_id = config_.virtual_laser_scan[frame];
     scans_[i].stamp = stamp;
-    sink.scan(config_.topic(frame, i == 0 ? nullptr : &config_.also[i - 1]), scans_[i], now);
+    const OutputTopic& topic = *topics_[frame][i];
+    context_.outlet.publish(topic, scans_[i], now);
+    context_.outlet.feed(context_.outlet.source_of(topic), scans_[i], now);
   }
 }
 
-void VirtualOutput::add(const Cloud& cloud, Stamp now, FrameSink& sink) {
+void VirtualOutput::add_cloud(const Cloud& cloud, Stamp now) {
   Pose vehicle_from_cloud;
   if (!place_vehicle(cloud, vehicle_from_cloud)) {
     ++counters_.no_pose;
@@ -79,38 +100,37 @@ void VirtualOutput::add(const Cloud& cloud, Stamp now, FrameSink& sink) {
   }
   const Stamp stamp = take(cloud, vehicle_from_cloud);
   for (std::size_t i = 0; i < config_.virtual_laser_scan.size(); ++i) {
-    const std::string& frame = config_.virtual_laser_scan[i];
     Pose pose;
-    if (!poses_.find(frame, cloud.frame_id, cloud.stamp, pose, counters_.why_no_pose)) {
+    if (!poses_.find(config_.virtual_laser_scan[i], cloud.frame_id, cloud.stamp, pose,
+                     counters_.why_no_pose)) {
       ++counters_.no_pose;
       why_unplaced_[i] = counters_.why_no_pose;
       continue;
     }
     why_unplaced_[i].clear();
-    virtualizer_.project(i, pose, outputs_);
-    publish(frame, stamp, now, sink);
+    virtualizer_->project(i, pose, outputs_);
+    publish(i, stamp, now);
   }
 }
 
-bool VirtualOutput::carries(const std::string& topic, const std::string& frame) const {
-  const auto has = [&](const AlsoScanConfig& also) { return config_.topic(frame, &also) == topic; };
-  return config_.topic(frame) == topic || std::any_of(config_.also.begin(), config_.also.end(), has);
+bool VirtualOutput::carries(const std::string& topic, std::size_t frame) const {
+  return std::any_of(topics_[frame].begin(), topics_[frame].end(),
+                     [&](const OutputTopic* own) { return own->name == topic; });
 }
 
 bool VirtualOutput::publishes(const std::string& topic) const {
-  const auto& frames = config_.virtual_laser_scan;
-  return std::any_of(frames.begin(), frames.end(),
-                     [&](const std::string& frame) { return carries(topic, frame); });
+  for (std::size_t i = 0; i < topics_.size(); ++i) {
+    if (carries(topic, i)) return true;
+  }
+  return false;
 }
 
-std::string VirtualOutput::why_missing(
-    const std::string& topic, const std::function<std::string(const std::string& sensor)>& why_silent) const {
+std::string VirtualOutput::why_missing(const std::string& topic, const WhySilent& why_silent) const {
   if (counters_.published == 0 && counters_.no_pose == 0)
     return "source " + config_.cloud_topic + " gave no clouds" + why_silent(config_.cloud_topic);
   std::string missing;
   for (std::size_t i = 0; i < why_unplaced_.size(); ++i) {
-    const std::string& frame = config_.virtual_laser_scan[i];
-    if (why_unplaced_[i].empty() || !carries(topic, frame)) continue;
+    if (why_unplaced_[i].empty() || !carries(topic, i)) continue;
     missing += (missing.empty() ? "" : "; ") + why_unplaced_[i];
   }
   return missing;
@@ -127,10 +147,10 @@ void VirtualOutput::describe_frames(DiagnosticItem& item) const {
 
 void VirtualOutput::describe_beams(DiagnosticItem& item) const {
   for (std::size_t i = 0; i < config_.virtual_laser_scan.size(); ++i) {
-    const Visibility& visibility = virtualizer_.visibility(i);
+    const Visibility& visibility = virtualizer_->visibility(i);
     std::array<std::size_t, 5> counts{};
     for (std::size_t beam = 0; beam < visibility.beams(); ++beam)
-      ++counts[static_cast<std::size_t>(visibility.seen(beam))];
+      ++counts[static_cast<std::size_t>(visibility.state(beam))];
     const auto share = [&](BeamState seen) {
       return 100.0 * static_cast<double>(counts[static_cast<std::size_t>(seen)]) /
              static_cast<double>(visibility.beams());
@@ -158,8 +178,8 @@ DiagnosticItem VirtualOutput::diagnostics(Stamp now, bool starting) const {
   describe_motion(item);
   if (!config_.has_visibility()) return item;
   item.values.emplace_back("Clouds without rings", std::to_string(without_rings_));
-  item.values.emplace_back("Returns on the vehicle", std::to_string(virtualizer_.own_returns()));
-  const std::string why = virtualizer_.why_no_surfaces();
+  item.values.emplace_back("Returns on the vehicle", std::to_string(virtualizer_->own_returns()));
+  const std::string why = virtualizer_->why_no_surfaces();
   if (item.health == Health::ok && !why.empty()) {
     item.health = Health::warn;
     item.message = "points alone, nothing is known to be free: of the cloud " + why;

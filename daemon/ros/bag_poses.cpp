@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "daemon/pipeline/transform_source.h"
+#include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/ros_convert.h"
 #include "daemon/ros/tf_history.h"
 
@@ -19,15 +19,6 @@ namespace {
 
 // The whole of any bag is kept.
 constexpr double kept_s = 1e7;
-
-StampedPose to_pose(const nav_msgs::Odometry& message) {
-  geometry_msgs::Transform transform;
-  transform.translation.x = message.pose.pose.position.x;
-  transform.translation.y = message.pose.pose.position.y;
-  transform.translation.z = message.pose.pose.position.z;
-  transform.rotation = message.pose.pose.orientation;
-  return {from_ros(message.header.stamp), lidard::to_pose(transform)};
-}
 
 }  // namespace
 
@@ -40,7 +31,8 @@ struct BagPoses::Impl {
 };
 
 BagPoses::BagPoses(const std::string& path, const std::string& odometry_topic)
-    : impl_(std::make_unique<Impl>()) {
+    : impl_(path.empty() ? nullptr : std::make_unique<Impl>()) {
+  if (path.empty()) return;
   try {
     rosbag::Bag bag(path, rosbag::bagmode::Read);
     for (const auto& message : rosbag::View(bag)) {
@@ -50,7 +42,8 @@ BagPoses::BagPoses(const std::string& path, const std::string& odometry_topic)
       if (odometry_topic.empty() || (topic != odometry_topic && topic != "/" + odometry_topic)) continue;
       const auto odometry = message.instantiate<nav_msgs::Odometry>();
       if (!odometry) throw std::runtime_error("topic " + topic + " is no nav_msgs/Odometry");
-      odometry_.push_back(to_pose(*odometry));
+      const auto& pose = odometry->pose.pose;
+      odometry_.push_back({from_ros(odometry->header.stamp), to_pose(pose.position, pose.orientation)});
       child_ = odometry->child_frame_id;
     }
   } catch (const std::exception& problem) {
@@ -64,12 +57,20 @@ BagPoses::~BagPoses() = default;
 
 bool BagPoses::lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
                       std::string& why_not) {
+  if (!impl_) return NoTransforms().lookup(parent, child, stamp, pose, why_not);
   return look_up(impl_->buffer, parent, child, stamp, pose, why_not);
 }
 
 void BagPoses::history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
                        std::vector<StampedPose>& poses) {
-  read_history(impl_->buffer, parent, child, after, until, poses);
+  if (impl_) read_history(impl_->buffer, parent, child, after, until, poses);
+}
+
+void BagPoses::feed(Pipeline& pipeline, Stamp until) {
+  for (; next_ < odometry_.size() && odometry_[next_].stamp <= until; ++next_) {
+    const auto& [stamp, pose] = odometry_[next_];
+    pipeline.pose_message(stamp, pose, child_, stamp);
+  }
 }
 
 }  // namespace lidard

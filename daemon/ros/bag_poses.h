@@ -10,12 +10,15 @@
 
 namespace lidard {
 
+class Pipeline;
+
 /// Poses from the /tf and /tf_static (and, if asked for, nav_msgs/Odometry) of a recorded bag: what a replay
 /// needs to deskew without a ROS master. Only what was stamped before the time that is asked about counts, as
 /// it would live.
 class BagPoses : public TransformSource {
  public:
-  /// Reads the whole bag. `odometry_topic` may be empty. Throws std::runtime_error that names the file.
+  /// Reads the whole bag. An empty path: there is none, and all poses are configured. `odometry_topic` may be
+  /// empty. Throws std::runtime_error that names the file.
   BagPoses(const std::string& path, const std::string& odometry_topic);
   ~BagPoses() override;
 
@@ -23,12 +26,8 @@ class BagPoses : public TransformSource {
               std::string& why_not) override;
   void history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
                std::vector<StampedPose>& poses) override;
-  /// Calls use(stamp, pose, child frame) for the odometry's messages after the last call, up to `until`.
-  template <class Use>
-  void odometry_until(Stamp until, Use use) {
-    for (; next_ < odometry_.size() && odometry_[next_].stamp <= until; ++next_)
-      use(odometry_[next_].stamp, odometry_[next_].pose, child_);
-  }
+  /// Gives the pipeline the odometry's messages after the last call, up to `until`.
+  void feed(Pipeline& pipeline, Stamp until);
 
  private:
   struct Impl;

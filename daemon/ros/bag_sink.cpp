@@ -9,7 +9,7 @@
 #include <cstring>
 #include <map>
 
-#include "daemon/ros/ros_convert.h"
+#include "daemon/ros/ros_message.h"
 
 namespace lidard {
 namespace {
@@ -36,19 +36,11 @@ boost::shared_ptr<ros::M_string> latched_header() {
 
 struct BagSink::Impl {
   std::string path;
-  std::string prefix;
-  std::map<std::string, TopicKind> kinds;
+  std::map<std::string, RosMessage> messages_by_topic;
   std::unique_ptr<rosbag::Bag> bag = std::make_unique<rosbag::Bag>();
   std::size_t messages = 0;
   std::string error;
   boost::shared_ptr<ros::M_string> tf_header = latched_header<tf2_msgs::TFMessage>();
-  sensor_msgs::LaserScan scan;
-  sensor_msgs::MultiEchoLaserScan echoes;
-  sensor_msgs::PointCloud2 cloud;
-  sensor_msgs::NavSatFix fix;
-  sensor_msgs::TimeReference reference;
-  sensor_msgs::Imu imu;
-  diagnostic_msgs::DiagnosticArray state;
   tf2_msgs::TFMessage tf;
   diagnostic_msgs::DiagnosticArray diagnostics;
 
@@ -61,8 +53,14 @@ struct BagSink::Impl {
     broken->push_back(std::move(bag));
   }
 
-  std::string resolve(const std::string& topic) const {
-    return !topic.empty() && topic.front() == '/' ? topic : prefix + topic;
+  /// Writes a frame; returns the message that it became.
+  template <typename Frame>
+  RosMessage& write_frame(const OutputTopic& topic, Frame& frame, Stamp released) {
+    RosMessage& message = messages_by_topic.try_emplace(topic.name, message_for(topic)).first->second;
+    const std::string root = topic.name.compare(0, 1, "/") == 0 ? "" : "/";
+    if (convert(frame, message))
+      std::visit([&](const auto& held) { write(root + topic.name, released, held); }, message);
+    return message;
   }
 
   template <typename Message>
@@ -72,7 +70,7 @@ struct BagSink::Impl {
     errno = 0;
     try {
       // A bag refuses the time 0 (ros::TIME_MIN).
-      bag->write(resolve(topic), std::max(to_ros(released), ros::TIME_MIN), message, header);
+      bag->write(topic, std::max(to_ros(released), ros::TIME_MIN), message, header);
       ++messages;
     } catch (const rosbag::BagException& problem) {
       give_up(problem, errno);
@@ -80,13 +78,8 @@ struct BagSink::Impl {
   }
 };
 
-BagSink::BagSink(const std::string& path, const std::vector<TopicInfo>& topics, const std::string& name_space)
-    : impl_(std::make_unique<Impl>()) {
+BagSink::BagSink(const std::string& path) : impl_(std::make_unique<Impl>()) {
   impl_->path = path;
-  impl_->prefix = name_space;
-  if (impl_->prefix.empty() || impl_->prefix.back() != '/') impl_->prefix += '/';
-  if (impl_->prefix.front() != '/') impl_->prefix.insert(0, 1, '/');
-  for (const auto& topic : topics) impl_->kinds[topic.name] = topic.kind;
   errno = 0;
   try {
     impl_->bag->open(path, rosbag::bagmode::Write);
@@ -104,41 +97,18 @@ BagSink::~BagSink() {
   }
 }
 
-void BagSink::scan(const std::string& topic, const PlanarScan& scan, Stamp released) {
-  const auto found = impl_->kinds.find(topic);
-  if (found != impl_->kinds.end() && found->second == TopicKind::echoes) {
-    to_ros(scan, impl_->echoes);
-    impl_->write(topic, released, impl_->echoes);
-  } else {
-    to_ros(scan, impl_->scan);
-    impl_->write(topic, released, impl_->scan);
-  }
+void BagSink::scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) {
+  impl_->write_frame(topic, scan, released);
 }
 
-void BagSink::cloud(const std::string& topic, Cloud& cloud, Stamp released) {
-  to_ros(cloud, impl_->cloud);
-  impl_->write(topic, released, impl_->cloud);
-  cloud.points_bytes.swap(impl_->cloud.data);  // the driver gets its own buffer back
+void BagSink::cloud(const OutputTopic& topic, Cloud& cloud, Stamp released) {
+  RosMessage& message = impl_->write_frame(topic, cloud, released);
+  // The driver gets its own buffer back.
+  cloud.points_bytes.swap(std::get<sensor_msgs::PointCloud2>(message).data);
 }
 
-void BagSink::fix(const std::string& topic, const GnssFix& fix, Stamp released) {
-  to_ros(fix, impl_->fix);
-  impl_->write(topic, released, impl_->fix);
-}
-
-void BagSink::time_reference(const std::string& topic, const TimeReference& reference, Stamp released) {
-  to_ros(reference, impl_->reference);
-  impl_->write(topic, released, impl_->reference);
-}
-
-void BagSink::imu(const std::string& topic, const ImuSample& sample, Stamp released) {
-  to_ros(sample, impl_->imu);
-  impl_->write(topic, released, impl_->imu);
-}
-
-void BagSink::state(const std::string& topic, const DeviceState& state, Stamp released) {
-  to_ros(state, impl_->state);
-  impl_->write(topic, released, impl_->state);
+void BagSink::message(const OutputTopic& topic, const DeviceMessage& message, Stamp released) {
+  impl_->write_frame(topic, message, released);
 }
 
 void BagSink::transforms(const std::vector<StaticTransform>& transforms, Stamp released) {

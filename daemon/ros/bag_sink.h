@@ -21,17 +21,13 @@ class BagError : public std::runtime_error {
 /// is the frame's `released`. The same calls give the same file, byte by byte.
 class BagSink : public FrameSink {
  public:
-  /// Creates or overwrites the file; throws BagError. `topics` as in Pipeline::topics(); relative names are
-  /// put below `name_space`.
-  BagSink(const std::string& path, const std::vector<TopicInfo>& topics, const std::string& name_space = "/");
+  /// Creates or overwrites the file; throws BagError.
+  explicit BagSink(const std::string& path);
   ~BagSink() override;
 
-  void scan(const std::string& topic, const PlanarScan& scan, Stamp released) override;
-  void cloud(const std::string& topic, Cloud& cloud, Stamp released) override;
-  void fix(const std::string& topic, const GnssFix& fix, Stamp released) override;
-  void time_reference(const std::string& topic, const TimeReference& reference, Stamp released) override;
-  void imu(const std::string& topic, const ImuSample& sample, Stamp released) override;
-  void state(const std::string& topic, const DeviceState& state, Stamp released) override;
+  void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) override;
+  void cloud(const OutputTopic& topic, Cloud& cloud, Stamp released) override;
+  void message(const OutputTopic& topic, const DeviceMessage& message, Stamp released) override;
   void transforms(const std::vector<StaticTransform>& transforms, Stamp released) override;
   void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) override;
 

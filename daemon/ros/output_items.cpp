@@ -7,64 +7,38 @@
 #include <set>
 
 #include "core/base/number_text.h"
-#include "daemon/config/config_parts.h"
 #include "daemon/config/grid_limits.h"
+#include "daemon/config/key_tables.h"
 
 namespace lidard {
 namespace {
 
-constexpr double two_pi = 6.28318530717958647692;
-/// As far as configurations go; a height at this limit is none.
-constexpr double farthest_m = 10000;
-constexpr double longest_period_s = 3600;
-
-constexpr Profile profiles[] = {Profile::strict, Profile::safety, Profile::flatten};
-constexpr EmptyBeam beams[] = {EmptyBeam::inf, EmptyBeam::nan, EmptyBeam::range_max_plus_one,
-                               EmptyBeam::minus_inf, EmptyBeam::zero};
-
-template <class Choices>
-std::vector<std::string> words_for(const Choices& choices) {
-  std::vector<std::string> words;
-  for (const auto choice : choices) words.emplace_back(word_of(choice));
-  return words;
+/// The increment in force, which may follow from the number of beams; who sets it decides that number.
+void follow_increment(OutputItem& item) {
+  item.get = [](const OutputScanConfig& config) {
+    const auto grid = make_grid(config.grid);
+    return key_value(config.grid.angle_increment.value_or(grid ? grid->increment : 0));
+  };
+  item.set = [](OutputScanConfig& config, const KeyValue& value) {
+    config.grid.angle_increment = std::get<double>(value);
+    config.grid.beams.reset();
+  };
 }
 
-template <class Choices, class Choice>
-bool choose(const Choices& choices, const std::string& word, Choice& choice) {
-  for (const auto one : choices) {
-    if (word != word_of(one)) continue;
-    choice = one;
-    return true;
-  }
-  return false;
-}
-
-std::vector<OutputItem> ancestor_items() {
-  std::vector<OutputItem> items;
-  for (const GridLimit& limit : grid_limits)
-    items.push_back({limit.name, limit.meaning, limit.min, limit.max, {}});
-  return items;
-}
-
-void widen(std::vector<OutputItem>& items, const std::string& name, double min, double max) {
-  for (OutputItem& item : items) {
-    if (item.name == name) item.min = min, item.max = max;
-  }
-}
-
+/// What a configuration may hold lies within the limits of its keys; those of ira_laser_tools' nodes are
+/// their own.
 std::vector<OutputItem> items_of(OutputId::Kind kind, ReconfigureNames names) {
-  std::vector<OutputItem> items = ancestor_items();
-  if (names == ReconfigureNames::node) return items;
-  // What a configuration may hold must lie within the limits here.
-  for (const char* angle : {"angle_min", "angle_max"}) widen(items, angle, -two_pi, two_pi);
-  for (const char* range : {"range_min", "range_max"}) widen(items, range, 0, farthest_m);
-  for (const char* time : {"time_increment", "scan_time"}) widen(items, time, 0, longest_period_s);
-  items.push_back({"min_height", "m in the output frame; -10000: none", -farthest_m, farthest_m, {}});
-  items.push_back({"max_height", "m in the output frame; 10000: none", -farthest_m, farthest_m, {}});
-  if (kind == OutputId::Kind::merged)
-    items.push_back({"profile", "how the scan says what is known", 0, 0, words_for(profiles)});
-  items.push_back({"empty", "what stands where nothing is", 0, 0, words_for(beams)});
-  items.push_back({"unobserved", "what stands where nothing is known", 0, 0, words_for(beams)});
+  std::vector<OutputItem> items;
+  for (OutputItem item : output_keys()) {
+    const GridLimit* const limit = grid_limit(item.name);
+    const bool wanted = names == ReconfigureNames::node
+                            ? limit != nullptr
+                            : item.live && (item.name != "profile" || kind == OutputId::Kind::merged);
+    if (!wanted) continue;
+    if (names == ReconfigureNames::node) item.lowest = limit->min, item.highest = limit->max;
+    if (item.name == "angle_increment") follow_increment(item);
+    items.push_back(std::move(item));
+  }
   return items;
 }
 
@@ -105,58 +79,29 @@ ChangeableOutput virtual_output(const VirtualScanConfig& group, ReconfigureNames
   return output;
 }
 
-double increment_of(const OutputScanConfig& config) {
-  std::string error;
-  const auto grid = make_grid(config.grid, error);
-  return config.grid.angle_increment.value_or(grid ? grid->increment : 0);
-}
-
-/// One item of a request, checked and brought into its limits; empty, or what is wrong.
-std::string take(const OutputItem& item, const ItemValues& wanted, ItemValues& values) {
-  const auto number = wanted.numbers.find(item.name);
+/// A value as a request may hold it; a number at the limit of a key that may be unset stands for "not set".
+std::string take(const OutputItem& item, const ItemValues& wanted, OutputScanConfig& config) {
+  const std::string name(item.name);
+  const auto number = wanted.numbers.find(name);
+  const auto word = wanted.words.find(name);
   if (item.words.empty() && number != wanted.numbers.end()) {
-    if (std::isnan(number->second)) return item.name + " is not a number; expected one";
-    values.numbers[item.name] = std::clamp(number->second, item.min, item.max);
-  }
-  const auto word = wanted.words.find(item.name);
-  if (item.words.empty() || word == wanted.words.end()) return {};
-  if (std::find(item.words.begin(), item.words.end(), word->second) == item.words.end()) {
+    if (std::isnan(number->second)) return name + " is not a number; expected one";
+    const double value = std::clamp(number->second, item.lowest, item.highest);
+    const auto* const none = std::get_if<double>(&item.otherwise);
+    item.set(config, none != nullptr && value == *none ? KeyValue() : value);
+  } else if (!item.words.empty() && word != wanted.words.end()) {
     std::string expected;
-    for (const auto& one : item.words) expected += (expected.empty() ? "" : ", ") + one;
-    return item.name + " is '" + word->second + "'; expected one of " + expected;
+    for (const auto one : item.words) expected.append(expected.empty() ? "" : ", ").append(one);
+    if (std::find(item.words.begin(), item.words.end(), word->second) == item.words.end())
+      return name + " is '" + word->second + "'; expected one of " + expected;
+    item.set(config, word->second);
   }
-  values.words[item.name] = word->second;
   return {};
-}
-
-void put(const ItemValues& values, OutputScanConfig& config) {
-  ScanGridSpec& grid = config.grid;
-  const auto number = [&](const char* name) { return values.numbers.at(name); };
-  grid.angle_min = number("angle_min");
-  grid.angle_max = number("angle_max");
-  grid.angle_increment = number("angle_increment");
-  grid.beams.reset();
-  grid.time_increment = number("time_increment");
-  grid.scan_time = number("scan_time");
-  grid.range_min = number("range_min");
-  grid.range_max = number("range_max");
-  if (const double height = number("min_height"); height > -farthest_m)
-    config.min_height = height;
-  else
-    config.min_height.reset();
-  if (const double height = number("max_height"); height < farthest_m)
-    config.max_height = height;
-  else
-    config.max_height.reset();
-  choose(profiles, values.words.at("profile"), config.profile);
-  choose(beams, values.words.at("empty"), config.empty);
-  choose(beams, values.words.at("unobserved"), config.unobserved);
 }
 
 /// What speaks against these values together.
 std::string conflict(const OutputScanConfig& config, const ChangeableOutput& output) {
-  std::string complaint;
-  if (!make_grid(config.grid, complaint)) return complaint;
+  if (const auto grid = make_grid(config.grid); !grid) return grid.reason();
   if (config.min_height && config.max_height && *config.max_height <= *config.min_height)
     return "max_height is not above min_height; expected min_height < max_height";
   if (output.free_required > config.grid.range_max)
@@ -187,39 +132,34 @@ std::vector<ChangeableOutput> changeable_outputs(const Config& config, Reconfigu
 }
 
 ItemValues values_of(const ChangeableOutput& output) {
-  const OutputScanConfig& config = output.config;
-  const ScanGridSpec& grid = config.grid;
   ItemValues values;
-  values.numbers = {{"angle_min", grid.angle_min},
-                    {"angle_max", grid.angle_max},
-                    {"angle_increment", increment_of(config)},
-                    {"time_increment", grid.time_increment},
-                    {"scan_time", grid.scan_time},
-                    {"range_min", grid.range_min},
-                    {"range_max", grid.range_max},
-                    {"min_height", config.min_height.value_or(-farthest_m)},
-                    {"max_height", config.max_height.value_or(farthest_m)}};
-  values.words = {{"profile", word_of(config.profile)},
-                  {"empty", word_of(config.empty)},
-                  {"unobserved", word_of(config.unobserved)}};
+  for (const OutputItem& item : output.items) {
+    KeyValue value = item.get(output.config);
+    if (!value.is_set()) value = item.otherwise;
+    if (item.words.empty())
+      values.numbers[std::string(item.name)] = std::get<double>(value);
+    else
+      values.words[std::string(item.name)] = std::get<std::string>(value);
+  }
   return values;
 }
 
 std::string change(ChangeableOutput& output, const ItemValues& wanted) {
+  // What follows from the number of beams stays as it is, whatever else changes.
   ItemValues values = values_of(output);
-  for (const OutputItem& item : output.items) {
-    if (std::string complaint = take(item, wanted, values); !complaint.empty()) return complaint;
-  }
+  for (const auto& [name, number] : wanted.numbers) values.numbers[name] = number;
+  for (const auto& [name, word] : wanted.words) values.words[name] = word;
   OutputScanConfig config = output.config;
-  put(values, config);
+  for (const OutputItem& item : output.items) {
+    if (std::string complaint = take(item, values, config); !complaint.empty()) return complaint;
+  }
   if (std::string complaint = conflict(config, output); !complaint.empty()) return complaint;
   output.config = config;
   return {};
 }
 
 std::size_t beams_of(const OutputScanConfig& config) {
-  std::string error;
-  const auto grid = make_grid(config.grid, error);
+  const auto grid = make_grid(config.grid);
   return grid ? grid->beams : 0;
 }
 

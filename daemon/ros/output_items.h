@@ -9,17 +9,12 @@
 #include "daemon/config/config.h"
 #include "daemon/pipeline/output_id.h"
 #include "daemon/ros/ros_options.h"
+#include "drivers/key.h"
 
 namespace lidard {
 
 /// Something of an output that may be changed while it runs: a number with limits, or one of a few words.
-struct OutputItem {
-  std::string name;
-  std::string meaning;
-  double min = 0;
-  double max = 0;
-  std::vector<std::string> words;  ///< empty: it is a number
-};
+using OutputItem = KeyOf<OutputScanConfig>;
 
 /// Values of items by name.
 struct ItemValues {

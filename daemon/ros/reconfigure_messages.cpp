@@ -2,21 +2,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/ros/reconfigure_messages.h"
 
+#include "core/base/number_text.h"
+
 namespace lidard {
 namespace {
 
 using ConfigMessage = dynamic_reconfigure::Config;
 
-void add_number(ConfigMessage& config, const std::string& name, double value) {
-  config.doubles.emplace_back();
-  config.doubles.back().name = name;
-  config.doubles.back().value = value;
+void add(ConfigMessage& config, const OutputItem& item, double number, const std::string& word) {
+  if (item.words.empty()) {
+    config.doubles.emplace_back();
+    config.doubles.back().name = item.name;
+    config.doubles.back().value = number;
+  } else {
+    config.strs.emplace_back();
+    config.strs.back().name = item.name;
+    config.strs.back().value = word;
+  }
 }
 
-void add_word(ConfigMessage& config, const std::string& name, const std::string& value) {
-  config.strs.emplace_back();
-  config.strs.back().name = name;
-  config.strs.back().value = value;
+/// The meaning, the unit, and what stands for none.
+std::string description_of(const OutputItem& item) {
+  std::string text(item.meaning);
+  if (!item.unit.empty()) text.append(", ").append(item.unit);
+  const auto* none = std::get_if<double>(&item.otherwise);
+  return none == nullptr ? text : text + "; " + number_text(*none) + ": none";
 }
 
 /// Every message of values names the one group there is (dynamic_reconfigure/GroupState.msg).
@@ -33,18 +43,19 @@ std::string edit_method(const OutputItem& item) {
   if (item.words.empty()) return {};
   std::string entries;
   for (const auto& word : item.words) {
-    entries += (entries.empty() ? "" : ", ") + ("{'name': '" + word + "', 'type': 'str', 'value': '" + word) +
+    entries += (entries.empty() ? "{'name': '" : ", {'name': '") + std::string(word) +
+               "', 'type': 'str', 'value': '" + std::string(word) +
                "', 'description': '', 'srcline': 0, 'srcfile': '', 'cconsttype': 'const char * const', "
                "'ctype': 'std::string'}";
   }
-  return "{'enum_description': '" + item.meaning + "', 'enum': [" + entries + "]}";
+  return "{'enum_description': '" + description_of(item) + "', 'enum': [" + entries + "]}";
 }
 
 dynamic_reconfigure::ParamDescription described(const OutputItem& item) {
   dynamic_reconfigure::ParamDescription description;
   description.name = item.name;
   description.type = item.words.empty() ? "double" : "str";
-  description.description = item.meaning;
+  description.description = description_of(item);
   description.edit_method = edit_method(item);
   return description;
 }
@@ -61,13 +72,11 @@ ItemValues read_values(const ConfigMessage& config) {
 }
 
 ConfigMessage config_message(const ChangeableOutput& output) {
-  const ItemValues values = values_of(output);
+  ItemValues values = values_of(output);
   ConfigMessage config = with_group();
   for (const OutputItem& item : output.items) {
-    if (item.words.empty())
-      add_number(config, item.name, values.numbers.at(item.name));
-    else
-      add_word(config, item.name, values.words.at(item.name));
+    const std::string name(item.name);
+    add(config, item, values.numbers[name], values.words[name]);
   }
   return config;
 }
@@ -81,13 +90,8 @@ dynamic_reconfigure::ConfigDescription description_message(const ChangeableOutpu
   description.dflt = config_message(output);
   for (const OutputItem& item : output.items) {
     description.groups.back().parameters.push_back(described(item));
-    if (item.words.empty()) {
-      add_number(description.min, item.name, item.min);
-      add_number(description.max, item.name, item.max);
-    } else {
-      add_word(description.min, item.name, "");
-      add_word(description.max, item.name, "");
-    }
+    add(description.min, item, item.lowest, "");
+    add(description.max, item, item.highest, "");
   }
   return description;
 }
@@ -95,12 +99,9 @@ dynamic_reconfigure::ConfigDescription description_message(const ChangeableOutpu
 std::vector<std::pair<std::string, XmlRpc::XmlRpcValue>> parameters_of(const ChangeableOutput& output) {
   const ItemValues values = values_of(output);
   std::vector<std::pair<std::string, XmlRpc::XmlRpcValue>> parameters;
-  for (const OutputItem& item : output.items) {
-    if (item.words.empty())
-      parameters.emplace_back(item.name, XmlRpc::XmlRpcValue(values.numbers.at(item.name)));
-    else
-      parameters.emplace_back(item.name, XmlRpc::XmlRpcValue(values.words.at(item.name)));
-  }
+  for (const auto& [name, number] : values.numbers)
+    parameters.emplace_back(name, XmlRpc::XmlRpcValue(number));
+  for (const auto& [name, word] : values.words) parameters.emplace_back(name, XmlRpc::XmlRpcValue(word));
   return parameters;
 }
 

@@ -135,19 +135,19 @@ void to_ros(const std::vector<StaticTransform>& transforms, Stamp stamp, tf2_msg
   }
 }
 
-std::int8_t to_ros(Health health) {
+void to_ros(const DiagnosticItem& item, diagnostic_msgs::DiagnosticStatus& status) {
   using Status = diagnostic_msgs::DiagnosticStatus;
-  switch (health) {
-    case Health::ok:
-      return Status::OK;
-    case Health::warn:
-      return Status::WARN;
-    case Health::error:
-      return Status::ERROR;
-    case Health::stale:
-      return Status::STALE;
+  static_assert(
+      Status::OK == static_cast<int>(Health::ok) && Status::WARN == static_cast<int>(Health::warn) &&
+      Status::ERROR == static_cast<int>(Health::error) && Status::STALE == static_cast<int>(Health::stale));
+  status.level = static_cast<std::int8_t>(item.health);
+  status.message = item.message;
+  status.hardware_id = item.hardware_id;
+  for (const auto& [key, value] : item.values) {
+    status.values.emplace_back();
+    status.values.back().key = key;
+    status.values.back().value = value;
   }
-  return Status::ERROR;
 }
 
 void to_ros(const std::vector<DiagnosticItem>& items, const std::string& node, Stamp stamp,
@@ -155,18 +155,9 @@ void to_ros(const std::vector<DiagnosticItem>& items, const std::string& node, S
   message.header.stamp = to_ros(stamp);
   message.status.clear();
   for (const auto& item : items) {
-    diagnostic_msgs::DiagnosticStatus status;
-    status.level = to_ros(item.health);
-    status.name = node + ": " + item.name;
-    status.message = item.message;
-    status.hardware_id = item.hardware_id;
-    for (const auto& [key, value] : item.values) {
-      diagnostic_msgs::KeyValue pair;
-      pair.key = key;
-      pair.value = value;
-      status.values.push_back(std::move(pair));
-    }
-    message.status.push_back(std::move(status));
+    message.status.emplace_back();
+    message.status.back().name = node + ": " + item.name;
+    to_ros(item, message.status.back());
   }
 }
 

@@ -3,12 +3,9 @@
 #pragma once
 
 #include <diagnostic_msgs/DiagnosticArray.h>
-#include <sensor_msgs/Imu.h>
 #include <sensor_msgs/LaserScan.h>
 #include <sensor_msgs/MultiEchoLaserScan.h>
-#include <sensor_msgs/NavSatFix.h>
 #include <sensor_msgs/PointCloud2.h>
-#include <sensor_msgs/TimeReference.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include <cstddef>
@@ -33,22 +30,13 @@ void to_ros(const PlanarScan& scan, sensor_msgs::LaserScan& message);
 void to_ros(const PlanarScan& scan, sensor_msgs::MultiEchoLaserScan& message);
 /// A cloud as sensor_msgs/PointCloud2. Swaps `points_bytes` with the message's data; nothing is copied.
 void to_ros(Cloud& cloud, sensor_msgs::PointCloud2& message);
-/// A position as sensor_msgs/NavSatFix, its covariance unknown.
-void to_ros(const GnssFix& fix, sensor_msgs::NavSatFix& message);
-void to_ros(const TimeReference& reference, sensor_msgs::TimeReference& message);
-/// A sample as sensor_msgs/Imu: no orientation, covariances unknown.
-void to_ros(const ImuSample& sample, sensor_msgs::Imu& message);
-/// A device's state as one status of diagnostic_msgs/DiagnosticArray, which has a stamp and needs no message
-/// package of ours; `topic` is its name.
-void to_ros(const DeviceState& state, diagnostic_msgs::DiagnosticArray& message);
 /// Fixed transforms as tf2_msgs/TFMessage.
 void to_ros(const std::vector<StaticTransform>& transforms, Stamp stamp, tf2_msgs::TFMessage& message);
 /// Status items as diagnostic_msgs/DiagnosticArray; names are prefixed "`node`: " (REP 107).
 void to_ros(const std::vector<DiagnosticItem>& items, const std::string& node, Stamp stamp,
             diagnostic_msgs::DiagnosticArray& message);
-/// The level of diagnostic_msgs/DiagnosticStatus.
-std::int8_t to_ros(Health health);
-
+/// One of them but for its name; the status has no values yet.
+void to_ros(const DiagnosticItem& item, diagnostic_msgs::DiagnosticStatus& status);
 /// Reads another driver's scan. Returns nullptr, or what is wrong with the message; then `scan` is of no use.
 ///
 /// NaN is `invalid`, +inf `none`, -inf `near` (REP 117); a finite range outside the message's limits is
@@ -59,6 +47,18 @@ std::int8_t to_ros(Health health);
 const char* from_ros(const sensor_msgs::LaserScan& message, PlanarScan& scan);
 /// False if the message has intensities, but not one for each range.
 bool intensities_fit(const sensor_msgs::LaserScan& message);
+
+/// A position or translation and an orientation as a pose; the orientation need not be normalised.
+template <class Position>
+Pose to_pose(const Position& at, const geometry_msgs::Quaternion& q) {
+  Pose pose = Pose::Identity();
+  pose.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
+  pose.translation() = Eigen::Vector3d(at.x, at.y, at.z);
+  return pose;
+}
+inline Pose to_pose(const geometry_msgs::Transform& transform) {
+  return to_pose(transform.translation, transform.rotation);
+}
 
 /// What became of a point cloud message.
 struct CloudReading {

@@ -1,8 +1,12 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <sensor_msgs/PointField.h>
+#include <sensor_msgs/point_field_conversion.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 
 #include "daemon/ros/ros_convert.h"
 
@@ -11,30 +15,11 @@ namespace {
 
 using Field = sensor_msgs::PointField;
 
+/// Bytes of a value; 0: there is no such datatype.
 std::size_t size_of(std::uint8_t datatype) {
-  switch (datatype) {
-    case Field::INT8:
-    case Field::UINT8:
-      return 1;
-    case Field::INT16:
-    case Field::UINT16:
-      return 2;
-    case Field::INT32:
-    case Field::UINT32:
-    case Field::FLOAT32:
-      return 4;
-    case Field::FLOAT64:
-      return 8;
-    default:
-      return 0;
-  }
-}
-
-template <typename T>
-double read_as(const std::uint8_t* bytes) {
-  T value;
-  std::memcpy(&value, bytes, sizeof(T));
-  return static_cast<double>(value);
+  constexpr std::size_t sizes[] = {0, 1, 1, 2, 2, 4, 4, 4, 8};
+  static_assert(Field::INT8 == 1 && Field::UINT16 == 4 && Field::FLOAT32 == 7 && Field::FLOAT64 == 8);
+  return datatype < std::size(sizes) ? sizes[datatype] : 0;
 }
 
 /// Reads one field of a point; unset where the message has no such field.
@@ -49,27 +34,10 @@ class FieldReader {
   bool fits(std::size_t point_step) const { return offset_ + size_ <= point_step; }
 
   double operator()(const std::uint8_t* point) const {
-    std::uint8_t bytes[8];
+    alignas(double) std::uint8_t bytes[sizeof(double)];
     std::memcpy(bytes, point + offset_, size_);
     if (swap_) std::reverse(bytes, bytes + size_);
-    switch (datatype_) {
-      case Field::INT8:
-        return read_as<std::int8_t>(bytes);
-      case Field::UINT8:
-        return read_as<std::uint8_t>(bytes);
-      case Field::INT16:
-        return read_as<std::int16_t>(bytes);
-      case Field::UINT16:
-        return read_as<std::uint16_t>(bytes);
-      case Field::INT32:
-        return read_as<std::int32_t>(bytes);
-      case Field::UINT32:
-        return read_as<std::uint32_t>(bytes);
-      case Field::FLOAT32:
-        return static_cast<double>(read_as<float>(bytes));
-      default:
-        return read_as<double>(bytes);
-    }
+    return sensor_msgs::readPointCloud2BufferValue<double>(bytes, datatype_);
   }
   /// The value, or 0 where the field is absent or the value is not finite.
   double or_zero(const std::uint8_t* point) const {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <map>
 
+#include "daemon/ros/ros_callback_thread.h"
 #include "daemon/ros/ros_convert.h"
 
 namespace lidard {
@@ -31,10 +32,7 @@ struct RosDiagnostics::Updater {
       status.summary(diagnostic_msgs::DiagnosticStatus::STALE, "no longer reported");
       return;
     }
-    const DiagnosticItem& item = found->second;
-    status.hardware_id = item.hardware_id;
-    status.summary(static_cast<std::uint8_t>(to_ros(item.health)), item.message);
-    for (const auto& [key, value] : item.values) status.add(key, value);
+    to_ros(found->second, status);
   }
 
   void take(const DiagnosticItem& item) {
@@ -79,8 +77,7 @@ void RosDiagnostics::publish(const std::vector<DiagnosticItem>& more) {
 }
 
 void RosDiagnostics::drop(bool leave) {
-  static auto* const left = new std::vector<std::unique_ptr<Updater>>;
-  if (leave) left->push_back(std::move(updater_));
+  if (leave) leave_behind(std::move(updater_));
   updater_.reset();
 }
 

@@ -1,11 +1,15 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/ros/ros_environment.h"
+
+#include <ros/exceptions.h>
+#include <ros/init.h>
+#include <ros/names.h>
 #include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
 
-#include "daemon/ros/ros_link.h"
 #include "daemon/ros/ros_master.h"
 
 namespace lidard {
@@ -23,6 +27,23 @@ bool may_write_below(const std::string& home) {
 }
 
 }  // namespace
+
+void init_ros(const RosOptions& options, const std::vector<OutputTopic>& topics) {
+  ros::M_string remappings;
+  for (const auto& remapping : options.remappings) {
+    const auto at = remapping.find(":=");
+    if (at == std::string::npos || at == 0)
+      throw RosError("'" + remapping + "' is not a remapping; expected from:=to");
+    remappings[remapping.substr(0, at)] = remapping.substr(at + 2);
+  }
+  choose_ros_log_folder();
+  try {
+    ros::init(remappings, options.node_name, ros::init_options::NoSigintHandler);
+    for (const auto& topic : topics) ros::names::resolve(topic.name);
+  } catch (const ros::Exception& problem) {
+    throw RosError(std::string(problem.what()) + "; expected names of letters, digits, _ and /");
+  }
+}
 
 void choose_ros_log_folder() {
   if (is_set("ROS_LOG_DIR") || is_set("ROS_HOME") || std::getenv("HOME") == nullptr) return;

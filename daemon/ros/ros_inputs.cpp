@@ -6,12 +6,12 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <chrono>
+#include <mutex>
 #include <utility>
 
+#include "daemon/ros/ros_callback_thread.h"
 #include "daemon/ros/ros_convert.h"
 #include "daemon/ros/ros_master.h"
-#include "daemon/ros/ros_reception.h"
 #include "daemon/ros/velodyne_scan.h"
 
 namespace lidard {
@@ -20,35 +20,42 @@ namespace {
 /// Messages of one source that may wait for the sensor thread.
 constexpr int most_pending = 4;
 
-Stamp now() {
-  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
-  return {std::chrono::duration_cast<Span>(since_epoch).count()};
-}
-
 /// What a usable message held that was not used.
 struct LeftOut {
   std::size_t points = 0;
   bool intensities = false;
 };
 
-const char* read(const sensor_msgs::LaserScan& message, PlanarScan& scan, LeftOut& left_out) {
-  left_out.intensities = !intensities_fit(message);
-  return from_ros(message, scan);
-}
+/// What is to be done with a message in the thread of the pipeline.
+using Task = std::function<void(Stamp received)>;
 
-const char* read(const sensor_msgs::PointCloud2& message, Cloud& cloud, LeftOut& left_out) {
-  const auto reading = from_ros(message, cloud);
-  left_out.points = reading.dropped;
-  return reading.error;
+/// What the outputs take a source for.
+std::optional<FrameKind> use_of(const std::string& sensor, const Config& config) {
+  for (const auto& merged : config.merged_scans) {
+    const auto& names = merged.laserscan_topics;
+    if (std::find(names.begin(), names.end(), sensor) != names.end()) return FrameKind::scan;
+  }
+  for (const auto& group : config.virtual_scans) {
+    if (group.cloud_topic == sensor) return FrameKind::cloud;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
 
+std::vector<TopicSource> topic_sources(const Config& config) {
+  std::vector<TopicSource> sources;
+  for (const auto& sensor : config.sensors) {
+    if (sensor.model == nullptr)
+      sources.push_back({sensor.name, sensor.topic, false, use_of(sensor.name, config)});
+    if (!sensor.packet_topic.empty()) sources.push_back({sensor.name, sensor.packet_topic, true});
+  }
+  return sources;
+}
+
 struct RosInputs::Source {
   mutable std::mutex mutex;
   TopicReport report;
-  bool packets = false;
-  std::optional<FrameKind> kind;
   int pending = 0;
   bool subscribed = false;  // belongs to the master thread
 
@@ -60,28 +67,15 @@ struct RosInputs::Source {
     ++report.dropped;
     return false;
   }
-  /// True if the type is new.
-  bool notice_type(const std::string& type) {
-    const std::lock_guard lock(mutex);
-    if (report.type == type) return false;
-    report.type = type;
-    report.wrong_type.clear();
-    return true;
-  }
-  void forget_type() {
-    const std::lock_guard lock(mutex);
-    report.type.clear();
-  }
-  bool takes(FrameKind frames) const { return !packets && kind.value_or(frames) == frames; }
-  std::string expected_type() const {
-    if (packets) return ros::message_traits::datatype<VelodyneScanBytes>();
-    const char* const scan = takes(FrameKind::scan) ? "sensor_msgs/LaserScan" : "";
-    const char* const cloud = takes(FrameKind::cloud) ? "sensor_msgs/PointCloud2" : "";
-    return std::string(scan) + (*scan != 0 && *cloud != 0 ? " or " : "") + cloud;
-  }
+  bool takes(FrameKind frames) const { return !report.packets && report.kind.value_or(frames) == frames; }
   void refuse_type() {
+    using namespace ros::message_traits;
+    std::string expected = report.packets ? datatype<VelodyneScanBytes>() : "";
+    if (takes(FrameKind::scan)) expected = datatype<sensor_msgs::LaserScan>();
+    if (takes(FrameKind::cloud))
+      expected += std::string(expected.empty() ? "" : " or ") + datatype<sensor_msgs::PointCloud2>();
     const std::lock_guard lock(mutex);
-    report.wrong_type = "topic " + report.topic + " carries " + report.type + "; expected " + expected_type();
+    report.wrong_type = "topic " + report.topic + " carries " + report.type + "; expected " + expected;
     spdlog::error("{}", report.wrong_type);
   }
   void reject(const char* reason) {
@@ -103,101 +97,77 @@ struct RosInputs::Source {
   }
 };
 
-namespace {
-
-/// Converts a message and posts it to the sensor thread.
-template <typename Frame, typename Message, typename Source, typename Handler>
-void receive(const std::shared_ptr<Source>& source, const RosInputs::Post& post, const Handler& handler,
-             const Message& message) {
-  const Stamp received = now();
-  if (!source->accept()) return;
-  auto frame = std::make_shared<Frame>();
-  LeftOut left_out;
-  if (const char* reason = read(message, *frame, left_out)) {
-    source->reject(reason);
-    return;
-  }
-  source->hand_on(left_out);
-  post([source, handler, frame, received] {
-    handler(source->report.sensor, *frame, received);
-    source->taken();
-  });
-}
-
-}  // namespace
-
-RosInputs::RosInputs(const std::vector<TopicSource>& sources, Post post, TopicHandlers handlers)
+RosInputs::RosInputs(const std::vector<TopicSource>& sources, RosPost post, RosHandlers handlers)
     : post_(std::move(post)), handlers_(std::move(handlers)) {
   for (const auto& source : sources) {
     sources_.push_back(std::make_shared<Source>());
-    sources_.back()->report.sensor = source.sensor;
-    sources_.back()->report.topic = source.topic;
-    sources_.back()->packets = source.packets;
-    sources_.back()->kind = source.kind;
+    static_cast<TopicSource&>(sources_.back()->report) = source;
   }
 }
 
 RosInputs::~RosInputs() = default;
 
-void RosInputs::connected() {
-  if (!sources_.empty()) reception_ = std::make_unique<RosReception>();
-}
-
-void RosInputs::disconnected(bool leave) {
-  RosReception::end(reception_, leave);
+void RosInputs::disconnected() {
+  ros_ = nullptr;
   for (auto& source : sources_) {
+    const std::lock_guard lock(source->mutex);
     source->subscribed = false;
-    source->forget_type();
+    source->report.type.clear();
   }
 }
 
-template <typename Message, typename Frame>
-void RosInputs::subscribe_as(const std::shared_ptr<Source>& source,
-                             const std::function<void(const std::string&, Frame&, Stamp)>& handler) {
-  const boost::function<void(const boost::shared_ptr<const Message>&)> callback =
-      [source, post = post_, handler](const auto& message) {
-        receive<Frame>(source, post, handler, *message);
-      };
-  reception_->subscribers.push_back(reception_->node.subscribe<Message>(source->report.topic, 10, callback));
-  source->subscribed = true;
-}
-
-void RosInputs::subscribe_packets(const std::shared_ptr<Source>& source) {
-  using Message = boost::shared_ptr<const VelodyneScanBytes>;
-  const boost::function<void(const Message&)> callback =
-      [source, post = post_, handler = handlers_.packet](const Message& message) {
-        const Stamp received = now();
-        if (!source->accept()) return;
-        // Looked at before it is handed on, so that a bad message counts at once.
-        const ByteView bytes(message->bytes.data(), message->bytes.size());
-        if (const char* reason = read_velodyne_scan(bytes, [](ByteView, Stamp) {})) {
-          source->reject(reason);
-          return;
-        }
-        source->hand_on({});
-        post([source, handler, message, bytes, received] {
-          read_velodyne_scan(bytes, [&](ByteView packet, Stamp arrival) {
-            // Nobody stamps 1970; a stamp that was left out is the time at hand.
-            handler(source->report.sensor, packet, arrival == Stamp{} ? received : arrival, received);
-          });
-          source->taken();
-        });
-      };
-  // roscpp itself refuses a publisher of another type or md5sum.
-  reception_->subscribers.push_back(
-      reception_->node.subscribe<VelodyneScanBytes>(source->report.topic, 10, callback));
+template <typename Message, typename Read>
+void RosInputs::subscribe_as(const std::shared_ptr<Source>& source, Read read) {
+  const auto receive = [source, read, post = post_](const boost::shared_ptr<const Message>& message) {
+    if (!source->accept()) return;
+    Task task;
+    LeftOut left_out;
+    if (const char* reason = read(message, task, left_out)) return source->reject(reason);
+    source->hand_on(left_out);
+    post([source, task](Stamp received) {
+      task(received);
+      source->taken();
+    });
+  };
+  ros_->subscribe<Message>(source->report.topic, 10, receive);
   source->subscribed = true;
 }
 
 void RosInputs::subscribe(const std::shared_ptr<Source>& source, const std::string& type) {
-  if (source->packets && type == ros::message_traits::datatype<VelodyneScanBytes>()) {
-    subscribe_packets(source);
-  } else if (type == ros::message_traits::datatype<sensor_msgs::LaserScan>() &&
-             source->takes(FrameKind::scan)) {
-    subscribe_as<sensor_msgs::LaserScan>(source, handlers_.scan);
-  } else if (type == ros::message_traits::datatype<sensor_msgs::PointCloud2>() &&
-             source->takes(FrameKind::cloud)) {
-    subscribe_as<sensor_msgs::PointCloud2>(source, handlers_.cloud);
+  using sensor_msgs::LaserScan;
+  using sensor_msgs::PointCloud2;
+  const std::string& sensor = source->report.sensor;
+  if (source->report.packets && type == ros::message_traits::datatype<VelodyneScanBytes>()) {
+    // roscpp itself refuses a publisher of another type or md5sum.
+    subscribe_as<VelodyneScanBytes>(
+        source, [handle = handlers_.packet, sensor](const auto& message, Task& task, LeftOut&) {
+          const ByteView bytes(message->bytes.data(), message->bytes.size());
+          task = [=, keeps_bytes = message](Stamp received) {
+            read_velodyne_scan(bytes, [&](ByteView packet, Stamp arrival) {
+              // Nobody stamps 1970; a stamp that was left out is the time at hand.
+              handle(sensor, packet, arrival == Stamp{} ? received : arrival, received);
+            });
+          };
+          // Looked at before it is handed on, so that a bad message counts at once.
+          return read_velodyne_scan(bytes, [](ByteView, Stamp) {});
+        });
+  } else if (type == ros::message_traits::datatype<LaserScan>() && source->takes(FrameKind::scan)) {
+    subscribe_as<LaserScan>(
+        source, [handle = handlers_.scan, sensor](const auto& message, Task& task, LeftOut& left_out) {
+          const auto scan = std::make_shared<PlanarScan>();
+          task = [=](Stamp received) { handle(sensor, *scan, received); };
+          left_out.intensities = !intensities_fit(*message);
+          return from_ros(*message, *scan);
+        });
+  } else if (type == ros::message_traits::datatype<PointCloud2>() && source->takes(FrameKind::cloud)) {
+    subscribe_as<PointCloud2>(
+        source, [handle = handlers_.cloud, sensor](const auto& message, Task& task, LeftOut& left_out) {
+          const auto cloud = std::make_shared<Cloud>();
+          task = [=](Stamp received) { handle(sensor, *cloud, received); };
+          const CloudReading reading = from_ros(*message, *cloud);
+          left_out.points = reading.dropped;
+          return reading.error;
+        });
   } else {
     source->refuse_type();
   }
@@ -205,13 +175,18 @@ void RosInputs::subscribe(const std::shared_ptr<Source>& source, const std::stri
 
 void RosInputs::poll(MasterClient& master) {
   const bool all = std::all_of(sources_.begin(), sources_.end(), [](const auto& s) { return s->subscribed; });
-  if (all || !reception_) return;
+  if (all || ros_ == nullptr) return;
   const auto types = master.topic_types();
   for (auto& source : sources_) {
-    const auto found = types.find(reception_->node.resolveName(source->report.topic));
+    const auto found = types.find(ros::names::resolve(source->report.topic));
     // "*" is what a subscriber alone leaves there; a type that was seen before was dealt with.
     if (source->subscribed || found == types.end() || found->second == "*") continue;
-    if (source->notice_type(found->second)) subscribe(source, found->second);
+    {
+      const std::lock_guard lock(source->mutex);
+      if (std::exchange(source->report.type, found->second) == found->second) continue;
+      source->report.wrong_type.clear();
+    }
+    subscribe(source, found->second);
   }
 }
 

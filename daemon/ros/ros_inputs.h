@@ -2,19 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "core/base/bytes.h"
-#include "daemon/ros/ros_link.h"
+#include "daemon/config/config.h"
+#include "daemon/ros/ros_component.h"
 #include "drivers/model.h"
 
 namespace lidard {
-
-struct RosReception;
 
 /// A sensor whose data another node publishes: its name in the configuration and the topic.
 struct TopicSource {
@@ -24,19 +21,11 @@ struct TopicSource {
   std::optional<FrameKind> kind = {};  ///< what it is taken for; unset: nobody minds
 };
 
-/// Where the messages of topic sources go; called in the sensor thread. `received` is the host's time of
-/// arrival.
-struct TopicHandlers {
-  std::function<void(const std::string& sensor, PlanarScan& scan, Stamp received)> scan;
-  std::function<void(const std::string& sensor, Cloud& cloud, Stamp received)> cloud;
-  /// `arrival` is when the node that sends the message received the packet.
-  std::function<void(const std::string& sensor, ByteView packet, Stamp arrival, Stamp received)> packet = {};
-};
+/// Those of a configuration.
+std::vector<TopicSource> topic_sources(const Config& config);
 
 /// What happened to one topic source since the start.
-struct TopicReport {
-  std::string sensor;
-  std::string topic;
+struct TopicReport : TopicSource {
   std::string type;                       ///< ROS type; empty while nobody publishes
   std::uint64_t messages = 0;             ///< received, good or bad
   std::uint64_t rejected = 0;             ///< unusable messages
@@ -48,17 +37,14 @@ struct TopicReport {
 };
 
 /// Subscribes LaserScan, PointCloud2 and VelodyneScan topics of other nodes. The type comes from the master,
-/// asked in the master thread; one thread of its own converts and hands the result to the sensor thread.
-class RosInputs : public RosClient {
+/// asked in the master thread; the callback thread converts and hands the result on.
+class RosInputs : public RosComponent {
  public:
-  /// Runs a function in the sensor thread.
-  using Post = std::function<void(std::function<void()>)>;
-
-  RosInputs(const std::vector<TopicSource>& sources, Post post, TopicHandlers handlers);
+  RosInputs(const std::vector<TopicSource>& sources, RosPost post, RosHandlers handlers);
   ~RosInputs() override;
 
-  void connected() override;
-  void disconnected(bool leave) override;
+  void connected(RosCallbackThread& ros) override { ros_ = &ros; }
+  void disconnected() override;
   void poll(MasterClient& master) override;
   std::vector<DiagnosticItem> diagnostics() override;
   std::vector<TopicReport> report() const;
@@ -66,15 +52,13 @@ class RosInputs : public RosClient {
  private:
   struct Source;
   void subscribe(const std::shared_ptr<Source>& source, const std::string& type);
-  template <typename Message, typename Frame>
-  void subscribe_as(const std::shared_ptr<Source>& source,
-                    const std::function<void(const std::string&, Frame&, Stamp)>& handler);
-  void subscribe_packets(const std::shared_ptr<Source>& source);
+  template <typename Message, typename Read>
+  void subscribe_as(const std::shared_ptr<Source>& source, Read read);
 
-  Post post_;
-  TopicHandlers handlers_;
+  RosPost post_;
+  RosHandlers handlers_;
   std::vector<std::shared_ptr<Source>> sources_;
-  std::unique_ptr<RosReception> reception_;
+  RosCallbackThread* ros_ = nullptr;  // while ROS runs
 };
 
 }  // namespace lidard

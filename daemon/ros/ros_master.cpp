@@ -4,7 +4,9 @@
 
 #include <ros/connection_manager.h>
 #include <ros/network.h>
+#include <ros/publication.h>
 #include <ros/this_node.h>
+#include <ros/topic_manager.h>
 #include <ros/xmlrpc_manager.h>
 
 #include <utility>
@@ -23,18 +25,8 @@ std::vector<std::string> strings(XmlRpcValue& list) {
   return found;
 }
 
-/// Gives roscpp the publishers of a topic, as the master does when it learns of one.
-void tell_roscpp(const MasterClient& master, const std::string& our_uri, const std::string& topic,
-                 const std::vector<std::string>& publishers) {
-  const auto us = parse_server_uri(our_uri);
-  if (!us || publishers.empty()) return;
-  XmlRpcValue arguments;
-  arguments[0] = master.caller_id();
-  arguments[1] = topic;
-  for (std::size_t i = 0; i < publishers.size(); ++i) arguments[2][static_cast<int>(i)] = publishers[i];
-  std::string error;
-  xmlrpc_call(*us, "publisherUpdate", arguments, std::chrono::milliseconds(500), error);
-}
+/// Where roscpp answers in this process.
+std::string our_uri() { return ros::XMLRPCManager::instance()->getServerURI(); }
 
 }  // namespace
 
@@ -67,21 +59,28 @@ std::optional<int> MasterClient::pid() {
   return static_cast<int&>(*value);
 }
 
-bool MasterClient::register_publisher(const std::string& topic, const std::string& type,
-                                      const std::string& our_uri) {
-  return call("registerPublisher", {topic, type, our_uri}).has_value();
+bool MasterClient::register_publisher(const std::string& topic, const std::string& type) {
+  return call("registerPublisher", {topic, type, our_uri()}).has_value();
 }
 
-std::optional<std::vector<std::string>> MasterClient::register_subscriber(const std::string& topic,
-                                                                          const std::string& our_uri) {
-  auto value = call("registerSubscriber", {topic, "*", our_uri});
-  if (!value) return std::nullopt;
-  return strings(*value);
+bool MasterClient::register_service(const std::string& service) {
+  const std::string service_uri = "rosrpc://" + ros::network::getHost() + ":" +
+                                  std::to_string(ros::ConnectionManager::instance()->getTCPPort());
+  return call("registerService", {service, service_uri, our_uri()}).has_value();
 }
 
-bool MasterClient::register_service(const std::string& service, const std::string& service_uri,
-                                    const std::string& our_uri) {
-  return call("registerService", {service, service_uri, our_uri}).has_value();
+bool MasterClient::register_subscriber(const std::string& topic) {
+  auto publishers = call("registerSubscriber", {topic, "*", our_uri()});
+  const auto us = parse_server_uri(our_uri());
+  if (!publishers || !us) return publishers.has_value();
+  if (publishers->getType() != XmlRpcValue::TypeArray || publishers->size() == 0) return true;
+  XmlRpcValue arguments;
+  arguments[0] = caller_id_;
+  arguments[1] = topic;
+  arguments[2] = *publishers;
+  std::string error;
+  xmlrpc_call(*us, "publisherUpdate", arguments, std::chrono::milliseconds(500), error);
+  return true;
 }
 
 std::optional<std::string> MasterClient::node_uri(const std::string& node) {
@@ -121,27 +120,21 @@ bool MasterClient::set_parameter(const std::string& name, const XmlRpcValue& val
   return ask("setParam", arguments).has_value();
 }
 
-bool register_again(MasterClient& master, const std::map<std::string, std::string>& types) {
-  const std::string our_uri = ros::XMLRPCManager::instance()->getServerURI();
+bool register_again(MasterClient& master, const std::vector<std::string>& services) {
   ros::V_string published;
   ros::V_string subscribed;
   ros::this_node::getAdvertisedTopics(published);
   ros::this_node::getSubscribedTopics(subscribed);
   bool all = true;
   for (const auto& topic : published) {
-    const auto type = types.find(topic);
-    all &= master.register_publisher(topic, type == types.end() ? "*" : type->second, our_uri);
+    const auto publication = ros::TopicManager::instance()->lookupPublication(topic);
+    if (publication) all &= master.register_publisher(topic, publication->getDataType());
   }
-  for (const auto& topic : subscribed) {
-    const auto publishers = master.register_subscriber(topic, our_uri);
-    all &= publishers.has_value();
-    if (publishers) tell_roscpp(master, our_uri, topic, *publishers);
-  }
+  for (const auto& topic : subscribed) all &= master.register_subscriber(topic);
   // roscpp offers these two for every node.
-  const std::string service_uri = "rosrpc://" + ros::network::getHost() + ":" +
-                                  std::to_string(ros::ConnectionManager::instance()->getTCPPort());
   for (const char* name : {"/get_loggers", "/set_logger_level"})
-    all &= master.register_service(master.caller_id() + name, service_uri, our_uri);
+    all &= master.register_service(master.caller_id() + name);
+  for (const auto& service : services) all &= master.register_service(service);
   return all;
 }
 

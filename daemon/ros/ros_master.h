@@ -36,12 +36,11 @@ class MasterClient {
 
   /// The master's process; changes when it is restarted. Empty: no answer.
   std::optional<int> pid();
-  bool register_publisher(const std::string& topic, const std::string& type, const std::string& our_uri);
-  /// The publishers of the topic; empty without an answer.
-  std::optional<std::vector<std::string>> register_subscriber(const std::string& topic,
-                                                              const std::string& our_uri);
-  bool register_service(const std::string& service, const std::string& service_uri,
-                        const std::string& our_uri);
+  /// Registers what roscpp offers in this process.
+  bool register_publisher(const std::string& topic, const std::string& type);
+  bool register_service(const std::string& service);
+  /// Registers us, and tells roscpp the publishers of the topic, as the master does when it learns of one.
+  bool register_subscriber(const std::string& topic);
   /// Where the XML-RPC server of a node is; empty: no node of that name is registered, or no answer.
   std::optional<std::string> node_uri(const std::string& node);
   /// Types by topic, of all topics the master knows; empty without an answer.
@@ -68,8 +67,8 @@ class MasterClient {
   std::string error_;
 };
 
-/// Tells a (restarted) master everything this process publishes, subscribes and serves; roscpp registers only
-/// once. `types`: the types of our topics by resolved name. False if the master did not answer every call.
-bool register_again(MasterClient& master, const std::map<std::string, std::string>& types);
+/// Tells a (restarted) master all topics and services of this process that roscpp knows; roscpp registers
+/// only once. `services`: ours, by full name. False if the master did not answer every call.
+bool register_again(MasterClient& master, const std::vector<std::string>& services);
 
 }  // namespace lidard

@@ -6,96 +6,66 @@
 #include <nav_msgs/Odometry.h>
 #include <sensor_msgs/Imu.h>
 
-#include <atomic>
 #include <utility>
 
+#include "daemon/ros/ros_callback_thread.h"
 #include "daemon/ros/ros_convert.h"
-#include "daemon/ros/ros_reception.h"
 
 namespace lidard {
 namespace {
 
 constexpr std::uint32_t queue_length = 50;
 
-Pose pose_of(const geometry_msgs::Pose& message) {
-  Pose pose = Pose::Identity();
-  const auto& q = message.orientation;
-  pose.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
-  pose.translation() = Eigen::Vector3d(message.position.x, message.position.y, message.position.z);
-  return pose;
-}
-
-template <typename Message, typename Use>
-void subscribe(RosReception& reception, const std::string& topic, Use use) {
-  if (topic.empty()) return;
-  const boost::function<void(const boost::shared_ptr<const Message>&)> callback = [use](const auto& message) {
-    use(*message);
-  };
-  // A pose that comes late by Nagle's algorithm is a scan that is not deskewed.
-  reception.subscribers.push_back(reception.node.subscribe<Message>(topic, queue_length, callback, {},
-                                                                    ros::TransportHints().tcpNoDelay()));
-}
-
 }  // namespace
 
-struct RosMotion::Counts {
-  std::atomic<std::uint64_t> poses{0}, turns{0}, speeds{0};
-};
-
-RosMotion::RosMotion(const VehicleConfig& vehicle, Post post, MotionHandlers handlers)
-    : odometry_topic_(vehicle.odometry_topic),
-      imu_topic_(vehicle.imu_topic),
-      speed_topic_(vehicle.speed_topic),
+RosMotion::RosMotion(const VehicleConfig& vehicle, RosPost post, RosHandlers handlers)
+    : topics_{vehicle.odometry_topic, vehicle.imu_topic, vehicle.speed_topic},
       post_(std::move(post)),
-      handlers_(std::move(handlers)),
-      counts_(std::make_shared<Counts>()) {}
+      handlers_(std::move(handlers)) {}
 
-RosMotion::~RosMotion() = default;
-
-void RosMotion::connected() {
-  if (odometry_topic_.empty() && imu_topic_.empty()) return;
-  reception_ = std::make_unique<RosReception>();
-  subscribe<nav_msgs::Odometry>(
-      *reception_, odometry_topic_,
-      [counts = counts_, post = post_, use = handlers_.pose](const nav_msgs::Odometry& m) {
-        ++counts->poses;
-        post([use, stamp = from_ros(m.header.stamp), pose = pose_of(m.pose.pose), child = m.child_frame_id] {
-          use(stamp, pose, child);
-        });
-      });
-  subscribe<sensor_msgs::Imu>(
-      *reception_, imu_topic_,
-      [counts = counts_, post = post_, use = handlers_.turn](const sensor_msgs::Imu& m) {
-        ++counts->turns;
-        const Eigen::Vector3d rates(m.angular_velocity.x, m.angular_velocity.y, m.angular_velocity.z);
-        post([use, stamp = from_ros(m.header.stamp), rates, frame = m.header.frame_id] {
-          use(stamp, rates, frame);
-        });
-      });
-  subscribe<geometry_msgs::TwistStamped>(
-      *reception_, speed_topic_,
-      [counts = counts_, post = post_, use = handlers_.speed](const geometry_msgs::TwistStamped& m) {
-        ++counts->speeds;
-        post([use, speed = m.twist.linear.x] { use(speed); });
-      });
+template <typename Message, typename MakeTask>
+void RosMotion::subscribe(RosCallbackThread& ros, std::size_t topic, MakeTask make_task) {
+  if (topics_[topic].empty()) return;
+  // A pose that comes late by Nagle's algorithm is a scan that is not deskewed.
+  ros.subscribe<Message>(
+      topics_[topic], queue_length,
+      [this, topic, make_task](const boost::shared_ptr<const Message>& message) {
+        ++messages_[topic];
+        post_(make_task(*message));
+      },
+      ros::TransportHints().tcpNoDelay());
 }
 
-void RosMotion::disconnected(bool leave) { RosReception::end(reception_, leave); }
+void RosMotion::connected(RosCallbackThread& ros) {
+  subscribe<nav_msgs::Odometry>(ros, odometry, [use = handlers_.pose](const nav_msgs::Odometry& m) {
+    return
+        [use, stamp = from_ros(m.header.stamp), pose = to_pose(m.pose.pose.position, m.pose.pose.orientation),
+         child = m.child_frame_id](Stamp received) { use(stamp, pose, child, received); };
+  });
+  subscribe<sensor_msgs::Imu>(ros, imu, [use = handlers_.turn](const sensor_msgs::Imu& m) {
+    const Eigen::Vector3d rates(m.angular_velocity.x, m.angular_velocity.y, m.angular_velocity.z);
+    return [use, stamp = from_ros(m.header.stamp), rates, frame = m.header.frame_id](Stamp received) {
+      use(stamp, rates, frame, received);
+    };
+  });
+  subscribe<geometry_msgs::TwistStamped>(ros, speed, [use = handlers_.speed](const auto& m) {
+    return [use, ahead = m.twist.linear.x](Stamp) { use(ahead); };
+  });
+}
 
 std::vector<DiagnosticItem> RosMotion::diagnostics() {
   std::vector<DiagnosticItem> items;
-  const auto add = [&items](const std::string& topic, std::uint64_t messages) {
-    if (topic.empty()) return;
+  for (const Topic i : {odometry, imu, speed}) {
+    const std::string& topic = topics_[i];
+    const std::uint64_t messages = messages_[i];
+    if (topic.empty()) continue;
     DiagnosticItem item;
     item.name = "motion " + topic;
     item.health = messages == 0 ? Health::warn : Health::ok;
     item.message = messages == 0 ? "nobody publishes " + topic + "; scans are not deskewed" : "receiving";
     item.values = {{"Topic", topic}, {"Messages", std::to_string(messages)}};
     items.push_back(std::move(item));
-  };
-  add(odometry_topic_, counts_->poses);
-  add(imu_topic_, counts_->turns);
-  add(speed_topic_, counts_->speeds);
+  }
   return items;
 }
 

@@ -3,8 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "daemon/live/frame_queue.h"
 
 namespace lidard {
 
@@ -15,10 +18,14 @@ enum class ReconfigureNames : std::uint8_t {
 };
 
 /// How to appear in ROS.
-struct RunOptions {
-  std::vector<std::string> ros_arguments;
+struct RosOptions {
   std::string node_name = "lidard";
+  std::vector<std::string> remappings = {};  ///< "from:=to", "__ns:=…", "__name:=…", "__master:=…"
   ReconfigureNames reconfigure = ReconfigureNames::entries;
+  Backpressure backpressure = Backpressure::drop_oldest;
+  bool clock = false;  ///< publish_clock() will be used
+  /// Where diagnostics() comes by the clock on the wall: older items are errors. Empty, as in replay: never.
+  std::optional<Span> longest_report_age = {};
 };
 
 }  // namespace lidard

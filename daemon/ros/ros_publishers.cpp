@@ -4,215 +4,118 @@
 
 #include <ros/node_handle.h>
 #include <ros/topic_manager.h>
-#include <rosgraph_msgs/Clock.h>
-#include <rosgraph_msgs/Log.h>
 
 #include <algorithm>
 #include <utility>
 
+#include "daemon/ros/ros_callback_thread.h"
+
 namespace lidard {
-namespace {
 
-ros::Publisher advertise_kind(ros::NodeHandle& node, const TopicInfo& topic, std::uint32_t queue_size) {
-  switch (topic.kind) {
-    case TopicKind::scan:
-      return node.advertise<sensor_msgs::LaserScan>(topic.name, queue_size);
-    case TopicKind::echoes:
-      return node.advertise<sensor_msgs::MultiEchoLaserScan>(topic.name, queue_size);
-    case TopicKind::cloud:
-      return node.advertise<sensor_msgs::PointCloud2>(topic.name, queue_size);
-    case TopicKind::fix:
-      return node.advertise<sensor_msgs::NavSatFix>(topic.name, queue_size);
-    case TopicKind::time_reference:
-      return node.advertise<sensor_msgs::TimeReference>(topic.name, queue_size);
-    case TopicKind::imu:
-      return node.advertise<sensor_msgs::Imu>(topic.name, queue_size);
-    case TopicKind::state:
-      return node.advertise<diagnostic_msgs::DiagnosticArray>(topic.name, queue_size);
-  }
-  return {};
+RosPublishers::RosPublishers(const std::vector<OutputTopic>& topics, bool clock)
+    : frames_(topics.size()), with_clock_(clock) {
+  for (const OutputTopic& topic : topics) outputs_.push_back({topic.name, message_for(topic)});
+  outputs_.push_back({"/tf_static", tf2_msgs::TFMessage()});
+  outputs_.push_back({"/clock", rosgraph_msgs::Clock()});
 }
 
-const char* type_of(TopicKind kind) {
-  switch (kind) {
-    case TopicKind::scan:
-      return ros::message_traits::datatype<sensor_msgs::LaserScan>();
-    case TopicKind::echoes:
-      return ros::message_traits::datatype<sensor_msgs::MultiEchoLaserScan>();
-    case TopicKind::cloud:
-      return ros::message_traits::datatype<sensor_msgs::PointCloud2>();
-    case TopicKind::fix:
-      return ros::message_traits::datatype<sensor_msgs::NavSatFix>();
-    case TopicKind::time_reference:
-      return ros::message_traits::datatype<sensor_msgs::TimeReference>();
-    case TopicKind::imu:
-      return ros::message_traits::datatype<sensor_msgs::Imu>();
-    case TopicKind::state:
-      return ros::message_traits::datatype<diagnostic_msgs::DiagnosticArray>();
-  }
-  return "*";
+/// How many messages roscpp keeps for a slow subscriber before it drops the oldest; of inertial samples a
+/// quarter of a second.
+std::uint32_t RosPublishers::Output::queue_size() const {
+  return std::holds_alternative<sensor_msgs::Imu>(message) ? 50 : 10;
 }
 
-}  // namespace
-
-RosPublishers::RosPublishers(std::vector<TopicInfo> topics, bool clock)
-    : topics_(std::move(topics)), with_clock_(clock) {}
+ros::Publisher RosPublishers::Output::advertise(ros::NodeHandle& node) const {
+  return std::visit(
+      [&](const auto& held) {
+        using Message = std::decay_t<decltype(held)>;
+        return node.advertise<Message>(topic, queue_size(), std::is_same_v<Message, tf2_msgs::TFMessage>);
+      },
+      message);
+}
 
 void RosPublishers::advertise() {
   ros::NodeHandle node;
-  std::vector<Output> outputs(topics_.size());
-  std::map<std::string, std::string> types;
-  for (std::size_t i = 0; i < topics_.size(); ++i) {
-    if (topics_[i].kind == TopicKind::imu) outputs[i].queue_size = imu_queue_size;
-    outputs[i].publisher = advertise_kind(node, topics_[i], outputs[i].queue_size);
-    types[outputs[i].publisher.getTopic()] = type_of(topics_[i].kind);
-  }
-  auto transforms = node.advertise<tf2_msgs::TFMessage>("/tf_static", queue_size, true);
-  Output clock;
-  if (with_clock_) clock.publisher = node.advertise<rosgraph_msgs::Clock>("/clock", queue_size);
-  types["/tf_static"] = ros::message_traits::datatype<tf2_msgs::TFMessage>();
-  types["/clock"] = ros::message_traits::datatype<rosgraph_msgs::Clock>();
-  types["/rosout"] = ros::message_traits::datatype<rosgraph_msgs::Log>();
-  types["/diagnostics"] = ros::message_traits::datatype<diagnostic_msgs::DiagnosticArray>();
+  std::vector<ros::Publisher> publishers;
+  for (const Output& output : outputs_)
+    publishers.push_back(output.topic != "/clock" || with_clock_ ? output.advertise(node) : ros::Publisher());
 
   const std::lock_guard lock(mutex_);
-  outputs_ = std::move(outputs);
-  clock_ = std::move(clock);
-  transforms_publisher_ = std::move(transforms);
-  types_ = std::move(types);
-  if (!transforms_.empty()) send_transforms(transforms_publisher_);
+  for (std::size_t i = 0; i < outputs_.size(); ++i) outputs_[i].publisher = std::move(publishers[i]);
+  if (!std::get<tf2_msgs::TFMessage>(transforms().message).transforms.empty()) transforms().send();
   ready_ = true;
 }
 
 void RosPublishers::advertise_again(const std::vector<std::string>& topics) {
   ros::NodeHandle node;
-  for (std::size_t i = 0; i < topics_.size(); ++i) {
-    if (!ready_ || std::find(topics.begin(), topics.end(), topics_[i].name) == topics.end()) continue;
-    Output output;
+  for (Output& output : outputs_) {
+    if (!ready_ || std::find(topics.begin(), topics.end(), output.topic) == topics.end()) continue;
+    ros::Publisher publisher;
     {
       const std::lock_guard lock(mutex_);
-      std::swap(output, outputs_[i]);
+      std::swap(publisher, output.publisher);
     }
-    output.publisher.shutdown();
-    output.publisher = advertise_kind(node, topics_[i], output.queue_size);
+    publisher.shutdown();
+    publisher = output.advertise(node);
     const std::lock_guard lock(mutex_);
-    outputs_[i] = std::move(output);
+    output.publisher = std::move(publisher);
   }
 }
 
 void RosPublishers::drop(bool leave) {
-  std::vector<Output> outputs;
-  Output clock;
-  ros::Publisher transforms;
+  std::vector<ros::Publisher> publishers;
   {
     const std::lock_guard lock(mutex_);
     ready_ = false;
-    outputs.swap(outputs_);
-    std::swap(clock, clock_);
-    std::swap(transforms, transforms_publisher_);
+    for (Output& output : outputs_) publishers.push_back(std::exchange(output.publisher, {}));
+    for (Output& output : outputs_) output.sent.clear();
   }
-  if (!leave) return;
-  // Reachable for ever, so that no destructor runs.
-  static auto* const left = new std::deque<ros::Publisher>;
-  for (const auto& output : outputs) left->push_back(output.publisher);
-  left->push_back(clock.publisher);
-  left->push_back(transforms);
+  if (leave) leave_behind(std::move(publishers));
 }
 
-template <typename Message>
-void RosPublishers::send(Output& output, const Message& message) {
-  // ros::Publisher::publish() does just this, but hides the buffer, which tells when all sockets have taken
-  // it.
-  ros::SerializedMessage serialized;
-  ros::TopicManager::instance()->publish(
-      output.publisher.getTopic(), [&message] { return ros::serialization::serializeMessage(message); },
-      serialized);
-  if (serialized.buf) output.sent.push_back(serialized.buf);
-  while (output.sent.size() > output.queue_size) output.sent.pop_front();
-}
-
-void RosPublishers::send_transforms(ros::Publisher& publisher) {
-  tf2_msgs::TFMessage message;
-  to_ros(transforms_, transforms_stamp_, message);
-  publisher.publish(message);
-}
-
-void RosPublishers::send_frame(QueuedFrame& frame, Output& output) {
-  switch (frame.what) {
-    case QueuedFrame::What::scan:
-      to_ros(frame.scan, scan_);
-      send(output, scan_);
-      break;
-    case QueuedFrame::What::echoes:
-      to_ros(frame.scan, echoes_);
-      send(output, echoes_);
-      break;
-    case QueuedFrame::What::cloud:
-      to_ros(frame.cloud, cloud_);
-      send(output, cloud_);
-      cloud_.data.swap(frame.cloud.points_bytes);
-      break;
-    case QueuedFrame::What::fix:
-      to_ros(frame.fix, fix_);
-      send(output, fix_);
-      break;
-    case QueuedFrame::What::time_reference:
-      to_ros(frame.reference, reference_);
-      send(output, reference_);
-      break;
-    case QueuedFrame::What::imu:
-      to_ros(frame.imu, imu_);
-      send(output, imu_);
-      break;
-    case QueuedFrame::What::state:
-      to_ros(frame.state, state_);
-      send(output, state_);
-      break;
-    case QueuedFrame::What::clock: {
-      rosgraph_msgs::Clock message;
-      message.clock = to_ros(frame.released);
-      send(output, message);
-      break;
-    }
-    case QueuedFrame::What::transforms:
-      break;
-  }
-}
-
-RosPublishers::Output& RosPublishers::output_of(const QueuedFrame& frame) {
-  return frame.what == QueuedFrame::What::clock ? clock_ : outputs_[frame.topic];
+void RosPublishers::Output::send() {
+  std::visit(
+      [this](const auto& held) {
+        if (publisher.isLatched()) return publisher.publish(held);
+        // ros::Publisher::publish() does just this, but hides the buffer, which tells when all sockets have
+        // taken it.
+        ros::SerializedMessage serialized;
+        ros::TopicManager::instance()->publish(
+            publisher.getTopic(), [&held] { return ros::serialization::serializeMessage(held); }, serialized);
+        if (serialized.buf) sent.push_back(serialized.buf);
+        while (sent.size() > queue_size()) sent.pop_front();
+      },
+      message);
 }
 
 bool RosPublishers::publish(QueuedFrame& frame) {
   const std::lock_guard lock(mutex_);
-  if (frame.what == QueuedFrame::What::transforms) {
-    transforms_ = frame.transforms;
-    transforms_stamp_ = frame.released;
-    if (ready_) send_transforms(transforms_publisher_);
-    return true;
+  Output& output = outputs_[frame.lane];
+  const bool can_send = ready_ && ros::ok() && output.publisher;
+  if (const auto* fixed = std::get_if<std::vector<StaticTransform>>(&frame.content)) {
+    to_ros(*fixed, frame.released, std::get<tf2_msgs::TFMessage>(output.message));
+  } else if (!can_send ||
+             !std::visit([&](auto& content) { return convert(content, output.message); }, frame.content)) {
+    return false;
   }
-  if (!ready_ || !ros::ok()) return false;
-  Output& output = output_of(frame);
-  if (!output.publisher) return false;
-  send_frame(frame, output);
+  if (can_send) output.send();
   return true;
 }
 
-std::size_t RosPublishers::in_flight(Output& output) {
-  while (!output.sent.empty() && output.sent.front().use_count() == 1) output.sent.pop_front();
-  return output.sent.size();
+std::size_t RosPublishers::Output::in_flight() {
+  while (!sent.empty() && sent.front().use_count() == 1) sent.pop_front();
+  return sent.size();
 }
 
 std::size_t RosPublishers::in_flight(const QueuedFrame& frame) {
   const std::lock_guard lock(mutex_);
-  if (!ready_ || frame.what == QueuedFrame::What::transforms) return 0;
-  return in_flight(output_of(frame));
+  return outputs_[frame.lane].in_flight();
 }
 
 std::size_t RosPublishers::in_flight() {
   const std::lock_guard lock(mutex_);
-  std::size_t sum = in_flight(clock_);
-  for (auto& output : outputs_) sum += in_flight(output);
+  std::size_t sum = 0;
+  for (auto& output : outputs_) sum += output.in_flight();
   return sum;
 }
 
@@ -221,14 +124,9 @@ std::size_t RosPublishers::subscribers() const {
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock.owns_lock()) return subscribers_;
   std::size_t sum = 0;
-  for (const auto& output : outputs_) sum += output.publisher.getNumSubscribers();
+  for (std::size_t i = 0; i < frames_; ++i) sum += outputs_[i].publisher.getNumSubscribers();
   subscribers_ = sum;
   return sum;
-}
-
-std::map<std::string, std::string> RosPublishers::types() const {
-  const std::lock_guard lock(mutex_);
-  return types_;
 }
 
 }  // namespace lidard

@@ -7,21 +7,24 @@
 #include <atomic>
 #include <boost/shared_array.hpp>
 #include <deque>
-#include <map>
-#include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
-#include "daemon/ros/ros_convert.h"
-#include "daemon/ros/ros_queue.h"
+#include "daemon/live/frame_queue.h"
+#include "daemon/ros/ros_message.h"
+
+namespace ros {
+class NodeHandle;
+}
 
 namespace lidard {
 
-/// The publishers of all output topics. The master thread advertises, the ROS thread publishes.
+/// The publishers of all output topics, in the order of FrameQueue's lanes. The master thread advertises, the
+/// ROS thread publishes.
 class RosPublishers {
  public:
-  RosPublishers(std::vector<TopicInfo> topics, bool clock);
+  RosPublishers(const std::vector<OutputTopic>& topics, bool clock);
 
   /// Advertises everything; ROS must run. Called by the master thread, may wait for the master.
   void advertise();
@@ -40,47 +43,26 @@ class RosPublishers {
   std::size_t in_flight();
   /// Subscribers of all frame topics together; the last known number while a frame is being published.
   std::size_t subscribers() const;
-  /// ROS types by resolved topic name.
-  std::map<std::string, std::string> types() const;
-
-  /// How many messages roscpp keeps for a slow subscriber before it drops the oldest.
-  static constexpr std::uint32_t queue_size = 10;
-  /// The same for inertial samples: a quarter of a second of them.
-  static constexpr std::uint32_t imu_queue_size = 50;
 
  private:
-  using Buffer = boost::shared_array<std::uint8_t>;
   struct Output {
-    ros::Publisher publisher;
-    std::deque<Buffer> sent;  // buffers that roscpp may still hold
-    std::uint32_t queue_size = RosPublishers::queue_size;
+    std::string topic;
+    RosMessage message;
+    ros::Publisher publisher = {};
+    std::deque<boost::shared_array<std::uint8_t>> sent = {};  // buffers that roscpp may still hold
+    std::uint32_t queue_size() const;
+    std::size_t in_flight();
+    void send();
+    ros::Publisher advertise(ros::NodeHandle& node) const;
   };
+  Output& transforms() { return outputs_[frames_]; }
 
-  template <typename Message>
-  void send(Output& output, const Message& message);
-  void send_frame(QueuedFrame& frame, Output& output);
-  void send_transforms(ros::Publisher& publisher);
-  Output& output_of(const QueuedFrame& frame);
-  static std::size_t in_flight(Output& output);
-
-  const std::vector<TopicInfo> topics_;
+  const std::size_t frames_;  // topics of frames
   const bool with_clock_;
   std::atomic<bool> ready_{false};
   mutable std::mutex mutex_;
   mutable std::atomic<std::size_t> subscribers_{0};
-  std::vector<Output> outputs_;  // one per topic
-  Output clock_;
-  ros::Publisher transforms_publisher_;
-  std::vector<StaticTransform> transforms_;
-  Stamp transforms_stamp_;
-  std::map<std::string, std::string> types_;
-  sensor_msgs::LaserScan scan_;
-  sensor_msgs::MultiEchoLaserScan echoes_;
-  sensor_msgs::PointCloud2 cloud_;
-  sensor_msgs::NavSatFix fix_;
-  sensor_msgs::TimeReference reference_;
-  sensor_msgs::Imu imu_;
-  diagnostic_msgs::DiagnosticArray state_;
+  std::vector<Output> outputs_;  // one per topic of frames, then /tf_static, then /clock
 };
 
 }  // namespace lidard

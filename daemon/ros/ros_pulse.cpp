@@ -22,64 +22,66 @@ namespace {
 /// A call into roscpp that takes longer waits for the master.
 constexpr auto quick_call = std::chrono::milliseconds(300);
 
-/// For `top -H` and debuggers; roscpp leaves its threads without names.
-void name_once(const char* name) {
-  thread_local bool named = false;
-  if (!named) name_this_thread(name);
-  named = true;
-}
+struct Names {
+  const char* for_debuggers;  // roscpp leaves its threads without names
+  const char* for_people;
+};
+constexpr Names names[] = {{"lidard-ros", "the ROS thread"},
+                           {"lidard-callback", "the thread for ROS callbacks"},
+                           {"roscpp-sockets", "roscpp's thread for sockets"},
+                           {"roscpp-xmlrpc", "roscpp's thread for XML-RPC"},
+                           {"roscpp-callback", "roscpp's thread for callbacks"}};
 
 }  // namespace
 
 void name_this_thread(const char* name) { pthread_setname_np(pthread_self(), name); }
 
+void RosPulse::Rounds::tick(Thread thread) {
+  thread_local bool named = false;
+  if (!std::exchange(named, true)) name_this_thread(names[thread].for_debuggers);
+  ++counts[thread];
+  if (thread == publishing) published = Clock::now();
+}
+
 /// A connection without a socket: the server's thread asks each connection in each round whether it has
 /// ended.
 class RosPulse::ServerRound final : public ros::ASyncXMLRPCConnection {
  public:
-  explicit ServerRound(std::shared_ptr<Counts> counts) : counts_(std::move(counts)) {}
+  explicit ServerRound(std::shared_ptr<Rounds> rounds) : rounds_(std::move(rounds)) {}
   void addToDispatch(XmlRpc::XmlRpcDispatch*) override {}
   void removeFromDispatch(XmlRpc::XmlRpcDispatch*) override {}
   bool check() override {
-    name_once("roscpp-xmlrpc");
-    ++counts_->server;
+    rounds_->tick(server);
     return false;
   }
 
  private:
-  std::shared_ptr<Counts> counts_;
+  std::shared_ptr<Rounds> rounds_;
 };
 
-class RosPulse::CallbackRound final : public ros::CallbackInterface {
+class RosPulse::InternalRound final : public ros::CallbackInterface {
  public:
-  explicit CallbackRound(std::shared_ptr<Counts> counts) : counts_(std::move(counts)) {}
+  explicit InternalRound(std::shared_ptr<Rounds> rounds) : rounds_(std::move(rounds)) {}
   CallResult call() override {
-    name_once("roscpp-callback");
-    ++counts_->callbacks;
-    counts_->callback_waits = false;
+    rounds_->tick(internal);
+    rounds_->callback_waits = false;
     return Success;
   }
 
  private:
-  std::shared_ptr<Counts> counts_;
+  std::shared_ptr<Rounds> rounds_;
 };
-
-void RosPulse::tick() {
-  ++ticks_;
-  ticked_ = Clock::now();
-}
 
 void RosPulse::attach() {
   // Else roscpp asks the master for it in whatever thread first logs a warning, and hangs with the master.
   bool no_topics = false;
   ros::param::getCached("/rosout_disable_topics_generation", no_topics);
-  counts_->callback_waits = false;
-  ros::XMLRPCManager::instance()->addASyncConnection(boost::make_shared<ServerRound>(counts_));
-  const ros::CallbackInterfacePtr callback = boost::make_shared<CallbackRound>(counts_);
-  ros::PollManager::instance()->addPollThreadListener([counts = counts_, callback] {
-    name_once("roscpp-sockets");
-    ++counts->sockets;
-    if (!counts->callback_waits.exchange(true)) ros::getInternalCallbackQueue()->addCallback(callback);
+  rounds_->callback_waits = false;
+  ros::XMLRPCManager::instance()->addASyncConnection(boost::make_shared<ServerRound>(rounds_));
+  const ros::CallbackInterfacePtr callback = boost::make_shared<InternalRound>(rounds_);
+  ros::PollManager::instance()->addPollThreadListener([rounds = rounds_, callback] {
+    rounds->tick(sockets);
+    if (!rounds->callback_waits.exchange(true)) ros::getInternalCallbackQueue()->addCallback(callback);
   });
   attached_ = true;
 }
@@ -88,16 +90,13 @@ std::string RosPulse::standing(bool master_answers) {
   const auto called = called_.load();
   const bool waits = called != Clock::time_point() && Clock::now() - called > quick_call;
   if (waits || ros::isShuttingDown()) return {};
-  const Rounds now{ticks_, counts_->sockets, counts_->server, counts_->callbacks};
+  std::array<std::uint64_t, threads> now{};
   std::string standing;
-  const auto add = [&standing](bool stands, const char* thread) {
-    if (stands) standing += (standing.empty() ? "" : ", ") + std::string(thread);
-  };
-  add(now.ros == before_.ros, "the ROS thread");
-  if (attached_ && master_answers) {
-    add(now.sockets == before_.sockets, "roscpp's thread for sockets");
-    add(now.server == before_.server, "roscpp's thread for XML-RPC");
-    add(now.callbacks == before_.callbacks, "roscpp's thread for callbacks");
+  for (std::size_t i = 0; i < threads; ++i) {
+    now[i] = rounds_->counts[i];
+    const bool counts = i == publishing || (attached_ && (i == callbacks || master_answers));
+    if (counts && now[i] == before_[i])
+      standing += (standing.empty() ? "" : ", ") + std::string(names[i].for_people);
   }
   if (standing.empty()) before_ = now;
   return standing;

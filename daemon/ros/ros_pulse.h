@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -15,17 +16,19 @@ namespace lidard {
 /// What `top -H` calls the calling thread; at most 15 characters.
 void name_this_thread(const char* name);
 
-/// Tells which of the threads that bring messages to ROS stand still, for a watchdog: our ROS thread, and
+/// Tells which of the threads that bring messages to ROS and from it stand still, for a watchdog: ours, and
 /// those of roscpp. Each of them makes about ten rounds per second, also when it has nothing to do.
 class RosPulse {
   using Clock = std::chrono::steady_clock;
 
  public:
-  /// A round of the ROS thread.
-  void tick();
-  std::uint64_t ticks() const { return ticks_; }
-  /// How long ago the last round of the ROS thread was.
-  Span since_tick() const { return Clock::now() - ticked_.load(); }
+  /// `sockets`, `server` and `internal` are roscpp's.
+  enum Thread : std::size_t { publishing, callbacks, sockets, server, internal };
+
+  /// A round of the calling thread; the first one gives the thread its name.
+  void tick(Thread thread) { rounds_->tick(thread); }
+  /// How long ago the last round of the thread that publishes was.
+  Span since_tick() const { return Clock::now() - rounds_->published.load(); }
 
   /// To be called after each ros::start(), which forgets what was attached before; may wait for the master.
   void attach();
@@ -44,30 +47,27 @@ class RosPulse {
     std::atomic<Clock::time_point>& since_;
   };
 
-  /// The threads that have not made a round since the last call that returned "". Those of roscpp count while
-  /// they are attached and the master answers: without it any of them may wait for it. None counts while a
-  /// Call takes long, since roscpp holds its locks meanwhile. Always to be called by the same thread.
+  /// The threads that have not made a round since the last call that returned "". All but the publishing one
+  /// count while they are attached, those of roscpp only while the master answers: without it any of them may
+  /// wait for it. None counts while a Call takes long, since roscpp holds its locks meanwhile. Always to be
+  /// called by the same thread.
   std::string standing(bool master_answers);
 
  private:
-  struct Counts {
-    std::atomic<std::uint64_t> sockets{0};
-    std::atomic<std::uint64_t> server{0};
-    std::atomic<std::uint64_t> callbacks{0};
+  static constexpr std::size_t threads = internal + 1;
+  struct Rounds {
+    void tick(Thread thread);
+    std::array<std::atomic<std::uint64_t>, threads> counts{};
+    std::atomic<Clock::time_point> published{Clock::now()};
     std::atomic<bool> callback_waits{false};
   };
   class ServerRound;
-  class CallbackRound;
-  struct Rounds {
-    std::uint64_t ros = 0, sockets = 0, server = 0, callbacks = 0;
-  };
+  class InternalRound;
 
-  std::shared_ptr<Counts> counts_ = std::make_shared<Counts>();
-  std::atomic<std::uint64_t> ticks_{0};
-  std::atomic<Clock::time_point> ticked_{Clock::now()};
+  std::shared_ptr<Rounds> rounds_ = std::make_shared<Rounds>();
   std::atomic<Clock::time_point> called_{Clock::time_point()};
   std::atomic<bool> attached_{false};
-  Rounds before_;
+  std::array<std::uint64_t, threads> before_{};
 };
 
 }  // namespace lidard

@@ -4,31 +4,26 @@
 
 #include <dynamic_reconfigure/ConfigDescription.h>
 #include <dynamic_reconfigure/Reconfigure.h>
-#include <ros/connection_manager.h>
-#include <ros/network.h>
 #include <ros/node_handle.h>
 #include <ros/this_node.h>
-#include <ros/xmlrpc_manager.h>
 #include <spdlog/spdlog.h>
 
 #include <mutex>
 #include <utility>
 
 #include "daemon/ros/reconfigure_messages.h"
+#include "daemon/ros/ros_callback_thread.h"
 #include "daemon/ros/ros_master.h"
-#include "daemon/ros/ros_reception.h"
 
 namespace lidard {
-namespace {
 
 using dynamic_reconfigure::Reconfigure;
 
-}  // namespace
-
 struct RosReconfigure::Server {
-  Server(ChangeableOutput given, Apply to) : output(std::move(given)), apply(std::move(to)) {}
+  explicit Server(ChangeableOutput given) : output(std::move(given)) {}
 
-  /// In the answering thread.
+  void offer(RosCallbackThread& ros);
+  /// In the callback thread.
   bool serve(Reconfigure::Request& request, Reconfigure::Response& response);
   void accept(std::size_t beams_before);
   void refuse(const std::string& why);
@@ -42,7 +37,7 @@ struct RosReconfigure::Server {
 
   mutable std::mutex mutex;
   ChangeableOutput output;
-  Apply apply;
+  std::function<void()> apply;
   ros::Publisher updates;
   bool to_store = true;   // the parameter server does not hold the values in force
   bool to_renew = false;  // subscribers are to notice that scans have another size
@@ -66,7 +61,7 @@ void RosReconfigure::Server::accept(std::size_t beams_before) {
   }
   if (beams >= gmapping_beam_limit)
     spdlog::warn("{} has {} beams; gmapping needs fewer than {}", name(), beams, gmapping_beam_limit);
-  apply(output.id, output.config);
+  apply();
 }
 
 void RosReconfigure::Server::refuse(const std::string& why) {
@@ -102,49 +97,43 @@ DiagnosticItem RosReconfigure::Server::status() const {
   return item;
 }
 
-void RosReconfigure::offer(const std::shared_ptr<Server>& server) {
-  ros::NodeHandle node("~" + server->output.server);
-  node.setCallbackQueue(&reception_->queue);
+void RosReconfigure::Server::offer(RosCallbackThread& ros) {
+  ros::NodeHandle node = ros.node("~" + output.server);
   auto description =
       node.advertise<dynamic_reconfigure::ConfigDescription>("parameter_descriptions", 1, true);
-  auto updates = node.advertise<dynamic_reconfigure::Config>("parameter_updates", 1, true);
+  ros.keep(description);
+  auto announced = node.advertise<dynamic_reconfigure::Config>("parameter_updates", 1, true);
   {
-    const std::lock_guard lock(server->mutex);
-    description.publish(description_message(server->output));
-    updates.publish(config_message(server->output));
-    server->updates = updates;
+    const std::lock_guard lock(mutex);
+    description.publish(description_message(output));
+    announced.publish(config_message(output));
+    updates = announced;
   }
-  reception_->publishers.push_back(description);
-  reception_->publishers.push_back(updates);
-  const boost::function<bool(Reconfigure::Request&, Reconfigure::Response&)> answer =
-      [server](Reconfigure::Request& request, Reconfigure::Response& response) {
-        return server->serve(request, response);
-      };
-  reception_->services.push_back(node.advertiseService("set_parameters", answer));
+  ros.keep(node.advertiseService("set_parameters", &Server::serve, this));
 }
 
-RosReconfigure::RosReconfigure(std::vector<ChangeableOutput> outputs, Apply apply)
-    : apply_(std::move(apply)) {
-  for (auto& output : outputs) servers_.push_back(std::make_shared<Server>(std::move(output), apply_));
+RosReconfigure::RosReconfigure(std::vector<ChangeableOutput> outputs, RosPost post, RosHandlers handlers) {
+  for (auto& output : outputs) {
+    servers_.push_back(std::make_shared<Server>(std::move(output)));
+    Server& server = *servers_.back();
+    server.apply = [&server, post, change = handlers.change] {
+      post([change, id = server.output.id, config = server.output.config](Stamp) { change(id, config); });
+    };
+  }
 }
 
 RosReconfigure::~RosReconfigure() = default;
 
-void RosReconfigure::connected() {
-  if (servers_.empty()) return;
-  reception_ = std::make_unique<RosReception>();
-  for (const auto& server : servers_) offer(server);
+void RosReconfigure::connected(RosCallbackThread& ros) {
+  for (const auto& server : servers_) server->offer(ros);
 }
 
-void RosReconfigure::disconnected(bool leave) {
-  if (!reception_) return;
-  reception_->spinner.stop();
+void RosReconfigure::disconnected() {
   for (const auto& server : servers_) {
     const std::lock_guard lock(server->mutex);
     server->updates = {};
     server->to_store = true;
   }
-  RosReception::end(reception_, leave);
 }
 
 void RosReconfigure::poll(MasterClient& master) {
@@ -161,23 +150,14 @@ void RosReconfigure::poll(MasterClient& master) {
   }
 }
 
-bool RosReconfigure::register_again(MasterClient& master) {
-  if (!reception_) return true;
-  const std::string our_uri = ros::XMLRPCManager::instance()->getServerURI();
-  const std::string service_uri = "rosrpc://" + ros::network::getHost() + ":" +
-                                  std::to_string(ros::ConnectionManager::instance()->getTCPPort());
-  bool all = true;
+std::vector<std::string> RosReconfigure::master_restarted() {
+  std::vector<std::string> services;
   for (const auto& server : servers_) {
-    const auto topic = [&](const char* name, const char* type) {
-      all &= master.register_publisher(server->below(name), type, our_uri);
-    };
-    topic("parameter_descriptions", ros::message_traits::datatype<dynamic_reconfigure::ConfigDescription>());
-    topic("parameter_updates", ros::message_traits::datatype<dynamic_reconfigure::Config>());
-    all &= master.register_service(server->below("set_parameters"), service_uri, our_uri);
     const std::lock_guard lock(server->mutex);
     server->to_store = true;
+    services.push_back(server->below("set_parameters"));
   }
-  return all;
+  return services;
 }
 
 std::vector<std::string> RosReconfigure::stale_topics() {

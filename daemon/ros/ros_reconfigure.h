@@ -2,43 +2,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "daemon/ros/output_items.h"
-#include "daemon/ros/ros_link.h"
+#include "daemon/ros/ros_component.h"
 
 namespace lidard {
 
-struct RosReception;
-
-/// dynamic_reconfigure servers of the merged and virtual scans. A thread of its own answers requests; what is
-/// accepted goes to `apply`. The parameter server is written in the master thread, so that a master that
-/// hangs holds up nobody.
-class RosReconfigure : public RosClient {
+/// dynamic_reconfigure servers of the merged and virtual scans. The callback thread answers requests and
+/// hands on what is accepted. The parameter server is written in the master thread, so that a master that
+/// hangs holds up nobody; dynamic_reconfigure::Server would write it in the answering thread.
+class RosReconfigure : public RosComponent {
  public:
-  /// Called in the answering thread with an accepted configuration; must not wait.
-  using Apply = std::function<void(const OutputId& output, const OutputScanConfig& config)>;
-
-  RosReconfigure(std::vector<ChangeableOutput> outputs, Apply apply);
+  RosReconfigure(std::vector<ChangeableOutput> outputs, RosPost post, RosHandlers handlers);
   ~RosReconfigure() override;
 
-  void connected() override;
-  void disconnected(bool leave) override;
+  void connected(RosCallbackThread& ros) override;
+  void disconnected() override;
   void poll(MasterClient& master) override;
-  bool register_again(MasterClient& master) override;
+  std::vector<std::string> master_restarted() override;
   std::vector<std::string> stale_topics() override;
   std::vector<DiagnosticItem> diagnostics() override;
 
  private:
   struct Server;
-  void offer(const std::shared_ptr<Server>& server);
-
-  Apply apply_;
   std::vector<std::shared_ptr<Server>> servers_;
-  std::unique_ptr<RosReception> reception_;
 };
 
 }  // namespace lidard

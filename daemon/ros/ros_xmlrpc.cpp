@@ -49,12 +49,11 @@ std::optional<XmlRpcServer> parse_server_uri(const std::string& uri) {
 std::optional<XmlRpc::XmlRpcValue> xmlrpc_call(const XmlRpcServer& server, const std::string& method,
                                                const XmlRpc::XmlRpcValue& arguments, Span limit,
                                                std::string& error) {
-  HttpClient client;
-  const HttpAnswer got =
-      client.request({server.host, server.port, "/RPC2", "text/xml", request_body(method, arguments)}, limit);
-  if (got.is(200)) return answer(got.body, error);
-  error = got.error.empty() ? "HTTP status " + std::to_string(got.status) : got.error;
-  return std::nullopt;
+  error.clear();
+  const std::string got = http_post(
+      {server.host, server.port, "/RPC2", "text/xml", request_body(method, arguments)}, limit, error);
+  if (!error.empty()) return std::nullopt;
+  return answer(got, error);
 }
 
 }  // namespace lidard

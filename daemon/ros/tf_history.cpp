@@ -29,15 +29,6 @@ bool sample(const tf2::BufferCore& buffer, const std::string& to, const std::str
 
 }  // namespace
 
-Pose to_pose(const geometry_msgs::Transform& transform) {
-  const auto& t = transform.translation;
-  const auto& q = transform.rotation;
-  Pose pose = Pose::Identity();
-  pose.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
-  pose.translation() = Eigen::Vector3d(t.x, t.y, t.z);
-  return pose;
-}
-
 bool look_up(const tf2::BufferCore& buffer, const std::string& parent, const std::string& child, Stamp stamp,
              Pose& pose, std::string& why_not) {
   const std::string to = ros_frame(parent);

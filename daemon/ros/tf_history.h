@@ -12,8 +12,6 @@
 
 namespace lidard {
 
-Pose to_pose(const geometry_msgs::Transform& transform);
-
 /// TransformSource::lookup() on a buffer. The names may have a leading slash.
 bool look_up(const tf2::BufferCore& buffer, const std::string& parent, const std::string& child, Stamp stamp,
              Pose& pose, std::string& why_not);

@@ -2,30 +2,34 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <string>
 
 #include "daemon/pipeline/transform_source.h"
-#include "daemon/ros/ros_link.h"
+#include "daemon/ros/ros_component.h"
+
+namespace tf2 {
+class BufferCore;
+}
 
 namespace lidard {
 
 /// Poses from tf, direct or through a chain. Listens while ROS runs; lookups never wait.
-class TfPoses : public TransformSource, public RosClient {
+class TfPoses : public TransformSource, public RosComponent {
  public:
   TfPoses();
-  ~TfPoses() override;
 
   bool lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
               std::string& why_not) override;
   void history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
                std::vector<StampedPose>& poses) override;
-  void connected() override;
-  void disconnected(bool leave) override;
+  void connected(RosCallbackThread& ros) override;
+  void disconnected() override { listening_ = false; }
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::shared_ptr<tf2::BufferCore> buffer_;
+  std::atomic<bool> listening_{false};
 };
 
 }  // namespace lidard

@@ -34,25 +34,11 @@ namespace ros::message_traits {
 template <>
 struct MD5Sum<lidard::VelodyneScanBytes> {
   static const char* value() { return "50804fc9533a0e579e6322c04ae70566"; }
-  static const char* value(const lidard::VelodyneScanBytes&) { return value(); }
 };
 
 template <>
 struct DataType<lidard::VelodyneScanBytes> {
   static const char* value() { return "velodyne_msgs/VelodyneScan"; }
-  static const char* value(const lidard::VelodyneScanBytes&) { return value(); }
-};
-
-template <>
-struct Definition<lidard::VelodyneScanBytes> {
-  static const char* value() {
-    return "Header header\nVelodynePacket[] packets\n"
-           "================================================================================\n"
-           "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n"
-           "================================================================================\n"
-           "MSG: velodyne_msgs/VelodynePacket\ntime stamp\nuint8[1206] data\n";
-  }
-  static const char* value(const lidard::VelodyneScanBytes&) { return value(); }
 };
 
 }  // namespace ros::message_traits
@@ -62,18 +48,10 @@ namespace ros::serialization {
 template <>
 struct Serializer<lidard::VelodyneScanBytes> {
   template <typename Stream>
-  static void write(Stream& stream, const lidard::VelodyneScanBytes& message) {
-    if (!message.bytes.empty())
-      std::memcpy(stream.advance(serializedLength(message)), message.bytes.data(), message.bytes.size());
-  }
-  template <typename Stream>
   static void read(Stream& stream, lidard::VelodyneScanBytes& message) {
     const std::uint32_t length = stream.getLength();
     const std::uint8_t* begin = stream.advance(length);
     message.bytes.assign(begin, begin + length);
-  }
-  static std::uint32_t serializedLength(const lidard::VelodyneScanBytes& message) {
-    return static_cast<std::uint32_t>(message.bytes.size());
   }
 };
 

@@ -17,6 +17,11 @@ constexpr bool is_vlan_tag(std::uint16_t type) {
   return type == 0x8100 || type == 0x88a8 || type == 0x9100 || type == 0x9200;
 }
 
+HeaderResult found(ByteView packet, bool v6, LinkPayload& out) {
+  out = {packet, v6};
+  return HeaderResult::ok;
+}
+
 HeaderResult after_type(ByteView frame, std::uint16_t type, std::size_t offset, LinkPayload& out) {
   while (is_vlan_tag(type)) {
     if (!frame.has(offset, 4)) return HeaderResult::cut;
@@ -24,9 +29,7 @@ HeaderResult after_type(ByteView frame, std::uint16_t type, std::size_t offset, 
     offset += 4;
   }
   if (type != ether_ipv4 && type != ether_ipv6) return HeaderResult::not_ip;
-  out.bytes = frame.from(offset);
-  out.v6 = type == ether_ipv6;
-  return HeaderResult::ok;
+  return found(frame.from(offset), type == ether_ipv6, out);
 }
 
 /// A header of `length` bytes with the ethertype of its payload at `type_offset`.
@@ -39,9 +42,7 @@ HeaderResult raw(ByteView frame, LinkPayload& out) {
   if (frame.empty()) return HeaderResult::cut;
   const unsigned version = frame.u8(0) >> 4U;
   if (version != 4 && version != 6) return HeaderResult::not_ip;
-  out.bytes = frame;
-  out.v6 = version == 6;
-  return HeaderResult::ok;
+  return found(frame, version == 6, out);
 }
 
 /// The family is in the byte order of the recording host (null) or of the network (loop): all values are
@@ -53,15 +54,7 @@ HeaderResult null_or_loop(ByteView frame, LinkPayload& out) {
   // (tcpdump.org/linktypes.html).
   const bool v6 = family == 10 || family == 24 || family == 28 || family == 30;
   if (family != 2 && !v6) return HeaderResult::not_ip;
-  out.bytes = frame.from(4);
-  out.v6 = v6;
-  return HeaderResult::ok;
-}
-
-HeaderResult known_version(ByteView frame, bool v6, LinkPayload& out) {
-  out.bytes = frame;
-  out.v6 = v6;
-  return HeaderResult::ok;
+  return found(frame.from(4), v6, out);
 }
 
 }  // namespace
@@ -83,7 +76,7 @@ HeaderResult find_ip(std::uint32_t link_type, ByteView frame, LinkPayload& out) 
       return null_or_loop(frame, out);
     case link_ipv4:
     case link_ipv6:
-      return known_version(frame, link_type == link_ipv6, out);
+      return found(frame, link_type == link_ipv6, out);
     default:
       return HeaderResult::unsupported;
   }

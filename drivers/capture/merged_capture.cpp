@@ -45,25 +45,15 @@ bool MergedCapture::is_damaged() const {
 
 CaptureCounters MergedCapture::counters() const {
   CaptureCounters sum;
+  const auto add = [](const auto& list, const auto& counters, auto& to) {
+    for (const auto& counter : list) to.*counter.value += counters.*counter.value;
+  };
   for (const File& file : files_) {
     const CaptureCounters& c = file.source.counters();
-    sum.frames += c.frames;
-    sum.datagrams += c.datagrams;
-    sum.not_ip += c.not_ip;
-    sum.tcp_segments += c.tcp_segments;
-    sum.other_ip += c.other_ip;
-    sum.truncated += c.truncated;
-    sum.malformed += c.malformed;
-    sum.unsupported_link += c.unsupported_link;
-    sum.fragments += c.fragments;
-    sum.reassembled += c.reassembled;
-    sum.fragments_dropped += c.fragments_dropped;
-    sum.tcp.streams += c.tcp.streams;
-    sum.tcp.bytes += c.tcp.bytes;
-    sum.tcp.duplicates += c.tcp.duplicates;
-    sum.tcp.out_of_order += c.tcp.out_of_order;
-    sum.tcp.holes += c.tcp.holes;
-    sum.tcp.missing += c.tcp.missing;
+    add(capture_counts, c, sum);
+    add(capture_losses, c, sum);
+    add(tcp_counts, c.tcp, sum.tcp);
+    add(tcp_losses, c.tcp, sum.tcp);
   }
   return sum;
 }

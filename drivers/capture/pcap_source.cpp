@@ -4,134 +4,81 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
 
-#include "drivers/capture/ip_defrag.h"
-#include "drivers/capture/ip_packet.h"
 #include "drivers/capture/link_layer.h"
-#include "drivers/capture/pcap_reader.h"
 
 namespace lidard {
 namespace {
 
 std::string why_not() { return std::strerror(errno); }
 
-/// An open file descriptor.
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
-
 }  // namespace
 
-struct PcapSource::Impl {
-  explicit Impl(const std::string& path);
-
-  bool next(Packet& packet);
-  bool take(const CaptureRecord& record, Packet& packet);
-  bool take_fragment(IpPacket& ip, bool snapped, Packet& packet);
-  bool take_transport(const IpPacket& ip, bool snapped, Packet& packet);
-  void take_segment(const IpPacket& ip, bool snapped, Stamp stamp);
-  bool count(HeaderResult result, bool snapped);
-  void end();
-
-  std::string name;
-  Descriptor file;  // kept, so that a rewind finds the same file even where its name is gone
-  std::uint64_t size = 0;
-  std::unique_ptr<CaptureReader> reader;
-  IpDefragmenter defragmenter;
-  TcpReassembler tcp;
-  CaptureCounters counters;
-  std::uint64_t records = 0;  // since the last rewind
-  bool ended = false;
-  bool ends_in_last_record = false;
-  std::string error;
-};
-
-PcapSource::Impl::Impl(const std::string& path)
-    : name(path), file(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
-  if (file.get() < 0)
-    throw CaptureError(name + ": cannot be opened: " + why_not() + "; check the path and its rights");
+PcapSource::PcapSource(const std::string& path)
+    : name_(path), file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+  if (file_.get() < 0)
+    throw CaptureError(name_ + ": cannot be opened: " + why_not() + "; check the path and its rights");
   struct stat status {};
-  if (::fstat(file.get(), &status) != 0) throw CaptureError(name + ": cannot be read: " + why_not());
-  if (S_ISDIR(status.st_mode)) throw CaptureError(name + ": is a directory; name the capture files in it");
+  if (::fstat(file_.get(), &status) != 0) throw CaptureError(name_ + ": cannot be read: " + why_not());
+  if (S_ISDIR(status.st_mode)) throw CaptureError(name_ + ": is a directory; name the capture files in it");
   if (!S_ISREG(status.st_mode))
-    throw CaptureError(name + ": is not a regular file; save the capture to a file first");
-  size = static_cast<std::uint64_t>(status.st_size);
-  reader = open_capture(file.get(), name, size);
+    throw CaptureError(name_ + ": is not a regular file; save the capture to a file first");
+  size_ = static_cast<std::uint64_t>(status.st_size);
+  reader_ = open_capture(file_.get(), name_, size_);
 }
 
-bool PcapSource::Impl::next(Packet& packet) {
+bool PcapSource::next(Packet& packet) {
   CaptureRecord record;
-  while (!tcp.next(packet)) {
-    if (ended) return false;
-    const std::uint64_t begin = reader->position();
-    if (!reader->next(record)) {
+  while (!tcp_.next(packet)) {
+    if (ended_) return false;
+    const std::uint64_t begin = reader_->position();
+    if (!reader_->next(record)) {
       // More bytes than a record has are more than a last one.
       constexpr std::uint64_t longest_record = 65536 + 64;
-      ends_in_last_record = records > 0 && reader->ran_out() && size - begin <= longest_record;
+      ends_in_last_record_ = records_ > 0 && reader_->ran_out() && size_ - begin <= longest_record;
       end();
       continue;
     }
-    ++counters.frames;
-    ++records;
-    tcp.expire(record.stamp);
+    ++counters_.frames;
+    ++records_;
+    tcp_.expire(record.stamp);
     if (take(record, packet)) {
-      ++counters.datagrams;
+      ++counters_.datagrams;
       return true;
     }
   }
   return true;
 }
 
-void PcapSource::Impl::end() {
-  if (ended) return;
-  ended = true;
-  defragmenter.flush();
-  counters.fragments_dropped = defragmenter.dropped();
-  tcp.flush();
-  if (!reader->error().empty()) {
-    error = name + ": " + reader->error() + "; " +
-            (records == 0 ? "there is nothing before it, record again" : "what came before it was used");
-  } else if (records == 0) {
-    error = name + ": holds no packet; check interface and filter and record again";
+void PcapSource::end() {
+  if (ended_) return;
+  ended_ = true;
+  defragmenter_.flush();
+  counters_.fragments_dropped = defragmenter_.dropped();
+  tcp_.flush();
+  if (!reader_->error().empty()) {
+    error_ = name_ + ": " + reader_->error() + "; " +
+             (records_ == 0 ? "there is nothing before it, record again" : "what came before it was used");
+  } else if (records_ == 0) {
+    error_ = name_ + ": holds no packet; check interface and filter and record again";
   }
 }
 
 /// Counts what is not handed on. Bytes that end too early are the snapshot length's fault, or a lie.
-bool PcapSource::Impl::count(HeaderResult result, bool snapped) {
-  switch (result) {
-    case HeaderResult::ok:
-      break;
-    case HeaderResult::not_ip:
-      ++counters.not_ip;
-      break;
-    case HeaderResult::unsupported:
-      ++counters.unsupported_link;
-      break;
-    case HeaderResult::cut:
-      ++(snapped ? counters.truncated : counters.malformed);
-      break;
-    case HeaderResult::malformed:
-      ++counters.malformed;
-      break;
-  }
+bool PcapSource::count(HeaderResult result, bool snapped) {
+  if (result == HeaderResult::not_ip)
+    ++counters_.not_ip;
+  else if (result == HeaderResult::unsupported)
+    ++counters_.unsupported_link;
+  else
+    ++(result == HeaderResult::cut && snapped ? counters_.truncated : counters_.malformed);
   return false;
 }
 
-bool PcapSource::Impl::take(const CaptureRecord& record, Packet& packet) {
+bool PcapSource::take(const CaptureRecord& record, Packet& packet) {
   const bool snapped = record.bytes.size() < record.length;
   LinkPayload link;
   IpPacket ip;
@@ -142,25 +89,25 @@ bool PcapSource::Impl::take(const CaptureRecord& record, Packet& packet) {
   return ip.fragment.is_fragment ? take_fragment(ip, snapped, packet) : take_transport(ip, snapped, packet);
 }
 
-bool PcapSource::Impl::take_fragment(IpPacket& ip, bool snapped, Packet& packet) {
+bool PcapSource::take_fragment(IpPacket& ip, bool snapped, Packet& packet) {
   if (ip.shorter_than_declared) return count(HeaderResult::cut, snapped);
-  const DefragResult defragmented = defragmenter.add(ip, packet.arrival);
-  counters.fragments_dropped = defragmenter.dropped();
+  const DefragResult defragmented = defragmenter_.add(ip, packet.arrival);
+  counters_.fragments_dropped = defragmenter_.dropped();
   if (defragmented == DefragResult::malformed) return count(HeaderResult::malformed, false);
-  ++counters.fragments;
+  ++counters_.fragments;
   if (defragmented == DefragResult::waiting) return false;
-  ++counters.reassembled;
+  ++counters_.reassembled;
   const HeaderResult result = skip_reassembled_extensions(ip);
   return result == HeaderResult::ok ? take_transport(ip, false, packet) : count(result, false);
 }
 
-bool PcapSource::Impl::take_transport(const IpPacket& ip, bool snapped, Packet& packet) {
+bool PcapSource::take_transport(const IpPacket& ip, bool snapped, Packet& packet) {
   if (ip.protocol == static_cast<std::uint8_t>(IpProtocol::tcp)) {
     take_segment(ip, snapped, packet.arrival);
     return false;
   }
   if (ip.protocol != static_cast<std::uint8_t>(IpProtocol::udp)) {
-    ++counters.other_ip;
+    ++counters_.other_ip;
     return false;
   }
   UdpDatagram udp;
@@ -175,7 +122,7 @@ bool PcapSource::Impl::take_transport(const IpPacket& ip, bool snapped, Packet& 
   return true;
 }
 
-void PcapSource::Impl::take_segment(const IpPacket& ip, bool snapped, Stamp stamp) {
+void PcapSource::take_segment(const IpPacket& ip, bool snapped, Stamp stamp) {
   TcpSegment segment;
   HeaderResult result = parse_tcp(ip, segment);
   if (result == HeaderResult::ok && ip.shorter_than_declared && !snapped) result = HeaderResult::malformed;
@@ -183,34 +130,19 @@ void PcapSource::Impl::take_segment(const IpPacket& ip, bool snapped, Stamp stam
     count(result, snapped);
     return;
   }
-  ++(ip.shorter_than_declared ? counters.truncated : counters.tcp_segments);
-  tcp.add(segment, ip.from, ip.to, stamp);
+  ++(ip.shorter_than_declared ? counters_.truncated : counters_.tcp_segments);
+  tcp_.add(segment, ip.from, ip.to, stamp);
 }
-
-PcapSource::PcapSource(const std::string& path) : impl_(std::make_unique<Impl>(path)) {}
-PcapSource::~PcapSource() = default;
-PcapSource::PcapSource(PcapSource&&) noexcept = default;
-PcapSource& PcapSource::operator=(PcapSource&&) noexcept = default;
-
-bool PcapSource::next(Packet& packet) { return impl_->next(packet); }
-const std::string& PcapSource::error() const { return impl_->error; }
-bool PcapSource::is_damaged() const { return !impl_->error.empty() && !impl_->ends_in_last_record; }
-const CaptureCounters& PcapSource::counters() const {
-  impl_->counters.tcp = impl_->tcp.counters();
-  return impl_->counters;
-}
-std::uint64_t PcapSource::position() const { return impl_->reader->position(); }
-std::uint64_t PcapSource::size() const { return impl_->size; }
 
 void PcapSource::rewind() {
-  impl_->defragmenter.flush();
-  impl_->counters.fragments_dropped = impl_->defragmenter.dropped();
-  impl_->tcp.restart();
-  impl_->error.clear();
-  impl_->ends_in_last_record = false;
-  impl_->records = 0;
-  impl_->reader = open_capture(impl_->file.get(), impl_->name, impl_->size);
-  impl_->ended = false;
+  defragmenter_.flush();
+  counters_.fragments_dropped = defragmenter_.dropped();
+  tcp_.restart();
+  error_.clear();
+  ends_in_last_record_ = false;
+  records_ = 0;
+  reader_ = open_capture(file_.get(), name_, size_);
+  ended_ = false;
 }
 
 }  // namespace lidard

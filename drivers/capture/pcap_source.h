@@ -7,8 +7,11 @@
 #include <stdexcept>
 #include <string>
 
+#include "drivers/capture/ip_defrag.h"
+#include "drivers/capture/pcap_reader.h"
 #include "drivers/capture/tcp_reassembler.h"
 #include "drivers/driver.h"
+#include "drivers/file_descriptor.h"
 
 namespace lidard {
 
@@ -39,6 +42,22 @@ struct CaptureCounters {
   TcpCounters tcp;                      ///< of the streams that the segments make
 };
 
+/// What became of them, apart from the losses.
+constexpr NamedCounter<CaptureCounters> capture_counts[] = {
+    {&CaptureCounters::frames, "frames", "frames"},
+    {&CaptureCounters::datagrams, "datagrams", "datagrams"},
+    {&CaptureCounters::tcp_segments, "tcp_segments", "TCP segments"},
+    {&CaptureCounters::reassembled, "reassembled", "datagrams put together from fragments"}};
+/// What kept frames from becoming datagrams.
+constexpr NamedCounter<CaptureCounters> capture_losses[] = {
+    {&CaptureCounters::not_ip, "not_ip", "not IP"},
+    {&CaptureCounters::other_ip, "other_ip", "neither UDP nor TCP (ICMP, IGMP)"},
+    {&CaptureCounters::truncated, "truncated", "cut by the snapshot length (record with tcpdump -s 0)"},
+    {&CaptureCounters::malformed, "malformed", "malformed"},
+    {&CaptureCounters::unsupported_link, "unsupported_link", "of an unsupported link type"},
+    {&CaptureCounters::fragments, "fragments", "fragments"},
+    {&CaptureCounters::fragments_dropped, "fragments_dropped", "fragments without use"}};
+
 /// Reads UDP datagrams, and TCP streams in both directions, from a capture file: pcap and pcapng, both byte
 /// orders, us and ns; Ethernet, VLAN, QinQ, Linux cooked v1 and v2, raw IP, null and loop; IPv4 (options,
 /// fragments) and IPv6.
@@ -46,29 +65,46 @@ class PcapSource {
  public:
   /// Opens the file; throws CaptureError.
   explicit PcapSource(const std::string& path);
-  ~PcapSource();
-  PcapSource(PcapSource&&) noexcept;
-  PcapSource& operator=(PcapSource&&) noexcept;
 
   /// The next datagram or chunk of a TCP stream (Packet::transport tells), or false at the end. The payload
   /// stays valid until the next call.
   /// A broken record ends the capture: the call returns false, and `error()` says what and where.
   bool next(Packet& packet);
   /// Why the capture ended early; empty if it did not.
-  const std::string& error() const;
+  const std::string& error() const { return error_; }
   /// True if error() tells of more than a last record that whoever recorded did not finish, as when a
   /// recording is stopped.
-  bool is_damaged() const;
-  const CaptureCounters& counters() const;
+  bool is_damaged() const { return !error_.empty() && !ends_in_last_record_; }
+  CaptureCounters counters() const {
+    CaptureCounters all = counters_;
+    all.tcp = tcp_.counters();
+    return all;
+  }
   /// Bytes read and in all, for a progress display.
-  std::uint64_t position() const;
-  std::uint64_t size() const;
+  std::uint64_t position() const { return reader_->position(); }
+  std::uint64_t size() const { return size_; }
   /// Starts again from the first record; counters go on.
   void rewind();
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  bool take(const CaptureRecord& record, Packet& packet);
+  bool take_fragment(IpPacket& ip, bool snapped, Packet& packet);
+  bool take_transport(const IpPacket& ip, bool snapped, Packet& packet);
+  void take_segment(const IpPacket& ip, bool snapped, Stamp stamp);
+  bool count(HeaderResult result, bool snapped);
+  void end();
+
+  std::string name_;
+  FileDescriptor file_;  // kept, so that a rewind finds the same file even where its name is gone
+  std::uint64_t size_ = 0;
+  std::unique_ptr<CaptureReader> reader_;
+  IpDefragmenter defragmenter_;
+  TcpReassembler tcp_;
+  CaptureCounters counters_;
+  std::uint64_t records_ = 0;  // since the last rewind
+  bool ended_ = false;
+  bool ends_in_last_record_ = false;
+  std::string error_;
 };
 
 }  // namespace lidard

@@ -107,11 +107,9 @@ class PcapngReader : public CaptureReader {
   bool skip_body(std::uint32_t length);
   bool check_trailer(std::uint32_t length, std::uint32_t trailer);
   bool take_section(const Fields& body);
-  void take_interface(const Fields& body);
-  bool take_enhanced(const Fields& body, CaptureRecord& record);
-  bool take_obsolete(const Fields& body, CaptureRecord& record);
+  bool take_interface(const Fields& body);
   bool take_simple(const Fields& body, CaptureRecord& record);
-  bool take_packet(const Fields& body, std::size_t header, std::uint32_t interface, CaptureRecord& record);
+  bool take_packet(const Fields& body, bool obsolete, CaptureRecord& record);
   bool fail(const std::string& what) {
     error_ = what + " at byte " + std::to_string(block_);
     return false;
@@ -141,24 +139,15 @@ bool PcapngReader::read_block(CaptureRecord& record) {
   std::uint32_t type = 0;
   std::uint32_t length = 0;
   if (!read_block_header(type, length)) return false;
-  const bool wanted = type == section_header || type == interface_description || type == obsolete_packet ||
-                      type == simple_packet || type == enhanced_packet;
+  const bool is_packet = type == obsolete_packet || type == enhanced_packet;
+  const bool wanted =
+      is_packet || type == simple_packet || type == section_header || type == interface_description;
   if (!wanted) return skip_body(length);
   if (!read_body(length)) return false;
   const Fields body{ByteView(buffer_.data(), buffer_.size() - 4), big_};
-  switch (type) {
-    case section_header:
-      return take_section(body);
-    case interface_description:
-      take_interface(body);
-      return false;
-    case obsolete_packet:
-      return take_obsolete(body, record);
-    case simple_packet:
-      return take_simple(body, record);
-    default:
-      return take_enhanced(body, record);
-  }
+  if (type == section_header) return take_section(body);
+  if (type == interface_description) return take_interface(body);
+  return is_packet ? take_packet(body, type == obsolete_packet, record) : take_simple(body, record);
 }
 
 bool PcapngReader::read_block_header(std::uint32_t& type, std::uint32_t& length) {
@@ -223,22 +212,23 @@ bool PcapngReader::take_section(const Fields& body) {
   return false;
 }
 
-/// Section 4.2.
-void PcapngReader::take_interface(const Fields& body) {
-  if (!body.bytes.has(0, 8)) {
-    fail("interface description too short");
-    return;
-  }
+/// Section 4.2. Always false: no packet.
+bool PcapngReader::take_interface(const Fields& body) {
+  if (!body.bytes.has(0, 8)) return fail("interface description too short");
   Interface interface;
   interface.link_type = body.u16(0);
   interface.snapshot_length = body.u32(4);
   read_options(body, 8, interface);
   interfaces_.push_back(interface);
+  return false;
 }
 
-/// `header` bytes, of which the last 16 are stamp (high, low), captured and original length; then the data.
-bool PcapngReader::take_packet(const Fields& body, std::size_t header, std::uint32_t interface,
-                               CaptureRecord& record) {
+/// Section 4.3, and appendix A for the obsolete block, whose interface has 16 bits: 20 bytes, of which the
+/// last 16 are stamp (high, low), captured and original length; then the data.
+bool PcapngReader::take_packet(const Fields& body, bool obsolete, CaptureRecord& record) {
+  constexpr std::size_t header = 20;
+  if (!body.bytes.has(0, header)) return fail("packet block too short");
+  const std::uint32_t interface = obsolete ? body.u16(0) : body.u32(0);
   const std::uint64_t ticks =
       static_cast<std::uint64_t>(body.u32(header - 16)) << 32U | body.u32(header - 12);
   const std::uint32_t captured = body.u32(header - 8);
@@ -252,18 +242,6 @@ bool PcapngReader::take_packet(const Fields& body, std::size_t header, std::uint
   record = {last_stamp_, body.bytes.sub(header, captured), body.u32(header - 4),
             interfaces_[interface].link_type};
   return true;
-}
-
-/// Section 4.3.
-bool PcapngReader::take_enhanced(const Fields& body, CaptureRecord& record) {
-  if (!body.bytes.has(0, 20)) return fail("packet block too short");
-  return take_packet(body, 20, body.u32(0), record);
-}
-
-/// Appendix A of the draft.
-bool PcapngReader::take_obsolete(const Fields& body, CaptureRecord& record) {
-  if (!body.bytes.has(0, 20)) return fail("packet block too short");
-  return take_packet(body, 20, body.u16(0), record);
 }
 
 /// Section 4.4: of the first interface, without a stamp (it gets that of the packet before) and without a

@@ -24,6 +24,16 @@ struct TcpCounters {
   std::uint64_t missing = 0;       ///< those bytes
 };
 
+/// What became of TCP streams, apart from the losses.
+constexpr NamedCounter<TcpCounters> tcp_counts[] = {
+    {&TcpCounters::streams, "tcp_streams", "TCP streams"},
+    {&TcpCounters::bytes, "tcp_bytes", "bytes of TCP streams"},
+    {&TcpCounters::duplicates, "tcp_duplicates", "TCP segments that brought nothing new"},
+    {&TcpCounters::out_of_order, "tcp_out_of_order", "TCP segments that waited for an earlier one"}};
+constexpr NamedCounter<TcpCounters> tcp_losses[] = {
+    {&TcpCounters::holes, "tcp_holes", "holes in TCP streams"},
+    {&TcpCounters::missing, "tcp_missing", "bytes missing in TCP streams"}};
+
 /// Makes streams of TCP segments, one per connection and direction.
 ///
 /// A hole in a stream is waited for until its bytes come, as the receiver had to. It is given up when the
@@ -110,7 +120,6 @@ class TcpReassembler {
   bool is_hopeless(const Stream& stream, Stamp now) const;
   void give_up_hopeless(Streams::iterator at, Stamp now);
   void advance(Streams::iterator at, std::size_t length, Chunk chunk);
-  void hole_changed(Stream& stream);
 
   Streams streams_;
   std::vector<Chunk> ready_;

@@ -12,9 +12,7 @@ constexpr std::uint64_t patience_bytes = 1 << 20;
 
 }  // namespace
 
-Recognizer::Recognizer() = default;
-
-void Recognizer::add(const Packet& packet) {
+void HokuyoRecognizer::add(const Packet& packet) {
   if (packet.transport != Transport::tcp || useless_bytes_ > patience_bytes) return;
   if (packet.stream_start || packet.missing > 0) {
     scip_.interrupt();
@@ -32,12 +30,12 @@ void Recognizer::add(const Packet& packet) {
   }
 }
 
-std::vector<std::string_view> Recognizer::others() const {
+std::vector<std::string_view> HokuyoRecognizer::others() const {
   if (name_ != any_scip_name) return {};
-  return scip_names();
+  return names_of(append_scip_models, [](const Model&) { return true; });
 }
 
-void Recognizer::take(const ScipMessage& message) {
+void HokuyoRecognizer::take(const ScipMessage& message) {
   if (message.echo == "PP" && message.status == "00") {
     ScipParameters parameters;
     std::string product;
@@ -46,5 +44,7 @@ void Recognizer::take(const ScipMessage& message) {
   if (name_.empty() && parse_scan_request(message.echo) && (message.status == "99" || message.status == "00"))
     name_ = any_scip_name;
 }
+
+std::unique_ptr<Recognizer> make_recognizer() { return std::make_unique<HokuyoRecognizer>(); }
 
 }  // namespace lidard::hokuyo

@@ -7,19 +7,18 @@
 
 #include "drivers/hokuyo/scip_message.h"
 #include "drivers/hokuyo/uam_frame.h"
-#include "drivers/model.h"
+#include "drivers/recognizer.h"
 
 namespace lidard::hokuyo {
 
 /// Finds out whether a TCP stream is a Hokuyo's, and which one's.
-class Recognizer {
+class HokuyoRecognizer final : public Recognizer {
  public:
-  Recognizer();
-  void add(const Packet& packet);
+  void add(const Packet& packet) override;
   /// Name of a model; empty while nothing fits, the generic SCIP model while distances came but no name.
-  std::string_view verdict() const { return name_; }
+  std::string_view verdict() const override { return name_; }
   /// While the sensor did not say its name: every one that speaks SCIP.
-  std::vector<std::string_view> others() const;
+  std::vector<std::string_view> others() const override;
 
  private:
   void take(const ScipMessage& message);

@@ -72,7 +72,7 @@ class ScipClock {
   };
   /// Host time of step 0. `skipped` gets the number of turns since the last sweep, less one.
   Stamp begin_of(const Sweep& sweep, std::int64_t& skipped);
-  /// Both clocks at once: the counter was read between `sent` and `received`.
+  /// Compares the clocks of sensor and host: the counter was read between `sent` and `received`.
   void compare(ScipStamp stamp, Stamp sent, Stamp received);
   /// Width of what the comparisons leave open; nothing without one.
   std::optional<Span> uncertainty() const;

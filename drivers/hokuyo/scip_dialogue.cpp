@@ -3,6 +3,7 @@
 #include "drivers/hokuyo/scip_dialogue.h"
 
 #include <algorithm>
+#include <boost/asio/yield.hpp>
 
 #include "drivers/hokuyo/scip_status.h"
 #include "drivers/model.h"
@@ -29,61 +30,74 @@ std::string_view unmarked(std::string_view echo) {
 void ScipDialogue::connected(Stamp now, DriverOutput& out) {
   introduced_ = compare_only_ = without_percent_ = false;
   stalls_ = 0;
-  echoes_ = config_.publish_multiecho && config_.model->has_echoes;
+  echoes_ = config_.publish_multiecho && config_.model->has(Trait::echoes);
   intensities_ = config_.publish_intensity;
   board_.clear(ScipTrouble::no_echoes);
   board_.clear(ScipTrouble::no_intensities);
-  go(Step::quit, now, out);
+  begin(now, out);
 }
 
-void ScipDialogue::send(std::string_view request, Stamp now, DriverOutput& out) {
-  sent_ = now;
-  out.request(ByteView(request));
+void ScipDialogue::begin(Stamp now, DriverOutput& out) {
+  now_ = now;
+  script_ = {};
+  script(out);
 }
 
-void ScipDialogue::go(Step step, Stamp now, DriverOutput& out) {
-  step_ = step;
-  patience_ = answer_patience;
-  const auto ask = [&](std::string_view request) {
-    expected_ = request.substr(0, request.front() == '%' ? 3 : 2);
-    if (request.size() == 4) expected_ = request.substr(0, 3);  // TM0, TM1, TM2
-    send(request, now, out);
-  };
-  switch (step) {
-    case Step::quit:
-      return ask("QT\n");
-    case Step::leave_old_time_mode:
-    case Step::leave_time_mode:
-      return ask("TM2\n");
-    case Step::version:
-      return ask("VV\n");
-    case Step::parameters:
-      return ask("PP\n");
-    case Step::information:
-      return ask("II\n");
-    case Step::enter_time_mode:
+/// From whatever the sensor does to its stream. Goes on after each `yield` with the answer; a comparison also
+/// without one.
+void ScipDialogue::script(DriverOutput& out) {
+  reenter(script_) {
+    comparing_ = false;
+    yield ask("QT\n", out);
+    if (!introduced_) {
+      // In time mode QT is unknown to some firmware.
+      if (class_of(answer_->status) == StatusClass::unknown) {
+        yield ask("TM2\n", out);
+      }
+      yield ask("VV\n", out);
+      percent_ = owner_.knows_percent() && !without_percent_;
+      yield ask("PP\n", out);
+      yield ask("II\n", out);
+    }
+    if (introduced_ ? compare_only_ : config_.requests.calibrate_time) {
+      yield ask("TM0\n", out);
+      // 02: it is in that mode already (Hokuyo C-42-03320B p. 15). Soon after power-up it refuses.
+      comparing_ = answer_->status == "00" || answer_->status == "02";
+    }
+    if (comparing_) {
       comparisons_ = 0;
-      return ask("TM0\n");
-    case Step::compare:
-      patience_ = time_patience;
-      return ask(percent_ ? "%TM1\n" : "TM1\n");
-    default:
-      return start(now, out);
+      do {
+        yield ask(percent_ ? "%TM1\n" : "TM1\n", out, time_patience);
+      } while (answer_ != nullptr && !is_compared());
+      comparing_ = false;
+      yield ask("TM2\n", out);
+    }
+    start(out);
   }
 }
 
-void ScipDialogue::start(Stamp now, DriverOutput& out) {
+void ScipDialogue::ask(std::string_view request, DriverOutput& out) { ask(request, out, answer_patience); }
+
+void ScipDialogue::ask(std::string_view request, DriverOutput& out, Span patience) {
+  step_ = Step::asking;
+  // "QT", "TM0", "%TM"
+  expected_ = request.substr(0, request.size() == 3 ? 2 : 3);
+  patience_.start(now_, patience);
+  out.request(ByteView(request));
+}
+
+void ScipDialogue::start(DriverOutput& out) {
   introduced_ = true;
   compare_only_ = false;
-  step_ = Step::start;
-  patience_ = answer_patience;
+  step_ = Step::starting;
+  patience_.start(now_, answer_patience);
   ScipScanRequest request = owner_.wanted();
   request.percent = percent_;
   request.continuous = true;
   request.multi_echo = echoes_;
   request.intensities = intensities_;
   turn_s_ = config_.model->frame_period * (1 + request.skip);
-  send(write_scan_request(request, request_), now, out);
+  out.request(ByteView(write_scan_request(request, request_)));
 }
 
 Span ScipDialogue::stream_patience() const {
@@ -92,30 +106,12 @@ Span ScipDialogue::stream_patience() const {
 
 void ScipDialogue::take(const ScipMessage& message, Stamp now, DriverOutput& out) {
   if (step_ == Step::idle) return;
-  if (parse_scan_request(message.echo)) return take_stream(message, now, out);
-  if (!expects(message)) return;
-  switch (step_) {
-    case Step::quit:
-      return after_quit(message, now, out);
-    case Step::leave_old_time_mode:
-      return go(Step::version, now, out);
-    case Step::version:
-      percent_ = owner_.knows_percent() && !without_percent_;
-      return go(Step::parameters, now, out);
-    case Step::parameters:
-      return go(Step::information, now, out);
-    case Step::information:
-      return go(config_.requests.calibrate_time ? Step::enter_time_mode : Step::start, now, out);
-    case Step::enter_time_mode:
-      // 02: it is in that mode already (Hokuyo C-42-03320B p. 15). Soon after power-up it refuses.
-      return go(message.status == "00" || message.status == "02" ? Step::compare : Step::start, now, out);
-    case Step::compare:
-      return after_comparison(message, now, out);
-    case Step::leave_time_mode:
-      return go(Step::start, now, out);
-    default:
-      return;
-  }
+  now_ = now;
+  if (parse_scan_request(message.echo)) return take_stream(message, out);
+  if (step_ != Step::asking || !expects(message)) return;
+  answer_ = &message;
+  script(out);
+  answer_ = nullptr;
 }
 
 bool ScipDialogue::expects(const ScipMessage& message) const {
@@ -123,31 +119,21 @@ bool ScipDialogue::expects(const ScipMessage& message) const {
   return unmarked(message.echo).substr(0, wanted.size()) == wanted;
 }
 
-void ScipDialogue::after_quit(const ScipMessage& message, Stamp now, DriverOutput& out) {
-  if (compare_only_) return go(Step::enter_time_mode, now, out);
-  if (introduced_) return go(Step::start, now, out);
-  // In time mode QT is unknown to some firmware.
-  if (class_of(message.status) == StatusClass::unknown) return go(Step::leave_old_time_mode, now, out);
-  go(Step::version, now, out);
-}
-
-void ScipDialogue::after_comparison(const ScipMessage& message, Stamp now, DriverOutput& out) {
-  if (percent_ && class_of(message.status) == StatusClass::unknown) {
+/// True if no further comparison of the clocks is needed.
+bool ScipDialogue::is_compared() {
+  if (percent_ && class_of(answer_->status) == StatusClass::unknown) {
     percent_ = false;
-    return go(Step::compare, now, out);
+    return false;
   }
-  std::string_view body = message.body;
+  std::string_view body = answer_->body;
   const std::string_view line = take_line(body);
-  bool enough = true;
-  if (message.status == "00" && has_checksum(line)) {
-    if (const auto stamp = parse_stamp(line))
-      enough = owner_.compared(*stamp, sent_, now) || ++comparisons_ >= most_comparisons;
-  }
-  go(enough ? Step::leave_time_mode : Step::compare, now, out);
+  if (answer_->status != "00" || !has_checksum(line)) return true;
+  const auto stamp = parse_stamp(line);
+  return !stamp || owner_.compared(*stamp, patience_.since(), now_) || ++comparisons_ >= most_comparisons;
 }
 
-void ScipDialogue::take_stream(const ScipMessage& message, Stamp now, DriverOutput& out) {
-  if (step_ != Step::start && step_ != Step::streaming) return;
+void ScipDialogue::take_stream(const ScipMessage& message, DriverOutput& out) {
+  if (step_ != Step::starting && step_ != Step::streaming) return;
   switch (class_of(message.status)) {
     case StatusClass::data:
       stalls_ = 0;
@@ -155,30 +141,28 @@ void ScipDialogue::take_stream(const ScipMessage& message, Stamp now, DriverOutp
     case StatusClass::accepted:
     case StatusClass::resumed:
       step_ = Step::streaming;
-      sent_ = now;
-      patience_ = stream_patience();
+      patience_.start(now_, stream_patience());
       for (const auto gone : {ScipTrouble::silent, ScipTrouble::refused, ScipTrouble::fault})
         board_.clear(gone);
       return;
     case StatusClass::verifying:
       board_.set(ScipTrouble::fault, explain_status(message.command(), message.status));
-      sent_ = now;
-      patience_ = verifying_patience;
+      patience_.start(now_, verifying_patience);
       return;
     case StatusClass::fault:
       board_.set(ScipTrouble::fault, explain_status(message.command(), message.status));
-      return wait(before_next_try, now);
+      return wait(before_next_try);
     case StatusClass::unknown:
-      return ask_for_less(message, now, out);
+      return ask_for_less(message, out);
     case StatusClass::refused:
       board_.set(ScipTrouble::refused, explain_status(message.command(), message.status));
-      return wait(before_next_try, now);
+      return wait(before_next_try);
   }
 }
 
 /// The sensor does not know this request: first without the extension, then without echoes, at last without
 /// intensities. The user is told what he does not get.
-void ScipDialogue::ask_for_less(const ScipMessage& message, Stamp now, DriverOutput& out) {
+void ScipDialogue::ask_for_less(const ScipMessage& message, DriverOutput& out) {
   if (percent_) {
     percent_ = false;
   } else if (echoes_) {
@@ -193,15 +177,15 @@ void ScipDialogue::ask_for_less(const ScipMessage& message, Stamp now, DriverOut
                                                 "), scans come without; set publish_intensity: false");
   } else {
     board_.set(ScipTrouble::refused, explain_status(message.command(), message.status));
-    return wait(before_next_try, now);
+    return wait(before_next_try);
   }
-  start(now, out);
+  start(out);
 }
 
 void ScipDialogue::restart_stream(Stamp now, DriverOutput& out) {
   if (step_ != Step::streaming || now - restarted_ < before_next_try) return;
   restarted_ = now;
-  go(Step::quit, now, out);
+  begin(now, out);
 }
 
 void ScipDialogue::reexamine(Stamp now, DriverOutput& out) {
@@ -215,19 +199,18 @@ void ScipDialogue::compare_again(Stamp now, DriverOutput& out) {
   if (step_ != Step::streaming) return;
   compare_only_ = true;
   restarted_ = now;
-  go(Step::quit, now, out);
+  begin(now, out);
 }
 
 void ScipDialogue::tick(Stamp now, DriverOutput& out) {
-  if (step_ == Step::idle) return;
-  sent_ = std::min(sent_, now);  // the clock was set back
-  if (now - sent_ > patience_) overdue(now, out);
+  now_ = now;
+  if (step_ != Step::idle && patience_.is_over(now)) overdue(out);
 }
 
-void ScipDialogue::overdue(Stamp now, DriverOutput& out) {
-  if (step_ == Step::waiting) return go(Step::quit, now, out);
-  if (step_ == Step::compare) return go(Step::leave_time_mode, now, out);
-  if (step_ == Step::streaming && stalls_++ == 0) return go(Step::quit, now, out);
+void ScipDialogue::overdue(DriverOutput& out) {
+  if (step_ == Step::waiting) return begin(now_, out);
+  if (step_ == Step::asking && comparing_) return script(out);
+  if (step_ == Step::streaming && stalls_++ == 0) return begin(now_, out);
   board_.set(
       ScipTrouble::silent,
       step_ == Step::streaming || introduced_

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "drivers/driver.h"
+#include "drivers/dialogue.h"
 #include "drivers/hokuyo/scip_clock.h"
 #include "drivers/hokuyo/scip_message.h"
 #include "drivers/warning_board.h"
@@ -65,42 +65,33 @@ class ScipDialogue {
   void compare_again(Stamp now, DriverOutput& out);
 
  private:
-  enum class Step : std::uint8_t {
-    idle,
-    quit,
-    leave_old_time_mode,
-    version,
-    parameters,
-    information,
-    enter_time_mode,
-    compare,
-    leave_time_mode,
-    start,
-    streaming,
-    waiting
-  };
+  enum class Step : std::uint8_t { idle, asking, starting, streaming, waiting };
 
-  void go(Step step, Stamp now, DriverOutput& out);
+  void script(DriverOutput& out);
+  void begin(Stamp now, DriverOutput& out);
+  void ask(std::string_view request, DriverOutput& out, Span patience);
+  void ask(std::string_view request, DriverOutput& out);
   bool expects(const ScipMessage& message) const;
-  void send(std::string_view request, Stamp now, DriverOutput& out);
-  void after_quit(const ScipMessage& message, Stamp now, DriverOutput& out);
-  void after_comparison(const ScipMessage& message, Stamp now, DriverOutput& out);
-  void take_stream(const ScipMessage& message, Stamp now, DriverOutput& out);
-  void ask_for_less(const ScipMessage& message, Stamp now, DriverOutput& out);
-  void wait(Span time, Stamp now) { step_ = Step::waiting, sent_ = now, patience_ = time; }
-  void start(Stamp now, DriverOutput& out);
-  void overdue(Stamp now, DriverOutput& out);
+  bool is_compared();
+  void take_stream(const ScipMessage& message, DriverOutput& out);
+  void ask_for_less(const ScipMessage& message, DriverOutput& out);
+  void wait(Span time) { step_ = Step::waiting, patience_.start(now_, time); }
+  void start(DriverOutput& out);
+  void overdue(DriverOutput& out);
   Span stream_patience() const;
 
   Owner& owner_;
   WarningBoard<ScipTrouble>& board_;
   const DriverConfig& config_;
+  boost::asio::coroutine script_;
   Step step_ = Step::idle;
+  Stamp now_;
   std::string_view expected_;
-  Stamp sent_;               // the last request, or the last sign of life of the stream
-  Span patience_{0};         // from sent_ on
+  const ScipMessage* answer_ = nullptr;  // to the last question; nullptr: none came
+  Patience patience_;        // with the last question, or with the stream since its last sign of life
   bool introduced_ = false;  // VV, PP, II and TM are done
   bool compare_only_ = false;
+  bool comparing_ = false;
   bool without_percent_ = false;  // since connected(): with it nothing fitted
   bool percent_ = false, echoes_ = false, intensities_ = false;
   int comparisons_ = 0;

@@ -4,12 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
+#include "core/base/number_text.h"
 #include "core/base/steady_stamps.h"
-#include "core/frames/beam_window.h"
+#include "drivers/driver_base.h"
 #include "drivers/hokuyo/scip_dialogue.h"
 #include "drivers/hokuyo/scip_message.h"
 #include "drivers/hokuyo/scip_models.h"
@@ -35,7 +33,7 @@ constexpr int misfit_limit = 20;
 constexpr Span fine_comparison = std::chrono::microseconds(300);
 constexpr int most_renewals = 3;  // of a connection; each costs some scans
 
-class ScipDriver final : public Driver, private ScipDialogue::Owner {
+class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
  public:
   explicit ScipDriver(const DriverConfig& config);
 
@@ -44,8 +42,6 @@ class ScipDriver final : public Driver, private ScipDialogue::Owner {
   void disconnected() override;
   void tick(Stamp now, DriverOutput& out) override;
   void restart() override;
-  const Counters& counters() const override { return counters_; }
-  const DeviceInfo& info() const override { return info_; }
 
  private:
   ScipScanRequest wanted() override;
@@ -58,7 +54,6 @@ class ScipDriver final : public Driver, private ScipDialogue::Owner {
   void note_parameters(const ScipMessage& message);
   void note_information(const ScipMessage& message);
   void note_serial(std::string_view serial);
-  void set_detail(std::string_view key, std::string_view value);
   Reject publish(const ScipMessage& message, const ScipScanRequest& request, Stamp arrival,
                  DriverOutput& out);
   bool take_geometry(const ScipScanRequest& request);
@@ -67,10 +62,7 @@ class ScipDriver final : public Driver, private ScipDialogue::Owner {
   Reject fill(const ScipScanRequest& request);
   void put(std::size_t beam, std::size_t echo, std::uint32_t distance_mm);
 
-  DriverConfig config_;
   const ScipRow& row_;
-  Counters counters_;
-  DeviceInfo info_;
   WarningBoard<ScipTrouble> board_{info_.warnings};
   ScipReader reader_{counters_};
   ScipDialogue dialogue_;
@@ -95,13 +87,12 @@ class ScipDriver final : public Driver, private ScipDialogue::Owner {
 };
 
 ScipDriver::ScipDriver(const DriverConfig& config)
-    : config_(config),
+    : DriverBase(config),
       row_(*static_cast<const ScipRow*>(config.model->row)),
       dialogue_(*this, board_, config_),
       clock_(config.clock, row_.sends_on_tick),
       parameters_(row_.parameters) {
   scan_.frame_id = config.frame_id;
-  info_.details = {{"Vendor Name", "Hokuyo"}, {"Product Name", std::string(config.model->product)}};
 }
 
 void ScipDriver::connected(Stamp now, DriverOutput& out) {
@@ -120,11 +111,8 @@ void ScipDriver::tick(Stamp now, DriverOutput& out) {
   dialogue_.tick(now, out);
   if (std::chrono::abs(now - last_report_) < std::chrono::seconds(1)) return;
   last_report_ = now;
-  if (const auto delay = clock_.measured_delay()) {
-    std::array<char, 48> text{};
-    std::snprintf(text.data(), text.size(), "%.3f ms after the last beam", seconds(*delay) * 1e3);
-    set_detail("Computed Latency", text.data());
-  }
+  if (const auto delay = clock_.measured_delay())
+    info_.set("Computed Latency", printed("%.3f ms after the last beam", seconds(*delay) * 1e3));
 }
 
 void ScipDriver::restart() {
@@ -189,23 +177,14 @@ void ScipDriver::note_fit(Reject reason, Stamp arrival, DriverOutput& out) {
   dialogue_.reexamine(arrival, out);
 }
 
-void ScipDriver::set_detail(std::string_view key, std::string_view value) {
-  for (auto& detail : info_.details) {
-    if (detail.first != key) continue;
-    if (detail.second != value) detail.second = value;
-    return;
-  }
-  info_.details.emplace_back(key, value);
-}
-
 // Checksums of these lines do not matter: URG-04LX firmware sends a wrong one for the serial number.
 void ScipDriver::note_version(const ScipMessage& message) {
   for_each_entry(message.body, [this](std::string_view key, std::string_view value, bool) {
-    if (key == "VEND") set_detail("Vendor Name", value);
-    if (key == "PROT") set_detail("Protocol Version", value);
+    if (key == "VEND") info_.set("Vendor Name", value);
+    if (key == "PROT") info_.set("Protocol Version", value);
     if (key == "SERI") note_serial(value);
-    if (key == "FIRM") set_detail("Firmware Version", firmware_ = value);
-    if (key == "PROD") set_detail("Product Name", product_ = value);
+    if (key == "FIRM") info_.set("Firmware Version", firmware_ = value);
+    if (key == "PROD") info_.set("Product Name", product_ = value);
   });
 }
 
@@ -214,7 +193,7 @@ void ScipDriver::note_serial(std::string_view serial) {
     board_.set(ScipTrouble::device, "sensor " + info_.serial + " was replaced by sensor " +
                                         std::string(serial) + "; check its pose");
   info_.serial = serial;
-  set_detail("Device ID", serial);
+  info_.set("Device ID", serial);
 }
 
 void ScipDriver::note_parameters(const ScipMessage& message) {
@@ -230,7 +209,7 @@ void ScipDriver::note_parameters(const ScipMessage& message) {
   }
   board_.clear(ScipTrouble::parameters);
   parameters_ = read;
-  if (product_.empty()) set_detail("Product Name", product);
+  if (product_.empty()) info_.set("Product Name", product);
   product_ = product;
   board_.clear(ScipTrouble::model);
   if (!row_.any && product.compare(0, row_.product.size(), row_.product) != 0)
@@ -244,7 +223,7 @@ void ScipDriver::note_information(const ScipMessage& message) {
       {{"LASR", "Laser"}, {"SCSP", "Scan speed"}, {"MESM", "Measurement mode"}, {"STAT", "Device Status"}}};
   for_each_entry(message.body, [this, &shown](std::string_view key, std::string_view value, bool) {
     for (const auto& [name, label] : shown) {
-      if (name == key) set_detail(label, value);
+      if (name == key) info_.set(label, value);
     }
   });
 }
@@ -320,21 +299,17 @@ void ScipDriver::choose_beams() {
   const ScipScanRequest& request = geometry_->request;
   const double step = request.cluster * p.rad_per_step();
   const double first = p.angle(request.first_step + (request.cluster - 1) / 2.0);
-  const BeamWindow kept = beams_between(first, step, request.values(), config_.angle_min, config_.angle_max);
+  const BeamWindow kept = lidard::choose_beams(config_, first, step, request.values(), scan_);
   first_beam_ = kept.first;
-  scan_.beams = kept.count;
-  scan_.set_angles(static_cast<float>(first + step * static_cast<double>(first_beam_)),
-                   static_cast<float>(step));
   scan_.time_increment = static_cast<float>(p.step_seconds() * request.cluster);
   range_max_mm_ = request.short_values ? std::min(p.range_max_mm, short_range_max_mm) : p.range_max_mm;
   scan_.range_min = static_cast<float>(p.range_min_mm * 1e-3);
   scan_.range_max = static_cast<float>(range_max_mm_ * 1e-3);
   const auto steps_before = request.first_step + static_cast<int>(first_beam_) * request.cluster;
   before_first_ray_ = span_from_seconds(p.step_seconds() * steps_before);
-  board_.clear(ScipTrouble::no_beams);
-  if (kept.count == 0)
-    board_.set(ScipTrouble::no_beams,
-               "no beam lies between angle_min and angle_max; correct the angles in the configuration");
+  board_.tell(ScipTrouble::no_beams, kept.count == 0, [] {
+    return "no beam lies between angle_min and angle_max; correct the angles in the configuration";
+  });
 }
 
 /// The stamp is that of step 0, even if it is not asked for (Hokuyo C-42-03320B p. 12).
@@ -347,7 +322,7 @@ Stamp ScipDriver::first_ray(const ScipClock::Sweep& sweep) {
 }
 
 Reject ScipDriver::fill(const ScipScanRequest& request) {
-  const std::size_t echoes = config_.publish_multiecho && config_.model->has_echoes ? most_echoes : 1;
+  const std::size_t echoes = config_.publish_multiecho && config_.model->has(Trait::echoes) ? most_echoes : 1;
   const bool with_intensities = config_.publish_intensity && request.intensities;
   scan_.reset(scan_.beams, echoes, with_intensities);
   const std::size_t distance_size = request.short_values ? 2 : 3;
@@ -376,14 +351,10 @@ Reject ScipDriver::fill(const ScipScanRequest& request) {
 
 void ScipDriver::put(std::size_t beam, std::size_t echo, std::uint32_t distance_mm) {
   const std::size_t i = scan_.index(beam, echo);
-  const auto value = static_cast<int>(distance_mm);
-  if (value < geometry_->parameters.range_min_mm) {
+  if (static_cast<int>(distance_mm) < geometry_->parameters.range_min_mm)
     scan_.set_without_hit(i, status_of_code(row_.any ? code_table_of(product_) : row_.codes, distance_mm));
-  } else if (value > range_max_mm_) {
-    scan_.set_without_hit(i, BeamStatus::none);
-  } else {
-    scan_.set_hit(i, static_cast<float>(value * 1e-3));
-  }
+  else
+    scan_.set_measured(i, static_cast<float>(distance_mm * 1e-3));
 }
 
 }  // namespace

@@ -3,13 +3,10 @@
 #include "drivers/hokuyo/scip_models.h"
 
 #include "drivers/hokuyo/scip_driver.h"
+#include "drivers/hokuyo/uam_driver.h"
 
 namespace lidard::hokuyo {
 namespace {
-
-constexpr std::uint16_t scip_port = 10940;  // Hokuyo C-42-04076 (UST-10LX)
-constexpr std::string_view tested =
-    "own simulator; single answers of real sensors, no capture of a connection";
 
 // Angles of UST, UTM: 270 deg in steps of 0.25 deg, 40 turns a second. Least and largest distance as the
 // sensors answer PP (UTM-30LX-EW 23 and 60000 mm, UST-10LX 20 and 30000 mm); of the others unverified.
@@ -25,57 +22,50 @@ constexpr ScipRow uxm_30lx_ew = {
     "UXM-30LX", {100, 80000, 1440, 0, 760, 380, 1200}, CodeTable::utm, false, false, false};
 constexpr ScipRow any_scip = {"", {20, 60000, 1440, 0, 1080, 540, 2400}, CodeTable::utm, true, false, true};
 
-Model scanner(std::string_view name, const char* product, const ScipRow& row, bool has_echoes) {
-  const ScipParameters& p = row.parameters;
-  const double turns = 1 / p.turn_seconds();
-  return {name,
-          "Hokuyo",
-          product,
-          "SCIP 2",
-          FrameKind::scan,
-          Transport::tcp,
-          scip_port,
-          0,
-          turns,
-          p.turn_seconds(),
-          p.range_min_mm * 1e-3,
-          p.range_max_mm * 1e-3,
-          0,
-          tested,
-          &row,
-          make_scip_driver,
-          false,
-          has_echoes};
+Model scanner(std::string_view name, const char* product, const ScipRow& row, Traits traits) {
+  Model model;
+  model.name = name;
+  model.vendor = "Hokuyo";
+  model.product = product;
+  model.protocol = "SCIP 2";
+  model.verified = "own simulator; single answers of real sensors, no capture of a connection";
+  model.transport = Transport::tcp;
+  model.port = 10940;  // Hokuyo C-42-04076 (UST-10LX)
+  model.frame_period = row.parameters.turn_seconds();
+  model.packets_per_s = 1 / model.frame_period;
+  model.range_min = row.parameters.range_min_mm * 1e-3;
+  model.range_max = row.parameters.range_max_mm * 1e-3;
+  model.traits = traits;
+  model.row = &row;
+  model.make = make_scip_driver;
+  return model;
 }
 
 }  // namespace
 
 void append_scip_models(std::vector<Model>& list) {
-  list.push_back(scanner("hokuyo_ust_05lx", "UST-05LX", ust_05lx, false));
-  list.push_back(scanner("hokuyo_ust_10lx", "UST-10LX", ust_10lx, false));
-  list.push_back(scanner("hokuyo_ust_20lx", "UST-20LX", ust_20lx, false));
-  list.push_back(scanner("hokuyo_ust_30lx", "UST-30LX", ust_30lx, false));
-  list.push_back(scanner("hokuyo_utm_30lx_ew", "UTM-30LX-EW", utm_30lx_ew, true));
-  list.push_back(scanner("hokuyo_uxm_30lx_ew", "UXM-30LX-EW", uxm_30lx_ew, true));
-  list.push_back(scanner(any_scip_name, "generic", any_scip, true));
+  const Traits one = {Trait::skip_request};
+  const Traits several = {Trait::skip_request, Trait::echoes};
+  list.push_back(scanner("hokuyo_ust_05lx", "UST-05LX", ust_05lx, one));
+  list.push_back(scanner("hokuyo_ust_10lx", "UST-10LX", ust_10lx, one));
+  list.push_back(scanner("hokuyo_ust_20lx", "UST-20LX", ust_20lx, one));
+  list.push_back(scanner("hokuyo_ust_30lx", "UST-30LX", ust_30lx, one));
+  list.push_back(scanner("hokuyo_utm_30lx_ew", "UTM-30LX-EW", utm_30lx_ew, several));
+  list.push_back(scanner("hokuyo_uxm_30lx_ew", "UXM-30LX-EW", uxm_30lx_ew, several));
+  list.push_back(scanner(any_scip_name, "generic", any_scip, several));
 }
 
-std::vector<std::string_view> scip_names() {
-  std::vector<Model> rows;
-  append_scip_models(rows);
-  std::vector<std::string_view> names;
-  for (const Model& model : rows) names.push_back(model.name);
-  return names;
+void append_models(std::vector<Model>& list) {
+  append_scip_models(list);
+  append_uam_models(list);
 }
 
 std::string_view scip_name_of(std::string_view product) {
-  std::vector<Model> rows;
-  append_scip_models(rows);
-  for (const Model& model : rows) {
+  const auto names = names_of(append_scip_models, [product](const Model& model) {
     const auto& row = *static_cast<const ScipRow*>(model.row);
-    if (!row.any && product.substr(0, row.product.size()) == row.product) return model.name;
-  }
-  return any_scip_name;
+    return !row.any && product.substr(0, row.product.size()) == row.product;
+  });
+  return names.empty() ? any_scip_name : names.front();
 }
 
 }  // namespace lidard::hokuyo

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "drivers/hokuyo/scip_parameters.h"
-#include "drivers/model.h"
+#include "drivers/recognizer.h"
 
 namespace lidard::hokuyo {
 
@@ -20,13 +20,14 @@ struct ScipRow {
   bool any;            ///< the generic row: takes what the sensor says without a remark
 };
 
-/// Adds the SCIP sensors to the table of models.
-void append_scip_models(std::vector<Model>& list);
+/// Adds the SCIP sensors and the UAM-05LP safety scanners to the table of models.
+void append_models(std::vector<Model>& list);
+std::unique_ptr<Recognizer> make_recognizer();
 /// Name of the generic model.
 constexpr std::string_view any_scip_name = "hokuyo_scip";
+/// The SCIP sensors alone.
+void append_scip_models(std::vector<Model>& list);
 /// Name of the model whose product name begins `product`, the generic one if none does.
 std::string_view scip_name_of(std::string_view product);
-/// Names of all SCIP models.
-std::vector<std::string_view> scip_names();
 
 }  // namespace lidard::hokuyo

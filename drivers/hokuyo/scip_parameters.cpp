@@ -2,16 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/hokuyo/scip_parameters.h"
 
-#include <algorithm>
 #include <array>
 #include <charconv>
 
+#include "core/base/angle.h"
 #include "drivers/hokuyo/scip_message.h"
 
 namespace lidard::hokuyo {
 namespace {
-
-constexpr double two_pi = 6.28318530717958647692;
 
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && text.front() == ' ') text.remove_prefix(1);

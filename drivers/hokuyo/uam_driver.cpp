@@ -3,19 +3,16 @@
 #include "drivers/hokuyo/uam_driver.h"
 
 #include <array>
-#include <cmath>
 
 #include "core/base/steady_stamps.h"
-#include "core/frames/beam_window.h"
+#include "drivers/dialogue.h"
+#include "drivers/driver_base.h"
 #include "drivers/hokuyo/scip_clock.h"
 #include "drivers/hokuyo/uam_frame.h"
-#include "drivers/model.h"
 #include "drivers/warning_board.h"
 
 namespace lidard::hokuyo {
 namespace {
-
-constexpr double rad_per_deg = 3.14159265358979323846 / 180;
 
 /// One way to ask for distances.
 struct UamRow {
@@ -49,7 +46,7 @@ enum class Trouble : std::uint8_t {
   count_
 };
 
-class UamDriver final : public Driver {
+class UamDriver final : public DriverBase {
  public:
   explicit UamDriver(const DriverConfig& config);
 
@@ -58,8 +55,6 @@ class UamDriver final : public Driver {
   void disconnected() override;
   void tick(Stamp now, DriverOutput& out) override;
   void restart() override;
-  const Counters& counters() const override { return counters_; }
-  const DeviceInfo& info() const override { return info_; }
 
  private:
   enum class Step : std::uint8_t { idle, version, start, streaming, waiting };
@@ -69,57 +64,39 @@ class UamDriver final : public Driver {
   void answer_to_start(std::string_view frame, Stamp now);
   Reject publish(std::string_view frame, Stamp arrival, DriverOutput& out);
   void ask(Step step, std::string_view command, Stamp now, DriverOutput& out);
-  void choose_beams();
   Reject fill(std::string_view frame);
   Stamp first_ray(Stamp arrival);
   void note_troubles();
   void tell_state(DriverOutput& out);
 
-  DriverConfig config_;
   const UamRow& row_;
-  Counters counters_;
-  DeviceInfo info_;
   WarningBoard<Trouble> board_{info_.warnings};
   UamReader reader_{counters_};
   Step step_ = Step::idle;
-  Stamp sent_;
-  Span patience_{0};
+  Patience patience_;
 
   ScipClock clock_;
   SteadyStamps stamps_;
   UamStatus status_;
   std::size_t first_beam_ = 0;
   PlanarScan scan_;
-  DeviceState state_;
+  ReusedMessage<DeviceState> state_;
 };
 
 UamDriver::UamDriver(const DriverConfig& config)
-    : config_(config), row_(*static_cast<const UamRow*>(config.model->row)), clock_(config.clock, false) {
-  info_.details = {{"Vendor Name", "Hokuyo"}, {"Product Name", std::string(config.model->product)}};
-  scan_.frame_id = config.frame_id;
-  scan_.range_min = static_cast<float>(config.model->range_min);
-  scan_.range_max = static_cast<float>(config.model->range_max);
+    : DriverBase(config), row_(*static_cast<const UamRow*>(config.model->row)), clock_(config.clock, false) {
+  prepare_scan(config, scan_);
   scan_.scan_time = static_cast<float>(turn_s);
   scan_.time_increment = static_cast<float>(turn_s * row_.step_deg / 360);
-  state_.topic = "status";
-  state_.frame_id = config.frame_id;
-  choose_beams();
-}
-
-void UamDriver::choose_beams() {
-  const BeamWindow kept = beams_between(first_deg * rad_per_deg, row_.step_deg * rad_per_deg, row_.beams,
-                                        config_.angle_min, config_.angle_max);
-  first_beam_ = kept.first;
-  scan_.beams = kept.count;
-  scan_.set_angles(
-      static_cast<float>((first_deg + row_.step_deg * static_cast<double>(first_beam_)) * rad_per_deg),
-      static_cast<float>(row_.step_deg * rad_per_deg));
+  state_->topic = "status";
+  state_->frame_id = config.frame_id;
+  first_beam_ =
+      choose_beams(config_, first_deg * rad_per_deg, row_.step_deg * rad_per_deg, row_.beams, scan_).first;
 }
 
 void UamDriver::ask(Step step, std::string_view command, Stamp now, DriverOutput& out) {
   step_ = step;
-  sent_ = now;
-  patience_ = answer_patience;
+  patience_.start(now, answer_patience);
   const std::string request = uam_request(command);
   out.request(ByteView(request));
 }
@@ -135,9 +112,7 @@ void UamDriver::disconnected() {
 }
 
 void UamDriver::tick(Stamp now, DriverOutput& out) {
-  if (step_ == Step::idle) return;
-  if (sent_ > now) sent_ = now;  // the clock was set back
-  if (now - sent_ <= patience_) return;
+  if (step_ == Step::idle || !patience_.is_over(now)) return;
   if (step_ == Step::waiting) return ask(Step::start, row_.start, now, out);
   board_.set(
       Trouble::silent,
@@ -176,8 +151,7 @@ Reject UamDriver::handle(std::string_view frame, Stamp arrival, DriverOutput& ou
     if (frame.size() != uam_distances_at + 4 * row_.beams * blocks + uam_tail) return Reject::size;
     if (step_ != Step::idle) {
       step_ = Step::streaming;
-      sent_ = arrival;
-      patience_ = stream_patience;
+      patience_.start(arrival, stream_patience);
       board_.clear(Trouble::silent);
       board_.clear(Trouble::refused);
     }
@@ -207,20 +181,15 @@ void UamDriver::take_version(std::string_view frame) {
                                         std::string(field) + "; check its pose and its areas");
       info_.serial = field;
     }
-    bool found = false;
-    for (auto& detail : info_.details) {
-      if (detail.first == key) detail.second = field, found = true;
-    }
-    if (!found) info_.details.emplace_back(key, field);
+    info_.set(key, field);
   }
 }
 
 void UamDriver::answer_to_start(std::string_view frame, Stamp now) {
   const std::string_view status = frame.size() >= 16 ? frame.substr(9, 2) : std::string_view("00");
-  sent_ = now;
   if (status == "00") {
     step_ = Step::streaming;
-    patience_ = answer_patience;
+    patience_.start(now, answer_patience);
     return;
   }
   board_.set(Trouble::refused, "the sensor refuses to send (" + std::string(row_.start) + ", status " +
@@ -228,7 +197,7 @@ void UamDriver::answer_to_start(std::string_view frame, Stamp now) {
                                    "); it is asked again every second: look at its display and end the "
                                    "setting mode of the maker's tool");
   step_ = Step::waiting;
-  patience_ = retry_after;
+  patience_.start(now, retry_after);
 }
 
 Reject UamDriver::publish(std::string_view frame, Stamp arrival, DriverOutput& out) {
@@ -266,19 +235,14 @@ Reject UamDriver::fill(std::string_view frame) {
     const std::size_t at = uam_distances_at + 4 * (first_beam_ + i);
     const auto value = uam_number(frame, at, 4);
     if (!value) return Reject::field;
-    const auto range = static_cast<float>(*value * 1e-3);
     if (*value == no_object) {
       scan_.set_without_hit(i, BeamStatus::none);
     } else if (*value == too_near) {
       scan_.set_without_hit(i, BeamStatus::near);
     } else if (*value >= first_code) {
       scan_.set_without_hit(i, BeamStatus::invalid);
-    } else if (range < scan_.range_min) {
-      scan_.set_without_hit(i, BeamStatus::near);
-    } else if (range > scan_.range_max) {
-      scan_.set_without_hit(i, BeamStatus::none);
     } else {
-      scan_.set_hit(i, range);
+      scan_.set_measured(i, static_cast<float>(*value * 1e-3));
     }
     if (!with_intensities) continue;
     const auto intensity = uam_number(frame, at + 4 * row_.beams, 4);
@@ -290,9 +254,7 @@ Reject UamDriver::fill(std::string_view frame) {
 
 void UamDriver::note_troubles() {
   const auto tell = [this](Trouble trouble, bool active, const char* text) {
-    if (active == board_.is_set(trouble)) return;
-    if (active) return board_.set(trouble, text);
-    board_.clear(trouble);
+    board_.tell(trouble, active, [text] { return text; });
   };
   tell(Trouble::error, status_.error_state != 0 || status_.error_code != 0,
        "the scanner reports an error and switches its outputs off; its display shows the number (topic "
@@ -325,10 +287,10 @@ void UamDriver::tell_state(DriverOutput& out) {
                                                                {"encoder_speed", s.encoder_speed},
                                                                {"laser_off", s.laser_off},
                                                                {"window_contaminated", s.contaminated}};
-  state_.values.clear();
-  for (const auto& [name, value] : values) state_.values.push_back({name, static_cast<double>(value)});
-  state_.stamp = scan_.stamp;
-  out.state(state_);
+  state_->values.clear();
+  for (const auto& [name, value] : values) state_->values.push_back({name, static_cast<double>(value)});
+  state_->stamp = scan_.stamp;
+  out.message(state_);
 }
 
 // AR02 streams frames AR00, AR04 frames AR01, AR07 frames AR06.
@@ -337,23 +299,22 @@ constexpr UamRow with_intensity = {"AR04", "AR01", 1081, 0.25, true};
 constexpr UamRow fine = {"AR07", "AR06", 2161, 0.125, false};
 
 Model scanner(const char* name, const char* product, const UamRow& row, const char* verified) {
-  Model model = {name,
-                 "Hokuyo",
-                 product,
-                 "UAM AR",
-                 FrameKind::scan,
-                 Transport::tcp,
-                 10940,
-                 0,
-                 1 / turn_s,
-                 turn_s,
-                 0.05,                     // unverified
-                 (first_code - 1) * 1e-3,  // what the wire can say
-                 row.beams,
-                 verified,
-                 &row,
-                 make_uam_driver};
-  model.state_topics = {"status"};
+  Model model;
+  model.name = name;
+  model.vendor = "Hokuyo";
+  model.product = product;
+  model.protocol = "UAM AR";
+  model.verified = verified;
+  model.transport = Transport::tcp;
+  model.port = 10940;
+  model.packets_per_s = 1 / turn_s;
+  model.frame_period = turn_s;
+  model.range_min = 0.05;                     // unverified
+  model.range_max = (first_code - 1) * 1e-3;  // what the wire can say
+  model.beams = row.beams;
+  model.messages = {message_topic<DeviceState>("status")};
+  model.row = &row;
+  model.make = make_uam_driver;
   return model;
 }
 

@@ -3,9 +3,9 @@
 #include "drivers/hokuyo/uam_frame.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
-#include <iterator>
+#include <boost/crc.hpp>
+
+#include "core/base/number_text.h"
 
 namespace lidard::hokuyo {
 namespace {
@@ -16,17 +16,6 @@ constexpr std::size_t longest_frame = 0x4000;  // the longest known one has 8703
 constexpr std::size_t head = 5;                // STX and the length
 constexpr std::size_t checksum_size = 5;       // CRC and ETX
 
-constexpr std::array<std::uint16_t, 256> make_table() {
-  std::array<std::uint16_t, 256> table{};
-  for (unsigned byte = 0; byte < 256; ++byte) {
-    unsigned value = byte;
-    for (int bit = 0; bit < 8; ++bit) value = value >> 1U ^ ((value & 1U) != 0 ? 0x8408U : 0U);
-    table[byte] = static_cast<std::uint16_t>(value);
-  }
-  return table;
-}
-constexpr std::array<std::uint16_t, 256> crc_table = make_table();
-
 int hex_digit(char c) {
   if (c >= '0' && c <= '9') return c - '0';
   if (c >= 'A' && c <= 'F') return c - 'A' + 10;
@@ -36,17 +25,14 @@ int hex_digit(char c) {
 }  // namespace
 
 std::uint16_t uam_crc(std::string_view text) {
-  unsigned crc = 0;
-  for (const char c : text) crc = crc >> 8U ^ crc_table[(crc ^ static_cast<unsigned char>(c)) & 0xffU];
-  return static_cast<std::uint16_t>(crc);
+  boost::crc_optimal<16, 0x1021, 0, 0, true, true> crc;
+  crc.process_bytes(text.data(), text.size());
+  return crc.checksum();
 }
 
 std::string uam_request(std::string_view command) {
-  std::array<char, 8> number{};
-  std::snprintf(number.data(), number.size(), "%04zX", command.size() + head + checksum_size);
-  std::string text = std::string(number.data()) + std::string(command);
-  std::snprintf(number.data(), number.size(), "%04X", uam_crc(text));
-  return static_cast<char>(stx) + text + number.data() + static_cast<char>(etx);
+  const std::string text = printed("%04zX", command.size() + head + checksum_size) + std::string(command);
+  return static_cast<char>(stx) + text + printed("%04X", uam_crc(text)) + static_cast<char>(etx);
 }
 
 std::optional<std::uint32_t> uam_number(std::string_view text, std::size_t at, std::size_t digits) {

@@ -8,9 +8,10 @@
 
 #include <array>
 #include <cerrno>
-#include <chrono>
 #include <cstring>
 #include <ctime>
+
+#include "drivers/net/wall_clock.h"
 
 namespace lidard {
 namespace {
@@ -25,10 +26,6 @@ template <class T>
 void set(int fd, int level, int option, T value) {
   // All of them are refinements: where the system has no such option the connection works without.
   static_cast<void>(::setsockopt(fd, level, option, &value, sizeof value));
-}
-
-Stamp now() {
-  return Stamp{std::chrono::duration_cast<Span>(std::chrono::system_clock::now().time_since_epoch()).count()};
 }
 
 }  // namespace
@@ -62,7 +59,7 @@ ssize_t receive_bytes(int fd, std::uint8_t* to, std::size_t room, Stamp& stamp) 
     stamp = Stamp{time.tv_sec * 1'000'000'000 + time.tv_nsec};
     if (stamp.ns != 0) return got;
   }
-  stamp = now();
+  stamp = wall_clock();
   return got;
 }
 

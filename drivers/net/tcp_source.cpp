@@ -8,10 +8,11 @@
 #include <boost/asio/steady_timer.hpp>
 #include <cerrno>
 #include <chrono>
-#include <cstdio>
 #include <vector>
 
+#include "core/base/number_text.h"
 #include "drivers/net/tcp_socket.h"
+#include "drivers/net/wall_clock.h"
 
 namespace lidard {
 namespace {
@@ -26,33 +27,11 @@ constexpr int reads_per_wakeup = 8;
 constexpr auto steady_after = std::chrono::seconds(2);
 
 tcp::endpoint to_asio(const Endpoint& endpoint) {
-  const auto& bytes = endpoint.address.bytes;
-  if (endpoint.address.v6) {
-    boost::asio::ip::address_v6::bytes_type raw{};
-    std::copy(bytes.begin(), bytes.end(), raw.begin());
-    return {boost::asio::ip::address_v6(raw), endpoint.port};
-  }
-  boost::asio::ip::address_v4::bytes_type raw{};
-  std::copy_n(bytes.begin(), raw.size(), raw.begin());
-  return {boost::asio::ip::address_v4(raw), endpoint.port};
+  return {boost::asio::ip::make_address(endpoint.address.to_string()), endpoint.port};
 }
 
 Endpoint from_asio(const tcp::endpoint& endpoint) {
-  Endpoint out;
-  out.port = endpoint.port();
-  out.address.v6 = endpoint.address().is_v6();
-  if (out.address.v6) {
-    const auto raw = endpoint.address().to_v6().to_bytes();
-    std::copy(raw.begin(), raw.end(), out.address.bytes.begin());
-  } else {
-    const auto raw = endpoint.address().to_v4().to_bytes();
-    std::copy(raw.begin(), raw.end(), out.address.bytes.begin());
-  }
-  return out;
-}
-
-Stamp wall_clock() {
-  return Stamp{std::chrono::duration_cast<Span>(std::chrono::system_clock::now().time_since_epoch()).count()};
+  return {IpAddress::parse(endpoint.address().to_string()).value_or(IpAddress()), endpoint.port()};
 }
 
 }  // namespace
@@ -186,13 +165,13 @@ void TcpSource::Impl::close() {
   waits_to_write_ = false;
 }
 
-/// Ends connection or attempt and plans the next.
+/// Ends connection or attempt; plans the next where the connection is to last.
 void TcpSource::Impl::fail(std::string message) {
   const bool was_connected = state_.phase == TcpState::Phase::connected;
   close();
-  state_ = {TcpState::Phase::waiting, std::move(message)};
-  plan_retry();
-  if (was_connected) handlers_.disconnected();
+  state_ = {options_.keep_up ? TcpState::Phase::waiting : TcpState::Phase::stopped, std::move(message)};
+  if (options_.keep_up) plan_retry();
+  if (was_connected || !options_.keep_up) handlers_.disconnected();
 }
 
 void TcpSource::Impl::plan_retry() {
@@ -222,7 +201,8 @@ bool TcpSource::Impl::read(int rounds) {
         receive_bytes(socket_.native_handle(), buffer_.data(), buffer_.size(), packet.arrival);
     if (got < 0 && (errno == EAGAIN || errno == EINTR)) return true;
     if (got <= 0) {
-      fail(why_disconnected(options_.device, got == 0 ? 0 : errno));
+      // That the device closed it is an end like another where nobody needs a lasting connection.
+      fail(got == 0 && !options_.keep_up ? "" : why_disconnected(options_.device, got == 0 ? 0 : errno));
       return false;
     }
     last_byte_ = Clock::now();
@@ -252,9 +232,7 @@ void TcpSource::Impl::check_silence() {
   const auto quiet = Clock::now() - last_byte_;
   if (quiet < options_.read_time_out) return watch_silence();
   ++stats_.silences;
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f", seconds(options_.read_time_out));
-  fail(options_.device.to_string() + " sent nothing for " + text +
+  fail(options_.device.to_string() + " sent nothing for " + printed("%.1f", seconds(options_.read_time_out)) +
        " s; is it still starting, or has it lost power or cable? the connection is opened again");
 }
 

@@ -24,6 +24,8 @@ struct TcpOptions {
   Span first_retry =
       std::chrono::milliseconds(100);  ///< from the begin of one attempt to the next, then doubled
   Span last_retry = std::chrono::milliseconds(1500);
+  /// False: one attempt for each start(), and no other connection when that one ended.
+  bool keep_up = true;
   std::size_t send_limit = 64 * 1024;  ///< bytes that may wait for a device that does not read
 };
 
@@ -52,7 +54,8 @@ struct TcpState {
 struct TcpHandlers {
   std::function<void(const Packet&)> receive;
   std::function<void(Stamp)> connected;
-  std::function<void()> disconnected;  ///< of every connection of which connected() told
+  /// Every connection of which connected() told ended; without TcpOptions::keep_up also: the attempt failed.
+  std::function<void()> disconnected;
 };
 
 /// A connection to a device that waits for clients, with the kernel's time of arrival of what it sends.

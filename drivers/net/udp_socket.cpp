@@ -100,28 +100,18 @@ std::string bind_error(const UdpOptions& options, int error) {
   }
 }
 
-UdpSocket failed(std::string error) {
-  UdpSocket socket;
-  socket.error = std::move(error);
-  return socket;
-}
-
 }  // namespace
 
-FileDescriptor::~FileDescriptor() {
-  if (fd_ >= 0) close(fd_);
-}
-
-UdpSocket open_udp_socket(const UdpOptions& options) {
+Expected<UdpSocket> open_udp_socket(const UdpOptions& options) {
   UdpSocket s;
   s.fd = FileDescriptor(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   const int fd = s.fd.get();
   if (fd < 0)
-    return failed(std::string("cannot make a socket: ") + std::strerror(errno) + "; it is tried again");
+    return Reason{std::string("cannot make a socket: ") + std::strerror(errno) + "; it is tried again"};
   if (!set_option(fd, SOL_SOCKET, SO_TIMESTAMPNS, 1) || !set_option(fd, SOL_SOCKET, SO_RXQ_OVFL, 1) ||
       !set_option(fd, IPPROTO_IP, IP_PKTINFO, 1))
-    return failed(std::string("the kernel gives no stamps or drop counters: ") + std::strerror(errno) +
-                  "; Linux 3.8 or later is needed");
+    return Reason{std::string("the kernel gives no stamps or drop counters: ") + std::strerror(errno) +
+                  "; Linux 3.8 or later is needed"};
   // Otherwise groups that another program joined on this host would come in, too.
   set_option(fd, IPPROTO_IP, IP_MULTICAST_ALL, 0);
   if (options.share_port) set_option(fd, SOL_SOCKET, SO_REUSEADDR, 1);
@@ -134,7 +124,7 @@ UdpSocket open_udp_socket(const UdpOptions& options) {
   local.sin_addr = to_in_addr(options.address);
   socklen_t size = sizeof local;
   if (bind(fd, reinterpret_cast<const sockaddr*>(&local), size) != 0)
-    return failed(bind_error(options, errno));
+    return Reason{bind_error(options, errno)};
   getsockname(fd, reinterpret_cast<sockaddr*>(&local), &size);
   s.port = ntohs(local.sin_port);
   return s;

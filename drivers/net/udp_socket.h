@@ -6,41 +6,23 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "core/base/expected.h"
+#include "drivers/file_descriptor.h"
 #include "drivers/net/udp_source.h"
 
 namespace lidard {
 
-/// Owner of a file descriptor.
-class FileDescriptor {
- public:
-  explicit FileDescriptor(int fd = -1) : fd_(fd) {}
-  ~FileDescriptor();
-  FileDescriptor(FileDescriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  FileDescriptor& operator=(FileDescriptor&& other) noexcept {
-    std::swap(fd_, other.fd_);
-    return *this;
-  }
-  int get() const { return fd_; }
-  int release() { return std::exchange(fd_, -1); }
-  bool valid() const { return fd_ >= 0; }
-
- private:
-  int fd_;
-};
-
 /// A bound socket with stamps, drop counter, sender filter and receive buffer in place.
 struct UdpSocket {
   FileDescriptor fd;
-  std::string error;  ///< why fd is invalid: what, and the remedy
   std::uint16_t port = 0;
-  bool filtered = false;  ///< the kernel drops unknown_senders
+  bool filtered = false;  ///< the kernel drops what other senders send
   std::size_t buffer_asked = 0, buffer_got = 0;
 };
 
-UdpSocket open_udp_socket(const UdpOptions& options);
+Expected<UdpSocket> open_udp_socket(const UdpOptions& options);
 
 /// Joins the group (again); empty, or what is wrong. Joining twice does no harm and heals a membership that
 /// died with its interface.

@@ -11,6 +11,7 @@
 #include <cstring>
 
 #include "drivers/net/udp_socket.h"
+#include "drivers/net/wall_clock.h"
 
 namespace lidard {
 namespace {
@@ -21,10 +22,6 @@ constexpr auto last_retry = std::chrono::milliseconds(5000);
 constexpr auto membership_check = std::chrono::seconds(2);
 /// Other sockets of the thread want their turn.
 constexpr int batches_per_wakeup = 8;
-
-Stamp now() {
-  return Stamp{std::chrono::duration_cast<Span>(std::chrono::system_clock::now().time_since_epoch()).count()};
-}
 
 }  // namespace
 
@@ -89,8 +86,9 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
 };
 
 void UdpSource::Impl::open() {
-  UdpSocket socket = open_udp_socket(options_);
-  if (!socket.fd.valid()) return fail(std::move(socket.error));
+  auto opened = open_udp_socket(options_);
+  if (!opened) return fail(opened.reason());
+  UdpSocket& socket = opened.value();
   boost::system::error_code error;
   descriptor_.assign(socket.fd.get(), error);
   if (error) return fail("cannot wait for the socket: " + error.message() + "; it is tried again");
@@ -183,7 +181,7 @@ void UdpSource::Impl::hand_on(const DatagramBatch::Datagram& datagram, bool was_
   stats_.bytes += datagram.payload.size();
   Packet packet;
   packet.payload = datagram.payload;
-  packet.arrival = datagram.kernel_stamp ? *datagram.kernel_stamp : now();
+  packet.arrival = datagram.kernel_stamp ? *datagram.kernel_stamp : wall_clock();
   packet.from = datagram.from;
   packet.to = {datagram.to, port_};
   handler_(packet);

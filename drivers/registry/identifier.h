@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "drivers/model.h"
+#include "drivers/recognizer.h"
 
 namespace lidard {
 
@@ -15,9 +15,6 @@ namespace lidard {
 class Identifier {
  public:
   Identifier();
-  ~Identifier();
-  Identifier(Identifier&&) noexcept;
-  Identifier& operator=(Identifier&&) noexcept;
 
   void add(const Packet& packet);
   /// nullptr while nothing fits.
@@ -29,8 +26,9 @@ class Identifier {
   std::string remark() const;
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  const Recognizer* sure() const;
+
+  std::vector<std::unique_ptr<Recognizer>> recognizers_;
 };
 
 }  // namespace lidard

@@ -5,10 +5,12 @@
 #include <string_view>
 #include <vector>
 
-#include "drivers/model.h"
+#include "drivers/recognizer.h"
 
 namespace lidard {
 
+/// Every family that is known.
+const std::vector<Family>& families();
 /// All supported models, in the order of the documentation.
 const std::vector<Model>& models();
 /// The model of that name, or nullptr.

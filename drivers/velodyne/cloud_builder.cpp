@@ -3,12 +3,9 @@
 #include "drivers/velodyne/cloud_builder.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace lidard::velodyne {
 namespace {
-
-constexpr double deg_per_rad = 180 / 3.14159265358979323846;
 
 /// A frame ends by its stamps after so long: RevolutionCutter's limit.
 constexpr Span longest_turn = std::chrono::milliseconds(1500);
@@ -37,13 +34,6 @@ CloudBuilder::CloudBuilder(const DriverConfig& config, const ModelRow& row, Coun
   cloud_.rings = static_cast<std::uint16_t>(row.lasers);
 }
 
-bool CloudBuilder::in_view(double azimuth_deg) const {
-  if (config_.view_width >= 2 * 3.14159265) return true;
-  // The view's direction counts counter-clockwise from the front (REP 103), azimuth clockwise.
-  const double off = std::remainder(-azimuth_deg - config_.view_direction * deg_per_rad, 360);
-  return std::fabs(off) <= config_.view_width * deg_per_rad / 2;
-}
-
 void CloudBuilder::set_hidden_middle(std::optional<double> azimuth_deg) {
   const bool moved = cutter_.set_cut(azimuth_deg.value_or(config_.cut_angle * deg_per_rad));
   // The frame at hand began elsewhere than it will end: no whole revolution.
@@ -70,7 +60,8 @@ void CloudBuilder::place(Sequence& sequence, Span time, const DeviceClock& clock
   // Only packets that overlap by their stamps fire before the frame's first sequence.
   sequence.in_frame = std::max(time - frame_time_, Span(0));
   sequence.stamp = clock.to_host(time) + config_.time_offset;
-  visible_ = in_view(sequence.azimuth_deg);
+  // The view counts counter-clockwise from the front (REP 103), azimuth clockwise.
+  visible_ = config_.in_view(-sequence.azimuth_deg * rad_per_deg);
 }
 
 void CloudBuilder::begin(Span time, bool at_cut, const DeviceClock& clock) {

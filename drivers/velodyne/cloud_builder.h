@@ -44,7 +44,6 @@ class CloudBuilder {
   RevolutionCutter::Verdict judge(double azimuth_deg, Span time);
   void begin(Span time, bool at_cut, const DeviceClock& clock);
   void end(bool at_cut, DriverOutput& out);
-  bool in_view(double azimuth_deg) const;
 
   const DriverConfig& config_;
   const ModelRow& row_;

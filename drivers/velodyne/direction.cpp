@@ -6,10 +6,11 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/base/angle.h"
+
 namespace lidard::velodyne {
 namespace {
 
-constexpr double rad_per_deg = 3.14159265358979323846 / 180;
 constexpr int turn = 360;
 
 using WholeDegrees = std::array<Direction, 2 * turn + 1>;  // from -360 to 360

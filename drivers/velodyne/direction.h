@@ -11,9 +11,9 @@ struct Direction {
   double cosine, sine;
 };
 
-/// Of an angle in degrees, to 1e-15; quickest within a turn either way.
+/// The direction of an angle in degrees, to 1e-15; quickest within a turn either way.
 Direction direction(double angle_deg);
-/// Of many: each takes a while, but all together little more.
+/// The directions of many angles: one takes a while, all together take little more.
 void directions(const double* angles_deg, std::size_t count, Direction* to);
 
 }  // namespace lidard::velodyne

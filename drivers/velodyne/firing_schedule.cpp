@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/velodyne/firing_schedule.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace lidard::velodyne {

@@ -3,8 +3,14 @@
 #include "drivers/velodyne/hdl64_status.h"
 
 #include <algorithm>
+#include <boost/crc.hpp>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <utility>
+
+#include "core/base/angle.h"
+#include "core/base/number_text.h"
 
 namespace lidard::velodyne {
 namespace {
@@ -25,7 +31,7 @@ constexpr int enough_times = 3;
 constexpr char token[] = {'U', 'N', 'I', 'T', '#'};
 constexpr int whole_token = 0x1f;
 constexpr int whole_date = 0x3f;
-constexpr double rad_per_hundredth_deg = 3.14159265358979323846 / 18000;
+constexpr double rad_per_hundredth_deg = pi_d / 18000;
 
 /// Slot of a packet in its cycle, -1 where the type does not tell. The settings have types of their own in
 /// place of the digits: 63-HDL64ES3 Rev K p. 37.
@@ -34,35 +40,68 @@ int slot_of(std::uint8_t type) {
   const auto* letter = std::find(std::begin(letters), std::end(letters), static_cast<char>(type));
   if (letter != std::end(letters)) return static_cast<int>(letter - std::begin(letters));
   if (type >= '1' && type <= '7') return first_calibration_slot + type - '1';
-  switch (type) {
-    case 'W':
-    case 0xFE:
-      return first_calibration_slot;
-    case 0xFF:
-      return first_calibration_slot + 1;
-    case 0xFC:
-    case 0xF9:
-      return first_calibration_slot + 2;
-    case 0xFD:
-      return first_calibration_slot + 3;
-    case 0xFA:
-    case 0xF8:
-      return first_calibration_slot + 4;
-    case 0xFB:
-      return first_calibration_slot + 5;
-    default:
-      return -1;
+  constexpr std::pair<std::uint8_t, int> settings[] = {{'W', 0},  {0xFE, 0}, {0xFF, 1}, {0xFC, 2}, {0xF9, 2},
+                                                       {0xFD, 3}, {0xFA, 4}, {0xF8, 4}, {0xFB, 5}};
+  for (const auto& [special, slot] : settings) {
+    if (special == type) return first_calibration_slot + slot;
   }
+  return -1;
 }
 
-/// CRC-16, polynomial 0x8005, most significant bit first, from 0.
-std::uint16_t crc16(std::uint16_t crc, std::uint8_t byte) {
-  unsigned value = crc ^ static_cast<unsigned>(byte) << 8U;
-  for (int bit = 0; bit < 8; ++bit) value = (value << 1U) ^ ((value & 0x8000U) != 0 ? 0x8005U : 0U);
-  return static_cast<std::uint16_t>(value & 0xFFFFU);
+bool has_bit(const Hdl64Info& info, unsigned bit) { return (info.warnings >> bit & 1U) != 0; }
+
+std::string gps_text(char gps) {
+  return gps == 'A' ? "PPS and NMEA" : gps == 'V' ? "NMEA only" : gps == 'P' ? "PPS only" : "none";
+}
+
+std::string address_text(const std::array<std::uint8_t, 4>& ip) {
+  return printed("%d.%d.%d.%d", ip[0], ip[1], ip[2], ip[3]);
+}
+
+std::string return_mode_text(std::uint8_t mode) {
+  constexpr const char* modes[] = {"strongest", "last", "both"};
+  return mode < std::size(modes) ? modes[mode] : printed("unknown (%d)", mode);
 }
 
 }  // namespace
+
+std::string SensorDate::to_string() const {
+  return printed("%04d-%02d-%02d %02d:%02d:%02d", year, month, day, hour, minute, second);
+}
+
+/// Bits: 63-HDL64ES3 Rev K p. 38; 3 and 4 of an S2 as in velodyne_decoder's hdl64e.py.
+std::vector<std::string> hdl64_warnings(const Hdl64Info& info) {
+  std::vector<std::string> warnings;
+  if (has_bit(info, 0)) warnings.emplace_back("the window is dirty; clean it");
+  if (has_bit(info, 1)) warnings.emplace_back("the sensor is above 58 °C inside; cool it");
+  if (has_bit(info, 2)) warnings.emplace_back("the sensor is below 5 °C inside; let it warm up");
+  if (info.is_s3) return warnings;
+  if (has_bit(info, 3)) warnings.emplace_back("the supply voltage is too low; check the supply");
+  if (has_bit(info, 4)) warnings.emplace_back("the supply voltage is too high; check the supply");
+  return warnings;
+}
+
+std::vector<std::pair<std::string, std::string>> hdl64_details(const Hdl64Info& info) {
+  std::vector<std::pair<std::string, std::string>> details;
+  if (info.firmware)
+    details.emplace_back("firmware_version", printed("%x.%02x", *info.firmware >> 4, *info.firmware & 0xF));
+  if (info.temperature) details.emplace_back("temperature_c", printed("%d", *info.temperature));
+  if (info.gps) details.emplace_back("gps", gps_text(*info.gps));
+  if (info.time) details.emplace_back("sensor_time", info.time->to_string());
+  if (!info.settings) return details;
+  const Hdl64Settings& settings = *info.settings;
+  details.emplace_back("series", info.is_s3 ? "S3" : "S2");
+  details.emplace_back("calibrated", settings.calibrated ? settings.calibrated->to_string() : "no date");
+  details.emplace_back("rpm", printed("%d", settings.rpm));
+  details.emplace_back("fov_deg", printed("%.2f to %.2f", settings.fov_start_deg, settings.fov_end_deg));
+  details.emplace_back("return_mode", return_mode_text(settings.return_mode));
+  details.emplace_back("power_level", printed("%02X", settings.power_level));
+  details.emplace_back("life_hours", printed("%d", settings.life_hours));
+  details.emplace_back("humidity_percent", printed("%d", settings.humidity));
+  details.emplace_back("source", address_text(settings.source));
+  details.emplace_back("destination", address_text(settings.destination));
+  return details;
+}
 
 void Hdl64Status::add(std::uint8_t type, std::uint8_t value) {
   int slot = slot_of(type);
@@ -206,13 +245,13 @@ std::uint16_t Hdl64Status::le16(int position) const {
 /// Over the lasers' records without their numbers, as velodyne_decoder's hdl64e.py has it.
 bool Hdl64Status::is_checksum_right() const {
   if (times_known(checksum_at, round_bytes) == 0) return false;
-  std::uint16_t crc = 0;
+  boost::crc_optimal<16, 0x8005, 0, 0, false, false> crc;
   for (int i = 0; i < lasers; ++i) {
     const int record = first_laser + i * laser_stride;
     for (int k = record + 1; k < record + laser_bytes; ++k)
-      crc = crc16(crc, bytes_[static_cast<std::size_t>(k)].value);
+      crc.process_byte(bytes_[static_cast<std::size_t>(k)].value);
   }
-  return crc == le16(checksum_at);
+  return crc.checksum() == le16(checksum_at);
 }
 
 bool Hdl64Status::is_trustworthy() const {

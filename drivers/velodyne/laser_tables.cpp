@@ -4,13 +4,14 @@
 
 #include <cmath>
 
+#include "core/base/angle.h"
+
 namespace lidard::velodyne {
 namespace {
 
 /// Lasers whose beams all cross one point so far ahead of the axis: each leaves the axis at another height.
 template <std::size_t count>
 std::array<Laser, count> crossing_at(double ahead_mm, std::array<Laser, count> lasers) {
-  constexpr double rad_per_deg = 3.14159265358979323846 / 180;
   for (Laser& laser : lasers) laser.z_offset_mm = ahead_mm * std::tan(-laser.elevation_deg * rad_per_deg);
   return lasers;
 }

@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 
+#include "core/base/angle.h"
+#include "core/base/number_text.h"
 #include "drivers/velodyne/calibration.h"
 #include "drivers/velodyne/laser_tables.h"
 #include "drivers/velodyne/velodyne_driver.h"
@@ -110,9 +111,8 @@ std::uint16_t level_ring(const DriverConfig& config) {
   std::uint16_t best_ring = 0;
   double best = 1e9;
   for (std::size_t k = 0; k < rings.size(); ++k) {
-    const double elevation_deg = calibration != nullptr
-                                     ? calibration->lasers[k].vert_correction * (180 / 3.14159265358979323846)
-                                     : row.laser[k].elevation_deg;
+    const double elevation_deg = calibration != nullptr ? calibration->lasers[k].vert_correction * deg_per_rad
+                                                        : row.laser[k].elevation_deg;
     constexpr double equal_deg = 1e-6;
     const double off = std::fabs(elevation_deg);
     if (off > best + equal_deg || (off > best - equal_deg && rings[k] < best_ring)) continue;
@@ -126,26 +126,38 @@ Model spinning(const char* name, const char* product, const ModelRow& row, doubl
                const char* verified) {
   constexpr double default_rpm = 600;
   const std::size_t most_echoes = row.banks == 2 ? 1 : 2;
-  Model model{
-      name,
-      "Velodyne",
-      product,
-      "Velodyne data packet",
-      FrameKind::cloud,
-      Transport::udp,
-      2368,
-      row.names_product() ? std::uint16_t{8308} : std::uint16_t{0},  // the HDL-64E has no telemetry packet
-      1 / seconds(row.packet_period(row.timings.front(), most_echoes)),
-      60 / default_rpm,
-      0.4,  // nearer returns come from the housing or the mounting (ros-drivers/velodyne launch files)
-      range_max,
-      row.lasers,
-      verified,
-      &row,
-      &make_driver,
-      row.without_factory_bytes != nullptr};  // only the HDL-32E has an IMU
-  model.has_confidence = row.banks == 4;      // return mode 0x3B of the VLS-128
+  Model model;
+  model.name = name;
+  model.vendor = "Velodyne";
+  model.product = product;
+  model.protocol = "Velodyne data packet";
+  model.verified = verified;
+  model.kind = FrameKind::cloud;
+  model.port = 2368;
+  model.packets_per_s = 1 / seconds(row.packet_period(row.timings.front(), most_echoes));
+  model.frame_period = 60 / default_rpm;
+  model.range_min =
+      0.4;  // nearer returns come from the housing or the mounting (launch files of ros-drivers)
+  model.range_max = range_max;
+  model.beams = row.lasers;
+  model.traits = {Trait::revolutions, Trait::calibration, Trait::silent_beams_are_free,
+                  Trait::packet_messages};
   model.level_ring = &level_ring;
+  model.row = &row;
+  model.make = &make_driver;
+  return model;
+}
+
+/// Those with telemetry packets and a web interface (63-9243 Rev D, section 10.2), which the HDL-64E has not:
+/// it is set through its serial line (user manual 63-HDL64ES3).
+Model connected(const char* name, const char* product, const ModelRow& row, double range_max,
+                const char* verified, std::initializer_list<Trait> more = {}) {
+  Model model = spinning(name, product, row, range_max, verified);
+  model.telemetry_port = 8308;
+  model.dialogue_port = 80;
+  model.traits.add({Trait::gnss, Trait::web_control});
+  model.messages = {message_topic<GnssFix>(), message_topic<TimeReference>()};
+  model.traits.add(more);
   return model;
 }
 
@@ -153,25 +165,25 @@ Model spinning(const char* name, const char* product, const ModelRow& row, doubl
 
 void append_models(std::vector<Model>& list) {
   // Ranges: data sheets, unverified.
-  list.push_back(spinning("velodyne_vlp16", "VLP-16", vlp16, 100, "real captures: strongest, last, dual"));
-  list.push_back(spinning("velodyne_puck_lite", "Puck LITE", vlp16, 100, "same packets as VLP-16"));
-  list.push_back(
-      spinning("velodyne_puck_hires", "Puck Hi-Res", hires, 100, "our simulator; no public capture"));
-  list.push_back(spinning("velodyne_vlp32a", "VLP-32A", vlp32a, 200, "our simulator; no public capture"));
-  list.push_back(spinning("velodyne_vlp32b", "VLP-32B", vlp32b, 200, "our simulator; no public capture"));
-  list.push_back(
-      spinning("velodyne_vlp32c", "VLP-32C", vlp32c, 200, "real capture: strongest, field of view"));
-  list.push_back(spinning("velodyne_hdl32e", "HDL-32E", hdl32e, 100, "real captures: strongest"));
-  list.push_back(
-      spinning("velodyne_hdl64e_s1", "HDL-64E S1", hdl64e_s1_row, 120, "real capture with its calibration"));
-  list.push_back(
-      spinning("velodyne_hdl64e_s2", "HDL-64E S2", hdl64e_s2_row, 120, "our simulator; no public capture"));
-  list.push_back(spinning("velodyne_hdl64e_s21", "HDL-64E S2.1", hdl64e_s21_row, 120,
-                          "our simulator; no public capture"));
-  list.push_back(
-      spinning("velodyne_hdl64e_s3", "HDL-64E S3", hdl64e_s3_row, 120, "our simulator; no public capture"));
-  list.push_back(spinning("velodyne_vls128", "VLS-128", vls128_row, 300, "real capture: strongest"));
-  list.push_back(spinning("velodyne_alpha_prime", "Alpha Prime", vls128_row, 300, "same packets as VLS-128"));
+  const char* simulated = "our simulator; no public capture";
+  const auto add = [&list](Model model) { list.push_back(std::move(model)); };
+  add(connected("velodyne_vlp16", "VLP-16", vlp16, 100, "real captures: strongest, last, dual"));
+  add(connected("velodyne_puck_lite", "Puck LITE", vlp16, 100, "same packets as VLP-16"));
+  add(connected("velodyne_puck_hires", "Puck Hi-Res", hires, 100, simulated));
+  add(connected("velodyne_vlp32a", "VLP-32A", vlp32a, 200, simulated));
+  add(connected("velodyne_vlp32b", "VLP-32B", vlp32b, 200, simulated));
+  add(connected("velodyne_vlp32c", "VLP-32C", vlp32c, 200, "real capture: strongest, field of view"));
+  add(connected("velodyne_hdl32e", "HDL-32E", hdl32e, 100, "real captures: strongest"));
+  list.back().messages.push_back(message_topic<ImuSample>());
+  add(spinning("velodyne_hdl64e_s1", "HDL-64E S1", hdl64e_s1_row, 120, "real capture with its calibration"));
+  add(spinning("velodyne_hdl64e_s2", "HDL-64E S2", hdl64e_s2_row, 120, simulated));
+  add(spinning("velodyne_hdl64e_s21", "HDL-64E S2.1", hdl64e_s21_row, 120, simulated));
+  add(spinning("velodyne_hdl64e_s3", "HDL-64E S3", hdl64e_s3_row, 120, simulated));
+  // Confidence: return mode 0x3B.
+  add(connected("velodyne_vls128", "VLS-128", vls128_row, 300, "real capture: strongest",
+                {Trait::confidence}));
+  add(connected("velodyne_alpha_prime", "Alpha Prime", vls128_row, 300, "same packets as VLS-128",
+                {Trait::confidence}));
 }
 
 const std::vector<const ModelRow*>& model_rows() {
@@ -210,9 +222,7 @@ std::string product_name(std::uint8_t product_id) {
   for (const auto& [id, name] : products) {
     if (id == product_id) return name;
   }
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "unknown product 0x%02x", static_cast<unsigned>(product_id));
-  return text.data();
+  return printed("unknown product 0x%02x", static_cast<unsigned>(product_id));
 }
 
 }  // namespace lidard::velodyne

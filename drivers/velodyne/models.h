@@ -4,11 +4,12 @@
 
 #include <vector>
 
-#include "drivers/model.h"
+#include "drivers/recognizer.h"
 
 namespace lidard::velodyne {
 
 /// Adds the Velodyne rows to the table of models.
 void append_models(std::vector<Model>& list);
+std::unique_ptr<Recognizer> make_recognizer();
 
 }  // namespace lidard::velodyne

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cmath>
+#include <ctime>
 
 namespace lidard::velodyne {
 namespace {
@@ -57,18 +57,18 @@ std::optional<Span> time_of_day(std::string_view text) {
 
 /// DDMMYY as its midnight; years are those from 1980 (the begin of GPS) to 2079.
 std::optional<Stamp> midnight(std::string_view text) {
-  constexpr std::array<int, 12> month_days = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
   const auto day = digits(text, 0, 2);
   const auto month = digits(text, 2, 2);
   const auto short_year = digits(text, 4, 2);
-  if (text.size() != 6 || !day || !month || !short_year || *month < 1 || *month > 12) return std::nullopt;
-  const int year = *short_year + (*short_year < 80 ? 2000 : 1900);
-  const bool leap = year % 4 == 0;
-  const auto before = static_cast<std::size_t>(*month - 1);
-  if (*day < 1 || *day > month_days[before] + (leap && *month == 2 ? 1 : 0)) return std::nullopt;
-  int days = 365 * (year - 1970) + (year - 1969) / 4 + *day - 1 + (leap && *month > 2 ? 1 : 0);
-  for (std::size_t m = 0; m < before; ++m) days += month_days[m];
-  return Stamp{} + hours(24) * days;
+  if (text.size() != 6 || !day || !month || !short_year) return std::nullopt;
+  std::tm date{};
+  date.tm_mday = *day;
+  date.tm_mon = *month - 1;
+  date.tm_year = *short_year + (*short_year < 80 ? 100 : 0);
+  const std::int64_t whole = timegm(&date);
+  // timegm() takes the 31st of April for the 1st of May.
+  if (date.tm_mday != *day || date.tm_mon != *month - 1) return std::nullopt;
+  return Stamp{} + seconds(whole);
 }
 
 /// [D]DDMM.mmm and its hemisphere as degrees.

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "core/base/time.h"
-#include "core/frames/gnss.h"
+#include "core/frames/device_message.h"
 
 namespace lidard::velodyne {
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "drivers/velodyne/models.h"
 #include "drivers/velodyne/packet.h"
 #include "drivers/velodyne/packet_layout.h"
 #include "drivers/velodyne/packet_order.h"
@@ -21,6 +22,18 @@ bool is_within_percent(Span a, Span b, int percent) {
   return a * 100 < b * (100 + percent) && a * 100 > b * (100 - percent);
 }
 
+/// Every product of a row: a Puck LITE has the row of a VLP-16.
+void add_products(const ModelRow* row, std::vector<std::string_view>& names) {
+  static const std::vector<Model> products = [] {
+    std::vector<Model> list;
+    append_models(list);
+    return list;
+  }();
+  for (const Model& model : products) {
+    if (model.row == row) names.push_back(model.name);
+  }
+}
+
 bool is_paired_hdl64e(const ModelRow& row) { return row.has_status(); }
 
 }  // namespace
@@ -34,7 +47,9 @@ const ModelRow* family_of(ByteView payload) {
   return nullptr;
 }
 
-void Recognizer::add(ByteView payload) {
+void VelodyneRecognizer::add(const Packet& received) {
+  if (received.transport != Transport::udp) return;
+  const ByteView payload = received.payload;
   const ModelRow* family = family_of(payload);
   if (family == nullptr) return;
   const DataPacket packet(payload);
@@ -50,7 +65,7 @@ void Recognizer::add(ByteView payload) {
   note_status(packet.mode());
 }
 
-void Recognizer::note_status(std::uint8_t type) {
+void VelodyneRecognizer::note_status(std::uint8_t type) {
   if (last_type_ == before_warning) {
     warnings_ += type == warning ? 1U : 0U;
     quiet_ += type == first_of_calibration ? 1U : 0U;
@@ -58,7 +73,7 @@ void Recognizer::note_status(std::uint8_t type) {
   last_type_ = type;
 }
 
-Span Recognizer::median_period() const {
+Span VelodyneRecognizer::median_period() const {
   constexpr std::size_t enough = 3;
   if (step_count_ < enough) return Span(0);
   auto sorted = steps_;
@@ -67,37 +82,37 @@ Span Recognizer::median_period() const {
   return Span(*middle);
 }
 
-const ModelRow* Recognizer::by_product() const {
-  for (const ModelRow* row : model_rows()) {
-    if (row->banks == family_->banks && row->has_product(product_)) return row;
+const ModelRow* VelodyneRecognizer::by_product() const {
+  for (const ModelRow* each : model_rows()) {
+    if (each->banks == family_->banks && each->has_product(product_)) return each;
   }
   return nullptr;
 }
 
-bool Recognizer::fits_period(const ModelRow& row) const {
-  if (row.banks != family_->banks) return false;
+bool VelodyneRecognizer::fits_period(const ModelRow& model) const {
+  if (model.banks != family_->banks) return false;
   const Span period = median_period();
   const std::size_t echoes = dual_packets_ * 2 > packets_ ? 2 : 1;
-  return std::any_of(row.timings.begin(), row.timings.end(), [&](const Timing& timing) {
-    return is_within_percent(period, row.packet_period(timing, echoes), 3);
+  return std::any_of(model.timings.begin(), model.timings.end(), [&](const Timing& timing) {
+    return is_within_percent(period, model.packet_period(timing, echoes), 3);
   });
 }
 
 /// The product byte names a model and the period, if known, is that model's.
-bool Recognizer::is_byte_right() const {
+bool VelodyneRecognizer::is_byte_right() const {
   const ModelRow* named = by_product();
   return median_period() == Span(0) || (named != nullptr && fits_period(*named));
 }
 
-bool Recognizer::is_possible_generation(const ModelRow& row) const {
-  if (!is_paired_hdl64e(row)) return false;
-  const bool is_s3 = row.warns;
+bool VelodyneRecognizer::is_possible_generation(const ModelRow& model) const {
+  if (!is_paired_hdl64e(model)) return false;
+  const bool is_s3 = model.warns;
   if (warnings_ > 0) return is_s3;
   if (quiet_ >= enough_quiet_cycles) return !is_s3;
   return true;
 }
 
-const ModelRow* Recognizer::verdict() const {
+const ModelRow* VelodyneRecognizer::row() const {
   if (packets_ == 0) return nullptr;
   if (!family_->has_stamp()) return family_;
   if (is_paired_hdl64e(*family_)) {
@@ -105,40 +120,56 @@ const ModelRow* Recognizer::verdict() const {
     const Span period = median_period();
     const std::size_t echoes = dual_packets_ * 2 > packets_ ? 2 : 1;
     const ModelRow* first = nullptr;
-    for (const ModelRow* row : model_rows()) {
-      if (!is_possible_generation(*row)) continue;
-      if (first == nullptr) first = row;
-      if (is_within_percent(period, row->packet_period(row->timings.front(), echoes), 3)) return row;
+    for (const ModelRow* each : model_rows()) {
+      if (!is_possible_generation(*each)) continue;
+      if (first == nullptr) first = each;
+      if (is_within_percent(period, each->packet_period(each->timings.front(), echoes), 3)) return each;
     }
     return first;
   }
   if (is_byte_right()) return by_product();
-  for (const ModelRow* row : model_rows()) {
-    if (fits_period(*row)) return row;
+  for (const ModelRow* each : model_rows()) {
+    if (fits_period(*each)) return each;
   }
   return nullptr;
 }
 
-std::vector<const ModelRow*> Recognizer::others() const {
-  const ModelRow* chosen = verdict();
+std::vector<const ModelRow*> VelodyneRecognizer::other_rows() const {
+  const ModelRow* chosen = row();
   std::vector<const ModelRow*> rows;
   if (chosen == nullptr || !chosen->has_stamp()) return rows;
-  for (const ModelRow* row : model_rows()) {
-    const bool possible = is_paired_hdl64e(*chosen) ? is_possible_generation(*row)
-                          : is_byte_right()         ? row->product_ids == chosen->product_ids
-                                                    : fits_period(*row);
-    if (possible && row != chosen) rows.push_back(row);
+  for (const ModelRow* each : model_rows()) {
+    const bool possible = is_paired_hdl64e(*chosen) ? is_possible_generation(*each)
+                          : is_byte_right()         ? each->product_ids == chosen->product_ids
+                                                    : fits_period(*each);
+    if (possible && each != chosen) rows.push_back(each);
   }
   return rows;
 }
 
-std::string Recognizer::remark() const {
-  if (packets_ == 0) return {};
-  const ModelRow* row = verdict();
-  if (row == nullptr) return "Velodyne packets of a " + product_name(product_) + ", which is not supported";
-  if (!row->names_product() || row->has_product(product_)) return {};
-  return "product byte says " + product_name(product_) + ", the packet period says " +
-         std::string(row->product);
+std::string_view VelodyneRecognizer::verdict() const {
+  std::vector<std::string_view> names;
+  add_products(row(), names);
+  return names.empty() ? std::string_view() : names.front();
 }
+
+std::vector<std::string_view> VelodyneRecognizer::others() const {
+  std::vector<std::string_view> names;
+  add_products(row(), names);
+  for (const ModelRow* other : other_rows()) add_products(other, names);
+  return names;
+}
+
+std::string VelodyneRecognizer::remark() const {
+  if (packets_ == 0) return {};
+  const ModelRow* chosen = row();
+  if (chosen == nullptr)
+    return "Velodyne packets of a " + product_name(product_) + ", which is not supported";
+  if (!chosen->names_product() || chosen->has_product(product_)) return {};
+  return "product byte says " + product_name(product_) + ", the packet period says " +
+         std::string(chosen->product);
+}
+
+std::unique_ptr<Recognizer> make_recognizer() { return std::make_unique<VelodyneRecognizer>(); }
 
 }  // namespace lidard::velodyne

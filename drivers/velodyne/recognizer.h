@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/bytes.h"
+#include "drivers/recognizer.h"
 #include "drivers/velodyne/model_row.h"
 
 namespace lidard::velodyne {
@@ -17,17 +18,20 @@ const ModelRow* family_of(ByteView payload);
 
 /// Recognises which Velodyne sent a stream: by the order of its blocks, its product byte unless the packet
 /// period contradicts it, and, of an HDL-64E, its status bytes.
-class Recognizer {
+class VelodyneRecognizer final : public Recognizer {
  public:
-  void add(ByteView payload);
-  /// nullptr: no Velodyne, or one without a row.
-  const ModelRow* verdict() const;
-  /// Rows that the packets fit as well, so that only a person can tell.
-  std::vector<const ModelRow*> others() const;
-  /// A sentence when byte and period disagree or the product is not supported; else empty.
-  std::string remark() const;
+  void add(const Packet& packet) override;
+  std::string_view verdict() const override;
+  /// Every product of the rows that fit, so that only a person can tell: a Puck LITE has the row of a VLP-16.
+  std::vector<std::string_view> others() const override;
+  /// Byte and period disagree, or the product is not supported.
+  std::string remark() const override;
 
  private:
+  /// nullptr: no Velodyne, or one without a row.
+  const ModelRow* row() const;
+  /// Rows that the packets fit beside row().
+  std::vector<const ModelRow*> other_rows() const;
   const ModelRow* by_product() const;
   bool fits_period(const ModelRow& row) const;
   bool is_byte_right() const;

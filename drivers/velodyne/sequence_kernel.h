@@ -76,7 +76,7 @@ struct SequenceKernels {
   void (*turn_lasers)(LaserArrays& lasers, double rate);
   /// Writes the returns of a sequence to `out`; returns the end of the last.
   std::uint8_t* (*place)(const LaserArrays& lasers, const SequenceSlots& sequence, std::uint8_t* out);
-  /// The same with every term of a calibration.
+  /// Writes the returns of a sequence by every term of a calibration.
   std::uint8_t* (*place_calibrated)(const LaserArrays& lasers, const CalibrationArrays& calibration,
                                     const SequenceSlots& sequence, std::uint8_t* out);
 };

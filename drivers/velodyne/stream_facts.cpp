@@ -10,6 +10,8 @@ namespace {
 /// Within it the head makes less than half a turn at 1200 rpm, so that the angle between is known.
 constexpr std::uint32_t longest_step_us = 20000;
 constexpr std::uint64_t window_us = 1000000;
+/// VLS-128 only, as UniBwTAS/velodyne has it (59).
+constexpr std::uint8_t dual_with_confidence = 0x3B;
 
 }  // namespace
 
@@ -21,6 +23,21 @@ void StreamFacts::add(const Packet& packet) {
   destination_ = packet.to;
   mode_ = data.mode();
   turn(data.stamp_us(), data.azimuth(0));
+}
+
+const char* StreamFacts::returns() const {
+  switch (mode_) {
+    case static_cast<std::uint8_t>(ReturnMode::strongest):
+      return "Strongest";
+    case static_cast<std::uint8_t>(ReturnMode::last):
+      return "Last";
+    case static_cast<std::uint8_t>(ReturnMode::dual):
+      return "Dual";
+    case dual_with_confidence:
+      return "Dual_conf";
+    default:
+      return nullptr;
+  }
 }
 
 /// Gaps, reordered packets and the turn of the hour are left out: what lies between is not known.

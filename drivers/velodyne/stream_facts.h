@@ -18,8 +18,8 @@ class StreamFacts {
   std::optional<Stamp> last_arrival() const { return last_arrival_; }
   /// Where the newest data packet was sent to.
   const Endpoint& destination() const { return destination_; }
-  /// Its return-mode byte.
-  std::uint8_t mode() const { return mode_; }
+  /// Its return mode as the sensor's web interface spells it; nullptr: none that is known.
+  const char* returns() const;
   /// Mean over about the last second of data; empty before.
   std::optional<double> rpm() const { return rpm_; }
 

@@ -2,12 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/velodyne/table_calibration.h"
 
+#include "core/base/angle.h"
 #include "drivers/velodyne/model_row.h"
 
 namespace lidard::velodyne {
 namespace {
-
-constexpr double rad_per_deg = 3.14159265358979323846 / 180;
 
 const ModelRow& row_of(const Model& model) { return *static_cast<const ModelRow*>(model.row); }
 

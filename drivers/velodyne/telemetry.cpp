@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "core/base/angle.h"
+
 namespace lidard::velodyne {
 namespace {
 
@@ -18,7 +20,7 @@ constexpr std::size_t nmea_size = 128;
 
 // HDL-32E user manual, appendix B, and VeloView's vtkVelodyneHDLPositionReader.
 constexpr std::size_t imu_offset = 14;
-constexpr double gyro_step = 0.09766 / 180 * 3.14159265358979323846;  // rad/s
+constexpr double gyro_step = 0.09766 / 180 * pi_d;  // rad/s
 constexpr double temperature_step_c = 0.1453;
 constexpr double temperature_at_zero_c = 25;
 constexpr double accel_step = 0.001221 * 9.80665;  // m/s²

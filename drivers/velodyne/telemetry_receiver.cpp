@@ -60,22 +60,12 @@ std::string_view text_of_pps(std::uint8_t pps) {
   return pps < texts.size() ? texts[pps] : "unknown";
 }
 
-/// Reuses the text's memory: details change while packets come in.
-void set(DeviceInfo& info, std::string_view key, std::string_view text) {
-  for (auto& [name, value] : info.details) {
-    if (name == key) {
-      value.assign(text);
-      return;
-    }
-  }
-  info.details.emplace_back(key, text);
-}
-
+/// Without allocations: details change while packets come in.
 template <typename... Values>
 void set(DeviceInfo& info, std::string_view key, const char* format, Values... values) {
   std::array<char, 48> text{};
   std::snprintf(text.data(), text.size(), format, values...);
-  set(info, key, std::string_view(text.data()));
+  info.set(key, text.data());
 }
 
 bool is_junk(NmeaVerdict verdict) {
@@ -88,16 +78,16 @@ void describe_health(const SensorHealth& health, DeviceInfo& info) {
   set(info, "Temperature bottom board (C)", "%d", health.bottom_board_c);
   set(info, "Temperature change since calibration (K)", "%d", health.since_calibration_k);
   set(info, "Calibration age (s)", "%u", static_cast<unsigned>(health.calibration_age_s));
-  set(info, "Thermal state", health.shut_down ? std::string_view("shut down") : std::string_view("ok"));
+  info.set("Thermal state", health.shut_down ? "shut down" : "ok");
 }
 
 }  // namespace
 
 TelemetryReceiver::TelemetryReceiver(const DriverConfig& config)
-    : has_imu_(config.model != nullptr && config.model->has_imu),
+    : has_imu_(config.model != nullptr && config.model->tells<ImuSample>()),
       time_offset_(config.time_offset),
       clock_(config.clock) {
-  fix_.frame_id = imu_.frame_id = config.frame_id;
+  fix_->frame_id = imu_->frame_id = config.frame_id;
 }
 
 void TelemetryReceiver::restart() {
@@ -130,7 +120,7 @@ Reject TelemetryReceiver::receive(ByteView payload, Stamp arrival, DriverOutput&
 
 void TelemetryReceiver::tick(Stamp now, DeviceInfo& info) {
   if (!in_stream_ || claim_ == ClockClaim::silent || now - last_arrival_ < silent_after) return;
-  set(info, "PPS", std::string_view("unknown"));
+  info.set("PPS", "unknown");
   set_claim(ClockClaim::silent, info);
 }
 
@@ -171,27 +161,27 @@ void TelemetryReceiver::send_sentence(DriverOutput& out, bool age_known) {
   const bool synchronised = claim_ == ClockClaim::synchronised;
   const NmeaReading nowhere;
   const NmeaReading& position = valid ? nmea_ : nowhere;
-  fix_.stamp = host_time(synchronised ? device_ - sentence_age_ : device_);
-  fix_.status = position.status;
-  fix_.latitude_deg = position.latitude_deg;
-  fix_.longitude_deg = position.longitude_deg;
-  fix_.altitude_m = position.altitude_m;
-  fix_.source_time = position.utc;
-  out.fix(fix_);
+  fix_->stamp = host_time(synchronised ? device_ - sentence_age_ : device_);
+  fix_->status = position.status;
+  fix_->latitude_deg = position.latitude_deg;
+  fix_->longitude_deg = position.longitude_deg;
+  fix_->altitude_m = position.altitude_m;
+  fix_->source_time = position.utc;
+  out.message(fix_);
   if (!position.utc || !(synchronised || age_known)) return;
-  reference_.stamp = host_time(device_);
-  reference_.reference = *position.utc + (synchronised ? sentence_age_ : Span(0));
-  reference_.source = synchronised ? "gps_pps" : "gps_nmea";
-  out.time_reference(reference_);
+  reference_->stamp = host_time(device_);
+  reference_->reference = *position.utc + (synchronised ? sentence_age_ : Span(0));
+  reference_->source = synchronised ? "gps_pps" : "gps_nmea";
+  out.message(reference_);
 }
 
 void TelemetryReceiver::send_imu(const RawImu& raw, DriverOutput& out) {
   const auto turn = raw.angular_velocity();
   const auto push = raw.linear_acceleration();
-  imu_.stamp = host_time(device_);
-  imu_.angular_velocity = {turn[0], turn[1], turn[2]};
-  imu_.linear_acceleration = {push[0], push[1], push[2]};
-  out.imu(imu_);
+  imu_->stamp = host_time(device_);
+  imu_->angular_velocity = {turn[0], turn[1], turn[2]};
+  imu_->linear_acceleration = {push[0], push[1], push[2]};
+  out.message(imu_);
 }
 
 void TelemetryReceiver::set_claim(ClockClaim claim, DeviceInfo& info) {
@@ -202,16 +192,16 @@ void TelemetryReceiver::set_claim(ClockClaim claim, DeviceInfo& info) {
     if (!text_of(claim).warning.empty()) all.emplace_back(text_of(claim).warning);
   }
   claim_ = claim;
-  if (claim == ClockClaim::silent) set(info, "Sensor clock", text_of(claim).state);
+  if (claim == ClockClaim::silent) info.set("Sensor clock", text_of(claim).state);
 }
 
 void TelemetryReceiver::describe(const Telemetry& telemetry, Stamp arrival, DeviceInfo& info) {
   last_described_ = arrival;
   described_pps_ = telemetry.pps;
-  set(info, "PPS", text_of_pps(telemetry.pps));
-  set(info, "Sensor clock", text_of(claim_).state);
+  info.set("PPS", text_of_pps(telemetry.pps));
+  info.set("Sensor clock", text_of(claim_).state);
   set(info, "Clock difference to host (s)", "%.3f", seconds(hour_difference(arrival - Stamp{}, toh_)));
-  set(info, "NMEA", text_of(nmea_));
+  info.set("NMEA", text_of(nmea_));
   if (nmea_.verdict != NmeaVerdict::absent)
     set(info, "NMEA age (s)", "%.1f", seconds(arrival - sentence_arrival_));
   set(info, "NMEA sentences not understood", "%llu", static_cast<unsigned long long>(bad_sentences_));

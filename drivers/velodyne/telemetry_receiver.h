@@ -79,9 +79,9 @@ class TelemetryReceiver {
 
   ClockClaim claim_ = ClockClaim::none;
   std::uint8_t described_pps_ = 0;
-  GnssFix fix_;
-  TimeReference reference_;
-  ImuSample imu_;
+  ReusedMessage<GnssFix> fix_;
+  ReusedMessage<TimeReference> reference_;
+  ReusedMessage<ImuSample> imu_;
 };
 
 }  // namespace lidard::velodyne

@@ -6,12 +6,11 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/angle.h"
 #include "drivers/velodyne/packet.h"
 
 namespace lidard::velodyne {
 namespace {
-
-constexpr double rad_per_deg = 3.14159265358979323846 / 180;
 
 static_assert(sizeof(CloudPoint) == point_step && offsetof(CloudPoint, intensity) == 12 &&
                   offsetof(CloudPoint, ring) == 16 && offsetof(CloudPoint, time) == 18,
@@ -180,14 +179,22 @@ void Unpacker::append_extras(const Sequence& sequence, Cloud& cloud) const {
   if (keep_too_near_) append_too_near(sequence, cloud);
 }
 
+/// Calls use(laser, distance count) for what became a point.
+template <class Use>
+void Unpacker::each_return(const Sequence& sequence, Use use) const {
+  const std::size_t per_bank = row_.lasers / row_.banks;
+  for (std::size_t k = 0; k < row_.lasers; ++k) {
+    const std::int32_t count = distance_count(sequence.slots[k / per_bank] + 3 * (k % per_bank));
+    if (count >= lasers_.nearest[k] && count <= lasers_.farthest[k]) use(k, count);
+  }
+}
+
 /// A word is 24 bits, wire bytes low distance, high distance, intensity; bits 11..0 are those of the first
 /// return, 23..12 the same of the second (UniBwTAS/velodyne, README; the byte order is unverified: no capture
 /// is known).
 void Unpacker::append_confidences(const Sequence& sequence, Cloud& cloud) const {
   const std::size_t per_bank = row_.lasers / row_.banks;
-  for (std::size_t k = 0; k < row_.lasers; ++k) {
-    const std::int32_t count = distance_count(sequence.slots[k / per_bank] + 3 * (k % per_bank));
-    if (count < lasers_.nearest[k] || count > lasers_.farthest[k]) continue;
+  each_return(sequence, [&](std::size_t k, std::int32_t) {
     std::uint16_t bits = no_confidence;
     if (sequence.confidence[0] != nullptr) {
       const std::uint8_t* slot = sequence.confidence[k / per_bank] + 3 * (k % per_bank);
@@ -195,7 +202,7 @@ void Unpacker::append_confidences(const Sequence& sequence, Cloud& cloud) const 
       bits = static_cast<std::uint16_t>((sequence.echo == 0 ? word : word >> 12U) & 0xFFFU);
     }
     cloud.confidences.push_back(bits);
-  }
+  });
 }
 
 void Unpacker::append_too_near(const Sequence& sequence, Cloud& cloud) const {
@@ -210,9 +217,7 @@ void Unpacker::append_too_near(const Sequence& sequence, Cloud& cloud) const {
 
 void Unpacker::append_origins(const Sequence& sequence, Cloud& cloud) const {
   const std::size_t per_bank = row_.lasers / row_.banks;
-  for (std::size_t k = 0; k < row_.lasers; ++k) {
-    const std::int32_t count = distance_count(sequence.slots[k / per_bank] + 3 * (k % per_bank));
-    if (count < lasers_.nearest[k] || count > lasers_.farthest[k]) continue;
+  each_return(sequence, [&](std::size_t k, std::int32_t count) {
     ReturnOrigin origin{};
     origin.column = static_cast<std::uint32_t>(cloud.columns.size() - 1);
     origin.laser = static_cast<std::uint16_t>(k);
@@ -224,7 +229,7 @@ void Unpacker::append_origins(const Sequence& sequence, Cloud& cloud) const {
     origin.offset_ns = (sequence.in_packet + origins_[k].firing).count();
     origin.stamp = sequence.stamp + origins_[k].firing;
     cloud.origins.push_back(origin);
-  }
+  });
 }
 
 }  // namespace lidard::velodyne

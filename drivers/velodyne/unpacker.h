@@ -62,6 +62,8 @@ class Unpacker {
   void set_geometry(const Calibration* calibration);
   void set_limits();
   void turn_anew();
+  template <class Use>
+  void each_return(const Sequence& sequence, Use use) const;
   void append_extras(const Sequence& sequence, Cloud& cloud) const;
   void append_origins(const Sequence& sequence, Cloud& cloud) const;
   void append_confidences(const Sequence& sequence, Cloud& cloud) const;

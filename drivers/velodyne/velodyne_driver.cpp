@@ -6,7 +6,7 @@
 #include <cstring>
 #include <utility>
 
-#include "drivers/model.h"
+#include "drivers/driver_base.h"
 #include "drivers/velodyne/arrival_stamps.h"
 #include "drivers/velodyne/cloud_builder.h"
 #include "drivers/velodyne/firing_schedule.h"
@@ -15,8 +15,11 @@
 #include "drivers/velodyne/packet_layout.h"
 #include "drivers/velodyne/packet_order.h"
 #include "drivers/velodyne/recognizer.h"
+#include "drivers/velodyne/stream_facts.h"
 #include "drivers/velodyne/telemetry_receiver.h"
 #include "drivers/velodyne/timing_chooser.h"
+#include "drivers/velodyne/web/web_dialogue.h"
+#include "drivers/velodyne/web/web_status.h"
 
 namespace lidard::velodyne {
 namespace {
@@ -46,10 +49,10 @@ Look look_of(const PacketAzimuths& azimuths, const FiringSchedule& schedule, std
   return look;
 }
 
-class VelodyneDriver final : public Driver {
+class VelodyneDriver final : public DriverBase {
  public:
   explicit VelodyneDriver(const DriverConfig& config)
-      : config_(config),
+      : DriverBase(config),
         row_(*static_cast<const ModelRow*>(config.model->row)),
         order_(row_, counters_),
         arrival_stamps_(row_),
@@ -57,9 +60,8 @@ class VelodyneDriver final : public Driver {
         frames_(config_, row_, counters_),
         clock_(config.clock),
         telemetry_(config) {
-    info_.details = {{"Vendor Name", "Velodyne"}, {"Product Name", std::string(config.model->product)}};
     if (row_.bank_by_bank && config.calibration == nullptr) info_.warnings.emplace_back(no_calibration);
-    own_details_ = info_.details.size();
+    if (config.control) web_.emplace(*config.control);
   }
 
   Reject receive(const Packet& packet, DriverOutput& out) override;
@@ -79,17 +81,30 @@ class VelodyneDriver final : public Driver {
     edge_.reset();
     pending_ = in_stream_ = false;
   }
-  void tick(Stamp now, DriverOutput& /*out*/) override {
+  void connected(Stamp now, DriverOutput& out) override {
+    if (web_) web_->dialogue.connected(now, out);
+  }
+  void disconnected() override {
+    if (web_) web_->dialogue.disconnected();
+  }
+  void tick(Stamp now, DriverOutput& out) override {
     telemetry_.tick(now, info_);
+    if (web_) web_->dialogue.tick(now, out);
     constexpr Span describe_period = std::chrono::seconds(1);
     if (now - described_ < describe_period && described_ < now) return;
     described_ = now;
     describe_status();
   }
-  const Counters& counters() const override { return counters_; }
-  const DeviceInfo& info() const override { return info_; }
+  std::optional<SettingsStatus> settings(Stamp now) const override;
 
  private:
+  /// Its web interface, and what arrives to hold against what that tells.
+  struct Web {
+    explicit Web(const VelodyneControl& control) : dialogue(control) {}
+    WebDialogue dialogue;
+    StreamFacts facts;
+  };
+
   Reject check(ByteView payload);
   void accept(const OrderedPacket& packet, Span time, DriverOutput& out);
   void decode_pending(const std::optional<NextPacket>& next, DriverOutput& out);
@@ -105,19 +120,16 @@ class VelodyneDriver final : public Driver {
   void read_status(const DataPacket& packet);
   void describe_status();
 
-  DriverConfig config_;
   const ModelRow& row_;
-  Counters counters_;
-  DeviceInfo info_;
   PacketOrder order_;
   ArrivalStamps arrival_stamps_;
   TimingChooser timing_;
   CloudBuilder frames_;
   DeviceClock clock_;
   TelemetryReceiver telemetry_;
+  std::optional<Web> web_;
   Hdl64Status status_;
   std::shared_ptr<const Calibration> sent_;  // by the sensor, in the last bytes of its packets
-  std::size_t own_details_ = 0;
   Stamp described_{};
   const Timing* timing_in_force_ = nullptr;
   OrderedPacket incoming_{};
@@ -130,7 +142,7 @@ class VelodyneDriver final : public Driver {
   double turned_deg_ = 0, turned_s_ = 0;
   std::optional<std::pair<Span, double>>
       edge_;  // when the last hidden sector inside a packet began, and where
-  std::uint8_t told_product_ = 0;
+  std::uint8_t reported_product_ = 0;
   std::string generation_warning_;
 };
 
@@ -147,6 +159,11 @@ Reject VelodyneDriver::check(ByteView payload) {
 }
 
 Reject VelodyneDriver::receive(const Packet& packet, DriverOutput& out) {
+  if (packet.transport == Transport::tcp) {
+    if (web_) web_->dialogue.receive(packet, out);
+    return Reject::none;
+  }
+  if (web_) web_->facts.add(packet);
   if (packet.payload.size() == position_packet_size) {
     ++counters_.other_packets;
     return telemetry_.receive(packet.payload, packet.arrival, out, info_);
@@ -177,6 +194,19 @@ Reject VelodyneDriver::receive(const Packet& packet, DriverOutput& out) {
   return verdict;
 }
 
+std::optional<SettingsStatus> VelodyneDriver::settings(Stamp now) const {
+  if (!web_) return std::nullopt;
+  constexpr Span silent_after = std::chrono::seconds(1);
+  const StreamFacts& facts = web_->facts;
+  Received received;
+  received.data = facts.last_arrival() && now - *facts.last_arrival() < silent_after;
+  received.destination = facts.destination();
+  received.returns = facts.returns();
+  received.rpm = facts.rpm();
+  received.listens_on = config_.control->data_port;
+  return web_status(web_->dialogue.state(), received);
+}
+
 /// True if another HDL-64E sends such packets: the blocks of an S1 have another order.
 bool VelodyneDriver::note_generation(ByteView payload) {
   const ModelRow* other = family_of(payload);
@@ -190,8 +220,8 @@ bool VelodyneDriver::note_generation(ByteView payload) {
 }
 
 void VelodyneDriver::note_product(std::uint8_t product, bool refused) {
-  if (product == told_product_) return;
-  told_product_ = product;
+  if (product == reported_product_) return;
+  reported_product_ = product;
   const std::string says = "packets name " + product_name(product) + " as their product, configured is " +
                            std::string(config_.model->product);
   info_.warnings.push_back(
@@ -210,7 +240,7 @@ void VelodyneDriver::read_status(const DataPacket& packet) {
 
 void VelodyneDriver::describe_status() {
   if (!row_.has_status()) return;
-  info_.details.resize(own_details_);
+  clear_details();
   const char* source = config_.calibration != nullptr ? "file"
                        : sent_ != nullptr             ? "sent by the sensor"
                                                       : "that of another sensor, until it sends its own";

@@ -20,8 +20,7 @@ ScanGrid full_circle() {
   ScanGridSpec spec;
   spec.beams = 1440;
   spec.range_max = 50;
-  std::string error;
-  return make_grid(spec, error).value();
+  return make_grid(spec).value();
 }
 
 /// 270 deg of a room whose walls are 3 to 9 m away; every tenth beam meets nothing.

@@ -45,7 +45,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   packet.transport = Transport::tcp;
   packet.arrival = Stamp{1'767'225'600'000'000'000};
   if ((wishes & 32U) != 0) driver->connected(packet.arrival, out);
-  hokuyo::Recognizer recognizer;
+  hokuyo::HokuyoRecognizer recognizer;
   std::size_t at = 1;
   while (input.has(at, 2)) {
     const std::size_t length = input.le16(at) & 0x7fffU;

@@ -2,16 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <chrono>
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace lidard::test {
 
-/// The web server of a Velodyne on a loopback port of its own: holds the settings, answers GETs with JSON,
-/// takes POSTs, remembers every request, and misbehaves when told to.
+/// The web server of a Velodyne, without sockets: holds the settings, answers GETs with JSON, takes POSTs,
+/// remembers every request, and misbehaves when told to.
 class FakeVelodyne {
  public:
   enum class Fault {
@@ -23,15 +21,16 @@ class FakeVelodyne {
     http_1_0,         ///< HTTP/1.0 without a length, ended by closing
     length_too_large  ///< a Content-Length beyond the body, ended by closing
   };
-  struct Request {
-    std::string text;  ///< "GET /cgi/status.json", "POST /cgi/setting rpm=1200"
-    std::chrono::steady_clock::time_point time;
+  struct Reply {
+    std::string bytes;
+    bool closes = true;  ///< the connection afterwards
   };
 
   FakeVelodyne();
   ~FakeVelodyne();
 
-  std::uint16_t port() const;
+  /// What it sends on a request.
+  Reply take(const std::string& request);
   /// The next `times` requests whose text begins with `beginning` are answered so.
   void misbehave(Fault fault, int times, const std::string& beginning = "");
   /// POSTs of settings are answered well and ignored.
@@ -40,13 +39,9 @@ class FakeVelodyne {
   void forget(const std::string& key);
   void set(const std::string& key, const std::string& value);
   std::string get(const std::string& key) const;
-  /// Nobody listens any more; or again, on the same port.
-  void switch_off();
-  void switch_on();
 
-  std::vector<Request> requests() const;
-  /// The texts of those that begin with `beginning`.
-  std::vector<std::string> requests(const std::string& beginning) const;
+  /// The requests so far whose texts begin so: "GET /cgi/status.json", "POST /cgi/setting rpm=1200".
+  std::vector<std::string> requests(const std::string& beginning = "") const;
 
  private:
   struct Impl;

@@ -24,8 +24,7 @@ ScanGrid full_circle(std::size_t beams) {
   ScanGridSpec spec;
   spec.beams = beams;
   spec.range_max = merge_range_max;
-  std::string error;
-  return *make_grid(spec, error);
+  return *make_grid(spec);
 }
 
 std::vector<FlatScanner> scanners_of(const MergeCase& set_up) {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "test/support/random_bytes.h"
 
-#include <string>
 #include <vector>
 
 #include "core/base/angle.h"
@@ -21,8 +20,7 @@ ScanGrid read_grid(Bytes& in) {
     spec.angle_min = in.between(-pi, 0), spec.angle_max = spec.angle_min + in.between(0.1, pi);
   spec.range_max = in.between(0.5, 80);
   if (in.chance(60)) spec.range_min = in.between(0, 0.4);
-  std::string error;
-  const auto grid = make_grid(spec, error);
+  const auto grid = make_grid(spec);
   if (!grid) std::abort();
   return *grid;
 }

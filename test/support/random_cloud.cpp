@@ -3,7 +3,6 @@
 #include "test/support/random_cloud.h"
 
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 
 #include "core/base/angle.h"

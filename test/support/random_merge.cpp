@@ -4,8 +4,6 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
-#include <limits>
 
 #include "core/merge/merger.h"
 #include "core/merge/mount_check.h"

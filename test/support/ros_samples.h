@@ -5,9 +5,9 @@
 #include <cstddef>
 
 #include "core/frames/cloud.h"
-#include "core/frames/gnss.h"
-#include "core/frames/imu.h"
+#include "core/frames/device_message.h"
 #include "core/frames/scan.h"
+#include "daemon/config/output_topics.h"
 
 namespace lidard::test {
 
@@ -21,5 +21,18 @@ GnssFix sample_fix();
 TimeReference sample_time_reference();
 /// Turning left on level ground.
 ImuSample sample_imu();
+
+/// Topics of a vehicle with a scanner in front and a lidar with receiver and inertial unit on the roof.
+inline const OutputTopic front_scan{"front/scan", TopicKind::scan, true, 0, 0};
+inline const OutputTopic front_echoes{"front/echoes", TopicKind::echoes, true, 0, 1};
+inline const OutputTopic roof_points{"roof/points", TopicKind::cloud, true, 0, 2};
+inline const OutputTopic roof_fix{"roof/fix", TopicKind::message, false, message_kind<GnssFix>(), 3};
+inline const OutputTopic roof_time{"roof/time_reference", TopicKind::message, false,
+                                   message_kind<TimeReference>(), 4};
+inline const OutputTopic roof_imu{"roof/imu", TopicKind::message, false, message_kind<ImuSample>(), 5};
+/// All of them.
+inline std::vector<OutputTopic> sample_topics() {
+  return {front_scan, front_echoes, roof_points, roof_fix, roof_time, roof_imu};
+}
 
 }  // namespace lidard::test

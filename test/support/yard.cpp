@@ -186,8 +186,7 @@ YardScene make_yard_scene(const YardCase& set_up, std::uint64_t seed) {
   ScanGridSpec spec;
   spec.beams = output_beams;
   spec.range_max = output_range_max;
-  std::string error;
-  scene.grid = *make_grid(spec, error);
+  scene.grid = *make_grid(spec);
   for (std::size_t beam = 0; beam < scene.grid.beams; ++beam) {
     const double angle = scene.grid.angle(beam);
     scene.truth.push_back(truth_at(scene, angle));

@@ -92,7 +92,7 @@ def items_of(states):
 
 
 def stop_each(daemon, manager, newest):
-    for name in (None, "lidard-ros", "roscpp-sockets", "roscpp-xmlrpc", "roscpp-callback"):
+    for name in (None, "lidard-ros", "lidard-callback", "roscpp-sockets", "roscpp-xmlrpc", "roscpp-callback"):
         thread = wait_for(lambda name=name: thread_of(daemon, name), 5, f"a thread {name}")
         with stopped(thread):
             # What the thread did before it was stopped may still be told.

@@ -10,11 +10,6 @@
 namespace lidard::sick {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
-constexpr double rad_per_deg = pi / 180;
-constexpr std::array<std::string_view, 5> distance_names = {"DIST1", "DIST2", "DIST3", "DIST4", "DIST5"};
-constexpr std::array<std::string_view, 5> intensity_names = {"RSSI1", "RSSI2", "RSSI3", "RSSI4", "RSSI5"};
-
 /// Planes of an MRS1000 from the lowest to the highest, as the telegram has them: 1/100 deg, positive
 /// downwards. SICK 8020494 p. 24 prints FF06, FA, FE0C hex and no sign; the sign is that of the clouds which
 /// SICK's own driver (sick_scan_xd) published of an MRS1104: the planes lie at -2.5, 0, 2.5 and 5 deg.
@@ -35,33 +30,30 @@ std::size_t ring_of(std::int16_t layer) {
 
 }  // namespace
 
-ColaLayers::ColaLayers(const DriverConfig& config, const ColaRow& row, Counters& counters)
-    : row_(row),
+ColaCloudBuilder::ColaCloudBuilder(const DriverConfig& config, const ColaRow& row, Counters& counters)
+    : config_(config),
+      row_(row),
       counters_(counters),
-      limits_{std::max(config.min_range, config.model->range_min),
-              config.max_range > 0 ? std::min(config.max_range, config.model->range_max)
-                                   : config.model->range_max,
-              config.view_direction, config.view_width / 2},
-      keep_partial_(config.keep_partial),
-      keep_origins_(config.keep_origins),
-      time_offset_(config.time_offset) {
+      range_min_(std::max(config.min_range, config.model->range_min)),
+      range_max_(config.max_range > 0 ? std::min(config.max_range, config.model->range_max)
+                                      : config.model->range_max) {
   cloud_.frame_id = config.frame_id;
   cloud_.rings = planes.size();
 }
 
-void ColaLayers::clear() {
+void ColaCloudBuilder::clear() {
   seen_ = 0;
   cloud_.clear();
 }
 
-void ColaLayers::begin(Stamp stamp) {
+void ColaCloudBuilder::begin(Stamp stamp) {
   cloud_.clear();
   cloud_.stamp = stamp;
   cloud_.end = stamp;
   seen_ = 0;
 }
 
-void ColaLayers::choose(const ColaGeometry& geometry) {
+void ColaCloudBuilder::choose(const ColaGeometry& geometry) {
   if (geometry == geometry_ && !corrected_) return;
   corrected_ = false;
   geometry_ = geometry;
@@ -72,14 +64,14 @@ void ColaLayers::choose(const ColaGeometry& geometry) {
   }
 }
 
-bool ColaLayers::add(const ColaScan& telegram, const ColaGeometry& geometry, Span first,
-                     const ColaClock& clock, DriverOutput& out) {
+bool ColaCloudBuilder::add(const ColaScan& telegram, const ColaGeometry& geometry, Span first,
+                           const ColaClock& clock, DriverOutput& out) {
   const std::size_t ring = ring_of(telegram.layer);
   if (ring == no_ring) return false;
   choose(geometry);
   const std::uint32_t bit = 1U << ring;
   if (ring == first_ring || (seen_ & bit) != 0) finish(out);
-  if (seen_ == 0) begin(clock.to_host(first) + time_offset_);
+  if (seen_ == 0) begin(clock.to_host(first) + config_.time_offset);
   append(telegram, ring, first, clock);
   seen_ |= bit;
   ++packet_;
@@ -87,21 +79,22 @@ bool ColaLayers::add(const ColaScan& telegram, const ColaGeometry& geometry, Spa
   return true;
 }
 
-void ColaLayers::finish(DriverOutput& out) {
+void ColaCloudBuilder::finish(DriverOutput& out) {
   if (seen_ == 0) return;
   cloud_.complete = seen_ == all_rings;
   seen_ = 0;
   if (!cloud_.complete) ++counters_.partial_frames;
-  if (!cloud_.complete && !keep_partial_) return;
+  if (!cloud_.complete && !config_.keep_partial) return;
   cloud_.expected_columns = geometry_.beams * planes.size();
   ++counters_.frames;
   out.cloud(cloud_);
 }
 
-void ColaLayers::append(const ColaScan& telegram, std::size_t ring, Span first, const ColaClock& clock) {
+void ColaCloudBuilder::append(const ColaScan& telegram, std::size_t ring, Span first,
+                              const ColaClock& clock) {
   const ColaChannel* correction = telegram.channel("ANGL1");
   if (correction != nullptr && correction->values.size() != geometry_.beams) correction = nullptr;
-  const Stamp begin_stamp = clock.to_host(first) + time_offset_;
+  const Stamp begin_stamp = clock.to_host(first) + config_.time_offset;
   for (std::size_t beam = 0; beam < geometry_.beams; ++beam) {
     const Span after = span_from_seconds(geometry_.beam_period * static_cast<double>(beam));
     const Stamp fired = begin_stamp + after;
@@ -126,16 +119,13 @@ void ColaLayers::append(const ColaScan& telegram, std::size_t ring, Span first, 
   corrected_ = correction != nullptr;
 }
 
-void ColaLayers::append_return(const ColaChannel& distance, const ColaChannel* rssi, std::size_t beam,
-                               double azimuth_deg, std::uint16_t ring, Stamp fired) {
+void ColaCloudBuilder::append_return(const ColaChannel& distance, const ColaChannel* rssi, std::size_t beam,
+                                     double azimuth_deg, std::uint16_t ring, Stamp fired) {
   if (status_of_raw(distance.values[beam]) != BeamStatus::hit) return;
   const double range = distance.value(beam) * 1e-3;
-  if (range < limits_.range_min || range > limits_.range_max) return;
+  if (range < range_min_ || range > range_max_) return;
   const auto [cosine, sine] = directions_[beam];
-  if (limits_.view_half_width < pi) {
-    const double off = std::remainder(std::atan2(sine, cosine) - limits_.view_direction, 2 * pi);
-    if (std::abs(off) > limits_.view_half_width) return;
-  }
+  if (config_.view_width < two_pi && !config_.in_view(std::atan2(sine, cosine))) return;
   const double elevation = elevation_of(ring);
   const auto flat = static_cast<float>(range * std::cos(elevation));
   CloudPoint point{};
@@ -149,7 +139,7 @@ void ColaLayers::append_return(const ColaChannel& distance, const ColaChannel* r
   point.time = std::max(0.0F, static_cast<float>(seconds(fired - cloud_.stamp)));
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(&point);
   cloud_.points_bytes.insert(cloud_.points_bytes.end(), bytes, bytes + sizeof point);
-  if (!keep_origins_) return;
+  if (!config_.keep_origins) return;
   cloud_.origins.push_back({static_cast<std::uint32_t>(cloud_.columns.size() - 1), ring, 0, azimuth_deg,
                             range, offset_ns_, fired});
 }

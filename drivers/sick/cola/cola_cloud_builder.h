@@ -18,9 +18,9 @@ namespace lidard::sick {
 /// telegram of every plane, ring 0 being the lowest. Each echo of a beam has a column. The returns stand in
 /// the order of the telegrams; the sweeps of neighbouring planes overlap in time, so `time` rises within a
 /// plane only.
-class ColaLayers {
+class ColaCloudBuilder {
  public:
-  ColaLayers(const DriverConfig& config, const ColaRow& row, Counters& counters);
+  ColaCloudBuilder(const DriverConfig& config, const ColaRow& row, Counters& counters);
 
   /// Takes a telegram whose first beam was measured at `first` of the device's clock. Hands on the cloud
   /// that it completes. False: no plane of the device has that angle.
@@ -31,20 +31,16 @@ class ColaLayers {
   void clear();
 
  private:
-  struct Limits {
-    double range_min, range_max, view_direction, view_half_width;
-  };
   void begin(Stamp stamp);
   void choose(const ColaGeometry& geometry);
   void append(const ColaScan& telegram, std::size_t ring, Span first, const ColaClock& clock);
   void append_return(const ColaChannel& distance, const ColaChannel* rssi, std::size_t beam,
                      double azimuth_deg, std::uint16_t ring, Stamp fired);
 
+  const DriverConfig& config_;
   const ColaRow& row_;
   Counters& counters_;
-  Limits limits_;
-  bool keep_partial_, keep_origins_;
-  Span time_offset_;
+  double range_min_, range_max_;  // m
   std::uint32_t packet_ = 0;
   std::uint32_t seen_ = 0;      // bit by ring
   bool corrected_ = false;      // the directions are those of one telegram

@@ -2,9 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/sick/cola/cola_command.h"
 
-#include <array>
-#include <cstdio>
-
+#include "core/base/number_text.h"
 #include "drivers/sick/cola/cola_reader.h"
 
 namespace lidard::sick {
@@ -25,17 +23,14 @@ ColaWriter& ColaWriter::put(std::uint32_t value, std::size_t size) {
     for (std::size_t i = size; i-- > 0;) bytes_.push_back(static_cast<std::uint8_t>(value >> 8U * i & 0xffU));
     return *this;
   }
-  std::array<char, 16> digits{};
-  const int length = std::snprintf(digits.data(), digits.size(), "%X", value);
-  bytes_.insert(bytes_.end(), digits.begin(), digits.begin() + length);
+  const std::string digits = printed("%X", value);
+  bytes_.insert(bytes_.end(), digits.begin(), digits.end());
   return *this;
 }
 
 ColaWriter& ColaWriter::hash(std::uint32_t value) {
   if (dialect_ == ColaDialect::b) return u32(value);
-  std::array<char, 16> digits{};
-  const int length = std::snprintf(digits.data(), digits.size(), "%08X", value);
-  return letters({digits.data(), static_cast<std::size_t>(length)});
+  return letters(printed("%08X", value));
 }
 
 ColaWriter& ColaWriter::letters(std::string_view text) {

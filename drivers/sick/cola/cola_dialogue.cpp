@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/sick/cola/cola_dialogue.h"
 
+#include <boost/asio/yield.hpp>
 #include <cstdio>
 #include <cstdlib>
 
@@ -21,24 +22,29 @@ constexpr Span probe_patience = std::chrono::milliseconds(600);
 constexpr Span first_scan_patience = std::chrono::seconds(4);
 
 /// What is asked in each step, by Step; arguments follow.
-constexpr std::array<const char*, 13> commands = {"",
-                                                  "sRN DeviceIdent",
-                                                  "sRN LMPoutputRange",
-                                                  "sRN LMDscandatacfg",
-                                                  "sMN SetAccessMode",
-                                                  "sWN LMDscandatacfg",
-                                                  "sMN Run",
-                                                  "sEN LFErec",
-                                                  "sEN LIDoutputstate",
-                                                  "sEN LIDinputstate",
-                                                  "sEN LMDscandata",
-                                                  "",
-                                                  ""};
+constexpr std::array<std::string_view, 13> commands = {"",
+                                                       "sRN DeviceIdent",
+                                                       "sRN LMPoutputRange",
+                                                       "sRN LMDscandatacfg",
+                                                       "sMN SetAccessMode",
+                                                       "sWN LMDscandatacfg",
+                                                       "sMN Run",
+                                                       "sEN LFErec",
+                                                       "sEN LIDoutputstate",
+                                                       "sEN LIDinputstate",
+                                                       "sEN LMDscandata",
+                                                       "",
+                                                       ""};
 
 constexpr const char* no_scans =
     "the device accepts 'sEN LMDscandata 1' but sends no scans: its measurement is switched off, or somebody "
     "else "
     "is logged in; look at it with SOPAS ET";
+
+template <class Step>
+std::string_view command_of(Step step) {
+  return commands.at(static_cast<std::size_t>(step));
+}
 
 std::string_view variable_of(std::string_view command) { return command.substr(4); }
 
@@ -95,13 +101,58 @@ unsigned first_number(const ColaTelegram& telegram) {
 }  // namespace
 
 void ColaDialogue::start(Stamp now, DriverOutput& out) {
-  answered_ = scans_ = false;
-  logged_in_ = false;
-  want_login_ = false;
+  now_ = now;
+  answered_ = scans_ = logged_in_ = false;
   settings_.reset();
   wanted_.reset();
   found_.clear();
-  ask(Step::identity, now, out);
+  script_ = {};
+  script(out);
+}
+
+/// Goes on after each `yield` with the answer, or without one where the device sends scans anyway.
+void ColaDialogue::script(DriverOutput& out) {
+  reenter(script_) {
+    yield ask(Step::identity, out);
+    if (was_done()) take_identity();
+    yield ask(Step::range, out);
+    if (was_done()) detail("Output range", in_dialect(*answer_, [](auto in) { return read_range(in); }));
+    yield ask(Step::settings, out);
+    if (was_done()) take_settings();
+    if (wanted_) {
+      yield ask(Step::login, out);
+      take_login();
+    }
+    if (logged_in_) {
+      yield ask(Step::write, out);
+      if (was_done()) settings_written(out);
+      yield ask(Step::run, out);  // logs out
+      if (was_done()) logged_in_ = false;
+    }
+    if (config_.requests.device_states) {
+      yield ask(Step::fields, out);
+      yield ask(Step::outputs, out);
+      yield ask(Step::inputs, out);
+    }
+    yield ask(Step::subscribe, out);
+    if (refused_ && !can_login()) return give_up({}, out);
+    if (refused_) {
+      yield ask(Step::login, out);
+      take_login();
+      if (refused_) return give_up({}, out);
+      if (logged_in_) {
+        yield ask(Step::subscribe, out);
+        if (refused_) return give_up({}, out);
+        yield ask(Step::run, out);
+      }
+    }
+    ask(Step::waiting, out);
+  }
+}
+
+/// Without permission to write nobody logs in to subscribe, unless the configuration names a user level.
+bool ColaDialogue::can_login() const {
+  return (config_.requests.allow_write || !config_.requests.user_level.empty()) && !logged_in_;
 }
 
 void ColaDialogue::change_dialect() {
@@ -118,9 +169,10 @@ void ColaDialogue::stop() {
   step_ = Step::idle;
 }
 
-void ColaDialogue::ask(Step step, Stamp now, DriverOutput& out) {
+void ColaDialogue::ask(Step step, DriverOutput& out) {
   step_ = step;
-  asked_ = now;
+  refused_.reset();
+  patience_.start(now_, step == Step::waiting ? first_scan_patience : answered_ ? patience : probe_patience);
   const std::vector<std::uint8_t> bytes = request(step);
   if (!bytes.empty()) out.request({bytes.data(), bytes.size()});
 }
@@ -132,12 +184,12 @@ std::vector<std::uint8_t> ColaDialogue::login_request() const {
   const unsigned long hash = requests.password_hash.empty()
                                  ? row_.password
                                  : std::strtoul(requests.password_hash.c_str(), nullptr, 16);
-  ColaWriter writer(dialect_, commands[static_cast<std::size_t>(Step::login)]);
+  ColaWriter writer(dialect_, command_of(Step::login));
   return writer.u8(static_cast<std::uint8_t>(level)).hash(static_cast<std::uint32_t>(hash)).finish();
 }
 
 std::vector<std::uint8_t> ColaDialogue::request(Step step) const {
-  ColaWriter writer(dialect_, commands[static_cast<std::size_t>(step)]);
+  ColaWriter writer(dialect_, command_of(step));
   switch (step) {
     case Step::idle:
     case Step::waiting:
@@ -162,111 +214,43 @@ std::vector<std::uint8_t> ColaDialogue::request(Step step) const {
   return writer.finish();
 }
 
-ColaDialogue::Step ColaDialogue::after(Step step) const {
-  const Step stream = config_.requests.device_states ? Step::fields : Step::subscribe;
-  switch (step) {
-    case Step::identity:
-      return Step::range;
-    case Step::range:
-      return Step::settings;
-    case Step::settings:
-      return wanted_ ? Step::login : stream;
-    case Step::login:
-      if (!logged_in_) return want_login_ ? Step::waiting : stream;
-      return want_login_ ? Step::subscribe : Step::write;
-    case Step::write:
-      return Step::run;
-    case Step::run:
-      return want_login_ ? Step::waiting : stream;
-    case Step::fields:
-      return Step::outputs;
-    case Step::outputs:
-      return Step::inputs;
-    case Step::inputs:
-      return Step::subscribe;
-    case Step::subscribe:
-      return want_login_ ? Step::run : Step::waiting;
-    case Step::idle:
-    case Step::waiting:
-    case Step::streaming:
-      break;
-  }
-  return step;
-}
-
 void ColaDialogue::answer(const ColaTelegram& telegram, Stamp now, DriverOutput& out) {
-  if (step_ == Step::idle || step_ == Step::waiting || step_ == Step::streaming) return;
-  const std::string_view command = commands[static_cast<std::size_t>(step_)];
+  if (!is_asked()) return;
+  now_ = now;
   const bool error = telegram.kind() == "sFA";
-  if (!error && telegram.name() != variable_of(command)) return;
+  if (!error && telegram.name() != variable_of(command_of(step_))) return;
   answered_ = true;
-  if (telegram.dialect != dialect_) {
-    // Whoever set the device to the other dialect wanted it so: we speak it too.
-    dialect_ = telegram.dialect;
-    if (error && !dialect_known_) {
-      dialect_known_ = true;
-      ask(step_, now, out);
-      return;
-    }
-  }
+  // Whoever set the device to the other dialect wanted it so: we speak it too.
+  const bool misunderstood = error && telegram.dialect != dialect_ && !dialect_known_;
+  dialect_ = telegram.dialect;
   dialect_known_ = true;
-  if (error) {
-    refused(cola_error_code(telegram), now, out);
-  } else {
-    accept(telegram, now, out);
-  }
+  if (misunderstood) return ask(step_, out);
+  if (error)
+    refused_ = cola_error_code(telegram);
+  else if (step_ == Step::subscribe && first_number(telegram) != 1)
+    refused_ = 0xff;
+  if (refused_) take_refusal();
+  answer_ = &telegram;
+  script(out);
+  answer_ = nullptr;
 }
 
-void ColaDialogue::accept(const ColaTelegram& telegram, Stamp now, DriverOutput& out) {
-  switch (step_) {
-    case Step::identity:
-      take_identity(telegram);
-      break;
-    case Step::range:
-      detail("Output range", in_dialect(telegram, [](auto in) { return read_range(in); }));
-      break;
-    case Step::settings:
-      take_settings(telegram);
-      break;
-    case Step::login:
-      logged_in_ = first_number(telegram) == 1;
-      if (!logged_in_)
-        warn(
-            "the device refused the login: the password of that user level was changed, or the level does "
-            "not exist; set user_level and user_level_password");
-      if (!logged_in_ && want_login_) return give_up({}, out);
-      break;
-    case Step::write:
-      settings_written(out);
-      break;
-    case Step::run:
-      logged_in_ = false;
-      break;
-    case Step::subscribe:
-      if (first_number(telegram) != 1) return refused(0xff, now, out);
-      break;
-    default:
-      break;
-  }
-  proceed(now, out);
-}
-
-void ColaDialogue::refused(std::uint8_t code, Stamp now, DriverOutput& out) {
-  const std::string command = commands[static_cast<std::size_t>(step_)];
-  const bool can_login = config_.requests.allow_write || !config_.requests.user_level.empty();
-  if (step_ == Step::subscribe && can_login && !logged_in_ && !want_login_) {
-    want_login_ = true;
-    ask(Step::login, now, out);
-    return;
-  }
-  std::string sentence =
-      "the device refused '" + command + "' (sFA " + std::to_string(code) + "): " + cola_error_words(code);
-  if (step_ == Step::subscribe || (step_ == Step::login && want_login_)) return give_up(sentence, out);
+void ColaDialogue::take_refusal() {
+  if (step_ == Step::subscribe && can_login()) return;  // that may help
+  std::string sentence = "the device refused '" + std::string(command_of(step_)) + "' (sFA " +
+                         std::to_string(*refused_) + "): " + cola_error_words(*refused_);
   if (step_ == Step::identity || step_ == Step::range || step_ == Step::settings)
     sentence += "; its scans are not affected";
-  warn(sentence);
-  if (step_ == Step::login) logged_in_ = false;
-  proceed(now, out);
+  warn(std::move(sentence));
+}
+
+void ColaDialogue::take_login() {
+  logged_in_ = was_done() && first_number(*answer_) == 1;
+  if (!was_done() || logged_in_) return;
+  refused_ = 0xff;
+  warn(
+      "the device refused the login: the password of that user level was changed, or the level does "
+      "not exist; set user_level and user_level_password");
 }
 
 void ColaDialogue::give_up(std::string why, DriverOutput& out) {
@@ -278,8 +262,8 @@ void ColaDialogue::give_up(std::string why, DriverOutput& out) {
 
 /// Variants of a product differ in the last letter of the model's name; what they call themselves does not
 /// tell them apart.
-void ColaDialogue::take_identity(const ColaTelegram& telegram) {
-  const std::string identity = in_dialect(telegram, [](auto in) { return read_identity(in); });
+void ColaDialogue::take_identity() {
+  const std::string identity = in_dialect(*answer_, [](auto in) { return read_identity(in); });
   detail("Device", identity);
   const std::string_view named = cola_model_named(identity);
   const std::string_view configured = config_.model->name;
@@ -288,9 +272,9 @@ void ColaDialogue::take_identity(const ColaTelegram& telegram) {
        std::string(configured) + " is configured; correct `model`");
 }
 
-void ColaDialogue::take_settings(const ColaTelegram& telegram) {
+void ColaDialogue::take_settings() {
   ColaOutputs read;
-  if (!in_dialect(telegram, [&](auto in) { return read_settings(in, read); })) {
+  if (!in_dialect(*answer_, [&](auto in) { return read_settings(in, read); })) {
     warn(
         "the answer to 'sRN LMDscandatacfg' is not as SICK 8014631 describes it, so nothing is compared or "
         "written; report the firmware version");
@@ -308,7 +292,7 @@ void ColaDialogue::compare_settings() {
   ColaOutputs wanted = *settings_;
   constexpr std::uint8_t all_echoes = 0x1f;  // SICK 8014631: bits of DIST1 to DIST5
   if (config_.requests.skip) wanted.interval = static_cast<std::uint16_t>(*config_.requests.skip + 1);
-  if (config_.publish_multiecho && config_.model->has_echoes) wanted.channels[0] = all_echoes;
+  if (config_.publish_multiecho && config_.model->has(Trait::echoes)) wanted.channels[0] = all_echoes;
   const bool explicit_wish = !(wanted == *settings_);
   // Intensities are published by default where they are; that alone is no reason to ask for a permission.
   if (config_.publish_intensity && config_.requests.allow_write) wanted.rssi = 1;
@@ -336,49 +320,33 @@ void ColaDialogue::scan_came(ColaDialect dialect) {
 }
 
 void ColaDialogue::tick(Stamp now, DriverOutput& out) {
-  if (step_ == Step::idle || step_ == Step::streaming) return;
-  if (step_ == Step::waiting) {
-    if (now - asked_ <= first_scan_patience) return;
-    return give_up(no_scans, out);
-  }
-  if (now - asked_ <= (answered_ ? patience : probe_patience)) return;
+  now_ = now;
+  if (step_ == Step::idle || step_ == Step::streaming || !patience_.is_over(now)) return;
+  if (step_ == Step::waiting) return give_up(no_scans, out);
   if (!dialect_known_) {
     // Whatever was not understood was not answered either.
     dialect_known_ = true;
     change_dialect();
-    ask(step_, now, out);
-    return;
+    return ask(step_, out);
   }
-  const std::string command = commands[static_cast<std::size_t>(step_)];
+  const std::string unanswered = "the device did not answer '" + std::string(command_of(step_)) + "'";
   if (scans_) {
-    warn("the device did not answer '" + command + "'; its scans are not affected");
-    return proceed(now, out);
+    warn(unanswered + "; its scans are not affected");
+    return script(out);
   }
   dialect_known_ = false;
-  give_up("the device did not answer '" + command +
-              "' in time; check that ip_port is its port for CoLa (2112, or 2111) and that nobody else is "
+  give_up(unanswered +
+              " in time; check that ip_port is its port for CoLa (2112, or 2111) and that nobody else is "
               "connected to it",
           out);
 }
 
 bool ColaDialogue::changed() { return std::exchange(changed_, false); }
 
-void ColaDialogue::detail(const char* key, std::string value) {
-  changed_ = true;
-  for (auto& each : details_) {
-    if (each.first != key) continue;
-    each.second = std::move(value);
-    return;
-  }
-  details_.emplace_back(key, std::move(value));
-}
-
-void ColaDialogue::warn(std::string sentence) { found_.push_back(std::move(sentence)); }
-
 /// Those of the last attempt stay until this one has come to its end: nothing flickers while it goes on.
 void ColaDialogue::show_warnings() {
-  if (warnings_ == found_) return;
-  warnings_ = found_;
+  if (info_.warnings == found_) return;
+  info_.warnings = found_;
   changed_ = true;
 }
 

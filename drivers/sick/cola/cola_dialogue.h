@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "drivers/driver.h"
+#include "drivers/dialogue.h"
 #include "drivers/sick/cola/cola_command.h"
 #include "drivers/sick/cola/cola_models.h"
 #include "drivers/sick/cola/cola_outputs.h"
@@ -34,8 +34,7 @@ class ColaDialogue {
 
   /// True once after what follows changed.
   bool changed();
-  const std::vector<std::pair<std::string, std::string>>& details() const { return details_; }
-  const std::vector<std::string>& warnings() const { return warnings_; }
+  const DeviceInfo& info() const { return info_; }
 
  private:
   enum class Step : std::uint8_t {
@@ -53,37 +52,43 @@ class ColaDialogue {
     waiting,  // for the first scan
     streaming
   };
-  void ask(Step step, Stamp now, DriverOutput& out);
+  void script(DriverOutput& out);
+  void ask(Step step, DriverOutput& out);
+  /// A device that is asked does not stream yet.
+  bool is_asked() const { return step_ != Step::idle && step_ < Step::waiting; }
   std::vector<std::uint8_t> request(Step step) const;
   std::vector<std::uint8_t> login_request() const;
-  Step after(Step step) const;
-  void proceed(Stamp now, DriverOutput& out) { ask(after(step_), now, out); }
-  void refused(std::uint8_t code, Stamp now, DriverOutput& out);
-  void accept(const ColaTelegram& telegram, Stamp now, DriverOutput& out);
-  void take_identity(const ColaTelegram& telegram);
-  void take_settings(const ColaTelegram& telegram);
+  bool can_login() const;
+  /// The last question was answered and not refused.
+  bool was_done() const { return answer_ != nullptr && !refused_; }
+  void take_refusal();
+  void take_login();
+  void take_identity();
+  void take_settings();
   void compare_settings();
   void settings_written(DriverOutput& out);
   void give_up(std::string why, DriverOutput& out);
-  void detail(const char* key, std::string value);
-  void warn(std::string sentence);
+  void detail(std::string_view key, std::string_view value) { changed_ = true, info_.set(key, value); }
+  void warn(std::string sentence) { found_.push_back(std::move(sentence)); }
   void show_warnings();
   void change_dialect();
 
   const DriverConfig config_;
   const ColaRow& row_;
+  boost::asio::coroutine script_;
   ColaDialect dialect_ = ColaDialect::b;
   bool dialect_known_ = false;
   bool answered_ = false;  // in this connection
   bool scans_ = false;     // likewise: they come although not everything was asked yet
   Step step_ = Step::idle;
-  Stamp asked_;
+  Stamp now_;
+  Patience patience_;
+  const ColaTelegram* answer_ = nullptr;  // to the last question; nullptr: none came
+  std::optional<std::uint8_t> refused_;   // error code of that answer
   bool logged_in_ = false;
-  bool want_login_ = false;  // the subscription was refused without
   std::optional<ColaOutputs> settings_, wanted_;
   bool changed_ = false;
-  std::vector<std::pair<std::string, std::string>> details_;
-  std::vector<std::string> warnings_;
+  DeviceInfo info_;
   std::vector<std::string> found_;  // in this attempt
 };
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/base/steady_stamps.h"
-#include "drivers/model.h"
+#include "drivers/driver_base.h"
 #include "drivers/sick/cola/cola_clock.h"
 #include "drivers/sick/cola/cola_cloud_builder.h"
 #include "drivers/sick/cola/cola_dialogue.h"
@@ -15,6 +15,7 @@
 #include "drivers/sick/cola/cola_scan.h"
 #include "drivers/sick/cola/cola_scan_builder.h"
 #include "drivers/sick/cola/cola_states.h"
+#include "drivers/warning_board.h"
 
 namespace lidard::sick {
 namespace {
@@ -32,15 +33,15 @@ enum class Warning : std::uint8_t {
   count_
 };
 
-class ColaDriver final : public Driver {
+class ColaDriver final : public DriverBase {
  public:
   explicit ColaDriver(const DriverConfig& config)
-      : config_(config),
+      : DriverBase(config),
         row_(*static_cast<const ColaRow*>(config.model->row)),
         stream_(counters_),
         clock_(config.clock),
-        planar_(config, row_),
-        layers_(config, row_, counters_),
+        scan_builder_(config_, row_),
+        cloud_builder_(config_, row_, counters_),
         states_(config),
         dialogue_(config, row_) {}
 
@@ -48,10 +49,8 @@ class ColaDriver final : public Driver {
   void connected(Stamp now, DriverOutput& out) override;
   void disconnected() override;
   void tick(Stamp now, DriverOutput& out) override;
-  void finish(DriverOutput& out) override { layers_.finish(out); }
+  void finish(DriverOutput& out) override { cloud_builder_.finish(out); }
   void restart() override;
-  const Counters& counters() const override { return counters_; }
-  const DeviceInfo& info() const override { return info_; }
 
  private:
   Reject handle(const ColaTelegram& telegram, Stamp arrival, DriverOutput& out);
@@ -62,21 +61,16 @@ class ColaDriver final : public Driver {
   Span first_of_telegram(Span start) const;
   void publish(Span first, DriverOutput& out);
   void show_info();
-  template <class MakeText>
-  void warn(Warning what, bool active, MakeText&& make_text);
 
-  DriverConfig config_;
   const ColaRow& row_;
-  Counters counters_;
-  DeviceInfo info_;
-  std::array<std::string, static_cast<std::size_t>(Warning::count_)> warnings_;
+  WarningBoard<Warning> board_{info_.warnings};
   ColaStream stream_;
   ColaClock clock_;
   ColaScan scan_;
   ColaGeometry geometry_;
   bool has_geometry_ = false, has_beams_ = false;
-  ColaPlanar planar_;
-  ColaLayers layers_;
+  ColaScanBuilder scan_builder_;
+  ColaCloudBuilder cloud_builder_;
   ColaStates states_;
   ColaDialogue dialogue_;
 
@@ -91,24 +85,12 @@ class ColaDriver final : public Driver {
   SteadyStamps stamps_;
 };
 
-template <class MakeText>
-void ColaDriver::warn(Warning what, bool active, MakeText&& make_text) {
-  std::string& text = warnings_[static_cast<std::size_t>(what)];
-  if (active == !text.empty()) return;
-  text = active ? make_text() : std::string();
-  show_info();
-}
-
 void ColaDriver::show_info() {
-  info_.details = {{"Vendor Name", "SICK"},
-                   {"Product Name", std::string(config_.model->product)},
-                   {"Dialect", dialect_ == ColaDialect::a ? "CoLa A" : "CoLa B"}};
-  if (!name_.empty()) info_.details.emplace_back("Device name", name_);
-  for (const auto& each : dialogue_.details()) info_.details.push_back(each);
-  info_.warnings = dialogue_.warnings();
-  for (const std::string& each : warnings_) {
-    if (!each.empty()) info_.warnings.push_back(each);
-  }
+  clear_details();
+  info_.set("Dialect", dialect_ == ColaDialect::a ? "CoLa A" : "CoLa B");
+  if (!name_.empty()) info_.set("Device name", name_);
+  for (const auto& each : dialogue_.info().details) info_.details.push_back(each);
+  board_.lead(dialogue_.info().warnings);
 }
 
 Reject ColaDriver::receive(const Packet& packet, DriverOutput& out) {
@@ -151,7 +133,7 @@ Reject ColaDriver::handle_scan(const ColaTelegram& telegram, Stamp arrival, Driv
     dialect_ = telegram.dialect;
     follow_device();
   }
-  warn(Warning::status, scan_.status[0] != 0 || scan_.status[1] != 0, [&] {
+  board_.tell(Warning::status, scan_.status[0] != 0 || scan_.status[1] != 0, [&] {
     return "the device tells status " + std::to_string(scan_.status[0]) + " " +
            std::to_string(scan_.status[1]) +
            " instead of 0 0: a fault or a dirty window; look at it with SOPAS ET";
@@ -167,8 +149,8 @@ Reject ColaDriver::handle_scan(const ColaTelegram& telegram, Stamp arrival, Driv
     publish(first, out);
     return Reject::none;
   }
-  const bool known = layers_.add(scan_, geometry_, first, clock_, out);
-  warn(Warning::layer, !known, [&] {
+  const bool known = cloud_builder_.add(scan_, geometry_, first, clock_, out);
+  board_.tell(Warning::layer, !known, [&] {
     return "the device sends a plane at " + std::to_string(scan_.layer) +
            " (1/100 deg) that this model does not have; check `model`";
   });
@@ -180,7 +162,7 @@ void ColaDriver::follow_device() {
   if (device_known_ && before != scan_.serial) {
     clock_.reset();
     counting_ = false;
-    warn(Warning::other_device, true, [&] {
+    board_.tell(Warning::other_device, true, [&] {
       return "scanner " + std::to_string(before) + " was replaced by scanner " +
              std::to_string(scan_.serial) + "; check its pose and its fields";
     });
@@ -214,23 +196,20 @@ void ColaDriver::follow_counters(Span start, Stamp arrival) {
 Reject ColaDriver::take_geometry() {
   ColaGeometry now;
   const bool good = read_geometry(scan_, row_, now);
-  warn(Warning::no_distances, !good && scan_.channel("DIST1") == nullptr, [] {
-    return std::string(
-        "the device sends scans without distances; switch the channel DIST1 on (LMDscandatacfg)");
+  board_.tell(Warning::no_distances, !good && scan_.channel("DIST1") == nullptr, [] {
+    return "the device sends scans without distances; switch the channel DIST1 on (LMDscandatacfg)";
   });
   if (!good) return Reject::field;
   if (has_geometry_ && now == geometry_) return Reject::none;
   if (has_geometry_) {
-    warn(Warning::geometry, false, [] { return std::string(); });
-    warn(Warning::geometry, true, [&] {
-      return "the scanner changed from " + describe(geometry_) + " to " + describe(now) +
-             "; restart whatever expects the former, or undo the change in SOPAS ET";
-    });
+    board_.set(Warning::geometry,
+               "the scanner changed from " + describe(geometry_) + " to " + describe(now) +
+                   "; restart whatever expects the former, or undo the change in SOPAS ET");
   }
   geometry_ = now;
   has_geometry_ = true;
-  has_beams_ = planar_.choose(geometry_);
-  warn(Warning::no_beams_left, !has_beams_ && !row_.layered, [&] {
+  has_beams_ = scan_builder_.choose(geometry_);
+  board_.tell(Warning::no_beams_left, !has_beams_ && !row_.layered, [&] {
     return "no beam lies between angle_min and angle_max, the scanner sends " + describe(geometry_) +
            "; correct the angles in the configuration";
   });
@@ -243,8 +222,9 @@ Span ColaDriver::first_of_telegram(Span start) const {
 
 void ColaDriver::publish(Span first, DriverOutput& out) {
   if (!has_beams_) return;
-  const Span before = span_from_seconds(geometry_.beam_period * static_cast<double>(planar_.first_beam()));
-  PlanarScan& scan = planar_.fill(scan_);
+  const Span before =
+      span_from_seconds(geometry_.beam_period * static_cast<double>(scan_builder_.first_beam()));
+  PlanarScan& scan = scan_builder_.fill(scan_);
   scan.stamp = stamps_.next(clock_.to_host(first + before) + config_.time_offset);
   ++counters_.frames;
   out.scan(scan);
@@ -271,7 +251,7 @@ void ColaDriver::tick(Stamp now, DriverOutput& out) {
 void ColaDriver::restart() {
   stream_.reset();
   clock_.reset();
-  layers_.clear();
+  cloud_builder_.clear();
   counting_ = false;
   stamps_.reset();
 }

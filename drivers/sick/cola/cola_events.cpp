@@ -96,24 +96,18 @@ Reject read_pins(Reader in, bool with_counts, ColaPins& out) {
   return Reject::size;
 }
 
-template <class Read>
-Reject in_dialect(const ColaTelegram& telegram, Read&& read) {
-  if (telegram.dialect == ColaDialect::b) return read(ColaBinaryReader(telegram.arguments()));
-  return read(ColaTextReader(telegram.arguments()));
-}
-
 }  // namespace
 
 Reject parse_cola_fields(const ColaTelegram& telegram, ColaFields& fields) {
-  return in_dialect(telegram, [&](auto in) { return read_fields(in, fields); });
+  return read_arguments(telegram, [&](auto in) { return read_fields(in, fields); });
 }
 
 Reject parse_cola_outputs(const ColaTelegram& telegram, ColaPins& pins) {
-  return in_dialect(telegram, [&](auto in) { return read_pins(in, true, pins); });
+  return read_arguments(telegram, [&](auto in) { return read_pins(in, true, pins); });
 }
 
 Reject parse_cola_inputs(const ColaTelegram& telegram, ColaPins& pins) {
-  return in_dialect(telegram, [&](auto in) { return read_pins(in, false, pins); });
+  return read_arguments(telegram, [&](auto in) { return read_pins(in, false, pins); });
 }
 
 }  // namespace lidard::sick

@@ -2,15 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/sick/cola/cola_geometry.h"
 
-#include <array>
 #include <cmath>
-#include <cstdio>
+
+#include "core/base/angle.h"
+#include "core/base/number_text.h"
 
 namespace lidard::sick {
 namespace {
-
-constexpr double rad_per_deg = 3.14159265358979323846 / 180;
-constexpr std::array<std::string_view, 5> distance_names = {"DIST1", "DIST2", "DIST3", "DIST4", "DIST5"};
 
 /// The turn of the mirror by the measurement frequency, s; 0 unknown.
 double turn_by_measurements(const ColaScan& scan, double step_deg) {
@@ -77,10 +75,8 @@ bool read_geometry(const ColaScan& scan, const ColaRow& row, ColaGeometry& geome
 }
 
 std::string describe(const ColaGeometry& g) {
-  std::array<char, 128> text{};
-  std::snprintf(text.data(), text.size(), "%zu beams from %.4f deg in steps of %.5f deg, %.2f Hz", g.beams,
-                g.start_deg, g.step_deg, g.scan_hz);
-  return text.data();
+  return printed("%zu beams from %.4f deg in steps of %.5f deg, %.2f Hz", g.beams, g.start_deg, g.step_deg,
+                 g.scan_hz);
 }
 
 BeamStatus status_of_raw(std::uint16_t raw) {

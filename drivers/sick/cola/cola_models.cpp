@@ -74,7 +74,7 @@ constexpr Facts all_facts[] = {
 };
 
 Model model_of(const Facts& facts) {
-  Model model{};
+  Model model;
   model.name = facts.name;
   model.vendor = "SICK";
   model.product = facts.product;
@@ -90,8 +90,10 @@ Model model_of(const Facts& facts) {
   model.verified = facts.verified;
   model.row = facts.row;
   model.make = make_cola_driver;
-  model.has_echoes = facts.has_echoes && !facts.row->layered;
-  model.state_topics = {topic_fields, topic_outputs, topic_inputs, topic_encoder};
+  model.traits = {Trait::settings_writable, Trait::logins, Trait::skip_setting, Trait::states_on_request};
+  if (facts.has_echoes && !facts.row->layered) model.traits.add(Trait::echoes);
+  for (const std::string_view topic : {topic_fields, topic_outputs, topic_inputs, topic_encoder})
+    model.messages.push_back(message_topic<DeviceState>(topic));
   return model;
 }
 

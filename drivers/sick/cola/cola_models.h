@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "drivers/model.h"
+#include "drivers/recognizer.h"
 
 namespace lidard::sick {
 
@@ -26,8 +26,9 @@ struct ColaRow {
 
 /// Adds the scanners that speak CoLa A and B over TCP to the table of models.
 void append_cola_models(std::vector<Model>& list);
+std::unique_ptr<Recognizer> make_cola_recognizer();
 
-/// Topics of what such a device tells beside its scans, in Model::state_topics.
+/// Topics of what such a device tells beside its scans, in Model::messages.
 constexpr std::string_view topic_fields = "lferec";
 constexpr std::string_view topic_outputs = "lidoutputstate";
 constexpr std::string_view topic_inputs = "lidinputstate";

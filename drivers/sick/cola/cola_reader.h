@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/bytes.h"
+#include "drivers/sick/cola/cola_stream.h"
 
 namespace lidard::sick {
 
@@ -43,8 +44,8 @@ class ColaBinaryReader {
   bool ok_ = true;
 };
 
-/// The same for a text telegram: fields separated by blanks, hexadecimal without a sign or decimal with one
-/// (SICK 8014631 chapter 2.2).
+/// Reads the arguments of a text telegram one after the other: fields separated by blanks, hexadecimal
+/// without a sign or decimal with one (SICK 8014631 chapter 2.2).
 class ColaTextReader {
  public:
   explicit ColaTextReader(ByteView text) : text_(text.text()) {}
@@ -70,5 +71,12 @@ class ColaTextReader {
   std::string_view text_;
   bool ok_ = true;
 };
+
+/// Calls read(reader) with the reader of the telegram's dialect.
+template <class Read>
+auto read_arguments(const ColaTelegram& telegram, Read&& read) {
+  return telegram.dialect == ColaDialect::b ? read(ColaBinaryReader(telegram.arguments()))
+                                            : read(ColaTextReader(telegram.arguments()));
+}
 
 }  // namespace lidard::sick

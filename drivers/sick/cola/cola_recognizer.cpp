@@ -68,7 +68,7 @@ constexpr std::array families = {
     Family{"sick_lms5xx", -5, 185, {}, {}, any, any},
     Family{"sick_lms1xx", -45, 225, {}, {}, 1, 50},
 };
-/// Those before are what devices are known to send.
+/// The families whose scans are known from devices; the last two take what is not listed.
 constexpr std::size_t known_families = families.size() - 2;
 
 bool near_to(double a, double b, double tolerance) { return std::abs(a - b) <= tolerance; }
@@ -163,5 +163,7 @@ void ColaRecognizer::note_identity(std::string_view identity) {
   named_ = true;
   others_.clear();
 }
+
+std::unique_ptr<Recognizer> make_cola_recognizer() { return std::make_unique<ColaRecognizer>(); }
 
 }  // namespace lidard::sick

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "drivers/driver.h"
+#include "drivers/recognizer.h"
 #include "drivers/sick/cola/cola_scan.h"
 
 namespace lidard::sick {
@@ -25,13 +25,11 @@ struct ColaEvidence {
 /// Recognises scanners that speak CoLa in the bytes of one sender. The model follows from what the device
 /// calls itself (DeviceIdent), else from angles, rates and distances of its scans; where they fit several
 /// families, others() names those that were not chosen.
-class ColaRecognizer {
+class ColaRecognizer final : public Recognizer {
  public:
-  void add(const Packet& packet);
-  /// Name of the model; empty while nothing fits.
-  std::string_view verdict() const { return verdict_; }
-  /// Names of the other models that fit as well.
-  const std::vector<std::string_view>& others() const { return others_; }
+  void add(const Packet& packet) override;
+  std::string_view verdict() const override { return verdict_; }
+  std::vector<std::string_view> others() const override { return others_; }
 
  private:
   void look_at(const ColaTelegram& telegram);

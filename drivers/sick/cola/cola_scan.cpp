@@ -136,16 +136,13 @@ const ColaChannel* ColaScan::channel(std::string_view wanted) const {
 }
 
 std::size_t ColaScan::echo_count() const {
-  constexpr std::array<std::string_view, 5> names = {"DIST1", "DIST2", "DIST3", "DIST4", "DIST5"};
   std::size_t count = 0;
-  while (count < names.size() && channel(names[count]) != nullptr) ++count;
+  while (count < distance_names.size() && channel(distance_names[count]) != nullptr) ++count;
   return count;
 }
 
 Reject parse_cola_scan(const ColaTelegram& telegram, ColaScan& scan) {
-  const ByteView arguments = telegram.arguments();
-  if (telegram.dialect == ColaDialect::b) return read_scan(ColaBinaryReader(arguments), scan);
-  return read_scan(ColaTextReader(arguments), scan);
+  return read_arguments(telegram, [&](auto in) { return read_scan(in, scan); });
 }
 
 }  // namespace lidard::sick

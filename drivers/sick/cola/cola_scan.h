@@ -26,6 +26,10 @@ struct ColaChannel {
   double value(std::size_t i) const { return static_cast<double>(values[i]) * scale + offset; }
 };
 
+/// Names of the channels of each echo.
+constexpr std::array<std::string_view, 5> distance_names = {"DIST1", "DIST2", "DIST3", "DIST4", "DIST5"};
+constexpr std::array<std::string_view, 5> intensity_names = {"RSSI1", "RSSI2", "RSSI3", "RSSI4", "RSSI5"};
+
 /// The time the device believes it is.
 struct ColaTime {
   std::uint16_t year = 0;

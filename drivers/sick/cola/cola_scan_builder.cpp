@@ -2,39 +2,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/sick/cola/cola_scan_builder.h"
 
-#include <array>
-#include <cmath>
-
 #include "core/frames/beam_window.h"
 #include "drivers/model.h"
 
 namespace lidard::sick {
-namespace {
-
-constexpr std::array<std::string_view, 5> distance_names = {"DIST1", "DIST2", "DIST3", "DIST4", "DIST5"};
-constexpr std::array<std::string_view, 5> intensity_names = {"RSSI1", "RSSI2", "RSSI3", "RSSI4", "RSSI5"};
-
-}  // namespace
-
-ColaPlanar::ColaPlanar(const DriverConfig& config, const ColaRow& row)
-    : with_intensity_(config.publish_intensity),
-      multi_echo_(config.publish_multiecho),
-      lowest_(config.angle_min),
-      highest_(config.angle_max),
-      row_(row) {
+ColaScanBuilder::ColaScanBuilder(const DriverConfig& config, const ColaRow& row)
+    : config_(config), row_(row) {
   scan_.frame_id = config.frame_id;
   scan_.range_min = static_cast<float>(config.model->range_min);
   scan_.range_max = static_cast<float>(config.model->range_max);
 }
 
-bool ColaPlanar::choose(const ColaGeometry& geometry) {
+bool ColaScanBuilder::choose(const ColaGeometry& geometry) {
   const double start = geometry.angle(row_, 0);
-  const BeamWindow kept =
-      beams_between(start, geometry.angle(row_, 1) - start, geometry.beams, lowest_, highest_);
+  const BeamWindow kept = beams_between(start, geometry.angle(row_, 1) - start, geometry.beams,
+                                        config_.angle_min, config_.angle_max);
   first_beam_ = kept.first;
   const double first = geometry.angle(row_, static_cast<double>(first_beam_));
   const double next = geometry.angle(row_, static_cast<double>(first_beam_) + 1);
-  echoes_ = multi_echo_ ? geometry.echoes : 1;
+  echoes_ = config_.publish_multiecho ? geometry.echoes : 1;
   scan_.beams = kept.count;
   scan_.set_angles(static_cast<float>(first), static_cast<float>(next - first));
   scan_.scan_time = geometry.scan_hz > 0 ? static_cast<float>(1 / geometry.scan_hz) : 0;
@@ -42,14 +28,14 @@ bool ColaPlanar::choose(const ColaGeometry& geometry) {
   return kept.count > 0;
 }
 
-PlanarScan& ColaPlanar::fill(const ColaScan& telegram) {
+PlanarScan& ColaScanBuilder::fill(const ColaScan& telegram) {
   const ColaChannel* rssi = telegram.channel("RSSI1");
-  scan_.reset(scan_.beams, echoes_, with_intensity_ && rssi != nullptr);
+  scan_.reset(scan_.beams, echoes_, config_.publish_intensity && rssi != nullptr);
   for (std::size_t echo = 0; echo < echoes_; ++echo) fill_echo(telegram, echo);
   return scan_;
 }
 
-void ColaPlanar::fill_echo(const ColaScan& telegram, std::size_t echo) {
+void ColaScanBuilder::fill_echo(const ColaScan& telegram, std::size_t echo) {
   const ColaChannel& distance = *telegram.channel(distance_names[echo]);
   const ColaChannel* rssi = scan_.intensities.empty() ? nullptr : telegram.channel(intensity_names[echo]);
   if (rssi != nullptr && rssi->values.size() != distance.values.size()) rssi = nullptr;
@@ -59,16 +45,10 @@ void ColaPlanar::fill_echo(const ColaScan& telegram, std::size_t echo) {
     const std::size_t at = scan_.index(i, echo);
     if (rssi != nullptr) scan_.intensities[at] = static_cast<float>(rssi->value(from));
     const BeamStatus status = status_of_raw(distance.values[from]);
-    const auto range = static_cast<float>(distance.value(from) * metres);
-    if (status != BeamStatus::hit) {
+    if (status == BeamStatus::hit)
+      scan_.set_measured(at, static_cast<float>(distance.value(from) * metres));
+    else
       scan_.set_without_hit(at, status);
-    } else if (range < scan_.range_min) {
-      scan_.set_without_hit(at, BeamStatus::near);
-    } else if (range > scan_.range_max) {
-      scan_.set_without_hit(at, BeamStatus::none);
-    } else {
-      scan_.set_hit(at, range);
-    }
   }
 }
 

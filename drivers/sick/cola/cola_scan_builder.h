@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 
 #include "core/frames/scan.h"
 #include "drivers/driver.h"
@@ -12,9 +11,9 @@
 namespace lidard::sick {
 
 /// Makes planar scans of the telegrams of a single-plane device.
-class ColaPlanar {
+class ColaScanBuilder {
  public:
-  ColaPlanar(const DriverConfig& config, const ColaRow& row);
+  ColaScanBuilder(const DriverConfig& config, const ColaRow& row);
 
   /// Which beams the configured angles leave of this geometry. False: none.
   bool choose(const ColaGeometry& geometry);
@@ -26,8 +25,7 @@ class ColaPlanar {
  private:
   void fill_echo(const ColaScan& telegram, std::size_t echo);
 
-  bool with_intensity_, multi_echo_;
-  std::optional<double> lowest_, highest_;  // rad
+  const DriverConfig& config_;
   const ColaRow& row_;
   std::size_t first_beam_ = 0;
   std::size_t echoes_ = 1;

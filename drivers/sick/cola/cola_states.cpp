@@ -45,7 +45,7 @@ std::string_view encoder_name(bool speed, std::size_t i) {
 }  // namespace
 
 ColaStates::ColaStates(const DriverConfig& config) : time_offset_(config.time_offset) {
-  state_.frame_id = config.frame_id;
+  state_->frame_id = config.frame_id;
 }
 
 bool ColaStates::take(const ColaTelegram& telegram, Stamp arrival, const ColaClock& clock, DriverOutput& out,
@@ -64,9 +64,9 @@ bool ColaStates::take(const ColaTelegram& telegram, Stamp arrival, const ColaClo
 }
 
 void ColaStates::send(std::string_view topic, Stamp stamp, DriverOutput& out) {
-  state_.topic = topic;
-  state_.stamp = stamp;
-  out.state(state_);
+  state_->topic = topic;
+  state_->stamp = stamp;
+  out.message(state_);
 }
 
 Stamp ColaStates::stamp_of(const std::optional<std::uint32_t>& time_us, Stamp arrival,
@@ -80,10 +80,10 @@ Reject ColaStates::take_fields(const ColaTelegram& telegram, Stamp arrival, cons
                                DriverOutput& out) {
   const Reject reason = parse_cola_fields(telegram, fields_);
   if (reason != Reject::none) return reason;
-  state_.values.clear();
+  state_->values.clear();
   for (std::size_t i = 0; i < fields_.count; ++i) {
     const ColaFields::Field& field = fields_.fields[i];
-    state_.values.push_back({field_name(field.number), static_cast<double>(field.result)});
+    state_->values.push_back({field_name(field.number), static_cast<double>(field.result)});
   }
   send(topic_fields, stamp_of(fields_.time_us, arrival, clock), out);
   return Reject::none;
@@ -93,12 +93,12 @@ Reject ColaStates::take_pins(const ColaTelegram& telegram, bool output, Stamp ar
                              DriverOutput& out) {
   const Reject reason = output ? parse_cola_outputs(telegram, pins_) : parse_cola_inputs(telegram, pins_);
   if (reason != Reject::none) return reason;
-  state_.values.clear();
+  state_->values.clear();
   for (std::size_t i = 0; i < pins_.count; ++i) {
-    state_.values.push_back({pin_name(output, false, i), static_cast<double>(pins_.pins[i].state)});
+    state_->values.push_back({pin_name(output, false, i), static_cast<double>(pins_.pins[i].state)});
   }
   for (std::size_t i = 0; output && i < pins_.count; ++i) {
-    state_.values.push_back({pin_name(output, true, i), static_cast<double>(pins_.pins[i].count)});
+    state_->values.push_back({pin_name(output, true, i), static_cast<double>(pins_.pins[i].count)});
   }
   send(output ? topic_outputs : topic_inputs, stamp_of(pins_.time_us, arrival, clock), out);
   return Reject::none;
@@ -106,10 +106,10 @@ Reject ColaStates::take_pins(const ColaTelegram& telegram, bool output, Stamp ar
 
 void ColaStates::encoders(const ColaScan& scan, Stamp stamp, DriverOutput& out) {
   if (scan.encoder_count == 0) return;
-  state_.values.clear();
+  state_->values.clear();
   for (std::size_t i = 0; i < scan.encoder_count; ++i) {
-    state_.values.push_back({encoder_name(false, i), static_cast<double>(scan.encoders[i].position)});
-    state_.values.push_back({encoder_name(true, i), static_cast<double>(scan.encoders[i].speed)});
+    state_->values.push_back({encoder_name(false, i), static_cast<double>(scan.encoders[i].position)});
+    state_->values.push_back({encoder_name(true, i), static_cast<double>(scan.encoders[i].speed)});
   }
   send(topic_encoder, stamp, out);
 }

@@ -30,7 +30,7 @@ class ColaStates {
                    DriverOutput& out);
 
   Span time_offset_;
-  DeviceState state_;
+  ReusedMessage<DeviceState> state_;
   ColaFields fields_;
   ColaPins pins_;
 };

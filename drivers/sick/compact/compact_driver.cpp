@@ -5,10 +5,10 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "drivers/model.h"
+#include "drivers/driver_base.h"
 #include "drivers/sick/compact/compact_telegram.h"
+#include "drivers/sick/compact/frame_builder.h"
 #include "drivers/sick/compact/msgpack_telegram.h"
-#include "drivers/sick/compact/segment_frames.h"
 #include "drivers/sick/compact/sopas_dialogue.h"
 #include "drivers/sick/compact/telegram_order.h"
 #include "drivers/sick/compact/telegram_stream.h"
@@ -23,21 +23,20 @@ constexpr std::uint64_t one_clock_us = 2'000'000;
 /// A frame is given up so long after its last segment should have come.
 constexpr Span deadline_slack = std::chrono::milliseconds(10);
 
-class CompactDriver final : public Driver {
+class CompactDriver final : public DriverBase {
  public:
   explicit CompactDriver(const DriverConfig& config)
-      : config_(config),
+      : DriverBase(config),
         clock_(config.clock),
         side_clock_(config.clock),
         warnings_(info_.warnings),
         dialogue_(config) {
-    frames_ = config.model->kind == FrameKind::cloud ? make_cloud_frames(config_, clock_)
-                                                     : make_planar_frames(config_, clock_, warnings_);
-    info_.details = {{"Vendor Name", "SICK"}, {"Product Name", std::string(config.model->product)}};
-    imu_.frame_id = config.frame_id;
-    encoder_.topic = "encoder";
-    encoder_.frame_id = config.frame_id;
-    encoder_.values = {
+    builder_ = config.model->kind == FrameKind::cloud ? make_cloud_builder(config_, clock_)
+                                                      : make_scan_builder(config_, clock_, warnings_);
+    imu_->frame_id = config.frame_id;
+    encoder_->topic = "encoder";
+    encoder_->frame_id = config.frame_id;
+    encoder_->values = {
         {"frame", 0}, {"ticks", 0}, {"speed", 0}, {"ticks at reference 1", 0}, {"ticks at reference 2", 0}};
   }
 
@@ -52,8 +51,6 @@ class CompactDriver final : public Driver {
   void tick(Stamp now, DriverOutput& out) override;
   void finish(DriverOutput& out) override { flush(out, true); }
   void restart() override;
-  const Counters& counters() const override { return counters_; }
-  const DeviceInfo& info() const override { return info_; }
 
  private:
   /// Its TCP connection is for settings, not for data.
@@ -71,12 +68,8 @@ class CompactDriver final : public Driver {
   void flush(DriverOutput& out, bool torn);
   void end_frame(std::size_t slot, bool torn, DriverOutput& out);
   void note_format();
-  void set_detail(const char* key, const std::string& value);
   Stamp stamp_of(std::uint64_t us, Stamp arrival);
 
-  DriverConfig config_;
-  Counters counters_;
-  DeviceInfo info_;
   DeviceClock clock_;
   DeviceClock side_clock_;  // of inertial unit and encoder, where their time is another one
   SegmentWarnings warnings_;
@@ -84,8 +77,8 @@ class CompactDriver final : public Driver {
   Segment segment_;
   TelegramStream stream_;
   TelegramOrder order_;
-  FrameTracker tracker_;
-  std::unique_ptr<SegmentFrames> frames_;
+  OpenFrames frames_;
+  std::unique_ptr<FrameBuilder> builder_;
   bool adopted_ = false;
   bool first_frame_ = true;  // of the stream: its begin may be missing
   std::uint64_t clock_restarts_ = 0;
@@ -94,8 +87,8 @@ class CompactDriver final : public Driver {
   bool sender_known_ = false;
   std::uint32_t sender_ = 0;
   std::uint32_t told_version_ = ~0U;
-  ImuSample imu_;
-  DeviceState encoder_;
+  ReusedMessage<ImuSample> imu_;
+  ReusedMessage<DeviceState> encoder_;
 };
 
 Reject CompactDriver::receive(const Packet& packet, DriverOutput& out) {
@@ -108,7 +101,7 @@ Reject CompactDriver::receive(const Packet& packet, DriverOutput& out) {
 
 void CompactDriver::note_dialogue() {
   warnings_.set(SegmentTrouble::dialogue, dialogue_.warning());
-  if (!dialogue_.data_output().empty()) set_detail("Data Output", dialogue_.data_output());
+  if (!dialogue_.data_output().empty()) info_.set("Data Output", dialogue_.data_output());
 }
 
 Reject CompactDriver::receive_datagram(const Packet& packet, DriverOutput& out) {
@@ -182,7 +175,7 @@ Reject CompactDriver::take_scan(ByteView telegram, TelegramType type, Stamp arri
     ++counters_.other_packets;
     return Reject::none;
   }
-  const Reject fit = frames_->check(segment_);
+  const Reject fit = builder_->check(segment_);
   if (fit != Reject::none) return fit;
   const auto order = order_.add(segment_.counter, counters_);
   if (order == TelegramOrder::Verdict::duplicate) return Reject::duplicate;
@@ -209,54 +202,54 @@ Reject CompactDriver::take_segment(Stamp arrival, DriverOutput& out) {
     last_stop_us_ = stop_us;
     last_arrival_ = arrival;
   }
-  if (!adopted_ || !frames_->continues(segment_)) {
+  if (!adopted_ || !builder_->continues(segment_)) {
     flush(out, true);
-    tracker_.reset();
+    frames_.reset();
     first_frame_ = true;
-    frames_->adopt(segment_);
-    adopted_ = frames_->continues(segment_);
+    builder_->adopt(segment_);
+    adopted_ = builder_->continues(segment_);
     if (!adopted_) return Reject::field;
   }
   std::size_t slot = 0;
   const auto release = [&](std::size_t done) { end_frame(done, false, out); };
-  switch (tracker_.place(segment_, slot, release)) {
-    case FrameTracker::Verdict::used:
+  switch (frames_.place(segment_, slot, release)) {
+    case OpenFrames::Verdict::used:
       break;
-    case FrameTracker::Verdict::stale:
+    case OpenFrames::Verdict::stale:
       return Reject::stale;
-    case FrameTracker::Verdict::doubled:
+    case OpenFrames::Verdict::doubled:
       return Reject::duplicate;
-    case FrameTracker::Verdict::impossible:
+    case OpenFrames::Verdict::impossible:
       return Reject::field;
   }
-  if (tracker_.frame(slot).telegrams == 1) frames_->begin(slot);
-  frames_->add(slot, segment_, static_cast<std::uint32_t>(counters_.packets - 1));
-  tracker_.settle(release);
+  if (frames_.frame(slot).telegrams == 1) builder_->begin(slot);
+  builder_->add(slot, segment_, static_cast<std::uint32_t>(counters_.packets - 1));
+  frames_.settle(release);
   return Reject::none;
 }
 
 void CompactDriver::end_frame(std::size_t slot, bool torn, DriverOutput& out) {
-  const FrameTracker::Frame& frame = tracker_.frame(slot);
+  const OpenFrames::Frame& frame = frames_.frame(slot);
   FrameEnd how;
   how.segments = frame.segments;
-  how.expected = tracker_.expected();
+  how.expected = frames_.expected();
   how.torn = (torn || first_frame_) && !how.complete();
   first_frame_ = false;
-  if (frames_->end(slot, how, out))
+  if (builder_->end(slot, how, out))
     ++counters_.frames;
   else
     ++counters_.partial_frames;
 }
 
 void CompactDriver::flush(DriverOutput& out, bool torn) {
-  while (tracker_.release_oldest([&](std::size_t slot) { end_frame(slot, torn, out); })) {
+  while (frames_.release_oldest([&](std::size_t slot) { end_frame(slot, torn, out); })) {
   }
 }
 
 /// The device was switched off and on, or its counters start again for another reason.
 void CompactDriver::begin_stream(DriverOutput& out) {
   flush(out, true);
-  tracker_.restart();
+  frames_.restart();
   first_frame_ = true;
 }
 
@@ -267,7 +260,7 @@ void CompactDriver::tick(Stamp now, DriverOutput& out) {
     dialogue_.tick(now, heard ? std::optional<Stamp>(last_arrival_) : std::nullopt, out);
     note_dialogue();
   }
-  if (tracker_.expected() == 0 || last_stop_us_ == 0) return;
+  if (frames_.expected() == 0 || last_stop_us_ == 0) return;
   const Span period = span_from_seconds(config_.model->frame_period);
   if (now - last_arrival_ < period + deadline_slack) return;
   flush(out, false);
@@ -289,7 +282,7 @@ bool CompactDriver::is_ours(std::uint32_t sender, Stamp arrival) {
   sender_known_ = true;
   sender_ = sender;
   order_.reset();
-  tracker_.restart();
+  frames_.restart();
   first_frame_ = true;
   clock_.reset();
   last_stop_us_ = 0;
@@ -298,20 +291,11 @@ bool CompactDriver::is_ours(std::uint32_t sender, Stamp arrival) {
   return true;
 }
 
-void CompactDriver::set_detail(const char* key, const std::string& value) {
-  for (auto& detail : info_.details) {
-    if (detail.first != key) continue;
-    detail.second = value;
-    return;
-  }
-  info_.details.emplace_back(key, value);
-}
-
 void CompactDriver::note_format() {
   if (segment_.version == told_version_) return;
   told_version_ = segment_.version;
-  set_detail("Scan Data Format",
-             told_version_ == 0 ? "MSGPACK" : "Compact, version " + std::to_string(told_version_));
+  info_.set("Scan Data Format",
+            told_version_ == 0 ? "MSGPACK" : "Compact, version " + std::to_string(told_version_));
 }
 
 /// Host time of what an inertial unit or encoder measured. Their device time is the scans'; it is taken for
@@ -334,14 +318,14 @@ Reject CompactDriver::take_imu(ByteView telegram, Stamp arrival, DriverOutput& o
   const Reject reason = parse_imu(telegram, read);
   if (reason != Reject::none) return reason;
   if (read.time_us > latest_us) return Reject::field;
-  imu_.stamp = stamp_of(read.time_us, arrival);
-  imu_.linear_acceleration = {read.acceleration[0], read.acceleration[1], read.acceleration[2]};
-  imu_.angular_velocity = {read.angular_velocity[0], read.angular_velocity[1], read.angular_velocity[2]};
+  imu_->stamp = stamp_of(read.time_us, arrival);
+  imu_->linear_acceleration = {read.acceleration[0], read.acceleration[1], read.acceleration[2]};
+  imu_->angular_velocity = {read.angular_velocity[0], read.angular_velocity[1], read.angular_velocity[2]};
   const Eigen::Quaterniond turned(read.orientation[0], read.orientation[1], read.orientation[2],
                                   read.orientation[3]);
-  imu_.orientation.reset();
-  if (std::fabs(turned.norm() - 1) < 0.1) imu_.orientation = turned.normalized();
-  out.imu(imu_);
+  imu_->orientation.reset();
+  if (std::fabs(turned.norm() - 1) < 0.1) imu_->orientation = turned.normalized();
+  out.message(imu_);
   return Reject::none;
 }
 
@@ -359,23 +343,21 @@ Reject CompactDriver::take_encoder(ByteView telegram, Stamp arrival, DriverOutpu
   if (apart < 0 && static_cast<std::uint64_t>(-static_cast<std::int64_t>(apart)) > read.transmit_us)
     apart = 0;
   const std::uint64_t us = read.transmit_us + static_cast<std::uint64_t>(static_cast<std::int64_t>(apart));
-  encoder_.stamp = stamp_of(us, arrival);
-  encoder_.values[0].value = static_cast<double>(read.frame);
-  encoder_.values[1].value = read.ticks;
-  encoder_.values[2].value = read.speed;
-  encoder_.values[3].value = read.reference_ticks[0];
-  encoder_.values[4].value = read.reference_ticks[1];
-  for (const std::string_view topic : config_.model->state_topics) {
-    if (topic == encoder_.topic) out.state(encoder_);
-  }
+  encoder_->stamp = stamp_of(us, arrival);
+  encoder_->values[0].value = static_cast<double>(read.frame);
+  encoder_->values[1].value = read.ticks;
+  encoder_->values[2].value = read.speed;
+  encoder_->values[3].value = read.reference_ticks[0];
+  encoder_->values[4].value = read.reference_ticks[1];
+  if (config_.model->tells<DeviceState>()) out.message(encoder_);
   return Reject::none;
 }
 
 void CompactDriver::restart() {
   stream_.cut(counters_);
   order_.reset();
-  tracker_.restart();
-  frames_->restart();
+  frames_.restart();
+  builder_->restart();
   clock_.reset();
   side_clock_.reset();
   first_frame_ = true;

@@ -5,55 +5,61 @@
 #include "drivers/sick/compact/compact_driver.h"
 #include "drivers/sick/compact/compact_telegram.h"
 #include "drivers/sick/compact/msgpack_telegram.h"
+#include "drivers/sick/compact/telegram_stream.h"
 
 namespace lidard::sick {
 namespace {
 
-// Ports of the launch files of SICKAG/sick_scan_xd (sick_picoscan.launch): scans, inertial unit, settings.
-constexpr std::uint16_t scan_port = 2115, imu_port = 7503, sopas_port = 2111;
+Model compact_model(const char* name, const char* product, const char* protocol, const char* verified) {
+  Model model;
+  model.name = name;
+  model.vendor = "SICK";
+  model.product = product;
+  model.protocol = protocol;
+  model.verified = verified;
+  model.port = 2115;
+  model.frame_period = 0.05;
+  model.range_min = 0.05;
+  model.range_max = 120;
+  model.beams = 1;
+  model.make = make_compact_driver;
+  return model;
+}
 
-struct Product {
-  const char* name;
-  const char* product;
-  FrameKind kind;
-  double packets_per_s, frame_period;
-  double range_min, range_max;
-  std::size_t layers;
-  const char* verified;
-};
+/// Ports of the launch files of SICKAG/sick_scan_xd (sick_picoscan.launch): scans, inertial unit, settings.
+Model udp_model(const char* name, const char* product, const char* verified) {
+  Model model = compact_model(name, product, "Compact or MSGPACK", verified);
+  model.telemetry_port = 7503;
+  model.dialogue_port = 2111;
+  model.packets_per_s = 400;
+  model.messages = {message_topic<ImuSample>()};
+  model.traits = {Trait::settings_writable, Trait::receiver_settable, Trait::logins};
+  return model;
+}
 
-Model udp_model(const Product& p) {
-  Model model{p.name,    "SICK",     p.product,       "Compact or MSGPACK", p.kind,      Transport::udp,
-              scan_port, imu_port,   p.packets_per_s, p.frame_period,       p.range_min, p.range_max,
-              p.layers,  p.verified, nullptr,         make_compact_driver};
-  model.has_imu = true;
-  model.telemetry_is_imu = true;
-  model.has_echoes = p.kind == FrameKind::scan;
-  model.dialogue_port = sopas_port;
-  if (p.kind == FrameKind::scan) {
-    model.state_topics = {"encoder"};
-    model.extra_scans = {"reflectors"};
-  }
+Model picoscan(const char* name, const char* product, const char* verified) {
+  Model model = udp_model(name, product, verified);
+  model.traits.add(Trait::echoes);
+  model.messages.push_back(message_topic<DeviceState>("encoder"));
+  model.extra_scans = {"reflectors"};
+  return model;
+}
+
+Model multiscan(const char* name, const char* product, const char* verified) {
+  Model model = udp_model(name, product, verified);
+  model.kind = FrameKind::cloud;
+  model.beams = 16;
+  model.fragments_per_packet = 17;  // a telegram of a multiScan136 is one datagram of up to 24 kB
   return model;
 }
 
 Model lrs4000() {
-  Model model{"sick_lrs4000",
-              "SICK",
-              "LRS4000",
-              "Compact over TCP",
-              FrameKind::scan,
-              Transport::tcp,
-              scan_port,
-              0,
-              50,
-              0.04,
-              0.05,
-              130,
-              1,
-              "three telegrams of an LRS4581; no capture of a connection",
-              nullptr,
-              make_compact_driver};
+  Model model = compact_model("sick_lrs4000", "LRS4000", "Compact over TCP",
+                              "three telegrams of an LRS4581; no capture of a connection");
+  model.transport = Transport::tcp;
+  model.packets_per_s = 50;
+  model.frame_period = 0.04;
+  model.range_max = 130;
   model.extra_scans = {"reflectors"};
   return model;
 }
@@ -64,19 +70,39 @@ Model lrs4000() {
 // are unverified and generous, since a limit too near would make a wall look like nothing. Rates: 20 turns/s
 // of 12 segments (multiScan100); up to 50 turns/s of 5, or 25 of 10 (picoScan100); inertial unit 100 Hz.
 void append_compact_models(std::vector<Model>& list) {
-  const char* pico = "1 capture and three telegrams of a device, Compact 4; the simulator";
+  const char* sister = "no capture of a device; sends what a multiScan136 sends";
+  list.push_back(picoscan("sick_picoscan150", "picoScan150",
+                          "1 capture and three telegrams of a device, Compact 4; the simulator"));
   list.push_back(
-      udp_model({"sick_picoscan150", "picoScan150", FrameKind::scan, 400, 0.05, 0.05, 120, 1, pico}));
-  list.push_back(udp_model({"sick_picoscan120", "picoScan120", FrameKind::scan, 400, 0.05, 0.05, 120, 1,
-                            "the simulator; sends what a picoScan150 sends"}));
-  list.push_back(udp_model({"sick_multiscan136", "multiScan136", FrameKind::cloud, 400, 0.05, 0.05, 120, 16,
-                            "captures of a device, Compact and MSGPACK, with inertial unit"}));
-  list.push_back(udp_model({"sick_multiscan165", "multiScan165", FrameKind::cloud, 400, 0.05, 0.05, 120, 16,
-                            "no capture of a device; sends what a multiScan136 sends"}));
-  list.push_back(udp_model({"sick_multiscan166", "multiScan166", FrameKind::cloud, 400, 0.05, 0.05, 120, 16,
-                            "no capture of a device; sends what a multiScan136 sends"}));
+      picoscan("sick_picoscan120", "picoScan120", "the simulator; sends what a picoScan150 sends"));
+  list.push_back(multiscan("sick_multiscan136", "multiScan136",
+                           "captures of a device, Compact and MSGPACK, with inertial unit"));
+  list.push_back(multiscan("sick_multiscan165", "multiScan165", sister));
+  list.push_back(multiscan("sick_multiscan166", "multiScan166", sister));
   list.push_back(lrs4000());
 }
+
+namespace {
+
+class CompactRecognizer final : public Recognizer {
+ public:
+  void add(const Packet& packet) override;
+  std::string_view verdict() const override { return verdict_; }
+  std::vector<std::string_view> others() const override {
+    return names_of(append_compact_models, [this](const Model& model) {
+      return model.kind == kind_ && model.transport == transport_;
+    });
+  }
+
+ private:
+  void judge(ByteView telegram, TelegramType type, Transport transport);
+
+  TelegramStream stream_;
+  Counters counters_;
+  std::string_view verdict_;
+  FrameKind kind_ = FrameKind::scan;
+  Transport transport_ = Transport::udp;
+};
 
 void CompactRecognizer::judge(ByteView telegram, TelegramType type, Transport transport) {
   auto segment = std::make_unique<Segment>();
@@ -84,10 +110,11 @@ void CompactRecognizer::judge(ByteView telegram, TelegramType type, Transport tr
   if (type == TelegramType::msgpack) reason = parse_msgpack(telegram, *segment);
   if (type == TelegramType::scan) reason = parse_compact_scan(telegram, *segment);
   if (reason != Reject::none) return;
-  if (transport == Transport::tcp)
-    verdict_ = "sick_lrs4000";
-  else
-    verdict_ = segment->line_count > 1 ? "sick_multiscan136" : "sick_picoscan150";
+  transport_ = transport;
+  kind_ = transport == Transport::udp && segment->line_count > 1 ? FrameKind::cloud : FrameKind::scan;
+  verdict_ = transport == Transport::tcp ? "sick_lrs4000"
+             : kind_ == FrameKind::cloud ? "sick_multiscan136"
+                                         : "sick_picoscan150";
 }
 
 void CompactRecognizer::add(const Packet& packet) {
@@ -104,5 +131,9 @@ void CompactRecognizer::add(const Packet& packet) {
   const ByteView telegram = packet.payload.sub(0, head.length);
   if (checksum_is_right(telegram, head.type)) judge(telegram, head.type, packet.transport);
 }
+
+}  // namespace
+
+std::unique_ptr<Recognizer> make_compact_recognizer() { return std::make_unique<CompactRecognizer>(); }
 
 }  // namespace lidard::sick

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/sick/compact/compact_telegram.h"
 
-#include <algorithm>
 #include <boost/crc.hpp>
 #include <cmath>
 #include <cstring>

@@ -12,7 +12,7 @@ constexpr std::uint8_t fixmap = 0x80, fixarray = 0x90, fixstr = 0xa0;
 constexpr std::uint8_t unused = 0xc1;
 constexpr std::uint8_t bin8 = 0xc4, ext8 = 0xc7, float32 = 0xca, float64 = 0xcb;
 constexpr std::uint8_t uint8 = 0xcc, int8 = 0xd0, fixext1 = 0xd4, str8 = 0xd9;
-constexpr std::uint8_t array16 = 0xdc, array32 = 0xdd, map16 = 0xde, map32 = 0xdf;
+constexpr std::uint8_t array16 = 0xdc, map16 = 0xde;
 constexpr std::uint8_t negative_fixint = 0xe0;
 
 bool in(std::uint8_t marker, std::uint8_t first, std::size_t count) {
@@ -32,29 +32,17 @@ bool MsgpackReader::big(std::size_t width, std::uint64_t& value) {
   return true;
 }
 
-bool MsgpackReader::map(std::size_t& pairs) {
+/// The number of what a map or an array holds; the markers of its kinds with 16 and 32 bits are neighbours.
+bool MsgpackReader::count(std::uint8_t fix, std::uint8_t marker16, std::uint64_t& held) {
   if (!has(1)) return false;
   const std::uint8_t marker = bytes_.u8(at_++);
-  std::uint64_t count = marker & 0xfU;
-  if (!in(marker, fixmap, 16)) {
-    if (marker != map16 && marker != map32) return false;
-    if (!big(marker == map16 ? 2 : 4, count)) return false;
-  }
-  pairs = count;
-  return true;
+  held = marker & 0xfU;
+  if (in(marker, fix, 16)) return true;
+  return in(marker, marker16, 2) && big(marker == marker16 ? 2 : 4, held);
 }
 
-bool MsgpackReader::array(std::size_t& values) {
-  if (!has(1)) return false;
-  const std::uint8_t marker = bytes_.u8(at_++);
-  std::uint64_t count = marker & 0xfU;
-  if (!in(marker, fixarray, 16)) {
-    if (marker != array16 && marker != array32) return false;
-    if (!big(marker == array16 ? 2 : 4, count)) return false;
-  }
-  values = count;
-  return true;
-}
+bool MsgpackReader::map(std::uint64_t& pairs) { return count(fixmap, map16, pairs); }
+bool MsgpackReader::array(std::uint64_t& values) { return count(fixarray, array16, values); }
 
 bool MsgpackReader::unsigned_integer(std::uint64_t& value) {
   if (!has(1)) return false;
@@ -74,19 +62,14 @@ bool MsgpackReader::number(double& value) {
   if (!has(1)) return false;
   const std::uint8_t marker = bytes_.u8(at_);
   std::uint64_t raw = 0;
-  if (marker == float32) {
+  if (marker == float32 || marker == float64) {
     ++at_;
-    if (!big(4, raw)) return false;
-    const auto bits = static_cast<std::uint32_t>(raw);
+    if (!big(marker == float32 ? 4 : 8, raw)) return false;
     float single = 0;
+    const auto bits = static_cast<std::uint32_t>(raw);
     std::memcpy(&single, &bits, sizeof single);
-    value = static_cast<double>(single);
-    return true;
-  }
-  if (marker == float64) {
-    ++at_;
-    if (!big(8, raw)) return false;
     std::memcpy(&value, &raw, sizeof value);
+    if (marker == float32) value = static_cast<double>(single);
     return true;
   }
   if (marker >= negative_fixint) {
@@ -112,22 +95,18 @@ bool MsgpackReader::binary(ByteView& value) {
 bool MsgpackReader::next_is_map() const {
   if (!has(1)) return false;
   const std::uint8_t marker = bytes_.u8(at_);
-  return in(marker, fixmap, 16) || marker == map16 || marker == map32;
+  return in(marker, fixmap, 16) || in(marker, map16, 2);
 }
 
 /// Steps over one value; `inner` grows by the values that it holds.
 bool MsgpackReader::skip_one(std::uint64_t& inner) {
   if (!has(1)) return false;
   const std::uint8_t marker = bytes_.u8(at_);
-  std::size_t count = 0;
-  if (next_is_map()) {
-    if (!map(count)) return false;
-    inner += 2 * static_cast<std::uint64_t>(count);
-    return true;
-  }
-  if (in(marker, fixarray, 16) || marker == array16 || marker == array32) {
-    if (!array(count)) return false;
-    inner += count;
+  std::uint64_t held = 0;
+  const bool is_map = next_is_map();
+  if (is_map || in(marker, fixarray, 16) || in(marker, array16, 2)) {
+    if (!(is_map ? map(held) : array(held))) return false;
+    inner += (is_map ? 2 : 1) * held;
     return true;
   }
   ++at_;

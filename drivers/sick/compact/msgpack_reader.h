@@ -16,9 +16,9 @@ class MsgpackReader {
   explicit MsgpackReader(ByteView bytes) : bytes_(bytes) {}
 
   /// Number of key and value pairs that follow.
-  bool map(std::size_t& pairs);
+  bool map(std::uint64_t& pairs);
   /// Number of values that follow.
-  bool array(std::size_t& values);
+  bool array(std::uint64_t& values);
   bool unsigned_integer(std::uint64_t& value);
   /// Any integer or floating-point number.
   bool number(double& value);
@@ -30,6 +30,7 @@ class MsgpackReader {
 
  private:
   bool has(std::size_t n) const { return bytes_.has(at_, n); }
+  bool count(std::uint8_t fix, std::uint8_t marker16, std::uint64_t& held);
   bool big(std::size_t width, std::uint64_t& value);
   bool skip_one(std::uint64_t& inner);
 

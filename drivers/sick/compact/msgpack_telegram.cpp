@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/sick/compact/msgpack_telegram.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "drivers/sick/compact/compact_telegram.h"

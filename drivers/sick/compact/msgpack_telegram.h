@@ -12,7 +12,7 @@ namespace lidard::sick {
 /// points into it.
 Reject parse_msgpack(ByteView telegram, Segment& out);
 
-/// The same without start mark, length and checksum.
+/// Parses a telegram without start mark, length and checksum.
 Reject parse_msgpack_payload(ByteView payload, Segment& out);
 
 }  // namespace lidard::sick

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/angle.h"
+
 namespace lidard::sick {
 namespace {
 
-constexpr double turn = 2 * 3.14159265358979323846;
+constexpr double turn = two_pi;
 /// Rounding of an azimuth on the wire (1/5215 rad), and a little more.
 constexpr double azimuth_rounding = 1.5 / 5215;
 
@@ -114,13 +116,10 @@ void RasterScan::put(const SegmentLine& line, std::size_t from, std::size_t beam
     const std::size_t i = beams_.index(beam, e);
     const float range = static_cast<float>(line.distance[e][from]) * metres;
     if (line.rssi[e].sent()) beams_.intensities[i] = static_cast<float>(line.rssi[e][from]);
-    if (!(range > 0) || range > beams_.range_max) {
+    if (range > 0)
+      beams_.set_measured(i, range);
+    else
       beams_.set_without_hit(i, BeamStatus::none);
-    } else if (range < beams_.range_min) {
-      beams_.set_without_hit(i, BeamStatus::near);
-    } else {
-      beams_.set_hit(i, range);
-    }
   }
   for (std::size_t e = echoes; e < beams_.echoes; ++e) {
     beams_.set_without_hit(beams_.index(beam, e), BeamStatus::none);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -106,6 +107,17 @@ struct Segment {
 };
 
 /// False where a line says what cannot be: times that run backwards or for ever, angles that are none.
-bool is_plausible(const SegmentLine& line);
+inline bool is_plausible(const SegmentLine& line) {
+  // So that nanoseconds since 1970 fit into 63 bits.
+  constexpr std::uint64_t latest_us = 9'000'000'000'000'000;
+  constexpr std::uint64_t longest_us = 2'000'000;
+  constexpr double farthest = 7;  // rad: a segment of a multiScan100 may run beyond pi
+  if (line.start_us > latest_us || line.stop_us < line.start_us) return false;
+  if (line.stop_us - line.start_us > longest_us) return false;
+  for (const double angle : {line.elevation, line.theta_start, line.theta_stop}) {
+    if (!(std::fabs(angle) <= farthest)) return false;
+  }
+  return line.metres > 0 && line.metres < 1;
+}
 
 }  // namespace lidard::sick

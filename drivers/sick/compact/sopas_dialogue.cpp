@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/sick/compact/sopas_dialogue.h"
 
+#include <array>
+#include <boost/asio/yield.hpp>
 #include <cstdlib>
 
 #include "drivers/model.h"
@@ -17,11 +19,13 @@ constexpr const char* authorized_client = "3";
 constexpr std::uint32_t authorized_client_hash = 0xf4724744;
 
 constexpr Span patience = std::chrono::seconds(5);  // Run takes its time
-/// A stream that stopped for so long may have lost its settings, or never had them.
-constexpr Span silence = std::chrono::seconds(1);
-constexpr Span dial_pause = std::chrono::milliseconds(500);
-/// The same after a whole dialogue that did not bring the stream back.
-constexpr Span fruitless_pause = std::chrono::seconds(5);
+constexpr std::string_view scan_target = "ScanDataEthSettings", scan_format = "ScanDataFormat",
+                           scan_enable = "ScanDataEnable", imu_target = "ImuDataEthSettings",
+                           imu_enable = "ImuDataEnable";
+/// Asked for in this order. A device without inertial unit refuses those after the first three.
+constexpr std::array variables = {scan_target, scan_format, scan_enable, imu_target, imu_enable};
+constexpr std::size_t needed = 3;
+constexpr const char* start_measuring = "LMCstartmeas";
 
 std::string decimal(unsigned value) { return "+" + std::to_string(value); }
 
@@ -66,115 +70,83 @@ std::string SopasTarget::describe() const {
 }
 
 SopasDialogue::SopasDialogue(const DriverConfig& config)
-    : requests_(config.requests), wanted_(!requests_.listen_only && requests_.host_address.has_value()) {
-  if (!wanted_) return;
+    : SideDialogue(!config.requests.listen_only && config.requests.host_address, true, patience),
+      requests_(config.requests) {
+  if (!requests_.host_address) return;
   const std::uint16_t port = requests_.host_port != 0 ? requests_.host_port : config.model->port;
   scan_wanted_ = target_at(*requests_.host_address, port);
   imu_wanted_ = target_at(*requests_.host_address, config.model->telemetry_port);
 }
 
-const char* SopasDialogue::name_of(Variable variable) {
-  constexpr std::array<const char*, static_cast<std::size_t>(Variable::count_)> names = {
-      "ScanDataEthSettings", "ScanDataFormat", "ScanDataEnable", "ImuDataEthSettings", "ImuDataEnable"};
-  return names.at(static_cast<std::size_t>(variable));
-}
-
-void SopasDialogue::tick(Stamp now, std::optional<Stamp> last_data, DriverOutput& out) {
-  now_ = now;
-  if (!wanted_) return;
-  if (phase_ != Phase::idle) {
-    if (phase_ != Phase::dialling && now - asked_ > patience)
-      fail("takes the connection but does not answer '" + asked_what() +
-               "'; check that it speaks CoLa A on that port and that nobody else is connected to it",
-           out);
-    return;
-  }
-  const bool silent = !last_data || now - *last_data > silence;
-  const bool fruitless = complete_ && (!last_data || *last_data < last_dial_);
-  if (complete_ && !silent) return;
-  if (dialled_ && now - last_dial_ < (fruitless ? fruitless_pause : dial_pause)) return;
-  dialled_ = true;
-  last_dial_ = now;
-  phase_ = Phase::dialling;
-  out.connect();
-}
-
-void SopasDialogue::connected(Stamp now, DriverOutput& out) {
-  now_ = now;
+void SopasDialogue::begin() {
   stream_.reset();
-  reading_ = 0;
   scan_target_.reset();
   imu_target_.reset();
   scan_format_.reset();
   scan_enable_.reset();
   imu_enable_.reset();
   steps_.clear();
-  step_ = 0;
-  phase_ = Phase::reading;
-  read_next(out);
 }
 
-void SopasDialogue::disconnected() {
-  stream_.reset();
-  phase_ = Phase::idle;
+void SopasDialogue::script(DriverOutput& out) {
+  reenter(script_) {
+    for (variable_ = 0; variable_ < variables.size(); ++variable_) {
+      yield read(variables[variable_], out);
+      if (!take(variables[variable_], out)) return;
+    }
+    if (!plan(out)) return;
+    for (step_ = 0; step_ < steps_.size(); ++step_) {
+      yield question(steps_[step_].telegram, steps_[step_].what, out);
+      if (!take_step(out)) return;
+    }
+    if (!steps_.empty()) data_output_ = (requests_.allow_write ? scan_wanted_ : *scan_target_).describe();
+    hang_up(true, out);
+  }
 }
 
 void SopasDialogue::receive(const Packet& packet, DriverOutput& out) {
   now_ = packet.arrival;
   stream_.add(packet.payload);
-  for (ColaTelegram telegram; phase_ != Phase::idle && stream_.next(telegram);) answer(telegram, out);
-}
-
-void SopasDialogue::ask(const std::vector<std::uint8_t>& telegram, DriverOutput& out) {
-  asked_ = now_;
-  out.request(ByteView(telegram.data(), telegram.size()));
-}
-
-std::string SopasDialogue::asked_what() const {
-  return phase_ == Phase::working ? steps_.at(step_).what
-                                  : std::string("sRN ") + name_of(static_cast<Variable>(reading_));
-}
-
-void SopasDialogue::read_next(DriverOutput& out) {
-  ask(ColaWriter(ColaDialect::a, asked_what()).finish(), out);
-}
-
-void SopasDialogue::answer(const ColaTelegram& telegram, DriverOutput& out) {
-  if (phase_ == Phase::working) return answer_step(telegram, out);
-  if (phase_ != Phase::reading) return;
-  const auto variable = static_cast<Variable>(reading_);
-  const bool refused = telegram.kind() == "sFA";
-  if (!refused && (telegram.kind() != "sRA" || telegram.name() != name_of(variable))) return;
-  const bool needed = variable < Variable::imu_target;  // a device without inertial unit refuses the others
-  if (refused && needed)
-    return fail(std::string("refuses to tell ") + name_of(variable) + ": " +
-                    cola_error_words(cola_error_code(telegram)),
-                out);
-  if (!refused) take(variable, telegram);
-  if (++reading_ < static_cast<std::size_t>(Variable::count_)) return read_next(out);
-  compare(out);
-}
-
-void SopasDialogue::take(Variable variable, const ColaTelegram& telegram) {
-  switch (variable) {
-    case Variable::scan_target:
-      scan_target_ = read_target(telegram);
-      break;
-    case Variable::scan_format:
-      scan_format_ = read_number(telegram);
-      break;
-    case Variable::scan_enable:
-      scan_enable_ = read_number(telegram);
-      break;
-    case Variable::imu_target:
-      imu_target_ = read_target(telegram);
-      break;
-    case Variable::imu_enable:
-      imu_enable_ = read_number(telegram);
-      break;
-    case Variable::count_:
-      break;
+  while (is_talking() && stream_.next(answer_)) {
+    const std::string_view kind = answer_.kind();
+    const bool expected =
+        expected_.empty() ? kind == "sAN" || kind == "sWA" : kind == "sRA" && answer_.name() == expected_;
+    if (expected || is_refused()) script(out);
   }
+}
+
+void SopasDialogue::silent(DriverOutput& out) {
+  fail("takes the connection but does not answer '" + asked_ +
+           "'; check that it speaks CoLa A on that port and that nobody else is connected to it",
+       out);
+}
+
+void SopasDialogue::question(const std::vector<std::uint8_t>& telegram, const std::string& what,
+                             DriverOutput& out) {
+  expected_ = {};
+  asked_ = what;
+  ask(telegram, out);
+}
+
+void SopasDialogue::read(std::string_view variable, DriverOutput& out) {
+  const std::string command = "sRN " + std::string(variable);
+  question(ColaWriter(ColaDialect::a, command).finish(), command, out);
+  expected_ = variable;
+}
+
+/// False if the dialogue cannot go on.
+bool SopasDialogue::take(std::string_view variable, DriverOutput& out) {
+  if (is_refused()) {
+    if (variable_ >= needed) return true;
+    fail("refuses to tell " + std::string(variable) + ": " + cola_error_words(cola_error_code(answer_)), out);
+    return false;
+  }
+  if (variable == scan_target) scan_target_ = read_target(answer_);
+  if (variable == scan_format) scan_format_ = read_number(answer_);
+  if (variable == scan_enable) scan_enable_ = read_number(answer_);
+  if (variable == imu_target) imu_target_ = read_target(answer_);
+  if (variable == imu_enable) imu_enable_ = read_number(answer_);
+  return true;
 }
 
 void SopasDialogue::add_login() {
@@ -193,107 +165,90 @@ void SopasDialogue::add_method(std::string_view name) {
   steps_.push_back({ColaWriter(ColaDialect::a, command).finish(), std::string(name), true, false, false});
 }
 
-void SopasDialogue::add_write(Variable variable, std::string_view arguments, std::string what,
+void SopasDialogue::add_write(std::string_view variable, std::string_view arguments, std::string what,
                               bool may_fail) {
-  const std::string command = std::string("sWN ") + name_of(variable);
+  const std::string name(variable);
+  const std::string command = "sWN " + name;
   steps_.push_back({ColaWriter(ColaDialect::a, command).letters(arguments).finish(),
-                    std::string(name_of(variable)) + ": " + std::move(what), false, may_fail, true});
+                    name + ": " + std::move(what), false, may_fail, true});
 }
 
 /// Where the device sends and in which format.
 void SopasDialogue::plan_targets() {
   if (!(*scan_target_ == scan_wanted_))
-    add_write(Variable::scan_target, arguments_of(scan_wanted_),
+    add_write(scan_target, arguments_of(scan_wanted_),
               scan_target_->describe() + " -> " + scan_wanted_.describe(), false);
   if (*scan_format_ != format_msgpack && *scan_format_ != format_compact)
-    add_write(Variable::scan_format, std::to_string(format_compact),
+    add_write(scan_format, std::to_string(format_compact),
               std::to_string(*scan_format_) + " -> " + std::to_string(format_compact), false);
   if (imu_target_ && imu_wanted_.port != 0 && !(*imu_target_ == imu_wanted_))
-    add_write(Variable::imu_target, arguments_of(imu_wanted_),
+    add_write(imu_target, arguments_of(imu_wanted_),
               imu_target_->describe() + " -> " + imu_wanted_.describe(), true);
 }
 
 /// What switches the stream on.
 void SopasDialogue::plan_start() {
-  if (*scan_enable_ == 0) add_write(Variable::scan_enable, "1", "0 -> 1", false);
-  if (requests_.allow_write && imu_enable_ && *imu_enable_ == 0)
-    add_write(Variable::imu_enable, "1", "0 -> 1", true);
+  if (*scan_enable_ == 0) add_write(scan_enable, "1", "0 -> 1", false);
+  if (requests_.allow_write && imu_enable_ && *imu_enable_ == 0) add_write(imu_enable, "1", "0 -> 1", true);
 }
 
-void SopasDialogue::compare(DriverOutput& out) {
-  if (!scan_target_ || !scan_format_ || !scan_enable_)
-    return fail("answers in a way that is not known; report its firmware version", out);
+/// What is to be done after the comparison. False if the dialogue cannot go on.
+bool SopasDialogue::plan(DriverOutput& out) {
+  if (!scan_target_ || !scan_format_ || !scan_enable_) {
+    fail("answers in a way that is not known; report its firmware version", out);
+    return false;
+  }
   data_output_ = scan_target_->describe() + (*scan_enable_ == 0 ? ", switched off" : "");
   warning_.clear();
   plan_targets();
-  if (!steps_.empty() && !requests_.allow_write) {
+  std::vector<Step> settings = std::exchange(steps_, {});
+  const bool ours = *scan_target_ == scan_wanted_;
+  if (!settings.empty() && !requests_.allow_write) {
     std::string wanted;
-    for (const Step& step : steps_) wanted += (wanted.empty() ? "" : ", ") + step.what;
+    for (const Step& step : settings) wanted += (wanted.empty() ? "" : ", ") + step.what;
     warning_ = "the device is set up otherwise than wanted (" + wanted +
                "); set allow_write: true, or change it on the device's web page";
-    if (!(*scan_target_ == scan_wanted_))
-      return hang_up(out);  // a stream to somebody else is not ours to start
-    steps_.clear();
+    settings.clear();
   }
-  std::vector<Step> settings = std::move(steps_);
-  steps_.clear();
-  plan_start();
-  std::vector<Step> start = std::move(steps_);
-  steps_.clear();
-  if (settings.empty() && start.empty()) return hang_up(out);
-  const auto append = [this](std::vector<Step>& from) {
-    if (from.empty()) return;
+  // A stream to somebody else is not ours to start.
+  if (ours || requests_.allow_write) plan_start();
+  std::vector<Step> start = std::exchange(steps_, {});
+  for (std::vector<Step>* part : {&settings, &start}) {
+    if (part->empty()) continue;
     add_login();
-    for (Step& step : from) steps_.push_back(std::move(step));
+    for (Step& step : *part) steps_.push_back(std::move(step));
     add_method("Run");  // makes what was written valid, and logs out
-  };
-  append(settings);
-  append(start);
+  }
+  if (steps_.empty()) return true;
   add_login();
-  add_method("LMCstartmeas");
-  phase_ = Phase::working;
-  step_ = 0;
-  ask(steps_.front().telegram, out);
+  add_method(start_measuring);
+  return true;
 }
 
-void SopasDialogue::answer_step(const ColaTelegram& telegram, DriverOutput& out) {
+/// False if the dialogue cannot go on.
+bool SopasDialogue::take_step(DriverOutput& out) {
   const Step& step = steps_.at(step_);
-  const std::string_view kind = telegram.kind();
-  if (kind != "sFA" && kind != "sAN" && kind != "sWA") return;
-  if (kind == "sFA") {
-    const std::string words = cola_error_words(cola_error_code(telegram));
-    if (!step.may_fail) return fail("refuses " + step.what + ": " + words, out);
+  if (is_refused()) {
+    const std::string words = cola_error_words(cola_error_code(answer_));
+    if (!step.may_fail) {
+      fail("refuses " + step.what + ": " + words, out);
+      return false;
+    }
     warning_ = "the device refuses " + step.what + ": " + words +
                "; without a licence for its inertial unit that is to be expected";
-    return next_step(out);
+    return true;
   }
-  if (step.method && step.what != "LMCstartmeas") {
-    const auto done = read_number(telegram);
-    if (done && *done != 1)
-      return fail("refuses " + step.what + "; correct user_level and user_level_password", out);
+  if (step.method && step.what != start_measuring && read_number(answer_).value_or(1) != 1) {
+    fail("refuses " + step.what + "; correct user_level and user_level_password", out);
+    return false;
   }
   if (step.is_write) out.note(step.what);
-  next_step(out);
-}
-
-void SopasDialogue::next_step(DriverOutput& out) {
-  if (++step_ < steps_.size()) return ask(steps_[step_].telegram, out);
-  if (scan_target_ && !steps_.empty())
-    data_output_ = (requests_.allow_write ? scan_wanted_ : *scan_target_).describe();
-  hang_up(out);
-}
-
-void SopasDialogue::hang_up(DriverOutput& out) {
-  complete_ = true;
-  phase_ = Phase::idle;
-  out.disconnect(false);
+  return true;
 }
 
 void SopasDialogue::fail(std::string why, DriverOutput& out) {
   warning_ = "the device " + std::move(why);
-  complete_ = true;  // it is tried again, but not so soon
-  phase_ = Phase::idle;
-  out.disconnect(false);
+  hang_up(true, out);  // it is tried again, but not so soon
 }
 
 }  // namespace lidard::sick

@@ -6,10 +6,9 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
-#include "drivers/driver.h"
+#include "drivers/dialogue.h"
 #include "drivers/sick/cola/cola_command.h"
 #include "drivers/sick/cola/cola_reader.h"
 
@@ -32,16 +31,12 @@ struct SopasTarget {
 /// in which format and whether, and compares. A stream that is only switched off is started; settings that
 /// differ are written if `allow_write` is set, each with a note old -> new, and stay until the device is
 /// switched off, after which the dialogue takes place again. Then it hangs up.
-class SopasDialogue {
+class SopasDialogue final : public SideDialogue {
  public:
   explicit SopasDialogue(const DriverConfig& config);
 
-  void connected(Stamp now, DriverOutput& out);
-  void disconnected();
   /// Bytes from the device.
   void receive(const Packet& packet, DriverOutput& out);
-  /// `last_data`: when the device last sent a scan telegram; empty: never.
-  void tick(Stamp now, std::optional<Stamp> last_data, DriverOutput& out);
 
   /// What is wrong and the remedy; empty when all is as wanted.
   const std::string& warning() const { return warning_; }
@@ -49,15 +44,6 @@ class SopasDialogue {
   const std::string& data_output() const { return data_output_; }
 
  private:
-  enum class Variable : std::uint8_t {
-    scan_target,
-    scan_format,
-    scan_enable,
-    imu_target,
-    imu_enable,
-    count_
-  };
-  enum class Phase : std::uint8_t { idle, dialling, reading, working };
   /// One command of the second half, after the comparison.
   struct Step {
     std::vector<std::uint8_t> telegram;
@@ -67,36 +53,30 @@ class SopasDialogue {
     bool is_write = false;
   };
 
-  static const char* name_of(Variable variable);
-  void ask(const std::vector<std::uint8_t>& telegram, DriverOutput& out);
-  /// What the device was asked last, for people.
-  std::string asked_what() const;
-  void read_next(DriverOutput& out);
-  void answer(const ColaTelegram& telegram, DriverOutput& out);
-  void take(Variable variable, const ColaTelegram& telegram);
-  void compare(DriverOutput& out);
-  void add_write(Variable variable, std::string_view arguments, std::string what, bool may_fail);
+  void begin() override;
+  void script(DriverOutput& out) override;
+  void silent(DriverOutput& out) override;
+  void question(const std::vector<std::uint8_t>& telegram, const std::string& what, DriverOutput& out);
+  void read(std::string_view variable, DriverOutput& out);
+  bool is_refused() const { return answer_.kind() == "sFA"; }
+  bool take(std::string_view variable, DriverOutput& out);
+  bool plan(DriverOutput& out);
+  void add_write(std::string_view variable, std::string_view arguments, std::string what, bool may_fail);
   void add_login();
   void add_method(std::string_view name);
   void plan_targets();
   void plan_start();
-  void answer_step(const ColaTelegram& telegram, DriverOutput& out);
-  void next_step(DriverOutput& out);
-  void hang_up(DriverOutput& out);
+  bool take_step(DriverOutput& out);
   void fail(std::string why, DriverOutput& out);
 
   DeviceRequests requests_;
-  bool wanted_;
   SopasTarget scan_wanted_, imu_wanted_;
   Counters stream_counters_;
   ColaStream stream_{stream_counters_};
-  Phase phase_ = Phase::idle;
-  Stamp now_{};
-  Stamp asked_{};
-  Stamp last_dial_{};
-  bool dialled_ = false;
-  bool complete_ = false;
-  std::size_t reading_ = 0;
+  ColaTelegram answer_;
+  std::string asked_;          // for people
+  std::string_view expected_;  // the variable that is read; empty: a step is taken
+  std::size_t variable_ = 0;
   std::optional<SopasTarget> scan_target_, imu_target_;
   std::optional<std::uint32_t> scan_format_, scan_enable_, imu_enable_;
   std::vector<Step> steps_;

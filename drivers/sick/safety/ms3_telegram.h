@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <tuple>
 
 #include "core/base/bytes.h"
 #include "core/base/counters.h"
@@ -56,6 +57,13 @@ struct Ms3State {
   std::uint32_t safe_paths, non_safe_paths, reset_required_paths;
   std::array<std::uint8_t, 4> monitoring_case;  ///< of tables 1-4
   bool application_error, device_error;
+
+  auto tied() const {
+    return std::tie(run_mode, standby, contamination_warning, contamination_error, reference_contour,
+                    manipulation, safe_paths, non_safe_paths, reset_required_paths, monitoring_case,
+                    application_error, device_error);
+  }
+  friend bool operator==(const Ms3State& a, const Ms3State& b) { return a.tied() == b.tied(); }
 };
 
 /// Application data, inputs and outputs. Flags say which of the values are valid.

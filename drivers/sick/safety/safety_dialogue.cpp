@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/asio/yield.hpp>
 
 #include "drivers/model.h"
 
@@ -19,11 +20,6 @@ constexpr std::array<std::uint16_t, 9> variables = {
 /// Changes are made on the first data output channel; microScan3 has but one.
 constexpr std::uint8_t channel = 0;
 constexpr Span patience = std::chrono::seconds(2);
-/// A stream that stopped for so long has lost its volatile settings, or never had them.
-constexpr Span silence = std::chrono::seconds(1);
-constexpr Span dial_pause = std::chrono::milliseconds(500);
-/// The same after a whole dialogue that did not bring the stream back.
-constexpr Span fruitless_pause = std::chrono::seconds(5);
 constexpr std::uint16_t most_fields = 128;  // indices up to the first geometry, 0x2810
 constexpr std::uint16_t most_cases = 254;
 /// The session ends by itself after so many seconds without a telegram (SICK 8022708 p. 30 advises 30).
@@ -53,136 +49,117 @@ void add_to_list(std::string& list, const std::string& entry) { list += (list.em
 }  // namespace
 
 SafetyDialogue::SafetyDialogue(const DriverConfig& config)
-    : requests_(config.requests),
-      wanted_(!requests_.listen_only && (requests_.host_address || requests_.skip || requests_.allow_write)),
+    : SideDialogue(!config.requests.listen_only &&
+                       (config.requests.host_address || config.requests.skip || config.requests.allow_write),
+                   config.requests.allow_write, patience),
+      requests_(config.requests),
       product_(config.model->product),
       range_max_(config.model->range_max) {}
 
-void SafetyDialogue::tick(Stamp now, std::optional<Stamp> last_data, DriverOutput& out) {
-  now_ = now;
-  if (!wanted_) return;
-  if (phase_ != Phase::idle) {
-    if (phase_ != Phase::dialling && now - phase_since_ > patience)
-      fail("does not answer on its TCP port", out);
-    return;
-  }
-  const bool silent = !last_data || now - *last_data > silence;
-  const bool due = !complete_ || (requests_.allow_write && silent);
-  const bool fruitless = complete_ && (!last_data || *last_data < last_dial_);
-  if (!due || (dialled_ && now - last_dial_ < (fruitless ? fruitless_pause : dial_pause))) return;
-  dialled_ = true;
-  last_dial_ = phase_since_ = now;
-  phase_ = Phase::dialling;
-  out.connect();
-}
-
-void SafetyDialogue::connected(Stamp now, DriverOutput& out) {
-  now_ = now;
+void SafetyDialogue::begin() {
   stream_.clear();
   session_ = 0;
-  step_ = 0;
-  phase_ = Phase::opening;
-  // Time-out and an identity of the client, which the scanner only repeats in its log.
-  const std::array<std::uint8_t, 5> open = {session_timeout_s, 'l', 'd', 'r', 'd'};
-  ask('O', 'X', ByteView(open.data(), open.size()), out);
+  refused_ = false;
+  fields_.clear();
+  cases_.clear();
 }
 
-void SafetyDialogue::disconnected() {
-  stream_.clear();
-  phase_ = Phase::idle;
+void SafetyDialogue::script(DriverOutput& out) {
+  reenter(script_) {
+    yield open(out);
+    if (!answer_.is('O', 'A')) return fail("refuses the CoLa 2 session; is another program connected?", out);
+    session_ = answer_.session;
+    info_.details.clear();
+    info_.warnings.clear();
+    ++version_;
+    for (variable_ = 0; variable_ < variables.size(); ++variable_) {
+      yield read(variables[variable_], out);
+      take_variable(variables[variable_]);
+    }
+    if (is_to_be_changed()) {
+      yield change_output(out);
+      refused_ = !was_changed(out);
+      if (!refused_) {
+        yield read(idx::current_output, out);
+        verify();
+      }
+    }
+    // Fields, then monitoring cases, each up to the first index that holds none.
+    for (index_ = idx::field_header; !refused_ && index_ < idx::field_header + most_fields; ++index_) {
+      yield read(index_, out);
+      if (!take_field()) break;
+    }
+    if (!fields_.empty()) detail("Fields", fields_);
+    for (index_ = idx::monitoring_case; !refused_ && index_ < idx::monitoring_case + most_cases; ++index_) {
+      yield read(index_, out);
+      if (!take_case()) break;
+    }
+    if (!cases_.empty()) detail("Configured Monitoring Cases", cases_);
+    yield ask_in_mode('C', 'X', {}, out);
+    hang_up(true, out);
+  }
 }
 
 void SafetyDialogue::receive(const Packet& packet, DriverOutput& out) {
   now_ = packet.arrival;
   stream_.add(packet.payload);
-  Cola2Telegram telegram;
-  while (phase_ != Phase::idle && stream_.next(telegram)) answer(telegram, out);
+  while (is_talking() && stream_.next(answer_)) {
+    if (answer_.request != request_) continue;  // late, of a request given up
+    // Answers repeat the index; a refusal does not.
+    value_ = answer_.type != 'F' && answer_.data.has(0, 2) ? answer_.data.from(2) : ByteView();
+    script(out);
+  }
 }
 
-void SafetyDialogue::ask(char type, char mode, ByteView data, DriverOutput& out) {
-  phase_since_ = now_;
+void SafetyDialogue::ask_in_mode(char type, char mode, ByteView data, DriverOutput& out) {
   Cola2Telegram telegram;
   telegram.session = session_;
   telegram.request = ++request_;
   telegram.type = type;
   telegram.mode = mode;
   telegram.data = data;
-  const auto bytes = encode_cola2(telegram);
-  out.request(ByteView(bytes.data(), bytes.size()));
+  ask(encode_cola2(telegram), out);
+}
+
+void SafetyDialogue::open(DriverOutput& out) {
+  // Time-out and an identity of the client, which the scanner only repeats in its log.
+  const std::array<std::uint8_t, 5> open = {session_timeout_s, 'l', 'd', 'r', 'd'};
+  ask_in_mode('O', 'X', ByteView(open.data(), open.size()), out);
 }
 
 void SafetyDialogue::ask_index(char type, std::uint16_t index, ByteView arguments, DriverOutput& out) {
-  index_ = index;
   const auto prefix = le16(index);
   std::vector<std::uint8_t> data(prefix.begin(), prefix.end());
   data.insert(data.end(), arguments.begin(), arguments.end());
-  ask(type, 'I', ByteView(data.data(), data.size()), out);
+  ask_in_mode(type, 'I', ByteView(data.data(), data.size()), out);
 }
 
-void SafetyDialogue::answer(const Cola2Telegram& t, DriverOutput& out) {
-  if (t.request != request_) return;  // late, of a request given up
-  if (phase_ == Phase::opening) {
-    if (!t.is('O', 'A')) return fail("refuses the CoLa 2 session; is another program connected?", out);
-    session_ = t.session;
-    phase_ = Phase::reading;
-    return read_next(out);
-  }
-  if (phase_ == Phase::closing) {
-    complete_ = true;
-    phase_ = Phase::idle;
-    return out.disconnect(false);
-  }
-  // Both kinds of answers repeat the index; a refusal does not.
-  const bool refused = t.type == 'F';
-  const ByteView value = !refused && t.data.has(0, 2) ? t.data.from(2) : ByteView();
-  switch (phase_) {
-    case Phase::reading:
-      take_variable(index_, value);
-      if (index_ == idx::current_output) return compare(out);
-      return read_next(out);
-    case Phase::changing:
-      return changed(value, out);
-    case Phase::verifying:
-      return verify(value, out);
-    default:
-      return browse(value, out);
-  }
-}
-
-void SafetyDialogue::read_next(DriverOutput& out) {
-  if (step_ == 0) {
-    details_.clear();
-    warnings_.clear();
-    ++version_;
-  }
-  ask_index('R', variables[step_++], {}, out);
-}
-
-void SafetyDialogue::take_variable(std::uint16_t index, ByteView value) {
+void SafetyDialogue::take_variable(std::uint16_t index) {
+  const ByteView value = value_;
   if (index == idx::type_code) {
     type_code_ = read_text(value);
-    set_detail("Type Code", type_code_);
+    detail("Type Code", type_code_);
     const double range = range_of(type_code_);
     if (range > 0 && range != range_max_)
       warn("type code " + type_code_ + " is that of a scanner for " +
            std::to_string(static_cast<int>(range)) + " m, but " + product_ +
            " is configured; choose the model with that range");
   } else if (index == idx::serial_number) {
-    serial_ = read_text(value);
+    info_.serial = read_text(value);
   } else if (index == idx::status_overview) {
-    set_detail("Status", describe_status(value));
+    detail("Status", describe_status(value));
   } else if (index == idx::user_action) {
     const std::string action = describe_action(value);
-    set_detail("Required User Action", action);
+    detail("Required User Action", action);
     if (action != "none" && action != "unreadable") warn("the scanner asks its user to " + action);
   } else if (const char* label = label_of(index)) {
-    set_detail(label, index == idx::application_name ? read_versioned_text(value) : read_text(value));
+    detail(label, index == idx::application_name ? read_versioned_text(value) : read_text(value));
   } else if (const auto output = read_output(value)) {
     present_ = *output;
-    set_detail("Data Output", describe(present_));
+    detail("Data Output", describe(present_));
   } else {
     present_ = SafetyOutput();
-    set_detail("Data Output", "unreadable");
+    detail("Data Output", "unreadable");
   }
 }
 
@@ -199,96 +176,70 @@ SafetyOutput SafetyDialogue::wanted_output(const SafetyOutput& present) const {
   return target;
 }
 
-void SafetyDialogue::compare(DriverOutput& out) {
+bool SafetyDialogue::is_to_be_changed() {
   target_ = wanted_output(present_);
-  const bool same = encode_output(target_, channel) == encode_output(present_, channel);
-  if (same || !requests_.allow_write) {
-    if (!same)
-      warn("the scanner sends to " + describe(present_) + ", wanted is " + describe(target_) +
-           "; set allow_write: true, or change it in Safety Designer");
-    phase_ = Phase::browsing;
-    fields_.clear();
-    cases_.clear();
-    return ask_index('R', idx::field_header, {}, out);
-  }
-  phase_ = Phase::changing;
+  if (encode_output(target_, channel) == encode_output(present_, channel)) return false;
+  if (!requests_.allow_write)
+    warn("the scanner sends to " + describe(present_) + ", wanted is " + describe(target_) +
+         "; set allow_write: true, or change it in Safety Designer");
+  return requests_.allow_write;
+}
+
+void SafetyDialogue::change_output(DriverOutput& out) {
   const auto argument = encode_output(target_, channel);
   ask_index('M', idx::change_output, ByteView(argument.data(), argument.size()), out);
 }
 
-void SafetyDialogue::changed(ByteView result, DriverOutput& out) {
+bool SafetyDialogue::was_changed(DriverOutput& out) {
   const std::string refusal =
-      result.empty() ? std::string("the command was refused without a reason; is it allowed for this user?")
-                     : refusal_text(result.u8(0));
+      value_.empty() ? std::string("the command was refused without a reason; is it allowed for this user?")
+                     : refusal_text(value_.u8(0));
   if (!refusal.empty()) {
     out.note("data output not changed: " + refusal);
     warn("the scanner refuses to send to " + describe(target_) + ": " + refusal);
-    return hang_up(out);
+    return false;
   }
   out.note("data output: " + describe(present_) + " -> " + describe(target_));
-  set_detail("Setting Written", describe(present_) + " -> " + describe(target_));
-  phase_ = Phase::verifying;
-  ask_index('R', idx::current_output, {}, out);
+  detail("Setting Written", describe(present_) + " -> " + describe(target_));
+  return true;
 }
 
-void SafetyDialogue::verify(ByteView value, DriverOutput& out) {
-  take_variable(idx::current_output, value);
+void SafetyDialogue::verify() {
+  take_variable(idx::current_output);
   if (encode_output(present_, channel) != encode_output(target_, channel))
     warn("the scanner accepted " + describe(target_) + " but reports " + describe(present_) +
          "; another program may have changed it");
-  phase_ = Phase::browsing;
-  fields_.clear();
-  cases_.clear();
-  ask_index('R', idx::field_header, {}, out);
 }
 
-/// Fields, then monitoring cases, each up to the first index that holds none.
-void SafetyDialogue::browse(ByteView value, DriverOutput& out) {
-  const bool of_fields = index_ >= idx::field_header;
-  const std::uint16_t next = static_cast<std::uint16_t>(index_ + 1);
-  if (of_fields) {
-    const auto field = read_field(value);
-    if (field && field->defined) add_to_list(fields_, field->describe());
-    // The first index may be empty, it is reserved (sick_safetyscanners_base, src/SickSafetyscanners.cpp,
-    // requestFieldData).
-    const bool goes_on = field || index_ == idx::field_header;
-    if (goes_on && next < idx::field_header + most_fields) return ask_index('R', next, {}, out);
-    if (!fields_.empty()) set_detail("Fields", fields_);
-    return ask_index('R', idx::monitoring_case, {}, out);
-  }
-  const std::string text = describe_case(value);
-  if (!text.empty()) {
-    add_to_list(cases_, text);
-    if (next < idx::monitoring_case + most_cases) return ask_index('R', next, {}, out);
-  }
-  if (!cases_.empty()) set_detail("Configured Monitoring Cases", cases_);
-  hang_up(out);
+/// False after the last one.
+bool SafetyDialogue::take_field() {
+  const auto field = read_field(value_);
+  if (field && field->defined) add_to_list(fields_, field->describe());
+  // The first index may be empty, it is reserved (sick_safetyscanners_base, src/SickSafetyscanners.cpp,
+  // requestFieldData).
+  return field || index_ == idx::field_header;
 }
 
-void SafetyDialogue::hang_up(DriverOutput& out) {
-  phase_ = Phase::closing;
-  ask('C', 'X', {}, out);
+bool SafetyDialogue::take_case() {
+  const std::string text = describe_case(value_);
+  if (!text.empty()) add_to_list(cases_, text);
+  return !text.empty();
 }
 
 void SafetyDialogue::fail(const std::string& why, DriverOutput& out) {
   warn("the scanner " + why + "; its settings were not " + (requests_.allow_write ? "written" : "read"));
-  phase_ = Phase::idle;
-  out.disconnect(false);
+  hang_up(false, out);
 }
 
-void SafetyDialogue::set_detail(const std::string& key, const std::string& text) {
+void SafetyDialogue::detail(const std::string& key, const std::string& text) {
   ++version_;
-  for (auto& detail : details_) {
-    if (detail.first != key) continue;
-    detail.second = text;
-    return;
-  }
-  details_.emplace_back(key, text);
+  info_.set(key, text);
 }
 
 void SafetyDialogue::warn(const std::string& text) {
   ++version_;
-  if (std::find(warnings_.begin(), warnings_.end(), text) == warnings_.end()) warnings_.push_back(text);
+  auto& known = info_.warnings;
+  if (std::find(known.begin(), known.end(), text) == known.end()) known.push_back(text);
 }
 
 }  // namespace lidard::sick

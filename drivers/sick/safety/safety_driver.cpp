@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "core/base/steady_stamps.h"
-#include "core/frames/beam_window.h"
-#include "drivers/model.h"
+#include "drivers/driver_base.h"
 #include "drivers/sick/safety/ms3_geometry.h"
 #include "drivers/sick/safety/ms3_reassembler.h"
 #include "drivers/sick/safety/ms3_telegram.h"
@@ -17,11 +15,11 @@
 #include "drivers/sick/safety/safety_status.h"
 #include "drivers/sick/safety/safety_topics.h"
 #include "drivers/sick/safety/scan_clock.h"
+#include "drivers/warning_board.h"
 
 namespace lidard::sick {
 namespace {
 
-constexpr double rad_per_deg = 3.14159265358979323846 / 180;
 /// After such a silence another device or channel may take over, and sequence numbers may start again.
 constexpr Span silence = std::chrono::seconds(1);
 /// Data sets that come so little too late were overtaken; anything older is a restart of the device.
@@ -42,19 +40,15 @@ enum class Warning : std::uint8_t {
   count_
 };
 
-class SafetyDriver final : public Driver {
+class SafetyDriver final : public DriverBase {
  public:
   explicit SafetyDriver(const DriverConfig& config)
-      : config_(config),
+      : DriverBase(config),
         row_(*static_cast<const SafetyRow*>(config.model->row)),
         reassembler_(counters_),
         clock_(config.clock),
         dialogue_(config) {
-    scan_.frame_id = config.frame_id;
-    scan_.range_min = static_cast<float>(config.model->range_min);
-    scan_.range_max = static_cast<float>(config.model->range_max);
-    info_.details = {{"Vendor Name", "SICK"}, {"Product Name", std::string(config.model->product)}};
-    own_details_ = info_.details.size();
+    prepare_scan(config, scan_);
   }
 
   Reject receive(const Packet& packet, DriverOutput& out) override;
@@ -63,8 +57,6 @@ class SafetyDriver final : public Driver {
   void tick(Stamp now, DriverOutput& out) override;
   void finish(DriverOutput&) override { reassembler_.give_up_all(); }
   void restart() override;
-  const Counters& counters() const override { return counters_; }
-  const DeviceInfo& info() const override { return info_; }
 
  private:
   Reject handle(const Ms3Reassembler::Instance& instance, DriverOutput& out);
@@ -74,21 +66,14 @@ class SafetyDriver final : public Driver {
   void note_blocks();
   void note_dialogue();
   void list_details();
-  void list_warnings();
   void take_geometry(const Ms3Derived& derived);
   void choose_beams();
   void publish(Stamp end, DriverOutput& out);
   void fill();
   Stamp first_ray(Stamp end);
-  template <class MakeText>
-  void warn(Warning what, bool active, MakeText&& make_text);
 
-  DriverConfig config_;
   const SafetyRow& row_;
-  Counters counters_;
-  DeviceInfo info_;
-  std::size_t own_details_ = 0;
-  std::array<std::string, static_cast<std::size_t>(Warning::count_)> warnings_;
+  WarningBoard<Warning> board_{info_.warnings};
   Ms3Reassembler reassembler_;
   Ms3Telegram telegram_{};
   ScanClock clock_;
@@ -115,21 +100,6 @@ class SafetyDriver final : public Driver {
   std::optional<Stamp> last_datagram_;
 };
 
-template <class MakeText>
-void SafetyDriver::warn(Warning what, bool active, MakeText&& make_text) {
-  std::string& text = warnings_[static_cast<std::size_t>(what)];
-  if (active == !text.empty()) return;
-  text = active ? make_text() : std::string();
-  list_warnings();
-}
-
-void SafetyDriver::list_warnings() {
-  info_.warnings = dialogue_.warnings();
-  for (const std::string& each : warnings_) {
-    if (!each.empty()) info_.warnings.push_back(each);
-  }
-}
-
 void SafetyDriver::tick(Stamp now, DriverOutput& out) {
   reassembler_.expire(now);
   dialogue_.tick(now, last_datagram_, out);
@@ -139,9 +109,9 @@ void SafetyDriver::tick(Stamp now, DriverOutput& out) {
 void SafetyDriver::note_dialogue() {
   if (dialogue_.version() == dialogue_version_) return;
   dialogue_version_ = dialogue_.version();
-  if (info_.serial.empty()) info_.serial = dialogue_.serial();
+  if (info_.serial.empty()) info_.serial = dialogue_.info().serial;
   list_details();
-  list_warnings();
+  board_.lead(dialogue_.info().warnings);
 }
 
 Reject SafetyDriver::receive(const Packet& packet, DriverOutput& out) {
@@ -163,7 +133,7 @@ Reject SafetyDriver::receive(const Packet& packet, DriverOutput& out) {
 
 Reject SafetyDriver::handle(const Ms3Reassembler::Instance& instance, DriverOutput& out) {
   const Reject reason = parse_ms3_telegram(instance.bytes, telegram_);
-  warn(Warning::version, reason == Reject::version, [&] {
+  board_.tell(Warning::version, reason == Reject::version, [&] {
     return "the scanner sends version " + std::to_string(telegram_.version_major) +
            " of the data output, known is version 2; its scans are not used: update this program";
   });
@@ -199,7 +169,7 @@ bool SafetyDriver::is_ours(Stamp arrival) {
     return true;
   }
   if (stream_known_ && std::chrono::abs(arrival - last_arrival_) <= silence) {
-    warn(Warning::other_stream, true, [&] {
+    board_.tell(Warning::other_stream, true, [&] {
       return "channel " + std::to_string(telegram_.channel) + " of scanner " +
              std::to_string(telegram_.serial) + " sends to the same place as channel " +
              std::to_string(channel_) + " of scanner " + std::to_string(serial_) +
@@ -208,7 +178,7 @@ bool SafetyDriver::is_ours(Stamp arrival) {
     return false;
   }
   const std::uint32_t before = serial_;
-  warn(Warning::other_device, stream_known_ && telegram_.serial != before, [&] {
+  board_.tell(Warning::other_device, stream_known_ && telegram_.serial != before, [&] {
     return "scanner " + std::to_string(before) + " was replaced by scanner " +
            std::to_string(telegram_.serial) + "; check its pose and its fields";
   });
@@ -256,27 +226,23 @@ void SafetyDriver::note_status() {
 }
 
 void SafetyDriver::list_details() {
-  info_.details.resize(own_details_);
-  for (const auto& detail : dialogue_.details()) info_.details.push_back(detail);
+  clear_details();
+  for (const auto& detail : dialogue_.info().details) info_.details.push_back(detail);
   if (!status_known_) return;
   for (auto& detail : describe(status_)) info_.details.push_back(std::move(detail));
 }
 
 void SafetyDriver::note_blocks() {
-  warn(Warning::no_geometry, telegram_.has_measurement && !telegram_.derived, [] {
-    return std::string(
-        "the scanner sends measurement data without the configuration of the data output (derived values), "
-        "so "
-        "the angles of its beams are unknown; switch that block on in Safety Designer");
+  board_.tell(Warning::no_geometry, telegram_.has_measurement && !telegram_.derived, [] {
+    return "the scanner sends measurement data without the configuration of the data output (derived "
+           "values), so the angles of its beams are unknown; switch that block on in Safety Designer";
   });
-  warn(Warning::no_measurement, !telegram_.has_measurement && !status_.in_standby(), [] {
-    return std::string(
-        "the scanner sends its state but no measurement data; switch that block on in Safety Designer");
+  board_.tell(Warning::no_measurement, !telegram_.has_measurement && !status_.in_standby(), [] {
+    return "the scanner sends its state but no measurement data; switch that block on in Safety Designer";
   });
-  warn(Warning::unreadable, telegram_.has_unreadable_block, [] {
-    return std::string(
-        "a status block of the scanner is not as SICK 8022708 describes it and is left out; scans are not "
-        "affected, but its state may be missing here: please report the firmware version");
+  board_.tell(Warning::unreadable, telegram_.has_unreadable_block, [] {
+    return "a status block of the scanner is not as SICK 8022708 describes it and is left out; scans are not "
+           "affected, but its state may be missing here: please report the firmware version";
   });
 }
 
@@ -286,11 +252,9 @@ void SafetyDriver::take_geometry(const Ms3Derived& derived) {
     return;
   }
   if (geometry_) {
-    warn(Warning::geometry, false, [] { return std::string(); });
-    warn(Warning::geometry, true, [&] {
-      return "the scanner changed from " + describe(*geometry_) + " to " + describe(derived) +
-             "; restart whatever expects the former, or undo the change in Safety Designer";
-    });
+    board_.set(Warning::geometry,
+               "the scanner changed from " + describe(*geometry_) + " to " + describe(derived) +
+                   "; restart whatever expects the former, or undo the change in Safety Designer");
   }
   geometry_ = derived;
   reassembler_.set_patience(std::chrono::milliseconds(2 * derived.scan_time_ms));
@@ -301,14 +265,11 @@ void SafetyDriver::take_geometry(const Ms3Derived& derived) {
 void SafetyDriver::choose_beams() {
   const double step = geometry_->step_deg * rad_per_deg;
   const double first = (geometry_->start_deg - row_.ahead_deg) * rad_per_deg;
-  const BeamWindow kept = beams_between(first, step, geometry_->beams, config_.angle_min, config_.angle_max);
+  const BeamWindow kept = lidard::choose_beams(config_, first, step, geometry_->beams, scan_);
   first_beam_ = kept.first;
-  scan_.beams = kept.count;
-  scan_.set_angles(static_cast<float>(first + step * static_cast<double>(first_beam_)),
-                   static_cast<float>(step));
   scan_.scan_time = static_cast<float>(geometry_->scan_time_ms * 1e-3);
   scan_.time_increment = static_cast<float>(seconds(beam_period(*geometry_)));
-  warn(Warning::no_beams_left, kept.count == 0, [&] {
+  board_.tell(Warning::no_beams_left, kept.count == 0, [&] {
     return "no beam lies between angle_min and angle_max, the scanner sends " + describe(*geometry_) +
            " (90 deg is ahead); correct the angles in the configuration";
   });
@@ -327,7 +288,7 @@ void SafetyDriver::publish(Stamp end, DriverOutput& out) {
   }
   scan_.stamp = first_ray(end);
   fill();
-  warn(Warning::beyond_range, beyond_range_m_ > 0, [&] {
+  board_.tell(Warning::beyond_range, beyond_range_m_ > 0, [&] {
     return "the scanner measures up to " + std::to_string(beyond_range_m_) + " m, but range_max of " +
            std::string(config_.model->name) + " is " + std::to_string(config_.model->range_max) +
            " m and farther echoes count as none; choose the model with the longer range";
@@ -347,15 +308,11 @@ void SafetyDriver::fill() {
     const auto range = static_cast<float>(beam.distance * metres);
     if (status != BeamStatus::hit) {
       scan_.set_without_hit(i, status);
-    } else if (range < scan_.range_min) {
-      scan_.set_without_hit(i, BeamStatus::near);
-    } else if (range > scan_.range_max) {
-      scan_.set_without_hit(i, BeamStatus::none);
-      // A device of that range may overshoot its end a little.
-      if (range > 1.05F * scan_.range_max) beyond_range_m_ = std::max<double>(beyond_range_m_, range);
-    } else {
-      scan_.set_hit(i, range);
+      continue;
     }
+    scan_.set_measured(i, range);
+    // A device of that range may overshoot its end a little.
+    if (range > 1.05F * scan_.range_max) beyond_range_m_ = std::max<double>(beyond_range_m_, range);
   }
 }
 

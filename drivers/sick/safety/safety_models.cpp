@@ -12,26 +12,45 @@ namespace {
 // 0 deg is right of the device, counter-clockwise (SICK 8022708 p. 15).
 constexpr SafetyRow safety_row = {90};
 
-// The port is chosen in Safety Designer; 6060 is what most examples for these devices use.
-constexpr std::uint16_t usual_port = 6060;
-/// 2751 beams (275 deg in steps of 0.1 deg) with all blocks are 14 datagrams, each 40 ms. Unverified.
-constexpr double highest_rate = 350;
-// As sick_safetyscanners has it; unverified.
-constexpr double range_min = 0.1;
-
-/// CoLa 2 (SICK 8022708 p. 28).
-constexpr std::uint16_t settings_port = 2122;
-
 Model scanner(const char* name, const char* product, double frame_period, double range_max,
               const char* verified) {
-  Model model{name,       "SICK",   product,      "MS3 MD",          FrameKind::scan, Transport::udp,
-              usual_port, 0,        highest_rate, frame_period,      range_min,       range_max,
-              0,          verified, &safety_row,  make_safety_driver};
-  model.dialogue_port = settings_port;
-  model.state_topics = {safety_topic::system_state, safety_topic::output_paths};
+  Model model;
+  model.name = name;
+  model.vendor = "SICK";
+  model.product = product;
+  model.protocol = "MS3 MD";
+  model.verified = verified;
+  // The port is chosen in Safety Designer; 6060 is what most examples for these devices use.
+  model.port = 6060;
+  model.dialogue_port = 2122;  // CoLa 2 (SICK 8022708 p. 28)
+  // 2751 beams (275 deg in steps of 0.1 deg) with all blocks are 14 datagrams, each 40 ms. Unverified.
+  model.packets_per_s = 350;
+  model.frame_period = frame_period;
+  model.range_min = 0.1;  // as sick_safetyscanners has it; unverified
+  model.range_max = range_max;
+  // CoLa 2 needs no login for what concerns the data output.
+  model.traits = {Trait::settings_writable, Trait::receiver_settable};
+  model.messages = {message_topic<DeviceState>(safety_topic::system_state),
+                    message_topic<DeviceState>(safety_topic::output_paths)};
   model.extra_scans = {safety_topic::intrusion, safety_topic::beam_status};
+  model.row = &safety_row;
+  model.make = make_safety_driver;
   return model;
 }
+
+class SafetyRecognizer final : public Recognizer {
+ public:
+  void add(const Packet& packet) override {
+    found_ = found_ || (packet.transport == Transport::udp && looks_like_ms3(packet.payload));
+  }
+  std::string_view verdict() const override { return found_ ? "sick_microscan3" : ""; }
+  std::vector<std::string_view> others() const override {
+    return names_of(append_safety_models, [](const Model&) { return true; });
+  }
+
+ private:
+  bool found_ = false;
+};
 
 }  // namespace
 
@@ -46,6 +65,8 @@ void append_safety_models(std::vector<Model>& list) {
   list.push_back(scanner("sick_nanoscan3", "nanoScan3", 0.03, 40, printed));
   list.push_back(scanner("sick_outdoorscan3", "outdoorScan3", 0.04, 40, printed));
 }
+
+std::unique_ptr<Recognizer> make_safety_recognizer() { return std::make_unique<SafetyRecognizer>(); }
 
 bool looks_like_ms3(ByteView payload) {
   Ms3Datagram datagram;

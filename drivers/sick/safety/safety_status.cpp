@@ -9,10 +9,7 @@ namespace {
 
 auto tied(const SafetyStatus& s) {
   return std::tie(s.serial, s.plug_serial, s.channel, s.version_major, s.version_minor, s.version_release,
-                  s.has_state, s.run_mode, s.standby, s.contamination_warning, s.contamination_error,
-                  s.reference_contour, s.manipulation, s.application_error, s.device_error, s.safe_paths,
-                  s.non_safe_paths, s.reset_required_paths, s.intruded_paths, s.monitoring_case,
-                  s.has_application, s.standby_state);
+                  s.state, s.intruded_paths, s.standby_state);
 }
 
 /// "1 3 7"; "none".
@@ -26,12 +23,12 @@ std::string paths(std::uint32_t bits) {
 
 std::string yes(bool value) { return value ? "yes" : "no"; }
 
-std::string contamination(const SafetyStatus& s) {
+std::string contamination(const Ms3State& s) {
   if (s.contamination_error) return "error";
   return s.contamination_warning ? "warning" : "none";
 }
 
-std::string cases(const SafetyStatus& s) {
+std::string cases(const Ms3State& s) {
   std::string text;
   for (const std::uint8_t number : s.monitoring_case)
     text += (text.empty() ? "" : " ") + std::to_string(number);
@@ -40,9 +37,7 @@ std::string cases(const SafetyStatus& s) {
 
 }  // namespace
 
-bool SafetyStatus::in_standby() const {
-  return (has_state && standby) || (has_application && standby_state == 1);
-}
+bool SafetyStatus::in_standby() const { return (state && state->standby) || standby_state == 1; }
 
 bool operator==(const SafetyStatus& a, const SafetyStatus& b) { return tied(a) == tied(b); }
 
@@ -54,28 +49,11 @@ SafetyStatus read_status(const Ms3Telegram& t) {
   s.version_major = t.version_major;
   s.version_minor = t.version_minor;
   s.version_release = t.version_release;
-  if (t.state) {
-    s.has_state = true;
-    s.run_mode = t.state->run_mode;
-    s.standby = t.state->standby;
-    s.contamination_warning = t.state->contamination_warning;
-    s.contamination_error = t.state->contamination_error;
-    s.reference_contour = t.state->reference_contour;
-    s.manipulation = t.state->manipulation;
-    s.application_error = t.state->application_error;
-    s.device_error = t.state->device_error;
-    s.safe_paths = t.state->safe_paths;
-    s.non_safe_paths = t.state->non_safe_paths;
-    s.reset_required_paths = t.state->reset_required_paths;
-    s.monitoring_case = t.state->monitoring_case;
-  }
+  s.state = t.state;
   for (std::size_t i = 0; i < t.intrusion.size(); ++i) {
     if (t.is_intruded(i)) s.intruded_paths |= 1U << i;
   }
-  if (t.application) {
-    s.has_application = true;
-    s.standby_state = (t.application->valid_flags & 1U) != 0 ? t.application->standby_state : std::uint8_t{0};
-  }
+  if (t.application && (t.application->valid_flags & 1U) != 0) s.standby_state = t.application->standby_state;
   return s;
 }
 
@@ -87,17 +65,18 @@ std::vector<std::pair<std::string, std::string>> describe(const SafetyStatus& s)
                                   std::to_string(s.version_release)},
       {"Standby", yes(s.in_standby())},
       {"Cut-off Paths with Interrupted Beams", paths(s.intruded_paths)}};
-  if (!s.has_state) return list;
-  list.insert(list.end(), {{"Run Mode", yes(s.run_mode)},
-                           {"Contamination", contamination(s)},
-                           {"Monitoring Cases", cases(s)},
-                           {"Safe Cut-off Paths ON", paths(s.safe_paths)},
-                           {"Non-safe Cut-off Paths ON", paths(s.non_safe_paths)},
-                           {"Cut-off Paths Waiting for Reset", paths(s.reset_required_paths)},
-                           {"Reference Contour Violated", yes(s.reference_contour)},
-                           {"Manipulation Detected", yes(s.manipulation)},
-                           {"Application Error", yes(s.application_error)},
-                           {"Device Error", yes(s.device_error)}});
+  if (!s.state) return list;
+  const Ms3State& state = *s.state;
+  list.insert(list.end(), {{"Run Mode", yes(state.run_mode)},
+                           {"Contamination", contamination(state)},
+                           {"Monitoring Cases", cases(state)},
+                           {"Safe Cut-off Paths ON", paths(state.safe_paths)},
+                           {"Non-safe Cut-off Paths ON", paths(state.non_safe_paths)},
+                           {"Cut-off Paths Waiting for Reset", paths(state.reset_required_paths)},
+                           {"Reference Contour Violated", yes(state.reference_contour)},
+                           {"Manipulation Detected", yes(state.manipulation)},
+                           {"Application Error", yes(state.application_error)},
+                           {"Device Error", yes(state.device_error)}});
   return list;
 }
 

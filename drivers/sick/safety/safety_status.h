@@ -16,13 +16,9 @@ namespace lidard::sick {
 struct SafetyStatus {
   std::uint32_t serial = 0, plug_serial = 0;
   std::uint8_t channel = 0, version_major = 0, version_minor = 0, version_release = 0;
-  bool has_state = false;
-  bool run_mode = false, standby = false, contamination_warning = false, contamination_error = false,
-       reference_contour = false, manipulation = false, application_error = false, device_error = false;
-  std::uint32_t safe_paths = 0, non_safe_paths = 0, reset_required_paths = 0, intruded_paths = 0;
-  std::array<std::uint8_t, 4> monitoring_case{};
-  bool has_application = false;
-  std::uint8_t standby_state = 0;  ///< of the application outputs: 1 standby, 2 not
+  std::optional<Ms3State> state;
+  std::uint32_t intruded_paths = 0;
+  std::uint8_t standby_state = 0;  ///< of the application outputs: 1 standby, 2 not, 0 not told
 
   /// The mirror does not turn.
   bool in_standby() const;

@@ -63,10 +63,10 @@ void SafetyTopics::publish(const Ms3Telegram& telegram, const PlanarScan& scan, 
 }
 
 void SafetyTopics::begin(std::string_view topic, const PlanarScan& scan) {
-  state_.topic = topic;
-  state_.frame_id = scan.frame_id;
-  state_.stamp = scan.stamp;
-  state_.values.clear();
+  state_->topic = topic;
+  state_->frame_id = scan.frame_id;
+  state_->stamp = scan.stamp;
+  state_->values.clear();
 }
 
 void SafetyTopics::publish_state(const Ms3State& s, DriverOutput& out) {
@@ -82,7 +82,7 @@ void SafetyTopics::publish_state(const Ms3State& s, DriverOutput& out) {
   for (std::size_t i = 0; i < case_names.size(); ++i) add(case_names[i], s.monitoring_case[i]);
   add("application_error", s.application_error);
   add("device_error", s.device_error);
-  out.state(state_);
+  out.message(state_);
 }
 
 void SafetyTopics::publish_paths(const Ms3Application& a, DriverOutput& out) {
@@ -93,7 +93,7 @@ void SafetyTopics::publish_paths(const Ms3Application& a, DriverOutput& out) {
     add(names.is_safe[i], bit(a.evaluation_safe, i));
     add(names.is_valid[i], bit(a.evaluation_valid, i));
   }
-  out.state(state_);
+  out.message(state_);
 }
 
 void SafetyTopics::publish_intrusion(const Ms3Telegram& telegram, const PlanarScan& scan,

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "core/frames/device_state.h"
+#include "core/frames/device_message.h"
 #include "core/frames/scan.h"
 #include "drivers/driver.h"
 #include "drivers/sick/safety/ms3_telegram.h"
@@ -34,9 +34,9 @@ class SafetyTopics {
   void publish_beam_status(const Ms3Telegram& telegram, const PlanarScan& scan, std::size_t first_beam,
                            DriverOutput& out);
   void begin(std::string_view topic, const PlanarScan& scan);
-  void add(std::string_view name, double value) { state_.values.push_back({name, value}); }
+  void add(std::string_view name, double value) { state_->values.push_back({name, value}); }
 
-  DeviceState state_;
+  ReusedMessage<DeviceState> state_;
   PlanarScan intrusion_, beam_status_;
 };
 

@@ -16,7 +16,22 @@ class ScanClock {
   explicit ScanClock(ClockMode mode) : clock_(mode) {}
 
   /// Host time of the last beam of scan `number`, whose first datagram came at `arrival`.
-  Stamp end_of_scan(std::uint32_t number, Span scan_time, Stamp arrival);
+  Stamp end_of_scan(std::uint32_t number, Span scan_time, Stamp arrival) {
+    if (started_ && !paused_ && continues(number, scan_time, arrival)) {
+      device_ += scan_time * static_cast<std::int32_t>(number - number_);
+    } else {
+      if (started_ && !paused_) ++restarts_;
+      clock_.reset();
+      device_ = scan_time;
+    }
+    started_ = true;
+    paused_ = false;
+    number_ = number;
+    scan_time_ = scan_time;
+    arrival_ = arrival;
+    clock_.observe(device_, arrival);
+    return clock_.to_host(device_);
+  }
   /// The scan number stands still while time goes on (standby): the next scan starts afresh.
   void pause() { paused_ = true; }
   void reset() { started_ = false; }
@@ -24,7 +39,13 @@ class ScanClock {
   std::uint64_t steps() const { return clock_.steps() + restarts_; }
 
  private:
-  bool continues(std::uint32_t number, Span scan_time, Stamp arrival) const;
+  bool continues(std::uint32_t number, Span scan_time, Stamp arrival) const {
+    // Scans later than the scan number allows by so much are no stall of the network: the mirror stood still
+    // or a clock was set.
+    constexpr Span longest_stall = std::chrono::milliseconds(500);
+    const auto ahead = static_cast<std::int32_t>(number - number_);
+    return scan_time == scan_time_ && ahead > 0 && arrival - arrival_ - scan_time * ahead <= longest_stall;
+  }
 
   DeviceClock clock_;
   bool started_ = false;

@@ -42,6 +42,8 @@ struct VelodyneControl {
   bool read = false;         ///< false: no traffic to the sensor at all
   bool allow_write = false;  ///< settings that differ from `wanted` are written
   std::uint16_t port = 80;
+  IpAddress address;            ///< the sensor's
+  std::uint16_t data_port = 0;  ///< where its data are expected
   VelodyneSettings wanted;
   bool save = false;  ///< keep what was written in the sensor's flash memory
   Span period = std::chrono::seconds(10);

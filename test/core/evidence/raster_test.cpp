@@ -23,8 +23,7 @@ constexpr float nothing = std::numeric_limits<float>::infinity();
 ScanGrid full_circle(std::size_t beams) {
   ScanGridSpec spec;
   spec.beams = beams;
-  std::string error;
-  return make_grid(spec, error).value();
+  return make_grid(spec).value();
 }
 
 ScanGrid span_of(double from, double to, double increment) {
@@ -32,8 +31,7 @@ ScanGrid span_of(double from, double to, double increment) {
   spec.angle_min = from;
   spec.angle_max = to;
   spec.angle_increment = increment;
-  std::string error;
-  return make_grid(spec, error).value();
+  return make_grid(spec).value();
 }
 
 const std::vector<ScanGrid>& grids() {

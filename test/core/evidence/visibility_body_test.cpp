@@ -16,7 +16,6 @@ constexpr double deg = 3.14159265358979323846 / 180;
 PlanarScan look_from_before(double front) {
   sim::FlatWorld world;
   world.add_box({0, 0}, {12, 9}, 0);
-  std::string error;
   ScanGridSpec spec;
   spec.beams = 720;
   spec.range_max = 20;
@@ -24,7 +23,7 @@ PlanarScan look_from_before(double front) {
   settings.points = false;
   settings.visibility = true;
   settings.how.noise = settings.source.noise = 0.01;
-  Merger merger(*make_grid(spec, error), {}, 2, settings);
+  Merger merger(*make_grid(spec), {}, 2, settings);
   merger.set_footprint(Footprint({{-4, -1}, {front, -1}, {front, 1}, {-4, 1}}));
   for (std::size_t s = 0; s < 2; ++s) {
     const double side = s == 0 ? 1 : -1;

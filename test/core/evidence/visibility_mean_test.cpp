@@ -23,13 +23,12 @@ PlanarScan merged(const std::vector<View>& views, bool mean, double range_max = 
   ScanGridSpec spec;
   spec.beams = 360;
   spec.range_max = range_max;
-  std::string error;
   MergeSettings settings;
   settings.points = false;
   settings.visibility = true;
   settings.how.noise = settings.source.noise = 0.02;
   settings.how.mean = mean;
-  Merger merger(*make_grid(spec, error), {}, views.size(), settings);
+  Merger merger(*make_grid(spec), {}, views.size(), settings);
   std::vector<char> use;
   for (std::size_t s = 0; s < views.size(); ++s) {
     PlanarScan scan;
@@ -92,8 +91,7 @@ class Alone {
     ScanGridSpec spec;
     spec.beams = 360;
     spec.range_max = 30;
-    std::string error;
-    const ScanGrid grid = *make_grid(spec, error);
+    const ScanGrid grid = *make_grid(spec);
     Visibility visibility(grid, how, 1);
     PlanarScan scan;
     scan.reset(360);
@@ -102,11 +100,11 @@ class Alone {
     rays.build(scan, Pose::Identity(), {}, {});
     visibility.set_source(0, rays);
     visibility.begin();
-    for (std::size_t cell = 0; cell < visibility.profile(0).size(); ++cell)
-      visibility.profile(0).claim(cell, static_cast<float>(from), static_cast<float>(to));
+    for (std::size_t cell = 0; cell < visibility.free_space(0).size(); ++cell)
+      visibility.free_space(0).claim(cell, static_cast<float>(from), static_cast<float>(to));
     for (float& range : visibility.surfaces().range) range = 20;
     visibility.compute();
-    state = visibility.seen(77);
+    state = visibility.state(77);
     covered = static_cast<double>(visibility.covered(77));
   }
   BeamState state;

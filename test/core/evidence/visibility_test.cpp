@@ -22,8 +22,7 @@ ScanGrid grid_of(std::size_t beams, double range_max = 24) {
   ScanGridSpec spec;
   spec.beams = beams;
   spec.range_max = range_max;
-  std::string error;
-  return make_grid(spec, error).value();
+  return make_grid(spec).value();
 }
 
 /// The vehicle of the paper on ira_laser_tools: scanners A and B on the front corners of a body of 4 x 2 m,
@@ -273,7 +272,7 @@ TEST(Visibility, WallSeenOnlyFromBehindIsKeptForSafetyAlone) {
   paper.body = Footprint();
   Merged merged(paper, grid_of(720, 30));
   EXPECT_EQ(merged.scan(Profile::strict).statuses[360], BeamStatus::invalid);
-  EXPECT_NE(merged.visibility().seen(360), BeamState::hit);
+  EXPECT_NE(merged.visibility().state(360), BeamState::hit);
   const PlanarScan& safety = merged.scan(Profile::safety);
   ASSERT_EQ(safety.statuses[360], BeamStatus::hit);
   EXPECT_NEAR(safety.ranges[360], 3, 0.001);

@@ -61,8 +61,7 @@ PlanarScan sweep_at(Stamp stamp, double yaw) {
 /// All profiles of one merge of two scanners.
 struct AllProfiles {
   explicit AllProfiles(const ScanGridSpec& spec) {
-    std::string error;
-    grid = make_grid(spec, error).value();
+    grid = make_grid(spec).value();
     MergeSettings settings;
     settings.visibility = true;
     merger.emplace(grid, HeightBand{}, 2, settings);
@@ -130,8 +129,7 @@ TEST(Consumers, TakeVirtualScans) {
         static_cast<float>(5 * std::cos(angle)), static_cast<float>(5 * std::sin(angle)), 0, 1, 0, 0};
   }
   for (std::size_t n = 90; n <= 20000; n += 371) {
-    std::string error;
-    Virtualizer virtualizer(make_grid(circle(n), error).value(), {-0.1, 0.1});
+    Virtualizer virtualizer(make_grid(circle(n)).value(), {-0.1, 0.1});
     PlanarScan scan;
     virtualizer.set_cloud(cloud, Pose::Identity());
     virtualizer.project(0, Pose::Identity(), {{Profile::flatten, &scan}});

@@ -22,8 +22,7 @@ ScanGrid grid_of(std::size_t beams) {
   ScanGridSpec spec;
   spec.beams = beams;
   spec.range_max = 40;
-  std::string error;
-  return make_grid(spec, error).value();
+  return make_grid(spec).value();
 }
 
 /// Beams over 270 degrees, a return at 5 m in every one of them, in 60 ms.

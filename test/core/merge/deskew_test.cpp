@@ -29,8 +29,7 @@ ScanGrid full_circle(std::size_t beams, double range_max = 40) {
   ScanGridSpec spec;
   spec.beams = beams;
   spec.range_max = range_max;
-  std::string error;
-  return make_grid(spec, error).value();
+  return make_grid(spec).value();
 }
 
 /// Where a vehicle is, s after t0.

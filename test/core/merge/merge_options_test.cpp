@@ -39,13 +39,12 @@ class Vehicle {
     ScanGridSpec spec;
     spec.beams = 720;
     spec.range_max = range_max;
-    std::string error;
     MergeSettings settings;
     settings.points = false;
     settings.visibility = true;
     settings.source.veil_filter = false;
     settings.options = options;
-    merger.emplace(make_grid(spec, error).value(), HeightBand(), 2, settings);
+    merger.emplace(make_grid(spec).value(), HeightBand(), 2, settings);
     merger->set_footprint(Footprint({{-4, -1}, {0, -1}, {0, 1}, {-4, 1}}));
   }
   static FlatScanner scanner(std::size_t index) {
@@ -208,8 +207,7 @@ std::vector<float> intensities(Intensities choice, Profile profile) {
   ScanGridSpec spec;
   spec.beams = 720;
   spec.range_max = 20;
-  std::string error;
-  Merger merger(make_grid(spec, error).value(), {}, 2, settings);
+  Merger merger(make_grid(spec).value(), {}, 2, settings);
   for (const std::size_t s : {0U, 1U}) {
     PlanarScan scan = Vehicle::measured(s, room(), t0);
     if (s == 1) scan.intensities.clear();

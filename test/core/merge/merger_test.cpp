@@ -18,8 +18,7 @@ ScanGrid full_circle(std::size_t beams, double range_max = 50) {
   ScanGridSpec spec;
   spec.beams = beams;
   spec.range_max = range_max;
-  std::string error;
-  return make_grid(spec, error).value();
+  return make_grid(spec).value();
 }
 
 /// A scan of 181 beams over +-90 deg whose hits all lie at `range`.

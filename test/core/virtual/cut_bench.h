@@ -22,8 +22,7 @@ inline ScanGrid full_circle(std::size_t beams) {
   ScanGridSpec spec;
   spec.beams = beams;
   spec.range_max = 60;
-  std::string error;
-  return *make_grid(spec, error);
+  return *make_grid(spec);
 }
 
 inline sim::Object wall(double x0, double y0, double x1, double y1, double z_max = 4, double z_min = 0) {

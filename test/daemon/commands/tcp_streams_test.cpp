@@ -64,20 +64,20 @@ TEST_P(RecordedConnection, IsInspectedAsOneSensorWithAConfigurationThatReplaysIt
 
   const Config config = parse_config(said["config"].get<std::string>(), "inspected");
   NoTransforms poses;
-  CountingSink sink;
+  RecordingSink sink{false};
   Pipeline pipeline(config, poses, sink);
   ReplayOptions options;
   options.rate = 0;
   MergedCapture capture({path});
   Player player(options, capture, pipeline);
   player.play([] { return false; });
-  EXPECT_EQ(sink.scans[config.sensors[0].name + "/scan"], GetParam().scans);
+  EXPECT_EQ(sink.count(config.sensors[0].name + "/scan"), GetParam().scans);
   EXPECT_TRUE(pipeline.unclaimed_senders().empty());
   pipeline.restart();
   capture.rewind();
   Player again(options, capture, pipeline);
   again.play([] { return false; });
-  EXPECT_EQ(sink.scans[config.sensors[0].name + "/scan"], 2 * GetParam().scans);
+  EXPECT_EQ(sink.count(config.sensors[0].name + "/scan"), 2 * GetParam().scans);
 }
 
 INSTANTIATE_TEST_SUITE_P(Sick, RecordedConnection, ::testing::Values(lms111, tim781s),

@@ -56,9 +56,8 @@ TEST(ExampleConfigs, GiveScansThatSlamToolboxAccepts) {
   std::size_t checked = 0;
   for (const std::string& file : examples()) {
     for (const ScanGridSpec& spec : grids_of(load_config(file))) {
-      std::string error;
-      const auto grid = make_grid(spec, error);
-      ASSERT_TRUE(grid) << file << ": " << error;
+      const auto grid = make_grid(spec);
+      ASSERT_TRUE(grid) << file << ": " << grid.reason();
       PlanarScan scan;
       grid->prepare(scan, false);
       const std::size_t expected = expected_by_slam_toolbox(scan);

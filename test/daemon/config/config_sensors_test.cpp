@@ -156,10 +156,10 @@ TEST(SensorConfig, RefusesKeysThatTheModelCannotHonour) {
                 StartsWith("f:1:38: sensors.a." + key.substr(0, key.find(':')) + " " + cloud +
                            "; expected no such key"));
   }
-  EXPECT_EQ(
-      error_of("sensors: {a: {model: velodyne_vlp16, calibrate_time: true}}"),
-      "f:1:38: sensors.a.calibrate_time is not available in this version; expected clock: smooth, which "
-      "follows the device clock all the time");
+  EXPECT_EQ(error_of("sensors: {a: {model: velodyne_vlp16, calibrate_time: true}}"),
+            "f:1:38: sensors.a.calibrate_time is not available for velodyne_vlp16, which is not asked for "
+            "its clock; "
+            "expected clock: smooth, which follows the device clock all the time");
 }
 
 TEST(SensorConfig, RefusesKeysThatAPlanarScannerCannotHonour) {

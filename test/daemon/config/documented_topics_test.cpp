@@ -34,7 +34,7 @@ Names topics_of(const Model& model) {
   sensor.driver.requests.device_states = true;
   if (model.level_ring != nullptr) sensor.ring_scan.emplace(), sensor.scan_topic = "s/scan";
   Names names;
-  for (const OutputTopic& topic : sensor_topics(sensor)) names.insert(topic.info.name.substr(2));
+  for (const OutputTopic& topic : sensor_topics(sensor)) names.insert(topic.name.substr(2));
   return names;
 }
 
@@ -69,7 +69,7 @@ TEST(DocumentedTopics, StatesOfAColaDeviceAreNotThereUnlessAskedFor) {
     const Config config =
         parse_config("sensors: {s: {model: sick_lms1xx, ip_address: 192.168.0.1" + keys + "}}", "f");
     Names topics;
-    for (const OutputTopic& topic : output_topics(config)) topics.insert(topic.info.name);
+    for (const OutputTopic& topic : output_topics(config)) topics.insert(topic.name);
     return topics;
   };
   EXPECT_EQ(names(""), Names{"s/scan"});

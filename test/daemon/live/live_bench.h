@@ -65,7 +65,7 @@ struct LiveBench {
 
   boost::asio::io_context io;
   NoTransforms poses;
-  CountingSink sink;
+  RecordingSink sink{false};
   Pipeline pipeline;
   TcpConnections links;
   UdpPorts ports;

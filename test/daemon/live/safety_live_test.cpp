@@ -64,7 +64,7 @@ struct Scanner {
 struct ScannerBench final : LiveBench {
   ScannerBench(Scanner& device, const Config& config) : LiveBench(config), scanner(device) {}
   void meanwhile() override { scanner.send_if_due(); }
-  std::uint64_t scans() { return sink.scans["front/scan"]; }
+  std::uint64_t scans() { return sink.count("front/scan"); }
   Scanner& scanner;
 };
 

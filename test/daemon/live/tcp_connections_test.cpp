@@ -49,7 +49,7 @@ TEST(TcpConnections, CarryADialogueAndAStreamToFrames) {
   ASSERT_TRUE(t.b.until([&] { return t.b.driver.dialogues == 1 && t.peer.accept(); }));
   ASSERT_TRUE(t.peer.send("scan\nsc"));
   ASSERT_TRUE(t.peer.send("an\n"));
-  ASSERT_TRUE(t.b.until([&] { return t.b.sink.scans["front/scan"] == 2; }));
+  ASSERT_TRUE(t.b.until([&] { return t.b.sink.count("front/scan") == 2; }));
   EXPECT_EQ(t.peer.read(), "hello\n");
   EXPECT_EQ(t.b.links.summary(), "1 of 1 devices connected");
   EXPECT_EQ(t.b.message(0), "connected");
@@ -76,19 +76,19 @@ TEST(TcpConnections, BeginTheDialogueAnewAfterAResetAndForgetHalfALine) {
   TcpBench t;
   ASSERT_TRUE(t.b.until([&] { return t.b.driver.dialogues == 1 && t.peer.accept(); }));
   ASSERT_TRUE(t.peer.send("scan\nhal"));
-  ASSERT_TRUE(t.b.until([&] { return t.b.sink.scans["front/scan"] == 1; }));
+  ASSERT_TRUE(t.b.until([&] { return t.b.sink.count("front/scan") == 1; }));
   t.peer.reset_client();
   ASSERT_TRUE(t.b.until([&] { return t.b.driver.dialogues == 2 && t.peer.accept(); }));
   EXPECT_EQ(t.b.driver.ends, 1);
   ASSERT_TRUE(t.peer.send("scan\n"));
-  ASSERT_TRUE(t.b.until([&] { return t.b.sink.scans["front/scan"] == 2; }));
+  ASSERT_TRUE(t.b.until([&] { return t.b.sink.count("front/scan") == 2; }));
 }
 
 TEST(TcpConnections, NoticeAStreamThatFellSilentWithinAboutASecond) {
   TcpBench t;
   ASSERT_TRUE(t.b.until([&] { return t.b.driver.dialogues == 1 && t.peer.accept(); }));
   ASSERT_TRUE(t.peer.send("scan\n"));
-  ASSERT_TRUE(t.b.until([&] { return t.b.sink.scans["front/scan"] == 1; }));
+  ASSERT_TRUE(t.b.until([&] { return t.b.sink.count("front/scan") == 1; }));
   const test::Starved starved;
   const auto since = Clock::now();
   ASSERT_TRUE(t.b.until([&] { return t.b.driver.ends == 1; }));
@@ -239,7 +239,7 @@ TEST(TcpConnections, LoseNothingOfOtherSensorsAndLeakNothingWhileOneDisconnectsA
     i % 2 == 0 ? peer.reset_client() : peer.close_client();
   }
   b.run(milliseconds(100));
-  EXPECT_EQ(b.sink.scans["front/scan"], 1100);
+  EXPECT_EQ(b.sink.count("front/scan"), 1100U);
   EXPECT_EQ(b.pipeline.report()[1].counters.packets, sender.sent);
   EXPECT_LE(open_files(), files);
   EXPECT_LE(resident() - memory, 512);
@@ -262,14 +262,14 @@ TEST(PipelineOfConnections, TakesWhatTheDeviceSentOutOfACaptureAndNothingElse) {
   const Endpoint other{IpAddress::v4(192, 168, 0, 2), 2112}, web{IpAddress::v4(192, 168, 0, 2), 80};
   config.sensors.push_back(line_sensor(model, "front", device.address));
   NoTransforms poses;
-  CountingSink sink;
+  RecordingSink sink;
   Pipeline pipeline(config, poses, sink);
   pipeline.packet(chunk("hello\n", host, device, true));
   pipeline.packet(chunk("scan\nsc", device, host, true));
   pipeline.packet(chunk("scan\n", other, host, true));
   pipeline.packet(chunk("GET", web, host, true));
   pipeline.packet(chunk("an\n", device, host));
-  EXPECT_EQ(sink.scans["front/scan"], 2);
+  EXPECT_EQ(sink.count("front/scan"), 2U);
   EXPECT_THAT(pipeline.unclaimed_senders(), ElementsAre("192.168.0.2:2112 over TCP (1 packets)"));
 }
 
@@ -280,7 +280,7 @@ TEST(PipelineOfConnections, NeverMixesTwoConnectionsToOneDevice) {
   const Endpoint first{IpAddress::v4(192, 168, 0, 9), 1}, second{IpAddress::v4(192, 168, 0, 9), 2};
   config.sensors.push_back(line_sensor(model, "front", device.address));
   NoTransforms poses;
-  CountingSink sink;
+  RecordingSink sink;
   Pipeline pipeline(config, poses, sink);
   pipeline.packet(chunk("scan\nsc", device, first, true));
   pipeline.packet(chunk("scan\nsca", device, second, true));

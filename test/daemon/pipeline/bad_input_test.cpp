@@ -11,6 +11,7 @@
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/transform_source.h"
 #include "daemon/ros/ros_convert.h"
+#include "test/support/recording_sink.h"
 
 namespace lidard {
 namespace {
@@ -22,20 +23,6 @@ constexpr float inf = std::numeric_limits<float>::infinity();
 constexpr std::size_t ahead = 180;  // beam of the output, one per degree
 constexpr std::size_t behind = 0;
 constexpr std::size_t left = 270;
-
-/// Keeps the newest scan of each topic.
-struct NewestScans : FrameSink {
-  void scan(const std::string& topic, const PlanarScan& scan, Stamp) override {
-    scans[topic] = scan;
-    ++count;
-  }
-  void cloud(const std::string&, Cloud&, Stamp) override {}
-  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
-  void diagnostics(const std::vector<DiagnosticItem>& new_items, Stamp) override { items = new_items; }
-  std::map<std::string, PlanarScan> scans;
-  std::vector<DiagnosticItem> items;
-  int count = 0;
-};
 
 /// Knows no pose until it is told.
 struct LatePoses : TransformSource {
@@ -99,19 +86,14 @@ struct Room {
   void good(int n = 1) {
     for (int i = 0; i < n; ++i) sweep([](auto&) {});
   }
-  const PlanarScan& strict() { return sink.scans.at("around"); }
-  const PlanarScan& safety() { return sink.scans.at("careful"); }
+  const PlanarScan& strict() { return sink.scans.at("around").back(); }
+  const PlanarScan& safety() { return sink.scans.at("careful").back(); }
   void expect_valid() {
-    for (const auto& [topic, scan] : sink.scans) EXPECT_EQ(violation(scan), nullptr) << topic;
+    for (const auto& [topic, scans] : sink.scans) EXPECT_EQ(violation(scans.back()), nullptr) << topic;
   }
-  const DiagnosticItem& item(const std::string& name) {
-    for (const auto& i : sink.items) {
-      if (i.name == name) return i;
-    }
-    throw std::runtime_error("no item " + name);
-  }
+  const DiagnosticItem& item(const std::string& name) { return sink.item(name); }
 
-  NewestScans sink;
+  test::RecordingSink sink;
   LatePoses poses;
   Config config;
   Pipeline pipeline;
@@ -131,10 +113,10 @@ TEST(BadInput, GoodSweepsShowTheRoom) {
 TEST(BadInput, EmptySweepCountsAsDeliveredAndLeavesItsSectorUnobserved) {
   Room room;
   room.good(3);
-  const int before = room.sink.count;
+  const std::size_t before = room.sink.topics.size();
   for (int i = 0; i < 5; ++i)
     EXPECT_EQ(room.sweep([](auto& m) { m.ranges.clear(), m.intensities.clear(); }), "");
-  EXPECT_EQ(room.sink.count, before + 10);  // both scans, each time, without waiting
+  EXPECT_EQ(room.sink.topics.size(), before + 10);  // both scans, each time, without waiting
   EXPECT_TRUE(std::isnan(room.strict().ranges.at(ahead)));
   EXPECT_TRUE(std::isnan(room.safety().ranges.at(ahead)));
   EXPECT_NEAR(room.strict().ranges.at(behind), 5, 0.01);
@@ -146,7 +128,7 @@ TEST(BadInput, EmptySweepCountsAsDeliveredAndLeavesItsSectorUnobserved) {
 TEST(BadInput, EmptySweepsFromTheBeginningDoNotHoldUpTheOthers) {
   Room room;
   for (int i = 0; i < 3; ++i) room.sweep([](auto& m) { m.ranges.clear(), m.intensities.clear(); });
-  EXPECT_GE(room.sink.count, 4);
+  EXPECT_GE(room.sink.topics.size(), 4U);
   EXPECT_NEAR(room.strict().ranges.at(behind), 5, 0.01);
   EXPECT_TRUE(std::isnan(room.strict().ranges.at(ahead)));
 }

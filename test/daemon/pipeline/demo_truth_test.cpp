@@ -13,28 +13,12 @@
 #include "test/sim/servers/scene_file.h"
 #include "test/sim/servers/simulate.h"
 #include "test/support/captures.h"
+#include "test/support/recording_sink.h"
 
 namespace lidard {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
-
-class KeepingSink final : public FrameSink {
- public:
-  void scan(const std::string& topic, const PlanarScan& scan, Stamp /*released*/) override {
-    EXPECT_EQ(violation(scan), nullptr) << topic;
-    scans[topic].push_back(scan);
-  }
-  void cloud(const std::string& topic, Cloud& cloud, Stamp /*released*/) override {
-    clouds[topic].push_back(cloud);
-  }
-  void transforms(const std::vector<StaticTransform>& /*all*/, Stamp /*released*/) override {}
-  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp /*released*/) override { newest = items; }
-
-  std::map<std::string, std::vector<PlanarScan>> scans;
-  std::map<std::string, std::vector<Cloud>> clouds;
-  std::vector<DiagnosticItem> newest;
-};
 
 /// What one sensor truly saw: exact points in its own frame, with the time of the first beam.
 struct TrueFrame {
@@ -45,7 +29,7 @@ struct TrueFrame {
 struct Demo {
   Config config = load_config(test::project_file("config/demo.yaml"));
   NoTf tf;
-  KeepingSink sink;
+  test::RecordingSink sink;
   std::map<std::string, std::vector<TrueFrame>> truth;
   std::vector<SensorReport> report;
 
@@ -150,14 +134,20 @@ TEST(Demo, LosesNothingAndPublishesEveryTopic) {
     EXPECT_EQ(sensor.counters.incomplete, 0U) << sensor.name;
     EXPECT_EQ(sensor.counters.rejected_total(), 0U) << sensor.name;
   }
-  for (const auto& topic : pipeline_topics(demo.config)) {
+  for (const auto& topic : output_topics(demo.config)) {
     const bool cloud = topic.kind == TopicKind::cloud;
     if (!cloud && topic.kind != TopicKind::scan) continue;  // the demo's sensors have no receiver
     EXPECT_GT(cloud ? demo.sink.clouds.count(topic.name) : demo.sink.scans.count(topic.name), 0U)
         << topic.name;
   }
-  for (const auto& item : demo.sink.newest)
-    EXPECT_EQ(item.health, Health::ok) << item.name << ": " << item.message;
+  const Config& config = demo.config;
+  EXPECT_EQ(demo.sink.newest.size(),
+            config.sensors.size() + config.merged_scans.size() + config.virtual_scans.size());
+  EXPECT_EQ(demo.sink.healths.size(), demo.sink.newest.size());
+  for (const auto& [name, changes] : demo.sink.healths) {
+    EXPECT_EQ(changes.size(), 1U) << name << " was not well all the time";
+    EXPECT_EQ(changes.back().first, Health::ok) << name << ": " << demo.sink.item(name).message;
+  }
 }
 
 TEST(Demo, StampsIncreaseStrictlyAndAreThoseOfTheFirstBeam) {

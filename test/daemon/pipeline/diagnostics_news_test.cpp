@@ -4,22 +4,10 @@
 
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/transform_source.h"
+#include "test/support/recording_sink.h"
 
 namespace lidard {
 namespace {
-
-class TellingSink final : public FrameSink {
- public:
-  void scan(const std::string&, const PlanarScan&, Stamp) override {}
-  void cloud(const std::string&, Cloud&, Stamp) override {}
-  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
-  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp) override {
-    ++told;
-    newest = items;
-  }
-  int told = 0;
-  std::vector<DiagnosticItem> newest;
-};
 
 constexpr Stamp at(double seconds) { return Stamp{static_cast<std::int64_t>(seconds * 1e9)}; }
 
@@ -32,17 +20,17 @@ merged_scans:
 )",
                                      "p");
   NoTransforms none;
-  TellingSink sink;
+  test::RecordingSink sink;
   Pipeline pipeline(config, none, sink);
   pipeline.tick(at(10));
-  EXPECT_EQ(sink.told, 1);
+  EXPECT_EQ(sink.tellings, 1);
   for (const auto& item : sink.newest)
     EXPECT_EQ(item.health, Health::ok) << item.name << " may still come: " << item.message;
   pipeline.tick(at(10.1));
   pipeline.tick(at(10.9));
-  EXPECT_EQ(sink.told, 1) << "nothing new";
+  EXPECT_EQ(sink.tellings, 1) << "nothing new";
   pipeline.tick(at(11));
-  EXPECT_EQ(sink.told, 2);
+  EXPECT_EQ(sink.tellings, 2);
   EXPECT_EQ(sink.newest.at(0).health, Health::error) << "nothing has come yet";
   EXPECT_EQ(sink.newest.at(1).health, Health::error) << sink.newest.at(1).name;
 
@@ -54,12 +42,12 @@ merged_scans:
   scan.stamp = at(11.2);
   pipeline.scan_message("left", scan, at(11.2));
   pipeline.tick(at(11.3));
-  EXPECT_EQ(sink.told, 3) << "both are well now";
+  EXPECT_EQ(sink.tellings, 3) << "both are well now";
   EXPECT_EQ(sink.newest.at(0).health, Health::ok);
   pipeline.tick(at(11.32));
-  EXPECT_EQ(sink.told, 3);
+  EXPECT_EQ(sink.tellings, 3);
   pipeline.tick(at(11.4));
-  EXPECT_EQ(sink.told, 4) << "the only sweep is too old by now";
+  EXPECT_EQ(sink.tellings, 4) << "the only sweep is too old by now";
 }
 
 }  // namespace

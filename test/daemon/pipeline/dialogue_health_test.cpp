@@ -47,7 +47,7 @@ struct Bench {
   DiagnosticItem health() { return pipeline.diagnostics(now).at(0); }
 
   NoTransforms poses;
-  CountingSink sink;
+  RecordingSink sink;
   Pipeline pipeline;
   Stamp now = begin;
 };

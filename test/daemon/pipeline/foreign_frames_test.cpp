@@ -9,29 +9,12 @@
 
 #include "daemon/pipeline/pipeline.h"
 #include "test/daemon/pipeline/no_tf.h"
+#include "test/support/recording_sink.h"
 
 namespace lidard {
 namespace {
 
 constexpr Stamp begin{1'700'000'000'000'000'000};
-
-class NewestSink final : public FrameSink {
- public:
-  void scan(const std::string& topic, const PlanarScan& scan, Stamp) override {
-    scans[topic].push_back(scan);
-  }
-  void cloud(const std::string&, Cloud&, Stamp) override {}
-  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
-  void diagnostics(const std::vector<DiagnosticItem>& all, Stamp) override { items = all; }
-  DiagnosticItem item(const std::string& name) const {
-    for (const auto& one : items)
-      if (one.name == name) return one;
-    throw std::out_of_range(name);
-  }
-
-  std::map<std::string, std::vector<PlanarScan>> scans;
-  std::vector<DiagnosticItem> items;
-};
 
 /// A scan of a wall 2 m ahead of `frame`, as another driver's message.
 PlanarScan foreign_scan(const std::string& frame) {
@@ -48,7 +31,7 @@ PlanarScan foreign_scan(const std::string& frame) {
 TEST(ForeignFrames, AConfiguredPoseCountsWhateverFrameTheMessagesName) {
   for (const char* frame : {"a", "laser_of_another_driver", "base_link", ""}) {
     NoTf tf;
-    NewestSink sink;
+    test::RecordingSink sink;
     const Config config = parse_config(
         "sensors: {a: {topic: /a, pose: {xyz: [1, 0, 0.5], rpy_deg: [0, 0, 90]}}}\n"
         "merged_scans: {m: {laserscan_topics: a, beams: 360, range_max: 9}}\n",
@@ -68,7 +51,7 @@ TEST(ForeignFrames, AConfiguredPoseCountsWhateverFrameTheMessagesName) {
 
 TEST(ForeignFrames, SweepOfASourceWithoutPoseIsCountedAndItsFrameNamed) {
   NoTf tf;
-  NewestSink sink;
+  test::RecordingSink sink;
   // The frame alone is no pose: what the messages name has to be known to tf.
   const Config config = parse_config(
       "sensors: {a: {topic: /a, frame_id: base_link}, b: {topic: /b, pose: {xyz: [0, 0, 0]}}}\n"
@@ -89,7 +72,7 @@ TEST(ForeignFrames, SweepOfASourceWithoutPoseIsCountedAndItsFrameNamed) {
 
 TEST(ForeignFrames, AScannerMayHaveTheNameOfAVirtualScan) {
   NoTf tf;
-  NewestSink sink;
+  test::RecordingSink sink;
   const Config config = parse_config(
       "sensors: {bumper: {topic: /front, frame_id: laser, pose: {xyz: [0, 0, 0]}}, roof: {topic: /roof, "
       "pose: {xyz: [0, 0, "
@@ -112,7 +95,7 @@ TEST(ForeignFrames, AScannerMayHaveTheNameOfAVirtualScan) {
 
 TEST(ForeignFrames, AConfiguredPoseCountsWhateverFrameTheCloudsNameAndAFrameWithoutPoseIsNamed) {
   NoTf tf;
-  NewestSink sink;
+  test::RecordingSink sink;
   const Config config = parse_config(
       "sensors: {roof: {topic: /roof, pose: {xyz: [0, 0, 2]}}}\n"
       "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: [low, nowhere], poses: {low: {xyz: [0, 0, "

@@ -7,6 +7,7 @@
 
 #include "daemon/pipeline/pipeline.h"
 #include "drivers/registry/registry.h"
+#include "test/support/recording_sink.h"
 
 namespace lidard::test {
 
@@ -76,7 +77,7 @@ inline Model line_model(Transport transport, std::uint16_t port, std::uint16_t d
   model.port = port;
   model.dialogue_port = dialogue_port;
   model.frame_period = 0.02;
-  model.state_topics = {}, model.extra_scans = {};
+  model.messages = {}, model.extra_scans = {};
   model.make = [](const DriverConfig& config) -> std::unique_ptr<Driver> {
     auto driver = std::make_unique<LineDriver>(config);
     last_line_driver() = driver.get();
@@ -93,15 +94,5 @@ inline SensorConfig line_sensor(const Model& model, const std::string& name, con
   sensor.ip_port = model.port;
   return sensor;
 }
-
-/// Counts scans by topic.
-class CountingSink final : public FrameSink {
- public:
-  void scan(const std::string& topic, const PlanarScan&, Stamp) override { ++scans[topic]; }
-  void cloud(const std::string&, Cloud&, Stamp) override {}
-  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
-  void diagnostics(const std::vector<DiagnosticItem>&, Stamp) override {}
-  std::map<std::string, int> scans;
-};
 
 }  // namespace lidard::test

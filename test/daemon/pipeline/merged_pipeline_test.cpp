@@ -11,42 +11,13 @@
 #include "daemon/pipeline/pipeline.h"
 #include "test/daemon/pipeline/no_tf.h"
 #include "test/sim/world/flat_world.h"
+#include "test/support/recording_sink.h"
 
 namespace lidard {
 namespace {
 
 constexpr Stamp begin{1'700'000'000'000'000'000};
 constexpr Span ms(double n) { return span_from_seconds(n / 1000); }
-
-class KeepingSink final : public FrameSink {
- public:
-  struct Output {
-    PlanarScan scan;
-    Stamp released;
-  };
-  void scan(const std::string& topic, const PlanarScan& scan, Stamp released) override {
-    EXPECT_EQ(violation(scan), nullptr) << topic;
-    scans[topic].push_back({scan, released});
-  }
-  void cloud(const std::string&, Cloud&, Stamp) override {}
-  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
-  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) override {
-    for (const auto& item : items) {
-      if (!told[item.name].empty() && told[item.name].back().first == item.health) continue;
-      told[item.name].emplace_back(item.health, released);
-    }
-    newest = items;
-  }
-  const DiagnosticItem& item(const std::string& name) const {
-    for (const auto& one : newest)
-      if (one.name == name) return one;
-    throw std::out_of_range(name);
-  }
-
-  std::map<std::string, std::vector<Output>> scans;
-  std::map<std::string, std::vector<std::pair<Health, Stamp>>> told;  // changes of health
-  std::vector<DiagnosticItem> newest;
-};
 
 /// Two scanners of 25 Hz on the front corners of a vehicle in a room, as topics of other drivers.
 struct Vehicle {
@@ -92,7 +63,16 @@ struct Vehicle {
       for (double later : {15, 20, 25, 30, 35}) pipeline.tick(begin + at + ms(later));
     }
   }
-  const std::vector<KeepingSink::Output>& outputs() { return sink.scans["m"]; }
+  struct Output {
+    const PlanarScan& scan;
+    Stamp released;
+  };
+  std::vector<Output> outputs() {
+    std::vector<Output> all;
+    for (std::size_t i = 0; i < sink.count("m"); ++i)
+      all.push_back({sink.scans["m"][i], sink.released["m"][i]});
+    return all;
+  }
   /// Share of the beams to the right of the vehicle, seen by the right scanner alone, that are not NaN.
   static double known_at_right(const PlanarScan& scan) {
     double known = 0, all = 0;
@@ -107,7 +87,7 @@ struct Vehicle {
 
   sim::FlatWorld world;
   NoTf tf;
-  KeepingSink sink;
+  test::RecordingSink sink;
   Config config;
   Pipeline pipeline;
 };
@@ -116,9 +96,10 @@ TEST(MergedPipeline, GoesOnAtItsRateWhenAScannerDiesAndItsSectorBecomesUnknown) 
   Vehicle vehicle("policy: complete");
   vehicle.drive(ms(0), ms(4000), ms(2000), ms(3000));
   Span worst{};
-  for (std::size_t i = 1; i < vehicle.outputs().size(); ++i) {
-    const auto& before = vehicle.outputs()[i - 1];
-    const auto& now = vehicle.outputs()[i];
+  const auto outputs = vehicle.outputs();
+  for (std::size_t i = 1; i < outputs.size(); ++i) {
+    const auto& before = outputs[i - 1];
+    const auto& now = outputs[i];
     EXPECT_GT(now.scan.stamp, before.scan.stamp);
     worst = std::max(worst, now.released - before.released);
     const Span at = now.released - begin;
@@ -131,13 +112,13 @@ TEST(MergedPipeline, GoesOnAtItsRateWhenAScannerDiesAndItsSectorBecomesUnknown) 
     }
   }
   EXPECT_LE(worst, ms(40 + 20));
-  EXPECT_NEAR(static_cast<double>(vehicle.outputs().size()), 100, 4);
+  EXPECT_NEAR(static_cast<double>(outputs.size()), 100, 4);
 }
 
 TEST(MergedPipeline, SaysWithinHalfASecondThatASourceIsLostAndWhenItIsBack) {
   Vehicle vehicle("policy: complete");
   vehicle.drive(ms(0), ms(4000), ms(2000), ms(3000));
-  const auto& told = vehicle.sink.told["merged m"];
+  const auto& told = vehicle.sink.healths["merged m"];
   const auto error = std::find_if(told.begin(), told.end(), [](const auto& change) {
     return change.first == Health::error && change.second > begin + ms(1000);
   });
@@ -152,7 +133,7 @@ TEST(MergedPipeline, SaysWithinHalfASecondThatASourceIsLostAndWhenItIsBack) {
 TEST(MergedPipeline, RateIsKeptThroughALossButForTheOutputsThatTellOfItAtOnce) {
   Vehicle vehicle("rate: 20");
   vehicle.drive(ms(0), ms(6000), ms(2000), ms(4000));
-  const auto& outputs = vehicle.outputs();
+  const auto outputs = vehicle.outputs();
   EXPECT_NEAR(static_cast<double>(outputs.size()), 120, 3);
   std::vector<Stamp> out_of_turn;
   for (std::size_t i = 1; i < outputs.size(); ++i) {
@@ -167,7 +148,7 @@ TEST(MergedPipeline, RateIsKeptThroughALossButForTheOutputsThatTellOfItAtOnce) {
 TEST(MergedPipeline, TellsWhatIsKnownOfEachBeam) {
   Vehicle vehicle("status_topic: known");
   vehicle.drive(ms(0), ms(1000));
-  const PlanarScan& status = vehicle.sink.scans["known"].back().scan;
+  const PlanarScan& status = vehicle.sink.scans["known"].back();
   const PlanarScan& scan = vehicle.outputs().back().scan;
   ASSERT_EQ(status.beams, scan.beams);
   for (std::size_t i = 0; i < scan.beams; ++i) {
@@ -266,17 +247,18 @@ TEST(MergedPipeline, FollowsAClockThatWasSetBackAnHour) {
   const std::size_t before = vehicle.outputs().size();
   const Span hour = std::chrono::hours(1);
   vehicle.drive(-hour, -hour + ms(1000));
-  ASSERT_GT(vehicle.outputs().size(), before + 20);
-  const auto& first = vehicle.outputs()[before];
+  const auto outputs = vehicle.outputs();
+  ASSERT_GT(outputs.size(), before + 20);
+  const auto& first = outputs[before];
   EXPECT_LT(first.released, begin - hour + ms(1000));
   EXPECT_LT(first.scan.stamp, begin - hour + ms(1000));
-  for (std::size_t i = before + 1; i < vehicle.outputs().size(); ++i)
-    EXPECT_GT(vehicle.outputs()[i].scan.stamp, vehicle.outputs()[i - 1].scan.stamp);
+  for (std::size_t i = before + 1; i < outputs.size(); ++i)
+    EXPECT_GT(outputs[i].scan.stamp, outputs[i - 1].scan.stamp);
 }
 
 TEST(MergedPipeline, TimeOffsetOfATopicMovesItsStamps) {
   NoTf tf;
-  KeepingSink sink;
+  test::RecordingSink sink;
   const Config config = parse_config(
       "sensors: {a: {topic: /a, frame_id: a, pose: {xyz: [0, 0, 0]}, time_offset: -0.004}}\n"
       "merged_scans: {m: {laserscan_topics: a, beams: 90, range_max: 9}}\n",
@@ -290,7 +272,7 @@ TEST(MergedPipeline, TimeOffsetOfATopicMovesItsStamps) {
   scan.stamp = begin;
   pipeline.scan_message("a", scan, begin);
   ASSERT_EQ(sink.scans["m"].size(), 1U);
-  EXPECT_EQ(sink.scans["m"][0].scan.stamp, begin - ms(4));
+  EXPECT_EQ(sink.scans["m"][0].stamp, begin - ms(4));
 }
 
 }  // namespace

@@ -7,24 +7,12 @@
 
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/transform_source.h"
+#include "test/support/recording_sink.h"
 
 namespace lidard {
 namespace {
 
 using ::testing::HasSubstr;
-
-class KeepingSink final : public FrameSink {
- public:
-  void scan(const std::string& topic, const PlanarScan& scan, Stamp) override {
-    EXPECT_EQ(violation(scan), nullptr) << topic;
-    scans[topic].push_back(scan);
-  }
-  void cloud(const std::string&, Cloud&, Stamp) override {}
-  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
-  void diagnostics(const std::vector<DiagnosticItem>&, Stamp) override {}
-
-  std::map<std::string, std::vector<PlanarScan>> scans;
-};
 
 struct Vehicle {
   Config config = parse_config(R"(
@@ -38,7 +26,7 @@ virtual_scans:
 )",
                                "p");
   NoTransforms none;
-  KeepingSink sink;
+  test::RecordingSink sink;
   Pipeline pipeline{config, none, sink};
   std::int64_t frames = 0;
 

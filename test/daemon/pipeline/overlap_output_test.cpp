@@ -8,23 +8,12 @@
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/transform_source.h"
 #include "test/sim/world/flat_world.h"
+#include "test/support/recording_sink.h"
 
 namespace lidard {
 namespace {
 
 using ::testing::HasSubstr;
-
-struct KeptDiagnostics : FrameSink {
-  void scan(const std::string&, const PlanarScan&, Stamp) override {}
-  void cloud(const std::string&, Cloud&, Stamp) override {}
-  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
-  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp) override {
-    for (const auto& item : items) {
-      if (item.name == "merged around") merged = item;
-    }
-  }
-  DiagnosticItem merged;
-};
 
 /// The merged scan's status after `seconds` of two scanners on the front corners, the right one turned and
 /// shifted against its configured pose.
@@ -38,7 +27,7 @@ DiagnosticItem status_after(double seconds, double yaw_deg, double x) {
       "                        profile: strict}}\n",
       "f");
   NoTransforms poses;
-  KeptDiagnostics sink;
+  test::RecordingSink sink{false};
   Pipeline pipeline(config, poses, sink);
   sim::FlatWorld room;
   room.add_box({0, 0}, {20, 12}, 0);
@@ -64,7 +53,7 @@ DiagnosticItem status_after(double seconds, double yaw_deg, double x) {
     pipeline.tick(now);
   }
   sink.diagnostics(pipeline.diagnostics(now), now);
-  return sink.merged;
+  return sink.item("merged around");
 }
 
 std::string overlap_of(const DiagnosticItem& item) {

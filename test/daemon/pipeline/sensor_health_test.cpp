@@ -11,6 +11,7 @@
 
 #include "daemon/pipeline/report.h"
 #include "daemon/pipeline/transform_source.h"
+#include "test/support/recording_sink.h"
 #include "test/support/velodyne_wire.h"
 
 namespace lidard {
@@ -19,14 +20,6 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
-
-class NoSink final : public FrameSink {
- public:
-  void scan(const std::string&, const PlanarScan&, Stamp) override {}
-  void cloud(const std::string&, Cloud&, Stamp) override {}
-  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
-  void diagnostics(const std::vector<DiagnosticItem>&, Stamp) override {}
-};
 
 const IpAddress first = IpAddress::v4(192, 168, 1, 201);
 const IpAddress second = IpAddress::v4(192, 168, 1, 202);
@@ -67,7 +60,7 @@ struct Room {
 
   Config config;
   NoTransforms poses;
-  NoSink sink;
+  test::RecordingSink sink{false};
   Pipeline pipeline{config, poses, sink};
   Stamp now{};
   Health worst = Health::ok;
@@ -173,6 +166,27 @@ TEST(SensorHealth, TakesAJumpOfTheClockForABeginningAndNoticesSilenceAfterIt) {
     EXPECT_EQ(room.item().health, Health::error);
     EXPECT_THAT(room.item().message, HasSubstr("silent: nothing received"));
   }
+}
+
+TEST(SettingsItem, TellsHowTheSettingsStand) {
+  SensorConfig config;
+  config.name = "roof";
+  SettingsStatus status;
+  status.message = "answering";
+  status.details = {{"Set rpm", "600"}};
+  DiagnosticItem item = settings_item(config, status);
+  EXPECT_EQ(item.name, "sensor roof control");
+  EXPECT_EQ(item.hardware_id, "roof");
+  EXPECT_EQ(item.health, Health::ok);
+  EXPECT_EQ(item.message, "answering");
+  EXPECT_EQ(item.values, status.details);
+  status.serial = "AG1";
+  status.level = SettingsStatus::Level::warn;
+  item = settings_item(config, status);
+  EXPECT_EQ(item.hardware_id, "AG1");
+  EXPECT_EQ(item.health, Health::warn);
+  status.level = SettingsStatus::Level::error;
+  EXPECT_EQ(settings_item(config, status).health, Health::error);
 }
 
 }  // namespace

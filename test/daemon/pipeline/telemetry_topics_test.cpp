@@ -6,9 +6,9 @@
 #include "daemon/config/output_topics.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/transform_source.h"
-#include "daemon/ros/ros_convert.h"
-#include "daemon/ros/ros_queue.h"
+#include "daemon/ros/ros_device_message.h"
 #include "drivers/registry/registry.h"
+#include "test/support/recording_sink.h"
 #include "test/support/ros_samples.h"
 
 namespace lidard {
@@ -21,12 +21,12 @@ class TellingDriver final : public Driver {
  public:
   explicit TellingDriver(DriverConfig config) : config_(std::move(config)) {}
   Reject receive(const Packet& /*packet*/, DriverOutput& out) override {
-    out.fix(test::sample_fix());
-    out.time_reference(test::sample_time_reference());
-    out.imu(test::sample_imu());
-    out.imu(test::sample_imu());
-    if (config_.model->state_topics.empty()) return Reject::none;
-    out.state({"outputs", "laser", Stamp{5}, {{"output_1", 1}}});
+    out.message(test::sample_fix());
+    out.message(test::sample_time_reference());
+    out.message(test::sample_imu());
+    out.message(test::sample_imu());
+    if (!config_.model->tells<DeviceState>()) return Reject::none;
+    out.message(DeviceState{"outputs", "laser", Stamp{5}, {{"output_1", 1}}});
     PlanarScan scan = test::sample_scan();
     out.extra_scan("intrusion", scan);
     out.scan(scan);
@@ -45,7 +45,9 @@ class TellingDriver final : public Driver {
 Model telling_model(std::uint16_t telemetry_port, bool has_imu) {
   Model model = *find_model("velodyne_vlp16");
   model.telemetry_port = telemetry_port;
-  model.has_imu = has_imu;
+  model.messages.clear();
+  if (telemetry_port != 0) model.messages = {message_topic<GnssFix>(), message_topic<TimeReference>()};
+  if (has_imu) model.messages.push_back(message_topic<ImuSample>());
   model.make = [](const DriverConfig& config) -> std::unique_ptr<Driver> {
     return std::make_unique<TellingDriver>(config);
   };
@@ -65,30 +67,9 @@ Config config_with(const Model& model) {
 
 std::vector<std::string> names(const Config& config) {
   std::vector<std::string> all;
-  for (const auto& topic : pipeline_topics(config)) all.push_back(topic.name);
+  for (const auto& topic : output_topics(config)) all.push_back(topic.name);
   return all;
 }
-
-class Journal final : public FrameSink {
- public:
-  void scan(const std::string& topic, const PlanarScan&, Stamp) override { lines.push_back(topic); }
-  void cloud(const std::string& topic, Cloud&, Stamp) override { lines.push_back(topic); }
-  void fix(const std::string& topic, const GnssFix& fix, Stamp at) override {
-    EXPECT_EQ(fix.latitude_deg, test::sample_fix().latitude_deg);
-    released = at;
-    lines.push_back(topic);
-  }
-  void time_reference(const std::string& topic, const TimeReference&, Stamp) override {
-    lines.push_back(topic);
-  }
-  void imu(const std::string& topic, const ImuSample&, Stamp) override { lines.push_back(topic); }
-  void state(const std::string& topic, const DeviceState&, Stamp) override { lines.push_back(topic); }
-  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
-  void diagnostics(const std::vector<DiagnosticItem>&, Stamp) override {}
-
-  std::vector<std::string> lines;
-  Stamp released{};
-};
 
 TEST(TelemetryTopics, AreThoseTheModelCanHave) {
   const Model plain = telling_model(0, false);
@@ -118,53 +99,54 @@ TEST(TelemetryTopics, CarryWhatTheDriverTellsAtTheTimeOfItsPacket) {
   const Model model = telling_model(8308, true);
   const Config config = config_with(model);
   NoTransforms poses;
-  Journal sink;
+  test::RecordingSink sink;
   Pipeline pipeline(config, poses, sink);
   Packet packet;
   packet.arrival = Stamp{1'700'000'002'000'000'000};
   packet.to.port = 8308;
   pipeline.packet(packet);
-  EXPECT_THAT(sink.lines, ElementsAre("roof/fix", "roof/time_reference", "roof/imu", "roof/imu"));
-  EXPECT_EQ(sink.released, packet.arrival);
+  EXPECT_THAT(sink.topics, ElementsAre("roof/fix", "roof/time_reference", "roof/imu", "roof/imu"));
+  EXPECT_EQ(sink.released["roof/fix"].at(0), packet.arrival);
+  EXPECT_EQ(sink.of<GnssFix>("roof/fix").at(0).latitude_deg, test::sample_fix().latitude_deg);
 }
 
 TEST(TelemetryTopics, CarryStatesEchoesAndFurtherScans) {
   Model model = telling_model(0, false);
   model.kind = FrameKind::scan;
-  model.has_echoes = true;
-  model.state_topics = {"outputs"};
+  model.traits.add(Trait::echoes);
+  model.messages = {message_topic<DeviceState>("outputs")};
   model.extra_scans = {"intrusion"};
   Config config = config_with(model);
   EXPECT_THAT(names(config), ElementsAre("roof/scan", "roof/outputs", "roof/intrusion"));
   config.sensors.front().driver.publish_multiecho = true;
   EXPECT_THAT(names(config), ElementsAre("roof/scan", "roof/echoes", "roof/outputs", "roof/intrusion"));
   NoTransforms poses;
-  Journal sink;
+  test::RecordingSink sink;
   Pipeline pipeline(config, poses, sink);
   Packet packet;
   packet.to.port = 2368;
   pipeline.packet(packet);
-  EXPECT_THAT(sink.lines,
+  EXPECT_THAT(sink.topics,
               testing::IsSupersetOf({"roof/outputs", "roof/intrusion", "roof/scan", "roof/echoes"}));
 }
 
 TEST(TelemetryTopics, CarryNoStatesOfAColaDeviceThatWasNotAskedForThem) {
   Model model = telling_model(0, false);
   model.kind = FrameKind::scan;
-  model.protocol = find_model("sick_lms1xx")->protocol;
-  model.state_topics = {"outputs"};
+  model.traits.add(Trait::states_on_request);
+  model.messages = {message_topic<DeviceState>("outputs")};
   model.extra_scans = {"intrusion"};
   for (const bool wanted : {false, true}) {
     Config config = config_with(model);
     config.sensors.front().driver.requests.device_states = wanted;
     NoTransforms poses;
-    Journal sink;
+    test::RecordingSink sink;
     Pipeline pipeline(config, poses, sink);
     Packet packet;
     packet.to.port = 2368;
     pipeline.packet(packet);
-    EXPECT_THAT(sink.lines, testing::Contains("roof/scan"));
-    EXPECT_THAT(sink.lines, testing::Contains("roof/outputs").Times(wanted ? 1 : 0));
+    EXPECT_THAT(sink.topics, testing::Contains("roof/scan"));
+    EXPECT_THAT(sink.topics, testing::Contains("roof/outputs").Times(wanted ? 1 : 0));
     EXPECT_THAT(names(config), testing::Contains("roof/outputs").Times(wanted ? 1 : 0));
   }
 }
@@ -180,49 +162,6 @@ TEST(TelemetryTopics, HoldAStateAsDiagnosticStatus) {
   EXPECT_EQ(message.status[0].values[0].key, "ticks");
   EXPECT_EQ(message.status[0].values[0].value, "42");
   EXPECT_EQ(message.status[0].values[1].value, "0.25");
-}
-
-TEST(TelemetryTopics, ArePassedToTheRosThreadInOrder) {
-  FrameQueue queue({{"roof/fix", TopicKind::fix},
-                    {"roof/time_reference", TopicKind::time_reference},
-                    {"roof/imu", TopicKind::imu}},
-                   Backpressure::drop_oldest);
-  EXPECT_TRUE(queue.push("roof/imu", test::sample_imu(), Stamp{1}));
-  EXPECT_TRUE(queue.push("roof/fix", test::sample_fix(), Stamp{2}));
-  EXPECT_TRUE(queue.push("roof/time_reference", test::sample_time_reference(), Stamp{3}));
-  EXPECT_FALSE(queue.push("roof/imu", test::sample_fix(), Stamp{4})) << "another kind of topic";
-  EXPECT_FALSE(queue.push("roof/imu", test::sample_scan(), Stamp{4}));
-  EXPECT_FALSE(queue.push("roof/nothing", test::sample_imu(), Stamp{4}));
-  const auto next = [&queue] {
-    QueuedFrame* frame = queue.pop(Span(0));
-    EXPECT_NE(frame, nullptr);
-    return frame;
-  };
-  QueuedFrame* frame = next();
-  EXPECT_EQ(frame->what, QueuedFrame::What::imu);
-  EXPECT_EQ(frame->imu.angular_velocity.z(), 0.3);
-  queue.done(frame);
-  frame = next();
-  EXPECT_EQ(frame->what, QueuedFrame::What::fix);
-  EXPECT_EQ(frame->fix.status, FixStatus::sbas);
-  queue.done(frame);
-  frame = next();
-  EXPECT_EQ(frame->what, QueuedFrame::What::time_reference);
-  EXPECT_EQ(frame->reference.source, "gps_pps");
-  queue.done(frame);
-  EXPECT_TRUE(queue.idle());
-}
-
-TEST(TelemetryTopics, AnImuMayRunAheadOfTheRosThreadFurtherThanAFrame) {
-  FrameQueue queue({{"roof/imu", TopicKind::imu}, {"roof/fix", TopicKind::fix}}, Backpressure::drop_oldest);
-  for (int i = 0; i < 40; ++i) queue.push("roof/imu", test::sample_imu(), Stamp{i});
-  for (int i = 0; i < 5; ++i) queue.push("roof/fix", test::sample_fix(), Stamp{i});
-  EXPECT_EQ(queue.dropped(0), 8U);
-  EXPECT_EQ(queue.dropped(1), 3U);
-  QueuedFrame* oldest = queue.pop(Span(0));
-  ASSERT_NE(oldest, nullptr);
-  EXPECT_EQ(oldest->released.ns, 8);
-  queue.done(oldest);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "daemon/pipeline/transform_source.h"
 #include "daemon/ros/ros_convert.h"
 #include "test/sim/servers/velodyne_stream.h"
+#include "test/support/recording_sink.h"
 
 namespace lidard {
 namespace {
@@ -22,31 +23,21 @@ using sim::VelodyneSetup;
 using ::testing::HasSubstr;
 
 /// Keeps what a pipeline publishes.
-class Keeper final : public FrameSink {
- public:
-  void scan(const std::string& topic, const PlanarScan& scan, Stamp) override {
-    scans[topic].push_back(scan);
-  }
-  void cloud(const std::string& topic, Cloud& cloud, Stamp) override {
-    clouds[topic].push_back(cloud);
-    messages.emplace_back();
-    Cloud copy = cloud;
-    to_ros(copy, messages.back());
-  }
-  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
-  void diagnostics(const std::vector<DiagnosticItem>&, Stamp) override {}
-
-  std::map<std::string, std::vector<PlanarScan>> scans;
-  std::map<std::string, std::vector<Cloud>> clouds;
-  std::vector<sensor_msgs::PointCloud2> messages;
-};
+/// A cloud of the sensor as its message.
+sensor_msgs::PointCloud2 message_of(const test::RecordingSink& sink, std::size_t i) {
+  Cloud cloud = sink.clouds.at("roof/points").at(i);
+  sensor_msgs::PointCloud2 message;
+  to_ros(cloud, message);
+  return message;
+}
 
 const Endpoint sensor{IpAddress::v4(192, 168, 1, 201), 2368};
 
-Keeper play(const std::string& keys, const std::vector<SimulatedPacket>& packets, const std::string& model) {
+test::RecordingSink play(const std::string& keys, const std::vector<SimulatedPacket>& packets,
+                         const std::string& model) {
   const Config config = parse_config("sensors: {roof: {model: " + model + ", " + keys + "}}", "f");
   NoTransforms poses;
-  Keeper sink;
+  test::RecordingSink sink;
   Pipeline pipeline(config, poses, sink);
   for (const auto& packet : packets)
     pipeline.packet({packet.view(), packet.arrival, sensor, {{}, packet.port}});
@@ -83,9 +74,10 @@ std::multiset<Place> finite_points(const Cloud& cloud) {
 TEST(VelodyneSurface, AnOrganisedCloudHoldsEveryReturnInItsRow) {
   for (const char* mode : {"strongest", "dual"}) {
     const auto packets = packets_of("velodyne_vlp16", mode, 350);
-    const Keeper plain = play("clock: arrival", packets, "velodyne_vlp16");
-    const Keeper rows = play("clock: arrival, organize_cloud: true", packets, "velodyne_vlp16");
-    const Keeper lines = play("clock: arrival, organize_cloud: firings", packets, "velodyne_vlp16");
+    const test::RecordingSink plain = play("clock: arrival", packets, "velodyne_vlp16");
+    const test::RecordingSink rows = play("clock: arrival, organize_cloud: true", packets, "velodyne_vlp16");
+    const test::RecordingSink lines =
+        play("clock: arrival, organize_cloud: firings", packets, "velodyne_vlp16");
     const auto& list = plain.clouds.at("roof/points");
     ASSERT_GE(list.size(), 2U);
     ASSERT_EQ(rows.clouds.at("roof/points").size(), list.size());
@@ -93,26 +85,26 @@ TEST(VelodyneSurface, AnOrganisedCloudHoldsEveryReturnInItsRow) {
       const Cloud& made = rows.clouds.at("roof/points")[f];
       ASSERT_EQ(finite_points(made), finite_points(list[f]));
       ASSERT_EQ(finite_points(lines.clouds.at("roof/points")[f]), finite_points(list[f]));
-      const auto& message = rows.messages[f];
+      const auto message = message_of(rows, f);
       EXPECT_EQ(message.height, 16U);
       EXPECT_EQ(message.width, list[f].columns.size());
       EXPECT_EQ(message.row_step, message.width * 22);
       EXPECT_EQ(message.data.size(), message.row_step * message.height);
       EXPECT_FALSE(message.is_dense);
-      const auto& across = lines.messages[f];
+      const auto across = message_of(lines, f);
       EXPECT_EQ(across.width, 16U);
       EXPECT_EQ(across.height, message.width);
       for (std::size_t i = 0; i < made.size(); ++i) ASSERT_EQ(point_at(made, i).ring, i / message.width);
     }
-    EXPECT_EQ(plain.messages[0].height, 1U);
-    EXPECT_TRUE(plain.messages[0].is_dense);
+    EXPECT_EQ(message_of(plain, 0).height, 1U);
+    EXPECT_TRUE(message_of(plain, 0).is_dense);
   }
 }
 
 TEST(VelodyneSurface, FrameStampLastMovesTheStampAndNoPoint) {
   const auto packets = packets_of("velodyne_vlp16", "strongest", 350);
-  const Keeper first = play("clock: arrival", packets, "velodyne_vlp16");
-  const Keeper last = play("clock: arrival, frame_stamp: last", packets, "velodyne_vlp16");
+  const test::RecordingSink first = play("clock: arrival", packets, "velodyne_vlp16");
+  const test::RecordingSink last = play("clock: arrival, frame_stamp: last", packets, "velodyne_vlp16");
   const auto& a = first.clouds.at("roof/points");
   const auto& b = last.clouds.at("roof/points");
   ASSERT_EQ(a.size(), b.size());
@@ -131,9 +123,9 @@ TEST(VelodyneSurface, FrameStampLastMovesTheStampAndNoPoint) {
 
 TEST(VelodyneSurface, RangesAndViewKeepOnlyWhatIsAskedFor) {
   const auto packets = packets_of("velodyne_vlp16", "strongest", 350);
-  const Keeper kept = play("min_range: 3, max_range: 6, view_direction_deg: 90, view_width_deg: 60", packets,
-                           "velodyne_vlp16");
-  const Keeper all = play("clock: smooth", packets, "velodyne_vlp16");
+  const test::RecordingSink kept = play(
+      "min_range: 3, max_range: 6, view_direction_deg: 90, view_width_deg: 60", packets, "velodyne_vlp16");
+  const test::RecordingSink all = play("clock: smooth", packets, "velodyne_vlp16");
   const Cloud& cloud = kept.clouds.at("roof/points").at(0);
   ASSERT_GT(cloud.size(), 100U);
   EXPECT_LT(cloud.size(), all.clouds.at("roof/points").at(0).size() / 4);
@@ -183,10 +175,10 @@ TEST(VelodyneSurface, ConfidenceBitsAreThoseOfTheReturnsOwnWord) {
 
 TEST(VelodyneSurface, ConfidenceTravelsInAFieldOfItsOwn) {
   const auto packets = packets_of("velodyne_vls128", "dual_confidence", 250);
-  const Keeper told = play("publish_confidence: true", packets, "velodyne_vls128");
-  const Keeper plain = play("clock: smooth", packets, "velodyne_vls128");
-  ASSERT_FALSE(told.messages.empty());
-  const auto& message = told.messages[0];
+  const test::RecordingSink told = play("publish_confidence: true", packets, "velodyne_vls128");
+  const test::RecordingSink plain = play("clock: smooth", packets, "velodyne_vls128");
+  ASSERT_GT(told.count("roof/points"), 0U);
+  const auto message = message_of(told, 0);
   EXPECT_EQ(message.point_step, 24U);
   ASSERT_EQ(message.fields.size(), 7U);
   EXPECT_EQ(message.fields[6].name, "confidence");
@@ -194,9 +186,9 @@ TEST(VelodyneSurface, ConfidenceTravelsInAFieldOfItsOwn) {
   EXPECT_EQ(message.fields[6].datatype, sensor_msgs::PointField::UINT16);
   EXPECT_EQ(finite_points(told.clouds.at("roof/points")[0]),
             finite_points(plain.clouds.at("roof/points")[0]));
-  EXPECT_EQ(plain.messages[0].fields.size(), 6U);
+  EXPECT_EQ(message_of(plain, 0).fields.size(), 6U);
   // A mode without words: the field stays, and says so.
-  const Keeper none =
+  const test::RecordingSink none =
       play("publish_confidence: true", packets_of("velodyne_vls128", "dual", 250), "velodyne_vls128");
   const Cloud& cloud = none.clouds.at("roof/points").at(0);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -209,7 +201,7 @@ TEST(VelodyneSurface, ConfidenceTravelsInAFieldOfItsOwn) {
 TEST(VelodyneSurface, ARingIsAPlanarScanThatAgreesWithItsCloud) {
   for (const char* model : {"velodyne_vlp16", "velodyne_vlp32c", "velodyne_hdl32e", "velodyne_vls128"}) {
     SCOPED_TRACE(model);
-    const Keeper sink =
+    const test::RecordingSink sink =
         play("scan_ring: auto, scan_topic: scan, clock: arrival", packets_of(model, "strongest", 350), model);
     const auto& scans = sink.scans.at("scan");
     const auto& clouds = sink.clouds.at("roof/points");
@@ -259,7 +251,7 @@ TEST(VelodyneSurface, ASensorThatOnlySendsTelemetryIsNotReceiving) {
   const auto packets = simulate_velodyne(setup);
   const Config config = parse_config("sensors: {roof: {model: velodyne_vlp16}}", "f");
   NoTransforms poses;
-  Keeper sink;
+  test::RecordingSink sink;
   Pipeline pipeline(config, poses, sink);
   for (const auto& packet : packets)
     pipeline.packet({packet.view(), packet.arrival, sensor, {{}, packet.port}});
@@ -281,7 +273,7 @@ TEST(VelodyneSurface, ASensorThatOnlySendsTelemetryIsNotReceiving) {
 TEST(VelodyneSurface, TelemetryMayComeToAnotherPort) {
   const Config config = parse_config("sensors: {roof: {model: velodyne_vlp16, telemetry_port: 8309}}", "f");
   NoTransforms poses;
-  Keeper sink;
+  test::RecordingSink sink;
   Pipeline pipeline(config, poses, sink);
   const std::vector<std::uint8_t> position(512);
   pipeline.packet({{position.data(), position.size()}, Stamp{1}, sensor, {{}, 8309}});

@@ -8,28 +8,13 @@
 
 #include "daemon/pipeline/pipeline.h"
 #include "test/daemon/pipeline/no_tf.h"
+#include "test/support/recording_sink.h"
 #include "test/support/yard.h"
 
 namespace lidard {
 namespace {
 
 constexpr Stamp begin{1'700'000'000'000'000'000};
-
-class KeepingSink final : public FrameSink {
- public:
-  void scan(const std::string&, const PlanarScan& scan, Stamp) override {
-    EXPECT_EQ(violation(scan), nullptr);
-    scans.push_back(scan);
-  }
-  void cloud(const std::string&, Cloud&, Stamp) override {}
-  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
-  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp) override {
-    for (const auto& item : items) newest[item.name] = item;
-  }
-
-  std::vector<PlanarScan> scans;
-  std::map<std::string, DiagnosticItem> newest;
-};
 
 /// A vehicle that turns on the spot, its lidar 8 m before a wall, as another driver's topic.
 struct Vehicle {
@@ -65,10 +50,10 @@ struct Vehicle {
   }
   void pose(Span at) { pipeline.pose_message(begin + at, turned(at), "", begin + at); }
   static Pose turned(Span at) { return make_pose({0, 0, 0}, {0, 0, 0.2 * std::sin(6 * seconds(at))}); }
-  const DiagnosticItem& told() { return sink.newest["virtual level"]; }
+  const DiagnosticItem& told() { return sink.item("virtual level"); }
 
   NoTf tf;
-  KeepingSink sink;
+  test::RecordingSink sink;
   Config config;
   Pipeline pipeline;
 };
@@ -81,9 +66,9 @@ TEST(VirtualMotion, ScansAreOfTheInstantOfTheirStampAndMissingPosesAreTold) {
     for (int knot = at - 20; knot <= at + 110; knot += 10) vehicle.pose(ms(knot));
     vehicle.cloud(ms(at));
   }
-  ASSERT_EQ(vehicle.sink.scans.size(), 20U);
+  ASSERT_EQ(vehicle.sink.count("low"), 20U);
   for (std::size_t i = 3; i < 20; ++i) {
-    const PlanarScan& scan = vehicle.sink.scans[i];
+    const PlanarScan& scan = vehicle.sink.scans["low"][i];
     const Span at = scan.stamp - begin;
     EXPECT_NEAR(seconds(at), 0.1 * static_cast<double>(i + 1), 0.001);
     const double yaw = 0.2 * std::sin(6 * seconds(at));
@@ -96,7 +81,7 @@ TEST(VirtualMotion, ScansAreOfTheInstantOfTheirStampAndMissingPosesAreTold) {
   EXPECT_EQ(vehicle.told().health, Health::ok) << vehicle.told().message;
   // Odometry stops.
   for (int at = 2400; at < 4000; at += 100) vehicle.cloud(ms(at));
-  EXPECT_EQ(vehicle.sink.scans.size(), 36U) << "the scans go on";
+  EXPECT_EQ(vehicle.sink.count("low"), 36U) << "the scans go on";
   EXPECT_EQ(vehicle.told().health, Health::warn);
   EXPECT_NE(vehicle.told().message.find("as if the vehicle stood still"), std::string::npos);
   // And comes back.

@@ -14,7 +14,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "daemon/ros/ros_convert.h"
+#include "daemon/ros/ros_device_message.h"
 #include "test/support/ros_samples.h"
 
 namespace lidard {
@@ -34,20 +34,15 @@ class Bags : public testing::Test {
   void TearDown() override { std::filesystem::remove_all(folder_); }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
-  static std::vector<TopicInfo> topics() {
-    return {{"front/scan", TopicKind::scan},
-            {"front/echoes", TopicKind::echoes},
-            {"roof/points", TopicKind::cloud}};
-  }
   static void write(const std::string& file, int frames = 3) {
-    BagSink sink(file, topics());
+    BagSink sink(file);
     sink.transforms({{"base_link", "front_laser", make_pose({1, 0, 0}, {0, 0, 0})}}, Stamp{1'000'000'000});
     for (int i = 0; i < frames; ++i) {
       const Stamp released{1'700'000'001'000'000'000 + i * 100'000'000L};
-      sink.scan("front/scan", sample_scan(), released);
-      sink.scan("front/echoes", sample_scan(), released);
+      sink.scan(test::front_scan, sample_scan(), released);
+      sink.scan(test::front_echoes, sample_scan(), released);
       auto cloud = sample_cloud(1000);
-      sink.cloud("roof/points", cloud, released);
+      sink.cloud(test::roof_points, cloud, released);
       sink.diagnostics({{"front", "SN1", Health::ok, "fine", {}}}, released);
     }
     sink.close();
@@ -102,8 +97,8 @@ TEST_F(Bags, HoldCloudsByteForByteAndGiveTheDriverItsBufferBack) {
   const auto* buffer = cloud.points_bytes.data();
   const auto sent = cloud.points_bytes;
   {
-    BagSink sink(path("a.bag"), topics());
-    sink.cloud("roof/points", cloud, Stamp{1'700'000'001'000'000'000});
+    BagSink sink(path("a.bag"));
+    sink.cloud(test::roof_points, cloud, Stamp{1'700'000'001'000'000'000});
     sink.close();
   }
   EXPECT_EQ(cloud.points_bytes.data(), buffer);
@@ -116,13 +111,11 @@ TEST_F(Bags, HoldCloudsByteForByteAndGiveTheDriverItsBufferBack) {
 
 TEST_F(Bags, HoldFixesTimeReferencesAndImuSamples) {
   {
-    BagSink sink(path("a.bag"), {{"roof/fix", TopicKind::fix},
-                                 {"roof/time_reference", TopicKind::time_reference},
-                                 {"roof/imu", TopicKind::imu}});
+    BagSink sink(path("a.bag"));
     const Stamp released{1'700'000'001'000'000'000};
-    sink.fix("roof/fix", test::sample_fix(), released);
-    sink.time_reference("roof/time_reference", test::sample_time_reference(), released);
-    sink.imu("roof/imu", test::sample_imu(), released);
+    sink.message(test::roof_fix, test::sample_fix(), released);
+    sink.message(test::roof_time, test::sample_time_reference(), released);
+    sink.message(test::roof_imu, test::sample_imu(), released);
     sink.close();
     EXPECT_EQ(sink.messages(), 3U);
   }
@@ -162,33 +155,33 @@ TEST_F(Bags, MarkFixedTransformsAsLatched) {
   EXPECT_EQ(transforms.at(0)->transforms.at(0).child_frame_id, "front_laser");
 }
 
-TEST_F(Bags, PutRelativeTopicsBelowTheNamespace) {
+TEST_F(Bags, PutRelativeTopicsBelowTheRoot) {
   {
-    BagSink sink(path("a.bag"), topics(), "vehicle");
-    sink.scan("front/scan", sample_scan(), Stamp{});
-    sink.scan("/absolute", sample_scan(), Stamp{});
+    BagSink sink(path("a.bag"));
+    sink.scan(test::front_scan, sample_scan(), Stamp{});
+    sink.scan({"/absolute", TopicKind::scan}, sample_scan(), Stamp{});
     sink.close();
   }
   rosbag::Bag bag(path("a.bag"));
-  EXPECT_EQ(read<sensor_msgs::LaserScan>(bag, "/vehicle/front/scan").size(), 1U);
+  EXPECT_EQ(read<sensor_msgs::LaserScan>(bag, "/front/scan").size(), 1U);
   EXPECT_EQ(read<sensor_msgs::LaserScan>(bag, "/absolute").size(), 1U);
 }
 
 TEST_F(Bags, SayWhyTheyCannotBeCreated) {
   try {
-    BagSink sink(path("missing/a.bag"), topics());
+    BagSink sink(path("missing/a.bag"));
     FAIL() << "created in a folder that does not exist";
   } catch (const BagError& problem) {
     EXPECT_THAT(problem.what(),
                 testing::HasSubstr("missing/a.bag': No such file or directory; choose a writable"));
   }
-  EXPECT_THROW(BagSink(folder_.string(), topics()), BagError);
+  EXPECT_THROW(BagSink(folder_.string()), BagError);
 }
 
 TEST_F(Bags, SayThatTheDiskIsFull) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
   try {
-    BagSink sink("/dev/full", topics());
+    BagSink sink("/dev/full");
     FAIL() << "wrote a bag to a full disk";
   } catch (const BagError& problem) {
     EXPECT_THAT(problem.what(), testing::HasSubstr("No space left on device"));
@@ -201,11 +194,11 @@ TEST_F(Bags, StopAtTheFirstErrorAndTellWhenClosed) {
   const auto ignored = signal(SIGXFSZ, SIG_IGN);
   const struct rlimit small = {1'000'000, before.rlim_max};
   {
-    BagSink sink(path("a.bag"), topics());
+    BagSink sink(path("a.bag"));
     ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
     for (int i = 0; i < 100; ++i) {
       auto cloud = sample_cloud(1000);
-      sink.cloud("roof/points", cloud, Stamp{1'700'000'001'000'000'000});
+      sink.cloud(test::roof_points, cloud, Stamp{1'700'000'001'000'000'000});
     }
     EXPECT_LT(sink.messages(), 100U);
     EXPECT_THAT(sink.error(), testing::HasSubstr("File too large"));

@@ -32,7 +32,7 @@ virtual_scans:
 
 std::vector<std::string> names_of(const ChangeableOutput& output) {
   std::vector<std::string> names;
-  for (const auto& item : output.items) names.push_back(item.name);
+  for (const auto& item : output.items) names.emplace_back(item.name);
   return names;
 }
 
@@ -42,9 +42,9 @@ TEST(OutputItems, AreThoseOfTheAncestorForItsNodes) {
   EXPECT_EQ(outputs[0].server, "");
   EXPECT_THAT(names_of(outputs[0]), ElementsAre("angle_min", "angle_max", "angle_increment", "time_increment",
                                                 "scan_time", "range_min", "range_max"));
-  EXPECT_EQ(outputs[0].items[0].min, -M_PI);
-  EXPECT_EQ(outputs[0].items[5].max, 50);
-  EXPECT_EQ(outputs[0].items[6].max, 1000);
+  EXPECT_EQ(outputs[0].items[0].lowest, -M_PI);
+  EXPECT_EQ(outputs[0].items[5].highest, 50);
+  EXPECT_EQ(outputs[0].items[6].highest, 1000);
 }
 
 TEST(OutputItems, HaveAServerForEachEntryOfTheConfiguration) {

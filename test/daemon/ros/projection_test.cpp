@@ -60,11 +60,10 @@ struct Scene {
   std::vector<double> errors(Profile profile, Mount mount) const {
     ScanGridSpec spec;
     spec.beams = 1440;
-    std::string error;
     MergeSettings settings;
     settings.visibility = true;
     settings.how.noise = settings.source.noise = 0.001;
-    Merger merger(make_grid(spec, error).value(), {}, scanners.size(), settings);
+    Merger merger(make_grid(spec).value(), {}, scanners.size(), settings);
     merger.set_footprint(Footprint({{-4, -1}, {0, -1}, {0, 1}, {-4, 1}}));
     sim::Rng rng(1);
     PlanarScan measured, merged;

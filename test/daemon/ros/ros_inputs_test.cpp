@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "daemon/pipeline/transform_source.h"
+#include "daemon/ros/ros_connection.h"
 #include "daemon/ros/ros_convert.h"
 #include "daemon/ros/tf_poses.h"
 #include "test/support/ros_master.h"
@@ -38,8 +39,8 @@ Child talker(const std::string& topic, const Message& message) {
 /// Functions posted to the "sensor thread", which here is the test.
 class Posted {
  public:
-  RosInputs::Post post() {
-    return [this](std::function<void()> f) {
+  RosPost post() {
+    return [this](std::function<void(Stamp)> f) {
       const std::lock_guard lock(mutex_);
       waiting_.push_back(std::move(f));
     };
@@ -49,19 +50,19 @@ class Posted {
     const auto end = std::chrono::steady_clock::now() + limit;
     while (!done() && std::chrono::steady_clock::now() < end) {
       std::this_thread::sleep_for(5ms);
-      std::vector<std::function<void()>> now;
+      std::vector<std::function<void(Stamp)>> now;
       {
         const std::lock_guard lock(mutex_);
         now.swap(waiting_);
       }
-      for (const auto& f : now) f();
+      for (const auto& f : now) f(Stamp{});
     }
     return done();
   }
 
  private:
   std::mutex mutex_;
-  std::vector<std::function<void()>> waiting_;
+  std::vector<std::function<void(Stamp)>> waiting_;
 };
 
 /// What the handlers got.
@@ -69,7 +70,7 @@ struct Seen {
   std::vector<PlanarScan> scans;
   std::vector<Cloud> clouds;
   std::string sensor;
-  TopicHandlers handlers() {
+  RosHandlers handlers() {
     return {[this](const std::string& name, PlanarScan& scan, Stamp) {
               sensor = name;
               scans.push_back(scan);
@@ -81,10 +82,10 @@ struct Seen {
   }
 };
 
-std::shared_ptr<RosInputs> add_inputs(RosLink& link, const std::vector<TopicSource>& sources,
-                                      RosInputs::Post post, TopicHandlers handlers) {
+std::shared_ptr<RosInputs> add_inputs(RosConnection& connection, const std::vector<TopicSource>& sources,
+                                      RosPost post, RosHandlers handlers) {
   auto inputs = std::make_shared<RosInputs>(sources, std::move(post), std::move(handlers));
-  link.add_client(inputs);
+  connection.add(inputs);
   return inputs;
 }
 
@@ -101,10 +102,10 @@ TEST(RosInputs, FindTheTypeOfATopicAndConvertScans) {
     master.start();
     Posted posted;
     Seen seen;
-    RosLink link({});
-    const auto inputs = add_inputs(link, {{"rear", "/rear/scan"}}, posted.post(), seen.handlers());
+    RosConnection connection({}, {});
+    const auto inputs = add_inputs(connection, {{"rear", "/rear/scan"}}, posted.post(), seen.handlers());
 
-    link.start();
+    connection.start();
     EXPECT_TRUE(posted.run_until([&] { return seen.scans.size() >= 3; }));
     ASSERT_FALSE(seen.scans.empty());
     EXPECT_EQ(seen.sensor, "rear");
@@ -113,7 +114,7 @@ TEST(RosInputs, FindTheTypeOfATopicAndConvertScans) {
     EXPECT_EQ(inputs->report().at(0).type, "sensor_msgs/LaserScan");
     EXPECT_EQ(inputs->report().at(0).rejected, 0U);
     EXPECT_EQ(inputs->diagnostics().at(0).health, Health::ok);
-    EXPECT_TRUE(link.stop());
+    EXPECT_TRUE(connection.stop());
   });
 }
 
@@ -127,17 +128,17 @@ TEST(RosInputs, ConvertCloudsOfAPublisherThatComesLate) {
     Posted posted;
     Seen seen;
     const Child clouds = talker("/points", message);  // waits for the master, as we do
-    RosLink link({});
-    const auto inputs = add_inputs(link, {{"roof", "points"}}, posted.post(), seen.handlers());
+    RosConnection connection({}, {});
+    const auto inputs = add_inputs(connection, {{"roof", "points"}}, posted.post(), seen.handlers());
 
-    link.start();
+    connection.start();
     EXPECT_FALSE(posted.run_until([&] { return !seen.clouds.empty(); }, 200ms));
     EXPECT_EQ(inputs->diagnostics().at(0).health, Health::warn);
     master.start();
     EXPECT_TRUE(posted.run_until([&] { return !seen.clouds.empty(); }));
     ASSERT_FALSE(seen.clouds.empty());
     EXPECT_EQ(seen.clouds[0].points_bytes, sent);
-    EXPECT_TRUE(link.stop());
+    EXPECT_TRUE(connection.stop());
   });
 }
 
@@ -151,17 +152,18 @@ TEST(RosInputs, CountAndExplainMessagesTheyCannotUse) {
     master.start();
     Posted posted;
     Seen seen;
-    RosLink link({});
-    const auto inputs = add_inputs(link, {{"a", "/broken"}, {"b", "/words"}}, posted.post(), seen.handlers());
+    RosConnection connection({}, {});
+    const auto inputs =
+        add_inputs(connection, {{"a", "/broken"}, {"b", "/words"}}, posted.post(), seen.handlers());
 
-    link.start();
+    connection.start();
     EXPECT_TRUE(posted.run_until([&] { return inputs->report()[0].rejected > 2; }));
     EXPECT_EQ(inputs->report()[0].last_reason,
               "number of ranges does not fit angle_min, angle_max and angle_increment");
     EXPECT_TRUE(posted.run_until([&] { return inputs->report()[1].type == "std_msgs/String"; }));
     EXPECT_EQ(inputs->report()[1].messages, 0U);
     EXPECT_TRUE(seen.scans.empty());
-    EXPECT_TRUE(link.stop());
+    EXPECT_TRUE(connection.stop());
   });
 }
 
@@ -178,10 +180,11 @@ TEST(RosInputs, UseScansWithOddIntensitiesOrWithoutRangesAndCountWhatTheyLeaveOu
     master.start();
     Posted posted;
     Seen seen;
-    RosLink link({});
-    const auto inputs = add_inputs(link, {{"a", "/odd"}, {"b", "/empty"}}, posted.post(), seen.handlers());
+    RosConnection connection({}, {});
+    const auto inputs =
+        add_inputs(connection, {{"a", "/odd"}, {"b", "/empty"}}, posted.post(), seen.handlers());
 
-    link.start();
+    connection.start();
     EXPECT_TRUE(posted.run_until([&] {
       const auto report = inputs->report();
       return report[0].intensities_ignored > 2 && report[1].messages > 2 && seen.scans.size() > 6;
@@ -192,7 +195,7 @@ TEST(RosInputs, UseScansWithOddIntensitiesOrWithoutRangesAndCountWhatTheyLeaveOu
     using ::testing::Pair;
     EXPECT_THAT(inputs->diagnostics().at(0).values,
                 ::testing::Contains(Pair("Intensities ignored", ::testing::Ne("0"))));
-    EXPECT_TRUE(link.stop());
+    EXPECT_TRUE(connection.stop());
   });
 }
 
@@ -201,22 +204,22 @@ TEST(RosInputs, DropAndCountWhatASlowSensorThreadDoesNotTake) {
     RosMaster master;
     const Child scans = talker("/scan", scan_message());
     master.start();
-    std::vector<std::function<void()>> never_run;
+    std::vector<std::function<void(Stamp)>> never_run;
     std::mutex mutex;
     Seen seen;
-    RosLink link({});
+    RosConnection connection({}, {});
     const auto inputs = add_inputs(
-        link, {{"a", "/scan"}},
-        [&](std::function<void()> f) {
+        connection, {{"a", "/scan"}},
+        [&](std::function<void(Stamp)> f) {
           const std::lock_guard lock(mutex);
           never_run.push_back(std::move(f));
         },
         seen.handlers());
 
-    link.start();
+    connection.start();
     Posted nothing;
     EXPECT_TRUE(nothing.run_until([&] { return inputs->report()[0].dropped > 3; }));
-    EXPECT_TRUE(link.stop());
+    EXPECT_TRUE(connection.stop());
     EXPECT_EQ(never_run.size(), 4U);
   });
 }
@@ -228,10 +231,10 @@ TEST(RosInputs, HearPublishersAgainAfterTheMasterWasRestarted) {
     master.start();
     Posted posted;
     Seen seen;
-    RosLink link({});
-    const auto inputs = add_inputs(link, {{"a", "/scan"}}, posted.post(), seen.handlers());
+    RosConnection connection({}, {});
+    const auto inputs = add_inputs(connection, {{"a", "/scan"}}, posted.post(), seen.handlers());
 
-    link.start();
+    connection.start();
     ASSERT_TRUE(posted.run_until([&] { return !seen.scans.empty(); }));
     before.kill();
     master.kill();
@@ -243,7 +246,7 @@ TEST(RosInputs, HearPublishersAgainAfterTheMasterWasRestarted) {
         "{angle_min: 0.0, angle_max: 0.1, angle_increment: 0.1, range_max: "
         "10.0, ranges: [1.0, 2.0]}"});
     EXPECT_TRUE(posted.run_until([&] { return seen.scans.size() > count + 10; }));
-    EXPECT_TRUE(link.stop());
+    EXPECT_TRUE(connection.stop());
   });
 }
 
@@ -266,13 +269,13 @@ TEST(TfPoses, FollowAChainOfFramesAndSayWhyAPoseIsUnknown) {
     master.start();
     const auto tf_poses = std::make_shared<TfPoses>();
     TfPoses& poses = *tf_poses;
-    RosLink link({});
-    link.add_client(tf_poses);
+    RosConnection connection({}, {});
+    connection.add(tf_poses);
     Pose pose;
     std::string why;
     EXPECT_FALSE(poses.lookup("base_link", "laser", Stamp{}, pose, why));
     EXPECT_THAT(why, testing::HasSubstr("no ROS master yet"));
-    link.start();
+    connection.start();
     Posted nothing;
     EXPECT_TRUE(nothing.run_until([&] { return poses.lookup("/base_link", "laser", Stamp{5}, pose, why); }))
         << why;
@@ -282,7 +285,7 @@ TEST(TfPoses, FollowAChainOfFramesAndSayWhyAPoseIsUnknown) {
     EXPECT_THAT(why, testing::HasSubstr("nowhere"));
     EXPECT_FALSE(poses.lookup("", "laser", Stamp{}, pose, why));
     EXPECT_TRUE(poses.lookup("laser", "laser", Stamp{}, pose, why));
-    EXPECT_TRUE(link.stop());
+    EXPECT_TRUE(connection.stop());
   });
 }
 
@@ -296,9 +299,9 @@ TEST(TfPoses, TakeAMovingFrameAtTheStampAskedFor) {
     master.start();
     const auto tf_poses = std::make_shared<TfPoses>();
     TfPoses& poses = *tf_poses;
-    RosLink link({});
-    link.add_client(tf_poses);
-    link.start();
+    RosConnection connection({}, {});
+    connection.add(tf_poses);
+    connection.start();
     Pose pose;
     std::string why;
     Posted nothing;
@@ -308,7 +311,7 @@ TEST(TfPoses, TakeAMovingFrameAtTheStampAskedFor) {
     EXPECT_EQ(pose.translation().x(), 2);
     EXPECT_FALSE(poses.lookup("odom", "base_link", Stamp{103'000'000'000}, pose, why));
     EXPECT_THAT(why, testing::HasSubstr("extrapolation"));
-    EXPECT_TRUE(link.stop());
+    EXPECT_TRUE(connection.stop());
   });
 }
 

@@ -7,7 +7,7 @@
 #include <chrono>
 #include <cstdlib>
 
-#include "daemon/ros/ros_link.h"
+#include "daemon/ros/ros_environment.h"
 #include "test/support/ros_listener.h"
 #include "test/support/starved.h"
 

@@ -11,8 +11,10 @@
 
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/transform_source.h"
+#include "daemon/ros/ros_connection.h"
 #include "daemon/ros/ros_inputs.h"
 #include "test/sim/servers/velodyne_stream.h"
+#include "test/support/recording_sink.h"
 #include "test/support/ros_master.h"
 
 /// The message of velodyne_msgs as its own package defines it, written here a second time.
@@ -144,49 +146,40 @@ TEST(VelodyneScanMessage, CutOffAnywhereGivesNoPacket) {
   EXPECT_EQ(taken, 2U);
 }
 
-class Clouds final : public FrameSink {
- public:
-  void scan(const std::string&, const PlanarScan&, Stamp) override {}
-  void cloud(const std::string&, Cloud& cloud, Stamp) override { clouds.push_back(cloud); }
-  void transforms(const std::vector<StaticTransform>&, Stamp) override {}
-  void diagnostics(const std::vector<DiagnosticItem>&, Stamp) override {}
-  std::vector<Cloud> clouds;
-};
-
 /// A pipeline whose one sensor takes its packets from a topic, fed by RosInputs.
 struct Listening {
   Config config =
       parse_config("sensors: {roof: {model: velodyne_vlp16, packet_topic: /velodyne_packets}}", "f");
   NoTransforms poses;
-  Clouds sink;
+  test::RecordingSink sink;
   Pipeline pipeline{config, poses, sink};
   std::mutex mutex;
-  std::vector<std::function<void()>> waiting;
-  RosLink link{RosOptions{}};
+  std::vector<std::function<void(Stamp)>> waiting;
+  RosConnection connection{{}, {}};
   std::shared_ptr<RosInputs> inputs = std::make_shared<RosInputs>(
       std::vector<TopicSource>{{"roof", "/velodyne_packets", true}},
-      [this](std::function<void()> task) {
+      [this](std::function<void(Stamp)> task) {
         const std::lock_guard lock(mutex);
         waiting.push_back(std::move(task));
       },
-      TopicHandlers{{}, {}, [this](const std::string& name, ByteView packet, Stamp arrival, Stamp received) {
-                      pipeline.packet_message(name, {packet, arrival, {}, {}}, received);
-                    }});
+      RosHandlers{{}, {}, [this](const std::string& name, ByteView packet, Stamp arrival, Stamp received) {
+                    pipeline.packet_message(name, {packet, arrival, {}, {}}, received);
+                  }});
 
   Listening() {
-    link.add_client(inputs);
-    link.start();
+    connection.add(inputs);
+    connection.start();
   }
   bool run_until(const std::function<bool()>& done) {
     const auto end = std::chrono::steady_clock::now() + 20s;
     while (!done() && std::chrono::steady_clock::now() < end) {
       std::this_thread::sleep_for(5ms);
-      std::vector<std::function<void()>> tasks;
+      std::vector<std::function<void(Stamp)>> tasks;
       {
         const std::lock_guard lock(mutex);
         tasks.swap(waiting);
       }
-      for (const auto& task : tasks) task();
+      for (const auto& task : tasks) task(Stamp{1});
     }
     return done();
   }
@@ -214,19 +207,21 @@ TEST(VelodyneScanTopic, GivesTheCloudsThatThePacketsGiveByUdp) {
 
     const Config config = parse_config("sensors: {roof: {model: velodyne_vlp16}}", "f");
     NoTransforms poses;
-    Clouds expected;
-    Pipeline by_udp(config, poses, expected);
+    test::RecordingSink by_port;
+    Pipeline by_udp(config, poses, by_port);
     for (const auto& packet : all) by_udp.packet({packet.view(), packet.arrival, {}, {{}, 2368}});
     by_udp.finish(all.back().arrival);
-    ASSERT_GE(expected.clouds.size(), 3U);
-    ASSERT_EQ(here.sink.clouds.size(), expected.clouds.size());
-    for (std::size_t i = 0; i < expected.clouds.size(); ++i) {
-      EXPECT_EQ(here.sink.clouds[i].stamp, expected.clouds[i].stamp);
-      EXPECT_EQ(here.sink.clouds[i].points_bytes, expected.clouds[i].points_bytes);
+    const auto& expected = by_port.clouds["roof/points"];
+    const auto& clouds = here.sink.clouds["roof/points"];
+    ASSERT_GE(expected.size(), 3U);
+    ASSERT_EQ(clouds.size(), expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      EXPECT_EQ(clouds[i].stamp, expected[i].stamp);
+      EXPECT_EQ(clouds[i].points_bytes, expected[i].points_bytes);
     }
     EXPECT_EQ(here.inputs->report().at(0).type, "velodyne_msgs/VelodyneScan");
     EXPECT_EQ(here.inputs->report().at(0).rejected, 0U);
-    EXPECT_TRUE(here.link.stop());
+    EXPECT_TRUE(here.connection.stop());
   });
 }
 
@@ -250,7 +245,7 @@ TEST(VelodyneScanTopic, CountsMessagesThatAreCutOffAndGoesOn) {
     }));
     EXPECT_EQ(here.inputs->report().at(0).last_reason, "the message is shorter than its own counts say");
     EXPECT_EQ(here.inputs->diagnostics().at(0).health, Health::warn);
-    EXPECT_TRUE(here.link.stop());
+    EXPECT_TRUE(here.connection.stop());
   });
 }
 

@@ -41,7 +41,9 @@ class Watched : public DriverOutput {
     scans.push_back(scan);
   }
   void cloud(Cloud&) override { ADD_FAILURE(); }
-  void state(const DeviceState& state) override { states.push_back(state); }
+  void message(const DeviceMessage& message) override {
+    if (const auto* state = std::get_if<DeviceState>(&message)) states.push_back(*state);
+  }
 
   std::vector<sim::Measurement> truth;
   std::unique_ptr<Driver> driver;

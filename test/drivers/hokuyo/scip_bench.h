@@ -42,7 +42,9 @@ class TcpBench : public DriverOutput {
     sweeps.push_back(sweep);
   }
   void cloud(Cloud&) override { ADD_FAILURE() << "a planar scanner made a cloud"; }
-  void state(const DeviceState& state) override { states.push_back(state); }
+  void message(const DeviceMessage& message) override {
+    if (const auto* state = std::get_if<DeviceState>(&message)) states.push_back(*state);
+  }
   void request(ByteView bytes) override {
     written += bytes.text();
     uplink.push_back({now + way_up, std::string(bytes.text())});

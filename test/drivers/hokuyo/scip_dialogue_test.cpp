@@ -10,8 +10,6 @@ namespace {
 using namespace std::chrono_literals;
 using sim::ScipDeviceOptions;
 
-constexpr double rad_per_deg = 3.14159265358979323846 / 180;
-
 DriverConfig without_comparison() {
   DriverConfig config;
   config.requests.calibrate_time = false;

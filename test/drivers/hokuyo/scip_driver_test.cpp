@@ -17,8 +17,6 @@ namespace {
 using namespace std::chrono_literals;
 using sim::ScipDeviceOptions;
 
-constexpr double rad_per_deg = 3.14159265358979323846 / 180;
-
 std::string content(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};

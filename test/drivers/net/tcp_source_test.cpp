@@ -169,6 +169,27 @@ TEST(TcpSource, ConnectsAgainWhenTheDeviceClosesOrResets) {
   }
 }
 
+TEST(TcpSource, MakesOneAttemptAndOneConnectionWhereItNeedNotLast) {
+  TcpPeer peer;
+  TcpOptions options = to_port(peer.port());
+  options.keep_up = false;
+  Bench b(options);
+  b.source.start();
+  ASSERT_TRUE(b.until_connected());
+  ASSERT_TRUE(peer.accept());
+  peer.close_client();
+  ASSERT_TRUE(b.until([&] { return b.disconnects == 1; }));
+  EXPECT_EQ(b.source.state().phase, TcpState::Phase::stopped);
+  EXPECT_EQ(b.message(), "") << "that the device closes is no trouble";
+  peer.stop_listening();
+  b.source.start();
+  ASSERT_TRUE(b.until([&] { return b.disconnects == 2; })) << "told also of an attempt that failed";
+  EXPECT_THAT(b.message(), HasSubstr("refuses the connection"));
+  b.run(milliseconds(200));
+  EXPECT_EQ(b.source.stats().attempts, 2U);
+  EXPECT_EQ(b.connects, 1);
+}
+
 TEST(TcpSource, OpensASilentConnectionAnew) {
   TcpPeer peer;
   TcpOptions options = to_port(peer.port());

@@ -144,8 +144,19 @@ TEST(Hdl64Stream, ACalibrationFileIsPreferredToWhatTheSensorSends) {
   velodyne::Calibration file;
   file.lasers.resize(64);
   config.calibration = std::make_shared<const velodyne::Calibration>(file);
+  const auto packets = corrected_stream();
+  // The file corrects nothing: 8 m stay 8 m from the first frame to the last, and nothing comes to be at 9.3
+  // m.
+  config.min_range = 7.9;
+  config.max_range = 8.1;
+  const auto uncorrected = points_per_frame(config, packets);
+  ASSERT_GT(uncorrected.size(), 36U);
+  for (std::size_t i = 1; i + 1 < uncorrected.size(); ++i) EXPECT_GT(uncorrected[i], 1000U) << i;
   config.min_range = 9;
-  for (const std::size_t points : points_per_frame(config, corrected_stream())) EXPECT_EQ(points, 0U);
+  config.max_range = 9.4;
+  const auto corrected = points_per_frame(config, packets);
+  ASSERT_EQ(corrected.size(), uncorrected.size());
+  for (std::size_t i = 0; i < corrected.size(); ++i) EXPECT_EQ(corrected[i], 0U) << i;
 }
 
 TEST(Hdl64Stream, RangeLimitsAreThoseOfEachLasersCorrectedDistance) {

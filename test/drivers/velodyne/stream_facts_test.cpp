@@ -40,7 +40,7 @@ TEST(StreamFacts, KnowNothingBeforeTheFirstDataPacket) {
   add(facts, 1, 600, 512);
   EXPECT_FALSE(facts.last_arrival());
   EXPECT_FALSE(facts.rpm());
-  EXPECT_EQ(facts.mode(), 0);
+  EXPECT_EQ(facts.returns(), nullptr);
 }
 
 TEST(StreamFacts, MeasureTheSpeed) {
@@ -49,7 +49,7 @@ TEST(StreamFacts, MeasureTheSpeed) {
     for (double t = 0; t < 1.2; t += 0.001327) add(facts, t, rpm);
     ASSERT_TRUE(facts.rpm());
     EXPECT_NEAR(*facts.rpm(), rpm, 1);
-    EXPECT_EQ(facts.mode(), 0x39);
+    EXPECT_STREQ(facts.returns(), "Dual");
     EXPECT_EQ(facts.destination().to_string(), here.to_string());
   }
 }
@@ -72,7 +72,7 @@ TEST(StreamFacts, AreThoseOfARealCapture) {
   StreamFacts facts;
   Packet packet{};
   while (source.next(packet)) facts.add(packet);
-  EXPECT_EQ(facts.mode(), 0x37);
+  EXPECT_STREQ(facts.returns(), "Strongest");
   ASSERT_TRUE(facts.rpm());
   EXPECT_NEAR(*facts.rpm(), 600, 12);
 }

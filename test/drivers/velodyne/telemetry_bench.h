@@ -49,7 +49,7 @@ class TelemetryBench final : public DriverOutput {
  public:
   explicit TelemetryBench(bool with_imu = false, ClockMode clock = ClockMode::arrival) {
     model = *find_model("velodyne_vlp16");
-    model.has_imu = with_imu;
+    if (with_imu) model.messages.push_back(message_topic<ImuSample>());
     DriverConfig config;
     config.model = &model;
     config.frame_id = "roof";
@@ -59,9 +59,11 @@ class TelemetryBench final : public DriverOutput {
 
   void scan(PlanarScan&) override { ADD_FAILURE() << "telemetry made a scan"; }
   void cloud(Cloud&) override { ADD_FAILURE() << "telemetry made a cloud"; }
-  void fix(const GnssFix& fix) override { fixes.push_back(fix); }
-  void time_reference(const TimeReference& reference) override { references.push_back(reference); }
-  void imu(const ImuSample& sample) override { samples.push_back(sample); }
+  void message(const DeviceMessage& message) override {
+    if (const auto* fix = std::get_if<GnssFix>(&message)) fixes.push_back(*fix);
+    if (const auto* reference = std::get_if<TimeReference>(&message)) references.push_back(*reference);
+    if (const auto* sample = std::get_if<ImuSample>(&message)) samples.push_back(*sample);
+  }
 
   Reject give(ByteView packet, Stamp arrival) { return receiver->receive(packet, arrival, *this, info); }
   /// All telemetry of a capture; returns how many packets.

@@ -294,7 +294,9 @@ TEST(TelemetryReceiver, AllocatesNothingPerPacket) {
    public:
     void scan(PlanarScan&) override {}
     void cloud(Cloud&) override {}
-    void fix(const GnssFix&) override { ++fixes; }
+    void message(const DeviceMessage& message) override {
+      fixes += std::holds_alternative<GnssFix>(message) ? 1 : 0;
+    }
     std::size_t fixes = 0;
   } out;
   TelemetryBench bench(true);

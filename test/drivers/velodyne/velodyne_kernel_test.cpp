@@ -15,8 +15,6 @@
 namespace lidard::velodyne {
 namespace {
 
-constexpr double rad_per_deg = M_PI / 180;
-
 /// A calibration with every term, different for every laser.
 Calibration calibration_of(const ModelRow& row, std::mt19937& random, CalibrationModel model) {
   std::uniform_real_distribution<double> some(-1, 1);

@@ -3,7 +3,6 @@
 #include "test/sim/devices/sick_segments.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "test/sim/devices/sick_telegram.h"

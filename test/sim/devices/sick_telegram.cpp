@@ -204,27 +204,6 @@ SickBytes compact_imu(std::uint64_t time_us, const std::array<float, 3>& acceler
   return with_crc(wire);
 }
 
-SickBytes compact_encoder(std::uint64_t counter, std::uint64_t transmit_us, std::uint32_t sender,
-                          std::uint64_t frame, std::uint32_t ticks, float speed, std::uint64_t tick_us) {
-  Wire wire;
-  add32(wire, start_mark);
-  add32(wire, 4);
-  add64(wire, counter);
-  add64(wire, transmit_us);
-  add32(wire, 1);
-  add32(wire, 52);
-  add32(wire, sender);
-  add64(wire, frame);
-  add32(wire, ticks);
-  add64(wire, 0);
-  add_float(wire, static_cast<double>(speed));
-  // The upper half is lost, as in a picoScan150's telegrams.
-  add64(wire, tick_us & 0xffffffffU);
-  add64(wire, 0);
-  add64(wire, 0);
-  return with_crc(wire);
-}
-
 SickBytes msgpack_scan(const SickSegment& segment) {
   Wire payload;
   pack_map(payload, 2);

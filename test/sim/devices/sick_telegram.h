@@ -50,10 +50,8 @@ using SickBytes = std::vector<std::uint8_t>;
 SickBytes compact_scan(const SickSegment& segment, std::uint32_t version);
 SickBytes compact_imu(std::uint64_t time_us, const std::array<float, 3>& acceleration,
                       const std::array<float, 3>& rate, const std::array<float, 4>& wxyz);
-SickBytes compact_encoder(std::uint64_t counter, std::uint64_t transmit_us, std::uint32_t sender,
-                          std::uint64_t frame, std::uint32_t ticks, float speed, std::uint64_t tick_us);
-/// The same content as a MSGPACK telegram (SICKAG/ScanSegmentAPI, whose samples hold one content in both
-/// formats).
+/// The content of compact_scan() as a MSGPACK telegram (SICKAG/ScanSegmentAPI, whose samples hold one content
+/// in both formats).
 SickBytes msgpack_scan(const SickSegment& segment);
 
 }  // namespace lidard::sim

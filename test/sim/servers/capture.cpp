@@ -9,7 +9,6 @@
 #include <iterator>
 #include <set>
 #include <stdexcept>
-#include <vector>
 
 #include "test/sim/servers/pcap_writer.h"
 #include "test/sim/servers/simulate.h"

@@ -11,7 +11,6 @@
 
 #include <array>
 #include <cerrno>
-#include <chrono>
 #include <cstring>
 #include <stdexcept>
 
@@ -29,11 +28,6 @@ sockaddr_in to_sockaddr(const Endpoint& endpoint) {
 }
 
 }  // namespace
-
-Stamp wall_clock() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return {std::chrono::duration_cast<std::chrono::nanoseconds>(now).count()};
-}
 
 DeviceServer::DeviceServer(const Endpoint& listen_at, std::unique_ptr<TcpDevice> device)
     : address_(listen_at), device_(std::move(device)) {

@@ -11,12 +11,10 @@
 #include <thread>
 
 #include "drivers/address.h"
+#include "drivers/net/wall_clock.h"
 #include "test/sim/devices/tcp_device.h"
 
 namespace lidard::sim {
-
-/// The system's clock.
-Stamp wall_clock();
 
 /// Puts a device behind a real TCP socket, on a thread of its own. Serves one client at a time, as such
 /// sensors do: a second one waits in the queue.

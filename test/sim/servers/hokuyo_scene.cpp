@@ -11,7 +11,6 @@
 namespace lidard::sim {
 namespace {
 
-constexpr double two_pi = 6.28318530717958647692;
 /// Sensors of a scene were switched on so long before it began or the server started.
 constexpr Span uptime = std::chrono::seconds(100);
 

@@ -61,13 +61,13 @@ void OutputCheck::cloud(Cloud& cloud) {
   expect(late, "a point is older than the stamp");
 }
 
-void OutputCheck::fix(const GnssFix& fix) {
-  expect(!(std::fabs(fix.latitude_deg) > 90) && !(std::fabs(fix.longitude_deg) > 180), "no place on earth");
-}
-
-void OutputCheck::imu(const ImuSample& sample) {
-  expect(sample.angular_velocity.allFinite() && sample.linear_acceleration.allFinite(),
-         "an inertial value is not finite");
+void OutputCheck::message(const DeviceMessage& message) {
+  if (const auto* fix = std::get_if<GnssFix>(&message))
+    expect(!(std::fabs(fix->latitude_deg) > 90) && !(std::fabs(fix->longitude_deg) > 180),
+           "no place on earth");
+  if (const auto* sample = std::get_if<ImuSample>(&message))
+    expect(sample->angular_velocity.allFinite() && sample->linear_acceleration.allFinite(),
+           "an inertial value is not finite");
 }
 
 }  // namespace lidard::sim

@@ -15,8 +15,7 @@ class OutputCheck final : public DriverOutput {
   void scan(PlanarScan& scan) override;
   void cloud(Cloud& cloud) override;
   void extra_scan(std::string_view topic, PlanarScan& scan) override;
-  void fix(const GnssFix& fix) override;
-  void imu(const ImuSample& sample) override;
+  void message(const DeviceMessage& message) override;
 
   /// The first thing found, in a few words; nullptr: nothing.
   const char* violation() const { return violation_; }

@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "test/sim/servers/test_scene.h"
 
 namespace {

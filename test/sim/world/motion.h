@@ -4,12 +4,13 @@
 
 #include <vector>
 
+#include "core/base/angle.h"
 #include "core/base/pose.h"
 
 namespace lidard::sim {
 
-constexpr double pi = 3.14159265358979323846;
-constexpr double rad_per_deg = pi / 180;
+constexpr double pi = pi_d;
+using lidard::rad_per_deg;
 
 /// A place on the ground: m and rad, yaw counter-clockwise from x.
 struct Pose2 {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/base/angle.h"
+
 namespace lidard::sim {
 
 /// Random numbers that are the same with every compiler and library: the distributions of the standard
@@ -25,7 +27,6 @@ class Rng {
   double uniform() { return static_cast<double>(bits() >> 11U) * 0x1.0p-53; }
   /// Mean 0, standard deviation 1 (Box and Muller; one of the pair is thrown away to keep no state).
   double gaussian() {
-    constexpr double two_pi = 6.28318530717958647692;
     const double radius = std::sqrt(-2 * std::log(1 - uniform()));
     return radius * std::cos(two_pi * uniform());
   }

@@ -31,7 +31,9 @@ class ColaBench final : public DriverOutput {
     scans.push_back(scan);
   }
   void cloud(Cloud& cloud) override { clouds.push_back(cloud); }
-  void state(const DeviceState& state) override { states.push_back(state); }
+  void message(const DeviceMessage& message) override {
+    if (const auto* state = std::get_if<DeviceState>(&message)) states.push_back(*state);
+  }
   void request(ByteView bytes) override { requests.emplace_back(bytes.begin(), bytes.end()); }
   void note(std::string_view sentence) override { notes.emplace_back(sentence); }
   void disconnect(bool again) override { ++(again ? reconnects : closes); }

@@ -329,7 +329,7 @@ TEST(ColaDriver, StatesGoOutOnTheirTopics) {
   EXPECT_NEAR(seconds(bench.now - bench.states[1].stamp), 0.003, 1e-6) << "the device's own time";
   const Model& model = *find_model("sick_lms1xx");
   for (const DeviceState& state : bench.states) {
-    EXPECT_THAT(model.state_topics, ::testing::Contains(state.topic));
+    EXPECT_THAT(model.messages, ::testing::Contains(::testing::Field(&MessageTopic::name, state.topic)));
   }
 }
 

@@ -33,8 +33,10 @@ class SegmentBench final : public DriverOutput {
     ++released;
   }
   void cloud(Cloud& cloud) override { clouds.push_back(cloud); }
-  void imu(const ImuSample& sample) override { samples.push_back(sample); }
-  void state(const DeviceState& state) override { states.push_back(state); }
+  void message(const DeviceMessage& message) override {
+    if (const auto* sample = std::get_if<ImuSample>(&message)) samples.push_back(*sample);
+    if (const auto* state = std::get_if<DeviceState>(&message)) states.push_back(*state);
+  }
   void extra_scan(std::string_view topic, PlanarScan& scan) override {
     EXPECT_EQ(topic, "reflectors");
     EXPECT_EQ(violation(scan), nullptr) << violation(scan);

@@ -23,7 +23,9 @@ struct Kept final : DriverOutput {
     scans.push_back(scan);
   }
   void cloud(Cloud& cloud) override { clouds.push_back(cloud); }
-  void imu(const ImuSample& sample) override { samples.push_back(sample); }
+  void message(const DeviceMessage& message) override {
+    if (const auto* sample = std::get_if<ImuSample>(&message)) samples.push_back(*sample);
+  }
 };
 
 struct Sensor {

@@ -30,7 +30,9 @@ class SafetyBench final : public DriverOutput {
     EXPECT_EQ(violation(scan), nullptr) << violation(scan);
     scans.push_back(scan);
   }
-  void state(const DeviceState& state) override { states.push_back(state); }
+  void message(const DeviceMessage& message) override {
+    if (const auto* state = std::get_if<DeviceState>(&message)) states.push_back(*state);
+  }
   void extra_scan(std::string_view topic, PlanarScan& scan) override {
     EXPECT_EQ(violation(scan), nullptr) << violation(scan);
     if (topic == "beam_status") return beam_statuses.push_back(scan);

@@ -20,7 +20,9 @@ double value_of(const DeviceState& state, const std::string& name) {
 
 TEST(SafetyTopics, AreNamedByTheModel) {
   const Model& model = *find_model("sick_nanoscan3");
-  EXPECT_EQ(model.state_topics, (std::vector<std::string_view>{"system_state", "output_paths"}));
+  ASSERT_EQ(model.messages.size(), 2U);
+  EXPECT_EQ(model.messages[0].name, "system_state");
+  EXPECT_EQ(model.messages[1].name, "output_paths");
   EXPECT_EQ(model.extra_scans, (std::vector<std::string_view>{"intrusion", "beam_status"}));
   EXPECT_EQ(model.dialogue_port, 2122);
 }

@@ -1,0 +1,373 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+// `merged_scans:` of a configuration.
+#include <algorithm>
+
+#include "daemon/config/config_sources.h"
+#include "daemon/config/sections.h"
+
+namespace lidard {
+namespace {
+
+using namespace keys;
+using Merged = MergedScanConfig;
+
+constexpr double longest_wait_s = 3600;
+constexpr double farthest_m = 10000;
+constexpr double strongest = 1e9;
+constexpr double most_outputs_per_s = 1000;
+
+const Words<EchoChoice> echo_choices{{"first", EchoChoice::first},
+                                     {"last", EchoChoice::last},
+                                     {"strongest", EchoChoice::strongest},
+                                     {"all", EchoChoice::all}};
+
+Keys<Merged> source_and_topic_rows() {
+  return {special<Merged>(
+              "laserscan_topics", "names of sensors that give scans, or of virtual scans",
+              [](const Merged& merged) { return key_value(merged.laserscan_topics); },
+              "the sources, by name or by the topic that they publish")
+              .needed(),
+          frame("destination_frame", &Merged::destination_frame, "the scan's origin")
+              .by_default("vehicle.base_frame"),
+          of_kind(KeyKind::pose, "destination_pose", &Merged::destination_pose,
+                  "of destination_frame in vehicle.base_frame")
+              .unless_set("from tf"),
+          topic("scan_destination_topic", &Merged::scan_destination_topic, "the scan")
+              .by_default("the entry's name"),
+          topic("cloud_destination_topic", &Merged::cloud_destination_topic,
+                "the returns of all sources as one cloud; empty: none")
+              .or_empty(),
+          topic("status_topic", &Merged::status_topic,
+                "a LaserScan of how far each beam is observed; as intensity 0 unobserved, 1 free, 2 hit, "
+                "3 a surface seen from behind, 4 a way with a gap; empty: none")
+              .or_empty()};
+}
+
+Keys<ScheduleSettings> policy_rows() {
+  using S = ScheduleSettings;
+  const Words<Policy> policies{
+      {"complete", Policy::complete}, {"rate", Policy::rate}, {"trigger", Policy::trigger}};
+  return {
+      word("policy", &S::policy, policies,
+           "published when all sources have delivered, at a rate, or when one has delivered"),
+      number("rate", &S::rate, 0.01, most_outputs_per_s, "1/s", "with policy rate").shown_if([](const S& s) {
+        return s.policy == Policy::rate;
+      })};
+}
+
+Keys<ScheduleSettings> patience_rows() {
+  using S = ScheduleSettings;
+  return {
+      number("deadline", &S::deadline, 0, longest_wait_s, "s",
+             "how late a source may be before an output is published without it")
+          .unless_set("0.3 of the shortest period of the sources"),
+      number("max_age", &S::max_age, 0.001, longest_wait_s, "s", "older sweeps are not used")
+          .unless_set("until the next sweep of the source is overdue by the deadline"),
+      number("lost_after", &S::lost_after, 0.001, longest_wait_s, "s",
+             "silence after which a source is lost, which is an ERROR"),
+      flag("publish_when_empty", &S::publish_when_empty, "outputs go on when no source has anything to say")};
+}
+
+KeyOf<Merged> trigger_row() {
+  return special<Merged>(
+             "trigger", "the source whose sweeps trigger the output",
+             [](const Merged& merged) {
+               const bool known = merged.schedule.trigger < merged.laserscan_topics.size();
+               return known ? KeyValue(merged.laserscan_topics[merged.schedule.trigger]) : KeyValue();
+             },
+             "the source whose sweeps trigger the output, with policy trigger")
+      .shown_if([](const Merged& merged) { return merged.schedule.policy == Policy::trigger; });
+}
+
+KeyOf<Merged> source_settings_row() {
+  const auto get = [](const Merged& merged) {
+    KeyMap map;
+    for (const auto& [name, one] : merged.source_settings)
+      map.emplace_back(name, shown_values(source_keys(), one));
+    return map;
+  };
+  return special<Merged>("source_settings", "{SOURCE: {range_max: 8, …}}", get,
+                         "windows and properties of single sources, by their name");
+}
+
+Keys<Merged> fusion_rows() {
+  return {word("fuse", &Merged::mean, {{"nearest", false}, {"mean", true}},
+               "what stands where several sources see the same surface"),
+          word("echoes", &Merged::echoes, echo_choices, "which echo of a beam counts"),
+          flag("veil_filter", &Merged::veil_filter,
+               "leaves out mixed pixels: returns between two surfaces where no surface is"),
+          range_noise_row<Merged>(), free_required_row<Merged>()};
+}
+
+Keys<MergeOptions> option_rows() {
+  using O = MergeOptions;
+  const Words<Intensities> intensities{
+      {"auto", Intensities::automatic}, {"on", Intensities::on}, {"off", Intensities::off}};
+  return {word("conflicts", &O::newest_wins, {{"keep", false}, {"newest", true}},
+               "newest: a hit inside what a newer sweep of another source sees through is dropped"),
+          word("free_requires", &O::all_heights, {{"any", false}, {"all", true}},
+               "all: a beam is free only where the sources of every mounting height say so"),
+          flag("veil_cross_check", &O::veil_cross_check,
+               "a return that another source sees through counts for profile safety alone"),
+          word("intensity", &O::intensities, intensities, "auto: where all sources have intensities"),
+          number("missing_intensity", &O::missing_intensity, -strongest, strongest, "",
+                 "of sources without intensities, with intensity: on")
+              .shown_if([](const O& o) { return o.intensities == Intensities::on; })};
+}
+
+/// The sources of a merged scan.
+struct ReadSources {
+  std::vector<SourceLimits> limits;
+  std::vector<NamedSource> named;
+  std::vector<Value> values;  // as written
+  std::vector<std::string> written;
+};
+
+std::string expected_sources(const Config& config) {
+  std::string expected = "names of sensors that give scans: " + names_of(config, FrameKind::scan);
+  const char* separator = "; or virtual scans: ";
+  for (const std::string& topic : virtual_topics(config)) {
+    expected += separator + topic;
+    separator = ", ";
+  }
+  return expected;
+}
+
+void add_source(const Value& value, const std::string& expected, const std::string& owner, Reading& reading,
+                ReadSources& sources, std::vector<std::string>& names) {
+  const NamedSource source = read_source(value, FrameKind::scan, reading, expected);
+  const bool sensor = source.sensor != nullptr;
+  if (std::find(names.begin(), names.end(), source.name) != names.end())
+    value.fail("names " + source.name + " again", sensor ? "every sensor once" : "every source once");
+  if (sensor) reading.claims.uses(*source.sensor, FrameKind::scan, owner, value);
+  names.push_back(source.name);
+  sources.limits.push_back(sensor ? SourceLimits(*source.sensor) : source.virtual_group->output.grid);
+  sources.named.push_back(source);
+  sources.values.push_back(value);
+  sources.written.push_back(value.text());
+}
+
+/// Mistakes with the sources leave the whole entry in doubt: most rules ask what they are.
+ReadSources read_sources(Mapping& yaml, Reading& reading, std::vector<std::string>& names) {
+  ReadSources sources;
+  bool complete = true;
+  complete &= reading.mistakes.attempt(yaml.self().place(), [&] {
+    const std::string expected = expected_sources(reading.config);
+    const Value list = yaml.require("laserscan_topics", expected);
+    const std::vector<Value> values = list.names(expected);
+    if (values.empty()) list.fail("names nothing", expected);
+    for (const Value& value : values)
+      complete &= reading.mistakes.attempt(
+          value.place(), [&] { add_source(value, expected, yaml.self().path(), reading, sources, names); });
+  });
+  if (!complete) reading.mistakes.doubt(yaml.self().path());
+  return sources;
+}
+
+/// Index of the source that `value` names: as it is named in laserscan_topics, or by its own name.
+std::size_t index_of_source(const Value& value, const std::vector<std::string>& sources,
+                            const std::vector<std::string>& written) {
+  std::string expected = "one of laserscan_topics:";
+  for (const std::string& source : sources) expected += " " + source;
+  const std::string name = value.text(expected);
+  auto found = std::find(sources.begin(), sources.end(), name);
+  if (found == sources.end())
+    found = sources.begin() + (std::find(written.begin(), written.end(), name) - written.begin());
+  if (found == sources.end()) value.fail("is " + value.quoted() + ", which is no source of it", expected);
+  return static_cast<std::size_t>(found - sources.begin());
+}
+
+void check_policy(Mapping& yaml, const std::vector<std::string>& written, Merged& merged) {
+  ScheduleSettings& schedule = merged.schedule;
+  const bool is_open = !yaml.has("policy");
+  const auto need = [&](const Value& key, Policy policy) {
+    if (is_open) schedule.policy = policy;
+    const std::string wanted = std::string("policy: ") + to_string(policy);
+    if (schedule.policy != policy)
+      key.fail_at_key(std::string("has no effect with policy: ") + to_string(schedule.policy), wanted);
+  };
+  if (const auto rate = yaml.find("rate")) need(*rate, Policy::rate);
+  if (const auto trigger = yaml.find("trigger")) {
+    schedule.trigger = index_of_source(*trigger, merged.laserscan_topics, written);
+    need(*trigger, Policy::trigger);
+  } else if (schedule.policy == Policy::trigger) {
+    yaml.require("trigger", std::string(trigger_row().form));
+  }
+}
+
+void check_window(const Mapping& yaml, const char* low, const char* high, double least, double most) {
+  if (least < most) return;
+  yaml.where(yaml.has(high) ? high : low)
+      .fail(std::string("leaves nothing between ") + low + " and " + high, std::string(low) + " < " + high);
+}
+
+void read_one_source(const Value& entry, SourceSettings& settings, Mistakes& mistakes) {
+  Mapping yaml = mapping_of(entry, source_keys(), mistakes);
+  read_keys(yaml, source_keys(), settings);
+  yaml.attempt_rule([&] {
+    check_window(yaml, "range_min", "range_max", settings.range_min, settings.range_max);
+    check_window(yaml, "angle_min", "angle_max", settings.angle_min, settings.angle_max);
+    check_window(yaml, "intensity_min", "intensity_max", settings.intensity_min, settings.intensity_max);
+  });
+}
+
+void read_source_settings(Mapping& yaml, const std::vector<std::string>& written, Merged& merged) {
+  const auto section = yaml.find("source_settings");
+  if (!section) return;
+  SourceSettings common;
+  common.noise = merged.range_noise;
+  common.echoes = merged.echoes;
+  common.veil_filter = merged.veil_filter;
+  const auto& sources = merged.laserscan_topics;
+  std::vector<std::string_view> names(sources.begin(), sources.end());
+  names.insert(names.end(), written.begin(), written.end());
+  Mapping entries(*section, names, yaml.mistakes());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto entry = entries.find(names[i]);
+    const std::string& source = sources[i % sources.size()];
+    if (!entry || (i >= sources.size() && names[i] == source)) continue;
+    const auto [settings, is_new] = merged.source_settings.emplace(source, common);
+    if (!is_new)
+      entry->fail_at_key("is " + source + ", which has settings already", "one entry for each source");
+    read_one_source(*entry, settings->second, yaml.mistakes());
+  }
+}
+
+void claim_topics(Mapping& yaml, const Merged& merged, Reading& reading) {
+  const std::string& owner = yaml.self().path();
+  const auto claim = [&](const std::string& topic, std::string_view key) {
+    if (!topic.empty()) yaml.attempt_rule([&] { reading.claims.publishes(topic, owner, yaml.where(key)); });
+  };
+  claim(merged.scan_destination_topic, "scan_destination_topic");
+  claim(merged.status_topic, "status_topic");
+  claim(merged.cloud_destination_topic, "cloud_destination_topic");
+  for (const AlsoScanConfig& also : merged.also)
+    yaml.attempt_rule([&] {
+      Mapping section = yaml.inside("also");
+      reading.claims.publishes(also.topic, owner, section.where(also.topic));
+    });
+}
+
+void check_destination(Mapping& yaml, Merged& merged, Reading& reading) {
+  const std::string& base = reading.config.vehicle.base_frame;
+  if (merged.destination_pose)
+    reading.claims.holds_frame(merged.destination_frame, base, *merged.destination_pose, yaml.self().path(),
+                               yaml.where("destination_pose"));
+  else if (merged.destination_frame == base)
+    merged.destination_pose = Pose::Identity();
+}
+
+/// Points alone prove nothing, so they are no evidence for what is free or hidden.
+void refuse_flat_sources(const ReadSources& sources, const Merged& merged) {
+  if (!merged.has_visibility()) return;
+  for (std::size_t i = 0; i < sources.named.size(); ++i) {
+    const VirtualScanConfig* group = sources.named[i].virtual_group;
+    const Value& value = sources.values[i];
+    if (group != nullptr && group->output.profile == Profile::flatten)
+      value.fail("names " + value.quoted() + ", a virtual scan of profile flatten, which proves nothing",
+                 "a virtual scan of profile strict or safety, or profile: flatten here");
+  }
+}
+
+/// What compares the evidence of sources needs some evidence, and sources.
+void check_options(const Mapping& yaml, const Merged& merged) {
+  const MergeOptions& options = merged.options;
+  const auto need_evidence = [&](bool asked, const char* key) {
+    if (!asked) return;
+    if (!merged.has_visibility() && merged.status_topic.empty())
+      yaml.where(key).fail_at_key("has no effect with profile: flatten, which knows no free space",
+                                  "profile: strict or safety");
+    if (merged.laserscan_topics.size() < 2)
+      yaml.where(key).fail_at_key("has no effect with one source", "two sources or more");
+  };
+  need_evidence(options.newest_wins, "conflicts");
+  need_evidence(options.all_heights, "free_requires");
+  need_evidence(options.veil_cross_check, "veil_cross_check");
+  if (yaml.has("missing_intensity") && options.intensities != Intensities::on)
+    yaml.where("missing_intensity")
+        .fail_at_key(std::string("has no effect with intensity: ") +
+                         (options.intensities == Intensities::off ? "off" : "auto"),
+                     "intensity: on");
+}
+
+void warn_without_footprint(const Mapping& yaml, const Merged& merged, Reading& reading) {
+  if (!merged.has_visibility() || !reading.config.vehicle.footprint.empty()) return;
+  reading.warn(yaml.where("profile").place(),
+               yaml.self().path() +
+                   " is to say what is observed, but vehicle.footprint is not set: where the vehicle hides "
+                   "the way from " +
+                   merged.destination_frame + " outward, every beam stays unobserved");
+}
+
+Merged read_merged(const std::string& name, const Value& entry, Reading& reading) {
+  Mapping yaml = mapping_of(entry, merged_keys(), reading.mistakes);
+  Merged merged;
+  merged.name = name;
+  merged.destination_frame = reading.config.vehicle.base_frame;
+  merged.scan_destination_topic = name;
+  const ReadSources sources = read_sources(yaml, reading, merged.laserscan_topics);
+  default_ranges(sources.limits, merged.output.grid);
+  read_keys(yaml, merged_keys(), merged);
+  yaml.attempt("also", [&] { read_also(yaml, merged.also); });
+  yaml.attempt_rule([&] { check_destination(yaml, merged, reading); });
+  claim_topics(yaml, merged, reading);
+  check_output(yaml, merged.output, reading);
+  yaml.attempt_rule([&] { warn_without_footprint(yaml, merged, reading); });
+  yaml.attempt_rule([&] { check_options(yaml, merged); });
+  yaml.attempt_rule([&] { refuse_flat_sources(sources, merged); });
+  yaml.attempt_rule([&] { check_policy(yaml, sources.written, merged); });
+  yaml.attempt_rule([&] { read_source_settings(yaml, sources.written, merged); });
+  return merged;
+}
+
+}  // namespace
+
+bool MergedScanConfig::has_visibility() const { return knows_free_space(output, also); }
+
+const Keys<SourceSettings>& source_keys() {
+  using S = SourceSettings;
+  static const Keys<S> rows{
+      number("range_min", &S::range_min, 0, farthest_m, "m", "nearer returns are left out"),
+      number("range_max", &S::range_max, 0, farthest_m, "m", "farther returns are left out"),
+      angle("angle_min", &S::angle_min, -7, 7, "first angle in the sensor's frame"),
+      angle("angle_max", &S::angle_max, -7, 7, "last angle in the sensor's frame"),
+      number("intensity_min", &S::intensity_min, -strongest, strongest, "", "weaker returns are left out"),
+      number("intensity_max", &S::intensity_max, -strongest, strongest, "", "stronger returns are left out"),
+      number("range_noise", &S::noise, 0.0005, 1, "m", "one standard deviation of its ranges")
+          .by_default("that of the merged scan"),
+      number("no_return_free_range", &S::no_return_free_range, 0, farthest_m, "m",
+             "how far a beam without return proves that nothing is there")
+          .by_default("range_max of the merged scan"),
+      word("echoes", &S::echoes, echo_choices, "which echo of a beam counts")
+          .by_default("that of the merged scan"),
+      flag("veil_filter", &S::veil_filter, "leaves out mixed pixels").by_default("that of the merged scan")};
+  return rows;
+}
+
+const Keys<Merged>& merged_keys() {
+  const Words<MissingMotion> motions{
+      {"static", MissingMotion::stand}, {"wait", MissingMotion::wait}, {"drop", MissingMotion::drop}};
+  static const Keys<Merged> all = joined<Merged>(
+      {source_and_topic_rows(),
+       within(&Merged::schedule, policy_rows()),
+       {trigger_row()},
+       within(&Merged::schedule, patience_rows()),
+       {word("on_missing_motion", &Merged::on_missing_motion, motions,
+             "while poses of the vehicle are missing: as if it stood, wait for them, or no output"),
+        source_settings_row()},
+       within(&Merged::output, output_keys()),
+       fusion_rows(),
+       within(&Merged::options, option_rows()),
+       {also_row<Merged>()}});
+  return all;
+}
+
+void read_merged_scans(Mapping& root, Reading& reading) {
+  root.attempt("merged_scans", [&] {
+    if (const auto section = root.find("merged_scans"))
+      read_entries(*section, reading.config.merged_scans, reading, read_merged);
+  });
+}
+
+}  // namespace lidard

@@ -1,0 +1,141 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/config/reading.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+namespace lidard {
+namespace {
+
+constexpr double farthest_m = 1000;  // a vehicle is smaller; millimetres written for metres are not
+constexpr double most_turn_rad = 7;  // a bit over a full turn; degrees written for rad are mostly above
+
+bool is_word_character(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+
+/// The rules of ROS names: `~` or `/` or a letter first; then letters, digits, `_`, single `/`.
+bool is_topic_name(const std::string& name) {
+  const std::size_t first = name.find_first_not_of("~/");
+  if (first == std::string::npos || first > 2 || name.find("//") != std::string::npos) return false;
+  if (first == 2 && name.compare(0, 2, "~/") != 0) return false;
+  if (std::isalpha(static_cast<unsigned char>(name[first])) == 0 || name.back() == '/') return false;
+  return std::all_of(name.begin() + static_cast<std::ptrdiff_t>(first), name.end(),
+                     [](char c) { return is_word_character(c) || c == '/'; });
+}
+
+}  // namespace
+
+std::string without_slash(const std::string& name) {
+  return name.substr(name.compare(0, 1, "/") == 0 ? 1 : 0);
+}
+
+Pose read_pose(const Value& value, Mistakes& mistakes) {
+  Mapping pose(value, {"xyz", "rpy", "rpy_deg"}, mistakes);
+  const std::string expected = "{xyz: [x, y, z], rpy_deg: [roll, pitch, yaw]}";
+  const std::vector<double> xyz = pose.require("xyz", expected).numbers(3, farthest_m, "m");
+  Eigen::Vector3d rpy = Eigen::Vector3d::Zero();
+  pose.in_rad("rpy", [&](const Value& angles, double to_rad) {
+    const bool rad = to_rad == 1;
+    const auto list =
+        angles.numbers(3, rad ? most_turn_rad : 400, rad ? "rad (degrees: rpy_deg)" : "degrees");
+    rpy = Eigen::Vector3d(list[0], list[1], list[2]) * to_rad;
+  });
+  const Pose made = make_pose({xyz[0], xyz[1], xyz[2]}, rpy);
+  if (!is_rigid(made)) value.fail("is not rigid", expected);
+  return made;
+}
+
+Eigen::Vector3d rpy_of(const Pose& pose) {
+  const Eigen::Matrix3d& r = pose.linear();
+  const double level = std::hypot(r(0, 0), r(1, 0));
+  const double pitch = std::atan2(-r(2, 0), level);
+  // Looking straight up or down, roll and yaw turn about one axis: all of it counts as yaw.
+  if (level < 1e-7) return {0, pitch, std::atan2(-r(0, 1), r(1, 1))};
+  return {std::atan2(r(2, 1), r(2, 2)), pitch, std::atan2(r(1, 0), r(0, 0))};
+}
+
+std::string read_frame(const Value& value) {
+  const std::string expected = "the name of a tf frame, without blanks";
+  const std::string name = without_slash(value.text(expected));
+  const bool blank =
+      std::any_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) <= ' '; });
+  if (name.empty() || name.front() == '/' || blank) value.fail("is " + value.quoted(), expected);
+  return name;
+}
+
+std::string read_topic(const Value& value) {
+  const std::string expected = "a topic name: letters, digits, _ and /";
+  std::string name = value.text(expected);
+  if (!is_topic_name(name)) value.fail("is " + value.quoted(), expected);
+  return name;
+}
+
+void check_entry_name(const std::string& name, const Value& value) {
+  const bool good = std::isalpha(static_cast<unsigned char>(name.front())) != 0 &&
+                    std::all_of(name.begin(), name.end(), is_word_character);
+  if (!good)
+    value.fail_at_key("cannot be part of a topic name", "a letter, then letters, digits and underscores");
+}
+
+void Reading::warn(const Place& place, const std::string& what) {
+  config.warnings.push_back(place.to_string() + ": " + what);
+}
+
+void Reading::doubt_names(const std::string& name, const Value& entry) {
+  constexpr int deepest = 3;  // an alias may hold itself
+  doubtful_names.insert(name);
+  const std::function<void(const YAML::Node&, int)> add = [&](const YAML::Node& node, int level) {
+    if (node.IsScalar()) doubtful_names.insert(without_slash(node.Scalar()));
+    if (level == deepest) return;
+    for (const auto& child : node) add(node.IsMap() ? child.second : child, level + 1);
+  };
+  add(entry.node(), 0);
+}
+
+bool Reading::may_be_named(const std::string& name) const {
+  return doubtful_names.count(without_slash(name)) != 0 ||
+         doubtful_names.count(name.substr(0, name.find('/'))) != 0;
+}
+
+ConfigClaims::ConfigClaims() {
+  for (const char* topic : {"clock", "diagnostics", "rosout", "tf", "tf_static"})
+    topics_.emplace(topic, "ROS itself");
+}
+
+void ConfigClaims::publishes(const std::string& topic, const std::string& owner, const Value& value) {
+  const auto [claim, is_new] = topics_.emplace(without_slash(topic), owner);
+  if (!is_new)
+    value.fail("would publish on " + topic + ", the topic of " + claim->second, "a topic of its own");
+}
+
+void ConfigClaims::listens(const std::string& topic, const std::string& owner, const Value& value) {
+  const auto [claim, is_new] = topics_.emplace(without_slash(topic), owner);
+  if (!is_new) value.fail("is the topic of " + claim->second + " already", "the topic of another driver");
+}
+
+void ConfigClaims::holds_frame(const std::string& child, const std::string& parent, const Pose& pose,
+                               const std::string& owner, const Value& value) {
+  if (child == parent) {
+    if (!pose.isApprox(Pose::Identity(), 1e-9))
+      value.fail("moves " + child + " against itself", "no pose, or another frame");
+    return;
+  }
+  const auto [frame, is_new] = frames_.emplace(child, Frame{parent, pose, owner});
+  if (is_new) return;
+  if (frame->second.parent != parent || !frame->second.pose.isApprox(pose, 1e-9))
+    value.fail("differs from the pose of frame " + child + " in " + frame->second.owner,
+               "one pose for one frame");
+}
+
+void ConfigClaims::uses(const SensorConfig& sensor, FrameKind kind, const std::string& owner,
+                        const Value& value) {
+  if (sensor.model != nullptr) return;
+  const auto [use, is_new] = uses_.emplace(sensor.name, Use{kind, owner});
+  if (is_new || use->second.kind == kind) return;
+  const char* earlier = kind == FrameKind::scan ? "a cloud" : "a scan";
+  value.fail("names " + sensor.name + ", which " + use->second.owner + " takes for " + earlier,
+             "a topic to be one or the other");
+}
+
+}  // namespace lidard

@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+
+#include "daemon/config/config.h"
+#include "daemon/config/yaml_reader.h"
+
+namespace lidard {
+
+/// What must be unique among all parts of a configuration, gathered while they are read.
+class ConfigClaims {
+ public:
+  ConfigClaims();
+  /// Notes that `owner` publishes on `topic`; throws at `value` if somebody else does.
+  void publishes(const std::string& topic, const std::string& owner, const Value& value);
+  /// Notes that a sensor listens to `topic`.
+  void listens(const std::string& topic, const std::string& owner, const Value& value);
+  /// Notes the pose of `child` in `parent`; throws at `value` if it has another one already.
+  void holds_frame(const std::string& child, const std::string& parent, const Pose& pose,
+                   const std::string& owner, const Value& value);
+  /// Notes what `owner` takes a sensor for; throws if a source with `topic:` was taken for the other kind.
+  void uses(const SensorConfig& sensor, FrameKind kind, const std::string& owner, const Value& value);
+  bool is_used(const std::string& sensor) const { return uses_.count(sensor) != 0; }
+
+ private:
+  struct Frame {
+    std::string parent;
+    Pose pose;
+    std::string owner;
+  };
+  struct Use {
+    FrameKind kind;
+    std::string owner;
+  };
+  std::map<std::string, std::string> topics_;  // without leading slash, to the owner
+  std::map<std::string, Frame> frames_;
+  std::map<std::string, Use> uses_;
+};
+
+/// A configuration while it is read: what is known so far, and what was wrong.
+struct Reading {
+  Config config;
+  ConfigClaims claims;
+  Mistakes mistakes;
+  std::set<std::string> doubtful_names;  ///< without leading slash
+
+  /// Keeps a remark that is no error.
+  void warn(const Place& place, const std::string& what);
+  /// An entry in which something is wrong: it may be called by its name, and by any text that stands in it.
+  void doubt_names(const std::string& name, const Value& entry);
+  /// True if `name` may be one of an entry in which something is wrong.
+  bool may_be_named(const std::string& name) const;
+};
+
+/// A pose from {xyz: m, rpy: rad or rpy_deg}.
+Pose read_pose(const Value& value, Mistakes& mistakes);
+/// A frame's name without leading slash (tf2 has none).
+std::string read_frame(const Value& value);
+/// A ROS topic name.
+std::string read_topic(const Value& value);
+/// `name` itself if it can be part of a topic name; throws at the key otherwise.
+void check_entry_name(const std::string& name, const Value& value);
+/// A topic or frame as it is compared with others.
+std::string without_slash(const std::string& name);
+/// Roll, pitch, yaw (fixed axes, rad) that make_pose() turns into the rotation of `pose`.
+Eigen::Vector3d rpy_of(const Pose& pose);
+
+}  // namespace lidard

@@ -1,0 +1,128 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/config/rows.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/angle.h"
+#include "core/base/number_text.h"
+#include "daemon/config/reading.h"
+
+namespace lidard {
+namespace {
+
+/// "a, b or c".
+std::string list_of(const std::vector<std::string_view>& words) {
+  std::string list;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    list.append(i == 0 ? "" : i + 1 == words.size() ? " or " : ", ").append(words[i]);
+  return list;
+}
+
+/// YAML knows several words for true and false, and writes .inf and .nan.
+std::string read_word(const Value& value, const Key& key) {
+  const std::string expected = expected_of(key);
+  const std::string text = value.text(expected);
+  const auto is_known = [&](std::string_view word) {
+    return std::find(key.words.begin(), key.words.end(), word) != key.words.end();
+  };
+  if (is_known(text)) return text;
+  if (text.front() == '.' && is_known(text.substr(1))) return text.substr(1);
+  if (is_known("true") && value.is_boolean()) return value.boolean() ? "true" : "false";
+  value.fail("is " + value.quoted(), expected);
+}
+
+std::string read_text(const Value& value, const Key& key) {
+  if (key.may_be_empty && value.text_or_empty().empty()) return {};
+  if (key.kind == KeyKind::topic) return read_topic(value);
+  if (key.kind == KeyKind::frame) return read_frame(value);
+  return value.text(expected_of(key));
+}
+
+KeyValue read_plain(const Value& value, const Key& key, Mistakes& mistakes) {
+  switch (key.kind) {
+    case KeyKind::flag:
+      return value.boolean();
+    case KeyKind::whole:
+      return static_cast<double>(value.integer(std::lround(key.lowest), std::lround(key.highest)));
+    case KeyKind::number:
+    case KeyKind::angle:
+      return value.number(key.lowest, key.highest, std::string(key.unit).c_str());
+    case KeyKind::word:
+      return read_word(value, key);
+    case KeyKind::pose:
+      return read_pose(value, mistakes);
+    default:
+      return read_text(value, key);
+  }
+}
+
+/// The value in a message: a number as it was understood, anything else as it was written.
+std::string quoted(const Value& value, const KeyValue& read) {
+  const double* const number = std::get_if<double>(&read);
+  return number == nullptr ? value.quoted() : number_text(*number);
+}
+
+KeyMap tree_of(const Pose& pose) {
+  // Digits beyond these come from turning an angle into a matrix and back.
+  const auto rounded = [](double degrees) { return std::round(degrees * 1e9) / 1e9; };
+  const Eigen::Vector3d rpy = (rpy_of(pose) * deg_per_rad).unaryExpr(rounded);
+  const auto list = [](const Eigen::Vector3d& v) { return KeyList{v.x(), v.y(), v.z()}; };
+  return {{"xyz", list(pose.translation())}, {"rpy_deg", list(rpy)}};
+}
+
+}  // namespace
+
+std::string expected_of(const Key& key) {
+  if (!key.form.empty()) return std::string(key.form);
+  if (key.kind == KeyKind::word) return list_of(key.words);
+  return "a text";
+}
+
+KeyValue read_value(const Value& value, const Key& key, Mistakes& mistakes) {
+  KeyValue read = read_plain(value, key, mistakes);
+  if (key.misfit == nullptr) return read;
+  if (auto misfit = key.misfit(read)) {
+    const std::size_t gap = misfit->what.find("{}");
+    if (gap != std::string::npos) misfit->what.replace(gap, 2, quoted(value, read));
+    value.fail(misfit->what, misfit->expected);
+  }
+  return read;
+}
+
+std::optional<KeyValue> read_value(const Mapping& yaml, const Key& key) {
+  if (key.kind == KeyKind::angle) {
+    const auto angle = yaml.angle(std::string(key.name));
+    return angle ? std::optional<KeyValue>(*angle) : std::nullopt;
+  }
+  const auto value = key.required ? yaml.require(key.name, expected_of(key)) : yaml.find(key.name);
+  return value ? std::optional<KeyValue>(read_value(*value, key, yaml.mistakes())) : std::nullopt;
+}
+
+void write_tree(YAML::Emitter& yaml, const KeyValue& value) {
+  if (const auto* flag = std::get_if<bool>(&value)) yaml << (*flag ? "true" : "false");
+  if (const auto* number = std::get_if<double>(&value)) yaml << number_text(*number);
+  if (const auto* text = std::get_if<std::string>(&value)) yaml << *text;
+  if (const auto* list = std::get_if<KeyList>(&value)) {
+    yaml << YAML::Flow << YAML::BeginSeq;
+    for (const KeyValue& one : *list) write_tree(yaml, one);
+    yaml << YAML::EndSeq;
+  }
+  if (const auto* pose = std::get_if<Pose>(&value)) write_tree(yaml << YAML::Flow, tree_of(*pose));
+  if (const auto* map = std::get_if<KeyMap>(&value)) {
+    yaml << YAML::BeginMap;
+    for (const auto& [name, one] : *map) write_value(yaml, name, one);
+    yaml << YAML::EndMap;
+  }
+}
+
+void write_value(YAML::Emitter& yaml, std::string_view name, const KeyValue& value) {
+  if (value.is_set()) write_tree(yaml << YAML::Key << std::string(name) << YAML::Value, value);
+}
+
+void write_remark(YAML::Emitter& yaml, const Key& key) {
+  yaml << YAML::Newline << YAML::Comment(std::string(key.name) + ": " + std::string(key.remark));
+}
+
+}  // namespace lidard

@@ -1,0 +1,101 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/config/yaml_reader.h"
+#include "drivers/key.h"
+
+namespace lidard {
+
+/// What a value of the key should be, for messages: "a number from 0 to 9 m".
+std::string expected_of(const Key& key);
+/// The value of `key` in `yaml`, checked against everything that the row says; empty if it is not there.
+std::optional<KeyValue> read_value(const Mapping& yaml, const Key& key);
+/// A value that stands by itself.
+KeyValue read_value(const Value& value, const Key& key, Mistakes& mistakes);
+void write_tree(YAML::Emitter& yaml, const KeyValue& value);
+/// The name and the value; nothing is written for "not set".
+void write_value(YAML::Emitter& yaml, std::string_view name, const KeyValue& value);
+/// Says in a comment what holds while an optional key is not there.
+void write_remark(YAML::Emitter& yaml, const Key& key);
+
+/// Adds the names by which keys stand in a file, each once.
+template <class Owner>
+void add_names(const Keys<Owner>& keys, std::vector<std::string>& names) {
+  for (const auto& key : keys) {
+    if (std::find(names.begin(), names.end(), key.name) != names.end()) continue;
+    names.emplace_back(key.name);
+    if (key.kind == KeyKind::angle) names.push_back(std::string(key.name) + "_deg");
+  }
+}
+template <class Owner>
+Mapping mapping_of(const Value& value, const Keys<Owner>& keys, Mistakes& mistakes) {
+  std::vector<std::string> names;
+  add_names(keys, names);
+  return {value, {names.begin(), names.end()}, mistakes};
+}
+
+template <class Owner>
+void read_keys(const Mapping& yaml, const Keys<Owner>& keys, Owner& owner);
+
+/// Takes the keys beneath `key`.
+template <class Owner>
+void read_section(const Value& value, const KeyOf<Owner>& key, Owner& owner, Mistakes& mistakes) {
+  if (key.short_form && value.node().IsScalar()) {
+    const auto& first = key.inner.front();
+    first.set(owner, read_value(value, first, mistakes));
+  } else {
+    const Mapping inside = mapping_of(value, key.inner, mistakes);
+    read_keys(inside, key.inner, owner);
+  }
+}
+
+/// Takes the key from `yaml`, if it is there, unless its section reads it. Mistakes are noted, and leave
+/// `owner` as it is.
+template <class Owner>
+void read_key(const Mapping& yaml, const KeyOf<Owner>& key, Owner& owner) {
+  if (key.kind == KeyKind::special) return;
+  yaml.attempt(key.name, [&] {
+    if (key.kind == KeyKind::section) {
+      if (const auto value = yaml.find(key.name)) read_section(*value, key, owner, yaml.mistakes());
+      return;
+    }
+    Key limited = key;
+    if (key.most) limited.highest = key.most(owner);
+    if (const auto value = read_value(yaml, limited); value && key.set) key.set(owner, *value);
+  });
+}
+template <class Owner>
+void read_keys(const Mapping& yaml, const Keys<Owner>& keys, Owner& owner) {
+  for (const auto& key : keys) read_key(yaml, key, owner);
+}
+
+/// Writes each key with its value, or what holds without one.
+template <class Owner>
+void write_keys(YAML::Emitter& yaml, const Keys<Owner>& keys, const Owner& owner) {
+  for (const auto& key : keys) {
+    if (key.shown && !key.shown(owner)) continue;
+    const KeyMap inside = shown_values(key.inner, owner);
+    const KeyValue value = shown_value(key, owner);
+    if (std::any_of(inside.begin(), inside.end(), [](const auto& one) { return one.second.is_set(); })) {
+      yaml << YAML::Key << std::string(key.name) << YAML::Value;
+      if (key.flow) yaml << YAML::Flow;
+      yaml << YAML::BeginMap;
+      write_keys(yaml, key.inner, owner);
+      yaml << YAML::EndMap;
+    } else if (!value.is_set() && !key.remark.empty()) {
+      write_remark(yaml, key);
+    } else {
+      write_value(yaml, key.name, value.is_set() ? value : key.otherwise);
+    }
+  }
+}
+
+}  // namespace lidard

@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "daemon/config/key_tables.h"
+#include "daemon/config/reading.h"
+#include "daemon/config/rows.h"
+
+namespace lidard {
+
+/// Reads the sections; `reading` sees every name they give away.
+void read_vehicle(Mapping& root, Reading& reading);
+void read_sensors(Mapping& root, Reading& reading);
+void read_merged_scans(Mapping& root, Reading& reading);
+void read_virtual_scans(Mapping& root, Reading& reading);
+
+/// Reads `calibration:` and `calibration_model:` of a sensor and the file itself.
+void read_calibration(Mapping& yaml, SensorConfig& sensor, Reading& reading);
+
+/// Between which ranges a source measures, m.
+struct SourceLimits {
+  SourceLimits(const SensorConfig& sensor);
+  SourceLimits(const ScanGridSpec& grid) : range_min(grid.range_min), range_max(grid.range_max) {}
+  double range_min, range_max;
+};
+/// The ranges of a scan of these sources, unless the file says others.
+void default_ranges(const std::vector<SourceLimits>& sources, ScanGridSpec& grid);
+/// True if some of these scans is more than points.
+bool knows_free_space(const OutputScanConfig& output, const std::vector<AlsoScanConfig>& also);
+/// What the keys of an output have to fulfil together; fills in what follows from them.
+void check_output(Mapping& yaml, OutputScanConfig& output, Reading& reading);
+/// Reads `also:`.
+void read_also(const Mapping& yaml, std::vector<AlsoScanConfig>& also);
+
+/// Keys of merged and of virtual scans.
+template <class Output>
+KeyOf<Output> also_row() {
+  const auto get = [](const Output& output) {
+    KeyMap map;
+    for (const auto& one : output.also) map.emplace_back(one.topic, shown_values(also_key().inner, one));
+    return map;
+  };
+  return keys::special<Output>("also", "{TOPIC: PROFILE, …}", get,
+                               "more scans of the same evidence, by topic");
+}
+template <class Output>
+KeyOf<Output> range_noise_row() {
+  return keys::number("range_noise", &Output::range_noise, 0.0005, 1, "m",
+                      "one standard deviation of the ranges");
+}
+template <class Output>
+KeyOf<Output> free_required_row() {
+  auto key = keys::number("free_required", &Output::free_required, 0.1, 10000, "m",
+                          "what must be observed for a beam to be free")
+                 .by_default("range_max");
+  key.most = [](const Output& output) { return output.output.grid.range_max; };
+  key.get = [](const Output& output) {
+    return key_value(output.free_required > 0 ? output.free_required : output.output.grid.range_max);
+  };
+  return key;
+}
+
+/// Reads the entries of a section. Those in which something is wrong are left out, but their names are known.
+template <class Entry>
+void read_entries(const Value& section, std::vector<Entry>& entries, Reading& reading,
+                  Entry (*read_one)(const std::string& name, const Value& entry, Reading& reading)) {
+  for (const auto& [name, value] : named_entries(section, &reading.mistakes)) {
+    const std::size_t before = reading.mistakes.count();
+    Entry entry;
+    reading.mistakes.attempt(value.place(), [&, &name = name, &value = value] {
+      check_entry_name(name, value);
+      entry = read_one(name, value, reading);
+    });
+    if (reading.mistakes.count() == before)
+      entries.push_back(std::move(entry));
+    else
+      reading.doubt_names(name, value);
+  }
+}
+
+}  // namespace lidard

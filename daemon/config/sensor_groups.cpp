@@ -1,0 +1,251 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+// The keys of `sensors:`, by what a model must be able to do.
+#include "daemon/config/calibration_file.h"
+#include "daemon/config/sections.h"
+#include "drivers/hokuyo/scip_keys.h"
+#include "drivers/request_keys.h"
+#include "drivers/sick/cola/cola_keys.h"
+#include "drivers/velodyne/cloud_keys.h"
+#include "drivers/velodyne/web/control_keys.h"
+
+namespace lidard {
+namespace {
+
+using namespace keys;
+using S = SensorConfig;
+using Rows = Keys<S>;
+
+constexpr double longest_offset_s = 1e6;  // so that a nanosecond survives in a double
+constexpr double last_port = 65535;
+constexpr const char* sender_form = "the sensor's IPv4 or IPv6 address like 192.168.1.201";
+constexpr const char* group_form = "a multicast address like 239.0.0.10";
+
+bool any_model(const Model& /*model*/) { return true; }
+template <FrameKind kind>
+bool gives(const Model& model) {
+  return model.kind == kind;
+}
+template <Trait trait>
+bool can(const Model& model) {
+  return model.has(trait);
+}
+
+Rows of_driver(const Keys<DriverConfig>& keys) { return within(&S::driver, keys); }
+Rows of_requests(const Keys<DeviceRequests>& keys) {
+  return of_driver(within(&DriverConfig::requests, keys));
+}
+
+std::optional<Misfit> no_sender(const KeyValue& value) {
+  const auto address = IpAddress::parse(std::get<std::string>(value));
+  if (!address) return Misfit{"is {}, which is no address", sender_form};
+  if (!address->is_multicast()) return std::nullopt;
+  return Misfit{"is {}, a multicast group",
+                std::string(sender_form) + "; the group goes into multicast_group"};
+}
+
+std::optional<Misfit> no_group(const KeyValue& value) {
+  const auto address = IpAddress::parse(std::get<std::string>(value));
+  if (!address) return Misfit{"is {}, which is no address", group_form};
+  if (address->is_multicast()) return std::nullopt;
+  return Misfit{"is {}, which is no multicast group", group_form};
+}
+
+KeyOf<S> model_row() {
+  return special<S>(
+             "model", "a name from `lidard models`",
+             [](const S& sensor) {
+               return sensor.model == nullptr ? KeyValue() : std::string(sensor.model->name);
+             },
+             "the product")
+      .by_default("none: then topic is needed");
+}
+
+Rows network_rows() {
+  return {text("ip_address", &S::ip_address, sender_form, "only packets from here are accepted")
+              .unless_set("any sender that no other sensor claims")
+              .checked(no_sender),
+          whole("ip_port", &S::ip_port, 1, last_port,
+                "local UDP port; of a device that is read over TCP: its own port")
+              .by_default("of the model")};
+}
+
+Rows group_rows() {
+  return {text("multicast_group", &S::multicast_group, group_form, "a group to join").checked(no_group),
+          text("interface", &S::interface, "the name of a network interface",
+               "where the group is joined; empty: the kernel's choice")
+              .or_empty()
+              .shown_if([](const S& sensor) { return sensor.multicast_group.has_value(); })};
+}
+
+Rows place_rows() {
+  return {
+      topic("topic", &S::topic, "a LaserScan or PointCloud2 of another driver, in place of model"),
+      frame("frame_id", &S::frame_id, "frame of its messages").by_default("the sensor's name"),
+      of_kind(KeyKind::pose, "pose", &S::pose, "of the sensor in vehicle.base_frame").unless_set("from tf")};
+}
+
+Keys<DriverConfig> time_rows() {
+  return {number("time_offset", &DriverConfig::time_offset, -longest_offset_s, longest_offset_s, "s",
+                 "added to every stamp")};
+}
+
+Keys<DriverConfig> clock_rows() {
+  return {word("clock", &DriverConfig::clock,
+               {{"smooth", ClockMode::smooth}, {"arrival", ClockMode::arrival}},
+               "stamps follow the device clock, or each packet's arrival")};
+}
+
+Rows control_rows() {
+  return {section("control", within(&S::control, control_keys()), "the web interface of the sensor")
+              .in_one_line()};
+}
+
+Keys<DriverConfig> beam_rows() {
+  using D = DriverConfig;
+  return {angle("angle_min", &D::angle_min, -7, 7, "beams before it are left out").unless_set("all beams"),
+          angle("angle_max", &D::angle_max, -7, 7, "beams after it are left out").unless_set("all beams"),
+          flag("publish_intensity", &D::publish_intensity, "scans have intensities")};
+}
+
+KeyOf<S> scan_topic_row() {
+  return topic("scan_topic", &S::scan_topic, "its LaserScan").by_default("NAME/scan");
+}
+
+Keys<DriverConfig> echo_rows() {
+  return {flag("publish_multiecho", &DriverConfig::publish_multiecho, "all echoes, on NAME/echoes")};
+}
+
+Rows cloud_rows() {
+  const Keys<CloudLayout> stamp{word("frame_stamp", &CloudLayout::stamp,
+                                     {{"first", FrameStamp::first}, {"last", FrameStamp::last}},
+                                     "the firing that a cloud is stamped with")
+                                    .of_form("one of first, last")};
+  return joined<S>({{topic("points_topic", &S::points_topic, "its cloud").by_default("NAME/points")},
+                    within(&S::layout, stamp)});
+}
+
+Rows field_row(std::string_view name, bool CloudLayout::*member, std::string_view meaning) {
+  return within(&S::layout, Keys<CloudLayout>{flag(name, member, meaning)});
+}
+
+Keys<CloudLayout> order_rows() {
+  const Words<CloudOrder> orders{{"true", CloudOrder::ring_rows},
+                                 {"false", CloudOrder::list},
+                                 {"rings", CloudOrder::ring_rows},
+                                 {"firings", CloudOrder::firing_rows}};
+  return {word("organize_cloud", &CloudLayout::order, orders,
+               "a list of returns, or organised with a row per ring or per firing sequence")};
+}
+
+/// Read by the section, which knows the rings of the model.
+Rows ring_rows() {
+  const auto has_ring = [](const S& sensor) { return sensor.ring_scan.has_value(); };
+  return {
+      special<S>(
+          "scan_ring", "auto, or a ring counted from 0",
+          [](const S& sensor) { return sensor.ring_scan ? key_value(sensor.ring_scan->ring) : KeyValue(); },
+          "a ring as a LaserScan, 0 the lowest; auto: the level one")
+          .unless_set("no LaserScan"),
+      special<S>(
+          "scan_resolution", "0.0005 to 0.2 rad",
+          [](const S& sensor) { return key_value(sensor.ring_scan.value_or(RingScanSpec()).resolution); },
+          "between beams of that scan")
+          .as_angle()
+          .shown_if(has_ring),
+      scan_topic_row().shown_if(has_ring)};
+}
+
+Rows calibration_rows() {
+  return {special<S>(
+              "calibration", "a calibration file, relative to the configuration's folder",
+              [](const S& sensor) { return key_value(sensor.calibration); },
+              "YAML of velodyne_pointcloud or db.xml, relative to the configuration's folder")
+              .unless_set("what the model or the device itself says"),
+          special<S>(
+              "calibration_model", "ros_drivers, exact or veloview",
+              [](const S& sensor) {
+                return sensor.driver.calibration == nullptr
+                           ? KeyValue()
+                           : std::string(name_of(sensor.driver.calibration->model));
+              },
+              "the equations: those of velodyne_pointcloud, the manual or the viewer")
+              .by_default("that of the file's format")};
+}
+
+}  // namespace
+
+bool takes(const S& sensor, const SensorGroup& group) {
+  if (group.takes == nullptr) return true;
+  if (sensor.model == nullptr || (group.network && !sensor.packet_topic.empty())) return false;
+  return group.takes(*sensor.model);
+}
+
+const std::vector<SensorGroup>& sensor_groups() {
+  constexpr const char* no_key = "no such key";
+  const Misfit no_cloud{", which is no multi-plane lidar", no_key};
+  const Misfit no_settings{", to whose settings nothing is said", "no such key; set it up in the device"};
+  const Misfit no_web{", which has no web interface that is known",
+                      "no such key: it applies to Velodynes other than the HDL-64E"};
+  const Misfit no_packets{", whose packets travel in no message that is known", "a Velodyne, or no such key"};
+  const Misfit no_telemetry{", which sends no telemetry beside its data", no_key};
+  const Misfit no_beams{", whose clouds are complete with all returns",
+                        "no such key; view_direction and view_width keep a sector"};
+  const Misfit no_vouching{", which does not vouch for its returns",
+                           "no such key: it applies to the VLS-128"};
+  const Misfit calibrated{", which sends calibrated measurements", no_key};
+  const Misfit tcp{", which is read over TCP", no_key};
+  const Misfit no_clock{", which is not asked for its clock",
+                        "clock: smooth, which follows the device clock all the time"};
+  const auto udp = [](const Model& model) { return model.transport == Transport::udp; };
+  const auto echoes = [](const Model& model) {
+    return model.has(Trait::echoes) && model.kind == FrameKind::scan;
+  };
+  static const std::vector<SensorGroup> groups{
+      {"", any_model, false, {model_row()}},
+      {"Velodynes",
+       can<Trait::packet_messages>,
+       false,
+       {topic("packet_topic", &S::packet_topic, "velodyne_msgs/VelodyneScan in place of the network")},
+       no_packets,
+       no_packets},
+      {"", any_model, true, network_rows()},
+      {"devices with a satellite receiver",
+       can<Trait::gnss>,
+       true,
+       {whole("telemetry_port", &S::telemetry_port, 0, last_port,
+              "local UDP port of a satellite receiver's sentences; 0: none")
+            .by_default("of the model")},
+       no_telemetry,
+       no_telemetry},
+      {"devices that stream over UDP", udp, true, group_rows(), tcp, tcp},
+      {"", nullptr, false, joined<S>({place_rows(), of_driver(time_rows())})},
+      {"", any_model, false, of_driver(clock_rows())},
+      {"SICK devices with settings", can<Trait::settings_writable>, false, of_requests(write_keys()),
+       no_settings, no_settings},
+      {"SICK devices that stream over UDP", can<Trait::receiver_settable>, false,
+       of_requests(receiver_keys()), no_settings, no_settings},
+      {"SICK devices with logins", can<Trait::logins>, false, of_requests(login_keys()), no_settings,
+       no_settings},
+      {"Velodynes but the HDL-64E", can<Trait::web_control>, true, control_rows(), no_web, no_web},
+      {"planar scanners", gives<FrameKind::scan>, false, of_driver(beam_rows()), {}, no_beams},
+      {"planar scanners", gives<FrameKind::scan>, false, {scan_topic_row()}},
+      {"planar scanners with several echoes", echoes, false, of_driver(echo_rows()), {}, no_beams},
+      {"SICK scanners that speak CoLa", can<Trait::skip_setting>, false, of_requests(cola_keys())},
+      {"Hokuyos that speak SCIP", can<Trait::skip_request>, false, of_requests(scip_keys())},
+      {"Hokuyos that speak SCIP", can<Trait::skip_request>, false, of_requests(scip_clock_keys()), no_clock,
+       no_clock},
+      {"multi-plane lidars", gives<FrameKind::cloud>, false, cloud_rows(), no_cloud},
+      {"Velodynes", can<Trait::revolutions>, false,
+       joined<S>({of_driver(revolution_keys()), within(&S::layout, order_rows())}), no_cloud},
+      {"the VLS-128", can<Trait::confidence>, false,
+       field_row("publish_confidence", &CloudLayout::confidence, "points have a field confidence"),
+       no_vouching, no_vouching},
+      {"Velodynes", can<Trait::revolutions>, false,
+       joined<S>({field_row("publish_echo", &CloudLayout::echo, "points have a field echo"), ring_rows()}),
+       no_cloud},
+      {"Velodynes", can<Trait::calibration>, false, calibration_rows(), calibrated, calibrated}};
+  return groups;
+}
+
+}  // namespace lidard

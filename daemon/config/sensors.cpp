@@ -1,0 +1,320 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+// `sensors:` of a configuration: what keys have to fulfil together, and what follows from them.
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "core/base/angle.h"
+#include "daemon/config/output_topics.h"
+#include "daemon/config/sections.h"
+#include "drivers/registry/nearest_models.h"
+#include "drivers/registry/registry.h"
+
+namespace lidard {
+namespace {
+
+bool holds(const SensorGroup& group, const std::string& key) {
+  std::vector<std::string> names;
+  add_names(group.keys, names);
+  return std::find(names.begin(), names.end(), key) != names.end();
+}
+
+/// Why a key that this kind of sensor does not take is refused, and what to do instead.
+Misfit refusal(const std::string& key, const SensorConfig& sensor) {
+  if (sensor.model == nullptr)
+    return {"does not apply to a source with topic:", "topic, frame_id, pose and time_offset only"};
+  const bool cloud = sensor.model->kind == FrameKind::cloud;
+  Misfit why =
+      cloud ? Misfit{", whose clouds are complete with all returns", "no such key"}
+            : Misfit{", which sends what its own configuration says", "no such key; set it in the device"};
+  for (const SensorGroup& group : sensor_groups()) {
+    if (!holds(group, key)) continue;
+    if (group.network && group.takes(*sensor.model))
+      return {"is given beside packet_topic", "one of them: the network and its sensor are another node's"};
+    const Misfit& own = cloud ? group.of_clouds : group.of_scanners;
+    if (!own.what.empty()) why = own;
+  }
+  return {"is not available for " + std::string(sensor.model->name) + why.what, why.expected};
+}
+
+void check_keys(const Mapping& yaml, const SensorConfig& sensor) {
+  const auto& groups = sensor_groups();
+  for (const std::string& key : yaml.keys()) {
+    const bool is_taken = std::any_of(groups.begin(), groups.end(), [&](const SensorGroup& group) {
+      return takes(sensor, group) && holds(group, key);
+    });
+    if (is_taken) continue;
+    yaml.attempt_rule([&] {
+      const Misfit why = refusal(key, sensor);
+      yaml.where(key).fail_at_key(why.what, why.expected);
+    });
+  }
+}
+
+const Model* read_model(const Value& value) {
+  const std::string name = value.text("a name from `lidard models`");
+  if (const Model* model = find_model(name)) return model;
+  std::string expected;
+  for (const std::string_view near : nearest_models(name))
+    expected.append(expected.empty() ? "" : " or ").append(near);
+  value.fail("is " + value.quoted() + ", which is no model",
+             expected.empty() ? "a name from `lidard models`" : expected + "; see `lidard models`");
+}
+
+/// What the model says where the file does not.
+void set_defaults(SensorConfig& sensor) {
+  const Model& model = *sensor.model;
+  sensor.driver.model = sensor.model;
+  sensor.ip_port = model.port;
+  sensor.telemetry_port = model.telemetry_port;
+  const bool cloud = model.kind == FrameKind::cloud;
+  if (cloud) sensor.points_topic = sensor.name + "/points";
+  if (!cloud || model.has(Trait::revolutions)) sensor.scan_topic = sensor.name + "/scan";
+}
+
+void read_kind(Mapping& yaml, SensorConfig& sensor) {
+  const auto model = yaml.find("model");
+  if (model && yaml.has("topic")) {
+    const Value& topic = yaml.where("topic");
+    yaml.mistakes().doubt(topic.path());
+    topic.fail_at_key("is given beside model", "one of them: model (our driver) or topic (another driver)");
+  }
+  if (!model && !yaml.has("topic"))
+    yaml.self().fail_at_key("has neither model nor topic", "model: a name from `lidard models`, or topic:");
+  if (!model) return;
+  sensor.model = read_model(*model);
+  set_defaults(sensor);
+}
+
+void check_network(Mapping& yaml, SensorConfig& sensor) {
+  if (!sensor.packet_topic.empty()) {
+    sensor.ip_port = sensor.telemetry_port = 0;
+    return;
+  }
+  const bool tcp = sensor.model->transport == Transport::tcp;
+  if (sensor.ip_port == 0 && !yaml.has("ip_port"))
+    yaml.self().fail_at_key("has no ip_port",
+                            tcp ? "the TCP port that the device listens on: its model has no usual one"
+                                : "the UDP port that the sensor sends to: its model has no usual one");
+  if (tcp && !yaml.has("ip_address"))
+    yaml.self().fail_at_key("has no ip_address",
+                            "the device's address: it is read over TCP, so somebody has to connect to it");
+  if (sensor.model->has(Trait::gnss) && sensor.telemetry_port == sensor.ip_port)
+    yaml.where(yaml.has("telemetry_port") ? "telemetry_port" : "ip_port")
+        .fail("is both ip_port and telemetry_port", "two ports, or telemetry_port: 0");
+  if (!sensor.interface.empty() && !yaml.has("multicast_group"))
+    yaml.where("interface")
+        .fail_at_key("is given without multicast_group", "both: the interface is where the group is joined");
+}
+
+void check_requests(Mapping& yaml, SensorConfig& sensor) {
+  DeviceRequests& requests = sensor.driver.requests;
+  if (requests.host_address) requests.host_port = sensor.ip_port;
+  if (requests.host_address && !yaml.has("ip_address"))
+    yaml.where("udp_receiver_ip")
+        .fail_at_key("is given without ip_address",
+                     "both: the device is told over TCP where to send, so its address must be known");
+  if (requests.listen_only && requests.allow_write)
+    yaml.where("listen_only").fail_at_key("contradicts allow_write", "one of them");
+  if (sensor.model->has(Trait::logins) && yaml.has("user_level") != yaml.has("user_level_password"))
+    yaml.where(yaml.has("user_level") ? "user_level" : "user_level_password")
+        .fail_at_key("is given alone", "both user_level and user_level_password, or none");
+}
+
+/// Refuses what would be ignored: a wish without permission, a permission to save nothing.
+void check_permissions(const Mapping& yaml, const VelodyneControl& control) {
+  const bool wanted = control.wanted.any();
+  for (const char* key : {"rpm", "returns", "laser", "fov", "phase_lock", "host", "save"}) {
+    if (!control.allow_write && yaml.has(key) && (wanted || control.save))
+      yaml.where(key).fail_at_key("asks to change the sensor, but control.allow_write is not true",
+                                  "allow_write: true beside it, or no such key");
+  }
+  if (control.save && !wanted)
+    yaml.where("save").fail_at_key("is given, but no setting to save", "rpm, returns, fov, host … beside it");
+  if (wanted && !control.read)
+    yaml.where("read").fail("is false, so nobody could tell whether a setting differs",
+                            "true, or no wanted settings");
+}
+
+void check_control(Mapping& parent, SensorConfig& sensor, Reading& reading) {
+  VelodyneControl& control = sensor.control;
+  control.data_port = sensor.ip_port;
+  if (!parent.has("control")) return;
+  Mapping yaml = parent.inside("control");
+  reading.mistakes.end_if_in_doubt(yaml.self().path());
+  if (!yaml.has("read")) control.read = control.wanted.any();
+  if (control.wanted.fov_start_deg && control.wanted.fov_start_deg == control.wanted.fov_end_deg)
+    yaml.inside("fov").where("end_deg").fail("is start_deg too",
+                                             "{start_deg: 0, end_deg: 360}, whole degrees");
+  if (control.wanted.host_port && *control.wanted.host_port != sensor.ip_port) {
+    const Mapping host = yaml.inside("host");
+    reading.warn(host.where("port").place(),
+                 host.where("port").path() + " makes the sensor send to a port that is not its ip_port, " +
+                     std::to_string(sensor.ip_port) + ": its data will not arrive here");
+  }
+  check_permissions(yaml, control);
+  if (control.read && !parent.has("ip_address"))
+    yaml.self().fail_at_key("needs the sensor's address", "ip_address: of the sensor");
+  if (!control.read) return;
+  control.address = *sensor.ip_address;
+  sensor.driver.control = std::make_shared<VelodyneControl>(control);
+}
+
+void check_beams(const Mapping& yaml, const DriverConfig& driver) {
+  if (driver.angle_min && driver.angle_max && *driver.angle_max <= *driver.angle_min)
+    yaml.where("angle_max").fail("is not above angle_min", "angle_min < angle_max");
+}
+
+void check_frames(const Mapping& yaml, DriverConfig& driver) {
+  const bool by_time = driver.frame_cut == FrameCut::time;
+  if (yaml.has("frame_duration") && !by_time)
+    yaml.where("frame_duration")
+        .fail_at_key("is given without frame_cut: time",
+                     "both, or neither: a revolution lasts as long as it lasts");
+  if (yaml.has("cut_angle") && by_time)
+    yaml.where("cut_angle")
+        .fail_at_key("is given with frame_cut: time", "one of them: frames are cut by time or by angle");
+  if (driver.max_range != 0 && driver.max_range <= driver.min_range && yaml.has("max_range"))
+    yaml.where("max_range").fail("is not above min_range", "min_range < max_range, or 0 for no limit");
+  if (std::abs(driver.view_direction) > two_pi)
+    yaml.where("view_direction").fail("is more than a turn", "an angle in [-pi, pi], 0 ahead");
+  if (driver.view_width <= 0 || driver.view_width > two_pi + 1e-6)
+    yaml.where("view_width").fail("is no width of a sector", "an angle in (0, 2 pi]");
+  driver.view_width = std::min(driver.view_width, two_pi);
+}
+
+/// The ring asked for, or nothing.
+std::optional<std::uint16_t> read_ring(const std::optional<Value>& value, const SensorConfig& sensor) {
+  if (!value || value->text("auto, or a ring counted from 0") == "-1") return std::nullopt;
+  const Model& model = *sensor.model;
+  if (value->text() != "auto")
+    return static_cast<std::uint16_t>(value->integer(0, static_cast<long>(model.beams) - 1));
+  if (model.level_ring == nullptr)
+    value->fail("is auto, but it is not known which ring of this model is level", "a ring counted from 0");
+  return model.level_ring(sensor.driver);
+}
+
+/// One ring as a planar scan. Its calibration is known by now, which may say what ring is level.
+void read_ring_scan(Mapping& yaml, SensorConfig& sensor) {
+  const auto asked = yaml.find("scan_ring");
+  const auto ring = read_ring(asked, sensor);
+  const auto resolution = yaml.angle("scan_resolution");
+  for (const char* key : {"scan_resolution", "scan_topic"}) {
+    if (!ring && yaml.has(key)) yaml.where(key).fail_at_key("is given without scan_ring", "both, or neither");
+  }
+  if (!ring) return;
+  DriverConfig& driver = sensor.driver;
+  if (driver.frame_cut == FrameCut::time)
+    asked->fail_at_key("is given with frame_cut: time", "another frame_cut: a scan is a revolution");
+  RingScanSpec spec;
+  spec.ring = *ring;
+  spec.resolution = resolution.value_or(spec.resolution);
+  if (!(spec.resolution >= 0.0005 && spec.resolution <= 0.2))
+    yaml.where("scan_resolution").fail("is out of range", "0.0005 to 0.2 rad");
+  spec.range_min = driver.min_range > 0 ? driver.min_range : sensor.model->range_min;
+  spec.range_max = driver.max_range > 0 ? driver.max_range : sensor.model->range_max;
+  sensor.ring_scan = spec;
+  driver.keep_too_near = true;
+}
+
+void check_cloud(Mapping& yaml, SensorConfig& sensor) {
+  sensor.driver.keep_confidence = sensor.layout.confidence;
+  if (!sensor.model->has(Trait::revolutions)) return;
+  yaml.attempt_rule([&] { check_frames(yaml, sensor.driver); });
+  yaml.attempt_rule([&] { read_ring_scan(yaml, sensor); });
+}
+
+/// Everything that the sensor publishes, and what it listens to.
+void claim_topics(const Mapping& yaml, const SensorConfig& sensor, Reading& reading) {
+  const std::string& owner = yaml.self().path();
+  for (const OutputTopic& topic : sensor_topics(sensor))
+    reading.claims.publishes(topic.name, owner, yaml.self());
+  if (!sensor.packet_topic.empty()) reading.claims.listens(sensor.packet_topic, owner, yaml.self());
+  if (!sensor.topic.empty()) reading.claims.listens(sensor.topic, owner, yaml.where("topic"));
+}
+
+/// The frames of a model carry `frame_id`; messages of other drivers carry what these say.
+void claim_pose(const Mapping& yaml, SensorConfig& sensor, Reading& reading) {
+  const std::string& base = reading.config.vehicle.base_frame;
+  if (sensor.pose)
+    reading.claims.holds_frame(sensor.frame_id, base, *sensor.pose, yaml.self().path(), yaml.where("pose"));
+  else if (sensor.model != nullptr && sensor.frame_id == base)
+    sensor.pose = Pose::Identity();
+}
+
+/// Sensors are told apart by port and sender; refuses what cannot be.
+void check_distinct(const Mapping& yaml, const SensorConfig& sensor,
+                    const std::vector<SensorConfig>& earlier) {
+  if (sensor.model == nullptr || !sensor.packet_topic.empty()) return;
+  for (const SensorConfig& other : earlier) {
+    if (other.model == nullptr || !other.packet_topic.empty()) continue;
+    if (other.model->transport != sensor.model->transport) continue;
+    if (other.ip_port != sensor.ip_port || other.ip_address != sensor.ip_address) continue;
+    const std::string port = std::to_string(sensor.ip_port);
+    if (sensor.ip_address)
+      yaml.where("ip_address")
+          .fail("and port " + port + " are those of sensors." + other.name + " too",
+                "another ip_address or ip_port for each sensor");
+    yaml.self().fail_at_key("and sensors." + other.name + " share port " + port +
+                                " without ip_address, so nothing tells them apart",
+                            "ip_address for at least one of them");
+  }
+}
+
+/// While the model is not known, every value is checked that some model takes.
+void read_groups(Mapping& yaml, bool known, SensorConfig& sensor) {
+  std::set<std::string_view> read;
+  for (const SensorGroup& group : sensor_groups()) {
+    if (known && !takes(sensor, group)) continue;
+    for (const auto& row : group.keys) {
+      if (known || read.insert(row.name).second) read_key(yaml, row, sensor);
+    }
+  }
+}
+
+void check_device(Mapping& yaml, SensorConfig& sensor, Reading& reading) {
+  yaml.attempt_rule([&] { check_network(yaml, sensor); });
+  yaml.attempt_rule([&] { check_beams(yaml, sensor.driver); });
+  yaml.attempt_rule([&] {
+    if (sensor.model->has(Trait::web_control) && sensor.packet_topic.empty())
+      check_control(yaml, sensor, reading);
+  });
+  yaml.attempt_rule([&] {
+    if (sensor.model->has(Trait::calibration)) read_calibration(yaml, sensor, reading);
+  });
+  yaml.attempt_rule([&] { check_requests(yaml, sensor); });
+  check_cloud(yaml, sensor);
+}
+
+SensorConfig read_sensor(const std::string& name, const Value& entry, Reading& reading) {
+  std::vector<std::string> names;
+  for (const SensorGroup& group : sensor_groups()) add_names(group.keys, names);
+  Mapping yaml(entry, {names.begin(), names.end()}, reading.mistakes);
+  SensorConfig sensor;
+  sensor.name = sensor.frame_id = name;
+  const bool known = reading.mistakes.attempt(entry.place(), [&] { read_kind(yaml, sensor); });
+  read_groups(yaml, known, sensor);
+  if (!known) return sensor;
+  sensor.driver.frame_id = sensor.frame_id;
+  yaml.attempt_rule([&] { claim_pose(yaml, sensor, reading); });
+  if (sensor.model != nullptr) check_device(yaml, sensor, reading);
+  yaml.attempt_rule([&] { claim_topics(yaml, sensor, reading); });
+  check_keys(yaml, sensor);
+  yaml.attempt_rule([&] { check_distinct(yaml, sensor, reading.config.sensors); });
+  return sensor;
+}
+
+}  // namespace
+
+void read_sensors(Mapping& root, Reading& reading) {
+  const std::string expected = "sensors: with at least one entry, each with model: or topic:";
+  root.attempt("sensors", [&] {
+    const Value section = root.require("sensors", expected);
+    read_entries(section, reading.config.sensors, reading, read_sensor);
+    if (reading.config.sensors.empty() && reading.doubtful_names.empty()) section.fail("is empty", expected);
+  });
+}
+
+}  // namespace lidard

@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/config/config.h"
+#include "daemon/pipeline/frame_tree.h"
+#include "daemon/pipeline/outlet.h"
+#include "daemon/pipeline/output_id.h"
+#include "daemon/pipeline/sink.h"
+
+namespace lidard {
+
+/// What the outputs of a pipeline share; it must outlive them.
+struct OutputContext {
+  const VehicleConfig& vehicle;
+  const FrameTree& poses;
+  Outlet& outlet;
+};
+
+/// Says why a sensor gave no frames, " (…)"; empty: it gave some, or it is no sensor.
+using WhySilent = std::function<std::string(const std::string& source)>;
+
+/// Something made of the frames of sources: an entry of merged_scans: or of virtual_scans:.
+class Output {
+ public:
+  virtual ~Output() = default;
+  virtual OutputId id() const = 0;
+  /// Names of the sensors and virtual scans that it is made of.
+  virtual std::vector<std::string> sources() const = 0;
+  /// A scan of one of them, `source` being its place there.
+  virtual void add_scan(std::size_t source, const PlanarScan& scan, Stamp now) {
+    static_cast<void>(source), static_cast<void>(scan), static_cast<void>(now);
+  }
+  /// A cloud of the only one.
+  virtual void add_cloud(const Cloud& cloud, Stamp now) { static_cast<void>(cloud), static_cast<void>(now); }
+  /// Time passed, or the vehicle's poses went on: publishes what is due.
+  virtual void advance(Stamp now) { static_cast<void>(now); }
+  /// When advance() is worth a call if nothing else happens.
+  virtual std::optional<Stamp> next_event() const { return std::nullopt; }
+  /// True if a source has come, gone stale or was lost since the last call.
+  virtual bool states_changed(Stamp now) { return static_cast<void>(now), false; }
+  /// Takes another grid, profile or encoding from its next input on.
+  virtual void set_scan(const OutputScanConfig& wanted) = 0;
+  /// The input starts again.
+  virtual void restart() {}
+
+  virtual bool publishes(const std::string& topic) const = 0;
+  /// Why nothing was published on `topic`; or, if something was, what was missing in it; empty: nothing.
+  virtual std::string why_missing(const std::string& topic, const WhySilent& why_silent) const = 0;
+  virtual DiagnosticItem diagnostics(Stamp now, bool starting) const = 0;
+};
+
+}  // namespace lidard

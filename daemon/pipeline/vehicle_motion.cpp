@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/pipeline/vehicle_motion.h"
+
+#include <spdlog/fmt/fmt.h>
+
+namespace lidard {
+namespace {
+
+constexpr double longest_lag_s = 0.5;
+constexpr double data_live_s = 1;
+
+}  // namespace
+
+VehicleMotion::VehicleMotion(const VehicleConfig& vehicle, TransformSource& transforms, FrameTree& frames)
+    : vehicle_(vehicle), transforms_(transforms), frames_(frames) {
+  if (vehicle.has_motion()) frames.set_track(&track_);
+}
+
+void VehicleMotion::poll(Stamp now) {
+  // Packets come by the thousand, poses by the dozen.
+  constexpr Span between_polls = std::chrono::milliseconds(5);
+  if (vehicle_.odometry_frame.empty()) return;
+  if (now >= last_poll_ && now - last_poll_ < between_polls) return;
+  last_poll_ = now;
+  new_poses_.clear();
+  transforms_.history(vehicle_.odometry_frame, vehicle_.base_frame, track_.newest(), now, new_poses_);
+  for (const StampedPose& one : new_poses_) track_.add(one.stamp, one.pose);
+  note_poses(now);
+}
+
+std::optional<Pose> VehicleMotion::place(const std::string& parent, const std::string& child, Stamp stamp) {
+  Pose pose = Pose::Identity();
+  if (parent.empty() || child.empty() || frames_.find(parent, child, stamp, pose, why_refused_)) return pose;
+  ++refused_;
+  return std::nullopt;
+}
+
+void VehicleMotion::add_pose(Stamp stamp, const Pose& pose, const std::string& child, Stamp now) {
+  if (const auto child_from_base = place(child, vehicle_.base_frame, stamp))
+    track_.add(stamp, pose * *child_from_base);
+  note_poses(now);
+}
+
+void VehicleMotion::add_turn(Stamp stamp, const Eigen::Vector3d& rates, const std::string& frame, Stamp now) {
+  if (const auto base_from_imu = place(vehicle_.base_frame, frame, stamp))
+    reckoning_.turn(stamp, base_from_imu->linear() * rates, track_);
+  note_poses(now);
+}
+
+void VehicleMotion::note_poses(Stamp now) {
+  if (track_.empty() || (pose_ && pose_->stamp == track_.newest())) return;
+  pose_ = Newest{track_.newest(), now};
+}
+
+/// What is wrong and what to look for; empty: nothing.
+std::string VehicleMotion::trouble(Stamp now) const {
+  if (track_.empty()) return "no pose of the vehicle yet; scans are not deskewed";
+  const bool data_live = data_ && seconds(now - data_->arrival) < data_live_s;
+  if (!data_live) {
+    const bool pose_live = pose_ && seconds(now - pose_->arrival) < longest_lag_s;
+    return pose_live ? "" : "no pose of the vehicle any more";
+  }
+  const double lag = seconds(data_->stamp - track_.newest());
+  if (lag > longest_lag_s)
+    return fmt::format(
+        "the newest pose of the vehicle is {:.1f} s older than the newest scan, which is not deskewed; does "
+        "odometry still come, and are its stamps of the same clock?",
+        lag);
+  const double ahead = seconds(track_.oldest() - data_->stamp);
+  if (ahead > longest_lag_s)
+    return fmt::format(
+        "the oldest pose of the vehicle is {:.1f} s newer than the newest scan, which is not deskewed; are "
+        "the stamps of both of the same clock?",
+        ahead);
+  return "";
+}
+
+std::optional<DiagnosticItem> VehicleMotion::diagnostics(Stamp now) const {
+  if (!vehicle_.has_motion()) return std::nullopt;
+  DiagnosticItem item;
+  item.name = "motion";
+  const std::string what = trouble(now);
+  item.health = what.empty() ? Health::ok : Health::warn;
+  item.message = what.empty() ? "poses come in" : what;
+  if (!what.empty() && refused_ > 0) item.message += ": " + why_refused_;
+  item.values = {{"Knots", std::to_string(track_.size())},
+                 {"Jumps back", std::to_string(track_.restarts())},
+                 {"Not rigid", std::to_string(track_.not_rigid())},
+                 {"Frame not known", std::to_string(refused_)}};
+  if (!track_.empty() && data_)
+    item.values.emplace_back("Scans ahead of poses (s)",
+                             std::to_string(seconds(data_->stamp - track_.newest())));
+  item.values.emplace_back("Out of order", std::to_string(track_.out_of_order() + reckoning_.refused()));
+  return item;
+}
+
+}  // namespace lidard

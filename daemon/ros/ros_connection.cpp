@@ -1,0 +1,384 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/ros/ros_connection.h"
+
+#include <fmt/format.h>
+#include <ros/init.h>
+#include <ros/master.h>
+#include <ros/this_node.h>
+#include <spdlog/spdlog.h>
+
+#include <atomic>
+#include <thread>
+#include <utility>
+
+#include "daemon/ros/ros_callback_thread.h"
+#include "daemon/ros/ros_component.h"
+#include "daemon/ros/ros_diagnostics.h"
+#include "daemon/ros/ros_environment.h"
+#include "daemon/ros/ros_master.h"
+#include "daemon/ros/ros_name.h"
+#include "daemon/ros/ros_publishers.h"
+#include "daemon/ros/ros_pulse.h"
+#include "drivers/net/wall_clock.h"
+
+namespace lidard {
+namespace {
+
+using std::chrono::milliseconds;
+using Clock = std::chrono::steady_clock;
+
+/// Of the thread that talks to the master, for debuggers.
+constexpr const char* thread_name = "lidard-master";
+/// How often the master is asked whether it is there.
+constexpr auto master_period = milliseconds(500);
+/// Of the 10 messages that roscpp keeps for a slow subscriber; the rest is slack for its own queue.
+constexpr std::size_t most_in_flight = 8;
+/// After this long a subscriber that takes nothing counts as stuck, and a replay goes on without it.
+constexpr auto stuck_subscriber = std::chrono::seconds(10);
+/// A live thread makes ten rounds per second.
+constexpr auto longest_round = std::chrono::seconds(2);
+
+template <typename Condition>
+bool wait_until(Condition condition, Span limit) {
+  const auto deadline = Clock::now() + limit;
+  while (!condition()) {
+    if (Clock::now() >= deadline) return false;
+    std::this_thread::sleep_for(milliseconds(2));
+  }
+  return true;
+}
+
+}  // namespace
+
+// Shared with the threads: one that hangs in roscpp at the end outlives the RosConnection.
+struct RosConnection::Impl {
+  Impl(RosOptions given, const std::vector<OutputTopic>& topics)
+      : options(std::move(given)),
+        master_uri(choose_master(options.remappings)),
+        queue(topics, options.backpressure),
+        publishers(topics, options.clock),
+        diagnostics(options.longest_report_age) {
+    init_ros(options, topics);
+    node = ros::this_node::getName();
+    name = std::make_unique<RosName>(node, wall_clock());
+  }
+
+  const RosOptions options;
+  const std::string master_uri;
+  std::string node;
+  FrameQueue queue;
+  RosPublishers publishers;
+  RosDiagnostics diagnostics;
+  std::vector<std::shared_ptr<RosComponent>> components;
+  std::unique_ptr<RosName> name;
+  RosPulse pulse;
+  std::unique_ptr<RosCallbackThread> callbacks;  // while ROS runs
+
+  std::atomic<bool> stopping{false};
+  std::atomic<bool> master_present{false};
+  std::atomic<bool> master_ended{false};
+  std::atomic<bool> ended_clean{true};
+  std::atomic<bool> news{false};  // for /diagnostics, not to be held back
+  std::atomic<std::uint64_t> published{0};
+  std::atomic<std::uint64_t> without_ros{0};
+  std::atomic<std::uint64_t> foreign_stops{0};
+  std::mutex wake_mutex;
+  std::condition_variable wake;
+  std::thread ros_thread;
+  std::thread master_thread;
+
+  // Belongs to the master thread.
+  bool running = false;
+  bool registered = false;
+  int master_pid = 0;
+  Clock::time_point next_notice = Clock::now();
+  Clock::time_point next_diagnostics = Clock::now();
+
+  void run_ros();
+  void deal_with(QueuedFrame& frame);
+  void wait_for_subscribers_of(const QueuedFrame& frame);
+  void hurry();
+  void run_master();
+  void look_after(MasterClient& master);
+  void master_answered(MasterClient& master, int pid);
+  void master_silent(const MasterClient& master);
+  void start_ros();
+  void end_ros(bool leave);
+  void restart_after_foreign_stop(MasterClient& master);
+  void publish_diagnostics();
+  DiagnosticItem own_status() const;
+  void judge_own_status(DiagnosticItem& item) const;
+  void shut_down(MasterClient& master);
+};
+
+// ---- ROS thread
+
+void RosConnection::Impl::run_ros() {
+  while (!stopping) {
+    pulse.tick(RosPulse::publishing);
+    QueuedFrame* frame = queue.pop(milliseconds(100));
+    if (frame == nullptr) continue;
+    deal_with(*frame);
+    queue.done(frame);
+  }
+}
+
+void RosConnection::Impl::deal_with(QueuedFrame& frame) {
+  if (options.backpressure == Backpressure::block) wait_for_subscribers_of(frame);
+  const bool sent = publishers.publish(frame);
+  ++(sent ? published : without_ros);
+}
+
+void RosConnection::Impl::wait_for_subscribers_of(const QueuedFrame& frame) {
+  const auto keeps_up = [&] {
+    pulse.tick(RosPulse::publishing);
+    const bool advertised = publishers.ready() || frame.lane == queue.transforms_lane();
+    return stopping || (advertised && publishers.in_flight(frame) < most_in_flight);
+  };
+  while (!wait_until(keeps_up, stuck_subscriber)) {
+    if (!publishers.ready()) continue;
+    spdlog::warn("a subscriber has taken nothing for 10 s; it loses messages from here on");
+    return;
+  }
+}
+
+// ---- master thread
+
+void RosConnection::Impl::hurry() {
+  {
+    const std::lock_guard lock(wake_mutex);
+    news = true;
+  }
+  wake.notify_all();
+}
+
+void RosConnection::Impl::run_master() {
+  name_this_thread(thread_name);
+  MasterClient master(*parse_server_uri(master_uri), node);
+  while (!stopping) {
+    look_after(master);
+    std::unique_lock lock(wake_mutex);
+    wake.wait_for(lock, master_period, [this] { return stopping || news; });
+  }
+  shut_down(master);
+  master_ended = true;
+}
+
+void RosConnection::Impl::look_after(MasterClient& master) {
+  if (running && !ros::ok()) restart_after_foreign_stop(master);
+  // News do not wait for the master's answer.
+  if (running && news.exchange(false)) publish_diagnostics();
+  const auto pid = master.pid();
+  if (stopping) return;
+  if (pid) {
+    master_answered(master, *pid);
+  } else {
+    master_silent(master);
+  }
+  if (news.exchange(false) && running) next_diagnostics = Clock::now();
+  if (running && Clock::now() >= next_diagnostics) publish_diagnostics();
+}
+
+void RosConnection::Impl::master_answered(MasterClient& master, int pid) {
+  master_present = true;
+  const bool another = pid != master_pid;
+  master_pid = pid;
+  if (!running) {
+    if (!name->is_free(master)) return;
+    start_ros();
+    spdlog::info("ROS master found at {}; publishing as {}", master_uri, node);
+  } else if (another || !registered) {
+    std::vector<std::string> services;
+    for (const auto& component : components) {
+      for (auto& service : component->master_restarted()) services.push_back(std::move(service));
+    }
+    registered = register_again(master, services);
+    if (registered) spdlog::warn("ROS master at {} came back; all topics are registered again", master_uri);
+  }
+  const RosPulse::Call call(pulse);
+  for (const auto& component : components) {
+    if (stopping || !running) return;
+    component->poll(master);
+    publishers.advertise_again(component->stale_topics());
+  }
+}
+
+void RosConnection::Impl::master_silent(const MasterClient& master) {
+  master_present = false;
+  registered = false;
+  if (Clock::now() < next_notice) return;
+  next_notice = Clock::now() + std::chrono::seconds(30);
+  spdlog::warn("no ROS master at {} ({}): {}; start one with `roscore`, or set ROS_MASTER_URI", master_uri,
+               master.error(),
+               running ? "new subscribers cannot find us" : "data is received but not published");
+}
+
+void RosConnection::Impl::start_ros() {
+  const RosPulse::Call call(pulse);
+  name->answer_others();
+  ros::master::setRetryTimeout(ros::WallDuration(0.2));
+  // A new thread has the name of the one that starts it; RosPulse names all of roscpp's but that of /rosout.
+  name_this_thread("roscpp-rosout");
+  ros::start();
+  name_this_thread(thread_name);
+  publishers.advertise();
+  diagnostics.start();
+  callbacks = std::make_unique<RosCallbackThread>(pulse);
+  for (const auto& component : components) component->connected(*callbacks);
+  pulse.attach();
+  name->taken();
+  running = true;
+  registered = true;
+}
+
+void RosConnection::Impl::end_ros(bool leave) {
+  const RosPulse::Call call(pulse);
+  pulse.detach();
+  callbacks->stop();
+  for (const auto& component : components) component->disconnected();
+  if (leave) leave_behind(std::move(callbacks));
+  callbacks.reset();
+  diagnostics.drop(leave);
+  publishers.drop(leave);
+  if (!leave) ros::shutdown();
+  running = false;
+}
+
+void RosConnection::Impl::restart_after_foreign_stop(MasterClient& master) {
+  ++foreign_stops;
+  spdlog::error(
+      "our ROS node {} was shut down from outside (a node of the same name, or rosnode kill); starting again",
+      node);
+  end_ros(false);
+  const Span pause = name->thrown_out(master);
+  std::unique_lock lock(wake_mutex);
+  wake.wait_for(lock, pause, [this] { return stopping.load(); });
+}
+
+void RosConnection::Impl::publish_diagnostics() {
+  next_diagnostics = Clock::now() + std::chrono::seconds(1);
+  std::vector<DiagnosticItem> more{own_status()};
+  for (const auto& component : components) {
+    for (auto& item : component->diagnostics()) more.push_back(std::move(item));
+  }
+  diagnostics.publish(more);
+}
+
+void RosConnection::Impl::judge_own_status(DiagnosticItem& item) const {
+  const Span stands = pulse.since_tick();
+  if (stands > longest_round) {
+    item.health = Health::error;
+    item.message = fmt::format("the thread that publishes has stood still for {:.1f} s", seconds(stands));
+  } else if (!master_present) {
+    item.health = Health::warn;
+    item.message = "the master does not answer; check roscore";
+  } else if (foreign_stops > 0) {
+    item.health = Health::warn;
+    item.message = "shut down from outside; look for a node of the same name";
+  } else {
+    item.message = "publishing";
+  }
+}
+
+DiagnosticItem RosConnection::Impl::own_status() const {
+  DiagnosticItem item;
+  item.name = "ROS";
+  judge_own_status(item);
+  item.values = {{"Frames published", std::to_string(published)},
+                 {"Frames dropped", std::to_string(queue.dropped())},
+                 {"Frames before the master came", std::to_string(without_ros)},
+                 {"Subscribers", std::to_string(publishers.subscribers())}};
+  return item;
+}
+
+void RosConnection::Impl::shut_down(MasterClient& master) {
+  if (!running) return;
+  const bool leave = !master.pid().has_value();
+  ended_clean = !leave;
+  end_ros(leave);
+}
+
+// ---- interface
+
+RosConnection::RosConnection(RosOptions options, const std::vector<OutputTopic>& topics)
+    : impl_(std::make_shared<Impl>(std::move(options), topics)) {}
+RosConnection::~RosConnection() { stop(); }
+
+void RosConnection::add(std::shared_ptr<RosComponent> component) {
+  impl_->components.push_back(std::move(component));
+}
+
+void RosConnection::start() {
+  impl_->ros_thread = std::thread([impl = impl_] { impl->run_ros(); });
+  impl_->master_thread = std::thread([impl = impl_] { impl->run_master(); });
+}
+
+void RosConnection::scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) {
+  impl_->queue.push(topic, scan, released);
+}
+void RosConnection::cloud(const OutputTopic& topic, Cloud& cloud, Stamp released) {
+  impl_->queue.push(topic, cloud, released);
+}
+void RosConnection::message(const OutputTopic& topic, const DeviceMessage& message, Stamp released) {
+  impl_->queue.push(topic, message, released);
+}
+void RosConnection::transforms(const std::vector<StaticTransform>& transforms, Stamp released) {
+  impl_->queue.push(transforms, released);
+}
+void RosConnection::diagnostics(const std::vector<DiagnosticItem>& items, Stamp) {
+  if (impl_->diagnostics.set(items)) impl_->hurry();
+}
+void RosConnection::publish_clock(Stamp now) { impl_->queue.push_clock(now); }
+
+bool RosConnection::wait_for_master(Span limit) {
+  return wait_until([this] { return impl_->publishers.ready(); }, limit);
+}
+
+bool RosConnection::wait_for_subscribers(std::size_t count, Span limit) {
+  return wait_until([&] { return impl_->publishers.subscribers() >= count; }, limit);
+}
+
+bool RosConnection::flush(Span limit) {
+  const bool sent =
+      wait_until([this] { return impl_->queue.idle() && impl_->publishers.in_flight() == 0; }, limit);
+  // A subscriber drops what it has not read yet when the master tells it that we are gone.
+  if (impl_->publishers.subscribers() > 0) std::this_thread::sleep_for(milliseconds(250));
+  return sent;
+}
+
+RosStatus RosConnection::status() const {
+  RosStatus status;
+  status.master = impl_->master_present;
+  status.connected = impl_->publishers.ready();
+  status.subscribers = impl_->publishers.subscribers();
+  status.published = impl_->published;
+  status.dropped = impl_->queue.dropped();
+  status.without_ros = impl_->without_ros;
+  status.foreign_stops = impl_->foreign_stops;
+  return status;
+}
+
+bool RosConnection::has_master() const { return impl_->master_present; }
+std::string RosConnection::standing_threads() { return impl_->pulse.standing(impl_->master_present); }
+std::string RosConnection::conflict() const { return impl_->name->conflict(); }
+
+bool RosConnection::stop() {
+  if (!impl_->master_thread.joinable()) return impl_->ended_clean;
+  {
+    const std::lock_guard lock(impl_->wake_mutex);
+    impl_->stopping = true;
+  }
+  impl_->wake.notify_all();
+  impl_->queue.stop();
+  impl_->ros_thread.join();
+  if (wait_until([this] { return impl_->master_ended.load(); }, std::chrono::seconds(1))) {
+    impl_->master_thread.join();
+  } else {
+    impl_->master_thread.detach();
+    impl_->ended_clean = false;
+  }
+  return impl_->ended_clean;
+}
+
+}  // namespace lidard

@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "daemon/config/output_topics.h"
+#include "daemon/ros/ros_options.h"
+
+namespace lidard {
+
+/// ROS cannot be used as asked: a wrong name or address. A usage error.
+class RosError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Calls ros::init, which no master is needed for; once per process. Throws RosError, also for names of
+/// topics that ROS does not take.
+void init_ros(const RosOptions& options, const std::vector<OutputTopic>& topics);
+/// Lets roscpp write its logs where it may: it aborts the process when $HOME is set but cannot be written.
+void choose_ros_log_folder();
+/// The master's address: "__master:=…" of the remappings, else $ROS_MASTER_URI, else the default, which is
+/// then put into the environment. Throws RosError if it is not "http://host:port": roscpp would abort the
+/// process.
+std::string choose_master(const std::vector<std::string>& remappings);
+
+}  // namespace lidard

@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <boost/asio/coroutine.hpp>
+#include <optional>
+#include <vector>
+
+#include "drivers/driver.h"
+
+namespace lidard {
+
+/// How long something may take: the answer to a question, a pause.
+class Patience {
+ public:
+  void start(Stamp now, Span limit) { since_ = now, limit_ = limit; }
+  /// A clock that was set back begins the time anew.
+  bool is_over(Stamp now) {
+    since_ = std::min(since_, now);
+    return now - since_ > limit_;
+  }
+  Stamp since() const { return since_; }
+
+ private:
+  Stamp since_{};
+  Span limit_{0};
+};
+
+/// A talk over a TCP connection beside a stream of datagrams: asks, compares, sets what may be set, hangs up.
+/// It takes place once, and again when the stream stopped, since the device may have lost what was set.
+///
+/// The talk itself is a script: it asks one question at a time and goes on when the answer came.
+class SideDialogue {
+ public:
+  /// `wanted`: it takes place at all. `restores`: also when the stream stopped.
+  SideDialogue(bool wanted, bool restores, Span patience)
+      : wanted_(wanted), restores_(restores), patience_limit_(patience) {}
+  virtual ~SideDialogue() = default;
+
+  void connected(Stamp now, DriverOutput& out) {
+    now_ = now;
+    phase_ = Phase::talking;
+    talked_ = true;
+    script_ = {};
+    begin();
+    script(out);
+  }
+  /// The connection ended, or was not taken.
+  void disconnected() { phase_ = Phase::idle; }
+  /// `last_data`: when the device last sent a datagram of its data; empty: never.
+  void tick(Stamp now, std::optional<Stamp> last_data, DriverOutput& out) {
+    now_ = now;
+    if (phase_ == Phase::talking && patience_.is_over(now)) return silent(out);
+    if (phase_ != Phase::idle || !is_due(last_data)) return;
+    last_dial_ = now;
+    talked_ = false;
+    phase_ = Phase::dialling;
+    out.connect();
+  }
+
+ protected:
+  /// A connection stands: nothing of a former one counts.
+  virtual void begin() = 0;
+  virtual void script(DriverOutput& out) = 0;
+  /// The last question was not answered.
+  virtual void silent(DriverOutput& out) = 0;
+
+  bool is_talking() const { return phase_ == Phase::talking; }
+  void ask(const std::vector<std::uint8_t>& question, DriverOutput& out) {
+    patience_.start(now_, patience_limit_);
+    out.request(ByteView(question.data(), question.size()));
+  }
+  /// `complete`: whatever could be done was done.
+  void hang_up(bool complete, DriverOutput& out) {
+    complete_ = complete_ || complete;
+    phase_ = Phase::idle;
+    out.disconnect(false);
+  }
+
+  boost::asio::coroutine script_;
+  Stamp now_{};
+
+ private:
+  enum class Phase : std::uint8_t { idle, dialling, talking };
+
+  bool is_due(std::optional<Stamp> last_data) const {
+    /// A stream that stopped for so long may have lost its settings, or never had them.
+    constexpr Span silence = std::chrono::seconds(1);
+    constexpr Span pause = std::chrono::milliseconds(500);
+    /// The same after a whole dialogue that did not bring the stream back.
+    constexpr Span fruitless_pause = std::chrono::seconds(5);
+    const bool stopped = !last_data || now_ - *last_data > silence;
+    if (!wanted_ || (complete_ && !(restores_ && stopped))) return false;
+    const bool fruitless = complete_ && talked_ && (!last_data || *last_data < last_dial_);
+    return !last_dial_ || now_ - *last_dial_ >= (fruitless ? fruitless_pause : pause);
+  }
+
+  const bool wanted_, restores_;
+  const Span patience_limit_;
+  Patience patience_;
+  Phase phase_ = Phase::idle;
+  std::optional<Stamp> last_dial_;
+  bool talked_ = false;    // a connection was made when it was dialled last
+  bool complete_ = false;  // one dialogue came to its end
+};
+
+}  // namespace lidard

@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "drivers/driver.h"
+#include "drivers/model.h"
+
+namespace lidard {
+
+/// The datagrams from one address to one port of ours, or what a device sends over connections to one port of
+/// its own: as far as a configuration can tell senders apart.
+struct Flow {
+  Transport transport = Transport::udp;
+  IpAddress address;       ///< of the sender; without value where anybody may send
+  std::uint16_t port = 0;  ///< destination; of a connection the sender's own
+
+  /// "192.168.1.9 -> port 2368", "192.168.1.9:2112 over TCP".
+  std::string to_string() const;
+  friend bool operator==(const Flow& a, const Flow& b) {
+    return a.transport == b.transport && a.port == b.port && a.address == b.address;
+  }
+  friend bool operator<(const Flow& a, const Flow& b) {
+    return std::tie(a.transport, a.address, a.port) < std::tie(b.transport, b.address, b.port);
+  }
+};
+
+/// The flow that a packet belongs to.
+Flow flow_of(const Packet& packet);
+/// What a device at `address` sends: its data to (or, over TCP, from) `port`, its telemetry, its part of the
+/// dialogue; a port 0 is none. The data come first.
+std::vector<Flow> flows_of(const Model& model, const IpAddress& address, std::uint16_t port,
+                           std::uint16_t telemetry_port, std::uint16_t dialogue_port);
+/// The same with the model's usual ports for all but the data.
+inline std::vector<Flow> flows_of(const Model& model, const IpAddress& address, std::uint16_t port) {
+  return flows_of(model, address, port, model.telemetry_port, model.dialogue_port);
+}
+
+/// Whose packet is this? A known sender comes before one that may be anybody.
+template <class Owner>
+class FlowTable {
+ public:
+  /// The first owner of a flow keeps it.
+  void add(const Flow& flow, const Owner& owner) { owners_.emplace(flow, owner); }
+  /// nullptr: nobody's.
+  const Owner* find(const Flow& flow) const {
+    auto found = owners_.find(flow);
+    if (found == owners_.end()) found = owners_.find({flow.transport, IpAddress(), flow.port});
+    return found == owners_.end() ? nullptr : &found->second;
+  }
+  const Owner* find(const Packet& packet) const { return find(flow_of(packet)); }
+  /// The device that a chunk of a connection was sent to, if it is one.
+  const Owner* find_receiver(const Packet& packet) const {
+    const auto found = owners_.find({packet.transport, packet.to.address, packet.to.port});
+    return found == owners_.end() ? nullptr : &found->second;
+  }
+
+ private:
+  std::map<Flow, Owner> owners_;
+};
+
+}  // namespace lidard

@@ -1,0 +1,124 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/time.h"
+#include "drivers/sick/compact/segment.h"
+
+namespace lidard::sick {
+
+/// Which segments belong to a frame and when it is complete.
+///
+/// A device leaves out the segments that its angle filter hides, so the frame's size is learned: from frames
+/// of which the telegram counter proves that nothing is missing, at either end. Two frames may be open at a
+/// time, so that telegrams may overtake each other.
+class OpenFrames {
+ public:
+  static constexpr std::size_t most = 2;
+
+  struct Frame {
+    bool open = false;
+    std::uint64_t number = 0;
+    std::uint64_t segments = 0;  ///< bit n: segment n is there
+    std::uint64_t first_counter = 0, last_counter = 0;
+    std::size_t telegrams = 0;
+    bool proven = false;  ///< when released: nothing is missing before, inside or behind it
+
+    bool is_gapless() const { return last_counter - first_counter + 1 == telegrams; }
+  };
+
+  enum class Verdict { used, stale, doubled, impossible };
+
+  /// The slot of the frame that `segment` belongs to. `release(slot)` is called for frames that must make
+  /// room before, oldest first.
+  template <class Release>
+  Verdict place(const Segment& segment, std::size_t& slot, Release&& release);
+  /// The segment just placed was used; calls `release(slot)` for frames that are finished by it.
+  template <class Release>
+  void settle(Release&& release);
+  /// Closes the oldest open frame whatever is missing; false if none is open.
+  template <class Release>
+  bool release_oldest(Release&& release);
+
+  const Frame& frame(std::size_t slot) const { return frames_[slot]; }
+  /// Bit n: segment n belongs to a frame; 0: not yet known.
+  std::uint64_t expected() const { return expected_; }
+  /// Segments that the frame should have and has not.
+  std::size_t missing(std::size_t slot) const;
+  /// Forgets the stream, and what was learned too.
+  void reset();
+  /// Forgets the stream.
+  void restart();
+
+ private:
+  /// Frames after which the segments seen are taken for all, where the telegram counter proves nothing.
+  static constexpr int patience = 8;
+
+  bool find_slot(std::uint64_t number, std::size_t& slot) const;
+  std::size_t oldest() const;
+  std::size_t newest() const;
+  std::size_t open_count() const;
+  bool is_complete(const Frame& frame) const;
+  bool is_overtaken(const Frame& old_frame, const Frame& new_frame) const;
+  void close(std::size_t slot);
+  void learn(const Frame& frame);
+  void note_late(const Segment& segment);
+
+  std::array<Frame, most> frames_{};
+  std::uint64_t expected_ = 0;
+  std::uint64_t seen_ = 0;
+  int unproven_ = 0;
+  bool released_any_ = false;
+  std::uint64_t released_number_ = 0;
+  std::uint64_t released_counter_ = 0;  // the last counter of the last frame released
+};
+
+template <class Release>
+bool OpenFrames::release_oldest(Release&& release) {
+  if (open_count() == 0) return false;
+  const std::size_t slot = oldest();
+  close(slot);
+  release(slot);
+  return true;
+}
+
+template <class Release>
+OpenFrames::Verdict OpenFrames::place(const Segment& segment, std::size_t& slot, Release&& release) {
+  if (segment.index >= max_segments) return Verdict::impossible;
+  if (released_any_ && segment.frame <= released_number_) {
+    note_late(segment);
+    return Verdict::stale;
+  }
+  if (!find_slot(segment.frame, slot)) {
+    if (open_count() == most) {
+      if (segment.frame < frames_[oldest()].number) return Verdict::stale;
+      release_oldest(release);
+    }
+    slot = frames_[0].open ? 1 : 0;
+    frames_[slot] = Frame{};
+    frames_[slot].open = true;
+    frames_[slot].number = segment.frame;
+    frames_[slot].first_counter = frames_[slot].last_counter = segment.counter;
+  }
+  Frame& frame = frames_[slot];
+  const std::uint64_t bit = std::uint64_t{1} << segment.index;
+  if ((frame.segments & bit) != 0) return Verdict::doubled;
+  frame.segments |= bit;
+  ++frame.telegrams;
+  if (segment.counter < frame.first_counter) frame.first_counter = segment.counter;
+  if (segment.counter > frame.last_counter) frame.last_counter = segment.counter;
+  return Verdict::used;
+}
+
+template <class Release>
+void OpenFrames::settle(Release&& release) {
+  while (open_count() == 2 && is_overtaken(frames_[oldest()], frames_[newest()])) release_oldest(release);
+  while (open_count() > 0 && is_complete(frames_[newest()])) release_oldest(release);
+  while (open_count() > 0 && is_complete(frames_[oldest()])) release_oldest(release);
+}
+
+}  // namespace lidard::sick

@@ -1,0 +1,219 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/velodyne/web/web_dialogue.h"
+
+#include <algorithm>
+#include <boost/asio/yield.hpp>
+#include <utility>
+
+namespace lidard::velodyne {
+namespace {
+
+/// A setting is written so often until it counts as refused; tried again when the sensor was away meanwhile.
+constexpr int most_attempts = 3;
+/// More than any answer with its header.
+constexpr std::size_t most_received = 128 * 1024;
+
+void replace_section(VelodyneTree& tree, const std::string& prefix, const VelodyneTree& section) {
+  const auto begin = tree.lower_bound(prefix);
+  auto end = begin;
+  while (end != tree.end() && end->first.compare(0, prefix.size(), prefix) == 0) ++end;
+  tree.erase(begin, end);
+  for (const auto& [key, value] : section) tree.emplace(prefix + key, value);
+}
+
+}  // namespace
+
+WebDialogue::WebDialogue(const VelodyneControl& control, const WebTiming& timing)
+    : control_(control),
+      timing_(timing),
+      where_(Endpoint{control.address, control.port}.to_string()),
+      retry_(timing.first_retry) {}
+
+/// The whole talk. It goes on after each `yield` when the request was answered or has failed, or when the
+/// pause is over.
+void WebDialogue::script(DriverOutput& out) {
+  reenter(script_) {
+    for (;;) {
+      yield ask("/cgi/snapshot.hdl");
+      tree_.clear();
+      complete_ = snapshot_is_new_ = take("/cgi/snapshot.hdl", "");
+      if (present_) {
+        yield ask("/cgi/status.json");
+        complete_ = take("/cgi/status.json", "status.") && complete_;
+      }
+      if (present_) {
+        yield ask("/cgi/diag.json");
+        complete_ = take("/cgi/diag.json", "diag.") && complete_;
+      }
+      finish_reading();
+      for (change_ = 0; change_ < changes_.size(); ++change_) {
+        yield request(changes_[change_].path, changes_[change_].body, timing_.limit);
+        take_write(out);
+      }
+      if (are_changes_verified(out) && control_.save) {
+        for (saved_ = false, saves_ = 1; !saved_ && saves_ <= most_attempts; ++saves_) {
+          // UniBwTAS/velodyne: the sensor needs some ten seconds for it (unverified).
+          yield request("/cgi/save", "data=submit", timing_.save_limit);
+          take_save(out);
+          yield pause(timing_.after_save);
+        }
+      }
+      yield pause(next_pause());
+    }
+  }
+}
+
+/// Dials as soon as the pace allows it. An empty form: GET.
+void WebDialogue::request(const std::string& path, const std::string& form, Span limit) {
+  request_ = http_request(where_, path, form);
+  limit_ = limit;
+  phase_ = Phase::waiting;
+}
+
+void WebDialogue::tick(Stamp now, DriverOutput& out) {
+  now_ = now;
+  switch (phase_) {
+    case Phase::pausing:
+      if (patience_.is_over(now)) script(out);
+      return;
+    case Phase::waiting:
+      if (pace_.is_over(now)) dial(out);
+      return;
+    case Phase::dialling:
+    case Phase::talking:
+      if (!patience_.is_over(now)) return;
+      answer_.error = "no answer in time";
+      out.disconnect(false);
+      break;
+    case Phase::answered:
+      break;
+  }
+  pace_.start(now, timing_.pace);
+  ++state_.requests;
+  script(out);
+}
+
+void WebDialogue::dial(DriverOutput& out) {
+  phase_ = Phase::dialling;
+  patience_.start(now_, limit_);
+  answer_ = {};
+  received_.clear();
+  present_ = false;
+  out.connect();
+}
+
+void WebDialogue::connected(Stamp now, DriverOutput& out) {
+  now_ = now;
+  if (phase_ != Phase::dialling) return out.disconnect(false);
+  phase_ = Phase::talking;
+  present_ = true;
+  out.request(ByteView(request_));
+}
+
+void WebDialogue::disconnected() {
+  if (phase_ == Phase::talking) answer_ = read_http_answer(received_, true);
+  if (phase_ == Phase::dialling) answer_.error = "nobody takes the connection";
+  if (phase_ == Phase::talking || phase_ == Phase::dialling) phase_ = Phase::answered;
+}
+
+void WebDialogue::receive(const Packet& packet, DriverOutput& out) {
+  if (phase_ != Phase::talking) return;
+  state_.local_address = packet.to.address.to_string();
+  const std::size_t room = most_received - received_.size();
+  received_.append(reinterpret_cast<const char*>(packet.payload.data()),
+                   std::min(packet.payload.size(), room));
+  answer_ = read_http_answer(received_, received_.size() == most_received);
+  if (!answer_.complete) return;
+  phase_ = Phase::answered;
+  out.disconnect(false);
+}
+
+/// False if there is no such answer; the state says why.
+bool WebDialogue::take(const std::string& path, const std::string& prefix) {
+  // An answer that ends early or whose length is wrong is good enough if it is all there.
+  const auto section = answer_.status == 200 ? read_velodyne_json(answer_.body) : std::nullopt;
+  if (section) {
+    replace_section(tree_, prefix, *section);
+    return true;
+  }
+  ++state_.failures;
+  if (!present_)
+    state_.trouble =
+        "no web interface at " + where_ + ": " + answer_.error + "; check control.port and the network";
+  else if (answer_.status != 0 && answer_.status != 200)
+    state_.trouble = where_ + path + " answers with HTTP status " + std::to_string(answer_.status) +
+                     "; is this the configured sensor?";
+  else if (!answer_.error.empty())
+    state_.trouble = where_ + path + ": " + answer_.error + "; the sensor may be busy or restarting";
+  else
+    state_.trouble = where_ + path + " answers with what is no JSON object; is this the configured sensor?";
+  return false;
+}
+
+void WebDialogue::finish_reading() {
+  if (!present_) attempts_.clear();  // it may come back with other settings, or be another one
+  state_.tree = tree_;
+  if (complete_) state_.trouble.clear();
+  state_.answered = state_.answered || !tree_.empty();
+  const auto serial = tree_.find("info.serial");
+  if (serial != tree_.end()) state_.serial = serial->second;
+  changes_.clear();
+  if (!snapshot_is_new_ || !control_.allow_write) return;
+  VelodynePlan todo = plan(tree_, control_.wanted);
+  state_.refused.clear();
+  state_.unknown = std::move(todo.unknown);
+  for (VelodyneChange& change : todo.changes) {
+    if (attempts_[change.path + change.body] >= most_attempts)
+      state_.refused.push_back(change.text);
+    else
+      changes_.push_back(std::move(change));
+  }
+}
+
+void WebDialogue::take_write(DriverOutput& out) {
+  const VelodyneChange& change = changes_[change_];
+  ++attempts_[change.path + change.body];
+  // Without an answer nobody knows whether it was taken; the next snapshot tells.
+  unverified_ = unverified_ || present_;
+  if (was_taken())
+    out.note("wrote " + change.text + " to " + where_);
+  else
+    out.note("could not write " + change.text + " to " + where_ + ": " +
+             (answer_.status == 0 ? answer_.error : "HTTP status " + std::to_string(answer_.status)));
+  last_write_ = now_;
+  ++state_.writes;
+}
+
+/// True once, when everything that was written shows in a snapshot.
+bool WebDialogue::are_changes_verified(DriverOutput& out) {
+  const bool agrees = snapshot_is_new_ && changes_.empty() && state_.refused.empty();
+  if (!agrees || !unverified_) return false;
+  out.note("the sensor reports the written settings");
+  unverified_ = false;
+  attempts_.clear();
+  return true;
+}
+
+void WebDialogue::take_save(DriverOutput& out) {
+  saved_ = was_taken();
+  if (saved_)
+    out.note("the sensor at " + where_ + " saved its settings");
+  else if (saves_ == most_attempts)
+    out.note("the sensor at " + where_ + " did not save its settings; they are lost when it is switched off");
+}
+
+Span WebDialogue::next_pause() {
+  if (complete_) retry_ = timing_.first_retry;
+  if (!changes_.empty()) return timing_.settle;
+  if (complete_) return control_.period;
+  return std::exchange(retry_, std::min(2 * retry_, timing_.last_retry));
+}
+
+WebState WebDialogue::state() const {
+  WebState state = state_;
+  state.settling = state.writes > 0 && now_ - last_write_ < timing_.spin_up;
+  return state;
+}
+
+}  // namespace lidard::velodyne

@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <boost/asio/coroutine.hpp>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "drivers/dialogue.h"
+#include "drivers/driver.h"
+#include "drivers/velodyne/web/http_message.h"
+#include "drivers/velodyne/web/velodyne_settings.h"
+
+namespace lidard::velodyne {
+
+/// How patient the dialogue is. The web servers of these sensors are slow, and lose requests that come faster
+/// than one per second.
+struct WebTiming {
+  Span pace = std::chrono::seconds(1);   ///< between the end of a request and the begin of the next
+  Span limit = std::chrono::seconds(5);  ///< for one request
+  Span save_limit = std::chrono::seconds(15);
+  Span settle = std::chrono::seconds(2);  ///< between writing and looking whether it was taken
+  Span after_save = std::chrono::seconds(10);
+  Span first_retry = std::chrono::seconds(1);  ///< doubled after each failure in a row
+  Span last_retry = std::chrono::seconds(60);
+  Span spin_up = std::chrono::seconds(30);  ///< after a change of the speed
+};
+
+/// What is known of a sensor through its web interface.
+struct WebState {
+  VelodyneTree tree;                 ///< as last reported; empty while the sensor does not answer
+  std::string serial;                ///< kept while it does not answer
+  std::string trouble;               ///< what is wrong with asking and the remedy; empty: all is answered
+  bool answered = false;             ///< anything usable so far
+  std::string local_address;         ///< ours, as the sensor sees it
+  std::vector<std::string> refused;  ///< changes that the sensor did not take, "rpm: 600 -> 1200"
+  std::vector<std::string> unknown;  ///< wanted settings that it does not report
+  bool settling = false;             ///< a change was written lately: the motor may still follow
+  std::uint64_t requests = 0, failures = 0, writes = 0;
+};
+
+/// The talk with a Velodyne's web interface (TCP 80): asks for its state again and again and, where the
+/// configuration allows it, writes the settings that differ. Never gives up, and never makes more than one
+/// request at a time; each has a connection of its own, since the sensor closes it.
+class WebDialogue {
+ public:
+  explicit WebDialogue(const VelodyneControl& control, const WebTiming& timing = {});
+
+  void connected(Stamp now, DriverOutput& out);
+  /// The connection ended, or was not taken.
+  void disconnected();
+  /// Bytes from the sensor.
+  void receive(const Packet& packet, DriverOutput& out);
+  void tick(Stamp now, DriverOutput& out);
+
+  WebState state() const;
+
+ private:
+  enum class Phase : std::uint8_t { pausing, waiting, dialling, talking, answered };
+
+  void script(DriverOutput& out);
+  void ask(const char* path) { request(path, "", timing_.limit); }
+  void request(const std::string& path, const std::string& form, Span limit);
+  void dial(DriverOutput& out);
+  void pause(Span time) { phase_ = Phase::pausing, patience_.start(now_, time); }
+  Span next_pause();
+  bool was_taken() const { return answer_.status >= 200 && answer_.status <= 206; }
+  bool take(const std::string& path, const std::string& prefix);
+  void finish_reading();
+  void take_write(DriverOutput& out);
+  bool are_changes_verified(DriverOutput& out);
+  void take_save(DriverOutput& out);
+
+  const VelodyneControl control_;
+  const WebTiming timing_;
+  const std::string where_;
+  boost::asio::coroutine script_;
+  Phase phase_ = Phase::pausing;
+  Patience patience_;  // of the pause, or of the request
+  Patience pace_;
+  Stamp now_{};
+  std::string request_;
+  Span limit_{0};        // of the request
+  bool present_ = true;  // the last connection was taken
+  std::string received_;
+  HttpAnswer answer_;
+  WebState state_;
+  VelodyneTree tree_;  // of this round of questions
+  bool snapshot_is_new_ = false;
+  bool complete_ = false;  // everything was answered in this round
+  std::vector<VelodyneChange> changes_;
+  std::size_t change_ = 0;               // of those the one that is written
+  std::map<std::string, int> attempts_;  // by request
+  bool unverified_ = false;              // something was written and not seen in a snapshot yet
+  bool saved_ = false;
+  int saves_ = 0;
+  Span retry_;
+  Stamp last_write_{};
+};
+
+}  // namespace lidard::velodyne

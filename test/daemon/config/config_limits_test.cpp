@@ -1,0 +1,232 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+// The lower and the upper limit of every number: what lies on them is taken, what lies beyond is refused at
+// its place.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "test/daemon/config/config_support.h"
+
+namespace lidard {
+namespace {
+
+using test::error_of;
+using testing::HasSubstr;
+
+/// A number of the configuration. `text` is the configuration with % where `key: number` goes, which is in
+/// `line`; a limit that is empty is none (another rule holds there, or there is no limit).
+struct Limit {
+  const char* name;
+  std::string text;
+  int line;
+  std::string key;
+  std::string lowest, below, highest, above;
+};
+
+std::string sensor_of(const std::string& model, const std::string& more = "") {
+  return "sensors:\n  s:\n    {model: " + model + ", ip_address: 10.0.0.9" + more + ", %}\n";
+}
+const std::string sources =
+    "sensors: {a: {topic: /a, pose: {xyz: [0, 0, 0]}}, roof: {model: velodyne_vlp16}}\n";
+std::string merged(const std::string& more = "") {
+  return sources + "merged_scans:\n  m: {laserscan_topics: a" + more + ", %}\n";
+}
+std::string one_source() {
+  return sources + "merged_scans:\n  m: {laserscan_topics: a, source_settings: {a: {%}}}\n";
+}
+std::string virtuals(const std::string& more = "") {
+  return sources + "virtual_scans:\n  v: {cloud_topic: roof, virtual_laser_scan: low" + more + ", %}\n";
+}
+std::string ground(const std::string& model) {
+  return sources +
+         "virtual_scans:\n  v: {cloud_topic: roof, virtual_laser_scan: low, profile: strict, ground: "
+         "{model: " +
+         model + ", %}}\n";
+}
+std::string control(const std::string& more = "") {
+  return "sensors:\n  s:\n    {model: velodyne_vlp16, ip_address: 10.0.0.9, control: {" + more + "%}}\n";
+}
+
+const std::vector<Limit>& limits() {
+  static const std::vector<Limit> all{
+      {"udp port", sensor_of("velodyne_vlp16"), 3, "ip_port", "1", "0", "65535", "65536"},
+      {"tcp port", sensor_of("sick_lms1xx"), 3, "ip_port", "1", "0", "65535", "65536"},
+      {"time offset", sensor_of("velodyne_vlp16"), 3, "time_offset", "-1e6", "-1000001", "1e6", "1000001"},
+      {"skip", sensor_of("hokuyo_ust_10lx"), 3, "skip", "0", "-1", "9", "10"},
+      {"cluster", sensor_of("hokuyo_ust_10lx"), 3, "cluster", "1", "0", "99", "100"},
+      {"frame duration", sensor_of("velodyne_vlp16", ", frame_cut: time"), 3, "frame_duration", "0.001",
+       "0.0009", "10", "10.001"},
+      {"min range", sensor_of("velodyne_vlp16"), 3, "min_range", "0", "-0.001", "1000", "1000.1"},
+      {"max range", sensor_of("velodyne_vlp16"), 3, "max_range", "0", "-0.001", "1000", "1000.1"},
+      {"cut angle", sensor_of("velodyne_vlp16"), 3, "cut_angle", "-7", "-7.001", "7", "7.001"},
+      {"cut angle in degrees", sensor_of("velodyne_vlp16"), 3, "cut_angle_deg", "-400", "-400.1", "400",
+       "400.1"},
+      {"view direction", sensor_of("velodyne_vlp16"), 3, "view_direction", "-6.2831", "-6.2832", "6.2831",
+       "6.2832"},
+      {"view width", sensor_of("velodyne_vlp16"), 3, "view_width", "0.0001", "0", "6.2831853", "6.2832"},
+      {"ring", sensor_of("velodyne_vlp16"), 3, "scan_ring", "0", "", "15", "16"},
+      {"ring of a VLP-32", sensor_of("velodyne_vlp32c"), 3, "scan_ring", "0", "-2", "31", "32"},
+      {"ring resolution", sensor_of("velodyne_vlp16", ", scan_ring: 7"), 3, "scan_resolution", "0.0005",
+       "0.00049", "0.2", "0.2001"},
+      {"angle of a scanner", sensor_of("sick_lms1xx"), 3, "angle_min", "-7", "-7.001", "7", "7.001"},
+      {"user level", sensor_of("sick_lms1xx", ", user_level_password: F4724744"), 3, "user_level", "1", "0",
+       "9", "10"},
+      {"control port", control(), 3, "port", "1", "0", "65535", "65536"},
+      {"control rpm", control("allow_write: true, "), 3, "rpm", "300", "299", "1200", "1201"},
+      {"control rpm step", control("allow_write: true, "), 3, "rpm", "360", "359", "1140", "1141"},
+      {"control period", control("read: true, "), 3, "period", "3", "2.999", "3600", "3600.1"},
+
+      {"pose", "sensors:\n  a: {topic: /a, pose: {%, rpy: [0, 0, 0]}}\n", 2, "xyz", "[-1000, 0, 0]",
+       "[-1000.1, 0, 0]", "[0, 0, 1000]", "[0, 0, 1000.1]"},
+      {"turn of a pose", "sensors:\n  a: {topic: /a, pose: {xyz: [0, 0, 0], %}}\n", 2, "rpy", "[-7, 0, 0]",
+       "[-7.01, 0, 0]", "[0, 0, 7]", "[0, 0, 7.01]"},
+      {"turn of a pose in degrees", "sensors:\n  a: {topic: /a, pose: {xyz: [0, 0, 0], %}}\n", 2, "rpy_deg",
+       "[-400, 0, 0]", "[-400.1, 0, 0]", "[0, 400, 0]", "[0, 400.1, 0]"},
+      {"outline", "vehicle:\n  {%}\n" + sources, 2, "footprint", "[[-1000, -1], [1, -1], [0, 1]]",
+       "[[-1000.1, -1], [1, -1], [0, 1]]", "[[-1, -1], [1000, -1], [0, 1]]",
+       "[[-1, -1], [1000.1, -1], [0, 1]]"},
+
+      {"beams", merged(), 3, "beams", "2", "1", "32767", "32768"},
+      {"angle_min", merged(), 3, "angle_min", "-3.1", "-7.001", "3.1", "3.15"},
+      {"time_increment", merged(), 3, "time_increment", "0", "-1e-9", "", ""},
+      {"scan_time", merged(), 3, "scan_time", "0", "-1e-9", "", ""},
+      {"range_min", merged(", range_max: 10000"), 3, "range_min", "0", "-0.001", "9999", "10000"},
+      {"range_max", merged(", range_min: 0"), 3, "range_max", "0.001", "0", "10000", "10000.1"},
+      {"min_height", merged(), 3, "min_height", "-10000", "-10000.1", "10000", "10000.1"},
+      {"max_height", merged(), 3, "max_height", "-10000", "-10000.1", "10000", "10000.1"},
+      {"heights", merged(", min_height: 1"), 3, "max_height", "1.001", "1", "", ""},
+      {"rate", merged(), 3, "rate", "0.01", "0.009", "1000", "1000.1"},
+      {"deadline", merged(), 3, "deadline", "0", "-0.001", "3600", "3600.1"},
+      {"max_age", merged(), 3, "max_age", "0.001", "0.0009", "3600", "3600.1"},
+      {"lost_after", merged(), 3, "lost_after", "0.001", "0.0009", "3600", "3600.1"},
+      {"range_noise", merged(), 3, "range_noise", "0.0005", "0.00049", "1", "1.001"},
+      {"free_required", merged(", range_max: 20"), 3, "free_required", "0.1", "0.099", "20", "20.001"},
+      {"missing_intensity", merged(", intensity: on"), 3, "missing_intensity", "-1e9", "-1000000001", "1e9",
+       "1000000001"},
+      {"range_min of a source", one_source(), 3, "range_min", "0", "-0.001", "10000", "10000.1"},
+      {"range_max of a source", one_source(), 3, "range_max", "0.001", "0", "10000", "10000.1"},
+      {"intensity_min of a source", one_source(), 3, "intensity_min", "-1e9", "-1000000001", "1e9",
+       "1000000001"},
+      {"intensity_max of a source", one_source(), 3, "intensity_max", "-1e9", "-1000000001", "1e9",
+       "1000000001"},
+      {"range_noise of a source", one_source(), 3, "range_noise", "0.0005", "0", "1", "1.001"},
+      {"no_return_free_range of a source", one_source(), 3, "no_return_free_range", "0", "-0.001", "10000",
+       "10000.1"},
+
+      {"virtual range_noise", virtuals(", profile: strict"), 3, "range_noise", "0.0005", "0.00049", "1",
+       "1.001"},
+      {"virtual free_required", virtuals(", profile: strict, range_max: 30"), 3, "free_required", "0.1",
+       "0.099", "30", "30.001"},
+      {"virtual no_return_free_range", virtuals(", profile: strict"), 3, "no_return_free_range", "0",
+       "-0.001", "10000", "10000.1"},
+      {"height of the ground", ground("plane"), 3, "z", "-10000", "-10000.1", "10000", "10000.1"},
+      {"tolerance of the ground", ground("plane"), 3, "tolerance", "0.001", "0.0009", "10", "10.001"},
+      {"slope of the ground", ground("slope"), 3, "steepest", "0.001", "0.0009", "1", "1.001"},
+  };
+  return all;
+}
+
+std::string with(const Limit& limit, const std::string& value) {
+  std::string text = limit.text;
+  return text.replace(text.find('%'), 1, limit.key + ": " + value);
+}
+
+class ConfigLimits : public testing::TestWithParam<Limit> {};
+
+TEST_P(ConfigLimits, TakeWhatLiesOnThemAndRefuseWhatLiesBeyondAtItsPlace) {
+  const Limit& limit = GetParam();
+  for (const std::string& good : {limit.lowest, limit.highest}) {
+    if (good.empty()) continue;
+    EXPECT_EQ(error_of(with(limit, good)), "no error") << limit.key << ": " << good;
+  }
+  for (const std::string& bad : {limit.below, limit.above}) {
+    if (bad.empty()) continue;
+    const std::string error = error_of(with(limit, bad));
+    EXPECT_THAT(error, testing::StartsWith("f:" + std::to_string(limit.line) + ":")) << bad;
+    EXPECT_THAT(error, HasSubstr(limit.key)) << bad;
+    EXPECT_THAT(error, HasSubstr("; expected ")) << bad;
+  }
+}
+
+TEST_P(ConfigLimits, NoNumberIsOneThatIsNotFiniteOrAWord) {
+  const Limit& limit = GetParam();
+  if (limit.lowest.front() == '[') return;  // a list
+  for (const char* bad : {".nan", ".inf", "-.inf", "much", "1m", "0x10", "[1]", "{}", "''"}) {
+    const std::string error = error_of(with(limit, bad));
+    EXPECT_THAT(error, testing::StartsWith("f:" + std::to_string(limit.line) + ":"))
+        << limit.key << ": " << bad;
+    EXPECT_THAT(error, HasSubstr(limit.key)) << bad;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Config, ConfigLimits, testing::ValuesIn(limits()), [](const auto& each) {
+  std::string name = each.param.name;
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
+  return name;
+});
+
+TEST(ConfigLists, HaveTheNumberOfElementsThatTheyNeed) {
+  const auto pose = [](const std::string& xyz) {
+    return error_of("sensors: {a: {topic: /a, pose: {xyz: " + xyz + "}}}");
+  };
+  EXPECT_EQ(pose("[1, 2, 3]"), "no error");
+  for (const char* bad : {"[1, 2]", "[1, 2, 3, 4]", "[]", "1", "[a, 2, 3]"})
+    EXPECT_THAT(pose(bad), testing::AllOf(testing::StartsWith("f:1:"), HasSubstr("xyz"))) << bad;
+  const auto outline = [](const std::string& list) {
+    return error_of("vehicle: {footprint: " + list + "}\nsensors: {a: {topic: /a}}");
+  };
+  EXPECT_EQ(outline("[[0, 0], [1, 0], [0, 1]]"), "no error");
+  EXPECT_EQ(outline("[]"), "no error");
+  for (const char* bad : {"[[0, 0], [1, 0]]", "[[0, 0], [1, 0], [2, 0]]", "[[0, 0], [1, 1], [1, 0], [0, 1]]",
+                          "[[0, 0], [0, 0], [1, 0], [0, 1]]", "[[0, 0, 0], [1, 0], [0, 1]]"})
+    EXPECT_THAT(outline(bad), testing::AllOf(testing::StartsWith("f:1:"), HasSubstr("footprint"))) << bad;
+}
+
+TEST(ConfigLists, AnOutlineMayTouchButNotCrossItself) {
+  const auto outline = [](const std::string& list) {
+    return error_of("vehicle: {footprint: " + list + "}\nsensors: {a: {topic: /a}}");
+  };
+  EXPECT_EQ(outline("[[0, 0], [4, 0], [4, 4], [2, 1], [0, 4]]"), "no error") << "hollow";
+  EXPECT_THAT(outline("[[0, 0], [4, 0], [4, 4], [2, -1], [0, 4]]"), HasSubstr("crosses"));
+  EXPECT_THAT(outline("[[0, 0], [4, 0], [4, 4], [2, 0], [0, 4]]"), HasSubstr("crosses"))
+      << "a vertex on an edge";
+}
+
+TEST(ConfigDefaults, AreWhatTheReferenceSays) {
+  const Config config =
+      parse_config(sources +
+                       "merged_scans: {m: {laserscan_topics: a, profile: strict}}\n"
+                       "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: low, profile: strict}}\n",
+                   "f");
+  const MergedScanConfig& m = config.merged_scans.at(0);
+  EXPECT_EQ(m.schedule.policy, Policy::complete);
+  EXPECT_EQ(m.schedule.lost_after, std::chrono::milliseconds(400));
+  EXPECT_FALSE(m.schedule.deadline || m.schedule.max_age || m.schedule.publish_when_empty);
+  EXPECT_EQ(m.on_missing_motion, MissingMotion::stand);
+  EXPECT_EQ(m.echoes, EchoChoice::last);
+  EXPECT_TRUE(m.veil_filter);
+  EXPECT_FALSE(m.mean);
+  EXPECT_EQ(m.range_noise, 0.02);
+  EXPECT_EQ(m.free_required, 0);
+  EXPECT_EQ(m.output.empty, EmptyBeam::inf);
+  EXPECT_EQ(m.output.unobserved, EmptyBeam::nan);
+  EXPECT_FALSE(m.options.newest_wins || m.options.all_heights || m.options.veil_cross_check);
+  EXPECT_EQ(m.options.intensities, Intensities::automatic);
+  const VirtualScanConfig& v = config.virtual_scans.at(0);
+  EXPECT_EQ(v.mode, CutMode::slice);
+  EXPECT_EQ(v.output.min_height, -0.1);
+  EXPECT_EQ(v.output.max_height, 0.1);
+  EXPECT_EQ(v.range_noise, 0.02);
+  EXPECT_FALSE(v.keep_ground || v.early_returns);
+  const DriverConfig& roof = config.find_sensor("roof")->driver;
+  EXPECT_EQ(roof.clock, ClockMode::smooth);
+  EXPECT_EQ(roof.frame_cut, FrameCut::angle);
+  EXPECT_EQ(roof.frame_duration, std::chrono::milliseconds(100));
+  EXPECT_EQ(roof.time_offset, Span(0));
+  EXPECT_TRUE(roof.publish_intensity);
+  EXPECT_EQ(config.vehicle.base_frame, "base_link");
+}
+
+}  // namespace
+}  // namespace lidard

@@ -1,0 +1,136 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/live/frame_queue.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <set>
+#include <thread>
+
+#include "test/support/ros_samples.h"
+
+namespace lidard {
+namespace {
+
+using namespace std::chrono_literals;
+using test::sample_cloud;
+using test::sample_scan;
+
+TEST(FrameQueue, DropsTheOldestAndCountsItWhenTheSensorThreadIsFaster) {
+  FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
+  auto scan = sample_scan();
+  for (int i = 1; i <= 5; ++i) {
+    scan.stamp.ns = i;
+    queue.push(test::front_scan, scan, Stamp{i});
+  }
+  EXPECT_EQ(queue.dropped(0), 3U);
+  auto* first = queue.pop(1ms);
+  ASSERT_NE(first, nullptr);
+  EXPECT_EQ(std::get<PlanarScan>(first->content).stamp.ns, 4);
+  queue.done(first);
+  EXPECT_FALSE(queue.idle());
+  auto* second = queue.pop(1ms);
+  ASSERT_NE(second, nullptr);
+  EXPECT_EQ(std::get<PlanarScan>(second->content).stamp.ns, 5);
+  queue.done(second);
+  EXPECT_TRUE(queue.idle());
+  EXPECT_EQ(queue.pop(1ms), nullptr);
+}
+
+TEST(FrameQueue, KeepsTheOrderOfFramesAcrossTopics) {
+  FrameQueue queue(test::sample_topics(), Backpressure::block);
+  auto cloud = sample_cloud(1);
+  queue.push(test::roof_points, cloud, Stamp{1});
+  queue.push_clock(Stamp{2});
+  queue.push(test::front_scan, sample_scan(), Stamp{3});
+  for (int i = 1; i <= 3; ++i) {
+    auto* frame = queue.pop(1ms);
+    ASSERT_NE(frame, nullptr);
+    EXPECT_EQ(frame->released.ns, i);
+    queue.done(frame);
+  }
+}
+
+TEST(FrameQueue, PassesWhatDevicesTellInOrder) {
+  FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
+  queue.push(test::roof_imu, test::sample_imu(), Stamp{1});
+  queue.push(test::roof_fix, test::sample_fix(), Stamp{2});
+  queue.push(test::roof_time, test::sample_time_reference(), Stamp{3});
+  const auto next = [&queue] {
+    QueuedFrame* frame = queue.pop(Span(0));
+    EXPECT_NE(frame, nullptr);
+    return frame;
+  };
+  QueuedFrame* frame = next();
+  EXPECT_EQ(std::get<ImuSample>(std::get<DeviceMessage>(frame->content)).angular_velocity.z(), 0.3);
+  queue.done(frame);
+  frame = next();
+  EXPECT_EQ(std::get<GnssFix>(std::get<DeviceMessage>(frame->content)).status, FixStatus::sbas);
+  queue.done(frame);
+  frame = next();
+  EXPECT_EQ(std::get<TimeReference>(std::get<DeviceMessage>(frame->content)).source, "gps_pps");
+  queue.done(frame);
+  EXPECT_TRUE(queue.idle());
+}
+
+TEST(FrameQueue, LetsAnImuRunAheadFurtherThanAFrame) {
+  FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
+  for (int i = 0; i < 40; ++i) queue.push(test::roof_imu, test::sample_imu(), Stamp{i});
+  for (int i = 0; i < 5; ++i) queue.push(test::roof_fix, test::sample_fix(), Stamp{i});
+  EXPECT_EQ(queue.dropped(test::roof_imu.id), 8U);
+  EXPECT_EQ(queue.dropped(test::roof_fix.id), 3U);
+  QueuedFrame* oldest = queue.pop(Span(0));
+  ASSERT_NE(oldest, nullptr);
+  EXPECT_EQ(oldest->released.ns, 8);
+  queue.done(oldest);
+}
+
+TEST(FrameQueue, LeavesTheCallerABufferForTheNextCloudAndNeedsNoNewOneAfterAWhile) {
+  FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
+  auto cloud = sample_cloud(100);
+  std::set<const void*> buffers;
+  for (int i = 0; i < 20; ++i) {
+    const auto sent = cloud.points_bytes.size();
+    buffers.insert(cloud.points_bytes.data());
+    queue.push(test::roof_points, cloud, Stamp{i});
+    cloud.points_bytes.resize(sent);
+    QueuedFrame* frame = queue.pop(1ms);
+    ASSERT_NE(frame, nullptr);
+    EXPECT_EQ(std::get<Cloud>(frame->content).points_bytes.size(), sent);
+    queue.done(frame);
+  }
+  EXPECT_LE(buffers.size(), 4U) << "the caller's and those of two frames that wait and one that is published";
+}
+
+TEST(FrameQueue, MakesAReplayWaitUntilThereIsRoomAndLetsItGoWhenStopped) {
+  FrameQueue queue(test::sample_topics(), Backpressure::block);
+  std::atomic<int> pushed{0};
+  std::thread sensor([&] {
+    for (int i = 1; i <= 5; ++i) {
+      queue.push(test::front_scan, sample_scan(), Stamp{i});
+      ++pushed;
+    }
+  });
+  const auto soon = [&](int count) {
+    for (int i = 0; i < 4000 && pushed < count; ++i) std::this_thread::sleep_for(5ms);
+    return pushed.load();
+  };
+  EXPECT_EQ(soon(2), 2);
+  std::this_thread::sleep_for(50ms);
+  EXPECT_EQ(pushed, 2) << "no room for a third";
+  QueuedFrame* frame = queue.pop(1ms);
+  ASSERT_NE(frame, nullptr);
+  EXPECT_EQ(frame->released, Stamp{1});
+  queue.done(frame);
+  EXPECT_EQ(soon(3), 3);
+  queue.stop();
+  sensor.join();
+  EXPECT_EQ(pushed, 5);
+  EXPECT_EQ(queue.dropped(), 0U);
+  EXPECT_EQ(queue.pop(1ms), nullptr) << "nothing leaves a queue that was stopped";
+}
+
+}  // namespace
+}  // namespace lidard

@@ -1,0 +1,121 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// A Velodyne's web interface behind a real TCP socket.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "drivers/registry/registry.h"
+#include "test/daemon/live/live_bench.h"
+#include "test/support/fake_velodyne.h"
+#include "test/support/tcp_peer.h"
+
+namespace lidard::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::StartsWith;
+using Fault = FakeVelodyne::Fault;
+
+/// True for a request whose body is as long as its header says.
+bool is_whole(const std::string& request) {
+  const std::size_t header = request.find("\r\n\r\n");
+  if (header == std::string::npos) return false;
+  const std::size_t length = request.find("Content-Length: ");
+  return length == std::string::npos ||
+         request.size() >= header + 4 + std::stoul(request.substr(length + 16));
+}
+
+/// The sensor: one connection at a time, as plain sockets have it.
+struct WebServer {
+  void serve() {
+    if (peer.accept()) {
+      ++connections;
+      request.clear();
+      waits = true;
+    }
+    if (!waits) return;
+    request += peer.read();
+    if (!is_whole(request)) return;
+    waits = false;
+    const FakeVelodyne::Reply reply = sensor.take(request);
+    if (!reply.bytes.empty()) peer.send(reply.bytes);
+    if (reply.closes) peer.close_client();
+  }
+
+  TcpPeer peer;
+  FakeVelodyne sensor;
+  std::size_t connections = 0;
+  std::string request;
+  bool waits = false;
+};
+
+Config config_of(const WebServer& server, bool write) {
+  Config config;
+  SensorConfig sensor;
+  sensor.name = sensor.frame_id = sensor.driver.frame_id = "roof";
+  sensor.model = sensor.driver.model = find_model("velodyne_vlp16");
+  sensor.ip_address = IpAddress::v4(127, 0, 0, 1);
+  sensor.control.read = true;
+  sensor.control.allow_write = write;
+  if (write) sensor.control.wanted.rpm = 1200;
+  sensor.control.port = server.peer.port();
+  sensor.control.address = *sensor.ip_address;
+  sensor.driver.control = std::make_shared<VelodyneControl>(sensor.control);
+  config.sensors.push_back(sensor);
+  return config;
+}
+
+struct WebBench final : LiveBench {
+  WebBench(WebServer& web, bool write) : LiveBench(config_of(web, write)), server(web) {}
+  void meanwhile() override { server.serve(); }
+  DiagnosticItem control() {
+    for (const DiagnosticItem& item : pipeline.diagnostics(wall_clock())) {
+      if (item.name == "sensor roof control") return item;
+    }
+    ADD_FAILURE() << "nothing is told of the settings";
+    return {};
+  }
+  DiagnosticItem link() {
+    std::vector<DiagnosticItem> items;
+    links.add_diagnostics(items);
+    return items.empty() ? DiagnosticItem() : items.front();
+  }
+  WebServer& server;
+};
+
+TEST(VelodyneLive, IsAskedAndSetWithAConnectionForEachRequest) {
+  WebServer server;
+  WebBench bench(server, true);
+  ASSERT_TRUE(bench.until([&] { return server.sensor.get("config.rpm") == "1200"; }));
+  EXPECT_THAT(server.sensor.requests(), ElementsAre("GET /cgi/snapshot.hdl", "GET /cgi/status.json",
+                                                    "GET /cgi/diag.json", "POST /cgi/setting rpm=1200"));
+  EXPECT_EQ(server.connections, 4U);
+  EXPECT_EQ(bench.control().hardware_id, "AG29999999");
+}
+
+TEST(VelodyneLive, MayEndItsAnswersByClosing) {
+  WebServer server;
+  server.sensor.misbehave(Fault::http_1_0, 1'000'000);
+  WebBench bench(server, false);
+  ASSERT_TRUE(bench.until([&] { return server.sensor.requests().size() >= 3; }));
+  bench.run(std::chrono::milliseconds(300));
+  EXPECT_EQ(bench.control().message, "answering");
+  EXPECT_EQ(bench.link().health, Health::ok);
+  EXPECT_EQ(bench.link().message, "not needed now");
+}
+
+TEST(VelodyneLive, IsMissedWhereNobodyListens) {
+  WebServer server;
+  server.peer.stop_listening();
+  WebBench bench(server, false);
+  ASSERT_TRUE(bench.until(
+      [&] { return !bench.control().message.empty() && bench.control().health == Health::warn; }));
+  EXPECT_THAT(bench.control().message, StartsWith("no web interface at 127.0.0.1:"));
+  EXPECT_EQ(bench.link().health, Health::warn) << "data may come without it";
+  EXPECT_THAT(bench.link().message, HasSubstr("refuses the connection"));
+}
+
+}  // namespace
+}  // namespace lidard::test

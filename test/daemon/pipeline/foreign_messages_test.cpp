@@ -1,0 +1,138 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Messages of other drivers: their stamps, scans of no beams, scans that are not sound, and the rhythm of
+// diagnostics.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "test/support/pipeline_bench.h"
+
+namespace lidard {
+namespace {
+
+using test::bench_begin;
+using test::ms;
+using test::PipelineBench;
+using test::round_scan;
+using testing::HasSubstr;
+
+TEST(ForeignMessages, TimeOffsetMovesTheBeginAndTheEndOfAFrame) {
+  PipelineBench bench(
+      "vehicle: {odometry_topic: /odom}\n"
+      "sensors: {roof: {topic: /roof, pose: {xyz: [0, 0, 1]}, time_offset: -0.05},\n"
+      "          front: {topic: /front, pose: {xyz: [0, 0, 0]}, time_offset: 0.02}}\n"
+      "merged_scans: {m: {laserscan_topics: front, range_max: 20, beams: 360}}\n"
+      "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: [low], poses: {low: {xyz: [0, 0, 0]}}}}\n");
+  for (int at = -200; at <= 400; at += 10)
+    bench.pipeline.pose_message(bench_begin + ms(at), Pose::Identity(), "", bench_begin + ms(at));
+  Cloud cloud;
+  cloud.frame_id = "roof";
+  cloud.stamp = bench_begin;
+  cloud.end = bench_begin + ms(100);
+  bench.give("roof", cloud, bench_begin + ms(400));
+  ASSERT_EQ(bench.sink.count("low"), 1U);
+  EXPECT_EQ(bench.sink.scans["low"][0].stamp, bench_begin + ms(100 - 50)) << "a moved cloud is of its end";
+  bench.give("front", round_scan("front", bench_begin + ms(100), 5, 361, ms(80)), bench_begin + ms(400));
+  ASSERT_EQ(bench.sink.count("m"), 1U);
+  EXPECT_NEAR(seconds(bench.sink.scans["m"][0].stamp - (bench_begin + ms(100 + 80 + 20))), 0, 1e-6);
+}
+
+TEST(ForeignMessages, AScanWithoutBeamsCountsAsDeliveredAndSaysNothing) {
+  PipelineBench bench(
+      "sensors: {a: {topic: /a, pose: {xyz: [0, 0, 0]}}, b: {topic: /b, pose: {xyz: [0, 0, 0]}}}\n"
+      "merged_scans: {m: {laserscan_topics: [a, b], range_max: 20, beams: 360, profile: strict}}\n");
+  const auto empty = [](Stamp stamp) {
+    PlanarScan scan;
+    scan.frame_id = "a";
+    scan.stamp = stamp;
+    return scan;
+  };
+  // Before a scan with beams nobody knows a geometry; after it, it is that scan's.
+  for (const bool known : {false, true}) {
+    const double at = known ? 200 : 0;
+    if (known) {
+      bench.give("a", round_scan("a", bench_begin + ms(100), 5, 100), bench_begin + ms(100));
+      bench.give("b", round_scan("b", bench_begin + ms(100)), bench_begin + ms(100));
+    }
+    const std::size_t before = bench.sink.count("m");
+    bench.give("a", empty(bench_begin + ms(at)), bench_begin + ms(at));
+    bench.give("b", round_scan("b", bench_begin + ms(at)), bench_begin + ms(at));
+    ASSERT_EQ(bench.sink.count("m"), before + 1) << known;
+  }
+  const SensorReport report = bench.pipeline.report()[0];
+  EXPECT_EQ(report.counters.packets, 3U);
+  EXPECT_EQ(report.counters.frames, 3U);
+  EXPECT_EQ(report.counters.rejected_total(), 0U);
+}
+
+TEST(ForeignMessages, AScanThatIsNotSoundIsRejectedAndCounted) {
+  PipelineBench bench(
+      "sensors: {a: {topic: /a, pose: {xyz: [0, 0, 0]}}}\n"
+      "merged_scans: {m: {laserscan_topics: a, range_max: 20, beams: 360}}\n");
+  PlanarScan scan = round_scan("a", bench_begin);
+  scan.ranges[5] = 31;  // beyond its own range_max
+  bench.give("a", scan, bench_begin);
+  EXPECT_EQ(bench.sink.count("m"), 0U);
+  const SensorReport report = bench.pipeline.report()[0];
+  EXPECT_EQ(report.counters.packets, 1U);
+  EXPECT_EQ(report.counters.frames, 0U);
+  EXPECT_EQ(report.counters.rejected[static_cast<std::size_t>(Reject::field)], 1U);
+  EXPECT_EQ(bench.item("sensor a", bench_begin).health, Health::error);
+  EXPECT_EQ(bench.pipeline.why_missing("m"), "source a gave no scans (no message of /a could be used)");
+}
+
+TEST(ForeignMessages, DiagnosticsComeOncePerSecondAndWhenTheClockIsSetBack) {
+  PipelineBench bench("sensors: {a: {topic: /a}}");
+  const auto told = [&](double at) {
+    bench.pipeline.tick(bench_begin + ms(at));
+    return bench.sink.tellings;
+  };
+  EXPECT_EQ(told(0), 1);
+  EXPECT_EQ(told(999), 1);
+  EXPECT_EQ(told(1000), 2);
+  EXPECT_EQ(told(1999), 2);
+  EXPECT_EQ(told(2000), 3);
+  EXPECT_EQ(told(2500), 3);
+  EXPECT_EQ(told(900), 4);
+  EXPECT_EQ(told(1899), 4);
+  EXPECT_EQ(told(1900), 5);
+}
+
+TEST(ForeignMessages, ATickThatComesALittleLateToATimeAlreadyKnownDoesNotGoBack) {
+  PipelineBench bench("sensors: {a: {topic: /a}}");
+  bench.pipeline.tick(bench_begin);
+  bench.give("a", round_scan("a", bench_begin + ms(1500)), bench_begin + ms(1500));
+  bench.pipeline.tick(bench_begin + ms(1400));
+  EXPECT_EQ(bench.sink.tellings, 2);
+  bench.pipeline.tick(bench_begin + ms(2450));
+  EXPECT_EQ(bench.sink.tellings, 2) << "less than a second after 1500";
+  bench.pipeline.tick(bench_begin + ms(2500));
+  EXPECT_EQ(bench.sink.tellings, 3);
+}
+
+TEST(ForeignMessages, WhatOthersKnowIsAddedToEveryListOfDiagnostics) {
+  PipelineBench bench("sensors: {a: {topic: /a}}");
+  bench.pipeline.add_diagnostics([](std::vector<DiagnosticItem>& items) {
+    items.push_back({"socket", "", Health::warn, "full", {}});
+  });
+  bench.pipeline.tick(bench_begin);
+  EXPECT_EQ(bench.sink.item("socket").message, "full");
+  EXPECT_EQ(bench.item("socket", bench_begin).health, Health::warn);
+}
+
+TEST(ForeignMessages, AfterALongPauseOutputsOfThePastAreNotMadeUpFor) {
+  PipelineBench bench(
+      "sensors: {a: {topic: /a, pose: {xyz: [0, 0, 0]}}}\n"
+      "merged_scans: {m: {laserscan_topics: a, range_max: 20, beams: 360, rate: 10, max_age: 100, "
+      "lost_after: 100}}\n");
+  bench.give("a", round_scan("a", bench_begin), bench_begin);
+  for (double at = 100; at <= 1000; at += 100) bench.pipeline.tick(bench_begin + ms(at));
+  EXPECT_EQ(bench.sink.count("m"), 11U);
+  bench.pipeline.tick(bench_begin + ms(31'000));
+  EXPECT_LE(bench.sink.count("m"), 11U + 12U);
+  for (const Stamp released : bench.sink.released["m"])
+    EXPECT_TRUE(released <= bench_begin + ms(1000) || released >= bench_begin + ms(30'000));
+}
+
+}  // namespace
+}  // namespace lidard

@@ -1,0 +1,425 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+// A merged scan beside its beams: its stamp, its figures in /diagnostics, and what a change of its settings
+// leaves as it was.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "test/support/pipeline_bench.h"
+
+namespace lidard {
+namespace {
+
+using test::bench_begin;
+using test::ms;
+using test::PipelineBench;
+using test::round_scan;
+using testing::HasSubstr;
+using testing::MatchesRegex;
+
+/// Two scanners at one place and a merged scan `m` of both.
+std::string two_sources(const std::string& keys, const std::string& vehicle = "") {
+  return "vehicle: {" + vehicle +
+         "}\n"
+         "sensors:\n"
+         "  a: {topic: /a, pose: {xyz: [0, 0, 0]}}\n"
+         "  b: {topic: /b, pose: {xyz: [0, 0, 0]}}\n"
+         "merged_scans: {m: {laserscan_topics: [a, b], beams: 360, range_max: 20, " +
+         keys + "}}\n";
+}
+
+const Span sweep_time = ms(80);
+
+/// A sweep of 80 ms whose last beam is measured, and which comes in, at `end`.
+void sweep(PipelineBench& bench, const std::string& source, Span end, float range = 5) {
+  bench.give(source, round_scan(source, bench_begin + end - sweep_time, range, 361, sweep_time),
+             bench_begin + end);
+}
+
+void expect_near(Stamp is, Stamp should, const char* what = "") {
+  EXPECT_NEAR(seconds(is - should), 0, 2e-6) << what;
+}
+
+TEST(MergedOutput, AgeOfASourceCountsFromItsLastRayAndLatencyFromTheStamp) {
+  PipelineBench bench(two_sources("deadline: 0.01"));
+  for (double at = 100; at <= 1000; at += 100) {
+    sweep(bench, "a", ms(at));
+    sweep(bench, "b", ms(at + 7));
+  }
+  const Stamp now = bench_begin + ms(1030);
+  EXPECT_EQ(bench.value("merged m", "Source a", now), "ok, 10.0 Hz, age 30 ms");
+  EXPECT_EQ(bench.value("merged m", "Source b", now), "ok, 10.0 Hz, age 23 ms");
+  // The instant of an output is the first ray of its newest sweep; it came out with the last one.
+  expect_near(bench.sink.scans["m"].back().stamp, bench_begin + ms(1007) - sweep_time);
+  EXPECT_EQ(bench.sink.released["m"].back(), bench_begin + ms(1007));
+  EXPECT_EQ(bench.value("merged m", "Latency (ms)", now), "80.0");
+  EXPECT_EQ(bench.value("merged m", "Skew of the sources (ms)", now), "7.0");
+}
+
+TEST(MergedOutput, SkewAndStampDoNotDependOnTheOrderOfTheSources) {
+  for (const bool a_first : {false, true}) {
+    PipelineBench bench(two_sources(""));
+    sweep(bench, a_first ? "a" : "b", ms(100));
+    sweep(bench, a_first ? "b" : "a", ms(112));
+    ASSERT_EQ(bench.sink.count("m"), 1U);
+    expect_near(bench.sink.scans["m"].back().stamp, bench_begin + ms(112) - sweep_time);
+    EXPECT_EQ(bench.value("merged m", "Skew of the sources (ms)", bench_begin + ms(112)), "12.0");
+  }
+}
+
+TEST(MergedOutput, StampsOfAnotherClockHaveNoLatencyAndTheirAgeCountsFromTheArrival) {
+  PipelineBench bench(two_sources("deadline: 0.01"));
+  const Span simulated = std::chrono::hours(200'000);
+  for (double at = 100; at <= 1000; at += 100) {
+    for (const char* source : {"a", "b"})
+      bench.give(source, round_scan(source, bench_begin + ms(at) - simulated, 5, 361, sweep_time),
+                 bench_begin + ms(at));
+  }
+  const Stamp now = bench_begin + ms(1030);
+  EXPECT_EQ(bench.value("merged m", "Latency (ms)", now), "stamps are of another clock");
+  EXPECT_EQ(bench.value("merged m", "Source a", now), "ok, 10.0 Hz, age 30 ms");
+  EXPECT_EQ(bench.sink.count("m"), 10U);
+}
+
+/// Knots every 10 ms of a vehicle that turns, up to `newest` of the bench's time.
+void poses_until(PipelineBench& bench, Span newest, Stamp arrival) {
+  for (Span at = newest - ms(600); at <= newest; at += ms(10))
+    bench.pipeline.pose_message(bench_begin + at, make_pose({0, 0, 0}, {0, 0, 0.3 * seconds(at)}), "",
+                                arrival);
+}
+
+TEST(MergedOutput, InstantIsTheNewestRayThatHasAPoseButNoneBeforeTheFirstRays) {
+  // The sweeps last from 920 and 927 to 1000 and 1007.
+  const struct {
+    double newest_pose, instant;
+  } cases[] = {{1100, 1007}, {1007, 1007}, {990, 990}, {960, 960}, {930, 930}, {920, 927}, {900, 927}};
+  for (const auto& one : cases) {
+    PipelineBench bench(two_sources("", "odometry_topic: /odom"));
+    poses_until(bench, ms(one.newest_pose), bench_begin + ms(990));
+    sweep(bench, "a", ms(1000));
+    sweep(bench, "b", ms(1007));
+    ASSERT_EQ(bench.sink.count("m"), 1U) << one.newest_pose;
+    EXPECT_NEAR(seconds(bench.sink.scans["m"][0].stamp - bench_begin), one.instant / 1000, 2e-6)
+        << "newest pose " << one.newest_pose;
+  }
+}
+
+TEST(MergedOutput, OfPolicyRateIsOfTheInstantItIsMadeAtWhereAPoseIsKnown) {
+  for (const double newest : {1020.0, 1005.0}) {
+    PipelineBench bench(two_sources("rate: 10", "odometry_topic: /odom"));
+    sweep(bench, "a", ms(900));
+    sweep(bench, "b", ms(900));
+    poses_until(bench, ms(newest), bench_begin + ms(905));
+    sweep(bench, "a", ms(990));
+    sweep(bench, "b", ms(995));
+    const std::size_t before = bench.sink.count("m");
+    bench.pipeline.tick(bench_begin + ms(1000));
+    ASSERT_EQ(bench.sink.count("m"), before + 1);
+    EXPECT_EQ(bench.sink.released["m"].back(), bench_begin + ms(1000));
+    expect_near(bench.sink.scans["m"].back().stamp, bench_begin + ms(1000));
+  }
+}
+
+TEST(MergedOutput, StatusTopicNeverSaysMoreThanRangeMax) {
+  PipelineBench bench(two_sources("profile: strict, status_topic: known"));
+  sweep(bench, "a", ms(100), 28);
+  sweep(bench, "b", ms(100), 28);
+  ASSERT_EQ(bench.sink.count("known"), 1U);
+  const PlanarScan& known = bench.sink.scans["known"][0];
+  EXPECT_EQ(known.range_max, 20);
+  EXPECT_EQ(known.stamp, bench.sink.scans["m"][0].stamp);
+  EXPECT_EQ(known.frame_id, "base_link");
+  for (std::size_t i = 0; i < known.beams; ++i) EXPECT_LE(known.ranges[i], 20) << i;
+  EXPECT_GT(std::count(known.ranges.begin(), known.ranges.end(), 20), 350) << "nearly all of it is free";
+}
+
+TEST(MergedOutput, SharesOfTheBeamsAreThoseOfTheNewestScan) {
+  PipelineBench bench(two_sources("profile: strict"));
+  // One half sees a wall, a quarter sees through, a quarter observes nothing.
+  PlanarScan scan = round_scan("a", bench_begin, 5, 720);
+  for (std::size_t i = 360; i < 540; ++i) scan.set_without_hit(i, BeamStatus::none);
+  for (std::size_t i = 540; i < 720; ++i) scan.set_without_hit(i, BeamStatus::invalid);
+  bench.give("a", scan, bench_begin);
+  scan.frame_id = "b";
+  bench.give("b", scan, bench_begin);
+  const PlanarScan& merged = bench.sink.scans["m"].at(0);
+  const auto share = [&](BeamStatus status) {
+    const auto n = std::count(merged.statuses.begin(), merged.statuses.end(), status);
+    char text[16];
+    std::snprintf(text, sizeof text, "%.1f %%", static_cast<double>(n) / 3.6);
+    return std::string(text);
+  };
+  EXPECT_EQ(bench.value("merged m", "Beams with a hit", bench_begin), share(BeamStatus::hit));
+  EXPECT_EQ(bench.value("merged m", "Beams free", bench_begin), share(BeamStatus::none));
+  EXPECT_EQ(bench.value("merged m", "Beams unobserved", bench_begin), share(BeamStatus::invalid));
+  EXPECT_NEAR(
+      static_cast<double>(std::count(merged.statuses.begin(), merged.statuses.end(), BeamStatus::hit)), 180,
+      3);
+}
+
+OutputScanConfig changed(const PipelineBench& bench, std::size_t beams) {
+  OutputScanConfig wanted = bench.config.merged_scans[0].output;
+  wanted.grid.beams = beams;
+  return wanted;
+}
+
+TEST(MergedOutput, AfterAChangeWaitsForEverySourceThatIsWell) {
+  PipelineBench bench(two_sources(""));
+  for (double at = 100; at <= 500; at += 100) {
+    sweep(bench, "a", ms(at));
+    sweep(bench, "b", ms(at + 5));
+  }
+  EXPECT_EQ(bench.sink.count("m"), 5U);
+  ASSERT_EQ(bench.pipeline.set_output({OutputId::Kind::merged, "m"}, changed(bench, 180)), "");
+  sweep(bench, "a", ms(600));
+  bench.pipeline.tick(bench_begin + ms(601));
+  EXPECT_EQ(bench.sink.count("m"), 5U) << "what b sees would be missing";
+  sweep(bench, "b", ms(605));
+  EXPECT_EQ(bench.sink.count("m"), 6U);
+  EXPECT_EQ(bench.sink.scans["m"].back().beams, 180U);
+  const Stamp now = bench_begin + ms(607);
+  EXPECT_EQ(bench.value("merged m", "Published", now), "6") << "the count goes on";
+  EXPECT_EQ(bench.value("merged m", "Source b", now), "ok, 10.0 Hz, age 2 ms") << "and what is known of it";
+}
+
+TEST(MergedOutput, AfterAChangeDoesNotWaitForASourceThatIsLost) {
+  PipelineBench bench(two_sources(""));
+  sweep(bench, "a", ms(100));
+  sweep(bench, "b", ms(100));
+  for (double at = 200; at <= 1000; at += 100) sweep(bench, "a", ms(at));
+  bench.pipeline.tick(bench_begin + ms(1050));
+  const std::size_t before = bench.sink.count("m");
+  ASSERT_EQ(bench.pipeline.set_output({OutputId::Kind::merged, "m"}, changed(bench, 180)), "");
+  sweep(bench, "a", ms(1100));
+  EXPECT_EQ(bench.sink.count("m"), before + 1);
+}
+
+TEST(MergedOutput, StampsDoNotGoBackOverAChange) {
+  PipelineBench bench(two_sources(""));
+  sweep(bench, "a", ms(500));
+  sweep(bench, "b", ms(500));
+  const Stamp before = bench.sink.scans["m"].back().stamp;
+  ASSERT_EQ(bench.pipeline.set_output({OutputId::Kind::merged, "m"}, changed(bench, 180)), "");
+  // Both scanners' stamps go 20 ms back, as after a correction of their clocks.
+  for (const char* source : {"a", "b"})
+    bench.give(source, round_scan(source, bench_begin + ms(400), 5, 361, sweep_time), bench_begin + ms(600));
+  ASSERT_EQ(bench.sink.count("m"), 2U);
+  EXPECT_EQ(bench.sink.scans["m"].back().stamp, before + Span(1));
+}
+
+TEST(MergedOutput, StampsGoBackWithAnInputThatBeginsAgain) {
+  PipelineBench bench(two_sources(""));
+  for (int loop = 0; loop < 3; ++loop) {
+    for (const double at : {500.0, 600.0}) {
+      sweep(bench, "a", ms(at));
+      sweep(bench, "b", ms(at));
+    }
+    ASSERT_EQ(bench.sink.count("m"), 2U * static_cast<std::size_t>(loop + 1)) << loop;
+    expect_near(bench.sink.scans["m"].back().stamp, bench_begin + ms(600) - sweep_time);
+    bench.pipeline.restart();
+  }
+  EXPECT_EQ(bench.value("merged m", "Sweeps out of order", bench_begin + ms(600)), "0");
+}
+
+TEST(MergedOutput, NamesAStaleSourceAsAWarningAndALostOneAsAnError) {
+  PipelineBench bench(two_sources(""));
+  for (double at = 100; at <= 3000; at += 100) {
+    sweep(bench, "a", ms(at));
+    if (at <= 2000) sweep(bench, "b", ms(at));
+  }
+  // b was due at 2100 and is waited for 0.3 periods more; it is lost 0.4 s after its last sweep.
+  const auto item_at = [&](double at) { return bench.item("merged m", bench_begin + ms(at)); };
+  EXPECT_EQ(item_at(3001).health, Health::error);
+  EXPECT_EQ(item_at(3001).message, "publishing without b");
+  EXPECT_EQ(test::value_of(item_at(3001), "Sources lost"), "b");
+  EXPECT_THAT(test::value_of(item_at(3001), "Source b"), MatchesRegex("lost, 10.0 Hz, age 1001 ms"));
+
+  PipelineBench late(two_sources("max_age: 0.15"));
+  for (double at = 100; at <= 2200; at += 100) {
+    sweep(late, "a", ms(at));
+    if (at <= 2000) sweep(late, "b", ms(at));
+  }
+  const DiagnosticItem stale = late.item("merged m", bench_begin + ms(2210));
+  EXPECT_EQ(stale.health, Health::warn);
+  EXPECT_EQ(stale.message, "publishing without b, whose sweeps are too old");
+  EXPECT_EQ(test::value_of(stale, "Sources lost"), "");
+}
+
+TEST(MergedOutput, CountsWhatItWaitedForInVain) {
+  PipelineBench bench(two_sources("lost_after: 5"));
+  for (double at = 100; at <= 2000; at += 100) {
+    sweep(bench, "a", ms(at));
+    if (at <= 1000) sweep(bench, "b", ms(at));
+    bench.pipeline.tick(bench_begin + ms(at + 50));
+  }
+  EXPECT_EQ(bench.value("merged m", "Sources waited for in vain", bench_begin + ms(1000)), "10");
+  EXPECT_GE(bench.sink.count("m"), 18U);
+}
+
+TEST(MergedOutput, CountsSweepsThatAreReplacedOutOfOrderOrOfImpossibleTimes) {
+  PipelineBench bench(two_sources(""));
+  sweep(bench, "a", ms(100));
+  sweep(bench, "a", ms(110));
+  sweep(bench, "a", ms(105));
+  PlanarScan odd = round_scan("a", bench_begin + ms(120));
+  odd.time_increment = 1;
+  bench.give("a", odd, bench_begin + ms(120));
+  sweep(bench, "b", ms(130));
+  const Stamp now = bench_begin + ms(130);
+  EXPECT_EQ(bench.value("merged m", "Sweeps replaced before use", now), "1");
+  EXPECT_EQ(bench.value("merged m", "Sweeps out of order", now), "1");
+  EXPECT_EQ(bench.value("merged m", "Sweeps with impossible times", now), "1");
+}
+
+TEST(MergedOutput, OwnBodyIsLeftOutWhereverTheOutputFrameStands) {
+  // The body reaches from 1 to 2 m to the left of base_link; a scanner sees something there and, at the same
+  // distance, on the other side.
+  for (const double yaw : {0.0, 90.0, -135.0}) {
+    const std::string frame = "destination_frame: out, destination_pose: {xyz: [0, 0, 0], rpy_deg: [0, 0, " +
+                              std::to_string(yaw) + "]}";
+    PipelineBench bench(two_sources(frame, "footprint: [[-0.5, 1], [0.5, 1], [0.5, 2], [-0.5, 2]]"));
+    for (const char* source : {"a", "b"})
+      bench.give(source, round_scan(source, bench_begin, 1.5F), bench_begin);
+    ASSERT_EQ(bench.sink.count("m"), 1U);
+    const PlanarScan& scan = bench.sink.scans["m"][0];
+    EXPECT_EQ(scan.frame_id, "out");
+    for (std::size_t i = 0; i < scan.beams; ++i) {
+      const double in_base = static_cast<double>(scan.angle(i)) + yaw * M_PI / 180;
+      const double left = std::sin(in_base), ahead = std::cos(in_base);
+      if (left > 0.98) {
+        EXPECT_NE(scan.statuses[i], BeamStatus::hit) << yaw << ": the body at beam " << i;
+      }
+      if (left < -0.9 || std::abs(ahead) > 0.6) {
+        EXPECT_EQ(scan.statuses[i], BeamStatus::hit) << yaw << ", " << i;
+      }
+    }
+  }
+}
+
+TEST(MergedOutput, FurtherScansHaveTheirOwnEncodingsAndTheSameStamp) {
+  PipelineBench bench(two_sources(
+      "profile: strict, empty: zero, unobserved: minus_inf, cloud_destination_topic: cloud, "
+      "also: {safe: {profile: safety, empty: range_max_plus_one, unobserved: inf}, flat: flatten}"));
+  sweep(bench, "a", ms(100));
+  sweep(bench, "b", ms(100));
+  const PlanarScan& own = bench.sink.scans["m"].at(0);
+  const PlanarScan& safe = bench.sink.scans["safe"].at(0);
+  const PlanarScan& flat = bench.sink.scans["flat"].at(0);
+  EXPECT_EQ(own.none_as, 0);
+  EXPECT_EQ(own.invalid_as, -std::numeric_limits<float>::infinity());
+  EXPECT_EQ(safe.none_as, 21);
+  EXPECT_EQ(safe.invalid_as, std::numeric_limits<float>::infinity());
+  EXPECT_EQ(flat.none_as, std::numeric_limits<float>::infinity());
+  EXPECT_TRUE(std::isnan(flat.invalid_as));
+  EXPECT_EQ(safe.stamp, own.stamp);
+  EXPECT_EQ(flat.stamp, own.stamp);
+  EXPECT_EQ(bench.sink.clouds["cloud"].at(0).stamp, own.stamp);
+  EXPECT_EQ(bench.sink.clouds["cloud"].at(0).frame_id, "base_link");
+  EXPECT_EQ(bench.sink.clouds["cloud"].at(0).size(), 2U * 361U);
+  EXPECT_EQ(bench.sink.topics, (std::vector<std::string>{"m", "safe", "flat", "cloud"}));
+}
+
+TEST(MergedOutput, WaitsForPosesUntilItsDeadlineAndThenGoesOnWithoutThem) {
+  PipelineBench bench(two_sources("on_missing_motion: wait, deadline: 0.05", "odometry_topic: /odom"));
+  poses_until(bench, ms(850), bench_begin + ms(850));
+  sweep(bench, "a", ms(1000));
+  sweep(bench, "b", ms(1000));
+  EXPECT_EQ(bench.sink.count("m"), 0U);
+  bench.pipeline.tick(bench_begin + ms(1049));
+  EXPECT_EQ(bench.sink.count("m"), 0U);
+  EXPECT_EQ(bench.pipeline.next_event(), bench_begin + ms(1050));
+  bench.pipeline.tick(bench_begin + ms(1050));
+  EXPECT_EQ(bench.sink.count("m"), 1U);
+  const Stamp now = bench_begin + ms(1050);
+  EXPECT_EQ(bench.value("merged m", "Outputs not deskewed", now), "1");
+  EXPECT_EQ(bench.value("merged m", "Motion", now), "not deskewed: poses of the sweeps' time are missing");
+  EXPECT_EQ(bench.item("merged m", now).health, Health::warn);
+
+  // The next sweeps' poses come in time.
+  sweep(bench, "a", ms(1100));
+  sweep(bench, "b", ms(1100));
+  EXPECT_EQ(bench.sink.count("m"), 1U);
+  poses_until(bench, ms(1110), bench_begin + ms(1120));
+  EXPECT_EQ(bench.sink.count("m"), 2U);
+  EXPECT_EQ(bench.sink.released["m"].back(), bench_begin + ms(1120));
+  EXPECT_EQ(bench.value("merged m", "Outputs not deskewed", bench_begin + ms(1120)), "1");
+  EXPECT_THAT(bench.value("merged m", "Motion", bench_begin + ms(1120)), testing::StartsWith("deskewed"));
+}
+
+TEST(MergedOutput, PatienceForPosesBeginsAnewWithEachOutput) {
+  PipelineBench bench(two_sources("on_missing_motion: wait, deadline: 0.05", "odometry_topic: /odom"));
+  for (const double at : {1000.0, 1100.0, 1200.0}) {
+    const std::size_t before = bench.sink.count("m");
+    sweep(bench, "a", ms(at));
+    sweep(bench, "b", ms(at));
+    bench.pipeline.tick(bench_begin + ms(at + 40));
+    EXPECT_EQ(bench.sink.count("m"), before) << at;
+    bench.pipeline.tick(bench_begin + ms(at + 60));
+    EXPECT_EQ(bench.sink.count("m"), before + 1) << at;
+  }
+}
+
+TEST(MergedOutput, CountsOutputsThatAreLeftOutForWantOfPoses) {
+  PipelineBench bench(two_sources("on_missing_motion: drop", "odometry_topic: /odom"));
+  for (double at = 100; at <= 500; at += 100) {
+    sweep(bench, "a", ms(at));
+    sweep(bench, "b", ms(at));
+  }
+  const Stamp now = bench_begin + ms(500);
+  EXPECT_EQ(bench.sink.count("m"), 0U);
+  EXPECT_EQ(bench.value("merged m", "Outputs left out for want of poses", now), "5");
+  EXPECT_EQ(bench.value("merged m", "Motion", now), "no poses yet");
+  EXPECT_EQ(bench.pipeline.why_missing("m"), "on_missing_motion: drop, and poses of the vehicle are missing");
+}
+
+TEST(MergedOutput, SaysWhyNothingCameForEachOfItsTopics) {
+  PipelineBench bench(
+      two_sources("cloud_destination_topic: cloud, status_topic: known, also: {safe: safety}"));
+  const std::string both =
+      "source a gave no scans (no message came on /a, which another node publishes); source b gave no scans "
+      "(no message came on /b, which another node publishes)";
+  for (const char* topic : {"m", "cloud", "known", "safe"})
+    EXPECT_EQ(bench.pipeline.why_missing(topic), both) << topic;
+  EXPECT_EQ(bench.pipeline.why_missing("other"), "");
+  sweep(bench, "b", ms(100));
+  EXPECT_EQ(bench.pipeline.why_missing("m"),
+            "source a gave no scans (no message came on /a, which another node publishes)");
+  sweep(bench, "a", ms(100));
+  EXPECT_EQ(bench.pipeline.why_missing("m"), "");
+}
+
+TEST(MergedOutput, ThatGivesNothingSaysSoAfterThreeSeconds) {
+  PipelineBench bench(two_sources(""));
+  for (double at = 100; at <= 2000; at += 100) {
+    sweep(bench, "a", ms(at));
+    sweep(bench, "b", ms(at));
+  }
+  const Stamp last = bench.sink.released["m"].back();
+  for (double at = 2100; at <= 6000; at += 100) bench.pipeline.tick(bench_begin + ms(at));
+  ASSERT_EQ(bench.sink.released["m"].back(), last) << "nobody delivers";
+  EXPECT_EQ(bench.item("merged m", last + ms(2999)).message, "publishing without a, b");
+  const DiagnosticItem item = bench.item("merged m", last + ms(3001));
+  EXPECT_EQ(item.health, Health::error);
+  EXPECT_EQ(item.message, "no output for more than 3 s: see the state of its sensors");
+}
+
+TEST(MergedOutput, ASweepWithoutAPlaceIsCountedAndItsSourceNamed) {
+  PipelineBench bench(
+      "sensors: {a: {topic: /a}, b: {topic: /b, pose: {xyz: [0, 0, 0]}}}\n"
+      "merged_scans: {m: {laserscan_topics: [a, b], beams: 360, range_max: 20}}\n");
+  for (int i = 0; i < 3; ++i)
+    bench.give("a", round_scan("lost_frame", bench_begin + ms(100 * i)), bench_begin + ms(100 * i));
+  EXPECT_EQ(bench.value("merged m", "Inputs without pose", bench_begin + ms(300)), "3");
+  EXPECT_THAT(bench.item("merged m", bench_begin + ms(300)).message, HasSubstr("no tf from lost_frame"));
+  EXPECT_THAT(bench.pipeline.why_missing("m"), HasSubstr("no pose for source a: no tf from lost_frame"));
+  bench.tf.set("base_link", "lost_frame", Pose::Identity());
+  bench.give("a", round_scan("lost_frame", bench_begin + ms(300)), bench_begin + ms(300));
+  EXPECT_THAT(bench.pipeline.why_missing("m"), testing::Not(HasSubstr("no pose")));
+  EXPECT_EQ(bench.value("merged m", "Inputs without pose", bench_begin + ms(300)), "3");
+}
+
+}  // namespace
+}  // namespace lidard

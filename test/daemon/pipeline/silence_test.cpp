@@ -1,0 +1,229 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+// When /diagnostics calls a sensor silent, and what it names as the cause.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "daemon/pipeline/device_connections.h"
+#include "daemon/pipeline/sensor_health.h"
+#include "drivers/registry/registry.h"
+#include "test/daemon/pipeline/line_driver.h"
+#include "test/support/pipeline_bench.h"
+
+namespace lidard {
+namespace {
+
+using test::bench_begin;
+using test::ms;
+using testing::HasSubstr;
+
+/// A Velodyne that has been heard of, all its limits kept.
+struct Sample {
+  Sample() {
+    config =
+        parse_config(
+            "sensors: {roof: {model: velodyne_vlp16, ip_address: 192.168.1.201, telemetry_port: 8308}}", "s")
+            .sensors.at(0);
+    report.name = "roof";
+    report.seen = true;
+    report.last_arrival = bench_begin;
+    report.last_telemetry = bench_begin - std::chrono::hours(1);
+    report.counters.packets = 1000;
+  }
+  DiagnosticItem after(double passed_ms) const {
+    return sensor_health(config, report, unknown, bench_begin + ms(passed_ms));
+  }
+  SensorConfig config;
+  SensorReport report;
+  /// Datagrams that no sensor claims.
+  void stray(const IpAddress& sender, std::uint16_t port, int packets) {
+    Packet packet;
+    packet.from.address = sender;
+    packet.to.port = port;
+    for (int i = 0; i < packets; ++i) unknown.note(packet);
+  }
+  UnknownSenders unknown;
+};
+
+const char* const network = "; check the sensor's power, its destination address and port, and the firewall";
+
+TEST(Silence, IsAWarningAfterOneSecondAndAnErrorAfterThree) {
+  const Sample sample;
+  EXPECT_EQ(sample.after(0).message, "receiving");
+  EXPECT_EQ(sample.after(999).health, Health::ok);
+  EXPECT_EQ(sample.after(1000).health, Health::ok);
+  EXPECT_EQ(sample.after(1001).health, Health::warn);
+  EXPECT_EQ(sample.after(1001).message,
+            std::string("silent: nothing received from 192.168.1.201 to port 2368") + network);
+  EXPECT_EQ(sample.after(3000).health, Health::warn);
+  EXPECT_EQ(sample.after(3001).health, Health::error);
+  EXPECT_EQ(sample.after(3001).message, sample.after(1001).message);
+}
+
+TEST(Silence, OfTheDataWhileTelemetryComesIsAnErrorAtOnce) {
+  Sample sample;
+  sample.report.last_telemetry = bench_begin + ms(500);
+  EXPECT_EQ(sample.after(600).health, Health::ok) << "a healthy sensor sends both";
+  EXPECT_EQ(sample.after(1000).health, Health::ok);
+  EXPECT_EQ(sample.after(1001).health, Health::error);
+  EXPECT_EQ(sample.after(1001).message,
+            "no data, only telemetry on port 8308; check that its laser and motor are on and that it sends "
+            "data to port 2368");
+  EXPECT_EQ(sample.after(1499).health, Health::error);
+  EXPECT_EQ(sample.after(1500).health, Health::warn)
+      << "a second after the telemetry it is silent altogether";
+  EXPECT_THAT(sample.after(1500).message, HasSubstr("silent: nothing received"));
+}
+
+TEST(Silence, FromTheStartIsAnErrorUnlessAllHasJustBegun) {
+  Sample sample;
+  sample.report.seen = false;
+  sample.report.last_arrival = {};
+  EXPECT_EQ(sample.after(0).health, Health::error);
+  EXPECT_EQ(sample.after(0).message,
+            std::string("nothing received from 192.168.1.201 to port 2368") + network);
+  sample.report.starting = true;
+  EXPECT_EQ(sample.after(0).health, Health::ok);
+  EXPECT_EQ(sample.after(0).message, "waiting for data from 192.168.1.201 to port 2368");
+  sample.report.link_trouble = "connection refused";
+  EXPECT_EQ(sample.after(0).health, Health::error) << "an attempt that failed needs no patience";
+  sample.report.link_trouble = first_attempt;
+  EXPECT_EQ(sample.after(0).health, Health::ok);
+}
+
+TEST(Silence, NamesItsCauseAsFarAsItIsKnown) {
+  Sample sample;
+  const auto message = [&] { return sample.after(1001).message; };
+  sample.report.info.warnings = {"first", "the device says so"};
+  EXPECT_THAT(message(), testing::EndsWith("to port 2368: the device says so"));
+  sample.stray(IpAddress::v4(192, 168, 1, 9), 23680, 9);
+  sample.stray(IpAddress::v4(192, 168, 1, 7), 2368, 3);
+  EXPECT_THAT(message(),
+              testing::EndsWith("; but there are packets from 192.168.1.7 -> port 2368 (3 packets): correct "
+                                "ip_address?"));
+  sample.report.link_trouble = "the web interface refuses";
+  EXPECT_THAT(message(), testing::EndsWith("to port 2368: the web interface refuses"));
+  sample.config.packet_topic = "/packets";
+  EXPECT_EQ(message(), "silent: nothing received from topic /packets; is its driver running?");
+
+  const auto device = [](const std::string& text) {
+    return parse_config("sensors: {s: {" + text + "}}", "s");
+  };
+  const Config laser = device("model: hokuyo_utm_30lx_ew, ip_address: 192.168.0.10");
+  sample = {};
+  sample.config = laser.sensors[0];
+  EXPECT_EQ(message(), "silent: nothing received from 192.168.0.10:10940; does the device measure?");
+  sample.report.info.warnings = {"SCIP error 10"};
+  EXPECT_EQ(message(), "silent: nothing received from 192.168.0.10:10940: SCIP error 10");
+  const Config foreign = device("topic: /scan");
+  sample.config = foreign.sensors[0];
+  EXPECT_EQ(message(), "silent: nothing received from topic /scan; is its driver running?");
+  const Config any = device("model: velodyne_vlp16");
+  sample = {};
+  sample.config = any.sensors[0];
+  EXPECT_THAT(message(), HasSubstr("from any sender to port 2368"));
+}
+
+TEST(Silence, EndsWithTheNextPacketAndTheDeviceMayStillWarn) {
+  Sample sample;
+  sample.report.info.warnings = {"first", "its window is dirty"};
+  EXPECT_EQ(sample.after(500).health, Health::warn);
+  EXPECT_EQ(sample.after(500).message, "its window is dirty");
+  sample.report.rivals = {"192.168.1.201", "192.168.1.202", "192.168.1.203"};
+  EXPECT_EQ(sample.after(500).health, Health::error);
+  EXPECT_EQ(sample.after(500).message,
+            "192.168.1.201, 192.168.1.202 and 192.168.1.203 all send to port 2368; one entry takes one "
+            "sensor: set ip_address: 192.168.1.201 here, and give each other sensor an entry of its own");
+}
+
+TEST(Silence, ASensorOfWhichNoPacketIsGoodIsAnErrorWhateverTheShareOfLate) {
+  Sample sample;
+  sample.report.counters.packets = 3;
+  sample.report.counters.rejected[static_cast<std::size_t>(Reject::size)] = 2;
+  EXPECT_EQ(sample.after(0).health, Health::ok) << "one was good";
+  sample.report.counters.rejected[static_cast<std::size_t>(Reject::field)] = 1;
+  EXPECT_EQ(sample.after(0).health, Health::error);
+  EXPECT_EQ(sample.after(0).message,
+            "no packet could be used: rejected 3 (size 2, field 1); is it the configured model?");
+}
+
+TEST(SensorItem, ShowsEveryCounterUnderItsName) {
+  Sample sample;
+  Counters& c = sample.report.counters;
+  c.packets = 1, c.other_packets = 2, c.frames = 3, c.partial_frames = 4, c.lost_packets = 5,
+  c.incomplete = 6;
+  c.reordered = 7, c.clock_steps = 8;
+  Reception& recent = sample.report.recent;
+  recent.frames_s = 4, recent.frames = 38, recent.expected = 40, recent.watched_s = 4;
+  recent.counters.lost_packets = 9;
+  recent.counters.rejected[static_cast<std::size_t>(Reject::size)] = 1;
+  recent.beams = 200, recent.returns = 50;
+  sample.report.info.details = {{"Laser", "on"}};
+  const DiagnosticItem item = sample.after(0);
+  const std::vector<std::pair<std::string, std::string>> expected{{"IP Address", "192.168.1.201"},
+                                                                  {"IP Port", "2368"},
+                                                                  {"Laser", "on"},
+                                                                  {"Packets", "1"},
+                                                                  {"Other packets", "2"},
+                                                                  {"Frames", "3"},
+                                                                  {"Partial frames dropped", "4"},
+                                                                  {"Lost packets", "5"},
+                                                                  {"Incomplete telegrams", "6"},
+                                                                  {"Reordered packets", "7"},
+                                                                  {"Clock steps", "8"},
+                                                                  {"Rejected", "0"},
+                                                                  {"Frames/s", "9.5"},
+                                                                  {"Expected frames/s", "10.0"},
+                                                                  {"Lost in the last 10 s", "9"},
+                                                                  {"Rejected in the last 10 s", "1 (size 1)"},
+                                                                  {"Beams with a return (%)", "25.0"}};
+  for (const auto& [key, value] : expected) EXPECT_EQ(test::value_of(item, key), value) << key;
+  EXPECT_EQ(item.name, "sensor roof");
+  EXPECT_EQ(item.hardware_id, "roof");
+  sample.report.info.serial = "AB123";
+  EXPECT_EQ(sample.after(0).hardware_id, "AB123");
+}
+
+TEST(Silence, ABeginningLastsASecondAndNotLonger) {
+  test::PipelineBench bench(
+      "sensors: {a: {topic: /a}}\nmerged_scans: {m: {laserscan_topics: a, range_max: 9}}");
+  const auto health = [&](Stamp now, const char* item) {
+    bench.pipeline.tick(now);
+    return bench.item(item, now).health;
+  };
+  EXPECT_EQ(health(bench_begin, "sensor a"), Health::ok);
+  EXPECT_EQ(health(bench_begin + ms(999), "sensor a"), Health::ok);
+  EXPECT_EQ(health(bench_begin + ms(999), "merged m"), Health::ok);
+  EXPECT_EQ(health(bench_begin + ms(1000), "sensor a"), Health::error);
+  EXPECT_EQ(health(bench_begin + ms(1000), "merged m"), Health::error);
+  // A step of the clock by a second is time that passed; by more it is a beginning, forwards and backwards.
+  EXPECT_EQ(health(bench_begin + ms(2000), "sensor a"), Health::error);
+  EXPECT_EQ(health(bench_begin + ms(3001), "sensor a"), Health::ok);
+  EXPECT_EQ(health(bench_begin + ms(4001), "sensor a"), Health::error);
+  EXPECT_EQ(health(bench_begin + ms(5001), "sensor a"), Health::error);
+  EXPECT_EQ(health(bench_begin + ms(4001), "sensor a"), Health::error);
+  EXPECT_EQ(health(bench_begin + ms(3000), "sensor a"), Health::ok);
+}
+
+TEST(Silence, AJumpBackOfTheClockDoesNotMakeOldDataYoung) {
+  test::PipelineBench bench("sensors: {a: {topic: /a}}");
+  const auto at = [&](double time) {
+    bench.pipeline.tick(bench_begin + ms(time));
+    return bench.item("sensor a", bench_begin + ms(time));
+  };
+  for (double time = 0; time <= 2000; time += 100) {
+    bench.give("a", test::round_scan("a", bench_begin + ms(time)), bench_begin + ms(time));
+    at(time);
+  }
+  // An hour back; the last scan is taken to have come in just then.
+  const double back = -3600e3;
+  EXPECT_EQ(at(back).health, Health::ok);
+  EXPECT_EQ(at(back + 1000).health, Health::ok);
+  EXPECT_EQ(at(back + 1100).health, Health::warn);
+  EXPECT_EQ(at(back + 2000).health, Health::warn);
+  EXPECT_EQ(at(back + 3000).health, Health::warn);
+  EXPECT_EQ(at(back + 3100).health, Health::error);
+}
+
+}  // namespace
+}  // namespace lidard

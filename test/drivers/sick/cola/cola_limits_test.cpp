@@ -1,0 +1,232 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+// CoLa at its limits: the longest numbers, windows of angles beside intensities and echoes, clocks that wrap,
+// jump and rest.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "drivers/sick/cola/cola_reader.h"
+#include "test/drivers/sick/cola/cola_bench.h"
+
+namespace lidard::test {
+namespace {
+
+using sick::ColaTextReader;
+using sim::Cola;
+constexpr double rad = 3.14159265358979323846 / 180;
+
+/// What a field reads as, or nothing where it is refused.
+template <class Read>
+std::optional<std::int64_t> number_of(const std::string& text, Read read) {
+  ColaTextReader reader{ByteView(text)};
+  const auto value = static_cast<std::int64_t>(read(reader));
+  return reader.ok() ? std::optional<std::int64_t>(value) : std::nullopt;
+}
+std::optional<std::int64_t> u32(const std::string& text) {
+  return number_of(text, [](ColaTextReader& r) { return r.u32(); });
+}
+std::optional<std::int64_t> u16(const std::string& text) {
+  return number_of(text, [](ColaTextReader& r) { return r.u16(); });
+}
+std::optional<std::int64_t> i16(const std::string& text) {
+  return number_of(text, [](ColaTextReader& r) { return r.i16(); });
+}
+std::optional<std::int64_t> i32(const std::string& text) {
+  return number_of(text, [](ColaTextReader& r) { return r.i32(); });
+}
+
+// SICK telegram listing 8014631, 2.2: numbers are hexadecimal, or decimal with a sign in front.
+TEST(ColaNumbers, ReachFromTheLowestToTheHighestOfTheirType) {
+  EXPECT_EQ(u32("+4294967295"), 4294967295);
+  EXPECT_EQ(u32("+4294967296"), std::nullopt);
+  EXPECT_EQ(u32("+1000000000"), 1000000000) << "ten digits";
+  EXPECT_EQ(u32("FFFFFFFF"), 4294967295);
+  EXPECT_EQ(u32("100000000"), std::nullopt);
+  EXPECT_EQ(u32("00FFFFFFFF"), 4294967295) << "ten digits, two of them for nothing";
+  EXPECT_EQ(u32("000FFFFFFFF"), std::nullopt) << "no device sends eleven";
+  EXPECT_EQ(u32("abcdef01"), 0xABCDEF01);
+  EXPECT_EQ(u32("+0"), 0);
+  EXPECT_EQ(u16("FFFF"), 65535);
+  EXPECT_EQ(u16("10000"), std::nullopt);
+  EXPECT_EQ(u16("+65535"), 65535);
+  EXPECT_EQ(u16("+65536"), std::nullopt);
+  EXPECT_EQ(i16("-32768"), -32768);
+  EXPECT_EQ(i16("8000"), -32768);
+  EXPECT_EQ(i16("7FFF"), 32767);
+  EXPECT_EQ(i16("-1"), -1);
+  EXPECT_EQ(i32("-2147483648"), -2147483648LL);
+  EXPECT_EQ(i32("FFF92230"), -450000);
+  EXPECT_EQ(i32("-450000"), -450000);
+}
+
+TEST(ColaNumbers, AreRefusedWhereACharacterIsNoDigitOfTheirBase) {
+  for (const char* bad : {"+", "-", "+A", "-F", "G", "@", "`", "g", ":", "/", "1.5", "0x10", "+-1"})
+    EXPECT_EQ(u32(bad), std::nullopt) << bad;
+  for (const char* good : {"0", "9", "A", "F", "a", "f"}) EXPECT_NE(u32(good), std::nullopt) << good;
+}
+
+/// A sample of `beams` beams with two echoes, their ranges and intensities all different.
+void fill_sample(ColaBench& bench, std::size_t beams, int start, int step) {
+  std::vector<std::uint16_t> d1, d2, r1, r2;
+  for (std::size_t i = 0; i < beams; ++i) {
+    const auto n = static_cast<std::uint16_t>(i);
+    d1.push_back(static_cast<std::uint16_t>(2000 + n)), d2.push_back(static_cast<std::uint16_t>(5000 + n));
+    r1.push_back(n), r2.push_back(static_cast<std::uint16_t>(1000 + n));
+  }
+  const auto s = static_cast<std::uint16_t>(step);
+  bench.sample.channels = {{"DIST1", 1, 0, start, s, true, d1},
+                           {"DIST2", 1, 0, start, s, true, d2},
+                           {"RSSI1", 1, 0, start, s, true, r1},
+                           {"RSSI2", 1, 0, start, s, true, r2}};
+}
+
+// The whole scan is the truth for the part: a beam kept has the angle, range, echo and intensity that it has
+// there, and all beams within the window are kept. Upright and mirrored models.
+TEST(ColaWindow, KeepsTheBeamsBetweenTheAnglesWithAllThatIsTheirs) {
+  std::mt19937 random(11);
+  for (const char* model : {"sick_lms5xx", "sick_tim240", "sick_lrs36x0", "sick_nav31x"}) {
+    ColaBench whole(model, [] {
+      DriverConfig config;
+      config.publish_multiecho = true;
+      return config;
+    }());
+    fill_sample(whole, 181, 0, 5000);
+    whole.send_sample();
+    ASSERT_EQ(whole.scans.size(), 1U) << model;
+    const PlanarScan& all = whole.scans[0];
+    const float low = std::min(all.angle_min, all.angle_max), high = std::max(all.angle_min, all.angle_max);
+    std::uniform_real_distribution<double> angle(static_cast<double>(low) - 0.2,
+                                                 static_cast<double>(high) + 0.2);
+    for (int i = 0; i < 20; ++i) {
+      DriverConfig config;
+      config.publish_multiecho = true;
+      const double a = angle(random), b = angle(random);
+      if (std::abs(a - b) < 0.05) continue;
+      if (i % 3 != 1) config.angle_min = std::min(a, b);
+      if (i % 3 != 2) config.angle_max = std::max(a, b);
+      // A beam on a limit is inside, since configured angles are rounded.
+      constexpr double slack = 0.02 * 0.5 * rad;
+      bool on_limit = false;
+      for (std::size_t beam = 0; beam < all.beams; ++beam) {
+        const auto at = static_cast<double>(all.angle(beam));
+        on_limit = on_limit || std::abs(at - config.angle_min.value_or(at + 1)) < slack ||
+                   std::abs(at - config.angle_max.value_or(at + 1)) < slack;
+      }
+      if (on_limit) continue;
+      ColaBench part(model, config);
+      part.sample = whole.sample;
+      part.send_sample();
+      const auto inside = [&](std::size_t beam) {
+        const auto at = static_cast<double>(all.angle(beam));
+        return at >= config.angle_min.value_or(-10) && at <= config.angle_max.value_or(10);
+      };
+      std::vector<std::size_t> kept;
+      for (std::size_t beam = 0; beam < all.beams; ++beam)
+        if (inside(beam)) kept.push_back(beam);
+      ASSERT_EQ(part.scans.size(), kept.empty() ? 0U : 1U);
+      if (kept.empty()) continue;
+      const PlanarScan& scan = part.scans[0];
+      ASSERT_EQ(scan.beams, kept.size()) << model;
+      for (std::size_t beam = 0; beam < kept.size(); ++beam) {
+        EXPECT_NEAR(scan.angle(beam), all.angle(kept[beam]), 1e-5);
+        for (std::size_t echo = 0; echo < 2; ++echo) {
+          const std::size_t here = scan.index(beam, echo), there = all.index(kept[beam], echo);
+          EXPECT_EQ(scan.ranges[here], all.ranges[there]) << model << ", beam " << beam;
+          EXPECT_EQ(scan.intensities[here], all.intensities[there]) << model << ", beam " << beam;
+        }
+      }
+    }
+  }
+}
+
+TEST(ColaWindow, IntensitiesOfAnotherNumberThanTheDistancesAreLeftAtZero) {
+  ColaBench bench;
+  bench.sample.channels = {{"DIST1", 1, 0, -450000, 5000, true, {1000, 1001, 1002}},
+                           {"RSSI1", 1, 0, -450000, 5000, true, {7, 8}}};
+  bench.send_sample();
+  EXPECT_THAT(bench.scans.at(0).intensities, testing::ElementsAre(0, 0, 0));
+}
+
+TEST(ColaStamps, TimeOffsetMovesThemAndNothingElse) {
+  for (const char* model : {"sick_lms1xx", "sick_lms5xx", "sick_tim7xx"}) {
+    DriverConfig config;
+    ColaBench plain(model, config);
+    config.time_offset = std::chrono::milliseconds(-37);
+    ColaBench moved(model, config);
+    for (int i = 0; i < 5; ++i) plain.send_next(), moved.send_next();
+    ASSERT_EQ(plain.scans.size(), 5U);
+    for (std::size_t i = 0; i < 5; ++i) {
+      EXPECT_EQ(moved.scans[i].stamp, plain.scans[i].stamp - std::chrono::milliseconds(37)) << model;
+      EXPECT_EQ(moved.scans[i].ranges, plain.scans[i].ranges);
+    }
+  }
+}
+
+/// s between the stamps of scans and when they began, the smallest of them taken away.
+double spread(const std::vector<double>& errors) {
+  return *std::max_element(errors.begin(), errors.end()) - *std::min_element(errors.begin(), errors.end());
+}
+
+TEST(ColaStamps, GoOnOverEveryWrapOfTheMicrosecondsAlsoInASilence) {
+  for (const double silence_s : {0.0, 3000.0, 4294.9, 4295.1, 9000.0, 40000.0}) {
+    ColaBench bench;
+    std::vector<double> errors;
+    for (int i = 0; i < 60; ++i) {
+      if (i == 30) {
+        const auto silence_us = static_cast<std::int64_t>(silence_s * 1e6);
+        bench.now = bench.now + std::chrono::microseconds(silence_us);
+        bench.sample.start_us += static_cast<std::uint32_t>(silence_us);
+        bench.sample.transmit_us += static_cast<std::uint32_t>(silence_us);
+      }
+      bench.send_next();
+      errors.push_back(seconds(bench.now - bench.scans.back().stamp));
+    }
+    EXPECT_LT(spread(errors), 0.2e-3) << silence_s;
+    EXPECT_EQ(bench.counters().clock_steps, 0U) << silence_s;
+  }
+}
+
+TEST(ColaStamps, AWayFromMeasuringToSendingOfTenSecondsOrMoreIsNone) {
+  // The first beam is measured at start_us; the telegram leaves at transmit_us and arrives at once.
+  const auto behind = [](std::uint32_t way_us) {
+    DriverConfig config;
+    config.clock = ClockMode::arrival;
+    ColaBench bench("sick_lms5xx", config);
+    bench.sample.transmit_us = bench.sample.start_us + way_us;
+    bench.send_sample();
+    return seconds(bench.now - bench.scans.at(0).stamp);
+  };
+  EXPECT_NEAR(behind(3'000), 0.003, 1e-6);
+  EXPECT_NEAR(behind(10'000'000), 10, 1e-6);
+  const double sweep = 540 * 0.5 / 360 * 0.02;
+  EXPECT_NEAR(behind(10'000'001), sweep, 1e-5);
+  EXPECT_NEAR(behind(static_cast<std::uint32_t>(-5)), sweep, 1e-5) << "sent before it was measured";
+}
+
+TEST(ColaStamps, OfACaptureThatBeginsAgainAreThoseOfItsFirstTime) {
+  ColaBench bench;
+  std::vector<Stamp> first;
+  const auto sample = bench.sample;
+  const Stamp begin = bench.now;
+  for (int loop = 0; loop < 3; ++loop) {
+    bench.sample = sample;
+    bench.now = begin;
+    bench.scans.clear();
+    for (int i = 0; i < 20; ++i) bench.send_next();
+    ASSERT_EQ(bench.scans.size(), 20U);
+    if (loop == 0)
+      for (const PlanarScan& scan : bench.scans) first.push_back(scan.stamp);
+    for (std::size_t i = 0; i < 20; ++i) EXPECT_EQ(bench.scans[i].stamp, first[i]) << loop << ", " << i;
+    bench.driver->restart();
+  }
+  EXPECT_EQ(bench.counters().lost_packets, 0U);
+  EXPECT_EQ(bench.counters().clock_steps, 0U);
+  EXPECT_EQ(bench.counters().frames, 60U);
+}
+
+}  // namespace
+}  // namespace lidard::test

@@ -1,0 +1,241 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Segments that are lost, late or overtaken, and the times that a scan or a cloud then has.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "test/drivers/sick/compact/segment_bench.h"
+
+namespace lidard::test {
+namespace {
+
+TEST(SegmentTimes, ScanTimeIsTheTurnsAlsoOverALostFrame) {
+  SegmentBench bench;
+  for (const std::uint64_t frame : {0U, 1U, 2U, 3U, 6U, 7U, 9U, 10U}) bench.send_frame(frame);
+  ASSERT_GE(bench.scans.size(), 6U);
+  for (std::size_t i = 0; i < bench.scans.size(); ++i) {
+    EXPECT_NEAR(bench.scans[i].scan_time, 0.05, 2e-5) << i;
+    EXPECT_NEAR(bench.scans[i].time_increment, 0.05 / 720, 1e-8) << i;
+  }
+}
+
+TEST(SegmentTimes, ScanTimeIsMeasuredFromFrameToFrame) {
+  // The motor turns 1 % slower than the beams within a frame tell.
+  SegmentBench bench;
+  for (std::uint64_t frame = 0; frame < 6; ++frame) {
+    bench.start_us = 92'040'000'000 + frame * 500;
+    bench.send_frame(frame);
+  }
+  ASSERT_GE(bench.scans.size(), 4U);
+  EXPECT_NEAR(bench.scans.back().scan_time, 0.0505, 2e-6);
+}
+
+TEST(SegmentTimes, TimeOffsetMovesScansCloudsAndInertialSamples) {
+  for (const char* model : {"sick_picoscan150", "sick_multiscan136"}) {
+    DriverConfig config;
+    SegmentBench plain(model, config);
+    config.time_offset = std::chrono::milliseconds(21);
+    config.keep_origins = true;
+    SegmentBench moved(model, config);
+    for (std::uint64_t frame = 0; frame < 4; ++frame) plain.send_frame(frame), moved.send_frame(frame);
+    ASSERT_EQ(moved.scans.size(), plain.scans.size());
+    ASSERT_EQ(moved.clouds.size(), plain.clouds.size());
+    ASSERT_GE(plain.scans.size() + plain.clouds.size(), 2U) << model;
+    for (std::size_t i = 0; i < plain.scans.size(); ++i)
+      EXPECT_EQ(moved.scans[i].stamp, plain.scans[i].stamp + config.time_offset);
+    for (std::size_t i = 0; i < plain.clouds.size(); ++i) {
+      const Cloud &a = plain.clouds[i], &b = moved.clouds[i];
+      EXPECT_EQ(b.stamp, a.stamp + config.time_offset);
+      EXPECT_EQ(b.end, a.end + config.time_offset);
+      ASSERT_EQ(b.columns.size(), a.columns.size());
+      EXPECT_EQ(b.columns.back().stamp, a.columns.back().stamp + config.time_offset);
+      ASSERT_FALSE(b.origins.empty());
+      EXPECT_NEAR(seconds(b.origins[0].stamp - b.columns[0].stamp), 0, 1e-6);
+      EXPECT_EQ(float(b.points()[5].time), float(a.points()[5].time)) << "they count from the stamp";
+    }
+  }
+}
+
+/// The clouds of one device whose segments come in the order that `order` gives within each frame.
+std::vector<Cloud> clouds_in_order(const std::vector<int>& order) {
+  SegmentBench bench("sick_multiscan136");
+  for (std::uint64_t frame = 0; frame < 5; ++frame) {
+    // All of a frame comes in one burst, behind its last beam.
+    Stamp arrival = bench.arrival(frame, SegmentBench::segments - 1);
+    for (const int index : order) {
+      bench.send(bench.encode(bench.segment(frame, index)), arrival);
+      arrival = arrival + std::chrono::microseconds(10);
+    }
+  }
+  return bench.clouds;
+}
+
+/// The points of a cloud in an order of their own.
+std::vector<std::array<float, 4>> sorted_points(const Cloud& cloud) {
+  std::vector<std::array<float, 4>> points;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const CloudPoint p = cloud.points()[i];
+    points.push_back({p.x, p.y, p.z, p.time});
+  }
+  std::sort(points.begin(), points.end());
+  return points;
+}
+
+// Datagrams overtake each other on their way; the beams were measured when they were all the same.
+TEST(SegmentTimes, BeginAndEndOfACloudDoNotDependOnTheOrderInWhichItsSegmentsCome) {
+  const std::vector<int> straight{0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
+  const auto expected = clouds_in_order(straight);
+  ASSERT_GE(expected.size(), 2U);
+  const std::vector<std::vector<int>> orders{{0, 1, 2, 3, 4, 5, 6, 7, 9, 8},
+                                             {1, 0, 2, 3, 4, 5, 6, 7, 8, 9},
+                                             {0, 2, 1, 3, 5, 4, 6, 7, 9, 8},
+                                             {3, 0, 1, 2, 4, 5, 6, 9, 7, 8}};
+  for (const auto& order : orders) {
+    const auto clouds = clouds_in_order(order);
+    ASSERT_EQ(clouds.size(), expected.size());
+    for (std::size_t i = 1; i < clouds.size(); ++i) {
+      EXPECT_NEAR(seconds(clouds[i].stamp - expected[i].stamp), 0, 1e-3) << order[0] << order[9];
+      EXPECT_NEAR(seconds(clouds[i].end - clouds[i].stamp), seconds(expected[i].end - expected[i].stamp),
+                  1e-6);
+      const auto is = sorted_points(clouds[i]), should = sorted_points(expected[i]);
+      ASSERT_EQ(is.size(), should.size());
+      for (std::size_t k = 0; k < is.size(); ++k) {
+        EXPECT_EQ(is[k][0], should[k][0]);
+        EXPECT_NEAR(is[k][3], should[k][3], 1e-6) << "time of point " << k;
+        EXPECT_GE(is[k][3], 0);
+      }
+    }
+  }
+}
+
+TEST(SegmentTimes, EndOfACloudIsThatOfItsLastBeam) {
+  const auto clouds = clouds_in_order({0, 1, 2, 3, 4, 5, 6, 7, 8, 9});
+  ASSERT_GE(clouds.size(), 2U);
+  for (const Cloud& cloud : clouds) {
+    EXPECT_NEAR(seconds(cloud.end - cloud.stamp), 552 * 50e-3 / 720, 2e-6);
+    float latest = 0;
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const float time = cloud.points()[i].time;
+      latest = std::max(latest, time);
+    }
+    EXPECT_NEAR(static_cast<double>(latest), seconds(cloud.end - cloud.stamp), 2e-6);
+  }
+}
+
+TEST(SegmentWindow, KeepsTheBeamsBetweenTheAnglesWithTheirRanges) {
+  SegmentBench whole;
+  for (std::uint64_t frame = 0; frame < 4; ++frame) whole.send_frame(frame);
+  ASSERT_GE(whole.scans.size(), 2U);
+  const PlanarScan& all = whole.scans.back();
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> angle(-2.6, 2.6);
+  for (int i = 0; i < 12; ++i) {
+    DriverConfig config;
+    const double a = angle(random), b = angle(random);
+    if (i % 3 != 1) config.angle_min = std::min(a, b);
+    if (i % 3 != 2) config.angle_max = std::max(a, b);
+    SegmentBench part("sick_picoscan150", config);
+    for (std::uint64_t frame = 0; frame < 4; ++frame) part.send_frame(frame);
+    std::vector<std::size_t> kept;
+    for (std::size_t beam = 0; beam < all.beams; ++beam) {
+      const auto at = static_cast<double>(all.angle(beam));
+      if (at >= config.angle_min.value_or(-9) && at <= config.angle_max.value_or(9)) kept.push_back(beam);
+    }
+    ASSERT_FALSE(part.scans.empty());
+    const PlanarScan& scan = part.scans.back();
+    ASSERT_EQ(scan.beams, kept.size());
+    for (std::size_t beam = 0; beam < kept.size(); ++beam) {
+      ASSERT_EQ(scan.ranges[beam], all.ranges[kept[beam]]) << beam;
+      ASSERT_EQ(scan.intensities[beam], all.intensities[kept[beam]]) << beam;
+    }
+    const double before = static_cast<double>(kept.front()) * 0.05 / 720;
+    EXPECT_NEAR(seconds(scan.stamp - all.stamp), before, 3e-6) << "the stamp is that of the first beam kept";
+  }
+}
+
+TEST(SegmentClouds, LeaveOutWhatIsNearerOrFartherThanConfigured) {
+  for (const bool inside : {false, true}) {
+    DriverConfig config;
+    config.min_range = inside ? 2.0 : 2.0005;
+    config.max_range = inside ? 2.552 : 2.5515;
+    SegmentBench bench("sick_multiscan136", config);
+    for (std::uint64_t frame = 0; frame < 3; ++frame) bench.send_frame(frame);
+    ASSERT_FALSE(bench.clouds.empty());
+    EXPECT_EQ(bench.clouds[0].size(), inside ? 553U : 551U);
+  }
+}
+
+TEST(SegmentClouds, KeepWhatLiesInTheViewAroundItsDirection) {
+  for (const double direction : {0.0, 1.0, -2.0, 3.1}) {
+    DriverConfig config;
+    config.view_direction = direction;
+    config.view_width = 0.8;
+    SegmentBench bench("sick_multiscan136", config);
+    for (std::uint64_t frame = 0; frame < 3; ++frame) bench.send_frame(frame);
+    ASSERT_FALSE(bench.clouds.empty());
+    const Cloud& cloud = bench.clouds[0];
+    std::size_t expected = 0;
+    for (int beam = 0; beam < 553; ++beam) {
+      const double azimuth = (-138 + 0.5 * beam) * bench_rad;
+      if (std::abs(std::remainder(azimuth - direction, 2 * M_PI)) <= 0.4) ++expected;
+    }
+    EXPECT_NEAR(static_cast<double>(cloud.size()), static_cast<double>(expected), 1.0) << direction;
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const CloudPoint p = cloud.points()[i];
+      const double azimuth = std::atan2(static_cast<double>(p.y), static_cast<double>(p.x));
+      EXPECT_LE(std::abs(std::remainder(azimuth - direction, 2 * M_PI)), 0.4 + 1e-6);
+    }
+  }
+}
+
+TEST(SegmentLosses, AreCountedOnceWhereverTheSegmentIsMissing) {
+  for (int missing = 0; missing < SegmentBench::segments; ++missing) {
+    SegmentBench bench;
+    for (std::uint64_t frame = 0; frame < 12; ++frame) bench.send_frame(frame, frame == 6 ? missing : -1);
+    EXPECT_EQ(bench.driver->counters().lost_packets, 1U) << missing;
+    EXPECT_EQ(bench.driver->counters().rejected_total(), 0U) << missing;
+  }
+}
+
+TEST(SegmentLosses, ASegmentThatComesTwiceOrTooLateIsNamedSo) {
+  SegmentBench bench;
+  for (std::uint64_t frame = 0; frame < 4; ++frame) bench.send_frame(frame, frame == 2 ? 5 : -1);
+  const auto before = bench.driver->counters();
+  bench.send(4, 0);
+  bench.send(4, 1);
+  EXPECT_EQ(bench.send(4, 1), Reject::duplicate);
+  EXPECT_EQ(bench.send(2, 5), Reject::stale);
+  for (int i = 2; i < SegmentBench::segments; ++i) bench.send(4, i);
+  const auto& after = bench.driver->counters();
+  EXPECT_EQ(after.frames, before.frames + 1);
+  EXPECT_EQ(after.rejected_total(), before.rejected_total() + 2);
+  EXPECT_EQ(before.lost_packets, 1U);
+  EXPECT_EQ(after.lost_packets, 0U) << "it was late, and not lost";
+}
+
+TEST(SegmentTimes, OfACaptureThatBeginsAgainAreThoseOfItsFirstTime) {
+  SegmentBench bench;
+  std::vector<Stamp> first;
+  for (int loop = 0; loop < 3; ++loop) {
+    bench.scans.clear();
+    for (std::uint64_t frame = 0; frame < 5; ++frame) bench.send_frame(frame);
+    if (loop == 0)
+      for (const PlanarScan& scan : bench.scans) first.push_back(scan.stamp);
+    // A frame's size is known from the first time on, so that the first frame is whole too.
+    ASSERT_GE(bench.scans.size(), first.size()) << loop;
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      const PlanarScan& scan = bench.scans[bench.scans.size() - first.size() + i];
+      EXPECT_NEAR(seconds(scan.stamp - first[i]), 0, 1e-5) << loop << ", " << i;
+      EXPECT_NEAR(scan.scan_time, 0.05, 2e-5);
+    }
+    bench.driver->restart();
+  }
+  EXPECT_EQ(bench.driver->counters().lost_packets, 0U);
+  EXPECT_EQ(bench.driver->counters().clock_steps, 0U);
+}
+
+}  // namespace
+}  // namespace lidard::test

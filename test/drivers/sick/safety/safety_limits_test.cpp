@@ -1,0 +1,176 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Safety scanners: mounted upside down, windows of angles, scans that are lost, clocks and stalls at their
+// limits.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "test/drivers/sick/safety/safety_bench.h"
+
+namespace lidard::test {
+namespace {
+
+constexpr double rad = 3.14159265358979323846 / 180;
+
+/// A scan of 270 beams of 1 deg from -45 deg of the device on; with a negative step it counts down from 224.
+Ms3Sample round_sample(bool upside_down) {
+  Ms3Sample sample;
+  sample.beams.resize(270);
+  for (std::size_t i = 0; i < 270; ++i) {
+    sample.beams[i].distance = static_cast<std::uint16_t>(1000 + i);
+    sample.beams[i].reflectivity = static_cast<std::uint8_t>(i % 250);
+  }
+  constexpr std::int32_t deg = 4194304;
+  sample.start = upside_down ? 224 * deg : -45 * deg;
+  sample.step = upside_down ? -deg : deg;
+  sample.period_us = 83;  // 30 ms / 360
+  return sample;
+}
+
+TEST(SafetyUpsideDown, BeamsGoTheOtherWayRoundAndTakeAsLong) {
+  SafetyBench up, down;
+  up.sample = round_sample(false);
+  down.sample = round_sample(true);
+  up.send_next();
+  down.send_next();
+  const PlanarScan &a = up.scans.at(0), &b = down.scans.at(0);
+  EXPECT_GT(a.angle_increment, 0);
+  EXPECT_EQ(b.angle_increment, -a.angle_increment);
+  EXPECT_NEAR(b.angle_min, (224 - 90) * rad, 1e-5);
+  EXPECT_NEAR(b.angle_max, (-45 - 90) * rad, 1e-5);
+  EXPECT_NEAR(a.time_increment, 0.03 / 360, 1e-9);
+  EXPECT_EQ(b.time_increment, a.time_increment) << "time does not run backwards";
+  EXPECT_EQ(b.stamp, a.stamp);
+  EXPECT_NEAR(seconds(down.now - b.stamp), 269 * 0.03 / 360, 1e-6);
+}
+
+TEST(SafetyBeamPeriod, IsTheExactOneWithinAMicrosecondOfTheAnnouncedOne) {
+  const auto period = [](std::uint32_t announced_us) {
+    SafetyBench bench;
+    bench.sample = round_sample(false);
+    bench.sample.period_us = announced_us;
+    bench.send_next();
+    return static_cast<double>(bench.scans.at(0).time_increment);
+  };
+  const double exact = 0.03 / 360;  // 83.33 us
+  EXPECT_NEAR(period(83), exact, 1e-9);
+  EXPECT_NEAR(period(84), exact, 1e-9);
+  EXPECT_NEAR(period(82), 82e-6, 1e-9);
+  EXPECT_NEAR(period(85), 85e-6, 1e-9);
+}
+
+TEST(SafetyWindow, KeepsTheBeamsBetweenTheAnglesWithAllThatIsTheirs) {
+  std::mt19937 random(21);
+  std::uniform_real_distribution<double> angle(-2.5, 2.5);
+  for (const bool upside_down : {false, true}) {
+    SafetyBench whole;
+    whole.sample = round_sample(upside_down);
+    whole.send_next();
+    const PlanarScan all = whole.scans.at(0);
+    for (int i = 0; i < 15; ++i) {
+      DriverConfig config;
+      const double a = angle(random), b = angle(random);
+      if (std::abs(a - b) < 0.1) continue;
+      if (i % 3 != 1) config.angle_min = std::min(a, b);
+      if (i % 3 != 2) config.angle_max = std::max(a, b);
+      SafetyBench part(config);
+      part.sample = round_sample(upside_down);
+      part.send_next();
+      std::vector<std::size_t> kept;
+      for (std::size_t beam = 0; beam < all.beams; ++beam) {
+        const auto at = static_cast<double>(all.angle(beam));
+        if (at >= config.angle_min.value_or(-9) && at <= config.angle_max.value_or(9)) kept.push_back(beam);
+      }
+      ASSERT_EQ(part.scans.size(), kept.empty() ? 0U : 1U);
+      if (kept.empty()) continue;
+      const PlanarScan& scan = part.scans[0];
+      ASSERT_EQ(scan.beams, kept.size()) << upside_down;
+      for (std::size_t beam = 0; beam < kept.size(); ++beam) {
+        EXPECT_EQ(scan.ranges[beam], all.ranges[kept[beam]]) << upside_down << ", " << beam;
+        EXPECT_EQ(scan.intensities[beam], all.intensities[kept[beam]]) << upside_down << ", " << beam;
+        EXPECT_NEAR(scan.angle(beam), all.angle(kept[beam]), 1e-5);
+      }
+      EXPECT_NEAR(seconds(scan.stamp - all.stamp), static_cast<double>(kept[0]) * 0.03 / 360, 1e-6);
+    }
+  }
+}
+
+TEST(SafetyStamps, TimeOffsetMovesThem) {
+  DriverConfig config;
+  config.time_offset = std::chrono::milliseconds(-12);
+  SafetyBench plain, moved(config);
+  for (int i = 0; i < 3; ++i) plain.send_next(), moved.send_next();
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_EQ(moved.scans.at(i).stamp, plain.scans.at(i).stamp - std::chrono::milliseconds(12));
+}
+
+/// Sends the scan that many numbers ahead, arriving so long after the last one.
+void send_after(SafetyBench& bench, std::uint32_t scans, Span passed) {
+  bench.sample.sequence += scans;
+  bench.sample.scan += scans;
+  bench.now = bench.now + passed;
+  bench.send(bench.sample, bench.now);
+}
+constexpr Span ms(int n) { return std::chrono::milliseconds(n); }
+
+TEST(SafetyLosses, AreTheNumbersThatAreLeftOut) {
+  SafetyBench bench;
+  for (int i = 0; i < 5; ++i) bench.send_next();
+  EXPECT_EQ(bench.driver->counters().lost_packets, 0U);
+  send_after(bench, 2, ms(60));
+  EXPECT_EQ(bench.driver->counters().lost_packets, 1U);
+  send_after(bench, 5, ms(150));
+  EXPECT_EQ(bench.driver->counters().lost_packets, 5U);
+  send_after(bench, 1, ms(30));
+  EXPECT_EQ(bench.driver->counters().lost_packets, 5U);
+  EXPECT_EQ(bench.driver->counters().clock_steps, 0U);
+  EXPECT_EQ(bench.driver->counters().frames, 8U);
+}
+
+TEST(SafetyStamps, FollowTheScanNumbersThroughStallsOfHalfASecondAndNotLonger) {
+  for (const int stall : {499, 501}) {
+    SafetyBench bench;
+    for (int i = 0; i < 50; ++i) bench.send_next();
+    const Stamp before = bench.scans.back().stamp;
+    send_after(bench, 1, ms(30 + stall));
+    const double passed = seconds(bench.scans.back().stamp - before);
+    EXPECT_NEAR(passed, stall < 500 ? 0.03 : 0.03 + stall * 1e-3, 2e-3) << stall;
+    EXPECT_EQ(bench.driver->counters().clock_steps, stall < 500 ? 0U : 1U);
+  }
+}
+
+TEST(SafetyStamps, AnotherScanTimeIsAnotherClock) {
+  SafetyBench bench;
+  for (int i = 0; i < 50; ++i) bench.send_next();
+  bench.sample.scan_time_ms = 40;
+  bench.sample.period_us = 57;
+  for (int i = 0; i < 50; ++i) bench.send_next();
+  EXPECT_NEAR(seconds(bench.now - bench.scans.back().stamp), 47 * 0.04 * 0.51306 / 360, 1e-4);
+  EXPECT_EQ(bench.driver->counters().lost_packets, 0U);
+  EXPECT_FLOAT_EQ(bench.scans.back().scan_time, 0.04F);
+}
+
+TEST(SafetyStamps, OfACaptureThatBeginsAgainAreThoseOfItsFirstTime) {
+  SafetyBench bench;
+  const Ms3Sample sample = bench.sample;
+  std::vector<Stamp> first;
+  for (int loop = 0; loop < 3; ++loop) {
+    bench.sample = sample;
+    bench.now = ms3_epoch;
+    bench.identification = 1;
+    bench.scans.clear();
+    for (int i = 0; i < 10; ++i) bench.send_next();
+    ASSERT_EQ(bench.scans.size(), 10U) << loop;
+    if (loop == 0)
+      for (const PlanarScan& scan : bench.scans) first.push_back(scan.stamp);
+    for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(bench.scans[i].stamp, first[i]) << loop << ", " << i;
+    bench.driver->restart();
+  }
+  EXPECT_EQ(bench.driver->counters().lost_packets, 0U);
+  EXPECT_EQ(bench.driver->counters().clock_steps, 0U);
+}
+
+}  // namespace
+}  // namespace lidard::test

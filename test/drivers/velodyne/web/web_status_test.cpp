@@ -1,0 +1,188 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/velodyne/web/web_status.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "drivers/velodyne/web/velodyne_readings.h"
+
+namespace lidard::velodyne {
+namespace {
+
+using Level = SettingsStatus::Level;
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+
+double reading(const std::string& key, int count) {
+  const auto readings = velodyne_readings({{"diag.volt_temp." + key, std::to_string(count)}});
+  return readings.size() == 1 ? readings[0].value : -1e9;
+}
+
+// Counts whose voltage is exact, or worked out by hand from the published formulas.
+TEST(VelodyneReadings, ConvertCountsToPhysicalUnits) {
+  EXPECT_DOUBLE_EQ(reading("top.pwr_2_5v", 2048), 2.5);
+  EXPECT_DOUBLE_EQ(reading("top.pwr_5v", 2048), 5.0);
+  EXPECT_DOUBLE_EQ(reading("top.pwr_5v_raw", 2048), 5.0);
+  EXPECT_DOUBLE_EQ(reading("top.pwr_3_3v", 2048), 2.5);
+  EXPECT_DOUBLE_EQ(reading("bot.pwr_v_in", 1024), 13.75);
+  EXPECT_DOUBLE_EQ(reading("bot.i_out", 2048 + 512), 6.25);
+  EXPECT_DOUBLE_EQ(reading("top.hv", 3072), -126.25);
+  EXPECT_DOUBLE_EQ(reading("bot.pwr_1_25v", 1024), 1.25);
+  EXPECT_NEAR(reading("top.lm20_temp", 1527), 0, 0.5);     // the LM20 gives 1.8639 V at 0 C
+  EXPECT_NEAR(reading("bot.lm20_temp", 1279), 25.9, 0.5);  // and 1.5613 V: 11.7 mV per degree
+}
+
+TEST(VelodyneReadings, AreHeldAgainstTheirLimits) {
+  const auto good = [](const char* key, const char* count) {
+    const auto readings = velodyne_readings({{std::string("diag.volt_temp.") + key, count}});
+    return readings.size() == 1 && readings[0].is_good();
+  };
+  EXPECT_TRUE(good("top.hv", "2960"));
+  EXPECT_FALSE(good("top.hv", "3072"));
+  EXPECT_TRUE(good("top.pwr_5v_raw", "2048"));
+  EXPECT_TRUE(good("bot.pwr_v_in", "896"));
+  EXPECT_FALSE(good("bot.pwr_v_in", "500"));
+  EXPECT_TRUE(good("top.lm20_temp", "1527"));
+  EXPECT_FALSE(good("top.lm20_temp", "500"));
+}
+
+TEST(VelodyneReadings, LeaveOutWhatIsMissingOrNoCount) {
+  EXPECT_THAT(velodyne_readings({}), IsEmpty());
+  for (const char* count : {"4096", "-1", "12V", "", "1e9", "nan"})
+    EXPECT_THAT(velodyne_readings({{"diag.volt_temp.top.hv", count}}), IsEmpty()) << count;
+}
+
+TEST(VelodyneReadings, DoNotJudgeTheHighVoltageOfADarkLaser) {
+  const auto readings = velodyne_readings({{"diag.volt_temp.top.hv", "4000"}, {"status.laser.state", "Off"}});
+  ASSERT_EQ(readings.size(), 1U);
+  EXPECT_TRUE(readings[0].is_good());
+}
+
+WebState answering() {
+  WebState state;
+  state.answered = true;
+  state.serial = "AG1";
+  state.local_address = "192.168.1.77";
+  state.tree = {
+      {"config.rpm", "600"},         {"config.returns", "Strongest"}, {"config.host.addr", "192.168.1.77"},
+      {"config.host.dport", "2368"}, {"status.motor.rpm", "598"},     {"status.motor.state", "On"},
+      {"status.laser.state", "On"},  {"info.serial", "AG1"}};
+  return state;
+}
+
+Received receiving() {
+  Received received;
+  received.data = true;
+  received.destination = {IpAddress::v4(192, 168, 1, 77), 2368};
+  received.returns = "Strongest";
+  received.rpm = 601.2;
+  received.listens_on = 2368;
+  return received;
+}
+
+Received silent() {
+  Received received;
+  received.listens_on = 2368;
+  return received;
+}
+
+TEST(WebContradictions, AreNoneWhereReportAndDataAgree) {
+  EXPECT_THAT(contradictions(answering(), receiving()), IsEmpty());
+  EXPECT_THAT(contradictions(answering(), silent()), IsEmpty());
+  EXPECT_THAT(contradictions({}, receiving()), IsEmpty());
+}
+
+TEST(WebContradictions, NameADestinationThatIsNotOurs) {
+  WebState state = answering();
+  state.tree["config.host.dport"] = "2370";
+  EXPECT_THAT(
+      contradictions(state, silent()),
+      ElementsAre("the sensor reports that it sends to port 2370, but ip_port is 2368; correct ip_port, or "
+                  "set host: {port: 2368} in control"));
+  EXPECT_THAT(contradictions(state, receiving()), ElementsAre(HasSubstr("but its data arrive on 2368")));
+  state = answering();
+  state.tree["config.host.addr"] = "192.168.1.99";
+  EXPECT_THAT(
+      contradictions(state, silent()),
+      ElementsAre(StartsWith("the sensor sends its data to 192.168.1.99, but this host is 192.168.1.77")));
+  EXPECT_THAT(contradictions(state, receiving()),
+              ElementsAre(HasSubstr("sends to 192.168.1.99, but its data arrive for 192.168.1.77")));
+}
+
+TEST(WebContradictions, TakeBroadcastAndMulticastForOurs) {
+  for (const char* everybody : {"255.255.255.255", "192.168.1.255", "239.0.0.1"}) {
+    WebState state = answering();
+    state.tree["config.host.addr"] = everybody;
+    EXPECT_THAT(contradictions(state, silent()), IsEmpty()) << everybody;
+    EXPECT_THAT(contradictions(state, receiving()), IsEmpty()) << everybody;
+  }
+}
+
+TEST(WebContradictions, NameReturnsAndSpeedThatDiffer) {
+  WebState state = answering();
+  Received received = receiving();
+  received.returns = "Dual";
+  EXPECT_THAT(contradictions(state, received),
+              ElementsAre(HasSubstr("reports returns Strongest, but its data are marked Dual")));
+  received = receiving();
+  received.rpm = 1198.7;
+  EXPECT_THAT(contradictions(state, received),
+              ElementsAre(HasSubstr("the data turn at about 1200 rpm, though the sensor reports 600")));
+  state.tree["status.motor.rpm"] = "304";
+  EXPECT_THAT(contradictions(state, receiving()),
+              ElementsAre(HasSubstr("the motor turns at about 300 rpm, though 600 are set")));
+}
+
+TEST(WebContradictions, WaitUntilTheMotorFollowedAChange) {
+  WebState state = answering();
+  state.settling = true;
+  state.tree["status.motor.rpm"] = "304";
+  Received received = receiving();
+  received.returns = "Dual";
+  EXPECT_THAT(contradictions(state, received), IsEmpty());
+}
+
+TEST(WebStatus, SaysWhatIsWrongMostUrgentFirst) {
+  WebState state = answering();
+  SettingsStatus item = web_status(state, receiving());
+  EXPECT_EQ(item.serial, "AG1");
+  EXPECT_EQ(item.level, Level::ok);
+  EXPECT_EQ(item.message, "answering");
+
+  state.tree["diag.volt_temp.bot.pwr_v_in"] = "500";
+  item = web_status(state, receiving());
+  EXPECT_EQ(item.level, Level::warn);
+  EXPECT_EQ(item.message, "Supply voltage is outside its limits; check supply and cooling");
+
+  state.unknown = {"rpm"};
+  item = web_status(state, receiving());
+  EXPECT_EQ(item.message, "the sensor does not report rpm, so it is not written; remove it from control");
+
+  state.trouble = "no web interface";
+  EXPECT_EQ(web_status(state, receiving()).message, "no web interface");
+
+  state.refused = {"rpm: 600 -> 1200"};
+  item = web_status(state, receiving());
+  EXPECT_EQ(item.level, Level::error);
+  EXPECT_THAT(item.message, StartsWith("the sensor did not take rpm: 600 -> 1200; "));
+}
+
+TEST(WebStatus, TellsMotorLaserAndPps) {
+  for (const auto& [key, value, message] :
+       {std::tuple("status.motor.state", "Off", "the motor is off"),
+        std::tuple("status.laser.state", "Off", "the laser is off"),
+        std::tuple("status.gps.pps_state", "Error", "the sensor reports an error of the PPS signal")}) {
+    WebState state = answering();
+    state.tree[key] = value;
+    const SettingsStatus item = web_status(state, silent());
+    EXPECT_EQ(item.level, Level::warn);
+    EXPECT_THAT(item.message, StartsWith(message));
+  }
+}
+
+}  // namespace
+}  // namespace lidard::velodyne
