@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <vector>
 
 #include "core/merge/merger.h"
@@ -22,8 +21,7 @@ ScanGrid circle() {
   spec.beams = 360;
   spec.range_min = 0.5;
   spec.range_max = 15;
-  std::string error;
-  return make_grid(spec, error).value();
+  return make_grid(spec).value();
 }
 
 double draw(sim::Rng& rng, double reach) { return reach * (2 * rng.uniform() - 1); }

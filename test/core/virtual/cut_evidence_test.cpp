@@ -218,8 +218,7 @@ struct Slope {
     scene.look(1);  // the frame is 1 m beneath the lidar
     ScanGridSpec spec;
     spec.beams = 28800;
-    std::string error;
-    grid = make_grid(spec, error).value();
+    grid = make_grid(spec).value();
     const Raster raster(grid);
     layer.clear(grid.beams);
     draw_band_edges(scene.view, band, raster, layer);

@@ -20,8 +20,7 @@ ScanGrid circle() {
   spec.beams = 360;
   spec.range_min = 1;
   spec.range_max = 12;
-  std::string error;
-  return make_grid(spec, error).value();
+  return make_grid(spec).value();
 }
 
 Eigen::Vector3d place_of(const CloudPoint& p) { return Eigen::Vector3f(p.x, p.y, p.z).cast<double>(); }
