@@ -99,7 +99,7 @@ TEST(Discover, ListsWhatAnswersOnLoopback) {
   ust.product = "UST-20LX";
   sim::DeviceServer hokuyo({here, 0},
                            std::make_unique<sim::ScipDevice>(
-                               ust, [](Stamp) { return std::vector<sim::ScipStep>(); }, sim::wall_clock()));
+                               ust, [](Stamp) { return std::vector<sim::ScipStep>(); }, wall_clock()));
   Responder sick(sick_answer());
   DiscoverOptions options;
   options.hokuyos = {{here, hokuyo.port()}};

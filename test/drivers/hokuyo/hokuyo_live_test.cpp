@@ -74,7 +74,7 @@ class Live : public DriverOutput {
     timer.expires_after(20ms);
     timer.async_wait([this](const boost::system::error_code& error) {
       if (error) return;
-      driver->tick(sim::wall_clock(), *this);
+      driver->tick(wall_clock(), *this);
       tick();
     });
   }
@@ -86,7 +86,7 @@ std::unique_ptr<sim::TcpDevice> ust() {
   options.clock_ppm = 100;
   options.transit.jitter = 5ms;
   return std::make_unique<sim::ScipDevice>(
-      options, [](Stamp) { return scip_wall(1081); }, sim::wall_clock() - 100s);
+      options, [](Stamp) { return scip_wall(1081); }, wall_clock() - 100s);
 }
 
 std::unique_ptr<sim::TcpDevice> uam() {
@@ -95,7 +95,7 @@ std::unique_ptr<sim::TcpDevice> uam() {
       [](Stamp, std::size_t beams) {
         return std::vector<sim::UamBeam>(beams, {1500, 100});
       },
-      sim::wall_clock() - 100s);
+      wall_clock() - 100s);
 }
 
 const Endpoint loopback{IpAddress::v4(127, 0, 0, 1), 0};
@@ -124,7 +124,7 @@ TEST(HokuyoLive, ComesBackWithinTwoSecondsWhateverHappensToTheConnection) {
       {"reset", [](DeviceServer& server) { server.drop(true); }},
       {"power cycle", [](DeviceServer& server) {
          server.switch_off();
-         server.with<sim::ScipDevice>([](sim::ScipDevice& device) { device.power_cycle(sim::wall_clock()); });
+         server.with<sim::ScipDevice>([](sim::ScipDevice& device) { device.power_cycle(wall_clock()); });
        }}};
   DeviceServer server(loopback, ust());
   Live live("hokuyo_ust_10lx", server);

@@ -293,7 +293,7 @@ TEST_P(ColaLive, StreamsAndComesBackAfterResetPowerCycleAndSilence) {
   ColaDeviceOptions options;
   options.dialect = GetParam();
   sim::DeviceServer server({IpAddress::v4(127, 0, 0, 1), 0},
-                           std::make_unique<ColaDevice>(options, room, sim::wall_clock()));
+                           std::make_unique<ColaDevice>(options, room, wall_clock()));
   boost::asio::io_context io;
   LiveClient client(io, server.port(), "sick_lms1xx");
   boost::asio::steady_timer ticker(io);
@@ -301,19 +301,19 @@ TEST_P(ColaLive, StreamsAndComesBackAfterResetPowerCycleAndSilence) {
     ticker.expires_after(std::chrono::milliseconds(50));
     ticker.async_wait([&](const auto& error) {
       if (error) return;
-      client.driver->tick(sim::wall_clock(), client);
+      client.driver->tick(wall_clock(), client);
       tick();
     });
   };
   tick();
   /// Seconds until `count` more scans came.
   const auto wait_for_scans = [&](std::size_t count, double limit) {
-    const Stamp begin = sim::wall_clock();
+    const Stamp begin = wall_clock();
     const std::size_t goal = client.scans + count;
-    while (client.scans < goal && seconds(sim::wall_clock() - begin) < limit)
+    while (client.scans < goal && seconds(wall_clock() - begin) < limit)
       io.run_for(std::chrono::milliseconds(20));
     EXPECT_GE(client.scans, goal);
-    return seconds(sim::wall_clock() - begin);
+    return seconds(wall_clock() - begin);
   };
   wait_for_scans(50, 60);
   EXPECT_EQ(client.driver->counters().lost_packets, 0U);
@@ -321,7 +321,7 @@ TEST_P(ColaLive, StreamsAndComesBackAfterResetPowerCycleAndSilence) {
   const double after_reset = wait_for_scans(5, 60);
   server.switch_off();
   io.run_for(std::chrono::milliseconds(300));
-  server.with<ColaDevice>([](ColaDevice& device) { device.power_cycle(sim::wall_clock()); });
+  server.with<ColaDevice>([](ColaDevice& device) { device.power_cycle(wall_clock()); });
   server.switch_on();
   const double after_power = wait_for_scans(5, 60);
   server.hang(true);
