@@ -81,6 +81,7 @@ void read_kind(Mapping& yaml, SensorConfig& sensor) {
     yaml.mistakes().doubt(topic.path());
     topic.fail_at_key("is given beside model", "one of them: model (our driver) or topic (another driver)");
   }
+  if (!model && !yaml.has("topic") && yaml.mistakes().is_in_doubt(yaml.self().path())) throw AlreadyNoted();
   if (!model && !yaml.has("topic"))
     yaml.self().fail_at_key("has neither model nor topic", "model: a name from `lidard models`, or topic:");
   if (!model) return;
@@ -310,6 +311,8 @@ SensorConfig read_sensor(const std::string& name, const Value& entry, Reading& r
 
 void read_sensors(Mapping& root, Reading& reading) {
   const std::string expected = "sensors: with at least one entry, each with model: or topic:";
+  // A file in which something else is wrong may have them under another name.
+  if (!root.has("sensors") && reading.mistakes.count() > 0) return;
   root.attempt("sensors", [&] {
     const Value section = root.require("sensors", expected);
     read_entries(section, reading.config.sensors, reading, read_sensor);
