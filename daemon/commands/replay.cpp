@@ -133,6 +133,7 @@ int into_ros(const ReplayOptions& options, const Config& config, MergedCapture& 
   const bool flushed = session.flush(patience);
   if (!flushed) err << "some frames were not taken by their subscribers within 5 s\n";
   const int code = flushed && complete ? exit_ok : exit_failed;
+  out.flush();  // std::quick_exit() would lose it
   if (!session.stop()) std::quick_exit(code);
   return code;
 }

@@ -19,7 +19,7 @@ CONFIG = """\
 vehicle: {{odometry_topic: /odom}}
 sensors:
   front: {{model: sick_microscan3, ip_address: 127.168.0.21, ip_port: {port}, listen_only: true, pose: {{xyz: [0, 0, 0]}}}}
-  dialogue: {{model: sick_tim561, ip_address: 127.168.0.22, pose: {{xyz: [0, 0, 0]}}}}
+  dialogue: {{model: sick_lms1xx, ip_address: 127.168.0.22, pose: {{xyz: [0, 0, 0]}}}}
   packets: {{model: velodyne_vlp16, packet_topic: /velodyne_packets, pose: {{xyz: [0, 0, 1]}}}}
   a: {{topic: /a}}
   b: {{topic: /b}}
@@ -31,7 +31,7 @@ merged_scans:
 virtual_scans:
   levels: {{cloud_topic: packets, virtual_laser_scan: [low], poses: {{low: {{xyz: [0, 0, 0.5]}}}}}}
 """
-OURS = ["lidard", "lidard-master", "lidard-ros"]
+OURS = [pathlib.Path(LIDARD).name[:15], "lidard-master", "lidard-ros"]
 CALLBACKS = ["lidard-callback"]
 ROSCPP = ["roscpp-callback", "roscpp-rosout", "roscpp-sockets", "roscpp-xmlrpc"]
 
