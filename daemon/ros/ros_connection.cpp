@@ -251,9 +251,12 @@ void RosConnection::Impl::restart_after_foreign_stop(MasterClient& master) {
       "our ROS node {} was shut down from outside (a node of the same name, or rosnode kill); starting again",
       node);
   end_ros(false);
-  const Span pause = name->thrown_out(master);
-  std::unique_lock lock(wake_mutex);
-  wake.wait_for(lock, pause, [this] { return stopping.load(); });
+  const auto pause = [this](Span length) {
+    std::unique_lock lock(wake_mutex);
+    wake.wait_for(lock, length, [this] { return stopping.load(); });
+  };
+  pause(name->thrown_out());
+  pause(name->after_thrown_out(master));
 }
 
 void RosConnection::Impl::publish_diagnostics() {

@@ -23,6 +23,9 @@ constexpr const char* method = "lidard_started";
 constexpr auto patience = seconds(3);
 constexpr auto takeover_window = seconds(10);
 constexpr std::size_t most_takeovers = 3;
+/// Two daemons that start in step throw each other out in step, and neither is there when the other one asks.
+/// Of two that step aside by chance, one finds the other.
+constexpr Span longest_step_aside = std::chrono::seconds(1);
 /// Pause where a node that is no daemon of ours takes the name again and again.
 constexpr auto back_off = seconds(5);
 
@@ -82,10 +85,15 @@ bool RosName::is_free(MasterClient& master) {
   return false;
 }
 
-Span RosName::thrown_out(MasterClient& master) {
+Span RosName::thrown_out() {
   const auto now = Clock::now();
   thrown_out_.push_back(now);
   while (now - thrown_out_.front() > takeover_window) thrown_out_.pop_front();
+  if (thrown_out_.size() < most_takeovers) return Span(0);
+  return Span(std::uniform_int_distribution<Span::rep>(0, longest_step_aside.count())(chance_));
+}
+
+Span RosName::after_thrown_out(MasterClient& master) {
   if (thrown_out_.size() < most_takeovers) return Span(0);
   const auto other = holder(master);
   if (!other) return thrown_out_.size() > most_takeovers ? Span(back_off) : Span(0);

@@ -6,6 +6,7 @@
 #include <deque>
 #include <mutex>
 #include <optional>
+#include <random>
 #include <string>
 
 #include "core/base/time.h"
@@ -28,9 +29,11 @@ class RosName {
   bool is_free(MasterClient& master);
   /// We have registered: from now on the name is ours, and another one that takes it comes second.
   void taken() { ours_ = true; }
-  /// We were shut down from outside. Returns how long to wait before we start again. After three times in
-  /// 10 s we give up if the daemon that has the name now started before us.
-  Span thrown_out(MasterClient& master);
+  /// We were shut down from outside. Returns how long to step aside, so that another daemon can settle.
+  Span thrown_out();
+  /// To be called then: after three times in 10 s we give up if the daemon that has the name now started
+  /// before us. Returns how long to wait before we start again.
+  Span after_thrown_out(MasterClient& master);
   /// Why we have given up, with the remedy; empty: we have not.
   std::string conflict() const;
 
@@ -47,6 +50,7 @@ class RosName {
   bool ours_ = false;
   std::optional<std::chrono::steady_clock::time_point> seen_since_;
   std::deque<std::chrono::steady_clock::time_point> thrown_out_;
+  std::minstd_rand chance_{std::random_device{}()};
   mutable std::mutex mutex_;
   std::string conflict_;
 };
