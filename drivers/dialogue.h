@@ -88,7 +88,7 @@ class SideDialogue {
     /// A stream that stopped for so long may have lost its settings, or never had them.
     constexpr Span silence = std::chrono::seconds(1);
     constexpr Span pause = std::chrono::milliseconds(500);
-    /// The same after a whole dialogue that did not bring the stream back.
+    /// The pause after a whole dialogue that did not bring the stream back.
     constexpr Span fruitless_pause = std::chrono::seconds(5);
     const bool stopped = !last_data || now_ - *last_data > silence;
     if (!wanted_ || (complete_ && !(restores_ && stopped))) return false;

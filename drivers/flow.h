@@ -37,7 +37,7 @@ Flow flow_of(const Packet& packet);
 /// dialogue; a port 0 is none. The data come first.
 std::vector<Flow> flows_of(const Model& model, const IpAddress& address, std::uint16_t port,
                            std::uint16_t telemetry_port, std::uint16_t dialogue_port);
-/// The same with the model's usual ports for all but the data.
+/// The flows of a device whose telemetry and dialogue use the model's usual ports.
 inline std::vector<Flow> flows_of(const Model& model, const IpAddress& address, std::uint16_t port) {
   return flows_of(model, address, port, model.telemetry_port, model.dialogue_port);
 }

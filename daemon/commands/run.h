@@ -16,7 +16,7 @@ struct Config;
 /// The daemon: listens to the configured sensors and publishes until SIGTERM or SIGINT. Returns the exit
 /// code.
 int run_daemon(const Config& config, RosOptions ros, std::ostream& err);
-/// The same with a configuration file.
+/// Runs the daemon with the configuration that the file holds.
 int run_daemon(const std::string& config_file, const std::vector<std::string>& ros_arguments,
                std::ostream& err);
 

@@ -208,9 +208,14 @@ std::string VirtualScanConfig::topic(const std::string& frame, const AlsoScanCon
 }
 
 const Keys<Virtual>& virtual_keys() {
-  static const Keys<Virtual> all = joined<Virtual>(
-      {frame_rows(), within(&Virtual::output, output_keys()), {also_row<Virtual>()}, evidence_rows()});
-  return all;
+  static const Keys<Virtual> rows = [] {
+    Keys<Virtual> all = joined<Virtual>(
+        {frame_rows(), within(&Virtual::output, output_keys()), {also_row<Virtual>()}, evidence_rows()});
+    // Requests at run time may change the profile of merged scans alone.
+    for (Key& key : all) key.live = key.live && key.name != "profile";
+    return all;
+  }();
+  return rows;
 }
 
 void read_virtual_scans(Mapping& root, Reading& reading) {

@@ -10,7 +10,7 @@ namespace lidard {
 /// Translates the parameters of laserscan_multi_merger (ira_laser_tools 1.0.7), with its defaults and limits.
 /// Throws ConfigError for what cannot be.
 DropinSetup laser_merger_setup(const NodeParameters& parameters);
-/// The same of laserscan_virtualizer.
+/// Translates the parameters of laserscan_virtualizer; throws ConfigError for what cannot be.
 DropinSetup laser_virtualizer_setup(const NodeParameters& parameters);
 
 /// laserscan_virtualizer reads four of its parameters from /laserscan_virtualizer whatever its own name is;

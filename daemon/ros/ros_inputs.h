@@ -21,7 +21,7 @@ struct TopicSource {
   std::optional<FrameKind> kind = {};  ///< what it is taken for; unset: nobody minds
 };
 
-/// Those of a configuration.
+/// The topics that the sensors of a configuration come from.
 std::vector<TopicSource> topic_sources(const Config& config);
 
 /// What happened to one topic source since the start.

@@ -39,7 +39,7 @@ class RosPublishers {
   bool publish(QueuedFrame& frame);
   /// Messages of the frame's topic that some subscriber's socket has not yet taken.
   std::size_t in_flight(const QueuedFrame& frame);
-  /// The same of all topics.
+  /// Messages of all topics that some subscriber's socket has not yet taken.
   std::size_t in_flight();
   /// Subscribers of all frame topics together; the last known number while a frame is being published.
   std::size_t subscribers() const;

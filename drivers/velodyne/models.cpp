@@ -148,7 +148,7 @@ Model spinning(const char* name, const char* product, const ModelRow& row, doubl
   return model;
 }
 
-/// Those with telemetry packets and a web interface (63-9243 Rev D, section 10.2), which the HDL-64E has not:
+/// Sensors with telemetry packets and a web interface (63-9243 Rev D, section 10.2), which the HDL-64E has not:
 /// it is set through its serial line (user manual 63-HDL64ES3).
 Model connected(const char* name, const char* product, const ModelRow& row, double range_max,
                 const char* verified, std::initializer_list<Trait> more = {}) {
