@@ -93,13 +93,24 @@ class Installation(unittest.TestCase):
             self.assertIn(topic.strip("/").split("/")[0], names)
 
     def test_systemd_accepts_the_unit(self):
-        unit = self.prefix / "lib/systemd/system/lidard.service"
-        self.assertNotIn("@", unit.read_text())
-        done = subprocess.run(["systemd-analyze", "verify", "--man=no", str(unit)], stdout=subprocess.PIPE,
-                              stderr=subprocess.STDOUT, text=True, check=False)
-        complaints = [line for line in done.stdout.splitlines() if "lidard" in line]
-        self.assertEqual(complaints, [])
-        self.assertEqual(done.returncode, 0, done.stdout)
+        for name, instance in (("lidard.service", ""), ("lidard@.service", "rear")):
+            unit = self.prefix / "lib/systemd/system" / name
+            self.assertEqual([line for line in unit.read_text().splitlines() if "@" in line and "SystemCallFilter" not in line], [])
+            done = subprocess.run(["systemd-analyze", "verify", "--man=no", str(unit).replace("@", "@" + instance)],
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+            complaints = [line for line in done.stdout.splitlines() if "lidard" in line]
+            self.assertEqual(complaints, [])
+            self.assertEqual(done.returncode, 0, done.stdout)
+
+    def test_several_daemons_are_told_apart(self):
+        lines = self.text("lib/systemd/system/lidard@.service").splitlines()
+        self.assertIn(f"ExecStart={self.prefix}/bin/lidard run -c {self.prefix}/etc/lidard/%i.yaml __name:=lidard_%i", lines)
+        self.assertIn("RuntimeDirectory=lidard-%i", lines)
+
+    def test_the_environment_is_a_sample_that_sets_nothing(self):
+        lines = self.text("etc/default/lidard").splitlines()
+        self.assertEqual([line for line in lines if line and not line.startswith("#")], [])
+        self.assertIn(f"EnvironmentFile=-{self.prefix}/etc/default/lidard", self.text("lib/systemd/system/lidard.service").splitlines())
 
     def test_the_unit_runs_the_installed_program_with_the_installed_configuration(self):
         lines = self.text("lib/systemd/system/lidard.service").splitlines()
