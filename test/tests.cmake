@@ -52,13 +52,17 @@ add_test(NAME test_names COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/te
 add_test(NAME skipped_tests COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/skipped_test.py)
 add_test(NAME mutate COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/mutate_test.py)
 
+# A library that moves a program's clock, for the test of a host whose clock is set.
+add_library(clock_shim MODULE test/system/clock_shim.cpp)
+target_link_libraries(clock_shim PRIVATE lidard_options ${CMAKE_DL_LIBS})
+
 # test/system/*.py drive the real programs: sockets on loopback, a real rosmaster, roscpp, bags.
 file(GLOB system_tests CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/system/test_*.py)
 foreach(script ${system_tests})
   get_filename_component(name ${script} NAME_WE)
   add_test(NAME system.${name} COMMAND /usr/bin/python3 ${script})
   set_tests_properties(system.${name} PROPERTIES TIMEOUT 300 SKIP_RETURN_CODE 77 RUN_SERIAL TRUE
-    ENVIRONMENT "LIDARD=$<TARGET_FILE:lidard>;LIDARD_SIM=$<TARGET_FILE:lidard-sim>;LIDARD_SOURCE_DIR=${CMAKE_CURRENT_SOURCE_DIR}")
+    ENVIRONMENT "LIDARD=$<TARGET_FILE:lidard>;LIDARD_SIM=$<TARGET_FILE:lidard-sim>;LIDARD_CLOCK_SHIM=$<TARGET_FILE:clock_shim>;LIDARD_SOURCE_DIR=${CMAKE_CURRENT_SOURCE_DIR}")
 endforeach()
 
 file(GLOB benches CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/bench/*.cpp)

@@ -32,6 +32,8 @@ constexpr Span longest_report_age = std::chrono::seconds(2);
 /// Threads that live make ten rounds per second.
 constexpr auto longest_round = std::chrono::seconds(1);
 
+constexpr const char* clock_name = "clock";
+
 /// Figures alone are no news.
 std::string without_figures(std::string text) {
   text.erase(std::remove_if(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; }),
@@ -47,15 +49,15 @@ class Daemon {
         pipeline_(config, ros_.poses(), ros_),
         ports_(io_, config,
                [this](const Packet& packet) {
-                 pipeline_.packet(packet);
+                 pipeline_.packet(without_steps(packet));
                  arm();
                }),
         links_(io_, config,
                {[this](std::size_t sensor, const Packet& packet) {
-                  pipeline_.chunk(sensor, packet);
+                  pipeline_.chunk(sensor, without_steps(packet));
                   arm();
                 },
-                [this](std::size_t sensor, Stamp now) { pipeline_.connected(sensor, now); },
+                [this](std::size_t sensor, Stamp at) { pipeline_.connected(sensor, without_steps(at)); },
                 [this](std::size_t sensor) { pipeline_.disconnected(sensor); },
                 [this](std::size_t sensor) { return pipeline_.frames(sensor); }}),
         signals_(io_, SIGINT, SIGTERM),
@@ -64,11 +66,12 @@ class Daemon {
     pipeline_.set_links(&links_);
     ros_.feed(pipeline_, [this](std::function<void(Stamp)> task) {
       boost::asio::post(io_, [this, task = std::move(task), received = wall_clock()] {
-        task(received);
+        task(without_steps(received));
         arm();
       });
     });
     pipeline_.add_diagnostics([this](std::vector<DiagnosticItem>& items) {
+      items.push_back(clock_item());
       ports_.add_diagnostics(items);
       links_.add_diagnostics(items);
     });
@@ -85,14 +88,14 @@ class Daemon {
     ports_.start();
     links_.start();
     ros_.start();
-    ros_.transforms(pipeline_.static_transforms(), wall_clock());
+    ros_.transforms(pipeline_.static_transforms(), now());
     service_.ready(status());
     next_tick_ = std::chrono::steady_clock::now();
     schedule_tick();
     io_.run();
     service_.stopping();
     ports_.stop();
-    pipeline_.finish(wall_clock());  // what is still in doubt of the last packets is counted
+    pipeline_.finish(now());  // what is still in doubt of the last packets is counted
     links_.stop();
     for (const auto& sensor : pipeline_.report()) log_sensor(sensor);
     left = ros_.stop();
@@ -100,9 +103,43 @@ class Daemon {
   }
 
  private:
+  /// What comes next from the sensors, the network and ROS is told in the time without steps; the host's
+  /// clock is looked at each time, so that a step is known before the first stamp after it is used.
+  ClockReading look_at_clocks() {
+    const ClockReading reading = read_clocks();
+    if (const auto step = clock_.observe(reading)) {
+      set_at_ = clock_.steady(reading);
+      last_step_ = *step;
+      ros_.set_step(clock_.step());
+      spdlog::warn("the host's clock was set by {:+.3f} s; the stamps follow it in one step", seconds(*step));
+    }
+    return reading;
+  }
+  Stamp now() { return clock_.steady(look_at_clocks()); }
+  Stamp without_steps(Stamp taken) { return clock_.steady(taken, look_at_clocks()); }
+  Packet without_steps(const Packet& packet) {
+    Packet same = packet;
+    same.arrival = without_steps(packet.arrival);
+    return same;
+  }
+  DiagnosticItem clock_item() {
+    DiagnosticItem item;
+    item.name = clock_name;
+    item.message = "the host's clock runs evenly";
+    item.values = {{"Steps", std::to_string(clock_.steps())},
+                   {"Sum of Steps (s)", fmt::format("{:.3f}", seconds(clock_.step()))}};
+    constexpr Span news = std::chrono::seconds(10);
+    if (clock_.steps() > 0 && now() - set_at_ < news) {
+      item.health = Health::warn;
+      item.message = fmt::format(
+          "the host's clock was set by {:+.3f} s; keep it with chrony or ntpd, which turn its rate instead",
+          seconds(last_step_));
+    }
+    return item;
+  }
   std::string status() const {
     std::size_t alive = 0;
-    const Stamp now = wall_clock();
+    const Stamp now = clock_.steady(read_clocks());
     const auto reports = pipeline_.report();
     for (const auto& sensor : reports)
       alive += sensor.seen && seconds(now - sensor.last_arrival) < 1 ? 1U : 0U;
@@ -121,8 +158,7 @@ class Daemon {
   template <class Then>
   void catch_up(Then then) {
     // A handler that is posted runs before those of sockets found ready meanwhile, the next one after them.
-    boost::asio::post(
-        io_, [this, then, now = wall_clock()] { boost::asio::post(io_, [then, now] { then(now); }); });
+    boost::asio::post(io_, [this, then, now = now()] { boost::asio::post(io_, [then, now] { then(now); }); });
   }
   void schedule_tick() {
     next_tick_ += tick_period;
@@ -138,7 +174,7 @@ class Daemon {
     const auto event = pipeline_.next_event();
     if (!event || event == next_event_) return;
     next_event_ = event;
-    event_timer_.expires_after(std::max(Span(0), *event - wall_clock()));
+    event_timer_.expires_after(std::max(Span(0), *event - now()));
     event_timer_.async_wait([this](const boost::system::error_code& error) {
       if (error) return;
       catch_up([this](Stamp now) {
@@ -182,7 +218,8 @@ class Daemon {
   }
   /// What went wrong since the last summary, in one line per sensor; silence when all is well.
   void log_trouble() {
-    for (const auto& item : pipeline_.diagnostics(wall_clock())) {
+    for (const auto& item : pipeline_.diagnostics(now())) {
+      if (item.name == clock_name) continue;  // the log has it since it happened
       std::string& told = told_[item.name];
       if (item.health == Health::ok) {
         if (!told.empty()) spdlog::info("{}: {}", item.name, item.message);
@@ -195,6 +232,9 @@ class Daemon {
   }
 
   boost::asio::io_context io_{1};
+  HostClock clock_{read_clocks()};
+  Stamp set_at_{};
+  Span last_step_{0};
   ServiceManager service_;
   RosSession ros_;
   Pipeline pipeline_;

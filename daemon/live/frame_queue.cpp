@@ -54,7 +54,7 @@ void FrameQueue::push_to(std::size_t number, Stamp released, Fill fill) {
     ++lane.dropped;
   }
   frame->number = ++pushed_;
-  frame->released = released;
+  frame->released = released + step_;
   fill(frame->content);
   lane.waiting.push_back(frame);
   lock.unlock();
@@ -62,21 +62,29 @@ void FrameQueue::push_to(std::size_t number, Stamp released, Fill fill) {
 }
 
 void FrameQueue::push(const OutputTopic& topic, const PlanarScan& scan, Stamp released) {
-  push_to(topic.id, released, [&](QueuedContent& slot) { std::get<PlanarScan>(slot) = scan; });
+  push_to(topic.id, released, [&](QueuedContent& slot) {
+    PlanarScan& kept = std::get<PlanarScan>(slot);
+    kept = scan;
+    kept.stamp = scan.stamp + step_;
+  });
 }
 
 void FrameQueue::push(const OutputTopic& topic, Cloud& cloud, Stamp released) {
   push_to(topic.id, released, [&](QueuedContent& slot) {
     Cloud& kept = std::get<Cloud>(slot);
     kept.frame_id = cloud.frame_id;
-    kept.stamp = cloud.stamp;
+    kept.stamp = cloud.stamp + step_;
     kept.format = cloud.format;
     kept.points_bytes.swap(cloud.points_bytes);
   });
 }
 
 void FrameQueue::push(const OutputTopic& topic, const DeviceMessage& message, Stamp released) {
-  push_to(topic.id, released, [&](QueuedContent& slot) { std::get<DeviceMessage>(slot) = message; });
+  push_to(topic.id, released, [&](QueuedContent& slot) {
+    DeviceMessage& kept = std::get<DeviceMessage>(slot);
+    kept = message;
+    std::visit([this](auto& told) { told.stamp = told.stamp + step_; }, kept);
+  });
 }
 
 void FrameQueue::push(const std::vector<StaticTransform>& transforms, Stamp released) {

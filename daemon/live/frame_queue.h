@@ -37,6 +37,8 @@ class FrameQueue {
   /// `topics` as in output_topics().
   FrameQueue(const std::vector<OutputTopic>& topics, Backpressure backpressure);
 
+  /// By how much the stamps of what is pushed from now on are moved: HostClock::step().
+  void set_step(Span step) { step_ = step; }
   void push(const OutputTopic& topic, const PlanarScan& scan, Stamp released);
   /// Swaps points_bytes with a recycled buffer.
   void push(const OutputTopic& topic, Cloud& cloud, Stamp released);
@@ -73,6 +75,7 @@ class FrameQueue {
   std::uint64_t dropped(std::size_t begin, std::size_t end) const;
 
   Backpressure backpressure_;
+  Span step_{0};
   mutable std::mutex mutex_;
   std::condition_variable filled_;
   std::condition_variable emptied_;

@@ -332,6 +332,8 @@ void RosConnection::transforms(const std::vector<StaticTransform>& transforms, S
 void RosConnection::diagnostics(const std::vector<DiagnosticItem>& items, Stamp) {
   if (impl_->diagnostics.set(items)) impl_->hurry();
 }
+void RosConnection::set_step(Span step) { impl_->queue.set_step(step); }
+
 void RosConnection::publish_clock(Stamp now) { impl_->queue.push_clock(now); }
 
 bool RosConnection::wait_for_master(Span limit) {

@@ -43,6 +43,8 @@ class RosConnection : public FrameSink {
   void message(const OutputTopic& topic, const DeviceMessage& message, Stamp released) override;
   void transforms(const std::vector<StaticTransform>& transforms, Stamp released) override;
   void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) override;
+  /// By how much the host's clock was set since the beginning: so much is added to the stamps of what goes out.
+  void set_step(Span step);
   /// The time of a replay, on /clock.
   void publish_clock(Stamp now);
 

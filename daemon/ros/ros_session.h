@@ -27,11 +27,17 @@ class RosSession : public RosConnection {
   /// dynamic_reconfigure reach the pipeline, which must outlive the session's use. To be called before
   /// start().
   void feed(Pipeline& pipeline, const RosPost& post);
+  /// By how much the host's clock was set since the beginning. The pipeline reckons without steps, ROS with
+  /// the host's clock. To be called by the pipeline's thread.
+  void set_step(Span step);
 
  private:
+  RosHandlers into(Pipeline& pipeline) const;
+
   const Config& config_;
   const ReconfigureNames reconfigure_;
   const std::shared_ptr<TfPoses> poses_;
+  Span step_{0};
 };
 
 }  // namespace lidard

@@ -20,14 +20,16 @@ TfPoses::TfPoses() : buffer_(std::make_shared<tf2::BufferCore>(ros::Duration(kep
 
 bool TfPoses::lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
                      std::string& why_not) {
-  if (look_up(*buffer_, parent, child, stamp, pose, why_not)) return true;
+  if (look_up(*buffer_, parent, child, stamp + step_, pose, why_not)) return true;
   if (!listening_) why_not = "no tf: there was no ROS master yet; publish it on tf or configure the pose";
   return false;
 }
 
 void TfPoses::history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
                       std::vector<StampedPose>& poses) {
-  read_history(*buffer_, parent, child, after, until, poses);
+  const std::size_t known = poses.size();
+  read_history(*buffer_, parent, child, after + step_, until + step_, poses);
+  for (std::size_t i = known; i < poses.size(); ++i) poses[i].stamp = poses[i].stamp - step_;
 }
 
 void TfPoses::connected(RosCallbackThread& ros) {

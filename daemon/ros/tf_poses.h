@@ -25,10 +25,14 @@ class TfPoses : public TransformSource, public RosComponent {
   void history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
                std::vector<StampedPose>& poses) override;
   void connected(RosCallbackThread& ros) override;
+  /// By how much the host's clock was set: tf is stamped with that clock, lookups ask for the time without
+  /// steps. To be called by the thread that looks up.
+  void set_step(Span step) { step_ = step; }
   void disconnected() override { listening_ = false; }
 
  private:
   std::shared_ptr<tf2::BufferCore> buffer_;
+  Span step_{0};
   std::atomic<bool> listening_{false};
 };
 

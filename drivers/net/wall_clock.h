@@ -2,13 +2,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "core/base/time.h"
+#include <algorithm>
+
+#include "core/base/host_clock.h"
 
 namespace lidard {
 
 /// The host's time: the scale of the stamps of what arrives.
 inline Stamp wall_clock() {
   return {std::chrono::duration_cast<Span>(std::chrono::system_clock::now().time_since_epoch()).count()};
+}
+
+/// Both clocks, the best of a few readings: the thread may lose its processor between the two.
+inline ClockReading read_clocks() {
+  const auto monotonic = [] { return Span(std::chrono::steady_clock::now().time_since_epoch()); };
+  ClockReading best;
+  best.uncertainty = Span::max();
+  for (int i = 0; i < 3; ++i) {
+    const Span before = monotonic();
+    const Stamp realtime = wall_clock();
+    const Span took = monotonic() - before;
+    if (took < best.uncertainty) best = {realtime, before, took};
+    if (took < std::chrono::microseconds(20)) break;
+  }
+  return best;
 }
 
 }  // namespace lidard

@@ -75,6 +75,30 @@ TEST(FrameQueue, PassesWhatDevicesTellInOrder) {
   EXPECT_TRUE(queue.idle());
 }
 
+TEST(FrameQueue, MovesEveryStampByWhatTheHostsClockWasSetBy) {
+  FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
+  queue.set_step(-5s);
+  const PlanarScan scan = sample_scan();
+  Cloud cloud = sample_cloud(1);
+  const Stamp measured = cloud.stamp;
+  const TimeReference reference = std::get<TimeReference>(test::sample_time_reference());
+  queue.push(test::front_scan, scan, Stamp{9'000'000'000});
+  queue.push(test::roof_points, cloud, Stamp{1});
+  queue.push(test::roof_time, reference, Stamp{1});
+  auto* frame = queue.pop(1ms);
+  ASSERT_NE(frame, nullptr);
+  EXPECT_EQ(frame->released.ns, 4'000'000'000);
+  EXPECT_EQ(std::get<PlanarScan>(frame->content).stamp, scan.stamp - 5s);
+  frame = queue.pop(1ms);
+  ASSERT_NE(frame, nullptr);
+  EXPECT_EQ(std::get<Cloud>(frame->content).stamp, measured - 5s);
+  frame = queue.pop(1ms);
+  ASSERT_NE(frame, nullptr);
+  const auto& told = std::get<TimeReference>(std::get<DeviceMessage>(frame->content));
+  EXPECT_EQ(told.stamp, reference.stamp - 5s);
+  EXPECT_EQ(told.reference, reference.reference) << "the other clock was not set";
+}
+
 TEST(FrameQueue, LetsAnImuRunAheadFurtherThanAFrame) {
   FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
   for (int i = 0; i < 40; ++i) queue.push(test::roof_imu, test::sample_imu(), Stamp{i});
