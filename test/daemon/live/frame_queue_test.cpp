@@ -81,7 +81,7 @@ TEST(FrameQueue, MovesEveryStampByWhatTheHostsClockWasSetBy) {
   const PlanarScan scan = sample_scan();
   Cloud cloud = sample_cloud(1);
   const Stamp measured = cloud.stamp;
-  const TimeReference reference = std::get<TimeReference>(test::sample_time_reference());
+  const TimeReference reference = test::sample_time_reference();
   queue.push(test::front_scan, scan, Stamp{9'000'000'000});
   queue.push(test::roof_points, cloud, Stamp{1});
   queue.push(test::roof_time, reference, Stamp{1});

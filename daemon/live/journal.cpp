@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/live/journal.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace lidard {
+namespace {
+
+std::string without_figures(std::string text) {
+  text.erase(std::remove_if(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; }),
+             text.end());
+  return text;
+}
+
+}  // namespace
+
+void Journal::update(const std::vector<DiagnosticItem>& items, Stamp now) {
+  for (const DiagnosticItem& item : items) {
+    Known& known = known_[item.name];
+    const std::string text = item.health == Health::ok ? "" : without_figures(item.message);
+    if (known.health == item.health && known.text == text) continue;
+    known.health = item.health;
+    known.text = text;
+    add({now, item.name, item.health, item.message});
+  }
+}
+
+void Journal::add(Event event) {
+  if (is_to_be_told(event)) told_(event);
+  events_.push_back(std::move(event));
+  if (events_.size() <= most_events) return;
+  events_.pop_front();
+  ++forgotten_;
+}
+
+bool Journal::is_to_be_told(const Event& event) {
+  constexpr Span minute = std::chrono::minutes(1);
+  Known& known = known_[event.source];
+  const auto is_old = [&](Stamp at) { return event.at - at > minute || at > event.at; };
+  known.told.erase(std::remove_if(known.told.begin(), known.told.end(), is_old), known.told.end());
+  if (known.told.size() < most_told) {
+    known.flaps = false;
+    known.told.push_back(event.at);
+    return true;
+  }
+  if (!std::exchange(known.flaps, true))
+    told_({event.at, event.source, event.health,
+           event.text + " (changes to and fro; `lidard events` lists what follows within the minute)"});
+  return false;
+}
+
+}  // namespace lidard

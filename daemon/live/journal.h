@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "daemon/pipeline/sink.h"
+
+namespace lidard {
+
+/// Something changed that an operator wants to know of.
+struct Event {
+  Stamp at;  ///< on the host's clock
+  std::string source;
+  Health health = Health::ok;
+  std::string text;  ///< a sentence, with the remedy unless health is ok
+};
+
+/// The changes of state of a running daemon, each once: it compares the items of /diagnostics with what was
+/// known. A figure alone is no news; neither is that something is well from the beginning.
+class Journal {
+ public:
+  /// `told`: is called with each event when it is noted, but not with those of a source that changes to and
+  /// fro (more than `most_told` within a minute), which would flood a log.
+  explicit Journal(std::function<void(const Event&)> told) : told_(std::move(told)) {}
+
+  void update(const std::vector<DiagnosticItem>& items, Stamp now);
+  void add(Event event);
+
+  /// Oldest first, at most `most_events`.
+  const std::deque<Event>& events() const { return events_; }
+  /// How many older ones are forgotten.
+  std::uint64_t forgotten() const { return forgotten_; }
+
+  static constexpr std::size_t most_events = 1000;
+  static constexpr std::size_t most_told = 10;
+
+ private:
+  struct Known {
+    Health health = Health::ok;
+    std::string text;        // without figures
+    std::deque<Stamp> told;  // within the last minute
+    bool flaps = false;
+  };
+  bool is_to_be_told(const Event& event);
+
+  std::function<void(const Event&)> told_;
+  std::map<std::string, Known> known_;
+  std::deque<Event> events_;
+  std::uint64_t forgotten_ = 0;
+};
+
+}  // namespace lidard

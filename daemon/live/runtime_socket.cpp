@@ -1,0 +1,148 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/live/runtime_socket.h"
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/read_until.hpp>
+#include <boost/asio/streambuf.hpp>
+#include <boost/asio/write.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <istream>
+#include <memory>
+#include <stdexcept>
+
+namespace lidard {
+namespace {
+
+namespace asio = boost::asio;
+using Local = asio::local::stream_protocol;
+
+constexpr std::size_t longest_question = 64;
+/// Whoever asks and then neither speaks nor listens must not hold a connection for ever.
+constexpr auto patience = std::chrono::seconds(2);
+
+std::string environment(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+}  // namespace
+
+std::string runtime_socket_path() {
+  if (const std::string path = environment("LIDARD_SOCKET"); !path.empty()) return path;
+  // Several folders are separated by colons (systemd.exec(5)).
+  const std::string runtime = environment("RUNTIME_DIRECTORY");
+  if (!runtime.empty()) return runtime.substr(0, runtime.find(':')) + "/control";
+  const std::string user = environment("XDG_RUNTIME_DIR");
+  return user.empty() ? "/run/lidard/control" : user + "/lidard/control";
+}
+
+/// One question and its answer. Keeps itself alive until both are through, or patience is over.
+class RuntimeSocket::Talk : public std::enable_shared_from_this<Talk> {
+ public:
+  Talk(Local::socket socket, const Answers& answers)
+      : socket_(std::move(socket)), limit_(socket_.get_executor(), patience), answers_(answers) {}
+
+  void begin() {
+    limit_.async_wait([self = shared_from_this()](const boost::system::error_code& error) {
+      boost::system::error_code ignored;
+      if (!error) self->socket_.close(ignored);
+    });
+    asio::async_read_until(socket_, question_, '\n',
+                           [self = shared_from_this()](const boost::system::error_code& error, std::size_t) {
+                             error ? self->end() : self->answer();
+                           });
+  }
+
+ private:
+  void answer() {
+    std::string word;
+    std::istream in(&question_);
+    std::getline(in, word);
+    const auto found = answers_.find(word);
+    text_ = found == answers_.end() ? "unknown question\n" : found->second();
+    asio::async_write(
+        socket_, asio::buffer(text_),
+        [self = shared_from_this()](const boost::system::error_code&, std::size_t) { self->end(); });
+  }
+  void end() {
+    boost::system::error_code ignored;
+    limit_.cancel();
+    socket_.close(ignored);
+  }
+
+  Local::socket socket_;
+  asio::steady_timer limit_;
+  const Answers& answers_;
+  asio::streambuf question_{longest_question};
+  std::string text_;
+};
+
+RuntimeSocket::RuntimeSocket(asio::io_context& io, Answers answers)
+    : acceptor_(io), pause_(io), answers_(std::move(answers)) {}
+RuntimeSocket::~RuntimeSocket() { stop(); }
+
+std::string RuntimeSocket::start(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  fs::create_directories(fs::path(path).parent_path(), ignored);
+  boost::system::error_code error;
+  Local::socket other(acceptor_.get_executor());
+  other.connect(path, error);
+  if (!error) return path + ": another daemon answers there; set LIDARD_SOCKET to a path of this one's own";
+  if (fs::is_socket(path, ignored)) fs::remove(path, ignored);  // of a daemon that was killed
+  acceptor_.open(Local(), error);
+  if (!error) acceptor_.bind(path, error);
+  if (!error) acceptor_.listen(8, error);
+  if (error) {
+    boost::system::error_code closing;
+    acceptor_.close(closing);
+    return path + ": " + error.message() + "; set LIDARD_SOCKET to a path that can be written to";
+  }
+  path_ = path;
+  accept();
+  return {};
+}
+
+void RuntimeSocket::accept() {
+  acceptor_.async_accept([this](const boost::system::error_code& error, Local::socket socket) {
+    if (error == asio::error::operation_aborted) return;
+    if (!error) {
+      std::make_shared<Talk>(std::move(socket), answers_)->begin();
+      return accept();
+    }
+    // The process has too many files open, say: asking again at once would take all of the processor.
+    pause_.expires_after(std::chrono::milliseconds(100));
+    pause_.async_wait([this](const boost::system::error_code& aborted) {
+      if (!aborted) accept();
+    });
+  });
+}
+
+void RuntimeSocket::stop() {
+  boost::system::error_code ignored;
+  acceptor_.close(ignored);
+  pause_.cancel();
+  std::error_code also_ignored;
+  if (!path_.empty()) std::filesystem::remove(path_, also_ignored);
+  path_.clear();
+}
+
+std::string ask_daemon(const std::string& path, const std::string& word) {
+  asio::io_context io;
+  Local::socket socket(io);
+  boost::system::error_code error;
+  socket.connect(path, error);
+  if (error)
+    throw std::runtime_error(path + ": no daemon answers (" + error.message() +
+                             "); start it, or name its socket with --socket");
+  asio::write(socket, asio::buffer(word + "\n"), error);
+  std::string answer;
+  if (!error) asio::read(socket, asio::dynamic_buffer(answer), error);
+  if (error && error != asio::error::eof) throw std::runtime_error(path + ": " + error.message());
+  return answer;
+}
+
+}  // namespace lidard
