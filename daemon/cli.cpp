@@ -16,6 +16,7 @@
 #include "daemon/commands/replay.h"
 #include "daemon/commands/run.h"
 #include "daemon/commands/snapshot.h"
+#include "daemon/commands/status.h"
 #include "daemon/config/exit_codes.h"
 #include "daemon/dropin/dropin_node.h"
 
@@ -46,6 +47,7 @@ struct Commands {
   std::vector<std::string> hokuyos{"192.168.0.10:10940"}, sicks;
   RecordOptions record;
   SnapshotOptions snapshot;
+  StatusOptions ask;
 
   Commands() {
     app.set_version_flag("--version", "lidard " LIDARD_VERSION);
@@ -61,6 +63,7 @@ struct Commands {
     add_discover();
     add_record();
     add_snapshot();
+    add_status();
   }
 
  private:
@@ -163,6 +166,21 @@ struct Commands {
     c->callback([this] { action = [this] { return run_snapshot(snapshot, std::cerr); }; });
   }
 
+  void add_status() {
+    const auto add = [this](const char* name, const char* what, auto run) {
+      auto* c = app.add_subcommand(name, what);
+      c->add_option("--socket", ask.socket,
+                    "The daemon's socket; default: $LIDARD_SOCKET or where the daemon runs");
+      c->callback([this, run] { action = [this, run] { return run(ask, std::cout, std::cerr); }; });
+      return c;
+    };
+    for (auto* c : {add("status", "How the running daemon and its sensors are", run_status),
+                    add("events", "What changed since the daemon began, each once", run_events)}) {
+      c->add_flag("--json", ask.json, "For scripts");
+      c->add_flag("--watch", ask.watch, "Again every second");
+    }
+    add("metrics", "The same in the text format of Prometheus", run_metrics);
+  }
   void add_discover() {
     auto* c = app.add_subcommand("discover", "Which SICK and Hokuyo devices answer in the network");
     c->add_option("--hokuyo", hokuyos, "Addresses to ask, IP[:PORT]")->capture_default_str();

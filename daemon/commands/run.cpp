@@ -11,7 +11,10 @@
 #include <boost/asio/steady_timer.hpp>
 #include <ostream>
 
+#include "daemon/commands/status.h"
 #include "daemon/config/exit_codes.h"
+#include "daemon/live/journal.h"
+#include "daemon/live/runtime_socket.h"
 #include "daemon/live/service.h"
 #include "daemon/live/tcp_connections.h"
 #include "daemon/live/udp_ports.h"
@@ -26,7 +29,6 @@ namespace {
 
 constexpr auto tick_period = std::chrono::milliseconds(100);
 constexpr int ticks_per_status = 10;
-constexpr int ticks_per_summary = 100;
 /// Diagnostics come once per second.
 constexpr Span longest_report_age = std::chrono::seconds(2);
 /// Threads that live make ten rounds per second.
@@ -34,11 +36,12 @@ constexpr auto longest_round = std::chrono::seconds(1);
 
 constexpr const char* clock_name = "clock";
 
-/// Figures alone are no news.
-std::string without_figures(std::string text) {
-  text.erase(std::remove_if(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; }),
-             text.end());
-  return text;
+void log_event(const Event& event) {
+  if (event.source == clock_name) return;  // the log has it since it happened
+  const auto level = event.health == Health::ok     ? spdlog::level::info
+                     : event.health == Health::warn ? spdlog::level::warn
+                                                    : spdlog::level::err;
+  spdlog::log(level, "{}: {}", event.source, event.text);
 }
 
 /// Everything of a running daemon. The constructor's thread becomes the sensor thread.
@@ -62,7 +65,11 @@ class Daemon {
                 [this](std::size_t sensor) { return pipeline_.frames(sensor); }}),
         signals_(io_, SIGINT, SIGTERM),
         timer_(io_),
-        event_timer_(io_) {
+        event_timer_(io_),
+        topics_(output_topics(config)),
+        socket_(io_, {{"status", [this] { return status_json(state(), journal_); }},
+                      {"events", [this] { return events_json(journal_); }},
+                      {"metrics", [this] { return metrics_text(state()); }}}) {
     pipeline_.set_links(&links_);
     ros_.feed(pipeline_, [this](std::function<void(Stamp)> task) {
       boost::asio::post(io_, [this, task = std::move(task), received = wall_clock()] {
@@ -71,9 +78,11 @@ class Daemon {
       });
     });
     pipeline_.add_diagnostics([this](std::vector<DiagnosticItem>& items) {
+      const Stamp at = clock_.realtime(now());
       items.push_back(clock_item());
       ports_.add_diagnostics(items);
       links_.add_diagnostics(items);
+      journal_.update(items, at);
     });
   }
 
@@ -89,11 +98,14 @@ class Daemon {
     links_.start();
     ros_.start();
     ros_.transforms(pipeline_.static_transforms(), now());
+    if (const std::string trouble = socket_.start(runtime_socket_path()); !trouble.empty())
+      spdlog::warn("`lidard status` cannot ask this daemon: {}", trouble);
     service_.ready(status());
     next_tick_ = std::chrono::steady_clock::now();
     schedule_tick();
     io_.run();
     service_.stopping();
+    socket_.stop();
     ports_.stop();
     pipeline_.finish(now());  // what is still in doubt of the last packets is counted
     links_.stop();
@@ -148,6 +160,14 @@ class Daemon {
       if (!part.empty()) text += part + ", ";
     return text + "ROS master " + (ros_.has_master() ? "present" : "absent");
   }
+  DaemonState state() {
+    const Stamp at = now();
+    DaemonState all{ros_.node(), clock_.realtime(at), at - started_, status(), pipeline_.diagnostics(at), {}};
+    all.items.push_back(ros_.own_status());
+    for (const OutputTopic& topic : topics_)
+      all.topics.emplace_back(topic.name, ros_.figures(topic, all.now));
+    return all;
+  }
   static void log_sensor(const SensorReport& sensor) {
     const Counters& c = sensor.counters;
     spdlog::info("{} ({}): {} packets, {} frames, {} lost, rejected {}", sensor.name, sensor.model, c.packets,
@@ -194,7 +214,7 @@ class Daemon {
     leave_name_to_others();
     ++ticks_;
     if (ticks_ % ticks_per_status == 0) service_.status(status());
-    if (ticks_ % ticks_per_summary == 0) log_trouble();
+    journal_.update({ros_.own_status()}, clock_.realtime(now));
   }
   /// This thread moves, since it is here.
   void feed_watchdog() {
@@ -216,26 +236,13 @@ class Daemon {
     exit_code_ = exit_failed;
     io_.stop();
   }
-  /// What went wrong since the last summary, in one line per sensor; silence when all is well.
-  void log_trouble() {
-    for (const auto& item : pipeline_.diagnostics(now())) {
-      if (item.name == clock_name) continue;  // the log has it since it happened
-      std::string& told = told_[item.name];
-      if (item.health == Health::ok) {
-        if (!told.empty()) spdlog::info("{}: {}", item.name, item.message);
-        told.clear();
-      } else if (const std::string text = without_figures(item.message); told != text) {
-        spdlog::warn("{}: {}", item.name, item.message);
-        told = text;
-      }
-    }
-  }
 
   boost::asio::io_context io_{1};
   HostClock clock_{read_clocks()};
   Stamp set_at_{};
   Span last_step_{0};
   ServiceManager service_;
+  Journal journal_{log_event};
   RosSession ros_;
   Pipeline pipeline_;
   UdpPorts ports_;
@@ -249,7 +256,9 @@ class Daemon {
   int exit_code_ = exit_ok;
   std::chrono::steady_clock::time_point fed_ = std::chrono::steady_clock::now();
   bool reported_standing_ = false;
-  std::map<std::string, std::string> told_;
+  const Stamp started_ = now();
+  const std::vector<OutputTopic> topics_;
+  RuntimeSocket socket_;
 };
 
 }  // namespace

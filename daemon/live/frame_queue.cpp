@@ -55,6 +55,7 @@ void FrameQueue::push_to(std::size_t number, Stamp released, Fill fill) {
   }
   frame->number = ++pushed_;
   frame->released = released + step_;
+  lane.watch.released(frame->released);
   fill(frame->content);
   lane.waiting.push_back(frame);
   lock.unlock();
@@ -121,6 +122,22 @@ void FrameQueue::done(QueuedFrame* frame) {
   const std::lock_guard lock(mutex_);
   lanes_[frame->lane].free.push_back(frame);
   --out_;
+}
+
+void FrameQueue::published(QueuedFrame* frame, Stamp now) {
+  {
+    const std::lock_guard lock(mutex_);
+    lanes_[frame->lane].watch.published(now - frame->released);
+  }
+  done(frame);
+}
+
+TopicFigures FrameQueue::figures(std::size_t topic, Stamp now) const {
+  const std::lock_guard lock(mutex_);
+  const Lane& lane = lanes_.at(topic);
+  TopicFigures figures = lane.watch.figures(now);
+  figures.dropped = lane.dropped;
+  return figures;
 }
 
 bool FrameQueue::idle() const {

@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "daemon/live/topic_watch.h"
 #include "daemon/pipeline/sink.h"
 
 namespace lidard {
@@ -49,6 +50,10 @@ class FrameQueue {
   /// The oldest frame, or nullptr after `wait` or stop(). Give it back with done().
   QueuedFrame* pop(Span wait);
   void done(QueuedFrame* frame);
+  /// The same of a frame that was published, at `now` on the host's clock.
+  void published(QueuedFrame* frame, Stamp now);
+  /// How a topic does, `now` on the host's clock.
+  TopicFigures figures(std::size_t topic, Stamp now) const;
   /// True if every frame pushed was also given back.
   bool idle() const;
   /// Frames dropped so far, of one topic or of all.
@@ -67,6 +72,7 @@ class FrameQueue {
     std::vector<QueuedFrame*> free;
     std::size_t depth = 0;
     std::uint64_t dropped = 0;
+    TopicWatch watch;
   };
   void add_lane(const QueuedContent& empty, std::size_t depth);
   template <typename Fill>

@@ -62,7 +62,11 @@ class RuntimeSocket::Talk : public std::enable_shared_from_this<Talk> {
     std::istream in(&question_);
     std::getline(in, word);
     const auto found = answers_.find(word);
-    text_ = found == answers_.end() ? "unknown question\n" : found->second();
+    try {
+      text_ = found == answers_.end() ? "unknown question\n" : found->second();
+    } catch (const std::exception& error) {
+      text_ = std::string("no answer: ") + error.what() + "\n";  // a question must not end the daemon
+    }
     asio::async_write(
         socket_, asio::buffer(text_),
         [self = shared_from_this()](const boost::system::error_code&, std::size_t) { self->end(); });

@@ -96,7 +96,7 @@ struct RosConnection::Impl {
   Clock::time_point next_diagnostics = Clock::now();
 
   void run_ros();
-  void deal_with(QueuedFrame& frame);
+  bool deal_with(QueuedFrame& frame);
   void wait_for_subscribers_of(const QueuedFrame& frame);
   void hurry();
   void run_master();
@@ -119,15 +119,19 @@ void RosConnection::Impl::run_ros() {
     pulse.tick(RosPulse::publishing);
     QueuedFrame* frame = queue.pop(milliseconds(100));
     if (frame == nullptr) continue;
-    deal_with(*frame);
-    queue.done(frame);
+    if (deal_with(*frame))
+      queue.published(frame, wall_clock());
+    else
+      queue.done(frame);
   }
 }
 
-void RosConnection::Impl::deal_with(QueuedFrame& frame) {
+/// True if it was published: there is ROS.
+bool RosConnection::Impl::deal_with(QueuedFrame& frame) {
   if (options.backpressure == Backpressure::block) wait_for_subscribers_of(frame);
   const bool sent = publishers.publish(frame);
   ++(sent ? published : without_ros);
+  return sent;
 }
 
 void RosConnection::Impl::wait_for_subscribers_of(const QueuedFrame& frame) {
@@ -332,6 +336,14 @@ void RosConnection::transforms(const std::vector<StaticTransform>& transforms, S
 void RosConnection::diagnostics(const std::vector<DiagnosticItem>& items, Stamp) {
   if (impl_->diagnostics.set(items)) impl_->hurry();
 }
+TopicFigures RosConnection::figures(const OutputTopic& topic, Stamp now) const {
+  return impl_->queue.figures(topic.id, now);
+}
+
+std::string RosConnection::node() const { return impl_->node; }
+
+DiagnosticItem RosConnection::own_status() const { return impl_->own_status(); }
+
 void RosConnection::set_step(Span step) { impl_->queue.set_step(step); }
 
 void RosConnection::publish_clock(Stamp now) { impl_->queue.push_clock(now); }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/live/topic_watch.h"
 #include "daemon/pipeline/sink.h"
 #include "daemon/ros/ros_options.h"
 
@@ -43,7 +44,8 @@ class RosConnection : public FrameSink {
   void message(const OutputTopic& topic, const DeviceMessage& message, Stamp released) override;
   void transforms(const std::vector<StaticTransform>& transforms, Stamp released) override;
   void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) override;
-  /// By how much the host's clock was set since the beginning: so much is added to the stamps of what goes out.
+  /// By how much the host's clock was set since the beginning: so much is added to the stamps of what goes
+  /// out.
   void set_step(Span step);
   /// The time of a replay, on /clock.
   void publish_clock(Stamp now);
@@ -55,7 +57,13 @@ class RosConnection : public FrameSink {
   /// Waits until every frame was published and taken by the subscribers' sockets; false after `limit`.
   bool flush(Span limit);
 
+  /// Name of the node.
+  std::string node() const;
   RosStatus status() const;
+  /// How a topic does, `now` on the host's clock.
+  TopicFigures figures(const OutputTopic& topic, Stamp now) const;
+  /// The connection's item of /diagnostics.
+  DiagnosticItem own_status() const;
   bool has_master() const;
   /// The threads that have not moved since the last call that returned "", see RosPulse::standing(). For a
   /// watchdog; always to be called by the same thread.

@@ -19,6 +19,8 @@ SKIP = 77
 # Machines that run tests are busy: limits that only end a hopeless wait are this much longer.
 PATIENCE = 4
 CHILDREN = []
+# Daemons of the tests are not to be found where one of this machine is asked.
+os.environ["LIDARD_SOCKET"] = f"{tempfile.gettempdir()}/lidard-test-{os.getpid()}.control"
 
 # A microScan3 before a wall, live for ten minutes, and the configuration that takes it; format() puts the port in.
 SCANNER_SCENE = """\

@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "daemon/live/latency.h"
-
 namespace lidard {
 namespace {
 
@@ -74,25 +72,6 @@ TEST(Journal, TellsOfASourceThatFlapsThatItDoesAndNotesTheRest) {
   EXPECT_EQ(bench.told.back().source, "rear") << "others are heard";
   bench.see(100, Health::error, "gone");
   EXPECT_EQ(bench.told.back().text, "gone") << "after a minute";
-}
-
-TEST(LatencyWindow, TellsMedianAndTail) {
-  LatencyWindow window;
-  EXPECT_EQ(window.figures().frames, 0U);
-  for (int i = 1; i <= 200; ++i) window.add(std::chrono::milliseconds(i));
-  const auto figures = window.figures();
-  EXPECT_EQ(figures.frames, 200U);
-  EXPECT_EQ(figures.median, std::chrono::milliseconds(101));
-  EXPECT_EQ(figures.p99, std::chrono::milliseconds(199));
-  EXPECT_EQ(figures.longest, std::chrono::milliseconds(200));
-}
-
-TEST(LatencyWindow, ForgetsWhatIsLongPast) {
-  LatencyWindow window;
-  window.add(std::chrono::seconds(9));
-  for (int i = 0; i < 512; ++i) window.add(std::chrono::milliseconds(1));
-  EXPECT_EQ(window.figures().longest, std::chrono::milliseconds(1));
-  EXPECT_EQ(window.figures().frames, 512U);
 }
 
 }  // namespace

@@ -1,0 +1,235 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/commands/status.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <stdexcept>
+#include <thread>
+
+#include "daemon/config/exit_codes.h"
+#include "daemon/files/text_table.h"
+#include "daemon/live/runtime_socket.h"
+
+namespace lidard {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Of these an operator sees at a glance what went on.
+constexpr std::size_t newest_events = 10;
+
+const char* name_of(Health health) {
+  switch (health) {
+    case Health::ok:
+      return "OK";
+    case Health::warn:
+      return "WARN";
+    case Health::error:
+      return "ERROR";
+    case Health::stale:
+      break;
+  }
+  return "STALE";
+}
+
+double ms(Span span) { return static_cast<double>(span.count()) * 1e-6; }
+
+/// UTC, as in ISO 8601.
+std::string time_text(Stamp at) {
+  const std::time_t whole = at.ns / 1'000'000'000;
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z", fmt::gmtime(whole), at.ns % 1'000'000'000 / 1'000'000);
+}
+
+Json json_of(const DiagnosticItem& item) {
+  Json values = Json::object();
+  for (const auto& [key, value] : item.values) values[key] = value;
+  return {{"name", item.name},
+          {"level", name_of(item.health)},
+          {"message", item.message},
+          {"hardware_id", item.hardware_id},
+          {"values", values}};
+}
+
+Json json_of(const std::string& topic, const TopicFigures& f) {
+  return {{"topic", topic},
+          {"frames", f.frames},
+          {"dropped", f.dropped},
+          {"rate_hz", f.rate_hz},
+          {"gap_ms", {{"min", ms(f.shortest_gap)}, {"max", ms(f.longest_gap)}}},
+          {"latency_ms",
+           {{"p50", ms(f.median_latency)}, {"p99", ms(f.p99_latency)}, {"max", ms(f.longest_latency)}}}};
+}
+
+Json json_of(const Event& event) {
+  return {{"at", time_text(event.at)},
+          {"level", name_of(event.health)},
+          {"source", event.source},
+          {"text", event.text}};
+}
+
+/// What devices and other nodes say may hold any bytes.
+std::string text_of(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '\n') {
+      out += "\\n";
+      continue;
+    }
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + '"';
+}
+
+/// A table's cell: one line of text.
+std::string cell(const Json& value) {
+  std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < ' ') c = ' ';
+  }
+  return text;
+}
+std::string figure(const Json& value, int digits) {
+  return fmt::format("{:.{}f}", value.get<double>(), digits);
+}
+
+void print_events(const Json& events, std::ostream& out) {
+  TextTable table{{"AT (UTC)", "LEVEL", "SOURCE", "WHAT"}};
+  for (const Json& event : events)
+    table.push_back({cell(event["at"]), cell(event["level"]), cell(event["source"]), cell(event["text"])});
+  print_columns(table, out);
+}
+
+/// Returns whether nothing is in error.
+bool print_status(const Json& said, std::ostream& out) {
+  const auto up = std::chrono::seconds(said["uptime_s"].get<std::int64_t>());
+  out << fmt::format("lidard {}, node {}, pid {}, up {:%H:%M:%S}\n{}\n\n", cell(said["version"]),
+                     cell(said["node"]), said["pid"].get<int>(), up, cell(said["summary"]));
+  bool fine = true;
+  TextTable items{{"STATE", "WHAT", "SAYS"}};
+  for (const Json& item : said["items"]) {
+    items.push_back({cell(item["level"]), cell(item["name"]), cell(item["message"])});
+    fine = fine && item["level"] != name_of(Health::error);
+  }
+  print_columns(items, out);
+  TextTable topics{
+      {"TOPIC", "FRAMES", "DROPPED", "RATE/S", "GAP MS MIN", "MAX", "LATENCY MS P50", "P99", "MAX"}};
+  for (const Json& topic : said["topics"]) {
+    const Json &gap = topic["gap_ms"], &latency = topic["latency_ms"];
+    topics.push_back({cell(topic["topic"]), topic["frames"].dump(), topic["dropped"].dump(),
+                      figure(topic["rate_hz"], 1), figure(gap["min"], 1), figure(gap["max"], 1),
+                      figure(latency["p50"], 2), figure(latency["p99"], 2), figure(latency["max"], 2)});
+  }
+  out << '\n';
+  print_columns(topics, out);
+  if (said["events"].empty()) return fine;
+  out << '\n';
+  print_events(said["events"], out);
+  return fine;
+}
+
+/// Asks once, or every second; `show` prints an answer and returns the exit code.
+template <class Show>
+int ask(const StatusOptions& options, const char* word, std::ostream& out, std::ostream& err, Show show) {
+  const std::string path = options.socket.empty() ? runtime_socket_path() : options.socket;
+  while (true) {
+    try {
+      const std::string answer = ask_daemon(path, word);
+      if (options.watch && !options.json) out << "\033[H\033[2J";
+      const int code = options.json ? (out << answer, exit_ok) : show(answer);
+      out.flush();
+      if (!options.watch) return code;
+    } catch (const std::exception& error) {
+      err << error.what() << '\n';
+      if (!options.watch) return exit_failed;
+    }
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+  }
+}
+
+}  // namespace
+
+std::string status_json(const DaemonState& state, const Journal& journal) {
+  Json out = {{"version", LIDARD_VERSION},
+              {"node", state.node},
+              {"pid", getpid()},
+              {"at", time_text(state.now)},
+              {"uptime_s", std::chrono::duration_cast<std::chrono::seconds>(state.uptime).count()},
+              {"summary", state.summary}};
+  Json items = Json::array(), topics = Json::array(), events = Json::array();
+  for (const DiagnosticItem& item : state.items) items.push_back(json_of(item));
+  for (const auto& [topic, figures] : state.topics) topics.push_back(json_of(topic, figures));
+  const auto& all = journal.events();
+  for (std::size_t i = all.size() - std::min(all.size(), newest_events); i < all.size(); ++i)
+    events.push_back(json_of(all[i]));
+  out["items"] = std::move(items);
+  out["topics"] = std::move(topics);
+  out["events"] = std::move(events);
+  return text_of(out);
+}
+
+std::string events_json(const Journal& journal) {
+  Json events = Json::array();
+  for (const Event& event : journal.events()) events.push_back(json_of(event));
+  return text_of({{"forgotten", journal.forgotten()}, {"events", events}});
+}
+
+std::string metrics_text(const DaemonState& state) {
+  std::string out = "# TYPE lidard_uptime_seconds gauge\n";
+  out += fmt::format("lidard_uptime_seconds {}\n", seconds(state.uptime));
+  out += "# HELP lidard_health State of an item of /diagnostics: 0 ok, 1 warn, 2 error, 3 stale\n";
+  out += "# TYPE lidard_health gauge\n";
+  for (const DiagnosticItem& item : state.items)
+    out += fmt::format("lidard_health{{item={}}} {}\n", quoted(item.name), static_cast<int>(item.health));
+  const auto each = [&](const char* name, const char* type, auto value) {
+    out += fmt::format("# TYPE {} {}\n", name, type);
+    for (const auto& [topic, figures] : state.topics)
+      out += fmt::format("{}{{topic={}}} {}\n", name, quoted(topic), value(figures));
+  };
+  each("lidard_frames_total", "counter", [](const TopicFigures& f) { return f.frames; });
+  each("lidard_frames_dropped_total", "counter", [](const TopicFigures& f) { return f.dropped; });
+  each("lidard_rate_hz", "gauge", [](const TopicFigures& f) { return f.rate_hz; });
+  each("lidard_longest_gap_seconds", "gauge", [](const TopicFigures& f) { return seconds(f.longest_gap); });
+  out += "# TYPE lidard_latency_seconds summary\n";
+  for (const auto& [topic, f] : state.topics) {
+    for (const auto& [quantile, value] :
+         {std::pair("0.5", f.median_latency), {"0.99", f.p99_latency}, {"1", f.longest_latency}})
+      out += fmt::format("lidard_latency_seconds{{topic={},quantile=\"{}\"}} {}\n", quoted(topic), quantile,
+                         seconds(value));
+  }
+  return out;
+}
+
+int run_status(const StatusOptions& options, std::ostream& out, std::ostream& err) {
+  return ask(options, "status", out, err, [&](const std::string& answer) {
+    return print_status(Json::parse(answer), out) ? exit_ok : exit_failed;
+  });
+}
+
+int run_events(const StatusOptions& options, std::ostream& out, std::ostream& err) {
+  return ask(options, "events", out, err, [&](const std::string& answer) {
+    const Json said = Json::parse(answer);
+    if (const auto forgotten = said["forgotten"].get<std::uint64_t>(); forgotten > 0)
+      out << forgotten << " earlier events are forgotten\n";
+    print_events(said["events"], out);
+    return exit_ok;
+  });
+}
+
+int run_metrics(const StatusOptions& options, std::ostream& out, std::ostream& err) {
+  return ask(options, "metrics", out, err, [&](const std::string& answer) {
+    out << answer;
+    return exit_ok;
+  });
+}
+
+}  // namespace lidard

@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/commands/status.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace lidard {
+namespace {
+
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+using std::chrono::microseconds;
+
+DaemonState sample_state() {
+  DaemonState state;
+  state.node = "/lidard";
+  state.now = Stamp{1'700'000'000'250'000'000};
+  state.uptime = std::chrono::hours(25);
+  state.summary = "1/1 lidars";
+  DiagnosticItem item;
+  item.name = "sensor \"front\"";
+  item.health = Health::error;
+  item.message = "bytes \xff\xfe of a device\nand a line";
+  item.values = {{"Packets", "7"}};
+  state.items = {item};
+  TopicFigures figures;
+  figures.frames = 42;
+  figures.rate_hz = 33.3;
+  figures.median_latency = microseconds(100);
+  figures.p99_latency = microseconds(900);
+  figures.longest_latency = microseconds(1500);
+  state.topics = {{"front/scan", figures}};
+  return state;
+}
+
+TEST(Status, IsJsonWhateverDevicesSay) {
+  Journal journal([](const Event&) {});
+  for (int i = 0; i < 12; ++i)
+    journal.add(
+        {Stamp{1'700'000'000'000'000'000 + i * 1'000'000L}, "front", Health::warn, std::to_string(i)});
+  const Json said = Json::parse(status_json(sample_state(), journal));
+  EXPECT_EQ(said["at"], "2023-11-14T22:13:20.250Z");
+  EXPECT_EQ(said["uptime_s"], 25 * 3600);
+  EXPECT_EQ(said["items"][0]["level"], "ERROR");
+  EXPECT_THAT(said["items"][0]["message"].get<std::string>(), HasSubstr("of a device"));
+  EXPECT_EQ(said["items"][0]["values"]["Packets"], "7");
+  EXPECT_EQ(said["topics"][0]["latency_ms"]["p99"], 0.9);
+  ASSERT_EQ(said["events"].size(), 10U) << "the newest";
+  EXPECT_EQ(said["events"][0]["text"], "2");
+  EXPECT_EQ(said["events"][9]["at"], "2023-11-14T22:13:20.011Z");
+}
+
+TEST(Events, AreAllThatTheJournalHas) {
+  Journal journal([](const Event&) {});
+  for (std::size_t i = 0; i < Journal::most_events + 3; ++i)
+    journal.add({Stamp{}, "front", Health::ok, "back"});
+  const Json said = Json::parse(events_json(journal));
+  EXPECT_EQ(said["forgotten"], 3);
+  EXPECT_EQ(said["events"].size(), Journal::most_events);
+  EXPECT_EQ(said["events"][0]["level"], "OK");
+}
+
+TEST(Metrics, EscapeNamesAsPrometheusWantsIt) {
+  const std::string text = metrics_text(sample_state());
+  EXPECT_THAT(text, HasSubstr("lidard_health{item=\"sensor \\\"front\\\"\"} 2\n"));
+  EXPECT_THAT(text, HasSubstr("lidard_frames_total{topic=\"front/scan\"} 42\n"));
+  EXPECT_THAT(text, HasSubstr("lidard_latency_seconds{topic=\"front/scan\",quantile=\"0.99\"} 0.0009\n"));
+}
+
+}  // namespace
+}  // namespace lidard
