@@ -37,7 +37,7 @@ const char* name_of(Health health) {
   return "STALE";
 }
 
-double ms(Span span) { return static_cast<double>(span.count()) * 1e-6; }
+double ms(Span span) { return static_cast<double>(span.count()) / 1e6; }
 
 /// UTC, as in ISO 8601.
 std::string time_text(Stamp at) {
@@ -203,8 +203,8 @@ std::string metrics_text(const DaemonState& state) {
   for (const auto& [topic, f] : state.topics) {
     for (const auto& [quantile, value] :
          {std::pair("0.5", f.median_latency), {"0.99", f.p99_latency}, {"1", f.longest_latency}})
-      out += fmt::format("lidard_latency_seconds{{topic={},quantile=\"{}\"}} {}\n", quoted(topic), quantile,
-                         seconds(value));
+      out += fmt::format("lidard_latency_seconds{{topic={},quantile=\"{}\"}} {:.6f}\n", quoted(topic),
+                         quantile, seconds(value));
   }
   return out;
 }
