@@ -10,7 +10,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "test/sim/servers/pcap_writer.h"
+#include "drivers/capture/pcap_writer.h"
 #include "test/sim/servers/simulate.h"
 #include "test/sim/servers/truth.h"
 

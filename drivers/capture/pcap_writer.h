@@ -16,7 +16,7 @@
 struct pcap;
 struct pcap_dumper;
 
-namespace lidard::sim {
+namespace lidard {
 
 /// The Ethernet frame of a UDP datagram over IPv4, all checksums right. Hardware addresses are made from the
 /// IP addresses.
@@ -64,4 +64,4 @@ class PcapWriter {
   std::map<std::pair<Endpoint, Endpoint>, std::uint32_t> sequences_;  // of the next byte from, to
 };
 
-}  // namespace lidard::sim
+}  // namespace lidard

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "test/sim/servers/pcap_writer.h"
+#include "drivers/capture/pcap_writer.h"
 
 #include <gtest/gtest.h>
 #include <pcap/pcap.h>
@@ -13,7 +13,6 @@
 namespace {
 
 using namespace lidard;
-using namespace lidard::sim;
 
 const Endpoint from{IpAddress::v4(192, 168, 1, 201), 2368};
 

@@ -1,15 +1,13 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "test/sim/servers/pcap_writer.h"
+#include "drivers/capture/pcap_writer.h"
 
 #include <pcap/pcap.h>
 
 #include <algorithm>
 #include <stdexcept>
 
-#include "test/sim/devices/wire.h"
-
-namespace lidard::sim {
+namespace lidard {
 namespace {
 
 // IEEE 802.3, RFC 791, RFC 768.
@@ -26,8 +24,19 @@ constexpr std::size_t tcp_bytes = 20;
 constexpr std::uint8_t tcp_syn = 2, tcp_push = 8, tcp_ack = 16;
 constexpr std::size_t largest_segment = 1448;
 
+using Bytes = std::vector<std::uint8_t>;
+
+/// Network byte order.
+void put16(Bytes& bytes, std::size_t at, std::size_t value) {
+  bytes[at] = static_cast<std::uint8_t>(value >> 8U & 0xffU);
+  bytes[at + 1] = static_cast<std::uint8_t>(value & 0xffU);
+}
+void put(Bytes& bytes, std::size_t at, const std::uint8_t* data, std::size_t size) {
+  std::copy(data, data + size, bytes.begin() + static_cast<std::ptrdiff_t>(at));
+}
+
 // Sum of big-endian words (RFC 1071), not folded yet.
-std::uint32_t word_sum(const std::vector<std::uint8_t>& bytes, std::size_t from, std::size_t to) {
+std::uint32_t word_sum(const Bytes& bytes, std::size_t from, std::size_t to) {
   std::uint32_t sum = 0;
   for (std::size_t i = from; i < to; ++i) sum += (i - from) % 2 == 0 ? bytes[i] * 256U : bytes[i];
   return sum;
@@ -38,7 +47,7 @@ std::uint16_t checksum(std::uint32_t sum) {
   return static_cast<std::uint16_t>(~sum & 0xffffU);
 }
 
-void put_hardware_address(Wire& wire, std::size_t at, const IpAddress& address) {
+void put_hardware_address(Bytes& bytes, std::size_t at, const IpAddress& address) {
   const bool broadcast = address == IpAddress::v4(255, 255, 255, 255);
   const bool multicast = address.is_multicast();
   // Local addresses (IEEE 802, second bit of the first byte), multicast as in RFC 1112.
@@ -47,74 +56,74 @@ void put_hardware_address(Wire& wire, std::size_t at, const IpAddress& address) 
     std::uint8_t byte = i < 3 ? prefix[multicast ? 1 : 0][i] : address.bytes[i - 2];
     if (multicast && i == 3) byte = static_cast<std::uint8_t>(byte & 0x7fU);
     if (!multicast && i == 2) byte = address.bytes[0];
-    wire.put8(at + i, broadcast ? 0xffU : byte);
+    bytes[at + i] = static_cast<std::uint8_t>(broadcast ? 0xffU : byte);
   }
 }
 
-void put_ip(Wire& wire, const Endpoint& from, const Endpoint& to, std::size_t length, std::uint16_t id,
+void put_ip(Bytes& bytes, const Endpoint& from, const Endpoint& to, std::size_t length, std::uint16_t id,
             unsigned protocol) {
-  wire.put8(ip_at, 0x45);
-  wire.put16_big(ip_at + 2, ip_bytes + length);
-  wire.put16_big(ip_at + 4, id);
-  wire.put16_big(ip_at + 6, 0x4000);  // do not fragment
-  wire.put8(ip_at + 8, 64);
-  wire.put8(ip_at + 9, protocol);
-  wire.copy(ip_at + 12, from.address.bytes.data(), 4);
-  wire.copy(ip_at + 16, to.address.bytes.data(), 4);
-  wire.put16_big(ip_at + 10, checksum(word_sum(wire.bytes(), ip_at, udp_at)));
+  bytes[ip_at] = 0x45;
+  put16(bytes, ip_at + 2, ip_bytes + length);
+  put16(bytes, ip_at + 4, id);
+  put16(bytes, ip_at + 6, 0x4000);  // do not fragment
+  bytes[ip_at + 8] = 64;
+  bytes[ip_at + 9] = static_cast<std::uint8_t>(protocol);
+  put(bytes, ip_at + 12, from.address.bytes.data(), 4);
+  put(bytes, ip_at + 16, to.address.bytes.data(), 4);
+  put16(bytes, ip_at + 10, checksum(word_sum(bytes, ip_at, udp_at)));
 }
 
-void put_udp(Wire& wire, const Endpoint& from, const Endpoint& to, std::size_t length) {
-  wire.put16_big(udp_at, from.port);
-  wire.put16_big(udp_at + 2, to.port);
-  wire.put16_big(udp_at + 4, length);
+void put_udp(Bytes& bytes, const Endpoint& from, const Endpoint& to, std::size_t length) {
+  put16(bytes, udp_at, from.port);
+  put16(bytes, udp_at + 2, to.port);
+  put16(bytes, udp_at + 4, length);
   const std::uint32_t pseudo_header =
-      word_sum(wire.bytes(), ip_at + 12, udp_at) + udp_protocol + static_cast<std::uint32_t>(length);
-  const std::uint16_t sum = checksum(pseudo_header + word_sum(wire.bytes(), udp_at, wire.size()));
-  wire.put16_big(udp_at + 6, sum == 0 ? 0xffffU : sum);
+      word_sum(bytes, ip_at + 12, udp_at) + udp_protocol + static_cast<std::uint32_t>(length);
+  const std::uint16_t sum = checksum(pseudo_header + word_sum(bytes, udp_at, bytes.size()));
+  put16(bytes, udp_at + 6, sum == 0 ? 0xffffU : sum);
 }
 
-void put_tcp(Wire& wire, const Endpoint& from, const Endpoint& to, std::size_t length, TcpMark mark) {
-  wire.put16_big(udp_at, from.port);
-  wire.put16_big(udp_at + 2, to.port);
-  wire.put16_big(udp_at + 4, mark.sequence >> 16U);
-  wire.put16_big(udp_at + 6, mark.sequence & 0xffffU);
-  wire.put16_big(udp_at + 8, mark.acknowledged >> 16U);
-  wire.put16_big(udp_at + 10, mark.acknowledged & 0xffffU);
-  wire.put8(udp_at + 12, tcp_bytes / 4 << 4U);
-  wire.put8(udp_at + 13, mark.flags);
-  wire.put16_big(udp_at + 14, 0xffff);  // window
+void put_tcp(Bytes& bytes, const Endpoint& from, const Endpoint& to, std::size_t length, TcpMark mark) {
+  put16(bytes, udp_at, from.port);
+  put16(bytes, udp_at + 2, to.port);
+  put16(bytes, udp_at + 4, mark.sequence >> 16U);
+  put16(bytes, udp_at + 6, mark.sequence & 0xffffU);
+  put16(bytes, udp_at + 8, mark.acknowledged >> 16U);
+  put16(bytes, udp_at + 10, mark.acknowledged & 0xffffU);
+  bytes[udp_at + 12] = tcp_bytes / 4 << 4U;
+  bytes[udp_at + 13] = mark.flags;
+  put16(bytes, udp_at + 14, 0xffff);  // window
   const std::uint32_t pseudo_header =
-      word_sum(wire.bytes(), ip_at + 12, udp_at) + tcp_protocol + static_cast<std::uint32_t>(length);
-  wire.put16_big(udp_at + 16, checksum(pseudo_header + word_sum(wire.bytes(), udp_at, wire.size())));
+      word_sum(bytes, ip_at + 12, udp_at) + tcp_protocol + static_cast<std::uint32_t>(length);
+  put16(bytes, udp_at + 16, checksum(pseudo_header + word_sum(bytes, udp_at, bytes.size())));
 }
 
 }  // namespace
 
-std::vector<std::uint8_t> ethernet_tcp_frame(const Endpoint& from, const Endpoint& to, ByteView payload,
-                                             std::uint16_t identification, TcpMark mark) {
-  Wire wire(udp_at + tcp_bytes);
-  put_hardware_address(wire, 0, to.address);
-  put_hardware_address(wire, 6, from.address);
-  wire.put16_big(12, 0x0800);
-  wire.copy(udp_at + tcp_bytes, payload.data(), payload.size());
+Bytes ethernet_tcp_frame(const Endpoint& from, const Endpoint& to, ByteView payload,
+                         std::uint16_t identification, TcpMark mark) {
+  Bytes bytes(udp_at + tcp_bytes + payload.size());
+  put_hardware_address(bytes, 0, to.address);
+  put_hardware_address(bytes, 6, from.address);
+  put16(bytes, 12, 0x0800);
+  put(bytes, udp_at + tcp_bytes, payload.data(), payload.size());
   const std::size_t length = tcp_bytes + payload.size();
-  put_ip(wire, from, to, length, identification, tcp_protocol);
-  put_tcp(wire, from, to, length, mark);
-  return wire.take();
+  put_ip(bytes, from, to, length, identification, tcp_protocol);
+  put_tcp(bytes, from, to, length, mark);
+  return bytes;
 }
 
-std::vector<std::uint8_t> ethernet_frame(const Endpoint& from, const Endpoint& to, ByteView payload,
-                                         std::uint16_t identification) {
-  Wire wire(payload_at);
-  put_hardware_address(wire, 0, to.address);
-  put_hardware_address(wire, 6, from.address);
-  wire.put16_big(12, 0x0800);
-  wire.copy(payload_at, payload.data(), payload.size());
+Bytes ethernet_frame(const Endpoint& from, const Endpoint& to, ByteView payload,
+                     std::uint16_t identification) {
+  Bytes bytes(payload_at + payload.size());
+  put_hardware_address(bytes, 0, to.address);
+  put_hardware_address(bytes, 6, from.address);
+  put16(bytes, 12, 0x0800);
+  put(bytes, payload_at, payload.data(), payload.size());
   const std::size_t length = udp_bytes + payload.size();
-  put_ip(wire, from, to, length, identification, udp_protocol);
-  put_udp(wire, from, to, length);
-  return wire.take();
+  put_ip(bytes, from, to, length, identification, udp_protocol);
+  put_udp(bytes, from, to, length);
+  return bytes;
 }
 
 PcapWriter::PcapWriter(const std::string& path)
@@ -177,4 +186,4 @@ void PcapWriter::close() {
   if (!complete) throw std::runtime_error(path_ + ": not everything could be written; make room on the disk");
 }
 
-}  // namespace lidard::sim
+}  // namespace lidard
