@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "drivers/driver.h"
+
+namespace lidard {
+
+struct BlackBoxConfig {
+  double seconds = 0;      ///< of packets that are kept; 0: none
+  double megabytes = 256;  ///< of memory at most: a shorter time is kept where that does not suffice
+  std::string path;        ///< folder of the captures; empty: $STATE_DIRECTORY, else /var/lib/lidard
+  int files = 10;          ///< captures that are kept there; the oldest is removed for a new one
+  bool on_error = true;    ///< written when an item of /diagnostics goes to ERROR
+};
+
+/// Keeps the last packets of all sensors in memory and writes them to a capture when something went wrong, so
+/// that the moments before can be replayed. One thread takes the packets; a second one lives while a capture
+/// is written, with a memory of its own.
+class BlackBox {
+ public:
+  /// `told`: a sentence for the log, good or bad; called by poll().
+  BlackBox(BlackBoxConfig config, std::function<void(bool good, const std::string& sentence)> told);
+  ~BlackBox();
+
+  bool is_on() const { return config_.seconds > 0; }
+  void add(const Packet& packet);
+  /// What is kept is written in `delay`, so that what follows is in it too. `why`: a word for the file's
+  /// name. Nothing while another one waits or is written. An error within the time that was written last is
+  /// in there already.
+  void write_on_error(Stamp now, Span delay);
+  /// Writes at once. Returns the capture's path, or throws std::runtime_error. `step` as of poll().
+  std::string write(Stamp now, Span step, const std::string& events);
+  /// Time passed. Begins what is due, and tells what became of a capture. `step` is added to the stamps
+  /// (HostClock::step()), `events()` is the text that is written beside.
+  void poll(Stamp now, Span step, const std::function<std::string()>& events);
+
+ private:
+  /// Packets one behind the other in a ring of bytes.
+  class Ring;
+  struct Writing;
+  void collect();
+
+  const BlackBoxConfig config_;
+  const std::function<void(bool, const std::string&)> told_;
+  std::unique_ptr<Ring> ring_;
+  std::unique_ptr<Writing> writing_;
+  std::optional<Stamp> due_, written_;
+};
+
+}  // namespace lidard
