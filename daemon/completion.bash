@@ -14,7 +14,7 @@ _lidard() {
     compopt -o nospace -o filenames 2>/dev/null
   }
   if ((COMP_CWORD == 1)); then
-    _lidard_words "run replay decode inspect check models keys discover record snapshot --help --version"
+    _lidard_words "run replay decode inspect check models keys discover record snapshot status events metrics dump --help --version"
     return
   fi
   case $before in
@@ -35,6 +35,8 @@ _lidard() {
     inspect:-* | models:*) _lidard_words "--json --help" ;;
     keys:*) _lidard_words "--markdown --man --json --help" ;;
     check:*) _lidard_files yaml yml ;;
+    status:* | events:*) _lidard_words "--socket --json --watch --help" ;;
+    metrics:* | dump:*) _lidard_words "--socket --help" ;;
     discover:*) _lidard_words "--hokuyo --sick --wait --json --help" ;;
     *) _lidard_files pcap pcapng ;;
   esac
