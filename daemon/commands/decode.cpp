@@ -16,7 +16,7 @@
 #include "drivers/registry/nearest_models.h"
 #include "drivers/registry/registry.h"
 #include "drivers/sick/safety/safety_topics.h"
-#include "drivers/velodyne/table_calibration.h"
+#include "drivers/velodyne/calibration.h"
 
 namespace lidard {
 namespace {

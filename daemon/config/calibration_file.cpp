@@ -12,7 +12,7 @@
 #include "daemon/config/calibration_parts.h"
 #include "daemon/config/read_file.h"
 #include "daemon/config/yaml_reader.h"
-#include "drivers/velodyne/model_row.h"
+#include "drivers/velodyne/models.h"
 
 namespace lidard {
 namespace {

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "drivers/model.h"
+
 namespace lidard::velodyne {
 
 /// Whose equations turn a calibrated return into a point.
@@ -147,5 +149,12 @@ class CalibratedGeometry {
   double two_point_below_m_;
   std::vector<Terms> lasers_;
 };
+
+/// The angles of the model's table as a calibration with the equations of velodyne_pointcloud. Like the files
+/// that velodyne_pointcloud ships it has no offsets: its users' clouds lack the height of the beam's origin.
+Calibration table_calibration(const Model& model);
+
+/// True if sensors of this model differ so much that a table tells little (HDL-64E).
+bool needs_own_calibration(const Model& model);
 
 }  // namespace lidard::velodyne

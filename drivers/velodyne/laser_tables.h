@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "drivers/velodyne/model_row.h"
+#include "drivers/velodyne/models.h"
 
 namespace lidard::velodyne {
 

@@ -10,7 +10,6 @@
 #include "core/base/number_text.h"
 #include "drivers/velodyne/calibration.h"
 #include "drivers/velodyne/laser_tables.h"
-#include "drivers/velodyne/velodyne_driver.h"
 
 namespace lidard::velodyne {
 namespace {
@@ -148,8 +147,8 @@ Model spinning(const char* name, const char* product, const ModelRow& row, doubl
   return model;
 }
 
-/// Sensors with telemetry packets and a web interface (63-9243 Rev D, section 10.2), which the HDL-64E has not:
-/// it is set through its serial line (user manual 63-HDL64ES3).
+/// Sensors with telemetry packets and a web interface (63-9243 Rev D, section 10.2), which the HDL-64E has
+/// not: it is set through its serial line (user manual 63-HDL64ES3).
 Model connected(const char* name, const char* product, const ModelRow& row, double range_max,
                 const char* verified, std::initializer_list<Trait> more = {}) {
   Model model = spinning(name, product, row, range_max, verified);

@@ -8,9 +8,8 @@
 
 #include "core/base/counters.h"
 #include "core/base/time.h"
-#include "drivers/velodyne/azimuth.h"
 #include "drivers/velodyne/hidden_sectors.h"
-#include "drivers/velodyne/model_row.h"
+#include "drivers/velodyne/models.h"
 #include "drivers/velodyne/packet.h"
 
 namespace lidard::velodyne {

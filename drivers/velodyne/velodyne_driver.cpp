@@ -1,23 +1,18 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/velodyne/velodyne_driver.h"
-
 #include <cmath>
 #include <cstring>
 #include <utility>
 
 #include "drivers/driver_base.h"
-#include "drivers/velodyne/arrival_stamps.h"
 #include "drivers/velodyne/cloud_builder.h"
-#include "drivers/velodyne/firing_schedule.h"
 #include "drivers/velodyne/hdl64_status.h"
+#include "drivers/velodyne/models.h"
 #include "drivers/velodyne/packet.h"
-#include "drivers/velodyne/packet_layout.h"
 #include "drivers/velodyne/packet_order.h"
-#include "drivers/velodyne/recognizer.h"
 #include "drivers/velodyne/stream_facts.h"
-#include "drivers/velodyne/telemetry_receiver.h"
-#include "drivers/velodyne/timing_chooser.h"
+#include "drivers/velodyne/telemetry.h"
+#include "drivers/velodyne/timing.h"
 #include "drivers/velodyne/web/web_dialogue.h"
 #include "drivers/velodyne/web/web_status.h"
 

@@ -7,7 +7,6 @@
 
 #include "core/frames/cloud.h"
 #include "drivers/velodyne/calibration.h"
-#include "drivers/velodyne/direction.h"
 #include "drivers/velodyne/models.h"
 #include "drivers/velodyne/packet.h"
 #include "drivers/velodyne/unpacker.h"

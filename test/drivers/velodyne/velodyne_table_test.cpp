@@ -6,7 +6,7 @@
 
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
-#include "drivers/velodyne/model_row.h"
+#include "drivers/velodyne/models.h"
 #include "drivers/velodyne/packet_order.h"
 
 namespace lidard::velodyne {

@@ -12,4 +12,15 @@ Keys<DeviceRequests> write_keys();
 Keys<DeviceRequests> receiver_keys();
 Keys<DeviceRequests> login_keys();
 
+/// What the request for scans says (REP 138): Trait::skip_request.
+Keys<DeviceRequests> scip_keys();
+/// How both clocks are compared.
+Keys<DeviceRequests> scip_clock_keys();
+
+/// What a device is asked for: Trait::skip_setting.
+Keys<DeviceRequests> cola_keys();
+
+/// How a cloud is cut out of the stream, and which returns are kept: Trait::revolutions.
+Keys<DriverConfig> revolution_keys();
+
 }  // namespace lidard
