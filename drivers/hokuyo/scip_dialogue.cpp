@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <boost/asio/yield.hpp>
 
-#include "drivers/hokuyo/scip_status.h"
+#include "drivers/hokuyo/scip_message.h"
 #include "drivers/model.h"
 
 namespace lidard::hokuyo {

@@ -1,17 +1,14 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/hokuyo/scip_driver.h"
-
 #include <algorithm>
 #include <array>
 
 #include "core/base/number_text.h"
 #include "core/base/steady_stamps.h"
 #include "drivers/driver_base.h"
+#include "drivers/hokuyo/models.h"
 #include "drivers/hokuyo/scip_dialogue.h"
 #include "drivers/hokuyo/scip_message.h"
-#include "drivers/hokuyo/scip_models.h"
-#include "drivers/hokuyo/scip_request.h"
 #include "drivers/warning_board.h"
 
 namespace lidard::hokuyo {

@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/hokuyo/uam_driver.h"
-
 #include <array>
 
 #include "core/base/steady_stamps.h"
 #include "drivers/dialogue.h"
 #include "drivers/driver_base.h"
+#include "drivers/hokuyo/models.h"
 #include "drivers/hokuyo/scip_clock.h"
 #include "drivers/hokuyo/uam_frame.h"
 #include "drivers/warning_board.h"

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "drivers/hokuyo/scip_models.h"
+#include "drivers/hokuyo/models.h"
 #include "drivers/sick/cola/cola_models.h"
 #include "drivers/sick/compact/compact_models.h"
 #include "drivers/sick/safety/safety_models.h"

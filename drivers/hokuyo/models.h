@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <string_view>
 #include <vector>
 
-#include "drivers/hokuyo/scip_parameters.h"
+#include "drivers/driver.h"
+#include "drivers/hokuyo/scip_message.h"
 #include "drivers/recognizer.h"
 
 namespace lidard::hokuyo {
@@ -29,5 +31,17 @@ constexpr std::string_view any_scip_name = "hokuyo_scip";
 void append_scip_models(std::vector<Model>& list);
 /// Name of the model whose product name begins `product`, the generic one if none does.
 std::string_view scip_name_of(std::string_view product);
+
+/// Driver of the sensors that speak SCIP 2; `config.model` must be one of append_scip_models().
+///
+/// With a connection it asks for name, parameters and state, compares the clocks and starts an endless
+/// stream; without one (a capture) it takes what passes by, from anywhere in the stream on.
+std::unique_ptr<Driver> make_scip_driver(const DriverConfig& config);
+
+/// Adds the UAM-05LP safety scanners, read by their AR protocol: scan and state come in the same frame.
+void append_uam_models(std::vector<Model>& list);
+
+/// Driver of those; `config.model` must be one of append_uam_models().
+std::unique_ptr<Driver> make_uam_driver(const DriverConfig& config);
 
 }  // namespace lidard::hokuyo
