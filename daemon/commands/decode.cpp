@@ -11,11 +11,10 @@
 #include "daemon/config/exit_codes.h"
 #include "daemon/pipeline/output_report.h"
 #include "daemon/pipeline/report.h"
-#include "drivers/capture/connection_picker.h"
 #include "drivers/capture/pcap_source.h"
 #include "drivers/registry/nearest_models.h"
 #include "drivers/registry/registry.h"
-#include "drivers/sick/safety/safety_topics.h"
+#include "drivers/sick/safety/safety_status.h"
 #include "drivers/velodyne/calibration.h"
 
 namespace lidard {

@@ -7,7 +7,7 @@
 
 #include "daemon/commands/replay.h"
 #include "daemon/pipeline/pipeline.h"
-#include "drivers/capture/merged_capture.h"
+#include "drivers/capture/pcap_source.h"
 
 namespace lidard {
 

@@ -4,7 +4,6 @@
 
 #include <map>
 
-#include "drivers/capture/connection_picker.h"
 #include "drivers/capture/pcap_source.h"
 #include "drivers/registry/identifier.h"
 

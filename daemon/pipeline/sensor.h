@@ -16,7 +16,7 @@
 #include "daemon/pipeline/sensor_report.h"
 #include "daemon/pipeline/unknown_senders.h"
 #include "daemon/pipeline/vehicle_motion.h"
-#include "drivers/capture/connection_picker.h"
+#include "drivers/capture/pcap_source.h"
 
 namespace lidard {
 

@@ -8,7 +8,6 @@
 #include <limits>
 #include <vector>
 
-#include "drivers/capture/pcap_reader.h"
 #include "drivers/capture/pcap_source.h"
 
 namespace lidard {

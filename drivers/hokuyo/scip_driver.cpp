@@ -9,7 +9,6 @@
 #include "drivers/hokuyo/models.h"
 #include "drivers/hokuyo/scip_dialogue.h"
 #include "drivers/hokuyo/scip_message.h"
-#include "drivers/warning_board.h"
 
 namespace lidard::hokuyo {
 namespace {

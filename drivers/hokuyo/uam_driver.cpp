@@ -8,7 +8,6 @@
 #include "drivers/hokuyo/models.h"
 #include "drivers/hokuyo/scip_clock.h"
 #include "drivers/hokuyo/uam_frame.h"
-#include "drivers/warning_board.h"
 
 namespace lidard::hokuyo {
 namespace {

@@ -1,21 +1,15 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/sick/cola/cola_driver.h"
-
 #include <array>
 #include <string>
 
 #include "core/base/steady_stamps.h"
 #include "drivers/driver_base.h"
-#include "drivers/sick/cola/cola_clock.h"
-#include "drivers/sick/cola/cola_cloud_builder.h"
 #include "drivers/sick/cola/cola_dialogue.h"
-#include "drivers/sick/cola/cola_geometry.h"
+#include "drivers/sick/cola/cola_frames.h"
 #include "drivers/sick/cola/cola_models.h"
 #include "drivers/sick/cola/cola_scan.h"
-#include "drivers/sick/cola/cola_scan_builder.h"
 #include "drivers/sick/cola/cola_states.h"
-#include "drivers/warning_board.h"
 
 namespace lidard::sick {
 namespace {

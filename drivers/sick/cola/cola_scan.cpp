@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "drivers/sick/cola/cola_reader.h"
+#include "drivers/sick/cola/cola_stream.h"
 
 namespace lidard::sick {
 namespace {

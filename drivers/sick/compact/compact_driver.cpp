@@ -1,17 +1,14 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/sick/compact/compact_driver.h"
-
 #include <Eigen/Geometry>
 #include <cmath>
 
 #include "drivers/driver_base.h"
+#include "drivers/sick/compact/compact_models.h"
 #include "drivers/sick/compact/compact_telegram.h"
 #include "drivers/sick/compact/frame_builder.h"
-#include "drivers/sick/compact/msgpack_telegram.h"
+#include "drivers/sick/compact/open_frames.h"
 #include "drivers/sick/compact/sopas_dialogue.h"
-#include "drivers/sick/compact/telegram_order.h"
-#include "drivers/sick/compact/telegram_stream.h"
 
 namespace lidard::sick {
 namespace {

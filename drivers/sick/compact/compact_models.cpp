@@ -2,10 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/sick/compact/compact_models.h"
 
-#include "drivers/sick/compact/compact_driver.h"
 #include "drivers/sick/compact/compact_telegram.h"
-#include "drivers/sick/compact/msgpack_telegram.h"
-#include "drivers/sick/compact/telegram_stream.h"
 
 namespace lidard::sick {
 namespace {

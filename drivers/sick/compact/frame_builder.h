@@ -9,9 +9,9 @@
 #include "core/base/device_clock.h"
 #include "core/base/steady_stamps.h"
 #include "drivers/driver.h"
+#include "drivers/driver_base.h"
 #include "drivers/sick/compact/open_frames.h"
 #include "drivers/sick/compact/segment.h"
-#include "drivers/warning_board.h"
 
 namespace lidard::sick {
 

@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/sick/compact/msgpack_telegram.h"
-
 #include <cmath>
 
 #include "drivers/sick/compact/compact_telegram.h"

@@ -10,7 +10,7 @@
 
 #include "drivers/dialogue.h"
 #include "drivers/sick/cola/cola_command.h"
-#include "drivers/sick/cola/cola_reader.h"
+#include "drivers/sick/cola/cola_stream.h"
 
 namespace lidard::sick {
 

@@ -8,7 +8,6 @@
 
 #include "drivers/dialogue.h"
 #include "drivers/sick/safety/cola2_frame.h"
-#include "drivers/sick/safety/safety_variables.h"
 
 namespace lidard::sick {
 

@@ -1,21 +1,16 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/sick/safety/safety_driver.h"
-
 #include <algorithm>
 #include <array>
 
 #include "core/base/steady_stamps.h"
 #include "drivers/driver_base.h"
-#include "drivers/sick/safety/ms3_geometry.h"
 #include "drivers/sick/safety/ms3_reassembler.h"
 #include "drivers/sick/safety/ms3_telegram.h"
 #include "drivers/sick/safety/safety_dialogue.h"
 #include "drivers/sick/safety/safety_models.h"
 #include "drivers/sick/safety/safety_status.h"
-#include "drivers/sick/safety/safety_topics.h"
 #include "drivers/sick/safety/scan_clock.h"
-#include "drivers/warning_board.h"
 
 namespace lidard::sick {
 namespace {

@@ -3,8 +3,7 @@
 #include "drivers/sick/safety/safety_models.h"
 
 #include "drivers/sick/safety/ms3_reassembler.h"
-#include "drivers/sick/safety/safety_driver.h"
-#include "drivers/sick/safety/safety_topics.h"
+#include "drivers/sick/safety/safety_status.h"
 
 namespace lidard::sick {
 namespace {

@@ -1,13 +1,138 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/sick/cola/cola_cloud_builder.h"
+#include "drivers/sick/cola/cola_frames.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/angle.h"
+#include "core/base/number_text.h"
+#include "core/frames/beam_window.h"
 #include "drivers/model.h"
 
 namespace lidard::sick {
+namespace {
+
+/// The turn of the mirror by the measurement frequency, s; 0 unknown.
+double turn_by_measurements(const ColaScan& scan, double step_deg) {
+  return scan.measurement_hz > 0 && step_deg > 0 ? 360 / step_deg / scan.measurement_hz : 0;
+}
+
+/// Time between neighbouring beams. The scan frequency is the exact one of both frequencies; how many scans
+/// a turn gives is the row's, unless the measurement frequency says otherwise.
+double beam_period(const ColaScan& scan, const ColaRow& row, double step_deg) {
+  if (!(scan.scan_hz > 0)) return 0;
+  constexpr double tolerance = 0.02;
+  const double period = 1 / scan.scan_hz;
+  const double told = turn_by_measurements(scan, step_deg);
+  double turn = row.turn * period;
+  for (int scans = 1; scans <= 4; ++scans) {
+    if (told > 0 && std::abs(told - scans * period) <= tolerance * told) turn = scans * period;
+  }
+  return turn * step_deg / 360;
+}
+
+}  // namespace
+
+double exact_step_deg(double told) {
+  constexpr double half_unit = 0.5e-4;
+  for (int parts = 1; parts <= 3 && told > 0; ++parts) {
+    const double exact = parts / std::round(parts / told);
+    if (std::abs(exact - told) <= half_unit) return exact;
+  }
+  return told;
+}
+
+double ColaGeometry::angle(const ColaRow& row, double beam) const {
+  const double deg = start_deg + step_deg * beam + row.shift_deg;
+  return (row.mirrored ? -deg : deg) * rad_per_deg;
+}
+
+Span ColaGeometry::sweep() const {
+  return span_from_seconds(beam_period * static_cast<double>(beams == 0 ? 0 : beams - 1));
+}
+
+bool operator==(const ColaGeometry& a, const ColaGeometry& b) {
+  return a.beams == b.beams && a.echoes == b.echoes && a.start_deg == b.start_deg &&
+         a.step_deg == b.step_deg && a.scan_hz == b.scan_hz && a.beam_period == b.beam_period;
+}
+
+bool read_geometry(const ColaScan& scan, const ColaRow& row, ColaGeometry& geometry) {
+  const ColaChannel* first = scan.channel("DIST1");
+  if (first == nullptr || first->values.empty() || !(first->step_deg > 0)) return false;
+  geometry.beams = first->values.size();
+  geometry.echoes = scan.echo_count();
+  geometry.start_deg = first->start_deg;
+  geometry.step_deg = exact_step_deg(first->step_deg);
+  geometry.scan_hz = scan.scan_hz;
+  geometry.beam_period = beam_period(scan, row, geometry.step_deg);
+  constexpr double full_turn = 360.5;
+  if (geometry.step_deg * static_cast<double>(geometry.beams - 1) > full_turn) return false;
+  for (std::size_t i = 1; i < geometry.echoes; ++i) {
+    const ColaChannel* other = scan.channel(distance_names[i]);
+    if (other->values.size() != geometry.beams || other->start_deg != first->start_deg ||
+        other->step_deg != first->step_deg)
+      return false;
+  }
+  return true;
+}
+
+std::string describe(const ColaGeometry& g) {
+  return printed("%zu beams from %.4f deg in steps of %.5f deg, %.2f Hz", g.beams, g.start_deg, g.step_deg,
+                 g.scan_hz);
+}
+
+BeamStatus status_of_raw(std::uint16_t raw) {
+  if (raw >= first_distance) return BeamStatus::hit;
+  return raw == 0 ? BeamStatus::none : BeamStatus::invalid;
+}
+
+ColaScanBuilder::ColaScanBuilder(const DriverConfig& config, const ColaRow& row)
+    : config_(config), row_(row) {
+  scan_.frame_id = config.frame_id;
+  scan_.range_min = static_cast<float>(config.model->range_min);
+  scan_.range_max = static_cast<float>(config.model->range_max);
+}
+
+bool ColaScanBuilder::choose(const ColaGeometry& geometry) {
+  const double start = geometry.angle(row_, 0);
+  const BeamWindow kept = beams_between(start, geometry.angle(row_, 1) - start, geometry.beams,
+                                        config_.angle_min, config_.angle_max);
+  first_beam_ = kept.first;
+  const double first = geometry.angle(row_, static_cast<double>(first_beam_));
+  const double next = geometry.angle(row_, static_cast<double>(first_beam_) + 1);
+  echoes_ = config_.publish_multiecho ? geometry.echoes : 1;
+  scan_.beams = kept.count;
+  scan_.set_angles(static_cast<float>(first), static_cast<float>(next - first));
+  scan_.scan_time = geometry.scan_hz > 0 ? static_cast<float>(1 / geometry.scan_hz) : 0;
+  scan_.time_increment = static_cast<float>(geometry.beam_period);
+  return kept.count > 0;
+}
+
+PlanarScan& ColaScanBuilder::fill(const ColaScan& telegram) {
+  const ColaChannel* rssi = telegram.channel("RSSI1");
+  scan_.reset(scan_.beams, echoes_, config_.publish_intensity && rssi != nullptr);
+  for (std::size_t echo = 0; echo < echoes_; ++echo) fill_echo(telegram, echo);
+  return scan_;
+}
+
+void ColaScanBuilder::fill_echo(const ColaScan& telegram, std::size_t echo) {
+  const ColaChannel& distance = *telegram.channel(distance_names[echo]);
+  const ColaChannel* rssi = scan_.intensities.empty() ? nullptr : telegram.channel(intensity_names[echo]);
+  if (rssi != nullptr && rssi->values.size() != distance.values.size()) rssi = nullptr;
+  constexpr double metres = 1e-3;
+  for (std::size_t i = 0; i < scan_.beams; ++i) {
+    const std::size_t from = first_beam_ + i;
+    const std::size_t at = scan_.index(i, echo);
+    if (rssi != nullptr) scan_.intensities[at] = static_cast<float>(rssi->value(from));
+    const BeamStatus status = status_of_raw(distance.values[from]);
+    if (status == BeamStatus::hit)
+      scan_.set_measured(at, static_cast<float>(distance.value(from) * metres));
+    else
+      scan_.set_without_hit(at, status);
+  }
+}
+
 namespace {
 
 /// Planes of an MRS1000 from the lowest to the highest, as the telegram has them: 1/100 deg, positive
