@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/frames/beam_window.h"
+#include "core/frames/scan.h"
 #include "drivers/model.h"
 
 namespace lidard {

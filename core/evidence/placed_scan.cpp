@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "core/evidence/continuity.h"
-
 namespace lidard {
 namespace {
 

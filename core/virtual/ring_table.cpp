@@ -1,11 +1,10 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/virtual/ring_table.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "core/base/angle.h"
+#include "core/virtual/ring_grid.h"
 
 namespace lidard {
 namespace {

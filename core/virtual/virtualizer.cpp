@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/virtual/band_edges.h"
+#include "core/virtual/plane_cut.h"
 
 namespace lidard {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "core/base/number_text.h"
-#include "core/base/steady_stamps.h"
+#include "core/base/time.h"
 #include "drivers/driver_base.h"
 #include "drivers/hokuyo/models.h"
 #include "drivers/hokuyo/scip_dialogue.h"

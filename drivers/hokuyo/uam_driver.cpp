@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
 
-#include "core/base/steady_stamps.h"
+#include "core/base/time.h"
 #include "drivers/dialogue.h"
 #include "drivers/driver_base.h"
 #include "drivers/hokuyo/models.h"

@@ -3,7 +3,7 @@
 #include <array>
 #include <string>
 
-#include "core/base/steady_stamps.h"
+#include "core/base/time.h"
 #include "drivers/driver_base.h"
 #include "drivers/sick/cola/cola_dialogue.h"
 #include "drivers/sick/cola/cola_frames.h"

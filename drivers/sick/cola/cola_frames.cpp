@@ -7,7 +7,7 @@
 
 #include "core/base/angle.h"
 #include "core/base/number_text.h"
-#include "core/frames/beam_window.h"
+#include "core/frames/scan.h"
 #include "drivers/model.h"
 
 namespace lidard::sick {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/base/device_clock.h"
-#include "core/base/steady_stamps.h"
+#include "core/base/time.h"
 #include "drivers/driver.h"
 #include "drivers/driver_base.h"
 #include "drivers/sick/compact/open_frames.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/base/number_text.h"
-#include "core/frames/beam_window.h"
+#include "core/frames/scan.h"
 #include "drivers/model.h"
 #include "drivers/sick/compact/frame_builder.h"
 #include "drivers/sick/compact/raster_scan.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "core/base/steady_stamps.h"
+#include "core/base/time.h"
 #include "drivers/driver_base.h"
 #include "drivers/sick/safety/ms3_reassembler.h"
 #include "drivers/sick/safety/ms3_telegram.h"
