@@ -39,6 +39,8 @@ auto all_of(const LaserCalibration& l) {
                   l.focal_slope, l.min_intensity, l.max_intensity);
 }
 
+const ModelRow& row_of(const Model& model) { return *static_cast<const ModelRow*>(model.row); }
+
 }  // namespace
 
 bool operator==(const LaserCalibration& a, const LaserCalibration& b) { return all_of(a) == all_of(b); }
@@ -96,23 +98,22 @@ CalibratedGeometry::Terms CalibratedGeometry::terms_of(const LaserCalibration& l
   return t;
 }
 
-namespace {
-
-const ModelRow& row_of(const Model& model) { return *static_cast<const ModelRow*>(model.row); }
-
-}  // namespace
-
-Calibration table_calibration(const Model& model) {
-  const ModelRow& row = row_of(model);
+Calibration table_of(const ModelRow& row) {
   Calibration calibration;
   calibration.distance_step_m = row.distance_step_m;
-  calibration.model = CalibrationModel::ros_drivers;
   for (std::size_t k = 0; k < row.lasers; ++k) {
-    LaserCalibration laser;
+    LaserCalibration& laser = calibration.lasers.emplace_back();
     laser.rot_correction = row.laser[k].rot_correction_deg * rad_per_deg;
     laser.vert_correction = row.laser[k].elevation_deg * rad_per_deg;
-    calibration.lasers.push_back(laser);
+    laser.vert_offset = row.laser[k].z_offset_mm * 1e-3;
   }
+  return calibration;
+}
+
+Calibration table_calibration(const Model& model) {
+  Calibration calibration = table_of(row_of(model));
+  calibration.model = CalibrationModel::ros_drivers;
+  for (LaserCalibration& laser : calibration.lasers) laser.vert_offset = 0;
   return calibration;
 }
 

@@ -105,13 +105,12 @@ constexpr std::array<std::pair<std::uint8_t, const char*>, 8> products = {{{0x21
 /// Of two equally near to the horizontal the upper one, as velodyne_laserscan chooses on a VLP-16.
 std::uint16_t level_ring(const DriverConfig& config) {
   const auto& row = *static_cast<const ModelRow*>(config.model->row);
-  const Calibration* calibration = config.calibration.get();
-  const auto rings = calibration != nullptr ? rings_by_elevation(*calibration) : rings_by_elevation(row);
+  const Calibration calibration = config.calibration != nullptr ? *config.calibration : table_of(row);
+  const auto rings = rings_by_elevation(calibration);
   std::uint16_t best_ring = 0;
   double best = 1e9;
   for (std::size_t k = 0; k < rings.size(); ++k) {
-    const double elevation_deg = calibration != nullptr ? calibration->lasers[k].vert_correction * deg_per_rad
-                                                        : row.laser[k].elevation_deg;
+    const double elevation_deg = calibration.lasers[k].vert_correction * deg_per_rad;
     constexpr double equal_deg = 1e-6;
     const double off = std::fabs(elevation_deg);
     if (off > best + equal_deg || (off > best - equal_deg && rings[k] < best_ring)) continue;
@@ -198,18 +197,6 @@ Span ModelRow::firing_time(const Timing& timing, std::size_t index) const {
   if (timing.pause_after != 0 && k >= timing.pause_after) time += timing.pause;
   if (banks == 2) time += timing.within[k % timing.within.size()];
   return time;
-}
-
-std::vector<std::uint16_t> rings_by_elevation(const ModelRow& row) {
-  std::vector<std::size_t> order(row.lasers);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&row](std::size_t a, std::size_t b) {
-    return row.laser[a].elevation_deg < row.laser[b].elevation_deg;
-  });
-  std::vector<std::uint16_t> rings(row.lasers);
-  for (std::size_t ring = 0; ring < order.size(); ++ring)
-    rings[order[ring]] = static_cast<std::uint16_t>(ring);
-  return rings;
 }
 
 bool is_product(std::uint8_t product_id) {

@@ -71,10 +71,6 @@ struct ModelRow {
   }
 };
 
-/// Ring of each laser: its place in ascending order of elevation, equal elevations in order of the laser's
-/// number.
-std::vector<std::uint16_t> rings_by_elevation(const ModelRow& row);
-
 /// All rows, for recognition: of those that fit equally well the first counts.
 const std::vector<const ModelRow*>& model_rows();
 /// "HDL-32E" for a product byte of any Velodyne, also of those without a row; "unknown product 0x.."

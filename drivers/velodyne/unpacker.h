@@ -69,7 +69,7 @@ class Unpacker {
     double rot_deg, shift_deg;
     Span firing;  // after the sequence's first
   };
-  void set_geometry(const Calibration* calibration);
+  void set_geometry(const Calibration& calibration);
   void set_limits();
   void turn_anew();
   template <class Use>
