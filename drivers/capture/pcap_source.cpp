@@ -66,35 +66,33 @@ struct FileView {
   bool hide_snapshot_length;
   off_t position = 0;
 
-  static ssize_t read(void* self, char* out, std::size_t size);
-  static int seek(void* self, off64_t* offset, int whence);
+  static ssize_t read(void* self, char* out, std::size_t size) {
+    auto& view = *static_cast<FileView*>(self);
+    const ssize_t got = ::pread(view.fd, out, size, view.position);
+    if (got < 0) return got;
+    // libpcap cuts records at the snapshot length of the file header, even where it lies and the bytes are
+    // there. Zero means no limit of the file's own (pcap-savefile(5): bytes 16 to 19).
+    for (off_t i = std::max<off_t>(16, view.position); view.hide_snapshot_length && i < 20; ++i) {
+      if (i < view.position + got) out[i - view.position] = 0;
+    }
+    view.position += got;
+    return got;
+  }
+
+  static int seek(void* self, off64_t* offset, int whence) {
+    auto& view = *static_cast<FileView*>(self);
+    if (whence == SEEK_END) return -1;
+    const off64_t target = whence == SEEK_CUR ? view.position + *offset : *offset;
+    if (target < 0) return -1;
+    *offset = view.position = target;
+    return 0;
+  }
+
   static int close(void* self) {
     delete static_cast<FileView*>(self);
     return 0;
   }
 };
-
-ssize_t FileView::read(void* self, char* out, std::size_t size) {
-  auto& view = *static_cast<FileView*>(self);
-  const ssize_t got = ::pread(view.fd, out, size, view.position);
-  if (got < 0) return got;
-  // libpcap cuts records at the snapshot length of the file header, even where it lies and the bytes are
-  // there. Zero means no limit of the file's own (pcap-savefile(5): bytes 16 to 19).
-  for (off_t i = std::max<off_t>(16, view.position); view.hide_snapshot_length && i < 20; ++i) {
-    if (i < view.position + got) out[i - view.position] = 0;
-  }
-  view.position += got;
-  return got;
-}
-
-int FileView::seek(void* self, off64_t* offset, int whence) {
-  auto& view = *static_cast<FileView*>(self);
-  if (whence == SEEK_END) return -1;
-  const off64_t target = whence == SEEK_CUR ? view.position + *offset : *offset;
-  if (target < 0) return -1;
-  *offset = view.position = target;
-  return 0;
-}
 
 FileHandle open_stream(int fd, bool hide_snapshot_length) {
   cookie_io_functions_t functions{};

@@ -75,14 +75,43 @@ constexpr std::uint64_t patience_bytes = 1 << 20;
 /// Finds out whether a TCP stream is a Hokuyo's, and which one's.
 class HokuyoRecognizer final : public Recognizer {
  public:
-  void add(const Packet& packet) override;
+  void add(const Packet& packet) override {
+    if (packet.transport != Transport::tcp || useless_bytes_ > patience_bytes) return;
+    if (packet.stream_start || packet.missing > 0) {
+      scip_.interrupt();
+      uam_.interrupt();
+    }
+    if (name_.empty()) useless_bytes_ += packet.payload.size();
+    scip_.add(packet.payload);
+    for (ScipMessage message; scip_.next(message);) take(message);
+    uam_.add(packet.payload);
+    for (std::string_view frame; uam_.next(frame);) {
+      const std::string_view command = frame.substr(5, 4);
+      if (command == "AR00") name_ = "hokuyo_uam_05lp";
+      if (command == "AR01") name_ = "hokuyo_uam_05lp_intensity";
+      if (command == "AR06") name_ = "hokuyo_uam_05lp_fine";
+    }
+  }
+
   /// Name of a model; empty while nothing fits, the generic SCIP model while distances came but no name.
   std::string_view verdict() const override { return name_; }
   /// While the sensor did not say its name: every one that speaks SCIP.
-  std::vector<std::string_view> others() const override;
+  std::vector<std::string_view> others() const override {
+    if (name_ != any_scip_name) return {};
+    return names_of(append_scip_models, [](const Model&) { return true; });
+  }
 
  private:
-  void take(const ScipMessage& message);
+  void take(const ScipMessage& message) {
+    if (message.echo == "PP" && message.status == "00") {
+      ScipParameters parameters;
+      std::string product;
+      if (parse_parameters(message.body, parameters, product)) name_ = scip_name_of(product);
+    }
+    if (name_.empty() && parse_scan_request(message.echo) &&
+        (message.status == "99" || message.status == "00"))
+      name_ = any_scip_name;
+  }
 
   Counters ignored_;
   ScipReader scip_{ignored_};
@@ -90,39 +119,6 @@ class HokuyoRecognizer final : public Recognizer {
   std::uint64_t useless_bytes_ = 0;
   std::string_view name_;
 };
-
-void HokuyoRecognizer::add(const Packet& packet) {
-  if (packet.transport != Transport::tcp || useless_bytes_ > patience_bytes) return;
-  if (packet.stream_start || packet.missing > 0) {
-    scip_.interrupt();
-    uam_.interrupt();
-  }
-  if (name_.empty()) useless_bytes_ += packet.payload.size();
-  scip_.add(packet.payload);
-  for (ScipMessage message; scip_.next(message);) take(message);
-  uam_.add(packet.payload);
-  for (std::string_view frame; uam_.next(frame);) {
-    const std::string_view command = frame.substr(5, 4);
-    if (command == "AR00") name_ = "hokuyo_uam_05lp";
-    if (command == "AR01") name_ = "hokuyo_uam_05lp_intensity";
-    if (command == "AR06") name_ = "hokuyo_uam_05lp_fine";
-  }
-}
-
-std::vector<std::string_view> HokuyoRecognizer::others() const {
-  if (name_ != any_scip_name) return {};
-  return names_of(append_scip_models, [](const Model&) { return true; });
-}
-
-void HokuyoRecognizer::take(const ScipMessage& message) {
-  if (message.echo == "PP" && message.status == "00") {
-    ScipParameters parameters;
-    std::string product;
-    if (parse_parameters(message.body, parameters, product)) name_ = scip_name_of(product);
-  }
-  if (name_.empty() && parse_scan_request(message.echo) && (message.status == "99" || message.status == "00"))
-    name_ = any_scip_name;
-}
 
 }  // namespace
 

@@ -222,14 +222,52 @@ bool look(const ColaScan& scan, ColaEvidence& seen) {
 /// families, others() names those that were not chosen.
 class ColaRecognizer final : public Recognizer {
  public:
-  void add(const Packet& packet) override;
+  void add(const Packet& packet) override {
+    if (packet.transport != Transport::tcp) return;
+    if (packet.stream_start || packet.missing > 0) stream_.reset();
+    stream_.add(packet.payload);
+    for (ColaTelegram telegram; stream_.next(telegram);) look_at(telegram);
+  }
+
   std::string_view verdict() const override { return verdict_; }
   std::vector<std::string_view> others() const override { return others_; }
 
  private:
-  void look_at(const ColaTelegram& telegram);
-  void note_identity(std::string_view identity);
-  void choose();
+  void look_at(const ColaTelegram& telegram) {
+    if (telegram.kind() == "sRA" && telegram.name() == "DeviceIdent")
+      note_identity(telegram.arguments().text());
+    if (named_ || telegram.name() != "LMDscandata") return;
+    if (parse_cola_scan(telegram, scan_) != Reject::none) return;
+    layered_ = layered_ || scan_.layer != 0;
+    if (layered_) {
+      verdict_ = "sick_mrs1000";
+      others_.clear();
+      return;
+    }
+    if (look(scan_, seen_)) choose();
+  }
+
+  void note_identity(std::string_view identity) {
+    const std::string_view model = cola_model_named(identity);
+    if (model.empty()) return;
+    verdict_ = model;
+    named_ = true;
+    others_.clear();
+  }
+
+  /// The families that fit everything seen so far.
+  void choose() {
+    verdict_ = {};
+    others_.clear();
+    for (std::size_t i = 0; i < families.size(); ++i) {
+      if (i >= known_families && !verdict_.empty()) return;
+      if (!fits(families[i], seen_)) continue;
+      if (verdict_.empty())
+        verdict_ = families[i].model;
+      else
+        others_.push_back(families[i].model);
+    }
+  }
 
   Counters counters_;
   ColaStream stream_{counters_};
@@ -240,49 +278,6 @@ class ColaRecognizer final : public Recognizer {
   bool named_ = false;    // by the device itself
   bool layered_ = false;  // planes other than the horizontal one came
 };
-
-void ColaRecognizer::add(const Packet& packet) {
-  if (packet.transport != Transport::tcp) return;
-  if (packet.stream_start || packet.missing > 0) stream_.reset();
-  stream_.add(packet.payload);
-  for (ColaTelegram telegram; stream_.next(telegram);) look_at(telegram);
-}
-
-void ColaRecognizer::look_at(const ColaTelegram& telegram) {
-  if (telegram.kind() == "sRA" && telegram.name() == "DeviceIdent")
-    note_identity(telegram.arguments().text());
-  if (named_ || telegram.name() != "LMDscandata") return;
-  if (parse_cola_scan(telegram, scan_) != Reject::none) return;
-  layered_ = layered_ || scan_.layer != 0;
-  if (layered_) {
-    verdict_ = "sick_mrs1000";
-    others_.clear();
-    return;
-  }
-  if (look(scan_, seen_)) choose();
-}
-
-/// The families that fit everything seen so far.
-void ColaRecognizer::choose() {
-  verdict_ = {};
-  others_.clear();
-  for (std::size_t i = 0; i < families.size(); ++i) {
-    if (i >= known_families && !verdict_.empty()) return;
-    if (!fits(families[i], seen_)) continue;
-    if (verdict_.empty())
-      verdict_ = families[i].model;
-    else
-      others_.push_back(families[i].model);
-  }
-}
-
-void ColaRecognizer::note_identity(std::string_view identity) {
-  const std::string_view model = cola_model_named(identity);
-  if (model.empty()) return;
-  verdict_ = model;
-  named_ = true;
-  others_.clear();
-}
 
 }  // namespace
 
