@@ -329,18 +329,15 @@ StatusClass class_of(std::string_view status) {
 std::string explain_status(std::string_view command, std::string_view status) {
   const std::string what =
       "the sensor answers " + std::string(command) + " with status " + std::string(status) + ": ";
-  switch (class_of(status)) {
-    case StatusClass::verifying:
-      return what +
-             "it has stopped measuring to check an error; keep dirt and strong light off its window, it "
-             "goes on by itself if the error does not last";
-    case StatusClass::fault:
-      return what +
-             "it reports hardware trouble; switch its power off and on, and have it repaired if it "
-             "comes back";
-    default:
-      break;
-  }
+  const StatusClass is = class_of(status);
+  if (is == StatusClass::verifying)
+    return what +
+           "it has stopped measuring to check an error; keep dirt and strong light off its window, it goes "
+           "on by "
+           "itself if the error does not last";
+  if (is == StatusClass::fault)
+    return what +
+           "it reports hardware trouble; switch its power off and on, and have it repaired if it comes back";
   for (const Meaning& meaning : meanings) {
     if (meaning.status == status)
       return what + std::string(meaning.words) + "; " + std::string(meaning.remedy);

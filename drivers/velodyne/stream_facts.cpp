@@ -26,18 +26,10 @@ void StreamFacts::add(const Packet& packet) {
 }
 
 const char* StreamFacts::returns() const {
-  switch (mode_) {
-    case static_cast<std::uint8_t>(ReturnMode::strongest):
-      return "Strongest";
-    case static_cast<std::uint8_t>(ReturnMode::last):
-      return "Last";
-    case static_cast<std::uint8_t>(ReturnMode::dual):
-      return "Dual";
-    case dual_with_confidence:
-      return "Dual_conf";
-    default:
-      return nullptr;
-  }
+  if (mode_ == static_cast<std::uint8_t>(ReturnMode::strongest)) return "Strongest";
+  if (mode_ == static_cast<std::uint8_t>(ReturnMode::last)) return "Last";
+  if (mode_ == static_cast<std::uint8_t>(ReturnMode::dual)) return "Dual";
+  return mode_ == dual_with_confidence ? "Dual_conf" : nullptr;
 }
 
 /// Gaps, reordered packets and the turn of the hour are left out: what lies between is not known.

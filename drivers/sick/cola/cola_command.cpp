@@ -39,12 +39,6 @@ ColaWriter& ColaWriter::letters(std::string_view text) {
   return *this;
 }
 
-ColaWriter& ColaWriter::tail(std::string_view text) {
-  if (dialect_ == ColaDialect::a && !text.empty()) bytes_.push_back(' ');
-  bytes_.insert(bytes_.end(), text.begin(), text.end());
-  return *this;
-}
-
 std::vector<std::uint8_t> ColaWriter::finish() {
   // SICK 8014631 chapter 2.
   constexpr std::uint8_t stx = 2;

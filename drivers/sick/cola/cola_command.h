@@ -24,17 +24,11 @@ class ColaWriter {
   ColaWriter& hash(std::uint32_t value);
   /// Characters without a length before them (channel names).
   ColaWriter& letters(std::string_view text);
-  /// Characters behind their length of 8 or 16 bits.
-  ColaWriter& text8(std::string_view text) { return u8(static_cast<std::uint8_t>(text.size())).tail(text); }
-  ColaWriter& text16(std::string_view text) {
-    return u16(static_cast<std::uint16_t>(text.size())).tail(text);
-  }
   /// The telegram with its frame.
   std::vector<std::uint8_t> finish();
 
  private:
   ColaWriter& put(std::uint32_t value, std::size_t size);
-  ColaWriter& tail(std::string_view text);
   void blank();
 
   ColaDialect dialect_;

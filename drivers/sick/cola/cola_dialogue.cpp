@@ -205,28 +205,12 @@ std::vector<std::uint8_t> ColaDialogue::login_request() const {
 }
 
 std::vector<std::uint8_t> ColaDialogue::request(Step step) const {
-  ColaWriter writer(dialect_, command_of(step));
-  switch (step) {
-    case Step::idle:
-    case Step::waiting:
-    case Step::streaming:
-      return {};
-    case Step::login:
-      return login_request();
-    case Step::write:
-      write_settings(writer, *wanted_);
-      return writer.finish();
-    case Step::fields:
-    case Step::outputs:
-    case Step::inputs:
-    case Step::subscribe:
-      return writer.u8(1).finish();
-    case Step::identity:
-    case Step::range:
-    case Step::settings:
-    case Step::run:
-      break;
-  }
+  const std::string_view command = command_of(step);
+  if (command.empty()) return {};
+  if (step == Step::login) return login_request();
+  ColaWriter writer(dialect_, command);
+  if (step == Step::write) write_settings(writer, *wanted_);
+  if (command.substr(0, 3) == "sEN") writer.u8(1);
   return writer.finish();
 }
 

@@ -8,7 +8,7 @@
 #include "core/base/angle.h"
 #include "core/base/number_text.h"
 #include "core/frames/scan.h"
-#include "drivers/model.h"
+#include "drivers/driver_base.h"
 
 namespace lidard::sick {
 namespace {
@@ -89,9 +89,7 @@ BeamStatus status_of_raw(std::uint16_t raw) {
 
 ColaScanBuilder::ColaScanBuilder(const DriverConfig& config, const ColaRow& row)
     : config_(config), row_(row) {
-  scan_.frame_id = config.frame_id;
-  scan_.range_min = static_cast<float>(config.model->range_min);
-  scan_.range_max = static_cast<float>(config.model->range_max);
+  prepare_scan(config, scan_);
 }
 
 bool ColaScanBuilder::choose(const ColaGeometry& geometry) {

@@ -130,25 +130,12 @@ class CompactDriver final : public DriverBase {
   }
 
   Reject take(ByteView telegram, TelegramType type, Stamp arrival, DriverOutput& out) {
+    const bool is_scan = type == TelegramType::scan || type == TelegramType::msgpack;
+    ++(is_scan ? counters_.packets : counters_.other_packets);
     Reject reason = Reject::none;
-    switch (type) {
-      case TelegramType::scan:
-      case TelegramType::msgpack:
-        ++counters_.packets;
-        reason = take_scan(telegram, type, arrival, out);
-        break;
-      case TelegramType::imu:
-        ++counters_.other_packets;
-        reason = take_imu(telegram, arrival, out);
-        break;
-      case TelegramType::encoder:
-        ++counters_.other_packets;
-        reason = take_encoder(telegram, arrival, out);
-        break;
-      default:
-        ++counters_.other_packets;
-        break;
-    }
+    if (is_scan) reason = take_scan(telegram, type, arrival, out);
+    if (type == TelegramType::imu) reason = take_imu(telegram, arrival, out);
+    if (type == TelegramType::encoder) reason = take_encoder(telegram, arrival, out);
     if (reason != Reject::none) counters_.reject(reason);
     return reason;
   }
@@ -215,11 +202,10 @@ class CompactDriver final : public DriverBase {
   }
 
   Reject take_imu(ByteView telegram, Stamp arrival, DriverOutput& out) {
-    constexpr std::uint64_t latest_us = 9'000'000'000'000'000;
     ImuTelegram read;
     const Reject reason = parse_imu(telegram, read);
     if (reason != Reject::none) return reason;
-    if (read.time_us > latest_us) return Reject::field;
+    if (read.time_us > latest_device_us) return Reject::field;
     imu_->stamp = stamp_of(read.time_us, arrival);
     imu_->linear_acceleration = {read.acceleration[0], read.acceleration[1], read.acceleration[2]};
     imu_->angular_velocity = {read.angular_velocity[0], read.angular_velocity[1], read.angular_velocity[2]};
@@ -232,11 +218,10 @@ class CompactDriver final : public DriverBase {
   }
 
   Reject take_encoder(ByteView telegram, Stamp arrival, DriverOutput& out) {
-    constexpr std::uint64_t latest_us = 9'000'000'000'000'000;
     EncoderTelegram read;
     const Reject reason = parse_encoder(telegram, read);
     if (reason != Reject::none) return reason;
-    if (read.transmit_us > latest_us) return Reject::field;
+    if (read.transmit_us > latest_device_us) return Reject::field;
     // The time of the tick has lost its upper half in the telegrams of a picoScan150 that are public; that of
     // the transmission has not, and is near.
     constexpr std::uint64_t half = 0xffffffffU;

@@ -76,8 +76,6 @@ class TelegramStream {
   Reject feed(ByteView chunk, Counters& counters, Take&& take);
   /// Bytes are missing, or the connection ended: half a telegram is worth nothing.
   void cut(Counters& counters);
-  /// Times that the start mark had to be looked for again.
-  std::uint64_t resyncs() const { return resyncs_; }
 
  private:
   ByteView rest() const { return {buffer_.data() + at_, buffer_.size() - at_}; }
@@ -87,7 +85,6 @@ class TelegramStream {
   std::vector<std::uint8_t> buffer_;
   std::size_t at_ = 0;
   bool in_step_ = false;  // the last telegram ended at at_
-  std::uint64_t resyncs_ = 0;
 };
 
 template <class Take>
@@ -112,7 +109,6 @@ Reject TelegramStream::feed(ByteView chunk, Counters& counters, Take&& take) {
     if (in_step_) {
       counters.reject(reason);
       last = reason;
-      ++resyncs_;
     }
     in_step_ = false;
     skip_to_mark();

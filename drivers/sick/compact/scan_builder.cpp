@@ -5,7 +5,7 @@
 
 #include "core/base/number_text.h"
 #include "core/frames/scan.h"
-#include "drivers/model.h"
+#include "drivers/driver_base.h"
 #include "drivers/sick/compact/frame_builder.h"
 #include "drivers/sick/compact/raster_scan.h"
 
@@ -18,11 +18,8 @@ class ScanBuilder final : public FrameBuilder {
  public:
   ScanBuilder(const DriverConfig& config, const DeviceClock& clock, SegmentWarnings& warnings)
       : config_(config), clock_(clock), warnings_(warnings) {
-    for (PlanarScan* scan : {&scan_, &marked_}) {
-      scan->frame_id = config.frame_id;
-      scan->range_min = static_cast<float>(config.model->range_min);
-      scan->range_max = static_cast<float>(config.model->range_max);
-    }
+    prepare_scan(config, scan_);
+    prepare_scan(config, marked_);
     scan_.scan_time = static_cast<float>(config.model->frame_period);
   }
 

@@ -21,6 +21,9 @@ constexpr std::size_t max_segments = 64;
 /// Beams of one line; a full turn in steps of 0.02 deg.
 constexpr std::size_t max_beams = 18000;
 
+/// So that nanoseconds since 1970 fit into 63 bits.
+constexpr std::uint64_t latest_device_us = 9'000'000'000'000'000;
+
 /// How the elements of a column are written. Little-endian all.
 enum class Element : std::uint8_t { u8, u16, u32, f32 };
 
@@ -108,11 +111,9 @@ struct Segment {
 
 /// False where a line says what cannot be: times that run backwards or for ever, angles that are none.
 inline bool is_plausible(const SegmentLine& line) {
-  // So that nanoseconds since 1970 fit into 63 bits.
-  constexpr std::uint64_t latest_us = 9'000'000'000'000'000;
   constexpr std::uint64_t longest_us = 2'000'000;
   constexpr double farthest = 7;  // rad: a segment of a multiScan100 may run beyond pi
-  if (line.start_us > latest_us || line.stop_us < line.start_us) return false;
+  if (line.start_us > latest_device_us || line.stop_us < line.start_us) return false;
   if (line.stop_us - line.start_us > longest_us) return false;
   for (const double angle : {line.elevation, line.theta_start, line.theta_stop}) {
     if (!(std::fabs(angle) <= farthest)) return false;

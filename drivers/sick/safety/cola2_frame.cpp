@@ -3,6 +3,7 @@
 #include "drivers/sick/safety/cola2_frame.h"
 
 #include <algorithm>
+#include <array>
 
 namespace lidard::sick {
 namespace {
@@ -228,24 +229,16 @@ std::string describe_case(ByteView v) {
 
 std::string refusal_text(std::uint8_t result) {
   // SICK 8022708 p. 42
-  switch (result) {
-    case 0:
-      return {};
-    case 1:
-      return "general error; is the scanner configured, and may data output be changed in Safety Designer?";
-    case 2:
-      return "no channel is free; switch a data output off in Safety Designer";
-    case 3:
-      return "the interface is not supported; please report the type code";
-    case 4:
-      return "the start angle is not possible for this scanner";
-    case 5:
-      return "the end angle is not possible for this scanner";
-    case 6:
-      return "a reserved bit was set; please report the firmware version";
-    default:
-      return "result " + std::to_string(result) + " is unknown; please report the firmware version";
-  }
+  constexpr std::array<const char*, 7> words = {
+      "",
+      "general error; is the scanner configured, and may data output be changed in Safety Designer?",
+      "no channel is free; switch a data output off in Safety Designer",
+      "the interface is not supported; please report the type code",
+      "the start angle is not possible for this scanner",
+      "the end angle is not possible for this scanner",
+      "a reserved bit was set; please report the firmware version"};
+  if (result < words.size()) return words.at(result);
+  return "result " + std::to_string(result) + " is unknown; please report the firmware version";
 }
 
 }  // namespace lidard::sick

@@ -30,18 +30,10 @@ std::array<std::uint8_t, 2> le16(std::uint16_t value) {
 }
 
 const char* label_of(std::uint16_t index) {
-  switch (index) {
-    case idx::firmware:
-      return "Firmware Version";
-    case idx::device_name:
-      return "Device Name";
-    case idx::project_name:
-      return "Project Name";
-    case idx::application_name:
-      return "Application Name";
-    default:
-      return nullptr;
-  }
+  if (index == idx::firmware) return "Firmware Version";
+  if (index == idx::device_name) return "Device Name";
+  if (index == idx::project_name) return "Project Name";
+  return index == idx::application_name ? "Application Name" : nullptr;
 }
 
 void add_to_list(std::string& list, const std::string& entry) { list += (list.empty() ? "" : "; ") + entry; }
