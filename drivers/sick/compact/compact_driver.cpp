@@ -3,12 +3,12 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "drivers/dialogue.h"
 #include "drivers/driver_base.h"
 #include "drivers/sick/compact/compact_models.h"
 #include "drivers/sick/compact/compact_telegram.h"
 #include "drivers/sick/compact/frame_builder.h"
 #include "drivers/sick/compact/open_frames.h"
-#include "drivers/sick/compact/sopas_dialogue.h"
 
 namespace lidard::sick {
 namespace {
@@ -27,7 +27,7 @@ class CompactDriver final : public DriverBase {
         clock_(config.clock),
         side_clock_(config.clock),
         warnings_(info_.warnings),
-        dialogue_(config) {
+        dialogue_(config.model->dialogue_port != 0 ? make_sopas_dialogue(config) : nullptr) {
     builder_ = config.model->kind == FrameKind::cloud ? make_cloud_builder(config_, clock_)
                                                       : make_scan_builder(config_, clock_, warnings_);
     imu_->frame_id = config.frame_id;
@@ -39,25 +39,25 @@ class CompactDriver final : public DriverBase {
 
   Reject receive(const Packet& packet, DriverOutput& out) override {
     if (packet.transport == Transport::udp) return receive_datagram(packet, out);
-    if (!has_dialogue()) return receive_stream(packet, out);
-    dialogue_.receive(packet, out);
+    if (!dialogue_) return receive_stream(packet, out);
+    dialogue_->receive(packet, out);
     note_dialogue();
     return Reject::none;
   }
 
   void connected(Stamp now, DriverOutput& out) override {
-    if (has_dialogue()) dialogue_.connected(now, out);
+    if (dialogue_) dialogue_->connected(now, out);
   }
   void disconnected() override {
     stream_.cut(counters_);
-    if (has_dialogue()) dialogue_.disconnected();
+    if (dialogue_) dialogue_->disconnected();
   }
 
   /// A frame whose last segment was lost must not wait for the next frame, which may be half a turn away.
   void tick(Stamp now, DriverOutput& out) override {
-    if (has_dialogue()) {
+    if (dialogue_) {
       const bool heard = last_stop_us_ != 0;
-      dialogue_.tick(now, heard ? std::optional<Stamp>(last_arrival_) : std::nullopt, out);
+      dialogue_->tick(now, heard ? std::optional<Stamp>(last_arrival_) : std::nullopt, out);
       note_dialogue();
     }
     if (frames_.expected() == 0 || last_stop_us_ == 0) return;
@@ -82,12 +82,10 @@ class CompactDriver final : public DriverBase {
   }
 
  private:
-  /// Its TCP connection is for settings, not for data.
-  bool has_dialogue() const { return config_.model->dialogue_port != 0; }
-
   void note_dialogue() {
-    warnings_.set(SegmentTrouble::dialogue, dialogue_.warning());
-    if (!dialogue_.data_output().empty()) info_.set("Data Output", dialogue_.data_output());
+    const DeviceInfo& info = dialogue_->info();
+    warnings_.set(SegmentTrouble::dialogue, info.warnings.empty() ? std::string() : info.warnings.back());
+    for (const auto& [key, value] : info.details) info_.set(key, value);
   }
 
   Reject receive_datagram(const Packet& packet, DriverOutput& out) {
@@ -314,7 +312,7 @@ class CompactDriver final : public DriverBase {
   DeviceClock clock_;
   DeviceClock side_clock_;  // of inertial unit and encoder, where their time is another one
   SegmentWarnings warnings_;
-  SopasDialogue dialogue_;
+  std::unique_ptr<SideDialogue> dialogue_;  // of a device whose TCP connection is for settings, not for data
   Segment segment_;
   TelegramStream stream_;
   TelegramOrder order_;

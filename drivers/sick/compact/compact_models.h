@@ -8,6 +8,10 @@
 #include "drivers/driver.h"
 #include "drivers/recognizer.h"
 
+namespace lidard {
+class SideDialogue;
+}
+
 namespace lidard::sick {
 
 /// Adds picoScan100, multiScan100 and LRS4000 to the table of models.
@@ -21,5 +25,8 @@ std::unique_ptr<Recognizer> make_compact_recognizer();
 /// Driver of the devices that send Compact or MSGPACK telegrams: picoScan100, multiScan100, LRS4000.
 /// `config.model` must be one of append_compact_models().
 std::unique_ptr<Driver> make_compact_driver(const DriverConfig& config);
+
+/// The settings of a picoScan100 or multiScan100 over TCP.
+std::unique_ptr<SideDialogue> make_sopas_dialogue(const DriverConfig& config);
 
 }  // namespace lidard::sick

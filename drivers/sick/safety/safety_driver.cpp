@@ -4,10 +4,10 @@
 #include <array>
 
 #include "core/base/time.h"
+#include "drivers/dialogue.h"
 #include "drivers/driver_base.h"
 #include "drivers/sick/safety/ms3_reassembler.h"
 #include "drivers/sick/safety/ms3_telegram.h"
-#include "drivers/sick/safety/safety_dialogue.h"
 #include "drivers/sick/safety/safety_models.h"
 #include "drivers/sick/safety/safety_status.h"
 #include "drivers/sick/safety/scan_clock.h"
@@ -42,14 +42,14 @@ class SafetyDriver final : public DriverBase {
         row_(*static_cast<const SafetyRow*>(config.model->row)),
         reassembler_(counters_),
         clock_(config.clock),
-        dialogue_(config) {
+        dialogue_(make_safety_dialogue(config)) {
     prepare_scan(config, scan_);
   }
 
   Reject receive(const Packet& packet, DriverOutput& out) override {
     if (packet.transport == Transport::tcp) {
       ++counters_.other_packets;
-      dialogue_.receive(packet, out);
+      dialogue_->receive(packet, out);
       note_dialogue();
       return Reject::none;
     }
@@ -63,12 +63,12 @@ class SafetyDriver final : public DriverBase {
     return reason;
   }
 
-  void connected(Stamp now, DriverOutput& out) override { dialogue_.connected(now, out); }
-  void disconnected() override { dialogue_.disconnected(); }
+  void connected(Stamp now, DriverOutput& out) override { dialogue_->connected(now, out); }
+  void disconnected() override { dialogue_->disconnected(); }
 
   void tick(Stamp now, DriverOutput& out) override {
     reassembler_.expire(now);
-    dialogue_.tick(now, last_datagram_, out);
+    dialogue_->tick(now, last_datagram_, out);
     note_dialogue();
   }
 
@@ -193,16 +193,16 @@ class SafetyDriver final : public DriverBase {
   }
 
   void note_dialogue() {
-    if (dialogue_.version() == dialogue_version_) return;
-    dialogue_version_ = dialogue_.version();
-    if (info_.serial.empty()) info_.serial = dialogue_.info().serial;
+    if (dialogue_->version() == dialogue_version_) return;
+    dialogue_version_ = dialogue_->version();
+    if (info_.serial.empty()) info_.serial = dialogue_->info().serial;
     list_details();
-    board_.lead(dialogue_.info().warnings);
+    board_.lead(dialogue_->info().warnings);
   }
 
   void list_details() {
     clear_details();
-    for (const auto& detail : dialogue_.info().details) info_.details.push_back(detail);
+    for (const auto& detail : dialogue_->info().details) info_.details.push_back(detail);
     if (!status_known_) return;
     for (auto& detail : describe(status_)) info_.details.push_back(std::move(detail));
   }
@@ -300,7 +300,7 @@ class SafetyDriver final : public DriverBase {
   double beyond_range_m_ = 0;
 
   SafetyTopics topics_;
-  SafetyDialogue dialogue_;
+  std::unique_ptr<SideDialogue> dialogue_;
   unsigned dialogue_version_ = 0;
   std::optional<Stamp> last_datagram_;
 };

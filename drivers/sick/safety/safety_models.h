@@ -9,6 +9,10 @@
 #include "drivers/driver.h"
 #include "drivers/recognizer.h"
 
+namespace lidard {
+class SideDialogue;
+}
+
 namespace lidard::sick {
 
 /// What the protocol needs to know of one safety scanner.
@@ -33,5 +37,8 @@ bool looks_like_ms3(ByteView payload);
 /// in `other_packets` and named in a warning. The number of beams and their angles stay as they are until the
 /// device announces other ones; that is a warning, too.
 std::unique_ptr<Driver> make_safety_driver(const DriverConfig& config);
+
+/// The settings of a safety scanner over TCP.
+std::unique_ptr<SideDialogue> make_safety_dialogue(const DriverConfig& config);
 
 }  // namespace lidard::sick
