@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstdio>
 
 #include "core/base/angle.h"
+#include "core/base/number_text.h"
 
 namespace lidard::hokuyo {
 namespace {
@@ -20,18 +20,12 @@ constexpr std::size_t longest_number = 11;
 // Hokuyo C-42-03320B p. 7: up to 16 characters of the host's own, here with a semicolon before.
 constexpr std::size_t longest_user_string = 17;
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
 /// Reads exactly `digits` decimal digits from the front of `text`; -1 if they are not there.
 int take_decimal(std::string_view& text, std::size_t digits) {
-  if (text.size() < digits) return -1;
-  int value = 0;
-  for (const char c : text.substr(0, digits)) {
-    if (!is_digit(c)) return -1;
-    value = 10 * value + (c - '0');
-  }
+  const auto value = number_in<unsigned>(text.substr(0, digits));
+  if (text.size() < digits || !value) return -1;
   text.remove_prefix(digits);
-  return value;
+  return static_cast<int>(*value);
 }
 
 }  // namespace
@@ -250,8 +244,7 @@ bool parse_parameters(std::string_view body, ScipParameters& parameters, std::st
     if (key == "MODL") name = value.substr(0, value.find('('));
     for (const Field& field : fields) {
       if (field.key != key) continue;
-      const auto result = std::from_chars(value.data(), value.data() + value.size(), read.*field.value);
-      if (result.ec == std::errc() && result.ptr == value.data() + value.size()) ++found;
+      if (const auto number = number_in<int>(value)) read.*field.value = *number, ++found;
     }
   });
   if (!all_sound || found != fields.size() || !is_plausible(read)) return false;
@@ -303,16 +296,6 @@ constexpr std::array<Meaning, 20> meanings = {{
     {"98", "it had stopped to check itself and measures again", "nothing to do"},
 }};
 
-bool is_number(std::string_view status, int& value) {
-  if (status.size() != 2) return false;
-  value = 0;
-  for (const char c : status) {
-    if (c < '0' || c > '9') return false;
-    value = 10 * value + (c - '0');
-  }
-  return true;
-}
-
 }  // namespace
 
 StatusClass class_of(std::string_view status) {
@@ -320,8 +303,7 @@ StatusClass class_of(std::string_view status) {
   if (status == "99") return StatusClass::data;
   if (status == "98") return StatusClass::resumed;
   if (status == "0E" || status == "0F") return StatusClass::unknown;
-  int value = 0;
-  if (!is_number(status, value)) return StatusClass::refused;
+  const unsigned value = status.size() == 2 ? number_in<unsigned>(status).value_or(0) : 0;
   if (value >= 50) return StatusClass::fault;
   return value >= 21 ? StatusClass::verifying : StatusClass::refused;
 }

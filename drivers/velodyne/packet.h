@@ -3,11 +3,13 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 
 #include "core/base/bytes.h"
 #include "core/base/counters.h"
+#include "core/base/time.h"
 #include "drivers/velodyne/models.h"
 
 namespace lidard::velodyne {
@@ -121,5 +123,17 @@ double plausible_rate(double deg_per_s);
 /// 0.01 deg. A step far above the median crosses a sector that the sensor does not send (its field of view
 /// ends inside the packet: measured on a VLP-32C).
 PacketAzimuths read_azimuths(const DataPacket& packet, const PacketLayout& layout);
+
+/// Signed difference of two hour stamps, later - earlier, the shorter way round: within half an hour. Holds
+/// also where the counter passes 3600 s without a reset (ros-drivers/velodyne#218).
+inline Span hour_difference(Span later, Span earlier) {
+  constexpr Span hour = std::chrono::hours(1);
+  const Span difference = (later - earlier) % hour;
+  if (difference > hour / 2) return difference - hour;
+  return difference <= -hour / 2 ? difference + hour : difference;
+}
+inline Span hour_difference(std::uint32_t later_us, std::uint32_t earlier_us) {
+  return hour_difference(std::chrono::microseconds(later_us), std::chrono::microseconds(earlier_us));
+}
 
 }  // namespace lidard::velodyne

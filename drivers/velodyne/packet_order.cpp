@@ -7,15 +7,6 @@
 
 namespace lidard::velodyne {
 
-Span hour_difference(std::uint32_t later_us, std::uint32_t earlier_us) {
-  constexpr std::int64_t hour_us = 3'600'000'000;
-  std::int64_t difference =
-      (static_cast<std::int64_t>(later_us) - static_cast<std::int64_t>(earlier_us)) % hour_us;
-  if (difference > hour_us / 2) difference -= hour_us;
-  if (difference < -hour_us / 2) difference += hour_us;
-  return std::chrono::microseconds(difference);
-}
-
 bool PacketOrder::is_model_period(Span step, const OrderedPacket& packet) const {
   const std::size_t echoes = packet.layout->echoes;
   for (const Timing& timing : row_.timings) {

@@ -26,10 +26,6 @@ struct OrderedPacket {
   DataPacket view() const { return DataPacket(ByteView(bytes.data(), bytes.size())); }
 };
 
-/// Signed difference of two hour stamps, later - earlier, into +-1800 s. Holds also where the counter passes
-/// 3600 s without a reset (ros-drivers/velodyne#218).
-Span hour_difference(std::uint32_t later_us, std::uint32_t earlier_us);
-
 /// Brings packets into the order of their stamps, looking one packet ahead only where the stamps leave a
 /// hole, so that undisturbed packets are not delayed. Also decides whether packets with another product byte
 /// are those of the configured model: a product byte can lie, the packet period cannot.

@@ -7,6 +7,7 @@
 
 #include "core/base/angle.h"
 #include "drivers/model.h"
+#include "drivers/velodyne/packet.h"
 
 namespace lidard::velodyne {
 namespace {
@@ -79,13 +80,6 @@ std::optional<Telemetry> read_telemetry(ByteView packet) {
   const std::string_view field = packet.sub(nmea_offset, nmea_size).text();
   telemetry.nmea = field.substr(0, field.find('\0'));
   return telemetry;
-}
-
-Span hour_difference(Span a, Span b) {
-  constexpr Span hour = std::chrono::hours(1);
-  const Span difference = (a - b) % hour;
-  if (difference > hour / 2) return difference - hour;
-  return difference <= -hour / 2 ? difference + hour : difference;
 }
 
 namespace {

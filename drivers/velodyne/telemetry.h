@@ -68,9 +68,6 @@ struct Telemetry {
 /// nullopt unless it has 512 bytes.
 std::optional<Telemetry> read_telemetry(ByteView packet);
 
-/// `a - b` of two times that count within the hour, the shorter way round: within half an hour.
-Span hour_difference(Span a, Span b);
-
 /// What follows from the sensor's claims about its clock and from what its receiver says.
 enum class ClockClaim : std::uint8_t {
   none,    ///< free-running and says so

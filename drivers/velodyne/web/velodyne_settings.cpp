@@ -8,6 +8,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/base/number_text.h"
+
 namespace lidard {
 namespace {
 
@@ -131,9 +133,8 @@ std::string degrees_text(int hundredths) {
 }
 
 std::optional<int> count_in(const std::optional<std::string>& text) {
-  const bool digits = text && !text->empty() && text->size() < 7 &&
-                      std::all_of(text->begin(), text->end(), [](char c) { return c >= '0' && c <= '9'; });
-  return digits ? std::optional<int>(std::stoi(*text)) : std::nullopt;
+  const auto count = text && text->size() < 7 ? number_in<unsigned>(*text) : std::nullopt;
+  return count ? std::optional<int>(static_cast<int>(*count)) : std::nullopt;
 }
 
 /// The form holds both fields: `enabled`, and `offset` in 1/100 degree with `offsetInput` in degrees, as

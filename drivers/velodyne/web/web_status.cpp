@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
+
+#include "core/base/number_text.h"
 
 namespace lidard {
 namespace {
@@ -53,18 +54,19 @@ constexpr Row rows[] = {
     {"bot.pwr_v_in", "Supply voltage", "V", supply_volts, 8, 19, false},
 };
 
-/// A count of the 12-bit converter.
-bool read_count(const VelodyneTree& tree, const std::string& key, double& count) {
+std::string value_of(const VelodyneTree& tree, const std::string& key) {
   const auto found = tree.find(key);
-  if (found == tree.end()) return false;
-  const std::string& text = found->second;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
-  return error == std::errc() && end == text.data() + text.size() && count >= 0 && count < counts;
+  return found == tree.end() ? std::string() : found->second;
+}
+
+std::optional<double> number_of(const VelodyneTree& tree, const std::string& key) {
+  const auto number = number_in<double>(value_of(tree, key));
+  return number && std::isfinite(*number) ? number : std::nullopt;
 }
 
 bool laser_is_off(const VelodyneTree& tree) {
-  const auto found = tree.find("status.laser.state");
-  return found != tree.end() && (found->second == "Off" || found->second == "off");
+  const std::string state = value_of(tree, "status.laser.state");
+  return state == "Off" || state == "off";
 }
 
 }  // namespace
@@ -73,9 +75,9 @@ std::vector<VelodyneReading> velodyne_readings(const VelodyneTree& tree) {
   std::vector<VelodyneReading> readings;
   const bool dark = laser_is_off(tree);
   for (const Row& row : rows) {
-    double count = 0;
-    if (!read_count(tree, std::string("diag.volt_temp.") + row.key, count)) continue;
-    readings.push_back({row.name, row.unit, row.convert(count * full_scale_v / counts), row.lowest,
+    const auto count = number_of(tree, std::string("diag.volt_temp.") + row.key);
+    if (!count || *count < 0 || *count >= counts) continue;
+    readings.push_back({row.name, row.unit, row.convert(*count * full_scale_v / counts), row.lowest,
                         row.highest, !(dark && row.needs_laser)});
   }
   return readings;
@@ -88,19 +90,6 @@ namespace {
 
 /// A locked motor stays within a few rpm; what differs by more turns at another speed.
 constexpr double rpm_tolerance = 0.05;
-
-std::string value_of(const VelodyneTree& tree, const char* key) {
-  const auto found = tree.find(key);
-  return found == tree.end() ? std::string() : found->second;
-}
-
-std::optional<double> number_of(const VelodyneTree& tree, const char* key) {
-  const std::string text = value_of(tree, key);
-  double number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) return std::nullopt;
-  return number;
-}
 
 bool same_word(const std::string& a, const std::string& b) {
   return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](char x, char y) {
