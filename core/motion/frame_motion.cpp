@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/motion/frame_motion.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace lidard {

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/virtual/plane_cut.h"
-
 namespace lidard {
 namespace {
 

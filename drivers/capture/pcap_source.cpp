@@ -13,8 +13,6 @@
 #include <cstring>
 #include <new>
 
-#include "drivers/capture/ip_packet.h"
-
 namespace lidard {
 namespace {
 

@@ -22,12 +22,8 @@ constexpr ScipRow uxm_30lx_ew = {
 constexpr ScipRow any_scip = {"", {20, 60000, 1440, 0, 1080, 540, 2400}, CodeTable::utm, true, false, true};
 
 Model scanner(std::string_view name, const char* product, const ScipRow& row, Traits traits) {
-  Model model;
-  model.name = name;
-  model.vendor = "Hokuyo";
-  model.product = product;
-  model.protocol = "SCIP 2";
-  model.verified = "own simulator; single answers of real sensors, no capture of a connection";
+  Model model{name, "Hokuyo", product, "SCIP 2",
+              "own simulator; single answers of real sensors, no capture of a connection"};
   model.transport = Transport::tcp;
   model.port = 10940;  // Hokuyo C-42-04076 (UST-10LX)
   model.frame_period = row.parameters.turn_seconds();

@@ -2,9 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/hokuyo/scip_message.h"
 
-#include <algorithm>
 #include <array>
-#include <cstdio>
 
 #include "core/base/angle.h"
 #include "core/base/number_text.h"

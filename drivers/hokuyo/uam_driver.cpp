@@ -281,12 +281,7 @@ constexpr UamRow with_intensity = {"AR04", "AR01", 1081, 0.25, true};
 constexpr UamRow fine = {"AR07", "AR06", 2161, 0.125, false};
 
 Model scanner(const char* name, const char* product, const UamRow& row, const char* verified) {
-  Model model;
-  model.name = name;
-  model.vendor = "Hokuyo";
-  model.product = product;
-  model.protocol = "UAM AR";
-  model.verified = verified;
+  Model model{name, "Hokuyo", product, "UAM AR", verified};
   model.transport = Transport::tcp;
   model.port = 10940;
   model.packets_per_s = 1 / turn_s;

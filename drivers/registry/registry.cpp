@@ -3,7 +3,6 @@
 #include "drivers/registry/registry.h"
 
 #include <algorithm>
-#include <stdexcept>
 #include <string>
 
 #include "drivers/hokuyo/models.h"

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "core/base/angle.h"
 #include "core/base/number_text.h"
@@ -124,13 +123,7 @@ Model spinning(const char* name, const char* product, const ModelRow& row, doubl
                const char* verified) {
   constexpr double default_rpm = 600;
   const std::size_t most_echoes = row.banks == 2 ? 1 : 2;
-  Model model;
-  model.name = name;
-  model.vendor = "Velodyne";
-  model.product = product;
-  model.protocol = "Velodyne data packet";
-  model.verified = verified;
-  model.kind = FrameKind::cloud;
+  Model model{name, "Velodyne", product, "Velodyne data packet", verified, FrameKind::cloud};
   model.port = 2368;
   model.packets_per_s = 1 / seconds(row.packet_period(row.timings.front(), most_echoes));
   model.frame_period = 60 / default_rpm;

@@ -40,14 +40,9 @@ std::optional<SensorHealth> read_health(ByteView p) {
   SensorHealth health;
   health.top_board_c = signed8(p.u8(0xBB));
   health.bottom_board_c = signed8(p.u8(0xBC));
-  health.at_calibration_c = signed8(p.u8(0xBD));
   health.since_calibration_k = signed16(p.le16(0xBE));
   health.calibration_age_s = p.le32(0xC0);
-  health.calibration_reason = p.u8(0xC4);
-  health.calibration_flags = p.u8(0xC5);
   health.shut_down = p.u8(thermal_offset) != 0;
-  health.at_shutdown_c = signed8(p.u8(0xCC));
-  health.at_power_up_c = signed8(p.u8(0xCD));
   return health;
 }
 

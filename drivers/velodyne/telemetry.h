@@ -27,14 +27,9 @@ enum class Pps : std::uint8_t { absent = 0, synchronising = 1, locked = 2, error
 struct SensorHealth {
   int top_board_c = 0;
   int bottom_board_c = 0;
-  int at_calibration_c = 0;
   int since_calibration_k = 0;  ///< change since the last calibration
   std::uint32_t calibration_age_s = 0;
-  std::uint8_t calibration_reason = 0;  ///< 0 none, 1 power-on, 2 manual, 3 temperature, 4 periodic
-  std::uint8_t calibration_flags = 0;   ///< bit 0 in progress, 1 temperature limit, 2 period exceeded
-  bool shut_down = false;               ///< too hot or too cold to run
-  int at_shutdown_c = 0;
-  int at_power_up_c = 0;
+  bool shut_down = false;  ///< too hot or too cold to run
 };
 
 /// The inertial unit of an HDL-32E: three gyros, each beside a two-axis accelerometer. Each 16-bit word holds

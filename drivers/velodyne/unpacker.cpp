@@ -3,9 +3,7 @@
 #include "drivers/velodyne/unpacker.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstddef>
 #include <limits>
 
 #include "core/base/angle.h"

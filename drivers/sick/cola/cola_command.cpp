@@ -3,7 +3,6 @@
 #include "drivers/sick/cola/cola_command.h"
 
 #include "core/base/number_text.h"
-#include "drivers/sick/cola/cola_stream.h"
 
 namespace lidard::sick {
 

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <array>
 #include <string>
 
 #include "core/base/time.h"

@@ -7,7 +7,6 @@
 
 #include "core/base/angle.h"
 #include "core/base/number_text.h"
-#include "core/frames/scan.h"
 #include "drivers/driver_base.h"
 
 namespace lidard::sick {

@@ -78,11 +78,7 @@ constexpr Facts all_facts[] = {
 };
 
 Model model_of(const Facts& facts) {
-  Model model;
-  model.name = facts.name;
-  model.vendor = "SICK";
-  model.product = facts.product;
-  model.protocol = "CoLa A/B";
+  Model model{facts.name, "SICK", facts.product, "CoLa A/B", facts.verified};
   model.kind = facts.row->layered ? FrameKind::cloud : FrameKind::scan;
   model.transport = Transport::tcp;
   model.port = facts.port;
@@ -91,7 +87,6 @@ Model model_of(const Facts& facts) {
   model.range_min = facts.range_min;
   model.range_max = facts.range_max;
   model.beams = facts.row->layered ? facts.row->turn : 0;
-  model.verified = facts.verified;
   model.row = facts.row;
   model.make = make_cola_driver;
   model.traits = {Trait::settings_writable, Trait::logins, Trait::skip_setting, Trait::states_on_request};

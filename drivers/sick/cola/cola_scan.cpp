@@ -2,11 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/sick/cola/cola_scan.h"
 
-#include <algorithm>
-#include <cmath>
-
-#include "drivers/sick/cola/cola_stream.h"
-
 namespace lidard::sick {
 namespace {
 
@@ -15,19 +10,15 @@ constexpr std::size_t most_values = 16384;
 
 template <class Reader>
 void read_head(Reader& in, ColaScan& scan) {
-  scan.version = in.u16();
-  scan.device = in.u16();
+  in.u16();  // version
+  in.u16();  // number of the device
   scan.serial = in.u32();
   for (std::uint8_t& byte : scan.status) byte = in.u8();
   scan.telegram_counter = in.u16();
   scan.scan_counter = in.u16();
   scan.start_us = in.u32();
   scan.transmit_us = in.u32();
-  // Two bytes each, the low one first: output 1 of an LMS511 is bit 0 of the first byte.
-  const std::uint8_t inputs = in.u8();
-  scan.inputs = static_cast<std::uint16_t>(in.u8() << 8U | inputs);
-  const std::uint8_t outputs = in.u8();
-  scan.outputs = static_cast<std::uint16_t>(in.u8() << 8U | outputs);
+  for (int i = 0; i < 4; ++i) in.u8();  // digital inputs and outputs
   scan.layer = in.i16();
   scan.scan_hz = in.u32() / 100.0;
   // In 100 Hz; some firmware sends Hz, which no scanner reaches as hundreds.
@@ -82,34 +73,24 @@ Reject read_channels(Reader& in, ColaScan& scan) {
 }
 
 template <class Reader>
-std::size_t read_text(Reader& in, std::array<char, 256>& out) {
-  if (in.u16() == 0) return 0;
-  const std::string_view text = in.text(in.text_size());
-  if (text.size() > out.size()) return 0;
-  std::copy(text.begin(), text.end(), out.begin());
-  return text.size();
+std::string_view read_text(Reader& in) {
+  return in.u16() == 0 ? std::string_view() : in.text(in.text_size());
 }
 
+/// What follows the channels: where the device stands, its name, a comment and the time. Of these the name
+/// counts. The events behind them are described differently from device to device; old firmware sends no such
+/// field.
 template <class Reader>
 void read_tail(Reader& in, ColaScan& scan) {
-  scan.has_position = in.u16() != 0;
-  if (scan.has_position) {
-    for (float& value : scan.position.xyz) value = in.f32();
-    for (float& value : scan.position.rotation) value = in.f32();
-    scan.position.rotation_type = in.u8();
+  if (in.u16() != 0) {
+    for (int i = 0; i < 6; ++i) in.f32();
+    in.u8();
   }
-  scan.name_size = read_text(in, scan.name_text);
-  scan.comment_size = read_text(in, scan.comment_text);
-  scan.has_time = in.u16() != 0;
-  if (scan.has_time) {
-    scan.time.year = in.u16();
-    scan.time.month = in.u8();
-    scan.time.day = in.u8();
-    scan.time.hour = in.u8();
-    scan.time.minute = in.u8();
-    scan.time.second = in.u8();
-    scan.time.microsecond = in.u32();
-  }
+  const std::string_view name = read_text(in);
+  scan.name_size = name.size() > scan.name_text.size() ? 0 : name.size();
+  std::copy_n(name.begin(), scan.name_size, scan.name_text.begin());
+  read_text(in);
+  skip_time(in);
 }
 
 template <class Reader>
@@ -119,11 +100,7 @@ Reject read_scan(Reader in, ColaScan& scan) {
   if (reason == Reject::none) reason = read_channels(in, scan);
   if (reason != Reject::none) return reason;
   read_tail(in, scan);
-  if (!in.ok()) return Reject::size;
-  // The events behind it are described differently from device to device; nobody needs them here. Old
-  // firmware sends no such field at all.
-  scan.has_event = in.left() > 0 && in.u16() != 0;
-  return Reject::none;
+  return in.ok() ? Reject::none : Reject::size;
 }
 
 }  // namespace

@@ -34,20 +34,6 @@ struct ColaChannel {
 constexpr std::array<std::string_view, 5> distance_names = {"DIST1", "DIST2", "DIST3", "DIST4", "DIST5"};
 constexpr std::array<std::string_view, 5> intensity_names = {"RSSI1", "RSSI2", "RSSI3", "RSSI4", "RSSI5"};
 
-/// The time the device believes it is.
-struct ColaTime {
-  std::uint16_t year = 0;
-  std::uint8_t month = 0, day = 0, hour = 0, minute = 0, second = 0;
-  std::uint32_t microsecond = 0;
-};
-
-/// Where the device was told that it stands.
-struct ColaPosition {
-  std::array<float, 3> xyz{};       ///< device's unit (set by its owner)
-  std::array<float, 3> rotation{};  ///< about x, y, z
-  std::uint8_t rotation_type = 0;   ///< 0 none, 1 pitching, 2 rolling, 3 free
-};
-
 /// The telegram LMDscandata (SICK 8014631 chapter 4.3.4; SICK 8013796, LMS500, p. 81-83), read from the
 /// first field to the last. Keeps its memory from telegram to telegram.
 struct ColaScan {
@@ -58,28 +44,22 @@ struct ColaScan {
     std::uint16_t speed = 0;     ///< ticks/mm
   };
 
-  std::uint16_t version = 0, device = 0;
   std::uint32_t serial = 0;
   std::array<std::uint8_t, 2> status{};  ///< 0 0: the device is well
   std::uint16_t telegram_counter = 0, scan_counter = 0;
   std::uint32_t start_us = 0;     ///< since the device started; wraps after 71.6 min
   std::uint32_t transmit_us = 0;  ///< the same clock, when the scan went out
-  std::uint16_t inputs = 0, outputs = 0;
-  std::int16_t layer = 0;     ///< 1/100 deg downwards on MRS1000, else reserved
-  double scan_hz = 0;         ///< telegrams (scans, or layers) per second
-  double measurement_hz = 0;  ///< measurements per second
+  std::int16_t layer = 0;         ///< 1/100 deg downwards on MRS1000, else reserved
+  double scan_hz = 0;             ///< telegrams (scans, or layers) per second
+  double measurement_hz = 0;      ///< measurements per second
   std::array<Encoder, most_encoders> encoders{};
   std::size_t encoder_count = 0;
   std::array<ColaChannel, most_channels> channels{};
   std::size_t channel_count = 0;
-  bool has_position = false, has_time = false, has_event = false;
-  ColaPosition position;
-  ColaTime time;
-  std::array<char, 256> name_text{}, comment_text{};
-  std::size_t name_size = 0, comment_size = 0;
+  std::array<char, 256> name_text{};
+  std::size_t name_size = 0;
 
   std::string_view name() const { return {name_text.data(), name_size}; }
-  std::string_view comment() const { return {comment_text.data(), comment_size}; }
   /// The channel of that name ("DIST1"), or nullptr.
   const ColaChannel* channel(std::string_view name) const;
   /// Number of consecutive channels DIST1, DIST2, ...

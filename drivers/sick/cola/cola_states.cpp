@@ -2,23 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/sick/cola/cola_states.h"
 
-#include <array>
 #include <string>
 
 #include "drivers/sick/cola/cola_models.h"
-#include "drivers/sick/cola/cola_stream.h"
 
 namespace lidard::sick {
 namespace {
-
-/// A flag, then the device's date and time if it is set.
-template <class Reader>
-void skip_time(Reader& in) {
-  if (in.u16() == 0) return;
-  in.u16();                             // year
-  for (int i = 0; i < 5; ++i) in.u8();  // month ... second
-  in.u32();                             // us
-}
 
 /// Where a field is infringed. One entry for every cut-off segment: 15 bytes (recorded from an LMS511),
 /// of which nothing is needed here. Two more lists follow, whose entries nobody has seen.

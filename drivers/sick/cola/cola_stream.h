@@ -132,4 +132,13 @@ auto read_arguments(const ColaTelegram& telegram, Read&& read) {
                                             : read(ColaTextReader(telegram.arguments()));
 }
 
+/// A flag, then the device's date and time if it is set.
+template <class Reader>
+void skip_time(Reader& in) {
+  if (in.u16() == 0) return;
+  in.u16();                             // year
+  for (int i = 0; i < 5; ++i) in.u8();  // month ... second
+  in.u32();                             // us
+}
+
 }  // namespace lidard::sick

@@ -8,12 +8,7 @@ namespace lidard::sick {
 namespace {
 
 Model compact_model(const char* name, const char* product, const char* protocol, const char* verified) {
-  Model model;
-  model.name = name;
-  model.vendor = "SICK";
-  model.product = product;
-  model.protocol = protocol;
-  model.verified = verified;
+  Model model{name, "SICK", product, protocol, verified};
   model.port = 2115;
   model.frame_period = 0.05;
   model.range_min = 0.05;

@@ -220,9 +220,7 @@ Reject parse_imu(ByteView telegram, ImuTelegram& out) {
 Reject parse_encoder(ByteView telegram, EncoderTelegram& out) {
   if (telegram.size() != encoder_bytes) return Reject::size;
   if (telegram.le32(24) != 1) return Reject::version;
-  out.counter = telegram.le64(8);
   out.transmit_us = telegram.le64(16);
-  out.sender = telegram.le32(32);
   out.frame = telegram.le64(36);
   out.ticks = telegram.le32(44);
   out.reference_ticks = {telegram.le32(48), telegram.le32(52)};

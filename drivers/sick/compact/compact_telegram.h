@@ -5,7 +5,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "core/base/bytes.h"
@@ -55,9 +54,7 @@ Reject parse_imu(ByteView telegram, ImuTelegram& out);
 
 /// Type 4, as SICK KaitaiStructDescriptions type_4_encoder.ksy has it.
 struct EncoderTelegram {
-  std::uint64_t counter = 0;
   std::uint64_t transmit_us = 0;
-  std::uint32_t sender = 0;
   std::uint64_t frame = 0;
   std::uint32_t ticks = 0;
   std::array<std::uint32_t, 2> reference_ticks{};

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <string>
 
 #include "core/base/device_clock.h"
 #include "core/base/time.h"

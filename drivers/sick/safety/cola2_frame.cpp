@@ -3,7 +3,6 @@
 #include "drivers/sick/safety/cola2_frame.h"
 
 #include <algorithm>
-#include <array>
 
 namespace lidard::sick {
 namespace {

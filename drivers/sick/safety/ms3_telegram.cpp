@@ -3,7 +3,6 @@
 #include "drivers/sick/safety/ms3_telegram.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace lidard::sick {
 namespace {
@@ -24,8 +23,6 @@ bool bit(std::uint32_t value, unsigned n) { return (value >> n & 1U) != 0; }
 std::uint32_t le24(ByteView b, std::size_t o) {
   return b.le16(o) | static_cast<std::uint32_t>(b.u8(o + 2)) << 16U;
 }
-
-std::int16_t le16s(ByteView b, std::size_t o) { return static_cast<std::int16_t>(b.le16(o)); }
 
 /// The block whose offset and size stand at `entry`; empty if it is switched off. False if it lies.
 bool find_block(ByteView instance, std::size_t entry, ByteView& block) {
@@ -96,29 +93,14 @@ bool read_intrusion(ByteView b, std::array<ByteView, 24>& paths) {
   return true;
 }
 
-/// p. 25-27. Everything from 197 on is unverified, and so are the error flags at 194:
-/// sick_safetyscanners_base reads them there, inside what p. 26 calls the flags of the monitoring cases.
+/// p. 25-27; what stands before are inputs. Everything from 197 on is unverified.
 Ms3Application read_application(ByteView b) {
   Ms3Application a{};
-  a.unsafe_inputs = b.le32(0);
-  a.unsafe_inputs_flags = b.le32(4);
-  for (std::size_t i = 0; i < a.case_inputs.size(); ++i) a.case_inputs[i] = b.le16(12 + 2 * i);
-  a.case_inputs_flags = b.le32(52);
-  a.velocity_inputs = {le16s(b, 56), le16s(b, 58)};
-  a.velocity_inputs_flags = b.u8(60);
-  a.sleep_input = b.u8(74);
   a.evaluation_paths = b.le32(140);
   a.evaluation_safe = b.le32(144);
   a.evaluation_valid = b.le32(148);
   for (std::size_t i = 0; i < a.cases.size(); ++i) a.cases[i] = b.le16(152 + 2 * i);
-  a.cases_flags = b.le32(192);
-  a.error_flags_unverified = b.u8(194);
   a.standby_state = b.u8(196);
-  a.velocities = {le16s(b, 200), le16s(b, 202)};
-  a.velocities_flags = b.u8(204);
-  for (std::size_t i = 0; i < a.resulting_velocities.size(); ++i)
-    a.resulting_velocities[i] = le16s(b, 208 + 2 * i);
-  a.resulting_velocities_flags = b.le32(248);
   a.valid_flags = b.u8(259);
   return a;
 }

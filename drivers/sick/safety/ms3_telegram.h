@@ -71,25 +71,12 @@ struct Ms3State {
   friend bool operator==(const Ms3State& a, const Ms3State& b) { return a.tied() == b.tied(); }
 };
 
-/// Application data, inputs and outputs. Flags say which of the values are valid.
+/// Application data, outputs: those that are told.
 struct Ms3Application {
-  std::uint32_t unsafe_inputs, unsafe_inputs_flags;
-  std::array<std::uint16_t, 20> case_inputs;
-  std::uint32_t case_inputs_flags;
-  std::array<std::int16_t, 2> velocity_inputs;
-  std::uint8_t velocity_inputs_flags;  ///< bits 0, 1 valid; bits 4, 5 safe
-  std::uint8_t sleep_input;
   std::uint32_t evaluation_paths, evaluation_safe, evaluation_valid;
   std::array<std::uint16_t, 20> cases;  ///< active monitoring case per table
-  std::uint32_t cases_flags;
-  std::uint8_t
-      error_flags_unverified;  ///< contamination warning, error, manipulation, glare, contour, critical
-  std::uint8_t standby_state;  ///< 1 standby, 2 not in standby
-  std::array<std::int16_t, 2> velocities;
-  std::uint8_t velocities_flags;
-  std::array<std::int16_t, 20> resulting_velocities;
-  std::uint32_t resulting_velocities_flags;
-  std::uint8_t valid_flags;  ///< bit 0 standby state, bit 1 error flags
+  std::uint8_t standby_state;           ///< 1 standby, 2 not in standby
+  std::uint8_t valid_flags;             ///< bit 0 standby state, bit 1 error flags
 };
 
 /// One instance of the data output of a microScan3, nanoScan3 or outdoorScan3 ("MS3 MD"), all blocks.

@@ -4,7 +4,6 @@
 #include <array>
 #include <boost/asio/yield.hpp>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "drivers/dialogue.h"

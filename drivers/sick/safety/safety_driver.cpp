@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <array>
 
 #include "core/base/time.h"
 #include "drivers/dialogue.h"

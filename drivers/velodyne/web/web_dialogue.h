@@ -5,7 +5,6 @@
 #include <boost/asio/coroutine.hpp>
 #include <cstdint>
 #include <map>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
