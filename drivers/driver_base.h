@@ -27,6 +27,23 @@ class DriverBase : public Driver {
   /// Details that are listed anew, behind vendor and product.
   void clear_details() { info_.details.resize(2); }
 
+  /// Feeds a chunk of a stream to its reader and hands each whole item to `handle`, which says why it was not
+  /// used; the last such reason.
+  template <class Item, class Reader, class Handle>
+  Reject read_stream(const Packet& packet, Reader& reader, Handle handle) {
+    counters_.bytes += packet.payload.size();
+    if (packet.stream_start || packet.missing > 0) reader.interrupt();
+    reader.add(packet.payload);
+    Reject result = Reject::none;
+    for (Item item; reader.next(item);) {
+      const Reject reason = handle(item);
+      if (reason == Reject::none) continue;
+      counters_.reject(reason);
+      result = reason;
+    }
+    return result;
+  }
+
   DriverConfig config_;
   Counters counters_;
   DeviceInfo info_;

@@ -41,17 +41,8 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
   }
 
   Reject receive(const Packet& packet, DriverOutput& out) override {
-    counters_.bytes += packet.payload.size();
-    if (packet.stream_start || packet.missing > 0) reader_.interrupt();
-    reader_.add(packet.payload);
-    Reject result = Reject::none;
-    for (ScipMessage message; reader_.next(message);) {
-      const Reject reason = handle(message, packet.arrival, out);
-      if (reason == Reject::none) continue;
-      counters_.reject(reason);
-      result = reason;
-    }
-    return result;
+    return read_stream<ScipMessage>(
+        packet, reader_, [&](const ScipMessage& item) { return handle(item, packet.arrival, out); });
   }
 
   void connected(Stamp now, DriverOutput& out) override {

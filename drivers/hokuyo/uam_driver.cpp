@@ -60,17 +60,8 @@ class UamDriver final : public DriverBase {
   }
 
   Reject receive(const Packet& packet, DriverOutput& out) override {
-    counters_.bytes += packet.payload.size();
-    if (packet.stream_start || packet.missing > 0) reader_.interrupt();
-    reader_.add(packet.payload);
-    Reject result = Reject::none;
-    for (std::string_view frame; reader_.next(frame);) {
-      const Reject reason = handle(frame, packet.arrival, out);
-      if (reason == Reject::none) continue;
-      counters_.reject(reason);
-      result = reason;
-    }
-    return result;
+    return read_stream<std::string_view>(
+        packet, reader_, [&](const std::string_view& item) { return handle(item, packet.arrival, out); });
   }
 
   void connected(Stamp now, DriverOutput& out) override {

@@ -11,7 +11,6 @@
 #include "drivers/registry/registry.h"
 #include "drivers/sick/cola/cola_models.h"
 #include "drivers/sick/cola/cola_scan.h"
-#include "drivers/sick/cola/cola_states.h"
 
 namespace {
 

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "drivers/dialogue.h"
-#include "drivers/sick/cola/cola_command.h"
 #include "drivers/sick/cola/cola_models.h"
+#include "drivers/sick/cola/cola_stream.h"
 
 namespace lidard::sick {
 

@@ -219,7 +219,7 @@ class ColaRecognizer final : public Recognizer {
  public:
   void add(const Packet& packet) override {
     if (packet.transport != Transport::tcp) return;
-    if (packet.stream_start || packet.missing > 0) stream_.reset();
+    if (packet.stream_start || packet.missing > 0) stream_.interrupt();
     stream_.add(packet.payload);
     for (ColaTelegram telegram; stream_.next(telegram);) look_at(telegram);
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -43,10 +44,10 @@ class ColaStream {
 
   /// The next bytes of the stream. Take out all telegrams before adding more.
   void add(ByteView bytes);
-  /// The next whole telegram, valid until the next call of add(), reset() or next().
+  /// The next whole telegram, valid until the next call of add(), interrupt() or next().
   bool next(ColaTelegram& telegram);
   /// The stream begins or continues after a hole: what was begun will never be whole.
-  void reset();
+  void interrupt();
   /// The checksum of dialect B: all payload bytes, exclusive or.
   static std::uint8_t checksum(ByteView payload);
 
@@ -61,7 +62,7 @@ class ColaStream {
   std::size_t begin_ = 0;
   std::size_t searched_ = 0;  // text: this many bytes of the candidate hold no end
   bool in_step_ = false;      // the last thing was a telegram's end
-  bool joined_ = true;        // nothing but a lost beginning was skipped since reset()
+  bool joined_ = true;        // nothing but a lost beginning was skipped since interrupt()
 };
 
 /// Reads the arguments of a binary telegram one after the other (SICK 8014631 chapter 2.3: big-endian).
@@ -140,5 +141,35 @@ void skip_time(Reader& in) {
   for (int i = 0; i < 5; ++i) in.u8();  // month ... second
   in.u32();                             // us
 }
+
+/// Writes one telegram: a command, then its arguments in order, then finish().
+class ColaWriter {
+ public:
+  ColaWriter(ColaDialect dialect, std::string_view command);
+
+  ColaWriter& u8(std::uint8_t value) { return put(value, 1); }
+  ColaWriter& u16(std::uint16_t value) { return put(value, 2); }
+  ColaWriter& u32(std::uint32_t value) { return put(value, 4); }
+  ColaWriter& i32(std::int32_t value) { return put(static_cast<std::uint32_t>(value), 4); }
+  /// A hash of eight digits: dialect A keeps leading zeros.
+  ColaWriter& hash(std::uint32_t value);
+  /// Characters without a length before them (channel names).
+  ColaWriter& letters(std::string_view text);
+  /// The telegram with its frame.
+  std::vector<std::uint8_t> finish();
+
+ private:
+  ColaWriter& put(std::uint32_t value, std::size_t size);
+  void blank();
+
+  ColaDialect dialect_;
+  bool has_arguments_ = false;
+  std::vector<std::uint8_t> bytes_;
+};
+
+/// The code of "sFA", or 0xff where it holds none.
+std::uint8_t cola_error_code(const ColaTelegram& telegram);
+/// What a refusal ("sFA" with that code) means and what to do about it.
+std::string cola_error_words(std::uint8_t code);
 
 }  // namespace lidard::sick

@@ -8,7 +8,6 @@
 #include "drivers/sick/compact/compact_models.h"
 #include "drivers/sick/compact/compact_telegram.h"
 #include "drivers/sick/compact/frame_builder.h"
-#include "drivers/sick/compact/open_frames.h"
 
 namespace lidard::sick {
 namespace {

@@ -10,7 +10,6 @@
 
 #include "drivers/dialogue.h"
 #include "drivers/model.h"
-#include "drivers/sick/cola/cola_command.h"
 #include "drivers/sick/cola/cola_stream.h"
 #include "drivers/sick/compact/compact_models.h"
 
@@ -122,7 +121,7 @@ class SopasDialogue final : public SideDialogue {
   };
 
   void begin() override {
-    stream_.reset();
+    stream_.interrupt();
     scan_target_.reset();
     imu_target_.reset();
     scan_format_.reset();

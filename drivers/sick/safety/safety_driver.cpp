@@ -5,7 +5,6 @@
 #include "core/base/time.h"
 #include "drivers/dialogue.h"
 #include "drivers/driver_base.h"
-#include "drivers/sick/safety/ms3_reassembler.h"
 #include "drivers/sick/safety/ms3_telegram.h"
 #include "drivers/sick/safety/safety_models.h"
 #include "drivers/sick/safety/safety_status.h"

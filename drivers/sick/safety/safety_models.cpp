@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/sick/safety/safety_models.h"
 
-#include "drivers/sick/safety/ms3_reassembler.h"
+#include "drivers/sick/safety/ms3_telegram.h"
 #include "drivers/sick/safety/safety_status.h"
 
 namespace lidard::sick {

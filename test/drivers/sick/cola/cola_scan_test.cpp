@@ -9,7 +9,6 @@
 #include <iterator>
 #include <limits>
 
-#include "drivers/sick/cola/cola_states.h"
 #include "test/sim/devices/cola_telegram.h"
 #include "test/support/captures.h"
 
