@@ -44,6 +44,52 @@ enum class Trouble : std::uint8_t {
   count_
 };
 
+/// What stands in an answer with distances beside them. Flags are 0 or 1 as the sensor sends them.
+struct UamStatus {
+  std::uint32_t operating_mode, area, error_state, error_code, lockout, ossd1, ossd2, ossd3, ossd4, warning1,
+      warning2, muting1, muting2, reset_request1, reset_request2, encoder_speed, time_ms, laser_off,
+      contaminated;
+};
+
+/// Offsets from STX as urg_node and the UAM-05LP driver of locusrobotics have them.
+constexpr struct {
+  const char* name;  ///< in the topic; null: not there
+  std::uint32_t UamStatus::*value;
+  std::size_t at, digits;
+} status_fields[] = {
+    {"operating_mode", &UamStatus::operating_mode, 11, 1},
+    {"area", &UamStatus::area, 12, 2},
+    {"error_state", &UamStatus::error_state, 14, 1},
+    {"error_code", &UamStatus::error_code, 15, 2},
+    {"lockout", &UamStatus::lockout, 17, 1},
+    {"ossd1", &UamStatus::ossd1, 18, 1},
+    {"ossd2", &UamStatus::ossd2, 19, 1},
+    {"ossd3", &UamStatus::ossd3, 22, 1},
+    {"ossd4", &UamStatus::ossd4, 23, 1},
+    {"warning1", &UamStatus::warning1, 20, 1},
+    {"warning2", &UamStatus::warning2, 21, 1},
+    {"muting1", &UamStatus::muting1, 26, 1},
+    {"muting2", &UamStatus::muting2, 27, 1},
+    {"reset_request1", &UamStatus::reset_request1, 28, 1},
+    {"reset_request2", &UamStatus::reset_request2, 29, 1},
+    {"encoder_speed", &UamStatus::encoder_speed, 30, 4},
+    {nullptr, &UamStatus::time_ms, 34, 8},
+    {"laser_off", &UamStatus::laser_off, 42, 1},
+    {"window_contaminated", &UamStatus::contaminated, 43, 1},
+};
+
+/// False if a field is no hexadecimal number.
+bool parse_status(std::string_view frame, UamStatus& s) {
+  for (const auto& field : status_fields) {
+    const auto value = uam_number(frame, field.at, field.digits);
+    if (!value) return false;
+    s.*field.value = *value;
+  }
+  ++s.area;                                     // areas count from 1
+  if (s.error_code != 0) s.error_code += 0x40;  // as the sensor's own display has it
+  return true;
+}
+
 class UamDriver final : public DriverBase {
  public:
   explicit UamDriver(const DriverConfig& config)
@@ -153,7 +199,7 @@ class UamDriver final : public DriverBase {
   }
 
   Reject publish(std::string_view frame, Stamp arrival, DriverOutput& out) {
-    if (frame.substr(9, 2) != "00" || !parse_uam_status(frame, status_)) return Reject::field;
+    if (frame.substr(9, 2) != "00" || !parse_status(frame, status_)) return Reject::field;
     const Reject reason = fill(frame);
     if (reason != Reject::none) return reason;
     note_troubles();
@@ -227,27 +273,11 @@ class UamDriver final : public DriverBase {
   }
 
   void tell_state(DriverOutput& out) {
-    const UamStatus& s = status_;
-    const std::pair<std::string_view, std::uint32_t> values[] = {{"operating_mode", s.operating_mode},
-                                                                 {"area", s.area},
-                                                                 {"error_state", s.error_state},
-                                                                 {"error_code", s.error_code},
-                                                                 {"lockout", s.lockout},
-                                                                 {"ossd1", s.ossd[0]},
-                                                                 {"ossd2", s.ossd[1]},
-                                                                 {"ossd3", s.ossd[2]},
-                                                                 {"ossd4", s.ossd[3]},
-                                                                 {"warning1", s.warning[0]},
-                                                                 {"warning2", s.warning[1]},
-                                                                 {"muting1", s.muting[0]},
-                                                                 {"muting2", s.muting[1]},
-                                                                 {"reset_request1", s.reset_request[0]},
-                                                                 {"reset_request2", s.reset_request[1]},
-                                                                 {"encoder_speed", s.encoder_speed},
-                                                                 {"laser_off", s.laser_off},
-                                                                 {"window_contaminated", s.contaminated}};
     state_->values.clear();
-    for (const auto& [name, value] : values) state_->values.push_back({name, static_cast<double>(value)});
+    for (const auto& field : status_fields) {
+      if (field.name != nullptr)
+        state_->values.push_back({field.name, static_cast<double>(status_.*field.value)});
+    }
     state_->stamp = scan_.stamp;
     out.message(state_);
   }
@@ -260,7 +290,7 @@ class UamDriver final : public DriverBase {
 
   ScipClock clock_;
   SteadyStamps stamps_;
-  UamStatus status_;
+  UamStatus status_{};
   std::size_t first_beam_ = 0;
   PlanarScan scan_;
   ReusedMessage<DeviceState> state_;

@@ -89,29 +89,4 @@ bool UamReader::next(std::string_view& frame) {
   return false;
 }
 
-bool parse_uam_status(std::string_view frame, UamStatus& s) {
-  struct Field {
-    std::uint32_t* value;
-    std::size_t at, digits;
-  };
-  const Field fields[] = {{&s.operating_mode, 11, 1},   {&s.area, 12, 2},
-                          {&s.error_state, 14, 1},      {&s.error_code, 15, 2},
-                          {&s.lockout, 17, 1},          {&s.ossd[0], 18, 1},
-                          {&s.ossd[1], 19, 1},          {&s.warning[0], 20, 1},
-                          {&s.warning[1], 21, 1},       {&s.ossd[2], 22, 1},
-                          {&s.ossd[3], 23, 1},          {&s.muting[0], 26, 1},
-                          {&s.muting[1], 27, 1},        {&s.reset_request[0], 28, 1},
-                          {&s.reset_request[1], 29, 1}, {&s.encoder_speed, 30, 4},
-                          {&s.time_ms, 34, 8},          {&s.laser_off, 42, 1},
-                          {&s.contaminated, 43, 1}};
-  for (const Field& field : fields) {
-    const auto value = uam_number(frame, field.at, field.digits);
-    if (!value) return false;
-    *field.value = *value;
-  }
-  ++s.area;                                     // areas count from 1
-  if (s.error_code != 0) s.error_code += 0x40;  // as the sensor's own display has it
-  return true;
-}
-
 }  // namespace lidard::hokuyo

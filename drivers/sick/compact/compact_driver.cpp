@@ -182,16 +182,8 @@ class CompactDriver final : public DriverBase {
     }
     std::size_t slot = 0;
     const auto release = [&](std::size_t done) { end_frame(done, false, out); };
-    switch (frames_.place(segment_, slot, release)) {
-      case OpenFrames::Verdict::used:
-        break;
-      case OpenFrames::Verdict::stale:
-        return Reject::stale;
-      case OpenFrames::Verdict::doubled:
-        return Reject::duplicate;
-      case OpenFrames::Verdict::impossible:
-        return Reject::field;
-    }
+    const Reject reason = frames_.place(segment_, slot, release);
+    if (reason != Reject::none) return reason;
     if (frames_.frame(slot).telegrams == 1) builder_->begin(slot);
     builder_->add(slot, segment_, static_cast<std::uint32_t>(counters_.packets - 1));
     frames_.settle(release);

@@ -36,20 +36,18 @@ class OpenFrames {
     bool is_gapless() const { return last_counter - first_counter + 1 == telegrams; }
   };
 
-  enum class Verdict { used, stale, doubled, impossible };
-
   /// The slot of the frame that `segment` belongs to. `release(slot)` is called for frames that must make
   /// room before, oldest first.
   template <class Release>
-  Verdict place(const Segment& segment, std::size_t& slot, Release&& release) {
-    if (segment.index >= max_segments) return Verdict::impossible;
+  Reject place(const Segment& segment, std::size_t& slot, Release&& release) {
+    if (segment.index >= max_segments) return Reject::field;
     if (released_any_ && segment.frame <= released_number_) {
       note_late(segment);
-      return Verdict::stale;
+      return Reject::stale;
     }
     if (!find_slot(segment.frame, slot)) {
       if (open_count() == most) {
-        if (segment.frame < frames_[oldest()].number) return Verdict::stale;
+        if (segment.frame < frames_[oldest()].number) return Reject::stale;
         release_oldest(release);
       }
       slot = frames_[0].open ? 1 : 0;
@@ -60,12 +58,12 @@ class OpenFrames {
     }
     Frame& frame = frames_[slot];
     const std::uint64_t bit = std::uint64_t{1} << segment.index;
-    if ((frame.segments & bit) != 0) return Verdict::doubled;
+    if ((frame.segments & bit) != 0) return Reject::duplicate;
     frame.segments |= bit;
     ++frame.telegrams;
     if (segment.counter < frame.first_counter) frame.first_counter = segment.counter;
     if (segment.counter > frame.last_counter) frame.last_counter = segment.counter;
-    return Verdict::used;
+    return Reject::none;
   }
 
   /// The segment just placed was used; calls `release(slot)` for frames that are finished by it.
