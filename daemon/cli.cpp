@@ -1,0 +1,253 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/cli.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <functional>
+#include <iostream>
+
+#include "daemon/commands/commands.h"
+#include "daemon/commands/discover.h"
+#include "daemon/dropin/dropin.h"
+
+namespace lidard {
+namespace {
+
+constexpr const char* default_config = "/etc/lidard/lidard.yaml";
+
+/// IP[:PORT], IPv4 only.
+std::optional<Endpoint> read_endpoint(const std::string& text, std::uint16_t port) {
+  const std::size_t colon = text.find(':');
+  const auto address = IpAddress::parse(text.substr(0, colon));
+  if (!address || address->v6) return std::nullopt;
+  if (colon != std::string::npos && !CLI::detail::lexical_cast(text.substr(colon + 1), port))
+    return std::nullopt;
+  return Endpoint{*address, port};
+}
+
+/// The commands; each fills in what to do once the line was read.
+struct Commands {
+  CLI::App app{
+      "Lidar daemon: SICK, Hokuyo and Velodyne packets in, merged and virtual LaserScans on ROS topics out.",
+      "lidard"};
+  std::function<int()> action;
+  std::vector<std::string> ros_arguments;
+
+  std::string config = default_config;
+  std::vector<std::string> captures;
+  bool json = false;
+  KeysFormat keys = KeysFormat::table;
+  std::string rate = "1";
+  std::string source;
+  std::string clock = "arrival";
+  std::string time = "host";
+  ReplayOptions replay;
+  DecodeOptions decode;
+  DiscoverOptions discover;
+  std::vector<std::string> hokuyos{"192.168.0.10:10940"}, sicks;
+  RecordOptions record;
+  SnapshotOptions snapshot;
+
+  Commands() {
+    app.set_version_flag("--version", "lidard " LIDARD_VERSION);
+    app.require_subcommand(1);
+    app.footer("Exit codes: 0 ok, 1 failed, 2 usage, 78 configuration. See lidard(8).");
+    add_run();
+    add_replay();
+    add_decode();
+    add_inspect();
+    add_check();
+    add_models();
+    add_keys();
+    add_discover();
+    add_record();
+    add_snapshot();
+  }
+
+ private:
+  void add_run() {
+    auto* c = app.add_subcommand("run", "The daemon: live sensors to ROS");
+    c->add_option("-c,--config", config, "Configuration file")->capture_default_str();
+    c->callback([this] { action = [this] { return run_daemon(config, ros_arguments, std::cerr); }; });
+  }
+  void add_replay() {
+    auto* c = app.add_subcommand("replay", "The same pipeline on captures");
+    c->add_option("-c,--config", replay.config, "Configuration file")->required();
+    c->add_option("--pcap", replay.captures, "Captures, merged by time")->required()->expected(1, 1000);
+    c->add_option("--rate", rate, "Of the recorded pace, or max")->capture_default_str();
+    c->add_flag("--loop", replay.loop, "Again and again");
+    c->add_option("--start", replay.start, "Seconds into the capture")->check(CLI::NonNegativeNumber);
+    c->add_option("--duration", replay.duration, "Seconds to play")->check(CLI::NonNegativeNumber);
+    c->add_option("--wait", replay.wait, "Seconds from advertising the topics to the first frame")
+        ->check(CLI::Range(0.0, 3600.0));
+    c->add_option("--motion", replay.motion,
+                  "With --bag: a bag whose tf or odometry says how the vehicle moved");
+    c->add_flag("--clock", replay.ros.clock, "Publish /clock");
+    c->add_option("--bag", replay.bag, "Write the messages to this bag instead of ROS");
+    c->callback([this] { action = [this] { return start_replay(); }; });
+  }
+  void add_decode() {
+    auto* c = app.add_subcommand("decode", "One sensor's frames of a capture, without a configuration");
+    c->add_option("capture", decode.capture, "pcap or pcapng file")->required();
+    c->add_option("--model", decode.model, "See `lidard models`; may be left out where the packets tell");
+    c->add_option("--source", source, "Sender, IP[:PORT]");
+    c->add_option("--port", decode.port, "Destination port");
+    c->add_option("--calibration", decode.calibration,
+                  "Of a Velodyne: YAML of velodyne_pointcloud, or db.xml");
+    c->add_option(
+         "--calibration-model", decode.calibration_model,
+         "Its equations: ros_drivers (velodyne_pointcloud's; default for a file), exact (the manual's) or "
+         "veloview (the viewer's; default for the db.xml of an HDL-64E S1)")
+        ->check(CLI::IsMember({"ros_drivers", "exact", "veloview"}));
+    c->add_option("--format", decode.format, "csv, json or pcd")
+        ->check(CLI::IsMember({"csv", "json", "pcd"}))
+        ->capture_default_str();
+    c->add_option("-o,--output", decode.output, "File, or - for standard output")->capture_default_str();
+    c->add_option("--frame", decode.frame, "Only this frame, counted from 0");
+    c->add_option("--clock", clock, "stamps placed by each packet's arrival, or smooth")
+        ->check(CLI::IsMember({"arrival", "smooth"}))
+        ->capture_default_str();
+    c->add_option("--time", time, "host: stamp_ns since the epoch; device: since the packet's own stamp")
+        ->check(CLI::IsMember({"host", "device"}))
+        ->capture_default_str();
+    c->callback([this] { action = [this] { return start_decode(); }; });
+  }
+  void add_inspect() {
+    auto* c = app.add_subcommand("inspect", "Which sensors are in a capture");
+    c->add_option("captures", captures, "pcap or pcapng files")->required();
+    c->add_flag("--json", json, "For scripts");
+    c->callback([this] { action = [this] { return run_inspect(captures, json, std::cout, std::cerr); }; });
+  }
+  void add_check() {
+    auto* c = app.add_subcommand("check", "Validates a configuration and prints it with all defaults");
+    c->add_option("file", config, "Configuration file")->required();
+    c->callback([this] { action = [this] { return run_check(config, std::cout, std::cerr); }; });
+  }
+  void add_models() {
+    auto* c = app.add_subcommand("models", "The supported models and how each was verified");
+    c->add_flag("--json", json, "For scripts");
+    c->callback([this] { action = [this] { return run_models(json, std::cout); }; });
+  }
+  void add_keys() {
+    auto* c = app.add_subcommand("keys", "The reference of all configuration keys");
+    auto* format = c->add_option_group("format")->require_option(0, 1);
+    format->add_flag_callback(
+        "--markdown", [this] { keys = KeysFormat::markdown; }, "As in config/KEYS.md");
+    format->add_flag_callback(
+        "--man", [this] { keys = KeysFormat::man; }, "As in the manual page");
+    format->add_flag_callback(
+        "--json", [this] { keys = KeysFormat::json; }, "For scripts");
+    c->callback([this] { action = [this] { return run_keys(keys, std::cout); }; });
+  }
+  void add_record() {
+    auto* c = app.add_subcommand("record", "Records the configured sensors' traffic to a capture");
+    c->add_option("-c,--config", record.config, "Configuration file")->required();
+    c->add_option("-o,--output", record.output, "pcap file to write")->required();
+    c->add_option("--interface", record.interface, "Network interface")->capture_default_str();
+    c->add_option("--duration", record.duration, "Seconds; 0: until Ctrl-C")->check(CLI::NonNegativeNumber);
+    c->callback([this] { action = [this] { return run_record(record, std::cerr); }; });
+  }
+  void add_snapshot() {
+    auto* c = app.add_subcommand("snapshot", "Draws what the vehicle sees at one moment, from above");
+    c->add_option("-c,--config", snapshot.config, "Configuration file")->required();
+    c->add_option("--pcap", snapshot.captures, "Captures, merged by time")->required()->expected(1, 1000);
+    c->add_option("--at", snapshot.at,
+                  "Seconds into the capture; default: its middle, or the first frame after it")
+        ->check(CLI::NonNegativeNumber);
+    c->add_option("--range", snapshot.range, "Metres from base_frame to the edge; default: fits the scans")
+        ->check(CLI::Range(0.5, 10000.0));
+    c->add_option(
+        "--areas", snapshot.areas,
+        "Topic whose free and unknown areas are shaded; default: a merged one, strict before others");
+    c->add_option("--motion", snapshot.motion, "A bag whose tf or odometry says how the vehicle moved");
+    c->add_option("-o,--output", snapshot.output, "Picture to write, .png or .svg")->required();
+    c->callback([this] { action = [this] { return run_snapshot(snapshot, std::cerr); }; });
+  }
+
+  void add_discover() {
+    auto* c = app.add_subcommand("discover", "Which SICK and Hokuyo devices answer in the network");
+    c->add_option("--hokuyo", hokuyos, "Addresses to ask, IP[:PORT]")->capture_default_str();
+    c->add_option("--sick", sicks, "Where to send the search, IP[:PORT]; else broadcast on all interfaces");
+    c->add_option("--wait", discover.wait, "Seconds")->check(CLI::Range(0.1, 60.0))->capture_default_str();
+    c->add_flag("--json", discover.json, "For scripts");
+    c->callback([this] { action = [this] { return start_discover(); }; });
+  }
+
+  int start_replay() {
+    try {
+      replay.rate = rate == "max" ? 0 : CLI::detail::lexical_cast(rate, replay.rate) ? replay.rate : -1;
+    } catch (const std::exception&) {
+      replay.rate = -1;
+    }
+    if (!(replay.rate >= 0) || (replay.rate == 0 && rate != "max")) {
+      std::cerr << "--rate: '" << rate << "' is neither a positive number nor max\n";
+      return exit_usage;
+    }
+    if (replay.loop && !replay.bag.empty()) {
+      std::cerr << "--loop and --bag: a bag of endless replay would never be complete; leave one out\n";
+      return exit_usage;
+    }
+    replay.ros.remappings = ros_arguments;
+    return run_replay(replay, std::cout, std::cerr);
+  }
+  int start_decode() {
+    if (!source.empty()) {
+      const auto colon = source.find(':');
+      const bool has_port = colon != std::string::npos && source.find(':', colon + 1) == std::string::npos;
+      decode.source = IpAddress::parse(has_port ? source.substr(0, colon) : source);
+      const bool port_ok =
+          !has_port || CLI::detail::lexical_cast(source.substr(colon + 1), decode.source_port);
+      if (!decode.source || !port_ok) {
+        std::cerr << "--source: '" << source
+                  << "' is not an address; expected IP or IP:PORT, e.g. 192.168.1.201\n";
+        return exit_usage;
+      }
+    }
+    decode.clock = clock == "smooth" ? ClockMode::smooth : ClockMode::arrival;
+    decode.stamps = time == "device" ? StampColumn::device : StampColumn::host;
+    return run_decode(decode, std::cerr);
+  }
+  int start_discover() {
+    const auto read = [](const std::vector<std::string>& texts, std::uint16_t port, const char* option,
+                         std::vector<Endpoint>& endpoints) {
+      for (const std::string& text : texts) {
+        const auto endpoint = read_endpoint(text, port);
+        if (!endpoint) {
+          std::cerr << option << ": '" << text
+                    << "' is not an address; expected IPv4 or IPv4:PORT, e.g. 192.168.0.10\n";
+          return false;
+        }
+        endpoints.push_back(*endpoint);
+      }
+      return true;
+    };
+    const bool fine =
+        read(hokuyos, 10940, "--hokuyo", discover.hokuyos) && read(sicks, 30718, "--sick", discover.sicks);
+    return fine ? run_discover(discover, std::cout, std::cerr) : exit_usage;
+  }
+};
+
+}  // namespace
+
+int run_cli(int argc, char** argv) {
+  const std::string program = argc > 0 ? argv[0] : "";
+  const std::vector<std::string> given(argv + std::min(argc, 1), argv + argc);
+  if (const auto code = run_dropin(program.substr(program.rfind('/') + 1), given, std::cout, std::cerr))
+    return *code;
+  Commands commands;
+  std::vector<std::string> arguments;
+  for (auto argument = given.rbegin(); argument != given.rend(); ++argument) {
+    // Remappings as roslaunch appends them.
+    const bool is_remapping = argument->find(":=") != std::string::npos;
+    (is_remapping ? commands.ros_arguments : arguments).push_back(*argument);
+  }
+  try {
+    commands.app.parse(arguments);
+  } catch (const CLI::ParseError& e) {
+    return commands.app.exit(e) == 0 ? exit_ok : exit_usage;
+  }
+  return commands.action();
+}
+
+}  // namespace lidard
