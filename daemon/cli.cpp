@@ -228,8 +228,13 @@ struct Commands {
   }
 };
 
-/// ROS remappings (name:=value) may stand anywhere.
-int run(const std::vector<std::string>& given) {
+}  // namespace
+
+int run_cli(int argc, char** argv) {
+  const std::string program = argc > 0 ? argv[0] : "";
+  const std::vector<std::string> given(argv + std::min(argc, 1), argv + argc);
+  if (const auto code = run_dropin(program.substr(program.rfind('/') + 1), given, std::cout, std::cerr))
+    return *code;
   Commands commands;
   std::vector<std::string> arguments;
   for (auto argument = given.rbegin(); argument != given.rend(); ++argument) {
@@ -243,15 +248,6 @@ int run(const std::vector<std::string>& given) {
     return commands.app.exit(e) == 0 ? exit_ok : exit_usage;
   }
   return commands.action();
-}
-
-}  // namespace
-
-int run_cli(int argc, char** argv) {
-  const std::string program = argc > 0 ? argv[0] : "";
-  const std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
-  const auto code = run_dropin(program.substr(program.rfind('/') + 1), arguments, std::cout, std::cerr);
-  return code ? *code : run(arguments);
 }
 
 }  // namespace lidard

@@ -5,28 +5,36 @@
 #include <memory>
 
 #include "daemon/config/config.h"
-#include "daemon/pipeline/frame_tree.h"
-#include "daemon/ros/ros_component.h"
+#include "daemon/ros/output_items.h"
 #include "daemon/ros/ros_connection.h"
+#include "daemon/ros/ros_inputs.h"
 #include "daemon/ros/tf_poses.h"
 
 namespace lidard {
-
-class Pipeline;
 
 /// All that a pipeline has to do with ROS: a sink for what it produces, poses from tf, and, once feed() is
 /// called, what other nodes publish for it and change of it. The same live, in replay and in the drop-ins.
 class RosSession : public RosConnection {
  public:
   /// Throws RosError.
-  RosSession(const Config& config, const RosOptions& options);
+  RosSession(const Config& config, const RosOptions& options)
+      : RosConnection(options, output_topics(config)),
+        config_(config),
+        reconfigure_(options.reconfigure),
+        poses_(std::make_shared<TfPoses>()) {
+    add(poses_);
+  }
 
   /// tf; must not be used after the session ended.
   TransformSource& poses() { return *poses_; }
   /// Lets messages of `topic:` and `packet_topic:` sensors, of the vehicle's motion and of
   /// dynamic_reconfigure reach the pipeline, which must outlive the session's use. To be called before
   /// start().
-  void feed(Pipeline& pipeline, const RosPost& post);
+  void feed(MessageReceiver& pipeline, const RosPost& post) {
+    add(std::make_shared<RosInputs>(topic_sources(config_), post, pipeline));
+    add(make_ros_motion(config_.vehicle, post, pipeline));
+    add(make_ros_reconfigure(changeable_outputs(config_, reconfigure_), post, pipeline));
+  }
 
  private:
   const Config& config_;
