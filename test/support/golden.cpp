@@ -68,31 +68,35 @@ void expect_golden(const std::string& name, const std::string& text) {
   }
 }
 
-Sums::Sum& Sums::next(const std::string& name) {
-  Sum& sum = sums_[name];
-  ++sum.count;
-  return sum;
-}
-
-void Sums::add(const std::string& name, double value) {
-  Sum& sum = next(name);
+void Sums::Sum::add(double value) {
+  ++count;
   if (std::isnan(value)) {
-    sum.not_a_number += sum.count;
+    not_a_number += count;
   } else if (std::isinf(value)) {
-    sum.infinite += value > 0 ? sum.count : 3 * sum.count;
+    infinite += value > 0 ? count : 3 * count;
   } else {
-    sum.plain += value;
-    sum.by_place += value * static_cast<double>(1 + sum.count % 97);
+    plain += value;
+    by_place += value * static_cast<double>(1 + count % 97);
   }
 }
 
-void Sums::add_exact(const std::string& name, std::int64_t value) {
-  Sum& sum = next(name);
-  sum.exact = sum.exact * 31 + static_cast<std::uint64_t>(value);
+void Sums::Sum::add_exact(std::int64_t value) {
+  ++count;
+  exact = exact * 31 + static_cast<std::uint64_t>(value);
 }
+
+void Sums::add(const std::string& name, double value) { sums_[name].add(value); }
+
+void Sums::add_exact(const std::string& name, std::int64_t value) { sums_[name].add_exact(value); }
 
 void Sums::add_text(const std::string& name, std::string_view value) {
   add_exact(name, static_cast<std::int64_t>(hash_of(value)));
+}
+
+void Sums::add_all(const std::string& name, const std::vector<float>& values) {
+  if (values.empty()) return;
+  Sum& sum = sums_[name];
+  for (const float value : values) sum.add(static_cast<double>(value));
 }
 
 void Sums::scan(const std::string& name, const PlanarScan& scan) {
@@ -100,19 +104,16 @@ void Sums::scan(const std::string& name, const PlanarScan& scan) {
   add_exact(name + " stamp", scan.stamp.ns);
   add_exact(name + " beams", static_cast<std::int64_t>(scan.beams * 10 + scan.echoes));
   add_text(name + " frame", scan.frame_id);
-  for (const float value : {scan.angle_min, scan.angle_max, scan.angle_increment}) {
+  for (const float value : {scan.angle_min, scan.angle_max, scan.angle_increment})
     add(name + " angles", static_cast<double>(value) * 1000);
-  }
-  for (const float value : {scan.time_increment, scan.scan_time}) {
+  for (const float value : {scan.time_increment, scan.scan_time})
     add(name + " times", static_cast<double>(value) * 1e6);
-  }
-  for (const float value : {scan.range_min, scan.range_max, scan.none_as, scan.invalid_as}) {
-    add(name + " limits", static_cast<double>(value));
-  }
-  for (const BeamStatus status : scan.statuses) add_exact(name + " statuses", static_cast<int>(status));
-  for (const float range : scan.ranges) add(name + " ranges", static_cast<double>(range));
-  for (const float value : scan.intensities) add(name + " intensities", static_cast<double>(value));
-  for (const float value : scan.free_from) add(name + " free_from", static_cast<double>(value));
+  add_all(name + " limits", {scan.range_min, scan.range_max, scan.none_as, scan.invalid_as});
+  Sum& statuses = sums_[name + " statuses"];
+  for (const BeamStatus status : scan.statuses) statuses.add_exact(static_cast<int>(status));
+  add_all(name + " ranges", scan.ranges);
+  add_all(name + " intensities", scan.intensities);
+  add_all(name + " free_from", scan.free_from);
 }
 
 void Sums::cloud(const std::string& name, const Cloud& cloud) {
@@ -129,16 +130,17 @@ void Sums::cloud(const std::string& name, const Cloud& cloud) {
     add_exact(name + " column stamp", c.stamp.ns);
     add(name + " azimuth", static_cast<double>(c.azimuth));
   }
+  Sum &xs = sums_[name + " x"], &ys = sums_[name + " y"], &zs = sums_[name + " z"],
+      &intensities = sums_[name + " intensity"], &rings = sums_[name + " ring"],
+      &times = sums_[name + " time"];
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     CloudPoint p;
     std::memcpy(&p, cloud.points_bytes.data() + i * cloud.format.point_step, sizeof p);
     const float x = p.x, y = p.y, z = p.z, intensity = p.intensity, time = p.time;
-    add(name + " x", static_cast<double>(x));
-    add(name + " y", static_cast<double>(y));
-    add(name + " z", static_cast<double>(z));
-    add(name + " intensity", static_cast<double>(intensity));
-    add_exact(name + " ring", p.ring);
-    add(name + " time", static_cast<double>(time) * 1e3);
+    xs.add(static_cast<double>(x)), ys.add(static_cast<double>(y)), zs.add(static_cast<double>(z));
+    intensities.add(static_cast<double>(intensity));
+    rings.add_exact(p.ring);
+    times.add(static_cast<double>(time) * 1e3);
   }
   for (const ReturnOrigin& o : cloud.origins) {
     add_exact(name + " origin", o.column + 1000LL * o.laser + 1000000LL * o.block);
@@ -172,7 +174,10 @@ void Sums::message(const std::string& name, const DeviceMessage& message) {
   } else if (const auto* state = std::get_if<DeviceState>(&message)) {
     add_exact(name + " stamp", state->stamp.ns);
     add_text(name + " frame", state->frame_id);
-    for (const DeviceValue& value : state->values) add(name + " " + std::string(value.name), value.value);
+    for (const DeviceValue& value : state->values) {
+      add_text(name + " names", value.name);
+      add(name + " values", value.value);
+    }
   }
 }
 

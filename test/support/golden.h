@@ -23,6 +23,7 @@ class Sums {
   void add(const std::string& name, double value);
   void add_exact(const std::string& name, std::int64_t value);
   void add_text(const std::string& name, std::string_view value);
+  void add_all(const std::string& name, const std::vector<float>& values);
   void scan(const std::string& name, const PlanarScan& scan);
   void cloud(const std::string& name, const Cloud& cloud);
   void message(const std::string& name, const DeviceMessage& message);
@@ -33,8 +34,9 @@ class Sums {
   struct Sum {
     std::uint64_t count = 0, not_a_number = 0, infinite = 0, exact = 0;
     double plain = 0, by_place = 0;
+    void add(double value);
+    void add_exact(std::int64_t value);
   };
-  Sum& next(const std::string& name);
   std::map<std::string, Sum> sums_;
 };
 
