@@ -142,5 +142,35 @@ TEST(Golden, BadStreamsAreDecodedAsBefore) {
   test::expect_golden("drivers_bad_streams.txt", all);
 }
 
+/// Everything that a row of the table of models says, and which others are told of it.
+std::string row_of(const Model& model) {
+  const auto text = [](std::string_view part) { return std::string(part) + ", "; };
+  DriverConfig config;
+  config.model = &model;
+  char numbers[200];
+  std::snprintf(numbers, sizeof numbers, "%.4f packets/s, %.4f fragments, %.6f s, %.4f to %.4f m, %zu beams",
+                model.packets_per_s, model.fragments_per_packet, model.frame_period, model.range_min,
+                model.range_max, model.beams);
+  std::string all = text(model.name) + text(model.vendor) + text(model.product) + text(model.protocol) +
+                    text(model.kind == FrameKind::cloud ? "cloud" : "scan") + std::to_string(model.port) +
+                    " " + std::to_string(model.telemetry_port) + " " + std::to_string(model.dialogue_port) +
+                    (model.transport == Transport::tcp ? " tcp, " : " udp, ") + numbers + "\n  can";
+  for (int trait = 0; trait <= static_cast<int>(Trait::states_on_request); ++trait)
+    if (model.has(static_cast<Trait>(trait))) all += " " + std::to_string(trait);
+  all += "\n  tells";
+  for (const MessageTopic& topic : model.messages)
+    all += " " + std::string(topic.name) + " " + std::to_string(topic.kind);
+  for (const std::string_view topic : model.extra_scans) all += " " + std::string(topic);
+  if (model.level_ring != nullptr) all += ", level ring " + std::to_string(model.level_ring(config));
+  for (const Flow& flow : flows_of(model, IpAddress::v4(1, 2, 3, 4), 77)) all += ", " + flow.to_string();
+  return all + "\n";
+}
+
+TEST(Golden, TheTableOfModelsIsAsBefore) {
+  std::string all;
+  for (const Model& model : models()) all += row_of(model);
+  test::expect_golden("drivers_models.txt", all);
+}
+
 }  // namespace
 }  // namespace lidard
