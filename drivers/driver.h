@@ -37,6 +37,9 @@ struct Packet {
   std::uint64_t missing = 0;  ///< bytes of the stream lost right before this chunk (captures with holes)
 };
 
+/// Name of the extra scan whose intensities hold what the device says of each beam, as bits.
+constexpr std::string_view beam_status_scan = "beam_status";
+
 /// Takes what a driver produces. The references are valid during the call; a cloud's or scan's buffers may be
 /// swapped out by the receiver, which must leave a valid (possibly empty) vector behind.
 class DriverOutput {

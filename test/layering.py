@@ -38,11 +38,12 @@ ROOMS = {
     "daemon": ["daemon/dropin"],
     "test/sim/world": ["drivers"],
     "test/sim/devices": ["test/sim/world", "drivers/hokuyo", "drivers/sick/compact"],
+    "test/skeleton": ["drivers"],
     "test/sim/servers": ["test/sim/devices", "drivers/registry", "drivers/net", "drivers/capture"],
 }
-# Where rooms are; below test/ only the simulator is made of them. Its tests, which stand beside what they test, may use
-# all of it.
-FOLDERS = ("core", "drivers", "daemon", "test/sim")
+# Where rooms are; below test/ only the simulator and the skeleton of a driver are made of them. Their tests, which stand
+# beside what they test, may use everything.
+FOLDERS = ("core", "drivers", "daemon", "test/sim", "test/skeleton")
 TESTS = re.compile(r"test/.*(_test\.cpp|_testing\.h)$")
 
 ROS = r"ros/|rosbag/|tf2|tf2_ros/|\w+_msgs/|diagnostic_updater/|dynamic_reconfigure/|XmlRpc"

@@ -42,6 +42,9 @@ lidard_tests(daemon lidard_daemon lidard_rosbag PkgConfig::ANCESTOR)
 target_sources(test_daemon PRIVATE ${ros_support})
 lidard_tests(sim lidard_drivers)
 add_dependencies(test_sim lidard-sim)
+# The skeleton of a driver, which only its test makes known to the program.
+lidard_tests(skeleton lidard_daemon lidard_rosbag)
+target_sources(test_skeleton PRIVATE test/skeleton/disc_driver.cpp)
 
 add_test(NAME layering COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/layering.py ${CMAKE_CURRENT_SOURCE_DIR})
 

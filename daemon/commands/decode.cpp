@@ -15,7 +15,6 @@
 #include "drivers/capture/pcap_source.h"
 #include "drivers/registry/nearest_models.h"
 #include "drivers/registry/registry.h"
-#include "drivers/sick/safety/safety_topics.h"
 #include "drivers/velodyne/table_calibration.h"
 
 namespace lidard {
@@ -36,7 +35,7 @@ class WriterOutput final : public DriverOutput {
     ++frames_;
   }
   void extra_scan(std::string_view topic, PlanarScan& scan) override {
-    if (wanted() && topic == sick::safety_topic::beam_status) writer_.beam_flags(scan.intensities);
+    if (wanted() && topic == beam_status_scan) writer_.beam_flags(scan.intensities);
   }
   std::uint64_t frames() const { return frames_; }
   std::uint64_t returns() const { return returns_; }

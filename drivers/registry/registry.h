@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <deque>
 #include <string_view>
 #include <vector>
 
@@ -11,9 +12,13 @@ namespace lidard {
 
 /// Every family that is known.
 const std::vector<Family>& families();
-/// All supported models, in the order of the documentation.
-const std::vector<Model>& models();
+/// All supported models, in the order of the documentation. A model keeps its address.
+const std::deque<Model>& models();
 /// The model of that name, or nullptr.
 const Model* find_model(std::string_view name);
+/// Makes one more family known, behind the others: a driver that stands outside of this program. Every command
+/// knows its models from then on. Only before other threads start. Throws std::invalid_argument, and changes
+/// nothing, if a name is taken or a model has no driver.
+void register_family(const Family& family);
 
 }  // namespace lidard

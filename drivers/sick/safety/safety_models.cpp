@@ -32,7 +32,7 @@ Model scanner(const char* name, const char* product, double frame_period, double
   model.traits = {Trait::settings_writable, Trait::receiver_settable};
   model.messages = {message_topic<DeviceState>(safety_topic::system_state),
                     message_topic<DeviceState>(safety_topic::output_paths)};
-  model.extra_scans = {safety_topic::intrusion, safety_topic::beam_status};
+  model.extra_scans = {safety_topic::intrusion, beam_status_scan};
   model.row = &safety_row;
   model.make = make_safety_driver;
   return model;

@@ -124,7 +124,7 @@ void SafetyTopics::publish_beam_status(const Ms3Telegram& telegram, const Planar
   beam_status_.intensities.resize(scan.beams);
   for (std::size_t i = 0; i < scan.beams; ++i)
     beam_status_.intensities[i] = telegram.beam(first_beam + i).status;
-  out.extra_scan(safety_topic::beam_status, beam_status_);
+  out.extra_scan(beam_status_scan, beam_status_);
 }
 
 }  // namespace lidard::sick

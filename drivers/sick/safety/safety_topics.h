@@ -14,7 +14,6 @@ namespace safety_topic {
 constexpr std::string_view system_state = "system_state";
 constexpr std::string_view output_paths = "output_paths";
 constexpr std::string_view intrusion = "intrusion";
-constexpr std::string_view beam_status = "beam_status";
 }  // namespace safety_topic
 
 /// Hands on what a telegram holds beside its scan, with the scan's stamp: general system state, output paths
