@@ -7,13 +7,12 @@
 #include "daemon/commands/commands.h"
 #include "daemon/config/calibration_file.h"
 #include "daemon/pipeline/report.h"
-#include "drivers/capture/connection_picker.h"
 #include "drivers/capture/pcap_source.h"
 #include "drivers/flow.h"
 #include "drivers/registry/identifier.h"
 #include "drivers/registry/nearest_models.h"
 #include "drivers/registry/registry.h"
-#include "drivers/velodyne/table_calibration.h"
+#include "drivers/velodyne/calibration.h"
 
 namespace lidard {
 namespace {

@@ -20,7 +20,7 @@
 #include "daemon/commands/commands.h"
 #include "daemon/files/text_table.h"
 #include "drivers/hokuyo/scip_message.h"
-#include "drivers/hokuyo/scip_models.h"
+#include "drivers/hokuyo/models.h"
 
 namespace lidard {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "daemon/commands/commands.h"
 #include "daemon/pipeline/pipeline.h"
-#include "drivers/capture/merged_capture.h"
+#include "drivers/capture/pcap_source.h"
 
 namespace lidard {
 

@@ -15,7 +15,7 @@
 #include "core/base/nearest.h"
 #include "core/base/number_text.h"
 #include "daemon/config/yaml_reader.h"
-#include "drivers/velodyne/model_row.h"
+#include "drivers/velodyne/models.h"
 
 namespace lidard {
 namespace {

@@ -10,11 +10,10 @@
 
 #include "core/base/pose.h"
 #include "core/evidence/placed_scan.h"
-#include "core/evidence/profile.h"
 #include "core/frames/cloud_layout.h"
 #include "core/frames/ring_scan.h"
 #include "core/frames/scan_grid.h"
-#include "core/merge/merge_options.h"
+#include "core/merge/cross_check.h"
 #include "core/merge/scheduler.h"
 #include "core/virtual/virtualizer.h"
 #include "daemon/config/mistakes.h"

@@ -15,7 +15,7 @@
 #include "daemon/config/sections.h"
 #include "drivers/registry/nearest_models.h"
 #include "drivers/registry/registry.h"
-#include "drivers/velodyne/table_calibration.h"
+#include "drivers/velodyne/calibration.h"
 
 namespace lidard {
 namespace {

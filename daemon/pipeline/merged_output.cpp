@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/steady_stamps.h"
+#include "core/base/time.h"
 #include "core/merge/merger.h"
 #include "core/merge/mount_check.h"
 #include "core/merge/scheduler.h"

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "core/evidence/height_band.h"
 #include "core/frames/scan_grid.h"
 #include "daemon/config/config.h"
 #include "daemon/pipeline/frame_tree.h"

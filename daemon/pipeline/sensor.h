@@ -18,7 +18,7 @@
 #include "daemon/pipeline/sensor_health.h"
 #include "daemon/pipeline/vehicle_motion.h"
 #include "drivers/address.h"
-#include "drivers/capture/connection_picker.h"
+#include "drivers/capture/pcap_source.h"
 
 namespace lidard {
 

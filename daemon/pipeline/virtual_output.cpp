@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/base/steady_stamps.h"
-#include "core/motion/cloud_motion.h"
+#include "core/base/time.h"
+#include "core/motion/frame_motion.h"
 #include "core/virtual/virtualizer.h"
 #include "daemon/pipeline/output.h"
 
