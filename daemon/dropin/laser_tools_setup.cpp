@@ -8,7 +8,6 @@
 #include "core/base/number_text.h"
 #include "daemon/config/config.h"
 #include "daemon/config/key_tables.h"
-#include "daemon/config/key_tables.h"
 #include "daemon/dropin/dropin.h"
 
 namespace lidard {
