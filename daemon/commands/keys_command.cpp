@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/commands/keys_command.h"
-
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include "core/base/number_text.h"
+#include "daemon/commands/commands.h"
 #include "daemon/config/key_tables.h"
 #include "drivers/registry/registry.h"
 

@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/commands/run.h"
-
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -11,7 +9,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <ostream>
 
-#include "daemon/config/exit_codes.h"
+#include "daemon/commands/commands.h"
 #include "daemon/live/service.h"
 #include "daemon/live/tcp_connections.h"
 #include "daemon/live/udp_ports.h"

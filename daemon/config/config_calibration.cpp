@@ -7,7 +7,7 @@
 
 #include "daemon/config/calibration_file.h"
 #include "daemon/config/sections.h"
-#include "drivers/velodyne/table_calibration.h"
+#include "drivers/velodyne/calibration.h"
 
 namespace lidard {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/base/angle.h"
-#include "daemon/config/output_topics.h"
+#include "daemon/config/config.h"
 #include "daemon/config/sections.h"
 #include "drivers/registry/nearest_models.h"
 #include "drivers/registry/registry.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "daemon/pipeline/sink.h"
-#include "daemon/ros/ros_options.h"
+#include "daemon/ros/ros_environment.h"
 
 namespace lidard {
 

@@ -2,40 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/ros/ros_session.h"
 
-#include "daemon/config/output_topics.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/output_items.h"
 #include "daemon/ros/ros_inputs.h"
-#include "daemon/ros/ros_motion.h"
-#include "daemon/ros/ros_reconfigure.h"
 
 namespace lidard {
-namespace {
-
-RosHandlers into(Pipeline& pipeline) {
-  RosHandlers into;
-  into.scan = [&pipeline](const std::string& sensor, PlanarScan& scan, Stamp received) {
-    pipeline.scan_message(sensor, scan, received);
-  };
-  into.cloud = [&pipeline](const std::string& sensor, Cloud& cloud, Stamp received) {
-    pipeline.cloud_message(sensor, cloud, received);
-  };
-  into.packet = [&pipeline](const std::string& sensor, ByteView packet, Stamp arrival, Stamp received) {
-    pipeline.packet_message(sensor, {packet, arrival, {}, {}}, received);
-  };
-  into.pose = [&pipeline](Stamp stamp, const Pose& pose, const std::string& child, Stamp received) {
-    pipeline.pose_message(stamp, pose, child, received);
-  };
-  into.turn = [&pipeline](Stamp stamp, const Eigen::Vector3d& rates, const std::string& frame,
-                          Stamp received) { pipeline.turn_message(stamp, rates, frame, received); };
-  into.speed = [&pipeline](double speed) { pipeline.speed_message(speed); };
-  into.change = [&pipeline](const OutputId& output, const OutputScanConfig& wanted) {
-    pipeline.set_output(output, wanted);
-  };
-  return into;
-}
-
-}  // namespace
 
 RosSession::RosSession(const Config& config, const RosOptions& options)
     : RosConnection(options, output_topics(config)),
@@ -46,10 +17,9 @@ RosSession::RosSession(const Config& config, const RosOptions& options)
 }
 
 void RosSession::feed(Pipeline& pipeline, const RosPost& post) {
-  const RosHandlers handlers = into(pipeline);
-  add(std::make_shared<RosInputs>(topic_sources(config_), post, handlers));
-  add(std::make_shared<RosMotion>(config_.vehicle, post, handlers));
-  add(std::make_shared<RosReconfigure>(changeable_outputs(config_, reconfigure_), post, handlers));
+  add(std::make_shared<RosInputs>(topic_sources(config_), post, pipeline));
+  add(make_ros_motion(config_.vehicle, post, pipeline));
+  add(make_ros_reconfigure(changeable_outputs(config_, reconfigure_), post, pipeline));
 }
 
 }  // namespace lidard

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "daemon/config/config.h"
-#include "daemon/pipeline/transform_source.h"
+#include "daemon/pipeline/frame_tree.h"
 #include "daemon/ros/ros_component.h"
 #include "daemon/ros/ros_connection.h"
 #include "daemon/ros/tf_poses.h"

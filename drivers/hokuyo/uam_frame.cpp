@@ -16,12 +16,6 @@ constexpr std::size_t longest_frame = 0x4000;  // the longest known one has 8703
 constexpr std::size_t head = 5;                // STX and the length
 constexpr std::size_t checksum_size = 5;       // CRC and ETX
 
-int hex_digit(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
-}
-
 }  // namespace
 
 std::uint16_t uam_crc(std::string_view text) {
@@ -37,13 +31,7 @@ std::string uam_request(std::string_view command) {
 
 std::optional<std::uint32_t> uam_number(std::string_view text, std::size_t at, std::size_t digits) {
   if (at > text.size() || digits > text.size() - at) return std::nullopt;
-  std::uint32_t value = 0;
-  for (const char c : text.substr(at, digits)) {
-    const int digit = hex_digit(c);
-    if (digit < 0) return std::nullopt;
-    value = value << 4U | static_cast<std::uint32_t>(digit);
-  }
-  return value;
+  return number_in<std::uint32_t>(text.substr(at, digits), 16);
 }
 
 UamReader::UamReader(Counters& counters) : counters_(counters) {}

@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/base/steady_stamps.h"
+#include "core/base/time.h"
 #include "core/frames/revolution.h"
 #include "drivers/driver.h"
 #include "drivers/velodyne/unpacker.h"

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <utility>
 
 #include "core/base/angle.h"
 #include "core/base/number_text.h"

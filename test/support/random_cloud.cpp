@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/base/angle.h"
-#include "core/motion/cloud_motion.h"
+#include "core/motion/frame_motion.h"
 #include "core/virtual/virtualizer.h"
 #include "test/support/random_bytes.h"
 

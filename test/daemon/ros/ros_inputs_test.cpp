@@ -10,7 +10,7 @@
 #include <chrono>
 #include <thread>
 
-#include "daemon/pipeline/transform_source.h"
+#include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/ros_connection.h"
 #include "daemon/ros/ros_convert.h"
 #include "daemon/ros/tf_poses.h"
@@ -66,26 +66,30 @@ class Posted {
   std::vector<std::function<void(Stamp)>> waiting_;
 };
 
-/// What the handlers got.
-struct Seen {
+/// What the pipeline would get.
+struct Seen final : MessageReceiver {
   std::vector<PlanarScan> scans;
   std::vector<Cloud> clouds;
   std::string sensor;
-  RosHandlers handlers() {
-    return {[this](const std::string& name, PlanarScan& scan, Stamp) {
-              sensor = name;
-              scans.push_back(scan);
-            },
-            [this](const std::string& name, Cloud& cloud, Stamp) {
-              sensor = name;
-              clouds.push_back(cloud);
-            }};
+
+  void scan_message(const std::string& name, PlanarScan& scan, Stamp) override {
+    sensor = name;
+    scans.push_back(scan);
   }
+  void cloud_message(const std::string& name, Cloud& cloud, Stamp) override {
+    sensor = name;
+    clouds.push_back(cloud);
+  }
+  void packet_message(const std::string&, const Packet&, Stamp) override {}
+  void pose_message(Stamp, const Pose&, const std::string&, Stamp) override {}
+  void turn_message(Stamp, const Eigen::Vector3d&, const std::string&, Stamp) override {}
+  void speed_message(double) override {}
+  std::string set_output(const OutputId&, const OutputScanConfig&) override { return {}; }
 };
 
 std::shared_ptr<RosInputs> add_inputs(RosConnection& connection, const std::vector<TopicSource>& sources,
-                                      RosPost post, RosHandlers handlers) {
-  auto inputs = std::make_shared<RosInputs>(sources, std::move(post), std::move(handlers));
+                                      RosPost post, MessageReceiver& receiver) {
+  auto inputs = std::make_shared<RosInputs>(sources, std::move(post), receiver);
   connection.add(inputs);
   return inputs;
 }
@@ -111,7 +115,7 @@ TEST(RosInputs, FindTheTypeOfATopicAndConvertScans) {
     Posted posted;
     Seen seen;
     RosConnection connection({}, {});
-    const auto inputs = add_inputs(connection, {{"rear", "/rear/scan"}}, posted.post(), seen.handlers());
+    const auto inputs = add_inputs(connection, {{"rear", "/rear/scan"}}, posted.post(), seen);
 
     connection.start();
     EXPECT_TRUE(posted.run_until([&] { return seen.scans.size() >= 3; }));
@@ -137,7 +141,7 @@ TEST(RosInputs, ConvertCloudsOfAPublisherThatComesLate) {
     Seen seen;
     const Child clouds = talker("/points", message);  // waits for the master, as we do
     RosConnection connection({}, {});
-    const auto inputs = add_inputs(connection, {{"roof", "points"}}, posted.post(), seen.handlers());
+    const auto inputs = add_inputs(connection, {{"roof", "points"}}, posted.post(), seen);
 
     connection.start();
     EXPECT_FALSE(posted.run_until([&] { return !seen.clouds.empty(); }, 200ms));
@@ -161,8 +165,7 @@ TEST(RosInputs, CountAndExplainMessagesTheyCannotUse) {
     Posted posted;
     Seen seen;
     RosConnection connection({}, {});
-    const auto inputs =
-        add_inputs(connection, {{"a", "/broken"}, {"b", "/words"}}, posted.post(), seen.handlers());
+    const auto inputs = add_inputs(connection, {{"a", "/broken"}, {"b", "/words"}}, posted.post(), seen);
 
     connection.start();
     EXPECT_TRUE(posted.run_until([&] { return inputs->report()[0].rejected > 2; }));
@@ -189,8 +192,7 @@ TEST(RosInputs, UseScansWithOddIntensitiesOrWithoutRangesAndCountWhatTheyLeaveOu
     Posted posted;
     Seen seen;
     RosConnection connection({}, {});
-    const auto inputs =
-        add_inputs(connection, {{"a", "/odd"}, {"b", "/empty"}}, posted.post(), seen.handlers());
+    const auto inputs = add_inputs(connection, {{"a", "/odd"}, {"b", "/empty"}}, posted.post(), seen);
 
     connection.start();
     EXPECT_TRUE(posted.run_until([&] {
@@ -222,7 +224,7 @@ TEST(RosInputs, DropAndCountWhatASlowSensorThreadDoesNotTake) {
           const std::lock_guard lock(mutex);
           never_run.push_back(std::move(f));
         },
-        seen.handlers());
+        seen);
 
     connection.start();
     Posted nothing;
@@ -240,7 +242,7 @@ TEST(RosInputs, HearPublishersAgainAfterTheMasterWasRestarted) {
     Posted posted;
     Seen seen;
     RosConnection connection({}, {});
-    const auto inputs = add_inputs(connection, {{"a", "/scan"}}, posted.post(), seen.handlers());
+    const auto inputs = add_inputs(connection, {{"a", "/scan"}}, posted.post(), seen);
 
     connection.start();
     ASSERT_TRUE(posted.run_until([&] { return !seen.scans.empty(); }));

@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/sick/cola/cola_driver.h"
-
 #include <gmock/gmock.h>
 
 #include <algorithm>
