@@ -9,8 +9,8 @@
 #include "core/base/device_clock.h"
 #include "core/frames/revolution.h"
 #include "core/merge/scheduler.h"
-#include "core/motion/cloud_motion.h"
-#include "core/motion/dead_reckoning.h"
+#include "core/motion/frame_motion.h"
+#include "core/motion/pose_track.h"
 #include "test/sim/world/rng.h"
 #include "test/support/golden.h"
 

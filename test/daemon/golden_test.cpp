@@ -18,12 +18,8 @@
 #include <regex>
 #include <sstream>
 
-#include "daemon/commands/check.h"
-#include "daemon/commands/decode.h"
-#include "daemon/commands/inspect.h"
+#include "daemon/commands/commands.h"
 #include "daemon/commands/inspect_survey.h"
-#include "daemon/commands/replay.h"
-#include "daemon/commands/snapshot.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/report.h"
 #include "drivers/capture/pcap_source.h"

@@ -11,7 +11,6 @@
 #include <filesystem>
 #include <map>
 
-#include "drivers/capture/connection_picker.h"
 #include "drivers/capture/pcap_source.h"
 #include "drivers/flow.h"
 #include "drivers/model.h"

@@ -14,7 +14,7 @@
 #include <iostream>
 #include <sstream>
 
-#include "daemon/config/exit_codes.h"
+#include "daemon/commands/commands.h"
 #include "test/drivers/capture/pcap_testing.h"
 #include "test/support/captures.h"
 

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // The daemon in a process of its own: what it tells the service manager and the log until a signal ends it.
-#include "daemon/commands/run.h"
-
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -19,7 +17,7 @@
 #include <iostream>
 #include <thread>
 
-#include "daemon/config/exit_codes.h"
+#include "daemon/commands/commands.h"
 #include "test/support/ros_master.h"
 #include "test/support/velodyne_wire.h"
 

@@ -11,7 +11,7 @@
 #include <random>
 #include <sstream>
 
-#include "daemon/commands/keys_command.h"
+#include "daemon/commands/commands.h"
 #include "test/daemon/config/config_support.h"
 #include "test/support/captures.h"
 #include "test/support/golden.h"

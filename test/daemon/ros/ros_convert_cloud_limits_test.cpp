@@ -9,7 +9,7 @@
 #include <random>
 
 #include "daemon/ros/ros_convert.h"
-#include "daemon/ros/ros_device_message.h"
+#include "daemon/ros/ros_message.h"
 #include "test/support/ros_samples.h"
 
 namespace lidard {

@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/capture/merged_capture.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "drivers/capture/pcap_source.h"
 #include "test/drivers/capture/pcap_testing.h"
 
 namespace lidard::test {

@@ -9,7 +9,6 @@
 #include <limits>
 
 #include "drivers/registry/registry.h"
-#include "drivers/sick/cola/cola_driver.h"
 #include "drivers/sick/cola/cola_models.h"
 #include "test/drivers/sick/cola/cola_bench.h"
 #include "test/sim/world/rng.h"
