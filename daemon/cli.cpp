@@ -3,27 +3,29 @@
 #include "daemon/cli.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <functional>
 #include <iostream>
 
-#include "daemon/commands/check.h"
-#include "daemon/commands/decode.h"
+#include "daemon/commands/commands.h"
 #include "daemon/commands/discover.h"
-#include "daemon/commands/inspect.h"
-#include "daemon/commands/keys_command.h"
-#include "daemon/commands/models_command.h"
-#include "daemon/commands/record.h"
-#include "daemon/commands/replay.h"
-#include "daemon/commands/run.h"
-#include "daemon/commands/snapshot.h"
 #include "daemon/commands/status.h"
-#include "daemon/config/exit_codes.h"
-#include "daemon/dropin/dropin_node.h"
+#include "daemon/dropin/dropin.h"
 
 namespace lidard {
 namespace {
 
 constexpr const char* default_config = "/etc/lidard/lidard.yaml";
+
+/// IP[:PORT], IPv4 only.
+std::optional<Endpoint> read_endpoint(const std::string& text, std::uint16_t port) {
+  const std::size_t colon = text.find(':');
+  const auto address = IpAddress::parse(text.substr(0, colon));
+  if (!address || address->v6) return std::nullopt;
+  if (colon != std::string::npos && !CLI::detail::lexical_cast(text.substr(colon + 1), port))
+    return std::nullopt;
+  return Endpoint{*address, port};
+}
 
 /// The commands; each fills in what to do once the line was read.
 struct Commands {
@@ -179,7 +181,8 @@ struct Commands {
       c->add_flag("--json", ask.json, "For scripts");
       c->add_flag("--watch", ask.watch, "Again every second");
     }
-    add("metrics", "The same in the text format of Prometheus", run_metrics);
+    add("metrics", "The state in the text format of Prometheus", run_metrics);
+    add("dump", "Lets the running daemon write the last packets to a capture", run_dump);
   }
   void add_discover() {
     auto* c = app.add_subcommand("discover", "Which SICK and Hokuyo devices answer in the network");
@@ -190,88 +193,73 @@ struct Commands {
     c->callback([this] { action = [this] { return start_discover(); }; });
   }
 
-  int start_replay();
-  int start_decode();
-  int start_discover();
-};
-
-int Commands::start_replay() {
-  try {
-    replay.rate = rate == "max" ? 0 : CLI::detail::lexical_cast(rate, replay.rate) ? replay.rate : -1;
-  } catch (const std::exception&) {
-    replay.rate = -1;
-  }
-  if (!(replay.rate >= 0) || (replay.rate == 0 && rate != "max")) {
-    std::cerr << "--rate: '" << rate << "' is neither a positive number nor max\n";
-    return exit_usage;
-  }
-  if (replay.loop && !replay.bag.empty()) {
-    std::cerr << "--loop and --bag: a bag of endless replay would never be complete; leave one out\n";
-    return exit_usage;
-  }
-  replay.ros.remappings = ros_arguments;
-  return run_replay(replay, std::cout, std::cerr);
-}
-
-int Commands::start_decode() {
-  if (!source.empty()) {
-    const auto colon = source.find(':');
-    const bool has_port = colon != std::string::npos && source.find(':', colon + 1) == std::string::npos;
-    decode.source = IpAddress::parse(has_port ? source.substr(0, colon) : source);
-    const bool port_ok = !has_port || CLI::detail::lexical_cast(source.substr(colon + 1), decode.source_port);
-    if (!decode.source || !port_ok) {
-      std::cerr << "--source: '" << source
-                << "' is not an address; expected IP or IP:PORT, e.g. 192.168.1.201\n";
+  int start_replay() {
+    try {
+      replay.rate = rate == "max" ? 0 : CLI::detail::lexical_cast(rate, replay.rate) ? replay.rate : -1;
+    } catch (const std::exception&) {
+      replay.rate = -1;
+    }
+    if (!(replay.rate >= 0) || (replay.rate == 0 && rate != "max")) {
+      std::cerr << "--rate: '" << rate << "' is neither a positive number nor max\n";
       return exit_usage;
     }
-  }
-  decode.clock = clock == "smooth" ? ClockMode::smooth : ClockMode::arrival;
-  decode.stamps = time == "device" ? StampColumn::device : StampColumn::host;
-  return run_decode(decode, std::cerr);
-}
-
-/// IP[:PORT], IPv4 only.
-std::optional<Endpoint> read_endpoint(const std::string& text, std::uint16_t port) {
-  const std::size_t colon = text.find(':');
-  const auto address = IpAddress::parse(text.substr(0, colon));
-  if (!address || address->v6) return std::nullopt;
-  if (colon != std::string::npos && !CLI::detail::lexical_cast(text.substr(colon + 1), port))
-    return std::nullopt;
-  return Endpoint{*address, port};
-}
-
-int Commands::start_discover() {
-  const auto read = [](const std::vector<std::string>& texts, std::uint16_t port, const char* option,
-                       std::vector<Endpoint>& endpoints) {
-    for (const std::string& text : texts) {
-      const auto endpoint = read_endpoint(text, port);
-      if (!endpoint) {
-        std::cerr << option << ": '" << text
-                  << "' is not an address; expected IPv4 or IPv4:PORT, e.g. 192.168.0.10\n";
-        return false;
-      }
-      endpoints.push_back(*endpoint);
+    if (replay.loop && !replay.bag.empty()) {
+      std::cerr << "--loop and --bag: a bag of endless replay would never be complete; leave one out\n";
+      return exit_usage;
     }
-    return true;
-  };
-  const bool fine =
-      read(hokuyos, 10940, "--hokuyo", discover.hokuyos) && read(sicks, 30718, "--sick", discover.sicks);
-  return fine ? run_discover(discover, std::cout, std::cerr) : exit_usage;
-}
+    replay.ros.remappings = ros_arguments;
+    return run_replay(replay, std::cout, std::cerr);
+  }
+  int start_decode() {
+    if (!source.empty()) {
+      const auto colon = source.find(':');
+      const bool has_port = colon != std::string::npos && source.find(':', colon + 1) == std::string::npos;
+      decode.source = IpAddress::parse(has_port ? source.substr(0, colon) : source);
+      const bool port_ok =
+          !has_port || CLI::detail::lexical_cast(source.substr(colon + 1), decode.source_port);
+      if (!decode.source || !port_ok) {
+        std::cerr << "--source: '" << source
+                  << "' is not an address; expected IP or IP:PORT, e.g. 192.168.1.201\n";
+        return exit_usage;
+      }
+    }
+    decode.clock = clock == "smooth" ? ClockMode::smooth : ClockMode::arrival;
+    decode.stamps = time == "device" ? StampColumn::device : StampColumn::host;
+    return run_decode(decode, std::cerr);
+  }
+  int start_discover() {
+    const auto read = [](const std::vector<std::string>& texts, std::uint16_t port, const char* option,
+                         std::vector<Endpoint>& endpoints) {
+      for (const std::string& text : texts) {
+        const auto endpoint = read_endpoint(text, port);
+        if (!endpoint) {
+          std::cerr << option << ": '" << text
+                    << "' is not an address; expected IPv4 or IPv4:PORT, e.g. 192.168.0.10\n";
+          return false;
+        }
+        endpoints.push_back(*endpoint);
+      }
+      return true;
+    };
+    const bool fine =
+        read(hokuyos, 10940, "--hokuyo", discover.hokuyos) && read(sicks, 30718, "--sick", discover.sicks);
+    return fine ? run_discover(discover, std::cout, std::cerr) : exit_usage;
+  }
+};
 
 }  // namespace
 
 int run_cli(int argc, char** argv) {
   const std::string program = argc > 0 ? argv[0] : "";
-  if (const auto dropin = find_dropin(program.substr(program.rfind('/') + 1)))
-    return dropin({argv + 1, argv + argc}, std::cout, std::cerr);
+  const std::vector<std::string> given(argv + std::min(argc, 1), argv + argc);
+  if (const auto code = run_dropin(program.substr(program.rfind('/') + 1), given, std::cout, std::cerr))
+    return *code;
   Commands commands;
   std::vector<std::string> arguments;
-  for (int i = argc - 1; i > 0; --i) {
+  for (auto argument = given.rbegin(); argument != given.rend(); ++argument) {
     // Remappings as roslaunch appends them.
-    const std::string argument = argv[i];
-    const bool is_remapping = argument.find(":=") != std::string::npos;
-    (is_remapping ? commands.ros_arguments : arguments).push_back(argument);
+    const bool is_remapping = argument->find(":=") != std::string::npos;
+    (is_remapping ? commands.ros_arguments : arguments).push_back(*argument);
   }
   try {
     commands.app.parse(arguments);

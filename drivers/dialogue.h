@@ -46,6 +46,8 @@ class SideDialogue {
     begin();
     script(out);
   }
+  /// Bytes from the device.
+  virtual void receive(const Packet& packet, DriverOutput& out) = 0;
   /// The connection ended, or was not taken.
   void disconnected() { phase_ = Phase::idle; }
   /// `last_data`: when the device last sent a datagram of its data; empty: never.
@@ -58,6 +60,11 @@ class SideDialogue {
     phase_ = Phase::dialling;
     out.connect();
   }
+
+  /// What was read, and what is wrong with it.
+  const DeviceInfo& info() const { return info_; }
+  /// Changes whenever info() did.
+  unsigned version() const { return version_; }
 
  protected:
   /// A connection stands: nothing of a former one counts.
@@ -80,6 +87,8 @@ class SideDialogue {
 
   boost::asio::coroutine script_;
   Stamp now_{};
+  DeviceInfo info_;
+  unsigned version_ = 0;
 
  private:
   enum class Phase : std::uint8_t { idle, dialling, talking };

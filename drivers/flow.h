@@ -6,7 +6,6 @@
 #include <map>
 #include <string>
 #include <tuple>
-#include <utility>
 #include <vector>
 
 #include "drivers/driver.h"
@@ -22,7 +21,10 @@ struct Flow {
   std::uint16_t port = 0;  ///< destination; of a connection the sender's own
 
   /// "192.168.1.9 -> port 2368", "192.168.1.9:2112 over TCP".
-  std::string to_string() const;
+  std::string to_string() const {
+    if (transport == Transport::tcp) return Endpoint{address, port}.to_string() + " over TCP";
+    return address.to_string() + " -> port " + std::to_string(port);
+  }
   friend bool operator==(const Flow& a, const Flow& b) {
     return a.transport == b.transport && a.port == b.port && a.address == b.address;
   }
@@ -32,11 +34,20 @@ struct Flow {
 };
 
 /// The flow that a packet belongs to.
-Flow flow_of(const Packet& packet);
+inline Flow flow_of(const Packet& packet) {
+  const bool connection = packet.transport == Transport::tcp;
+  return {packet.transport, packet.from.address, connection ? packet.from.port : packet.to.port};
+}
 /// What a device at `address` sends: its data to (or, over TCP, from) `port`, its telemetry, its part of the
 /// dialogue; a port 0 is none. The data come first.
-std::vector<Flow> flows_of(const Model& model, const IpAddress& address, std::uint16_t port,
-                           std::uint16_t telemetry_port, std::uint16_t dialogue_port);
+inline std::vector<Flow> flows_of(const Model& model, const IpAddress& address, std::uint16_t port,
+                                  std::uint16_t telemetry_port, std::uint16_t dialogue_port) {
+  std::vector<Flow> flows = {{model.transport, address, port}};
+  if (model.transport == Transport::tcp) return flows;
+  if (telemetry_port != 0) flows.push_back({Transport::udp, address, telemetry_port});
+  if (dialogue_port != 0) flows.push_back({Transport::tcp, address, dialogue_port});
+  return flows;
+}
 /// The flows of a device whose telemetry and dialogue use the model's usual ports.
 inline std::vector<Flow> flows_of(const Model& model, const IpAddress& address, std::uint16_t port) {
   return flows_of(model, address, port, model.telemetry_port, model.dialogue_port);

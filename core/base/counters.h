@@ -24,7 +24,11 @@ enum class Reject : std::uint8_t {
 constexpr std::size_t reject_reasons = static_cast<std::size_t>(Reject::count_);
 
 /// Short name for tables and diagnostics.
-const char* to_string(Reject reason);
+inline const char* to_string(Reject reason) {
+  constexpr std::array<const char*, reject_reasons> names = {
+      "none", "size", "magic", "version", "checksum", "field", "model", "duplicate", "stale"};
+  return names.at(static_cast<std::size_t>(reason));
+}
 
 /// A counter of `Owner` and what users read of it: reports, diagnostics and JSON come from lists of these.
 template <class Owner>

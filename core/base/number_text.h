@@ -4,7 +4,10 @@
 
 #include <charconv>
 #include <cstdio>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <type_traits>
 
 namespace lidard {
 
@@ -12,6 +15,20 @@ namespace lidard {
 inline std::string number_text(double number) {
   char text[32];
   return {text, std::to_chars(text, text + sizeof text, number == 0 ? 0.0 : number).ptr};
+}
+
+/// The number that the whole of `text` is, without blanks; empty if it is none. Of an unsigned type no sign
+/// is taken.
+template <class Number>
+std::optional<Number> number_in(std::string_view text, [[maybe_unused]] int base = 10) {
+  Number number{};
+  const char* const end = text.data() + text.size();
+  std::from_chars_result read{};
+  if constexpr (std::is_floating_point_v<Number>)
+    read = std::from_chars(text.data(), end, number, std::chars_format::general);
+  else
+    read = std::from_chars(text.data(), end, number, base);
+  return read.ec == std::errc() && read.ptr == end ? std::optional<Number>(number) : std::nullopt;
 }
 
 /// Text as std::printf() writes it, for constant formats; at most 255 characters.

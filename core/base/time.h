@@ -33,4 +33,20 @@ constexpr Span span_from_seconds(double s) {
   return Span(static_cast<std::int64_t>(s * 1e9 + (s < 0 ? -0.5 : 0.5)));
 }
 
+/// Stamps of one stream of frames: strictly increasing, since consumers drop what is not newer. Only a clock
+/// that was set by more than a second may go back.
+class SteadyStamps {
+ public:
+  Stamp next(Stamp stamp) {
+    constexpr Span hidden_step = std::chrono::seconds(1);
+    const bool back_a_little = stamp <= last_ && last_ - stamp < hidden_step;
+    last_ = back_a_little ? last_ + Span(1) : stamp;
+    return last_;
+  }
+  void reset() { last_ = Stamp(); }
+
+ private:
+  Stamp last_;
+};
+
 }  // namespace lidard

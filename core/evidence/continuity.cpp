@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/evidence/continuity.h"
-
 #include <algorithm>
 #include <cmath>
+
+#include "core/evidence/placed_scan.h"
 
 namespace lidard {
 namespace {

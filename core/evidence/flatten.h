@@ -6,8 +6,7 @@
 #include <cmath>
 
 #include "core/base/pose.h"
-#include "core/evidence/footprint.h"
-#include "core/evidence/height_band.h"
+#include "core/evidence/beam_rays.h"
 #include "core/frames/scan_grid.h"
 
 namespace lidard {

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "core/evidence/continuity.h"
-
 namespace lidard {
 namespace {
 
@@ -26,22 +24,130 @@ class Conditioner {
         farthest_(static_cast<float>(settings.range_max)),
         open_(std::min(static_cast<float>(settings.no_return_free_range), scan.range_max)) {}
 
-  void run();
+  void run() {
+    const std::size_t n = scan_.beams;
+    sweep_.range.assign(n, 0);
+    sweep_.kind.assign(n, Return::nothing);
+    sweep_.intensity.assign(scan_.intensities.empty() ? 0 : n, 0);
+    sweep_.free_from.assign(n, 0);
+    sweep_.free_to.assign(n, 0);
+    sweep_.early_returns.clear();
+    for (std::size_t beam = 0; beam < n; ++beam) take_beam(beam);
+    link_neighbours(rays_, settings_.noise, sweep_);
+    if (settings_.veil_filter && n > 2) mark_veils(rays_, settings_.noise, sweep_);
+    for (std::size_t beam = 0; beam < n; ++beam) {
+      if (sweep_.kind[beam] != Return::surface) continue;
+      const float early = sweep_.free_to[beam];
+      free_in_band(beam, sweep_.range[beam]);
+      if (early > 0) sweep_.free_to[beam] = std::min(sweep_.free_to[beam], early);
+    }
+    shorten_veils();
+    for (std::size_t beam = 0; beam < n; ++beam) {
+      if (sweep_.kind[beam] != Return::nothing) drop_outside_band(beam);
+    }
+  }
 
  private:
   bool wanted(std::size_t beam) const {
     const double angle = rays_.angle_min + static_cast<double>(beam) * rays_.increment;
     return angle >= settings_.angle_min && angle <= settings_.angle_max;
   }
-  bool usable(std::size_t i) const;
-  std::size_t chosen_echo(std::size_t beam) const;
-  void take_beam(std::size_t beam);
-  void take_hit(std::size_t beam, std::size_t i);
-  void take_none(std::size_t beam);
-  void take_early_echoes(std::size_t beam, std::size_t chosen);
-  void drop_outside_band(std::size_t beam);
-  void shorten_veils();
-  void free_in_band(std::size_t beam, float to);
+
+  bool usable(std::size_t i) const {
+    if (scan_.statuses[i] != BeamStatus::hit) return false;
+    if (scan_.ranges[i] < nearest_ || scan_.ranges[i] > farthest_) return false;
+    return scan_.intensities.empty() || within_intensities(settings_, scan_.intensities[i]);
+  }
+
+  /// Index of the return that counts, or of the first echo if none does.
+  std::size_t chosen_echo(std::size_t beam) const {
+    std::size_t chosen = scan_.index(beam);
+    bool found = usable(chosen);
+    for (std::size_t echo = 1; echo < scan_.echoes; ++echo) {
+      const std::size_t i = scan_.index(beam, echo);
+      if (!usable(i)) continue;
+      const bool nearer = scan_.ranges[i] < scan_.ranges[chosen];
+      bool better = settings_.echoes == EchoChoice::first ? nearer : !nearer;
+      if (settings_.echoes == EchoChoice::strongest && !scan_.intensities.empty())
+        better = scan_.intensities[i] > scan_.intensities[chosen];
+      if (!found || better) chosen = i;
+      found = true;
+    }
+    return chosen;
+  }
+
+  void take_beam(std::size_t beam) {
+    if (!wanted(beam)) return;
+    const std::size_t i = scan_.echoes > 1 ? chosen_echo(beam) : beam;
+    if (usable(i))
+      take_hit(beam, i);
+    else if (scan_.statuses[i] == BeamStatus::none)
+      take_none(beam);
+  }
+
+  void take_hit(std::size_t beam, std::size_t i) {
+    const float range = scan_.ranges[i];
+    if (range >= rays_.own_begin[beam] && range <= rays_.own_end[beam]) {
+      ++sweep_.own_returns;
+      free_in_band(beam, rays_.own_begin[beam]);
+      return;
+    }
+    if (range > rays_.blocked_at[beam]) {
+      ++sweep_.seen_through;
+      free_in_band(beam, rays_.blocked_at[beam]);
+      return;
+    }
+    sweep_.kind[beam] = Return::surface;
+    sweep_.range[beam] = range;
+    if (!sweep_.intensity.empty()) sweep_.intensity[beam] = scan_.intensities[i];
+    if (scan_.echoes > 1) take_early_echoes(beam, i);
+  }
+
+  void take_none(std::size_t beam) {
+    if (rays_.from_inside[beam] != 0) return;
+    free_in_band(beam, std::min(open_, rays_.blocked_at[beam]));
+  }
+
+  void take_early_echoes(std::size_t beam, std::size_t chosen) {
+    if (settings_.echoes != EchoChoice::all) return;
+    for (std::size_t echo = 0; echo < scan_.echoes; ++echo) {
+      const std::size_t i = scan_.index(beam, echo);
+      const float r = scan_.ranges[i];
+      if (i == chosen || !usable(i) || r >= scan_.ranges[chosen]) continue;
+      // What a first echo hides is seen through it, but the way beyond is no longer called free.
+      const float to = r * rays_.level[beam];
+      sweep_.free_to[beam] = sweep_.free_to[beam] > 0 ? std::min(sweep_.free_to[beam], to) : to;
+      if (r < rays_.band_begin[beam] || r > rays_.band_end[beam]) continue;
+      sweep_.early_returns.push_back({beam, r, scan_.intensities.empty() ? 0 : scan_.intensities[i]});
+    }
+  }
+
+  /// A return at a height that does not count is none; its beam is free as far as it counts.
+  void drop_outside_band(std::size_t beam) {
+    const float r = sweep_.range[beam];
+    if (r >= rays_.band_begin[beam] && r <= rays_.band_end[beam]) return;
+    sweep_.kind[beam] = Return::nothing;
+    sweep_.linked[beam] = 0;
+    if (beam > 0) sweep_.linked[beam - 1] = 0;
+  }
+
+  /// A veil point is no surface; its beam is free as far as the nearer of its neighbours.
+  void shorten_veils() {
+    for (std::size_t i = 1; i + 1 < sweep_.kind.size(); ++i) {
+      if (sweep_.kind[i] != Return::doubtful) continue;
+      free_in_band(i, std::min(sweep_.range[i - 1], sweep_.range[i + 1]));
+    }
+  }
+
+  /// The beam is free up to `to` (range), as far as it is at heights that count.
+  void free_in_band(std::size_t beam, float to) {
+    const float end = std::min(to, rays_.band_end[beam]);
+    const float observed_from = scan_.free_from.empty() ? 0 : scan_.free_from[beam];
+    const float begin = std::max(rays_.band_begin[beam], observed_from);
+    if (end <= begin) return;
+    sweep_.free_from[beam] = begin * rays_.level[beam];
+    sweep_.free_to[beam] = end * rays_.level[beam];
+  }
 
   const PlanarScan& scan_;
   const BeamRays& rays_;
@@ -51,125 +157,6 @@ class Conditioner {
   float farthest_;
   float open_;  // m that a beam without return proves free
 };
-
-bool Conditioner::usable(std::size_t i) const {
-  if (scan_.statuses[i] != BeamStatus::hit) return false;
-  if (scan_.ranges[i] < nearest_ || scan_.ranges[i] > farthest_) return false;
-  return scan_.intensities.empty() || within_intensities(settings_, scan_.intensities[i]);
-}
-
-/// Index of the return that counts, or of the first echo if none does.
-std::size_t Conditioner::chosen_echo(std::size_t beam) const {
-  std::size_t chosen = scan_.index(beam);
-  bool found = usable(chosen);
-  for (std::size_t echo = 1; echo < scan_.echoes; ++echo) {
-    const std::size_t i = scan_.index(beam, echo);
-    if (!usable(i)) continue;
-    const bool nearer = scan_.ranges[i] < scan_.ranges[chosen];
-    bool better = settings_.echoes == EchoChoice::first ? nearer : !nearer;
-    if (settings_.echoes == EchoChoice::strongest && !scan_.intensities.empty())
-      better = scan_.intensities[i] > scan_.intensities[chosen];
-    if (!found || better) chosen = i;
-    found = true;
-  }
-  return chosen;
-}
-
-/// The beam is free up to `to` (range), as far as it is at heights that count.
-void Conditioner::free_in_band(std::size_t beam, float to) {
-  const float end = std::min(to, rays_.band_end[beam]);
-  const float observed_from = scan_.free_from.empty() ? 0 : scan_.free_from[beam];
-  const float begin = std::max(rays_.band_begin[beam], observed_from);
-  if (end <= begin) return;
-  sweep_.free_from[beam] = begin * rays_.level[beam];
-  sweep_.free_to[beam] = end * rays_.level[beam];
-}
-
-void Conditioner::take_hit(std::size_t beam, std::size_t i) {
-  const float range = scan_.ranges[i];
-  if (range >= rays_.own_begin[beam] && range <= rays_.own_end[beam]) {
-    ++sweep_.own_returns;
-    free_in_band(beam, rays_.own_begin[beam]);
-    return;
-  }
-  if (range > rays_.blocked_at[beam]) {
-    ++sweep_.seen_through;
-    free_in_band(beam, rays_.blocked_at[beam]);
-    return;
-  }
-  sweep_.kind[beam] = Return::surface;
-  sweep_.range[beam] = range;
-  if (!sweep_.intensity.empty()) sweep_.intensity[beam] = scan_.intensities[i];
-  if (scan_.echoes > 1) take_early_echoes(beam, i);
-}
-
-void Conditioner::take_early_echoes(std::size_t beam, std::size_t chosen) {
-  if (settings_.echoes != EchoChoice::all) return;
-  for (std::size_t echo = 0; echo < scan_.echoes; ++echo) {
-    const std::size_t i = scan_.index(beam, echo);
-    const float r = scan_.ranges[i];
-    if (i == chosen || !usable(i) || r >= scan_.ranges[chosen]) continue;
-    // What a first echo hides is seen through it, but the way beyond is no longer called free.
-    const float to = r * rays_.level[beam];
-    sweep_.free_to[beam] = sweep_.free_to[beam] > 0 ? std::min(sweep_.free_to[beam], to) : to;
-    if (r < rays_.band_begin[beam] || r > rays_.band_end[beam]) continue;
-    sweep_.early_returns.push_back({beam, r, scan_.intensities.empty() ? 0 : scan_.intensities[i]});
-  }
-}
-
-void Conditioner::take_none(std::size_t beam) {
-  if (rays_.from_inside[beam] != 0) return;
-  free_in_band(beam, std::min(open_, rays_.blocked_at[beam]));
-}
-
-void Conditioner::take_beam(std::size_t beam) {
-  if (!wanted(beam)) return;
-  const std::size_t i = scan_.echoes > 1 ? chosen_echo(beam) : beam;
-  if (usable(i))
-    take_hit(beam, i);
-  else if (scan_.statuses[i] == BeamStatus::none)
-    take_none(beam);
-}
-
-/// A veil point is no surface; its beam is free as far as the nearer of its neighbours.
-void Conditioner::shorten_veils() {
-  for (std::size_t i = 1; i + 1 < sweep_.kind.size(); ++i) {
-    if (sweep_.kind[i] != Return::doubtful) continue;
-    free_in_band(i, std::min(sweep_.range[i - 1], sweep_.range[i + 1]));
-  }
-}
-
-/// A return at a height that does not count is none; its beam is free as far as it counts.
-void Conditioner::drop_outside_band(std::size_t beam) {
-  const float r = sweep_.range[beam];
-  if (r >= rays_.band_begin[beam] && r <= rays_.band_end[beam]) return;
-  sweep_.kind[beam] = Return::nothing;
-  sweep_.linked[beam] = 0;
-  if (beam > 0) sweep_.linked[beam - 1] = 0;
-}
-
-void Conditioner::run() {
-  const std::size_t n = scan_.beams;
-  sweep_.range.assign(n, 0);
-  sweep_.kind.assign(n, Return::nothing);
-  sweep_.intensity.assign(scan_.intensities.empty() ? 0 : n, 0);
-  sweep_.free_from.assign(n, 0);
-  sweep_.free_to.assign(n, 0);
-  sweep_.early_returns.clear();
-  for (std::size_t beam = 0; beam < n; ++beam) take_beam(beam);
-  link_neighbours(rays_, settings_.noise, sweep_);
-  if (settings_.veil_filter && n > 2) mark_veils(rays_, settings_.noise, sweep_);
-  for (std::size_t beam = 0; beam < n; ++beam) {
-    if (sweep_.kind[beam] != Return::surface) continue;
-    const float early = sweep_.free_to[beam];
-    free_in_band(beam, sweep_.range[beam]);
-    if (early > 0) sweep_.free_to[beam] = std::min(sweep_.free_to[beam], early);
-  }
-  shorten_veils();
-  for (std::size_t beam = 0; beam < n; ++beam) {
-    if (sweep_.kind[beam] != Return::nothing) drop_outside_band(beam);
-  }
-}
 
 /// Places returns where the vehicle stood all the time.
 void place_standing(const BeamRays& rays, PlacedScan& sweep) {

@@ -3,7 +3,6 @@
 #include "core/frames/scan.h"
 
 #include <array>
-#include <cmath>
 
 namespace lidard {
 

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "core/base/angle.h"
@@ -10,6 +12,16 @@
 #include "core/frames/scan.h"
 
 namespace lidard {
+
+/// How a scan says what is known. `strict`: only what is proven. `safety`: every return, and free only what
+/// is proven free. `flatten`: points alone, as ira_laser_tools has it.
+enum class Profile : std::uint8_t { strict, safety, flatten };
+
+/// Heights of the output frame that count, m; by default all.
+struct HeightBand {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+};
 
 /// What a user asks of a merged or virtual scan. Names and meaning as in ira_laser_tools; angles in rad, m,
 /// s.

@@ -8,9 +8,21 @@
 
 #include "core/base/time.h"
 #include "core/evidence/free_space_map.h"
-#include "core/merge/merge_options.h"
+#include "core/evidence/visibility.h"
 
 namespace lidard {
+
+/// Whether merged scans have intensities. `automatic`: where all sources have them.
+enum class Intensities : std::uint8_t { automatic, on, off };
+
+/// What a merge does beside what it always does.
+struct MergeOptions {
+  bool newest_wins = false;  ///< a hit inside what a newer sweep of another source sees through is dropped
+  bool all_heights = false;  ///< a beam is free only where the sources of every mounting height say so
+  bool veil_cross_check = false;  ///< a return that another source sees through is doubtful
+  Intensities intensities = Intensities::automatic;
+  float missing_intensity = 0;  ///< of sources without intensities, with Intensities::on
+};
 
 /// Judges each source's returns by what the other sources see: where another one looks on by more than 0.1 m
 /// (and more than five standard deviations), two of its beams to either side too, nothing can be. What is
@@ -47,6 +59,36 @@ class CrossCheck {
   std::vector<Source> sources_;
   std::uint64_t veils_ = 0;
   std::uint64_t conflicts_ = 0;
+};
+
+/// Lets a beam of a merged scan be free only where the sources of every mounting height see it to be: what is
+/// free for a scanner at knee height may hold a table top. Mounts within 0.1 m of each other are one height.
+class HeightGroups {
+ public:
+  HeightGroups(const ScanGrid& grid, const VisibilitySettings& settings, std::size_t sources);
+
+  /// The vehicle's outline in the output frame.
+  void set_footprint(const Footprint& footprint);
+  /// Tells where a source looks from; needed once, and whenever it moves. Until it is told, nothing is free.
+  void set_source(std::size_t source, const BeamRays& rays);
+  /// Takes back what `visibility`, computed from these sweeps, calls free and not every height does.
+  void require(const std::vector<const PlacedScan*>& sweeps, Visibility& visibility);
+
+ private:
+  struct Member {
+    bool known = false;
+    BeamRays rays;
+    std::size_t group = 0;
+  };
+  void group();
+
+  ScanGrid grid_;
+  VisibilitySettings settings_;
+  Footprint footprint_;
+  std::vector<Member> members_;
+  std::vector<Visibility> groups_;
+  bool grouped_ = false;
+  std::vector<const PlacedScan*> of_group_;
 };
 
 }  // namespace lidard

@@ -11,7 +11,6 @@
 #include "core/evidence/visibility.h"
 #include "core/frames/cloud.h"
 #include "core/merge/cross_check.h"
-#include "core/merge/height_groups.h"
 
 namespace lidard {
 

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "core/base/angle.h"
-#include "core/base/bytes_set.h"
+#include "core/base/bytes.h"
 
 namespace lidard {
 namespace {

@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "core/evidence/free_space_map.h"
-#include "core/evidence/height_band.h"
-#include "core/virtual/plane_tops.h"
+#include "core/frames/scan_grid.h"
 #include "core/virtual/plane_view.h"
 
 namespace lidard {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/evidence/raster.h"
-#include "core/virtual/plane_tops.h"
+#include "core/frames/scan_grid.h"
 #include "core/virtual/plane_view.h"
 
 namespace lidard {
@@ -77,5 +77,10 @@ class PlaneCut {
   std::vector<std::uint32_t> firsts_;  // crossing of each column, and of the end
   std::vector<float> x_, y_, beams_;   // of the crossings
 };
+
+/// Draws what an organised cloud shows between two heights of the view's frame: the lines between
+/// neighbouring returns of one surface, as far as they are in the band, and single returns. What the band's
+/// limits cut is left to PlaneCut.
+void draw_band_edges(const PlaneView& view, HeightBand band, const Raster& raster, RangeLayer& layer);
 
 }  // namespace lidard

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "core/base/bytes_set.h"
+#include "core/base/bytes.h"
 
 namespace lidard {
 
@@ -63,6 +63,98 @@ Raster::Point PlaneView::straight_from(std::size_t i) const {
   end.y -= drop * up_.y();
   end.z -= drop * up_.z();
   return place(end);
+}
+
+namespace {
+
+// So much (share) of the way from the highest return to the beam that passes over it. In random yards half of
+// the tops that end in between are higher than that: further up more would be claimed wrongly than found.
+constexpr float likely_reach = 0.33F;
+// Returns of one ring from so wide a stretch (m) at one distance lie on the top itself, not on a face.
+constexpr float flat_width = 0.6F;
+constexpr float flat_slack = 0.02F;  // m, beside the noise
+
+}  // namespace
+
+void PlaneTops::find(const PlaneView& view) {
+  const RingGrid& grid = view.grid();
+  const std::size_t cells = grid.kind.size();
+  resize_amply(cells, verdicts_, steps_);
+  verdicts_.assign(cells, none);
+  runs_.assign(grid.rings(), {});
+  if (view.rise() < PlaneView::steepest) return;
+  mark_steps(view);
+  for (std::size_t c = 0; c < grid.columns(); ++c) {
+    const std::size_t lowest = grid.index(c, 0);
+    each_set(steps_.data() + lowest + 1, grid.rings() - 1,
+             [&](std::size_t r) { take(view, c, lowest + 1 + r); });
+  }
+  for (std::size_t r = 0; r < runs_.size(); ++r) close(view, r);
+}
+
+void PlaneTops::mark_steps(const PlaneView& view) {
+  const std::size_t cells = steps_.size();
+  const std::uint8_t* const sides = view.sides().data();
+  const Beam* const kinds = view.grid().kind.data();
+  const float* const distances = view.ground().distance.data();
+  const float slack = 2 * view.links().slack();
+  std::uint8_t* const steps = steps_.data();
+  for (std::size_t i = 1; i < cells; ++i) {
+    const int farther = distances[i] > distances[i - 1] + slack ? 1 : 0;
+    const int thing = (sides[i - 1] & PlaneView::both_sides) != 0 ? 1 : 0;
+    const int ground = (sides[i - 1] & PlaneView::on_ground) != 0 ? 0 : 1;
+    const int ends = kinds[i] == Beam::point || kinds[i] == Beam::none ? 1 : 0;
+    steps[i] = static_cast<std::uint8_t>(farther & thing & ground & ends);
+  }
+}
+
+void PlaneTops::take(const PlaneView& view, std::size_t column, std::size_t upper) {
+  const std::size_t lower = upper - 1;
+  const std::size_t ring = upper - view.grid().index(column, 0);
+  const float near = view.distance(lower);
+  const float share = near / view.distance(upper);
+  const float sensor = view.sensor_above();
+  const float here = view.above(lower);
+  const float passing = sensor + (view.above(upper) - sensor) * share;
+  const bool stands =
+      (view.sides()[upper] & (PlaneView::both_sides | PlaneView::on_ground)) == PlaneView::above_it;
+  if (stands && here >= 0 && sensor * share + (here - sensor) < 0) verdicts_[upper] = hides;
+  Run& run = runs_[ring];
+  if (run.end == column && column > 0 && view.links().level(column - 1, ring - 1)) {
+    run.top = std::max(run.top, here);
+    run.passing = std::min(run.passing, passing);
+    run.nearest = std::min(run.nearest, near);
+    ++run.end;
+    return;
+  }
+  close(view, ring);
+  run = {column, column + 1, here, passing, near};
+}
+
+/// Most returns of the run lie on the thing's top: their ring meets a level surface at one distance.
+bool PlaneTops::is_flat(const PlaneView& view, std::size_t ring, const Run& run) const {
+  const RingGrid& grid = view.grid();
+  const float limit = run.nearest + flat_slack + view.links().slack();
+  std::size_t count = 0;
+  for (std::size_t c = run.first; c < run.end; ++c)
+    count += view.distance(grid.index(c, ring) - 1) < limit ? 1 : 0;
+  return static_cast<float>(count) * static_cast<float>(grid.step()) * run.nearest > flat_width;
+}
+
+void PlaneTops::close(const PlaneView& view, std::size_t ring) {
+  Run& run = runs_[ring];
+  const float room = run.passing - run.top;
+  const bool above = run.top >= 0;
+  Verdict verdict = none;
+  if (run.passing <= 0 || (!above && (-run.top > (1 - likely_reach) * room || is_flat(view, ring, run))))
+    verdict = stays_below;
+  else if (above || -run.top < likely_reach * room)
+    verdict = reaches;
+  for (std::size_t c = run.first; c < run.end && verdict != none; ++c) {
+    std::uint8_t& cell = verdicts_[view.grid().index(c, ring)];
+    if (cell != hides) cell = verdict;
+  }
+  run = {};
 }
 
 }  // namespace lidard

@@ -4,10 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/base/angle.h"
-#include "core/base/bytes_set.h"
+#include "core/base/bytes.h"
 
 namespace lidard {
 namespace {

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/virtual/band_edges.h"
-
 namespace lidard {
 namespace {
 

@@ -1,27 +1,134 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/commands/check.h"
-
 #include <ostream>
+#include <set>
 
+#include "daemon/commands/commands.h"
 #include "daemon/config/config.h"
-#include "daemon/config/exit_codes.h"
-#include "daemon/config/read_file.h"
-#include "daemon/pipeline/forecast.h"
+#include "daemon/config/yaml_reader.h"
+#include "daemon/pipeline/frame_tree.h"
 
 namespace lidard {
+namespace {
+
+/// The value of a key of a mapping that was read before and is therefore there.
+Value value_of(const Value& mapping, const std::string& key) {
+  for (const auto& [name, value] : named_entries(mapping)) {
+    if (name == key) return value;
+  }
+  return mapping;
+}
+
+/// What can be known of the outputs of a configuration without data: which poses only tf can tell, and which
+/// sources only another node can give.
+class Forecast {
+ public:
+  /// `text` is what `config` was read from.
+  Forecast(const Config& config, const std::string& text)
+      : config_(config), root_(parse_yaml(text, config.file)), poses_(config, no_tf_) {}
+
+  /// Each sentence begins with `file:line:column`.
+  std::vector<std::string> all() {
+    for (const MergedScanConfig& merged : config_.merged_scans) tell(merged);
+    for (const VirtualScanConfig& group : config_.virtual_scans) tell(group);
+    return std::move(sentences_);
+  }
+
+ private:
+  bool is_known(const std::string& parent, const std::string& child) const {
+    Pose pose;
+    std::string why;
+    return poses_.find(parent, child, Stamp{}, pose, why);
+  }
+  /// Is the place of a source's frames in `frame` configured? A source is a sensor or a virtual scan.
+  bool is_placed(const std::string& source, const std::string& frame) const {
+    if (const SensorConfig* sensor = config_.find_sensor(source)) {
+      // The frame of another driver's messages is known only when they come.
+      if (sensor->model == nullptr && !sensor->pose) return false;
+      return is_known(frame, sensor->frame_id);
+    }
+    for (const VirtualScanConfig& group : config_.virtual_scans) {
+      for (const std::string& origin : group.virtual_laser_scan) {
+        if (group.topic(origin) == source) return is_known(frame, origin);
+      }
+    }
+    return false;
+  }
+  void add(const Value& entry, const std::string& sentence) {
+    sentences_.push_back(entry.key_place().to_string() + ": " + entry.path() + ": " + sentence);
+  }
+  /// `unknown`: what has no configured pose; `lost`: whether all of the output needs it.
+  void tell_poses(const Value& entry, const std::set<std::string>& unknown, bool lost) {
+    if (unknown.empty()) return;
+    std::string list;
+    for (const std::string& name : unknown) list += (list.empty() ? "" : ", ") + name;
+    const std::string begin = unknown.size() == 1 ? "the pose of " + list + " comes from tf only"
+                                                  : "the poses of " + list + " come from tf only";
+    add(entry, begin + "; without tf (replay --bag, snapshot) " +
+                   (lost ? "nothing comes out" : "what needs it is left out") + ": configure it");
+  }
+  void tell_topics(const Value& entry, const std::vector<std::string>& sources) {
+    for (const std::string& source : sources) {
+      const SensorConfig* sensor = config_.find_sensor(source);
+      if (sensor == nullptr || sensor->model != nullptr) continue;
+      add(entry, source + " comes from " + sensor->topic +
+                     ", which another node must publish; a replay of captures is without it");
+    }
+  }
+  void tell(const MergedScanConfig& merged) {
+    const Value entry = value_of(value_of(root_, "merged_scans"), merged.name);
+    const std::string& base = config_.vehicle.base_frame;
+    const std::string destination = "destination_frame " + merged.destination_frame;
+    const bool destination_known = is_known(base, merged.destination_frame);
+    std::set<std::string> unknown;
+    std::size_t lost = 0;
+    for (const std::string& source : merged.laserscan_topics) {
+      if (is_placed(source, merged.destination_frame)) continue;
+      ++lost;
+      if (!is_placed(source, base)) unknown.insert(source);
+      if (!destination_known) unknown.insert(destination);
+    }
+    const bool footprint_lost = !config_.vehicle.footprint.empty() && !destination_known;
+    if (footprint_lost) unknown.insert(destination);
+    tell_poses(entry, unknown, footprint_lost || lost == merged.laserscan_topics.size());
+    tell_topics(entry, merged.laserscan_topics);
+  }
+  void tell(const VirtualScanConfig& group) {
+    const Value entry = value_of(value_of(root_, "virtual_scans"), group.name);
+    const VehicleConfig& vehicle = config_.vehicle;
+    const bool cloud_known = is_placed(group.cloud_topic, vehicle.base_frame);
+    std::set<std::string> unknown;
+    std::size_t lost = 0;
+    for (const std::string& frame : group.virtual_laser_scan) {
+      if (is_placed(group.cloud_topic, frame)) continue;
+      ++lost;
+      if (!is_known(vehicle.base_frame, frame)) unknown.insert(frame);
+      if (!cloud_known) unknown.insert(group.cloud_topic);
+    }
+    const bool on_vehicle = group.has_visibility() || !vehicle.footprint.empty() || vehicle.has_motion();
+    if (on_vehicle && !cloud_known) unknown.insert(group.cloud_topic);
+    tell_poses(entry, unknown, (on_vehicle && !cloud_known) || lost == group.virtual_laser_scan.size());
+    tell_topics(entry, {group.cloud_topic});
+  }
+
+  const Config& config_;
+  Value root_;
+  NoTransforms no_tf_;
+  FrameTree poses_;
+  std::vector<std::string> sentences_;
+};
+
+}  // namespace
+
 int run_check(const std::string& file, std::ostream& out, std::ostream& err) {
-  try {
+  return guarded(err, [&] {
     const std::string text = read_file(file, "a readable YAML file");
     const Config config = parse_config(text, file);
     for (const std::string& warning : config.warnings) err << warning << '\n';
-    for (const std::string& sentence : forecast(config, text)) err << sentence << '\n';
+    for (const std::string& sentence : Forecast(config, text).all()) err << sentence << '\n';
     out << to_yaml(config);
-    return 0;
-  } catch (const ConfigError& error) {
-    err << error.what() << '\n';
-    return exit_config;
-  }
+    return exit_ok;
+  });
 }
 
 }  // namespace lidard

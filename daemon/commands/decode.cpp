@@ -1,24 +1,106 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/commands/decode.h"
-
 #include <algorithm>
+#include <map>
 #include <ostream>
 
-#include "daemon/commands/stream_finder.h"
+#include "daemon/commands/commands.h"
 #include "daemon/config/calibration_file.h"
-#include "daemon/config/config.h"
-#include "daemon/config/exit_codes.h"
-#include "daemon/pipeline/output_report.h"
 #include "daemon/pipeline/report.h"
-#include "drivers/capture/connection_picker.h"
 #include "drivers/capture/pcap_source.h"
+#include "drivers/flow.h"
+#include "drivers/registry/identifier.h"
 #include "drivers/registry/nearest_models.h"
 #include "drivers/registry/registry.h"
-#include "drivers/velodyne/table_calibration.h"
+#include "drivers/velodyne/calibration.h"
 
 namespace lidard {
 namespace {
+
+/// The packets of one sensor in a capture.
+struct SensorStream {
+  Flow data;
+  const Model* model = nullptr;
+  std::string remark;
+
+  /// Its data, and its model's telemetry and dialogue.
+  FlowTable<const Model*> flows() const {
+    FlowTable<const Model*> all;
+    for (const Flow& flow : flows_of(*model, data.address, data.port)) all.add(flow, model);
+    return all;
+  }
+  std::string to_string() const { return std::string(model->name) + " " + data.to_string(); }
+};
+
+/// So many datagrams are enough once a sensor was found; a sensor that starts later is counted as another
+/// sender.
+constexpr std::uint64_t enough_datagrams = 5000;
+/// An address scan or a peer-to-peer program makes a flow per packet; a vehicle has some dozens.
+constexpr std::size_t max_candidates = 1000;
+
+class NoOutput final : public DriverOutput {
+ public:
+  void scan(PlanarScan& /*scan*/) override {}
+  void cloud(Cloud& /*cloud*/) override {}
+};
+
+/// What speaks for a stream being a sensor's.
+struct Candidate {
+  Identifier identifier;
+  std::unique_ptr<Driver> probe;
+  ConnectionPicker connection;
+
+  void add(Packet packet, const Model* model) {
+    if (packet.transport == Transport::tcp && !connection.pick(packet)) return;
+    identifier.add(packet);
+    if (model == nullptr || model->transport != packet.transport) return;
+    if (!probe) {
+      DriverConfig config;
+      config.model = model;
+      probe = model->make(config);
+    }
+    NoOutput nowhere;
+    probe->receive(packet, nowhere);
+  }
+  const Model* verdict(const Model* model) const {
+    if (model == nullptr) return identifier.verdict();
+    if (!probe) return nullptr;
+    const Counters& c = probe->counters();
+    // Requests to a device may pass for packets, but never for frames.
+    const bool some = model->transport == Transport::tcp ? c.frames > 0 : c.packets > c.rejected_total();
+    return some ? model : nullptr;
+  }
+};
+
+/// True if the packet passes the sender and port asked for; the port of a connection is the device's own.
+bool is_wanted(const Packet& packet, const DecodeOptions& options) {
+  if (options.source && packet.from.address != *options.source) return false;
+  if (options.source_port != 0 && packet.from.port != options.source_port) return false;
+  return options.port == 0 || flow_of(packet).port == options.port;
+}
+
+/// The streams of a capture that can be decoded: as `model` if it is not nullptr, else as what their packets
+/// look like. Throws CaptureError if the file cannot be opened.
+std::vector<SensorStream> find_streams(const DecodeOptions& options, const Model* model) {
+  PcapSource source(options.capture);
+  std::map<Flow, Candidate> candidates;
+  bool found = false;
+  Packet packet;
+  for (std::uint64_t n = 0; (n < enough_datagrams || !found) && source.next(packet); ++n) {
+    if (!is_wanted(packet, options)) continue;
+    const Flow flow = flow_of(packet);
+    if (candidates.size() >= max_candidates && candidates.find(flow) == candidates.end()) continue;
+    Candidate& candidate = candidates[flow];
+    candidate.add(packet, model);
+    found = found || candidate.verdict(model) != nullptr;
+  }
+  std::vector<SensorStream> streams;
+  for (const auto& [flow, candidate] : candidates) {
+    const Model* verdict = candidate.verdict(model);
+    if (verdict != nullptr) streams.push_back({flow, verdict, candidate.identifier.remark()});
+  }
+  return streams;
+}
 
 class WriterOutput final : public DriverOutput {
  public:
@@ -208,20 +290,14 @@ int run_decode(const DecodeOptions& options, std::ostream& err) {
       const auto near = nearest_models(options.model);
       if (!near.empty()) err << ", perhaps " << near.front();
       err << '\n';
-      return 2;
+      return exit_usage;
     }
   }
-  try {
+  return guarded(err, [&] {
     auto calibration = read_calibration(options, err);
     const auto stream = choose_stream(options, model, err);
     return stream ? decode_stream(options, *stream, std::move(calibration), err) : exit_failed;
-  } catch (const ConfigError& e) {
-    err << e.what() << '\n';
-    return exit_config;
-  } catch (const std::exception& e) {
-    err << e.what() << '\n';
-    return 1;
-  }
+  });
 }
 
 }  // namespace lidard

@@ -17,10 +17,10 @@
 #include <ostream>
 #include <random>
 
-#include "daemon/config/exit_codes.h"
+#include "daemon/commands/commands.h"
 #include "daemon/files/text_table.h"
+#include "drivers/hokuyo/models.h"
 #include "drivers/hokuyo/scip_message.h"
-#include "drivers/hokuyo/scip_models.h"
 
 namespace lidard {
 namespace {

@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/commands/inspect.h"
-
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
 #include "core/base/number_text.h"
+#include "daemon/commands/commands.h"
 #include "daemon/commands/inspect_survey.h"
 #include "daemon/files/text_table.h"
 

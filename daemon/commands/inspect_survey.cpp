@@ -7,7 +7,7 @@
 #include <memory>
 #include <utility>
 
-#include "drivers/capture/connection_picker.h"
+#include "drivers/capture/pcap_source.h"
 #include "drivers/registry/identifier.h"
 
 namespace lidard {

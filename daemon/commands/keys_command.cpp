@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/commands/keys_command.h"
-
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include "core/base/number_text.h"
+#include "daemon/commands/commands.h"
 #include "daemon/config/key_tables.h"
 #include "drivers/registry/registry.h"
 
@@ -77,6 +76,7 @@ std::vector<Section> all_sections() {
   all.add("merged_scans.NAME.source_settings.SOURCE", source_keys(), SourceSettings());
   all.add("virtual_scans.NAME", virtual_keys(), default_virtual_scan());
   all.add("virtual_scans.NAME.also.TOPIC", also_key().inner, AlsoScanConfig());
+  all.add("blackbox", black_box_keys(), BlackBoxConfig());
   return all.sections;
 }
 

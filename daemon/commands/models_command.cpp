@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/commands/models_command.h"
-
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <string>
 #include <vector>
 
+#include "daemon/commands/commands.h"
 #include "daemon/files/text_table.h"
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"

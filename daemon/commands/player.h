@@ -3,11 +3,12 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
 
-#include "daemon/commands/replay.h"
+#include "daemon/commands/commands.h"
 #include "daemon/pipeline/pipeline.h"
-#include "drivers/capture/merged_capture.h"
+#include "drivers/capture/pcap_source.h"
 
 namespace lidard {
 

@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/commands/record.h"
-
 #include <pcap/pcap.h>
 #include <poll.h>
 
@@ -10,8 +8,8 @@
 #include <memory>
 #include <ostream>
 
-#include "daemon/config/exit_codes.h"
-#include "daemon/pipeline/sensor_flows.h"
+#include "daemon/commands/commands.h"
+#include "daemon/config/config.h"
 
 namespace lidard {
 namespace {
@@ -109,32 +107,26 @@ std::string capture_filter(const Config& config) {
 }
 
 int run_record(const RecordOptions& options, std::ostream& err) {
-  std::string filter;
-  try {
-    filter = capture_filter(load_config(options.config));
-  } catch (const ConfigError& error) {
-    err << error.what() << '\n';
-    return exit_config;
-  }
-  const auto fail = [&err](const std::string& why) {
-    err << why << '\n';
-    return exit_failed;
-  };
-  if (filter.empty()) return fail(options.config + " names no sensor that is on the network");
-  char why[PCAP_ERRBUF_SIZE] = "";
-  const Capture capture(pcap_create(options.interface.c_str(), why));
-  if (!capture) return fail(why);
-  std::string trouble = begin(capture.get(), options.interface, filter);
-  if (!trouble.empty()) return fail(trouble);
-  Dump dump(pcap_dump_open(capture.get(), options.output.c_str()));
-  if (!dump) return fail(pcap_geterr(capture.get()));
-  stop_signal = 0;
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int number) { stop_signal = number; });
-  err << "recording to " << options.output << ", stop with Ctrl-C\n";
-  std::uint64_t packets = 0;
-  trouble = record(capture.get(), dump.get(), options.duration, packets);
-  tell(capture.get(), options, packets, err);
-  return trouble.empty() ? exit_ok : fail(trouble);
+  return guarded(err, [&] {
+    const std::string filter = capture_filter(load_config(options.config));
+    const auto fail = [](const std::string& why) { throw std::runtime_error(why); };
+    if (filter.empty()) fail(options.config + " names no sensor that is on the network");
+    char why[PCAP_ERRBUF_SIZE] = "";
+    const Capture capture(pcap_create(options.interface.c_str(), why));
+    if (!capture) fail(why);
+    std::string trouble = begin(capture.get(), options.interface, filter);
+    if (!trouble.empty()) fail(trouble);
+    Dump dump(pcap_dump_open(capture.get(), options.output.c_str()));
+    if (!dump) fail(pcap_geterr(capture.get()));
+    stop_signal = 0;
+    for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int number) { stop_signal = number; });
+    err << "recording to " << options.output << ", stop with Ctrl-C\n";
+    std::uint64_t packets = 0;
+    trouble = record(capture.get(), dump.get(), options.duration, packets);
+    tell(capture.get(), options, packets, err);
+    if (!trouble.empty()) fail(trouble);
+    return exit_ok;
+  });
 }
 
 }  // namespace lidard

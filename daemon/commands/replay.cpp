@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/commands/replay.h"
-
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
@@ -11,13 +9,13 @@
 #include <ostream>
 #include <thread>
 
+#include "daemon/commands/commands.h"
 #include "daemon/commands/player.h"
-#include "daemon/config/exit_codes.h"
 #include "daemon/pipeline/report.h"
-#include "daemon/ros/bag_poses.h"
 #include "daemon/ros/bag_sink.h"
 #include "daemon/ros/ros_environment.h"
 #include "daemon/ros/ros_session.h"
+#include "daemon/ros/tf_poses.h"
 
 namespace lidard {
 namespace {
@@ -141,16 +139,11 @@ int into_ros(const ReplayOptions& options, const Config& config, MergedCapture& 
 }  // namespace
 
 int run_replay(const ReplayOptions& options, std::ostream& out, std::ostream& err) {
-  try {
-    return run_replay(options, load_config(options.config), out, err);
-  } catch (const ConfigError& e) {
-    err << e.what() << '\n';
-    return exit_config;
-  }
+  return guarded(err, [&] { return run_replay(options, load_config(options.config), out, err); });
 }
 
 int run_replay(const ReplayOptions& options, const Config& config, std::ostream& out, std::ostream& err) {
-  try {
+  return guarded(err, [&] {
     for (const auto& warning : config.warnings) err << warning << '\n';
     MergedCapture capture(options.captures);
     stop_on_signals();
@@ -158,13 +151,7 @@ int run_replay(const ReplayOptions& options, const Config& config, std::ostream&
     const int code = play(options, config, capture, out, err);
     for (const auto& error : capture.errors()) err << error << '\n';
     return capture.is_damaged() ? exit_failed : code;
-  } catch (const RosError& e) {
-    err << e.what() << '\n';
-    return exit_usage;
-  } catch (const std::exception& e) {
-    err << e.what() << '\n';
-    return exit_failed;
-  }
+  });
 }
 
 }  // namespace lidard

@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/commands/run.h"
-
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -11,8 +9,9 @@
 #include <boost/asio/steady_timer.hpp>
 #include <ostream>
 
+#include "daemon/commands/commands.h"
 #include "daemon/commands/status.h"
-#include "daemon/config/exit_codes.h"
+#include "daemon/live/black_box.h"
 #include "daemon/live/journal.h"
 #include "daemon/live/runtime_socket.h"
 #include "daemon/live/service.h"
@@ -52,24 +51,27 @@ class Daemon {
         pipeline_(config, ros_.poses(), ros_),
         ports_(io_, config,
                [this](const Packet& packet) {
-                 pipeline_.packet(without_steps(packet));
-                 arm();
+                 take(packet, [this](const Packet& timed) { pipeline_.packet(timed); });
                }),
         links_(io_, config,
                {[this](std::size_t sensor, const Packet& packet) {
-                  pipeline_.chunk(sensor, without_steps(packet));
-                  arm();
+                  take(packet, [&](const Packet& timed) { pipeline_.chunk(sensor, timed); });
                 },
                 [this](std::size_t sensor, Stamp at) { pipeline_.connected(sensor, without_steps(at)); },
                 [this](std::size_t sensor) { pipeline_.disconnected(sensor); },
                 [this](std::size_t sensor) { return pipeline_.frames(sensor); }}),
         signals_(io_, SIGINT, SIGTERM),
+        wishes_(io_, SIGHUP, SIGUSR1),
         timer_(io_),
         event_timer_(io_),
         topics_(output_topics(config)),
         socket_(io_, {{"status", [this] { return status_json(state(), journal_); }},
                       {"events", [this] { return events_json(journal_); }},
-                      {"metrics", [this] { return metrics_text(state()); }}}) {
+                      {"metrics", [this] { return metrics_text(state()); }},
+                      {"dump", [this] { return dump() + "\n"; }}}),
+        box_(config.black_box, [](bool good, const std::string& sentence) {
+          spdlog::log(good ? spdlog::level::info : spdlog::level::err, "black box: {}", sentence);
+        }) {
     pipeline_.set_links(&links_);
     ros_.feed(pipeline_, [this](std::function<void(Stamp)> task) {
       boost::asio::post(io_, [this, task = std::move(task), received = wall_clock()] {
@@ -82,7 +84,7 @@ class Daemon {
       items.push_back(clock_item());
       ports_.add_diagnostics(items);
       links_.add_diagnostics(items);
-      journal_.update(items, at);
+      update_journal(items, at);
     });
   }
 
@@ -94,6 +96,7 @@ class Daemon {
       spdlog::info("stopping on signal {}", signal);
       io_.stop();
     });
+    wait_for_wishes();
     ports_.start();
     links_.start();
     ros_.start();
@@ -129,10 +132,36 @@ class Daemon {
   }
   Stamp now() { return clock_.steady(look_at_clocks()); }
   Stamp without_steps(Stamp taken) { return clock_.steady(taken, look_at_clocks()); }
-  Packet without_steps(const Packet& packet) {
-    Packet same = packet;
-    same.arrival = without_steps(packet.arrival);
-    return same;
+  template <class Use>
+  void take(const Packet& packet, Use use) {
+    Packet timed = packet;
+    timed.arrival = without_steps(packet.arrival);
+    box_.add(timed);
+    use(timed);
+    arm();
+  }
+  void wait_for_wishes() {
+    wishes_.async_wait([this](const boost::system::error_code& error, int signal) {
+      if (error) return;
+      if (signal == SIGHUP)
+        spdlog::info(
+            "SIGHUP: the configuration is read at the start only; restart this daemon for a changed one");
+      else
+        spdlog::info("SIGUSR1: {}", dump());
+      wait_for_wishes();
+    });
+  }
+  /// The path of the black box's capture, or why there is none.
+  std::string dump() {
+    try {
+      return box_.write(now(), clock_.step(), events_json(journal_));
+    } catch (const std::exception& error) {
+      return std::string("error: ") + error.what();
+    }
+  }
+  void update_journal(const std::vector<DiagnosticItem>& items, Stamp at) {
+    constexpr Span aftermath = std::chrono::seconds(5);  // what follows an error for so long is written too
+    if (journal_.update(items, at) == Health::error) box_.write_on_error(now(), aftermath);
   }
   DiagnosticItem clock_item() {
     DiagnosticItem item;
@@ -214,7 +243,8 @@ class Daemon {
     leave_name_to_others();
     ++ticks_;
     if (ticks_ % ticks_per_status == 0) service_.status(status());
-    journal_.update({ros_.own_status()}, clock_.realtime(now));
+    update_journal({ros_.own_status()}, clock_.realtime(now));
+    box_.poll(now, clock_.step(), [this] { return events_json(journal_); });
   }
   /// This thread moves, since it is here.
   void feed_watchdog() {
@@ -248,6 +278,7 @@ class Daemon {
   UdpPorts ports_;
   TcpConnections links_;
   boost::asio::signal_set signals_;
+  boost::asio::signal_set wishes_;  // that do not end the daemon
   boost::asio::steady_timer timer_;
   boost::asio::steady_timer event_timer_;
   std::optional<Stamp> next_event_;  // what event_timer_ is set to
@@ -259,6 +290,7 @@ class Daemon {
   const Stamp started_ = now();
   const std::vector<OutputTopic> topics_;
   RuntimeSocket socket_;
+  BlackBox box_;
 };
 
 }  // namespace

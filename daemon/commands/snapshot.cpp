@@ -1,18 +1,16 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/commands/snapshot.h"
-
 #include <algorithm>
 #include <ctime>
 #include <ostream>
 #include <stdexcept>
 
 #include "core/base/number_text.h"
+#include "daemon/commands/commands.h"
 #include "daemon/commands/player.h"
-#include "daemon/config/exit_codes.h"
-#include "daemon/files/snapshot_draw.h"
+#include "daemon/files/snapshot_view.h"
 #include "daemon/files/text_file.h"
-#include "daemon/ros/bag_poses.h"
+#include "daemon/ros/tf_poses.h"
 
 namespace lidard {
 namespace {
@@ -76,7 +74,7 @@ std::string nothing_there(double at, double length) {
          " s long; give a later --at, or see `lidard inspect` for what it holds";
 }
 
-std::string picture(const SnapshotOptions& options, const Config& config, Chart::Format format) {
+std::string picture(const SnapshotOptions& options, const Config& config, PictureFormat format) {
   MergedCapture capture(options.captures);
   const double length = length_of(capture);
   if (options.at.value_or(0) > length)
@@ -104,21 +102,15 @@ int run_snapshot(const SnapshotOptions& options, std::ostream& err) {
     err << "--output: '" << options.output << "' is neither a .png nor a .svg file\n";
     return exit_usage;
   }
-  try {
+  return guarded(err, [&] {
     const Config config = load_config(options.config);
     for (const auto& warning : config.warnings) err << warning << '\n';
-    const std::string bytes = picture(options, config, png ? Chart::Format::png : Chart::Format::svg);
+    const std::string bytes = picture(options, config, png ? PictureFormat::png : PictureFormat::svg);
     TextFile file(options.output);
     file.write(bytes);
     file.close();
-  } catch (const ConfigError& e) {
-    err << e.what() << '\n';
-    return exit_config;
-  } catch (const std::exception& e) {
-    err << e.what() << '\n';
-    return exit_failed;
-  }
-  return exit_ok;
+    return exit_ok;
+  });
 }
 
 }  // namespace lidard

@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "daemon/config/exit_codes.h"
+#include "daemon/commands/commands.h"
 #include "daemon/files/text_table.h"
 #include "daemon/live/runtime_socket.h"
 
@@ -222,6 +222,14 @@ int run_events(const StatusOptions& options, std::ostream& out, std::ostream& er
       out << forgotten << " earlier events are forgotten\n";
     print_events(said["events"], out);
     return exit_ok;
+  });
+}
+
+int run_dump(const StatusOptions& options, std::ostream& out, std::ostream& err) {
+  return ask(options, "dump", out, err, [&](const std::string& answer) {
+    const bool good = answer.rfind("error: ", 0) != 0;
+    (good ? out : err) << answer;
+    return good ? exit_ok : exit_failed;
   });
 }
 

@@ -2,58 +2,80 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/config/calibration_file.h"
 
+#include <tinyxml2.h>
+
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <optional>
 #include <set>
 
+#include "core/base/angle.h"
 #include "core/base/nearest.h"
-#include "daemon/config/calibration_parts.h"
-#include "daemon/config/read_file.h"
+#include "core/base/number_text.h"
 #include "daemon/config/yaml_reader.h"
-#include "drivers/velodyne/model_row.h"
+#include "drivers/velodyne/models.h"
 
 namespace lidard {
 namespace {
 
+using tinyxml2::XMLElement;
 using velodyne::Calibration;
 using velodyne::CalibrationModel;
 using velodyne::LaserCalibration;
 using velodyne::TwoPoint;
 
 constexpr const char* expected_file = "a calibration of velodyne_pointcloud (YAML) or a db.xml";
+constexpr long most_lasers = 128;
+constexpr double finest_step_m = 0.001;  // what a distance step can be; a 0.2 is one in cm
+constexpr double coarsest_step_m = 0.02;
+constexpr double m_per_cm = 0.01;
+constexpr double usual_step_cm = 0.2;  // of files from before distLSB_: all of them HDL-64E and HDL-32E
 
-/// A number of each laser. The limits catch other units: degrees, mm.
-struct LaserKey {
-  std::string_view name;
+/// A number of each laser, as YAML and as XML have it. The limits catch other units: degrees, mm.
+struct LaserNumber {
   double LaserCalibration::*member;
+  std::string_view key;
   double limit;
   const char* unit;
+  const char* element;
+  double element_limit;  // in the unit of the db.xml
+  double factor;         // from that unit
 };
-constexpr LaserKey laser_keys[] = {{"rot_correction", &LaserCalibration::rot_correction, 6.2832, "rad"},
-                                   {"vert_correction", &LaserCalibration::vert_correction, 1.5708, "rad"},
-                                   {"dist_correction", &LaserCalibration::dist_correction, 10, "m"},
-                                   {"dist_correction_x", &LaserCalibration::dist_correction_x, 10, "m"},
-                                   {"dist_correction_y", &LaserCalibration::dist_correction_y, 10, "m"},
-                                   {"vert_offset_correction", &LaserCalibration::vert_offset, 10, "m"},
-                                   {"horiz_offset_correction", &LaserCalibration::horiz_offset, 10, "m"},
-                                   {"focal_distance", &LaserCalibration::focal_distance, 1e5, "m"},
-                                   {"focal_slope", &LaserCalibration::focal_slope, 1e4, ""}};
-const std::vector<std::string_view> known_of_laser = {"laser_id",
-                                                      "rot_correction",
-                                                      "vert_correction",
-                                                      "dist_correction",
-                                                      "dist_correction_x",
-                                                      "dist_correction_y",
-                                                      "vert_offset_correction",
-                                                      "horiz_offset_correction",
-                                                      "focal_distance",
-                                                      "focal_slope",
-                                                      "two_pt_correction_available",
-                                                      "min_intensity",
-                                                      "max_intensity"};
+using L = LaserCalibration;
+constexpr LaserNumber laser_numbers[] = {
+    {&L::rot_correction, "rot_correction", 6.2832, "rad", "rotCorrection_", 360, rad_per_deg},
+    {&L::vert_correction, "vert_correction", 1.5708, "rad", "vertCorrection_", 90, rad_per_deg},
+    {&L::dist_correction, "dist_correction", 10, "m", "distCorrection_", 1000, m_per_cm},
+    {&L::dist_correction_x, "dist_correction_x", 10, "m", "distCorrectionX_", 1000, m_per_cm},
+    {&L::dist_correction_y, "dist_correction_y", 10, "m", "distCorrectionY_", 1000, m_per_cm},
+    {&L::vert_offset, "vert_offset_correction", 10, "m", "vertOffsetCorrection_", 1000, m_per_cm},
+    {&L::horiz_offset, "horiz_offset_correction", 10, "m", "horizOffsetCorrection_", 1000, m_per_cm},
+    {&L::focal_distance, "focal_distance", 1e5, "m", "focalDistance_", 1e7, m_per_cm},
+    {&L::focal_slope, "focal_slope", 1e4, "", "focalSlope_", 1e4, 1}};
+
+std::vector<std::string_view> keys_of_laser() {
+  std::vector<std::string_view> keys{"laser_id"};
+  for (const LaserNumber& number : laser_numbers) keys.push_back(number.key);
+  for (const char* key : {"two_pt_correction_available", "min_intensity", "max_intensity"})
+    keys.emplace_back(key);
+  return keys;
+}
+const std::vector<std::string_view> known_of_laser = keys_of_laser();
 const std::vector<std::string_view> known_of_file = {"num_lasers", "distance_resolution", "lasers"};
+
+/// The step to use instead of what a file says, with a warning: VLS-128 files in circulation say 7 mm where
+/// the sensor counts in 4 mm.
+double guarded_step(double step_m, std::size_t lasers, const std::string& place,
+                    std::vector<std::string>& warnings) {
+  constexpr double wrong_step_m = 0.007;
+  constexpr double right_step_m = 0.004;  // VLS-128 user manual 63-9483
+  if (lasers != static_cast<std::size_t>(most_lasers) || std::abs(step_m - wrong_step_m) > 1e-6)
+    return step_m;
+  warnings.push_back(place + ": a distance step of 7 mm is a known mistake of VLS-128 files; 4 mm is used");
+  return right_step_m;
+}
 
 /// Reads one YAML file.
 class YamlCalibration {
@@ -129,8 +151,8 @@ class YamlCalibration {
     }
     NumberedLaser read{};
     read.id = static_cast<std::size_t>(find(entries, "laser_id")->integer(0, static_cast<long>(lasers) - 1));
-    for (const LaserKey& key : laser_keys) {
-      if (const Value* value = find(entries, key.name))
+    for (const LaserNumber& key : laser_numbers) {
+      if (const Value* value = find(entries, key.key))
         read.laser.*key.member = value->number(-key.limit, key.limit, key.unit);
     }
     read_intensities(entries, read.laser);
@@ -168,6 +190,149 @@ class YamlCalibration {
   std::set<std::string> told_;
 };
 
+/// Reads one db.xml: what boost::serialization wrote, its attributes are of no interest.
+class XmlCalibration {
+ public:
+  XmlCalibration(std::string name, std::vector<std::string>& warnings)
+      : name_(std::move(name)), warnings_(warnings) {}
+
+  Calibration read(const std::string& text) {
+    tinyxml2::XMLDocument document;
+    if (document.Parse(text.c_str(), text.size()) != tinyxml2::XML_SUCCESS)
+      fail(document.ErrorLineNum(), std::string("not XML: ") + document.ErrorName(),
+           "a db.xml as it came with the sensor");
+    const XMLElement* root = document.RootElement();
+    const XMLElement* db = root == nullptr ? nullptr : root->FirstChildElement("DB");
+    if (db == nullptr)
+      fail(root == nullptr ? 1 : root->GetLineNum(), "no DB element", "boost_serialization/DB");
+    Calibration calibration;
+    calibration.model = CalibrationModel::ros_drivers;
+    calibration.is_db_xml = true;
+    read_points(*db, calibration.lasers);
+    read_intensities(*db, calibration.lasers);
+    const XMLElement* step = db->FirstChildElement("distLSB_");
+    const double step_m =
+        step == nullptr ? usual_step_cm * m_per_cm
+                        : number(*step, finest_step_m / m_per_cm, coarsest_step_m / m_per_cm) * m_per_cm;
+    const int line = step == nullptr ? db->GetLineNum() : step->GetLineNum();
+    calibration.distance_step_m = guarded_step(step_m, calibration.lasers.size(), place(line), warnings_);
+    return calibration;
+  }
+
+ private:
+  std::string place(int line) const { return name_ + ":" + std::to_string(line); }
+  [[noreturn]] void fail(int line, const std::string& what, const std::string& expected) const {
+    throw ConfigError(place(std::max(line, 1)) + ": " + what + "; expected " + expected);
+  }
+
+  double number(const XMLElement& element, double lowest, double highest) const {
+    const char* content = element.GetText();
+    std::string_view text = content == nullptr ? "" : content;
+    const char* blanks = " \t\r\n+";
+    text.remove_prefix(std::min(text.find_first_not_of(blanks), text.size()));
+    text = text.substr(0, text.find_last_not_of(" \t\r\n") + 1);
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool is_number = error == std::errc() && end == text.data() + text.size();
+    if (!is_number || !(value >= lowest && value <= highest))
+      fail(element.GetLineNum(), std::string(element.Name()) + " is " + quoted(text),
+           "a number from " + number_text(lowest) + " to " + number_text(highest));
+    return value;
+  }
+  static std::string quoted(std::string_view text) {
+    std::string quote(text.substr(0, 40));
+    for (char& c : quote) c = static_cast<unsigned char>(c) < 0x20 ? '?' : c;
+    return '"' + quote + '"';
+  }
+
+  /// The numbers of `DB/name/item`; empty where the element is not there.
+  std::vector<double> items(const XMLElement& db, const char* name, double highest) const {
+    std::vector<double> list;
+    const XMLElement* parent = db.FirstChildElement(name);
+    const XMLElement* item = parent == nullptr ? nullptr : parent->FirstChildElement("item");
+    for (; item != nullptr; item = item->NextSiblingElement("item"))
+      list.push_back(number(*item, 0, highest));
+    return list;
+  }
+
+  /// Many files have 64 points whatever the sensor; enabled_ says which of them it has.
+  void read_points(const XMLElement& db, std::vector<LaserCalibration>& lasers) {
+    const std::vector<double> enabled = items(db, "enabled_", 1);
+    const XMLElement* points = db.FirstChildElement("points_");
+    if (points == nullptr) fail(db.GetLineNum(), "DB has no points_", "points_ with an item per laser");
+    std::vector<int> lines;  // where each laser stands, 0: nowhere
+    for (const XMLElement* item = points->FirstChildElement("item"); item != nullptr;
+         item = item->NextSiblingElement("item")) {
+      const XMLElement* px = item->FirstChildElement("px");
+      if (px == nullptr) fail(item->GetLineNum(), "the item has no px", "a px in each item of points_");
+      const XMLElement& id_element = child(*px, "id_");
+      const auto id = static_cast<std::size_t>(number(id_element, 0, 1e4));
+      if (number(id_element, 0, 1e4) != static_cast<double>(id))
+        fail(id_element.GetLineNum(), "id_ is a fraction", "the laser's number, from 0");
+      if (!enabled.empty() && (id >= enabled.size() || enabled[id] == 0)) continue;
+      if (id >= static_cast<std::size_t>(most_lasers))
+        fail(px->GetLineNum(), "laser " + std::to_string(id), "at most 128 lasers");
+      if (id >= lasers.size()) {
+        lasers.resize(id + 1);
+        lines.resize(id + 1);
+      }
+      if (lines[id] != 0)
+        fail(px->GetLineNum(),
+             "laser " + std::to_string(id) + " again, first in line " + std::to_string(lines[id]),
+             "each id_ once");
+      lines[id] = px->GetLineNum();
+      lasers[id] = read_laser(*px);
+    }
+    check_complete(*points, enabled, lines);
+  }
+
+  void check_complete(const XMLElement& points, const std::vector<double>& enabled,
+                      const std::vector<int>& lines) const {
+    const auto wanted = static_cast<std::size_t>(std::count(enabled.begin(), enabled.end(), 1.0));
+    const auto missing = std::find(lines.begin(), lines.end(), 0);
+    if (lines.empty()) fail(points.GetLineNum(), "points_ has no enabled laser", "at least one");
+    if (missing != lines.end() || wanted > lines.size()) {
+      const auto id = std::to_string(missing - lines.begin());
+      fail(points.GetLineNum(), "points_ has no laser " + id,
+           "one for each laser, numbered from 0, that enabled_ has");
+    }
+  }
+
+  const XMLElement& child(const XMLElement& parent, const char* name) const {
+    const XMLElement* element = parent.FirstChildElement(name);
+    if (element == nullptr)
+      fail(parent.GetLineNum(), std::string(parent.Name()) + " has no " + name,
+           "it in each " + std::string(parent.Name()));
+    return *element;
+  }
+
+  LaserCalibration read_laser(const XMLElement& px) const {
+    LaserCalibration laser;
+    for (const char* required : {"rotCorrection_", "vertCorrection_"}) child(px, required);
+    for (const LaserNumber& known : laser_numbers) {
+      const XMLElement* element = px.FirstChildElement(known.element);
+      if (element != nullptr)
+        laser.*known.member = number(*element, -known.element_limit, known.element_limit) * known.factor;
+    }
+    // As the script gen_calibration.py of velodyne_pointcloud converts it.
+    const bool has_near = laser.dist_correction_x != 0 && laser.dist_correction_y != 0;
+    laser.two_point = has_near ? TwoPoint::on : TwoPoint::off;
+    return laser;
+  }
+
+  void read_intensities(const XMLElement& db, std::vector<LaserCalibration>& lasers) const {
+    const std::vector<double> lowest = items(db, "minIntensity_", 65535);
+    const std::vector<double> highest = items(db, "maxIntensity_", 65535);
+    for (std::size_t i = 0; i < lasers.size(); ++i) {
+      if (i < lowest.size()) lasers[i].min_intensity = static_cast<int>(lowest[i]);
+      if (i < highest.size()) lasers[i].max_intensity = static_cast<int>(highest[i]);
+    }
+  }
+
+  std::string name_;
+  std::vector<std::string>& warnings_;
+};
+
 bool is_xml(const std::string& text) {
   const std::size_t begin = text.compare(0, 3, "\xEF\xBB\xBF") == 0 ? 3 : 0;
   const std::size_t first = text.find_first_not_of(" \t\r\n", begin);
@@ -176,19 +341,9 @@ bool is_xml(const std::string& text) {
 
 }  // namespace
 
-double guarded_step(double step_m, std::size_t lasers, const std::string& place,
-                    std::vector<std::string>& warnings) {
-  constexpr double wrong_step_m = 0.007;
-  constexpr double right_step_m = 0.004;  // VLS-128 user manual 63-9483
-  if (lasers != static_cast<std::size_t>(most_lasers) || std::abs(step_m - wrong_step_m) > 1e-6)
-    return step_m;
-  warnings.push_back(place + ": a distance step of 7 mm is a known mistake of VLS-128 files; 4 mm is used");
-  return right_step_m;
-}
-
 Calibration parse_calibration(const std::string& text, const std::string& name,
                               std::vector<std::string>& warnings) {
-  if (is_xml(text)) return parse_calibration_xml(text, name, warnings);
+  if (is_xml(text)) return XmlCalibration(name, warnings).read(text);
   return YamlCalibration(warnings).read(parse_yaml(text, name));
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -9,15 +10,15 @@
 
 #include "core/base/pose.h"
 #include "core/evidence/placed_scan.h"
-#include "core/evidence/profile.h"
 #include "core/frames/cloud_layout.h"
 #include "core/frames/ring_scan.h"
 #include "core/frames/scan_grid.h"
-#include "core/merge/merge_options.h"
+#include "core/merge/cross_check.h"
 #include "core/merge/scheduler.h"
 #include "core/virtual/virtualizer.h"
-#include "daemon/config/config_error.h"
+#include "daemon/config/mistakes.h"
 #include "drivers/driver.h"
+#include "drivers/flow.h"
 #include "drivers/model.h"
 #include "drivers/velodyne/web/velodyne_settings.h"
 
@@ -138,6 +139,15 @@ struct VirtualScanConfig {
   std::string topic(const std::string& frame, const AlsoScanConfig* further = nullptr) const;
 };
 
+/// `blackbox:` of the configuration.
+struct BlackBoxConfig {
+  double seconds = 0;      ///< of packets that are kept; 0: none
+  double megabytes = 256;  ///< of memory at most: a shorter time is kept where that does not suffice
+  std::string path;        ///< folder of the captures; empty: $STATE_DIRECTORY, else /var/lib/lidard
+  int files = 10;          ///< captures that are kept there; the oldest is removed for a new one
+  bool on_error = true;    ///< written when an item of /diagnostics goes to ERROR
+};
+
 /// The whole configuration, complete and validated.
 struct Config {
   std::string file;
@@ -145,6 +155,7 @@ struct Config {
   std::vector<SensorConfig> sensors;
   std::vector<MergedScanConfig> merged_scans;
   std::vector<VirtualScanConfig> virtual_scans;
+  BlackBoxConfig black_box;
   std::vector<std::string> warnings;  ///< `file:line:column: what`, to be shown once
 
   const SensorConfig* find_sensor(const std::string& name) const;
@@ -156,5 +167,41 @@ Config load_config(const std::string& path);
 Config parse_config(const std::string& text, const std::string& name);
 /// The configuration as YAML with every default filled in; parse_config() reads it back to the same.
 std::string to_yaml(const Config& config);
+
+/// What travels on a topic. A scan with several echoes goes to a topic of its own (MultiEchoLaserScan).
+enum class TopicKind : std::uint8_t { scan, echoes, cloud, message };
+
+/// A topic that something in a configuration may publish on.
+struct OutputTopic {
+  std::string name;  ///< as ROS has it (relative names are resolved by the sink)
+  TopicKind kind;
+  bool promised = true;     ///< comes with every frame; else only when the device has something to tell
+  std::size_t message = 0;  ///< of TopicKind::message: message_kind() of what travels
+  std::size_t id = 0;       ///< place in output_topics()
+};
+
+/// The topic of a sensor's own frames: its cloud, or its scan.
+OutputTopic frame_topic(const SensorConfig& sensor);
+/// Everything that a sensor of ours may publish on; a source with `topic:` publishes nothing.
+std::vector<OutputTopic> sensor_topics(const SensorConfig& sensor);
+/// The entry of that name, which must be there.
+const OutputTopic& topic_named(const std::vector<OutputTopic>& topics, const std::string& name);
+/// Everything that the configuration may publish on. At run time a topic travels as its entry of this list.
+std::vector<OutputTopic> output_topics(const Config& config);
+
+/// What comes from a sensor over the network, its data first; without an address in a flow where anybody may
+/// send it.
+std::vector<Flow> flows_of(const SensorConfig& sensor);
+
+/// An entry of merged_scans: or virtual_scans: of the configuration.
+struct OutputId {
+  enum class Kind : std::uint8_t { merged, virtual_group };
+  Kind kind = Kind::merged;
+  std::string entry;
+
+  friend bool operator==(const OutputId& a, const OutputId& b) {
+    return a.kind == b.kind && a.entry == b.entry;
+  }
+};
 
 }  // namespace lidard

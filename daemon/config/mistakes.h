@@ -3,13 +3,18 @@
 #pragma once
 
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "daemon/config/config_error.h"
-
 namespace lidard {
+
+/// A mistake in the configuration: `file:line:column: what; expected …`. Exit code 78.
+class ConfigError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 /// Where something stands in a file; line and column count from 1.
 struct Place {

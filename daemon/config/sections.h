@@ -16,9 +16,7 @@ void read_vehicle(Mapping& root, Reading& reading);
 void read_sensors(Mapping& root, Reading& reading);
 void read_merged_scans(Mapping& root, Reading& reading);
 void read_virtual_scans(Mapping& root, Reading& reading);
-
-/// Reads `calibration:` and `calibration_model:` of a sensor and the file itself.
-void read_calibration(Mapping& yaml, SensorConfig& sensor, Reading& reading);
+void read_black_box(Mapping& root, Reading& reading);
 
 /// Between which ranges a source measures, m.
 struct SourceLimits {

@@ -3,11 +3,8 @@
 // The keys of `sensors:`, by what a model must be able to do.
 #include "daemon/config/calibration_file.h"
 #include "daemon/config/sections.h"
-#include "drivers/hokuyo/scip_keys.h"
-#include "drivers/request_keys.h"
-#include "drivers/sick/cola/cola_keys.h"
-#include "drivers/velodyne/cloud_keys.h"
-#include "drivers/velodyne/web/control_keys.h"
+#include "drivers/driver_keys.h"
+#include "drivers/velodyne/web/velodyne_settings.h"
 
 namespace lidard {
 namespace {

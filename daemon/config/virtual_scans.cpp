@@ -3,7 +3,7 @@
 // `virtual_scans:` of a configuration.
 #include <algorithm>
 
-#include "daemon/config/config_sources.h"
+#include "daemon/config/reading.h"
 #include "daemon/config/sections.h"
 
 namespace lidard {

@@ -5,14 +5,18 @@
 #include <yaml-cpp/eventhandler.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstring>
+#include <fstream>
 #include <sstream>
 #include <stdexcept>
 
 #include "core/base/angle.h"
 #include "core/base/nearest.h"
 #include "core/base/number_text.h"
+#include "daemon/config/config.h"
 
 namespace lidard {
 namespace {
@@ -123,6 +127,9 @@ std::string list_of(const std::vector<std::string_view>& words) {
   for (const std::string_view word : words) list.append(list.empty() ? "" : ", ").append(word);
   return list;
 }
+
+// A configuration is a few kB, a calibration some 100 kB.
+constexpr std::size_t largest_file = 1U << 20U;  // bytes
 
 }  // namespace
 
@@ -311,6 +318,22 @@ Value parse_yaml(const std::string& text, const std::string& file) {
     fail_at(place, "not YAML: " + (tab ? "a tab in the indentation" : printable(error.msg)),
             "`key: value` lines, indented with blanks");
   }
+}
+
+std::string read_file(const std::string& path, const std::string& expected) {
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  std::string text;
+  if (file) {
+    text.resize(largest_file + 1);
+    file.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<std::size_t>(file.gcount()));
+  }
+  if (!file.is_open() || file.bad() || (file.fail() && !file.eof()))
+    throw ConfigError(path + ": cannot be read: " + std::strerror(errno != 0 ? errno : EIO) + "; expected " +
+                      expected);
+  if (text.size() > largest_file) throw ConfigError(path + ": is larger than 1 MiB; expected " + expected);
+  return text;
 }
 
 }  // namespace lidard

@@ -115,4 +115,8 @@ std::vector<std::pair<std::string, Value>> named_entries(const Value& value, Mis
 /// Parses one YAML document; throws ConfigError for syntax errors and more than one document.
 Value parse_yaml(const std::string& text, const std::string& file);
 
+/// The content of a file of at most 1 MiB; throws ConfigError `path: what; expected …`, where `expected` says
+/// what kind of file it should have been.
+std::string read_file(const std::string& path, const std::string& expected);
+
 }  // namespace lidard

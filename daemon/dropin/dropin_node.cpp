@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/dropin/dropin_node.h"
-
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -9,12 +7,9 @@
 #include <ostream>
 #include <string_view>
 
-#include "daemon/commands/run.h"
+#include "daemon/commands/commands.h"
 #include "daemon/config/config.h"
-#include "daemon/config/exit_codes.h"
-#include "daemon/dropin/laser_tools_setup.h"
-#include "daemon/dropin/node_parameters.h"
-#include "daemon/dropin/velodyne_node_setup.h"
+#include "daemon/dropin/dropin.h"
 #include "daemon/live/service.h"
 #include "daemon/ros/ros_environment.h"
 
@@ -91,11 +86,17 @@ int run_setup(const Dropin& dropin, const Arguments& arguments, std::ostream& ou
   return run_replay(setup.replay, config, out, err);
 }
 
-int run_dropin(const Dropin& dropin, const Arguments& arguments, std::ostream& out, std::ostream& err) {
-  if (const auto code = answer(dropin, arguments, out, err)) return *code;
+}  // namespace
+
+std::optional<int> run_dropin(const std::string& executable, const Arguments& arguments, std::ostream& out,
+                              std::ostream& err) {
+  const auto* const dropin = std::find_if(std::begin(dropins), std::end(dropins),
+                                          [&](const Dropin& one) { return one.executable == executable; });
+  if (dropin == std::end(dropins)) return std::nullopt;
+  if (const auto code = answer(*dropin, arguments, out, err)) return code;
   set_up_logging();
   try {
-    return run_setup(dropin, arguments, out, err);
+    return run_setup(*dropin, arguments, out, err);
   } catch (const ConfigError& e) {
     err << e.what() << '\n';
     return exit_config;
@@ -103,19 +104,6 @@ int run_dropin(const Dropin& dropin, const Arguments& arguments, std::ostream& o
     err << e.what() << '\n';
     return exit_usage;
   }
-}
-
-}  // namespace
-
-std::function<int(const Arguments&, std::ostream&, std::ostream&)> find_dropin(
-    const std::string& executable) {
-  for (const Dropin& dropin : dropins) {
-    if (dropin.executable == executable)
-      return [&dropin](const Arguments& arguments, std::ostream& out, std::ostream& err) {
-        return run_dropin(dropin, arguments, out, err);
-      };
-  }
-  return {};
 }
 
 }  // namespace lidard

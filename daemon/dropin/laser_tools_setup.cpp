@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/dropin/laser_tools_setup.h"
-
 #include <algorithm>
 #include <cctype>
 #include <set>
@@ -9,9 +7,8 @@
 
 #include "core/base/number_text.h"
 #include "daemon/config/config.h"
-#include "daemon/config/grid_limits.h"
 #include "daemon/config/key_tables.h"
-#include "daemon/dropin/parameter_reader.h"
+#include "daemon/dropin/dropin.h"
 
 namespace lidard {
 namespace {

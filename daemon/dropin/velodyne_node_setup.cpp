@@ -1,14 +1,12 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/dropin/velodyne_node_setup.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "core/base/angle.h"
 #include "daemon/config/config.h"
 #include "daemon/config/key_tables.h"
-#include "daemon/dropin/parameter_reader.h"
+#include "daemon/dropin/dropin.h"
 #include "drivers/registry/registry.h"
 
 namespace lidard {

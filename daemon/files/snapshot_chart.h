@@ -2,13 +2,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cairo-svg.h>
+#include <cairo.h>
+
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <initializer_list>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
-struct _cairo;
-struct _cairo_surface;
+#include "core/base/angle.h"
+#include "daemon/files/snapshot_view.h"
 
 namespace lidard {
 
@@ -21,28 +27,57 @@ struct Color {
 /// base_frame whose x axis points up.
 class Chart {
  public:
-  enum class Format { png, svg };
-
-  Chart(Format format, double width, double height);
-  ~Chart();
+  Chart(PictureFormat format, double width, double height) : format_(format) {
+    if (format == PictureFormat::svg) {
+      surface_ = cairo_svg_surface_create_for_stream(append, &bytes_, width, height);
+      cairo_svg_surface_set_document_unit(surface_, CAIRO_SVG_UNIT_PX);
+    } else {
+      surface_ =
+          cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(width), static_cast<int>(height));
+    }
+    pen_ = cairo_create(surface_);
+    rectangle(0, 0, width, height);
+    fill({1, 1, 1});
+  }
+  ~Chart() {
+    cairo_destroy(pen_);
+    cairo_surface_destroy(surface_);
+  }
   Chart(const Chart&) = delete;
   Chart& operator=(const Chart&) = delete;
 
   /// The part of the page for what is measured, and what of base_frame it shows.
   /// `half` is how far it shows at least from the center, ahead and to the left.
   void set_field(const Eigen::Vector2d& corner, const Eigen::Vector2d& size, const Eigen::Vector2d& center,
-                 const Eigen::Vector2d& half);
+                 const Eigen::Vector2d& half) {
+    corner_ = corner;
+    size_ = size;
+    center_ = center;
+    scale_ = std::min(size.x() / (2 * half.y()), size.y() / (2 * half.x()));
+  }
   double pixels_per_meter() const { return scale_; }
-  Eigen::Vector2d to_page(const Eigen::Vector2d& meters) const;
-  Eigen::Vector2d to_page(const Eigen::Vector2f& meters) const;
+  Eigen::Vector2d to_page(const Eigen::Vector2d& meters) const {
+    const Eigen::Vector2d from_center = meters - center_;
+    return {tenth(corner_.x() + size_.x() / 2 - from_center.y() * scale_),
+            tenth(corner_.y() + size_.y() / 2 - from_center.x() * scale_)};
+  }
+  Eigen::Vector2d to_page(const Eigen::Vector2f& meters) const {
+    return to_page(Eigen::Vector2d(meters.cast<double>()));
+  }
   /// Keeps what is drawn until end_clip() inside the field.
-  void begin_clip();
-  void end_clip();
+  void begin_clip() {
+    cairo_save(pen_);
+    rectangle(corner_.x(), corner_.y(), size_.x(), size_.y());
+    cairo_clip(pen_);
+  }
+  void end_clip() { cairo_restore(pen_); }
 
-  void rectangle(double x, double y, double width, double height);
-  void move_to(const Eigen::Vector2d& p);
-  void line_to(const Eigen::Vector2d& p);
-  void close();
+  void rectangle(double x, double y, double width, double height) {
+    cairo_rectangle(pen_, x, y, width, height);
+  }
+  void move_to(const Eigen::Vector2d& p) { cairo_move_to(pen_, p.x(), p.y()); }
+  void line_to(const Eigen::Vector2d& p) { cairo_line_to(pen_, p.x(), p.y()); }
+  void close() { cairo_close_path(pen_); }
   /// A path through points.
   template <class Points>
   void path(const Points& points) {
@@ -57,32 +92,122 @@ class Chart {
   }
   void path(std::initializer_list<Eigen::Vector2d> points) { path<>(points); }
   /// A round dot once the path is stroked.
-  void dot(const Eigen::Vector2d& p);
-  void circle(const Eigen::Vector2d& center, double radius);
-  void fill(const Color& color);
-  void stroke(const Color& color, double width, const std::vector<double>& dashes = {});
+  void dot(const Eigen::Vector2d& p) {
+    move_to(p);
+    line_to(p);
+  }
+  void circle(const Eigen::Vector2d& center, double radius) {
+    cairo_new_sub_path(pen_);
+    cairo_arc(pen_, center.x(), center.y(), radius, 0, two_pi);
+  }
+  void fill(const Color& color) {
+    set_source(pen_, color);
+    cairo_fill(pen_);
+  }
+  void stroke(const Color& color, double width, const std::vector<double>& dashes = {}) {
+    set_source(pen_, color);
+    cairo_set_line_width(pen_, width);
+    cairo_set_line_cap(pen_, CAIRO_LINE_CAP_ROUND);
+    cairo_set_line_join(pen_, CAIRO_LINE_JOIN_ROUND);
+    cairo_set_dash(pen_, dashes.data(), static_cast<int>(dashes.size()), 0);
+    cairo_stroke(pen_);
+    cairo_set_dash(pen_, nullptr, 0, 0);
+  }
   /// Fills the path with slanting lines.
-  void hatch(const Color& color, double distance);
+  void hatch(const Color& color, double distance) {
+    cairo_save(pen_);
+    double left, top, right, bottom;
+    cairo_path_extents(pen_, &left, &top, &right, &bottom);
+    double clip_left, clip_top, clip_right, clip_bottom;
+    cairo_clip_extents(pen_, &clip_left, &clip_top, &clip_right, &clip_bottom);
+    cairo_clip(pen_);
+    left = std::max(left, clip_left), right = std::min(right, clip_right);
+    top = std::max(top, clip_top), bottom = std::min(bottom, clip_bottom);
+    const double height = bottom - top;
+    // Lines of neighbouring areas meet: each lies on a multiple of the distance.
+    for (double at = std::floor((left - bottom) / distance) * distance; at <= right - top; at += distance) {
+      move_to({tenth(at + top), top});
+      line_to({tenth(at + top + height), bottom});
+    }
+    stroke(color, 1);
+    cairo_restore(pen_);
+  }
 
   enum class Align { left, middle, right };
   /// Text whose baseline stands at `p`.
   void text(const Eigen::Vector2d& p, const std::string& words, double size, const Color& color,
-            Align align = Align::left, bool bold = false);
+            Align align = Align::left, bool bold = false) {
+    const double width = text_width(words, size, bold);
+    const double shift = align == Align::left ? 0 : align == Align::middle ? width / 2 : width;
+    set_source(pen_, color);
+    cairo_move_to(pen_, tenth(p.x() - shift), tenth(p.y()));
+    cairo_show_text(pen_, words.c_str());
+    cairo_new_path(pen_);
+  }
   /// text() with a white edge, to be readable on whatever is below.
   void label(const Eigen::Vector2d& p, const std::string& words, double size, const Color& color,
-             Align align = Align::left);
-  double text_width(const std::string& words, double size, bool bold = false);
+             Align align = Align::left) {
+    const double width = text_width(words, size);
+    const double shift = align == Align::left ? 0 : align == Align::middle ? width / 2 : width;
+    cairo_move_to(pen_, tenth(p.x() - shift), tenth(p.y()));
+    cairo_text_path(pen_, words.c_str());
+    stroke({1, 1, 1, 0.85}, 3);
+    text(p, words, size, color, align);
+  }
+  double text_width(const std::string& words, double size, bool bold = false) {
+    set_font(size, bold);
+    cairo_text_extents_t extents;
+    cairo_text_extents(pen_, words.c_str(), &extents);
+    return extents.x_advance;
+  }
 
   /// The finished file. `description` goes into an SVG as text that programs can read.
-  std::string bytes(const std::string& title, const std::string& description);
+  std::string bytes(const std::string& title, const std::string& description) {
+    cairo_status_t status = cairo_status(pen_);
+    if (format_ == PictureFormat::png) status = cairo_surface_write_to_png_stream(surface_, append, &bytes_);
+    cairo_surface_finish(surface_);
+    if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_status(surface_);
+    if (status != CAIRO_STATUS_SUCCESS)
+      throw std::runtime_error(std::string("the picture could not be drawn: ") +
+                               cairo_status_to_string(status));
+    if (format_ == PictureFormat::png) return bytes_;
+    const std::size_t inside = bytes_.find('>', bytes_.find("<svg")) + 1;
+    return bytes_.substr(0, inside) + "\n<title>" + escaped(title) + "</title>\n<desc>" +
+           escaped(description) + "</desc>" + bytes_.substr(inside);
+  }
 
  private:
-  void set_font(double size, bool bold);
+  static cairo_status_t append(void* bytes, const unsigned char* data, unsigned int length) {
+    static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data), length);
+    return CAIRO_STATUS_SUCCESS;
+  }
+  /// A tenth of a pixel is enough, and keeps an SVG short.
+  static double tenth(double pixels) { return std::round(pixels * 10) / 10; }
+  static void set_source(cairo_t* pen, const Color& c) {
+    cairo_set_source_rgba(pen, c.red, c.green, c.blue, c.alpha);
+  }
+  static std::string escaped(const std::string& text) {
+    std::string out;
+    for (const char c : text) {
+      if (c == '&')
+        out += "&amp;";
+      else if (c == '<')
+        out += "&lt;";
+      else
+        out += c;
+    }
+    return out;
+  }
+  void set_font(double size, bool bold) {
+    cairo_select_font_face(pen_, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
+                           bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_set_font_size(pen_, size);
+  }
 
-  Format format_;
+  PictureFormat format_;
   std::string bytes_;
-  _cairo_surface* surface_;
-  _cairo* pen_;
+  cairo_surface_t* surface_;
+  cairo_t* pen_;
   Eigen::Vector2d corner_{0, 0};
   Eigen::Vector2d size_{1, 1};
   double scale_ = 1;

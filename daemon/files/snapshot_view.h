@@ -3,15 +3,58 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "daemon/config/config.h"
-#include "daemon/files/snapshot_frames.h"
 #include "daemon/pipeline/frame_tree.h"
+#include "daemon/pipeline/sink.h"
 
 namespace lidard {
+
+/// Keeps the newest scan of each topic and frame, and the newest cloud of each topic.
+class FrameKeeper : public FrameSink {
+ public:
+  /// By topic and frame: several virtual scans may share a topic.
+  using Key = std::pair<std::string, std::string>;
+
+  /// What comes after this call is not kept.
+  void freeze() { frozen_ = true; }
+
+  void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp /*released*/) override {
+    if (frozen_) return;
+    scans_[{topic.name, scan.frame_id}] = scan;
+    newest_ = std::max(newest_, scan.stamp);
+  }
+  void cloud(const OutputTopic& topic, Cloud& cloud, Stamp /*released*/) override {
+    if (frozen_) return;
+    clouds_[topic.name] = cloud;
+    newest_ = std::max(newest_, cloud.stamp);
+  }
+
+  /// The newest of them, or nullptr.
+  const PlanarScan* find_scan(const std::string& topic, const std::string& frame) const {
+    const auto found = scans_.find({topic, frame});
+    return found == scans_.end() ? nullptr : &found->second;
+  }
+  const Cloud* find_cloud(const std::string& topic) const {
+    const auto found = clouds_.find(topic);
+    return found == clouds_.end() ? nullptr : &found->second;
+  }
+  bool empty() const { return scans_.empty() && clouds_.empty(); }
+  /// Stamp of the newest frame of all.
+  Stamp newest() const { return newest_; }
+
+ private:
+  std::map<Key, PlanarScan> scans_;
+  std::map<std::string, Cloud> clouds_;
+  Stamp newest_{};
+  bool frozen_ = false;
+};
 
 /// Everything a picture shows, in base_frame seen from above, m. Drawing it needs nothing else.
 struct SnapshotView {
@@ -64,5 +107,9 @@ SnapshotView make_view(const Config& config, const FrameTree& poses, const Frame
 
 /// Chooses center and half so that nearly all points are shown.
 void fit_to_points(SnapshotView& view);
+
+enum class PictureFormat : std::uint8_t { png, svg };
+/// The picture as the bytes of a file.
+std::string draw_snapshot(const SnapshotView& view, PictureFormat format);
 
 }  // namespace lidard

@@ -8,17 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "daemon/config/config.h"
 #include "drivers/driver.h"
 
 namespace lidard {
-
-struct BlackBoxConfig {
-  double seconds = 0;      ///< of packets that are kept; 0: none
-  double megabytes = 256;  ///< of memory at most: a shorter time is kept where that does not suffice
-  std::string path;        ///< folder of the captures; empty: $STATE_DIRECTORY, else /var/lib/lidard
-  int files = 10;          ///< captures that are kept there; the oldest is removed for a new one
-  bool on_error = true;    ///< written when an item of /diagnostics goes to ERROR
-};
 
 /// Keeps the last packets of all sensors in memory and writes them to a capture when something went wrong, so
 /// that the moments before can be replayed. One thread takes the packets; a second one lives while a capture

@@ -16,7 +16,8 @@ std::string without_figures(std::string text) {
 
 }  // namespace
 
-void Journal::update(const std::vector<DiagnosticItem>& items, Stamp now) {
+Health Journal::update(const std::vector<DiagnosticItem>& items, Stamp now) {
+  Health worst = Health::ok;
   for (const DiagnosticItem& item : items) {
     Known& known = known_[item.name];
     const std::string text = item.health == Health::ok ? "" : without_figures(item.message);
@@ -24,7 +25,9 @@ void Journal::update(const std::vector<DiagnosticItem>& items, Stamp now) {
     known.health = item.health;
     known.text = text;
     add({now, item.name, item.health, item.message});
+    worst = std::max(worst, item.health);
   }
+  return worst;
 }
 
 void Journal::add(Event event) {

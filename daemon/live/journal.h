@@ -29,7 +29,8 @@ class Journal {
   /// fro (more than `most_told` within a minute), which would flood a log.
   explicit Journal(std::function<void(const Event&)> told) : told_(std::move(told)) {}
 
-  void update(const std::vector<DiagnosticItem>& items, Stamp now);
+  /// Returns the worst state of the events that were noted.
+  Health update(const std::vector<DiagnosticItem>& items, Stamp now);
   void add(Event event);
 
   /// Oldest first, at most `most_events`.

@@ -99,7 +99,6 @@ void set_up_logging(const std::string& level) {
 
 void ServiceManager::ready(const std::string& status) { sd_notifyf(0, "READY=1\nSTATUS=%s", status.c_str()); }
 void ServiceManager::status(const std::string& text) { notify_without_waiting("STATUS=" + text); }
-void ServiceManager::reloading() { sd_notify(0, "RELOADING=1"); }
 void ServiceManager::stopping() { sd_notify(0, "STOPPING=1"); }
 void ServiceManager::alive() { notify_without_waiting("WATCHDOG=1"); }
 

@@ -22,7 +22,6 @@ class ServiceManager {
   void ready(const std::string& status);
   /// One line for `systemctl status`.
   void status(const std::string& text);
-  void reloading();
   void stopping();
   /// To be called at least twice per watchdog_limit().
   void alive();

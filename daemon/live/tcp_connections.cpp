@@ -114,24 +114,19 @@ void TcpConnections::add_diagnostics(std::vector<DiagnosticItem>& items) const {
     if (!link->source) continue;
     const TcpState& state = link->source->state();
     const TcpStats& stats = link->source->stats();
-    DiagnosticItem item;
-    item.name = "link " + link->name;
-    item.hardware_id = link->device.to_string();
+    DiagnosticItem item{"link " + link->name, link->device.to_string()};
     item.message = text_of(state, link->streams);
     const bool idle = !link->streams && state.phase == TcpState::Phase::stopped && state.message.empty();
     if (!is_connected(state) && !idle && item.message != first_attempt)
       item.health = link->streams ? Health::error : Health::warn;  // data come without a dialogue
-    const auto value = [&item](const char* key, std::uint64_t n) {
-      item.values.emplace_back(key, std::to_string(n));
-    };
-    item.values.emplace_back("Device", link->device.to_string());
-    value("Attempts", stats.attempts);
-    value("Connections", stats.connects);
-    value("Disconnections", stats.disconnects);
-    value("Disconnections for silence", stats.silences);
-    value("Bytes received", stats.received);
-    value("Bytes sent", stats.sent);
-    value("Requests dropped", stats.requests_dropped);
+    item.add("Device", link->device.to_string());
+    item.add("Attempts", stats.attempts);
+    item.add("Connections", stats.connects);
+    item.add("Disconnections", stats.disconnects);
+    item.add("Disconnections for silence", stats.silences);
+    item.add("Bytes received", stats.received);
+    item.add("Bytes sent", stats.sent);
+    item.add("Requests dropped", stats.requests_dropped);
     items.push_back(std::move(item));
   }
 }

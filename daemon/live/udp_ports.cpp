@@ -6,7 +6,7 @@
 
 #include <map>
 
-#include "daemon/pipeline/sensor_flows.h"
+#include "daemon/config/config.h"
 
 namespace lidard {
 namespace {
@@ -99,25 +99,20 @@ void UdpPorts::add_diagnostics(std::vector<DiagnosticItem>& items) const {
   for (const auto& port : ports_) {
     const UdpState& state = port.source->state();
     const UdpStats& stats = port.source->stats();
-    DiagnosticItem item;
-    item.name = "port " + std::to_string(port.number);
-    item.hardware_id = item.name;
+    const std::string name = "port " + std::to_string(port.number);
+    DiagnosticItem item{name, name};
     item.health = state.phase == UdpState::Phase::receiving ? Health::ok
                   : receives(state)                         ? Health::warn
                                                             : Health::error;
     item.message = state.message.empty() ? "listening" : state.message;
     if (item.health == Health::ok && !port.source->warning().empty()) {
-      item.health = Health::warn;
-      item.message = port.source->warning();
+      item.set(Health::warn, port.source->warning());
     }
-    const auto value = [&item](const char* key, std::uint64_t n) {
-      item.values.emplace_back(key, std::to_string(n));
-    };
-    value("Datagrams", stats.datagrams);
-    value("Kernel drops", stats.kernel_drops);
-    value("Truncated", stats.truncated);
-    value("From unknown_senders", stats.strangers_sampled + stats.strangers_filtered);
-    value("Receive buffer (bytes)", stats.receive_buffer_got);
+    item.add("Datagrams", stats.datagrams);
+    item.add("Kernel drops", stats.kernel_drops);
+    item.add("Truncated", stats.truncated);
+    item.add("From unknown_senders", stats.strangers_sampled + stats.strangers_filtered);
+    item.add("Receive buffer (bytes)", stats.receive_buffer_got);
     items.push_back(std::move(item));
   }
 }

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/pipeline/frame_tree.h"
 
-#include "daemon/pipeline/transform_source.h"
-
 namespace lidard {
 
 FrameTree::FrameTree(const Config& config, TransformSource& lookup)

@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 namespace lidard {
 
@@ -48,25 +49,71 @@ void set_encodings(const OutputScanConfig& output, const std::vector<AlsoScanCon
 }
 
 DiagnosticItem health_of(const std::string& name, const OutputCounters& counters, Stamp now, bool starting) {
-  DiagnosticItem item;
-  item.name = name;
+  DiagnosticItem item{name};
   const double age = seconds(now - counters.last_published);
   if (starting && counters.no_pose == 0 && (counters.published == 0 || age > 3)) {
     item.message = "waiting for input";
   } else if (counters.published == 0) {
-    item.health = Health::error;
-    item.message =
-        counters.no_pose > 0 ? "no output: " + counters.why_no_pose : "no output: no input has come in yet";
+    item.set(Health::error, counters.no_pose > 0 ? "no output: " + counters.why_no_pose
+                                                 : "no output: no input has come in yet");
   } else if (age > 3) {
-    item.health = Health::error;
-    item.message = counters.no_pose > 0 ? "no output any more: " + counters.why_no_pose
-                                        : "no output for more than 3 s: see the state of its sensors";
+    item.set(Health::error, counters.no_pose > 0
+                                ? "no output any more: " + counters.why_no_pose
+                                : "no output for more than 3 s: see the state of its sensors");
   } else {
     item.message = "publishing";
   }
-  item.values.emplace_back("Published", std::to_string(counters.published));
-  item.values.emplace_back("Inputs without pose", std::to_string(counters.no_pose));
+  item.add("Published", counters.published);
+  item.add("Inputs without pose", counters.no_pose);
   return item;
+}
+
+Outlet::Outlet(std::vector<OutputTopic> topics, std::vector<FrameSink*> sinks, std::size_t sensors)
+    : topics_(std::move(topics)),
+      sinks_(std::move(sinks)),
+      sensors_(sensors),
+      consumers_(sensors + topics_.size()),
+      reports_(topics_.size()) {
+  for (const OutputTopic& topic : topics_) {
+    reports_[topic.id].name = topic.name;
+    reports_[topic.id].promised = topic.promised;
+  }
+}
+
+void Outlet::connect(std::size_t source, Output& output, std::size_t place) {
+  consumers_.at(source).push_back({&output, place});
+}
+
+void Outlet::publish(const OutputTopic& topic, const PlanarScan& scan, Stamp now) {
+  reports_[topic.id].count(now);
+  for (FrameSink* const sink : sinks_) sink->scan(topic, scan, now);
+}
+
+void Outlet::publish(const OutputTopic& topic, Cloud& cloud, Stamp now) {
+  reports_[topic.id].count(now);
+  for (FrameSink* const sink : sinks_) {
+    // A sink may keep the points.
+    const bool last = sink == sinks_.back();
+    if (!last) copy_ = cloud;
+    sink->cloud(topic, last ? cloud : copy_, now);
+  }
+}
+
+void Outlet::publish(const OutputTopic& topic, const DeviceMessage& message, Stamp now) {
+  reports_[topic.id].count(now);
+  for (FrameSink* const sink : sinks_) sink->message(topic, message, now);
+}
+
+void Outlet::publish(const std::vector<DiagnosticItem>& items, Stamp now) {
+  for (FrameSink* const sink : sinks_) sink->diagnostics(items, now);
+}
+
+void Outlet::feed(std::size_t source, const PlanarScan& scan, Stamp now) {
+  for (const Consumer& consumer : consumers_[source]) consumer.output->add_scan(consumer.place, scan, now);
+}
+
+void Outlet::feed(std::size_t source, const Cloud& cloud, Stamp now) {
+  for (const Consumer& consumer : consumers_[source]) consumer.output->add_cloud(cloud, now);
 }
 
 }  // namespace lidard

@@ -3,19 +3,58 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "core/evidence/height_band.h"
 #include "core/frames/scan_grid.h"
 #include "daemon/config/config.h"
 #include "daemon/pipeline/frame_tree.h"
-#include "daemon/pipeline/outlet.h"
-#include "daemon/pipeline/output_id.h"
+#include "daemon/pipeline/report.h"
 #include "daemon/pipeline/sink.h"
 
 namespace lidard {
+
+class Output;
+
+/// The way on for frames: to every sink, and to the merged and virtual scans that are made of them. Sources
+/// are numbered: sensors by their place in the configuration, after them the topics by OutputTopic::id.
+class Outlet {
+ public:
+  /// The sinks must outlive this.
+  Outlet(std::vector<OutputTopic> topics, std::vector<FrameSink*> sinks, std::size_t sensors);
+
+  const std::vector<OutputTopic>& topics() const { return topics_; }
+  std::size_t source_of(const OutputTopic& topic) const { return sensors_ + topic.id; }
+  /// From now on `output` takes what the source gives, as its source number `place`.
+  void connect(std::size_t source, Output& output, std::size_t place);
+
+  /// To the sinks.
+  void publish(const OutputTopic& topic, const PlanarScan& scan, Stamp now);
+  /// May swap out cloud.points_bytes.
+  void publish(const OutputTopic& topic, Cloud& cloud, Stamp now);
+  void publish(const OutputTopic& topic, const DeviceMessage& message, Stamp now);
+  void publish(const std::vector<DiagnosticItem>& items, Stamp now);
+  /// To the outputs that are made of this source.
+  void feed(std::size_t source, const PlanarScan& scan, Stamp now);
+  void feed(std::size_t source, const Cloud& cloud, Stamp now);
+
+  /// What came out, one for each of topics().
+  const std::vector<OutputReport>& reports() const { return reports_; }
+
+ private:
+  struct Consumer {
+    Output* output;
+    std::size_t place;  // of the source among those of the output
+  };
+  const std::vector<OutputTopic> topics_;
+  const std::vector<FrameSink*> sinks_;
+  const std::size_t sensors_;
+  std::vector<std::vector<Consumer>> consumers_;  // by source
+  std::vector<OutputReport> reports_;
+  Cloud copy_;  // for all sinks but the last
+};
 
 /// What the outputs of a pipeline share; it must outlive them.
 struct OutputContext {
@@ -35,17 +74,15 @@ class Output {
   /// Names of the sensors and virtual scans that it is made of.
   virtual std::vector<std::string> sources() const = 0;
   /// A scan of one of them, `source` being its place there.
-  virtual void add_scan(std::size_t source, const PlanarScan& scan, Stamp now) {
-    static_cast<void>(source), static_cast<void>(scan), static_cast<void>(now);
-  }
+  virtual void add_scan(std::size_t /*source*/, const PlanarScan& /*scan*/, Stamp /*now*/) {}
   /// A cloud of the only one.
-  virtual void add_cloud(const Cloud& cloud, Stamp now) { static_cast<void>(cloud), static_cast<void>(now); }
+  virtual void add_cloud(const Cloud& /*cloud*/, Stamp /*now*/) {}
   /// Time passed, or the vehicle's poses went on: publishes what is due.
-  virtual void advance(Stamp now) { static_cast<void>(now); }
+  virtual void advance(Stamp /*now*/) {}
   /// When advance() is worth a call if nothing else happens.
   virtual std::optional<Stamp> next_event() const { return std::nullopt; }
   /// True if a source has come, gone stale or was lost since the last call.
-  virtual bool states_changed(Stamp now) { return static_cast<void>(now), false; }
+  virtual bool states_changed(Stamp /*now*/) { return false; }
   /// Takes another grid, profile or encoding from its next input on.
   virtual void set_scan(const OutputScanConfig& wanted) = 0;
   /// The input starts again.
@@ -56,6 +93,10 @@ class Output {
   virtual std::string why_missing(const std::string& topic, const WhySilent& why_silent) const = 0;
   virtual DiagnosticItem diagnostics(Stamp now, bool starting) const = 0;
 };
+
+/// The output of an entry.
+std::unique_ptr<Output> make_output(const MergedScanConfig& config, const OutputContext& context);
+std::unique_ptr<Output> make_output(const VirtualScanConfig& config, const OutputContext& context);
 
 /// What one output did since the start.
 struct OutputCounters {

@@ -5,55 +5,95 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
-#include "daemon/config/config.h"
-#include "daemon/pipeline/device_connections.h"
-#include "daemon/pipeline/output_id.h"
-#include "daemon/pipeline/output_report.h"
-#include "daemon/pipeline/sensor_report.h"
-#include "daemon/pipeline/sink.h"
-#include "daemon/pipeline/transform_source.h"
+#include "daemon/pipeline/output.h"
+#include "daemon/pipeline/sensor.h"
 
 namespace lidard {
 
+/// Takes what other nodes publish, in the thread of the pipeline; `received` is when it came. A sensor is
+/// called by its name in the configuration.
+class MessageReceiver {
+ public:
+  virtual ~MessageReceiver() = default;
+  /// A packet of a sensor with `packet_topic:`; its `arrival` is that at the node that received it.
+  virtual void packet_message(const std::string& sensor, const Packet& packet, Stamp received) = 0;
+  /// A message of a `topic:` source.
+  virtual void scan_message(const std::string& sensor, PlanarScan& scan, Stamp received) = 0;
+  virtual void cloud_message(const std::string& sensor, Cloud& cloud, Stamp received) = 0;
+  /// A pose of `child` (empty: base_frame) in the odometry's frame, for deskewing.
+  virtual void pose_message(Stamp stamp, const Pose& pose, const std::string& child, Stamp received) = 0;
+  /// Turn rates in `frame`, rad/s, and the speed ahead, m/s: the vehicle's motion where nobody knows its
+  /// poses.
+  virtual void turn_message(Stamp stamp, const Eigen::Vector3d& rates, const std::string& frame,
+                            Stamp received) = 0;
+  virtual void speed_message(double speed) = 0;
+  /// Gives a merged scan or a group of virtual scans another grid, profile or encoding from its next input
+  /// on. Empty, or why it cannot be: then nothing changes.
+  virtual std::string set_output(const OutputId& output, const OutputScanConfig& wanted) = 0;
+};
+
+/// Knows whether all has only just begun: within a second of the start silence says nothing yet. A clock that
+/// jumps, a program that was stopped and a hole in a capture are beginnings too.
+class StartWatch {
+ public:
+  /// Time passes. True if this is a beginning.
+  bool step(Stamp at) {
+    const Span passed = at - newest_;
+    newest_ = at;
+    if (started_ && passed >= -patience && passed <= patience) return false;
+    started_ = true;
+    since_ = at;
+    return true;
+  }
+  bool is_starting(Stamp at) const { return !started_ || at - since_ < patience; }
+
+ private:
+  static constexpr Span patience = std::chrono::seconds(1);
+  bool started_ = false;
+  Stamp since_{};
+  Stamp newest_{};
+};
+
 /// Packets and messages in; frames, merged and virtual scans out. The same object serves live input and
 /// replay; it has no thread and no clock: time is what the arrivals and tick() say.
-class Pipeline {
+///
+/// The stages in order: whose packet it is (flows), the sensors with their drivers, what is made of their
+/// frames (outputs), and the way on (outlet), which ends in the sinks.
+class Pipeline final : public MessageReceiver {
  public:
   /// `transforms` and the sinks must outlive the pipeline.
-  Pipeline(const Config& config, TransformSource& transforms, FrameSink& sink);
   Pipeline(const Config& config, TransformSource& transforms, std::vector<FrameSink*> sinks);
-  ~Pipeline();
+  Pipeline(const Config& config, TransformSource& transforms, FrameSink& sink)
+      : Pipeline(config, transforms, std::vector<FrameSink*>{&sink}) {}
 
   /// The configured transforms, for /tf_static.
-  std::vector<StaticTransform> static_transforms() const;
+  const std::vector<StaticTransform>& static_transforms() const { return frames_.transforms(); }
 
   /// A datagram, or a chunk of a connection in a capture; finds the sensor it belongs to by port and sender.
   void packet(const Packet& packet);
 
   /// Where requests to devices go; must outlive the pipeline's use. nullptr, as in replay: they are dropped.
-  void set_links(DeviceConnections* links);
+  void set_links(DeviceConnections* links) { sensor_context_.connections = links; }
   /// What came over the connection of a sensor, `sensor` being its place in the configuration.
   void chunk(std::size_t sensor, const Packet& packet);
   void connected(std::size_t sensor, Stamp now);
-  void disconnected(std::size_t sensor);
+  void disconnected(std::size_t sensor) { sensors_.at(sensor)->disconnected(); }
   /// Frames that a sensor's driver has handed on so far.
-  std::uint64_t frames(std::size_t sensor) const;
+  std::uint64_t frames(std::size_t sensor) const { return sensors_.at(sensor)->counters().frames; }
 
-  /// A packet of a sensor with `packet_topic:`; its `arrival` is that at the node that received it,
-  /// `received` when its message came here.
-  void packet_message(const std::string& sensor, const Packet& packet, Stamp received);
-  /// A message of a `topic:` source, `sensor` being its name in the configuration.
-  void scan_message(const std::string& sensor, PlanarScan& scan, Stamp received);
-  void cloud_message(const std::string& sensor, Cloud& cloud, Stamp received);
-  /// A pose of `child` (empty: base_frame) in the odometry's frame, for deskewing.
-  void pose_message(Stamp stamp, const Pose& pose, const std::string& child, Stamp received);
-  /// Turn rates in `frame`, rad/s, and the speed ahead, m/s: the vehicle's motion where nobody knows its
-  /// poses.
-  void turn_message(Stamp stamp, const Eigen::Vector3d& rates, const std::string& frame, Stamp received);
-  void speed_message(double speed);
+  void packet_message(const std::string& sensor, const Packet& packet, Stamp received) override;
+  void scan_message(const std::string& sensor, PlanarScan& scan, Stamp received) override;
+  void cloud_message(const std::string& sensor, Cloud& cloud, Stamp received) override;
+  void pose_message(Stamp stamp, const Pose& pose, const std::string& child, Stamp received) override;
+  void turn_message(Stamp stamp, const Eigen::Vector3d& rates, const std::string& frame,
+                    Stamp received) override;
+  void speed_message(double speed) override { motion_.add_speed(speed); }
+  std::string set_output(const OutputId& output, const OutputScanConfig& wanted) override;
+
   /// Time passed: publishes what is due at or before `now`, each at its own time.
   void advance(Stamp now);
   /// The next time at which advance() has something to do.
@@ -65,10 +105,6 @@ class Pipeline {
   /// The input starts again (replay --loop).
   void restart();
 
-  /// Gives a merged scan or a group of virtual scans another grid, profile or encoding from its next input
-  /// on. Empty, or why it cannot be: then nothing changes.
-  std::string set_output(const OutputId& output, const OutputScanConfig& wanted);
-
   std::vector<SensorReport> report() const;
   /// What came out so far, one for each of output_topics(), with what was missing in it as its remark.
   std::vector<OutputReport> output_report() const;
@@ -76,14 +112,37 @@ class Pipeline {
   /// nothing is missing.
   std::string why_missing(const std::string& topic) const;
   /// Senders on a configured port that no sensor claims, "192.168.1.9:2368 (412 packets)".
-  std::vector<std::string> unclaimed_senders() const;
+  std::vector<std::string> unclaimed_senders() const { return unknown_senders_.names(); }
   std::vector<DiagnosticItem> diagnostics(Stamp now) const;
   /// Adds what others know (sockets) to every diagnostics() list.
   void add_diagnostics(std::function<void(std::vector<DiagnosticItem>&)> source);
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  Sensor* owner_of(const Packet& packet);
+  std::size_t source_named(const std::string& name) const;
+  Sensor& sensor_named(const std::string& name) { return *sensors_.at(source_named(name)); }
+  void add_output(std::unique_ptr<Output> output);
+  template <class Input>
+  void take(Stamp at, Input input);
+  void advance_to(Stamp at);
+  void publish_diagnostics(Stamp now);
+  std::string why_silent(const std::string& source) const;
+
+  const VehicleConfig vehicle_;
+  FrameTree frames_;
+  VehicleMotion motion_;
+  FlowTable<Sensor*> flows_;
+  std::set<std::uint16_t> tcp_ports_;  // of devices that stream over TCP
+  UnknownSenders unknown_senders_;
+  std::vector<std::unique_ptr<Sensor>> sensors_;
+  std::vector<std::unique_ptr<Output>> outputs_;
+  Outlet outlet_;
+  SensorContext sensor_context_{outlet_, motion_};
+  OutputContext output_context_{vehicle_, frames_, outlet_};
+  StartWatch start_;
+  Stamp last_diagnostics_{};
+  bool diagnostics_wanted_ = false;  // a source has come or gone
+  std::function<void(std::vector<DiagnosticItem>&)> more_diagnostics_;
 };
 
 }  // namespace lidard

@@ -2,14 +2,55 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <iosfwd>
+#include <string>
 #include <vector>
 
 #include "core/base/counters.h"
-#include "daemon/pipeline/pipeline.h"
+#include "core/base/time.h"
+#include "daemon/config/config.h"
+#include "daemon/pipeline/reception.h"
 #include "drivers/capture/pcap_source.h"
+#include "drivers/driver.h"
+#include "drivers/model.h"
 
 namespace lidard {
+
+/// What one sensor did since the start, for the table at the end of a replay and for diagnostics.
+struct SensorReport {
+  std::string name;
+  std::string model;  ///< or "topic"
+  Counters counters;
+  DeviceInfo info;
+  bool seen = false;         ///< any data received at all
+  Stamp last_arrival;        ///< of data
+  Stamp last_telemetry;      ///< of what the device tells beside its data
+  std::string link_trouble;  ///< why there is no connection to a device that needs one; empty: there is
+  bool starting = false;     ///< the first second of all watching: silence says nothing yet
+  Reception recent, whole;   ///< of the last 10 s, and since the start
+  std::vector<std::string> rivals, rivals_ever;  ///< several senders into one entry, now and at any time
+};
+
+/// What came out on one topic, or into one file.
+struct OutputReport {
+  std::string name;
+  std::uint64_t messages = 0;
+  Stamp first{}, last{};  ///< when the first and the last one were released
+  bool promised = true;   ///< false: it depends on what the device has to tell
+  std::string remark;     ///< why there is none, or what was missing
+
+  void count(Stamp released);
+  /// Messages per second; 0: fewer than two.
+  double rate() const;
+};
+
+/// Why a driver that got packets over a time of `span` gave no whole frame: "only about 0.4 of a frame: …".
+std::string why_no_frame(const Model& model, const Counters& counters, Span span);
+/// The table of outputs: a row for each that was promised or came, and one line for the others.
+void print_outputs(const char* head, const std::vector<OutputReport>& outputs, std::ostream& out);
+/// False if an output that was promised never came.
+bool all_came(const std::vector<OutputReport>& outputs);
 
 /// One line with all counters of a sensor that are not zero (packets always).
 void print_counters(const Counters& counters, std::ostream& out);

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "daemon/pipeline/output_report.h"
+#include "daemon/pipeline/report.h"
 #include "daemon/pipeline/sensor_health.h"
 
 namespace lidard {

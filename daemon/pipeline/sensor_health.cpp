@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cctype>
 
-#include "daemon/pipeline/device_connections.h"
 #include "daemon/pipeline/report.h"
+#include "daemon/pipeline/sensor.h"
 
 namespace lidard {
 namespace {
@@ -49,17 +49,15 @@ void judge_silence(const SensorConfig& config, const SensorReport& report, const
   if (may_still_come(report)) {
     item.message = "waiting for data from " + where_from(config);
   } else if (seconds(now - report.last_telemetry) < silent_warning_s) {
-    item.health = Health::error;
-    item.message = "no data, only telemetry on port " + std::to_string(config.telemetry_port) +
-                   "; check that its laser and motor are on and that it sends data to port " +
-                   std::to_string(config.ip_port);
+    item.set(Health::error, "no data, only telemetry on port " + std::to_string(config.telemetry_port) +
+                                "; check that its laser and motor are on and that it sends data to port " +
+                                std::to_string(config.ip_port));
   } else if (!report.seen) {
-    item.health = Health::error;
-    item.message = "nothing received from " + where_from(config) + why_nothing(config, report, unknown);
+    item.set(Health::error,
+             "nothing received from " + where_from(config) + why_nothing(config, report, unknown));
   } else {
-    item.health = age > silent_error_s ? Health::error : Health::warn;
-    item.message =
-        "silent: nothing received from " + where_from(config) + why_nothing(config, report, unknown);
+    item.set(age > silent_error_s ? Health::error : Health::warn,
+             "silent: nothing received from " + where_from(config) + why_nothing(config, report, unknown));
   }
 }
 
@@ -69,18 +67,16 @@ void judge_data(const SensorConfig& config, const SensorReport& report, Diagnost
   const FrameKind kind = config.model != nullptr ? config.model->kind : FrameKind::scan;
   const ReceptionVerdict verdict = lidard::judge(report.recent, kind);
   if (!report.rivals.empty()) {
-    item.health = Health::error;
-    item.message = rivals_text(report.rivals, config.ip_port);
+    item.set(Health::error, rivals_text(report.rivals, config.ip_port));
   } else if (c.packets > 0 && c.rejected_total() == c.packets) {
-    item.health = Health::error;
-    item.message = "no packet could be used: rejected " + rejected_text(c) + "; is it the configured model?";
+    item.set(Health::error,
+             "no packet could be used: rejected " + rejected_text(c) + "; is it the configured model?");
   } else if (verdict.health != Health::ok) {
-    item.health = verdict.health;
-    item.message = verdict.figures + " in the last " + window_text(report.recent) + "; " + verdict.remedy;
+    item.set(verdict.health,
+             verdict.figures + " in the last " + window_text(report.recent) + "; " + verdict.remedy);
     if (!report.info.warnings.empty()) item.message += ". The device says: " + report.info.warnings.back();
   } else if (!report.info.warnings.empty()) {
-    item.health = Health::warn;
-    item.message = report.info.warnings.back();
+    item.set(Health::warn, report.info.warnings.back());
   } else {
     item.message = "receiving";
   }
@@ -95,18 +91,22 @@ void judge(const SensorConfig& config, const SensorReport& report, const Unknown
 }
 
 void add_rates(const Reception& recent, DiagnosticItem& item) {
-  const auto value = [&item](const char* key, std::string text) {
-    item.values.emplace_back(key, std::move(text));
-  };
   const auto rate = [](double frames, double time) {
     return time > 0 ? fmt::format("{:.1f}", frames / time) : std::string();
   };
-  value("Frames/s", rate(recent.frames, recent.frames_s));
-  value("Expected frames/s", rate(recent.expected, recent.frames_s));
-  value("Lost in the last 10 s", std::to_string(recent.lost()));
-  value("Rejected in the last 10 s", rejected_text(recent.counters));
-  value("Beams with a return (%)",
-        rate(100.0 * static_cast<double>(recent.returns), static_cast<double>(recent.beams)));
+  item.add("Frames/s", rate(recent.frames, recent.frames_s));
+  item.add("Expected frames/s", rate(recent.expected, recent.frames_s));
+  item.add("Lost in the last 10 s", recent.lost());
+  item.add("Rejected in the last 10 s", rejected_text(recent.counters));
+  item.add("Beams with a return (%)",
+           rate(100.0 * static_cast<double>(recent.returns), static_cast<double>(recent.beams)));
+}
+
+/// So many are remembered by name; a flood of forged ones must not grow memory.
+constexpr std::size_t most_names = 32;
+
+std::string name_of(const Flow& flow, std::uint64_t packets) {
+  return flow.to_string() + " (" + std::to_string(packets) + " packets)";
 }
 
 }  // namespace
@@ -122,25 +122,19 @@ std::string where_from(const SensorConfig& config) {
 
 DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& report,
                              const UnknownSenders& unknown, Stamp now) {
-  DiagnosticItem item;
-  item.name = "sensor " + report.name;
-  item.hardware_id = report.info.serial.empty() ? report.name : report.info.serial;
+  DiagnosticItem item{"sensor " + report.name, report.info.serial.empty() ? report.name : report.info.serial};
   judge(config, report, unknown, now, item);
-  const auto value = [&item](const char* key, std::string text) {
-    item.values.emplace_back(key, std::move(text));
-  };
-  if (config.ip_address) value("IP Address", config.ip_address->to_string());
-  if (config.model != nullptr && config.packet_topic.empty())
-    value("IP Port", std::to_string(config.ip_port));
-  for (const auto& [key, text] : report.info.details) item.values.emplace_back(key, text);
+  if (config.ip_address) item.add("IP Address", config.ip_address->to_string());
+  if (config.model != nullptr && config.packet_topic.empty()) item.add("IP Port", config.ip_port);
+  for (const auto& [key, text] : report.info.details) item.add(key, text);
   const Counters& c = report.counters;
   const auto count = [&](const NamedCounter<Counters>& counter) {
-    item.values.emplace_back(counter.words, std::to_string(c.*counter.value));
+    item.add(counter.words, c.*counter.value);
     char& first = item.values.back().first.front();
     first = static_cast<char>(std::toupper(static_cast<unsigned char>(first)));
   };
   for (const auto& counter : usual_counters) count(counter);
-  value("Rejected", rejected_text(c));
+  item.add("Rejected", rejected_text(c));
   for (const auto& counter : trouble_counters) count(counter);
   add_rates(report.recent, item);
   return item;
@@ -148,9 +142,8 @@ DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& rep
 
 DiagnosticItem settings_item(const SensorConfig& config, const SettingsStatus& status) {
   using Level = SettingsStatus::Level;
-  DiagnosticItem item;
-  item.name = "sensor " + config.name + " control";
-  item.hardware_id = status.serial.empty() ? config.name : status.serial;
+  DiagnosticItem item{"sensor " + config.name + " control",
+                      status.serial.empty() ? config.name : status.serial};
   item.health = status.level == Level::ok     ? Health::ok
                 : status.level == Level::warn ? Health::warn
                                               : Health::error;
@@ -160,16 +153,39 @@ DiagnosticItem settings_item(const SensorConfig& config, const SettingsStatus& s
 }
 
 DiagnosticItem unknown_senders_item(const std::vector<std::string>& senders) {
-  DiagnosticItem item;
-  item.name = "unknown senders";
-  item.hardware_id = "none";
-  item.health = Health::warn;
-  item.message = senders.front() + (senders.size() > 1 ? " and others send" : " sends") +
-                 " to a port of ours but belong to no sensor; add them to the configuration, or correct an "
-                 "ip_address";
-  for (std::size_t i = 0; i < senders.size(); ++i)
-    item.values.emplace_back("Sender " + std::to_string(i + 1), senders[i]);
+  DiagnosticItem item{"unknown senders", "none"};
+  item.set(Health::warn,
+           senders.front() + (senders.size() > 1 ? " and others send" : " sends") +
+               " to a port of ours but belong to no sensor; add them to the configuration, or correct an "
+               "ip_address");
+  for (std::size_t i = 0; i < senders.size(); ++i) item.add("Sender " + std::to_string(i + 1), senders[i]);
   return item;
+}
+
+void UnknownSenders::note(const Packet& packet) {
+  const Flow flow = flow_of(packet);
+  const auto entry = packets_.find(flow);
+  if (entry != packets_.end()) {
+    ++entry->second;
+  } else if (packets_.size() < most_names) {
+    packets_.emplace(flow, 1);
+  } else {
+    ++not_named_;
+  }
+}
+
+std::vector<std::string> UnknownSenders::names() const {
+  std::vector<std::string> senders;
+  for (const auto& [flow, packets] : packets_) senders.push_back(name_of(flow, packets));
+  if (not_named_ > 0) senders.push_back("further senders (" + std::to_string(not_named_) + " packets)");
+  return senders;
+}
+
+std::string UnknownSenders::sender_to(std::uint16_t port) const {
+  for (const auto& [flow, packets] : packets_) {
+    if (flow.transport == Transport::udp && flow.port == port) return name_of(flow, packets);
+  }
+  return {};
 }
 
 }  // namespace lidard

@@ -10,7 +10,7 @@
 #include "core/frames/cloud.h"
 #include "core/frames/device_message.h"
 #include "core/frames/scan.h"
-#include "daemon/config/output_topics.h"
+#include "daemon/config/config.h"
 
 namespace lidard {
 
@@ -27,10 +27,17 @@ enum class Health : std::uint8_t { ok, warn, error, stale };
 /// 107).
 struct DiagnosticItem {
   std::string name;
-  std::string hardware_id;
+  std::string hardware_id{};
   Health health = Health::ok;
-  std::string message;  ///< one sentence; says the remedy when health is not ok
-  std::vector<std::pair<std::string, std::string>> values;
+  std::string message{};  ///< one sentence; says the remedy when health is not ok
+  std::vector<std::pair<std::string, std::string>> values{};
+
+  void set(Health level, std::string sentence) {
+    health = level;
+    message = std::move(sentence);
+  }
+  void add(std::string key, std::string value) { values.emplace_back(std::move(key), std::move(value)); }
+  void add(std::string key, std::uint64_t number) { add(std::move(key), std::to_string(number)); }
 };
 
 /// Takes what the pipeline finished: ROS, a bag, a file, a test. Called from the sensor thread; must not
@@ -42,15 +49,9 @@ class FrameSink {
   virtual void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) = 0;
   /// May swap out cloud.points_bytes.
   virtual void cloud(const OutputTopic& topic, Cloud& cloud, Stamp released) = 0;
-  virtual void message(const OutputTopic& topic, const DeviceMessage& message, Stamp released) {
-    static_cast<void>(topic), static_cast<void>(message), static_cast<void>(released);
-  }
-  virtual void transforms(const std::vector<StaticTransform>& transforms, Stamp released) {
-    static_cast<void>(transforms), static_cast<void>(released);
-  }
-  virtual void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) {
-    static_cast<void>(items), static_cast<void>(released);
-  }
+  virtual void message(const OutputTopic& /*topic*/, const DeviceMessage& /*message*/, Stamp /*released*/) {}
+  virtual void transforms(const std::vector<StaticTransform>& /*transforms*/, Stamp /*released*/) {}
+  virtual void diagnostics(const std::vector<DiagnosticItem>& /*items*/, Stamp /*released*/) {}
 };
 
 }  // namespace lidard

@@ -78,20 +78,17 @@ std::string VehicleMotion::trouble(Stamp now) const {
 
 std::optional<DiagnosticItem> VehicleMotion::diagnostics(Stamp now) const {
   if (!vehicle_.has_motion()) return std::nullopt;
-  DiagnosticItem item;
-  item.name = "motion";
+  DiagnosticItem item{"motion"};
   const std::string what = trouble(now);
-  item.health = what.empty() ? Health::ok : Health::warn;
-  item.message = what.empty() ? "poses come in" : what;
+  item.set(what.empty() ? Health::ok : Health::warn, what.empty() ? "poses come in" : what);
   if (!what.empty() && refused_ > 0) item.message += ": " + why_refused_;
   item.values = {{"Knots", std::to_string(track_.size())},
                  {"Jumps back", std::to_string(track_.restarts())},
                  {"Not rigid", std::to_string(track_.not_rigid())},
                  {"Frame not known", std::to_string(refused_)}};
   if (!track_.empty() && data_)
-    item.values.emplace_back("Scans ahead of poses (s)",
-                             std::to_string(seconds(data_->stamp - track_.newest())));
-  item.values.emplace_back("Out of order", std::to_string(track_.out_of_order() + reckoning_.refused()));
+    item.add("Scans ahead of poses (s)", std::to_string(seconds(data_->stamp - track_.newest())));
+  item.add("Out of order", track_.out_of_order() + reckoning_.refused());
   return item;
 }
 

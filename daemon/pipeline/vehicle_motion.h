@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/motion/dead_reckoning.h"
+#include "core/motion/pose_track.h"
 #include "daemon/config/config.h"
 #include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/sink.h"

@@ -1,11 +1,17 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/pipeline/virtual_output.h"
-
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/time.h"
+#include "core/motion/frame_motion.h"
+#include "core/virtual/virtualizer.h"
+#include "daemon/pipeline/output.h"
 
 namespace lidard {
 namespace {
@@ -23,169 +29,187 @@ VirtualSettings settings_of(const VirtualScanConfig& config) {
   return settings;
 }
 
+/// The virtual scans of one cloud.
+class VirtualOutput final : public Output {
+ public:
+  VirtualOutput(const VirtualScanConfig& config, const OutputContext& context)
+      : config_(config),
+        context_(context),
+        poses_(context.poses),
+        stamps_(config.output_laser_topic.empty() ? config.virtual_laser_scan.size() : 1),
+        why_unplaced_(config.virtual_laser_scan.size()) {
+    const auto topic = [&](const std::string& name) { return &topic_named(context.outlet.topics(), name); };
+    for (const std::string& frame : config.virtual_laser_scan) {
+      topics_.push_back({topic(config.topic(frame))});
+      for (const AlsoScanConfig& also : config.also)
+        topics_.back().push_back(topic(config.topic(frame, &also)));
+    }
+    set_up();
+  }
+
+  OutputId id() const override { return {OutputId::Kind::virtual_group, config_.name}; }
+  std::vector<std::string> sources() const override { return {config_.cloud_topic}; }
+  void add_cloud(const Cloud& cloud, Stamp now) override {
+    Pose vehicle_from_cloud;
+    if (!place_vehicle(cloud, vehicle_from_cloud)) {
+      ++counters_.no_pose;
+      for (std::string& why : why_unplaced_) why = counters_.why_no_pose;
+      return;
+    }
+    const Stamp stamp = take(cloud, vehicle_from_cloud);
+    for (std::size_t i = 0; i < config_.virtual_laser_scan.size(); ++i) {
+      Pose pose;
+      if (!poses_.find(config_.virtual_laser_scan[i], cloud.frame_id, cloud.stamp, pose,
+                       counters_.why_no_pose)) {
+        ++counters_.no_pose;
+        why_unplaced_[i] = counters_.why_no_pose;
+        continue;
+      }
+      why_unplaced_[i].clear();
+      virtualizer_->project(i, pose, outputs_);
+      publish(i, stamp, now);
+    }
+  }
+  void set_scan(const OutputScanConfig& wanted) override {
+    config_.output = wanted;
+    set_up();
+  }
+  bool publishes(const std::string& topic) const override {
+    for (std::size_t i = 0; i < topics_.size(); ++i) {
+      if (carries(topic, i)) return true;
+    }
+    return false;
+  }
+  std::string why_missing(const std::string& topic, const WhySilent& why_silent) const override {
+    if (counters_.published == 0 && counters_.no_pose == 0)
+      return "source " + config_.cloud_topic + " gave no clouds" + why_silent(config_.cloud_topic);
+    std::string missing;
+    for (std::size_t i = 0; i < why_unplaced_.size(); ++i) {
+      if (why_unplaced_[i].empty() || !carries(topic, i)) continue;
+      missing += (missing.empty() ? "" : "; ") + why_unplaced_[i];
+    }
+    return missing;
+  }
+  DiagnosticItem diagnostics(Stamp now, bool starting) const override {
+    DiagnosticItem item = health_of("virtual " + config_.name, counters_, now, starting);
+    describe_frames(item);
+    describe_motion(item);
+    if (!config_.has_visibility()) return item;
+    item.add("Clouds without rings", without_rings_);
+    item.add("Returns on the vehicle", virtualizer_->own_returns());
+    const std::string why = virtualizer_->why_no_surfaces();
+    if (item.health == Health::ok && !why.empty()) {
+      item.set(Health::warn, "points alone, nothing is known to be free: of the cloud " + why);
+    }
+    describe_beams(item);
+    return item;
+  }
+
+ private:
+  /// Makes what depends on the grid and the profiles.
+  void set_up() {
+    const VehicleConfig& vehicle = context_.vehicle;
+    needs_vehicle_ = config_.has_visibility() || !vehicle.footprint.empty() || vehicle.has_motion();
+    virtualizer_.emplace(grid_of(config_.output.grid), band_of(config_.output),
+                         config_.virtual_laser_scan.size(), settings_of(config_));
+    virtualizer_->set_footprint(Footprint(vehicle.footprint));
+    scans_.assign(1 + config_.also.size(), PlanarScan());
+    set_encodings(config_.output, config_.also, scans_);
+    outputs_ = {{config_.output.profile, &scans_[0]}};
+    for (std::size_t i = 0; i < config_.also.size(); ++i)
+      outputs_.push_back({config_.also[i].profile, &scans_[i + 1]});
+    without_rings_ = without_motion_ = 0;
+    stands_ = false;
+  }
+  bool place_vehicle(const Cloud& cloud, Pose& vehicle_from_cloud) {
+    vehicle_from_cloud = Pose::Identity();
+    if (!needs_vehicle_) return true;
+    return poses_.find(context_.vehicle.base_frame, cloud.frame_id, cloud.stamp, vehicle_from_cloud,
+                       counters_.why_no_pose);
+  }
+  /// Takes the cloud; returns the instant that its scans show.
+  Stamp take(const Cloud& cloud, const Pose& vehicle_from_cloud) {
+    const PoseTrack* const track = poses_.track();
+    const bool moves = track != nullptr && motion_.find(cloud, vehicle_from_cloud, *track);
+    stands_ = track != nullptr && !moves;
+    if (stands_) ++without_motion_;
+    virtualizer_->set_cloud(cloud, vehicle_from_cloud, moves ? &motion_ : nullptr);
+    if (virtualizer_->why_no_surfaces()[0] != '\0') ++without_rings_;
+    return moves ? motion_.instant() : cloud.stamp;
+  }
+  /// The scans of one of the frames.
+  void publish(std::size_t frame, Stamp stamp, Stamp now) {
+    // Several frames on one topic share the cloud's stamp; consumers want stamps that increase.
+    stamp = stamps_[std::min(frame, stamps_.size() - 1)].next(stamp);
+    ++counters_.published;
+    counters_.last_published = now;
+    for (std::size_t i = 0; i < scans_.size(); ++i) {
+      scans_[i].frame_id = config_.virtual_laser_scan[frame];
+      scans_[i].stamp = stamp;
+      const OutputTopic& topic = *topics_[frame][i];
+      context_.outlet.publish(topic, scans_[i], now);
+      context_.outlet.feed(context_.outlet.source_of(topic), scans_[i], now);
+    }
+  }
+  bool carries(const std::string& topic, std::size_t frame) const {
+    return std::any_of(topics_[frame].begin(), topics_[frame].end(),
+                       [&](const OutputTopic* own) { return own->name == topic; });
+  }
+  void describe_frames(DiagnosticItem& item) const {
+    if (item.health != Health::ok) return;
+    for (std::size_t i = 0; i < why_unplaced_.size(); ++i) {
+      if (why_unplaced_[i].empty()) continue;
+      item.set(Health::warn, "publishing without " + config_.virtual_laser_scan[i] + ": " + why_unplaced_[i]);
+    }
+  }
+  void describe_motion(DiagnosticItem& item) const {
+    item.add("Clouds without motion", without_motion_);
+    if (!stands_ || item.health != Health::ok || counters_.published == 0) return;
+    item.set(
+        Health::warn,
+        "publishing as if the vehicle stood still: poses of the cloud's time are missing; see that odometry "
+        "is "
+        "published");
+  }
+  void describe_beams(DiagnosticItem& item) const {
+    for (std::size_t i = 0; i < config_.virtual_laser_scan.size(); ++i) {
+      const Visibility& visibility = virtualizer_->visibility(i);
+      std::array<std::size_t, 5> counts{};
+      for (std::size_t beam = 0; beam < visibility.beams(); ++beam)
+        ++counts[static_cast<std::size_t>(visibility.state(beam))];
+      const auto share = [&](BeamState seen) {
+        return 100.0 * static_cast<double>(counts[static_cast<std::size_t>(seen)]) /
+               static_cast<double>(visibility.beams());
+      };
+      item.add("Beams of " + config_.virtual_laser_scan[i],
+               fmt::format("hit {:.1f} %, free {:.1f} %, behind {:.1f} %, gap {:.1f} %, unobserved {:.1f} %",
+                           share(BeamState::hit), share(BeamState::free), share(BeamState::behind),
+                           share(BeamState::gap), share(BeamState::unobserved)));
+    }
+  }
+
+  VirtualScanConfig config_;
+  const OutputContext& context_;
+  const FrameTree& poses_;
+  bool needs_vehicle_ = true;  // the cloud's place on the vehicle
+  std::optional<Virtualizer> virtualizer_;
+  CloudMotion motion_;
+  std::vector<PlanarScan> scans_;  // the first is the entry's own, then those of `also`
+  std::vector<VirtualScan> outputs_;
+  std::vector<std::vector<const OutputTopic*>> topics_;  // of scans_, for each frame
+  std::vector<SteadyStamps> stamps_;                     // one for all where the frames share a topic
+  std::vector<std::string>
+      why_unplaced_;  // why the newest cloud could not be seen from a frame; empty: it could
+  OutputCounters counters_;
+  std::uint64_t without_rings_ = 0;   // clouds that are points alone
+  std::uint64_t without_motion_ = 0;  // clouds that could not be deskewed
+  bool stands_ = false;               // the newest one among them
+};
+
 }  // namespace
 
-VirtualOutput::VirtualOutput(const VirtualScanConfig& config, const OutputContext& context)
-    : config_(config),
-      context_(context),
-      poses_(context.poses),
-      stamps_(config.output_laser_topic.empty() ? config.virtual_laser_scan.size() : 1),
-      why_unplaced_(config.virtual_laser_scan.size()) {
-  const auto topic = [&](const std::string& name) { return &topic_named(context.outlet.topics(), name); };
-  for (const std::string& frame : config.virtual_laser_scan) {
-    topics_.push_back({topic(config.topic(frame))});
-    for (const AlsoScanConfig& also : config.also)
-      topics_.back().push_back(topic(config.topic(frame, &also)));
-  }
-  set_up();
-}
-
-void VirtualOutput::set_up() {
-  const VehicleConfig& vehicle = context_.vehicle;
-  needs_vehicle_ = config_.has_visibility() || !vehicle.footprint.empty() || vehicle.has_motion();
-  virtualizer_.emplace(grid_of(config_.output.grid), band_of(config_.output),
-                       config_.virtual_laser_scan.size(), settings_of(config_));
-  virtualizer_->set_footprint(Footprint(vehicle.footprint));
-  scans_.assign(1 + config_.also.size(), PlanarScan());
-  set_encodings(config_.output, config_.also, scans_);
-  outputs_ = {{config_.output.profile, &scans_[0]}};
-  for (std::size_t i = 0; i < config_.also.size(); ++i)
-    outputs_.push_back({config_.also[i].profile, &scans_[i + 1]});
-  without_rings_ = without_motion_ = 0;
-  stands_ = false;
-}
-
-void VirtualOutput::set_scan(const OutputScanConfig& wanted) {
-  config_.output = wanted;
-  set_up();
-}
-
-bool VirtualOutput::place_vehicle(const Cloud& cloud, Pose& vehicle_from_cloud) {
-  vehicle_from_cloud = Pose::Identity();
-  if (!needs_vehicle_) return true;
-  return poses_.find(context_.vehicle.base_frame, cloud.frame_id, cloud.stamp, vehicle_from_cloud,
-                     counters_.why_no_pose);
-}
-
-Stamp VirtualOutput::take(const Cloud& cloud, const Pose& vehicle_from_cloud) {
-  const PoseTrack* const track = poses_.track();
-  const bool moves = track != nullptr && motion_.find(cloud, vehicle_from_cloud, *track);
-  stands_ = track != nullptr && !moves;
-  if (stands_) ++without_motion_;
-  virtualizer_->set_cloud(cloud, vehicle_from_cloud, moves ? &motion_ : nullptr);
-  if (virtualizer_->why_no_surfaces()[0] != '\0') ++without_rings_;
-  return moves ? motion_.instant() : cloud.stamp;
-}
-
-void VirtualOutput::publish(std::size_t frame, Stamp stamp, Stamp now) {
-  // Several frames on one topic share the cloud's stamp; consumers want stamps that increase.
-  stamp = stamps_[std::min(frame, stamps_.size() - 1)].next(stamp);
-  ++counters_.published;
-  counters_.last_published = now;
-  for (std::size_t i = 0; i < scans_.size(); ++i) {
-    scans_[i].frame_id = config_.virtual_laser_scan[frame];
-    scans_[i].stamp = stamp;
-    const OutputTopic& topic = *topics_[frame][i];
-    context_.outlet.publish(topic, scans_[i], now);
-    context_.outlet.feed(context_.outlet.source_of(topic), scans_[i], now);
-  }
-}
-
-void VirtualOutput::add_cloud(const Cloud& cloud, Stamp now) {
-  Pose vehicle_from_cloud;
-  if (!place_vehicle(cloud, vehicle_from_cloud)) {
-    ++counters_.no_pose;
-    for (std::string& why : why_unplaced_) why = counters_.why_no_pose;
-    return;
-  }
-  const Stamp stamp = take(cloud, vehicle_from_cloud);
-  for (std::size_t i = 0; i < config_.virtual_laser_scan.size(); ++i) {
-    Pose pose;
-    if (!poses_.find(config_.virtual_laser_scan[i], cloud.frame_id, cloud.stamp, pose,
-                     counters_.why_no_pose)) {
-      ++counters_.no_pose;
-      why_unplaced_[i] = counters_.why_no_pose;
-      continue;
-    }
-    why_unplaced_[i].clear();
-    virtualizer_->project(i, pose, outputs_);
-    publish(i, stamp, now);
-  }
-}
-
-bool VirtualOutput::carries(const std::string& topic, std::size_t frame) const {
-  return std::any_of(topics_[frame].begin(), topics_[frame].end(),
-                     [&](const OutputTopic* own) { return own->name == topic; });
-}
-
-bool VirtualOutput::publishes(const std::string& topic) const {
-  for (std::size_t i = 0; i < topics_.size(); ++i) {
-    if (carries(topic, i)) return true;
-  }
-  return false;
-}
-
-std::string VirtualOutput::why_missing(const std::string& topic, const WhySilent& why_silent) const {
-  if (counters_.published == 0 && counters_.no_pose == 0)
-    return "source " + config_.cloud_topic + " gave no clouds" + why_silent(config_.cloud_topic);
-  std::string missing;
-  for (std::size_t i = 0; i < why_unplaced_.size(); ++i) {
-    if (why_unplaced_[i].empty() || !carries(topic, i)) continue;
-    missing += (missing.empty() ? "" : "; ") + why_unplaced_[i];
-  }
-  return missing;
-}
-
-void VirtualOutput::describe_frames(DiagnosticItem& item) const {
-  if (item.health != Health::ok) return;
-  for (std::size_t i = 0; i < why_unplaced_.size(); ++i) {
-    if (why_unplaced_[i].empty()) continue;
-    item.health = Health::warn;
-    item.message = "publishing without " + config_.virtual_laser_scan[i] + ": " + why_unplaced_[i];
-  }
-}
-
-void VirtualOutput::describe_beams(DiagnosticItem& item) const {
-  for (std::size_t i = 0; i < config_.virtual_laser_scan.size(); ++i) {
-    const Visibility& visibility = virtualizer_->visibility(i);
-    std::array<std::size_t, 5> counts{};
-    for (std::size_t beam = 0; beam < visibility.beams(); ++beam)
-      ++counts[static_cast<std::size_t>(visibility.state(beam))];
-    const auto share = [&](BeamState seen) {
-      return 100.0 * static_cast<double>(counts[static_cast<std::size_t>(seen)]) /
-             static_cast<double>(visibility.beams());
-    };
-    item.values.emplace_back(
-        "Beams of " + config_.virtual_laser_scan[i],
-        fmt::format("hit {:.1f} %, free {:.1f} %, behind {:.1f} %, gap {:.1f} %, unobserved {:.1f} %",
-                    share(BeamState::hit), share(BeamState::free), share(BeamState::behind),
-                    share(BeamState::gap), share(BeamState::unobserved)));
-  }
-}
-
-void VirtualOutput::describe_motion(DiagnosticItem& item) const {
-  item.values.emplace_back("Clouds without motion", std::to_string(without_motion_));
-  if (!stands_ || item.health != Health::ok || counters_.published == 0) return;
-  item.health = Health::warn;
-  item.message =
-      "publishing as if the vehicle stood still: poses of the cloud's time are missing; see that odometry is "
-      "published";
-}
-
-DiagnosticItem VirtualOutput::diagnostics(Stamp now, bool starting) const {
-  DiagnosticItem item = health_of("virtual " + config_.name, counters_, now, starting);
-  describe_frames(item);
-  describe_motion(item);
-  if (!config_.has_visibility()) return item;
-  item.values.emplace_back("Clouds without rings", std::to_string(without_rings_));
-  item.values.emplace_back("Returns on the vehicle", std::to_string(virtualizer_->own_returns()));
-  const std::string why = virtualizer_->why_no_surfaces();
-  if (item.health == Health::ok && !why.empty()) {
-    item.health = Health::warn;
-    item.message = "points alone, nothing is known to be free: of the cloud " + why;
-  }
-  describe_beams(item);
-  return item;
+std::unique_ptr<Output> make_output(const VirtualScanConfig& config, const OutputContext& context) {
+  return std::make_unique<VirtualOutput>(config, context);
 }
 
 }  // namespace lidard

@@ -2,12 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <rosbag/bag.h>
+
+#include <map>
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "daemon/pipeline/sink.h"
+#include "daemon/ros/ros_message.h"
 
 namespace lidard {
 
@@ -32,16 +36,32 @@ class BagSink : public FrameSink {
   void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) override;
 
   /// Messages written so far.
-  std::size_t messages() const;
+  std::size_t messages() const { return messages_; }
   /// What went wrong while writing; empty if nothing did. After an error nothing more is written.
-  const std::string& error() const;
+  const std::string& error() const { return error_; }
   /// Writes the index and closes the file; throws BagError if the bag is not complete on disk. The destructor
   /// closes too, and keeps errors to itself.
   void close();
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  void give_up(const std::exception& problem, int error_number);
+  /// Does something with the bag that may fail; false if it did.
+  template <class Do>
+  bool attempt(const Do& what);
+  template <typename Frame>
+  RosMessage& write_frame(const OutputTopic& topic, Frame& frame, Stamp released);
+  template <typename Message>
+  void write(const std::string& topic, Stamp released, const Message& message,
+             const boost::shared_ptr<ros::M_string>& header = {});
+
+  const std::string path_;
+  std::map<std::string, RosMessage> messages_by_topic_;
+  std::unique_ptr<rosbag::Bag> bag_ = std::make_unique<rosbag::Bag>();
+  std::size_t messages_ = 0;
+  std::string error_;
+  const boost::shared_ptr<ros::M_string> tf_header_;
+  tf2_msgs::TFMessage tf_;
+  diagnostic_msgs::DiagnosticArray diagnostics_;
 };
 
 }  // namespace lidard

@@ -7,7 +7,6 @@
 #include <set>
 
 #include "core/base/number_text.h"
-#include "daemon/config/grid_limits.h"
 #include "daemon/config/key_tables.h"
 
 namespace lidard {
@@ -82,19 +81,18 @@ ChangeableOutput virtual_output(const VirtualScanConfig& group, ReconfigureNames
 /// A value as a request may hold it; a number at the limit of a key that may be unset stands for "not set".
 std::string take(const OutputItem& item, const ItemValues& wanted, OutputScanConfig& config) {
   const std::string name(item.name);
-  const auto number = wanted.numbers.find(name);
-  const auto word = wanted.words.find(name);
-  if (item.words.empty() && number != wanted.numbers.end()) {
-    if (std::isnan(number->second)) return name + " is not a number; expected one";
-    const double value = std::clamp(number->second, item.lowest, item.highest);
+  const KeyValue& value = wanted.at(name);
+  if (const auto* number = std::get_if<double>(&value)) {
+    if (std::isnan(*number)) return name + " is not a number; expected one";
+    const double within = std::clamp(*number, item.lowest, item.highest);
     const auto* const none = std::get_if<double>(&item.otherwise);
-    item.set(config, none != nullptr && value == *none ? KeyValue() : value);
-  } else if (!item.words.empty() && word != wanted.words.end()) {
+    item.set(config, none != nullptr && within == *none ? KeyValue() : within);
+  } else if (const auto* word = std::get_if<std::string>(&value)) {
     std::string expected;
     for (const auto one : item.words) expected.append(expected.empty() ? "" : ", ").append(one);
-    if (std::find(item.words.begin(), item.words.end(), word->second) == item.words.end())
-      return name + " is '" + word->second + "'; expected one of " + expected;
-    item.set(config, word->second);
+    if (std::find(item.words.begin(), item.words.end(), *word) == item.words.end())
+      return name + " is '" + *word + "'; expected one of " + expected;
+    item.set(config, value);
   }
   return {};
 }
@@ -111,6 +109,62 @@ std::string conflict(const OutputScanConfig& config, const ChangeableOutput& out
     return "profile needs proof, but the source " + output.flat_source +
            " is a virtual scan of profile flatten; expected flatten";
   return {};
+}
+
+using ConfigMessage = dynamic_reconfigure::Config;
+
+void add(ConfigMessage& config, const OutputItem& item, const KeyValue& value) {
+  const auto put = [&](auto& list, const auto& held) {
+    auto& one = list.emplace_back();
+    one.name = item.name;
+    one.value = held;
+  };
+  if (const auto* number = std::get_if<double>(&value)) put(config.doubles, *number);
+  if (const auto* word = std::get_if<std::string>(&value)) put(config.strs, *word);
+}
+
+/// The limit of a number.
+KeyValue limit_of(const OutputItem& item, double limit) {
+  return item.words.empty() ? KeyValue(limit) : KeyValue(std::string());
+}
+
+/// The meaning, the unit, and what stands for none.
+std::string description_of(const OutputItem& item) {
+  std::string text(item.meaning);
+  if (!item.unit.empty()) text.append(", ").append(item.unit);
+  const auto* none = std::get_if<double>(&item.otherwise);
+  return none == nullptr ? text : text + "; " + number_text(*none) + ": none";
+}
+
+/// Every message of values names the one group there is (dynamic_reconfigure/GroupState.msg).
+ConfigMessage with_group() {
+  ConfigMessage config;
+  config.groups.emplace_back();
+  config.groups.back().name = "Default";
+  config.groups.back().state = true;
+  return config;
+}
+
+/// How rqt_reconfigure offers words: a Python literal, as parameter_generator writes it.
+std::string edit_method(const OutputItem& item) {
+  if (item.words.empty()) return {};
+  std::string entries;
+  for (const auto& word : item.words) {
+    entries += (entries.empty() ? "{'name': '" : ", {'name': '") + std::string(word) +
+               "', 'type': 'str', 'value': '" + std::string(word) +
+               "', 'description': '', 'srcline': 0, 'srcfile': '', 'cconsttype': 'const char * const', "
+               "'ctype': 'std::string'}";
+  }
+  return "{'enum_description': '" + description_of(item) + "', 'enum': [" + entries + "]}";
+}
+
+dynamic_reconfigure::ParamDescription described(const OutputItem& item) {
+  dynamic_reconfigure::ParamDescription description;
+  description.name = item.name;
+  description.type = item.words.empty() ? "double" : "str";
+  description.description = description_of(item);
+  description.edit_method = edit_method(item);
+  return description;
 }
 
 }  // namespace
@@ -134,12 +188,8 @@ std::vector<ChangeableOutput> changeable_outputs(const Config& config, Reconfigu
 ItemValues values_of(const ChangeableOutput& output) {
   ItemValues values;
   for (const OutputItem& item : output.items) {
-    KeyValue value = item.get(output.config);
-    if (!value.is_set()) value = item.otherwise;
-    if (item.words.empty())
-      values.numbers[std::string(item.name)] = std::get<double>(value);
-    else
-      values.words[std::string(item.name)] = std::get<std::string>(value);
+    const KeyValue value = item.get(output.config);
+    values[std::string(item.name)] = value.is_set() ? value : item.otherwise;
   }
   return values;
 }
@@ -147,8 +197,10 @@ ItemValues values_of(const ChangeableOutput& output) {
 std::string change(ChangeableOutput& output, const ItemValues& wanted) {
   // What follows from the number of beams stays as it is, whatever else changes.
   ItemValues values = values_of(output);
-  for (const auto& [name, number] : wanted.numbers) values.numbers[name] = number;
-  for (const auto& [name, word] : wanted.words) values.words[name] = word;
+  for (const auto& [name, value] : wanted) {
+    const auto known = values.find(name);
+    if (known != values.end() && known->second.index() == value.index()) known->second = value;
+  }
   OutputScanConfig config = output.config;
   for (const OutputItem& item : output.items) {
     if (std::string complaint = take(item, values, config); !complaint.empty()) return complaint;
@@ -161,6 +213,37 @@ std::string change(ChangeableOutput& output, const ItemValues& wanted) {
 std::size_t beams_of(const OutputScanConfig& config) {
   const auto grid = make_grid(config.grid);
   return grid ? grid->beams : 0;
+}
+
+ItemValues read_values(const ConfigMessage& config) {
+  ItemValues values;
+  for (const auto& one : config.doubles) values[one.name] = one.value;
+  // Who writes 5 for 5.0 means the same.
+  for (const auto& one : config.ints) values[one.name] = static_cast<double>(one.value);
+  for (const auto& one : config.strs) values[one.name] = one.value;
+  return values;
+}
+
+ConfigMessage config_message(const ChangeableOutput& output) {
+  ConfigMessage config = with_group();
+  const ItemValues values = values_of(output);
+  for (const OutputItem& item : output.items) add(config, item, values.at(std::string(item.name)));
+  return config;
+}
+
+dynamic_reconfigure::ConfigDescription description_message(const ChangeableOutput& output) {
+  dynamic_reconfigure::ConfigDescription description;
+  description.groups.emplace_back();
+  description.groups.back().name = "Default";
+  description.min = with_group();
+  description.max = with_group();
+  description.dflt = config_message(output);
+  for (const OutputItem& item : output.items) {
+    description.groups.back().parameters.push_back(described(item));
+    add(description.min, item, limit_of(item, item.lowest));
+    add(description.max, item, limit_of(item, item.highest));
+  }
+  return description;
 }
 
 }  // namespace lidard

@@ -2,13 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dynamic_reconfigure/Config.h>
+#include <dynamic_reconfigure/ConfigDescription.h>
+
 #include <map>
 #include <string>
 #include <vector>
 
 #include "daemon/config/config.h"
-#include "daemon/pipeline/output_id.h"
-#include "daemon/ros/ros_options.h"
+#include "daemon/ros/ros_environment.h"
 #include "drivers/key.h"
 
 namespace lidard {
@@ -16,11 +18,8 @@ namespace lidard {
 /// Something of an output that may be changed while it runs: a number with limits, or one of a few words.
 using OutputItem = KeyOf<OutputScanConfig>;
 
-/// Values of items by name.
-struct ItemValues {
-  std::map<std::string, double> numbers;
-  std::map<std::string, std::string> words;
-};
+/// Values of items by name: numbers and words.
+using ItemValues = std::map<std::string, KeyValue>;
 
 /// An output whose items may be changed while it runs.
 struct ChangeableOutput {
@@ -45,5 +44,12 @@ std::string change(ChangeableOutput& output, const ItemValues& wanted);
 
 /// The number of beams of an output.
 std::size_t beams_of(const OutputScanConfig& config);
+
+/// The values of a request.
+ItemValues read_values(const dynamic_reconfigure::Config& config);
+/// The values in force as a message.
+dynamic_reconfigure::Config config_message(const ChangeableOutput& output);
+/// The items with their limits as a message; the values in force are their defaults.
+dynamic_reconfigure::ConfigDescription description_message(const ChangeableOutput& output);
 
 }  // namespace lidard

@@ -3,18 +3,19 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "core/base/pose.h"
 #include "core/base/time.h"
 #include "daemon/config/config.h"
-#include "daemon/pipeline/output_id.h"
 #include "daemon/pipeline/sink.h"
 
 namespace lidard {
 
 class MasterClient;
+class MessageReceiver;
+struct ChangeableOutput;
 class RosCallbackThread;
 
 /// Something else that needs the ROS connection. All calls come from the master thread.
@@ -26,7 +27,7 @@ class RosComponent {
   /// ROS ends, and `ros` next: nobody is called back any more, and handles must be given up now.
   virtual void disconnected() {}
   /// Twice a second while the master answers.
-  virtual void poll(MasterClient& master) { static_cast<void>(master); }
+  virtual void poll(MasterClient& /*master*/) {}
   /// The master was restarted, and is told the topics of this node by others. Returns the services of the
   /// component, which it is to be told too.
   virtual std::vector<std::string> master_restarted() { return {}; }
@@ -39,21 +40,14 @@ class RosComponent {
 /// task came. Called in the callback thread; must not wait.
 using RosPost = std::function<void(std::function<void(Stamp received)> task)>;
 
-/// Where goes what comes in from ROS; called in the thread of the pipeline. `received` is when it came.
-struct RosHandlers {
-  std::function<void(const std::string& sensor, PlanarScan& scan, Stamp received)> scan;
-  std::function<void(const std::string& sensor, Cloud& cloud, Stamp received)> cloud;
-  /// `arrival` is when the node that sends the message received the packet.
-  std::function<void(const std::string& sensor, ByteView packet, Stamp arrival, Stamp received)> packet = {};
-  /// Pose of the message's child frame in the frame of the odometry.
-  std::function<void(Stamp stamp, const Pose& pose, const std::string& child, Stamp received)> pose = {};
-  /// Turn rates, rad/s, in `frame`.
-  std::function<void(Stamp stamp, const Eigen::Vector3d& rates, const std::string& frame, Stamp received)>
-      turn = {};
-  /// Speed ahead, m/s.
-  std::function<void(double speed)> speed = {};
-  /// A change that dynamic_reconfigure has accepted.
-  std::function<void(const OutputId& output, const OutputScanConfig& wanted)> change = {};
-};
+/// Subscribes to the topics that tell how the vehicle moves: nav_msgs/Odometry, or sensor_msgs/Imu with a
+/// speed (geometry_msgs/TwistStamped).
+std::shared_ptr<RosComponent> make_ros_motion(const VehicleConfig& vehicle, RosPost post,
+                                              MessageReceiver& receiver);
+/// dynamic_reconfigure servers of the merged and virtual scans. The callback thread answers requests and
+/// hands on what is accepted. The parameter server is written in the master thread, so that a master that
+/// hangs holds up nobody; dynamic_reconfigure::Server would write it in the answering thread.
+std::shared_ptr<RosComponent> make_ros_reconfigure(std::vector<ChangeableOutput> outputs, const RosPost& post,
+                                                   MessageReceiver& receiver);
 
 }  // namespace lidard

@@ -95,216 +95,185 @@ struct RosConnection::Impl {
   Clock::time_point next_notice = Clock::now();
   Clock::time_point next_diagnostics = Clock::now();
 
-  void run_ros();
-  bool deal_with(QueuedFrame& frame);
-  void wait_for_subscribers_of(const QueuedFrame& frame);
-  void hurry();
-  void run_master();
-  void look_after(MasterClient& master);
-  void master_answered(MasterClient& master, int pid);
-  void master_silent(const MasterClient& master);
-  void start_ros();
-  void end_ros(bool leave);
-  void restart_after_foreign_stop(MasterClient& master);
-  void publish_diagnostics();
-  DiagnosticItem own_status() const;
-  void judge_own_status(DiagnosticItem& item) const;
-  void shut_down(MasterClient& master);
+  void run_ros() {
+    while (!stopping) {
+      pulse.tick(RosPulse::publishing);
+      QueuedFrame* frame = queue.pop(milliseconds(100));
+      if (frame == nullptr) continue;
+      if (deal_with(*frame))
+        queue.published(frame, wall_clock());
+      else
+        queue.done(frame);
+    }
+  }
+  /// True if it was published: there is ROS.
+  bool deal_with(QueuedFrame& frame) {
+    if (options.backpressure == Backpressure::block) wait_for_subscribers_of(frame);
+    const bool sent = publishers.publish(frame);
+    ++(sent ? published : without_ros);
+    return sent;
+  }
+  void wait_for_subscribers_of(const QueuedFrame& frame) {
+    const auto keeps_up = [&] {
+      pulse.tick(RosPulse::publishing);
+      const bool advertised = publishers.ready() || frame.lane == queue.transforms_lane();
+      return stopping || (advertised && publishers.in_flight(frame) < most_in_flight);
+    };
+    while (!wait_until(keeps_up, stuck_subscriber)) {
+      if (!publishers.ready()) continue;
+      spdlog::warn("a subscriber has taken nothing for 10 s; it loses messages from here on");
+      return;
+    }
+  }
+  void hurry() {
+    {
+      const std::lock_guard lock(wake_mutex);
+      news = true;
+    }
+    wake.notify_all();
+  }
+  void run_master() {
+    name_this_thread(thread_name);
+    MasterClient master(*parse_server_uri(master_uri), node);
+    while (!stopping) {
+      look_after(master);
+      std::unique_lock lock(wake_mutex);
+      wake.wait_for(lock, master_period, [this] { return stopping || news; });
+    }
+    shut_down(master);
+    master_ended = true;
+  }
+  void look_after(MasterClient& master) {
+    if (running && !ros::ok()) restart_after_foreign_stop(master);
+    // News do not wait for the master's answer.
+    if (running && news.exchange(false)) publish_diagnostics();
+    const auto pid = master.pid();
+    if (stopping) return;
+    if (pid) {
+      master_answered(master, *pid);
+    } else {
+      master_silent(master);
+    }
+    if (news.exchange(false) && running) next_diagnostics = Clock::now();
+    if (running && Clock::now() >= next_diagnostics) publish_diagnostics();
+  }
+  void master_answered(MasterClient& master, int pid) {
+    master_present = true;
+    const bool another = pid != master_pid;
+    master_pid = pid;
+    if (!running) {
+      if (!name->is_free(master)) return;
+      start_ros();
+      spdlog::info("ROS master found at {}; publishing as {}", master_uri, node);
+    } else if (another || !registered) {
+      std::vector<std::string> services;
+      for (const auto& component : components) {
+        for (auto& service : component->master_restarted()) services.push_back(std::move(service));
+      }
+      registered = register_again(master, services);
+      if (registered) spdlog::warn("ROS master at {} came back; all topics are registered again", master_uri);
+    }
+    const RosPulse::Call call(pulse);
+    for (const auto& component : components) {
+      if (stopping || !running) return;
+      component->poll(master);
+      publishers.advertise_again(component->stale_topics());
+    }
+  }
+  void master_silent(const MasterClient& master) {
+    master_present = false;
+    registered = false;
+    if (Clock::now() < next_notice) return;
+    next_notice = Clock::now() + std::chrono::seconds(30);
+    spdlog::warn("no ROS master at {} ({}): {}; start one with `roscore`, or set ROS_MASTER_URI", master_uri,
+                 master.error(),
+                 running ? "new subscribers cannot find us" : "data is received but not published");
+  }
+  void start_ros() {
+    const RosPulse::Call call(pulse);
+    name->answer_others();
+    ros::master::setRetryTimeout(ros::WallDuration(0.2));
+    // A new thread has the name of the one that starts it; RosPulse names all of roscpp's but that of
+    // /rosout.
+    name_this_thread("roscpp-rosout");
+    ros::start();
+    name_this_thread(thread_name);
+    publishers.advertise();
+    diagnostics.start();
+    callbacks = std::make_unique<RosCallbackThread>(pulse);
+    for (const auto& component : components) component->connected(*callbacks);
+    pulse.attach();
+    name->taken();
+    running = true;
+    registered = true;
+  }
+  void end_ros(bool leave) {
+    const RosPulse::Call call(pulse);
+    pulse.detach();
+    callbacks->stop();
+    for (const auto& component : components) component->disconnected();
+    if (leave) leave_behind(std::move(callbacks));
+    callbacks.reset();
+    diagnostics.drop(leave);
+    publishers.drop(leave);
+    if (!leave) ros::shutdown();
+    running = false;
+  }
+  void restart_after_foreign_stop(MasterClient& master) {
+    ++foreign_stops;
+    spdlog::error(
+        "our ROS node {} was shut down from outside (a node of the same name, or rosnode kill); starting "
+        "again",
+        node);
+    end_ros(false);
+    const auto pause = [this](Span length) {
+      std::unique_lock lock(wake_mutex);
+      wake.wait_for(lock, length, [this] { return stopping.load(); });
+    };
+    pause(name->thrown_out());
+    pause(name->after_thrown_out(master));
+  }
+  void publish_diagnostics() {
+    next_diagnostics = Clock::now() + std::chrono::seconds(1);
+    std::vector<DiagnosticItem> more{own_status()};
+    for (const auto& component : components) {
+      for (auto& item : component->diagnostics()) more.push_back(std::move(item));
+    }
+    diagnostics.publish(more);
+  }
+  DiagnosticItem own_status() const {
+    DiagnosticItem item{"ROS"};
+    judge_own_status(item);
+    item.values = {{"Frames published", std::to_string(published)},
+                   {"Frames dropped", std::to_string(queue.dropped())},
+                   {"Frames before the master came", std::to_string(without_ros)},
+                   {"Subscribers", std::to_string(publishers.subscribers())}};
+    return item;
+  }
+  void judge_own_status(DiagnosticItem& item) const {
+    const Span stands = pulse.since_tick();
+    if (stands > longest_round) {
+      item.set(Health::error,
+               fmt::format("the thread that publishes has stood still for {:.1f} s", seconds(stands)));
+    } else if (!master_present) {
+      item.set(Health::warn, "the master does not answer; check roscore");
+    } else if (foreign_stops > 0) {
+      item.set(Health::warn, "shut down from outside; look for a node of the same name");
+    } else {
+      item.message = "publishing";
+    }
+  }
+  void shut_down(MasterClient& master) {
+    if (!running) return;
+    const bool leave = !master.pid().has_value();
+    ended_clean = !leave;
+    end_ros(leave);
+  }
 };
 
 // ---- ROS thread
 
-void RosConnection::Impl::run_ros() {
-  while (!stopping) {
-    pulse.tick(RosPulse::publishing);
-    QueuedFrame* frame = queue.pop(milliseconds(100));
-    if (frame == nullptr) continue;
-    if (deal_with(*frame))
-      queue.published(frame, wall_clock());
-    else
-      queue.done(frame);
-  }
-}
-
-/// True if it was published: there is ROS.
-bool RosConnection::Impl::deal_with(QueuedFrame& frame) {
-  if (options.backpressure == Backpressure::block) wait_for_subscribers_of(frame);
-  const bool sent = publishers.publish(frame);
-  ++(sent ? published : without_ros);
-  return sent;
-}
-
-void RosConnection::Impl::wait_for_subscribers_of(const QueuedFrame& frame) {
-  const auto keeps_up = [&] {
-    pulse.tick(RosPulse::publishing);
-    const bool advertised = publishers.ready() || frame.lane == queue.transforms_lane();
-    return stopping || (advertised && publishers.in_flight(frame) < most_in_flight);
-  };
-  while (!wait_until(keeps_up, stuck_subscriber)) {
-    if (!publishers.ready()) continue;
-    spdlog::warn("a subscriber has taken nothing for 10 s; it loses messages from here on");
-    return;
-  }
-}
-
 // ---- master thread
-
-void RosConnection::Impl::hurry() {
-  {
-    const std::lock_guard lock(wake_mutex);
-    news = true;
-  }
-  wake.notify_all();
-}
-
-void RosConnection::Impl::run_master() {
-  name_this_thread(thread_name);
-  MasterClient master(*parse_server_uri(master_uri), node);
-  while (!stopping) {
-    look_after(master);
-    std::unique_lock lock(wake_mutex);
-    wake.wait_for(lock, master_period, [this] { return stopping || news; });
-  }
-  shut_down(master);
-  master_ended = true;
-}
-
-void RosConnection::Impl::look_after(MasterClient& master) {
-  if (running && !ros::ok()) restart_after_foreign_stop(master);
-  // News do not wait for the master's answer.
-  if (running && news.exchange(false)) publish_diagnostics();
-  const auto pid = master.pid();
-  if (stopping) return;
-  if (pid) {
-    master_answered(master, *pid);
-  } else {
-    master_silent(master);
-  }
-  if (news.exchange(false) && running) next_diagnostics = Clock::now();
-  if (running && Clock::now() >= next_diagnostics) publish_diagnostics();
-}
-
-void RosConnection::Impl::master_answered(MasterClient& master, int pid) {
-  master_present = true;
-  const bool another = pid != master_pid;
-  master_pid = pid;
-  if (!running) {
-    if (!name->is_free(master)) return;
-    start_ros();
-    spdlog::info("ROS master found at {}; publishing as {}", master_uri, node);
-  } else if (another || !registered) {
-    std::vector<std::string> services;
-    for (const auto& component : components) {
-      for (auto& service : component->master_restarted()) services.push_back(std::move(service));
-    }
-    registered = register_again(master, services);
-    if (registered) spdlog::warn("ROS master at {} came back; all topics are registered again", master_uri);
-  }
-  const RosPulse::Call call(pulse);
-  for (const auto& component : components) {
-    if (stopping || !running) return;
-    component->poll(master);
-    publishers.advertise_again(component->stale_topics());
-  }
-}
-
-void RosConnection::Impl::master_silent(const MasterClient& master) {
-  master_present = false;
-  registered = false;
-  if (Clock::now() < next_notice) return;
-  next_notice = Clock::now() + std::chrono::seconds(30);
-  spdlog::warn("no ROS master at {} ({}): {}; start one with `roscore`, or set ROS_MASTER_URI", master_uri,
-               master.error(),
-               running ? "new subscribers cannot find us" : "data is received but not published");
-}
-
-void RosConnection::Impl::start_ros() {
-  const RosPulse::Call call(pulse);
-  name->answer_others();
-  ros::master::setRetryTimeout(ros::WallDuration(0.2));
-  // A new thread has the name of the one that starts it; RosPulse names all of roscpp's but that of /rosout.
-  name_this_thread("roscpp-rosout");
-  ros::start();
-  name_this_thread(thread_name);
-  publishers.advertise();
-  diagnostics.start();
-  callbacks = std::make_unique<RosCallbackThread>(pulse);
-  for (const auto& component : components) component->connected(*callbacks);
-  pulse.attach();
-  name->taken();
-  running = true;
-  registered = true;
-}
-
-void RosConnection::Impl::end_ros(bool leave) {
-  const RosPulse::Call call(pulse);
-  pulse.detach();
-  callbacks->stop();
-  for (const auto& component : components) component->disconnected();
-  if (leave) leave_behind(std::move(callbacks));
-  callbacks.reset();
-  diagnostics.drop(leave);
-  publishers.drop(leave);
-  if (!leave) ros::shutdown();
-  running = false;
-}
-
-void RosConnection::Impl::restart_after_foreign_stop(MasterClient& master) {
-  ++foreign_stops;
-  spdlog::error(
-      "our ROS node {} was shut down from outside (a node of the same name, or rosnode kill); starting again",
-      node);
-  end_ros(false);
-  const auto pause = [this](Span length) {
-    std::unique_lock lock(wake_mutex);
-    wake.wait_for(lock, length, [this] { return stopping.load(); });
-  };
-  pause(name->thrown_out());
-  pause(name->after_thrown_out(master));
-}
-
-void RosConnection::Impl::publish_diagnostics() {
-  next_diagnostics = Clock::now() + std::chrono::seconds(1);
-  std::vector<DiagnosticItem> more{own_status()};
-  for (const auto& component : components) {
-    for (auto& item : component->diagnostics()) more.push_back(std::move(item));
-  }
-  diagnostics.publish(more);
-}
-
-void RosConnection::Impl::judge_own_status(DiagnosticItem& item) const {
-  const Span stands = pulse.since_tick();
-  if (stands > longest_round) {
-    item.health = Health::error;
-    item.message = fmt::format("the thread that publishes has stood still for {:.1f} s", seconds(stands));
-  } else if (!master_present) {
-    item.health = Health::warn;
-    item.message = "the master does not answer; check roscore";
-  } else if (foreign_stops > 0) {
-    item.health = Health::warn;
-    item.message = "shut down from outside; look for a node of the same name";
-  } else {
-    item.message = "publishing";
-  }
-}
-
-DiagnosticItem RosConnection::Impl::own_status() const {
-  DiagnosticItem item;
-  item.name = "ROS";
-  judge_own_status(item);
-  item.values = {{"Frames published", std::to_string(published)},
-                 {"Frames dropped", std::to_string(queue.dropped())},
-                 {"Frames before the master came", std::to_string(without_ros)},
-                 {"Subscribers", std::to_string(publishers.subscribers())}};
-  return item;
-}
-
-void RosConnection::Impl::shut_down(MasterClient& master) {
-  if (!running) return;
-  const bool leave = !master.pid().has_value();
-  ended_clean = !leave;
-  end_ros(leave);
-}
 
 // ---- interface
 
@@ -336,13 +305,13 @@ void RosConnection::transforms(const std::vector<StaticTransform>& transforms, S
 void RosConnection::diagnostics(const std::vector<DiagnosticItem>& items, Stamp) {
   if (impl_->diagnostics.set(items)) impl_->hurry();
 }
-TopicFigures RosConnection::figures(const OutputTopic& topic, Stamp now) const {
-  return impl_->queue.figures(topic.id, now);
-}
-
 std::string RosConnection::node() const { return impl_->node; }
 
 DiagnosticItem RosConnection::own_status() const { return impl_->own_status(); }
+
+TopicFigures RosConnection::figures(const OutputTopic& topic, Stamp now) const {
+  return impl_->queue.figures(topic.id, now);
+}
 
 void RosConnection::set_step(Span step) { impl_->queue.set_step(step); }
 

@@ -9,7 +9,7 @@
 
 #include "daemon/live/topic_watch.h"
 #include "daemon/pipeline/sink.h"
-#include "daemon/ros/ros_options.h"
+#include "daemon/ros/ros_environment.h"
 
 namespace lidard {
 

@@ -2,13 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/ros/ros_inputs.h"
 
+#include <geometry_msgs/TwistStamped.h>
+#include <nav_msgs/Odometry.h>
 #include <ros/names.h>
+#include <sensor_msgs/Imu.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <atomic>
 #include <mutex>
 #include <utility>
 
+#include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/ros_callback_thread.h"
 #include "daemon/ros/ros_convert.h"
 #include "daemon/ros/ros_master.h"
@@ -39,6 +44,77 @@ std::optional<FrameKind> use_of(const std::string& sensor, const Config& config)
     if (group.cloud_topic == sensor) return FrameKind::cloud;
   }
   return std::nullopt;
+}
+
+class RosMotion final : public RosComponent {
+ public:
+  RosMotion(const VehicleConfig& vehicle, RosPost post, MessageReceiver& receiver)
+      : topics_{vehicle.odometry_topic, vehicle.imu_topic, vehicle.speed_topic},
+        post_(std::move(post)),
+        receiver_(receiver) {}
+  void connected(RosCallbackThread& ros) override {
+    subscribe<nav_msgs::Odometry>(ros, odometry, [&to = receiver_](const nav_msgs::Odometry& m) {
+      return [&to, stamp = from_ros(m.header.stamp),
+              pose = to_pose(m.pose.pose.position, m.pose.pose.orientation),
+              child = m.child_frame_id](Stamp received) { to.pose_message(stamp, pose, child, received); };
+    });
+    subscribe<sensor_msgs::Imu>(ros, imu, [&to = receiver_](const sensor_msgs::Imu& m) {
+      const Eigen::Vector3d rates(m.angular_velocity.x, m.angular_velocity.y, m.angular_velocity.z);
+      return [&to, stamp = from_ros(m.header.stamp), rates, frame = m.header.frame_id](Stamp received) {
+        to.turn_message(stamp, rates, frame, received);
+      };
+    });
+    subscribe<geometry_msgs::TwistStamped>(ros, speed, [&to = receiver_](const auto& m) {
+      return [&to, ahead = m.twist.linear.x](Stamp) { to.speed_message(ahead); };
+    });
+  }
+  std::vector<DiagnosticItem> diagnostics() override {
+    std::vector<DiagnosticItem> items;
+    for (const Topic i : {odometry, imu, speed}) {
+      const std::string& topic = topics_[i];
+      const std::uint64_t messages = messages_[i];
+      if (topic.empty()) continue;
+      DiagnosticItem item{"motion " + topic};
+      item.message = "receiving";
+      if (messages == 0) item.set(Health::warn, "nobody publishes " + topic + "; scans are not deskewed");
+      item.add("Topic", topic);
+      item.add("Messages", messages);
+      items.push_back(std::move(item));
+    }
+    return items;
+  }
+
+ private:
+  enum Topic : std::size_t { odometry, imu, speed };
+  template <typename Message, typename MakeTask>
+  void subscribe(RosCallbackThread& ros, Topic topic, MakeTask make_task) {
+    constexpr std::uint32_t queue_length = 50;
+    if (topics_[topic].empty()) return;
+    // A pose that comes late by Nagle's algorithm is a scan that is not deskewed.
+    ros.subscribe<Message>(
+        topics_[topic], queue_length,
+        [this, topic, make_task](const boost::shared_ptr<const Message>& message) {
+          ++messages_[topic];
+          post_(make_task(*message));
+        },
+        ros::TransportHints().tcpNoDelay());
+  }
+
+  const std::string topics_[3];  // empty: not to be heard
+  const RosPost post_;
+  MessageReceiver& receiver_;
+  std::atomic<std::uint64_t> messages_[3] = {};
+};
+
+void judge(const TopicReport& report, DiagnosticItem& item) {
+  item.set(report.messages == 0 || report.rejected > 0 ? Health::warn : Health::ok, "receiving");
+  if (!report.wrong_type.empty()) {
+    item.set(Health::error, report.wrong_type);
+  } else if (report.messages == 0) {
+    item.message = "nobody publishes " + report.topic + "; start its driver";
+  } else if (report.rejected > 0) {
+    item.message = "unusable messages: " + report.last_reason;
+  }
 }
 
 }  // namespace
@@ -97,8 +173,8 @@ struct RosInputs::Source {
   }
 };
 
-RosInputs::RosInputs(const std::vector<TopicSource>& sources, RosPost post, RosHandlers handlers)
-    : post_(std::move(post)), handlers_(std::move(handlers)) {
+RosInputs::RosInputs(const std::vector<TopicSource>& sources, RosPost post, MessageReceiver& receiver)
+    : post_(std::move(post)), receiver_(receiver) {
   for (const auto& source : sources) {
     sources_.push_back(std::make_shared<Source>());
     static_cast<TopicSource&>(sources_.back()->report) = source;
@@ -140,12 +216,13 @@ void RosInputs::subscribe(const std::shared_ptr<Source>& source, const std::stri
   if (source->report.packets && type == ros::message_traits::datatype<VelodyneScanBytes>()) {
     // roscpp itself refuses a publisher of another type or md5sum.
     subscribe_as<VelodyneScanBytes>(
-        source, [handle = handlers_.packet, sensor](const auto& message, Task& task, LeftOut&) {
+        source, [&receiver = receiver_, sensor](const auto& message, Task& task, LeftOut&) {
           const ByteView bytes(message->bytes.data(), message->bytes.size());
-          task = [=, keeps_bytes = message](Stamp received) {
+          task = [=, &receiver, keeps_bytes = message](Stamp received) {
             read_velodyne_scan(bytes, [&](ByteView packet, Stamp arrival) {
               // Nobody stamps 1970; a stamp that was left out is the time at hand.
-              handle(sensor, packet, arrival == Stamp{} ? received : arrival, received);
+              receiver.packet_message(sensor, {packet, arrival == Stamp{} ? received : arrival, {}, {}},
+                                      received);
             });
           };
           // Looked at before it is handed on, so that a bad message counts at once.
@@ -153,17 +230,17 @@ void RosInputs::subscribe(const std::shared_ptr<Source>& source, const std::stri
         });
   } else if (type == ros::message_traits::datatype<LaserScan>() && source->takes(FrameKind::scan)) {
     subscribe_as<LaserScan>(
-        source, [handle = handlers_.scan, sensor](const auto& message, Task& task, LeftOut& left_out) {
+        source, [&receiver = receiver_, sensor](const auto& message, Task& task, LeftOut& left_out) {
           const auto scan = std::make_shared<PlanarScan>();
-          task = [=](Stamp received) { handle(sensor, *scan, received); };
+          task = [=, &receiver](Stamp received) { receiver.scan_message(sensor, *scan, received); };
           left_out.intensities = !intensities_fit(*message);
           return from_ros(*message, *scan);
         });
   } else if (type == ros::message_traits::datatype<PointCloud2>() && source->takes(FrameKind::cloud)) {
     subscribe_as<PointCloud2>(
-        source, [handle = handlers_.cloud, sensor](const auto& message, Task& task, LeftOut& left_out) {
+        source, [&receiver = receiver_, sensor](const auto& message, Task& task, LeftOut& left_out) {
           const auto cloud = std::make_shared<Cloud>();
-          task = [=](Stamp received) { handle(sensor, *cloud, received); };
+          task = [=, &receiver](Stamp received) { receiver.cloud_message(sensor, *cloud, received); };
           const CloudReading reading = from_ros(*message, *cloud);
           left_out.points = reading.dropped;
           return reading.error;
@@ -199,28 +276,10 @@ std::vector<TopicReport> RosInputs::report() const {
   return all;
 }
 
-namespace {
-
-void judge(const TopicReport& report, DiagnosticItem& item) {
-  item.health = report.messages == 0 || report.rejected > 0 ? Health::warn : Health::ok;
-  item.message = "receiving";
-  if (!report.wrong_type.empty()) {
-    item.health = Health::error;
-    item.message = report.wrong_type;
-  } else if (report.messages == 0) {
-    item.message = "nobody publishes " + report.topic + "; start its driver";
-  } else if (report.rejected > 0) {
-    item.message = "unusable messages: " + report.last_reason;
-  }
-}
-
-}  // namespace
-
 std::vector<DiagnosticItem> RosInputs::diagnostics() {
   std::vector<DiagnosticItem> items;
   for (const auto& r : report()) {
-    DiagnosticItem item;
-    item.name = r.sensor + " input";
+    DiagnosticItem item{r.sensor + " input"};
     judge(r, item);
     item.values = {{"Topic", r.topic},
                    {"Type", r.type},
@@ -232,6 +291,11 @@ std::vector<DiagnosticItem> RosInputs::diagnostics() {
     items.push_back(std::move(item));
   }
   return items;
+}
+
+std::shared_ptr<RosComponent> make_ros_motion(const VehicleConfig& vehicle, RosPost post,
+                                              MessageReceiver& receiver) {
+  return std::make_shared<RosMotion>(vehicle, std::move(post), receiver);
 }
 
 }  // namespace lidard

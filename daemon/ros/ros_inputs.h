@@ -40,7 +40,7 @@ struct TopicReport : TopicSource {
 /// asked in the master thread; the callback thread converts and hands the result on.
 class RosInputs : public RosComponent {
  public:
-  RosInputs(const std::vector<TopicSource>& sources, RosPost post, RosHandlers handlers);
+  RosInputs(const std::vector<TopicSource>& sources, RosPost post, MessageReceiver& receiver);
   ~RosInputs() override;
 
   void connected(RosCallbackThread& ros) override { ros_ = &ros; }
@@ -56,7 +56,7 @@ class RosInputs : public RosComponent {
   void subscribe_as(const std::shared_ptr<Source>& source, Read read);
 
   RosPost post_;
-  RosHandlers handlers_;
+  MessageReceiver& receiver_;
   std::vector<std::shared_ptr<Source>> sources_;
   RosCallbackThread* ros_ = nullptr;  // while ROS runs
 };

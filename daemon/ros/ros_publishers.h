@@ -2,21 +2,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <ros/node_handle.h>
 #include <ros/publisher.h>
+#include <ros/topic_manager.h>
 
+#include <algorithm>
 #include <atomic>
 #include <boost/shared_array.hpp>
 #include <deque>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "daemon/live/frame_queue.h"
+#include "daemon/ros/ros_callback_thread.h"
 #include "daemon/ros/ros_message.h"
-
-namespace ros {
-class NodeHandle;
-}
 
 namespace lidard {
 
@@ -24,25 +25,92 @@ namespace lidard {
 /// ROS thread publishes.
 class RosPublishers {
  public:
-  RosPublishers(const std::vector<OutputTopic>& topics, bool clock);
+  RosPublishers(const std::vector<OutputTopic>& topics, bool clock)
+      : frames_(topics.size()), with_clock_(clock) {
+    for (const OutputTopic& topic : topics) outputs_.push_back({topic.name, message_for(topic)});
+    outputs_.push_back({"/tf_static", tf2_msgs::TFMessage()});
+    outputs_.push_back({"/clock", rosgraph_msgs::Clock()});
+  }
 
   /// Advertises everything; ROS must run. Called by the master thread, may wait for the master.
-  void advertise();
+  void advertise() {
+    ros::NodeHandle node;
+    std::vector<ros::Publisher> publishers;
+    for (const Output& output : outputs_)
+      publishers.push_back(output.topic != "/clock" || with_clock_ ? output.advertise(node)
+                                                                   : ros::Publisher());
+
+    const std::lock_guard lock(mutex_);
+    for (std::size_t i = 0; i < outputs_.size(); ++i) outputs_[i].publisher = std::move(publishers[i]);
+    if (!std::get<tf2_msgs::TFMessage>(transforms().message).transforms.empty()) transforms().send();
+    ready_ = true;
+  }
   /// Withdraws topics and advertises them anew, so that subscribers see a new publisher. Called like
   /// advertise(); frames of these topics are lost meanwhile.
-  void advertise_again(const std::vector<std::string>& topics);
+  void advertise_again(const std::vector<std::string>& topics) {
+    ros::NodeHandle node;
+    for (Output& output : outputs_) {
+      if (!ready_ || std::find(topics.begin(), topics.end(), output.topic) == topics.end()) continue;
+      ros::Publisher publisher;
+      {
+        const std::lock_guard lock(mutex_);
+        std::swap(publisher, output.publisher);
+      }
+      publisher.shutdown();
+      publisher = output.advertise(node);
+      const std::lock_guard lock(mutex_);
+      output.publisher = std::move(publisher);
+    }
+  }
   /// Withdraws everything. With `leave` nothing is told to roscpp, whose destructors wait for the master.
-  void drop(bool leave);
+  void drop(bool leave) {
+    std::vector<ros::Publisher> publishers;
+    {
+      const std::lock_guard lock(mutex_);
+      ready_ = false;
+      for (Output& output : outputs_) publishers.push_back(std::exchange(output.publisher, {}));
+      for (Output& output : outputs_) output.sent.clear();
+    }
+    if (leave) leave_behind(std::move(publishers));
+  }
   bool ready() const { return ready_; }
 
   /// Converts and publishes; false if nothing is advertised. Fixed transforms are kept for later then.
-  bool publish(QueuedFrame& frame);
+  bool publish(QueuedFrame& frame) {
+    const std::lock_guard lock(mutex_);
+    Output& output = outputs_[frame.lane];
+    const bool can_send = ready_ && ros::ok() && output.publisher;
+    if (const auto* fixed = std::get_if<std::vector<StaticTransform>>(&frame.content)) {
+      to_ros(*fixed, frame.released, std::get<tf2_msgs::TFMessage>(output.message));
+    } else if (!can_send ||
+               !std::visit([&](auto& content) { return convert(content, output.message); }, frame.content)) {
+      return false;
+    }
+    if (can_send) output.send();
+    return true;
+  }
   /// Messages of the frame's topic that some subscriber's socket has not yet taken.
-  std::size_t in_flight(const QueuedFrame& frame);
+  std::size_t in_flight(const QueuedFrame& frame) {
+    const std::lock_guard lock(mutex_);
+    return outputs_[frame.lane].in_flight();
+  }
   /// Messages of all topics that some subscriber's socket has not yet taken.
-  std::size_t in_flight();
+  std::size_t in_flight() {
+    const std::lock_guard lock(mutex_);
+    std::size_t sum = 0;
+    for (auto& output : outputs_) sum += output.in_flight();
+    return sum;
+  }
   /// Subscribers of all frame topics together; the last known number while a frame is being published.
-  std::size_t subscribers() const;
+  std::size_t subscribers() const {
+    // Not to be held up by a ROS thread that hangs: its state is to be told.
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock.owns_lock()) return subscribers_;
+    std::size_t sum = 0;
+    for (std::size_t i = 0; i < frames_; ++i) sum += outputs_[i].publisher.getNumSubscribers();
+    subscribers_ = sum;
+    return sum;
+  }
 
  private:
   struct Output {
@@ -50,10 +118,36 @@ class RosPublishers {
     RosMessage message;
     ros::Publisher publisher = {};
     std::deque<boost::shared_array<std::uint8_t>> sent = {};  // buffers that roscpp may still hold
-    std::uint32_t queue_size() const;
-    std::size_t in_flight();
-    void send();
-    ros::Publisher advertise(ros::NodeHandle& node) const;
+    /// How many messages roscpp keeps for a slow subscriber before it drops the oldest; of inertial samples a
+    /// quarter of a second.
+    std::uint32_t queue_size() const { return std::holds_alternative<sensor_msgs::Imu>(message) ? 50 : 10; }
+    std::size_t in_flight() {
+      while (!sent.empty() && sent.front().use_count() == 1) sent.pop_front();
+      return sent.size();
+    }
+    void send() {
+      std::visit(
+          [this](const auto& held) {
+            if (publisher.isLatched()) return publisher.publish(held);
+            // ros::Publisher::publish() does just this, but hides the buffer, which tells when all sockets
+            // have taken it.
+            ros::SerializedMessage serialized;
+            ros::TopicManager::instance()->publish(
+                publisher.getTopic(), [&held] { return ros::serialization::serializeMessage(held); },
+                serialized);
+            if (serialized.buf) sent.push_back(serialized.buf);
+            while (sent.size() > queue_size()) sent.pop_front();
+          },
+          message);
+    }
+    ros::Publisher advertise(ros::NodeHandle& node) const {
+      return std::visit(
+          [&](const auto& held) {
+            using Message = std::decay_t<decltype(held)>;
+            return node.advertise<Message>(topic, queue_size(), std::is_same_v<Message, tf2_msgs::TFMessage>);
+          },
+          message);
+    }
   };
   Output& transforms() { return outputs_[frames_]; }
 

@@ -1,8 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/ros/ros_reconfigure.h"
-
-#include <dynamic_reconfigure/ConfigDescription.h>
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <ros/node_handle.h>
 #include <ros/this_node.h>
@@ -11,23 +8,85 @@
 #include <mutex>
 #include <utility>
 
-#include "daemon/ros/reconfigure_messages.h"
+#include "daemon/pipeline/pipeline.h"
+#include "daemon/ros/output_items.h"
 #include "daemon/ros/ros_callback_thread.h"
+#include "daemon/ros/ros_component.h"
 #include "daemon/ros/ros_master.h"
 
 namespace lidard {
+namespace {
 
 using dynamic_reconfigure::Reconfigure;
 
-struct RosReconfigure::Server {
+XmlRpc::XmlRpcValue parameter_of(const KeyValue& value) {
+  const auto* const number = std::get_if<double>(&value);
+  return number != nullptr ? XmlRpc::XmlRpcValue(*number) : XmlRpc::XmlRpcValue(std::get<std::string>(value));
+}
+
+/// Of one output.
+struct Server {
   explicit Server(ChangeableOutput given) : output(std::move(given)) {}
 
-  void offer(RosCallbackThread& ros);
+  void offer(RosCallbackThread& ros) {
+    ros::NodeHandle node = ros.node("~" + output.server);
+    auto description =
+        node.advertise<dynamic_reconfigure::ConfigDescription>("parameter_descriptions", 1, true);
+    ros.keep(description);
+    auto announced = node.advertise<dynamic_reconfigure::Config>("parameter_updates", 1, true);
+    {
+      const std::lock_guard lock(mutex);
+      description.publish(description_message(output));
+      announced.publish(config_message(output));
+      updates = announced;
+    }
+    ros.keep(node.advertiseService("set_parameters", &Server::serve, this));
+  }
   /// In the callback thread.
-  bool serve(Reconfigure::Request& request, Reconfigure::Response& response);
-  void accept(std::size_t beams_before);
-  void refuse(const std::string& why);
-  DiagnosticItem status() const;
+  bool serve(Reconfigure::Request& request, Reconfigure::Response& response) {
+    const std::lock_guard lock(mutex);
+    const std::size_t beams_before = beams_of(output.config);
+    const std::string why = change(output, read_values(request.config));
+    if (why.empty())
+      accept(beams_before);
+    else
+      refuse(why);
+    response.config = config_message(output);
+    updates.publish(response.config);
+    return true;
+  }
+  void accept(std::size_t beams_before) {
+    ++accepted;
+    refusal.clear();
+    to_store = true;
+    const std::size_t beams = beams_of(output.config);
+    spdlog::info("{}: changed through dynamic_reconfigure; {} beams", name(), beams);
+    if (beams != beams_before) {
+      ++resized;
+      to_renew = true;
+      spdlog::warn(
+          "{} has {} beams now, not {}: gmapping refuses scans of another size until it is restarted", name(),
+          beams, beams_before);
+    }
+    if (beams >= gmapping_beam_limit)
+      spdlog::warn("{} has {} beams; gmapping needs fewer than {}", name(), beams, gmapping_beam_limit);
+    apply();
+  }
+  void refuse(const std::string& why) {
+    ++refused;
+    refusal = why;
+    spdlog::warn("{}: change refused, the values before stay: {}", name(), why);
+  }
+  DiagnosticItem status() const {
+    const std::lock_guard lock(mutex);
+    DiagnosticItem item{"reconfigure " + name(), "none", Health::ok, "values in force"};
+    if (!refusal.empty()) item.set(Health::warn, "change refused, the values before stay: " + refusal);
+    item.add("Changes", accepted);
+    item.add("Changes refused", refused);
+    item.add("Changes of the number of beams", resized);
+    item.add("Beams", beams_of(output.config));
+    return item;
+  }
   std::string name() const { return output.server.empty() ? output.id.entry : output.server; }
   /// The full name of something of this server.
   std::string below(const std::string& what) const {
@@ -47,133 +106,75 @@ struct RosReconfigure::Server {
   std::uint64_t resized = 0;
 };
 
-void RosReconfigure::Server::accept(std::size_t beams_before) {
-  ++accepted;
-  refusal.clear();
-  to_store = true;
-  const std::size_t beams = beams_of(output.config);
-  spdlog::info("{}: changed through dynamic_reconfigure; {} beams", name(), beams);
-  if (beams != beams_before) {
-    ++resized;
-    to_renew = true;
-    spdlog::warn("{} has {} beams now, not {}: gmapping refuses scans of another size until it is restarted",
-                 name(), beams, beams_before);
+class RosReconfigure final : public RosComponent {
+ public:
+  RosReconfigure(std::vector<ChangeableOutput> outputs, const RosPost& post, MessageReceiver& receiver) {
+    for (auto& output : outputs) {
+      servers_.push_back(std::make_unique<Server>(std::move(output)));
+      Server& server = *servers_.back();
+      server.apply = [&server, &receiver, post] {
+        post([&receiver, id = server.output.id, config = server.output.config](Stamp) {
+          receiver.set_output(id, config);
+        });
+      };
+    }
   }
-  if (beams >= gmapping_beam_limit)
-    spdlog::warn("{} has {} beams; gmapping needs fewer than {}", name(), beams, gmapping_beam_limit);
-  apply();
-}
-
-void RosReconfigure::Server::refuse(const std::string& why) {
-  ++refused;
-  refusal = why;
-  spdlog::warn("{}: change refused, the values before stay: {}", name(), why);
-}
-
-bool RosReconfigure::Server::serve(Reconfigure::Request& request, Reconfigure::Response& response) {
-  const std::lock_guard lock(mutex);
-  const std::size_t beams_before = beams_of(output.config);
-  const std::string why = change(output, read_values(request.config));
-  if (why.empty())
-    accept(beams_before);
-  else
-    refuse(why);
-  response.config = config_message(output);
-  updates.publish(response.config);
-  return true;
-}
-
-DiagnosticItem RosReconfigure::Server::status() const {
-  const std::lock_guard lock(mutex);
-  DiagnosticItem item;
-  item.name = "reconfigure " + name();
-  item.hardware_id = "none";
-  item.health = refusal.empty() ? Health::ok : Health::warn;
-  item.message = refusal.empty() ? "values in force" : "change refused, the values before stay: " + refusal;
-  item.values = {{"Changes", std::to_string(accepted)},
-                 {"Changes refused", std::to_string(refused)},
-                 {"Changes of the number of beams", std::to_string(resized)},
-                 {"Beams", std::to_string(beams_of(output.config))}};
-  return item;
-}
-
-void RosReconfigure::Server::offer(RosCallbackThread& ros) {
-  ros::NodeHandle node = ros.node("~" + output.server);
-  auto description =
-      node.advertise<dynamic_reconfigure::ConfigDescription>("parameter_descriptions", 1, true);
-  ros.keep(description);
-  auto announced = node.advertise<dynamic_reconfigure::Config>("parameter_updates", 1, true);
-  {
-    const std::lock_guard lock(mutex);
-    description.publish(description_message(output));
-    announced.publish(config_message(output));
-    updates = announced;
+  void connected(RosCallbackThread& ros) override {
+    for (const auto& server : servers_) server->offer(ros);
   }
-  ros.keep(node.advertiseService("set_parameters", &Server::serve, this));
-}
-
-RosReconfigure::RosReconfigure(std::vector<ChangeableOutput> outputs, RosPost post, RosHandlers handlers) {
-  for (auto& output : outputs) {
-    servers_.push_back(std::make_shared<Server>(std::move(output)));
-    Server& server = *servers_.back();
-    server.apply = [&server, post, change = handlers.change] {
-      post([change, id = server.output.id, config = server.output.config](Stamp) { change(id, config); });
-    };
+  void disconnected() override {
+    for (const auto& server : servers_) {
+      const std::lock_guard lock(server->mutex);
+      server->updates = {};
+      server->to_store = true;
+    }
   }
-}
-
-RosReconfigure::~RosReconfigure() = default;
-
-void RosReconfigure::connected(RosCallbackThread& ros) {
-  for (const auto& server : servers_) server->offer(ros);
-}
-
-void RosReconfigure::disconnected() {
-  for (const auto& server : servers_) {
-    const std::lock_guard lock(server->mutex);
-    server->updates = {};
-    server->to_store = true;
+  void poll(MasterClient& master) override {
+    for (const auto& server : servers_) {
+      std::unique_lock lock(server->mutex);
+      if (!std::exchange(server->to_store, false)) continue;
+      const ItemValues values = values_of(server->output);
+      lock.unlock();
+      bool stored = true;
+      for (const auto& [name, value] : values)
+        stored = stored && master.set_parameter(server->below(name), parameter_of(value));
+      lock.lock();
+      server->to_store = server->to_store || !stored;
+    }
   }
-}
-
-void RosReconfigure::poll(MasterClient& master) {
-  for (const auto& server : servers_) {
-    std::unique_lock lock(server->mutex);
-    if (!std::exchange(server->to_store, false)) continue;
-    const auto values = parameters_of(server->output);
-    lock.unlock();
-    bool stored = true;
-    for (const auto& [name, value] : values)
-      stored = stored && master.set_parameter(server->below(name), value);
-    lock.lock();
-    server->to_store = server->to_store || !stored;
+  std::vector<std::string> master_restarted() override {
+    std::vector<std::string> services;
+    for (const auto& server : servers_) {
+      const std::lock_guard lock(server->mutex);
+      server->to_store = true;
+      services.push_back(server->below("set_parameters"));
+    }
+    return services;
   }
-}
-
-std::vector<std::string> RosReconfigure::master_restarted() {
-  std::vector<std::string> services;
-  for (const auto& server : servers_) {
-    const std::lock_guard lock(server->mutex);
-    server->to_store = true;
-    services.push_back(server->below("set_parameters"));
+  std::vector<std::string> stale_topics() override {
+    std::vector<std::string> topics;
+    for (const auto& server : servers_) {
+      const std::lock_guard lock(server->mutex);
+      if (!std::exchange(server->to_renew, false)) continue;
+      topics.insert(topics.end(), server->output.topics.begin(), server->output.topics.end());
+    }
+    return topics;
   }
-  return services;
-}
-
-std::vector<std::string> RosReconfigure::stale_topics() {
-  std::vector<std::string> topics;
-  for (const auto& server : servers_) {
-    const std::lock_guard lock(server->mutex);
-    if (!std::exchange(server->to_renew, false)) continue;
-    topics.insert(topics.end(), server->output.topics.begin(), server->output.topics.end());
+  std::vector<DiagnosticItem> diagnostics() override {
+    std::vector<DiagnosticItem> items;
+    for (const auto& server : servers_) items.push_back(server->status());
+    return items;
   }
-  return topics;
-}
 
-std::vector<DiagnosticItem> RosReconfigure::diagnostics() {
-  std::vector<DiagnosticItem> items;
-  for (const auto& server : servers_) items.push_back(server->status());
-  return items;
+ private:
+  std::vector<std::unique_ptr<Server>> servers_;
+};
+
+}  // namespace
+
+std::shared_ptr<RosComponent> make_ros_reconfigure(std::vector<ChangeableOutput> outputs, const RosPost& post,
+                                                   MessageReceiver& receiver) {
+  return std::make_shared<RosReconfigure>(std::move(outputs), post, receiver);
 }
 
 }  // namespace lidard

@@ -2,38 +2,68 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <tf2/buffer_core.h>
+
 #include <atomic>
-#include <memory>
 #include <string>
+#include <vector>
 
-#include "daemon/pipeline/transform_source.h"
+#include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/ros_component.h"
-
-namespace tf2 {
-class BufferCore;
-}
 
 namespace lidard {
 
-/// Poses from tf, direct or through a chain. Listens while ROS runs; lookups never wait.
-class TfPoses : public TransformSource, public RosComponent {
+/// Poses from a buffer of tf2, direct or through a chain. The names may have a leading slash.
+class BufferPoses : public TransformSource {
  public:
-  TfPoses();
-
+  /// `kept_s`: how long transforms are kept, s.
+  explicit BufferPoses(double kept_s) : buffer_(ros::Duration(kept_s)) {}
   bool lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
               std::string& why_not) override;
   void history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
                std::vector<StampedPose>& poses) override;
-  void connected(RosCallbackThread& ros) override;
+
+ protected:
+  tf2::BufferCore buffer_;
+};
+
+/// Poses from tf. Listens while ROS runs; lookups never wait.
+class TfPoses final : public BufferPoses, public RosComponent {
+ public:
+  TfPoses();
+  bool lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
+              std::string& why_not) override;
+  void history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
+               std::vector<StampedPose>& poses) override;
   /// By how much the host's clock was set: tf is stamped with that clock, lookups ask for the time without
   /// steps. To be called by the thread that looks up.
   void set_step(Span step) { step_ = step; }
+  void connected(RosCallbackThread& ros) override;
   void disconnected() override { listening_ = false; }
 
  private:
-  std::shared_ptr<tf2::BufferCore> buffer_;
   Span step_{0};
   std::atomic<bool> listening_{false};
+};
+
+/// Poses from the /tf and /tf_static (and, if asked for, nav_msgs/Odometry) of a recorded bag: what a replay
+/// needs to deskew without a ROS master. Only what was stamped before the time that is asked about counts, as
+/// it would live.
+class BagPoses final : public BufferPoses {
+ public:
+  /// Reads the whole bag. An empty path: there is none, and all poses are configured. `odometry_topic` may be
+  /// empty. Throws std::runtime_error that names the file.
+  BagPoses(const std::string& path, const std::string& odometry_topic);
+  bool lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
+              std::string& why_not) override;
+  /// Gives the pipeline the odometry's messages after the last call, up to `until`.
+  void feed(Pipeline& pipeline, Stamp until);
+
+ private:
+  const bool is_there_;
+  std::vector<StampedPose> odometry_;
+  std::string child_;
+  std::size_t next_ = 0;
 };
 
 }  // namespace lidard

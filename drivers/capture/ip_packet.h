@@ -2,13 +2,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "core/base/bytes.h"
+#include "core/base/time.h"
 #include "drivers/address.h"
-#include "drivers/capture/link_layer.h"
 
 namespace lidard {
+
+/// What the reading of a header came to.
+enum class HeaderResult : std::uint8_t {
+  ok,
+  not_ip,       ///< another protocol
+  unsupported,  ///< a link-layer type we do not read
+  cut,          ///< the bytes end before the header does
+  malformed     ///< the header contradicts itself
+};
+
+/// The network-layer packet inside a link-layer frame.
+struct LinkPayload {
+  ByteView bytes;  ///< from the IP header to the end of the frame, padding included
+  bool v6 = false;
+};
+
+/// Finds the IP packet in a frame of the given link-layer type, a LINKTYPE_ or DLT_ number
+/// (tcpdump.org/linktypes.html): Ethernet with any number of VLAN tags, Linux cooked v1 and v2, raw IP, null,
+/// loop.
+HeaderResult find_ip(std::uint32_t link_type, ByteView frame, LinkPayload& out);
 
 /// IP protocol numbers (iana.org/assignments/protocol-numbers).
 enum class IpProtocol : std::uint8_t { tcp = 6, udp = 17 };
@@ -66,5 +88,66 @@ struct TcpSegment {
 
 /// Reads the TCP header of a packet. The checksum is not verified, as for UDP.
 HeaderResult parse_tcp(const IpPacket& packet, TcpSegment& out);
+
+/// What came out of a fragment.
+enum class DefragResult : std::uint8_t {
+  waiting,   ///< kept (or dropped: see the counter); more must come
+  complete,  ///< the packet is whole
+  malformed  ///< not a possible fragment; not kept
+};
+
+/// Puts IP fragments together again, in whatever order they come.
+///
+/// Memory is bounded: at most `max_packets` unfinished packets of at most 65 535 bytes; the oldest gives way.
+/// An unfinished packet is given up after `time_out` of capture time, as Linux does (net.ipv4.ipfrag_time).
+/// Fragments that overlap with other content make the whole packet worthless (RFC 5722, and Linux for IPv4).
+class IpDefragmenter {
+ public:
+  static constexpr std::size_t max_packets = 64;
+  static constexpr Span time_out = std::chrono::seconds(30);
+
+  /// Takes a fragment. When it completes its packet, `packet` becomes the whole one, whose bytes stay valid
+  /// until the next call.
+  DefragResult add(IpPacket& packet, Stamp now);
+  /// No more input: gives up what is unfinished.
+  void flush();
+
+  /// Fragments that came twice, contradicted others, or belong to packets given up.
+  std::uint64_t dropped() const { return dropped_; }
+  /// Packets begun and not finished yet.
+  std::size_t pending() const;
+  /// Bytes held for them.
+  std::size_t memory() const;
+
+ private:
+  struct Range {
+    std::uint32_t begin, end;
+  };
+  struct Slot {
+    bool used = false;
+    IpAddress from, to;
+    std::uint8_t protocol = 0;
+    std::uint32_t id = 0;
+    Stamp since;
+    std::uint64_t fragments = 0;
+    std::uint32_t total = 0;  // 0: the last fragment has not come yet
+    std::vector<std::uint8_t> bytes;
+    std::vector<Range> ranges;  // received, sorted, disjoint, never touching
+
+    bool matches(const IpPacket& packet) const;
+    bool whole() const;
+    bool has_all(Range range) const;
+    bool contradicts(const IpPacket& fragment, Range range) const;
+    void store(ByteView content, Range range);
+    void insert(Range range);
+  };
+
+  void expire(Stamp now);
+  void give_up(Slot& slot);
+  Slot& find_or_begin(const IpPacket& packet, Stamp now);
+
+  std::vector<Slot> slots_;
+  std::uint64_t dropped_ = 0;
+};
 
 }  // namespace lidard

@@ -3,17 +3,64 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
-#include "drivers/capture/ip_defrag.h"
-#include "drivers/capture/pcap_reader.h"
+#include "core/base/bytes.h"
+#include "core/base/time.h"
+#include "drivers/capture/ip_packet.h"
 #include "drivers/capture/tcp_reassembler.h"
 #include "drivers/driver.h"
 #include "drivers/file_descriptor.h"
 
 namespace lidard {
+
+/// One record of a capture file.
+struct CaptureRecord {
+  Stamp stamp;
+  ByteView bytes;               ///< as captured; valid until the next record is read
+  std::uint32_t length = 0;     ///< on the wire; more than `bytes` where the snapshot length cut it
+  std::uint32_t link_type = 0;  ///< LINKTYPE_ number
+};
+
+/// Reads the records of a capture file one after the other.
+class CaptureReader {
+ public:
+  CaptureReader() = default;
+  CaptureReader(const CaptureReader&) = delete;
+  CaptureReader& operator=(const CaptureReader&) = delete;
+  virtual ~CaptureReader() = default;
+
+  /// False at the end, be it good or bad.
+  virtual bool next(CaptureRecord& record) = 0;
+  /// What ended the capture early, "what at byte N"; empty if nothing did.
+  virtual const std::string& error() const = 0;
+  /// True if the file ended inside a record, or inside what its length says to be one.
+  virtual bool ran_out() const = 0;
+  /// Bytes read.
+  virtual std::uint64_t position() const = 0;
+};
+
+/// Closes a FILE.
+struct FileCloser {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using FileHandle = std::unique_ptr<std::FILE, FileCloser>;
+
+/// A classic pcap file, through libpcap. Throws CaptureError, whose message begins with `name`.
+std::unique_ptr<CaptureReader> open_pcap(FileHandle file, const std::string& name);
+
+/// A pcapng file of `size` bytes (draft-ietf-opsawg-pcapng): any number of sections, interfaces and link
+/// types. Throws CaptureError.
+std::unique_ptr<CaptureReader> open_pcapng(FileHandle file, const std::string& name, std::uint64_t size);
+
+/// Whichever of the two the open file `fd` of `size` bytes is, from its beginning; throws CaptureError where
+/// it is neither. The descriptor must outlive the reader; its offset is neither used nor changed.
+std::unique_ptr<CaptureReader> open_capture(int fd, const std::string& name, std::uint64_t size);
 
 /// A capture that cannot be opened, or ends in a broken record: "file: what, at byte N; remedy".
 class CaptureError : public std::runtime_error {
@@ -105,6 +152,58 @@ class PcapSource {
   bool ended_ = false;
   bool ends_in_last_record_ = false;
   std::string error_;
+};
+
+/// Several captures read as one, in the order of their stamps: one file per sensor, or one recording in
+/// pieces.
+class MergedCapture {
+ public:
+  /// Throws CaptureError.
+  explicit MergedCapture(const std::vector<std::string>& paths);
+
+  /// The next datagram of all files; its payload stays valid until the next call.
+  bool next(Packet& packet);
+  void rewind();
+  /// Messages of files that ended early.
+  std::vector<std::string> errors() const;
+  /// True if one of them is damaged: more is missing than an unfinished last record.
+  bool is_damaged() const;
+  /// Sum over the files.
+  CaptureCounters counters() const;
+  /// Part of the bytes read, 0 ... 1.
+  double progress() const;
+
+ private:
+  struct File {
+    PcapSource source;
+    Packet packet;
+    bool ready = false;
+  };
+  void fill(File& file) { file.ready = file.source.next(file.packet); }
+
+  std::vector<File> files_;
+  File* given_ = nullptr;  // whose packet the caller holds
+};
+
+/// A capture may hold several connections to one device (a configuration tool beside the driver, or one after
+/// the other); half telegrams of two must not be mixed. Picks the chunks of one connection at a time: the
+/// newest.
+class ConnectionPicker {
+ public:
+  /// True if the chunk, which the device sent, is of the connection that counts; the first one of a
+  /// connection is marked as the start of its stream.
+  bool pick(Packet& packet) {
+    if (peer_ && *peer_ == packet.to) return true;
+    if (peer_ && !packet.stream_start) return false;
+    peer_ = packet.to;
+    packet.stream_start = true;
+    return true;
+  }
+  /// The capture starts again.
+  void restart() { peer_.reset(); }
+
+ private:
+  std::optional<Endpoint> peer_;
 };
 
 }  // namespace lidard

@@ -8,7 +8,6 @@
 #include <limits>
 #include <vector>
 
-#include "drivers/capture/pcap_reader.h"
 #include "drivers/capture/pcap_source.h"
 
 namespace lidard {
@@ -100,16 +99,131 @@ class PcapngReader : public CaptureReader {
 
  private:
   /// True if the block was a packet.
-  bool read_block(CaptureRecord& record);
-  bool read_block_header(std::uint32_t& type, std::uint32_t& length);
-  bool read_section_magic();
-  bool read_body(std::uint32_t length);
-  bool skip_body(std::uint32_t length);
-  bool check_trailer(std::uint32_t length, std::uint32_t trailer);
-  bool take_section(const Fields& body);
-  bool take_interface(const Fields& body);
-  bool take_simple(const Fields& body, CaptureRecord& record);
-  bool take_packet(const Fields& body, bool obsolete, CaptureRecord& record);
+  bool read_block(CaptureRecord& record) {
+    std::uint32_t type = 0;
+    std::uint32_t length = 0;
+    if (!read_block_header(type, length)) return false;
+    const bool is_packet = type == obsolete_packet || type == enhanced_packet;
+    const bool wanted =
+        is_packet || type == simple_packet || type == section_header || type == interface_description;
+    if (!wanted) return skip_body(length);
+    if (!read_body(length)) return false;
+    const Fields body{ByteView(buffer_.data(), buffer_.size() - 4), big_};
+    if (type == section_header) return take_section(body);
+    if (type == interface_description) return take_interface(body);
+    return is_packet ? take_packet(body, type == obsolete_packet, record) : take_simple(body, record);
+  }
+
+  bool read_block_header(std::uint32_t& type, std::uint32_t& length) {
+    block_ = position_;
+    if (size_ - position_ < 12) return run_out("block cut by the end of the file");
+    std::array<std::uint8_t, 8> bytes{};
+    if (!read(bytes.data(), bytes.size())) return false;
+    type = Fields{ByteView(bytes.data(), 8), big_}.u32(0);
+    if (type == section_header && !read_section_magic()) return false;
+    length = Fields{ByteView(bytes.data(), 8), big_}.u32(4);
+    if (length < 12 || length % 4 != 0)
+      return fail("block with the impossible length " + std::to_string(length));
+    if (length > size_ - block_) {
+      return run_out("block of " + std::to_string(length) + " bytes, but the file has only " +
+                     std::to_string(size_ - block_) + " left");
+    }
+    return true;
+  }
+
+  /// The section's byte order stands behind its length, which must be known before the length is understood.
+  bool read_section_magic() {
+    std::array<std::uint8_t, 4> bytes{};
+    if (!read(bytes.data(), bytes.size())) return false;
+    const ByteView magic(bytes.data(), bytes.size());
+    big_ = magic.be32(0) == byte_order_magic;
+    if (!big_ && magic.le32(0) != byte_order_magic) return fail("section without a byte-order magic");
+    position_ -= bytes.size();
+    return std::fseek(file_.get(), -4, SEEK_CUR) == 0 || fail("block cannot be read");
+  }
+
+  bool read_body(std::uint32_t length) {
+    if (length > max_block) return fail("packet block with the impossible length " + std::to_string(length));
+    buffer_.resize(length - 8U);
+    if (!read(buffer_.data(), buffer_.size())) return false;
+    return check_trailer(length,
+                         Fields{ByteView(buffer_.data(), buffer_.size()), big_}.u32(buffer_.size() - 4));
+  }
+
+  /// Always false: a block that is skipped is no packet.
+  bool skip_body(std::uint32_t length) {
+    std::array<std::uint8_t, 4> trailer{};
+    if (fseeko(file_.get(), static_cast<off_t>(length) - 12, SEEK_CUR) != 0)
+      return fail("block cannot be read");
+    position_ += length - 12U;
+    if (read(trailer.data(), trailer.size()))
+      check_trailer(length, Fields{ByteView(trailer.data(), 4), big_}.u32(0));
+    return false;
+  }
+
+  bool check_trailer(std::uint32_t length, std::uint32_t trailer) {
+    if (trailer == length) return true;
+    return fail("block whose two lengths differ (" + std::to_string(length) + " and " +
+                std::to_string(trailer) + ")");
+  }
+
+  /// Section 4.1. Always false: no packet.
+  bool take_section(const Fields& body) {
+    if (!body.bytes.has(0, 16)) return fail("section header too short");
+    const std::uint16_t major = body.u16(4);
+    if (major != 1) return fail("section of the unknown pcapng version " + std::to_string(major));
+    interfaces_.clear();
+    return false;
+  }
+
+  /// Section 4.2. Always false: no packet.
+  bool take_interface(const Fields& body) {
+    if (!body.bytes.has(0, 8)) return fail("interface description too short");
+    Interface interface;
+    interface.link_type = body.u16(0);
+    interface.snapshot_length = body.u32(4);
+    read_options(body, 8, interface);
+    interfaces_.push_back(interface);
+    return false;
+  }
+
+  /// Section 4.4: of the first interface, without a stamp (it gets that of the packet before) and without a
+  /// captured length, which is the shortest of what limits it.
+  bool take_simple(const Fields& body, CaptureRecord& record) {
+    if (!body.bytes.has(0, 4)) return fail("packet block too short");
+    if (interfaces_.empty()) return fail("packet of undescribed interface 0");
+    const std::uint32_t length = body.u32(0);
+    const std::uint32_t limit = interfaces_[0].snapshot_length;
+    const std::size_t captured = limit == 0 ? length : std::min(length, limit);
+    if (!body.bytes.has(4, captured)) {
+      return fail("packet of " + std::to_string(captured) + " bytes in a block that holds " +
+                  std::to_string(body.bytes.size() - 4));
+    }
+    record = {last_stamp_, body.bytes.sub(4, captured), length, interfaces_[0].link_type};
+    return true;
+  }
+
+  /// Section 4.3, and appendix A for the obsolete block, whose interface has 16 bits: 20 bytes, of which the
+  /// last 16 are stamp (high, low), captured and original length; then the data.
+  bool take_packet(const Fields& body, bool obsolete, CaptureRecord& record) {
+    constexpr std::size_t header = 20;
+    if (!body.bytes.has(0, header)) return fail("packet block too short");
+    const std::uint32_t interface = obsolete ? body.u16(0) : body.u32(0);
+    const std::uint64_t ticks =
+        static_cast<std::uint64_t>(body.u32(header - 16)) << 32U | body.u32(header - 12);
+    const std::uint32_t captured = body.u32(header - 8);
+    if (interface >= interfaces_.size())
+      return fail("packet of undescribed interface " + std::to_string(interface));
+    if (!body.bytes.has(header, captured)) {
+      return fail("packet of " + std::to_string(captured) + " bytes in a block that holds " +
+                  std::to_string(body.bytes.size() - header));
+    }
+    last_stamp_ = interfaces_[interface].stamp(ticks);
+    record = {last_stamp_, body.bytes.sub(header, captured), body.u32(header - 4),
+              interfaces_[interface].link_type};
+    return true;
+  }
+
   bool fail(const std::string& what) {
     error_ = what + " at byte " + std::to_string(block_);
     return false;
@@ -134,131 +248,6 @@ class PcapngReader : public CaptureReader {
   std::string error_;
   bool ran_out_ = false;
 };
-
-bool PcapngReader::read_block(CaptureRecord& record) {
-  std::uint32_t type = 0;
-  std::uint32_t length = 0;
-  if (!read_block_header(type, length)) return false;
-  const bool is_packet = type == obsolete_packet || type == enhanced_packet;
-  const bool wanted =
-      is_packet || type == simple_packet || type == section_header || type == interface_description;
-  if (!wanted) return skip_body(length);
-  if (!read_body(length)) return false;
-  const Fields body{ByteView(buffer_.data(), buffer_.size() - 4), big_};
-  if (type == section_header) return take_section(body);
-  if (type == interface_description) return take_interface(body);
-  return is_packet ? take_packet(body, type == obsolete_packet, record) : take_simple(body, record);
-}
-
-bool PcapngReader::read_block_header(std::uint32_t& type, std::uint32_t& length) {
-  block_ = position_;
-  if (size_ - position_ < 12) return run_out("block cut by the end of the file");
-  std::array<std::uint8_t, 8> bytes{};
-  if (!read(bytes.data(), bytes.size())) return false;
-  type = Fields{ByteView(bytes.data(), 8), big_}.u32(0);
-  if (type == section_header && !read_section_magic()) return false;
-  length = Fields{ByteView(bytes.data(), 8), big_}.u32(4);
-  if (length < 12 || length % 4 != 0)
-    return fail("block with the impossible length " + std::to_string(length));
-  if (length > size_ - block_) {
-    return run_out("block of " + std::to_string(length) + " bytes, but the file has only " +
-                   std::to_string(size_ - block_) + " left");
-  }
-  return true;
-}
-
-/// The section's byte order stands behind its length, which must be known before the length is understood.
-bool PcapngReader::read_section_magic() {
-  std::array<std::uint8_t, 4> bytes{};
-  if (!read(bytes.data(), bytes.size())) return false;
-  const ByteView magic(bytes.data(), bytes.size());
-  big_ = magic.be32(0) == byte_order_magic;
-  if (!big_ && magic.le32(0) != byte_order_magic) return fail("section without a byte-order magic");
-  position_ -= bytes.size();
-  return std::fseek(file_.get(), -4, SEEK_CUR) == 0 || fail("block cannot be read");
-}
-
-bool PcapngReader::read_body(std::uint32_t length) {
-  if (length > max_block) return fail("packet block with the impossible length " + std::to_string(length));
-  buffer_.resize(length - 8U);
-  if (!read(buffer_.data(), buffer_.size())) return false;
-  return check_trailer(length,
-                       Fields{ByteView(buffer_.data(), buffer_.size()), big_}.u32(buffer_.size() - 4));
-}
-
-/// Always false: a block that is skipped is no packet.
-bool PcapngReader::skip_body(std::uint32_t length) {
-  std::array<std::uint8_t, 4> trailer{};
-  if (fseeko(file_.get(), static_cast<off_t>(length) - 12, SEEK_CUR) != 0)
-    return fail("block cannot be read");
-  position_ += length - 12U;
-  if (read(trailer.data(), trailer.size()))
-    check_trailer(length, Fields{ByteView(trailer.data(), 4), big_}.u32(0));
-  return false;
-}
-
-bool PcapngReader::check_trailer(std::uint32_t length, std::uint32_t trailer) {
-  if (trailer == length) return true;
-  return fail("block whose two lengths differ (" + std::to_string(length) + " and " +
-              std::to_string(trailer) + ")");
-}
-
-/// Section 4.1. Always false: no packet.
-bool PcapngReader::take_section(const Fields& body) {
-  if (!body.bytes.has(0, 16)) return fail("section header too short");
-  const std::uint16_t major = body.u16(4);
-  if (major != 1) return fail("section of the unknown pcapng version " + std::to_string(major));
-  interfaces_.clear();
-  return false;
-}
-
-/// Section 4.2. Always false: no packet.
-bool PcapngReader::take_interface(const Fields& body) {
-  if (!body.bytes.has(0, 8)) return fail("interface description too short");
-  Interface interface;
-  interface.link_type = body.u16(0);
-  interface.snapshot_length = body.u32(4);
-  read_options(body, 8, interface);
-  interfaces_.push_back(interface);
-  return false;
-}
-
-/// Section 4.3, and appendix A for the obsolete block, whose interface has 16 bits: 20 bytes, of which the
-/// last 16 are stamp (high, low), captured and original length; then the data.
-bool PcapngReader::take_packet(const Fields& body, bool obsolete, CaptureRecord& record) {
-  constexpr std::size_t header = 20;
-  if (!body.bytes.has(0, header)) return fail("packet block too short");
-  const std::uint32_t interface = obsolete ? body.u16(0) : body.u32(0);
-  const std::uint64_t ticks =
-      static_cast<std::uint64_t>(body.u32(header - 16)) << 32U | body.u32(header - 12);
-  const std::uint32_t captured = body.u32(header - 8);
-  if (interface >= interfaces_.size())
-    return fail("packet of undescribed interface " + std::to_string(interface));
-  if (!body.bytes.has(header, captured)) {
-    return fail("packet of " + std::to_string(captured) + " bytes in a block that holds " +
-                std::to_string(body.bytes.size() - header));
-  }
-  last_stamp_ = interfaces_[interface].stamp(ticks);
-  record = {last_stamp_, body.bytes.sub(header, captured), body.u32(header - 4),
-            interfaces_[interface].link_type};
-  return true;
-}
-
-/// Section 4.4: of the first interface, without a stamp (it gets that of the packet before) and without a
-/// captured length, which is the shortest of what limits it.
-bool PcapngReader::take_simple(const Fields& body, CaptureRecord& record) {
-  if (!body.bytes.has(0, 4)) return fail("packet block too short");
-  if (interfaces_.empty()) return fail("packet of undescribed interface 0");
-  const std::uint32_t length = body.u32(0);
-  const std::uint32_t limit = interfaces_[0].snapshot_length;
-  const std::size_t captured = limit == 0 ? length : std::min(length, limit);
-  if (!body.bytes.has(4, captured)) {
-    return fail("packet of " + std::to_string(captured) + " bytes in a block that holds " +
-                std::to_string(body.bytes.size() - 4));
-  }
-  record = {last_stamp_, body.bytes.sub(4, captured), length, interfaces_[0].link_type};
-  return true;
-}
 
 }  // namespace
 

@@ -46,10 +46,10 @@ bool TurnLine::add(Span tick, Span period, Stamp arrival) {
   Turn turn{0, tick.count(), arrival.ns};
   bool even = true;
   skipped_ = 0;
-  if (count_ > 0) {
-    const std::int64_t passed = tick.count() - newest_.tick;
+  if (!turns_.empty()) {
+    const std::int64_t passed = tick.count() - newest().tick;
     const std::int64_t turns = (passed + period.count() / 2) / period.count();
-    turn.number = newest_.number + turns;
+    turn.number = newest().number + turns;
     even = turns > 0 && std::abs(passed - turns * period.count()) <= std::max(uneven_limit, turns * ms / 4);
     if (turns > 1) skipped_ = turns - 1;
   }
@@ -57,26 +57,23 @@ bool TurnLine::add(Span tick, Span period, Stamp arrival) {
     reset();
     turn.number = 0;
   }
-  if (count_ == 0) next_ = 0;
-  turns_[next_] = newest_ = turn;
-  next_ = (next_ + 1) % length;
-  count_ = std::min(count_ + 1, length);
+  turns_.push_back(turn);
   return even;
 }
 
-void TurnLine::fit(double& period, double& newest) const {
+void TurnLine::fit(double& period, double& newest_tick) const {
   double sx = 0, sy = 0, sxx = 0, sxy = 0;
-  for_each([&](const Turn& turn) {
+  for (const Turn& turn : turns_) {
     // From the newest on, so that doubles hold nanoseconds exactly.
-    const auto x = static_cast<double>(turn.number - newest_.number);
-    const auto y = static_cast<double>(turn.tick - newest_.tick);
+    const auto x = static_cast<double>(turn.number - newest().number);
+    const auto y = static_cast<double>(turn.tick - newest().tick);
     sx += x, sy += y, sxx += x * x, sxy += x * y;
-  });
-  const auto n = static_cast<double>(count_);
+  }
+  const auto n = static_cast<double>(count());
   const double determinant = n * sxx - sx * sx;
   if (!(determinant > 0)) return;
   period = (n * sxy - sx * sy) / determinant;
-  newest = static_cast<double>(newest_.tick) + (sy * sxx - sx * sxy) / determinant;
+  newest_tick = static_cast<double>(newest().tick) + (sy * sxx - sx * sxy) / determinant;
 }
 
 /// The counter without its overflows; starts again where it was reset.
@@ -119,7 +116,7 @@ Stamp ScipClock::begin_of(const Sweep& sweep, std::int64_t& skipped) {
   clock_.observe(sent, sweep.arrival);
   counter_clock_.observe(read + sweep.until_sent, sweep.arrival);
   if (mode_ == ClockMode::smooth && sweep.evenly) {
-    turns_.set_begin(begin);
+    turns_.turns().back().begin = begin.count();
     learn_delay(sweep);
   }
   return as_compared(clock_.to_host(sent) - sweep.until_sent - Span(delay_.value_or(0)), read, sweep);
@@ -162,10 +159,10 @@ Span ScipClock::by_motor(const Sweep& sweep) {
       chosen_at_ = count;
       base_ = std::llround(newest - period * static_cast<double>(turns_.newest().number)) + ms / 2;
       clock_.reset();
-      turns_.set_begins(begin);
-      turns_.for_each([&](const TurnLine::Turn& turn) {
+      for (TurnLine::Turn& turn : turns_.turns()) {
+        turn.begin = begin(turn).count();
         clock_.observe(Span(turn.begin) + sweep.until_sent, Stamp{turn.arrival});
-      });
+      }
     }
   }
   return begin(turns_.newest());
@@ -184,8 +181,8 @@ void ScipClock::learn_delay(const Sweep& sweep) {
   const std::int64_t tick = sweep.stamp.microseconds ? 0 : ms;
   bool any = false;
   std::int64_t least = 0, most = 0;
-  turns_.for_each([&](const TurnLine::Turn& turn) {
-    if (Stamp{turn.arrival} - compared_at_ > turn_age) return;
+  for (const TurnLine::Turn& turn : turns_.turns()) {
+    if (Stamp{turn.arrival} - compared_at_ > turn_age) continue;
     const double since = static_cast<double>(turn.tick - compared_device_.count());
     const std::int64_t offset = compared + std::llround(drift * since);
     const Stamp smooth = clock_.to_host(Span(turn.begin) + sweep.until_sent);
@@ -193,7 +190,7 @@ void ScipClock::learn_delay(const Sweep& sweep) {
     most = any ? std::min(most, delay) : delay;
     least = any ? std::max(least, delay - tick) : delay - tick;
     any = true;
-  });
+  }
   const std::int64_t delay = least + (most - least) / 2;
   if (!any || delay < -ms || delay > longest_delay) return;
   delay_ = std::max<std::int64_t>(0, delay);

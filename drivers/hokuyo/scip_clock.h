@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
+#include <boost/circular_buffer.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -23,30 +23,19 @@ class TurnLine {
   /// Takes the next turn; `period`: nominal, a whole part of it may have passed. False if the motor did not
   /// turn evenly: numbers begin at 0 again.
   bool add(Span tick, Span period, Stamp arrival);
-  void reset() { count_ = 0; }
-  std::size_t count() const { return count_; }
-  const Turn& newest() const { return newest_; }
+  void reset() { turns_.clear(); }
+  std::size_t count() const { return turns_.size(); }
+  const Turn& newest() const { return turns_.back(); }
   /// Turns between the newest and the one before.
   std::int64_t skipped() const { return skipped_; }
   /// Least squares through the ticks: ns of a turn, and of the newest tick without its fraction.
   void fit(double& period, double& newest) const;
-  /// Calls take(turn) from the oldest to the newest.
-  template <class Take>
-  void for_each(Take&& take) const {
-    for (std::size_t i = 0; i < count_; ++i) take(turns_[(next_ + length - count_ + i) % length]);
-  }
-  /// Sets what is known of the newest turn's begin, or of all by find(turn).
-  void set_begin(Span begin) { turns_[(next_ + length - 1) % length].begin = begin.count(); }
-  template <class Find>
-  void set_begins(Find&& find) {
-    for (std::size_t i = 0; i < count_; ++i) turns_[i].begin = find(turns_[i]).count();
-  }
+  /// From the oldest to the newest; what is known of their begins may be set.
+  boost::circular_buffer<Turn>& turns() { return turns_; }
+  const boost::circular_buffer<Turn>& turns() const { return turns_; }
 
  private:
-  static constexpr std::size_t length = 256;
-  std::array<Turn, length> turns_{};
-  std::size_t count_ = 0, next_ = 0;
-  Turn newest_{0, 0, 0};
+  boost::circular_buffer<Turn> turns_{256};
   std::int64_t skipped_ = 0;
 };
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <boost/asio/yield.hpp>
 
-#include "drivers/hokuyo/scip_status.h"
 #include "drivers/model.h"
 
 namespace lidard::hokuyo {

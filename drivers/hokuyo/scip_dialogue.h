@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "drivers/dialogue.h"
+#include "drivers/driver_base.h"
 #include "drivers/hokuyo/scip_clock.h"
 #include "drivers/hokuyo/scip_message.h"
-#include "drivers/warning_board.h"
 
 namespace lidard::hokuyo {
 

@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/hokuyo/scip_message.h"
 
-#include <algorithm>
 #include <array>
-#include <cstdio>
+
+#include "core/base/angle.h"
+#include "core/base/number_text.h"
 
 namespace lidard::hokuyo {
 namespace {
@@ -17,18 +18,12 @@ constexpr std::size_t longest_number = 11;
 // Hokuyo C-42-03320B p. 7: up to 16 characters of the host's own, here with a semicolon before.
 constexpr std::size_t longest_user_string = 17;
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
 /// Reads exactly `digits` decimal digits from the front of `text`; -1 if they are not there.
 int take_decimal(std::string_view& text, std::size_t digits) {
-  if (text.size() < digits) return -1;
-  int value = 0;
-  for (const char c : text.substr(0, digits)) {
-    if (!is_digit(c)) return -1;
-    value = 10 * value + (c - '0');
-  }
+  const auto value = number_in<unsigned>(text.substr(0, digits));
+  if (text.size() < digits || !value) return -1;
   text.remove_prefix(digits);
-  return value;
+  return static_cast<int>(*value);
 }
 
 }  // namespace
@@ -169,6 +164,165 @@ bool join_lines(std::string_view body, std::vector<char>& flat) {
     flat.insert(flat.end(), line.begin(), line.end() - 1);
   }
   return true;
+}
+
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  return text;
+}
+
+bool is_plausible(const ScipParameters& p) {
+  // Four digits hold a step in a request, three characters a distance.
+  return p.range_min_mm >= 0 && p.range_max_mm > p.range_min_mm && p.range_max_mm < 1 << 18 &&
+         p.steps_per_turn > 0 && p.steps_per_turn <= 100'000 && p.first_step >= 0 &&
+         p.last_step > p.first_step && p.last_step <= 9999 && p.front_step >= 0 && p.front_step <= 9999 &&
+         p.rpm > 0 && p.rpm <= 100'000;
+}
+
+}  // namespace
+
+BeamStatus status_of_code(CodeTable table, std::uint32_t code) {
+  if (table == CodeTable::urg) {
+    // 0: possibly at 22 m; 6: "others", in practice beyond the range (as hokuyo_node takes both).
+    return code == 0 || code == 6 ? BeamStatus::none : BeamStatus::invalid;
+  }
+  if (code == 1) return BeamStatus::none;
+  // 2: too near (internal error); 4: out of range at the near end.
+  return code == 2 || code == 4 ? BeamStatus::near : BeamStatus::invalid;
+}
+
+CodeTable code_table_of(std::string_view product) {
+  for (const std::string_view family : {"URG", "UBG", "UHG"}) {
+    if (product.substr(0, family.size()) == family) return CodeTable::urg;
+  }
+  return CodeTable::utm;
+}
+
+double ScipParameters::rad_per_step() const { return two_pi / steps_per_turn; }
+
+bool operator==(const ScipParameters& a, const ScipParameters& b) {
+  return a.range_min_mm == b.range_min_mm && a.range_max_mm == b.range_max_mm &&
+         a.steps_per_turn == b.steps_per_turn && a.first_step == b.first_step && a.last_step == b.last_step &&
+         a.front_step == b.front_step && a.rpm == b.rpm;
+}
+
+bool split_entry(std::string_view line, std::string_view& key, std::string_view& value, bool& sound) {
+  const std::size_t colon = line.find(':');
+  if (colon == std::string_view::npos || line.size() < colon + 3) return false;
+  const std::string_view counted = line.substr(0, line.size() - 1);
+  std::string_view bare = counted;
+  if (bare.back() == ';') bare.remove_suffix(1);
+  sound = line.back() == scip_checksum(bare) || line.back() == scip_checksum(counted);
+  key = line.substr(0, colon);
+  value = trimmed(bare.substr(colon + 1));
+  return true;
+}
+
+bool parse_parameters(std::string_view body, ScipParameters& parameters, std::string& product) {
+  struct Field {
+    std::string_view key;
+    int ScipParameters::*value;
+  };
+  constexpr std::array<Field, 7> fields = {{{"DMIN", &ScipParameters::range_min_mm},
+                                            {"DMAX", &ScipParameters::range_max_mm},
+                                            {"ARES", &ScipParameters::steps_per_turn},
+                                            {"AMIN", &ScipParameters::first_step},
+                                            {"AMAX", &ScipParameters::last_step},
+                                            {"AFRT", &ScipParameters::front_step},
+                                            {"SCAN", &ScipParameters::rpm}}};
+  ScipParameters read;
+  std::size_t found = 0;
+  bool all_sound = true;
+  std::string_view name;
+  for_each_entry(body, [&](std::string_view key, std::string_view value, bool sound) {
+    all_sound = all_sound && sound;
+    if (key == "MODL") name = value.substr(0, value.find('('));
+    for (const Field& field : fields) {
+      if (field.key != key) continue;
+      if (const auto number = number_in<int>(value)) read.*field.value = *number, ++found;
+    }
+  });
+  if (!all_sound || found != fields.size() || !is_plausible(read)) return false;
+  parameters = read;
+  product = trimmed(name);
+  return true;
+}
+
+namespace {
+
+struct Meaning {
+  std::string_view status;
+  std::string_view words;
+  std::string_view remedy;
+};
+
+constexpr std::string_view check_range = "correct angle_min, angle_max, cluster or skip in the configuration";
+constexpr std::string_view check_model = "check the model in the configuration and the sensor's firmware";
+constexpr std::string_view report = "please report the sensor's firmware version";
+constexpr std::string_view wait =
+    "wait, it is asked again every second; if it stays, switch its power off and on";
+
+// Hokuyo C-42-03320B p. 11 and p. 23 (SCIP 2.0); the second generation (SCIP 2.2: UST, UTM-30LX-EW) as
+// hokuyolx and urg_stamped have it.
+constexpr std::array<Meaning, 20> meanings = {{
+    {"01", "the first step is no number, or the laser is broken", check_range},
+    {"02", "the last step is no number", check_range},
+    {"03", "the cluster is no number", check_range},
+    {"04", "the last step is out of range", check_range},
+    {"05", "the last step is below the first", check_range},
+    {"06", "the interval is no number", check_range},
+    {"07", "the number of scans is no number", check_range},
+    {"0A", "it has no memory left to answer", wait},
+    {"0B", "the buffer is full or the command was repeated before it was done", wait},
+    {"0C", "the command is too short, or a parameter of it is wrong", report},
+    {"0D", "the command is too long or unknown", report},
+    {"0E", "it does not know the command", check_model},
+    {"0F", "it does not support the command", check_model},
+    {"0G", "the user string is too long", report},
+    {"0H", "the user string or the command's length is wrong", report},
+    {"0I", "it is in firmware update mode",
+     "finish the update with the maker's tool, then switch its power off and on"},
+    {"0L", "it is in an abnormal state",
+     "switch its power off and on; if it comes back, look at it with the maker's tool (UrgBenriPlus)"},
+    {"0M", "its measurement is not stable yet",
+     "wait until its motor runs steadily; if it stays, check power supply and vibration"},
+    {"10", "the laser is off or the sensor is busy in another mode",
+     "wait, it is asked again every second; check that no other program is connected to it"},
+    {"98", "it had stopped to check itself and measures again", "nothing to do"},
+}};
+
+}  // namespace
+
+StatusClass class_of(std::string_view status) {
+  if (status == "00") return StatusClass::accepted;
+  if (status == "99") return StatusClass::data;
+  if (status == "98") return StatusClass::resumed;
+  if (status == "0E" || status == "0F") return StatusClass::unknown;
+  const unsigned value = status.size() == 2 ? number_in<unsigned>(status).value_or(0) : 0;
+  if (value >= 50) return StatusClass::fault;
+  return value >= 21 ? StatusClass::verifying : StatusClass::refused;
+}
+
+std::string explain_status(std::string_view command, std::string_view status) {
+  const std::string what =
+      "the sensor answers " + std::string(command) + " with status " + std::string(status) + ": ";
+  const StatusClass is = class_of(status);
+  if (is == StatusClass::verifying)
+    return what +
+           "it has stopped measuring to check an error; keep dirt and strong light off its window, it goes "
+           "on by "
+           "itself if the error does not last";
+  if (is == StatusClass::fault)
+    return what +
+           "it reports hardware trouble; switch its power off and on, and have it repaired if it comes back";
+  for (const Meaning& meaning : meanings) {
+    if (meaning.status == status)
+      return what + std::string(meaning.words) + "; " + std::string(meaning.remedy);
+  }
+  return what + "no document known here explains it; " + std::string(report);
 }
 
 }  // namespace lidard::hokuyo

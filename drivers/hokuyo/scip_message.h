@@ -2,14 +2,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/base/bytes.h"
 #include "core/base/counters.h"
+#include "core/frames/scan.h"
+#include "drivers/driver.h"
 
 namespace lidard::hokuyo {
 
@@ -93,5 +99,101 @@ std::string_view write_scan_request(const ScipScanRequest& request, std::vector<
 /// Joins the data lines of `body` without their checksums into `flat`; values straddle line ends (Hokuyo
 /// C-42-03320B p. 11). False if a checksum is wrong.
 bool join_lines(std::string_view body, std::vector<char>& flat);
+
+/// What distances below the shortest one mean; they are codes then, never distances.
+enum class CodeTable : std::uint8_t {
+  utm,  ///< Hokuyo C-42-03320B p. 12 table 4 (UTM-30LX); unverified for UST and UXM
+  urg   ///< the same, table 3 (URG-04LX, UBG, UHG)
+};
+
+/// What a code says of its beam.
+BeamStatus status_of_code(CodeTable table, std::uint32_t code);
+/// The table that fits a product's name.
+CodeTable code_table_of(std::string_view product);
+
+/// The sensor's answer to PP (Hokuyo C-42-03320B p. 21), or what is known of a product beforehand.
+struct ScipParameters {
+  int range_min_mm = 0;    ///< DMIN; what is less is a code
+  int range_max_mm = 0;    ///< DMAX; what is more is no echo
+  int steps_per_turn = 0;  ///< ARES
+  int first_step = 0;      ///< AMIN
+  int last_step = 0;       ///< AMAX
+  int front_step = 0;      ///< AFRT
+  int rpm = 0;             ///< SCAN
+
+  double rad_per_step() const;
+  /// rad, counter-clockwise from the front; fractions of a step for groups.
+  double angle(double step) const { return (step - front_step) * rad_per_step(); }
+  double turn_seconds() const { return 60.0 / rpm; }
+  double step_seconds() const { return turn_seconds() / steps_per_turn; }
+  friend bool operator==(const ScipParameters& a, const ScipParameters& b);
+};
+
+/// Reads the lines of an answer to PP; `product` gets the sensor's name. False if a line is missing, its
+/// checksum is wrong or the values make no sense.
+bool parse_parameters(std::string_view body, ScipParameters& parameters, std::string& product);
+
+/// Calls take(key, value) for each line KEY:VALUE of an answer to PP, VV or II. The checksum counts the line
+/// without its semicolon; some firmware counts that, too. `sound` tells whether it is right.
+template <class Take>
+void for_each_entry(std::string_view body, Take&& take);
+
+bool split_entry(std::string_view line, std::string_view& key, std::string_view& value, bool& sound);
+
+template <class Take>
+void for_each_entry(std::string_view body, Take&& take) {
+  while (!body.empty()) {
+    const std::size_t end = body.find('\n');
+    std::string_view key, value;
+    bool sound = false;
+    if (split_entry(body.substr(0, end), key, value, sound)) take(key, value, sound);
+    body.remove_prefix(end == std::string_view::npos ? body.size() : end + 1);
+  }
+}
+
+/// What to ask a sensor for: the steps inside the configured angles (all of them if there are none), cluster
+/// and skip.
+inline ScipScanRequest request_for(const ScipParameters& p, const DriverConfig& config) {
+  ScipScanRequest request;
+  // Configured angles are rounded: a step on the limit is inside.
+  constexpr double slack = 0.01;
+  const auto step_at = [&p](double angle) { return angle / p.rad_per_step() + p.front_step; };
+  const double low = config.angle_min ? std::ceil(step_at(*config.angle_min) - slack) : p.first_step;
+  const double high = config.angle_max ? std::floor(step_at(*config.angle_max) + slack) : p.last_step;
+  request.first_step = static_cast<int>(std::clamp<double>(low, p.first_step, p.last_step));
+  request.last_step = static_cast<int>(std::clamp<double>(high, p.first_step, p.last_step));
+  if (low > high || request.last_step < request.first_step) {
+    request.first_step = p.first_step;
+    request.last_step = p.last_step;
+  }
+  request.cluster = std::clamp(config.requests.cluster.value_or(1), 1, 99);
+  request.skip = std::clamp(config.requests.skip.value_or(0), 0, 9);
+  return request;
+}
+
+/// True for UST firmware that knows the % extension: from 4.1, or from 1.1 within 1.x (as urg_stamped has
+/// it).
+inline bool firmware_knows_percent(const std::string& firmware) {
+  int major = 0, minor = 0;
+  if (std::sscanf(firmware.c_str(), "%d.%d", &major, &minor) != 2) return false;
+  return major > 4 || (major == 4 && minor >= 1) || (major == 1 && minor >= 1);
+}
+
+/// What the status of an answer wants from us.
+enum class StatusClass : std::uint8_t {
+  accepted,   ///< 00
+  data,       ///< 99
+  unknown,    ///< 0E, 0F: the sensor has no such command
+  verifying,  ///< 21-49: it pauses to check itself
+  fault,      ///< 50-97: hardware trouble
+  resumed,    ///< 98
+  refused     ///< everything else
+};
+
+StatusClass class_of(std::string_view status);
+
+/// Why `command` was not carried out: a sentence in plain words with a remedy. Where the two generations of
+/// SCIP 2 give a status another meaning, it names both.
+std::string explain_status(std::string_view command, std::string_view status);
 
 }  // namespace lidard::hokuyo

@@ -1,15 +1,13 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/hokuyo/uam_driver.h"
-
 #include <array>
 
-#include "core/base/steady_stamps.h"
+#include "core/base/time.h"
 #include "drivers/dialogue.h"
 #include "drivers/driver_base.h"
+#include "drivers/hokuyo/models.h"
 #include "drivers/hokuyo/scip_clock.h"
 #include "drivers/hokuyo/uam_frame.h"
-#include "drivers/warning_board.h"
 
 namespace lidard::hokuyo {
 namespace {
@@ -46,28 +44,243 @@ enum class Trouble : std::uint8_t {
   count_
 };
 
+/// What stands in an answer with distances beside them. Flags are 0 or 1 as the sensor sends them.
+struct UamStatus {
+  std::uint32_t operating_mode, area, error_state, error_code, lockout, ossd1, ossd2, ossd3, ossd4, warning1,
+      warning2, muting1, muting2, reset_request1, reset_request2, encoder_speed, time_ms, laser_off,
+      contaminated;
+};
+
+/// Offsets from STX as urg_node and the UAM-05LP driver of locusrobotics have them.
+constexpr struct {
+  const char* name;  ///< in the topic; null: not there
+  std::uint32_t UamStatus::*value;
+  std::size_t at, digits;
+} status_fields[] = {
+    {"operating_mode", &UamStatus::operating_mode, 11, 1},
+    {"area", &UamStatus::area, 12, 2},
+    {"error_state", &UamStatus::error_state, 14, 1},
+    {"error_code", &UamStatus::error_code, 15, 2},
+    {"lockout", &UamStatus::lockout, 17, 1},
+    {"ossd1", &UamStatus::ossd1, 18, 1},
+    {"ossd2", &UamStatus::ossd2, 19, 1},
+    {"ossd3", &UamStatus::ossd3, 22, 1},
+    {"ossd4", &UamStatus::ossd4, 23, 1},
+    {"warning1", &UamStatus::warning1, 20, 1},
+    {"warning2", &UamStatus::warning2, 21, 1},
+    {"muting1", &UamStatus::muting1, 26, 1},
+    {"muting2", &UamStatus::muting2, 27, 1},
+    {"reset_request1", &UamStatus::reset_request1, 28, 1},
+    {"reset_request2", &UamStatus::reset_request2, 29, 1},
+    {"encoder_speed", &UamStatus::encoder_speed, 30, 4},
+    {nullptr, &UamStatus::time_ms, 34, 8},
+    {"laser_off", &UamStatus::laser_off, 42, 1},
+    {"window_contaminated", &UamStatus::contaminated, 43, 1},
+};
+
+/// False if a field is no hexadecimal number.
+bool parse_status(std::string_view frame, UamStatus& s) {
+  for (const auto& field : status_fields) {
+    const auto value = uam_number(frame, field.at, field.digits);
+    if (!value) return false;
+    s.*field.value = *value;
+  }
+  ++s.area;                                     // areas count from 1
+  if (s.error_code != 0) s.error_code += 0x40;  // as the sensor's own display has it
+  return true;
+}
+
 class UamDriver final : public DriverBase {
  public:
-  explicit UamDriver(const DriverConfig& config);
+  explicit UamDriver(const DriverConfig& config)
+      : DriverBase(config),
+        row_(*static_cast<const UamRow*>(config.model->row)),
+        clock_(config.clock, false) {
+    prepare_scan(config, scan_);
+    scan_.scan_time = static_cast<float>(turn_s);
+    scan_.time_increment = static_cast<float>(turn_s * row_.step_deg / 360);
+    state_->topic = "status";
+    state_->frame_id = config.frame_id;
+    first_beam_ =
+        choose_beams(config_, first_deg * rad_per_deg, row_.step_deg * rad_per_deg, row_.beams, scan_).first;
+  }
 
-  Reject receive(const Packet& packet, DriverOutput& out) override;
-  void connected(Stamp now, DriverOutput& out) override;
-  void disconnected() override;
-  void tick(Stamp now, DriverOutput& out) override;
-  void restart() override;
+  Reject receive(const Packet& packet, DriverOutput& out) override {
+    return read_stream<std::string_view>(
+        packet, reader_, [&](const std::string_view& item) { return handle(item, packet.arrival, out); });
+  }
+
+  void connected(Stamp now, DriverOutput& out) override {
+    reader_.interrupt();
+    ask(Step::version, "VR00", now, out);
+  }
+
+  void disconnected() override {
+    reader_.interrupt();
+    step_ = Step::idle;
+  }
+
+  void tick(Stamp now, DriverOutput& out) override {
+    if (step_ == Step::idle || !patience_.is_over(now)) return;
+    if (step_ == Step::waiting) return ask(Step::start, row_.start, now, out);
+    board_.set(
+        Trouble::silent,
+        "the sensor takes the connection but sends nothing; end other programs that are connected to it, "
+        "or switch its power off and on");
+    step_ = Step::idle;
+    out.disconnect(true);
+  }
+
+  void restart() override {
+    reader_.interrupt();
+    clock_.reset();
+    stamps_.reset();
+  }
 
  private:
   enum class Step : std::uint8_t { idle, version, start, streaming, waiting };
 
-  Reject handle(std::string_view frame, Stamp arrival, DriverOutput& out);
-  void take_version(std::string_view frame);
-  void answer_to_start(std::string_view frame, Stamp now);
-  Reject publish(std::string_view frame, Stamp arrival, DriverOutput& out);
-  void ask(Step step, std::string_view command, Stamp now, DriverOutput& out);
-  Reject fill(std::string_view frame);
-  Stamp first_ray(Stamp arrival);
-  void note_troubles();
-  void tell_state(DriverOutput& out);
+  Reject handle(std::string_view frame, Stamp arrival, DriverOutput& out) {
+    const std::string_view command = frame.substr(5, 4);
+    const std::size_t blocks = row_.intensities ? 2 : 1;
+    const bool has_distances = command == row_.answer;
+    if (has_distances) {
+      ++counters_.packets;
+      if (frame.size() != uam_distances_at + 4 * row_.beams * blocks + uam_tail) return Reject::size;
+      if (step_ != Step::idle) {
+        step_ = Step::streaming;
+        patience_.start(arrival, stream_patience);
+        board_.clear(Trouble::silent);
+        board_.clear(Trouble::refused);
+      }
+      return publish(frame, arrival, out);
+    }
+    ++counters_.other_packets;
+    if (command == "VR00") take_version(frame);
+    if (step_ == Step::version && command == "VR00") ask(Step::start, row_.start, arrival, out);
+    if (step_ == Step::start && command == row_.start) answer_to_start(frame, arrival);
+    return Reject::none;
+  }
+
+  /// Model, firmware, a reserved field and the serial number, separated by commas.
+  void take_version(std::string_view frame) {
+    if (frame.size() < 11 + uam_tail) return;
+    std::string_view text = frame.substr(11, frame.size() - 11 - uam_tail);
+    constexpr std::array<const char*, 4> keys = {"Product Name", "Firmware Version", "", "Device ID"};
+    for (const char* key : keys) {
+      std::string_view field = text.substr(0, text.find(','));
+      text.remove_prefix(std::min(field.size() + 1, text.size()));
+      while (!field.empty() && (field.back() == ' ' || field.back() == '\0')) field.remove_suffix(1);
+      while (!field.empty() && field.front() == ' ') field.remove_prefix(1);
+      if (*key == '\0' || field.empty()) continue;
+      if (std::string_view(key) == "Device ID") {
+        if (!info_.serial.empty() && info_.serial != field)
+          board_.set(Trouble::device, "sensor " + info_.serial + " was replaced by sensor " +
+                                          std::string(field) + "; check its pose and its areas");
+        info_.serial = field;
+      }
+      info_.set(key, field);
+    }
+  }
+
+  void answer_to_start(std::string_view frame, Stamp now) {
+    const std::string_view status = frame.size() >= 16 ? frame.substr(9, 2) : std::string_view("00");
+    if (status == "00") {
+      step_ = Step::streaming;
+      patience_.start(now, answer_patience);
+      return;
+    }
+    board_.set(Trouble::refused, "the sensor refuses to send (" + std::string(row_.start) + ", status " +
+                                     std::string(status) +
+                                     "); it is asked again every second: look at its display and end the "
+                                     "setting mode of the maker's tool");
+    step_ = Step::waiting;
+    patience_.start(now, retry_after);
+  }
+
+  Reject publish(std::string_view frame, Stamp arrival, DriverOutput& out) {
+    if (frame.substr(9, 2) != "00" || !parse_status(frame, status_)) return Reject::field;
+    const Reject reason = fill(frame);
+    if (reason != Reject::none) return reason;
+    note_troubles();
+    scan_.stamp = first_ray(arrival);
+    tell_state(out);
+    if (scan_.beams == 0) return Reject::none;
+    ++counters_.frames;
+    out.scan(scan_);
+    return Reject::none;
+  }
+
+  void ask(Step step, std::string_view command, Stamp now, DriverOutput& out) {
+    step_ = step;
+    patience_.start(now, answer_patience);
+    const std::string request = uam_request(command);
+    out.request(ByteView(request));
+  }
+
+  Reject fill(std::string_view frame) {
+    const bool with_intensities = row_.intensities && config_.publish_intensity;
+    scan_.reset(scan_.beams, 1, with_intensities);
+    for (std::size_t i = 0; i < scan_.beams; ++i) {
+      const std::size_t at = uam_distances_at + 4 * (first_beam_ + i);
+      const auto value = uam_number(frame, at, 4);
+      if (!value) return Reject::field;
+      if (*value == no_object) {
+        scan_.set_without_hit(i, BeamStatus::none);
+      } else if (*value == too_near) {
+        scan_.set_without_hit(i, BeamStatus::near);
+      } else if (*value >= first_code) {
+        scan_.set_without_hit(i, BeamStatus::invalid);
+      } else {
+        scan_.set_measured(i, static_cast<float>(*value * 1e-3));
+      }
+      if (!with_intensities) continue;
+      const auto intensity = uam_number(frame, at + 4 * row_.beams, 4);
+      if (!intensity) return Reject::field;
+      scan_.intensities[i] = static_cast<float>(*intensity);
+    }
+    return Reject::none;
+  }
+
+  /// The frame's counter in ms; unverified: taken as the first beam's time.
+  Stamp first_ray(Stamp arrival) {
+    ScipClock::Sweep sweep;
+    sweep.stamp = {status_.time_ms & shown_by_clock, false};
+    sweep.period = span_from_seconds(turn_s);
+    sweep.until_sent = span_from_seconds(turn_s * row_.step_deg / 360 * static_cast<double>(row_.beams - 1));
+    sweep.arrival = arrival;
+    std::int64_t skipped = 0;
+    const Stamp begin = clock_.begin_of(sweep, skipped);
+    if (skipped < longest_loss) counters_.lost_packets += static_cast<std::uint64_t>(skipped);
+    counters_.clock_steps = clock_.steps();
+    const Span before = span_from_seconds(turn_s * row_.step_deg / 360 * static_cast<double>(first_beam_));
+    return stamps_.next(begin + before + config_.time_offset);
+  }
+
+  void note_troubles() {
+    const auto tell = [this](Trouble trouble, bool active, const char* text) {
+      board_.tell(trouble, active, [text] { return text; });
+    };
+    tell(Trouble::error, status_.error_state != 0 || status_.error_code != 0,
+         "the scanner reports an error and switches its outputs off; its display shows the number (topic "
+         "status, "
+         "error_code): look it up in the manual");
+    tell(Trouble::lockout, status_.lockout != 0,
+         "the scanner is locked out; remove the cause shown on its display and switch its power off and on");
+    tell(Trouble::laser_off, status_.laser_off != 0,
+         "the scanner's laser is off, beams are invalid; wait until it has started, or wake it up");
+    tell(Trouble::contaminated, status_.contaminated != 0, "the scanner's window is dirty; clean it");
+  }
+
+  void tell_state(DriverOutput& out) {
+    state_->values.clear();
+    for (const auto& field : status_fields) {
+      if (field.name != nullptr)
+        state_->values.push_back({field.name, static_cast<double>(status_.*field.value)});
+    }
+    state_->stamp = scan_.stamp;
+    out.message(state_);
+  }
 
   const UamRow& row_;
   WarningBoard<Trouble> board_{info_.warnings};
@@ -77,221 +290,11 @@ class UamDriver final : public DriverBase {
 
   ScipClock clock_;
   SteadyStamps stamps_;
-  UamStatus status_;
+  UamStatus status_{};
   std::size_t first_beam_ = 0;
   PlanarScan scan_;
   ReusedMessage<DeviceState> state_;
 };
-
-UamDriver::UamDriver(const DriverConfig& config)
-    : DriverBase(config), row_(*static_cast<const UamRow*>(config.model->row)), clock_(config.clock, false) {
-  prepare_scan(config, scan_);
-  scan_.scan_time = static_cast<float>(turn_s);
-  scan_.time_increment = static_cast<float>(turn_s * row_.step_deg / 360);
-  state_->topic = "status";
-  state_->frame_id = config.frame_id;
-  first_beam_ =
-      choose_beams(config_, first_deg * rad_per_deg, row_.step_deg * rad_per_deg, row_.beams, scan_).first;
-}
-
-void UamDriver::ask(Step step, std::string_view command, Stamp now, DriverOutput& out) {
-  step_ = step;
-  patience_.start(now, answer_patience);
-  const std::string request = uam_request(command);
-  out.request(ByteView(request));
-}
-
-void UamDriver::connected(Stamp now, DriverOutput& out) {
-  reader_.interrupt();
-  ask(Step::version, "VR00", now, out);
-}
-
-void UamDriver::disconnected() {
-  reader_.interrupt();
-  step_ = Step::idle;
-}
-
-void UamDriver::tick(Stamp now, DriverOutput& out) {
-  if (step_ == Step::idle || !patience_.is_over(now)) return;
-  if (step_ == Step::waiting) return ask(Step::start, row_.start, now, out);
-  board_.set(
-      Trouble::silent,
-      "the sensor takes the connection but sends nothing; end other programs that are connected to it, "
-      "or switch its power off and on");
-  step_ = Step::idle;
-  out.disconnect(true);
-}
-
-void UamDriver::restart() {
-  reader_.interrupt();
-  clock_.reset();
-  stamps_.reset();
-}
-
-Reject UamDriver::receive(const Packet& packet, DriverOutput& out) {
-  counters_.bytes += packet.payload.size();
-  if (packet.stream_start || packet.missing > 0) reader_.interrupt();
-  reader_.add(packet.payload);
-  Reject result = Reject::none;
-  for (std::string_view frame; reader_.next(frame);) {
-    const Reject reason = handle(frame, packet.arrival, out);
-    if (reason == Reject::none) continue;
-    counters_.reject(reason);
-    result = reason;
-  }
-  return result;
-}
-
-Reject UamDriver::handle(std::string_view frame, Stamp arrival, DriverOutput& out) {
-  const std::string_view command = frame.substr(5, 4);
-  const std::size_t blocks = row_.intensities ? 2 : 1;
-  const bool has_distances = command == row_.answer;
-  if (has_distances) {
-    ++counters_.packets;
-    if (frame.size() != uam_distances_at + 4 * row_.beams * blocks + uam_tail) return Reject::size;
-    if (step_ != Step::idle) {
-      step_ = Step::streaming;
-      patience_.start(arrival, stream_patience);
-      board_.clear(Trouble::silent);
-      board_.clear(Trouble::refused);
-    }
-    return publish(frame, arrival, out);
-  }
-  ++counters_.other_packets;
-  if (command == "VR00") take_version(frame);
-  if (step_ == Step::version && command == "VR00") ask(Step::start, row_.start, arrival, out);
-  if (step_ == Step::start && command == row_.start) answer_to_start(frame, arrival);
-  return Reject::none;
-}
-
-/// Model, firmware, a reserved field and the serial number, separated by commas.
-void UamDriver::take_version(std::string_view frame) {
-  if (frame.size() < 11 + uam_tail) return;
-  std::string_view text = frame.substr(11, frame.size() - 11 - uam_tail);
-  constexpr std::array<const char*, 4> keys = {"Product Name", "Firmware Version", "", "Device ID"};
-  for (const char* key : keys) {
-    std::string_view field = text.substr(0, text.find(','));
-    text.remove_prefix(std::min(field.size() + 1, text.size()));
-    while (!field.empty() && (field.back() == ' ' || field.back() == '\0')) field.remove_suffix(1);
-    while (!field.empty() && field.front() == ' ') field.remove_prefix(1);
-    if (*key == '\0' || field.empty()) continue;
-    if (std::string_view(key) == "Device ID") {
-      if (!info_.serial.empty() && info_.serial != field)
-        board_.set(Trouble::device, "sensor " + info_.serial + " was replaced by sensor " +
-                                        std::string(field) + "; check its pose and its areas");
-      info_.serial = field;
-    }
-    info_.set(key, field);
-  }
-}
-
-void UamDriver::answer_to_start(std::string_view frame, Stamp now) {
-  const std::string_view status = frame.size() >= 16 ? frame.substr(9, 2) : std::string_view("00");
-  if (status == "00") {
-    step_ = Step::streaming;
-    patience_.start(now, answer_patience);
-    return;
-  }
-  board_.set(Trouble::refused, "the sensor refuses to send (" + std::string(row_.start) + ", status " +
-                                   std::string(status) +
-                                   "); it is asked again every second: look at its display and end the "
-                                   "setting mode of the maker's tool");
-  step_ = Step::waiting;
-  patience_.start(now, retry_after);
-}
-
-Reject UamDriver::publish(std::string_view frame, Stamp arrival, DriverOutput& out) {
-  if (frame.substr(9, 2) != "00" || !parse_uam_status(frame, status_)) return Reject::field;
-  const Reject reason = fill(frame);
-  if (reason != Reject::none) return reason;
-  note_troubles();
-  scan_.stamp = first_ray(arrival);
-  tell_state(out);
-  if (scan_.beams == 0) return Reject::none;
-  ++counters_.frames;
-  out.scan(scan_);
-  return Reject::none;
-}
-
-/// The frame's counter in ms; unverified: taken as the first beam's time.
-Stamp UamDriver::first_ray(Stamp arrival) {
-  ScipClock::Sweep sweep;
-  sweep.stamp = {status_.time_ms & shown_by_clock, false};
-  sweep.period = span_from_seconds(turn_s);
-  sweep.until_sent = span_from_seconds(turn_s * row_.step_deg / 360 * static_cast<double>(row_.beams - 1));
-  sweep.arrival = arrival;
-  std::int64_t skipped = 0;
-  const Stamp begin = clock_.begin_of(sweep, skipped);
-  if (skipped < longest_loss) counters_.lost_packets += static_cast<std::uint64_t>(skipped);
-  counters_.clock_steps = clock_.steps();
-  const Span before = span_from_seconds(turn_s * row_.step_deg / 360 * static_cast<double>(first_beam_));
-  return stamps_.next(begin + before + config_.time_offset);
-}
-
-Reject UamDriver::fill(std::string_view frame) {
-  const bool with_intensities = row_.intensities && config_.publish_intensity;
-  scan_.reset(scan_.beams, 1, with_intensities);
-  for (std::size_t i = 0; i < scan_.beams; ++i) {
-    const std::size_t at = uam_distances_at + 4 * (first_beam_ + i);
-    const auto value = uam_number(frame, at, 4);
-    if (!value) return Reject::field;
-    if (*value == no_object) {
-      scan_.set_without_hit(i, BeamStatus::none);
-    } else if (*value == too_near) {
-      scan_.set_without_hit(i, BeamStatus::near);
-    } else if (*value >= first_code) {
-      scan_.set_without_hit(i, BeamStatus::invalid);
-    } else {
-      scan_.set_measured(i, static_cast<float>(*value * 1e-3));
-    }
-    if (!with_intensities) continue;
-    const auto intensity = uam_number(frame, at + 4 * row_.beams, 4);
-    if (!intensity) return Reject::field;
-    scan_.intensities[i] = static_cast<float>(*intensity);
-  }
-  return Reject::none;
-}
-
-void UamDriver::note_troubles() {
-  const auto tell = [this](Trouble trouble, bool active, const char* text) {
-    board_.tell(trouble, active, [text] { return text; });
-  };
-  tell(Trouble::error, status_.error_state != 0 || status_.error_code != 0,
-       "the scanner reports an error and switches its outputs off; its display shows the number (topic "
-       "status, "
-       "error_code): look it up in the manual");
-  tell(Trouble::lockout, status_.lockout != 0,
-       "the scanner is locked out; remove the cause shown on its display and switch its power off and on");
-  tell(Trouble::laser_off, status_.laser_off != 0,
-       "the scanner's laser is off, beams are invalid; wait until it has started, or wake it up");
-  tell(Trouble::contaminated, status_.contaminated != 0, "the scanner's window is dirty; clean it");
-}
-
-void UamDriver::tell_state(DriverOutput& out) {
-  const UamStatus& s = status_;
-  const std::pair<std::string_view, std::uint32_t> values[] = {{"operating_mode", s.operating_mode},
-                                                               {"area", s.area},
-                                                               {"error_state", s.error_state},
-                                                               {"error_code", s.error_code},
-                                                               {"lockout", s.lockout},
-                                                               {"ossd1", s.ossd[0]},
-                                                               {"ossd2", s.ossd[1]},
-                                                               {"ossd3", s.ossd[2]},
-                                                               {"ossd4", s.ossd[3]},
-                                                               {"warning1", s.warning[0]},
-                                                               {"warning2", s.warning[1]},
-                                                               {"muting1", s.muting[0]},
-                                                               {"muting2", s.muting[1]},
-                                                               {"reset_request1", s.reset_request[0]},
-                                                               {"reset_request2", s.reset_request[1]},
-                                                               {"encoder_speed", s.encoder_speed},
-                                                               {"laser_off", s.laser_off},
-                                                               {"window_contaminated", s.contaminated}};
-  state_->values.clear();
-  for (const auto& [name, value] : values) state_->values.push_back({name, static_cast<double>(value)});
-  state_->stamp = scan_.stamp;
-  out.message(state_);
-}
 
 // AR02 streams frames AR00, AR04 frames AR01, AR07 frames AR06.
 constexpr UamRow plain = {"AR02", "AR00", 1081, 0.25, false};
@@ -299,12 +302,7 @@ constexpr UamRow with_intensity = {"AR04", "AR01", 1081, 0.25, true};
 constexpr UamRow fine = {"AR07", "AR06", 2161, 0.125, false};
 
 Model scanner(const char* name, const char* product, const UamRow& row, const char* verified) {
-  Model model;
-  model.name = name;
-  model.vendor = "Hokuyo";
-  model.product = product;
-  model.protocol = "UAM AR";
-  model.verified = verified;
+  Model model{name, "Hokuyo", product, "UAM AR", verified};
   model.transport = Transport::tcp;
   model.port = 10940;
   model.packets_per_s = 1 / turn_s;

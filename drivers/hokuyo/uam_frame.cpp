@@ -16,12 +16,6 @@ constexpr std::size_t longest_frame = 0x4000;  // the longest known one has 8703
 constexpr std::size_t head = 5;                // STX and the length
 constexpr std::size_t checksum_size = 5;       // CRC and ETX
 
-int hex_digit(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
-}
-
 }  // namespace
 
 std::uint16_t uam_crc(std::string_view text) {
@@ -37,13 +31,7 @@ std::string uam_request(std::string_view command) {
 
 std::optional<std::uint32_t> uam_number(std::string_view text, std::size_t at, std::size_t digits) {
   if (at > text.size() || digits > text.size() - at) return std::nullopt;
-  std::uint32_t value = 0;
-  for (const char c : text.substr(at, digits)) {
-    const int digit = hex_digit(c);
-    if (digit < 0) return std::nullopt;
-    value = value << 4U | static_cast<std::uint32_t>(digit);
-  }
-  return value;
+  return number_in<std::uint32_t>(text.substr(at, digits), 16);
 }
 
 UamReader::UamReader(Counters& counters) : counters_(counters) {}
@@ -99,31 +87,6 @@ bool UamReader::next(std::string_view& frame) {
     ++begin_;  // a frame may begin inside of what only looked like one
   }
   return false;
-}
-
-bool parse_uam_status(std::string_view frame, UamStatus& s) {
-  struct Field {
-    std::uint32_t* value;
-    std::size_t at, digits;
-  };
-  const Field fields[] = {{&s.operating_mode, 11, 1},   {&s.area, 12, 2},
-                          {&s.error_state, 14, 1},      {&s.error_code, 15, 2},
-                          {&s.lockout, 17, 1},          {&s.ossd[0], 18, 1},
-                          {&s.ossd[1], 19, 1},          {&s.warning[0], 20, 1},
-                          {&s.warning[1], 21, 1},       {&s.ossd[2], 22, 1},
-                          {&s.ossd[3], 23, 1},          {&s.muting[0], 26, 1},
-                          {&s.muting[1], 27, 1},        {&s.reset_request[0], 28, 1},
-                          {&s.reset_request[1], 29, 1}, {&s.encoder_speed, 30, 4},
-                          {&s.time_ms, 34, 8},          {&s.laser_off, 42, 1},
-                          {&s.contaminated, 43, 1}};
-  for (const Field& field : fields) {
-    const auto value = uam_number(frame, field.at, field.digits);
-    if (!value) return false;
-    *field.value = *value;
-  }
-  ++s.area;                                     // areas count from 1
-  if (s.error_code != 0) s.error_code += 0x40;  // as the sensor's own display has it
-  return true;
 }
 
 }  // namespace lidard::hokuyo

@@ -40,20 +40,6 @@ class UamReader {
   bool torn_ = true;
 };
 
-/// What stands in an answer with distances beside them (UAM-05LP, offsets from STX as urg_node and the
-/// UAM-05LP driver of locusrobotics have them). Flags are 0 or 1 as the sensor sends them.
-struct UamStatus {
-  std::uint32_t operating_mode = 0, area = 0, error_state = 0, error_code = 0, lockout = 0;
-  std::uint32_t ossd[4] = {0, 0, 0, 0};
-  std::uint32_t warning[2] = {0, 0}, muting[2] = {0, 0}, reset_request[2] = {0, 0};
-  std::uint32_t encoder_speed = 0;
-  std::uint32_t time_ms = 0;
-  std::uint32_t laser_off = 0, contaminated = 0;
-};
-
-/// False if a field is no hexadecimal number.
-bool parse_uam_status(std::string_view frame, UamStatus& status);
-
 /// Where the distances begin, and how many bytes of a frame are none of them.
 constexpr std::size_t uam_distances_at = 50;
 constexpr std::size_t uam_tail = 5;

@@ -2,20 +2,116 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/net/tcp_source.h"
 
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+
 #include <algorithm>
+#include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <cerrno>
 #include <chrono>
+#include <cstring>
+#include <ctime>
 #include <vector>
 
 #include "core/base/number_text.h"
-#include "drivers/net/tcp_socket.h"
 #include "drivers/net/wall_clock.h"
 
 namespace lidard {
 namespace {
+
+constexpr int keep_alive_after_s = 1;
+constexpr int keep_alive_every_s = 1;
+constexpr int keep_alive_tries = 2;
+/// Bytes of ours without an answer for so long: the peer is gone.
+constexpr unsigned int user_time_out_ms = 3000;
+
+template <class T>
+void set(int fd, int level, int option, T value) {
+  // All of them are refinements: where the system has no such option the connection works without.
+  static_cast<void>(::setsockopt(fd, level, option, &value, sizeof value));
+}
+
+/// Prepares a socket that is about to connect: no waiting for more bytes to send, stamps of arrival, and
+/// keep-alives that find a peer gone without a word after about 3 s.
+void prepare_tcp_socket(int fd) {
+  set(fd, IPPROTO_TCP, TCP_NODELAY, 1);
+  set(fd, SOL_SOCKET, SO_KEEPALIVE, 1);
+  set(fd, IPPROTO_TCP, TCP_KEEPIDLE, keep_alive_after_s);
+  set(fd, IPPROTO_TCP, TCP_KEEPINTVL, keep_alive_every_s);
+  set(fd, IPPROTO_TCP, TCP_KEEPCNT, keep_alive_tries);
+  set(fd, IPPROTO_TCP, TCP_USER_TIMEOUT, user_time_out_ms);
+  set(fd, SOL_SOCKET, SO_TIMESTAMPNS, 1);
+}
+
+/// Reads what has arrived, without waiting. As recv(2); `stamp` is when the last byte came.
+ssize_t receive_bytes(int fd, std::uint8_t* to, std::size_t room, Stamp& stamp) {
+  struct alignas(cmsghdr) Control {
+    std::array<char, CMSG_SPACE(sizeof(timespec))> bytes;
+  } control{};
+  iovec vector{to, room};
+  msghdr header{};
+  header.msg_iov = &vector;
+  header.msg_iovlen = 1;
+  header.msg_control = control.bytes.data();
+  header.msg_controllen = control.bytes.size();
+  const ssize_t got = ::recvmsg(fd, &header, MSG_DONTWAIT);
+  if (got <= 0) return got;
+  for (cmsghdr* c = CMSG_FIRSTHDR(&header); c != nullptr; c = CMSG_NXTHDR(&header, c)) {
+    if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SCM_TIMESTAMPNS) continue;
+    timespec time{};
+    std::memcpy(&time, CMSG_DATA(c), sizeof time);
+    stamp = Stamp{time.tv_sec * 1'000'000'000 + time.tv_nsec};
+    if (stamp.ns != 0) return got;
+  }
+  stamp = wall_clock();
+  return got;
+}
+
+/// Why a connection could not be opened (`error` as errno has it), with the remedy.
+std::string why_not_connected(const Endpoint& device, int error) {
+  const std::string name = device.to_string();
+  switch (error) {
+    case ECONNREFUSED:
+      return name + " refuses the connection; is this the device's port, and does another program use the " +
+             "device already? it is tried again";
+    case ETIMEDOUT:
+      return name + " does not answer; check the device's power, cable and address, it is tried again";
+    case EHOSTUNREACH:
+    case ENETUNREACH:
+    case ENETDOWN:
+    case EHOSTDOWN:
+      return name + " cannot be reached (" + std::strerror(error) +
+             "); check cable and this host's network address, it is tried again";
+    case EMFILE:
+    case ENFILE:
+      return std::string("no connection to ") + name + ": " + std::strerror(error) +
+             "; raise the limit of open files (LimitNOFILE of the unit), it is tried again";
+    default:
+      return "no connection to " + name + ": " + std::strerror(error) + "; it is tried again";
+  }
+}
+
+/// Why a connection ended; 0: the device closed it.
+std::string why_disconnected(const Endpoint& device, int error) {
+  const std::string name = device.to_string();
+  switch (error) {
+    case 0:
+      return name + " closed the connection; did it restart, or does another program use the device? " +
+             "the connection is opened again";
+    case ECONNRESET:
+    case EPIPE:
+      return name + " reset the connection; did it restart, or does another program use the device? " +
+             "the connection is opened again";
+    case ETIMEDOUT:
+      return name + " does not answer any more; check its power and cable, it is tried again";
+    default:
+      return "the connection to " + name + " broke: " + std::strerror(error) + "; it is opened again";
+  }
+}
 
 using boost::asio::ip::tcp;
 using Clock = std::chrono::steady_clock;
@@ -67,7 +163,16 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
     handlers_.disconnected();
   }
 
-  bool send(ByteView bytes);
+  bool send(ByteView bytes) {
+    if (state_.phase != TcpState::Phase::connected || unsent_.size() + bytes.size() > options_.send_limit) {
+      ++stats_.requests_dropped;
+      return false;
+    }
+    unsent_.insert(unsent_.end(), bytes.begin(), bytes.end());
+    if (!waits_to_write_) flush();
+    return true;
+  }
+
   void set_read_time_out(Span time_out) {
     if (time_out == options_.read_time_out) return;
     options_.read_time_out = time_out;
@@ -78,19 +183,155 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
   const TcpStats& stats() const { return stats_; }
 
  private:
-  void connect();
-  void connected();
-  void close();
-  void fail(std::string message);
-  void plan_retry();
+  void connect() {
+    close();
+    state_.phase = TcpState::Phase::connecting;  // the message stays that of the last failure
+    ++stats_.attempts;
+    attempt_began_ = Clock::now();
+    const tcp::endpoint device = to_asio(options_.device);
+    boost::system::error_code error;
+    socket_.open(device.protocol(), error);
+    if (error) return fail(why_not_connected(options_.device, error.value()));
+    prepare_tcp_socket(socket_.native_handle());
+    socket_.async_connect(device, [self = shared_from_this(),
+                                   generation = generation_](const boost::system::error_code& failed) {
+      if (generation != self->generation_) return;
+      if (failed) return self->fail(why_not_connected(self->options_.device, failed.value()));
+      self->connected();
+    });
+    at(attempt_began_ + options_.connect_time_out,
+       [](Impl& self) { self.fail(why_not_connected(self.options_.device, ETIMEDOUT)); });
+  }
+
+  void connected() {
+    boost::system::error_code error;
+    socket_.non_blocking(true, error);
+    local_ = from_asio(socket_.local_endpoint(error));
+    ++stats_.connects;
+    state_ = {TcpState::Phase::connected, {}};
+    connected_since_ = last_byte_ = Clock::now();
+    fresh_ = true;
+    timer_.cancel(error);
+    const std::uint64_t generation = generation_;
+    handlers_.connected(wall_clock());
+    if (generation != generation_) return;  // ended by the handler
+    watch_silence();
+    wait_to_read();
+  }
+
+  void close() {
+    ++generation_;
+    boost::system::error_code ignored;
+    timer_.cancel(ignored);
+    socket_.close(ignored);
+    if (state_.phase == TcpState::Phase::connected) ++stats_.disconnects;
+    unsent_.clear();
+    waits_to_write_ = false;
+  }
+
+  /// Ends connection or attempt; plans the next where the connection is to last.
+  void fail(std::string message) {
+    const bool was_connected = state_.phase == TcpState::Phase::connected;
+    close();
+    state_ = {options_.keep_up ? TcpState::Phase::waiting : TcpState::Phase::stopped, std::move(message)};
+    if (options_.keep_up) plan_retry();
+    if (was_connected || !options_.keep_up) handlers_.disconnected();
+  }
+
+  void plan_retry() {
+    const auto now = Clock::now();
+    if (!fresh_ && now - connected_since_ > steady_after) retry_ = options_.first_retry;
+    fresh_ = true;
+    const auto pause = std::max(attempt_began_ + retry_, now + options_.first_retry);
+    retry_ = std::min(2 * retry_, options_.last_retry);
+    at(pause, [](Impl& self) { self.connect(); });
+  }
+
   template <class Action>
-  void at(Clock::time_point time, Action action);
-  void wait_to_read();
-  void wait_to_write();
-  bool read(int rounds);
-  void flush();
-  void watch_silence();
-  void check_silence();
+  void at(Clock::time_point time, Action action) {
+    timer_.expires_at(time);
+    timer_.async_wait([self = shared_from_this(), generation = generation_, action](const auto& error) {
+      if (!error && generation == self->generation_) action(*self);
+    });
+  }
+
+  void wait_to_read() {
+    socket_.async_wait(tcp::socket::wait_read,
+                       [self = shared_from_this(), generation = generation_](const auto& error) {
+                         if (generation != self->generation_) return;
+                         if (error) return self->fail(why_disconnected(self->options_.device, error.value()));
+                         if (self->read(reads_per_wakeup)) self->wait_to_read();
+                       });
+  }
+
+  void wait_to_write() {
+    waits_to_write_ = true;
+    socket_.async_wait(tcp::socket::wait_write,
+                       [self = shared_from_this(), generation = generation_](const auto& error) {
+                         if (error || generation != self->generation_) return;
+                         self->waits_to_write_ = false;
+                         self->flush();
+                       });
+  }
+
+  /// False if the connection ended meanwhile.
+  bool read(int rounds) {
+    const std::uint64_t generation = generation_;
+    for (int round = 0; round < rounds; ++round) {
+      Packet packet;
+      const ssize_t got =
+          receive_bytes(socket_.native_handle(), buffer_.data(), buffer_.size(), packet.arrival);
+      if (got < 0 && (errno == EAGAIN || errno == EINTR)) return true;
+      if (got <= 0) {
+        // That the device closed it is an end like another where nobody needs a lasting connection.
+        fail(got == 0 && !options_.keep_up ? "" : why_disconnected(options_.device, got == 0 ? 0 : errno));
+        return false;
+      }
+      last_byte_ = Clock::now();
+      stats_.received += static_cast<std::uint64_t>(got);
+      packet.payload = ByteView(buffer_.data(), static_cast<std::size_t>(got));
+      packet.from = options_.device;
+      packet.to = local_;
+      packet.transport = Transport::tcp;
+      packet.stream_start = std::exchange(fresh_, false);
+      handlers_.receive(packet);
+      if (generation != generation_) return false;
+      if (static_cast<std::size_t>(got) < buffer_.size()) return true;
+    }
+    return true;
+  }
+
+  /// What is wrong with the connection shows when it is read.
+  void flush() {
+    while (!unsent_.empty()) {
+      // As send(2), but without a signal.
+      const ssize_t taken =
+          ::send(socket_.native_handle(), unsent_.data(), unsent_.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+      if (taken < 0 && errno == EINTR) continue;
+      if (taken < 0 && errno == EAGAIN) return wait_to_write();
+      if (taken < 0) return unsent_.clear();
+      stats_.sent += static_cast<std::uint64_t>(taken);
+      unsent_.erase(unsent_.begin(), unsent_.begin() + taken);
+    }
+  }
+
+  void watch_silence() {
+    boost::system::error_code ignored;
+    timer_.cancel(ignored);
+    if (options_.read_time_out <= Span(0)) return;
+    at(last_byte_ + options_.read_time_out, [](Impl& self) { self.check_silence(); });
+  }
+
+  void check_silence() {
+    // If it was we who slept, the bytes are there.
+    if (!read(1)) return;
+    const auto quiet = Clock::now() - last_byte_;
+    if (quiet < options_.read_time_out) return watch_silence();
+    ++stats_.silences;
+    fail(options_.device.to_string() + " sent nothing for " +
+         printed("%.1f", seconds(options_.read_time_out)) +
+         " s; is it still starting, or has it lost power or cable? the connection is opened again");
+  }
 
   TcpOptions options_;
   TcpHandlers handlers_;
@@ -110,163 +351,6 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
   // Handlers that were already queued when the socket was closed find another number here.
   std::uint64_t generation_ = 0;
 };
-
-template <class Action>
-void TcpSource::Impl::at(Clock::time_point time, Action action) {
-  timer_.expires_at(time);
-  timer_.async_wait([self = shared_from_this(), generation = generation_, action](const auto& error) {
-    if (!error && generation == self->generation_) action(*self);
-  });
-}
-
-void TcpSource::Impl::connect() {
-  close();
-  state_.phase = TcpState::Phase::connecting;  // the message stays that of the last failure
-  ++stats_.attempts;
-  attempt_began_ = Clock::now();
-  const tcp::endpoint device = to_asio(options_.device);
-  boost::system::error_code error;
-  socket_.open(device.protocol(), error);
-  if (error) return fail(why_not_connected(options_.device, error.value()));
-  prepare_tcp_socket(socket_.native_handle());
-  socket_.async_connect(
-      device, [self = shared_from_this(), generation = generation_](const boost::system::error_code& failed) {
-        if (generation != self->generation_) return;
-        if (failed) return self->fail(why_not_connected(self->options_.device, failed.value()));
-        self->connected();
-      });
-  at(attempt_began_ + options_.connect_time_out,
-     [](Impl& self) { self.fail(why_not_connected(self.options_.device, ETIMEDOUT)); });
-}
-
-void TcpSource::Impl::connected() {
-  boost::system::error_code error;
-  socket_.non_blocking(true, error);
-  local_ = from_asio(socket_.local_endpoint(error));
-  ++stats_.connects;
-  state_ = {TcpState::Phase::connected, {}};
-  connected_since_ = last_byte_ = Clock::now();
-  fresh_ = true;
-  timer_.cancel(error);
-  const std::uint64_t generation = generation_;
-  handlers_.connected(wall_clock());
-  if (generation != generation_) return;  // ended by the handler
-  watch_silence();
-  wait_to_read();
-}
-
-void TcpSource::Impl::close() {
-  ++generation_;
-  boost::system::error_code ignored;
-  timer_.cancel(ignored);
-  socket_.close(ignored);
-  if (state_.phase == TcpState::Phase::connected) ++stats_.disconnects;
-  unsent_.clear();
-  waits_to_write_ = false;
-}
-
-/// Ends connection or attempt; plans the next where the connection is to last.
-void TcpSource::Impl::fail(std::string message) {
-  const bool was_connected = state_.phase == TcpState::Phase::connected;
-  close();
-  state_ = {options_.keep_up ? TcpState::Phase::waiting : TcpState::Phase::stopped, std::move(message)};
-  if (options_.keep_up) plan_retry();
-  if (was_connected || !options_.keep_up) handlers_.disconnected();
-}
-
-void TcpSource::Impl::plan_retry() {
-  const auto now = Clock::now();
-  if (!fresh_ && now - connected_since_ > steady_after) retry_ = options_.first_retry;
-  fresh_ = true;
-  const auto pause = std::max(attempt_began_ + retry_, now + options_.first_retry);
-  retry_ = std::min(2 * retry_, options_.last_retry);
-  at(pause, [](Impl& self) { self.connect(); });
-}
-
-void TcpSource::Impl::wait_to_read() {
-  socket_.async_wait(tcp::socket::wait_read,
-                     [self = shared_from_this(), generation = generation_](const auto& error) {
-                       if (generation != self->generation_) return;
-                       if (error) return self->fail(why_disconnected(self->options_.device, error.value()));
-                       if (self->read(reads_per_wakeup)) self->wait_to_read();
-                     });
-}
-
-/// False if the connection ended meanwhile.
-bool TcpSource::Impl::read(int rounds) {
-  const std::uint64_t generation = generation_;
-  for (int round = 0; round < rounds; ++round) {
-    Packet packet;
-    const ssize_t got =
-        receive_bytes(socket_.native_handle(), buffer_.data(), buffer_.size(), packet.arrival);
-    if (got < 0 && (errno == EAGAIN || errno == EINTR)) return true;
-    if (got <= 0) {
-      // That the device closed it is an end like another where nobody needs a lasting connection.
-      fail(got == 0 && !options_.keep_up ? "" : why_disconnected(options_.device, got == 0 ? 0 : errno));
-      return false;
-    }
-    last_byte_ = Clock::now();
-    stats_.received += static_cast<std::uint64_t>(got);
-    packet.payload = ByteView(buffer_.data(), static_cast<std::size_t>(got));
-    packet.from = options_.device;
-    packet.to = local_;
-    packet.transport = Transport::tcp;
-    packet.stream_start = std::exchange(fresh_, false);
-    handlers_.receive(packet);
-    if (generation != generation_) return false;
-    if (static_cast<std::size_t>(got) < buffer_.size()) return true;
-  }
-  return true;
-}
-
-void TcpSource::Impl::watch_silence() {
-  boost::system::error_code ignored;
-  timer_.cancel(ignored);
-  if (options_.read_time_out <= Span(0)) return;
-  at(last_byte_ + options_.read_time_out, [](Impl& self) { self.check_silence(); });
-}
-
-void TcpSource::Impl::check_silence() {
-  // If it was we who slept, the bytes are there.
-  if (!read(1)) return;
-  const auto quiet = Clock::now() - last_byte_;
-  if (quiet < options_.read_time_out) return watch_silence();
-  ++stats_.silences;
-  fail(options_.device.to_string() + " sent nothing for " + printed("%.1f", seconds(options_.read_time_out)) +
-       " s; is it still starting, or has it lost power or cable? the connection is opened again");
-}
-
-bool TcpSource::Impl::send(ByteView bytes) {
-  if (state_.phase != TcpState::Phase::connected || unsent_.size() + bytes.size() > options_.send_limit) {
-    ++stats_.requests_dropped;
-    return false;
-  }
-  unsent_.insert(unsent_.end(), bytes.begin(), bytes.end());
-  if (!waits_to_write_) flush();
-  return true;
-}
-
-/// What is wrong with the connection shows when it is read.
-void TcpSource::Impl::flush() {
-  while (!unsent_.empty()) {
-    const ssize_t taken = send_bytes(socket_.native_handle(), ByteView(unsent_.data(), unsent_.size()));
-    if (taken < 0 && errno == EINTR) continue;
-    if (taken < 0 && errno == EAGAIN) return wait_to_write();
-    if (taken < 0) return unsent_.clear();
-    stats_.sent += static_cast<std::uint64_t>(taken);
-    unsent_.erase(unsent_.begin(), unsent_.begin() + taken);
-  }
-}
-
-void TcpSource::Impl::wait_to_write() {
-  waits_to_write_ = true;
-  socket_.async_wait(tcp::socket::wait_write,
-                     [self = shared_from_this(), generation = generation_](const auto& error) {
-                       if (error || generation != self->generation_) return;
-                       self->waits_to_write_ = false;
-                       self->flush();
-                     });
-}
 
 TcpSource::TcpSource(boost::asio::io_context& io, TcpOptions options, TcpHandlers handlers)
     : impl_(std::make_shared<Impl>(io, options, std::move(handlers))) {}

@@ -53,17 +53,122 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
   std::uint16_t local_port() const { return port_; }
 
  private:
-  void open();
-  void close();
-  void join_groups();
-  void fail(std::string message);
+  void open() {
+    auto opened = open_udp_socket(options_);
+    if (!opened) return fail(opened.reason());
+    UdpSocket& socket = opened.value();
+    boost::system::error_code error;
+    descriptor_.assign(socket.fd.get(), error);
+    if (error) return fail("cannot wait for the socket: " + error.message() + "; it is tried again");
+    socket.fd.release();
+    port_ = socket.port;
+    filtered_ = socket.filtered;
+    drops_ = 0;
+    filling_before_ = false;
+    stats_.receive_buffer_asked = socket.buffer_asked;
+    stats_.receive_buffer_got = socket.buffer_got;
+    warning_ = buffer_warning(socket, options_);
+    retry_ = first_retry;
+    join_groups();
+    wait();
+  }
+
+  void close() {
+    ++generation_;
+    boost::system::error_code ignored;
+    descriptor_.close(ignored);
+    port_ = 0;
+  }
+
+  void join_groups() {
+    state_ = {UdpState::Phase::receiving, {}};
+    for (const MulticastGroup& group : options_.groups) {
+      std::string message = join_group(descriptor_.native_handle(), group);
+      if (!message.empty()) state_ = {UdpState::Phase::partial, std::move(message)};
+    }
+    if (options_.groups.empty()) return;
+    const bool joined = state_.phase == UdpState::Phase::receiving;
+    if (joined) retry_ = first_retry;
+    after(joined ? membership_check : next_retry(), [](Impl& self) { self.join_groups(); });
+  }
+
+  void fail(std::string message) {
+    close();
+    state_ = {UdpState::Phase::waiting, std::move(message)};
+    after(next_retry(), [](Impl& self) { self.open(); });
+  }
+
   template <class Duration, class Action>
-  void after(Duration delay, Action action);
-  void wait();
-  void readable();
-  void hand_on(const DatagramBatch::Datagram& datagram, bool was_filling);
-  void count_drops(std::uint32_t drops, bool was_filling);
-  bool is_stranger(const IpAddress& sender) const;
+  void after(Duration delay, Action action) {
+    timer_.expires_after(delay);
+    timer_.async_wait([self = shared_from_this(), generation = generation_, action](const auto& error) {
+      if (!error && generation == self->generation_) action(*self);
+    });
+  }
+
+  void wait() {
+    descriptor_.async_wait(
+        boost::asio::posix::stream_descriptor::wait_read,
+        [self = shared_from_this(), generation = generation_](const auto& error) {
+          if (generation != self->generation_) return;
+          if (error) {
+            self->fail("cannot wait for the socket: " + error.message() + "; it is tried again");
+          } else {
+            self->readable();
+          }
+        });
+  }
+
+  void readable() {
+    ++stats_.wakeups;
+    const std::uint64_t generation = generation_;
+    for (int round = 0; round < batches_per_wakeup; ++round) {
+      const int fd = descriptor_.native_handle();
+      const bool filling = filtered_ && receive_buffer_is_filling(fd);
+      const int count = batch_.receive(fd);
+      if (count < 0 && errno != EAGAIN && errno != EINTR)
+        return fail(std::string("cannot receive: ") + std::strerror(errno) + "; the port is opened again");
+      for (int i = 0; i < count; ++i) {
+        hand_on(batch_[static_cast<std::size_t>(i)], filling || filling_before_);
+        if (generation != generation_) return;  // stopped by the handler
+      }
+      if (count > 0) filling_before_ = filling;
+      if (count < static_cast<int>(DatagramBatch::capacity)) break;
+    }
+    wait();
+  }
+
+  void hand_on(const DatagramBatch::Datagram& datagram, bool was_filling) {
+    count_drops(datagram.drops, was_filling);
+    if (datagram.truncated) {
+      ++stats_.truncated;
+      return;
+    }
+    if (is_stranger(datagram.from.address)) ++stats_.strangers_sampled;
+    ++stats_.datagrams;
+    stats_.bytes += datagram.payload.size();
+    Packet packet;
+    packet.payload = datagram.payload;
+    packet.arrival = datagram.kernel_stamp ? *datagram.kernel_stamp : wall_clock();
+    packet.from = datagram.from;
+    packet.to = {datagram.to, port_};
+    handler_(packet);
+  }
+
+  /// The kernel counts datagrams refused by the filter and those that found the buffer full in one number. A
+  /// buffer that is full stays so until it is read: drops were losses only if it was filling at this or at
+  /// the last reading.
+  void count_drops(std::uint32_t drops, bool was_filling) {
+    const std::uint32_t more = drops - drops_;  // unsigned, so that it may wrap
+    drops_ = drops;
+    (filtered_ && !was_filling ? stats_.strangers_filtered : stats_.kernel_drops) += more;
+  }
+
+  bool is_stranger(const IpAddress& sender) const {
+    const auto& known = options_.senders;
+    return !known.empty() && std::find(known.begin(), known.end(), sender) == known.end();
+  }
+
   std::chrono::milliseconds next_retry() {
     return std::exchange(retry_, std::min<std::chrono::milliseconds>(2 * retry_, last_retry));
   }
@@ -84,122 +189,6 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
   bool filling_before_ = false;
   std::uint32_t drops_ = 0;
 };
-
-void UdpSource::Impl::open() {
-  auto opened = open_udp_socket(options_);
-  if (!opened) return fail(opened.reason());
-  UdpSocket& socket = opened.value();
-  boost::system::error_code error;
-  descriptor_.assign(socket.fd.get(), error);
-  if (error) return fail("cannot wait for the socket: " + error.message() + "; it is tried again");
-  socket.fd.release();
-  port_ = socket.port;
-  filtered_ = socket.filtered;
-  drops_ = 0;
-  filling_before_ = false;
-  stats_.receive_buffer_asked = socket.buffer_asked;
-  stats_.receive_buffer_got = socket.buffer_got;
-  warning_ = buffer_warning(socket, options_);
-  retry_ = first_retry;
-  join_groups();
-  wait();
-}
-
-void UdpSource::Impl::close() {
-  ++generation_;
-  boost::system::error_code ignored;
-  descriptor_.close(ignored);
-  port_ = 0;
-}
-
-void UdpSource::Impl::fail(std::string message) {
-  close();
-  state_ = {UdpState::Phase::waiting, std::move(message)};
-  after(next_retry(), [](Impl& self) { self.open(); });
-}
-
-void UdpSource::Impl::join_groups() {
-  state_ = {UdpState::Phase::receiving, {}};
-  for (const MulticastGroup& group : options_.groups) {
-    std::string message = join_group(descriptor_.native_handle(), group);
-    if (!message.empty()) state_ = {UdpState::Phase::partial, std::move(message)};
-  }
-  if (options_.groups.empty()) return;
-  const bool joined = state_.phase == UdpState::Phase::receiving;
-  if (joined) retry_ = first_retry;
-  after(joined ? membership_check : next_retry(), [](Impl& self) { self.join_groups(); });
-}
-
-template <class Duration, class Action>
-void UdpSource::Impl::after(Duration delay, Action action) {
-  timer_.expires_after(delay);
-  timer_.async_wait([self = shared_from_this(), generation = generation_, action](const auto& error) {
-    if (!error && generation == self->generation_) action(*self);
-  });
-}
-
-void UdpSource::Impl::wait() {
-  descriptor_.async_wait(
-      boost::asio::posix::stream_descriptor::wait_read,
-      [self = shared_from_this(), generation = generation_](const auto& error) {
-        if (generation != self->generation_) return;
-        if (error) {
-          self->fail("cannot wait for the socket: " + error.message() + "; it is tried again");
-        } else {
-          self->readable();
-        }
-      });
-}
-
-void UdpSource::Impl::readable() {
-  ++stats_.wakeups;
-  const std::uint64_t generation = generation_;
-  for (int round = 0; round < batches_per_wakeup; ++round) {
-    const int fd = descriptor_.native_handle();
-    const bool filling = filtered_ && receive_buffer_is_filling(fd);
-    const int count = batch_.receive(fd);
-    if (count < 0 && errno != EAGAIN && errno != EINTR)
-      return fail(std::string("cannot receive: ") + std::strerror(errno) + "; the port is opened again");
-    for (int i = 0; i < count; ++i) {
-      hand_on(batch_[static_cast<std::size_t>(i)], filling || filling_before_);
-      if (generation != generation_) return;  // stopped by the handler
-    }
-    if (count > 0) filling_before_ = filling;
-    if (count < static_cast<int>(DatagramBatch::capacity)) break;
-  }
-  wait();
-}
-
-void UdpSource::Impl::hand_on(const DatagramBatch::Datagram& datagram, bool was_filling) {
-  count_drops(datagram.drops, was_filling);
-  if (datagram.truncated) {
-    ++stats_.truncated;
-    return;
-  }
-  if (is_stranger(datagram.from.address)) ++stats_.strangers_sampled;
-  ++stats_.datagrams;
-  stats_.bytes += datagram.payload.size();
-  Packet packet;
-  packet.payload = datagram.payload;
-  packet.arrival = datagram.kernel_stamp ? *datagram.kernel_stamp : wall_clock();
-  packet.from = datagram.from;
-  packet.to = {datagram.to, port_};
-  handler_(packet);
-}
-
-/// The kernel counts datagrams refused by the filter and those that found the buffer full in one number. A
-/// buffer that is full stays so until it is read: drops were losses only if it was filling at this or at the
-/// last reading.
-void UdpSource::Impl::count_drops(std::uint32_t drops, bool was_filling) {
-  const std::uint32_t more = drops - drops_;  // unsigned, so that it may wrap
-  drops_ = drops;
-  (filtered_ && !was_filling ? stats_.strangers_filtered : stats_.kernel_drops) += more;
-}
-
-bool UdpSource::Impl::is_stranger(const IpAddress& sender) const {
-  const auto& known = options_.senders;
-  return !known.empty() && std::find(known.begin(), known.end(), sender) == known.end();
-}
 
 UdpSource::UdpSource(boost::asio::io_context& io, UdpOptions options, Handler handler)
     : impl_(std::make_shared<Impl>(io, std::move(options), std::move(handler))) {}

@@ -3,10 +3,9 @@
 #include "drivers/registry/registry.h"
 
 #include <algorithm>
-#include <stdexcept>
 #include <string>
 
-#include "drivers/hokuyo/scip_models.h"
+#include "drivers/hokuyo/models.h"
 #include "drivers/sick/cola/cola_models.h"
 #include "drivers/sick/compact/compact_models.h"
 #include "drivers/sick/safety/safety_models.h"

@@ -7,6 +7,9 @@
 #include <numeric>
 #include <tuple>
 
+#include "core/base/angle.h"
+#include "drivers/velodyne/models.h"
+
 namespace lidard::velodyne {
 namespace {
 
@@ -35,6 +38,8 @@ auto all_of(const LaserCalibration& l) {
                   l.dist_correction_y, l.vert_offset, l.horiz_offset, l.two_point, l.focal_distance,
                   l.focal_slope, l.min_intensity, l.max_intensity);
 }
+
+const ModelRow& row_of(const Model& model) { return *static_cast<const ModelRow*>(model.row); }
 
 }  // namespace
 
@@ -92,5 +97,26 @@ CalibratedGeometry::Terms CalibratedGeometry::terms_of(const LaserCalibration& l
   t.max_intensity = 255;
   return t;
 }
+
+Calibration table_of(const ModelRow& row) {
+  Calibration calibration;
+  calibration.distance_step_m = row.distance_step_m;
+  for (std::size_t k = 0; k < row.lasers; ++k) {
+    LaserCalibration& laser = calibration.lasers.emplace_back();
+    laser.rot_correction = row.laser[k].rot_correction_deg * rad_per_deg;
+    laser.vert_correction = row.laser[k].elevation_deg * rad_per_deg;
+    laser.vert_offset = row.laser[k].z_offset_mm * 1e-3;
+  }
+  return calibration;
+}
+
+Calibration table_calibration(const Model& model) {
+  Calibration calibration = table_of(row_of(model));
+  calibration.model = CalibrationModel::ros_drivers;
+  for (LaserCalibration& laser : calibration.lasers) laser.vert_offset = 0;
+  return calibration;
+}
+
+bool needs_own_calibration(const Model& model) { return row_of(model).banks == 2; }
 
 }  // namespace lidard::velodyne

@@ -2,12 +2,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
+namespace lidard {
+struct Model;
+}
+
 namespace lidard::velodyne {
+
+struct ModelRow;
 
 /// Whose equations turn a calibrated return into a point.
 ///
@@ -55,12 +60,6 @@ struct Calibration {
 /// Rings in ascending order of elevation, equal ones in order of the laser's number.
 std::vector<std::uint16_t> rings_by_elevation(const Calibration& calibration);
 
-/// A return in the sensor's ROS frame (REP 103), m.
-struct CalibratedPoint {
-  float x, y, z;
-  float intensity;
-};
-
 /// Places returns with a calibration; everything that does not depend on the return was computed beforehand.
 ///
 /// With D the distance with its far correction, ω the elevation, α the azimuth without rot_correction, v and
@@ -71,8 +70,7 @@ struct CalibratedPoint {
 ///     X = r(Dx) sin α − h cos α           Y = r(Dy) cos α + h sin α
 ///
 /// where Dx and Dy are D moved between the near and the far correction in proportion to |X| and |Y|.
-/// In double, one return at a time: what the loops of sequence_kernel.h, which do the same in float for eight
-/// at once, are tested against.
+/// The loops of sequence_kernel.h do it in float, for eight returns at once.
 class CalibratedGeometry {
  public:
   explicit CalibratedGeometry(const Calibration& calibration);
@@ -81,31 +79,6 @@ class CalibratedGeometry {
   /// The distance with its far correction, m: what range limits apply to.
   double distance(std::size_t laser, std::uint16_t count) const {
     return count * step_m_ + lasers_[laser].dist_correction;
-  }
-  /// The laser's rot_correction, rad: what `place` subtracts from the azimuth.
-  double rot_correction(std::size_t laser) const { return lasers_[laser].rot_correction; }
-  /// The point of a return of `count` steps. The azimuth is that of the firing, clockwise from ahead, still
-  /// without rot_correction.
-  CalibratedPoint place(std::size_t laser, std::uint16_t count, std::uint8_t raw_intensity,
-                        double cos_azimuth, double sin_azimuth) const {
-    const Terms& t = lasers_[laser];
-    const double cos_alpha = cos_azimuth * t.cos_rot + sin_azimuth * t.sin_rot;
-    const double sin_alpha = sin_azimuth * t.cos_rot - cos_azimuth * t.sin_rot;
-    const double d = count * step_m_ + t.dist_correction;
-    const double r = d * t.cos_vert - t.r_offset;
-    const double side_x = t.horiz_offset * cos_alpha;
-    const double side_y = t.horiz_offset * sin_alpha;
-    double dx = 0;
-    double dy = 0;
-    if (t.two_point && d < two_point_below_m_) {
-      dx = t.near_x * (std::abs(r * sin_alpha - side_x) - far_target_m);
-      dy = t.near_y * (std::abs(r * cos_alpha + side_y) - far_target_m);
-    }
-    const double right = (r + dx * t.cos_vert) * sin_alpha - side_x;
-    const double ahead = (r + dy * t.cos_vert) * cos_alpha + side_y;
-    const double up = (d + dy) * t.sin_vert + t.z_offset;
-    return {static_cast<float>(ahead), static_cast<float>(-right), static_cast<float>(up),
-            intensity(t, count, raw_intensity)};
   }
 
   /// Where the two-point calibration was made: 63-HDL64ES3 Rev K p. 43.
@@ -136,16 +109,19 @@ class CalibratedGeometry {
 
  private:
   static Terms terms_of(const LaserCalibration& laser, CalibrationModel model);
-  static float intensity(const Terms& t, std::uint16_t count, std::uint8_t raw) {
-    const double nearness = 1 - count * (1.0 / 65535);
-    double value = raw + t.focal_slope * std::abs(t.focal - 256 * nearness * nearness);
-    value = value < t.min_intensity ? t.min_intensity : value;
-    return static_cast<float>(value > t.max_intensity ? t.max_intensity : value);
-  }
 
   double step_m_;
   double two_point_below_m_;
   std::vector<Terms> lasers_;
 };
+
+/// The model's table as a calibration: nothing but angles and heights.
+Calibration table_of(const ModelRow& row);
+/// Its angles with the equations of velodyne_pointcloud. Like the files that velodyne_pointcloud ships it has
+/// no offsets: its users' clouds lack the height of the beam's origin.
+Calibration table_calibration(const Model& model);
+
+/// True if sensors of this model differ so much that a table tells little (HDL-64E).
+bool needs_own_calibration(const Model& model);
 
 }  // namespace lidard::velodyne

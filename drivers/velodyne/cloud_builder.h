@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <utility>
 
-#include "core/base/steady_stamps.h"
+#include "core/base/time.h"
 #include "core/frames/revolution.h"
 #include "drivers/driver.h"
 #include "drivers/velodyne/unpacker.h"
@@ -16,34 +17,124 @@ namespace lidard::velodyne {
 /// Collects firing sequences into frames and hands them on.
 class CloudBuilder {
  public:
-  CloudBuilder(const DriverConfig& config, const ModelRow& row, Counters& counters);
+  CloudBuilder(const DriverConfig& config, const ModelRow& row, Counters& counters)
+      : config_(config),
+        row_(row),
+        counters_(counters),
+        unpacker_(row, config.keep_origins, config.min_range, config.max_range, config.calibration.get()),
+        cutter_(config.cut_angle * deg_per_rad),
+        interval_(std::max(config.frame_duration, Span(1))),
+        most_sequences_(most_sequences(config, row)) {
+    unpacker_.keep(config.keep_confidence, config.keep_too_near);
+    cloud_.frame_id = config.frame_id;
+    cloud_.rings = static_cast<std::uint16_t>(row.lasers);
+  }
 
   Unpacker& unpacker() { return unpacker_; }
   /// From the next frame on.
   void set_calibration(std::shared_ptr<const Calibration> calibration) { fresh_ = std::move(calibration); }
   /// For FrameCut::view: the middle of the sector that the sensor leaves out; empty while there is none.
-  void set_hidden_middle(std::optional<double> azimuth_deg);
+  void set_hidden_middle(std::optional<double> azimuth_deg) {
+    const bool moved = cutter_.set_cut(azimuth_deg.value_or(config_.cut_angle * deg_per_rad));
+    // The frame at hand began elsewhere than it will end: no whole revolution.
+    if (moved) began_at_cut_ = false;
+  }
+
   /// Makes room for a packet; call before its sequences.
   void begin_packet() { unpacker_.reserve_packet(cloud_); }
   /// Finds the frame of a sequence whose first laser fires at device time `time` and fills in the times that
   /// depend on it.
   /// Call once per sequence, then append() for each of its returns.
-  void place(Sequence& sequence, Span time, const DeviceClock& clock, DriverOutput& out);
+  void place(Sequence& sequence, Span time, const DeviceClock& clock, DriverOutput& out) {
+    auto verdict = judge(sequence.azimuth_deg, time);
+    if (++sequences_ > most_sequences_) verdict = RevolutionCutter::Verdict::forced;
+    if (!in_stream_) {
+      begin(time, false, clock);
+    } else if (verdict != RevolutionCutter::Verdict::same) {
+      const bool at_cut = verdict == RevolutionCutter::Verdict::crossed;
+      end(at_cut, out);
+      begin(time, at_cut, clock);
+    }
+    // Only packets that overlap by their stamps fire before the frame's first sequence.
+    sequence.in_frame = std::max(time - frame_time_, Span(0));
+    sequence.stamp = clock.to_host(time) + config_.time_offset;
+    // The view counts counter-clockwise from the front (REP 103), azimuth clockwise.
+    visible_ = config_.in_view(-sequence.azimuth_deg * rad_per_deg);
+  }
+
   void append(const Sequence& sequence) {
     if (visible_) unpacker_.append(sequence, cloud_, points_);
   }
   /// Ends the frame at hand: the stream ends or its clock jumped.
-  void cut_off(DriverOutput& out);
-  void reset();
+  void cut_off(DriverOutput& out) {
+    end(false, out);
+    cutter_.reset();
+    interval_.reset();
+  }
+
+  void reset() {
+    cutter_.reset();
+    interval_.reset();
+    cloud_.columns.clear();
+    in_stream_ = false;
+  }
+
   /// Time of one revolution; 0 unknown.
   Span period() const { return cutter_.period(); }
   /// Sequences of a frame are counted per return.
   void set_echoes(std::size_t echoes) { echoes_ = echoes; }
 
  private:
-  RevolutionCutter::Verdict judge(double azimuth_deg, Span time);
-  void begin(Span time, bool at_cut, const DeviceClock& clock);
-  void end(bool at_cut, DriverOutput& out);
+  /// A frame ends by its stamps after so long: RevolutionCutter's limit.
+  static constexpr Span longest_turn = std::chrono::milliseconds(1500);
+
+  /// Firing sequences that a frame can hold, with some to spare; more of them are no frame. Stamps that stand
+  /// still, or nearly so, would let it grow for ever.
+  static std::size_t most_sequences(const DriverConfig& config, const ModelRow& row) {
+    Span shortest = row.timings.front().sequence;
+    for (const Timing& timing : row.timings) shortest = std::min(shortest, timing.sequence);
+    const Span longest = config.frame_cut == FrameCut::time ? config.frame_duration : longest_turn;
+    return static_cast<std::size_t>(longest / shortest) * 5 / 4 + 100;
+  }
+
+  RevolutionCutter::Verdict judge(double azimuth_deg, Span time) {
+    using Verdict = RevolutionCutter::Verdict;
+    const Verdict turn = cutter_.next(azimuth_deg, time);  // it measures the period in any case
+    if (config_.frame_cut != FrameCut::time) return turn;
+    return interval_.next(time) ? Verdict::crossed : Verdict::same;
+  }
+
+  void begin(Span time, bool at_cut, const DeviceClock& clock) {
+    in_stream_ = true;
+    began_at_cut_ = at_cut;
+    frame_time_ = time;
+    sequences_ = 1;
+    cloud_.columns.clear();
+    cloud_.origins.clear();
+    cloud_.confidences.clear();
+    cloud_.too_near.clear();
+    points_ = 0;
+    if (fresh_) unpacker_.set_calibration(*std::exchange(fresh_, nullptr));
+    unpacker_.reserve_packet(cloud_);
+    cloud_.stamp = stamps_.next(clock.to_host(time) + config_.time_offset);
+  }
+
+  void end(bool at_cut, DriverOutput& out) {
+    if (!in_stream_) return;
+    in_stream_ = false;
+    if (cloud_.columns.empty()) return;
+    cloud_.complete = began_at_cut_ && at_cut;
+    if (!cloud_.complete && !config_.keep_partial) {
+      ++counters_.partial_frames;
+      return;
+    }
+    cloud_.end = cloud_.columns.back().stamp;
+    const Span whole = config_.frame_cut == FrameCut::time ? config_.frame_duration : cutter_.period();
+    cloud_.expected_columns = static_cast<std::size_t>(whole / row_.timings.front().sequence) * echoes_;
+    cloud_.points_bytes.resize(points_ * sizeof(CloudPoint));
+    ++counters_.frames;
+    out.cloud(cloud_);
+  }
 
   const DriverConfig& config_;
   const ModelRow& row_;

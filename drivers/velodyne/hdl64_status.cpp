@@ -7,7 +7,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <utility>
 
 #include "core/base/angle.h"
 #include "core/base/number_text.h"
@@ -135,20 +134,14 @@ void Hdl64Status::step_to(int slot) {
 }
 
 void Hdl64Status::take_status(std::uint8_t type, std::uint8_t value) {
-  switch (type) {
-    case 'G':
-      info_.gps = static_cast<char>(value);
-      break;
-    case 'T':
-      info_.temperature = static_cast<std::int8_t>(value);
-      break;
-    case 'V':
-      info_.firmware = value;
-      break;
-    default:
-      take_date(slot_, value);
-      break;
-  }
+  if (type == 'G')
+    info_.gps = static_cast<char>(value);
+  else if (type == 'T')
+    info_.temperature = static_cast<std::int8_t>(value);
+  else if (type == 'V')
+    info_.firmware = value;
+  else
+    take_date(slot_, value);
 }
 
 /// Only parts of one cycle make a date: across a change of the minute others would not belong together.

@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "drivers/velodyne/azimuth.h"
+#include "drivers/velodyne/packet.h"
 
 namespace lidard::velodyne {
 

@@ -2,14 +2,95 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
 #include <vector>
 
+#include "core/base/time.h"
 #include "drivers/recognizer.h"
 
 namespace lidard::velodyne {
 
+/// One laser's geometry, as in the manuals (sensor frame: +Y front, azimuth clockwise).
+struct Laser {
+  double elevation_deg;
+  double rot_correction_deg;  ///< subtracted from the azimuth
+  double z_offset_mm;         ///< added to z: where the beam leaves the axis
+};
+
+/// When the lasers of one firing sequence fire, in one firmware.
+struct Timing {
+  Span sequence;                ///< from one firing sequence to the next, random rest included
+  Span step;                    ///< from one firing instant of a sequence to the next
+  std::size_t together;         ///< lasers that fire at the same instant
+  std::size_t pause_after = 0;  ///< lasers before the pause inside a sequence; 0: no pause
+  Span pause{0};
+  std::array<Span, 4> within{};  ///< of the lasers of a group of four (HDL-64E)
+  Span before{0};                ///< the first firing is this long before the packet's stamp
+};
+
+/// What the data packet of one model means: its lasers and when each of them fires.
+struct ModelRow {
+  std::string_view product;
+  std::array<std::uint8_t, 2> product_ids;  ///< last byte of the packet; 0: none
+  double distance_step_m;
+  std::size_t lasers;  ///< of one firing sequence
+  std::size_t
+      banks;         ///< blocks that hold one firing sequence (1, 2, 4); flags 0xEEFF, 0xDDFF, 0xCCFF, 0xBBFF
+  bool random_rest;  ///< sequences rest for a random time: their begin follows from the next packet's stamp
+  std::vector<Timing> timings;  ///< firmware variants, told apart by the packet period; the usual one first
+  const Timing*
+      without_factory_bytes;  ///< timing of old firmware that leaves the last two bytes open; nullptr none
+  const Laser* laser;         ///< [lasers]
+  /// HDL-64E S1: each block is a firing sequence of one bank alone, with an azimuth that holds for all its
+  /// lasers, and the packet has no stamp.
+  bool bank_by_bank = false;
+  bool warns = false;  ///< HDL-64E S3: warning bytes are among its status bytes
+
+  bool has_product(std::uint8_t id) const {
+    return id != 0 && (id == product_ids[0] || id == product_ids[1]);
+  }
+  bool names_product() const { return product_ids[0] != 0; }
+  bool has_stamp() const { return !bank_by_bank; }
+  /// HDL-64E S2 and later: the last two bytes tell the device's state and its calibration.
+  bool has_status() const { return !names_product() && has_stamp(); }
+  std::size_t sequences_per_block() const { return banks == 1 ? 32 / lasers : 1; }
+  /// Sequences of a packet in single (`echoes` 1) or dual return mode (2).
+  std::size_t sequences_per_packet(std::size_t echoes) const {
+    return 12 / ((bank_by_bank ? 1 : banks) * echoes) * sequences_per_block();
+  }
+  /// Firing time of a laser after the packet's stamp, for the first sequence of the packet.
+  Span firing_time(const Timing& timing, std::size_t index) const;
+  /// Time from packet to packet.
+  Span packet_period(const Timing& timing, std::size_t echoes) const {
+    return timing.sequence * static_cast<int>(sequences_per_packet(echoes));
+  }
+};
+
+/// All rows, for recognition: of those that fit equally well the first counts.
+const std::vector<const ModelRow*>& model_rows();
+/// "HDL-32E" for a product byte of any Velodyne, also of those without a row; "unknown product 0x.."
+/// otherwise.
+std::string product_name(std::uint8_t product_id);
+/// True if some Velodyne has this product byte.
+bool is_product(std::uint8_t product_id);
+
 /// Adds the Velodyne rows to the table of models.
 void append_models(std::vector<Model>& list);
 std::unique_ptr<Recognizer> make_recognizer();
+/// A row of the family whose blocks the packet has; nullptr if it is no data packet.
+const ModelRow* family_of(ByteView payload);
+
+/// Driver of the spinning Velodynes; `config.model` must be one of velodyne::append_models().
+///
+/// Frames are cut per firing sequence: revolutions at `config.cut_angle` or in the sector that the sensor
+/// leaves out, or pieces of `config.frame_duration`. A packet that comes one place too late is put back in
+/// its place; one that comes twice is used once. The first and the last revolution of a stream are handed on
+/// only with `keep_partial`.
+std::unique_ptr<Driver> make_driver(const DriverConfig& config);
 
 }  // namespace lidard::velodyne

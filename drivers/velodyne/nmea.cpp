@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <ctime>
+
+#include "core/base/number_text.h"
 
 namespace lidard::velodyne {
 namespace {
@@ -21,21 +22,16 @@ bool all_digits(std::string_view text) {
 
 /// The number that `count` digits from `at` on make; nullopt if they are not all digits.
 std::optional<int> digits(std::string_view text, std::size_t at, std::size_t count) {
-  if (text.size() < at + count || !all_digits(text.substr(at, count))) return std::nullopt;
-  int value = 0;
-  for (const char c : text.substr(at, count)) value = value * 10 + (c - '0');
-  return value;
+  if (text.size() < at + count) return std::nullopt;
+  const auto value = number_in<unsigned>(text.substr(at, count));
+  return value ? std::optional<int>(static_cast<int>(*value)) : std::nullopt;
 }
 
 /// A decimal number, sign allowed, without exponent.
 std::optional<double> decimal(std::string_view text) {
   const std::string_view unsigned_part = text.substr(!text.empty() && text.front() == '-' ? 1 : 0);
   if (unsigned_part.empty() || !all_digits(unsigned_part.substr(0, 1))) return std::nullopt;
-  double value = 0;
-  const auto end = text.data() + text.size();
-  const auto read = std::from_chars(text.data(), end, value, std::chars_format::fixed);
-  if (read.ec != std::errc() || read.ptr != end) return std::nullopt;
-  return value;
+  return text.find_first_of("eE") == std::string_view::npos ? number_in<double>(text) : std::nullopt;
 }
 
 /// HHMMSS with up to nine decimals; receivers send none to three (23:59:60 is a leap second).
@@ -159,13 +155,9 @@ NmeaVerdict read_gga(const Fields& f, NmeaReading& reading) {
 }
 
 bool checksum_fits(std::string_view body, std::string_view written) {
-  unsigned value = 0;
-  const auto end = written.data() + written.size();
-  const auto read = std::from_chars(written.data(), end, value, 16);
-  if (written.size() != 2 || read.ec != std::errc() || read.ptr != end) return false;
   unsigned sum = 0;
   for (const char c : body) sum ^= static_cast<unsigned char>(c);
-  return sum == value;
+  return written.size() == 2 && number_in<unsigned>(written, 16) == sum;
 }
 
 }  // namespace

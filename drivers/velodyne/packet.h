@@ -2,10 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 
 #include "core/base/bytes.h"
+#include "core/base/counters.h"
+#include "core/base/time.h"
+#include "drivers/velodyne/models.h"
 
 namespace lidard::velodyne {
 
@@ -58,6 +63,77 @@ inline bool is_dual(const DataPacket& packet) {
   }
   if (pairs_equal && all_equal) return packet.mode() == static_cast<std::uint8_t>(ReturnMode::dual);
   return pairs_equal;
+}
+
+/// Which block holds which part of which firing sequence, for one model and return mode
+/// (63-9243 Rev D, section 9.3; UniBwTAS/velodyne and VeloView for the VLS-128).
+struct PacketLayout {
+  std::size_t groups = 0;  ///< sets of blocks with one azimuth
+  std::size_t echoes = 1;
+  bool confidence = false;  ///< a third block of each bank holds confidence words
+  std::size_t banks = 1;
+  bool one_bank =
+      false;  ///< each block has the lasers of one bank, which its flag names; the other is silent
+  std::array<std::array<std::array<std::uint8_t, 4>, 3>, 12>
+      block{};  ///< [group][echo or 2 = confidence][bank]
+
+  std::size_t first_block(std::size_t group) const { return block[group][0][0]; }
+};
+
+/// How the packet is laid out. Dual return shows in the azimuths and flags; where the motor stands still all
+/// azimuths are equal, and the mode byte decides.
+const PacketLayout& layout_of(const DataPacket& packet, const ModelRow& row);
+
+/// The flags of the blocks of each bank.
+inline constexpr std::array<std::uint16_t, 4> bank_flags{flag_lasers_0_31, 0xDDFF, 0xCCFF, 0xBBFF};
+/// Of a bank that did not fire. The kernels read eight bytes more than the slots.
+inline constexpr std::array<std::uint8_t, 3 * slots_per_block + 8> silent_slots{};
+
+/// The first slot of a bank in that group and return; of a bank that is silent there, slots without returns.
+inline const std::uint8_t* slots_of(const DataPacket& packet, const PacketLayout& layout, std::size_t group,
+                                    std::size_t echo, std::size_t bank) {
+  const std::size_t b = layout.block[group][echo][bank];
+  return layout.one_bank && packet.flag(b) != bank_flags[bank] ? silent_slots.data() : packet.slots(b);
+}
+
+/// Flags and azimuths of every block the layout uses.
+Reject check_blocks(const DataPacket& packet, const PacketLayout& layout);
+
+/// An angle or a turn in the wire's unit, 1/100 deg. Sums and differences of it are exact.
+using Hundredths = std::int32_t;
+
+/// The azimuths of a packet's groups of blocks.
+struct PacketAzimuths {
+  std::array<Hundredths, blocks_per_packet> group{};  ///< below a whole turn
+  std::array<double, blocks_per_packet>
+      hidden_deg{};  ///< hidden sector between the group before and this one; 0 none
+  std::size_t groups = 0;
+  double step_deg = 0;          ///< mean step from group to group, hidden sectors left out
+  double hidden_total_deg = 0;  ///< sum of hidden_deg
+
+  double group_deg(std::size_t g) const { return group[g] * 0.01; }
+};
+
+/// The rate of a rotation, deg/s, or 0 (unknown) where no motor turns so: below 6 rpm, or above twice the
+/// 1200 rpm that the manuals allow at most. It bounds what is computed of a rate that noise, or packets of
+/// something else, made up.
+double plausible_rate(double deg_per_s);
+
+/// Reads the azimuths and the mean step, which interpolates better than any single step: the wire has only
+/// 0.01 deg. A step far above the median crosses a sector that the sensor does not send (its field of view
+/// ends inside the packet: measured on a VLP-32C).
+PacketAzimuths read_azimuths(const DataPacket& packet, const PacketLayout& layout);
+
+/// Signed difference of two hour stamps, later - earlier, the shorter way round: within half an hour. Holds
+/// also where the counter passes 3600 s without a reset (ros-drivers/velodyne#218).
+inline Span hour_difference(Span later, Span earlier) {
+  constexpr Span hour = std::chrono::hours(1);
+  const Span difference = (later - earlier) % hour;
+  if (difference > hour / 2) return difference - hour;
+  return difference <= -hour / 2 ? difference + hour : difference;
+}
+inline Span hour_difference(std::uint32_t later_us, std::uint32_t earlier_us) {
+  return hour_difference(std::chrono::microseconds(later_us), std::chrono::microseconds(earlier_us));
 }
 
 }  // namespace lidard::velodyne

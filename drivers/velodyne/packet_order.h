@@ -2,15 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
 #include "core/base/counters.h"
 #include "core/base/time.h"
-#include "drivers/velodyne/azimuth.h"
 #include "drivers/velodyne/hidden_sectors.h"
-#include "drivers/velodyne/model_row.h"
+#include "drivers/velodyne/models.h"
 #include "drivers/velodyne/packet.h"
 
 namespace lidard::velodyne {
@@ -27,10 +28,6 @@ struct OrderedPacket {
   DataPacket view() const { return DataPacket(ByteView(bytes.data(), bytes.size())); }
 };
 
-/// Signed difference of two hour stamps, later - earlier, into +-1800 s. Holds also where the counter passes
-/// 3600 s without a reset (ros-drivers/velodyne#218).
-Span hour_difference(std::uint32_t later_us, std::uint32_t earlier_us);
-
 /// Brings packets into the order of their stamps, looking one packet ahead only where the stamps leave a
 /// hole, so that undisturbed packets are not delayed. Also decides whether packets with another product byte
 /// are those of the configured model: a product byte can lie, the packet period cannot.
@@ -42,7 +39,56 @@ class PacketOrder {
   /// Takes a packet of the right size and calls `use(packet, device_time)` for each that is due, in order;
   /// device time is unwrapped. Returns why this packet was not used, if so; the counters hold it already.
   template <typename Use>
-  Reject add(const OrderedPacket& packet, Use&& use);
+  Reject add(const OrderedPacket& packet, Use&& use) {
+    if (packet.other_product) {
+      const Reject verdict = judge_product(packet);
+      if (verdict != Reject::none) return verdict;
+      // Held back until the next one tells the period.
+      if (packet.view().product() != lying_product_) return Reject::none;
+    }
+    if (holding_) {
+      const Span after_held = hour_difference(packet.view().stamp_us(), held_.view().stamp_us());
+      if (after_held == Span(0)) {
+        counters_.reject(Reject::duplicate);
+        return Reject::duplicate;
+      }
+      holding_ = false;
+      const bool between = after_held < Span(0) && (!started_ || since_last(packet) > Span(0));
+      if (between) {
+        ++counters_.reordered;
+        advance(packet, use);
+        advance(held_, use);
+        return Reject::none;
+      }
+      advance(held_, use);
+    }
+    if (!started_) {
+      advance(packet, use);
+      return Reject::none;
+    }
+    // So far back or ahead it is no late packet: the device's clock was set.
+    constexpr Span step_limit = std::chrono::seconds(1);
+    const Span step = since_last(packet);
+    if (step > -step_limit && step <= Span(0) && !is_clock_set(packet)) {
+      const Reject reason = step == Span(0) ? Reject::duplicate : Reject::stale;
+      if (reason == Reject::stale) ++counters_.reordered;
+      counters_.reject(reason);
+      return reason;
+    }
+    late_in_row_ = 0;
+    if (step <= Span(0) || step > 10 * step_limit) {
+      ++counters_.clock_steps;
+      started_ = false;
+      advance(packet, use);
+    } else if ((step - due()) * 2 > last_period_) {
+      held_ = packet;
+      holding_ = true;
+    } else {
+      advance(packet, use);
+    }
+    return Reject::none;
+  }
+
   /// No packet follows: what is held back is due.
   template <typename Use>
   void flush(Use&& use) {
@@ -61,7 +107,12 @@ class PacketOrder {
     early_count_ = 0;
   }
   /// The timing variant in force; `decided`: chosen by the packets, not the usual one for want of a better.
-  void set_timing(const Timing& timing, bool decided);
+  void set_timing(const Timing& timing, bool decided) {
+    timing_ = &timing;
+    decided_ = decided;
+    if (decided) count_early_holes();
+  }
+
   /// Measured rotation, deg/s, a plausible one; 0 unknown.
   void set_turn_rate(double deg_per_s) { turn_rate_ = deg_per_s; }
   /// Azimuth in the middle of the sector that the sensor leaves out; empty: none, or not known yet.
@@ -74,18 +125,65 @@ class PacketOrder {
  private:
   Span period(const OrderedPacket& p) const { return row_.packet_period(*timing_, p.layout->echoes); }
   /// Rotation as far as it is known, deg/s; 0 unknown.
-  double rate() const;
+  double rate() const {
+    if (turn_rate_ > 0 || last_azimuths_.groups == 0) return turn_rate_;
+    const Span group = last_period_ / static_cast<int>(last_azimuths_.groups);
+    return plausible_rate(last_azimuths_.step_deg / seconds(group));
+  }
+
   /// Time from the last packet to the next one if none is lost.
-  Span due() const;
+  Span due() const {
+    if (last_azimuths_.hidden_total_deg <= 0 || rate() <= 0) return last_period_;
+    // The packet goes on to be filled after the hidden sector, so its successor comes later by the time of
+    // the silence.
+    return last_period_ + span_from_seconds(last_azimuths_.hidden_total_deg / rate());
+  }
+
   struct Hole {
     StreamHole hole;
     Span step;
     std::size_t echoes;
   };
-  void count_loss(const OrderedPacket& packet, Span step);
-  void count_hole(const Hole& hole);
-  void count_early_holes();
-  void remember(const OrderedPacket& packet);
+
+  void count_loss(const OrderedPacket& packet, Span step) {
+    if (step * 2 <= last_period_ * 3) return;
+    Hole hole{};
+    hole.step = step;
+    hole.echoes = packet.layout->echoes;
+    hole.hole.from = last_azimuths_.group[0];
+    hole.hole.last = last_azimuths_.group[last_azimuths_.groups - 1];
+    hole.hole.per_packet = static_cast<std::int64_t>(last_azimuths_.groups);
+    // The azimuths tell the turn up to whole ones, the rotation tells how many those are.
+    constexpr Hundredths jitter = 100;
+    const Hundredths beyond = packet.azimuths.group[0] - hole.hole.from;
+    const std::int64_t turns = std::llround((rate() * seconds(step) * 100 - beyond) / whole_turn);
+    hole.hole.turned = beyond + whole_turn * std::max<std::int64_t>(turns, beyond < -jitter ? 1 : 0);
+    if (!decided_ && early_count_ < early_.size()) {
+      early_[early_count_++] = hole;
+    } else {
+      count_hole(hole);
+    }
+  }
+
+  void count_hole(const Hole& hole) {
+    StreamHole counted = hole.hole;
+    const Span expected = row_.packet_period(*timing_, hole.echoes);
+    counted.groups = std::max<std::int64_t>(
+        1, std::llround(seconds(hole.step) / seconds(expected) * static_cast<double>(counted.per_packet)));
+    counters_.lost_packets += hidden_.hole(counted);
+  }
+
+  void count_early_holes() {
+    for (std::size_t i = 0; i < early_count_; ++i) count_hole(early_[i]);
+    early_count_ = 0;
+  }
+
+  void remember(const OrderedPacket& packet) {
+    last_period_ = period(packet);
+    last_azimuths_ = packet.azimuths;
+    counters_.lost_packets += hidden_.receive(last_azimuths_);
+  }
+
   Span since_last(const OrderedPacket& p) const { return hour_difference(p.view().stamp_us(), last_us_); }
   /// The held packet has another product byte, and the next packet's period is to tell whether it lies.
   bool is_held_in_doubt() const {
@@ -93,11 +191,74 @@ class PacketOrder {
   }
   /// The stamp of a packet goes back or stays: true if the sensor's clock was set, for the packet has the
   /// azimuth of the next one, or many such follow each other.
-  bool is_clock_set(const OrderedPacket& packet);
-  bool is_model_period(Span step, const OrderedPacket& packet) const;
-  Reject judge_product(const OrderedPacket& packet);
+  bool is_clock_set(const OrderedPacket& packet) {
+    // A packet that was late or came twice looks where others looked before.
+    constexpr std::size_t most_late = 16;
+    constexpr double slowest_deg = 0.02;  // per packet
+    const double turn = last_azimuths_.step_deg * static_cast<double>(last_azimuths_.groups);
+    const double turned = std::remainder(packet.view().azimuth(0) * 0.01 - last_azimuths_.group_deg(0), 360);
+    const bool continues = turn > slowest_deg && std::abs(turned - turn) * 2 < turn;
+    return continues || ++late_in_row_ > most_late;
+  }
+
+  bool is_model_period(Span step, const OrderedPacket& packet) const {
+    const std::size_t echoes = packet.layout->echoes;
+    for (const Timing& timing : row_.timings) {
+      const Span expected = row_.packet_period(timing, echoes);
+      // A lost packet or two may lie between; clocks and random rests stay well within 3 %.
+      for (int n = 1; n <= 3; ++n) {
+        const Span off = step - expected * n;
+        if (off < expected * 3 / 100 && off > -expected * 3 / 100) return true;
+      }
+    }
+    return false;
+  }
+
+  Reject judge_product(const OrderedPacket& packet) {
+    const std::uint8_t product = packet.view().product();
+    if (product == lying_product_) return Reject::none;
+    if (is_held_in_doubt()) {
+      const Span step = hour_difference(packet.view().stamp_us(), held_.view().stamp_us());
+      if (step == Span(0)) {
+        counters_.reject(Reject::duplicate);
+        return Reject::duplicate;
+      }
+      if (is_model_period(step < Span(0) ? -step : step, packet)) {
+        lying_product_ = product;
+        return Reject::none;
+      }
+      counters_.reject(Reject::model);  // for the held one, whose verdict came late
+      refused_product_ = held_.view().product();
+    } else if (started_) {
+      if (is_model_period(since_last(packet), packet)) {
+        lying_product_ = product;
+        return Reject::none;
+      }
+      refused_product_ = product;
+      counters_.reject(Reject::model);
+      return Reject::model;
+    }
+    held_ = packet;
+    holding_ = true;
+    return Reject::none;
+  }
+
   template <typename Use>
-  void advance(const OrderedPacket& packet, Use&& use);
+  void advance(const OrderedPacket& packet, Use&& use) {
+    const std::uint32_t us = packet.view().stamp_us();
+    if (!started_) {
+      time_ = std::chrono::microseconds(us);
+    } else {
+      const Span step = since_last(packet);
+      time_ += step;
+      count_loss(packet, step);
+    }
+    started_ = true;
+    last_us_ = us;
+    remember(packet);
+    if (packet.other_product) ++counters_.lying_packets;
+    use(packet, time_);
+  }
 
   const ModelRow& row_;
   Counters& counters_;
@@ -118,73 +279,5 @@ class PacketOrder {
   std::optional<std::uint8_t> lying_product_;
   std::optional<std::uint8_t> refused_product_;
 };
-
-template <typename Use>
-void PacketOrder::advance(const OrderedPacket& packet, Use&& use) {
-  const std::uint32_t us = packet.view().stamp_us();
-  if (!started_) {
-    time_ = std::chrono::microseconds(us);
-  } else {
-    const Span step = since_last(packet);
-    time_ += step;
-    count_loss(packet, step);
-  }
-  started_ = true;
-  last_us_ = us;
-  remember(packet);
-  if (packet.other_product) ++counters_.lying_packets;
-  use(packet, time_);
-}
-
-template <typename Use>
-Reject PacketOrder::add(const OrderedPacket& packet, Use&& use) {
-  if (packet.other_product) {
-    const Reject verdict = judge_product(packet);
-    if (verdict != Reject::none) return verdict;
-    // Held back until the next one tells the period.
-    if (packet.view().product() != lying_product_) return Reject::none;
-  }
-  if (holding_) {
-    const Span after_held = hour_difference(packet.view().stamp_us(), held_.view().stamp_us());
-    if (after_held == Span(0)) {
-      counters_.reject(Reject::duplicate);
-      return Reject::duplicate;
-    }
-    holding_ = false;
-    const bool between = after_held < Span(0) && (!started_ || since_last(packet) > Span(0));
-    if (between) {
-      ++counters_.reordered;
-      advance(packet, use);
-      advance(held_, use);
-      return Reject::none;
-    }
-    advance(held_, use);
-  }
-  if (!started_) {
-    advance(packet, use);
-    return Reject::none;
-  }
-  // So far back or ahead it is no late packet: the device's clock was set.
-  constexpr Span step_limit = std::chrono::seconds(1);
-  const Span step = since_last(packet);
-  if (step > -step_limit && step <= Span(0) && !is_clock_set(packet)) {
-    const Reject reason = step == Span(0) ? Reject::duplicate : Reject::stale;
-    if (reason == Reject::stale) ++counters_.reordered;
-    counters_.reject(reason);
-    return reason;
-  }
-  late_in_row_ = 0;
-  if (step <= Span(0) || step > 10 * step_limit) {
-    ++counters_.clock_steps;
-    started_ = false;
-    advance(packet, use);
-  } else if ((step - due()) * 2 > last_period_) {
-    held_ = packet;
-    holding_ = true;
-  } else {
-    advance(packet, use);
-  }
-  return Reject::none;
-}
 
 }  // namespace lidard::velodyne

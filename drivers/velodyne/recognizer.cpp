@@ -1,13 +1,11 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/velodyne/recognizer.h"
 
 #include <algorithm>
 #include <cstdlib>
 
 #include "drivers/velodyne/models.h"
 #include "drivers/velodyne/packet.h"
-#include "drivers/velodyne/packet_layout.h"
 #include "drivers/velodyne/packet_order.h"
 
 namespace lidard::velodyne {
@@ -36,6 +34,152 @@ void add_products(const ModelRow* row, std::vector<std::string_view>& names) {
 
 bool is_paired_hdl64e(const ModelRow& row) { return row.has_status(); }
 
+/// Recognises which Velodyne sent a stream: by the order of its blocks, its product byte unless the packet
+/// period contradicts it, and, of an HDL-64E, its status bytes.
+class VelodyneRecognizer final : public Recognizer {
+ public:
+  void add(const Packet& received) override {
+    if (received.transport != Transport::udp) return;
+    const ByteView payload = received.payload;
+    const ModelRow* family = family_of(payload);
+    if (family == nullptr) return;
+    const DataPacket packet(payload);
+    if (packets_ > 0 && step_count_ < steps_.size()) {
+      const Span step = hour_difference(packet.stamp_us(), last_us_);
+      if (step != Span(0)) steps_[step_count_++] = std::abs(step.count());
+    }
+    last_us_ = packet.stamp_us();
+    ++packets_;
+    family_ = family;
+    if (layout_of(packet, *family).echoes == 2) ++dual_packets_;
+    product_ = packet.product();
+    note_status(packet.mode());
+  }
+
+  std::string_view verdict() const override {
+    std::vector<std::string_view> names;
+    add_products(row(), names);
+    return names.empty() ? std::string_view() : names.front();
+  }
+
+  /// Every product of the rows that fit, so that only a person can tell: a Puck LITE has the row of a VLP-16.
+  std::vector<std::string_view> others() const override {
+    std::vector<std::string_view> names;
+    add_products(row(), names);
+    for (const ModelRow* other : other_rows()) add_products(other, names);
+    return names;
+  }
+
+  /// Byte and period disagree, or the product is not supported.
+  std::string remark() const override {
+    if (packets_ == 0) return {};
+    const ModelRow* chosen = row();
+    if (chosen == nullptr)
+      return "Velodyne packets of a " + product_name(product_) + ", which is not supported";
+    if (!chosen->names_product() || chosen->has_product(product_)) return {};
+    return "product byte says " + product_name(product_) + ", the packet period says " +
+           std::string(chosen->product);
+  }
+
+ private:
+  /// nullptr: no Velodyne, or one without a row.
+  const ModelRow* row() const {
+    if (packets_ == 0) return nullptr;
+    if (!family_->has_stamp()) return family_;
+    if (is_paired_hdl64e(*family_)) {
+      // Each has both periods; the usual one of the first that it can be is worth a guess.
+      const Span period = median_period();
+      const std::size_t echoes = dual_packets_ * 2 > packets_ ? 2 : 1;
+      const ModelRow* first = nullptr;
+      for (const ModelRow* each : model_rows()) {
+        if (!is_possible_generation(*each)) continue;
+        if (first == nullptr) first = each;
+        if (is_within_percent(period, each->packet_period(each->timings.front(), echoes), 3)) return each;
+      }
+      return first;
+    }
+    if (is_byte_right()) return by_product();
+    for (const ModelRow* each : model_rows()) {
+      if (fits_period(*each)) return each;
+    }
+    return nullptr;
+  }
+
+  /// Rows that the packets fit beside row().
+  std::vector<const ModelRow*> other_rows() const {
+    const ModelRow* chosen = row();
+    std::vector<const ModelRow*> rows;
+    if (chosen == nullptr || !chosen->has_stamp()) return rows;
+    for (const ModelRow* each : model_rows()) {
+      const bool possible = is_paired_hdl64e(*chosen) ? is_possible_generation(*each)
+                            : is_byte_right()         ? each->product_ids == chosen->product_ids
+                                                      : fits_period(*each);
+      if (possible && each != chosen) rows.push_back(each);
+    }
+    return rows;
+  }
+
+  const ModelRow* by_product() const {
+    for (const ModelRow* each : model_rows()) {
+      if (each->banks == family_->banks && each->has_product(product_)) return each;
+    }
+    return nullptr;
+  }
+
+  bool fits_period(const ModelRow& model) const {
+    if (model.banks != family_->banks) return false;
+    const Span period = median_period();
+    const std::size_t echoes = dual_packets_ * 2 > packets_ ? 2 : 1;
+    return std::any_of(model.timings.begin(), model.timings.end(), [&](const Timing& timing) {
+      return is_within_percent(period, model.packet_period(timing, echoes), 3);
+    });
+  }
+
+  /// The product byte names a model and the period, if known, is that model's.
+  bool is_byte_right() const {
+    const ModelRow* named = by_product();
+    return median_period() == Span(0) || (named != nullptr && fits_period(*named));
+  }
+
+  /// Whether an HDL-64E with pairs of blocks is of that generation; by the status bytes, else by the period.
+  bool is_possible_generation(const ModelRow& model) const {
+    if (!is_paired_hdl64e(model)) return false;
+    const bool is_s3 = model.warns;
+    if (warnings_ > 0) return is_s3;
+    if (quiet_ >= enough_quiet_cycles) return !is_s3;
+    return true;
+  }
+
+  void note_status(std::uint8_t type) {
+    if (last_type_ == before_warning) {
+      warnings_ += type == warning ? 1U : 0U;
+      quiet_ += type == first_of_calibration ? 1U : 0U;
+    }
+    last_type_ = type;
+  }
+
+  /// The median step between stamps; 0 while fewer than four packets were seen.
+  Span median_period() const {
+    constexpr std::size_t enough = 3;
+    if (step_count_ < enough) return Span(0);
+    auto sorted = steps_;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(step_count_ / 2);
+    std::nth_element(sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(step_count_));
+    return Span(*middle);
+  }
+
+  std::uint64_t packets_ = 0;
+  std::uint64_t dual_packets_ = 0;
+  std::uint8_t product_ = 0;
+  const ModelRow* family_ = nullptr;
+  std::uint32_t last_us_ = 0;
+  std::array<std::int64_t, 128> steps_{};
+  std::size_t step_count_ = 0;
+  std::uint8_t last_type_ = 0;  // of the status bytes of an HDL-64E
+  std::uint64_t warnings_ = 0;  // cycles of them that have a warning byte
+  std::uint64_t quiet_ = 0;     // and that have none
+};
+
 }  // namespace
 
 const ModelRow* family_of(ByteView payload) {
@@ -45,129 +189,6 @@ const ModelRow* family_of(ByteView payload) {
     if (check_blocks(packet, layout_of(packet, *row)) == Reject::none) return row;
   }
   return nullptr;
-}
-
-void VelodyneRecognizer::add(const Packet& received) {
-  if (received.transport != Transport::udp) return;
-  const ByteView payload = received.payload;
-  const ModelRow* family = family_of(payload);
-  if (family == nullptr) return;
-  const DataPacket packet(payload);
-  if (packets_ > 0 && step_count_ < steps_.size()) {
-    const Span step = hour_difference(packet.stamp_us(), last_us_);
-    if (step != Span(0)) steps_[step_count_++] = std::abs(step.count());
-  }
-  last_us_ = packet.stamp_us();
-  ++packets_;
-  family_ = family;
-  if (layout_of(packet, *family).echoes == 2) ++dual_packets_;
-  product_ = packet.product();
-  note_status(packet.mode());
-}
-
-void VelodyneRecognizer::note_status(std::uint8_t type) {
-  if (last_type_ == before_warning) {
-    warnings_ += type == warning ? 1U : 0U;
-    quiet_ += type == first_of_calibration ? 1U : 0U;
-  }
-  last_type_ = type;
-}
-
-Span VelodyneRecognizer::median_period() const {
-  constexpr std::size_t enough = 3;
-  if (step_count_ < enough) return Span(0);
-  auto sorted = steps_;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(step_count_ / 2);
-  std::nth_element(sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(step_count_));
-  return Span(*middle);
-}
-
-const ModelRow* VelodyneRecognizer::by_product() const {
-  for (const ModelRow* each : model_rows()) {
-    if (each->banks == family_->banks && each->has_product(product_)) return each;
-  }
-  return nullptr;
-}
-
-bool VelodyneRecognizer::fits_period(const ModelRow& model) const {
-  if (model.banks != family_->banks) return false;
-  const Span period = median_period();
-  const std::size_t echoes = dual_packets_ * 2 > packets_ ? 2 : 1;
-  return std::any_of(model.timings.begin(), model.timings.end(), [&](const Timing& timing) {
-    return is_within_percent(period, model.packet_period(timing, echoes), 3);
-  });
-}
-
-/// The product byte names a model and the period, if known, is that model's.
-bool VelodyneRecognizer::is_byte_right() const {
-  const ModelRow* named = by_product();
-  return median_period() == Span(0) || (named != nullptr && fits_period(*named));
-}
-
-bool VelodyneRecognizer::is_possible_generation(const ModelRow& model) const {
-  if (!is_paired_hdl64e(model)) return false;
-  const bool is_s3 = model.warns;
-  if (warnings_ > 0) return is_s3;
-  if (quiet_ >= enough_quiet_cycles) return !is_s3;
-  return true;
-}
-
-const ModelRow* VelodyneRecognizer::row() const {
-  if (packets_ == 0) return nullptr;
-  if (!family_->has_stamp()) return family_;
-  if (is_paired_hdl64e(*family_)) {
-    // Each has both periods; the usual one of the first that it can be is worth a guess.
-    const Span period = median_period();
-    const std::size_t echoes = dual_packets_ * 2 > packets_ ? 2 : 1;
-    const ModelRow* first = nullptr;
-    for (const ModelRow* each : model_rows()) {
-      if (!is_possible_generation(*each)) continue;
-      if (first == nullptr) first = each;
-      if (is_within_percent(period, each->packet_period(each->timings.front(), echoes), 3)) return each;
-    }
-    return first;
-  }
-  if (is_byte_right()) return by_product();
-  for (const ModelRow* each : model_rows()) {
-    if (fits_period(*each)) return each;
-  }
-  return nullptr;
-}
-
-std::vector<const ModelRow*> VelodyneRecognizer::other_rows() const {
-  const ModelRow* chosen = row();
-  std::vector<const ModelRow*> rows;
-  if (chosen == nullptr || !chosen->has_stamp()) return rows;
-  for (const ModelRow* each : model_rows()) {
-    const bool possible = is_paired_hdl64e(*chosen) ? is_possible_generation(*each)
-                          : is_byte_right()         ? each->product_ids == chosen->product_ids
-                                                    : fits_period(*each);
-    if (possible && each != chosen) rows.push_back(each);
-  }
-  return rows;
-}
-
-std::string_view VelodyneRecognizer::verdict() const {
-  std::vector<std::string_view> names;
-  add_products(row(), names);
-  return names.empty() ? std::string_view() : names.front();
-}
-
-std::vector<std::string_view> VelodyneRecognizer::others() const {
-  std::vector<std::string_view> names;
-  add_products(row(), names);
-  for (const ModelRow* other : other_rows()) add_products(other, names);
-  return names;
-}
-
-std::string VelodyneRecognizer::remark() const {
-  if (packets_ == 0) return {};
-  const ModelRow* chosen = row();
-  if (chosen == nullptr)
-    return "Velodyne packets of a " + product_name(product_) + ", which is not supported";
-  if (!chosen->names_product() || chosen->has_product(product_)) return {};
-  return "product byte says " + product_name(product_) + ", the packet period says " +
-         std::string(chosen->product);
 }
 
 std::unique_ptr<Recognizer> make_recognizer() { return std::make_unique<VelodyneRecognizer>(); }

@@ -3,8 +3,11 @@
 #include "drivers/velodyne/telemetry.h"
 
 #include <algorithm>
+#include <cstdio>
 
 #include "core/base/angle.h"
+#include "drivers/model.h"
+#include "drivers/velodyne/packet.h"
 
 namespace lidard::velodyne {
 namespace {
@@ -37,14 +40,9 @@ std::optional<SensorHealth> read_health(ByteView p) {
   SensorHealth health;
   health.top_board_c = signed8(p.u8(0xBB));
   health.bottom_board_c = signed8(p.u8(0xBC));
-  health.at_calibration_c = signed8(p.u8(0xBD));
   health.since_calibration_k = signed16(p.le16(0xBE));
   health.calibration_age_s = p.le32(0xC0);
-  health.calibration_reason = p.u8(0xC4);
-  health.calibration_flags = p.u8(0xC5);
   health.shut_down = p.u8(thermal_offset) != 0;
-  health.at_shutdown_c = signed8(p.u8(0xCC));
-  health.at_power_up_c = signed8(p.u8(0xCD));
   return health;
 }
 
@@ -79,11 +77,207 @@ std::optional<Telemetry> read_telemetry(ByteView packet) {
   return telemetry;
 }
 
-Span hour_difference(Span a, Span b) {
-  constexpr Span hour = std::chrono::hours(1);
-  const Span difference = (a - b) % hour;
-  if (difference > hour / 2) return difference - hour;
-  return difference <= -hour / 2 ? difference + hour : difference;
+namespace {
+
+constexpr Span describe_period = std::chrono::seconds(1);
+constexpr Span silent_after = std::chrono::seconds(3);
+/// A sentence comes up to a second after the instant it tells, and is repeated until the next one (measured:
+/// 0.85 to 1.48 s on an HDL-32E). The slack below zero is for receivers that round.
+constexpr Span youngest_sentence = std::chrono::milliseconds(-100);
+constexpr Span oldest_sentence = std::chrono::milliseconds(2500);
+
+struct ClaimText {
+  std::string_view state;    // for the list of details
+  std::string_view warning;  // empty: nothing is wrong
+};
+
+const ClaimText& text_of(ClockClaim claim) {
+  static constexpr std::array<ClaimText, 9> texts = {{
+      {"free-running", ""},
+      {"agrees with the receiver's time, but no PPS", ""},
+      {"synchronising", ""},
+      {"synchronised (PPS and NMEA agree)", ""},
+      {"not synchronised: PPS error",
+       "the sensor reports a PPS error; check the wiring and the pulse length of the GPS receiver"},
+      {"not synchronised: PPS without a valid NMEA time",
+       "the sensor reports PPS as locked but has no valid NMEA time, so its clock is not UTC; check the "
+       "receiver's serial line, its antenna and that it sends GPRMC"},
+      {"not synchronised: differs from the NMEA time",
+       "the sensor reports PPS as locked but its clock differs from the NMEA time; check that the receiver "
+       "sends the sentence of the last pulse, and the sensor's GPS settings"},
+      {"unknown PPS state", ""},
+      {"unknown: no telemetry for 3 s", ""},
+  }};
+  return texts[static_cast<std::size_t>(claim)];
+}
+
+std::string_view text_of(const NmeaReading& nmea) {
+  static constexpr std::array<std::string_view, static_cast<std::size_t>(NmeaVerdict::count_)> texts = {
+      "none",
+      "malformed",
+      "checksum wrong",
+      "neither RMC nor GGA",
+      "receiver has no fix",
+      "date of 2000 or before: not from a satellite",
+      "valid"};
+  if (nmea.verdict == NmeaVerdict::valid) return nmea.kind == NmeaKind::rmc ? "valid RMC" : "valid GGA";
+  return texts[static_cast<std::size_t>(nmea.verdict)];
+}
+
+std::string_view text_of_pps(std::uint8_t pps) {
+  static constexpr std::array<std::string_view, 4> texts = {"absent", "synchronising", "locked", "error"};
+  return pps < texts.size() ? texts[pps] : "unknown";
+}
+
+/// Without allocations: details change while packets come in.
+template <typename... Values>
+void set(DeviceInfo& info, std::string_view key, const char* format, Values... values) {
+  std::array<char, 48> text{};
+  std::snprintf(text.data(), text.size(), format, values...);
+  info.set(key, text.data());
+}
+
+bool is_junk(NmeaVerdict verdict) {
+  return verdict == NmeaVerdict::malformed || verdict == NmeaVerdict::bad_checksum ||
+         verdict == NmeaVerdict::other_sentence;
+}
+
+void describe_health(const SensorHealth& health, DeviceInfo& info) {
+  set(info, "Temperature top board (C)", "%d", health.top_board_c);
+  set(info, "Temperature bottom board (C)", "%d", health.bottom_board_c);
+  set(info, "Temperature change since calibration (K)", "%d", health.since_calibration_k);
+  set(info, "Calibration age (s)", "%u", static_cast<unsigned>(health.calibration_age_s));
+  info.set("Thermal state", health.shut_down ? "shut down" : "ok");
+}
+
+}  // namespace
+
+TelemetryReceiver::TelemetryReceiver(const DriverConfig& config)
+    : has_imu_(config.model != nullptr && config.model->tells<ImuSample>()),
+      time_offset_(config.time_offset),
+      clock_(config.clock) {
+  fix_->frame_id = imu_->frame_id = config.frame_id;
+}
+
+void TelemetryReceiver::restart() {
+  in_stream_ = false;
+  clock_.reset();
+  text_size_ = 0;
+  sentences_ = 0;
+  nmea_ = {};
+}
+
+Reject TelemetryReceiver::receive(ByteView payload, Stamp arrival, DriverOutput& out, DeviceInfo& info) {
+  const auto telemetry = read_telemetry(payload);
+  if (!telemetry) return Reject::size;
+  advance_clock(telemetry->toh_us, arrival);
+  const bool fresh = take_sentence(telemetry->nmea);
+  if (fresh) {
+    sentence_arrival_ = arrival;
+    sentence_age_ = hour_difference(toh_, nmea_.time_of_day);
+  }
+  const ClockClaim claim = judge(*telemetry);
+  const bool changed = fresh || claim != claim_ || telemetry->pps != described_pps_;
+  set_claim(claim, info);
+  // The first sentence of a stream has been repeated for nobody knows how long.
+  if (fresh) send_sentence(out, sentences_ > 1);
+  if (has_imu_ && telemetry->imu) send_imu(*telemetry->imu, out);
+  const Span since = arrival - last_described_;
+  if (changed || since >= describe_period || since < Span(0)) describe(*telemetry, arrival, info);
+  return Reject::none;
+}
+
+void TelemetryReceiver::tick(Stamp now, DeviceInfo& info) {
+  if (!in_stream_ || claim_ == ClockClaim::silent || now - last_arrival_ < silent_after) return;
+  info.set("PPS", "unknown");
+  set_claim(ClockClaim::silent, info);
+}
+
+void TelemetryReceiver::advance_clock(std::uint32_t toh_us, Stamp arrival) {
+  const Span toh = std::chrono::microseconds(toh_us);
+  device_ = in_stream_ ? device_ + hour_difference(toh, toh_) : toh;
+  toh_ = toh;
+  in_stream_ = true;
+  last_arrival_ = arrival;
+  clock_.observe(device_, arrival);
+}
+
+/// True if it is another sentence than the last one.
+bool TelemetryReceiver::take_sentence(std::string_view text) {
+  if (text == std::string_view(text_.data(), text_size_)) return false;
+  text_size_ = std::min(text.size(), text_.size());
+  std::copy_n(text.data(), text_size_, text_.data());
+  nmea_ = read_nmea(text);
+  if (is_junk(nmea_.verdict)) ++bad_sentences_;
+  ++sentences_;
+  return true;
+}
+
+ClockClaim TelemetryReceiver::judge(const Telemetry& telemetry) const {
+  const bool has_time = nmea_.verdict == NmeaVerdict::valid;
+  const bool agrees = has_time && sentence_age_ >= youngest_sentence && sentence_age_ <= oldest_sentence;
+  if (telemetry.is(Pps::absent)) return agrees ? ClockClaim::agrees : ClockClaim::none;
+  if (telemetry.is(Pps::synchronising)) return ClockClaim::synchronising;
+  if (telemetry.is(Pps::error)) return ClockClaim::pps_error;
+  if (!telemetry.is(Pps::locked)) return ClockClaim::unknown;
+  if (agrees) return ClockClaim::synchronised;
+  return has_time ? ClockClaim::other_time : ClockClaim::no_time;
+}
+
+void TelemetryReceiver::send_sentence(DriverOutput& out, bool age_known) {
+  if (nmea_.verdict == NmeaVerdict::absent || is_junk(nmea_.verdict)) return;
+  const bool valid = nmea_.verdict == NmeaVerdict::valid;
+  const bool synchronised = claim_ == ClockClaim::synchronised;
+  const NmeaReading nowhere;
+  const NmeaReading& position = valid ? nmea_ : nowhere;
+  fix_->stamp = host_time(synchronised ? device_ - sentence_age_ : device_);
+  fix_->status = position.status;
+  fix_->latitude_deg = position.latitude_deg;
+  fix_->longitude_deg = position.longitude_deg;
+  fix_->altitude_m = position.altitude_m;
+  fix_->source_time = position.utc;
+  out.message(fix_);
+  if (!position.utc || !(synchronised || age_known)) return;
+  reference_->stamp = host_time(device_);
+  reference_->reference = *position.utc + (synchronised ? sentence_age_ : Span(0));
+  reference_->source = synchronised ? "gps_pps" : "gps_nmea";
+  out.message(reference_);
+}
+
+void TelemetryReceiver::send_imu(const RawImu& raw, DriverOutput& out) {
+  const auto turn = raw.angular_velocity();
+  const auto push = raw.linear_acceleration();
+  imu_->stamp = host_time(device_);
+  imu_->angular_velocity = {turn[0], turn[1], turn[2]};
+  imu_->linear_acceleration = {push[0], push[1], push[2]};
+  out.message(imu_);
+}
+
+void TelemetryReceiver::set_claim(ClockClaim claim, DeviceInfo& info) {
+  if (claim != claim_) {
+    const std::string_view before = text_of(claim_).warning;
+    auto& all = info.warnings;
+    if (!before.empty()) all.erase(std::remove(all.begin(), all.end(), before), all.end());
+    if (!text_of(claim).warning.empty()) all.emplace_back(text_of(claim).warning);
+  }
+  claim_ = claim;
+  if (claim == ClockClaim::silent) info.set("Sensor clock", text_of(claim).state);
+}
+
+void TelemetryReceiver::describe(const Telemetry& telemetry, Stamp arrival, DeviceInfo& info) {
+  last_described_ = arrival;
+  described_pps_ = telemetry.pps;
+  info.set("PPS", text_of_pps(telemetry.pps));
+  info.set("Sensor clock", text_of(claim_).state);
+  set(info, "Clock difference to host (s)", "%.3f", seconds(hour_difference(arrival - Stamp{}, toh_)));
+  info.set("NMEA", text_of(nmea_));
+  if (nmea_.verdict != NmeaVerdict::absent)
+    set(info, "NMEA age (s)", "%.1f", seconds(arrival - sentence_arrival_));
+  set(info, "NMEA sentences not understood", "%llu", static_cast<unsigned long long>(bad_sentences_));
+  if (telemetry.health) describe_health(*telemetry.health, info);
+  if (!has_imu_ || !telemetry.imu) return;
+  const auto& t = telemetry.imu->temperature_c;
+  set(info, "Temperature gyros (C)", "%.1f", (t[0] + t[1] + t[2]) / 3);
 }
 
 }  // namespace lidard::velodyne

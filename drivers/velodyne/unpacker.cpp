@@ -12,6 +12,43 @@
 namespace lidard::velodyne {
 namespace {
 
+constexpr int turn = 360;
+
+using WholeDegrees = std::array<Direction, 2 * turn + 1>;  // from -360 to 360
+
+WholeDegrees whole_degrees() {
+  WholeDegrees table{};
+  for (int i = -turn; i <= turn; ++i)
+    table[static_cast<std::size_t>(i + turn)] = {std::cos(i * rad_per_deg), std::sin(i * rad_per_deg)};
+  return table;
+}
+
+const WholeDegrees table = whole_degrees();
+
+inline Direction direction_of(double angle_deg) {
+  if (!(angle_deg > -turn && angle_deg < turn)) {
+    return {std::cos(angle_deg * rad_per_deg), std::sin(angle_deg * rad_per_deg)};
+  }
+  const int place = static_cast<int>(angle_deg + (turn + 0.5));
+  const Direction whole = table[static_cast<std::size_t>(place)];
+  // Within half a degree the next terms of the series are below 1e-15.
+  const double rest = (angle_deg - (place - turn)) * rad_per_deg;
+  const double square = rest * rest;
+  const double cosine = 1 - square * (1.0 / 2 - square * (1.0 / 24));
+  const double sine = rest * (1 - square * (1.0 / 6 - square * (1.0 / 120)));
+  return {whole.cosine * cosine - whole.sine * sine, whole.sine * cosine + whole.cosine * sine};
+}
+
+}  // namespace
+
+Direction direction(double angle_deg) { return direction_of(angle_deg); }
+
+void directions(const double* angles_deg, std::size_t count, Direction* to) {
+  for (std::size_t i = 0; i < count; ++i) to[i] = direction_of(angles_deg[i]);
+}
+
+namespace {
+
 static_assert(sizeof(CloudPoint) == point_step && offsetof(CloudPoint, intensity) == 12 &&
                   offsetof(CloudPoint, ring) == 16 && offsetof(CloudPoint, time) == 18,
               "the kernels write these bytes");
@@ -48,18 +85,6 @@ bool is_straight(const CalibratedGeometry& geometry) {
   return true;
 }
 
-/// The model's table as the terms of a calibration: nothing but angles and heights.
-CalibratedGeometry::Terms terms_of(const Laser& laser) {
-  CalibratedGeometry::Terms t{};
-  t.rot_correction = laser.rot_correction_deg * rad_per_deg;
-  t.cos_rot = std::cos(t.rot_correction);
-  t.sin_rot = std::sin(t.rot_correction);
-  t.cos_vert = std::cos(laser.elevation_deg * rad_per_deg);
-  t.sin_vert = std::sin(laser.elevation_deg * rad_per_deg);
-  t.z_offset = laser.z_offset_mm * 1e-3;
-  return t;
-}
-
 }  // namespace
 
 Unpacker::Unpacker(const ModelRow& row, bool keep_origins, double min_range, double max_range,
@@ -71,27 +96,22 @@ Unpacker::Unpacker(const ModelRow& row, bool keep_origins, double min_range, dou
       kernels_(kernels),
       origins_(row.lasers) {
   lasers_.size = row.lasers;
-  set_geometry(calibration);
-  set_limits();
+  set_geometry(calibration != nullptr ? *calibration : table_of(row));
   set_timing(row.timings.front());
 }
 
 void Unpacker::set_calibration(const Calibration& calibration) {
-  calibration_.reset();
-  set_geometry(&calibration);
-  set_limits();
+  set_geometry(calibration);
   turn_anew();
 }
 
-void Unpacker::set_geometry(const Calibration* calibration) {
-  if (calibration != nullptr) {
-    geometry_.emplace(*calibration);
-    if (!is_straight(*geometry_)) calibration_ = arrays_of(*geometry_);
-  }
-  const double step = geometry_ ? geometry_->step_m() : row_.distance_step_m;
-  const auto rings = calibration != nullptr ? rings_by_elevation(*calibration) : rings_by_elevation(row_);
+void Unpacker::set_geometry(const Calibration& calibration) {
+  geometry_.emplace(calibration);
+  calibration_ = is_straight(*geometry_) ? nullptr : arrays_of(*geometry_);
+  const double step = geometry_->step_m();
+  const auto rings = rings_by_elevation(calibration);
   for (std::size_t k = 0; k < row_.lasers; ++k) {
-    const CalibratedGeometry::Terms t = geometry_ ? geometry_->terms(k) : terms_of(row_.laser[k]);
+    const CalibratedGeometry::Terms& t = geometry_->terms(k);
     lasers_.cos_rot[k] = t.cos_rot;
     lasers_.sin_rot[k] = t.sin_rot;
     lasers_.ground_step[k] = static_cast<float>(t.cos_vert * step);
@@ -101,13 +121,14 @@ void Unpacker::set_geometry(const Calibration* calibration) {
     lasers_.ring[k] = rings[k];
     origins_[k].rot_deg = t.rot_correction / rad_per_deg;
   }
+  set_limits();
 }
 
 void Unpacker::set_limits() {
   constexpr double most = 65535;
-  const double step = geometry_ ? geometry_->step_m() : row_.distance_step_m;
+  const double step = geometry_->step_m();
   for (std::size_t k = 0; k < row_.lasers; ++k) {
-    const double added = geometry_ ? geometry_->terms(k).dist_correction : 0;
+    const double added = geometry_->terms(k).dist_correction;
     const double nearest = min_range_ > 0 ? std::ceil((min_range_ - added) / step - 1e-9) : 1;
     const double farthest = max_range_ > 0 ? std::floor((max_range_ - added) / step + 1e-9) : most;
     // A count of 0 is the wire's "no return", so it is never inside.
@@ -224,8 +245,7 @@ void Unpacker::append_origins(const Sequence& sequence, Cloud& cloud) const {
     origin.block = sequence.blocks[k / per_bank];
     const double azimuth = std::fmod(sequence.azimuth_deg + origins_[k].shift_deg, 360);
     origin.azimuth_deg = azimuth < 0 ? azimuth + 360 : azimuth;
-    origin.distance_m =
-        geometry_ ? geometry_->distance(k, static_cast<std::uint16_t>(count)) : count * row_.distance_step_m;
+    origin.distance_m = geometry_->distance(k, static_cast<std::uint16_t>(count));
     origin.offset_ns = (sequence.in_packet + origins_[k].firing).count();
     origin.stamp = sequence.stamp + origins_[k].firing;
     cloud.origins.push_back(origin);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -10,11 +11,20 @@
 
 #include "core/frames/cloud.h"
 #include "drivers/velodyne/calibration.h"
-#include "drivers/velodyne/direction.h"
-#include "drivers/velodyne/model_row.h"
+#include "drivers/velodyne/models.h"
 #include "drivers/velodyne/sequence_kernel.h"
 
 namespace lidard::velodyne {
+
+/// Cosine and sine of an angle.
+struct Direction {
+  double cosine, sine;
+};
+
+/// The direction of an angle in degrees, to 1e-15; quickest within a turn either way.
+Direction direction(double angle_deg);
+/// The directions of many angles: one takes a while, all together take little more.
+void directions(const double* angles_deg, std::size_t count, Direction* to);
 
 /// A firing sequence ready to be unpacked.
 struct Sequence {
@@ -59,7 +69,7 @@ class Unpacker {
     double rot_deg, shift_deg;
     Span firing;  // after the sequence's first
   };
-  void set_geometry(const Calibration* calibration);
+  void set_geometry(const Calibration& calibration);
   void set_limits();
   void turn_anew();
   template <class Use>

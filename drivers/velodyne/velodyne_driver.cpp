@@ -1,23 +1,18 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/velodyne/velodyne_driver.h"
-
 #include <cmath>
 #include <cstring>
 #include <utility>
 
 #include "drivers/driver_base.h"
-#include "drivers/velodyne/arrival_stamps.h"
 #include "drivers/velodyne/cloud_builder.h"
-#include "drivers/velodyne/firing_schedule.h"
 #include "drivers/velodyne/hdl64_status.h"
+#include "drivers/velodyne/models.h"
 #include "drivers/velodyne/packet.h"
-#include "drivers/velodyne/packet_layout.h"
 #include "drivers/velodyne/packet_order.h"
-#include "drivers/velodyne/recognizer.h"
 #include "drivers/velodyne/stream_facts.h"
-#include "drivers/velodyne/telemetry_receiver.h"
-#include "drivers/velodyne/timing_chooser.h"
+#include "drivers/velodyne/telemetry.h"
+#include "drivers/velodyne/timing.h"
 #include "drivers/velodyne/web/web_dialogue.h"
 #include "drivers/velodyne/web/web_status.h"
 
@@ -64,7 +59,42 @@ class VelodyneDriver final : public DriverBase {
     if (config.control) web_.emplace(*config.control);
   }
 
-  Reject receive(const Packet& packet, DriverOutput& out) override;
+  Reject receive(const Packet& packet, DriverOutput& out) override {
+    if (packet.transport == Transport::tcp) {
+      if (web_) web_->dialogue.receive(packet, out);
+      return Reject::none;
+    }
+    if (web_) web_->facts.add(packet);
+    if (packet.payload.size() == position_packet_size) {
+      ++counters_.other_packets;
+      return telemetry_.receive(packet.payload, packet.arrival, out, info_);
+    }
+    incoming_.index = static_cast<std::uint32_t>(counters_.packets++);
+    counters_.bytes += packet.payload.size();
+    // Copied before the blocks are looked at: memory is read faster in one go.
+    if (packet.payload.size() == packet_size)
+      std::memcpy(incoming_.bytes.data(), packet.payload.data(), packet_size);
+    const Reject reason = check(packet.payload);
+    if (reason != Reject::none) {
+      counters_.reject(reason);
+      return reason;
+    }
+    incoming_.arrival = packet.arrival;
+    incoming_.layout = &layout_of(incoming_.view(), row_);
+    incoming_.azimuths = read_azimuths(incoming_.view(), *incoming_.layout);
+    if (!row_.has_stamp()) arrival_stamps_.stamp(packet.arrival, incoming_.azimuths, incoming_.bytes.data());
+    const std::uint8_t product = incoming_.view().product();
+    const bool may_be_old = row_.without_factory_bytes != nullptr && !is_product(product);
+    incoming_.other_product = row_.names_product() && !row_.has_product(product) && !may_be_old;
+    const Reject verdict =
+        order_.add(incoming_, [&](const OrderedPacket& p, Span time) { accept(p, time, out); });
+    if (incoming_.other_product) {
+      if (product == order_.lying_product()) note_product(product, false);
+      if (product == order_.refused_product()) note_product(product, true);
+    }
+    return verdict;
+  }
+
   void finish(DriverOutput& out) override {
     order_.flush([&](const OrderedPacket& p, Span time) { accept(p, time, out); });
     decode_pending(std::nullopt, out);
@@ -95,7 +125,19 @@ class VelodyneDriver final : public DriverBase {
     described_ = now;
     describe_status();
   }
-  std::optional<SettingsStatus> settings(Stamp now) const override;
+
+  std::optional<SettingsStatus> settings(Stamp now) const override {
+    if (!web_) return std::nullopt;
+    constexpr Span silent_after = std::chrono::seconds(1);
+    const StreamFacts& facts = web_->facts;
+    Received received;
+    received.data = facts.last_arrival() && now - *facts.last_arrival() < silent_after;
+    received.destination = facts.destination();
+    received.returns = facts.returns();
+    received.rpm = facts.rpm();
+    received.listens_on = config_.control->data_port;
+    return web_status(web_->dialogue.state(), received);
+  }
 
  private:
   /// Its web interface, and what arrives to hold against what that tells.
@@ -105,20 +147,182 @@ class VelodyneDriver final : public DriverBase {
     StreamFacts facts;
   };
 
-  Reject check(ByteView payload);
-  void accept(const OrderedPacket& packet, Span time, DriverOutput& out);
-  void decode_pending(const std::optional<NextPacket>& next, DriverOutput& out);
+  Reject check(ByteView payload) {
+    if (payload.size() != packet_size) return Reject::size;
+    const DataPacket packet(payload);
+    const Reject reason = check_blocks(packet, layout_of(packet, row_));
+    if (reason == Reject::magic && !row_.names_product() && note_generation(payload)) return Reject::model;
+    // Another model's packets may not even look like this one's: name them.
+    if (reason == Reject::none || row_.has_product(packet.product()) || !is_product(packet.product()))
+      return reason;
+    if (row_.names_product()) note_product(packet.product(), true);
+    return row_.names_product() ? Reject::model : reason;
+  }
+
+  /// A packet in its place in the stream; it waits for the next one where that one tells its times.
+  void accept(const OrderedPacket& packet, Span time, DriverOutput& out) {
+    if (row_.has_status()) read_status(packet.view());
+    // A jump of the device clock cannot lie inside a frame: times within it are differences.
+    constexpr Span jump = std::chrono::seconds(5);
+    if (in_stream_ && (time < last_time_ || time - last_time_ > jump)) {
+      decode_pending(std::nullopt, out);
+      frames_.cut_off(out);
+      clock_.reset();
+      turned_deg_ = turned_s_ = 0;
+      edge_.reset();
+    } else if (in_stream_) {
+      const NextPacket next{time - last_time_};
+      measure_turn(packet.view().azimuth(0) * 0.01, next.step);
+      if (pending_) {
+        const std::size_t echoes = waiting_.layout->echoes;
+        timing_.add(next.step, row_.sequences_per_packet(echoes));
+      }
+      decode_pending(next, out);
+    }
+    in_stream_ = true;
+    last_time_ = time;
+    last_azimuth_deg_ = packet.view().azimuth(0) * 0.01;
+    if (row_.random_rest || packet.azimuths.hidden_total_deg > 0 || !timing_.decided()) {
+      waiting_ = packet;
+      waiting_time_ = time;
+      pending_ = true;
+    } else {
+      decode(packet, time, std::nullopt, out);
+    }
+  }
+
+  void decode_pending(const std::optional<NextPacket>& next, DriverOutput& out) {
+    if (!pending_) return;
+    pending_ = false;
+    decode(waiting_, waiting_time_, next, out);
+  }
+
   void decode(const OrderedPacket& packet, Span time, const std::optional<NextPacket>& next,
-              DriverOutput& out);
-  void set_timing(const Timing& timing, bool decided);
-  void measure_turn(double azimuth_deg, Span step);
+              DriverOutput& out) {
+    const DataPacket view = packet.view();
+    const PacketLayout& layout = *packet.layout;
+    const bool old_firmware = row_.without_factory_bytes != nullptr && !row_.has_product(view.product());
+    set_timing(old_firmware ? *row_.without_factory_bytes : timing_.timing(), timing_.decided());
+    const PacketAzimuths& azimuths = packet.azimuths;
+    const FiringSchedule schedule =
+        schedule_of(row_, *timing_in_force_, timing_.measured_sequence(), azimuths, layout.echoes, next,
+                    rate_over_turn(azimuths, time));
+    // The packet leaves after its last firing sequence.
+    clock_.observe(time + schedule.end, packet.arrival);
+
+    frames_.unpacker().set_rate(schedule.rate_deg_per_s);
+    frames_.set_echoes(layout.echoes);
+    if (config_.frame_cut == FrameCut::view) frames_.set_hidden_middle(order_.hidden_middle_deg());
+    frames_.begin_packet();
+    const std::size_t per_block = row_.sequences_per_block();
+    const Look look = look_of(azimuths, schedule, per_block);
+    Sequence sequence{};
+    sequence.packet = packet.index;
+    for (std::size_t g = 0; g < layout.groups; ++g) {
+      for (std::size_t s = 0; s < per_block; ++s) {
+        const Span into_group = schedule.sequence * static_cast<int>(s);
+        sequence.in_packet = schedule.begin[g] + into_group;
+        sequence.azimuth_deg = look.azimuth_deg[g * per_block + s];
+        sequence.ahead = look.ahead[g * per_block + s];
+        frames_.place(sequence, time + sequence.in_packet, clock_, out);
+        for (std::size_t echo = 0; echo < layout.echoes; ++echo) {
+          sequence.echo = static_cast<std::uint8_t>(echo);
+          for (std::size_t bank = 0; bank < layout.banks; ++bank) {
+            sequence.blocks[bank] = layout.block[g][echo][bank];
+            sequence.slots[bank] = slots_of(view, layout, g, echo, bank) + s * row_.lasers * 3;
+            if (layout.confidence) sequence.confidence[bank] = view.slots(layout.block[g][2][bank]);
+          }
+          frames_.append(sequence);
+        }
+      }
+    }
+    order_.set_turn_rate(turn_rate());
+  }
+
+  void set_timing(const Timing& timing, bool decided) {
+    order_.set_timing(timing, decided);
+    if (timing_in_force_ == &timing) return;
+    timing_in_force_ = &timing;
+    frames_.unpacker().set_timing(timing);
+  }
+
+  void measure_turn(double azimuth_deg, Span step) {
+    // Long enough that whole microseconds and 0.01 deg do not matter, short enough to follow the motor.
+    constexpr double window_s = 0.2;
+    constexpr Span longest_step = std::chrono::milliseconds(40);  // below one turn at 1200 rpm
+    if (step <= Span(0) || step > longest_step) return;
+    turned_deg_ += std::fmod(azimuth_deg - last_azimuth_deg_ + 360.5, 360) - 0.5;
+    turned_s_ += seconds(step);
+    if (turned_s_ < window_s) return;
+    turned_deg_ /= 2;
+    turned_s_ /= 2;
+  }
+
   /// Rotation over the last packets, deg/s; 0 unknown.
   double turn_rate() const { return turned_s_ > 0 ? plausible_rate(turned_deg_ / turned_s_) : 0; }
-  double rate_over_turn(const PacketAzimuths& azimuths, Span time);
-  void note_product(std::uint8_t product, bool refused);
-  bool note_generation(ByteView payload);
-  void read_status(const DataPacket& packet);
-  void describe_status();
+
+  /// The rotation that a silence is reckoned with: over whole turns, from one begin of the hidden sector to
+  /// the next, where a hundredth of a degree is little.
+  double rate_over_turn(const PacketAzimuths& azimuths, Span time) {
+    const double usual = turn_rate();
+    if (azimuths.hidden_total_deg <= 0) return usual;
+    std::size_t g = 1;
+    while (azimuths.hidden_deg[g] <= 0) ++g;
+    const auto sequences = static_cast<int>((g - 1) * row_.sequences_per_block());
+    const Span begin = time + timing_.timing().sequence * sequences;
+    const double azimuth = azimuths.group_deg(g - 1);
+    const auto before = std::exchange(edge_, std::make_pair(begin, azimuth));
+    if (!before) return usual;
+    const double elapsed = seconds(begin - before->first);
+    const double beyond = std::remainder(azimuth - before->second, 360);
+    const double turns = std::round((usual * elapsed - beyond) / 360);
+    constexpr double recent_turns = 3;
+    return turns < 1 || turns > recent_turns ? usual : plausible_rate((360 * turns + beyond) / elapsed);
+  }
+
+  void note_product(std::uint8_t product, bool refused) {
+    if (product == reported_product_) return;
+    reported_product_ = product;
+    const std::string says = "packets name " + product_name(product) + " as their product, configured is " +
+                             std::string(config_.model->product);
+    info_.warnings.push_back(
+        says + (refused ? "; they are refused: correct `model`, or `ip_address` if two sensors share the port"
+                        : "; their period is that of the configured model, so they are decoded as it"));
+  }
+
+  /// True if another HDL-64E sends such packets: the blocks of an S1 have another order.
+  bool note_generation(ByteView payload) {
+    const ModelRow* other = family_of(payload);
+    if (other == nullptr || other->names_product() || other->has_stamp() == row_.has_stamp()) return false;
+    if (!generation_warning_.empty()) return true;
+    generation_warning_ = "packets are those of an HDL-64E " +
+                          std::string(other->has_stamp() ? "S2, S2.1 or S3" : "S1") + ", configured is " +
+                          std::string(config_.model->product) + "; they are refused: correct `model`";
+    info_.warnings.push_back(generation_warning_);
+    return true;
+  }
+
+  /// An HDL-64E has no product byte: the last two bytes tell its state and, little by little, its
+  /// calibration.
+  void read_status(const DataPacket& packet) {
+    status_.add(packet.mode(), packet.product());
+    if (status_.calibration() == sent_) return;
+    sent_ = status_.calibration();
+    if (config_.calibration == nullptr) frames_.set_calibration(sent_);
+    describe_status();
+  }
+
+  void describe_status() {
+    if (!row_.has_status()) return;
+    clear_details();
+    const char* source = config_.calibration != nullptr ? "file"
+                         : sent_ != nullptr             ? "sent by the sensor"
+                                                        : "that of another sensor, until it sends its own";
+    info_.details.emplace_back("calibration", source);
+    for (auto& detail : hdl64_details(status_.info())) info_.details.push_back(std::move(detail));
+    info_.warnings = hdl64_warnings(status_.info());
+    if (!generation_warning_.empty()) info_.warnings.push_back(generation_warning_);
+  }
 
   const ModelRow& row_;
   PacketOrder order_;
@@ -145,227 +349,6 @@ class VelodyneDriver final : public DriverBase {
   std::uint8_t reported_product_ = 0;
   std::string generation_warning_;
 };
-
-Reject VelodyneDriver::check(ByteView payload) {
-  if (payload.size() != packet_size) return Reject::size;
-  const DataPacket packet(payload);
-  const Reject reason = check_blocks(packet, layout_of(packet, row_));
-  if (reason == Reject::magic && !row_.names_product() && note_generation(payload)) return Reject::model;
-  // Another model's packets may not even look like this one's: name them.
-  if (reason == Reject::none || row_.has_product(packet.product()) || !is_product(packet.product()))
-    return reason;
-  if (row_.names_product()) note_product(packet.product(), true);
-  return row_.names_product() ? Reject::model : reason;
-}
-
-Reject VelodyneDriver::receive(const Packet& packet, DriverOutput& out) {
-  if (packet.transport == Transport::tcp) {
-    if (web_) web_->dialogue.receive(packet, out);
-    return Reject::none;
-  }
-  if (web_) web_->facts.add(packet);
-  if (packet.payload.size() == position_packet_size) {
-    ++counters_.other_packets;
-    return telemetry_.receive(packet.payload, packet.arrival, out, info_);
-  }
-  incoming_.index = static_cast<std::uint32_t>(counters_.packets++);
-  counters_.bytes += packet.payload.size();
-  // Copied before the blocks are looked at: memory is read faster in one go.
-  if (packet.payload.size() == packet_size)
-    std::memcpy(incoming_.bytes.data(), packet.payload.data(), packet_size);
-  const Reject reason = check(packet.payload);
-  if (reason != Reject::none) {
-    counters_.reject(reason);
-    return reason;
-  }
-  incoming_.arrival = packet.arrival;
-  incoming_.layout = &layout_of(incoming_.view(), row_);
-  incoming_.azimuths = read_azimuths(incoming_.view(), *incoming_.layout);
-  if (!row_.has_stamp()) arrival_stamps_.stamp(packet.arrival, incoming_.azimuths, incoming_.bytes.data());
-  const std::uint8_t product = incoming_.view().product();
-  const bool may_be_old = row_.without_factory_bytes != nullptr && !is_product(product);
-  incoming_.other_product = row_.names_product() && !row_.has_product(product) && !may_be_old;
-  const Reject verdict =
-      order_.add(incoming_, [&](const OrderedPacket& p, Span time) { accept(p, time, out); });
-  if (incoming_.other_product) {
-    if (product == order_.lying_product()) note_product(product, false);
-    if (product == order_.refused_product()) note_product(product, true);
-  }
-  return verdict;
-}
-
-std::optional<SettingsStatus> VelodyneDriver::settings(Stamp now) const {
-  if (!web_) return std::nullopt;
-  constexpr Span silent_after = std::chrono::seconds(1);
-  const StreamFacts& facts = web_->facts;
-  Received received;
-  received.data = facts.last_arrival() && now - *facts.last_arrival() < silent_after;
-  received.destination = facts.destination();
-  received.returns = facts.returns();
-  received.rpm = facts.rpm();
-  received.listens_on = config_.control->data_port;
-  return web_status(web_->dialogue.state(), received);
-}
-
-/// True if another HDL-64E sends such packets: the blocks of an S1 have another order.
-bool VelodyneDriver::note_generation(ByteView payload) {
-  const ModelRow* other = family_of(payload);
-  if (other == nullptr || other->names_product() || other->has_stamp() == row_.has_stamp()) return false;
-  if (!generation_warning_.empty()) return true;
-  generation_warning_ = "packets are those of an HDL-64E " +
-                        std::string(other->has_stamp() ? "S2, S2.1 or S3" : "S1") + ", configured is " +
-                        std::string(config_.model->product) + "; they are refused: correct `model`";
-  info_.warnings.push_back(generation_warning_);
-  return true;
-}
-
-void VelodyneDriver::note_product(std::uint8_t product, bool refused) {
-  if (product == reported_product_) return;
-  reported_product_ = product;
-  const std::string says = "packets name " + product_name(product) + " as their product, configured is " +
-                           std::string(config_.model->product);
-  info_.warnings.push_back(
-      says + (refused ? "; they are refused: correct `model`, or `ip_address` if two sensors share the port"
-                      : "; their period is that of the configured model, so they are decoded as it"));
-}
-
-/// An HDL-64E has no product byte: the last two bytes tell its state and, little by little, its calibration.
-void VelodyneDriver::read_status(const DataPacket& packet) {
-  status_.add(packet.mode(), packet.product());
-  if (status_.calibration() == sent_) return;
-  sent_ = status_.calibration();
-  if (config_.calibration == nullptr) frames_.set_calibration(sent_);
-  describe_status();
-}
-
-void VelodyneDriver::describe_status() {
-  if (!row_.has_status()) return;
-  clear_details();
-  const char* source = config_.calibration != nullptr ? "file"
-                       : sent_ != nullptr             ? "sent by the sensor"
-                                                      : "that of another sensor, until it sends its own";
-  info_.details.emplace_back("calibration", source);
-  for (auto& detail : hdl64_details(status_.info())) info_.details.push_back(std::move(detail));
-  info_.warnings = hdl64_warnings(status_.info());
-  if (!generation_warning_.empty()) info_.warnings.push_back(generation_warning_);
-}
-
-/// A packet in its place in the stream; it waits for the next one where that one tells its times.
-void VelodyneDriver::accept(const OrderedPacket& packet, Span time, DriverOutput& out) {
-  if (row_.has_status()) read_status(packet.view());
-  // A jump of the device clock cannot lie inside a frame: times within it are differences.
-  constexpr Span jump = std::chrono::seconds(5);
-  if (in_stream_ && (time < last_time_ || time - last_time_ > jump)) {
-    decode_pending(std::nullopt, out);
-    frames_.cut_off(out);
-    clock_.reset();
-    turned_deg_ = turned_s_ = 0;
-    edge_.reset();
-  } else if (in_stream_) {
-    const NextPacket next{time - last_time_};
-    measure_turn(packet.view().azimuth(0) * 0.01, next.step);
-    if (pending_) {
-      const std::size_t echoes = waiting_.layout->echoes;
-      timing_.add(next.step, row_.sequences_per_packet(echoes));
-    }
-    decode_pending(next, out);
-  }
-  in_stream_ = true;
-  last_time_ = time;
-  last_azimuth_deg_ = packet.view().azimuth(0) * 0.01;
-  if (row_.random_rest || packet.azimuths.hidden_total_deg > 0 || !timing_.decided()) {
-    waiting_ = packet;
-    waiting_time_ = time;
-    pending_ = true;
-  } else {
-    decode(packet, time, std::nullopt, out);
-  }
-}
-
-void VelodyneDriver::measure_turn(double azimuth_deg, Span step) {
-  // Long enough that whole microseconds and 0.01 deg do not matter, short enough to follow the motor.
-  constexpr double window_s = 0.2;
-  constexpr Span longest_step = std::chrono::milliseconds(40);  // below one turn at 1200 rpm
-  if (step <= Span(0) || step > longest_step) return;
-  turned_deg_ += std::fmod(azimuth_deg - last_azimuth_deg_ + 360.5, 360) - 0.5;
-  turned_s_ += seconds(step);
-  if (turned_s_ < window_s) return;
-  turned_deg_ /= 2;
-  turned_s_ /= 2;
-}
-
-/// The rotation that a silence is reckoned with: over whole turns, from one begin of the hidden sector to the
-/// next, where a hundredth of a degree is little.
-double VelodyneDriver::rate_over_turn(const PacketAzimuths& azimuths, Span time) {
-  const double usual = turn_rate();
-  if (azimuths.hidden_total_deg <= 0) return usual;
-  std::size_t g = 1;
-  while (azimuths.hidden_deg[g] <= 0) ++g;
-  const auto sequences = static_cast<int>((g - 1) * row_.sequences_per_block());
-  const Span begin = time + timing_.timing().sequence * sequences;
-  const double azimuth = azimuths.group_deg(g - 1);
-  const auto before = std::exchange(edge_, std::make_pair(begin, azimuth));
-  if (!before) return usual;
-  const double elapsed = seconds(begin - before->first);
-  const double beyond = std::remainder(azimuth - before->second, 360);
-  const double turns = std::round((usual * elapsed - beyond) / 360);
-  constexpr double recent_turns = 3;
-  return turns < 1 || turns > recent_turns ? usual : plausible_rate((360 * turns + beyond) / elapsed);
-}
-
-void VelodyneDriver::decode_pending(const std::optional<NextPacket>& next, DriverOutput& out) {
-  if (!pending_) return;
-  pending_ = false;
-  decode(waiting_, waiting_time_, next, out);
-}
-
-void VelodyneDriver::set_timing(const Timing& timing, bool decided) {
-  order_.set_timing(timing, decided);
-  if (timing_in_force_ == &timing) return;
-  timing_in_force_ = &timing;
-  frames_.unpacker().set_timing(timing);
-}
-
-void VelodyneDriver::decode(const OrderedPacket& packet, Span time, const std::optional<NextPacket>& next,
-                            DriverOutput& out) {
-  const DataPacket view = packet.view();
-  const PacketLayout& layout = *packet.layout;
-  const bool old_firmware = row_.without_factory_bytes != nullptr && !row_.has_product(view.product());
-  set_timing(old_firmware ? *row_.without_factory_bytes : timing_.timing(), timing_.decided());
-  const PacketAzimuths& azimuths = packet.azimuths;
-  const FiringSchedule schedule = schedule_of(row_, *timing_in_force_, timing_.measured_sequence(), azimuths,
-                                              layout.echoes, next, rate_over_turn(azimuths, time));
-  // The packet leaves after its last firing sequence.
-  clock_.observe(time + schedule.end, packet.arrival);
-
-  frames_.unpacker().set_rate(schedule.rate_deg_per_s);
-  frames_.set_echoes(layout.echoes);
-  if (config_.frame_cut == FrameCut::view) frames_.set_hidden_middle(order_.hidden_middle_deg());
-  frames_.begin_packet();
-  const std::size_t per_block = row_.sequences_per_block();
-  const Look look = look_of(azimuths, schedule, per_block);
-  Sequence sequence{};
-  sequence.packet = packet.index;
-  for (std::size_t g = 0; g < layout.groups; ++g) {
-    for (std::size_t s = 0; s < per_block; ++s) {
-      const Span into_group = schedule.sequence * static_cast<int>(s);
-      sequence.in_packet = schedule.begin[g] + into_group;
-      sequence.azimuth_deg = look.azimuth_deg[g * per_block + s];
-      sequence.ahead = look.ahead[g * per_block + s];
-      frames_.place(sequence, time + sequence.in_packet, clock_, out);
-      for (std::size_t echo = 0; echo < layout.echoes; ++echo) {
-        sequence.echo = static_cast<std::uint8_t>(echo);
-        for (std::size_t bank = 0; bank < layout.banks; ++bank) {
-          sequence.blocks[bank] = layout.block[g][echo][bank];
-          sequence.slots[bank] = slots_of(view, layout, g, echo, bank) + s * row_.lasers * 3;
-          if (layout.confidence) sequence.confidence[bank] = view.slots(layout.block[g][2][bank]);
-        }
-        frames_.append(sequence);
-      }
-    }
-  }
-  order_.set_turn_rate(turn_rate());
-}
 
 }  // namespace
 

@@ -8,7 +8,7 @@
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
 #include "drivers/velodyne/calibration.h"
-#include "drivers/velodyne/model_row.h"
+#include "drivers/velodyne/models.h"
 #include "test/bench/yardstick.h"
 #include "test/sim/devices/velodyne_tables.h"
 #include "test/sim/servers/velodyne_stream.h"

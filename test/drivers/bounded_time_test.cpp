@@ -19,7 +19,7 @@
 
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
-#include "drivers/velodyne/table_calibration.h"
+#include "drivers/velodyne/calibration.h"
 #include "test/sim/servers/output_check.h"
 #include "test/support/packet_mill.h"
 

@@ -9,8 +9,7 @@
 
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
-#include "drivers/sick/cola/cola_events.h"
-#include "drivers/sick/cola/cola_recognizer.h"
+#include "drivers/sick/cola/cola_models.h"
 #include "drivers/sick/cola/cola_scan.h"
 
 namespace {
@@ -50,7 +49,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   config.publish_multiecho = (data[0] & 2U) != 0;
   config.keep_origins = (data[0] & 4U) != 0;
   const auto driver = config.model->make(config);
-  sick::ColaRecognizer recognizer;
+  const auto recognizer = sick::make_cola_recognizer();
   Checker out;
   Packet packet;
   packet.transport = Transport::tcp;
@@ -64,7 +63,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     packet.arrival = packet.arrival + std::chrono::milliseconds(10);
     static_cast<void>(driver->receive(packet, out));
     driver->tick(packet.arrival, out);
-    recognizer.add(packet);
+    recognizer->add(packet);
   }
   driver->finish(out);
   return 0;

@@ -12,7 +12,6 @@
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
 #include "drivers/sick/compact/compact_telegram.h"
-#include "drivers/sick/compact/msgpack_telegram.h"
 #include "test/sim/devices/checksums.h"
 
 namespace {

@@ -6,7 +6,7 @@
 // breaks an invariant, or a number of beams that changes without a warning, is a finding.
 #include <cstdlib>
 
-#include "drivers/hokuyo/recognizer.h"
+#include "drivers/hokuyo/models.h"
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
 
@@ -45,7 +45,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   packet.transport = Transport::tcp;
   packet.arrival = Stamp{1'767'225'600'000'000'000};
   if ((wishes & 32U) != 0) driver->connected(packet.arrival, out);
-  hokuyo::HokuyoRecognizer recognizer;
+  const auto recognizer = hokuyo::make_recognizer();
   std::size_t at = 1;
   while (input.has(at, 2)) {
     const std::size_t length = input.le16(at) & 0x7fffU;
@@ -54,7 +54,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     packet.payload = input.sub(at, length < size - at ? length : size - at);
     at += packet.payload.size();
     packet.arrival = packet.arrival + std::chrono::milliseconds(25);
-    recognizer.add(packet);
+    recognizer->add(packet);
     static_cast<void>(driver->receive(packet, out));
     driver->tick(packet.arrival, out);
   }

@@ -13,8 +13,8 @@
 
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
+#include "drivers/velodyne/calibration.h"
 #include "drivers/velodyne/packet.h"
-#include "drivers/velodyne/table_calibration.h"
 #include "test/sim/devices/velodyne.h"
 #include "test/sim/servers/output_check.h"
 #include "test/support/random_bytes.h"

@@ -4,9 +4,7 @@
 
 #include <string>
 
-#include "core/base/steady_stamps.h"
 #include "drivers/driver_base.h"
-#include "drivers/warning_board.h"
 
 namespace lidard::acme {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/pipeline/transform_source.h"
 #include "test/support/recording_sink.h"
 
 namespace lidard::test {

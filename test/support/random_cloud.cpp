@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/base/angle.h"
-#include "core/motion/cloud_motion.h"
+#include "core/motion/frame_motion.h"
 #include "core/virtual/virtualizer.h"
 #include "test/support/random_bytes.h"
 
@@ -119,8 +119,11 @@ void read_cloud(Bytes& in, const Layout& layout, Stamp stamp, Cloud& cloud) {
 /// What fills one virtual scan after the other.
 class Run {
  public:
-  explicit Run(Bytes& in)
+  using Look = std::function<void(const VirtualScan&, const Virtualizer&)>;
+
+  Run(Bytes& in, const Look& look)
       : in_(in),
+        look_(look),
         grid_(read_grid(in)),
         frames_(1 + in.below(3)),
         settings_(read_settings(in)),
@@ -158,12 +161,16 @@ class Run {
     }
     for (std::size_t f = 0; f < frames_; ++f) {
       virtualizer_.project(f, poses_[f], outputs);
-      for (const VirtualScan& output : outputs) check(*output.scan, grid_);
+      for (const VirtualScan& output : outputs) {
+        check(*output.scan, grid_);
+        if (look_) look_(output, virtualizer_);
+      }
     }
     return frames_ * outputs.size();
   }
 
   Bytes& in_;
+  const Look& look_;
   ScanGrid grid_;
   std::size_t frames_;
   VirtualSettings settings_;
@@ -179,9 +186,10 @@ class Run {
 
 }  // namespace
 
-std::size_t virtualize_bytes(const std::uint8_t* data, std::size_t size) {
+std::size_t virtualize_bytes(const std::uint8_t* data, std::size_t size,
+                             const std::function<void(const VirtualScan&, const Virtualizer&)>& look) {
   Bytes in(data, size);
-  return Run(in).all();
+  return Run(in, look).all();
 }
 
 }  // namespace lidard::sim

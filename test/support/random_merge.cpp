@@ -20,6 +20,9 @@ MergeSettings read_settings(Bytes& in) {
   settings.how.noise = settings.source.noise = in.between(0, 0.1);
   settings.how.mean = in.chance(128);
   if (in.chance(40)) settings.how.free_required = in.between(0, 100);
+  settings.options.newest_wins = in.chance(60);
+  settings.options.all_heights = in.chance(40);
+  settings.options.veil_cross_check = in.chance(80);
   settings.source.echoes = static_cast<EchoChoice>(in.below(4));
   settings.source.veil_filter = in.chance(200);
   if (in.chance(40)) settings.source.angle_max = in.between(-4, 4);
@@ -56,7 +59,8 @@ void read_scan(Bytes& in, PlanarScan& scan) {
 
 }  // namespace
 
-std::size_t merge_bytes(const std::uint8_t* data, std::size_t size) {
+std::size_t merge_bytes(const std::uint8_t* data, std::size_t size,
+                        const std::function<void(const RandomMerge&)>& look) {
   Bytes in(data, size);
   const ScanGrid grid = read_grid(in);
   const std::size_t sources = 1 + in.below(3);
@@ -89,9 +93,9 @@ std::size_t merge_bytes(const std::uint8_t* data, std::size_t size) {
     use[in.below(sources)] = in.chance(240) ? 1 : 0;
     const MergeMoment moment{now + std::chrono::milliseconds(in.below(80)), in.chance(128) ? &track : nullptr,
                              poses[0]};
-    merger.merge(moment, use,
-                 {{Profile::strict, &out[0]}, {Profile::safety, &out[1]}, {Profile::flatten, &out[2]}},
-                 &cloud);
+    const MergeReport& report = merger.merge(
+        moment, use, {{Profile::strict, &out[0]}, {Profile::safety, &out[1]}, {Profile::flatten, &out[2]}},
+        &cloud);
     for (const PlanarScan& merged : out) check(merged, grid);
     for (std::size_t s = 0; s < sources; ++s) {
       sweeps[s] = merger.sweep(s);
@@ -101,6 +105,7 @@ std::size_t merge_bytes(const std::uint8_t* data, std::size_t size) {
     for (const OverlapState& pair : overlap.pairs()) {
       if (!std::isfinite(pair.median) || !pair.correction.allFinite()) std::abort();
     }
+    if (look) look({out, cloud, merger, report, overlap});
     ++outputs;
   }
   return outputs;

@@ -7,7 +7,7 @@
 #include "core/frames/cloud.h"
 #include "core/frames/device_message.h"
 #include "core/frames/scan.h"
-#include "daemon/config/output_topics.h"
+#include "daemon/config/config.h"
 
 namespace lidard::test {
 

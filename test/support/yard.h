@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/evidence/footprint.h"
+#include "core/evidence/beam_rays.h"
 #include "core/frames/cloud.h"
 #include "core/virtual/virtualizer.h"
 #include "test/sim/world/geometry.h"

@@ -7,8 +7,7 @@
 #include <cstdlib>
 
 #include "drivers/model.h"
-#include "drivers/sick/cola/cola_reader.h"
-#include "drivers/sick/cola/cola_recognizer.h"
+#include "drivers/sick/cola/cola_stream.h"
 
 namespace lidard::sick {
 namespace {
@@ -69,6 +68,29 @@ void write_settings(ColaWriter& out, const ColaOutputs& s) {
   out.u16(s.interval);
 }
 
+/// The echoes that come, "1+2", or "none".
+std::string echoes_of(const ColaOutputs& s) {
+  std::string text;
+  for (unsigned bit = 0; bit < 5; ++bit) {
+    if ((s.channels[0] >> bit & 1U) != 0) text += (text.empty() ? "" : "+") + std::to_string(bit + 1);
+  }
+  return text.empty() ? "none" : text;
+}
+
+/// What differs, for people: "echoes 1 -> 1+2, output interval 1 -> 2".
+std::string changes(const ColaOutputs& before, const ColaOutputs& now) {
+  std::string text;
+  const auto append = [&text](const char* what, const std::string& was, const std::string& is) {
+    if (was == is) return;
+    text += (text.empty() ? "" : ", ") + std::string(what) + " " + was + " -> " + is;
+  };
+  const auto on_off = [](bool on) { return std::string(on ? "on" : "off"); };
+  append("echoes", echoes_of(before), echoes_of(now));
+  append("intensity", on_off(before.rssi != 0), on_off(now.rssi != 0));
+  append("output interval", std::to_string(before.interval), std::to_string(now.interval));
+  return text;
+}
+
 template <class Reader>
 std::string read_identity(Reader in) {
   const std::string type(in.text(in.u16()));
@@ -87,15 +109,9 @@ std::string read_range(Reader in) {
   return in.ok() ? text.data() : std::string();
 }
 
-template <class Read>
-auto in_dialect(const ColaTelegram& telegram, Read&& read) {
-  return telegram.dialect == ColaDialect::b ? read(ColaBinaryReader(telegram.arguments()))
-                                            : read(ColaTextReader(telegram.arguments()));
-}
-
 /// The answer of methods and subscriptions: one number, 1 (or 0 for methods that report errors).
 unsigned first_number(const ColaTelegram& telegram) {
-  return in_dialect(telegram, [](auto in) -> unsigned { return in.u8(); });
+  return read_arguments(telegram, [](auto in) -> unsigned { return in.u8(); });
 }
 
 }  // namespace
@@ -116,7 +132,7 @@ void ColaDialogue::script(DriverOutput& out) {
     yield ask(Step::identity, out);
     if (was_done()) take_identity();
     yield ask(Step::range, out);
-    if (was_done()) detail("Output range", in_dialect(*answer_, [](auto in) { return read_range(in); }));
+    if (was_done()) detail("Output range", read_arguments(*answer_, [](auto in) { return read_range(in); }));
     yield ask(Step::settings, out);
     if (was_done()) take_settings();
     if (wanted_) {
@@ -189,28 +205,12 @@ std::vector<std::uint8_t> ColaDialogue::login_request() const {
 }
 
 std::vector<std::uint8_t> ColaDialogue::request(Step step) const {
-  ColaWriter writer(dialect_, command_of(step));
-  switch (step) {
-    case Step::idle:
-    case Step::waiting:
-    case Step::streaming:
-      return {};
-    case Step::login:
-      return login_request();
-    case Step::write:
-      write_settings(writer, *wanted_);
-      return writer.finish();
-    case Step::fields:
-    case Step::outputs:
-    case Step::inputs:
-    case Step::subscribe:
-      return writer.u8(1).finish();
-    case Step::identity:
-    case Step::range:
-    case Step::settings:
-    case Step::run:
-      break;
-  }
+  const std::string_view command = command_of(step);
+  if (command.empty()) return {};
+  if (step == Step::login) return login_request();
+  ColaWriter writer(dialect_, command);
+  if (step == Step::write) write_settings(writer, *wanted_);
+  if (command.substr(0, 3) == "sEN") writer.u8(1);
   return writer.finish();
 }
 
@@ -263,7 +263,7 @@ void ColaDialogue::give_up(std::string why, DriverOutput& out) {
 /// Variants of a product differ in the last letter of the model's name; what they call themselves does not
 /// tell them apart.
 void ColaDialogue::take_identity() {
-  const std::string identity = in_dialect(*answer_, [](auto in) { return read_identity(in); });
+  const std::string identity = read_arguments(*answer_, [](auto in) { return read_identity(in); });
   detail("Device", identity);
   const std::string_view named = cola_model_named(identity);
   const std::string_view configured = config_.model->name;
@@ -274,7 +274,7 @@ void ColaDialogue::take_identity() {
 
 void ColaDialogue::take_settings() {
   ColaOutputs read;
-  if (!in_dialect(*answer_, [&](auto in) { return read_settings(in, read); })) {
+  if (!read_arguments(*answer_, [&](auto in) { return read_settings(in, read); })) {
     warn(
         "the answer to 'sRN LMDscandatacfg' is not as SICK 8014631 describes it, so nothing is compared or "
         "written; report the firmware version");

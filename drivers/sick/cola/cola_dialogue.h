@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -10,11 +11,25 @@
 #include <vector>
 
 #include "drivers/dialogue.h"
-#include "drivers/sick/cola/cola_command.h"
 #include "drivers/sick/cola/cola_models.h"
-#include "drivers/sick/cola/cola_outputs.h"
+#include "drivers/sick/cola/cola_stream.h"
 
 namespace lidard::sick {
+
+/// LMDscandatacfg: what the device puts into its scans (SICK 8014631 chapter 4.3.1).
+struct ColaOutputs {
+  std::array<std::uint8_t, 2> channels{};  ///< bit by echo
+  std::uint8_t rssi = 0, wide_rssi = 0, unit = 0;
+  std::array<std::uint8_t, 2> encoders{};
+  std::uint8_t position = 0, name = 0, comment = 0, time = 0;
+  std::uint16_t interval = 1;  ///< every n-th scan
+
+  friend bool operator==(const ColaOutputs& a, const ColaOutputs& b) {
+    return a.channels == b.channels && a.rssi == b.rssi && a.wide_rssi == b.wide_rssi && a.unit == b.unit &&
+           a.encoders == b.encoders && a.position == b.position && a.name == b.name &&
+           a.comment == b.comment && a.time == b.time && a.interval == b.interval;
+  }
+};
 
 /// Starts the stream of scans on a device that was just connected: asks what it is and what it is set to,
 /// subscribes, and writes a setting only where the configuration asks for another one and allows it.

@@ -1,21 +1,13 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/sick/cola/cola_driver.h"
-
-#include <array>
 #include <string>
 
-#include "core/base/steady_stamps.h"
+#include "core/base/time.h"
 #include "drivers/driver_base.h"
-#include "drivers/sick/cola/cola_clock.h"
-#include "drivers/sick/cola/cola_cloud_builder.h"
 #include "drivers/sick/cola/cola_dialogue.h"
-#include "drivers/sick/cola/cola_geometry.h"
+#include "drivers/sick/cola/cola_frames.h"
 #include "drivers/sick/cola/cola_models.h"
 #include "drivers/sick/cola/cola_scan.h"
-#include "drivers/sick/cola/cola_scan_builder.h"
-#include "drivers/sick/cola/cola_states.h"
-#include "drivers/warning_board.h"
 
 namespace lidard::sick {
 namespace {
@@ -33,6 +25,120 @@ enum class Warning : std::uint8_t {
   count_
 };
 
+/// "output_1" ... for as long as the program runs.
+template <std::size_t Count>
+class Names {
+ public:
+  Names(const char* before, const char* after) {
+    for (std::size_t i = 0; i < Count; ++i) texts_[i] = before + std::to_string(i + 1) + after;
+  }
+  std::string_view operator[](std::size_t i) const { return texts_.at(i); }
+
+ private:
+  std::array<std::string, Count> texts_;
+};
+
+std::string_view field_name(std::uint8_t number) {
+  static const Names<256> names("field_", "");
+  return names[number == 0 ? 255 : number - 1U];
+}
+
+std::string_view pin_name(bool output, bool count, std::size_t i) {
+  static const Names<ColaPins::most> outputs("output_", "");
+  static const Names<ColaPins::most> counts("output_", "_count");
+  static const Names<ColaPins::most> inputs("input_", "");
+  if (!output) return inputs[i];
+  return count ? counts[i] : outputs[i];
+}
+
+std::string_view encoder_name(bool speed, std::size_t i) {
+  static const Names<ColaScan::most_encoders> positions("position_", "");
+  static const Names<ColaScan::most_encoders> speeds("speed_", "");
+  return speed ? speeds[i] : positions[i];
+}
+
+/// Turns what the device tells beside its scans into states on topics of their own: `lferec` (field_1 ...: 0
+/// invalid, 1 free, 2 infringed), `lidoutputstate` (output_1 ..., output_1_count ...), `lidinputstate`
+/// (input_1 ...: 0 inactive, 1 active, 2 not used) and `encoder` (position_1 in ticks, speed_1 in ticks/mm).
+class ColaStates {
+ public:
+  explicit ColaStates(const DriverConfig& config) : time_offset_(config.time_offset) {
+    state_->frame_id = config.frame_id;
+  }
+
+  /// True if the telegram is one of those; `reason` says whether it could be read.
+  bool take(const ColaTelegram& telegram, Stamp arrival, const ColaClock& clock, DriverOutput& out,
+            Reject& reason) {
+    const std::string_view kind = telegram.kind();
+    if (kind != "sSN" && kind != "sRA") return false;
+    const std::string_view name = telegram.name();
+    if (name == "LFErec") {
+      reason = take_fields(telegram, arrival, clock, out);
+    } else if (name == "LIDoutputstate" || name == "LIDinputstate") {
+      reason = take_pins(telegram, name == "LIDoutputstate", arrival, clock, out);
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+  /// The encoders of a scan, if it has any.
+  void encoders(const ColaScan& scan, Stamp stamp, DriverOutput& out) {
+    if (scan.encoder_count == 0) return;
+    state_->values.clear();
+    for (std::size_t i = 0; i < scan.encoder_count; ++i) {
+      state_->values.push_back({encoder_name(false, i), static_cast<double>(scan.encoders[i].position)});
+      state_->values.push_back({encoder_name(true, i), static_cast<double>(scan.encoders[i].speed)});
+    }
+    send(topic_encoder, stamp, out);
+  }
+
+ private:
+  void send(std::string_view topic, Stamp stamp, DriverOutput& out) {
+    state_->topic = topic;
+    state_->stamp = stamp;
+    out.message(state_);
+  }
+
+  Stamp stamp_of(const std::optional<std::uint32_t>& time_us, Stamp arrival, const ColaClock& clock) const {
+    // The pins of some devices are not stamped, and old times are told when a subscription begins.
+    const bool use = time_us && clock.ready();
+    return (use ? clock.to_host(clock.near_last(*time_us)) : arrival) + time_offset_;
+  }
+
+  Reject take_fields(const ColaTelegram& telegram, Stamp arrival, const ColaClock& clock, DriverOutput& out) {
+    const Reject reason = parse_cola_fields(telegram, fields_);
+    if (reason != Reject::none) return reason;
+    state_->values.clear();
+    for (std::size_t i = 0; i < fields_.count; ++i) {
+      const ColaFields::Field& field = fields_.fields[i];
+      state_->values.push_back({field_name(field.number), static_cast<double>(field.result)});
+    }
+    send(topic_fields, stamp_of(fields_.time_us, arrival, clock), out);
+    return Reject::none;
+  }
+
+  Reject take_pins(const ColaTelegram& telegram, bool output, Stamp arrival, const ColaClock& clock,
+                   DriverOutput& out) {
+    const Reject reason = output ? parse_cola_outputs(telegram, pins_) : parse_cola_inputs(telegram, pins_);
+    if (reason != Reject::none) return reason;
+    state_->values.clear();
+    for (std::size_t i = 0; i < pins_.count; ++i) {
+      state_->values.push_back({pin_name(output, false, i), static_cast<double>(pins_.pins[i].state)});
+    }
+    for (std::size_t i = 0; output && i < pins_.count; ++i) {
+      state_->values.push_back({pin_name(output, true, i), static_cast<double>(pins_.pins[i].count)});
+    }
+    send(output ? topic_outputs : topic_inputs, stamp_of(pins_.time_us, arrival, clock), out);
+    return Reject::none;
+  }
+
+  Span time_offset_;
+  ReusedMessage<DeviceState> state_;
+  ColaFields fields_;
+  ColaPins pins_;
+};
+
 class ColaDriver final : public DriverBase {
  public:
   explicit ColaDriver(const DriverConfig& config)
@@ -45,22 +151,171 @@ class ColaDriver final : public DriverBase {
         states_(config),
         dialogue_(config, row_) {}
 
-  Reject receive(const Packet& packet, DriverOutput& out) override;
-  void connected(Stamp now, DriverOutput& out) override;
-  void disconnected() override;
-  void tick(Stamp now, DriverOutput& out) override;
+  Reject receive(const Packet& packet, DriverOutput& out) override {
+    if (packet.stream_start) counting_ = false;
+    const std::uint64_t rejected = counters_.rejected_total();
+    Reject result = read_stream<ColaTelegram>(
+        packet, stream_, [&](const ColaTelegram& telegram) { return handle(telegram, packet.arrival, out); });
+    if (result == Reject::none && counters_.rejected_total() != rejected) result = Reject::checksum;
+    if (dialogue_.changed()) show_info();
+    return result;
+  }
+
+  void connected(Stamp now, DriverOutput& out) override {
+    stream_.interrupt();
+    counting_ = false;
+    dialogue_.start(now, out);
+    show_info();
+  }
+
+  void disconnected() override {
+    stream_.interrupt();
+    dialogue_.stop();
+    if (dialogue_.changed()) show_info();
+  }
+
+  void tick(Stamp now, DriverOutput& out) override {
+    dialogue_.tick(now, out);
+    if (dialogue_.changed()) show_info();
+  }
+
   void finish(DriverOutput& out) override { cloud_builder_.finish(out); }
-  void restart() override;
+
+  void restart() override {
+    stream_.interrupt();
+    clock_.reset();
+    cloud_builder_.clear();
+    counting_ = false;
+    stamps_.reset();
+  }
 
  private:
-  Reject handle(const ColaTelegram& telegram, Stamp arrival, DriverOutput& out);
-  Reject handle_scan(const ColaTelegram& telegram, Stamp arrival, DriverOutput& out);
-  void follow_device();
-  void follow_counters(Span start, Stamp arrival);
-  Reject take_geometry();
-  Span first_of_telegram(Span start) const;
-  void publish(Span first, DriverOutput& out);
-  void show_info();
+  Reject handle(const ColaTelegram& telegram, Stamp arrival, DriverOutput& out) {
+    const std::string_view kind = telegram.kind();
+    if (telegram.name() == "LMDscandata" && (kind == "sSN" || kind == "sRA")) {
+      ++counters_.packets;
+      return handle_scan(telegram, arrival, out);
+    }
+    ++counters_.other_packets;
+    if (kind != "sSN") dialogue_.answer(telegram, arrival, out);
+    Reject reason = Reject::none;
+    states_.take(telegram, arrival, clock_, out, reason);
+    return reason;
+  }
+
+  Reject handle_scan(const ColaTelegram& telegram, Stamp arrival, DriverOutput& out) {
+    Reject reason = parse_cola_scan(telegram, scan_);
+    if (reason != Reject::none) return reason;
+    dialogue_.scan_came(telegram.dialect);
+    if (!device_known_ || dialect_ != telegram.dialect || serial_ != scan_.serial || name_ != scan_.name()) {
+      dialect_ = telegram.dialect;
+      follow_device();
+    }
+    board_.tell(Warning::status, scan_.status[0] != 0 || scan_.status[1] != 0, [&] {
+      return "the device tells status " + std::to_string(scan_.status[0]) + " " +
+             std::to_string(scan_.status[1]) +
+             " instead of 0 0: a fault or a dirty window; look at it with SOPAS ET";
+    });
+    reason = take_geometry();
+    if (reason != Reject::none) return reason;
+    const Span start = clock_.observe(scan_.start_us, scan_.transmit_us, geometry_.sweep(), arrival);
+    counters_.clock_steps = clock_.steps();
+    follow_counters(start, arrival);
+    const Span first = first_of_telegram(start);
+    states_.encoders(scan_, clock_.to_host(first) + config_.time_offset, out);
+    if (!row_.layered) {
+      publish(first, out);
+      return Reject::none;
+    }
+    const bool known = cloud_builder_.add(scan_, geometry_, first, clock_, out);
+    board_.tell(Warning::layer, !known, [&] {
+      return "the device sends a plane at " + std::to_string(scan_.layer) +
+             " (1/100 deg) that this model does not have; check `model`";
+    });
+    return known ? Reject::none : Reject::model;
+  }
+
+  void follow_device() {
+    const std::uint32_t before = serial_;
+    if (device_known_ && before != scan_.serial) {
+      clock_.reset();
+      counting_ = false;
+      board_.tell(Warning::other_device, true, [&] {
+        return "scanner " + std::to_string(before) + " was replaced by scanner " +
+               std::to_string(scan_.serial) + "; check its pose and its fields";
+      });
+    }
+    device_known_ = true;
+    serial_ = scan_.serial;
+    info_.serial = std::to_string(serial_);
+    name_ = std::string(scan_.name());
+    show_info();
+  }
+
+  /// A gap in the telegram counter is a loss if the time that passed allows for it, by the device's clock
+  /// and, since that may have started anew, roughly by ours. Devices that do not count telegrams count scans.
+  /// A telegram that comes twice is no loss; it is handed on as what it says it is.
+  void follow_counters(Span start, Stamp arrival) {
+    const auto by_telegram = static_cast<std::uint16_t>(scan_.telegram_counter - telegram_counter_);
+    const auto by_scan = static_cast<std::uint16_t>(scan_.scan_counter - scan_counter_);
+    const std::uint16_t ahead = by_telegram != 0 ? by_telegram : by_scan;
+    if (counting_ && ahead > 1 && scan_.scan_hz > 0) {
+      const double passed = seconds(start - counted_at_) * scan_.scan_hz;
+      const double passed_here = seconds(arrival - counted_arrival_) * scan_.scan_hz;
+      if (ahead <= passed + 2 && ahead <= passed_here + loss_without_time)
+        counters_.lost_packets += ahead - 1U;
+    }
+    counting_ = true;
+    telegram_counter_ = scan_.telegram_counter;
+    scan_counter_ = scan_.scan_counter;
+    counted_at_ = start;
+    counted_arrival_ = arrival;
+  }
+
+  Reject take_geometry() {
+    ColaGeometry now;
+    const bool good = read_geometry(scan_, row_, now);
+    board_.tell(Warning::no_distances, !good && scan_.channel("DIST1") == nullptr, [] {
+      return "the device sends scans without distances; switch the channel DIST1 on (LMDscandatacfg)";
+    });
+    if (!good) return Reject::field;
+    if (has_geometry_ && now == geometry_) return Reject::none;
+    if (has_geometry_) {
+      board_.set(Warning::geometry,
+                 "the scanner changed from " + describe(geometry_) + " to " + describe(now) +
+                     "; restart whatever expects the former, or undo the change in SOPAS ET");
+    }
+    geometry_ = now;
+    has_geometry_ = true;
+    has_beams_ = scan_builder_.choose(geometry_);
+    board_.tell(Warning::no_beams_left, !has_beams_ && !row_.layered, [&] {
+      return "no beam lies between angle_min and angle_max, the scanner sends " + describe(geometry_) +
+             "; correct the angles in the configuration";
+    });
+    return Reject::none;
+  }
+
+  Span first_of_telegram(Span start) const {
+    return row_.stamp == ColaStamp::last_beam ? start - geometry_.sweep() : start;
+  }
+
+  void publish(Span first, DriverOutput& out) {
+    if (!has_beams_) return;
+    const Span before =
+        span_from_seconds(geometry_.beam_period * static_cast<double>(scan_builder_.first_beam()));
+    PlanarScan& scan = scan_builder_.fill(scan_);
+    scan.stamp = stamps_.next(clock_.to_host(first + before) + config_.time_offset);
+    ++counters_.frames;
+    out.scan(scan);
+  }
+
+  void show_info() {
+    clear_details();
+    info_.set("Dialect", dialect_ == ColaDialect::a ? "CoLa A" : "CoLa B");
+    if (!name_.empty()) info_.set("Device name", name_);
+    for (const auto& each : dialogue_.info().details) info_.details.push_back(each);
+    board_.lead(dialogue_.info().warnings);
+  }
 
   const ColaRow& row_;
   WarningBoard<Warning> board_{info_.warnings};
@@ -84,177 +339,6 @@ class ColaDriver final : public DriverBase {
   Stamp counted_arrival_;
   SteadyStamps stamps_;
 };
-
-void ColaDriver::show_info() {
-  clear_details();
-  info_.set("Dialect", dialect_ == ColaDialect::a ? "CoLa A" : "CoLa B");
-  if (!name_.empty()) info_.set("Device name", name_);
-  for (const auto& each : dialogue_.info().details) info_.details.push_back(each);
-  board_.lead(dialogue_.info().warnings);
-}
-
-Reject ColaDriver::receive(const Packet& packet, DriverOutput& out) {
-  counters_.bytes += packet.payload.size();
-  if (packet.stream_start || packet.missing > 0) stream_.reset();
-  if (packet.stream_start) counting_ = false;
-  const std::uint64_t rejected = counters_.rejected_total();
-  stream_.add(packet.payload);
-  Reject result = Reject::none;
-  ColaTelegram telegram;
-  while (stream_.next(telegram)) {
-    const Reject reason = handle(telegram, packet.arrival, out);
-    if (reason == Reject::none) continue;
-    counters_.reject(reason);
-    result = reason;
-  }
-  if (result == Reject::none && counters_.rejected_total() != rejected) result = Reject::checksum;
-  if (dialogue_.changed()) show_info();
-  return result;
-}
-
-Reject ColaDriver::handle(const ColaTelegram& telegram, Stamp arrival, DriverOutput& out) {
-  const std::string_view kind = telegram.kind();
-  if (telegram.name() == "LMDscandata" && (kind == "sSN" || kind == "sRA")) {
-    ++counters_.packets;
-    return handle_scan(telegram, arrival, out);
-  }
-  ++counters_.other_packets;
-  if (kind != "sSN") dialogue_.answer(telegram, arrival, out);
-  Reject reason = Reject::none;
-  states_.take(telegram, arrival, clock_, out, reason);
-  return reason;
-}
-
-Reject ColaDriver::handle_scan(const ColaTelegram& telegram, Stamp arrival, DriverOutput& out) {
-  Reject reason = parse_cola_scan(telegram, scan_);
-  if (reason != Reject::none) return reason;
-  dialogue_.scan_came(telegram.dialect);
-  if (!device_known_ || dialect_ != telegram.dialect || serial_ != scan_.serial || name_ != scan_.name()) {
-    dialect_ = telegram.dialect;
-    follow_device();
-  }
-  board_.tell(Warning::status, scan_.status[0] != 0 || scan_.status[1] != 0, [&] {
-    return "the device tells status " + std::to_string(scan_.status[0]) + " " +
-           std::to_string(scan_.status[1]) +
-           " instead of 0 0: a fault or a dirty window; look at it with SOPAS ET";
-  });
-  reason = take_geometry();
-  if (reason != Reject::none) return reason;
-  const Span start = clock_.observe(scan_.start_us, scan_.transmit_us, geometry_.sweep(), arrival);
-  counters_.clock_steps = clock_.steps();
-  follow_counters(start, arrival);
-  const Span first = first_of_telegram(start);
-  states_.encoders(scan_, clock_.to_host(first) + config_.time_offset, out);
-  if (!row_.layered) {
-    publish(first, out);
-    return Reject::none;
-  }
-  const bool known = cloud_builder_.add(scan_, geometry_, first, clock_, out);
-  board_.tell(Warning::layer, !known, [&] {
-    return "the device sends a plane at " + std::to_string(scan_.layer) +
-           " (1/100 deg) that this model does not have; check `model`";
-  });
-  return known ? Reject::none : Reject::model;
-}
-
-void ColaDriver::follow_device() {
-  const std::uint32_t before = serial_;
-  if (device_known_ && before != scan_.serial) {
-    clock_.reset();
-    counting_ = false;
-    board_.tell(Warning::other_device, true, [&] {
-      return "scanner " + std::to_string(before) + " was replaced by scanner " +
-             std::to_string(scan_.serial) + "; check its pose and its fields";
-    });
-  }
-  device_known_ = true;
-  serial_ = scan_.serial;
-  info_.serial = std::to_string(serial_);
-  name_ = std::string(scan_.name());
-  show_info();
-}
-
-/// A gap in the telegram counter is a loss if the time that passed allows for it, by the device's clock and,
-/// since that may have started anew, roughly by ours. Devices that do not count telegrams count scans. A
-/// telegram that comes twice is no loss; it is handed on as what it says it is.
-void ColaDriver::follow_counters(Span start, Stamp arrival) {
-  const auto by_telegram = static_cast<std::uint16_t>(scan_.telegram_counter - telegram_counter_);
-  const auto by_scan = static_cast<std::uint16_t>(scan_.scan_counter - scan_counter_);
-  const std::uint16_t ahead = by_telegram != 0 ? by_telegram : by_scan;
-  if (counting_ && ahead > 1 && scan_.scan_hz > 0) {
-    const double passed = seconds(start - counted_at_) * scan_.scan_hz;
-    const double passed_here = seconds(arrival - counted_arrival_) * scan_.scan_hz;
-    if (ahead <= passed + 2 && ahead <= passed_here + loss_without_time) counters_.lost_packets += ahead - 1U;
-  }
-  counting_ = true;
-  telegram_counter_ = scan_.telegram_counter;
-  scan_counter_ = scan_.scan_counter;
-  counted_at_ = start;
-  counted_arrival_ = arrival;
-}
-
-Reject ColaDriver::take_geometry() {
-  ColaGeometry now;
-  const bool good = read_geometry(scan_, row_, now);
-  board_.tell(Warning::no_distances, !good && scan_.channel("DIST1") == nullptr, [] {
-    return "the device sends scans without distances; switch the channel DIST1 on (LMDscandatacfg)";
-  });
-  if (!good) return Reject::field;
-  if (has_geometry_ && now == geometry_) return Reject::none;
-  if (has_geometry_) {
-    board_.set(Warning::geometry,
-               "the scanner changed from " + describe(geometry_) + " to " + describe(now) +
-                   "; restart whatever expects the former, or undo the change in SOPAS ET");
-  }
-  geometry_ = now;
-  has_geometry_ = true;
-  has_beams_ = scan_builder_.choose(geometry_);
-  board_.tell(Warning::no_beams_left, !has_beams_ && !row_.layered, [&] {
-    return "no beam lies between angle_min and angle_max, the scanner sends " + describe(geometry_) +
-           "; correct the angles in the configuration";
-  });
-  return Reject::none;
-}
-
-Span ColaDriver::first_of_telegram(Span start) const {
-  return row_.stamp == ColaStamp::last_beam ? start - geometry_.sweep() : start;
-}
-
-void ColaDriver::publish(Span first, DriverOutput& out) {
-  if (!has_beams_) return;
-  const Span before =
-      span_from_seconds(geometry_.beam_period * static_cast<double>(scan_builder_.first_beam()));
-  PlanarScan& scan = scan_builder_.fill(scan_);
-  scan.stamp = stamps_.next(clock_.to_host(first + before) + config_.time_offset);
-  ++counters_.frames;
-  out.scan(scan);
-}
-
-void ColaDriver::connected(Stamp now, DriverOutput& out) {
-  stream_.reset();
-  counting_ = false;
-  dialogue_.start(now, out);
-  show_info();
-}
-
-void ColaDriver::disconnected() {
-  stream_.reset();
-  dialogue_.stop();
-  if (dialogue_.changed()) show_info();
-}
-
-void ColaDriver::tick(Stamp now, DriverOutput& out) {
-  dialogue_.tick(now, out);
-  if (dialogue_.changed()) show_info();
-}
-
-void ColaDriver::restart() {
-  stream_.reset();
-  clock_.reset();
-  cloud_builder_.clear();
-  counting_ = false;
-  stamps_.reset();
-}
 
 }  // namespace
 

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
+#include "drivers/driver.h"
 #include "drivers/recognizer.h"
 
 namespace lidard::sick {
@@ -26,12 +28,19 @@ struct ColaRow {
 
 /// Adds the scanners that speak CoLa A and B over TCP to the table of models.
 void append_cola_models(std::vector<Model>& list);
+/// Recognises such a scanner by what it calls itself (DeviceIdent), else by angles, rates and distances of
+/// its scans; where they fit several families, others() names those that were not chosen.
 std::unique_ptr<Recognizer> make_cola_recognizer();
+/// The model of a device that calls itself `identity` (DeviceIdent); empty if no known name is in it.
+std::string_view cola_model_named(std::string_view identity);
 
 /// Topics of what such a device tells beside its scans, in Model::messages.
 constexpr std::string_view topic_fields = "lferec";
 constexpr std::string_view topic_outputs = "lidoutputstate";
 constexpr std::string_view topic_inputs = "lidinputstate";
 constexpr std::string_view topic_encoder = "encoder";
+
+/// The driver of every scanner that speaks CoLa A or B; config.model->row is a ColaRow.
+std::unique_ptr<Driver> make_cola_driver(const DriverConfig& config);
 
 }  // namespace lidard::sick

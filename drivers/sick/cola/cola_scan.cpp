@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/sick/cola/cola_scan.h"
 
-#include <algorithm>
-#include <cmath>
+#include <string>
 
-#include "drivers/sick/cola/cola_reader.h"
+#include "drivers/sick/cola/cola_models.h"
 
 namespace lidard::sick {
 namespace {
@@ -15,19 +14,15 @@ constexpr std::size_t most_values = 16384;
 
 template <class Reader>
 void read_head(Reader& in, ColaScan& scan) {
-  scan.version = in.u16();
-  scan.device = in.u16();
+  in.u16();  // version
+  in.u16();  // number of the device
   scan.serial = in.u32();
   for (std::uint8_t& byte : scan.status) byte = in.u8();
   scan.telegram_counter = in.u16();
   scan.scan_counter = in.u16();
   scan.start_us = in.u32();
   scan.transmit_us = in.u32();
-  // Two bytes each, the low one first: output 1 of an LMS511 is bit 0 of the first byte.
-  const std::uint8_t inputs = in.u8();
-  scan.inputs = static_cast<std::uint16_t>(in.u8() << 8U | inputs);
-  const std::uint8_t outputs = in.u8();
-  scan.outputs = static_cast<std::uint16_t>(in.u8() << 8U | outputs);
+  for (int i = 0; i < 4; ++i) in.u8();  // digital inputs and outputs
   scan.layer = in.i16();
   scan.scan_hz = in.u32() / 100.0;
   // In 100 Hz; some firmware sends Hz, which no scanner reaches as hundreds.
@@ -82,34 +77,24 @@ Reject read_channels(Reader& in, ColaScan& scan) {
 }
 
 template <class Reader>
-std::size_t read_text(Reader& in, std::array<char, 256>& out) {
-  if (in.u16() == 0) return 0;
-  const std::string_view text = in.text(in.text_size());
-  if (text.size() > out.size()) return 0;
-  std::copy(text.begin(), text.end(), out.begin());
-  return text.size();
+std::string_view read_text(Reader& in) {
+  return in.u16() == 0 ? std::string_view() : in.text(in.text_size());
 }
 
+/// What follows the channels: where the device stands, its name, a comment and the time. Of these the name
+/// counts. The events behind them are described differently from device to device; old firmware sends no such
+/// field.
 template <class Reader>
 void read_tail(Reader& in, ColaScan& scan) {
-  scan.has_position = in.u16() != 0;
-  if (scan.has_position) {
-    for (float& value : scan.position.xyz) value = in.f32();
-    for (float& value : scan.position.rotation) value = in.f32();
-    scan.position.rotation_type = in.u8();
+  if (in.u16() != 0) {
+    for (int i = 0; i < 6; ++i) in.f32();
+    in.u8();
   }
-  scan.name_size = read_text(in, scan.name_text);
-  scan.comment_size = read_text(in, scan.comment_text);
-  scan.has_time = in.u16() != 0;
-  if (scan.has_time) {
-    scan.time.year = in.u16();
-    scan.time.month = in.u8();
-    scan.time.day = in.u8();
-    scan.time.hour = in.u8();
-    scan.time.minute = in.u8();
-    scan.time.second = in.u8();
-    scan.time.microsecond = in.u32();
-  }
+  const std::string_view name = read_text(in);
+  scan.name_size = name.size() > scan.name_text.size() ? 0 : name.size();
+  std::copy_n(name.begin(), scan.name_size, scan.name_text.begin());
+  read_text(in);
+  skip_time(in);
 }
 
 template <class Reader>
@@ -119,11 +104,7 @@ Reject read_scan(Reader in, ColaScan& scan) {
   if (reason == Reject::none) reason = read_channels(in, scan);
   if (reason != Reject::none) return reason;
   read_tail(in, scan);
-  if (!in.ok()) return Reject::size;
-  // The events behind it are described differently from device to device; nobody needs them here. Old
-  // firmware sends no such field at all.
-  scan.has_event = in.left() > 0 && in.u16() != 0;
-  return Reject::none;
+  return in.ok() ? Reject::none : Reject::size;
 }
 
 }  // namespace
@@ -143,6 +124,102 @@ std::size_t ColaScan::echo_count() const {
 
 Reject parse_cola_scan(const ColaTelegram& telegram, ColaScan& scan) {
   return read_arguments(telegram, [&](auto in) { return read_scan(in, scan); });
+}
+
+namespace {
+
+/// Where a field is infringed. One entry for every cut-off segment: 15 bytes (recorded from an LMS511),
+/// of which nothing is needed here. Two more lists follow, whose entries nobody has seen.
+template <class Reader>
+Reject skip_infringements(Reader& in) {
+  const std::size_t segments = in.u16();
+  for (std::size_t i = 0; i < segments && in.ok(); ++i) {
+    in.u16();
+    in.u8();
+    for (int k = 0; k < 6; ++k) in.u16();
+  }
+  for (int list = 0; list < 2; ++list) {
+    if (in.u16() != 0) return Reject::field;
+  }
+  return in.ok() ? Reject::none : Reject::size;
+}
+
+template <class Reader>
+Reject read_field(Reader& in, ColaFields& out) {
+  ColaFields::Field field;
+  in.u16();  // version
+  field.number = in.u8();
+  const std::uint32_t time = in.u32();
+  in.f32();  // scale and offset of distances
+  in.f32();
+  in.u32();  // scale and offset of angles
+  in.i32();
+  field.result = in.u8();
+  const Reject reason = skip_infringements(in);
+  skip_time(in);
+  if (reason != Reject::none) return reason;
+  if (!in.ok()) return Reject::size;
+  if (time != 0) out.time_us = time;
+  out.fields[out.count++] = field;
+  return Reject::none;
+}
+
+template <class Reader>
+Reject read_fields(Reader in, ColaFields& out) {
+  out.count = 0;
+  out.time_us.reset();
+  const std::size_t count = in.u16();
+  if (!in.ok()) return Reject::size;
+  if (count > ColaFields::most) return Reject::field;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Reject reason = read_field(in, out);
+    if (reason != Reject::none) return reason;
+  }
+  return Reject::none;
+}
+
+/// The number of pins is not told: it follows from what is left before the time at the end.
+template <class Reader>
+Reject read_pins(Reader in, bool with_counts, ColaPins& out) {
+  const auto units = [](std::size_t bytes) { return Reader::units(bytes); };
+  out.count = 0;
+  out.time_us.reset();
+  in.u16();  // version
+  const std::uint32_t time = in.u32();
+  if (!in.ok()) return Reject::size;
+  if (time != 0) out.time_us = time;
+  const std::size_t pin = units(1) + (with_counts ? units(4) : 0);
+  const std::size_t flag = units(2);
+  const std::size_t date = units(2) + 5 * units(1) + units(4);
+  for (const std::size_t tail : {flag + date, flag}) {
+    if (in.left() < tail || (in.left() - tail) % pin != 0) continue;
+    const std::size_t count = (in.left() - tail) / pin;
+    if (count > ColaPins::most) return Reject::field;
+    Reader attempt = in;
+    for (std::size_t i = 0; i < count; ++i) {
+      out.pins[i].state = attempt.u8();
+      out.pins[i].count = with_counts ? attempt.u32() : 0;
+    }
+    const bool has_date = attempt.u16() != 0;
+    if (!attempt.ok() || has_date != (tail != flag)) continue;
+    out.count = count;
+    return Reject::none;
+  }
+  return Reject::size;
+}
+
+}  // namespace
+
+Reject parse_cola_fields(const ColaTelegram& telegram, ColaFields& fields) {
+  return read_arguments(telegram, [&](auto in) { return read_fields(in, fields); });
+}
+
+Reject parse_cola_outputs(const ColaTelegram& telegram, ColaPins& pins) {
+  return read_arguments(telegram, [&](auto in) { return read_pins(in, true, pins); });
+}
+
+Reject parse_cola_inputs(const ColaTelegram& telegram, ColaPins& pins) {
+  return read_arguments(telegram, [&](auto in) { return read_pins(in, false, pins); });
 }
 
 }  // namespace lidard::sick

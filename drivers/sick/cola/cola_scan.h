@@ -2,13 +2,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
 #include "core/base/counters.h"
+#include "core/base/device_clock.h"
+#include "core/base/time.h"
+#include "drivers/driver.h"
 #include "drivers/sick/cola/cola_stream.h"
 
 namespace lidard::sick {
@@ -30,20 +36,6 @@ struct ColaChannel {
 constexpr std::array<std::string_view, 5> distance_names = {"DIST1", "DIST2", "DIST3", "DIST4", "DIST5"};
 constexpr std::array<std::string_view, 5> intensity_names = {"RSSI1", "RSSI2", "RSSI3", "RSSI4", "RSSI5"};
 
-/// The time the device believes it is.
-struct ColaTime {
-  std::uint16_t year = 0;
-  std::uint8_t month = 0, day = 0, hour = 0, minute = 0, second = 0;
-  std::uint32_t microsecond = 0;
-};
-
-/// Where the device was told that it stands.
-struct ColaPosition {
-  std::array<float, 3> xyz{};       ///< device's unit (set by its owner)
-  std::array<float, 3> rotation{};  ///< about x, y, z
-  std::uint8_t rotation_type = 0;   ///< 0 none, 1 pitching, 2 rolling, 3 free
-};
-
 /// The telegram LMDscandata (SICK 8014631 chapter 4.3.4; SICK 8013796, LMS500, p. 81-83), read from the
 /// first field to the last. Keeps its memory from telegram to telegram.
 struct ColaScan {
@@ -54,28 +46,22 @@ struct ColaScan {
     std::uint16_t speed = 0;     ///< ticks/mm
   };
 
-  std::uint16_t version = 0, device = 0;
   std::uint32_t serial = 0;
   std::array<std::uint8_t, 2> status{};  ///< 0 0: the device is well
   std::uint16_t telegram_counter = 0, scan_counter = 0;
   std::uint32_t start_us = 0;     ///< since the device started; wraps after 71.6 min
   std::uint32_t transmit_us = 0;  ///< the same clock, when the scan went out
-  std::uint16_t inputs = 0, outputs = 0;
-  std::int16_t layer = 0;     ///< 1/100 deg downwards on MRS1000, else reserved
-  double scan_hz = 0;         ///< telegrams (scans, or layers) per second
-  double measurement_hz = 0;  ///< measurements per second
+  std::int16_t layer = 0;         ///< 1/100 deg downwards on MRS1000, else reserved
+  double scan_hz = 0;             ///< telegrams (scans, or layers) per second
+  double measurement_hz = 0;      ///< measurements per second
   std::array<Encoder, most_encoders> encoders{};
   std::size_t encoder_count = 0;
   std::array<ColaChannel, most_channels> channels{};
   std::size_t channel_count = 0;
-  bool has_position = false, has_time = false, has_event = false;
-  ColaPosition position;
-  ColaTime time;
-  std::array<char, 256> name_text{}, comment_text{};
-  std::size_t name_size = 0, comment_size = 0;
+  std::array<char, 256> name_text{};
+  std::size_t name_size = 0;
 
   std::string_view name() const { return {name_text.data(), name_size}; }
-  std::string_view comment() const { return {comment_text.data(), comment_size}; }
   /// The channel of that name ("DIST1"), or nullptr.
   const ColaChannel* channel(std::string_view name) const;
   /// Number of consecutive channels DIST1, DIST2, ...
@@ -85,5 +71,83 @@ struct ColaScan {
 /// Reads "sSN LMDscandata" or the polled "sRA LMDscandata" of either dialect. What is wrong with it, or
 /// Reject::none; `scan` is whole only then.
 Reject parse_cola_scan(const ColaTelegram& telegram, ColaScan& scan);
+
+/// The microseconds since start-up in the telegrams, unwrapped and mapped to host time.
+class ColaClock {
+ public:
+  explicit ColaClock(ClockMode mode) : clock_(mode) {}
+
+  /// A telegram arrived. Its two times are `start_us` and `transmit_us`; `sweep` is how long it measured,
+  /// used where the device does not tell when it transmitted. Returns the unwrapped start time.
+  Span observe(std::uint32_t start_us, std::uint32_t transmit_us, Span sweep, Stamp arrival) {
+    if (!started_) {
+      device_ = std::chrono::microseconds(start_us);
+    } else {
+      const Span ahead = std::chrono::microseconds(start_us - start_us_);
+      // More than one wrap fits into a long silence.
+      const double wraps = seconds(arrival - arrival_ - ahead) / seconds(wrap);
+      device_ += ahead + wrap * static_cast<std::int64_t>(std::max(0.0, std::round(wraps)));
+    }
+    started_ = true;
+    start_us_ = start_us;
+    arrival_ = arrival;
+    const Span way = std::chrono::microseconds(transmit_us - start_us);
+    clock_.observe(device_ + (way <= longest_way ? way : sweep), arrival);
+    return device_;
+  }
+  /// The unwrapped time next to that of the last telegram.
+  Span near_last(std::uint32_t time_us) const {
+    return device_ + std::chrono::microseconds(static_cast<std::int32_t>(time_us - start_us_));
+  }
+  Stamp to_host(Span device) const { return clock_.to_host(device); }
+  bool ready() const { return started_; }
+  std::uint64_t steps() const { return clock_.steps(); }
+  /// Another device, or another recording: the times have nothing to do with the former.
+  void reset() {
+    started_ = false;
+    clock_.reset();
+  }
+
+ private:
+  static constexpr Span wrap = std::chrono::microseconds(std::int64_t{1} << 32);
+  /// A longer way from measurement to transmission is no time but an empty field.
+  static constexpr Span longest_way = std::chrono::seconds(10);
+
+  DeviceClock clock_;
+  bool started_ = false;
+  std::uint32_t start_us_ = 0;
+  Span device_{0};
+  Stamp arrival_;
+};
+
+/// LFErec: what the device's field evaluation says.
+struct ColaFields {
+  static constexpr std::size_t most = 48;
+  struct Field {
+    std::uint8_t number = 0;  ///< as configured in the device
+    std::uint8_t result = 0;  ///< 0 invalid, 1 free, 2 infringed; an LMS511 also said 3
+  };
+  std::array<Field, most> fields{};
+  std::size_t count = 0;
+  std::optional<std::uint32_t> time_us;  ///< device clock, of the last field
+};
+
+/// LIDoutputstate or LIDinputstate: the digital outputs or inputs.
+struct ColaPins {
+  static constexpr std::size_t most = 32;
+  struct Pin {
+    std::uint8_t state = 0;   ///< 0 inactive, 1 active, 2 not used
+    std::uint32_t count = 0;  ///< changes so far; outputs only
+  };
+  std::array<Pin, most> pins{};
+  std::size_t count = 0;
+  std::optional<std::uint32_t> time_us;  ///< device clock; some devices send 0
+};
+
+/// Layouts: sick_scan_xd (sick_scan_messages.cpp), compared with recorded telegrams of LMS111, LMS511 and
+/// TiM781S. What is wrong, or Reject::none.
+Reject parse_cola_fields(const ColaTelegram& telegram, ColaFields& fields);
+Reject parse_cola_outputs(const ColaTelegram& telegram, ColaPins& pins);
+Reject parse_cola_inputs(const ColaTelegram& telegram, ColaPins& pins);
 
 }  // namespace lidard::sick

@@ -3,6 +3,9 @@
 #include "drivers/sick/cola/cola_stream.h"
 
 #include <algorithm>
+#include <cstring>
+
+#include "core/base/number_text.h"
 
 namespace lidard::sick {
 namespace {
@@ -51,7 +54,7 @@ void ColaStream::add(ByteView bytes) {
   buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
 }
 
-void ColaStream::reset() {
+void ColaStream::interrupt() {
   if (begin_ < buffer_.size()) ++counters_.incomplete;
   buffer_.clear();
   begin_ = 0;
@@ -130,6 +133,235 @@ ColaStream::Find ColaStream::find_text(ByteView rest, ColaTelegram& telegram, st
   telegram = {ColaDialect::a, rest.sub(1, end - 1)};
   used = end + 1;
   return Find::telegram;
+}
+
+namespace {
+
+float float_of_bits(std::uint32_t bits) {
+  float value = 0;
+  std::memcpy(&value, &bits, sizeof value);
+  return value;
+}
+
+int digit_of(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return c >= 'a' && c <= 'f' ? c - 'a' + 10 : 99;
+}
+
+}  // namespace
+
+std::uint32_t ColaBinaryReader::take(std::size_t size) {
+  if (!bytes_.has(at_, size)) {
+    ok_ = false;
+    at_ = bytes_.size();
+    return 0;
+  }
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < size; ++i) value = value << 8U | bytes_.data()[at_ + i];
+  at_ += size;
+  return value;
+}
+
+float ColaBinaryReader::f32() { return float_of_bits(take(4)); }
+
+std::size_t ColaBinaryReader::text_size() {
+  const std::uint8_t first = u8();
+  return first != 0 ? first : u8();
+}
+
+std::string_view ColaBinaryReader::text(std::size_t size) {
+  if (!bytes_.has(at_, size)) {
+    ok_ = false;
+    at_ = bytes_.size();
+    return {};
+  }
+  const std::string_view found = bytes_.sub(at_, size).text();
+  at_ += size;
+  return found;
+}
+
+void ColaBinaryReader::values(std::size_t count, bool wide, std::vector<std::uint16_t>& out) {
+  const std::size_t width = wide ? 2 : 1;
+  out.clear();
+  if (!bytes_.has(at_, count * width)) {
+    ok_ = false;
+    at_ = bytes_.size();
+    return;
+  }
+  out.resize(count);
+  const std::uint8_t* from = bytes_.data() + at_;
+  for (std::size_t i = 0; i < count; ++i) {
+    out[i] = wide ? static_cast<std::uint16_t>(from[2 * i] << 8U | from[2 * i + 1]) : from[i];
+  }
+  at_ += count * width;
+}
+
+std::string_view ColaTextReader::field() {
+  while (!text_.empty() && text_.front() == ' ') text_.remove_prefix(1);
+  const std::size_t end = std::min(text_.find(' '), text_.size());
+  const std::string_view found = text_.substr(0, end);
+  text_.remove_prefix(end);
+  if (found.empty()) ok_ = false;
+  return found;
+}
+
+/// Negative values come as the two's complement of their type, or with a sign.
+std::uint32_t ColaTextReader::number(std::uint32_t highest) {
+  std::string_view digits = field();
+  const bool has_sign = !digits.empty() && (digits.front() == '+' || digits.front() == '-');
+  const bool negative = has_sign && digits.front() == '-';
+  if (has_sign) digits.remove_prefix(1);
+  const int base = has_sign ? 10 : 16;
+  std::uint64_t value = 0;
+  if (digits.empty() || digits.size() > 10) ok_ = false;
+  for (const char c : digits.substr(0, 10)) {
+    const int digit = digit_of(c);
+    if (digit >= base) ok_ = false;
+    value = value * static_cast<std::uint64_t>(base) + static_cast<std::uint64_t>(digit);
+  }
+  if (value > highest) ok_ = false;
+  if (!ok_) return 0;
+  return static_cast<std::uint32_t>(negative ? 0 - value : value) & highest;
+}
+
+float ColaTextReader::f32() { return float_of_bits(number(0xffffffff)); }
+
+/// A text follows its length and one blank, and may hold blanks itself.
+std::string_view ColaTextReader::text(std::size_t size) {
+  if (size == 0) return {};
+  if (text_.size() < size + 1 || text_.front() != ' ') {
+    // A name of fixed length is the first field of the telegram's arguments, or stands behind one blank.
+    ok_ = false;
+    return {};
+  }
+  const std::string_view found = text_.substr(1, size);
+  text_.remove_prefix(size + 1);
+  return found;
+}
+
+void ColaTextReader::values(std::size_t count, bool wide, std::vector<std::uint16_t>& out) {
+  out.clear();
+  // Every value takes two characters at least: a lying count asks for no memory.
+  if (count > text_.size()) {
+    ok_ = false;
+    return;
+  }
+  out.resize(count);
+  const std::uint32_t highest = wide ? 0xffff : 0xff;
+  for (std::size_t i = 0; i < count && ok_; ++i) out[i] = static_cast<std::uint16_t>(number(highest));
+}
+
+std::size_t ColaTextReader::left() const {
+  std::size_t fields = 0;
+  bool inside = false;
+  for (const char c : text_) {
+    if (c != ' ' && !inside) ++fields;
+    inside = c != ' ';
+  }
+  return fields;
+}
+
+ColaWriter::ColaWriter(ColaDialect dialect, std::string_view command) : dialect_(dialect) {
+  bytes_.assign(command.begin(), command.end());
+}
+
+/// Text: between all fields. Binary: between the name and its arguments only.
+void ColaWriter::blank() {
+  if (dialect_ == ColaDialect::a || !has_arguments_) bytes_.push_back(' ');
+  has_arguments_ = true;
+}
+
+ColaWriter& ColaWriter::put(std::uint32_t value, std::size_t size) {
+  blank();
+  if (dialect_ == ColaDialect::b) {
+    for (std::size_t i = size; i-- > 0;) bytes_.push_back(static_cast<std::uint8_t>(value >> 8U * i & 0xffU));
+    return *this;
+  }
+  const std::string digits = printed("%X", value);
+  bytes_.insert(bytes_.end(), digits.begin(), digits.end());
+  return *this;
+}
+
+ColaWriter& ColaWriter::hash(std::uint32_t value) {
+  if (dialect_ == ColaDialect::b) return u32(value);
+  return letters(printed("%08X", value));
+}
+
+ColaWriter& ColaWriter::letters(std::string_view text) {
+  blank();
+  bytes_.insert(bytes_.end(), text.begin(), text.end());
+  return *this;
+}
+
+std::vector<std::uint8_t> ColaWriter::finish() {
+  // SICK 8014631 chapter 2.
+  constexpr std::uint8_t stx = 2;
+  constexpr std::uint8_t etx = 3;
+  std::vector<std::uint8_t> frame;
+  if (dialect_ == ColaDialect::a) {
+    frame.push_back(stx);
+    frame.insert(frame.end(), bytes_.begin(), bytes_.end());
+    frame.push_back(etx);
+    return frame;
+  }
+  frame.assign(4, stx);
+  for (std::size_t i = 4; i-- > 0;)
+    frame.push_back(static_cast<std::uint8_t>(bytes_.size() >> 8U * i & 0xffU));
+  frame.insert(frame.end(), bytes_.begin(), bytes_.end());
+  frame.push_back(ColaStream::checksum({bytes_.data(), bytes_.size()}));
+  return frame;
+}
+
+std::uint8_t cola_error_code(const ColaTelegram& telegram) {
+  // Binary: 16 bits right behind "sFA", recorded from an LMS511 without the blank that commands have.
+  ByteView rest = telegram.payload.from(3);
+  if (telegram.dialect == ColaDialect::a) {
+    ColaTextReader in(rest);
+    const std::uint16_t code = in.u16();
+    return in.ok() ? static_cast<std::uint8_t>(code) : 0xff;
+  }
+  if (rest.size() == 3) rest = rest.from(1);
+  return rest.size() == 2 ? rest.u8(1) : 0xff;
+}
+
+std::string cola_error_words(std::uint8_t code) {
+  // Codes 0 to 26: SICK 8014631 chapter "Error codes" (names also in sick_scan_xd, SopasBase.cpp).
+  constexpr std::array<const char*, 27> words = {
+      "no error",
+      "this user level may not do that; set user_level and user_level_password",
+      "the device does not know that method; its firmware or its family lacks it: check `model`",
+      "the device does not know that variable; its firmware or its family lacks it: check `model`",
+      "the device's state does not allow it now (starting, measuring, or in another mode); wait, or stop "
+      "what "
+      "else controls it (SOPAS ET)",
+      "the value is not allowed; check what this type of device supports",
+      "an error without a name; restart the device if it stays",
+      "the device's buffer is too small for that telegram; report it with the firmware version",
+      "the telegram was too short for the device; its firmware expects other arguments, report its version",
+      "a type is unknown to the device; report it with the firmware version",
+      "the setting may not be written at this user level; set user_level and user_level_password, and look "
+      "whether the device is locked",
+      "the device's name service does not know that command; report it with the firmware version",
+      "the device does not know that command; check `model` and ip_port (a device with two ports may speak "
+      "another language on each)",
+      "the device is busy with another method; it is asked again",
+      "an array index is out of bounds; report it with the firmware version",
+      "the device has no such event; its firmware or its family lacks it: check `model`",
+      "a number was too large for the device's text dialect; report it with the firmware version",
+      "the device found a character that its text dialect does not have; check that `ip_port` is the port of "
+      "the text dialect",
+      "the device's operating system sent no message; restart the device",
+      "the device's operating system sent no answer; restart the device",
+      "an internal error; restart the device",
+      "the address of a hub is damaged; check the network between",
+      "the address of a hub cannot be decoded; check the network between",
+      "a hub's address is too long; check the network between",
+      "a blank was expected in a hub's address; report it with the firmware version",
+      "methods that take time are switched off; switch them on with SOPAS ET",
+      "the device cannot handle arrays of that kind; report it with the firmware version"};
+  if (code < words.size()) return words.at(code);
+  return "an error code that SICK's telegram listing does not have; report it with the firmware version";
 }
 
 }  // namespace lidard::sick

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -43,10 +44,10 @@ class ColaStream {
 
   /// The next bytes of the stream. Take out all telegrams before adding more.
   void add(ByteView bytes);
-  /// The next whole telegram, valid until the next call of add(), reset() or next().
+  /// The next whole telegram, valid until the next call of add(), interrupt() or next().
   bool next(ColaTelegram& telegram);
   /// The stream begins or continues after a hole: what was begun will never be whole.
-  void reset();
+  void interrupt();
   /// The checksum of dialect B: all payload bytes, exclusive or.
   static std::uint8_t checksum(ByteView payload);
 
@@ -61,7 +62,114 @@ class ColaStream {
   std::size_t begin_ = 0;
   std::size_t searched_ = 0;  // text: this many bytes of the candidate hold no end
   bool in_step_ = false;      // the last thing was a telegram's end
-  bool joined_ = true;        // nothing but a lost beginning was skipped since reset()
+  bool joined_ = true;        // nothing but a lost beginning was skipped since interrupt()
 };
+
+/// Reads the arguments of a binary telegram one after the other (SICK 8014631 chapter 2.3: big-endian).
+/// A value that is not there makes ok() false and reads as 0.
+class ColaBinaryReader {
+ public:
+  explicit ColaBinaryReader(ByteView bytes) : bytes_(bytes) {}
+
+  bool ok() const { return ok_; }
+  std::uint8_t u8() { return static_cast<std::uint8_t>(take(1)); }
+  std::uint16_t u16() { return static_cast<std::uint16_t>(take(2)); }
+  std::uint32_t u32() { return take(4); }
+  std::int16_t i16() { return static_cast<std::int16_t>(u16()); }
+  std::int32_t i32() { return static_cast<std::int32_t>(u32()); }
+  float f32();
+  /// The number of characters of a text that follows: 16 bits in recorded telegrams, 8 in the manual of the
+  /// LMS500 (SICK 8013796 p. 83); no text is so long that its first byte could be 0 in the latter.
+  std::size_t text_size();
+  /// `size` characters; views into the telegram.
+  std::string_view text(std::size_t size);
+  /// `count` values of 8 or 16 bits.
+  void values(std::size_t count, bool wide, std::vector<std::uint16_t>& out);
+  /// What is left: bytes.
+  std::size_t left() const { return bytes_.size() - at_; }
+  /// What a value of `bytes` bytes takes of left().
+  static constexpr std::size_t units(std::size_t bytes) { return bytes; }
+
+ private:
+  std::uint32_t take(std::size_t size);
+
+  ByteView bytes_;
+  std::size_t at_ = 0;
+  bool ok_ = true;
+};
+
+/// Reads the arguments of a text telegram one after the other: fields separated by blanks, hexadecimal
+/// without a sign or decimal with one (SICK 8014631 chapter 2.2).
+class ColaTextReader {
+ public:
+  explicit ColaTextReader(ByteView text) : text_(text.text()) {}
+
+  bool ok() const { return ok_; }
+  std::uint8_t u8() { return static_cast<std::uint8_t>(number(0xff)); }
+  std::uint16_t u16() { return static_cast<std::uint16_t>(number(0xffff)); }
+  std::uint32_t u32() { return number(0xffffffff); }
+  std::int16_t i16() { return static_cast<std::int16_t>(u16()); }
+  std::int32_t i32() { return static_cast<std::int32_t>(u32()); }
+  float f32();
+  std::size_t text_size() { return u16(); }
+  std::string_view text(std::size_t size);
+  void values(std::size_t count, bool wide, std::vector<std::uint16_t>& out);
+  /// What is left: fields.
+  std::size_t left() const;
+  static constexpr std::size_t units(std::size_t) { return 1; }
+
+ private:
+  std::string_view field();
+  std::uint32_t number(std::uint32_t highest);
+
+  std::string_view text_;
+  bool ok_ = true;
+};
+
+/// Calls read(reader) with the reader of the telegram's dialect.
+template <class Read>
+auto read_arguments(const ColaTelegram& telegram, Read&& read) {
+  return telegram.dialect == ColaDialect::b ? read(ColaBinaryReader(telegram.arguments()))
+                                            : read(ColaTextReader(telegram.arguments()));
+}
+
+/// A flag, then the device's date and time if it is set.
+template <class Reader>
+void skip_time(Reader& in) {
+  if (in.u16() == 0) return;
+  in.u16();                             // year
+  for (int i = 0; i < 5; ++i) in.u8();  // month ... second
+  in.u32();                             // us
+}
+
+/// Writes one telegram: a command, then its arguments in order, then finish().
+class ColaWriter {
+ public:
+  ColaWriter(ColaDialect dialect, std::string_view command);
+
+  ColaWriter& u8(std::uint8_t value) { return put(value, 1); }
+  ColaWriter& u16(std::uint16_t value) { return put(value, 2); }
+  ColaWriter& u32(std::uint32_t value) { return put(value, 4); }
+  ColaWriter& i32(std::int32_t value) { return put(static_cast<std::uint32_t>(value), 4); }
+  /// A hash of eight digits: dialect A keeps leading zeros.
+  ColaWriter& hash(std::uint32_t value);
+  /// Characters without a length before them (channel names).
+  ColaWriter& letters(std::string_view text);
+  /// The telegram with its frame.
+  std::vector<std::uint8_t> finish();
+
+ private:
+  ColaWriter& put(std::uint32_t value, std::size_t size);
+  void blank();
+
+  ColaDialect dialect_;
+  bool has_arguments_ = false;
+  std::vector<std::uint8_t> bytes_;
+};
+
+/// The code of "sFA", or 0xff where it holds none.
+std::uint8_t cola_error_code(const ColaTelegram& telegram);
+/// What a refusal ("sFA" with that code) means and what to do about it.
+std::string cola_error_words(std::uint8_t code);
 
 }  // namespace lidard::sick

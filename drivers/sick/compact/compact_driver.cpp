@@ -1,17 +1,13 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/sick/compact/compact_driver.h"
-
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "drivers/dialogue.h"
 #include "drivers/driver_base.h"
+#include "drivers/sick/compact/compact_models.h"
 #include "drivers/sick/compact/compact_telegram.h"
 #include "drivers/sick/compact/frame_builder.h"
-#include "drivers/sick/compact/msgpack_telegram.h"
-#include "drivers/sick/compact/sopas_dialogue.h"
-#include "drivers/sick/compact/telegram_order.h"
-#include "drivers/sick/compact/telegram_stream.h"
 
 namespace lidard::sick {
 namespace {
@@ -30,7 +26,7 @@ class CompactDriver final : public DriverBase {
         clock_(config.clock),
         side_clock_(config.clock),
         warnings_(info_.warnings),
-        dialogue_(config) {
+        dialogue_(config.model->dialogue_port != 0 ? make_sopas_dialogue(config) : nullptr) {
     builder_ = config.model->kind == FrameKind::cloud ? make_cloud_builder(config_, clock_)
                                                       : make_scan_builder(config_, clock_, warnings_);
     imu_->frame_id = config.frame_id;
@@ -40,40 +36,274 @@ class CompactDriver final : public DriverBase {
         {"frame", 0}, {"ticks", 0}, {"speed", 0}, {"ticks at reference 1", 0}, {"ticks at reference 2", 0}};
   }
 
-  Reject receive(const Packet& packet, DriverOutput& out) override;
+  Reject receive(const Packet& packet, DriverOutput& out) override {
+    if (packet.transport == Transport::udp) return receive_datagram(packet, out);
+    if (!dialogue_) return receive_stream(packet, out);
+    dialogue_->receive(packet, out);
+    note_dialogue();
+    return Reject::none;
+  }
+
   void connected(Stamp now, DriverOutput& out) override {
-    if (has_dialogue()) dialogue_.connected(now, out);
+    if (dialogue_) dialogue_->connected(now, out);
   }
   void disconnected() override {
     stream_.cut(counters_);
-    if (has_dialogue()) dialogue_.disconnected();
+    if (dialogue_) dialogue_->disconnected();
   }
-  void tick(Stamp now, DriverOutput& out) override;
+
+  /// A frame whose last segment was lost must not wait for the next frame, which may be half a turn away.
+  void tick(Stamp now, DriverOutput& out) override {
+    if (dialogue_) {
+      const bool heard = last_stop_us_ != 0;
+      dialogue_->tick(now, heard ? std::optional<Stamp>(last_arrival_) : std::nullopt, out);
+      note_dialogue();
+    }
+    if (frames_.expected() == 0 || last_stop_us_ == 0) return;
+    const Span period = span_from_seconds(config_.model->frame_period);
+    if (now - last_arrival_ < period + deadline_slack) return;
+    flush(out, false);
+  }
+
   void finish(DriverOutput& out) override { flush(out, true); }
-  void restart() override;
+
+  void restart() override {
+    stream_.cut(counters_);
+    order_.reset();
+    frames_.restart();
+    builder_->restart();
+    clock_.reset();
+    side_clock_.reset();
+    first_frame_ = true;
+    sender_known_ = false;
+    last_stop_us_ = 0;
+    last_arrival_ = Stamp();
+  }
 
  private:
-  /// Its TCP connection is for settings, not for data.
-  bool has_dialogue() const { return config_.model->dialogue_port != 0; }
-  void note_dialogue();
-  Reject receive_datagram(const Packet& packet, DriverOutput& out);
-  Reject receive_stream(const Packet& packet, DriverOutput& out);
-  Reject take(ByteView telegram, TelegramType type, Stamp arrival, DriverOutput& out);
-  Reject take_scan(ByteView telegram, TelegramType type, Stamp arrival, DriverOutput& out);
-  Reject take_segment(Stamp arrival, DriverOutput& out);
-  Reject take_imu(ByteView telegram, Stamp arrival, DriverOutput& out);
-  Reject take_encoder(ByteView telegram, Stamp arrival, DriverOutput& out);
-  bool is_ours(std::uint32_t sender, Stamp arrival);
-  void begin_stream(DriverOutput& out);
-  void flush(DriverOutput& out, bool torn);
-  void end_frame(std::size_t slot, bool torn, DriverOutput& out);
-  void note_format();
-  Stamp stamp_of(std::uint64_t us, Stamp arrival);
+  void note_dialogue() {
+    const DeviceInfo& info = dialogue_->info();
+    warnings_.set(SegmentTrouble::dialogue, info.warnings.empty() ? std::string() : info.warnings.back());
+    for (const auto& [key, value] : info.details) info_.set(key, value);
+  }
+
+  Reject receive_datagram(const Packet& packet, DriverOutput& out) {
+    counters_.bytes += packet.payload.size();
+    ByteView rest = packet.payload;
+    Reject result = Reject::none;
+    do {
+      const TelegramHead head = read_head(rest);
+      Reject reason = head.reject;
+      if (reason == Reject::none && (head.length == 0 || head.length > rest.size())) reason = Reject::size;
+      const bool known = head.type <= TelegramType::imu || head.type == TelegramType::encoder;
+      if (!known) {
+        // Nobody reads those; a datagram ends where its telegram ends.
+        ++counters_.other_packets;
+        return result;
+      }
+      if (reason == Reject::none && !checksum_is_right(rest.sub(0, head.length), head.type))
+        reason = Reject::checksum;
+      if (reason != Reject::none) {
+        ++counters_.packets;
+        counters_.reject(reason);
+        return reason;
+      }
+      const Reject taken = take(rest.sub(0, head.length), head.type, packet.arrival, out);
+      if (taken != Reject::none) result = taken;
+      rest = rest.from(head.length);
+    } while (!rest.empty());
+    return result;
+  }
+
+  Reject receive_stream(const Packet& packet, DriverOutput& out) {
+    if (packet.stream_start || packet.missing > 0) stream_.cut(counters_);
+    counters_.bytes += packet.payload.size();
+    Reject result = Reject::none;
+    const Reject skipped = stream_.feed(packet.payload, counters_, [&](ByteView telegram, TelegramType type) {
+      const Reject taken = take(telegram, type, packet.arrival, out);
+      if (taken != Reject::none) result = taken;
+    });
+    return skipped != Reject::none ? skipped : result;
+  }
+
+  Reject take(ByteView telegram, TelegramType type, Stamp arrival, DriverOutput& out) {
+    const bool is_scan = type == TelegramType::scan || type == TelegramType::msgpack;
+    ++(is_scan ? counters_.packets : counters_.other_packets);
+    Reject reason = Reject::none;
+    if (is_scan) reason = take_scan(telegram, type, arrival, out);
+    if (type == TelegramType::imu) reason = take_imu(telegram, arrival, out);
+    if (type == TelegramType::encoder) reason = take_encoder(telegram, arrival, out);
+    if (reason != Reject::none) counters_.reject(reason);
+    return reason;
+  }
+
+  Reject take_scan(ByteView telegram, TelegramType type, Stamp arrival, DriverOutput& out) {
+    const Reject reason = type == TelegramType::msgpack ? parse_msgpack(telegram, segment_)
+                                                        : parse_compact_scan(telegram, segment_);
+    if (reason != Reject::none) return reason;
+    if (!is_ours(segment_.sender, arrival)) {
+      ++counters_.other_packets;
+      return Reject::none;
+    }
+    const Reject fit = builder_->check(segment_);
+    if (fit != Reject::none) return fit;
+    const auto order = order_.add(segment_.counter, counters_);
+    if (order == TelegramOrder::Verdict::duplicate) return Reject::duplicate;
+    const std::uint64_t stop_us = segment_.stop_us();
+    const bool jumped = last_stop_us_ != 0 && (stop_us + one_clock_us < last_stop_us_ ||
+                                               stop_us > last_stop_us_ + 3600 * one_clock_us);
+    if (order == TelegramOrder::Verdict::restart || jumped) {
+      begin_stream(out);
+      if (jumped) {
+        clock_.reset();
+        ++clock_restarts_;
+        last_stop_us_ = 0;
+      }
+    }
+    note_format();
+    return take_segment(arrival, out);
+  }
+
+  Reject take_segment(Stamp arrival, DriverOutput& out) {
+    const std::uint64_t stop_us = segment_.stop_us();
+    clock_.observe(device_span(stop_us), arrival);
+    counters_.clock_steps = clock_.steps() + clock_restarts_;
+    if (stop_us > last_stop_us_) {
+      last_stop_us_ = stop_us;
+      last_arrival_ = arrival;
+    }
+    if (!adopted_ || !builder_->continues(segment_)) {
+      flush(out, true);
+      frames_.reset();
+      first_frame_ = true;
+      builder_->adopt(segment_);
+      adopted_ = builder_->continues(segment_);
+      if (!adopted_) return Reject::field;
+    }
+    std::size_t slot = 0;
+    const auto release = [&](std::size_t done) { end_frame(done, false, out); };
+    const Reject reason = frames_.place(segment_, slot, release);
+    if (reason != Reject::none) return reason;
+    if (frames_.frame(slot).telegrams == 1) builder_->begin(slot);
+    builder_->add(slot, segment_, static_cast<std::uint32_t>(counters_.packets - 1));
+    frames_.settle(release);
+    return Reject::none;
+  }
+
+  Reject take_imu(ByteView telegram, Stamp arrival, DriverOutput& out) {
+    ImuTelegram read;
+    const Reject reason = parse_imu(telegram, read);
+    if (reason != Reject::none) return reason;
+    if (read.time_us > latest_device_us) return Reject::field;
+    imu_->stamp = stamp_of(read.time_us, arrival);
+    imu_->linear_acceleration = {read.acceleration[0], read.acceleration[1], read.acceleration[2]};
+    imu_->angular_velocity = {read.angular_velocity[0], read.angular_velocity[1], read.angular_velocity[2]};
+    const Eigen::Quaterniond turned(read.orientation[0], read.orientation[1], read.orientation[2],
+                                    read.orientation[3]);
+    imu_->orientation.reset();
+    if (std::fabs(turned.norm() - 1) < 0.1) imu_->orientation = turned.normalized();
+    out.message(imu_);
+    return Reject::none;
+  }
+
+  Reject take_encoder(ByteView telegram, Stamp arrival, DriverOutput& out) {
+    EncoderTelegram read;
+    const Reject reason = parse_encoder(telegram, read);
+    if (reason != Reject::none) return reason;
+    if (read.transmit_us > latest_device_us) return Reject::field;
+    // The time of the tick has lost its upper half in the telegrams of a picoScan150 that are public; that of
+    // the transmission has not, and is near.
+    constexpr std::uint64_t half = 0xffffffffU;
+    auto apart =
+        static_cast<std::int32_t>(static_cast<std::uint32_t>((read.tick_us - read.transmit_us) & half));
+    if (apart < 0 && static_cast<std::uint64_t>(-static_cast<std::int64_t>(apart)) > read.transmit_us)
+      apart = 0;
+    const std::uint64_t us = read.transmit_us + static_cast<std::uint64_t>(static_cast<std::int64_t>(apart));
+    encoder_->stamp = stamp_of(us, arrival);
+    encoder_->values[0].value = static_cast<double>(read.frame);
+    encoder_->values[1].value = read.ticks;
+    encoder_->values[2].value = read.speed;
+    encoder_->values[3].value = read.reference_ticks[0];
+    encoder_->values[4].value = read.reference_ticks[1];
+    if (config_.model->tells<DeviceState>()) out.message(encoder_);
+    return Reject::none;
+  }
+
+  bool is_ours(std::uint32_t sender, Stamp arrival) {
+    if (sender_known_ && sender == sender_) return true;
+    if (sender_known_ && std::chrono::abs(arrival - last_arrival_) <= silence) {
+      if (!warnings_.is_set(SegmentTrouble::other_device))
+        warnings_.set(SegmentTrouble::other_device,
+                      "device " + std::to_string(sender) + " sends to the same place as device " +
+                          std::to_string(sender_) + " and is left out; set ip_address for each");
+      return false;
+    }
+    if (sender_known_)
+      warnings_.set(SegmentTrouble::other_device, "device " + std::to_string(sender_) +
+                                                      " was replaced by device " + std::to_string(sender) +
+                                                      "; check its pose");
+    sender_known_ = true;
+    sender_ = sender;
+    order_.reset();
+    frames_.restart();
+    first_frame_ = true;
+    clock_.reset();
+    last_stop_us_ = 0;
+    // MSGPACK of older firmware has no serial number.
+    if (sender != 0) info_.serial = std::to_string(sender);
+    return true;
+  }
+
+  /// The device was switched off and on, or its counters start again for another reason.
+  void begin_stream(DriverOutput& out) {
+    flush(out, true);
+    frames_.restart();
+    first_frame_ = true;
+  }
+
+  void flush(DriverOutput& out, bool torn) {
+    while (frames_.release_oldest([&](std::size_t slot) { end_frame(slot, torn, out); })) {
+    }
+  }
+
+  void end_frame(std::size_t slot, bool torn, DriverOutput& out) {
+    const OpenFrames::Frame& frame = frames_.frame(slot);
+    FrameEnd how;
+    how.segments = frame.segments;
+    how.expected = frames_.expected();
+    how.torn = (torn || first_frame_) && !how.complete();
+    first_frame_ = false;
+    if (builder_->end(slot, how, out))
+      ++counters_.frames;
+    else
+      ++counters_.partial_frames;
+  }
+
+  void note_format() {
+    if (segment_.version == told_version_) return;
+    told_version_ = segment_.version;
+    info_.set("Scan Data Format",
+              told_version_ == 0 ? "MSGPACK" : "Compact, version " + std::to_string(told_version_));
+  }
+
+  /// Host time of what an inertial unit or encoder measured. Their device time is the scans'; it is taken for
+  /// its own where there are no scans or where it is not.
+  Stamp stamp_of(std::uint64_t us, Stamp arrival) {
+    const std::uint64_t apart = us > last_stop_us_ ? us - last_stop_us_ : last_stop_us_ - us;
+    Stamp stamp;
+    if (clock_.ready() && apart < one_clock_us) {
+      stamp = clock_.to_host(device_span(us));
+    } else {
+      side_clock_.observe(device_span(us), arrival);
+      stamp = side_clock_.to_host(device_span(us));
+    }
+    return std::min(stamp, arrival) + config_.time_offset;
+  }
 
   DeviceClock clock_;
   DeviceClock side_clock_;  // of inertial unit and encoder, where their time is another one
   SegmentWarnings warnings_;
-  SopasDialogue dialogue_;
+  std::unique_ptr<SideDialogue> dialogue_;  // of a device whose TCP connection is for settings, not for data
   Segment segment_;
   TelegramStream stream_;
   TelegramOrder order_;
@@ -90,281 +320,6 @@ class CompactDriver final : public DriverBase {
   ReusedMessage<ImuSample> imu_;
   ReusedMessage<DeviceState> encoder_;
 };
-
-Reject CompactDriver::receive(const Packet& packet, DriverOutput& out) {
-  if (packet.transport == Transport::udp) return receive_datagram(packet, out);
-  if (!has_dialogue()) return receive_stream(packet, out);
-  dialogue_.receive(packet, out);
-  note_dialogue();
-  return Reject::none;
-}
-
-void CompactDriver::note_dialogue() {
-  warnings_.set(SegmentTrouble::dialogue, dialogue_.warning());
-  if (!dialogue_.data_output().empty()) info_.set("Data Output", dialogue_.data_output());
-}
-
-Reject CompactDriver::receive_datagram(const Packet& packet, DriverOutput& out) {
-  counters_.bytes += packet.payload.size();
-  ByteView rest = packet.payload;
-  Reject result = Reject::none;
-  do {
-    const TelegramHead head = read_head(rest);
-    Reject reason = head.reject;
-    if (reason == Reject::none && (head.length == 0 || head.length > rest.size())) reason = Reject::size;
-    const bool known = head.type <= TelegramType::imu || head.type == TelegramType::encoder;
-    if (!known) {
-      // Nobody reads those; a datagram ends where its telegram ends.
-      ++counters_.other_packets;
-      return result;
-    }
-    if (reason == Reject::none && !checksum_is_right(rest.sub(0, head.length), head.type))
-      reason = Reject::checksum;
-    if (reason != Reject::none) {
-      ++counters_.packets;
-      counters_.reject(reason);
-      return reason;
-    }
-    const Reject taken = take(rest.sub(0, head.length), head.type, packet.arrival, out);
-    if (taken != Reject::none) result = taken;
-    rest = rest.from(head.length);
-  } while (!rest.empty());
-  return result;
-}
-
-Reject CompactDriver::receive_stream(const Packet& packet, DriverOutput& out) {
-  if (packet.stream_start || packet.missing > 0) stream_.cut(counters_);
-  counters_.bytes += packet.payload.size();
-  Reject result = Reject::none;
-  const Reject skipped = stream_.feed(packet.payload, counters_, [&](ByteView telegram, TelegramType type) {
-    const Reject taken = take(telegram, type, packet.arrival, out);
-    if (taken != Reject::none) result = taken;
-  });
-  return skipped != Reject::none ? skipped : result;
-}
-
-Reject CompactDriver::take(ByteView telegram, TelegramType type, Stamp arrival, DriverOutput& out) {
-  Reject reason = Reject::none;
-  switch (type) {
-    case TelegramType::scan:
-    case TelegramType::msgpack:
-      ++counters_.packets;
-      reason = take_scan(telegram, type, arrival, out);
-      break;
-    case TelegramType::imu:
-      ++counters_.other_packets;
-      reason = take_imu(telegram, arrival, out);
-      break;
-    case TelegramType::encoder:
-      ++counters_.other_packets;
-      reason = take_encoder(telegram, arrival, out);
-      break;
-    default:
-      ++counters_.other_packets;
-      break;
-  }
-  if (reason != Reject::none) counters_.reject(reason);
-  return reason;
-}
-
-Reject CompactDriver::take_scan(ByteView telegram, TelegramType type, Stamp arrival, DriverOutput& out) {
-  const Reject reason = type == TelegramType::msgpack ? parse_msgpack(telegram, segment_)
-                                                      : parse_compact_scan(telegram, segment_);
-  if (reason != Reject::none) return reason;
-  if (!is_ours(segment_.sender, arrival)) {
-    ++counters_.other_packets;
-    return Reject::none;
-  }
-  const Reject fit = builder_->check(segment_);
-  if (fit != Reject::none) return fit;
-  const auto order = order_.add(segment_.counter, counters_);
-  if (order == TelegramOrder::Verdict::duplicate) return Reject::duplicate;
-  const std::uint64_t stop_us = segment_.stop_us();
-  const bool jumped = last_stop_us_ != 0 && (stop_us + one_clock_us < last_stop_us_ ||
-                                             stop_us > last_stop_us_ + 3600 * one_clock_us);
-  if (order == TelegramOrder::Verdict::restart || jumped) {
-    begin_stream(out);
-    if (jumped) {
-      clock_.reset();
-      ++clock_restarts_;
-      last_stop_us_ = 0;
-    }
-  }
-  note_format();
-  return take_segment(arrival, out);
-}
-
-Reject CompactDriver::take_segment(Stamp arrival, DriverOutput& out) {
-  const std::uint64_t stop_us = segment_.stop_us();
-  clock_.observe(device_span(stop_us), arrival);
-  counters_.clock_steps = clock_.steps() + clock_restarts_;
-  if (stop_us > last_stop_us_) {
-    last_stop_us_ = stop_us;
-    last_arrival_ = arrival;
-  }
-  if (!adopted_ || !builder_->continues(segment_)) {
-    flush(out, true);
-    frames_.reset();
-    first_frame_ = true;
-    builder_->adopt(segment_);
-    adopted_ = builder_->continues(segment_);
-    if (!adopted_) return Reject::field;
-  }
-  std::size_t slot = 0;
-  const auto release = [&](std::size_t done) { end_frame(done, false, out); };
-  switch (frames_.place(segment_, slot, release)) {
-    case OpenFrames::Verdict::used:
-      break;
-    case OpenFrames::Verdict::stale:
-      return Reject::stale;
-    case OpenFrames::Verdict::doubled:
-      return Reject::duplicate;
-    case OpenFrames::Verdict::impossible:
-      return Reject::field;
-  }
-  if (frames_.frame(slot).telegrams == 1) builder_->begin(slot);
-  builder_->add(slot, segment_, static_cast<std::uint32_t>(counters_.packets - 1));
-  frames_.settle(release);
-  return Reject::none;
-}
-
-void CompactDriver::end_frame(std::size_t slot, bool torn, DriverOutput& out) {
-  const OpenFrames::Frame& frame = frames_.frame(slot);
-  FrameEnd how;
-  how.segments = frame.segments;
-  how.expected = frames_.expected();
-  how.torn = (torn || first_frame_) && !how.complete();
-  first_frame_ = false;
-  if (builder_->end(slot, how, out))
-    ++counters_.frames;
-  else
-    ++counters_.partial_frames;
-}
-
-void CompactDriver::flush(DriverOutput& out, bool torn) {
-  while (frames_.release_oldest([&](std::size_t slot) { end_frame(slot, torn, out); })) {
-  }
-}
-
-/// The device was switched off and on, or its counters start again for another reason.
-void CompactDriver::begin_stream(DriverOutput& out) {
-  flush(out, true);
-  frames_.restart();
-  first_frame_ = true;
-}
-
-/// A frame whose last segment was lost must not wait for the next frame, which may be half a turn away.
-void CompactDriver::tick(Stamp now, DriverOutput& out) {
-  if (has_dialogue()) {
-    const bool heard = last_stop_us_ != 0;
-    dialogue_.tick(now, heard ? std::optional<Stamp>(last_arrival_) : std::nullopt, out);
-    note_dialogue();
-  }
-  if (frames_.expected() == 0 || last_stop_us_ == 0) return;
-  const Span period = span_from_seconds(config_.model->frame_period);
-  if (now - last_arrival_ < period + deadline_slack) return;
-  flush(out, false);
-}
-
-bool CompactDriver::is_ours(std::uint32_t sender, Stamp arrival) {
-  if (sender_known_ && sender == sender_) return true;
-  if (sender_known_ && std::chrono::abs(arrival - last_arrival_) <= silence) {
-    if (!warnings_.is_set(SegmentTrouble::other_device))
-      warnings_.set(SegmentTrouble::other_device,
-                    "device " + std::to_string(sender) + " sends to the same place as device " +
-                        std::to_string(sender_) + " and is left out; set ip_address for each");
-    return false;
-  }
-  if (sender_known_)
-    warnings_.set(SegmentTrouble::other_device, "device " + std::to_string(sender_) +
-                                                    " was replaced by device " + std::to_string(sender) +
-                                                    "; check its pose");
-  sender_known_ = true;
-  sender_ = sender;
-  order_.reset();
-  frames_.restart();
-  first_frame_ = true;
-  clock_.reset();
-  last_stop_us_ = 0;
-  // MSGPACK of older firmware has no serial number.
-  if (sender != 0) info_.serial = std::to_string(sender);
-  return true;
-}
-
-void CompactDriver::note_format() {
-  if (segment_.version == told_version_) return;
-  told_version_ = segment_.version;
-  info_.set("Scan Data Format",
-            told_version_ == 0 ? "MSGPACK" : "Compact, version " + std::to_string(told_version_));
-}
-
-/// Host time of what an inertial unit or encoder measured. Their device time is the scans'; it is taken for
-/// its own where there are no scans or where it is not.
-Stamp CompactDriver::stamp_of(std::uint64_t us, Stamp arrival) {
-  const std::uint64_t apart = us > last_stop_us_ ? us - last_stop_us_ : last_stop_us_ - us;
-  Stamp stamp;
-  if (clock_.ready() && apart < one_clock_us) {
-    stamp = clock_.to_host(device_span(us));
-  } else {
-    side_clock_.observe(device_span(us), arrival);
-    stamp = side_clock_.to_host(device_span(us));
-  }
-  return std::min(stamp, arrival) + config_.time_offset;
-}
-
-Reject CompactDriver::take_imu(ByteView telegram, Stamp arrival, DriverOutput& out) {
-  constexpr std::uint64_t latest_us = 9'000'000'000'000'000;
-  ImuTelegram read;
-  const Reject reason = parse_imu(telegram, read);
-  if (reason != Reject::none) return reason;
-  if (read.time_us > latest_us) return Reject::field;
-  imu_->stamp = stamp_of(read.time_us, arrival);
-  imu_->linear_acceleration = {read.acceleration[0], read.acceleration[1], read.acceleration[2]};
-  imu_->angular_velocity = {read.angular_velocity[0], read.angular_velocity[1], read.angular_velocity[2]};
-  const Eigen::Quaterniond turned(read.orientation[0], read.orientation[1], read.orientation[2],
-                                  read.orientation[3]);
-  imu_->orientation.reset();
-  if (std::fabs(turned.norm() - 1) < 0.1) imu_->orientation = turned.normalized();
-  out.message(imu_);
-  return Reject::none;
-}
-
-Reject CompactDriver::take_encoder(ByteView telegram, Stamp arrival, DriverOutput& out) {
-  constexpr std::uint64_t latest_us = 9'000'000'000'000'000;
-  EncoderTelegram read;
-  const Reject reason = parse_encoder(telegram, read);
-  if (reason != Reject::none) return reason;
-  if (read.transmit_us > latest_us) return Reject::field;
-  // The time of the tick has lost its upper half in the telegrams of a picoScan150 that are public; that of
-  // the transmission has not, and is near.
-  constexpr std::uint64_t half = 0xffffffffU;
-  auto apart =
-      static_cast<std::int32_t>(static_cast<std::uint32_t>((read.tick_us - read.transmit_us) & half));
-  if (apart < 0 && static_cast<std::uint64_t>(-static_cast<std::int64_t>(apart)) > read.transmit_us)
-    apart = 0;
-  const std::uint64_t us = read.transmit_us + static_cast<std::uint64_t>(static_cast<std::int64_t>(apart));
-  encoder_->stamp = stamp_of(us, arrival);
-  encoder_->values[0].value = static_cast<double>(read.frame);
-  encoder_->values[1].value = read.ticks;
-  encoder_->values[2].value = read.speed;
-  encoder_->values[3].value = read.reference_ticks[0];
-  encoder_->values[4].value = read.reference_ticks[1];
-  if (config_.model->tells<DeviceState>()) out.message(encoder_);
-  return Reject::none;
-}
-
-void CompactDriver::restart() {
-  stream_.cut(counters_);
-  order_.reset();
-  frames_.restart();
-  builder_->restart();
-  clock_.reset();
-  side_clock_.reset();
-  first_frame_ = true;
-  sender_known_ = false;
-  last_stop_us_ = 0;
-  last_arrival_ = Stamp();
-}
 
 }  // namespace
 

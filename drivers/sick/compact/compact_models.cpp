@@ -2,21 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/sick/compact/compact_models.h"
 
-#include "drivers/sick/compact/compact_driver.h"
 #include "drivers/sick/compact/compact_telegram.h"
-#include "drivers/sick/compact/msgpack_telegram.h"
-#include "drivers/sick/compact/telegram_stream.h"
 
 namespace lidard::sick {
 namespace {
 
 Model compact_model(const char* name, const char* product, const char* protocol, const char* verified) {
-  Model model;
-  model.name = name;
-  model.vendor = "SICK";
-  model.product = product;
-  model.protocol = protocol;
-  model.verified = verified;
+  Model model{name, "SICK", product, protocol, verified};
   model.port = 2115;
   model.frame_period = 0.05;
   model.range_min = 0.05;
@@ -86,7 +78,21 @@ namespace {
 
 class CompactRecognizer final : public Recognizer {
  public:
-  void add(const Packet& packet) override;
+  void add(const Packet& packet) override {
+    if (!verdict_.empty()) return;
+    if (packet.transport == Transport::tcp) {
+      if (packet.stream_start || packet.missing > 0) stream_.cut(counters_);
+      static_cast<void>(stream_.feed(packet.payload, counters_, [&](ByteView telegram, TelegramType type) {
+        judge(telegram, type, packet.transport);
+      }));
+      return;
+    }
+    const TelegramHead head = read_head(packet.payload);
+    if (head.reject != Reject::none || head.length == 0 || head.length > packet.payload.size()) return;
+    const ByteView telegram = packet.payload.sub(0, head.length);
+    if (checksum_is_right(telegram, head.type)) judge(telegram, head.type, packet.transport);
+  }
+
   std::string_view verdict() const override { return verdict_; }
   std::vector<std::string_view> others() const override {
     return names_of(append_compact_models, [this](const Model& model) {
@@ -95,7 +101,18 @@ class CompactRecognizer final : public Recognizer {
   }
 
  private:
-  void judge(ByteView telegram, TelegramType type, Transport transport);
+  void judge(ByteView telegram, TelegramType type, Transport transport) {
+    auto segment = std::make_unique<Segment>();
+    Reject reason = Reject::magic;
+    if (type == TelegramType::msgpack) reason = parse_msgpack(telegram, *segment);
+    if (type == TelegramType::scan) reason = parse_compact_scan(telegram, *segment);
+    if (reason != Reject::none) return;
+    transport_ = transport;
+    kind_ = transport == Transport::udp && segment->line_count > 1 ? FrameKind::cloud : FrameKind::scan;
+    verdict_ = transport == Transport::tcp ? "sick_lrs4000"
+               : kind_ == FrameKind::cloud ? "sick_multiscan136"
+                                           : "sick_picoscan150";
+  }
 
   TelegramStream stream_;
   Counters counters_;
@@ -103,34 +120,6 @@ class CompactRecognizer final : public Recognizer {
   FrameKind kind_ = FrameKind::scan;
   Transport transport_ = Transport::udp;
 };
-
-void CompactRecognizer::judge(ByteView telegram, TelegramType type, Transport transport) {
-  auto segment = std::make_unique<Segment>();
-  Reject reason = Reject::magic;
-  if (type == TelegramType::msgpack) reason = parse_msgpack(telegram, *segment);
-  if (type == TelegramType::scan) reason = parse_compact_scan(telegram, *segment);
-  if (reason != Reject::none) return;
-  transport_ = transport;
-  kind_ = transport == Transport::udp && segment->line_count > 1 ? FrameKind::cloud : FrameKind::scan;
-  verdict_ = transport == Transport::tcp ? "sick_lrs4000"
-             : kind_ == FrameKind::cloud ? "sick_multiscan136"
-                                         : "sick_picoscan150";
-}
-
-void CompactRecognizer::add(const Packet& packet) {
-  if (!verdict_.empty()) return;
-  if (packet.transport == Transport::tcp) {
-    if (packet.stream_start || packet.missing > 0) stream_.cut(counters_);
-    static_cast<void>(stream_.feed(packet.payload, counters_, [&](ByteView telegram, TelegramType type) {
-      judge(telegram, type, packet.transport);
-    }));
-    return;
-  }
-  const TelegramHead head = read_head(packet.payload);
-  if (head.reject != Reject::none || head.length == 0 || head.length > packet.payload.size()) return;
-  const ByteView telegram = packet.payload.sub(0, head.length);
-  if (checksum_is_right(telegram, head.type)) judge(telegram, head.type, packet.transport);
-}
 
 }  // namespace
 

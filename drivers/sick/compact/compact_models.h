@@ -2,9 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <vector>
 
+#include "drivers/driver.h"
 #include "drivers/recognizer.h"
+
+namespace lidard {
+class SideDialogue;
+}
 
 namespace lidard::sick {
 
@@ -15,5 +21,12 @@ void append_compact_models(std::vector<Model>& list);
 /// LRS4000), several a multiScan136, and only the configuration can say that it is a sister with another
 /// range.
 std::unique_ptr<Recognizer> make_compact_recognizer();
+
+/// Driver of the devices that send Compact or MSGPACK telegrams: picoScan100, multiScan100, LRS4000.
+/// `config.model` must be one of append_compact_models().
+std::unique_ptr<Driver> make_compact_driver(const DriverConfig& config);
+
+/// The settings of a picoScan100 or multiScan100 over TCP.
+std::unique_ptr<SideDialogue> make_sopas_dialogue(const DriverConfig& config);
 
 }  // namespace lidard::sick

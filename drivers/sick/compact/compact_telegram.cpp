@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/sick/compact/compact_telegram.h"
 
+#include <algorithm>
 #include <boost/crc.hpp>
 #include <cmath>
 #include <cstring>
@@ -219,15 +220,39 @@ Reject parse_imu(ByteView telegram, ImuTelegram& out) {
 Reject parse_encoder(ByteView telegram, EncoderTelegram& out) {
   if (telegram.size() != encoder_bytes) return Reject::size;
   if (telegram.le32(24) != 1) return Reject::version;
-  out.counter = telegram.le64(8);
   out.transmit_us = telegram.le64(16);
-  out.sender = telegram.le32(32);
   out.frame = telegram.le64(36);
   out.ticks = telegram.le32(44);
   out.reference_ticks = {telegram.le32(48), telegram.le32(52)};
   out.speed = f32(telegram, 56);
   out.tick_us = telegram.le64(60);
   return std::isfinite(out.speed) ? Reject::none : Reject::field;
+}
+
+namespace {
+
+constexpr std::uint8_t mark_byte = 0x02;
+
+}  // namespace
+
+void TelegramStream::append(ByteView chunk) {
+  buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(at_));
+  at_ = 0;
+  buffer_.insert(buffer_.end(), chunk.begin(), chunk.end());
+}
+
+/// Steps over at least one byte, to the next that may begin a start mark.
+void TelegramStream::skip_to_mark() {
+  if (rest().empty()) return;
+  const auto from = buffer_.begin() + static_cast<std::ptrdiff_t>(at_) + 1;
+  at_ = static_cast<std::size_t>(std::find(from, buffer_.end(), mark_byte) - buffer_.begin());
+}
+
+void TelegramStream::cut(Counters& counters) {
+  if (in_step_ && !rest().empty()) ++counters.incomplete;
+  buffer_.clear();
+  at_ = 0;
+  in_step_ = false;
 }
 
 }  // namespace lidard::sick

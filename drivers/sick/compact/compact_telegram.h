@@ -3,14 +3,125 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
-#include <optional>
+#include <cstring>
+#include <vector>
 
 #include "core/base/bytes.h"
 #include "core/base/counters.h"
-#include "drivers/sick/compact/segment.h"
 
 namespace lidard::sick {
+
+/// Echoes of a beam that are read; picoScan100 and multiScan100 send three at most.
+constexpr std::size_t max_echoes = 5;
+/// Scan lines of one telegram; a multiScan100 has 16 layers.
+constexpr std::size_t max_lines = 64;
+/// Segments of one frame; picoScan100 and multiScan100 send 12 at most.
+constexpr std::size_t max_segments = 64;
+/// Beams of one line; a full turn in steps of 0.02 deg.
+constexpr std::size_t max_beams = 18000;
+
+/// So that nanoseconds since 1970 fit into 63 bits.
+constexpr std::uint64_t latest_device_us = 9'000'000'000'000'000;
+
+/// How the elements of a column are written. Little-endian all.
+enum class Element : std::uint8_t { u8, u16, u32, f32 };
+
+/// One quantity of the beams of a line, where it lies in the telegram.
+struct Column {
+  const std::uint8_t* data = nullptr;  ///< of the first beam; nullptr: not sent
+  std::uint32_t stride = 0;            ///< bytes from beam to beam
+  Element element = Element::u16;
+
+  bool sent() const { return data != nullptr; }
+  /// The value of a beam, as it stands on the wire.
+  double operator[](std::size_t beam) const {
+    const std::uint8_t* at = data + beam * stride;
+    const ByteView bytes(at, 4);
+    switch (element) {
+      case Element::u8:
+        return *at;
+      case Element::u16:
+        return at[0] | at[1] << 8U;
+      case Element::u32:
+        return bytes.le32(0);
+      case Element::f32: {
+        const std::uint32_t raw = bytes.le32(0);
+        float value = 0;
+        std::memcpy(&value, &raw, sizeof value);
+        return static_cast<double>(value);
+      }
+    }
+    return 0;
+  }
+};
+
+/// One line of a segment: the beams of one layer. Angles in rad, counter-clockwise from the front (REP 103).
+struct SegmentLine {
+  std::uint64_t start_us = 0, stop_us = 0;  ///< device time of the first and the last beam
+  double elevation = 0;                     ///< upwards
+  double theta_start = 0, theta_stop = 0;   ///< azimuth of the first and the last beam, as announced
+  std::size_t beams = 0;
+  std::size_t echoes = 0;
+  double metres = 0.001;                    ///< of one step of the distance
+  std::array<Column, max_echoes> distance;  ///< 0: no echo
+  std::array<Column, max_echoes> rssi;
+  Column properties;      ///< bit 0: reflector
+  Column theta;           ///< azimuth of each beam
+  double theta_zero = 0;  ///< azimuth = (theta - theta_zero) * theta_step
+  double theta_step = 1;  ///< rad
+
+  /// Azimuth of a beam as the beam itself tells it, else by the announced ends.
+  double azimuth(std::size_t beam) const {
+    if (theta.sent()) return (theta[beam] - theta_zero) * theta_step;
+    if (beams < 2) return theta_start;
+    return theta_start +
+           (theta_stop - theta_start) * static_cast<double>(beam) / static_cast<double>(beams - 1);
+  }
+  /// Device time of a beam, us.
+  double time_us(std::size_t beam) const {
+    const double share = beams < 2 ? 0 : static_cast<double>(beam) / static_cast<double>(beams - 1);
+    return static_cast<double>(stop_us - start_us) * share;  // after start_us
+  }
+};
+
+/// A part of a frame as one telegram carries it, whatever its format. Points into the telegram.
+struct Segment {
+  std::uint64_t counter = 0;  ///< of telegrams
+  std::uint64_t frame = 0;
+  std::uint64_t index = 0;    ///< within the frame
+  std::uint32_t sender = 0;   ///< serial number
+  std::uint32_t version = 0;  ///< of the Compact format; 0: MSGPACK
+  std::size_t line_count = 0;
+  std::array<SegmentLine, max_lines> lines;
+
+  /// Device time when its last beam was measured, us: it cannot have left before.
+  std::uint64_t stop_us() const {
+    std::uint64_t last = 0;
+    for (std::size_t i = 0; i < line_count; ++i) last = lines[i].stop_us > last ? lines[i].stop_us : last;
+    return last;
+  }
+  std::uint64_t start_us() const {
+    std::uint64_t first = lines[0].start_us;
+    for (std::size_t i = 1; i < line_count; ++i)
+      first = lines[i].start_us < first ? lines[i].start_us : first;
+    return first;
+  }
+};
+
+/// False where a line says what cannot be: times that run backwards or for ever, angles that are none.
+inline bool is_plausible(const SegmentLine& line) {
+  constexpr std::uint64_t longest_us = 2'000'000;
+  constexpr double farthest = 7;  // rad: a segment of a multiScan100 may run beyond pi
+  if (line.start_us > latest_device_us || line.stop_us < line.start_us) return false;
+  if (line.stop_us - line.start_us > longest_us) return false;
+  for (const double angle : {line.elevation, line.theta_start, line.theta_stop}) {
+    if (!(std::fabs(angle) <= farthest)) return false;
+  }
+  return line.metres > 0 && line.metres < 1;
+}
 
 /// What a telegram of picoScan100, multiScan100 or LRS4000 is. The numbers are those on the wire (SICK
 /// KaitaiStructDescriptions, compact_frame.ksy and its neighbours); msgpack has none.
@@ -53,9 +164,7 @@ Reject parse_imu(ByteView telegram, ImuTelegram& out);
 
 /// Type 4, as SICK KaitaiStructDescriptions type_4_encoder.ksy has it.
 struct EncoderTelegram {
-  std::uint64_t counter = 0;
   std::uint64_t transmit_us = 0;
-  std::uint32_t sender = 0;
   std::uint64_t frame = 0;
   std::uint32_t ticks = 0;
   std::array<std::uint32_t, 2> reference_ticks{};
@@ -63,5 +172,61 @@ struct EncoderTelegram {
   std::uint64_t tick_us = 0;  ///< device time of the last change
 };
 Reject parse_encoder(ByteView telegram, EncoderTelegram& out);
+
+/// Finds whole telegrams in a stream of bytes, joined anywhere and with holes: looks for the start mark again
+/// wherever the bytes are no telegram with a right checksum.
+class TelegramStream {
+ public:
+  /// Takes the next bytes and calls `take(telegram, type)` for each telegram that is whole; the view is valid
+  /// during the call. Returns the last reason for which bytes were skipped inside what looked like a stream.
+  template <class Take>
+  Reject feed(ByteView chunk, Counters& counters, Take&& take);
+  /// Bytes are missing, or the connection ended: half a telegram is worth nothing.
+  void cut(Counters& counters);
+
+ private:
+  ByteView rest() const { return {buffer_.data() + at_, buffer_.size() - at_}; }
+  void append(ByteView chunk);
+  void skip_to_mark();
+
+  std::vector<std::uint8_t> buffer_;
+  std::size_t at_ = 0;
+  bool in_step_ = false;  // the last telegram ended at at_
+};
+
+template <class Take>
+Reject TelegramStream::feed(ByteView chunk, Counters& counters, Take&& take) {
+  append(chunk);
+  Reject last = Reject::none;
+  for (;;) {
+    const TelegramHead head = read_head(rest());
+    Reject reason = head.reject;
+    if (reason == Reject::none) {
+      if (head.length == 0 || head.length > rest().size()) return last;
+      const ByteView telegram = rest().sub(0, head.length);
+      if (checksum_is_right(telegram, head.type)) {
+        at_ += head.length;
+        in_step_ = true;
+        take(telegram, head.type);
+        continue;
+      }
+      reason = Reject::checksum;
+    }
+    // Before the first telegram and behind a hole nothing else is to be expected.
+    if (in_step_) {
+      counters.reject(reason);
+      last = reason;
+    }
+    in_step_ = false;
+    skip_to_mark();
+  }
+}
+
+/// Parses a whole MSGPACK telegram (start mark, length, map, checksum) whose checksum was tested. `out`
+/// points into it.
+Reject parse_msgpack(ByteView telegram, Segment& out);
+
+/// Parses a telegram without start mark, length and checksum.
+Reject parse_msgpack_payload(ByteView payload, Segment& out);
 
 }  // namespace lidard::sick

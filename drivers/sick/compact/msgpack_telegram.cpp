@@ -1,14 +1,164 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/sick/compact/msgpack_telegram.h"
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
 
+#include "core/base/bytes.h"
 #include "drivers/sick/compact/compact_telegram.h"
-#include "drivers/sick/compact/msgpack_reader.h"
 
 namespace lidard::sick {
 namespace {
+
+// Markers of the MessagePack specification (github.com/msgpack/msgpack, spec.md).
+constexpr std::uint8_t fixmap = 0x80, fixarray = 0x90, fixstr = 0xa0;
+constexpr std::uint8_t unused = 0xc1;
+constexpr std::uint8_t bin8 = 0xc4, ext8 = 0xc7, float32 = 0xca, float64 = 0xcb;
+constexpr std::uint8_t uint8 = 0xcc, int8 = 0xd0, fixext1 = 0xd4, str8 = 0xd9;
+constexpr std::uint8_t array16 = 0xdc, map16 = 0xde;
+constexpr std::uint8_t negative_fixint = 0xe0;
+
+bool in(std::uint8_t marker, std::uint8_t first, std::size_t count) {
+  return marker >= first && marker < first + count;
+}
+
+/// Bytes of the number behind a marker that is the n-th of 8, 16, 32, 64 bits.
+std::size_t width_of(std::uint8_t marker, std::uint8_t first) { return 1U << (marker - first); }
+
+/// Walks through MessagePack bytes without copying or allocating. Every read says whether the next value was
+/// of that kind and whole; after a failure the position means nothing.
+class MsgpackReader {
+ public:
+  explicit MsgpackReader(ByteView bytes) : bytes_(bytes) {}
+
+  /// Number of key and value pairs that follow.
+  bool map(std::uint64_t& pairs) { return count(fixmap, map16, pairs); }
+  /// Number of values that follow.
+  bool array(std::uint64_t& values) { return count(fixarray, array16, values); }
+
+  bool unsigned_integer(std::uint64_t& value) {
+    if (!has(1)) return false;
+    const std::uint8_t marker = bytes_.u8(at_++);
+    if (marker < fixmap) {
+      value = marker;
+      return true;
+    }
+    if (in(marker, uint8, 4)) return big(width_of(marker, uint8), value);
+    if (!in(marker, int8, 4)) return false;
+    const std::size_t width = width_of(marker, int8);
+    // A signed number that is not negative will do as well.
+    return big(width, value) && value >> (8 * width - 1) == 0;
+  }
+
+  /// Any integer or floating-point number.
+  bool number(double& value) {
+    if (!has(1)) return false;
+    const std::uint8_t marker = bytes_.u8(at_);
+    std::uint64_t raw = 0;
+    if (marker == float32 || marker == float64) {
+      ++at_;
+      if (!big(marker == float32 ? 4 : 8, raw)) return false;
+      float single = 0;
+      const auto bits = static_cast<std::uint32_t>(raw);
+      std::memcpy(&single, &bits, sizeof single);
+      std::memcpy(&value, &raw, sizeof value);
+      if (marker == float32) value = static_cast<double>(single);
+      return true;
+    }
+    if (marker >= negative_fixint) {
+      ++at_;
+      value = static_cast<double>(marker) - 256;
+      return true;
+    }
+    if (!unsigned_integer(raw)) return false;
+    value = static_cast<double>(raw);
+    return true;
+  }
+
+  bool binary(ByteView& value) {
+    if (!has(1)) return false;
+    const std::uint8_t marker = bytes_.u8(at_++);
+    std::uint64_t length = 0;
+    if (!in(marker, bin8, 3) || !big(width_of(marker, bin8), length) || !has(length)) return false;
+    value = bytes_.sub(at_, length);
+    at_ += length;
+    return true;
+  }
+
+  /// Any value with all that it holds.
+  bool skip() {
+    std::uint64_t open = 1;
+    while (open > 0) {
+      --open;
+      if (!skip_one(open)) return false;
+      // Each value takes a byte: a count beyond what is left is a lie and must not be walked through.
+      if (open > bytes_.size() - at_) return false;
+    }
+    return true;
+  }
+
+  bool next_is_map() const {
+    if (!has(1)) return false;
+    const std::uint8_t marker = bytes_.u8(at_);
+    return in(marker, fixmap, 16) || in(marker, map16, 2);
+  }
+
+  bool at_end() const { return at_ == bytes_.size(); }
+
+ private:
+  bool has(std::size_t n) const { return bytes_.has(at_, n); }
+
+  /// The number of what a map or an array holds; the markers of its kinds with 16 and 32 bits are neighbours.
+  bool count(std::uint8_t fix, std::uint8_t marker16, std::uint64_t& held) {
+    if (!has(1)) return false;
+    const std::uint8_t marker = bytes_.u8(at_++);
+    held = marker & 0xfU;
+    if (in(marker, fix, 16)) return true;
+    return in(marker, marker16, 2) && big(marker == marker16 ? 2 : 4, held);
+  }
+
+  bool big(std::size_t width, std::uint64_t& value) {
+    if (!has(width)) return false;
+    value = 0;
+    for (std::size_t i = 0; i < width; ++i) value = value << 8U | bytes_.u8(at_ + i);
+    at_ += width;
+    return true;
+  }
+
+  /// Steps over one value; `inner` grows by the values that it holds.
+  bool skip_one(std::uint64_t& inner) {
+    if (!has(1)) return false;
+    const std::uint8_t marker = bytes_.u8(at_);
+    std::uint64_t held = 0;
+    const bool is_map = next_is_map();
+    if (is_map || in(marker, fixarray, 16) || in(marker, array16, 2)) {
+      if (!(is_map ? map(held) : array(held))) return false;
+      inner += (is_map ? 2 : 1) * held;
+      return true;
+    }
+    ++at_;
+    std::uint64_t length = 0;
+    if (in(marker, fixstr, 32)) length = marker & 0x1fU;
+    if (in(marker, uint8, 4)) length = width_of(marker, uint8);
+    if (in(marker, int8, 4)) length = width_of(marker, int8);
+    if (marker == float32 || marker == float64) length = marker == float32 ? 4 : 8;
+    if (in(marker, fixext1, 5)) length = width_of(marker, fixext1) + 1;
+    if (in(marker, bin8, 3) && !big(width_of(marker, bin8), length)) return false;
+    if (in(marker, str8, 3) && !big(width_of(marker, str8), length)) return false;
+    if (in(marker, ext8, 3)) {
+      if (!big(width_of(marker, ext8), length)) return false;
+      ++length;
+    }
+    if (marker == unused || !has(length)) return false;
+    at_ += length;
+    return true;
+  }
+
+  ByteView bytes_;
+  std::size_t at_ = 0;
+};
 
 // Keys and values of SICK's MSGPACK scan segments, as msgpack_parser.cpp of SICKAG/sick_scan_xd and
 // SICKAG/ScanSegmentAPI name them.
@@ -126,32 +276,18 @@ bool read_properties(MsgpackReader& reader, CountedColumn& out) {
 bool read_line_map(MsgpackReader& reader, SegmentLine& line, LineColumns& columns) {
   std::uint64_t beams = 0, echoes = 0;
   const bool read = for_each_pair(reader, [&](std::uint64_t key) {
-    switch (key) {
-      case key_start_time:
-        return reader.unsigned_integer(line.start_us);
-      case key_stop_time:
-        return reader.unsigned_integer(line.stop_us);
-      case key_theta_start:
-        return reader.number(line.theta_start);
-      case key_theta_stop:
-        return reader.number(line.theta_stop);
-      case key_beams:
-        return reader.unsigned_integer(beams);
-      case key_echoes:
-        return reader.unsigned_integer(echoes);
-      case key_theta:
-        return read_column(reader, columns.theta);
-      case key_phi:
-        return read_column(reader, columns.phi);
-      case key_distances:
-        return read_columns(reader, columns.distance, columns.distances);
-      case key_rssi:
-        return read_columns(reader, columns.rssi, columns.rssis);
-      case key_properties:
-        return read_properties(reader, columns.properties);
-      default:
-        return reader.skip();
-    }
+    if (key == key_start_time) return reader.unsigned_integer(line.start_us);
+    if (key == key_stop_time) return reader.unsigned_integer(line.stop_us);
+    if (key == key_theta_start) return reader.number(line.theta_start);
+    if (key == key_theta_stop) return reader.number(line.theta_stop);
+    if (key == key_beams) return reader.unsigned_integer(beams);
+    if (key == key_echoes) return reader.unsigned_integer(echoes);
+    if (key == key_theta) return read_column(reader, columns.theta);
+    if (key == key_phi) return read_column(reader, columns.phi);
+    if (key == key_distances) return read_columns(reader, columns.distance, columns.distances);
+    if (key == key_rssi) return read_columns(reader, columns.rssi, columns.rssis);
+    if (key == key_properties) return read_properties(reader, columns.properties);
+    return reader.skip();
   });
   line.beams = beams;
   line.echoes = echoes;
@@ -208,20 +344,12 @@ bool read_scans(MsgpackReader& reader, Segment& out) {
 bool read_segment_map(MsgpackReader& reader, Segment& out) {
   std::uint64_t sender = 0;
   const bool read = for_each_pair(reader, [&](std::uint64_t key) {
-    switch (key) {
-      case key_counter:
-        return reader.unsigned_integer(out.counter);
-      case key_segment:
-        return reader.unsigned_integer(out.index);
-      case key_frame:
-        return reader.unsigned_integer(out.frame);
-      case key_sender:
-        return reader.unsigned_integer(sender);
-      case key_scans:
-        return read_scans(reader, out);
-      default:
-        return reader.skip();
-    }
+    if (key == key_counter) return reader.unsigned_integer(out.counter);
+    if (key == key_segment) return reader.unsigned_integer(out.index);
+    if (key == key_frame) return reader.unsigned_integer(out.frame);
+    if (key == key_sender) return reader.unsigned_integer(sender);
+    if (key == key_scans) return read_scans(reader, out);
+    return reader.skip();
   });
   out.sender = static_cast<std::uint32_t>(sender);
   return read;

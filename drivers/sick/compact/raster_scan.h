@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/frames/scan.h"
-#include "drivers/sick/compact/segment.h"
+#include "drivers/sick/compact/compact_telegram.h"
 
 namespace lidard::sick {
 

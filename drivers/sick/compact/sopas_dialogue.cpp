@@ -1,12 +1,17 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/sick/compact/sopas_dialogue.h"
-
 #include <array>
 #include <boost/asio/yield.hpp>
 #include <cstdlib>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
 
+#include "drivers/dialogue.h"
 #include "drivers/model.h"
+#include "drivers/sick/cola/cola_stream.h"
+#include "drivers/sick/compact/compact_models.h"
 
 namespace lidard::sick {
 namespace {
@@ -26,6 +31,23 @@ constexpr std::string_view scan_target = "ScanDataEthSettings", scan_format = "S
 constexpr std::array variables = {scan_target, scan_format, scan_enable, imu_target, imu_enable};
 constexpr std::size_t needed = 3;
 constexpr const char* start_measuring = "LMCstartmeas";
+
+/// Where a picoScan100 or multiScan100 sends its datagrams (ScanDataEthSettings, ImuDataEthSettings).
+struct SopasTarget {
+  std::uint8_t protocol = 0;  ///< 1 UDP, 2 TCP
+  std::array<std::uint8_t, 4> host{};
+  std::uint16_t port = 0;
+
+  std::string describe() const {
+    std::string text;
+    for (const std::uint8_t byte : host) text += (text.empty() ? "" : ".") + std::to_string(byte);
+    return text + ":" + std::to_string(port) + (protocol == udp ? "" : " over TCP");
+  }
+
+  friend bool operator==(const SopasTarget& a, const SopasTarget& b) {
+    return a.protocol == b.protocol && a.host == b.host && a.port == b.port;
+  }
+};
 
 std::string decimal(unsigned value) { return "+" + std::to_string(value); }
 
@@ -61,194 +83,227 @@ std::optional<std::uint32_t> read_number(const ColaTelegram& telegram) {
   return value;
 }
 
-}  // namespace
+/// The talk with a picoScan100 or multiScan100 in SICK's command language, dialect A (TCP 2111). It takes
+/// place only where the configuration has a host address and not `listen_only`: reads where the device sends,
+/// in which format and whether, and compares. A stream that is only switched off is started; settings that
+/// differ are written if `allow_write` is set, each with a note old -> new, and stay until the device is
+/// switched off, after which the dialogue takes place again. Then it hangs up.
+class SopasDialogue final : public SideDialogue {
+ public:
+  explicit SopasDialogue(const DriverConfig& config)
+      : SideDialogue(!config.requests.listen_only && config.requests.host_address, true, patience),
+        requests_(config.requests) {
+    if (!requests_.host_address) return;
+    const std::uint16_t port = requests_.host_port != 0 ? requests_.host_port : config.model->port;
+    scan_wanted_ = target_at(*requests_.host_address, port);
+    imu_wanted_ = target_at(*requests_.host_address, config.model->telemetry_port);
+  }
 
-std::string SopasTarget::describe() const {
-  std::string text;
-  for (const std::uint8_t byte : host) text += (text.empty() ? "" : ".") + std::to_string(byte);
-  return text + ":" + std::to_string(port) + (protocol == udp ? "" : " over TCP");
-}
-
-SopasDialogue::SopasDialogue(const DriverConfig& config)
-    : SideDialogue(!config.requests.listen_only && config.requests.host_address, true, patience),
-      requests_(config.requests) {
-  if (!requests_.host_address) return;
-  const std::uint16_t port = requests_.host_port != 0 ? requests_.host_port : config.model->port;
-  scan_wanted_ = target_at(*requests_.host_address, port);
-  imu_wanted_ = target_at(*requests_.host_address, config.model->telemetry_port);
-}
-
-void SopasDialogue::begin() {
-  stream_.reset();
-  scan_target_.reset();
-  imu_target_.reset();
-  scan_format_.reset();
-  scan_enable_.reset();
-  imu_enable_.reset();
-  steps_.clear();
-}
-
-void SopasDialogue::script(DriverOutput& out) {
-  reenter(script_) {
-    for (variable_ = 0; variable_ < variables.size(); ++variable_) {
-      yield read(variables[variable_], out);
-      if (!take(variables[variable_], out)) return;
+  void receive(const Packet& packet, DriverOutput& out) override {
+    now_ = packet.arrival;
+    stream_.add(packet.payload);
+    while (is_talking() && stream_.next(answer_)) {
+      const std::string_view kind = answer_.kind();
+      const bool expected =
+          expected_.empty() ? kind == "sAN" || kind == "sWA" : kind == "sRA" && answer_.name() == expected_;
+      if (expected || is_refused()) script(out);
     }
-    if (!plan(out)) return;
-    for (step_ = 0; step_ < steps_.size(); ++step_) {
-      yield question(steps_[step_].telegram, steps_[step_].what, out);
-      if (!take_step(out)) return;
+  }
+
+ private:
+  /// One command of the second half, after the comparison.
+  struct Step {
+    std::vector<std::uint8_t> telegram;
+    std::string what;     ///< for people: "ScanDataFormat: 1 -> 2"
+    bool method = false;  ///< answers 1 where it was done
+    bool may_fail = false;
+    bool is_write = false;
+  };
+
+  void begin() override {
+    stream_.interrupt();
+    scan_target_.reset();
+    imu_target_.reset();
+    scan_format_.reset();
+    scan_enable_.reset();
+    imu_enable_.reset();
+    steps_.clear();
+  }
+
+  void script(DriverOutput& out) override {
+    reenter(script_) {
+      for (variable_ = 0; variable_ < variables.size(); ++variable_) {
+        yield read(variables[variable_], out);
+        if (!take(variables[variable_], out)) return;
+      }
+      if (!plan(out)) return;
+      for (step_ = 0; step_ < steps_.size(); ++step_) {
+        yield question(steps_[step_].telegram, steps_[step_].what, out);
+        if (!take_step(out)) return;
+      }
+      if (!steps_.empty())
+        info_.set("Data Output", (requests_.allow_write ? scan_wanted_ : *scan_target_).describe());
+      hang_up(true, out);
     }
-    if (!steps_.empty()) data_output_ = (requests_.allow_write ? scan_wanted_ : *scan_target_).describe();
-    hang_up(true, out);
   }
-}
 
-void SopasDialogue::receive(const Packet& packet, DriverOutput& out) {
-  now_ = packet.arrival;
-  stream_.add(packet.payload);
-  while (is_talking() && stream_.next(answer_)) {
-    const std::string_view kind = answer_.kind();
-    const bool expected =
-        expected_.empty() ? kind == "sAN" || kind == "sWA" : kind == "sRA" && answer_.name() == expected_;
-    if (expected || is_refused()) script(out);
+  void silent(DriverOutput& out) override {
+    fail("takes the connection but does not answer '" + asked_ +
+             "'; check that it speaks CoLa A on that port and that nobody else is connected to it",
+         out);
   }
-}
 
-void SopasDialogue::silent(DriverOutput& out) {
-  fail("takes the connection but does not answer '" + asked_ +
-           "'; check that it speaks CoLa A on that port and that nobody else is connected to it",
-       out);
-}
-
-void SopasDialogue::question(const std::vector<std::uint8_t>& telegram, const std::string& what,
-                             DriverOutput& out) {
-  expected_ = {};
-  asked_ = what;
-  ask(telegram, out);
-}
-
-void SopasDialogue::read(std::string_view variable, DriverOutput& out) {
-  const std::string command = "sRN " + std::string(variable);
-  question(ColaWriter(ColaDialect::a, command).finish(), command, out);
-  expected_ = variable;
-}
-
-/// False if the dialogue cannot go on.
-bool SopasDialogue::take(std::string_view variable, DriverOutput& out) {
-  if (is_refused()) {
-    if (variable_ >= needed) return true;
-    fail("refuses to tell " + std::string(variable) + ": " + cola_error_words(cola_error_code(answer_)), out);
-    return false;
+  void question(const std::vector<std::uint8_t>& telegram, const std::string& what, DriverOutput& out) {
+    expected_ = {};
+    asked_ = what;
+    ask(telegram, out);
   }
-  if (variable == scan_target) scan_target_ = read_target(answer_);
-  if (variable == scan_format) scan_format_ = read_number(answer_);
-  if (variable == scan_enable) scan_enable_ = read_number(answer_);
-  if (variable == imu_target) imu_target_ = read_target(answer_);
-  if (variable == imu_enable) imu_enable_ = read_number(answer_);
-  return true;
-}
 
-void SopasDialogue::add_login() {
-  const std::string level = requests_.user_level.empty() ? authorized_client : requests_.user_level;
-  const std::uint32_t hash =
-      requests_.password_hash.empty()
-          ? authorized_client_hash
-          : static_cast<std::uint32_t>(std::strtoul(requests_.password_hash.c_str(), nullptr, 16));
-  ColaWriter writer(ColaDialect::a, "sMN SetAccessMode");
-  steps_.push_back(
-      {writer.letters(level).hash(hash).finish(), "login at level " + level, true, false, false});
-}
-
-void SopasDialogue::add_method(std::string_view name) {
-  const std::string command = "sMN " + std::string(name);
-  steps_.push_back({ColaWriter(ColaDialect::a, command).finish(), std::string(name), true, false, false});
-}
-
-void SopasDialogue::add_write(std::string_view variable, std::string_view arguments, std::string what,
-                              bool may_fail) {
-  const std::string name(variable);
-  const std::string command = "sWN " + name;
-  steps_.push_back({ColaWriter(ColaDialect::a, command).letters(arguments).finish(),
-                    name + ": " + std::move(what), false, may_fail, true});
-}
-
-/// Where the device sends and in which format.
-void SopasDialogue::plan_targets() {
-  if (!(*scan_target_ == scan_wanted_))
-    add_write(scan_target, arguments_of(scan_wanted_),
-              scan_target_->describe() + " -> " + scan_wanted_.describe(), false);
-  if (*scan_format_ != format_msgpack && *scan_format_ != format_compact)
-    add_write(scan_format, std::to_string(format_compact),
-              std::to_string(*scan_format_) + " -> " + std::to_string(format_compact), false);
-  if (imu_target_ && imu_wanted_.port != 0 && !(*imu_target_ == imu_wanted_))
-    add_write(imu_target, arguments_of(imu_wanted_),
-              imu_target_->describe() + " -> " + imu_wanted_.describe(), true);
-}
-
-/// What switches the stream on.
-void SopasDialogue::plan_start() {
-  if (*scan_enable_ == 0) add_write(scan_enable, "1", "0 -> 1", false);
-  if (requests_.allow_write && imu_enable_ && *imu_enable_ == 0) add_write(imu_enable, "1", "0 -> 1", true);
-}
-
-/// What is to be done after the comparison. False if the dialogue cannot go on.
-bool SopasDialogue::plan(DriverOutput& out) {
-  if (!scan_target_ || !scan_format_ || !scan_enable_) {
-    fail("answers in a way that is not known; report its firmware version", out);
-    return false;
+  void read(std::string_view variable, DriverOutput& out) {
+    const std::string command = "sRN " + std::string(variable);
+    question(ColaWriter(ColaDialect::a, command).finish(), command, out);
+    expected_ = variable;
   }
-  data_output_ = scan_target_->describe() + (*scan_enable_ == 0 ? ", switched off" : "");
-  warning_.clear();
-  plan_targets();
-  std::vector<Step> settings = std::exchange(steps_, {});
-  const bool ours = *scan_target_ == scan_wanted_;
-  if (!settings.empty() && !requests_.allow_write) {
-    std::string wanted;
-    for (const Step& step : settings) wanted += (wanted.empty() ? "" : ", ") + step.what;
-    warning_ = "the device is set up otherwise than wanted (" + wanted +
-               "); set allow_write: true, or change it on the device's web page";
-    settings.clear();
-  }
-  // A stream to somebody else is not ours to start.
-  if (ours || requests_.allow_write) plan_start();
-  std::vector<Step> start = std::exchange(steps_, {});
-  for (std::vector<Step>* part : {&settings, &start}) {
-    if (part->empty()) continue;
-    add_login();
-    for (Step& step : *part) steps_.push_back(std::move(step));
-    add_method("Run");  // makes what was written valid, and logs out
-  }
-  if (steps_.empty()) return true;
-  add_login();
-  add_method(start_measuring);
-  return true;
-}
 
-/// False if the dialogue cannot go on.
-bool SopasDialogue::take_step(DriverOutput& out) {
-  const Step& step = steps_.at(step_);
-  if (is_refused()) {
-    const std::string words = cola_error_words(cola_error_code(answer_));
-    if (!step.may_fail) {
-      fail("refuses " + step.what + ": " + words, out);
+  bool is_refused() const { return answer_.kind() == "sFA"; }
+
+  /// False if the dialogue cannot go on.
+  bool take(std::string_view variable, DriverOutput& out) {
+    if (is_refused()) {
+      if (variable_ >= needed) return true;
+      fail("refuses to tell " + std::string(variable) + ": " + cola_error_words(cola_error_code(answer_)),
+           out);
       return false;
     }
-    warning_ = "the device refuses " + step.what + ": " + words +
-               "; without a licence for its inertial unit that is to be expected";
+    if (variable == scan_target) scan_target_ = read_target(answer_);
+    if (variable == scan_format) scan_format_ = read_number(answer_);
+    if (variable == scan_enable) scan_enable_ = read_number(answer_);
+    if (variable == imu_target) imu_target_ = read_target(answer_);
+    if (variable == imu_enable) imu_enable_ = read_number(answer_);
     return true;
   }
-  if (step.method && step.what != start_measuring && read_number(answer_).value_or(1) != 1) {
-    fail("refuses " + step.what + "; correct user_level and user_level_password", out);
-    return false;
-  }
-  if (step.is_write) out.note(step.what);
-  return true;
-}
 
-void SopasDialogue::fail(std::string why, DriverOutput& out) {
-  warning_ = "the device " + std::move(why);
-  hang_up(true, out);  // it is tried again, but not so soon
+  /// What is to be done after the comparison. False if the dialogue cannot go on.
+  bool plan(DriverOutput& out) {
+    if (!scan_target_ || !scan_format_ || !scan_enable_) {
+      fail("answers in a way that is not known; report its firmware version", out);
+      return false;
+    }
+    info_.set("Data Output", scan_target_->describe() + (*scan_enable_ == 0 ? ", switched off" : ""));
+    info_.warnings.clear();
+    plan_targets();
+    std::vector<Step> settings = std::exchange(steps_, {});
+    const bool ours = *scan_target_ == scan_wanted_;
+    if (!settings.empty() && !requests_.allow_write) {
+      std::string wanted;
+      for (const Step& step : settings) wanted += (wanted.empty() ? "" : ", ") + step.what;
+      warn("the device is set up otherwise than wanted (" + wanted +
+           "); set allow_write: true, or change it on the device's web page");
+      settings.clear();
+    }
+    // A stream to somebody else is not ours to start.
+    if (ours || requests_.allow_write) plan_start();
+    std::vector<Step> start = std::exchange(steps_, {});
+    for (std::vector<Step>* part : {&settings, &start}) {
+      if (part->empty()) continue;
+      add_login();
+      for (Step& step : *part) steps_.push_back(std::move(step));
+      add_method("Run");  // makes what was written valid, and logs out
+    }
+    if (steps_.empty()) return true;
+    add_login();
+    add_method(start_measuring);
+    return true;
+  }
+
+  void add_write(std::string_view variable, std::string_view arguments, std::string what, bool may_fail) {
+    const std::string name(variable);
+    const std::string command = "sWN " + name;
+    steps_.push_back({ColaWriter(ColaDialect::a, command).letters(arguments).finish(),
+                      name + ": " + std::move(what), false, may_fail, true});
+  }
+
+  void add_login() {
+    const std::string level = requests_.user_level.empty() ? authorized_client : requests_.user_level;
+    const std::uint32_t hash =
+        requests_.password_hash.empty()
+            ? authorized_client_hash
+            : static_cast<std::uint32_t>(std::strtoul(requests_.password_hash.c_str(), nullptr, 16));
+    ColaWriter writer(ColaDialect::a, "sMN SetAccessMode");
+    steps_.push_back(
+        {writer.letters(level).hash(hash).finish(), "login at level " + level, true, false, false});
+  }
+
+  void add_method(std::string_view name) {
+    const std::string command = "sMN " + std::string(name);
+    steps_.push_back({ColaWriter(ColaDialect::a, command).finish(), std::string(name), true, false, false});
+  }
+
+  /// Where the device sends and in which format.
+  void plan_targets() {
+    if (!(*scan_target_ == scan_wanted_))
+      add_write(scan_target, arguments_of(scan_wanted_),
+                scan_target_->describe() + " -> " + scan_wanted_.describe(), false);
+    if (*scan_format_ != format_msgpack && *scan_format_ != format_compact)
+      add_write(scan_format, std::to_string(format_compact),
+                std::to_string(*scan_format_) + " -> " + std::to_string(format_compact), false);
+    if (imu_target_ && imu_wanted_.port != 0 && !(*imu_target_ == imu_wanted_))
+      add_write(imu_target, arguments_of(imu_wanted_),
+                imu_target_->describe() + " -> " + imu_wanted_.describe(), true);
+  }
+
+  /// What switches the stream on.
+  void plan_start() {
+    if (*scan_enable_ == 0) add_write(scan_enable, "1", "0 -> 1", false);
+    if (requests_.allow_write && imu_enable_ && *imu_enable_ == 0) add_write(imu_enable, "1", "0 -> 1", true);
+  }
+
+  /// False if the dialogue cannot go on.
+  bool take_step(DriverOutput& out) {
+    const Step& step = steps_.at(step_);
+    if (is_refused()) {
+      const std::string words = cola_error_words(cola_error_code(answer_));
+      if (!step.may_fail) {
+        fail("refuses " + step.what + ": " + words, out);
+        return false;
+      }
+      warn("the device refuses " + step.what + ": " + words +
+           "; without a licence for its inertial unit that is to be expected");
+      return true;
+    }
+    if (step.method && step.what != start_measuring && read_number(answer_).value_or(1) != 1) {
+      fail("refuses " + step.what + "; correct user_level and user_level_password", out);
+      return false;
+    }
+    if (step.is_write) out.note(step.what);
+    return true;
+  }
+
+  void warn(std::string sentence) { info_.warnings = {std::move(sentence)}; }
+
+  void fail(std::string why, DriverOutput& out) {
+    warn("the device " + std::move(why));
+    hang_up(true, out);  // it is tried again, but not so soon
+  }
+
+  DeviceRequests requests_;
+  SopasTarget scan_wanted_, imu_wanted_;
+  Counters stream_counters_;
+  ColaStream stream_{stream_counters_};
+  ColaTelegram answer_;
+  std::string asked_;          // for people
+  std::string_view expected_;  // the variable that is read; empty: a step is taken
+  std::size_t variable_ = 0;
+  std::optional<SopasTarget> scan_target_, imu_target_;
+  std::optional<std::uint32_t> scan_format_, scan_enable_, imu_enable_;
+  std::vector<Step> steps_;
+  std::size_t step_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<SideDialogue> make_sopas_dialogue(const DriverConfig& config) {
+  return std::make_unique<SopasDialogue>(config);
 }
 
 }  // namespace lidard::sick

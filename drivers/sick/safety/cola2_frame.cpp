@@ -80,4 +80,164 @@ bool Cola2Stream::next(Cola2Telegram& telegram) {
   }
 }
 
+namespace {
+
+/// Variables begin with a version; 'R' and 'Y' mark those that hold something (sick_safetyscanners_base,
+/// src/data_processing).
+bool has_version(ByteView variable, std::size_t length) {
+  return variable.has(0, length) && (variable.u8(0) == 'R' || variable.u8(0) == 'Y');
+}
+
+char printable(std::uint8_t byte) { return byte >= 0x20 && byte < 0x7f ? static_cast<char>(byte) : '?'; }
+
+std::string clean_text(ByteView letters) {
+  std::string text;
+  for (const std::uint8_t letter : letters) text += printable(letter);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '?')) text.pop_back();
+  return text;
+}
+
+void put_le(std::vector<std::uint8_t>& out, std::size_t at, std::uint32_t value, std::size_t bytes) {
+  for (std::size_t i = 0; i < bytes; ++i) out[at + i] = static_cast<std::uint8_t>(value >> (8U * i));
+}
+
+}  // namespace
+
+std::optional<SafetyOutput> read_output(ByteView v) {
+  if (!has_version(v, 26)) return std::nullopt;
+  SafetyOutput output;
+  output.enabled = v.u8(4) != 0;
+  output.interface = v.u8(5);
+  // Little endian: the last number of the address comes first (SICK 8022708 p. 40).
+  output.host = IpAddress::v4(v.u8(11), v.u8(10), v.u8(9), v.u8(8));
+  output.port = v.le16(12);
+  output.every = v.le16(14);
+  output.start = v.le32s(16);
+  output.end = v.le32s(20);
+  output.features = v.le16(24);
+  return output;
+}
+
+std::vector<std::uint8_t> encode_output(const SafetyOutput& o, std::uint8_t channel) {
+  std::vector<std::uint8_t> out(28, 0);
+  out[0] = channel;
+  out[4] = o.enabled ? 1 : 0;
+  out[5] = o.interface;
+  for (std::size_t i = 0; i < 4; ++i) out[8 + i] = o.host.bytes[3 - i];
+  put_le(out, 12, o.port, 2);
+  put_le(out, 14, o.every, 2);
+  put_le(out, 16, static_cast<std::uint32_t>(o.start), 4);
+  put_le(out, 20, static_cast<std::uint32_t>(o.end), 4);
+  // Bits above 4 are reserved and refused (SICK 8022708 p. 41).
+  put_le(out, 24, o.features & 0x1fU, 2);
+  return out;
+}
+
+std::string describe(const SafetyOutput& o) {
+  if (!o.enabled) return "off";
+  std::string text = Endpoint{o.host, o.port}.to_string();
+  text += o.every == 1 ? ", every scan" : ", 1 of " + std::to_string(o.every) + " scans";
+  constexpr auto needed = SafetyOutput::needed_features;
+  if ((o.features & needed) != needed) text += ", without derived values or measurement data";
+  return text;
+}
+
+std::string read_text(ByteView v) {
+  if (!v.has(0, 2)) return {};
+  return clean_text(v.sub(2, std::min<std::size_t>(v.le16(0), v.size() - 2)));
+}
+
+// sick_safetyscanners_base, src/data_processing/ParseApplicationNameData.cpp
+std::string read_versioned_text(ByteView v) {
+  if (!v.has(0, 8)) return {};
+  return clean_text(v.sub(8, std::min<std::size_t>(v.le32(4), v.size() - 8)));
+}
+
+// sick_safetyscanners_base, src/data_processing/ParseTypeCodeData.cpp
+std::optional<std::uint8_t> interface_of(const std::string& type_code) {
+  struct Row {
+    const char* letters;
+    std::uint8_t interface;
+  };
+  static constexpr Row rows[] = {{"ZA", 0}, {"AA", 0}, {"IZ", 1}, {"PZ", 3}, {"LZ", 3}, {"AN", 4}, {"EN", 4}};
+  if (type_code.size() < 14) return std::nullopt;
+  for (const Row& row : rows) {
+    if (type_code.compare(12, 2, row.letters) == 0) return row.interface;
+  }
+  return std::nullopt;
+}
+
+double range_of(const std::string& type_code) {
+  if (type_code.size() < 12) return 0;
+  const std::string digits = type_code.substr(10, 2);
+  if (digits == "30" || digits == "40" || digits == "55") return 40;
+  return digits == "90" ? 64 : 0;
+}
+
+std::string describe_status(ByteView v) {
+  if (!has_version(v, 58)) return "unreadable";
+  const std::uint32_t error = v.le32(24);
+  return "device state " + std::to_string(v.u8(4)) + ", configuration state " + std::to_string(v.u8(5)) +
+         ", application state " + std::to_string(v.u8(6)) + ", powered on " + std::to_string(v.le32(12)) +
+         " times, " + (error == 0 ? "no error" : "error code " + std::to_string(error));
+}
+
+std::string describe_action(ByteView v) {
+  static constexpr const char* words[] = {"confirm the configuration", "check the configuration",
+                                          "check the environment",     "check the application interfaces",
+                                          "check the device",          "run the setup procedure",
+                                          "check the firmware",        "wait"};
+  if (!v.has(0, 2)) return "unreadable";
+  const unsigned bits = v.le16(0);
+  std::string text;
+  for (unsigned i = 0; i < std::size(words); ++i) {
+    if ((bits >> i & 1U) != 0) text += (text.empty() ? "" : ", ") + std::string(words[i]);
+  }
+  return text.empty() ? "none" : text;
+}
+
+std::optional<SafetyField> read_field(ByteView v) {
+  // sick_safetyscanners_base, src/data_processing/ParseFieldHeaderData.cpp
+  if (!has_version(v, 88)) return std::nullopt;
+  SafetyField field;
+  field.defined = v.u8(72) != 0;
+  field.method = v.u8(73);
+  field.set = v.le16(82);
+  const std::size_t length = std::min<std::size_t>(v.le32(84), v.size() - 88);
+  field.name = clean_text(v.sub(88, length));
+  return field;
+}
+
+std::string SafetyField::describe() const {
+  std::string kind = "method " + std::to_string(method);
+  if (method == 4 || method == 14) kind = "protective";
+  if (method == 5 || method == 15) kind = "warning";
+  return name + " (" + kind + ", set " + std::to_string(set) + ")";
+}
+
+std::string describe_case(ByteView v) {
+  // sick_safetyscanners_base, src/data_processing/ParseMonitoringCaseData.cpp
+  constexpr std::size_t first = 157, stride = 4, count = 8;
+  if (!has_version(v, first + stride * count)) return {};
+  std::string fields;
+  for (std::size_t i = 0; i < count; ++i) {
+    if ((v.u8(first + stride * i) & 1U) != 0) fields += " " + std::to_string(v.le16(first + stride * i + 1));
+  }
+  return "case " + std::to_string(v.le16(6)) + ": " + (fields.empty() ? "no field" : "fields" + fields);
+}
+
+std::string refusal_text(std::uint8_t result) {
+  // SICK 8022708 p. 42
+  constexpr std::array<const char*, 7> words = {
+      "",
+      "general error; is the scanner configured, and may data output be changed in Safety Designer?",
+      "no channel is free; switch a data output off in Safety Designer",
+      "the interface is not supported; please report the type code",
+      "the start angle is not possible for this scanner",
+      "the end angle is not possible for this scanner",
+      "a reserved bit was set; please report the firmware version"};
+  if (result < words.size()) return words.at(result);
+  return "result " + std::to_string(result) + " is unknown; please report the firmware version";
+}
+
 }  // namespace lidard::sick

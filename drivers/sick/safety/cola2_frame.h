@@ -4,9 +4,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/bytes.h"
+#include "drivers/address.h"
 
 namespace lidard::sick {
 
@@ -43,5 +46,74 @@ class Cola2Stream {
   std::size_t used_ = 0;  // bytes of the telegram given out last
   std::uint64_t skipped_ = 0;
 };
+
+/// Indices of variables and methods of the safety scanners (SICK 8022708 p. 31-47 and
+/// sick_safetyscanners_base, src/cola2).
+namespace safety_index {
+constexpr std::uint16_t serial_number = 3;
+constexpr std::uint16_t firmware = 4;
+constexpr std::uint16_t type_code = 13;
+constexpr std::uint16_t user_action = 16;
+constexpr std::uint16_t device_name = 17;
+constexpr std::uint16_t project_name = 18;
+constexpr std::uint16_t status_overview = 23;
+constexpr std::uint16_t application_name = 33;
+constexpr std::uint16_t current_output = 178;
+constexpr std::uint16_t monitoring_case = 2101;  ///< and the following
+constexpr std::uint16_t field_header = 0x2710;   ///< reserved for contour data; fields are the following
+constexpr std::uint16_t change_output = 176;     ///< a method
+}  // namespace safety_index
+
+/// Where and how a scanner sends its data output.
+struct SafetyOutput {
+  bool enabled = false;
+  std::uint8_t interface = 0;  ///< 0 EFI-pro, 1 EtherNet/IP, 3 PROFINET, 4 non-safe Ethernet
+  IpAddress host;
+  std::uint16_t port = 0;
+  std::uint16_t every = 1;          ///< every n-th scan is sent
+  std::int32_t start = 0, end = 0;  ///< 1/4194304 deg, device frame; both 0: all beams
+  std::uint16_t features =
+      0;  ///< bit 0 system state, 1 derived values, 2 measurement, 3 intrusion, 4 application
+
+  static constexpr std::uint16_t needed_features = 1U << 1U | 1U << 2U;
+};
+
+/// Reads the current configuration of a data output; empty if it is too short or of another version.
+std::optional<SafetyOutput> read_output(ByteView variable);
+/// The argument of the method that changes a data output, 28 bytes.
+std::vector<std::uint8_t> encode_output(const SafetyOutput& output, std::uint8_t channel);
+/// "192.168.0.1:6060, every scan".
+std::string describe(const SafetyOutput& output);
+
+/// A text variable: length of two bytes, then characters. Unprintable ones become '?'.
+std::string read_text(ByteView variable);
+/// A text variable with a version: four bytes of it, a length of four bytes, then characters.
+std::string read_versioned_text(ByteView variable);
+/// The interface that the characters 13 and 14 of a type code stand for; empty if unknown.
+std::optional<std::uint8_t> interface_of(const std::string& type_code);
+/// The measuring range in m that the characters 11 and 12 of a type code stand for; 0 if unknown.
+double range_of(const std::string& type_code);
+
+/// The status overview in words, for diagnostics. The meaning of the state numbers is not published.
+std::string describe_status(ByteView variable);
+/// What the scanner wants its user to do, in words; "none".
+std::string describe_action(ByteView variable);
+
+/// One configured field.
+struct SafetyField {
+  std::string name;
+  std::uint8_t method = 0;  ///< 4, 14 protective field, 5, 15 warning field
+  std::uint16_t set = 0;
+  bool defined = false;
+
+  std::string describe() const;  ///< "Front (protective, set 1)"
+};
+/// Empty where there is no field under the index.
+std::optional<SafetyField> read_field(ByteView variable);
+/// "case 3: fields 1 2"; empty where no case is defined under the index.
+std::string describe_case(ByteView variable);
+
+/// The answer to a change of the data output, in words with the remedy; empty if it was accepted.
+std::string refusal_text(std::uint8_t result);
 
 }  // namespace lidard::sick

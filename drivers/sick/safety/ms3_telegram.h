@@ -3,13 +3,20 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <tuple>
+#include <vector>
 
 #include "core/base/bytes.h"
 #include "core/base/counters.h"
+#include "core/base/number_text.h"
+#include "core/base/time.h"
+#include "core/frames/scan.h"
+#include "drivers/driver.h"
 
 namespace lidard::sick {
 
@@ -66,25 +73,12 @@ struct Ms3State {
   friend bool operator==(const Ms3State& a, const Ms3State& b) { return a.tied() == b.tied(); }
 };
 
-/// Application data, inputs and outputs. Flags say which of the values are valid.
+/// Application data, outputs: those that are told.
 struct Ms3Application {
-  std::uint32_t unsafe_inputs, unsafe_inputs_flags;
-  std::array<std::uint16_t, 20> case_inputs;
-  std::uint32_t case_inputs_flags;
-  std::array<std::int16_t, 2> velocity_inputs;
-  std::uint8_t velocity_inputs_flags;  ///< bits 0, 1 valid; bits 4, 5 safe
-  std::uint8_t sleep_input;
   std::uint32_t evaluation_paths, evaluation_safe, evaluation_valid;
   std::array<std::uint16_t, 20> cases;  ///< active monitoring case per table
-  std::uint32_t cases_flags;
-  std::uint8_t
-      error_flags_unverified;  ///< contamination warning, error, manipulation, glare, contour, critical
-  std::uint8_t standby_state;  ///< 1 standby, 2 not in standby
-  std::array<std::int16_t, 2> velocities;
-  std::uint8_t velocities_flags;
-  std::array<std::int16_t, 20> resulting_velocities;
-  std::uint32_t resulting_velocities_flags;
-  std::uint8_t valid_flags;  ///< bit 0 standby state, bit 1 error flags
+  std::uint8_t standby_state;           ///< 1 standby, 2 not in standby
+  std::uint8_t valid_flags;             ///< bit 0 standby state, bit 1 error flags
 };
 
 /// One instance of the data output of a microScan3, nanoScan3 or outdoorScan3 ("MS3 MD"), all blocks.
@@ -118,5 +112,117 @@ struct Ms3Telegram {
 
 /// Reads one instance. Every offset, length and count is checked; Reject::none if the telegram can be used.
 Reject parse_ms3_telegram(ByteView instance, Ms3Telegram& telegram);
+
+/// True if beams, angles and times are the same; the distance factor may differ.
+inline bool same_geometry(const Ms3Derived& a, const Ms3Derived& b) {
+  return a.beams == b.beams && a.raw_start == b.raw_start && a.raw_step == b.raw_step &&
+         a.scan_time_ms == b.scan_time_ms && a.beam_period_us == b.beam_period_us;
+}
+
+/// "48 beams from -10.5597 deg in steps of 0.51306 deg, 30 ms a scan".
+inline std::string describe(const Ms3Derived& d) {
+  return printed("%u beams from %.4f deg in steps of %.5f deg, %u ms a scan", d.beams, d.start_deg,
+                 d.step_deg, d.scan_time_ms);
+}
+
+/// Time between neighbouring beams. The announced one is rounded to us, 0.3 ms in a scan; the exact one
+/// follows from the turn of the mirror and is taken where it agrees.
+inline Span beam_period(const Ms3Derived& d) {
+  const Span announced = std::chrono::microseconds(d.beam_period_us);
+  const Span exact = span_from_seconds(d.scan_time_ms * 1e-3 * std::abs(d.step_deg) / 360);
+  return std::chrono::abs(exact - announced) <= std::chrono::microseconds(1) ? exact : announced;
+}
+
+/// What the flags of a beam say of it. A dazzled receiver misses what is there, so glare comes before "no
+/// echo": never free space by mistake.
+inline BeamStatus status_of(Ms3Beam beam) {
+  if (beam.is(ms3_beam::glare)) return BeamStatus::invalid;
+  if (beam.is(ms3_beam::infinite)) return BeamStatus::none;
+  return beam.is(ms3_beam::valid) ? BeamStatus::hit : BeamStatus::invalid;
+}
+
+/// One datagram of the safety scanners' data output: where its bytes belong in the instance.
+struct Ms3Datagram {
+  std::uint32_t total = 0;           ///< bytes of the whole instance
+  std::uint32_t identification = 0;  ///< equal in all datagrams of an instance
+  std::uint32_t offset = 0;          ///< of `data` in the instance, bytes
+  ByteView data;
+};
+
+/// Reads and checks a datagram's header; `datagram` is valid if the answer is Reject::none.
+Reject read_ms3_datagram(ByteView payload, Ms3Datagram& datagram);
+
+/// Puts the instances of the data output together from datagrams that may come in any order, twice or not at
+/// all. Memory is bounded: four unfinished instances of at most 64 KiB.
+class Ms3Reassembler {
+ public:
+  /// A complete instance; the bytes stay valid until the next call of `add()`.
+  struct Instance {
+    ByteView bytes;
+    Stamp first_arrival;  ///< of the datagram that came first
+  };
+  static constexpr std::size_t max_open = 4;
+  /// Blocks are addressed by 16-bit offsets (SICK 8022708 p. 20): nothing beyond could be reached.
+  static constexpr std::uint32_t max_instance = 65536;
+
+  /// Instances given up are counted in `counters.incomplete`.
+  explicit Ms3Reassembler(Counters& counters) : counters_(counters) {}
+
+  /// Takes a datagram. `complete.bytes` is empty unless it was the last one missing.
+  Reject add(const Packet& packet, Instance& complete);
+  /// An instance unfinished for so long is given up; two scan times are right.
+  void set_patience(Span patience) { patience_ = patience; }
+  /// Gives up what waited too long at `now` (arrival time scale).
+  void expire(Stamp now);
+  /// Gives up everything unfinished.
+  void give_up_all();
+  /// Forgets everything, without counting.
+  void clear();
+  /// Number of unfinished instances.
+  std::size_t open() const;
+
+ private:
+  struct Key {
+    Endpoint from;
+    std::uint16_t to_port = 0;
+    std::uint32_t identification = 0;
+    friend bool operator==(const Key& a, const Key& b) {
+      return a.from == b.from && a.to_port == b.to_port && a.identification == b.identification;
+    }
+  };
+  struct Slot {
+    bool used = false;
+    Key key;
+    Stamp first_arrival;
+    std::uint64_t order = 0;
+    std::size_t covered = 0;
+    std::vector<std::uint8_t> bytes;
+    std::vector<std::uint8_t> present;  // one per byte of `bytes`
+
+    bool channel_known() const;
+    std::uint8_t channel() const;
+  };
+  struct Finished {
+    bool used = false;
+    Key key;
+    bool complete = false;
+    Stamp at;
+  };
+
+  Slot* find(const Key& key);
+  Slot& take(const Key& key, std::uint32_t total, Stamp arrival);
+  const Finished* finished(const Key& key, Stamp now) const;
+  void remember(const Key& key, bool complete, Stamp at);
+  void give_up(Slot& slot, Stamp now);
+  void give_up_older_than(const Slot& done, Stamp now);
+  static bool place(Slot& slot, const Ms3Datagram& datagram);
+
+  Counters& counters_;
+  Span patience_ = std::chrono::milliseconds(200);
+  std::array<Slot, max_open> slots_;
+  std::array<Finished, 16> finished_;
+  std::size_t next_finished_ = 0;
+  std::uint64_t order_ = 0;
+};
 
 }  // namespace lidard::sick

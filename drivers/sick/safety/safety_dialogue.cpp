@@ -1,12 +1,15 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/sick/safety/safety_dialogue.h"
-
 #include <algorithm>
 #include <array>
 #include <boost/asio/yield.hpp>
+#include <string>
+#include <vector>
 
+#include "drivers/dialogue.h"
 #include "drivers/model.h"
+#include "drivers/sick/safety/cola2_frame.h"
+#include "drivers/sick/safety/safety_models.h"
 
 namespace lidard::sick {
 namespace {
@@ -30,216 +33,243 @@ std::array<std::uint8_t, 2> le16(std::uint16_t value) {
 }
 
 const char* label_of(std::uint16_t index) {
-  switch (index) {
-    case idx::firmware:
-      return "Firmware Version";
-    case idx::device_name:
-      return "Device Name";
-    case idx::project_name:
-      return "Project Name";
-    case idx::application_name:
-      return "Application Name";
-    default:
-      return nullptr;
-  }
+  if (index == idx::firmware) return "Firmware Version";
+  if (index == idx::device_name) return "Device Name";
+  if (index == idx::project_name) return "Project Name";
+  return index == idx::application_name ? "Application Name" : nullptr;
 }
 
 void add_to_list(std::string& list, const std::string& entry) { list += (list.empty() ? "" : "; ") + entry; }
 
+/// The talk with a safety scanner over CoLa 2 (TCP 2122): reads who it is and where it sends, compares that
+/// with what is wanted and, if allowed, changes and reads again. Then it hangs up: some firmware stalls the
+/// stream while it is talked to (SICKAG/sick_safetyscanners issue 15).
+///
+/// It takes place only if the configuration asks for something (`DeviceRequests::host_address`, `skip` or
+/// `allow_write`). What is written is volatile; it is written again when the stream stopped, as it does when
+/// the scanner was switched off (same project, issue 98).
+class SafetyDialogue final : public SideDialogue {
+ public:
+  explicit SafetyDialogue(const DriverConfig& config)
+      : SideDialogue(!config.requests.listen_only && (config.requests.host_address || config.requests.skip ||
+                                                      config.requests.allow_write),
+                     config.requests.allow_write, patience),
+        requests_(config.requests),
+        product_(config.model->product),
+        range_max_(config.model->range_max) {}
+
+  void receive(const Packet& packet, DriverOutput& out) override {
+    now_ = packet.arrival;
+    stream_.add(packet.payload);
+    while (is_talking() && stream_.next(answer_)) {
+      if (answer_.request != request_) continue;  // late, of a request given up
+      // Answers repeat the index; a refusal does not.
+      value_ = answer_.type != 'F' && answer_.data.has(0, 2) ? answer_.data.from(2) : ByteView();
+      script(out);
+    }
+  }
+
+ private:
+  void begin() override {
+    stream_.clear();
+    session_ = 0;
+    refused_ = false;
+    fields_.clear();
+    cases_.clear();
+  }
+
+  void script(DriverOutput& out) override {
+    reenter(script_) {
+      yield open(out);
+      if (!answer_.is('O', 'A'))
+        return fail("refuses the CoLa 2 session; is another program connected?", out);
+      session_ = answer_.session;
+      info_.details.clear();
+      info_.warnings.clear();
+      ++version_;
+      for (variable_ = 0; variable_ < variables.size(); ++variable_) {
+        yield read(variables[variable_], out);
+        take_variable(variables[variable_]);
+      }
+      if (is_to_be_changed()) {
+        yield change_output(out);
+        refused_ = !was_changed(out);
+        if (!refused_) {
+          yield read(idx::current_output, out);
+          verify();
+        }
+      }
+      // Fields, then monitoring cases, each up to the first index that holds none.
+      for (index_ = idx::field_header; !refused_ && index_ < idx::field_header + most_fields; ++index_) {
+        yield read(index_, out);
+        if (!take_field()) break;
+      }
+      if (!fields_.empty()) detail("Fields", fields_);
+      for (index_ = idx::monitoring_case; !refused_ && index_ < idx::monitoring_case + most_cases; ++index_) {
+        yield read(index_, out);
+        if (!take_case()) break;
+      }
+      if (!cases_.empty()) detail("Configured Monitoring Cases", cases_);
+      yield ask_in_mode('C', 'X', {}, out);
+      hang_up(true, out);
+    }
+  }
+
+  void silent(DriverOutput& out) override { fail("does not answer on its TCP port", out); }
+
+  void ask_in_mode(char type, char mode, ByteView data, DriverOutput& out) {
+    Cola2Telegram telegram;
+    telegram.session = session_;
+    telegram.request = ++request_;
+    telegram.type = type;
+    telegram.mode = mode;
+    telegram.data = data;
+    ask(encode_cola2(telegram), out);
+  }
+
+  void open(DriverOutput& out) {
+    // Time-out and an identity of the client, which the scanner only repeats in its log.
+    const std::array<std::uint8_t, 5> open = {session_timeout_s, 'l', 'd', 'r', 'd'};
+    ask_in_mode('O', 'X', ByteView(open.data(), open.size()), out);
+  }
+
+  void read(std::uint16_t index, DriverOutput& out) { ask_index('R', index, {}, out); }
+
+  void ask_index(char type, std::uint16_t index, ByteView arguments, DriverOutput& out) {
+    const auto prefix = le16(index);
+    std::vector<std::uint8_t> data(prefix.begin(), prefix.end());
+    data.insert(data.end(), arguments.begin(), arguments.end());
+    ask_in_mode(type, 'I', ByteView(data.data(), data.size()), out);
+  }
+
+  void change_output(DriverOutput& out) {
+    const auto argument = encode_output(target_, channel);
+    ask_index('M', idx::change_output, ByteView(argument.data(), argument.size()), out);
+  }
+
+  void take_variable(std::uint16_t index) {
+    const ByteView value = value_;
+    if (index == idx::type_code) {
+      type_code_ = read_text(value);
+      detail("Type Code", type_code_);
+      const double range = range_of(type_code_);
+      if (range > 0 && range != range_max_)
+        warn("type code " + type_code_ + " is that of a scanner for " +
+             std::to_string(static_cast<int>(range)) + " m, but " + product_ +
+             " is configured; choose the model with that range");
+    } else if (index == idx::serial_number) {
+      info_.serial = read_text(value);
+    } else if (index == idx::status_overview) {
+      detail("Status", describe_status(value));
+    } else if (index == idx::user_action) {
+      const std::string action = describe_action(value);
+      detail("Required User Action", action);
+      if (action != "none" && action != "unreadable") warn("the scanner asks its user to " + action);
+    } else if (const char* label = label_of(index)) {
+      detail(label, index == idx::application_name ? read_versioned_text(value) : read_text(value));
+    } else if (const auto output = read_output(value)) {
+      present_ = *output;
+      detail("Data Output", describe(present_));
+    } else {
+      present_ = SafetyOutput();
+      detail("Data Output", "unreadable");
+    }
+  }
+
+  bool is_to_be_changed() {
+    target_ = wanted_output(present_);
+    if (encode_output(target_, channel) == encode_output(present_, channel)) return false;
+    if (!requests_.allow_write)
+      warn("the scanner sends to " + describe(present_) + ", wanted is " + describe(target_) +
+           "; set allow_write: true, or change it in Safety Designer");
+    return requests_.allow_write;
+  }
+
+  bool was_changed(DriverOutput& out) {
+    const std::string refusal =
+        value_.empty() ? std::string("the command was refused without a reason; is it allowed for this user?")
+                       : refusal_text(value_.u8(0));
+    if (!refusal.empty()) {
+      out.note("data output not changed: " + refusal);
+      warn("the scanner refuses to send to " + describe(target_) + ": " + refusal);
+      return false;
+    }
+    out.note("data output: " + describe(present_) + " -> " + describe(target_));
+    detail("Setting Written", describe(present_) + " -> " + describe(target_));
+    return true;
+  }
+
+  void verify() {
+    take_variable(idx::current_output);
+    if (encode_output(present_, channel) != encode_output(target_, channel))
+      warn("the scanner accepted " + describe(target_) + " but reports " + describe(present_) +
+           "; another program may have changed it");
+  }
+
+  /// False after the last one.
+  bool take_field() {
+    const auto field = read_field(value_);
+    if (field && field->defined) add_to_list(fields_, field->describe());
+    // The first index may be empty, it is reserved (sick_safetyscanners_base, src/SickSafetyscanners.cpp,
+    // requestFieldData).
+    return field || index_ == idx::field_header;
+  }
+
+  bool take_case() {
+    const std::string text = describe_case(value_);
+    if (!text.empty()) add_to_list(cases_, text);
+    return !text.empty();
+  }
+
+  void fail(const std::string& why, DriverOutput& out) {
+    warn("the scanner " + why + "; its settings were not " + (requests_.allow_write ? "written" : "read"));
+    hang_up(false, out);
+  }
+
+  void detail(const std::string& key, const std::string& text) {
+    ++version_;
+    info_.set(key, text);
+  }
+
+  void warn(const std::string& text) {
+    ++version_;
+    auto& known = info_.warnings;
+    if (std::find(known.begin(), known.end(), text) == known.end()) known.push_back(text);
+  }
+
+  SafetyOutput wanted_output(const SafetyOutput& present) const {
+    SafetyOutput target = present;
+    if (requests_.skip) target.every = static_cast<std::uint16_t>(*requests_.skip + 1);
+    if (!requests_.host_address) return target;
+    target.enabled = true;
+    target.host = *requests_.host_address;
+    target.port = requests_.host_port;
+    target.features |= SafetyOutput::needed_features;
+    if (target.every == 0) target.every = 1;
+    if (!present.enabled) target.interface = interface_of(type_code_).value_or(present.interface);
+    return target;
+  }
+
+  DeviceRequests requests_;
+  std::string product_;
+  double range_max_;
+  Cola2Stream stream_;
+  Cola2Telegram answer_;
+  ByteView value_;  // of the answer
+  std::uint32_t session_ = 0;
+  std::uint16_t request_ = 0;
+  std::uint16_t index_ = 0;  // of fields and cases
+  std::size_t variable_ = 0;
+  bool refused_ = false;
+  std::string type_code_;
+  SafetyOutput present_, target_;
+  std::string fields_, cases_;
+};
+
 }  // namespace
 
-SafetyDialogue::SafetyDialogue(const DriverConfig& config)
-    : SideDialogue(!config.requests.listen_only &&
-                       (config.requests.host_address || config.requests.skip || config.requests.allow_write),
-                   config.requests.allow_write, patience),
-      requests_(config.requests),
-      product_(config.model->product),
-      range_max_(config.model->range_max) {}
-
-void SafetyDialogue::begin() {
-  stream_.clear();
-  session_ = 0;
-  refused_ = false;
-  fields_.clear();
-  cases_.clear();
-}
-
-void SafetyDialogue::script(DriverOutput& out) {
-  reenter(script_) {
-    yield open(out);
-    if (!answer_.is('O', 'A')) return fail("refuses the CoLa 2 session; is another program connected?", out);
-    session_ = answer_.session;
-    info_.details.clear();
-    info_.warnings.clear();
-    ++version_;
-    for (variable_ = 0; variable_ < variables.size(); ++variable_) {
-      yield read(variables[variable_], out);
-      take_variable(variables[variable_]);
-    }
-    if (is_to_be_changed()) {
-      yield change_output(out);
-      refused_ = !was_changed(out);
-      if (!refused_) {
-        yield read(idx::current_output, out);
-        verify();
-      }
-    }
-    // Fields, then monitoring cases, each up to the first index that holds none.
-    for (index_ = idx::field_header; !refused_ && index_ < idx::field_header + most_fields; ++index_) {
-      yield read(index_, out);
-      if (!take_field()) break;
-    }
-    if (!fields_.empty()) detail("Fields", fields_);
-    for (index_ = idx::monitoring_case; !refused_ && index_ < idx::monitoring_case + most_cases; ++index_) {
-      yield read(index_, out);
-      if (!take_case()) break;
-    }
-    if (!cases_.empty()) detail("Configured Monitoring Cases", cases_);
-    yield ask_in_mode('C', 'X', {}, out);
-    hang_up(true, out);
-  }
-}
-
-void SafetyDialogue::receive(const Packet& packet, DriverOutput& out) {
-  now_ = packet.arrival;
-  stream_.add(packet.payload);
-  while (is_talking() && stream_.next(answer_)) {
-    if (answer_.request != request_) continue;  // late, of a request given up
-    // Answers repeat the index; a refusal does not.
-    value_ = answer_.type != 'F' && answer_.data.has(0, 2) ? answer_.data.from(2) : ByteView();
-    script(out);
-  }
-}
-
-void SafetyDialogue::ask_in_mode(char type, char mode, ByteView data, DriverOutput& out) {
-  Cola2Telegram telegram;
-  telegram.session = session_;
-  telegram.request = ++request_;
-  telegram.type = type;
-  telegram.mode = mode;
-  telegram.data = data;
-  ask(encode_cola2(telegram), out);
-}
-
-void SafetyDialogue::open(DriverOutput& out) {
-  // Time-out and an identity of the client, which the scanner only repeats in its log.
-  const std::array<std::uint8_t, 5> open = {session_timeout_s, 'l', 'd', 'r', 'd'};
-  ask_in_mode('O', 'X', ByteView(open.data(), open.size()), out);
-}
-
-void SafetyDialogue::ask_index(char type, std::uint16_t index, ByteView arguments, DriverOutput& out) {
-  const auto prefix = le16(index);
-  std::vector<std::uint8_t> data(prefix.begin(), prefix.end());
-  data.insert(data.end(), arguments.begin(), arguments.end());
-  ask_in_mode(type, 'I', ByteView(data.data(), data.size()), out);
-}
-
-void SafetyDialogue::take_variable(std::uint16_t index) {
-  const ByteView value = value_;
-  if (index == idx::type_code) {
-    type_code_ = read_text(value);
-    detail("Type Code", type_code_);
-    const double range = range_of(type_code_);
-    if (range > 0 && range != range_max_)
-      warn("type code " + type_code_ + " is that of a scanner for " +
-           std::to_string(static_cast<int>(range)) + " m, but " + product_ +
-           " is configured; choose the model with that range");
-  } else if (index == idx::serial_number) {
-    info_.serial = read_text(value);
-  } else if (index == idx::status_overview) {
-    detail("Status", describe_status(value));
-  } else if (index == idx::user_action) {
-    const std::string action = describe_action(value);
-    detail("Required User Action", action);
-    if (action != "none" && action != "unreadable") warn("the scanner asks its user to " + action);
-  } else if (const char* label = label_of(index)) {
-    detail(label, index == idx::application_name ? read_versioned_text(value) : read_text(value));
-  } else if (const auto output = read_output(value)) {
-    present_ = *output;
-    detail("Data Output", describe(present_));
-  } else {
-    present_ = SafetyOutput();
-    detail("Data Output", "unreadable");
-  }
-}
-
-SafetyOutput SafetyDialogue::wanted_output(const SafetyOutput& present) const {
-  SafetyOutput target = present;
-  if (requests_.skip) target.every = static_cast<std::uint16_t>(*requests_.skip + 1);
-  if (!requests_.host_address) return target;
-  target.enabled = true;
-  target.host = *requests_.host_address;
-  target.port = requests_.host_port;
-  target.features |= SafetyOutput::needed_features;
-  if (target.every == 0) target.every = 1;
-  if (!present.enabled) target.interface = interface_of(type_code_).value_or(present.interface);
-  return target;
-}
-
-bool SafetyDialogue::is_to_be_changed() {
-  target_ = wanted_output(present_);
-  if (encode_output(target_, channel) == encode_output(present_, channel)) return false;
-  if (!requests_.allow_write)
-    warn("the scanner sends to " + describe(present_) + ", wanted is " + describe(target_) +
-         "; set allow_write: true, or change it in Safety Designer");
-  return requests_.allow_write;
-}
-
-void SafetyDialogue::change_output(DriverOutput& out) {
-  const auto argument = encode_output(target_, channel);
-  ask_index('M', idx::change_output, ByteView(argument.data(), argument.size()), out);
-}
-
-bool SafetyDialogue::was_changed(DriverOutput& out) {
-  const std::string refusal =
-      value_.empty() ? std::string("the command was refused without a reason; is it allowed for this user?")
-                     : refusal_text(value_.u8(0));
-  if (!refusal.empty()) {
-    out.note("data output not changed: " + refusal);
-    warn("the scanner refuses to send to " + describe(target_) + ": " + refusal);
-    return false;
-  }
-  out.note("data output: " + describe(present_) + " -> " + describe(target_));
-  detail("Setting Written", describe(present_) + " -> " + describe(target_));
-  return true;
-}
-
-void SafetyDialogue::verify() {
-  take_variable(idx::current_output);
-  if (encode_output(present_, channel) != encode_output(target_, channel))
-    warn("the scanner accepted " + describe(target_) + " but reports " + describe(present_) +
-         "; another program may have changed it");
-}
-
-/// False after the last one.
-bool SafetyDialogue::take_field() {
-  const auto field = read_field(value_);
-  if (field && field->defined) add_to_list(fields_, field->describe());
-  // The first index may be empty, it is reserved (sick_safetyscanners_base, src/SickSafetyscanners.cpp,
-  // requestFieldData).
-  return field || index_ == idx::field_header;
-}
-
-bool SafetyDialogue::take_case() {
-  const std::string text = describe_case(value_);
-  if (!text.empty()) add_to_list(cases_, text);
-  return !text.empty();
-}
-
-void SafetyDialogue::fail(const std::string& why, DriverOutput& out) {
-  warn("the scanner " + why + "; its settings were not " + (requests_.allow_write ? "written" : "read"));
-  hang_up(false, out);
-}
-
-void SafetyDialogue::detail(const std::string& key, const std::string& text) {
-  ++version_;
-  info_.set(key, text);
-}
-
-void SafetyDialogue::warn(const std::string& text) {
-  ++version_;
-  auto& known = info_.warnings;
-  if (std::find(known.begin(), known.end(), text) == known.end()) known.push_back(text);
+std::unique_ptr<SideDialogue> make_safety_dialogue(const DriverConfig& config) {
+  return std::make_unique<SafetyDialogue>(config);
 }
 
 }  // namespace lidard::sick

@@ -1,21 +1,14 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/sick/safety/safety_driver.h"
-
 #include <algorithm>
-#include <array>
 
-#include "core/base/steady_stamps.h"
+#include "core/base/time.h"
+#include "drivers/dialogue.h"
 #include "drivers/driver_base.h"
-#include "drivers/sick/safety/ms3_geometry.h"
-#include "drivers/sick/safety/ms3_reassembler.h"
 #include "drivers/sick/safety/ms3_telegram.h"
-#include "drivers/sick/safety/safety_dialogue.h"
 #include "drivers/sick/safety/safety_models.h"
 #include "drivers/sick/safety/safety_status.h"
-#include "drivers/sick/safety/safety_topics.h"
 #include "drivers/sick/safety/scan_clock.h"
-#include "drivers/warning_board.h"
 
 namespace lidard::sick {
 namespace {
@@ -47,30 +40,240 @@ class SafetyDriver final : public DriverBase {
         row_(*static_cast<const SafetyRow*>(config.model->row)),
         reassembler_(counters_),
         clock_(config.clock),
-        dialogue_(config) {
+        dialogue_(make_safety_dialogue(config)) {
     prepare_scan(config, scan_);
   }
 
-  Reject receive(const Packet& packet, DriverOutput& out) override;
-  void connected(Stamp now, DriverOutput& out) override { dialogue_.connected(now, out); }
-  void disconnected() override { dialogue_.disconnected(); }
-  void tick(Stamp now, DriverOutput& out) override;
+  Reject receive(const Packet& packet, DriverOutput& out) override {
+    if (packet.transport == Transport::tcp) {
+      ++counters_.other_packets;
+      dialogue_->receive(packet, out);
+      note_dialogue();
+      return Reject::none;
+    }
+    last_datagram_ = packet.arrival;
+    ++counters_.packets;
+    counters_.bytes += packet.payload.size();
+    Ms3Reassembler::Instance instance;
+    Reject reason = reassembler_.add(packet, instance);
+    if (reason == Reject::none && !instance.bytes.empty()) reason = handle(instance, out);
+    if (reason != Reject::none) counters_.reject(reason);
+    return reason;
+  }
+
+  void connected(Stamp now, DriverOutput& out) override { dialogue_->connected(now, out); }
+  void disconnected() override { dialogue_->disconnected(); }
+
+  void tick(Stamp now, DriverOutput& out) override {
+    reassembler_.expire(now);
+    dialogue_->tick(now, last_datagram_, out);
+    note_dialogue();
+  }
+
   void finish(DriverOutput&) override { reassembler_.give_up_all(); }
-  void restart() override;
+
+  void restart() override {
+    reassembler_.clear();
+    clock_.reset();
+    stream_known_ = false;
+    sequence_known_ = false;
+    stamps_.reset();
+  }
 
  private:
-  Reject handle(const Ms3Reassembler::Instance& instance, DriverOutput& out);
-  bool is_ours(Stamp arrival);
-  Reject follow_sequence(Stamp arrival);
-  void note_status();
-  void note_blocks();
-  void note_dialogue();
-  void list_details();
-  void take_geometry(const Ms3Derived& derived);
-  void choose_beams();
-  void publish(Stamp end, DriverOutput& out);
-  void fill();
-  Stamp first_ray(Stamp end);
+  Reject handle(const Ms3Reassembler::Instance& instance, DriverOutput& out) {
+    const Reject reason = parse_ms3_telegram(instance.bytes, telegram_);
+    board_.tell(Warning::version, reason == Reject::version, [&] {
+      return "the scanner sends version " + std::to_string(telegram_.version_major) +
+             " of the data output, known is version 2; its scans are not used: update this program";
+    });
+    if (reason != Reject::none) return reason;
+    const Stamp arrival = instance.first_arrival;
+    if (!is_ours(arrival)) {
+      ++counters_.other_packets;
+      return Reject::none;
+    }
+    const bool frozen = sequence_known_ && telegram_.scan == scan_number_;
+    const Reject order = follow_sequence(arrival);
+    if (order != Reject::none) return order;
+    note_status();
+    note_blocks();
+    if (frozen || !telegram_.has_measurement) {
+      if (frozen || status_.in_standby()) clock_.pause();
+      ++counters_.other_packets;
+      return Reject::none;
+    }
+    if (!telegram_.derived) return Reject::field;
+    take_geometry(*telegram_.derived);
+    const Stamp end =
+        clock_.end_of_scan(telegram_.scan, std::chrono::milliseconds(geometry_->scan_time_ms), arrival);
+    counters_.clock_steps = clock_.steps();
+    publish(end, out);
+    return Reject::none;
+  }
+
+  /// False for the data of another device or another channel.
+  bool is_ours(Stamp arrival) {
+    if (stream_known_ && telegram_.serial == serial_ && telegram_.channel == channel_) {
+      last_arrival_ = arrival;
+      return true;
+    }
+    if (stream_known_ && std::chrono::abs(arrival - last_arrival_) <= silence) {
+      board_.tell(Warning::other_stream, true, [&] {
+        return "channel " + std::to_string(telegram_.channel) + " of scanner " +
+               std::to_string(telegram_.serial) + " sends to the same place as channel " +
+               std::to_string(channel_) + " of scanner " + std::to_string(serial_) +
+               " and is left out; give each its own UDP port, or set ip_address";
+      });
+      return false;
+    }
+    const std::uint32_t before = serial_;
+    board_.tell(Warning::other_device, stream_known_ && telegram_.serial != before, [&] {
+      return "scanner " + std::to_string(before) + " was replaced by scanner " +
+             std::to_string(telegram_.serial) + "; check its pose and its fields";
+    });
+    stream_known_ = true;
+    serial_ = telegram_.serial;
+    channel_ = telegram_.channel;
+    last_arrival_ = arrival;
+    sequence_known_ = false;
+    clock_.reset();
+    info_.serial = std::to_string(serial_);
+    return true;
+  }
+
+  /// Counts what is missing. The sequence number counts data sets sent; the scan number does not tell losses
+  /// from every n-th scan being sent, nor from the scans left out on waking up (SICK 8022708 p. 11).
+  Reject follow_sequence(Stamp arrival) {
+    const std::uint32_t by_sequence = telegram_.sequence - sequence_;
+    const std::uint32_t by_scan = telegram_.scan - scan_number_;
+    const auto ahead = static_cast<std::int32_t>(by_sequence != 0 ? by_sequence : by_scan);
+    if (sequence_known_) {
+      if (ahead == 0) return Reject::duplicate;
+      const bool soon = std::chrono::abs(arrival - counted_until_) <= silence;
+      if (ahead < 0 && ahead >= -overtaking_limit && soon) {
+        ++counters_.reordered;
+        return Reject::stale;
+      }
+      const Span scan_time = std::chrono::milliseconds(geometry_ ? geometry_->scan_time_ms : 30);
+      const std::int64_t passed = std::chrono::abs(arrival - counted_until_) / scan_time;
+      if (ahead > 0 && ahead - 1 <= loss_without_time + passed)
+        counters_.lost_packets += static_cast<std::uint64_t>(ahead - 1);
+    }
+    sequence_known_ = true;
+    sequence_ = telegram_.sequence;
+    scan_number_ = telegram_.scan;
+    counted_until_ = arrival;
+    return Reject::none;
+  }
+
+  void note_status() {
+    const SafetyStatus now = read_status(telegram_);
+    if (status_known_ && now == status_) return;
+    status_known_ = true;
+    status_ = now;
+    list_details();
+  }
+
+  void note_blocks() {
+    board_.tell(Warning::no_geometry, telegram_.has_measurement && !telegram_.derived, [] {
+      return "the scanner sends measurement data without the configuration of the data output (derived "
+             "values), so the angles of its beams are unknown; switch that block on in Safety Designer";
+    });
+    board_.tell(Warning::no_measurement, !telegram_.has_measurement && !status_.in_standby(), [] {
+      return "the scanner sends its state but no measurement data; switch that block on in Safety Designer";
+    });
+    board_.tell(Warning::unreadable, telegram_.has_unreadable_block, [] {
+      return "a status block of the scanner is not as SICK 8022708 describes it and is left out; scans are "
+             "not "
+             "affected, but its state may be missing here: please report the firmware version";
+    });
+  }
+
+  void note_dialogue() {
+    if (dialogue_->version() == dialogue_version_) return;
+    dialogue_version_ = dialogue_->version();
+    if (info_.serial.empty()) info_.serial = dialogue_->info().serial;
+    list_details();
+    board_.lead(dialogue_->info().warnings);
+  }
+
+  void list_details() {
+    clear_details();
+    for (const auto& detail : dialogue_->info().details) info_.details.push_back(detail);
+    if (!status_known_) return;
+    for (auto& detail : describe(status_)) info_.details.push_back(std::move(detail));
+  }
+
+  void take_geometry(const Ms3Derived& derived) {
+    if (geometry_ && same_geometry(*geometry_, derived)) {
+      geometry_ = derived;  // the distance factor may differ
+      return;
+    }
+    if (geometry_) {
+      board_.set(Warning::geometry,
+                 "the scanner changed from " + describe(*geometry_) + " to " + describe(derived) +
+                     "; restart whatever expects the former, or undo the change in Safety Designer");
+    }
+    geometry_ = derived;
+    reassembler_.set_patience(std::chrono::milliseconds(2 * derived.scan_time_ms));
+    choose_beams();
+  }
+
+  /// Which beams the configured angles leave.
+  void choose_beams() {
+    const double step = geometry_->step_deg * rad_per_deg;
+    const double first = (geometry_->start_deg - row_.ahead_deg) * rad_per_deg;
+    const BeamWindow kept = lidard::choose_beams(config_, first, step, geometry_->beams, scan_);
+    first_beam_ = kept.first;
+    scan_.scan_time = static_cast<float>(geometry_->scan_time_ms * 1e-3);
+    scan_.time_increment = static_cast<float>(seconds(beam_period(*geometry_)));
+    board_.tell(Warning::no_beams_left, kept.count == 0, [&] {
+      return "no beam lies between angle_min and angle_max, the scanner sends " + describe(*geometry_) +
+             " (90 deg is ahead); correct the angles in the configuration";
+    });
+  }
+
+  void publish(Stamp end, DriverOutput& out) {
+    if (scan_.beams == 0) {
+      ++counters_.other_packets;
+      return;
+    }
+    scan_.stamp = first_ray(end);
+    fill();
+    board_.tell(Warning::beyond_range, beyond_range_m_ > 0, [&] {
+      return "the scanner measures up to " + std::to_string(beyond_range_m_) + " m, but range_max of " +
+             std::string(config_.model->name) + " is " + std::to_string(config_.model->range_max) +
+             " m and farther echoes count as none; choose the model with the longer range";
+    });
+    ++counters_.frames;
+    topics_.publish(telegram_, scan_, first_beam_, out);
+    out.scan(scan_);
+  }
+
+  void fill() {
+    scan_.reset(scan_.beams, 1, config_.publish_intensity);
+    const double metres = geometry_->factor * 1e-3;
+    for (std::size_t i = 0; i < scan_.beams; ++i) {
+      const Ms3Beam beam = telegram_.beam(first_beam_ + i);
+      if (config_.publish_intensity) scan_.intensities[i] = beam.reflectivity;
+      const BeamStatus status = status_of(beam);
+      const auto range = static_cast<float>(beam.distance * metres);
+      if (status != BeamStatus::hit) {
+        scan_.set_without_hit(i, status);
+        continue;
+      }
+      scan_.set_measured(i, range);
+      // A device of that range may overshoot its end a little.
+      if (range > 1.05F * scan_.range_max) beyond_range_m_ = std::max<double>(beyond_range_m_, range);
+    }
+  }
+
+  /// The data leaves when the last beam is measured; the first published one came so many periods before.
+  Stamp first_ray(Stamp end) {
+    const auto before = static_cast<std::int64_t>(geometry_->beams - 1 - first_beam_);
+    return stamps_.next(end - beam_period(*geometry_) * before + config_.time_offset);
+  }
 
   const SafetyRow& row_;
   WarningBoard<Warning> board_{info_.warnings};
@@ -95,234 +298,10 @@ class SafetyDriver final : public DriverBase {
   double beyond_range_m_ = 0;
 
   SafetyTopics topics_;
-  SafetyDialogue dialogue_;
+  std::unique_ptr<SideDialogue> dialogue_;
   unsigned dialogue_version_ = 0;
   std::optional<Stamp> last_datagram_;
 };
-
-void SafetyDriver::tick(Stamp now, DriverOutput& out) {
-  reassembler_.expire(now);
-  dialogue_.tick(now, last_datagram_, out);
-  note_dialogue();
-}
-
-void SafetyDriver::note_dialogue() {
-  if (dialogue_.version() == dialogue_version_) return;
-  dialogue_version_ = dialogue_.version();
-  if (info_.serial.empty()) info_.serial = dialogue_.info().serial;
-  list_details();
-  board_.lead(dialogue_.info().warnings);
-}
-
-Reject SafetyDriver::receive(const Packet& packet, DriverOutput& out) {
-  if (packet.transport == Transport::tcp) {
-    ++counters_.other_packets;
-    dialogue_.receive(packet, out);
-    note_dialogue();
-    return Reject::none;
-  }
-  last_datagram_ = packet.arrival;
-  ++counters_.packets;
-  counters_.bytes += packet.payload.size();
-  Ms3Reassembler::Instance instance;
-  Reject reason = reassembler_.add(packet, instance);
-  if (reason == Reject::none && !instance.bytes.empty()) reason = handle(instance, out);
-  if (reason != Reject::none) counters_.reject(reason);
-  return reason;
-}
-
-Reject SafetyDriver::handle(const Ms3Reassembler::Instance& instance, DriverOutput& out) {
-  const Reject reason = parse_ms3_telegram(instance.bytes, telegram_);
-  board_.tell(Warning::version, reason == Reject::version, [&] {
-    return "the scanner sends version " + std::to_string(telegram_.version_major) +
-           " of the data output, known is version 2; its scans are not used: update this program";
-  });
-  if (reason != Reject::none) return reason;
-  const Stamp arrival = instance.first_arrival;
-  if (!is_ours(arrival)) {
-    ++counters_.other_packets;
-    return Reject::none;
-  }
-  const bool frozen = sequence_known_ && telegram_.scan == scan_number_;
-  const Reject order = follow_sequence(arrival);
-  if (order != Reject::none) return order;
-  note_status();
-  note_blocks();
-  if (frozen || !telegram_.has_measurement) {
-    if (frozen || status_.in_standby()) clock_.pause();
-    ++counters_.other_packets;
-    return Reject::none;
-  }
-  if (!telegram_.derived) return Reject::field;
-  take_geometry(*telegram_.derived);
-  const Stamp end =
-      clock_.end_of_scan(telegram_.scan, std::chrono::milliseconds(geometry_->scan_time_ms), arrival);
-  counters_.clock_steps = clock_.steps();
-  publish(end, out);
-  return Reject::none;
-}
-
-/// False for the data of another device or another channel.
-bool SafetyDriver::is_ours(Stamp arrival) {
-  if (stream_known_ && telegram_.serial == serial_ && telegram_.channel == channel_) {
-    last_arrival_ = arrival;
-    return true;
-  }
-  if (stream_known_ && std::chrono::abs(arrival - last_arrival_) <= silence) {
-    board_.tell(Warning::other_stream, true, [&] {
-      return "channel " + std::to_string(telegram_.channel) + " of scanner " +
-             std::to_string(telegram_.serial) + " sends to the same place as channel " +
-             std::to_string(channel_) + " of scanner " + std::to_string(serial_) +
-             " and is left out; give each its own UDP port, or set ip_address";
-    });
-    return false;
-  }
-  const std::uint32_t before = serial_;
-  board_.tell(Warning::other_device, stream_known_ && telegram_.serial != before, [&] {
-    return "scanner " + std::to_string(before) + " was replaced by scanner " +
-           std::to_string(telegram_.serial) + "; check its pose and its fields";
-  });
-  stream_known_ = true;
-  serial_ = telegram_.serial;
-  channel_ = telegram_.channel;
-  last_arrival_ = arrival;
-  sequence_known_ = false;
-  clock_.reset();
-  info_.serial = std::to_string(serial_);
-  return true;
-}
-
-/// Counts what is missing. The sequence number counts data sets sent; the scan number does not tell losses
-/// from every n-th scan being sent, nor from the scans left out on waking up (SICK 8022708 p. 11).
-Reject SafetyDriver::follow_sequence(Stamp arrival) {
-  const std::uint32_t by_sequence = telegram_.sequence - sequence_;
-  const std::uint32_t by_scan = telegram_.scan - scan_number_;
-  const auto ahead = static_cast<std::int32_t>(by_sequence != 0 ? by_sequence : by_scan);
-  if (sequence_known_) {
-    if (ahead == 0) return Reject::duplicate;
-    const bool soon = std::chrono::abs(arrival - counted_until_) <= silence;
-    if (ahead < 0 && ahead >= -overtaking_limit && soon) {
-      ++counters_.reordered;
-      return Reject::stale;
-    }
-    const Span scan_time = std::chrono::milliseconds(geometry_ ? geometry_->scan_time_ms : 30);
-    const std::int64_t passed = std::chrono::abs(arrival - counted_until_) / scan_time;
-    if (ahead > 0 && ahead - 1 <= loss_without_time + passed)
-      counters_.lost_packets += static_cast<std::uint64_t>(ahead - 1);
-  }
-  sequence_known_ = true;
-  sequence_ = telegram_.sequence;
-  scan_number_ = telegram_.scan;
-  counted_until_ = arrival;
-  return Reject::none;
-}
-
-void SafetyDriver::note_status() {
-  const SafetyStatus now = read_status(telegram_);
-  if (status_known_ && now == status_) return;
-  status_known_ = true;
-  status_ = now;
-  list_details();
-}
-
-void SafetyDriver::list_details() {
-  clear_details();
-  for (const auto& detail : dialogue_.info().details) info_.details.push_back(detail);
-  if (!status_known_) return;
-  for (auto& detail : describe(status_)) info_.details.push_back(std::move(detail));
-}
-
-void SafetyDriver::note_blocks() {
-  board_.tell(Warning::no_geometry, telegram_.has_measurement && !telegram_.derived, [] {
-    return "the scanner sends measurement data without the configuration of the data output (derived "
-           "values), so the angles of its beams are unknown; switch that block on in Safety Designer";
-  });
-  board_.tell(Warning::no_measurement, !telegram_.has_measurement && !status_.in_standby(), [] {
-    return "the scanner sends its state but no measurement data; switch that block on in Safety Designer";
-  });
-  board_.tell(Warning::unreadable, telegram_.has_unreadable_block, [] {
-    return "a status block of the scanner is not as SICK 8022708 describes it and is left out; scans are not "
-           "affected, but its state may be missing here: please report the firmware version";
-  });
-}
-
-void SafetyDriver::take_geometry(const Ms3Derived& derived) {
-  if (geometry_ && same_geometry(*geometry_, derived)) {
-    geometry_ = derived;  // the distance factor may differ
-    return;
-  }
-  if (geometry_) {
-    board_.set(Warning::geometry,
-               "the scanner changed from " + describe(*geometry_) + " to " + describe(derived) +
-                   "; restart whatever expects the former, or undo the change in Safety Designer");
-  }
-  geometry_ = derived;
-  reassembler_.set_patience(std::chrono::milliseconds(2 * derived.scan_time_ms));
-  choose_beams();
-}
-
-/// Which beams the configured angles leave.
-void SafetyDriver::choose_beams() {
-  const double step = geometry_->step_deg * rad_per_deg;
-  const double first = (geometry_->start_deg - row_.ahead_deg) * rad_per_deg;
-  const BeamWindow kept = lidard::choose_beams(config_, first, step, geometry_->beams, scan_);
-  first_beam_ = kept.first;
-  scan_.scan_time = static_cast<float>(geometry_->scan_time_ms * 1e-3);
-  scan_.time_increment = static_cast<float>(seconds(beam_period(*geometry_)));
-  board_.tell(Warning::no_beams_left, kept.count == 0, [&] {
-    return "no beam lies between angle_min and angle_max, the scanner sends " + describe(*geometry_) +
-           " (90 deg is ahead); correct the angles in the configuration";
-  });
-}
-
-/// The data leaves when the last beam is measured; the first published one came so many periods before.
-Stamp SafetyDriver::first_ray(Stamp end) {
-  const auto before = static_cast<std::int64_t>(geometry_->beams - 1 - first_beam_);
-  return stamps_.next(end - beam_period(*geometry_) * before + config_.time_offset);
-}
-
-void SafetyDriver::publish(Stamp end, DriverOutput& out) {
-  if (scan_.beams == 0) {
-    ++counters_.other_packets;
-    return;
-  }
-  scan_.stamp = first_ray(end);
-  fill();
-  board_.tell(Warning::beyond_range, beyond_range_m_ > 0, [&] {
-    return "the scanner measures up to " + std::to_string(beyond_range_m_) + " m, but range_max of " +
-           std::string(config_.model->name) + " is " + std::to_string(config_.model->range_max) +
-           " m and farther echoes count as none; choose the model with the longer range";
-  });
-  ++counters_.frames;
-  topics_.publish(telegram_, scan_, first_beam_, out);
-  out.scan(scan_);
-}
-
-void SafetyDriver::fill() {
-  scan_.reset(scan_.beams, 1, config_.publish_intensity);
-  const double metres = geometry_->factor * 1e-3;
-  for (std::size_t i = 0; i < scan_.beams; ++i) {
-    const Ms3Beam beam = telegram_.beam(first_beam_ + i);
-    if (config_.publish_intensity) scan_.intensities[i] = beam.reflectivity;
-    const BeamStatus status = status_of(beam);
-    const auto range = static_cast<float>(beam.distance * metres);
-    if (status != BeamStatus::hit) {
-      scan_.set_without_hit(i, status);
-      continue;
-    }
-    scan_.set_measured(i, range);
-    // A device of that range may overshoot its end a little.
-    if (range > 1.05F * scan_.range_max) beyond_range_m_ = std::max<double>(beyond_range_m_, range);
-  }
-}
-
-void SafetyDriver::restart() {
-  reassembler_.clear();
-  clock_.reset();
-  stream_known_ = false;
-  sequence_known_ = false;
-  stamps_.reset();
-}
 
 }  // namespace
 

@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/sick/safety/safety_models.h"
 
-#include "drivers/sick/safety/ms3_reassembler.h"
-#include "drivers/sick/safety/safety_driver.h"
-#include "drivers/sick/safety/safety_topics.h"
+#include "drivers/sick/safety/ms3_telegram.h"
+#include "drivers/sick/safety/safety_status.h"
 
 namespace lidard::sick {
 namespace {
@@ -14,12 +13,7 @@ constexpr SafetyRow safety_row = {90};
 
 Model scanner(const char* name, const char* product, double frame_period, double range_max,
               const char* verified) {
-  Model model;
-  model.name = name;
-  model.vendor = "SICK";
-  model.product = product;
-  model.protocol = "MS3 MD";
-  model.verified = verified;
+  Model model{name, "SICK", product, "MS3 MD", verified};
   // The port is chosen in Safety Designer; 6060 is what most examples for these devices use.
   model.port = 6060;
   model.dialogue_port = 2122;  // CoLa 2 (SICK 8022708 p. 28)

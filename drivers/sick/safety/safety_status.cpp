@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/sick/safety/safety_status.h"
 
+#include <array>
 #include <tuple>
 
 namespace lidard::sick {
@@ -78,6 +79,128 @@ std::vector<std::pair<std::string, std::string>> describe(const SafetyStatus& s)
                            {"Application Error", yes(state.application_error)},
                            {"Device Error", yes(state.device_error)}});
   return list;
+}
+
+namespace {
+
+constexpr std::size_t evaluation_paths = 20;
+
+constexpr std::array<std::string_view, 4> case_names = {"monitoring_case_1", "monitoring_case_2",
+                                                        "monitoring_case_3", "monitoring_case_4"};
+
+/// "status_1", "is_safe_1", "is_valid_1" and so on, as sick_safetyscanners/OutputPathsMsg calls them.
+struct PathNames {
+  std::array<std::string, evaluation_paths> status, is_safe, is_valid;
+
+  PathNames() {
+    for (std::size_t i = 0; i < evaluation_paths; ++i) {
+      const std::string number = std::to_string(i + 1);
+      status[i] = "status_" + number;
+      is_safe[i] = "is_safe_" + number;
+      is_valid[i] = "is_valid_" + number;
+    }
+  }
+};
+
+const PathNames& path_names() {
+  static const PathNames names;
+  return names;
+}
+
+double bit(std::uint32_t bits, std::size_t i) { return (bits >> i & 1U) != 0 ? 1 : 0; }
+
+bool is_interrupted(ByteView bits, std::size_t beam) {
+  return bits.has(beam / 8, 1) && (bits.u8(beam / 8) >> (beam % 8) & 1U) != 0;
+}
+
+/// The cut-off paths that the beam interrupts, path 1 in bit 0. 24 bits, which a float holds exactly.
+std::uint32_t interrupted_paths(const Ms3Telegram& telegram, std::size_t beam) {
+  std::uint32_t paths = 0;
+  for (std::size_t i = 0; i < telegram.intrusion.size(); ++i) {
+    if (is_interrupted(telegram.intrusion[i], beam)) paths |= 1U << i;
+  }
+  return paths;
+}
+
+}  // namespace
+
+void SafetyTopics::publish(const Ms3Telegram& telegram, const PlanarScan& scan, std::size_t first_beam,
+                           DriverOutput& out) {
+  if (telegram.state) {
+    begin(safety_topic::system_state, scan);
+    publish_state(*telegram.state, out);
+  }
+  if (telegram.application) {
+    begin(safety_topic::output_paths, scan);
+    publish_paths(*telegram.application, out);
+  }
+  publish_intrusion(telegram, scan, first_beam, out);
+  publish_beam_status(telegram, scan, first_beam, out);
+}
+
+void SafetyTopics::begin(std::string_view topic, const PlanarScan& scan) {
+  state_->topic = topic;
+  state_->frame_id = scan.frame_id;
+  state_->stamp = scan.stamp;
+  state_->values.clear();
+}
+
+void SafetyTopics::publish_state(const Ms3State& s, DriverOutput& out) {
+  add("run_mode_active", s.run_mode);
+  add("standby_mode_active", s.standby);
+  add("contamination_warning", s.contamination_warning);
+  add("contamination_error", s.contamination_error);
+  add("reference_contour_status", s.reference_contour);
+  add("manipulation_status", s.manipulation);
+  add("safe_cut_off_paths", s.safe_paths);
+  add("non_safe_cut_off_paths", s.non_safe_paths);
+  add("reset_required_cut_off_paths", s.reset_required_paths);
+  for (std::size_t i = 0; i < case_names.size(); ++i) add(case_names[i], s.monitoring_case[i]);
+  add("application_error", s.application_error);
+  add("device_error", s.device_error);
+  out.message(state_);
+}
+
+void SafetyTopics::publish_paths(const Ms3Application& a, DriverOutput& out) {
+  const PathNames& names = path_names();
+  add("active_monitoring_case", a.cases[0]);
+  for (std::size_t i = 0; i < evaluation_paths; ++i) {
+    add(names.status[i], bit(a.evaluation_paths, i));
+    add(names.is_safe[i], bit(a.evaluation_safe, i));
+    add(names.is_valid[i], bit(a.evaluation_valid, i));
+  }
+  out.message(state_);
+}
+
+void SafetyTopics::publish_intrusion(const Ms3Telegram& telegram, const PlanarScan& scan,
+                                     std::size_t first_beam, DriverOutput& out) {
+  bool any_path = false;
+  for (const ByteView path : telegram.intrusion) any_path = any_path || !path.empty();
+  if (!any_path) return;
+  intrusion_ = scan;
+  intrusion_.reset(scan.beams);
+  for (std::size_t i = 0; i < scan.beams; ++i) {
+    const std::uint32_t paths = interrupted_paths(telegram, first_beam + i);
+    intrusion_.intensities[i] = static_cast<float>(paths);
+    if (paths == 0) continue;
+    intrusion_.ranges[i] = scan.ranges[i];
+    intrusion_.statuses[i] = scan.statuses[i];
+  }
+  out.extra_scan(safety_topic::intrusion, intrusion_);
+}
+
+/// The scan again, with the flags of ms3_beam as intensities; only where a beam has another flag than valid
+/// and infinite, which the ranges tell.
+void SafetyTopics::publish_beam_status(const Ms3Telegram& telegram, const PlanarScan& scan,
+                                       std::size_t first_beam, DriverOutput& out) {
+  unsigned flags = 0;
+  for (std::size_t i = 0; i < scan.beams; ++i) flags |= telegram.beam(first_beam + i).status;
+  if ((flags & ~(0U + ms3_beam::valid + ms3_beam::infinite)) == 0) return;
+  beam_status_ = scan;
+  beam_status_.intensities.resize(scan.beams);
+  for (std::size_t i = 0; i < scan.beams; ++i)
+    beam_status_.intensities[i] = telegram.beam(first_beam + i).status;
+  out.extra_scan(beam_status_scan, beam_status_);
 }
 
 }  // namespace lidard::sick

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/velodyne/web/http_message.h"
-
 #include <boost/beast/http.hpp>
 #include <sstream>
 #include <utility>
+
+#include "drivers/velodyne/web/web_dialogue.h"
 
 namespace lidard::velodyne {
 namespace {

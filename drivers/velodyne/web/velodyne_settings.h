@@ -9,6 +9,7 @@
 
 #include "core/base/time.h"
 #include "drivers/address.h"
+#include "drivers/key.h"
 
 namespace lidard {
 
@@ -64,5 +65,8 @@ struct VelodynePlan {
 /// What to write so that a sensor that reports `tree` has the wanted settings: only what differs. A setting
 /// that is not reported is not written, since nobody could tell whether it must be.
 VelodynePlan plan(const VelodyneTree& tree, const VelodyneSettings& wanted);
+
+/// `control:` of a sensor: Trait::web_control.
+Keys<VelodyneControl> control_keys();
 
 }  // namespace lidard

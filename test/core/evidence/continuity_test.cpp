@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/evidence/continuity.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
 #include "core/base/angle.h"
+#include "core/evidence/placed_scan.h"
 #include "test/sim/world/rng.h"
 
 namespace lidard {

@@ -1,11 +1,10 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/motion/cloud_motion.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "core/motion/frame_motion.h"
 #include "test/core/virtual/cut_bench.h"
 #include "test/support/allocations.h"
 

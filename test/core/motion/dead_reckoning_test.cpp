@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/motion/dead_reckoning.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
+
+#include "core/motion/pose_track.h"
 
 namespace lidard {
 namespace {

@@ -9,7 +9,7 @@
 #include <limits>
 #include <optional>
 
-#include "core/virtual/band_edges.h"
+#include "core/virtual/plane_cut.h"
 #include "test/core/virtual/small_lidar.h"
 
 namespace lidard {

@@ -6,7 +6,6 @@
 
 #include <cmath>
 
-#include "core/virtual/ground.h"
 #include "test/core/virtual/small_lidar.h"
 
 namespace lidard {

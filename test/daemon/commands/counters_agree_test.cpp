@@ -14,9 +14,7 @@
 #include <regex>
 #include <sstream>
 
-#include "daemon/commands/decode.h"
-#include "daemon/commands/inspect.h"
-#include "daemon/commands/replay.h"
+#include "daemon/commands/commands.h"
 #include "daemon/config/config.h"
 #include "test/support/captures.h"
 

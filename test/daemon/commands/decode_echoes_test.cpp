@@ -14,7 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "daemon/commands/decode.h"
+#include "daemon/commands/commands.h"
 #include "test/support/captures.h"
 
 namespace lidard::test {

@@ -10,7 +10,7 @@
 #include <sstream>
 #include <tuple>
 
-#include "daemon/commands/decode.h"
+#include "daemon/commands/commands.h"
 #include "test/sim/servers/capture.h"
 #include "test/sim/servers/velodyne_stream.h"
 

@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/commands/inspect.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "daemon/commands/commands.h"
 #include "daemon/config/config.h"
 #include "test/drivers/capture/pcap_testing.h"
 #include "test/support/captures.h"

@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/commands/keys_command.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,6 +9,7 @@
 #include <sstream>
 
 #include "core/base/number_text.h"
+#include "daemon/commands/commands.h"
 #include "test/daemon/config/config_support.h"
 #include "test/support/captures.h"
 

@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/commands/models_command.h"
-
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -9,7 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "daemon/config/read_file.h"
+#include "daemon/commands/commands.h"
+#include "daemon/config/yaml_reader.h"
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
 #include "test/support/captures.h"

@@ -8,10 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "daemon/commands/decode.h"
-#include "daemon/commands/inspect.h"
+#include "daemon/commands/commands.h"
 #include "daemon/commands/player.h"
-#include "daemon/pipeline/transform_source.h"
+#include "daemon/pipeline/frame_tree.h"
 #include "test/daemon/pipeline/line_driver.h"
 #include "test/drivers/capture/pcap_testing.h"
 #include "test/support/captures.h"

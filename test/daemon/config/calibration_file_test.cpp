@@ -13,6 +13,7 @@
 
 #include "drivers/registry/registry.h"
 #include "test/daemon/config/calibration_support.h"
+#include "test/drivers/velodyne/calibrated_point.h"
 #include "test/support/calibration_equations.h"
 #include "test/support/captures.h"
 
@@ -80,7 +81,7 @@ void compare(const Calibration& calibration, const std::vector<LaserCalibration>
     const auto raw = static_cast<std::uint8_t>(random());
     const double azimuth = static_cast<double>(random() % 36000) / 18000 * M_PI;
     const bool near = two_point && expected[id].dist_correction_x != 0 && expected[id].dist_correction_y != 0;
-    const auto point = geometry.place(id, count, raw, std::cos(azimuth), std::sin(azimuth));
+    const auto point = place(geometry, id, count, raw, std::cos(azimuth), std::sin(azimuth));
     const auto wanted = reference(expected[id], near, calibration.distance_step_m, count, raw, azimuth);
     ASSERT_NEAR(point.x, wanted.x, 1e-4);
     ASSERT_NEAR(point.y, wanted.y, 1e-4);

@@ -9,8 +9,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "daemon/commands/check.h"
-#include "daemon/commands/decode.h"
+#include "daemon/commands/commands.h"
 #include "drivers/velodyne/calibration.h"
 #include "test/daemon/config/config_support.h"
 #include "test/support/captures.h"

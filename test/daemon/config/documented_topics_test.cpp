@@ -9,7 +9,7 @@
 #include <set>
 #include <sstream>
 
-#include "daemon/config/output_topics.h"
+#include "daemon/config/config.h"
 #include "drivers/registry/registry.h"
 #include "test/support/captures.h"
 

@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/dropin/laser_tools_setup.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <functional>
 
 #include "daemon/config/config.h"
+#include "daemon/dropin/dropin.h"
 
 namespace lidard {
 namespace {
@@ -89,12 +88,12 @@ TEST(LaserMerger, BringsNumbersIntoTheLimitsOfDynamicReconfigureAndSaysSo) {
 
 TEST(LaserMerger, KnowsKeysOfOurOwnConfiguration) {
   const DropinSetup setup = laser_merger_setup({{"laserscan_topics", "a b"},
-                                                    {"profile", "safety"},
-                                                    {"empty", "inf"},
-                                                    {"unobserved", "minus_inf"},
-                                                    {"lost_after", "0.2"},
-                                                    {"fuse", "mean"},
-                                                    {"min_height", "0.05"}});
+                                                {"profile", "safety"},
+                                                {"empty", "inf"},
+                                                {"unobserved", "minus_inf"},
+                                                {"lost_after", "0.2"},
+                                                {"fuse", "mean"},
+                                                {"min_height", "0.05"}});
   EXPECT_THAT(setup.warnings, IsEmpty());
   const MergedScanConfig merged = parse_config(setup.yaml, "p").merged_scans[0];
   EXPECT_EQ(merged.output.profile, Profile::safety);
@@ -141,12 +140,12 @@ TEST(LaserVirtualizer, HasTheDefaultsOfTheNodeItStandsInFor) {
 
 TEST(LaserVirtualizer, TakesEveryParameter) {
   const DropinSetup setup = laser_virtualizer_setup({{"cloud_topic", "cloud_in"},
-                                                         {"base_frame", "/laser_frame"},
-                                                         {"output_laser_topic", "/scan"},
-                                                         {"virtual_laser_scan", "bumper"},
-                                                         {"angle_max", "1.5"},
-                                                         {"max_height", "0.4"},
-                                                         {"range_max", "80"}});
+                                                     {"base_frame", "/laser_frame"},
+                                                     {"output_laser_topic", "/scan"},
+                                                     {"virtual_laser_scan", "bumper"},
+                                                     {"angle_max", "1.5"},
+                                                     {"max_height", "0.4"},
+                                                     {"range_max", "80"}});
   EXPECT_THAT(setup.warnings, IsEmpty());
   const Config config = parse_config(setup.yaml, "p");
   const VirtualScanConfig& group = config.virtual_scans.at(0);

@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/dropin/velodyne_node_setup.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,7 +7,7 @@
 #include <cstdlib>
 
 #include "daemon/config/config.h"
-#include "daemon/dropin/node_parameters.h"
+#include "daemon/dropin/dropin.h"
 #include "drivers/registry/registry.h"
 #include "drivers/velodyne/calibration.h"
 
@@ -57,21 +55,21 @@ TEST(VelodyneNode, HasTheDefaultsOfTheNodesItStandsInFor) {
 
 TEST(VelodyneNode, TakesEveryParameterThatHasAMeaningHere) {
   const DropinSetup setup = velodyne_node_setup({{"model", "VLS128"},
-                                                       {"device_ip", "192.168.1.201"},
-                                                       {"port", "2370"},
-                                                       {"frame_id", "roof"},
-                                                       {"rpm", "600"},
-                                                       {"cut_angle", "1.5"},
-                                                       {"timestamp_first_packet", "true"},
-                                                       {"time_offset", "-0.02"},
-                                                       {"min_range", "0.4"},
-                                                       {"max_range", "200"},
-                                                       {"view_direction", "0.5"},
-                                                       {"view_width", "3"},
-                                                       {"organize_cloud", "true"},
-                                                       {"laserscan_ring", "60"},
-                                                       {"laserscan_resolution", "0.0035"},
-                                                       {"pcap", ""}});
+                                                 {"device_ip", "192.168.1.201"},
+                                                 {"port", "2370"},
+                                                 {"frame_id", "roof"},
+                                                 {"rpm", "600"},
+                                                 {"cut_angle", "1.5"},
+                                                 {"timestamp_first_packet", "true"},
+                                                 {"time_offset", "-0.02"},
+                                                 {"min_range", "0.4"},
+                                                 {"max_range", "200"},
+                                                 {"view_direction", "0.5"},
+                                                 {"view_width", "3"},
+                                                 {"organize_cloud", "true"},
+                                                 {"laserscan_ring", "60"},
+                                                 {"laserscan_resolution", "0.0035"},
+                                                 {"pcap", ""}});
   EXPECT_THAT(setup.warnings, IsEmpty());
   EXPECT_THAT(setup.replay.captures, IsEmpty());
   const SensorConfig sensor = parse_config(setup.yaml, "p").sensors.at(0);

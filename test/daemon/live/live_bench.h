@@ -9,8 +9,8 @@
 
 #include "daemon/live/tcp_connections.h"
 #include "daemon/live/udp_ports.h"
+#include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/pipeline/transform_source.h"
 #include "test/daemon/pipeline/line_driver.h"
 
 namespace lidard::test {

@@ -11,7 +11,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "daemon/pipeline/transform_source.h"
+#include "daemon/pipeline/frame_tree.h"
 #include "test/daemon/live/live_bench.h"
 #include "test/support/starved.h"
 #include "test/support/tcp_peer.h"

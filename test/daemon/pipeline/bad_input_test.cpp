@@ -8,8 +8,8 @@
 #include <limits>
 #include <map>
 
+#include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/pipeline/transform_source.h"
 #include "daemon/ros/ros_convert.h"
 #include "test/support/recording_sink.h"
 

@@ -6,7 +6,7 @@
 #include <functional>
 #include <map>
 
-#include "daemon/config/output_topics.h"
+#include "daemon/config/config.h"
 #include "daemon/pipeline/pipeline.h"
 #include "drivers/capture/pcap_source.h"
 #include "test/daemon/pipeline/no_tf.h"

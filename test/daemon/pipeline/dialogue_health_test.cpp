@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/pipeline/transform_source.h"
 #include "drivers/registry/registry.h"
 #include "test/daemon/pipeline/line_driver.h"
 #include "test/sim/devices/scip_wire.h"

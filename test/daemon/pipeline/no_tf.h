@@ -4,8 +4,8 @@
 
 #include <string>
 
+#include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/pipeline/transform_source.h"
 
 namespace lidard {
 

@@ -5,8 +5,8 @@
 
 #include <map>
 
+#include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/pipeline/transform_source.h"
 #include "test/support/recording_sink.h"
 
 namespace lidard {

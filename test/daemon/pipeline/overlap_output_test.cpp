@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "core/base/angle.h"
+#include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/pipeline/transform_source.h"
 #include "test/sim/world/flat_world.h"
 #include "test/support/recording_sink.h"
 

@@ -9,8 +9,8 @@
 #include <random>
 #include <sstream>
 
+#include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/report.h"
-#include "daemon/pipeline/transform_source.h"
 #include "test/support/recording_sink.h"
 #include "test/support/velodyne_wire.h"
 

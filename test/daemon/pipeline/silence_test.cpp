@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/pipeline/device_connections.h"
+#include "daemon/pipeline/sensor.h"
 #include "daemon/pipeline/sensor_health.h"
 #include "drivers/registry/registry.h"
 #include "test/daemon/pipeline/line_driver.h"

@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/pipeline/outlet.h"
+#include "daemon/pipeline/frame_tree.h"
+#include "daemon/pipeline/output.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/pipeline/transform_source.h"
 #include "test/support/ros_samples.h"
 
 namespace lidard {

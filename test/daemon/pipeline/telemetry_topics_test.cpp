@@ -3,10 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/config/output_topics.h"
+#include "daemon/config/config.h"
+#include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/pipeline/transform_source.h"
-#include "daemon/ros/ros_device_message.h"
+#include "daemon/ros/ros_message.h"
 #include "drivers/registry/registry.h"
 #include "test/support/recording_sink.h"
 #include "test/support/ros_samples.h"

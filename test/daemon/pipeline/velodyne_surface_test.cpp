@@ -9,8 +9,8 @@
 #include <set>
 #include <tuple>
 
+#include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/pipeline/transform_source.h"
 #include "daemon/ros/ros_convert.h"
 #include "test/sim/servers/velodyne_stream.h"
 #include "test/support/recording_sink.h"

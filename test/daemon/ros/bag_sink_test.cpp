@@ -14,7 +14,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "daemon/ros/ros_device_message.h"
+#include "daemon/ros/ros_message.h"
 #include "test/support/ros_samples.h"
 
 namespace lidard {

@@ -8,8 +8,6 @@
 #include <cmath>
 #include <limits>
 
-#include "daemon/ros/reconfigure_messages.h"
-
 namespace lidard {
 namespace {
 
@@ -60,22 +58,22 @@ TEST(OutputItems, HaveAServerForEachEntryOfTheConfiguration) {
 TEST(OutputItems, ChangeOneByOneAndKeepTheRest) {
   ChangeableOutput output = changeable_outputs(vehicle(), ReconfigureNames::entries)[0];
   EXPECT_EQ(beams_of(output.config), 1440U);
-  EXPECT_EQ(change(output, {{{"range_max", 18}}, {{"profile", "safety"}}}), "");
+  EXPECT_EQ(change(output, {{"range_max", 18.0}, {"profile", "safety"}}), "");
   EXPECT_EQ(output.config.grid.range_max, 18);
   EXPECT_EQ(output.config.profile, Profile::safety);
   EXPECT_EQ(beams_of(output.config), 1440U) << "a full turn stays one";
-  EXPECT_EQ(change(output, {{{"angle_min", -M_PI / 2}, {"angle_max", M_PI / 2}}, {}}), "");
+  EXPECT_EQ(change(output, {{"angle_min", -M_PI / 2}, {"angle_max", M_PI / 2}}), "");
   EXPECT_EQ(beams_of(output.config), 721U);
-  EXPECT_EQ(change(output, {{{"min_height", 0.1}}, {}}), "");
+  EXPECT_EQ(change(output, {{"min_height", 0.1}}), "");
   EXPECT_EQ(output.config.min_height, 0.1);
   EXPECT_FALSE(output.config.max_height);
-  EXPECT_EQ(change(output, {{{"min_height", -10000}}, {}}), "");
+  EXPECT_EQ(change(output, {{"min_height", -10000.0}}), "");
   EXPECT_FALSE(output.config.min_height);
 }
 
 TEST(OutputItems, AreBroughtIntoTheirLimits) {
   ChangeableOutput output = changeable_outputs(vehicle(), ReconfigureNames::node)[0];
-  EXPECT_EQ(change(output, {{{"range_max", 5000}, {"angle_max", 9}}, {}}), "");
+  EXPECT_EQ(change(output, {{"range_max", 5000.0}, {"angle_max", 9.0}}), "");
   EXPECT_EQ(output.config.grid.range_max, 1000);
   EXPECT_EQ(output.config.grid.angle_max, M_PI);
 }
@@ -88,17 +86,16 @@ TEST(OutputItems, AreRefusedTogetherWithWhatWouldBeRight) {
     EXPECT_EQ(config_message(output), before) << why;
     return why;
   };
-  EXPECT_THAT(refused({{{"range_max", 30}, {"angle_max", -3.2}}, {}}),
+  EXPECT_THAT(refused({{"range_max", 30.0}, {"angle_max", -3.2}}),
               HasSubstr("expected angle_min < angle_max"));
-  EXPECT_THAT(refused({{{"angle_increment", 0}}, {}}), HasSubstr("expected a value above 0"));
-  EXPECT_THAT(refused({{{"angle_increment", 1e-5}}, {}}),
-              HasSubstr("expected 1 to 32767: change angle_increment"));
-  EXPECT_THAT(refused({{{"range_min", 25}}, {}}), HasSubstr("expected range_min < range_max"));
-  EXPECT_THAT(refused({{{"range_max", 10}}, {}}), HasSubstr("range_max is below free_required"));
-  EXPECT_THAT(refused({{{"min_height", 1}, {"max_height", 0.5}}, {}}),
+  EXPECT_THAT(refused({{"angle_increment", 0.0}}), HasSubstr("expected a value above 0"));
+  EXPECT_THAT(refused({{"angle_increment", 1e-5}}), HasSubstr("expected 1 to 32767: change angle_increment"));
+  EXPECT_THAT(refused({{"range_min", 25.0}}), HasSubstr("expected range_min < range_max"));
+  EXPECT_THAT(refused({{"range_max", 10.0}}), HasSubstr("range_max is below free_required"));
+  EXPECT_THAT(refused({{"min_height", 1.0}, {"max_height", 0.5}}),
               HasSubstr("expected min_height < max_height"));
-  EXPECT_THAT(refused({{{"range_max", std::nan("")}}, {}}), HasSubstr("range_max is not a number"));
-  EXPECT_THAT(refused({{}, {{"profile", "loose"}}}), HasSubstr("expected one of strict, safety, flatten"));
+  EXPECT_THAT(refused({{"range_max", std::nan("")}}), HasSubstr("range_max is not a number"));
+  EXPECT_THAT(refused({{"profile", "loose"}}), HasSubstr("expected one of strict, safety, flatten"));
 }
 
 TEST(OutputItems, KeepProfileFlattenWhereASourceProvesNothing) {
@@ -112,8 +109,7 @@ merged_scans:
 )",
                                      "p");
   ChangeableOutput output = changeable_outputs(config, ReconfigureNames::entries).at(0);
-  EXPECT_THAT(change(output, {{}, {{"profile", "strict"}}}),
-              HasSubstr("the source bumper is a virtual scan"));
+  EXPECT_THAT(change(output, {{"profile", "strict"}}), HasSubstr("the source bumper is a virtual scan"));
   EXPECT_EQ(output.config.profile, Profile::flatten);
 }
 
@@ -124,8 +120,8 @@ TEST(OutputItems, TravelAsDynamicReconfigureHasThem) {
   ASSERT_EQ(config.groups.size(), 1U);
   EXPECT_TRUE(config.groups[0].state);
   const ItemValues read = read_values(config);
-  EXPECT_EQ(read.numbers.at("range_max"), 20);
-  EXPECT_EQ(read.words.at("profile"), "strict");
+  EXPECT_EQ(std::get<double>(read.at("range_max")), 20);
+  EXPECT_EQ(std::get<std::string>(read.at("profile")), "strict");
   const auto description = description_message(output);
   EXPECT_EQ(description.groups.at(0).parameters.size(), output.items.size());
   for (const auto* part : {&description.min, &description.max, &description.dflt})
@@ -134,7 +130,7 @@ TEST(OutputItems, TravelAsDynamicReconfigureHasThem) {
   with_int.ints.emplace_back();
   with_int.ints[0].name = "range_max";
   with_int.ints[0].value = 18;
-  EXPECT_EQ(read_values(with_int).numbers.at("range_max"), 18);
+  EXPECT_EQ(std::get<double>(read_values(with_int).at("range_max")), 18);
 }
 
 }  // namespace

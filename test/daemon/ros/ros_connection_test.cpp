@@ -11,9 +11,9 @@
 #include <iostream>
 #include <thread>
 
-#include "daemon/ros/ros_device_message.h"
 #include "daemon/ros/ros_environment.h"
 #include "daemon/ros/ros_master.h"
+#include "daemon/ros/ros_message.h"
 #include "test/support/ros_listener.h"
 #include "test/support/ros_samples.h"
 #include "test/support/starved.h"

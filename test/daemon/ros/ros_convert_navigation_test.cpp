@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "daemon/ros/ros_device_message.h"
+#include "daemon/ros/ros_message.h"
 #include "test/support/ros_samples.h"
 
 namespace lidard {

@@ -9,8 +9,8 @@
 
 #include <thread>
 
+#include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/pipeline/transform_source.h"
 #include "daemon/ros/ros_connection.h"
 #include "daemon/ros/ros_inputs.h"
 #include "test/sim/servers/velodyne_stream.h"
@@ -162,9 +162,7 @@ struct Listening {
         const std::lock_guard lock(mutex);
         waiting.push_back(std::move(task));
       },
-      RosHandlers{{}, {}, [this](const std::string& name, ByteView packet, Stamp arrival, Stamp received) {
-                    pipeline.packet_message(name, {packet, arrival, {}, {}}, received);
-                  }});
+      pipeline);
 
   Listening() {
     connection.add(inputs);

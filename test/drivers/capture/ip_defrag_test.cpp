@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/capture/ip_defrag.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <optional>
 
+#include "drivers/capture/ip_packet.h"
 #include "test/drivers/capture/pcap_testing.h"
 
 namespace lidard::test {

@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/capture/link_layer.h"
-
 #include <gtest/gtest.h>
 
+#include "drivers/capture/ip_packet.h"
 #include "test/drivers/capture/pcap_testing.h"
 
 namespace lidard::test {

@@ -1,11 +1,10 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/hokuyo/scip_driver.h"
-
 #include <cmath>
 #include <fstream>
 #include <iterator>
 
+#include "drivers/hokuyo/models.h"
 #include "drivers/registry/registry.h"
 #include "test/drivers/hokuyo/scip_bench.h"
 #include "test/support/allocations.h"

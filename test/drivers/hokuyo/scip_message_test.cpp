@@ -4,9 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "drivers/hokuyo/scip_parameters.h"
-#include "drivers/hokuyo/scip_status.h"
-
 namespace lidard::hokuyo {
 namespace {
 

@@ -1,10 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/hokuyo/uam_driver.h"
-
 #include <cmath>
 
-#include "drivers/hokuyo/recognizer.h"
+#include "drivers/hokuyo/models.h"
 #include "drivers/hokuyo/uam_frame.h"
 #include "drivers/registry/identifier.h"
 #include "drivers/registry/registry.h"

@@ -7,7 +7,7 @@
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
 #include "drivers/velodyne/calibration.h"
-#include "drivers/velodyne/model_row.h"
+#include "drivers/velodyne/models.h"
 #include "test/sim/servers/velodyne_stream.h"
 #include "test/support/collector.h"
 #include "test/support/velodyne_wire.h"

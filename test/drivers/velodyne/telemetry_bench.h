@@ -13,7 +13,7 @@
 #include "drivers/capture/pcap_source.h"
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
-#include "drivers/velodyne/telemetry_receiver.h"
+#include "drivers/velodyne/telemetry.h"
 
 namespace lidard::test {
 

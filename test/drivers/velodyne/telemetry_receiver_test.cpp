@@ -1,11 +1,10 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/velodyne/telemetry_receiver.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "drivers/velodyne/telemetry.h"
 #include "test/drivers/velodyne/telemetry_bench.h"
 #include "test/support/allocations.h"
 #include "test/support/captures.h"

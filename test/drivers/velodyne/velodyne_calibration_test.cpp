@@ -6,6 +6,7 @@
 #include <random>
 
 #include "drivers/velodyne/calibration.h"
+#include "test/drivers/velodyne/calibrated_point.h"
 #include "test/support/allocations.h"
 #include "test/support/calibration_equations.h"
 
@@ -55,7 +56,7 @@ void compare_with(Reference reference, CalibrationModel model) {
     const double azimuth = std::uniform_real_distribution<double>(0, 2 * M_PI)(random);
     const std::size_t id = random() % 2;
     const LaserCalibration& laser = calibration.lasers[id];
-    const auto point = geometry.place(id, count, raw, std::cos(azimuth), std::sin(azimuth));
+    const auto point = place(geometry, id, count, raw, std::cos(azimuth), std::sin(azimuth));
     expect_near(point, reference(laser, laser.two_point == TwoPoint::on, calibration.distance_step_m, count,
                                  raw, azimuth));
   }
@@ -77,8 +78,8 @@ TEST(VelodyneCalibration, ModelsAgreeWhereOnlyAnglesAreCorrected) {
   const CalibratedGeometry exact(calibration);
   calibration.model = CalibrationModel::ros_drivers;
   const CalibratedGeometry ros_drivers(calibration);
-  const auto a = exact.place(0, 12345, 77, 0.6, 0.8);
-  const auto b = ros_drivers.place(0, 12345, 77, 0.6, 0.8);
+  const auto a = place(exact, 0, 12345, 77, 0.6, 0.8);
+  const auto b = place(ros_drivers, 0, 12345, 77, 0.6, 0.8);
   EXPECT_EQ(a.x, b.x);
   EXPECT_EQ(a.y, b.y);
   EXPECT_EQ(a.z, b.z);
@@ -90,11 +91,11 @@ TEST(VelodyneCalibration, AzimuthTurnsClockwiseAndRotCorrectionIsSubtracted) {
   Calibration calibration;
   calibration.lasers.resize(1);
   const CalibratedGeometry plain(calibration);
-  const auto right = plain.place(0, 1000, 0, 0, 1);  // azimuth 90 deg
+  const auto right = place(plain, 0, 1000, 0, 0, 1);  // azimuth 90 deg
   EXPECT_NEAR(right.x, 0, 1e-7);
   EXPECT_NEAR(right.y, -2, 1e-7);
   calibration.lasers[0].rot_correction = M_PI / 2;
-  const auto ahead = CalibratedGeometry(calibration).place(0, 1000, 0, 0, 1);
+  const auto ahead = place(CalibratedGeometry(calibration), 0, 1000, 0, 0, 1);
   EXPECT_NEAR(ahead.x, 2, 1e-7);
   EXPECT_NEAR(ahead.y, 0, 1e-7);
 }
@@ -108,7 +109,7 @@ TEST(VelodyneCalibration, UnstatedTwoPointIsUsedByTheExactModelOnly) {
   laser.two_point = TwoPoint::unstated;
   const auto ahead_m = [&](CalibrationModel model) {
     calibration.model = model;
-    return CalibratedGeometry(calibration).place(0, 265, 0, 1, 0).x;  // 0.53 m + 1.4 m: at the near target
+    return place(CalibratedGeometry(calibration), 0, 265, 0, 1, 0).x;  // 0.53 m + 1.4 m: at the near target
   };
   EXPECT_NEAR(ahead_m(CalibrationModel::exact), 1.93, 1e-6);  // not without both near corrections
   laser.dist_correction_x = 1.5;
@@ -128,7 +129,7 @@ TEST(VelodyneCalibration, RosDriversKnowsOnlyTheAnglesOfAVls128) {
   for (int i = 0; i < 128; ++i) calibration.lasers.push_back(random_laser(random));
   const CalibratedGeometry geometry(calibration);
   EXPECT_EQ(geometry.distance(9, 1000), 4.0);
-  const auto point = geometry.place(9, 1000, 250, 1, 0);
+  const auto point = place(geometry, 9, 1000, 250, 1, 0);
   EXPECT_NEAR(point.z, 4 * std::sin(calibration.lasers[9].vert_correction), 1e-6);
   EXPECT_EQ(point.intensity, 250);
 }
@@ -148,7 +149,7 @@ TEST(VelodyneCalibration, PlacingAllocatesNothing) {
   const CalibratedGeometry geometry(calibration);
   const std::uint64_t before = test::allocations();
   float sum = 0;
-  for (std::size_t i = 0; i < 64; ++i) sum += geometry.place(i, 500, 1, 1, 0).x;
+  for (std::size_t i = 0; i < 64; ++i) sum += place(geometry, i, 500, 1, 1, 0).x;
   EXPECT_EQ(test::allocations(), before);
   EXPECT_NEAR(sum, 64, 1e-3);
 }

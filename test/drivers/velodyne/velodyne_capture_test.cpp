@@ -8,7 +8,7 @@
 
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
-#include "drivers/velodyne/model_row.h"
+#include "drivers/velodyne/models.h"
 #include "test/support/captures.h"
 #include "test/support/collector.h"
 

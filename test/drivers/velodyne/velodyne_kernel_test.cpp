@@ -7,10 +7,10 @@
 
 #include "core/frames/cloud.h"
 #include "drivers/velodyne/calibration.h"
-#include "drivers/velodyne/direction.h"
 #include "drivers/velodyne/models.h"
 #include "drivers/velodyne/packet.h"
 #include "drivers/velodyne/unpacker.h"
+#include "test/drivers/velodyne/calibrated_point.h"
 
 namespace lidard::velodyne {
 namespace {
@@ -116,7 +116,7 @@ void expect_equations(const ModelRow& row, const Calibration& calibration, doubl
     // The azimuth of an HDL-64E S1 holds for its whole block.
     const Span turning = row.bank_by_bank ? Span(0) : row.firing_time(timing, k) + timing.before;
     const double at = (azimuth + rate * seconds(turning)) * rad_per_deg;
-    const CalibratedPoint expected = geometry.place(k, count, slot[2], std::cos(at), std::sin(at));
+    const CalibratedPoint expected = place(geometry, k, count, slot[2], std::cos(at), std::sin(at));
     ASSERT_NEAR(point.x, expected.x, max_error_m) << row.product << k;
     ASSERT_NEAR(point.y, expected.y, max_error_m) << row.product << k;
     ASSERT_NEAR(point.z, expected.z, max_error_m) << row.product << k;

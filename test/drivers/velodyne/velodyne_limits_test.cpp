@@ -9,7 +9,7 @@
 
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
-#include "drivers/velodyne/firing_schedule.h"
+#include "drivers/velodyne/timing.h"
 #include "test/support/collector.h"
 #include "test/support/velodyne_wire.h"
 

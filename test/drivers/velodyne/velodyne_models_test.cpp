@@ -6,9 +6,9 @@
 
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
-#include "drivers/velodyne/model_row.h"
+#include "drivers/velodyne/models.h"
 #include "drivers/velodyne/packet.h"
-#include "drivers/velodyne/timing_chooser.h"
+#include "drivers/velodyne/timing.h"
 #include "test/support/captures.h"
 #include "test/support/collector.h"
 

@@ -13,7 +13,7 @@
 #include "core/frames/cloud_layout.h"
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
-#include "drivers/velodyne/table_calibration.h"
+#include "drivers/velodyne/calibration.h"
 #include "test/support/captures.h"
 #include "test/support/collector.h"
 #include "test/support/velodyne_wire.h"

@@ -6,7 +6,8 @@
 
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
-#include "drivers/velodyne/model_row.h"
+#include "drivers/velodyne/calibration.h"
+#include "drivers/velodyne/models.h"
 #include "drivers/velodyne/packet_order.h"
 
 namespace lidard::velodyne {
@@ -16,7 +17,7 @@ const ModelRow& row_of(const char* name) { return *static_cast<const ModelRow*>(
 
 TEST(VelodyneTable, Vlp16ElevationsAreTheOddDegreesAndRingsAscend) {
   const ModelRow& row = row_of("velodyne_vlp16");
-  const auto rings = rings_by_elevation(row);
+  const auto rings = rings_by_elevation(table_of(row));
   for (std::size_t id = 0; id < row.lasers; ++id) {
     EXPECT_EQ(row.laser[id].elevation_deg, -15 + 2.0 * rings[id]);
     // 63-9243 Rev D, table 9-1: the beams leave a circle of 41.91 mm radius.

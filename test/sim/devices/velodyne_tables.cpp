@@ -79,7 +79,7 @@ std::vector<VelodyneTiming> vls128_timings() {
 
 // All beams of the VLP-32 cross 42.4 mm in front of the axis, those of the VLS-128 58.63 mm
 // (velodyne_decoder; the first agrees with the floor of a recording, the second is the likeliest:
-// drivers/velodyne/laser_tables.cpp).
+// drivers/velodyne/models.cpp).
 VelodyneLasers raised(VelodyneLasers lasers) {
   const double focal_mm = lasers.size() == 128 ? 58.63 : 42.4;
   for (VelodyneLaser& laser : lasers) {

@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/sick/cola/cola_driver.h"
-
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -288,113 +286,6 @@ TEST(ColaDriver, ATelegramWithoutDistancesIsRefusedWithAReason) {
   bench.send_next();
   EXPECT_FALSE(bench.has_warning("without distances"));
   EXPECT_EQ(bench.scans.size(), 1U);
-}
-
-TEST(ColaDriver, TheDeviceTellsItsStatusSerialAndName) {
-  ColaBench bench;
-  bench.sample.name = "front left";
-  bench.sample.status[1] = 1;
-  bench.send_next();
-  EXPECT_EQ(bench.driver->info().serial, "12345678");
-  EXPECT_EQ(bench.detail("Device name"), "front left");
-  EXPECT_EQ(bench.detail("Dialect"), "CoLa B");
-  EXPECT_TRUE(bench.has_warning("status 0 1"));
-  bench.sample.status[1] = 0;
-  bench.dialect = Cola::text;
-  bench.send_next();
-  EXPECT_FALSE(bench.has_warning("status"));
-  EXPECT_EQ(bench.detail("Dialect"), "CoLa A");
-  bench.sample.serial = 99;
-  bench.send_next();
-  EXPECT_TRUE(bench.has_warning("scanner 12345678 was replaced by scanner 99"));
-}
-
-TEST(ColaDriver, StatesGoOutOnTheirTopics) {
-  ColaBench bench;
-  bench.sample.encoders = {{1000, 7}};
-  bench.send_next();
-  ASSERT_EQ(bench.states.size(), 1U);
-  EXPECT_EQ(bench.states[0].topic, "encoder");
-  EXPECT_EQ(bench.states[0].stamp, bench.scans[0].stamp);
-  EXPECT_EQ(bench.states[0].values.at(0).name, "position_1");
-  EXPECT_EQ(bench.states[0].values.at(0).value, 1000);
-  EXPECT_EQ(bench.states[0].values.at(1).value, 7);
-  sim::ColaWords out(Cola::binary, "sSN LIDoutputstate");
-  out.number(0, 2).number(bench.sample.start_us, 4).number(1, 1).number(3, 4).number(0, 2);
-  bench.send(out.bytes());
-  ASSERT_EQ(bench.states.size(), 2U);
-  EXPECT_EQ(bench.states[1].topic, "lidoutputstate");
-  EXPECT_EQ(bench.states[1].values.at(1).name, "output_1_count");
-  EXPECT_EQ(bench.states[1].values.at(1).value, 3);
-  EXPECT_NEAR(seconds(bench.now - bench.states[1].stamp), 0.003, 1e-6) << "the device's own time";
-  const Model& model = *find_model("sick_lms1xx");
-  for (const DeviceState& state : bench.states) {
-    EXPECT_THAT(model.messages, ::testing::Contains(::testing::Field(&MessageTopic::name, state.topic)));
-  }
-}
-
-TEST(ColaDriver, APlaneMakesARingAndFourPlanesACloud) {
-  DriverConfig config;
-  config.keep_origins = true;
-  ColaBench bench("sick_mrs1000", config);
-  bench.sample.measurement_frequency = 180;
-  bench.sample.channels = {{"DIST1", 1, 0, 0, 900000 / 65, true, {1000, 0, 2}},
-                           {"DIST2", 1, 0, 0, 900000 / 65, true, {3000, 0, 0}}};
-  for (const int layer : {-500, 0, -250, 250, -500, 0, -250, 250, -500}) {
-    bench.sample.layer = static_cast<std::int16_t>(layer);
-    bench.send_next();
-  }
-  ASSERT_EQ(bench.clouds.size(), 1U) << "the first three planes are a part, the last two are begun";
-  EXPECT_EQ(bench.counters().partial_frames, 1U);
-  const Cloud& cloud = bench.clouds[0];
-  EXPECT_TRUE(cloud.complete);
-  EXPECT_EQ(cloud.rings, 4);
-  ASSERT_EQ(cloud.size(), 8U);
-  const CloudPoint first = cloud.points()[0];
-  EXPECT_EQ(first.ring, 0) << "250 is 2.5 deg downwards";
-  EXPECT_NEAR(first.z, -std::sin(2.5 * pi / 180), 1e-6);
-  EXPECT_NEAR(first.x, 0, 1e-6);
-  EXPECT_NEAR(first.y, -std::cos(2.5 * pi / 180), 1e-6);
-  EXPECT_NEAR(cloud.points()[1].y, -3 * std::cos(2.5 * pi / 180), 1e-6);
-  EXPECT_EQ(cloud.points()[2].ring, 3);
-  EXPECT_NEAR(cloud.points()[2].time, 0.02, 1e-6);
-  ASSERT_EQ(cloud.columns.size(), 16U) << "three beams of each plane, and a second echo";
-  EXPECT_EQ(cloud.columns[1].echo, 1);
-  EXPECT_EQ(cloud.columns[2].echo, 0);
-  bench.sample.layer = 7;
-  EXPECT_EQ(bench.send_next(), Reject::model);
-  EXPECT_TRUE(bench.has_warning("a plane at 7"));
-}
-
-TEST(ColaDriver, NothingIsAllocatedOnceItRuns) {
-  for (const char* model : {"sick_lms5xx", "sick_mrs1000"}) {
-    for (const Cola dialect : {Cola::binary, Cola::text}) {
-      struct Silent final : DriverOutput {
-        void scan(PlanarScan&) override { ++frames; }
-        void cloud(Cloud&) override { ++frames; }
-        int frames = 0;
-      } out;
-      ColaBench bench(model);
-      bench.sample.encoders = {{1, 1}};
-      bench.sample.channels = {channel("DIST1", std::vector<std::uint16_t>(541, 900)),
-                               channel("RSSI1", std::vector<std::uint16_t>(541, 200), false)};
-      for (std::uint16_t i = 0; i < 60; ++i) {
-        constexpr std::array<std::int16_t, 4> layers = {250, -500, 0, -250};
-        bench.sample.layer = layers[i % 4];
-        bench.sample.telegram_counter = i;
-        bench.sample.start_us += 20000;
-        bench.sample.transmit_us += 20000;
-        const auto bytes = bench.sample.bytes(dialect);
-        Packet packet;
-        packet.payload = {bytes.data(), bytes.size()};
-        packet.arrival = bench.now + std::chrono::milliseconds(20) * i;
-        const std::uint64_t own = allocations();
-        bench.driver->receive(packet, out);
-        EXPECT_EQ(i < 20 ? 0U : allocations() - own, 0U) << model << " telegram " << i;
-      }
-      EXPECT_GT(out.frames, 10);
-    }
-  }
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <random>
 
-#include "drivers/sick/cola/cola_reader.h"
+#include "drivers/sick/cola/cola_stream.h"
 #include "test/drivers/sick/cola/cola_bench.h"
 
 namespace lidard::test {

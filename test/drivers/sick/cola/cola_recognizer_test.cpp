@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // Which scanner it is that speaks CoLa, where it does not say so itself.
-#include "drivers/sick/cola/cola_recognizer.h"
-
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -14,6 +12,7 @@
 #include "drivers/model.h"
 #include "drivers/registry/identifier.h"
 #include "drivers/registry/registry.h"
+#include "drivers/sick/cola/cola_models.h"
 #include "test/sim/devices/cola_telegram.h"
 #include "test/support/captures.h"
 
@@ -32,14 +31,14 @@ struct Shown {
   std::string name = {};  // what DeviceIdent answered before
 };
 
-void show(sick::ColaRecognizer& recognizer, const std::vector<std::uint8_t>& bytes) {
+void show(Recognizer& recognizer, const std::vector<std::uint8_t>& bytes) {
   Packet packet;
   packet.transport = Transport::tcp;
   packet.payload = {bytes.data(), bytes.size()};
   recognizer.add(packet);
 }
 
-void show(sick::ColaRecognizer& recognizer, const Shown& shown) {
+void show(Recognizer& recognizer, const Shown& shown) {
   sim::SickScan scan;
   scan.scan_frequency = static_cast<std::uint32_t>(shown.hz * 100);
   sim::SickChannel channel;
@@ -59,9 +58,9 @@ struct Verdict {
 };
 
 Verdict verdict_of(const Shown& shown) {
-  sick::ColaRecognizer recognizer;
-  show(recognizer, shown);
-  return {std::string(recognizer.verdict()), recognizer.others()};
+  const auto recognizer = sick::make_cola_recognizer();
+  show(*recognizer, shown);
+  return {std::string(recognizer->verdict()), recognizer->others()};
 }
 
 TEST(ColaRecognizer, StepsOfTwoMillimetresAreAnLms5xx) {
@@ -90,13 +89,13 @@ TEST(ColaRecognizer, WhatSeveralFamiliesSendIsSaidWithTheirNames) {
 }
 
 TEST(ColaRecognizer, ADistanceBeyondTheRangeOfAFamilyRulesItOut) {
-  sick::ColaRecognizer recognizer;
-  show(recognizer, Shown{0, 0.5, 50, 241});
-  EXPECT_EQ(recognizer.verdict(), "sick_lms1xx");
-  show(recognizer, Shown{0, 0.5, 50, 241, 1, 60000});
-  EXPECT_EQ(recognizer.verdict(), "sick_lms5xx");
-  show(recognizer, Shown{0, 0.5, 50, 241});
-  EXPECT_EQ(recognizer.verdict(), "sick_lms5xx") << "what was seen once counts";
+  const auto recognizer = sick::make_cola_recognizer();
+  show(*recognizer, Shown{0, 0.5, 50, 241});
+  EXPECT_EQ(recognizer->verdict(), "sick_lms1xx");
+  show(*recognizer, Shown{0, 0.5, 50, 241, 1, 60000});
+  EXPECT_EQ(recognizer->verdict(), "sick_lms5xx");
+  show(*recognizer, Shown{0, 0.5, 50, 241});
+  EXPECT_EQ(recognizer->verdict(), "sick_lms5xx") << "what was seen once counts";
 }
 
 TEST(ColaRecognizer, TheNameOfTheDeviceCountsMoreThanItsScans) {

@@ -132,7 +132,7 @@ TEST(ColaStream, GivesUpAHalfTelegramBeforeAHole) {
   const Bytes telegram = number(Cola::binary, 1);
   Reading reading;
   reading.add({telegram.begin(), telegram.end() - 3});
-  reading.stream.reset();
+  reading.stream.interrupt();
   reading.add(number(Cola::binary, 2));
   EXPECT_THAT(reading.found, ElementsAre(::testing::StartsWith("sSN N")));
   EXPECT_EQ(reading.counters.incomplete, 1U);

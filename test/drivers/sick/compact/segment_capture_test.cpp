@@ -8,7 +8,6 @@
 #include "drivers/capture/pcap_source.h"
 #include "drivers/registry/registry.h"
 #include "drivers/sick/compact/compact_telegram.h"
-#include "drivers/sick/compact/msgpack_telegram.h"
 #include "test/drivers/sick/compact/segment_bench.h"
 #include "test/support/captures.h"
 #include "test/support/collector.h"

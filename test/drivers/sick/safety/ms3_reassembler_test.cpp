@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/sick/safety/ms3_reassembler.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numeric>
 #include <random>
 
+#include "drivers/sick/safety/ms3_telegram.h"
 #include "test/drivers/sick/safety/ms3_encoder.h"
 
 namespace lidard::sick {

@@ -12,7 +12,6 @@
 #include "drivers/capture/pcap_source.h"
 #include "drivers/model.h"
 #include "drivers/registry/registry.h"
-#include "drivers/sick/safety/ms3_reassembler.h"
 #include "drivers/sick/safety/ms3_telegram.h"
 #include "test/support/captures.h"
 

@@ -3,11 +3,11 @@
 //
 // Bytes of each variable as SICK's own client reads them (SICKAG/sick_safetyscanners_base a46f34d,
 // src/data_processing), written here by its offsets and not by our simulator.
-#include "drivers/sick/safety/safety_variables.h"
-
 #include <gtest/gtest.h>
 
 #include <initializer_list>
+
+#include "drivers/sick/safety/cola2_frame.h"
 
 namespace lidard::sick {
 namespace {

@@ -6,7 +6,7 @@
 #include <random>
 #include <string>
 
-#include "drivers/sick/cola/cola_clock.h"
+#include "drivers/sick/cola/cola_scan.h"
 #include "drivers/sick/safety/scan_clock.h"
 
 namespace lidard::sick {

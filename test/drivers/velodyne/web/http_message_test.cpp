@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/velodyne/web/http_message.h"
-
 #include <gtest/gtest.h>
+
+#include "drivers/velodyne/web/web_dialogue.h"
 
 namespace lidard::velodyne {
 namespace {

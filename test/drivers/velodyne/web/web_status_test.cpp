@@ -5,8 +5,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "drivers/velodyne/web/velodyne_readings.h"
-
 namespace lidard::velodyne {
 namespace {
 

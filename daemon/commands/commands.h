@@ -1,0 +1,136 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "core/base/device_clock.h"
+#include "core/base/time.h"
+#include "daemon/config/config.h"
+#include "daemon/files/frame_writer.h"
+#include "daemon/ros/ros_environment.h"
+#include "drivers/address.h"
+
+namespace lidard {
+
+/// Exit codes of every command.
+constexpr int exit_ok = 0;
+constexpr int exit_failed = 1;
+constexpr int exit_usage = 2;
+constexpr int exit_config = 78;  ///< EX_CONFIG of sysexits.h
+
+/// Runs a command; what it throws is told to `err` and makes the exit code.
+template <class Command>
+int guarded(std::ostream& err, const Command& command) {
+  const auto fail = [&err](const std::exception& why, int code) { return err << why.what() << '\n', code; };
+  try {
+    return command();
+  } catch (const ConfigError& why) {
+    return fail(why, exit_config);
+  } catch (const RosError& why) {
+    return fail(why, exit_usage);
+  } catch (const std::exception& why) {
+    return fail(why, exit_failed);
+  }
+}
+
+// Each command returns its exit code, prints what was asked for to `out`, and messages and errors to `err`.
+
+/// `lidard check`: prints the configuration with every default filled in.
+int run_check(const std::string& file, std::ostream& out, std::ostream& err);
+
+/// What `lidard decode` was asked for.
+struct DecodeOptions {
+  std::string capture;
+  std::string model;                ///< empty: the packets tell
+  std::optional<IpAddress> source;  ///< only packets from this sender
+  std::uint16_t source_port = 0;    ///< 0: any
+  std::uint16_t port = 0;           ///< destination port; 0: any
+  std::string calibration;          ///< file; empty: what the model or the device says
+  std::string calibration_model;    ///< ros_drivers, exact or veloview; empty: what suits the file
+  std::string format = "csv";       ///< csv, json or pcd
+  std::string output = "-";
+  std::optional<std::uint64_t> frame;  ///< only this frame
+  ClockMode clock = ClockMode::arrival;
+  StampColumn stamps = StampColumn::host;
+};
+
+/// Decodes one sensor's frames. After a failure what could be decoded was written.
+int run_decode(const DecodeOptions& options, std::ostream& err);
+
+/// `lidard inspect`: which sensors are in the captures, how well they were recorded, and a configuration that
+/// replays them. As text the whole output is such a configuration, the report being its comments; or JSON.
+/// Fails if a capture could not be read to its end.
+int run_inspect(const std::vector<std::string>& captures, bool json, std::ostream& out, std::ostream& err);
+
+/// How the reference of all configuration keys is printed: for a terminal, for config/KEYS.md, for the manual
+/// page, or for programs.
+enum class KeysFormat { table, markdown, man, json };
+
+int run_keys(KeysFormat format, std::ostream& out);
+
+/// `lidard models`: the table of supported models and how each was verified, for people or as JSON.
+int run_models(bool json, std::ostream& out);
+
+/// What `lidard record` was asked for.
+struct RecordOptions {
+  std::string config;
+  std::string output;
+  std::string interface = "any";  ///< of the host
+  double duration = 0;            ///< s; 0: until a signal
+};
+
+/// The filter, as pcap-filter(7) has it, for the traffic of the configured sensors: all that a known address
+/// sends and gets, else what goes to the sensor's ports. Empty: no sensor is on the network.
+std::string capture_filter(const Config& config);
+
+/// Records the configured sensors' traffic, UDP and both directions of TCP, without taking it from anybody.
+int run_record(const RecordOptions& options, std::ostream& err);
+
+/// What `lidard replay` was asked for.
+struct ReplayOptions {
+  std::string config;
+  std::vector<std::string> captures;
+  double rate = 1;                                 ///< of the recorded pace; 0: as fast as possible
+  bool loop = false;                               ///< again and again, stamps going on
+  double start = 0;                                ///< s into the capture
+  double duration = -1;                            ///< s; negative: to the end
+  double wait = 0;                                 ///< s between advertising the topics and the first frame
+  bool restamp = false;                            ///< stamps as if it were live: the first packet comes now
+  Span loop_gap = std::chrono::milliseconds(100);  ///< between the last packet of a round and the next round
+  RosOptions ros;
+  std::string bag;     ///< write here instead of to ROS
+  std::string motion;  ///< with `bag`: a bag whose tf or odometry tells how the vehicle moved
+};
+
+/// Plays captures through the pipeline of a configuration into ROS or a bag, and prints a table at the end.
+int run_replay(const ReplayOptions& options, std::ostream& out, std::ostream& err);
+/// The same with a configuration that is there already; `options.config` has no meaning.
+int run_replay(const ReplayOptions& options, const Config& config, std::ostream& out, std::ostream& err);
+
+/// The daemon: listens to the configured sensors and publishes until SIGTERM or SIGINT.
+int run_daemon(const Config& config, RosOptions ros, std::ostream& err);
+/// Runs the daemon with the configuration that the file holds.
+int run_daemon(const std::string& config_file, const std::vector<std::string>& ros_arguments,
+               std::ostream& err);
+
+/// What `lidard snapshot` was asked for.
+struct SnapshotOptions {
+  std::string config;
+  std::vector<std::string> captures;
+  std::optional<double> at;     ///< s into the capture; unset: its middle
+  std::optional<double> range;  ///< m from base_frame to the picture's edge; unset: fits what was measured
+  std::string areas;            ///< topic whose free and unobserved areas are shaded; empty: see make_view()
+  std::string motion;           ///< a bag whose tf or odometry tells how the vehicle moved; empty: it stood
+  std::string output;           ///< .png or .svg
+};
+
+/// Plays captures through the pipeline of a configuration up to one moment and draws what is known then, from
+/// above.
+int run_snapshot(const SnapshotOptions& options, std::ostream& err);
+
+}  // namespace lidard

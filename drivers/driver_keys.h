@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "drivers/driver.h"
+#include "drivers/key.h"
+
+namespace lidard {
+
+/// What may be changed in a device: Trait::settings_writable, receiver_settable, logins.
+Keys<DeviceRequests> write_keys();
+Keys<DeviceRequests> receiver_keys();
+Keys<DeviceRequests> login_keys();
+
+/// What the request for scans says (REP 138): Trait::skip_request.
+Keys<DeviceRequests> scip_keys();
+/// How both clocks are compared.
+Keys<DeviceRequests> scip_clock_keys();
+
+/// What a device is asked for: Trait::skip_setting.
+Keys<DeviceRequests> cola_keys();
+
+/// How a cloud is cut out of the stream, and which returns are kept: Trait::revolutions.
+Keys<DriverConfig> revolution_keys();
+
+}  // namespace lidard

@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/base/time.h"
+#include "core/frames/cloud.h"
+#include "core/frames/scan.h"
+#include "drivers/driver.h"
+#include "drivers/sick/cola/cola_models.h"
+#include "drivers/sick/cola/cola_scan.h"
+
+namespace lidard::sick {
+
+/// Where and when the beams of a telegram were measured.
+struct ColaGeometry {
+  std::size_t beams = 0;
+  std::size_t echoes = 0;
+  double start_deg = 0, step_deg = 0;  ///< as the device counts
+  double scan_hz = 0;
+  double beam_period = 0;  ///< s
+
+  /// rad in the device's ROS frame; fractions of a beam are allowed.
+  double angle(const ColaRow& row, double beam) const;
+  Span sweep() const;
+  friend bool operator==(const ColaGeometry& a, const ColaGeometry& b);
+};
+
+/// False if the telegram has no distances, or its channels contradict each other.
+bool read_geometry(const ColaScan& scan, const ColaRow& row, ColaGeometry& geometry);
+/// "811 beams from -45.0000 deg in steps of 0.33333 deg, 15.00 Hz".
+std::string describe(const ColaGeometry& geometry);
+
+/// A step that the telegram holds in 1/10000 deg: 0.3333 stands for 1/3, 0.1667 for 1/6.
+double exact_step_deg(double told);
+
+/// What a raw distance means. Values below 16 are codes (sick_scan_xd, README of the data formats): 0 no
+/// echo, 1 dazzled, others unknown. That 0 always means free space is unverified.
+BeamStatus status_of_raw(std::uint16_t raw);
+constexpr std::uint16_t first_distance = 16;
+
+/// Makes planar scans of the telegrams of a single-plane device.
+class ColaScanBuilder {
+ public:
+  ColaScanBuilder(const DriverConfig& config, const ColaRow& row);
+
+  /// Which beams the configured angles leave of this geometry. False: none.
+  bool choose(const ColaGeometry& geometry);
+  /// Beam of the telegram that comes first in the scan.
+  std::size_t first_beam() const { return first_beam_; }
+  /// The telegram's values in the chosen geometry; the stamp is the caller's.
+  PlanarScan& fill(const ColaScan& telegram);
+
+ private:
+  void fill_echo(const ColaScan& telegram, std::size_t echo);
+
+  const DriverConfig& config_;
+  const ColaRow& row_;
+  std::size_t first_beam_ = 0;
+  std::size_t echoes_ = 1;
+  PlanarScan scan_;
+};
+
+/// Makes clouds of a device whose planes come in telegrams of their own (MRS1000): one cloud holds one
+/// telegram of every plane, ring 0 being the lowest. Each echo of a beam has a column. The returns stand in
+/// the order of the telegrams; the sweeps of neighbouring planes overlap in time, so `time` rises within a
+/// plane only.
+class ColaCloudBuilder {
+ public:
+  ColaCloudBuilder(const DriverConfig& config, const ColaRow& row, Counters& counters);
+
+  /// Takes a telegram whose first beam was measured at `first` of the device's clock. Hands on the cloud
+  /// that it completes. False: no plane of the device has that angle.
+  bool add(const ColaScan& telegram, const ColaGeometry& geometry, Span first, const ColaClock& clock,
+           DriverOutput& out);
+  /// Hands on, or drops, what is begun.
+  void finish(DriverOutput& out);
+  void clear();
+
+ private:
+  void begin(Stamp stamp);
+  void choose(const ColaGeometry& geometry);
+  void append(const ColaScan& telegram, std::size_t ring, Span first, const ColaClock& clock);
+  void append_return(const ColaChannel& distance, const ColaChannel* rssi, std::size_t beam,
+                     double azimuth_deg, std::uint16_t ring, Stamp fired);
+
+  const DriverConfig& config_;
+  const ColaRow& row_;
+  Counters& counters_;
+  double range_min_, range_max_;  // m
+  std::uint32_t packet_ = 0;
+  std::uint32_t seen_ = 0;      // bit by ring
+  bool corrected_ = false;      // the directions are those of one telegram
+  std::int64_t offset_ns_ = 0;  // of the return being written, after its telegram's own time
+  ColaGeometry geometry_;
+  std::vector<std::array<float, 2>> directions_;  // cosine and sine of every beam's angle
+  Cloud cloud_;
+};
+
+}  // namespace lidard::sick

@@ -1,0 +1,191 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Every key with every kind of value, and examples with random mistakes: what is accepted, what it then means
+// and what is answered to the rest stays as it is.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+
+#include "daemon/commands/commands.h"
+#include "test/daemon/config/config_support.h"
+#include "test/support/captures.h"
+#include "test/support/golden.h"
+
+namespace lidard {
+namespace {
+
+/// What `check` would say of a text, mistakes and remarks included.
+std::string said_of(const std::string& text) {
+  try {
+    const Config config = parse_config(text, "f");
+    std::string all = "accepted";
+    for (const std::string& warning : config.warnings) all += "; remark: " + warning;
+    return all + "\n" + to_yaml(config);
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+}
+
+const std::string vehicle_with = "vehicle: {base_frame: base, footprint: [[-1, -1], [1, -1], [0, 1]], ";
+const std::string two_sensors =
+    "sensors: {a: {topic: /a}, b: {model: velodyne_vlp16, ip_address: 10.0.0.1}, c: {topic: /c}}\n";
+const std::string merged = two_sensors + "merged_scans: {m: {laserscan_topics: [a, c], profile: strict, ";
+const std::string cut =
+    two_sensors +
+    "virtual_scans: {v: {cloud_topic: b, virtual_laser_scan: [x, y], profile: strict, poses: "
+    "{x: {xyz: [0, 0, 1]}}, ";
+
+/// The texts into which a key of a section can be put, each with `@` in its place.
+std::vector<std::string> places_of(const std::string& section) {
+  if (section == "vehicle") return {vehicle_with + "@}\n", "vehicle: {odometry_topic: /odom, @}\n"};
+  if (section == "sensors.NAME") {
+    std::vector<std::string> all = {"sensors: {s: {topic: /t, @}}\n", "sensors: {s: {@}}\n"};
+    for (const char* model : {"velodyne_vlp16", "velodyne_vls128", "sick_microscan3", "sick_lms1xx",
+                              "sick_picoscan150", "hokuyo_utm_30lx_ew"})
+      all.push_back("sensors: {s: {model: " + std::string(model) + ", ip_address: 10.0.0.7, @}}\n");
+    return all;
+  }
+  if (section == "sensors.NAME.control")
+    return {"sensors: {s: {model: velodyne_vlp16, ip_address: 10.0.0.7, control: {@}}}\n",
+            "sensors: {s: {model: velodyne_vls128, ip_address: 10.0.0.7, control: {read: true, @}}}\n",
+            "sensors: {s: {model: sick_microscan3, ip_address: 10.0.0.7, control: {@}}}\n"};
+  if (section.rfind("sensors.NAME.control.", 0) == 0)
+    return {"sensors: {s: {model: velodyne_vlp16, ip_address: 10.0.0.7, control: {" + section.substr(21) +
+            ": {@}}}}\n"};
+  if (section == "merged_scans.NAME")
+    return {merged + "@}}\n", two_sensors + "merged_scans: {m: {laserscan_topics: [a], @}}\n"};
+  if (section == "merged_scans.NAME.source_settings.SOURCE")
+    return {merged + "source_settings: {a: {@}}}}\n"};
+  if (section == "merged_scans.NAME.also.TOPIC") return {merged + "also: {t: {@}}}}\n"};
+  if (section == "virtual_scans.NAME")
+    return {cut + "@}}\n",
+            two_sensors + "virtual_scans: {v: {cloud_topic: b, virtual_laser_scan: [b], @}}\n"};
+  if (section == "virtual_scans.NAME.ground")
+    return {cut + "ground: {@}}}\n", cut + "ground: {model: slope, @}}}\n"};
+  if (section == "virtual_scans.NAME.also.TOPIC") return {cut + "also: {t: {@}}}}\n"};
+  ADD_FAILURE() << "no place for keys of " << section;
+  return {};
+}
+
+const char* const values[] = {"-2000000000",
+                              "-1.5",
+                              "0",
+                              "0.0004",
+                              "0.2",
+                              "1",
+                              "2",
+                              "6.3",
+                              "100",
+                              "2049",
+                              "65536",
+                              "1e10",
+                              ".nan",
+                              "true",
+                              "x",
+                              "'a b'",
+                              "b",
+                              "\"\"",
+                              "[]",
+                              "{}",
+                              "[a, a]",
+                              "[0, 0, 1]",
+                              "[[0, 0], [1, 0], [0, 1]]",
+                              "[[0, 0], [1, 1], [0, 1], [1, 0]]",
+                              "{xyz: [0, 0, 1], rpy: [0, 0, 4]}",
+                              "{a: {range_min: 2}}",
+                              "{t: strict}",
+                              "{x: {xyz: [1, 2, 3]}}",
+                              "239.1.2.3",
+                              "fe80::1"};
+
+std::string with(std::string place, const std::string& what) {
+  return place.replace(place.find('@'), 1, what);
+}
+
+TEST(ConfigGolden, EveryKeyTakesAndMeansWhatItDidBefore) {
+  std::ostringstream listed;
+  run_keys(KeysFormat::json, listed);
+  std::string all;
+  for (const auto& row : nlohmann::json::parse(listed.str())) {
+    const std::string section = row["section"], key = row["key"];
+    std::vector<std::string> tried(std::begin(values), std::end(values));
+    if (row.contains("words")) {
+      for (const auto& word : row["words"]) tried.push_back(word);
+    }
+    std::size_t number = 0;
+    for (const std::string& place : places_of(section)) {
+      test::Sums sums;
+      std::size_t accepted = 0;
+      std::string last;
+      for (const std::string& value : tried) {
+        const std::string said = said_of(with(place, key + ": " + value));
+        sums.add_text("said", said);
+        if (said.rfind("accepted", 0) == 0)
+          ++accepted;
+        else if (value == "[]" || value == "-2000000000")
+          last += "    " + said.substr(0, said.find('\n')) + "\n";
+      }
+      all += section + "." + key + " in place " + std::to_string(number++) + ": " + std::to_string(accepted) +
+             " accepted" + sums.text() + last;
+    }
+  }
+  test::expect_golden("config_keys.txt", all);
+}
+
+TEST(ConfigGolden, PairsOfKeysAreJudgedAsBefore) {
+  std::ostringstream listed;
+  run_keys(KeysFormat::json, listed);
+  std::map<std::string, std::vector<std::string>> keys;
+  for (const auto& row : nlohmann::json::parse(listed.str())) {
+    const std::string section = row["section"], key = row["key"];
+    if (!row.contains("words")) {
+      for (const char* value : {"0.3", "2", "true", "[a]", "x"}) keys[section].push_back(key + ": " + value);
+    } else {
+      for (const auto& word : row["words"]) keys[section].push_back(key + ": " + std::string(word));
+    }
+  }
+  std::string all;
+  std::mt19937 random(5);
+  for (const auto& [section, entries] : keys) {
+    for (const std::string& place : places_of(section)) {
+      test::Sums sums;
+      for (int i = 0; i < 40; ++i) {
+        std::string some = entries[random() % entries.size()];
+        for (std::size_t more = random() % 4; more > 0; --more)
+          some += ", " + entries[random() % entries.size()];
+        sums.add_text("said", said_of(with(place, some)));
+      }
+      all += section + "\n" + sums.text();
+    }
+  }
+  test::expect_golden("config_pairs.txt", all);
+}
+
+TEST(ConfigGolden, MistakesAreAnsweredAsBefore) {
+  std::ifstream file(test::project_file("config/demo.yaml"));
+  const std::string original{std::istreambuf_iterator<char>(file), {}};
+  const std::string alphabet = " \n:-[]{},#0123456789.eainfx_/";
+  std::mt19937 random(12);
+  std::string all;
+  for (int i = 0; i < 120; ++i) {
+    std::string text = original;
+    for (std::size_t change = 0; change <= random() % 3; ++change) {
+      const std::size_t at = random() % text.size();
+      const std::size_t kind = random() % 3;
+      if (kind == 0) text[at] = alphabet[random() % alphabet.size()];
+      if (kind == 1) text.erase(at, random() % 12);
+      if (kind == 2) text.insert(at, text.substr(random() % text.size(), random() % 12));
+    }
+    const std::string said = said_of(text);
+    all += said.rfind("accepted", 0) == 0 ? said.substr(0, said.find('\n')) + "\n" : said + "\n";
+  }
+  test::expect_golden("config_mistakes.txt", all);
+}
+
+}  // namespace
+}  // namespace lidard

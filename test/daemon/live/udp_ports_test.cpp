@@ -1,0 +1,188 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/live/udp_ports.h"
+
+#include <arpa/inet.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <boost/asio/io_context.hpp>
+#include <sstream>
+
+#include "test/support/recording_sink.h"
+#include "test/support/ros_master.h"
+
+namespace lidard::test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// A socket of somebody else.
+class Somebody {
+ public:
+  Somebody() : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {}
+  ~Somebody() { close(fd_); }
+  Somebody(const Somebody&) = delete;
+  Somebody& operator=(const Somebody&) = delete;
+  bool take(std::uint16_t port) const {
+    const sockaddr_in at = address(port, INADDR_ANY);
+    return bind(fd_, reinterpret_cast<const sockaddr*>(&at), sizeof at) == 0;
+  }
+  void send(std::uint16_t port, const std::string& bytes) const {
+    const sockaddr_in to = address(port, INADDR_LOOPBACK);
+    sendto(fd_, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+  }
+
+ private:
+  static sockaddr_in address(std::uint16_t port, std::uint32_t host) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(port);
+    address.sin_addr.s_addr = htonl(host);
+    return address;
+  }
+  int fd_;
+};
+
+/// What is logged meanwhile.
+class Logged {
+ public:
+  Logged() : before_(spdlog::default_logger()) {
+    auto logger =
+        std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_st>(text_));
+    logger->set_pattern("%l: %v");
+    spdlog::set_default_logger(logger);
+  }
+  ~Logged() { spdlog::set_default_logger(before_); }
+  Logged(const Logged&) = delete;
+  Logged& operator=(const Logged&) = delete;
+  std::string text() const { return text_.str(); }
+
+ private:
+  std::ostringstream text_;
+  std::shared_ptr<spdlog::logger> before_;
+};
+
+struct Ports {
+  explicit Ports(const std::string& yaml)
+      : config(parse_config(yaml, "c")), ports(io, config, [this](const Packet& packet) {
+          received.emplace_back(packet.to.port, packet.payload.size());
+        }) {
+    ports.start();
+  }
+  ~Ports() { ports.stop(); }
+  Ports(const Ports&) = delete;
+  Ports& operator=(const Ports&) = delete;
+  template <class Condition>
+  bool until(Condition done) {
+    const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    while (!done() && std::chrono::steady_clock::now() < limit) {
+      io.restart();
+      io.run_for(std::chrono::milliseconds(5));
+    }
+    return done();
+  }
+  std::vector<DiagnosticItem> items() const {
+    std::vector<DiagnosticItem> all;
+    ports.add_diagnostics(all);
+    return all;
+  }
+
+  boost::asio::io_context io;
+  std::vector<std::pair<std::uint16_t, std::size_t>> received;
+  Config config;
+  UdpPorts ports;
+};
+
+std::string roof(std::uint16_t port, const std::string& more = "") {
+  return "roof: {model: velodyne_vlp16, ip_port: " + std::to_string(port) + more + "}";
+}
+
+TEST(UdpPorts, AreOneForEachPortOfDataAndTelemetryHoweverManySensorsSendThere) {
+  const std::uint16_t one = free_port(), two = free_port();
+  Ports ports("sensors: {" + roof(one, ", ip_address: 127.0.0.1") +
+              ", mast: {model: velodyne_vlp16, ip_port: " + std::to_string(one) +
+              ", ip_address: 127.0.0.2}, rear: {model: sick_microscan3, ip_port: " + std::to_string(two) +
+              ", ip_address: 127.0.0.1}, other: {topic: /scan}}");
+  const auto items = ports.items();
+  std::vector<std::string> names;
+  for (const DiagnosticItem& item : items) {
+    names.push_back(item.name);
+    EXPECT_EQ(item.hardware_id, item.name);
+  }
+  std::vector<std::string> wanted = {"port " + std::to_string(one), "port " + std::to_string(two),
+                                     "port 8308"};
+  EXPECT_THAT(names, ::testing::UnorderedElementsAreArray(wanted));
+  EXPECT_THAT(ports.ports.summary(), HasSubstr("of 3 ports open"));
+}
+
+TEST(UdpPorts, HandOnWhatTheSensorSendsAndCountWhatOthersSend) {
+  const std::uint16_t port = free_port();
+  Ports open("sensors: {" + roof(port) + "}");
+  const Somebody sender;
+  sender.send(port, "hello");
+  sender.send(port, "you");
+  ASSERT_TRUE(open.until([&] { return open.received.size() == 2; }));
+  EXPECT_THAT(open.received, ElementsAre(std::pair(port, std::size_t{5}), std::pair(port, std::size_t{3})));
+  for (const DiagnosticItem& item : open.items()) {
+    if (item.name != "port " + std::to_string(port)) continue;
+    EXPECT_EQ(value_of(item, "Datagrams"), "2");
+    EXPECT_EQ(value_of(item, "Kernel drops"), "0");
+    EXPECT_EQ(value_of(item, "Truncated"), "0");
+    EXPECT_EQ(value_of(item, "From unknown_senders"), "0");
+    EXPECT_NE(value_of(item, "Receive buffer (bytes)"), "0");
+    EXPECT_NE(item.health, Health::error);
+  }
+
+  const std::uint16_t other = free_port();
+  Ports closed("sensors: {" + roof(other, ", ip_address: 127.0.0.9") + "}");
+  for (int i = 0; i < 20; ++i) sender.send(other, "stranger");
+  EXPECT_TRUE(closed.until([&] {
+    for (const DiagnosticItem& item : closed.items())
+      if (item.name == "port " + std::to_string(other) && value_of(item, "From unknown_senders") != "0")
+        return true;
+    sender.send(other, "stranger");
+    return false;
+  }));
+}
+
+TEST(UdpPorts, SayWhoHasAPortAndOpenItWhenItIsFree) {
+  const Logged log;
+  const std::uint16_t port = free_port();
+  auto other = std::make_unique<Somebody>();
+  ASSERT_TRUE(other->take(port));
+  Ports ports("sensors: {" + roof(port) + "}");
+  const auto item = [&] {
+    for (const DiagnosticItem& one : ports.items())
+      if (one.name == "port " + std::to_string(port)) return one;
+    return DiagnosticItem();
+  };
+  ASSERT_TRUE(ports.until([&] { return item().health == Health::error; }));
+  EXPECT_THAT(item().message, HasSubstr("port " + std::to_string(port) + " is in use"));
+  EXPECT_THAT(ports.ports.summary(), HasSubstr("1 of 2 ports open"));
+  ports.ports.log_changes();
+  ports.ports.log_changes();
+  const std::string said = "warning: " + item().message + "\n";
+  EXPECT_THAT(log.text(), HasSubstr(said));
+  EXPECT_EQ(log.text().find(said, log.text().find(said) + 1), std::string::npos) << "once";
+  other.reset();
+  ASSERT_TRUE(ports.until([&] { return item().health != Health::error; }));
+  EXPECT_EQ(ports.ports.summary(), "2 of 2 ports open");
+  EXPECT_TRUE(item().message == "listening" || item().health == Health::warn) << item().message;
+  ports.ports.log_changes();
+  EXPECT_THAT(log.text(), HasSubstr("info: listening on port " + std::to_string(port) + "\n"));
+}
+
+TEST(UdpPorts, AreNoneWithoutASensorThatSendsDatagrams) {
+  const Ports ports("sensors: {other: {topic: /scan}}");
+  EXPECT_EQ(ports.ports.summary(), "");
+  EXPECT_TRUE(ports.items().empty());
+}
+
+}  // namespace
+}  // namespace lidard::test
