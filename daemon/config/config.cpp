@@ -123,9 +123,11 @@ std::string to_yaml(const Config& config) {
               [&](const auto& scan) { write_keys(yaml, merged_keys(), scan); });
   write_named(yaml, "virtual_scans", config.virtual_scans,
               [&](const auto& scan) { write_keys(yaml, virtual_keys(), scan); });
-  yaml << YAML::Key << "blackbox" << YAML::Value << YAML::BeginMap;
-  write_keys(yaml, black_box_keys(), config.black_box);
-  yaml << YAML::EndMap;
+  if (config.black_box.seconds > 0) {
+    yaml << YAML::Key << "blackbox" << YAML::Value << YAML::BeginMap;
+    write_keys(yaml, black_box_keys(), config.black_box);
+    yaml << YAML::EndMap;
+  }
   yaml << YAML::EndMap;
   return with_indented_comments(yaml.c_str());
 }

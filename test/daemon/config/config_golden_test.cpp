@@ -68,6 +68,7 @@ std::vector<std::string> places_of(const std::string& section) {
   if (section == "virtual_scans.NAME.ground")
     return {cut + "ground: {@}}}\n", cut + "ground: {model: slope, @}}}\n"};
   if (section == "virtual_scans.NAME.also.TOPIC") return {cut + "also: {t: {@}}}}\n"};
+  if (section == "blackbox") return {"sensors: {s: {model: velodyne_vlp16}}\nblackbox: {@}\n"};
   ADD_FAILURE() << "no place for keys of " << section;
   return {};
 }

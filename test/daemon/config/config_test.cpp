@@ -42,10 +42,11 @@ TEST(Config, UnknownKeysNameTheNearestKnownOne) {
 }
 
 TEST(Config, UnknownKeysNearNothingListWhatThereIs) {
-  EXPECT_EQ(error_of("qqqqqq: 1\n"),
-            "f:1:1: unknown key qqqqqq; expected one of vehicle, sensors, merged_scans, virtual_scans");
+  EXPECT_EQ(
+      error_of("qqqqqq: 1\n"),
+      "f:1:1: unknown key qqqqqq; expected one of vehicle, sensors, merged_scans, virtual_scans, blackbox");
   EXPECT_EQ(error_of("<<: {}\n"),
-            "f:1:1: unknown key <<; expected one of vehicle, sensors, merged_scans, virtual_scans");
+            "f:1:1: unknown key <<; expected one of vehicle, sensors, merged_scans, virtual_scans, blackbox");
 }
 
 TEST(Config, KeysGivenTwiceAreAnError) {
