@@ -37,7 +37,7 @@ struct Commands {
 
   std::string config = default_config;
   std::vector<std::string> captures;
-  bool json = false;
+  bool json = false, ports = false;
   KeysFormat keys = KeysFormat::table;
   std::string rate = "1";
   std::string source;
@@ -125,7 +125,10 @@ struct Commands {
   void add_check() {
     auto* c = app.add_subcommand("check", "Validates a configuration and prints it with all defaults");
     c->add_option("file", config, "Configuration file")->required();
-    c->callback([this] { action = [this] { return run_check(config, std::cout, std::cerr); }; });
+    c->add_flag("--ports", ports, "Print the sockets that the daemon opens instead, for firewalls");
+    c->callback([this] {
+      action = [this] { return (ports ? run_check_ports : run_check)(config, std::cout, std::cerr); };
+    });
   }
   void add_models() {
     auto* c = app.add_subcommand("models", "The supported models and how each was verified");

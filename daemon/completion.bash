@@ -34,6 +34,7 @@ _lidard() {
     snapshot:-*) _lidard_words "--config --pcap --at --range --areas --output --help" ;;
     inspect:-* | models:*) _lidard_words "--json --help" ;;
     keys:*) _lidard_words "--markdown --man --json --help" ;;
+    check:-*) _lidard_words "--ports --help" ;;
     check:*) _lidard_files yaml yml ;;
     status:* | events:*) _lidard_words "--socket --json --watch --help" ;;
     metrics:* | dump:*) _lidard_words "--socket --help" ;;

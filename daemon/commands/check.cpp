@@ -1,11 +1,13 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <map>
 #include <ostream>
 #include <set>
 
 #include "daemon/commands/commands.h"
 #include "daemon/config/config.h"
 #include "daemon/config/yaml_reader.h"
+#include "daemon/files/text_table.h"
 #include "daemon/pipeline/frame_tree.h"
 
 namespace lidard {
@@ -118,7 +120,37 @@ class Forecast {
   std::vector<std::string> sentences_;
 };
 
+/// Ports that the daemon listens on, and devices that it connects to, each with the sensors behind it.
+TextTable sockets_of(const Config& config) {
+  std::map<std::pair<std::string, std::string>, std::string> sensors;
+  for (const SensorConfig& sensor : config.sensors) {
+    for (const Flow& flow : flows_of(sensor)) {
+      const bool listens = flow.transport == Transport::udp;
+      if (!listens && sensor.driver.requests.listen_only) continue;
+      const std::string port = std::to_string(flow.port);
+      std::string& names =
+          sensors[listens ? std::pair("listens", "udp " + port)
+                          : std::pair("connects", "tcp " + flow.address.to_string() + ":" + port)];
+      names += (names.empty() ? "" : ", ") + sensor.name;
+    }
+  }
+  TextTable table{{"DOES", "SOCKET", "FOR"}};
+  for (const auto& [socket, names] : sensors) table.push_back({socket.first, socket.second, names});
+  // roscpp: topics and calls over TCP; it opens the port of UDPROS unasked. The kernel chooses all of them.
+  table.push_back({"listens", "tcp, two free ports", "ROS"});
+  table.push_back({"listens", "udp, one free port", "ROS"});
+  table.push_back({"connects", "tcp, the ROS master's port", "ROS"});
+  return table;
+}
+
 }  // namespace
+
+int run_check_ports(const std::string& file, std::ostream& out, std::ostream& err) {
+  return guarded(err, [&] {
+    print_columns(sockets_of(load_config(file)), out);
+    return exit_ok;
+  });
+}
 
 int run_check(const std::string& file, std::ostream& out, std::ostream& err) {
   return guarded(err, [&] {

@@ -42,6 +42,8 @@ int guarded(std::ostream& err, const Command& command) {
 
 /// `lidard check`: prints the configuration with every default filled in.
 int run_check(const std::string& file, std::ostream& out, std::ostream& err);
+/// `lidard check --ports`: prints which sockets the daemon opens, for firewalls. Returns the same.
+int run_check_ports(const std::string& file, std::ostream& out, std::ostream& err);
 
 /// What `lidard decode` was asked for.
 struct DecodeOptions {

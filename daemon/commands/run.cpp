@@ -36,7 +36,8 @@ constexpr auto longest_round = std::chrono::seconds(1);
 constexpr const char* clock_name = "clock";
 
 void log_event(const Event& event) {
-  if (event.source == clock_name) return;  // the log has it since it happened
+  // Of the clock and of ROS the log has more, since it happened.
+  if (event.source == clock_name || event.source == "ROS") return;
   const auto level = event.health == Health::ok     ? spdlog::level::info
                      : event.health == Health::warn ? spdlog::level::warn
                                                     : spdlog::level::err;

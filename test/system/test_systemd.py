@@ -181,7 +181,10 @@ def check_privileges(vehicle):
 
 
 def check_sockets(vehicle):
-    """P29: the sensor's port, and roscpp's: topics and calls over TCP, and the one for UDPROS that it opens unasked."""
+    """P29: what `lidard check --ports` prints: the sensor's port, and roscpp's."""
+    said = vehicle.inside("lidard", "check", "--ports", "/etc/lidard/lidard.yaml").stdout
+    expect(re.findall(r"^listens +udp (\d+)", said, re.MULTILINE) == [str(PORT)], said)
+    expect("tcp, two free ports" in said and "udp, one free port" in said, said)
     pid = main_pid(vehicle)
     listed = vehicle.inside("ss", "-H", "-lntup").stdout
     ours = [line.split() for line in listed.splitlines() if f"pid={pid}," in line]

@@ -34,6 +34,26 @@ TEST_F(Check, PrintsTheCompleteConfiguration) {
   EXPECT_NE(out_.str().find("ip_port: 2368"), std::string::npos);
 }
 
+TEST_F(Check, ListsTheSocketsThatTheDaemonOpens) {
+  std::ofstream(path_) << "sensors:\n"
+                          "  front: {model: sick_microscan3, ip_address: 10.0.0.1, listen_only: true}\n"
+                          "  rear: {model: sick_microscan3, ip_address: 10.0.0.2, listen_only: true}\n"
+                          "  lms: {model: sick_lms1xx, ip_address: 10.0.0.3}\n"
+                          "  roof: {model: velodyne_vlp16, ip_port: 2400}\n"
+                          "  other: {topic: /scan}\n";
+  ASSERT_EQ(run_check_ports(path_, out_, err_), 0) << err_.str();
+  EXPECT_EQ(out_.str(),
+            "DOES      SOCKET                      FOR\n"
+            "connects  tcp 10.0.0.3:2112           lms\n"
+            "listens   udp 2400                    roof\n"
+            "listens   udp 6060                    front, rear\n"
+            "listens   udp 8308                    roof\n"
+            "listens   tcp, two free ports         ROS\n"
+            "listens   udp, one free port          ROS\n"
+            "connects  tcp, the ROS master's port  ROS\n");
+  EXPECT_EQ(run_check_ports("/nowhere.yaml", out_, err_), 78);
+}
+
 TEST_F(Check, RemarksAreNoErrors) {
   EXPECT_EQ(check("sensors: {rear: {topic: scan}}\n"), 0);
   EXPECT_EQ(err_.str(), path_ + ":1:11: sensors.rear is used by no merged and no virtual scan\n");
