@@ -13,21 +13,47 @@ constexpr std::int64_t ms = 1'000'000;
 constexpr std::int64_t step_limit = 50 * ms;
 /// So long must every packet be late before it counts as a step and not as a stall.
 constexpr std::int64_t late_limit = 500 * ms;
-constexpr std::int64_t window_length = 500 * ms;
+/// Windows grow from the first length to the last: a crystal's drift is steady for as long as all windows
+/// last then (32 s), and each of the slowest sensor's windows holds some packets.
+constexpr std::int64_t first_window = 50 * ms, last_window = 800 * ms;
+constexpr std::int64_t drift_known_after = 2000 * ms;
 /// No clock of a sensor is that far off; a steeper line is a fit to noise.
 constexpr double slope_limit = 2000e-6;
-/// Until the drift is known, the offset is taken to rise no faster: the worst clock that we hold stamps for.
-constexpr double unknown_drift = 1000e-6;
+/// Standard deviation of the drift between two crystals of which nothing is known, and the least of what one
+/// drifts more or less after a reboot.
+constexpr double unknown_drift = 150e-6, known_drift = 20e-6;
+/// What the lowest delays of windows are taken to deviate before there are some, and at least.
+constexpr double usual_spread = 0.2e6, least_spread = 1e3;
+/// So many minima tell twice as much as their number.
+constexpr double few_minima = 24;
+/// The median of an exponential distribution, as a part of its mean.
+constexpr double ln_2 = 0.6931;
+/// So long without a packet at the line shows that the rate changed, if each window was this far above it and
+/// so many times what minima deviate.
+constexpr std::int64_t rate_time = 2400 * ms, rate_limit = ms / 2, rate_spreads = 5;
 /// In arrival mode a packet that is later is no jitter of a wired network; the host did not look.
 constexpr std::int64_t stall_limit = 10 * ms;
 
 }  // namespace
 
-void DeviceClock::reset() {
-  ready_ = false;
+void DeviceClock::restart() {
+  if (knows_drift_) {
+    const std::int64_t seen = std::max(minima_[minima_count_ - 1].device - minima_[0].device, window_length_);
+    const double doubt = 4 * static_cast<double>(spread_) / static_cast<double>(seen);
+    expected_slope_ = slope_;
+    slope_deviation_ = std::clamp(doubt, known_drift, unknown_drift);
+  }
+  ready_ = knows_drift_ = false;
   late_since_ = 0;
   minima_count_ = 0;
-  slope_ = 0;
+  spread_ = 0;
+  slope_ = expected_slope_;
+}
+
+void DeviceClock::reset() {
+  knows_drift_ = false;
+  expected_slope_ = slope_deviation_ = 0;
+  restart();
 }
 
 std::int64_t DeviceClock::predicted_offset(std::int64_t device) const {
@@ -35,7 +61,9 @@ std::int64_t DeviceClock::predicted_offset(std::int64_t device) const {
 }
 
 void DeviceClock::begin(std::int64_t device, std::int64_t offset) {
-  base_device_ = window_begin_ = device;
+  if (!(slope_deviation_ > 0)) slope_deviation_ = unknown_drift;
+  base_device_ = begun_ = window_begin_ = device;
+  window_length_ = first_window;
   base_offset_ = offset;
   window_ = {device, offset};
   ready_ = true;
@@ -60,58 +88,110 @@ void DeviceClock::follow(std::int64_t device, std::int64_t arrival) {
   const bool late_for_long = residual > step_limit && std::abs(arrival - late_since_) > late_limit;
   if (residual < -step_limit || late_for_long) {
     ++steps_;
-    reset();
+    restart();
     return begin(device, offset);
   }
   if (residual > step_limit) return;
   late_since_ = 0;
-  if (!knows_drift()) {
-    const double passed = static_cast<double>(std::max<std::int64_t>(0, device - base_device_));
-    base_offset_ = std::min<std::int64_t>(offset, base_offset_ + std::llround(unknown_drift * passed));
-    base_device_ = std::max(base_device_, device);
-  } else if (residual < 0) {
-    base_offset_ += residual;
-  }
+  if (residual < 0) base_offset_ += residual;
   if (offset < window_.offset) window_ = {device, offset};
-  if (device - window_begin_ >= window_length) close_window(device, offset);
+  if (device - window_begin_ >= window_length_) close_window(device, offset);
 }
 
 void DeviceClock::close_window(std::int64_t device, std::int64_t offset) {
-  if (minima_count_ == max_minima) {
+  if (minima_count_ == max_minima && window_length_ < last_window) {
+    halve();
+  } else if (minima_count_ == max_minima) {
     std::move(minima_ + 1, minima_ + max_minima, minima_);
     --minima_count_;
   }
   minima_[minima_count_++] = window_;
+  forget_former_rate();
   window_begin_ = device;
   window_ = {device, offset};
-  if (knows_drift()) fit();
+  knows_drift_ = knows_drift_ || device - begun_ >= drift_known_after;
+  fit();
 }
 
-/// Of all lines that no minimum lies below, the one that is nearest to them in sum: the edge of their lower
-/// hull under their middle. A window in which every packet was late does not lift it.
-double DeviceClock::slope_under_the_middle() const {
+/// When not one of the last packets reached the line, the rates of the clocks changed (a host's clock that is
+/// slewed does so by 500 ppm and more): what was before tells nothing of now.
+void DeviceClock::forget_former_rate() {
+  const std::int64_t now = minima_[minima_count_ - 1].device;
+  const std::int64_t limit = rate_limit + rate_spreads * spread_;
+  std::size_t first = minima_count_;
+  while (first > 0 && now - minima_[first - 1].device < rate_time) {
+    --first;
+    if (minima_[first].offset - predicted_offset(minima_[first].device) <= limit) return;
+  }
+  if (first == 0) return;
+  std::move(minima_ + first, minima_ + minima_count_, minima_);
+  minima_count_ -= first;
+  expected_slope_ = slope_;
+  slope_deviation_ = unknown_drift;
+}
+
+/// Makes one window of two.
+void DeviceClock::halve() {
+  minima_count_ /= 2;
+  for (std::size_t i = 0; i < minima_count_; ++i) {
+    const Minimum &first = minima_[2 * i], &second = minima_[2 * i + 1];
+    minima_[i] =
+        predicted_offset(first.device) - first.offset > predicted_offset(second.device) - second.offset
+            ? first
+            : second;
+  }
+  window_length_ *= 2;
+}
+
+/// Of all lines that no minimum lies below, the likeliest one. Were every slope as likely as any other, that
+/// would be the one nearest to the minima in sum: the edge of their lower hull under their middle. A window
+/// in which every packet was late does not lift it.
+double DeviceClock::likeliest_slope() {
   std::size_t hull[max_minima] = {};
   std::size_t count = 0;
   // Relative to the newest minimum, so that doubles hold nanoseconds exactly.
   const Minimum& origin = minima_[minima_count_ - 1];
   const auto x = [&](std::size_t i) { return static_cast<double>(minima_[i].device - origin.device); };
+  const auto y = [&](std::size_t i) { return static_cast<double>(minima_[i].offset - origin.offset); };
   const auto slope = [&](std::size_t i, std::size_t j) {
     const double width = x(j) - x(i);
-    return width > 0 ? static_cast<double>(minima_[j].offset - minima_[i].offset) / width : 0;
+    return width > 0 ? (y(j) - y(i)) / width : 0;
   };
-  double middle = 0;
+  double x_sum = 0;
   for (std::size_t i = 0; i < minima_count_; ++i) {
-    middle += x(i) / static_cast<double>(minima_count_);
+    x_sum += x(i);
     while (count >= 2 && slope(hull[count - 2], hull[count - 1]) >= slope(hull[count - 1], i)) --count;
     hull[count++] = i;
   }
+  if (count < 2) return expected_slope_;
+  const auto n = static_cast<double>(minima_count_);
   std::size_t edge = 1;
-  while (edge + 1 < count && x(hull[edge]) < middle) ++edge;
-  return slope(hull[edge - 1], hull[edge]);
+  while (edge + 1 < count && x(hull[edge]) * n < x_sum) ++edge;
+  const double nearest = slope(hull[edge - 1], hull[edge]);
+  double deviations[max_minima] = {usual_spread};
+  for (std::size_t i = 1; i < minima_count_; ++i)
+    deviations[i] = std::abs(y(i) - y(i - 1) - nearest * (x(i) - x(i - 1)));
+  // Delays that are exponential differ from one to the next as they differ from zero. Half of them may be
+  // stalls.
+  double* const median = deviations + minima_count_ / 2;
+  std::nth_element(deviations, median, deviations + minima_count_);
+  const double spread = std::max(least_spread, *median / ln_2);
+  spread_ = std::llround(spread);
+  // A line that turns about a corner of the hull loses in sum what it gains in slope; it is best where both
+  // are in balance, or lies on the next edge.
+  const double doubt = 1 + few_minima / n;
+  const double weight = slope_deviation_ * slope_deviation_ / (spread * doubt);
+  double best = expected_slope_;
+  for (std::size_t i = 0; i < count; ++i) {
+    best = expected_slope_ + weight * (x_sum - n * x(hull[i]));
+    if (i > 0) best = std::max(best, slope(hull[i - 1], hull[i]));
+    if (i + 1 == count || best <= slope(hull[i], hull[i + 1])) break;
+  }
+  return best;
 }
 
 void DeviceClock::fit() {
-  slope_ = std::clamp(slope_under_the_middle(), -slope_limit, slope_limit);
+  slope_ = std::clamp(likeliest_slope(), -slope_limit, slope_limit);
   const Minimum& origin = minima_[minima_count_ - 1];
   double lowest = 0;
   for (std::size_t i = 0; i < minima_count_; ++i) {

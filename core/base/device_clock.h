@@ -19,10 +19,11 @@ enum class ClockMode : std::uint8_t {
 /// Maps the (unwrapped) clock of one device to host time by listening alone.
 ///
 /// A packet can be late but never early, so the lowest of `arrival - device` over a window is the best guess
-/// of the offset between the clocks; a line below the minima of several windows follows the drift. Usable
-/// from the first packet on: until a drift is known, the offset may rise as fast as the worst clock drifts. A
-/// counter that is rounded down reads low, which looks like a late packet. A pure function of what it was
-/// given: the same packets give the same stamps.
+/// of the offset between the clocks; a line below the minima of several windows follows the drift. The line
+/// has the likeliest slope: delays are taken to be exponential, and crystals to be as good as crystals are
+/// until the minima know better. The windows are short in the beginning and grow with what is known, so that
+/// the stamps are right soon and quiet later. A counter that is rounded down reads low, which looks like a
+/// late packet. A pure function of what it was given: the same packets give the same stamps.
 class DeviceClock {
  public:
   explicit DeviceClock(ClockMode mode = ClockMode::smooth) : mode_(mode) {}
@@ -39,9 +40,16 @@ class DeviceClock {
   std::uint64_t steps() const { return steps_; }
   /// What the offset gains, parts per million of the device's time (0 until enough was seen). It is negative
   /// for a device clock that is fast.
-  double drift_ppm() const { return slope_ * 1e6; }
+  double drift_ppm() const { return knows_drift() ? slope_ * 1e6 : 0; }
   /// True once the drift was measured.
-  bool knows_drift() const { return minima_count_ >= minima_for_slope; }
+  bool knows_drift() const { return knows_drift_; }
+  /// How late packets come on the average, as far as the lowest of each window tell: what the line leaves
+  /// open. Zero before the first window.
+  Span spread() const { return Span(spread_); }
+  /// The device's time began anew (a reboot): forgets the offset. The crystal is the same, so its drift is
+  /// the first guess.
+  void restart();
+  /// Another device: forgets everything.
   void reset();
 
  private:
@@ -52,24 +60,28 @@ class DeviceClock {
   void begin(std::int64_t device, std::int64_t offset);
   void follow(std::int64_t device, std::int64_t arrival);
   void close_window(std::int64_t device, std::int64_t offset);
+  void forget_former_rate();
+  void halve();
   void fit();
-  double slope_under_the_middle() const;
+  double likeliest_slope();
   std::int64_t predicted_offset(std::int64_t device) const;
 
   ClockMode mode_;
-  bool ready_ = false;
+  bool ready_ = false, knows_drift_ = false;
   std::uint64_t steps_ = 0;
   // Arrival since when every packet was beyond the step limit; 0: none. After a stall what was held back
   // arrives at once, however long it took to measure; after a step packets arrive at their pace.
   std::int64_t late_since_ = 0;
-  std::int64_t window_begin_ = 0;  // device time
+  std::int64_t begun_ = 0, window_begin_ = 0;  // device time
+  std::int64_t window_length_ = 0;
   Minimum window_{0, 0};
-  static constexpr std::size_t max_minima = 20, minima_for_slope = 4;
+  static constexpr std::size_t max_minima = 40;
   Minimum minima_[max_minima]{};
   std::size_t minima_count_ = 0;
   std::int64_t base_device_ = 0;
   std::int64_t base_offset_ = 0;
-  double slope_ = 0;
+  double slope_ = 0, expected_slope_ = 0, slope_deviation_ = 0;
+  std::int64_t spread_ = 0;
   std::int64_t placed_ = 0;  // offset of the newest packet, in arrival mode
 };
 
