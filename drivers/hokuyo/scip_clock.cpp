@@ -19,19 +19,22 @@ constexpr std::int64_t backward_limit = 100 * ms;
 /// A sweep this far from the line means that the motor did not turn evenly.
 constexpr std::int64_t uneven_limit = 3 * ms / 2;
 constexpr std::size_t turns_for_fit = 8;
-/// Whole ms tell the length of a turn better than the clocks drift (1000 ppm) from so many turns on.
-constexpr std::size_t turns_for_motor = 64;
-/// A motor that runs off what was taken for its speed by more gets its turn measured again; the line through
-/// the arrivals follows less.
-constexpr double turn_tolerance = 150e-6;
-/// The first sweeps of a stream have not shown the least delay yet.
+/// A line is looked for again after so many turns, since that takes longer than all else.
+constexpr std::int64_t turns_between_fits = 64;
+/// A turn that begins that far outside of its tick is not on the line.
+constexpr std::int64_t line_tolerance = ms / 10;
+/// Ticks that need a wider band are those of a motor that changed its speed.
+constexpr double widest_band = 1.25e6;
+/// A motor's jitter, and the time in which a sensor that sends on its tick has processed what it measured.
+/// Both are unverified; a sensor that takes longer sends on a later tick, where this makes it miss one.
+constexpr std::int64_t tick_margin = ms / 20, longest_processing = 3 * ms / 10;
 constexpr std::size_t first_delay = 16;
-/// Before the drift is known, the clocks drift apart from the comparison on (1000 ppm make 0.5 ms).
+/// Comparisons of one row: the clocks drift apart by 0.5 ms then if they differ by 1000 ppm.
 constexpr Span comparison_age = std::chrono::milliseconds(500);
-/// The drift is known by then, and the turns since the comparison are still there.
-constexpr Span drift_age = std::chrono::seconds(6);
-/// Turns that tell the delay: the younger the comparison, the less a wrong drift counts.
-constexpr Span turn_age = std::chrono::seconds(2);
+/// The line through the arrivals still reaches back to the comparison then.
+constexpr Span drift_age = std::chrono::seconds(25);
+/// So long a comparison bounds stamps by itself.
+constexpr Span bound_age = std::chrono::seconds(2);
 /// A way that takes longer is no way: the comparison and the sweeps do not fit together.
 constexpr std::int64_t longest_delay = 50 * ms;
 
@@ -41,6 +44,12 @@ std::int64_t nanoseconds(ScipStamp stamp) {
 }
 
 }  // namespace
+
+void TurnLine::reset() {
+  turns_.clear();
+  fitted_ = 0;
+  uncertainty_ = ms / 2;
+}
 
 bool TurnLine::add(Span tick, Span period, Stamp arrival) {
   Turn turn{0, tick.count(), arrival.ns};
@@ -61,19 +70,63 @@ bool TurnLine::add(Span tick, Span period, Stamp arrival) {
   return even;
 }
 
-void TurnLine::fit(double& period, double& newest_tick) const {
-  double sx = 0, sy = 0, sxx = 0, sxy = 0;
+/// What the ticks span, measured from a line of that period; `lowest` gets where, relative to the newest
+/// tick.
+double TurnLine::width(double period, double* lowest) const {
+  double low = 0, high = 0;
   for (const Turn& turn : turns_) {
     // From the newest on, so that doubles hold nanoseconds exactly.
-    const auto x = static_cast<double>(turn.number - newest().number);
-    const auto y = static_cast<double>(turn.tick - newest().tick);
-    sx += x, sy += y, sxx += x * x, sxy += x * y;
+    const double above = static_cast<double>(turn.tick - newest().tick) -
+                         period * static_cast<double>(turn.number - newest().number);
+    low = std::min(low, above);
+    high = std::max(high, above);
   }
-  const auto n = static_cast<double>(count());
-  const double determinant = n * sxx - sx * sx;
-  if (!(determinant > 0)) return;
-  period = (n * sxy - sx * sy) / determinant;
-  newest_tick = static_cast<double>(newest().tick) + (sy * sxx - sx * sxy) / determinant;
+  if (lowest != nullptr) *lowest = low;
+  return high - low;
+}
+
+/// The width is a convex function of the period: a search by thirds finds its minimum.
+void TurnLine::fit_once() {
+  const Turn& oldest = turns_.front();
+  const auto turns = static_cast<double>(newest().number - oldest.number);
+  const double mean = static_cast<double>(newest().tick - oldest.tick) / turns;
+  double low = mean - 2e6 / turns, high = mean + 2e6 / turns;
+  constexpr int thirds = 24;  // 4 ms * (2/3)^24 = 0.24 us over all turns
+  for (int i = 0; i < thirds; ++i) {
+    const double left = low + (high - low) / 3, right = high - (high - low) / 3;
+    if (width(left, nullptr) < width(right, nullptr))
+      high = right;
+    else
+      low = left;
+  }
+  period_ = (low + high) / 2;
+}
+
+bool TurnLine::fit() {
+  const Turn& turn = newest();
+  if (fitted_ > 0) {
+    const std::int64_t in_tick = begin(turn.number) - turn.tick;
+    const bool off = in_tick < -line_tolerance || in_tick > ms + line_tolerance;
+    if (!off && count() < 2 * fitted_ && turn.number - fitted_at_ < turns_between_fits) return false;
+  }
+  fit_once();
+  double lowest = 0, band = width(period_, &lowest);
+  while (band > widest_band && count() > turns_for_fit) {
+    turns_.erase_begin(count() / 2);
+    fit_once();
+    band = width(period_, &lowest);
+  }
+  // Ticks lie below what was read by up to one: the middle of what that leaves open.
+  base_number_ = turn.number;
+  base_ = turn.tick + std::llround(lowest + (band + static_cast<double>(ms)) / 2);
+  uncertainty_ = std::max<std::int64_t>(0, std::llround((static_cast<double>(ms) - band) / 2));
+  fitted_ = count();
+  fitted_at_ = turn.number;
+  return true;
+}
+
+std::int64_t TurnLine::begin(std::int64_t number) const {
+  return base_ + std::llround(period_ * static_cast<double>(number - base_number_));
 }
 
 /// The counter without its overflows; starts again where it was reset.
@@ -86,11 +139,13 @@ Span ScipClock::unwrap(ScipStamp stamp, Stamp arrival) {
           std::llround(static_cast<double>(expected - device) / static_cast<double>(counter_length));
       device += turns * counter_length;
     }
+    if (device / counter_length > last_.count() / counter_length) ++wraps_;
     const bool reset = device < last_.count() - backward_limit;
     if (reset || device - expected > jump_limit || expected - device > longest_stall) {
       ++restarts_;
-      clock_.reset();
-      counter_clock_.reset();
+      clock_.restart();
+      // The first sweeps of a stream have not shown the least delay yet.
+      if (turns_.count() < first_delay) delay_.reset();
       turns_.reset();
       compared_ = false;
       device = nanoseconds(stamp);
@@ -108,24 +163,42 @@ Stamp ScipClock::begin_of(const Sweep& sweep, std::int64_t& skipped) {
   if (!sweep.evenly) {
     turns_.reset();
   } else {
-    if (!turns_.add(read, sweep.period, sweep.arrival) || turns_.count() == 1) chosen_at_ = 0;
+    turns_.add(read, sweep.period, sweep.arrival);
     skipped = turns_.skipped();
   }
-  const Span begin = mode_ == ClockMode::smooth ? device_begin(sweep, read) : read;
-  const Span sent = begin + sweep.until_sent;
-  clock_.observe(sent, sweep.arrival);
-  counter_clock_.observe(read + sweep.until_sent, sweep.arrival);
-  if (mode_ == ClockMode::smooth && sweep.evenly) {
-    turns_.turns().back().begin = begin.count();
-    learn_delay(sweep);
+  if (mode_ == ClockMode::arrival) {
+    clock_.observe(read + sweep.until_sent, sweep.arrival);
+    return clock_.to_host(read + sweep.until_sent) - sweep.until_sent;
   }
+  Span begin = read;
+  if (sweep.stamp.microseconds) {
+    clock_.observe(begin + sweep.until_sent, sweep.arrival);
+  } else if (!sweep.evenly || turns_.count() < turns_for_fit) {
+    clock_.observe(sent_at(read, sweep), sweep.arrival);
+    const Stamp middle = clock_.to_host(read + Span(ms / 2) + sweep.until_sent);
+    learn_delay(sweep.arrival);
+    const Stamp end = delay_ ? middle - Span(*delay_) : std::min(middle, sweep.arrival);
+    return as_compared(end - sweep.until_sent, read, sweep);
+  } else {
+    begin = begin_by_line(sweep, read);
+  }
+  learn_delay(sweep.arrival);
+  const Span sent = begin + sweep.until_sent;
   return as_compared(clock_.to_host(sent) - sweep.until_sent - Span(delay_.value_or(0)), read, sweep);
+}
+
+/// When a sweep that began then may have left: no earlier than its end, and on a tick where the sensor sends
+/// on one.
+Span ScipClock::sent_at(Span begin, const Sweep& sweep) const {
+  const std::int64_t ready = (begin + sweep.until_sent).count();
+  if (!on_tick_) return Span(ready);
+  return Span((ready + ms - 1) / ms * ms);
 }
 
 /// Next to a comparison that alone bounds when the counter showed what it did, however late the first sweeps
 /// of a stream were taken.
 Stamp ScipClock::as_compared(Stamp begin, Span read, const Sweep& sweep) const {
-  if (mode_ != ClockMode::smooth || !compared_ || sweep.arrival - compared_at_ > turn_age) return begin;
+  if (mode_ != ClockMode::smooth || !compared_ || sweep.arrival - compared_at_ > bound_age) return begin;
   constexpr double worst_drift = 1000e-6;
   const std::int64_t tick = sweep.stamp.microseconds ? 0 : ms;
   const auto drifted =
@@ -134,65 +207,45 @@ Stamp ScipClock::as_compared(Stamp begin, Span read, const Sweep& sweep) const {
                                         read.count() + tick + highest_ + drifted)};
 }
 
-Span ScipClock::device_begin(const Sweep& sweep, Span read) {
-  if (sweep.stamp.microseconds) return read;
-  if (!sweep.evenly || turns_.count() < turns_for_fit) return read + Span(ms / 2);
-  if (!on_tick_) return turns_.count() < turns_for_motor ? read + Span(ms / 2) : by_motor(sweep);
-  double period = 0, newest = 0;
-  turns_.fit(period, newest);
-  return Span(std::clamp<std::int64_t>(std::llround(newest) + ms / 2, read.count(), read.count() + ms));
-}
-
-/// Time of the newest turn as the motor tells it. When a better length of a turn is known, what was seen so
-/// far is seen again with it.
-Span ScipClock::by_motor(const Sweep& sweep) {
-  const auto begin = [this](const TurnLine::Turn& turn) {
-    return Span(base_ + std::llround(turn_ * static_cast<double>(turn.number)));
-  };
-  double period = turn_, newest = 0;
-  const std::size_t count = turns_.count();
-  if (chosen_at_ == 0 || count >= 2 * chosen_at_ || turns_.newest().number % 64 == 0) {
-    turns_.fit(period, newest);
-    const bool better = chosen_at_ == 0 || count >= 2 * chosen_at_;
-    if (better || std::abs(period - turn_) > turn_ * turn_tolerance) {
-      turn_ = period;
-      chosen_at_ = count;
-      base_ = std::llround(newest - period * static_cast<double>(turns_.newest().number)) + ms / 2;
-      clock_.reset();
-      for (TurnLine::Turn& turn : turns_.turns()) {
-        turn.begin = begin(turn).count();
-        clock_.observe(Span(turn.begin) + sweep.until_sent, Stamp{turn.arrival});
-      }
-    }
+/// Begin of the newest turn by the line. With a better line, what was seen so far is seen again.
+Span ScipClock::begin_by_line(const Sweep& sweep, Span read) {
+  if (turns_.fit()) {
+    std::size_t sure = 0;
+    for (const TurnLine::Turn& turn : turns_.turns()) sure += knows_tick(turn, sweep) ? 1 : 0;
+    only_sure_ = sure >= turns_for_fit;
+    clock_.restart();
+    for (const TurnLine::Turn& turn : turns_.turns()) observe_turn(turn, sweep);
+  } else {
+    observe_turn(turns_.newest(), sweep);
   }
-  return begin(turns_.newest());
+  const Span begin(turns_.begin(turns_.newest().number));
+  return on_tick_ ? std::clamp(begin, read, read + Span(ms)) : begin;
 }
 
-/// From the end of a sweep to its arrival, without the network's jitter. The counter shows the sweep's begin
-/// but for a fraction of a tick, so each sweep bounds it from both sides.
-void ScipClock::learn_delay(const Sweep& sweep) {
-  if (!compared_) return;
-  const Span age = sweep.arrival - compared_at_;
-  const bool young = turns_.count() >= first_delay && age <= comparison_age;
-  const bool knows_drift = counter_clock_.knows_drift();
-  if (!young && !(knows_drift && age <= drift_age)) return;
-  const double drift = knows_drift ? counter_clock_.drift_ppm() * 1e-6 : 0;
+/// False where a sweep ended so close to a tick that it may have left on that one or on the next.
+bool ScipClock::knows_tick(const TurnLine::Turn& turn, const Sweep& sweep) const {
+  if (!on_tick_) return true;
+  const std::int64_t margin = 2 * turns_.uncertainty() + tick_margin;
+  const std::int64_t ended = (turns_.begin(turn.number) + sweep.until_sent.count()) % ms;
+  return ended > margin && ended + margin + longest_processing < ms;
+}
+
+void ScipClock::observe_turn(const TurnLine::Turn& turn, const Sweep& sweep) {
+  if (only_sure_ && !knows_tick(turn, sweep)) return;
+  std::int64_t begin = turns_.begin(turn.number);
+  // As far as the line is uncertain, the sweep may have ended before a tick.
+  if (on_tick_ && !only_sure_) begin = std::max(turn.tick, begin - 2 * turns_.uncertainty() - tick_margin);
+  clock_.observe(sent_at(Span(begin), sweep), Stamp{turn.arrival});
+}
+
+/// From the end of a sweep to its arrival, without the network's jitter: by how much the line through the
+/// arrivals is late where the clocks were compared.
+void ScipClock::learn_delay(Stamp now) {
+  if (!compared_ || now - compared_at_ > drift_age) return;
   const std::int64_t compared = lowest_ + (highest_ - lowest_) / 2;
-  const std::int64_t tick = sweep.stamp.microseconds ? 0 : ms;
-  bool any = false;
-  std::int64_t least = 0, most = 0;
-  for (const TurnLine::Turn& turn : turns_.turns()) {
-    if (Stamp{turn.arrival} - compared_at_ > turn_age) continue;
-    const double since = static_cast<double>(turn.tick - compared_device_.count());
-    const std::int64_t offset = compared + std::llround(drift * since);
-    const Stamp smooth = clock_.to_host(Span(turn.begin) + sweep.until_sent);
-    const std::int64_t delay = smooth.ns - turn.tick - sweep.until_sent.count() - offset;
-    most = any ? std::min(most, delay) : delay;
-    least = any ? std::max(least, delay - tick) : delay - tick;
-    any = true;
-  }
-  const std::int64_t delay = least + (most - least) / 2;
-  if (!any || delay < -ms || delay > longest_delay) return;
+  const std::int64_t offset = clock_.to_host(compared_device_).ns - compared_device_.count();
+  const std::int64_t delay = offset - compared;
+  if (delay < -ms || delay > longest_delay) return;
   delay_ = std::max<std::int64_t>(0, delay);
 }
 
@@ -234,7 +287,6 @@ void ScipClock::connection() {
 void ScipClock::reset() {
   connection();
   clock_.reset();
-  counter_clock_.reset();
   known_ = false;
 }
 

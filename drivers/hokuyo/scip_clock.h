@@ -13,44 +13,56 @@
 
 namespace lidard::hokuyo {
 
-/// The last turns of a motor that runs evenly: what a counter showed when each began, and when its scan came.
+/// The last turns of a motor that runs evenly: what a counter of whole ms showed when each began.
 class TurnLine {
  public:
   struct Turn {
     std::int64_t number, tick, arrival;  ///< tick and arrival in ns
-    std::int64_t begin = 0;              ///< ns of the device, where more is known than the tick
   };
   /// Takes the next turn; `period`: nominal, a whole part of it may have passed. False if the motor did not
   /// turn evenly: numbers begin at 0 again.
   bool add(Span tick, Span period, Stamp arrival);
-  void reset() { turns_.clear(); }
+  void reset();
   std::size_t count() const { return turns_.size(); }
   const Turn& newest() const { return turns_.back(); }
   /// Turns between the newest and the one before.
   std::int64_t skipped() const { return skipped_; }
-  /// Least squares through the ticks: ns of a turn, and of the newest tick without its fraction.
-  void fit(double& period, double& newest) const;
-  /// From the oldest to the newest; what is known of their begins may be set.
-  boost::circular_buffer<Turn>& turns() { return turns_; }
+  /// Finds the line that leaves all ticks of the counter by as little as can be, if enough is new to matter;
+  /// true if it did. A counter that showed n read n to n + 1: with every turn fewer lines fit, since the
+  /// motor's beat with the counter shows where in a tick a turn began (as
+  /// seqsense/urg_stamped src/scan_estimator_ust.cpp, which looks for where 25 ms become 24 or 26). Turns
+  /// that no line fits are of another speed and are forgotten.
+  bool fit();
+  /// Begin of a turn by the line, ns of the device.
+  std::int64_t begin(std::int64_t number) const;
+  /// By how much the line may be off, ns: half of what the ticks leave open.
+  std::int64_t uncertainty() const { return uncertainty_; }
+  /// From the oldest to the newest.
   const boost::circular_buffer<Turn>& turns() const { return turns_; }
 
  private:
-  boost::circular_buffer<Turn> turns_{256};
+  double width(double period, double* lowest) const;
+  void fit_once();
+
+  boost::circular_buffer<Turn> turns_{1024};  // the beat of 100 ppm takes 400 turns
   std::int64_t skipped_ = 0;
+  std::size_t fitted_ = 0;  // number of turns of the last fit; 0: none
+  std::int64_t fitted_at_ = 0;
+  std::int64_t base_number_ = 0, base_ = 0, uncertainty_ = 0;
+  double period_ = 0;
 };
 
 /// Host times of a SCIP sensor's sweeps, by listening; comparisons of both clocks (TM1) show what the way to
 /// us takes. The line through the arrivals is followed back to the moment of the comparison, so that a drift
 /// between the clocks does not count as a part of the way.
 ///
-/// A counter of whole ms does not show where in one a sweep began. Sensors that send as soon as a sweep ends
-/// tell by the arrival; the motor is the clock then, the counter only says which turn it is. Those that send
-/// on a tick do not; there a line through the ticks of the last turns is the best guess. Stamps in us
-/// need neither.
+/// A counter of whole ms does not show where in one a sweep began; the line through the last turns does.
+/// Sensors that send as soon as a sweep ends are mapped by that end. Those that send on a tick of their
+/// counter (UST: urg_stamped, README and src/scan_estimator_ust.cpp) are mapped by the first tick after it:
+/// their arrivals tell when the counter ticked. Stamps in us need no line.
 class ScipClock {
  public:
-  ScipClock(ClockMode mode, bool sends_on_tick)
-      : mode_(mode), on_tick_(sends_on_tick), clock_(mode), counter_clock_(mode) {}
+  ScipClock(ClockMode mode, bool sends_on_tick) : mode_(mode), on_tick_(sends_on_tick), clock_(mode) {}
 
   struct Sweep {
     ScipStamp stamp;     ///< counter at step 0
@@ -73,28 +85,28 @@ class ScipClock {
   void connection();
   void reset();
   std::uint64_t steps() const { return clock_.steps() + restarts_; }
-  double drift_ppm() const { return clock_.drift_ppm(); }
+  std::uint64_t wraps() const { return wraps_; }
+  /// Of what its stamps are made.
+  const DeviceClock& clock() const { return clock_; }
 
  private:
   Span unwrap(ScipStamp stamp, Stamp arrival);
-  Span device_begin(const Sweep& sweep, Span read);
-  Span by_motor(const Sweep& sweep);
-  void learn_delay(const Sweep& sweep);
+  Span begin_by_line(const Sweep& sweep, Span read);
+  Span sent_at(Span begin, const Sweep& sweep) const;
+  bool knows_tick(const TurnLine::Turn& turn, const Sweep& sweep) const;
+  void observe_turn(const TurnLine::Turn& turn, const Sweep& sweep);
+  void learn_delay(Stamp now);
   Stamp as_compared(Stamp begin, Span read, const Sweep& sweep) const;
 
   ClockMode mode_;
   bool on_tick_;
-  DeviceClock clock_;          // of begins and ends of turns
-  DeviceClock counter_clock_;  // of the counter as it shows: for its drift
+  bool only_sure_ = false;  // enough sweeps left on a tick that is known
+  DeviceClock clock_;
   TurnLine turns_;
   bool known_ = false;
   Span last_{0};
   Stamp last_arrival_;
-  std::uint64_t restarts_ = 0;
-  // The motor as a clock: begin of turn 0 and length of a turn, ns of the device.
-  double turn_ = 0;
-  std::int64_t base_ = 0;
-  std::size_t chosen_at_ = 0;  // number of turns known when `turn_` was chosen; 0: not yet
+  std::uint64_t restarts_ = 0, wraps_ = 0;
   // Bounds of host minus device from comparisons, ns, and when that was.
   bool compared_ = false, was_compared_ = false;
   std::int64_t lowest_ = 0, highest_ = 0;

@@ -140,6 +140,12 @@ class TcpBench : public DriverOutput {
   bool cut = false;
 };
 
+/// A UST sends on the tick of its counter (seqsense/urg_stamped, README), unless it has one of us.
+inline sim::ScipDeviceOptions as_product(sim::ScipDeviceOptions options, const std::string& model) {
+  options.sends_on_tick = model.find("_ust_") != std::string::npos && !options.knows_percent;
+  return options;
+}
+
 /// With a SCIP sensor on the other end that looks at scip_wall().
 class ScipBench : public TcpBench {
  public:
@@ -148,7 +154,8 @@ class ScipBench : public TcpBench {
       : TcpBench(model, std::move(config)),
         wall(scip_wall(options.last_step + 1)),
         sensor(
-            std::move(options), [this](Stamp) { return wall; }, now - std::chrono::seconds(100)) {
+            as_product(std::move(options), model), [this](Stamp) { return wall; },
+            now - std::chrono::seconds(100)) {
     device = &sensor;
   }
 

@@ -170,7 +170,6 @@ TEST(ScipClock, StampsOfASensorThatSendsOnItsTickAreWithinLittleMoreThanOneOfThe
   for (const double clock_ppm : {-1000.0, 100.0, 1000.0}) {
     for (const double motor_ppm : {0.0, 37.0, 700.0, 2000.0, -3000.0}) {
       ScipDeviceOptions options = jittery(clock_ppm, motor_ppm);
-      options.sends_on_tick = true;
       ScipBench bench(options);
       bench.run(30s);
       const Errors e = errors(bench, 10);
