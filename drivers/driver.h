@@ -149,7 +149,9 @@ struct DriverConfig {
   const Model* model = nullptr;
   std::string frame_id;
   ClockMode clock = ClockMode::smooth;
-  Span time_offset{0};   ///< added to every stamp
+  Span time_offset{0};  ///< added to every stamp
+  /// The sensor's clock is meant to follow a receiver (PPS and NMEA): a warning tells when it does not.
+  bool expect_pps = false;
   double cut_angle = 0;  ///< rad, as the sensor counts azimuth: where a revolution ends (multi-plane lidars)
   FrameCut frame_cut = FrameCut::angle;
   Span frame_duration = std::chrono::milliseconds(100);  ///< for FrameCut::time

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdio>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,6 +24,25 @@ class DriverBase : public Driver {
   explicit DriverBase(const DriverConfig& config) : config_(config) {
     info_.set("Vendor Name", config.model->vendor);
     info_.set("Product Name", config.model->product);
+  }
+  /// Tells diagnostics, once a second, how well the device's clock is followed. Such a clock is never taken
+  /// for the time of day, whatever sets it; `wraps`: overflows of its counter.
+  void describe_clock(const DeviceClock& clock, std::uint64_t wraps, Stamp now) {
+    if (!clock.ready() || std::chrono::abs(now - clock_described_) < std::chrono::seconds(1)) return;
+    clock_described_ = now;
+    const auto set = [this](std::string_view key, const char* format, auto value) {
+      std::array<char, 32> text{};
+      std::snprintf(text.data(), text.size(), format, value);
+      info_.set(key, text.data());
+    };
+    const bool smooth = config_.clock == ClockMode::smooth;
+    info_.set("Stamps", !smooth               ? "by each packet's arrival"
+                        : clock.knows_drift() ? "by the device's clock, drift measured"
+                                              : "by the device's clock, drift not yet measured");
+    set("Clock drift (ppm)", "%.1f", 0.0 - clock.drift_ppm());
+    set("Clock residual (ms)", "%.3f", seconds(clock.spread()) * 1e3);
+    set("Clock restarts", "%llu", static_cast<unsigned long long>(counters_.clock_steps));
+    set("Clock overflows", "%llu", static_cast<unsigned long long>(wraps));
   }
   /// Details that are listed anew, behind vendor and product.
   void clear_details() { info_.details.resize(2); }
@@ -47,6 +67,9 @@ class DriverBase : public Driver {
   DriverConfig config_;
   Counters counters_;
   DeviceInfo info_;
+
+ private:
+  Stamp clock_described_;
 };
 
 /// Frame and limits of a planar scanner's scans.

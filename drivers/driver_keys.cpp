@@ -62,6 +62,11 @@ Keys<R> scip_clock_keys() {
   return {flag("calibrate_time", &R::calibrate_time, "compares both clocks once before the stream starts")};
 }
 
+Keys<D> receiver_clock_keys() {
+  return {flag("expect_pps", &D::expect_pps,
+               "a warning tells when the sensor's clock does not follow a receiver's PPS and NMEA")};
+}
+
 Keys<R> cola_keys() {
   return {flag("publish_states", &R::device_states, "also field evaluation, inputs and outputs"),
           whole("skip", &R::skip, 0, 999, "scans left out between two").unless_set("as the device is set")};

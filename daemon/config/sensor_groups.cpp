@@ -216,6 +216,8 @@ const std::vector<SensorGroup>& sensor_groups() {
             .by_default("of the model")},
        no_telemetry,
        no_telemetry},
+      {"devices with a satellite receiver", can<Trait::gnss>, false, of_driver(receiver_clock_keys()),
+       no_telemetry, no_telemetry},
       {"devices that stream over UDP", udp, true, group_rows(), tcp, tcp},
       {"", nullptr, false, joined<S>({place_rows(), of_driver(time_rows())})},
       {"", any_model, false, of_driver(clock_rows())},

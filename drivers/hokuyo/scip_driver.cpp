@@ -59,6 +59,7 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
 
   void tick(Stamp now, DriverOutput& out) override {
     dialogue_.tick(now, out);
+    describe_clock(clock_.clock(), clock_.wraps(), now);
     if (std::chrono::abs(now - last_report_) < std::chrono::seconds(1)) return;
     last_report_ = now;
     if (const auto delay = clock_.measured_delay())

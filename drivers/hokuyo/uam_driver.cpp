@@ -121,6 +121,7 @@ class UamDriver final : public DriverBase {
   }
 
   void tick(Stamp now, DriverOutput& out) override {
+    describe_clock(clock_.clock(), clock_.wraps(), now);
     if (step_ == Step::idle || !patience_.is_over(now)) return;
     if (step_ == Step::waiting) return ask(Step::start, row_.start, now, out);
     board_.set(

@@ -115,6 +115,8 @@ class PacketOrder {
 
   /// Measured rotation, deg/s, a plausible one; 0 unknown.
   void set_turn_rate(double deg_per_s) { turn_rate_ = deg_per_s; }
+  /// How often the hour of the stamps began anew.
+  std::uint64_t wraps() const { return wraps_; }
   /// Azimuth in the middle of the sector that the sensor leaves out; empty: none, or not known yet.
   std::optional<double> hidden_middle_deg() const { return hidden_.middle_deg(); }
   /// The product byte that contradicts the model although the packets are the model's, if any.
@@ -251,6 +253,7 @@ class PacketOrder {
     } else {
       const Span step = since_last(packet);
       time_ += step;
+      if (us < last_us_ && step > Span(0)) ++wraps_;
       count_loss(packet, step);
     }
     started_ = true;
@@ -266,6 +269,7 @@ class PacketOrder {
   bool holding_ = false;
   OrderedPacket held_{};
   std::uint32_t last_us_ = 0;
+  std::uint64_t wraps_ = 0;
   Span last_period_{0};
   PacketAzimuths last_azimuths_;
   std::size_t late_in_row_ = 0;

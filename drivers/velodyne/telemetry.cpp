@@ -81,6 +81,12 @@ namespace {
 
 constexpr Span describe_period = std::chrono::seconds(1);
 constexpr Span silent_after = std::chrono::seconds(3);
+/// A receiver that was just switched on, or whose antenna is in the shade for a moment, is no fault.
+constexpr Span patience_for_pps = std::chrono::seconds(10);
+constexpr std::string_view unsynchronised =
+    "the sensor's clock does not follow a receiver's PPS and NMEA, which expect_pps asks for (see the values "
+    "PPS and NMEA); check the receiver's power, antenna and wiring, and that it sends GPRMC, or leave "
+    "expect_pps out. Stamps are right all the same: they follow the arrivals";
 /// A sentence comes up to a second after the instant it tells, and is repeated until the next one (measured:
 /// 0.85 to 1.48 s on an HDL-32E). The slack below zero is for receivers that round.
 constexpr Span youngest_sentence = std::chrono::milliseconds(-100);
@@ -155,7 +161,8 @@ void describe_health(const SensorHealth& health, DeviceInfo& info) {
 TelemetryReceiver::TelemetryReceiver(const DriverConfig& config)
     : has_imu_(config.model != nullptr && config.model->tells<ImuSample>()),
       time_offset_(config.time_offset),
-      clock_(config.clock) {
+      clock_(config.clock),
+      expects_pps_(config.expect_pps) {
   fix_->frame_id = imu_->frame_id = config.frame_id;
 }
 
@@ -188,9 +195,27 @@ Reject TelemetryReceiver::receive(ByteView payload, Stamp arrival, DriverOutput&
 }
 
 void TelemetryReceiver::tick(Stamp now, DeviceInfo& info) {
-  if (!in_stream_ || claim_ == ClockClaim::silent || now - last_arrival_ < silent_after) return;
-  info.set("PPS", "unknown");
-  set_claim(ClockClaim::silent, info);
+  if (in_stream_ && claim_ != ClockClaim::silent && now - last_arrival_ >= silent_after) {
+    info.set("PPS", "unknown");
+    set_claim(ClockClaim::silent, info);
+  }
+  if (expects_pps_) judge_expectation(now, info);
+}
+
+/// Warns of a clock that is not what it is meant to be, unless a warning says so already.
+void TelemetryReceiver::judge_expectation(Stamp now, DeviceInfo& info) {
+  const bool synchronised = claim_ == ClockClaim::synchronised;
+  if (synchronised) unsynchronised_since_.reset();
+  if (!synchronised && !unsynchronised_since_) unsynchronised_since_ = now;
+  const bool tell =
+      !synchronised && text_of(claim_).warning.empty() && now - *unsynchronised_since_ >= patience_for_pps;
+  if (tell == told_unsynchronised_) return;
+  told_unsynchronised_ = tell;
+  auto& all = info.warnings;
+  if (tell)
+    all.emplace_back(unsynchronised);
+  else
+    all.erase(std::remove(all.begin(), all.end(), unsynchronised), all.end());
 }
 
 void TelemetryReceiver::advance_clock(std::uint32_t toh_us, Stamp arrival) {

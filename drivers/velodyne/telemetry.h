@@ -106,6 +106,7 @@ class TelemetryReceiver {
   void send_imu(const RawImu& raw, DriverOutput& out);
   void describe(const Telemetry& telemetry, Stamp arrival, DeviceInfo& info);
   void set_claim(ClockClaim claim, DeviceInfo& info);
+  void judge_expectation(Stamp now, DeviceInfo& info);
   Stamp host_time(Span device) const { return clock_.to_host(device) + time_offset_; }
 
   bool has_imu_;
@@ -126,6 +127,8 @@ class TelemetryReceiver {
   std::uint64_t bad_sentences_ = 0;
 
   ClockClaim claim_ = ClockClaim::none;
+  bool expects_pps_, told_unsynchronised_ = false;
+  std::optional<Stamp> unsynchronised_since_;
   std::uint8_t described_pps_ = 0;
   ReusedMessage<GnssFix> fix_;
   ReusedMessage<TimeReference> reference_;

@@ -119,6 +119,7 @@ class VelodyneDriver final : public DriverBase {
   }
   void tick(Stamp now, DriverOutput& out) override {
     telemetry_.tick(now, info_);
+    describe_clock(clock_, order_.wraps(), now);
     if (web_) web_->dialogue.tick(now, out);
     constexpr Span describe_period = std::chrono::seconds(1);
     if (now - described_ < describe_period && described_ < now) return;
@@ -167,7 +168,7 @@ class VelodyneDriver final : public DriverBase {
     if (in_stream_ && (time < last_time_ || time - last_time_ > jump)) {
       decode_pending(std::nullopt, out);
       frames_.cut_off(out);
-      clock_.reset();
+      clock_.restart();
       turned_deg_ = turned_s_ = 0;
       edge_.reset();
     } else if (in_stream_) {

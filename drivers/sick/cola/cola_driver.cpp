@@ -176,6 +176,7 @@ class ColaDriver final : public DriverBase {
 
   void tick(Stamp now, DriverOutput& out) override {
     dialogue_.tick(now, out);
+    describe_clock(clock_.clock(), clock_.wraps(), now);
     if (dialogue_.changed()) show_info();
   }
 

@@ -84,6 +84,7 @@ class ColaClock {
       device_ = std::chrono::microseconds(start_us);
     } else {
       const Span ahead = std::chrono::microseconds(start_us - start_us_);
+      if (start_us < start_us_) ++wraps_;
       // More than one wrap fits into a long silence.
       const double wraps = seconds(arrival - arrival_ - ahead) / seconds(wrap);
       device_ += ahead + wrap * static_cast<std::int64_t>(std::max(0.0, std::round(wraps)));
@@ -102,6 +103,9 @@ class ColaClock {
   Stamp to_host(Span device) const { return clock_.to_host(device); }
   bool ready() const { return started_; }
   std::uint64_t steps() const { return clock_.steps(); }
+  /// Overflows, each some 71.6 min after the last; a device that was switched off and on counts as one too.
+  std::uint64_t wraps() const { return wraps_; }
+  const DeviceClock& clock() const { return clock_; }
   /// Another device, or another recording: the times have nothing to do with the former.
   void reset() {
     started_ = false;
@@ -115,6 +119,7 @@ class ColaClock {
 
   DeviceClock clock_;
   bool started_ = false;
+  std::uint64_t wraps_ = 0;
   std::uint32_t start_us_ = 0;
   Span device_{0};
   Stamp arrival_;

@@ -54,6 +54,7 @@ class CompactDriver final : public DriverBase {
 
   /// A frame whose last segment was lost must not wait for the next frame, which may be half a turn away.
   void tick(Stamp now, DriverOutput& out) override {
+    describe_clock(clock_, 0, now);
     if (dialogue_) {
       const bool heard = last_stop_us_ != 0;
       dialogue_->tick(now, heard ? std::optional<Stamp>(last_arrival_) : std::nullopt, out);
@@ -155,7 +156,7 @@ class CompactDriver final : public DriverBase {
     if (order == TelegramOrder::Verdict::restart || jumped) {
       begin_stream(out);
       if (jumped) {
-        clock_.reset();
+        clock_.restart();
         ++clock_restarts_;
         last_stop_us_ = 0;
       }

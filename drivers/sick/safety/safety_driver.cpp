@@ -67,6 +67,7 @@ class SafetyDriver final : public DriverBase {
   void tick(Stamp now, DriverOutput& out) override {
     reassembler_.expire(now);
     dialogue_->tick(now, last_datagram_, out);
+    describe_clock(clock_.clock(), 0, now);
     note_dialogue();
   }
 
@@ -216,7 +217,9 @@ class SafetyDriver final : public DriverBase {
                      "; restart whatever expects the former, or undo the change in Safety Designer");
     }
     geometry_ = derived;
-    reassembler_.set_patience(std::chrono::milliseconds(2 * derived.scan_time_ms));
+    // Late is no loss: a network that is busy holds a datagram back for longer than a turn.
+    reassembler_.set_patience(
+        std::chrono::milliseconds(std::max<std::int64_t>(100, 2 * std::int64_t{derived.scan_time_ms})));
     choose_beams();
   }
 

@@ -21,7 +21,7 @@ class ScanClock {
       device_ += scan_time * static_cast<std::int32_t>(number - number_);
     } else {
       if (started_ && !paused_) ++restarts_;
-      clock_.reset();
+      clock_.restart();
       device_ = scan_time;
     }
     started_ = true;
@@ -34,9 +34,13 @@ class ScanClock {
   }
   /// The scan number stands still while time goes on (standby): the next scan starts afresh.
   void pause() { paused_ = true; }
-  void reset() { started_ = false; }
+  void reset() {
+    started_ = false;
+    clock_.reset();
+  }
   /// Restarts because the device or the host clock jumped.
   std::uint64_t steps() const { return clock_.steps() + restarts_; }
+  const DeviceClock& clock() const { return clock_; }
 
  private:
   bool continues(std::uint32_t number, Span scan_time, Stamp arrival) const {
