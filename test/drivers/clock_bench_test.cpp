@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Simulated devices of every family on a virtual clock: drift, jitter, overflows, reboots, a host whose clock
+// is set. `report_clocks` prints the figures behind the limits.
+#include "test/support/clock_bench.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "test/support/clock_scenarios.h"
+
+namespace lidard::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Whole ms do not tell where in one a turn of a motor begins that is in step with the counter.
+bool has_beat(const BenchFamily& family) {
+  return std::string(family.name).find("in step") == std::string::npos;
+}
+bool is_on_tick(const BenchFamily& family) {
+  return std::string(family.name).find("on its tick") != std::string::npos;
+}
+bool is_jittery(const BenchScenario& scenario) { return scenario.jitter > 1ms; }
+
+/// What is allowed, s: 99 % of the scans of sensors with whole ms. A sensor that sends on its tick leaves
+/// only half of its arrivals to tell the time by; one whose motor is in step hides up to half a ms.
+double allowed_p99(const BenchFamily& family, const BenchScenario& scenario) {
+  if (!has_beat(family)) return 1e-3;
+  return is_jittery(scenario) && is_on_tick(family) ? 1.2e-3 : 0.5e-3;
+}
+
+class ClockBench : public testing::TestWithParam<std::size_t> {
+ protected:
+  const BenchFamily& family() const { return bench_families()[GetParam()]; }
+};
+
+TEST_P(ClockBench, StampsAreRightFromTwoSecondsOnAndNoScanIsDropped) {
+  for (const BenchScenario& scenario : clock_scenarios()) {
+    const std::string what = std::string(family().name) + ", " + scenario.name;
+    const BenchFigures seen = run_clock_bench(family(), scenario, 24s, 1);
+    ASSERT_GT(seen.frames, 200U) << what;
+    EXPECT_EQ(seen.without_truth, 0U) << what;
+    if (family().ms_counter)
+      EXPECT_LE(seen.p99, allowed_p99(family(), scenario)) << what;
+    else
+      EXPECT_LE(seen.rms, 0.2e-3) << what;
+    EXPECT_EQ(seen.missing, 0U) << what;
+    EXPECT_EQ(seen.jumps, scenario.step_at ? 1U : 0U) << what;
+    EXPECT_EQ(seen.backwards, scenario.step_s < 0 ? 1U : 0U) << what;
+    EXPECT_EQ(seen.steps, scenario.reboot || scenario.recorded ? 1U : 0U) << what;
+  }
+}
+
+TEST_P(ClockBench, TheFirstStampsAreRightToAMillisecondOnAQuietNetwork) {
+  for (const BenchScenario& scenario : clock_scenarios()) {
+    if (is_jittery(scenario) || scenario.outliers > 0) continue;
+    for (const std::uint64_t seed : {1U, 2U, 3U}) {
+      const BenchFigures seen = run_clock_bench(family(), scenario, 3s, seed);
+      EXPECT_LE(seen.first, 1e-3) << family().name << ", " << scenario.name << ", seed " << seed;
+      EXPECT_LE(seen.start, 1e-3) << family().name << ", " << scenario.name << ", seed " << seed;
+    }
+  }
+}
+
+std::string name_of(const testing::TestParamInfo<std::size_t>& info) {
+  std::string name;
+  for (const char* c = bench_families()[info.param].name; *c != '\0'; ++c) {
+    if (std::isalnum(static_cast<unsigned char>(*c)) != 0) name += *c;
+  }
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Families, ClockBench, testing::Range<std::size_t>(0, bench_families().size()),
+                         name_of);
+
+}  // namespace
+}  // namespace lidard::test
