@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,8 @@
 namespace lidard {
 
 /// Keeps the last packets of all sensors in memory and writes them to a capture when something went wrong, so
-/// that the moments before can be replayed. One thread takes the packets; a second one lives while a capture
-/// is written, with a memory of its own.
+/// that the moments before can be replayed. Any thread may add() packets; the rest belongs to one thread. A
+/// further thread lives while a capture is written, with a memory of its own.
 class BlackBox {
  public:
   /// `told`: a sentence for the log, good or bad; called by poll().
@@ -35,14 +36,15 @@ class BlackBox {
   void poll(Stamp now, Span step, const std::function<std::string()>& events);
 
  private:
-  /// Packets one behind the other in a ring of bytes.
+  /// The newest packets, each with its bytes in a buffer that was used for an older one before.
   class Ring;
   struct Writing;
   void collect();
 
   const BlackBoxConfig config_;
   const std::function<void(bool, const std::string&)> told_;
-  std::unique_ptr<Ring> ring_;
+  std::mutex mutex_;
+  std::unique_ptr<Ring> ring_;  // guarded by mutex_
   std::unique_ptr<Writing> writing_;
   std::optional<Stamp> due_, written_;
 };

@@ -102,10 +102,4 @@ void ServiceManager::status(const std::string& text) { notify_without_waiting("S
 void ServiceManager::stopping() { sd_notify(0, "STOPPING=1"); }
 void ServiceManager::alive() { notify_without_waiting("WATCHDOG=1"); }
 
-std::optional<Span> ServiceManager::watchdog_limit() const {
-  std::uint64_t us = 0;
-  if (sd_watchdog_enabled(0, &us) <= 0) return std::nullopt;
-  return std::chrono::microseconds(us);
-}
-
 }  // namespace lidard

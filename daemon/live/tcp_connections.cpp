@@ -115,6 +115,7 @@ void TcpConnections::add_diagnostics(std::vector<DiagnosticItem>& items) const {
     const TcpState& state = link->source->state();
     const TcpStats& stats = link->source->stats();
     DiagnosticItem item{"link " + link->name, link->device.to_string()};
+    item.logged = true;
     item.message = text_of(state, link->streams);
     const bool idle = !link->streams && state.phase == TcpState::Phase::stopped && state.message.empty();
     if (!is_connected(state) && !idle && item.message != first_attempt)
@@ -131,16 +132,14 @@ void TcpConnections::add_diagnostics(std::vector<DiagnosticItem>& items) const {
   }
 }
 
-std::string TcpConnections::summary() const {
-  std::size_t all = 0;
-  std::size_t connected = 0;
+Share TcpConnections::connected() const {
+  Share connected;
   for (const auto& link : links_) {
     if (!link->streams) continue;
-    ++all;
-    connected += is_connected(link->source->state()) ? 1U : 0U;
+    ++connected.all;
+    connected.good += is_connected(link->source->state()) ? 1U : 0U;
   }
-  if (all == 0) return {};
-  return std::to_string(connected) + " of " + std::to_string(all) + " devices connected";
+  return connected;
 }
 
 TcpConnections::Link* TcpConnections::find(std::size_t sensor) {

@@ -40,8 +40,8 @@ class TcpConnections final : public DeviceConnections {
   void log_changes();
   /// One item per connection.
   void add_diagnostics(std::vector<DiagnosticItem>& items) const;
-  /// "1 of 2 devices connected"; empty without devices that stream over TCP.
-  std::string summary() const;
+  /// Of the devices that stream over TCP.
+  Share connected() const;
 
   void connect(std::size_t sensor, const IpAddress& device) override;
   void send(std::size_t sensor, ByteView bytes) override;

@@ -101,6 +101,7 @@ void UdpPorts::add_diagnostics(std::vector<DiagnosticItem>& items) const {
     const UdpStats& stats = port.source->stats();
     const std::string name = "port " + std::to_string(port.number);
     DiagnosticItem item{name, name};
+    item.logged = true;
     item.health = state.phase == UdpState::Phase::receiving ? Health::ok
                   : receives(state)                         ? Health::warn
                                                             : Health::error;
@@ -117,11 +118,10 @@ void UdpPorts::add_diagnostics(std::vector<DiagnosticItem>& items) const {
   }
 }
 
-std::string UdpPorts::summary() const {
-  if (ports_.empty()) return {};
-  std::size_t open = 0;
-  for (const auto& port : ports_) open += receives(port.source->state()) ? 1U : 0U;
-  return std::to_string(open) + " of " + std::to_string(ports_.size()) + " ports open";
+Share UdpPorts::open() const {
+  Share open{0, ports_.size()};
+  for (const auto& port : ports_) open.good += receives(port.source->state()) ? 1U : 0U;
+  return open;
 }
 
 }  // namespace lidard

@@ -24,8 +24,7 @@ class UdpPorts {
   void log_changes();
   /// One item per port.
   void add_diagnostics(std::vector<DiagnosticItem>& items) const;
-  /// "2 of 2 ports open"; empty without ports.
-  std::string summary() const;
+  Share open() const;
 
  private:
   struct Port {

@@ -15,20 +15,60 @@ Pipeline::Pipeline(const Config& config, TransformSource& transforms, std::vecto
     : vehicle_(config.vehicle),
       frames_(config, transforms),
       motion_(vehicle_, transforms, frames_),
-      outlet_(output_topics(config), std::move(sinks), config.sensors.size()) {
-  for (const SensorConfig& entry : config.sensors) {
-    sensors_.push_back(std::make_unique<Sensor>(entry, sensors_.size(), sensor_context_));
-    for (const Flow& flow : flows_of(entry)) flows_.add(flow, sensors_.back().get());
-    if (entry.model != nullptr && entry.model->transport == Transport::tcp) tcp_ports_.insert(entry.ip_port);
-  }
-  for (const auto& entry : config.merged_scans) add_output(make_output(entry, output_context_));
-  for (const auto& entry : config.virtual_scans) add_output(make_output(entry, output_context_));
+      outlet_(std::move(sinks)) {
+  configure(config);
 }
 
-void Pipeline::add_output(std::unique_ptr<Output> output) {
+void Pipeline::configure(const Config& config) {
+  const auto by_text = [](auto& entries, std::vector<std::string>& texts) {
+    std::map<std::string, typename std::decay_t<decltype(entries)>::value_type> known;
+    for (std::size_t i = 0; i < entries.size(); ++i) known.emplace(texts[i], std::move(entries[i]));
+    entries.clear();
+    texts.clear();
+    return known;
+  };
+  auto sensors = by_text(sensors_, sensor_texts_);
+  auto outputs = by_text(outputs_, output_texts_);
+  vehicle_ = config.vehicle;
+  frames_.configure(config);
+  motion_.configure();
+  outlet_.configure(output_topics(config), config.sensors.size());
+  flows_ = {};
+  tcp_ports_.clear();
+  for (const SensorConfig& entry : config.sensors) add_sensor(entry, sensors);
+  for (const auto& entry : config.merged_scans) add_output(entry, outputs);
+  for (const auto& entry : config.virtual_scans) add_output(entry, outputs);
+  for (std::size_t i = 0; i < config.hand_over.size(); ++i)
+    outlet_.connect_other_lane(source_named(config.hand_over[i]), i);
+}
+
+void Pipeline::add_sensor(const SensorConfig& entry, Kept<Sensor>& before) {
+  sensor_texts_.push_back(to_yaml(entry));
+  const auto same = before.find(sensor_texts_.back());
+  if (same != before.end()) {
+    sensors_.push_back(std::move(same->second));
+    sensors_.back()->place_at(sensors_.size() - 1);
+  } else {
+    sensors_.push_back(std::make_unique<Sensor>(entry, sensors_.size(), sensor_context_));
+  }
+  for (const Flow& flow : flows_of(entry)) flows_.add(flow, sensors_.back().get());
+  if (entry.model != nullptr && entry.model->transport == Transport::tcp) tcp_ports_.insert(entry.ip_port);
+}
+
+template <class Entry>
+void Pipeline::add_output(const Entry& entry, Kept<Output>& before) {
+  // What an output shows depends on the vehicle's outline too.
+  output_texts_.push_back(to_yaml(vehicle_) + to_yaml(entry));
+  const auto same = before.find(output_texts_.back());
+  if (same != before.end()) {
+    outputs_.push_back(std::move(same->second));
+    outputs_.back()->find_topics();
+  } else {
+    outputs_.push_back(make_output(entry, output_context_));
+  }
+  Output& output = *outputs_.back();
   std::size_t place = 0;
-  for (const std::string& name : output->sources()) outlet_.connect(source_named(name), *output, place++);
-  outputs_.push_back(std::move(output));
+  for (const std::string& name : output.sources()) outlet_.connect(source_named(name), output, place++);
 }
 
 /// A sensor, or a virtual scan by its topic.
@@ -104,8 +144,11 @@ void Pipeline::turn_message(Stamp stamp, const Eigen::Vector3d& rates, const std
 
 std::string Pipeline::set_output(const OutputId& output, const OutputScanConfig& wanted) {
   if (const auto grid = make_grid(wanted.grid); !grid) return grid.reason();
-  for (const auto& one : outputs_) {
-    if (one->id() == output) return one->set_scan(wanted), "";
+  for (std::size_t i = 0; i < outputs_.size(); ++i) {
+    if (!(outputs_[i]->id() == output)) continue;
+    outputs_[i]->set_scan(wanted);
+    output_texts_[i].clear();  // no longer what the file says
+    return {};
   }
   return "there is no output named " + output.entry;
 }
@@ -167,7 +210,9 @@ void Pipeline::restart() {
 
 std::vector<SensorReport> Pipeline::report() const {
   std::vector<SensorReport> reports;
-  for (const auto& sensor : sensors_) reports.push_back(sensor->report());
+  for (const auto& sensor : sensors_) {
+    if (!sensor->config().handed_over) reports.push_back(sensor->report());
+  }
   return reports;
 }
 
@@ -203,6 +248,7 @@ std::vector<DiagnosticItem> Pipeline::diagnostics(Stamp now) const {
   std::vector<DiagnosticItem> items;
   const bool starting = start_.is_starting(now);
   for (const auto& sensor : sensors_) {
+    if (sensor->config().handed_over) continue;
     SensorReport report = sensor->report();
     report.starting = starting;
     items.push_back(sensor_health(sensor->config(), report, unknown_senders_, now));

@@ -38,10 +38,17 @@ Sensor::Sensor(const SensorConfig& config, std::size_t place, SensorContext& con
   if (config.model == nullptr) return;
   driver_ = config.model->make(config.driver);
   if (config.ring_scan) ring_scan_.emplace(*config.ring_scan);
-  for (const OutputTopic& own : sensor_topics(config)) {
-    const OutputTopic& topic = topic_named(context.outlet.topics(), own.name);
+  place_at(place);
+}
+
+void Sensor::place_at(std::size_t place) {
+  place_ = place;
+  topic_ = ring_topic_ = echoes_topic_ = nullptr;
+  told_topics_.clear();
+  for (const OutputTopic& own : sensor_topics(config_)) {
+    const OutputTopic& topic = topic_named(context_.outlet.topics(), own.name);
     if (!topic.promised)
-      told_topics_.emplace_back(std::string_view(topic.name).substr(config.name.size() + 1), &topic);
+      told_topics_.emplace_back(std::string_view(topic.name).substr(config_.name.size() + 1), &topic);
     else if (topic.kind == TopicKind::echoes)
       echoes_topic_ = &topic;
     else

@@ -54,6 +54,8 @@ class Sensor final : public DriverOutput {
   Sensor(const SensorConfig& config, std::size_t place, SensorContext& context);
 
   const SensorConfig& config() const { return config_; }
+  /// The topics of the outlet, or its place in the configuration, are others now.
+  void place_at(std::size_t place);
   const Counters& counters() const { return driver_ ? driver_->counters() : topic_counters_; }
 
   /// A packet of this sensor, or a chunk of its connection.
@@ -110,7 +112,7 @@ class Sensor final : public DriverOutput {
   const OutputTopic* topic_told_as(std::string_view name) const;
 
   const SensorConfig config_;
-  const std::size_t place_;
+  std::size_t place_;
   SensorContext& context_;
   std::unique_ptr<Driver> driver_;  // nullptr: another driver publishes on config_.topic
   CloudArranger arranger_;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/config/lanes.h"
 #include "daemon/live/topic_watch.h"
 #include "daemon/pipeline/sink.h"
 #include "daemon/ros/ros_environment.h"
@@ -26,24 +27,25 @@ struct RosStatus {
   std::uint64_t foreign_stops = 0;  ///< how often somebody shut our node down from outside
 };
 
-/// Publishes what the pipeline produces. The calls of FrameSink never wait (unless Backpressure::block); one
-/// thread converts and publishes; another alone talks to the master, waits for it, registers again when it
-/// was restarted; a third, RosCallbackThread, lives while ROS runs.
-class RosConnection : public FrameSink {
+/// Publishes what the pipeline produces. Each lane has a thread that converts and publishes (RosLane);
+/// another thread alone talks to the master, waits for it, registers again when it was restarted;
+/// RosCallbackThread lives while ROS runs.
+class RosConnection {
  public:
-  /// Calls init_ros(), which may throw RosError. `topics` as output_topics() has them.
-  RosConnection(RosOptions options, const std::vector<OutputTopic>& topics);
-  ~RosConnection() override;
+  /// Calls init_ros(), which may throw RosError. `topics` as output_topics() has them, of the lane of planes
+  /// or of all, and `clouds` of the other one.
+  RosConnection(RosOptions options, const std::vector<OutputTopic>& topics,
+                const std::vector<OutputTopic>& clouds = {});
+  ~RosConnection();
+  RosConnection(const RosConnection&) = delete;
+  RosConnection& operator=(const RosConnection&) = delete;
 
   /// To be called before start(). Shared, since a master thread that hangs at the end may outlive its owner.
   void add(std::shared_ptr<RosComponent> component);
   void start();
 
-  void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) override;
-  void cloud(const OutputTopic& topic, Cloud& cloud, Stamp released) override;
-  void message(const OutputTopic& topic, const DeviceMessage& message, Stamp released) override;
-  void transforms(const std::vector<StaticTransform>& transforms, Stamp released) override;
-  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) override;
+  /// Takes what a lane of the pipeline produces.
+  FrameSink& sink(Lane lane = Lane::planes);
   /// By how much the host's clock was set since the beginning: so much is added to the stamps of what goes
   /// out.
   void set_step(Span step);
@@ -60,8 +62,8 @@ class RosConnection : public FrameSink {
   /// Name of the node.
   std::string node() const;
   RosStatus status() const;
-  /// How a topic does, `now` on the host's clock.
-  TopicFigures figures(const OutputTopic& topic, Stamp now) const;
+  /// How a topic does; `now` in the time without steps.
+  TopicFigures figures(Lane lane, const OutputTopic& topic, Stamp now) const;
   /// The connection's item of /diagnostics.
   DiagnosticItem own_status() const;
   bool has_master() const;
