@@ -6,10 +6,13 @@
 #include <array>
 #include <atomic>
 #include <boost/asio/signal_set.hpp>
+#include <memory>
+#include <optional>
 #include <ostream>
 #include <thread>
 
 #include "daemon/commands/commands.h"
+#include "daemon/commands/last_good.h"
 #include "daemon/commands/status.h"
 #include "daemon/live/frame_queue.h"
 #include "daemon/live/journal.h"
@@ -46,40 +49,66 @@ std::vector<OutputTopic> topics_of(const std::vector<std::string>& sources) {
   return topics;
 }
 
+/// Scans on their way from the lane of clouds to that of planes.
+struct HandedOver {
+  explicit HandedOver(std::vector<std::string> names)
+      : sources(std::move(names)), topics(topics_of(sources)), queue(topics, Backpressure::drop_oldest) {}
+  const std::vector<std::string> sources;
+  const std::vector<OutputTopic> topics;
+  FrameQueue queue;
+};
+
+/// A configuration as both lanes see it; arrays are by lane, here and below.
+struct Plan {
+  explicit Plan(Config config)
+      : whole(std::move(config)),
+        parts{part_of(whole, Lane::planes), part_of(whole, Lane::clouds)},
+        topics{output_topics(parts[0]), output_topics(parts[1])},
+        handed_over(std::make_shared<HandedOver>(parts[1].hand_over)) {}
+  bool has_clouds() const { return !parts[1].sensors.empty(); }
+
+  const Config whole;
+  const std::array<Config, 2> parts;
+  const std::array<std::vector<OutputTopic>, 2> topics;
+  const std::shared_ptr<HandedOver> handed_over;
+};
+
 /// Everything of a running daemon. The constructor's thread becomes that of the lane of planes, which the
 /// daemon's own affairs share; the lane of clouds has another one, if it has anything to do.
 class Daemon {
  public:
-  Daemon(const Config& config, const RosOptions& how)
-      : parts_{part_of(config, Lane::planes), part_of(config, Lane::clouds)},
+  /// `trouble`: why `config` is not what the file holds; empty: it is.
+  Daemon(const Config& config, const RosOptions& how, std::string trouble)
+      : plan_(std::make_unique<Plan>(config)),
+        last_good_(config.file),
+        trouble_(std::move(trouble)),
         clock_([this](Span step) { ros_.set_step(step); }),
-        ros_(parts_[0], parts_[1], how),
+        ros_(plan_->parts[0], plan_->parts[1], how),
         box_(config.black_box,
              [](bool good, const std::string& sentence) {
                spdlog::log(good ? spdlog::level::info : spdlog::level::err, "black box: {}", sentence);
              }),
-        planes_(parts_[0], clock_, box_, ros_.poses(), ros_.sink(Lane::planes)),
-        clouds_(parts_[1], clock_, box_, ros_.poses(), ros_.sink(Lane::clouds)),
-        handed_topics_(topics_of(parts_[1].hand_over)),
-        handed_over_(handed_topics_, Backpressure::drop_oldest),
-        topics_{output_topics(parts_[0]), output_topics(parts_[1])},
+        planes_(plan_->parts[0], clock_, box_, ros_.poses(), ros_.sink(Lane::planes)),
+        clouds_(plan_->parts[1], clock_, box_, ros_.poses(), ros_.sink(Lane::clouds)),
         signals_(planes_.io(), SIGINT, SIGTERM),
         wishes_(planes_.io(), SIGHUP, SIGUSR1),
         socket_(planes_.io(), {{"status", [this] { return status_json(state(), journal_); }},
                                {"events", [this] { return events_json(journal_); }},
                                {"metrics", [this] { return metrics_text(state()); }},
                                {"dump", [this] { return dump() + "\n"; }}}) {
-    for (const auto& [part, loop] : {std::pair(&parts_[0], &planes_), {&parts_[1], &clouds_}})
+    for (const auto& [part, loop] : {std::pair(&plan_->parts[0], &planes_), {&plan_->parts[1], &clouds_}})
       ros_.feed(*part, config, loop->pipeline(),
                 [loop = loop](std::function<void(Stamp)> task) { loop->post(std::move(task)); });
-    planes_.add_items = [this](auto& items) { items.push_back(clock_.item()); };
+    planes_.add_items = [this](auto& items) {
+      items.push_back(clock_.item());
+      items.push_back(configuration_item());
+    };
     planes_.on_state = [this](const LaneState& state) { take_state(Lane::planes, state); };
     planes_.on_tick = [this](Stamp now) { tick(now); };
     clouds_.on_state = [this](const LaneState& state) {
       planes_.post([this, state](Stamp) { take_state(Lane::clouds, state); });
     };
-    clouds_.pipeline().set_hand_over(
-        [this](std::size_t source, const PlanarScan& scan, Stamp now) { hand_over(source, scan, now); });
+    connect_lanes();
   }
 
   /// Runs until a signal, or until it must leave the node's name to another daemon. Returns the exit code;
@@ -98,15 +127,15 @@ class Daemon {
     // Ready is who has opened all sockets. Where there are no clouds, their lane has none to open.
     planes_.post([this](Stamp) {
       states_[0] = planes_.state();
-      if (!has_clouds()) service_.ready(status());
+      if (!plan_->has_clouds()) came_up();
     });
     clouds_.post([this](Stamp) {
       planes_.post([this, state = clouds_.state()](Stamp) {
         take_state(Lane::clouds, state);
-        service_.ready(status());
+        came_up();
       });
     });
-    if (has_clouds()) clouds_thread_ = std::thread([this] { run_clouds(); });
+    if (plan_->has_clouds()) clouds_thread_ = std::thread([this] { run_clouds(); });
     planes_.run();
     service_.stopping();
     socket_.stop();
@@ -117,7 +146,13 @@ class Daemon {
   }
 
  private:
-  bool has_clouds() const { return !parts_[1].sensors.empty(); }
+  /// All sockets are open.
+  void came_up() {
+    service_.ready(status());
+    // What is in force since a wrong file is kept already.
+    if (!trouble_.empty()) return;
+    if (const std::string why = last_good_.keep(plan_->whole); !why.empty()) spdlog::warn("{}", why);
+  }
   void run_clouds() {
     name_this_thread("lidard-clouds");
     clouds_.run();
@@ -132,28 +167,108 @@ class Daemon {
     ended ? clouds_thread_.join() : clouds_thread_.detach();
     return ended;
   }
-  /// In the thread of the lane of clouds.
-  void hand_over(std::size_t source, const PlanarScan& scan, Stamp now) {
-    handed_over_.push(handed_topics_[source], scan, now);
-    planes_.post([this](Stamp received) { take_over(received); });
-  }
-  void take_over(Stamp received) {
-    while (QueuedFrame* const frame = handed_over_.pop(Span(0))) {
-      planes_.pipeline().scan_message(parts_[1].hand_over[frame->lane], std::get<PlanarScan>(frame->content),
-                                      received);
-      handed_over_.done(frame);
-    }
+  /// To be called in the thread of the lane of clouds, or before it runs.
+  void connect_lanes() {
+    const auto take_over = [this, over = plan_->handed_over](Stamp received) {
+      while (QueuedFrame* const frame = over->queue.pop(Span(0))) {
+        planes_.pipeline().scan_message(over->sources[frame->lane], std::get<PlanarScan>(frame->content),
+                                        received);
+        over->queue.done(frame);
+      }
+    };
+    clouds_.pipeline().set_hand_over(
+        [this, over = plan_->handed_over, take_over](std::size_t source, const PlanarScan& scan, Stamp now) {
+          over->queue.push(over->topics[source], scan, now);
+          planes_.post(take_over);
+        });
   }
   void wait_for_wishes() {
     wishes_.async_wait([this](const boost::system::error_code& error, int signal) {
       if (error) return;
       if (signal == SIGHUP)
-        spdlog::info(
-            "SIGHUP: the configuration is read at the start only; restart this daemon for a changed one");
+        reload();
       else
         spdlog::info("SIGUSR1: {}", dump());
       wait_for_wishes();
     });
+  }
+  /// Reads the file again. A wrong one changes nothing. In a thread of its own, since a calibration takes its
+  /// time to read.
+  void reload() {
+    wants_reload_ = reader_.joinable();
+    if (wants_reload_) return;
+    service_.reloading();
+    reader_ = std::thread([this, file = plan_->whole.file] {
+      std::shared_ptr<const Config> config;
+      std::string trouble;
+      try {
+        config = std::make_shared<Config>(load_config(file));
+      } catch (const std::exception& error) {
+        trouble = error.what();
+      }
+      planes_.post([this, config, trouble](Stamp) { config ? change(*config) : end_reload(trouble); });
+    });
+  }
+  void change(const Config& config) {
+    for (const auto& warning : config.warnings) spdlog::warn("{}", warning);
+    next_plan_ = std::make_unique<Plan>(config);
+    try {
+      RosChange change = ros_.change_to(config, next_plan_->parts);
+      change.ready = [this](FrameSink& planes, FrameSink& clouds) {
+        planes_.post([this, &planes, &clouds](Stamp now) { switch_over(planes, clouds, now); });
+      };
+      ros_.change(std::move(change));
+    } catch (const RosError& error) {
+      end_reload(error.what());
+    }
+  }
+  /// Both lanes one after the other, each in its own thread.
+  void switch_over(FrameSink& planes, FrameSink& clouds, Stamp now) {
+    plan_ = std::move(next_plan_);
+    planes_.configure(plan_->parts[0], planes);
+    planes.transforms(planes_.pipeline().static_transforms(), now);
+    const auto switch_clouds = [this, &clouds] {
+      clouds_.configure(plan_->parts[1], clouds);
+      connect_lanes();
+    };
+    if (clouds_thread_.joinable()) {
+      clouds_.post([this, switch_clouds](Stamp) {
+        switch_clouds();
+        planes_.post([this](Stamp) { end_change(); });
+      });
+      return;
+    }
+    switch_clouds();
+    if (plan_->has_clouds()) clouds_thread_ = std::thread([this] { run_clouds(); });
+    end_change();
+  }
+  void end_change() {
+    ros_.finish_change();
+    box_.configure(plan_->whole.black_box);
+    end_reload("");
+  }
+  /// `trouble`: why the file was not used; empty: it is in force.
+  void end_reload(const std::string& trouble) {
+    reader_.join();
+    reader_ = {};
+    trouble_ = trouble;
+    ++reloads_;
+    if (trouble.empty())
+      spdlog::info("{} is in force", plan_->whole.file);
+    else
+      spdlog::error("{}; nothing is changed, correct it and reload again", trouble);
+    came_up();
+    update_journal();
+    if (std::exchange(wants_reload_, false)) reload();
+  }
+  DiagnosticItem configuration_item() const {
+    DiagnosticItem item{"configuration"};
+    item.logged = true;
+    item.message = "as in " + plan_->whole.file;
+    if (!trouble_.empty()) item.set(Health::error, trouble_ + "; the last good configuration is in force");
+    item.add("File", plan_->whole.file);
+    item.add("Reloads", reloads_);
+    return item;
   }
   /// The path of the black box's capture, or why there is none.
   std::string dump() {
@@ -195,7 +310,7 @@ class Daemon {
     const Stamp now = clock_.now();
     DaemonState all{ros_.node(), clock_.realtime(now), now - started_, status(), items(), {}};
     for (const Lane lane : {Lane::planes, Lane::clouds}) {
-      for (const OutputTopic& topic : topics_[static_cast<std::size_t>(lane)])
+      for (const OutputTopic& topic : plan_->topics[static_cast<std::size_t>(lane)])
         all.topics.emplace_back(topic.name, ros_.figures(lane, topic, now));
     }
     return all;
@@ -212,7 +327,7 @@ class Daemon {
   std::string standing_threads() {
     std::string standing = ros_.standing_threads();
     const std::uint64_t rounds = clouds_.rounds();
-    if (has_clouds() && rounds == clouds_rounds_)
+    if (clouds_thread_.joinable() && rounds == clouds_rounds_)
       standing += (standing.empty() ? "" : ", ") + std::string("the thread of clouds");
     if (standing.empty()) clouds_rounds_ = rounds;
     return standing;
@@ -237,7 +352,12 @@ class Daemon {
     planes_.stop();
   }
 
-  const std::array<Config, 2> parts_;  // by lane, as all arrays here
+  std::unique_ptr<Plan> plan_, next_plan_;  // next_plan_: of a reload that goes on
+  const LastGood last_good_;
+  std::string trouble_;  // why plan_ is not what the file holds; empty: it is
+  std::uint64_t reloads_ = 0;
+  std::thread reader_;  // joinable while a reload goes on
+  bool wants_reload_ = false;
   DaemonClock clock_;
   ServiceManager service_;
   Journal journal_{log_event};
@@ -245,13 +365,10 @@ class Daemon {
   BlackBox box_;
   SensorLoop planes_;
   SensorLoop clouds_;
-  const std::vector<OutputTopic> handed_topics_;
-  FrameQueue handed_over_;
   std::thread clouds_thread_;
   std::atomic<bool> clouds_ended_{false};
   std::uint64_t clouds_rounds_ = 0;
   std::array<LaneState, 2> states_;
-  const std::array<std::vector<OutputTopic>, 2> topics_;
   boost::asio::signal_set signals_;
   boost::asio::signal_set wishes_;  // that do not end the daemon
   int ticks_ = 0;
@@ -271,12 +388,12 @@ void keep_heap_small() {
 
 }  // namespace
 
-int run_daemon(const Config& config, RosOptions ros, std::ostream& err) {
+int run_daemon(const Config& config, RosOptions ros, std::ostream& err, const std::string& trouble) {
   keep_heap_small();
   try {
     ros.longest_report_age = longest_report_age;
     for (const auto& warning : config.warnings) spdlog::warn("{}", warning);
-    Daemon daemon(config, ros);
+    Daemon daemon(config, ros, trouble);
     bool left = false;
     const int code = daemon.run(left);
     // roscpp's destructors would wait for a master that hangs.
@@ -291,14 +408,22 @@ int run_daemon(const Config& config, RosOptions ros, std::ostream& err) {
 int run_daemon(const std::string& config_file, const std::vector<std::string>& ros_arguments,
                std::ostream& err) {
   set_up_logging();
+  RosOptions ros;
+  ros.remappings = ros_arguments;
+  std::string trouble;
   try {
-    RosOptions ros;
-    ros.remappings = ros_arguments;
     return run_daemon(load_config(config_file), ros, err);
   } catch (const ConfigError& e) {
-    err << e.what() << '\n';
+    trouble = e.what();
+  }
+  std::optional<Config> last_good = LastGood(config_file).load();
+  if (!last_good) {
+    err << trouble << '\n';
     return exit_config;
   }
+  spdlog::error("{}; the last good configuration is in force, correct the file and reload", trouble);
+  last_good->file = config_file;
+  return run_daemon(*last_good, ros, err, trouble);
 }
 
 }  // namespace lidard

@@ -149,9 +149,15 @@ BlackBox::~BlackBox() {
   if (writing_ && writing_->thread.joinable()) writing_->thread.join();
 }
 
-void BlackBox::add(const Packet& packet) {
-  if (!is_on()) return;
+void BlackBox::configure(const BlackBoxConfig& config) {
   const std::lock_guard lock(mutex_);
+  if (config.seconds != config_.seconds || config.megabytes != config_.megabytes) ring_.reset();
+  config_ = config;
+}
+
+void BlackBox::add(const Packet& packet) {
+  const std::lock_guard lock(mutex_);
+  if (!is_on()) return;
   if (!ring_)
     ring_ = std::make_unique<Ring>(static_cast<std::size_t>(config_.megabytes * 1e6),
                                    span_from_seconds(config_.seconds));

@@ -23,7 +23,8 @@ class BlackBox {
   BlackBox(BlackBoxConfig config, std::function<void(bool good, const std::string& sentence)> told);
   ~BlackBox();
 
-  bool is_on() const { return config_.seconds > 0; }
+  /// What is kept is kept if the memory stays as long and as large.
+  void configure(const BlackBoxConfig& config);
   void add(const Packet& packet);
   /// What is kept is written in `delay`, so that what follows is in it too. `why`: a word for the file's
   /// name. Nothing while another one waits or is written. An error within the time that was written last is
@@ -41,7 +42,9 @@ class BlackBox {
   struct Writing;
   void collect();
 
-  const BlackBoxConfig config_;
+  bool is_on() const { return config_.seconds > 0; }
+
+  BlackBoxConfig config_;  // guarded by mutex_, which the owner's thread need not lock to read
   const std::function<void(bool, const std::string&)> told_;
   std::mutex mutex_;
   std::unique_ptr<Ring> ring_;  // guarded by mutex_

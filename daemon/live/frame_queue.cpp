@@ -143,6 +143,12 @@ TopicFigures FrameQueue::figures(std::size_t topic, Stamp now) const {
   return figures;
 }
 
+void FrameQueue::continue_figures(std::size_t topic, const FrameQueue& before, std::size_t topic_before) {
+  const std::scoped_lock lock(mutex_, before.mutex_);
+  lanes_.at(topic).watch = before.lanes_.at(topic_before).watch;
+  lanes_.at(topic).dropped = before.lanes_.at(topic_before).dropped;
+}
+
 bool FrameQueue::idle() const {
   const std::lock_guard lock(mutex_);
   const bool empty =

@@ -55,6 +55,8 @@ class FrameQueue {
   void published(QueuedFrame* frame, Stamp now);
   /// How a topic does; `now` in the time without steps, as `released` was.
   TopicFigures figures(std::size_t topic, Stamp now) const;
+  /// The figures of a topic go on from those of another queue's topic.
+  void continue_figures(std::size_t topic, const FrameQueue& before, std::size_t topic_before);
   /// True if every frame pushed was also given back.
   bool idle() const;
   /// Frames dropped so far, of one topic or of all.

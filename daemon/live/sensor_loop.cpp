@@ -63,6 +63,15 @@ void SensorLoop::run() {
   io_.run();
 }
 
+void SensorLoop::configure(const Config& config, FrameSink& sink) {
+  pipeline_.set_sinks({&sink});
+  pipeline_.configure(config);
+  ports_.configure(config);
+  links_.configure(config);
+  next_event_.reset();
+  arm();
+}
+
 void SensorLoop::finish() {
   ports_.stop();
   pipeline_.finish(clock_.now());

@@ -48,6 +48,8 @@ class SensorLoop {
   void post(std::function<void(Stamp)> task);
   /// Opens sockets and works until stop().
   void run();
+  /// From now on works after another configuration, into another sink. What stays the same goes on.
+  void configure(const Config& config, FrameSink& sink);
   /// May be called by any thread.
   void stop() { io_.stop(); }
   /// After run(): closes the sockets, counts what is still in doubt of the last packets, and logs what came.

@@ -21,6 +21,8 @@ class ServiceManager {
   void ready(const std::string& status);
   /// One line for `systemctl status`.
   void status(const std::string& text);
+  /// Until the next ready() a changed configuration is put in force.
+  void reloading();
   void stopping();
   /// To be called at least twice per WatchdogSec= of the unit.
   void alive();

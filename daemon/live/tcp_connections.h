@@ -31,6 +31,8 @@ class TcpConnections final : public DeviceConnections {
   TcpConnections(boost::asio::io_context& io, const Config& config, LinkEvents events,
                  TcpOptions options = {});
 
+  /// Connections to devices whose entries are the same stay.
+  void configure(const Config& config);
   void start();
   void stop();
   /// To be called about ten times a second: a stream that falls silent is noticed sooner than a device that
@@ -51,8 +53,8 @@ class TcpConnections final : public DeviceConnections {
  private:
   struct Link {
     std::size_t sensor = 0;
-    std::string name;
-    bool streams = false;  // else only a dialogue
+    std::string name, text;  // text: its entry, see to_yaml()
+    bool streams = false;    // else only a dialogue
     Endpoint device;
     Span silence{0};  // longest between two frames
     std::unique_ptr<TcpSource> source;
@@ -68,6 +70,7 @@ class TcpConnections final : public DeviceConnections {
   LinkEvents events_;
   TcpOptions options_;
   std::vector<std::unique_ptr<Link>> links_;
+  bool started_ = false;
 };
 
 }  // namespace lidard

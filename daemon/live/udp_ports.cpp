@@ -4,7 +4,9 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <map>
+#include <utility>
 
 #include "daemon/config/config.h"
 
@@ -56,18 +58,37 @@ std::map<std::uint16_t, UdpOptions> options_by_port(const Config& config) {
 
 }  // namespace
 
-UdpPorts::UdpPorts(boost::asio::io_context& io, const Config& config, const UdpSource::Handler& handler) {
-  for (const auto& [number, options] : options_by_port(config)) {
+UdpPorts::UdpPorts(boost::asio::io_context& io, const Config& config, const UdpSource::Handler& handler)
+    : io_(io), handler_(handler) {
+  configure(config);
+}
+
+void UdpPorts::configure(const Config& config) {
+  std::vector<Port> before = std::exchange(ports_, {});
+  const auto wanted = options_by_port(config);
+  for (Port& port : before) {
+    if (wanted.count(port.number) == 0) port.source->stop();
+  }
+  for (const auto& [number, options] : wanted) {
+    const auto same = std::find_if(before.begin(), before.end(),
+                                   [number = number](const Port& port) { return port.number == number; });
+    if (same != before.end()) {
+      same->source->configure(options);
+      ports_.push_back(std::move(*same));
+      continue;
+    }
     Port port;
     port.number = number;
     // The handler sees the configured port also where the packet was addressed to a broadcast or group
     // address.
-    port.source = std::make_unique<UdpSource>(io, options, handler);
+    port.source = std::make_unique<UdpSource>(io_, options, handler_);
+    if (started_) port.source->start();
     ports_.push_back(std::move(port));
   }
 }
 
 void UdpPorts::start() {
+  started_ = true;
   for (auto& port : ports_) port.source->start();
 }
 

@@ -18,6 +18,8 @@ class UdpPorts {
  public:
   UdpPorts(boost::asio::io_context& io, const Config& config, const UdpSource::Handler& handler);
 
+  /// Other ports; a port that stays goes on receiving.
+  void configure(const Config& config);
   void start();
   void stop();
   /// Logs what changed since the last call: listening, waiting for a port, small buffers, kernel drops.
@@ -33,7 +35,10 @@ class UdpPorts {
     UdpState told;
     std::uint64_t reported_drops = 0;
   };
+  boost::asio::io_context& io_;
+  const UdpSource::Handler handler_;
   std::vector<Port> ports_;
+  bool started_ = false;
 };
 
 }  // namespace lidard

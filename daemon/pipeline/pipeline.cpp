@@ -79,6 +79,16 @@ std::size_t Pipeline::source_named(const std::string& name) const {
   return outlet_.source_of(topic_named(outlet_.topics(), name));
 }
 
+/// A sensor whose data come as messages, of packets for its driver or not. nullptr: it is no longer in the
+/// configuration, and the message was on its way.
+Sensor* Pipeline::topic_sensor(const std::string& name, bool with_driver) {
+  for (const auto& sensor : sensors_) {
+    const SensorConfig& config = sensor->config();
+    if (config.name == name && (config.model != nullptr) == with_driver) return sensor.get();
+  }
+  return nullptr;
+}
+
 /// nullptr: nobody's, or of no interest.
 Sensor* Pipeline::owner_of(const Packet& packet) {
   if (Sensor* const* owner = flows_.find(packet)) return *owner;
@@ -118,15 +128,21 @@ void Pipeline::connected(std::size_t sensor, Stamp now) {
 }
 
 void Pipeline::packet_message(const std::string& sensor, const Packet& packet, Stamp received) {
-  take(received, [&] { sensor_named(sensor).receive(packet, received); });
+  take(received, [&] {
+    if (Sensor* const known = topic_sensor(sensor, true)) known->receive(packet, received);
+  });
 }
 
 void Pipeline::scan_message(const std::string& sensor, PlanarScan& scan, Stamp received) {
-  take(received, [&] { sensor_named(sensor).take_message(scan, received); });
+  take(received, [&] {
+    if (Sensor* const known = topic_sensor(sensor, false)) known->take_message(scan, received);
+  });
 }
 
 void Pipeline::cloud_message(const std::string& sensor, Cloud& cloud, Stamp received) {
-  take(received, [&] { sensor_named(sensor).take_message(cloud, received); });
+  take(received, [&] {
+    if (Sensor* const known = topic_sensor(sensor, false)) known->take_message(cloud, received);
+  });
 }
 
 void Pipeline::pose_message(Stamp stamp, const Pose& pose, const std::string& child, Stamp received) {

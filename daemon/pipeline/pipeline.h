@@ -130,7 +130,7 @@ class Pipeline final : public MessageReceiver {
 
   Sensor* owner_of(const Packet& packet);
   std::size_t source_named(const std::string& name) const;
-  Sensor& sensor_named(const std::string& name) { return *sensors_.at(source_named(name)); }
+  Sensor* topic_sensor(const std::string& name, bool with_driver);
   void add_sensor(const SensorConfig& config, Kept<Sensor>& before);
   template <class Entry>
   void add_output(const Entry& entry, Kept<Output>& before);

@@ -8,8 +8,10 @@
 #include <ros/this_node.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -49,7 +51,8 @@ struct RosConnection::Impl {
       : options(std::move(given)),
         master_uri(choose_master(options.remappings)),
         diagnostics(options.longest_report_age) {
-    for (const auto& of_lane : topics) init_ros(options, of_lane);
+    init_ros(options);
+    for (const auto& of_lane : topics) check_ros_names(of_lane);
     node = ros::this_node::getName();
     name = std::make_unique<RosName>(node, wall_clock());
     lanes = make_lanes(topics);
@@ -74,12 +77,15 @@ struct RosConnection::Impl {
   std::condition_variable wake;
   std::thread master_thread;
   mutable std::mutex lanes_mutex;
-  Lanes lanes;
+  Lanes lanes, next_lanes;  // next_lanes: of a change that is not finished
   Span step{0};
+  std::optional<RosChange> wanted;                // guarded by wake_mutex
+  std::vector<std::shared_ptr<RosLane>> retired;  // so are these, which nobody uses any more
 
   // Belongs to the master thread.
   bool running = false;
   bool registered = false;
+  std::vector<std::shared_ptr<RosComponent>> leaving, joining;  // when the master answers
   int master_pid = 0;
   Clock::time_point next_notice = Clock::now();
   Clock::time_point next_diagnostics = Clock::now();
@@ -99,6 +105,13 @@ struct RosConnection::Impl {
   Lanes current_lanes() const {
     const std::lock_guard lock(lanes_mutex);
     return lanes;
+  }
+  /// With those of a change that is not finished.
+  std::vector<std::shared_ptr<RosLane>> all_lanes() const {
+    const std::lock_guard lock(lanes_mutex);
+    std::vector<std::shared_ptr<RosLane>> all(lanes.begin(), lanes.end());
+    if (next_lanes[0] != nullptr) all.insert(all.end(), next_lanes.begin(), next_lanes.end());
+    return all;
   }
   /// The sum of what `figure` says of each lane.
   template <class Figure>
@@ -135,12 +148,66 @@ struct RosConnection::Impl {
     while (!stopping) {
       look_after(master);
       std::unique_lock lock(wake_mutex);
-      wake.wait_for(lock, master_period, [this] { return stopping || news; });
+      wake.wait_for(lock, master_period, [this] { return stopping || news || wanted || !retired.empty(); });
     }
     shut_down(master);
     master_ended = true;
   }
+  /// Makes the lanes of a wanted change.
+  void begin_change() {
+    std::unique_lock lock(wake_mutex);
+    const std::optional<RosChange> change = std::exchange(wanted, std::nullopt);
+    lock.unlock();
+    if (!change) return;
+    Lanes fresh = make_lanes({change->topics, change->clouds});
+    for (std::size_t i = 0; i < fresh.size(); ++i) {
+      fresh[i]->continue_after(*lanes[i]);
+      fresh[i]->start();
+    }
+    {
+      const std::lock_guard lanes_lock(lanes_mutex);
+      next_lanes = fresh;
+    }
+    for (const auto& [former, next] : change->components) {
+      components.erase(std::remove(components.begin(), components.end(), former), components.end());
+      components.push_back(next);
+      if (!running) continue;
+      const auto came = std::find(joining.begin(), joining.end(), former);
+      if (came == joining.end())
+        leaving.push_back(former);
+      else
+        joining.erase(came);
+      joining.push_back(next);
+    }
+    change->ready(*fresh[0], *fresh[1]);
+  }
+  /// The lanes of a change are used: those before it are not.
+  void end_change() {
+    std::unique_lock lock(wake_mutex);
+    const auto former = std::exchange(retired, {});
+    lock.unlock();
+    const RosPulse::Call call(pulse);
+    for (const auto& lane : former) {
+      lane->finish();
+      lane->publishers().drop(!master_present);
+    }
+  }
+  /// What has to wait for the master.
+  void register_changes() {
+    const RosPulse::Call call(pulse);
+    for (const auto& component : std::exchange(leaving, {})) {
+      component->disconnected();
+      callbacks->drop(component.get());
+    }
+    for (const auto& component : std::exchange(joining, {})) {
+      callbacks->keep_for(component.get());
+      component->connected(*callbacks);
+    }
+    for (const auto& lane : current_lanes()) lane->publishers().advertise_missing();
+  }
   void look_after(MasterClient& master) {
+    begin_change();
+    end_change();
     if (running && !ros::ok()) restart_after_foreign_stop(master);
     // News do not wait for the master's answer.
     if (running && news.exchange(false)) publish_diagnostics();
@@ -170,9 +237,11 @@ struct RosConnection::Impl {
       registered = register_again(master, services);
       if (registered) spdlog::warn("ROS master at {} came back; all topics are registered again", master_uri);
     }
+    register_changes();
     const RosPulse::Call call(pulse);
     for (const auto& component : components) {
       if (stopping || !running) return;
+      callbacks->keep_for(component.get());
       component->poll(master);
       const auto stale = component->stale_topics();
       for (const auto& lane : current_lanes()) lane->publishers().advertise_again(stale);
@@ -196,10 +265,13 @@ struct RosConnection::Impl {
     name_this_thread("roscpp-rosout");
     ros::start();
     name_this_thread(thread_name);
-    for (const auto& lane : current_lanes()) lane->publishers().advertise();
+    for (const auto& lane : all_lanes()) lane->publishers().advertise();
     diagnostics.start();
     callbacks = std::make_unique<RosCallbackThread>(pulse);
-    for (const auto& component : components) component->connected(*callbacks);
+    for (const auto& component : components) {
+      callbacks->keep_for(component.get());
+      component->connected(*callbacks);
+    }
     pulse.attach();
     name->taken();
     running = true;
@@ -210,10 +282,12 @@ struct RosConnection::Impl {
     pulse.detach();
     callbacks->stop();
     for (const auto& component : components) component->disconnected();
+    for (const auto& component : std::exchange(leaving, {})) component->disconnected();
+    joining.clear();
     if (leave) leave_behind(std::move(callbacks));
     callbacks.reset();
     diagnostics.drop(leave);
-    for (const auto& lane : current_lanes()) lane->publishers().drop(leave);
+    for (const auto& lane : all_lanes()) lane->publishers().drop(leave);
     if (!leave) ros::shutdown();
     running = false;
   }
@@ -298,6 +372,26 @@ void RosConnection::set_step(Span step) {
   const std::lock_guard lock(impl_->lanes_mutex);
   impl_->step = step;
   for (const auto& lane : impl_->lanes) lane->queue().set_step(step);
+  for (const auto& lane : impl_->next_lanes) {
+    if (lane != nullptr) lane->queue().set_step(step);
+  }
+}
+
+void RosConnection::change(RosChange change) {
+  {
+    const std::lock_guard lock(impl_->wake_mutex);
+    impl_->wanted = std::move(change);
+  }
+  impl_->wake.notify_all();
+}
+
+void RosConnection::finish_change() {
+  {
+    const std::scoped_lock lock(impl_->wake_mutex, impl_->lanes_mutex);
+    impl_->retired.assign(impl_->lanes.begin(), impl_->lanes.end());
+    impl_->lanes = std::exchange(impl_->next_lanes, {});
+  }
+  impl_->wake.notify_all();
 }
 
 void RosConnection::publish_clock(Stamp now) { impl_->current_lanes().front()->queue().push_clock(now); }
@@ -341,7 +435,7 @@ bool RosConnection::stop() {
     impl_->stopping = true;
   }
   impl_->wake.notify_all();
-  for (const auto& lane : impl_->current_lanes()) lane->stop();
+  for (const auto& lane : impl_->all_lanes()) lane->stop();
   if (wait_until([this] { return impl_->master_ended.load(); }, std::chrono::seconds(1))) {
     impl_->master_thread.join();
   } else {

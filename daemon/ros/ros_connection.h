@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "daemon/config/lanes.h"
@@ -27,6 +29,16 @@ struct RosStatus {
   std::uint64_t foreign_stops = 0;  ///< how often somebody shut our node down from outside
 };
 
+/// What another configuration changes of a connection to ROS.
+struct RosChange {
+  std::vector<OutputTopic> topics, clouds;  ///< as of the constructor of RosConnection
+  /// Components to be replaced, and what comes in their place.
+  std::vector<std::pair<std::shared_ptr<RosComponent>, std::shared_ptr<RosComponent>>> components;
+  /// Called in the master thread: these are to be used instead of RosConnection::sink() from now on. When
+  /// nobody uses the former ones any more, RosConnection::finish_change() has to be called.
+  std::function<void(FrameSink& planes, FrameSink& clouds)> ready;
+};
+
 /// Publishes what the pipeline produces. Each lane has a thread that converts and publishes (RosLane);
 /// another thread alone talks to the master, waits for it, registers again when it was restarted;
 /// RosCallbackThread lives while ROS runs.
@@ -46,6 +58,10 @@ class RosConnection {
 
   /// Takes what a lane of the pipeline produces.
   FrameSink& sink(Lane lane = Lane::planes);
+  /// Publishes on other topics. Those that stay the same lose no message and no subscriber; new ones are
+  /// advertised when the master answers. One change at a time.
+  void change(RosChange change);
+  void finish_change();
   /// By how much the host's clock was set since the beginning: so much is added to the stamps of what goes
   /// out.
   void set_step(Span step);

@@ -22,11 +22,23 @@ constexpr auto stuck_subscriber = std::chrono::seconds(10);
 RosLane::RosLane(const RosOptions& options, const std::vector<OutputTopic>& topics, RosPulse& pulse,
                  RosPulse::Thread thread, TakeDiagnostics diagnostics)
     : block_(options.backpressure == Backpressure::block),
+      topics_(topics),
       queue_(topics, options.backpressure),
       publishers_(topics, options.clock),
       pulse_(pulse),
       number_(thread),
       diagnostics_(std::move(diagnostics)) {}
+
+void RosLane::continue_after(RosLane& before) {
+  publishers_.adopt(before.publishers_);
+  for (const OutputTopic& topic : topics_) {
+    for (const OutputTopic& known : before.topics_) {
+      if (known.name == topic.name) queue_.continue_figures(topic.id, before.queue_, known.id);
+    }
+  }
+  published_ = before.published_.load();
+  without_ros_ = before.without_ros_.load();
+}
 
 void RosLane::start() {
   thread_ = std::thread([this] { run(); });

@@ -27,6 +27,8 @@ class RosLane final : public FrameSink {
           RosPulse::Thread thread, TakeDiagnostics diagnostics);
   ~RosLane() override { stop(); }
 
+  /// Goes on where another one of the same lane is: with the topics that are the same.
+  void continue_after(RosLane& before);
   void start();
   /// Publishes nothing any more.
   void stop();
@@ -62,6 +64,7 @@ class RosLane final : public FrameSink {
   void wait_for_subscribers_of(const QueuedFrame& frame);
 
   const bool block_;
+  const std::vector<OutputTopic> topics_;
   FrameQueue queue_;
   RosPublishers publishers_;
   RosPulse& pulse_;

@@ -45,6 +45,28 @@ class RosPublishers {
     if (!std::get<tf2_msgs::TFMessage>(transforms().message).transforms.empty()) transforms().send();
     ready_ = true;
   }
+  /// Takes over what is advertised already on topics of the same name and type: their subscribers stay.
+  /// Called by the master thread, does not wait for the master.
+  void adopt(RosPublishers& before) {
+    const std::scoped_lock lock(mutex_, before.mutex_);
+    for (Output& output : outputs_) {
+      for (const Output& known : before.outputs_) {
+        if (known.topic != output.topic || known.message.index() != output.message.index()) continue;
+        output.publisher = known.publisher;
+      }
+    }
+    ready_ = before.ready_.load();
+  }
+  /// Advertises what is not advertised. Called like advertise().
+  void advertise_missing() {
+    ros::NodeHandle node;
+    for (Output& output : outputs_) {
+      if (!ready_ || output.publisher || (output.topic == "/clock" && !with_clock_)) continue;
+      const ros::Publisher publisher = output.advertise(node);
+      const std::lock_guard lock(mutex_);
+      output.publisher = publisher;
+    }
+  }
   /// Withdraws topics and advertises them anew, so that subscribers see a new publisher. Called like
   /// advertise(); frames of these topics are lost meanwhile.
   void advertise_again(const std::vector<std::string>& topics) {

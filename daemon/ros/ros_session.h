@@ -2,8 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <iterator>
 #include <memory>
 #include <vector>
 
@@ -36,19 +40,25 @@ class RosSession : public RosConnection {
   /// dynamic_reconfigure reach the pipeline, which must outlive the session's use. `config` is that of the
   /// pipeline. To be called before start().
   /// `whole`: the configuration that `config` is a part of.
-  void feed(const Config& config, const Config& whole, MessageReceiver& pipeline, const RosPost& post) {
-    auto outputs = changeable_outputs(whole, reconfigure_);
-    const auto is_foreign = [&](const ChangeableOutput& output) { return !has_output(config, output.id); };
-    outputs.erase(std::remove_if(outputs.begin(), outputs.end(), is_foreign), outputs.end());
-    WithoutSteps& receiver = *without_steps_.emplace_back(std::make_unique<WithoutSteps>(pipeline));
-    add(std::make_shared<RosInputs>(topic_sources(config), post, receiver));
-    add(make_ros_motion(config.vehicle, post, receiver));
-    add(make_ros_reconfigure(std::move(outputs), post, receiver));
+  void feed(const Config& config, const Config& whole, MessageReceiver& pipeline, RosPost post) {
+    fed_.push_back(std::make_unique<Fed>(pipeline, std::move(post)));
+    for (auto& [former, next] : renewed(*fed_.back(), config, whole)) add(next);
+  }
+  /// What another configuration changes; `parts` by lane, for the pipelines in the order of feed().
+  RosChange change_to(const Config& whole, const std::array<Config, 2>& parts) {
+    RosChange change{output_topics(parts[0]), output_topics(parts[1]), {}, {}};
+    check_ros_names(change.topics);
+    check_ros_names(change.clouds);
+    for (std::size_t i = 0; i < fed_.size(); ++i) {
+      auto components = renewed(*fed_[i], parts.at(i), whole);
+      std::move(components.begin(), components.end(), std::back_inserter(change.components));
+    }
+    return change;
   }
   /// By how much the host's clock was set since the beginning. Pipelines reckon without steps, ROS with the
   /// host's clock.
   void set_step(Span step) {
-    for (const auto& receiver : without_steps_) receiver->step = step;
+    for (const auto& fed : fed_) fed->receiver.step = step;
     poses_->set_step(step);
     RosConnection::set_step(step);
   }
@@ -85,16 +95,58 @@ class RosSession : public RosConnection {
     }
     void speed_message(double speed) override { to.speed_message(speed); }
     std::string set_output(const OutputId& output, const OutputScanConfig& wanted) override {
+      set_by_hand = true;
       return to.set_output(output, wanted);
     }
 
     MessageReceiver& to;
     std::atomic<Span> step{Span(0)};
+    std::atomic<bool> set_by_hand{false};  // an output is no longer what the configuration says
   };
+  /// What comes in for one pipeline, with the words of the configuration that it follows from.
+  struct Fed {
+    Fed(MessageReceiver& pipeline, RosPost how) : receiver(pipeline), post(std::move(how)) {}
+    WithoutSteps receiver;
+    RosPost post;
+    std::array<std::string, 3> texts;
+    std::array<std::shared_ptr<RosComponent>, 3> components;
+  };
+  using Renewed = std::vector<std::pair<std::shared_ptr<RosComponent>, std::shared_ptr<RosComponent>>>;
+  /// Makes the components that follow from other words than before; each with the one that it replaces.
+  Renewed renewed(Fed& fed, const Config& config, const Config& whole) const {
+    std::array<std::string, 3> texts = texts_of(config);
+    Renewed all;
+    for (std::size_t i = 0; i < texts.size(); ++i) {
+      const bool by_hand = i == 2 && fed.receiver.set_by_hand.exchange(false);
+      if (fed.components[i] != nullptr && texts[i] == fed.texts[i] && !by_hand) continue;
+      all.emplace_back(fed.components[i], make(i, fed, config, whole));
+      fed.components[i] = all.back().second;
+    }
+    fed.texts = std::move(texts);
+    return all;
+  }
+  static std::array<std::string, 3> texts_of(const Config& config) {
+    std::string sources, outputs;
+    for (const TopicSource& source : topic_sources(config))
+      sources += fmt::format("{} {} {} {}\n", source.sensor, source.topic, source.packets,
+                             source.kind ? static_cast<int>(*source.kind) : -1);
+    for (const auto& merged : config.merged_scans) outputs += to_yaml(merged);
+    for (const auto& group : config.virtual_scans) outputs += to_yaml(group);
+    return {sources, to_yaml(config.vehicle), outputs};
+  }
+  std::shared_ptr<RosComponent> make(std::size_t which, Fed& fed, const Config& config,
+                                     const Config& whole) const {
+    if (which == 0) return std::make_shared<RosInputs>(topic_sources(config), fed.post, fed.receiver);
+    if (which == 1) return make_ros_motion(config.vehicle, fed.post, fed.receiver);
+    auto outputs = changeable_outputs(whole, reconfigure_);
+    const auto is_foreign = [&](const ChangeableOutput& output) { return !has_output(config, output.id); };
+    outputs.erase(std::remove_if(outputs.begin(), outputs.end(), is_foreign), outputs.end());
+    return make_ros_reconfigure(std::move(outputs), fed.post, fed.receiver);
+  }
 
   const ReconfigureNames reconfigure_;
   const std::shared_ptr<TfPoses> poses_;
-  std::vector<std::unique_ptr<WithoutSteps>> without_steps_;  // one for each pipeline
+  std::vector<std::unique_ptr<Fed>> fed_;  // one for each pipeline
 };
 
 }  // namespace lidard

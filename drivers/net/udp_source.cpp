@@ -47,6 +47,20 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     state_ = {};
   }
 
+  void configure(UdpOptions options) {
+    const UdpOptions before = std::exchange(options_, std::move(options));
+    if (port_ == 0) return;  // the next attempt to open it knows
+    const int fd = descriptor_.native_handle();
+    note(limit_socket(fd, options_));
+    for (const MulticastGroup& group : before.groups) {
+      const auto& now = options_.groups;
+      if (std::find(now.begin(), now.end(), group) == now.end()) leave_group(fd, group);
+    }
+    boost::system::error_code ignored;
+    timer_.cancel(ignored);
+    join_groups();
+  }
+
   const UdpState& state() const { return state_; }
   const UdpStats& stats() const { return stats_; }
   const std::string& warning() const { return warning_; }
@@ -62,15 +76,19 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     if (error) return fail("cannot wait for the socket: " + error.message() + "; it is tried again");
     socket.fd.release();
     port_ = socket.port;
-    filtered_ = socket.filtered;
     drops_ = 0;
     filling_before_ = false;
-    stats_.receive_buffer_asked = socket.buffer_asked;
-    stats_.receive_buffer_got = socket.buffer_got;
-    warning_ = buffer_warning(socket, options_);
+    note(socket.limits);
     retry_ = first_retry;
     join_groups();
     wait();
+  }
+
+  void note(const UdpLimits& limits) {
+    filtered_ = limits.filtered;
+    stats_.receive_buffer_asked = limits.buffer_asked;
+    stats_.receive_buffer_got = limits.buffer_got;
+    warning_ = buffer_warning(limits, options_);
   }
 
   void close() {
@@ -195,6 +213,7 @@ UdpSource::UdpSource(boost::asio::io_context& io, UdpOptions options, Handler ha
 UdpSource::~UdpSource() { impl_->stop(); }
 void UdpSource::start() { impl_->start(); }
 void UdpSource::stop() { impl_->stop(); }
+void UdpSource::configure(UdpOptions options) { impl_->configure(std::move(options)); }
 const UdpState& UdpSource::state() const { return impl_->state(); }
 const UdpStats& UdpSource::stats() const { return impl_->stats(); }
 const std::string& UdpSource::warning() const { return impl_->warning(); }

@@ -21,6 +21,10 @@ namespace lidard {
 struct MulticastGroup {
   IpAddress group;
   std::string interface;  ///< name or IPv4 address of the host's interface; empty: the kernel chooses
+
+  friend bool operator==(const MulticastGroup& a, const MulticastGroup& b) {
+    return a.group == b.group && a.interface == b.interface;
+  }
 };
 
 struct UdpOptions {
@@ -75,6 +79,10 @@ class UdpSource {
   void start();
   /// No handler is called any more once this returned.
   void stop();
+
+  /// Other senders, groups and rates, of a socket that goes on receiving. Port, address, share_port and
+  /// max_datagram stay what they are.
+  void configure(UdpOptions options);
 
   const UdpState& state() const;
   const UdpStats& stats() const;
