@@ -12,6 +12,7 @@
 #include "daemon/commands/commands.h"
 #include "daemon/commands/status.h"
 #include "daemon/live/black_box.h"
+#include "daemon/live/host_causes.h"
 #include "daemon/live/journal.h"
 #include "daemon/live/runtime_socket.h"
 #include "daemon/live/service.h"
@@ -21,6 +22,7 @@
 #include "daemon/pipeline/report.h"
 #include "daemon/ros/ros_environment.h"
 #include "daemon/ros/ros_session.h"
+#include "drivers/net/interface_watch.h"
 #include "drivers/net/wall_clock.h"
 
 namespace lidard {
@@ -54,13 +56,16 @@ class Daemon {
                [this](const Packet& packet) {
                  take(packet, [this](const Packet& timed) { pipeline_.packet(timed); });
                }),
+        host_causes_(config, ports_),
         links_(io_, config,
                {[this](std::size_t sensor, const Packet& packet) {
                   take(packet, [&](const Packet& timed) { pipeline_.chunk(sensor, timed); });
                 },
                 [this](std::size_t sensor, Stamp at) { pipeline_.connected(sensor, without_steps(at)); },
                 [this](std::size_t sensor) { pipeline_.disconnected(sensor); },
-                [this](std::size_t sensor) { return pipeline_.frames(sensor); }}),
+                [this](std::size_t sensor) { return pipeline_.frames(sensor); },
+                [this](std::size_t sensor) { return host_causes_.trouble(sensor); },
+                [this](std::size_t sensor) { return host_causes_.hint(sensor); }}),
         signals_(io_, SIGINT, SIGTERM),
         wishes_(io_, SIGHUP, SIGUSR1),
         timer_(io_),
@@ -100,6 +105,7 @@ class Daemon {
     wait_for_wishes();
     ports_.start();
     links_.start();
+    if (const std::string trouble = interfaces_.start(); !trouble.empty()) spdlog::warn("{}", trouble);
     ros_.start();
     ros_.transforms(pipeline_.static_transforms(), now());
     if (const std::string trouble = socket_.start(runtime_socket_path()); !trouble.empty())
@@ -110,6 +116,7 @@ class Daemon {
     io_.run();
     service_.stopping();
     socket_.stop();
+    interfaces_.stop();
     ports_.stop();
     pipeline_.finish(now());  // what is still in doubt of the last packets is counted
     links_.stop();
@@ -239,6 +246,7 @@ class Daemon {
     arm();
     links_.tick();
     ports_.log_changes();
+    ros_.stand_back(ports_.taken());
     links_.log_changes();
     feed_watchdog();
     leave_name_to_others();
@@ -277,7 +285,13 @@ class Daemon {
   RosSession ros_;
   Pipeline pipeline_;
   UdpPorts ports_;
+  HostCauses host_causes_;
   TcpConnections links_;
+  InterfaceWatch interfaces_{io_, [this] {
+                               host_causes_.interfaces_changed();
+                               ports_.look_again();
+                               links_.look_again();
+                             }};
   boost::asio::signal_set signals_;
   boost::asio::signal_set wishes_;  // that do not end the daemon
   boost::asio::steady_timer timer_;

@@ -32,10 +32,15 @@ using Clock = std::chrono::steady_clock;
 constexpr const char* thread_name = "lidard-master";
 /// How often the master is asked whether it is there.
 constexpr auto master_period = milliseconds(500);
+constexpr auto look_period = milliseconds(100);
 /// Of the 10 messages that roscpp keeps for a slow subscriber; the rest is slack for its own queue.
 constexpr std::size_t most_in_flight = 8;
 /// After this long a subscriber that takes nothing counts as stuck, and a replay goes on without it.
 constexpr auto stuck_subscriber = std::chrono::seconds(10);
+/// For so long it is told that we were shut down from outside.
+constexpr auto news_of_a_stop = std::chrono::seconds(60);
+/// Longer than a daemon that has waited for the master takes to register.
+constexpr auto longest_standing_back = std::chrono::seconds(2);
 /// A live thread makes ten rounds per second.
 constexpr auto longest_round = std::chrono::seconds(2);
 
@@ -83,6 +88,8 @@ struct RosConnection::Impl {
   std::atomic<std::uint64_t> published{0};
   std::atomic<std::uint64_t> without_ros{0};
   std::atomic<std::uint64_t> foreign_stops{0};
+  std::atomic<Clock::time_point> last_foreign_stop{Clock::time_point()};
+  std::atomic<bool> ports_are_taken{false};
   std::mutex wake_mutex;
   std::condition_variable wake;
   std::thread ros_thread;
@@ -92,6 +99,7 @@ struct RosConnection::Impl {
   bool running = false;
   bool registered = false;
   int master_pid = 0;
+  std::optional<Clock::time_point> standing_back_since;
   Clock::time_point next_notice = Clock::now();
   Clock::time_point next_diagnostics = Clock::now();
 
@@ -138,7 +146,10 @@ struct RosConnection::Impl {
     while (!stopping) {
       look_after(master);
       std::unique_lock lock(wake_mutex);
-      wake.wait_for(lock, master_period, [this] { return stopping || news; });
+      // A node that was shut down from outside is back soon.
+      const auto is_urgent = [this] { return stopping || news || (running && !ros::ok()); };
+      for (auto waited = milliseconds(0); waited < master_period && !is_urgent(); waited += look_period)
+        wake.wait_for(lock, look_period, is_urgent);
     }
     shut_down(master);
     master_ended = true;
@@ -162,7 +173,7 @@ struct RosConnection::Impl {
     const bool another = pid != master_pid;
     master_pid = pid;
     if (!running) {
-      if (!name->is_free(master)) return;
+      if (!name->is_free(master) || stands_back()) return;
       start_ros();
       spdlog::info("ROS master found at {}; publishing as {}", master_uri, node);
     } else if (another || !registered) {
@@ -180,7 +191,15 @@ struct RosConnection::Impl {
       publishers.advertise_again(component->stale_topics());
     }
   }
+  /// Whoever has the ports registers first.
+  bool stands_back() {
+    if (!ports_are_taken) return false;
+    const auto now = Clock::now();
+    if (!standing_back_since) standing_back_since = now;
+    return now - *standing_back_since < longest_standing_back;
+  }
   void master_silent(const MasterClient& master) {
+    standing_back_since.reset();
     master_present = false;
     registered = false;
     if (Clock::now() < next_notice) return;
@@ -221,6 +240,7 @@ struct RosConnection::Impl {
   }
   void restart_after_foreign_stop(MasterClient& master) {
     ++foreign_stops;
+    last_foreign_stop = Clock::now();
     spdlog::error(
         "our ROS node {} was shut down from outside (a node of the same name, or rosnode kill); starting "
         "again",
@@ -257,7 +277,7 @@ struct RosConnection::Impl {
                fmt::format("the thread that publishes has stood still for {:.1f} s", seconds(stands)));
     } else if (!master_present) {
       item.set(Health::warn, "the master does not answer; check roscore");
-    } else if (foreign_stops > 0) {
+    } else if (foreign_stops > 0 && Clock::now() - last_foreign_stop.load() < news_of_a_stop) {
       item.set(Health::warn, "shut down from outside; look for a node of the same name");
     } else {
       item.message = "publishing";
@@ -348,6 +368,7 @@ RosStatus RosConnection::status() const {
 bool RosConnection::has_master() const { return impl_->master_present; }
 std::string RosConnection::standing_threads() { return impl_->pulse.standing(impl_->master_present); }
 std::string RosConnection::conflict() const { return impl_->name->conflict(); }
+void RosConnection::stand_back(bool ports_are_taken) { impl_->ports_are_taken = ports_are_taken; }
 
 bool RosConnection::stop() {
   if (!impl_->master_thread.joinable()) return impl_->ended_clean;

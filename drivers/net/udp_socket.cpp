@@ -130,22 +130,29 @@ Expected<UdpSocket> open_udp_socket(const UdpOptions& options) {
   return s;
 }
 
-std::string join_group(int fd, const MulticastGroup& group) {
+int join_group(int fd, const MulticastGroup& group) {
   ip_mreqn request{};
   request.imr_multiaddr = to_in_addr(group.group);
-  const std::string what = "cannot join the multicast group " + group.group.to_string();
   if (!group.interface.empty()) {
     const auto address = IpAddress::parse(group.interface);
     if (address) request.imr_address = to_in_addr(*address);
     if (!address) request.imr_ifindex = static_cast<int>(if_nametoindex(group.interface.c_str()));
-    if (!address && request.imr_ifindex == 0)
-      return what + ": there is no interface " + group.interface +
-             "; compare with `ip link`, it is tried again";
+    if (!address && request.imr_ifindex == 0) return ENXIO;
   }
-  if (set_option(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, request) || errno == EADDRINUSE) return {};
-  if (errno == ENODEV)
+  return set_option(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, request) || errno == EADDRINUSE ? 0 : errno;
+}
+
+std::string why_not_joined(const MulticastGroup& group, int error) {
+  const std::string what = "cannot join the multicast group " + group.group.to_string();
+  if (error == ENXIO)
+    return what + ": there is no interface " + group.interface +
+           "; compare with `ip link`, it is joined as soon as there is one";
+  if (error == ENODEV && !group.interface.empty())
+    return what + ": no interface has the address " + group.interface +
+           "; compare with `ip -4 address`, it is joined as soon as one has";
+  if (error == ENODEV)
     return what + ": no interface leads to it; name the sensor's interface, or add a route for 224.0.0.0/4";
-  return what + ": " + std::strerror(errno) + "; it is tried again";
+  return what + ": " + std::strerror(error) + "; it is tried again";
 }
 
 bool receive_buffer_is_filling(int fd) {

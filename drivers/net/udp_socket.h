@@ -23,9 +23,12 @@ struct UdpSocket {
 
 Expected<UdpSocket> open_udp_socket(const UdpOptions& options);
 
-/// Joins the group (again); empty, or what is wrong. Joining twice does no harm and heals a membership that
-/// died with its interface.
-std::string join_group(int fd, const MulticastGroup& group);
+/// Joins the group (again); 0, or the error as errno has it. Joining twice does no harm and heals a
+/// membership that died with its interface. ENOBUFS: the socket has as many memberships, dead ones included,
+/// as it may.
+int join_group(int fd, const MulticastGroup& group);
+/// What such an error means, with the remedy.
+std::string why_not_joined(const MulticastGroup& group, int error);
 
 /// True if more than half of the receive buffer is occupied.
 bool receive_buffer_is_filling(int fd);
