@@ -316,6 +316,7 @@ class Daemon {
     return all;
   }
   void tick(Stamp now) {
+    ros_.stand_back(planes_.ports_are_taken() || clouds_.ports_are_taken());
     feed_watchdog();
     leave_name_to_others();
     ++ticks_;

@@ -169,6 +169,7 @@ struct Config {
   /// Of a part of a configuration, see part_of():
   std::vector<std::string> hand_over;  ///< sources whose scans the other lane takes
   std::vector<StaticTransform> poses;  ///< those of the whole configuration
+  bool is_not_alone = false;           ///< the other lane has sensors too
 
   const SensorConfig* find_sensor(const std::string& name) const;
 };

@@ -70,6 +70,7 @@ Config part_of(const Config& config, Lane lane) {
                                  ? config.virtual_scans.empty() && !config.merged_scans.empty()
                                  : config.merged_scans.empty() && !config.virtual_scans.empty();
   if (makes_nothing) part.vehicle.odometry_frame = part.vehicle.odometry_topic = part.vehicle.imu_topic = "";
+  part.is_not_alone = std::any_of(part.sensors.begin(), part.sensors.end(), is_foreign);
   part.sensors.erase(std::remove_if(part.sensors.begin(), part.sensors.end(), is_foreign),
                      part.sensors.end());
   if (lane == Lane::clouds) {

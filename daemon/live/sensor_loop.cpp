@@ -30,13 +30,22 @@ SensorLoop::SensorLoop(const Config& config, DaemonClock& clock, BlackBox& box, 
              [this](const Packet& packet) {
                take(packet, [this](const Packet& timed) { pipeline_.packet(timed); });
              }),
+      host_causes_(config, ports_),
       links_(io_, config,
              {[this](std::size_t sensor, const Packet& packet) {
                 take(packet, [&](const Packet& timed) { pipeline_.chunk(sensor, timed); });
               },
               [this](std::size_t sensor, Stamp at) { pipeline_.connected(sensor, clock_.without_steps(at)); },
               [this](std::size_t sensor) { pipeline_.disconnected(sensor); },
-              [this](std::size_t sensor) { return pipeline_.frames(sensor); }}),
+              [this](std::size_t sensor) { return pipeline_.frames(sensor); },
+              [this](std::size_t sensor) { return host_causes_.trouble(sensor); },
+              [this](std::size_t sensor) { return host_causes_.hint(sensor); }}),
+      interfaces_(io_,
+                  [this] {
+                    host_causes_.interfaces_changed();
+                    ports_.look_again();
+                    links_.look_again();
+                  }),
       timer_(io_),
       event_timer_(io_) {
   pipeline_.set_links(&links_);
@@ -58,6 +67,7 @@ void SensorLoop::post(std::function<void(Stamp)> task) {
 void SensorLoop::run() {
   ports_.start();
   links_.start();
+  if (const std::string trouble = interfaces_.start(); !trouble.empty()) spdlog::warn("{}", trouble);
   next_tick_ = std::chrono::steady_clock::now();
   schedule_tick();
   io_.run();
@@ -68,11 +78,13 @@ void SensorLoop::configure(const Config& config, FrameSink& sink) {
   pipeline_.configure(config);
   ports_.configure(config);
   links_.configure(config);
+  host_causes_.configure(config);
   next_event_.reset();
   arm();
 }
 
 void SensorLoop::finish() {
+  interfaces_.stop();
   ports_.stop();
   pipeline_.finish(clock_.now());
   links_.stop();
@@ -143,6 +155,7 @@ void SensorLoop::tick(Stamp now) {
   arm();
   links_.tick();
   ports_.log_changes();
+  ports_are_taken_ = ports_.taken();
   links_.log_changes();
   on_tick(now);
 }

@@ -15,9 +15,11 @@
 #include "daemon/config/lanes.h"
 #include "daemon/live/black_box.h"
 #include "daemon/live/daemon_clock.h"
+#include "daemon/live/host_causes.h"
 #include "daemon/live/tcp_connections.h"
 #include "daemon/live/udp_ports.h"
 #include "daemon/pipeline/pipeline.h"
+#include "drivers/net/interface_watch.h"
 
 namespace lidard {
 
@@ -58,6 +60,8 @@ class SensorLoop {
   LaneState state();
   /// Grows about ten times a second while the thread lives. May be asked for by any thread.
   std::uint64_t rounds() const { return rounds_; }
+  /// Whether another program has one of the ports. May be asked for by any thread.
+  bool ports_are_taken() const { return ports_are_taken_; }
 
  private:
   template <class Use>
@@ -74,12 +78,15 @@ class SensorLoop {
   BlackBox& box_;
   Pipeline pipeline_;
   UdpPorts ports_;
+  HostCauses host_causes_;
   TcpConnections links_;
+  InterfaceWatch interfaces_;
   boost::asio::steady_timer timer_;
   boost::asio::steady_timer event_timer_;
   std::optional<Stamp> next_event_;  // what event_timer_ is set to
   std::chrono::steady_clock::time_point next_tick_;
   std::atomic<std::uint64_t> rounds_{0};
+  std::atomic<bool> ports_are_taken_{false};
 };
 
 }  // namespace lidard

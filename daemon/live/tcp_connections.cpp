@@ -101,6 +101,12 @@ void TcpConnections::stop() {
   }
 }
 
+void TcpConnections::look_again() {
+  for (const auto& link : links_) {
+    if (link->source) link->source->look_again();
+  }
+}
+
 void TcpConnections::tick() {
   for (const auto& link : links_) {
     if (!link->streams || !is_connected(link->source->state())) continue;
@@ -190,8 +196,15 @@ void TcpConnections::disconnect(std::size_t sensor, bool again) {
 
 std::string TcpConnections::trouble(std::size_t sensor) const {
   const Link* link = find(sensor);
-  if (link == nullptr || !link->streams || is_connected(link->source->state())) return {};
-  return text_of(link->source->state(), true);
+  const bool streams = link != nullptr && link->streams;
+  if (streams && is_connected(link->source->state())) return {};
+  // What is wrong with this host explains what is wrong with the connection.
+  std::string host = events_.host_trouble ? events_.host_trouble(sensor) : std::string();
+  return host.empty() && streams ? text_of(link->source->state(), true) : host;
+}
+
+std::string TcpConnections::hint(std::size_t sensor) const {
+  return events_.host_hint ? events_.host_hint(sensor) : std::string();
 }
 
 }  // namespace lidard

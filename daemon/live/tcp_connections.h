@@ -21,6 +21,8 @@ struct LinkEvents {
   std::function<void(std::size_t sensor)> disconnected;
   /// How many frames the sensor has given so far.
   std::function<std::uint64_t(std::size_t sensor)> frames;
+  /// What is, and what may be, wrong with this host's network; as DeviceConnections::trouble() and hint().
+  std::function<std::string(std::size_t sensor)> host_trouble{}, host_hint{};
 };
 
 /// The TCP connections of a configuration: one to each device that streams over TCP, and one to each other
@@ -35,6 +37,8 @@ class TcpConnections final : public DeviceConnections {
   void configure(const Config& config);
   void start();
   void stop();
+  /// Interfaces or addresses of this host have changed.
+  void look_again();
   /// To be called about ten times a second: a stream that falls silent is noticed sooner than a device that
   /// still starts.
   void tick();
@@ -49,6 +53,7 @@ class TcpConnections final : public DeviceConnections {
   void send(std::size_t sensor, ByteView bytes) override;
   void disconnect(std::size_t sensor, bool again) override;
   std::string trouble(std::size_t sensor) const override;
+  std::string hint(std::size_t sensor) const override;
 
  private:
   struct Link {

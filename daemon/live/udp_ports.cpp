@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "daemon/config/config.h"
+#include "drivers/net/host_network.h"
 
 namespace lidard {
 namespace {
@@ -96,15 +97,21 @@ void UdpPorts::stop() {
   for (auto& port : ports_) port.source->stop();
 }
 
+void UdpPorts::look_again() {
+  for (auto& port : ports_) port.source->look_again();
+}
+
 void UdpPorts::log_changes() {
   for (auto& port : ports_) {
     const UdpState& state = port.source->state();
     if (state.phase != port.told.phase || state.message != port.told.message) {
+      // Not each time that it is tried: all processes are looked at.
+      port.holder = state.phase == UdpState::Phase::waiting ? holder_of_udp_port(port.number) : std::string();
       if (state.phase == UdpState::Phase::receiving) {
         spdlog::info("listening on port {}", port.number);
         if (!port.source->warning().empty()) spdlog::warn("port {}: {}", port.number, port.source->warning());
       } else {
-        spdlog::warn("{}", state.message);
+        spdlog::warn("{}", message_of(port));
       }
       port.told = state;
     }
@@ -126,7 +133,7 @@ void UdpPorts::add_diagnostics(std::vector<DiagnosticItem>& items) const {
     item.health = state.phase == UdpState::Phase::receiving ? Health::ok
                   : receives(state)                         ? Health::warn
                                                             : Health::error;
-    item.message = state.message.empty() ? "listening" : state.message;
+    item.message = state.message.empty() ? "listening" : message_of(port);
     if (item.health == Health::ok && !port.source->warning().empty()) {
       item.set(Health::warn, port.source->warning());
     }
@@ -137,6 +144,28 @@ void UdpPorts::add_diagnostics(std::vector<DiagnosticItem>& items) const {
     item.add("Receive buffer (bytes)", stats.receive_buffer_got);
     items.push_back(std::move(item));
   }
+}
+
+std::string UdpPorts::message_of(const Port& port) {
+  const std::string& message = port.source->state().message;
+  return port.holder.empty() ? message : message + " (it is " + port.holder + ")";
+}
+
+std::uint64_t UdpPorts::datagrams() const {
+  std::uint64_t all = 0;
+  for (const auto& port : ports_) all += port.source->stats().datagrams;
+  return all;
+}
+
+bool UdpPorts::taken() const {
+  return std::any_of(ports_.begin(), ports_.end(), [](const Port& port) { return !port.holder.empty(); });
+}
+
+std::string UdpPorts::trouble(std::uint16_t port) const {
+  for (const auto& each : ports_) {
+    if (each.number == port && !receives(each.source->state())) return message_of(each);
+  }
+  return {};
 }
 
 Share UdpPorts::open() const {

@@ -22,19 +22,30 @@ class UdpPorts {
   void configure(const Config& config);
   void start();
   void stop();
+  /// Interfaces or addresses of this host have changed.
+  void look_again();
   /// Logs what changed since the last call: listening, waiting for a port, small buffers, kernel drops.
   void log_changes();
   /// One item per port.
   void add_diagnostics(std::vector<DiagnosticItem>& items) const;
   Share open() const;
+  /// How many datagrams came to all of them.
+  std::uint64_t datagrams() const;
+  /// True if another program has one of the ports.
+  bool taken() const;
+  /// Why nothing can be received at a port; empty: it is open.
+  std::string trouble(std::uint16_t port) const;
 
  private:
   struct Port {
     std::uint16_t number = 0;
     std::unique_ptr<UdpSource> source;
     UdpState told;
+    std::string holder;  // who has it instead of us
     std::uint64_t reported_drops = 0;
   };
+  static std::string message_of(const Port& port);
+
   boost::asio::io_context& io_;
   const UdpSource::Handler handler_;
   std::vector<Port> ports_;

@@ -208,7 +208,10 @@ void Pipeline::tick(Stamp now) {
   if (now < known && known - now < diagnostics_period) now = known;
   advance(now);
   advance_to(now);
-  for (const auto& sensor : sensors_) sensor->tick(now);
+  for (const auto& sensor : sensors_) {
+    sensor->tick(now);
+    diagnostics_wanted_ = sensor->silence_changed(now) || diagnostics_wanted_;
+  }
   const Span since = now - last_diagnostics_;
   if (diagnostics_wanted_ || since < Span(0) || since >= diagnostics_period) publish_diagnostics(now);
 }
@@ -274,7 +277,7 @@ std::vector<DiagnosticItem> Pipeline::diagnostics(Stamp now) const {
   }
   if (auto item = motion_.diagnostics(sensor_context_.now)) items.push_back(std::move(*item));
   for (const auto& output : outputs_) items.push_back(output->diagnostics(now, starting));
-  if (const auto names = unknown_senders_.names(); !names.empty())
+  if (const auto names = unknown_senders_.names(now - UnknownSenders::expires_after); !names.empty())
     items.push_back(unknown_senders_item(names));
   if (more_diagnostics_) more_diagnostics_(items);
   return items;

@@ -36,6 +36,11 @@ using Clock = std::chrono::steady_clock;
 constexpr const char* thread_name = "lidard-master";
 /// How often the master is asked whether it is there.
 constexpr auto master_period = milliseconds(500);
+constexpr auto look_period = milliseconds(100);
+/// For so long it is told that we were shut down from outside.
+constexpr auto news_of_a_stop = std::chrono::seconds(60);
+/// Longer than a daemon that has waited for the master takes to register.
+constexpr auto longest_standing_back = std::chrono::seconds(2);
 /// A live thread makes ten rounds per second.
 constexpr auto longest_round = std::chrono::seconds(2);
 
@@ -73,6 +78,8 @@ struct RosConnection::Impl {
   std::atomic<bool> ended_clean{true};
   std::atomic<bool> news{false};  // for /diagnostics, not to be held back
   std::atomic<std::uint64_t> foreign_stops{0};
+  std::atomic<Clock::time_point> last_foreign_stop{Clock::time_point()};
+  std::atomic<bool> ports_are_taken{false};
   std::mutex wake_mutex;
   std::condition_variable wake;
   std::thread master_thread;
@@ -87,6 +94,7 @@ struct RosConnection::Impl {
   bool registered = false;
   std::vector<std::shared_ptr<RosComponent>> leaving, joining;  // when the master answers
   int master_pid = 0;
+  std::optional<Clock::time_point> standing_back_since;
   Clock::time_point next_notice = Clock::now();
   Clock::time_point next_diagnostics = Clock::now();
 
@@ -148,7 +156,12 @@ struct RosConnection::Impl {
     while (!stopping) {
       look_after(master);
       std::unique_lock lock(wake_mutex);
-      wake.wait_for(lock, master_period, [this] { return stopping || news || wanted || !retired.empty(); });
+      // A node that was shut down from outside is back soon.
+      const auto is_urgent = [this] {
+        return stopping || news || wanted || !retired.empty() || (running && !ros::ok());
+      };
+      for (auto waited = milliseconds(0); waited < master_period && !is_urgent(); waited += look_period)
+        wake.wait_for(lock, look_period, is_urgent);
     }
     shut_down(master);
     master_ended = true;
@@ -226,7 +239,7 @@ struct RosConnection::Impl {
     const bool another = pid != master_pid;
     master_pid = pid;
     if (!running) {
-      if (!name->is_free(master)) return;
+      if (!name->is_free(master) || stands_back()) return;
       start_ros();
       spdlog::info("ROS master found at {}; publishing as {}", master_uri, node);
     } else if (another || !registered) {
@@ -247,7 +260,15 @@ struct RosConnection::Impl {
       for (const auto& lane : current_lanes()) lane->publishers().advertise_again(stale);
     }
   }
+  /// Whoever has the ports registers first.
+  bool stands_back() {
+    if (!ports_are_taken) return false;
+    const auto now = Clock::now();
+    if (!standing_back_since) standing_back_since = now;
+    return now - *standing_back_since < longest_standing_back;
+  }
   void master_silent(const MasterClient& master) {
+    standing_back_since.reset();
     master_present = false;
     registered = false;
     if (Clock::now() < next_notice) return;
@@ -293,6 +314,7 @@ struct RosConnection::Impl {
   }
   void restart_after_foreign_stop(MasterClient& master) {
     ++foreign_stops;
+    last_foreign_stop = Clock::now();
     spdlog::error(
         "our ROS node {} was shut down from outside (a node of the same name, or rosnode kill); starting "
         "again",
@@ -330,7 +352,7 @@ struct RosConnection::Impl {
                fmt::format("the thread that publishes has stood still for {:.1f} s", seconds(stands)));
     } else if (!master_present) {
       item.set(Health::warn, "the master does not answer; check roscore");
-    } else if (foreign_stops > 0) {
+    } else if (foreign_stops > 0 && Clock::now() - last_foreign_stop.load() < news_of_a_stop) {
       item.set(Health::warn, "shut down from outside; look for a node of the same name");
     } else {
       item.message = "publishing";
@@ -427,6 +449,7 @@ RosStatus RosConnection::status() const {
 bool RosConnection::has_master() const { return impl_->master_present; }
 std::string RosConnection::standing_threads() { return impl_->pulse.standing(impl_->master_present); }
 std::string RosConnection::conflict() const { return impl_->name->conflict(); }
+void RosConnection::stand_back(bool ports_are_taken) { impl_->ports_are_taken = ports_are_taken; }
 
 bool RosConnection::stop() {
   if (!impl_->master_thread.joinable()) return impl_->ended_clean;

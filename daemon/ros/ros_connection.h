@@ -88,6 +88,10 @@ class RosConnection {
   std::string standing_threads();
   /// Why we have left ROS for good: the first daemon of our node name runs elsewhere. Else empty.
   std::string conflict() const;
+  /// Another program has a port of ours: is it a daemon of the same name, it shall have the name too, though
+  /// all have waited for the master. We register 2 s after the master is there, unless the name is taken by
+  /// then.
+  void stand_back(bool ports_are_taken);
   /// Ends everything within a second. False if the master hangs: then leave with std::quick_exit, since
   /// roscpp's destructors would wait for the master.
   bool stop();

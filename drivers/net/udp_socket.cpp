@@ -151,16 +151,23 @@ void leave_group(int fd, const MulticastGroup& group) {
   set_option(fd, IPPROTO_IP, IP_DROP_MEMBERSHIP, membership_of(group));
 }
 
-std::string join_group(int fd, const MulticastGroup& group) {
+int join_group(int fd, const MulticastGroup& group) {
   const ip_mreqn request = membership_of(group);
+  if (!group.interface.empty() && request.imr_ifindex == 0 && request.imr_address.s_addr == 0) return ENXIO;
+  return set_option(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, request) || errno == EADDRINUSE ? 0 : errno;
+}
+
+std::string why_not_joined(const MulticastGroup& group, int error) {
   const std::string what = "cannot join the multicast group " + group.group.to_string();
-  if (!group.interface.empty() && request.imr_ifindex == 0 && request.imr_address.s_addr == 0)
+  if (error == ENXIO)
     return what + ": there is no interface " + group.interface +
-           "; compare with `ip link`, it is tried again";
-  if (set_option(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, request) || errno == EADDRINUSE) return {};
-  if (errno == ENODEV)
+           "; compare with `ip link`, it is joined as soon as there is one";
+  if (error == ENODEV && !group.interface.empty())
+    return what + ": no interface has the address " + group.interface +
+           "; compare with `ip -4 address`, it is joined as soon as one has";
+  if (error == ENODEV)
     return what + ": no interface leads to it; name the sensor's interface, or add a route for 224.0.0.0/4";
-  return what + ": " + std::strerror(errno) + "; it is tried again";
+  return what + ": " + std::strerror(error) + "; it is tried again";
 }
 
 bool receive_buffer_is_filling(int fd) {

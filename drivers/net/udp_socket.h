@@ -28,9 +28,12 @@ struct UdpSocket {
 
 Expected<UdpSocket> open_udp_socket(const UdpOptions& options);
 
-/// Joins the group (again); empty, or what is wrong. Joining twice does no harm and heals a membership that
-/// died with its interface.
-std::string join_group(int fd, const MulticastGroup& group);
+/// Joins the group (again); 0, or the error as errno has it. Joining twice does no harm and heals a
+/// membership that died with its interface. ENOBUFS: the socket has as many memberships, dead ones included,
+/// as it may.
+int join_group(int fd, const MulticastGroup& group);
+/// What such an error means, with the remedy.
+std::string why_not_joined(const MulticastGroup& group, int error);
 
 /// Ends a membership; nothing happens where there is none.
 void leave_group(int fd, const MulticastGroup& group);

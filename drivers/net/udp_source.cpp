@@ -17,9 +17,10 @@ namespace lidard {
 namespace {
 
 constexpr auto first_retry = std::chrono::milliseconds(100);
-constexpr auto last_retry = std::chrono::milliseconds(5000);
+constexpr auto last_retry = std::chrono::milliseconds(1000);
 /// A membership dies without a word when its interface is taken away and comes back (USB adapters, VLANs).
-constexpr auto membership_check = std::chrono::seconds(2);
+/// The second line, where the kernel does not tell of interfaces (see InterfaceWatch).
+constexpr auto membership_check = std::chrono::seconds(1);
 /// Other sockets of the thread want their turn.
 constexpr int batches_per_wakeup = 8;
 
@@ -61,6 +62,15 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     join_groups();
   }
 
+  void look_again() {
+    if (state_.phase == UdpState::Phase::waiting) {
+      close();
+      open();
+    } else if (state_.phase != UdpState::Phase::stopped && !options_.groups.empty()) {
+      join_groups();
+    }
+  }
+
   const UdpState& state() const { return state_; }
   const UdpStats& stats() const { return stats_; }
   const std::string& warning() const { return warning_; }
@@ -80,7 +90,7 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     filling_before_ = false;
     note(socket.limits);
     retry_ = first_retry;
-    join_groups();
+    join_groups(true);
     wait();
   }
 
@@ -98,11 +108,13 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     port_ = 0;
   }
 
-  void join_groups() {
+  void join_groups(bool new_socket = false) {
     state_ = {UdpState::Phase::receiving, {}};
     for (const MulticastGroup& group : options_.groups) {
-      std::string message = join_group(descriptor_.native_handle(), group);
-      if (!message.empty()) state_ = {UdpState::Phase::partial, std::move(message)};
+      const int error = join_group(descriptor_.native_handle(), group);
+      // Only a new socket forgets the memberships of interfaces that are gone.
+      if (error == ENOBUFS && !new_socket) return fail(why_not_joined(group, error));
+      if (error != 0) state_ = {UdpState::Phase::partial, why_not_joined(group, error)};
     }
     if (options_.groups.empty()) return;
     const bool joined = state_.phase == UdpState::Phase::receiving;
@@ -213,6 +225,7 @@ UdpSource::UdpSource(boost::asio::io_context& io, UdpOptions options, Handler ha
 UdpSource::~UdpSource() { impl_->stop(); }
 void UdpSource::start() { impl_->start(); }
 void UdpSource::stop() { impl_->stop(); }
+void UdpSource::look_again() { impl_->look_again(); }
 void UdpSource::configure(UdpOptions options) { impl_->configure(std::move(options)); }
 const UdpState& UdpSource::state() const { return impl_->state(); }
 const UdpStats& UdpSource::stats() const { return impl_->stats(); }

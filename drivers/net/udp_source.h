@@ -65,7 +65,7 @@ struct UdpState {
 /// Receives datagrams from any number of senders on one local port, with the kernel's time of arrival.
 ///
 /// Never throws and never gives up: what the system refuses (port in use, no such interface, ...) becomes a
-/// state with a message, and is tried again after 0.1 s, then ever later up to 5 s.
+/// state with a message, and is tried again after 0.1 s, then ever later up to 1 s.
 class UdpSource {
  public:
   using Handler = std::function<void(const Packet&)>;
@@ -79,6 +79,8 @@ class UdpSource {
   void start();
   /// No handler is called any more once this returned.
   void stop();
+  /// Interfaces or addresses have changed: joins groups again, and tries at once what could not be done.
+  void look_again();
 
   /// Other senders, groups and rates, of a socket that goes on receiving. Port, address, share_port and
   /// max_datagram stay what they are.
