@@ -87,7 +87,7 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     socket.fd.release();
     port_ = socket.port;
     drops_ = 0;
-    filling_before_ = false;
+    filling_seen_.reset();
     note(socket.limits);
     retry_ = first_retry;
     join_groups(true);
@@ -154,22 +154,21 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     const std::uint64_t generation = generation_;
     for (int round = 0; round < batches_per_wakeup; ++round) {
       const int fd = descriptor_.native_handle();
-      const bool filling = filtered_ && receive_buffer_is_filling(fd);
+      if (filtered_ && receive_buffer_is_filling(fd)) filling_seen_ = wall_clock();
       const int count = batch_.receive(fd);
       if (count < 0 && errno != EAGAIN && errno != EINTR)
         return fail(std::string("cannot receive: ") + std::strerror(errno) + "; the port is opened again");
       for (int i = 0; i < count; ++i) {
-        hand_on(batch_[static_cast<std::size_t>(i)], filling || filling_before_);
+        hand_on(batch_[static_cast<std::size_t>(i)]);
         if (generation != generation_) return;  // stopped by the handler
       }
-      if (count > 0) filling_before_ = filling;
       if (count < static_cast<int>(DatagramBatch::capacity)) break;
     }
     wait();
   }
 
-  void hand_on(const DatagramBatch::Datagram& datagram, bool was_filling) {
-    count_drops(datagram.drops, was_filling);
+  void hand_on(const DatagramBatch::Datagram& datagram) {
+    count_drops(datagram);
     if (datagram.truncated) {
       ++stats_.truncated;
       return;
@@ -185,13 +184,15 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     handler_(packet);
   }
 
-  /// The kernel counts datagrams refused by the filter and those that found the buffer full in one number. A
-  /// buffer that is full stays so until it is read: drops were losses only if it was filling at this or at
-  /// the last reading.
-  void count_drops(std::uint32_t drops, bool was_filling) {
-    const std::uint32_t more = drops - drops_;  // unsigned, so that it may wrap
-    drops_ = drops;
-    (filtered_ && !was_filling ? stats_.strangers_filtered : stats_.kernel_drops) += more;
+  /// The kernel counts datagrams refused by the filter and those that found the buffer full in one number,
+  /// and tells it with the next datagram that finds room. A buffer that is full stays so until it is read:
+  /// drops were losses only up to the first datagram that came after the buffer was last seen filling.
+  void count_drops(const DatagramBatch::Datagram& datagram) {
+    const std::uint32_t more = datagram.drops - drops_;  // unsigned, so that it may wrap
+    drops_ = datagram.drops;
+    (filtered_ && !filling_seen_ ? stats_.strangers_filtered : stats_.kernel_drops) += more;
+    if (filling_seen_ && (!datagram.kernel_stamp || *datagram.kernel_stamp > *filling_seen_))
+      filling_seen_.reset();
   }
 
   bool is_stranger(const IpAddress& sender) const {
@@ -216,7 +217,7 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
   // Handlers that were already queued when the socket was closed find another number here.
   std::uint64_t generation_ = 0;
   bool filtered_ = false;
-  bool filling_before_ = false;
+  std::optional<Stamp> filling_seen_;
   std::uint32_t drops_ = 0;
 };
 

@@ -33,7 +33,8 @@ struct UdpOptions {
   std::vector<IpAddress> senders;                 ///< IPv4; empty: anybody
   std::vector<MulticastGroup> groups;
   double packets_per_s = 1000;  ///< of all sensors on this port
-  Span tolerated_stall = std::chrono::milliseconds(500);
+  /// Half a second, and what it takes to begin to read again.
+  Span tolerated_stall = std::chrono::milliseconds(600);
   std::size_t receive_buffer =
       0;  ///< bytes, as in SO_RCVBUF; 0: from rate and stall, but not below the system's default
   std::size_t max_datagram = 2048;  ///< bytes of payload; longer ones are counted as truncated and left out

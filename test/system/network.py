@@ -107,7 +107,7 @@ class Message(ctypes.Structure):
     """struct mmsghdr of recvmmsg(2)."""
     _fields_ = [("name", ctypes.c_void_p), ("name_size", ctypes.c_uint32), ("vectors", ctypes.POINTER(Vector)),
                 ("vector_count", ctypes.c_size_t), ("control", ctypes.c_void_p), ("control_size", ctypes.c_size_t),
-                ("flags", ctypes.c_int), ("sent", ctypes.c_uint)]
+                ("flags", ctypes.c_size_t), ("sent", ctypes.c_size_t)]
 
 
 class Burst:
