@@ -114,8 +114,9 @@ int run_replay(const ReplayOptions& options, std::ostream& out, std::ostream& er
 /// The same with a configuration that is there already; `options.config` has no meaning.
 int run_replay(const ReplayOptions& options, const Config& config, std::ostream& out, std::ostream& err);
 
-/// The daemon: listens to the configured sensors and publishes until SIGTERM or SIGINT.
-int run_daemon(const Config& config, RosOptions ros, std::ostream& err);
+/// The daemon: listens to the configured sensors and publishes until SIGTERM or SIGINT. `trouble`: why
+/// `config` is not what its file holds; empty: it is.
+int run_daemon(const Config& config, RosOptions ros, std::ostream& err, const std::string& trouble = {});
 /// Runs the daemon with the configuration that the file holds.
 int run_daemon(const std::string& config_file, const std::vector<std::string>& ros_arguments,
                std::ostream& err);

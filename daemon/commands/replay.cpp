@@ -106,8 +106,8 @@ int into_ros(const ReplayOptions& options, const Config& config, MergedCapture& 
   boost::asio::io_context messages;  // for the thread of the pipeline, which is this one
   const auto more_may_come = boost::asio::make_work_guard(messages);
   RosSession session(config, ros);
-  Replay replay(options, config, capture, session, session.poses());
-  session.feed(replay.pipeline, [&](std::function<void(Stamp)> task) {
+  Replay replay(options, config, capture, session.sink(), session.poses());
+  session.feed(config, config, replay.pipeline, [&](std::function<void(Stamp)> task) {
     boost::asio::post(messages, [&replay, task = std::move(task)] { task(replay.player.now()); });
   });
   replay.player.rest = [&messages](auto until) {

@@ -1,256 +1,341 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <malloc.h>
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/post.hpp>
+#include <array>
+#include <atomic>
 #include <boost/asio/signal_set.hpp>
-#include <boost/asio/steady_timer.hpp>
+#include <memory>
+#include <optional>
 #include <ostream>
+#include <thread>
 
 #include "daemon/commands/commands.h"
+#include "daemon/commands/last_good.h"
 #include "daemon/commands/status.h"
-#include "daemon/live/black_box.h"
+#include "daemon/live/frame_queue.h"
 #include "daemon/live/journal.h"
 #include "daemon/live/runtime_socket.h"
+#include "daemon/live/sensor_loop.h"
 #include "daemon/live/service.h"
-#include "daemon/live/tcp_connections.h"
-#include "daemon/live/udp_ports.h"
-#include "daemon/pipeline/pipeline.h"
-#include "daemon/pipeline/report.h"
 #include "daemon/ros/ros_environment.h"
+#include "daemon/ros/ros_pulse.h"
 #include "daemon/ros/ros_session.h"
-#include "drivers/net/wall_clock.h"
+#include "daemon/ros/wait_until.h"
 
 namespace lidard {
 namespace {
 
-constexpr auto tick_period = std::chrono::milliseconds(100);
 constexpr int ticks_per_status = 10;
 /// Diagnostics come once per second.
 constexpr Span longest_report_age = std::chrono::seconds(2);
 /// Threads that live make ten rounds per second.
 constexpr auto longest_round = std::chrono::seconds(1);
 
-constexpr const char* clock_name = "clock";
-
 void log_event(const Event& event) {
-  // Of the clock and of ROS the log has more, since it happened.
-  if (event.source == clock_name || event.source == "ROS") return;
+  if (event.logged) return;
   const auto level = event.health == Health::ok     ? spdlog::level::info
                      : event.health == Health::warn ? spdlog::level::warn
                                                     : spdlog::level::err;
   spdlog::log(level, "{}: {}", event.source, event.text);
 }
 
-/// Everything of a running daemon. The constructor's thread becomes the sensor thread.
+/// A topic for each source that is handed over to the other lane.
+std::vector<OutputTopic> topics_of(const std::vector<std::string>& sources) {
+  std::vector<OutputTopic> topics;
+  for (const std::string& source : sources)
+    topics.push_back({source, TopicKind::scan, true, 0, topics.size()});
+  return topics;
+}
+
+/// Scans on their way from the lane of clouds to that of planes.
+struct HandedOver {
+  explicit HandedOver(std::vector<std::string> names)
+      : sources(std::move(names)), topics(topics_of(sources)), queue(topics, Backpressure::drop_oldest) {}
+  const std::vector<std::string> sources;
+  const std::vector<OutputTopic> topics;
+  FrameQueue queue;
+};
+
+/// A configuration as both lanes see it; arrays are by lane, here and below.
+struct Plan {
+  explicit Plan(Config config)
+      : whole(std::move(config)),
+        parts{part_of(whole, Lane::planes), part_of(whole, Lane::clouds)},
+        topics{output_topics(parts[0]), output_topics(parts[1])},
+        handed_over(std::make_shared<HandedOver>(parts[1].hand_over)) {}
+  bool has_clouds() const { return !parts[1].sensors.empty(); }
+
+  const Config whole;
+  const std::array<Config, 2> parts;
+  const std::array<std::vector<OutputTopic>, 2> topics;
+  const std::shared_ptr<HandedOver> handed_over;
+};
+
+/// Everything of a running daemon. The constructor's thread becomes that of the lane of planes, which the
+/// daemon's own affairs share; the lane of clouds has another one, if it has anything to do.
 class Daemon {
  public:
-  Daemon(const Config& config, const RosOptions& how)
-      : ros_(config, how),
-        pipeline_(config, ros_.poses(), ros_),
-        ports_(io_, config,
-               [this](const Packet& packet) {
-                 take(packet, [this](const Packet& timed) { pipeline_.packet(timed); });
-               }),
-        links_(io_, config,
-               {[this](std::size_t sensor, const Packet& packet) {
-                  take(packet, [&](const Packet& timed) { pipeline_.chunk(sensor, timed); });
-                },
-                [this](std::size_t sensor, Stamp at) { pipeline_.connected(sensor, without_steps(at)); },
-                [this](std::size_t sensor) { pipeline_.disconnected(sensor); },
-                [this](std::size_t sensor) { return pipeline_.frames(sensor); }}),
-        signals_(io_, SIGINT, SIGTERM),
-        wishes_(io_, SIGHUP, SIGUSR1),
-        timer_(io_),
-        event_timer_(io_),
-        topics_(output_topics(config)),
-        socket_(io_, {{"status", [this] { return status_json(state(), journal_); }},
-                      {"events", [this] { return events_json(journal_); }},
-                      {"metrics", [this] { return metrics_text(state()); }},
-                      {"dump", [this] { return dump() + "\n"; }}}),
-        box_(config.black_box, [](bool good, const std::string& sentence) {
-          spdlog::log(good ? spdlog::level::info : spdlog::level::err, "black box: {}", sentence);
-        }) {
-    pipeline_.set_links(&links_);
-    ros_.feed(pipeline_, [this](std::function<void(Stamp)> task) {
-      boost::asio::post(io_, [this, task = std::move(task), received = wall_clock()] {
-        task(without_steps(received));
-        arm();
-      });
-    });
-    pipeline_.add_diagnostics([this](std::vector<DiagnosticItem>& items) {
-      const Stamp at = clock_.realtime(now());
-      items.push_back(clock_item());
-      ports_.add_diagnostics(items);
-      links_.add_diagnostics(items);
-      update_journal(items, at);
-    });
+  /// `trouble`: why `config` is not what the file holds; empty: it is.
+  Daemon(const Config& config, const RosOptions& how, std::string trouble)
+      : plan_(std::make_unique<Plan>(config)),
+        last_good_(config.file),
+        trouble_(std::move(trouble)),
+        clock_([this](Span step) { ros_.set_step(step); }),
+        ros_(plan_->parts[0], plan_->parts[1], how),
+        box_(config.black_box,
+             [](bool good, const std::string& sentence) {
+               spdlog::log(good ? spdlog::level::info : spdlog::level::err, "black box: {}", sentence);
+             }),
+        planes_(plan_->parts[0], clock_, box_, ros_.poses(), ros_.sink(Lane::planes)),
+        clouds_(plan_->parts[1], clock_, box_, ros_.poses(), ros_.sink(Lane::clouds)),
+        signals_(planes_.io(), SIGINT, SIGTERM),
+        wishes_(planes_.io(), SIGHUP, SIGUSR1),
+        socket_(planes_.io(), {{"status", [this] { return status_json(state(), journal_); }},
+                               {"events", [this] { return events_json(journal_); }},
+                               {"metrics", [this] { return metrics_text(state()); }},
+                               {"dump", [this] { return dump() + "\n"; }}}) {
+    for (const auto& [part, loop] : {std::pair(&plan_->parts[0], &planes_), {&plan_->parts[1], &clouds_}})
+      ros_.feed(*part, config, loop->pipeline(),
+                [loop = loop](std::function<void(Stamp)> task) { loop->post(std::move(task)); });
+    planes_.add_items = [this](auto& items) {
+      items.push_back(clock_.item());
+      items.push_back(configuration_item());
+    };
+    planes_.on_state = [this](const LaneState& state) { take_state(Lane::planes, state); };
+    planes_.on_tick = [this](Stamp now) { tick(now); };
+    clouds_.on_state = [this](const LaneState& state) {
+      planes_.post([this, state](Stamp) { take_state(Lane::clouds, state); });
+    };
+    connect_lanes();
   }
 
   /// Runs until a signal, or until it must leave the node's name to another daemon. Returns the exit code;
-  /// `left`: false if ROS could not be left in time.
+  /// `left`: false if a thread did not end in time.
   int run(bool& left) {
     signals_.async_wait([this](const boost::system::error_code& error, int signal) {
       if (error) return;
       spdlog::info("stopping on signal {}", signal);
-      io_.stop();
+      planes_.stop();
     });
     wait_for_wishes();
-    ports_.start();
-    links_.start();
     ros_.start();
-    ros_.transforms(pipeline_.static_transforms(), now());
+    ros_.sink(Lane::planes).transforms(planes_.pipeline().static_transforms(), clock_.now());
     if (const std::string trouble = socket_.start(runtime_socket_path()); !trouble.empty())
       spdlog::warn("`lidard status` cannot ask this daemon: {}", trouble);
-    service_.ready(status());
-    next_tick_ = std::chrono::steady_clock::now();
-    schedule_tick();
-    io_.run();
+    // Ready is who has opened all sockets. Where there are no clouds, their lane has none to open.
+    planes_.post([this](Stamp) {
+      states_[0] = planes_.state();
+      if (!plan_->has_clouds()) came_up();
+    });
+    clouds_.post([this](Stamp) {
+      planes_.post([this, state = clouds_.state()](Stamp) {
+        take_state(Lane::clouds, state);
+        came_up();
+      });
+    });
+    if (plan_->has_clouds()) clouds_thread_ = std::thread([this] { run_clouds(); });
+    planes_.run();
     service_.stopping();
     socket_.stop();
-    ports_.stop();
-    pipeline_.finish(now());  // what is still in doubt of the last packets is counted
-    links_.stop();
-    for (const auto& sensor : pipeline_.report()) log_sensor(sensor);
-    left = ros_.stop();
+    planes_.finish();
+    left = end_clouds();
+    left = ros_.stop() && left;
     return exit_code_;
   }
 
  private:
-  /// What comes next from the sensors, the network and ROS is told in the time without steps; the host's
-  /// clock is looked at each time, so that a step is known before the first stamp after it is used.
-  ClockReading look_at_clocks() {
-    const ClockReading reading = read_clocks();
-    if (const auto step = clock_.observe(reading)) {
-      set_at_ = clock_.steady(reading);
-      last_step_ = *step;
-      ros_.set_step(clock_.step());
-      spdlog::warn("the host's clock was set by {:+.3f} s; the stamps follow it in one step", seconds(*step));
-    }
-    return reading;
+  /// All sockets are open.
+  void came_up() {
+    service_.ready(status());
+    // What is in force since a wrong file is kept already.
+    if (!trouble_.empty()) return;
+    if (const std::string why = last_good_.keep(plan_->whole); !why.empty()) spdlog::warn("{}", why);
   }
-  Stamp now() { return clock_.steady(look_at_clocks()); }
-  Stamp without_steps(Stamp taken) { return clock_.steady(taken, look_at_clocks()); }
-  template <class Use>
-  void take(const Packet& packet, Use use) {
-    Packet timed = packet;
-    timed.arrival = without_steps(packet.arrival);
-    box_.add(timed);
-    use(timed);
-    arm();
+  void run_clouds() {
+    name_this_thread("lidard-clouds");
+    clouds_.run();
+    clouds_.finish();
+    clouds_ended_ = true;
+  }
+  /// False if the thread stands still.
+  bool end_clouds() {
+    if (!clouds_thread_.joinable()) return true;
+    clouds_.stop();
+    const bool ended = wait_until([this] { return clouds_ended_.load(); }, longest_round);
+    ended ? clouds_thread_.join() : clouds_thread_.detach();
+    return ended;
+  }
+  /// To be called in the thread of the lane of clouds, or before it runs.
+  void connect_lanes() {
+    const auto take_over = [this, over = plan_->handed_over](Stamp received) {
+      while (QueuedFrame* const frame = over->queue.pop(Span(0))) {
+        planes_.pipeline().scan_message(over->sources[frame->lane], std::get<PlanarScan>(frame->content),
+                                        received);
+        over->queue.done(frame);
+      }
+    };
+    clouds_.pipeline().set_hand_over(
+        [this, over = plan_->handed_over, take_over](std::size_t source, const PlanarScan& scan, Stamp now) {
+          over->queue.push(over->topics[source], scan, now);
+          planes_.post(take_over);
+        });
   }
   void wait_for_wishes() {
     wishes_.async_wait([this](const boost::system::error_code& error, int signal) {
       if (error) return;
       if (signal == SIGHUP)
-        spdlog::info(
-            "SIGHUP: the configuration is read at the start only; restart this daemon for a changed one");
+        reload();
       else
         spdlog::info("SIGUSR1: {}", dump());
       wait_for_wishes();
     });
   }
+  /// Reads the file again. A wrong one changes nothing. In a thread of its own, since a calibration takes its
+  /// time to read.
+  void reload() {
+    wants_reload_ = reader_.joinable();
+    if (wants_reload_) return;
+    service_.reloading();
+    reader_ = std::thread([this, file = plan_->whole.file] {
+      std::shared_ptr<const Config> config;
+      std::string trouble;
+      try {
+        config = std::make_shared<Config>(load_config(file));
+      } catch (const std::exception& error) {
+        trouble = error.what();
+      }
+      planes_.post([this, config, trouble](Stamp) { config ? change(*config) : end_reload(trouble); });
+    });
+  }
+  void change(const Config& config) {
+    for (const auto& warning : config.warnings) spdlog::warn("{}", warning);
+    next_plan_ = std::make_unique<Plan>(config);
+    try {
+      RosChange change = ros_.change_to(config, next_plan_->parts);
+      change.ready = [this](FrameSink& planes, FrameSink& clouds) {
+        planes_.post([this, &planes, &clouds](Stamp now) { switch_over(planes, clouds, now); });
+      };
+      ros_.change(std::move(change));
+    } catch (const RosError& error) {
+      end_reload(error.what());
+    }
+  }
+  /// Both lanes one after the other, each in its own thread.
+  void switch_over(FrameSink& planes, FrameSink& clouds, Stamp now) {
+    plan_ = std::move(next_plan_);
+    planes_.configure(plan_->parts[0], planes);
+    planes.transforms(planes_.pipeline().static_transforms(), now);
+    const auto switch_clouds = [this, &clouds] {
+      clouds_.configure(plan_->parts[1], clouds);
+      connect_lanes();
+    };
+    if (clouds_thread_.joinable()) {
+      clouds_.post([this, switch_clouds](Stamp) {
+        switch_clouds();
+        planes_.post([this](Stamp) { end_change(); });
+      });
+      return;
+    }
+    switch_clouds();
+    if (plan_->has_clouds()) clouds_thread_ = std::thread([this] { run_clouds(); });
+    end_change();
+  }
+  void end_change() {
+    ros_.finish_change();
+    box_.configure(plan_->whole.black_box);
+    end_reload("");
+  }
+  /// `trouble`: why the file was not used; empty: it is in force.
+  void end_reload(const std::string& trouble) {
+    reader_.join();
+    reader_ = {};
+    trouble_ = trouble;
+    ++reloads_;
+    if (trouble.empty())
+      spdlog::info("{} is in force", plan_->whole.file);
+    else
+      spdlog::error("{}; nothing is changed, correct it and reload again", trouble);
+    came_up();
+    update_journal();
+    if (std::exchange(wants_reload_, false)) reload();
+  }
+  DiagnosticItem configuration_item() const {
+    DiagnosticItem item{"configuration"};
+    item.logged = true;
+    item.message = "as in " + plan_->whole.file;
+    if (!trouble_.empty()) item.set(Health::error, trouble_ + "; the last good configuration is in force");
+    item.add("File", plan_->whole.file);
+    item.add("Reloads", reloads_);
+    return item;
+  }
   /// The path of the black box's capture, or why there is none.
   std::string dump() {
     try {
-      return box_.write(now(), clock_.step(), events_json(journal_));
+      return box_.write(clock_.now(), clock_.step(), events_json(journal_));
     } catch (const std::exception& error) {
       return std::string("error: ") + error.what();
     }
   }
-  void update_journal(const std::vector<DiagnosticItem>& items, Stamp at) {
-    constexpr Span aftermath = std::chrono::seconds(5);  // what follows an error for so long is written too
-    if (journal_.update(items, at) == Health::error) box_.write_on_error(now(), aftermath);
+  void take_state(Lane lane, const LaneState& state) {
+    states_[static_cast<std::size_t>(lane)] = state;
+    update_journal();
   }
-  DiagnosticItem clock_item() {
-    DiagnosticItem item;
-    item.name = clock_name;
-    item.message = "the host's clock runs evenly";
-    item.values = {{"Steps", std::to_string(clock_.steps())},
-                   {"Sum of Steps (s)", fmt::format("{:.3f}", seconds(clock_.step()))}};
-    constexpr Span news = std::chrono::seconds(10);
-    if (clock_.steps() > 0 && now() - set_at_ < news) {
-      item.health = Health::warn;
-      item.message = fmt::format(
-          "the host's clock was set by {:+.3f} s; keep it with chrony or ntpd, which turn its rate instead",
-          seconds(last_step_));
-    }
-    return item;
+  /// What both lanes tell.
+  std::vector<DiagnosticItem> items() const {
+    std::vector<DiagnosticItem> all = joined(states_[0].items, states_[1].items);
+    all.push_back(ros_.own_status());
+    return all;
+  }
+  void update_journal() {
+    constexpr Span aftermath = std::chrono::seconds(5);  // what follows an error for so long is written too
+    const Stamp now = clock_.now();
+    if (journal_.update(items(), clock_.realtime(now)) == Health::error) box_.write_on_error(now, aftermath);
   }
   std::string status() const {
-    std::size_t alive = 0;
-    const Stamp now = clock_.steady(read_clocks());
-    const auto reports = pipeline_.report();
-    for (const auto& sensor : reports)
-      alive += sensor.seen && seconds(now - sensor.last_arrival) < 1 ? 1U : 0U;
-    std::string text = std::to_string(alive) + "/" + std::to_string(reports.size()) + " lidars, ";
-    for (const std::string& part : {ports_.summary(), links_.summary()})
-      if (!part.empty()) text += part + ", ";
+    Share lidars, ports, devices;
+    for (const LaneState& state : states_) {
+      lidars += state.lidars_alive;
+      ports += state.open_ports;
+      devices += state.connected_devices;
+    }
+    std::string text = fmt::format("{}/{} lidars, ", lidars.good, lidars.all);
+    if (ports.all > 0) text += fmt::format("{} of {} ports open, ", ports.good, ports.all);
+    if (devices.all > 0) text += fmt::format("{} of {} devices connected, ", devices.good, devices.all);
     return text + "ROS master " + (ros_.has_master() ? "present" : "absent");
   }
   DaemonState state() {
-    const Stamp at = now();
-    DaemonState all{ros_.node(), clock_.realtime(at), at - started_, status(), pipeline_.diagnostics(at), {}};
-    all.items.push_back(ros_.own_status());
-    for (const OutputTopic& topic : topics_)
-      all.topics.emplace_back(topic.name, ros_.figures(topic, all.now));
+    states_[0] = planes_.state();
+    const Stamp now = clock_.now();
+    DaemonState all{ros_.node(), clock_.realtime(now), now - started_, status(), items(), {}};
+    for (const Lane lane : {Lane::planes, Lane::clouds}) {
+      for (const OutputTopic& topic : plan_->topics[static_cast<std::size_t>(lane)])
+        all.topics.emplace_back(topic.name, ros_.figures(lane, topic, now));
+    }
     return all;
   }
-  static void log_sensor(const SensorReport& sensor) {
-    const Counters& c = sensor.counters;
-    spdlog::info("{} ({}): {} packets, {} frames, {} lost, rejected {}", sensor.name, sensor.model, c.packets,
-                 c.frames, c.lost_packets, rejected_text(c));
-  }
-  /// Calls `then` with the time that it is now, after all that has arrived by now: what waits in a socket
-  /// while this thread is busy is not late.
-  template <class Then>
-  void catch_up(Then then) {
-    // A handler that is posted runs before those of sockets found ready meanwhile, the next one after them.
-    boost::asio::post(io_, [this, then, now = now()] { boost::asio::post(io_, [then, now] { then(now); }); });
-  }
-  void schedule_tick() {
-    next_tick_ += tick_period;
-    timer_.expires_at(next_tick_);
-    timer_.async_wait([this](const boost::system::error_code& error) {
-      if (error) return;
-      catch_up([this](Stamp now) { tick(now); });
-      schedule_tick();
-    });
-  }
-  /// Sets the timer to the next thing that the pipeline has to do without new input.
-  void arm() {
-    const auto event = pipeline_.next_event();
-    if (!event || event == next_event_) return;
-    next_event_ = event;
-    event_timer_.expires_after(std::max(Span(0), *event - now()));
-    event_timer_.async_wait([this](const boost::system::error_code& error) {
-      if (error) return;
-      catch_up([this](Stamp now) {
-        next_event_.reset();
-        pipeline_.tick(now);
-        arm();
-      });
-    });
-  }
   void tick(Stamp now) {
-    pipeline_.tick(now);
-    arm();
-    links_.tick();
-    ports_.log_changes();
-    links_.log_changes();
+    ros_.stand_back(planes_.ports_are_taken() || clouds_.ports_are_taken());
     feed_watchdog();
     leave_name_to_others();
     ++ticks_;
     if (ticks_ % ticks_per_status == 0) service_.status(status());
-    update_journal({ros_.own_status()}, clock_.realtime(now));
+    update_journal();
     box_.poll(now, clock_.step(), [this] { return events_json(journal_); });
   }
-  /// This thread moves, since it is here.
+  /// The threads that stand still. This one moves, since it is here.
+  std::string standing_threads() {
+    std::string standing = ros_.standing_threads();
+    const std::uint64_t rounds = clouds_.rounds();
+    if (clouds_thread_.joinable() && rounds == clouds_rounds_)
+      standing += (standing.empty() ? "" : ", ") + std::string("the thread of clouds");
+    if (standing.empty()) clouds_rounds_ = rounds;
+    return standing;
+  }
   void feed_watchdog() {
     const auto now = std::chrono::steady_clock::now();
-    const std::string standing = ros_.standing_threads();
+    const std::string standing = standing_threads();
     if (standing.empty()) {
       service_.alive();
       fed_ = now;
@@ -265,42 +350,51 @@ class Daemon {
     if (conflict.empty() || exit_code_ != exit_ok) return;
     spdlog::error("{}", conflict);
     exit_code_ = exit_failed;
-    io_.stop();
+    planes_.stop();
   }
 
-  boost::asio::io_context io_{1};
-  HostClock clock_{read_clocks()};
-  Stamp set_at_{};
-  Span last_step_{0};
+  std::unique_ptr<Plan> plan_, next_plan_;  // next_plan_: of a reload that goes on
+  const LastGood last_good_;
+  std::string trouble_;  // why plan_ is not what the file holds; empty: it is
+  std::uint64_t reloads_ = 0;
+  std::thread reader_;  // joinable while a reload goes on
+  bool wants_reload_ = false;
+  DaemonClock clock_;
   ServiceManager service_;
   Journal journal_{log_event};
   RosSession ros_;
-  Pipeline pipeline_;
-  UdpPorts ports_;
-  TcpConnections links_;
+  BlackBox box_;
+  SensorLoop planes_;
+  SensorLoop clouds_;
+  std::thread clouds_thread_;
+  std::atomic<bool> clouds_ended_{false};
+  std::uint64_t clouds_rounds_ = 0;
+  std::array<LaneState, 2> states_;
   boost::asio::signal_set signals_;
   boost::asio::signal_set wishes_;  // that do not end the daemon
-  boost::asio::steady_timer timer_;
-  boost::asio::steady_timer event_timer_;
-  std::optional<Stamp> next_event_;  // what event_timer_ is set to
-  std::chrono::steady_clock::time_point next_tick_;
   int ticks_ = 0;
   int exit_code_ = exit_ok;
   std::chrono::steady_clock::time_point fed_ = std::chrono::steady_clock::now();
   bool reported_standing_ = false;
-  const Stamp started_ = now();
-  const std::vector<OutputTopic> topics_;
+  const Stamp started_ = clock_.now();
   RuntimeSocket socket_;
-  BlackBox box_;
 };
+
+/// Clouds of 10 MB come and go ten times a second. Each gets memory of its own, which the system has back
+/// after it; in the heaps of several threads they would leave holes.
+void keep_heap_small() {
+  mallopt(M_MMAP_THRESHOLD, 1 << 20);
+  mallopt(M_ARENA_MAX, 2);
+}
 
 }  // namespace
 
-int run_daemon(const Config& config, RosOptions ros, std::ostream& err) {
+int run_daemon(const Config& config, RosOptions ros, std::ostream& err, const std::string& trouble) {
+  keep_heap_small();
   try {
     ros.longest_report_age = longest_report_age;
     for (const auto& warning : config.warnings) spdlog::warn("{}", warning);
-    Daemon daemon(config, ros);
+    Daemon daemon(config, ros, trouble);
     bool left = false;
     const int code = daemon.run(left);
     // roscpp's destructors would wait for a master that hangs.
@@ -315,14 +409,22 @@ int run_daemon(const Config& config, RosOptions ros, std::ostream& err) {
 int run_daemon(const std::string& config_file, const std::vector<std::string>& ros_arguments,
                std::ostream& err) {
   set_up_logging();
+  RosOptions ros;
+  ros.remappings = ros_arguments;
+  std::string trouble;
   try {
-    RosOptions ros;
-    ros.remappings = ros_arguments;
     return run_daemon(load_config(config_file), ros, err);
   } catch (const ConfigError& e) {
-    err << e.what() << '\n';
+    trouble = e.what();
+  }
+  std::optional<Config> last_good = LastGood(config_file).load();
+  if (!last_good) {
+    err << trouble << '\n';
     return exit_config;
   }
+  spdlog::error("{}; the last good configuration is in force, correct the file and reload", trouble);
+  last_good->file = config_file;
+  return run_daemon(*last_good, ros, err, trouble);
 }
 
 }  // namespace lidard

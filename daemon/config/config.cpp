@@ -3,6 +3,7 @@
 #include "daemon/config/config.h"
 
 #include <algorithm>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -37,17 +38,35 @@ std::string with_indented_comments(const std::string& yaml) {
   return result;
 }
 
+void write(YAML::Emitter& yaml, const VehicleConfig& vehicle) { write_keys(yaml, vehicle_keys(), vehicle); }
+void write(YAML::Emitter& yaml, const SensorConfig& sensor) {
+  for (const SensorGroup& group : sensor_groups()) {
+    if (takes(sensor, group)) write_keys(yaml, group.keys, sensor);
+  }
+}
+void write(YAML::Emitter& yaml, const MergedScanConfig& merged) { write_keys(yaml, merged_keys(), merged); }
+void write(YAML::Emitter& yaml, const VirtualScanConfig& group) { write_keys(yaml, virtual_keys(), group); }
+
 /// Writes named structures; a section that nothing stands in is left out.
-template <class Entries, class WriteOne>
-void write_named(YAML::Emitter& yaml, const char* key, const Entries& entries, const WriteOne& write_one) {
+template <class Entries>
+void write_named(YAML::Emitter& yaml, const char* key, const Entries& entries) {
   if (entries.empty()) return;
   yaml << YAML::Key << key << YAML::Value << YAML::BeginMap;
   for (const auto& entry : entries) {
     yaml << YAML::Key << entry.name << YAML::Value << YAML::BeginMap;
-    write_one(entry);
+    write(yaml, entry);
     yaml << YAML::EndMap;
   }
   yaml << YAML::EndMap;
+}
+
+template <class Entry>
+std::string text_of(const Entry& entry) {
+  YAML::Emitter yaml;
+  yaml << YAML::BeginMap;
+  write(yaml, entry);
+  yaml << YAML::EndMap;
+  return yaml.c_str() + std::string("\n");
 }
 
 void add_merged(const MergedScanConfig& merged, std::vector<OutputTopic>& topics) {
@@ -112,17 +131,11 @@ Config parse_config(const std::string& text, const std::string& name) {
 std::string to_yaml(const Config& config) {
   YAML::Emitter yaml;
   yaml << YAML::BeginMap << YAML::Key << "vehicle" << YAML::Value << YAML::BeginMap;
-  write_keys(yaml, vehicle_keys(), config.vehicle);
+  write(yaml, config.vehicle);
   yaml << YAML::EndMap;
-  write_named(yaml, "sensors", config.sensors, [&](const SensorConfig& sensor) {
-    for (const SensorGroup& group : sensor_groups()) {
-      if (takes(sensor, group)) write_keys(yaml, group.keys, sensor);
-    }
-  });
-  write_named(yaml, "merged_scans", config.merged_scans,
-              [&](const auto& scan) { write_keys(yaml, merged_keys(), scan); });
-  write_named(yaml, "virtual_scans", config.virtual_scans,
-              [&](const auto& scan) { write_keys(yaml, virtual_keys(), scan); });
+  write_named(yaml, "sensors", config.sensors);
+  write_named(yaml, "merged_scans", config.merged_scans);
+  write_named(yaml, "virtual_scans", config.virtual_scans);
   if (config.black_box.seconds > 0) {
     yaml << YAML::Key << "blackbox" << YAML::Value << YAML::BeginMap;
     write_keys(yaml, black_box_keys(), config.black_box);
@@ -131,6 +144,14 @@ std::string to_yaml(const Config& config) {
   yaml << YAML::EndMap;
   return with_indented_comments(yaml.c_str());
 }
+
+std::string to_yaml(const VehicleConfig& vehicle) { return text_of(vehicle); }
+std::string to_yaml(const SensorConfig& sensor) {
+  return sensor.name + ":\n" + text_of(sensor) + "# calibration " +
+         std::to_string(sensor.calibration_digest) + (sensor.handed_over ? ", handed over\n" : "\n");
+}
+std::string to_yaml(const MergedScanConfig& merged) { return merged.name + ":\n" + text_of(merged); }
+std::string to_yaml(const VirtualScanConfig& group) { return group.name + ":\n" + text_of(group); }
 
 std::string yaml_text(const KeyMap& keys) {
   YAML::Emitter yaml;
@@ -169,6 +190,27 @@ std::vector<OutputTopic> sensor_topics(const SensorConfig& sensor) {
     topics.push_back({sensor.name + "/echoes", TopicKind::echoes});
   add_told(sensor, topics);
   return topics;
+}
+
+std::vector<StaticTransform> fixed_poses(const Config& config) {
+  std::vector<StaticTransform> poses;
+  std::set<std::string> known;
+  const auto add = [&](const std::string& parent, const std::string& child, const Pose& pose) {
+    // A frame has one parent (REP 105); the first entry that names it counts.
+    if (child != parent && known.insert(child).second) poses.push_back({parent, child, pose});
+  };
+  const std::string& base = config.vehicle.base_frame;
+  for (const StaticTransform& one : config.poses) add(one.parent, one.child, one.pose);
+  for (const SensorConfig& sensor : config.sensors) {
+    if (sensor.pose) add(base, sensor.frame_id, *sensor.pose);
+  }
+  for (const MergedScanConfig& merged : config.merged_scans) {
+    if (merged.destination_pose) add(base, merged.destination_frame, *merged.destination_pose);
+  }
+  for (const VirtualScanConfig& group : config.virtual_scans) {
+    for (const auto& [frame, pose] : group.poses) add(group.base_frame, frame, pose);
+  }
+  return poses;
 }
 
 const OutputTopic& topic_named(const std::vector<OutputTopic>& topics, const std::string& name) {

@@ -24,6 +24,13 @@
 
 namespace lidard {
 
+/// A fixed transform for /tf_static.
+struct StaticTransform {
+  std::string parent;
+  std::string child;
+  Pose pose;  ///< of child in parent
+};
+
 /// `vehicle:` of the configuration.
 struct VehicleConfig {
   std::string base_frame = "base_link";
@@ -51,12 +58,14 @@ struct SensorConfig {
   std::string frame_id;      ///< default: the sensor's name
   std::optional<Pose> pose;  ///< of the sensor in base_frame; unset: from tf
   std::string calibration;   ///< file as written, relative to the configuration's folder; empty: none
-  DriverConfig driver;       ///< model, frame_id and options, ready for Model::make
-  VelodyneControl control;   ///< the sensor's web interface; nothing is done with it by default
+  std::size_t calibration_digest = 0;  ///< of the file's bytes: tells whether another one stands there
+  DriverConfig driver;                 ///< model, frame_id and options, ready for Model::make
+  VelodyneControl control;             ///< the sensor's web interface; nothing is done with it by default
   std::string scan_topic;    ///< of a planar scanner, or of the ring `ring_scan` of a multi-plane lidar
   std::string points_topic;  ///< of a multi-plane lidar
   CloudLayout layout;        ///< of its cloud message
   std::optional<RingScanSpec> ring_scan;  ///< one ring of a multi-plane lidar as a planar scan
+  bool handed_over = false;               ///< its scans come from the other lane of the daemon, see part_of()
 
   /// TCP port that the device listens on, for its data or its settings; 0: none.
   std::uint16_t device_port() const {
@@ -157,6 +166,10 @@ struct Config {
   std::vector<VirtualScanConfig> virtual_scans;
   BlackBoxConfig black_box;
   std::vector<std::string> warnings;  ///< `file:line:column: what`, to be shown once
+  /// Of a part of a configuration, see part_of():
+  std::vector<std::string> hand_over;  ///< sources whose scans the other lane takes
+  std::vector<StaticTransform> poses;  ///< those of the whole configuration
+  bool is_not_alone = false;           ///< the other lane has sensors too
 
   const SensorConfig* find_sensor(const std::string& name) const;
 };
@@ -167,6 +180,14 @@ Config load_config(const std::string& path);
 Config parse_config(const std::string& text, const std::string& name);
 /// The configuration as YAML with every default filled in; parse_config() reads it back to the same.
 std::string to_yaml(const Config& config);
+/// The same of one entry, with all that changes what it does: entries of equal text do the same.
+std::string to_yaml(const VehicleConfig& vehicle);
+std::string to_yaml(const SensorConfig& sensor);
+std::string to_yaml(const MergedScanConfig& merged);
+std::string to_yaml(const VirtualScanConfig& group);
+
+/// The poses that a configuration fixes, each frame once.
+std::vector<StaticTransform> fixed_poses(const Config& config);
 
 /// What travels on a topic. A scan with several echoes goes to a topic of its own (MultiEchoLaserScan).
 enum class TopicKind : std::uint8_t { scan, echoes, cloud, message };

@@ -319,6 +319,7 @@ void read_calibration(Mapping& yaml, SensorConfig& sensor, Reading& reading) {
   if (::access(path.c_str(), R_OK) != 0)
     file->fail("is " + file->quoted() + ", which cannot be read: " + std::strerror(errno), expected);
   auto calibration = std::make_shared<velodyne::Calibration>(load_calibration(path, reading.config.warnings));
+  sensor.calibration_digest = std::hash<std::string>()(read_file(path, expected));
   calibration->model = model ? read_calibration_model(*model) : usual_equations(*calibration, *sensor.model);
   const std::string misfit = calibration_misfit(*calibration, *sensor.model);
   if (!misfit.empty()) file->fail(misfit, "the calibration of this sensor");

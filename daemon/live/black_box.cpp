@@ -67,6 +67,7 @@ class BlackBox::Ring {
     if (size > most_bytes_) return;
     Record& record = take_record();
     record.packet = packet;
+    record.packet.payload = {};  // belongs to the caller
     record.payload.assign(packet.payload.begin(), packet.payload.end());
     bytes_ += size;
   }
@@ -75,9 +76,14 @@ class BlackBox::Ring {
     return records_.empty() ? Span(0) : records_.back().packet.arrival - records_.front().packet.arrival;
   }
   void write(PcapWriter& writer, Span step) const {
-    for (const Record& record : records_) {
-      const ByteView payload(record.payload.data(), record.payload.size());
-      const Packet& packet = record.packet;
+    // Each lane adds its packets in their order, but both together do not.
+    std::vector<const Record*> in_order;
+    for (const Record& record : records_) in_order.push_back(&record);
+    std::stable_sort(in_order.begin(), in_order.end(),
+                     [](const Record* a, const Record* b) { return a->packet.arrival < b->packet.arrival; });
+    for (const Record* const record : in_order) {
+      const ByteView payload(record->payload.data(), record->payload.size());
+      const Packet& packet = record->packet;
       const Stamp at = packet.arrival + step;
       if (packet.stream_start) writer.open_tcp(at, packet.to, packet.from);
       packet.transport == Transport::udp ? writer.write(at, packet.from, packet.to, payload)
@@ -95,7 +101,7 @@ class BlackBox::Ring {
     spare_.push_back(std::move(records_.front().payload));
     records_.pop_front();
   }
-  /// With a buffer that was used before, so that nothing is allocated once the ring is full.
+  /// With a buffer that was used before: once the ring is full no buffer is allocated.
   Record& take_record() {
     Record& record = records_.emplace_back();
     if (spare_.empty()) return record;
@@ -143,7 +149,14 @@ BlackBox::~BlackBox() {
   if (writing_ && writing_->thread.joinable()) writing_->thread.join();
 }
 
+void BlackBox::configure(const BlackBoxConfig& config) {
+  const std::lock_guard lock(mutex_);
+  if (config.seconds != config_.seconds || config.megabytes != config_.megabytes) ring_.reset();
+  config_ = config;
+}
+
 void BlackBox::add(const Packet& packet) {
+  const std::lock_guard lock(mutex_);
   if (!is_on()) return;
   if (!ring_)
     ring_ = std::make_unique<Ring>(static_cast<std::size_t>(config_.megabytes * 1e6),
@@ -162,6 +175,7 @@ std::string BlackBox::write(Stamp now, Span step, const std::string& events) {
     throw std::runtime_error("no black box is kept; set `blackbox: {seconds: 60}` in the configuration");
   collect();
   if (writing_) throw std::runtime_error(writing_->path.string() + " is being written; ask again later");
+  std::unique_lock lock(mutex_);
   if (!ring_ || ring_->size() == 0) throw std::runtime_error("no packet has come yet");
   const fs::path folder = folder_of(config_);
   std::error_code error;
@@ -172,6 +186,7 @@ std::string BlackBox::write(Stamp now, Span step, const std::string& events) {
   writing_->path = folder / fmt::format("lidard-{:%Y%m%dT%H%M%S}.{:03}Z.pcap",
                                         fmt::gmtime(static_cast<std::time_t>(ms / 1000)), ms % 1000);
   writing_->ring = std::move(ring_);
+  lock.unlock();
   writing_->events = events;
   writing_->thread = std::thread([writing = writing_.get(), step] {
     pthread_setname_np(pthread_self(), "lidard-dump");

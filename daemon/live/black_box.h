@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -14,15 +15,16 @@
 namespace lidard {
 
 /// Keeps the last packets of all sensors in memory and writes them to a capture when something went wrong, so
-/// that the moments before can be replayed. One thread takes the packets; a second one lives while a capture
-/// is written, with a memory of its own.
+/// that the moments before can be replayed. Any thread may add() packets; the rest belongs to one thread. A
+/// further thread lives while a capture is written, with a memory of its own.
 class BlackBox {
  public:
   /// `told`: a sentence for the log, good or bad; called by poll().
   BlackBox(BlackBoxConfig config, std::function<void(bool good, const std::string& sentence)> told);
   ~BlackBox();
 
-  bool is_on() const { return config_.seconds > 0; }
+  /// What is kept is kept if the memory stays as long and as large.
+  void configure(const BlackBoxConfig& config);
   void add(const Packet& packet);
   /// What is kept is written in `delay`, so that what follows is in it too. `why`: a word for the file's
   /// name. Nothing while another one waits or is written. An error within the time that was written last is
@@ -35,14 +37,17 @@ class BlackBox {
   void poll(Stamp now, Span step, const std::function<std::string()>& events);
 
  private:
-  /// Packets one behind the other in a ring of bytes.
+  /// The newest packets, each with its bytes in a buffer that was used for an older one before.
   class Ring;
   struct Writing;
   void collect();
 
-  const BlackBoxConfig config_;
+  bool is_on() const { return config_.seconds > 0; }
+
+  BlackBoxConfig config_;  // guarded by mutex_, which the owner's thread need not lock to read
   const std::function<void(bool, const std::string&)> told_;
-  std::unique_ptr<Ring> ring_;
+  std::mutex mutex_;
+  std::unique_ptr<Ring> ring_;  // guarded by mutex_
   std::unique_ptr<Writing> writing_;
   std::optional<Stamp> due_, written_;
 };

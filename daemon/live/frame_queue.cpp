@@ -54,8 +54,8 @@ void FrameQueue::push_to(std::size_t number, Stamp released, Fill fill) {
     ++lane.dropped;
   }
   frame->number = ++pushed_;
-  frame->released = released + step_;
-  lane.watch.released(frame->released);
+  frame->released = released + step_.load();
+  lane.watch.released(released);
   fill(frame->content);
   lane.waiting.push_back(frame);
   lock.unlock();
@@ -66,7 +66,7 @@ void FrameQueue::push(const OutputTopic& topic, const PlanarScan& scan, Stamp re
   push_to(topic.id, released, [&](QueuedContent& slot) {
     PlanarScan& kept = std::get<PlanarScan>(slot);
     kept = scan;
-    kept.stamp = scan.stamp + step_;
+    kept.stamp = scan.stamp + step_.load();
   });
 }
 
@@ -74,7 +74,7 @@ void FrameQueue::push(const OutputTopic& topic, Cloud& cloud, Stamp released) {
   push_to(topic.id, released, [&](QueuedContent& slot) {
     Cloud& kept = std::get<Cloud>(slot);
     kept.frame_id = cloud.frame_id;
-    kept.stamp = cloud.stamp + step_;
+    kept.stamp = cloud.stamp + step_.load();
     kept.format = cloud.format;
     kept.points_bytes.swap(cloud.points_bytes);
   });
@@ -84,7 +84,7 @@ void FrameQueue::push(const OutputTopic& topic, const DeviceMessage& message, St
   push_to(topic.id, released, [&](QueuedContent& slot) {
     DeviceMessage& kept = std::get<DeviceMessage>(slot);
     kept = message;
-    std::visit([this](auto& told) { told.stamp = told.stamp + step_; }, kept);
+    std::visit([this](auto& told) { told.stamp = told.stamp + step_.load(); }, kept);
   });
 }
 
@@ -125,9 +125,12 @@ void FrameQueue::done(QueuedFrame* frame) {
 }
 
 void FrameQueue::published(QueuedFrame* frame, Stamp now) {
-  {
+  // A frame on whose way the host's clock was set says nothing about the latency.
+  constexpr Span longest_way = std::chrono::minutes(1);
+  const Span latency = now - frame->released;
+  if (latency >= Span(0) && latency < longest_way) {
     const std::lock_guard lock(mutex_);
-    lanes_[frame->lane].watch.published(now - frame->released);
+    lanes_[frame->lane].watch.published(latency);
   }
   done(frame);
 }
@@ -138,6 +141,12 @@ TopicFigures FrameQueue::figures(std::size_t topic, Stamp now) const {
   TopicFigures figures = lane.watch.figures(now);
   figures.dropped = lane.dropped;
   return figures;
+}
+
+void FrameQueue::continue_figures(std::size_t topic, const FrameQueue& before, std::size_t topic_before) {
+  const std::scoped_lock lock(mutex_, before.mutex_);
+  lanes_.at(topic).watch = before.lanes_.at(topic_before).watch;
+  lanes_.at(topic).dropped = before.lanes_.at(topic_before).dropped;
 }
 
 bool FrameQueue::idle() const {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -52,8 +53,10 @@ class FrameQueue {
   void done(QueuedFrame* frame);
   /// The same of a frame that was published, at `now` on the host's clock.
   void published(QueuedFrame* frame, Stamp now);
-  /// How a topic does, `now` on the host's clock.
+  /// How a topic does; `now` in the time without steps, as `released` was.
   TopicFigures figures(std::size_t topic, Stamp now) const;
+  /// The figures of a topic go on from those of another queue's topic.
+  void continue_figures(std::size_t topic, const FrameQueue& before, std::size_t topic_before);
   /// True if every frame pushed was also given back.
   bool idle() const;
   /// Frames dropped so far, of one topic or of all.
@@ -81,7 +84,7 @@ class FrameQueue {
   std::uint64_t dropped(std::size_t begin, std::size_t end) const;
 
   Backpressure backpressure_;
-  Span step_{0};
+  std::atomic<Span> step_{Span(0)};
   mutable std::mutex mutex_;
   std::condition_variable filled_;
   std::condition_variable emptied_;

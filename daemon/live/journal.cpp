@@ -24,7 +24,7 @@ Health Journal::update(const std::vector<DiagnosticItem>& items, Stamp now) {
     if (known.health == item.health && known.text == text) continue;
     known.health = item.health;
     known.text = text;
-    add({now, item.name, item.health, item.message});
+    add({now, item.name, item.health, item.message, item.logged});
     worst = std::max(worst, item.health);
   }
   return worst;

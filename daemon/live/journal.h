@@ -18,7 +18,8 @@ struct Event {
   Stamp at;  ///< on the host's clock
   std::string source;
   Health health = Health::ok;
-  std::string text;  ///< a sentence, with the remedy unless health is ok
+  std::string text;     ///< a sentence, with the remedy unless health is ok
+  bool logged = false;  ///< the log has it already, and more of it
 };
 
 /// The changes of state of a running daemon, each once: it compares the items of /diagnostics with what was

@@ -12,6 +12,7 @@
 #include <systemd/sd-daemon.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstddef>
 #include <cstdlib>
 #include <memory>
@@ -99,13 +100,12 @@ void set_up_logging(const std::string& level) {
 
 void ServiceManager::ready(const std::string& status) { sd_notifyf(0, "READY=1\nSTATUS=%s", status.c_str()); }
 void ServiceManager::status(const std::string& text) { notify_without_waiting("STATUS=" + text); }
+void ServiceManager::reloading() {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+  sd_notifyf(0, "RELOADING=1\nMONOTONIC_USEC=%lld", static_cast<long long>(us));
+}
 void ServiceManager::stopping() { sd_notify(0, "STOPPING=1"); }
 void ServiceManager::alive() { notify_without_waiting("WATCHDOG=1"); }
-
-std::optional<Span> ServiceManager::watchdog_limit() const {
-  std::uint64_t us = 0;
-  if (sd_watchdog_enabled(0, &us) <= 0) return std::nullopt;
-  return std::chrono::microseconds(us);
-}
 
 }  // namespace lidard

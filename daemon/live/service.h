@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "core/base/time.h"
@@ -22,11 +21,11 @@ class ServiceManager {
   void ready(const std::string& status);
   /// One line for `systemctl status`.
   void status(const std::string& text);
+  /// Until the next ready() a changed configuration is put in force.
+  void reloading();
   void stopping();
-  /// To be called at least twice per watchdog_limit().
+  /// To be called at least twice per WatchdogSec= of the unit.
   void alive();
-  /// After this long without alive() systemd kills us; empty: no watchdog.
-  std::optional<Span> watchdog_limit() const;
 };
 
 }  // namespace lidard

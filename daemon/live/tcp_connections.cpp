@@ -35,19 +35,37 @@ std::string text_of(const TcpState& state, bool streams) {
 TcpConnections::TcpConnections(boost::asio::io_context& io, const Config& config, LinkEvents events,
                                TcpOptions options)
     : io_(io), events_(std::move(events)), options_(options) {
+  configure(config);
+}
+
+void TcpConnections::configure(const Config& config) {
+  std::vector<std::unique_ptr<Link>> before = std::exchange(links_, {});
   for (std::size_t i = 0; i < config.sensors.size(); ++i) {
     const SensorConfig& sensor = config.sensors[i];
     if (sensor.model == nullptr) continue;
     const bool streams = sensor.model->transport == Transport::tcp;
     if (sensor.device_port() == 0 || sensor.driver.requests.listen_only) continue;
+    const std::string text = to_yaml(sensor);
+    const auto same =
+        std::find_if(before.begin(), before.end(), [&](const auto& l) { return l && l->text == text; });
+    if (same != before.end()) {
+      (*same)->sensor = i;
+      links_.push_back(std::move(*same));
+      continue;
+    }
     auto link = std::make_unique<Link>();
     link->sensor = i;
+    link->text = text;
     link->name = sensor.name;
     link->streams = streams;
     link->device.port = sensor.device_port();
     link->silence = silence_of(sensor);
     if (streams) open(*link, sensor.ip_address.value());
+    if (streams && started_) link->source->start();
     links_.push_back(std::move(link));
+  }
+  for (const auto& link : before) {
+    if (link && link->source) link->source->stop();
   }
 }
 
@@ -57,9 +75,9 @@ void TcpConnections::open(Link& link, const IpAddress& device) {
   options.device = link.device;
   options.keep_up = link.streams;
   TcpHandlers handlers;
-  handlers.receive = [this, sensor = link.sensor](const Packet& packet) { events_.chunk(sensor, packet); };
+  handlers.receive = [this, &link](const Packet& packet) { events_.chunk(link.sensor, packet); };
   handlers.connected = [this, &link](Stamp now) { connected(link, now); };
-  handlers.disconnected = [this, sensor = link.sensor] { events_.disconnected(sensor); };
+  handlers.disconnected = [this, &link] { events_.disconnected(link.sensor); };
   link.source = std::make_unique<TcpSource>(io_, options, std::move(handlers));
 }
 
@@ -71,6 +89,7 @@ void TcpConnections::connected(Link& link, Stamp now) {
 }
 
 void TcpConnections::start() {
+  started_ = true;
   for (const auto& link : links_) {
     if (link->streams) link->source->start();
   }
@@ -79,6 +98,12 @@ void TcpConnections::start() {
 void TcpConnections::stop() {
   for (const auto& link : links_) {
     if (link->source) link->source->stop();
+  }
+}
+
+void TcpConnections::look_again() {
+  for (const auto& link : links_) {
+    if (link->source) link->source->look_again();
   }
 }
 
@@ -115,6 +140,7 @@ void TcpConnections::add_diagnostics(std::vector<DiagnosticItem>& items) const {
     const TcpState& state = link->source->state();
     const TcpStats& stats = link->source->stats();
     DiagnosticItem item{"link " + link->name, link->device.to_string()};
+    item.logged = true;
     item.message = text_of(state, link->streams);
     const bool idle = !link->streams && state.phase == TcpState::Phase::stopped && state.message.empty();
     if (!is_connected(state) && !idle && item.message != first_attempt)
@@ -131,16 +157,14 @@ void TcpConnections::add_diagnostics(std::vector<DiagnosticItem>& items) const {
   }
 }
 
-std::string TcpConnections::summary() const {
-  std::size_t all = 0;
-  std::size_t connected = 0;
+Share TcpConnections::connected() const {
+  Share connected;
   for (const auto& link : links_) {
     if (!link->streams) continue;
-    ++all;
-    connected += is_connected(link->source->state()) ? 1U : 0U;
+    ++connected.all;
+    connected.good += is_connected(link->source->state()) ? 1U : 0U;
   }
-  if (all == 0) return {};
-  return std::to_string(connected) + " of " + std::to_string(all) + " devices connected";
+  return connected;
 }
 
 TcpConnections::Link* TcpConnections::find(std::size_t sensor) {
@@ -172,8 +196,15 @@ void TcpConnections::disconnect(std::size_t sensor, bool again) {
 
 std::string TcpConnections::trouble(std::size_t sensor) const {
   const Link* link = find(sensor);
-  if (link == nullptr || !link->streams || is_connected(link->source->state())) return {};
-  return text_of(link->source->state(), true);
+  const bool streams = link != nullptr && link->streams;
+  if (streams && is_connected(link->source->state())) return {};
+  // What is wrong with this host explains what is wrong with the connection.
+  std::string host = events_.host_trouble ? events_.host_trouble(sensor) : std::string();
+  return host.empty() && streams ? text_of(link->source->state(), true) : host;
+}
+
+std::string TcpConnections::hint(std::size_t sensor) const {
+  return events_.host_hint ? events_.host_hint(sensor) : std::string();
 }
 
 }  // namespace lidard

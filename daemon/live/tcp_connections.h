@@ -21,6 +21,8 @@ struct LinkEvents {
   std::function<void(std::size_t sensor)> disconnected;
   /// How many frames the sensor has given so far.
   std::function<std::uint64_t(std::size_t sensor)> frames;
+  /// What is, and what may be, wrong with this host's network; as DeviceConnections::trouble() and hint().
+  std::function<std::string(std::size_t sensor)> host_trouble{}, host_hint{};
 };
 
 /// The TCP connections of a configuration: one to each device that streams over TCP, and one to each other
@@ -31,8 +33,12 @@ class TcpConnections final : public DeviceConnections {
   TcpConnections(boost::asio::io_context& io, const Config& config, LinkEvents events,
                  TcpOptions options = {});
 
+  /// Connections to devices whose entries are the same stay.
+  void configure(const Config& config);
   void start();
   void stop();
+  /// Interfaces or addresses of this host have changed.
+  void look_again();
   /// To be called about ten times a second: a stream that falls silent is noticed sooner than a device that
   /// still starts.
   void tick();
@@ -40,19 +46,20 @@ class TcpConnections final : public DeviceConnections {
   void log_changes();
   /// One item per connection.
   void add_diagnostics(std::vector<DiagnosticItem>& items) const;
-  /// "1 of 2 devices connected"; empty without devices that stream over TCP.
-  std::string summary() const;
+  /// Of the devices that stream over TCP.
+  Share connected() const;
 
   void connect(std::size_t sensor, const IpAddress& device) override;
   void send(std::size_t sensor, ByteView bytes) override;
   void disconnect(std::size_t sensor, bool again) override;
   std::string trouble(std::size_t sensor) const override;
+  std::string hint(std::size_t sensor) const override;
 
  private:
   struct Link {
     std::size_t sensor = 0;
-    std::string name;
-    bool streams = false;  // else only a dialogue
+    std::string name, text;  // text: its entry, see to_yaml()
+    bool streams = false;    // else only a dialogue
     Endpoint device;
     Span silence{0};  // longest between two frames
     std::unique_ptr<TcpSource> source;
@@ -68,6 +75,7 @@ class TcpConnections final : public DeviceConnections {
   LinkEvents events_;
   TcpOptions options_;
   std::vector<std::unique_ptr<Link>> links_;
+  bool started_ = false;
 };
 
 }  // namespace lidard

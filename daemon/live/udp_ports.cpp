@@ -4,9 +4,12 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <map>
+#include <utility>
 
 #include "daemon/config/config.h"
+#include "drivers/net/host_network.h"
 
 namespace lidard {
 namespace {
@@ -56,18 +59,37 @@ std::map<std::uint16_t, UdpOptions> options_by_port(const Config& config) {
 
 }  // namespace
 
-UdpPorts::UdpPorts(boost::asio::io_context& io, const Config& config, const UdpSource::Handler& handler) {
-  for (const auto& [number, options] : options_by_port(config)) {
+UdpPorts::UdpPorts(boost::asio::io_context& io, const Config& config, const UdpSource::Handler& handler)
+    : io_(io), handler_(handler) {
+  configure(config);
+}
+
+void UdpPorts::configure(const Config& config) {
+  std::vector<Port> before = std::exchange(ports_, {});
+  const auto wanted = options_by_port(config);
+  for (Port& port : before) {
+    if (wanted.count(port.number) == 0) port.source->stop();
+  }
+  for (const auto& [number, options] : wanted) {
+    const auto same = std::find_if(before.begin(), before.end(),
+                                   [number = number](const Port& port) { return port.number == number; });
+    if (same != before.end()) {
+      same->source->configure(options);
+      ports_.push_back(std::move(*same));
+      continue;
+    }
     Port port;
     port.number = number;
     // The handler sees the configured port also where the packet was addressed to a broadcast or group
     // address.
-    port.source = std::make_unique<UdpSource>(io, options, handler);
+    port.source = std::make_unique<UdpSource>(io_, options, handler_);
+    if (started_) port.source->start();
     ports_.push_back(std::move(port));
   }
 }
 
 void UdpPorts::start() {
+  started_ = true;
   for (auto& port : ports_) port.source->start();
 }
 
@@ -75,15 +97,21 @@ void UdpPorts::stop() {
   for (auto& port : ports_) port.source->stop();
 }
 
+void UdpPorts::look_again() {
+  for (auto& port : ports_) port.source->look_again();
+}
+
 void UdpPorts::log_changes() {
   for (auto& port : ports_) {
     const UdpState& state = port.source->state();
     if (state.phase != port.told.phase || state.message != port.told.message) {
+      // Not each time that it is tried: all processes are looked at.
+      port.holder = state.phase == UdpState::Phase::waiting ? holder_of_udp_port(port.number) : std::string();
       if (state.phase == UdpState::Phase::receiving) {
         spdlog::info("listening on port {}", port.number);
         if (!port.source->warning().empty()) spdlog::warn("port {}: {}", port.number, port.source->warning());
       } else {
-        spdlog::warn("{}", state.message);
+        spdlog::warn("{}", message_of(port));
       }
       port.told = state;
     }
@@ -101,10 +129,11 @@ void UdpPorts::add_diagnostics(std::vector<DiagnosticItem>& items) const {
     const UdpStats& stats = port.source->stats();
     const std::string name = "port " + std::to_string(port.number);
     DiagnosticItem item{name, name};
+    item.logged = true;
     item.health = state.phase == UdpState::Phase::receiving ? Health::ok
                   : receives(state)                         ? Health::warn
                                                             : Health::error;
-    item.message = state.message.empty() ? "listening" : state.message;
+    item.message = state.message.empty() ? "listening" : message_of(port);
     if (item.health == Health::ok && !port.source->warning().empty()) {
       item.set(Health::warn, port.source->warning());
     }
@@ -117,11 +146,32 @@ void UdpPorts::add_diagnostics(std::vector<DiagnosticItem>& items) const {
   }
 }
 
-std::string UdpPorts::summary() const {
-  if (ports_.empty()) return {};
-  std::size_t open = 0;
-  for (const auto& port : ports_) open += receives(port.source->state()) ? 1U : 0U;
-  return std::to_string(open) + " of " + std::to_string(ports_.size()) + " ports open";
+std::string UdpPorts::message_of(const Port& port) {
+  const std::string& message = port.source->state().message;
+  return port.holder.empty() ? message : message + " (it is " + port.holder + ")";
+}
+
+std::uint64_t UdpPorts::datagrams() const {
+  std::uint64_t all = 0;
+  for (const auto& port : ports_) all += port.source->stats().datagrams;
+  return all;
+}
+
+bool UdpPorts::taken() const {
+  return std::any_of(ports_.begin(), ports_.end(), [](const Port& port) { return !port.holder.empty(); });
+}
+
+std::string UdpPorts::trouble(std::uint16_t port) const {
+  for (const auto& each : ports_) {
+    if (each.number == port && !receives(each.source->state())) return message_of(each);
+  }
+  return {};
+}
+
+Share UdpPorts::open() const {
+  Share open{0, ports_.size()};
+  for (const auto& port : ports_) open.good += receives(port.source->state()) ? 1U : 0U;
+  return open;
 }
 
 }  // namespace lidard

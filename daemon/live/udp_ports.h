@@ -18,23 +18,38 @@ class UdpPorts {
  public:
   UdpPorts(boost::asio::io_context& io, const Config& config, const UdpSource::Handler& handler);
 
+  /// Other ports; a port that stays goes on receiving.
+  void configure(const Config& config);
   void start();
   void stop();
+  /// Interfaces or addresses of this host have changed.
+  void look_again();
   /// Logs what changed since the last call: listening, waiting for a port, small buffers, kernel drops.
   void log_changes();
   /// One item per port.
   void add_diagnostics(std::vector<DiagnosticItem>& items) const;
-  /// "2 of 2 ports open"; empty without ports.
-  std::string summary() const;
+  Share open() const;
+  /// How many datagrams came to all of them.
+  std::uint64_t datagrams() const;
+  /// True if another program has one of the ports.
+  bool taken() const;
+  /// Why nothing can be received at a port; empty: it is open.
+  std::string trouble(std::uint16_t port) const;
 
  private:
   struct Port {
     std::uint16_t number = 0;
     std::unique_ptr<UdpSource> source;
     UdpState told;
+    std::string holder;  // who has it instead of us
     std::uint64_t reported_drops = 0;
   };
+  static std::string message_of(const Port& port);
+
+  boost::asio::io_context& io_;
+  const UdpSource::Handler handler_;
   std::vector<Port> ports_;
+  bool started_ = false;
 };
 
 }  // namespace lidard

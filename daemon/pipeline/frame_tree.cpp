@@ -4,23 +4,14 @@
 
 namespace lidard {
 
-FrameTree::FrameTree(const Config& config, TransformSource& lookup)
-    : base_(config.vehicle.base_frame), lookup_(lookup) {
-  for (const auto& sensor : config.sensors) {
-    if (sensor.pose) add(base_, sensor.frame_id, *sensor.pose);
-  }
-  for (const auto& merged : config.merged_scans) {
-    if (merged.destination_pose) add(base_, merged.destination_frame, *merged.destination_pose);
-  }
-  for (const auto& group : config.virtual_scans) {
-    for (const auto& [frame, pose] : group.poses) add(group.base_frame, frame, pose);
-  }
-}
+FrameTree::FrameTree(const Config& config, TransformSource& lookup) : lookup_(lookup) { configure(config); }
 
-void FrameTree::add(const std::string& parent, const std::string& child, const Pose& pose) {
-  // A frame has one parent (REP 105); the first entry that names it counts.
-  if (child == parent || !known_.emplace(child, std::make_pair(parent, pose)).second) return;
-  transforms_.push_back({parent, child, pose});
+void FrameTree::configure(const Config& config) {
+  base_ = config.vehicle.base_frame;
+  transforms_ = fixed_poses(config);
+  known_.clear();
+  for (const StaticTransform& one : transforms_)
+    known_.emplace(one.child, std::make_pair(one.parent, one.pose));
 }
 
 bool FrameTree::in_base(const std::string& frame, Stamp stamp, Pose& pose, std::string& why_not) const {

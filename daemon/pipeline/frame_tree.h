@@ -52,6 +52,8 @@ class NoTransforms final : public TransformSource {
 class FrameTree {
  public:
   FrameTree(const Config& config, TransformSource& lookup);
+  /// From now on the poses are those of another configuration.
+  void configure(const Config& config);
 
   /// Pose of `child` in `parent` at `stamp`; false and the reason when it is not known.
   bool find(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
@@ -64,7 +66,6 @@ class FrameTree {
 
  private:
   bool in_base(const std::string& frame, Stamp stamp, Pose& pose, std::string& why_not) const;
-  void add(const std::string& parent, const std::string& child, const Pose& pose);
 
   std::string base_;
   const PoseTrack* track_ = nullptr;

@@ -68,17 +68,20 @@ class MergedOutput final : public Output {
         reported_states_(config.laserscan_topics.size(), SourceState::never),
         why_unplaced_(config.laserscan_topics.size()),
         taken_(config.laserscan_topics.size(), 0) {
-    const auto topic = [&](const std::string& name) { return &topic_named(context.outlet.topics(), name); };
-    scan_topics_.push_back(topic(config.scan_destination_topic));
-    for (const AlsoScanConfig& also : config.also) scan_topics_.push_back(topic(also.topic));
-    if (!config.cloud_destination_topic.empty()) cloud_topic_ = topic(config.cloud_destination_topic);
-    if (!config.status_topic.empty()) status_topic_ = topic(config.status_topic);
+    find_topics();
     cloud_.frame_id = config.destination_frame;
     status_.frame_id = config.destination_frame;
     set_up();
   }
 
   OutputId id() const override { return {OutputId::Kind::merged, config_.name}; }
+  void find_topics() override {
+    const auto topic = [&](const std::string& name) { return &topic_named(context_.outlet.topics(), name); };
+    scan_topics_ = {topic(config_.scan_destination_topic)};
+    for (const AlsoScanConfig& also : config_.also) scan_topics_.push_back(topic(also.topic));
+    if (!config_.cloud_destination_topic.empty()) cloud_topic_ = topic(config_.cloud_destination_topic);
+    if (!config_.status_topic.empty()) status_topic_ = topic(config_.status_topic);
+  }
   std::vector<std::string> sources() const override { return config_.laserscan_topics; }
   void add_scan(std::size_t source, const PlanarScan& scan, Stamp now) override {
     Pose pose;

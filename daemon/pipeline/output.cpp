@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/pipeline/output.h"
 
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -68,20 +69,18 @@ DiagnosticItem health_of(const std::string& name, const OutputCounters& counters
   return item;
 }
 
-Outlet::Outlet(std::vector<OutputTopic> topics, std::vector<FrameSink*> sinks, std::size_t sensors)
-    : topics_(std::move(topics)),
-      sinks_(std::move(sinks)),
-      sensors_(sensors),
-      consumers_(sensors + topics_.size()),
-      reports_(topics_.size()) {
+void Outlet::configure(std::vector<OutputTopic> topics, std::size_t sensors) {
+  const std::vector<OutputReport> before = std::exchange(reports_, {});
+  topics_ = std::move(topics);
+  sensors_ = sensors;
+  consumers_.assign(sensors + topics_.size(), {});
   for (const OutputTopic& topic : topics_) {
-    reports_[topic.id].name = topic.name;
-    reports_[topic.id].promised = topic.promised;
+    const auto known = std::find_if(before.begin(), before.end(),
+                                    [&](const OutputReport& report) { return report.name == topic.name; });
+    reports_.push_back(known == before.end() ? OutputReport() : *known);
+    reports_.back().name = topic.name;
+    reports_.back().promised = topic.promised;
   }
-}
-
-void Outlet::connect(std::size_t source, Output& output, std::size_t place) {
-  consumers_.at(source).push_back({&output, place});
 }
 
 void Outlet::publish(const OutputTopic& topic, const PlanarScan& scan, Stamp now) {
@@ -109,11 +108,18 @@ void Outlet::publish(const std::vector<DiagnosticItem>& items, Stamp now) {
 }
 
 void Outlet::feed(std::size_t source, const PlanarScan& scan, Stamp now) {
-  for (const Consumer& consumer : consumers_[source]) consumer.output->add_scan(consumer.place, scan, now);
+  for (const Consumer& consumer : consumers_[source]) {
+    if (consumer.output != nullptr)
+      consumer.output->add_scan(consumer.place, scan, now);
+    else
+      hand_over_(consumer.place, scan, now);
+  }
 }
 
 void Outlet::feed(std::size_t source, const Cloud& cloud, Stamp now) {
-  for (const Consumer& consumer : consumers_[source]) consumer.output->add_cloud(cloud, now);
+  for (const Consumer& consumer : consumers_[source]) {
+    if (consumer.output != nullptr) consumer.output->add_cloud(cloud, now);
+  }
 }
 
 }  // namespace lidard

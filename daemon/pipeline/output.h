@@ -18,17 +18,31 @@ namespace lidard {
 
 class Output;
 
+/// Takes a scan for the other lane, see Config::hand_over; `source`: its place there.
+using HandOver = std::function<void(std::size_t source, const PlanarScan& scan, Stamp now)>;
+
 /// The way on for frames: to every sink, and to the merged and virtual scans that are made of them. Sources
 /// are numbered: sensors by their place in the configuration, after them the topics by OutputTopic::id.
 class Outlet {
  public:
   /// The sinks must outlive this.
-  Outlet(std::vector<OutputTopic> topics, std::vector<FrameSink*> sinks, std::size_t sensors);
+  explicit Outlet(std::vector<FrameSink*> sinks) : sinks_(std::move(sinks)) {}
+  /// From now on these are the topics, each with what came out on it before, and there are so many sensors.
+  /// Nothing is connected.
+  void configure(std::vector<OutputTopic> topics, std::size_t sensors);
+  void set_sinks(std::vector<FrameSink*> sinks) { sinks_ = std::move(sinks); }
+  void set_hand_over(HandOver hand_over) { hand_over_ = std::move(hand_over); }
 
   const std::vector<OutputTopic>& topics() const { return topics_; }
   std::size_t source_of(const OutputTopic& topic) const { return sensors_ + topic.id; }
   /// From now on `output` takes what the source gives, as its source number `place`.
-  void connect(std::size_t source, Output& output, std::size_t place);
+  void connect(std::size_t source, Output& output, std::size_t place) {
+    consumers_.at(source).push_back({&output, place});
+  }
+  /// From now on the scans of the source are handed over too, as number `place`.
+  void connect_other_lane(std::size_t source, std::size_t place) {
+    consumers_.at(source).push_back({nullptr, place});
+  }
 
   /// To the sinks.
   void publish(const OutputTopic& topic, const PlanarScan& scan, Stamp now);
@@ -45,12 +59,13 @@ class Outlet {
 
  private:
   struct Consumer {
-    Output* output;
+    Output* output;     // nullptr: the other lane
     std::size_t place;  // of the source among those of the output
   };
-  const std::vector<OutputTopic> topics_;
-  const std::vector<FrameSink*> sinks_;
-  const std::size_t sensors_;
+  std::vector<OutputTopic> topics_;
+  std::vector<FrameSink*> sinks_;
+  HandOver hand_over_ = [](std::size_t, const PlanarScan&, Stamp) {};
+  std::size_t sensors_ = 0;
   std::vector<std::vector<Consumer>> consumers_;  // by source
   std::vector<OutputReport> reports_;
   Cloud copy_;  // for all sinks but the last
@@ -71,6 +86,8 @@ class Output {
  public:
   virtual ~Output() = default;
   virtual OutputId id() const = 0;
+  /// The topics of the outlet are others now: looks its own up.
+  virtual void find_topics() = 0;
   /// Names of the sensors and virtual scans that it is made of.
   virtual std::vector<std::string> sources() const = 0;
   /// A scan of one of them, `source` being its place there.

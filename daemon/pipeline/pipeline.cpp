@@ -15,20 +15,60 @@ Pipeline::Pipeline(const Config& config, TransformSource& transforms, std::vecto
     : vehicle_(config.vehicle),
       frames_(config, transforms),
       motion_(vehicle_, transforms, frames_),
-      outlet_(output_topics(config), std::move(sinks), config.sensors.size()) {
-  for (const SensorConfig& entry : config.sensors) {
-    sensors_.push_back(std::make_unique<Sensor>(entry, sensors_.size(), sensor_context_));
-    for (const Flow& flow : flows_of(entry)) flows_.add(flow, sensors_.back().get());
-    if (entry.model != nullptr && entry.model->transport == Transport::tcp) tcp_ports_.insert(entry.ip_port);
-  }
-  for (const auto& entry : config.merged_scans) add_output(make_output(entry, output_context_));
-  for (const auto& entry : config.virtual_scans) add_output(make_output(entry, output_context_));
+      outlet_(std::move(sinks)) {
+  configure(config);
 }
 
-void Pipeline::add_output(std::unique_ptr<Output> output) {
+void Pipeline::configure(const Config& config) {
+  const auto by_text = [](auto& entries, std::vector<std::string>& texts) {
+    std::map<std::string, typename std::decay_t<decltype(entries)>::value_type> known;
+    for (std::size_t i = 0; i < entries.size(); ++i) known.emplace(texts[i], std::move(entries[i]));
+    entries.clear();
+    texts.clear();
+    return known;
+  };
+  auto sensors = by_text(sensors_, sensor_texts_);
+  auto outputs = by_text(outputs_, output_texts_);
+  vehicle_ = config.vehicle;
+  frames_.configure(config);
+  motion_.configure();
+  outlet_.configure(output_topics(config), config.sensors.size());
+  flows_ = {};
+  tcp_ports_.clear();
+  for (const SensorConfig& entry : config.sensors) add_sensor(entry, sensors);
+  for (const auto& entry : config.merged_scans) add_output(entry, outputs);
+  for (const auto& entry : config.virtual_scans) add_output(entry, outputs);
+  for (std::size_t i = 0; i < config.hand_over.size(); ++i)
+    outlet_.connect_other_lane(source_named(config.hand_over[i]), i);
+}
+
+void Pipeline::add_sensor(const SensorConfig& entry, Kept<Sensor>& before) {
+  sensor_texts_.push_back(to_yaml(entry));
+  const auto same = before.find(sensor_texts_.back());
+  if (same != before.end()) {
+    sensors_.push_back(std::move(same->second));
+    sensors_.back()->place_at(sensors_.size() - 1);
+  } else {
+    sensors_.push_back(std::make_unique<Sensor>(entry, sensors_.size(), sensor_context_));
+  }
+  for (const Flow& flow : flows_of(entry)) flows_.add(flow, sensors_.back().get());
+  if (entry.model != nullptr && entry.model->transport == Transport::tcp) tcp_ports_.insert(entry.ip_port);
+}
+
+template <class Entry>
+void Pipeline::add_output(const Entry& entry, Kept<Output>& before) {
+  // What an output shows depends on the vehicle's outline too.
+  output_texts_.push_back(to_yaml(vehicle_) + to_yaml(entry));
+  const auto same = before.find(output_texts_.back());
+  if (same != before.end()) {
+    outputs_.push_back(std::move(same->second));
+    outputs_.back()->find_topics();
+  } else {
+    outputs_.push_back(make_output(entry, output_context_));
+  }
+  Output& output = *outputs_.back();
   std::size_t place = 0;
-  for (const std::string& name : output->sources()) outlet_.connect(source_named(name), *output, place++);
-  outputs_.push_back(std::move(output));
+  for (const std::string& name : output.sources()) outlet_.connect(source_named(name), output, place++);
 }
 
 /// A sensor, or a virtual scan by its topic.
@@ -37,6 +77,16 @@ std::size_t Pipeline::source_named(const std::string& name) const {
     if (sensors_[i]->config().name == name) return i;
   }
   return outlet_.source_of(topic_named(outlet_.topics(), name));
+}
+
+/// A sensor whose data come as messages, of packets for its driver or not. nullptr: it is no longer in the
+/// configuration, and the message was on its way.
+Sensor* Pipeline::topic_sensor(const std::string& name, bool with_driver) {
+  for (const auto& sensor : sensors_) {
+    const SensorConfig& config = sensor->config();
+    if (config.name == name && (config.model != nullptr) == with_driver) return sensor.get();
+  }
+  return nullptr;
 }
 
 /// nullptr: nobody's, or of no interest.
@@ -78,15 +128,21 @@ void Pipeline::connected(std::size_t sensor, Stamp now) {
 }
 
 void Pipeline::packet_message(const std::string& sensor, const Packet& packet, Stamp received) {
-  take(received, [&] { sensor_named(sensor).receive(packet, received); });
+  take(received, [&] {
+    if (Sensor* const known = topic_sensor(sensor, true)) known->receive(packet, received);
+  });
 }
 
 void Pipeline::scan_message(const std::string& sensor, PlanarScan& scan, Stamp received) {
-  take(received, [&] { sensor_named(sensor).take_message(scan, received); });
+  take(received, [&] {
+    if (Sensor* const known = topic_sensor(sensor, false)) known->take_message(scan, received);
+  });
 }
 
 void Pipeline::cloud_message(const std::string& sensor, Cloud& cloud, Stamp received) {
-  take(received, [&] { sensor_named(sensor).take_message(cloud, received); });
+  take(received, [&] {
+    if (Sensor* const known = topic_sensor(sensor, false)) known->take_message(cloud, received);
+  });
 }
 
 void Pipeline::pose_message(Stamp stamp, const Pose& pose, const std::string& child, Stamp received) {
@@ -104,8 +160,11 @@ void Pipeline::turn_message(Stamp stamp, const Eigen::Vector3d& rates, const std
 
 std::string Pipeline::set_output(const OutputId& output, const OutputScanConfig& wanted) {
   if (const auto grid = make_grid(wanted.grid); !grid) return grid.reason();
-  for (const auto& one : outputs_) {
-    if (one->id() == output) return one->set_scan(wanted), "";
+  for (std::size_t i = 0; i < outputs_.size(); ++i) {
+    if (!(outputs_[i]->id() == output)) continue;
+    outputs_[i]->set_scan(wanted);
+    output_texts_[i].clear();  // no longer what the file says
+    return {};
   }
   return "there is no output named " + output.entry;
 }
@@ -149,7 +208,10 @@ void Pipeline::tick(Stamp now) {
   if (now < known && known - now < diagnostics_period) now = known;
   advance(now);
   advance_to(now);
-  for (const auto& sensor : sensors_) sensor->tick(now);
+  for (const auto& sensor : sensors_) {
+    sensor->tick(now);
+    diagnostics_wanted_ = sensor->silence_changed(now) || diagnostics_wanted_;
+  }
   const Span since = now - last_diagnostics_;
   if (diagnostics_wanted_ || since < Span(0) || since >= diagnostics_period) publish_diagnostics(now);
 }
@@ -167,7 +229,9 @@ void Pipeline::restart() {
 
 std::vector<SensorReport> Pipeline::report() const {
   std::vector<SensorReport> reports;
-  for (const auto& sensor : sensors_) reports.push_back(sensor->report());
+  for (const auto& sensor : sensors_) {
+    if (!sensor->config().handed_over) reports.push_back(sensor->report());
+  }
   return reports;
 }
 
@@ -203,6 +267,7 @@ std::vector<DiagnosticItem> Pipeline::diagnostics(Stamp now) const {
   std::vector<DiagnosticItem> items;
   const bool starting = start_.is_starting(now);
   for (const auto& sensor : sensors_) {
+    if (sensor->config().handed_over) continue;
     SensorReport report = sensor->report();
     report.starting = starting;
     items.push_back(sensor_health(sensor->config(), report, unknown_senders_, now));
@@ -212,7 +277,7 @@ std::vector<DiagnosticItem> Pipeline::diagnostics(Stamp now) const {
   }
   if (auto item = motion_.diagnostics(sensor_context_.now)) items.push_back(std::move(*item));
   for (const auto& output : outputs_) items.push_back(output->diagnostics(now, starting));
-  if (const auto names = unknown_senders_.names(); !names.empty())
+  if (const auto names = unknown_senders_.names(now - UnknownSenders::expires_after); !names.empty())
     items.push_back(unknown_senders_item(names));
   if (more_diagnostics_) more_diagnostics_(items);
   return items;

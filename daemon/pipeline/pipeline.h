@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -70,6 +71,11 @@ class Pipeline final : public MessageReceiver {
   Pipeline(const Config& config, TransformSource& transforms, FrameSink& sink)
       : Pipeline(config, transforms, std::vector<FrameSink*>{&sink}) {}
 
+  /// From now on works after another configuration. Sensors and outputs whose entries are the same go on as
+  /// if nothing had happened, unless set_output() has changed them.
+  void configure(const Config& config);
+  void set_sinks(std::vector<FrameSink*> sinks) { outlet_.set_sinks(std::move(sinks)); }
+  void set_hand_over(HandOver hand_over) { outlet_.set_hand_over(std::move(hand_over)); }
   /// The configured transforms, for /tf_static.
   const std::vector<StaticTransform>& static_transforms() const { return frames_.transforms(); }
 
@@ -118,17 +124,23 @@ class Pipeline final : public MessageReceiver {
   void add_diagnostics(std::function<void(std::vector<DiagnosticItem>&)> source);
 
  private:
+  /// What there was before configure(), by the text of its entry.
+  template <class What>
+  using Kept = std::map<std::string, std::unique_ptr<What>>;
+
   Sensor* owner_of(const Packet& packet);
   std::size_t source_named(const std::string& name) const;
-  Sensor& sensor_named(const std::string& name) { return *sensors_.at(source_named(name)); }
-  void add_output(std::unique_ptr<Output> output);
+  Sensor* topic_sensor(const std::string& name, bool with_driver);
+  void add_sensor(const SensorConfig& config, Kept<Sensor>& before);
+  template <class Entry>
+  void add_output(const Entry& entry, Kept<Output>& before);
   template <class Input>
   void take(Stamp at, Input input);
   void advance_to(Stamp at);
   void publish_diagnostics(Stamp now);
   std::string why_silent(const std::string& source) const;
 
-  const VehicleConfig vehicle_;
+  VehicleConfig vehicle_;
   FrameTree frames_;
   VehicleMotion motion_;
   FlowTable<Sensor*> flows_;
@@ -136,6 +148,7 @@ class Pipeline final : public MessageReceiver {
   UnknownSenders unknown_senders_;
   std::vector<std::unique_ptr<Sensor>> sensors_;
   std::vector<std::unique_ptr<Output>> outputs_;
+  std::vector<std::string> sensor_texts_, output_texts_;  // their entries, see to_yaml()
   Outlet outlet_;
   SensorContext sensor_context_{outlet_, motion_};
   OutputContext output_context_{vehicle_, frames_, outlet_};

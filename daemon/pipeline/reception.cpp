@@ -15,9 +15,8 @@ namespace {
 
 /// A step of the clock that is longer is a stall of the program, a jump of the clock or a hole in a capture.
 constexpr double longest_step_s = 1;
-/// After this long without a packet, which was told as an error meanwhile, data are a new beginning.
-constexpr double new_beginning_s = 3;
 constexpr double judged_after_s = 2;
+constexpr double window_s = 10;
 constexpr std::uint64_t least_looked = 10;
 /// A hand or a sheet before the window is nearer, in m; next to nothing else surrounds a sensor there.
 constexpr float too_near = 0.3F;
@@ -124,6 +123,9 @@ void judge_beams(const Reception& r, FrameKind kind, Findings& findings) {
 }
 
 }  // namespace
+
+SilenceLimits::SilenceLimits(double period_s)
+    : warn_s(std::max(0.8, 2.5 * period_s)), error_s(std::max(2.8, 2.5 * period_s + 2)) {}
 
 ReceptionVerdict judge(const Reception& r, FrameKind kind) {
   Findings findings;
@@ -250,7 +252,10 @@ void ReceptionWatch::age_senders() {
 }
 
 void ReceptionWatch::pass(double passed_s, bool packets_came, bool frames_came) {
-  const bool again = packets_came && idle_s_ >= new_beginning_s;
+  // A silence that was told ends with a new beginning; a plug that is loose is no beginning each time.
+  const SilenceLimits told(total_.period_s);
+  const bool first = total_.watched_s - began_anew_at_ > window_s;
+  const bool again = packets_came && idle_s_ >= (first ? told.warn_s : told.error_s);
   idle_s_ = packets_came ? 0 : idle_s_ + passed_s;
   total_.watched_s += passed_s;
   // Silence is another matter than packets without frames.
@@ -262,7 +267,9 @@ void ReceptionWatch::pass(double passed_s, bool packets_came, bool frames_came) 
     total_.expected += passed_s / period_s_;
     total_.frames = static_cast<double>(total_.counters.frames - uncounted_frames_);
   }
-  if (again) forget();
+  if (!again) return;
+  began_anew_at_ = total_.watched_s;
+  forget();
 }
 
 void ReceptionWatch::advance(Stamp now, const Counters& counters) {

@@ -36,6 +36,14 @@ struct Reception {
   std::uint64_t lost() const { return counters.lost_packets; }
 };
 
+/// How long a source may say nothing, s: until a warning, until an error. One that sends seldom may be silent
+/// for longer; `period_s`: usual time between two of its frames, 0: not known. With the rounds of a tenth of
+/// a second in which all is looked at, a lidar's silence is told as WARN within 1 s and as ERROR within 3 s.
+struct SilenceLimits {
+  explicit SilenceLimits(double period_s);
+  double warn_s, error_s;
+};
+
 /// What is wrong with it.
 struct ReceptionVerdict {
   Health health = Health::ok;
@@ -86,6 +94,8 @@ class ReceptionWatch {
 
   Reception recent() const;
   Reception whole() const;
+  /// Usual time between two frames, s; 0: not known.
+  double period_s() const { return total_.period_s; }
   /// Who sends to this sensor, if several do: in each of the last two seconds, or at any time.
   const std::vector<std::string>& rivals() const { return rivals_; }
   const std::vector<std::string>& rivals_ever() const { return rivals_ever_; }
@@ -121,6 +131,7 @@ class ReceptionWatch {
   std::array<Reception, marks> marks_{};  // total_ at the last seconds, in a ring
   std::size_t mark_count_ = 0;
   double marked_at_ = 0;
+  double began_anew_at_ = 0;
   std::uint64_t uncounted_frames_ = 0;  // before the rate was known
   bool rate_known_ = false;
   std::array<Sender, most_senders> senders_{};

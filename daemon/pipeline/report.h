@@ -26,9 +26,12 @@ struct SensorReport {
   bool seen = false;         ///< any data received at all
   Stamp last_arrival;        ///< of data
   Stamp last_telemetry;      ///< of what the device tells beside its data
-  std::string link_trouble;  ///< why there is no connection to a device that needs one; empty: there is
-  bool starting = false;     ///< the first second of all watching: silence says nothing yet
-  Reception recent, whole;   ///< of the last 10 s, and since the start
+  std::string link_trouble;  ///< while silent: what is wrong with its connection or this host's network;
+                             ///< empty: nothing
+  std::string link_hint;     ///< while silent: what may be wrong there
+  std::string other_model;  ///< which model's packets come in place of the configured one's; empty: not known
+  bool starting = false;    ///< the first second of all watching: silence says nothing yet
+  Reception recent, whole;  ///< of the last 10 s, and since the start
   std::vector<std::string> rivals, rivals_ever;  ///< several senders into one entry, now and at any time
 };
 

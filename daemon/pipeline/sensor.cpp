@@ -34,14 +34,26 @@ void set_unobserved(const PlanarScan& shape, PlanarScan& scan) {
 }  // namespace
 
 Sensor::Sensor(const SensorConfig& config, std::size_t place, SensorContext& context)
-    : config_(config), place_(place), context_(context), arranger_(config.layout), watch_(watch_of(config)) {
+    : config_(config),
+      place_(place),
+      context_(context),
+      arranger_(config.layout),
+      watch_(watch_of(config)),
+      other_model_(config.model) {
   if (config.model == nullptr) return;
   driver_ = config.model->make(config.driver);
   if (config.ring_scan) ring_scan_.emplace(*config.ring_scan);
-  for (const OutputTopic& own : sensor_topics(config)) {
-    const OutputTopic& topic = topic_named(context.outlet.topics(), own.name);
+  place_at(place);
+}
+
+void Sensor::place_at(std::size_t place) {
+  place_ = place;
+  topic_ = ring_topic_ = echoes_topic_ = nullptr;
+  told_topics_.clear();
+  for (const OutputTopic& own : sensor_topics(config_)) {
+    const OutputTopic& topic = topic_named(context_.outlet.topics(), own.name);
     if (!topic.promised)
-      told_topics_.emplace_back(std::string_view(topic.name).substr(config.name.size() + 1), &topic);
+      told_topics_.emplace_back(std::string_view(topic.name).substr(config_.name.size() + 1), &topic);
     else if (topic.kind == TopicKind::echoes)
       echoes_topic_ = &topic;
     else
@@ -55,7 +67,11 @@ void Sensor::receive(const Packet& packet, Stamp received) {
   const bool datagram = packet.transport == Transport::udp;
   if (datagram) sender_ = packet.from.address;
   const std::uint64_t data_packets = counters().packets;
-  driver_->receive(packet, *this);
+  const std::uint64_t foreign = counters().rejected[static_cast<std::size_t>(Reject::model)];
+  Reject refused = driver_->receive(packet, *this);
+  // The verdict on a packet may come with the next one.
+  if (counters().rejected[static_cast<std::size_t>(Reject::model)] != foreign) refused = Reject::model;
+  if (refused != Reject::none && datagram) other_model_.refused(packet, refused);
   if (packet.transport == config_.model->transport) {
     if (counters().packets != data_packets) {
       notice_data(received);
@@ -179,6 +195,11 @@ void Sensor::tick(Stamp now) {
   apply_connection_request();
 }
 
+bool Sensor::silence_changed(Stamp now) {
+  const Health is = seen_ ? silence_of(last_arrival_, watch_.period_s(), now) : Health::ok;
+  return std::exchange(silence_, is) != is;
+}
+
 void Sensor::finish() {
   if (driver_ != nullptr) driver_->finish(*this);
 }
@@ -198,7 +219,12 @@ SensorReport Sensor::report() const {
   report.seen = seen_;
   report.last_arrival = last_arrival_;
   report.last_telemetry = last_telemetry_;
-  if (context_.connections != nullptr) report.link_trouble = context_.connections->trouble(place_);
+  const bool silent = !seen_ || silence_of(last_arrival_, watch_.period_s(), context_.now) != Health::ok;
+  if (context_.connections != nullptr && silent) {
+    report.link_trouble = context_.connections->trouble(place_);
+    report.link_hint = context_.connections->hint(place_);
+  }
+  report.other_model = other_model_.sentence();
   report.recent = watch_.recent();
   report.whole = watch_.whole();
   report.rivals = watch_.rivals();

@@ -12,6 +12,7 @@
 
 #include "core/base/bytes.h"
 #include "daemon/config/config.h"
+#include "daemon/pipeline/other_model.h"
 #include "daemon/pipeline/output.h"
 #include "daemon/pipeline/reception.h"
 #include "daemon/pipeline/report.h"
@@ -35,8 +36,11 @@ class DeviceConnections {
   virtual void send(std::size_t sensor, ByteView bytes) = 0;
   /// Ends the connection; `again`: and opens another one.
   virtual void disconnect(std::size_t sensor, bool again) = 0;
-  /// Why the sensor has no connection, with the remedy; empty if it has one or needs none.
+  /// Why the sensor has no connection, or cannot be reached, with the remedy; empty: nothing is known to be
+  /// wrong.
   virtual std::string trouble(std::size_t sensor) const = 0;
+  /// What may be the reason that nothing comes from a sensor though its connection is well; empty: no idea.
+  virtual std::string hint(std::size_t /*sensor*/) const { return {}; }
 };
 
 /// What the sensors of a pipeline share: where their frames go, their connections, and the time.
@@ -54,6 +58,8 @@ class Sensor final : public DriverOutput {
   Sensor(const SensorConfig& config, std::size_t place, SensorContext& context);
 
   const SensorConfig& config() const { return config_; }
+  /// The topics of the outlet, or its place in the configuration, are others now.
+  void place_at(std::size_t place);
   const Counters& counters() const { return driver_ ? driver_->counters() : topic_counters_; }
 
   /// A packet of this sensor, or a chunk of its connection.
@@ -70,6 +76,8 @@ class Sensor final : public DriverOutput {
   /// Time passed, perhaps by a jump.
   void advance(Stamp now, bool jumped);
   void tick(Stamp now);
+  /// True once where it fell silent, became an error by that, or is heard of again.
+  bool silence_changed(Stamp now);
   /// End of input: hands on what is complete.
   void finish();
   /// The input starts again.
@@ -110,7 +118,7 @@ class Sensor final : public DriverOutput {
   const OutputTopic* topic_told_as(std::string_view name) const;
 
   const SensorConfig config_;
-  const std::size_t place_;
+  std::size_t place_;
   SensorContext& context_;
   std::unique_ptr<Driver> driver_;  // nullptr: another driver publishes on config_.topic
   CloudArranger arranger_;
@@ -127,8 +135,10 @@ class Sensor final : public DriverOutput {
   Stamp first_arrival_{};
   Stamp last_arrival_{};
   Stamp last_telemetry_{};
+  Health silence_ = Health::ok;
   Counters topic_counters_;  // without a driver
   ReceptionWatch watch_;
+  OtherModel other_model_;
   PlanarScan shape_;  // geometry of its last scan that had beams
 };
 

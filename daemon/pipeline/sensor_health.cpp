@@ -13,27 +13,33 @@
 namespace lidard {
 namespace {
 
-constexpr double silent_warning_s = 1;
-constexpr double silent_error_s = 3;
+/// A sensor that tells things beside its data does so at least once in this time.
+constexpr double telemetry_silent_s = 1;
+/// Whoever sent within this time sends now.
+constexpr Span recent_sender = std::chrono::seconds(3);
 
 /// "10 s", or less soon after the begin.
 std::string window_text(const Reception& recent) {
   return fmt::format("{:.0f} s", std::min(10.0, recent.watched_s));
 }
 
-std::string why_nothing(const SensorConfig& config, const SensorReport& report,
-                        const UnknownSenders& unknown) {
+std::string why_nothing(const SensorConfig& config, const SensorReport& report, const UnknownSenders& unknown,
+                        Stamp now) {
   if (config.model == nullptr || !config.packet_topic.empty()) return "; is its driver running?";
+  // Packets that come from elsewhere show that it is not the network.
+  const bool datagrams = config.model->transport == Transport::udp;
+  const std::string sender =
+      datagrams ? unknown.sender_to(config.ip_port, now - recent_sender) : std::string();
+  if (!sender.empty()) return "; but there are packets from " + sender + ": correct ip_address?";
   if (!report.link_trouble.empty()) return ": " + report.link_trouble;
   if (config.model->transport == Transport::tcp) {
     // A device that refuses says why.
     const auto& warnings = report.info.warnings;
     return warnings.empty() ? "; does the device measure?" : ": " + warnings.back();
   }
-  const std::string sender = unknown.sender_to(config.ip_port);
-  if (!sender.empty()) return "; but there are packets from " + sender + ": correct ip_address?";
   // What keeps the dialogue of a device that sends datagrams from starting them.
   if (!report.info.warnings.empty()) return ": " + report.info.warnings.back();
+  if (!report.link_hint.empty()) return ": " + report.link_hint;
   return "; check the sensor's power, its destination address and port, and the firewall";
 }
 
@@ -45,21 +51,24 @@ bool may_still_come(const SensorReport& report) {
 /// Data do not come.
 void judge_silence(const SensorConfig& config, const SensorReport& report, const UnknownSenders& unknown,
                    Stamp now, DiagnosticItem& item) {
-  const double age = seconds(now - report.last_arrival);
   if (may_still_come(report)) {
     item.message = "waiting for data from " + where_from(config);
-  } else if (seconds(now - report.last_telemetry) < silent_warning_s) {
+  } else if (seconds(now - report.last_telemetry) < telemetry_silent_s) {
     item.set(Health::error, "no data, only telemetry on port " + std::to_string(config.telemetry_port) +
                                 "; check that its laser and motor are on and that it sends data to port " +
                                 std::to_string(config.ip_port));
   } else if (!report.seen) {
     item.set(Health::error,
-             "nothing received from " + where_from(config) + why_nothing(config, report, unknown));
+             "nothing received from " + where_from(config) + why_nothing(config, report, unknown, now));
   } else {
-    item.set(age > silent_error_s ? Health::error : Health::warn,
-             "silent: nothing received from " + where_from(config) + why_nothing(config, report, unknown));
+    item.set(
+        silence_of(report.last_arrival, report.recent.period_s, now),
+        "silent: nothing received from " + where_from(config) + why_nothing(config, report, unknown, now));
   }
 }
+
+/// Hardly a packet could be used.
+bool is_all_refused(const Counters& c) { return c.packets > 0 && c.rejected_total() * 100 >= c.packets * 99; }
 
 /// Data come: as many as there should be?
 void judge_data(const SensorConfig& config, const SensorReport& report, DiagnosticItem& item) {
@@ -68,6 +77,8 @@ void judge_data(const SensorConfig& config, const SensorReport& report, Diagnost
   const ReceptionVerdict verdict = lidard::judge(report.recent, kind);
   if (!report.rivals.empty()) {
     item.set(Health::error, rivals_text(report.rivals, config.ip_port));
+  } else if (!report.other_model.empty() && is_all_refused(report.recent.counters)) {
+    item.set(Health::error, report.other_model);
   } else if (c.packets > 0 && c.rejected_total() == c.packets) {
     item.set(Health::error,
              "no packet could be used: rejected " + rejected_text(c) + "; is it the configured model?");
@@ -84,7 +95,7 @@ void judge_data(const SensorConfig& config, const SensorReport& report, Diagnost
 
 void judge(const SensorConfig& config, const SensorReport& report, const UnknownSenders& unknown, Stamp now,
            DiagnosticItem& item) {
-  if (!report.seen || seconds(now - report.last_arrival) > silent_warning_s)
+  if (!report.seen || silence_of(report.last_arrival, report.recent.period_s, now) != Health::ok)
     judge_silence(config, report, unknown, now, item);
   else
     judge_data(config, report, item);
@@ -110,6 +121,12 @@ std::string name_of(const Flow& flow, std::uint64_t packets) {
 }
 
 }  // namespace
+
+Health silence_of(Stamp last_arrival, double period_s, Stamp now) {
+  const SilenceLimits limits(period_s);
+  const double age = seconds(now - last_arrival);
+  return age > limits.error_s ? Health::error : age > limits.warn_s ? Health::warn : Health::ok;
+}
 
 std::string where_from(const SensorConfig& config) {
   if (config.model == nullptr) return "topic " + config.topic;
@@ -164,26 +181,39 @@ DiagnosticItem unknown_senders_item(const std::vector<std::string>& senders) {
 
 void UnknownSenders::note(const Packet& packet) {
   const Flow flow = flow_of(packet);
-  const auto entry = packets_.find(flow);
-  if (entry != packets_.end()) {
-    ++entry->second;
-  } else if (packets_.size() < most_names) {
-    packets_.emplace(flow, 1);
-  } else {
-    ++not_named_;
+  const auto entry = senders_.find(flow);
+  Sender& sender = entry != senders_.end()     ? entry->second
+                   : make_room(packet.arrival) ? senders_[flow]
+                                               : not_named_;
+  ++sender.packets;
+  sender.last = packet.arrival;
+}
+
+/// For one more name: the place of one who has gone may be taken.
+bool UnknownSenders::make_room(Stamp now) {
+  if (senders_.size() < most_names) return true;
+  const auto oldest = std::min_element(senders_.begin(), senders_.end(), [](const auto& a, const auto& b) {
+    return a.second.last < b.second.last;
+  });
+  if (now - oldest->second.last < expires_after) return false;
+  senders_.erase(oldest);
+  return true;
+}
+
+std::vector<std::string> UnknownSenders::names(Stamp since) const {
+  std::vector<std::string> names;
+  for (const auto& [flow, sender] : senders_) {
+    if (sender.last >= since) names.push_back(name_of(flow, sender.packets));
   }
+  if (not_named_.packets > 0 && not_named_.last >= since)
+    names.push_back("further senders (" + std::to_string(not_named_.packets) + " packets)");
+  return names;
 }
 
-std::vector<std::string> UnknownSenders::names() const {
-  std::vector<std::string> senders;
-  for (const auto& [flow, packets] : packets_) senders.push_back(name_of(flow, packets));
-  if (not_named_ > 0) senders.push_back("further senders (" + std::to_string(not_named_) + " packets)");
-  return senders;
-}
-
-std::string UnknownSenders::sender_to(std::uint16_t port) const {
-  for (const auto& [flow, packets] : packets_) {
-    if (flow.transport == Transport::udp && flow.port == port) return name_of(flow, packets);
+std::string UnknownSenders::sender_to(std::uint16_t port, Stamp since) const {
+  for (const auto& [flow, sender] : senders_) {
+    if (flow.transport == Transport::udp && flow.port == port && sender.last >= since)
+      return name_of(flow, sender.packets);
   }
   return {};
 }

@@ -17,16 +17,29 @@ namespace lidard {
 /// Senders on a configured port that no sensor claims.
 class UnknownSenders {
  public:
+  /// Who sent nothing for so long is not reported any more.
+  static constexpr Span expires_after = std::chrono::seconds(60);
+
   void note(const Packet& packet);
-  /// "192.168.1.9 -> port 2368 (412 packets)".
-  std::vector<std::string> names() const;
-  /// The first of them that sends datagrams to the port; empty: there is none.
-  std::string sender_to(std::uint16_t port) const;
+  /// "192.168.1.9 -> port 2368 (412 packets)"; those that have sent at or after `since`.
+  std::vector<std::string> names(Stamp since = {}) const;
+  /// The first of them that has sent datagrams to the port at or after `since`; empty: there is none.
+  std::string sender_to(std::uint16_t port, Stamp since = {}) const;
 
  private:
-  std::map<Flow, std::uint64_t> packets_;
-  std::uint64_t not_named_ = 0;
+  struct Sender {
+    std::uint64_t packets = 0;
+    Stamp last{};
+  };
+  bool make_room(Stamp now);
+
+  std::map<Flow, Sender> senders_;
+  Sender not_named_;
 };
+
+/// OK while no longer time than a warning or an error has passed since the last data of a source; `period_s`:
+/// as in SilenceLimits.
+Health silence_of(Stamp last_arrival, double period_s, Stamp now);
 
 /// A sensor's line on /diagnostics: is there data, as much as there should be, and if not, why probably not.
 DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& report,

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,11 +15,13 @@
 
 namespace lidard {
 
-/// A fixed transform for /tf_static.
-struct StaticTransform {
-  std::string parent;
-  std::string child;
-  Pose pose;  ///< of child in parent
+/// How many of all.
+struct Share {
+  std::size_t good = 0, all = 0;
+  void operator+=(const Share& more) {
+    good += more.good;
+    all += more.all;
+  }
 };
 
 enum class Health : std::uint8_t { ok, warn, error, stale };
@@ -31,6 +34,7 @@ struct DiagnosticItem {
   Health health = Health::ok;
   std::string message{};  ///< one sentence; says the remedy when health is not ok
   std::vector<std::pair<std::string, std::string>> values{};
+  bool logged = false;  ///< its maker tells the log of changes
 
   void set(Health level, std::string sentence) {
     health = level;
@@ -39,6 +43,24 @@ struct DiagnosticItem {
   void add(std::string key, std::string value) { values.emplace_back(std::move(key), std::move(value)); }
   void add(std::string key, std::uint64_t number) { add(std::move(key), std::to_string(number)); }
 };
+
+/// The items of both lanes. Both may have something to tell under one name, of unknown senders for example:
+/// then the worse message counts, and the values of both.
+inline std::vector<DiagnosticItem> joined(const std::vector<DiagnosticItem>& items,
+                                          std::vector<DiagnosticItem> more) {
+  std::vector<DiagnosticItem> all = items;
+  for (DiagnosticItem& item : more) {
+    const auto known = std::find_if(all.begin(), all.end(),
+                                    [&](const DiagnosticItem& one) { return one.name == item.name; });
+    if (known == all.end()) {
+      all.push_back(std::move(item));
+      continue;
+    }
+    if (item.health > known->health) known->set(item.health, item.message);
+    known->values.insert(known->values.end(), item.values.begin(), item.values.end());
+  }
+  return all;
+}
 
 /// Takes what the pipeline finished: ROS, a bag, a file, a test. Called from the sensor thread; must not
 /// block. The topics are entries of output_topics() of the pipeline's configuration.

@@ -14,8 +14,10 @@ constexpr double data_live_s = 1;
 
 VehicleMotion::VehicleMotion(const VehicleConfig& vehicle, TransformSource& transforms, FrameTree& frames)
     : vehicle_(vehicle), transforms_(transforms), frames_(frames) {
-  if (vehicle.has_motion()) frames.set_track(&track_);
+  configure();
 }
+
+void VehicleMotion::configure() { frames_.set_track(vehicle_.has_motion() ? &track_ : nullptr); }
 
 void VehicleMotion::poll(Stamp now) {
   // Packets come by the thousand, poses by the dozen.

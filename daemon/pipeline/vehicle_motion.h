@@ -20,6 +20,8 @@ class VehicleMotion {
  public:
   /// All must outlive this; `frames` gets the track.
   VehicleMotion(const VehicleConfig& vehicle, TransformSource& transforms, FrameTree& frames);
+  /// `vehicle` or the frames are others now.
+  void configure();
 
   /// Takes what tf has learned of the vehicle's way.
   void poll(Stamp now);
@@ -48,7 +50,7 @@ class VehicleMotion {
 
   const VehicleConfig& vehicle_;
   TransformSource& transforms_;
-  const FrameTree& frames_;
+  FrameTree& frames_;
   PoseTrack track_;
   DeadReckoning reckoning_;
   std::vector<StampedPose> new_poses_;

@@ -38,16 +38,20 @@ class VirtualOutput final : public Output {
         poses_(context.poses),
         stamps_(config.output_laser_topic.empty() ? config.virtual_laser_scan.size() : 1),
         why_unplaced_(config.virtual_laser_scan.size()) {
-    const auto topic = [&](const std::string& name) { return &topic_named(context.outlet.topics(), name); };
-    for (const std::string& frame : config.virtual_laser_scan) {
-      topics_.push_back({topic(config.topic(frame))});
-      for (const AlsoScanConfig& also : config.also)
-        topics_.back().push_back(topic(config.topic(frame, &also)));
-    }
+    find_topics();
     set_up();
   }
 
   OutputId id() const override { return {OutputId::Kind::virtual_group, config_.name}; }
+  void find_topics() override {
+    const auto topic = [&](const std::string& name) { return &topic_named(context_.outlet.topics(), name); };
+    topics_.clear();
+    for (const std::string& frame : config_.virtual_laser_scan) {
+      topics_.push_back({topic(config_.topic(frame))});
+      for (const AlsoScanConfig& also : config_.also)
+        topics_.back().push_back(topic(config_.topic(frame, &also)));
+    }
+  }
   std::vector<std::string> sources() const override { return {config_.cloud_topic}; }
   void add_cloud(const Cloud& cloud, Stamp now) override {
     Pose vehicle_from_cloud;

@@ -5,6 +5,7 @@
 #include <ros/callback_queue.h>
 #include <ros/node_handle.h>
 
+#include <algorithm>
 #include <any>
 #include <atomic>
 #include <deque>
@@ -39,10 +40,17 @@ class RosCallbackThread {
     node.setCallbackQueue(&queue_);
     return node;
   }
-  /// Keeps a subscriber, publisher, server or listener as long as the thread lives.
+  /// What is kept from now on is kept for `owner`.
+  void keep_for(const void* owner) { owner_ = owner; }
+  /// Keeps a subscriber, publisher, server or listener as long as the thread lives, or until drop().
   template <class Part>
   void keep(Part part) {
-    kept_.emplace_back(std::move(part));
+    kept_.emplace_back(owner_, std::move(part));
+  }
+  /// Gives up what is kept for `owner`, which is not called any more. May wait for the master.
+  void drop(const void* owner) {
+    const auto is_its = [&](const auto& part) { return part.first == owner; };
+    kept_.erase(std::remove_if(kept_.begin(), kept_.end(), is_its), kept_.end());
   }
   /// Calls use(message pointer) for each message of a topic.
   template <class Message, class Use>
@@ -67,7 +75,8 @@ class RosCallbackThread {
   }
 
   ros::CallbackQueue queue_;
-  std::vector<std::any> kept_;
+  std::vector<std::pair<const void*, std::any>> kept_;
+  const void* owner_ = nullptr;
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };

@@ -8,7 +8,10 @@
 #include <ros/this_node.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -16,10 +19,11 @@
 #include "daemon/ros/ros_component.h"
 #include "daemon/ros/ros_diagnostics.h"
 #include "daemon/ros/ros_environment.h"
+#include "daemon/ros/ros_lane.h"
 #include "daemon/ros/ros_master.h"
 #include "daemon/ros/ros_name.h"
-#include "daemon/ros/ros_publishers.h"
 #include "daemon/ros/ros_pulse.h"
+#include "daemon/ros/wait_until.h"
 #include "drivers/net/wall_clock.h"
 
 namespace lidard {
@@ -32,43 +36,36 @@ using Clock = std::chrono::steady_clock;
 constexpr const char* thread_name = "lidard-master";
 /// How often the master is asked whether it is there.
 constexpr auto master_period = milliseconds(500);
-/// Of the 10 messages that roscpp keeps for a slow subscriber; the rest is slack for its own queue.
-constexpr std::size_t most_in_flight = 8;
-/// After this long a subscriber that takes nothing counts as stuck, and a replay goes on without it.
-constexpr auto stuck_subscriber = std::chrono::seconds(10);
+constexpr auto look_period = milliseconds(100);
+/// For so long it is told that we were shut down from outside.
+constexpr auto news_of_a_stop = std::chrono::seconds(60);
+/// Longer than a daemon that has waited for the master takes to register.
+constexpr auto longest_standing_back = std::chrono::seconds(2);
 /// A live thread makes ten rounds per second.
 constexpr auto longest_round = std::chrono::seconds(2);
 
-template <typename Condition>
-bool wait_until(Condition condition, Span limit) {
-  const auto deadline = Clock::now() + limit;
-  while (!condition()) {
-    if (Clock::now() >= deadline) return false;
-    std::this_thread::sleep_for(milliseconds(2));
-  }
-  return true;
-}
+/// By number of Lane.
+using LaneTopics = std::array<std::vector<OutputTopic>, 2>;
+using Lanes = std::array<std::shared_ptr<RosLane>, 2>;
 
 }  // namespace
 
 // Shared with the threads: one that hangs in roscpp at the end outlives the RosConnection.
 struct RosConnection::Impl {
-  Impl(RosOptions given, const std::vector<OutputTopic>& topics)
+  Impl(RosOptions given, LaneTopics topics)
       : options(std::move(given)),
         master_uri(choose_master(options.remappings)),
-        queue(topics, options.backpressure),
-        publishers(topics, options.clock),
         diagnostics(options.longest_report_age) {
-    init_ros(options, topics);
+    init_ros(options);
+    for (const auto& of_lane : topics) check_ros_names(of_lane);
     node = ros::this_node::getName();
     name = std::make_unique<RosName>(node, wall_clock());
+    lanes = make_lanes(topics);
   }
 
   const RosOptions options;
   const std::string master_uri;
   std::string node;
-  FrameQueue queue;
-  RosPublishers publishers;
   RosDiagnostics diagnostics;
   std::vector<std::shared_ptr<RosComponent>> components;
   std::unique_ptr<RosName> name;
@@ -80,50 +77,71 @@ struct RosConnection::Impl {
   std::atomic<bool> master_ended{false};
   std::atomic<bool> ended_clean{true};
   std::atomic<bool> news{false};  // for /diagnostics, not to be held back
-  std::atomic<std::uint64_t> published{0};
-  std::atomic<std::uint64_t> without_ros{0};
   std::atomic<std::uint64_t> foreign_stops{0};
+  std::atomic<Clock::time_point> last_foreign_stop{Clock::time_point()};
+  std::atomic<bool> ports_are_taken{false};
   std::mutex wake_mutex;
   std::condition_variable wake;
-  std::thread ros_thread;
   std::thread master_thread;
+  mutable std::mutex lanes_mutex;
+  Lanes lanes, next_lanes;  // next_lanes: of a change that is not finished
+  Span step{0};
+  std::optional<RosChange> wanted;                // guarded by wake_mutex
+  std::vector<std::shared_ptr<RosLane>> retired;  // so are these, which nobody uses any more
 
   // Belongs to the master thread.
   bool running = false;
   bool registered = false;
+  std::vector<std::shared_ptr<RosComponent>> leaving, joining;  // when the master answers
   int master_pid = 0;
+  std::optional<Clock::time_point> standing_back_since;
   Clock::time_point next_notice = Clock::now();
   Clock::time_point next_diagnostics = Clock::now();
 
-  void run_ros() {
-    while (!stopping) {
-      pulse.tick(RosPulse::publishing);
-      QueuedFrame* frame = queue.pop(milliseconds(100));
-      if (frame == nullptr) continue;
-      if (deal_with(*frame))
-        queue.published(frame, wall_clock());
-      else
-        queue.done(frame);
+  Lanes make_lanes(const LaneTopics& topics) {
+    constexpr std::array<RosPulse::Thread, 2> threads{RosPulse::publishing, RosPulse::publishing_clouds};
+    Lanes made;
+    for (std::size_t i = 0; i < topics.size(); ++i) {
+      const auto take = [this, i](const std::vector<DiagnosticItem>& items) {
+        if (diagnostics.set(i, items)) hurry();
+      };
+      made[i] = std::make_shared<RosLane>(options, topics[i], pulse, threads[i], take);
+      made[i]->queue().set_step(step);
     }
+    return made;
   }
-  /// True if it was published: there is ROS.
-  bool deal_with(QueuedFrame& frame) {
-    if (options.backpressure == Backpressure::block) wait_for_subscribers_of(frame);
-    const bool sent = publishers.publish(frame);
-    ++(sent ? published : without_ros);
-    return sent;
+  Lanes current_lanes() const {
+    const std::lock_guard lock(lanes_mutex);
+    return lanes;
   }
-  void wait_for_subscribers_of(const QueuedFrame& frame) {
-    const auto keeps_up = [&] {
-      pulse.tick(RosPulse::publishing);
-      const bool advertised = publishers.ready() || frame.lane == queue.transforms_lane();
-      return stopping || (advertised && publishers.in_flight(frame) < most_in_flight);
-    };
-    while (!wait_until(keeps_up, stuck_subscriber)) {
-      if (!publishers.ready()) continue;
-      spdlog::warn("a subscriber has taken nothing for 10 s; it loses messages from here on");
-      return;
-    }
+  /// With those of a change that is not finished.
+  std::vector<std::shared_ptr<RosLane>> all_lanes() const {
+    const std::lock_guard lock(lanes_mutex);
+    std::vector<std::shared_ptr<RosLane>> all(lanes.begin(), lanes.end());
+    if (next_lanes[0] != nullptr) all.insert(all.end(), next_lanes.begin(), next_lanes.end());
+    return all;
+  }
+  /// The sum of what `figure` says of each lane.
+  template <class Figure>
+  std::uint64_t sum(Figure figure) const {
+    std::uint64_t all = 0;
+    for (const auto& lane : current_lanes()) all += figure(*lane);
+    return all;
+  }
+  std::uint64_t dropped() const {
+    return sum([](const RosLane& lane) { return lane.queue().dropped(); });
+  }
+  std::uint64_t published() const {
+    return sum([](const RosLane& lane) { return lane.published(); });
+  }
+  std::uint64_t without_ros() const {
+    return sum([](const RosLane& lane) { return lane.without_ros(); });
+  }
+  std::uint64_t subscribers() const {
+    return sum([](const RosLane& lane) { return lane.publishers().subscribers(); });
+  }
+  bool is_ready() const {
+    return sum([](const RosLane& lane) { return lane.publishers().ready() ? 1 : 0; }) == lanes.size();
   }
   void hurry() {
     {
@@ -138,12 +156,71 @@ struct RosConnection::Impl {
     while (!stopping) {
       look_after(master);
       std::unique_lock lock(wake_mutex);
-      wake.wait_for(lock, master_period, [this] { return stopping || news; });
+      // A node that was shut down from outside is back soon.
+      const auto is_urgent = [this] {
+        return stopping || news || wanted || !retired.empty() || (running && !ros::ok());
+      };
+      for (auto waited = milliseconds(0); waited < master_period && !is_urgent(); waited += look_period)
+        wake.wait_for(lock, look_period, is_urgent);
     }
     shut_down(master);
     master_ended = true;
   }
+  /// Makes the lanes of a wanted change.
+  void begin_change() {
+    std::unique_lock lock(wake_mutex);
+    const std::optional<RosChange> change = std::exchange(wanted, std::nullopt);
+    lock.unlock();
+    if (!change) return;
+    Lanes fresh = make_lanes({change->topics, change->clouds});
+    for (std::size_t i = 0; i < fresh.size(); ++i) {
+      fresh[i]->continue_after(*lanes[i]);
+      fresh[i]->start();
+    }
+    {
+      const std::lock_guard lanes_lock(lanes_mutex);
+      next_lanes = fresh;
+    }
+    for (const auto& [former, next] : change->components) {
+      components.erase(std::remove(components.begin(), components.end(), former), components.end());
+      components.push_back(next);
+      if (!running) continue;
+      const auto came = std::find(joining.begin(), joining.end(), former);
+      if (came == joining.end())
+        leaving.push_back(former);
+      else
+        joining.erase(came);
+      joining.push_back(next);
+    }
+    change->ready(*fresh[0], *fresh[1]);
+  }
+  /// The lanes of a change are used: those before it are not.
+  void end_change() {
+    std::unique_lock lock(wake_mutex);
+    const auto former = std::exchange(retired, {});
+    lock.unlock();
+    const RosPulse::Call call(pulse);
+    for (const auto& lane : former) {
+      lane->finish();
+      lane->publishers().drop(!master_present);
+    }
+  }
+  /// What has to wait for the master.
+  void register_changes() {
+    const RosPulse::Call call(pulse);
+    for (const auto& component : std::exchange(leaving, {})) {
+      component->disconnected();
+      callbacks->drop(component.get());
+    }
+    for (const auto& component : std::exchange(joining, {})) {
+      callbacks->keep_for(component.get());
+      component->connected(*callbacks);
+    }
+    for (const auto& lane : current_lanes()) lane->publishers().advertise_missing();
+  }
   void look_after(MasterClient& master) {
+    begin_change();
+    end_change();
     if (running && !ros::ok()) restart_after_foreign_stop(master);
     // News do not wait for the master's answer.
     if (running && news.exchange(false)) publish_diagnostics();
@@ -162,7 +239,7 @@ struct RosConnection::Impl {
     const bool another = pid != master_pid;
     master_pid = pid;
     if (!running) {
-      if (!name->is_free(master)) return;
+      if (!name->is_free(master) || stands_back()) return;
       start_ros();
       spdlog::info("ROS master found at {}; publishing as {}", master_uri, node);
     } else if (another || !registered) {
@@ -173,14 +250,25 @@ struct RosConnection::Impl {
       registered = register_again(master, services);
       if (registered) spdlog::warn("ROS master at {} came back; all topics are registered again", master_uri);
     }
+    register_changes();
     const RosPulse::Call call(pulse);
     for (const auto& component : components) {
       if (stopping || !running) return;
+      callbacks->keep_for(component.get());
       component->poll(master);
-      publishers.advertise_again(component->stale_topics());
+      const auto stale = component->stale_topics();
+      for (const auto& lane : current_lanes()) lane->publishers().advertise_again(stale);
     }
   }
+  /// Whoever has the ports registers first.
+  bool stands_back() {
+    if (!ports_are_taken) return false;
+    const auto now = Clock::now();
+    if (!standing_back_since) standing_back_since = now;
+    return now - *standing_back_since < longest_standing_back;
+  }
   void master_silent(const MasterClient& master) {
+    standing_back_since.reset();
     master_present = false;
     registered = false;
     if (Clock::now() < next_notice) return;
@@ -198,10 +286,13 @@ struct RosConnection::Impl {
     name_this_thread("roscpp-rosout");
     ros::start();
     name_this_thread(thread_name);
-    publishers.advertise();
+    for (const auto& lane : all_lanes()) lane->publishers().advertise();
     diagnostics.start();
     callbacks = std::make_unique<RosCallbackThread>(pulse);
-    for (const auto& component : components) component->connected(*callbacks);
+    for (const auto& component : components) {
+      callbacks->keep_for(component.get());
+      component->connected(*callbacks);
+    }
     pulse.attach();
     name->taken();
     running = true;
@@ -212,15 +303,18 @@ struct RosConnection::Impl {
     pulse.detach();
     callbacks->stop();
     for (const auto& component : components) component->disconnected();
+    for (const auto& component : std::exchange(leaving, {})) component->disconnected();
+    joining.clear();
     if (leave) leave_behind(std::move(callbacks));
     callbacks.reset();
     diagnostics.drop(leave);
-    publishers.drop(leave);
+    for (const auto& lane : all_lanes()) lane->publishers().drop(leave);
     if (!leave) ros::shutdown();
     running = false;
   }
   void restart_after_foreign_stop(MasterClient& master) {
     ++foreign_stops;
+    last_foreign_stop = Clock::now();
     spdlog::error(
         "our ROS node {} was shut down from outside (a node of the same name, or rosnode kill); starting "
         "again",
@@ -244,10 +338,11 @@ struct RosConnection::Impl {
   DiagnosticItem own_status() const {
     DiagnosticItem item{"ROS"};
     judge_own_status(item);
-    item.values = {{"Frames published", std::to_string(published)},
-                   {"Frames dropped", std::to_string(queue.dropped())},
-                   {"Frames before the master came", std::to_string(without_ros)},
-                   {"Subscribers", std::to_string(publishers.subscribers())}};
+    item.values = {{"Frames published", std::to_string(published())},
+                   {"Frames dropped", std::to_string(dropped())},
+                   {"Frames before the master came", std::to_string(without_ros())},
+                   {"Subscribers", std::to_string(subscribers())}};
+    item.logged = true;
     return item;
   }
   void judge_own_status(DiagnosticItem& item) const {
@@ -257,7 +352,7 @@ struct RosConnection::Impl {
                fmt::format("the thread that publishes has stood still for {:.1f} s", seconds(stands)));
     } else if (!master_present) {
       item.set(Health::warn, "the master does not answer; check roscore");
-    } else if (foreign_stops > 0) {
+    } else if (foreign_stops > 0 && Clock::now() - last_foreign_stop.load() < news_of_a_stop) {
       item.set(Health::warn, "shut down from outside; look for a node of the same name");
     } else {
       item.message = "publishing";
@@ -271,14 +366,9 @@ struct RosConnection::Impl {
   }
 };
 
-// ---- ROS thread
-
-// ---- master thread
-
-// ---- interface
-
-RosConnection::RosConnection(RosOptions options, const std::vector<OutputTopic>& topics)
-    : impl_(std::make_shared<Impl>(std::move(options), topics)) {}
+RosConnection::RosConnection(RosOptions options, const std::vector<OutputTopic>& topics,
+                             const std::vector<OutputTopic>& clouds)
+    : impl_(std::make_shared<Impl>(std::move(options), LaneTopics{topics, clouds})) {}
 RosConnection::~RosConnection() { stop(); }
 
 void RosConnection::add(std::shared_ptr<RosComponent> component) {
@@ -286,61 +376,72 @@ void RosConnection::add(std::shared_ptr<RosComponent> component) {
 }
 
 void RosConnection::start() {
-  impl_->ros_thread = std::thread([impl = impl_] { impl->run_ros(); });
+  for (const auto& lane : impl_->current_lanes()) lane->start();
   impl_->master_thread = std::thread([impl = impl_] { impl->run_master(); });
 }
 
-void RosConnection::scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) {
-  impl_->queue.push(topic, scan, released);
-}
-void RosConnection::cloud(const OutputTopic& topic, Cloud& cloud, Stamp released) {
-  impl_->queue.push(topic, cloud, released);
-}
-void RosConnection::message(const OutputTopic& topic, const DeviceMessage& message, Stamp released) {
-  impl_->queue.push(topic, message, released);
-}
-void RosConnection::transforms(const std::vector<StaticTransform>& transforms, Stamp released) {
-  impl_->queue.push(transforms, released);
-}
-void RosConnection::diagnostics(const std::vector<DiagnosticItem>& items, Stamp) {
-  if (impl_->diagnostics.set(items)) impl_->hurry();
-}
+FrameSink& RosConnection::sink(Lane lane) { return *impl_->current_lanes()[static_cast<std::size_t>(lane)]; }
+
 std::string RosConnection::node() const { return impl_->node; }
 
 DiagnosticItem RosConnection::own_status() const { return impl_->own_status(); }
 
-TopicFigures RosConnection::figures(const OutputTopic& topic, Stamp now) const {
-  return impl_->queue.figures(topic.id, now);
+TopicFigures RosConnection::figures(Lane lane, const OutputTopic& topic, Stamp now) const {
+  return impl_->current_lanes()[static_cast<std::size_t>(lane)]->queue().figures(topic.id, now);
 }
 
-void RosConnection::set_step(Span step) { impl_->queue.set_step(step); }
+void RosConnection::set_step(Span step) {
+  const std::lock_guard lock(impl_->lanes_mutex);
+  impl_->step = step;
+  for (const auto& lane : impl_->lanes) lane->queue().set_step(step);
+  for (const auto& lane : impl_->next_lanes) {
+    if (lane != nullptr) lane->queue().set_step(step);
+  }
+}
 
-void RosConnection::publish_clock(Stamp now) { impl_->queue.push_clock(now); }
+void RosConnection::change(RosChange change) {
+  {
+    const std::lock_guard lock(impl_->wake_mutex);
+    impl_->wanted = std::move(change);
+  }
+  impl_->wake.notify_all();
+}
+
+void RosConnection::finish_change() {
+  {
+    const std::scoped_lock lock(impl_->wake_mutex, impl_->lanes_mutex);
+    impl_->retired.assign(impl_->lanes.begin(), impl_->lanes.end());
+    impl_->lanes = std::exchange(impl_->next_lanes, {});
+  }
+  impl_->wake.notify_all();
+}
+
+void RosConnection::publish_clock(Stamp now) { impl_->current_lanes().front()->queue().push_clock(now); }
 
 bool RosConnection::wait_for_master(Span limit) {
-  return wait_until([this] { return impl_->publishers.ready(); }, limit);
+  return wait_until([this] { return impl_->is_ready(); }, limit);
 }
 
 bool RosConnection::wait_for_subscribers(std::size_t count, Span limit) {
-  return wait_until([&] { return impl_->publishers.subscribers() >= count; }, limit);
+  return wait_until([&] { return impl_->subscribers() >= count; }, limit);
 }
 
 bool RosConnection::flush(Span limit) {
   const bool sent =
-      wait_until([this] { return impl_->queue.idle() && impl_->publishers.in_flight() == 0; }, limit);
+      wait_until([this] { return impl_->sum([](RosLane& lane) { return lane.in_flight(); }) == 0; }, limit);
   // A subscriber drops what it has not read yet when the master tells it that we are gone.
-  if (impl_->publishers.subscribers() > 0) std::this_thread::sleep_for(milliseconds(250));
+  if (impl_->subscribers() > 0) std::this_thread::sleep_for(milliseconds(250));
   return sent;
 }
 
 RosStatus RosConnection::status() const {
   RosStatus status;
   status.master = impl_->master_present;
-  status.connected = impl_->publishers.ready();
-  status.subscribers = impl_->publishers.subscribers();
-  status.published = impl_->published;
-  status.dropped = impl_->queue.dropped();
-  status.without_ros = impl_->without_ros;
+  status.connected = impl_->is_ready();
+  status.subscribers = impl_->subscribers();
+  status.published = impl_->published();
+  status.dropped = impl_->dropped();
+  status.without_ros = impl_->without_ros();
   status.foreign_stops = impl_->foreign_stops;
   return status;
 }
@@ -348,6 +449,7 @@ RosStatus RosConnection::status() const {
 bool RosConnection::has_master() const { return impl_->master_present; }
 std::string RosConnection::standing_threads() { return impl_->pulse.standing(impl_->master_present); }
 std::string RosConnection::conflict() const { return impl_->name->conflict(); }
+void RosConnection::stand_back(bool ports_are_taken) { impl_->ports_are_taken = ports_are_taken; }
 
 bool RosConnection::stop() {
   if (!impl_->master_thread.joinable()) return impl_->ended_clean;
@@ -356,8 +458,7 @@ bool RosConnection::stop() {
     impl_->stopping = true;
   }
   impl_->wake.notify_all();
-  impl_->queue.stop();
-  impl_->ros_thread.join();
+  for (const auto& lane : impl_->all_lanes()) lane->stop();
   if (wait_until([this] { return impl_->master_ended.load(); }, std::chrono::seconds(1))) {
     impl_->master_thread.join();
   } else {

@@ -3,10 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "daemon/config/lanes.h"
 #include "daemon/live/topic_watch.h"
 #include "daemon/pipeline/sink.h"
 #include "daemon/ros/ros_environment.h"
@@ -26,24 +29,39 @@ struct RosStatus {
   std::uint64_t foreign_stops = 0;  ///< how often somebody shut our node down from outside
 };
 
-/// Publishes what the pipeline produces. The calls of FrameSink never wait (unless Backpressure::block); one
-/// thread converts and publishes; another alone talks to the master, waits for it, registers again when it
-/// was restarted; a third, RosCallbackThread, lives while ROS runs.
-class RosConnection : public FrameSink {
+/// What another configuration changes of a connection to ROS.
+struct RosChange {
+  std::vector<OutputTopic> topics, clouds;  ///< as of the constructor of RosConnection
+  /// Components to be replaced, and what comes in their place.
+  std::vector<std::pair<std::shared_ptr<RosComponent>, std::shared_ptr<RosComponent>>> components;
+  /// Called in the master thread: these are to be used instead of RosConnection::sink() from now on. When
+  /// nobody uses the former ones any more, RosConnection::finish_change() has to be called.
+  std::function<void(FrameSink& planes, FrameSink& clouds)> ready;
+};
+
+/// Publishes what the pipeline produces. Each lane has a thread that converts and publishes (RosLane);
+/// another thread alone talks to the master, waits for it, registers again when it was restarted;
+/// RosCallbackThread lives while ROS runs.
+class RosConnection {
  public:
-  /// Calls init_ros(), which may throw RosError. `topics` as output_topics() has them.
-  RosConnection(RosOptions options, const std::vector<OutputTopic>& topics);
-  ~RosConnection() override;
+  /// Calls init_ros(), which may throw RosError. `topics` as output_topics() has them, of the lane of planes
+  /// or of all, and `clouds` of the other one.
+  RosConnection(RosOptions options, const std::vector<OutputTopic>& topics,
+                const std::vector<OutputTopic>& clouds = {});
+  ~RosConnection();
+  RosConnection(const RosConnection&) = delete;
+  RosConnection& operator=(const RosConnection&) = delete;
 
   /// To be called before start(). Shared, since a master thread that hangs at the end may outlive its owner.
   void add(std::shared_ptr<RosComponent> component);
   void start();
 
-  void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) override;
-  void cloud(const OutputTopic& topic, Cloud& cloud, Stamp released) override;
-  void message(const OutputTopic& topic, const DeviceMessage& message, Stamp released) override;
-  void transforms(const std::vector<StaticTransform>& transforms, Stamp released) override;
-  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) override;
+  /// Takes what a lane of the pipeline produces.
+  FrameSink& sink(Lane lane = Lane::planes);
+  /// Publishes on other topics. Those that stay the same lose no message and no subscriber; new ones are
+  /// advertised when the master answers. One change at a time.
+  void change(RosChange change);
+  void finish_change();
   /// By how much the host's clock was set since the beginning: so much is added to the stamps of what goes
   /// out.
   void set_step(Span step);
@@ -60,8 +78,8 @@ class RosConnection : public FrameSink {
   /// Name of the node.
   std::string node() const;
   RosStatus status() const;
-  /// How a topic does, `now` on the host's clock.
-  TopicFigures figures(const OutputTopic& topic, Stamp now) const;
+  /// How a topic does; `now` in the time without steps.
+  TopicFigures figures(Lane lane, const OutputTopic& topic, Stamp now) const;
   /// The connection's item of /diagnostics.
   DiagnosticItem own_status() const;
   bool has_master() const;
@@ -70,6 +88,10 @@ class RosConnection : public FrameSink {
   std::string standing_threads();
   /// Why we have left ROS for good: the first daemon of our node name runs elsewhere. Else empty.
   std::string conflict() const;
+  /// Another program has a port of ours: is it a daemon of the same name, it shall have the name too, though
+  /// all have waited for the master. We register 2 s after the master is there, unless the name is taken by
+  /// then.
+  void stand_back(bool ports_are_taken);
   /// Ends everything within a second. False if the master hangs: then leave with std::quick_exit, since
   /// roscpp's destructors would wait for the master.
   bool stop();

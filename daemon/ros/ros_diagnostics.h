@@ -6,11 +6,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -20,21 +22,21 @@
 
 namespace lidard {
 
-/// Publishes the newest status items on /diagnostics with diagnostic_updater. set() may be called from any
-/// thread, the rest belongs to the master thread.
+/// Publishes the newest status items of both lanes on /diagnostics with diagnostic_updater. set() may be
+/// called from any thread, the rest belongs to the master thread.
 class RosDiagnostics {
  public:
   /// Items that nobody has set() anew for longer than `longest_age` are published as errors that say so: the
   /// thread that sets them is dead. Empty: never.
   explicit RosDiagnostics(std::optional<Span> longest_age = std::nullopt) : longest_age_(longest_age) {}
   /// True if the state of an item is another one than before, which is to be told at once.
-  bool set(const std::vector<DiagnosticItem>& items) {
+  bool set(std::size_t lane, const std::vector<DiagnosticItem>& items) {
     const std::lock_guard lock(mutex_);
-    const bool news = items.size() != newest_.size() ||
-                      !std::equal(items.begin(), items.end(), newest_.begin(),
+    Newest& newest = newest_.at(lane);
+    const bool news = items.size() != newest.items.size() ||
+                      !std::equal(items.begin(), items.end(), newest.items.begin(),
                                   [](const auto& a, const auto& b) { return a.health == b.health; });
-    newest_ = items;
-    set_at_ = std::chrono::steady_clock::now();
+    newest = {items, std::chrono::steady_clock::now()};
     return news;
   }
   /// ROS runs: from now on publish() works. May wait for the master.
@@ -46,13 +48,14 @@ class RosDiagnostics {
   /// Publishes the items given to set(), followed by `more`.
   void publish(const std::vector<DiagnosticItem>& more) {
     if (!updater_) return;
+    updater_->items.clear();
     {
       const std::lock_guard lock(mutex_);
-      const Span age = std::chrono::steady_clock::now() - set_at_;
-      const bool old = longest_age_ && age > *longest_age_;
-      for (const auto& item : newest_) updater_->take(old ? aged(item, age) : item);
+      for (const auto& item : joined(newest_[0].aged(longest_age_), newest_[1].aged(longest_age_)))
+        updater_->take(item);
     }
     for (const auto& item : more) updater_->take(item);
+    updater_->forget();
     updater_->updater.force_update();
   }
   /// ROS ends. With `leave` nothing is told to roscpp, whose destructors wait for the master.
@@ -62,37 +65,48 @@ class RosDiagnostics {
   }
 
  private:
-  static DiagnosticItem aged(DiagnosticItem item, Span age) {
-    item.set(Health::error,
-             fmt::format("no report from the sensor thread for {:.1f} s: {}", seconds(age), item.message));
-    return item;
-  }
+  struct Newest {
+    std::vector<DiagnosticItem> items;
+    std::chrono::steady_clock::time_point at;
+
+    std::vector<DiagnosticItem> aged(std::optional<Span> limit) const {
+      std::vector<DiagnosticItem> all = items;
+      const Span age = std::chrono::steady_clock::now() - at;
+      if (!limit || age <= *limit) return all;
+      for (DiagnosticItem& item : all)
+        item.set(Health::error, fmt::format("no report from the sensor thread for {:.1f} s: {}", seconds(age),
+                                            item.message));
+      return all;
+    }
+  };
   struct Updater {
     diagnostic_updater::Updater updater;
     std::map<std::string, DiagnosticItem> items;
+    std::set<std::string> names;  // that the updater knows
 
     void fill(const std::string& name, diagnostic_updater::DiagnosticStatusWrapper& status) const {
-      const auto found = items.find(name);
-      if (found == items.end()) {
-        status.summary(diagnostic_msgs::DiagnosticStatus::STALE, "no longer reported");
-        return;
-      }
-      to_ros(found->second, status);
+      if (const auto found = items.find(name); found != items.end()) to_ros(found->second, status);
     }
     void take(const DiagnosticItem& item) {
-      if (items.count(item.name) == 0) {
-        const std::string name = item.name;
+      const std::string& name = item.name;
+      if (names.insert(name).second)
         updater.add(
             name, [this, name](diagnostic_updater::DiagnosticStatusWrapper& status) { fill(name, status); });
-      }
       items[item.name] = item;
+    }
+    /// Publishes nothing of what is no longer told.
+    void forget() {
+      for (auto name = names.begin(); name != names.end();) {
+        const bool told = items.count(*name) > 0;
+        if (!told) updater.removeByName(*name);
+        name = told ? std::next(name) : names.erase(name);
+      }
     }
   };
 
   const std::optional<Span> longest_age_;
   std::mutex mutex_;
-  std::chrono::steady_clock::time_point set_at_;
-  std::vector<DiagnosticItem> newest_;
+  std::array<Newest, 2> newest_;
   std::unique_ptr<Updater> updater_;
 };
 

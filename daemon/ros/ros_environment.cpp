@@ -26,9 +26,13 @@ bool may_write_below(const std::string& home) {
                                            : access(home.c_str(), W_OK | X_OK) == 0;
 }
 
+RosError wrong_name(const ros::Exception& problem) {
+  return RosError(std::string(problem.what()) + "; expected names of letters, digits, _ and /");
+}
+
 }  // namespace
 
-void init_ros(const RosOptions& options, const std::vector<OutputTopic>& topics) {
+void init_ros(const RosOptions& options) {
   ros::M_string remappings;
   for (const auto& remapping : options.remappings) {
     const auto at = remapping.find(":=");
@@ -39,9 +43,16 @@ void init_ros(const RosOptions& options, const std::vector<OutputTopic>& topics)
   choose_ros_log_folder();
   try {
     ros::init(remappings, options.node_name, ros::init_options::NoSigintHandler);
+  } catch (const ros::Exception& problem) {
+    throw wrong_name(problem);
+  }
+}
+
+void check_ros_names(const std::vector<OutputTopic>& topics) {
+  try {
     for (const auto& topic : topics) ros::names::resolve(topic.name);
   } catch (const ros::Exception& problem) {
-    throw RosError(std::string(problem.what()) + "; expected names of letters, digits, _ and /");
+    throw wrong_name(problem);
   }
 }
 

@@ -36,9 +36,10 @@ class RosError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Calls ros::init, which no master is needed for; once per process. Throws RosError, also for names of
-/// topics that ROS does not take.
-void init_ros(const RosOptions& options, const std::vector<OutputTopic>& topics);
+/// Calls ros::init, which no master is needed for; once per process. Throws RosError.
+void init_ros(const RosOptions& options);
+/// Throws RosError for names of topics that ROS does not take. After init_ros().
+void check_ros_names(const std::vector<OutputTopic>& topics);
 /// Lets roscpp write its logs where it may: it aborts the process when $HOME is set but cannot be written.
 void choose_ros_log_folder();
 /// The master's address: "__master:=…" of the remappings, else $ROS_MASTER_URI, else the default, which is

@@ -45,6 +45,28 @@ class RosPublishers {
     if (!std::get<tf2_msgs::TFMessage>(transforms().message).transforms.empty()) transforms().send();
     ready_ = true;
   }
+  /// Takes over what is advertised already on topics of the same name and type: their subscribers stay.
+  /// Called by the master thread, does not wait for the master.
+  void adopt(RosPublishers& before) {
+    const std::scoped_lock lock(mutex_, before.mutex_);
+    for (Output& output : outputs_) {
+      for (const Output& known : before.outputs_) {
+        if (known.topic != output.topic || known.message.index() != output.message.index()) continue;
+        output.publisher = known.publisher;
+      }
+    }
+    ready_ = before.ready_.load();
+  }
+  /// Advertises what is not advertised. Called like advertise().
+  void advertise_missing() {
+    ros::NodeHandle node;
+    for (Output& output : outputs_) {
+      if (!ready_ || output.publisher || (output.topic == "/clock" && !with_clock_)) continue;
+      const ros::Publisher publisher = output.advertise(node);
+      const std::lock_guard lock(mutex_);
+      output.publisher = publisher;
+    }
+  }
   /// Withdraws topics and advertises them anew, so that subscribers see a new publisher. Called like
   /// advertise(); frames of these topics are lost meanwhile.
   void advertise_again(const std::vector<std::string>& topics) {
@@ -87,6 +109,7 @@ class RosPublishers {
       return false;
     }
     if (can_send) output.send();
+    give_back(output.message, frame.content);
     return true;
   }
   /// Messages of the frame's topic that some subscriber's socket has not yet taken.
@@ -101,16 +124,15 @@ class RosPublishers {
     for (auto& output : outputs_) sum += output.in_flight();
     return sum;
   }
-  /// Subscribers of all frame topics together; the last known number while a frame is being published.
-  std::size_t subscribers() const {
-    // Not to be held up by a ROS thread that hangs: its state is to be told.
-    const std::unique_lock lock(mutex_, std::try_to_lock);
-    if (!lock.owns_lock()) return subscribers_;
+  /// Counts the subscribers of all frame topics together. May hang in roscpp: for the thread that publishes.
+  void count_subscribers() {
+    const std::lock_guard lock(mutex_);
     std::size_t sum = 0;
     for (std::size_t i = 0; i < frames_; ++i) sum += outputs_[i].publisher.getNumSubscribers();
     subscribers_ = sum;
-    return sum;
   }
+  /// As they were counted last. Any thread may ask, and is not held up.
+  std::size_t subscribers() const { return subscribers_; }
 
  private:
   struct Output {
@@ -135,6 +157,8 @@ class RosPublishers {
             ros::TopicManager::instance()->publish(
                 publisher.getTopic(), [&held] { return ros::serialization::serializeMessage(held); },
                 serialized);
+            // What all sockets have taken is to be freed: a cloud takes 10 MB.
+            in_flight();
             if (serialized.buf) sent.push_back(serialized.buf);
             while (sent.size() > queue_size()) sent.pop_front();
           },
@@ -149,13 +173,19 @@ class RosPublishers {
           message);
     }
   };
+  /// The memory of a cloud's points is used for the next cloud, not for the next message: a large one fewer.
+  static void give_back(RosMessage& message, QueuedContent& content) {
+    auto* const sent = std::get_if<sensor_msgs::PointCloud2>(&message);
+    auto* const cloud = std::get_if<Cloud>(&content);
+    if (sent != nullptr && cloud != nullptr) sent->data.swap(cloud->points_bytes);
+  }
   Output& transforms() { return outputs_[frames_]; }
 
   const std::size_t frames_;  // topics of frames
   const bool with_clock_;
   std::atomic<bool> ready_{false};
-  mutable std::mutex mutex_;
-  mutable std::atomic<std::size_t> subscribers_{0};
+  std::mutex mutex_;
+  std::atomic<std::size_t> subscribers_{0};
   std::vector<Output> outputs_;  // one per topic of frames, then /tf_static, then /clock
 };
 

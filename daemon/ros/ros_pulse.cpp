@@ -27,6 +27,7 @@ struct Names {
   const char* for_people;
 };
 constexpr Names names[] = {{"lidard-ros", "the ROS thread"},
+                           {"lidard-roscloud", "the ROS thread of clouds"},
                            {"lidard-callback", "the thread for ROS callbacks"},
                            {"roscpp-sockets", "roscpp's thread for sockets"},
                            {"roscpp-xmlrpc", "roscpp's thread for XML-RPC"},
@@ -40,7 +41,7 @@ void RosPulse::Rounds::tick(Thread thread) {
   thread_local bool named = false;
   if (!std::exchange(named, true)) name_this_thread(names[thread].for_debuggers);
   ++counts[thread];
-  if (thread == publishing) published = Clock::now();
+  if (thread <= publishing_clouds) published[thread] = Clock::now();
 }
 
 /// A connection without a socket: the server's thread asks each connection in each round whether it has
@@ -94,7 +95,8 @@ std::string RosPulse::standing(bool master_answers) {
   std::string standing;
   for (std::size_t i = 0; i < threads; ++i) {
     now[i] = rounds_->counts[i];
-    const bool counts = i == publishing || (attached_ && (i == callbacks || master_answers));
+    const bool ours = i == publishing || i == publishing_clouds;
+    const bool counts = ours ? now[i] > 0 : (attached_ && (i == callbacks || master_answers));
     if (counts && now[i] == before_[i])
       standing += (standing.empty() ? "" : ", ") + std::string(names[i].for_people);
   }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -23,12 +24,15 @@ class RosPulse {
 
  public:
   /// `sockets`, `server` and `internal` are roscpp's.
-  enum Thread : std::size_t { publishing, callbacks, sockets, server, internal };
+  enum Thread : std::size_t { publishing, publishing_clouds, callbacks, sockets, server, internal };
 
   /// A round of the calling thread; the first one gives the thread its name.
   void tick(Thread thread) { rounds_->tick(thread); }
-  /// How long ago the last round of the thread that publishes was.
-  Span since_tick() const { return Clock::now() - rounds_->published.load(); }
+  /// How long ago the last round of a thread that publishes was.
+  Span since_tick() const {
+    const Clock::time_point oldest = std::min(rounds_->published[0].load(), rounds_->published[1].load());
+    return Clock::now() - oldest;
+  }
 
   /// To be called after each ros::start(), which forgets what was attached before; may wait for the master.
   void attach();
@@ -47,7 +51,7 @@ class RosPulse {
     std::atomic<Clock::time_point>& since_;
   };
 
-  /// The threads that have not made a round since the last call that returned "". All but the publishing one
+  /// The threads that have not made a round since the last call that returned "". All but those that publish
   /// count while they are attached, those of roscpp only while the master answers: without it any of them may
   /// wait for it. None counts while a Call takes long, since roscpp holds its locks meanwhile. Always to be
   /// called by the same thread.
@@ -58,7 +62,7 @@ class RosPulse {
   struct Rounds {
     void tick(Thread thread);
     std::array<std::atomic<std::uint64_t>, threads> counts{};
-    std::atomic<Clock::time_point> published{Clock::now()};
+    std::atomic<Clock::time_point> published[2] = {Clock::now(), Clock::now()};  // by lane
     std::atomic<bool> callback_waits{false};
   };
   class ServerRound;

@@ -91,7 +91,7 @@ TfPoses::TfPoses() : BufferPoses(live_kept_s) {}
 
 bool TfPoses::lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
                      std::string& why_not) {
-  if (BufferPoses::lookup(parent, child, stamp + step_, pose, why_not)) return true;
+  if (BufferPoses::lookup(parent, child, stamp + step_.load(), pose, why_not)) return true;
   if (!listening_) why_not = "no tf: there was no ROS master yet; publish it on tf or configure the pose";
   return false;
 }
@@ -99,8 +99,8 @@ bool TfPoses::lookup(const std::string& parent, const std::string& child, Stamp 
 void TfPoses::history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
                       std::vector<StampedPose>& poses) {
   const std::size_t known = poses.size();
-  BufferPoses::history(parent, child, after + step_, until + step_, poses);
-  for (std::size_t i = known; i < poses.size(); ++i) poses[i].stamp = poses[i].stamp - step_;
+  BufferPoses::history(parent, child, after + step_.load(), until + step_.load(), poses);
+  for (std::size_t i = known; i < poses.size(); ++i) poses[i].stamp = poses[i].stamp - step_.load();
 }
 
 void TfPoses::connected(RosCallbackThread& ros) {

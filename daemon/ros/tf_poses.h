@@ -36,13 +36,13 @@ class TfPoses final : public BufferPoses, public RosComponent {
   void history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
                std::vector<StampedPose>& poses) override;
   /// By how much the host's clock was set: tf is stamped with that clock, lookups ask for the time without
-  /// steps. To be called by the thread that looks up.
+  /// steps.
   void set_step(Span step) { step_ = step; }
   void connected(RosCallbackThread& ros) override;
   void disconnected() override { listening_ = false; }
 
  private:
-  Span step_{0};
+  std::atomic<Span> step_{Span(0)};
   std::atomic<bool> listening_{false};
 };
 

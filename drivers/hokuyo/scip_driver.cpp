@@ -156,9 +156,10 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
     product_ = product;
     board_.clear(ScipTrouble::model);
     if (!row_.any && product.compare(0, row_.product.size(), row_.product) != 0)
-      board_.set(ScipTrouble::model, "the sensor says it is a " + product + ", not a " +
-                                         std::string(config_.model->product) +
-                                         "; its own angles and ranges are used: correct the model");
+      board_.set(
+          ScipTrouble::model,
+          "the sensor says it is a " + product + ", not a " + std::string(config_.model->product) +
+              "; its own angles and ranges are used: set model: " + std::string(scip_name_of(product)));
   }
 
   void note_information(const ScipMessage& message) {

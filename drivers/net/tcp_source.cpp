@@ -25,9 +25,10 @@ namespace {
 
 constexpr int keep_alive_after_s = 1;
 constexpr int keep_alive_every_s = 1;
-constexpr int keep_alive_tries = 2;
-/// Bytes of ours without an answer for so long: the peer is gone.
-constexpr unsigned int user_time_out_ms = 3000;
+/// No sign of the peer for so long, though it was asked for one: it is gone. The kernel itself, which counts
+/// in whole seconds here, would notice after two.
+constexpr std::uint32_t gone_after_ms = 1700;
+constexpr auto peer_check = std::chrono::milliseconds(100);
 
 template <class T>
 void set(int fd, int level, int option, T value) {
@@ -36,15 +37,24 @@ void set(int fd, int level, int option, T value) {
 }
 
 /// Prepares a socket that is about to connect: no waiting for more bytes to send, stamps of arrival, and
-/// keep-alives that find a peer gone without a word after about 3 s.
+/// keep-alives that ask a peer that is silent for a sign.
 void prepare_tcp_socket(int fd) {
   set(fd, IPPROTO_TCP, TCP_NODELAY, 1);
   set(fd, SOL_SOCKET, SO_KEEPALIVE, 1);
   set(fd, IPPROTO_TCP, TCP_KEEPIDLE, keep_alive_after_s);
   set(fd, IPPROTO_TCP, TCP_KEEPINTVL, keep_alive_every_s);
-  set(fd, IPPROTO_TCP, TCP_KEEPCNT, keep_alive_tries);
-  set(fd, IPPROTO_TCP, TCP_USER_TIMEOUT, user_time_out_ms);
+  set(fd, IPPROTO_TCP, TCP_USER_TIMEOUT, gone_after_ms);
   set(fd, SOL_SOCKET, SO_TIMESTAMPNS, 1);
+}
+
+/// True if neither bytes nor acknowledgements came for long, while a keep-alive or bytes of ours wait for
+/// one.
+bool peer_is_gone(int fd) {
+  tcp_info info{};
+  socklen_t size = sizeof info;
+  if (::getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return false;
+  const bool asked = info.tcpi_probes > 0 || info.tcpi_retransmits > 0;
+  return asked && std::min(info.tcpi_last_data_recv, info.tcpi_last_ack_recv) >= gone_after_ms;
 }
 
 /// Reads what has arrived, without waiting. As recv(2); `stamp` is when the last byte came.
@@ -177,6 +187,10 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
     if (time_out == options_.read_time_out) return;
     options_.read_time_out = time_out;
     if (state_.phase == TcpState::Phase::connected) watch_silence();
+  }
+
+  void look_again() {
+    if (state_.phase == TcpState::Phase::waiting) connect();
   }
 
   const TcpState& state() const { return state_; }
@@ -316,17 +330,18 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
   }
 
   void watch_silence() {
-    boost::system::error_code ignored;
-    timer_.cancel(ignored);
-    if (options_.read_time_out <= Span(0)) return;
-    at(last_byte_ + options_.read_time_out, [](Impl& self) { self.check_silence(); });
+    const auto next = Clock::now() + peer_check;
+    const bool limited = options_.read_time_out > Span(0);
+    at(limited ? std::min(next, last_byte_ + options_.read_time_out) : next,
+       [](Impl& self) { self.check_silence(); });
   }
 
   void check_silence() {
     // If it was we who slept, the bytes are there.
     if (!read(1)) return;
+    if (peer_is_gone(socket_.native_handle())) return fail(why_disconnected(options_.device, ETIMEDOUT));
     const auto quiet = Clock::now() - last_byte_;
-    if (quiet < options_.read_time_out) return watch_silence();
+    if (options_.read_time_out <= Span(0) || quiet < options_.read_time_out) return watch_silence();
     ++stats_.silences;
     fail(options_.device.to_string() + " sent nothing for " +
          printed("%.1f", seconds(options_.read_time_out)) +
@@ -360,6 +375,7 @@ void TcpSource::stop() { impl_->stop(); }
 bool TcpSource::send(ByteView bytes) { return impl_->send(bytes); }
 void TcpSource::disconnect(bool again, const std::string& why) { impl_->disconnect(again, why); }
 void TcpSource::set_read_time_out(Span time_out) { impl_->set_read_time_out(time_out); }
+void TcpSource::look_again() { impl_->look_again(); }
 const TcpState& TcpSource::state() const { return impl_->state(); }
 const TcpStats& TcpSource::stats() const { return impl_->stats(); }
 

@@ -18,12 +18,12 @@ namespace lidard {
 
 struct TcpOptions {
   Endpoint device;
-  Span connect_time_out = std::chrono::milliseconds(1000);
+  Span connect_time_out = std::chrono::milliseconds(800);
   /// No byte for so long: the connection is opened anew. 0: silence is no fault.
   Span read_time_out{0};
   Span first_retry =
       std::chrono::milliseconds(100);  ///< from the begin of one attempt to the next, then doubled
-  Span last_retry = std::chrono::milliseconds(1500);
+  Span last_retry = std::chrono::milliseconds(1000);
   /// False: one attempt for each start(), and no other connection when that one ended.
   bool keep_up = true;
   std::size_t send_limit = 64 * 1024;  ///< bytes that may wait for a device that does not read
@@ -62,7 +62,7 @@ struct TcpHandlers {
 ///
 /// Never throws and never gives up: a connection that is refused, lost or silent becomes a state with a
 /// message and is tried again, first soon, then every `last_retry`. A peer that vanished without a word is
-/// noticed by its silence (`read_time_out`) and by keep-alives of the kernel.
+/// noticed by its silence (`read_time_out`), and after 1.8 s by a keep-alive of the kernel without an answer.
 class TcpSource {
  public:
   TcpSource(boost::asio::io_context& io, TcpOptions options, TcpHandlers handlers);
@@ -79,6 +79,8 @@ class TcpSource {
   void disconnect(bool again, const std::string& why);
   /// Changes TcpOptions::read_time_out.
   void set_read_time_out(Span time_out);
+  /// Interfaces or addresses have changed: tries at once to connect, instead of when the pause is over.
+  void look_again();
 
   const TcpState& state() const;
   const TcpStats& stats() const;

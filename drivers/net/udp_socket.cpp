@@ -66,21 +66,30 @@ bool attach_sender_filter(int fd, const std::vector<IpAddress>& senders) {
   program.push_back(statement(BPF_RET | BPF_K, 0));
   program.push_back(statement(BPF_RET | BPF_K, accept_whole));
   const sock_fprog code = {static_cast<unsigned short>(program.size()), program.data()};
-  if (!set_option(fd, SOL_SOCKET, SO_ATTACH_FILTER, code)) return false;
-  return set_option(fd, SOL_SOCKET, SO_LOCK_FILTER, 1);
+  return set_option(fd, SOL_SOCKET, SO_ATTACH_FILTER, code);
 }
 
-void size_receive_buffer(UdpSocket& socket, const UdpOptions& options) {
-  const int fd = socket.fd.get();
+void size_receive_buffer(int fd, const UdpOptions& options, UdpLimits& limits) {
   const auto current = static_cast<std::size_t>(get_option(fd, SOL_SOCKET, SO_RCVBUF)) / 2;
-  socket.buffer_asked = options.receive_buffer;
-  if (socket.buffer_asked == 0) {
+  limits.buffer_asked = options.receive_buffer;
+  if (limits.buffer_asked == 0) {
     const double wanted = options.packets_per_s * seconds(options.tolerated_stall) * buffer_bytes_per_packet;
-    socket.buffer_asked = static_cast<std::size_t>(std::clamp(wanted, 0.0, 1e9));
+    limits.buffer_asked = static_cast<std::size_t>(std::clamp(wanted, 0.0, 1e9));
   }
-  if (options.receive_buffer != 0 || socket.buffer_asked > current)
-    set_option(fd, SOL_SOCKET, SO_RCVBUF, static_cast<int>(socket.buffer_asked));
-  socket.buffer_got = static_cast<std::size_t>(get_option(fd, SOL_SOCKET, SO_RCVBUF)) / 2;
+  if (options.receive_buffer != 0 || limits.buffer_asked > current)
+    set_option(fd, SOL_SOCKET, SO_RCVBUF, static_cast<int>(limits.buffer_asked));
+  limits.buffer_got = static_cast<std::size_t>(get_option(fd, SOL_SOCKET, SO_RCVBUF)) / 2;
+}
+
+ip_mreqn membership_of(const MulticastGroup& group) {
+  ip_mreqn request{};
+  request.imr_multiaddr = to_in_addr(group.group);
+  if (group.interface.empty()) return request;
+  if (const auto address = IpAddress::parse(group.interface))
+    request.imr_address = to_in_addr(*address);
+  else
+    request.imr_ifindex = static_cast<int>(if_nametoindex(group.interface.c_str()));
+  return request;
 }
 
 std::string bind_error(const UdpOptions& options, int error) {
@@ -102,6 +111,16 @@ std::string bind_error(const UdpOptions& options, int error) {
 
 }  // namespace
 
+UdpLimits limit_socket(int fd, const UdpOptions& options) {
+  UdpLimits limits;
+  if (!options.senders.empty() && options.senders.size() <= most_filtered_senders)
+    limits.filtered = attach_sender_filter(fd, options.senders);
+  else
+    set_option(fd, SOL_SOCKET, SO_DETACH_FILTER, 0);
+  size_receive_buffer(fd, options, limits);
+  return limits;
+}
+
 Expected<UdpSocket> open_udp_socket(const UdpOptions& options) {
   UdpSocket s;
   s.fd = FileDescriptor(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
@@ -115,9 +134,7 @@ Expected<UdpSocket> open_udp_socket(const UdpOptions& options) {
   // Otherwise groups that another program joined on this host would come in, too.
   set_option(fd, IPPROTO_IP, IP_MULTICAST_ALL, 0);
   if (options.share_port) set_option(fd, SOL_SOCKET, SO_REUSEADDR, 1);
-  if (!options.senders.empty() && options.senders.size() <= most_filtered_senders)
-    s.filtered = attach_sender_filter(fd, options.senders);
-  size_receive_buffer(s, options);
+  s.limits = limit_socket(fd, options);
   sockaddr_in local{};
   local.sin_family = AF_INET;
   local.sin_port = htons(options.port);
@@ -130,22 +147,27 @@ Expected<UdpSocket> open_udp_socket(const UdpOptions& options) {
   return s;
 }
 
-std::string join_group(int fd, const MulticastGroup& group) {
-  ip_mreqn request{};
-  request.imr_multiaddr = to_in_addr(group.group);
+void leave_group(int fd, const MulticastGroup& group) {
+  set_option(fd, IPPROTO_IP, IP_DROP_MEMBERSHIP, membership_of(group));
+}
+
+int join_group(int fd, const MulticastGroup& group) {
+  const ip_mreqn request = membership_of(group);
+  if (!group.interface.empty() && request.imr_ifindex == 0 && request.imr_address.s_addr == 0) return ENXIO;
+  return set_option(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, request) || errno == EADDRINUSE ? 0 : errno;
+}
+
+std::string why_not_joined(const MulticastGroup& group, int error) {
   const std::string what = "cannot join the multicast group " + group.group.to_string();
-  if (!group.interface.empty()) {
-    const auto address = IpAddress::parse(group.interface);
-    if (address) request.imr_address = to_in_addr(*address);
-    if (!address) request.imr_ifindex = static_cast<int>(if_nametoindex(group.interface.c_str()));
-    if (!address && request.imr_ifindex == 0)
-      return what + ": there is no interface " + group.interface +
-             "; compare with `ip link`, it is tried again";
-  }
-  if (set_option(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, request) || errno == EADDRINUSE) return {};
-  if (errno == ENODEV)
+  if (error == ENXIO)
+    return what + ": there is no interface " + group.interface +
+           "; compare with `ip link`, it is joined as soon as there is one";
+  if (error == ENODEV && !group.interface.empty())
+    return what + ": no interface has the address " + group.interface +
+           "; compare with `ip -4 address`, it is joined as soon as one has";
+  if (error == ENODEV)
     return what + ": no interface leads to it; name the sensor's interface, or add a route for 224.0.0.0/4";
-  return what + ": " + std::strerror(errno) + "; it is tried again";
+  return what + ": " + std::strerror(error) + "; it is tried again";
 }
 
 bool receive_buffer_is_filling(int fd) {
@@ -155,14 +177,14 @@ bool receive_buffer_is_filling(int fd) {
   return info[SK_MEMINFO_RMEM_ALLOC] > info[SK_MEMINFO_RCVBUF] / 2;
 }
 
-std::string buffer_warning(const UdpSocket& socket, const UdpOptions& options) {
-  if (socket.buffer_got >= socket.buffer_asked) return {};
-  const double packets = static_cast<double>(socket.buffer_got) / buffer_bytes_per_packet;
+std::string buffer_warning(const UdpLimits& limits, const UdpOptions& options) {
+  if (limits.buffer_got >= limits.buffer_asked) return {};
+  const double packets = static_cast<double>(limits.buffer_got) / buffer_bytes_per_packet;
   const int stall_ms = static_cast<int>(1000 * packets / std::max(1.0, options.packets_per_s));
-  return "the receive buffer of port " + std::to_string(socket.port) + " has " +
-         std::to_string(socket.buffer_got) + " bytes instead of " + std::to_string(socket.buffer_asked) +
+  return "the receive buffer of port " + std::to_string(options.port) + " has " +
+         std::to_string(limits.buffer_got) + " bytes instead of " + std::to_string(limits.buffer_asked) +
          ", so packets are lost when the machine is busy for more than " + std::to_string(stall_ms) +
-         " ms; run `sysctl -w net.core.rmem_max=" + std::to_string(socket.buffer_asked) + "`";
+         " ms; run `sysctl -w net.core.rmem_max=" + std::to_string(limits.buffer_asked) + "`";
 }
 
 struct DatagramBatch::Storage {

@@ -17,9 +17,10 @@ namespace lidard {
 namespace {
 
 constexpr auto first_retry = std::chrono::milliseconds(100);
-constexpr auto last_retry = std::chrono::milliseconds(5000);
+constexpr auto last_retry = std::chrono::milliseconds(1000);
 /// A membership dies without a word when its interface is taken away and comes back (USB adapters, VLANs).
-constexpr auto membership_check = std::chrono::seconds(2);
+/// The second line, where the kernel does not tell of interfaces (see InterfaceWatch).
+constexpr auto membership_check = std::chrono::seconds(1);
 /// Other sockets of the thread want their turn.
 constexpr int batches_per_wakeup = 8;
 
@@ -47,6 +48,29 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     state_ = {};
   }
 
+  void configure(UdpOptions options) {
+    const UdpOptions before = std::exchange(options_, std::move(options));
+    if (port_ == 0) return;  // the next attempt to open it knows
+    const int fd = descriptor_.native_handle();
+    note(limit_socket(fd, options_));
+    for (const MulticastGroup& group : before.groups) {
+      const auto& now = options_.groups;
+      if (std::find(now.begin(), now.end(), group) == now.end()) leave_group(fd, group);
+    }
+    boost::system::error_code ignored;
+    timer_.cancel(ignored);
+    join_groups();
+  }
+
+  void look_again() {
+    if (state_.phase == UdpState::Phase::waiting) {
+      close();
+      open();
+    } else if (state_.phase != UdpState::Phase::stopped && !options_.groups.empty()) {
+      join_groups();
+    }
+  }
+
   const UdpState& state() const { return state_; }
   const UdpStats& stats() const { return stats_; }
   const std::string& warning() const { return warning_; }
@@ -62,15 +86,19 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     if (error) return fail("cannot wait for the socket: " + error.message() + "; it is tried again");
     socket.fd.release();
     port_ = socket.port;
-    filtered_ = socket.filtered;
     drops_ = 0;
-    filling_before_ = false;
-    stats_.receive_buffer_asked = socket.buffer_asked;
-    stats_.receive_buffer_got = socket.buffer_got;
-    warning_ = buffer_warning(socket, options_);
+    filling_seen_.reset();
+    note(socket.limits);
     retry_ = first_retry;
-    join_groups();
+    join_groups(true);
     wait();
+  }
+
+  void note(const UdpLimits& limits) {
+    filtered_ = limits.filtered;
+    stats_.receive_buffer_asked = limits.buffer_asked;
+    stats_.receive_buffer_got = limits.buffer_got;
+    warning_ = buffer_warning(limits, options_);
   }
 
   void close() {
@@ -80,11 +108,13 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     port_ = 0;
   }
 
-  void join_groups() {
+  void join_groups(bool new_socket = false) {
     state_ = {UdpState::Phase::receiving, {}};
     for (const MulticastGroup& group : options_.groups) {
-      std::string message = join_group(descriptor_.native_handle(), group);
-      if (!message.empty()) state_ = {UdpState::Phase::partial, std::move(message)};
+      const int error = join_group(descriptor_.native_handle(), group);
+      // Only a new socket forgets the memberships of interfaces that are gone.
+      if (error == ENOBUFS && !new_socket) return fail(why_not_joined(group, error));
+      if (error != 0) state_ = {UdpState::Phase::partial, why_not_joined(group, error)};
     }
     if (options_.groups.empty()) return;
     const bool joined = state_.phase == UdpState::Phase::receiving;
@@ -124,22 +154,21 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     const std::uint64_t generation = generation_;
     for (int round = 0; round < batches_per_wakeup; ++round) {
       const int fd = descriptor_.native_handle();
-      const bool filling = filtered_ && receive_buffer_is_filling(fd);
+      if (filtered_ && receive_buffer_is_filling(fd)) filling_seen_ = wall_clock();
       const int count = batch_.receive(fd);
       if (count < 0 && errno != EAGAIN && errno != EINTR)
         return fail(std::string("cannot receive: ") + std::strerror(errno) + "; the port is opened again");
       for (int i = 0; i < count; ++i) {
-        hand_on(batch_[static_cast<std::size_t>(i)], filling || filling_before_);
+        hand_on(batch_[static_cast<std::size_t>(i)]);
         if (generation != generation_) return;  // stopped by the handler
       }
-      if (count > 0) filling_before_ = filling;
       if (count < static_cast<int>(DatagramBatch::capacity)) break;
     }
     wait();
   }
 
-  void hand_on(const DatagramBatch::Datagram& datagram, bool was_filling) {
-    count_drops(datagram.drops, was_filling);
+  void hand_on(const DatagramBatch::Datagram& datagram) {
+    count_drops(datagram);
     if (datagram.truncated) {
       ++stats_.truncated;
       return;
@@ -155,13 +184,15 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     handler_(packet);
   }
 
-  /// The kernel counts datagrams refused by the filter and those that found the buffer full in one number. A
-  /// buffer that is full stays so until it is read: drops were losses only if it was filling at this or at
-  /// the last reading.
-  void count_drops(std::uint32_t drops, bool was_filling) {
-    const std::uint32_t more = drops - drops_;  // unsigned, so that it may wrap
-    drops_ = drops;
-    (filtered_ && !was_filling ? stats_.strangers_filtered : stats_.kernel_drops) += more;
+  /// The kernel counts datagrams refused by the filter and those that found the buffer full in one number,
+  /// and tells it with the next datagram that finds room. A buffer that is full stays so until it is read:
+  /// drops were losses only up to the first datagram that came after the buffer was last seen filling.
+  void count_drops(const DatagramBatch::Datagram& datagram) {
+    const std::uint32_t more = datagram.drops - drops_;  // unsigned, so that it may wrap
+    drops_ = datagram.drops;
+    (filtered_ && !filling_seen_ ? stats_.strangers_filtered : stats_.kernel_drops) += more;
+    if (filling_seen_ && (!datagram.kernel_stamp || *datagram.kernel_stamp > *filling_seen_))
+      filling_seen_.reset();
   }
 
   bool is_stranger(const IpAddress& sender) const {
@@ -186,7 +217,7 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
   // Handlers that were already queued when the socket was closed find another number here.
   std::uint64_t generation_ = 0;
   bool filtered_ = false;
-  bool filling_before_ = false;
+  std::optional<Stamp> filling_seen_;
   std::uint32_t drops_ = 0;
 };
 
@@ -195,6 +226,8 @@ UdpSource::UdpSource(boost::asio::io_context& io, UdpOptions options, Handler ha
 UdpSource::~UdpSource() { impl_->stop(); }
 void UdpSource::start() { impl_->start(); }
 void UdpSource::stop() { impl_->stop(); }
+void UdpSource::look_again() { impl_->look_again(); }
+void UdpSource::configure(UdpOptions options) { impl_->configure(std::move(options)); }
 const UdpState& UdpSource::state() const { return impl_->state(); }
 const UdpStats& UdpSource::stats() const { return impl_->stats(); }
 const std::string& UdpSource::warning() const { return impl_->warning(); }

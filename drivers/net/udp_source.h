@@ -21,6 +21,10 @@ namespace lidard {
 struct MulticastGroup {
   IpAddress group;
   std::string interface;  ///< name or IPv4 address of the host's interface; empty: the kernel chooses
+
+  friend bool operator==(const MulticastGroup& a, const MulticastGroup& b) {
+    return a.group == b.group && a.interface == b.interface;
+  }
 };
 
 struct UdpOptions {
@@ -29,7 +33,8 @@ struct UdpOptions {
   std::vector<IpAddress> senders;                 ///< IPv4; empty: anybody
   std::vector<MulticastGroup> groups;
   double packets_per_s = 1000;  ///< of all sensors on this port
-  Span tolerated_stall = std::chrono::milliseconds(500);
+  /// Half a second, and what it takes to begin to read again.
+  Span tolerated_stall = std::chrono::milliseconds(600);
   std::size_t receive_buffer =
       0;  ///< bytes, as in SO_RCVBUF; 0: from rate and stall, but not below the system's default
   std::size_t max_datagram = 2048;  ///< bytes of payload; longer ones are counted as truncated and left out
@@ -61,7 +66,7 @@ struct UdpState {
 /// Receives datagrams from any number of senders on one local port, with the kernel's time of arrival.
 ///
 /// Never throws and never gives up: what the system refuses (port in use, no such interface, ...) becomes a
-/// state with a message, and is tried again after 0.1 s, then ever later up to 5 s.
+/// state with a message, and is tried again after 0.1 s, then ever later up to 1 s.
 class UdpSource {
  public:
   using Handler = std::function<void(const Packet&)>;
@@ -75,6 +80,12 @@ class UdpSource {
   void start();
   /// No handler is called any more once this returned.
   void stop();
+  /// Interfaces or addresses have changed: joins groups again, and tries at once what could not be done.
+  void look_again();
+
+  /// Other senders, groups and rates, of a socket that goes on receiving. Port, address, share_port and
+  /// max_datagram stay what they are.
+  void configure(UdpOptions options);
 
   const UdpState& state() const;
   const UdpStats& stats() const;

@@ -15,7 +15,7 @@ import xmlrpc.client
 import xmlrpc.server
 
 import rospy
-from harness import (LIDARD, LIDARD_SIM, SCANNER_CONFIG, SCANNER_SCENE, expect, folder, free_port, process, ros_master,
+from harness import (LIDARD, LIDARD_SIM, SCANNER_CONFIG, SCANNER_SCENE, Starved, expect, folder, free_port, process, ros_master,
                      run, use_master_at, wait_for)
 from sensor_msgs.msg import LaserScan
 
@@ -78,13 +78,21 @@ def second_leaves(vehicle, master, scans):
 
 
 def foreign_call(master, daemon, scans):
+    """P16: publishing again within 1 s; from the third call in 10 s on the daemon steps aside for a while, and ten seconds later all
+    is forgotten."""
     uri = master.lookupNode("/test", "/lidard")[2]
-    for _ in range(4):
+    for call in range(5):
+        if call == 4:
+            time.sleep(11)
+        starved, began = Starved(), time.monotonic()
         xmlrpc.client.ServerProxy(uri).shutdown("/intruder", "go away")
         wait_for(lambda: master.lookupNode("/test", "/lidard")[2] not in ("", uri), 20, "it registers again")
         uri = master.lookupNode("/test", "/lidard")[2]
         before = len(scans)
         wait_for(lambda: len(scans) > before, 5, "it publishes again")
+        took = time.monotonic() - began
+        print(f"call {call + 1} of shutdown: scans again after {took:.2f} s")
+        expect(call in (2, 3) or took <= 1 + starved.seconds(), f"scans again after {took:.2f} s, starved {starved.seconds():.3f} s")
     expect(daemon.poll() is None, "the daemon lives after four calls of shutdown")
 
 
@@ -102,6 +110,23 @@ def both_wait(vehicle, master_port):
                 wait_for(lambda: pid_at(master) == stays.pid, 10, "the other one has the name")
             time.sleep(3)
             expect(stays.poll() is None, "and lives on")
+
+
+def port_owner_wins(vehicle, master_port):
+    """Both have the same ports: the one that opened them gets the name too, though both have waited for the master."""
+    for _ in range(2):
+        with vehicle.daemon(vehicle.config) as (a, log_a):
+            wait_for(lambda: "listening on port" in log_a.read_text(), 10, "the first has the port")
+            with vehicle.daemon(vehicle.config) as (b, log_b):
+                wait_for(lambda: f"process {a.pid}" in log_b.read_text(), 10, "the second knows who has the port")
+                time.sleep(1)
+                with ros_master(master_port):
+                    wait_for(lambda: b.poll() is not None, 30, "the second ends")
+                    expect(b.returncode == 1 and "__name:=" in log_b.read_text(), f"it ends with 1:\n{log_b.read_text()}")
+                    with xmlrpc.client.ServerProxy(f"http://127.0.0.1:{master_port}") as master:
+                        expect(pid_at(master) == a.pid and a.poll() is None, "the owner of the port has the name")
+                    expect("shut down from outside" not in log_a.read_text(), "and was left alone:\n" + log_a.read_text())
+    print("both waited for the master with the same ports: the one that has them stays")
 
 
 class Rival:
@@ -162,6 +187,7 @@ def main():
                 rival(vehicle, master, -100, stays=True)
                 rival(vehicle, master, 100, stays=False)
             both_wait(vehicle, master_port)
+            port_owner_wins(vehicle, master_port)
     print("ok")
 
 

@@ -92,7 +92,7 @@ def items_of(states):
 
 
 def stop_each(daemon, manager, newest):
-    for name in (None, "lidard-ros", "lidard-callback", "roscpp-sockets", "roscpp-xmlrpc", "roscpp-callback"):
+    for name in (None, "lidard-clouds", "lidard-ros", "lidard-roscloud", "lidard-callback", "roscpp-sockets", "roscpp-xmlrpc", "roscpp-callback"):
         thread = wait_for(lambda name=name: thread_of(daemon, name), 5, f"a thread {name}")
         with stopped(thread):
             # What the thread did before it was stopped may still be told.
@@ -103,7 +103,10 @@ def stop_each(daemon, manager, newest):
                 wait_for(lambda: newest["sensor front"].level == 2, 3, "the sensor's state is an ERROR")
                 expect("no report from the sensor thread for" in newest["sensor front"].message, newest["sensor front"].message)
                 print(f"sensor front: {newest['sensor front'].message}")
-            if name == "lidard-ros":
+            if name == "lidard-clouds":
+                wait_for(lambda: "no report from the sensor thread for" in newest["sensor roof"].message, 3, "the clouds' state is old")
+                expect(newest["sensor front"].level == 0, "the lane of planes is well")
+            if name in ("lidard-ros", "lidard-roscloud"):
                 wait_for(lambda: newest["ROS"].level == 2, 3, "the state of ROS is an ERROR")
                 print(f"ROS: {newest['ROS'].message}")
         print(f"{name or 'the sensor thread'} stood: not fed")
@@ -117,7 +120,9 @@ def main():
     master_port, port = free_port(), free_port(socket.SOCK_DGRAM)
     use_master_at(master_port)
     with folder() as tmp, ros_master(master_port) as master:
-        (tmp / "live.yaml").write_text(SCANNER_CONFIG.format(port=port))
+        roof = f"  roof: {{model: velodyne_vlp16, ip_port: {free_port(socket.SOCK_DGRAM)}}}\n"
+        config = SCANNER_CONFIG.format(port=port).replace("sensors: {front: ", "sensors:\n  front: ").replace("}}", "}")
+        (tmp / "live.yaml").write_text(config + roof)
         (tmp / "scene.yaml").write_text(SCANNER_SCENE.format(port=port))
         rospy.init_node("listener", disable_signals=True, anonymous=True)
         newest, scans = {}, []

@@ -269,7 +269,7 @@ void ColaDialogue::take_identity() {
   const std::string_view configured = config_.model->name;
   if (named.empty() || configured.substr(0, named.size() - 1) == named.substr(0, named.size() - 1)) return;
   warn("the device calls itself " + identity + ", which is a " + std::string(named) + ", but " +
-       std::string(configured) + " is configured; correct `model`");
+       std::string(configured) + " is configured; set model: " + std::string(named));
 }
 
 void ColaDialogue::take_settings() {

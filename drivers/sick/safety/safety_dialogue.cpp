@@ -157,6 +157,12 @@ class SafetyDialogue final : public SideDialogue {
         warn("type code " + type_code_ + " is that of a scanner for " +
              std::to_string(static_cast<int>(range)) + " m, but " + product_ +
              " is configured; choose the model with that range");
+      // As in SICK's catalogue: NANS3-CAAZ30AN1 is a nanoScan3, the others are MICS3-...
+      const bool is_nanoscan = type_code_.compare(0, 5, "NANS3") == 0;
+      if (!type_code_.empty() && is_nanoscan != (product_ == "nanoScan3"))
+        warn("type code " + type_code_ + " is that of a " + (is_nanoscan ? "nanoScan3" : "microScan3") +
+             ", but " + product_ +
+             " is configured; set model: " + (is_nanoscan ? "sick_nanoscan3" : "sick_microscan3"));
     } else if (index == idx::serial_number) {
       info_.serial = read_text(value);
     } else if (index == idx::status_overview) {

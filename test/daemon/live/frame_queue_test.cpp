@@ -99,6 +99,31 @@ TEST(FrameQueue, MovesEveryStampByWhatTheHostsClockWasSetBy) {
   EXPECT_EQ(told.reference, reference.reference) << "the other clock was not set";
 }
 
+TEST(FrameQueue, TellsRatesAndLatenciesAsIfTheHostsClockHadNotBeenSet) {
+  FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
+  constexpr Span period = 100ms, way = 3ms;
+  Stamp released{1'700'000'000'000'000'000};
+  Span step{0};
+  const auto one_frame = [&](Span set_on_its_way) {
+    queue.push(test::front_scan, sample_scan(), released);
+    QueuedFrame* const frame = queue.pop(1ms);
+    ASSERT_NE(frame, nullptr);
+    queue.published(frame, released + step + set_on_its_way + way);
+    released = released + period;
+  };
+  one_frame(0s);
+  step = -1h;
+  queue.set_step(step);
+  one_frame(0s);
+  one_frame(-1h);
+  one_frame(1h);
+  const TopicFigures figures = queue.figures(test::front_scan.id, released);
+  EXPECT_NEAR(figures.rate_hz, 10, 1e-9);
+  EXPECT_EQ(figures.longest_gap, period);
+  EXPECT_EQ(figures.longest_latency, way);
+  EXPECT_EQ(figures.median_latency, way);
+}
+
 TEST(FrameQueue, LetsAnImuRunAheadFurtherThanAFrame) {
   FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
   for (int i = 0; i < 40; ++i) queue.push(test::roof_imu, test::sample_imu(), Stamp{i});

@@ -71,19 +71,6 @@ TEST(ServiceManager, IsNotWaitedForWhereItDoesNotRead) {
   });
 }
 
-TEST(ServiceManager, TellsTheWatchdogsLimit) {
-  in_own_process([] {
-    ServiceManager manager;
-    unsetenv("WATCHDOG_USEC");
-    EXPECT_FALSE(manager.watchdog_limit());
-    setenv("WATCHDOG_USEC", "2000000", 1);
-    setenv("WATCHDOG_PID", std::to_string(getpid()).c_str(), 1);
-    EXPECT_EQ(manager.watchdog_limit(), Span(2s));
-    setenv("WATCHDOG_PID", "1", 1);
-    EXPECT_FALSE(manager.watchdog_limit()) << "meant for another process";
-  });
-}
-
 TEST(ServiceManager, DoesNotMindBeingAbsent) {
   in_own_process([] {
     unsetenv("NOTIFY_SOCKET");

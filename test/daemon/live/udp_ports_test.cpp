@@ -118,7 +118,7 @@ TEST(UdpPorts, AreOneForEachPortOfDataAndTelemetryHoweverManySensorsSendThere) {
   std::vector<std::string> wanted = {"port " + std::to_string(one), "port " + std::to_string(two),
                                      "port 8308"};
   EXPECT_THAT(names, ::testing::UnorderedElementsAreArray(wanted));
-  EXPECT_THAT(ports.ports.summary(), HasSubstr("of 3 ports open"));
+  EXPECT_EQ(ports.ports.open().all, 3U);
 }
 
 TEST(UdpPorts, HandOnWhatTheSensorSendsAndCountWhatOthersSend) {
@@ -164,7 +164,7 @@ TEST(UdpPorts, SayWhoHasAPortAndOpenItWhenItIsFree) {
   };
   ASSERT_TRUE(ports.until([&] { return item().health == Health::error; }));
   EXPECT_THAT(item().message, HasSubstr("port " + std::to_string(port) + " is in use"));
-  EXPECT_THAT(ports.ports.summary(), HasSubstr("1 of 2 ports open"));
+  EXPECT_EQ(ports.ports.open().good, 1U);
   ports.ports.log_changes();
   ports.ports.log_changes();
   const std::string said = "warning: " + item().message + "\n";
@@ -172,7 +172,7 @@ TEST(UdpPorts, SayWhoHasAPortAndOpenItWhenItIsFree) {
   EXPECT_EQ(log.text().find(said, log.text().find(said) + 1), std::string::npos) << "once";
   other.reset();
   ASSERT_TRUE(ports.until([&] { return item().health != Health::error; }));
-  EXPECT_EQ(ports.ports.summary(), "2 of 2 ports open");
+  EXPECT_EQ(ports.ports.open().good, 2U);
   EXPECT_TRUE(item().message == "listening" || item().health == Health::warn) << item().message;
   ports.ports.log_changes();
   EXPECT_THAT(log.text(), HasSubstr("info: listening on port " + std::to_string(port) + "\n"));
@@ -180,7 +180,7 @@ TEST(UdpPorts, SayWhoHasAPortAndOpenItWhenItIsFree) {
 
 TEST(UdpPorts, AreNoneWithoutASensorThatSendsDatagrams) {
   const Ports ports("sensors: {other: {topic: /scan}}");
-  EXPECT_EQ(ports.ports.summary(), "");
+  EXPECT_EQ(ports.ports.open().all, 0U);
   EXPECT_TRUE(ports.items().empty());
 }
 

@@ -104,7 +104,7 @@ TEST(ForeignMessages, ATickThatComesALittleLateToATimeAlreadyKnownDoesNotGoBack)
   bench.give("a", round_scan("a", bench_begin + ms(1500)), bench_begin + ms(1500));
   bench.pipeline.tick(bench_begin + ms(1400));
   EXPECT_EQ(bench.sink.tellings, 2);
-  bench.pipeline.tick(bench_begin + ms(2450));
+  bench.pipeline.tick(bench_begin + ms(2250));
   EXPECT_EQ(bench.sink.tellings, 2) << "less than a second after 1500";
   bench.pipeline.tick(bench_begin + ms(2500));
   EXPECT_EQ(bench.sink.tellings, 3);

@@ -263,11 +263,13 @@ TEST(ReceptionWatch, WaitsForTheEndOfADialogue) {
   EXPECT_EQ(judge(watch.recent(), FrameKind::scan).health, Health::error);
 }
 
-TEST(ReceptionWatch, BeginsAnewAfterALongSilenceButNotAfterAShortOne) {
+TEST(ReceptionWatch, BeginsAnewAfterASilenceThatWasToldButNotWithALoosePlug) {
   Stream stream(0.025);
   stream.run(15, 0.025, 0.025);
   stream.silence(3.1);
   EXPECT_EQ(stream.run(12, 0.025, 0.025), Health::ok) << "that silence was told as an error while it lasted";
+  stream.silence(1.5);
+  EXPECT_EQ(stream.run(12, 0.025, 0.025), Health::ok) << "and that one as a warning";
   for (int i = 0; i < 4; ++i) {
     stream.silence(1.5);
     stream.run(4, 0.025, 0.025);

@@ -32,7 +32,8 @@ class KeepingSink final : public FrameSink {
 
 TEST(Sinks, EachOfSeveralGetsAllThatComesOutThoughOneKeepsThePoints) {
   KeepingSink first, second;
-  Outlet outlet(test::sample_topics(), {&first, &second}, 2);
+  Outlet outlet({&first, &second});
+  outlet.configure(test::sample_topics(), 2);
   Cloud cloud = test::sample_cloud(100);
   const std::vector<std::uint8_t> points(cloud.points_bytes.begin(), cloud.points_bytes.end());
   outlet.publish(test::roof_points, cloud, Stamp{1});
@@ -47,7 +48,8 @@ TEST(Sinks, EachOfSeveralGetsAllThatComesOutThoughOneKeepsThePoints) {
 
 TEST(Sinks, WhatCameOutIsCountedByTopic) {
   KeepingSink sink;
-  Outlet outlet(test::sample_topics(), {&sink}, 2);
+  Outlet outlet({&sink});
+  outlet.configure(test::sample_topics(), 2);
   outlet.publish(test::front_scan, test::sample_scan(), Stamp{1'000'000'000});
   outlet.publish(test::front_scan, test::sample_scan(), Stamp{1'500'000'000});
   const OutputReport& scans = outlet.reports().at(test::front_scan.id);

@@ -118,12 +118,12 @@ TEST(TcpSource, SaysThatAPortRefusesAndConnectsSoonAfterItListens) {
   EXPECT_EQ(b.disconnects, 0);
 }
 
-TEST(TcpSource, TriesAgainWithinTwoSecondsByDefault) {
+TEST(TcpSource, TriesAgainEachSecondByDefault) {
   const TcpOptions defaults;
   EXPECT_EQ(defaults.first_retry, milliseconds(100));
   // An attempt that times out is followed by the next after first_retry.
   EXPECT_LE(std::max(defaults.last_retry, defaults.connect_time_out + defaults.first_retry),
-            milliseconds(1700));
+            milliseconds(1000));
 }
 
 TEST(TcpSource, GivesUpAnAttemptThatNobodyAnswers) {
@@ -244,9 +244,40 @@ TEST(TcpSource, NoticesADeviceThatVanishedWithoutAWord) {
   if (!peer.vanish()) GTEST_SKIP() << "needs CAP_NET_ADMIN";
   const test::Starved starved;
   const auto since = Clock::now();
-  ASSERT_TRUE(b.until([&] { return b.disconnects == 1; }));  // the kernel's keep-alive finds nobody
-  EXPECT_LT(Clock::now() - since, milliseconds(3500) + starved.time());
+  ASSERT_TRUE(b.until([&] { return b.disconnects == 1; }));  // a host without that connection resets it
+  EXPECT_LT(Clock::now() - since, milliseconds(1500) + starved.time());
   ASSERT_TRUE(b.until_connected(2));
+}
+
+TEST(TcpSource, LeavesADeviceAloneThatIsSilentButAnswersTheKeepAlive) {
+  TcpPeer peer;
+  Bench b(to_port(peer.port()));
+  b.source.start();
+  ASSERT_TRUE(b.until_connected());
+  ASSERT_TRUE(peer.accept());
+  b.run(milliseconds(6000));
+  EXPECT_TRUE(b.source.send(ByteView("are you there?")));  // and does not read
+  b.run(milliseconds(3000));
+  EXPECT_EQ(b.disconnects, 0) << b.message();
+}
+
+TEST(TcpSource, TriesAtOnceWhenAnInterfaceCameInsteadOfWaiting) {
+  TcpPeer peer;
+  peer.stop_listening();
+  TcpOptions options = to_port(peer.port());
+  options.first_retry = options.last_retry = std::chrono::hours(1);
+  Bench b(options);
+  b.source.look_again();
+  EXPECT_EQ(b.source.stats().attempts, 0U) << "it is stopped";
+  b.source.start();
+  ASSERT_TRUE(b.until([&] { return b.source.state().phase == TcpState::Phase::waiting; }));
+  peer.listen_again();
+  b.source.look_again();
+  ASSERT_TRUE(b.until_connected());
+  EXPECT_EQ(b.source.stats().attempts, 2U);
+  b.source.look_again();
+  b.run(milliseconds(50));
+  EXPECT_EQ(b.disconnects, 0) << "a connection that stands is left alone";
 }
 
 TEST(TcpSource, KeepsABoundedAmountForADeviceThatDoesNotRead) {

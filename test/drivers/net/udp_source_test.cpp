@@ -210,6 +210,23 @@ TEST(UdpSource, PortInUseIsExplainedAndTakenWhenFree) {
   EXPECT_TRUE(bench.run_until_count(1));
 }
 
+TEST(UdpSource, TriesAtOnceWhenInterfacesHaveChanged) {
+  Bench holder;
+  UdpOptions options;
+  options.port = holder.port();
+  Bench bench(options);
+  bench.run(milliseconds(2500));  // by then the next attempt is a second away
+  ASSERT_EQ(bench.source.state().phase, UdpState::Phase::waiting);
+  holder.source.stop();
+  bench.source.look_again();
+  EXPECT_EQ(bench.source.state().phase, UdpState::Phase::receiving) << bench.source.state().message;
+  bench.run(milliseconds(1500));  // the attempt that was planned is forgotten
+  Sender sender;
+  ASSERT_TRUE(sender.send(bench.port(), "hello"));
+  EXPECT_TRUE(bench.run_until_count(1));
+  EXPECT_EQ(bench.source.stats().wakeups, 1U);
+}
+
 TEST(UdpSource, ForeignAddressIsExplained) {
   UdpOptions options;
   options.address = IpAddress::v4(192, 0, 2, 77);

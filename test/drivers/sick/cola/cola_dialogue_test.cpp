@@ -111,7 +111,7 @@ TEST(ColaDialogue, ADeviceThatIsAnotherModelIsNamedBesideTheConfiguredOne) {
     bench.send_next();
     EXPECT_TRUE(
         bench.has_warning("calls itself MRS1xxxx, 1.3.0.0R, which is a sick_mrs1000, but sick_lms1xx "
-                          "is configured; correct `model`"));
+                          "is configured; set model: sick_mrs1000"));
     EXPECT_EQ(bench.requests.back(), subscribe(dialect)) << "its scans come all the same";
   }
 }

@@ -135,6 +135,15 @@ TEST(WebContradictions, NameReturnsAndSpeedThatDiffer) {
               ElementsAre(HasSubstr("the motor turns at about 300 rpm, though 600 are set")));
 }
 
+TEST(WebContradictions, AMotorMayBeFivePercentOfTheFasterSpeedOff) {
+  WebState state = answering();
+  for (const auto& [rpm, differs] : {std::pair(569.0, true), {571.0, false}, {631.0, false}, {633.0, true}}) {
+    Received received = receiving();
+    received.rpm = rpm;
+    EXPECT_EQ(contradictions(state, received).size(), differs ? 1U : 0U) << rpm;
+  }
+}
+
 TEST(WebContradictions, WaitUntilTheMotorFollowedAChange) {
   WebState state = answering();
   state.settling = true;

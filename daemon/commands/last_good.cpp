@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/commands/last_good.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+namespace lidard {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* file_name = "lidard.yaml";
+
+fs::path beside(const Config& config, const std::string& file) {
+  const fs::path path = file;
+  return path.is_absolute() ? path : fs::path(config.file).parent_path() / path;
+}
+
+void write(const fs::path& path, const std::string& text) {
+  std::ofstream file(path);
+  file << text;
+  file.close();
+  if (!file) throw std::runtime_error(path.string() + " cannot be written");
+}
+
+}  // namespace
+
+LastGood::LastGood(const std::string& config_file) {
+  const char* const state = std::getenv("STATE_DIRECTORY");
+  if (state == nullptr || *state == '\0') return;
+  const std::string first = std::string(state).substr(0, std::string(state).find(':'));
+  folder_ = fs::path(first) / "last-good" / fs::path(config_file).filename();
+}
+
+std::string LastGood::keep(const Config& config) const {
+  if (folder_.empty()) return {};
+  try {
+    // A folder that is not complete yet must not be taken for a good one.
+    const fs::path part = folder_ + ".part";
+    fs::remove_all(part);
+    fs::create_directories(part);
+    Config copy = config;
+    for (SensorConfig& sensor : copy.sensors) {
+      if (sensor.calibration.empty()) continue;
+      const std::string name =
+          sensor.name + ".calibration" + fs::path(sensor.calibration).extension().string();
+      fs::copy_file(beside(config, sensor.calibration), part / name);
+      sensor.calibration = name;
+    }
+    write(part / file_name, to_yaml(copy));
+    fs::remove_all(folder_);
+    fs::rename(part, folder_);
+  } catch (const std::exception& error) {
+    return std::string("the configuration cannot be kept for a start with a wrong file: ") + error.what();
+  }
+  return {};
+}
+
+std::optional<Config> LastGood::load() const {
+  if (folder_.empty()) return std::nullopt;
+  try {
+    return load_config((fs::path(folder_) / file_name).string());
+  } catch (const ConfigError&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace lidard

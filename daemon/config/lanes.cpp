@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/config/lanes.h"
+
+#include <algorithm>
+#include <set>
+
+namespace lidard {
+namespace {
+
+using Names = std::set<std::string>;
+
+bool gives_clouds(const SensorConfig& sensor, const Config& config) {
+  if (sensor.model != nullptr) return sensor.model->kind == FrameKind::cloud;
+  return std::any_of(config.virtual_scans.begin(), config.virtual_scans.end(),
+                     [&](const VirtualScanConfig& group) { return group.cloud_topic == sensor.name; });
+}
+
+std::set<std::uint16_t> udp_ports_of(const SensorConfig& sensor) {
+  std::set<std::uint16_t> ports;
+  for (const Flow& flow : flows_of(sensor)) {
+    if (flow.transport == Transport::udp) ports.insert(flow.port);
+  }
+  return ports;
+}
+
+/// The sensors of the lane of clouds.
+Names sensors_with_clouds(const Config& config) {
+  Names names;
+  std::set<std::uint16_t> ports;
+  // Each round but the last one finds a sensor.
+  for (std::size_t known = 0, round = 0; round == 0 || names.size() > known; ++round) {
+    known = names.size();
+    for (const SensorConfig& sensor : config.sensors) {
+      const std::set<std::uint16_t> own = udp_ports_of(sensor);
+      const bool shares =
+          std::any_of(own.begin(), own.end(), [&](auto port) { return ports.count(port) > 0; });
+      if (!shares && !gives_clouds(sensor, config)) continue;
+      names.insert(sensor.name);
+      ports.insert(own.begin(), own.end());
+    }
+  }
+  return names;
+}
+
+/// What merged scans take that does not come from a sensor of the lane of planes.
+Names handed_over(const Config& config, const Names& with_clouds) {
+  Names names;
+  for (const MergedScanConfig& merged : config.merged_scans) {
+    for (const std::string& source : merged.laserscan_topics) {
+      if (config.find_sensor(source) == nullptr || with_clouds.count(source) > 0) names.insert(source);
+    }
+  }
+  return names;
+}
+
+}  // namespace
+
+Config part_of(const Config& config, Lane lane) {
+  const Names with_clouds = sensors_with_clouds(config);
+  const Names over = handed_over(config, with_clouds);
+  Config part = config;
+  part.poses = fixed_poses(config);
+  part.warnings.clear();
+  const auto is_foreign = [&](const SensorConfig& sensor) {
+    return (with_clouds.count(sensor.name) > 0) != (lane == Lane::clouds);
+  };
+  // Only what is made of frames needs to know how the vehicle moves.
+  const bool makes_nothing = lane == Lane::clouds
+                                 ? config.virtual_scans.empty() && !config.merged_scans.empty()
+                                 : config.merged_scans.empty() && !config.virtual_scans.empty();
+  if (makes_nothing) part.vehicle.odometry_frame = part.vehicle.odometry_topic = part.vehicle.imu_topic = "";
+  part.is_not_alone = std::any_of(part.sensors.begin(), part.sensors.end(), is_foreign);
+  part.sensors.erase(std::remove_if(part.sensors.begin(), part.sensors.end(), is_foreign),
+                     part.sensors.end());
+  if (lane == Lane::clouds) {
+    part.merged_scans.clear();
+    part.hand_over.assign(over.begin(), over.end());
+    return part;
+  }
+  part.virtual_scans.clear();
+  for (const std::string& name : over) {
+    SensorConfig sensor;
+    sensor.name = sensor.topic = sensor.frame_id = name;
+    sensor.handed_over = true;
+    part.sensors.push_back(std::move(sensor));
+  }
+  return part;
+}
+
+}  // namespace lidard

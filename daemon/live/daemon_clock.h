@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <functional>
+#include <mutex>
+#include <utility>
+
+#include "core/base/host_clock.h"
+#include "daemon/pipeline/sink.h"
+#include "drivers/net/wall_clock.h"
+
+namespace lidard {
+
+/// The host's clocks as the threads of a daemon share them: what comes in is told in the time without steps.
+/// The clocks are read at each call, so that a step is known before the first stamp after it is used.
+class DaemonClock {
+ public:
+  /// `stepped` takes HostClock::step() whenever it is another one; called in the thread that notices first.
+  explicit DaemonClock(std::function<void(Span)> stepped) : stepped_(std::move(stepped)) {}
+
+  /// Now, in the time without steps.
+  Stamp now() {
+    const std::lock_guard lock(mutex_);
+    return clock_.steady(look());
+  }
+  /// A stamp of the host's clock in the time without steps.
+  Stamp without_steps(Stamp taken) {
+    const std::lock_guard lock(mutex_);
+    const ClockReading reading = look();
+    return clock_.steady(taken, reading);
+  }
+  /// What the host's clock says at a time without steps.
+  Stamp realtime(Stamp steady) const {
+    const std::lock_guard lock(mutex_);
+    return clock_.realtime(steady);
+  }
+  /// By how much the host's clock was set since the beginning.
+  Span step() const {
+    const std::lock_guard lock(mutex_);
+    return clock_.step();
+  }
+  DiagnosticItem item() {
+    const std::lock_guard lock(mutex_);
+    const Stamp now = clock_.steady(look());
+    DiagnosticItem item{"clock"};
+    item.logged = true;
+    item.message = "the host's clock runs evenly";
+    item.values = {{"Steps", std::to_string(clock_.steps())},
+                   {"Sum of Steps (s)", fmt::format("{:.3f}", seconds(clock_.step()))}};
+    constexpr Span news = std::chrono::seconds(10);
+    if (clock_.steps() > 0 && now - set_at_ < news)
+      item.set(
+          Health::warn,
+          fmt::format("the host's clock was set by {:+.3f} s; keep it with chrony or ntpd, which turn its "
+                      "rate instead",
+                      seconds(last_step_)));
+    return item;
+  }
+
+ private:
+  ClockReading look() {
+    const ClockReading reading = read_clocks();
+    if (const auto step = clock_.observe(reading)) {
+      set_at_ = clock_.steady(reading);
+      last_step_ = *step;
+      stepped_(clock_.step());
+      spdlog::warn("the host's clock was set by {:+.3f} s; the stamps follow it in one step", seconds(*step));
+    }
+    return reading;
+  }
+
+  const std::function<void(Span)> stepped_;
+  mutable std::mutex mutex_;
+  HostClock clock_{read_clocks()};
+  Stamp set_at_{};
+  Span last_step_{0};
+};
+
+}  // namespace lidard

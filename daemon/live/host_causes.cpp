@@ -1,0 +1,167 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/live/host_causes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "drivers/model.h"
+
+namespace lidard {
+namespace {
+
+bool is_received(const SensorConfig& sensor) {
+  return sensor.model != nullptr && sensor.packet_topic.empty();
+}
+
+/// The interfaces that a sensor's packets can come in at: those of its network, else the one of its groups.
+std::vector<const HostInterface*> interfaces_of(const SensorConfig& sensor, const HostNetwork& network) {
+  std::vector<const HostInterface*> found;
+  for (const HostInterface& each : network.interfaces) {
+    if (sensor.ip_address && each.reaches(*sensor.ip_address)) found.push_back(&each);
+  }
+  if (!found.empty() || sensor.interface.empty()) return found;
+  for (const HostInterface& each : network.interfaces) {
+    if (each.name == sensor.interface || each.address.to_string() == sensor.interface) found.push_back(&each);
+  }
+  return found;
+}
+
+/// An address for this host in the network of the sensor, which most often has 24 bits.
+std::string address_beside(IpAddress sensor) {
+  sensor.bytes[3] = sensor.bytes[3] == 100 ? 101 : 100;
+  return sensor.to_string() + "/24";
+}
+
+/// The interface that the sensor is probably plugged into: one without an address before one with another.
+std::string likely_interface(const HostNetwork& network) {
+  const HostInterface* best = nullptr;
+  for (const HostInterface& each : network.interfaces) {
+    if (each.loopback) continue;
+    const auto rank = [](const HostInterface& i) { return (i.has_link ? 2 : 0) + (i.prefix == 0 ? 1 : 0); };
+    if (best == nullptr || rank(each) > rank(*best)) best = &each;
+  }
+  return best == nullptr ? "INTERFACE" : best->name;
+}
+
+std::string no_address(const IpAddress& sensor, const HostNetwork& network, bool has_route) {
+  std::string known;
+  for (const HostInterface& each : network.interfaces) {
+    if (!each.loopback && each.prefix > 0) known += (known.empty() ? "" : ", ") + each.to_string();
+  }
+  return "no interface of this host has an address in the network of " + sensor.to_string() + " (there is " +
+         (known.empty() ? "none" : known) + "); " + (has_route ? "unless a router leads there, " : "") +
+         "add one: `ip address add " + address_beside(sensor) + " dev " + likely_interface(network) + "`";
+}
+
+double rate(std::uint64_t before, std::uint64_t now, double time_s) {
+  return now > before && time_s > 0 ? static_cast<double>(now - before) / time_s : 0;
+}
+
+}  // namespace
+
+std::string host_trouble(const SensorConfig& sensor, const HostNetwork& network, bool has_route) {
+  if (!is_received(sensor)) return {};
+  const auto interfaces = interfaces_of(sensor, network);
+  const bool is_well = std::any_of(interfaces.begin(), interfaces.end(),
+                                   [](const HostInterface* each) { return each->up && each->has_link; });
+  if (is_well) return {};
+  if (interfaces.empty()) return sensor.ip_address ? no_address(*sensor.ip_address, network, has_route) : "";
+  const HostInterface& first = *interfaces.front();
+  if (!first.up)
+    return first.to_string() + " is switched off; switch it on: `ip link set " + first.name + " up`";
+  return first.to_string() + " has no link; check the cable, the switch and the sensor's power";
+}
+
+std::string path_filter_hint(const HostCounts& counts) {
+  const double dropped = rate(counts.before.dropped_by_path, counts.now.dropped_by_path, counts.time_s);
+  if (dropped < 1) return {};
+  return fmt::format(
+      "the reverse path filter of this host drops {:.0f} packets/s: they come in at an interface that does "
+      "not lead "
+      "back to their sender; give that interface an address in the sensor's network, or run `sysctl -w "
+      "net.ipv4.conf.all.rp_filter=0 net.ipv4.conf.INTERFACE.rp_filter=0`",
+      dropped);
+}
+
+std::string host_hint(const SensorConfig& sensor, const HostCounts& counts) {
+  if (!is_received(sensor) || sensor.model->transport != Transport::udp) return {};
+  if (std::string dropped = path_filter_hint(counts); !dropped.empty()) return dropped;
+  const double expected = sensor.model->packets_per_s;
+  const std::string who = sensor.ip_address ? sensor.ip_address->to_string() : "the sensor";
+  const double unheard = rate(counts.before.without_port, counts.now.without_port, counts.time_s);
+  if (unheard >= std::max(2.0, 0.2 * expected))
+    return fmt::format(
+        "{:.0f} datagrams/s come to ports of this host where nobody listens; does the sensor send to another "
+        "port "
+        "than {}? `tcpdump -ni any udp and src host {}` shows it",
+        unheard, sensor.ip_port, who);
+  const auto interfaces = interfaces_of(sensor, counts.now);
+  const auto earlier = interfaces_of(sensor, counts.before);
+  if (interfaces.size() != 1 || earlier.size() != 1 || interfaces[0]->loopback) return {};
+  const HostInterface& in = *interfaces[0];
+  const double came = rate(0, in.packets - earlier[0]->packets, counts.time_s);
+  if (came < 2)
+    return "next to nothing comes in at " + in.to_string() +
+           "; check the sensor's power, cable and destination address";
+  if (came < 0.5 * expected || counts.others_talk) return {};
+  return fmt::format(
+      "{:.0f} packets/s come in at {}, but none from {} to port {}; does it send elsewhere, or does a "
+      "firewall drop "
+      "them? Compare `tcpdump -ni {} src host {}` with `nft list ruleset`",
+      came, in.to_string(), who, sensor.ip_port, in.name, who);
+}
+
+HostCauses::HostCauses(const Config& config, const UdpPorts& ports) : ports_(ports) { configure(config); }
+
+void HostCauses::configure(const Config& config) {
+  sensors_ = config.sensors;
+  others_may_talk_ =
+      config.is_not_alone || std::any_of(sensors_.begin(), sensors_.end(), [](const SensorConfig& each) {
+        return is_received(each) && each.model->transport == Transport::tcp;
+      });
+}
+
+void HostCauses::look() {
+  constexpr auto fresh = std::chrono::milliseconds(900);
+  const auto now = Clock::now();
+  if (!stale_ && now_ && now - now_->at < fresh) return;
+  // What was counted between two looks counts only where the interfaces were the same.
+  before_ = stale_ ? std::nullopt : std::move(now_);
+  now_ = Look{look_at_network(), ports_.datagrams(), now};
+  stale_ = false;
+}
+
+std::optional<HostCounts> HostCauses::counts() const {
+  constexpr auto longest = std::chrono::seconds(5);
+  if (!before_ || now_->at - before_->at > longest) return std::nullopt;
+  return HostCounts{before_->network, now_->network,
+                    std::chrono::duration<double>(now_->at - before_->at).count(),
+                    others_may_talk_ || now_->datagrams != before_->datagrams};
+}
+
+std::string HostCauses::trouble(std::size_t sensor) {
+  const SensorConfig& config = sensors_.at(sensor);
+  if (!is_received(config)) return {};
+  if (config.model->transport == Transport::udp) {
+    if (std::string port = ports_.trouble(config.ip_port); !port.empty()) return port;
+  }
+  look();
+  const bool has_route = config.ip_address && has_route_to(*config.ip_address);
+  // The connection itself says more of a device behind a router.
+  const bool is_remote = has_route && config.model->transport == Transport::tcp;
+  if (is_remote && interfaces_of(config, now_->network).empty()) return {};
+  std::string text = host_trouble(config, now_->network, has_route);
+  const auto counted = counts();
+  const std::string dropped = counted && !text.empty() ? path_filter_hint(*counted) : std::string();
+  return dropped.empty() ? text : text + ". Besides, " + dropped;
+}
+
+std::string HostCauses::hint(std::size_t sensor) {
+  look();
+  const auto counted = counts();
+  return counted ? host_hint(sensors_.at(sensor), *counted) : std::string();
+}
+
+}  // namespace lidard

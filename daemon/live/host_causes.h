@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/config/config.h"
+#include "daemon/live/udp_ports.h"
+#include "drivers/net/host_network.h"
+
+namespace lidard {
+
+/// What is wrong with this host's network, seen from a sensor, with the remedy; empty: nothing.
+std::string host_trouble(const SensorConfig& sensor, const HostNetwork& network, bool has_route);
+/// What was counted between two looks at this host's network.
+struct HostCounts {
+  const HostNetwork& before;
+  const HostNetwork& now;
+  double time_s = 0;
+  bool others_talk = false;  ///< other sensors' packets may be among those that came in
+};
+/// That the reverse path filter drops packets; empty: it does not.
+std::string path_filter_hint(const HostCounts& counts);
+/// Why nothing may come from a sensor that sends datagrams; empty: no idea.
+std::string host_hint(const SensorConfig& sensor, const HostCounts& counts);
+
+/// Looks at this host's network when a sensor is silent: at most once per second, and when interfaces have
+/// changed.
+class HostCauses {
+ public:
+  /// `ports` must outlive this.
+  HostCauses(const Config& config, const UdpPorts& ports);
+
+  void configure(const Config& config);
+  void interfaces_changed() { stale_ = true; }
+  /// As host_trouble(), or why the sensor's port cannot be opened. `sensor`: place in the configuration.
+  std::string trouble(std::size_t sensor);
+  std::string hint(std::size_t sensor);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Look {
+    HostNetwork network;
+    std::uint64_t datagrams;  // of all our ports
+    Clock::time_point at;
+  };
+  void look();
+  std::optional<HostCounts> counts() const;
+
+  std::vector<SensorConfig> sensors_;
+  const UdpPorts& ports_;
+  bool others_may_talk_ = false;  // of whom ports_ does not know
+  std::optional<Look> before_, now_;
+  bool stale_ = true;
+};
+
+}  // namespace lidard

@@ -1,0 +1,163 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/live/sensor_loop.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "daemon/pipeline/report.h"
+
+namespace lidard {
+namespace {
+
+constexpr auto tick_period = std::chrono::milliseconds(100);
+
+void log_sensor(const SensorReport& sensor) {
+  const Counters& c = sensor.counters;
+  spdlog::info("{} ({}): {} packets, {} frames, {} lost, rejected {}", sensor.name, sensor.model, c.packets,
+               c.frames, c.lost_packets, rejected_text(c));
+}
+
+}  // namespace
+
+SensorLoop::SensorLoop(const Config& config, DaemonClock& clock, BlackBox& box, TransformSource& transforms,
+                       FrameSink& sink)
+    : clock_(clock),
+      box_(box),
+      pipeline_(config, transforms, sink),
+      ports_(io_, config,
+             [this](const Packet& packet) {
+               take(packet, [this](const Packet& timed) { pipeline_.packet(timed); });
+             }),
+      host_causes_(config, ports_),
+      links_(io_, config,
+             {[this](std::size_t sensor, const Packet& packet) {
+                take(packet, [&](const Packet& timed) { pipeline_.chunk(sensor, timed); });
+              },
+              [this](std::size_t sensor, Stamp at) { pipeline_.connected(sensor, clock_.without_steps(at)); },
+              [this](std::size_t sensor) { pipeline_.disconnected(sensor); },
+              [this](std::size_t sensor) { return pipeline_.frames(sensor); },
+              [this](std::size_t sensor) { return host_causes_.trouble(sensor); },
+              [this](std::size_t sensor) { return host_causes_.hint(sensor); }}),
+      interfaces_(io_,
+                  [this] {
+                    host_causes_.interfaces_changed();
+                    ports_.look_again();
+                    links_.look_again();
+                  }),
+      timer_(io_),
+      event_timer_(io_) {
+  pipeline_.set_links(&links_);
+  pipeline_.add_diagnostics([this](std::vector<DiagnosticItem>& items) {
+    add_items(items);
+    ports_.add_diagnostics(items);
+    links_.add_diagnostics(items);
+    on_state({items, lidars_alive(), ports_.open(), links_.connected()});
+  });
+}
+
+void SensorLoop::post(std::function<void(Stamp)> task) {
+  boost::asio::post(io_, [this, task = std::move(task), received = clock_.now()] {
+    task(received);
+    arm();
+  });
+}
+
+void SensorLoop::run() {
+  ports_.start();
+  links_.start();
+  if (const std::string trouble = interfaces_.start(); !trouble.empty()) spdlog::warn("{}", trouble);
+  next_tick_ = std::chrono::steady_clock::now();
+  schedule_tick();
+  io_.run();
+}
+
+void SensorLoop::configure(const Config& config, FrameSink& sink) {
+  pipeline_.set_sinks({&sink});
+  pipeline_.configure(config);
+  ports_.configure(config);
+  links_.configure(config);
+  host_causes_.configure(config);
+  next_event_.reset();
+  arm();
+}
+
+void SensorLoop::finish() {
+  interfaces_.stop();
+  ports_.stop();
+  pipeline_.finish(clock_.now());
+  links_.stop();
+  for (const auto& sensor : pipeline_.report()) log_sensor(sensor);
+}
+
+LaneState SensorLoop::state() {
+  return {pipeline_.diagnostics(clock_.now()), lidars_alive(), ports_.open(), links_.connected()};
+}
+
+Share SensorLoop::lidars_alive() const {
+  Share alive;
+  const Stamp now = clock_.now();
+  for (const SensorReport& sensor : pipeline_.report()) {
+    ++alive.all;
+    alive.good += sensor.seen && seconds(now - sensor.last_arrival) < 1 ? 1U : 0U;
+  }
+  return alive;
+}
+
+template <class Use>
+void SensorLoop::take(const Packet& packet, Use use) {
+  Packet timed = packet;
+  timed.arrival = clock_.without_steps(packet.arrival);
+  box_.add(timed);
+  use(timed);
+  arm();
+}
+
+/// Calls `then` with the time that it is now, after all that has arrived by now: what waits in a socket while
+/// this thread is busy is not late.
+template <class Then>
+void SensorLoop::catch_up(Then then) {
+  // A handler that is posted runs before those of sockets found ready meanwhile, the next one after them.
+  boost::asio::post(io_,
+                    [this, then, now = clock_.now()] { boost::asio::post(io_, [then, now] { then(now); }); });
+}
+
+void SensorLoop::schedule_tick() {
+  next_tick_ += tick_period;
+  timer_.expires_at(next_tick_);
+  timer_.async_wait([this](const boost::system::error_code& error) {
+    if (error) return;
+    catch_up([this](Stamp now) { tick(now); });
+    schedule_tick();
+  });
+}
+
+/// Sets the timer to the next thing that the pipeline has to do without new input.
+void SensorLoop::arm() {
+  const auto event = pipeline_.next_event();
+  if (!event || event == next_event_) return;
+  next_event_ = event;
+  event_timer_.expires_after(std::max(Span(0), *event - clock_.now()));
+  event_timer_.async_wait([this](const boost::system::error_code& error) {
+    if (error) return;
+    catch_up([this](Stamp now) {
+      next_event_.reset();
+      pipeline_.tick(now);
+      arm();
+    });
+  });
+}
+
+void SensorLoop::tick(Stamp now) {
+  ++rounds_;
+  pipeline_.tick(now);
+  arm();
+  links_.tick();
+  ports_.log_changes();
+  ports_are_taken_ = ports_.taken();
+  links_.log_changes();
+  on_tick(now);
+}
+
+}  // namespace lidard

@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "daemon/config/lanes.h"
+#include "daemon/live/black_box.h"
+#include "daemon/live/daemon_clock.h"
+#include "daemon/live/host_causes.h"
+#include "daemon/live/tcp_connections.h"
+#include "daemon/live/udp_ports.h"
+#include "daemon/pipeline/pipeline.h"
+#include "drivers/net/interface_watch.h"
+
+namespace lidard {
+
+/// What a lane of the daemon tells of itself.
+struct LaneState {
+  std::vector<DiagnosticItem> items;
+  Share lidars_alive, open_ports, connected_devices;
+};
+
+/// One lane of a running daemon: its sockets and its pipeline, in the one thread that calls run(). Whatever
+/// others want of it they post.
+class SensorLoop {
+ public:
+  /// `config` as part_of() gives it. The rest must outlive this.
+  SensorLoop(const Config& config, DaemonClock& clock, BlackBox& box, TransformSource& transforms,
+             FrameSink& sink);
+
+  boost::asio::io_context& io() { return io_; }
+  Pipeline& pipeline() { return pipeline_; }
+  /// Called in the thread of run(), about ten times a second, and with the state of the lane whenever
+  /// /diagnostics is told it.
+  std::function<void(Stamp now)> on_tick = [](Stamp) {};
+  std::function<void(const LaneState&)> on_state = [](const LaneState&) {};
+  /// Adds what somebody else knows to the items of the lane.
+  std::function<void(std::vector<DiagnosticItem>&)> add_items = [](std::vector<DiagnosticItem>&) {};
+
+  /// Does `task` in the thread of run(), with the time without steps at which it was posted.
+  void post(std::function<void(Stamp)> task);
+  /// Opens sockets and works until stop().
+  void run();
+  /// From now on works after another configuration, into another sink. What stays the same goes on.
+  void configure(const Config& config, FrameSink& sink);
+  /// May be called by any thread.
+  void stop() { io_.stop(); }
+  /// After run(): closes the sockets, counts what is still in doubt of the last packets, and logs what came.
+  void finish();
+  /// Of the calling thread's own lane only.
+  LaneState state();
+  /// Grows about ten times a second while the thread lives. May be asked for by any thread.
+  std::uint64_t rounds() const { return rounds_; }
+  /// Whether another program has one of the ports. May be asked for by any thread.
+  bool ports_are_taken() const { return ports_are_taken_; }
+
+ private:
+  template <class Use>
+  void take(const Packet& packet, Use use);
+  template <class Then>
+  void catch_up(Then then);
+  void schedule_tick();
+  void arm();
+  void tick(Stamp now);
+  Share lidars_alive() const;
+
+  boost::asio::io_context io_{1};
+  DaemonClock& clock_;
+  BlackBox& box_;
+  Pipeline pipeline_;
+  UdpPorts ports_;
+  HostCauses host_causes_;
+  TcpConnections links_;
+  InterfaceWatch interfaces_;
+  boost::asio::steady_timer timer_;
+  boost::asio::steady_timer event_timer_;
+  std::optional<Stamp> next_event_;  // what event_timer_ is set to
+  std::chrono::steady_clock::time_point next_tick_;
+  std::atomic<std::uint64_t> rounds_{0};
+  std::atomic<bool> ports_are_taken_{false};
+};
+
+}  // namespace lidard

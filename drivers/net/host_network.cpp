@@ -1,0 +1,157 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/net/host_network.h"
+
+#include <arpa/inet.h>
+#include <ifaddrs.h>
+#include <linux/if_link.h>
+#include <net/if.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "drivers/file_descriptor.h"
+
+namespace lidard {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::uint32_t bits(const IpAddress& address) {
+  std::uint32_t raw = 0;
+  std::memcpy(&raw, address.bytes.data(), sizeof raw);
+  return ntohl(raw);
+}
+
+IpAddress address_in(const sockaddr* from) {
+  sockaddr_in raw{};
+  std::memcpy(&raw, from, sizeof raw);
+  IpAddress address;
+  std::memcpy(address.bytes.data(), &raw.sin_addr, sizeof raw.sin_addr);
+  return address;
+}
+
+/// A counter of /proc/net/netstat or snmp, where a line of names stands before one of numbers.
+std::uint64_t counter(const char* file, const std::string& table, const std::string& name) {
+  std::ifstream in(file);
+  std::string line, numbers;
+  while (std::getline(in, line) && std::getline(in, numbers)) {
+    if (line.compare(0, table.size(), table) != 0) continue;
+    std::istringstream names(line), values(numbers);
+    for (std::string word, value; names >> word && values >> value;) {
+      if (word == name) return std::strtoull(value.c_str(), nullptr, 10);
+    }
+  }
+  return 0;
+}
+
+/// The socket that is bound to a UDP port, by /proc/net/udp: proc(5).
+struct UdpEntry {
+  std::string inode, user;
+};
+UdpEntry entry_of(std::uint16_t port) {
+  std::ifstream in("/proc/self/net/udp");
+  std::string line;
+  std::getline(in, line);  // the head
+  while (std::getline(in, line)) {
+    std::istringstream fields(line);
+    std::string number, local, remote, state, queues, timer, retransmits, user, time_out, inode;
+    fields >> number >> local >> remote >> state >> queues >> timer >> retransmits >> user >> time_out >>
+        inode;
+    const std::size_t colon = local.find(':');
+    if (colon == std::string::npos) continue;
+    if (std::strtoul(local.c_str() + colon + 1, nullptr, 16) == port) return {inode, user};
+  }
+  return {};
+}
+
+bool holds_socket(const fs::path& process, const std::string& inode) {
+  const std::string wanted = "socket:[" + inode + "]";
+  std::error_code error;
+  for (fs::directory_iterator file(process / "fd", error), end; !error && file != end;
+       file.increment(error)) {
+    std::error_code gone;
+    if (fs::read_symlink(file->path(), gone) == wanted) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool HostInterface::reaches(const IpAddress& other) const {
+  if (prefix == 0 || prefix > 32 || other.v6) return false;
+  return (bits(address) ^ bits(other)) >> (32 - prefix) == 0;
+}
+
+std::string HostInterface::to_string() const {
+  if (prefix == 0) return name;
+  return name + " (" + address.to_string() + "/" + std::to_string(prefix) + ")";
+}
+
+HostNetwork look_at_network() {
+  HostNetwork network;
+  ifaddrs* list = nullptr;
+  if (getifaddrs(&list) != 0) return network;
+  std::map<std::string, std::uint32_t> packets;
+  std::map<std::string, bool> has_address;
+  const auto add = [&](const ifaddrs& entry) -> HostInterface& {
+    network.interfaces.push_back({entry.ifa_name,
+                                  {},
+                                  0,
+                                  (entry.ifa_flags & IFF_UP) != 0,
+                                  (entry.ifa_flags & IFF_RUNNING) != 0,
+                                  (entry.ifa_flags & IFF_LOOPBACK) != 0,
+                                  0});
+    return network.interfaces.back();
+  };
+  for (const ifaddrs* entry = list; entry != nullptr; entry = entry->ifa_next) {
+    if (entry->ifa_addr == nullptr) continue;
+    if (entry->ifa_addr->sa_family == AF_PACKET && entry->ifa_data != nullptr)
+      packets[entry->ifa_name] = static_cast<const rtnl_link_stats*>(entry->ifa_data)->rx_packets;
+    if (entry->ifa_addr->sa_family != AF_INET || entry->ifa_netmask == nullptr) continue;
+    has_address[entry->ifa_name] = true;
+    HostInterface& found = add(*entry);
+    found.address = address_in(entry->ifa_addr);
+    for (std::uint32_t mask = bits(address_in(entry->ifa_netmask)); mask != 0; mask <<= 1U) ++found.prefix;
+  }
+  for (const ifaddrs* entry = list; entry != nullptr; entry = entry->ifa_next) {
+    const bool is_link = entry->ifa_addr != nullptr && entry->ifa_addr->sa_family == AF_PACKET;
+    if (is_link && !has_address[entry->ifa_name]) add(*entry);
+  }
+  freeifaddrs(list);
+  for (HostInterface& each : network.interfaces) each.packets = packets[each.name];
+  network.dropped_by_path = counter("/proc/self/net/netstat", "TcpExt:", "IPReversePathFilter");
+  network.without_port = counter("/proc/self/net/snmp", "Udp:", "NoPorts");
+  return network;
+}
+
+bool has_route_to(const IpAddress& address) {
+  const FileDescriptor fd(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(9);  // connect(2) of a datagram socket sends nothing
+  std::memcpy(&to.sin_addr, address.bytes.data(), sizeof to.sin_addr);
+  return connect(fd.get(), reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0;
+}
+
+std::string holder_of_udp_port(std::uint16_t port) {
+  const UdpEntry entry = entry_of(port);
+  if (entry.inode.empty()) return {};
+  std::error_code error;
+  for (fs::directory_iterator each("/proc", error), end; !error && each != end; each.increment(error)) {
+    const std::string process = each->path().filename().string();
+    if (process.find_first_not_of("0123456789") != std::string::npos) continue;
+    if (!holds_socket(each->path(), entry.inode)) continue;
+    std::string name;
+    std::getline(std::ifstream(each->path() / "comm"), name);
+    return name + " (process " + process + ")";
+  }
+  return "a program of user " + entry.user;
+}
+
+}  // namespace lidard

@@ -1,0 +1,124 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+// What /diagnostics says where another model's packets come than the configured one's, and of unknown
+// senders.
+#include "daemon/pipeline/other_model.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "drivers/registry/registry.h"
+#include "test/support/allocations.h"
+#include "test/support/pipeline_bench.h"
+#include "test/support/velodyne_wire.h"
+
+namespace lidard {
+namespace {
+
+using test::ms;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+const IpAddress sender = IpAddress::v4(192, 168, 1, 201);
+
+/// Two seconds of one Velodyne where `configured` is expected; the last state of the sensor.
+DiagnosticItem taken_as(const std::string& configured, const std::string& sent) {
+  test::PipelineBench bench("sensors: {roof: {model: " + configured + ", ip_port: 2368}}");
+  Stamp now{};
+  for (const auto& packet : test::spin({sent, sim::ReturnMode::strongest, ""}, 20)) {
+    now = packet.arrival;
+    bench.pipeline.packet({{packet.bytes.data(), packet.bytes.size()}, now, {sender, 2368}, {{}, 2368}});
+    bench.pipeline.tick(now);
+  }
+  return bench.item("sensor roof", now);
+}
+
+TEST(OtherModel, IsNamedWithTheWayToConfigureIt) {
+  EXPECT_EQ(taken_as("velodyne_vlp16", "velodyne_vlp16").health, Health::ok);
+  for (const auto& [configured, sent, sentence] :
+       {std::tuple("velodyne_vlp16", "velodyne_vlp32c",
+                   "this is a VLP-32C, not a VLP-16; set model: velodyne_vlp32c"),
+        std::tuple("velodyne_vlp32c", "velodyne_vls128",
+                   "this is a VLS-128 or Alpha Prime, not a VLP-32C; set model: velodyne_vls128"),
+        std::tuple("velodyne_hdl32e", "velodyne_vlp32c",
+                   "this is a VLP-32C, not a HDL-32E; set model: velodyne_vlp32c"),
+        std::tuple("sick_microscan3", "velodyne_vlp32c",
+                   "this is a VLP-32C, not a microScan3; set model: velodyne_vlp32c"),
+        std::tuple("sick_picoscan150", "velodyne_vlp32c",
+                   "this is a VLP-32C, not a picoScan150; set model: velodyne_vlp32c")}) {
+    const DiagnosticItem item = taken_as(configured, sent);
+    EXPECT_EQ(item.health, Health::error) << configured << ' ' << sent;
+    EXPECT_EQ(item.message, sentence)
+        << test::value_of(item, "Rejected") << " of " << test::value_of(item, "Packets");
+  }
+}
+
+TEST(OtherModel, OfTheSameRowOrOfNoKnownProtocolIsNotNamed) {
+  EXPECT_EQ(taken_as("velodyne_puck_lite", "velodyne_vlp16").health, Health::ok);
+  OtherModel other(find_model("velodyne_vlp16"));
+  const std::string junk(1206, 'x');
+  Packet packet;
+  packet.payload = ByteView(junk);
+  for (int i = 0; i < 1000; ++i) other.refused(packet, Reject::magic);
+  EXPECT_EQ(other.sentence(), "");
+}
+
+TEST(OtherModel, IsLookedForInFewPackets) {
+  OtherModel other(find_model("velodyne_vlp16"));
+  const auto packets = test::spin({"velodyne_vlp32c", sim::ReturnMode::strongest, ""}, 5);
+  const auto refuse = [&](std::size_t i) {
+    Packet packet;
+    packet.payload = {packets[i].bytes.data(), packets[i].bytes.size()};
+    packet.arrival = packets[i].arrival;
+    other.refused(packet, Reject::model);
+  };
+  for (std::size_t i = 0; i < 20; ++i) refuse(i);
+  EXPECT_THAT(other.sentence(), HasSubstr("velodyne_vlp32c"));
+  const std::uint64_t before = test::allocations();
+  for (std::size_t i = 20; i < packets.size(); ++i) refuse(i);
+  EXPECT_EQ(test::allocations(), before);
+}
+
+TEST(UnknownSenders, AreForgottenAMinuteAfterTheirLastPacket) {
+  test::PipelineBench bench("sensors: {roof: {model: velodyne_vlp16, ip_address: 192.168.1.9}}");
+  const std::string bytes = "hello";
+  const auto reported = [&](double time) {
+    const Stamp now = test::bench_begin + ms(time);
+    bench.pipeline.tick(now);
+    for (const DiagnosticItem& item : bench.pipeline.diagnostics(now)) {
+      if (item.name == "unknown senders") return item.message;
+    }
+    return std::string();
+  };
+  const auto send = [&](double time) {
+    bench.pipeline.packet({ByteView(bytes), test::bench_begin + ms(time), {sender, 2368}, {{}, 2368}});
+  };
+  send(0);
+  send(1000);
+  EXPECT_THAT(reported(1100), HasSubstr("192.168.1.201 -> port 2368 (2 packets)"));
+  EXPECT_THAT(reported(60'900), HasSubstr("192.168.1.201"));
+  EXPECT_EQ(reported(61'100), "");
+  EXPECT_EQ(bench.pipeline.unclaimed_senders().size(), 1U) << "the table after a replay knows all";
+  send(70'000);
+  EXPECT_THAT(reported(70'100), HasSubstr("(3 packets)"));
+}
+
+TEST(UnknownSenders, MakeRoomForNewOnesWhenTheyAreGone) {
+  UnknownSenders senders;
+  const auto send = [&](int last, double time) {
+    Packet packet;
+    packet.from.address = IpAddress::v4(10, 0, 0, static_cast<std::uint8_t>(last));
+    packet.to.port = 2368;
+    packet.arrival = test::bench_begin + ms(time);
+    senders.note(packet);
+  };
+  for (int i = 0; i < 40; ++i) send(i, 0);
+  EXPECT_EQ(senders.names().size(), 33U) << "32 and the rest";
+  send(50, 59'000);
+  EXPECT_EQ(senders.sender_to(2368, test::bench_begin + ms(58'000)), "");
+  send(50, 61'000);
+  EXPECT_EQ(senders.sender_to(2368, test::bench_begin + ms(58'000)), "10.0.0.50 -> port 2368 (1 packets)");
+}
+
+}  // namespace
+}  // namespace lidard

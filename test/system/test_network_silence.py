@@ -1,0 +1,248 @@
+#!/usr/bin/python3
+# SPDX-FileCopyrightText: 2026 the lidard authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Lidars that lose their power and come back, over UDP and TCP, also without a word (half-open connections): silence is a WARN
+within 1 s and an ERROR within 3 s of the last packet, and all is well at most 2 s after the device talks again. What is wrong with
+this host's network is named with the remedy: link, address, reverse path filter, port, receiver."""
+import contextlib
+import os
+import socket
+import subprocess
+import threading
+import time
+
+from harness import LIDARD, LIDARD_SIM, Starved, expect, folder, free_port, process, use_master_at, wait_for
+from network import Network, ask, first_event, item
+
+CONFIG = """\
+sensors:
+  roof: {model: velodyne_vlp16, ip_address: 192.168.1.201}
+  front: {model: sick_microscan3, ip_address: 192.168.1.21, listen_only: true}
+  left: {model: hokuyo_ust_10lx, ip_address: 192.168.1.10}
+  right: {model: sick_lms1xx, ip_address: 192.168.1.11}
+"""
+ROOM = """\
+start: 2026-01-01T00:00:00Z
+duration: 600
+objects:
+  - wall: {from: [4, -30], to: [4, 30], z: [-5, 5]}
+sensors:
+"""
+SCENES = {
+    "roof": "{model: velodyne_vlp16, from: '192.168.1.201:2368', to: '192.168.1.100:2368'}",
+    "front": "{model: sick_microscan3, from: '192.168.1.21:6060', to: '192.168.1.100:6060'}",
+    "left": "{model: hokuyo_ust_10lx, from: '192.168.1.10:10940', to: '192.168.1.100:40001'}",
+    "right": "{model: sick_lms1xx, from: '192.168.1.11:2112', to: '192.168.1.100:40002'}",
+}
+ADDRESSES = {"roof": "192.168.1.201", "front": "192.168.1.21", "left": "192.168.1.10", "right": "192.168.1.11"}
+
+
+class Device:
+    """A lidar of the simulator; it can lose its power."""
+
+    def __init__(self, network, tmp, name):
+        self.network, self.name = network, name
+        self.scene, self.child = tmp / f"{name}.yaml", None
+        self.scene.write_text(ROOM + f"  {name}: {SCENES[name]}\n")
+
+    def on(self):
+        command = [LIDARD_SIM, "live", str(self.scene)]
+        if self.name in ("roof", "front"):
+            command.append(f"--source-map={ADDRESSES[self.name]}={ADDRESSES[self.name]}")
+        self.child = self.network.start_lidar(command)
+
+    def off(self):
+        self.child.kill()
+        self.child.wait()
+
+    def power_cut(self):
+        """No FIN, no RST: whoever has a connection to it learns nothing."""
+        self.network.lidars("address", "delete", ADDRESSES[self.name] + "/24", "dev", "dev-lidar0")
+        self.off()
+
+    def power(self):
+        self.network.lidars("address", "add", ADDRESSES[self.name] + "/24", "dev", "dev-lidar0")
+
+
+def is_well(name):
+    found = item("sensor " + name)
+    return found is not None and found["level"] == "OK"
+
+
+def well(name):
+    wait_for(lambda: is_well(name), 20, f"{name} is well: {(item('sensor ' + name) or {}).get('message')}")
+
+
+def frames(name):
+    return int(item("sensor " + name)["values"]["Frames"])
+
+
+def check(what, seconds, limit, starved):
+    waited = starved.seconds()
+    print(f"{what}: {seconds:.2f} s")
+    expect(seconds <= limit + waited, f"{what}: {seconds:.2f} s instead of {limit}, starved {waited:.3f} s")
+
+
+def fell_silent(name, since, starved, how):
+    """`since`: when it sent the last packet, at the latest, in s of the host's clock."""
+    source = "sensor " + name
+    check(f"{name} {how}: WARN", first_event(source, since, "WARN")[0] - since, 1, starved)
+    check(f"{name} {how}: ERROR", first_event(source, since, "ERROR")[0] - since, 3, starved)
+
+
+def came_back(name, on, since, starved, how):
+    """`on`: when it got its power, `since`: when it talked, at the latest."""
+    before = frames(name)
+    wait_for(lambda: frames(name) > before, 10, f"frames of {name}")
+    check(f"{name} {how}: frames again", time.time() - since, 2, starved)
+    check(f"{name} {how}: OK again", first_event("sensor " + name, on, "OK")[0] - since, 2, starved)
+
+
+def silence(device, pause, how):
+    name = device.name
+    well(name)
+    starved, since = Starved(), time.time()
+    device.off()
+    fell_silent(name, since, starved, how)
+    time.sleep(max(0, pause - (time.time() - since)))
+    starved, on = Starved(), time.time()
+    device.on()
+    # The simulator needs its time to start, a device as well: counted is from where it talks.
+    began = wait_for(lambda: device.network.lidar_talks(device.child), 10, f"{name} starts") and time.time()
+    came_back(name, on, began, starved, how)
+
+
+def half_open(device):
+    """The connection is found dead and the next one tried at most 2 s after the last sign of the device."""
+    starved, name = Starved(), device.name
+    link = lambda: item("link " + name)
+    before = int(link()["values"]["Attempts"])
+    since = time.time()
+    device.power_cut()
+    wait_for(lambda: int(link()["values"]["Attempts"]) > before, 10, f"{name}: the next attempt to connect")
+    check(f"{name} half-open: next attempt to connect", time.time() - since, 2, starved)
+    fell_silent(name, since, starved, "half-open")
+    time.sleep(2)
+    starved, on = Starved(), time.time()
+    device.power()
+    device.on()
+    began = wait_for(lambda: device.network.lidar_talks(device.child), 10, f"{name} starts") and time.time()
+    came_back(name, on, began, starved, "half-open")
+
+
+def says(name, text, what, limit=5):
+    """What /diagnostics says of the silent sensor contains the text within `limit` s."""
+    starved, begin = Starved(), time.monotonic()
+    wait_for(lambda: text in item("sensor " + name)["message"], limit, f"{what}: {item('sensor ' + name)['message']}")
+    check(f"{what} is named", time.monotonic() - begin, limit, starved)
+    print("    " + item("sensor " + name)["message"])
+
+
+def host_causes(network, tmp, roof):
+    well("roof")
+    network.host("link", "set", "lidar0", "down")
+    says("roof", "lidar0 (192.168.1.100/24) is switched off; switch it on: `ip link set lidar0 up`", "an interface that is off")
+    network.host("link", "set", "lidar0", "up")
+    well("roof")
+    network.lidars("link", "set", "dev-lidar0", "down")
+    says("roof", "lidar0 (192.168.1.100/24) has no link", "a link that is down")
+    network.lidars("link", "set", "dev-lidar0", "up")
+    network.lidars("route", "replace", "default", "dev", "dev-lidar0")
+    well("roof")
+    network.host("address", "delete", "192.168.1.100/24", "dev", "lidar0")
+    says("roof", "add one: `ip address add 192.168.1.100/24 dev lidar0`", "a missing address")
+    network.host("address", "add", "192.168.1.100/24", "dev", "lidar0")
+    well("roof")
+    roof.off()
+    say_what_comes_instead(network, tmp)
+
+
+def flood(network, address, to, tmp):
+    """Somebody sends what a VLP-16 sends to another place, until the test ends."""
+    sender, stop = network.lidar(address, 4000), threading.Event()
+
+    def run():
+        while not stop.wait(0.005):
+            for _ in range(4):
+                with contextlib.suppress(OSError):
+                    sender.sendto(b"x" * 1206, to)
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    return lambda: (stop.set(), thread.join(), sender.close())
+
+
+def say_what_comes_instead(network, tmp):
+    says("roof", "next to nothing comes in at lidar0", "that nothing comes in", 12)
+    end = flood(network, "192.168.1.201", ("192.168.1.100", 2400), tmp)
+    says("roof", "come to ports of this host where nobody listens; does the sensor send to another port than 2368?", "another port", 12)
+    end()
+    # A neighbour's address with this host's hardware: the packets come in and are for nobody.
+    network.lidars("neigh", "replace", "192.168.1.77", "lladdr", network.mac("lidar0"), "dev", "dev-lidar0")
+    end = flood(network, "192.168.1.201", ("192.168.1.77", 2368), tmp)
+    says("roof", "does it send elsewhere, or does a firewall drop", "packets for somebody else", 12)
+    end()
+    network.plug(host="10.1.1.1/24", lidars=("10.1.1.2/24",), name="lidar1")
+    for name in ("all", "lidar1"):
+        with open(f"/proc/sys/net/ipv4/conf/{name}/rp_filter", "w") as file:
+            file.write("1")
+    network.lidars("address", "add", "192.168.1.201/24", "dev", "dev-lidar1")
+    network.lidars("route", "add", "192.168.1.100/32", "dev", "dev-lidar1")
+    network.lidars("neigh", "replace", "192.168.1.100", "lladdr", network.mac("lidar1"), "dev", "dev-lidar1")
+    end = flood(network, "192.168.1.201", ("192.168.1.100", 2368), tmp)
+    says("roof", "the reverse path filter of this host drops", "the reverse path filter", 12)
+    end()
+    end = flood(network, "192.168.1.10", ("192.168.1.100", 2368), tmp)
+    says("roof", "but there are packets from 192.168.1.10 -> port 2368", "another sender", 12)
+    end()
+
+
+def taken_port(tmp):
+    """Another program has the port from the start; when it ends, the port is opened."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        other.bind(("0.0.0.0", 2368))
+        with daemon(tmp):
+            says("roof", f"port 2368 is in use by another program; find it with `ss -lunp 'sport = :2368'` (it is python3 (process "
+                 f"{os.getpid()}))", "another program at the port")
+            starved, since = Starved(), time.monotonic()
+            other.close()
+            wait_for(lambda: item("port 2368")["message"] == "listening" or "receive buffer" in item("port 2368")["message"], 5, "the port is open")
+            check("the port is opened after the other program ended", time.monotonic() - since, 1.2, starved)
+
+
+@contextlib.contextmanager
+def daemon(tmp):
+    with (tmp / "log").open("a") as log, process([LIDARD, "run", "-c", tmp / "c.yaml"], stdout=log, stderr=subprocess.STDOUT) as child:
+        wait_for(lambda: ask("status"), 20, "the daemon answers")
+        yield child
+
+
+def main():
+    network = Network()
+    use_master_at(free_port())
+    with folder() as tmp:
+        (tmp / "c.yaml").write_text(CONFIG)
+        network.plug(lidars=[a + "/24" for a in ADDRESSES.values()])
+        taken_port(tmp)
+        lidars = [Device(network, tmp, name) for name in SCENES]
+        with daemon(tmp) as child:
+            for device in lidars:
+                device.on()
+                well(device.name)
+                time.sleep(1)  # in the first second silence says nothing
+                silence(device, 6, "silent for 6 s")
+                if device.name == "front":
+                    silence(device, 60, "silent for 60 s")
+                if device.name in ("left", "right"):
+                    well(device.name)
+                    half_open(device)
+                device.off()
+            roof = lidars[0]
+            roof.on()
+            host_causes(network, tmp, roof)
+            expect(child.poll() is None, "the daemon lives")
+    print("ok")
+
+
+if __name__ == "__main__":
+    main()
