@@ -14,14 +14,16 @@ constexpr std::int64_t step_limit = 50 * ms;
 /// So long must every packet be late before it counts as a step and not as a stall.
 constexpr std::int64_t late_limit = 500 * ms;
 /// Windows grow from the first length to the last: a crystal's drift is steady for as long as all windows
-/// last then (32 s), and each of the slowest sensor's windows holds some packets.
-constexpr std::int64_t first_window = 50 * ms, last_window = 800 * ms;
+/// last then (16 s), and each of the slowest sensor's windows holds some packets.
+constexpr std::int64_t first_window = 50 * ms, last_window = 400 * ms;
 constexpr std::int64_t drift_known_after = 2000 * ms;
 /// No clock of a sensor is that far off; a steeper line is a fit to noise.
 constexpr double slope_limit = 2000e-6;
 /// Standard deviation of the drift between two crystals of which nothing is known, and the least of what one
 /// drifts more or less after a reboot.
 constexpr double unknown_drift = 150e-6, known_drift = 20e-6;
+/// The same where the rate changed: ntpd slews a host's clock by up to 500 ppm.
+constexpr double slewed_drift = 200e-6;
 /// What the lowest delays of windows are taken to deviate before there are some, and at least.
 constexpr double usual_spread = 0.2e6, least_spread = 1e3;
 /// So many minima tell twice as much as their number.
@@ -30,7 +32,7 @@ constexpr double few_minima = 24;
 constexpr double ln_2 = 0.6931;
 /// So long without a packet at the line shows that the rate changed, if each window was this far above it and
 /// so many times what minima deviate.
-constexpr std::int64_t rate_time = 2400 * ms, rate_limit = ms / 2, rate_spreads = 5;
+constexpr std::int64_t rate_time = 2000 * ms, rate_limit = 3 * ms / 20, rate_spreads = 3;
 /// In arrival mode a packet that is later is no jitter of a wired network; the host did not look.
 constexpr std::int64_t stall_limit = 10 * ms;
 
@@ -127,7 +129,7 @@ void DeviceClock::forget_former_rate() {
   std::move(minima_ + first, minima_ + minima_count_, minima_);
   minima_count_ -= first;
   expected_slope_ = slope_;
-  slope_deviation_ = unknown_drift;
+  slope_deviation_ = slewed_drift;
 }
 
 /// Makes one window of two.

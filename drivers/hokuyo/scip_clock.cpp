@@ -31,8 +31,9 @@ constexpr std::int64_t tick_margin = ms / 20, longest_processing = 3 * ms / 10;
 constexpr std::size_t first_delay = 16;
 /// Comparisons of one row: the clocks drift apart by 0.5 ms then if they differ by 1000 ppm.
 constexpr Span comparison_age = std::chrono::milliseconds(500);
-/// The line through the arrivals still reaches back to the comparison then.
-constexpr Span drift_age = std::chrono::seconds(25);
+/// Some packets have shown the least delay then. The line through the arrivals still reaches back to the
+/// comparison, unless the host's clock is slewed, which would count as a part of the way.
+constexpr Span drift_age = std::chrono::seconds(6);
 /// So long a comparison bounds stamps by itself.
 constexpr Span bound_age = std::chrono::seconds(2);
 /// A way that takes longer is no way: the comparison and the sweeps do not fit together.

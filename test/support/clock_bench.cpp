@@ -44,6 +44,7 @@ class ClockBench final : public DriverOutput {
       step();
     }
     figures_.steps = driver_->counters().clock_steps;
+    figures_.info = driver_->info();
     return figures();
   }
 
@@ -61,7 +62,13 @@ class ClockBench final : public DriverOutput {
   /// Host time, without steps, of a moment by the device's clock.
   Stamp host(Stamp device) const {
     const double passed = static_cast<double>((device - start_).count());
-    return device - Span(std::llround(passed * scenario_.ppm * 1e-6 / (1 + scenario_.ppm * 1e-6)));
+    const Stamp even =
+        device - Span(std::llround(passed * scenario_.ppm * 1e-6 / (1 + scenario_.ppm * 1e-6)));
+    return even + slewed(even);
+  }
+  Span slewed(Stamp even) const {
+    const Span since = std::clamp<Span>(even - start_ - 8s, 0s, 10s);
+    return Span(std::llround(static_cast<double>(since.count()) * scenario_.slew_ppm * 1e-6));
   }
   bool is_set(Stamp device) const { return scenario_.step_at && host(device) - start_ >= *scenario_.step_at; }
   /// What the host's clock says then.
@@ -154,7 +161,7 @@ class ClockBench final : public DriverOutput {
     if (since >= settling && host(*truth) >= settled_ && !waits) errors_.push_back(seconds(error));
   }
   Stamp unhost(Stamp host_time) const {
-    return host_time +
+    return host_time - slewed(host_time) +
            Span(std::llround(static_cast<double>((host_time - start_).count()) * scenario_.ppm * 1e-6));
   }
 

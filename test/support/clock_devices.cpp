@@ -222,22 +222,23 @@ auto udp(Make make, bool turns = false) {
 // a guess. The one in step shows what a sensor without a beat hides.
 const std::vector<BenchFamily>& bench_families() {
   static const std::vector<BenchFamily> families = {
-      {"VLP-16, us of the hour", "velodyne_vlp16", false, 0.1, udp(vlp16, true)},
-      {"microScan3, turns", "sick_microscan3", false, 0.03, udp([] { return sim::make_microscan3({}); })},
-      {"picoScan150, us", "sick_picoscan150", false, 0.05, udp(segments)},
-      {"LMS1xx, us", "sick_lms1xx", false, 0.02,
+      {"VLP-16, us of the hour", "velodyne_vlp16", false, true, 0.1, udp(vlp16, true)},
+      {"microScan3, turns", "sick_microscan3", false, false, 0.03,
+       udp([] { return sim::make_microscan3({}); })},
+      {"picoScan150, us", "sick_picoscan150", false, false, 0.05, udp(segments)},
+      {"LMS1xx, us", "sick_lms1xx", false, true, 0.02,
        [](Stamp start, std::optional<Span> wrap) { return cola({}, start, wrap); }},
-      {"TiM7xx, us", "sick_tim7xx", false, 1.0 / 15,
+      {"TiM7xx, us", "sick_tim7xx", false, true, 1.0 / 15,
        [](Stamp start, std::optional<Span> wrap) { return cola(tim(), start, wrap); }},
-      {"UST-10LX, us", "hokuyo_ust_10lx", false, 0.025,
+      {"UST-10LX, us", "hokuyo_ust_10lx", false, false, 0.025,
        [](Stamp start, std::optional<Span> wrap) { return scip(ust_with_microseconds(), start, wrap); }},
-      {"UST-10LX, ms, sends on its tick", "hokuyo_ust_10lx", true, 0.025,
+      {"UST-10LX, ms, sends on its tick", "hokuyo_ust_10lx", true, true, 0.025,
        [](Stamp start, std::optional<Span> wrap) { return scip(ust(1000), start, wrap); }},
-      {"UST-10LX, ms, motor in step", "hokuyo_ust_10lx", true, 0.025,
+      {"UST-10LX, ms, motor in step", "hokuyo_ust_10lx", true, true, 0.025,
        [](Stamp start, std::optional<Span> wrap) { return scip(ust(0), start, wrap); }},
-      {"UTM-30LX-EW, ms, sends at once", "hokuyo_utm_30lx_ew", true, 0.025,
+      {"UTM-30LX-EW, ms, sends at once", "hokuyo_utm_30lx_ew", true, true, 0.025,
        [](Stamp start, std::optional<Span> wrap) { return scip(utm(), start, wrap); }},
-      {"UAM-05LP, ms", "hokuyo_uam_05lp", true, 0.03, uam}};
+      {"UAM-05LP, ms", "hokuyo_uam_05lp", true, true, 0.03, uam}};
   return families;
 }
 

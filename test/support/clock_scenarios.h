@@ -35,6 +35,8 @@ inline const std::vector<BenchScenario>& clock_scenarios() {
       scenario.step_at = 12s;
       scenario.step_s = step;
     }
+    add("host slewed by +500 ppm for 10 s", 100, 300us, 0.01).slew_ppm = 500;
+    add("host slewed by -500 ppm for 10 s", 100, 300us, 0.01).slew_ppm = -500;
     BenchScenario& recorded = add("a capture whose stamps jump by -3600 s", 100, 300us, 0.01);
     recorded.step_at = 12s;
     recorded.step_s = -3600;

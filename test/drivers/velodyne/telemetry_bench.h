@@ -47,13 +47,15 @@ struct TelemetryBytes {
 /// A receiver on the desk: keeps what comes out.
 class TelemetryBench final : public DriverOutput {
  public:
-  explicit TelemetryBench(bool with_imu = false, ClockMode clock = ClockMode::arrival) {
+  explicit TelemetryBench(bool with_imu = false, ClockMode clock = ClockMode::arrival,
+                          bool expect_pps = false) {
     model = *find_model("velodyne_vlp16");
     if (with_imu) model.messages.push_back(message_topic<ImuSample>());
     DriverConfig config;
     config.model = &model;
     config.frame_id = "roof";
     config.clock = clock;
+    config.expect_pps = expect_pps;
     receiver = std::make_unique<velodyne::TelemetryReceiver>(config);
   }
 

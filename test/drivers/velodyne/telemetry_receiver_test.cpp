@@ -257,6 +257,38 @@ TEST(TelemetryReceiver, ClaimsEndWhenTelemetryDoes) {
   EXPECT_EQ(bench.receiver->claim(), ClockClaim::synchronised);
 }
 
+TEST(TelemetryReceiver, ASensorThatIsMeantToFollowAReceiverWarnsAfterTenSecondsWithoutOne) {
+  TelemetryBench bench(false, ClockMode::smooth, true);
+  const auto tick = [&bench](int s) {
+    bench.receiver->tick(ten_o_clock + std::chrono::seconds(s), bench.info);
+    return bench.info.warnings.size();
+  };
+  EXPECT_EQ(tick(0), 0U);
+  EXPECT_EQ(tick(9), 0U) << "a receiver that was just switched on";
+  ASSERT_EQ(tick(10), 1U) << "no telemetry at all";
+  EXPECT_NE(bench.info.warnings[0].find("which expect_pps asks for"), std::string::npos);
+  EXPECT_EQ(tick(11), 1U) << "told once";
+  send(bench, 12, Pps::locked, rmc(11));
+  EXPECT_EQ(tick(12), 0U);
+  send(bench, 13, Pps::absent, "");
+  EXPECT_EQ(tick(13), 0U);
+  for (int s = 14; s < 23; ++s) send(bench, s, Pps::absent, "");
+  EXPECT_EQ(tick(22), 0U) << "lost for less than ten seconds";
+  EXPECT_EQ(tick(23), 1U);
+  send(bench, 24, Pps::error, "");
+  EXPECT_EQ(tick(24), 1U) << "the cause alone, which the sensor reports";
+  EXPECT_NE(bench.info.warnings[0].find("PPS error"), std::string::npos);
+}
+
+TEST(TelemetryReceiver, AFreeRunningClockIsNoReasonToWarnUnlessItIsMeantToFollowAReceiver) {
+  TelemetryBench bench;
+  for (int s = 0; s < 30; ++s) {
+    send(bench, s, Pps::absent, "");
+    bench.receiver->tick(ten_o_clock + std::chrono::seconds(s), bench.info);
+  }
+  EXPECT_TRUE(bench.info.warnings.empty());
+}
+
 TEST(TelemetryReceiver, AgeOfASentenceThatIsRepeatedGrows) {
   TelemetryBench bench;
   send(bench, 1.5, Pps::locked, rmc(1));

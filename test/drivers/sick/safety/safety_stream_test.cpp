@@ -60,6 +60,27 @@ TEST(SafetyStream, LostDatagramCostsOneScan) {
   EXPECT_EQ(bench.driver->counters().packets, 5U);
 }
 
+TEST(SafetyStream, ADatagramThatIsHeldBackFor90MsIsLateAndOneFor110MsIsLost) {
+  for (const int late_ms : {90, 110}) {
+    SafetyBench bench;
+    bench.sample.beams.resize(537);
+    bench.sample.step = 2151928;
+    bench.send_next();
+    ++bench.sample.sequence;
+    ++bench.sample.scan;
+    bench.now = bench.now + std::chrono::milliseconds(30);
+    const auto parts = ms3_datagrams(bench.sample.instance(), bench.identification++);
+    ASSERT_EQ(parts.size(), 2U);
+    bench.driver->receive(packet_of(parts[0], bench.now), bench);
+    bench.now = bench.now + std::chrono::milliseconds(late_ms);
+    bench.driver->tick(bench.now, bench);
+    bench.driver->receive(packet_of(parts[1], bench.now), bench);
+    const bool is_late = late_ms < 100;
+    EXPECT_EQ(bench.scans.size(), is_late ? 2U : 1U);
+    EXPECT_EQ(bench.driver->counters().incomplete, is_late ? 0U : 1U);
+  }
+}
+
 TEST(SafetyStream, FinishCountsWhatNeverBecameWhole) {
   SafetyBench bench;
   bench.sample.beams.resize(537);
