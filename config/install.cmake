@@ -5,6 +5,7 @@ set(share ${CMAKE_INSTALL_DATADIR}/lidard)
 set(config ${CMAKE_CURRENT_SOURCE_DIR}/config)
 
 install(TARGETS lidard RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS lidard_pcl LIBRARY DESTINATION lib/lidard)
 # rosrun and roslaunch look for a package's executables under lib/<package> of /usr and of catkin workspaces, elsewhere
 # beside package.xml, which they find under share/<package>.
 install(CODE "

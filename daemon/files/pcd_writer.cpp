@@ -1,55 +1,46 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pcl/io/pcd_io.h>
-#include <pcl/point_types.h>
+#include <dlfcn.h>
+#include <unistd.h>
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <stdexcept>
 
 #include "daemon/files/frame_writer.h"
+#include "daemon/files/pcl_module.h"
 #include "daemon/files/text_file.h"
-
-namespace lidard {
-
-/// The PCL point with the fields of our clouds (m, device units, ring from below, s after the cloud's stamp).
-/// PCL pads it to 32 bytes, so messages and files must be read by field names, as PCL does.
-struct EIGEN_ALIGN16 PointXYZIRT {
-  PCL_ADD_POINT4D
-  float intensity;
-  std::uint16_t ring;
-  float time;
-  PCL_MAKE_ALIGNED_OPERATOR_NEW
-};
-
-}  // namespace lidard
-
-POINT_CLOUD_REGISTER_POINT_STRUCT(lidard::PointXYZIRT,
-                                  (float, x, x)(float, y, y)(float, z, z)(float, intensity,
-                                                                          intensity)(std::uint16_t, ring,
-                                                                                     ring)(float, time, time))
 
 namespace lidard {
 namespace {
 
+/// The module stands beside the program where it was built, and in lib/lidard where it was installed.
+decltype(&lidard_write_pcd) load_pcl() {
+  const std::filesystem::path beside = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  std::string trouble;
+  for (const auto& folder : {beside, beside / "../lib/lidard"}) {
+    void* const module = dlopen((folder / "lidard_pcl.so").c_str(), RTLD_NOW | RTLD_LOCAL);
+    void* const found = module == nullptr ? nullptr : dlsym(module, "lidard_write_pcd");
+    if (found != nullptr) return reinterpret_cast<decltype(&lidard_write_pcd)>(found);
+    trouble = dlerror();
+  }
+  throw std::runtime_error("PCD files need lidard's module for PCL: " + trouble);
+}
+
 class PcdWriter final : public FrameWriter {
  public:
-  explicit PcdWriter(std::string path) : path_(std::move(path)) {
+  explicit PcdWriter(std::string path) : path_(std::move(path)), write_(load_pcl()) {
     // Found out now, not after a long capture was decoded.
     if (path_ != "-") TextFile(path_).close();
   }
 
   void cloud(std::uint64_t frame, const Cloud& cloud) override {
     static_cast<void>(frame);
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      const CloudPoint p = cloud.points()[i];
-      PointXYZIRT point{};
-      point.x = p.x, point.y = p.y, point.z = p.z;
-      point.intensity = p.intensity, point.ring = p.ring, point.time = p.time;
-      points_.push_back(point);
-    }
+    points_.insert(points_.end(), cloud.points(), cloud.points() + cloud.size());
   }
 
   void scan(std::uint64_t frame, const PlanarScan& scan) override {
@@ -58,7 +49,7 @@ class PcdWriter final : public FrameWriter {
       for (std::size_t echo = 0; echo < scan.echoes; ++echo) {
         const std::size_t i = scan.index(beam, echo);
         if (scan.statuses[i] != BeamStatus::hit) continue;
-        PointXYZIRT point{};
+        CloudPoint point{};
         point.x = scan.ranges[i] * std::cos(scan.angle(beam));
         point.y = scan.ranges[i] * std::sin(scan.angle(beam));
         point.intensity = scan.intensities.empty() ? 0 : scan.intensities[i];
@@ -88,14 +79,14 @@ class PcdWriter final : public FrameWriter {
   }
 
  private:
-  void save(const std::string& path) {
-    pcl::PCDWriter writer;
-    if (writer.writeBinaryCompressed(path, points_) != 0)
+  void save(const std::string& path) const {
+    if (!write_(path.c_str(), points_.data(), points_.size()))
       throw std::runtime_error(path + ": cannot be written as PCD");
   }
 
-  std::string path_;
-  pcl::PointCloud<PointXYZIRT> points_;
+  const std::string path_;
+  const decltype(&lidard_write_pcd) write_;
+  std::vector<CloudPoint> points_;
 };
 
 }  // namespace

@@ -127,6 +127,7 @@ HostNetwork look_at_network() {
   for (HostInterface& each : network.interfaces) each.packets = packets[each.name];
   network.dropped_by_path = counter("/proc/self/net/netstat", "TcpExt:", "IPReversePathFilter");
   network.without_port = counter("/proc/self/net/snmp", "Udp:", "NoPorts");
+  network.for_others = counter("/proc/self/net/snmp", "Ip:", "InAddrErrors");
   return network;
 }
 

@@ -32,6 +32,7 @@ struct HostNetwork {
   std::vector<HostInterface> interfaces;
   std::uint64_t dropped_by_path = 0;  ///< packets that the reverse path filter (rp_filter) dropped
   std::uint64_t without_port = 0;     ///< datagrams that came to a port where nobody listened
+  std::uint64_t for_others = 0;       ///< packets that came in for an address that this host does not have
 };
 HostNetwork look_at_network();
 

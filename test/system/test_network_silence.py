@@ -180,7 +180,7 @@ def say_what_comes_instead(network, tmp):
     # A neighbour's address with this host's hardware: the packets come in and are for nobody.
     network.lidars("neigh", "replace", "192.168.1.77", "lladdr", network.mac("lidar0"), "dev", "dev-lidar0")
     end = flood(network, "192.168.1.201", ("192.168.1.77", 2368), tmp)
-    says("roof", "does it send elsewhere, or does a firewall drop", "packets for somebody else", 12)
+    says("roof", "come in for an address that this host does not have; does the sensor send elsewhere?", "packets for somebody else", 12)
     end()
     network.plug(host="10.1.1.1/24", lidars=("10.1.1.2/24",), name="lidar1")
     for name in ("all", "lidar1"):

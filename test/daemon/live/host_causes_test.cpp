@@ -106,6 +106,10 @@ TEST(HostCauses, TellByWhatWasCountedWhyNothingMayCome) {
               StartsWith("754 datagrams/s come to ports of this host where nobody listens"));
   EXPECT_THAT(hint(1508, 1508, 0), StartsWith("the reverse path filter of this host drops 754 packets/s"));
   EXPECT_EQ(host_hint(sensor("model: sick_lms1xx, ip_address: 192.168.1.201"), {before, before, 2}), "");
+  HostNetwork elsewhere = before;
+  elsewhere.for_others = 1508;
+  EXPECT_THAT(host_hint(sensor(), {before, elsewhere, 2, true}),
+              StartsWith("754 packets/s come in for an address that this host does not have"));
 }
 
 TEST(HostNetwork, IsThatOfThisHostWithoutAPrivilege) {

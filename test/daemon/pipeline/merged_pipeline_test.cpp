@@ -209,6 +209,7 @@ DiagnosticItem motion_item(Span sweeps_before, Span poses_before, bool sweeps_go
       EXPECT_EQ(item.health, sweeps_before == poses_before ? Health::ok : Health::warn) << item.message;
     }
   }
+  vehicle.pipeline.tick(begin + ms(4100));
   for (const DiagnosticItem& item : vehicle.pipeline.diagnostics(begin + ms(4100))) {
     if (item.name == "motion") return item;
   }

@@ -285,13 +285,13 @@ TEST(UdpSource, AsksForABufferThatFitsTheRateAndSaysWhatIsMissing) {
   UdpOptions options;
   options.packets_per_s = 1507;
   Bench bench(options);
-  EXPECT_EQ(bench.source.stats().receive_buffer_asked, 868032U);  // 1507 / s x 0.5 s x 1152
+  EXPECT_EQ(bench.source.stats().receive_buffer_asked, 1041638U);  // 1507 / s x 0.6 s x 1152
   options.packets_per_s = 1e6;
   Bench greedy(options);
   const UdpStats& stats = greedy.source.stats();
-  EXPECT_EQ(stats.receive_buffer_asked, 576000000U);
+  EXPECT_EQ(stats.receive_buffer_asked, 691200000U);
   if (stats.receive_buffer_got < stats.receive_buffer_asked) {
-    EXPECT_NE(greedy.source.warning().find("`sysctl -w net.core.rmem_max=576000000`"), std::string::npos)
+    EXPECT_NE(greedy.source.warning().find("`sysctl -w net.core.rmem_max=691200000`"), std::string::npos)
         << greedy.source.warning();
   }
   options.packets_per_s = 1;
