@@ -139,8 +139,8 @@ Span ScipClock::unwrap(ScipStamp stamp, Stamp arrival) {
       const auto turns =
           std::llround(static_cast<double>(expected - device) / static_cast<double>(counter_length));
       device += turns * counter_length;
+      if (device / counter_length > last_.count() / counter_length) ++wraps_;
     }
-    if (device / counter_length > last_.count() / counter_length) ++wraps_;
     const bool reset = device < last_.count() - backward_limit;
     if (reset || device - expected > jump_limit || expected - device > longest_stall) {
       ++restarts_;

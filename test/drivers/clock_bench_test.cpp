@@ -24,13 +24,19 @@ bool has_beat(const BenchFamily& family) {
 bool is_on_tick(const BenchFamily& family) {
   return std::string(family.name).find("on its tick") != std::string::npos;
 }
+bool is_cloud(const BenchFamily& family) { return find_model(family.model)->kind == FrameKind::cloud; }
 bool is_jittery(const BenchScenario& scenario) { return scenario.jitter > 1ms; }
 
 /// What is allowed, s: 99 % of the scans of sensors with whole ms. A sensor that sends on its tick leaves
 /// only half of its arrivals to tell the time by; one whose motor is in step hides up to half a ms.
 double allowed_p99(const BenchFamily& family, const BenchScenario& scenario) {
   if (!has_beat(family)) return 1e-3;
-  return is_jittery(scenario) && is_on_tick(family) ? 1.2e-3 : 0.5e-3;
+  return is_jittery(scenario) && is_on_tick(family) ? 1.3e-3 : 0.5e-3;
+}
+/// Root mean square, s, of sensors with us: of 15 scans in a second, few are early where each may be 5 ms
+/// late.
+double allowed_rms(const BenchFamily& family, const BenchScenario& scenario) {
+  return is_jittery(scenario) && family.period > 0.06 && !is_cloud(family) ? 0.25e-3 : 0.2e-3;
 }
 
 /// s: rates that change show after 1.6 s only, in which the clocks have drifted by 0.8 ms.
@@ -42,24 +48,27 @@ class ClockBench : public testing::TestWithParam<std::size_t> {
 };
 
 TEST_P(ClockBench, StampsAreRightFromTwoSecondsOnAndNoScanIsDropped) {
-  const bool is_slow_to_simulate = find_model(family().model)->kind == FrameKind::cloud;
   std::size_t number = 0;
   for (const BenchScenario& scenario : clock_scenarios()) {
-    if (is_slow_to_simulate && number++ % 3 != 0) continue;
+    // Clouds take long to simulate.
+    if (is_cloud(family()) && number++ % 3 != 0) continue;
     const std::string what = std::string(family().name) + ", " + scenario.name;
-    const BenchFigures seen = run_clock_bench(family(), scenario, 24s, 1);
-    ASSERT_GT(seen.frames, 200U) << what;
+    const BenchFigures seen = run_clock_bench(family(), scenario, is_cloud(family()) ? 17s : 24s, 1);
+    ASSERT_GT(seen.frames, 150U) << what;
     EXPECT_EQ(seen.without_truth, 0U) << what;
     if (scenario.slew_ppm != 0)
       EXPECT_LE(seen.worst, allowed_while_slewed) << what;
     else if (family().ms_counter)
       EXPECT_LE(seen.p99, allowed_p99(family(), scenario)) << what;
     else
-      EXPECT_LE(seen.rms, 0.2e-3) << what;
-    EXPECT_EQ(seen.missing, 0U) << what;
+      EXPECT_LE(seen.rms, allowed_rms(family(), scenario)) << what;
+    // A capture that jumps by a whole hour leaves the stamps of a Velodyne, which count within an hour, as
+    // they are; the turn that it goes through is torn.
+    const bool is_torn = scenario.recorded && is_cloud(family());
+    EXPECT_EQ(seen.missing, is_torn ? 1U : 0U) << what;
     EXPECT_EQ(seen.jumps, scenario.step_at ? 1U : 0U) << what;
     EXPECT_EQ(seen.backwards, scenario.step_s < 0 ? 1U : 0U) << what;
-    EXPECT_EQ(seen.steps, scenario.reboot || scenario.recorded ? 1U : 0U) << what;
+    EXPECT_EQ(seen.steps, scenario.reboot || (scenario.recorded && !is_torn) ? 1U : 0U) << what;
   }
 }
 

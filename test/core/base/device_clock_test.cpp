@@ -4,9 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <string>
+#include <utility>
 
 namespace lidard {
 namespace {
@@ -289,6 +291,42 @@ TEST(DeviceClock, KnowsTheDriftAfterFourHalfSecondsAndForgetsItOnReset) {
   EXPECT_FALSE(clock.ready());
   EXPECT_FALSE(clock.knows_drift());
   EXPECT_EQ(clock.drift_ppm(), 0);
+}
+
+/// Largest errors, s: while a host's clock is slewed and for 12 s after, and from then on.
+std::pair<double, double> errors_of_slew(double slew_ppm, double period, double jitter_s, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> delay(0, jitter_s);
+  const auto host = [slew_ppm](double t) {
+    return epoch + span_from_seconds(t + slew_ppm * 1e-6 * std::clamp(t - 20, 0.0, 10.0));
+  };
+  DeviceClock clock;
+  std::pair<double, double> worst{0, 0};
+  for (double t = 0; t < 60; t += period) {
+    const Span device = span_from_seconds(t);
+    clock.observe(device, host(t + delay(random)));
+    const double error = std::abs(lidard::seconds(clock.to_host(device) - host(t)));
+    if (t > 20 && t < 42) worst.first = std::max(worst.first, error);
+    if (t > 42) worst.second = std::max(worst.second, error);
+  }
+  return worst;
+}
+
+// ntpd slews a host's clock by 500 ppm, chronyd by more. That rates have changed shows when no packet has
+// come at the line for two seconds, in which the clocks drift apart by one ms.
+TEST(DeviceClock, AHostThatIsSlewedBy500PpmIsFollowedWithinTwoMillisecondsAndQuietlyAfterwards) {
+  for (const double ppm : {500.0, -500.0}) {
+    for (const double period : {1 / 14.5, 0.025, 0.001327}) {
+      for (const unsigned seed : {1U, 2U, 3U}) {
+        const auto quiet = errors_of_slew(ppm, period, 0.3e-3, seed);
+        EXPECT_LT(quiet.first, 2e-3) << ppm << " ppm, every " << period << " s";
+        EXPECT_LT(quiet.second, 0.25e-3) << ppm << " ppm, every " << period << " s";
+        const auto jittery = errors_of_slew(ppm, period, 5e-3, seed);
+        EXPECT_LT(jittery.first, 3.5e-3) << ppm << " ppm, every " << period << " s";
+        EXPECT_LT(jittery.second, 1e-3) << ppm << " ppm, every " << period << " s";
+      }
+    }
+  }
 }
 
 TEST(DeviceClock, NoClockIsBelievedToDriftByMoreThanTwoPerMille) {
