@@ -140,7 +140,7 @@ bool print_status(const Json& said, std::ostream& out) {
 /// Asks once, or every second; `show` prints an answer and returns the exit code.
 template <class Show>
 int ask(const StatusOptions& options, const char* word, std::ostream& out, std::ostream& err, Show show) {
-  const std::string path = options.socket.empty() ? runtime_socket_path() : options.socket;
+  const std::string path = options.socket.empty() ? running_socket_path() : options.socket;
   while (true) {
     try {
       const std::string answer = ask_daemon(path, word);

@@ -31,7 +31,7 @@ std::string metrics_text(const DaemonState& state);
 
 /// What `lidard status` and `lidard events` were asked for.
 struct StatusOptions {
-  std::string socket;  ///< empty: runtime_socket_path()
+  std::string socket;  ///< empty: running_socket_path()
   bool json = false;
   bool watch = false;  ///< again every second, until Ctrl-C
 };

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/live/runtime_socket.h"
 
+#include <unistd.h>
+
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/read.hpp>
 #include <boost/asio/read_until.hpp>
@@ -19,6 +21,7 @@ namespace {
 namespace asio = boost::asio;
 using Local = asio::local::stream_protocol;
 
+constexpr const char* service_socket = "/run/lidard/control";
 constexpr std::size_t longest_question = 64;
 /// Whoever asks and then neither speaks nor listens must not hold a connection for ever.
 constexpr auto patience = std::chrono::seconds(2);
@@ -36,7 +39,14 @@ std::string runtime_socket_path() {
   const std::string runtime = environment("RUNTIME_DIRECTORY");
   if (!runtime.empty()) return runtime.substr(0, runtime.find(':')) + "/control";
   const std::string user = environment("XDG_RUNTIME_DIR");
-  return user.empty() ? "/run/lidard/control" : user + "/lidard/control";
+  return user.empty() ? service_socket : user + "/lidard/control";
+}
+
+std::string running_socket_path() {
+  const std::string own = runtime_socket_path();
+  if (!environment("LIDARD_SOCKET").empty() || access(own.c_str(), F_OK) == 0) return own;
+  // Who has logged in has a folder of his own; the service has not.
+  return service_socket;
 }
 
 /// One question and its answer. Keeps itself alive until both are through, or patience is over.

@@ -13,6 +13,8 @@ namespace lidard {
 /// Where a daemon is asked how it is: $LIDARD_SOCKET, or `control` in $RUNTIME_DIRECTORY (systemd), else in
 /// $XDG_RUNTIME_DIR/lidard, else in /run/lidard.
 std::string runtime_socket_path();
+/// Where to ask the daemon that runs: there, or, where no such daemon is, the one of the service.
+std::string running_socket_path();
 
 /// Answers questions of programs on the same computer, over a socket in the file system: one line with a word
 /// comes in, a text goes out, and the connection ends. Whoever may write to the socket's file may ask.

@@ -192,6 +192,7 @@ def say_what_comes_instead(network, tmp):
     end = flood(network, "192.168.1.201", ("192.168.1.100", 2368), tmp)
     says("roof", "the reverse path filter of this host drops", "the reverse path filter", 12)
     end()
+    network.lidars("route", "delete", "192.168.1.100/32", "dev", "dev-lidar1")
     end = flood(network, "192.168.1.10", ("192.168.1.100", 2368), tmp)
     says("roof", "but there are packets from 192.168.1.10 -> port 2368", "another sender", 12)
     end()

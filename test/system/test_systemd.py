@@ -4,6 +4,7 @@
 """The installed units under a real systemd: a container whose disk is this machine's with a layer above that is thrown away. Data
 come with everything the unit forbids, a daemon that is killed or hangs is back, and stopping is quick."""
 import contextlib
+import json
 import os
 import pathlib
 import re
@@ -151,6 +152,8 @@ def check_security(vehicle):
         done = vehicle.inside("systemd-analyze", "security", "--offline=yes", "--threshold=11", "--json=short",
                               f"/usr/lib/systemd/system/{unit}")
         expect(done.returncode == 0, f"{unit} exposes more than 1.1: {done.stdout}{done.stderr}")
+    stricter = vehicle.inside("systemd-analyze", "security", "--offline=yes", "--threshold=5", "/usr/lib/systemd/system/lidard.service")
+    expect(stricter.returncode != 0, "the limit is one that can be missed")
 
 
 def check_data(vehicle):
@@ -239,6 +242,38 @@ def check_bad_configuration(vehicle):
     expect("broken.yaml:1" in journal(vehicle, "lidard@broken"), journal(vehicle, "lidard@broken"))
 
 
+def configuration_item(vehicle):
+    done = vehicle.inside("env", "-u", "LIDARD_SOCKET", "XDG_RUNTIME_DIR=/run/user/0", "lidard", "status", "--json")
+    expect(done.stdout, f"`lidard status`: {done.stderr}")
+    return {item["name"]: item for item in json.loads(done.stdout)["items"]}["configuration"]
+
+
+def check_reload(vehicle):
+    """P19: a changed file, a wrong file, and a start with a wrong file."""
+    file = vehicle.root / "etc/lidard/lidard.yaml"
+    good, process = file.read_text(), main_pid(vehicle)
+
+    def reload(text):
+        file.write_text(text)
+        done = vehicle.systemctl("reload", "lidard")
+        expect(done.returncode == 0, done.stderr + journal(vehicle))
+
+    reload(good + "merged_scans: {around: {laserscan_topics: [front], destination_frame: front, range_max: 20}}\n")
+    seconds_to_data(vehicle, "/around")
+    reload("sensors: {front: {model: sick_microscan4}}\n")
+    wait_for(lambda: configuration_item(vehicle)["level"] == "ERROR", 5, "the wrong file is told")
+    expect("lidard.yaml:1:" in journal(vehicle), journal(vehicle))
+    expect(main_pid(vehicle) == process, "the same process goes on")
+    seconds_to_data(vehicle)
+    vehicle.systemctl("restart", "lidard")
+    seconds_to_data(vehicle, "/around")
+    item = configuration_item(vehicle)
+    expect(item["level"] == "ERROR" and "last good configuration" in item["message"], str(item))
+    print(f"started with a wrong file: {item['message']}")
+    reload(good)
+    wait_for(lambda: configuration_item(vehicle)["level"] == "OK", 5, "the right file is in force")
+
+
 def check_stop(vehicle):
     """P20."""
     begin = time.monotonic()
@@ -265,6 +300,7 @@ def main():
         check_hang(vehicle)
         check_instances(vehicle)
         check_bad_configuration(vehicle)
+        check_reload(vehicle)
         check_stop(vehicle)
 
 

@@ -1,0 +1,97 @@
+#!/usr/bin/python3
+# SPDX-FileCopyrightText: 2026 the lidard authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a running daemon holds of the memory: with eight lidars, a merged and a virtual scan at most 64 MB, with two VLS-128 of two
+returns whose clouds (10 MB each, ten times a second) somebody takes at most 160 MB.
+
+    test_memory.py [SECONDS]     default 8 for each; with LIDARD, LIDARD_SIM and LIDARD_SOURCE_DIR set as ctest does
+"""
+import contextlib
+import os
+import pathlib
+import re
+import socket
+import subprocess
+import sys
+import time
+
+import rospy
+from harness import LIDARD, LIDARD_SIM, expect, folder, free_port, kernel_port_is_open, process, ros_master, use_master_at, wait_for
+
+SCENE = """start: 2026-01-01T00:00:00Z
+duration: {seconds}
+objects:
+  - box: {{center: [1.3, -0.7, 0.4], size: [17, 12, 6.5], rpy_deg: [4, -3, 12], reflectivity: 0.5}}
+sensors:
+"""
+EIGHT = [("velodyne_vlp16", 201), ("velodyne_vlp16", 202), ("velodyne_vlp16", 203), ("velodyne_hdl32e", 204),
+         ("sick_microscan3", 21), ("sick_microscan3", 22), ("sick_microscan3", 23), ("sick_microscan3", 24)]
+OUTPUTS = """merged_scans:
+  around: {laserscan_topics: [s4, s5, s6, s7], range_max: 30}
+virtual_scans:
+  levels: {cloud_topic: s0, virtual_laser_scan: [low], poses: {low: {xyz: [0, 0, 0.4]}}, beams: 720}
+"""
+
+
+def megabytes(daemon, what):
+    """VmRSS or VmHWM, 1e6 bytes."""
+    return int(re.search(rf"{what}:\s+(\d+) kB", pathlib.Path(f"/proc/{daemon.pid}/status").read_text())[1]) * 1024 / 1e6
+
+
+@contextlib.contextmanager
+def vehicle(tmp, models, more, options, outputs):
+    """A daemon that listens, with the scene and ports of its sensors."""
+    scene, config, ports = SCENE, "sensors:\n", []
+    for i, (model, host) in enumerate(models):
+        ports.append(free_port(socket.SOCK_DGRAM))
+        source = 2368 if "velodyne" in model else 6060
+        scene += f"  s{i}: {{{{model: {model}, from: '192.168.1.{host}:{source}', to: '127.0.0.1:{ports[-1]}'{options}}}}}\n"
+        listens = "" if "velodyne" in model else ", listen_only: true"
+        config += f"  s{i}: {{model: {model}, ip_address: 127.168.1.{host}, ip_port: {ports[-1]}, pose: {{xyz: [0, 0, 1]}}{listens}}}\n"
+    (tmp / "scene.yaml").write_text(scene.format(seconds=more))
+    (tmp / "live.yaml").write_text(config + outputs)
+    with (tmp / "log.txt").open("w") as log, process([LIDARD, "run", "-c", tmp / "live.yaml"], stdout=log, stderr=subprocess.STDOUT) as daemon:
+        wait_for(lambda: all(kernel_port_is_open(port) for port in ports), 20, "the daemon listens")
+        yield daemon
+
+
+def eight(tmp, seconds):
+    with vehicle(tmp, EIGHT, seconds + 60, "", OUTPUTS) as daemon, \
+            process([LIDARD_SIM, "live", tmp / "scene.yaml"], stdout=subprocess.DEVNULL):
+        time.sleep(seconds)
+        peak = megabytes(daemon, "VmHWM")
+        print(f"eight lidars: {megabytes(daemon, 'VmRSS'):.1f} MB, at most {peak:.1f} MB")
+        expect(peak <= 64, f"{peak:.1f} MB")
+
+
+def two_with_clouds(tmp, seconds):
+    models = [("velodyne_vls128", 201), ("velodyne_vls128", 202)]
+    with vehicle(tmp, models, 1, ", divergence_mrad: 3, options: {{return_mode: dual}}", "") as daemon:
+        subprocess.run([LIDARD_SIM, "make", tmp / "scene.yaml", "-o", tmp / "two", "--no-truth"], check=True, capture_output=True)
+        clouds, peak = [], 0
+        for topic in ("s0/points", "s1/points"):
+            rospy.Subscriber(topic, rospy.AnyMsg, lambda message: clouds.append(len(message._buff)), buff_size=1 << 24)
+        with process([LIDARD_SIM, "send", tmp / "two.pcap", "--to", "127.0.0.1", "--repeat", str(int(seconds) + 20)], stdout=subprocess.DEVNULL):
+            end = time.monotonic() + seconds
+            while time.monotonic() < end:
+                time.sleep(0.1)
+                peak = max(peak, megabytes(daemon, "VmRSS"))
+        print(f"two VLS-128, {len(clouds)} clouds of {max(clouds, default=0) / 1e6:.1f} MB taken: at most {peak:.1f} MB")
+        expect(len(clouds) > 2 * seconds and max(clouds) > 5e6, "clouds come")
+        expect(peak <= 160, f"{peak:.1f} MB")
+
+
+def main():
+    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 8
+    port = free_port()
+    use_master_at(port)
+    with folder() as tmp, ros_master(port):
+        os.environ["LIDARD_SOCKET"] = str(tmp / "control")
+        rospy.init_node("listener", disable_signals=True)
+        eight(tmp, seconds)
+        two_with_clouds(tmp, seconds)
+    print("ok")
+
+
+if __name__ == "__main__":
+    main()
