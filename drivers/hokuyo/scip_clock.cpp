@@ -31,9 +31,12 @@ constexpr std::int64_t tick_margin = ms / 20, longest_processing = 3 * ms / 10;
 constexpr std::size_t first_delay = 16;
 /// Comparisons of one row: the clocks drift apart by 0.5 ms then if they differ by 1000 ppm.
 constexpr Span comparison_age = std::chrono::milliseconds(500);
-/// Some packets have shown the least delay then. The line through the arrivals still reaches back to the
-/// comparison, unless the host's clock is slewed, which would count as a part of the way.
-constexpr Span drift_age = std::chrono::seconds(6);
+/// The line through the arrivals still reaches back to the comparison then.
+constexpr Span drift_age = std::chrono::seconds(25);
+/// Some packets have shown the least delay then. What changes it by more later is a host's clock that is
+/// slewed; a line through the turns that becomes better does so by less.
+constexpr Span delay_age = std::chrono::seconds(6);
+constexpr std::int64_t delay_change = ms / 2;
 /// So long a comparison bounds stamps by itself.
 constexpr Span bound_age = std::chrono::seconds(2);
 /// A way that takes longer is no way: the comparison and the sweeps do not fit together.
@@ -247,7 +250,9 @@ void ScipClock::learn_delay(Stamp now) {
   const std::int64_t offset = clock_.to_host(compared_device_).ns - compared_device_.count();
   const std::int64_t delay = offset - compared;
   if (delay < -ms || delay > longest_delay) return;
-  delay_ = std::max<std::int64_t>(0, delay);
+  if (now - compared_at_ <= delay_age || !delay_) early_delay_ = delay;
+  const std::int64_t likely = std::clamp(delay, early_delay_ - delay_change, early_delay_ + delay_change);
+  delay_ = std::max<std::int64_t>(0, likely);
 }
 
 bool ScipClock::needs_comparison() const {

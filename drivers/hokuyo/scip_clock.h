@@ -113,6 +113,7 @@ class ScipClock {
   Span compared_device_{0};
   Stamp compared_at_;
   std::optional<std::int64_t> delay_;
+  std::int64_t early_delay_ = 0;  // of the first seconds after the comparison
 };
 
 }  // namespace lidard::hokuyo
