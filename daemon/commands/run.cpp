@@ -13,6 +13,7 @@
 
 #include "daemon/commands/commands.h"
 #include "daemon/commands/last_good.h"
+#include "daemon/commands/plan.h"
 #include "daemon/commands/status.h"
 #include "daemon/live/frame_queue.h"
 #include "daemon/live/journal.h"
@@ -40,38 +41,6 @@ void log_event(const Event& event) {
                                                     : spdlog::level::err;
   spdlog::log(level, "{}: {}", event.source, event.text);
 }
-
-/// A topic for each source that is handed over to the other lane.
-std::vector<OutputTopic> topics_of(const std::vector<std::string>& sources) {
-  std::vector<OutputTopic> topics;
-  for (const std::string& source : sources)
-    topics.push_back({source, TopicKind::scan, true, 0, topics.size()});
-  return topics;
-}
-
-/// Scans on their way from the lane of clouds to that of planes.
-struct HandedOver {
-  explicit HandedOver(std::vector<std::string> names)
-      : sources(std::move(names)), topics(topics_of(sources)), queue(topics, Backpressure::drop_oldest) {}
-  const std::vector<std::string> sources;
-  const std::vector<OutputTopic> topics;
-  FrameQueue queue;
-};
-
-/// A configuration as both lanes see it; arrays are by lane, here and below.
-struct Plan {
-  explicit Plan(Config config)
-      : whole(std::move(config)),
-        parts{part_of(whole, Lane::planes), part_of(whole, Lane::clouds)},
-        topics{output_topics(parts[0]), output_topics(parts[1])},
-        handed_over(std::make_shared<HandedOver>(parts[1].hand_over)) {}
-  bool has_clouds() const { return !parts[1].sensors.empty(); }
-
-  const Config whole;
-  const std::array<Config, 2> parts;
-  const std::array<std::vector<OutputTopic>, 2> topics;
-  const std::shared_ptr<HandedOver> handed_over;
-};
 
 /// Everything of a running daemon. The constructor's thread becomes that of the lane of planes, which the
 /// daemon's own affairs share; the lane of clouds has another one, if it has anything to do.

@@ -267,7 +267,10 @@ void ReceptionWatch::pass(double passed_s, bool packets_came, bool frames_came) 
     total_.expected += passed_s / period_s_;
     total_.frames = static_cast<double>(total_.counters.frames - uncounted_frames_);
   }
-  if (!again) return;
+  // Drivers count what was lost in a silence when the first whole frame after it is done.
+  if (again) settles_s_ = std::max(0.3, 3 * total_.period_s);
+  if (settles_s_ <= 0) return;
+  settles_s_ -= passed_s;
   began_anew_at_ = total_.watched_s;
   forget();
 }

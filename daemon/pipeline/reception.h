@@ -132,6 +132,7 @@ class ReceptionWatch {
   std::size_t mark_count_ = 0;
   double marked_at_ = 0;
   double began_anew_at_ = 0;
+  double settles_s_ = 0;  // what is counted until then belongs to the silence before
   std::uint64_t uncounted_frames_ = 0;  // before the rate was known
   bool rate_known_ = false;
   std::array<Sender, most_senders> senders_{};

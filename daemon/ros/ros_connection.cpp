@@ -19,7 +19,7 @@
 #include "daemon/ros/ros_component.h"
 #include "daemon/ros/ros_diagnostics.h"
 #include "daemon/ros/ros_environment.h"
-#include "daemon/ros/ros_lane.h"
+#include "daemon/ros/ros_lanes.h"
 #include "daemon/ros/ros_master.h"
 #include "daemon/ros/ros_name.h"
 #include "daemon/ros/ros_pulse.h"
@@ -44,15 +44,11 @@ constexpr auto longest_standing_back = std::chrono::seconds(2);
 /// A live thread makes ten rounds per second.
 constexpr auto longest_round = std::chrono::seconds(2);
 
-/// By number of Lane.
-using LaneTopics = std::array<std::vector<OutputTopic>, 2>;
-using Lanes = std::array<std::shared_ptr<RosLane>, 2>;
-
 }  // namespace
 
 // Shared with the threads: one that hangs in roscpp at the end outlives the RosConnection.
 struct RosConnection::Impl {
-  Impl(RosOptions given, LaneTopics topics)
+  Impl(RosOptions given, const RosLanes::Topics& topics)
       : options(std::move(given)),
         master_uri(choose_master(options.remappings)),
         diagnostics(options.longest_report_age) {
@@ -60,7 +56,10 @@ struct RosConnection::Impl {
     for (const auto& of_lane : topics) check_ros_names(of_lane);
     node = ros::this_node::getName();
     name = std::make_unique<RosName>(node, wall_clock());
-    lanes = make_lanes(topics);
+    lanes = std::make_unique<RosLanes>(options, topics, pulse,
+                                       [this](std::size_t lane, const std::vector<DiagnosticItem>& items) {
+                                         if (diagnostics.set(lane, items)) hurry();
+                                       });
   }
 
   const RosOptions options;
@@ -83,11 +82,8 @@ struct RosConnection::Impl {
   std::mutex wake_mutex;
   std::condition_variable wake;
   std::thread master_thread;
-  mutable std::mutex lanes_mutex;
-  Lanes lanes, next_lanes;  // next_lanes: of a change that is not finished
-  Span step{0};
-  std::optional<RosChange> wanted;                // guarded by wake_mutex
-  std::vector<std::shared_ptr<RosLane>> retired;  // so are these, which nobody uses any more
+  std::unique_ptr<RosLanes> lanes;
+  std::optional<RosChange> wanted;  // guarded by wake_mutex
 
   // Belongs to the master thread.
   bool running = false;
@@ -98,51 +94,6 @@ struct RosConnection::Impl {
   Clock::time_point next_notice = Clock::now();
   Clock::time_point next_diagnostics = Clock::now();
 
-  Lanes make_lanes(const LaneTopics& topics) {
-    constexpr std::array<RosPulse::Thread, 2> threads{RosPulse::publishing, RosPulse::publishing_clouds};
-    Lanes made;
-    for (std::size_t i = 0; i < topics.size(); ++i) {
-      const auto take = [this, i](const std::vector<DiagnosticItem>& items) {
-        if (diagnostics.set(i, items)) hurry();
-      };
-      made[i] = std::make_shared<RosLane>(options, topics[i], pulse, threads[i], take);
-      made[i]->queue().set_step(step);
-    }
-    return made;
-  }
-  Lanes current_lanes() const {
-    const std::lock_guard lock(lanes_mutex);
-    return lanes;
-  }
-  /// With those of a change that is not finished.
-  std::vector<std::shared_ptr<RosLane>> all_lanes() const {
-    const std::lock_guard lock(lanes_mutex);
-    std::vector<std::shared_ptr<RosLane>> all(lanes.begin(), lanes.end());
-    if (next_lanes[0] != nullptr) all.insert(all.end(), next_lanes.begin(), next_lanes.end());
-    return all;
-  }
-  /// The sum of what `figure` says of each lane.
-  template <class Figure>
-  std::uint64_t sum(Figure figure) const {
-    std::uint64_t all = 0;
-    for (const auto& lane : current_lanes()) all += figure(*lane);
-    return all;
-  }
-  std::uint64_t dropped() const {
-    return sum([](const RosLane& lane) { return lane.queue().dropped(); });
-  }
-  std::uint64_t published() const {
-    return sum([](const RosLane& lane) { return lane.published(); });
-  }
-  std::uint64_t without_ros() const {
-    return sum([](const RosLane& lane) { return lane.without_ros(); });
-  }
-  std::uint64_t subscribers() const {
-    return sum([](const RosLane& lane) { return lane.publishers().subscribers(); });
-  }
-  bool is_ready() const {
-    return sum([](const RosLane& lane) { return lane.publishers().ready() ? 1 : 0; }) == lanes.size();
-  }
   void hurry() {
     {
       const std::lock_guard lock(wake_mutex);
@@ -158,7 +109,7 @@ struct RosConnection::Impl {
       std::unique_lock lock(wake_mutex);
       // A node that was shut down from outside is back soon.
       const auto is_urgent = [this] {
-        return stopping || news || wanted || !retired.empty() || (running && !ros::ok());
+        return stopping || news || wanted || lanes->has_retired() || (running && !ros::ok());
       };
       for (auto waited = milliseconds(0); waited < master_period && !is_urgent(); waited += look_period)
         wake.wait_for(lock, look_period, is_urgent);
@@ -172,15 +123,7 @@ struct RosConnection::Impl {
     const std::optional<RosChange> change = std::exchange(wanted, std::nullopt);
     lock.unlock();
     if (!change) return;
-    Lanes fresh = make_lanes({change->topics, change->clouds});
-    for (std::size_t i = 0; i < fresh.size(); ++i) {
-      fresh[i]->continue_after(*lanes[i]);
-      fresh[i]->start();
-    }
-    {
-      const std::lock_guard lanes_lock(lanes_mutex);
-      next_lanes = fresh;
-    }
+    const RosLanes::Pair fresh = lanes->begin_change({change->topics, change->clouds});
     for (const auto& [former, next] : change->components) {
       components.erase(std::remove(components.begin(), components.end(), former), components.end());
       components.push_back(next);
@@ -196,14 +139,9 @@ struct RosConnection::Impl {
   }
   /// The lanes of a change are used: those before it are not.
   void end_change() {
-    std::unique_lock lock(wake_mutex);
-    const auto former = std::exchange(retired, {});
-    lock.unlock();
+    if (!lanes->has_retired()) return;
     const RosPulse::Call call(pulse);
-    for (const auto& lane : former) {
-      lane->finish();
-      lane->publishers().drop(!master_present);
-    }
+    lanes->end_retired(!master_present);
   }
   /// What has to wait for the master.
   void register_changes() {
@@ -216,7 +154,7 @@ struct RosConnection::Impl {
       callbacks->keep_for(component.get());
       component->connected(*callbacks);
     }
-    for (const auto& lane : current_lanes()) lane->publishers().advertise_missing();
+    for (const auto& lane : lanes->current()) lane->publishers().advertise_missing();
   }
   void look_after(MasterClient& master) {
     begin_change();
@@ -257,7 +195,7 @@ struct RosConnection::Impl {
       callbacks->keep_for(component.get());
       component->poll(master);
       const auto stale = component->stale_topics();
-      for (const auto& lane : current_lanes()) lane->publishers().advertise_again(stale);
+      for (const auto& lane : lanes->current()) lane->publishers().advertise_again(stale);
     }
   }
   /// Whoever has the ports registers first.
@@ -286,7 +224,7 @@ struct RosConnection::Impl {
     name_this_thread("roscpp-rosout");
     ros::start();
     name_this_thread(thread_name);
-    for (const auto& lane : all_lanes()) lane->publishers().advertise();
+    for (const auto& lane : lanes->all()) lane->publishers().advertise();
     diagnostics.start();
     callbacks = std::make_unique<RosCallbackThread>(pulse);
     for (const auto& component : components) {
@@ -308,7 +246,7 @@ struct RosConnection::Impl {
     if (leave) leave_behind(std::move(callbacks));
     callbacks.reset();
     diagnostics.drop(leave);
-    for (const auto& lane : all_lanes()) lane->publishers().drop(leave);
+    for (const auto& lane : lanes->all()) lane->publishers().drop(leave);
     if (!leave) ros::shutdown();
     running = false;
   }
@@ -338,10 +276,10 @@ struct RosConnection::Impl {
   DiagnosticItem own_status() const {
     DiagnosticItem item{"ROS"};
     judge_own_status(item);
-    item.values = {{"Frames published", std::to_string(published())},
-                   {"Frames dropped", std::to_string(dropped())},
-                   {"Frames before the master came", std::to_string(without_ros())},
-                   {"Subscribers", std::to_string(subscribers())}};
+    item.values = {{"Frames published", std::to_string(lanes->published())},
+                   {"Frames dropped", std::to_string(lanes->dropped())},
+                   {"Frames before the master came", std::to_string(lanes->without_ros())},
+                   {"Subscribers", std::to_string(lanes->subscribers())}};
     item.logged = true;
     return item;
   }
@@ -368,7 +306,7 @@ struct RosConnection::Impl {
 
 RosConnection::RosConnection(RosOptions options, const std::vector<OutputTopic>& topics,
                              const std::vector<OutputTopic>& clouds)
-    : impl_(std::make_shared<Impl>(std::move(options), LaneTopics{topics, clouds})) {}
+    : impl_(std::make_shared<Impl>(std::move(options), RosLanes::Topics{topics, clouds})) {}
 RosConnection::~RosConnection() { stop(); }
 
 void RosConnection::add(std::shared_ptr<RosComponent> component) {
@@ -376,28 +314,21 @@ void RosConnection::add(std::shared_ptr<RosComponent> component) {
 }
 
 void RosConnection::start() {
-  for (const auto& lane : impl_->current_lanes()) lane->start();
+  for (const auto& lane : impl_->lanes->current()) lane->start();
   impl_->master_thread = std::thread([impl = impl_] { impl->run_master(); });
 }
 
-FrameSink& RosConnection::sink(Lane lane) { return *impl_->current_lanes()[static_cast<std::size_t>(lane)]; }
+FrameSink& RosConnection::sink(Lane lane) { return impl_->lanes->of(lane); }
 
 std::string RosConnection::node() const { return impl_->node; }
 
 DiagnosticItem RosConnection::own_status() const { return impl_->own_status(); }
 
 TopicFigures RosConnection::figures(Lane lane, const OutputTopic& topic, Stamp now) const {
-  return impl_->current_lanes()[static_cast<std::size_t>(lane)]->queue().figures(topic.id, now);
+  return impl_->lanes->of(lane).queue().figures(topic.id, now);
 }
 
-void RosConnection::set_step(Span step) {
-  const std::lock_guard lock(impl_->lanes_mutex);
-  impl_->step = step;
-  for (const auto& lane : impl_->lanes) lane->queue().set_step(step);
-  for (const auto& lane : impl_->next_lanes) {
-    if (lane != nullptr) lane->queue().set_step(step);
-  }
-}
+void RosConnection::set_step(Span step) { impl_->lanes->set_step(step); }
 
 void RosConnection::change(RosChange change) {
   {
@@ -408,40 +339,36 @@ void RosConnection::change(RosChange change) {
 }
 
 void RosConnection::finish_change() {
-  {
-    const std::scoped_lock lock(impl_->wake_mutex, impl_->lanes_mutex);
-    impl_->retired.assign(impl_->lanes.begin(), impl_->lanes.end());
-    impl_->lanes = std::exchange(impl_->next_lanes, {});
-  }
+  impl_->lanes->finish_change();
   impl_->wake.notify_all();
 }
 
-void RosConnection::publish_clock(Stamp now) { impl_->current_lanes().front()->queue().push_clock(now); }
+void RosConnection::publish_clock(Stamp now) { impl_->lanes->current().front()->queue().push_clock(now); }
 
 bool RosConnection::wait_for_master(Span limit) {
-  return wait_until([this] { return impl_->is_ready(); }, limit);
+  return wait_until([this] { return impl_->lanes->is_ready(); }, limit);
 }
 
 bool RosConnection::wait_for_subscribers(std::size_t count, Span limit) {
-  return wait_until([&] { return impl_->subscribers() >= count; }, limit);
+  return wait_until([&] { return impl_->lanes->subscribers() >= count; }, limit);
 }
 
 bool RosConnection::flush(Span limit) {
-  const bool sent =
-      wait_until([this] { return impl_->sum([](RosLane& lane) { return lane.in_flight(); }) == 0; }, limit);
+  const bool sent = wait_until(
+      [this] { return impl_->lanes->sum([](RosLane& lane) { return lane.in_flight(); }) == 0; }, limit);
   // A subscriber drops what it has not read yet when the master tells it that we are gone.
-  if (impl_->subscribers() > 0) std::this_thread::sleep_for(milliseconds(250));
+  if (impl_->lanes->subscribers() > 0) std::this_thread::sleep_for(milliseconds(250));
   return sent;
 }
 
 RosStatus RosConnection::status() const {
   RosStatus status;
   status.master = impl_->master_present;
-  status.connected = impl_->is_ready();
-  status.subscribers = impl_->subscribers();
-  status.published = impl_->published();
-  status.dropped = impl_->dropped();
-  status.without_ros = impl_->without_ros();
+  status.connected = impl_->lanes->is_ready();
+  status.subscribers = impl_->lanes->subscribers();
+  status.published = impl_->lanes->published();
+  status.dropped = impl_->lanes->dropped();
+  status.without_ros = impl_->lanes->without_ros();
   status.foreign_stops = impl_->foreign_stops;
   return status;
 }
@@ -458,7 +385,7 @@ bool RosConnection::stop() {
     impl_->stopping = true;
   }
   impl_->wake.notify_all();
-  for (const auto& lane : impl_->all_lanes()) lane->stop();
+  for (const auto& lane : impl_->lanes->all()) lane->stop();
   if (wait_until([this] { return impl_->master_ended.load(); }, std::chrono::seconds(1))) {
     impl_->master_thread.join();
   } else {

@@ -278,6 +278,18 @@ TEST(ReceptionWatch, BeginsAnewAfterASilenceThatWasToldButNotWithALoosePlug) {
   EXPECT_THAT(stream.verdict.figures, HasSubstr("of 40.0 frames/s"));
 }
 
+TEST(ReceptionWatch, WhatWasLostInASilenceIsNotToldAgainAfterIt) {
+  Stream stream(0.1);
+  stream.run(15, 0.1, 0.1);
+  stream.silence(4);
+  stream.run(0.1, 0.1, 0.1);
+  stream.counters.lost_packets = 3000;  // with the first frame that is complete
+  EXPECT_EQ(stream.run(12, 0.1, 0.1), Health::ok) << stream.verdict.figures;
+  EXPECT_EQ(stream.watch.whole().lost(), 3000U);
+  stream.counters.lost_packets = 3100;
+  EXPECT_EQ(stream.run(1, 0.1, 0.1), Health::error) << "what is lost later is told";
+}
+
 TEST(ReceptionWatch, BeginsAnewWithAReplay) {
   Stream stream(0.025);
   for (int loop = 0; loop < 20; ++loop) {

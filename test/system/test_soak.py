@@ -1,0 +1,210 @@
+#!/usr/bin/python3
+# SPDX-FileCopyrightText: 2026 the lidard authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""A vehicle's day in short: eight lidars over a cable, and again and again bursts of losses, duplicates and exchanged packets, a cable
+that is unplugged, a ROS master that is restarted, reloads of the configuration and steps of the host's clock. Memory and
+descriptors do not grow, every lost packet is counted, every fault is an event once.
+
+    test_soak.py [SECONDS]     default 60; 1800 for a release; with LIDARD, LIDARD_SIM, LIDARD_SOURCE_DIR and LIDARD_CLOCK_SHIM set
+                               as ctest does
+"""
+import os
+import pathlib
+import random
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+from harness import LIDARD, Starved, expect, folder, free_port, process, ros_master, use_master_at, wait_for
+from network import Network, ask, events_of, figure, item, recorded
+import test_network_silence as lidars
+from test_clock_step import Clock
+
+SHIM = os.environ["LIDARD_CLOCK_SHIM"]
+MORE = {"rear": ("velodyne_vlp16", "192.168.1.202", 2369), "side": ("velodyne_hdl32e", "192.168.1.203", 2370),
+        "back": ("sick_microscan3", "192.168.1.22", 6061), "low": ("sick_microscan3", "192.168.1.23", 6062)}
+CONFIG = lidars.CONFIG + "".join(
+    f"  {name}: {{model: {model}, ip_address: {address}, ip_port: {port}{'' if 'velodyne' in model else ', listen_only: true'}}}\n"
+    for name, (model, address, port) in MORE.items())
+CONFIG = CONFIG.replace("}\n", ", pose: {xyz: [0, 0, 1]}}\n") + """\
+merged_scans:
+  around: {laserscan_topics: [front, back, low], range_max: 30}
+"""
+OTHER = "virtual_scans:\n  levels: {cloud_topic: rear, virtual_laser_scan: [rear], range_max: 30}\n"
+LOST = {"bursts": 20, "every": 500}
+
+
+class Roof:
+    """The VLP-16 whose packets somebody else spoils on their way; knows what it did not send."""
+
+    def __init__(self, network, tmp):
+        scene = lidars.ROOM.replace("600", "20") + f"  roof: {lidars.SCENES['roof']}\n"
+        self.payloads = [payload for _, _, port, payload in recorded(tmp, scene) if port == 2368]
+        self.period = 1 / 753.5
+        self.sender, self.dice, self.stop = network.lidar(lidars.ADDRESSES["roof"]), random.Random(5), threading.Event()
+        self.lost, self.sent, self.spoil = 0, 0, False
+        self.thread = threading.Thread(target=self.run, daemon=True)
+
+    def run(self):
+        due, number, us = time.monotonic(), 0, 0
+        held = None
+        while not self.stop.is_set():
+            now = time.monotonic()
+            if now < due:
+                time.sleep(min(0.004, due - now))
+                continue
+            due += self.period
+            payload = bytearray(self.payloads[number % len(self.payloads)])
+            # The stamps of packets go on where the recording begins again.
+            if number % len(self.payloads) == 0 and number > 0:
+                us += int(1e6 * self.period)
+            elif number > 0:
+                a = int.from_bytes(self.payloads[(number - 1) % len(self.payloads)][1200:1204], "little")
+                us += (int.from_bytes(payload[1200:1204], "little") - a) % 3_600_000_000
+            payload[1200:1204] = (us % 3_600_000_000).to_bytes(4, "little")
+            number += 1
+            if self.spoil and number % LOST["every"] < LOST["bursts"]:
+                self.lost += 1
+                continue
+            if self.spoil and number % LOST["every"] == 250:
+                held = bytes(payload)  # comes after the next one
+                continue
+            self.send(payload)
+            if held:
+                self.send(held)
+                held = None
+            if self.spoil and number % LOST["every"] == 400:
+                self.send(payload)
+
+    def send(self, payload):
+        try:
+            self.sender.sendto(payload, ("192.168.1.100", 2368))
+            self.sent += 1
+        except OSError:
+            pass  # there is no cable
+
+
+class Now:
+    """A text that is made when it is shown."""
+
+    def __init__(self, text):
+        self.text = text
+
+    def __str__(self):
+        return self.text()
+
+
+class Vehicle:
+    def __init__(self, network, tmp):
+        self.network, self.tmp, self.port = network, tmp, free_port()
+        self.file = tmp / "c.yaml"
+        self.file.write_text(CONFIG)
+        lidars.SCENES.update({name: f"{{model: {model}, from: '{address}:{2368 if 'velodyne' in model else 6060}', to: '192.168.1.100:{port}'}}"
+                              for name, (model, address, port) in MORE.items()})
+        lidars.ADDRESSES.update({name: address for name, (_, address, _) in MORE.items()})
+        self.plug()
+        self.clock = Clock(tmp / "clock")
+        self.faults = {"master": 0, "cable": 0, "reload": 0, "clock": 0}
+
+    def plug(self):
+        self.network.plug(lidars=[address + "/24" for address in lidars.ADDRESSES.values()])
+
+    def start_lidars(self):
+        for name in lidars.SCENES:
+            if name == "roof":
+                continue
+            device = lidars.Device(self.network, self.tmp, name)
+            command = [lidars.LIDARD_SIM, "live", str(device.scene)]
+            if name not in ("left", "right"):
+                command.append(f"--source-map={lidars.ADDRESSES[name]}={lidars.ADDRESSES[name]}")
+            self.network.start_lidar(command)
+
+    def all_well(self, limit=30):
+        def ill():
+            status = ask("status")
+            return [f"{one['name']}: {one['message']}" for one in status["items"]
+                    if one["level"] == "ERROR" or (one["level"] == "WARN" and one["name"].startswith("link"))] if status else ["no answer"]
+        wait_for(lambda: not ill(), limit, Now(lambda: f"all is well again: {ill()}"))
+
+
+def resources(daemon):
+    status = pathlib.Path(f"/proc/{daemon.pid}/status").read_text()
+    return int(re.search(r"VmRSS:\s+(\d+)", status)[1]), len(list(pathlib.Path(f"/proc/{daemon.pid}/fd").iterdir()))
+
+
+def one_round(vehicle, daemon, roof, number):
+    """One of each fault, and time between them in which all is well again."""
+    roof.spoil = True
+    time.sleep(4)
+    roof.spoil = False
+    vehicle.faults["clock"] += 1
+    vehicle.clock.set_by((-1) ** number * (1.013 if number % 3 else 3600))
+    time.sleep(1)
+    vehicle.network.unplug()
+    time.sleep(4)
+    vehicle.plug()
+    vehicle.faults["cable"] += 1
+    vehicle.all_well()
+    vehicle.file.write_text(CONFIG + (OTHER if number % 2 == 0 else ""))
+    daemon.send_signal(signal.SIGHUP)
+    vehicle.faults["reload"] += 1
+    wait_for(lambda: int(figure("configuration", "Reloads")) == vehicle.faults["reload"], 10, "the reload")
+    vehicle.all_well()
+
+
+def main():
+    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 60
+    network = Network()
+    with folder() as tmp:
+        os.environ["LIDARD_SOCKET"] = str(tmp / "control")
+        vehicle = Vehicle(network, tmp)
+        use_master_at(vehicle.port)
+        roof = Roof(network, tmp)
+        environment = {**os.environ, "LD_PRELOAD": SHIM, "LIDARD_TEST_CLOCK": str(tmp / "clock")}
+        starved = Starved()
+        with (tmp / "log").open("w") as log, process([LIDARD, "run", "-c", vehicle.file], env=environment, stdout=log, stderr=subprocess.STDOUT) as daemon:
+            vehicle.start_lidars()
+            roof.thread.start()
+            begin, rounds, warm = time.monotonic(), 0, None
+            while time.monotonic() - begin < seconds or rounds < 3:
+                with ros_master(vehicle.port):
+                    vehicle.faults["master"] += 1
+                    wait_for(lambda: item("ROS") and item("ROS")["level"] == "OK", 20, "the daemon comes to ROS")
+                    vehicle.all_well()
+                    lost = int(figure("sensor roof", "Lost packets"))
+                    drops = int(figure("port 2368", "Kernel drops"))
+                    spoiled, away = roof.lost, len(events_of("sensor roof"))
+                    one_round(vehicle, daemon, roof, rounds)
+                    counted = int(figure("sensor roof", "Lost packets")) - lost
+                    dropped = int(figure("port 2368", "Kernel drops")) - drops
+                    events = [e for e in events_of("sensor roof")[away:]]
+                rounds += 1
+                rss, descriptors = resources(daemon)
+                if rounds == 2:
+                    warm = rss, descriptors
+                print(f"round {rounds} after {time.monotonic() - begin:.0f} s: {rss} kB, {descriptors} descriptors, left out {roof.lost - spoiled}, "
+                      f"counted {counted}, dropped by the kernel {dropped}; events of the roof {[e[1] for e in events]}", flush=True)
+                # What the cable did not carry is counted too; nothing that was left out is forgotten.
+                expect(counted >= roof.lost - spoiled, f"{roof.lost - spoiled} packets were left out, {counted} counted")
+                expect([e[1] for e in events].count("ERROR") == 1, f"the unplugged cable is one ERROR of the roof: {events}")
+            check_end(vehicle, daemon, warm)
+            roof.stop.set()
+        print(f"starved for {starved.seconds():.1f} s; ok")
+
+
+def check_end(vehicle, daemon, warm):
+    rss, descriptors = resources(daemon)
+    print(f"grown by {rss - warm[0]} kB and {descriptors - warm[1]} descriptors since the second round; faults {vehicle.faults}")
+    expect(rss - warm[0] <= 1024, f"memory grows: {warm[0]} kB, then {rss}")
+    expect(descriptors - warm[1] <= 2, f"descriptors: {warm[1]}, then {descriptors}")
+    steps = [e for e in events_of("clock") if e[1] == "WARN"]
+    expect(len(steps) == vehicle.faults["clock"], f"{vehicle.faults['clock']} steps of the clock, {len(steps)} events: {steps}")
+    expect(item("clock")["values"]["Steps"] == str(vehicle.faults["clock"]), str(item("clock")))
+    expect(daemon.poll() is None, "the daemon lives")
+
+
+if __name__ == "__main__":
+    main()
