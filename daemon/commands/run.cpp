@@ -228,6 +228,7 @@ class Daemon {
       spdlog::error("{}; nothing is changed, correct it and reload again", trouble);
     came_up();
     update_journal();
+    malloc_trim(0);  // the former configuration has left holes
     if (std::exchange(wants_reload_, false)) reload();
   }
   DiagnosticItem configuration_item() const {
