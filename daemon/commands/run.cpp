@@ -1,14 +1,21 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <linux/capability.h>
 #include <malloc.h>
 #include <spdlog/spdlog.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <array>
 #include <atomic>
 #include <boost/asio/signal_set.hpp>
+#include <cstdlib>
 #include <memory>
 #include <optional>
 #include <ostream>
+#include <string_view>
 #include <thread>
 
 #include "daemon/commands/commands.h"
@@ -102,6 +109,7 @@ class Daemon {
     planes_.add_items = [this](auto& items) {
       items.push_back(clock_.item());
       items.push_back(configuration_item());
+      if (auto item = box_.item()) items.push_back(std::move(*item));
     };
     planes_.on_state = [this](const LaneState& state) { take_state(Lane::planes, state); };
     planes_.on_tick = [this](Stamp now) { tick(now); };
@@ -283,15 +291,17 @@ class Daemon {
     update_journal();
   }
   /// What both lanes tell.
-  std::vector<DiagnosticItem> items() const {
+  std::vector<DiagnosticItem> items(Stamp now) const {
     std::vector<DiagnosticItem> all = joined(states_[0].items, states_[1].items);
-    all.push_back(ros_.own_status());
+    const std::vector<DiagnosticItem> of_ros = ros_.diagnostics(now);
+    all.insert(all.end(), of_ros.begin(), of_ros.end());
     return all;
   }
   void update_journal() {
     constexpr Span aftermath = std::chrono::seconds(5);  // what follows an error for so long is written too
     const Stamp now = clock_.now();
-    if (journal_.update(items(), clock_.realtime(now)) == Health::error) box_.write_on_error(now, aftermath);
+    if (journal_.update(items(now), clock_.realtime(now)) == Health::error)
+      box_.write_on_error(now, aftermath);
   }
   std::string status() const {
     Share lidars, ports, devices;
@@ -308,7 +318,7 @@ class Daemon {
   DaemonState state() {
     states_[0] = planes_.state();
     const Stamp now = clock_.now();
-    DaemonState all{ros_.node(), clock_.realtime(now), now - started_, status(), items(), {}};
+    DaemonState all{ros_.node(), clock_.realtime(now), now - started_, status(), items(now), {}};
     for (const Lane lane : {Lane::planes, Lane::clouds}) {
       for (const OutputTopic& topic : plan_->topics[static_cast<std::size_t>(lane)])
         all.topics.emplace_back(topic.name, ros_.figures(lane, topic, now));
@@ -387,10 +397,26 @@ void keep_heap_small() {
   mallopt(M_ARENA_MAX, 2);
 }
 
+/// Where it is asked for: memory that is swapped out is late. Below a limit nothing is locked, since what is
+/// allocated later would fail there.
+void lock_memory() {
+  const char* const wish = std::getenv("LIDARD_LOCK_MEMORY");
+  if (wish == nullptr || std::string_view(wish) != "1") return;
+  rlimit limit{};
+  getrlimit(RLIMIT_MEMLOCK, &limit);
+  const bool root = geteuid() == 0 && prctl(PR_CAPBSET_READ, CAP_IPC_LOCK) == 1;
+  if ((root || limit.rlim_cur == RLIM_INFINITY) && mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return;
+  spdlog::warn(
+      "LIDARD_LOCK_MEMORY=1, but this process may not lock all of its memory; set LimitMEMLOCK=infinity in "
+      "the "
+      "unit");
+}
+
 }  // namespace
 
 int run_daemon(const Config& config, RosOptions ros, std::ostream& err, const std::string& trouble) {
   keep_heap_small();
+  lock_memory();
   try {
     ros.longest_report_age = longest_report_age;
     for (const auto& warning : config.warnings) spdlog::warn("{}", warning);

@@ -86,6 +86,7 @@ struct RosConnection::Impl {
   mutable std::mutex lanes_mutex;
   Lanes lanes, next_lanes;  // next_lanes: of a change that is not finished
   Span step{0};
+  std::vector<DiagnosticItem> components_told;    // guarded by lanes_mutex
   std::optional<RosChange> wanted;                // guarded by wake_mutex
   std::vector<std::shared_ptr<RosLane>> retired;  // so are these, which nobody uses any more
 
@@ -329,11 +330,25 @@ struct RosConnection::Impl {
   }
   void publish_diagnostics() {
     next_diagnostics = Clock::now() + std::chrono::seconds(1);
-    std::vector<DiagnosticItem> more{own_status()};
+    std::vector<DiagnosticItem> told;
     for (const auto& component : components) {
-      for (auto& item : component->diagnostics()) more.push_back(std::move(item));
+      for (auto& item : component->diagnostics()) told.push_back(std::move(item));
     }
-    diagnostics.publish(more);
+    Stamp now = wall_clock();
+    {
+      const std::lock_guard lock(lanes_mutex);
+      components_told = std::move(told);
+      now = now - step;
+    }
+    diagnostics.publish(own_items(now));
+  }
+  /// What is told beside the sensor threads' items.
+  std::vector<DiagnosticItem> own_items(Stamp now) const {
+    std::vector<DiagnosticItem> items{own_status()};
+    for (const auto& lane : current_lanes()) lane->add_diagnostics(items, now);
+    const std::lock_guard lock(lanes_mutex);
+    items.insert(items.end(), components_told.begin(), components_told.end());
+    return items;
   }
   DiagnosticItem own_status() const {
     DiagnosticItem item{"ROS"};
@@ -384,10 +399,10 @@ FrameSink& RosConnection::sink(Lane lane) { return *impl_->current_lanes()[stati
 
 std::string RosConnection::node() const { return impl_->node; }
 
-DiagnosticItem RosConnection::own_status() const { return impl_->own_status(); }
+std::vector<DiagnosticItem> RosConnection::diagnostics(Stamp now) const { return impl_->own_items(now); }
 
 TopicFigures RosConnection::figures(Lane lane, const OutputTopic& topic, Stamp now) const {
-  return impl_->current_lanes()[static_cast<std::size_t>(lane)]->queue().figures(topic.id, now);
+  return impl_->current_lanes()[static_cast<std::size_t>(lane)]->figures(topic.id, now);
 }
 
 void RosConnection::set_step(Span step) {
