@@ -28,6 +28,7 @@ install(DIRECTORY ${config}/ DESTINATION ${share}/config FILES_MATCHING PATTERN 
 
 install(FILES ${config}/60-lidard.conf DESTINATION lib/sysctl.d)
 install(FILES daemon/lidard.8 DESTINATION ${CMAKE_INSTALL_MANDIR}/man8 OPTIONAL)
+install(FILES daemon/lidard.yaml.5 DESTINATION ${CMAKE_INSTALL_MANDIR}/man5 OPTIONAL)
 install(FILES daemon/completion.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME lidard OPTIONAL)
 install(CODE "
   set(bindir \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}\")

@@ -6,6 +6,7 @@
 #include <array>
 #include <atomic>
 #include <boost/asio/signal_set.hpp>
+#include <cstdlib>
 #include <memory>
 #include <optional>
 #include <ostream>
@@ -17,6 +18,7 @@
 #include "daemon/commands/status.h"
 #include "daemon/live/frame_queue.h"
 #include "daemon/live/journal.h"
+#include "daemon/live/process_memory.h"
 #include "daemon/live/runtime_socket.h"
 #include "daemon/live/sensor_loop.h"
 #include "daemon/live/service.h"
@@ -71,6 +73,7 @@ class Daemon {
     planes_.add_items = [this](auto& items) {
       items.push_back(clock_.item());
       items.push_back(configuration_item());
+      if (auto item = box_.item()) items.push_back(std::move(*item));
     };
     planes_.on_state = [this](const LaneState& state) { take_state(Lane::planes, state); };
     planes_.on_tick = [this](Stamp now) { tick(now); };
@@ -228,6 +231,7 @@ class Daemon {
       spdlog::error("{}; nothing is changed, correct it and reload again", trouble);
     came_up();
     update_journal();
+    malloc_trim(0);  // the former configuration has left holes
     if (std::exchange(wants_reload_, false)) reload();
   }
   DiagnosticItem configuration_item() const {
@@ -252,15 +256,17 @@ class Daemon {
     update_journal();
   }
   /// What both lanes tell.
-  std::vector<DiagnosticItem> items() const {
+  std::vector<DiagnosticItem> items(Stamp now) const {
     std::vector<DiagnosticItem> all = joined(states_[0].items, states_[1].items);
-    all.push_back(ros_.own_status());
+    const std::vector<DiagnosticItem> of_ros = ros_.diagnostics(now);
+    all.insert(all.end(), of_ros.begin(), of_ros.end());
     return all;
   }
   void update_journal() {
     constexpr Span aftermath = std::chrono::seconds(5);  // what follows an error for so long is written too
     const Stamp now = clock_.now();
-    if (journal_.update(items(), clock_.realtime(now)) == Health::error) box_.write_on_error(now, aftermath);
+    if (journal_.update(items(now), clock_.realtime(now)) == Health::error)
+      box_.write_on_error(now, aftermath);
   }
   std::string status() const {
     Share lidars, ports, devices;
@@ -277,7 +283,7 @@ class Daemon {
   DaemonState state() {
     states_[0] = planes_.state();
     const Stamp now = clock_.now();
-    DaemonState all{ros_.node(), clock_.realtime(now), now - started_, status(), items(), {}};
+    DaemonState all{ros_.node(), clock_.realtime(now), now - started_, status(), items(now), {}};
     for (const Lane lane : {Lane::planes, Lane::clouds}) {
       for (const OutputTopic& topic : plan_->topics[static_cast<std::size_t>(lane)])
         all.topics.emplace_back(topic.name, ros_.figures(lane, topic, now));
@@ -349,17 +355,11 @@ class Daemon {
   RuntimeSocket socket_;
 };
 
-/// Clouds of 10 MB come and go ten times a second. Each gets memory of its own, which the system has back
-/// after it; in the heaps of several threads they would leave holes.
-void keep_heap_small() {
-  mallopt(M_MMAP_THRESHOLD, 1 << 20);
-  mallopt(M_ARENA_MAX, 2);
-}
-
 }  // namespace
 
 int run_daemon(const Config& config, RosOptions ros, std::ostream& err, const std::string& trouble) {
   keep_heap_small();
+  lock_memory();
   try {
     ros.longest_report_age = longest_report_age;
     for (const auto& warning : config.warnings) spdlog::warn("{}", warning);

@@ -201,10 +201,25 @@ void BlackBox::collect() {
   if (!writing_ || !writing_->done) return;
   writing_->thread.join();
   const bool good = writing_->trouble.empty();
-  told_(good, good ? fmt::format("the last {:.1f} s are in {}", seconds(writing_->ring->span()),
-                                 writing_->path.string())
-                   : "the black box cannot be written: " + writing_->trouble);
+  tell(good, good ? fmt::format("the last {:.1f} s are in {}", seconds(writing_->ring->span()),
+                                writing_->path.string())
+                  : "the black box cannot be written: " + writing_->trouble);
   writing_.reset();
+}
+
+void BlackBox::tell(bool good, const std::string& sentence) {
+  trouble_ = good ? "" : sentence;
+  told_(good, sentence);
+}
+
+std::optional<DiagnosticItem> BlackBox::item() const {
+  if (!is_on()) return std::nullopt;
+  DiagnosticItem item{"black box"};
+  item.logged = true;
+  item.message = "keeps the newest packets";
+  if (!trouble_.empty()) item.set(Health::warn, trouble_);
+  item.add("Folder", folder_of(config_).string());
+  return item;
 }
 
 void BlackBox::poll(Stamp now, Span step, const std::function<std::string()>& events) {
@@ -214,7 +229,7 @@ void BlackBox::poll(Stamp now, Span step, const std::function<std::string()>& ev
   try {
     write(now, step, events());
   } catch (const std::exception& error) {
-    told_(false, std::string("the black box cannot be written: ") + error.what());
+    tell(false, std::string("the black box cannot be written: ") + error.what());
   }
 }
 

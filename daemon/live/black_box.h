@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "daemon/config/config.h"
+#include "daemon/pipeline/sink.h"
 #include "drivers/driver.h"
 
 namespace lidard {
@@ -35,12 +36,15 @@ class BlackBox {
   /// Time passed. Begins what is due, and tells what became of a capture. `step` is added to the stamps
   /// (HostClock::step()), `events()` is the text that is written beside.
   void poll(Stamp now, Span step, const std::function<std::string()>& events);
+  /// For /diagnostics; none if none is kept.
+  std::optional<DiagnosticItem> item() const;
 
  private:
   /// The newest packets, each with its bytes in a buffer that was used for an older one before.
   class Ring;
   struct Writing;
   void collect();
+  void tell(bool good, const std::string& sentence);
 
   bool is_on() const { return config_.seconds > 0; }
 
@@ -50,6 +54,7 @@ class BlackBox {
   std::unique_ptr<Ring> ring_;  // guarded by mutex_
   std::unique_ptr<Writing> writing_;
   std::optional<Stamp> due_, written_;
+  std::string trouble_;  // why the newest capture could not be written; empty: it could
 };
 
 }  // namespace lidard

@@ -15,6 +15,8 @@ namespace lidard {
 struct TopicFigures {
   std::uint64_t frames = 0;              ///< since the start
   std::uint64_t dropped = 0;             ///< of them, because publishing was behind
+  std::uint64_t lost = 0;                ///< messages that a slow subscriber has not got
+  bool loses = false;                    ///< within the last 10 s
   double rate_hz = 0;                    ///< of the last 10 s; 0: less than two frames
   Span shortest_gap{0}, longest_gap{0};  ///< between two frames of the last 10 s
   /// From the arrival of the packet that completed a frame until the frame was handed to the middleware, of

@@ -119,6 +119,7 @@ void UdpPorts::log_changes() {
     if (drops != port.reported_drops) {
       spdlog::warn("port {}: {} packets lost in the kernel's receive buffer so far", port.number, drops);
       port.reported_drops = drops;
+      port.dropped_at = std::chrono::steady_clock::now();
     }
   }
 }
@@ -137,6 +138,12 @@ void UdpPorts::add_diagnostics(std::vector<DiagnosticItem>& items) const {
     if (item.health == Health::ok && !port.source->warning().empty()) {
       item.set(Health::warn, port.source->warning());
     }
+    constexpr auto news = std::chrono::seconds(10);
+    if (stats.kernel_drops > 0 && std::chrono::steady_clock::now() - port.dropped_at < news)
+      item.set(Health::warn,
+               "packets were lost in the kernel's receive buffer in the last 10 s: this computer was too "
+               "busy to fetch "
+               "them; see `top`, and raise net.core.rmem_max");
     item.add("Datagrams", stats.datagrams);
     item.add("Kernel drops", stats.kernel_drops);
     item.add("Truncated", stats.truncated);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -43,6 +44,7 @@ class UdpPorts {
     UdpState told;
     std::string holder;  // who has it instead of us
     std::uint64_t reported_drops = 0;
+    std::chrono::steady_clock::time_point dropped_at{};
   };
   static std::string message_of(const Port& port);
 

@@ -84,6 +84,8 @@ struct RosConnection::Impl {
   std::thread master_thread;
   std::unique_ptr<RosLanes> lanes;
   std::optional<RosChange> wanted;  // guarded by wake_mutex
+  mutable std::mutex told_mutex;
+  std::vector<DiagnosticItem> components_told;  // guarded by told_mutex
 
   // Belongs to the master thread.
   bool running = false;
@@ -267,11 +269,23 @@ struct RosConnection::Impl {
   }
   void publish_diagnostics() {
     next_diagnostics = Clock::now() + std::chrono::seconds(1);
-    std::vector<DiagnosticItem> more{own_status()};
+    std::vector<DiagnosticItem> told;
     for (const auto& component : components) {
-      for (auto& item : component->diagnostics()) more.push_back(std::move(item));
+      for (auto& item : component->diagnostics()) told.push_back(std::move(item));
     }
-    diagnostics.publish(more);
+    {
+      const std::lock_guard lock(told_mutex);
+      components_told = std::move(told);
+    }
+    diagnostics.publish(own_items(wall_clock() - lanes->step()));
+  }
+  /// What is told beside the sensor threads' items.
+  std::vector<DiagnosticItem> own_items(Stamp now) const {
+    std::vector<DiagnosticItem> items{own_status()};
+    for (const auto& lane : lanes->current()) lane->add_diagnostics(items, now);
+    const std::lock_guard lock(told_mutex);
+    items.insert(items.end(), components_told.begin(), components_told.end());
+    return items;
   }
   DiagnosticItem own_status() const {
     DiagnosticItem item{"ROS"};
@@ -322,10 +336,10 @@ FrameSink& RosConnection::sink(Lane lane) { return impl_->lanes->of(lane); }
 
 std::string RosConnection::node() const { return impl_->node; }
 
-DiagnosticItem RosConnection::own_status() const { return impl_->own_status(); }
+std::vector<DiagnosticItem> RosConnection::diagnostics(Stamp now) const { return impl_->own_items(now); }
 
 TopicFigures RosConnection::figures(Lane lane, const OutputTopic& topic, Stamp now) const {
-  return impl_->lanes->of(lane).queue().figures(topic.id, now);
+  return impl_->lanes->of(lane).figures(topic.id, now);
 }
 
 void RosConnection::set_step(Span step) { impl_->lanes->set_step(step); }

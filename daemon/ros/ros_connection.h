@@ -80,8 +80,9 @@ class RosConnection {
   RosStatus status() const;
   /// How a topic does; `now` in the time without steps.
   TopicFigures figures(Lane lane, const OutputTopic& topic, Stamp now) const;
-  /// The connection's item of /diagnostics.
-  DiagnosticItem own_status() const;
+  /// What /diagnostics says of the connection, of the topics and of the components; `now` as
+  /// FrameQueue::figures().
+  std::vector<DiagnosticItem> diagnostics(Stamp now) const;
   bool has_master() const;
   /// The threads that have not moved since the last call that returned "", see RosPulse::standing(). For a
   /// watchdog; always to be called by the same thread.

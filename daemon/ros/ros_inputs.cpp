@@ -46,6 +46,11 @@ std::optional<FrameKind> use_of(const std::string& sensor, const Config& config)
   return std::nullopt;
 }
 
+/// The master is asked every half second, then a connection is made: until then nobody is missing.
+bool may_still_come(std::chrono::steady_clock::time_point connected_at) {
+  return std::chrono::steady_clock::now() - connected_at < std::chrono::seconds(2);
+}
+
 class RosMotion final : public RosComponent {
  public:
   RosMotion(const VehicleConfig& vehicle, RosPost post, MessageReceiver& receiver)
@@ -53,6 +58,7 @@ class RosMotion final : public RosComponent {
         post_(std::move(post)),
         receiver_(receiver) {}
   void connected(RosCallbackThread& ros) override {
+    connected_at_ = std::chrono::steady_clock::now();
     subscribe<nav_msgs::Odometry>(ros, odometry, [&to = receiver_](const nav_msgs::Odometry& m) {
       return [&to, stamp = from_ros(m.header.stamp),
               pose = to_pose(m.pose.pose.position, m.pose.pose.orientation),
@@ -76,7 +82,8 @@ class RosMotion final : public RosComponent {
       if (topic.empty()) continue;
       DiagnosticItem item{"motion " + topic};
       item.message = "receiving";
-      if (messages == 0) item.set(Health::warn, "nobody publishes " + topic + "; scans are not deskewed");
+      if (messages == 0 && !may_still_come(connected_at_))
+        item.set(Health::warn, "nobody publishes " + topic + "; scans are not deskewed");
       item.add("Topic", topic);
       item.add("Messages", messages);
       items.push_back(std::move(item));
@@ -104,16 +111,19 @@ class RosMotion final : public RosComponent {
   const RosPost post_;
   MessageReceiver& receiver_;
   std::atomic<std::uint64_t> messages_[3] = {};
+  std::chrono::steady_clock::time_point connected_at_{};
 };
 
-void judge(const TopicReport& report, DiagnosticItem& item) {
-  item.set(report.messages == 0 || report.rejected > 0 ? Health::warn : Health::ok, "receiving");
+void judge(const TopicReport& report, bool waits, DiagnosticItem& item) {
+  constexpr auto news = std::chrono::seconds(10);
+  item.message = "receiving";
   if (!report.wrong_type.empty()) {
     item.set(Health::error, report.wrong_type);
   } else if (report.messages == 0) {
-    item.message = "nobody publishes " + report.topic + "; start its driver";
-  } else if (report.rejected > 0) {
-    item.message = "unusable messages: " + report.last_reason;
+    item.message = "waiting for the first message";
+    if (!waits) item.set(Health::warn, "nobody publishes " + report.topic + "; start its driver");
+  } else if (report.rejected > 0 && std::chrono::steady_clock::now() - report.rejected_at < news) {
+    item.set(Health::warn, "unusable messages: " + report.last_reason);
   }
 }
 
@@ -157,6 +167,7 @@ struct RosInputs::Source {
   void reject(const char* reason) {
     const std::lock_guard lock(mutex);
     ++report.rejected;
+    report.rejected_at = std::chrono::steady_clock::now();
     if (report.last_reason == reason) return;
     report.last_reason = reason;
     spdlog::warn("messages of {} are not used: {}", report.topic, reason);
@@ -280,7 +291,7 @@ std::vector<DiagnosticItem> RosInputs::diagnostics() {
   std::vector<DiagnosticItem> items;
   for (const auto& r : report()) {
     DiagnosticItem item{r.sensor + " input"};
-    judge(r, item);
+    judge(r, may_still_come(connected_at_), item);
     item.values = {{"Topic", r.topic},
                    {"Type", r.type},
                    {"Messages", std::to_string(r.messages)},

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -33,7 +34,8 @@ struct TopicReport : TopicSource {
   std::uint64_t points_dropped = 0;       ///< points whose coordinates are not finite
   std::uint64_t intensities_ignored = 0;  ///< scans whose intensities are not as many as their ranges
   std::string last_reason;                ///< why the last unusable one was not used
-  std::string wrong_type;                 ///< why the topic is not subscribed: its type, and the one expected
+  std::chrono::steady_clock::time_point rejected_at{};  ///< when that was
+  std::string wrong_type;  ///< why the topic is not subscribed: its type, and the one expected
 };
 
 /// Subscribes LaserScan, PointCloud2 and VelodyneScan topics of other nodes. The type comes from the master,
@@ -43,7 +45,10 @@ class RosInputs : public RosComponent {
   RosInputs(const std::vector<TopicSource>& sources, RosPost post, MessageReceiver& receiver);
   ~RosInputs() override;
 
-  void connected(RosCallbackThread& ros) override { ros_ = &ros; }
+  void connected(RosCallbackThread& ros) override {
+    ros_ = &ros;
+    connected_at_ = std::chrono::steady_clock::now();
+  }
   void disconnected() override;
   void poll(MasterClient& master) override;
   std::vector<DiagnosticItem> diagnostics() override;
@@ -59,6 +64,7 @@ class RosInputs : public RosComponent {
   MessageReceiver& receiver_;
   std::vector<std::shared_ptr<Source>> sources_;
   RosCallbackThread* ros_ = nullptr;  // while ROS runs
+  std::chrono::steady_clock::time_point connected_at_{};
 };
 
 }  // namespace lidard

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/ros/ros_lane.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <utility>
@@ -16,6 +17,26 @@ namespace {
 constexpr std::size_t most_in_flight = 8;
 /// After this long a subscriber that takes nothing counts as stuck, and a replay goes on without it.
 constexpr auto stuck_subscriber = std::chrono::seconds(10);
+
+std::string ms(Span span) { return fmt::format("{:.1f}", 1e3 * seconds(span)); }
+
+DiagnosticItem topic_item(const std::string& topic, const TopicFigures& f) {
+  DiagnosticItem item{"topic " + topic};
+  item.message = "publishing";
+  if (f.loses)
+    item.set(Health::warn, "a subscriber of " + topic +
+                               " is too slow and loses messages; `rosnode info` names the subscribers, "
+                               "`rostopic bw` the load");
+  item.values = {{"Messages/s", fmt::format("{:.1f}", f.rate_hz)},
+                 {"Shortest gap of the last 10 s (ms)", ms(f.shortest_gap)},
+                 {"Longest gap of the last 10 s (ms)", ms(f.longest_gap)},
+                 {"Latency, median (ms)", ms(f.median_latency)},
+                 {"Latency, 99 of 100 (ms)", ms(f.p99_latency)},
+                 {"Latency, longest (ms)", ms(f.longest_latency)}};
+  item.add("Dropped before ROS", f.dropped);
+  item.add("Lost by slow subscribers", f.lost);
+  return item;
+}
 
 }  // namespace
 
@@ -38,6 +59,20 @@ void RosLane::continue_after(RosLane& before) {
   }
   published_ = before.published_.load();
   without_ros_ = before.without_ros_.load();
+}
+
+TopicFigures RosLane::figures(std::size_t topic, Stamp now) const {
+  TopicFigures figures = queue_.figures(topic, now);
+  figures.lost = publishers_.lost(topic);
+  figures.loses = publishers_.loses(topic);
+  return figures;
+}
+
+void RosLane::add_diagnostics(std::vector<DiagnosticItem>& items, Stamp now) const {
+  for (const OutputTopic& topic : topics_) {
+    const TopicFigures of_topic = figures(topic.id, now);
+    if (of_topic.frames > 0) items.push_back(topic_item(topic.name, of_topic));
+  }
 }
 
 void RosLane::start() {

@@ -51,6 +51,10 @@ class RosLane final : public FrameSink {
 
   FrameQueue& queue() { return queue_; }
   const FrameQueue& queue() const { return queue_; }
+  /// How a topic does; `now` as FrameQueue::figures().
+  TopicFigures figures(std::size_t topic, Stamp now) const;
+  /// An item for each topic that something came out on.
+  void add_diagnostics(std::vector<DiagnosticItem>& items, Stamp now) const;
   RosPublishers& publishers() { return publishers_; }
   const RosPublishers& publishers() const { return publishers_; }
   /// What has not reached the sockets of all subscribers.

@@ -62,6 +62,10 @@ class RosLanes {
     return ready == current_.size();
   }
   /// By how much the host's clock was set.
+  Span step() const {
+    const std::lock_guard lock(mutex_);
+    return step_;
+  }
   void set_step(Span step) {
     const std::lock_guard lock(mutex_);
     step_ = step;

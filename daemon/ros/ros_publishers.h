@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <atomic>
 #include <boost/shared_array.hpp>
+#include <chrono>
 #include <deque>
 #include <mutex>
 #include <string>
@@ -26,7 +27,7 @@ namespace lidard {
 class RosPublishers {
  public:
   RosPublishers(const std::vector<OutputTopic>& topics, bool clock)
-      : frames_(topics.size()), with_clock_(clock) {
+      : frames_(topics.size()), with_clock_(clock), losses_(topics.size()) {
     for (const OutputTopic& topic : topics) outputs_.push_back({topic.name, message_for(topic)});
     outputs_.push_back({"/tf_static", tf2_msgs::TFMessage()});
     outputs_.push_back({"/clock", rosgraph_msgs::Clock()});
@@ -109,6 +110,7 @@ class RosPublishers {
       return false;
     }
     if (can_send) output.send();
+    if (frame.lane < frames_) losses_[frame.lane].note(output.lost);
     give_back(output.message, frame.content);
     return true;
   }
@@ -133,19 +135,47 @@ class RosPublishers {
   }
   /// As they were counted last. Any thread may ask, and is not held up.
   std::size_t subscribers() const { return subscribers_; }
+  /// Messages of a topic that slow subscribers have not got, and whether within the last 10 s. Any thread may
+  /// ask.
+  std::uint64_t lost(std::size_t topic) const { return losses_[topic].count; }
+  bool loses(std::size_t topic) const { return losses_[topic].is_news(); }
 
  private:
+  /// Messages that roscpp is sending to slow subscribers beside those in its queues.
+  static constexpr std::size_t most_being_sent = 8;
+  /// What subscribers of a topic have not got.
+  struct Losses {
+    using Clock = std::chrono::steady_clock;
+    std::atomic<std::uint64_t> count{0};
+    std::atomic<Clock::time_point> newest{Clock::time_point()};
+    void note(std::uint64_t now) {
+      if (count.exchange(now) != now) newest = Clock::now();
+    }
+    bool is_news() const { return count > 0 && Clock::now() - newest.load() < std::chrono::seconds(10); }
+  };
   struct Output {
     std::string topic;
     RosMessage message;
     ros::Publisher publisher = {};
     std::deque<boost::shared_array<std::uint8_t>> sent = {};  // buffers that roscpp may still hold
+    std::uint64_t lost = 0;                                   // messages that a subscriber has not got
     /// How many messages roscpp keeps for a slow subscriber before it drops the oldest; of inertial samples a
     /// quarter of a second.
     std::uint32_t queue_size() const { return std::holds_alternative<sensor_msgs::Imu>(message) ? 50 : 10; }
     std::size_t in_flight() {
+      count_lost();
       while (!sent.empty() && sent.front().use_count() == 1) sent.pop_front();
       return sent.size();
+    }
+    /// roscpp lets go of a message before an older one only when it drops it, since the queue for a slow
+    /// subscriber is full. Whether the oldest is still held is looked at last.
+    void count_lost() {
+      const auto is_free = [](const auto& buffer) { return buffer.use_count() == 1; };
+      if (sent.size() < 2 || std::none_of(sent.begin() + 1, sent.end(), is_free) || is_free(sent.front()))
+        return;
+      const auto kept = std::remove_if(sent.begin() + 1, sent.end(), is_free);
+      lost += static_cast<std::uint64_t>(sent.end() - kept);
+      sent.erase(kept, sent.end());
     }
     void send() {
       std::visit(
@@ -160,7 +190,7 @@ class RosPublishers {
             // What all sockets have taken is to be freed: a cloud takes 10 MB.
             in_flight();
             if (serialized.buf) sent.push_back(serialized.buf);
-            while (sent.size() > queue_size()) sent.pop_front();
+            while (sent.size() > queue_size() + most_being_sent) sent.pop_front();
           },
           message);
     }
@@ -186,6 +216,7 @@ class RosPublishers {
   std::atomic<bool> ready_{false};
   std::mutex mutex_;
   std::atomic<std::size_t> subscribers_{0};
+  std::vector<Losses> losses_;   // by topic of frames
   std::vector<Output> outputs_;  // one per topic of frames, then /tf_static, then /clock
 };
 

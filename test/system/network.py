@@ -51,7 +51,7 @@ class Network:
         for address in lidars:
             self.lidars("address", "add", address, "dev", "dev-" + name)
         self.lidars("link", "set", "dev-" + name, "up")
-        self.lidars("route", "add", "224.0.0.0/4", "dev", "dev-" + name)
+        self.lidars("route", "append", "224.0.0.0/4", "dev", "dev-" + name)
         self.host("link", "set", name, "up")
         if host:
             self.host("address", "add", host, "dev", name)

@@ -127,6 +127,7 @@ class Installation(unittest.TestCase):
 
     def test_documentation_that_exists_is_installed(self):
         for source, installed in (("daemon/lidard.8", "share/man/man8/lidard.8"),
+                                  ("daemon/lidard.yaml.5", "share/man/man5/lidard.yaml.5"),
                                   ("daemon/completion.bash", "share/bash-completion/completions/lidard")):
             self.assertEqual((SOURCE / source).exists(), (self.prefix / installed).exists(), source)
 

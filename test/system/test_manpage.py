@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The manual page and the completion know every command and option that `lidard --help` knows, and no other."""
+"""The manual page and the completion know every command and option that `lidard --help` knows, and no other. lidard.yaml(5) has the
+keys that `lidard keys --man` prints; groff finds nothing wrong in either page."""
 import os
 import pathlib
 import re
@@ -11,6 +12,7 @@ import sys
 LIDARD = os.environ["LIDARD"]
 ROOT = pathlib.Path(os.environ["LIDARD_SOURCE_DIR"])
 PAGE = ROOT / "daemon/lidard.8"
+CONFIGURATION = ROOT / "daemon/lidard.yaml.5"
 
 
 def output(*command, **environment):
@@ -58,6 +60,12 @@ def main():
         assert re.search(rf'"[^"]*\b{command}\b', completion), f"completion lacks {command}"
         unknown = real - options(completion)
         assert not unknown, f"{command}: completion lacks {unknown}"
+    code, _, warnings = output("man", "--warnings", "-l", str(CONFIGURATION), LC_ALL="C.UTF-8", MANPAGER="cat")
+    assert code == 0 and not warnings, f"man: exit {code}, {warnings}"
+    keys = output(LIDARD, "keys", "--man")[1]
+    assert keys and keys in CONFIGURATION.read_text(), f"{CONFIGURATION.name} lacks what `lidard keys --man` prints"
+    for part in ("RELOAD", "SIGNALS", "ENVIRONMENT", "FILES", "TROUBLESHOOTING", "REAL TIME"):
+        assert f"\n{part}\n" in text, f"the page lacks {part}"
     print(f"{len(known)} commands agree")
 
 
