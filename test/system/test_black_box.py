@@ -91,7 +91,7 @@ def main():
             third = wait_for(lambda: dumped(tmp, 3), 20, "a capture some seconds after the error")[2]
             wait_for(lambda: "in " + str(third) in log.read_text(), 10, "the log says where it is")
             expect("ERROR" in beside(third).read_text(), "the error is among the events beside")
-        expect("SIGHUP" in log.read_text(), "the log says what became of SIGHUP")
+        expect("live.yaml is in force" in log.read_text(), "the log says what became of SIGHUP")
     print("ok")
 
 
