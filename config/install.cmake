@@ -24,11 +24,11 @@ install(CODE "
   endif()
   foreach(folder \${folders})
     file(MAKE_DIRECTORY \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/\${folder}\")
+    file(INSTALL \"${config}/free_area\" DESTINATION \"\${CMAKE_INSTALL_PREFIX}/\${folder}\" USE_SOURCE_PERMISSIONS)
     foreach(name lidard velodyne_node laserscan_multi_merger laserscan_virtualizer)
       file(CREATE_LINK \"../../${CMAKE_INSTALL_BINDIR}/lidard\" \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/\${folder}/\${name}\" SYMBOLIC)
     endforeach()
   endforeach()")
-install(PROGRAMS ${config}/free_area DESTINATION lib/lidard)
 install(FILES package.xml DESTINATION ${share})
 install(FILES ${config}/lidard.launch ${config}/demo.launch ${config}/laserscan_multi_merger.launch
         ${config}/laserscan_virtualizer.launch DESTINATION ${share}/launch)
