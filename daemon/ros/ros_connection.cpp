@@ -85,7 +85,12 @@ struct RosConnection::Impl {
   std::unique_ptr<RosLanes> lanes;
   std::optional<RosChange> wanted;  // guarded by wake_mutex
 
+  // When the whole process stood, this thread may be the first one that runs again, and must not take the
+  // others for dead.
+  std::atomic<Clock::time_point> awake_since{Clock::now()};
+
   // Belongs to the master thread.
+  Clock::time_point last_round = Clock::now();
   bool running = false;
   bool registered = false;
   int master_pid = 0;
@@ -139,6 +144,8 @@ struct RosConnection::Impl {
     for (const auto& lane : lanes->current()) lane->publishers().advertise_missing();
   }
   void look_after(MasterClient& master) {
+    const Clock::time_point now = Clock::now();
+    if (now - std::exchange(last_round, now) > longest_round) awake_since = now;
     begin_change();
     end_change();
     if (running && !ros::ok()) restart_after_foreign_stop(master);
@@ -240,7 +247,7 @@ struct RosConnection::Impl {
   void publish_diagnostics() {
     next_diagnostics = Clock::now() + std::chrono::seconds(1);
     components.ask();
-    diagnostics.publish(own_items(wall_clock() - lanes->step()));
+    diagnostics.publish(own_items(wall_clock() - lanes->step()), awake_since);
   }
   /// What is told beside the sensor threads' items.
   std::vector<DiagnosticItem> own_items(Stamp now) const {
@@ -260,7 +267,7 @@ struct RosConnection::Impl {
     return item;
   }
   void judge_own_status(DiagnosticItem& item) const {
-    const Span stands = pulse.since_tick();
+    const Span stands = std::min<Span>(pulse.since_tick(), Clock::now() - awake_since.load());
     if (stands > longest_round) {
       item.set(Health::error,
                fmt::format("the thread that publishes has stood still for {:.1f} s", seconds(stands)));
