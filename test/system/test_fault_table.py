@@ -188,10 +188,15 @@ def well(*names):
 
 @contextlib.contextmanager
 def daemon(tmp, name, **environment):
-    (tmp / f"{name}.log").touch()
-    with (tmp / f"{name}.log").open("a") as log, process([LIDARD, "run", "-c", tmp / f"{name}.yaml"], stdout=log, stderr=subprocess.STDOUT,
-                                                        env={**os.environ, **environment}) as child:
-        yield child
+    file = tmp / f"{name}.log"
+    with file.open("w") as log, process([LIDARD, "run", "-c", tmp / f"{name}.yaml"], stdout=log, stderr=subprocess.STDOUT,
+                                        env={**os.environ, **environment}) as child:
+        try:
+            yield child
+        finally:
+            ended = child.poll()
+            if ended is not None:
+                print(f"the daemon ended with {ended}:\n" + "".join(file.read_text().splitlines(True)[-40:]))
 
 
 def plug_cables(network):
