@@ -12,6 +12,7 @@
 #include "daemon/commands/discover.h"
 #include "daemon/commands/status.h"
 #include "daemon/dropin/dropin.h"
+#include "daemon/dropin/import.h"
 #include "drivers/registry/registry.h"
 
 namespace lidard {
@@ -52,6 +53,7 @@ struct Commands {
   RecordOptions record;
   SnapshotOptions snapshot;
   StatusOptions ask;
+  ImportOptions import;
 
   Commands() {
     app.set_version_flag("--version", "lidard " LIDARD_VERSION);
@@ -68,6 +70,7 @@ struct Commands {
     add_record();
     add_snapshot();
     add_status();
+    add_import();
   }
 
  private:
@@ -189,6 +192,17 @@ struct Commands {
     add("metrics", "The state in the text format of Prometheus", run_metrics);
     add("dump", "Lets the running daemon write the last packets to a capture", run_dump);
   }
+  void add_import() {
+    auto* c = app.add_subcommand(
+        "import", "The configuration that does what another driver's launch or parameter file did");
+    auto* file = c->add_option(
+        "file", import.file, "A launch file, and ARG:=VALUE for its arguments; or a YAML file of parameters");
+    c->add_option("-o,--output", import.output, "File, or - for standard output")->capture_default_str();
+    auto* tables =
+        c->add_flag("--tables", import.tables, "What becomes of every parameter and topic, instead");
+    tables->excludes(file);
+    c->callback([this] { action = [this] { return start_import(); }; });
+  }
   void add_discover() {
     auto* c = app.add_subcommand("discover", "Which SICK and Hokuyo devices answer in the network");
     for (const Family& family : families()) {
@@ -240,6 +254,14 @@ struct Commands {
     decode.clock = clock == "smooth" ? ClockMode::smooth : ClockMode::arrival;
     decode.stamps = time == "device" ? StampColumn::device : StampColumn::host;
     return run_decode(decode, std::cerr);
+  }
+  int start_import() {
+    if (import.file.empty() && !import.tables) {
+      std::cerr << "import: no file; expected a launch file, or a YAML file of parameters\n";
+      return exit_usage;
+    }
+    import.arguments.assign(ros_arguments.rbegin(), ros_arguments.rend());
+    return run_import(import, std::cout, std::cerr);
   }
   int start_discover() {
     for (const auto& [how, texts] : asked) {
