@@ -15,6 +15,7 @@ if(TARGET lidard-sim)
   install(FILES pcaps/README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/lidard-sim COMPONENT sim)
   install(FILES pcaps/demo.scene.yaml DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/lidard-sim/examples COMPONENT sim)
 endif()
+install(PROGRAMS daemon/dropin/read_launch.py DESTINATION lib/lidard)
 # rosrun and roslaunch look for a package's executables under lib/<package> of /usr and of catkin workspaces, elsewhere
 # beside package.xml, which they find under share/<package>.
 install(CODE "
@@ -25,7 +26,7 @@ install(CODE "
   foreach(folder \${folders})
     file(MAKE_DIRECTORY \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/\${folder}\")
     file(INSTALL \"${config}/free_area\" DESTINATION \"\${CMAKE_INSTALL_PREFIX}/\${folder}\" USE_SOURCE_PERMISSIONS)
-    foreach(name lidard velodyne_node laserscan_multi_merger laserscan_virtualizer)
+    foreach(name lidard velodyne_node laserscan_multi_merger laserscan_virtualizer sick_safetyscanners_node urg_node)
       file(CREATE_LINK \"../../${CMAKE_INSTALL_BINDIR}/lidard\" \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/\${folder}/\${name}\" SYMBOLIC)
     endforeach()
   endforeach()")

@@ -14,7 +14,7 @@ _lidard() {
     compopt -o nospace -o filenames 2>/dev/null
   }
   if ((COMP_CWORD == 1)); then
-    _lidard_words "run replay decode inspect check models keys discover record snapshot status events metrics dump --help --version"
+    _lidard_words "run replay decode inspect check models keys discover record snapshot status events metrics dump import --help --version"
     return
   fi
   case $before in
@@ -38,6 +38,8 @@ _lidard() {
     check:*) _lidard_files yaml yml ;;
     status:* | events:*) _lidard_words "--socket --json --watch --help" ;;
     metrics:* | dump:*) _lidard_words "--socket --help" ;;
+    import:-*) _lidard_words "--output --tables --help" ;;
+    import:*) _lidard_files launch yaml yml ;;
     discover:*) _lidard_words "--hokuyo --sick --wait --json --help" ;;
     *) _lidard_files pcap pcapng ;;
   esac

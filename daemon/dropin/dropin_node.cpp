@@ -37,6 +37,20 @@ constexpr Dropin dropins[] = {
      [](const Arguments& arguments, const std::string& node) {
        return velodyne_node_setup(wait_for_parameters(arguments, node));
      }},
+    {"sick_safetyscanners_node", "sick_safetyscanners",
+     "Stands in for sick_safetyscanners_node: reads its private parameters (sensor_ip, host_ip, frame_id, "
+     "...) and publishes scan.\n",
+     ReconfigureNames::entries,
+     [](const Arguments& arguments, const std::string& node) {
+       return safety_scanners_setup(wait_for_parameters(arguments, node));
+     }},
+    {"urg_node", "urg_node",
+     "Stands in for urg_node: reads its private parameters (ip_address, frame_id, angle_min, ...) and "
+     "publishes scan, or echoes.\n",
+     ReconfigureNames::entries,
+     [](const Arguments& arguments, const std::string& node) {
+       return urg_node_setup(wait_for_parameters(arguments, node));
+     }},
     // ira_laser_tools' name for the node differs from that of its executable.
     {"laserscan_multi_merger", "laser_multi_merger",
      "Stands in for laserscan_multi_merger of ira_laser_tools: reads its private parameters "
@@ -79,8 +93,10 @@ int run_setup(const Dropin& dropin, const Arguments& arguments, std::ostream& ou
   const std::string node = full_node_name(arguments, dropin.node);
   DropinSetup setup = dropin.setup(arguments, node);
   for (const auto& warning : setup.warnings) spdlog::warn("{}", warning);
-  spdlog::info("the same as a configuration for `lidard run`:\n{}", setup.yaml);
-  const Config config = parse_config(setup.yaml, "parameters of " + node);
+  for (const auto& remark : setup.remarks) spdlog::info("{}", remark);
+  const std::string yaml = setup.yaml();
+  spdlog::info("the same as a configuration for `lidard run`:\n{}", yaml);
+  const Config config = parse_config(yaml, "parameters of " + node);
   setup.replay.ros = {dropin.node, arguments, dropin.reconfigure};
   if (setup.replay.captures.empty()) return run_daemon(config, setup.replay.ros, err);
   return run_replay(setup.replay, config, out, err);

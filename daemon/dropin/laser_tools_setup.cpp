@@ -1,14 +1,12 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <cctype>
 #include <set>
-#include <sstream>
 
 #include "core/base/number_text.h"
 #include "daemon/config/config.h"
 #include "daemon/config/key_tables.h"
-#include "daemon/dropin/dropin.h"
+#include "daemon/dropin/moving.h"
 
 namespace lidard {
 namespace {
@@ -22,21 +20,15 @@ using Warnings = std::vector<std::string>;
 /// The words of a list, each once, in their order.
 std::vector<std::string> words_of(const std::string& list) {
   std::vector<std::string> words;
-  std::istringstream stream(list);
-  for (std::string word; stream >> word;) {
-    if (std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
+  for (auto& word : split_words(list)) {
+    if (std::find(words.begin(), words.end(), word) == words.end()) words.push_back(std::move(word));
   }
   return words;
 }
 
-/// A topic as the name of an entry in a configuration, other than those in `taken`.
-std::string entry_name(const std::string& topic, std::set<std::string>& taken) {
-  std::string name;
-  for (const char c : topic) {
-    const bool word = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
-    if (word || !name.empty()) name += word ? c : '_';
-  }
-  if (name.empty() || std::isalpha(static_cast<unsigned char>(name.front())) == 0) name.insert(0, "scan_");
+/// A name for the topic other than those in `taken`.
+std::string free_name(const std::string& topic, std::set<std::string>& taken) {
+  const std::string name = entry_name(topic);
   std::string unique = name;
   for (int n = 2; !taken.insert(unique).second; ++n) unique = name + "_" + std::to_string(n);
   return unique;
@@ -84,7 +76,7 @@ KeyMap sensors_of(const std::vector<std::string>& topics, std::vector<std::strin
     for (const std::string& other : topics) {
       if (other != topic) taken.insert(other.front() == '/' ? other.substr(1) : other);
     }
-    names.push_back(entry_name(topic, taken));
+    names.push_back(free_name(topic, taken));
     sensors.emplace_back(names.back(), KeyMap{{"topic", topic}});
   }
   return sensors;
@@ -100,13 +92,37 @@ std::vector<std::string> required_words(ParameterReader& reader, const char* nam
 
 }  // namespace
 
+const MovedPackage& moved_laser_tools() {
+  static const MovedPackage package{
+      "ira_laser_tools",
+      "ira_laser_tools",
+      "src/laserscan_multi_merger.cpp, src/laserscan_virtualizer.cpp, their cfg and launch files (1.0.7)",
+      {{"laserscan_topics", "laserscan_topics",
+        "each a sensor with `topic`, or a sensor of this configuration"},
+       {"destination_frame", "destination_frame", "as it is; it becomes vehicle.base_frame too"},
+       {"scan_destination_topic cloud_destination_topic", "scan_destination_topic cloud_destination_topic",
+        "as they are"},
+       {"cloud_topic", "cloud_topic", "a sensor with `topic`, or a sensor of this configuration"},
+       {"base_frame", "base_frame", "as it is; it becomes vehicle.base_frame too"},
+       {"virtual_laser_scan", "virtual_laser_scan",
+        "as it is; the static transforms of the launch file become `poses`"},
+       {"output_laser_topic", "output_laser_topic", "as it is"},
+       {"angle_min angle_max angle_increment time_increment scan_time range_min range_max",
+        "angle_min angle_max angle_increment time_increment scan_time range_min range_max",
+        "rad, s and m, as they are, within the limits of dynamic_reconfigure"},
+       {"empty", "empty", "of our nodes alone; without it range_max + 1 as ira_laser_tools has it"}},
+      {{"scan_multi merged_cloud", "sensor_msgs/LaserScan, sensor_msgs/PointCloud2",
+        "the same; returns fall into the nearest beam, not the one before"},
+       {"FRAME", "sensor_msgs/LaserScan", "the same, one for each frame of virtual_laser_scan"}}};
+  return package;
+}
+
 DropinSetup laser_merger_setup(const NodeParameters& parameters) {
   DropinSetup setup;
   ParameterReader reader(parameters);
   const auto topics = required_words(reader, "laserscan_topics", "topics of LaserScans");
   const std::string frame = reader.text("destination_frame", "cart_frame");
   const std::string scan_topic = reader.text("scan_destination_topic", "/scan_multi");
-  std::set<std::string> none;
   std::vector<std::string> names;
   KeyMap sensors = sensors_of(topics, names);
   KeyMap entry{{"laserscan_topics", key_value(names)},
@@ -114,9 +130,9 @@ DropinSetup laser_merger_setup(const NodeParameters& parameters) {
                {"scan_destination_topic", scan_topic},
                {"cloud_destination_topic", reader.text("cloud_destination_topic", "/merged_cloud")}};
   add_output(reader, merged_keys(), entry, setup.warnings);
-  setup.yaml = yaml_text({{"vehicle", KeyMap{{"base_frame", frame}}},
-                          {"sensors", std::move(sensors)},
-                          {"merged_scans", KeyMap{{entry_name(scan_topic, none), std::move(entry)}}}});
+  setup.keys = {{"vehicle", KeyMap{{"base_frame", frame}}},
+                {"sensors", std::move(sensors)},
+                {"merged_scans", KeyMap{{entry_name(scan_topic), std::move(entry)}}}};
   reader.remark_on_rest(setup.warnings);
   return setup;
 }
@@ -133,9 +149,9 @@ DropinSetup laser_virtualizer_setup(const NodeParameters& parameters) {
                {"virtual_laser_scan", key_value(frames)},
                {"output_laser_topic", reader.text("output_laser_topic", "")}};
   add_output(reader, virtual_keys(), entry, setup.warnings);
-  setup.yaml = yaml_text({{"vehicle", KeyMap{{"base_frame", base}}},
-                          {"sensors", std::move(sensors)},
-                          {"virtual_scans", KeyMap{{"virtual_laser_scan", std::move(entry)}}}});
+  setup.keys = {{"vehicle", KeyMap{{"base_frame", base}}},
+                {"sensors", std::move(sensors)},
+                {"virtual_scans", KeyMap{{"virtual_laser_scan", std::move(entry)}}}};
   reader.remark_on_rest(setup.warnings);
   return setup;
 }

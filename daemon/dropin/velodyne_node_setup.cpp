@@ -6,7 +6,7 @@
 #include "core/base/angle.h"
 #include "daemon/config/config.h"
 #include "daemon/config/key_tables.h"
-#include "daemon/dropin/dropin.h"
+#include "daemon/dropin/moving.h"
 #include "drivers/registry/registry.h"
 
 namespace lidard {
@@ -17,17 +17,6 @@ constexpr std::pair<const char*, const char*> model_names[] = {
     {"VLP16", "velodyne_vlp16"},         {"32C", "velodyne_vlp32c"},      {"32E", "velodyne_hdl32e"},
     {"VLS128", "velodyne_vls128"},       {"64E", "velodyne_hdl64e_s1"},   {"64E_S2", "velodyne_hdl64e_s2"},
     {"64E_S2.1", "velodyne_hdl64e_s21"}, {"64E_S3", "velodyne_hdl64e_s3"}};
-
-/// What is accepted but has no effect here, and why.
-constexpr std::pair<const char*, const char*> without_effect[] = {
-    {"npackets", "clouds are whole revolutions at any speed and in any return mode"},
-    {"fixed_frame", "clouds stay in the sensor's frame"},
-    {"target_frame", "clouds stay in the sensor's frame"},
-    {"gps_time", "stamps follow the sensor's clock but count in the host's time"},
-    {"enabled", "the node is enabled while it runs"}};
-
-/// Accepted in silence: they change nothing that a user could miss.
-constexpr const char* needless[] = {"rpm", "diagnostic_frequency_tolerance", "manager", "max_rate"};
 
 std::string model_of(const std::string& given, const std::string& calibration) {
   const std::string file = calibration.substr(calibration.rfind('/') + 1);
@@ -101,23 +90,71 @@ void read_replay(ParameterReader& reader, ReplayOptions& replay) {
 
 }  // namespace
 
+const MovedPackage& moved_velodyne() {
+  static const MovedPackage package{
+      "ros-drivers/velodyne",
+      "velodyne_driver velodyne_pointcloud velodyne_laserscan",
+      "velodyne_driver/src/driver/driver.cc, velodyne_pointcloud/src/conversions/transform.cc, "
+      "velodyne_laserscan/src/velodyne_laserscan.cpp, their cfg and launch files (1.7.0)",
+      {{"model", "model",
+        "VLP16 is velodyne_vlp16 (with a Hi-Res calibration velodyne_puck_hires), and so on"},
+       {"device_ip", "ip_address", "empty: from any sender"},
+       {"port", "ip_port", "as it is"},
+       {"frame_id", "frame_id", "as it is"},
+       {"time_offset", "time_offset", "s, as it is; here also with a capture"},
+       {"timestamp_first_packet", "frame_stamp", "true: first, false: last"},
+       {"cut_angle", "cut_angle", "rad, as the sensor counts; below 0: behind the sensor"},
+       {"min_range max_range view_direction view_width", "min_range max_range view_direction view_width",
+        "m and rad, as they are"},
+       {"organize_cloud", "organize_cloud", "true: firings"},
+       {"calibration", "calibration calibration_model",
+        "a file that velodyne_pointcloud brings for a model (VLP16db.yaml, ...) holds the table of the "
+        "model: "
+        "`import` names no file then, so that velodyne_pointcloud can be removed"},
+       {"ring laserscan_ring", "scan_ring", "-1: auto, the ring nearest to the level"},
+       {"resolution laserscan_resolution", "scan_resolution", "rad, as it is"},
+       {"pcap", "replay --pcap", "the capture, of `lidard replay`; the node plays it itself"},
+       {"read_fast", "replay --rate", "true: max"},
+       {"read_once", "replay --loop", "false: --loop"},
+       {"repeat_delay", "replay --loop", "s between two rounds, of the node velodyne_node"},
+       {"pcap_time", "replay",
+        "`lidard replay` keeps the capture's time; the node brings it to the present "
+        "unless pcap_time is set"},
+       {"packet_topic", "packet_topic", "of our node alone: packets from a velodyne_msgs/VelodyneScan"},
+       {"telemetry_port", "telemetry_port", "of our node alone"},
+       {"fixed_frame", "",
+        "clouds stay in the sensor's frame; a merged or virtual scan with "
+        "vehicle.odometry_frame brings each beam to one instant"},
+       {"target_frame", "",
+        "clouds stay in the sensor's frame; consumers transform by tf, which the pose of "
+        "the sensor feeds"},
+       {"gps_time", "", "stamps follow the sensor's clock but count in the host's time", "false"},
+       {"npackets", "", "clouds are whole revolutions at any speed and in any return mode"},
+       {"rpm", "", "revolutions are seen, at any speed; control: {rpm: 600} sets that of the sensor", "600"},
+       {"enabled", "", "the sensor is enabled while it stands in the configuration", "true"},
+       {"diagnostic_frequency_tolerance", "", "/diagnostics compares with what the sensor's own data promise",
+        "0.1"},
+       {"manager", "", "there are no nodelets to be managed"},
+       {"max_rate", "", "/diagnostics compares with what the sensor's own data promise"}},
+      {{"velodyne_points", "sensor_msgs/PointCloud2", "the same, point by point: points_topic"},
+       {"scan", "sensor_msgs/LaserScan", "the same: scan_topic"},
+       {"velodyne_packets", "velodyne_msgs/VelodyneScan",
+        "`lidard record` keeps packets; as a topic it is read (packet_topic)"},
+       {"diagnostics", "diagnostic_msgs/DiagnosticArray", "the same topic, more in it"}}};
+  return package;
+}
+
 DropinSetup velodyne_node_setup(const NodeParameters& parameters) {
   DropinSetup setup;
   ParameterReader reader(parameters);
-  for (const auto& [name, why] : without_effect) {
-    const std::string value = reader.text(name, "");
-    const bool wanted = !value.empty() && value != "0" && value != "false" && std::string(name) != "enabled";
-    if (wanted || (std::string(name) == "enabled" && value == "false"))
-      setup.warnings.push_back("parameter ~" + std::string(name) + " has no effect: " + why);
-  }
-  for (const char* name : needless) reader.text(name, "");
   read_replay(reader, setup.replay);
   const std::string calibration = reader.text("calibration", "");
   const std::string model = model_of(reader.text("model", "64E"), calibration);
   KeyMap sensor;
   add_driver(reader, model, setup.replay.captures.empty(), sensor);
   add_outputs(reader, model, calibration, sensor);
-  setup.yaml = yaml_text({{"sensors", KeyMap{{"velodyne", std::move(sensor)}}}});
+  reader.move(moved_velodyne(), sensor, setup);
+  setup.keys = {{"sensors", KeyMap{{"velodyne", std::move(sensor)}}}};
   reader.remark_on_rest(setup.warnings);
   return setup;
 }

@@ -44,7 +44,8 @@ class Installation(unittest.TestCase):
 
     def test_the_program_lies_where_ros_and_people_look_for_it(self):
         self.assertTrue(os.access(self.prefix / "bin/lidard", os.X_OK))
-        for name in ("lidard", "velodyne_node", "laserscan_multi_merger", "laserscan_virtualizer"):
+        for name in ("lidard", "velodyne_node", "laserscan_multi_merger", "laserscan_virtualizer",
+                     "sick_safetyscanners_node", "urg_node"):
             for folder in ("lib/lidard", "share/lidard"):
                 link = self.prefix / folder / name
                 self.assertTrue(link.is_symlink())

@@ -14,7 +14,7 @@ import sys
 import tempfile
 import time
 
-from harness import LIDARD, LIDARD_SIM, SCANNER_CONFIG, SCANNER_SCENE, SKIP, expect, process, wait_for
+from harness import LIDARD, LIDARD_SIM, ROOT, SCANNER_CONFIG, SCANNER_SCENE, SKIP, expect, process, wait_for
 
 PORT = 6060
 MASTER = "http://127.0.0.1:11311"
@@ -282,6 +282,33 @@ def check_reload(vehicle):
     wait_for(lambda: configuration_item(vehicle)["level"] == "OK", 5, "the right file is in force")
 
 
+def check_real_time(vehicle):
+    """The drop-in of lidard(8), on the processors that this machine has."""
+    page = (ROOT / "daemon/lidard.8").read_text()
+    section = page[page.index(".SH REAL TIME"):]
+    text = section[section.index(".nf\n") + 4:section.index(".fi\n")].replace("\\-", "-").replace("CPUAffinity=2 3", "CPUAffinity=0")
+    drop_in = vehicle.root / "etc/systemd/system/lidard.service.d/real_time.conf"
+    drop_in.parent.mkdir()
+    drop_in.write_text(text)
+    vehicle.systemctl("daemon-reload")
+    vehicle.systemctl("restart", "lidard")
+    seconds_to_data(vehicle)
+    # Numbers of processes are those of the container; threads inherit the policy.
+    policies = vehicle.inside("chrt", "--all-tasks", "--pid", main_pid(vehicle)).stdout
+    expect("SCHED_FIFO" in policies, policies or journal(vehicle))
+    own = [line for line in policies.splitlines() if "policy" in line]
+    expect(len(own) > 5 and all("SCHED_FIFO" in line for line in own), policies)
+    status = vehicle.inside("cat", f"/proc/{main_pid(vehicle)}/status").stdout
+    locked = next(line for line in status.splitlines() if line.startswith("VmLck"))
+    expect(int(locked.split()[1]) > 20000, locked)
+    expect("Cpus_allowed_list:\t0\n" in status, status)
+    print(f"real time: {len(own)} threads SCHED_FIFO, {locked}")
+    drop_in.unlink()
+    vehicle.systemctl("daemon-reload")
+    vehicle.systemctl("restart", "lidard")
+    seconds_to_data(vehicle)
+
+
 def check_stop(vehicle):
     """P20."""
     begin = time.monotonic()
@@ -316,6 +343,7 @@ def check(vehicle):
     check_instances(vehicle)
     check_bad_configuration(vehicle)
     check_reload(vehicle)
+    check_real_time(vehicle)
     check_stop(vehicle)
 
 

@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 SensorConfig sensor_of(const NodeParameters& parameters) {
-  return parse_config(velodyne_node_setup(parameters).yaml, "p").sensors.at(0);
+  return parse_config(velodyne_node_setup(parameters).yaml(), "p").sensors.at(0);
 }
 
 std::string error_of(const NodeParameters& parameters) {
@@ -72,7 +72,7 @@ TEST(VelodyneNode, TakesEveryParameterThatHasAMeaningHere) {
                                                  {"pcap", ""}});
   EXPECT_THAT(setup.warnings, IsEmpty());
   EXPECT_THAT(setup.replay.captures, IsEmpty());
-  const SensorConfig sensor = parse_config(setup.yaml, "p").sensors.at(0);
+  const SensorConfig sensor = parse_config(setup.yaml(), "p").sensors.at(0);
   EXPECT_EQ(sensor.ip_address, IpAddress::v4(192, 168, 1, 201));
   EXPECT_EQ(sensor.ip_port, 2370);
   EXPECT_EQ(sensor.frame_id, "roof");
@@ -100,7 +100,7 @@ TEST(VelodyneNode, KnowsTheModelsUnderTheirOldNames) {
                                                        {"velodyne_vlp32a", "velodyne_vlp32a"}};
   for (const auto& [theirs, ours] : names) EXPECT_EQ(sensor_of({{"model", theirs}}).model, find_model(ours));
   EXPECT_EQ(sensor_of({}).model, find_model("velodyne_hdl64e_s1")) << "as velodyne_driver";
-  EXPECT_THAT(velodyne_node_setup({{"model", "VLP16"}, {"calibration", "/x/VLP16_hires_db.yaml"}}).yaml,
+  EXPECT_THAT(velodyne_node_setup({{"model", "VLP16"}, {"calibration", "/x/VLP16_hires_db.yaml"}}).yaml(),
               HasSubstr("model: velodyne_puck_hires"));
 }
 
@@ -137,8 +137,8 @@ TEST(VelodyneNode, SaysWhatHasNoEffectAndWhatIsUnknown) {
                                              {"max_rang", "50"}})
                             .warnings;
   ASSERT_EQ(warnings.size(), 3U);
-  EXPECT_THAT(warnings[0], HasSubstr("~npackets has no effect: clouds are whole revolutions"));
-  EXPECT_THAT(warnings[1], HasSubstr("~target_frame has no effect"));
+  EXPECT_THAT(warnings[0], HasSubstr("~target_frame (map) has no effect: clouds stay"));
+  EXPECT_THAT(warnings[1], HasSubstr("~npackets (76) has no effect: clouds are whole revolutions"));
   EXPECT_EQ(warnings[2], "parameter ~max_rang is not known and has no effect; did you mean ~max_range?");
 }
 

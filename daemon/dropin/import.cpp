@@ -1,0 +1,345 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/dropin/import.h"
+
+#include <algorithm>
+#include <ostream>
+#include <set>
+
+#include "core/base/number_text.h"
+#include "daemon/config/config.h"
+#include "daemon/config/key_tables.h"
+#include "daemon/files/text_file.h"
+
+namespace lidard {
+namespace {
+
+KeyValue* find_key(KeyMap& map, std::string_view key) {
+  const auto found = std::find_if(map.begin(), map.end(), [&](const auto& one) { return one.first == key; });
+  return found == map.end() ? nullptr : &found->second;
+}
+
+void erase_key(KeyMap& map, std::string_view key) {
+  map.erase(std::remove_if(map.begin(), map.end(), [&](const auto& one) { return one.first == key; }),
+            map.end());
+}
+
+std::string text_of(KeyMap& map, std::string_view key) {
+  const KeyValue* const value = find_key(map, key);
+  const auto* const text = value == nullptr ? nullptr : std::get_if<std::string>(value);
+  return text == nullptr ? std::string() : *text;
+}
+
+KeyMap& section(KeyMap& keys, const std::string& name) {
+  if (find_key(keys, name) == nullptr) keys.emplace_back(name, KeyMap());
+  return std::get<KeyMap>(*find_key(keys, name));
+}
+
+bool is_of(const LaunchNode& node, const MovedPackage& package) {
+  const auto names = split_words(package.packages);
+  return std::find(names.begin(), names.end(), node.package) != names.end();
+}
+
+/// The package that knows most of the parameters, where the file names none; nullptr: none knows any.
+const MovedPackage* recognised(const NodeParameters& parameters) {
+  const MovedPackage* best = nullptr;
+  std::size_t most = 0;
+  for (const MovedPackage* package : moved_packages()) {
+    std::set<std::string> names;
+    for (const auto& row : package->parameters) {
+      for (auto& name : split_words(row.names)) names.insert(std::move(name));
+    }
+    const auto known = static_cast<std::size_t>(std::count_if(
+        parameters.begin(), parameters.end(), [&](const auto& one) { return names.count(one.first) != 0; }));
+    if (known > most) most = known, best = package;
+  }
+  return best;
+}
+
+/// The tables of velodyne_pointcloud/params (1.7.0) that are those of the models here: clouds decoded with
+/// either differ by at most 0.07 mm, which is the rounding of angles in VLP16_hires_db.yaml.
+bool is_table_of_model(const std::string& path) {
+  constexpr std::string_view names[] = {"VLP16db.yaml", "VLP16_hires_db.yaml", "32db.yaml",
+                                        "VeloView-VLP-32C.yaml", "VLS128.yaml"};
+  return std::find(std::begin(names), std::end(names), path.substr(path.rfind('/') + 1)) != std::end(names);
+}
+
+class Importer {
+ public:
+  explicit Importer(const LaunchFile& launch) : launch_(launch) { config_.remarks = launch.remarks; }
+
+  ImportedConfig run() {
+    std::vector<const LaunchNode*> late;
+    for (const LaunchNode& node : launch_.nodes) {
+      attempt(node, [&] {
+        if (!take(node)) late.push_back(&node);
+      });
+    }
+    // What merges comes after what it may read.
+    for (const LaunchNode* node : late) attempt(*node, [&] { take_laser_tools(*node); });
+    place();
+    return std::move(config_);
+  }
+
+ private:
+  /// A node that cannot be imported is told, and the others are imported nevertheless.
+  template <class Step>
+  void attempt(const LaunchNode& node, const Step& step) {
+    try {
+      step();
+    } catch (const ConfigError& trouble) {
+      config_.remarks.push_back(node.name + " was not imported: " + trouble.what());
+    }
+  }
+
+  /// False for a node that reads what others publish.
+  bool take(const LaunchNode& node) {
+    const MovedPackage* package = node.package.empty() ? recognised(node.parameters) : nullptr;
+    const auto belongs = [&](const MovedPackage& one) { return package == &one || is_of(node, one); };
+    if (belongs(moved_laser_tools())) return false;
+    const bool is_caller = node.type.empty() || node.type.find("sick_") == 0;
+    if (belongs(moved_safety_scanners())) {
+      take_sensor(node, safety_scanners_setup(node.parameters));
+    } else if (belongs(moved_urg_node())) {
+      take_sensor(node, urg_node_setup(node.parameters));
+    } else if (belongs(moved_sick_scan()) && is_caller) {
+      take_sensor(node, sick_scan_setup(node.parameters));
+    } else if (belongs(moved_velodyne())) {
+      take_velodyne(node);
+    } else if (node.type == "static_transform_publisher") {
+      take_transform(node);
+    } else if (node.package != "nodelet") {
+      config_.remarks.push_back(node.name + " (" + node.package + "/" + node.type +
+                                ") is no node of a lidar that is known here; it stays in a launch file");
+    }
+    return true;
+  }
+
+  void remark(const LaunchNode& node, const DropinSetup& setup) {
+    for (const auto* list : {&setup.warnings, &setup.remarks}) {
+      for (const auto& text : *list) config_.remarks.push_back(node.name + ": " + text);
+    }
+  }
+
+  std::string free_name(const LaunchNode& node) {
+    const std::string name = entry_name(node.name.substr(node.name.rfind('/') + 1));
+    std::string unique = name;
+    for (int n = 2; !names_.insert(unique).second; ++n) unique = name + "_" + std::to_string(n);
+    return unique;
+  }
+
+  void take_sensor(const LaunchNode& node, DropinSetup setup) {
+    remark(node, setup);
+    transforms_.insert(transforms_.end(), setup.transforms.begin(), setup.transforms.end());
+    for (auto& [name, value] : section(setup.keys, "sensors")) {
+      auto& sensor = std::get<KeyMap>(value);
+      for (const char* key : {"scan_topic", "points_topic", "packet_topic"}) {
+        if (auto* topic = find_key(sensor, key); topic != nullptr)
+          *topic = node.resolved(text_of(sensor, key));
+      }
+      section(config_.keys, "sensors").emplace_back(free_name(node), std::move(sensor));
+      ++config_.entries;
+    }
+  }
+
+  /// The node of the package that reads or writes the topic of another one.
+  const LaunchNode* partner(const char* package, const LaunchNode& other, const char* topic) const {
+    for (const LaunchNode& node : launch_.nodes) {
+      if (node.package == package && node.resolved(topic) == other.resolved(topic)) return &node;
+    }
+    return nullptr;
+  }
+
+  /// The driver, the transformation and the scan of one Velodyne make one sensor.
+  void take_velodyne(const LaunchNode& node) {
+    const bool has_driver = partner("velodyne_driver", node, "velodyne_packets") != nullptr;
+    if (node.package == "velodyne_laserscan" || (node.package == "velodyne_pointcloud" && has_driver)) return;
+    NodeParameters parameters = node.parameters;
+    if (node.package == "velodyne_pointcloud") parameters.emplace("packet_topic", "velodyne_packets");
+    const LaunchNode* const points =
+        node.package == "velodyne_driver" ? partner("velodyne_pointcloud", node, "velodyne_packets") : &node;
+    const LaunchNode* const scan =
+        partner("velodyne_laserscan", points == nullptr ? node : *points, "velodyne_points");
+    for (const LaunchNode* const other : {points, scan}) {
+      if (other != nullptr) parameters.insert(other->parameters.begin(), other->parameters.end());
+    }
+    DropinSetup setup = velodyne_node_setup(parameters);
+    auto& sensor = std::get<KeyMap>(section(setup.keys, "sensors").front().second);
+    if (scan == nullptr && !node.package.empty()) {
+      for (const char* key : {"scan_ring", "scan_resolution", "scan_topic"}) erase_key(sensor, key);
+    }
+    if (const auto file = text_of(sensor, "calibration"); is_table_of_model(file)) {
+      erase_key(sensor, "calibration");
+      setup.remarks.push_back("parameter ~calibration (" + file +
+                              ") is the table that the model has here too");
+    }
+    for (const auto& capture : setup.replay.captures)
+      setup.remarks.push_back("parameter ~pcap: `lidard replay -c THIS --pcap " + capture + "` plays it");
+    take_sensor(node, std::move(setup));
+  }
+
+  /// x y z yaw pitch roll, or x y z qx qy qz qw; parent child [period].
+  void take_transform(const LaunchNode& node) {
+    std::vector<double> numbers;
+    std::vector<std::string> frames;
+    for (const auto& word : node.arguments) {
+      const auto number = number_in<double>(word);
+      if (number && frames.empty())
+        numbers.push_back(*number);
+      else
+        frames.push_back(word.front() == '/' ? word.substr(1) : word);
+    }
+    if ((numbers.size() != 6 && numbers.size() != 7) || frames.size() < 2) {
+      config_.remarks.push_back(node.name + ": arguments that make no transform; it stays in a launch file");
+      return;
+    }
+    Pose pose = make_pose({numbers[0], numbers[1], numbers[2]}, {numbers[5], numbers[4], numbers[3]});
+    if (numbers.size() == 7) {
+      const Eigen::Quaterniond turn(numbers[6], numbers[3], numbers[4], numbers[5]);
+      pose.linear() = turn.normalized().toRotationMatrix();
+    }
+    transforms_.push_back({frames[0], frames[1], pose});
+  }
+
+  /// The sensor that publishes the topic; empty: none here.
+  std::string publisher_of(const std::string& topic) {
+    for (auto& [name, value] : section(config_.keys, "sensors")) {
+      auto& sensor = std::get<KeyMap>(value);
+      if (text_of(sensor, "scan_topic") == topic || text_of(sensor, "points_topic") == topic ||
+          text_of(sensor, "topic") == topic)
+        return name;
+    }
+    return {};
+  }
+
+  void take_laser_tools(const LaunchNode& node) {
+    const bool is_merger = node.type.find("merger") != std::string::npos ||
+                           (node.type.empty() && node.parameters.count("virtual_laser_scan") == 0);
+    DropinSetup setup =
+        is_merger ? laser_merger_setup(node.parameters) : laser_virtualizer_setup(node.parameters);
+    remark(node, setup);
+    if (base_.empty()) base_ = text_of(section(setup.keys, "vehicle"), "base_frame");
+    KeyList sources;
+    for (auto& [name, value] : section(setup.keys, "sensors")) {
+      const std::string topic = node.resolved(text_of(std::get<KeyMap>(value), "topic"));
+      std::string source = publisher_of(topic);
+      if (source.empty()) {
+        source = names_.insert(name).second ? name : free_name(node);
+        section(config_.keys, "sensors").emplace_back(source, KeyMap{{"topic", topic}});
+        ++config_.entries;
+      }
+      sources.emplace_back(source);
+    }
+    const char* const kind = is_merger ? "merged_scans" : "virtual_scans";
+    auto& entry = std::get<KeyMap>(section(setup.keys, kind).front().second);
+    for (const char* key : {"scan_destination_topic", "cloud_destination_topic", "output_laser_topic"}) {
+      if (const auto topic = text_of(entry, key); !topic.empty())
+        *find_key(entry, key) = node.resolved(topic);
+    }
+    if (is_merger)
+      *find_key(entry, "laserscan_topics") = sources;
+    else
+      *find_key(entry, "cloud_topic") = sources.front();
+    section(config_.keys, kind).emplace_back(free_name(node), std::move(entry));
+    ++config_.entries;
+  }
+
+  /// The pose of the frame in the base frame, through any number of transforms.
+  std::optional<Pose> pose_of(std::string frame, std::string& root) const {
+    Pose pose = Pose::Identity();
+    root = frame;
+    for (std::size_t steps = 0; steps <= transforms_.size() && frame != base_; ++steps) {
+      const auto up = std::find_if(transforms_.begin(), transforms_.end(),
+                                   [&](const StaticTransform& one) { return one.child == frame; });
+      if (up == transforms_.end()) return std::nullopt;
+      pose = up->pose * pose;
+      root = frame = up->parent;
+    }
+    return frame == base_ ? std::optional<Pose>(pose) : std::nullopt;
+  }
+
+  void place() {
+    if (!base_.empty() && base_.front() == '/') base_.erase(0, 1);
+    auto& sensors = section(config_.keys, "sensors");
+    std::string root;
+    for (auto& [name, value] : sensors) {
+      const std::string frame = text_of(std::get<KeyMap>(value), "frame_id");
+      if (base_.empty() && !pose_of(frame, root) && root != frame) base_ = root;
+    }
+    for (auto& [name, value] : sensors) {
+      auto& sensor = std::get<KeyMap>(value);
+      const std::string frame = text_of(sensor, "frame_id");
+      if (frame.empty() || frame == base_) continue;
+      if (const auto pose = pose_of(frame, root)) sensor.emplace_back("pose", *pose);
+    }
+    for (auto& [name, value] : section(config_.keys, "virtual_scans")) place_planes(std::get<KeyMap>(value));
+    if (!base_.empty()) section(config_.keys, "vehicle").emplace_back("base_frame", base_);
+  }
+
+  void place_planes(KeyMap& entry) {
+    KeyMap poses;
+    std::string root;
+    for (const KeyValue& frame : std::get<KeyList>(*find_key(entry, "virtual_laser_scan"))) {
+      const auto& name = std::get<std::string>(frame);
+      if (const auto pose = pose_of(name, root)) poses.emplace_back(name, *pose);
+    }
+    if (!poses.empty()) entry.emplace_back("poses", poses);
+  }
+
+  const LaunchFile& launch_;
+  ImportedConfig config_;
+  std::set<std::string> names_;
+  std::vector<StaticTransform> transforms_;
+  std::string base_;
+};
+
+std::string file_text(const std::string& file, const ImportedConfig& config) {
+  KeyMap filled;
+  for (const char* name : {"vehicle", "sensors", "merged_scans", "virtual_scans"}) {
+    for (const auto& [section_name, value] : config.keys) {
+      if (section_name == name && !std::get<KeyMap>(value).empty()) filled.emplace_back(section_name, value);
+    }
+  }
+  std::string text =
+      "# Made by `lidard import " + file.substr(file.rfind('/') + 1) + "`.\n" + yaml_text(filled);
+  text += config.remarks.empty() ? "" : "\n# What has no counterpart, or another one than expected:\n";
+  for (std::string remark : config.remarks) {
+    std::replace(remark.begin(), remark.end(), '\n', ' ');
+    text += "# - " + remark + "\n";
+  }
+  return text;
+}
+
+int import_file(const ImportOptions& options, std::ostream& err) {
+  const ImportedConfig config = import_nodes(read_launch(options.file, options.arguments));
+  if (config.entries == 0) {
+    for (const auto& remark : config.remarks) err << remark << '\n';
+    err << options.file << ": nothing in it can be imported; expected a node of";
+    for (const MovedPackage* package : moved_packages())
+      err << (package == moved_packages().front() ? " " : ", ") << package->name;
+    err << '\n';
+    return exit_failed;
+  }
+  const std::string text = file_text(options.file, config);
+  TextFile file(options.output);
+  file.write(text);
+  file.close();
+  parse_config(text, options.output == "-" ? "the configuration" : options.output);
+  err << config.entries << (config.entries == 1 ? " entry, " : " entries, ") << config.remarks.size()
+      << " remarks on what has no counterpart, below the configuration\n";
+  return exit_ok;
+}
+
+}  // namespace
+
+ImportedConfig import_nodes(const LaunchFile& launch) { return Importer(launch).run(); }
+
+int run_import(const ImportOptions& options, std::ostream& out, std::ostream& err) {
+  return guarded(err, [&]() -> int {
+    if (!options.tables) return import_file(options, err);
+    out << moved_markdown();
+    return exit_ok;
+  });
+}
+
+}  // namespace lidard

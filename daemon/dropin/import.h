@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "daemon/dropin/launch_file.h"
+
+namespace lidard {
+
+/// What `lidard import` was asked for.
+struct ImportOptions {
+  std::string file;                    ///< a launch file, or a YAML file of parameters
+  std::vector<std::string> arguments;  ///< of the launch file, NAME:=VALUE
+  std::string output = "-";
+  bool tables = false;  ///< what becomes of every parameter, instead
+};
+
+/// A configuration that does what the nodes of other packages did.
+struct ImportedConfig {
+  KeyMap keys;                       ///< by section
+  std::vector<std::string> remarks;  ///< on every parameter and node without counterpart
+  std::size_t entries = 0;           ///< sensors, merged and virtual scans
+};
+
+/// What the nodes did; a node whose parameters mean nothing is left out with a remark.
+ImportedConfig import_nodes(const LaunchFile& launch);
+
+/// `lidard import`: writes the configuration that does what another driver's launch or parameter file did,
+/// and below it, as comments, what has no counterpart. Returns the exit code.
+int run_import(const ImportOptions& options, std::ostream& out, std::ostream& err);
+
+}  // namespace lidard

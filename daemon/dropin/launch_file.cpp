@@ -1,0 +1,101 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/dropin/launch_file.h"
+
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "daemon/config/config.h"
+
+namespace lidard {
+namespace {
+
+// ROS is installed for this interpreter; another one that comes first on PATH often lacks it.
+constexpr const char* python = "/usr/bin/python3";
+
+/// The script stands beside the program where it was built, and in lib/lidard where it was installed.
+std::filesystem::path script() {
+  const auto beside = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  for (const auto& folder : {beside, beside / "../lib/lidard"}) {
+    if (std::filesystem::exists(folder / "read_launch.py")) return folder / "read_launch.py";
+  }
+  throw std::runtime_error(
+      "read_launch.py stands neither beside lidard nor in ../lib/lidard; install it anew");
+}
+
+/// What the program prints, and whether it ended well.
+std::pair<std::string, bool> output_of(std::vector<std::string> words) {
+  std::array<int, 2> ends{};
+  if (pipe(ends.data()) != 0) throw std::runtime_error("no pipe for " + words[0]);
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_adddup2(&files, ends[1], STDOUT_FILENO);
+  posix_spawn_file_actions_addclose(&files, ends[0]);
+  posix_spawn_file_actions_addclose(&files, ends[1]);
+  pid_t child = 0;
+  const int trouble = posix_spawn(&child, argv[0], &files, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&files);
+  close(ends[1]);
+  std::string text;
+  std::array<char, 4096> part{};
+  for (ssize_t n = 0; trouble == 0 && (n = read(ends[0], part.data(), part.size())) > 0;)
+    text.append(part.data(), static_cast<std::size_t>(n));
+  close(ends[0]);
+  int status = 1;
+  if (trouble == 0) waitpid(child, &status, 0);
+  return {std::move(text), status == 0};
+}
+
+LaunchNode node_of(const nlohmann::json& json) {
+  LaunchNode node;
+  json.at("name").get_to(node.name);
+  json.at("package").get_to(node.package);
+  json.at("type").get_to(node.type);
+  json.at("namespace").get_to(node.space);
+  json.at("arguments").get_to(node.arguments);
+  json.at("remaps").get_to(node.remaps);
+  json.at("parameters").get_to(node.parameters);
+  return node;
+}
+
+}  // namespace
+
+std::string LaunchNode::resolved(const std::string& topic) const {
+  const bool is_absolute = !topic.empty() && topic.front() == '/';
+  const bool is_private = !topic.empty() && topic.front() == '~';
+  const std::string full = is_absolute ? topic : is_private ? name + "/" + topic.substr(1) : space + topic;
+  const auto remapped = remaps.find(full);
+  return remapped == remaps.end() ? full : remapped->second;
+}
+
+LaunchFile read_launch(const std::string& file, const std::vector<std::string>& arguments) {
+  if (!std::filesystem::is_regular_file(file))
+    throw ConfigError(file + ": cannot be read; expected a launch file or a YAML file of parameters");
+  std::vector<std::string> words{python, script(), std::filesystem::absolute(file)};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  const auto [text, ended_well] = output_of(words);
+  const auto json = nlohmann::json::parse(text, nullptr, false);
+  if (!ended_well || json.is_discarded())
+    throw std::runtime_error(file + ": " + python + " did not read it; apt install python3-roslaunch");
+  LaunchFile launch;
+  if (json.contains("remarks")) json.at("remarks").get_to(launch.remarks);
+  if (json.contains("missing")) throw std::runtime_error(json.at("missing").get<std::string>());
+  if (json.contains("error")) {
+    std::string why = file + ": " + json.at("error").get<std::string>();
+    for (const auto& remark : launch.remarks) why += "\n" + remark;
+    throw ConfigError(why);
+  }
+  for (const auto& node : json.at("nodes")) launch.nodes.push_back(node_of(node));
+  return launch;
+}
+
+}  // namespace lidard

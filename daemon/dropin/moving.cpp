@@ -1,0 +1,198 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/dropin/moving.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <sstream>
+
+#include "core/base/nearest.h"
+#include "core/base/number_text.h"
+#include "daemon/config/key_tables.h"
+
+namespace lidard {
+namespace {
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
+  return text;
+}
+
+/// As parameters compare: 600 is 600.0, and True is true.
+bool same_value(const std::string& a, const std::string& b) {
+  const auto x = number_in<double>(a), y = number_in<double>(b);
+  return x && y ? *x == *y : lower(a) == lower(b);
+}
+
+bool is_idle(const std::string& value, std::string_view idle) {
+  const auto values = split_words(idle);
+  return value.empty() || std::any_of(values.begin(), values.end(),
+                                      [&](const std::string& one) { return same_value(value, one); });
+}
+
+std::string cell(std::string_view text) {
+  std::string escaped;
+  for (const char c : text) escaped.append(c == '|' ? "\\|" : std::string(1, c));
+  return escaped;
+}
+
+std::string code_words(std::string_view list) {
+  std::string text;
+  for (const auto& word : split_words(list)) text.append(text.empty() ? "`" : ", `").append(word).append("`");
+  return text;
+}
+
+void write_package(std::ostream& out, const MovedPackage& package) {
+  out << "\n## " << package.name << "\n\nRead from " << package.source << ".\n"
+      << "\n| parameter | key | what becomes of it |\n|---|---|---|\n";
+  for (const MovedParameter& row : package.parameters)
+    out << "| " << code_words(row.names) << " | " << (row.key.empty() ? "–" : code_words(row.key)) << " | "
+        << cell(row.remark) << " |\n";
+  out << "\n| topic or service | type | here |\n|---|---|---|\n";
+  for (const MovedTopic& row : package.topics)
+    out << "| " << code_words(row.name) << " | " << row.type << " | " << cell(row.ours) << " |\n";
+}
+
+bool takes_key(const Model& model, std::string_view key) {
+  const auto& groups = sensor_groups();
+  return std::any_of(groups.begin(), groups.end(), [&](const SensorGroup& group) {
+    return (group.takes == nullptr || group.takes(model)) &&
+           std::any_of(group.keys.begin(), group.keys.end(),
+                       [&](const auto& one) { return one.name == key; });
+  });
+}
+
+}  // namespace
+
+std::vector<const MovedPackage*> moved_packages() {
+  return {&moved_safety_scanners(), &moved_sick_scan(), &moved_urg_node(), &moved_velodyne(),
+          &moved_laser_tools()};
+}
+
+std::string moved_markdown() {
+  std::ostringstream out;
+  for (const MovedPackage* package : moved_packages()) write_package(out, *package);
+  return out.str();
+}
+
+std::string DropinSetup::yaml() const { return yaml_text(keys); }
+
+std::vector<std::string> split_words(std::string_view list) {
+  std::vector<std::string> words;
+  std::istringstream stream{std::string(list)};
+  for (std::string word; stream >> word;) words.push_back(word);
+  return words;
+}
+
+std::string entry_name(const std::string& topic) {
+  std::string name;
+  for (const char c : topic) {
+    const bool word = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
+    if (word || !name.empty()) name += word ? c : '_';
+  }
+  if (name.empty() || std::isalpha(static_cast<unsigned char>(name.front())) == 0) name.insert(0, "scan_");
+  return name;
+}
+
+KeyValue copied(const std::string& value) { return value.empty() ? KeyValue() : KeyValue(value); }
+
+KeyValue as_frame(const std::string& value) {
+  return copied(!value.empty() && value.front() == '/' ? value.substr(1) : value);
+}
+
+void drop_misfits(const Model& model, KeyMap& sensor, DropinSetup& setup) {
+  const auto is_misfit = [&](const auto& one) {
+    if (takes_key(model, one.first)) return false;
+    setup.remarks.push_back("key " + one.first + " was left out: a " + std::string(model.product) +
+                            " has no use for it");
+    return true;
+  };
+  sensor.erase(std::remove_if(sensor.begin(), sensor.end(), is_misfit), sensor.end());
+}
+
+std::optional<std::string> ParameterReader::find(const std::string& name) {
+  known_.push_back(name);
+  const auto found = left_.find(name);
+  if (found == left_.end()) return std::nullopt;
+  const std::string value = found->second;
+  left_.erase(found);
+  return value;
+}
+
+std::string ParameterReader::text(const std::string& name, const std::string& missing) {
+  return find(name).value_or(missing);
+}
+
+double ParameterReader::number(const std::string& name, double missing) {
+  const std::string given = text(name, "");
+  if (given.empty()) return missing;
+  const auto value = number_in<double>(given);
+  if (!value || !std::isfinite(*value))
+    throw ConfigError("parameter ~" + name + " is '" + given + "'; expected a number");
+  return *value;
+}
+
+bool ParameterReader::flag(const std::string& name) {
+  const std::string given = lower(text(name, "false"));
+  if (given == "true" || given == "1") return true;
+  if (given == "false" || given == "0" || given.empty()) return false;
+  throw ConfigError("parameter ~" + name + " is '" + given + "'; expected true or false");
+}
+
+void ParameterReader::lament(const MovedParameter& row, DropinSetup& setup) {
+  std::string given;
+  int count = 0;
+  bool idle = true;
+  for (const std::string& name : given_names(row.names)) {
+    const auto value = find(name);
+    if (!value) continue;
+    given.append(count++ == 0 ? "~" : ", ~").append(name + " (" + (value->empty() ? "empty" : *value) + ")");
+    idle = idle && is_idle(*value, row.idle);
+  }
+  if (count == 0) return;
+  (idle ? setup.remarks : setup.warnings)
+      .push_back((count == 1 ? "parameter " + given + " has" : "parameters " + given + " have") +
+                 " no effect: " + std::string(row.remark));
+}
+
+std::vector<std::string> ParameterReader::given_names(std::string_view list) {
+  std::vector<std::string> names;
+  for (std::string& name : split_words(list)) {
+    if (name.back() != '*') {
+      names.push_back(std::move(name));
+      continue;
+    }
+    name.pop_back();
+    for (const auto& one : left_) {
+      if (one.first.compare(0, name.size(), name) == 0) names.push_back(one.first);
+    }
+  }
+  return names;
+}
+
+void ParameterReader::move(const MovedPackage& package, KeyMap& entry, DropinSetup& setup) {
+  for (const MovedParameter& row : package.parameters) {
+    if (row.key.empty()) lament(row, setup);
+    if (row.key.empty() || row.convert == nullptr) continue;
+    for (const std::string& name : given_names(row.names)) {
+      const auto value = find(name);
+      const bool is_new =
+          std::none_of(entry.begin(), entry.end(), [&](const auto& one) { return one.first == row.key; });
+      if (KeyValue key = value ? row.convert(*value) : KeyValue(); key.is_set() && is_new)
+        entry.emplace_back(row.key, std::move(key));
+    }
+  }
+}
+
+void ParameterReader::remark_on_rest(std::vector<std::string>& warnings) const {
+  const std::vector<std::string_view> names(known_.begin(), known_.end());
+  for (const auto& [name, value] : left_) {
+    const std::string near(nearest_word(name, names));
+    warnings.push_back("parameter ~" + name + " is not known and has no effect" +
+                       (near.empty() ? "" : "; did you mean ~" + near + "?"));
+  }
+}
+
+}  // namespace lidard

@@ -1,0 +1,261 @@
+#!/usr/bin/python3
+# SPDX-FileCopyrightText: 2026 the lidard authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""`lidard import`: launch files of the form that five packages have become configurations that `lidard check` takes."""
+import os
+
+import yaml
+
+from harness import expect, folder, run
+
+SAFETY = """<launch>
+  <arg name="sensor_ip" default="192.168.1.11"/>
+  <group ns="left">
+    <node pkg="sick_safetyscanners" type="sick_safetyscanners_node" name="scanner" output="screen">
+      <param name="sensor_ip" type="string" value="$(arg sensor_ip)"/>
+      <param name="host_ip" type="string" value="192.168.1.9"/>
+      <param name="host_udp_port" type="int" value="6061"/>
+      <param name="frame_id" type="string" value="left_laser"/>
+      <param name="angle_start" type="double" value="-1.5"/>
+      <param name="angle_end" type="double" value="1.5"/>
+      <param name="skip" type="int" value="1"/>
+      <param name="min_intensities" type="double" value="0.0"/>
+      <remap from="scan" to="/scan_left"/>
+    </node>
+  </group>
+  <node pkg="sick_safetyscanners" type="sick_safetyscanners_node" name="right" if="$(eval 1 > 2)">
+    <param name="sensor_ip" value="192.168.1.12"/>
+  </node>
+</launch>"""
+
+SICK_SCAN = """<launch>
+  <arg name="hostname" default="192.168.0.1"/>
+  <node name="front" pkg="sick_scan_xd" type="sick_generic_caller" respawn="false">
+    <param name="scanner_type" type="string" value="sick_tim_7xx"/>
+    <param name="hostname" type="string" value="$(arg hostname)"/>
+    <param name="port" type="string" value="2112"/>
+    <param name="min_ang" type="double" value="-2.35619449"/>
+    <param name="max_ang" type="double" value="2.35619449"/>
+    <param name="frame_id" type="str" value="/front_laser"/>
+    <param name="intensity" type="bool" value="True"/>
+    <param name="range_filter_handling" type="int" value="0"/>
+    <param name="tf_base_frame_id" type="string" value="base_link"/>
+    <param name="tf_base_lidar_xyz_rpy" type="string" value="1.5,0,0.3,0,0,0.5"/>
+    <remap from="scan" to="scan_front"/>
+  </node>
+  <node name="pico" pkg="sick_scan_xd" type="sick_generic_caller">
+    <param name="scanner_type" type="string" value="sick_picoscan"/>
+    <param name="hostname" type="string" value="192.168.0.2"/>
+    <param name="udp_receiver_ip" type="string" value="192.168.0.100"/>
+    <param name="udp_port" type="int" value="2116"/>
+    <param name="publish_frame_id" type="string" value="pico"/>
+    <param name="publish_laserscan_fullframe_topic" type="string" value="scan_fullframe"/>
+    <param name="tf_base_frame_id" type="string" value="base_link"/>
+    <param name="msgpack_validator_enabled" type="bool" value="False"/>
+  </node>
+  <node name="radar" pkg="sick_scan_xd" type="sick_generic_caller">
+    <param name="scanner_type" type="string" value="sick_rms_xxxx"/>
+  </node>
+  <param name="robot_description" command="touch $(arg hostname).was_run"/>
+</launch>"""
+
+URG = """<launch>
+  <node name="urg_node" pkg="urg_node" type="urg_node" output="screen">
+    <param name="ip_address" value="192.168.0.10"/>
+    <param name="serial_baud" value="115200"/>
+    <param name="frame_id" value="laser"/>
+    <param name="calibrate_time" value="true"/>
+    <param name="publish_intensity" value="true"/>
+    <param name="publish_multiecho" value="true"/>
+    <param name="angle_min" value="-1.5707963"/>
+    <rosparam>{angle_max: 1.5707963, cluster: 2, skip: 1}</rosparam>
+  </node>
+</launch>"""
+
+DRIVER = """<launch>
+  <arg name="device_ip" default=""/>
+  <arg name="manager"/>
+  <node pkg="nodelet" type="nodelet" name="$(arg manager)" args="manager"/>
+  <node pkg="nodelet" type="nodelet" name="$(arg manager)_driver" args="load velodyne_driver/DriverNodelet $(arg manager)">
+    <param name="device_ip" value="$(arg device_ip)"/>
+    <param name="frame_id" value="roof"/>
+    <param name="model" value="VLP16"/>
+    <param name="rpm" value="600.0"/>
+    <param name="cut_angle" value="-0.01"/>
+  </node>
+</launch>"""
+
+POINTS = """<launch>
+  <arg name="device_ip" default="192.168.1.201"/>
+  <arg name="calibration" default="$(find velodyne_pointcloud)/params/VLP16db.yaml"/>
+  <group ns="roof">
+    <include file="$(find velodyne_driver)/launch/driver.launch">
+      <arg name="device_ip" value="$(arg device_ip)"/>
+      <arg name="manager" value="m"/>
+    </include>
+    <node pkg="nodelet" type="nodelet" name="m_transform" args="load velodyne_pointcloud/TransformNodelet m">
+      <param name="calibration" value="$(arg calibration)"/>
+      <param name="min_range" value="0.4"/>
+      <param name="max_range" value="100.0"/>
+      <param name="fixed_frame" value=""/>
+    </node>
+    <node pkg="nodelet" type="nodelet" name="m_laserscan" args="load velodyne_laserscan/LaserScanNodelet m">
+      <param name="ring" value="-1"/>
+      <param name="resolution" value="0.01"/>
+    </node>
+  </group>
+  <include file="$(find velodyne_driver)/launch/driver.launch">
+    <arg name="manager" value="other"/>
+    <arg name="device_ip" value="192.168.1.202"/>
+  </include>
+</launch>"""
+
+TOOLS = """<launch>
+  <node name="urg_node" pkg="urg_node" type="urg_node">
+    <param name="ip_address" value="192.168.0.10"/>
+    <param name="frame_id" value="laser"/>
+    <remap from="scan" to="/scansx"/>
+  </node>
+  <node pkg="tf" type="static_transform_publisher" name="a" args="1 2 0.5 0.3 0 0 cart_frame laser 100"/>
+  <node pkg="tf2_ros" type="static_transform_publisher" name="b" args="0 0 1 0 0 0 1 cart_frame plane"/>
+  <node pkg="ira_laser_tools" name="merger" type="laserscan_multi_merger">
+    <param name="destination_frame" value="cart_frame"/>
+    <param name="scan_destination_topic" value="scan_multi"/>
+    <param name="laserscan_topics" value="/scansx /scandx"/>
+    <param name="angle_min" value="-2.0"/>
+    <param name="angle_max" value="2.0"/>
+  </node>
+  <node pkg="ira_laser_tools" name="laserscan_virtualizer" type="laserscan_virtualizer">
+    <param name="cloud_topic" value="/cloud_in"/>
+    <param name="base_frame" value="/cart_frame"/>
+    <param name="virtual_laser_scan" value="plane"/>
+  </node>
+  <node pkg="rviz" type="rviz" name="rviz"/>
+</launch>"""
+
+
+def imported(file, *arguments):
+    """The configuration, and the comments below it."""
+    out = file.with_suffix(".lidard.yaml")
+    result = run("import", file, *arguments, "-o", out)
+    expect(result.returncode == 0, f"{file.name}: exit {result.returncode}\n{result.stderr}")
+    check = run("check", out)
+    expect(check.returncode == 0, f"{file.name}: check refuses it\n{check.stderr}\n{out.read_text()}")
+    return yaml.safe_load(out.read_text()), [line for line in out.read_text().splitlines() if line.startswith("# - ")]
+
+
+def one_with(lines, *words):
+    found = [line for line in lines if all(word in line for word in words)]
+    expect(len(found) == 1, f"{len(found)} remarks have {words}:\n" + "\n".join(lines))
+
+
+def written(tmp, name, text):
+    path = tmp / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text)
+    return path
+
+
+def safety_scanners(tmp):
+    config, remarks = imported(written(tmp, "safety.launch", SAFETY), "sensor_ip:=192.168.1.77")
+    expect(list(config["sensors"]) == ["scanner"], f"a condition that is false leaves a node out: {config}")
+    scanner = config["sensors"]["scanner"]
+    wanted = {"model": "sick_microscan3", "ip_address": "192.168.1.77", "udp_receiver_ip": "192.168.1.9",
+              "ip_port": 6061, "frame_id": "left_laser", "allow_write": True, "scan_topic": "/scan_left",
+              "angle_min": -1.5, "angle_max": 1.5}
+    expect({key: scanner[key] for key in wanted} == wanted, scanner)
+    one_with(remarks, "~skip (1)", "no effect")
+
+
+def sick_scan(tmp):
+    config, remarks = imported(written(tmp, "xd.launch", SICK_SCAN))
+    front, pico = config["sensors"]["front"], config["sensors"]["pico"]
+    expect(config["vehicle"]["base_frame"] == "base_link", config)
+    expect(front["model"] == "sick_tim7xx" and front["scan_topic"] == "/scan_front", front)
+    expect(front["frame_id"] == "front_laser" and front["pose"]["xyz"] == [1.5, 0, 0.3], front)
+    expect(abs(front["pose"]["rpy_deg"][2] - 28.6479) < 1e-3, front)
+    expect(pico["model"] == "sick_picoscan150" and pico["ip_port"] == 2116, pico)
+    expect(pico["udp_receiver_ip"] == "192.168.0.100" and pico["scan_topic"] == "/scan_fullframe", pico)
+    one_with(remarks, "/radar was not imported", "sick_rms_xxxx")
+    one_with(remarks, "robot_description", "was not run")
+    one_with(remarks, "msgpack_validator_enabled")
+    expect(not list(tmp.glob("*.was_run")) and not os.path.exists("192.168.0.1.was_run"), "a program was run")
+
+
+def urg_node(tmp):
+    config, remarks = imported(written(tmp, "urg.launch", URG))
+    wanted = {"model": "hokuyo_scip", "ip_address": "192.168.0.10", "frame_id": "laser", "calibrate_time": True,
+              "publish_multiecho": True, "angle_min": -1.5707963, "angle_max": 1.5707963, "cluster": 2, "skip": 1,
+              "scan_topic": "/scan"}
+    sensor = config["sensors"]["urg_node"]
+    expect({key: sensor[key] for key in wanted} == wanted, sensor)
+    one_with(remarks, "~serial_baud (115200)", "no serial ports")
+
+
+def velodyne(tmp):
+    for package, name, text in (("velodyne_pointcloud", "points.launch", POINTS), ("velodyne_driver", "driver.launch", DRIVER)):
+        written(tmp, f"velodyne/{package}/package.xml", f"<package><name>{package}</name></package>")
+        written(tmp, f"velodyne/{package}/launch/{name}", text)
+    config, remarks = imported(tmp / "velodyne/velodyne_pointcloud/launch/points.launch")
+    expect(len(config["sensors"]) == 2, f"two drivers are two sensors: {config}")
+    roof, other = config["sensors"]["m_driver"], config["sensors"]["other_driver"]
+    wanted = {"model": "velodyne_vlp16", "ip_address": "192.168.1.201", "frame_id": "roof", "min_range": 0.4,
+              "max_range": 100, "scan_ring": "auto", "scan_resolution": 0.01, "frame_stamp": "last",
+              "points_topic": "/roof/velodyne_points", "scan_topic": "/roof/scan", "calibration_model": "ros_drivers"}
+    expect({key: roof[key] for key in wanted} == wanted, roof)
+    expect("calibration" not in roof, "the model's own table needs no file of another package")
+    expect(other["ip_address"] == "192.168.1.202" and "scan_ring" not in other, other)
+    one_with(remarks, "m_driver", "~rpm (600.0)")
+    one_with(remarks, "VLP16db.yaml", "the model has here too")
+    # A copy of the file alone: what it includes is not there.
+    loose = run("import", written(tmp, "elsewhere/points.launch", POINTS))
+    expect(loose.returncode == 78 and "velodyne_driver" in loose.stderr, loose.stderr)
+
+
+def laser_tools(tmp):
+    config, remarks = imported(written(tmp, "tools.launch", TOOLS))
+    expect(config["vehicle"]["base_frame"] == "cart_frame", config)
+    merged = config["merged_scans"]["merger"]
+    expect(merged["laserscan_topics"] == ["urg_node", "scandx"], f"a topic of a sensor of the file is that sensor: {merged}")
+    expect(merged["scan_destination_topic"] == "/scan_multi" and merged["angle_min"] == -2, merged)
+    expect(config["sensors"]["scandx"] == {"topic": "/scandx"}, config)
+    pose = config["sensors"]["urg_node"]["pose"]
+    expect(pose["xyz"] == [1, 2, 0.5] and abs(pose["rpy_deg"][2] - 17.1887) < 1e-3, pose)
+    plane = config["virtual_scans"]["laserscan_virtualizer"]
+    expect(plane["poses"]["plane"]["xyz"] == [0, 0, 1] and plane["cloud_topic"] == "cloud_in", plane)
+    one_with(remarks, "/rviz (rviz/rviz)", "stays in a launch file")
+
+
+def parameter_files(tmp):
+    config, _ = imported(written(tmp, "urg.yaml", "urg_node:\n  ros__parameters:\n    ip_address: 192.168.0.10\n"
+                                 "    ip_port: 10940\n    laser_frame_id: nose\n    angle_min: -1.0\n"))
+    expect(config["sensors"]["urg_node"]["frame_id"] == "nose", config)
+    config, _ = imported(written(tmp, "safety.yaml", "sensor_ip: 192.168.1.11\nhost_ip: 192.168.1.9\nframe_id: s\n"))
+    expect(config["sensors"]["lidar"]["model"] == "sick_microscan3", config)
+
+
+def mistakes(tmp):
+    for name, text, code, words in (
+            ("none.launch", "<launch><node pkg='rviz' type='rviz' name='r'/></launch>", 1, ("nothing in it", "urg_node")),
+            ("broken.launch", "<launch><node", 78, ("broken.launch",)),
+            ("no_arg.launch", "<launch><arg name='x'/><node pkg='a' type='b' name='$(arg x)'/></launch>", 78, ("x",)),
+            ("no.yaml", "- 1\n- 2\n", 78, ("no.yaml", "parameters")),
+            ("mrs.launch", SICK_SCAN.replace("sick_tim_7xx", "x").replace("sick_picoscan", "sick_mrs_6xxx"), 1,
+             ("sick_mrs_6xxx", "nothing in it"))):
+        result = run("import", written(tmp, name, text))
+        expect(result.returncode == code, f"{name}: exit {result.returncode}\n{result.stderr}")
+        for word in words:
+            expect(word in result.stderr, f"'{word}' is not in the answer to {name}: {result.stderr}")
+    gone = run("import", tmp / "gone.launch")
+    expect(gone.returncode == 78 and "gone.launch: cannot be read" in gone.stderr, gone.stderr)
+    expect(run("import").returncode == 2, "no file is a mistake of usage")
+    # Without roslaunch: a module of this name that is not it stands first.
+    written(tmp, "without/roslaunch/__init__.py", "raise ImportError('No module named roslaunch')\n")
+    result = run("import", written(tmp, "urg.launch", URG), env={**os.environ, "PYTHONPATH": str(tmp / "without")})
+    expect(result.returncode == 1 and "apt install python3-roslaunch" in result.stderr, result.stderr)
+
+
+with folder() as tmp:
+    for step in (safety_scanners, sick_scan, urg_node, velodyne, laser_tools, parameter_files, mistakes):
+        step(tmp)
+        print(f"{step.__name__}: fine")
