@@ -90,8 +90,9 @@ class Installation(unittest.TestCase):
         demo = yaml.safe_load(self.text("share/lidard/config/demo.yaml"))
         frames = {f for group in demo["virtual_scans"].values() for f in group["virtual_laser_scan"]}
         names = set(demo["sensors"]) | set(demo["merged_scans"]) | frames
+        names |= {name for merged in demo["merged_scans"].values() for name in merged["also"]}
         for topic in topics:
-            self.assertIn(topic.strip("/").split("/")[0], names)
+            self.assertIn(topic.strip("/").split("/")[0], names | {"footprint"})
 
     def test_systemd_accepts_the_unit(self):
         for name, instance in (("lidard.service", ""), ("lidard@.service", "rear")):
@@ -121,7 +122,8 @@ class Installation(unittest.TestCase):
             self.assertIn(line, lines)
         done = subprocess.run([self.prefix / "bin/lidard", "check", self.prefix / "etc/lidard/lidard.yaml"],
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
-        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertEqual(done.returncode, 78, done.stdout)
+        self.assertIn("lidard.yaml:1:1: the file has no sensors; expected sensors: with at least one entry", done.stdout)
 
     def test_the_receive_buffer_may_grow(self):
         self.assertIn("net.core.rmem_max=16777216", self.text("lib/sysctl.d/60-lidard.conf").splitlines())
@@ -129,8 +131,31 @@ class Installation(unittest.TestCase):
     def test_documentation_that_exists_is_installed(self):
         for source, installed in (("daemon/lidard.8", "share/man/man8/lidard.8"),
                                   ("daemon/lidard.yaml.5", "share/man/man5/lidard.yaml.5"),
-                                  ("daemon/completion.bash", "share/bash-completion/completions/lidard")):
+                                  ("daemon/completion.bash", "share/bash-completion/completions/lidard"),
+                                  ("daemon/completion.zsh", "share/zsh/vendor-completions/_lidard"),
+                                  ("test/sim/lidard-sim.1", "share/man/man1/lidard-sim.1")):
             self.assertEqual((SOURCE / source).exists(), (self.prefix / installed).exists(), source)
+
+    def test_zsh_completes_the_commands_and_options_that_the_help_names(self):
+        if not shutil.which("zsh"):
+            self.skipTest("zsh is not installed")
+        script = """
+            functions[complete]="$(<$1)"
+            _describe() { print -l -- "${(@)${(@P)2}%%:*}" }
+            compadd() { [[ $1 == -a ]] && print -l -- "${(@P)2}" || print -l -- "${@:#--}" }
+            PREFIX=$2; shift 2; words=("$@" ""); CURRENT=${#words}
+            complete
+        """
+
+        def offered(prefix, *words):
+            path = f"{self.prefix}/bin:{os.environ['PATH']}"
+            done = subprocess.run(["zsh", "-fc", script, "zsh", self.prefix / "share/zsh/vendor-completions/_lidard", prefix, *words],
+                                  env={**os.environ, "PATH": path}, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+            return set(done.stdout.split())
+
+        self.assertLessEqual({"run", "replay", "snapshot", "discover", "status"}, offered("", "lidard"))
+        self.assertLessEqual({"--pcap", "--loop", "--bag", "--config"}, offered("--", "lidard", "replay"))
+        self.assertIn("velodyne_vlp16", offered("", "lidard", "decode", "--model"))
 
     def test_a_configuration_that_was_edited_stays(self):
         other = self.folder / "other"

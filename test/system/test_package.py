@@ -59,7 +59,8 @@ class Packages(unittest.TestCase):
 
     def test_the_package_for_the_vehicle_is_whole(self):
         root = self.unpacked("lidard")
-        for name in ("usr/bin/lidard", "usr/lib/lidard/velodyne_node", "usr/lib/lidard/free_area", "usr/lib/systemd/system/lidard.service",
+        for name in ("usr/bin/lidard", "usr/lib/lidard/velodyne_node", "usr/lib/lidard/free_area",
+                     "usr/lib/lidard/read_launch.py", "usr/lib/systemd/system/lidard.service",
                      "usr/lib/systemd/system/lidard@.service", "usr/lib/sysctl.d/60-lidard.conf", "usr/share/man/man8/lidard.8.gz",
                      "usr/share/man/man5/lidard.yaml.5.gz", "usr/share/bash-completion/completions/lidard",
                      "usr/share/zsh/vendor-completions/_lidard", "usr/share/lidard/launch/demo.launch",

@@ -1,0 +1,84 @@
+#!/usr/bin/python3
+# SPDX-FileCopyrightText: 2026 the lidard authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The vehicle's outline is on the topic footprint for everybody who comes, follows a reload, and is gone with the key; a bag has it
+too."""
+import signal
+import socket
+import sys
+
+import rosbag
+import rospy
+from geometry_msgs.msg import PolygonStamped
+from harness import LIDARD, ROOT, SCANNER_CONFIG, expect, folder, free_port, process, ros_master, run, use_master_at, wait_for
+
+TRIANGLE = [[0.5, -1.0], [0.5, 1.0], [-4.25, 0.0]]
+SQUARE = [[1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]]
+
+
+def corners(message):
+    expect(message.header.frame_id == "rig", message.header.frame_id)
+    expect(message.header.stamp.to_nsec() == 0, "holds at any time")
+    expect(all(point.z == 0 for point in message.polygon.points), "on the ground")
+    return [[point.x, point.y] for point in message.polygon.points]
+
+
+def is_published():
+    return "/footprint" in [name for name, _ in rospy.get_published_topics()]
+
+
+def check_live(tmp):
+    port = free_port(socket.SOCK_DGRAM)
+    file = tmp / "vehicle.yaml"
+
+    def write(outline):
+        shape = f", footprint: {outline}" if outline else ""
+        file.write_text(f"vehicle: {{base_frame: rig{shape}}}\n" + SCANNER_CONFIG.format(port=port))
+
+    write(TRIANGLE)
+    with process([LIDARD, "run", "-c", file], stderr=open(tmp / "log", "wb")) as daemon:
+        heard = []
+        wait_for(is_published, 10, "the topic footprint")
+        rospy.Subscriber("/footprint", PolygonStamped, heard.append)
+        wait_for(lambda: heard, 10, "the outline")
+        expect(corners(heard[0]) == TRIANGLE, str(heard[0]))
+        write(SQUARE)
+        daemon.send_signal(signal.SIGHUP)
+        wait_for(lambda: corners(heard[-1]) == SQUARE, 10, "the outline after a reload")
+        write(None)
+        daemon.send_signal(signal.SIGHUP)
+        wait_for(lambda: not is_published(), 10, "a vehicle without outline publishes none")
+
+
+def check_bag(tmp):
+    bag = tmp / "demo.bag"
+    done = run("replay", "-c", ROOT / "config/demo.yaml", "--pcap", ROOT / "pcaps/demo.pcap", "--rate", "max", "--duration", "0.3",
+               "--bag", bag)
+    expect(bag.exists(), done.stderr)
+    with rosbag.Bag(str(bag)) as messages:
+        outlines = [message for _, message, _ in messages.read_messages("/footprint")]
+    expect(len(outlines) == 1 and len(outlines[0].polygon.points) == 4, str(outlines))
+
+
+def check_name(tmp):
+    file = tmp / "twice.yaml"
+    file.write_text((ROOT / "config/demo.yaml").read_text().replace("scan_destination_topic: scan_multi", "scan_destination_topic: footprint"))
+    done = run("check", file)
+    expect(done.returncode == 78 and "would publish on footprint, the topic of vehicle.footprint" in done.stderr + done.stdout, done.stderr)
+
+
+def main():
+    port = free_port()
+    use_master_at(port)
+    with folder() as tmp, ros_master(port):
+        check_name(tmp)
+        check_bag(tmp)
+        rospy.init_node("listener", anonymous=True, disable_signals=True)
+        check_live(tmp)
+        rospy.signal_shutdown("done")
+    print("ok")
+    sys.exit(0)
+
+
+if __name__ == "__main__":
+    main()
