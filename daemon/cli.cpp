@@ -8,11 +8,13 @@
 #include <functional>
 #include <iostream>
 
+#include "core/base/nearest.h"
 #include "daemon/commands/commands.h"
 #include "daemon/commands/discover.h"
 #include "daemon/commands/status.h"
 #include "daemon/dropin/dropin.h"
 #include "daemon/dropin/import.h"
+#include "daemon/live/service.h"
 #include "drivers/registry/registry.h"
 
 namespace lidard {
@@ -260,7 +262,7 @@ struct Commands {
       std::cerr << "import: no file; expected a launch file, or a YAML file of parameters\n";
       return exit_usage;
     }
-    import.arguments.assign(ros_arguments.rbegin(), ros_arguments.rend());
+    import.arguments = ros_arguments;
     return run_import(import, std::cout, std::cerr);
   }
   int start_discover() {
@@ -280,24 +282,74 @@ struct Commands {
   }
 };
 
+std::string did_you_mean(const std::string& written, const std::vector<std::string>& known) {
+  const std::string near(nearest_word(written, {known.begin(), known.end()}));
+  return near.empty() ? "" : "; did you mean " + near + "?";
+}
+
+/// What is wrong with the line, where CLI11 says little: an unknown command, or what the command does not
+/// know.
+std::string mistake_in(const CLI::App& app, const std::vector<std::string>& given,
+                       const std::string& otherwise) {
+  const auto chosen = app.get_subcommands();
+  if (chosen.empty()) {
+    const auto word = std::find_if(given.begin(), given.end(), [](const auto& one) { return one[0] != '-'; });
+    std::vector<std::string> known{"help"};
+    for (const CLI::App* one : app.get_subcommands([](const CLI::App*) { return true; }))
+      known.push_back(one->get_name());
+    if (word == given.end() && given.empty()) return "no command";
+    const std::string& wrong = word == given.end() ? given.front() : *word;
+    return (wrong[0] == '-' ? "no option " : "no command ") + wrong + did_you_mean(wrong, known);
+  }
+  std::vector<std::string> known{"--help"};
+  for (const CLI::Option* option : chosen.front()->get_options()) {
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  }
+  const std::string place = chosen.front()->get_name() + ": ";
+  for (std::string word : given) {
+    word = word.substr(0, word.find('='));
+    const bool is_long = word.compare(0, 2, "--") == 0 && word.size() > 2;
+    if (is_long && std::find(known.begin(), known.end(), word) == known.end())
+      return place + "no option " + word + did_you_mean(word, known);
+  }
+  return place + otherwise;
+}
+
+/// `lidard help CMD` is `lidard CMD --help`.
+std::vector<std::string> without_help_command(std::vector<std::string> given) {
+  if (given.empty() || given.front() != "help") return given;
+  given.erase(given.begin());
+  given.emplace_back("--help");
+  return given;
+}
+
 }  // namespace
 
 int run_cli(int argc, char** argv) {
   const std::string program = argc > 0 ? argv[0] : "";
-  const std::vector<std::string> given(argv + std::min(argc, 1), argv + argc);
-  if (const auto code = run_dropin(program.substr(program.rfind('/') + 1), given, std::cout, std::cerr))
+  const std::vector<std::string> all(argv + std::min(argc, 1), argv + argc);
+  set_up_logging();
+  if (const auto code = run_dropin(program.substr(program.rfind('/') + 1), all, std::cout, std::cerr))
     return *code;
   Commands commands;
-  std::vector<std::string> arguments;
-  for (auto argument = given.rbegin(); argument != given.rend(); ++argument) {
+  std::vector<std::string> given;
+  for (const std::string& argument : all) {
     // Remappings as roslaunch appends them.
-    const bool is_remapping = argument->find(":=") != std::string::npos;
-    (is_remapping ? commands.ros_arguments : arguments).push_back(*argument);
+    const bool is_remapping = argument.find(":=") != std::string::npos;
+    (is_remapping ? commands.ros_arguments : given).push_back(argument);
   }
+  given = without_help_command(std::move(given));
+  given.erase(std::remove(given.begin(), given.end(), ""), given.end());
   try {
-    commands.app.parse(arguments);
+    std::vector<std::string> backwards(given.rbegin(), given.rend());  // as CLI11 takes them
+    commands.app.parse(backwards);
   } catch (const CLI::ParseError& e) {
-    return commands.app.exit(e) == 0 ? exit_ok : exit_usage;
+    const auto chosen = commands.app.get_subcommands();
+    const bool knows_command = !chosen.empty() || given.empty() || given.front()[0] == '-';
+    if (e.get_exit_code() == 0 && knows_command) return commands.app.exit(e), exit_ok;
+    std::cerr << "lidard " << mistake_in(commands.app, given, e.what()) << "\nsee `lidard "
+              << (chosen.empty() ? "" : chosen.front()->get_name() + " ") << "--help`\n";
+    return exit_usage;
   }
   return commands.action();
 }

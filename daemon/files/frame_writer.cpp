@@ -80,12 +80,10 @@ using nlohmann::json;
 /// JSON has no inf and no NaN: a range without a hit is null, its status says why.
 json number(float value) { return std::isfinite(value) ? json(value) : json(nullptr); }
 
-/// {"frames": [{"frame", "stamp_ns", "complete", "columns": [names], "rows": [[...], ...]}, ...]}
+/// A line for each frame: {"frame", "stamp_ns", "complete", "columns": [names], "rows": [[...], ...]}
 class JsonWriter final : public FrameWriter {
  public:
-  JsonWriter(const std::string& path, StampColumn stamps) : file_(path), stamps_(stamps) {
-    file_.write("{\"frames\": [\n");
-  }
+  JsonWriter(const std::string& path, StampColumn stamps) : file_(path), stamps_(stamps) {}
 
   void cloud(std::uint64_t frame, const Cloud& cloud) override {
     json rows = json::array();
@@ -134,21 +132,13 @@ class JsonWriter final : public FrameWriter {
 
   void beam_flags(const std::vector<float>& flags) override { flags_ = flags; }
 
-  void finish() override {
-    file_.write("\n]}\n");
-    file_.close();
-  }
+  void finish() override { file_.close(); }
 
  private:
-  void write(const json& object) {
-    file_.write(first_ ? "" : ",\n");
-    first_ = false;
-    file_.write(object.dump());
-  }
+  void write(const json& object) { file_.write(object.dump() + "\n"); }
 
   TextFile file_;
   StampColumn stamps_;
-  bool first_ = true;
   std::vector<float> flags_;  // of the next scan's beams; empty: the device sends none
 };
 
