@@ -128,8 +128,7 @@ class SidePainter {
     }
   }
   void caption() {
-    std::string words =
-        "From the right: " + meters(SnapshotView::side_strip) + " to both sides of the x axis";
+    std::string words = "From the right, y within " + meters(SnapshotView::side_strip);
     if (scale_.stretch > 1) words += printed(", heights x %g", scale_.stretch);
     chart_.text(corner_ + Vector2d(0, -8), words, 13, pale);
   }
