@@ -21,6 +21,7 @@ namespace lidard {
 namespace {
 
 constexpr const char* default_config = "/etc/lidard/lidard.yaml";
+constexpr const char* capture_help = "pcap or pcapng, also packed (gzip, zstd, xz); - is standard input";
 
 /// IP[:PORT], IPv4 only.
 std::optional<Endpoint> read_endpoint(const std::string& text, std::uint16_t port) {
@@ -76,6 +77,11 @@ struct Commands {
   }
 
  private:
+  static void add_captures(CLI::App* c, std::vector<std::string>& captures) {
+    c->add_option("captures,--pcap", captures, std::string(capture_help) + "; several are merged by time")
+        ->required()
+        ->expected(1, 1000);
+  }
   void add_run() {
     auto* c = app.add_subcommand("run", "The daemon: live sensors to ROS");
     c->add_option("-c,--config", config, "Configuration file")->capture_default_str();
@@ -84,7 +90,7 @@ struct Commands {
   void add_replay() {
     auto* c = app.add_subcommand("replay", "The same pipeline on captures");
     c->add_option("-c,--config", replay.config, "Configuration file")->required();
-    c->add_option("--pcap", replay.captures, "Captures, merged by time")->required()->expected(1, 1000);
+    add_captures(c, replay.captures);
     c->add_option("--rate", rate, "Of the recorded pace, or max")->capture_default_str();
     c->add_flag("--loop", replay.loop, "Again and again");
     c->add_option("--start", replay.start, "Seconds into the capture")->check(CLI::NonNegativeNumber);
@@ -99,7 +105,7 @@ struct Commands {
   }
   void add_decode() {
     auto* c = app.add_subcommand("decode", "One sensor's frames of a capture, without a configuration");
-    c->add_option("capture", decode.capture, "pcap or pcapng file")->required();
+    c->add_option("capture,--pcap", decode.capture, capture_help)->required();
     c->add_option("--model", decode.model, "See `lidard models`; may be left out where the packets tell");
     c->add_option("--source", source, "Sender, IP[:PORT]");
     c->add_option("--port", decode.port, "Destination port");
@@ -113,7 +119,9 @@ struct Commands {
     c->add_option("--format", decode.format, "csv, json or pcd")
         ->check(CLI::IsMember({"csv", "json", "pcd"}))
         ->capture_default_str();
-    c->add_option("-o,--output", decode.output, "File, or - for standard output")->capture_default_str();
+    c->add_option("-o,--output", decode.output,
+                  "File, or - for standard output; DIR/%06d.pcd writes a PCD file per frame")
+        ->capture_default_str();
     c->add_option("--frame", decode.frame, "Only this frame, counted from 0");
     c->add_option("--clock", clock, "stamps placed by each packet's arrival, or smooth")
         ->check(CLI::IsMember({"arrival", "smooth"}))
@@ -125,7 +133,7 @@ struct Commands {
   }
   void add_inspect() {
     auto* c = app.add_subcommand("inspect", "Which sensors are in a capture");
-    c->add_option("captures", captures, "pcap or pcapng files")->required();
+    add_captures(c, captures);
     c->add_flag("--json", json, "For scripts");
     c->callback([this] { action = [this] { return run_inspect(captures, json, std::cout, std::cerr); }; });
   }
@@ -156,15 +164,16 @@ struct Commands {
   void add_record() {
     auto* c = app.add_subcommand("record", "Records the configured sensors' traffic to a capture");
     c->add_option("-c,--config", record.config, "Configuration file")->required();
-    c->add_option("-o,--output", record.output, "pcap file to write")->required();
+    c->add_option("output,-o,--output", record.output, "pcap file to write")->required();
     c->add_option("--interface", record.interface, "Network interface")->capture_default_str();
     c->add_option("--duration", record.duration, "Seconds; 0: until Ctrl-C")->check(CLI::NonNegativeNumber);
     c->callback([this] { action = [this] { return run_record(record, std::cerr); }; });
   }
   void add_snapshot() {
     auto* c = app.add_subcommand("snapshot", "Draws what the vehicle sees at one moment, from above");
-    c->add_option("-c,--config", snapshot.config, "Configuration file")->required();
-    c->add_option("--pcap", snapshot.captures, "Captures, merged by time")->required()->expected(1, 1000);
+    c->add_option("-c,--config", snapshot.config,
+                  "Configuration file; default: the sensors found, all at the origin");
+    add_captures(c, snapshot.captures);
     c->add_option("--at", snapshot.at,
                   "Seconds into the capture; default: its middle, or the first frame after it")
         ->check(CLI::NonNegativeNumber);
@@ -174,7 +183,21 @@ struct Commands {
         "--areas", snapshot.areas,
         "Topic whose free and unknown areas are shaded; default: a merged one, strict before others");
     c->add_option("--motion", snapshot.motion, "A bag whose tf or odometry says how the vehicle moved");
-    c->add_option("-o,--output", snapshot.output, "Picture to write, .png or .svg")->required();
+    c->add_option("--width", snapshot.width, "Pixels of the picture; default: about 1200")
+        ->check(CLI::Range(500, 4000));
+    c->add_option("--color", snapshot.color, "What the colours of clouds tell: height, ring or intensity")
+        ->check(CLI::IsMember({"height", "ring", "intensity"}))
+        ->capture_default_str();
+    c->add_option("--frames", snapshot.frames,
+                  "So many pictures one after the other, from --at or the begin on")
+        ->check(CLI::Range(1, 10000));
+    c->add_option("--every", snapshot.every, "Seconds from one of them to the next")
+        ->check(CLI::Range(0.001, 3600.0))
+        ->capture_default_str();
+    auto* out = c->add_option_group("out")->require_option(1, 2);
+    out->add_option("-o,--output", snapshot.output,
+                    "Picture to write, .png or .svg; with --frames a pattern like DIR/%03d.png");
+    out->add_option("--animate", snapshot.animation, "Loop of the frames to write, .gif or .webp");
     c->callback([this] { action = [this] { return run_snapshot(snapshot, std::cerr); }; });
   }
 
