@@ -5,6 +5,7 @@
 // pictures. That it is right, other tests say; these notice when it changes.
 #include "test/support/golden.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
@@ -48,7 +49,7 @@ std::string content(const std::string& path) {
 class TemporaryFile {
  public:
   explicit TemporaryFile(const std::string& end)
-      : path(testing::TempDir() + "lidard-golden-" + std::to_string(getpid()) + end) {}
+      : path(testing::TempDir() + "lidard-golden-" + fmt::format("{:05}", getpid() % 100000) + end) {}
   ~TemporaryFile() { std::remove(path.c_str()); }
   TemporaryFile(const TemporaryFile&) = delete;
   TemporaryFile& operator=(const TemporaryFile&) = delete;
