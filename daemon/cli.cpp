@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <deque>
 #include <functional>
 #include <iostream>
 
@@ -14,6 +15,7 @@
 #include "daemon/dropin/dropin.h"
 #include "daemon/dropin/import.h"
 #include "daemon/live/service.h"
+#include "drivers/registry/registry.h"
 
 namespace lidard {
 namespace {
@@ -49,7 +51,7 @@ struct Commands {
   ReplayOptions replay;
   DecodeOptions decode;
   DiscoverOptions discover;
-  std::vector<std::string> hokuyos{"192.168.0.10:10940"}, sicks;
+  std::deque<std::pair<const Discovery*, std::vector<std::string>>> asked;  ///< the addresses for `discover`
   RecordOptions record;
   SnapshotOptions snapshot;
   StatusOptions ask;
@@ -205,8 +207,17 @@ struct Commands {
   }
   void add_discover() {
     auto* c = app.add_subcommand("discover", "Which SICK and Hokuyo devices answer in the network");
-    c->add_option("--hokuyo", hokuyos, "Addresses to ask, IP[:PORT]")->capture_default_str();
-    c->add_option("--sick", sicks, "Where to send the search, IP[:PORT]; else broadcast on all interfaces");
+    for (const Family& family : families()) {
+      if (family.discovery == nullptr) continue;
+      const Discovery& how = *family.discovery;
+      auto& places = asked.emplace_back(&how, std::vector<std::string>()).second;
+      if (!how.usual_address.empty())
+        places.push_back(std::string(how.usual_address) + ":" + std::to_string(how.port));
+      c->add_option("--" + std::string(how.name), places,
+                    places.empty() ? "Where to send the search, IP[:PORT]; else broadcast on all interfaces"
+                                   : "Addresses to ask, IP[:PORT]")
+          ->capture_default_str();
+    }
     c->add_option("--wait", discover.wait, "Seconds")->check(CLI::Range(0.1, 60.0))->capture_default_str();
     c->add_flag("--json", discover.json, "For scripts");
     c->callback([this] { action = [this] { return start_discover(); }; });
@@ -255,22 +266,19 @@ struct Commands {
     return run_import(import, std::cout, std::cerr);
   }
   int start_discover() {
-    const auto read = [](const std::vector<std::string>& texts, std::uint16_t port, const char* option,
-                         std::vector<Endpoint>& endpoints) {
+    for (const auto& [how, texts] : asked) {
+      if (texts.empty()) discover.places.push_back({how, {{}, how->port}});
       for (const std::string& text : texts) {
-        const auto endpoint = read_endpoint(text, port);
+        const auto endpoint = read_endpoint(text, how->port);
         if (!endpoint) {
-          std::cerr << option << ": '" << text
+          std::cerr << "--" << how->name << ": '" << text
                     << "' is not an address; expected IPv4 or IPv4:PORT, e.g. 192.168.0.10\n";
-          return false;
+          return exit_usage;
         }
-        endpoints.push_back(*endpoint);
+        discover.places.push_back({how, *endpoint});
       }
-      return true;
-    };
-    const bool fine =
-        read(hokuyos, 10940, "--hokuyo", discover.hokuyos) && read(sicks, 30718, "--sick", discover.sicks);
-    return fine ? run_discover(discover, std::cout, std::cerr) : exit_usage;
+    }
+    return run_discover(discover, std::cout, std::cerr);
   }
 };
 

@@ -68,7 +68,7 @@ class Listener:
 
 
 def main():
-    lidard, config, capture = sys.argv[1:4]
+    lidard, config, capture, log_file = sys.argv[1:5]
     port = free_port()
     os.environ.update(ROS_MASTER_URI=f"http://127.0.0.1:{port}", ROS_IP="127.0.0.1")
     os.environ.pop("ROS_HOSTNAME", None)
@@ -95,9 +95,9 @@ def main():
             with open(os.path.join(folder, "master.log"), "wb") as log:
                 children.append(start_master(port, log))
             listener = Listener()
-            print(f"playing {os.path.basename(capture)} through {os.path.basename(config)} ...", flush=True)
             # The topics are advertised before the first frame; --wait gives the listener time to connect to them.
-            player = subprocess.Popen([lidard, "replay", "-c", config, "--pcap", capture, "--wait", "2"])
+            with open(log_file, "ab") as log:
+                player = subprocess.Popen([lidard, "replay", "-c", config, "--pcap", capture, "--wait", "2"], stdout=log, stderr=log)
             children.append(player)
             known = set()
             master = xmlrpc.client.ServerProxy(os.environ["ROS_MASTER_URI"])
@@ -109,16 +109,16 @@ def main():
                 time.sleep(0.1)
             time.sleep(0.3)
             rows = list(listener.table())
-            print("topics:")
+            print("what lidard published (simulated):")
             for text, _ in rows:
                 print(text)
             picture = os.path.join(os.path.dirname(lidard), "demo.png")
             drawn = subprocess.run([lidard, "snapshot", "-c", config, "--pcap", capture, "-o", picture], check=False)
             if drawn.returncode == 0:
-                print(f"what the vehicle sees: {picture}")
+                print(f"a picture of what the vehicle sees: {picture}")
             silent = [text for text, heard in rows if not heard]
             code = player.returncode or drawn.returncode or (1 if silent or not rows else 0)
-            print("demo failed" if code else "demo done")
+            print(f"demo failed; see {log_file}" if code else "demo done")
             listener.rospy.signal_shutdown("done")
         finally:
             stop_children()

@@ -118,7 +118,7 @@ struct KeyOf : Key {
   KeyOf&& of_form(std::string_view text) && { return form = text, std::move(*this); }
   KeyOf&& by_default(std::string_view text) && { return preset = text, std::move(*this); }
   KeyOf&& unless_set(std::string_view text) && { return remark = text, std::move(*this); }
-  KeyOf&& or_else(KeyValue value) && { return otherwise = std::move(value), std::move(*this); }
+  KeyOf&& or_else(const KeyValue& value) && { return otherwise = value, std::move(*this); }
   KeyOf&& or_empty() && { return may_be_empty = true, std::move(*this); }
   KeyOf&& needed() && { return required = true, std::move(*this); }
   KeyOf&& as_angle() && { return kind = KeyKind::angle, unit = "rad", std::move(*this); }

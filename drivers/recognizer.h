@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "drivers/discovery.h"
 #include "drivers/model.h"
 
 namespace lidard {
@@ -29,6 +30,7 @@ class Recognizer {
 struct Family {
   void (*append_models)(std::vector<Model>& list);
   std::unique_ptr<Recognizer> (*make_recognizer)();
+  const Discovery* discovery = nullptr;  ///< how to find the vendor's devices; one family of a vendor has it
 };
 
 /// The names of those models of a family that are wanted, in the order of its list.

@@ -4,12 +4,6 @@ find_package(GTest REQUIRED)
 find_package(benchmark REQUIRED)
 include(GoogleTest)
 
-lidard_library(lidard_sim test/sim lidard_drivers PkgConfig::YAML CLI11::CLI11)
-# Fused multiply-add would make captures differ between processors.
-target_compile_options(lidard_sim PRIVATE -ffp-contract=off)
-add_executable(lidard-sim test/sim/servers/main.cpp)
-target_link_libraries(lidard-sim PRIVATE lidard_sim)
-
 # Paths are compiled into these files alone, so that a compiler cache can serve a second clone.
 set_source_files_properties(test/support/captures.cpp test/bench/bench_decode.cpp PROPERTIES
   COMPILE_DEFINITIONS LIDARD_SOURCE_DIR="${CMAKE_CURRENT_SOURCE_DIR}")

@@ -81,6 +81,8 @@ class FreeSpaceMap {
   std::uint16_t cell_towards(float dx, float dy) const;
   std::uint16_t distance(float meters) const {
     const float units = meters * per_meter_;
+    // lround would keep the loops over many points from being vectorised; distances are not negative.
+    // NOLINTNEXTLINE(bugprone-incorrect-roundings)
     return units < 65534.0F ? static_cast<std::uint16_t>(units + 0.5F) : std::uint16_t{65534};
   }
   const Cell* cells() const { return cells_.data(); }

@@ -4,9 +4,9 @@
 
 #include <ifaddrs.h>
 #include <net/if.h>
-#include <tinyxml2.h>
 
 #include <algorithm>
+#include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ip/udp.hpp>
@@ -19,8 +19,6 @@
 
 #include "daemon/commands/commands.h"
 #include "daemon/files/text_table.h"
-#include "drivers/hokuyo/models.h"
-#include "drivers/hokuyo/scip_message.h"
 
 namespace lidard {
 namespace {
@@ -30,7 +28,6 @@ using asio::ip::tcp;
 using asio::ip::udp;
 using Error = boost::system::error_code;
 
-constexpr std::uint16_t sick_port = 30718;
 constexpr std::size_t longest_answer = 8192;
 
 IpAddress address_of(const asio::ip::address_v4& address) {
@@ -48,66 +45,72 @@ asio::ip::address_v4 to_asio(const IpAddress& address) {
   return asio::ip::address_v4({address.bytes[0], address.bytes[1], address.bytes[2], address.bytes[3]});
 }
 
-/// A socket that waits for the answers to one search.
+/// A socket that waits for the answers to one question.
 struct Listener {
+  const Discovery& how;
   udp::socket socket;
   udp::endpoint from{};
   std::array<std::uint8_t, longest_answer> datagram{};
 };
 
-/// A TCP connection to what may be a Hokuyo.
+/// A TCP connection to what may be such a device.
 struct Asked {
+  DiscoverPlace place;
+  std::string question;
   tcp::socket socket;
-  Endpoint to;
   std::array<char, 2048> chunk{};
   std::string stream{};
 };
 
 class Search {
  public:
-  explicit Search(const DiscoverOptions& options) : options_(options) {}
+  explicit Search(const DiscoverOptions& options) : options_(options) {
+    std::random_device random;
+    key_ = random();
+  }
 
   std::vector<FoundDevice> run() {
-    search_sicks();
-    for (const Endpoint& endpoint : options_.hokuyos) ask(endpoint);
+    for (const DiscoverPlace& place : options_.places) {
+      if (place.how->transport == Transport::tcp)
+        ask(place);
+      else if (place.to.address == IpAddress())
+        broadcast(place);
+      else
+        send(place, IpAddress(), IpAddress());
+    }
     io_.run_for(std::chrono::milliseconds(std::llround(options_.wait * 1000)));
     std::sort(found_.begin(), found_.end(),
               [](const FoundDevice& a, const FoundDevice& b) { return a.address < b.address; });
     return std::move(found_);
   }
-  const std::vector<std::string>& places() const { return places_; }
+  const std::vector<std::string>& asked() const { return asked_; }
 
  private:
   /// One datagram from each interface's own address, so that its answers come back to it.
-  void search_sicks() {
-    std::random_device random;
-    const std::uint32_t key = random();
-    if (!options_.sicks.empty()) {
-      for (const Endpoint& to : options_.sicks) send_search(key, IpAddress(), IpAddress(), to);
-      return;
-    }
+  void broadcast(DiscoverPlace place) {
     ifaddrs* all = nullptr;
     if (::getifaddrs(&all) != 0) return;
     for (const ifaddrs* each = all; each != nullptr; each = each->ifa_next) {
       const bool usable = each->ifa_addr != nullptr && each->ifa_addr->sa_family == AF_INET &&
                           (each->ifa_flags & IFF_UP) != 0 && (each->ifa_flags & IFF_BROADCAST) != 0;
       if (!usable) continue;
-      const IpAddress own = address_of(each->ifa_addr);
-      send_search(key, own, address_of(each->ifa_netmask), {address_of(each->ifa_broadaddr), sick_port});
+      place.to.address = address_of(each->ifa_broadaddr);
+      send(place, address_of(each->ifa_addr), address_of(each->ifa_netmask));
     }
     ::freeifaddrs(all);
   }
 
-  void send_search(std::uint32_t key, const IpAddress& own, const IpAddress& mask, const Endpoint& to) {
-    const auto listener = std::make_shared<Listener>(Listener{udp::socket(io_)});
+  void send(const DiscoverPlace& place, const IpAddress& own, const IpAddress& mask) {
+    const auto listener = std::make_shared<Listener>(Listener{*place.how, udp::socket(io_)});
     udp::socket& socket = listener->socket;
     Error error;
     socket.open(udp::v4(), error);
     socket.set_option(asio::socket_base::broadcast(true), error);
     socket.bind({to_asio(own), 0}, error);
-    socket.send_to(asio::buffer(sick_search(key, own, mask)), {to_asio(to.address), to.port}, 0, error);
+    socket.send_to(asio::buffer(place.how->question(key_, own, mask)),
+                   {to_asio(place.to.address), place.to.port}, 0, error);
     if (error) return;
-    places_.push_back(to.to_string());
+    asked_.push_back(place.to.to_string());
     listen(listener);
   }
 
@@ -115,22 +118,22 @@ class Search {
     listener->socket.async_receive_from(asio::buffer(listener->datagram), listener->from,
                                         [this, listener](const Error& error, std::size_t size) {
                                           if (error) return;
-                                          const ByteView datagram(listener->datagram.data(), size);
-                                          const auto device = read_sick_answer(
-                                              datagram, address_of(listener->from.address().to_v4()));
-                                          if (device) keep(*device);
+                                          keep(listener->how, ByteView(listener->datagram.data(), size),
+                                               address_of(listener->from.address().to_v4()));
                                           listen(listener);
                                         });
   }
 
-  void ask(const Endpoint& to) {
-    const auto asked = std::make_shared<Asked>(Asked{tcp::socket(io_), to});
-    places_.push_back(to.to_string());
-    asked->socket.async_connect({to_asio(to.address), to.port}, [this, asked](const Error& error) {
+  void ask(const DiscoverPlace& place) {
+    const auto asked = std::make_shared<Asked>(
+        Asked{place, place.how->question(key_, IpAddress(), IpAddress()), tcp::socket(io_)});
+    asked_.push_back(place.to.to_string());
+    asked->socket.async_connect({to_asio(place.to.address), place.to.port}, [this,
+                                                                             asked](const Error& error) {
       if (error == asio::error::network_unreachable)
-        places_.erase(std::remove(places_.begin(), places_.end(), asked->to.to_string()), places_.end());
+        asked_.erase(std::remove(asked_.begin(), asked_.end(), asked->place.to.to_string()), asked_.end());
       if (error) return;
-      asio::async_write(asked->socket, asio::buffer("VV\n", 3),
+      asio::async_write(asked->socket, asio::buffer(asked->question),
                         [this, asked](const Error& failed, std::size_t) {
                           if (!failed) read(asked);
                         });
@@ -142,22 +145,26 @@ class Search {
         asio::buffer(asked->chunk), [this, asked](const Error& error, std::size_t size) {
           if (error) return;
           asked->stream.append(asked->chunk.data(), size);
-          const auto device = read_hokuyo_answer(ByteView(asked->stream), asked->to.address);
-          if (device) keep(*device);
-          if (!device && asked->stream.size() <= longest_answer) read(asked);
+          const bool is_whole = keep(*asked->place.how, ByteView(asked->stream), asked->place.to.address);
+          if (!is_whole && asked->stream.size() <= longest_answer) read(asked);
         });
   }
 
-  void keep(const FoundDevice& device) {
-    for (const FoundDevice& other : found_) {
-      if (other.address == device.address && other.serial == device.serial) return;
-    }
-    found_.push_back(device);
+  bool keep(const Discovery& how, ByteView answer, const IpAddress& sender) {
+    auto device = how.read_answer(answer, sender);
+    if (!device) return false;
+    device->vendor = how.vendor;
+    const bool is_known = std::any_of(found_.begin(), found_.end(), [&](const FoundDevice& other) {
+      return other.address == device->address && other.serial == device->serial;
+    });
+    if (!is_known) found_.push_back(*std::move(device));
+    return true;
   }
 
   const DiscoverOptions& options_;
+  std::uint32_t key_ = 0;
   asio::io_context io_;
-  std::vector<std::string> places_;
+  std::vector<std::string> asked_;
   std::vector<FoundDevice> found_;
 };
 
@@ -181,71 +188,7 @@ void print_json(const std::vector<FoundDevice>& found, std::ostream& out) {
   out << list.dump(2) << '\n';
 }
 
-/// The value of `key` in an answer: <Item key="K" value="V"/>, <K>V</K> or an attribute of the root.
-std::string value_of(const tinyxml2::XMLElement& root, const char* key) {
-  for (const auto* item = root.FirstChildElement(); item != nullptr; item = item->NextSiblingElement()) {
-    const char* name = item->Attribute("key");
-    const char* value = item->Attribute("value");
-    if (name != nullptr && value != nullptr && std::string_view(name) == key) return value;
-    if (std::string_view(item->Name()) == key && item->GetText() != nullptr) return item->GetText();
-  }
-  const char* attribute = root.Attribute(key);
-  return attribute == nullptr ? "" : attribute;
-}
-
 }  // namespace
-
-std::array<std::uint8_t, 24> sick_search(std::uint32_t key, const IpAddress& own, const IpAddress& mask) {
-  std::array<std::uint8_t, 24> bytes{0x10, 0, 0, 0x08, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff};
-  for (std::size_t i = 0; i < 4; ++i) {
-    bytes[10 + i] = static_cast<std::uint8_t>(key >> (24 - 8 * i) & 0xffU);
-    bytes[16 + i] = own.bytes[i];
-    bytes[20 + i] = mask.bytes[i];
-  }
-  bytes[14] = 0x01;
-  bytes[15] = 0x02;
-  return bytes;
-}
-
-std::optional<FoundDevice> read_sick_answer(ByteView datagram, const IpAddress& sender) {
-  const std::string_view text = datagram.text();
-  const std::size_t begin = std::min(text.find("<?xml"), text.find("<NetScanResult"));
-  if (begin == std::string_view::npos) return std::nullopt;
-  const std::size_t end = text.rfind('>');
-  if (end == std::string_view::npos || end < begin) return std::nullopt;
-  tinyxml2::XMLDocument document;
-  if (document.Parse(text.data() + begin, end - begin + 1) != tinyxml2::XML_SUCCESS) return std::nullopt;
-  const auto* root = document.FirstChildElement("NetScanResult");
-  if (root == nullptr) return std::nullopt;
-  FoundDevice device;
-  device.vendor = "SICK";
-  device.product = value_of(*root, "DeviceType");
-  device.serial = value_of(*root, "SerialNumber");
-  device.firmware = value_of(*root, "FirmwareVersion");
-  // A device in another subnet answers, too: its own address counts, not the router's.
-  device.address = IpAddress::parse(value_of(*root, "IPAddress")).value_or(sender);
-  return device;
-}
-
-std::optional<FoundDevice> read_hokuyo_answer(ByteView stream, const IpAddress& sender) {
-  Counters ignored;
-  hokuyo::ScipReader reader(ignored);
-  reader.add(stream);
-  for (hokuyo::ScipMessage message; reader.next(message);) {
-    if (message.echo != "VV" || message.status != "00") continue;
-    FoundDevice device;
-    device.vendor = "Hokuyo";
-    device.address = sender;
-    hokuyo::for_each_entry(message.body, [&](std::string_view key, std::string_view value, bool) {
-      if (key == "PROD") device.product = value;
-      if (key == "FIRM") device.firmware = value;
-      if (key == "SERI") device.serial = value;
-    });
-    device.model = hokuyo::scip_name_of(device.product);
-    return device;
-  }
-  return std::nullopt;
-}
 
 int run_discover(const DiscoverOptions& options, std::ostream& out, std::ostream& err) {
   Search search(options);
@@ -257,10 +200,15 @@ int run_discover(const DiscoverOptions& options, std::ostream& out, std::ostream
   }
   if (!found.empty()) return 0;
   err << "nothing answered within " << options.wait << " s from";
-  for (const std::string& place : search.places()) err << ' ' << place;
-  err << (search.places().empty() ? " anywhere: no interface is up" : "")
-      << "; check power and cable, give this computer an address in the device's network, or name a Hokuyo's "
-         "address with --hokuyo\n";
+  for (const std::string& place : search.asked()) err << ' ' << place;
+  err << (search.asked().empty() ? " anywhere: no interface is up" : "")
+      << "; check power and cable, give this computer an address in the device's network, or name the "
+         "device's "
+         "address";
+  for (const DiscoverPlace& place : options.places) {
+    if (!place.how->usual_address.empty()) err << " with --" << place.how->name;
+  }
+  err << '\n';
   return 1;
 }
 

@@ -16,6 +16,7 @@ namespace lidard {
 /// A topic for each source that is handed over to the other lane.
 inline std::vector<OutputTopic> topics_of(const std::vector<std::string>& sources) {
   std::vector<OutputTopic> topics;
+  topics.reserve(sources.size());
   for (const std::string& source : sources)
     topics.push_back({source, TopicKind::scan, true, 0, topics.size()});
   return topics;

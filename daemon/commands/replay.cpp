@@ -8,6 +8,7 @@
 #include <memory>
 #include <ostream>
 #include <thread>
+#include <utility>
 
 #include "daemon/commands/commands.h"
 #include "daemon/commands/player.h"
@@ -80,7 +81,12 @@ int into_bag(const ReplayOptions& options, const Config& config, MergedCapture& 
   BagSink sink(options.bag);
   BagPoses motion(options.motion, config.vehicle.odometry_topic);
   Replay replay(options, config, capture, sink, motion);
-  const bool complete = replay.play([&](Stamp now) { motion.feed(replay.pipeline, now); }, out, err);
+  bool first = true;
+  const auto on_time = [&](Stamp now) {
+    if (std::exchange(first, false)) sink.outline(config.vehicle, now);
+    motion.feed(replay.pipeline, now);
+  };
+  const bool complete = replay.play(on_time, out, err);
   sink.close();
   return complete ? exit_ok : exit_failed;
 }

@@ -77,8 +77,9 @@ KeyOf<VehicleConfig> footprint_row() {
     for (const Point& vertex : vehicle.footprint) vertices.push_back(KeyList{vertex.x(), vertex.y()});
     return vertices;
   };
-  return special<VehicleConfig>("footprint", "[[x, y], …], m", get,
-                                "polygon in base_frame; returns from inside are left out");
+  return special<VehicleConfig>(
+      "footprint", "[[x, y], …], m", get,
+      "polygon in base_frame; returns from inside are left out; published on the topic footprint");
 }
 
 /// Where the poses come from that scans are deskewed with.
@@ -124,7 +125,10 @@ void read_vehicle(Mapping& root, Reading& reading) {
     Mapping yaml = mapping_of(*section, vehicle_keys(), reading.mistakes);
     read_keys(yaml, vehicle_keys(), vehicle);
     yaml.attempt("footprint", [&] {
-      if (const auto footprint = yaml.find("footprint")) vehicle.footprint = read_footprint(*footprint);
+      const auto footprint = yaml.find("footprint");
+      if (footprint) vehicle.footprint = read_footprint(*footprint);
+      // The outline is published: RosOutline.
+      if (!vehicle.footprint.empty()) reading.claims.publishes("footprint", "vehicle.footprint", *footprint);
     });
     yaml.attempt_rule([&] { check_motion(yaml, vehicle); });
   });

@@ -18,17 +18,17 @@
 namespace lidard {
 namespace {
 
-/// The module stands beside the program where it was built, and in lib/lidard where it was installed.
+/// The module stands beside the program where it was built, and below lib/lidard where it was installed.
 decltype(&lidard_write_pcd) load_pcl() {
   const std::filesystem::path beside = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   std::string trouble;
-  for (const auto& folder : {beside, beside / "../lib/lidard"}) {
+  for (const auto& folder : {beside, beside / "../lib/lidard/modules"}) {
     void* const module = dlopen((folder / "lidard_pcl.so").c_str(), RTLD_NOW | RTLD_LOCAL);
     void* const found = module == nullptr ? nullptr : dlsym(module, "lidard_write_pcd");
     if (found != nullptr) return reinterpret_cast<decltype(&lidard_write_pcd)>(found);
     trouble = dlerror();
   }
-  throw std::runtime_error("PCD files need lidard's module for PCL: " + trouble);
+  throw std::runtime_error("PCD files need lidard's module for PCL (package lidard-pcl): " + trouble);
 }
 
 class PcdWriter final : public FrameWriter {

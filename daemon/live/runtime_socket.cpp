@@ -34,7 +34,7 @@ std::string environment(const char* name) {
 }  // namespace
 
 std::string runtime_socket_path() {
-  if (const std::string path = environment("LIDARD_SOCKET"); !path.empty()) return path;
+  if (std::string path = environment("LIDARD_SOCKET"); !path.empty()) return path;
   // Several folders are separated by colons (systemd.exec(5)).
   const std::string runtime = environment("RUNTIME_DIRECTORY");
   if (!runtime.empty()) return runtime.substr(0, runtime.find(':')) + "/control";
@@ -43,7 +43,7 @@ std::string runtime_socket_path() {
 }
 
 std::string running_socket_path() {
-  const std::string own = runtime_socket_path();
+  std::string own = runtime_socket_path();
   if (!environment("LIDARD_SOCKET").empty() || access(own.c_str(), F_OK) == 0) return own;
   // Who has logged in has a folder of his own; the service has not.
   return service_socket;
@@ -96,6 +96,8 @@ class RuntimeSocket::Talk : public std::enable_shared_from_this<Talk> {
 
 RuntimeSocket::RuntimeSocket(asio::io_context& io, Answers answers)
     : acceptor_(io), pause_(io), answers_(std::move(answers)) {}
+// Cancelling a timer that is not used by two threads does not fail.
+// NOLINTNEXTLINE(bugprone-exception-escape)
 RuntimeSocket::~RuntimeSocket() { stop(); }
 
 std::string RuntimeSocket::start(const std::string& path) {

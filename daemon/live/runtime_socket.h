@@ -24,7 +24,7 @@ class RuntimeSocket {
   using Answers = std::map<std::string, std::function<std::string()>>;
 
   RuntimeSocket(boost::asio::io_context& io, Answers answers);
-  ~RuntimeSocket();
+  ~RuntimeSocket();  // NOLINT(bugprone-exception-escape): see there
 
   /// Empty, or why nobody can ask: another daemon answers there, the folder cannot be written to.
   std::string start(const std::string& path);

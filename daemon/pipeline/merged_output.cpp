@@ -351,13 +351,13 @@ class MergedOutput final : public Output {
       const std::string& second = config_.laserscan_topics[pair.second];
       if (pair.beams <= 0) continue;
       const std::string correction = correction_of(pair);
-      item.add("MountCheck " + first + "/" + second,
+      item.add(fmt::format("MountCheck {}/{}", first, second),
                fmt::format("median {:+.1f} mm, MAD {:.1f} mm, {:.0f} beams; mount of {}: {}",
                            pair.median * 1000, pair.mad * 1000, pair.beams, second, correction));
       if (!pair.misaligned || item.health != Health::ok) continue;
-      item.set(Health::warn, first + " and " + second +
-                                 " do not agree on where surfaces are; correct a mount, e.g. that of " +
-                                 second + " by " + correction);
+      item.set(Health::warn, fmt::format("{0} and {1} do not agree on where surfaces are; correct a mount, "
+                                         "e.g. that of {1} by {2}",
+                                         first, second, correction));
     }
   }
 

@@ -6,6 +6,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "daemon/ros/ros_outline.h"
+
 namespace lidard {
 namespace {
 
@@ -100,6 +102,12 @@ void BagSink::diagnostics(const std::vector<DiagnosticItem>& items, Stamp releas
   if (items.empty()) return;
   to_ros(items, "lidard", released, diagnostics_);
   write("/diagnostics", released, diagnostics_);
+}
+
+void BagSink::outline(const VehicleConfig& vehicle, Stamp released) {
+  if (vehicle.footprint.empty()) return;
+  write(std::string("/") + outline_topic, released, outline_of(vehicle),
+        latched_header<geometry_msgs::PolygonStamped>());
 }
 
 void BagSink::close() {

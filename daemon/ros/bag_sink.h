@@ -34,6 +34,8 @@ class BagSink : public FrameSink {
   void message(const OutputTopic& topic, const DeviceMessage& message, Stamp released) override;
   void transforms(const std::vector<StaticTransform>& transforms, Stamp released) override;
   void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) override;
+  /// The outline of the vehicle, if it has one.
+  void outline(const VehicleConfig& vehicle, Stamp released);
 
   /// Messages written so far.
   std::size_t messages() const { return messages_; }

@@ -16,7 +16,7 @@
 #include <utility>
 
 #include "daemon/ros/ros_callback_thread.h"
-#include "daemon/ros/ros_component.h"
+#include "daemon/ros/ros_components.h"
 #include "daemon/ros/ros_diagnostics.h"
 #include "daemon/ros/ros_environment.h"
 #include "daemon/ros/ros_lanes.h"
@@ -66,7 +66,7 @@ struct RosConnection::Impl {
   const std::string master_uri;
   std::string node;
   RosDiagnostics diagnostics;
-  std::vector<std::shared_ptr<RosComponent>> components;
+  RosComponents components;
   std::unique_ptr<RosName> name;
   RosPulse pulse;
   std::unique_ptr<RosCallbackThread> callbacks;  // while ROS runs
@@ -84,13 +84,15 @@ struct RosConnection::Impl {
   std::thread master_thread;
   std::unique_ptr<RosLanes> lanes;
   std::optional<RosChange> wanted;  // guarded by wake_mutex
-  mutable std::mutex told_mutex;
-  std::vector<DiagnosticItem> components_told;  // guarded by told_mutex
+
+  // When the whole process stood, this thread may be the first one that runs again, and must not take the
+  // others for dead.
+  std::atomic<Clock::time_point> awake_since{Clock::now()};
 
   // Belongs to the master thread.
+  Clock::time_point last_round = Clock::now();
   bool running = false;
   bool registered = false;
-  std::vector<std::shared_ptr<RosComponent>> leaving, joining;  // when the master answers
   int master_pid = 0;
   std::optional<Clock::time_point> standing_back_since;
   Clock::time_point next_notice = Clock::now();
@@ -126,17 +128,7 @@ struct RosConnection::Impl {
     lock.unlock();
     if (!change) return;
     const RosLanes::Pair fresh = lanes->begin_change({change->topics, change->clouds});
-    for (const auto& [former, next] : change->components) {
-      components.erase(std::remove(components.begin(), components.end(), former), components.end());
-      components.push_back(next);
-      if (!running) continue;
-      const auto came = std::find(joining.begin(), joining.end(), former);
-      if (came == joining.end())
-        leaving.push_back(former);
-      else
-        joining.erase(came);
-      joining.push_back(next);
-    }
+    components.replace(change->components, running);
     change->ready(*fresh[0], *fresh[1]);
   }
   /// The lanes of a change are used: those before it are not.
@@ -148,17 +140,12 @@ struct RosConnection::Impl {
   /// What has to wait for the master.
   void register_changes() {
     const RosPulse::Call call(pulse);
-    for (const auto& component : std::exchange(leaving, {})) {
-      component->disconnected();
-      callbacks->drop(component.get());
-    }
-    for (const auto& component : std::exchange(joining, {})) {
-      callbacks->keep_for(component.get());
-      component->connected(*callbacks);
-    }
+    components.register_changes(*callbacks);
     for (const auto& lane : lanes->current()) lane->publishers().advertise_missing();
   }
   void look_after(MasterClient& master) {
+    const Clock::time_point now = Clock::now();
+    if (now - std::exchange(last_round, now) > longest_round) awake_since = now;
     begin_change();
     end_change();
     if (running && !ros::ok()) restart_after_foreign_stop(master);
@@ -183,22 +170,17 @@ struct RosConnection::Impl {
       start_ros();
       spdlog::info("ROS master found at {}; publishing as {}", master_uri, node);
     } else if (another || !registered) {
-      std::vector<std::string> services;
-      for (const auto& component : components) {
-        for (auto& service : component->master_restarted()) services.push_back(std::move(service));
-      }
-      registered = register_again(master, services);
+      registered = register_again(master, components.master_restarted());
       if (registered) spdlog::warn("ROS master at {} came back; all topics are registered again", master_uri);
     }
     register_changes();
     const RosPulse::Call call(pulse);
-    for (const auto& component : components) {
-      if (stopping || !running) return;
-      callbacks->keep_for(component.get());
-      component->poll(master);
-      const auto stale = component->stale_topics();
+    components.for_each(*callbacks, [&](RosComponent& component) {
+      if (stopping) return;
+      component.poll(master);
+      const auto stale = component.stale_topics();
       for (const auto& lane : lanes->current()) lane->publishers().advertise_again(stale);
-    }
+    });
   }
   /// Whoever has the ports registers first.
   bool stands_back() {
@@ -229,10 +211,7 @@ struct RosConnection::Impl {
     for (const auto& lane : lanes->all()) lane->publishers().advertise();
     diagnostics.start();
     callbacks = std::make_unique<RosCallbackThread>(pulse);
-    for (const auto& component : components) {
-      callbacks->keep_for(component.get());
-      component->connected(*callbacks);
-    }
+    components.connected(*callbacks);
     pulse.attach();
     name->taken();
     running = true;
@@ -242,9 +221,7 @@ struct RosConnection::Impl {
     const RosPulse::Call call(pulse);
     pulse.detach();
     callbacks->stop();
-    for (const auto& component : components) component->disconnected();
-    for (const auto& component : std::exchange(leaving, {})) component->disconnected();
-    joining.clear();
+    components.disconnected();
     if (leave) leave_behind(std::move(callbacks));
     callbacks.reset();
     diagnostics.drop(leave);
@@ -269,22 +246,14 @@ struct RosConnection::Impl {
   }
   void publish_diagnostics() {
     next_diagnostics = Clock::now() + std::chrono::seconds(1);
-    std::vector<DiagnosticItem> told;
-    for (const auto& component : components) {
-      for (auto& item : component->diagnostics()) told.push_back(std::move(item));
-    }
-    {
-      const std::lock_guard lock(told_mutex);
-      components_told = std::move(told);
-    }
-    diagnostics.publish(own_items(wall_clock() - lanes->step()));
+    components.ask();
+    diagnostics.publish(own_items(wall_clock() - lanes->step()), awake_since);
   }
   /// What is told beside the sensor threads' items.
   std::vector<DiagnosticItem> own_items(Stamp now) const {
     std::vector<DiagnosticItem> items{own_status()};
     for (const auto& lane : lanes->current()) lane->add_diagnostics(items, now);
-    const std::lock_guard lock(told_mutex);
-    items.insert(items.end(), components_told.begin(), components_told.end());
+    for (auto& item : components.told()) items.push_back(std::move(item));
     return items;
   }
   DiagnosticItem own_status() const {
@@ -298,7 +267,7 @@ struct RosConnection::Impl {
     return item;
   }
   void judge_own_status(DiagnosticItem& item) const {
-    const Span stands = pulse.since_tick();
+    const Span stands = std::min<Span>(pulse.since_tick(), Clock::now() - awake_since.load());
     if (stands > longest_round) {
       item.set(Health::error,
                fmt::format("the thread that publishes has stood still for {:.1f} s", seconds(stands)));
@@ -324,7 +293,7 @@ RosConnection::RosConnection(RosOptions options, const std::vector<OutputTopic>&
 RosConnection::~RosConnection() { stop(); }
 
 void RosConnection::add(std::shared_ptr<RosComponent> component) {
-  impl_->components.push_back(std::move(component));
+  impl_->components.add(std::move(component));
 }
 
 void RosConnection::start() {

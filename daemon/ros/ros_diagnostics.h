@@ -45,13 +45,15 @@ class RosDiagnostics {
     // The hardware is another one for each status; "none" is what the updater wants to hear then.
     updater_->updater.setHardwareID("none");
   }
-  /// Publishes the items given to set(), followed by `more`.
-  void publish(const std::vector<DiagnosticItem>& more) {
+  /// Publishes the items given to set(), followed by `more`. `awake_since`: since when this process runs
+  /// without having stood; nobody could set() anything before.
+  void publish(const std::vector<DiagnosticItem>& more, std::chrono::steady_clock::time_point awake_since) {
     if (!updater_) return;
     updater_->items.clear();
     {
       const std::lock_guard lock(mutex_);
-      for (const auto& item : joined(newest_[0].aged(longest_age_), newest_[1].aged(longest_age_)))
+      for (const auto& item :
+           joined(newest_[0].aged(longest_age_, awake_since), newest_[1].aged(longest_age_, awake_since)))
         updater_->take(item);
     }
     for (const auto& item : more) updater_->take(item);
@@ -69,9 +71,10 @@ class RosDiagnostics {
     std::vector<DiagnosticItem> items;
     std::chrono::steady_clock::time_point at;
 
-    std::vector<DiagnosticItem> aged(std::optional<Span> limit) const {
+    std::vector<DiagnosticItem> aged(std::optional<Span> limit,
+                                     std::chrono::steady_clock::time_point awake_since) const {
       std::vector<DiagnosticItem> all = items;
-      const Span age = std::chrono::steady_clock::now() - at;
+      const Span age = std::chrono::steady_clock::now() - std::max(at, awake_since);
       if (!limit || age <= *limit) return all;
       for (DiagnosticItem& item : all)
         item.set(Health::error, fmt::format("no report from the sensor thread for {:.1f} s: {}", seconds(age),

@@ -15,6 +15,7 @@
 #include "daemon/ros/output_items.h"
 #include "daemon/ros/ros_connection.h"
 #include "daemon/ros/ros_inputs.h"
+#include "daemon/ros/ros_outline.h"
 #include "daemon/ros/tf_poses.h"
 
 namespace lidard {
@@ -108,13 +109,13 @@ class RosSession : public RosConnection {
     Fed(MessageReceiver& pipeline, RosPost how) : receiver(pipeline), post(std::move(how)) {}
     WithoutSteps receiver;
     RosPost post;
-    std::array<std::string, 3> texts;
-    std::array<std::shared_ptr<RosComponent>, 3> components;
+    std::array<std::string, 4> texts;
+    std::array<std::shared_ptr<RosComponent>, 4> components;
   };
   using Renewed = std::vector<std::pair<std::shared_ptr<RosComponent>, std::shared_ptr<RosComponent>>>;
   /// Makes the components that follow from other words than before; each with the one that it replaces.
   Renewed renewed(Fed& fed, const Config& config, const Config& whole) const {
-    std::array<std::string, 3> texts = texts_of(config);
+    std::array<std::string, 4> texts = texts_of(config);
     Renewed all;
     for (std::size_t i = 0; i < texts.size(); ++i) {
       const bool by_hand = i == 2 && fed.receiver.set_by_hand.exchange(false);
@@ -125,19 +126,22 @@ class RosSession : public RosConnection {
     fed.texts = std::move(texts);
     return all;
   }
-  static std::array<std::string, 3> texts_of(const Config& config) {
+  static std::array<std::string, 4> texts_of(const Config& config) {
     std::string sources, outputs;
     for (const TopicSource& source : topic_sources(config))
       sources += fmt::format("{} {} {} {}\n", source.sensor, source.topic, source.packets,
                              source.kind ? static_cast<int>(*source.kind) : -1);
     for (const auto& merged : config.merged_scans) outputs += to_yaml(merged);
     for (const auto& group : config.virtual_scans) outputs += to_yaml(group);
-    return {sources, to_yaml(config.vehicle), outputs};
+    const std::string vehicle = to_yaml(config.vehicle);
+    return {sources, vehicle, outputs, vehicle};
   }
   std::shared_ptr<RosComponent> make(std::size_t which, Fed& fed, const Config& config,
                                      const Config& whole) const {
     if (which == 0) return std::make_shared<RosInputs>(topic_sources(config), fed.post, fed.receiver);
     if (which == 1) return make_ros_motion(config.vehicle, fed.post, fed.receiver);
+    const bool is_first = &fed == fed_.front().get();
+    if (which == 3) return std::make_shared<RosOutline>(is_first ? config.vehicle : VehicleConfig());
     auto outputs = changeable_outputs(whole, reconfigure_);
     const auto is_foreign = [&](const ChangeableOutput& output) { return !has_output(config, output.id); };
     outputs.erase(std::remove_if(outputs.begin(), outputs.end(), is_foreign), outputs.end());

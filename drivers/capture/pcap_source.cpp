@@ -10,7 +10,9 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
+#include <map>
 #include <new>
 
 namespace lidard {
@@ -58,56 +60,53 @@ class LibpcapReader : public CaptureReader {
   std::string error_;
 };
 
-/// A stream over somebody else's descriptor, with a position of its own.
-struct FileView {
-  int fd;
+/// The bytes of a capture as a stream for libpcap.
+struct BytesView {
+  std::shared_ptr<CaptureBytes> bytes;
   bool hide_snapshot_length;
-  off_t position = 0;
 
   static ssize_t read(void* self, char* out, std::size_t size) {
-    auto& view = *static_cast<FileView*>(self);
-    const ssize_t got = ::pread(view.fd, out, size, view.position);
-    if (got < 0) return got;
+    auto& view = *static_cast<BytesView*>(self);
+    const std::uint64_t begin = view.bytes->position();
+    const ssize_t got = view.bytes->read(out, size);
     // libpcap cuts records at the snapshot length of the file header, even where it lies and the bytes are
     // there. Zero means no limit of the file's own (pcap-savefile(5): bytes 16 to 19).
-    for (off_t i = std::max<off_t>(16, view.position); view.hide_snapshot_length && i < 20; ++i) {
-      if (i < view.position + got) out[i - view.position] = 0;
+    for (std::uint64_t i = std::max<std::uint64_t>(16, begin); view.hide_snapshot_length && i < 20; ++i) {
+      if (got > 0 && i < begin + static_cast<std::uint64_t>(got)) out[i - begin] = 0;
     }
-    view.position += got;
     return got;
   }
 
+  /// Tells where the stream is (ftello() asks); nobody needs it elsewhere.
   static int seek(void* self, off64_t* offset, int whence) {
-    auto& view = *static_cast<FileView*>(self);
-    if (whence == SEEK_END) return -1;
-    const off64_t target = whence == SEEK_CUR ? view.position + *offset : *offset;
-    if (target < 0) return -1;
-    *offset = view.position = target;
+    if (whence != SEEK_CUR || *offset != 0) return -1;
+    *offset = static_cast<off64_t>(static_cast<BytesView*>(self)->bytes->position());
     return 0;
   }
 
   static int close(void* self) {
-    delete static_cast<FileView*>(self);
+    delete static_cast<BytesView*>(self);
     return 0;
   }
 };
 
-FileHandle open_stream(int fd, bool hide_snapshot_length) {
+FileHandle open_stream(std::shared_ptr<CaptureBytes> bytes, bool hide_snapshot_length) {
   cookie_io_functions_t functions{};
-  functions.read = FileView::read;
-  functions.seek = FileView::seek;
-  functions.close = FileView::close;
-  auto view = std::make_unique<FileView>(FileView{fd, hide_snapshot_length});
+  functions.read = BytesView::read;
+  functions.seek = BytesView::seek;
+  functions.close = BytesView::close;
+  auto view = std::make_unique<BytesView>(BytesView{std::move(bytes), hide_snapshot_length});
   FileHandle file(::fopencookie(view.get(), "rb", functions));
   if (!file) throw std::bad_alloc();
   static_cast<void>(view.release());  // close() deletes it
   return file;
 }
 
-bool is_compressed(ByteView magic) {
-  // RFC 1952; RFC 8878; xz-file-format 1.2.
-  return magic.be16(0) == 0x1f8b || magic.le32(0) == 0xfd2fb528U || magic.be32(0) == 0xfd377a58U;
-}
+std::string why_not() { return std::strerror(errno); }
+
+// Section Header Block and its byte-order magic, draft-ietf-opsawg-pcapng section 4.1.
+bool is_pcapng(ByteView head) { return head.be32(0) == 0x0a0d0d0aU; }
+bool has_byte_order(ByteView head) { return head.be32(8) == 0x1a2b3c4dU || head.le32(8) == 0x1a2b3c4dU; }
 
 }  // namespace
 
@@ -120,38 +119,90 @@ std::unique_ptr<CaptureReader> open_pcap(FileHandle file, const std::string& nam
   return std::make_unique<LibpcapReader>(std::move(pcap));
 }
 
-std::unique_ptr<CaptureReader> open_capture(int fd, const std::string& name, std::uint64_t size) {
-  std::array<std::uint8_t, 4> bytes{};
-  const ByteView magic(bytes.data(), bytes.size());
+std::unique_ptr<CaptureReader> open_capture(std::shared_ptr<CaptureBytes> bytes, const std::string& name,
+                                            std::uint64_t size) {
   if (size == 0) throw CaptureError(name + ": the file is empty (0 bytes); record it again");
-  const ssize_t got = ::pread(fd, bytes.data(), bytes.size(), 0);
-  if (got < 0) throw CaptureError(name + ": cannot be read: " + std::strerror(errno) + "; check the disk");
+  std::array<std::uint8_t, 12> head{};
+  const ssize_t got = bytes->read(reinterpret_cast<char*>(head.data()), head.size());
+  if (!bytes->error().empty()) throw CaptureError(name + ": " + bytes->error() + "; copy or record it again");
+  if (got < 0) throw CaptureError(name + ": cannot be read: " + why_not() + "; check the disk");
   if (got < 4) throw CaptureError(name + ": too short to be a capture" + remedy);
-  if (is_compressed(magic))
-    throw CaptureError(name + ": is compressed; unpack it first (gunzip, unzstd, unxz)");
-  // Section Header Block, draft-ietf-opsawg-pcapng section 4.1.
-  const bool is_pcapng = magic.be32(0) == 0x0a0d0d0aU;
-  FileHandle file = open_stream(fd, !is_pcapng);
-  return is_pcapng ? open_pcapng(std::move(file), name, size) : open_pcap(std::move(file), name);
+  bytes->rewind();
+  const bool packed = bytes->is_packed();
+  const ByteView magic(head.data(), head.size());
+  if (!is_pcapng(magic)) return open_pcap(open_stream(std::move(bytes), true), name);
+  if (!has_byte_order(magic))
+    throw CaptureError(name + ": begins like a pcapng file but has no byte-order magic; record it again");
+  return open_pcapng(open_stream(std::move(bytes), false), packed ? unknown_size : size);
 }
 
 namespace {
 
-std::string why_not() { return std::strerror(errno); }
+/// A pipe's bytes in a temporary file without a name. Stops early where they are those of no capture: a pipe
+/// may never end.
+FileDescriptor spool(int pipe, const std::string& name) {
+  const auto fail = [&](const char* what) -> void {
+    throw CaptureError(name + ": " + what + ": " + why_not() + "; save the capture to a file first");
+  };
+  const char* folder = std::getenv("TMPDIR");
+  FileDescriptor file(::open(folder != nullptr ? folder : "/tmp", O_TMPFILE | O_RDWR | O_CLOEXEC, 0600));
+  if (!file.valid()) fail("its copy cannot be made");
+  std::vector<char> buffer(256 * 1024);
+  bool checked = false;
+  for (std::uint64_t size = 0;;) {
+    const ssize_t got = ::read(pipe, buffer.data(), buffer.size());
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) fail("cannot be read");
+    if (got == 0) return file;
+    for (ssize_t put = 0; put < got;) {
+      const ssize_t n = ::write(file.get(), buffer.data() + put, static_cast<std::size_t>(got - put));
+      if (n < 0) fail("its copy in the temporary folder cannot be written");
+      put += n;
+    }
+    size += static_cast<std::uint64_t>(got);
+    if (checked || size < 64 * 1024) continue;
+    checked = true;
+    try {
+      open_capture(std::make_shared<CaptureBytes>(file.get()), name, size);
+    } catch (const CaptureError&) {
+      return file;  // whoever opens it finds the same
+    }
+  }
+}
+
+/// Opens what can be read from any place: a file, or the copy of a pipe ("-": standard input). The copy is
+/// made once, since the writer of a pipe is gone when it is opened again.
+FileDescriptor open_file(const std::string& path, const std::string& name) {
+  static std::map<std::string, FileDescriptor> copies;
+  const auto duplicate = [](int fd) { return FileDescriptor(::fcntl(fd, F_DUPFD_CLOEXEC, 0)); };
+  const auto copy = copies.find(path);
+  if (copy != copies.end()) return duplicate(copy->second.get());
+  FileDescriptor file =
+      path == "-" ? duplicate(STDIN_FILENO) : FileDescriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.valid())
+    throw CaptureError(name + ": cannot be opened: " + why_not() + "; check the path and its rights");
+  struct stat status {};
+  if (::fstat(file.get(), &status) != 0) throw CaptureError(name + ": cannot be read: " + why_not());
+  if (S_ISREG(status.st_mode)) return file;
+  if (S_ISDIR(status.st_mode)) throw CaptureError(name + ": is a directory; name the capture files in it");
+  if (!S_ISFIFO(status.st_mode) && !S_ISSOCK(status.st_mode))
+    throw CaptureError(name + ": is neither a file nor a pipe; name a capture, or give one with `< FILE`");
+  return duplicate(copies.emplace(path, spool(file.get(), name)).first->second.get());
+}
 
 }  // namespace
 
 PcapSource::PcapSource(const std::string& path)
-    : name_(path), file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
-  if (file_.get() < 0)
-    throw CaptureError(name_ + ": cannot be opened: " + why_not() + "; check the path and its rights");
+    : name_(path == "-" ? "standard input" : path), file_(open_file(path, name_)) {
   struct stat status {};
   if (::fstat(file_.get(), &status) != 0) throw CaptureError(name_ + ": cannot be read: " + why_not());
-  if (S_ISDIR(status.st_mode)) throw CaptureError(name_ + ": is a directory; name the capture files in it");
-  if (!S_ISREG(status.st_mode))
-    throw CaptureError(name_ + ": is not a regular file; save the capture to a file first");
   size_ = static_cast<std::uint64_t>(status.st_size);
-  reader_ = open_capture(file_.get(), name_, size_);
+  open();
+}
+
+void PcapSource::open() {
+  bytes_ = std::make_shared<CaptureBytes>(file_.get());
+  reader_ = open_capture(bytes_, name_, size_);
 }
 
 bool PcapSource::next(Packet& packet) {
@@ -162,7 +213,9 @@ bool PcapSource::next(Packet& packet) {
     if (!reader_->next(record)) {
       // More bytes than a record has are more than a last one.
       constexpr std::uint64_t longest_record = 65536 + 64;
-      ends_in_last_record_ = records_ > 0 && reader_->ran_out() && size_ - begin <= longest_record;
+      const std::uint64_t all = bytes_->is_packed() ? bytes_->position() : size_;
+      ends_in_last_record_ =
+          records_ > 0 && reader_->ran_out() && bytes_->error().empty() && all - begin <= longest_record;
       end();
       continue;
     }
@@ -183,8 +236,9 @@ void PcapSource::end() {
   defragmenter_.flush();
   counters_.fragments_dropped = defragmenter_.dropped();
   tcp_.flush();
-  if (!reader_->error().empty()) {
-    error_ = name_ + ": " + reader_->error() + "; " +
+  const std::string& trouble = bytes_->error().empty() ? reader_->error() : bytes_->error();
+  if (!trouble.empty()) {
+    error_ = name_ + ": " + trouble + "; " +
              (records_ == 0 ? "there is nothing before it, record again" : "what came before it was used");
   } else if (records_ == 0) {
     error_ = name_ + ": holds no packet; check interface and filter and record again";
@@ -265,7 +319,7 @@ void PcapSource::rewind() {
   error_.clear();
   ends_in_last_record_ = false;
   records_ = 0;
-  reader_ = open_capture(file_.get(), name_, size_);
+  open();
   ended_ = false;
 }
 

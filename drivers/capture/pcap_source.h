@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -12,6 +13,7 @@
 
 #include "core/base/bytes.h"
 #include "core/base/time.h"
+#include "drivers/capture/capture_bytes.h"
 #include "drivers/capture/ip_packet.h"
 #include "drivers/capture/tcp_reassembler.h"
 #include "drivers/driver.h"
@@ -54,13 +56,17 @@ using FileHandle = std::unique_ptr<std::FILE, FileCloser>;
 /// A classic pcap file, through libpcap. Throws CaptureError, whose message begins with `name`.
 std::unique_ptr<CaptureReader> open_pcap(FileHandle file, const std::string& name);
 
-/// A pcapng file of `size` bytes (draft-ietf-opsawg-pcapng): any number of sections, interfaces and link
-/// types. Throws CaptureError.
-std::unique_ptr<CaptureReader> open_pcapng(FileHandle file, const std::string& name, std::uint64_t size);
+/// The size of a file that is unpacked while it is read.
+constexpr std::uint64_t unknown_size = std::numeric_limits<std::uint64_t>::max();
 
-/// Whichever of the two the open file `fd` of `size` bytes is, from its beginning; throws CaptureError where
-/// it is neither. The descriptor must outlive the reader; its offset is neither used nor changed.
-std::unique_ptr<CaptureReader> open_capture(int fd, const std::string& name, std::uint64_t size);
+/// A pcapng file of `size` bytes (draft-ietf-opsawg-pcapng): any number of sections, interfaces and link
+/// types.
+std::unique_ptr<CaptureReader> open_pcapng(FileHandle file, std::uint64_t size);
+
+/// Whichever of the two the bytes of a file of `size` bytes are, from their beginning; throws CaptureError
+/// where they are neither.
+std::unique_ptr<CaptureReader> open_capture(std::shared_ptr<CaptureBytes> bytes, const std::string& name,
+                                            std::uint64_t size);
 
 /// A capture that cannot be opened, or ends in a broken record: "file: what, at byte N; remedy".
 class CaptureError : public std::runtime_error {
@@ -106,11 +112,12 @@ constexpr NamedCounter<CaptureCounters> capture_losses[] = {
     {&CaptureCounters::fragments_dropped, "fragments_dropped", "fragments without use"}};
 
 /// Reads UDP datagrams, and TCP streams in both directions, from a capture file: pcap and pcapng, both byte
-/// orders, us and ns; Ethernet, VLAN, QinQ, Linux cooked v1 and v2, raw IP, null and loop; IPv4 (options,
-/// fragments) and IPv6.
+/// orders, us and ns, as they are or packed (gzip, zstd, xz); Ethernet, VLAN, QinQ, Linux cooked v1 and v2,
+/// raw IP, null and loop; IPv4 (options, fragments) and IPv6.
 class PcapSource {
  public:
-  /// Opens the file; throws CaptureError.
+  /// Opens the file; "-" is standard input. A pipe is read to its end first, into a temporary file that all
+  /// sources of the process share. Throws CaptureError.
   explicit PcapSource(const std::string& path);
 
   /// The next datagram or chunk of a TCP stream (Packet::transport tells), or false at the end. The payload
@@ -127,8 +134,8 @@ class PcapSource {
     all.tcp = tcp_.counters();
     return all;
   }
-  /// Bytes read and in all, for a progress display.
-  std::uint64_t position() const { return reader_->position(); }
+  /// Bytes of the file read and in all, for a progress display.
+  std::uint64_t position() const { return bytes_->is_packed() ? bytes_->taken() : reader_->position(); }
   std::uint64_t size() const { return size_; }
   /// Starts again from the first record; counters go on.
   void rewind();
@@ -139,11 +146,13 @@ class PcapSource {
   bool take_transport(const IpPacket& ip, bool snapped, Packet& packet);
   void take_segment(const IpPacket& ip, bool snapped, Stamp stamp);
   bool count(HeaderResult result, bool snapped);
+  void open();
   void end();
 
   std::string name_;
   FileDescriptor file_;  // kept, so that a rewind finds the same file even where its name is gone
   std::uint64_t size_ = 0;
+  std::shared_ptr<CaptureBytes> bytes_;
   std::unique_ptr<CaptureReader> reader_;
   IpDefragmenter defragmenter_;
   TcpReassembler tcp_;

@@ -88,7 +88,7 @@ class PcapngReader : public CaptureReader {
   PcapngReader(FileHandle file, std::uint64_t size) : file_(std::move(file)), size_(size) {}
 
   bool next(CaptureRecord& record) override {
-    while (error_.empty() && position_ < size_) {
+    while (error_.empty() && !at_end()) {
       if (read_block(record)) return true;
     }
     return false;
@@ -98,6 +98,11 @@ class PcapngReader : public CaptureReader {
   std::uint64_t position() const override { return position_; }
 
  private:
+  bool at_end() {
+    if (position_ >= size_) return true;
+    const int next = std::getc(file_.get());
+    return next == EOF || std::ungetc(next, file_.get()) == EOF;
+  }
   /// True if the block was a packet.
   bool read_block(CaptureRecord& record) {
     std::uint32_t type = 0;
@@ -107,7 +112,7 @@ class PcapngReader : public CaptureReader {
     const bool wanted =
         is_packet || type == simple_packet || type == section_header || type == interface_description;
     if (!wanted) return skip_body(length);
-    if (!read_body(length)) return false;
+    if (!read_body(length, type == section_header ? 4 : 0)) return false;
     const Fields body{ByteView(buffer_.data(), buffer_.size() - 4), big_};
     if (type == section_header) return take_section(body);
     if (type == interface_description) return take_interface(body);
@@ -133,29 +138,31 @@ class PcapngReader : public CaptureReader {
 
   /// The section's byte order stands behind its length, which must be known before the length is understood.
   bool read_section_magic() {
-    std::array<std::uint8_t, 4> bytes{};
-    if (!read(bytes.data(), bytes.size())) return false;
-    const ByteView magic(bytes.data(), bytes.size());
+    buffer_.resize(4);
+    if (!read(buffer_.data(), buffer_.size())) return false;
+    const ByteView magic(buffer_.data(), buffer_.size());
     big_ = magic.be32(0) == byte_order_magic;
-    if (!big_ && magic.le32(0) != byte_order_magic) return fail("section without a byte-order magic");
-    position_ -= bytes.size();
-    return std::fseek(file_.get(), -4, SEEK_CUR) == 0 || fail("block cannot be read");
+    return big_ || magic.le32(0) == byte_order_magic || fail("section without a byte-order magic");
   }
 
-  bool read_body(std::uint32_t length) {
+  /// `known` bytes stand in the buffer.
+  bool read_body(std::uint32_t length, std::size_t known) {
     if (length > max_block) return fail("packet block with the impossible length " + std::to_string(length));
     buffer_.resize(length - 8U);
-    if (!read(buffer_.data(), buffer_.size())) return false;
+    if (!read(buffer_.data() + known, buffer_.size() - known)) return false;
     return check_trailer(length,
                          Fields{ByteView(buffer_.data(), buffer_.size()), big_}.u32(buffer_.size() - 4));
   }
 
   /// Always false: a block that is skipped is no packet.
   bool skip_body(std::uint32_t length) {
+    std::array<std::uint8_t, 4096> unread;
+    for (std::size_t left = length - 12U; left > 0;) {
+      const std::size_t n = std::min(left, unread.size());
+      if (!read(unread.data(), n)) return false;
+      left -= n;
+    }
     std::array<std::uint8_t, 4> trailer{};
-    if (fseeko(file_.get(), static_cast<off_t>(length) - 12, SEEK_CUR) != 0)
-      return fail("block cannot be read");
-    position_ += length - 12U;
     if (read(trailer.data(), trailer.size()))
       check_trailer(length, Fields{ByteView(trailer.data(), 4), big_}.u32(0));
     return false;
@@ -234,7 +241,9 @@ class PcapngReader : public CaptureReader {
   }
   bool read(std::uint8_t* out, std::size_t n) {
     position_ += n;
-    return std::fread(out, 1, n, file_.get()) == n || fail("block cannot be read");
+    if (std::fread(out, 1, n, file_.get()) == n) return true;
+    return std::feof(file_.get()) != 0 ? run_out("block cut by the end of the file")
+                                       : fail("block cannot be read");
   }
 
   FileHandle file_;
@@ -251,14 +260,7 @@ class PcapngReader : public CaptureReader {
 
 }  // namespace
 
-std::unique_ptr<CaptureReader> open_pcapng(FileHandle file, const std::string& name, std::uint64_t size) {
-  std::array<std::uint8_t, 12> bytes{};
-  const bool read = std::fread(bytes.data(), 1, bytes.size(), file.get()) == bytes.size();
-  const std::uint32_t magic = ByteView(bytes.data(), bytes.size()).le32(8);
-  if (!read || (magic != byte_order_magic && magic != byte_order_magic_swapped)) {
-    throw CaptureError(name + ": begins like a pcapng file but has no byte-order magic; record it again");
-  }
-  std::rewind(file.get());
+std::unique_ptr<CaptureReader> open_pcapng(FileHandle file, std::uint64_t size) {
   return std::make_unique<PcapngReader>(std::move(file), size);
 }
 

@@ -43,12 +43,12 @@ constexpr NamedCounter<TcpCounters> tcp_losses[] = {
 /// Use: add() a segment, then call next() until it returns false.
 class TcpReassembler {
  public:
-  static constexpr std::size_t max_streams = 1024;              ///< the one silent for longest gives way
-  static constexpr std::size_t max_waiting_bytes = 512 * 1024;  ///< behind the holes of a stream
-  static constexpr std::size_t max_waiting_segments = 1024;     ///< behind the holes of a stream
-  static constexpr std::size_t max_waiting_total = 16'777'216;  ///< bytes, of all streams
-  static constexpr std::int32_t window = 4 * 1024 * 1024;       ///< bytes; farther off: another connection
-  static constexpr Span patience = std::chrono::seconds(3);     ///< with holes
+  static constexpr std::size_t max_streams = 1024;  ///< the one silent for longest gives way
+  static constexpr std::size_t max_waiting_bytes = std::size_t{512} * 1024;  ///< behind the holes of a stream
+  static constexpr std::size_t max_waiting_segments = 1024;                  ///< behind the holes of a stream
+  static constexpr std::size_t max_waiting_total = 16'777'216;               ///< bytes, of all streams
+  static constexpr std::int32_t window = 4 * 1024 * 1024;    ///< bytes; farther off: another connection
+  static constexpr Span patience = std::chrono::seconds(3);  ///< with holes
   static constexpr Span acknowledged =
       std::chrono::milliseconds(10);  ///< with holes the receiver does not have
 

@@ -26,7 +26,7 @@ struct TcpOptions {
   Span last_retry = std::chrono::milliseconds(1000);
   /// False: one attempt for each start(), and no other connection when that one ended.
   bool keep_up = true;
-  std::size_t send_limit = 64 * 1024;  ///< bytes that may wait for a device that does not read
+  std::size_t send_limit = std::size_t{64} * 1024;  ///< bytes that may wait for a device that does not read
 };
 
 struct TcpStats {

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <string>
 
+#include "drivers/hokuyo/discovery.h"
 #include "drivers/hokuyo/models.h"
 #include "drivers/sick/cola/cola_models.h"
+#include "drivers/sick/cola/discovery.h"
 #include "drivers/sick/compact/compact_models.h"
 #include "drivers/sick/safety/safety_models.h"
 #include "drivers/velodyne/models.h"
@@ -46,9 +48,9 @@ Registry& registry() {
     Registry known;
     known.add({velodyne::append_models, velodyne::make_recognizer});
     known.add({sick::append_safety_models, sick::make_safety_recognizer});
-    known.add({sick::append_cola_models, sick::make_cola_recognizer});
+    known.add({sick::append_cola_models, sick::make_cola_recognizer, &sick::discovery()});
     known.add({sick::append_compact_models, sick::make_compact_recognizer});
-    known.add({hokuyo::append_models, hokuyo::make_recognizer});
+    known.add({hokuyo::append_models, hokuyo::make_recognizer, &hokuyo::discovery()});
     return known;
   }();
   return all;

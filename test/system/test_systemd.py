@@ -14,7 +14,7 @@ import sys
 import tempfile
 import time
 
-from harness import LIDARD, LIDARD_SIM, SCANNER_CONFIG, SCANNER_SCENE, SKIP, expect, process, wait_for
+from harness import LIDARD, LIDARD_SIM, ROOT, SCANNER_CONFIG, SCANNER_SCENE, SKIP, expect, process, wait_for
 
 PORT = 6060
 MASTER = "http://127.0.0.1:11311"
@@ -31,10 +31,11 @@ import os; os._exit(0)
 
 
 class Vehicle:
-    """A computer that runs systemd."""
+    """A computer that runs systemd; its disk is the folder `below` with a layer above that is thrown away."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, below="/"):
         self.root = folder / "root"
+        self.below = below
         self.layers = [folder / name for name in ("upper", "work")]
         for path in (self.root, *self.layers):
             path.mkdir()
@@ -42,7 +43,7 @@ class Vehicle:
 
     def mount(self):
         upper, work = self.layers
-        return subprocess.run(["mount", "-t", "overlay", "overlay", "-o", f"lowerdir=/,upperdir={upper},workdir={work}", self.root],
+        return subprocess.run(["mount", "-t", "overlay", "overlay", "-o", f"lowerdir={self.below},upperdir={upper},workdir={work}", self.root],
                               capture_output=True, text=True, check=False)
 
     def inside(self, *command, timeout=60, **options):
@@ -77,11 +78,11 @@ def needs():
 
 
 @contextlib.contextmanager
-def booted(folder):
-    vehicle = Vehicle(folder)
-    mounted = vehicle.mount()
-    if mounted.returncode != 0:
-        print("skipped: no overlay:", mounted.stderr.strip())
+def mounted(folder, below="/"):
+    vehicle = Vehicle(folder, below)
+    done = vehicle.mount()
+    if done.returncode != 0:
+        print("skipped: no overlay:", done.stderr.strip())
         sys.exit(SKIP)
     try:
         quiet = vehicle.root / "etc/systemd/system"
@@ -89,25 +90,32 @@ def booted(folder):
         (quiet / "default.target").unlink(missing_ok=True)
         (quiet / "default.target").symlink_to("/lib/systemd/system/basic.target")
         (vehicle.root / "etc/machine-id").write_text("")
-        done = subprocess.run(["cmake", "--install", str(pathlib.Path(LIDARD).parent), "--prefix", "/usr"],
-                              env={**os.environ, "DESTDIR": str(vehicle.root)}, capture_output=True, text=True, check=False)
-        expect(done.returncode == 0, done.stdout + done.stderr)
-        shutil.copy(LIDARD_SIM, vehicle.root / "usr/bin/lidard-sim")
-        prepare(vehicle.root)
-        with process(["systemd-nspawn", "--quiet", "--directory", vehicle.root, "--boot", "--register=no", "--keep-unit",
-                      "--private-network", "--console=pipe", "--kill-signal=SIGRTMIN+3"], stdin=subprocess.DEVNULL,
-                     stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as nspawn:
-            deadline = time.monotonic() + 60
-            while not vehicle.find_init(nspawn):
-                if nspawn.poll() is not None or time.monotonic() > deadline:
-                    print("skipped: systemd does not start in a container here")
-                    sys.exit(SKIP)
-                time.sleep(0.2)
-            yield vehicle
-            vehicle.systemctl("poweroff")
-            nspawn.wait(60)
+        yield vehicle
     finally:
         subprocess.run(["umount", "--lazy", vehicle.root], check=False)
+
+
+@contextlib.contextmanager
+def booted(vehicle):
+    with process(["systemd-nspawn", "--quiet", "--directory", vehicle.root, "--boot", "--register=no", "--keep-unit",
+                  "--private-network", "--console=pipe", "--kill-signal=SIGRTMIN+3"], stdin=subprocess.DEVNULL,
+                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as nspawn:
+        deadline = time.monotonic() + 60
+        while not vehicle.find_init(nspawn):
+            if nspawn.poll() is not None or time.monotonic() > deadline:
+                print("skipped: systemd does not start in a container here")
+                sys.exit(SKIP)
+            time.sleep(0.2)
+        yield vehicle
+        vehicle.systemctl("poweroff")
+        nspawn.wait(60)
+
+
+def install(vehicle):
+    done = subprocess.run(["cmake", "--install", str(pathlib.Path(LIDARD).parent), "--prefix", "/usr"],
+                          env={**os.environ, "DESTDIR": str(vehicle.root)}, capture_output=True, text=True, check=False)
+    expect(done.returncode == 0, done.stdout + done.stderr)
+    shutil.copy(LIDARD_SIM, vehicle.root / "usr/bin/lidard-sim")
 
 
 def prepare(root):
@@ -123,10 +131,10 @@ def prepare(root):
     (root / "etc/listener.py").write_text(SUBSCRIBER)
 
 
-def start_world(vehicle):
+def start_world(vehicle, scene="/etc/scene.yaml"):
     vehicle.systemctl("reset-failed")
     environment = ["--setenv=ROS_IP=127.0.0.1", "--setenv=ROS_LOG_DIR=/tmp/ros"]
-    vehicle.inside("systemd-run", "--unit=lidar", "lidard-sim", "live", "/etc/scene.yaml")
+    vehicle.inside("systemd-run", "--unit=lidar", "lidard-sim", "live", scene)
     vehicle.inside("systemd-run", "--unit=master", *environment, "/usr/bin/python3", "/usr/bin/rosmaster", "--core", "-p", "11311")
 
 
@@ -274,6 +282,33 @@ def check_reload(vehicle):
     wait_for(lambda: configuration_item(vehicle)["level"] == "OK", 5, "the right file is in force")
 
 
+def check_real_time(vehicle):
+    """The drop-in of lidard(8), on the processors that this machine has."""
+    page = (ROOT / "daemon/lidard.8").read_text()
+    section = page[page.index(".SH REAL TIME"):]
+    text = section[section.index(".nf\n") + 4:section.index(".fi\n")].replace("\\-", "-").replace("CPUAffinity=2 3", "CPUAffinity=0")
+    drop_in = vehicle.root / "etc/systemd/system/lidard.service.d/real_time.conf"
+    drop_in.parent.mkdir()
+    drop_in.write_text(text)
+    vehicle.systemctl("daemon-reload")
+    vehicle.systemctl("restart", "lidard")
+    seconds_to_data(vehicle)
+    # Numbers of processes are those of the container; threads inherit the policy.
+    policies = vehicle.inside("chrt", "--all-tasks", "--pid", main_pid(vehicle)).stdout
+    expect("SCHED_FIFO" in policies, policies or journal(vehicle))
+    own = [line for line in policies.splitlines() if "policy" in line]
+    expect(len(own) > 5 and all("SCHED_FIFO" in line for line in own), policies)
+    status = vehicle.inside("cat", f"/proc/{main_pid(vehicle)}/status").stdout
+    locked = next(line for line in status.splitlines() if line.startswith("VmLck"))
+    expect(int(locked.split()[1]) > 20000, locked)
+    expect("Cpus_allowed_list:\t0\n" in status, status)
+    print(f"real time: {len(own)} threads SCHED_FIFO, {locked}")
+    drop_in.unlink()
+    vehicle.systemctl("daemon-reload")
+    vehicle.systemctl("restart", "lidard")
+    seconds_to_data(vehicle)
+
+
 def check_stop(vehicle):
     """P20."""
     begin = time.monotonic()
@@ -290,18 +325,26 @@ def main():
         print("skipped:", missing)
         sys.exit(SKIP)
     with tempfile.TemporaryDirectory(prefix="lidard-systemd-", ignore_cleanup_errors=True) as path, \
-            booted(pathlib.Path(path)) as vehicle:
-        start_world(vehicle)
-        check_security(vehicle)
-        check_data(vehicle)
-        check_privileges(vehicle)
-        check_sockets(vehicle)
-        check_kill(vehicle)
-        check_hang(vehicle)
-        check_instances(vehicle)
-        check_bad_configuration(vehicle)
-        check_reload(vehicle)
-        check_stop(vehicle)
+            mounted(pathlib.Path(path)) as vehicle:
+        install(vehicle)
+        prepare(vehicle.root)
+        with booted(vehicle):
+            check(vehicle)
+
+
+def check(vehicle):
+    start_world(vehicle)
+    check_security(vehicle)
+    check_data(vehicle)
+    check_privileges(vehicle)
+    check_sockets(vehicle)
+    check_kill(vehicle)
+    check_hang(vehicle)
+    check_instances(vehicle)
+    check_bad_configuration(vehicle)
+    check_reload(vehicle)
+    check_real_time(vehicle)
+    check_stop(vehicle)
 
 
 if __name__ == "__main__":

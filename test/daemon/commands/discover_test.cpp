@@ -8,11 +8,16 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <thread>
 
+#include "drivers/hokuyo/discovery.h"
+#include "drivers/registry/registry.h"
+#include "drivers/sick/cola/discovery.h"
 #include "test/sim/devices/scip_device.h"
 #include "test/sim/servers/device_server.h"
 
@@ -73,37 +78,51 @@ class Responder {
 };
 
 TEST(Discover, TheSearchIsTwentyFourBytesWithOwnAddressAndMask) {
-  const auto bytes = sick_search(0x01020304, IpAddress::v4(192, 168, 0, 2), IpAddress::v4(255, 255, 255, 0));
+  const std::string bytes =
+      sick::discovery().question(0x01020304, IpAddress::v4(192, 168, 0, 2), IpAddress::v4(255, 255, 255, 0));
   const std::array<std::uint8_t, 24> expected = {0x10, 0,    0, 0x08, 0xff, 0xff, 0xff, 0xff,
                                                  0xff, 0xff, 1, 2,    3,    4,    0x01, 0x02,
                                                  192,  168,  0, 2,    255,  255,  255,  0};
-  EXPECT_EQ(bytes, expected);
+  EXPECT_EQ(bytes, std::string(expected.begin(), expected.end()));
 }
 
 TEST(Discover, ReadsAnswersOfSickDevicesAndNothingElse) {
   const std::string text = sick_answer();
-  const auto device = read_sick_answer(ByteView(text), here);
+  const auto read = [](std::string_view answer) {
+    return sick::discovery().read_answer(ByteView(answer), here);
+  };
+  const auto device = read(text);
   ASSERT_TRUE(device);
   EXPECT_EQ(device->product, "LMS111");
   EXPECT_EQ(device->serial, "12345678");
   EXPECT_EQ(device->firmware, "V1.2");
   EXPECT_EQ(device->address, IpAddress::v4(192, 168, 0, 77));
+  EXPECT_EQ(device->model, "sick_lms1xx");
   for (std::size_t length = 0; length + 1 < text.size(); ++length)
-    EXPECT_FALSE(read_sick_answer(ByteView(std::string_view(text).substr(0, length)), here)) << length;
-  EXPECT_FALSE(read_sick_answer(ByteView(std::string_view("<?xml version=\"1.0\"?><Other/>")), here));
-  EXPECT_EQ(read_sick_answer(ByteView(std::string_view("<NetScanResult/>")), here)->address, here);
+    EXPECT_FALSE(read(std::string_view(text).substr(0, length))) << length;
+  EXPECT_FALSE(read("<?xml version=\"1.0\"?><Other/>"));
+  EXPECT_EQ(read("<NetScanResult/>")->address, here);
+}
+
+TEST(Discover, EachWayOfAskingHasAnOptionOfItsOwn) {
+  std::set<std::string_view> names;
+  for (const Family& family : families()) {
+    if (family.discovery == nullptr) continue;
+    EXPECT_TRUE(names.insert(family.discovery->name).second) << family.discovery->name;
+  }
+  EXPECT_EQ(names, (std::set<std::string_view>{"hokuyo", "sick"}));
 }
 
 TEST(Discover, ListsWhatAnswersOnLoopback) {
   sim::ScipDeviceOptions ust;
   ust.product = "UST-20LX";
-  sim::DeviceServer hokuyo({here, 0},
+  sim::DeviceServer device({here, 0},
                            std::make_unique<sim::ScipDevice>(
                                ust, [](Stamp) { return std::vector<sim::ScipStep>(); }, wall_clock()));
-  Responder sick(sick_answer());
+  Responder responder(sick_answer());
   DiscoverOptions options;
-  options.hokuyos = {{here, hokuyo.port()}};
-  options.sicks = {{here, sick.port}};
+  options.places = {{&hokuyo::discovery(), {here, device.port()}},
+                    {&sick::discovery(), {here, responder.port}}};
   options.wait = 1;
   options.json = true;
   std::ostringstream out, err;
@@ -116,14 +135,13 @@ TEST(Discover, ListsWhatAnswersOnLoopback) {
   EXPECT_EQ(list[0].at("address"), "127.0.0.1");
   EXPECT_EQ(list[1].at("product"), "LMS111");
   EXPECT_EQ(list[1].at("address"), "192.168.0.77");
-  EXPECT_EQ(sick.request.size(), 24U);
-  hokuyo.with<sim::ScipDevice>([](sim::ScipDevice& device) { EXPECT_EQ(device.received(), "VV\n"); });
+  EXPECT_EQ(responder.request.size(), 24U);
+  device.with<sim::ScipDevice>([](sim::ScipDevice& asked) { EXPECT_EQ(asked.received(), "VV\n"); });
 }
 
 TEST(Discover, SaysWhereItAskedWhenNothingAnswers) {
   DiscoverOptions options;
-  options.hokuyos = {{here, 1}};
-  options.sicks = {{here, 1}};
+  options.places = {{&hokuyo::discovery(), {here, 1}}, {&sick::discovery(), {here, 1}}};
   options.wait = 0.2;
   std::ostringstream out, err;
   EXPECT_EQ(run_discover(options, out, err), 1);

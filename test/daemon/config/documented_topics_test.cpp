@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-// README and manual page name every topic that a sensor can have, and no other.
+// Both manuals name every topic that a sensor can have, and no other.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -54,8 +54,8 @@ Names found_in(const std::string& text, const std::regex& pattern) {
 TEST(DocumentedTopics, OfSensorsAreThoseThatTheModelsHave) {
   const Names known = all_topics();
   EXPECT_THAT(known, ::testing::IsSupersetOf({"scan", "points", "intrusion", "lferec", "imu", "status"}));
-  const std::string readme = text_of("README.md");
-  const std::string table = readme.substr(readme.find("\n## Topics\n"));
+  const std::string page_of_topics = text_of("config/doc/topics.md");
+  const std::string table = page_of_topics.substr(page_of_topics.find("\n| topic |"));
   EXPECT_EQ(found_in(table.substr(0, table.find("\n\n", 20)), std::regex("`<sensor>/([a-z_]+)`")), known);
   const std::string page = text_of("daemon/lidard.8");
   const std::size_t begin = page.find("\n.SH TOPICS\n");

@@ -6,10 +6,14 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <string>
+#include <thread>
+#include <utility>
 
 #include "daemon/ros/ros_environment.h"
 #include "test/support/ros_listener.h"
 #include "test/support/starved.h"
+#include "test/support/tcp_peer.h"
 
 namespace lidard {
 namespace {
@@ -55,6 +59,78 @@ TEST(MasterClient, GivesUpAfterItsLimit) {
     EXPECT_EQ(client.error(), "no answer in time");
     EXPECT_LT(SteadyClock::now() - begin, surely_not_hanging + starved.time());
   });
+}
+
+/// Answers one request with these bytes and closes the connection.
+class OneAnswer {
+ public:
+  explicit OneAnswer(std::string bytes) : thread_([this, bytes = std::move(bytes)] { serve(bytes); }) {}
+  ~OneAnswer() { thread_.join(); }
+  OneAnswer(const OneAnswer&) = delete;
+  OneAnswer& operator=(const OneAnswer&) = delete;
+  std::uint16_t port() const { return peer_.port(); }
+
+ private:
+  void serve(const std::string& bytes) {
+    const auto limit = SteadyClock::now() + 20s;
+    while (!peer_.accept() && SteadyClock::now() < limit) std::this_thread::sleep_for(1ms);
+    std::string request;
+    while (request.find("</methodCall>") == std::string::npos && SteadyClock::now() < limit) {
+      request += peer_.read();
+      std::this_thread::sleep_for(1ms);
+    }
+    peer_.send(bytes);
+    peer_.close_client();
+  }
+
+  test::TcpPeer peer_;
+  std::thread thread_;
+};
+
+std::string http_answer(const std::string& body, const std::string& status = "200 OK") {
+  return "HTTP/1.1 " + status +
+         "\r\nContent-Type: text/xml\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
+}
+
+std::string xml_answer(const std::string& value) {
+  return "<?xml version=\"1.0\"?><methodResponse><params><param><value>" + value +
+         "</value></param></params></methodResponse>";
+}
+
+std::string master_answer(const std::string& code, const std::string& value) {
+  return xml_answer("<array><data><value><int>" + code + "</int></value><value>told</value><value>" + value +
+                    "</value></data></array>");
+}
+
+/// What a client makes of an answer: the process number, or the error.
+std::string pid_from(const std::string& bytes) {
+  OneAnswer master(bytes);
+  MasterClient client({"127.0.0.1", master.port()}, "/test", 10s);
+  const auto pid = client.pid();
+  return pid ? std::to_string(*pid) : "error: " + client.error();
+}
+
+TEST(MasterClient, TakesTheAnswerOfAMasterAndNothingElse) {
+  EXPECT_EQ(pid_from(http_answer(master_answer("1", "<int>4711</int>"))), "4711");
+  EXPECT_EQ(pid_from(http_answer(master_answer("0", "<int>4711</int>"))),
+            "error: getPid: the master refused");
+  EXPECT_EQ(pid_from(http_answer(master_answer("-1", "<int>0</int>"))), "error: getPid: the master refused");
+  EXPECT_EQ(pid_from(http_answer(xml_answer("<int>1</int>"))), "error: getPid: the master refused");
+  EXPECT_EQ(
+      pid_from(http_answer("<methodResponse><fault><value><int>1</int></value></fault></methodResponse>")),
+      "error: the answer is a fault");
+  EXPECT_EQ(pid_from(http_answer("<html>welcome</html>")), "error: the answer is a fault");
+  EXPECT_EQ(pid_from(http_answer(xml_answer("<int>many</int>"))), "error: the answer is not XML-RPC");
+}
+
+TEST(MasterClient, SaysWhyAnAnswerIsNotUsed) {
+  EXPECT_EQ(pid_from(http_answer(master_answer("1", "<int>1</int>"), "404 Not Found")),
+            "error: HTTP status 404");
+  EXPECT_EQ(pid_from(http_answer("", "503 Service Unavailable")), "error: HTTP status 503");
+  EXPECT_EQ(pid_from(""), "error: end of stream");
+  EXPECT_EQ(pid_from("HTTP/1.1 200 OK\r\nContent-Length: 100\r\n\r\n<?xml"), "error: partial message");
+  EXPECT_EQ(pid_from("SSH-2.0-OpenSSH_9.2\r\n"), "error: bad version");
+  EXPECT_EQ(pid_from("HTTP/1.1 200 OK\r\nContent-Length: 99999999999\r\n\r\n"), "error: body limit exceeded");
 }
 
 TEST(MasterUri, IsTakenApart) {

@@ -211,13 +211,12 @@ TEST(PcapSource, RefusesWhatIsNoCaptureWithOneSentenceAndARemedy) {
       read_capture("/no/such/file.pcap").error,
       testing::AllOf(HasSubstr("/no/such/file.pcap: cannot be opened: No such file"), HasSubstr("; check")));
   EXPECT_THAT(read_capture("/tmp").error, HasSubstr("/tmp: is a directory; name the capture files"));
-  EXPECT_THAT(read_capture("/dev/null").error, HasSubstr("is not a regular file; save"));
+  EXPECT_THAT(read_capture("/dev/null").error, HasSubstr("is neither a file nor a pipe"));
   EXPECT_THAT(read_capture(Bytes{}).error, HasSubstr("the file is empty (0 bytes); record it again"));
   EXPECT_THAT(read_capture(Bytes{1, 2}).error,
               HasSubstr("too short to be a capture; give a pcap or pcapng file"));
   EXPECT_THAT(read_capture(Bytes(100, 'x')).error,
               HasSubstr("unknown file format; give a pcap or pcapng file"));
-  EXPECT_THAT(read_capture(Bytes{0x1f, 0x8b, 8, 0}).error, HasSubstr("is compressed; unpack it first"));
   EXPECT_THAT(read_capture(Bytes{0x0a, 0x0d, 0x0d, 0x0a, 1, 2, 3, 4, 5, 6, 7, 8}).error,
               HasSubstr("has no byte-order magic; record it again"));
   for (std::size_t n = 4; n < 24; ++n) {

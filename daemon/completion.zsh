@@ -1,0 +1,34 @@
+#compdef lidard
+# SPDX-FileCopyrightText: 2026 the lidard authors
+# SPDX-License-Identifier: BSD-3-Clause
+# Completion of lidard for zsh: commands, options, and file names by their suffix. Commands and options are those that
+# `lidard --help` and `lidard COMMAND --help` name.
+_lidard() {
+  local -a words_of
+  _lidard_help() { lidard "$@" --help 2>/dev/null; }
+  if ((CURRENT == 2)); then
+    words_of=(${(f)"$(_lidard_help | sed -n '/^Subcommands:/,/^$/s/^  \([a-z][a-z-]*\)  *\(.*\)/\1:\2/p')"})
+    _describe command words_of
+    return
+  fi
+  case ${words[CURRENT-1]} in
+    -c | --config) _files -g '*.(yaml|yml)(-.)'; return ;;
+    --pcap) _files -g '*.pcap*(-.)'; return ;;
+    --model) words_of=(${(f)"$(lidard models 2>/dev/null | sed '1d; s/ .*//')"}); compadd -a words_of; return ;;
+    --calibration) _files -g '*.(yaml|yml|xml)(-.)'; return ;;
+    --calibration-model) compadd ros_drivers exact veloview; return ;;
+    --format) compadd csv pcd json; return ;;
+    --motion | --bag) _files -g '*.bag(-.)'; return ;;
+  esac
+  if [[ $PREFIX == -* ]]; then
+    words_of=(${(f)"$(_lidard_help $words[2] | grep -oE -- '(^|[ ,])--[a-z][a-z-]*' | tr -d ' ,')"})
+    compadd -a words_of
+    return
+  fi
+  case ${words[2]} in
+    check | import) _files -g '*.(yaml|yml|launch)(-.)' ;;
+    inspect | decode | snapshot | replay | view) _files -g '*.pcap*(-.)' ;;
+    *) compadd -- --help ;;
+  esac
+}
+_lidard "$@"

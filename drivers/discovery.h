@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/base/bytes.h"
+#include "drivers/address.h"
+#include "drivers/driver.h"
+
+namespace lidard {
+
+/// A device that answered.
+struct FoundDevice {
+  std::string vendor, product, serial, firmware;
+  IpAddress address;
+  std::string model;  ///< name in the configuration; empty: the answer does not tell
+};
+
+/// How the devices of one vendor are found in a network. The question changes nothing in them.
+struct Discovery {
+  std::string_view name;  ///< of the command's option: "hokuyo"
+  std::string_view vendor;
+  /// UDP: one datagram, and each datagram that comes back may be an answer. TCP: the question goes to one
+  /// device, whose answer may come in pieces.
+  Transport transport = Transport::udp;
+  std::uint16_t port = 0;
+  /// The address that devices are delivered with; empty: the question is broadcast on every interface.
+  std::string_view usual_address;
+  /// `key`: anything, the answers may repeat it; `own` and `mask`: of the interface that it is sent from.
+  std::string (*question)(std::uint32_t key, const IpAddress& own, const IpAddress& mask) = nullptr;
+  /// All that `sender` has sent so far; empty: no answer, or not the whole of it.
+  std::optional<FoundDevice> (*read_answer)(ByteView answer, const IpAddress& sender) = nullptr;
+};
+
+}  // namespace lidard
