@@ -8,17 +8,20 @@
 #include <functional>
 #include <iostream>
 
+#include "core/base/nearest.h"
 #include "daemon/commands/commands.h"
 #include "daemon/commands/discover.h"
 #include "daemon/commands/status.h"
 #include "daemon/dropin/dropin.h"
 #include "daemon/dropin/import.h"
+#include "daemon/live/service.h"
 #include "drivers/registry/registry.h"
 
 namespace lidard {
 namespace {
 
 constexpr const char* default_config = "/etc/lidard/lidard.yaml";
+constexpr const char* capture_help = "pcap or pcapng, also packed (gzip, zstd, xz); - is standard input";
 
 /// IP[:PORT], IPv4 only.
 std::optional<Endpoint> read_endpoint(const std::string& text, std::uint16_t port) {
@@ -74,6 +77,11 @@ struct Commands {
   }
 
  private:
+  static void add_captures(CLI::App* c, std::vector<std::string>& captures) {
+    c->add_option("captures,--pcap", captures, std::string(capture_help) + "; several are merged by time")
+        ->required()
+        ->expected(1, 1000);
+  }
   void add_run() {
     auto* c = app.add_subcommand("run", "The daemon: live sensors to ROS");
     c->add_option("-c,--config", config, "Configuration file")->capture_default_str();
@@ -82,7 +90,7 @@ struct Commands {
   void add_replay() {
     auto* c = app.add_subcommand("replay", "The same pipeline on captures");
     c->add_option("-c,--config", replay.config, "Configuration file")->required();
-    c->add_option("--pcap", replay.captures, "Captures, merged by time")->required()->expected(1, 1000);
+    add_captures(c, replay.captures);
     c->add_option("--rate", rate, "Of the recorded pace, or max")->capture_default_str();
     c->add_flag("--loop", replay.loop, "Again and again");
     c->add_option("--start", replay.start, "Seconds into the capture")->check(CLI::NonNegativeNumber);
@@ -97,7 +105,7 @@ struct Commands {
   }
   void add_decode() {
     auto* c = app.add_subcommand("decode", "One sensor's frames of a capture, without a configuration");
-    c->add_option("capture", decode.capture, "pcap or pcapng file")->required();
+    c->add_option("capture,--pcap", decode.capture, capture_help)->required();
     c->add_option("--model", decode.model, "See `lidard models`; may be left out where the packets tell");
     c->add_option("--source", source, "Sender, IP[:PORT]");
     c->add_option("--port", decode.port, "Destination port");
@@ -111,7 +119,9 @@ struct Commands {
     c->add_option("--format", decode.format, "csv, json or pcd")
         ->check(CLI::IsMember({"csv", "json", "pcd"}))
         ->capture_default_str();
-    c->add_option("-o,--output", decode.output, "File, or - for standard output")->capture_default_str();
+    c->add_option("-o,--output", decode.output,
+                  "File, or - for standard output; DIR/%06d.pcd writes a PCD file per frame")
+        ->capture_default_str();
     c->add_option("--frame", decode.frame, "Only this frame, counted from 0");
     c->add_option("--clock", clock, "stamps placed by each packet's arrival, or smooth")
         ->check(CLI::IsMember({"arrival", "smooth"}))
@@ -123,7 +133,7 @@ struct Commands {
   }
   void add_inspect() {
     auto* c = app.add_subcommand("inspect", "Which sensors are in a capture");
-    c->add_option("captures", captures, "pcap or pcapng files")->required();
+    add_captures(c, captures);
     c->add_flag("--json", json, "For scripts");
     c->callback([this] { action = [this] { return run_inspect(captures, json, std::cout, std::cerr); }; });
   }
@@ -154,15 +164,16 @@ struct Commands {
   void add_record() {
     auto* c = app.add_subcommand("record", "Records the configured sensors' traffic to a capture");
     c->add_option("-c,--config", record.config, "Configuration file")->required();
-    c->add_option("-o,--output", record.output, "pcap file to write")->required();
+    c->add_option("output,-o,--output", record.output, "pcap file to write")->required();
     c->add_option("--interface", record.interface, "Network interface")->capture_default_str();
     c->add_option("--duration", record.duration, "Seconds; 0: until Ctrl-C")->check(CLI::NonNegativeNumber);
     c->callback([this] { action = [this] { return run_record(record, std::cerr); }; });
   }
   void add_snapshot() {
     auto* c = app.add_subcommand("snapshot", "Draws what the vehicle sees at one moment, from above");
-    c->add_option("-c,--config", snapshot.config, "Configuration file")->required();
-    c->add_option("--pcap", snapshot.captures, "Captures, merged by time")->required()->expected(1, 1000);
+    c->add_option("-c,--config", snapshot.config,
+                  "Configuration file; default: the sensors found, all at the origin");
+    add_captures(c, snapshot.captures);
     c->add_option("--at", snapshot.at,
                   "Seconds into the capture; default: its middle, or the first frame after it")
         ->check(CLI::NonNegativeNumber);
@@ -172,7 +183,21 @@ struct Commands {
         "--areas", snapshot.areas,
         "Topic whose free and unknown areas are shaded; default: a merged one, strict before others");
     c->add_option("--motion", snapshot.motion, "A bag whose tf or odometry says how the vehicle moved");
-    c->add_option("-o,--output", snapshot.output, "Picture to write, .png or .svg")->required();
+    c->add_option("--width", snapshot.width, "Pixels of the picture; default: about 1200")
+        ->check(CLI::Range(500, 4000));
+    c->add_option("--color", snapshot.color, "What the colours of clouds tell: height, ring or intensity")
+        ->check(CLI::IsMember({"height", "ring", "intensity"}))
+        ->capture_default_str();
+    c->add_option("--frames", snapshot.frames,
+                  "So many pictures one after the other, from --at or the begin on")
+        ->check(CLI::Range(1, 10000));
+    c->add_option("--every", snapshot.every, "Seconds from one of them to the next")
+        ->check(CLI::Range(0.001, 3600.0))
+        ->capture_default_str();
+    auto* out = c->add_option_group("out")->require_option(1, 2);
+    out->add_option("-o,--output", snapshot.output,
+                    "Picture to write, .png or .svg; with --frames a pattern like DIR/%03d.png");
+    out->add_option("--animate", snapshot.animation, "Loop of the frames to write, .gif or .webp");
     c->callback([this] { action = [this] { return run_snapshot(snapshot, std::cerr); }; });
   }
 
@@ -260,7 +285,7 @@ struct Commands {
       std::cerr << "import: no file; expected a launch file, or a YAML file of parameters\n";
       return exit_usage;
     }
-    import.arguments.assign(ros_arguments.rbegin(), ros_arguments.rend());
+    import.arguments = ros_arguments;
     return run_import(import, std::cout, std::cerr);
   }
   int start_discover() {
@@ -280,24 +305,74 @@ struct Commands {
   }
 };
 
+std::string did_you_mean(const std::string& written, const std::vector<std::string>& known) {
+  const std::string near(nearest_word(written, {known.begin(), known.end()}));
+  return near.empty() ? "" : "; did you mean " + near + "?";
+}
+
+/// What is wrong with the line, where CLI11 says little: an unknown command, or what the command does not
+/// know.
+std::string mistake_in(const CLI::App& app, const std::vector<std::string>& given,
+                       const std::string& otherwise) {
+  const auto chosen = app.get_subcommands();
+  if (chosen.empty()) {
+    const auto word = std::find_if(given.begin(), given.end(), [](const auto& one) { return one[0] != '-'; });
+    std::vector<std::string> known{"help"};
+    for (const CLI::App* one : app.get_subcommands([](const CLI::App*) { return true; }))
+      known.push_back(one->get_name());
+    if (word == given.end() && given.empty()) return "no command";
+    const std::string& wrong = word == given.end() ? given.front() : *word;
+    return (wrong[0] == '-' ? "no option " : "no command ") + wrong + did_you_mean(wrong, known);
+  }
+  std::vector<std::string> known{"--help"};
+  for (const CLI::Option* option : chosen.front()->get_options()) {
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  }
+  const std::string place = chosen.front()->get_name() + ": ";
+  for (std::string word : given) {
+    word = word.substr(0, word.find('='));
+    const bool is_long = word.compare(0, 2, "--") == 0 && word.size() > 2;
+    if (is_long && std::find(known.begin(), known.end(), word) == known.end())
+      return place + "no option " + word + did_you_mean(word, known);
+  }
+  return place + otherwise;
+}
+
+/// `lidard help CMD` is `lidard CMD --help`.
+std::vector<std::string> without_help_command(std::vector<std::string> given) {
+  if (given.empty() || given.front() != "help") return given;
+  given.erase(given.begin());
+  given.emplace_back("--help");
+  return given;
+}
+
 }  // namespace
 
 int run_cli(int argc, char** argv) {
   const std::string program = argc > 0 ? argv[0] : "";
-  const std::vector<std::string> given(argv + std::min(argc, 1), argv + argc);
-  if (const auto code = run_dropin(program.substr(program.rfind('/') + 1), given, std::cout, std::cerr))
+  const std::vector<std::string> all(argv + std::min(argc, 1), argv + argc);
+  set_up_logging();
+  if (const auto code = run_dropin(program.substr(program.rfind('/') + 1), all, std::cout, std::cerr))
     return *code;
   Commands commands;
-  std::vector<std::string> arguments;
-  for (auto argument = given.rbegin(); argument != given.rend(); ++argument) {
+  std::vector<std::string> given;
+  for (const std::string& argument : all) {
     // Remappings as roslaunch appends them.
-    const bool is_remapping = argument->find(":=") != std::string::npos;
-    (is_remapping ? commands.ros_arguments : arguments).push_back(*argument);
+    const bool is_remapping = argument.find(":=") != std::string::npos;
+    (is_remapping ? commands.ros_arguments : given).push_back(argument);
   }
+  given = without_help_command(std::move(given));
+  given.erase(std::remove(given.begin(), given.end(), ""), given.end());
   try {
-    commands.app.parse(arguments);
+    std::vector<std::string> backwards(given.rbegin(), given.rend());  // as CLI11 takes them
+    commands.app.parse(backwards);
   } catch (const CLI::ParseError& e) {
-    return commands.app.exit(e) == 0 ? exit_ok : exit_usage;
+    const auto chosen = commands.app.get_subcommands();
+    const bool knows_command = !chosen.empty() || given.empty() || given.front()[0] == '-';
+    if (e.get_exit_code() == 0 && knows_command) return commands.app.exit(e), exit_ok;
+    std::cerr << "lidard " << mistake_in(commands.app, given, e.what()) << "\nsee `lidard "
+              << (chosen.empty() ? "" : chosen.front()->get_name() + " ") << "--help`\n";
+    return exit_usage;
   }
   return commands.action();
 }

@@ -19,19 +19,20 @@ _lidard() {
   fi
   case $before in
     -c | --config) _lidard_files yaml yml; return ;;
-    --pcap) _lidard_files pcap pcapng; return ;;
+    --pcap) _lidard_files pcap pcapng gz zst xz; return ;;
     --model) _lidard_words "$(lidard models 2>/dev/null | sed '1d; s/ .*//')"; return ;;
     --calibration) _lidard_files yaml yml xml; return ;;
     --calibration-model) _lidard_words "ros_drivers exact veloview"; return ;;
     --format) _lidard_words "csv pcd json"; return ;;
     --rate) _lidard_words "max 1"; return ;;
+    --color) _lidard_words "height ring intensity"; return ;;
   esac
   case $command:$word in
     run:*) _lidard_words "--config --help" ;;
     replay:-*) _lidard_words "--config --pcap --rate --loop --start --duration --wait --motion --clock --bag --help" ;;
     decode:-*) _lidard_words "--model --source --port --calibration --calibration-model --format --frame --clock --time --output --help" ;;
     record:*) _lidard_words "--config --output --interface --duration --help" ;;
-    snapshot:-*) _lidard_words "--config --pcap --at --range --areas --output --help" ;;
+    snapshot:-*) _lidard_words "--config --pcap --at --range --areas --motion --width --color --frames --every --animate --output --help" ;;
     inspect:-* | models:*) _lidard_words "--json --help" ;;
     keys:*) _lidard_words "--markdown --man --json --help" ;;
     check:-*) _lidard_words "--ports --help" ;;
@@ -41,7 +42,7 @@ _lidard() {
     import:-*) _lidard_words "--output --tables --help" ;;
     import:*) _lidard_files launch yaml yml ;;
     discover:*) _lidard_words "--hokuyo --sick --wait --json --help" ;;
-    *) _lidard_files pcap pcapng ;;
+    *) _lidard_files pcap pcapng gz zst xz ;;
   esac
 }
 complete -F _lidard lidard

@@ -4,8 +4,11 @@
 #include <map>
 #include <ostream>
 
+#include "core/base/number_text.h"
 #include "daemon/commands/commands.h"
+#include "daemon/commands/progress.h"
 #include "daemon/config/calibration_file.h"
+#include "daemon/files/numbered_path.h"
 #include "daemon/pipeline/report.h"
 #include "drivers/capture/pcap_source.h"
 #include "drivers/flow.h"
@@ -145,6 +148,7 @@ class WholeFrame final : public DriverOutput {
     seen_ = true;
     last_ = packet.arrival;
     if (!found_) driver_->receive(packet, *this);
+    if (found_) driver_.reset();  // its frames would be the memory of a second decoder
   }
   void finish() {
     if (!found_) driver_->finish(*this);
@@ -154,6 +158,7 @@ class WholeFrame final : public DriverOutput {
   bool found() const { return found_; }
   /// From the first to the last packet.
   Span span() const { return last_ - first_; }
+  /// Only while nothing was found.
   const Counters& counters() const { return driver_->counters(); }
 
  private:
@@ -235,6 +240,13 @@ bool tell_output(const DecodeOptions& options, const WriterOutput& output, const
   return whole.found() && !beyond;
 }
 
+void show(Progress& progress, const PcapSource& source, const WriterOutput& output) {
+  const double rate = static_cast<double>(output.returns()) / progress.elapsed() / 1e6;
+  progress.show(
+      static_cast<double>(source.position()) / static_cast<double>(source.size()),
+      printed("%llu frames  %.1f M returns/s", static_cast<unsigned long long>(output.frames()), rate));
+}
+
 int decode_stream(const DecodeOptions& options, const SensorStream& stream, CalibrationPtr calibration,
                   std::ostream& err) {
   if (calibration != nullptr)
@@ -247,7 +259,7 @@ int decode_stream(const DecodeOptions& options, const SensorStream& stream, Cali
   config.frame_id = stream.model->name;
   config.clock = options.clock;
   config.keep_partial = true;
-  config.keep_origins = true;
+  config.keep_origins = options.format != "pcd";  // no PCD file has them
   config.publish_multiecho = stream.model->has(Trait::echoes);
   config.calibration = std::move(calibration);
   const auto driver = stream.model->make(config);
@@ -259,7 +271,9 @@ int decode_stream(const DecodeOptions& options, const SensorStream& stream, Cali
   const auto flows = stream.flows();
   ConnectionPicker connection;
   std::uint64_t others = 0;
+  Progress progress(true);
   while (source.next(packet)) {
+    if (progress.is_due()) show(progress, source, output);
     if (flows.find(packet) == nullptr) {
       others += packet.transport == Transport::udp ? 1U : 0U;
     } else if (packet.transport == Transport::udp || connection.pick(packet)) {
@@ -270,6 +284,7 @@ int decode_stream(const DecodeOptions& options, const SensorStream& stream, Cali
   driver->finish(output);
   whole.finish();
   writer->finish();
+  progress.clear();
   err << stream.to_string() << ": " << output.frames() << " frames, " << output.returns() << " returns\n";
   print_counters(driver->counters(), err);
   print_capture_counters(source.counters(), others, err);
@@ -282,6 +297,11 @@ int decode_stream(const DecodeOptions& options, const SensorStream& stream, Cali
 }  // namespace
 
 int run_decode(const DecodeOptions& options, std::ostream& err) {
+  if (options.format != "pcd" && NumberedPath::parse(options.output)) {
+    err << "--output: '" << options.output
+        << "' is a pattern for a file per frame, which --format pcd alone has\n";
+    return exit_usage;
+  }
   const Model* model = nullptr;
   if (!options.model.empty()) {
     model = find_model(options.model);

@@ -210,6 +210,7 @@ std::string config_of(const Survey& survey) {
       break;
     }
     yaml += "    frame_id: " + sensor.name + "\n";
+    yaml += "    pose: {xyz: [0, 0, 0], rpy_deg: [0, 0, 0]}  # edit: where it is mounted, m in base_link\n";
   }
   return yaml;
 }

@@ -2,49 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/commands/player.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <cstdio>
 #include <thread>
 
+#include "core/base/number_text.h"
+#include "daemon/commands/progress.h"
 #include "drivers/net/wall_clock.h"
 
 namespace lidard {
-namespace {
-
-/// The progress line of a long replay on standard error: five times a second on a terminal, else a plain line
-/// every ten seconds.
-class Progress {
- public:
-  /// `part` 0 ... 1 of the capture, `played_s` seconds of it, `frames` and `lost` so far.
-  void show(double part, double played_s, std::uint64_t frames, std::uint64_t lost) {
-    next_ = Clock::now() + period();
-    const double elapsed = std::chrono::duration<double>(Clock::now() - begin_).count();
-    const double left = part > 0 ? elapsed * (1 - part) / part : 0;
-    std::fprintf(stderr, "%s%3.0f %%  %.1f s  %.1f x  %llu frames  %llu lost  %.0f s left%s",
-                 terminal_ ? "\r" : "", 100 * part, played_s, elapsed > 0 ? played_s / elapsed : 0,
-                 static_cast<unsigned long long>(frames), static_cast<unsigned long long>(lost), left,
-                 terminal_ ? "\033[K" : "\n");
-  }
-  /// True when show() would print now; spares the caller from collecting numbers for each packet.
-  bool is_due() const { return Clock::now() >= next_; }
-  /// Removes the line from the terminal.
-  void clear() {
-    if (terminal_) std::fputs("\r\033[K", stderr);
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  std::chrono::milliseconds period() const { return std::chrono::milliseconds(terminal_ ? 200 : 10000); }
-
-  const bool terminal_ = isatty(STDERR_FILENO) == 1;
-  const Clock::time_point begin_ = Clock::now();
-  Clock::time_point next_ = begin_ + period();
-};
-
-}  // namespace
-
 Player::Player(const ReplayOptions& options, MergedCapture& capture, Pipeline& pipeline)
     : rest([](auto until) { std::this_thread::sleep_until(until); }),
       options_(options),
@@ -114,7 +79,11 @@ bool Player::play_once(const std::function<bool()>& stop) {
       std::uint64_t lost = 0;
       for (const auto& sensor : pipeline_.report())
         frames += sensor.counters.frames, lost += sensor.counters.lost_packets;
-      progress.show(capture_.progress(), played_s(), frames, lost);
+      const double elapsed = progress.elapsed();
+      progress.show(capture_.progress(),
+                    printed("%.1f s  %.1f x  %llu frames  %llu lost", played_s(),
+                            elapsed > 0 ? played_s() / elapsed : 0, static_cast<unsigned long long>(frames),
+                            static_cast<unsigned long long>(lost)));
     }
   }
   progress.clear();

@@ -377,7 +377,6 @@ int run_daemon(const Config& config, RosOptions ros, std::ostream& err, const st
 
 int run_daemon(const std::string& config_file, const std::vector<std::string>& ros_arguments,
                std::ostream& err) {
-  set_up_logging();
   RosOptions ros;
   ros.remappings = ros_arguments;
   std::string trouble;

@@ -7,9 +7,13 @@
 
 #include "core/base/number_text.h"
 #include "daemon/commands/commands.h"
+#include "daemon/commands/inspect_survey.h"
 #include "daemon/commands/player.h"
+#include "daemon/files/animation.h"
+#include "daemon/files/numbered_path.h"
 #include "daemon/files/snapshot_view.h"
 #include "daemon/files/text_file.h"
+#include "daemon/pipeline/report.h"
 #include "daemon/ros/tf_poses.h"
 
 namespace lidard {
@@ -43,72 +47,240 @@ double length_of(MergedCapture& capture) {
   return seconds(last - first);
 }
 
-/// Plays up to `at`, or on to the first frame if `patient`, and keeps what came until then; returns the
-/// seconds played. Frames that the end of play would cut off are no frames.
-double play_until(double at, bool patient, const Config& config, MergedCapture& capture, BagPoses& motion,
-                  FrameKeeper& keeper) {
-  Pipeline pipeline(config, motion, keeper);
+/// What is played, and what is to be said of it.
+struct Scene {
+  Config config;
+  std::string title;
+  std::vector<std::string> notes;
+  std::vector<std::string> awaited;  ///< topics; empty: any will do
+  std::string why_no_frame;
+};
+
+/// What a capture holds instead of a lidar's packets.
+std::string nothing_found(const Survey& found) {
+  std::string all;
+  for (const SurveyedCapture& capture : found.captures) {
+    if (!all.empty()) all += '\n';
+    all += !capture.error.empty() && capture.counters.datagrams == 0
+               ? capture.error
+               : capture.file +
+                     ": no packets of a supported lidar found; `lidard inspect` shows what is in "
+                     "it, `lidard models` what is supported";
+  }
+  return all;
+}
+
+/// A sensor that has no whole frame is shown with what there is of one.
+void show_incomplete(const FoundSensor& sensor, SensorConfig& config, Scene& scene) {
+  config.driver.keep_partial = true;
+  const std::string why =
+      sensor.name + ": " + why_no_frame(*sensor.model, sensor.counters, sensor.data.last - sensor.data.first);
+  scene.why_no_frame += (scene.why_no_frame.empty() ? "" : "\n") + why;
+  scene.notes.push_back(why + ". What there is of it is drawn.");
+}
+
+/// The sensors of the captures, placed at the origin.
+Scene scene_of(const std::vector<std::string>& captures, std::ostream& err) {
+  const Survey found = survey(captures);
+  if (found.sensors.empty()) throw std::runtime_error(nothing_found(found));
+  for (const SurveyedCapture& capture : found.captures) {
+    if (!capture.error.empty()) err << capture.error << '\n';
+  }
+  Scene scene;
+  scene.config = parse_config(config_of(found), "the sensors found");
+  scene.title = "What " + file_name(captures.front()) + " holds";
+  scene.notes.push_back(std::string(found.sensors.size() > 1 ? "All sensors stand" : "The sensor stands") +
+                        " at the origin, since no configuration says where it is mounted: `lidard inspect` "
+                        "prints one to edit, for -c.");
+  for (std::size_t i = 0; i < found.sensors.size(); ++i) {
+    SensorConfig& sensor = scene.config.sensors[i];
+    scene.awaited.push_back(frame_topic(sensor).name);
+    if (found.sensors[i].frames == 0) show_incomplete(found.sensors[i], sensor, scene);
+  }
+  return scene;
+}
+
+Scene configured(const std::string& file, std::ostream& err) {
+  Scene scene;
+  scene.config = load_config(file);
+  for (const auto& warning : scene.config.warnings) err << warning << '\n';
+  scene.title = "What " + file_name(scene.config.file) + " sees";
+  return scene;
+}
+
+/// The moments that are drawn, in s into the capture.
+struct Moments {
+  double first;
+  double every;
+  int count;
+  bool patient;  ///< the first one comes when every sensor has given a frame
+};
+
+/// Plays up to the last moment and calls `take` at each with the seconds played; the frames that came until
+/// then are in the keeper. Frames that the end of play would cut off are no frames, unless they are asked
+/// for.
+void play(const Moments& moments, const Scene& scene, MergedCapture& capture, BagPoses& motion,
+          FrameKeeper& keeper, const std::function<void(double)>& take) {
+  Pipeline pipeline(scene.config, motion, keeper);
   ReplayOptions fast;
   fast.rate = 0;
   Player player(fast, capture, pipeline);
   std::optional<Stamp> first;
   double played = 0;
-  bool done = false;
+  double due = moments.first;
+  int taken = 0;
+  const auto waits = [&] {
+    const auto& awaited = scene.awaited;
+    return moments.patient && taken == 0 &&
+           (keeper.empty() || !std::all_of(awaited.begin(), awaited.end(),
+                                           [&](const std::string& topic) { return keeper.has(topic); }));
+  };
+  const auto take_one = [&] {
+    const double now = std::max(due, played);
+    take(now);
+    due = now + moments.every;
+    ++taken;
+  };
   player.on_time = [&](Stamp stamp) {
     if (!first) first = stamp;
     motion.feed(pipeline, stamp);
     const double into = seconds(stamp - *first);
-    done = done || (into > at && !(patient && keeper.empty()));
-    if (done)
+    while (taken < moments.count && into > due && !waits()) take_one();
+    if (taken == moments.count)
       keeper.freeze();
     else
       played = into;
   };
-  player.play([&] { return done; });
-  return std::max(at, played);
+  player.play([&] { return taken == moments.count; });
+  if (taken == 0) take_one();
 }
 
-std::string nothing_there(double at, double length) {
+std::string nothing_there(const Scene& scene, double at, double length) {
+  if (!scene.why_no_frame.empty()) return scene.why_no_frame;
   return "no sensor of the configuration had completed a frame after " + fixed(at, 3) +
          " s of the capture, which is " + fixed(length, 3) +
          " s long; give a later --at, or see `lidard inspect` for what it holds";
 }
 
-std::string picture(const SnapshotOptions& options, const Config& config, PictureFormat format) {
-  MergedCapture capture(options.captures);
-  const double length = length_of(capture);
-  if (options.at.value_or(0) > length)
-    throw std::runtime_error("--at " + fixed(*options.at, 3) + ": the capture is " + fixed(length, 3) +
-                             " s long");
-  FrameKeeper frames;
-  BagPoses motion(options.motion, config.vehicle.odometry_topic);
-  const double at = play_until(options.at.value_or(length / 2), !options.at, config, capture, motion, frames);
-  if (frames.empty()) throw std::runtime_error(nothing_there(at, length));
-  const FrameTree poses(config, motion);
-  SnapshotView view = make_view(config, poses, frames, options.areas);
-  fit_to_points(view);
-  if (options.range) view.center = {0, 0}, view.half = {*options.range, *options.range};
-  view.title = "What " + file_name(config.file) + " sees";
-  view.subtitle = to_utc(frames.newest()) + ", " + fixed(at, 2) + " s into " +
-                  file_name(options.captures.front()) + (options.captures.size() > 1 ? " and others" : "");
-  return draw_snapshot(view, format);
+/// Why a view shows no return at all.
+std::string why_empty(const SnapshotView& view) {
+  std::string all;
+  for (const auto& sentence : view.missing) all += (all.empty() ? "" : "; ") + sentence;
+  for (const auto& layer : view.layers) all += (all.empty() ? "" : "; ") + layer.name + " saw nothing";
+  return all;
+}
+
+CloudColor color_named(const std::string& name) {
+  return name == "ring" ? CloudColor::ring : name == "intensity" ? CloudColor::intensity : CloudColor::height;
+}
+
+void write_file(const std::string& path, const std::string& bytes) {
+  TextFile file(path);
+  file.write(bytes);
+  file.close();
+}
+
+/// Draws one moment, or a series that shares the framing of its first picture.
+class Photographer {
+ public:
+  Photographer(const SnapshotOptions& options, const Scene& scene) : options_(options), scene_(scene) {}
+
+  /// Throws std::runtime_error if nothing can be drawn.
+  void run() {
+    MergedCapture capture(options_.captures);
+    length_ = length_of(capture);
+    if (options_.at.value_or(0) > length_)
+      throw std::runtime_error("--at " + fixed(*options_.at, 3) + ": the capture is " + fixed(length_, 3) +
+                               " s long");
+    const bool series = options_.frames > 0;
+    motion_ = std::make_unique<BagPoses>(options_.motion, scene_.config.vehicle.odometry_topic);
+    const Moments moments{options_.at.value_or(series ? 0 : length_ / 2), options_.every,
+                          std::max(1, options_.frames), !options_.at};
+    play(moments, scene_, capture, *motion_, frames_, [this](double at) { take(at); });
+    if (animation_) animation_->finish();
+  }
+
+ private:
+  void take(double at) {
+    const SnapshotView view = view_at(at);
+    if (!options_.output.empty()) {
+      const bool png = ends_with(options_.output, ".png");
+      const auto numbered = NumberedPath::parse(options_.output);
+      write_file(options_.frames > 0 && numbered ? numbered->of(number_) : options_.output,
+                 draw_snapshot(view, png ? PictureFormat::png : PictureFormat::svg));
+    }
+    if (!options_.animation.empty()) {
+      if (!animation_) {
+        animation_ = make_animation(options_.animation, options_.every);
+        page_height_ = page_height(view);
+      }
+      animation_->add(draw_pixels(view, page_height_));
+    }
+    ++number_;
+  }
+  SnapshotView view_at(double at) {
+    if (frames_.empty()) throw std::runtime_error(nothing_there(scene_, at, length_));
+    const FrameTree poses(scene_.config, *motion_);
+    SnapshotView view = make_view(scene_.config, poses, frames_, options_.areas, color_named(options_.color));
+    if (std::all_of(view.layers.begin(), view.layers.end(), [](const auto& l) { return l.points.empty(); }))
+      throw std::runtime_error("there is nothing to draw: " + why_empty(view));
+    // What one sensor calls free says nothing where the others stand in a wrong place.
+    if (scene_.awaited.size() > 1) view.wedges.clear(), view.free_note.clear();
+    if (!framing_) framing_ = fit_to_points(view);
+    view.framing = *framing_;
+    view.framing.width = options_.width;
+    if (options_.range) view.framing.center = {0, 0}, view.framing.half = {*options_.range, *options_.range};
+    view.title = scene_.title;
+    view.notes.insert(view.notes.end(), scene_.notes.begin(), scene_.notes.end());
+    view.subtitle = to_utc(frames_.newest()) + ", " + fixed(at, 2) + " s into " +
+                    file_name(options_.captures.front()) +
+                    (options_.captures.size() > 1 ? " and others" : "");
+    return view;
+  }
+
+  const SnapshotOptions& options_;
+  const Scene& scene_;
+  double length_ = 0;
+  FrameKeeper frames_;
+  std::unique_ptr<BagPoses> motion_;
+  std::optional<SnapshotView::Framing> framing_;
+  std::unique_ptr<Animation> animation_;
+  double page_height_ = 0;
+  std::uint64_t number_ = 0;
+};
+
+/// What is wrong with the output asked for; empty: nothing.
+std::string output_mistake(const SnapshotOptions& options) {
+  const std::string& out = options.output;
+  const std::string& loop = options.animation;
+  const bool numbered = NumberedPath::parse(out).has_value();
+  if (!out.empty() && !ends_with(out, ".png") && !ends_with(out, ".svg"))
+    return "--output: '" + out + "' is neither a .png nor a .svg file";
+  if (!loop.empty() && !ends_with(loop, ".gif") && !ends_with(loop, ".webp"))
+    return "--animate: '" + loop + "' is neither a .gif nor a .webp file";
+  if (options.frames > 0 && !out.empty() && !numbered)
+    return "--output: '" + out +
+           "' names one file for several frames; expected a pattern, e.g. frame-%03d.png";
+  if (options.frames == 0 && numbered)
+    return "--output: '" + out + "' is a pattern for several frames; say how many with --frames";
+  return {};
 }
 
 }  // namespace
 
 int run_snapshot(const SnapshotOptions& options, std::ostream& err) {
-  const bool png = ends_with(options.output, ".png");
-  if (!png && !ends_with(options.output, ".svg")) {
-    err << "--output: '" << options.output << "' is neither a .png nor a .svg file\n";
+  constexpr int usual_loop = 20;
+  SnapshotOptions settled = options;
+  if (!options.animation.empty() && options.frames == 0) settled.frames = usual_loop;
+  const std::string mistake = output_mistake(settled);
+  if (!mistake.empty()) {
+    err << mistake << '\n';
     return exit_usage;
   }
   return guarded(err, [&] {
-    const Config config = load_config(options.config);
-    for (const auto& warning : config.warnings) err << warning << '\n';
-    const std::string bytes = picture(options, config, png ? PictureFormat::png : PictureFormat::svg);
-    TextFile file(options.output);
-    file.write(bytes);
-    file.close();
+    const Scene scene =
+        options.config.empty() ? scene_of(options.captures, err) : configured(options.config, err);
+    Photographer(settled, scene).run();
     return exit_ok;
   });
 }

@@ -330,8 +330,8 @@ const Keys<SourceSettings>& source_keys() {
   static const Keys<S> rows{
       number("range_min", &S::range_min, 0, farthest_m, "m", "nearer returns are left out"),
       number("range_max", &S::range_max, 0, farthest_m, "m", "farther returns are left out"),
-      angle("angle_min", &S::angle_min, -7, 7, "first angle in the sensor's frame"),
-      angle("angle_max", &S::angle_max, -7, 7, "last angle in the sensor's frame"),
+      angle("angle_min", &S::angle_min, -most_turn_rad, most_turn_rad, "first angle in the sensor's frame"),
+      angle("angle_max", &S::angle_max, -most_turn_rad, most_turn_rad, "last angle in the sensor's frame"),
       number("intensity_min", &S::intensity_min, -strongest, strongest, "", "weaker returns are left out"),
       number("intensity_max", &S::intensity_max, -strongest, strongest, "", "stronger returns are left out"),
       number("range_noise", &S::noise, 0.0005, 1, "m", "one standard deviation of its ranges")

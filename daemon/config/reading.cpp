@@ -13,7 +13,6 @@ namespace lidard {
 namespace {
 
 constexpr double farthest_m = 1000;  // a vehicle is smaller; millimetres written for metres are not
-constexpr double most_turn_rad = 7;  // a bit over a full turn; degrees written for rad are mostly above
 
 bool is_word_character(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 

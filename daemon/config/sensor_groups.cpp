@@ -116,8 +116,10 @@ Rows control_rows() {
 
 Keys<DriverConfig> beam_rows() {
   using D = DriverConfig;
-  return {angle("angle_min", &D::angle_min, -7, 7, "beams before it are left out").unless_set("all beams"),
-          angle("angle_max", &D::angle_max, -7, 7, "beams after it are left out").unless_set("all beams"),
+  return {angle("angle_min", &D::angle_min, -most_turn_rad, most_turn_rad, "beams before it are left out")
+              .unless_set("all beams"),
+          angle("angle_max", &D::angle_max, -most_turn_rad, most_turn_rad, "beams after it are left out")
+              .unless_set("all beams"),
           flag("publish_intensity", &D::publish_intensity, "scans have intensities")};
 }
 

@@ -82,6 +82,44 @@ void check_key(const YAML::Node& key, const Place& place, const Value& parent, c
             "it once");
 }
 
+/// `<<: *anchor`, or a list of them: https://yaml.org/type/merge.html
+template <class Entry>
+bool is_merge(const Entry& entry) {
+  return entry.first.IsScalar() && entry.first.Scalar() == "<<";
+}
+
+/// The mapping and, behind it, those that it merges, nearest first. `count` bounds what anchors within
+/// anchors can make of a small file.
+std::vector<YAML::Node> with_merged(const Value& value, const YAML::Node& map, std::size_t& count) {
+  constexpr std::size_t most = 100;
+  const std::string expected = "an alias of a mapping, like `<<: *scanner`, or a list of them";
+  std::vector<YAML::Node> all{map};
+  for (const auto& entry : map) {
+    if (!is_merge(entry)) continue;
+    std::vector<YAML::Node> sources;
+    if (!entry.second.IsSequence()) sources.push_back(entry.second);
+    for (const auto& one : entry.second) {
+      if (entry.second.IsSequence()) sources.push_back(one);
+    }
+    for (const YAML::Node& source : sources) {
+      const Place place = place_of(entry.first.Mark(), value.place());
+      const std::string key = (value.path().empty() ? "" : value.path() + ".") + "<<";
+      if (!source.IsMap()) fail_at(place, key + " merges what is no mapping", expected);
+      if (++count > most) fail_at(place, key + " merges more than 100 mappings", expected);
+      for (YAML::Node& inner : with_merged(value, source, count)) all.push_back(inner);
+    }
+  }
+  return all;
+}
+
+/// Editors of other systems write it; yaml-cpp reads it, but people's other tools do not.
+void refuse_utf16(const std::string& text, const Place& top) {
+  const bool has_mark = text.compare(0, 2, "\xFF\xFE") == 0 || text.compare(0, 2, "\xFE\xFF") == 0;
+  const bool has_zero = text.size() > 1 && (text[0] == '\0') != (text[1] == '\0');
+  if (has_mark || has_zero)
+    fail_at(top, "the file is UTF-16", "UTF-8 (`iconv -f UTF-16 -t UTF-8`, or another encoding when saving)");
+}
+
 /// Notes where a document begins and lets everything else pass.
 class DocumentStart : public YAML::EventHandler {
  public:
@@ -279,7 +317,7 @@ std::optional<double> Mapping::angle(const std::string& key) const {
   in_rad(key, [&](const Value& value, double to_rad) {
     const bool rad = to_rad == 1;
     const std::string unit = rad ? "rad (degrees: " + key + "_deg)" : "degrees";
-    angle = value.number(rad ? -7 : -400, rad ? 7 : 400, unit.c_str()) * to_rad;
+    angle = value.number(rad ? -most_turn_rad : -400, rad ? most_turn_rad : 400, unit.c_str()) * to_rad;
   });
   return angle;
 }
@@ -290,17 +328,23 @@ std::vector<std::pair<std::string, Value>> named_entries(const Value& value, Mis
   if (!value.node().IsMap()) value.fail("is " + value.quoted(), "a mapping (`key: value` lines)");
   const std::string prefix = value.path().empty() ? "" : value.path() + ".";
   std::map<std::string, Place> seen;
-  for (const auto& entry : value.node()) {
-    const Place key_place = place_of(entry.first.Mark(), value.key_place());
-    const auto check = [&] { check_key(entry.first, key_place, value, prefix, seen); };
-    if (mistakes == nullptr)
-      check();
-    else if (!mistakes->attempt(key_place, check))
-      continue;
-    // The parser marks a missing value at whatever follows it.
-    const Place place = entry.second.IsNull() ? key_place : place_of(entry.second.Mark(), key_place);
-    const std::string& key = entry.first.Scalar();
-    entries.emplace_back(key, Value(entry.second, place, key_place, prefix + shorten(key)));
+  std::size_t merged = 0;
+  for (const YAML::Node& map : with_merged(value, value.node(), merged)) {
+    // What stands nearer wins; only within one mapping is a key given twice a mistake.
+    const std::map<std::string, Place> nearer = seen;
+    for (const auto& entry : map) {
+      if (is_merge(entry) || (entry.first.IsScalar() && nearer.count(entry.first.Scalar()) != 0)) continue;
+      const Place key_place = place_of(entry.first.Mark(), value.key_place());
+      const auto check = [&] { check_key(entry.first, key_place, value, prefix, seen); };
+      if (mistakes == nullptr)
+        check();
+      else if (!mistakes->attempt(key_place, check))
+        continue;
+      // The parser marks a missing value at whatever follows it.
+      const Place place = entry.second.IsNull() ? key_place : place_of(entry.second.Mark(), key_place);
+      const std::string& key = entry.first.Scalar();
+      entries.emplace_back(key, Value(entry.second, place, key_place, prefix + shorten(key)));
+    }
   }
   return entries;
 }
@@ -308,6 +352,7 @@ std::vector<std::pair<std::string, Value>> named_entries(const Value& value, Mis
 Value parse_yaml(const std::string& text, const std::string& file) {
   const Place top{file, 1, 1};
   try {
+    refuse_utf16(text, top);
     refuse_second_document(text, top);
     const YAML::Node root = YAML::Load(text);
     const Place begin = root.IsNull() ? top : place_of(root.Mark(), top);

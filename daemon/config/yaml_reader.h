@@ -16,6 +16,9 @@
 
 namespace lidard {
 
+/// A full turn as people round it. What is more and given in rad is taken for degrees written by mistake.
+constexpr double most_turn_rad = 6.284;
+
 /// One YAML value that knows where it stands and what it is called. Every reader throws ConfigError
 /// `file:line:column: what; expected …`.
 class Value {

@@ -10,7 +10,6 @@
 #include "daemon/commands/commands.h"
 #include "daemon/config/config.h"
 #include "daemon/dropin/dropin.h"
-#include "daemon/live/service.h"
 #include "daemon/ros/ros_environment.h"
 
 namespace lidard {
@@ -110,7 +109,6 @@ std::optional<int> run_dropin(const std::string& executable, const Arguments& ar
                                           [&](const Dropin& one) { return one.executable == executable; });
   if (dropin == std::end(dropins)) return std::nullopt;
   if (const auto code = answer(*dropin, arguments, out, err)) return code;
-  set_up_logging();
   try {
     return run_setup(*dropin, arguments, out, err);
   } catch (const ConfigError& e) {

@@ -2,20 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/files/frame_writer.h"
 
-#include <spdlog/fmt/fmt.h>
-
 #include <cmath>
-#include <iterator>
-#include <nlohmann/json.hpp>
 
-#include "daemon/files/text_file.h"
+#include "daemon/files/row_text.h"
 
 namespace lidard {
 namespace {
 
 class CsvWriter final : public FrameWriter {
  public:
-  CsvWriter(const std::string& path, StampColumn stamps) : file_(path), stamps_(stamps) {}
+  CsvWriter(const std::string& path, StampColumn stamps) : rows_(path), stamps_(stamps) {}
 
   void cloud(std::uint64_t frame, const Cloud& cloud) override {
     header("frame,packet,block,laser,ring,return,stamp_ns,azimuth_deg,distance_m,x_m,y_m,z_m,intensity\n");
@@ -23,13 +19,14 @@ class CsvWriter final : public FrameWriter {
       const CloudPoint p = cloud.points()[i];
       const ReturnOrigin& o = cloud.origins[i];
       const CloudColumn& c = cloud.columns[o.column];
-      fmt::format_to(std::back_inserter(text_),
-                     "{},{},{},{},{},{},{},{:.5f},{:.4f},{:.5f},{:.5f},{:.5f},{:g}\n", frame, c.packet,
-                     o.block, o.laser, copy_of(p.ring), c.echo,
-                     stamps_ == StampColumn::device ? o.offset_ns : o.stamp.ns, o.azimuth_deg, o.distance_m,
-                     copy_of(p.x), copy_of(p.y), copy_of(p.z), copy_of(p.intensity));
+      rows_.integer(frame).put(',').integer(c.packet).put(',').integer(+o.block).put(',').integer(o.laser);
+      rows_.put(',').integer(+p.ring).put(',').integer(+c.echo).put(',');
+      rows_.integer(stamps_ == StampColumn::device ? o.offset_ns : o.stamp.ns).put(',');
+      rows_.fixed<5>(o.azimuth_deg).put(',').fixed<4>(o.distance_m).put(',');
+      rows_.fixed<5>(wide(p.x)).put(',').fixed<5>(wide(p.y)).put(',').fixed<5>(wide(p.z)).put(',');
+      rows_.shortest(p.intensity).put('\n');
+      rows_.flush_if_long();
     }
-    flush();
   }
 
   void scan(std::uint64_t frame, const PlanarScan& scan) override {
@@ -42,53 +39,40 @@ class CsvWriter final : public FrameWriter {
       for (std::size_t echo = 0; echo < scan.echoes; ++echo) {
         if (!is_written(scan, beam, echo)) continue;
         const std::size_t i = scan.index(beam, echo);
-        fmt::format_to(std::back_inserter(text_), "{},{},{},{:.7f},{:.4f},{:g},{},{}\n", frame, beam, echo,
-                       scan.angle(beam), scan.ranges[i],
-                       scan.intensities.empty() ? 0.0F : scan.intensities[i], stamp,
-                       to_string(scan.statuses[i]));
+        rows_.integer(frame).put(',').integer(beam).put(',').integer(echo).put(',');
+        rows_.fixed<7>(wide(scan.angle(beam))).put(',').fixed<4>(wide(scan.ranges[i])).put(',');
+        rows_.shortest(scan.intensities.empty() ? 0.0F : scan.intensities[i]).put(',').integer(stamp);
+        rows_.put(',').put(to_string(scan.statuses[i])).put('\n');
       }
     }
-    flush();
+    rows_.flush_if_long();
   }
 
-  void finish() override { file_.close(); }
+  void finish() override { rows_.close(); }
 
  private:
-  // A copy, because a member of a packed struct cannot be bound to a reference.
-  template <typename T>
-  static T copy_of(T value) {
-    return value;
-  }
+  static double wide(float value) { return static_cast<double>(value); }
   void header(const char* names) {
     if (started_) return;
     started_ = true;
-    file_.write(names);
-  }
-  void flush() {
-    file_.write({text_.data(), text_.size()});
-    text_.clear();
+    rows_.put(names);
   }
 
-  TextFile file_;
+  RowText rows_;
   StampColumn stamps_;
   bool started_ = false;
-  fmt::memory_buffer text_;
 };
 
-using nlohmann::json;
-
-/// JSON has no inf and no NaN: a range without a hit is null, its status says why.
-json number(float value) { return std::isfinite(value) ? json(value) : json(nullptr); }
-
-/// {"frames": [{"frame", "stamp_ns", "complete", "columns": [names], "rows": [[...], ...]}, ...]}
+/// One document per frame, each in a line of its own: {"frame", "stamp_ns", ..., "columns": [names], "rows":
+/// [[...], ...]}.
 class JsonWriter final : public FrameWriter {
  public:
-  JsonWriter(const std::string& path, StampColumn stamps) : file_(path), stamps_(stamps) {
-    file_.write("{\"frames\": [\n");
-  }
+  JsonWriter(const std::string& path, StampColumn stamps) : rows_(path), stamps_(stamps) {}
 
   void cloud(std::uint64_t frame, const Cloud& cloud) override {
-    json rows = json::array();
+    rows_.general(R"({{"frame":{},"stamp_ns":{},"complete":{},)", frame, cloud.stamp.ns, cloud.complete);
+    rows_.put(R"("columns":["packet","block","laser","ring","return","stamp_ns","azimuth_deg","distance_m",)"
+              R"("x_m","y_m","z_m","intensity"],"rows":[)");
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const CloudPoint p = cloud.points()[i];
       const ReturnOrigin& o = cloud.origins[i];
@@ -96,59 +80,52 @@ class JsonWriter final : public FrameWriter {
       const std::int64_t stamp = stamps_ == StampColumn::device ? o.offset_ns : o.stamp.ns;
       const float x = p.x, y = p.y, z = p.z, intensity = p.intensity;
       const std::uint16_t ring = p.ring;
-      rows.push_back(json::array({c.packet, o.block, o.laser, ring, c.echo, stamp, o.azimuth_deg,
-                                  o.distance_m, x, y, z, intensity}));
+      rows_.general("{}[{},{},{},{},{},{},{},{},{},{},{},{}]", i == 0 ? "" : ",", c.packet, o.block, o.laser,
+                    ring, c.echo, stamp, o.azimuth_deg, o.distance_m, x, y, z, intensity);
+      rows_.flush_if_long();
     }
-    write(json{{"frame", frame},
-               {"stamp_ns", cloud.stamp.ns},
-               {"complete", cloud.complete},
-               {"columns",
-                {"packet", "block", "laser", "ring", "return", "stamp_ns", "azimuth_deg", "distance_m", "x_m",
-                 "y_m", "z_m", "intensity"}},
-               {"rows", std::move(rows)}});
+    rows_.put("]}\n");
   }
 
   void scan(std::uint64_t frame, const PlanarScan& scan) override {
-    json rows = json::array();
+    rows_.general(
+        R"({{"frame":{},"stamp_ns":{},"time_increment_s":{},"range_min_m":{},"range_max_m":{},"columns":)",
+        frame, scan.stamp.ns, scan.time_increment, scan.range_min, scan.range_max);
+    rows_.put(R"(["beam","echo","angle_rad","range_m","intensity","status")");
+    rows_.put(flags_.empty() ? "" : R"(,"device_flags")").put(R"(],"rows":[)");
+    bool first = true;
     for (std::size_t beam = 0; beam < scan.beams; ++beam) {
       for (std::size_t echo = 0; echo < scan.echoes; ++echo) {
         if (!is_written(scan, beam, echo)) continue;
         const std::size_t i = scan.index(beam, echo);
-        rows.push_back(json::array({beam, echo, scan.angle(beam), number(scan.ranges[i]),
-                                    scan.intensities.empty() ? 0.0F : scan.intensities[i],
-                                    to_string(scan.statuses[i])}));
-        if (!flags_.empty()) rows.back().push_back(static_cast<int>(flags_[beam]));
+        rows_.general("{}[{},{},{},", first ? "" : ",", beam, echo, scan.angle(beam));
+        number(scan.ranges[i]);
+        rows_.general(R"(,{},"{}")", scan.intensities.empty() ? 0.0F : scan.intensities[i],
+                      to_string(scan.statuses[i]));
+        if (!flags_.empty()) rows_.put(',').integer(static_cast<int>(flags_[beam]));
+        rows_.put(']');
+        first = false;
       }
     }
-    json columns = {"beam", "echo", "angle_rad", "range_m", "intensity", "status"};
-    if (!flags_.empty()) columns.push_back("device_flags");
     flags_.clear();
-    write(json{{"frame", frame},
-               {"stamp_ns", scan.stamp.ns},
-               {"time_increment_s", scan.time_increment},
-               {"range_min_m", scan.range_min},
-               {"range_max_m", scan.range_max},
-               {"columns", std::move(columns)},
-               {"rows", std::move(rows)}});
+    rows_.put("]}\n").flush_if_long();
   }
 
   void beam_flags(const std::vector<float>& flags) override { flags_ = flags; }
 
-  void finish() override {
-    file_.write("\n]}\n");
-    file_.close();
-  }
+  void finish() override { rows_.close(); }
 
  private:
-  void write(const json& object) {
-    file_.write(first_ ? "" : ",\n");
-    first_ = false;
-    file_.write(object.dump());
+  /// JSON has no inf and no NaN: a range without a hit is null, its status says why.
+  void number(float value) {
+    if (std::isfinite(value))
+      rows_.general("{}", value);
+    else
+      rows_.put("null");
   }
 
-  TextFile file_;
+  RowText rows_;
   StampColumn stamps_;
-  bool first_ = true;
   std::vector<float> flags_;  // of the next scan's beams; empty: the device sends none
 };
 

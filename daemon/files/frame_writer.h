@@ -41,7 +41,8 @@ class FrameWriter {
 /// `path` "-" is standard output. Throws std::runtime_error naming the path if it cannot be opened.
 std::unique_ptr<FrameWriter> make_csv_writer(const std::string& path, StampColumn stamps);
 std::unique_ptr<FrameWriter> make_json_writer(const std::string& path, StampColumn stamps);
-/// One PCD file (binary_compressed, fields x y z intensity ring time) with the points of all frames.
+/// One PCD file (fields x y z intensity ring time) with the points of all frames: binary_compressed or, of
+/// more than 500,000 points, binary. With a path like DIR/%06d.pcd a compressed file for each frame.
 std::unique_ptr<FrameWriter> make_pcd_writer(const std::string& path);
 
 }  // namespace lidard

@@ -1,22 +1,26 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <dlfcn.h>
-#include <unistd.h>
+#include <spdlog/fmt/fmt.h>
 
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
+#include <memory>
 #include <stdexcept>
 
 #include "daemon/files/frame_writer.h"
+#include "daemon/files/numbered_path.h"
 #include "daemon/files/pcl_module.h"
 #include "daemon/files/text_file.h"
 
 namespace lidard {
 namespace {
+
+/// PCL compresses a file as a whole and needs some 130 bytes for each of its points. A file of more points
+/// is written as they come, not compressed.
+constexpr std::size_t most_compressed = 500'000;
 
 /// The module stands beside the program where it was built, and below lib/lidard where it was installed.
 decltype(&lidard_write_pcd) load_pcl() {
@@ -31,68 +35,144 @@ decltype(&lidard_write_pcd) load_pcl() {
   throw std::runtime_error("PCD files need lidard's module for PCL (package lidard-pcl): " + trouble);
 }
 
-class PcdWriter final : public FrameWriter {
- public:
-  explicit PcdWriter(std::string path) : path_(std::move(path)), write_(load_pcl()) {
-    // Found out now, not after a long capture was decoded.
-    if (path_ != "-") TextFile(path_).close();
-  }
+void save(const std::string& path, const std::vector<CloudPoint>& points) {
+  static const decltype(&lidard_write_pcd) write = load_pcl();
+  if (!write(path.c_str(), points.data(), points.size()))
+    throw std::runtime_error(path + ": cannot be written as PCD");
+}
 
-  void cloud(std::uint64_t frame, const Cloud& cloud) override {
-    static_cast<void>(frame);
-    points_.insert(points_.end(), cloud.points(), cloud.points() + cloud.size());
-  }
-
-  void scan(std::uint64_t frame, const PlanarScan& scan) override {
-    static_cast<void>(frame);
-    for (std::size_t beam = 0; beam < scan.beams; ++beam) {
-      for (std::size_t echo = 0; echo < scan.echoes; ++echo) {
-        const std::size_t i = scan.index(beam, echo);
-        if (scan.statuses[i] != BeamStatus::hit) continue;
-        CloudPoint point{};
-        point.x = scan.ranges[i] * std::cos(scan.angle(beam));
-        point.y = scan.ranges[i] * std::sin(scan.angle(beam));
-        point.intensity = scan.intensities.empty() ? 0 : scan.intensities[i];
-        point.time = scan.time_increment * static_cast<float>(beam);
-        points_.push_back(point);
-      }
+void append(const PlanarScan& scan, std::vector<CloudPoint>& points) {
+  for (std::size_t beam = 0; beam < scan.beams; ++beam) {
+    for (std::size_t echo = 0; echo < scan.echoes; ++echo) {
+      const std::size_t i = scan.index(beam, echo);
+      if (scan.statuses[i] != BeamStatus::hit) continue;
+      CloudPoint point{};
+      point.x = scan.ranges[i] * std::cos(scan.angle(beam));
+      point.y = scan.ranges[i] * std::sin(scan.angle(beam));
+      point.intensity = scan.intensities.empty() ? 0 : scan.intensities[i];
+      point.time = scan.time_increment * static_cast<float>(beam);
+      points.push_back(point);
     }
+  }
+}
+
+void append(const Cloud& cloud, std::vector<CloudPoint>& points) {
+  points.insert(points.end(), cloud.points(), cloud.points() + cloud.size());
+}
+
+/// The header of a file of points as they stand in memory, the same length for any number of them (PCD 0.7,
+/// as the Point Cloud Library documents it; lines that begin with # are comments).
+std::string binary_header(std::uint64_t points) {
+  constexpr std::size_t length = 256;
+  const std::string rest = fmt::format(
+      "\nVERSION 0.7\nFIELDS x y z intensity ring time\nSIZE 4 4 4 4 2 4\nTYPE F F F F U F\nCOUNT 1 1 1 1 1 "
+      "1\n"
+      "WIDTH {0}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {0}\nDATA binary\n",
+      points);
+  const std::string head = "# .PCD v0.7 - Point Cloud Data file format ";
+  return head + std::string(length - head.size() - rest.size(), '.') + rest;
+}
+
+/// The points of all frames in one file.
+class OnePcd final : public FrameWriter {
+ public:
+  explicit OnePcd(std::string path) : path_(std::move(path)) {
+    // Found out now, not after a long capture was decoded. The header needs the number of points, so what
+    // goes to standard output stands in a file first.
+    file_.reset(path_ == "-" ? std::tmpfile() : std::fopen(path_.c_str(), "wb"));
+    if (!file_) fail("cannot be opened for writing");
+  }
+
+  void cloud(std::uint64_t /*frame*/, const Cloud& cloud) override {
+    append(cloud, points_);
+    spill_if_many();
+  }
+  void scan(std::uint64_t /*frame*/, const PlanarScan& scan) override {
+    append(scan, points_);
+    spill_if_many();
   }
 
   void finish() override {
-    if (points_.empty()) throw std::runtime_error(path_ + ": there is no point to write");
-    if (path_ != "-") {
-      save(path_);
-      return;
+    if (spilled_ == 0 && points_.empty()) throw std::runtime_error(path_ + ": there is no point to write");
+    if (spilled_ == 0) {
+      // PCL writes to a path; a file without a name has one there.
+      std::fflush(file_.get());
+      save(path_ == "-" ? "/proc/self/fd/" + std::to_string(fileno(file_.get())) : path_, points_);
+    } else {
+      spill();
+      std::rewind(file_.get());
+      put(binary_header(spilled_));
     }
-    std::array<char, 32> name{"/tmp/lidard-XXXXXX"};
-    const int descriptor = mkstemp(name.data());
-    if (descriptor < 0) throw std::runtime_error("no temporary file for the PCD output can be made in /tmp");
-    close(descriptor);
-    save(name.data());
-    std::ifstream file(name.data(), std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-    std::remove(name.data());
-    TextFile out("-");
-    out.write(bytes);
-    out.close();
+    if (path_ == "-") copy_to_standard_output();
+    if (std::fclose(file_.release()) != 0) fail("cannot be written");
   }
 
  private:
-  void save(const std::string& path) const {
-    if (!write_(path.c_str(), points_.data(), points_.size()))
-      throw std::runtime_error(path + ": cannot be written as PCD");
+  struct Closer {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  void spill_if_many() {
+    if (points_.size() > most_compressed || spilled_ > 0) spill();
+  }
+  void spill() {
+    if (spilled_ == 0) put(binary_header(0));
+    put({reinterpret_cast<const char*>(points_.data()), points_.size() * sizeof(CloudPoint)});
+    spilled_ += points_.size();
+    points_.clear();
+  }
+  void put(std::string_view bytes) {
+    if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) fail("cannot be written");
+  }
+  void copy_to_standard_output() {
+    std::rewind(file_.get());
+    TextFile out("-");
+    std::array<char, 64 * 1024> buffer;
+    for (std::size_t got = 1; got > 0;) {
+      got = std::fread(buffer.data(), 1, buffer.size(), file_.get());
+      out.write({buffer.data(), got});
+    }
+    out.close();
+  }
+  [[noreturn]] void fail(const char* what) const {
+    throw std::runtime_error(path_ + ": " + what + ": " + std::strerror(errno));
   }
 
   const std::string path_;
-  const decltype(&lidard_write_pcd) write_;
+  std::unique_ptr<std::FILE, Closer> file_;
+  std::vector<CloudPoint> points_;
+  std::uint64_t spilled_ = 0;  // points that are in the file
+};
+
+/// Each frame in a file of its own.
+class NumberedPcd final : public FrameWriter {
+ public:
+  explicit NumberedPcd(NumberedPath path) : path_(std::move(path)) {
+    const auto folder = std::filesystem::path(path_.of(0)).parent_path();
+    if (!folder.empty() && !std::filesystem::is_directory(folder))
+      throw std::runtime_error(folder.string() + ": there is no such folder; make it first");
+  }
+  void cloud(std::uint64_t frame, const Cloud& cloud) override { write(frame, cloud); }
+  void scan(std::uint64_t frame, const PlanarScan& scan) override { write(frame, scan); }
+  void finish() override {}
+
+ private:
+  template <class Frame>
+  void write(std::uint64_t number, const Frame& frame) {
+    points_.clear();
+    append(frame, points_);
+    // A frame in which nothing came back has no file: PCL writes none without points.
+    if (!points_.empty()) save(path_.of(number), points_);
+  }
+
+  NumberedPath path_;
   std::vector<CloudPoint> points_;
 };
 
 }  // namespace
 
 std::unique_ptr<FrameWriter> make_pcd_writer(const std::string& path) {
-  return std::make_unique<PcdWriter>(path);
+  if (auto numbered = NumberedPath::parse(path)) return std::make_unique<NumberedPcd>(*numbered);
+  return std::make_unique<OnePcd>(path);
 }
 
 }  // namespace lidard

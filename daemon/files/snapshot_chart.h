@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <initializer_list>
 #include <stdexcept>
 #include <string>
@@ -64,6 +65,43 @@ class Chart {
   Eigen::Vector2d to_page(const Eigen::Vector2f& meters) const {
     return to_page(Eigen::Vector2d(meters.cast<double>()));
   }
+  /// A colour for a place on the page.
+  struct Dot {
+    Eigen::Vector2d at;
+    Color color;
+  };
+  /// Draws dots into the field, each `side` pixels wide; where several fall together their colours mix. As
+  /// pixels in an SVG too: a lidar's cloud as shapes would make a file that nothing opens.
+  void dots(const std::vector<Dot>& dots, int side, double opacity) {
+    const auto width = static_cast<int>(std::lround(size_.x())),
+               height = static_cast<int>(std::lround(size_.y()));
+    struct Sum {
+      float red = 0, green = 0, blue = 0, weight = 0;
+    };
+    std::vector<Sum> sums(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    for (const Dot& dot : dots) {
+      const Eigen::Vector2d p = dot.at - corner_;
+      if (!(p.x() >= 0 && p.y() >= 0 && p.x() < width && p.y() < height)) continue;
+      const int left = static_cast<int>(p.x()) - (side - 1) / 2,
+                top = static_cast<int>(p.y()) - (side - 1) / 2;
+      for (int y = std::max(0, top); y < std::min(height, top + side); ++y) {
+        for (int x = std::max(0, left); x < std::min(width, left + side); ++x) {
+          Sum& sum = sums[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                          static_cast<std::size_t>(x)];
+          sum.red += static_cast<float>(dot.color.red), sum.green += static_cast<float>(dot.color.green);
+          sum.blue += static_cast<float>(dot.color.blue), sum.weight += 1;
+        }
+      }
+    }
+    paint_pixels(width, height, [&](std::size_t i) -> Color {
+      const Sum& sum = sums[i];
+      if (sum.weight == 0) return {0, 0, 0, 0};
+      return {static_cast<double>(sum.red / sum.weight), static_cast<double>(sum.green / sum.weight),
+              static_cast<double>(sum.blue / sum.weight),
+              1 - std::pow(1 - opacity, static_cast<double>(sum.weight))};
+    });
+  }
+
   /// Keeps what is drawn until end_clip() inside the field.
   void begin_clip() {
     cairo_save(pen_);
@@ -100,6 +138,9 @@ class Chart {
     cairo_new_sub_path(pen_);
     cairo_arc(pen_, center.x(), center.y(), radius, 0, two_pi);
   }
+  /// Lines without grey edges until end_crisp(): edges of faint lines would be most of a picture's bytes.
+  void begin_crisp() { cairo_set_antialias(pen_, CAIRO_ANTIALIAS_NONE); }
+  void end_crisp() { cairo_set_antialias(pen_, CAIRO_ANTIALIAS_DEFAULT); }
   void fill(const Color& color) {
     set_source(pen_, color);
     cairo_fill(pen_);
@@ -124,6 +165,7 @@ class Chart {
     left = std::max(left, clip_left), right = std::min(right, clip_right);
     top = std::max(top, clip_top), bottom = std::min(bottom, clip_bottom);
     const double height = bottom - top;
+    begin_crisp();
     // Lines of neighbouring areas meet: each lies on a multiple of the distance.
     for (double at = std::floor((left - bottom) / distance) * distance; at <= right - top; at += distance) {
       move_to({tenth(at + top), top});
@@ -131,6 +173,19 @@ class Chart {
     }
     stroke(color, 1);
     cairo_restore(pen_);
+  }
+
+  /// The page as it was drawn (not of an SVG).
+  Pixels pixels() {
+    cairo_surface_flush(surface_);
+    Pixels out{cairo_image_surface_get_width(surface_), cairo_image_surface_get_height(surface_), {}};
+    const unsigned char* data = cairo_image_surface_get_data(surface_);
+    const auto stride = static_cast<std::size_t>(cairo_image_surface_get_stride(surface_));
+    for (int y = 0; y < out.height; ++y) {
+      const auto* row = reinterpret_cast<const std::uint32_t*>(data + static_cast<std::size_t>(y) * stride);
+      for (int x = 0; x < out.width; ++x) out.rgb.push_back(row[x] & 0xffffffU);
+    }
+    return out;
   }
 
   enum class Align { left, middle, right };
@@ -177,6 +232,27 @@ class Chart {
   }
 
  private:
+  /// Paints pixels over the field; `color_at` tells each one's, row by row.
+  template <class ColorAt>
+  void paint_pixels(int width, int height, ColorAt color_at) {
+    cairo_surface_t* image = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, width, height);
+    unsigned char* data = cairo_image_surface_get_data(image);
+    const auto stride = static_cast<std::size_t>(cairo_image_surface_get_stride(image));
+    for (int y = 0; y < height; ++y) {
+      auto* row = reinterpret_cast<std::uint32_t*>(data + static_cast<std::size_t>(y) * stride);
+      for (int x = 0; x < width; ++x) {
+        const Color c = color_at(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                                 static_cast<std::size_t>(x));
+        const auto byte = [](double share) { return static_cast<std::uint32_t>(std::lround(255 * share)); };
+        row[x] = byte(c.alpha) << 24U | byte(c.red * c.alpha) << 16U | byte(c.green * c.alpha) << 8U |
+                 byte(c.blue * c.alpha);
+      }
+    }
+    cairo_surface_mark_dirty(image);
+    cairo_set_source_surface(pen_, image, corner_.x(), corner_.y());
+    cairo_paint(pen_);
+    cairo_surface_destroy(image);
+  }
   static cairo_status_t append(void* bytes, const unsigned char* data, unsigned int length) {
     static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data), length);
     return CAIRO_STATUS_SUCCESS;

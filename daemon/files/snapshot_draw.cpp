@@ -4,79 +4,65 @@
 #include <array>
 #include <cmath>
 
-#include "daemon/files/snapshot_chart.h"
+#include "daemon/files/snapshot_style.h"
 
 namespace lidard {
 namespace {
-
-/// Pixels of the picture's side.
-constexpr double snapshot_side = 1200;
 
 using Role = SnapshotView::Role;
 using Align = Chart::Align;
 using Eigen::Vector2d;
 
-// Okabe and Ito's colours, which people with any colour vision tell apart; roles differ in shape too.
-constexpr std::array<Color, 6> input_colors = {{{0.00, 0.45, 0.70},
-                                                {0.84, 0.37, 0.00},
-                                                {0.80, 0.47, 0.65},
-                                                {0.34, 0.71, 0.91},
-                                                {0.55, 0.40, 0.10},
-                                                {0.35, 0.25, 0.60}}};
-constexpr std::array<Color, 3> merged_colors = {{{0, 0, 0}, {0.90, 0.62, 0.00}, {0.50, 0.50, 0.50}}};
-constexpr std::array<Color, 4> virtual_colors = {
-    {{0.00, 0.62, 0.45}, {0.45, 0.20, 0.55}, {0.75, 0.10, 0.20}, {0.10, 0.35, 0.35}}};
-constexpr Color cloud_color{0.55, 0.55, 0.55};
-constexpr Color free_color{0.86, 0.95, 0.89};
-constexpr Color unobserved_color{0.91, 0.89, 0.87};
-constexpr Color hatch_color{0.70, 0.66, 0.63};
-constexpr Color ink{0.13, 0.13, 0.13};
-constexpr Color pale{0.45, 0.45, 0.45};
-
 constexpr double field_left = 20;
 constexpr double field_top = 76;
-constexpr double field_width = 880;
-constexpr double field_height = 1104;
-constexpr double legend_left = field_left + field_width + 22;
-constexpr double legend_width = snapshot_side - legend_left - 14;
+/// Of the field, in pixels.
+constexpr double field_area = 760 * 1000;
+constexpr double legend_width = 264;
+constexpr double margin = 20;
+constexpr double side_caption = 34;
 
-Color color_of(Role role, std::size_t number) {
-  switch (role) {
-    case Role::input:
-      return input_colors[number % input_colors.size()];
-    case Role::merged:
-      return merged_colors[number % merged_colors.size()];
-    case Role::virtual_scan:
-      return virtual_colors[number % virtual_colors.size()];
-    case Role::cloud:
-      return cloud_color;
+/// Where the parts of a picture stand, in pixels: the field as wide and high as what it shows.
+struct Layout {
+  double width, height;  // of the field
+  double side;           // height of the side view; 0: there is none
+  explicit Layout(const SnapshotView& view) {
+    const double aspect = std::clamp(view.framing.half.y() / view.framing.half.x(), 0.65, 1.7);
+    width = std::round(std::sqrt(field_area * aspect));
+    if (view.framing.width > 0) width = view.framing.width - (page_width() - width);
+    height = std::round(width / aspect);
+    side = std::round(side_height(view, width));
   }
-  return ink;
-}
-
-/// 1, 2 or 5 times a power of ten, such that about `parts` of them make `length`.
-double round_step(double length, double parts) {
-  const double rough = length / parts;
-  const double power = std::pow(10, std::floor(std::log10(rough)));
-  const double lead = rough / power;
-  return power * (lead < 1.5 ? 1 : lead < 3.5 ? 2 : lead < 7.5 ? 5 : 10);
-}
-
-std::string meters(double length) {
-  std::string text = std::to_string(length);
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.back() == '.') text.pop_back();
-  return text + " m";
-}
+  double legend_left() const { return field_left + width + 22; }
+  double page_width() const { return legend_left() + legend_width + 14; }
+  double side_top() const { return field_top + height + side_caption; }
+  double bottom() const { return side > 0 ? side_top() + side : field_top + height; }
+};
 
 /// Draws one view.
 class Painter {
  public:
-  Painter(const SnapshotView& view, PictureFormat format)
-      : view_(view), chart_(format, snapshot_side, snapshot_side) {
-    chart_.set_field({field_left, field_top}, {field_width, field_height}, view.center, view.half);
+  Painter(const SnapshotView& view, PictureFormat format, double page_height)
+      : view_(view), layout_(view), chart_(format, layout_.page_width(), page_height) {
+    chart_.set_field({field_left, field_top}, {layout_.width, layout_.height}, view.framing.center,
+                     view.framing.half);
   }
-  std::string paint() {
+  /// Pixels that the page needs: the views or the legend, whichever is longer.
+  static double page_height(const SnapshotView& view) {
+    Painter trial(view, PictureFormat::png, 1);
+    trial.legend();
+    return std::ceil(std::max(trial.layout_.bottom(), trial.legend_y_) + margin);
+  }
+  std::string bytes() {
+    paint();
+    return chart_.bytes(view_.title, description());
+  }
+  Pixels pixels() {
+    paint();
+    return chart_.pixels();
+  }
+
+ private:
+  void paint() {
     chart_.begin_clip();
     areas(true);
     areas(false);
@@ -93,7 +79,7 @@ class Painter {
         if (l->role == role) layer(*l);
       }
     };
-    all(Role::cloud);
+    clouds();
     vehicle();
     all(Role::input);
     all(Role::merged);
@@ -101,16 +87,15 @@ class Painter {
     for (std::size_t i = 0; i < view_.sensors.size(); ++i) sensor(view_.sensors[i], i);
     scale_bar();
     chart_.end_clip();
-    chart_.rectangle(field_left, field_top, field_width, field_height);
+    chart_.rectangle(field_left, field_top, layout_.width, layout_.height);
     chart_.stroke({0.5, 0.5, 0.5}, 1);
     heading();
     legend();
-    return chart_.bytes(view_.title, description());
+    if (layout_.side > 0) draw_side(chart_, view_, {field_left, layout_.side_top()}, layout_.width);
   }
 
- private:
   /// m from the middle of the field to its upper edge.
-  double shown() const { return field_height / 2 / chart_.pixels_per_meter(); }
+  double shown() const { return layout_.height / 2 / chart_.pixels_per_meter(); }
   /// All wedges of one kind as one path. Neighbours are joined, else a thin line would show between them.
   void areas(bool observed) {
     const auto& wedges = view_.wedges;
@@ -131,11 +116,13 @@ class Painter {
   void rings() {
     const double step = round_step(shown(), 4.5);
     const Vector2d origin = chart_.to_page(Vector2d(0, 0));
-    const double reach = view_.center.norm() + shown() * 1.3;
+    const double reach = view_.framing.center.norm() + shown() * 1.3;
+    chart_.begin_crisp();
     for (double r = step; r < reach; r += step) {
       chart_.circle(origin, r * chart_.pixels_per_meter());
-      chart_.stroke({0.62, 0.62, 0.62}, 0.7, {2, 4});
+      chart_.stroke({0.72, 0.72, 0.72}, 1, {2, 6});
     }
+    chart_.end_crisp();
     for (const auto& [dx, dy] : {std::pair{1.0, 0.0}, std::pair{0.0, 1.0}}) {
       const Vector2d along(reach * dx, reach * dy);
       chart_.path({chart_.to_page(Vector2d(-along)), chart_.to_page(along)});
@@ -145,15 +132,28 @@ class Painter {
     const double angle = -0.7;
     for (double r = step; r < reach; r += step) {
       const Vector2d at = chart_.to_page(Vector2d(r * std::cos(angle), r * std::sin(angle)));
-      if (at.x() < field_left + field_width - 24 && at.y() > field_top + 14)
+      if (at.x() < field_left + layout_.width - 24 && at.y() > field_top + 14)
         chart_.label(at, meters(r), 12, pale, Align::middle);
     }
+  }
+  /// Share of the colours' scale.
+  double share(float value) const {
+    const auto& f = view_.framing;
+    return (static_cast<double>(value) - f.lowest) / (f.highest - f.lowest);
+  }
+  void clouds() {
+    std::vector<Chart::Dot> dots;
+    for (const auto& layer : view_.layers) {
+      for (std::size_t i = 0; i < layer.values.size(); ++i)
+        dots.push_back({chart_.to_page(layer.points[i]), scale_color(share(layer.values[i]))});
+    }
+    // A few returns are big dots, many make shades.
+    chart_.dots(dots, dots.size() < 60'000 ? 2 : 1, dots.size() < 200'000 ? 0.85 : 0.6);
   }
   void layer(const SnapshotView::Layer& layer) {
     const Color color = color_of(layer.role, layer.number);
     if (layer.role == Role::merged || layer.role == Role::virtual_scan) return line(layer);
     for (const auto& p : layer.points) chart_.dot(chart_.to_page(p));
-    if (layer.role == Role::cloud) return chart_.stroke({color.red, color.green, color.blue, 0.8}, 1.5);
     chart_.stroke(color, 6);
   }
   void line(const SnapshotView::Layer& layer) {
@@ -198,8 +198,7 @@ class Painter {
     chart_.fill(ink);
   }
   void sensor(const SnapshotView::Sensor& sensor, std::size_t index) {
-    const Color color =
-        sensor.role == Role::cloud ? Color{0.35, 0.35, 0.35} : color_of(sensor.role, sensor.number);
+    const Color color = color_of(sensor.role, sensor.number);
     const Vector2d at = chart_.to_page(sensor.at);
     // Radii differ, so that sensors in one place can be told apart.
     const double radius = 26 + 7 * static_cast<double>(index % 4);
@@ -223,7 +222,7 @@ class Painter {
     const double length = round_step(shown(), 5);
     const double pixels = length * chart_.pixels_per_meter();
     const double x = field_left + 16;
-    const double y = field_top + field_height - 16;
+    const double y = field_top + layout_.height - 16;
     chart_.rectangle(x - 8, y - 26, pixels + 16, 36);
     chart_.fill({1, 1, 1, 0.85});
     chart_.path({{x, y - 5}, {x, y}, {x + pixels, y}, {x + pixels, y - 5}});
@@ -248,6 +247,7 @@ class Painter {
     };
     group("SCANNERS", Role::input);
     group("CLOUDS", Role::cloud);
+    if (!view_.fans.empty()) legend_scale();
     group("MERGED SCANS", Role::merged);
     group("VIRTUAL SCANS", Role::virtual_scan);
     if (!view_.free_note.empty()) {
@@ -263,16 +263,39 @@ class Painter {
             view_.base_frame + ".",
         12, pale, 0, false);
     legend_y_ += 8;
-    for (const auto& sentence : view_.missing) legend_text(sentence, 12, {0.70, 0.20, 0.00});
+    for (const auto* sentences : {&view_.notes, &view_.missing}) {
+      for (const auto& sentence : *sentences) {
+        legend_text(sentence, 12, {0.70, 0.20, 0.00});
+        legend_y_ += 4;
+      }
+    }
+  }
+  void legend_scale() {
+    const double left = layout_.legend_left() + 38, width = legend_width - 60, y = legend_y_ - 12;
+    constexpr int steps = 60;
+    for (int i = 0; i < steps; ++i) {
+      chart_.rectangle(left + width * i / steps, y, width / steps + 0.6, 14);
+      chart_.fill(scale_color((i + 0.5) / steps));
+    }
+    const auto number = [](double value) { return printed("%.3g", std::abs(value) < 5e-4 ? 0.0 : value); };
+    const auto& f = view_.framing;
+    chart_.text({left, y + 28}, number(f.lowest), 12, ink);
+    chart_.text({left + width / 2, y + 28}, number((f.lowest + f.highest) / 2), 12, ink, Align::middle);
+    chart_.text({left + width, y + 28}, number(f.highest), 12, ink, Align::right);
+    legend_y_ = y + 45;
+    legend_text(view_.color_words, 12, pale, 38);
+    legend_y_ += 14;
   }
   void legend_layer(const SnapshotView::Layer& layer) {
     const Color color = color_of(layer.role, layer.number);
     const double y = legend_y_ - 5;
     if (layer.role == Role::input || layer.role == Role::cloud) {
-      for (const double x : {4.0, 14.0, 24.0}) chart_.dot({legend_left + x, y});
-      chart_.stroke(color, layer.role == Role::input ? 6 : 2);
+      for (const double share : {0.1, 0.5, 0.9}) {
+        chart_.dot({layout_.legend_left() + 4 + 20 * share, y});
+        chart_.stroke(layer.role == Role::cloud ? scale_color(share) : color, 6);
+      }
     } else {
-      chart_.path({{legend_left, y}, {legend_left + 28, y}});
+      chart_.path({{layout_.legend_left(), y}, {layout_.legend_left() + 28, y}});
       stroke_line(layer);
     }
     legend_entry(layer.name, layer.note);
@@ -283,11 +306,11 @@ class Painter {
     legend_y_ += 9;
   }
   void legend_area(const std::string& name, const std::string& note, bool observed) {
-    chart_.rectangle(legend_left, legend_y_ - 13, 28, 18);
+    chart_.rectangle(layout_.legend_left(), legend_y_ - 13, 28, 18);
     chart_.fill(observed ? free_color : unobserved_color);
-    chart_.rectangle(legend_left, legend_y_ - 13, 28, 18);
+    chart_.rectangle(layout_.legend_left(), legend_y_ - 13, 28, 18);
     if (!observed) chart_.hatch(hatch_color, 7);
-    chart_.rectangle(legend_left, legend_y_ - 13, 28, 18);
+    chart_.rectangle(layout_.legend_left(), legend_y_ - 13, 28, 18);
     chart_.stroke({0.6, 0.6, 0.6}, 0.8);
     legend_entry(name, note);
   }
@@ -297,7 +320,7 @@ class Painter {
     std::string row;
     const auto put = [&] {
       if (row.empty()) return;
-      chart_.text({legend_left + indent, legend_y_}, row, size, color, Align::left, bold);
+      chart_.text({layout_.legend_left() + indent, legend_y_}, row, size, color, Align::left, bold);
       legend_y_ += size + 5;
       row.clear();
     };
@@ -317,11 +340,14 @@ class Painter {
     for (const auto& sensor : view_.sensors) text += "\nsensor " + sensor.name;
     if (!view_.free_note.empty())
       text += "\nfree: " + view_.free_note + "\nunknown: " + view_.unobserved_note;
-    for (const auto& sentence : view_.missing) text += "\n" + sentence;
+    for (const auto* sentences : {&view_.notes, &view_.missing}) {
+      for (const auto& sentence : *sentences) text += "\n" + sentence;
+    }
     return text;
   }
 
   const SnapshotView& view_;
+  Layout layout_;
   Chart chart_;
   double legend_y_ = 0;
 };
@@ -329,7 +355,13 @@ class Painter {
 }  // namespace
 
 std::string draw_snapshot(const SnapshotView& view, PictureFormat format) {
-  return Painter(view, format).paint();
+  return Painter(view, format, Painter::page_height(view)).bytes();
 }
+
+Pixels draw_pixels(const SnapshotView& view, double page_height) {
+  return Painter(view, PictureFormat::png, page_height).pixels();
+}
+
+double page_height(const SnapshotView& view) { return Painter::page_height(view); }
 
 }  // namespace lidard

@@ -6,15 +6,18 @@
 #include <cmath>
 #include <map>
 #include <stdexcept>
+#include <tuple>
 
 #include "core/base/angle.h"
+#include "core/base/number_text.h"
 
 namespace lidard {
 namespace {
 
 using Role = SnapshotView::Role;
 
-constexpr std::size_t most_cloud_points = 4000;
+/// A scan that is so much older than those beside it shows a place where the vehicle is no longer, s.
+constexpr double noticeably_older = 0.02;
 
 std::string percent(std::size_t part, std::size_t all) {
   const double share = all == 0 ? 0 : 100.0 * static_cast<double>(part) / static_cast<double>(all);
@@ -35,22 +38,57 @@ Eigen::Vector2f from_above(const Pose& pose, double angle, double range) {
   return p.head<2>().cast<float>();
 }
 
+/// How steep each ring of a lidar looks, from its returns: tables of angles know no calibration.
+class RingSlopes {
+ public:
+  explicit RingSlopes(std::size_t rings) : sums_(rings), counts_(rings) {}
+  void add(std::size_t ring, const Eigen::Vector3f& p) {
+    if (ring >= sums_.size()) return;
+    sums_[ring] += static_cast<double>(std::atan2(p.z(), p.head<2>().norm()));
+    ++counts_[ring];
+  }
+  /// Of the rings ahead and behind, in x and z of base_frame; of many rings some.
+  std::vector<Eigen::Vector2d> directions(const Pose& pose) const {
+    constexpr std::size_t most = 32;
+    std::vector<Eigen::Vector2d> all;
+    const std::size_t step = (sums_.size() + most - 1) / most;
+    for (std::size_t ring = 0; ring < sums_.size(); ring += step) {
+      if (counts_[ring] == 0) continue;
+      const double slope = sums_[ring] / static_cast<double>(counts_[ring]);
+      for (const double ahead : {1.0, -1.0}) {
+        const Eigen::Vector3d ray =
+            pose.linear() * Eigen::Vector3d(ahead * std::cos(slope), 0, std::sin(slope));
+        all.emplace_back(ray.x(), ray.z());
+      }
+    }
+    return all;
+  }
+
+ private:
+  std::vector<double> sums_;
+  std::vector<std::size_t> counts_;
+};
+
 /// Builds a view layer by layer.
 class Gatherer {
  public:
-  Gatherer(const Config& config, const FrameTree& poses, const FrameKeeper& frames, std::string areas)
-      : config_(config), poses_(poses), frames_(frames), areas_(std::move(areas)) {}
+  Gatherer(const Config& config, const FrameTree& poses, const FrameKeeper& frames, std::string areas,
+           CloudColor color)
+      : config_(config), poses_(poses), frames_(frames), areas_(std::move(areas)), color_(color) {}
 
   SnapshotView run() {
     view_.base_frame = config_.vehicle.base_frame;
     view_.footprint = config_.vehicle.footprint;
+    view_.color_words = color_ == CloudColor::height ? "height above " + view_.base_frame + ", m"
+                        : color_ == CloudColor::ring ? "ring, counted from below"
+                                                     : "intensity, as the device counts it";
     for (const SensorConfig& sensor : config_.sensors) add_sensor(sensor);
     for (const MergedScanConfig& merged : config_.merged_scans) add_merged(merged);
     for (const VirtualScanConfig& group : config_.virtual_scans) add_virtual(group);
     // What a device itself says is as good as proven.
     if (first_input_ != nullptr && (shaded_ == nullptr || !areas_.empty()))
       choose_areas(first_input_topic_, *first_input_, Profile::strict);
-    if (shaded_ == nullptr && !areas_.empty())
+    if (!areas_came_ && !areas_.empty())
       throw std::runtime_error("--areas: no scan '" + areas_ + "' had come by then");
     if (shaded_ != nullptr) shade(*shaded_);
     return std::move(view_);
@@ -58,7 +96,7 @@ class Gatherer {
 
  private:
   SnapshotView::Layer& add_layer(Role role, const std::string& name, const std::string& note) {
-    return view_.layers.emplace_back(SnapshotView::Layer{role, numbers_[role]++, name, note, {}, {}});
+    return view_.layers.emplace_back(SnapshotView::Layer{role, numbers_[role]++, name, note, {}, {}, {}, {}});
   }
   void add_sensor(const SensorConfig& sensor) {
     if (sensor.model == nullptr) {
@@ -84,17 +122,24 @@ class Gatherer {
     }
     Pose pose;
     if (!place(cloud->frame_id, cloud->stamp, pose)) return;
-    auto& layer =
-        add_layer(Role::cloud, topic,
-                  "cloud, " + std::to_string(cloud->size()) + " points, thinned" + age(cloud->stamp));
-    // An odd stride visits every ring.
-    const std::size_t stride = (cloud->size() / most_cloud_points) | 1U;
-    for (std::size_t i = 0; i < cloud->size(); i += stride) {
+    auto& layer = add_layer(Role::cloud, topic,
+                            "cloud, " + std::to_string(cloud->size()) + " points" + age(cloud->stamp));
+    RingSlopes slopes(cloud->rings);
+    const Eigen::Isometry3f to_base = pose.cast<float>();
+    for (std::size_t i = 0; i < cloud->size(); ++i) {
       const auto* p =
           reinterpret_cast<const CloudPoint*>(cloud->points_bytes.data() + i * cloud->format.point_step);
       const Eigen::Vector3f in_sensor(p->x, p->y, p->z);
-      if (in_sensor.allFinite()) layer.points.push_back((pose.cast<float>() * in_sensor).head<2>());
+      if (!in_sensor.allFinite()) continue;
+      slopes.add(p->ring, in_sensor);
+      const Eigen::Vector3f at = to_base * in_sensor;
+      layer.points.emplace_back(at.head<2>());
+      layer.heights.push_back(at.z());
+      layer.values.push_back(color_ == CloudColor::height ? at.z()
+                             : color_ == CloudColor::ring ? static_cast<float>(p->ring)
+                                                          : p->intensity);
     }
+    view_.fans.push_back({{pose.translation().x(), pose.translation().z()}, slopes.directions(pose)});
     add_field(sensor, nullptr, layer.number);
   }
   void add_field(const SensorConfig& sensor, const PlanarScan* scan, std::size_t number) {
@@ -133,12 +178,14 @@ class Gatherer {
     for (const AlsoScanConfig& also : merged.also) add(also.topic, also.profile);
   }
   void add_virtual(const VirtualScanConfig& group) {
+    if (group.ground.model == GroundModel::plane) view_.ground = group.ground.z;
     for (const std::string& frame : group.virtual_laser_scan) {
       const std::string& topic = group.output_laser_topic.empty() ? frame : group.output_laser_topic;
       const PlanarScan* scan = add_scan(Role::virtual_scan, topic, frame,
                                         std::string("virtual, ") + to_word(group.output.profile));
       if (scan == nullptr) continue;
       if (topic != frame) view_.layers.back().name += " (" + frame + ")";
+      view_.layers.back().note += beside(scan->stamp);
       choose_areas(topic, *scan, group.output.profile);
     }
   }
@@ -153,6 +200,8 @@ class Gatherer {
     if (!place(frame, scan->stamp, pose)) return nullptr;
     auto& layer =
         add_layer(role, topic, what + ", " + std::to_string(scan->beams) + " beams" + age(scan->stamp));
+    if (role != Role::virtual_scan) scans_stamp_ = std::max(scans_stamp_, scan->stamp);
+    if (role != Role::merged) add_plane(layer, role == Role::virtual_scan ? frame : topic, pose);
     std::size_t last_hit = scan->beams;
     for (std::size_t i = 0; i < scan->beams; ++i) {
       if (scan->statuses[i] != BeamStatus::hit) continue;
@@ -168,17 +217,32 @@ class Gatherer {
     }
     return scan;
   }
+  void add_plane(const SnapshotView::Layer& layer, const std::string& name, const Pose& pose) {
+    // The line in which the plane cuts the one that the side view shows, y = 0.
+    const Eigen::Vector3d normal = pose.linear().col(2);
+    const Eigen::Vector2d along(normal.z(), -normal.x());
+    if (along.norm() < 1e-6) return;
+    view_.planes.push_back({layer.role,
+                            layer.number,
+                            name,
+                            {pose.translation().x(), pose.translation().z()},
+                            along.normalized()});
+  }
   /// Prefers scans that say only what is proven.
   void choose_areas(const std::string& topic, const PlanarScan& scan, Profile profile) {
     const bool better = shaded_ == nullptr || profile < shaded_profile_;
-    if (areas_.empty() ? !better : areas_ != topic) return;
+    if (areas_.empty() ? !better || profile == Profile::flatten : areas_ != topic) return;
+    areas_came_ = true;
+    if (profile == Profile::flatten) {
+      view_.notes.push_back(topic +
+                            " has the profile flatten, which proves no place to be free: no area is shaded.");
+      return;
+    }
     shaded_ = &scan;
     shaded_profile_ = profile;
     const std::string shares =
         percent(count(scan, BeamStatus::none) + count(scan, BeamStatus::hit), scan.beams);
-    view_.free_note = profile == Profile::flatten
-                          ? "no return there, says " + topic + " (flatten: not proven free)"
-                          : "seen to be free, says " + topic + " (" + shares + " of its beams)";
+    view_.free_note = "seen to be free, says " + topic + " (" + shares + " of its beams)";
     view_.unobserved_note =
         "not observed, says " + topic + " (" + percent(count(scan, BeamStatus::invalid), scan.beams) + ")";
   }
@@ -210,10 +274,21 @@ class Gatherer {
     return old < 0.3 ? "" : ", " + std::to_string(std::lround(old * 10) / 10) + " s old";
   }
 
+  /// Says when a virtual scan is not of the same moment as the scans beside it.
+  std::string beside(Stamp stamp) const {
+    const double old = seconds(scans_stamp_ - stamp);
+    if (scans_stamp_ == Stamp{} || std::abs(old) < noticeably_older) return {};
+    return printed(", taken %.2f s ", std::abs(old)) + (old > 0 ? "before" : "after") +
+           " the scans beside it";
+  }
+
   const Config& config_;
   const FrameTree& poses_;
   const FrameKeeper& frames_;
   std::string areas_;
+  CloudColor color_;
+  bool areas_came_ = false;
+  Stamp scans_stamp_{};  // of the newest scan that is not virtual
   const PlanarScan* shaded_ = nullptr;
   Profile shaded_profile_ = Profile::flatten;
   const PlanarScan* first_input_ = nullptr;
@@ -222,39 +297,89 @@ class Gatherer {
   SnapshotView view_;
 };
 
-/// The middle of most values, and half the width that holds them.
-std::pair<double, double> spread(std::vector<float>& values) {
+/// What lies between the lowest and the highest of most values.
+std::pair<double, double> range_of(std::vector<float>& values, double left_out) {
   const auto at = [&](double share) {
     const auto n = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
     std::nth_element(values.begin(), values.begin() + n, values.end());
     return static_cast<double>(values[static_cast<std::size_t>(n)]);
   };
-  const double low = at(0.01);
-  const double high = at(0.99);
-  return {(low + high) / 2, (high - low) / 2};
+  return {at(left_out), at(1 - left_out)};
+}
+
+/// The narrowest range that holds a share of the values.
+std::pair<double, double> narrowest(std::vector<float>& values, double share) {
+  std::sort(values.begin(), values.end());
+  const auto held = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
+  std::size_t best = 0;
+  for (std::size_t i = 0; i + held <= values.size(); ++i) {
+    if (values[i + held - 1] - values[i] < values[best + held - 1] - values[best]) best = i;
+  }
+  return {values[best], values[best + held - 1]};
+}
+
+/// What a framing must show.
+struct Extent {
+  std::vector<float> x{0}, y{0};
+  std::vector<float> heights, values;  // of clouds, inside what is shown
+
+  void add(const SnapshotView::Layer& layer) {
+    for (const auto& p : layer.points) x.push_back(p.x()), y.push_back(p.y());
+  }
+  void add_inside(const SnapshotView::Layer& layer, const SnapshotView::Framing& shown) {
+    for (std::size_t i = 0; i < layer.heights.size(); ++i) {
+      const Eigen::Vector2d from_center = layer.points[i].cast<double>() - shown.center;
+      if ((from_center.cwiseAbs().array() > shown.half.array()).any()) continue;
+      values.push_back(layer.values[i]);
+      if (std::abs(static_cast<double>(layer.points[i].y())) < SnapshotView::side_strip)
+        heights.push_back(layer.heights[i]);
+    }
+  }
+};
+
+/// Heights for the side view: those of the returns, the sensors and the virtual planes.
+void fit_heights(const SnapshotView& view, std::vector<float>& heights, SnapshotView::Framing& out) {
+  if (view.fans.empty()) return;
+  double low = 0, high = 0;
+  if (!heights.empty()) std::tie(low, high) = range_of(heights, 0.01);
+  const auto include = [&](double z) { low = std::min(low, z), high = std::max(high, z); };
+  for (const auto& plane : view.planes) include(plane.at.y());
+  for (const auto& fan : view.fans) include(fan.at.y());
+  if (view.ground) include(*view.ground);
+  const double margin = 0.3 + 0.05 * (high - low);
+  out.low = low - margin;
+  out.high = high + margin;
 }
 
 }  // namespace
 
 SnapshotView make_view(const Config& config, const FrameTree& poses, const FrameKeeper& frames,
-                       const std::string& areas) {
-  return Gatherer(config, poses, frames, areas).run();
+                       const std::string& areas, CloudColor color) {
+  return Gatherer(config, poses, frames, areas, color).run();
 }
 
-void fit_to_points(SnapshotView& view) {
-  std::vector<float> x{-1, 1};
-  std::vector<float> y{-1, 1};
-  const bool only_clouds = std::all_of(view.layers.begin(), view.layers.end(),
-                                       [](const auto& layer) { return layer.role == Role::cloud; });
-  for (const auto& layer : view.layers) {
-    // A roof lidar sees far over what the scans show.
-    if (layer.role == Role::cloud && !only_clouds) continue;
-    for (const auto& p : layer.points) x.push_back(p.x()), y.push_back(p.y());
-  }
-  const auto [center_x, half_x] = spread(x);
-  const auto [center_y, half_y] = spread(y);
-  view.center = {center_x, center_y};
-  view.half = {std::max(2.0, 1.06 * half_x), std::max(2.0, 1.06 * half_y)};
+SnapshotView::Framing fit_to_points(const SnapshotView& view) {
+  Extent extent;
+  const bool has_scanners = std::any_of(view.layers.begin(), view.layers.end(), [](const auto& layer) {
+    return !layer.points.empty() && (layer.role == Role::input || layer.role == Role::merged);
+  });
+  // A roof lidar sees far over what the scanners show.
+  for (const auto& layer : view.layers)
+    if (layer.role != Role::cloud || !has_scanners) extent.add(layer);
+  // Of each axis 2.5 % are left out, so of both together at most 5 %.
+  auto [back, front] = narrowest(extent.x, 0.975);
+  auto [right, left] = narrowest(extent.y, 0.975);
+  // The vehicle itself is always in the picture.
+  back = std::min(back, -1.0), front = std::max(front, 1.0);
+  right = std::min(right, -1.0), left = std::max(left, 1.0);
+  SnapshotView::Framing out;
+  out.center = {(back + front) / 2, (right + left) / 2};
+  out.half = {std::max(2.0, 0.53 * (front - back)), std::max(2.0, 0.53 * (left - right))};
+  for (const auto& layer : view.layers) extent.add_inside(layer, out);
+  if (!extent.values.empty()) std::tie(out.lowest, out.highest) = range_of(extent.values, 0.02);
+  out.highest = std::max(out.highest, out.lowest + 1e-3);
+  fit_heights(view, extent.heights, out);
+  return out;
 }
 
 }  // namespace lidard

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -45,6 +46,11 @@ class FrameKeeper : public FrameSink {
     const auto found = clouds_.find(topic);
     return found == clouds_.end() ? nullptr : &found->second;
   }
+  /// True if something came on a topic.
+  bool has(const std::string& topic) const {
+    const auto scan = scans_.lower_bound({topic, ""});
+    return clouds_.count(topic) != 0 || (scan != scans_.end() && scan->first.first == topic);
+  }
   bool empty() const { return scans_.empty() && clouds_.empty(); }
   /// Stamp of the newest frame of all.
   Stamp newest() const { return newest_; }
@@ -68,7 +74,31 @@ struct SnapshotView {
     std::string note;  ///< what it is and says, for the legend
     std::vector<Eigen::Vector2f> points;
     std::vector<char> joined;  ///< point i and i + 1 are neighbouring beams on one surface; empty: none are
+    std::vector<float> heights, values;  ///< of a cloud's points: m in base_frame; what their colours tell
   };
+
+  /// The plane of a scan as a line in the side view: x and z of a point, and the line's direction.
+  struct Plane {
+    Role role;
+    std::size_t number;
+    std::string name;
+    Eigen::Vector2d at, along;
+  };
+  /// The rings of a lidar in the side view: x and z of the lidar, and the rings' directions.
+  struct Fan {
+    Eigen::Vector2d at;
+    std::vector<Eigen::Vector2d> rings;
+  };
+  /// What the picture shows. Pictures of a series share it.
+  struct Framing {
+    Eigen::Vector2d center{0, 0};
+    Eigen::Vector2d half{10, 10};    ///< m that are shown at least from the center, ahead and to the left
+    double low = 0, high = 0;        ///< m: heights of the side view; equal: there is none
+    int width = 0;                   ///< pixels of the page; 0: as what it shows needs
+    double lowest = 0, highest = 1;  ///< values at the ends of the colours
+  };
+  /// The side view shows what lies so far to the left and right of base_frame's x axis, m.
+  static constexpr double side_strip = 2;
 
   struct Sensor {
     std::string name;
@@ -94,22 +124,38 @@ struct SnapshotView {
   std::vector<Wedge> wedges;  ///< by angle
   std::string free_note;      ///< legend of the areas; empty: none is shown
   std::string unobserved_note;
+  std::vector<std::string> notes;    ///< one sentence each: what else is to be said of the picture
   std::vector<std::string> missing;  ///< one sentence each: what could not be drawn, and why
-  Eigen::Vector2d center{0, 0};
-  Eigen::Vector2d half{10, 10};  ///< m that are shown at least from the center, ahead and to the left
+  std::vector<Plane> planes;
+  std::vector<Fan> fans;
+  std::optional<double> ground;  ///< m: height of a plane that the configuration calls the ground
+  std::string color_words;       ///< what the colours of clouds tell
+  Framing framing;
 };
 
-/// Gathers what `frames` holds. `areas` is the topic whose free and unobserved areas are shaded; empty: the
-/// first merged or virtual scan in profile strict, else safety, else flatten, else the first scan of all.
-/// Throws std::runtime_error if it did not come.
-SnapshotView make_view(const Config& config, const FrameTree& poses, const FrameKeeper& frames,
-                       const std::string& areas);
+/// What the colours of clouds tell.
+enum class CloudColor : std::uint8_t { height, ring, intensity };
 
-/// Chooses center and half so that nearly all points are shown.
-void fit_to_points(SnapshotView& view);
+/// Gathers what `frames` holds. `areas` is the topic whose free and unobserved areas are shaded; empty: the
+/// first merged or virtual scan in profile strict, else safety, else the first scan of all; flatten proves no
+/// place to be free, so nothing is shaded for it. Throws std::runtime_error if it did not come.
+SnapshotView make_view(const Config& config, const FrameTree& poses, const FrameKeeper& frames,
+                       const std::string& areas, CloudColor color);
+
+/// The framing that shows 95 % of the returns.
+SnapshotView::Framing fit_to_points(const SnapshotView& view);
 
 enum class PictureFormat : std::uint8_t { png, svg };
 /// The picture as the bytes of a file.
 std::string draw_snapshot(const SnapshotView& view, PictureFormat format);
+
+/// A picture as rows of 0xRRGGBB.
+struct Pixels {
+  int width = 0, height = 0;
+  std::vector<std::uint32_t> rgb;
+};
+Pixels draw_pixels(const SnapshotView& view, double page_height);
+/// Pixels that the page of a picture needs.
+double page_height(const SnapshotView& view);
 
 }  // namespace lidard

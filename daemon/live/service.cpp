@@ -56,7 +56,8 @@ std::shared_ptr<spdlog::logger> journal_logger() {
 }
 
 std::shared_ptr<spdlog::logger> terminal_logger() {
-  const bool no_color = std::getenv("NO_COLOR") != nullptr;
+  const char* const no_color_wish = std::getenv("NO_COLOR");  // no-color.org: set, and not empty
+  const bool no_color = no_color_wish != nullptr && *no_color_wish != '\0';
   const auto mode = no_color ? spdlog::color_mode::never : spdlog::color_mode::automatic;
   auto sink = std::make_shared<spdlog::sinks::stderr_color_sink_mt>(mode);
   auto logger = std::make_shared<spdlog::logger>("lidard", std::move(sink));

@@ -2,15 +2,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/ros/ros_environment.h"
 
+#include <arpa/inet.h>
+#include <netdb.h>
 #include <ros/exceptions.h>
 #include <ros/init.h>
 #include <ros/names.h>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
+#include <future>
+#include <memory>
+#include <thread>
 
 #include "daemon/ros/ros_master.h"
+#include "drivers/net/host_network.h"
 
 namespace lidard {
 namespace {
@@ -30,7 +37,48 @@ RosError wrong_name(const ros::Exception& problem) {
   return RosError(std::string(problem.what()) + "; expected names of letters, digits, _ and /");
 }
 
+/// The IPv4 address of a host's name, where it is known within a second: a name server may be out of reach.
+std::optional<IpAddress> address_of(const std::string& name) {
+  if (const auto address = IpAddress::parse(name)) return address;
+  const auto answer = std::make_shared<std::promise<std::optional<IpAddress>>>();
+  auto waiting = answer->get_future();
+  std::thread([name, answer] {
+    addrinfo wanted{};
+    wanted.ai_family = AF_INET;
+    addrinfo* found = nullptr;
+    std::optional<IpAddress> address;
+    if (getaddrinfo(name.c_str(), nullptr, &wanted, &found) == 0) {
+      char text[INET_ADDRSTRLEN] = "";
+      inet_ntop(AF_INET, &reinterpret_cast<sockaddr_in*>(found->ai_addr)->sin_addr, text, sizeof text);
+      address = IpAddress::parse(text);
+      freeaddrinfo(found);
+    }
+    answer->set_value(address);
+  }).detach();
+  if (waiting.wait_for(std::chrono::seconds(1)) != std::future_status::ready) return std::nullopt;
+  return waiting.get();
+}
+
 }  // namespace
+
+std::string doubt_about_own_address() {
+  const char* const variable = is_set("ROS_HOSTNAME") ? "ROS_HOSTNAME" : "ROS_IP";
+  if (!is_set(variable)) return {};
+  const std::string given = std::getenv(variable);
+  const auto address = address_of(given);
+  const std::string told = std::string(variable) + " is " + given + ", which ";
+  if (!address) return told + "no name server resolves: other nodes cannot reach what is published here";
+  if (address->to_string().compare(0, 4, "127.") == 0 || address->v6) return {};
+  std::string own;
+  for (const HostInterface& one : look_at_network().interfaces) {
+    if (one.prefix == 0) continue;
+    if (one.address == *address) return {};
+    own.append(own.empty() ? "" : ", ").append(one.to_string());
+  }
+  return told +
+         "no interface of this host has: other nodes cannot reach what is published here; expected one of " +
+         own + ", or neither ROS_IP nor ROS_HOSTNAME";
+}
 
 void init_ros(const RosOptions& options) {
   ros::M_string remappings;
@@ -41,6 +89,7 @@ void init_ros(const RosOptions& options) {
     remappings[remapping.substr(0, at)] = remapping.substr(at + 2);
   }
   choose_ros_log_folder();
+  if (const std::string doubt = doubt_about_own_address(); !doubt.empty()) spdlog::warn("{}", doubt);
   try {
     ros::init(remappings, options.node_name, ros::init_options::NoSigintHandler);
   } catch (const ros::Exception& problem) {

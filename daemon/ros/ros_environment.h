@@ -36,6 +36,10 @@ class RosError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Why other nodes will not reach this one at $ROS_HOSTNAME or $ROS_IP; empty: nothing speaks against it.
+/// Takes a second at most.
+std::string doubt_about_own_address();
+
 /// Calls ros::init, which no master is needed for; once per process. Throws RosError.
 void init_ros(const RosOptions& options);
 /// Throws RosError for names of topics that ROS does not take. After init_ros().

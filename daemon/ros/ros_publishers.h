@@ -42,7 +42,7 @@ class RosPublishers {
                                                                    : ros::Publisher());
 
     const std::lock_guard lock(mutex_);
-    for (std::size_t i = 0; i < outputs_.size(); ++i) outputs_[i].publisher = std::move(publishers[i]);
+    for (std::size_t i = 0; i < outputs_.size(); ++i) outputs_[i].publisher = publishers[i];
     if (!std::get<tf2_msgs::TFMessage>(transforms().message).transforms.empty()) transforms().send();
     ready_ = true;
   }
@@ -82,7 +82,7 @@ class RosPublishers {
       publisher.shutdown();
       publisher = output.advertise(node);
       const std::lock_guard lock(mutex_);
-      output.publisher = std::move(publisher);
+      output.publisher = publisher;
     }
   }
   /// Withdraws everything. With `leave` nothing is told to roscpp, whose destructors wait for the master.

@@ -318,7 +318,8 @@ std::string shapes_of(const std::string& svg) {
   bool in_letters = false;
   for (std::string line; std::getline(in, line);) {
     if (line.find("<defs>") != std::string::npos) in_letters = true;
-    if (!in_letters && line.find("<use") == std::string::npos &&
+    // The pixels of clouds are packed by a library that may change.
+    if (!in_letters && line.find("<use") == std::string::npos && line.find("<image") == std::string::npos &&
         line.find("rgb(100%,100%,100%)") == std::string::npos)
       all += line.size() < 300 ? line + "\n" : line.substr(0, 200) + "\n" + summed(line, ' ');
     if (line.find("</defs>") != std::string::npos) in_letters = false;

@@ -89,7 +89,7 @@ class Png:
 
 
 # The picture's field, and the colours of its roles.
-LEFT, TOP, WIDTH, HEIGHT = 20, 76, 880, 1104
+LEFT, TOP, WIDTH, HEIGHT = 20, 76, 872, 872
 BLUE, ORANGE, BLACK, FREE, UNKNOWN = (0, 115, 179), (214, 94, 0), (0, 0, 0), (219, 242, 227), (232, 227, 222)
 
 
@@ -103,7 +103,7 @@ def check_pixels(picture, half):
     def at(ahead, left, reach=2):
         return picture.around(round(LEFT + WIDTH / 2 - left * scale), round(TOP + HEIGHT / 2 - ahead * scale), reach)
 
-    expect((picture.width, picture.height) == (1200, 1200), f"{picture.width} x {picture.height} pixels")
+    expect((picture.width, picture.height) == (1192, 968), f"{picture.width} x {picture.height} pixels")
     for name, left, color in (("left", 0.5, BLUE), ("right", -0.5, ORANGE)):
         expect(has(at(2.5, left), color), f"the {name} scanner's returns on its side of the box 2 m ahead")
     expect(has(at(2.0, 0.2), BLACK), "the merged scan on the box")
@@ -124,7 +124,7 @@ def check_errors(tmp, capture):
         (["-c", config, "--pcap", capture, "--at", "77", "-o", tmp / "a.png"], 1, r"the capture is 0\.\d+ s long"),
         (["-c", config, "--pcap", capture, "--at", "0", "-o", tmp / "a.png"], 1, "had completed a frame"),
         (["-c", config, "--pcap", capture, "--areas", "nope", "-o", tmp / "a.png"], 1, "'nope'"),
-        (["-c", config, "--pcap", capture, "--range", "0", "-o", tmp / "a.png"], 2, "range"),
+        (["-c", config, capture, "--range", "0", "-o", tmp / "a.png"], 2, "range"),
         (["-c", config, "--pcap", capture, "-o", tmp / "no" / "a.png"], 1, "cannot be opened for writing"),
         (["-c", config, "--pcap", capture], 2, "output"),
     ]

@@ -151,7 +151,7 @@ TEST_F(CommandLine, DecodesAsItsOptionsSay) {
   EXPECT_FALSE(with({"--clock", "smooth"}).empty());
   EXPECT_TRUE(with({"--time", "device"}) != usual);
   EXPECT_TRUE(with({"--calibration-model", "ros_drivers"}) != usual);
-  EXPECT_THAT(with({"--format", "json"}), StartsWith("{\"frames\": ["));
+  EXPECT_THAT(with({"--format", "json"}), StartsWith("{\"frame\":2,"));
   EXPECT_THAT(with({"--format", "pcd"}), HasSubstr("DATA binary_compressed"));
 }
 

@@ -78,8 +78,9 @@ std::map<std::string, std::size_t> column_of_csv(const std::string& text, const 
 
 std::map<std::string, std::size_t> column_of_json(const std::string& text, const std::string& name) {
   std::map<std::string, std::size_t> count;
-  const auto json = nlohmann::json::parse(text);
-  for (const auto& frame : json["frames"]) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const auto frame = nlohmann::json::parse(line);
     const auto names = frame["columns"].get<std::vector<std::string>>();
     const auto place = [&](const std::string& of) {
       return static_cast<std::size_t>(std::find(names.begin(), names.end(), of) - names.begin());

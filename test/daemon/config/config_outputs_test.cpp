@@ -159,7 +159,7 @@ TEST(MergedScanConfig, RefusesGridsWhereTheMistakeStands) {
   EXPECT_EQ(merged_error(begin + "beams: 1"),
             "f:7:38: merged_scans.m.beams is 1; expected a whole number from 2 to 32767");
   EXPECT_EQ(merged_error(begin + "angle_min: -180"),
-            "f:7:42: merged_scans.m.angle_min is -180; expected a number from -7 to 7 rad (degrees: "
+            "f:7:42: merged_scans.m.angle_min is -180; expected a number from -6.284 to 6.284 rad (degrees: "
             "angle_min_deg)");
   EXPECT_EQ(merged_error(begin + "angle_min: 1, angle_min_deg: 2"),
             "f:7:45: merged_scans.m.angle_min_deg is given beside angle_min; expected one of the two");

@@ -206,8 +206,9 @@ TEST(SensorConfig, RefusesPosesThatAreNone) {
             "f:4:24: sensors.a.pose.xyz[2] is \"1e999\"; expected a number from -1000 to 1000 m");
   EXPECT_EQ(error_of(begin + "{xyz: [0, inf, 0]}\n"),
             "f:4:21: sensors.a.pose.xyz[1] is not finite; expected a number from -1000 to 1000 m");
-  EXPECT_EQ(error_of(begin + "{xyz: [0, 0, 0], rpy: [0, 0, 45]}\n"),
-            "f:4:40: sensors.a.pose.rpy[2] is 45; expected a number from -7 to 7 rad (degrees: rpy_deg)");
+  EXPECT_EQ(
+      error_of(begin + "{xyz: [0, 0, 0], rpy: [0, 0, 45]}\n"),
+      "f:4:40: sensors.a.pose.rpy[2] is 45; expected a number from -6.284 to 6.284 rad (degrees: rpy_deg)");
   EXPECT_EQ(error_of(begin + "{xyz: [0, 0, 0], rpy: [0, 0, 0], rpy_deg: [0, 0, 0]}\n"),
             "f:4:44: sensors.a.pose.rpy_deg is given beside rpy; expected one of the two");
 }
@@ -230,7 +231,8 @@ TEST(SensorConfig, RefusesUnknownWordsAndTimes) {
   EXPECT_EQ(error_of("sensors: {a: {model: sick_microscan3, publish_intensity: maybe}}"),
             "f:1:58: sensors.a.publish_intensity is \"maybe\"; expected true or false");
   EXPECT_EQ(error_of("sensors: {a: {model: velodyne_vlp16, cut_angle: 90}}"),
-            "f:1:49: sensors.a.cut_angle is 90; expected a number from -7 to 7 rad (degrees: cut_angle_deg)");
+            "f:1:49: sensors.a.cut_angle is 90; expected a number from -6.284 to 6.284 rad (degrees: "
+            "cut_angle_deg)");
 }
 
 TEST(SensorConfig, TakesEveryKeyOfAHokuyo) {

@@ -16,6 +16,7 @@ namespace lidard {
 namespace {
 
 using test::error_of;
+using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 const std::string sensor = "sensors: {roof: {model: velodyne_vlp16}}\n";
@@ -41,12 +42,47 @@ TEST(Config, UnknownKeysNameTheNearestKnownOne) {
             "f:7:7: unknown key merged_scans.m.angle_incrementdeg; expected angle_increment_deg");
 }
 
+TEST(Config, AMergeKeyBringsTheKeysOfAnotherMapping) {
+  const Config config = parse_config(
+      "sensors:\n"
+      "  a: &a {topic: /a, frame_id: x, time_offset: 0.5}\n"
+      "  b: &b {<<: *a, topic: /b}\n"
+      "  c: {topic: /c, <<: [{frame_id: y}, *b]}\n",
+      "f");
+  ASSERT_EQ(config.sensors.size(), 3U);
+  EXPECT_EQ(config.sensors[1].topic, "/b") << "what is written out counts more";
+  EXPECT_EQ(config.sensors[1].frame_id, "x");
+  EXPECT_EQ(config.sensors[2].topic, "/c");
+  EXPECT_EQ(config.sensors[2].frame_id, "y") << "the first of several counts more";
+  EXPECT_EQ(config.sensors[2].driver.time_offset, span_from_seconds(0.5));
+}
+
+TEST(Config, AMergeKeyThatGoesRoundInCirclesOrGrowsWithoutEndIsRefused) {
+  EXPECT_EQ(error_of("sensors:\n  a: &a {<<: *a, topic: /a}\n"),
+            "f:2:10: sensors.a.<< merges more than 100 mappings; expected an alias of a mapping, like `<<: "
+            "*scanner`, or a list of them");
+  std::string text = "sensors:\n  s0: &s0 {topic: /s}\n";
+  for (int i = 1; i < 9; ++i) {
+    const std::string below = "*s" + std::to_string(i - 1);
+    text += "  s" + std::to_string(i) + ": &s" + std::to_string(i) + " {<<: [" + below + ", " + below + ", " +
+            below + "]}\n";
+  }
+  EXPECT_THAT(error_of(text), HasSubstr("merges more than 100 mappings"));
+}
+
+TEST(Config, AFileInUtf16IsNamedAsSuch) {
+  using namespace std::string_literals;
+  EXPECT_EQ(error_of("\xFF\xFEs\0e\0"s),
+            "f:1:1: the file is UTF-16; expected UTF-8 (`iconv -f UTF-16 -t UTF-8`, or another encoding when "
+            "saving)");
+}
+
 TEST(Config, UnknownKeysNearNothingListWhatThereIs) {
   EXPECT_EQ(
       error_of("qqqqqq: 1\n"),
       "f:1:1: unknown key qqqqqq; expected one of vehicle, sensors, merged_scans, virtual_scans, blackbox");
-  EXPECT_EQ(error_of("<<: {}\n"),
-            "f:1:1: unknown key <<; expected one of vehicle, sensors, merged_scans, virtual_scans, blackbox");
+  EXPECT_EQ(error_of("<>: {}\n"),
+            "f:1:1: unknown key <>; expected one of vehicle, sensors, merged_scans, virtual_scans, blackbox");
 }
 
 TEST(Config, KeysGivenTwiceAreAnError) {

@@ -1,0 +1,428 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Pictures of captures: each shows what was measured, where it was measured, or there is none and a reason.
+#include <cairo/cairo.h>
+#include <gif_lib.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+#include <webp/mux.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include "daemon/commands/commands.h"
+#include "daemon/commands/inspect_survey.h"
+#include "daemon/files/numbered_path.h"
+#include "daemon/files/snapshot_view.h"
+#include "test/support/captures.h"
+
+namespace lidard::test {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using Role = SnapshotView::Role;
+
+/// Pixels at the right of a picture that are the legend's.
+constexpr int legend = 300;
+
+Pixels read_png(const std::string& path) {
+  Pixels out;
+  cairo_surface_t* image = cairo_image_surface_create_from_png(path.c_str());
+  if (cairo_surface_status(image) == CAIRO_STATUS_SUCCESS) {
+    out.width = cairo_image_surface_get_width(image);
+    out.height = cairo_image_surface_get_height(image);
+    const unsigned char* data = cairo_image_surface_get_data(image);
+    for (int y = 0; y < out.height; ++y) {
+      const auto* row =
+          reinterpret_cast<const std::uint32_t*>(data + y * cairo_image_surface_get_stride(image));
+      for (int x = 0; x < out.width; ++x) out.rgb.push_back(row[x] & 0xffffffU);
+    }
+  }
+  cairo_surface_destroy(image);
+  return out;
+}
+
+struct Rgb {
+  int red, green, blue;
+};
+Rgb parts(std::uint32_t pixel) {
+  return {static_cast<int>(pixel >> 16U & 255U), static_cast<int>(pixel >> 8U & 255U),
+          static_cast<int>(pixel & 255U)};
+}
+/// True for the colours of returns: those of areas and lines are pale.
+bool is_colorful(std::uint32_t pixel) {
+  const Rgb c = parts(pixel);
+  return std::max({c.red, c.green, c.blue}) - std::min({c.red, c.green, c.blue}) > 60;
+}
+bool is_like(std::uint32_t pixel, const Rgb& color, int tolerance) {
+  const Rgb c = parts(pixel);
+  return std::abs(c.red - color.red) <= tolerance && std::abs(c.green - color.green) <= tolerance &&
+         std::abs(c.blue - color.blue) <= tolerance;
+}
+
+/// The number of pixels left of the legend that pass, and their middle.
+struct Found {
+  std::size_t count = 0;
+  double x = 0, y = 0;
+};
+template <class Passes>
+Found find(const Pixels& picture, int top, int bottom, Passes passes) {
+  Found found;
+  for (int y = top; y < std::min(bottom, picture.height); ++y) {
+    for (int x = 0; x < picture.width - legend; ++x) {
+      if (!passes(picture.rgb[static_cast<std::size_t>(y * picture.width + x)])) continue;
+      ++found.count;
+      found.x += x;
+      found.y += y;
+    }
+  }
+  if (found.count > 0)
+    found.x /= static_cast<double>(found.count), found.y /= static_cast<double>(found.count);
+  return found;
+}
+
+class Pictures : public ::testing::Test {
+ protected:
+  Pictures() { fs::create_directories(folder_); }
+  ~Pictures() override { fs::remove_all(folder_); }
+  std::string path(const std::string& name) const { return folder_ + "/" + name; }
+  /// Returns the exit code; the messages are in `said`.
+  int draw(SnapshotOptions options) {
+    std::ostringstream err;
+    const int code = run_snapshot(options, err);
+    said = err.str();
+    return code;
+  }
+  static SnapshotOptions of_demo() {
+    SnapshotOptions options;
+    options.config = project_file("config/demo.yaml");
+    options.captures = {project_file("pcaps/demo.pcap")};
+    return options;
+  }
+  std::string content(const std::string& name) const {
+    std::ifstream file(path(name), std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  /// Each capture below a folder gives a picture with colours in it or, where `some_hold_nothing`, a reason.
+  void expect_pictures(const std::string& below, bool some_hold_nothing) {
+    std::size_t drawn = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(below)) {
+      const std::string file = entry.path();
+      const std::string end = entry.path().extension();
+      if (end != ".pcap" && end != ".pcapng") continue;
+      SnapshotOptions options;
+      options.captures = {file};
+      options.output = path("x.png");
+      fs::remove(options.output);
+      const int code = draw(options);
+      if (code == exit_ok) {
+        ++drawn;
+        const Pixels picture = read_png(options.output);
+        EXPECT_GT(find(picture, 0, picture.height, is_colorful).count, 800U) << file;
+      } else {
+        EXPECT_EQ(code, exit_failed) << file;
+        EXPECT_TRUE(some_hold_nothing || file.find("radar") != std::string::npos) << file << ": " << said;
+        EXPECT_THAT(said, HasSubstr(file)) << "the reason names the capture";
+        EXPECT_FALSE(fs::exists(options.output)) << file;
+        EXPECT_TRUE(survey({file}).sensors.empty()) << file << " holds a sensor";
+      }
+    }
+    EXPECT_GT(drawn, 1U) << below;
+  }
+
+  std::string said;
+
+ private:
+  const std::string folder_ = ::testing::TempDir() + "lidard-pictures-" + std::to_string(getpid());
+};
+
+TEST_F(Pictures, OfEveryCaptureOfTheProjectShowWhatWasMeasured) {
+  expect_pictures(project_file("pcaps"), false);
+}
+
+TEST_F(Pictures, OfEveryRealCaptureShowWhatWasMeasured) {
+  LIDARD_NEED_CAPTURE(velodyne, "velodyne/vlp16_strongest_84.pcap");
+  const fs::path all = fs::path(velodyne).parent_path().parent_path();
+  expect_pictures(all / "velodyne", false);
+  expect_pictures(all / "sick", false);
+  expect_pictures(all / "burst", false);
+  expect_pictures(all / "odd", true);
+}
+
+TEST_F(Pictures, OfAPartOfATurnShowItAndSaySo) {
+  // 0.1 s of a VLP-16 at 10 Hz has a turn; the first third of it has none.
+  std::ifstream whole(project_file("pcaps/vlp16_last.pcap"), std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(whole), {}};
+  constexpr std::size_t header = 24, record = 16 + 42 + 1206;
+  bytes.resize(header + 25 * record);
+  std::ofstream(path("part.pcap"), std::ios::binary) << bytes;
+  SnapshotOptions options;
+  options.captures = {path("part.pcap")};
+  options.output = path("part.svg");
+  ASSERT_EQ(draw(options), exit_ok) << said;
+  EXPECT_THAT(content("part.svg"), AllOf(HasSubstr("of a frame"), HasSubstr("What there is of it is drawn")));
+  options.output = path("part.png");
+  ASSERT_EQ(draw(options), exit_ok) << said;
+  const Pixels picture = read_png(options.output);
+  EXPECT_GT(find(picture, 0, picture.height, is_colorful).count, 800U);
+}
+
+TEST_F(Pictures, WithoutAConfigurationShowEverySensorAndSayWhereTheyStand) {
+  SnapshotOptions options;
+  options.captures = {project_file("pcaps/demo.pcap")};
+  options.output = path("x.svg");
+  ASSERT_EQ(draw(options), exit_ok) << said;
+  EXPECT_THAT(content("x.svg"),
+              AllOf(HasSubstr("sick_microscan3/scan"), HasSubstr("sick_microscan3_2/scan"),
+                    HasSubstr("velodyne_vlp16/points"), HasSubstr("All sensors stand at the origin"),
+                    HasSubstr("`lidard inspect` prints one to edit"), Not(HasSubstr("free:"))));
+}
+
+TEST_F(Pictures, OfTheConfigurationThatInspectPrintsAreNotEmpty) {
+  std::ostringstream out, err;
+  ASSERT_EQ(run_inspect({project_file("pcaps/vlp32c.pcap")}, false, out, err), exit_ok);
+  EXPECT_THAT(out.str(), HasSubstr("pose: {xyz: [0, 0, 0], rpy_deg: [0, 0, 0]}  # edit"));
+  std::ofstream(path("v.yaml")) << out.str();
+  SnapshotOptions options;
+  options.config = path("v.yaml");
+  options.captures = {project_file("pcaps/vlp32c.pcap")};
+  options.output = path("x.png");
+  ASSERT_EQ(draw(options), exit_ok) << said;
+  const Pixels picture = read_png(options.output);
+  EXPECT_GT(find(picture, 0, picture.height, is_colorful).count, 5000U);
+}
+
+TEST_F(Pictures, ThatWouldBeEmptyAreAnErrorWithTheReason) {
+  std::ofstream(path("v.yaml")) << "sensors: {roof: {model: velodyne_vlp32c}}\n";  // no pose
+  SnapshotOptions options;
+  options.config = path("v.yaml");
+  options.captures = {project_file("pcaps/vlp32c.pcap")};
+  options.output = path("x.png");
+  EXPECT_EQ(draw(options), exit_failed);
+  EXPECT_THAT(said, AllOf(HasSubstr("there is nothing to draw: "), HasSubstr("roof is not drawn")));
+  EXPECT_FALSE(fs::exists(options.output));
+}
+
+/// Two clumps of returns: a low one ahead to the left, a high one ahead to the right.
+SnapshotView two_clumps() {
+  SnapshotView view;
+  view.base_frame = "base_link";
+  SnapshotView::Layer cloud{Role::cloud, 0, "roof/points", "cloud", {}, {}, {}, {}};
+  for (int i = 0; i < 400; ++i) {
+    const float spread = 0.001F * static_cast<float>(i);
+    cloud.points.emplace_back(4 + spread, 3 + spread);
+    cloud.heights.push_back(0);
+    cloud.points.emplace_back(4 + spread, -3 - spread);
+    cloud.heights.push_back(2);
+  }
+  // The side view has what is near the middle.
+  cloud.points.emplace_back(-3.0F, 1.0F);
+  cloud.heights.push_back(2);
+  cloud.values = cloud.heights;
+  view.layers.push_back(cloud);
+  view.fans.push_back({{0, 1}, {{1, 0.1}, {1, -0.1}}});
+  view.framing.center = {0, 0};
+  view.framing.half = {6, 6};
+  view.framing.low = -0.5, view.framing.high = 2.5;
+  view.framing.lowest = 0, view.framing.highest = 2;
+  return view;
+}
+
+// The ends of the colours: matplotlib's viridis at 0 and 0.875.
+constexpr Rgb low_color{68, 1, 84}, high_color{170, 220, 50};
+
+TEST_F(Pictures, PutReturnsWhereTheyAreInTheColourOfTheirHeight) {
+  const SnapshotView view = two_clumps();
+  const Pixels picture = draw_pixels(view, page_height(view));
+  const double side = std::sqrt(760'000.0);  // of the field, which is a square here
+  const int field_end = 76 + static_cast<int>(side);
+  const int middle = 76 + static_cast<int>(side / 2);
+  const auto low = find(picture, 76, middle, [](auto p) { return is_like(p, low_color, 25); });
+  const auto high = find(picture, 76, middle, [](auto p) { return is_like(p, high_color, 25); });
+  ASSERT_GT(low.count, 50U);
+  ASSERT_GT(high.count, 50U);
+  // Ahead is up, left is left; 6 m are half the field.
+  const double meter = side / 12;
+  EXPECT_NEAR(low.x, 20 + side / 2 - 3.2 * meter, 4);
+  EXPECT_NEAR(high.x, 20 + side / 2 + 3.2 * meter, 8);
+  EXPECT_NEAR(low.y, 76 + side / 2 - 4.2 * meter, 4);
+  // The side view shows the return near the middle, behind and high, and not the clumps beside it.
+  const auto beside =
+      find(picture, field_end + 30, picture.height, [](auto p) { return is_like(p, high_color, 40); });
+  ASSERT_GE(beside.count, 4U);
+  EXPECT_NEAR(beside.x, 20 + side / 2 - 3 * meter, 4);
+  const auto low_beside =
+      find(picture, field_end + 30, picture.height, [](auto p) { return is_like(p, low_color, 25); });
+  EXPECT_EQ(low_beside.count, 0U);
+}
+
+TEST_F(Pictures, AreFramedByTheReturnsAndNotByTheFewFarOff) {
+  SnapshotView view;
+  SnapshotView::Layer cloud{Role::cloud, 0, "roof/points", "cloud", {}, {}, {}, {}};
+  std::size_t inside = 0;
+  for (int i = 0; i < 1000; ++i) {
+    // A street to the left and right: 60 m wide, 10 m deep; every fiftieth return is far off.
+    const bool far = i % 50 == 0;
+    const auto along = static_cast<float>(i % 100) / 100 * 60 - 30;
+    cloud.points.emplace_back(far ? 150.0F : static_cast<float>(i % 7) - 3, far ? 200.0F : along);
+    cloud.heights.push_back(0);
+    cloud.values.push_back(0);
+  }
+  view.layers.push_back(cloud);
+  view.framing = fit_to_points(view);
+  for (const auto& p : cloud.points) {
+    const Eigen::Vector2d off = (p.cast<double>() - view.framing.center).cwiseAbs();
+    inside += (off.array() <= view.framing.half.array()).all() ? 1U : 0U;
+  }
+  EXPECT_GE(inside, 950U);
+  EXPECT_LT(view.framing.half.x(), 20);
+  const Pixels picture = draw_pixels(view, page_height(view));
+  EXPECT_GT(picture.width - legend, picture.height) << "what is wide makes a wide picture";
+  std::swap(view.framing.half.x(), view.framing.half.y());
+  const Pixels upright = draw_pixels(view, page_height(view));
+  EXPECT_LT(upright.width - legend, upright.height);
+}
+
+TEST_F(Pictures, AreAsWideAsAskedFor) {
+  SnapshotOptions options = of_demo();
+  options.output = path("x.png");
+  for (const int width : {600, 900}) {
+    options.width = width;
+    ASSERT_EQ(draw(options), exit_ok) << said;
+    EXPECT_EQ(read_png(options.output).width, width);
+  }
+}
+
+TEST_F(Pictures, CallNothingFreeThatFlattenDidNotSee) {
+  SnapshotOptions options = of_demo();
+  const auto free_pixels = [&] {
+    options.output = path("x.png");
+    EXPECT_EQ(draw(options), exit_ok) << said;
+    const Pixels picture = read_png(options.output);
+    return find(picture, 0, picture.height, [](auto p) { return is_like(p, {219, 242, 227}, 3); }).count;
+  };
+  EXPECT_GT(free_pixels(), 50'000U) << "the merged scan in profile strict";
+  options.areas = "bumper";
+  EXPECT_EQ(free_pixels(), 0U) << "a virtual scan in profile flatten";
+  options.output = path("x.svg");
+  ASSERT_EQ(draw(options), exit_ok);
+  EXPECT_THAT(content("x.svg"),
+              HasSubstr("bumper has the profile flatten, which proves no place to be free"));
+}
+
+TEST_F(Pictures, SayWhenAVirtualScanIsOlderThanTheScansBesideIt) {
+  SnapshotOptions options = of_demo();
+  options.output = path("x.svg");
+  ASSERT_EQ(draw(options), exit_ok);
+  // The demo's VLP-16 gives ten clouds a second, its scanners 25 scans.
+  EXPECT_THAT(content("x.svg"),
+              ::testing::ContainsRegex("bumper: virtual.*taken 0\\.[0-9]+ s before the scans"));
+}
+
+TEST_F(Pictures, TellRingsAndIntensitiesWhereAskedTo) {
+  SnapshotOptions options;
+  options.captures = {project_file("pcaps/vlp16_dual.pcap")};
+  options.output = path("x.png");
+  std::string before;
+  for (const char* color : {"height", "ring", "intensity"}) {
+    options.color = color;
+    ASSERT_EQ(draw(options), exit_ok) << said;
+    EXPECT_TRUE(content("x.png") != before) << color;
+    before = content("x.png");
+    const Pixels picture = read_png(options.output);
+    EXPECT_GT(find(picture, 0, picture.height, is_colorful).count, 5000U) << color;
+  }
+}
+
+TEST_F(Pictures, InASeriesShareTheirFramingAndDiffer) {
+  SnapshotOptions options = of_demo();
+  options.output = path("%03d.png");
+  options.frames = 4;
+  options.every = 0.3;
+  ASSERT_EQ(draw(options), exit_ok) << said;
+  std::string before;
+  for (const char* name : {"000.png", "001.png", "002.png", "003.png"}) {
+    const Pixels picture = read_png(path(name));
+    EXPECT_GT(find(picture, 0, picture.height, is_colorful).count, 5000U) << name;
+    EXPECT_TRUE(content(name) != before) << name;
+    before = content(name);
+  }
+  EXPECT_EQ(read_png(path("000.png")).width, read_png(path("003.png")).width);
+  EXPECT_FALSE(fs::exists(path("004.png")));
+}
+
+TEST_F(Pictures, MoveInAGif) {
+  SnapshotOptions options = of_demo();
+  options.animation = path("x.gif");
+  options.frames = 3;
+  ASSERT_EQ(draw(options), exit_ok) << said;
+  GifFileType* gif = DGifOpenFileName(options.animation.c_str(), nullptr);
+  ASSERT_NE(gif, nullptr);
+  ASSERT_EQ(DGifSlurp(gif), GIF_OK);
+  EXPECT_EQ(gif->ImageCount, 3);
+  for (int i = 0; i < gif->ImageCount; ++i) {
+    std::size_t blue = 0;  // the left scanner's returns
+    for (int at = 0; at < gif->SWidth * gif->SHeight; ++at) {
+      const GifColorType c = gif->SColorMap->Colors[gif->SavedImages[i].RasterBits[at]];
+      blue += is_like(static_cast<std::uint32_t>(c.Red << 16U | c.Green << 8U | c.Blue), {0, 115, 179}, 30)
+                  ? 1U
+                  : 0U;
+    }
+    EXPECT_GT(blue, 500U) << "picture " << i;
+  }
+  DGifCloseFile(gif, nullptr);
+}
+
+TEST_F(Pictures, MoveInAWebp) {
+  SnapshotOptions options = of_demo();
+  options.animation = path("x.webp");
+  options.frames = 3;
+  ASSERT_EQ(draw(options), exit_ok) << said;
+  const std::string bytes = content("x.webp");
+  const WebPData data{reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()};
+  WebPMux* mux = WebPMuxCreate(&data, 0);
+  ASSERT_NE(mux, nullptr);
+  int count = 0;
+  EXPECT_EQ(WebPMuxNumChunks(mux, WEBP_CHUNK_ANMF, &count), WEBP_MUX_OK);
+  EXPECT_EQ(count, 3);
+  WebPMuxAnimParams loop{};
+  EXPECT_EQ(WebPMuxGetAnimationParams(mux, &loop), WEBP_MUX_OK);
+  EXPECT_EQ(loop.loop_count, 0) << "for ever";
+  WebPMuxDelete(mux);
+}
+
+TEST_F(Pictures, WithAMistakeInTheirNamesAreRefused) {
+  const auto refusal = [&](const std::string& output, const std::string& animation, int frames) {
+    SnapshotOptions options = of_demo();
+    options.output = output;
+    options.animation = animation;
+    options.frames = frames;
+    EXPECT_EQ(draw(options), exit_usage) << output << animation;
+    return said;
+  };
+  EXPECT_THAT(refusal("x.jpg", "", 0), HasSubstr("neither a .png nor a .svg"));
+  EXPECT_THAT(refusal("x.png", "", 3), HasSubstr("expected a pattern, e.g. frame-%03d.png"));
+  EXPECT_THAT(refusal("%03d.png", "", 0), HasSubstr("say how many with --frames"));
+  EXPECT_THAT(refusal("", "x.mp4", 0), HasSubstr("neither a .gif nor a .webp"));
+}
+
+TEST(NumberedPathTest, FillsItsPlaceAsPrintfDoes) {
+  EXPECT_EQ(NumberedPath::parse("a/%06d.pcd")->of(42), "a/000042.pcd");
+  EXPECT_EQ(NumberedPath::parse("%d.pcd")->of(1234567), "1234567.pcd");
+  EXPECT_EQ(NumberedPath::parse("a%3db")->of(7), "a  7b");
+  for (const char* none : {"a.pcd", "100%.pcd", "%s.pcd", "%5.2d"})
+    EXPECT_FALSE(NumberedPath::parse(none)) << none;
+}
+
+}  // namespace
+}  // namespace lidard::test
