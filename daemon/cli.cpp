@@ -310,8 +310,8 @@ std::string did_you_mean(const std::string& written, const std::vector<std::stri
   return near.empty() ? "" : "; did you mean " + near + "?";
 }
 
-/// What is wrong with the line, where CLI11 says little: an unknown command, or what the command does not
-/// know.
+/// What is wrong with the line, to be read behind the program's name, where CLI11 says little: an unknown
+/// command, or what the command does not know.
 std::string mistake_in(const CLI::App& app, const std::vector<std::string>& given,
                        const std::string& otherwise) {
   const auto chosen = app.get_subcommands();
@@ -320,15 +320,15 @@ std::string mistake_in(const CLI::App& app, const std::vector<std::string>& give
     std::vector<std::string> known{"help"};
     for (const CLI::App* one : app.get_subcommands([](const CLI::App*) { return true; }))
       known.push_back(one->get_name());
-    if (word == given.end() && given.empty()) return "no command";
+    if (word == given.end() && given.empty()) return ": no command";
     const std::string& wrong = word == given.end() ? given.front() : *word;
-    return (wrong[0] == '-' ? "no option " : "no command ") + wrong + did_you_mean(wrong, known);
+    return (wrong[0] == '-' ? ": no option " : ": no command ") + wrong + did_you_mean(wrong, known);
   }
   std::vector<std::string> known{"--help"};
   for (const CLI::Option* option : chosen.front()->get_options()) {
     for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
   }
-  const std::string place = chosen.front()->get_name() + ": ";
+  const std::string place = " " + chosen.front()->get_name() + ": ";
   for (std::string word : given) {
     word = word.substr(0, word.find('='));
     const bool is_long = word.compare(0, 2, "--") == 0 && word.size() > 2;
@@ -370,7 +370,7 @@ int run_cli(int argc, char** argv) {
     const auto chosen = commands.app.get_subcommands();
     const bool knows_command = !chosen.empty() || given.empty() || given.front()[0] == '-';
     if (e.get_exit_code() == 0 && knows_command) return commands.app.exit(e), exit_ok;
-    std::cerr << "lidard " << mistake_in(commands.app, given, e.what()) << "\nsee `lidard "
+    std::cerr << "lidard" << mistake_in(commands.app, given, e.what()) << "\nsee `lidard "
               << (chosen.empty() ? "" : chosen.front()->get_name() + " ") << "--help`\n";
     return exit_usage;
   }

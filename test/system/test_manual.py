@@ -29,7 +29,7 @@ NOT_RUN = {
 # A vehicle whose sensors are those of lidard-sim on this host.
 VEHICLE = """\
 sensors:
-  front_left: {{model: sick_microscan3, ip_address: 127.168.0.21, ip_port: {port}, listen_only: true}}
+  front_left: {{model: sick_microscan3, ip_address: 127.168.0.21, ip_port: {port}, listen_only: true, pose: {{xyz: [0, 0, 0.3]}}}}
 """
 SCENE = """\
 start: 2026-01-01T00:00:00Z

@@ -35,6 +35,8 @@ merged_scans:
 """
 OTHER = "virtual_scans:\n  levels: {cloud_topic: rear, virtual_laser_scan: [rear], range_max: 30}\n"
 LOST = {"bursts": 20, "every": 500}
+# kB of resident memory beyond those of a warm daemon; a short run ends before the heap has found its size.
+LARGEST_GROWTH, SHORT_GROWTH = 1024, 4096
 
 
 class Roof:
@@ -203,15 +205,15 @@ def main():
                 # What the cable did not carry is counted too; nothing that was left out is forgotten.
                 expect(counted >= roof.lost - spoiled, f"{roof.lost - spoiled} packets were left out, {counted} counted")
                 expect(events.count("ERROR") == 1, f"the unplugged cable is one ERROR of the roof: {events}")
-            check_end(vehicle, daemon, warm)
+            check_end(vehicle, daemon, warm, LARGEST_GROWTH if seconds >= 600 else SHORT_GROWTH)
             roof.stop.set()
         print(f"starved for {starved.seconds():.1f} s; ok")
 
 
-def check_end(vehicle, daemon, warm):
+def check_end(vehicle, daemon, warm, most):
     rss, descriptors = resources(daemon)
     print(f"grown by {rss - warm[0]} kB and {descriptors - warm[1]} descriptors since it was warm; faults {vehicle.faults}")
-    expect(rss - warm[0] <= 1024, f"memory grows: {warm[0]} kB, then {rss}")
+    expect(rss - warm[0] <= most, f"memory grows: {warm[0]} kB, then {rss}, by more than {most} kB")
     expect(descriptors - warm[1] <= 2, f"descriptors: {warm[1]}, then {descriptors}")
     steps = all_events("clock").count("WARN")
     expect(steps == vehicle.faults["clock"], f"{vehicle.faults['clock']} steps of the clock, {steps} events")

@@ -14,8 +14,8 @@ VLP = "sensors:\n  roof: {model: velodyne_vlp16, ip_address: 192.168.1.201}\n"
 
 # The command line; exit code; place, problem, remedy.
 COMMANDS = [
-    ([], 2, ("lidard", "no command", "--help")),
-    (["chek", DEMO_CONFIG], 2, ("lidard", "no command chek", "did you mean check?")),
+    ([], 2, ("lidard: no command", "--help")),
+    (["chek", DEMO_CONFIG], 2, ("lidard: no command chek", "did you mean check?")),
     (["snapshoot"], 2, ("lidard", "no command snapshoot", "did you mean snapshot?")),
     (["--verzion"], 2, ("lidard", "no option --verzion", "--help")),
     (["help", "chek"], 2, ("lidard", "chek", "did you mean check?")),

@@ -53,7 +53,12 @@ TEST(ConfigSources, FindsASensorByTheTopicThatItReallyPublishes) {
   EXPECT_EQ(error("roof/points"),
             "f:2:39: merged_scans.m.laserscan_topics[0] names roof/points, of a velodyne_vlp16, which gives "
             "clouds; expected names of sensors that give scans: front, back, roof");
-  EXPECT_THAT(error("front, front_scan"), HasSubstr("names front again"));
+  EXPECT_THAT(error("front, front_scan"),
+              ::testing::EndsWith("names front again; expected every sensor once"));
+  EXPECT_THAT(error_of("sensors: {roof: {model: velodyne_vlp16}}\nvirtual_scans: {v: {cloud_topic: roof, "
+                       "virtual_laser_scan: [low], poses: {low: {xyz: [0, 0, 0]}}, profile: strict}}\n"
+                       "merged_scans: {m: {laserscan_topics: [low, low]}}"),
+              ::testing::EndsWith("names low again; expected every source once"));
 }
 
 TEST(ConfigSources, TriggerAndSettingsOfASourceTakeTheNamesOfItsList) {
