@@ -5,7 +5,7 @@
 that is unplugged, a ROS master that is restarted, reloads of the configuration and steps of the host's clock. Memory and
 descriptors do not grow, every lost packet is counted, every fault is an event once.
 
-    test_soak.py [SECONDS]     default 60; 1800 for a release; with LIDARD, LIDARD_SIM, LIDARD_SOURCE_DIR and LIDARD_CLOCK_SHIM set
+    test_soak.py [SECONDS]     default 30; 1800 for a release; with LIDARD, LIDARD_SIM, LIDARD_SOURCE_DIR and LIDARD_CLOCK_SHIM set
                                as ctest does
 """
 import os
@@ -168,7 +168,7 @@ def one_round(vehicle, daemon, roof, number):
 
 
 def main():
-    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 60
+    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 30
     network = Network()
     lidars.ROOM = lidars.ROOM.replace("duration: 600", f"duration: {seconds + 600:.0f}")
     with folder() as tmp:
