@@ -18,6 +18,7 @@
 #include <thread>
 
 #include "daemon/commands/commands.h"
+#include "daemon/live/service.h"
 #include "test/support/ros_master.h"
 #include "test/support/velodyne_wire.h"
 
@@ -32,7 +33,8 @@ using ::testing::Not;
 class RunningDaemon {
  public:
   explicit RunningDaemon(const std::string& more = "") : port_(free_port()), config_(path()) {
-    std::ofstream(config_) << "sensors: {roof: {model: velodyne_vlp16, ip_port: " << port_ << more << "}}\n";
+    std::ofstream(config_) << "sensors: {roof: {model: velodyne_vlp16, ip_port: " << port_
+                           << ", telemetry_port: " << free_port() << more << "}}\n";
     notified_ = socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK, 0);
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
@@ -48,6 +50,7 @@ class RunningDaemon {
       setenv("NOTIFY_SOCKET", ("@" + name).c_str(), 1);
       setenv("ROS_MASTER_URI", master.c_str(), 1);
       setenv("ROS_IP", "127.0.0.1", 1);
+      set_up_logging("info");
       const int code = run_daemon(config_, {}, std::cerr);
       dprintf(STDERR_FILENO, "exit %d\n", code);
     });

@@ -99,15 +99,20 @@ struct Ports {
   UdpPorts ports;
 };
 
+/// Its telemetry has a port of its own: tests that run beside each other must not meet at the model's.
 std::string roof(std::uint16_t port, const std::string& more = "") {
-  return "roof: {model: velodyne_vlp16, ip_port: " + std::to_string(port) + more + "}";
+  return "roof: {model: velodyne_vlp16, ip_port: " + std::to_string(port) +
+         ", telemetry_port: " + std::to_string(free_port()) + more + "}";
 }
 
 TEST(UdpPorts, AreOneForEachPortOfDataAndTelemetryHoweverManySensorsSendThere) {
-  const std::uint16_t one = free_port(), two = free_port();
-  Ports ports("sensors: {" + roof(one, ", ip_address: 127.0.0.1") +
-              ", mast: {model: velodyne_vlp16, ip_port: " + std::to_string(one) +
-              ", ip_address: 127.0.0.2}, rear: {model: sick_microscan3, ip_port: " + std::to_string(two) +
+  const std::uint16_t one = free_port(), two = free_port(), telemetry = free_port();
+  const auto velodyne = [&](const std::string& host) {
+    return "{model: velodyne_vlp16, ip_port: " + std::to_string(one) + ", ip_address: " + host +
+           ", telemetry_port: " + std::to_string(telemetry) + "}";
+  };
+  Ports ports("sensors: {roof: " + velodyne("127.0.0.1") + ", mast: " + velodyne("127.0.0.2") +
+              ", rear: {model: sick_microscan3, ip_port: " + std::to_string(two) +
               ", ip_address: 127.0.0.1}, other: {topic: /scan}}");
   const auto items = ports.items();
   std::vector<std::string> names;
@@ -116,7 +121,7 @@ TEST(UdpPorts, AreOneForEachPortOfDataAndTelemetryHoweverManySensorsSendThere) {
     EXPECT_EQ(item.hardware_id, item.name);
   }
   std::vector<std::string> wanted = {"port " + std::to_string(one), "port " + std::to_string(two),
-                                     "port 8308"};
+                                     "port " + std::to_string(telemetry)};
   EXPECT_THAT(names, ::testing::UnorderedElementsAreArray(wanted));
   EXPECT_EQ(ports.ports.open().all, 3U);
 }
