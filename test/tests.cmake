@@ -34,6 +34,8 @@ lidard_tests(drivers lidard_drivers)
 pkg_check_modules(ANCESTOR REQUIRED IMPORTED_TARGET laser_geometry tf pcl_common)
 lidard_tests(daemon lidard_daemon lidard_rosbag PkgConfig::ANCESTOR)
 target_sources(test_daemon PRIVATE ${ros_support})
+# The modules are loaded at run time.
+add_dependencies(test_daemon lidard_pcl lidard_outliers)
 lidard_tests(sim lidard_drivers)
 add_dependencies(test_sim lidard-sim)
 # The skeleton of a driver, which only its test makes known to the program.

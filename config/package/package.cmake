@@ -51,7 +51,8 @@ set(CPACK_DEBIAN_PCL_PACKAGE_SECTION misc)
 set(CPACK_DEBIAN_PCL_DESCRIPTION "module of lidard for the Point Cloud Library
 ${family}
 
-This package writes PCD files: lidard decode --format pcd. It is apart since
+This package writes PCD files (lidard decode --format pcd) and removes
+outliers (a filter of a sensor). It is apart since
 the Point Cloud Library of Debian brings VTK, which no vehicle needs.")
 set(CPACK_DEBIAN_PCL_PACKAGE_DEPENDS "lidard (= ${PROJECT_VERSION})")
 

@@ -306,7 +306,7 @@ int run_decode(const DecodeOptions& options, std::ostream& err) {
   if (!options.model.empty()) {
     model = find_model(options.model);
     if (model == nullptr) {
-      err << "unknown model '" << options.model << "'; expected one of `lidard models`";
+      err << "--model: unknown model '" << options.model << "'; expected one of `lidard models`";
       const auto near = nearest_models(options.model);
       if (!near.empty()) err << ", perhaps " << near.front();
       err << '\n';

@@ -11,6 +11,7 @@
 #include "core/base/pose.h"
 #include "core/evidence/placed_scan.h"
 #include "core/frames/cloud_layout.h"
+#include "core/frames/frame_filter.h"
 #include "core/frames/ring_scan.h"
 #include "core/frames/scan_grid.h"
 #include "core/merge/cross_check.h"
@@ -65,6 +66,7 @@ struct SensorConfig {
   std::string points_topic;  ///< of a multi-plane lidar
   CloudLayout layout;        ///< of its cloud message
   std::optional<RingScanSpec> ring_scan;  ///< one ring of a multi-plane lidar as a planar scan
+  FrameFilterSettings filter;             ///< of what is published of it; other outputs see all of it
   bool handed_over = false;               ///< its scans come from the other lane of the daemon, see part_of()
 
   /// TCP port that the device listens on, for its data or its settings; 0: none.

@@ -18,6 +18,10 @@ void read_merged_scans(Mapping& root, Reading& reading);
 void read_virtual_scans(Mapping& root, Reading& reading);
 void read_black_box(Mapping& root, Reading& reading);
 
+/// `filter:` of a sensor, and what its keys have to fulfil together.
+Keys<SensorConfig> filter_rows();
+void check_filter(Mapping& parent, SensorConfig& sensor);
+
 /// Between which ranges a source measures, m.
 struct SourceLimits {
   SourceLimits(const SensorConfig& sensor);

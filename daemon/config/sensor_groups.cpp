@@ -223,6 +223,7 @@ const std::vector<SensorGroup>& sensor_groups() {
       {"devices that stream over UDP", udp, true, group_rows(), tcp, tcp},
       {"", nullptr, false, joined<S>({place_rows(), of_driver(time_rows())})},
       {"", any_model, false, of_driver(clock_rows())},
+      {"", any_model, false, filter_rows()},
       {"SICK devices with settings", can<Trait::settings_writable>, false, of_requests(write_keys()),
        no_settings, no_settings},
       {"SICK devices that stream over UDP", can<Trait::receiver_settable>, false,

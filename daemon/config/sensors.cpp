@@ -331,6 +331,7 @@ void read_calibration(Mapping& yaml, SensorConfig& sensor, Reading& reading) {
 void check_device(Mapping& yaml, SensorConfig& sensor, Reading& reading) {
   yaml.attempt_rule([&] { check_network(yaml, sensor); });
   yaml.attempt_rule([&] { check_beams(yaml, sensor.driver); });
+  yaml.attempt_rule([&] { check_filter(yaml, sensor); });
   yaml.attempt_rule([&] {
     if (sensor.model->has(Trait::web_control) && sensor.packet_topic.empty())
       check_control(yaml, sensor, reading);

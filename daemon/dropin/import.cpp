@@ -326,7 +326,8 @@ int import_file(const ImportOptions& options, std::ostream& err) {
   file.close();
   parse_config(text, options.output == "-" ? "the configuration" : options.output);
   err << config.entries << (config.entries == 1 ? " entry, " : " entries, ") << config.remarks.size()
-      << " remarks on what has no counterpart, below the configuration\n";
+      << (config.remarks.size() == 1 ? " remark" : " remarks")
+      << " on what has no counterpart, below the configuration\n";
   return exit_ok;
 }
 

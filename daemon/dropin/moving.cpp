@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdlib>
 #include <sstream>
 
 #include "core/base/nearest.h"
@@ -100,6 +101,10 @@ KeyValue copied(const std::string& value) { return value.empty() ? KeyValue() : 
 
 KeyValue as_frame(const std::string& value) {
   return copied(!value.empty() && value.front() == '/' ? value.substr(1) : value);
+}
+
+KeyValue as_intensity_filter(const std::string& value) {
+  return std::strtod(value.c_str(), nullptr) > 0 ? KeyValue(KeyMap{{"intensity_min", value}}) : KeyValue();
 }
 
 void drop_misfits(const Model& model, KeyMap& sensor, DropinSetup& setup) {

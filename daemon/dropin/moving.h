@@ -100,6 +100,9 @@ KeyValue copied(const std::string& value);
 /// The same of a frame, without the slash that old versions of tf wrote before it.
 KeyValue as_frame(const std::string& value);
 
+/// A least intensity as the value of `filter`; not set where it is 0.
+KeyValue as_intensity_filter(const std::string& value);
+
 /// Removes keys of a sensor that its model does not take, and says so.
 void drop_misfits(const Model& model, KeyMap& sensor, DropinSetup& setup);
 

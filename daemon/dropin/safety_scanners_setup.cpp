@@ -28,9 +28,11 @@ const MovedPackage& moved_safety_scanners() {
         "rad, as they are; equal ones mean all beams. Beams beyond are left out here, the scanner goes on to "
         "send "
         "them"},
-       {"min_intensities", "",
-        "a merged scan leaves weak returns of a source out: source_settings: {NAME: {intensity_min: ...}}",
-        "0"},
+       {"min_intensities", "filter",
+        "filter: {intensity_min: ...}; a beam whose return is weaker is NaN (theirs: +inf, which says free); "
+        "merged scans "
+        "have source_settings: {NAME: {intensity_min: ...}}",
+        "", as_intensity_filter},
        {"interface_ip", "", "for a multicast group write the name of the interface into `interface`",
         "0.0.0.0"},
        {"skip", "",

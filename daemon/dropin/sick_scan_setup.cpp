@@ -142,9 +142,11 @@ const MovedPackage& moved_sick_scan() {
        {"range_min range_max range_filter_handling", "",
         "limits of clouds; merged and virtual scans have range_min and range_max, per source too "
         "(source_settings)"},
-       {"min_intensity", "",
-        "a merged scan leaves weak returns of a source out: source_settings: {NAME: {intensity_min: ...}}",
-        "0"},
+       {"min_intensity", "filter",
+        "filter: {intensity_min: ...}; a beam whose return is weaker is NaN (theirs: +inf, which says free); "
+        "merged scans "
+        "have source_settings: {NAME: {intensity_min: ...}}",
+        "", as_intensity_filter},
        {"use_binary_protocol sopas_cola_binary", "", "found out by asking the device"},
        {"timelimit read_timeout_millisec_default read_timeout_millisec_startup "
         "read_timeout_millisec_kill_node "

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dlfcn.h>
 #include <spdlog/fmt/fmt.h>
 
 #include <array>
@@ -10,6 +9,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "daemon/config/module.h"
 #include "daemon/files/frame_writer.h"
 #include "daemon/files/numbered_path.h"
 #include "daemon/files/pcl_module.h"
@@ -22,21 +22,9 @@ namespace {
 /// is written as they come, not compressed.
 constexpr std::size_t most_compressed = 500'000;
 
-/// The module stands beside the program where it was built, and below lib/lidard where it was installed.
-decltype(&lidard_write_pcd) load_pcl() {
-  const std::filesystem::path beside = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-  std::string trouble;
-  for (const auto& folder : {beside, beside / "../lib/lidard/modules"}) {
-    void* const module = dlopen((folder / "lidard_pcl.so").c_str(), RTLD_NOW | RTLD_LOCAL);
-    void* const found = module == nullptr ? nullptr : dlsym(module, "lidard_write_pcd");
-    if (found != nullptr) return reinterpret_cast<decltype(&lidard_write_pcd)>(found);
-    trouble = dlerror();
-  }
-  throw std::runtime_error("PCD files need lidard's module for PCL (package lidard-pcl): " + trouble);
-}
-
 void save(const std::string& path, const std::vector<CloudPoint>& points) {
-  static const decltype(&lidard_write_pcd) write = load_pcl();
+  static const auto write = reinterpret_cast<decltype(&lidard_write_pcd)>(
+      module_function("lidard_pcl", "lidard_write_pcd", "PCD files need"));
   if (!write(path.c_str(), points.data(), points.size()))
     throw std::runtime_error(path + ": cannot be written as PCD");
 }

@@ -56,6 +56,31 @@ void print_counters(const Counters& c, std::ostream& out) {
   line.add(trouble_counters, c);
 }
 
+std::string filter_text(const FilterCounters& counters) {
+  std::uint64_t removed = 0;
+  std::string reasons;
+  for (const auto& counter : filter_counters) {
+    const std::uint64_t n = counters.*counter.value;
+    if (counter.value == &FilterCounters::returns || n == 0) continue;
+    removed += n;
+    reasons += fmt::format("{}{} {}", reasons.empty() ? " (" : ", ", counter.words, n);
+  }
+  return fmt::format("filter removed {} of {} returns{}", removed, counters.returns,
+                     reasons.empty() ? "" : reasons + ")");
+}
+
+std::string filter_trouble(const FilterCounters& counters) {
+  constexpr std::uint64_t many_frames = 10;
+  if (counters.emptied_in_a_row >= many_frames)
+    return fmt::format(
+        "its filter removed every return of the last {} frames; correct the limits below `filter`",
+        counters.emptied_in_a_row);
+  if (counters.without_intensity > 0)
+    return "its filter has limits of intensity, but the device sends scans without intensities; switch them "
+           "on in the device, or take the limits out";
+  return {};
+}
+
 void print_capture_counters(const CaptureCounters& c, std::uint64_t other_datagrams, std::ostream& out) {
   Line line(out);
   line.add("capture: datagrams of other senders or ports", other_datagrams);
@@ -98,6 +123,9 @@ void print_verdicts(const Config& config, const std::vector<SensorReport>& senso
       out << "  " << (health == Health::error ? "ERROR " : "WARN ") << s.name << ": " << text << '\n';
     };
     if (!s.rivals_ever.empty()) print(Health::error, rivals_text(s.rivals_ever, sensor->ip_port));
+    if (s.filter) out << "  " << s.name << ": " << filter_text(*s.filter) << '\n';
+    if (const std::string why = s.filter ? filter_trouble(*s.filter) : ""; !why.empty())
+      print(Health::warn, why);
     if (verdict.health != Health::ok)
       print(verdict.health,
             fmt::format("{} in {:.1f} s; {}", verdict.figures, s.whole.watched_s, verdict.remedy));

@@ -4,11 +4,13 @@
 
 #include <cstdint>
 #include <iosfwd>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/counters.h"
 #include "core/base/time.h"
+#include "core/frames/frame_filter.h"
 #include "daemon/config/config.h"
 #include "daemon/pipeline/reception.h"
 #include "drivers/capture/pcap_source.h"
@@ -23,9 +25,10 @@ struct SensorReport {
   std::string model;  ///< or "topic"
   Counters counters;
   DeviceInfo info;
-  bool seen = false;         ///< any data received at all
-  Stamp last_arrival;        ///< of data
-  Stamp last_telemetry;      ///< of what the device tells beside its data
+  std::optional<FilterCounters> filter;  ///< of what it published; none: it has no filter
+  bool seen = false;                     ///< any data received at all
+  Stamp last_arrival;                    ///< of data
+  Stamp last_telemetry;                  ///< of what the device tells beside its data
   std::string link_trouble;  ///< while silent: what is wrong with its connection or this host's network;
                              ///< empty: nothing
   std::string link_hint;     ///< while silent: what may be wrong there
@@ -59,6 +62,10 @@ bool all_came(const std::vector<OutputReport>& outputs);
 void print_counters(const Counters& counters, std::ostream& out);
 /// "rejected 3 (size 1, magic 2)", or "0".
 std::string rejected_text(const Counters& counters);
+/// What a filter removed: "filter removed 12 of 3400 returns (intensity 10, outliers 2)".
+std::string filter_text(const FilterCounters& counters);
+/// Why a filter does not do what it was meant to; empty: no doubt.
+std::string filter_trouble(const FilterCounters& counters);
 /// One line with what a capture held beyond the sensor's datagrams; nothing if there was nothing.
 void print_capture_counters(const CaptureCounters& counters, std::uint64_t other_datagrams,
                             std::ostream& out);

@@ -42,6 +42,7 @@ Sensor::Sensor(const SensorConfig& config, std::size_t place, SensorContext& con
       other_model_(config.model) {
   if (config.model == nullptr) return;
   driver_ = config.model->make(config.driver);
+  if (config.filter.any()) filter_.emplace(config.filter);
   if (config.ring_scan) ring_scan_.emplace(*config.ring_scan);
   place_at(place);
 }
@@ -90,18 +91,24 @@ void Sensor::receive_recorded(Packet chunk) {
 void Sensor::scan(PlanarScan& scan) {
   notice_shape(scan);
   watch_.scan(scan);
-  context_.outlet.publish(*topic_, scan, context_.now);
-  if (echoes_topic_ != nullptr) context_.outlet.publish(*echoes_topic_, scan, context_.now);
-  feed(scan);
+  publish_scan(*topic_, echoes_topic_, scan);
+}
+
+void Sensor::publish_scan(const OutputTopic& topic, const OutputTopic* echoes, PlanarScan& scan) {
+  if (filter_) {
+    feed(scan);
+    filter_->apply(scan);
+  }
+  context_.outlet.publish(topic, scan, context_.now);
+  if (echoes != nullptr) context_.outlet.publish(*echoes, scan, context_.now);
+  if (!filter_) feed(scan);
 }
 
 void Sensor::cloud(Cloud& cloud) {
   watch_.cloud(cloud);
   feed(cloud);
-  if (ring_scan_ && ring_scan_->convert(cloud, ring_)) {
-    context_.outlet.publish(*ring_topic_, ring_, context_.now);
-    feed(ring_);
-  }
+  if (ring_scan_ && ring_scan_->convert(cloud, ring_)) publish_scan(*ring_topic_, nullptr, ring_);
+  if (filter_) filter_->apply(cloud);
   // The sinks come last, since they may keep the points.
   context_.outlet.publish(*topic_, arranger_.is_plain() ? cloud : arranger_.arrange(cloud), context_.now);
 }
@@ -216,6 +223,7 @@ SensorReport Sensor::report() const {
   report.model = driver_ ? std::string(config_.model->name) : "topic";
   report.counters = counters();
   if (driver_) report.info = driver_->info();
+  if (filter_) report.filter = filter_->counters();
   report.seen = seen_;
   report.last_arrival = last_arrival_;
   report.last_telemetry = last_telemetry_;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/base/bytes.h"
+#include "core/frames/frame_filter.h"
 #include "daemon/config/config.h"
 #include "daemon/pipeline/other_model.h"
 #include "daemon/pipeline/output.h"
@@ -111,6 +112,9 @@ class Sensor final : public DriverOutput {
   void notice_shape(const PlanarScan& scan);
   /// Makes a scan without beams one that observed nothing.
   void fill_empty(PlanarScan& scan) const;
+  /// A scan of its own on a topic of its own; also with all its echoes, unless that topic is nullptr. The
+  /// filter comes after those who see everything.
+  void publish_scan(const OutputTopic& topic, const OutputTopic* echoes, PlanarScan& scan);
   /// For the outputs that are made of this sensor's frames.
   template <class Frame>
   void feed(const Frame& frame);
@@ -121,6 +125,7 @@ class Sensor final : public DriverOutput {
   std::size_t place_;
   SensorContext& context_;
   std::unique_ptr<Driver> driver_;  // nullptr: another driver publishes on config_.topic
+  std::optional<FrameFilter> filter_;
   CloudArranger arranger_;
   std::optional<RingScan> ring_scan_;
   PlanarScan ring_;

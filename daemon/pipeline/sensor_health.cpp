@@ -88,6 +88,8 @@ void judge_data(const SensorConfig& config, const SensorReport& report, Diagnost
     if (!report.info.warnings.empty()) item.message += ". The device says: " + report.info.warnings.back();
   } else if (!report.info.warnings.empty()) {
     item.set(Health::warn, report.info.warnings.back());
+  } else if (report.filter && !filter_trouble(*report.filter).empty()) {
+    item.set(Health::warn, filter_trouble(*report.filter));
   } else {
     item.message = "receiving";
   }
@@ -153,6 +155,7 @@ DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& rep
   for (const auto& counter : usual_counters) count(counter);
   item.add("Rejected", rejected_text(c));
   for (const auto& counter : trouble_counters) count(counter);
+  if (report.filter) item.add("Filter", filter_text(*report.filter));
   add_rates(report.recent, item);
   return item;
 }

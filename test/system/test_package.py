@@ -71,7 +71,8 @@ class Packages(unittest.TestCase):
 
     def test_programs_are_stripped(self):
         for package, name in (("lidard", "usr/bin/lidard"), ("lidard-sim", "usr/bin/lidard-sim"),
-                              ("lidard-pcl", "usr/lib/lidard/modules/lidard_pcl.so")):
+                              ("lidard-pcl", "usr/lib/lidard/modules/lidard_pcl.so"),
+                              ("lidard-pcl", "usr/lib/lidard/modules/lidard_outliers.so")):
             self.assertNotIn(".symtab", must_run("readelf", "-SW", self.unpacked(package) / name))
 
     def test_a_vehicle_needs_neither_pcl_nor_headers(self):

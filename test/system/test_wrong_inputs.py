@@ -5,7 +5,9 @@
 with exit 0 and nothing."""
 import os
 import pty
+import shutil
 import signal
+import subprocess
 
 from harness import LIDARD, ROOT, expect, folder, free_port, process, ros_master, run, use_master_at, wait_for
 
@@ -26,7 +28,7 @@ COMMANDS = [
     (["check", DEMO_CONFIG, "b"], 2, ("check:", "not expected: b", "lidard check --help")),
     (["import", "--tabels"], 2, ("import:", "no option --tabels", "did you mean --tables?")),
     (["decode", DEMO, "--format", "xls"], 2, ("decode:", "xls", "csv")),
-    (["decode", DEMO, "--model", "velodyne_vlp61"], 2, ("unknown model", "velodyne_vlp61", "velodyne_vlp16")),
+    (["decode", DEMO, "--model", "velodyne_vlp61"], 2, ("--model", "unknown model", "velodyne_vlp61", "velodyne_vlp16")),
     (["decode", DEMO, "--source", "300.1.1.1"], 2, ("--source", "300.1.1.1", "expected IP")),
     (["replay", "-c", DEMO_CONFIG, "--pcap", DEMO, "--rate", "fast"], 2, ("--rate", "fast", "max")),
     (["run", "-c", "/nowhere/x.yaml"], 78, ("/nowhere/x.yaml", "No such file", "expected a readable YAML file")),
@@ -77,6 +79,16 @@ def configurations(tmp):
         file.write_bytes(text if isinstance(text, bytes) else text.encode())
         refused(repr(text), run("check", file), 78, (str(file) + words[0], *words[1:]))
     return len(CONFIGURATIONS)
+
+
+def without_modules(tmp):
+    """A program that was installed without the package lidard-pcl."""
+    alone, config = tmp / "lidard", tmp / "outliers.yaml"
+    shutil.copy(LIDARD, alone)
+    config.write_text("sensors:\n  roof: {model: velodyne_vlp16, filter: {outlier_radius: 0.5}}\n")
+    done = subprocess.run([alone, "check", config], capture_output=True, text=True, timeout=30, check=False)
+    refused("outlier_radius", done, 78, (":2:", "outlier_radius cannot be applied", "lidard-pcl"))
+    return 1
 
 
 def captures(tmp):
@@ -150,7 +162,7 @@ def what_works(tmp):
 
 
 with folder() as tmp:
-    told = sum(step(tmp) for step in (commands, configurations, captures, environment))
+    told = sum(step(tmp) for step in (commands, configurations, without_modules, captures, environment))
     colours(tmp)
     what_works(tmp)
     expect(told >= 40, f"{told} wrong inputs")

@@ -163,7 +163,7 @@ TEST_F(CommandLine, SaysWhatItDecodedAndWhetherTheFrameAskedForWasThere) {
   const Answer unknown = lidard({"decode", demo, "--model", "velodyne_vlp61"});
   EXPECT_EQ(unknown.exit, exit_usage);
   EXPECT_EQ(unknown.err,
-            "unknown model 'velodyne_vlp61'; expected one of `lidard models`, perhaps velodyne_vlp16\n");
+            "--model: unknown model 'velodyne_vlp61'; expected one of `lidard models`, perhaps velodyne_vlp16\n");
   EXPECT_EQ(lidard({"decode", demo, "--format", "xls"}).exit, exit_usage);
 }
 

@@ -57,6 +57,13 @@ std::vector<std::string> places_of(const std::string& section) {
   if (section.rfind("sensors.NAME.control.", 0) == 0)
     return {"sensors: {s: {model: velodyne_vlp16, ip_address: 10.0.0.7, control: {" + section.substr(21) +
             ": {@}}}}\n"};
+  const std::string filter = "sensors.NAME.filter";
+  if (section == filter)
+    return {"sensors: {s: {model: velodyne_vlp16, filter: {@}}}\n",
+            "sensors: {s: {model: sick_microscan3, ip_address: 10.0.0.1, filter: {@}}}\n"};
+  if (section == filter + ".box" || section == filter + ".cut_out")
+    return {"sensors: {s: {model: velodyne_vlp16, filter: {" + section.substr(filter.size() + 1) +
+            ": {@}}}}\n"};
   if (section == "merged_scans.NAME")
     return {merged + "@}}\n", two_sensors + "merged_scans: {m: {laserscan_topics: [a], @}}\n"};
   if (section == "merged_scans.NAME.source_settings.SOURCE")
