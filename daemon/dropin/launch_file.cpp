@@ -85,7 +85,7 @@ LaunchFile read_launch(const std::string& file, const std::vector<std::string>& 
   const auto [text, ended_well] = output_of(words);
   const auto json = nlohmann::json::parse(text, nullptr, false);
   if (!ended_well || json.is_discarded())
-    throw std::runtime_error(file + ": " + python + " did not read it; apt install python3-roslaunch");
+    throw std::runtime_error(file + ": " + python + " did not read it; apt install python3-yaml");
   LaunchFile launch;
   if (json.contains("remarks")) json.at("remarks").get_to(launch.remarks);
   if (json.contains("missing")) throw std::runtime_error(json.at("missing").get<std::string>());

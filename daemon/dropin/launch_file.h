@@ -29,8 +29,8 @@ struct LaunchFile {
   std::vector<std::string> remarks;  ///< on what was not read
 };
 
-/// Reads the file with roslaunch; `arguments` are NAME:=VALUE. Nothing is started. Throws ConfigError for a
-/// file that roslaunch refuses, and std::runtime_error where roslaunch is not installed.
+/// Reads the file, with roslaunch where it is installed; `arguments` are NAME:=VALUE. Nothing is started.
+/// Throws ConfigError for a file that cannot be resolved, and std::runtime_error where Python is missing.
 LaunchFile read_launch(const std::string& file, const std::vector<std::string>& arguments);
 
 }  // namespace lidard
