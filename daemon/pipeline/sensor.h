@@ -14,6 +14,7 @@
 #include "daemon/config/config.h"
 #include "daemon/pipeline/other_model.h"
 #include "daemon/pipeline/output.h"
+#include "daemon/pipeline/raw_packets.h"
 #include "daemon/pipeline/reception.h"
 #include "daemon/pipeline/report.h"
 #include "daemon/pipeline/sensor_health.h"
@@ -111,6 +112,8 @@ class Sensor final : public DriverOutput {
   void notice_shape(const PlanarScan& scan);
   /// Makes a scan without beams one that observed nothing.
   void fill_empty(PlanarScan& scan) const;
+  /// Publishes the packets since the last call, if there are any.
+  void publish_raw();
   /// For the outputs that are made of this sensor's frames.
   template <class Frame>
   void feed(const Frame& frame);
@@ -124,9 +127,11 @@ class Sensor final : public DriverOutput {
   CloudArranger arranger_;
   std::optional<RingScan> ring_scan_;
   PlanarScan ring_;
+  RawPacketCollector raw_{config_};
   const OutputTopic* topic_ = nullptr;         // of its frames; nullptr, as below: none
   const OutputTopic* ring_topic_ = nullptr;    // of the ring that is a scan
   const OutputTopic* echoes_topic_ = nullptr;  // of its scans with all echoes
+  const OutputTopic* raw_topic_ = nullptr;     // of its packets
   std::vector<std::pair<std::string_view, const OutputTopic*>> told_topics_;  // by what a driver calls them
   ConnectionPicker connection_;                                               // in a capture
   ConnectionRequest request_ = ConnectionRequest::none;
