@@ -69,8 +69,22 @@ struct DeviceState {
   std::vector<DeviceValue> values;
 };
 
+/// Datagrams as they came, all of one size, in the order in which they came.
+struct RawPackets {
+  static constexpr std::string_view topic = "packets";
+  std::string frame_id;
+  Stamp stamp;                      ///< of the whole
+  std::vector<Span> arrivals;       ///< of each packet, reckoned from `stamp`
+  std::vector<std::uint8_t> bytes;  ///< the packets one after the other
+
+  void clear() {
+    arrivals.clear();
+    bytes.clear();
+  }
+};
+
 /// What a device tells beside its frames. Each kind has a member `topic`, the last part of its topic's name.
-using DeviceMessage = std::variant<GnssFix, TimeReference, ImuSample, DeviceState>;
+using DeviceMessage = std::variant<GnssFix, TimeReference, ImuSample, DeviceState, RawPackets>;
 
 /// The place of a kind in that list, as DeviceMessage::index() has it.
 template <class Told, std::size_t place = 0>

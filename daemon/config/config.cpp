@@ -188,6 +188,8 @@ std::vector<OutputTopic> sensor_topics(const SensorConfig& sensor) {
   if (sensor.ring_scan) topics.push_back({sensor.scan_topic, TopicKind::scan});
   if (sensor.model->has(Trait::echoes) && sensor.driver.publish_multiecho)
     topics.push_back({sensor.name + "/echoes", TopicKind::echoes});
+  if (!sensor.raw_topic.empty())
+    topics.push_back({sensor.raw_topic, TopicKind::message, true, message_kind<RawPackets>()});
   add_told(sensor, topics);
   return topics;
 }

@@ -54,6 +54,7 @@ struct SensorConfig {
   std::uint16_t ip_port = 0;  ///< local UDP port; of a device that streams over TCP: its own port
   std::uint16_t telemetry_port = 0;  ///< local UDP port of what it sends beside its data; 0: not listened to
   std::string packet_topic;          ///< its packets come from here (velodyne_msgs/VelodyneScan), not by UDP
+  std::string raw_topic;  ///< its packets are published here (velodyne_msgs/VelodyneScan); empty: not
   std::optional<IpAddress> multicast_group;
   std::string interface;     ///< network interface to join the group on; empty: the kernel's choice
   std::string frame_id;      ///< default: the sensor's name

@@ -70,6 +70,7 @@ void add_outputs(ParameterReader& reader, const std::string& model, const std::s
   sensor.emplace_back("scan_ring", ring < 0 ? KeyValue(std::string("auto")) : KeyValue(ring));
   sensor.emplace_back("scan_resolution",
                       reader.number("laserscan_resolution", reader.number("resolution", 0.007)));
+  if (reader.flag("publish_packets")) sensor.emplace_back("raw_topic", "velodyne_packets");
   sensor.emplace_back("points_topic", "velodyne_points");
   sensor.emplace_back("scan_topic", "scan");
 }
@@ -121,6 +122,7 @@ const MovedPackage& moved_velodyne() {
         "`lidard replay` keeps the capture's time; the node brings it to the present "
         "unless pcap_time is set"},
        {"packet_topic", "packet_topic", "of our node alone: packets from a velodyne_msgs/VelodyneScan"},
+       {"publish_packets", "raw_topic", "of our node alone; true: velodyne_packets"},
        {"telemetry_port", "telemetry_port", "of our node alone"},
        {"fixed_frame", "",
         "clouds stay in the sensor's frame; a merged or virtual scan with "
@@ -139,7 +141,8 @@ const MovedPackage& moved_velodyne() {
       {{"velodyne_points", "sensor_msgs/PointCloud2", "the same, point by point: points_topic"},
        {"scan", "sensor_msgs/LaserScan", "the same: scan_topic"},
        {"velodyne_packets", "velodyne_msgs/VelodyneScan",
-        "`lidard record` keeps packets; as a topic it is read (packet_topic)"},
+        "the same: raw_topic, of velodyne_node with publish_packets; it is read with packet_topic. "
+        "`lidard record` keeps packets without ROS"},
        {"diagnostics", "diagnostic_msgs/DiagnosticArray", "the same topic, more in it"}}};
   return package;
 }

@@ -49,12 +49,14 @@ Sensor::Sensor(const SensorConfig& config, std::size_t place, SensorContext& con
 
 void Sensor::place_at(std::size_t place) {
   place_ = place;
-  topic_ = ring_topic_ = echoes_topic_ = nullptr;
+  topic_ = ring_topic_ = echoes_topic_ = raw_topic_ = nullptr;
   told_topics_.clear();
   for (const OutputTopic& own : sensor_topics(config_)) {
     const OutputTopic& topic = topic_named(context_.outlet.topics(), own.name);
     if (!topic.promised)
       told_topics_.emplace_back(std::string_view(topic.name).substr(config_.name.size() + 1), &topic);
+    else if (topic.kind == TopicKind::message)
+      raw_topic_ = &topic;
     else if (topic.kind == TopicKind::echoes)
       echoes_topic_ = &topic;
     else
@@ -69,7 +71,9 @@ void Sensor::receive(const Packet& packet, Stamp received) {
   if (datagram) sender_ = packet.from.address;
   const std::uint64_t data_packets = counters().packets;
   const std::uint64_t foreign = counters().rejected[static_cast<std::size_t>(Reject::model)];
+  if (raw_topic_ != nullptr) raw_.add(packet);
   Reject refused = driver_->receive(packet, *this);
+  if (raw_.is_full()) publish_raw();
   // The verdict on a packet may come with the next one.
   if (counters().rejected[static_cast<std::size_t>(Reject::model)] != foreign) refused = Reject::model;
   if (refused != Reject::none && datagram) other_model_.refused(packet, refused);
@@ -104,7 +108,14 @@ void Sensor::publish_scan(const OutputTopic& topic, const OutputTopic* echoes, P
   if (!filter_) feed(scan);
 }
 
+void Sensor::publish_raw() {
+  if (raw_topic_ == nullptr || raw_.is_empty()) return;
+  context_.outlet.publish(*raw_topic_, raw_.message(), context_.now);
+  raw_.clear();
+}
+
 void Sensor::cloud(Cloud& cloud) {
+  publish_raw();
   watch_.cloud(cloud);
   feed(cloud);
   if (ring_scan_ && ring_scan_->convert(cloud, ring_)) publish_scan(*ring_topic_, nullptr, ring_);
@@ -209,10 +220,12 @@ bool Sensor::silence_changed(Stamp now) {
 
 void Sensor::finish() {
   if (driver_ != nullptr) driver_->finish(*this);
+  publish_raw();
 }
 
 void Sensor::restart() {
   if (driver_ != nullptr) driver_->restart();
+  raw_.clear();
   connection_.restart();
   watch_.restart();
 }

@@ -15,6 +15,7 @@
 #include "daemon/config/config.h"
 #include "daemon/pipeline/other_model.h"
 #include "daemon/pipeline/output.h"
+#include "daemon/pipeline/raw_packets.h"
 #include "daemon/pipeline/reception.h"
 #include "daemon/pipeline/report.h"
 #include "daemon/pipeline/sensor_health.h"
@@ -115,6 +116,8 @@ class Sensor final : public DriverOutput {
   /// A scan of its own on a topic of its own; also with all its echoes, unless that topic is nullptr. The
   /// filter comes after those who see everything.
   void publish_scan(const OutputTopic& topic, const OutputTopic* echoes, PlanarScan& scan);
+  /// Publishes the packets since the last call, if there are any.
+  void publish_raw();
   /// For the outputs that are made of this sensor's frames.
   template <class Frame>
   void feed(const Frame& frame);
@@ -129,9 +132,11 @@ class Sensor final : public DriverOutput {
   CloudArranger arranger_;
   std::optional<RingScan> ring_scan_;
   PlanarScan ring_;
+  RawPacketCollector raw_{config_};
   const OutputTopic* topic_ = nullptr;         // of its frames; nullptr, as below: none
   const OutputTopic* ring_topic_ = nullptr;    // of the ring that is a scan
   const OutputTopic* echoes_topic_ = nullptr;  // of its scans with all echoes
+  const OutputTopic* raw_topic_ = nullptr;     // of its packets
   std::vector<std::pair<std::string_view, const OutputTopic*>> told_topics_;  // by what a driver calls them
   ConnectionPicker connection_;                                               // in a capture
   ConnectionRequest request_ = ConnectionRequest::none;

@@ -17,6 +17,7 @@
 #include "core/frames/device_message.h"
 #include "daemon/config/config.h"
 #include "daemon/ros/ros_convert.h"
+#include "daemon/ros/velodyne_scan.h"
 
 namespace lidard {
 
@@ -84,6 +85,12 @@ inline void to_ros(const DeviceState& state, diagnostic_msgs::DiagnosticArray& m
     status.values[i].key = state.values[i].name;
     status.values[i].value = fmt::format("{}", state.values[i].value);
   }
+}
+
+VelodyneScanBytes ros_type(const RawPackets& packets);
+/// Those of a Velodyne.
+inline void to_ros(const RawPackets& packets, VelodyneScanBytes& message) {
+  write_velodyne_scan(packets, message.bytes);
 }
 
 template <class List>

@@ -2,6 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/ros/velodyne_scan.h"
 
+#include <std_msgs/Header.h>
+
+#include <cstring>
+#include <string>
+
+#include "daemon/ros/ros_convert.h"
 #include "drivers/velodyne/packet.h"
 
 namespace lidard {
@@ -37,4 +43,29 @@ const char* read_velodyne_scan(ByteView message, const PacketTaker& take) {
   return nullptr;
 }
 
+void write_velodyne_scan(const RawPackets& packets, std::vector<std::uint8_t>& message) {
+  std_msgs::Header header;
+  header.stamp = to_ros(packets.stamp);
+  header.frame_id = ros_frame(packets.frame_id);
+  const std::size_t count = packets.arrivals.size();
+  message.resize(ros::serialization::serializationLength(header) + 4 + count * record);
+  ros::serialization::OStream stream(message.data(), static_cast<std::uint32_t>(message.size()));
+  stream.next(header);
+  stream.next(static_cast<std::uint32_t>(count));
+  for (std::size_t i = 0; i < count; ++i) {
+    stream.next(to_ros(packets.stamp + packets.arrivals[i]));
+    std::memcpy(stream.advance(velodyne::packet_size), packets.bytes.data() + i * velodyne::packet_size,
+                velodyne::packet_size);
+  }
+}
+
 }  // namespace lidard
+
+const char* ros::message_traits::Definition<lidard::VelodyneScanBytes>::value() {
+  // The packages' own .msg files; std_msgs is in Debian.
+  static const std::string text = std::string("Header header\nVelodynePacket[] packets\n") +
+                                  std::string(80, '=') + "\nMSG: std_msgs/Header\n" +
+                                  Definition<std_msgs::Header>::value() + "\n" + std::string(80, '=') +
+                                  "\nMSG: velodyne_msgs/VelodynePacket\ntime stamp\nuint8[1206] data\n";
+  return text.c_str();
+}

@@ -178,6 +178,11 @@ void Sums::message(const std::string& name, const DeviceMessage& message) {
       add_text(name + " names", value.name);
       add(name + " values", value.value);
     }
+  } else if (const auto* raw = std::get_if<RawPackets>(&message)) {
+    add_exact(name + " stamp", raw->stamp.ns);
+    add_text(name + " frame", raw->frame_id);
+    for (const Span arrival : raw->arrivals) add_exact(name + " arrivals", arrival.count());
+    for (const std::uint8_t byte : raw->bytes) add_exact(name + " bytes", byte);
   }
 }
 

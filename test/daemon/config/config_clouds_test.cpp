@@ -165,6 +165,18 @@ TEST(CloudConfig, TakesPacketsFromATopicInsteadOfTheNetwork) {
       << "no port is shared";
 }
 
+TEST(CloudConfig, PublishesPacketsOnATopicOfTheirOwn) {
+  EXPECT_EQ(sensor_of("min_range: 1").raw_topic, "");
+  const OutputTopic topic = sensor_topics(sensor_of("raw_topic: velodyne_packets")).at(1);
+  EXPECT_EQ(topic.name, "velodyne_packets");
+  EXPECT_EQ(topic.kind, TopicKind::message);
+  EXPECT_EQ(topic.message, message_kind<RawPackets>());
+  EXPECT_THAT(error_of(roof("raw_topic: a/points")), HasSubstr("would publish on a/points"));
+  EXPECT_NE(error_of(roof("raw_topic: p, packet_topic: p")), "no error") << "it would hear itself";
+  EXPECT_THAT(error_of(roof("raw_topic: p", "sick_microscan3")),
+              HasSubstr("whose packets travel in no message that is known"));
+}
+
 TEST(CloudConfig, PlanarScannersHaveNoSuchKeysButTheirTopic) {
   EXPECT_THAT(error_of(roof("min_range: 1", "sick_microscan3")),
               HasSubstr("is not available for sick_microscan3, which is no multi-plane lidar"));
@@ -178,7 +190,7 @@ TEST(CloudConfig, IsWrittenAndReadBackTheSame) {
         "frame_cut: time, frame_duration: 0.05, organize_cloud: firings, frame_stamp: last",
         "publish_confidence: true, publish_echo: true, organize_cloud: true, telemetry_port: 0",
         "scan_ring: auto, scan_resolution: 0.007, scan_topic: level, points_topic: velodyne_points",
-        "packet_topic: velodyne_packets"}) {
+        "packet_topic: velodyne_packets", "raw_topic: velodyne_packets"}) {
     const Config config = parse_config(roof(keys, "velodyne_vls128"), "f");
     const std::string yaml = to_yaml(config);
     EXPECT_EQ(to_yaml(parse_config(yaml, "g")), yaml) << keys;

@@ -88,6 +88,12 @@ TEST(VelodyneNode, TakesEveryParameterThatHasAMeaningHere) {
   EXPECT_EQ(sensor.ring_scan->resolution, 0.0035);
 }
 
+TEST(VelodyneNode, PublishesPacketsWhereAskedTo) {
+  EXPECT_EQ(sensor_of({{"model", "VLP16"}}).raw_topic, "");
+  EXPECT_EQ(sensor_of({{"model", "VLP16"}, {"publish_packets", "true"}}).raw_topic, "velodyne_packets");
+  EXPECT_THAT(velodyne_node_setup({{"publish_packets", "true"}}).warnings, IsEmpty());
+}
+
 TEST(VelodyneNode, KnowsTheModelsUnderTheirOldNames) {
   const std::pair<const char*, const char*> names[] = {{"VLP16", "velodyne_vlp16"},
                                                        {"32C", "velodyne_vlp32c"},
