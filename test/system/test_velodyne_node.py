@@ -22,6 +22,8 @@ class Topics:
         self.clouds, self.scans = [], []
         rospy.Subscriber(f"{namespace}/velodyne_points", PointCloud2, self.clouds.append, queue_size=100)
         rospy.Subscriber(f"{namespace}/scan", LaserScan, self.scans.append, queue_size=100)
+        self.packets = []
+        rospy.Subscriber(f"{namespace}/velodyne_packets", rospy.AnyMsg, self.packets.append, queue_size=100)
 
 
 def check_cloud(cloud):
@@ -109,11 +111,14 @@ def main():
                 check_scan(scan)
             replayed = Topics("/car")
             set_parameters(port, "/car/velodyne", {**parameters, "pcap": str(ROOT / "pcaps/demo.pcap"), "port": 2368,
-                                                   "repeat_delay": 0.1, "max_range": 20.0})
+                                                   "repeat_delay": 0.1, "max_range": 20.0, "publish_packets": True})
             with log.open("w") as sink, process([program, "__name:=velodyne", "__ns:=/car"], stdout=sink,
                                                 stderr=subprocess.STDOUT):
-                wait_for(lambda: len(replayed.clouds) > 6 and len(replayed.scans) > 6, 30,
+                wait_for(lambda: len(replayed.clouds) > 6 and len(replayed.scans) > 6 and len(replayed.packets) > 6, 30,
                          "the capture is played again and again:\n" + log.read_text())
+            expect(not live.packets, "packets are published on request alone")
+            kinds = {packets._connection_header["type"] for packets in replayed.packets}
+            expect(kinds == {"velodyne_msgs/VelodyneScan"}, f"velodyne_packets: {kinds}")
             age = rospy.Time.now().to_sec() - replayed.clouds[-1].header.stamp.to_sec()
             expect(0 <= age < 20, f"stamps are of now, {age} s old")
             set_parameters(port, "/checked", {"model": "VLP16", "pcap": "/nowhere.pcap",

@@ -5,11 +5,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "daemon/live/frame_queue.h"
 #include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/velodyne_scan.h"
 #include "drivers/velodyne/packet.h"
 #include "test/sim/servers/velodyne_stream.h"
+#include "test/support/allocations.h"
 #include "test/support/recording_sink.h"
 
 namespace lidard {
@@ -119,6 +121,29 @@ TEST(RawPackets, AreBoundedWhereNoRevolutionEnds) {
   EXPECT_EQ(roof.raw()[0].arrivals.size(), RawPacketCollector::most_packets);
   roof.pipeline.finish(packet.arrival);
   EXPECT_EQ(roof.raw_count(), RawPacketCollector::most_packets + 10) << "not one is lost";
+}
+
+TEST(RawPackets, UseNoNewMemoryOnTheirWayToRosAfterTheFirstRevolutions) {
+  const Config config = parse_config("sensors: {roof: {model: velodyne_vlp16, raw_topic: raw}}", "f");
+  const std::vector<OutputTopic> topics = output_topics(config);
+  const OutputTopic& topic = topic_named(topics, "raw");
+  const auto all = half_a_second();
+  RawPacketCollector collector(config.sensors[0]);
+  FrameQueue queue(topics, Backpressure::drop_oldest);
+  std::vector<std::uint8_t> message;
+  std::uint64_t before = 0;
+  constexpr int warm = 10, revolutions = 40;
+  for (int i = 0; i < revolutions; ++i) {
+    if (i == warm) before = test::allocations();
+    for (std::size_t k = 0; k < 76; ++k) collector.add({all[k].view(), all[k].arrival, {}, {}});
+    queue.push(topic, collector.message(), Stamp{1});
+    collector.clear();
+    QueuedFrame* const frame = queue.pop(Span(0));
+    ASSERT_NE(frame, nullptr);
+    write_velodyne_scan(std::get<RawPackets>(std::get<DeviceMessage>(frame->content)), message);
+    queue.done(frame);
+  }
+  EXPECT_EQ(test::allocations() - before, 0U);
 }
 
 TEST(RawPackets, AreForgottenWhenTheInputStartsAgain) {
