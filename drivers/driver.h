@@ -90,6 +90,8 @@ struct SettingsStatus {
   std::vector<std::pair<std::string, std::string>> details;  ///< for diagnostics, in display order
 };
 
+struct DriverConfig;
+
 /// Speaks one device's protocol: bytes and an arrival stamp in; frames, requests and status out.
 /// Owns no socket, thread or clock, so that live input, replay, fuzzers and tests make the same calls.
 class Driver {
@@ -110,6 +112,9 @@ class Driver {
   /// Forgets what belongs to the stream so far (a capture starts again), keeps counters and what is known of
   /// the device.
   virtual void restart() = 0;
+  /// Takes over what may change while data come, from the next frame on: time_offset, and which returns of a
+  /// cloud are kept (min_range, max_range, view_direction, view_width).
+  virtual void change(const DriverConfig& /*wanted*/) {}
 
   virtual const Counters& counters() const = 0;
   virtual const DeviceInfo& info() const = 0;

@@ -34,6 +34,11 @@ RingScan::RingScan(const RingScanSpec& spec)
       beams_(static_cast<std::size_t>(std::max(1L, std::lround(turn / spec.resolution)))),
       increment_(turn / static_cast<double>(beams_)) {}
 
+void RingScan::set_ranges(double range_min, double range_max) {
+  spec_.range_min = range_min;
+  spec_.range_max = range_max;
+}
+
 void RingScan::gather(const Cloud& cloud) {
   firings_.clear();
   double position = 0;

@@ -32,6 +32,8 @@ class RingScan {
  public:
   explicit RingScan(const RingScanSpec& spec);
 
+  /// The limits of ranges, m, of what is converted from now on.
+  void set_ranges(double range_min, double range_max);
   /// False if the revolution is too short to tell the speed of rotation; `scan` is of no use then. Angles are
   /// those of the first revolution converted, for good.
   bool convert(const Cloud& cloud, PlanarScan& scan);

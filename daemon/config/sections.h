@@ -22,6 +22,9 @@ void read_black_box(Mapping& root, Reading& reading);
 Keys<SensorConfig> filter_rows();
 void check_filter(Mapping& parent, SensorConfig& sensor);
 
+/// Brings the limits of the ring that is a scan in line with those of the cloud.
+void set_ring_limits(SensorConfig& sensor);
+
 /// Between which ranges a source measures, m.
 struct SourceLimits {
   SourceLimits(const SensorConfig& sensor);

@@ -219,9 +219,8 @@ void read_ring_scan(Mapping& yaml, SensorConfig& sensor) {
   spec.resolution = resolution.value_or(spec.resolution);
   if (!(spec.resolution >= 0.0005 && spec.resolution <= 0.2))
     yaml.where("scan_resolution").fail("is out of range", "0.0005 to 0.2 rad");
-  spec.range_min = driver.min_range > 0 ? driver.min_range : sensor.model->range_min;
-  spec.range_max = driver.max_range > 0 ? driver.max_range : sensor.model->range_max;
   sensor.ring_scan = spec;
+  set_ring_limits(sensor);
   driver.keep_too_near = true;
 }
 
@@ -362,6 +361,13 @@ SensorConfig read_sensor(const std::string& name, const Value& entry, Reading& r
 }
 
 }  // namespace
+
+void set_ring_limits(SensorConfig& sensor) {
+  if (!sensor.ring_scan) return;
+  const DriverConfig& driver = sensor.driver;
+  sensor.ring_scan->range_min = driver.min_range > 0 ? driver.min_range : sensor.model->range_min;
+  sensor.ring_scan->range_max = driver.max_range > 0 ? driver.max_range : sensor.model->range_max;
+}
 
 void read_sensors(Mapping& root, Reading& reading) {
   const std::string expected = "sensors: with at least one entry, each with model: or topic:";

@@ -32,7 +32,7 @@ constexpr Dropin dropins[] = {
     {"velodyne_node", "velodyne_node",
      "Stands in for the nodes of ros-drivers/velodyne: reads their private parameters (model, device_ip, "
      "port, pcap, calibration, min_range, max_range, ...) and publishes velodyne_points and scan.\n",
-     ReconfigureNames::entries,
+     ReconfigureNames::node,
      [](const Arguments& arguments, const std::string& node) {
        return velodyne_node_setup(wait_for_parameters(arguments, node));
      }},

@@ -169,6 +169,16 @@ std::string Pipeline::set_output(const OutputId& output, const OutputScanConfig&
   return "there is no output named " + output.entry;
 }
 
+std::string Pipeline::set_sensor(const SensorConfig& wanted) {
+  for (std::size_t i = 0; i < sensors_.size(); ++i) {
+    if (sensors_[i]->config().name != wanted.name) continue;
+    sensors_[i]->change(wanted);
+    sensor_texts_[i].clear();  // no longer what the file says
+    return {};
+  }
+  return "there is no sensor named " + wanted.name;
+}
+
 /// Publishes what is due at `at`.
 void Pipeline::advance_to(Stamp at) {
   sensor_context_.now = at;

@@ -35,6 +35,8 @@ class MessageReceiver {
   /// Gives a merged scan or a group of virtual scans another grid, profile or encoding from its next input
   /// on. Empty, or why it cannot be: then nothing changes.
   virtual std::string set_output(const OutputId& output, const OutputScanConfig& wanted) = 0;
+  /// Gives the sensor of that name what of `wanted` may change while it runs. Empty, or why it cannot be.
+  virtual std::string set_sensor(const SensorConfig& wanted) = 0;
 };
 
 /// Knows whether all has only just begun: within a second of the start silence says nothing yet. A clock that
@@ -99,6 +101,7 @@ class Pipeline final : public MessageReceiver {
                     Stamp received) override;
   void speed_message(double speed) override { motion_.add_speed(speed); }
   std::string set_output(const OutputId& output, const OutputScanConfig& wanted) override;
+  std::string set_sensor(const SensorConfig& wanted) override;
 
   /// Time passed: publishes what is due at or before `now`, each at its own time.
   void advance(Stamp now);

@@ -64,6 +64,13 @@ void Sensor::place_at(std::size_t place) {
   }
 }
 
+void Sensor::change(const SensorConfig& wanted) {
+  driver_->change(wanted.driver);
+  arranger_ = CloudArranger(wanted.layout);
+  if (ring_scan_ && wanted.ring_scan)
+    ring_scan_->set_ranges(wanted.ring_scan->range_min, wanted.ring_scan->range_max);
+}
+
 /// What comes in a dialogue does not show that the data come, whether it has a connection of its own or the
 /// one of the data.
 void Sensor::receive(const Packet& packet, Stamp received) {

@@ -64,6 +64,9 @@ class Sensor final : public DriverOutput {
   void place_at(std::size_t place);
   const Counters& counters() const { return driver_ ? driver_->counters() : topic_counters_; }
 
+  /// Takes over what may change while it runs: see Driver::change(), and how its cloud is arranged.
+  void change(const SensorConfig& wanted);
+
   /// A packet of this sensor, or a chunk of its connection.
   void receive(const Packet& packet, Stamp received);
   /// A chunk of one of its connections in a capture; one of them at a time is followed.

@@ -6,21 +6,30 @@
 #include <cmath>
 #include <set>
 
+#include "core/base/angle.h"
 #include "core/base/number_text.h"
 #include "daemon/config/key_tables.h"
+#include "daemon/config/sections.h"
 
 namespace lidard {
 namespace {
 
+/// What follows from the items of a sensor. A width of 0 is all around, as in velodyne_pointcloud
+/// (src/conversions/rawdata.cc).
+void complete(SensorConfig& sensor) {
+  if (sensor.driver.view_width <= 0) sensor.driver.view_width = two_pi;
+  set_ring_limits(sensor);
+}
+
 /// The increment in force, which may follow from the number of beams; who sets it decides that number.
 void follow_increment(OutputItem& item) {
-  item.get = [](const OutputScanConfig& config) {
-    const auto grid = make_grid(config.grid);
-    return key_value(config.grid.angle_increment.value_or(grid ? grid->increment : 0));
+  item.get = [](const ChangeableOutput& output) {
+    const auto grid = make_grid(output.config.grid);
+    return key_value(output.config.grid.angle_increment.value_or(grid ? grid->increment : 0));
   };
-  item.set = [](OutputScanConfig& config, const KeyValue& value) {
-    config.grid.angle_increment = std::get<double>(value);
-    config.grid.beams.reset();
+  item.set = [](ChangeableOutput& output, const KeyValue& value) {
+    output.config.grid.angle_increment = std::get<double>(value);
+    output.config.grid.beams.reset();
   };
 }
 
@@ -28,7 +37,7 @@ void follow_increment(OutputItem& item) {
 /// their own.
 std::vector<OutputItem> items_of(OutputId::Kind kind, ReconfigureNames names) {
   std::vector<OutputItem> items;
-  for (OutputItem item : output_keys()) {
+  for (OutputItem item : within(&ChangeableOutput::config, output_keys())) {
     const GridLimit* const limit = grid_limit(item.name);
     const bool wanted = names == ReconfigureNames::node
                             ? limit != nullptr
@@ -78,27 +87,87 @@ ChangeableOutput virtual_output(const VirtualScanConfig& group, ReconfigureNames
   return output;
 }
 
+/// What velodyne_driver and velodyne_pointcloud let change, with their limits (1.7.0, cfg/VelodyneNode.cfg
+/// and cfg/TransformNode.cfg).
+constexpr GridLimit sensor_limits[]{
+    {"time_offset", -1, 1, 0},
+    {"min_range", 0.1, 10, 0.9},
+    {"max_range", 0.1, 200, 130},
+    {"view_direction", -3.14159265358979323846, 3.14159265358979323846, 0},
+    {"view_width", 0, 2 * 3.14159265358979323846, 2 * 3.14159265358979323846}};
+
+/// A key of a sensor as an item.
+OutputItem item_of(const KeyOf<SensorConfig>& key) {
+  OutputItem item;
+  static_cast<Key&>(item) = key;
+  item.get = [get = key.get](const ChangeableOutput& output) { return get(*output.sensor); };
+  item.set = [set = key.set](ChangeableOutput& output, const KeyValue& value) { set(*output.sensor, value); };
+  return item;
+}
+
+OutputItem organize_item() {
+  OutputItem item;
+  item.name = "organize_cloud";
+  item.kind = KeyKind::flag;
+  item.meaning = "a row of the cloud for each firing sequence";
+  item.highest = 1;
+  item.get = [](const ChangeableOutput& output) -> KeyValue {
+    return output.sensor->layout.order != CloudOrder::list;
+  };
+  item.set = [](ChangeableOutput& output, const KeyValue& value) {
+    output.sensor->layout.order = std::get<bool>(value) ? CloudOrder::firing_rows : CloudOrder::list;
+  };
+  return item;
+}
+
+ChangeableOutput sensor_output(const SensorConfig& sensor) {
+  ChangeableOutput output;
+  output.id.entry = sensor.name;
+  output.sensor = sensor;
+  for (const GridLimit& limit : sensor_limits) {
+    for (const SensorGroup& group : sensor_groups()) {
+      for (const auto& key : group.keys) {
+        if (key.name != limit.name || !takes(sensor, group)) continue;
+        OutputItem item = item_of(key);
+        item.lowest = limit.min, item.highest = limit.max;
+        output.items.push_back(std::move(item));
+      }
+    }
+  }
+  output.items.push_back(organize_item());
+  return output;
+}
+
 /// A value as a request may hold it; a number at the limit of a key that may be unset stands for "not set".
-std::string take(const OutputItem& item, const ItemValues& wanted, OutputScanConfig& config) {
+std::string take(const OutputItem& item, const ItemValues& wanted, ChangeableOutput& output) {
   const std::string name(item.name);
   const KeyValue& value = wanted.at(name);
   if (const auto* number = std::get_if<double>(&value)) {
     if (std::isnan(*number)) return name + " is not a number; expected one";
     const double within = std::clamp(*number, item.lowest, item.highest);
     const auto* const none = std::get_if<double>(&item.otherwise);
-    item.set(config, none != nullptr && within == *none ? KeyValue() : within);
+    item.set(output, none != nullptr && within == *none ? KeyValue() : within);
   } else if (const auto* word = std::get_if<std::string>(&value)) {
     std::string expected;
     for (const auto one : item.words) expected.append(expected.empty() ? "" : ", ").append(one);
     if (std::find(item.words.begin(), item.words.end(), *word) == item.words.end())
       return name + " is '" + *word + "'; expected one of " + expected;
-    item.set(config, value);
+    item.set(output, value);
+  } else {
+    item.set(output, value);
   }
   return {};
 }
 
 /// What speaks against these values together.
-std::string conflict(const OutputScanConfig& config, const ChangeableOutput& output) {
+std::string conflict(const ChangeableOutput& output) {
+  if (output.sensor) {
+    const DriverConfig& driver = output.sensor->driver;
+    return driver.max_range > driver.min_range
+               ? ""
+               : "max_range is not above min_range; expected min_range < max_range";
+  }
+  const OutputScanConfig& config = output.config;
   if (const auto grid = make_grid(config.grid); !grid) return grid.reason();
   if (config.min_height && config.max_height && *config.max_height <= *config.min_height)
     return "max_height is not above min_height; expected min_height < max_height";
@@ -121,10 +190,12 @@ void add(ConfigMessage& config, const OutputItem& item, const KeyValue& value) {
   };
   if (const auto* number = std::get_if<double>(&value)) put(config.doubles, *number);
   if (const auto* word = std::get_if<std::string>(&value)) put(config.strs, *word);
+  if (const auto* flag = std::get_if<bool>(&value)) put(config.bools, static_cast<std::uint8_t>(*flag));
 }
 
 /// The limit of a number.
 KeyValue limit_of(const OutputItem& item, double limit) {
+  if (item.kind == KeyKind::flag) return limit > 0;
   return item.words.empty() ? KeyValue(limit) : KeyValue(std::string());
 }
 
@@ -161,7 +232,7 @@ std::string edit_method(const OutputItem& item) {
 dynamic_reconfigure::ParamDescription described(const OutputItem& item) {
   dynamic_reconfigure::ParamDescription description;
   description.name = item.name;
-  description.type = item.words.empty() ? "double" : "str";
+  description.type = item.kind == KeyKind::flag ? "bool" : item.words.empty() ? "double" : "str";
   description.description = description_of(item);
   description.edit_method = edit_method(item);
   return description;
@@ -178,6 +249,12 @@ std::vector<ChangeableOutput> changeable_outputs(const Config& config, Reconfigu
     output.server = output.id.entry;
     while (!taken.insert(output.server).second) output.server += "_virtual";
   }
+  if (names == ReconfigureNames::node && outputs.empty()) {
+    for (const SensorConfig& sensor : config.sensors) {
+      if (sensor.model != nullptr && sensor.model->has(Trait::revolutions))
+        outputs.push_back(sensor_output(sensor));
+    }
+  }
   if (names == ReconfigureNames::node && !outputs.empty()) {
     outputs.resize(1);
     outputs.front().server.clear();
@@ -188,7 +265,7 @@ std::vector<ChangeableOutput> changeable_outputs(const Config& config, Reconfigu
 ItemValues values_of(const ChangeableOutput& output) {
   ItemValues values;
   for (const OutputItem& item : output.items) {
-    const KeyValue value = item.get(output.config);
+    const KeyValue value = item.get(output);
     values[std::string(item.name)] = value.is_set() ? value : item.otherwise;
   }
   return values;
@@ -201,12 +278,13 @@ std::string change(ChangeableOutput& output, const ItemValues& wanted) {
     const auto known = values.find(name);
     if (known != values.end() && known->second.index() == value.index()) known->second = value;
   }
-  OutputScanConfig config = output.config;
+  ChangeableOutput changed = output;
   for (const OutputItem& item : output.items) {
-    if (std::string complaint = take(item, values, config); !complaint.empty()) return complaint;
+    if (std::string complaint = take(item, values, changed); !complaint.empty()) return complaint;
   }
-  if (std::string complaint = conflict(config, output); !complaint.empty()) return complaint;
-  output.config = config;
+  if (changed.sensor) complete(*changed.sensor);
+  if (std::string complaint = conflict(changed); !complaint.empty()) return complaint;
+  output = std::move(changed);
   return {};
 }
 
@@ -221,6 +299,7 @@ ItemValues read_values(const ConfigMessage& config) {
   // Who writes 5 for 5.0 means the same.
   for (const auto& one : config.ints) values[one.name] = static_cast<double>(one.value);
   for (const auto& one : config.strs) values[one.name] = one.value;
+  for (const auto& one : config.bools) values[one.name] = one.value != 0;
   return values;
 }
 

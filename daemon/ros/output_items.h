@@ -6,6 +6,7 @@
 #include <dynamic_reconfigure/ConfigDescription.h>
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,13 +16,15 @@
 
 namespace lidard {
 
-/// Something of an output that may be changed while it runs: a number with limits, or one of a few words.
-using OutputItem = KeyOf<OutputScanConfig>;
+struct ChangeableOutput;
+/// Something of an output that may be changed while it runs: a number with limits, one of a few words, or a
+/// truth value.
+using OutputItem = KeyOf<ChangeableOutput>;
 
-/// Values of items by name: numbers and words.
+/// Values of items by name.
 using ItemValues = std::map<std::string, KeyValue>;
 
-/// An output whose items may be changed while it runs.
+/// An output, or the clouds of a sensor, whose items may be changed while it runs.
 struct ChangeableOutput {
   OutputId id;
   std::string server;               ///< name below the node; empty: the node itself
@@ -29,6 +32,7 @@ struct ChangeableOutput {
   double free_required = 0;         ///< m; 0: none
   std::string flat_source;          ///< a source that proves nothing, so that profile is flatten; empty: none
   OutputScanConfig config;          ///< in force
+  std::optional<SensorConfig> sensor;  ///< in force, where it is a sensor's; then `config` means nothing
   std::vector<OutputItem> items;
 };
 

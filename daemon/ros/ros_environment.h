@@ -13,10 +13,11 @@
 
 namespace lidard {
 
-/// Where the dynamic_reconfigure servers of the merged and virtual scans are.
+/// Where the dynamic_reconfigure servers are.
 enum class ReconfigureNames : std::uint8_t {
-  entries,  ///< one below the node for each entry of the configuration
-  node      ///< the node itself, for the first entry: as ira_laser_tools has it
+  entries,  ///< one below the node for each merged scan and group of virtual scans
+  node      ///< the node itself, for the first of them, as ira_laser_tools has it; without any for the first
+            ///< Velodyne, with the items of velodyne_driver and velodyne_pointcloud
 };
 
 /// How to appear in ROS.

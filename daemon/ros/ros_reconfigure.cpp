@@ -20,6 +20,7 @@ namespace {
 using dynamic_reconfigure::Reconfigure;
 
 XmlRpc::XmlRpcValue parameter_of(const KeyValue& value) {
+  if (const auto* const flag = std::get_if<bool>(&value)) return XmlRpc::XmlRpcValue(*flag);
   const auto* const number = std::get_if<double>(&value);
   return number != nullptr ? XmlRpc::XmlRpcValue(*number) : XmlRpc::XmlRpcValue(std::get<std::string>(value));
 }
@@ -59,6 +60,10 @@ struct Server {
     ++accepted;
     refusal.clear();
     to_store = true;
+    if (output.sensor) {
+      spdlog::info("{}: changed through dynamic_reconfigure", name());
+      return apply();
+    }
     const std::size_t beams = beams_of(output.config);
     spdlog::info("{}: changed through dynamic_reconfigure; {} beams", name(), beams);
     if (beams != beams_before) {
@@ -83,6 +88,7 @@ struct Server {
     if (!refusal.empty()) item.set(Health::warn, "change refused, the values before stay: " + refusal);
     item.add("Changes", accepted);
     item.add("Changes refused", refused);
+    if (output.sensor) return item;
     item.add("Changes of the number of beams", resized);
     item.add("Beams", beams_of(output.config));
     return item;
@@ -113,6 +119,8 @@ class RosReconfigure final : public RosComponent {
       servers_.push_back(std::make_unique<Server>(std::move(output)));
       Server& server = *servers_.back();
       server.apply = [&server, &receiver, post] {
+        if (server.output.sensor)
+          return post([&receiver, wanted = *server.output.sensor](Stamp) { receiver.set_sensor(wanted); });
         post([&receiver, id = server.output.id, config = server.output.config](Stamp) {
           receiver.set_output(id, config);
         });

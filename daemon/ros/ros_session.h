@@ -65,7 +65,12 @@ class RosSession : public RosConnection {
   }
 
  private:
-  static bool has_output(const Config& config, const OutputId& id) {
+  static bool has_output(const Config& config, const ChangeableOutput& output) {
+    const OutputId& id = output.id;
+    if (output.sensor) {
+      const SensorConfig* const sensor = config.find_sensor(id.entry);
+      return sensor != nullptr && !sensor->handed_over;
+    }
     const auto named = [&](const auto& entry) { return entry.name == id.entry; };
     return id.kind == OutputId::Kind::merged
                ? std::any_of(config.merged_scans.begin(), config.merged_scans.end(), named)
@@ -99,6 +104,7 @@ class RosSession : public RosConnection {
       set_by_hand = true;
       return to.set_output(output, wanted);
     }
+    std::string set_sensor(const SensorConfig& wanted) override { return to.set_sensor(wanted); }
 
     MessageReceiver& to;
     std::atomic<Span> step{Span(0)};
@@ -143,7 +149,7 @@ class RosSession : public RosConnection {
     const bool is_first = &fed == fed_.front().get();
     if (which == 3) return std::make_shared<RosOutline>(is_first ? config.vehicle : VehicleConfig());
     auto outputs = changeable_outputs(whole, reconfigure_);
-    const auto is_foreign = [&](const ChangeableOutput& output) { return !has_output(config, output.id); };
+    const auto is_foreign = [&](const ChangeableOutput& output) { return !has_output(config, output); };
     outputs.erase(std::remove_if(outputs.begin(), outputs.end(), is_foreign), outputs.end());
     return make_ros_reconfigure(std::move(outputs), fed.post, fed.receiver);
   }

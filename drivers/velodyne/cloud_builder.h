@@ -17,7 +17,8 @@ namespace lidard::velodyne {
 /// Collects firing sequences into frames and hands them on.
 class CloudBuilder {
  public:
-  CloudBuilder(const DriverConfig& config, const ModelRow& row, Counters& counters)
+  /// `config` is that of the driver, and takes over what change() is given.
+  CloudBuilder(DriverConfig& config, const ModelRow& row, Counters& counters)
       : config_(config),
         row_(row),
         counters_(counters),
@@ -33,6 +34,8 @@ class CloudBuilder {
   Unpacker& unpacker() { return unpacker_; }
   /// From the next frame on.
   void set_calibration(std::shared_ptr<const Calibration> calibration) { fresh_ = std::move(calibration); }
+  /// Driver::change().
+  void change(const DriverConfig& wanted) { wanted_ = wanted; }
   /// For FrameCut::view: the middle of the sector that the sensor leaves out; empty while there is none.
   void set_hidden_middle(std::optional<double> azimuth_deg) {
     const bool moved = cutter_.set_cut(azimuth_deg.value_or(config_.cut_angle * deg_per_rad));
@@ -115,8 +118,18 @@ class CloudBuilder {
     cloud_.too_near.clear();
     points_ = 0;
     if (fresh_) unpacker_.set_calibration(*std::exchange(fresh_, nullptr));
+    if (wanted_) take_over(*std::exchange(wanted_, std::nullopt));
     unpacker_.reserve_packet(cloud_);
     cloud_.stamp = stamps_.next(clock.to_host(time) + config_.time_offset);
+  }
+
+  void take_over(const DriverConfig& wanted) {
+    config_.time_offset = wanted.time_offset;
+    config_.min_range = wanted.min_range;
+    config_.max_range = wanted.max_range;
+    config_.view_direction = wanted.view_direction;
+    config_.view_width = wanted.view_width;
+    unpacker_.set_ranges(wanted.min_range, wanted.max_range);
   }
 
   void end(bool at_cut, DriverOutput& out) {
@@ -136,13 +149,14 @@ class CloudBuilder {
     out.cloud(cloud_);
   }
 
-  const DriverConfig& config_;
+  DriverConfig& config_;
   const ModelRow& row_;
   Counters& counters_;
   Unpacker unpacker_;
   RevolutionCutter cutter_;
   IntervalCutter interval_;
   std::shared_ptr<const Calibration> fresh_;  // waits for the next frame
+  std::optional<DriverConfig> wanted_;        // this too
   Cloud cloud_;
   std::size_t points_ = 0;
   std::size_t echoes_ = 1;

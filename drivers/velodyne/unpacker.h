@@ -55,6 +55,12 @@ class Unpacker {
     keep_confidences_ = confidences;
     keep_too_near_ = too_near;
   }
+  /// The limits of what comes from now on, as for the constructor.
+  void set_ranges(double min_range, double max_range) {
+    min_range_ = min_range;
+    max_range_ = max_range;
+    set_limits();
+  }
   void set_timing(const Timing& timing);
   /// The rotation during the coming sequences, degrees per second.
   void set_rate(double deg_per_s);

@@ -59,6 +59,8 @@ class VelodyneDriver final : public DriverBase {
     if (config.control) web_.emplace(*config.control);
   }
 
+  void change(const DriverConfig& wanted) override { frames_.change(wanted); }
+
   Reject receive(const Packet& packet, DriverOutput& out) override {
     if (packet.transport == Transport::tcp) {
       if (web_) web_->dialogue.receive(packet, out);

@@ -10,6 +10,7 @@ import subprocess
 import xml.etree.ElementTree
 import xmlrpc.client
 
+import dynamic_reconfigure.client
 import rospy
 from harness import LIDARD, LIDARD_SIM, ROOT, expect, folder, free_port, process, ros_master, use_master_at, wait_for
 from sensor_msgs.msg import LaserScan, PointCloud2
@@ -73,6 +74,31 @@ def set_parameters(port, node, parameters):
         expect(code == 1, message)
 
 
+def farthest(cloud):
+    points = (struct.unpack_from("<fff", cloud.data, i * 22) for i in range(cloud.width * cloud.height))
+    return max(math.hypot(*point) for point in points if math.isfinite(point[0]))
+
+
+def reconfigure(program, port, parameters, tmp):
+    """The items of velodyne_pointcloud's nodes, while the capture plays: not a revolution is lost."""
+    topics, log = Topics("/live"), tmp / "live.txt"
+    set_parameters(port, "/live/velodyne", {**parameters, "pcap": str(ROOT / "pcaps/demo.pcap"), "port": 2368, "repeat_delay": 0.1})
+    with log.open("w") as sink, process([program, "__name:=velodyne", "__ns:=/live"], stdout=sink, stderr=subprocess.STDOUT):
+        wait_for(lambda: len(topics.clouds) > 3, 30, "clouds come:\n" + log.read_text())
+        expect(farthest(topics.clouds[-1]) > 9, "a wall stands farther away than 9 m")
+        server = dynamic_reconfigure.client.Client("/live/velodyne", timeout=20)
+        items = server.get_configuration()
+        expect(items["max_range"] == 130 and items["organize_cloud"] is False, f"values in force: {items}")
+        changed = server.update_configuration({"max_range": 8.0, "organize_cloud": True})
+        expect(changed["max_range"] == 8 and changed["organize_cloud"] is True, f"taken: {changed}")
+        wait_for(lambda: topics.clouds[-1].height > 1 and farthest(topics.clouds[-1]) <= 8.01, 10, "8 m, and organised")
+        wait_for(lambda: rospy.get_param("/live/velodyne/max_range") == 8, 10, "the parameter server knows it")
+        refused = server.update_configuration({"min_range": 9.0})
+        expect(refused["min_range"] == 1 and refused["max_range"] == 8, f"what cannot be changes nothing: {refused}")
+        expect("max_range is not above min_range" in log.read_text(), log.read_text())
+        server.close()
+
+
 def main():
     port = free_port()
     use_master_at(port)
@@ -109,6 +135,7 @@ def main():
                 check_cloud(cloud)
             for scan in live.scans[:3]:
                 check_scan(scan)
+            reconfigure(program, port, parameters, tmp)
             replayed = Topics("/car")
             set_parameters(port, "/car/velodyne", {**parameters, "pcap": str(ROOT / "pcaps/demo.pcap"), "port": 2368,
                                                    "repeat_delay": 0.1, "max_range": 20.0, "publish_packets": True})

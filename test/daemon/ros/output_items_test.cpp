@@ -71,6 +71,35 @@ TEST(OutputItems, ChangeOneByOneAndKeepTheRest) {
   EXPECT_FALSE(output.config.min_height);
 }
 
+TEST(OutputItems, OfAVelodyneAreThoseOfItsFormerNodes) {
+  const Config config = parse_config(
+      "sensors: {roof: {model: velodyne_vlp16, min_range: 0.9, max_range: 130, scan_ring: auto}}", "p");
+  EXPECT_TRUE(changeable_outputs(config, ReconfigureNames::entries).empty());
+  ChangeableOutput output = changeable_outputs(config, ReconfigureNames::node).at(0);
+  EXPECT_EQ(output.server, "");
+  EXPECT_THAT(names_of(output), ElementsAre("time_offset", "min_range", "max_range", "view_direction",
+                                            "view_width", "organize_cloud"));
+  EXPECT_EQ(std::get<double>(values_of(output).at("max_range")), 130);
+  EXPECT_FALSE(std::get<bool>(values_of(output).at("organize_cloud")));
+  EXPECT_EQ(change(output, {{"max_range", 500.0}, {"time_offset", 0.25}, {"organize_cloud", true}}), "");
+  EXPECT_EQ(output.sensor->driver.max_range, 200) << "the limit of its item";
+  EXPECT_EQ(output.sensor->driver.time_offset, std::chrono::milliseconds(250));
+  EXPECT_EQ(output.sensor->layout.order, CloudOrder::firing_rows);
+  EXPECT_EQ(output.sensor->ring_scan->range_max, 200) << "the scan of a ring has the limits of the cloud";
+  EXPECT_EQ(change(output, {{"view_width", 0.0}}), "");
+  EXPECT_EQ(output.sensor->driver.view_width, 2 * M_PI)
+      << "no sector is all of them, as in velodyne_pointcloud";
+  EXPECT_THAT(change(output, {{"min_range", 5.0}, {"max_range", 4.0}}), HasSubstr("max_range is not above"));
+  EXPECT_EQ(output.sensor->driver.max_range, 200);
+  const auto message = config_message(output);
+  ASSERT_EQ(message.bools.size(), 1U);
+  EXPECT_EQ(message.bools[0].name, "organize_cloud");
+  EXPECT_TRUE(std::get<bool>(read_values(message).at("organize_cloud")));
+  const auto description = description_message(output);
+  EXPECT_EQ(description.groups.at(0).parameters.back().type, "bool");
+  EXPECT_EQ(description.max.bools.size(), 1U);
+}
+
 TEST(OutputItems, AreBroughtIntoTheirLimits) {
   ChangeableOutput output = changeable_outputs(vehicle(), ReconfigureNames::node)[0];
   EXPECT_EQ(change(output, {{"range_max", 5000.0}, {"angle_max", 9.0}}), "");

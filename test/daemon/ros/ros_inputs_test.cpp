@@ -85,6 +85,7 @@ struct Seen final : MessageReceiver {
   void turn_message(Stamp, const Eigen::Vector3d&, const std::string&, Stamp) override {}
   void speed_message(double) override {}
   std::string set_output(const OutputId&, const OutputScanConfig&) override { return {}; }
+  std::string set_sensor(const SensorConfig&) override { return {}; }
 };
 
 std::shared_ptr<RosInputs> add_inputs(RosConnection& connection, const std::vector<TopicSource>& sources,
