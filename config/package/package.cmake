@@ -52,8 +52,8 @@ set(CPACK_DEBIAN_PCL_DESCRIPTION "module of lidard for the Point Cloud Library
 ${family}
 
 This package writes PCD files (lidard decode --format pcd) and removes
-outliers (a filter of a sensor). It is apart since
-the Point Cloud Library of Debian brings VTK, which no vehicle needs.")
+outliers from clouds. It is apart since the Point Cloud Library of Debian
+brings VTK, which no vehicle needs.")
 set(CPACK_DEBIAN_PCL_PACKAGE_DEPENDS "lidard (= ${PROJECT_VERSION})")
 
 set(CPACK_DEBIAN_SIM_PACKAGE_NAME lidard-sim)

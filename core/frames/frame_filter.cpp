@@ -7,6 +7,8 @@
 #include <tuple>
 #include <utility>
 
+#include "core/frames/scan_points.h"
+
 namespace lidard {
 namespace {
 
@@ -79,7 +81,7 @@ void FrameFilter::judge(const CloudPoint* points, std::size_t returns, bool with
   for (std::size_t i = 0; i < returns; ++i) verdicts_[i] = judge(points[i], with_intensities);
   if (settings_.voxel_size > 0) judge_voxels(points);
   if (settings_.outlier_radius > 0) judge_outliers(points);
-  if (settings_.by_intensity() && !with_intensities) counters_.without_intensity += returns;
+  if (settings_.by_intensity() && returns > 0) counters_.has_no_intensities = !with_intensities;
   count(returns);
 }
 
@@ -141,22 +143,9 @@ void FrameFilter::apply(Cloud& cloud) {
   keep(cloud.confidences, verdicts_);
 }
 
-void FrameFilter::gather(const PlanarScan& scan) {
-  points_.clear();
-  for (std::size_t beam = 0; beam < scan.beams; ++beam) {
-    for (std::size_t echo = 0; echo < scan.echoes; ++echo) {
-      const std::size_t i = scan.index(beam, echo);
-      if (scan.statuses[i] != BeamStatus::hit) continue;
-      CloudPoint& point = points_.emplace_back();
-      point.x = scan.ranges[i] * std::cos(scan.angle(beam));
-      point.y = scan.ranges[i] * std::sin(scan.angle(beam));
-      if (!scan.intensities.empty()) point.intensity = scan.intensities[i];
-    }
-  }
-}
-
 void FrameFilter::apply(PlanarScan& scan) {
-  gather(scan);
+  points_.clear();
+  append_points(scan, points_);
   judge(points_.data(), points_.size(), !scan.intensities.empty());
   const FilterVerdict* verdict = verdicts_.data();
   for (std::size_t beam = 0; beam < scan.beams; ++beam) keep_echoes(beam, verdict, scan);

@@ -47,11 +47,11 @@ struct FrameFilterSettings {
 struct FilterCounters {
   std::uint64_t returns = 0;  ///< that it looked at
   std::uint64_t by_intensity = 0, by_box = 0, by_voxel = 0, outliers = 0;
-  std::uint64_t without_intensity = 0;  ///< returns that a limit of the intensity could not be applied to
-  std::uint64_t emptied_in_a_row = 0;   ///< the newest frames, one after the other, that lost all returns
+  std::uint64_t emptied_in_a_row = 0;  ///< the newest frames, one after the other, that lost all returns
+  bool has_no_intensities = false;     ///< a limit of the intensity could not be applied to the newest frame
 };
+/// What was removed, by what.
 constexpr NamedCounter<FilterCounters> filter_counters[] = {
-    {&FilterCounters::returns, "filter_returns", "filtered returns"},
     {&FilterCounters::by_intensity, "filtered_by_intensity", "by intensity"},
     {&FilterCounters::by_box, "filtered_by_box", "by box"},
     {&FilterCounters::by_voxel, "filtered_by_voxel", "by voxel"},
@@ -75,7 +75,6 @@ class FrameFilter {
   FilterVerdict judge(const CloudPoint& point, bool with_intensities) const;
   void judge_voxels(const CloudPoint* points);
   void judge_outliers(const CloudPoint* points);
-  void gather(const PlanarScan& scan);
   void count(std::size_t returns);
 
   FrameFilterSettings settings_;

@@ -65,6 +65,14 @@ void check_box(const Mapping& filter, const char* name, const FilterBox& box) {
   check("z_max", box.z_min, box.z_max, "z");
 }
 
+/// A scan lies at z 0 of its frame, that of a ring too.
+void check_height(const Mapping& filter, const FilterBox& box) {
+  if (!filter.has("box") || (box.z_min.value_or(0) <= 0 && box.z_max.value_or(0) >= 0)) return;
+  filter.inside("box")
+      .where(box.z_min.value_or(0) > 0 ? "z_min" : "z_max")
+      .fail("leaves out the whole scan, which lies at 0", "z_min <= 0 <= z_max, or no such keys");
+}
+
 void check_intensity(const Mapping& yaml, const SensorConfig& sensor) {
   const F& filter = sensor.filter;
   if (filter.intensity_min && filter.intensity_max && *filter.intensity_max < *filter.intensity_min)
@@ -113,6 +121,8 @@ void check_filter(Mapping& parent, SensorConfig& sensor) {
   yaml.attempt_rule([&] { check_intensity(yaml, sensor); });
   yaml.attempt_rule([&] { check_box(yaml, "box", sensor.filter.box); });
   yaml.attempt_rule([&] { check_box(yaml, "cut_out", sensor.filter.cut_out); });
+  const bool gives_scan = sensor.model->kind == FrameKind::scan || parent.has("scan_ring");
+  if (gives_scan) yaml.attempt_rule([&] { check_height(yaml, sensor.filter.box); });
   yaml.attempt_rule([&] { check_voxels(yaml, sensor); });
   yaml.attempt_rule([&] { load_outliers(yaml, sensor.filter); });
 }

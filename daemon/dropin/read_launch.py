@@ -114,14 +114,18 @@ class PlainLaunch:
     """Reads launch files as https://wiki.ros.org/roslaunch/XML describes them."""
 
     def __init__(self, path, arguments):
-        self.path, self.nodes, self.parameters = path, [], {}
+        self.path, self.nodes, self.parameters, self.depth = path, [], {}, 0
         given = dict(word.split(":=", 1) for word in arguments)
         self.read(path, "/", {}, given, [])
 
     def read(self, path, space, args, given, remaps):
+        if self.depth == 50:
+            raise ValueError(f"{path} is included 50 files deep; does it include itself?")
         root = xml.etree.ElementTree.parse(path).getroot()
+        self.depth += 1
         self.walk(root, {"folder": os.path.dirname(os.path.abspath(path)), "space": space, "args": args, "given": given,
                          "remaps": remaps, "node": ""})
+        self.depth -= 1
 
     def substitute(self, text, scope):
         def value(match):

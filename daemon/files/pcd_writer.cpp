@@ -9,6 +9,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "core/frames/scan_points.h"
 #include "daemon/config/module.h"
 #include "daemon/files/frame_writer.h"
 #include "daemon/files/numbered_path.h"
@@ -29,21 +30,7 @@ void save(const std::string& path, const std::vector<CloudPoint>& points) {
     throw std::runtime_error(path + ": cannot be written as PCD");
 }
 
-void append(const PlanarScan& scan, std::vector<CloudPoint>& points) {
-  for (std::size_t beam = 0; beam < scan.beams; ++beam) {
-    for (std::size_t echo = 0; echo < scan.echoes; ++echo) {
-      const std::size_t i = scan.index(beam, echo);
-      if (scan.statuses[i] != BeamStatus::hit) continue;
-      CloudPoint point{};
-      point.x = scan.ranges[i] * std::cos(scan.angle(beam));
-      point.y = scan.ranges[i] * std::sin(scan.angle(beam));
-      point.intensity = scan.intensities.empty() ? 0 : scan.intensities[i];
-      point.time = scan.time_increment * static_cast<float>(beam);
-      points.push_back(point);
-    }
-  }
-}
-
+void append(const PlanarScan& scan, std::vector<CloudPoint>& points) { append_points(scan, points); }
 void append(const Cloud& cloud, std::vector<CloudPoint>& points) {
   points.insert(points.end(), cloud.points(), cloud.points() + cloud.size());
 }

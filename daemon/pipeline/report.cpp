@@ -61,7 +61,7 @@ std::string filter_text(const FilterCounters& counters) {
   std::string reasons;
   for (const auto& counter : filter_counters) {
     const std::uint64_t n = counters.*counter.value;
-    if (counter.value == &FilterCounters::returns || n == 0) continue;
+    if (n == 0) continue;
     removed += n;
     reasons += fmt::format("{}{} {}", reasons.empty() ? " (" : ", ", counter.words, n);
   }
@@ -69,13 +69,13 @@ std::string filter_text(const FilterCounters& counters) {
                      reasons.empty() ? "" : reasons + ")");
 }
 
-std::string filter_trouble(const FilterCounters& counters) {
+std::string filter_trouble(const FilterCounters& counters, const std::string& topic) {
   constexpr std::uint64_t many_frames = 10;
   if (counters.emptied_in_a_row >= many_frames)
     return fmt::format(
-        "its filter removed every return of the last {} frames; correct the limits below `filter`",
-        counters.emptied_in_a_row);
-  if (counters.without_intensity > 0)
+        "its filter removed every return of the last {} frames on {}; correct the limits below `filter`",
+        counters.emptied_in_a_row, topic);
+  if (counters.has_no_intensities)
     return "its filter has limits of intensity, but the device sends scans without intensities; switch them "
            "on in the device, or take the limits out";
   return {};
@@ -124,8 +124,7 @@ void print_verdicts(const Config& config, const std::vector<SensorReport>& senso
     };
     if (!s.rivals_ever.empty()) print(Health::error, rivals_text(s.rivals_ever, sensor->ip_port));
     if (s.filter) out << "  " << s.name << ": " << filter_text(*s.filter) << '\n';
-    if (const std::string why = s.filter ? filter_trouble(*s.filter) : ""; !why.empty())
-      print(Health::warn, why);
+    if (!s.filter_trouble.empty()) print(Health::warn, s.filter_trouble);
     if (verdict.health != Health::ok)
       print(verdict.health,
             fmt::format("{} in {:.1f} s; {}", verdict.figures, s.whole.watched_s, verdict.remedy));

@@ -25,7 +25,8 @@ struct SensorReport {
   std::string model;  ///< or "topic"
   Counters counters;
   DeviceInfo info;
-  std::optional<FilterCounters> filter;  ///< of what it published; none: it has no filter
+  std::optional<FilterCounters> filter;  ///< of its own frames; none: it has no filter
+  std::string filter_trouble;            ///< why its filter does not do what it was meant to; empty: no doubt
   bool seen = false;                     ///< any data received at all
   Stamp last_arrival;                    ///< of data
   Stamp last_telemetry;                  ///< of what the device tells beside its data
@@ -64,8 +65,8 @@ void print_counters(const Counters& counters, std::ostream& out);
 std::string rejected_text(const Counters& counters);
 /// What a filter removed: "filter removed 12 of 3400 returns (intensity 10, outliers 2)".
 std::string filter_text(const FilterCounters& counters);
-/// Why a filter does not do what it was meant to; empty: no doubt.
-std::string filter_trouble(const FilterCounters& counters);
+/// Why a filter does not do what it was meant to, on that topic; empty: no doubt.
+std::string filter_trouble(const FilterCounters& counters, const std::string& topic);
 /// One line with what a capture held beyond the sensor's datagrams; nothing if there was nothing.
 void print_capture_counters(const CaptureCounters& counters, std::uint64_t other_datagrams,
                             std::ostream& out);

@@ -42,7 +42,7 @@ Sensor::Sensor(const SensorConfig& config, std::size_t place, SensorContext& con
       other_model_(config.model) {
   if (config.model == nullptr) return;
   driver_ = config.model->make(config.driver);
-  if (config.filter.any()) filter_.emplace(config.filter);
+  if (config.filter.any()) filter_.emplace(config.filter), ring_filter_.emplace(config.filter);
   if (config.ring_scan) ring_scan_.emplace(*config.ring_scan);
   place_at(place);
 }
@@ -65,6 +65,7 @@ void Sensor::place_at(std::size_t place) {
 }
 
 void Sensor::change(const SensorConfig& wanted) {
+  config_.driver.time_offset = wanted.driver.time_offset;
   driver_->change(wanted.driver);
   arranger_ = CloudArranger(wanted.layout);
   if (ring_scan_ && wanted.ring_scan)
@@ -102,17 +103,18 @@ void Sensor::receive_recorded(Packet chunk) {
 void Sensor::scan(PlanarScan& scan) {
   notice_shape(scan);
   watch_.scan(scan);
-  publish_scan(*topic_, echoes_topic_, scan);
+  publish_scan(*topic_, echoes_topic_, filter_, scan);
 }
 
-void Sensor::publish_scan(const OutputTopic& topic, const OutputTopic* echoes, PlanarScan& scan) {
-  if (filter_) {
+void Sensor::publish_scan(const OutputTopic& topic, const OutputTopic* echoes,
+                          std::optional<FrameFilter>& filter, PlanarScan& scan) {
+  if (filter) {
     feed(scan);
-    filter_->apply(scan);
+    filter->apply(scan);
   }
   context_.outlet.publish(topic, scan, context_.now);
   if (echoes != nullptr) context_.outlet.publish(*echoes, scan, context_.now);
-  if (!filter_) feed(scan);
+  if (!filter) feed(scan);
 }
 
 void Sensor::publish_raw() {
@@ -125,7 +127,8 @@ void Sensor::cloud(Cloud& cloud) {
   publish_raw();
   watch_.cloud(cloud);
   feed(cloud);
-  if (ring_scan_ && ring_scan_->convert(cloud, ring_)) publish_scan(*ring_topic_, nullptr, ring_);
+  if (ring_scan_ && ring_scan_->convert(cloud, ring_))
+    publish_scan(*ring_topic_, nullptr, ring_filter_, ring_);
   if (filter_) filter_->apply(cloud);
   // The sinks come last, since they may keep the points.
   context_.outlet.publish(*topic_, arranger_.is_plain() ? cloud : arranger_.arrange(cloud), context_.now);
@@ -243,7 +246,12 @@ SensorReport Sensor::report() const {
   report.model = driver_ ? std::string(config_.model->name) : "topic";
   report.counters = counters();
   if (driver_) report.info = driver_->info();
-  if (filter_) report.filter = filter_->counters();
+  if (filter_) {
+    report.filter = filter_->counters();
+    report.filter_trouble = filter_trouble(filter_->counters(), topic_->name);
+    if (ring_topic_ != nullptr && report.filter_trouble.empty())
+      report.filter_trouble = filter_trouble(ring_filter_->counters(), ring_topic_->name);
+  }
   report.seen = seen_;
   report.last_arrival = last_arrival_;
   report.last_telemetry = last_telemetry_;

@@ -118,7 +118,8 @@ class Sensor final : public DriverOutput {
   void fill_empty(PlanarScan& scan) const;
   /// A scan of its own on a topic of its own; also with all its echoes, unless that topic is nullptr. The
   /// filter comes after those who see everything.
-  void publish_scan(const OutputTopic& topic, const OutputTopic* echoes, PlanarScan& scan);
+  void publish_scan(const OutputTopic& topic, const OutputTopic* echoes, std::optional<FrameFilter>& filter,
+                    PlanarScan& scan);
   /// Publishes the packets since the last call, if there are any.
   void publish_raw();
   /// For the outputs that are made of this sensor's frames.
@@ -127,11 +128,11 @@ class Sensor final : public DriverOutput {
   /// The topic of what is told beside the frames; nullptr: it is not published.
   const OutputTopic* topic_told_as(std::string_view name) const;
 
-  const SensorConfig config_;
+  SensorConfig config_;
   std::size_t place_;
   SensorContext& context_;
-  std::unique_ptr<Driver> driver_;  // nullptr: another driver publishes on config_.topic
-  std::optional<FrameFilter> filter_;
+  std::unique_ptr<Driver> driver_;                   // nullptr: another driver publishes on config_.topic
+  std::optional<FrameFilter> filter_, ring_filter_;  // of its frames, and of the ring that is a scan
   CloudArranger arranger_;
   std::optional<RingScan> ring_scan_;
   PlanarScan ring_;

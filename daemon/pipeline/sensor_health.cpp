@@ -88,8 +88,8 @@ void judge_data(const SensorConfig& config, const SensorReport& report, Diagnost
     if (!report.info.warnings.empty()) item.message += ". The device says: " + report.info.warnings.back();
   } else if (!report.info.warnings.empty()) {
     item.set(Health::warn, report.info.warnings.back());
-  } else if (report.filter && !filter_trouble(*report.filter).empty()) {
-    item.set(Health::warn, filter_trouble(*report.filter));
+  } else if (!report.filter_trouble.empty()) {
+    item.set(Health::warn, report.filter_trouble);
   } else {
     item.message = "receiving";
   }

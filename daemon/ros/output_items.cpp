@@ -15,7 +15,7 @@ namespace lidard {
 namespace {
 
 /// What follows from the items of a sensor. A width of 0 is all around, as in velodyne_pointcloud
-/// (src/conversions/rawdata.cc).
+/// (src/lib/rawdata.cc).
 void complete(SensorConfig& sensor) {
   if (sensor.driver.view_width <= 0) sensor.driver.view_width = two_pi;
   set_ring_limits(sensor);
@@ -89,12 +89,14 @@ ChangeableOutput virtual_output(const VirtualScanConfig& group, ReconfigureNames
 
 /// What velodyne_driver and velodyne_pointcloud let change, with their limits (1.7.0, cfg/VelodyneNode.cfg
 /// and cfg/TransformNode.cfg).
-constexpr GridLimit sensor_limits[]{
-    {"time_offset", -1, 1, 0},
-    {"min_range", 0.1, 10, 0.9},
-    {"max_range", 0.1, 200, 130},
-    {"view_direction", -3.14159265358979323846, 3.14159265358979323846, 0},
-    {"view_width", 0, 2 * 3.14159265358979323846, 2 * 3.14159265358979323846}};
+struct {
+  std::string_view name;
+  double min, max;
+} constexpr sensor_limits[]{{"time_offset", -1, 1},
+                            {"min_range", 0.1, 10},
+                            {"max_range", 0.1, 200},
+                            {"view_direction", -pi_d, pi_d},
+                            {"view_width", 0, two_pi}};
 
 /// A key of a sensor as an item.
 OutputItem item_of(const KeyOf<SensorConfig>& key) {
@@ -124,7 +126,7 @@ ChangeableOutput sensor_output(const SensorConfig& sensor) {
   ChangeableOutput output;
   output.id.entry = sensor.name;
   output.sensor = sensor;
-  for (const GridLimit& limit : sensor_limits) {
+  for (const auto& limit : sensor_limits) {
     for (const SensorGroup& group : sensor_groups()) {
       for (const auto& key : group.keys) {
         if (key.name != limit.name || !takes(sensor, group)) continue;

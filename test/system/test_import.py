@@ -261,6 +261,9 @@ def without_roslaunch(tmp):
         expect(yaml.safe_load(plain.stdout) == yaml.safe_load(run("import", tmp / file).stdout), f"{file} is read otherwise")
     evaluated = run("import", tmp / "safety.launch", env=without)
     expect(evaluated.returncode == 78 and "$(eval 1 > 2) is resolved by roslaunch alone" in evaluated.stderr, evaluated.stderr)
+    loop = written(tmp, "loop.launch", f"<launch><include file='{tmp}/loop.launch'/></launch>")
+    endless = run("import", loop, env=without)
+    expect(endless.returncode == 78 and "does it include itself?" in endless.stderr, endless.stderr)
     needy = run("import", written(tmp, "no_arg.launch", "<launch><arg name='x'/><node pkg='a' type='b' name='$(arg x)'/></launch>"),
                 env=without)
     expect(needy.returncode == 78 and "requires the 'x' arg to be set" in needy.stderr, needy.stderr)

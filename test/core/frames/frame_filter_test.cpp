@@ -187,7 +187,7 @@ TEST(FrameFilter, LeavesABeamItsOtherEchoes) {
   EXPECT_EQ(scan.intensities[1], 100);
   EXPECT_EQ(filter.counters().returns, 4U);
   EXPECT_EQ(filter.counters().by_intensity, 2U);
-  EXPECT_EQ(filter.counters().without_intensity, 0U);
+  EXPECT_FALSE(filter.counters().has_no_intensities);
 }
 
 TEST(FrameFilter, MakesABeamInvalidThatLosesAllOfThem) {
@@ -209,9 +209,12 @@ TEST(FrameFilter, SaysThatItHasNoIntensitiesToGoBy) {
   settings.intensity_min = 10;
   FrameFilter filter(settings);
   filter.apply(scan);
-  EXPECT_EQ(filter.counters().without_intensity, 4U);
+  EXPECT_TRUE(filter.counters().has_no_intensities);
   EXPECT_EQ(filter.counters().by_intensity, 0U);
   EXPECT_EQ(scan.statuses[0], BeamStatus::hit);
+  PlanarScan with = two_echoes();
+  filter.apply(with);
+  EXPECT_FALSE(filter.counters().has_no_intensities) << "the device was told to send them";
 }
 
 TEST(FrameFilter, CountsFramesThatLoseEverythingUntilOneDoesNot) {

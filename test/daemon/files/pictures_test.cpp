@@ -3,11 +3,9 @@
 //
 // Pictures of captures: each shows what was measured, where it was measured, or there is none and a reason.
 #include <cairo/cairo.h>
-#include <gif_lib.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
-#include <webp/mux.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +17,6 @@
 
 #include "daemon/commands/commands.h"
 #include "daemon/commands/inspect_survey.h"
-#include "daemon/files/numbered_path.h"
 #include "daemon/files/snapshot_view.h"
 #include "test/support/captures.h"
 
@@ -361,46 +358,6 @@ TEST_F(Pictures, InASeriesShareTheirFramingAndDiffer) {
   EXPECT_FALSE(fs::exists(path("004.png")));
 }
 
-TEST_F(Pictures, MoveInAGif) {
-  SnapshotOptions options = of_demo();
-  options.animation = path("x.gif");
-  options.frames = 3;
-  ASSERT_EQ(draw(options), exit_ok) << said;
-  GifFileType* gif = DGifOpenFileName(options.animation.c_str(), nullptr);
-  ASSERT_NE(gif, nullptr);
-  ASSERT_EQ(DGifSlurp(gif), GIF_OK);
-  EXPECT_EQ(gif->ImageCount, 3);
-  for (int i = 0; i < gif->ImageCount; ++i) {
-    std::size_t blue = 0;  // the left scanner's returns
-    for (int at = 0; at < gif->SWidth * gif->SHeight; ++at) {
-      const GifColorType c = gif->SColorMap->Colors[gif->SavedImages[i].RasterBits[at]];
-      blue += is_like(static_cast<std::uint32_t>(c.Red << 16U | c.Green << 8U | c.Blue), {0, 115, 179}, 30)
-                  ? 1U
-                  : 0U;
-    }
-    EXPECT_GT(blue, 500U) << "picture " << i;
-  }
-  DGifCloseFile(gif, nullptr);
-}
-
-TEST_F(Pictures, MoveInAWebp) {
-  SnapshotOptions options = of_demo();
-  options.animation = path("x.webp");
-  options.frames = 3;
-  ASSERT_EQ(draw(options), exit_ok) << said;
-  const std::string bytes = content("x.webp");
-  const WebPData data{reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()};
-  WebPMux* mux = WebPMuxCreate(&data, 0);
-  ASSERT_NE(mux, nullptr);
-  int count = 0;
-  EXPECT_EQ(WebPMuxNumChunks(mux, WEBP_CHUNK_ANMF, &count), WEBP_MUX_OK);
-  EXPECT_EQ(count, 3);
-  WebPMuxAnimParams loop{};
-  EXPECT_EQ(WebPMuxGetAnimationParams(mux, &loop), WEBP_MUX_OK);
-  EXPECT_EQ(loop.loop_count, 0) << "for ever";
-  WebPMuxDelete(mux);
-}
-
 TEST_F(Pictures, WithAMistakeInTheirNamesAreRefused) {
   const auto refusal = [&](const std::string& output, const std::string& animation, int frames) {
     SnapshotOptions options = of_demo();
@@ -414,14 +371,6 @@ TEST_F(Pictures, WithAMistakeInTheirNamesAreRefused) {
   EXPECT_THAT(refusal("x.png", "", 3), HasSubstr("expected a pattern, e.g. frame-%03d.png"));
   EXPECT_THAT(refusal("%03d.png", "", 0), HasSubstr("say how many with --frames"));
   EXPECT_THAT(refusal("", "x.mp4", 0), HasSubstr("neither a .gif nor a .webp"));
-}
-
-TEST(NumberedPathTest, FillsItsPlaceAsPrintfDoes) {
-  EXPECT_EQ(NumberedPath::parse("a/%06d.pcd")->of(42), "a/000042.pcd");
-  EXPECT_EQ(NumberedPath::parse("%d.pcd")->of(1234567), "1234567.pcd");
-  EXPECT_EQ(NumberedPath::parse("a%3db")->of(7), "a  7b");
-  for (const char* none : {"a.pcd", "100%.pcd", "%s.pcd", "%5.2d"})
-    EXPECT_FALSE(NumberedPath::parse(none)) << none;
 }
 
 }  // namespace

@@ -125,9 +125,14 @@ TEST(SensorFilter, AnOrganisedCloudKeepsItsPlaces) {
 }
 
 TEST(SensorFilter, SaysThatNothingIsLeft) {
-  const test::RecordingSink none = play(", filter: {box: {z_min: 900}}");
+  const test::RecordingSink none = play(", filter: {box: {x_min: 900}}");
   EXPECT_EQ(none.item("sensor roof").health, Health::warn);
   EXPECT_THAT(none.item("sensor roof").message, HasSubstr("its filter removed every return of the last"));
+  EXPECT_THAT(none.item("sensor roof").message, HasSubstr("frames on roof/points"));
+  // The level ring hits walls alone, all of them farther away than the ground beside the vehicle.
+  const test::RecordingSink near = play(", filter: {box: {x_min: -4, x_max: 4, y_min: -4, y_max: 4}}");
+  EXPECT_GT(near.clouds.at("roof/points").back().size(), 100U);
+  EXPECT_THAT(near.item("sensor roof").message, HasSubstr("frames on roof/scan"));
 }
 
 TEST(SensorFilter, RefusesWhatMakesNoSense) {
@@ -139,6 +144,11 @@ TEST(SensorFilter, RefusesWhatMakesNoSense) {
               HasSubstr("sensors.a.filter.intensity_max is below intensity_min; expected intensity_min <="));
   EXPECT_THAT(with(roof, "filter: {box: {x_min: 2, x_max: 2}}"),
               HasSubstr("sensors.a.filter.box.x_max is not above x_min"));
+  EXPECT_THAT(with(front, "filter: {box: {z_min: 0.1}}"),
+              HasSubstr("sensors.a.filter.box.z_min leaves out the whole scan, which lies at 0"));
+  EXPECT_THAT(with(roof, "scan_ring: auto, filter: {box: {z_max: -1}}"),
+              HasSubstr("sensors.a.filter.box.z_max leaves out the whole scan"));
+  EXPECT_EQ(with(roof, "filter: {box: {z_max: -1}}"), "no error");
   EXPECT_THAT(with(roof, "filter: {outlier_neighbours: 2}"),
               HasSubstr("sensors.a.filter.outlier_neighbours is given without outlier_radius"));
   EXPECT_THAT(with(roof, "filter: {voxel: 2}"), HasSubstr("voxel_size"));

@@ -25,7 +25,9 @@ test::RecordingSink play(const std::string& keys) {
   const auto packets = simulate_velodyne(setup);
   const auto config_with = [](const std::string& more) {
     return parse_config(
-        "sensors: {roof: {model: velodyne_vlp16, clock: arrival, scan_ring: auto" + more + "}}", "f");
+        "sensors: {roof: {model: velodyne_vlp16, clock: arrival, scan_ring: auto, raw_topic: raw" + more +
+            "}}",
+        "f");
   };
   const Config config = config_with("");
   NoTransforms poses;
@@ -73,6 +75,10 @@ TEST(SensorChange, ComesIntoForceWithTheNextRevolution) {
   EXPECT_GE(changed, 2U);
   EXPECT_LT(changed, after.size());
   EXPECT_NEAR(sink.scans.at("roof/scan").back().range_max, limit, 1e-4);
+  const auto raw = sink.of<RawPackets>("raw");
+  ASSERT_GE(raw.size(), 2U);
+  EXPECT_GT(raw.back().stamp - raw.front().stamp, std::chrono::milliseconds(500 + 300))
+      << "packets have the offset too: the stream lasts 0.75 s";
 }
 
 TEST(SensorChange, LeavesOutWhatIsNoMoreInView) {
