@@ -76,15 +76,19 @@ void CloudArranger::fill_missing(const Cloud& cloud) {
   }
 }
 
+double CloudArranger::shift_of(const Cloud& cloud) const {
+  return layout_.stamp == FrameStamp::last ? static_cast<double>(last_time(cloud, is_organised(cloud))) : 0;
+}
+
 Cloud& CloudArranger::arrange(const Cloud& cloud) {
   const std::size_t columns = cloud.columns.size();
-  const bool organised = layout_.order != CloudOrder::list && columns > 0 && cloud.rings > 0;
+  const bool organised = is_organised(cloud);
   arranged_.format = format_of(layout_, organised, cloud);
   arranged_.frame_id = cloud.frame_id;
   arranged_.rings = cloud.rings;
   arranged_.complete = cloud.complete;
   arranged_.end = cloud.end;
-  shift_ = layout_.stamp == FrameStamp::last ? last_time(cloud, organised) : 0;
+  shift_ = static_cast<float>(shift_of(cloud));
   arranged_.stamp = cloud.stamp + span_from_seconds(static_cast<double>(shift_));
   const std::size_t slots = organised ? columns * cloud.rings : cloud.size();
   arranged_.points_bytes.resize(slots * arranged_.format.point_step);

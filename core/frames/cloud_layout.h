@@ -43,11 +43,17 @@ class CloudArranger {
     return layout_.order == CloudOrder::list && layout_.stamp == FrameStamp::first && !layout_.confidence &&
            !layout_.echo;
   }
+  /// The stamp of the message that the cloud becomes.
+  Stamp stamp_of(const Cloud& cloud) const { return cloud.stamp + span_from_seconds(shift_of(cloud)); }
   /// The arranged cloud, valid until the next call; its bytes may be swapped out. `cloud` stays as it is. A
   /// cloud without columns (of another driver) cannot be organised and stays a list.
   Cloud& arrange(const Cloud& cloud);
 
  private:
+  bool is_organised(const Cloud& cloud) const {
+    return layout_.order != CloudOrder::list && !cloud.columns.empty() && cloud.rings > 0;
+  }
+  double shift_of(const Cloud& cloud) const;
   void fill_missing(const Cloud& cloud);
   std::size_t slot_of(std::size_t column, std::size_t ring, std::size_t columns) const {
     return layout_.order == CloudOrder::ring_rows ? ring * columns + column : column * arranged_.rings + ring;

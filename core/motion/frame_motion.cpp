@@ -104,13 +104,14 @@ Pose CloudMotion::at(double after_s) const {
   return pose;
 }
 
-bool CloudMotion::find(const Cloud& cloud, const Pose& vehicle_from_cloud, const PoseTrack& track) {
+bool CloudMotion::find(const Cloud& cloud, const Pose& vehicle_from_cloud, const PoseTrack& track,
+                       std::optional<Stamp> instant) {
   columns_.clear();
   borders_.clear();
   if (track.empty() || !track.covers(cloud.stamp, cloud.end)) return false;
   begin_ = cloud.stamp;
   const Stamp end = std::max(cloud.stamp, cloud.end);
-  instant_ = std::max(begin_, std::min(end, track.newest()));
+  instant_ = instant.value_or(std::max(begin_, std::min(end, track.newest())));
   if (!find_borders(end, vehicle_from_cloud, track)) {
     borders_.clear();
     return false;
@@ -118,6 +119,29 @@ bool CloudMotion::find(const Cloud& cloud, const Pose& vehicle_from_cloud, const
   if (borders_.empty()) return true;
   for (const CloudColumn& column : cloud.columns) columns_.push_back(at(seconds(column.stamp - begin_)));
   return true;
+}
+
+void move_points(const CloudMotion& motion, const Pose& frame_from_lidar, Cloud& cloud) {
+  CloudPoint* const points = cloud.points();
+  Pose transform = frame_from_lidar;
+  const auto move = [&](CloudPoint& point) {
+    const Eigen::Vector3d moved = transform * Eigen::Vector3f(point.x, point.y, point.z).cast<double>();
+    point.x = static_cast<float>(moved.x());
+    point.y = static_cast<float>(moved.y());
+    point.z = static_cast<float>(moved.z());
+  };
+  const std::vector<Pose>& columns = motion.columns();
+  if (motion.stands() || columns.empty()) {
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      if (!motion.stands()) transform = frame_from_lidar * motion.at(static_cast<double>(points[i].time));
+      move(points[i]);
+    }
+    return;
+  }
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    transform = frame_from_lidar * columns[c];
+    for (std::size_t i = cloud.columns[c].first_point; i < cloud.points_end(c); ++i) move(points[i]);
+  }
 }
 
 }  // namespace lidard

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "core/frames/cloud.h"
@@ -74,11 +75,13 @@ class SweepMotion {
   std::size_t step_ = 1;  // beams per stretch
 };
 
-/// Brings the returns of a cloud to one instant: its end, but not later than the newest pose of the vehicle.
+/// Brings the returns of a cloud to one instant.
 class CloudMotion {
  public:
-  /// Finds how the cloud moves; false if the track does not cover it.
-  bool find(const Cloud& cloud, const Pose& vehicle_from_cloud, const PoseTrack& track);
+  /// Finds how the cloud moves; false if the track does not cover it. Unless `instant` is given, it is the
+  /// cloud's end, but not later than the newest pose of the vehicle.
+  bool find(const Cloud& cloud, const Pose& vehicle_from_cloud, const PoseTrack& track,
+            std::optional<Stamp> instant = std::nullopt);
 
   Stamp instant() const { return instant_; }
   /// Nothing moved: returns stay where they are to the last bit.
@@ -101,5 +104,9 @@ class CloudMotion {
   std::vector<Matrix> borders_;
   std::vector<Pose> columns_;
 };
+
+/// Takes each return of a cloud to where the lidar is at the instant of `motion`, and from there to another
+/// frame. What else a return holds stays, also the time at which it was measured.
+void move_points(const CloudMotion& motion, const Pose& frame_from_lidar, Cloud& cloud);
 
 }  // namespace lidard

@@ -66,6 +66,8 @@ struct SensorConfig {
   std::string scan_topic;    ///< of a planar scanner, or of the ring `ring_scan` of a multi-plane lidar
   std::string points_topic;  ///< of a multi-plane lidar
   CloudLayout layout;        ///< of its cloud message
+  std::string points_frame;  ///< frame of its cloud message; empty: frame_id
+  bool deskew = false;       ///< the cloud message shows one instant, that of its stamp
   std::optional<RingScanSpec> ring_scan;  ///< one ring of a multi-plane lidar as a planar scan
   FrameFilterSettings filter;             ///< of what is published of it; other outputs see all of it
   bool handed_over = false;               ///< its scans come from the other lane of the daemon, see part_of()

@@ -39,7 +39,7 @@ Keys<F> rows() {
               .by_default("no limit"),
           number("intensity_max", &F::intensity_max, 0, strongest, "", "stronger returns are removed")
               .by_default("no limit"),
-          box_row("box", &F::box, "returns outside are removed; in the frame of the message"),
+          box_row("box", &F::box, "returns outside are removed; in frame_id of the sensor"),
           box_row("cut_out", &F::cut_out, "returns inside are removed: the vehicle itself"),
           number("voxel_size", &F::voxel_size, 0, 100, "m",
                  "clouds: of the returns in such a cube the one nearest to its centre stays; 0: all")

@@ -24,6 +24,12 @@ std::set<std::uint16_t> udp_ports_of(const SensorConfig& sensor) {
   return ports;
 }
 
+/// True if clouds of the configuration are brought to an instant, or become scans that are.
+bool moves_clouds(const Config& config) {
+  return !config.virtual_scans.empty() || std::any_of(config.sensors.begin(), config.sensors.end(),
+                                                      [](const SensorConfig& one) { return one.deskew; });
+}
+
 /// The sensors of the lane of clouds.
 Names sensors_with_clouds(const Config& config) {
   Names names;
@@ -66,9 +72,8 @@ Config part_of(const Config& config, Lane lane) {
     return (with_clouds.count(sensor.name) > 0) != (lane == Lane::clouds);
   };
   // Only what is made of frames needs to know how the vehicle moves.
-  const bool makes_nothing = lane == Lane::clouds
-                                 ? config.virtual_scans.empty() && !config.merged_scans.empty()
-                                 : config.merged_scans.empty() && !config.virtual_scans.empty();
+  const bool makes_nothing = lane == Lane::clouds ? !moves_clouds(config) && !config.merged_scans.empty()
+                                                  : config.merged_scans.empty() && moves_clouds(config);
   if (makes_nothing) part.vehicle.odometry_frame = part.vehicle.odometry_topic = part.vehicle.imu_topic = "";
   part.is_not_alone = std::any_of(part.sensors.begin(), part.sensors.end(), is_foreign);
   part.sensors.erase(std::remove_if(part.sensors.begin(), part.sensors.end(), is_foreign),

@@ -136,8 +136,13 @@ Rows cloud_rows() {
                                      {{"first", FrameStamp::first}, {"last", FrameStamp::last}},
                                      "the firing that a cloud is stamped with")
                                     .of_form("one of first, last")};
-  return joined<S>({{topic("points_topic", &S::points_topic, "its cloud").by_default("NAME/points")},
-                    within(&S::layout, stamp)});
+  return joined<S>(
+      {{topic("points_topic", &S::points_topic, "its cloud").by_default("NAME/points"),
+        frame("points_frame", &S::points_frame, "the frame that its cloud is published in; empty: frame_id")
+            .or_empty(),
+        flag("deskew", &S::deskew,
+             "its cloud shows the instant of its stamp; needs the motion of the vehicle")},
+       within(&S::layout, stamp)});
 }
 
 Rows field_row(std::string_view name, bool CloudLayout::*member, std::string_view meaning) {

@@ -224,7 +224,12 @@ void read_ring_scan(Mapping& yaml, SensorConfig& sensor) {
   driver.keep_too_near = true;
 }
 
-void check_cloud(Mapping& yaml, SensorConfig& sensor) {
+void check_cloud(Mapping& yaml, SensorConfig& sensor, const VehicleConfig& vehicle) {
+  yaml.attempt_rule([&] {
+    if (sensor.deskew && !vehicle.has_motion())
+      yaml.where("deskew").fail_at_key("needs to know how the vehicle moves",
+                                       "vehicle.odometry_frame, vehicle.odometry_topic or vehicle.imu_topic");
+  });
   sensor.driver.keep_confidence = sensor.layout.confidence;
   if (!sensor.model->has(Trait::revolutions)) return;
   yaml.attempt_rule([&] { check_frames(yaml, sensor.driver); });
@@ -339,7 +344,7 @@ void check_device(Mapping& yaml, SensorConfig& sensor, Reading& reading) {
     if (sensor.model->has(Trait::calibration)) read_calibration(yaml, sensor, reading);
   });
   yaml.attempt_rule([&] { check_requests(yaml, sensor); });
-  check_cloud(yaml, sensor);
+  check_cloud(yaml, sensor, reading.config.vehicle);
 }
 
 SensorConfig read_sensor(const std::string& name, const Value& entry, Reading& reading) {

@@ -9,6 +9,7 @@
 #include "core/base/number_text.h"
 #include "daemon/config/config.h"
 #include "daemon/config/key_tables.h"
+#include "daemon/config/reading.h"
 #include "daemon/files/text_file.h"
 
 namespace lidard {
@@ -175,7 +176,20 @@ class Importer {
     }
     for (const auto& capture : setup.replay.captures)
       setup.remarks.push_back("parameter ~pcap: `lidard replay -c THIS --pcap " + capture + "` plays it");
+    take_odometry(node, setup);
     take_sensor(node, std::move(setup));
+  }
+
+  /// A vehicle has one frame that does not move with it.
+  void take_odometry(const LaunchNode& node, DropinSetup& setup) {
+    auto& vehicle = section(setup.keys, "vehicle");
+    const std::string frame = text_of(vehicle, "odometry_frame");
+    if (frame.empty()) return;
+    if (odometry_.empty()) odometry_ = frame, moved_ = text_of(vehicle, "base_frame");
+    if (odometry_ != frame)
+      config_.remarks.push_back(node.name + ": parameter ~fixed_frame (" + frame +
+                                ") has no effect: clouds are deskewed in " + odometry_ +
+                                ", the fixed_frame of another node");
   }
 
   /// x y z yaw pitch roll, or x y z qx qy qz qw; parent child [period].
@@ -264,8 +278,9 @@ class Importer {
     std::string root;
     for (auto& [name, value] : sensors) {
       const std::string frame = text_of(std::get<KeyMap>(value), "frame_id");
-      if (base_.empty() && !pose_of(frame, root) && root != frame) base_ = root;
+      if (base_.empty() && !pose_of(frame, root) && root != frame && root != odometry_) base_ = root;
     }
+    if (base_.empty()) base_ = without_slash(moved_);
     for (auto& [name, value] : sensors) {
       auto& sensor = std::get<KeyMap>(value);
       const std::string frame = text_of(sensor, "frame_id");
@@ -274,6 +289,7 @@ class Importer {
     }
     for (auto& [name, value] : section(config_.keys, "virtual_scans")) place_planes(std::get<KeyMap>(value));
     if (!base_.empty()) section(config_.keys, "vehicle").emplace_back("base_frame", base_);
+    if (!odometry_.empty()) section(config_.keys, "vehicle").emplace_back("odometry_frame", odometry_);
   }
 
   void place_planes(KeyMap& entry) {
@@ -291,6 +307,7 @@ class Importer {
   std::set<std::string> names_;
   std::vector<StaticTransform> transforms_;
   std::string base_;
+  std::string odometry_, moved_;  // the frame that stands still, and that of a sensor that moves in it
 };
 
 std::string file_text(const std::string& file, const ImportedConfig& config) {

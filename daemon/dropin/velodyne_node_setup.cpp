@@ -6,6 +6,7 @@
 #include "core/base/angle.h"
 #include "daemon/config/config.h"
 #include "daemon/config/key_tables.h"
+#include "daemon/config/reading.h"
 #include "daemon/dropin/moving.h"
 #include "drivers/registry/registry.h"
 
@@ -47,7 +48,6 @@ void add_driver(ParameterReader& reader, const std::string& model, bool live, Ke
     const double telemetry = reader.number("telemetry_port", live ? 0 : find_model(model)->telemetry_port);
     if (find_model(model)->telemetry_port != 0) sensor.emplace_back("telemetry_port", telemetry);
   }
-  sensor.emplace_back("frame_id", reader.text("frame_id", "velodyne"));
   sensor.emplace_back("time_offset", reader.number("time_offset", 0));
   sensor.emplace_back("frame_stamp", reader.flag("timestamp_first_packet") ? "first" : "last");
   // Without a cut of the user's the seam lies behind, where scans go from +pi to -pi.
@@ -73,6 +73,19 @@ void add_outputs(ParameterReader& reader, const std::string& model, const std::s
   if (reader.flag("publish_packets")) sensor.emplace_back("raw_topic", "velodyne_packets");
   sensor.emplace_back("points_topic", "velodyne_points");
   sensor.emplace_back("scan_topic", "scan");
+}
+
+/// The frame that clouds are published in, and the one that does not move with the vehicle; returns what
+/// `vehicle` holds.
+KeyMap add_frames(ParameterReader& reader, const std::string& own, KeyMap& sensor) {
+  const std::string fixed = without_slash(reader.text("fixed_frame", ""));
+  const std::string target = without_slash(reader.text("target_frame", ""));
+  sensor.emplace_back("frame_id", own);
+  if (!(target + fixed).empty()) sensor.emplace_back("points_frame", target.empty() ? fixed : target);
+  if (fixed.empty() || fixed == without_slash(own)) return {};
+  sensor.emplace_back("deskew", true);
+  // The way of the sensor itself is looked up: no other frame of the vehicle has to be known.
+  return {{"base_frame", own}, {"odometry_frame", fixed}};
 }
 
 void read_replay(ParameterReader& reader, ReplayOptions& replay) {
@@ -124,12 +137,13 @@ const MovedPackage& moved_velodyne() {
        {"packet_topic", "packet_topic", "of our node alone: packets from a velodyne_msgs/VelodyneScan"},
        {"publish_packets", "raw_topic", "of our node alone; true: velodyne_packets"},
        {"telemetry_port", "telemetry_port", "of our node alone"},
-       {"fixed_frame", "",
-        "clouds stay in the sensor's frame; a merged or virtual scan with "
-        "vehicle.odometry_frame brings each beam to one instant"},
-       {"target_frame", "",
-        "clouds stay in the sensor's frame; consumers transform by tf, which the pose of "
-        "the sensor feeds"},
+       {"fixed_frame", "deskew odometry_frame points_frame",
+        "clouds are deskewed with the sensor's way in that frame, from tf; published in it unless there is a "
+        "target_frame. A cloud whose poses do not come within 0.2 s is published as if the vehicle stood "
+        "still, with a WARN; not changed while the node runs"},
+       {"target_frame", "points_frame",
+        "as it is; a cloud whose pose does not come within 0.2 s is left out, with a WARN; not changed while "
+        "the node runs"},
        {"gps_time", "", "stamps follow the sensor's clock but count in the host's time", "false"},
        {"npackets", "", "clouds are whole revolutions at any speed and in any return mode"},
        {"rpm", "", "revolutions are seen, at any speed; control: {rpm: 600} sets that of the sensor", "600"},
@@ -156,8 +170,10 @@ DropinSetup velodyne_node_setup(const NodeParameters& parameters) {
   KeyMap sensor;
   add_driver(reader, model, setup.replay.captures.empty(), sensor);
   add_outputs(reader, model, calibration, sensor);
+  if (KeyMap vehicle = add_frames(reader, reader.text("frame_id", "velodyne"), sensor); !vehicle.empty())
+    setup.keys.emplace_back("vehicle", std::move(vehicle));
   reader.move(moved_velodyne(), sensor, setup);
-  setup.keys = {{"sensors", KeyMap{{"velodyne", std::move(sensor)}}}};
+  setup.keys.emplace_back("sensors", KeyMap{{"velodyne", std::move(sensor)}});
   reader.remark_on_rest(setup.warnings);
   return setup;
 }

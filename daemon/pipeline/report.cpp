@@ -125,6 +125,8 @@ void print_verdicts(const Config& config, const std::vector<SensorReport>& senso
     if (!s.rivals_ever.empty()) print(Health::error, rivals_text(s.rivals_ever, sensor->ip_port));
     if (s.filter) out << "  " << s.name << ": " << filter_text(*s.filter) << '\n';
     if (!s.filter_trouble.empty()) print(Health::warn, s.filter_trouble);
+    if (const auto losses = s.placement ? placement_losses(*s.placement) : std::string(); !losses.empty())
+      print(Health::warn, losses + (s.placement->trouble.empty() ? "" : "; " + s.placement->trouble));
     if (verdict.health != Health::ok)
       print(verdict.health,
             fmt::format("{} in {:.1f} s; {}", verdict.figures, s.whole.watched_s, verdict.remedy));

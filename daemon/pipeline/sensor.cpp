@@ -44,6 +44,9 @@ Sensor::Sensor(const SensorConfig& config, std::size_t place, SensorContext& con
   driver_ = config.model->make(config.driver);
   if (config.filter.any()) filter_.emplace(config.filter), ring_filter_.emplace(config.filter);
   if (config.ring_scan) ring_scan_.emplace(*config.ring_scan);
+  if (CloudPlacer::is_wanted(config))
+    placer_.emplace(config_, arranger_, context.motion,
+                    [this](Cloud& cloud, Stamp now) { publish_cloud(cloud, now); });
   place_at(place);
 }
 
@@ -131,7 +134,14 @@ void Sensor::cloud(Cloud& cloud) {
     publish_scan(*ring_topic_, nullptr, ring_filter_, ring_);
   if (filter_) filter_->apply(cloud);
   // The sinks come last, since they may keep the points.
-  context_.outlet.publish(*topic_, arranger_.is_plain() ? cloud : arranger_.arrange(cloud), context_.now);
+  if (placer_)
+    placer_->take(cloud, context_.now);
+  else
+    publish_cloud(cloud, context_.now);
+}
+
+void Sensor::publish_cloud(Cloud& cloud, Stamp now) {
+  context_.outlet.publish(*topic_, arranger_.is_plain() ? cloud : arranger_.arrange(cloud), now);
 }
 
 template <class Frame>
@@ -211,6 +221,7 @@ void Sensor::notice_data(Stamp received) {
 
 void Sensor::advance(Stamp now, bool jumped) {
   watch_.advance(now, counters());
+  if (placer_) placer_->advance(now);
   if (!jumped) return;
   // What has arrived later than it is now has arrived just now.
   last_arrival_ = std::min(last_arrival_, now);
@@ -231,6 +242,7 @@ bool Sensor::silence_changed(Stamp now) {
 void Sensor::finish() {
   if (driver_ != nullptr) driver_->finish(*this);
   publish_raw();
+  if (placer_) placer_->finish(context_.now);
 }
 
 void Sensor::restart() {
@@ -252,6 +264,7 @@ SensorReport Sensor::report() const {
     if (ring_topic_ != nullptr && report.filter_trouble.empty())
       report.filter_trouble = filter_trouble(ring_filter_->counters(), ring_topic_->name);
   }
+  if (placer_) report.placement = placer_->counters();
   report.seen = seen_;
   report.last_arrival = last_arrival_;
   report.last_telemetry = last_telemetry_;

@@ -13,6 +13,7 @@
 #include "core/base/bytes.h"
 #include "core/frames/frame_filter.h"
 #include "daemon/config/config.h"
+#include "daemon/pipeline/cloud_placer.h"
 #include "daemon/pipeline/other_model.h"
 #include "daemon/pipeline/output.h"
 #include "daemon/pipeline/raw_packets.h"
@@ -120,6 +121,8 @@ class Sensor final : public DriverOutput {
   /// filter comes after those who see everything.
   void publish_scan(const OutputTopic& topic, const OutputTopic* echoes, std::optional<FrameFilter>& filter,
                     PlanarScan& scan);
+  /// Its cloud, on the topic of its own.
+  void publish_cloud(Cloud& cloud, Stamp now);
   /// Publishes the packets since the last call, if there are any.
   void publish_raw();
   /// For the outputs that are made of this sensor's frames.
@@ -134,6 +137,7 @@ class Sensor final : public DriverOutput {
   std::unique_ptr<Driver> driver_;                   // nullptr: another driver publishes on config_.topic
   std::optional<FrameFilter> filter_, ring_filter_;  // of its frames, and of the ring that is a scan
   CloudArranger arranger_;
+  std::optional<CloudPlacer> placer_;
   std::optional<RingScan> ring_scan_;
   PlanarScan ring_;
   RawPacketCollector raw_{config_};

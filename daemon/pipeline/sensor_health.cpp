@@ -90,6 +90,8 @@ void judge_data(const SensorConfig& config, const SensorReport& report, Diagnost
     item.set(Health::warn, report.info.warnings.back());
   } else if (!report.filter_trouble.empty()) {
     item.set(Health::warn, report.filter_trouble);
+  } else if (report.placement && !report.placement->trouble.empty()) {
+    item.set(Health::warn, report.placement->trouble);
   } else {
     item.message = "receiving";
   }
@@ -156,6 +158,10 @@ DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& rep
   item.add("Rejected", rejected_text(c));
   for (const auto& counter : trouble_counters) count(counter);
   if (report.filter) item.add("Filter", filter_text(*report.filter));
+  if (report.placement) {
+    item.add("Clouds not published for want of a pose", report.placement->not_published);
+    item.add("Clouds not deskewed", report.placement->not_deskewed);
+  }
   add_rates(report.recent, item);
   return item;
 }

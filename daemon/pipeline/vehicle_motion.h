@@ -35,6 +35,8 @@ class VehicleMotion {
   void note_data(Stamp stamp, Stamp now) { data_ = Newest{stamp, now}; }
   /// The input starts again.
   void restart() { track_.clear(); }
+  const FrameTree& frames() const { return frames_; }
+  const std::string& base_frame() const { return vehicle_.base_frame; }
   /// Whether poses come as they should; none: nobody tells how the vehicle moves.
   std::optional<DiagnosticItem> diagnostics(Stamp now) const;
 

@@ -97,7 +97,8 @@ POINTS = """<launch>
       <param name="calibration" value="$(arg calibration)"/>
       <param name="min_range" value="0.4"/>
       <param name="max_range" value="100.0"/>
-      <param name="fixed_frame" value=""/>
+      <param name="fixed_frame" value="/odom"/>
+      <param name="target_frame" value="base_link"/>
     </node>
     <node pkg="nodelet" type="nodelet" name="m_laserscan" args="load velodyne_laserscan/LaserScanNodelet m">
       <param name="ring" value="-1"/>
@@ -201,10 +202,12 @@ def velodyne(tmp):
     roof, other = config["sensors"]["m_driver"], config["sensors"]["other_driver"]
     wanted = {"model": "velodyne_vlp16", "ip_address": "192.168.1.201", "frame_id": "roof", "min_range": 0.4,
               "max_range": 100, "scan_ring": "auto", "scan_resolution": 0.01, "frame_stamp": "last",
-              "points_topic": "/roof/velodyne_points", "scan_topic": "/roof/scan", "calibration_model": "ros_drivers"}
+              "points_topic": "/roof/velodyne_points", "scan_topic": "/roof/scan", "calibration_model": "ros_drivers",
+              "points_frame": "base_link", "deskew": True}
     expect({key: roof[key] for key in wanted} == wanted, roof)
     expect("calibration" not in roof, "the model's own table needs no file of another package")
     expect(other["ip_address"] == "192.168.1.202" and "scan_ring" not in other, other)
+    expect(config["vehicle"] == {"base_frame": "roof", "odometry_frame": "odom"}, config["vehicle"])
     one_with(remarks, "m_driver", "~rpm (600.0)")
     one_with(remarks, "VLP16db.yaml", "the model has here too")
     # A copy of the file alone: what it includes is not there.

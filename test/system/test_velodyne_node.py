@@ -7,11 +7,14 @@ import os
 import socket
 import struct
 import subprocess
+import threading
 import xml.etree.ElementTree
 import xmlrpc.client
 
 import dynamic_reconfigure.client
 import rospy
+import tf2_ros
+from geometry_msgs.msg import TransformStamped
 from harness import LIDARD, LIDARD_SIM, ROOT, expect, folder, free_port, process, ros_master, use_master_at, wait_for
 from sensor_msgs.msg import LaserScan, PointCloud2
 
@@ -99,6 +102,58 @@ def reconfigure(program, port, parameters, tmp):
         server.close()
 
 
+SPEED = 1000.0  # m/s; the room of the capture, 50 m wide, passes by within half a revolution
+MOUNT = 2.0  # m, of the lidar above base_link
+
+
+def tell_way(begin, stop):
+    """base_link drives along x of odom; 50 poses per second."""
+    fixed, moving = tf2_ros.StaticTransformBroadcaster(), tf2_ros.TransformBroadcaster()
+    step = TransformStamped()
+    step.transform.rotation.w = 1
+    step.header.frame_id, step.child_frame_id, step.transform.translation.z = "base_link", "roof", MOUNT
+    fixed.sendTransform(step)
+    step.header.frame_id, step.child_frame_id, step.transform.translation.z = "odom", "base_link", 0
+    while not stop.wait(0.02):
+        step.header.stamp = rospy.Time.now()
+        step.transform.translation.x = SPEED * (step.header.stamp.to_sec() - begin)
+        moving.sendTransform(step)
+
+
+def is_in_place(cloud, frame, begin):
+    """True if each return is where the room was when the return was measured, in the frame that the message names."""
+    if cloud.header.frame_id != frame:
+        return False
+    for point in range(0, cloud.width * cloud.height, 37):
+        x, y, z, _, _, time = struct.unpack_from("<ffffHf", cloud.data, point * 22)
+        stamp = cloud.header.stamp.to_sec()
+        moved = SPEED * (stamp + time - (begin if frame == "odom" else stamp))
+        if not (abs(x - moved) < 30 and abs(y) < 30 and -0.5 < z < 7):
+            return False
+    return cloud.width > 1000
+
+
+def frames(program, port, parameters, tmp):
+    """fixed_frame and target_frame, as velodyne_pointcloud has them, with a real tf."""
+    stop, begin = threading.Event(), rospy.Time.now().to_sec()
+    teller = threading.Thread(target=tell_way, args=(begin, stop))
+    teller.start()
+    try:
+        for name, frame, given in (("a", "odom", {"fixed_frame": "odom"}),
+                                   ("b", "base_link", {"fixed_frame": "odom", "target_frame": "base_link"})):
+            topics, log = Topics("/" + name), tmp / f"{name}.txt"
+            set_parameters(port, f"/{name}/velodyne", {**parameters, **given, "pcap": str(ROOT / "pcaps/demo.pcap"),
+                                                       "port": 2368, "repeat_delay": 0.1})
+            with log.open("w") as sink, process([program, "__name:=velodyne", f"__ns:=/{name}"], stdout=sink,
+                                                stderr=subprocess.STDOUT):
+                # On a starved machine poses may be late, and single clouds are not deskewed.
+                wait_for(lambda: sum(is_in_place(cloud, frame, begin) for cloud in topics.clouds) >= 5, 40,
+                         f"clouds in {frame}:\n" + log.read_text())
+    finally:
+        stop.set()
+        teller.join()
+
+
 def main():
     port = free_port()
     use_master_at(port)
@@ -136,6 +191,7 @@ def main():
             for scan in live.scans[:3]:
                 check_scan(scan)
             reconfigure(program, port, parameters, tmp)
+            frames(program, port, parameters, tmp)
             replayed = Topics("/car")
             set_parameters(port, "/car/velodyne", {**parameters, "pcap": str(ROOT / "pcaps/demo.pcap"), "port": 2368,
                                                    "repeat_delay": 0.1, "max_range": 20.0, "publish_packets": True})

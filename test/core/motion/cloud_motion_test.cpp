@@ -73,13 +73,9 @@ double worst_error(const Cloud& cloud, const std::vector<Pose>& columns, Stamp i
   return worst;
 }
 
-/// A cloud without columns, with its points where they are at the instant.
+/// The cloud with its points where they are at the instant.
 Cloud moved(const CloudMotion& motion, Cloud cloud) {
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    CloudPoint& point = cloud.points()[i];
-    const Eigen::Vector3f p = (motion.at(static_cast<double>(point.time)) * place_of(point)).cast<float>();
-    point.x = p.x(), point.y = p.y(), point.z = p.z();
-  }
+  move_points(motion, Pose::Identity(), cloud);
   return cloud;
 }
 
@@ -101,6 +97,36 @@ TEST(CloudMotion, ACloudWithoutColumnsIsMovedByTheTimesOfItsPoints) {
   EXPECT_TRUE(motion.columns().empty());
   EXPECT_LT(worst_error(moved(motion, cloud), {}, motion.instant()), 1 * mm);
   EXPECT_GT(worst_error(cloud, {}, motion.instant()), 0.5);
+}
+
+TEST(CloudMotion, TheInstantMayBeAnyOfTheCloud) {
+  for (const Cloud& cloud : {seen_while_driving(), without_columns(seen_while_driving())}) {
+    for (const int ms : {0, 37, 100}) {
+      const Stamp instant = cloud.stamp + std::chrono::milliseconds(ms);
+      CloudMotion motion;
+      ASSERT_TRUE(motion.find(cloud, mount(), odometry(cloud, -60, 140), instant));
+      EXPECT_EQ(motion.instant(), instant);
+      EXPECT_LT(worst_error(moved(motion, cloud), {}, instant), 1 * mm) << ms;
+    }
+  }
+  const Cloud cloud = seen_while_driving();
+  CloudMotion motion;
+  const Stamp begin = cloud.stamp - std::chrono::milliseconds(100);
+  EXPECT_FALSE(motion.find(cloud, mount(), odometry(cloud, -60, 140), begin)) << "its pose is not known";
+}
+
+TEST(CloudMotion, PointsAreMovedToAnotherFrameAsTheyAreOnAStandingVehicle) {
+  Cloud cloud = seen_while_driving();
+  const Cloud before = cloud;
+  move_points(CloudMotion(), make_pose({1, 2, 3}, {0, 0, 1.5707963267948966}), cloud);
+  ASSERT_EQ(cloud.size(), before.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const CloudPoint now = cloud.points()[i], was = before.points()[i];
+    ASSERT_NEAR(now.x, 1 - was.y, 1e-5);
+    ASSERT_NEAR(now.y, 2 + was.x, 1e-5);
+    ASSERT_NEAR(now.z, 3 + was.z, 1e-5);
+    ASSERT_TRUE(now.time == was.time && now.ring == was.ring && now.intensity == was.intensity);
+  }
 }
 
 TEST(CloudMotion, TheInstantIsNotLaterThanTheNewestPose) {
@@ -181,9 +207,11 @@ TEST(CloudMotion, NothingIsAllocatedPerCloudAfterWarmUp) {
   const Cloud topic = without_columns(cloud);
   const PoseTrack track = odometry(cloud, -60, 140);
   CloudMotion motion;
+  Cloud copies[] = {cloud, topic};
   const auto once = [&] {
-    for (const Cloud* one : {&cloud, &topic}) {
-      ASSERT_TRUE(motion.find(*one, mount(), track));
+    for (Cloud& one : copies) {
+      ASSERT_TRUE(motion.find(one, mount(), track));
+      move_points(motion, mount(), one);
     }
   };
   once();

@@ -1,0 +1,106 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/pipeline/cloud_placer.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace lidard {
+namespace {
+
+constexpr Span longest_wait = std::chrono::milliseconds(200);
+// At 20 revolutions/s those of longest_wait.
+constexpr std::size_t most_waiting = 4;
+
+}  // namespace
+
+CloudPlacer::CloudPlacer(const SensorConfig& sensor, const CloudArranger& arranger, VehicleMotion& motion,
+                         Publish publish)
+    : sensor_(sensor), arranger_(arranger), vehicle_(motion), publish_(std::move(publish)) {}
+
+void CloudPlacer::take(const Cloud& cloud, Stamp now) {
+  if (waiting_ == most_waiting) release_first(now);
+  if (waiting_ == clouds_.size()) clouds_.emplace_back();
+  clouds_[waiting_].cloud = cloud;
+  clouds_[waiting_].since = now;
+  ++waiting_;
+  advance(now);
+}
+
+void CloudPlacer::advance(Stamp now) {
+  if (waiting_ == 0) return;
+  vehicle_.poll(now);
+  while (waiting_ > 0) {
+    // A clock that was set back must not make a cloud wait for longer.
+    const Span waited = now - clouds_.front().since;
+    const bool may_wait = waited >= Span(0) && waited < longest_wait;
+    if (!release(clouds_.front().cloud, may_wait, now)) return;
+    drop_first();
+  }
+}
+
+void CloudPlacer::finish(Stamp now) {
+  while (waiting_ > 0) release_first(now);
+}
+
+void CloudPlacer::release_first(Stamp now) {
+  release(clouds_.front().cloud, false, now);
+  drop_first();
+}
+
+void CloudPlacer::drop_first() {
+  const auto end = clouds_.begin() + static_cast<std::ptrdiff_t>(waiting_);
+  std::rotate(clouds_.begin(), clouds_.begin() + 1, end);
+  --waiting_;
+}
+
+bool CloudPlacer::find_motion(const Cloud& cloud, Stamp instant) {
+  const PoseTrack* const track = vehicle_.frames().track();
+  Pose vehicle_from_cloud;
+  std::string why_not;
+  return track != nullptr &&
+         vehicle_.frames().find(vehicle_.base_frame(), cloud.frame_id, instant, vehicle_from_cloud,
+                                why_not) &&
+         motion_.find(cloud, vehicle_from_cloud, *track, instant);
+}
+
+bool CloudPlacer::release(Cloud& cloud, bool may_wait, Stamp now) {
+  const Stamp instant = arranger_.stamp_of(cloud);
+  const std::string& frame = sensor_.points_frame.empty() ? cloud.frame_id : sensor_.points_frame;
+  Pose frame_from_lidar = Pose::Identity();
+  std::string why_not;
+  const bool is_placed = vehicle_.frames().find(frame, cloud.frame_id, instant, frame_from_lidar, why_not);
+  const bool is_deskewed = !sensor_.deskew || find_motion(cloud, instant);
+  if (may_wait && !(is_placed && is_deskewed)) return false;
+  counters_.trouble.clear();
+  if (!is_placed) {
+    ++counters_.not_published;
+    counters_.trouble = "its clouds are not published in " + frame + ": " + why_not;
+    return true;
+  }
+  if (!is_deskewed) {
+    ++counters_.not_deskewed;
+    counters_.trouble =
+        "its clouds are published as if the vehicle stood still: poses of their time are missing; see that "
+        "odometry is published";
+  }
+  move_points(sensor_.deskew && is_deskewed ? motion_ : stands_, frame_from_lidar, cloud);
+  cloud.frame_id = frame;
+  ++counters_.published;
+  publish_(cloud, now);
+  return true;
+}
+
+std::string placement_losses(const PlacementCounters& counters) {
+  std::string text;
+  const auto add = [&](std::uint64_t count, const char* what) {
+    if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, what);
+  };
+  add(counters.not_published, "clouds not published, since their pose in points_frame was not known");
+  add(counters.not_deskewed, "clouds not deskewed, since poses of the vehicle are missing");
+  return text;
+}
+
+}  // namespace lidard
