@@ -13,10 +13,10 @@ import xmlrpc.client
 
 import dynamic_reconfigure.client
 import rospy
-import tf2_ros
 from geometry_msgs.msg import TransformStamped
 from harness import LIDARD, LIDARD_SIM, ROOT, expect, folder, free_port, process, ros_master, use_master_at, wait_for
 from sensor_msgs.msg import LaserScan, PointCloud2
+from tf2_msgs.msg import TFMessage
 
 
 class Topics:
@@ -108,16 +108,15 @@ MOUNT = 2.0  # m, of the lidar above base_link
 
 def tell_way(begin, stop):
     """base_link drives along x of odom; 50 poses per second."""
-    fixed, moving = tf2_ros.StaticTransformBroadcaster(), tf2_ros.TransformBroadcaster()
-    step = TransformStamped()
-    step.transform.rotation.w = 1
-    step.header.frame_id, step.child_frame_id, step.transform.translation.z = "base_link", "roof", MOUNT
-    fixed.sendTransform(step)
-    step.header.frame_id, step.child_frame_id, step.transform.translation.z = "odom", "base_link", 0
+    tf = rospy.Publisher("/tf", TFMessage, queue_size=100)
+    mount, step = TransformStamped(), TransformStamped()
+    mount.header.frame_id, mount.child_frame_id, mount.transform.translation.z = "base_link", "roof", MOUNT
+    step.header.frame_id, step.child_frame_id = "odom", "base_link"
+    mount.transform.rotation.w = step.transform.rotation.w = 1
     while not stop.wait(0.02):
-        step.header.stamp = rospy.Time.now()
+        mount.header.stamp = step.header.stamp = rospy.Time.now()
         step.transform.translation.x = SPEED * (step.header.stamp.to_sec() - begin)
-        moving.sendTransform(step)
+        tf.publish(TFMessage([mount, step]))
 
 
 def is_in_place(cloud, frame, begin):
