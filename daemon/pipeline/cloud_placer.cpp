@@ -86,7 +86,9 @@ bool CloudPlacer::release(Cloud& cloud, bool may_wait, Stamp now) {
         "its clouds are published as if the vehicle stood still: poses of their time are missing; see that "
         "odometry is published";
   }
-  move_points(sensor_.deskew && is_deskewed ? motion_ : stands_, frame_from_lidar, cloud);
+  const CloudMotion& motion = sensor_.deskew && is_deskewed ? motion_ : stands_;
+  // What does not move stays where it is to the last bit.
+  if (!motion.stands() || frame != cloud.frame_id) move_points(motion, frame_from_lidar, cloud);
   cloud.frame_id = frame;
   ++counters_.published;
   publish_(cloud, now);
