@@ -39,6 +39,8 @@ struct Packet {
 
 /// Name of the extra scan whose intensities hold what the device says of each beam, as bits.
 constexpr std::string_view beam_status_scan = "beam_status";
+/// The name of the state that tells the output paths of a safety scanner.
+constexpr std::string_view output_paths_topic = "output_paths";
 
 /// Takes what a driver produces. The references are valid during the call; a cloud's or scan's buffers may be
 /// swapped out by the receiver, which must leave a valid (possibly empty) vector behind.

@@ -25,6 +25,7 @@ void PlanarScan::reset(std::size_t beam_count, std::size_t echo_count, bool with
   statuses.assign(n, BeamStatus::invalid);
   intensities.assign(with_intensities ? n : 0, 0.0F);
   free_from.clear();
+  flags.clear();
 }
 
 void PlanarScan::set_angles(float first, float increment) {
@@ -52,6 +53,7 @@ const char* violation(const PlanarScan& scan) {
     return "number of intensities is not that of ranges";
   if (!scan.free_from.empty() && scan.free_from.size() != scan.beams)
     return "number of free_from is not that of beams";
+  if (!scan.flags.empty() && scan.flags.size() != scan.beams) return "number of flags is not that of beams";
   if (!std::isfinite(scan.angle_min) || !std::isfinite(scan.angle_increment)) return "angles are not finite";
   if (scan.angle_increment == 0 && scan.beams > 1) return "angle_increment is 0";
   if (scan.angle_max != scan.angle(scan.beams - 1)) return "angle_max is not that of the last beam";

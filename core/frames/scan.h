@@ -74,6 +74,8 @@ struct PlanarScan {
   /// m per beam: nearer than that nothing was observed, though what lies beyond was; empty: 0 everywhere.
   /// Only virtual scans have it.
   std::vector<float> free_from;
+  /// What the device says of each beam in bits of its own (sick::ms3_beam); empty: nothing beyond its status.
+  std::vector<std::uint8_t> flags;
 
   std::size_t index(std::size_t beam, std::size_t echo = 0) const { return echo * beams + beam; }
   float angle(std::size_t beam) const { return angle_min + static_cast<float>(beam) * angle_increment; }

@@ -190,6 +190,10 @@ std::vector<OutputTopic> sensor_topics(const SensorConfig& sensor) {
     topics.push_back({sensor.name + "/echoes", TopicKind::echoes});
   if (!sensor.raw_topic.empty())
     topics.push_back({sensor.raw_topic, TopicKind::message, true, message_kind<RawPackets>()});
+  if (!sensor.extended_scan_topic.empty())
+    topics.push_back({sensor.extended_scan_topic, TopicKind::extended_scan});
+  if (!sensor.output_paths_topic.empty())
+    topics.push_back({sensor.output_paths_topic, TopicKind::output_paths, false});
   add_told(sensor, topics);
   return topics;
 }

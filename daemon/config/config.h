@@ -65,9 +65,12 @@ struct SensorConfig {
   VelodyneControl control;             ///< the sensor's web interface; nothing is done with it by default
   std::string scan_topic;    ///< of a planar scanner, or of the ring `ring_scan` of a multi-plane lidar
   std::string points_topic;  ///< of a multi-plane lidar
-  CloudLayout layout;        ///< of its cloud message
-  std::string points_frame;  ///< frame of its cloud message; empty: frame_id
-  bool deskew = false;       ///< the cloud message shows one instant, that of its stamp
+  std::string
+      extended_scan_topic;         ///< scans with flags, sick_safetyscanners/ExtendedLaserScanMsg; empty: not
+  std::string output_paths_topic;  ///< sick_safetyscanners/OutputPathsMsg; empty: not
+  CloudLayout layout;              ///< of its cloud message
+  std::string points_frame;        ///< frame of its cloud message; empty: frame_id
+  bool deskew = false;             ///< the cloud message shows one instant, that of its stamp
   std::optional<RingScanSpec> ring_scan;  ///< one ring of a multi-plane lidar as a planar scan
   FrameFilterSettings filter;             ///< of what is published of it; other outputs see all of it
   bool handed_over = false;               ///< its scans come from the other lane of the daemon, see part_of()
@@ -195,7 +198,8 @@ std::string to_yaml(const VirtualScanConfig& group);
 std::vector<StaticTransform> fixed_poses(const Config& config);
 
 /// What travels on a topic. A scan with several echoes goes to a topic of its own (MultiEchoLaserScan).
-enum class TopicKind : std::uint8_t { scan, echoes, cloud, message };
+/// `extended_scan` and `output_paths`: a scan and a DeviceState as messages of sick_safetyscanners.
+enum class TopicKind : std::uint8_t { scan, echoes, cloud, message, extended_scan, output_paths };
 
 /// A topic that something in a configuration may publish on.
 struct OutputTopic {

@@ -25,6 +25,7 @@ const Misfit no_settings{", to whose settings nothing is said", "no such key; se
 const Misfit no_web{", which has no web interface that is known",
                     "no such key: it applies to Velodynes other than the HDL-64E"};
 const Misfit no_packets{", whose packets travel in no message that is known", "a Velodyne, or no such key"};
+const Misfit no_paths{", which is no safety scanner of SICK", no_key};
 const Misfit no_telemetry{", which sends no telemetry beside its data", no_key};
 const Misfit no_beams{", whose clouds are complete with all returns",
                       "no such key; view_direction and view_width keep a sector"};
@@ -42,6 +43,12 @@ bool gives(const Model& model) {
 template <Trait trait>
 bool can(const Model& model) {
   return model.has(trait);
+}
+
+/// Of the safety scanners of SICK, which tell their output paths.
+bool has_output_paths(const Model& model) {
+  return std::any_of(model.messages.begin(), model.messages.end(),
+                     [](const MessageTopic& told) { return told.name == output_paths_topic; });
 }
 
 Rows of_driver(const Keys<DriverConfig>& keys) { return within(&S::driver, keys); }
@@ -240,6 +247,15 @@ const std::vector<SensorGroup>& sensor_groups() {
       {"planar scanners", gives<FrameKind::scan>, false, of_driver(beam_rows()), {}, no_beams},
       {"planar scanners", gives<FrameKind::scan>, false, {scan_topic_row()}},
       {"planar scanners with several echoes", echoes, false, of_driver(echo_rows()), {}, no_beams},
+      {"SICK safety scanners",
+       has_output_paths,
+       false,
+       {topic("extended_scan_topic", &S::extended_scan_topic,
+              "its scan with the flags of the beams, as sick_safetyscanners/ExtendedLaserScanMsg"),
+        topic("output_paths_topic", &S::output_paths_topic,
+              "its output paths, as sick_safetyscanners/OutputPathsMsg")},
+       no_paths,
+       no_paths},
       {"SICK scanners that speak CoLa", can<Trait::skip_setting>, false, of_requests(cola_keys())},
       {"Hokuyos that speak SCIP", can<Trait::skip_request>, false, of_requests(scip_keys())},
       {"Hokuyos that speak SCIP", can<Trait::skip_request>, false, of_requests(scip_clock_keys()), no_clock,

@@ -38,7 +38,7 @@ constexpr Dropin dropins[] = {
      }},
     {"sick_safetyscanners_node", "sick_safetyscanners",
      "Stands in for sick_safetyscanners_node: reads its private parameters (sensor_ip, host_ip, frame_id, "
-     "...) and publishes scan.\n",
+     "...) and publishes scan, extended_laser_scan and output_paths.\n",
      ReconfigureNames::entries,
      [](const Arguments& arguments, const std::string& node) {
        return safety_scanners_setup(wait_for_parameters(arguments, node));

@@ -134,7 +134,8 @@ class Importer {
     transforms_.insert(transforms_.end(), setup.transforms.begin(), setup.transforms.end());
     for (auto& [name, value] : section(setup.keys, "sensors")) {
       auto& sensor = std::get<KeyMap>(value);
-      for (const char* key : {"scan_topic", "points_topic", "packet_topic"}) {
+      for (const char* key :
+           {"scan_topic", "points_topic", "packet_topic", "extended_scan_topic", "output_paths_topic"}) {
         if (auto* topic = find_key(sensor, key); topic != nullptr)
           *topic = node.resolved(text_of(sensor, key));
       }

@@ -55,12 +55,14 @@ const MovedPackage& moved_safety_scanners() {
         "/diagnostics tells of late and of wrong stamps by the scanner's own clock", "-1 1"}},
       {{"scan", "sensor_msgs/LaserScan", "the same: scan_topic; stamp of the first beam, time_increment set"},
        {"extended_laser_scan", "sick_safetyscanners/ExtendedLaserScanMsg",
-        "NAME/beam_status: a LaserScan with the beams' flags; the message is not in Debian 12"},
+        "the same: extended_scan_topic; reflektor_median is the middle of each run of reflectors, and "
+        "intrusion is the flag of contamination, as there"},
        {"output_paths", "sick_safetyscanners/OutputPathsMsg",
-        "NAME/output_paths as diagnostic_msgs/DiagnosticArray, with a stamp; the message is not in Debian "
-        "12"},
+        "the same: output_paths_topic, where the scanner sends application data; with a stamp as "
+        "diagnostic_msgs/DiagnosticArray on NAME/output_paths"},
        {"raw_data", "sick_safetyscanners/RawMicroScanDataMsg",
-        "NAME/system_state, NAME/output_paths, NAME/intrusion; the telegrams themselves: `lidard record`"},
+        "none: its 13 parts are on scan, NAME/system_state, NAME/output_paths, NAME/intrusion and "
+        "/diagnostics; the telegrams themselves: `lidard record`"},
        {"field_data config_metadata status_overview", "services",
         "fields, cases, the checksum of the configuration and the state are read once and stand on "
         "/diagnostics "
@@ -91,6 +93,8 @@ DropinSetup safety_scanners_setup(const NodeParameters& parameters) {
   }
   reader.move(moved_safety_scanners(), sensor, setup);
   sensor.emplace_back("scan_topic", "scan");
+  sensor.emplace_back("extended_scan_topic", "extended_laser_scan");
+  sensor.emplace_back("output_paths_topic", "output_paths");
   setup.keys = {{"sensors", KeyMap{{"safety_scanner", std::move(sensor)}}}};
   reader.remark_on_rest(setup.warnings);
   return setup;

@@ -48,7 +48,8 @@ const MovedPackage& moved_urg_node() {
        {"first last most_intense", "sensor_msgs/LaserScan",
         "one of them: `echoes` of a merged scan; all of them are in NAME/echoes"},
        {"laser_status", "urg_node/Status",
-        "NAME/status as diagnostic_msgs/DiagnosticArray (UAM-05LP); the message is not in Debian 12"},
+        "NAME/status as diagnostic_msgs/DiagnosticArray (UAM-05LP), and not in this type: three of its seven "
+        "values are the last stop's, which urg_node asks for by another command (DL00)"},
        {"update_laser_status", "std_srvs/Trigger", "not needed: the status comes with each scan"},
        {"diagnostics", "diagnostic_msgs/DiagnosticArray", "the same topic, more in it"}}};
   return package;

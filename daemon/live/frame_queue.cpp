@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t usual_depth = 2;
 
 QueuedContent what_travels(TopicKind kind) {
-  if (kind == TopicKind::message) return DeviceMessage();
+  if (kind == TopicKind::message || kind == TopicKind::output_paths) return DeviceMessage();
   return kind == TopicKind::cloud ? QueuedContent(Cloud()) : PlanarScan();
 }
 

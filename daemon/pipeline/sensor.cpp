@@ -52,11 +52,15 @@ Sensor::Sensor(const SensorConfig& config, std::size_t place, SensorContext& con
 
 void Sensor::place_at(std::size_t place) {
   place_ = place;
-  topic_ = ring_topic_ = echoes_topic_ = raw_topic_ = nullptr;
+  topic_ = ring_topic_ = echoes_topic_ = extended_topic_ = raw_topic_ = nullptr;
   told_topics_.clear();
   for (const OutputTopic& own : sensor_topics(config_)) {
     const OutputTopic& topic = topic_named(context_.outlet.topics(), own.name);
-    if (!topic.promised)
+    if (topic.kind == TopicKind::output_paths)
+      told_topics_.emplace_back(output_paths_topic, &topic);
+    else if (topic.kind == TopicKind::extended_scan)
+      extended_topic_ = &topic;
+    else if (!topic.promised)
       told_topics_.emplace_back(std::string_view(topic.name).substr(config_.name.size() + 1), &topic);
     else if (topic.kind == TopicKind::message)
       raw_topic_ = &topic;
@@ -106,17 +110,18 @@ void Sensor::receive_recorded(Packet chunk) {
 void Sensor::scan(PlanarScan& scan) {
   notice_shape(scan);
   watch_.scan(scan);
-  publish_scan(*topic_, echoes_topic_, filter_, scan);
+  publish_scan(*topic_, filter_, scan);
 }
 
-void Sensor::publish_scan(const OutputTopic& topic, const OutputTopic* echoes,
-                          std::optional<FrameFilter>& filter, PlanarScan& scan) {
+void Sensor::publish_scan(const OutputTopic& topic, std::optional<FrameFilter>& filter, PlanarScan& scan) {
   if (filter) {
     feed(scan);
     filter->apply(scan);
   }
   context_.outlet.publish(topic, scan, context_.now);
-  if (echoes != nullptr) context_.outlet.publish(*echoes, scan, context_.now);
+  for (const OutputTopic* more : {echoes_topic_, extended_topic_}) {
+    if (more != nullptr) context_.outlet.publish(*more, scan, context_.now);
+  }
   if (!filter) feed(scan);
 }
 
@@ -130,8 +135,7 @@ void Sensor::cloud(Cloud& cloud) {
   publish_raw();
   watch_.cloud(cloud);
   feed(cloud);
-  if (ring_scan_ && ring_scan_->convert(cloud, ring_))
-    publish_scan(*ring_topic_, nullptr, ring_filter_, ring_);
+  if (ring_scan_ && ring_scan_->convert(cloud, ring_)) publish_scan(*ring_topic_, ring_filter_, ring_);
   if (filter_) filter_->apply(cloud);
   // The sinks come last, since they may keep the points.
   if (placer_)
@@ -151,21 +155,16 @@ void Sensor::feed(const Frame& frame) {
   context_.outlet.feed(place_, frame, context_.now);
 }
 
-const OutputTopic* Sensor::topic_told_as(std::string_view name) const {
+template <class Told>
+void Sensor::publish_told(std::string_view name, Told& what) {
   for (const auto& [told, topic] : told_topics_) {
-    if (told == name) return topic;
+    if (told == name) context_.outlet.publish(*topic, what, context_.now);
   }
-  return nullptr;
 }
 
-void Sensor::message(const DeviceMessage& message) {
-  if (const OutputTopic* topic = topic_told_as(topic_of(message)))
-    context_.outlet.publish(*topic, message, context_.now);
-}
+void Sensor::message(const DeviceMessage& message) { publish_told(topic_of(message), message); }
 
-void Sensor::extra_scan(std::string_view name, PlanarScan& scan) {
-  if (const OutputTopic* topic = topic_told_as(name)) context_.outlet.publish(*topic, scan, context_.now);
-}
+void Sensor::extra_scan(std::string_view name, PlanarScan& scan) { publish_told(name, scan); }
 
 void Sensor::note(std::string_view sentence) { spdlog::info("{}: {}", config_.name, sentence); }
 

@@ -117,10 +117,9 @@ class Sensor final : public DriverOutput {
   void notice_shape(const PlanarScan& scan);
   /// Makes a scan without beams one that observed nothing.
   void fill_empty(PlanarScan& scan) const;
-  /// A scan of its own on a topic of its own; also with all its echoes, unless that topic is nullptr. The
-  /// filter comes after those who see everything.
-  void publish_scan(const OutputTopic& topic, const OutputTopic* echoes, std::optional<FrameFilter>& filter,
-                    PlanarScan& scan);
+  /// A scan of its own on a topic of its own, with echoes and flags on topics beside it. The filter comes
+  /// after those who see everything.
+  void publish_scan(const OutputTopic& topic, std::optional<FrameFilter>& filter, PlanarScan& scan);
   /// Its cloud, on the topic of its own.
   void publish_cloud(Cloud& cloud, Stamp now);
   /// Publishes the packets since the last call, if there are any.
@@ -128,8 +127,9 @@ class Sensor final : public DriverOutput {
   /// For the outputs that are made of this sensor's frames.
   template <class Frame>
   void feed(const Frame& frame);
-  /// The topic of what is told beside the frames; nullptr: it is not published.
-  const OutputTopic* topic_told_as(std::string_view name) const;
+  /// What is told beside the frames, on each of its topics.
+  template <class Told>
+  void publish_told(std::string_view name, Told& what);
 
   SensorConfig config_;
   std::size_t place_;
@@ -141,10 +141,11 @@ class Sensor final : public DriverOutput {
   std::optional<RingScan> ring_scan_;
   PlanarScan ring_;
   RawPacketCollector raw_{config_};
-  const OutputTopic* topic_ = nullptr;         // of its frames; nullptr, as below: none
-  const OutputTopic* ring_topic_ = nullptr;    // of the ring that is a scan
-  const OutputTopic* echoes_topic_ = nullptr;  // of its scans with all echoes
-  const OutputTopic* raw_topic_ = nullptr;     // of its packets
+  const OutputTopic* topic_ = nullptr;           // of its frames; nullptr, as below: none
+  const OutputTopic* ring_topic_ = nullptr;      // of the ring that is a scan
+  const OutputTopic* echoes_topic_ = nullptr;    // of its scans with all echoes
+  const OutputTopic* extended_topic_ = nullptr;  // of its scans with the flags of the beams
+  const OutputTopic* raw_topic_ = nullptr;       // of its packets
   std::vector<std::pair<std::string_view, const OutputTopic*>> told_topics_;  // by what a driver calls them
   ConnectionPicker connection_;                                               // in a capture
   ConnectionRequest request_ = ConnectionRequest::none;

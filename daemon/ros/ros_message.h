@@ -17,6 +17,7 @@
 #include "core/frames/device_message.h"
 #include "daemon/config/config.h"
 #include "daemon/ros/ros_convert.h"
+#include "daemon/ros/safety_messages.h"
 #include "daemon/ros/velodyne_scan.h"
 
 namespace lidard {
@@ -99,9 +100,10 @@ template <class... Told>
 struct RosMessageOf<std::variant<Told...>> {
   template <class One>
   using RosType = decltype(ros_type(std::declval<const One&>()));
-  using Type = boost::mp11::mp_unique<
-      std::variant<sensor_msgs::LaserScan, sensor_msgs::MultiEchoLaserScan, sensor_msgs::PointCloud2,
-                   tf2_msgs::TFMessage, rosgraph_msgs::Clock, RosType<Told>...>>;
+  using Type =
+      boost::mp11::mp_unique<std::variant<sensor_msgs::LaserScan, sensor_msgs::MultiEchoLaserScan,
+                                          sensor_msgs::PointCloud2, tf2_msgs::TFMessage, rosgraph_msgs::Clock,
+                                          ExtendedScanMessage, OutputPathsMessage, RosType<Told>...>>;
   static Type empty(std::size_t kind) {
     static const Type all[] = {RosType<Told>()...};
     return all[kind];
@@ -119,6 +121,10 @@ inline RosMessage message_for(const OutputTopic& topic) {
       return sensor_msgs::MultiEchoLaserScan();
     case TopicKind::cloud:
       return sensor_msgs::PointCloud2();
+    case TopicKind::extended_scan:
+      return ExtendedScanMessage();
+    case TopicKind::output_paths:
+      return OutputPathsMessage();
     case TopicKind::message:
       return RosMessageOf<DeviceMessage>::empty(topic.message);
   }

@@ -59,13 +59,11 @@ void write_velodyne_scan(const RawPackets& packets, std::vector<std::uint8_t>& m
   }
 }
 
-}  // namespace lidard
-
-const char* ros::message_traits::Definition<lidard::VelodyneScanBytes>::value() {
+std::string VelodyneScanForm::definition() {
   // The packages' own .msg files; std_msgs is in Debian.
-  static const std::string text = std::string("Header header\nVelodynePacket[] packets\n") +
-                                  std::string(80, '=') + "\nMSG: std_msgs/Header\n" +
-                                  Definition<std_msgs::Header>::value() + "\n" + std::string(80, '=') +
-                                  "\nMSG: velodyne_msgs/VelodynePacket\ntime stamp\nuint8[1206] data\n";
-  return text.c_str();
+  return "Header header\nVelodynePacket[] packets\n" +
+         definition_part("std_msgs/Header", ros::message_traits::Definition<std_msgs::Header>::value()) +
+         "\n" + definition_part("velodyne_msgs/VelodynePacket", "time stamp\nuint8[1206] data\n");
 }
+
+}  // namespace lidard

@@ -8,6 +8,7 @@ import socket
 import subprocess
 import xmlrpc.client
 
+import genpy.dynamic
 import rospy
 from harness import LIDARD, LIDARD_SIM, expect, folder, free_port, process, ros_master, use_master_at, wait_for
 from sensor_msgs.msg import LaserScan
@@ -17,9 +18,10 @@ start: 2026-01-01T00:00:00Z
 duration: 600
 sensors:
   ust: {{model: hokuyo_ust_10lx, from: '192.168.0.10:{ust}', to: '127.0.0.1:40000'}}
-  micro: {{model: sick_microscan3, from: '192.168.1.11:6060', to: '127.0.0.1:{micro}'}}
+  micro: {{model: sick_microscan3, from: '192.168.1.11:6060', to: '127.0.0.1:{micro}', options: {{protective_field: 6.0}}}}
 objects:
-  - wall: {{from: [4, -3], to: [4, 3], z: [-1, 1]}}
+  - wall: {{from: [4, -3], to: [4, 0], z: [-1, 1]}}
+  - wall: {{from: [4, 0], to: [4, 3], z: [-1, 1], reflectivity: 1.5}}
 """
 
 
@@ -33,6 +35,32 @@ def start(tmp, port, executable, arguments, parameters, log):
     return process([program, *arguments], stdout=log.open("w"), stderr=subprocess.STDOUT)
 
 
+def understood(message, kind, md5):
+    """A message of a type that nobody here has, by the definition that its sender tells."""
+    header = message._connection_header
+    expect(header["type"] == kind and header["md5sum"] == md5, f"{header}")
+    made = genpy.dynamic.generate_dynamic(kind, header["message_definition"])[kind]
+    expect(made._md5sum == md5, f"the definition of {kind} has the MD5 {made._md5sum}")
+    return made().deserialize(message._buff)
+
+
+def check_typed(extended, paths):
+    """What sick_safetyscanners publishes beside the scan; the MD5 are those of its .msg files."""
+    scan = understood(extended, "sick_safetyscanners/ExtendedLaserScanMsg", "ebb40b28432208d7bfa749af849de1ab")
+    beams = len(scan.laser_scan.ranges)
+    expect(scan.laser_scan.header.frame_id == "left" and beams > 200, f"{scan.laser_scan.header}")
+    expect([len(flags) for flags in (scan.reflektor_status, scan.reflektor_median, scan.intrusion)] == [beams] * 3, "a flag per beam")
+    angles = [scan.laser_scan.angle_min + i * scan.laser_scan.angle_increment for i in range(beams)]
+    expected = [0 < angle < 0.6435 for angle in angles]
+    wrong = [angle for angle, seen, flag in zip(angles, expected, scan.reflektor_status) if seen != flag]
+    expect(len(wrong) <= 2, f"the left half of the wall is a reflector, not so at {wrong}")
+    expect(sum(scan.reflektor_median) == 1 and not any(scan.intrusion), f"{sum(scan.reflektor_median)} reflectors")
+    expect(abs(angles[scan.reflektor_median.index(True)] - 0.32) < 0.02, "the middle of the reflector")
+    told = understood(paths, "sick_safetyscanners/OutputPathsMsg", "10ce675a2a87077eb6fb8c168c348972")
+    expect(len(told.status) == len(told.is_safe) == len(told.is_valid) == 20, f"{told}")
+    expect(told.active_monitoring_case == 1, f"{told}")
+
+
 def main():
     ports = {"ust": free_port(), "micro": free_port(socket.SOCK_DGRAM), "master": free_port()}
     use_master_at(ports["master"])
@@ -42,6 +70,9 @@ def main():
         urg, micro = [], []
         rospy.Subscriber("/scan", LaserScan, urg.append, queue_size=100)
         rospy.Subscriber("/left_scan", LaserScan, micro.append, queue_size=100)
+        extended, paths = [], []
+        rospy.Subscriber("/extended_laser_scan", rospy.AnyMsg, extended.append, queue_size=100)
+        rospy.Subscriber("/output_paths", rospy.AnyMsg, paths.append, queue_size=100)
         urg_log, micro_log = tmp / "urg.txt", tmp / "micro.txt"
         urg_parameters = {"ip_address": "127.168.0.10", "ip_port": ports["ust"], "frame_id": "nose", "angle_min": -1.5,
                           "angle_max": 1.5, "calibrate_time": False, "publish_intensity": True, "error_limit": 2,
@@ -52,11 +83,12 @@ def main():
                 start(tmp, ports["master"], "urg_node", ["__name:=urg_node"], urg_parameters, urg_log) as first, \
                 start(tmp, ports["master"], "sick_safetyscanners_node", ["__name:=left_scanner", "scan:=left_scan"],
                       micro_parameters, micro_log) as second:
-            wait_for(lambda: len(urg) > 5 and len(micro) > 5, 40, "scans of both nodes come")
+            wait_for(lambda: len(urg) > 5 and len(micro) > 5 and len(extended) > 5 and len(paths) > 5, 40, "scans of both nodes come")
             for node in (first, second):
                 node.terminate()
             expect([node.wait(5) for node in (first, second)] == [0, 0], "SIGTERM ends them with 0")
         told, also_told = urg_log.read_text(), micro_log.read_text()
+    check_typed(extended[-1], paths[-1])
     for scan, frame, limit in ((urg[-1], "nose", 1.5), (micro[-1], "left", 1.0)):
         expect(scan.header.frame_id == frame, f"frame {scan.header.frame_id}")
         expect(abs(scan.angle_min + limit) < 0.01 and abs(scan.angle_max - limit) < 0.01, f"{scan.angle_min}, {scan.angle_max}")

@@ -257,8 +257,12 @@ class SafetyDriver final : public DriverBase {
   void fill() {
     scan_.reset(scan_.beams, 1, config_.publish_intensity);
     const double metres = geometry_->factor * 1e-3;
+    unsigned flags = 0;
+    scan_.flags.resize(scan_.beams);
     for (std::size_t i = 0; i < scan_.beams; ++i) {
       const Ms3Beam beam = telegram_.beam(first_beam_ + i);
+      scan_.flags[i] = beam.status;
+      flags |= beam.status;
       if (config_.publish_intensity) scan_.intensities[i] = beam.reflectivity;
       const BeamStatus status = status_of(beam);
       const auto range = static_cast<float>(beam.distance * metres);
@@ -270,6 +274,8 @@ class SafetyDriver final : public DriverBase {
       // A device of that range may overshoot its end a little.
       if (range > 1.05F * scan_.range_max) beyond_range_m_ = std::max<double>(beyond_range_m_, range);
     }
+    // These two the ranges tell.
+    if ((flags & ~(0U + ms3_beam::valid + ms3_beam::infinite)) == 0) scan_.flags.clear();
   }
 
   /// The data leaves when the last beam is measured; the first published one came so many periods before.

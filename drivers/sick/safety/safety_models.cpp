@@ -25,7 +25,7 @@ Model scanner(const char* name, const char* product, double frame_period, double
   // CoLa 2 needs no login for what concerns the data output.
   model.traits = {Trait::settings_writable, Trait::receiver_settable};
   model.messages = {message_topic<DeviceState>(safety_topic::system_state),
-                    message_topic<DeviceState>(safety_topic::output_paths)};
+                    message_topic<DeviceState>(output_paths_topic)};
   model.extra_scans = {safety_topic::intrusion, beam_status_scan};
   model.row = &safety_row;
   model.make = make_safety_driver;

@@ -131,11 +131,11 @@ void SafetyTopics::publish(const Ms3Telegram& telegram, const PlanarScan& scan, 
     publish_state(*telegram.state, out);
   }
   if (telegram.application) {
-    begin(safety_topic::output_paths, scan);
+    begin(output_paths_topic, scan);
     publish_paths(*telegram.application, out);
   }
   publish_intrusion(telegram, scan, first_beam, out);
-  publish_beam_status(telegram, scan, first_beam, out);
+  publish_beam_status(scan, out);
 }
 
 void SafetyTopics::begin(std::string_view topic, const PlanarScan& scan) {
@@ -189,17 +189,10 @@ void SafetyTopics::publish_intrusion(const Ms3Telegram& telegram, const PlanarSc
   out.extra_scan(safety_topic::intrusion, intrusion_);
 }
 
-/// The scan again, with the flags of ms3_beam as intensities; only where a beam has another flag than valid
-/// and infinite, which the ranges tell.
-void SafetyTopics::publish_beam_status(const Ms3Telegram& telegram, const PlanarScan& scan,
-                                       std::size_t first_beam, DriverOutput& out) {
-  unsigned flags = 0;
-  for (std::size_t i = 0; i < scan.beams; ++i) flags |= telegram.beam(first_beam + i).status;
-  if ((flags & ~(0U + ms3_beam::valid + ms3_beam::infinite)) == 0) return;
+void SafetyTopics::publish_beam_status(const PlanarScan& scan, DriverOutput& out) {
+  if (scan.flags.empty()) return;
   beam_status_ = scan;
-  beam_status_.intensities.resize(scan.beams);
-  for (std::size_t i = 0; i < scan.beams; ++i)
-    beam_status_.intensities[i] = telegram.beam(first_beam + i).status;
+  beam_status_.intensities.assign(scan.flags.begin(), scan.flags.end());
   out.extra_scan(beam_status_scan, beam_status_);
 }
 

@@ -36,7 +36,6 @@ std::vector<std::pair<std::string, std::string>> describe(const SafetyStatus& st
 /// Names of the topics below a safety scanner's.
 namespace safety_topic {
 constexpr std::string_view system_state = "system_state";
-constexpr std::string_view output_paths = "output_paths";
 constexpr std::string_view intrusion = "intrusion";
 }  // namespace safety_topic
 
@@ -54,8 +53,8 @@ class SafetyTopics {
   void publish_paths(const Ms3Application& application, DriverOutput& out);
   void publish_intrusion(const Ms3Telegram& telegram, const PlanarScan& scan, std::size_t first_beam,
                          DriverOutput& out);
-  void publish_beam_status(const Ms3Telegram& telegram, const PlanarScan& scan, std::size_t first_beam,
-                           DriverOutput& out);
+  /// The scan again, with its flags as intensities.
+  void publish_beam_status(const PlanarScan& scan, DriverOutput& out);
   void begin(std::string_view topic, const PlanarScan& scan);
   void add(std::string_view name, double value) { state_->values.push_back({name, value}); }
 
