@@ -90,7 +90,6 @@ bool CloudPlacer::release(Cloud& cloud, bool may_wait, Stamp now) {
   // What does not move stays where it is to the last bit.
   if (!motion.stands() || frame != cloud.frame_id) move_points(motion, frame_from_lidar, cloud);
   cloud.frame_id = frame;
-  ++counters_.published;
   publish_(cloud, now);
   return true;
 }
@@ -98,10 +97,12 @@ bool CloudPlacer::release(Cloud& cloud, bool may_wait, Stamp now) {
 std::string placement_losses(const PlacementCounters& counters) {
   std::string text;
   const auto add = [&](std::uint64_t count, const char* what) {
-    if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, what);
+    if (count > 0)
+      text +=
+          fmt::format("{}{} {} {}", text.empty() ? "" : ", ", count, count == 1 ? "cloud" : "clouds", what);
   };
-  add(counters.not_published, "clouds not published, since their pose in points_frame was not known");
-  add(counters.not_deskewed, "clouds not deskewed, since poses of the vehicle are missing");
+  add(counters.not_published, "not published, since their pose in points_frame was not known");
+  add(counters.not_deskewed, "not deskewed, since poses of the vehicle are missing");
   return text;
 }
 

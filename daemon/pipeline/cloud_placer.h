@@ -17,7 +17,6 @@ namespace lidard {
 
 /// What became of clouds that are published in another frame than the sensor's, or deskewed.
 struct PlacementCounters {
-  std::uint64_t published = 0;
   std::uint64_t not_published = 0;  ///< the pose of the sensor in the frame was not known
   std::uint64_t not_deskewed = 0;   ///< published as if the vehicle stood still
   std::string trouble;              ///< with the newest cloud, and the remedy; empty: none

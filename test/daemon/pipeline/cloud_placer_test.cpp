@@ -132,7 +132,7 @@ TEST(CloudPlacer, InAFrameThatStandsStillEveryReturnIsWhereItWas) {
   Demo placed(", frame_stamp: last, points_frame: odom, deskew: true", ms(45));
   ASSERT_EQ(placed.clouds().size() + 1, raw.clouds().size()) << "all but the last one's pose come in time";
   EXPECT_EQ(test::value_of(placed.told(), "Clouds not published for want of a pose"), "0");
-  EXPECT_THAT(placed.verdicts.str(), HasSubstr("WARN roof: 1 clouds not published"));
+  EXPECT_THAT(placed.verdicts.str(), HasSubstr("WARN roof: 1 cloud not published"));
   EXPECT_EQ(placed.clouds()[3].frame_id, "odom");
   EXPECT_LT(worst_error(placed, raw, [](Stamp) { return Pose::Identity(); }), 0.005);
   for (std::size_t i = 1; i + 1 < placed.clouds().size(); ++i) {
