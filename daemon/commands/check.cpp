@@ -31,6 +31,7 @@ class Forecast {
 
   /// Each sentence begins with `file:line:column`.
   std::vector<std::string> all() {
+    for (const SensorConfig& sensor : config_.sensors) tell(sensor);
     for (const MergedScanConfig& merged : config_.merged_scans) tell(merged);
     for (const VirtualScanConfig& group : config_.virtual_scans) tell(group);
     return std::move(sentences_);
@@ -76,6 +77,15 @@ class Forecast {
       add(entry, source + " comes from " + sensor->topic +
                      ", which another node must publish; a replay of captures is without it");
     }
+  }
+  void tell(const SensorConfig& sensor) {
+    const std::string& frame = sensor.points_frame;
+    if (frame.empty() || is_placed(sensor.name, frame)) return;
+    add(value_of(value_of(root_, "sensors"), sensor.name),
+        "the pose of " + sensor.frame_id + " in points_frame " + frame +
+            " comes from tf only; without tf (replay --bag, snapshot) its cloud does not come out: take a "
+            "frame "
+            "whose pose is configured, or name a bag with tf (--motion)");
   }
   void tell(const MergedScanConfig& merged) {
     const Value entry = value_of(value_of(root_, "merged_scans"), merged.name);

@@ -54,6 +54,17 @@ TEST_F(Check, ListsTheSocketsThatTheDaemonOpens) {
   EXPECT_EQ(run_check_ports("/nowhere.yaml", out_, err_), 78);
 }
 
+TEST_F(Check, TellsWhichCloudsNeedTf) {
+  EXPECT_EQ(check("sensors:\n"
+                  "  roof: {model: velodyne_vlp16, points_frame: base_link, pose: {xyz: [0, 0, 2]}}\n"
+                  "  mast: {model: velodyne_vlp16, ip_port: 2369, telemetry_port: 0, points_frame: odom}\n"),
+            0);
+  EXPECT_EQ(err_.str(), path_ +
+                            ":3:3: sensors.mast: the pose of mast in points_frame odom comes from tf only; "
+                            "without tf (replay --bag, snapshot) its cloud does not come out: take a frame "
+                            "whose pose is configured, or name a bag with tf (--motion)\n");
+}
+
 TEST_F(Check, RemarksAreNoErrors) {
   EXPECT_EQ(check("sensors: {rear: {topic: scan}}\n"), 0);
   EXPECT_EQ(err_.str(), path_ + ":1:11: sensors.rear is used by no merged and no virtual scan\n");
