@@ -139,8 +139,21 @@ class Importer {
         if (auto* topic = find_key(sensor, key); topic != nullptr)
           *topic = node.resolved(text_of(sensor, key));
       }
+      drop_shared_topics(node, sensor);
       section(config_.keys, "sensors").emplace_back(free_name(node), std::move(sensor));
       ++config_.entries;
+    }
+  }
+
+  /// Two nodes may publish on one topic, and two sensors may not: of those beside the scan the first one
+  /// stays.
+  void drop_shared_topics(const LaunchNode& node, KeyMap& sensor) {
+    for (const char* key : {"extended_scan_topic", "output_paths_topic"}) {
+      const std::string topic = text_of(sensor, key);
+      if (topic.empty() || side_topics_.insert(topic).second) continue;
+      erase_key(sensor, key);
+      config_.remarks.push_back(node.name + ": " + key + " was left out, since another node publishes on " +
+                                topic + " too; name a topic of its own");
     }
   }
 
@@ -305,7 +318,7 @@ class Importer {
 
   const LaunchFile& launch_;
   ImportedConfig config_;
-  std::set<std::string> names_;
+  std::set<std::string> names_, side_topics_;
   std::vector<StaticTransform> transforms_;
   std::string base_;
   std::string odometry_, moved_;  // the frame that stands still, and that of a sensor that moves in it
