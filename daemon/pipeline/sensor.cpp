@@ -288,7 +288,10 @@ std::optional<DiagnosticItem> Sensor::settings(Stamp now) const {
 }
 
 std::string Sensor::why_no_frames(const UnknownSenders& unknown) const {
-  if (counters().frames > 0) return {};
+  if (counters().frames > 0) {
+    const bool withheld = placer_ && placer_->counters().not_published > 0;
+    return withheld ? placer_->counters().trouble : std::string();
+  }
   if (driver_ == nullptr)
     return seen_ ? "no message of " + config_.topic + " could be used"
                  : "no message came on " + config_.topic + ", which another node publishes";

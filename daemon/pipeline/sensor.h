@@ -92,7 +92,7 @@ class Sensor final : public DriverOutput {
   SensorReport report() const;
   /// The device's settings against those wanted; none: its driver does not look at them, or cannot.
   std::optional<DiagnosticItem> settings(Stamp now) const;
-  /// Why it gave no frames; empty: it gave some.
+  /// Why it gave no frames, or why they are not published; empty: nothing is missing.
   std::string why_no_frames(const UnknownSenders& unknown) const;
 
   void scan(PlanarScan& scan) override;

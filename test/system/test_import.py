@@ -166,7 +166,7 @@ def safety_scanners(tmp):
               "angle_min": -1.5, "angle_max": 1.5}
     expect({key: scanner[key] for key in wanted} == wanted, scanner)
     one_with(remarks, "~skip (1)", "no effect")
-    expect(scanner["extended_scan_topic"] == "/extended_laser_scan" and scanner["output_paths_topic"] == "/output_paths", scanner)
+    expect(scanner["extended_scan_topic"] == "/left/extended_laser_scan" and scanner["output_paths_topic"] == "/left/output_paths", scanner)
     pair = "".join(f"<node pkg='sick_safetyscanners' type='sick_safetyscanners_node' name='{name}'><remap from='scan' to='/{name}'/>"
                    f"<param name='sensor_ip' value='192.168.1.{last}'/></node>" for name, last in (("left", 1), ("right", 2)))
     config, remarks = imported(written(tmp, "pair.launch", f"<launch>{pair}</launch>"))

@@ -73,6 +73,7 @@ struct Demo {
       pipeline.tick(packet.arrival);
     }
     pipeline.finish(way.now);
+    remark = pipeline.why_missing("roof/points");
     print_verdicts(config, pipeline.report(), verdicts);
   }
   const std::vector<Cloud>& clouds() { return sink.clouds["roof/points"]; }
@@ -81,6 +82,7 @@ struct Demo {
   TrueWay way;
   test::RecordingSink sink;
   std::ostringstream verdicts;
+  std::string remark;  // in the table of outputs
 };
 
 Eigen::Vector3d place_of(const CloudPoint& p) { return Eigen::Vector3f(p.x, p.y, p.z).cast<double>(); }
@@ -169,6 +171,8 @@ TEST(CloudPlacer, PosesThatDoNotComeAreToldAndCounted) {
   EXPECT_EQ(nowhere.told().health, Health::warn);
   EXPECT_THAT(nowhere.told().message,
               HasSubstr("its clouds are not published in odom: odom at that time is not known yet"));
+  EXPECT_THAT(nowhere.remark, HasSubstr("not published in odom"));
+  EXPECT_EQ(standing.remark, "");
   EXPECT_THAT(nowhere.verdicts.str(),
               HasSubstr("WARN roof: " + std::to_string(raw.clouds().size()) + " clouds not published"));
 }
