@@ -120,26 +120,30 @@ class Gatherer {
       view_.missing.push_back(topic + " had not come by then");
       return;
     }
-    Pose pose;
+    // The message may be in another frame than the lidar, whose rings fan out from where it is.
+    Pose pose, lidar = Pose::Identity();
     if (!place(cloud->frame_id, cloud->stamp, pose)) return;
+    const bool has_fan = place(sensor.frame_id, cloud->stamp, lidar);
     auto& layer = add_layer(Role::cloud, topic,
                             "cloud, " + std::to_string(cloud->size()) + " points" + age(cloud->stamp));
     RingSlopes slopes(cloud->rings);
     const Eigen::Isometry3f to_base = pose.cast<float>();
+    const Eigen::Isometry3f to_lidar = (lidar.inverse() * pose).cast<float>();
     for (std::size_t i = 0; i < cloud->size(); ++i) {
       const auto* p =
           reinterpret_cast<const CloudPoint*>(cloud->points_bytes.data() + i * cloud->format.point_step);
-      const Eigen::Vector3f in_sensor(p->x, p->y, p->z);
-      if (!in_sensor.allFinite()) continue;
-      slopes.add(p->ring, in_sensor);
-      const Eigen::Vector3f at = to_base * in_sensor;
+      const Eigen::Vector3f in_message(p->x, p->y, p->z);
+      if (!in_message.allFinite()) continue;
+      if (has_fan) slopes.add(p->ring, to_lidar * in_message);
+      const Eigen::Vector3f at = to_base * in_message;
       layer.points.emplace_back(at.head<2>());
       layer.heights.push_back(at.z());
       layer.values.push_back(color_ == CloudColor::height ? at.z()
                              : color_ == CloudColor::ring ? static_cast<float>(p->ring)
                                                           : p->intensity);
     }
-    view_.fans.push_back({{pose.translation().x(), pose.translation().z()}, slopes.directions(pose)});
+    if (has_fan)
+      view_.fans.push_back({{lidar.translation().x(), lidar.translation().z()}, slopes.directions(lidar)});
     add_field(sensor, nullptr, layer.number);
   }
   void add_field(const SensorConfig& sensor, const PlanarScan* scan, std::size_t number) {

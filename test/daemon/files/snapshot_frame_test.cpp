@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// A picture shows a cloud where it is, whatever frame the cloud is published in.
+#include <gtest/gtest.h>
+
+#include "daemon/files/snapshot_view.h"
+#include "daemon/pipeline/pipeline.h"
+#include "drivers/capture/pcap_source.h"
+#include "test/support/captures.h"
+
+namespace lidard {
+namespace {
+
+SnapshotView view_with(const std::string& keys) {
+  const Config config = parse_config(
+      "sensors: {roof: {model: velodyne_vlp16, ip_address: 192.168.1.201, frame_id: velodyne, "
+      "pose: {xyz: [0.5, 0, 2], rpy_deg: [0, 5, 90]}" +
+          keys + "}}",
+      "f");
+  NoTransforms poses;
+  FrameTree frames(config, poses);
+  FrameKeeper keeper;
+  Pipeline pipeline(config, poses, {&keeper});
+  PcapSource source(test::project_file("pcaps/demo.pcap"));
+  Packet packet;
+  for (int i = 0; i < 1000 && source.next(packet); ++i) pipeline.packet(packet);
+  return make_view(config, frames, keeper, "", CloudColor::height);
+}
+
+TEST(SnapshotFrame, ACloudInTheFrameOfTheVehicleLooksLikeOneInTheLidars) {
+  const SnapshotView own = view_with(""), moved = view_with(", points_frame: base_link");
+  ASSERT_EQ(own.layers.size(), 1U);
+  ASSERT_EQ(moved.layers.size(), 1U);
+  const auto& a = own.layers[0];
+  const auto& b = moved.layers[0];
+  ASSERT_GT(a.points.size(), 10000U);
+  ASSERT_EQ(a.points.size(), b.points.size());
+  for (std::size_t i = 0; i < a.points.size(); ++i) {
+    ASSERT_LT((a.points[i] - b.points[i]).norm(), 1e-4F);
+    ASSERT_NEAR(a.heights[i], b.heights[i], 1e-4F);
+  }
+  ASSERT_EQ(moved.fans.size(), 1U);
+  EXPECT_EQ(moved.fans[0].at, own.fans.at(0).at) << "the rings come from the lidar";
+  EXPECT_EQ(moved.fans[0].at.y(), 2);
+  ASSERT_EQ(moved.fans[0].rings.size(), own.fans[0].rings.size());
+  for (std::size_t i = 0; i < own.fans[0].rings.size(); ++i)
+    EXPECT_LT((moved.fans[0].rings[i] - own.fans[0].rings[i]).norm(), 1e-4) << i;
+}
+
+}  // namespace
+}  // namespace lidard
