@@ -61,7 +61,7 @@ const MovedPackage& moved_safety_scanners() {
         "the same: output_paths_topic, where the scanner sends application data; with a stamp as "
         "diagnostic_msgs/DiagnosticArray on NAME/output_paths"},
        {"raw_data", "sick_safetyscanners/RawMicroScanDataMsg",
-        "none: its 13 parts are on scan, NAME/system_state, NAME/output_paths, NAME/intrusion and "
+        "none: its parts are on scan, NAME/system_state, NAME/output_paths, NAME/intrusion and "
         "/diagnostics; the telegrams themselves: `lidard record`"},
        {"field_data config_metadata status_overview", "services",
         "fields, cases, the checksum of the configuration and the state are read once and stand on "

@@ -140,10 +140,10 @@ const MovedPackage& moved_velodyne() {
        {"fixed_frame", "deskew odometry_frame points_frame",
         "clouds are deskewed with the sensor's way in that frame, from tf; published in it unless there is a "
         "target_frame. A cloud whose poses do not come within 0.2 s is published as if the vehicle stood "
-        "still, with a WARN; not changed while the node runs"},
+        "still, with a WARN. The scan stays in frame_id; not changed while the node runs"},
        {"target_frame", "points_frame",
-        "as it is; a cloud whose pose does not come within 0.2 s is left out, with a WARN; not changed while "
-        "the node runs"},
+        "as it is; a cloud whose pose does not come within 0.2 s is left out, with a WARN. The scan stays in "
+        "frame_id; not changed while the node runs"},
        {"gps_time", "", "stamps follow the sensor's clock but count in the host's time", "false"},
        {"npackets", "", "clouds are whole revolutions at any speed and in any return mode"},
        {"rpm", "", "revolutions are seen, at any speed; control: {rpm: 600} sets that of the sensor", "600"},
