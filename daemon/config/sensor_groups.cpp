@@ -183,6 +183,18 @@ Rows ring_rows() {
       scan_topic_row().shown_if(has_ring)};
 }
 
+Rows packet_rows() {
+  return {topic("packet_topic", &S::packet_topic, "velodyne_msgs/VelodyneScan in place of the network"),
+          topic("raw_topic", &S::raw_topic, "publishes its packets, as velodyne_msgs/VelodyneScan")};
+}
+
+Rows safety_topic_rows() {
+  return {topic("extended_scan_topic", &S::extended_scan_topic,
+                "its scan with the flags of the beams, as sick_safetyscanners/ExtendedLaserScanMsg"),
+          topic("output_paths_topic", &S::output_paths_topic,
+                "its output paths, as sick_safetyscanners/OutputPathsMsg")};
+}
+
 Rows calibration_rows() {
   return {special<S>(
               "calibration", "a calibration file, relative to the configuration's folder",
@@ -215,13 +227,7 @@ const std::vector<SensorGroup>& sensor_groups() {
   };
   static const std::vector<SensorGroup> groups{
       {"", any_model, false, {model_row()}},
-      {"Velodynes",
-       can<Trait::packet_messages>,
-       false,
-       {topic("packet_topic", &S::packet_topic, "velodyne_msgs/VelodyneScan in place of the network"),
-        topic("raw_topic", &S::raw_topic, "publishes its packets, as velodyne_msgs/VelodyneScan")},
-       no_packets,
-       no_packets},
+      {"Velodynes", can<Trait::packet_messages>, false, packet_rows(), no_packets, no_packets},
       {"", any_model, true, network_rows()},
       {"devices with a satellite receiver",
        can<Trait::gnss>,
@@ -247,15 +253,7 @@ const std::vector<SensorGroup>& sensor_groups() {
       {"planar scanners", gives<FrameKind::scan>, false, of_driver(beam_rows()), {}, no_beams},
       {"planar scanners", gives<FrameKind::scan>, false, {scan_topic_row()}},
       {"planar scanners with several echoes", echoes, false, of_driver(echo_rows()), {}, no_beams},
-      {"SICK safety scanners",
-       has_output_paths,
-       false,
-       {topic("extended_scan_topic", &S::extended_scan_topic,
-              "its scan with the flags of the beams, as sick_safetyscanners/ExtendedLaserScanMsg"),
-        topic("output_paths_topic", &S::output_paths_topic,
-              "its output paths, as sick_safetyscanners/OutputPathsMsg")},
-       no_paths,
-       no_paths},
+      {"SICK safety scanners", has_output_paths, false, safety_topic_rows(), no_paths, no_paths},
       {"SICK scanners that speak CoLa", can<Trait::skip_setting>, false, of_requests(cola_keys())},
       {"Hokuyos that speak SCIP", can<Trait::skip_request>, false, of_requests(scip_keys())},
       {"Hokuyos that speak SCIP", can<Trait::skip_request>, false, of_requests(scip_clock_keys()), no_clock,
