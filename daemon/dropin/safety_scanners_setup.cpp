@@ -58,7 +58,9 @@ const MovedPackage& moved_safety_scanners() {
         "the same: extended_scan_topic; reflektor_median is the middle of each run of reflectors, and "
         "intrusion is the flag of contamination, as there"},
        {"output_paths", "sick_safetyscanners/OutputPathsMsg",
-        "the same: output_paths_topic, where the scanner sends application data; with a stamp as "
+        "the same: output_paths_topic, where the scanner sends application data (theirs: empty lists where "
+        "it does "
+        "not); with a stamp as "
         "diagnostic_msgs/DiagnosticArray on NAME/output_paths"},
        {"raw_data", "sick_safetyscanners/RawMicroScanDataMsg",
         "none: its parts are on scan, NAME/system_state, NAME/output_paths, NAME/intrusion and "

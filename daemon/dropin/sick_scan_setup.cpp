@@ -197,11 +197,11 @@ const MovedPackage& moved_sick_scan() {
        {"cloud cloud_*", "sensor_msgs/PointCloud2",
         "NAME/points of multi-plane lidars; x y z intensity ring time"},
        {"imu", "sensor_msgs/Imu", "NAME/imu"},
-       {"encoder", "sick_scan_xd/Encoder", "NAME/encoder as diagnostic_msgs/DiagnosticArray"},
+       {"encoder", "sick_scan_xd/Encoder",
+        "NAME/encoder as diagnostic_msgs/DiagnosticArray; its type is not carried here"},
        {"lferec lidinputstate lidoutputstate", "sick_scan_xd/LFErecMsg, LIDinputstateMsg, LIDoutputstateMsg",
-        "NAME/lferec, ... as diagnostic_msgs/DiagnosticArray, with publish_states: true; the messages are "
-        "not in "
-        "Debian 12"},
+        "NAME/lferec, ... as diagnostic_msgs/DiagnosticArray, with publish_states: true; their types "
+        "are not carried here"},
        {"marker", "visualization_msgs/MarkerArray", "none: fields are drawn by nobody"},
        {"ColaMsg ECRChangeArr SCdevicestate SCreboot SCsoftreset GetContaminationResult FieldSetRead "
         "FieldSetWrite",
