@@ -96,6 +96,7 @@ void add_told(const SensorConfig& sensor, std::vector<OutputTopic>& topics) {
   const std::string below = sensor.name + "/";
   for (const MessageTopic& told : sensor.model->messages) {
     if (told.kind == message_kind<DeviceState>() && !publishes_states(sensor)) continue;
+    if (told.name == output_paths_topic && !sensor.output_paths_topic.empty()) continue;
     topics.push_back({below + std::string(told.name), TopicKind::message, false, told.kind});
   }
   for (const auto name : sensor.model->extra_scans)

@@ -192,7 +192,7 @@ Rows safety_topic_rows() {
   return {topic("extended_scan_topic", &S::extended_scan_topic,
                 "its scan with the flags of the beams, as sick_safetyscanners/ExtendedLaserScanMsg"),
           topic("output_paths_topic", &S::output_paths_topic,
-                "its output paths, as sick_safetyscanners/OutputPathsMsg")};
+                "its output paths, as sick_safetyscanners/OutputPathsMsg in place of NAME/output_paths")};
 }
 
 Rows calibration_rows() {

@@ -59,9 +59,8 @@ const MovedPackage& moved_safety_scanners() {
         "intrusion is the flag of contamination, as there"},
        {"output_paths", "sick_safetyscanners/OutputPathsMsg",
         "the same: output_paths_topic, where the scanner sends application data (theirs: empty lists where "
-        "it does "
-        "not); with a stamp as "
-        "diagnostic_msgs/DiagnosticArray on NAME/output_paths"},
+        "it "
+        "does not). Without the key they are on NAME/output_paths, with a stamp"},
        {"raw_data", "sick_safetyscanners/RawMicroScanDataMsg",
         "none: its parts are on scan, NAME/system_state, NAME/output_paths, NAME/intrusion and "
         "/diagnostics; the telegrams themselves: `lidard record`"},

@@ -172,6 +172,9 @@ def safety_scanners(tmp):
     config, remarks = imported(written(tmp, "pair.launch", f"<launch>{pair}</launch>"))
     expect([("output_paths_topic" in s) for s in config["sensors"].values()] == [True, False], config)
     one_with(remarks, "/right", "output_paths_topic was left out", "/output_paths")
+    # As launch/sick_safetyscanners.launch has it: the namespace is called as the node, so that its topics are NAME/output_paths.
+    config, _ = imported(written(tmp, "same.launch", f"<launch><group ns='left'>{pair}</group></launch>"))
+    expect(config["sensors"]["left"]["output_paths_topic"] == "/left/output_paths", config)
 
 
 def sick_scan(tmp):

@@ -108,7 +108,10 @@ TEST(SafetyMessages, TopicsAreThereWhereTheKeysAreSet) {
   const std::string all = topics_of(", extended_scan_topic: extended, output_paths_topic: paths");
   EXPECT_THAT(all, HasSubstr("extended sick_safetyscanners/ExtendedLaserScanMsg\n"));
   EXPECT_THAT(all, HasSubstr("paths sick_safetyscanners/OutputPathsMsg\n"));
-  EXPECT_THAT(all, HasSubstr("a/output_paths diagnostic_msgs/DiagnosticArray\n"));
+  EXPECT_THAT(topics_of(""), HasSubstr("a/output_paths diagnostic_msgs/DiagnosticArray\n"));
+  EXPECT_THAT(all, ::testing::Not(HasSubstr("a/output_paths"))) << "the typed topic stands in for it";
+  EXPECT_THAT(topics_of(", output_paths_topic: /a/output_paths"),
+              HasSubstr("/a/output_paths sick_safetyscanners/OutputPathsMsg\n"));
   EXPECT_THAT(
       test::error_of("sensors: {a: {ip_address: 10.0.0.1, model: hokuyo_scip, output_paths_topic: p}}"),
       HasSubstr("sensors.a.output_paths_topic is not available for hokuyo_scip, which is no safety "
