@@ -84,8 +84,7 @@ class Forecast {
     add(value_of(value_of(root_, "sensors"), sensor.name),
         "the pose of " + sensor.frame_id + " in points_frame " + frame +
             " comes from tf only; without tf (replay --bag, snapshot) its cloud does not come out: take a "
-            "frame "
-            "whose pose is configured, or name a bag with tf (--motion)");
+            "frame whose pose is configured, or name a bag with tf (--motion)");
   }
   void tell(const MergedScanConfig& merged) {
     const Value entry = value_of(value_of(root_, "merged_scans"), merged.name);

@@ -11,6 +11,8 @@ namespace lidard {
 namespace {
 
 constexpr Span longest_wait = std::chrono::milliseconds(200);
+// Packets come by the thousand, poses by the dozen.
+constexpr Span between_tries = std::chrono::milliseconds(5);
 // At 20 revolutions/s those of longest_wait.
 constexpr std::size_t most_waiting = 4;
 
@@ -24,19 +26,25 @@ void CloudPlacer::take(const Cloud& cloud, Stamp now) {
   if (waiting_ == most_waiting) release_first(now);
   if (waiting_ == clouds_.size()) clouds_.emplace_back();
   clouds_[waiting_].cloud = cloud;
+  clouds_[waiting_].instant = arranger_.stamp_of(cloud);
   clouds_[waiting_].since = now;
   ++waiting_;
-  advance(now);
+  release_due(now);
 }
 
 void CloudPlacer::advance(Stamp now) {
-  if (waiting_ == 0) return;
+  const bool too_soon = now >= last_try_ && now - last_try_ < between_tries;
+  if (waiting_ > 0 && !too_soon) release_due(now);
+}
+
+void CloudPlacer::release_due(Stamp now) {
+  last_try_ = now;
   vehicle_.poll(now);
   while (waiting_ > 0) {
     // A clock that was set back must not make a cloud wait for longer.
     const Span waited = now - clouds_.front().since;
     const bool may_wait = waited >= Span(0) && waited < longest_wait;
-    if (!release(clouds_.front().cloud, may_wait, now)) return;
+    if (!release(clouds_.front(), may_wait, now)) return;
     drop_first();
   }
 }
@@ -46,7 +54,7 @@ void CloudPlacer::finish(Stamp now) {
 }
 
 void CloudPlacer::release_first(Stamp now) {
-  release(clouds_.front().cloud, false, now);
+  release(clouds_.front(), false, now);
   drop_first();
 }
 
@@ -66,14 +74,16 @@ bool CloudPlacer::find_motion(const Cloud& cloud, Stamp instant) {
          motion_.find(cloud, vehicle_from_cloud, *track, instant);
 }
 
-bool CloudPlacer::release(Cloud& cloud, bool may_wait, Stamp now) {
-  const Stamp instant = arranger_.stamp_of(cloud);
+bool CloudPlacer::release(Waiting& waiting, bool may_wait, Stamp now) {
+  Cloud& cloud = waiting.cloud;
   const std::string& frame = sensor_.points_frame.empty() ? cloud.frame_id : sensor_.points_frame;
   Pose frame_from_lidar = Pose::Identity();
   std::string why_not;
-  const bool is_placed = vehicle_.frames().find(frame, cloud.frame_id, instant, frame_from_lidar, why_not);
-  const bool is_deskewed = !sensor_.deskew || find_motion(cloud, instant);
-  if (may_wait && !(is_placed && is_deskewed)) return false;
+  const bool is_placed =
+      vehicle_.frames().find(frame, cloud.frame_id, waiting.instant, frame_from_lidar, why_not);
+  if (!is_placed && may_wait) return false;
+  const bool is_deskewed = !sensor_.deskew || find_motion(cloud, waiting.instant);
+  if (!is_deskewed && may_wait) return false;
   counters_.trouble.clear();
   if (!is_placed) {
     ++counters_.not_published;

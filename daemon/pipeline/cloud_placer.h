@@ -45,10 +45,13 @@ class CloudPlacer {
  private:
   struct Waiting {
     Cloud cloud;
+    Stamp instant;  // the stamp of the message
     Stamp since;
   };
+  /// Publishes the first ones whose poses are known, or that have waited long enough.
+  void release_due(Stamp now);
   /// False: its poses are not known, and it may still wait for them.
-  bool release(Cloud& cloud, bool may_wait, Stamp now);
+  bool release(Waiting& waiting, bool may_wait, Stamp now);
   bool find_motion(const Cloud& cloud, Stamp instant);
   void release_first(Stamp now);
   void drop_first();
@@ -60,6 +63,7 @@ class CloudPlacer {
   PlacementCounters counters_;
   std::vector<Waiting> clouds_;  // the first `waiting_` ones, oldest first
   std::size_t waiting_ = 0;
+  Stamp last_try_{};
   CloudMotion motion_;
   CloudMotion stands_;
 };

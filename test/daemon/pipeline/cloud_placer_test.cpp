@@ -34,6 +34,7 @@ class TrueWay final : public TransformSource {
   Pose at(Stamp stamp) const { return scene_.vehicle_at(stamp); }
   bool lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
               std::string& why_not) override {
+    ++lookups;
     const bool is_known = stamp <= now - late_;
     why_not = is_known ? "tf does not know " + child : child + " at that time is not known yet";
     if (!is_known || parent != "base_link" || child != "odom") return false;
@@ -48,6 +49,7 @@ class TrueWay final : public TransformSource {
   }
 
   Stamp now{};
+  std::size_t lookups = 0;
 
  private:
   sim::Scene scene_ = sim::load_scene(test::project_file("pcaps/demo.scene.yaml"));
@@ -142,6 +144,7 @@ TEST(CloudPlacer, InAFrameThatStandsStillEveryReturnIsWhereItWas) {
     EXPECT_GE(waited, 0.045);
     EXPECT_LT(waited, 0.06) << "no longer than it takes";
   }
+  EXPECT_LT(placed.way.lookups, 13 * raw.clouds().size()) << "not at each packet";
 }
 
 TEST(CloudPlacer, AFrameOfTheVehicleNeedsNoMotion) {
