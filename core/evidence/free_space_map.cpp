@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/base/angle.h"
 
@@ -30,14 +31,16 @@ void FreeSpaceMap::set(float x, float y, double beam_width, double unit) {
   const double count = std::min(std::round(two_pi / cell), most_cells);
   per_rad_ = static_cast<float>(count / (two_pi));
   cells_.assign(static_cast<std::size_t>(count), {});
+  hides_.assign(cells_.size(), 0);
   slots_.clear();
   first_slot_.assign(1, 0);
 }
 
 bool FreeSpaceMap::find_run(std::size_t cell, std::size_t length, RunAt& at) const {
   if (length == 0 || length > longest_run) return false;
-  std::size_t power = 0;
-  while (power + 1 < run_lengths && (2U << power) <= length) ++power;
+  // The binary logarithm.
+  const std::size_t power = std::min<std::size_t>(
+      31U - static_cast<unsigned>(__builtin_clz(static_cast<unsigned>(length))), run_lengths - 1);
   const std::size_t base = power * (cells_.size() + longest_run);
   at.first = static_cast<std::uint32_t>(base + cell);
   at.second = static_cast<std::uint32_t>(base + cell + length - (std::size_t{1} << power));
@@ -67,7 +70,54 @@ void FreeSpaceMap::find_runs() {
   }
 }
 
-void FreeSpaceMap::clear() { std::fill(cells_.begin(), cells_.end(), Cell{}); }
+void FreeSpaceMap::clear() {
+  std::fill(cells_.begin(), cells_.end(), Cell{});
+  std::fill(hides_.begin(), hides_.end(), char{0});
+}
+
+void FreeSpaceMap::span_of(std::uint16_t a, std::uint16_t b, std::size_t& first, std::size_t& count) const {
+  const std::size_t low = std::min(a, b), high = std::max(a, b);
+  const bool around = high - low > cells_.size() / 2;
+  first = around ? high : low;
+  count = around ? low + cells_.size() - high + 1 : high - low + 1;
+}
+
+bool FreeSpaceMap::is_free_between(Place a, Place b) const {
+  const std::uint16_t nearest = std::min(a.distance, b.distance);
+  const std::uint16_t farthest = std::max(a.distance, b.distance);
+  if (!is_free({a.cell, nearest}) || !is_free({a.cell, farthest}) || !is_free({b.cell, nearest}) ||
+      !is_free({b.cell, farthest}))
+    return false;
+  std::size_t first = 0, count = 0;
+  span_of(a.cell, b.cell, first, count);
+  if (count <= 2) return true;
+  const std::int16_t near = ordered(nearest);
+  const auto not_far = static_cast<std::int16_t>(~ordered(farthest));
+  RunAt run;
+  for (std::size_t part = 0; count > 0; first += part, count -= part) {
+    part = std::min(count, longest_run);
+    first -= first >= cells_.size() ? cells_.size() : 0;
+    find_run(first, part, run);
+    const Run one = runs_[run.first], other = runs_[run.second];
+    if (std::max(one.from, other.from) > near || std::max(one.not_to, other.not_to) > not_far) return false;
+  }
+  return true;
+}
+
+float FreeSpaceMap::hidden_by(Place a, Place b) const {
+  const std::int32_t nearest = std::min(a.distance, b.distance), farthest = std::max(a.distance, b.distance);
+  std::int32_t least = -1;
+  std::size_t first = 0, count = 0;
+  if (!cells_.empty()) span_of(a.cell, b.cell, first, count);
+  for (std::size_t k = first; k < first + count; ++k) {
+    const std::size_t cell = k < cells_.size() ? k : k - cells_.size();
+    const std::int32_t to = cells_[cell].from + cells_[cell].span;
+    if (hides_[cell] == 0 || to >= farthest) continue;
+    const std::int32_t behind = std::max(0, nearest - to);
+    if (least < 0 || behind < least) least = behind;
+  }
+  return least < 0 ? std::numeric_limits<float>::infinity() : static_cast<float>(least) / per_meter_;
+}
 
 FreeSpaceMap::Cell FreeSpaceMap::cell_of(float from, float to) const {
   const float units = std::min(from * per_meter_, 65534.0F);
@@ -84,29 +134,17 @@ std::uint16_t FreeSpaceMap::cell_towards(float dx, float dy) const {
   return static_cast<std::uint16_t>(cell < cells_.size() ? cell : 0);
 }
 
-void FreeSpaceMap::find_free(const float* x, const float* y, std::size_t count, char mark, char* free) const {
-  if (cells_.empty()) return;
-  constexpr std::size_t many = 64;
+void FreeSpaceMap::find_places(const float* x, const float* y, std::size_t count, Place* places) const {
   const float at_x = x_, at_y = y_, per_rad = per_rad_, per_meter = per_meter_;
   const auto cells = static_cast<std::int32_t>(cells_.size());
-  std::int32_t cell[many], distance[many];
-  for (std::size_t begin = 0; begin < count; begin += many) {
-    const std::size_t n = std::min(many, count - begin);
-    // The same numbers as cell_towards() and distance(), but many at once.
-    for (std::size_t i = 0; i < n; ++i) {
-      const float dx = x[begin + i] - at_x;
-      const float dy = y[begin + i] - at_y;
-      const auto towards =
-          static_cast<std::int32_t>((fast_atan2(dy, dx) + static_cast<float>(pi_d)) * per_rad);
-      const float units = std::min(std::sqrt(dx * dx + dy * dy) * per_meter + 0.5F, 65534.0F);
-      cell[i] = towards < cells ? towards : 0;
-      distance[i] = static_cast<std::int32_t>(units);
-    }
-    for (std::size_t i = 0; i < n; ++i) {
-      const Cell& here = cells_[static_cast<std::size_t>(cell[i])];
-      if (here.is_free(static_cast<std::uint16_t>(distance[i])))
-        free[begin + i] = static_cast<char>(free[begin + i] | mark);
-    }
+  // The same numbers as place_of(), but many at once.
+  for (std::size_t i = 0; i < count; ++i) {
+    const float dx = x[i] - at_x;
+    const float dy = y[i] - at_y;
+    const auto towards = static_cast<std::int32_t>((fast_atan2(dy, dx) + static_cast<float>(pi_d)) * per_rad);
+    const float units = std::min(std::sqrt(dx * dx + dy * dy) * per_meter + 0.5F, 65534.0F);
+    places[i] = {static_cast<std::uint16_t>(towards < cells ? towards : 0),
+                 static_cast<std::uint16_t>(static_cast<std::int32_t>(units))};
   }
 }
 
@@ -158,24 +196,30 @@ void FreeSpaceMap::fill(const PlacedScan& sweep) {
   clear();
   const std::size_t beams = first_slot_.size() - 1;
   for (std::size_t beam = 0; beam < beams; ++beam) {
-    const Cell own = cell_of(sweep.free_from[beam], sweep.free_to[beam]);
+    const float to = sweep.free_to[beam];
+    const char hides = sweep.kind[beam] != Return::nothing ? 1 : 0;
+    const Cell own = cell_of(sweep.free_from[beam], to);
     const bool to_next = sweep.linked[beam] != 0;
     const bool to_previous = beam > 0 && sweep.linked[beam - 1] != 0;
     for (std::uint32_t s = first_slot_[beam]; s < first_slot_[beam + 1]; ++s) {
       const Slot& slot = slots_[s];
-      if (!(slot.after ? to_next : to_previous)) {
-        cells_[slot.cell] = own;
-        continue;
+      const bool alone = slot.after ? beam + 1 == beams : beam == 0;
+      const std::size_t neighbour = alone ? beam : slot.after ? beam + 1 : beam - 1;
+      const float other = sweep.free_to[neighbour];
+      cells_[slot.cell] = own;
+      hides_[slot.cell] = hides;
+      if (slot.after ? to_next : to_previous) {
+        // On a straight line the inverse of the distance changes (nearly) evenly.
+        cells_[slot.cell] = cell_of(sweep.free_from[beam], to * other / (other + slot.share * (to - other)));
+      } else if (other > 0 && other < to && slot.share > passed_share_) {
+        cells_[slot.cell] = cell_of(std::max(sweep.free_from[beam], sweep.free_from[neighbour]), other);
+        hides_[slot.cell] = sweep.kind[neighbour] != Return::nothing ? 1 : 0;
       }
-      const float a = sweep.free_to[beam];
-      const float b = sweep.free_to[slot.after ? beam + 1 : beam - 1];
-      // On a straight line the inverse of the distance changes (nearly) evenly.
-      cells_[slot.cell] = cell_of(sweep.free_from[beam], a * b / (b + slot.share * (a - b)));
     }
   }
 }
 
-void FreeSpaceMap::limit(float begin, float end, float from, float a, float b) {
+void FreeSpaceMap::limit(float begin, float end, float from, float a, float b, bool hides) {
   // Both ends of a stretch count, so that no cell between two stretches is forgotten.
   constexpr float slack = 0.01F;
   const auto count = static_cast<std::int64_t>(cells_.size());
@@ -190,7 +234,9 @@ void FreeSpaceMap::limit(float begin, float end, float from, float a, float b) {
     const float within = std::clamp(share, 0.0F, 1.0F);
     const float to = a == b ? a : a * b / (b + within * (a - b));
     starts_[inside] = std::max(starts_[inside], from);
-    if (ends_[inside] < 0 || to < ends_[inside]) ends_[inside] = to;
+    if (ends_[inside] >= 0 && to >= ends_[inside]) continue;
+    ends_[inside] = to;
+    hides_[inside] = hides ? 1 : 0;
   }
 }
 
@@ -199,16 +245,20 @@ void FreeSpaceMap::limit_pair(const PlacedScan& sweep, std::size_t beam, float s
   const float to = lengths_[beam];
   const float next = lengths_[beam + 1];
   const float from = std::max(sweep.free_from[beam], sweep.free_from[beam + 1]);
+  const bool nearer = to <= next;
+  const bool hides = sweep.kind[nearer ? beam : beam + 1] != Return::nothing;
   if (sweep.linked[beam] != 0) {
-    limit(at, at + step, from, to, next);
+    limit(at, at + step, from, to, next, hides);
     return;
   }
-  const bool side_by_side = step * half_beam_ > 0 && std::fabs(step) <= 3 * std::fabs(half_beam_);
-  const float reach = side_by_side ? step / 2 : half_beam_;
-  limit(at, at + reach, sweep.free_from[beam], to, to);
-  limit(at + step - reach, at + step, sweep.free_from[beam + 1], next, next);
-  // The vehicle moved and sees the edge between both from elsewhere now: what opened was hidden.
-  if (!side_by_side) limit(at, at + step, from, std::min(to, next), std::min(to, next));
+  const float shorter = nearer ? to : next, longer = nearer ? next : to;
+  const float passed =
+      std::clamp(step, -2 * std::fabs(half_beam_), 2 * std::fabs(half_beam_)) * passed_share_;
+  const float begin = nearer ? at : at + step, end = nearer ? at + step : at;
+  const float border = nearer ? end - passed : end + passed;
+  limit(begin, border, from, shorter, shorter, hides);
+  limit(border, end, sweep.free_from[nearer ? beam + 1 : beam], longer, longer,
+        sweep.kind[nearer ? beam + 1 : beam] != Return::nothing);
 }
 
 void FreeSpaceMap::fill_moved(const PlacedScan& sweep) {
@@ -218,6 +268,7 @@ void FreeSpaceMap::fill_moved(const PlacedScan& sweep) {
   lengths_.resize(beams);
   starts_.assign(cells_.size(), 0);
   ends_.assign(cells_.size(), -1);
+  hides_.assign(cells_.size(), 0);
   for (std::size_t i = 0; i < beams; ++i) {
     const float x = sweep.free_x[i];
     const float y = sweep.free_y[i];
@@ -228,9 +279,11 @@ void FreeSpaceMap::fill_moved(const PlacedScan& sweep) {
   for (std::size_t i = 0; i < beams; ++i) {
     if (!is_free(i)) continue;
     const float at = azimuths_[i];
-    if (i == 0 || !is_free(i - 1)) limit(at - half_beam_, at, sweep.free_from[i], lengths_[i], lengths_[i]);
+    const bool hides = sweep.kind[i] != Return::nothing;
+    if (i == 0 || !is_free(i - 1))
+      limit(at - half_beam_, at, sweep.free_from[i], lengths_[i], lengths_[i], hides);
     if (!is_free(i + 1)) {
-      limit(at, at + half_beam_, sweep.free_from[i], lengths_[i], lengths_[i]);
+      limit(at, at + half_beam_, sweep.free_from[i], lengths_[i], lengths_[i], hides);
       continue;
     }
     float step = azimuths_[i + 1] - at;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -49,25 +51,40 @@ class FreeSpaceMap {
     return static_cast<std::int16_t>(distance ^ 0x8000U);
   }
 
+  /// A place of the output's plane as the source sees it.
+  struct Place {
+    std::uint16_t cell;
+    std::uint16_t distance;  ///< units
+  };
+
   /// Sets the place of a source, m in the output's plane. Cells divide `beam_width` (rad between beams)
   /// evenly; `unit` is the length of one step of distance, m. Nothing is free then.
   void set(float x, float y, double beam_width, double unit);
-  /// Sets place and directions of a scanner whose beams are `rays`.
-  void set_source(const BeamRays& rays, double unit) {
+  /// Sets place and directions of a scanner whose beams are `rays`. `narrowest` is the width of what need not
+  /// be seen, rad: a thing ends nowhere nearer than a quarter of that to a beam that passes it.
+  void set_source(const BeamRays& rays, double unit, double narrowest = 0) {
     const Eigen::Vector3d at = rays.pose.translation();
     set(static_cast<float>(at.x()), static_cast<float>(at.y()), rays.increment, unit);
+    passed_share_ = static_cast<float>(std::min(0.5, narrowest / 4 / std::abs(rays.increment)));
+    corner_ = static_cast<float>(std::min(0.2, 2 * std::abs(rays.increment)));
     place_beams(rays.x.data(), rays.y.data(), rays.size());
   }
   /// Tells in which directions of the output's plane the `beams` beams of the source look, in order; needed
-  /// before fill(), and whenever they change. Cells between two beams belong to the nearer one.
+  /// before fill(), and whenever they change.
   void place_beams(const float* dx, const float* dy, std::size_t beams);
 
-  /// Takes the evidence of a sweep: linked returns are interpolated, else the nearest beam counts.
+  /// Takes the evidence of a sweep. Between linked returns it is interpolated; between others the thing that
+  /// the shorter beam meets may go on as far as to the longer beam. Where a beam proves nothing, the nearer
+  /// beam counts.
   void fill(const PlacedScan& sweep);
   /// No evidence at all.
   void clear();
-  /// States that the cell is free between two distances from the source, m; replaces what was known of it.
-  void claim(std::size_t cell, float from, float to) { cells_[cell] = cell_of(from, to); }
+  /// States that the cell is free between two distances from the source, m, and whether a return `hides` what
+  /// is beyond; replaces what was known of it.
+  void claim(std::size_t cell, float from, float to, bool hides = false) {
+    cells_[cell] = cell_of(from, to);
+    hides_[cell] = hides ? 1 : 0;
+  }
 
   /// Works out runs(), from what is known of the cells now.
   void find_runs();
@@ -86,8 +103,19 @@ class FreeSpaceMap {
     return units < 65534.0F ? static_cast<std::uint16_t>(units + 0.5F) : std::uint16_t{65534};
   }
   const Cell* cells() const { return cells_.data(); }
-  /// Sets the bits `mark` of those of `count` points of the output frame that are free.
-  void find_free(const float* x, const float* y, std::size_t count, char mark, char* free) const;
+  bool is_free(Place at) const { return cells_[at.cell].is_free(at.distance); }
+  /// True if all of the straight way between two places is free. Needs the newest runs().
+  bool is_free(Place a, Place b) const { return is_free(a) && is_free(b) && is_free_between(a, b); }
+  /// m from a return to the nearer end of the way between two places, of which it hides a part; infinite:
+  /// none does. Of several returns the nearest to the way counts.
+  float hidden_by(Place a, Place b) const;
+  /// The place of a point of the output frame, m.
+  Place place_of(float x, float y) const {
+    const float dx = x - x_, dy = y - y_;
+    return {cell_towards(dx, dy), distance(std::sqrt(dx * dx + dy * dy))};
+  }
+  /// The places of `count` points of the output frame.
+  void find_places(const float* x, const float* y, std::size_t count, Place* places) const;
   /// 0: no source is set.
   std::size_t size() const { return cells_.size(); }
 
@@ -99,19 +127,25 @@ class FreeSpaceMap {
     float share;  // 0: in the beam's own direction
   };
   Cell cell_of(float from, float to) const;
+  bool is_free_between(Place a, Place b) const;
+  /// Cells from `a` on to `b` or the other way round, whichever is shorter.
+  void span_of(std::uint16_t a, std::uint16_t b, std::size_t& first, std::size_t& count) const;
   /// fill() where the vehicle moved: the beams' ends lie anywhere, also in another order.
   void fill_moved(const PlacedScan& sweep);
   void limit_pair(const PlacedScan& sweep, std::size_t beam, float step);
   /// Free ways in cells [begin, end] (cells from -pi; either may be the larger) are no longer than `a` to
   /// `b`.
-  void limit(float begin, float end, float from, float a, float b);
+  void limit(float begin, float end, float from, float a, float b, bool hides);
   void add_slots(double beam, double border, bool after);
 
   float x_ = 0, y_ = 0;
   float per_meter_ = 1;
-  float per_rad_ = 1;    // cells
-  float half_beam_ = 0;  // cells to half way to the next beam, signed
+  float per_rad_ = 1;       // cells
+  float half_beam_ = 0;     // cells to half way to the next beam, signed
+  float passed_share_ = 0;  // of the way between two beams, that belongs to the longer one
+  float corner_ = 0;        // of its range by which a thing may be nearer than its last return, beside that
   std::vector<Cell> cells_;
+  std::vector<char> hides_;                // by cell: its free way ends at a return
   std::vector<Run> runs_;                  // by length (1, 2, 4 ... cells), then by first cell
   std::vector<float> azimuths_;            // of the ends of moved beams, cells from -pi
   std::vector<float> lengths_;             // m, of their free ways

@@ -17,9 +17,6 @@ constexpr float nearest = 0.001F;
 // Segments that reach less far across a beam lie along it, m.
 constexpr float narrowest = 2e-4F;
 
-// So much of the way to the next beam a surface more likely than not goes on.
-constexpr float likely = 0.5F;
-
 float beams_to(float x, float y, float first, float per_rad, float turn) {
   float at = (fast_atan2(y, x) - first) * per_rad;
   at = at < 0 ? at + turn : at;
@@ -31,11 +28,6 @@ float beams_to(float x, float y, float first, float per_rad, float turn) {
 float short_way(float span, float turn) {
   if (span > turn / 2) return span - turn;
   return span < -turn / 2 ? span + turn : span;
-}
-
-/// The beam, if the scan is thought to go on all around.
-std::size_t beam_inside(float beam, float turn) {
-  return static_cast<std::size_t>(beam < 0 ? beam + turn : beam >= turn ? beam - turn : beam);
 }
 
 void keep_nearer(RangeLayer& layer, std::size_t beam, float range, float intensity) {
@@ -53,11 +45,6 @@ Raster::Point point_of(const PlacedScan& sweep, std::size_t i) {
 void RangeLayer::clear(std::size_t beams) {
   range.assign(beams, std::numeric_limits<float>::infinity());
   intensity.assign(beams, 0);
-}
-
-void EndLayer::clear(std::size_t beams) {
-  marked.assign(beams, 0);
-  range.assign(beams, std::numeric_limits<float>::infinity());
 }
 
 Raster::Raster(const ScanGrid& grid)
@@ -148,48 +135,6 @@ void Raster::draw_segment(Point p, Point q, float at_p, float at_q, RangeLayer& 
   const float to = from + std::fabs(span);
   fill(p, q, from, to, layer);
   if (to >= turn_) fill(p, q, 0, to - turn_, layer);
-}
-
-void Raster::mark_ends(const PlacedScan& sweep, const BeamRays& rays, EndLayer& layer) const {
-  const std::size_t n = sweep.kind.size();
-  if (n < 2) return;
-  for (std::size_t i = 0; i < n; ++i) {
-    if (sweep.kind[i] == Return::nothing) continue;
-    const bool first = i == 0;
-    const bool last = i + 1 == n;
-    // Outside the field of view a surface goes on too, for all that is known.
-    if (first || sweep.linked[i - 1] == 0) mark_end(sweep, rays, i, first ? 1 : i - 1, first ? -1 : 1, layer);
-    if (last || sweep.linked[i] == 0) mark_end(sweep, rays, i, last ? i - 1 : i + 1, last ? -1 : 1, layer);
-  }
-}
-
-void Raster::mark_end(const PlacedScan& sweep, const BeamRays& rays, std::size_t end, std::size_t next,
-                      float side, EndLayer& layer) const {
-  // As far out as the end, in the direction of the next beam (or the one that would lie on the other side).
-  const float range = side * sweep.range[end];
-  const float at = positions_[end];
-  const float there = position(sweep.x[end] + range * (rays.x[next] - rays.x[end]),
-                               sweep.y[end] + range * (rays.y[next] - rays.y[end]));
-  const float span = short_way(there - at, turn_);
-  const float away = std::sqrt(sweep.x[end] * sweep.x[end] + sweep.y[end] * sweep.y[end]);
-  const float from = std::floor(span < 0 ? at + span : at);
-  const float to = std::ceil(span < 0 ? at : at + span);
-  for (float beam = from; beam <= to; ++beam) {
-    const std::size_t index = beam_inside(beam, turn_);
-    if (index >= layer.marked.size()) continue;
-    layer.marked[index] = 1;
-    if (std::fabs(beam - at) <= std::fabs(span) * likely)
-      layer.range[index] = std::min(layer.range[index], away);
-  }
-}
-
-void Raster::mark_near(Point p, float at, float reach, std::vector<char>& marks) const {
-  const float range = std::sqrt(p.x * p.x + p.y * p.y);
-  const float span = range > reach ? reach / range * per_rad_ : turn_ / 2;
-  for (float beam = std::floor(at - span); beam <= std::ceil(at + span); ++beam) {
-    const std::size_t index = beam_inside(beam, turn_);
-    if (index < marks.size()) marks[index] = 1;
-  }
 }
 
 void Raster::fill(Point p, Point q, float from, float to, RangeLayer& layer) const {

@@ -16,14 +16,6 @@ struct RangeLayer {
   void clear(std::size_t beams);
 };
 
-/// Where surfaces end, in the beams of an output scan: behind its last return, as far as to the next beam of
-/// the source, a surface may go on, and what lies behind is seen or not.
-struct EndLayer {
-  std::vector<char> marked;  ///< a surface may go on in this beam
-  std::vector<float> range;  ///< m, the nearest surface that more likely than not does; infinite: none
-  void clear(std::size_t beams);
-};
-
 /// Draws surfaces into the beams of an output scan: what a scanner in the output frame's origin would
 /// measure of them. Each beam's range is where it meets the surface; the nearest one stays.
 class Raster {
@@ -51,16 +43,9 @@ class Raster {
   void draw_segment(Point p, Point q, float at_p, float at_q, RangeLayer& layer) const;
   /// The end `p` of a surface that comes from `inner`, in the beam nearest to it.
   void draw_end(Point p, Point inner, float at, RangeLayer& layer) const;
-  /// Marks the beams that pass within `reach` m of a point.
-  void mark_near(Point p, float at, float reach, std::vector<char>& marks) const;
-  /// Marks the beams between the ends of surfaces and the next beam of the source. Call after draw() of the
-  /// same sweep.
-  void mark_ends(const PlacedScan& sweep, const BeamRays& rays, EndLayer& layer) const;
 
  private:
   std::size_t nearest_beam(float at) const;
-  void mark_end(const PlacedScan& sweep, const BeamRays& rays, std::size_t end, std::size_t next, float side,
-                EndLayer& layer) const;
   void fill(Point p, Point q, float from, float to, RangeLayer& layer) const;
 
   ScanGrid grid_;

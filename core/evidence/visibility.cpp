@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/evidence/visibility.h"
 
+#include <cassert>
 #include <cmath>
 #include <limits>
 
 namespace lidard {
 namespace {
 
-// Half of the longest way that may go unseen (0.3 m or 5 % of the range), or finer.
+// What is seen is told in so long pieces, and exactly where one of them is not seen as a whole.
 constexpr double shortest_step = 0.12;  // m
 constexpr double growth = 0.025;        // of the range
 
@@ -17,52 +18,46 @@ constexpr double growth = 0.025;        // of the range
 VisibilityTable::VisibilityTable(const Raster& raster) : beams_(raster.grid().beams) {
   double at = 0;
   while (at < raster.grid().range_max) {
-    const double step = std::max(shortest_step, growth * at);
     edges_.push_back(static_cast<float>(at));
-    middles_.push_back(static_cast<float>(at + step / 2));
-    at += step;
+    at += std::max(shortest_step, growth * at);
   }
   edges_.push_back(static_cast<float>(at));
-  stretches_of_beam_ = (middles_.size() + stretch_steps - 1) / stretch_steps;
+  stretches_of_beam_ = steps() / stretch_steps + 1;
   // No two steps begin within a shortest one.
-  for (std::size_t k = 0; at > 0 && static_cast<double>(k) * shortest_step <= at; ++k) {
-    const auto end = static_cast<float>(static_cast<double>(k + 1) * shortest_step);
-    const auto steps = std::lower_bound(edges_.begin(), edges_.end(), end) - edges_.begin();
-    steps_to_.push_back(static_cast<std::uint32_t>(steps));
+  for (std::size_t k = 0; static_cast<double>(k) * shortest_step <= at; ++k) {
+    const auto begin = static_cast<float>(static_cast<double>(k) * shortest_step);
+    const auto next = std::upper_bound(edges_.begin(), edges_.end(), begin) - edges_.begin();
+    step_at_.push_back(static_cast<std::uint32_t>(std::max<std::ptrdiff_t>(next - 1, 0)));
   }
 }
 
 std::size_t VisibilityTable::step_at(float range) const {
-  return static_cast<std::size_t>(std::lower_bound(middles_.begin(), middles_.end(), range) -
-                                  middles_.begin());
-}
-
-std::size_t VisibilityTable::steps_to(float range) const {
   if (!(range > 0)) return 0;
   const auto bucket = static_cast<std::size_t>(range * static_cast<float>(1 / shortest_step));
-  if (bucket >= steps_to_.size()) return middles_.size();
-  std::size_t steps = std::min<std::size_t>(steps_to_[bucket] + 1, middles_.size());
-  while (steps > 0 && edges_[steps - 1] >= range) --steps;
-  return steps;
+  if (bucket >= step_at_.size()) return steps();
+  std::size_t step = step_at_[bucket];
+  while (step < steps() && edges_[step + 1] <= range) ++step;
+  return step;
 }
 
-VisibilityTable::Stretch VisibilityTable::stretch_of(const Step* steps, const FreeSpaceMap& map) {
+VisibilityTable::Stretch VisibilityTable::stretch_of(const std::vector<Place>& places,
+                                                     const FreeSpaceMap& map) {
   const auto count = static_cast<std::int32_t>(map.size());
-  std::int32_t at = 0, low = 0, high = 0;  // cells from the first step's
-  std::uint16_t nearest = steps[0].distance, farthest = steps[0].distance;
-  for (std::size_t m = 1; m < stretch_steps; ++m) {
-    std::int32_t turn = steps[m].cell - steps[m - 1].cell;
+  std::int32_t at = 0, low = 0, high = 0;  // cells from the first place's
+  std::uint16_t nearest = places[0].distance, farthest = places[0].distance;
+  for (std::size_t m = 1; m < places.size(); ++m) {
+    std::int32_t turn = places[m].cell - places[m - 1].cell;
     if (turn > count / 2) turn -= count;
     if (turn < -count / 2) turn += count;
     at += turn;
     low = std::min(low, at);
     high = std::max(high, at);
-    nearest = std::min(nearest, steps[m].distance);
-    farthest = std::max(farthest, steps[m].distance);
+    nearest = std::min(nearest, places[m].distance);
+    farthest = std::max(farthest, places[m].distance);
   }
   Stretch stretch{
       {}, FreeSpaceMap::ordered(nearest), static_cast<std::int16_t>(~FreeSpaceMap::ordered(farthest))};
-  const std::int32_t first = steps[0].cell + low;
+  const std::int32_t first = places[0].cell + low;
   const auto cell = static_cast<std::size_t>(first < 0 ? first + count : first);
   // Nothing is free from before the source.
   if (!map.find_run(cell, static_cast<std::size_t>(high - low + 1), stretch.cells))
@@ -75,18 +70,17 @@ void VisibilityTable::set(std::size_t source, std::size_t sources, const Raster&
   if (sources != sources_) {
     sources_ = sources;
     stretches_.assign(beams_ * sources * stretches_of_beam_, {});
-    steps_.assign(stretches_.size() * stretch_steps, {0, 0xFFFF});
+    places_.assign(stretches_.size() * stretch_steps, {0, 0xFFFF});
   }
+  std::vector<Place> places(stretch_steps + 1);
   for (std::size_t beam = 0; beam < beams_; ++beam) {
     for (std::size_t k = 0; k < stretches_of_beam_; ++k) {
-      Step* const steps = steps_.data() + index(beam, source, k) * stretch_steps;
-      for (std::size_t i = 0; i < stretch_steps; ++i) {
-        const float range = middles_[std::min(k * stretch_steps + i, middles_.size() - 1)];
-        const float dx = range * raster.cosine(beam) - map.x();
-        const float dy = range * raster.sine(beam) - map.y();
-        steps[i] = {map.cell_towards(dx, dy), map.distance(std::sqrt(dx * dx + dy * dy))};
+      for (std::size_t i = 0; i <= stretch_steps; ++i) {
+        const float range = edges_[std::min(k * stretch_steps + i, steps())];
+        places[i] = map.place_of(range * raster.cosine(beam), range * raster.sine(beam));
       }
-      stretches_[index(beam, source, k)] = stretch_of(steps, map);
+      std::copy_n(places.begin(), stretch_steps, places_.data() + index(beam, source, k) * stretch_steps);
+      stretches_[index(beam, source, k)] = stretch_of(places, map);
     }
   }
 }
@@ -94,9 +88,8 @@ void VisibilityTable::set(std::size_t source, std::size_t sources, const Raster&
 namespace {
 
 constexpr float infinite = std::numeric_limits<float>::infinity();
-// At the end of a way: some source sees that nothing is there; no beam can see what is.
-constexpr char seen_free = 1;
-constexpr char blind = 2;
+// A step is looked at in so many parts where no source sees all of it.
+constexpr int parts_of_step = 8;
 
 }  // namespace
 
@@ -107,16 +100,21 @@ Visibility::Visibility(const ScanGrid& grid, const VisibilitySettings& settings,
       rays_(sources),
       maps_(sources),
       layers_(sources),
+      observing_(sources),
       range_max_(static_cast<float>(grid.range_max)),
       approach_(static_cast<float>(std::max(settings.approach, 5 * settings.noise))),
       ways_(grid.beams),
-      last_step_(grid.beams),
       end_x_(grid.beams),
       end_y_(grid.beams),
+      way_ends_(sources, std::vector<FreeSpaceMap::Place>(grid.beams)),
+      body_ends_(way_ends_),
+      here_(sources),
+      there_(sources),
       begin_(grid.beams, 0),
       inside_(grid.beams),
       states_(grid.beams, BeamState::unobserved),
       covered_(grid.beams, 0),
+      body_at_(grid.beams, infinite),
       blind_to_(grid.beams, 0) {
   const double asked = settings_.free_required > 0 ? settings_.free_required : grid.range_max;
   open_ = std::min(static_cast<float>(asked), range_max_);
@@ -135,29 +133,38 @@ void Visibility::set_footprint(const Footprint& footprint) {
     if (!crossing) continue;
     const auto end = static_cast<float>(crossing->out);
     // The step that holds the border is the body's too: nobody sees into it.
-    const std::size_t border = table_.steps_to(static_cast<float>(crossing->in));
-    inside_[beam] = {inside || border == 0 ? 0 : border - 1, table_.step_at(end), end};
+    const std::size_t border = inside ? 0 : table_.step_at(static_cast<float>(crossing->in));
+    inside_[beam] = {border, table_.step_at(end), end};
   }
+  for (std::size_t s = 0; s < maps_.size(); ++s) find_exits(s);
+}
+
+void Visibility::find_exits(std::size_t source) {
+  if (maps_[source].size() == 0) return;
+  for (std::size_t beam = 0; beam < beams(); ++beam)
+    body_ends_[source][beam] = place_at(source, beam, inside_[beam].end);
 }
 
 void Visibility::set_source(std::size_t source, const BeamRays& rays) {
-  rays_[source] = rays;
-  maps_[source].set_source(rays, FreeSpaceMap::unit_for(raster_.grid().range_max));
-  table_.set(source, rays_.size(), raster_, maps_[source]);
+  const double unit = FreeSpaceMap::unit_for(raster_.grid().range_max);
+  maps_[source].set_source(rays, unit, raster_.grid().increment);
+  table_.set(source, maps_.size(), raster_, maps_[source]);
+  find_exits(source);
 }
 
-void Visibility::set_place(float x, float y, double width) {
+void Visibility::set_place(float x, float y, double width, std::size_t observing) {
   const double unit = FreeSpaceMap::unit_for(raster_.grid().range_max);
   for (FreeSpaceMap& map : maps_) map.set(x, y, width, unit);
   table_.set(0, 1, raster_, maps_[0]);
   one_place_ = true;
-  has_blind_ = true;
+  observing_ = observing;
+  column_ = static_cast<float>(width);
+  for (std::size_t s = 0; s < maps_.size(); ++s) find_exits(s);
 }
 
 void Visibility::begin() {
   nearest_.clear(beams());
   doubtful_.clear(beams());
-  ends_.clear(beams());
   for (FreeSpaceMap& map : maps_) map.clear();
 }
 
@@ -168,14 +175,13 @@ void Visibility::compute(const std::vector<const PlacedScan*>& sweeps) {
 
 void Visibility::compute() {
   for (FreeSpaceMap& map : maps_) map.find_runs();
-  look_at_ends();
+  find_ends();
   for (std::size_t beam = 0; beam < beams(); ++beam) states_[beam] = decide(beam);
 }
 
 void Visibility::combine(const std::vector<const PlacedScan*>& sweeps) {
   nearest_.clear(beams());
   doubtful_.clear(beams());
-  ends_.clear(beams());
   for (std::size_t s = 0; s < sweeps.size(); ++s) {
     layers_[s].clear(beams());
     if (sweeps[s] == nullptr) {
@@ -184,7 +190,6 @@ void Visibility::combine(const std::vector<const PlacedScan*>& sweeps) {
     }
     maps_[s].fill(*sweeps[s]);
     raster_.draw(*sweeps[s], layers_[s]);
-    raster_.mark_ends(*sweeps[s], rays_[s], ends_);
     raster_.draw_doubtful(*sweeps[s], doubtful_);
     for (std::size_t beam = 0; beam < beams(); ++beam) {
       if (!(layers_[s].range[beam] < nearest_.range[beam])) continue;
@@ -212,97 +217,188 @@ void Visibility::average(std::size_t beam) {
   nearest_.intensity[beam] = intensity / count;
 }
 
-void Visibility::look_at_ends() {
+void Visibility::find_ends() {
   for (std::size_t beam = 0; beam < beams(); ++beam) {
-    const float way = has_hit(beam) ? nearest_.range[beam] - approach_ : open_;
+    const float way = has_hit(beam) ? nearest_.range[beam] * (1 - column_) - approach_ : open_;
     ways_[beam] = way;
-    last_step_[beam] = static_cast<std::uint32_t>(table_.steps_to(way));
     end_x_[beam] = way * raster_.cosine(beam);
     end_y_[beam] = way * raster_.sine(beam);
   }
-  end_free_.assign(beams(), 0);
   for (std::size_t s = 0; s < maps_.size(); ++s) {
-    const char mark = has_blind_ && s + 1 == maps_.size() ? blind : seen_free;
-    maps_[s].find_free(end_x_.data(), end_y_.data(), beams(), mark, end_free_.data());
+    if (one_place_ && s > 0)
+      way_ends_[s] = way_ends_[0];
+    else if (maps_[s].size() > 0)
+      maps_[s].find_places(end_x_.data(), end_y_.data(), beams(), way_ends_[s].data());
   }
 }
 
 std::size_t Visibility::free_run(std::size_t source, std::size_t beam, std::size_t from,
                                  std::size_t to) const {
-  if (source >= maps_.size() || maps_[source].size() == 0) return from;
-  const FreeSpaceMap::Cell* const cells = maps_[source].cells();
-  const FreeSpaceMap::Run* const runs = maps_[source].runs();
+  const FreeSpaceMap& map = maps_[source];
+  if (map.size() == 0) return from;
+  const FreeSpaceMap::Run* const runs = map.runs();
   const std::size_t row = row_of(source);
   constexpr std::size_t many = VisibilityTable::stretch_steps;
   while (from < to) {
-    const std::size_t begin = from / many * many;
-    if (from == begin && begin + many <= to && table_.stretch(beam, row, from / many).is_free(runs)) {
+    if (from % many == 0 && from + many <= to && table_.stretch(beam, row, from / many).is_free(runs)) {
       from += many;
       continue;
     }
-    const VisibilityTable::Step* const steps = table_.steps(beam, row, from / many);
-    const std::size_t stop = std::min(to, begin + many);
-    while (from < stop && cells[steps[from - begin].cell].is_free(steps[from - begin].distance)) ++from;
+    const FreeSpaceMap::Place begin = table_.place(beam, row, from);
+    const std::size_t stop = std::min(to, from / many * many + many);
+    for (std::size_t more = many / 2; more > 0; more /= 2) {
+      if (from + more <= stop && map.is_free(begin, table_.place(beam, row, from + more))) from += more;
+    }
     if (from < stop) break;
   }
   return from;
 }
 
+bool Visibility::accept_unseen(Walk& walk, float from) {
+  float behind = infinite;
+  for (std::size_t s = 0; s < walk.sources; ++s)
+    behind = std::min(behind, maps_[s].hidden_by(here_[row_of(s)], there_[row_of(s)]));
+  const auto gap = static_cast<float>(settings_.gap);
+  if (behind <= gap) body_at_[walk.beam] = from;
+  const float most = std::max(gap, static_cast<float>(settings_.gap_share) * walk.at);
+  walk.unseen += walk.at - from;
+  return behind == infinite && has_hit(walk.beam) && walk.at - walk.known <= most && walk.unseen <= 2 * most;
+}
+
+void Visibility::see(Walk& walk, std::size_t source, float to) {
+  walk.known = to;
+  witness_ = source;
+  if (source == observing_ && blind_to_[walk.beam] <= 0) blind_to_[walk.beam] = to;
+}
+
+std::size_t Visibility::seen_run(Walk& walk, std::size_t from, std::size_t to) {
+  for (std::size_t refused = 0; refused < walk.sources && from < to;) {
+    const std::size_t seen_to = free_run(walk.source, walk.beam, from, to);
+    if (seen_to > from) see(walk, walk.source, table_.edge(seen_to));
+    refused = seen_to > from ? 1 : refused + 1;
+    from = seen_to;
+    walk.source = walk.source + 1 < walk.sources ? walk.source + 1 : 0;
+  }
+  return from;
+}
+
+bool Visibility::sees_piece(Walk& walk, std::size_t step, bool from_body, float to) {
+  const std::size_t beam = walk.beam;
+  for (std::size_t s = 0; s < walk.sources; ++s) {
+    const auto begin = from_body ? body_ends_[s][beam] : table_.place(beam, row_of(s), step);
+    const auto end = to < ways_[beam] ? table_.place(beam, row_of(s), step + 1) : way_ends_[s][beam];
+    if (!maps_[s].is_free(begin, end)) continue;
+    see(walk, s, to);
+    return true;
+  }
+  return false;
+}
+
+bool Visibility::accept(Walk& walk, float from, float to) {
+  const std::size_t rows = one_place_ ? 1 : maps_.size();
+  const auto find_places = [&](float at, std::vector<FreeSpaceMap::Place>& places) {
+    for (std::size_t row = 0; row < rows; ++row) places[row] = place_at(row, walk.beam, at);
+  };
+  find_places(from, here_);
+  bool accepted = true;
+  for (int part = 1; part <= parts_of_step; ++part) {
+    const float at = walk.at;
+    walk.at = part < parts_of_step ? from + (to - from) * static_cast<float>(part) / parts_of_step : to;
+    find_places(walk.at, there_);
+    std::size_t s = 0;
+    while (s < walk.sources && !maps_[s].is_free(here_[row_of(s)], there_[row_of(s)])) ++s;
+    if (s < walk.sources)
+      see(walk, s, walk.at);
+    else
+      accepted = accept_unseen(walk, at) && accepted;
+    if (!accepted && is_decided(walk.beam)) return false;
+    std::swap(here_, there_);
+  }
+  return accepted;
+}
+
+bool Visibility::may_hold_body(const Walk& walk, std::size_t step) const {
+  float behind = infinite;
+  for (std::size_t row = 0; row < walk.sources; ++row) {
+    const auto begin = table_.place(walk.beam, row_of(row), step);
+    const auto end = table_.place(walk.beam, row_of(row), step + 1);
+    behind = std::min(behind, maps_[row].hidden_by(begin, end));
+  }
+  return behind <= static_cast<float>(settings_.gap);
+}
+
 bool Visibility::is_covered(std::size_t beam, std::size_t sources) {
   const float end = ways_[beam];
-  const auto gap = static_cast<float>(settings_.gap);
-  const auto share = static_cast<float>(settings_.gap_share);
-  const std::size_t last = last_step_[beam];
   const Inside& body = inside_[beam];
-  std::size_t m = 0;
+  const std::size_t last = table_.step_at(end);  // of which a part remains
+  Walk walk{beam, sources, witness_ < sources ? witness_ : 0};
   // What cannot be seen lies nearest.
-  const std::size_t blind_source = has_blind_ ? maps_.size() - 1 : maps_.size();
-  std::size_t source = blind_source < sources ? blind_source : witness_ < sources ? witness_ : 0;
+  if (observing_ < sources) walk.source = observing_;
   blind_to_[beam] = 0;
-  std::size_t refused = 0;  // sources that do not see step m, one after the other
-  float known = 0;
-  while (m < last) {
-    if (m >= body.from && m < body.to) {
+  body_at_[beam] = infinite;
+  bool body_ahead = body.end > 0;
+  bool from_body = false;
+  bool covered = true;
+  for (std::size_t m = 0; walk.at < end;) {
+    if (body_ahead && m >= body.from) {
+      body_ahead = false;
+      from_body = true;
       m = body.to;
-      known = std::max(known, body.end);
-      refused = 0;
+      walk.at = walk.known = body.end;
       continue;
     }
-    const std::size_t seen_to = free_run(source, beam, m, m < body.from ? std::min(last, body.from) : last);
-    refused = seen_to > m ? 1 : refused + 1;
-    if (seen_to > m) {
-      known = table_.edge(seen_to);
-      witness_ = source;
-      if (source == blind_source && blind_to_[beam] <= 0) blind_to_[beam] = known;
+    if (!from_body && m < last) {
+      const std::size_t seen_to = seen_run(walk, m, body_ahead ? std::min(last, body.from) : last);
+      walk.at = table_.edge(seen_to);
+      if (seen_to > m) {
+        m = seen_to;
+        continue;
+      }
     }
-    m = seen_to;
-    source = source + 1 < sources ? source + 1 : 0;
-    if (refused < sources || m >= last) continue;
-    const float edge = std::min(table_.edge(m + 1), end);
-    if (edge - known > std::max(gap, share * edge)) break;
+    const float next = m < last ? table_.edge(m + 1) : end;
+    const bool seen = (from_body || m == last) && sees_piece(walk, m, from_body, next);
+    const float known = walk.known;
+    if (!seen && (covered || may_hold_body(walk, m)) && !accept(walk, walk.at, next) && covered) {
+      covered = false;
+      covered_[beam] = known;
+    }
+    // What stands behind a return counts although the way to it was not observed.
+    if (!covered && is_decided(beam)) break;
+    from_body = false;
+    walk.at = next;
     ++m;
-    refused = 0;
   }
-  covered_[beam] = std::min(known, std::max(end, begin_[beam]));
-  return m >= last;
+  if (covered) covered_[beam] = walk.known;
+  covered_[beam] = std::min(covered_[beam], std::max(end, begin_[beam]));
+  return covered;
 }
 
 BeamState Visibility::decide(std::size_t beam) {
-  const float way = ways_[beam];
-  // Nothing bounds what was not seen at the end of an open way, so its very end must be free.
-  if (!has_hit(beam)) {
-    const std::size_t sources = maps_.size() - (has_blind_ ? 1 : 0);
-    const bool free =
-        is_covered(beam, sources) && ends_.marked[beam] == 0 && (end_free_[beam] & seen_free) != 0;
-    return free ? BeamState::free : BeamState::unobserved;
+  if (!has_hit(beam)) return is_covered(beam, observing_) ? BeamState::free : BeamState::unobserved;
+  if (!is_covered(beam, maps_.size())) return BeamState::gap;
+  bool seen = ways_[beam] <= begin_[beam];
+  for (std::size_t s = 0; s < maps_.size() && !seen; ++s)
+    seen = maps_[s].size() > 0 && maps_[s].is_free(way_ends_[s][beam]);
+  return seen ? BeamState::hit : BeamState::behind;
+}
+
+/// Slow, and by another way than is_covered(): for debug builds.
+bool Visibility::is_seen_all_along(std::size_t beam) const {
+  constexpr float apart = 0.01F;  // m
+  for (float at = begin_[beam] + apart; at < ways_[beam]; at += apart) {
+    if (at > table_.edge(inside_[beam].from) && at < inside_[beam].end) continue;
+    bool seen = false;
+    for (std::size_t s = 0; s < observing_ && !seen; ++s)
+      seen = maps_[s].size() > 0 && maps_[s].is_free(place_at(s, beam, at));
+    if (!seen) return false;
   }
-  if (!is_covered(beam, maps_.size()) || ends_.range[beam] < way) return BeamState::gap;
-  return way <= begin_[beam] || end_free_[beam] != 0 ? BeamState::hit : BeamState::behind;
+  return true;
 }
 
 void Visibility::encode(Profile profile, PlanarScan& scan, bool with_intensities) const {
   raster_.grid().prepare(scan, with_intensities);
   for (std::size_t beam = 0; beam < beams(); ++beam) {
+    assert(states_[beam] != BeamState::free || is_seen_all_along(beam));
     float range = nearest_.range[beam];
     float intensity = nearest_.intensity[beam];
     bool hit = states_[beam] == BeamState::hit;
@@ -311,6 +407,11 @@ void Visibility::encode(Profile profile, PlanarScan& scan, bool with_intensities
       if (doubtful_.range[beam] < range) {
         range = doubtful_.range[beam];
         intensity = doubtful_.intensity[beam];
+      }
+      // The body may be that of the hit, seen from its other side.
+      if (body_at_[beam] + static_cast<float>(settings_.gap) + approach_ < range) {
+        range = body_at_[beam];
+        intensity = 0;
       }
       hit = range <= scan.range_max;
       free = free && !hit;
@@ -324,7 +425,7 @@ void Visibility::encode(Profile profile, PlanarScan& scan, bool with_intensities
       if (with_intensities) scan.intensities[beam] = intensity;
     }
   }
-  if (!has_blind_) return;
+  if (!one_place_) return;
   scan.free_from.assign(beams(), 0);
   for (std::size_t beam = 0; beam < beams(); ++beam) {
     if (scan.statuses[beam] != BeamStatus::hit) continue;

@@ -14,16 +14,13 @@
 namespace lidard {
 
 /// Where the beams of an output scan lead through the views of the sources: for every beam, every source and
-/// a row of steps outward, the source's cell that the step lies in and its distance from the source. Built
-/// once per mounting, so that the walk along a beam is a row of look-ups.
+/// a row of steps outward, where the source sees the step begin. Built once per mounting, so that the walk
+/// along a beam is a row of look-ups.
 class VisibilityTable {
  public:
-  struct Step {
-    std::uint16_t cell;
-    std::uint16_t distance;  ///< units of the map
-  };
+  using Place = FreeSpaceMap::Place;
 
-  /// So many steps at once: the cells they lie in, and between which distances of the source.
+  /// So many steps at once: the cells they lead through, and between which distances of the source.
   struct Stretch {
     FreeSpaceMap::RunAt cells;
     std::int16_t nearest;       ///< ordered() as in FreeSpaceMap::Run
@@ -42,49 +39,47 @@ class VisibilityTable {
   /// Fills in one of `sources` sources.
   void set(std::size_t source, std::size_t sources, const Raster& raster, const FreeSpaceMap& map);
 
-  std::size_t steps() const { return middles_.size(); }
+  std::size_t steps() const { return edges_.size() - 1; }
   /// Where step m begins, m from the origin; edge(steps()) is where the last one ends.
   float edge(std::size_t m) const { return edges_[m]; }
-  /// The first step whose middle is not nearer than `range`.
+  /// The step that holds `range`, m; of a border the outer one. steps(): beyond all of them.
   std::size_t step_at(float range) const;
-  /// The number of steps that begin before `range`.
-  std::size_t steps_to(float range) const;
-  /// Steps stretch_steps * k and the following ones of a beam, and what they have in common. Those of beams
-  /// side by side lie side by side: that is how they are looked at.
-  const Step* steps(std::size_t beam, std::size_t source, std::size_t k) const {
-    return steps_.data() + index(beam, source, k) * stretch_steps;
-  }
+  /// Steps stretch_steps * k and the following ones of a beam. Those of beams side by side lie side by side:
+  /// that is how they are looked at.
   const Stretch& stretch(std::size_t beam, std::size_t source, std::size_t k) const {
     return stretches_[index(beam, source, k)];
   }
-  const Step& step(std::size_t beam, std::size_t source, std::size_t m) const {
-    return steps(beam, source, m / stretch_steps)[m % stretch_steps];
+  /// Where step m begins, and with m + 1 where it ends.
+  Place place(std::size_t beam, std::size_t source, std::size_t m) const {
+    return places_[index(beam, source, m / stretch_steps) * stretch_steps + m % stretch_steps];
   }
 
  private:
   std::size_t index(std::size_t beam, std::size_t source, std::size_t k) const {
     return (source * stretches_of_beam_ + k) * beams_ + beam;
   }
-  static Stretch stretch_of(const Step* steps, const FreeSpaceMap& map);
+  static Stretch stretch_of(const std::vector<Place>& places, const FreeSpaceMap& map);
 
   std::vector<float> edges_;
-  std::vector<std::uint32_t> steps_to_;  // for every shortest step, the steps that begin before its end
-  std::vector<float> middles_;
+  std::vector<std::uint32_t> step_at_;  // for every shortest step, the one that holds its begin
   std::size_t sources_ = 0;
   std::size_t beams_;
   std::size_t stretches_of_beam_;
-  std::vector<Step> steps_;
+  std::vector<Place> places_;
   std::vector<Stretch> stretches_;
 };
 
-/// What is known about a beam of the output. `gap`: a surface, but the way to it was not observed. `behind`:
-/// it was, but no source sees the surface from the side the beam comes from.
+/// What is known about a beam of the output. `free`: each place of the way as far as the beam must be
+/// observed lies between two neighbouring beams of one source that both passed it; whatever stands in the
+/// beam is narrower than the way between these two. `hit`: the same holds as far as the surface, but for
+/// short ways where no source has a beam; no return hides a part of them. `gap`: a surface, but the way to it
+/// was not observed. `behind`: it was, but no source sees the surface from the side the beam comes from.
 enum class BeamState : std::uint8_t { unobserved, free, hit, behind, gap };
 
 struct VisibilitySettings {
   double noise = 0.02;       ///< the largest of the sources' standard deviations, m
-  double gap = 0.3;          ///< so much of the way may go unobserved, m ...
-  double gap_share = 0.05;   ///< ... or this share of the range, whichever is more
+  double gap = 0.3;          ///< so much of the way to a hit may have no beam in one piece, m ...
+  double gap_share = 0.05;   ///< ... or this share of the range, whichever is more; in all twice as much
   double approach = 0.12;    ///< so far before a surface the way must be free, m
   double free_required = 0;  ///< how far a beam must be observed to be free, m; 0: range_max
   bool mean = false;         ///< surfaces that several sources see in one place are averaged
@@ -103,15 +98,15 @@ class Visibility {
   /// Computes from the newest sweep of each source; nullptr: this source has none.
   void compute(const std::vector<const PlacedScan*>& sweeps);
   /// For what is no sweep: the place of all sources, m in the output's plane; their columns are `width` rad
-  /// apart. The last source then is not what is seen to be free but what no beam can see: a surface counts
-  /// although the way to it leads through, but no beam is free that does.
-  void set_place(float x, float y, double width);
+  /// apart. The first `observing` sources then are what is seen to be free. The next one is what no beam can
+  /// see, the others are free more likely than not: a surface counts although the way to it leads through,
+  /// but no beam is free that does.
+  void set_place(float x, float y, double width, std::size_t observing);
   /// Begins anew with surfaces and evidence that the caller fills in, in place of sweeps.
   void begin();
   const Raster& raster() const { return raster_; }
   RangeLayer& surfaces() { return nearest_; }
   RangeLayer& doubtful() { return doubtful_; }
-  std::vector<char>& ends() { return ends_.marked; }
   FreeSpaceMap& free_space(std::size_t source) { return maps_[source]; }
   /// Computes from what was filled in.
   void compute();
@@ -135,14 +130,40 @@ class Visibility {
   void combine(const std::vector<const PlacedScan*>& sweeps);
   void average(std::size_t beam);
   bool has_hit(std::size_t beam) const { return nearest_.range[beam] <= range_max_; }
-  /// Finds which ways end where some source sees that nothing is.
-  void look_at_ends();
+  /// Finds how far each way goes and where its end lies for each source.
+  void find_ends();
   BeamState decide(std::size_t beam);
-  /// Walks along the beam's way from where the vehicle ends; false at the first gap. Sets covered.
+  /// Walks along the beam's way from where the vehicle ends; false where it is not observed. Sets covered.
   bool is_covered(std::size_t beam, std::size_t sources);
   std::size_t row_of(std::size_t source) const { return one_place_ ? 0 : source; }
-  /// The first step in [from, to) that this source does not see to be free, or `to`.
+  /// The first step in [from, to) of which this source does not see all to be free, or `to`.
   std::size_t free_run(std::size_t source, std::size_t beam, std::size_t from, std::size_t to) const;
+  /// A way along a beam that is walked now.
+  struct Walk {
+    std::size_t beam, sources;
+    std::size_t source;  // that is asked next
+    float at = 0;        // m, walked so far
+    float known = 0;     // m, where the last piece ends that was seen
+    float unseen = 0;    // m in all where no source has a beam
+  };
+  void see(Walk& walk, std::size_t source, float to);
+  /// The first step in [from, to) of which no source sees all, or `to`.
+  std::size_t seen_run(Walk& walk, std::size_t from, std::size_t to);
+  /// Some source sees all of a step, from the vehicle's border on or as far as `to` m.
+  bool sees_piece(Walk& walk, std::size_t step, bool from_body, float to);
+  /// Walks on in parts of a step, [from, to] m; false if one of them is not observed.
+  bool accept(Walk& walk, float from, float to);
+  /// Nothing is to be found any more along a way that was not observed.
+  bool is_decided(std::size_t beam) const { return !has_hit(beam) || body_at_[beam] <= range_max_; }
+  /// A step leads through what stands shortly behind a return.
+  bool may_hold_body(const Walk& walk, std::size_t step) const;
+  /// The part from `from` m to walk.at, here_ to there_, is none that must be seen.
+  bool accept_unseen(Walk& walk, float from);
+  bool is_seen_all_along(std::size_t beam) const;
+  FreeSpaceMap::Place place_at(std::size_t source, std::size_t beam, float range) const {
+    return maps_[source].place_of(range * raster_.cosine(beam), range * raster_.sine(beam));
+  }
+  void find_exits(std::size_t source);
 
   VisibilitySettings settings_;
   Raster raster_;
@@ -150,28 +171,31 @@ class Visibility {
   std::vector<BeamRays> rays_;
   std::vector<FreeSpaceMap> maps_;
   std::vector<RangeLayer> layers_;  // per source
-  bool has_blind_ = false;          // the last map is what cannot be seen
+  std::size_t observing_;           // maps of what is seen to be free; the next one is what cannot be seen
   bool one_place_ = false;          // all sources look from there, so that they share the table's row
   std::size_t witness_ = 0;         // the source that saw the farthest part of the last way walked
   RangeLayer nearest_;
   RangeLayer doubtful_;
-  EndLayer ends_;
   /// Where a beam leads through the vehicle; the way in there need not be observed.
   struct Inside {
-    std::size_t from = 0, to = 0;  // steps [from, to)
-    float end = 0;                 // m
+    std::size_t from = 0, to = 0;  // the steps in which it begins and ends
+    float end = 0;                 // m; 0: nowhere
   };
-  float range_max_;                       // m
-  float open_ = 0;                        // m that a beam without a hit must be free
-  float approach_;                        // m before a hit
-  std::vector<float> ways_;               // m of each beam that must be seen to be free
-  std::vector<std::uint32_t> last_step_;  // of the way, and one
-  std::vector<float> end_x_, end_y_;      // where they end
-  std::vector<char> end_free_;
+  float range_max_;          // m
+  float open_ = 0;           // m that a beam without a hit must be free
+  float approach_;           // m before a hit
+  float column_ = 0;         // and so much of its range: a column sees a slanting wall at one distance
+  std::vector<float> ways_;  // m of each beam that must be seen to be free
+  std::vector<float> end_x_, end_y_;                         // where they end
+  std::vector<std::vector<FreeSpaceMap::Place>> way_ends_;   // of each source, by beam
+  std::vector<std::vector<FreeSpaceMap::Place>> body_ends_;  // where beams leave the vehicle
+  std::vector<FreeSpaceMap::Place> here_, there_;            // of a part of a step, for each source
   std::vector<float> begin_;  // m, where the vehicle ends if the origin lies inside
   std::vector<Inside> inside_;
   std::vector<BeamState> states_;
   std::vector<float> covered_;
+  std::vector<float>
+      body_at_;  // m to where the way leads into what stands behind a return; infinite: nowhere
   std::vector<float> blind_to_;  // m of the last ways walked, up to which no beam can see
 };
 

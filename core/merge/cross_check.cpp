@@ -33,8 +33,8 @@ bool CrossCheck::sees_through(const Source& source, float x, float y) const {
   const std::uint16_t here = source.map.distance(away);
   const std::uint16_t behind = source.map.distance(away + margin_);
   for (const float side : {0.0F, -source.two_beams, source.two_beams}) {
-    const auto& cell = source.map.cells()[source.map.cell_towards(dx - side * dy, dy + side * dx)];
-    if (!cell.is_free(here) || !cell.is_free(behind)) return false;
+    const std::uint16_t cell = source.map.cell_towards(dx - side * dy, dy + side * dx);
+    if (!source.map.is_free({cell, here}) || !source.map.is_free({cell, behind})) return false;
   }
   return true;
 }

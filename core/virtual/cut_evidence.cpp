@@ -25,18 +25,68 @@ constexpr float overlap = 1.05F;
 
 void CutEvidence::mark_beams() {
   const std::size_t cells = view_->heights().size();
-  resize_amply(cells, marks_);
+  resize_amply(cells, own_marks_, marks_);
   const Beam* const kinds = view_->grid().kind.data();
   const float* const heights = view_->heights().data();
+  const char* const grounds = view_->ground().is_ground.data();
   const float level = view_->level();
   const bool from_above = sign_ > 0;
-  std::uint8_t* const marks = marks_.data();
+  std::uint8_t* const own = own_marks_.data();
   for (std::size_t i = 0; i < cells; ++i) {
-    const int ends = (kinds[i] == Beam::point ? known : 0) | (kinds[i] == Beam::none ? known : 0);
-    const int beneath = heights[i] < level ? 1 : 0;
-    const int over = heights[i] > level ? 1 : 0;
-    marks[i] = static_cast<std::uint8_t>(ends | (crosses * (ends & (from_above ? beneath : over))));
+    const int point = kinds[i] == Beam::point ? 1 : 0;
+    const int ends = point | (kinds[i] == Beam::none ? 1 : 0);
+    const int beyond = from_above ? (heights[i] < level ? 1 : 0) : (heights[i] > level ? 1 : 0);
+    const int thing = point & (grounds[i] != 0 ? 0 : 1);
+    own[i] = static_cast<std::uint8_t>(known * ends | crosses * (ends & beyond) | meets * (thing & beyond));
   }
+  std::uint8_t* const marks = marks_.data();
+  const std::size_t column = rings_;
+  const auto agree = [own, marks](std::size_t i, std::size_t before, std::size_t after) {
+    const int blocked =
+        (own[before] & ~(own[before] >> 1) & known) | (own[after] & ~(own[after] >> 1) & known);
+    const int met = (own[before] | own[after]) & meets & (own[i] << 1);
+    marks[i] = static_cast<std::uint8_t>((own[i] | met) & ~(blocked * (crosses | meets)));
+  };
+  for (std::size_t i = 0; i < column; ++i) agree(i, cells - column + i, i + column);
+  for (std::size_t i = column; i + column < cells; ++i) agree(i, i - column, i + column);
+  for (std::size_t i = cells - column; i < cells; ++i) agree(i, i - column, i + column - cells);
+}
+
+std::array<std::size_t, 3> CutEvidence::abreast(std::size_t i) const {
+  const std::size_t cells = own_marks_.size();
+  return {i, i >= rings_ ? i - rings_ : i + cells - rings_,
+          i + rings_ < cells ? i + rings_ : i + rings_ - cells};
+}
+
+bool CutEvidence::on_one_surface(std::size_t i, std::size_t beside) const {
+  const std::size_t first = beside + rings_ == i || beside > i + rings_ ? beside : i;
+  return i == beside || view_->links().level(first / rings_, i % rings_);
+}
+
+CutEvidence::End CutEvidence::end_abreast(std::size_t i) const {
+  const auto ends = [this](std::size_t beam) { return (own_marks_[beam] & (known | crosses)) == known; };
+  End nearest{infinite, false};
+  for (const std::size_t beam : abreast(i)) {
+    const bool same = on_one_surface(i, beam);
+    // On one surface each column sees as far as its own return.
+    if (!ends(beam) || (same && beam != i && ends(i))) continue;
+    const float end = ray(beam).end * (same ? 1 : 1 - corner_);
+    if (end < nearest.at) nearest = {end, view_->grid().kind[beam] == Beam::point};
+  }
+  return nearest;
+}
+
+CutEvidence::End CutEvidence::thing_abreast(std::size_t last, std::ptrdiff_t step) const {
+  End nearest{infinite, true};
+  if ((marks_[last] & meets) == 0) return nearest;
+  const bool met = (own_marks_[last] & meets) != 0;
+  for (const std::size_t beam : abreast(last)) {
+    const bool same = on_one_surface(last, beam);
+    if ((own_marks_[beam] & meets) == 0 || (same && beam != last && met)) continue;
+    if (is_hidden(beam, static_cast<std::size_t>(static_cast<std::ptrdiff_t>(beam) + step)))
+      nearest.at = std::min(nearest.at, ray(beam).end * (same ? 1 : 1 - corner_));
+  }
+  return nearest;
 }
 
 inline CutEvidence::Ray CutEvidence::ray(std::size_t i) const {
@@ -47,16 +97,20 @@ inline CutEvidence::Ray CutEvidence::ray(std::size_t i) const {
   return {x, y, end, end * sensor_ / std::max(sensor_ - sign_ * view_->above(i), 1e-6F)};
 }
 
-inline void CutEvidence::add(const Ray& first, const Ray& seen_along, float to) {
+inline void CutEvidence::add(const Ray& first, const Ray& seen_along, End end) {
   const float begin = tilted_ ? (fast_atan2(first.y, first.x) + static_cast<float>(pi_d)) * per_rad_ : 0;
-  wedges_.push_back({first.at, std::min(to, farthest_), blind_, seen_along.x, seen_along.y, begin});
-  blind_ = 0;
+  const Piece free =
+      end.at > farthest_ ? Piece{first.at, farthest_, true} : Piece{first.at, end.at, end.hides};
+  wedges_.push_back({free, blind_, {}, seen_along.x, seen_along.y, begin});
+  blind_ = {};
 }
 
-/// A column whose beams do not look in one direction needs it by itself.
-void CutEvidence::add_blind(const Ray& lowest) {
-  blind_ = lowest.at;
-  add(lowest, lowest, -1);
+/// A column whose lowest beams do not cross the plane, or do not look in one direction, needs it by itself.
+void CutEvidence::add_blind(std::size_t lowest) {
+  const Ray along = ray(lowest);
+  const End end = end_abreast(lowest);
+  blind_ = end.at < along.at && end.hides ? Piece{0, end.at, true} : Piece{0, along.at, false};
+  add(along, along, {-1, false});
 }
 
 /// The cells whose middle lies within half a column of `azimuth`.
@@ -66,27 +120,30 @@ CutEvidence::Cells CutEvidence::cells_at(float azimuth) const {
   return {static_cast<std::size_t>(middle - half + 0.5F), static_cast<std::size_t>(middle + half - 0.5F)};
 }
 
-void CutEvidence::claim(Cells cells, float from, float to) {
-  if (!(to >= from)) return;
-  for (std::size_t k = cells.first; k <= cells.last; ++k) claim(cell(k), from, to);
+void CutEvidence::claim(Cells cells, const Piece& piece) {
+  if (!piece.exists()) return;
+  for (std::size_t k = cells.first; k <= cells.last; ++k) claim(cell(k), piece);
 }
 
-void CutEvidence::claim(Cell& cell, float from, float to) const {
+void CutEvidence::claim(Cell& cell, const Piece& piece) const {
+  const auto both = [](const Piece& a, const Piece& b) {
+    return Piece{std::min(a.from, b.from), std::max(a.to, b.to), a.is_shorter(b) ? b.hides : a.hides};
+  };
   auto& free = cell.free;
   if (!free[0].exists()) {
-    free[0] = {from, to};
+    free[0] = piece;
     return;
   }
-  const float slack = touching + touching_share * to;
+  const float slack = touching + touching_share * piece.to;
   bool taken = false;
-  for (Piece& piece : free) {
-    if (piece.exists() && (from > piece.to + slack || to < piece.from - slack)) continue;
-    piece = piece.exists() ? Piece{std::min(piece.from, from), std::max(piece.to, to)} : Piece{from, to};
+  for (Piece& old : free) {
+    if (old.exists() && (piece.from > old.to + slack || piece.to < old.from - slack)) continue;
+    old = old.exists() ? both(old, piece) : piece;
     taken = true;
     break;
   }
   if (taken && free[1].exists() && free[1].from <= free[0].to + slack && free[1].to >= free[0].from - slack)
-    free = {Piece{std::min(free[0].from, free[1].from), std::max(free[0].to, free[1].to)}, Piece{}};
+    free = {both(free[0], free[1]), Piece{}};
 }
 
 void CutEvidence::take_wedges() {
@@ -102,28 +159,38 @@ void CutEvidence::take_wedges() {
   for (std::size_t i = 0; i < n; ++i) {
     const Wedge& wedge = wedges_[i];
     const Cells cells = cells_at(azimuths[i]);
-    if (wedge.blind > 0) {
-      for (std::size_t k = cells.first; k <= cells.last; ++k) cell(k).blind = wedge.blind;
+    for (std::size_t k = cells.first; wedge.over.exists() && k <= cells.last; ++k) {
+      Piece& old = cell(k).over;
+      const bool apart = old.exists() && (wedge.over.from > old.to || wedge.over.to < old.from);
+      if (!old.exists() || (apart && wedge.over.from < old.from))
+        old = wedge.over;
+      else if (!apart)
+        old = {std::min(old.from, wedge.over.from), std::max(old.to, wedge.over.to), false};
     }
-    if (tilted_ && wedge.to >= 0)
+    for (std::size_t k = cells.first; wedge.blind.to > 0 && k <= cells.last; ++k) {
+      Piece& old = cell(k).blind;
+      if (old.to <= 0 || wedge.blind.is_shorter(old)) old = wedge.blind;
+    }
+    if (tilted_ && wedge.free.to >= 0)
       take_tilted(wedge, azimuths[i]);
     else
-      claim(cells, wedge.from, wedge.to);
+      claim(cells, wedge.free);
   }
 }
 
 /// Between its beams the piece leads through several directions.
 void CutEvidence::take_tilted(const Wedge& wedge, float azimuth) {
   const auto turn = static_cast<float>(cells_.size());
-  const float length = wedge.to - wedge.from;
+  const float length = wedge.free.to - wedge.free.from;
   float span = azimuth - wedge.begin;
   span -= turn * std::round(span / turn);
   const float parts = std::max(1.0F, std::ceil(std::fabs(span)));
   for (float part = 0; part < parts; ++part) {
     float at = wedge.begin + span * (part + 0.5F) / parts;
     at -= at >= turn ? turn : 0;
-    claim(cells_at(at < 0 ? at + turn : at), wedge.from + length * part / parts,
-          wedge.from + length * (part + 1) / parts);
+    claim(cells_at(at < 0 ? at + turn : at),
+          {wedge.free.from + length * part / parts, wedge.free.from + length * (part + 1) / parts,
+           wedge.free.hides && part + 1 == parts});
   }
 }
 
@@ -160,19 +227,20 @@ void CutEvidence::find_wedges(std::size_t column) {
   if (k == rings_) return;
   const std::size_t lowest = beam(base, k);
   const bool in_line = (mark(k) & crosses) != 0 && !tilted_ && view_->grid().fired_in_columns();
-  if (!in_line && sign_ * view_->above(lowest) < sensor_) add_blind(ray(lowest));
+  if (!in_line && sign_ * view_->above(lowest) < sensor_) add_blind(lowest);
   for (bool nearest = in_line;; nearest = false) {
     while (k < rings_ && (mark(k) & crosses) == 0) ++k;
     if (k == rings_) return;
-    Ray first = ray(beam(base, k++));
-    if (nearest) blind_ = first.at;
-    for (; k < rings_ && (mark(k) & crosses) != 0; ++k) {
+    Ray first = ray(beam(base, k));
+    if (nearest) blind_ = {0, first.at, false};
+    std::size_t last = beam(base, k++);
+    for (; k < rings_ && (mark(k) & crosses) != 0; last = beam(base, k++)) {
+      if ((marks_[last] & meets) != 0 && thing_abreast(last, step_).at < infinite) break;
       if (!tilted_) continue;
       const Ray next = ray(beam(base, k));
-      add(first, next, next.at);
+      add(first, next, {next.at, false});
       first = next;
     }
-    const std::size_t last = beam(base, k - 1);
     end_wedge(first, last, k < rings_ && mark(k) != 0 ? beam(base, k) : last);
   }
 }
@@ -181,13 +249,16 @@ void CutEvidence::find_wedges(std::size_t column) {
 void CutEvidence::end_wedge(const Ray& first, std::size_t last, std::size_t next) {
   const Ray seen_along = ray(next);
   if (next == last) {
-    add(first, seen_along, seen_along.at);
-  } else if (!is_hidden(last, next)) {
-    add(first, seen_along, seen_along.end);
-  } else {
-    const Ray before = ray(last);
-    add(first, seen_along, std::max(before.at, std::min(before.end, seen_along.end)));
+    add(first, seen_along, {seen_along.at, false});
+    return;
   }
+  const bool crosses_too = (marks_[next] & crosses) != 0;
+  const End end = crosses_too ? End{seen_along.at, false} : end_abreast(next);
+  const End thing = thing_abreast(last, step_);
+  add(first, seen_along, thing.at < end.at ? End{std::max(ray(last).at, thing.at), true} : end);
+  const std::uint8_t top = tops_->verdicts()[next];
+  if (crosses_too && thing.at < end.at && (top == PlaneTops::none || top == PlaneTops::likely_below))
+    wedges_.back().over = {wedges_.back().free.to, end.at, false};
 }
 
 /// Columns do not lie quite evenly, so that a cell between two of them may have been left out.
@@ -197,15 +268,17 @@ void CutEvidence::fill_holes() {
     if (cells_[k].free[0].exists()) continue;
     const Cell& a = cells_[k > 0 ? k - 1 : n - 1];
     const Cell& b = cells_[k + 1 < n ? k + 1 : 0];
-    if (cells_[k].blind <= 0) cells_[k].blind = std::min(a.blind, b.blind);
+    if (cells_[k].blind.to <= 0) cells_[k].blind = a.blind.is_shorter(b.blind) ? a.blind : b.blind;
     if (!a.free[0].exists() || !b.free[0].exists()) continue;
-    const Piece both{std::max(a.free[0].from, b.free[0].from), std::min(a.free[0].to, b.free[0].to)};
+    Piece both = a.free[0].is_shorter(b.free[0]) ? a.free[0] : b.free[0];
+    both.from = std::max(a.free[0].from, b.free[0].from);
     if (both.exists()) cells_[k].free[0] = both;
   }
 }
 
 void CutEvidence::find(const PlaneView& view, const PlaneTops& tops, HeightBand band,
-                       const std::array<FreeSpaceMap*, pieces>& free, FreeSpaceMap& blind) {
+                       const std::array<FreeSpaceMap*, pieces>& free, FreeSpaceMap& blind,
+                       FreeSpaceMap& over) {
   view_ = &view;
   tops_ = &tops;
   band_ = band;
@@ -215,9 +288,11 @@ void CutEvidence::find(const PlaneView& view, const PlaneTops& tops, HeightBand 
   cells_.assign(blind.size(), {});
   per_rad_ = static_cast<float>(static_cast<double>(cells_.size()) / (two_pi));
   width_ = static_cast<float>(view.grid().step()) * per_rad_;
+  rings_ = view.grid().rings();
+  step_ = sign_ > 0 ? 1 : -1;
+  corner_ = std::min(0.2F, 2 * static_cast<float>(view.grid().step()));
   mark_beams();
   wedges_.clear();
-  rings_ = view.grid().rings();
   ends_ = view.grid().ends.data();
   const Eigen::Matrix3f& r = view.rotation();
   axes_ = {r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2)};
@@ -226,9 +301,11 @@ void CutEvidence::find(const PlaneView& view, const PlaneTops& tops, HeightBand 
   fill_holes();
   for (std::size_t k = 0; k < cells_.size(); ++k) {
     for (std::size_t p = 0; p < pieces; ++p) {
-      if (cells_[k].free[p].exists()) free[p]->claim(k, cells_[k].free[p].from, cells_[k].free[p].to);
+      const Piece& piece = cells_[k].free[p];
+      if (piece.exists()) free[p]->claim(k, piece.from, piece.to, piece.hides);
     }
-    if (cells_[k].blind > 0) blind.claim(k, 0, cells_[k].blind);
+    if (cells_[k].blind.to > 0) blind.claim(k, 0, cells_[k].blind.to, cells_[k].blind.hides);
+    if (cells_[k].over.exists()) over.claim(k, cells_[k].over.from, cells_[k].over.to);
   }
 }
 

@@ -186,7 +186,7 @@ void PlaneCut::connect_turning(std::size_t column) {
 }
 
 /// What ends here or stands alone also counts in the beam nearest to it.
-void PlaneCut::flush(std::size_t crossing, std::vector<char>& marks) const {
+void PlaneCut::flush(std::size_t crossing) const {
   const Crossing& one = crossings_[crossing];
   if (one.segments > 1) return;
   const float at = beams_[crossing];
@@ -194,14 +194,10 @@ void PlaneCut::flush(std::size_t crossing, std::vector<char>& marks) const {
     raster_->draw_point(one.at, at, *layer_);
   else
     raster_->draw_end(one.at, one.neighbour, at, *layer_);
-  const float dx = one.at.x - view_->translation().x();
-  const float dy = one.at.y - view_->translation().y();
-  const float width = static_cast<float>(view_->grid().step()) * std::sqrt(dx * dx + dy * dy);
-  raster_->mark_near(one.at, at, width, marks);
 }
 
 void PlaneCut::draw_slice(const PlaneView& view, const PlaneTops& tops, const Raster& raster,
-                          RangeLayer& layer, std::vector<char>& marks) {
+                          RangeLayer& layer) {
   view_ = &view;
   tops_ = &tops;
   raster_ = &raster;
@@ -224,7 +220,7 @@ void PlaneCut::draw_slice(const PlaneView& view, const PlaneTops& tops, const Ra
   }
   raster.positions(x_.data(), y_.data(), x_.size(), beams_.data());
   for (std::size_t c = 0; c < grid.columns(); ++c) connect(c);
-  for (std::size_t k = 0; k < crossings_.size(); ++k) flush(k, marks);
+  for (std::size_t k = 0; k < crossings_.size(); ++k) flush(k);
 }
 
 namespace {

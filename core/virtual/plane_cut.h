@@ -28,9 +28,8 @@ namespace lidard {
 /// beneath it. Edges between two returns from the ground are never drawn, unless the view keeps the ground.
 class PlaneCut {
  public:
-  /// Draws the cut with the view's plane; `tops` were found in it. `marks`: beams in which a surface ends.
-  void draw_slice(const PlaneView& view, const PlaneTops& tops, const Raster& raster, RangeLayer& layer,
-                  std::vector<char>& marks);
+  /// Draws the cut with the view's plane; `tops` were found in it.
+  void draw_slice(const PlaneView& view, const PlaneTops& tops, const Raster& raster, RangeLayer& layer);
 
  private:
   /// Where the plane crosses the surface between a ring and the one beneath it.
@@ -64,7 +63,7 @@ class PlaneCut {
   bool go_together(std::size_t column, const Crossing& left, const Crossing& right) const;
   Place place_of(std::size_t crossing) const { return {crossings_[crossing].at, beams_[crossing]}; }
   void join(std::size_t a, const Place& at_a, std::size_t b, const Place& at_b);
-  void flush(std::size_t crossing, std::vector<char>& marks) const;
+  void flush(std::size_t crossing) const;
 
   // Of the cut that is drawn now.
   const PlaneView* view_ = nullptr;

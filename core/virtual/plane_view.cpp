@@ -146,8 +146,10 @@ void PlaneTops::close(const PlaneView& view, std::size_t ring) {
   const float room = run.passing - run.top;
   const bool above = run.top >= 0;
   Verdict verdict = none;
-  if (run.passing <= 0 || (!above && (-run.top > (1 - likely_reach) * room || is_flat(view, ring, run))))
+  if (run.passing <= 0 || (!above && is_flat(view, ring, run)))
     verdict = stays_below;
+  else if (!above && -run.top > (1 - likely_reach) * room)
+    verdict = likely_below;
   else if (above || -run.top < likely_reach * room)
     verdict = reaches;
   for (std::size_t c = run.first; c < run.end && verdict != none; ++c) {

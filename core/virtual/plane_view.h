@@ -92,12 +92,13 @@ inline BeamEnd mixed(const BeamEnd& a, const BeamEnd& b, float share) {
 ///
 /// The top of a thing is at least as high as its highest return and lower than the lowest beam that passes
 /// over it; both are taken over all neighbouring columns that see the thing, for tops are mostly level. Where
-/// the plane is close to the return, the thing reaches it; where it is close to the beam, the thing does not.
+/// the plane is close to the return, the thing reaches it; where it is close to the beam, the thing likely
+/// does not. It surely does not where the returns lie on its level top, or the beam is beneath the plane.
 class PlaneTops {
  public:
   /// Of a beam and the one below it. `hides`: what the upper beam meets may go down to the plane behind what
   /// the lower one meets.
-  enum Verdict : std::uint8_t { none = 0, reaches = 1, stays_below = 2, hides = 3 };
+  enum Verdict : std::uint8_t { none = 0, reaches = 1, stays_below = 2, hides = 3, likely_below = 4 };
 
   void find(const PlaneView& view);
   /// By RingGrid::index() of the upper beam.

@@ -8,9 +8,10 @@
 namespace lidard {
 namespace {
 
-// Sources of a frame's Visibility: the evidence's free pieces, and what is blind.
+// Sources of a frame's Visibility: the evidence's free pieces, what is blind, ways over low things.
 constexpr std::size_t blind_source = CutEvidence::pieces;
-constexpr std::size_t visibility_sources = CutEvidence::pieces + 1;
+constexpr std::size_t over_source = blind_source + 1;
+constexpr std::size_t visibility_sources = over_source + 1;
 // Columns whose width changed by less (share) still fit the tables.
 constexpr double width_slack = 0.05;
 // A band that reaches into the ground is observed from so much above the ground on, m.
@@ -100,7 +101,8 @@ void Virtualizer::place(Frame& frame, const Pose& virtual_from_cloud) const {
   const Pose vehicle = virtual_from_cloud * vehicle_from_cloud_.inverse();
   frame.visibility.set_footprint(footprint_.transformed(vehicle));
   const Eigen::Vector3d at = virtual_from_cloud.translation();
-  frame.visibility.set_place(static_cast<float>(at.x()), static_cast<float>(at.y()), step);
+  frame.visibility.set_place(static_cast<float>(at.x()), static_cast<float>(at.y()), step,
+                             CutEvidence::pieces);
 }
 
 /// The plane on which a frame's beams must be free: of a band the limit that is farther from the sensor,
@@ -144,7 +146,7 @@ void Virtualizer::look(Frame& frame, const Pose& virtual_from_cloud) {
       cut_slice(visibility, 0);
     evidence_.find(view_, tops_, band ? band_ : HeightBand{0, 0},
                    {&visibility.free_space(0), &visibility.free_space(1)},
-                   visibility.free_space(blind_source));
+                   visibility.free_space(blind_source), visibility.free_space(over_source));
   }
   visibility.compute();
 }
@@ -152,7 +154,7 @@ void Virtualizer::look(Frame& frame, const Pose& virtual_from_cloud) {
 void Virtualizer::cut_slice(Visibility& visibility, double level) {
   view_.set_level(static_cast<float>(level));
   tops_.find(view_);
-  cut_.draw_slice(view_, tops_, visibility.raster(), visibility.surfaces(), visibility.ends());
+  cut_.draw_slice(view_, tops_, visibility.raster(), visibility.surfaces());
 }
 
 void Virtualizer::cut_band(Visibility& visibility, float evidence_level) {

@@ -17,7 +17,7 @@ constexpr double degree = pi_d / 180;
 constexpr double scanner_range_max = 25;  // m
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double veil_spot = 0.1 * degree;
-constexpr double longest_unseen = 0.3;  // m
+constexpr double longest_unseen = 0.06;  // m
 constexpr double sample_step = 0.05;    // m
 
 ScanGrid full_circle(std::size_t beams) {

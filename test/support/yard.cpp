@@ -17,6 +17,7 @@ constexpr double lidar_height = 2.0;  // m
 constexpr double lidar_noise = 0.02;  // m
 constexpr std::size_t output_beams = 720;
 constexpr double output_range_max = 60;  // m, the yard's corners are 32 m away
+constexpr double way_step = 0.2;         // m
 constexpr int blocks = 14;
 constexpr int slabs = 4;
 constexpr Span revolution = std::chrono::milliseconds(100);
@@ -75,12 +76,19 @@ double truth_at(const YardScene& scene, double angle) {
   return scene.yard.cast(beam_of(scene, angle), false);
 }
 
-bool is_visible(const YardScene& scene, double angle, double truth) {
-  const Ray beam = beam_of(scene, angle);
-  const Eigen::Vector3d point = beam.origin + (truth - 0.01) * beam.direction;
+bool sees(const YardScene& scene, const Eigen::Vector3d& point) {
   const Eigen::Vector3d way = point - scene.lidar.pose.translation();
   const Ray ray{scene.lidar.pose.translation(), way.normalized()};
   return way.norm() < scene.lidar.range_max && scene.yard.cast(ray, true) > way.norm() - 0.02;
+}
+
+/// Nothing is between the lidar and any place of the beam's way.
+bool is_visible(const YardScene& scene, double angle, double truth) {
+  const Ray beam = beam_of(scene, angle);
+  for (double at = truth - 0.01; at > 0; at -= way_step) {
+    if (!sees(scene, beam.origin + at * beam.direction)) return false;
+  }
+  return true;
 }
 
 /// A beam of the lidar above the plane meets what the virtual beam meets.

@@ -56,14 +56,15 @@ struct YardScene {
   ScanGrid grid;
   Pose virtual_pose;
   std::vector<double> truth;  ///< m per beam, of all but the ground
-  std::vector<char> visible;  ///< nothing is between the lidar and what the beam meets
+  std::vector<char>
+      visible;  ///< nothing is between the lidar and any place of the way to what the beam meets
   /// Visible, and a beam of the lidar meets that thing on either side of the plane or beside it: what is
   /// lower than the next beam above the plane stands between two beams.
   std::vector<char> sampled;
 };
 YardScene make_yard_scene(const YardCase& set_up, std::uint64_t seed);
 
-/// Counts over beams whose true hit the lidar could see.
+/// Counts over beams of which the lidar could see the whole way and the true hit.
 struct YardScore {
   std::uint64_t beams = 0, visible = 0, sampled = 0, sampled_missed = 0, right = 0, phantom = 0, through = 0,
                 free = 0, silent = 0;

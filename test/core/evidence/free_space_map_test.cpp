@@ -281,12 +281,12 @@ TEST(FreeSpaceMap, PointsAreFreeWhereTheirCellIs) {
   fan.prepare(map);
   map.fill(fan.sweep);
   std::vector<float> x, y;
-  std::vector<char> free(1000, 4);
+  std::vector<FreeSpaceMap::Place> free(1000);
   for (std::size_t i = 0; i < free.size(); ++i) {
     x.push_back(static_cast<float>(16 * rng.uniform() - 8));
     y.push_back(static_cast<float>(16 * rng.uniform() - 8));
   }
-  map.find_free(x.data(), y.data(), x.size(), 2, free.data());
+  map.find_places(x.data(), y.data(), x.size(), free.data());
   std::size_t found = 0;
   for (std::size_t i = 0; i < free.size(); ++i) {
     const Eigen::Vector2d to = Eigen::Vector2d(x[i], y[i]) - fan.at;
@@ -296,13 +296,11 @@ TEST(FreeSpaceMap, PointsAreFreeWhereTheirCellIs) {
     const bool looks = beam >= 0 && beam < 300;
     const double end = looks ? static_cast<double>(fan.sweep.free_to[static_cast<std::size_t>(beam)]) : 0;
     if (std::abs(to.norm() - end) < 2 * unit) continue;
-    EXPECT_EQ(free[i], to.norm() < end ? 6 : 4) << i << ": other bits stay";
+    EXPECT_EQ(map.is_free(free[i]), to.norm() < end) << i;
+    EXPECT_EQ(map.is_free(map.place_of(x[i], y[i])), to.norm() < end) << i;
     found += to.norm() < end ? 1 : 0;
   }
   EXPECT_GT(found, 100U);
-  FreeSpaceMap nobody;
-  nobody.find_free(x.data(), y.data(), x.size(), 1, free.data());
-  EXPECT_EQ(free[0] & 1, 0);
 }
 
 TEST(FreeSpaceMap, AClaimIsRoundedInwardsAndReplacesTheOneBefore) {

@@ -170,32 +170,5 @@ TEST(Raster, TheEndOfASlantingSurfaceStaysWhereItIs) {
   EXPECT_NEAR(layer.range[180], 5, 1e-4);
 }
 
-TEST(Raster, BeamsThatPassNearAPointAreMarked) {
-  sim::Rng rng(4);
-  for (int round = 0; round < 200; ++round) {
-    const ScanGrid grid = round % 2 == 0 ? full_circle(360) : span_of(-1, 2, 0.01);
-    const Raster raster(grid);
-    const Point p = at(0.5 + 8 * rng.uniform(), 2 * pi_d * rng.uniform());
-    const double reach = 0.02 + 0.3 * rng.uniform();
-    std::vector<char> marks(grid.beams, 0);
-    raster.mark_near(p, raster.position(p.x, p.y), static_cast<float>(reach), marks);
-    for (std::size_t beam = 0; beam < grid.beams; ++beam) {
-      const double off = std::abs(std::remainder(grid.angle(beam) - angle_of(p), 2 * pi_d));
-      const double arc = reach / range_of(p);
-      if (off < arc - 1e-4) {
-        ASSERT_EQ(marks[beam], 1) << round << ' ' << off;
-      }
-      if (off > arc + 1.01 * grid.increment) {
-        ASSERT_EQ(marks[beam], 0) << round << ' ' << off;
-      }
-    }
-  }
-  const ScanGrid grid = full_circle(360);
-  std::vector<char> marks(360, 0);
-  const Raster raster(grid);
-  raster.mark_near(at(0.1, 0), raster.position(1, 0), 0.2F, marks);
-  EXPECT_EQ(std::count(marks.begin(), marks.end(), 1), 360) << "the point is nearer than the reach";
-}
-
 }  // namespace
 }  // namespace lidard

@@ -37,8 +37,8 @@ struct Scene {
     view.set_frame(make_pose({0, 0, above}, {0, 0, 0}), false);
     view.set_level(0);
     tops.find(view);
-    for (FreeSpaceMap* map : {&near, &far, &blind}) map->set(0, 0, grid.step(), unit);
-    evidence.find(view, tops, band, {&near, &far}, blind);
+    for (FreeSpaceMap* map : {&near, &far, &blind, &over}) map->set(0, 0, grid.step(), unit);
+    evidence.find(view, tops, band, {&near, &far}, blind, over);
   }
   std::size_t cell_of(std::size_t column) const {
     const double a = -lidar.azimuth(column);
@@ -53,7 +53,7 @@ struct Scene {
   PlaneView view;
   PlaneTops tops;
   CutEvidence evidence;
-  FreeSpaceMap near, far, blind;
+  FreeSpaceMap near, far, blind, over;
 };
 
 struct Piece {
@@ -153,7 +153,7 @@ TEST(CutEvidence, ThePlaneIsFreeBetweenTheBeamsThatCrossItAndBlindBeforeThem) {
     scene.view.set_level(0);
     scene.tops.find(scene.view);
     for (FreeSpaceMap* map : {&scene.near, &scene.far, &scene.blind}) map->clear();
-    scene.evidence.find(scene.view, scene.tops, {0, 0}, {&scene.near, &scene.far}, scene.blind);
+    scene.evidence.find(scene.view, scene.tops, {0, 0}, {&scene.near, &scene.far}, scene.blind, scene.over);
     for (std::size_t c = 0; c < 360; ++c) {
       const Proof proof = prove(scene, c, 1.5);
       if (proof.free.size() > 2) continue;
