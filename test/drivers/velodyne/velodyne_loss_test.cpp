@@ -280,6 +280,16 @@ TEST(VelodyneLoss, BurstsOfARecordingAreLostAsFarAsAnybodyCanKnow) {
   }
 }
 
+// 1.15 turns; nothing was received of the 83 degrees before or after.
+TEST(VelodyneLoss, AHoleOfAFirstTurnIsLossUnlessItCameAgain) {
+  LIDARD_NEED_CAPTURE(path, "burst/hdl64e_s1_without_150_209.pcap");
+  const Counters counters = test::decode_capture(path, "velodyne_hdl64e_s1").counters;
+  EXPECT_EQ(counters.packets, 246U);
+  EXPECT_EQ(counters.lost_packets, 60U);
+  LIDARD_NEED_CAPTURE(whole, "velodyne/hdl64e_s1_atwall_306.pcap");
+  EXPECT_EQ(test::decode_capture(whole, "velodyne_hdl64e_s1").counters.lost_packets, 0U);
+}
+
 TEST(VelodyneLoss, AnOutageIsLossOnceTheSensorIsSeenThereAgain) {
   for (const ModelMode& which : test::model_modes()) {
     if (which.mode != sim::ReturnMode::strongest) continue;
