@@ -64,12 +64,21 @@ class DriverBase : public Driver {
     return result;
   }
 
+  /// True if these are the bytes of the last call: something on the way sends what it passes on twice.
+  bool is_repeated(ByteView bytes) {
+    if (bytes.text() == std::string_view(last_item_)) return true;
+    last_item_ = bytes.text();
+    return false;
+  }
+  void forget_repeated() { last_item_.clear(); }
+
   DriverConfig config_;
   Counters counters_;
   DeviceInfo info_;
 
  private:
   Stamp clock_described_;
+  std::string last_item_;
 };
 
 /// Frame and limits of a planar scanner's scans.

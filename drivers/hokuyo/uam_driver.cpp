@@ -136,6 +136,7 @@ class UamDriver final : public DriverBase {
     reader_.interrupt();
     clock_.reset();
     stamps_.reset();
+    forget_repeated();
   }
 
  private:
@@ -154,7 +155,7 @@ class UamDriver final : public DriverBase {
         board_.clear(Trouble::silent);
         board_.clear(Trouble::refused);
       }
-      return publish(frame, arrival, out);
+      return is_repeated(ByteView(frame)) ? Reject::duplicate : publish(frame, arrival, out);
     }
     ++counters_.other_packets;
     if (command == "VR00") take_version(frame);

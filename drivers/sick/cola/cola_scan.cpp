@@ -122,6 +122,11 @@ std::size_t ColaScan::echo_count() const {
   return count;
 }
 
+bool is_cola_scan(const ColaTelegram& telegram) {
+  const std::string_view kind = telegram.kind(), name = telegram.name();
+  return (kind == "sSN" || kind == "sRA") && (name == "LMDscandata" || name == monitor_scan);
+}
+
 Reject parse_cola_scan(const ColaTelegram& telegram, ColaScan& scan) {
   return read_arguments(telegram, [&](auto in) { return read_scan(in, scan); });
 }

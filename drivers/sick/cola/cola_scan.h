@@ -68,8 +68,11 @@ struct ColaScan {
   std::size_t echo_count() const;
 };
 
-/// Reads "sSN LMDscandata" or the polled "sRA LMDscandata" of either dialect. What is wrong with it, or
-/// Reject::none; `scan` is whole only then.
+/// The scan as SOPAS ET subscribes to it: the layout of LMDscandata (recorded from a TiM781S).
+constexpr std::string_view monitor_scan = "LMDscandatamon";
+/// True for "sSN LMDscandata", the polled "sRA LMDscandata" and both of LMDscandatamon.
+bool is_cola_scan(const ColaTelegram& telegram);
+/// Reads a scan in either dialect. What is wrong with it, or Reject::none; `scan` is whole only then.
 Reject parse_cola_scan(const ColaTelegram& telegram, ColaScan& scan);
 
 /// The microseconds since start-up in the telegrams, unwrapped and mapped to host time.
