@@ -73,6 +73,7 @@ class HiddenSectors {
   void take_out(Sector& sector, Hundredths azimuth);
   bool could_be_chance(const Sector& sector) const;
   bool was_seen(const Sector& sector) const;
+  bool came_again(const Sector& sector) const;
   std::int64_t hidden_groups(const StreamHole& hole) const;
   void count_again();
   std::uint64_t news() { return lost_ - std::exchange(told_, lost_); }
