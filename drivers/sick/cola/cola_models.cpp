@@ -93,6 +93,7 @@ Model model_of(const Facts& facts) {
   if (facts.has_echoes && !facts.row->layered) model.traits.add(Trait::echoes);
   for (const std::string_view topic : {topic_fields, topic_outputs, topic_inputs, topic_encoder})
     model.messages.push_back(message_topic<DeviceState>(topic));
+  if (facts.row->layered) model.messages.push_back(message_topic<ImuSample>());
   return model;
 }
 
@@ -114,10 +115,12 @@ constexpr std::array identities = {
     Identity{"LMS1000", "sick_lms1000"}, Identity{"LMS10", "sick_lms1xx"},
     Identity{"LMS11", "sick_lms1xx"},    Identity{"LMS12", "sick_lms1xx"},
     Identity{"LMS13", "sick_lms1xx"},    Identity{"LMS14", "sick_lms1xx"},
-    Identity{"LMS15", "sick_lms1xx"},    Identity{"LMS5", "sick_lms5xx"},
-    Identity{"LMS4", "sick_lms4000"},    Identity{"TiM2", "sick_tim240"},
-    Identity{"TiM4", "sick_tim4xx"},     Identity{"TiM5", "sick_tim5xx"},
-    Identity{"TiM7", "sick_tim7xx"},     Identity{"LRS36", "sick_lrs36x0"},
+    Identity{"LMS15", "sick_lms1xx"},    Identity{"LMS1xx", "sick_lms1xx"},
+    Identity{"LMS5", "sick_lms5xx"},     Identity{"LMS4", "sick_lms4000"},
+    Identity{"TiM2", "sick_tim240"},     Identity{"TiM4", "sick_tim4xx"},
+    Identity{"TiM5", "sick_tim5xx"},     Identity{"TiM7", "sick_tim7xx"},
+    Identity{"LRS3601", "sick_lrs36x1"}, Identity{"LRS3611", "sick_lrs36x1"},
+    Identity{"LRS36x1", "sick_lrs36x1"}, Identity{"LRS36", "sick_lrs36x0"},
     Identity{"NAV2", "sick_nav2xx"},     Identity{"NAV31", "sick_nav31x"},
     Identity{"OEM15", "sick_oem15xx"},
 };
