@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <boost/asio/coroutine.hpp>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "drivers/driver.h"
@@ -14,17 +15,31 @@ namespace lidard {
 /// How long something may take: the answer to a question, a pause.
 class Patience {
  public:
+  /// The longest time for an answer, that of a device that is slow.
+  static constexpr Span most = std::chrono::seconds(10);
+
   void start(Stamp now, Span limit) { since_ = now, limit_ = limit; }
+  /// A question was asked whose answer usually comes within `limit`.
+  void start_answer(Stamp now, Span limit) { start(asked_ = now, slow_ ? most : limit); }
   /// A clock that was set back begins the time anew.
   bool is_over(Stamp now) {
     since_ = std::min(since_, now);
     return now - since_ > limit_;
   }
   Stamp since() const { return since_; }
+  /// No answer came in time: the question may be asked again, and is given twice the time, for the device may
+  /// only be slow; then it is for all further answers too. False: it was waited for so long already.
+  bool extend(Stamp now) {
+    if (now - asked_ >= most) return false;
+    start(now, std::min(2 * limit_, asked_ + most - now));
+    return slow_ = true;
+  }
+  bool is_slow() const { return slow_; }
 
  private:
-  Stamp since_{};
+  Stamp since_{}, asked_{};
   Span limit_{0};
+  bool slow_ = false;
 };
 
 /// A talk over a TCP connection beside a stream of datagrams: asks, compares, sets what may be set, hangs up.
@@ -53,7 +68,11 @@ class SideDialogue {
   /// `last_data`: when the device last sent a datagram of its data; empty: never.
   void tick(Stamp now, std::optional<Stamp> last_data, DriverOutput& out) {
     now_ = now;
-    if (phase_ == Phase::talking && patience_.is_over(now)) return silent(out);
+    if (phase_ == Phase::talking && patience_.is_over(now)) {
+      // The next talk waits longer: the device may only be slow.
+      patience_limit_ = std::min(2 * patience_limit_, Patience::most);
+      return silent(out);
+    }
     if (phase_ != Phase::idle || !is_due(last_data)) return;
     last_dial_ = now;
     talked_ = false;
@@ -106,7 +125,7 @@ class SideDialogue {
   }
 
   const bool wanted_, restores_;
-  const Span patience_limit_;
+  Span patience_limit_;
   Patience patience_;
   Phase phase_ = Phase::idle;
   std::optional<Stamp> last_dial_;

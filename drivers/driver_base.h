@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdio>
 #include <string>
@@ -64,13 +65,32 @@ class DriverBase : public Driver {
     return result;
   }
 
+  /// True if these are the bytes of the last call: something on the way sends what it passes on twice.
+  bool is_repeated(ByteView bytes) {
+    if (bytes.text() == std::string_view(last_item_)) return true;
+    last_item_ = bytes.text();
+    return false;
+  }
+  void forget_repeated() { last_item_.clear(); }
+
   DriverConfig config_;
   Counters counters_;
   DeviceInfo info_;
 
  private:
   Stamp clock_described_;
+  std::string last_item_;
 };
+
+/// Takes what an inertial unit says; `turned` (w x y z) counts only where it is a rotation.
+inline void set_imu(const std::array<double, 3>& acceleration, const std::array<double, 3>& velocity,
+                    const std::array<double, 4>& turned, ReusedMessage<ImuSample>& sample) {
+  sample->linear_acceleration = {acceleration[0], acceleration[1], acceleration[2]};
+  sample->angular_velocity = {velocity[0], velocity[1], velocity[2]};
+  const Eigen::Quaterniond quaternion(turned[0], turned[1], turned[2], turned[3]);
+  sample->orientation.reset();
+  if (std::fabs(quaternion.norm() - 1) < 0.1) sample->orientation = quaternion.normalized();
+}
 
 /// Frame and limits of a planar scanner's scans.
 inline void prepare_scan(const DriverConfig& config, PlanarScan& scan) {

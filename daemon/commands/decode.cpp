@@ -83,8 +83,10 @@ bool is_wanted(const Packet& packet, const DecodeOptions& options) {
 }
 
 /// The streams of a capture that can be decoded: as `model` if it is not nullptr, else as what their packets
-/// look like. Throws CaptureError if the file cannot be opened.
-std::vector<SensorStream> find_streams(const DecodeOptions& options, const Model* model) {
+/// look like. Throws CaptureError if the file cannot be opened. What a sensor sent that nobody can read goes
+/// to `unreadable`, a line for each stream.
+std::vector<SensorStream> find_streams(const DecodeOptions& options, const Model* model,
+                                       std::string& unreadable) {
   PcapSource source(options.capture);
   std::map<Flow, Candidate> candidates;
   bool found = false;
@@ -100,7 +102,11 @@ std::vector<SensorStream> find_streams(const DecodeOptions& options, const Model
   std::vector<SensorStream> streams;
   for (const auto& [flow, candidate] : candidates) {
     const Model* verdict = candidate.verdict(model);
-    if (verdict != nullptr) streams.push_back({flow, verdict, candidate.identifier.remark()});
+    const std::string remark = candidate.identifier.remark();
+    if (verdict != nullptr)
+      streams.push_back({flow, verdict, remark});
+    else if (!remark.empty())
+      unreadable += options.capture + ": " + flow.to_string() + ": " + remark + '\n';
   }
   return streams;
 }
@@ -177,9 +183,12 @@ std::unique_ptr<FrameWriter> make_writer(const DecodeOptions& options) {
 /// The one stream to decode, or nothing after saying why.
 std::optional<SensorStream> choose_stream(const DecodeOptions& options, const Model* model,
                                           std::ostream& err) {
-  const auto streams = find_streams(options, model);
+  std::string unreadable;
+  const auto streams = find_streams(options, model, unreadable);
   if (streams.size() == 1) return streams.front();
-  if (streams.empty()) {
+  if (streams.empty() && !unreadable.empty()) {
+    err << unreadable;
+  } else if (streams.empty()) {
     err << options.capture << ": no packets of "
         << (model == nullptr ? "a supported lidar" : std::string(model->name))
         << " found; `lidard inspect` shows what is in it, `lidard models` what is supported\n";

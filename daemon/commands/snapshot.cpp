@@ -59,6 +59,10 @@ struct Scene {
 /// What a capture holds instead of a lidar's packets.
 std::string nothing_found(const Survey& found) {
   std::string all;
+  for (const SeenFlow& flow : found.unknown) {
+    if (!flow.remark.empty()) all += (all.empty() ? "" : "\n") + flow.to_string() + ": " + flow.remark;
+  }
+  if (!all.empty()) return all;
   for (const SurveyedCapture& capture : found.captures) {
     if (!all.empty()) all += '\n';
     all += !capture.error.empty() && capture.counters.datagrams == 0

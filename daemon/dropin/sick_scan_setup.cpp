@@ -168,7 +168,9 @@ const MovedPackage& moved_sick_scan() {
         "load_application_default",
         "", "nothing has to be sent to a device that streams; it is asked only if udp_receiver_ip is set"},
        {"imu_enable imu_udp_port imu_latency_microsec", "",
-        "an IMU's data are read where the device sends them (UDP 7503), and stamped like its scans"},
+        "an IMU's data are read where the device sends them (UDP 7503; MRS1000: beside its scans), and "
+        "stamped "
+        "like its scans"},
        {"verbose_level measure_timing export_csv export_udp_msg logfolder nodename publish_datagram "
         "subscribe_datagram device_number segment_count",
         "", "`lidard status`, `lidard record` and `lidard decode` do such things"},

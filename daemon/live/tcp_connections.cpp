@@ -9,10 +9,8 @@
 namespace lidard {
 namespace {
 
-/// A device that accepts a connection answers soon; one that is stuck is better asked anew.
-constexpr Span first_byte_patience = std::chrono::milliseconds(1500);
-/// It may have to start its motor before it measures.
-constexpr Span first_frame_patience = std::chrono::seconds(5);
+/// Longer than a driver waits for an answer (Patience::most), or for a motor that starts: it knows better.
+constexpr Span first_frame_patience = std::chrono::seconds(12);
 constexpr Span least_silence = std::chrono::seconds(1);
 
 /// How long a stream may be silent: three scans, and those that are left out between two.
@@ -83,8 +81,7 @@ void TcpConnections::open(Link& link, const IpAddress& device) {
 
 void TcpConnections::connected(Link& link, Stamp now) {
   link.frames_before = events_.frames(link.sensor);
-  link.received_before = link.source->stats().received;
-  if (link.streams) link.source->set_read_time_out(first_byte_patience);
+  if (link.streams) link.source->set_read_time_out(std::max(first_frame_patience, link.silence));
   events_.connected(link.sensor, now);
 }
 
@@ -110,10 +107,7 @@ void TcpConnections::look_again() {
 void TcpConnections::tick() {
   for (const auto& link : links_) {
     if (!link->streams || !is_connected(link->source->state())) continue;
-    if (events_.frames(link->sensor) > link->frames_before)
-      link->source->set_read_time_out(link->silence);
-    else if (link->source->stats().received > link->received_before)
-      link->source->set_read_time_out(std::max(first_frame_patience, link->silence));
+    if (events_.frames(link->sensor) > link->frames_before) link->source->set_read_time_out(link->silence);
   }
 }
 

@@ -63,7 +63,7 @@ class TcpConnections final : public DeviceConnections {
     Endpoint device;
     Span silence{0};  // longest between two frames
     std::unique_ptr<TcpSource> source;
-    std::uint64_t frames_before = 0, received_before = 0;  // this connection
+    std::uint64_t frames_before = 0;  // this connection
     std::string told;
   };
   void open(Link& link, const IpAddress& device);

@@ -68,6 +68,7 @@ Health level(double value, double warn, double error) {
 }
 
 constexpr const char* look_at_network = "check the cable, the switch and the load of this computer";
+constexpr const char* look_at_path = "look for a proxy, a mirror port or a loop between sensor and computer";
 constexpr const char* look_at_sensor = "check the sensor's state and settings";
 constexpr const char* look_at_model = "is it the configured model, and the only one that sends here?";
 constexpr const char* look_at_window = "is its window covered? An empty field looks the same";
@@ -103,7 +104,10 @@ void judge_losses(const Reception& r, FrameKind kind, Findings& findings) {
 }
 
 void judge_rejects(const Reception& r, Findings& findings) {
-  const std::uint64_t rejected = r.counters.rejected_total();
+  const std::uint64_t repeated = r.counters.rejected[static_cast<std::size_t>(Reject::duplicate)];
+  const double twice = share(repeated, r.counters.packets);
+  if (twice >= 0.1) findings.add(Health::warn, percent(twice) + " of packets came twice", look_at_path);
+  const std::uint64_t rejected = r.counters.rejected_total() - repeated;
   const double part = share(rejected, r.counters.packets);
   const Health health = level(part, 0.01, 0.99);
   if (rejected >= 2 && health != Health::ok)

@@ -59,7 +59,9 @@ struct ReceptionVerdict {
 ///   by 2 %; ERROR below 50 %, where a sensor is of no use for driving.
 /// - Packets lost: WARN from 1 % and two packets on, since a cable loses nothing and a host that stalls loses
 ///   bursts; ERROR from 5 % on, which is 18 degrees of each turn.
-/// - Packets rejected: WARN from 1 % and two packets on, since foreign packets beside good ones take nothing
+/// - Packets that came twice: WARN from 10 % on, since they cost nothing but show how the network is.
+/// - Packets rejected otherwise: WARN from 1 % and two packets on, since foreign packets beside good ones
+/// take nothing
 ///   away; ERROR from 99 % on, when another device sends.
 /// - Beams blind: WARN where 95 % are too near (0.3 m) or invalid, or none has a return; of a multi-plane
 ///   lidar, which sees the ground, less than 1 % of the shots. Only people can tell a cover from an empty
@@ -132,7 +134,7 @@ class ReceptionWatch {
   std::size_t mark_count_ = 0;
   double marked_at_ = 0;
   double began_anew_at_ = 0;
-  double settles_s_ = 0;  // what is counted until then belongs to the silence before
+  double settles_s_ = 0;                // what is counted until then belongs to the silence before
   std::uint64_t uncounted_frames_ = 0;  // before the rate was known
   bool rate_known_ = false;
   std::array<Sender, most_senders> senders_{};

@@ -23,6 +23,13 @@ std::string window_text(const Reception& recent) {
   return fmt::format("{:.0f} s", std::min(10.0, recent.watched_s));
 }
 
+/// All that the device is warned of, since one trouble must not hide another.
+std::string warnings_of(const SensorReport& report) {
+  std::string text;
+  for (const std::string& warning : report.info.warnings) text += (text.empty() ? "" : ". ") + warning;
+  return text;
+}
+
 std::string why_nothing(const SensorConfig& config, const SensorReport& report, const UnknownSenders& unknown,
                         Stamp now) {
   if (config.model == nullptr || !config.packet_topic.empty()) return "; is its driver running?";
@@ -34,11 +41,10 @@ std::string why_nothing(const SensorConfig& config, const SensorReport& report, 
   if (!report.link_trouble.empty()) return ": " + report.link_trouble;
   if (config.model->transport == Transport::tcp) {
     // A device that refuses says why.
-    const auto& warnings = report.info.warnings;
-    return warnings.empty() ? "; does the device measure?" : ": " + warnings.back();
+    return report.info.warnings.empty() ? "; does the device measure?" : ": " + warnings_of(report);
   }
   // What keeps the dialogue of a device that sends datagrams from starting them.
-  if (!report.info.warnings.empty()) return ": " + report.info.warnings.back();
+  if (!report.info.warnings.empty()) return ": " + warnings_of(report);
   if (!report.link_hint.empty()) return ": " + report.link_hint;
   return "; check the sensor's power, its destination address and port, and the firewall";
 }
@@ -85,9 +91,9 @@ void judge_data(const SensorConfig& config, const SensorReport& report, Diagnost
   } else if (verdict.health != Health::ok) {
     item.set(verdict.health,
              verdict.figures + " in the last " + window_text(report.recent) + "; " + verdict.remedy);
-    if (!report.info.warnings.empty()) item.message += ". The device says: " + report.info.warnings.back();
+    if (!report.info.warnings.empty()) item.message += ". The device says: " + warnings_of(report);
   } else if (!report.info.warnings.empty()) {
-    item.set(Health::warn, report.info.warnings.back());
+    item.set(Health::warn, warnings_of(report));
   } else if (!report.filter_trouble.empty()) {
     item.set(Health::warn, report.filter_trouble);
   } else if (report.placement && !report.placement->trouble.empty()) {

@@ -28,6 +28,7 @@ std::string_view unmarked(std::string_view echo) {
 
 void ScipDialogue::connected(Stamp now, DriverOutput& out) {
   introduced_ = compare_only_ = without_percent_ = false;
+  patience_ = {};
   stalls_ = 0;
   echoes_ = config_.publish_multiecho && config_.model->has(Trait::echoes);
   intensities_ = config_.publish_intensity;
@@ -58,7 +59,8 @@ void ScipDialogue::script(DriverOutput& out) {
       yield ask("PP\n", out);
       yield ask("II\n", out);
     }
-    if (introduced_ ? compare_only_ : config_.requests.calibrate_time) {
+    // Answers that come late say nothing of the clock.
+    if (introduced_ ? compare_only_ : config_.requests.calibrate_time && !patience_.is_slow()) {
       yield ask("TM0\n", out);
       // 02: it is in that mode already (Hokuyo C-42-03320B p. 15). Soon after power-up it refuses.
       comparing_ = answer_->status == "00" || answer_->status == "02";
@@ -79,9 +81,8 @@ void ScipDialogue::ask(std::string_view request, DriverOutput& out) { ask(reques
 
 void ScipDialogue::ask(std::string_view request, DriverOutput& out, Span patience) {
   step_ = Step::asking;
-  // "QT", "TM0", "%TM"
-  expected_ = request.substr(0, request.size() == 3 ? 2 : 3);
-  patience_.start(now_, patience);
+  question_ = request;
+  patience_.start_answer(now_, patience);
   out.request(ByteView(request));
 }
 
@@ -89,7 +90,7 @@ void ScipDialogue::start(DriverOutput& out) {
   introduced_ = true;
   compare_only_ = false;
   step_ = Step::starting;
-  patience_.start(now_, answer_patience);
+  patience_.start_answer(now_, answer_patience);
   ScipScanRequest request = owner_.wanted();
   request.percent = percent_;
   request.continuous = true;
@@ -107,14 +108,16 @@ void ScipDialogue::take(const ScipMessage& message, Stamp now, DriverOutput& out
   if (step_ == Step::idle) return;
   now_ = now;
   if (parse_scan_request(message.echo)) return take_stream(message, out);
-  if (step_ != Step::asking || !expects(message)) return;
+  if (step_ != Step::asking) return;
+  if (patience_.is_slow()) patience_.start_answer(now, answer_patience);
+  if (!expects(message)) return;
   answer_ = &message;
   script(out);
   answer_ = nullptr;
 }
 
 bool ScipDialogue::expects(const ScipMessage& message) const {
-  const std::string_view wanted = unmarked(expected_);
+  const std::string_view wanted = unmarked(expected());
   return unmarked(message.echo).substr(0, wanted.size()) == wanted;
 }
 
@@ -215,9 +218,13 @@ void ScipDialogue::overdue(DriverOutput& out) {
       step_ == Step::streaming || introduced_
           ? "the sensor stopped sending; the connection is made again: if it does not come back, switch "
             "its power off and on"
-          : "the sensor takes the connection but does not answer " + std::string(expected_) +
+          : "the sensor takes the connection but does not answer " + std::string(expected()) +
                 "; end other programs that are connected to it (it serves one at a time), or switch "
                 "its power off and on");
+  if (stalls_ == 0 && patience_.extend(now_)) {
+    if (step_ == Step::asking) out.request(ByteView(question_));
+    return;
+  }
   step_ = Step::idle;
   out.disconnect(true);
 }

@@ -72,6 +72,8 @@ class ScipDialogue {
   void ask(std::string_view request, DriverOutput& out, Span patience);
   void ask(std::string_view request, DriverOutput& out);
   bool expects(const ScipMessage& message) const;
+  /// "QT", "TM0", "%TM"
+  std::string_view expected() const { return question_.substr(0, question_.size() == 3 ? 2 : 3); }
   bool is_compared();
   void take_stream(const ScipMessage& message, DriverOutput& out);
   void ask_for_less(const ScipMessage& message, DriverOutput& out);
@@ -86,7 +88,7 @@ class ScipDialogue {
   boost::asio::coroutine script_;
   Step step_ = Step::idle;
   Stamp now_;
-  std::string_view expected_;
+  std::string_view question_;            // the last one
   const ScipMessage* answer_ = nullptr;  // to the last question; nullptr: none came
   Patience patience_;        // with the last question, or with the stream since its last sign of life
   bool introduced_ = false;  // VV, PP, II and TM are done

@@ -70,6 +70,7 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
     reader_.interrupt();
     clock_.reset();
     stamps_.reset();
+    forget_repeated();
   }
 
  private:
@@ -103,6 +104,7 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
       return Reject::none;
     }
     ++counters_.packets;
+    if (is_repeated(ByteView(message.body))) return Reject::duplicate;
     const Reject reason = publish(message, *request, arrival, out);
     note_fit(reason, arrival, out);
     return reason;

@@ -112,7 +112,8 @@ class UamDriver final : public DriverBase {
 
   void connected(Stamp now, DriverOutput& out) override {
     reader_.interrupt();
-    ask(Step::version, "VR00", now, out);
+    patience_ = {};
+    ask(Step::version, now, out);
   }
 
   void disconnected() override {
@@ -123,11 +124,12 @@ class UamDriver final : public DriverBase {
   void tick(Stamp now, DriverOutput& out) override {
     describe_clock(clock_.clock(), clock_.wraps(), now);
     if (step_ == Step::idle || !patience_.is_over(now)) return;
-    if (step_ == Step::waiting) return ask(Step::start, row_.start, now, out);
+    if (step_ == Step::waiting) return ask(Step::start, now, out);
     board_.set(
         Trouble::silent,
         "the sensor takes the connection but sends nothing; end other programs that are connected to it, "
         "or switch its power off and on");
+    if (step_ != Step::streaming && patience_.extend(now)) return send_request(out);
     step_ = Step::idle;
     out.disconnect(true);
   }
@@ -136,6 +138,7 @@ class UamDriver final : public DriverBase {
     reader_.interrupt();
     clock_.reset();
     stamps_.reset();
+    forget_repeated();
   }
 
  private:
@@ -154,11 +157,11 @@ class UamDriver final : public DriverBase {
         board_.clear(Trouble::silent);
         board_.clear(Trouble::refused);
       }
-      return publish(frame, arrival, out);
+      return is_repeated(ByteView(frame)) ? Reject::duplicate : publish(frame, arrival, out);
     }
     ++counters_.other_packets;
     if (command == "VR00") take_version(frame);
-    if (step_ == Step::version && command == "VR00") ask(Step::start, row_.start, arrival, out);
+    if (step_ == Step::version && command == "VR00") ask(Step::start, arrival, out);
     if (step_ == Step::start && command == row_.start) answer_to_start(frame, arrival);
     return Reject::none;
   }
@@ -212,10 +215,14 @@ class UamDriver final : public DriverBase {
     return Reject::none;
   }
 
-  void ask(Step step, std::string_view command, Stamp now, DriverOutput& out) {
+  void ask(Step step, Stamp now, DriverOutput& out) {
     step_ = step;
-    patience_.start(now, answer_patience);
-    const std::string request = uam_request(command);
+    patience_.start_answer(now, answer_patience);
+    send_request(out);
+  }
+
+  void send_request(DriverOutput& out) const {
+    const std::string request = uam_request(step_ == Step::version ? "VR00" : row_.start);
     out.request(ByteView(request));
   }
 

@@ -168,7 +168,7 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
       if (!again) stop();
       return;
     }
-    if (again) return fail(why);
+    if (again) return abandon(why);
     stop();
     handlers_.disconnected();
   }
@@ -207,9 +207,14 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
     socket_.open(device.protocol(), error);
     if (error) return fail(why_not_connected(options_.device, error.value()));
     prepare_tcp_socket(socket_.native_handle());
+    if (abandoned_port_ != 0) {
+      socket_.set_option(tcp::socket::reuse_address(true), error);
+      socket_.bind({device.protocol(), abandoned_port_}, error);
+    }
     socket_.async_connect(device, [self = shared_from_this(),
                                    generation = generation_](const boost::system::error_code& failed) {
       if (generation != self->generation_) return;
+      if (failed.value() == EADDRNOTAVAIL) self->abandoned_port_ = 0;
       if (failed) return self->fail(why_not_connected(self->options_.device, failed.value()));
       self->connected();
     });
@@ -221,6 +226,7 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
     boost::system::error_code error;
     socket_.non_blocking(true, error);
     local_ = from_asio(socket_.local_endpoint(error));
+    abandoned_port_ = 0;
     ++stats_.connects;
     state_ = {TcpState::Phase::connected, {}};
     connected_since_ = last_byte_ = Clock::now();
@@ -250,6 +256,15 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
     state_ = {options_.keep_up ? TcpState::Phase::waiting : TcpState::Phase::stopped, std::move(message)};
     if (options_.keep_up) plan_retry();
     if (was_connected || !options_.keep_up) handlers_.disconnected();
+  }
+
+  /// Ends a connection that the device may hold on to for minutes, and take no other. The next comes from the
+  /// same port, which ends it there (RFC 9293 3.5.1, half-open connections).
+  void abandon(std::string message) {
+    boost::system::error_code ignored;
+    socket_.set_option(tcp::socket::linger(true, 0), ignored);
+    abandoned_port_ = local_.port;
+    fail(std::move(message));
   }
 
   void plan_retry() {
@@ -297,8 +312,10 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
           receive_bytes(socket_.native_handle(), buffer_.data(), buffer_.size(), packet.arrival);
       if (got < 0 && (errno == EAGAIN || errno == EINTR)) return true;
       if (got <= 0) {
+        const int error = got == 0 ? 0 : errno;
         // That the device closed it is an end like another where nobody needs a lasting connection.
-        fail(got == 0 && !options_.keep_up ? "" : why_disconnected(options_.device, got == 0 ? 0 : errno));
+        std::string why = got == 0 && !options_.keep_up ? "" : why_disconnected(options_.device, error);
+        error == ETIMEDOUT ? abandon(std::move(why)) : fail(std::move(why));
         return false;
       }
       last_byte_ = Clock::now();
@@ -339,13 +356,13 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
   void check_silence() {
     // If it was we who slept, the bytes are there.
     if (!read(1)) return;
-    if (peer_is_gone(socket_.native_handle())) return fail(why_disconnected(options_.device, ETIMEDOUT));
+    if (peer_is_gone(socket_.native_handle())) return abandon(why_disconnected(options_.device, ETIMEDOUT));
     const auto quiet = Clock::now() - last_byte_;
     if (options_.read_time_out <= Span(0) || quiet < options_.read_time_out) return watch_silence();
     ++stats_.silences;
-    fail(options_.device.to_string() + " sent nothing for " +
-         printed("%.1f", seconds(options_.read_time_out)) +
-         " s; is it still starting, or has it lost power or cable? the connection is opened again");
+    abandon(options_.device.to_string() + " sent nothing for " +
+            printed("%.1f", seconds(options_.read_time_out)) +
+            " s; is it still starting, or has it lost power or cable? the connection is opened again");
   }
 
   TcpOptions options_;
@@ -359,7 +376,8 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
   Clock::time_point connected_since_{};
   Clock::time_point last_byte_{};
   Endpoint local_;
-  bool fresh_ = true;  // nothing was received on this connection yet
+  std::uint16_t abandoned_port_ = 0;  // ours, of a connection that the device may still hold on to
+  bool fresh_ = true;                 // nothing was received on this connection yet
   bool waits_to_write_ = false;
   std::vector<std::uint8_t> buffer_;
   std::vector<std::uint8_t> unsent_;

@@ -254,14 +254,22 @@ std::uint64_t HiddenSectors::receive(const PacketAzimuths& azimuths) {
   return news();
 }
 
-/// Sensors have one field of view, so at most one of the sectors in doubt is hidden: the widest.
+/// True if more than one hole reached into the sector.
+bool HiddenSectors::came_again(const Sector& sector) const {
+  return std::count_if(past_.begin(), past_.end(), [&](const Past& past) {
+           return past.used && groups_inside(past.hole, sector.from, sector.width) > 0;
+         }) > 1;
+}
+
+/// Sensors have one field of view, so at most one of the sectors in doubt is hidden: the widest. A hole that
+/// never came again is loss.
 std::uint64_t HiddenSectors::finish() {
   const auto is_less = [](const Sector& a, const Sector& b) {
     return std::make_tuple(a.used, a.known, a.width) < std::make_tuple(b.used, b.known, b.width);
   };
   const Sector& likeliest = *std::max_element(sectors_.begin(), sectors_.end(), is_less);
   for (Sector& s : sectors_) {
-    if (!s.known && (&s != &likeliest || was_seen(s) || could_be_chance(s))) s.used = false;
+    if (!s.known && (&s != &likeliest || !came_again(s) || was_seen(s) || could_be_chance(s))) s.used = false;
   }
   count_again();
   const std::uint64_t lost = news();

@@ -41,8 +41,8 @@ class HiddenSectors {
   std::uint64_t hole(const StreamHole& hole);
   /// A packet came. Returns how many earlier packets are known to be lost now.
   std::uint64_t receive(const PacketAzimuths& azimuths);
-  /// No packet follows: what is still in doubt counts as lost if chance could have taken so many packets, if
-  /// the sensor was seen there or if it hides another sector.
+  /// No packet follows: what is still in doubt counts as lost if it did not come again, if chance could have
+  /// taken so many packets, if the sensor was seen there or if it hides another sector.
   std::uint64_t finish();
   void reset() { *this = HiddenSectors(); }
   /// Azimuth in the middle of the widest sector that is hidden beyond doubt; empty: none.
@@ -73,6 +73,7 @@ class HiddenSectors {
   void take_out(Sector& sector, Hundredths azimuth);
   bool could_be_chance(const Sector& sector) const;
   bool was_seen(const Sector& sector) const;
+  bool came_again(const Sector& sector) const;
   std::int64_t hidden_groups(const StreamHole& hole) const;
   void count_again();
   std::uint64_t news() { return lost_ - std::exchange(told_, lost_); }

@@ -130,6 +130,21 @@ def half_open(device):
     came_back(name, on, began, starved, "half-open")
 
 
+def dead_cable(device, pause):
+    """The device keeps its power, and takes no second client: for it the connection stands as long as it likes to wait."""
+    name, address = device.name, ADDRESSES[device.name]
+    nobody = ("lladdr", "02:00:00:00:00:99", "nud", "permanent")
+    well(name)
+    device.network.host("neighbour", "replace", address, "dev", "lidar0", *nobody)
+    device.network.lidars("neighbour", "replace", "192.168.1.100", "dev", "dev-lidar0", *nobody)
+    time.sleep(pause)
+    starved, since, before = Starved(), time.time(), frames(name)
+    device.network.host("neighbour", "delete", address, "dev", "lidar0")
+    device.network.lidars("neighbour", "delete", "192.168.1.100", "dev", "dev-lidar0")
+    wait_for(lambda: frames(name) > before, 20, f"frames of {name}")
+    check(f"{name} after {pause} s of a dead cable: frames again", time.time() - since, 3, starved)
+
+
 def says(name, text, what, limit=5):
     """What /diagnostics says of the silent sensor contains the text within `limit` s."""
     starved, begin = Starved(), time.monotonic()
@@ -237,6 +252,8 @@ def main():
                 if device.name in ("left", "right"):
                     well(device.name)
                     half_open(device)
+                    dead_cable(device, 10)
+                    dead_cable(device, 25)
                 device.off()
             roof = lidars[0]
             roof.on()

@@ -12,16 +12,16 @@
 namespace lidard::sick {
 namespace {
 
-/// Recorded devices answer within 20 ms; one that starts up takes longer, but then it is asked again.
+/// Recorded devices answer within 20 ms. After that people learn that an answer is missing; it may still
+/// come.
 constexpr Span patience = std::chrono::seconds(2);
-/// For the first answer, which tells the dialect that the device speaks. Twice that is less than what the
-/// connection waits for a first byte, so that our words are the ones that are shown.
+/// For the first answer, which tells the dialect that the device speaks.
 constexpr Span probe_patience = std::chrono::milliseconds(600);
-/// The mirror may have to reach its speed first. Shorter than what the connection waits for a first scan.
+/// The mirror may have to reach its speed first.
 constexpr Span first_scan_patience = std::chrono::seconds(4);
 
 /// What is asked in each step, by Step; arguments follow.
-constexpr std::array<std::string_view, 13> commands = {"",
+constexpr std::array<std::string_view, 14> commands = {"",
                                                        "sRN DeviceIdent",
                                                        "sRN LMPoutputRange",
                                                        "sRN LMDscandatacfg",
@@ -31,6 +31,7 @@ constexpr std::array<std::string_view, 13> commands = {"",
                                                        "sEN LFErec",
                                                        "sEN LIDoutputstate",
                                                        "sEN LIDinputstate",
+                                                       "sEN InertialMeasurementUnit",
                                                        "sEN LMDscandata",
                                                        "",
                                                        ""};
@@ -118,6 +119,7 @@ unsigned first_number(const ColaTelegram& telegram) {
 
 void ColaDialogue::start(Stamp now, DriverOutput& out) {
   now_ = now;
+  patience_ = {};
   answered_ = scans_ = logged_in_ = false;
   settings_.reset();
   wanted_.reset();
@@ -149,6 +151,9 @@ void ColaDialogue::script(DriverOutput& out) {
       yield ask(Step::fields, out);
       yield ask(Step::outputs, out);
       yield ask(Step::inputs, out);
+    }
+    if (config_.model->tells<ImuSample>() && dialect_ == ColaDialect::b) {
+      yield ask(Step::imu, out);
     }
     yield ask(Step::subscribe, out);
     if (refused_ && !can_login()) return give_up({}, out);
@@ -188,8 +193,14 @@ void ColaDialogue::stop() {
 void ColaDialogue::ask(Step step, DriverOutput& out) {
   step_ = step;
   refused_.reset();
-  patience_.start(now_, step == Step::waiting ? first_scan_patience : answered_ ? patience : probe_patience);
-  const std::vector<std::uint8_t> bytes = request(step);
+  patience_.start_answer(now_, step == Step::waiting ? first_scan_patience
+                               : answered_           ? patience
+                                                     : probe_patience);
+  send_request(out);
+}
+
+void ColaDialogue::send_request(DriverOutput& out) const {
+  const std::vector<std::uint8_t> bytes = request(step_);
   if (!bytes.empty()) out.request({bytes.data(), bytes.size()});
 }
 
@@ -217,6 +228,7 @@ std::vector<std::uint8_t> ColaDialogue::request(Step step) const {
 void ColaDialogue::answer(const ColaTelegram& telegram, Stamp now, DriverOutput& out) {
   if (!is_asked()) return;
   now_ = now;
+  if (patience_.is_slow()) patience_.start_answer(now, patience);
   const bool error = telegram.kind() == "sFA";
   if (!error && telegram.name() != variable_of(command_of(step_))) return;
   answered_ = true;
@@ -237,11 +249,20 @@ void ColaDialogue::answer(const ColaTelegram& telegram, Stamp now, DriverOutput&
 
 void ColaDialogue::take_refusal() {
   if (step_ == Step::subscribe && can_login()) return;  // that may help
-  std::string sentence = "the device refused '" + std::string(command_of(step_)) + "' (sFA " +
-                         std::to_string(*refused_) + "): " + cola_error_words(*refused_);
-  if (step_ == Step::identity || step_ == Step::range || step_ == Step::settings)
-    sentence += "; its scans are not affected";
-  warn(std::move(sentence));
+  const std::string command(command_of(step_));
+  std::string words = "(sFA " + std::to_string(*refused_) + "): " + cola_error_words(*refused_);
+  if (is_dispensable())
+    detail("Refused " + command, words);
+  else
+    warn("the device refused '" + command + "' " + words);
+}
+
+/// True if nothing that the configuration asks for depends on the answer to the last question.
+bool ColaDialogue::is_dispensable() const {
+  const DeviceRequests& requests = config_.requests;
+  const bool compares = requests.allow_write || requests.skip || config_.publish_multiecho;
+  return step_ == Step::identity || step_ == Step::range || (step_ == Step::settings && !compares) ||
+         step_ == Step::imu;
 }
 
 void ColaDialogue::take_login() {
@@ -260,16 +281,18 @@ void ColaDialogue::give_up(std::string why, DriverOutput& out) {
   out.disconnect(true);
 }
 
-/// Variants of a product differ in the last letter of the model's name; what they call themselves does not
-/// tell them apart.
+/// A TiM7xxS calls itself as a TiM7xx does: only the beginning of the configured name counts.
 void ColaDialogue::take_identity() {
   const std::string identity = read_arguments(*answer_, [](auto in) { return read_identity(in); });
   detail("Device", identity);
   const std::string_view named = cola_model_named(identity);
   const std::string_view configured = config_.model->name;
-  if (named.empty() || configured.substr(0, named.size() - 1) == named.substr(0, named.size() - 1)) return;
-  warn("the device calls itself " + identity + ", which is a " + std::string(named) + ", but " +
-       std::string(configured) + " is configured; set model: " + std::string(named));
+  if (identity.empty() || (!named.empty() && configured.substr(0, named.size()) == named)) return;
+  const std::string both = "the device calls itself " + identity + ", which is " +
+                           (named.empty() ? "no model that is supported" : "a " + std::string(named)) +
+                           ", but " + std::string(configured) + " is configured; ";
+  warn(both + (named.empty() ? "its angles and ranges may be wrong: check ip_address and model"
+                             : "set model: " + std::string(named)));
 }
 
 void ColaDialogue::take_settings() {
@@ -329,16 +352,27 @@ void ColaDialogue::tick(Stamp now, DriverOutput& out) {
     change_dialect();
     return ask(step_, out);
   }
-  const std::string unanswered = "the device did not answer '" + std::string(command_of(step_)) + "'";
+  const std::string command(command_of(step_));
+  const std::string unanswered = "the device did not answer '" + command + "'";
   if (scans_) {
-    warn(unanswered + "; its scans are not affected");
+    if (is_dispensable())
+      detail("Refused " + command, "no answer");
+    else
+      warn(unanswered + "; its scans are not affected");
     return script(out);
   }
-  dialect_known_ = false;
-  give_up(unanswered +
-              " in time; check that ip_port is its port for CoLa (2112, or 2111) and that nobody else is "
-              "connected to it",
-          out);
+  const std::string why =
+      unanswered +
+      " in time; check that ip_port is its port for CoLa (2112, or 2111) and that nobody else is "
+      "connected to it";
+  if (!answered_) change_dialect();
+  if (!patience_.extend(now)) {
+    dialect_known_ = false;
+    return give_up(why, out);
+  }
+  info_.warnings = {why};
+  changed_ = true;
+  send_request(out);
 }
 
 bool ColaDialogue::changed() { return std::exchange(changed_, false); }

@@ -34,7 +34,7 @@ struct ColaOutputs {
 /// Starts the stream of scans on a device that was just connected: asks what it is and what it is set to,
 /// subscribes, and writes a setting only where the configuration asks for another one and allows it.
 /// Without that the requests are DeviceIdent, LMPoutputRange and LMDscandatacfg to read and LMDscandata to
-/// subscribe to, in this order.
+/// subscribe to, in this order; before the last of them InertialMeasurementUnit, of models that have one.
 class ColaDialogue {
  public:
   ColaDialogue(const DriverConfig& config, const ColaRow& row) : config_(config), row_(row) {}
@@ -63,12 +63,14 @@ class ColaDialogue {
     fields,
     outputs,
     inputs,
+    imu,
     subscribe,
     waiting,  // for the first scan
     streaming
   };
   void script(DriverOutput& out);
   void ask(Step step, DriverOutput& out);
+  void send_request(DriverOutput& out) const;
   /// A device that is asked does not stream yet.
   bool is_asked() const { return step_ != Step::idle && step_ < Step::waiting; }
   std::vector<std::uint8_t> request(Step step) const;
@@ -76,6 +78,7 @@ class ColaDialogue {
   bool can_login() const;
   /// The last question was answered and not refused.
   bool was_done() const { return answer_ != nullptr && !refused_; }
+  bool is_dispensable() const;
   void take_refusal();
   void take_login();
   void take_identity();

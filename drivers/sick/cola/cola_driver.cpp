@@ -59,11 +59,12 @@ std::string_view encoder_name(bool speed, std::size_t i) {
 
 /// Turns what the device tells beside its scans into states on topics of their own: `lferec` (field_1 ...: 0
 /// invalid, 1 free, 2 infringed), `lidoutputstate` (output_1 ..., output_1_count ...), `lidinputstate`
-/// (input_1 ...: 0 inactive, 1 active, 2 not used) and `encoder` (position_1 in ticks, speed_1 in ticks/mm).
+/// (input_1 ...: 0 inactive, 1 active, 2 not used), `encoder` (position_1 in ticks, speed_1 in ticks/mm) and
+/// `imu`.
 class ColaStates {
  public:
   explicit ColaStates(const DriverConfig& config) : time_offset_(config.time_offset) {
-    state_->frame_id = config.frame_id;
+    state_->frame_id = imu_->frame_id = config.frame_id;
   }
 
   /// True if the telegram is one of those; `reason` says whether it could be read.
@@ -76,6 +77,8 @@ class ColaStates {
       reason = take_fields(telegram, arrival, clock, out);
     } else if (name == "LIDoutputstate" || name == "LIDinputstate") {
       reason = take_pins(telegram, name == "LIDoutputstate", arrival, clock, out);
+    } else if (name == "InertialMeasurementUnit") {
+      reason = take_imu(telegram, arrival, clock, out);
     } else {
       return false;
     }
@@ -133,8 +136,21 @@ class ColaStates {
     return Reject::none;
   }
 
+  Reject take_imu(const ColaTelegram& telegram, Stamp arrival, const ColaClock& clock, DriverOutput& out) {
+    ColaImu read;
+    const Reject reason = parse_cola_imu(telegram, read);
+    if (reason != Reject::none) return reason;
+    if (std::exchange(imu_us_, read.time_us) == read.time_us) return Reject::duplicate;
+    imu_->stamp = std::min(stamp_of(read.time_us, arrival, clock), arrival + time_offset_);
+    set_imu(read.acceleration, read.angular_velocity, read.orientation, imu_);
+    out.message(imu_);
+    return Reject::none;
+  }
+
   Span time_offset_;
   ReusedMessage<DeviceState> state_;
+  ReusedMessage<ImuSample> imu_;
+  std::optional<std::uint32_t> imu_us_;  // time of the last sample
   ColaFields fields_;
   ColaPins pins_;
 };
@@ -152,7 +168,7 @@ class ColaDriver final : public DriverBase {
         dialogue_(config, row_) {}
 
   Reject receive(const Packet& packet, DriverOutput& out) override {
-    if (packet.stream_start) counting_ = false;
+    if (packet.stream_start) counting_ = plain_scans_ = false;
     const std::uint64_t rejected = counters_.rejected_total();
     Reject result = read_stream<ColaTelegram>(
         packet, stream_, [&](const ColaTelegram& telegram) { return handle(telegram, packet.arrival, out); });
@@ -188,20 +204,28 @@ class ColaDriver final : public DriverBase {
     cloud_builder_.clear();
     counting_ = false;
     stamps_.reset();
+    forget_repeated();
   }
 
  private:
   Reject handle(const ColaTelegram& telegram, Stamp arrival, DriverOutput& out) {
-    const std::string_view kind = telegram.kind();
-    if (telegram.name() == "LMDscandata" && (kind == "sSN" || kind == "sRA")) {
+    if (is_scan(telegram)) {
       ++counters_.packets;
-      return handle_scan(telegram, arrival, out);
+      return is_repeated(telegram.arguments()) ? Reject::duplicate : handle_scan(telegram, arrival, out);
     }
     ++counters_.other_packets;
-    if (kind != "sSN") dialogue_.answer(telegram, arrival, out);
+    if (telegram.kind() != "sSN") dialogue_.answer(telegram, arrival, out);
     Reject reason = Reject::none;
     states_.take(telegram, arrival, clock_, out, reason);
     return reason;
+  }
+
+  /// Where both come, LMDscandatamon repeats LMDscandata.
+  bool is_scan(const ColaTelegram& telegram) {
+    if (!is_cola_scan(telegram)) return false;
+    const bool monitor = telegram.name() == monitor_scan;
+    plain_scans_ = plain_scans_ || !monitor;
+    return !monitor || !plain_scans_;
   }
 
   Reject handle_scan(const ColaTelegram& telegram, Stamp arrival, DriverOutput& out) {
@@ -255,7 +279,6 @@ class ColaDriver final : public DriverBase {
 
   /// A gap in the telegram counter is a loss if the time that passed allows for it, by the device's clock
   /// and, since that may have started anew, roughly by ours. Devices that do not count telegrams count scans.
-  /// A telegram that comes twice is no loss; it is handed on as what it says it is.
   void follow_counters(Span start, Stamp arrival) {
     const auto by_telegram = static_cast<std::uint16_t>(scan_.telegram_counter - telegram_counter_);
     const auto by_scan = static_cast<std::uint16_t>(scan_.scan_counter - scan_counter_);
@@ -335,6 +358,7 @@ class ColaDriver final : public DriverBase {
   ColaDialect dialect_ = ColaDialect::b;
   std::string name_;
   bool counting_ = false;
+  bool plain_scans_ = false;  // LMDscandata came in this stream
   std::uint16_t telegram_counter_ = 0, scan_counter_ = 0;
   Span counted_at_{0};  // device time
   Stamp counted_arrival_;

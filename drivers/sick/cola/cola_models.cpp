@@ -65,7 +65,7 @@ constexpr Facts all_facts[] = {
     {"sick_lms4000", "LMS4000", &lms4000, 600, 0.5, 3.5, false, unverified},
     {"sick_tim240", "TiM240", &tim240, 14.5, 0.05, 10, false, unverified, other_port},
     {"sick_tim4xx", "TiM4xx", &tim, 15, 0.05, 25, false, unverified},
-    {"sick_tim5xx", "TiM5xx", &tim, 15, 0.05, 25, false, "1 telegram of CoLa A"},
+    {"sick_tim5xx", "TiM5xx", &tim, 15, 0.05, 25, false, "1 telegram of CoLa A, headers of two TiM551"},
     {"sick_tim7xx", "TiM7xx", &tim, 15, 0.05, 25, false, "2 captures (TiM781S)"},
     {"sick_tim7xxs", "TiM7xxS", &tim7xxs, 15, 0.05, 25, false, "2 captures (TiM781S)"},
     {"sick_lrs36x0", "LRS36x0", &lrs36x0, 8, 0.5, 250, false, unverified},
@@ -93,6 +93,7 @@ Model model_of(const Facts& facts) {
   if (facts.has_echoes && !facts.row->layered) model.traits.add(Trait::echoes);
   for (const std::string_view topic : {topic_fields, topic_outputs, topic_inputs, topic_encoder})
     model.messages.push_back(message_topic<DeviceState>(topic));
+  if (facts.row->layered) model.messages.push_back(message_topic<ImuSample>());
   return model;
 }
 
@@ -114,10 +115,12 @@ constexpr std::array identities = {
     Identity{"LMS1000", "sick_lms1000"}, Identity{"LMS10", "sick_lms1xx"},
     Identity{"LMS11", "sick_lms1xx"},    Identity{"LMS12", "sick_lms1xx"},
     Identity{"LMS13", "sick_lms1xx"},    Identity{"LMS14", "sick_lms1xx"},
-    Identity{"LMS15", "sick_lms1xx"},    Identity{"LMS5", "sick_lms5xx"},
-    Identity{"LMS4", "sick_lms4000"},    Identity{"TiM2", "sick_tim240"},
-    Identity{"TiM4", "sick_tim4xx"},     Identity{"TiM5", "sick_tim5xx"},
-    Identity{"TiM7", "sick_tim7xx"},     Identity{"LRS36", "sick_lrs36x0"},
+    Identity{"LMS15", "sick_lms1xx"},    Identity{"LMS1xx", "sick_lms1xx"},
+    Identity{"LMS5", "sick_lms5xx"},     Identity{"LMS4", "sick_lms4000"},
+    Identity{"TiM2", "sick_tim240"},     Identity{"TiM4", "sick_tim4xx"},
+    Identity{"TiM5", "sick_tim5xx"},     Identity{"TiM7", "sick_tim7xx"},
+    Identity{"LRS3601", "sick_lrs36x1"}, Identity{"LRS3611", "sick_lrs36x1"},
+    Identity{"LRS36x1", "sick_lrs36x1"}, Identity{"LRS36", "sick_lrs36x0"},
     Identity{"NAV2", "sick_nav2xx"},     Identity{"NAV31", "sick_nav31x"},
     Identity{"OEM15", "sick_oem15xx"},
 };
@@ -150,7 +153,7 @@ constexpr std::array families = {
     Family{"sick_lms1000", -47.5, 227.5, {50}, {0.25}, 1, 64},
     Family{"sick_tim7xx", -45, 225, {15}, {1.0 / 3}, 1, 25},
     Family{"sick_tim7xxs", -45, 225, {15}, {1.0 / 3}, 1, 25},
-    Family{"sick_tim5xx", -45, 225, {15}, {1.0 / 3}, 1, 25},
+    Family{"sick_tim5xx", -45, 225, {15}, {1.0 / 3, 1}, 1, 25},
     Family{"sick_tim4xx", -30, 210, {15}, {1.0 / 3}, 1, 25},
     Family{"sick_tim240", -120, 120, {14.5}, {1}, 1, 10},
     Family{"sick_lms1xx", -45, 225, {25, 50}, {0.25, 0.5}, 1, 50},
@@ -165,12 +168,13 @@ constexpr std::array families = {
     Family{"sick_nav31x", 0, 360, {8}, {}, any, any},
     Family{"sick_oem15xx", 0, 360, {8}, {}, any, any},
     Family{"sick_lrs36x0", 0, 360, {8}, {}, any, any},
-    // Steps and rates that are not listed: rather a scan than none.
+    // Steps and rates that are not listed: rather a scan than none. An LMS1xx turns at 25 or 50 Hz only.
     Family{"sick_lms5xx", -5, 185, {}, {}, any, any},
-    Family{"sick_lms1xx", -45, 225, {}, {}, 1, 50},
+    Family{"sick_lms1xx", -45, 225, {25, 50}, {}, 1, 50},
+    Family{"sick_tim5xx", -45, 225, {}, {}, 1, 25},
 };
-/// The families whose scans are known from devices; the last two take what is not listed.
-constexpr std::size_t known_families = families.size() - 2;
+/// The families whose scans are known from devices; the last three take what is not listed.
+constexpr std::size_t known_families = families.size() - 3;
 
 bool near_to(double a, double b, double tolerance) { return std::abs(a - b) <= tolerance; }
 
@@ -220,19 +224,44 @@ class ColaRecognizer final : public Recognizer {
   void add(const Packet& packet) override {
     if (packet.transport != Transport::tcp) return;
     if (packet.stream_start || packet.missing > 0) stream_.interrupt();
+    missing_ += packet.missing;
+    for (const std::string_view head : {"sSN LMDscandata", "sRA LMDscandata"})
+      scan_heads_ += packet.payload.text().find(head) != std::string_view::npos ? 1U : 0U;
     stream_.add(packet.payload);
     for (ColaTelegram telegram; stream_.next(telegram);) look_at(telegram);
   }
 
   std::string_view verdict() const override { return verdict_; }
   std::vector<std::string_view> others() const override { return others_; }
+  /// Of scans that nobody can read.
+  std::string remark() const override {
+    if (!verdict_.empty() || scan_heads_ == 0) return {};
+    std::string text =
+        "LMDscandata of a SICK scanner (CoLa) begins " + std::to_string(scan_heads_) + " times, ";
+    if (parsed_) return text + "but its angles, rate and ranges are those of no known model; set the model";
+    text += "but none could be read: ";
+    if (missing_ > 0)
+      return text + std::to_string(missing_) +
+             " bytes of the connection are not in the capture, so that no telegram is whole; record again "
+             "without loss";
+    std::string reasons;
+    for (std::size_t i = 0; i < reject_reasons; ++i) {
+      if (counters_.rejected[i] > 0)
+        reasons += (reasons.empty() ? "" : ", ") + std::to_string(counters_.rejected[i]) + " rejected for " +
+                   to_string(static_cast<Reject>(i));
+    }
+    if (reasons.empty()) return text + "no telegram ends; is the capture cut off, or not of a scanner?";
+    return text + reasons + "; report it with the device's firmware version";
+  }
 
  private:
   void look_at(const ColaTelegram& telegram) {
     if (telegram.kind() == "sRA" && telegram.name() == "DeviceIdent")
       note_identity(telegram.arguments().text());
-    if (named_ || telegram.name() != "LMDscandata") return;
-    if (parse_cola_scan(telegram, scan_) != Reject::none) return;
+    if (named_ || !is_cola_scan(telegram)) return;
+    const Reject reason = parse_cola_scan(telegram, scan_);
+    if (reason != Reject::none) return counters_.reject(reason);
+    parsed_ = true;
     layered_ = layered_ || scan_.layer != 0;
     if (layered_) {
       verdict_ = "sick_mrs1000";
@@ -270,6 +299,8 @@ class ColaRecognizer final : public Recognizer {
   ColaEvidence seen_;
   std::string_view verdict_;
   std::vector<std::string_view> others_;
+  std::uint64_t scan_heads_ = 0, missing_ = 0;
+  bool parsed_ = false;   // at least one scan
   bool named_ = false;    // by the device itself
   bool layered_ = false;  // planes other than the horizontal one came
 };

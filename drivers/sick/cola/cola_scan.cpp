@@ -122,6 +122,11 @@ std::size_t ColaScan::echo_count() const {
   return count;
 }
 
+bool is_cola_scan(const ColaTelegram& telegram) {
+  const std::string_view kind = telegram.kind(), name = telegram.name();
+  return (kind == "sSN" || kind == "sRA") && (name == "LMDscandata" || name == monitor_scan);
+}
+
 Reject parse_cola_scan(const ColaTelegram& telegram, ColaScan& scan) {
   return read_arguments(telegram, [&](auto in) { return read_scan(in, scan); });
 }
@@ -209,6 +214,24 @@ Reject read_pins(Reader in, bool with_counts, ColaPins& out) {
 }
 
 }  // namespace
+
+Reject parse_cola_imu(const ColaTelegram& telegram, ColaImu& imu) {
+  if (telegram.dialect != ColaDialect::b) return Reject::version;
+  constexpr std::size_t size = 60;
+  if (telegram.arguments().size() != size) return Reject::size;
+  ColaBinaryReader in(telegram.arguments());
+  bool finite = true;
+  const auto read = [&](auto& values) {
+    for (double& value : values) finite = std::isfinite(value = in.f32()) && finite;
+  };
+  read(imu.acceleration);
+  read(imu.angular_velocity);
+  for (int i = 0; i < 3; ++i) in.u32();  // nobody knows what; 0
+  read(imu.orientation);
+  in.u32();  // likewise
+  imu.time_us = in.u32();
+  return finite ? Reject::none : Reject::field;
+}
 
 Reject parse_cola_fields(const ColaTelegram& telegram, ColaFields& fields) {
   return read_arguments(telegram, [&](auto in) { return read_fields(in, fields); });

@@ -68,8 +68,11 @@ struct ColaScan {
   std::size_t echo_count() const;
 };
 
-/// Reads "sSN LMDscandata" or the polled "sRA LMDscandata" of either dialect. What is wrong with it, or
-/// Reject::none; `scan` is whole only then.
+/// The scan as SOPAS ET subscribes to it: the layout of LMDscandata (recorded from a TiM781S).
+constexpr std::string_view monitor_scan = "LMDscandatamon";
+/// True for "sSN LMDscandata", the polled "sRA LMDscandata" and both of LMDscandatamon.
+bool is_cola_scan(const ColaTelegram& telegram);
+/// Reads a scan in either dialect. What is wrong with it, or Reject::none; `scan` is whole only then.
 Reject parse_cola_scan(const ColaTelegram& telegram, ColaScan& scan);
 
 /// The microseconds since start-up in the telegrams, unwrapped and mapped to host time.
@@ -148,6 +151,19 @@ struct ColaPins {
   std::size_t count = 0;
   std::optional<std::uint32_t> time_us;  ///< device clock; some devices send 0
 };
+
+/// InertialMeasurementUnit of an MRS1000, as measured, in the device's axes.
+struct ColaImu {
+  std::array<double, 3> acceleration{};      ///< m/s², at rest +g along what is up
+  std::array<double, 3> angular_velocity{};  ///< rad/s
+  std::array<double, 4> orientation{};       ///< w x y z
+  std::uint32_t time_us = 0;                 ///< device clock
+};
+
+/// Reads "sSN InertialMeasurementUnit" of CoLa B. Fields as in sick_scan_xd (sick_generic_imu.cpp), but the
+/// time: recorded telegrams of an MRS1104 have it in the last word. That driver reads another order of
+/// fields in CoLa A, which nobody has recorded: such a telegram is Reject::version.
+Reject parse_cola_imu(const ColaTelegram& telegram, ColaImu& imu);
 
 /// Layouts: sick_scan_xd (sick_scan_messages.cpp), compared with recorded telegrams of LMS111, LMS511 and
 /// TiM781S. What is wrong, or Reject::none.

@@ -197,12 +197,7 @@ class CompactDriver final : public DriverBase {
     if (reason != Reject::none) return reason;
     if (read.time_us > latest_device_us) return Reject::field;
     imu_->stamp = stamp_of(read.time_us, arrival);
-    imu_->linear_acceleration = {read.acceleration[0], read.acceleration[1], read.acceleration[2]};
-    imu_->angular_velocity = {read.angular_velocity[0], read.angular_velocity[1], read.angular_velocity[2]};
-    const Eigen::Quaterniond turned(read.orientation[0], read.orientation[1], read.orientation[2],
-                                    read.orientation[3]);
-    imu_->orientation.reset();
-    if (std::fabs(turned.norm() - 1) < 0.1) imu_->orientation = turned.normalized();
+    set_imu(read.acceleration, read.angular_velocity, read.orientation, imu_);
     out.message(imu_);
     return Reject::none;
   }

@@ -13,6 +13,7 @@
 #include "daemon/pipeline/frame_tree.h"
 #include "test/daemon/pipeline/line_driver.h"
 #include "test/drivers/capture/pcap_testing.h"
+#include "test/sim/devices/cola_telegram.h"
 #include "test/support/captures.h"
 
 namespace lidard::test {
@@ -24,11 +25,11 @@ using Json = nlohmann::json;
 struct Recorded {
   const char* file;
   const char* model;
-  int scans;
-  double hz;  // by the telegrams' own times
+  int packets, scans;  // some came twice
+  double hz;           // by the telegrams' own times
 };
-const Recorded lms111{"sick/lms111_colab_20210302.pcap", "sick_lms1xx", 175, 50.59};
-const Recorded tim781s{"sick/tim781s_colab_20210125.pcap", "sick_tim7xx", 140, 15};
+const Recorded lms111{"sick/lms111_colab_20210302.pcap", "sick_lms1xx", 175, 172, 50.59};
+const Recorded tim781s{"sick/tim781s_colab_20210125.pcap", "sick_tim7xx", 140, 140, 15};
 
 class RecordedConnection : public ::testing::TestWithParam<Recorded> {};
 
@@ -57,7 +58,7 @@ TEST_P(RecordedConnection, IsInspectedAsOneSensorWithAConfigurationThatReplaysIt
   EXPECT_EQ(sensor["port"], 2112);
   EXPECT_EQ(sensor["model"], GetParam().model);
   EXPECT_EQ(sensor["frames"], GetParam().scans);
-  EXPECT_EQ(sensor["data_packets"], GetParam().scans) << "answers and events are no data";
+  EXPECT_EQ(sensor["data_packets"], GetParam().packets) << "answers and events are no data";
   EXPECT_NEAR(sensor["rate_hz"].get<double>(), GetParam().hz, 0.05) << "of scans, not of chunks";
   EXPECT_TRUE(said["unknown"].empty());  // the client's side belongs to the conversation
 
@@ -97,6 +98,51 @@ TEST(InspectTcp, ListsConnectionsThatNoModelClaims) {
   EXPECT_EQ(said["unknown"][0]["bytes"], 5);
   EXPECT_EQ(said["captures"][0]["tcp_segments"], 3);
   EXPECT_EQ(said["captures"][0]["tcp_missing"], 4);
+}
+
+/// What decode says of a recorded stream of LMDscandata in segments of 1000 bytes, of which `is_kept` keeps
+/// some.
+template <class Kept>
+std::string why_undecoded(const char* model, Kept is_kept, std::size_t encoders = 0) {
+  sim::SickScan scan;
+  scan.encoders.resize(encoders);
+  scan.channels = {{"DIST1", 1, 0, -50000, 1667, true, std::vector<std::uint16_t>(1141, 3000)}};
+  Bytes stream;
+  for (int i = 0; i < 20; ++i) {
+    ++scan.telegram_counter;
+    stream = stream + scan.bytes(sim::Cola::binary);
+  }
+  PcapBytes capture;
+  for (std::size_t at = 0, n = 0; at < stream.size(); at += 1000, ++n) {
+    const auto begin = stream.begin() + static_cast<std::ptrdiff_t>(at);
+    const Bytes part(begin,
+                     begin + static_cast<std::ptrdiff_t>(std::min<std::size_t>(1000, stream.size() - at)));
+    if (is_kept(n))
+      capture.add(ethernet(ipv4(tcp(part, static_cast<std::uint32_t>(at + 1)), of_tcp())),
+                  static_cast<int>(n));
+  }
+  const MemoryFile file(capture.bytes);
+  DecodeOptions options;
+  options.capture = file.path();
+  options.model = model;
+  options.output = "/dev/null";
+  std::ostringstream err;
+  EXPECT_EQ(run_decode(options, err), exit_failed);
+  EXPECT_THAT(err.str(), ::testing::Not(HasSubstr("no packets")));
+  return err.str();
+}
+
+TEST(DecodeTcp, SaysWhatWasFoundAndWhyItCannotBeRead) {
+  for (const char* model : {"", "sick_lms5xx"}) {
+    const auto every_second = [](std::size_t n) { return n % 2 == 0; };
+    EXPECT_THAT(why_undecoded(model, every_second),
+                HasSubstr("none could be read: 23000 bytes of the connection are not in the capture"));
+    const auto all = [](std::size_t) { return true; };
+    EXPECT_THAT(why_undecoded(model, all, 9), HasSubstr("20 rejected for field"));
+    EXPECT_THAT(why_undecoded(model, all, 9), HasSubstr("2112 over TCP: LMDscandata of a SICK scanner"));
+    const auto first = [](std::size_t n) { return n == 0; };
+    EXPECT_THAT(why_undecoded(model, first), HasSubstr("no telegram ends"));
+  }
 }
 
 }  // namespace

@@ -132,7 +132,7 @@ TEST(Silence, NamesItsCauseAsFarAsItIsKnown) {
   sample.report.link_hint = "perhaps a firewall";
   EXPECT_THAT(message(), testing::EndsWith("to port 2368: perhaps a firewall"));
   sample.report.info.warnings = {"first", "the device says so"};
-  EXPECT_THAT(message(), testing::EndsWith("to port 2368: the device says so"));
+  EXPECT_THAT(message(), testing::EndsWith("to port 2368: first. the device says so"));
   sample.report.link_trouble = "lidar0 has no link";
   EXPECT_THAT(message(), testing::EndsWith("to port 2368: lidar0 has no link"));
   sample.stray(IpAddress::v4(192, 168, 1, 9), 23680, 9);
@@ -165,7 +165,7 @@ TEST(Silence, EndsWithTheNextPacketAndTheDeviceMayStillWarn) {
   Sample sample;
   sample.report.info.warnings = {"first", "its window is dirty"};
   EXPECT_EQ(sample.after(500).health, Health::warn);
-  EXPECT_EQ(sample.after(500).message, "its window is dirty");
+  EXPECT_EQ(sample.after(500).message, "first. its window is dirty");
   sample.report.rivals = {"192.168.1.201", "192.168.1.202", "192.168.1.203"};
   EXPECT_EQ(sample.after(500).health, Health::error);
   EXPECT_EQ(sample.after(500).message,

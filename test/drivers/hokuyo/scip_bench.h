@@ -106,6 +106,7 @@ class TcpBench : public DriverOutput {
   Stamp now = scip_epoch;
   Span way_up{50'000};
   bool online = false, auto_connect = true, muted = false;
+  bool doubled = false;  // something on the way sends everything twice
   int disconnects = 0;
 
  private:
@@ -121,6 +122,7 @@ class TcpBench : public DriverOutput {
       now = std::max(now, sent->time);
       sweep = sent->sweep.value_or(Stamp());
       if (online && !muted) feed(sent->bytes);
+      if (online && doubled) feed(sent->bytes);
       return;
     }
     now = std::max(now, horizon);

@@ -227,6 +227,15 @@ TEST(Uam, ARefusalIsToldAndTheStreamIsAskedForAgain) {
   EXPECT_TRUE(bench.driver->info().warnings.empty());
 }
 
+TEST(Uam, WhatComesTwiceIsCountedAndNotPublishedAgain) {
+  UamBench bench;
+  bench.doubled = true;
+  bench.run(2s);
+  ASSERT_GT(bench.scans.size(), 30U);
+  EXPECT_EQ(bench.driver->counters().rejected[static_cast<std::size_t>(Reject::duplicate)],
+            bench.scans.size());
+}
+
 TEST(Uam, SilenceEndsTheConnection) {
   UamBench bench;
   bench.run(1s);

@@ -100,6 +100,27 @@ TEST(TcpSource, CarriesBytesBothWaysWithEndpointsAndKernelStamp) {
   EXPECT_EQ(b.source.stats().received, 6U);
 }
 
+TEST(TcpSource, ComesFromTheSamePortAfterAConnectionThatTheDeviceMayStillHold) {
+  TcpPeer peer;
+  TcpOptions options = to_port(peer.port());
+  options.read_time_out = milliseconds(100);
+  Bench b(options);
+  b.source.start();
+  ASSERT_TRUE(b.until([&] { return peer.accept(); }));
+  ASSERT_TRUE(peer.send("x"));
+  ASSERT_TRUE(b.until([&] { return b.received == "x"; }));
+  const std::uint16_t port = b.last.to.port;
+  ASSERT_TRUE(b.until([&] { return peer.accept(); }));  // after the silence
+  ASSERT_TRUE(peer.send("y"));
+  ASSERT_TRUE(b.until([&] { return b.received == "xy"; }));
+  EXPECT_EQ(b.last.to.port, port);
+  peer.close_client();
+  ASSERT_TRUE(b.until([&] { return peer.accept(); }));
+  ASSERT_TRUE(peer.send("z"));
+  ASSERT_TRUE(b.until([&] { return b.received == "xyz"; }));
+  EXPECT_NE(b.last.to.port, port) << "a device that closed it keeps the pair of ports for a while";
+}
+
 TEST(TcpSource, SaysThatAPortRefusesAndConnectsSoonAfterItListens) {
   TcpPeer peer;
   peer.stop_listening();

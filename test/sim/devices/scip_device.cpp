@@ -51,7 +51,7 @@ std::optional<ScipOrder> parse_order(const std::string& request) {
 
 ScipTexts scip_texts(const std::string& product) {
   if (product.rfind("UST", 0) == 0)
-    return {"2.23.0000", "Measuring by Sensitive Mode", "Measuring by Sensitive Mode",
+    return {"2.23.0000 (2016-10-20)", "Measuring by Sensitive Mode", "Measuring by Sensitive Mode",
             "sensor is working normally"};
   return {"1.1.0 (2011-09-30)", "000 Idle", "004 Multi_scan", "Stable 000 no error."};
 }

@@ -19,8 +19,9 @@ struct ScipTexts {
   std::string streaming;  ///< MESM while it sends scans without end
   std::string status;     ///< STAT of a healthy sensor
 };
-/// Those of a product. UST: FIRM (without the date in brackets of others: UrgNetwork/urg_library PR #4) and
-/// MESM as a public stand-in for a UST-10LX of 2016 repeats them, STAT of a real UST-20LX
+/// Those of a product. UST: FIRM with a date in brackets, without which urg_c (urg_sensor_firmware_version)
+/// reads nothing; the date, and whether real ones have it (UrgNetwork/urg_library PR #4 says no), unverified.
+/// Its number and MESM as a public stand-in for a UST-10LX of 2016 repeats them, STAT of a real UST-20LX
 /// (ros-drivers/urg_node PR #6); seqsense/urg_stamped src/urg_sim/urg_sim.cpp, handleII, agrees. UTM-30LX-EW:
 /// the last of them alone. UXM: unverified, taken to be like UTM.
 ScipTexts scip_texts(const std::string& product);

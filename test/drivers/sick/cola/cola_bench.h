@@ -33,6 +33,7 @@ class ColaBench final : public DriverOutput {
   void cloud(Cloud& cloud) override { clouds.push_back(cloud); }
   void message(const DeviceMessage& message) override {
     if (const auto* state = std::get_if<DeviceState>(&message)) states.push_back(*state);
+    if (const auto* imu = std::get_if<ImuSample>(&message)) imus.push_back(*imu);
   }
   void request(ByteView bytes) override { requests.emplace_back(bytes.begin(), bytes.end()); }
   void note(std::string_view sentence) override { notes.emplace_back(sentence); }
@@ -58,6 +59,11 @@ class ColaBench final : public DriverOutput {
     ++sample.scan_counter;
     return send_sample();
   }
+  /// Lets time pass in which nothing comes.
+  void tick(double s) {
+    now = now + span_from_seconds(s);
+    driver->tick(now, *this);
+  }
   bool has_warning(const std::string& part) const {
     for (const std::string& each : driver->info().warnings) {
       if (each.find(part) != std::string::npos) return true;
@@ -79,6 +85,7 @@ class ColaBench final : public DriverOutput {
   std::vector<PlanarScan> scans;
   std::vector<Cloud> clouds;
   std::vector<DeviceState> states;
+  std::vector<ImuSample> imus;
   std::vector<std::vector<std::uint8_t>> requests;
   std::vector<std::string> notes;
   int reconnects = 0, closes = 0;

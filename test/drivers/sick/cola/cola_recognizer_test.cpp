@@ -15,11 +15,14 @@
 #include "drivers/sick/cola/cola_models.h"
 #include "test/sim/devices/cola_telegram.h"
 #include "test/support/captures.h"
+#include "test/support/collector.h"
 
 namespace lidard::test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 /// Shows one telegram of a scan: `beams` values of `raw` from `start_deg` on.
@@ -86,6 +89,13 @@ TEST(ColaRecognizer, WhatSeveralFamiliesSendIsSaidWithTheirNames) {
   EXPECT_EQ(tim.model, "sick_tim7xx");
   EXPECT_THAT(tim.others, ElementsAre("sick_tim7xxs", "sick_tim5xx"));
   EXPECT_THAT(verdict_of({-45, 0.5, 50, 541}).others, IsEmpty()) << "only an LMS1xx looks so far around";
+}
+
+TEST(ColaRecognizer, FifteenTurnsASecondAreNoLms1xx) {
+  EXPECT_EQ(verdict_of({-45, 1, 15, 271}).model, "sick_tim5xx");
+  EXPECT_THAT(verdict_of({-45, 1, 15, 271}).others, IsEmpty());
+  EXPECT_EQ(verdict_of({-45, 0.5, 15, 541}).model, "sick_tim5xx") << "no step that is known";
+  EXPECT_EQ(verdict_of({-45, 0.75, 50, 361}).model, "sick_lms1xx") << "likewise";
 }
 
 TEST(ColaRecognizer, ADistanceBeyondTheRangeOfAFamilyRulesItOut) {
@@ -155,6 +165,104 @@ TEST(ColaRecognizer, RecordedScansOfAnLms5xxAreRecognisedAndKeepTheirFarReturns)
     EXPECT_NEAR(sum, each.sum_mm, 10);
     EXPECT_EQ(driver->counters().rejected_total(), 0U);
   }
+}
+
+/// Angles of the headers are those of two TiM551; the distances were made by this rule.
+std::uint16_t made_mm(std::size_t beam, std::size_t scan) {
+  if ((beam + scan) % 17 == 0) return static_cast<std::uint16_t>((beam + scan) % 3);
+  return static_cast<std::uint16_t>(
+      2000 + 500 * std::sin(static_cast<double>(beam) / 40 + static_cast<double>(scan) / 10));
+}
+
+TEST(ColaRecognizer, TheHeadersOfATim551AreATim5xxWithEveryBeam) {
+  for (const char* capture : {"sick/tim551_colaa_header_a.pcap", "sick/tim551_colaa_header_b.pcap"}) {
+    LIDARD_NEED_CAPTURE(path, capture);
+    Identifier identifier;
+    PcapSource source(path);
+    for (Packet packet; source.next(packet);) {
+      if (packet.from.port == 2112) identifier.add(packet);
+    }
+    ASSERT_EQ(identifier.verdict(), find_model("sick_tim5xx")) << capture;
+    EXPECT_EQ(identifier.remark(), "");
+    const Decoded got = decode_capture(path, "sick_tim5xx");
+    ASSERT_EQ(got.output.scans.size(), 40U);
+    EXPECT_EQ(got.counters.rejected_total(), 0U);
+    for (std::size_t k = 0; k < got.output.scans.size(); ++k) {
+      const PlanarScan& scan = got.output.scans[k];
+      ASSERT_EQ(scan.beams, 271U);
+      EXPECT_NEAR(scan.angle_min, -135 * M_PI / 180, 1e-6);
+      for (std::size_t i = 0; i < scan.beams; ++i) {
+        const std::uint16_t mm = made_mm(i, k);
+        if (mm < 16)
+          ASSERT_EQ(scan.statuses[i], mm == 0 ? BeamStatus::none : BeamStatus::invalid);
+        else
+          ASSERT_NEAR(scan.ranges[i], mm * 1e-3, 1e-6) << "scan " << k << " beam " << i;
+      }
+    }
+  }
+}
+
+TEST(ColaRecognizer, ASessionOfLmdscandatamonAloneIsDecoded) {
+  LIDARD_NEED_CAPTURE(path, "sick/tim781s_lmdscandatamon.pcap");
+  Identifier identifier;
+  PcapSource source(path);
+  for (Packet packet; source.next(packet);) identifier.add(packet);
+  ASSERT_EQ(identifier.verdict(), find_model("sick_tim7xx"));
+  const Decoded got = decode_capture(path, "sick_tim7xx");
+  EXPECT_EQ(got.output.scans.size(), 224U);
+  EXPECT_EQ(got.counters.packets, 224U);
+  EXPECT_EQ(got.counters.rejected_total(), 0U);
+  ASSERT_FALSE(got.output.scans.empty());
+  EXPECT_EQ(got.output.scans[0].beams, 811U);
+}
+
+TEST(ColaRecognizer, LmdscandatamonBesideLmdscandataIsNotDecodedTwice) {
+  LIDARD_NEED_CAPTURE(path, "sick/tim7xx_sopas_et_field_test.pcap");
+  const Decoded got = decode_capture(path, "sick_tim7xx");
+  EXPECT_EQ(got.output.scans.size(), 139U);
+  EXPECT_EQ(got.counters.packets, 139U);
+  EXPECT_EQ(got.counters.other_packets, 138U);
+  EXPECT_EQ(got.counters.rejected_total(), 0U);
+}
+
+/// What is said of scans that were changed by `spoil`, as binary telegrams.
+template <class Spoil>
+std::string remark_of(Spoil spoil) {
+  const auto recognizer = sick::make_cola_recognizer();
+  sim::SickScan scan;
+  scan.channels = {{"DIST1", 1, 0, -450000, 5000, true, std::vector<std::uint16_t>(541, 3000)}};
+  for (int i = 0; i < 10; ++i) spoil(*recognizer, scan);
+  EXPECT_EQ(recognizer->verdict(), "");
+  return recognizer->remark();
+}
+
+TEST(ColaRecognizer, ScansThatCannotBeReadAreNamedWithTheReason) {
+  const std::string malformed = remark_of([](Recognizer& recognizer, sim::SickScan& scan) {
+    scan.encoders.resize(9);  // four are the most
+    show(recognizer, scan.bytes(sim::Cola::binary));
+  });
+  EXPECT_THAT(malformed, AllOf(HasSubstr("LMDscandata of a SICK scanner (CoLa) begins 10 times"),
+                               HasSubstr("10 rejected for field")));
+  const std::string endless = remark_of([](Recognizer& recognizer, sim::SickScan& scan) {
+    auto bytes = scan.bytes(sim::Cola::text);
+    bytes.back() = ' ';
+    show(recognizer, bytes);
+  });
+  EXPECT_THAT(endless, AllOf(HasSubstr("begins"), HasSubstr("no telegram ends")));
+  const std::string holed = remark_of([](Recognizer& recognizer, sim::SickScan& scan) {
+    const auto bytes = scan.bytes(sim::Cola::binary);
+    Packet packet;
+    packet.transport = Transport::tcp;
+    packet.missing = bytes.size() - 500;
+    packet.payload = {bytes.data(), 500};
+    recognizer.add(packet);
+  });
+  EXPECT_THAT(holed, HasSubstr("bytes of the connection are not in the capture"));
+  const std::string strange = remark_of([](Recognizer& recognizer, sim::SickScan& scan) {
+    scan.channels[0].start = -1800000;
+    show(recognizer, scan.bytes(sim::Cola::binary));
+  });
+  EXPECT_THAT(strange, HasSubstr("those of no known model"));
 }
 
 }  // namespace
