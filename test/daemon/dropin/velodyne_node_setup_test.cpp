@@ -89,8 +89,9 @@ TEST(VelodyneNode, TakesEveryParameterThatHasAMeaningHere) {
 }
 
 TEST(VelodyneNode, PublishesPacketsWhereAskedTo) {
-  EXPECT_EQ(sensor_of({{"model", "VLP16"}}).raw_topic, "");
-  EXPECT_EQ(sensor_of({{"model", "VLP16"}, {"publish_packets", "true"}}).raw_topic, "velodyne_packets");
+  EXPECT_EQ(sensor_of({{"model", "VLP16"}}).raw_topic, "velodyne_packets") << "as velodyne_driver does";
+  EXPECT_EQ(sensor_of({{"model", "VLP16"}, {"publish_packets", "false"}}).raw_topic, "");
+  EXPECT_EQ(sensor_of({{"model", "VLP16"}, {"packet_topic", "velodyne_packets"}}).raw_topic, "");
   EXPECT_THAT(velodyne_node_setup({{"publish_packets", "true"}}).warnings, IsEmpty());
 }
 
