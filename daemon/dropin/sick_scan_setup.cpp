@@ -256,9 +256,10 @@ DropinSetup sick_scan_setup(const NodeParameters& parameters) {
   drop_misfits(model, sensor, setup);
   setup.keys = {{"sensors", KeyMap{{"scanner", std::move(sensor)}}}};
   if (is_planar && !cloud.empty())
-    setup.keys.emplace_back("merged_scans", KeyMap{{"cloud", KeyMap{{"laserscan_topics", KeyList{"scanner"}},
-                                                                    {"destination_frame", frame},
-                                                                    {"cloud_destination_topic", cloud}}}});
+    setup.keys.emplace_back("merged_scans",
+                            KeyMap{{"scanner_cloud", KeyMap{{"laserscan_topics", KeyList{"scanner"}},
+                                                            {"destination_frame", frame},
+                                                            {"cloud_destination_topic", cloud}}}});
   reader.remark_on_rest(setup.warnings);
   return setup;
 }
