@@ -256,7 +256,9 @@ bool connects(const SensorConfig& sensor) {
     bool asked = false;
   } listener;
   if (sensor.model->transport == Transport::tcp) return !sensor.driver.requests.listen_only;
-  sensor.model->make(sensor.driver)->tick(Stamp{1}, listener);
+  const auto driver = sensor.model->make(sensor.driver);
+  for (std::int64_t second = 1; second < 10 && !listener.asked; ++second)
+    driver->tick(Stamp{second * 1'000'000'000}, listener);
   return listener.asked;
 }
 

@@ -151,7 +151,7 @@ std::string why_no_frame(const Model& model, const Counters& counters, Span span
   const std::string data = fmt::format("{} packets in {:.3f} s, a whole one usually takes {} s",
                                        counters.packets, seconds(span), model.frame_period);
   const double part = seconds(span) / model.frame_period;
-  if (part < 0.95) return fmt::format("no whole frame, only about {:.1f} of a frame: {}", part, data);
+  if (part < 0.95) return fmt::format("only about {:.1f} of a frame: {}", part, data);
   return fmt::format("no whole frame: {}; {} lost, {} frames cut off by begin, end or loss", data,
                      counters.lost_packets, counters.partial_frames);
 }

@@ -54,7 +54,7 @@ struct OutputReport {
   double rate() const;
 };
 
-/// Why a driver that got packets over a time of `span` gave no whole frame: "no whole frame, only about 0.4 of a frame: …".
+/// Why a driver that got packets over a time of `span` gave no whole frame: "only about 0.4 of a frame: …".
 std::string why_no_frame(const Model& model, const Counters& counters, Span span);
 /// The table of outputs: a row for each that was promised or came, and one line for the others.
 void print_outputs(const char* head, const std::vector<OutputReport>& outputs, std::ostream& out);

@@ -102,10 +102,10 @@ TEST_F(Check, QuestionsAPoseInMillimetresOrDegreesThatLookLikeRad) {
   EXPECT_EQ(
       err_.str(),
       path_ + ":2:50: sensors.mm.pose: is 966 m away; are its numbers in m, and not in mm?\n" + path_ +
-          ":3:70: sensors.rad.pose.rpy_deg: looks like rad and is taken as degrees; in rad the key is rpy\n" +
+          ":3:74: sensors.rad.pose.rpy_deg: looks like rad and is taken as degrees; in rad the key is rpy\n" +
           path_ +
           ":7:74: merged_scans.all.destination_pose: is 30 m away; are its numbers in m, and not in mm?\n" +
-          path_ + ":8:82: virtual_scans.v.poses.high: is 50 m away; are its numbers in m, and not in mm?\n");
+          path_ + ":8:76: virtual_scans.v.poses.high: is 50 m away; are its numbers in m, and not in mm?\n");
 }
 
 TEST_F(Check, QuestionsAddressesThatNoSensorHas) {
