@@ -89,7 +89,7 @@ struct Commands {
   }
   void add_replay() {
     auto* c = app.add_subcommand("replay", "The same pipeline on captures");
-    c->add_option("-c,--config", replay.config, "Configuration file")->required();
+    c->add_option("-c,--config", replay.config, "Configuration file; default: the sensors found");
     add_captures(c, replay.captures);
     c->add_option("--rate", rate, "Of the recorded pace, or max")->capture_default_str();
     c->add_flag("--loop", replay.loop, "Again and again");
@@ -100,7 +100,7 @@ struct Commands {
     c->add_option("--motion", replay.motion,
                   "With --bag: a bag whose tf or odometry says how the vehicle moved");
     c->add_flag("--clock", replay.ros.clock, "Publish /clock");
-    c->add_option("--bag", replay.bag, "Write the messages to this bag instead of ROS");
+    c->add_option("--bag", replay.bag, "Write the messages to this new bag instead of ROS");
     c->callback([this] { action = [this] { return start_replay(); }; });
   }
   void add_decode() {
@@ -163,7 +163,8 @@ struct Commands {
   }
   void add_record() {
     auto* c = app.add_subcommand("record", "Records the configured sensors' traffic to a capture");
-    c->add_option("-c,--config", record.config, "Configuration file")->required();
+    c->add_option("-c,--config", record.config,
+                  "Configuration file; default: the usual ports of all supported lidars");
     c->add_option("output,-o,--output", record.output, "pcap file to write")->required();
     c->add_option("--interface", record.interface, "Network interface")->capture_default_str();
     c->add_option("--duration", record.duration, "Seconds; 0: until Ctrl-C")->check(CLI::NonNegativeNumber);

@@ -1,14 +1,21 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <ostream>
 #include <set>
 
+#include "core/base/angle.h"
+#include "core/base/number_text.h"
+#include "core/evidence/beam_rays.h"
 #include "daemon/commands/commands.h"
 #include "daemon/config/config.h"
 #include "daemon/config/yaml_reader.h"
 #include "daemon/files/text_table.h"
 #include "daemon/pipeline/frame_tree.h"
+#include "drivers/velodyne/calibration.h"
 
 namespace lidard {
 namespace {
@@ -21,8 +28,31 @@ Value value_of(const Value& mapping, const std::string& key) {
   return mapping;
 }
 
-/// What can be known of the outputs of a configuration without data: which poses only tf can tell, and which
-/// sources only another node can give.
+constexpr double unknown_reach = std::numeric_limits<double>::infinity();
+
+/// True for what is written in place of an address of a device.
+bool is_no_device(const IpAddress& address) {
+  const std::string text = address.to_string();
+  return text == "0.0.0.0" || text == "255.255.255.255";
+}
+
+/// A quarter of a right angle in rad, or a multiple of it.
+bool looks_like_rad(double angle) {
+  return std::abs(angle) > 0.5 && std::abs(std::remainder(angle, pi_d / 4)) < 0.005;
+}
+
+/// Of the lowest and of the highest ring, rad.
+std::pair<double, double> elevations_of(const SensorConfig& sensor) {
+  const auto calibration = sensor.driver.calibration != nullptr ? *sensor.driver.calibration
+                                                                : velodyne::table_calibration(*sensor.model);
+  const auto [lowest, highest] =
+      std::minmax_element(calibration.lasers.begin(), calibration.lasers.end(),
+                          [](const auto& a, const auto& b) { return a.vert_correction < b.vert_correction; });
+  return {lowest->vert_correction, highest->vert_correction};
+}
+
+/// What can be known of a configuration without data: which poses only tf can tell, which sources only
+/// another node can give, what looks like a mistake, and what can never come.
 class Forecast {
  public:
   /// `text` is what `config` was read from.
@@ -38,10 +68,13 @@ class Forecast {
   }
 
  private:
-  bool is_known(const std::string& parent, const std::string& child) const {
+  std::optional<Pose> pose_of(const std::string& parent, const std::string& child) const {
     Pose pose;
     std::string why;
-    return poses_.find(parent, child, Stamp{}, pose, why);
+    return poses_.find(parent, child, Stamp{}, pose, why) ? std::optional<Pose>(pose) : std::nullopt;
+  }
+  bool is_known(const std::string& parent, const std::string& child) const {
+    return pose_of(parent, child).has_value();
   }
   /// Is the place of a source's frames in `frame` configured? A source is a sensor or a virtual scan.
   bool is_placed(const std::string& source, const std::string& frame) const {
@@ -78,10 +111,83 @@ class Forecast {
                      ", which another node must publish; a replay of captures is without it");
     }
   }
+  /// `written`: {xyz: ..., rpy_deg: ...}.
+  void question(const Value& written, const Pose& pose) {
+    constexpr double far_m = 20;
+    const double away = pose.translation().norm();
+    if (away > far_m)
+      add(written, "is " + printed("%.0f", away) + " m away; are its numbers in m, and not in mm?");
+    const Value turn = value_of(written, "rpy_deg");
+    if (turn.path() == written.path()) return;
+    const auto angles = turn.numbers(3, 400, "degrees");
+    const bool are_small =
+        std::all_of(angles.begin(), angles.end(), [](double a) { return std::abs(a) < two_pi + 0.01; });
+    if (are_small && std::any_of(angles.begin(), angles.end(), looks_like_rad))
+      add(turn, "looks like rad and is taken as degrees; in rad the key is rpy");
+  }
+  /// How far from `frame` a sensor can see something.
+  double reach_of(const SensorConfig* sensor, const std::string& frame) const {
+    if (sensor == nullptr || sensor->model == nullptr || sensor->model->range_max <= 0) return unknown_reach;
+    const auto pose = pose_of(frame, sensor->frame_id);
+    return pose ? sensor->model->range_max + pose->translation().norm() : unknown_reach;
+  }
+  /// A beam is free where its whole way, as far as that is asked for, is seen.
+  template <class Output>
+  void question_reach(const Value& entry, const Output& output, double reach) {
+    const double range_max = output.output.grid.range_max;
+    const double wanted = output.free_required > 0 ? std::min(output.free_required, range_max) : range_max;
+    if (!output.has_visibility() || wanted <= reach) return;
+    const Value key = value_of(entry, output.free_required > 0 ? "free_required" : "range_max");
+    add(key, "is " + number_text(wanted) + " m, and its sources see no farther than " +
+                 printed("%.1f", reach) + " m: no beam of profile strict or safety is ever free (+inf)");
+  }
+  bool is_merged(const std::string& topic) const {
+    return std::any_of(config_.merged_scans.begin(), config_.merged_scans.end(), [&](const auto& merged) {
+      const auto& sources = merged.laserscan_topics;
+      return sources.size() > 1 && std::find(sources.begin(), sources.end(), topic) != sources.end();
+    });
+  }
+  /// How many of 100 beams of a virtual scan begin where no ring of the lidar passes.
+  int blind_beams(const SensorConfig& lidar, const ScanGridSpec& grid, const std::string& frame) const {
+    constexpr double between_rings = 1 * rad_per_deg;
+    constexpr double forgiven_m = 0.3;
+    const auto place = pose_of(lidar.frame_id, frame);
+    const auto base = pose_of(frame, config_.vehicle.base_frame);
+    if (!place || !base) return 0;
+    const auto [lowest, highest] = elevations_of(lidar);
+    const Footprint outline =
+        Footprint(config_.vehicle.footprint).padded(Footprint::margin_m).transformed(*base);
+    int blind = 0;
+    for (int k = 0; k < 100; ++k) {
+      const double angle = grid.angle_min + (grid.angle_max - grid.angle_min) * k / 100;
+      const Eigen::Vector2d ahead(std::cos(angle), std::sin(angle));
+      const auto own = outline.crossing({0, 0}, ahead);
+      const Eigen::Vector2d begin = ahead * ((own && own->in <= 0 ? own->out : 0) + forgiven_m);
+      const Eigen::Vector3d seen = *place * Eigen::Vector3d(begin.x(), begin.y(), 0);
+      const double elevation = std::atan2(seen.z(), seen.head<2>().norm());
+      if (elevation < lowest - between_rings || elevation > highest + between_rings) ++blind;
+    }
+    return blind;
+  }
+  void question_origins(const Value& entry, const VirtualScanConfig& group, const SensorConfig& lidar) {
+    if (!group.has_visibility() || lidar.model == nullptr || !lidar.model->has(Trait::calibration)) return;
+    for (const std::string& frame : group.virtual_laser_scan) {
+      const int blind = blind_beams(lidar, group.output.grid, frame);
+      if (blind > 50 && !is_merged(group.topic(frame)))
+        add(entry, frame + " lies where " + lidar.name + " is blind: " + std::to_string(blind) +
+                       " % of its beams begin unseen and are never free (+inf); merge it with scanners at "
+                       "its height");
+    }
+  }
   void tell(const SensorConfig& sensor) {
+    const Value entry = value_of(value_of(root_, "sensors"), sensor.name);
+    if (sensor.ip_address && is_no_device(*sensor.ip_address))
+      add(value_of(entry, "ip_address"),
+          "is " + sensor.ip_address->to_string() + ", the address of no device; expected that of the sensor");
+    if (sensor.pose) question(value_of(entry, "pose"), *sensor.pose);
     const std::string& frame = sensor.points_frame;
     if (frame.empty() || is_placed(sensor.name, frame)) return;
-    add(value_of(value_of(root_, "sensors"), sensor.name),
+    add(entry,
         "the pose of " + sensor.frame_id + " in points_frame " + frame +
             " comes from tf only; without tf (replay --bag, snapshot) its cloud does not come out: take a "
             "frame whose pose is configured, or name a bag with tf (--motion)");
@@ -89,6 +195,12 @@ class Forecast {
   void tell(const MergedScanConfig& merged) {
     const Value entry = value_of(value_of(root_, "merged_scans"), merged.name);
     const std::string& base = config_.vehicle.base_frame;
+    if (const Value pose = value_of(entry, "destination_pose"); pose.path() != entry.path())
+      question(pose, *merged.destination_pose);
+    double reach = 0;
+    for (const std::string& source : merged.laserscan_topics)
+      reach = std::max(reach, reach_of(config_.find_sensor(source), merged.destination_frame));
+    question_reach(entry, merged, reach);
     const std::string destination = "destination_frame " + merged.destination_frame;
     const bool destination_known = is_known(base, merged.destination_frame);
     std::set<std::string> unknown;
@@ -107,6 +219,12 @@ class Forecast {
   void tell(const VirtualScanConfig& group) {
     const Value entry = value_of(value_of(root_, "virtual_scans"), group.name);
     const VehicleConfig& vehicle = config_.vehicle;
+    for (const auto& [frame, pose] : group.poses) question(value_of(value_of(entry, "poses"), frame), pose);
+    const SensorConfig* const lidar = config_.find_sensor(group.cloud_topic);
+    double reach = 0;
+    for (const std::string& frame : group.virtual_laser_scan) reach = std::max(reach, reach_of(lidar, frame));
+    question_reach(entry, group, reach);
+    if (lidar != nullptr) question_origins(entry, group, *lidar);
     const bool cloud_known = is_placed(group.cloud_topic, vehicle.base_frame);
     std::set<std::string> unknown;
     std::size_t lost = 0;
@@ -129,13 +247,28 @@ class Forecast {
   std::vector<std::string> sentences_;
 };
 
+/// True if the daemon connects to the device: always to one that streams over TCP, else if its driver asks.
+bool connects(const SensorConfig& sensor) {
+  struct Listener final : DriverOutput {
+    void scan(PlanarScan& /*scan*/) override {}
+    void cloud(Cloud& /*cloud*/) override {}
+    void connect() override { asked = true; }
+    bool asked = false;
+  } listener;
+  if (sensor.model->transport == Transport::tcp) return !sensor.driver.requests.listen_only;
+  const auto driver = sensor.model->make(sensor.driver);
+  for (std::int64_t second = 1; second < 10 && !listener.asked; ++second)
+    driver->tick(Stamp{second * 1'000'000'000}, listener);
+  return listener.asked;
+}
+
 /// Ports that the daemon listens on, and devices that it connects to, each with the sensors behind it.
 TextTable sockets_of(const Config& config) {
   std::map<std::pair<std::string, std::string>, std::string> sensors;
   for (const SensorConfig& sensor : config.sensors) {
     for (const Flow& flow : flows_of(sensor)) {
       const bool listens = flow.transport == Transport::udp;
-      if (!listens && sensor.driver.requests.listen_only) continue;
+      if (!listens && !connects(sensor)) continue;
       const std::string port = std::to_string(flow.port);
       std::string& names =
           sensors[listens ? std::pair("listens", "udp " + port)

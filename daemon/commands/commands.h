@@ -80,7 +80,7 @@ int run_models(bool json, std::ostream& out);
 
 /// What `lidard record` was asked for.
 struct RecordOptions {
-  std::string config;
+  std::string config;  ///< empty: what any supported lidar sends to or from its usual port
   std::string output;
   std::string interface = "any";  ///< of the host
   double duration = 0;            ///< s; 0: until a signal
@@ -95,7 +95,7 @@ int run_record(const RecordOptions& options, std::ostream& err);
 
 /// What `lidard replay` was asked for.
 struct ReplayOptions {
-  std::string config;
+  std::string config;  ///< empty: the sensors that are found in the captures
   std::vector<std::string> captures;
   double rate = 1;                                 ///< of the recorded pace; 0: as fast as possible
   bool loop = false;                               ///< again and again, stamps going on

@@ -235,18 +235,19 @@ CalibrationPtr settle_calibration(const DecodeOptions& options, const velodyne::
   return settled;
 }
 
-/// The table at the end; false if there was no whole frame, or not the one asked for.
+/// The table at the end; false if no return came, or not the frame asked for.
 bool tell_output(const DecodeOptions& options, const WriterOutput& output, const WholeFrame& whole,
                  const Model& model, std::ostream& err) {
   OutputReport report = output.report();
   report.name = options.output == "-" ? "standard output" : options.output;
   const bool beyond = options.frame && *options.frame >= output.frames();
   if (!whole.found()) report.remark = why_no_frame(model, whole.counters(), whole.span());
+  if (whole.found() && output.returns() == 0) report.remark = "no return in any frame";
   if (beyond)
     report.remark = "--frame " + std::to_string(*options.frame) + " is beyond the end: the capture holds " +
                     std::to_string(output.frames()) + " frames, counted from 0";
   print_outputs("output", {report}, err);
-  return whole.found() && !beyond;
+  return output.returns() > 0 && !beyond;
 }
 
 void show(Progress& progress, const PcapSource& source, const WriterOutput& output) {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <ostream>
+#include <stdexcept>
 #include <utility>
 
 #include "drivers/capture/pcap_source.h"
@@ -183,7 +185,34 @@ std::string others_in_yaml(const FoundSensor& sensor) {
   return yaml;
 }
 
+/// What a capture holds instead of a lidar's packets.
+std::string nothing_found(const Survey& found) {
+  std::string all;
+  for (const SeenFlow& flow : found.unknown) {
+    if (!flow.remark.empty()) all += (all.empty() ? "" : "\n") + flow.to_string() + ": " + flow.remark;
+  }
+  if (!all.empty()) return all;
+  for (const SurveyedCapture& capture : found.captures) {
+    if (!all.empty()) all += '\n';
+    all += !capture.error.empty() && capture.counters.datagrams == 0
+               ? capture.error
+               : capture.file +
+                     ": no packets of a supported lidar found; `lidard inspect` shows what is in "
+                     "it, `lidard models` what is supported";
+  }
+  return all;
+}
+
 }  // namespace
+
+Survey survey_of_sensors(const std::vector<std::string>& captures, std::ostream& err) {
+  Survey found = survey(captures);
+  if (found.sensors.empty()) throw std::runtime_error(nothing_found(found));
+  for (const SurveyedCapture& capture : found.captures) {
+    if (!capture.error.empty()) err << capture.error << '\n';
+  }
+  return found;
+}
 
 Survey survey(const std::vector<std::string>& captures) {
   Survey out;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <iosfwd>
 #include <optional>
 #include <set>
 #include <string>
@@ -69,6 +70,9 @@ struct Survey {
 
 /// Reads the captures twice: to recognise the sensors, and to let their drivers judge the packets.
 Survey survey(const std::vector<std::string>& captures);
+/// The same; throws std::runtime_error where there is no sensor, and prints why a capture was not read to its
+/// end.
+Survey survey_of_sensors(const std::vector<std::string>& captures, std::ostream& err);
 
 /// The configuration that replays what was found, as YAML.
 std::string config_of(const Survey& survey);

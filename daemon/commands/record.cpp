@@ -7,9 +7,11 @@
 #include <csignal>
 #include <memory>
 #include <ostream>
+#include <set>
 
 #include "daemon/commands/commands.h"
 #include "daemon/config/config.h"
+#include "drivers/registry/registry.h"
 
 namespace lidard {
 namespace {
@@ -31,10 +33,25 @@ struct CloseDump {
 using Capture = std::unique_ptr<pcap_t, CloseCapture>;
 using Dump = std::unique_ptr<pcap_dumper_t, CloseDump>;
 
+/// Fragments but the first have no ports; a sender that is not known cannot be picked out of them.
+constexpr const char* fragments = "(ip[6:2] & 0x1fff != 0)";
+
+/// What any supported lidar sends with the ports that it leaves the factory with.
+std::string usual_filter() {
+  std::set<std::string> ports;
+  for (const Model& model : models()) {
+    for (const Flow& flow : flows_of(model, {}, model.port, model.telemetry_port, 0))
+      ports.insert((flow.transport == Transport::udp ? " or udp dst port " : " or tcp port ") +
+                   std::to_string(flow.port));
+  }
+  std::string filter = fragments;
+  for (const std::string& port : ports) filter += port;
+  return filter;
+}
+
 std::string sensor_filter(const SensorConfig& sensor) {
   if (sensor.ip_address) return "host " + sensor.ip_address->to_string();
-  // Fragments but the first have no ports; a sender that is not known cannot be picked out of them.
-  std::string filter = "(ip[6:2] & 0x1fff != 0)";
+  std::string filter = fragments;
   for (const Flow& flow : flows_of(sensor)) filter += " or udp dst port " + std::to_string(flow.port);
   return filter;
 }
@@ -90,7 +107,7 @@ void tell(pcap_t* capture, const RecordOptions& options, std::uint64_t packets, 
   if (pcap_stats(capture, &counts) == 0) err << ", " << counts.ps_drop << " lost by the kernel";
   err << '\n';
   if (packets == 0)
-    err << "nothing came from the configured sensors; check addresses, ports and cables, `lidard inspect` on "
+    err << "nothing came from the sensors; check addresses, ports and cables, `lidard inspect` on "
            "a "
            "recording of everything (tcpdump -w) shows what is there\n";
 }
@@ -108,7 +125,8 @@ std::string capture_filter(const Config& config) {
 
 int run_record(const RecordOptions& options, std::ostream& err) {
   return guarded(err, [&] {
-    const std::string filter = capture_filter(load_config(options.config));
+    const std::string filter =
+        options.config.empty() ? usual_filter() : capture_filter(load_config(options.config));
     const auto fail = [](const std::string& why) { throw std::runtime_error(why); };
     if (filter.empty()) fail(options.config + " names no sensor that is on the network");
     char why[PCAP_ERRBUF_SIZE] = "";

@@ -5,12 +5,14 @@
 #include <boost/asio/post.hpp>
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <ostream>
 #include <thread>
 #include <utility>
 
 #include "daemon/commands/commands.h"
+#include "daemon/commands/inspect_survey.h"
 #include "daemon/commands/player.h"
 #include "daemon/pipeline/report.h"
 #include "daemon/ros/bag_sink.h"
@@ -78,6 +80,8 @@ struct Replay {
 
 int into_bag(const ReplayOptions& options, const Config& config, MergedCapture& capture, std::ostream& out,
              std::ostream& err) {
+  if (std::filesystem::is_regular_file(options.bag))
+    throw std::runtime_error(options.bag + " is there already; remove it, or name another file");
   BagSink sink(options.bag);
   BagPoses motion(options.motion, config.vehicle.odometry_topic);
   Replay replay(options, config, capture, sink, motion);
@@ -145,7 +149,13 @@ int into_ros(const ReplayOptions& options, const Config& config, MergedCapture& 
 }  // namespace
 
 int run_replay(const ReplayOptions& options, std::ostream& out, std::ostream& err) {
-  return guarded(err, [&] { return run_replay(options, load_config(options.config), out, err); });
+  return guarded(err, [&] {
+    const Config config =
+        options.config.empty()
+            ? parse_config(config_of(survey_of_sensors(options.captures, err)), "the sensors found")
+            : load_config(options.config);
+    return run_replay(options, config, out, err);
+  });
 }
 
 int run_replay(const ReplayOptions& options, const Config& config, std::ostream& out, std::ostream& err) {

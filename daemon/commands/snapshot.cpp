@@ -56,24 +56,6 @@ struct Scene {
   std::string why_no_frame;
 };
 
-/// What a capture holds instead of a lidar's packets.
-std::string nothing_found(const Survey& found) {
-  std::string all;
-  for (const SeenFlow& flow : found.unknown) {
-    if (!flow.remark.empty()) all += (all.empty() ? "" : "\n") + flow.to_string() + ": " + flow.remark;
-  }
-  if (!all.empty()) return all;
-  for (const SurveyedCapture& capture : found.captures) {
-    if (!all.empty()) all += '\n';
-    all += !capture.error.empty() && capture.counters.datagrams == 0
-               ? capture.error
-               : capture.file +
-                     ": no packets of a supported lidar found; `lidard inspect` shows what is in "
-                     "it, `lidard models` what is supported";
-  }
-  return all;
-}
-
 /// A sensor that has no whole frame is shown with what there is of one.
 void show_incomplete(const FoundSensor& sensor, SensorConfig& config, Scene& scene) {
   config.driver.keep_partial = true;
@@ -85,11 +67,7 @@ void show_incomplete(const FoundSensor& sensor, SensorConfig& config, Scene& sce
 
 /// The sensors of the captures, placed at the origin.
 Scene scene_of(const std::vector<std::string>& captures, std::ostream& err) {
-  const Survey found = survey(captures);
-  if (found.sensors.empty()) throw std::runtime_error(nothing_found(found));
-  for (const SurveyedCapture& capture : found.captures) {
-    if (!capture.error.empty()) err << capture.error << '\n';
-  }
+  const Survey found = survey_of_sensors(captures, err);
   Scene scene;
   scene.config = parse_config(config_of(found), "the sensors found");
   scene.title = "What " + file_name(captures.front()) + " holds";
@@ -98,6 +76,7 @@ Scene scene_of(const std::vector<std::string>& captures, std::ostream& err) {
                         "prints one to edit, for -c.");
   for (std::size_t i = 0; i < found.sensors.size(); ++i) {
     SensorConfig& sensor = scene.config.sensors[i];
+    for (const auto& warning : found.sensors[i].info.warnings) err << sensor.name << ": " << warning << '\n';
     scene.awaited.push_back(frame_topic(sensor).name);
     if (found.sensors[i].frames == 0) show_incomplete(found.sensors[i], sensor, scene);
   }

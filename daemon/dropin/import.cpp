@@ -41,22 +41,6 @@ bool is_of(const LaunchNode& node, const MovedPackage& package) {
   return std::find(names.begin(), names.end(), node.package) != names.end();
 }
 
-/// The package that knows most of the parameters, where the file names none; nullptr: none knows any.
-const MovedPackage* recognised(const NodeParameters& parameters) {
-  const MovedPackage* best = nullptr;
-  std::size_t most = 0;
-  for (const MovedPackage* package : moved_packages()) {
-    std::set<std::string> names;
-    for (const auto& row : package->parameters) {
-      for (auto& name : split_words(row.names)) names.insert(std::move(name));
-    }
-    const auto known = static_cast<std::size_t>(std::count_if(
-        parameters.begin(), parameters.end(), [&](const auto& one) { return names.count(one.first) != 0; }));
-    if (known > most) most = known, best = package;
-  }
-  return best;
-}
-
 /// The tables of velodyne_pointcloud/params (1.7.0) that are those of the models here: clouds decoded with
 /// either differ by at most 0.07 mm, which is the rounding of angles in VLP16_hires_db.yaml.
 bool is_table_of_model(const std::string& path) {
@@ -83,19 +67,19 @@ class Importer {
   }
 
  private:
-  /// A node that cannot be imported is told, and the others are imported nevertheless.
+  /// A node that cannot be imported is reported, and the others are imported nevertheless.
   template <class Step>
   void attempt(const LaunchNode& node, const Step& step) {
     try {
       step();
     } catch (const ConfigError& trouble) {
-      config_.remarks.push_back(node.name + " was not imported: " + trouble.what());
+      config_.changes.push_back(node.name + " was not imported: " + trouble.what());
     }
   }
 
   /// False for a node that reads what others publish.
   bool take(const LaunchNode& node) {
-    const MovedPackage* package = node.package.empty() ? recognised(node.parameters) : nullptr;
+    const MovedPackage* package = node.package.empty() ? package_of(node.parameters) : nullptr;
     const auto belongs = [&](const MovedPackage& one) { return package == &one || is_of(node, one); };
     if (belongs(moved_laser_tools())) return false;
     const bool is_caller = node.type.empty() || node.type.find("sick_") == 0;
@@ -109,6 +93,8 @@ class Importer {
       take_velodyne(node);
     } else if (node.type == "static_transform_publisher") {
       take_transform(node);
+    } else if (node.package == "lidard") {
+      config_.remarks.push_back(node.name + " is lidard with a configuration of its own, which stays");
     } else if (node.package != "nodelet") {
       config_.remarks.push_back(node.name + " (" + node.package + "/" + node.type +
                                 ") is no node of a lidar that is known here; it stays in a launch file");
@@ -117,13 +103,12 @@ class Importer {
   }
 
   void remark(const LaunchNode& node, const DropinSetup& setup) {
-    for (const auto* list : {&setup.warnings, &setup.remarks}) {
-      for (const auto& text : *list) config_.remarks.push_back(node.name + ": " + text);
-    }
+    for (const auto& text : setup.warnings) config_.changes.push_back(node.name + ": " + text);
+    for (const auto& text : setup.remarks) config_.remarks.push_back(node.name + ": " + text);
   }
 
-  std::string free_name(const LaunchNode& node) {
-    const std::string name = entry_name(node.name.substr(node.name.rfind('/') + 1));
+  std::string free_name(const LaunchNode& node, const char* end = "") {
+    const std::string name = entry_name(node.name.substr(node.name.rfind('/') + 1)) + end;
     std::string unique = name;
     for (int n = 2; !names_.insert(unique).second; ++n) unique = name + "_" + std::to_string(n);
     return unique;
@@ -134,8 +119,8 @@ class Importer {
     transforms_.insert(transforms_.end(), setup.transforms.begin(), setup.transforms.end());
     for (auto& [name, value] : section(setup.keys, "sensors")) {
       auto& sensor = std::get<KeyMap>(value);
-      for (const char* key :
-           {"scan_topic", "points_topic", "packet_topic", "extended_scan_topic", "output_paths_topic"}) {
+      for (const char* key : {"scan_topic", "points_topic", "packet_topic", "raw_topic",
+                              "extended_scan_topic", "output_paths_topic"}) {
         if (auto* topic = find_key(sensor, key); topic != nullptr)
           *topic = node.resolved(text_of(sensor, key));
       }
@@ -143,16 +128,30 @@ class Importer {
       section(config_.keys, "sensors").emplace_back(free_name(node), std::move(sensor));
       ++config_.entries;
     }
+    const std::string source = section(config_.keys, "sensors").back().first;
+    for (auto& cloud : section(setup.keys, "merged_scans"))
+      take_cloud(node, source, std::get<KeyMap>(cloud.second));
+  }
+
+  /// The cloud of a planar scanner: a merged scan of it alone.
+  void take_cloud(const LaunchNode& node, const std::string& source, KeyMap& entry) {
+    *find_key(entry, "laserscan_topics") = KeyList{source};
+    *find_key(entry, "cloud_destination_topic") = node.resolved(text_of(entry, "cloud_destination_topic"));
+    drop_shared_topics(node, entry);
+    if (find_key(entry, "cloud_destination_topic") == nullptr) return;
+    section(config_.keys, "merged_scans").emplace_back(free_name(node, "_cloud"), std::move(entry));
+    ++config_.entries;
   }
 
   /// Two nodes may publish on one topic, and two sensors may not: of those beside the scan the first one
   /// stays.
-  void drop_shared_topics(const LaunchNode& node, KeyMap& sensor) {
-    for (const char* key : {"extended_scan_topic", "output_paths_topic"}) {
-      const std::string topic = text_of(sensor, key);
+  void drop_shared_topics(const LaunchNode& node, KeyMap& entry) {
+    for (const char* key :
+         {"raw_topic", "extended_scan_topic", "output_paths_topic", "cloud_destination_topic"}) {
+      const std::string topic = text_of(entry, key);
       if (topic.empty() || side_topics_.insert(topic).second) continue;
-      erase_key(sensor, key);
-      config_.remarks.push_back(node.name + ": " + key + " was left out, since another node publishes on " +
+      erase_key(entry, key);
+      config_.changes.push_back(node.name + ": " + key + " was left out, since another node publishes on " +
                                 topic + " too; name a topic of its own");
     }
   }
@@ -180,7 +179,7 @@ class Importer {
     }
     DropinSetup setup = velodyne_node_setup(parameters);
     auto& sensor = std::get<KeyMap>(section(setup.keys, "sensors").front().second);
-    if (scan == nullptr && !node.package.empty()) {
+    if (scan == nullptr && !node.package.empty() && node.package != "velodyne_node") {
       for (const char* key : {"scan_ring", "scan_resolution", "scan_topic"}) erase_key(sensor, key);
     }
     if (const auto file = text_of(sensor, "calibration"); is_table_of_model(file)) {
@@ -189,7 +188,7 @@ class Importer {
                               ") is the table that the model has here too");
     }
     for (const auto& capture : setup.replay.captures)
-      setup.remarks.push_back("parameter ~pcap: `lidard replay -c THIS --pcap " + capture + "` plays it");
+      setup.warnings.push_back("parameter ~pcap: `lidard replay -c THIS --pcap " + capture + "` plays it");
     take_odometry(node, setup);
     take_sensor(node, std::move(setup));
   }
@@ -201,7 +200,7 @@ class Importer {
     if (frame.empty()) return;
     if (odometry_.empty()) odometry_ = frame, moved_ = text_of(vehicle, "base_frame");
     if (odometry_ != frame)
-      config_.remarks.push_back(node.name + ": parameter ~fixed_frame (" + frame +
+      config_.changes.push_back(node.name + ": parameter ~fixed_frame (" + frame +
                                 ") has no effect: clouds are deskewed in " + odometry_ +
                                 ", the fixed_frame of another node");
   }
@@ -218,7 +217,7 @@ class Importer {
         frames.push_back(word.front() == '/' ? word.substr(1) : word);
     }
     if ((numbers.size() != 6 && numbers.size() != 7) || frames.size() < 2) {
-      config_.remarks.push_back(node.name + ": arguments that make no transform; it stays in a launch file");
+      config_.changes.push_back(node.name + ": arguments that make no transform; it stays in a launch file");
       return;
     }
     Pose pose = make_pose({numbers[0], numbers[1], numbers[2]}, {numbers[5], numbers[4], numbers[3]});
@@ -298,12 +297,23 @@ class Importer {
     for (auto& [name, value] : sensors) {
       auto& sensor = std::get<KeyMap>(value);
       const std::string frame = text_of(sensor, "frame_id");
-      if (frame.empty() || frame == base_) continue;
-      if (const auto pose = pose_of(frame, root)) sensor.emplace_back("pose", *pose);
+      if (frame.empty()) continue;
+      const auto pose = frame == base_ ? std::nullopt : pose_of(frame, root);
+      if (pose) sensor.emplace_back("pose", *pose);
+      if (!pose) report_unused_transform(name, frame);
     }
     for (auto& [name, value] : section(config_.keys, "virtual_scans")) place_planes(std::get<KeyMap>(value));
     if (!base_.empty()) section(config_.keys, "vehicle").emplace_back("base_frame", base_);
     if (!odometry_.empty()) section(config_.keys, "vehicle").emplace_back("odometry_frame", odometry_);
+  }
+
+  void report_unused_transform(const std::string& sensor, const std::string& frame) {
+    for (const StaticTransform& one : transforms_) {
+      if (one.child == frame)
+        config_.changes.push_back("sensors." + sensor + ": the pose of " + frame + " in " + one.parent +
+                                  " is not part of this configuration, whose base_frame is " + base_ +
+                                  ": publish it on tf, " + yaml_text({{"pose", one.pose}}));
+    }
   }
 
   void place_planes(KeyMap& entry) {
@@ -333,18 +343,24 @@ std::string file_text(const std::string& file, const ImportedConfig& config) {
   }
   std::string text =
       "# Made by `lidard import " + file.substr(file.rfind('/') + 1) + "`.\n" + yaml_text(filled);
-  text += config.remarks.empty() ? "" : "\n# What has no counterpart, or another one than expected:\n";
-  for (std::string remark : config.remarks) {
-    std::replace(remark.begin(), remark.end(), '\n', ' ');
-    text += "# - " + remark + "\n";
-  }
+  const auto add = [&text](const char* title, const std::vector<std::string>& list) {
+    text += list.empty() ? "" : title;
+    for (std::string remark : list) {
+      std::replace(remark.begin(), remark.end(), '\n', ' ');
+      text += "# - " + remark + "\n";
+    }
+  };
+  add("\n# What changes for the robot:\n", config.changes);
+  add("\n# What is no longer needed, or stays as it is:\n", config.remarks);
   return text;
 }
 
 int import_file(const ImportOptions& options, std::ostream& err) {
   const ImportedConfig config = import_nodes(read_launch(options.file, options.arguments));
   if (config.entries == 0) {
-    for (const auto& remark : config.remarks) err << remark << '\n';
+    for (const auto* list : {&config.changes, &config.remarks}) {
+      for (const auto& remark : *list) err << remark << '\n';
+    }
     err << options.file << ": nothing in it can be imported; expected a node of";
     for (const MovedPackage* package : moved_packages())
       err << (package == moved_packages().front() ? " " : ", ") << package->name;
@@ -356,9 +372,9 @@ int import_file(const ImportOptions& options, std::ostream& err) {
   file.write(text);
   file.close();
   parse_config(text, options.output == "-" ? "the configuration" : options.output);
-  err << config.entries << (config.entries == 1 ? " entry, " : " entries, ") << config.remarks.size()
-      << (config.remarks.size() == 1 ? " remark" : " remarks")
-      << " on what has no counterpart, below the configuration\n";
+  err << config.entries << (config.entries == 1 ? " entry" : " entries") << "; below the configuration "
+      << config.changes.size() << " on what changes for the robot, " << config.remarks.size()
+      << " on what is no longer needed\n";
   return exit_ok;
 }
 

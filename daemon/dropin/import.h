@@ -18,10 +18,12 @@ struct ImportOptions {
   bool tables = false;  ///< what becomes of every parameter, instead
 };
 
-/// A configuration that does what the nodes of other packages did.
+/// A configuration that does what the nodes of other packages did. Every parameter and node without
+/// counterpart is in one of the lists.
 struct ImportedConfig {
   KeyMap keys;                       ///< by section
-  std::vector<std::string> remarks;  ///< on every parameter and node without counterpart
+  std::vector<std::string> changes;  ///< of what the robot will notice
+  std::vector<std::string> remarks;  ///< on what is no longer needed, or stays as it is
   std::size_t entries = 0;           ///< sensors, merged and virtual scans
 };
 
@@ -29,7 +31,7 @@ struct ImportedConfig {
 ImportedConfig import_nodes(const LaunchFile& launch);
 
 /// `lidard import`: writes the configuration that does what another driver's launch or parameter file did,
-/// and below it, as comments, what has no counterpart. Returns the exit code.
+/// and below it, as comments, what changes and what is no longer needed. Returns the exit code.
 int run_import(const ImportOptions& options, std::ostream& out, std::ostream& err);
 
 }  // namespace lidard

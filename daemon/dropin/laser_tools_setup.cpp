@@ -95,7 +95,7 @@ std::vector<std::string> required_words(ParameterReader& reader, const char* nam
 const MovedPackage& moved_laser_tools() {
   static const MovedPackage package{
       "ira_laser_tools",
-      "ira_laser_tools",
+      "ira_laser_tools laserscan_multi_merger laserscan_virtualizer",
       "src/laserscan_multi_merger.cpp, src/laserscan_virtualizer.cpp, their cfg and launch files (1.0.7)",
       {{"laserscan_topics", "laserscan_topics",
         "each a sensor with `topic`, or a sensor of this configuration"},

@@ -60,6 +60,8 @@ LaunchNode node_of(const nlohmann::json& json) {
   json.at("name").get_to(node.name);
   json.at("package").get_to(node.package);
   json.at("type").get_to(node.type);
+  // Our own programs are known by their names, as other nodes by their packages.
+  if (node.package == "lidard") node.package = node.type;
   json.at("namespace").get_to(node.space);
   json.at("arguments").get_to(node.arguments);
   json.at("remaps").get_to(node.remaps);

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <set>
 #include <sstream>
 
 #include "core/base/nearest.h"
@@ -29,8 +30,9 @@ bool same_value(const std::string& a, const std::string& b) {
 
 bool is_idle(const std::string& value, std::string_view idle) {
   const auto values = split_words(idle);
-  return value.empty() || std::any_of(values.begin(), values.end(),
-                                      [&](const std::string& one) { return same_value(value, one); });
+  return value.empty() || std::any_of(values.begin(), values.end(), [&](const std::string& one) {
+           return one == "*" || same_value(value, one);
+         });
 }
 
 std::string cell(std::string_view text) {
@@ -72,6 +74,21 @@ std::vector<const MovedPackage*> moved_packages() {
           &moved_laser_tools()};
 }
 
+const MovedPackage* package_of(const NodeParameters& parameters) {
+  const MovedPackage* best = nullptr;
+  std::size_t most = 0;
+  for (const MovedPackage* package : moved_packages()) {
+    std::set<std::string> names;
+    for (const auto& row : package->parameters) {
+      for (auto& name : split_words(row.names)) names.insert(std::move(name));
+    }
+    const auto known = static_cast<std::size_t>(std::count_if(
+        parameters.begin(), parameters.end(), [&](const auto& one) { return names.count(one.first) != 0; }));
+    if (known > most) most = known, best = package;
+  }
+  return best;
+}
+
 std::string moved_markdown() {
   std::ostringstream out;
   for (const MovedPackage* package : moved_packages()) write_package(out, *package);
@@ -110,8 +127,8 @@ KeyValue as_intensity_filter(const std::string& value) {
 void drop_misfits(const Model& model, KeyMap& sensor, DropinSetup& setup) {
   const auto is_misfit = [&](const auto& one) {
     if (takes_key(model, one.first)) return false;
-    setup.remarks.push_back("key " + one.first + " was left out: a " + std::string(model.product) +
-                            " has no use for it");
+    setup.warnings.push_back("key " + one.first + " was left out: a " + std::string(model.product) +
+                             " has no use for it");
     return true;
   };
   sensor.erase(std::remove_if(sensor.begin(), sensor.end(), is_misfit), sensor.end());
@@ -139,8 +156,8 @@ double ParameterReader::number(const std::string& name, double missing) {
   return *value;
 }
 
-bool ParameterReader::flag(const std::string& name) {
-  const std::string given = lower(text(name, "false"));
+bool ParameterReader::flag(const std::string& name, const std::string& missing) {
+  const std::string given = lower(text(name, missing));
   if (given == "true" || given == "1") return true;
   if (given == "false" || given == "0" || given.empty()) return false;
   throw ConfigError("parameter ~" + name + " is '" + given + "'; expected true or false");

@@ -21,8 +21,8 @@ using NodeParameters = std::map<std::string, std::string>;
 struct DropinSetup {
   KeyMap keys;                              ///< the configuration that does the same, by section
   ReplayOptions replay;                     ///< of a capture; without captures: live
-  std::vector<std::string> warnings;        ///< of values that were changed and of parameters without effect
-  std::vector<std::string> remarks;         ///< of parameters without effect that stand at their default
+  std::vector<std::string> warnings;        ///< of what the robot will notice
+  std::vector<std::string> remarks;         ///< of what is no longer needed
   std::vector<StaticTransform> transforms;  ///< that the node publishes
 
   /// As the text of a configuration file.
@@ -34,7 +34,9 @@ struct MovedParameter {
   std::string_view names;   ///< separated by blanks; a * at the end stands for whatever begins so
   std::string_view key;     ///< that takes their value; empty: there is no counterpart
   std::string_view remark;  ///< how the value becomes the key's, or why there is no counterpart
-  std::string_view idle{};  ///< the values, separated by blanks, with which the parameter asks for nothing
+  /// The values, separated by blanks, with which the parameter asks for nothing that a robot would miss; *:
+  /// all.
+  std::string_view idle{};
   /// The value of the key; empty: the key stays unset. Without it the setup itself sees to the parameter.
   KeyValue (*convert)(const std::string& value) = nullptr;
 };
@@ -47,7 +49,7 @@ struct MovedTopic {
 /// How one moves over from a package.
 struct MovedPackage {
   std::string_view name;
-  std::string_view packages;  ///< in launch files, separated by blanks
+  std::string_view packages;  ///< in launch files, and our executables, separated by blanks
   std::string_view source;    ///< where the lists of parameters and topics come from
   std::vector<MovedParameter> parameters;
   std::vector<MovedTopic> topics;
@@ -58,6 +60,8 @@ const MovedPackage& moved_safety_scanners();
 const MovedPackage& moved_urg_node();
 const MovedPackage& moved_sick_scan();
 std::vector<const MovedPackage*> moved_packages();
+/// The package that knows most of the parameters; nullptr: none knows any.
+const MovedPackage* package_of(const NodeParameters& parameters);
 
 /// The tables of all packages, as they stand in config/doc/moving_over.md.
 std::string moved_markdown();
@@ -76,7 +80,7 @@ class ParameterReader {
   std::optional<std::string> find(const std::string& name);
   /// Throws ConfigError for what is no number, or no truth value.
   double number(const std::string& name, double missing);
-  bool flag(const std::string& name);
+  bool flag(const std::string& name, const std::string& missing = "false");
   /// Takes what the table of the package converts into `entry`, and remarks on what has no counterpart.
   void move(const MovedPackage& package, KeyMap& entry, DropinSetup& setup);
   /// Remarks on what nobody took.

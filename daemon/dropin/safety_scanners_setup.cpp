@@ -8,7 +8,7 @@ namespace lidard {
 const MovedPackage& moved_safety_scanners() {
   static const MovedPackage package{
       "sick_safetyscanners",
-      "sick_safetyscanners",
+      "sick_safetyscanners sick_safetyscanners_node",
       "src/SickSafetyscannersRos.cpp, config/SickSafetyscannersConfiguration.cfg, "
       "launch/sick_safetyscanners.launch "
       "(1.0.9)",
@@ -50,9 +50,9 @@ const MovedPackage& moved_safety_scanners() {
         "changes nothing",
         "false"},
        {"expected_frequency frequency_tolerance", "",
-        "/diagnostics compares with what the telegrams say and the losses that they show", "20 24 0.1"},
+        "/diagnostics compares with what the telegrams say and the losses that they show", "*"},
        {"timestamp_min_acceptable timestamp_max_acceptable", "",
-        "/diagnostics tells of late and of wrong stamps by the scanner's own clock", "-1 1"}},
+        "/diagnostics tells of late and of wrong stamps by the scanner's own clock", "*"}},
       {{"scan", "sensor_msgs/LaserScan", "the same: scan_topic; stamp of the first beam, time_increment set"},
        {"extended_laser_scan", "sick_safetyscanners/ExtendedLaserScanMsg",
         "the same: extended_scan_topic; reflektor_median is the middle of each run of reflectors, and "

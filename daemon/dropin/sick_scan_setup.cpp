@@ -52,26 +52,35 @@ const ScannerType& type_of(const std::string& given) {
                     "', a device that lidard does not read; it reads " + known);
 }
 
-/// "x,y,z,roll,pitch,yaw", m and rad; empty if it is not six numbers.
-std::optional<Pose> pose_of(std::string text) {
+/// "x,y,z,roll,pitch,yaw", m and rad.
+Pose read_pose(ParameterReader& reader, const std::string& name) {
+  const std::string given = reader.text(name, "0,0,0,0,0,0");
+  std::string text = given;
   std::replace(text.begin(), text.end(), ',', ' ');
   std::vector<double> numbers;
   for (const auto& word : split_words(text)) {
     const auto number = number_in<double>(word);
-    if (!number) return std::nullopt;
-    numbers.push_back(*number);
+    if (number) numbers.push_back(*number);
   }
-  if (numbers.size() != 6) return std::nullopt;
+  if (numbers.size() != 6 || split_words(text).size() != 6)
+    throw ConfigError("parameter ~" + name + " is '" + given + "'; expected six numbers");
   return make_pose({numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]});
 }
 
-void take_transform(ParameterReader& reader, const std::string& frame, DropinSetup& setup) {
+/// The sensor's pose: where tf has its frame, and how sick_scan_xd moved the points in that frame. Where
+/// another node says where the frame is, the sensor gets a frame of its own in it.
+void place_sensor(ParameterReader& reader, std::string& frame, DropinSetup& setup) {
   const std::string base = reader.text("tf_base_frame_id", "map");
-  const std::string pose = reader.text("tf_base_lidar_xyz_rpy", "0,0,0,0,0,0");
   const double rate = reader.number("tf_publish_rate", 10);
-  const auto mounted = pose_of(pose);
-  if (!mounted) throw ConfigError("parameter ~tf_base_lidar_xyz_rpy is '" + pose + "'; expected six numbers");
-  if (rate > 0) setup.transforms.push_back({base, frame, *mounted});
+  const Pose mounted = read_pose(reader, "tf_base_lidar_xyz_rpy");
+  const Pose moved = read_pose(reader, "add_transform_xyz_rpy");
+  const bool is_moved = !moved.isApprox(Pose::Identity());
+  if (is_moved && rate <= 0) setup.transforms.push_back({frame, frame + "_device", moved});
+  if (is_moved && rate <= 0) frame += "_device";
+  if (is_moved)
+    setup.warnings.push_back("parameter ~add_transform_xyz_rpy is part of the pose of " + frame +
+                             ": it moves the scan with the cloud, while sick_scan_xd moved the cloud alone");
+  if (rate > 0) setup.transforms.push_back({base, frame, mounted * moved});
   if (rate > 0 && base == "map")
     setup.remarks.emplace_back(
         "vehicle.base_frame is map, which is where sick_scan_xd hangs a sensor unless told "
@@ -109,9 +118,8 @@ const MovedPackage& moved_sick_scan() {
        {"min_ang", "angle_min", "rad, as it is, of planar scanners", "", copied},
        {"max_ang", "angle_max", "rad, as it is, of planar scanners", "", copied},
        {"laserscan_topic publish_laserscan_fullframe_topic", "scan_topic", "as it is, of planar scanners"},
-       {"cloud_topic", "points_topic",
-        "as it is, of multi-plane lidars; of planar ones cloud_destination_topic of a merged scan is a "
-        "cloud"},
+       {"cloud_topic", "points_topic cloud_destination_topic",
+        "as it is, of multi-plane lidars; of a planar one that of a merged scan of it alone"},
        {"intensity", "publish_intensity", "as it is, of planar scanners", "", copied},
        {"skip", "skip", "as it is, of devices that speak CoLa", "", copied},
        {"time_offset", "time_offset", "s, as it is", "", copied},
@@ -123,8 +131,13 @@ const MovedPackage& moved_sick_scan() {
         [](const std::string& value) { return value == "1" ? KeyValue(true) : KeyValue(); }},
        {"tf_base_frame_id tf_base_lidar_xyz_rpy tf_publish_rate", "pose",
         "of the sensor in vehicle.base_frame, on /tf_static; a rate of 0: none"},
+       {"add_transform_xyz_rpy", "pose",
+        "part of the pose; with a tf_publish_rate of 0 the sensor has the frame FRAME_device, and its pose "
+        "in "
+        "FRAME"},
+       {"add_transform_check_dynamic_updates", "", "a pose is changed with a new configuration", "false"},
        {"all_segments_min_deg all_segments_max_deg", "",
-        "a frame ends where the device ends it; angle_min_deg and angle_max_deg crop a scan"},
+        "a frame ends where the device ends it; angle_min_deg and angle_max_deg crop a scan", "*"},
        {"publish_laserscan_segment_topic", "",
         "scans are published whole; a scan is on its way within a ms of its "
         "last segment"},
@@ -137,46 +150,45 @@ const MovedPackage& moved_sick_scan() {
         "one cloud with all returns on points_topic, x y z intensity ring time; IMU on NAME/imu in the "
         "sensor's "
         "frame"},
-       {"add_transform_xyz_rpy add_transform_check_dynamic_updates", "",
-        "`pose` says how the sensor stands, which tf tells to all who read its data", "0,0,0,0,0,0 false"},
-       {"range_min range_max range_filter_handling", "",
-        "limits of clouds; merged and virtual scans have range_min and range_max, per source too "
-        "(source_settings)"},
+       {"range_min range_max", "", "without range_filter_handling they limit nothing", "*"},
+       {"range_filter_handling", "",
+        "merged and virtual scans have range_min and range_max, per source too (source_settings)", "0"},
        {"min_intensity", "filter",
         "filter: {intensity_min: ...}; a beam whose return is weaker is NaN (theirs: +inf, which says free); "
         "merged scans "
         "have source_settings: {NAME: {intensity_min: ...}}",
         "", as_intensity_filter},
-       {"use_binary_protocol sopas_cola_binary", "", "found out by asking the device"},
+       {"use_binary_protocol sopas_cola_binary", "", "found out by asking the device", "*"},
        {"timelimit read_timeout_millisec_default read_timeout_millisec_startup "
         "read_timeout_millisec_kill_node "
         "message_monitoring_enabled udp_timeout_ms udp_timeout_ms_initial sopas_timeout_ms auto_reboot",
-        "", "silence is told within 1 s, and connections are made again without end"},
+        "", "silence is told within 1 s, and connections are made again without end", "*"},
        {"sw_pll_only_publish use_generation_timestamp tick_to_timestamp_mode", "",
         "stamps follow the device's clock all the time, counted in the host's (clock: smooth)", "true 0"},
        {"start_services start_sopas_service", "",
         "there are no services: what the device says is on /diagnostics"},
        {"ros_qos udp_input_fifolength msgpack_output_fifolength", "",
-        "queues are bounded, and what is lost in them is counted", "-1 20"},
+        "queues are bounded, and what is lost in them is counted", "*"},
        {"check_udp_receiver_ip check_udp_receiver_port", "",
-        "an address that this host does not have is told by `lidard check` and on /diagnostics"},
-       {"udp_sender", "", "packets are taken from ip_address"},
-       {"scandataformat", "", "Compact and MSGPACK are both read, without being told which"},
+        "an address that this host does not have is told by `lidard check` and on /diagnostics", "*"},
+       {"udp_sender", "", "packets are taken from ip_address", "*"},
+       {"scandataformat", "", "Compact and MSGPACK are both read, without being told which", "*"},
        {"sopas_tcp_port", "", "2111", "2111"},
        {"send_sopas_start_stop_cmd send_udp_start send_udp_start_string host_read_filtersettings "
         "initialize_scanner "
         "load_application_default",
-        "", "nothing has to be sent to a device that streams; it is asked only if udp_receiver_ip is set"},
+        "", "nothing has to be sent to a device that streams; it is asked only if udp_receiver_ip is set",
+        "*"},
        {"imu_enable imu_udp_port imu_latency_microsec", "",
         "an IMU's data are read where the device sends them (UDP 7503; MRS1000: beside its scans), and "
         "stamped "
         "like its scans"},
        {"verbose_level measure_timing export_csv export_udp_msg logfolder nodename publish_datagram "
         "subscribe_datagram device_number segment_count",
-        "", "`lidard status`, `lidard record` and `lidard decode` do such things"},
-       {"msgpack_validator_*", "", "each telegram is checked, and what is missing is counted"},
-       {"time_increment", "", "the device says how long its scan takes"},
-       {"expected_frequency_tolerance", "", "/diagnostics compares with what the device promises"},
+        "", "`lidard status`, `lidard record` and `lidard decode` do such things", "*"},
+       {"msgpack_validator_*", "", "each telegram is checked, and what is missing is counted", "*"},
+       {"time_increment", "", "the device says how long its scan takes", "*"},
+       {"expected_frequency_tolerance", "", "/diagnostics compares with what the device promises", "*"},
        {"intensity_resolution_16bit ang_res scan_freq scan_cfg_list_entry "
         "scandatacfg_timingflag "
         "scandatacfg_azimuth_table encoder_mode active_field_set field_set_selection_method "
@@ -197,7 +209,7 @@ const MovedPackage& moved_sick_scan() {
       {{"scan scan_fullframe", "sensor_msgs/LaserScan", "the same: scan_topic"},
        {"scan_segment", "sensor_msgs/LaserScan", "none: scans are published whole"},
        {"cloud cloud_*", "sensor_msgs/PointCloud2",
-        "NAME/points of multi-plane lidars; x y z intensity ring time"},
+        "the same: points_topic, or cloud_destination_topic of a planar one; x y z intensity ring time"},
        {"imu", "sensor_msgs/Imu", "NAME/imu"},
        {"encoder", "sick_scan_xd/Encoder",
         "NAME/encoder as diagnostic_msgs/DiagnosticArray; its type is not carried here"},
@@ -226,12 +238,17 @@ DropinSetup sick_scan_setup(const NodeParameters& parameters) {
     sensor.emplace_back("ip_port", port);
   std::string frame = reader.text("frame_id", reader.text("publish_frame_id", "cloud"));
   if (!frame.empty() && frame.front() == '/') frame.erase(0, 1);
-  sensor.emplace_back("frame_id", frame.empty() ? "cloud" : frame);
+  if (frame.empty()) frame = "cloud";
+  place_sensor(reader, frame, setup);
+  sensor.emplace_back("frame_id", frame);
   const std::string scan =
       reader.text("publish_laserscan_fullframe_topic", reader.text("laserscan_topic", "scan"));
   sensor.emplace_back("scan_topic", scan);
-  sensor.emplace_back("points_topic", reader.text("cloud_topic", "cloud"));
-  take_transform(reader, frame, setup);
+  const bool is_planar = model.kind == FrameKind::scan;
+  // Clouds of a picoScan have topics of their own kind (custom_pointclouds).
+  const bool has_usual_cloud = !is_planar || model.transport == Transport::tcp;
+  const std::string cloud = reader.text("cloud_topic", has_usual_cloud ? "cloud" : "");
+  if (!is_planar) sensor.emplace_back("points_topic", cloud);
   reader.move(moved_sick_scan(), sensor, setup);
   const bool listens =
       std::any_of(sensor.begin(), sensor.end(), [](const auto& one) { return one.first == "listen_only"; });
@@ -240,6 +257,11 @@ DropinSetup sick_scan_setup(const NodeParameters& parameters) {
   pair_login(sensor, setup);
   drop_misfits(model, sensor, setup);
   setup.keys = {{"sensors", KeyMap{{"scanner", std::move(sensor)}}}};
+  if (is_planar && !cloud.empty())
+    setup.keys.emplace_back("merged_scans",
+                            KeyMap{{"scanner_cloud", KeyMap{{"laserscan_topics", KeyList{"scanner"}},
+                                                            {"destination_frame", frame},
+                                                            {"cloud_destination_topic", cloud}}}});
   reader.remark_on_rest(setup.warnings);
   return setup;
 }

@@ -39,6 +39,9 @@ void add_driver(ParameterReader& reader, const std::string& model, bool live, Ke
   const std::string address = reader.text("device_ip", "");
   const double port = reader.number("port", 2368);
   const std::string packets = reader.text("packet_topic", "");
+  // As the driver does; what comes from a topic is there already.
+  if (reader.flag("publish_packets", packets.empty() ? "true" : "false"))
+    sensor.emplace_back("raw_topic", "velodyne_packets");
   if (!packets.empty()) {
     sensor.emplace_back("packet_topic", packets);
   } else {
@@ -70,7 +73,6 @@ void add_outputs(ParameterReader& reader, const std::string& model, const std::s
   sensor.emplace_back("scan_ring", ring < 0 ? KeyValue(std::string("auto")) : KeyValue(ring));
   sensor.emplace_back("scan_resolution",
                       reader.number("laserscan_resolution", reader.number("resolution", 0.007)));
-  if (reader.flag("publish_packets")) sensor.emplace_back("raw_topic", "velodyne_packets");
   sensor.emplace_back("points_topic", "velodyne_points");
   sensor.emplace_back("scan_topic", "scan");
 }
@@ -107,7 +109,7 @@ void read_replay(ParameterReader& reader, ReplayOptions& replay) {
 const MovedPackage& moved_velodyne() {
   static const MovedPackage package{
       "ros-drivers/velodyne",
-      "velodyne_driver velodyne_pointcloud velodyne_laserscan",
+      "velodyne_driver velodyne_pointcloud velodyne_laserscan velodyne_node",
       "velodyne_driver/src/driver/driver.cc, velodyne_pointcloud/src/conversions/transform.cc, "
       "velodyne_laserscan/src/velodyne_laserscan.cpp, their cfg and launch files (1.7.0)",
       {{"model", "model",
@@ -135,7 +137,7 @@ const MovedPackage& moved_velodyne() {
         "`lidard replay` keeps the capture's time; the node brings it to the present "
         "unless pcap_time is set"},
        {"packet_topic", "packet_topic", "of our node alone: packets from a velodyne_msgs/VelodyneScan"},
-       {"publish_packets", "raw_topic", "of our node alone; true: velodyne_packets"},
+       {"publish_packets", "raw_topic", "of our node alone; false: no velodyne_packets"},
        {"telemetry_port", "telemetry_port", "of our node alone"},
        {"fixed_frame", "deskew odometry_frame points_frame",
         "clouds are deskewed with the sensor's way in that frame, from tf; published in it unless there is a "
@@ -145,17 +147,17 @@ const MovedPackage& moved_velodyne() {
         "as it is; a cloud whose pose does not come within 0.2 s is left out, with a WARN. The scan stays in "
         "frame_id; not changed while the node runs"},
        {"gps_time", "", "stamps follow the sensor's clock but count in the host's time", "false"},
-       {"npackets", "", "clouds are whole revolutions at any speed and in any return mode"},
+       {"npackets", "", "clouds are whole revolutions at any speed and in any return mode", "*"},
        {"rpm", "", "revolutions are seen, at any speed; control: {rpm: 600} sets that of the sensor", "600"},
        {"enabled", "", "the sensor is enabled while it stands in the configuration", "true"},
        {"diagnostic_frequency_tolerance", "", "/diagnostics compares with what the sensor's own data promise",
-        "0.1"},
-       {"manager", "", "there are no nodelets to be managed"},
-       {"max_rate", "", "/diagnostics compares with what the sensor's own data promise"}},
+        "*"},
+       {"manager", "", "there are no nodelets to be managed", "*"},
+       {"max_rate", "", "/diagnostics compares with what the sensor's own data promise", "*"}},
       {{"velodyne_points", "sensor_msgs/PointCloud2", "the same, point by point: points_topic"},
        {"scan", "sensor_msgs/LaserScan", "the same: scan_topic"},
        {"velodyne_packets", "velodyne_msgs/VelodyneScan",
-        "the same: raw_topic, of velodyne_node with publish_packets; it is read with packet_topic. "
+        "the same: raw_topic; it is read with packet_topic. "
         "`lidard record` keeps packets without ROS"},
        {"diagnostics", "diagnostic_msgs/DiagnosticArray", "the same topic, more in it"}}};
   return package;

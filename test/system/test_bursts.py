@@ -108,6 +108,7 @@ def recordings(tmp):
         expect(inspected.returncode == 0 and "model: velodyne_vlp16" in inspected.stdout, inspected.stdout + inspected.stderr)
         config = tmp / "inspected.yaml"
         config.write_text(inspected.stdout)
+        (tmp / "out.bag").unlink(missing_ok=True)
         replayed = run("replay", "-c", config, "--pcap", capture, "--rate", "max", "--bag", tmp / "out.bag")
         expect(replayed.returncode == 0, replayed.stderr)
         print(f"{capture.name}: decoded, inspected, replayed")

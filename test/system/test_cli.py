@@ -23,7 +23,7 @@ def expect_refusal(result, code, *words):
 def usage_mistakes(tmp):
     expect_refusal(run(), 2)
     expect_refusal(run("fly"), 2)
-    expect_refusal(run("replay", "--pcap", DEMO), 2, "--config")
+    expect_refusal(run("replay", "-c", DEMO_CONFIG), 2, "--pcap")
     expect_refusal(run("decode", DEMO, "--format", "xls"), 2, "csv")
     expect_refusal(run("decode", DEMO, "--model", "velodyne_vlp61"), 2, "velodyne_vlp16")
     expect_refusal(run("decode", DEMO, "--source", "300.1.1.1"), 2, "300.1.1.1")
@@ -54,6 +54,19 @@ def broken_files(tmp):
     expect(result.returncode == 0, f"exit {result.returncode} where a last record alone is not whole")
     expect("cut.pcap: " in result.stderr and "what came before it was used" in result.stderr, result.stderr)
     expect((tmp / "cut.csv").read_text().count("\n") > 100_000, "what came before the cut is written")
+
+
+def without_a_configuration(tmp):
+    """What `inspect` finds is replayed; a bag that is there stays."""
+    bag = tmp / "found.bag"
+    done = run("replay", DEMO, "--rate", "max", "--bag", bag)
+    expect(done.returncode == 0 and "velodyne_vlp16/points" in done.stdout, f"{done}")
+    before = bag.read_bytes()
+    expect_refusal(run("replay", DEMO, "--rate", "max", "--bag", bag), 1, "found.bag is there already", "another file")
+    expect(bag.read_bytes() == before, "the bag was touched")
+    nothing = tmp / "nothing.pcap"
+    nothing.write_bytes(DEMO.read_bytes()[:24])
+    expect_refusal(run("replay", nothing, "--bag", tmp / "y.bag"), 1, "nothing.pcap", "holds no packet")
 
 
 def decoding(tmp):
@@ -96,6 +109,7 @@ def main():
         usage_mistakes(tmp)
         configuration_mistakes(tmp)
         broken_files(tmp)
+        without_a_configuration(tmp)
         decoding(tmp)
         port_in_use(tmp)
     print("ok")

@@ -97,6 +97,7 @@ def packed_and_piped(tmp):
     for source in (plain, gzip.compress(plain, 1)):
         for command in (["decode", "-", "--port", "2368"], ["inspect", "-"], ["snapshot", "-", "-o", str(tmp / "p.png")],
                         ["replay", "-c", str(ROOT / "config/demo.yaml"), "-", "--rate", "max", "--bag", str(tmp / "b.bag")]):
+            (tmp / "b.bag").unlink(missing_ok=True)
             result = subprocess.run([LIDARD, *command], input=source, capture_output=True)
             expect(result.returncode == 0, f"{command}: {result.stderr}")
             if command[0] == "decode":

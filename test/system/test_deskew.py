@@ -126,6 +126,7 @@ def errors(tmp, way, motion, motion_bag):
     config, out = tmp / "config.yaml", tmp / "out.bag"
     config.write_text(CONFIG.format(motion=motion))
     extra = ["--motion", motion_bag] if motion_bag else []
+    out.unlink(missing_ok=True)
     result = run("replay", "-c", config, "--pcap", tmp / "drive.pcap", "--rate", "max", "--bag", out, *extra)
     expect(result.returncode == 0, result.stderr)
     scans, health = [], set()

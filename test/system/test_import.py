@@ -145,6 +145,12 @@ def imported(file, *arguments):
     return yaml.safe_load(out.read_text()), [line for line in out.read_text().splitlines() if line.startswith("# - ")]
 
 
+def changes_of(file):
+    """The comments on what changes for the robot."""
+    text = file.with_suffix(".lidard.yaml").read_text()
+    return text.partition("# What changes for the robot:")[2].partition("# What is no longer needed")[0].splitlines()
+
+
 def one_with(lines, *words):
     found = [line for line in lines if all(word in line for word in words)]
     expect(len(found) == 1, f"{len(found)} remarks have {words}:\n" + "\n".join(lines))
@@ -189,7 +195,83 @@ def sick_scan(tmp):
     one_with(remarks, "/radar was not imported", "sick_rms_xxxx")
     one_with(remarks, "robot_description", "was not run")
     one_with(remarks, "msgpack_validator_enabled")
+    expect(config["merged_scans"]["front_cloud"]["cloud_destination_topic"] == "/cloud", config)
+    expect(len(config["merged_scans"]) == 1, "a picoScan has no cloud unless it is asked for")
+    changes = changes_of(tmp / "xd.launch")
+    expect(not any("msgpack" in line for line in changes), changes)
+    one_with(changes, "/radar was not imported")
     expect(not list(tmp.glob("*.was_run")) and not os.path.exists("192.168.0.1.was_run"), "a program was run")
+
+
+# The parameters of sick_lrs_36x0_upside_down.launch; T[world,cloud] of add_transform_xyz_rpy turns it by 180 degrees.
+UPSIDE_DOWN = """<launch>
+  <node name="sick_lrs_36x0" pkg="sick_scan_xd" type="sick_generic_caller" respawn="false">
+    <param name="scanner_type" type="string" value="sick_lrs_36x0"/>
+    <param name="min_ang" type="double" value="-3.14159"/>
+    <param name="max_ang" type="double" value="3.14159"/>
+    <param name="use_binary_protocol" type="bool" value="true"/>
+    <param name="hostname" type="string" value="192.168.0.1"/>
+    <param name="cloud_topic" type="string" value="cloud"/>
+    <param name="frame_id" type="str" value="cloud"/>
+    <param name="port" type="string" value="2111"/>
+    <param name="timelimit" type="int" value="5"/>
+    <param name="sw_pll_only_publish" type="bool" value="true"/>
+    <param name="add_transform_xyz_rpy" type="string" value="0,0,0,3.141592653589793,0,0"/>
+    <param name="add_transform_check_dynamic_updates" type="bool" value="false"/>
+    <param name="range_filter_handling" type="int" value="0"/>
+    <param name="message_monitoring_enabled" type="bool" value="true"/>
+    <param name="tf_base_frame_id" type="string" value="map"/>
+    <param name="tf_base_lidar_xyz_rpy" type="string" value="0,0,0,0,0,0"/>
+    <param name="tf_publish_rate" type="double" value="10.0"/>
+  </node>
+</launch>"""
+
+
+def upside_down(tmp):
+    file = written(tmp, "upside_down.launch", UPSIDE_DOWN)
+    config, _ = imported(file)
+    (name, sensor), = config["sensors"].items()
+    expect(abs(abs(sensor["pose"]["rpy_deg"][0]) - 180) < 1e-6 and sensor["pose"]["rpy_deg"][1:] == [0, 0], sensor)
+    merged, = config["merged_scans"].values()
+    expect(merged == {"laserscan_topics": [name], "destination_frame": "cloud", "cloud_destination_topic": "/cloud"}, merged)
+    changes = [line for line in changes_of(file) if line]
+    expect(len(changes) == 1 and "add_transform_xyz_rpy" in changes[0], changes)
+    # With a mount, and where another node publishes the frame.
+    mounted = UPSIDE_DOWN.replace("map", "base_link").replace('xyz_rpy" type="string" value="0,0,0,0,0,0"',
+                                                              'xyz_rpy" type="string" value="1,0,0.5,0,0,1.5707963267948966"')
+    sensor, = imported(written(tmp, "mounted.launch", mounted))[0]["sensors"].values()
+    expect(sensor["pose"]["xyz"] == [1, 0, 0.5], sensor)
+    expect([abs(angle) for angle in sensor["pose"]["rpy_deg"]] == [180, 0, 90], sensor)
+    elsewhere = UPSIDE_DOWN.replace('value="10.0"', 'value="0"')
+    config, _ = imported(written(tmp, "elsewhere.launch", elsewhere))
+    sensor, = config["sensors"].values()
+    expect(config["vehicle"]["base_frame"] == "cloud" and sensor["frame_id"] == "cloud_device", config)
+    expect(abs(abs(sensor["pose"]["rpy_deg"][0]) - 180) < 1e-6, sensor)
+    # Two vehicles in one file: what cannot be a pose here is said.
+    file = written(tmp, "two.launch", mounted.replace("</launch>", "") + UPSIDE_DOWN.replace("<launch>", "").replace(
+        'name="sick_lrs_36x0"', 'name="b" ns="b"').replace("192.168.0.1", "192.168.0.2").replace('value="cloud"', 'value="other"'))
+    config, _ = imported(file)
+    one_with(changes_of(file), "sensors.b", "the pose of other in map", "base_link", "publish it on tf", "180")
+
+
+def own_nodes(tmp):
+    """Launch files that start the nodes of this package."""
+    changed = POINTS[:POINTS.index("<group")] + """
+      <node pkg="lidard" type="velodyne_node" name="velodyne"><param name="model" value="VLP16"/></node>
+      <node pkg="lidard" type="lidard" name="lidard" args="run -c /etc/lidard/lidard.yaml"/></launch>"""
+    config, remarks = imported(written(tmp, "own.launch", changed))
+    sensor = config["sensors"]["velodyne"]
+    expect(sensor["model"] == "velodyne_vlp16" and sensor["scan_topic"] == "/scan", sensor)
+    expect(sensor["raw_topic"] == "/velodyne_packets", sensor)
+    one_with(remarks, "/lidard", "a configuration of its own")
+    for name, text in (("safety", SAFETY), ("urg", URG), ("tools", TOOLS)):
+        own = text
+        for package in ("sick_safetyscanners", "urg_node", "ira_laser_tools"):
+            own = own.replace(f'pkg="{package}"', 'pkg="lidard"')
+        expect(own != text, name)
+        there, _ = imported(written(tmp, f"{name}_there.launch", text))
+        here, _ = imported(written(tmp, f"{name}_here.launch", own))
+        expect(here == there, f"{name}: {here}\n{there}")
 
 
 def urg_node(tmp):
@@ -216,6 +298,7 @@ def velodyne(tmp):
     expect({key: roof[key] for key in wanted} == wanted, roof)
     expect("calibration" not in roof, "the model's own table needs no file of another package")
     expect(other["ip_address"] == "192.168.1.202" and "scan_ring" not in other, other)
+    expect(roof["raw_topic"] == "/roof/velodyne_packets" and other["raw_topic"] == "/velodyne_packets", config)
     expect(config["vehicle"] == {"base_frame": "roof", "odometry_frame": "odom"}, config["vehicle"])
     one_with(remarks, "m_driver", "~rpm (600.0)")
     one_with(remarks, "VLP16db.yaml", "the model has here too")
@@ -282,6 +365,6 @@ def without_roslaunch(tmp):
 
 
 with folder() as tmp:
-    for step in (safety_scanners, sick_scan, urg_node, velodyne, laser_tools, parameter_files, mistakes, without_roslaunch):
+    for step in (safety_scanners, sick_scan, upside_down, own_nodes, urg_node, velodyne, laser_tools, parameter_files, mistakes, without_roslaunch):
         step(tmp)
         print(f"{step.__name__}: fine")

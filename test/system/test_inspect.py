@@ -82,6 +82,7 @@ def check_capture(path, models, tmp):
     checked = run("check", config)
     if checked.returncode != 0:
         return "check refuses the configuration: " + checked.stderr
+    (tmp / "found.bag").unlink(missing_ok=True)
     replayed = run("replay", "-c", config, "--pcap", path, "--rate", "max", "--bag", tmp / "found.bag", timeout=60)
     if not all(sensor["frames"] > 0 for sensor in sensors):
         return None

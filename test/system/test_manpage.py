@@ -3,6 +3,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The manual page and the completion know every command and option that `lidard --help` knows, and no other. lidard.yaml(5) has the
 keys that `lidard keys --man` prints; groff finds nothing wrong in either page."""
+import json
 import os
 import pathlib
 import re
@@ -50,6 +51,11 @@ def main():
     described = page_sections(text)
     known = commands()
     assert known and set(described) == set(known), f"page has {sorted(described)}, --help has {sorted(known)}"
+    name, synopsis = (text.split(f"\n{part}\n", 1)[1].split("\n\n", 1 if part == "NAME" else 2) for part in ("NAME", "SYNOPSIS"))
+    vendors = {model["vendor"] for model in json.loads(output(LIDARD, "models", "--json")[1])}
+    assert vendors and all(vendor in name[0] for vendor in vendors), f"{vendors} are not all in {name[0]}"
+    listed = set(re.findall(r"[a-z]+", " ".join(synopsis[:2])))
+    assert set(known) <= listed, f"the synopsis lacks {set(known) - listed}"
     general = options(text.split("\nCOMMANDS\n", 1)[0])
     completion = (ROOT / "daemon/completion.bash").read_text()
     for command in known:

@@ -58,7 +58,8 @@ def check_configuration(page, text, tmp):
     file.write_text(text)
     done = subprocess.run([LIDARD, "check", file], capture_output=True, text=True)
     expect(done.returncode == 0, f"{page.name}: {done.stderr}in\n{text}")
-    doubts = [line for line in done.stderr.splitlines() if "another node must publish" not in line]
+    known = ("another node must publish", "roof is blind")  # the pages say both
+    doubts = [line for line in done.stderr.splitlines() if not any(words in line for words in known)]
     expect(not doubts, f"{page.name}: {doubts} in\n{text}")
 
 

@@ -60,10 +60,31 @@ def main():
         recorder = subprocess.Popen([LIDARD, "record", "-c", config, "-o", capture, "--interface", "lo"],
                                     stderr=subprocess.PIPE, text=True)
         try:
-            return record(recorder, capture)
+            if code := record(recorder, capture):
+                return code
         finally:
             recorder.kill()
             recorder.wait()
+        return without_configuration(capture)
+
+
+def without_configuration(capture):
+    """What comes to the usual ports, and nothing else."""
+    recorder = subprocess.Popen([LIDARD, "record", "-o", capture, "--interface", "lo", "--duration", "4"], stderr=subprocess.PIPE, text=True)
+    first = recorder.stderr.readline()
+    assert "recording to" in first, first
+    time.sleep(0.3)
+    sensor = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    sensor.bind(("127.0.0.2", 0))
+    for port in (2368, 8308, 6060, 42368):
+        for _ in range(10):
+            sensor.sendto(bytes(1206), ("127.0.0.1", port))
+    _, rest = recorder.communicate(timeout=40)
+    assert recorder.returncode == 0, rest
+    said = json.loads(subprocess.run([LIDARD, "inspect", "--json", capture], capture_output=True, check=True).stdout)
+    ports = {f["port"]: f["packets"] for f in said["unknown"] + said["sensors"] if f["sender"] == "127.0.0.2"}
+    assert ports == {2368: 10, 8308: 10, 6060: 10}, ports
+    return 0
 
 
 def record(recorder, capture):

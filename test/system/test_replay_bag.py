@@ -4,6 +4,7 @@
 """replay --bag: the same bytes each time; every example configuration gives scans that every consumer accepts."""
 import hashlib
 import math
+import re
 
 import rosbag
 from harness import ROOT, expect, folder, run
@@ -58,6 +59,26 @@ def check_example(config, capture, tmp):
     return stamps
 
 
+def blind_zone_recipe(tmp):
+    """A bumper below a roof lidar is never free in its own virtual scan, and is in the merged scan of the manual's recipe."""
+    page = (ROOT / "config/doc/recipes.md").read_text()
+    recipe = re.search(r"## Roof lidar and planar scanners.*?```yaml\n(.*?)```", page, re.S)[1]
+    (tmp / "recipe.yaml").write_text(recipe)
+    bag = tmp / "recipe.bag"
+    check = run("check", tmp / "recipe.yaml")
+    expect(check.returncode == 0 and not check.stderr, check.stderr)
+    result = run("replay", "-c", tmp / "recipe.yaml", ROOT / "pcaps/demo.pcap", "--rate", "max", "--bag", bag)
+    expect(result.returncode == 0, result.stderr)
+    free, beams = {}, {}
+    with rosbag.Bag(str(bag)) as messages:
+        for topic, scan, _ in messages.read_messages(topics=["/bumper", "/obstacles"]):
+            free[topic] = free.get(topic, 0) + sum(r == math.inf for r in scan.ranges)
+            beams[topic] = beams.get(topic, 0) + len(scan.ranges)
+    print(f"free beams: {free} of {beams}")
+    expect(free["/bumper"] == 0, "the lidar is blind there")
+    expect(free["/obstacles"] > 0.1 * beams["/obstacles"], "the scanners see free ways")
+
+
 def main():
     examples = {p.name for p in (ROOT / "config").glob("*.yaml")}
     expect(examples == set(EXAMPLES), f"examples {examples} and the list here differ")
@@ -66,6 +87,7 @@ def main():
             topics = check_example(config, capture, tmp)
             if config == "demo.yaml":
                 expect({"/scan_multi", "/merged_cloud", "/bumper", "/chest", "/roof/points"} <= set(topics), f"{topics}")
+        blind_zone_recipe(tmp)
         part = tmp / "part.bag"
         run("replay", "-c", ROOT / "config/demo.yaml", "--pcap", ROOT / "pcaps/demo.pcap", "--rate", "max", "--start", "0.5",
             "--duration", "1.0", "--bag", part)

@@ -65,6 +65,116 @@ TEST_F(Check, TellsWhichCloudsNeedTf) {
                             "whose pose is configured, or name a bag with tf (--motion)\n");
 }
 
+TEST_F(Check, ListsOnlyConnectionsThatTheDaemonMakes) {
+  std::ofstream(path_) << "sensors:\n"
+                          "  front: {model: sick_microscan3, ip_address: 10.0.0.1}\n"
+                          "  rear: {model: sick_microscan3, ip_address: 10.0.0.2, allow_write: true}\n"
+                          "  pico: {model: sick_picoscan150, ip_address: 10.0.0.5}\n"
+                          "  quad: {model: sick_multiscan136, ip_address: 10.0.0.6, ip_port: 2117, "
+                          "udp_receiver_ip: 10.0.0.9}\n"
+                          "  roof: {model: velodyne_vlp16, ip_address: 10.0.0.3}\n"
+                          "  mast: {model: velodyne_vlp16, ip_address: 10.0.0.4, control: {read: true}}\n";
+  ASSERT_EQ(run_check_ports(path_, out_, err_), 0) << err_.str();
+  std::istringstream lines(out_.str());
+  std::string tcp;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find("connects  tcp 10") == 0) tcp += line.substr(14, line.find(' ', 14) - 14) + " ";
+  }
+  EXPECT_EQ(tcp, "10.0.0.2:2122 10.0.0.4:80 10.0.0.6:2111 ");
+}
+
+TEST_F(Check, QuestionsAPoseInMillimetresOrDegreesThatLookLikeRad) {
+  EXPECT_EQ(
+      check(
+          "sensors:\n"
+          "  mm: {model: sick_tim7xx, ip_address: 10.0.0.1, pose: {xyz: [900, 0, 350]}}\n"
+          "  rad: {model: sick_tim7xx, ip_address: 10.0.0.2, pose: {xyz: [1, 0, 0], rpy_deg: [0, 0, "
+          "1.5708]}}\n"
+          "  fine: {model: sick_tim7xx, ip_address: 10.0.0.3, pose: {xyz: [9, 0, 3], rpy_deg: [0.2, -1.3, "
+          "90]}}\n"
+          "  also: {model: sick_tim7xx, ip_address: 10.0.0.4, pose: {xyz: [1, 0, 3], rpy: [0, 0, 1.5708]}}\n"
+          "  roof: {model: velodyne_vlp16, pose: {xyz: [0, 0, 2]}}\n"
+          "merged_scans: {all: {laserscan_topics: [mm, fine], destination_frame: f, destination_pose: {xyz: "
+          "[0, 30, 0]}}}\n"
+          "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: [high], poses: {high: {xyz: [0, 0, "
+          "50]}}}}\n"),
+      0);
+  EXPECT_EQ(
+      err_.str(),
+      path_ + ":2:50: sensors.mm.pose: is 966 m away; are its numbers in m, and not in mm?\n" + path_ +
+          ":3:74: sensors.rad.pose.rpy_deg: looks like rad and is taken as degrees; in rad the key is rpy\n" +
+          path_ +
+          ":7:74: merged_scans.all.destination_pose: is 30 m away; are its numbers in m, and not in mm?\n" +
+          path_ + ":8:76: virtual_scans.v.poses.high: is 50 m away; are its numbers in m, and not in mm?\n");
+}
+
+TEST_F(Check, QuestionsAddressesThatNoSensorHas) {
+  EXPECT_EQ(check("sensors:\n"
+                  "  roof: {model: velodyne_vlp16, ip_address: 255.255.255.255}\n"
+                  "  front: {model: sick_lms1xx, ip_address: 0.0.0.0}\n"
+                  "  rear: {model: sick_lms1xx, ip_address: 10.0.0.0}\n"),
+            0);
+  EXPECT_EQ(err_.str(),
+            path_ +
+                ":2:33: sensors.roof.ip_address: is 255.255.255.255, the address of no device; expected "
+                "that of the sensor\n" +
+                path_ +
+                ":3:31: sensors.front.ip_address: is 0.0.0.0, the address of no device; expected that of the "
+                "sensor\n");
+}
+
+TEST_F(Check, QuestionsAReachBeyondEverySource) {
+  const std::string sensors =
+      "vehicle: {footprint: [[-1, -1], [1, -1], [1, 1]]}\n"
+      "sensors: {a: {model: sick_microscan3, ip_address: 10.0.0.1, pose: {xyz: [0, 0, 0]}}}\n";
+  const auto merged = [&](const std::string& keys) {
+    err_.str("");
+    EXPECT_EQ(check(sensors + "merged_scans: {s: {laserscan_topics: [a], " + keys + "}}\n"), 0);
+    return err_.str();
+  };
+  EXPECT_EQ(merged("profile: strict"), "");
+  EXPECT_EQ(merged("range_max: 200"), "") << "flatten proves nothing";
+  EXPECT_EQ(merged("profile: strict, range_max: 200, free_required: 10"), "");
+  EXPECT_NE(merged("profile: strict, range_max: 200")
+                .find("merged_scans.s.range_max: is 200 m, and its sources see no "
+                      "farther than"),
+            std::string::npos)
+      << err_.str();
+  EXPECT_NE(merged("also: {s2: safety}, range_max: 200").find("is ever free (+inf)"), std::string::npos)
+      << err_.str();
+}
+
+TEST_F(Check, QuestionsAVirtualScanThatBeginsWhereItsLidarIsBlind) {
+  const std::string vehicle =
+      "vehicle: {footprint: [[-4, -1], [0.1, -1], [0.1, 1], [-4, 1]]}\n"
+      "sensors:\n"
+      "  roof: {model: velodyne_vlp16, pose: {xyz: [0, 0, 2]}}\n"
+      "  front: {model: sick_microscan3, ip_address: 10.0.0.1, pose: {xyz: [0, 0, 0.3]}}\n";
+  const auto bumper = [&](const std::string& keys, const std::string& more = "") {
+    err_.str("");
+    EXPECT_EQ(check(vehicle + "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: [bumper], " + keys +
+                    "}}\n" + more),
+              0);
+    return err_.str();
+  };
+  // The lowest ring of a VLP-16 looks down by 15 degrees: it meets a plane 1.7 m below it 6.3 m away.
+  EXPECT_EQ(bumper("profile: strict, poses: {bumper: {xyz: [0.1, 0, 0.3]}}"),
+            path_ +
+                ":5:17: virtual_scans.v: bumper lies where roof is blind: 100 % of its beams begin unseen "
+                "and are never "
+                "free (+inf); merge it with scanners at its height\n");
+  EXPECT_EQ(bumper("poses: {bumper: {xyz: [0.1, 0, 0.3]}}"), "") << "flatten calls everything free";
+  EXPECT_EQ(bumper("profile: safety, poses: {bumper: {xyz: [0, 0, 1.95]}}"), "");
+  EXPECT_EQ(
+      bumper("profile: safety, angle_min_deg: -30, angle_max_deg: 30, poses: {bumper: {xyz: [7, 0, 0.3]}}"),
+      "")
+      << "ahead of the blind zone";
+  EXPECT_EQ(
+      bumper("profile: safety, poses: {bumper: {xyz: [0.1, 0, 0.3]}}",
+             "merged_scans: {all: {laserscan_topics: [front, bumper], profile: safety, range_max: 20}}\n"),
+      "");
+}
+
 TEST_F(Check, RemarksAreNoErrors) {
   EXPECT_EQ(check("sensors: {rear: {topic: scan}}\n"), 0);
   EXPECT_EQ(err_.str(), path_ + ":1:11: sensors.rear is used by no merged and no virtual scan\n");

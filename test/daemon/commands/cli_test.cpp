@@ -172,6 +172,7 @@ TEST_F(CommandLine, ReplaysAtARateThatIsANumberOrMax) {
   const auto with = [&](std::initializer_list<std::string> more) {
     std::vector<std::string> words = base;
     words.insert(words.end(), more);
+    std::remove(file_.c_str());
     return lidard(words);
   };
   for (const char* wrong : {"fast", "0", "-1", "nan", "1x", ""}) {
@@ -190,7 +191,7 @@ TEST_F(CommandLine, ReplaysAtARateThatIsANumberOrMax) {
   EXPECT_EQ(with({"--rate", "2", "--duration", "0.6"}).exit, exit_ok);
   const double lasted = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   EXPECT_GE(lasted, 0.27) << "twice as fast as recorded, no faster";
-  EXPECT_EQ(lidard({"replay", "--pcap", demo}).exit, exit_usage);
+  EXPECT_EQ(lidard({"replay", "-c", demo_config}).exit, exit_usage);
   EXPECT_EQ(with({"--start", "-1"}).exit, exit_usage);
   EXPECT_EQ(with({"--wait", "3601"}).exit, exit_usage);
 }

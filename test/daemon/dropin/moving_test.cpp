@@ -136,6 +136,7 @@ std::string sample_of(const std::string& name) {
                                       {"model", "32E"},
                                       {"tf_base_lidar_xyz_rpy", "1,2,3,0,0,0"},
                                       {"tf_publish_rate", "0"},
+                                      {"add_transform_xyz_rpy", "0,0,1,3.14159,0,0"},
                                       {"time_increment", "0.001"},
                                       {"user_level", "4"},
                                       {"angle_start", "-0.5"},
@@ -241,6 +242,44 @@ TEST(Moving, ScansOfAMultiPlaneSickHaveNoKeysOfPlanarOnes) {
   const Config config = parse_config(setup.yaml(), "p");
   EXPECT_EQ(config.sensors.at(0).points_topic, "fog");
   EXPECT_THAT(remarks_of(setup), HasSubstr("key angle_min was left out"));
+}
+
+// x, y, z, roll, pitch, yaw of the points in the frame whose place tf_base_lidar_xyz_rpy says.
+TEST(Moving, WhatMovesThePointsOfASickBesidesTfIsPartOfItsPose) {
+  const NodeParameters upside_down{{"scanner_type", "sick_lrs_36x0"},
+                                   {"tf_base_lidar_xyz_rpy", "1,2,3,0,0,1.5707963"},
+                                   {"add_transform_xyz_rpy", "0.5,0,0,3.1415927,0,0"}};
+  const DropinSetup setup = sick_scan_setup(upside_down);
+  ASSERT_EQ(setup.transforms.size(), 1U);
+  const Eigen::Vector3d seen = setup.transforms[0].pose * Eigen::Vector3d(4, 1, 0);
+  EXPECT_LT((seen - Eigen::Vector3d(1 + 1, 2 + 4.5, 3)).norm(), 1e-5) << seen;
+  ASSERT_EQ(setup.warnings.size(), 1U);
+  EXPECT_THAT(setup.warnings[0], HasSubstr("add_transform_xyz_rpy"));
+
+  NodeParameters elsewhere = upside_down;
+  elsewhere["tf_publish_rate"] = "0";
+  const DropinSetup own = sick_scan_setup(elsewhere);
+  ASSERT_EQ(own.transforms.size(), 1U);
+  EXPECT_EQ(own.transforms[0].parent, "cloud");
+  EXPECT_EQ(own.transforms[0].child, parse_config(own.yaml(), "p").sensors.at(0).frame_id);
+  EXPECT_LT((own.transforms[0].pose * Eigen::Vector3d(4, 1, 0) - Eigen::Vector3d(4.5, -1, 0)).norm(), 1e-5);
+  elsewhere["add_transform_xyz_rpy"] = "0.5,0,0";
+  EXPECT_THROW(sick_scan_setup(elsewhere), ConfigError);
+}
+
+TEST(Moving, TheCloudOfAPlanarSickIsThatOfAMergedScanOfItAlone) {
+  const Config config = parse_config(
+      sick_scan_setup({{"scanner_type", "sick_tim_7xx"}, {"frame_id", "/front"}, {"cloud_topic", "fog"}})
+          .yaml(),
+      "p");
+  ASSERT_EQ(config.merged_scans.size(), 1U);
+  const MergedScanConfig& merged = config.merged_scans[0];
+  EXPECT_EQ(merged.laserscan_topics, std::vector<std::string>{config.sensors.at(0).name});
+  EXPECT_EQ(merged.cloud_destination_topic, "fog");
+  EXPECT_EQ(merged.destination_frame, "front");
+  EXPECT_EQ(parse_config(sick_scan_setup({{"scanner_type", "sick_tim_7xx"}, {"cloud_topic", ""}}).yaml(), "p")
+                .merged_scans.size(),
+            0U);
 }
 
 TEST(Moving, AMulticastGroupOfASafetyScannerIsJoined) {

@@ -89,8 +89,9 @@ TEST(VelodyneNode, TakesEveryParameterThatHasAMeaningHere) {
 }
 
 TEST(VelodyneNode, PublishesPacketsWhereAskedTo) {
-  EXPECT_EQ(sensor_of({{"model", "VLP16"}}).raw_topic, "");
-  EXPECT_EQ(sensor_of({{"model", "VLP16"}, {"publish_packets", "true"}}).raw_topic, "velodyne_packets");
+  EXPECT_EQ(sensor_of({{"model", "VLP16"}}).raw_topic, "velodyne_packets") << "as velodyne_driver does";
+  EXPECT_EQ(sensor_of({{"model", "VLP16"}, {"publish_packets", "false"}}).raw_topic, "");
+  EXPECT_EQ(sensor_of({{"model", "VLP16"}, {"packet_topic", "velodyne_packets"}}).raw_topic, "");
   EXPECT_THAT(velodyne_node_setup({{"publish_packets", "true"}}).warnings, IsEmpty());
 }
 
@@ -161,14 +162,14 @@ TEST(VelodyneNode, TakesPacketsThatVelodyneDriverPublishes) {
 
 TEST(VelodyneNode, SaysWhatHasNoEffectAndWhatIsUnknown) {
   const auto warnings = velodyne_node_setup({{"model", "VLP16"},
-                                             {"npackets", "76"},
+                                             {"rpm", "1200"},
                                              {"fixed_frame", ""},
                                              {"gps_time", "false"},
                                              {"target_frame", ""},
                                              {"max_rang", "50"}})
                             .warnings;
   ASSERT_EQ(warnings.size(), 2U);
-  EXPECT_THAT(warnings[0], HasSubstr("~npackets (76) has no effect: clouds are whole revolutions"));
+  EXPECT_THAT(warnings[0], HasSubstr("~rpm (1200) has no effect: revolutions are seen"));
   EXPECT_EQ(warnings[1], "parameter ~max_rang is not known and has no effect; did you mean ~max_range?");
 }
 

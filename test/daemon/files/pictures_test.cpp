@@ -156,6 +156,22 @@ TEST_F(Pictures, OfEveryRealCaptureShowWhatWasMeasured) {
   expect_pictures(all / "odd", true);
 }
 
+TEST_F(Pictures, OfASensorWithoutItsCalibrationWarnAsDecodeDoes) {
+  LIDARD_NEED_CAPTURE(capture, "velodyne/hdl64e_s1_atwall_306.pcap");
+  DecodeOptions decode;
+  decode.capture = capture;
+  decode.output = path("x.csv");
+  std::ostringstream decoded;
+  run_decode(decode, decoded);
+  const std::string warning = "calibration";
+  EXPECT_THAT(decoded.str(), HasSubstr(warning));
+  SnapshotOptions options;
+  options.captures = {capture};
+  options.output = path("x.png");
+  EXPECT_EQ(draw(options), exit_ok) << said;
+  EXPECT_THAT(said, HasSubstr(warning));
+}
+
 TEST_F(Pictures, OfAPartOfATurnShowItAndSaySo) {
   // 0.1 s of a VLP-16 at 10 Hz has a turn; the first third of it has none.
   std::ifstream whole(project_file("pcaps/vlp16_last.pcap"), std::ios::binary);
