@@ -38,6 +38,13 @@ install(FILES ${config}/lidard.rviz DESTINATION ${share}/rviz)
 install(DIRECTORY ${config}/ DESTINATION ${share}/config FILES_MATCHING PATTERN "*.yaml"
         PATTERN velodyne EXCLUDE PATTERN package EXCLUDE)
 install(FILES pcaps/demo.pcap DESTINATION ${share}/pcaps)
+# The manual, and what its pages refer to, in the folders of the project: so its links lead somewhere.
+set(manual ${CMAKE_INSTALL_DATADIR}/doc/lidard)
+install(FILES README.md DESTINATION ${manual})
+install(FILES ${config}/KEYS.md DESTINATION ${manual}/config)
+install(DIRECTORY ${config}/doc DESTINATION ${manual}/config)
+install(FILES pcaps/README.md DESTINATION ${manual}/pcaps)
+install(FILES drivers/README.md DESTINATION ${manual}/drivers)
 
 install(FILES ${config}/60-lidard.conf DESTINATION lib/sysctl.d)
 install(FILES daemon/lidard.8 DESTINATION ${CMAKE_INSTALL_MANDIR}/man8 OPTIONAL)
@@ -81,9 +88,9 @@ install(CODE "
 
 # What other programs decode captures and packets with: core and the drivers, which open no socket of their own.
 install(TARGETS lidard_core lidard_drivers EXPORT lidard ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev)
-install(DIRECTORY core drivers DESTINATION include/lidard COMPONENT dev FILES_MATCHING PATTERN "*.h")
+install(SCRIPT ${config}/package/headers.cmake COMPONENT dev)
 foreach(library lidard_core lidard_drivers)
-  target_include_directories(${library} INTERFACE $<INSTALL_INTERFACE:include/lidard>)
+  target_include_directories(${library} INTERFACE $<INSTALL_INTERFACE:include>)
   target_compile_features(${library} INTERFACE cxx_std_17)
 endforeach()
 set(cmake_folder ${CMAKE_INSTALL_LIBDIR}/cmake/lidard)

@@ -189,16 +189,7 @@ struct Commands {
     c->add_option("--color", snapshot.color, "What the colours of clouds tell: height, ring or intensity")
         ->check(CLI::IsMember({"height", "ring", "intensity"}))
         ->capture_default_str();
-    c->add_option("--frames", snapshot.frames,
-                  "So many pictures one after the other, from --at or the begin on")
-        ->check(CLI::Range(1, 10000));
-    c->add_option("--every", snapshot.every, "Seconds from one of them to the next")
-        ->check(CLI::Range(0.001, 3600.0))
-        ->capture_default_str();
-    auto* out = c->add_option_group("out")->require_option(1, 2);
-    out->add_option("-o,--output", snapshot.output,
-                    "Picture to write, .png or .svg; with --frames a pattern like DIR/%03d.png");
-    out->add_option("--animate", snapshot.animation, "Loop of the frames to write, .gif or .webp");
+    c->add_option("-o,--output", snapshot.output, "Picture to write, .png or .svg")->required();
     c->callback([this] { action = [this] { return run_snapshot(snapshot, std::cerr); }; });
   }
 

@@ -67,9 +67,14 @@ Keys<D> receiver_clock_keys() {
                "a warning tells when the sensor's clock does not follow a receiver's PPS and NMEA")};
 }
 
+Keys<R> state_keys() {
+  return {flag("publish_states", &R::device_states,
+               "its states too, on NAME/lferec, lidinputstate, lidoutputstate, encoder, or system_state, "
+               "output_paths, intrusion, beam_status")};
+}
+
 Keys<R> cola_keys() {
-  return {flag("publish_states", &R::device_states, "also field evaluation, inputs and outputs"),
-          whole("skip", &R::skip, 0, 999, "scans left out between two").unless_set("as the device is set")};
+  return {whole("skip", &R::skip, 0, 999, "scans left out between two").unless_set("as the device is set")};
 }
 
 Keys<D> revolution_keys() {

@@ -20,6 +20,9 @@ Keys<DeviceRequests> scip_clock_keys();
 /// What the clock of a device with a satellite receiver is meant to be: Trait::gnss.
 Keys<DriverConfig> receiver_clock_keys();
 
+/// Whether its states are published: Trait::states_on_request.
+Keys<DeviceRequests> state_keys();
+
 /// What a device is asked for: Trait::skip_setting.
 Keys<DeviceRequests> cola_keys();
 

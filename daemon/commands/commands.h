@@ -125,16 +125,13 @@ int run_daemon(const std::string& config_file, const std::vector<std::string>& r
 struct SnapshotOptions {
   std::string config;  ///< empty: the sensors that are found in the captures, all at the origin
   std::vector<std::string> captures;
-  std::optional<double> at;      ///< s into the capture; unset: its middle, of several frames its begin
+  std::optional<double> at;      ///< s into the capture; unset: its middle
   std::optional<double> range;   ///< m from base_frame to the picture's edge; unset: fits what was measured
   std::string areas;             ///< topic whose free and unobserved areas are shaded; empty: see make_view()
   std::string motion;            ///< a bag whose tf or odometry tells how the vehicle moved; empty: it stood
   int width = 0;                 ///< pixels of the picture; 0: as what it shows needs
   std::string color = "height";  ///< what the colours of clouds tell: height, ring or intensity
-  std::string output;            ///< .png or .svg; for several frames with a printf pattern; may be empty
-  std::string animation;         ///< .gif or .webp; empty: none
-  int frames = 0;                ///< pictures, one after the other; 0: one, or what an animation usually has
-  double every = 0.1;            ///< s from one of them to the next
+  std::string output;            ///< .png or .svg
 };
 
 /// Plays captures through the pipeline of a configuration up to one moment and draws what is known then, from

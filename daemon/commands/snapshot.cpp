@@ -9,8 +9,6 @@
 #include "daemon/commands/commands.h"
 #include "daemon/commands/inspect_survey.h"
 #include "daemon/commands/player.h"
-#include "daemon/files/animation.h"
-#include "daemon/files/numbered_path.h"
 #include "daemon/files/snapshot_view.h"
 #include "daemon/files/text_file.h"
 #include "daemon/pipeline/report.h"
@@ -91,51 +89,37 @@ Scene configured(const std::string& file, std::ostream& err) {
   return scene;
 }
 
-/// The moments that are drawn, in s into the capture.
-struct Moments {
-  double first;
-  double every;
-  int count;
-  bool patient;  ///< the first one comes when every sensor has given a frame
-};
-
-/// Plays up to the last moment and calls `take` at each with the seconds played; the frames that came until
-/// then are in the keeper. Frames that the end of play would cut off are no frames, unless they are asked
-/// for.
-void play(const Moments& moments, const Scene& scene, MergedCapture& capture, BagPoses& motion,
-          FrameKeeper& keeper, const std::function<void(double)>& take) {
+/// Plays up to `at`, s into the capture; where that is not set, up to the first moment after its middle when
+/// every sensor has given a frame. Returns the seconds played; the frames that came until then are in the
+/// keeper. Frames that the end of play would cut off are no frames, unless they are asked for.
+double play(std::optional<double> at, double length, const Scene& scene, MergedCapture& capture,
+            BagPoses& motion, FrameKeeper& keeper) {
   Pipeline pipeline(scene.config, motion, keeper);
   ReplayOptions fast;
   fast.rate = 0;
   Player player(fast, capture, pipeline);
+  const double due = at.value_or(length / 2);
   std::optional<Stamp> first;
   double played = 0;
-  double due = moments.first;
-  int taken = 0;
+  bool done = false;
   const auto waits = [&] {
     const auto& awaited = scene.awaited;
-    return moments.patient && taken == 0 &&
+    return !at &&
            (keeper.empty() || !std::all_of(awaited.begin(), awaited.end(),
                                            [&](const std::string& topic) { return keeper.has(topic); }));
-  };
-  const auto take_one = [&] {
-    const double now = std::max(due, played);
-    take(now);
-    due = now + moments.every;
-    ++taken;
   };
   player.on_time = [&](Stamp stamp) {
     if (!first) first = stamp;
     motion.feed(pipeline, stamp);
     const double into = seconds(stamp - *first);
-    while (taken < moments.count && into > due && !waits()) take_one();
-    if (taken == moments.count)
+    done = done || (into > due && !waits());
+    if (done)
       keeper.freeze();
     else
       played = into;
   };
-  player.play([&] { return taken == moments.count; });
-  if (taken == 0) take_one();
+  player.play([&] { return done; });
+  return std::max(due, played);
 }
 
 std::string nothing_there(const Scene& scene, double at, double length) {
@@ -157,113 +141,49 @@ CloudColor color_named(const std::string& name) {
   return name == "ring" ? CloudColor::ring : name == "intensity" ? CloudColor::intensity : CloudColor::height;
 }
 
-void write_file(const std::string& path, const std::string& bytes) {
-  TextFile file(path);
-  file.write(bytes);
-  file.close();
-}
-
-/// Draws one moment, or a series that shares the framing of its first picture.
-class Photographer {
- public:
-  Photographer(const SnapshotOptions& options, const Scene& scene) : options_(options), scene_(scene) {}
-
-  /// Throws std::runtime_error if nothing can be drawn.
-  void run() {
-    MergedCapture capture(options_.captures);
-    length_ = length_of(capture);
-    if (options_.at.value_or(0) > length_)
-      throw std::runtime_error("--at " + fixed(*options_.at, 3) + ": the capture is " + fixed(length_, 3) +
-                               " s long");
-    const bool series = options_.frames > 0;
-    motion_ = std::make_unique<BagPoses>(options_.motion, scene_.config.vehicle.odometry_topic);
-    const Moments moments{options_.at.value_or(series ? 0 : length_ / 2), options_.every,
-                          std::max(1, options_.frames), !options_.at};
-    play(moments, scene_, capture, *motion_, frames_, [this](double at) { take(at); });
-    if (animation_) animation_->finish();
-  }
-
- private:
-  void take(double at) {
-    const SnapshotView view = view_at(at);
-    if (!options_.output.empty()) {
-      const bool png = ends_with(options_.output, ".png");
-      const auto numbered = NumberedPath::parse(options_.output);
-      write_file(options_.frames > 0 && numbered ? numbered->of(number_) : options_.output,
-                 draw_snapshot(view, png ? PictureFormat::png : PictureFormat::svg));
-    }
-    if (!options_.animation.empty()) {
-      if (!animation_) {
-        animation_ = make_animation(options_.animation, options_.every);
-        page_height_ = page_height(view);
-      }
-      animation_->add(draw_pixels(view, page_height_));
-    }
-    ++number_;
-  }
-  SnapshotView view_at(double at) {
-    if (frames_.empty()) throw std::runtime_error(nothing_there(scene_, at, length_));
-    const FrameTree poses(scene_.config, *motion_);
-    SnapshotView view = make_view(scene_.config, poses, frames_, options_.areas, color_named(options_.color));
-    if (std::all_of(view.layers.begin(), view.layers.end(), [](const auto& l) { return l.points.empty(); }))
-      throw std::runtime_error("there is nothing to draw: " + why_empty(view));
-    // What one sensor calls free says nothing where the others stand in a wrong place.
-    if (scene_.awaited.size() > 1) view.wedges.clear(), view.free_note.clear();
-    if (!framing_) framing_ = fit_to_points(view);
-    view.framing = *framing_;
-    view.framing.width = options_.width;
-    if (options_.range) view.framing.center = {0, 0}, view.framing.half = {*options_.range, *options_.range};
-    view.title = scene_.title;
-    view.notes.insert(view.notes.end(), scene_.notes.begin(), scene_.notes.end());
-    view.subtitle = to_utc(frames_.newest()) + ", " + fixed(at, 2) + " s into " +
-                    file_name(options_.captures.front()) +
-                    (options_.captures.size() > 1 ? " and others" : "");
-    return view;
-  }
-
-  const SnapshotOptions& options_;
-  const Scene& scene_;
-  double length_ = 0;
-  FrameKeeper frames_;
-  std::unique_ptr<BagPoses> motion_;
-  std::optional<SnapshotView::Framing> framing_;
-  std::unique_ptr<Animation> animation_;
-  double page_height_ = 0;
-  std::uint64_t number_ = 0;
-};
-
-/// What is wrong with the output asked for; empty: nothing.
-std::string output_mistake(const SnapshotOptions& options) {
-  const std::string& out = options.output;
-  const std::string& loop = options.animation;
-  const bool numbered = NumberedPath::parse(out).has_value();
-  if (!out.empty() && !ends_with(out, ".png") && !ends_with(out, ".svg"))
-    return "--output: '" + out + "' is neither a .png nor a .svg file";
-  if (!loop.empty() && !ends_with(loop, ".gif") && !ends_with(loop, ".webp"))
-    return "--animate: '" + loop + "' is neither a .gif nor a .webp file";
-  if (options.frames > 0 && !out.empty() && !numbered)
-    return "--output: '" + out +
-           "' names one file for several frames; expected a pattern, e.g. frame-%03d.png";
-  if (options.frames == 0 && numbered)
-    return "--output: '" + out + "' is a pattern for several frames; say how many with --frames";
-  return {};
+/// What is known at one moment. Throws std::runtime_error if nothing can be drawn.
+SnapshotView view_of(const SnapshotOptions& options, const Scene& scene) {
+  MergedCapture capture(options.captures);
+  const double length = length_of(capture);
+  if (options.at.value_or(0) > length)
+    throw std::runtime_error("--at " + fixed(*options.at, 3) + ": the capture is " + fixed(length, 3) +
+                             " s long");
+  BagPoses motion(options.motion, scene.config.vehicle.odometry_topic);
+  FrameKeeper frames;
+  const double at = play(options.at, length, scene, capture, motion, frames);
+  if (frames.empty()) throw std::runtime_error(nothing_there(scene, at, length));
+  const FrameTree poses(scene.config, motion);
+  SnapshotView view = make_view(scene.config, poses, frames, options.areas, color_named(options.color));
+  if (std::all_of(view.layers.begin(), view.layers.end(), [](const auto& l) { return l.points.empty(); }))
+    throw std::runtime_error("there is nothing to draw: " + why_empty(view));
+  // What one sensor calls free says nothing where the others stand in a wrong place.
+  if (scene.awaited.size() > 1) view.wedges.clear(), view.free_note.clear();
+  view.framing = fit_to_points(view);
+  view.framing.width = options.width;
+  if (options.range) view.framing.center = {0, 0}, view.framing.half = {*options.range, *options.range};
+  view.title = scene.title;
+  view.notes.insert(view.notes.end(), scene.notes.begin(), scene.notes.end());
+  view.subtitle = to_utc(frames.newest()) + ", " + fixed(at, 2) + " s into " +
+                  file_name(options.captures.front()) + (options.captures.size() > 1 ? " and others" : "");
+  return view;
 }
 
 }  // namespace
 
 int run_snapshot(const SnapshotOptions& options, std::ostream& err) {
-  constexpr int usual_loop = 20;
-  SnapshotOptions settled = options;
-  if (!options.animation.empty() && options.frames == 0) settled.frames = usual_loop;
-  const std::string mistake = output_mistake(settled);
-  if (!mistake.empty()) {
-    err << mistake << '\n';
+  const bool png = ends_with(options.output, ".png");
+  if (!png && !ends_with(options.output, ".svg")) {
+    err << "--output: '" << options.output << "' is neither a .png nor a .svg file\n";
     return exit_usage;
   }
   return guarded(err, [&] {
     const Scene scene =
         options.config.empty() ? scene_of(options.captures, err) : configured(options.config, err);
-    Photographer(settled, scene).run();
+    const std::string picture =
+        draw_snapshot(view_of(options, scene), png ? PictureFormat::png : PictureFormat::svg);
+    TextFile file(options.output);
+    file.write(picture);
+    file.close();
     return exit_ok;
   });
 }

@@ -85,20 +85,16 @@ void add_virtual(const VirtualScanConfig& group, std::vector<OutputTopic>& topic
   }
 }
 
-/// True if the states of the device (inputs, outputs, fields) are published.
-bool publishes_states(const SensorConfig& sensor) {
-  // A CoLa device is asked for them; captures may hold what somebody else asked it for.
-  return !sensor.model->has(Trait::states_on_request) || sensor.driver.requests.device_states;
-}
-
-/// What the device tells beside its frames.
+/// What the device says beside its frames.
 void add_told(const SensorConfig& sensor, std::vector<OutputTopic>& topics) {
   const std::string below = sensor.name + "/";
+  const bool states = !sensor.model->has(Trait::states_on_request) || sensor.driver.requests.device_states;
   for (const MessageTopic& told : sensor.model->messages) {
-    if (told.kind == message_kind<DeviceState>() && !publishes_states(sensor)) continue;
+    if (told.kind == message_kind<DeviceState>() && !states) continue;
     if (told.name == output_paths_topic && !sensor.output_paths_topic.empty()) continue;
     topics.push_back({below + std::string(told.name), TopicKind::message, false, told.kind});
   }
+  if (!states) return;
   for (const auto name : sensor.model->extra_scans)
     topics.push_back({below + std::string(name), TopicKind::scan, false});
 }

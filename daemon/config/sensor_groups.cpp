@@ -254,6 +254,8 @@ const std::vector<SensorGroup>& sensor_groups() {
       {"planar scanners", gives<FrameKind::scan>, false, {scan_topic_row()}},
       {"planar scanners with several echoes", echoes, false, of_driver(echo_rows()), {}, no_beams},
       {"SICK safety scanners", has_output_paths, false, safety_topic_rows(), no_paths, no_paths},
+      {"SICK safety scanners, SICK scanners that speak CoLa", can<Trait::states_on_request>, false,
+       of_requests(state_keys())},
       {"SICK scanners that speak CoLa", can<Trait::skip_setting>, false, of_requests(cola_keys())},
       {"Hokuyos that speak SCIP", can<Trait::skip_request>, false, of_requests(scip_keys())},
       {"Hokuyos that speak SCIP", can<Trait::skip_request>, false, of_requests(scip_clock_keys()), no_clock,

@@ -41,9 +41,8 @@ const MovedPackage& moved_safety_scanners() {
         "the first output channel is used; with listen_only: true any that the device is set to", "0"},
        {"channel_enabled", "", "an output that is not wanted is left out of the configuration", "true"},
        {"general_system_state derived_settings measurement_data intrusion_data application_io_data", "",
-        "blocks are published where the scanner sends them; with allow_write: true it is told to send those "
-        "that "
-        "are needed",
+        "with publish_states: true blocks are published where the scanner sends them; with allow_write: true "
+        "it is told to send those that are needed",
         "true"},
        {"use_persistent_config", "",
         "allow_write: true changes only where and how the scanner sends, and not for good; listen_only: true "
@@ -60,10 +59,11 @@ const MovedPackage& moved_safety_scanners() {
        {"output_paths", "sick_safetyscanners/OutputPathsMsg",
         "the same: output_paths_topic, where the scanner sends application data (theirs: empty lists where "
         "it "
-        "does not). Without the key they are on NAME/output_paths, with a stamp"},
+        "does not). With publish_states: true in place of the key they are on NAME/output_paths, with a "
+        "stamp"},
        {"raw_data", "sick_safetyscanners/RawMicroScanDataMsg",
-        "none: its parts are on scan, NAME/system_state, NAME/output_paths, NAME/intrusion and "
-        "/diagnostics; the telegrams themselves: `lidard record`"},
+        "none: its parts are on scan, /diagnostics and, with publish_states: true, NAME/system_state, "
+        "NAME/output_paths and NAME/intrusion; the telegrams themselves: `lidard record`"},
        {"field_data config_metadata status_overview", "services",
         "fields, cases, the checksum of the configuration and the state are read once and stand on "
         "/diagnostics "

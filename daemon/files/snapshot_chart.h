@@ -5,7 +5,7 @@
 #include <cairo-svg.h>
 #include <cairo.h>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -175,19 +175,6 @@ class Chart {
     cairo_restore(pen_);
   }
 
-  /// The page as it was drawn (not of an SVG).
-  Pixels pixels() {
-    cairo_surface_flush(surface_);
-    Pixels out{cairo_image_surface_get_width(surface_), cairo_image_surface_get_height(surface_), {}};
-    const unsigned char* data = cairo_image_surface_get_data(surface_);
-    const auto stride = static_cast<std::size_t>(cairo_image_surface_get_stride(surface_));
-    for (int y = 0; y < out.height; ++y) {
-      const auto* row = reinterpret_cast<const std::uint32_t*>(data + static_cast<std::size_t>(y) * stride);
-      for (int x = 0; x < out.width; ++x) out.rgb.push_back(row[x] & 0xffffffU);
-    }
-    return out;
-  }
-
   enum class Align { left, middle, right };
   /// Text whose baseline stands at `p`.
   void text(const Eigen::Vector2d& p, const std::string& words, double size, const Color& color,
@@ -199,15 +186,38 @@ class Chart {
     cairo_show_text(pen_, words.c_str());
     cairo_new_path(pen_);
   }
-  /// text() with a white edge, to be readable on whatever is below.
-  void label(const Eigen::Vector2d& p, const std::string& words, double size, const Color& color,
+  /// text() with a white edge, to be readable on whatever is below. Where it would be cut by the field's edge
+  /// or stand on another label it is left out, and the answer is false.
+  bool label(const Eigen::Vector2d& p, const std::string& words, double size, const Color& color,
              Align align = Align::left) {
     const double width = text_width(words, size);
-    const double shift = align == Align::left ? 0 : align == Align::middle ? width / 2 : width;
-    cairo_move_to(pen_, tenth(p.x() - shift), tenth(p.y()));
+    const double left = p.x() - (align == Align::left ? 0 : align == Align::middle ? width / 2 : width);
+    const Eigen::AlignedBox2d place(Eigen::Vector2d(left - 2, p.y() - size),
+                                    Eigen::Vector2d(left + width + 2, p.y() + 3));
+    const auto stands_on = [&](const auto& other) { return other.intersects(place); };
+    if (!Eigen::AlignedBox2d(corner_, corner_ + size_).contains(place) ||
+        std::any_of(labels_.begin(), labels_.end(), stands_on))
+      return false;
+    labels_.push_back(place);
+    cairo_move_to(pen_, tenth(left), tenth(p.y()));
     cairo_text_path(pen_, words.c_str());
     stroke({1, 1, 1, 0.85}, 3);
-    text(p, words, size, color, align);
+    text({left, p.y()}, words, size, color);
+    return true;
+  }
+  /// label() moved to a place that is free: in the field, farther right in the same row, or in one of the
+  /// rows above and below. Left out where there is none.
+  void name(Eigen::Vector2d p, const std::string& words, double size, const Color& color,
+            Align align = Align::left) {
+    const double width = text_width(words, size);
+    const double least = corner_.x() + 3, most = std::max(least, corner_.x() + size_.x() - width - 3);
+    p.x() -= align == Align::left ? 0 : align == Align::middle ? width / 2 : width;
+    p.x() = std::clamp(p.x(), least, most);
+    for (const int row : {0, -1, 1, -2, 2, -3, 3}) {
+      for (double x = p.x(); x <= most; x += width / 4) {
+        if (label({x, p.y() + row * (size + 4)}, words, size, color)) return;
+      }
+    }
   }
   double text_width(const std::string& words, double size, bool bold = false) {
     set_font(size, bold);
@@ -288,6 +298,7 @@ class Chart {
   Eigen::Vector2d size_{1, 1};
   double scale_ = 1;
   Eigen::Vector2d center_{0, 0};
+  std::vector<Eigen::AlignedBox2d> labels_;  // where they stand on the page
 };
 
 }  // namespace lidard

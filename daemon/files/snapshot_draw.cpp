@@ -20,6 +20,8 @@ constexpr double field_area = 760 * 1000;
 constexpr double legend_width = 264;
 constexpr double margin = 20;
 constexpr double side_caption = 34;
+constexpr const char* white_note =
+    "White: unknown too: behind what was hit, or outside of the scan's angles and range.";
 
 /// Where the parts of a picture stand, in pixels: the field as wide and high as what it shows.
 struct Layout {
@@ -56,10 +58,6 @@ class Painter {
     paint();
     return chart_.bytes(view_.title, description());
   }
-  Pixels pixels() {
-    paint();
-    return chart_.pixels();
-  }
 
  private:
   void paint() {
@@ -84,8 +82,10 @@ class Painter {
     all(Role::input);
     all(Role::merged);
     all(Role::virtual_scan);
-    for (std::size_t i = 0; i < view_.sensors.size(); ++i) sensor(view_.sensors[i], i);
     scale_bar();
+    for (std::size_t i = 0; i < view_.sensors.size(); ++i) sensor(view_.sensors[i], i);
+    for (std::size_t i = 0; i < view_.sensors.size(); ++i) sensor_name(view_.sensors[i], i);
+    ring_labels();
     chart_.end_clip();
     chart_.rectangle(field_left, field_top, layout_.width, layout_.height);
     chart_.stroke({0.5, 0.5, 0.5}, 1);
@@ -128,13 +128,13 @@ class Painter {
       chart_.path({chart_.to_page(Vector2d(-along)), chart_.to_page(along)});
       chart_.stroke({0.80, 0.80, 0.80}, 0.6);
     }
-    // On a diagonal, where the axes and usually the vehicle are not.
-    const double angle = -0.7;
-    for (double r = step; r < reach; r += step) {
-      const Vector2d at = chart_.to_page(Vector2d(r * std::cos(angle), r * std::sin(angle)));
-      if (at.x() < field_left + layout_.width - 24 && at.y() > field_top + 14)
-        chart_.label(at, meters(r), 12, pale, Align::middle);
-    }
+  }
+  /// On a diagonal, where the axes and usually the vehicle are not.
+  void ring_labels() {
+    const double step = round_step(shown(), 4.5);
+    const Vector2d along(std::cos(-0.7), std::sin(-0.7));
+    for (double r = step; r < view_.framing.center.norm() + shown() * 1.3; r += step)
+      chart_.label(chart_.to_page(Vector2d(r * along)), meters(r), 12, pale, Align::middle);
   }
   /// Share of the colours' scale.
   double share(float value) const {
@@ -197,26 +197,31 @@ class Painter {
     chart_.circle(o, 2.5);
     chart_.fill(ink);
   }
+  /// Of the outline of its field of view; radii differ, so that sensors in one place can be told apart.
+  static double radius_of(std::size_t index) { return 26 + 7 * static_cast<double>(index % 4); }
   void sensor(const SnapshotView::Sensor& sensor, std::size_t index) {
     const Color color = color_of(sensor.role, sensor.number);
     const Vector2d at = chart_.to_page(sensor.at);
-    // Radii differ, so that sensors in one place can be told apart.
-    const double radius = 26 + 7 * static_cast<double>(index % 4);
     std::vector<Vector2d> outline;
     if (!sensor.all_round) outline.push_back(at);
     for (const Vector2d& direction : sensor.field)
-      outline.emplace_back(at + radius * Vector2d(-direction.y(), -direction.x()));
+      outline.emplace_back(at + radius_of(index) * Vector2d(-direction.y(), -direction.x()));
     chart_.path(outline);
     chart_.close();
     chart_.stroke(color, 1.4);
     chart_.circle(at, 4);
     chart_.fill(color);
+  }
+  void sensor_name(const SnapshotView::Sensor& sensor, std::size_t index) {
+    const Color color = color_of(sensor.role, sensor.number);
+    const Vector2d at = chart_.to_page(sensor.at);
+    const double radius = radius_of(index);
     if (sensor.all_round)
-      return chart_.label(at - Vector2d(0, radius + 5), sensor.name, 13, color, Align::middle);
+      return chart_.name(at - Vector2d(0, radius + 5), sensor.name, 13, color, Align::middle);
     // Names stand beside the vehicle, on the sensor's side.
     const bool left = sensor.at.y() > 0.05 || (std::abs(sensor.at.y()) <= 0.05 && index % 2 == 1);
     const Vector2d place = at + Vector2d(left ? -radius - 6 : radius + 6, sensor.at.x() < -0.5 ? 14 : -6);
-    chart_.label(place, sensor.name, 13, color, left ? Align::right : Align::left);
+    chart_.name(place, sensor.name, 13, color, left ? Align::right : Align::left);
   }
   void scale_bar() {
     const double length = round_step(shown(), 5);
@@ -255,13 +260,12 @@ class Painter {
       legend_y_ += 6;
       legend_area("free", view_.free_note, true);
       legend_area("unknown", view_.unobserved_note, false);
+      legend_text(white_note, 12, pale, 38);
       legend_y_ += 8;
     }
-    legend_text(
-        "White: nothing is said. Around each sensor: its field of view. Ahead is up; rings are metres "
-        "around " +
-            view_.base_frame + ".",
-        12, pale, 0, false);
+    legend_text("Ahead is up. Rings: distance from " + view_.base_frame +
+                    ". Outline around a sensor: its field of view, not to scale.",
+                12, pale);
     legend_y_ += 8;
     for (const auto* sentences : {&view_.notes, &view_.missing}) {
       for (const auto& sentence : *sentences) {
@@ -339,7 +343,7 @@ class Painter {
     for (const auto& layer : view_.layers) text += "\n" + layer.name + ": " + layer.note;
     for (const auto& sensor : view_.sensors) text += "\nsensor " + sensor.name;
     if (!view_.free_note.empty())
-      text += "\nfree: " + view_.free_note + "\nunknown: " + view_.unobserved_note;
+      text += "\nfree: " + view_.free_note + "\nunknown: " + view_.unobserved_note + "\n" + white_note;
     for (const auto* sentences : {&view_.notes, &view_.missing}) {
       for (const auto& sentence : *sentences) text += "\n" + sentence;
     }
@@ -357,11 +361,5 @@ class Painter {
 std::string draw_snapshot(const SnapshotView& view, PictureFormat format) {
   return Painter(view, format, Painter::page_height(view)).bytes();
 }
-
-Pixels draw_pixels(const SnapshotView& view, double page_height) {
-  return Painter(view, PictureFormat::png, page_height).pixels();
-}
-
-double page_height(const SnapshotView& view) { return Painter::page_height(view); }
 
 }  // namespace lidard

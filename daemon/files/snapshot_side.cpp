@@ -49,20 +49,23 @@ class SidePainter {
                      {size_.y() / 2 / scale_.pixels_per_meter, size_.x() / 2 / scale_.pixels_per_meter});
   }
   void paint() {
+    constexpr Color ground_color{0.45, 0.30, 0.15};
     chart_.begin_clip();
     grid();
     fans();
     clouds();
     if (view_.ground) {
       chart_.path({at({left(), *view_.ground}), at({right(), *view_.ground})});
-      chart_.stroke({0.45, 0.30, 0.15}, 1.6);
-      chart_.label(at({left(), *view_.ground}) + Vector2d(8, -4), "ground", 12, {0.45, 0.30, 0.15});
+      chart_.stroke(ground_color, 1.6);
     }
-    planes();
+    for (const auto& plane : view_.planes) plane_line(plane);
     for (const auto& fan : view_.fans) {
       chart_.circle(at(fan.at), 4);
       chart_.fill(cloud_color);
     }
+    if (view_.ground) chart_.name(at({left(), *view_.ground}) + Vector2d(8, -4), "ground", 12, ground_color);
+    for (const auto& plane : view_.planes) plane_name(plane);
+    heights();
     chart_.end_clip();
     chart_.rectangle(corner_.x(), corner_.y(), size_.x(), size_.y());
     chart_.stroke({0.5, 0.5, 0.5}, 1);
@@ -76,15 +79,24 @@ class SidePainter {
   double left() const { return view_.framing.center.x() - reach(); }
   double right() const { return view_.framing.center.x() + reach(); }
 
-  void grid() {
+  /// Calls `line` with each height of the grid, and whether it is that of base_frame.
+  template <class Line>
+  void for_each_height(Line line) const {
     const double step = round_step(view_.framing.high - view_.framing.low, 4);
-    for (double z = std::ceil(view_.framing.low / step) * step; z < view_.framing.high; z += step) {
-      const bool base = std::abs(z) < step / 2;
+    for (double z = std::ceil(view_.framing.low / step) * step; z < view_.framing.high; z += step)
+      line(z, std::abs(z) < step / 2);
+  }
+  void grid() {
+    for_each_height([&](double z, bool base) {
       chart_.path({at({left(), z}), at({right(), z})});
       chart_.stroke(base ? Color{0.55, 0.55, 0.55} : Color{0.85, 0.85, 0.85}, base ? 1 : 0.7);
+    });
+  }
+  void heights() {
+    for_each_height([&](double z, bool base) {
       chart_.label(at({right(), z}) + Vector2d(-6, -3), base ? "0 m, " + view_.base_frame : meters(z), 11,
                    pale, Chart::Align::right);
-    }
+    });
   }
   void fans() {
     chart_.begin_crisp();
@@ -107,25 +119,22 @@ class SidePainter {
     }
     chart_.dots(dots, 3, 0.9);
   }
-  void planes() {
-    double label_left = view_.ground ? 70 : 8;
-    for (const auto& plane : view_.planes) {
-      const Color color = color_of(plane.role, plane.number);
-      const Vector2d along = 4 * reach() * plane.along;
-      chart_.path({at(plane.at - along), at(plane.at + along)});
-      if (plane.role == Role::virtual_scan)
-        chart_.stroke(color, 1.8, {7, 5});
-      else
-        chart_.stroke(color, 1);
-      chart_.circle(at(plane.at), 3);
-      chart_.fill(color);
-      // One beside the other: planes of the same height are usual.
-      const double x = left() + label_left / scale_.pixels_per_meter;
-      label_left += 14 + chart_.text_width(plane.name, 12);
-      const bool steep = std::abs(plane.along.x()) < 0.2;
-      const double z = plane.at.y() + (steep ? 0 : plane.along.y() / plane.along.x() * (x - plane.at.x()));
-      chart_.label(at({x, z}) + Vector2d(0, -4), plane.name, 12, color);
-    }
+  void plane_line(const SnapshotView::Plane& plane) {
+    const Color color = color_of(plane.role, plane.number);
+    const Vector2d along = 4 * reach() * plane.along;
+    chart_.path({at(plane.at - along), at(plane.at + along)});
+    if (plane.role == Role::virtual_scan)
+      chart_.stroke(color, 1.8, {7, 5});
+    else
+      chart_.stroke(color, 1);
+    chart_.circle(at(plane.at), 3);
+    chart_.fill(color);
+  }
+  void plane_name(const SnapshotView::Plane& plane) {
+    const double x = left() + 8 / scale_.pixels_per_meter;
+    const bool steep = std::abs(plane.along.x()) < 0.2;
+    const double z = plane.at.y() + (steep ? 0 : plane.along.y() / plane.along.x() * (x - plane.at.x()));
+    chart_.name(at({x, z}) + Vector2d(0, -4), plane.name, 12, color_of(plane.role, plane.number));
   }
   void caption() {
     std::string words = "From the right, y within " + meters(SnapshotView::side_strip);

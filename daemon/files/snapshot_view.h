@@ -89,7 +89,7 @@ struct SnapshotView {
     Eigen::Vector2d at;
     std::vector<Eigen::Vector2d> rings;
   };
-  /// What the picture shows. Pictures of a series share it.
+  /// What the picture shows.
   struct Framing {
     Eigen::Vector2d center{0, 0};
     Eigen::Vector2d half{10, 10};    ///< m that are shown at least from the center, ahead and to the left
@@ -148,14 +148,5 @@ SnapshotView::Framing fit_to_points(const SnapshotView& view);
 enum class PictureFormat : std::uint8_t { png, svg };
 /// The picture as the bytes of a file.
 std::string draw_snapshot(const SnapshotView& view, PictureFormat format);
-
-/// A picture as rows of 0xRRGGBB.
-struct Pixels {
-  int width = 0, height = 0;
-  std::vector<std::uint32_t> rgb;
-};
-Pixels draw_pixels(const SnapshotView& view, double page_height);
-/// Pixels that the page of a picture needs.
-double page_height(const SnapshotView& view);
 
 }  // namespace lidard

@@ -29,6 +29,8 @@ def main():
     steps = re.findall(r"^(\d)/4 .*\(.*(?:s|min)\b.*\)(?: \.\.\. \d+ s)?$", said, re.MULTILINE)
     expect(steps == ["1", "2", "3", "4"], said)
     expect(re.search(r"^  /footprint .* 1 messages +once$", said, re.MULTILINE), said)
+    unasked = re.findall(r"/(?:system_state|output_paths|intrusion|beam_status) ", said)
+    expect(not unasked, f"the configuration asks for no states of the scanners, but there are {unasked}\n{said}")
     for topic in ("front_left/scan", "roof/points", "scan_multi", "scan_strict", "chest"):
         found = re.search(rf"^  /{topic} .* (\d+) messages +[\d.]+ Hz$", said, re.MULTILINE)
         expect(found and int(found.group(1)) > 10, f"{topic}\n{said}")

@@ -12,11 +12,14 @@ import subprocess
 
 from harness import LIDARD, LIDARD_SIM, ROOT, expect, folder, free_port, process, ros_master, use_master_at, wait_for
 
-PAGES = [ROOT / "README.md", *sorted((ROOT / "config/doc").glob("*.md"))]
+PICTURES = ROOT / "config/doc/pictures"
+PAGES = [ROOT / "README.md", *sorted((ROOT / "config/doc").glob("*.md")), PICTURES / "README.md"]
 # Begin of a command: why this test does not run it.
 NOT_RUN = {
     "./daemon/demo": "test_demo.py runs what it calls; it would build",
     "./test/run": "this test is a part of it",
+    "./config/install-packages": "test/package runs it",
+    "sudo editor": "for people; test/package edits the file",
     "cmake": "the build of which this test is a part",
     "sudo cmake --install": "test_install.py installs into a folder",
     "sudo systemctl": "test_systemd.py starts the unit",
@@ -81,6 +84,22 @@ def run_command(page, line, tmp, environment):
     return 1
 
 
+def check_pictures(tmp, environment):
+    """Each picture is what its command makes now, and shows what the list of pictures names."""
+    named = dict(re.findall(r"^- `(\w+\.png)`: (.*)$", (PICTURES / "README.md").read_text(), re.M))
+    stored = {file.name for file in PICTURES.glob("*.png")}
+    expect(set(named) == stored == {file.name for file in tmp.glob("*.png")}, f"pictures {stored}, named {set(named)}")
+    for command in re.findall(r"^lidard snapshot .*$", (PICTURES / "README.md").read_text(), re.M):
+        name = command.split()[-1]
+        # Letters look otherwise where the fonts are others.
+        if pathlib.Path("/etc/debian_version").read_text().startswith("12"):
+            expect((tmp / name).read_bytes() == (PICTURES / name).read_bytes(), f"{name} is not what `{command}` draws now")
+        subprocess.run(command.replace(".png", ".svg"), shell=True, cwd=tmp, env=environment, check=True)
+        shown = re.search(r"<desc>(.*?)</desc>", (tmp / name).with_suffix(".svg").read_text(), re.S).group(1)
+        missing = [word for word in re.findall(r"`([^`]+)`", named[name]) if not re.search(rf"\b{word}\b", shown)]
+        expect(not missing, f"{name} shows no {missing}, but\n{shown}")
+
+
 def main():
     commands = configurations = 0
     ports = {"port": free_port(), "master": free_port()}
@@ -106,6 +125,8 @@ def main():
                     environment = dict(os.environ, PATH=f"{tmp}/bin:" + os.environ["PATH"])
                     for text in blocks(page, "sh"):
                         commands += sum(run_command(page, line, tmp, environment) for line in text.splitlines())
+                    if page.parent == PICTURES:
+                        check_pictures(tmp, environment)
     print(f"{len(PAGES)} pages, {commands} commands, {configurations} configurations")
     expect(commands >= 10 and configurations >= 10, "too few commands or configurations were found: are the blocks marked?")
     lines = (ROOT / "README.md").read_text().count("\n")

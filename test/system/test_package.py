@@ -65,9 +65,29 @@ class Packages(unittest.TestCase):
                      "usr/share/man/man5/lidard.yaml.5.gz", "usr/share/bash-completion/completions/lidard",
                      "usr/share/zsh/vendor-completions/_lidard", "usr/share/lidard/launch/demo.launch",
                      "usr/share/lidard/rviz/lidard.rviz", "usr/share/lidard/config/demo.yaml", "usr/share/lidard/pcaps/demo.pcap",
-                     "usr/share/lidard/package.xml", "usr/share/doc/lidard/copyright"):
+                     "usr/share/lidard/package.xml", "usr/share/doc/lidard/copyright", "usr/share/doc/lidard/README.md",
+                     "usr/share/doc/lidard/config/KEYS.md", "usr/share/doc/lidard/config/doc/pictures/demo.png"):
             self.assertTrue((root / name).exists(), name)
         self.assertEqual((root / "DEBIAN/conffiles").read_text().split(), ["/etc/default/lidard", "/etc/lidard/lidard.yaml"])
+
+    def test_the_manual_is_whole_and_its_links_lead_to_installed_pages(self):
+        folder = self.unpacked("lidard") / "usr/share/doc/lidard"
+        pages = [folder / "README.md", *(folder / "config/doc").glob("*.md")]
+        self.assertEqual({page.name for page in pages[1:]}, {page.name for page in (SOURCE / "config/doc").glob("*.md")})
+        for page in pages:
+            for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", page.read_text()):
+                self.assertTrue((page.parent / target).exists(), f"{page.name}: nothing is at {target}")
+
+    def test_the_installed_size_is_what_is_installed(self):
+        for package, file in self.files.items():
+            said = int(must_run("dpkg-deb", "-f", file, "Installed-Size"))
+            root = self.unpacked(package)
+            paths = [path for path in root.rglob("*") if path.relative_to(root).parts[0] != "DEBIAN"]
+            files = [path for path in paths if path.is_symlink() or path.is_file()]
+            # deb-substvars(5): files and links in KiB, each rounded up, and 1 KiB for anything else.
+            size = sum((path.lstat().st_size + 1023) // 1024 for path in files) + len(paths) - len(files)
+            self.assertEqual(said, size, package)
+            self.assertEqual(root.stat().st_mode & 0o777, 0o755, "the root of the package")
 
     def test_programs_are_stripped(self):
         for package, name in (("lidard", "usr/bin/lidard"), ("lidard-sim", "usr/bin/lidard-sim"),
@@ -113,9 +133,30 @@ class Library(unittest.TestCase):
             flags = must_run("cmake", "--build", folder / "build", "--verbose")
             self.assertNotIn("-Werror", flags)
             said = must_run(folder / "build/decode_capture", "velodyne_vlp16", CAPTURE)
+            code, why = run(folder / "build/decode_capture", "velodyne_vlp16", folder / "absent.pcap")
+            self.assertEqual(code, 1, why)
+            self.assertRegex(why, r"^.*absent\.pcap: cannot be opened: No such file or directory; .*\n$")
             clouds = [(int(float(t) * 1000 + 0.5), int(n)) for t, n in re.findall(r"^(\S+) cloud, (\d+) points$", said, re.MULTILINE)]
             self.assertEqual(clouds, self.clouds_of_decode(folder / "points.csv"))
             self.assertTrue(clouds)
+
+    def test_headers_do_not_take_the_folders_of_a_program_for_theirs(self):
+        with tempfile.TemporaryDirectory(prefix="lidard-headers-") as folder:
+            folder = pathlib.Path(folder)
+            must_run("cmake", "--install", BUILD, "--prefix", folder / "prefix", "--component", "dev",
+                     env={key: value for key, value in os.environ.items() if key != "DESTDIR"})
+            headers = folder / "prefix/include/lidard"
+            self.assertEqual([path.name for path in (folder / "prefix/include").iterdir()], ["lidard"])
+            names = sorted(str(path.relative_to(headers)) for path in headers.rglob("*.h"))
+            self.assertEqual(names, sorted(str(path.relative_to(SOURCE)) for room in ("core", "drivers") for path in (SOURCE / room).rglob("*.h")))
+            # A program that has files of the same names.
+            for name in names:
+                own = folder / "own" / name
+                own.parent.mkdir(parents=True, exist_ok=True)
+                own.write_text("#error a header of the program\n")
+            (folder / "all.cpp").write_text("".join(f"#include <lidard/{name}>\n" for name in names))
+            eigen = must_run("pkg-config", "--cflags", "eigen3").split()
+            must_run("g++", "-std=c++17", "-fsyntax-only", f"-I{folder / 'own'}", f"-I{folder / 'prefix/include'}", *eigen, folder / "all.cpp")
 
     def clouds_of_decode(self, path):
         """(ms, points) of each whole revolution that `lidard decode` writes."""

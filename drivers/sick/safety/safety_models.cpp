@@ -23,7 +23,7 @@ Model scanner(const char* name, const char* product, double frame_period, double
   model.range_min = 0.1;  // as sick_safetyscanners has it; unverified
   model.range_max = range_max;
   // CoLa 2 needs no login for what concerns the data output.
-  model.traits = {Trait::settings_writable, Trait::receiver_settable};
+  model.traits = {Trait::settings_writable, Trait::receiver_settable, Trait::states_on_request};
   model.messages = {message_topic<DeviceState>(safety_topic::system_state),
                     message_topic<DeviceState>(output_paths_topic)};
   model.extra_scans = {safety_topic::intrusion, beam_status_scan};

@@ -33,7 +33,7 @@ TEST(ColaConfig, TakesItsKeysAndPrintsThemAgain) {
 TEST(ColaConfig, RefusesWhatItCannotDo) {
   EXPECT_NE(error_of("sensors: {a: {model: sick_lms1xx, ip_address: 10.0.0.1, skip: -1}}"), "no error");
   EXPECT_NE(error_of("sensors: {a: {model: velodyne_vlp16, publish_states: true}}"), "no error");
-  EXPECT_NE(error_of("sensors: {a: {model: sick_microscan3, publish_states: true}}"), "no error");
+  EXPECT_NE(error_of("sensors: {a: {model: sick_microscan3, skip: 1}}"), "no error");
 }
 
 }  // namespace

@@ -104,10 +104,9 @@ TEST(ConfigSources, FindsACloudByTheTopicThatItsSensorPublishes) {
 }
 
 TEST(ConfigSources, TakesNoTopicThatADeviceMayPublishOn) {
-  EXPECT_THAT(
-      error_of("sensors: {front: {model: sick_microscan3}}\nmerged_scans: {m: {laserscan_topics: front, "
-               "scan_destination_topic: front/intrusion}}"),
-      HasSubstr("would publish on front/intrusion, the topic of sensors.front"));
+  EXPECT_THAT(error_of("sensors: {front: {model: sick_microscan3, publish_states: true}}\nmerged_scans: {m: "
+                       "{laserscan_topics: front, scan_destination_topic: front/intrusion}}"),
+              HasSubstr("would publish on front/intrusion, the topic of sensors.front"));
 }
 
 TEST(ConfigSources, RefusesSourcesThatAreNone) {

@@ -64,10 +64,11 @@ TEST(DocumentedTopics, OfSensorsAreThoseThatTheModelsHave) {
   EXPECT_EQ(found_in(section, std::regex("NAME \"?/([a-z_]+)")), known);
 }
 
-TEST(DocumentedTopics, StatesOfAColaDeviceAreNotThereUnlessAskedFor) {
-  const auto names = [](const std::string& keys) {
+TEST(DocumentedTopics, StatesOfADeviceAreNotThereUnlessAskedFor) {
+  std::string model = "sick_lms1xx";
+  const auto names = [&](const std::string& keys) {
     const Config config =
-        parse_config("sensors: {s: {model: sick_lms1xx, ip_address: 192.168.0.1" + keys + "}}", "f");
+        parse_config("sensors: {s: {model: " + model + ", ip_address: 192.168.0.1" + keys + "}}", "f");
     Names topics;
     for (const OutputTopic& topic : output_topics(config)) topics.insert(topic.name);
     return topics;
@@ -76,6 +77,17 @@ TEST(DocumentedTopics, StatesOfAColaDeviceAreNotThereUnlessAskedFor) {
   EXPECT_EQ(names(", publish_states: false"), Names{"s/scan"});
   EXPECT_EQ(names(", publish_states: true"),
             (Names{"s/encoder", "s/lferec", "s/lidinputstate", "s/lidoutputstate", "s/scan"}));
+  for (const char* safety : {"sick_microscan3", "sick_nanoscan3", "sick_outdoorscan3"}) {
+    model = safety;
+    EXPECT_EQ(names(""), Names{"s/scan"});
+    EXPECT_EQ(names(", output_paths_topic: paths"), (Names{"paths", "s/scan"}));
+    EXPECT_EQ(names(", publish_states: true"),
+              (Names{"s/beam_status", "s/intrusion", "s/output_paths", "s/scan", "s/system_state"}));
+    EXPECT_EQ(names(", publish_states: true, output_paths_topic: paths"),
+              (Names{"paths", "s/beam_status", "s/intrusion", "s/scan", "s/system_state"}));
+  }
+  model = "sick_picoscan150";
+  EXPECT_EQ(names("").count("s/reflectors"), 1U) << "comes only where there is a reflector";
 }
 
 }  // namespace

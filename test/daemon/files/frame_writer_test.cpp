@@ -21,6 +21,7 @@
 #include <sstream>
 
 #include "daemon/commands/commands.h"
+#include "daemon/files/numbered_path.h"
 #include "daemon/files/row_text.h"
 #include "test/support/captures.h"
 
@@ -160,6 +161,14 @@ TEST_F(Written, PcdOfManyPointsIsWrittenAsTheyCome) {
     EXPECT_EQ(xy[0], static_cast<float>(i));
     EXPECT_EQ(xy[1], -static_cast<float>(i));
   }
+}
+
+TEST(NumberedPathTest, FillsItsPlaceAsPrintfDoes) {
+  EXPECT_EQ(NumberedPath::parse("a/%06d.pcd")->of(42), "a/000042.pcd");
+  EXPECT_EQ(NumberedPath::parse("%d.pcd")->of(1234567), "1234567.pcd");
+  EXPECT_EQ(NumberedPath::parse("a%3db")->of(7), "a  7b");
+  for (const char* none : {"a.pcd", "100%.pcd", "%s.pcd", "%5.2d"})
+    EXPECT_FALSE(NumberedPath::parse(none)) << none;
 }
 
 }  // namespace

@@ -130,7 +130,7 @@ TEST(TelemetryTopics, CarryStatesEchoesAndFurtherScans) {
               testing::IsSupersetOf({"roof/outputs", "roof/intrusion", "roof/scan", "roof/echoes"}));
 }
 
-TEST(TelemetryTopics, CarryNoStatesOfAColaDeviceThatWasNotAskedForThem) {
+TEST(TelemetryTopics, CarryNoStatesThatNobodyAskedFor) {
   Model model = telling_model(0, false);
   model.kind = FrameKind::scan;
   model.traits.add(Trait::states_on_request);
@@ -148,6 +148,8 @@ TEST(TelemetryTopics, CarryNoStatesOfAColaDeviceThatWasNotAskedForThem) {
     EXPECT_THAT(sink.topics, testing::Contains("roof/scan"));
     EXPECT_THAT(sink.topics, testing::Contains("roof/outputs").Times(wanted ? 1 : 0));
     EXPECT_THAT(names(config), testing::Contains("roof/outputs").Times(wanted ? 1 : 0));
+    EXPECT_THAT(sink.topics, testing::Contains("roof/intrusion").Times(wanted ? 1 : 0));
+    EXPECT_THAT(names(config), testing::Contains("roof/intrusion").Times(wanted ? 1 : 0));
   }
 }
 

@@ -105,10 +105,12 @@ TEST(SafetyMessages, TopicsAreThereWhereTheKeysAreSet) {
     return text;
   };
   EXPECT_THAT(topics_of(""), ::testing::Not(HasSubstr("sick_safetyscanners")));
-  const std::string all = topics_of(", extended_scan_topic: extended, output_paths_topic: paths");
+  const std::string all =
+      topics_of(", extended_scan_topic: extended, output_paths_topic: paths, publish_states: true");
   EXPECT_THAT(all, HasSubstr("extended sick_safetyscanners/ExtendedLaserScanMsg\n"));
   EXPECT_THAT(all, HasSubstr("paths sick_safetyscanners/OutputPathsMsg\n"));
-  EXPECT_THAT(topics_of(""), HasSubstr("a/output_paths diagnostic_msgs/DiagnosticArray\n"));
+  EXPECT_THAT(topics_of(", publish_states: true"),
+              HasSubstr("a/output_paths diagnostic_msgs/DiagnosticArray\n"));
   EXPECT_THAT(all, ::testing::Not(HasSubstr("a/output_paths"))) << "the typed topic stands in for it";
   EXPECT_THAT(topics_of(", output_paths_topic: /a/output_paths"),
               HasSubstr("/a/output_paths sick_safetyscanners/OutputPathsMsg\n"));
