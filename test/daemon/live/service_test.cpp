@@ -50,7 +50,8 @@ TEST(ServiceHistory, SaysWhenTheWatchdogKilledTheDaemonLast) {
   in_own_process([] {
     unsetenv("STATE_DIRECTORY");
     EXPECT_EQ(service_history(), "") << "no service";
-    const auto folder = std::filesystem::temp_directory_path() / ("lidard-history-" + std::to_string(getpid()));
+    const auto folder =
+        std::filesystem::temp_directory_path() / ("lidard-history-" + std::to_string(getpid()));
     std::filesystem::create_directory(folder);
     setenv("STATE_DIRECTORY", folder.c_str(), 1);
     setenv("DBUS_SYSTEM_BUS_ADDRESS", "unix:path=/nowhere", 1);
