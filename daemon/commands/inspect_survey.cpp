@@ -231,7 +231,8 @@ std::string config_of(const Survey& survey) {
     yaml += "  " + sensor.name + ":\n";
     yaml += "    model: " + std::string(sensor.model->name) + "\n";
     yaml += others_in_yaml(sensor);
-    yaml += "    ip_address: \"" + sensor.data.address.to_string() + "\"\n";
+    if (!sensor.data.address.v6)  // the daemon receives from IPv4 addresses alone
+      yaml += "    ip_address: \"" + sensor.data.address.to_string() + "\"\n";
     yaml += "    ip_port: " + std::to_string(sensor.data.port) + "\n";
     for (const IpAddress& destination : sensor.data.destinations) {
       if (!destination.is_multicast()) continue;

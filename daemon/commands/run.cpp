@@ -76,6 +76,7 @@ class Daemon {
       if (auto item = box_.item()) items.push_back(std::move(*item));
     };
     planes_.on_state = [this](const LaneState& state) { take_state(Lane::planes, state); };
+    planes_.on_round = [this] { feed_watchdog(); };
     planes_.on_tick = [this](Stamp now) { tick(now); };
     clouds_.on_state = [this](const LaneState& state) {
       planes_.post([this, state](Stamp) { take_state(Lane::clouds, state); });
@@ -283,19 +284,19 @@ class Daemon {
   DaemonState state() {
     states_[0] = planes_.state();
     const Stamp now = clock_.now();
-    DaemonState all{ros_.node(), clock_.realtime(now), now - started_, status(), items(now), {}};
+    DaemonState all{ros_.node(), clock_.realtime(now), now - started_, status(), history_, items(now), {}};
     for (const Lane lane : {Lane::planes, Lane::clouds}) {
-      for (const OutputTopic& topic : plan_->topics[static_cast<std::size_t>(lane)])
-        all.topics.emplace_back(topic.name, ros_.figures(lane, topic, now));
+      for (const OutputTopic& topic : plan_->topics[static_cast<std::size_t>(lane)]) {
+        const TopicFigures figures = ros_.figures(lane, topic, now);
+        if (topic.promised || figures.frames > 0) all.topics.emplace_back(topic.name, figures);
+      }
     }
     return all;
   }
   void tick(Stamp now) {
     ros_.stand_back(planes_.ports_are_taken() || clouds_.ports_are_taken());
-    feed_watchdog();
     leave_name_to_others();
-    ++ticks_;
-    if (ticks_ % ticks_per_status == 0) service_.status(status());
+    if (++ticks_ % ticks_per_status == 0) service_.status(status());
     update_journal();
     box_.poll(now, clock_.step(), [this] { return events_json(journal_); });
   }
@@ -352,6 +353,7 @@ class Daemon {
   std::chrono::steady_clock::time_point fed_ = std::chrono::steady_clock::now();
   bool reported_standing_ = false;
   const Stamp started_ = clock_.now();
+  const std::string history_ = service_history();
   RuntimeSocket socket_;
 };
 

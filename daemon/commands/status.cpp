@@ -66,10 +66,8 @@ Json json_of(const std::string& topic, const TopicFigures& f) {
 }
 
 Json json_of(const Event& event) {
-  return {{"at", time_text(event.at)},
-          {"level", name_of(event.health)},
-          {"source", event.source},
-          {"text", event.text}};
+  return {{"at", time_text(event.at)},      {"first", time_text(event.first)}, {"count", event.count},
+          {"level", name_of(event.health)}, {"source", event.source},          {"text", event.text}};
 }
 
 /// What devices and other nodes say may hold any bytes.
@@ -102,38 +100,59 @@ std::string figure(const Json& value, int digits) {
   return fmt::format("{:.{}f}", value.get<double>(), digits);
 }
 
-void print_events(const Json& events, std::ostream& out) {
+/// `is_narrow`: for a terminal of 80 columns, without year and milliseconds.
+void print_events(const Json& events, std::ostream& out, bool is_narrow) {
   TextTable table{{"AT (UTC)", "LEVEL", "SOURCE", "WHAT"}};
-  for (const Json& event : events)
-    table.push_back({cell(event["at"]), cell(event["level"]), cell(event["source"]), cell(event["text"])});
-  print_columns(table, out);
+  for (const Json& event : events) {
+    std::string at = cell(event["at"]), text = cell(event["text"]);
+    if (is_narrow) at = at.substr(5, 5) + " " + at.substr(11, 8);
+    if (event["count"] > 1)
+      text += fmt::format(" ({} times since {})", event["count"].get<std::uint64_t>(),
+                          cell(event["first"]).substr(11, 8));
+    table.push_back({at, cell(event["level"]), cell(event["source"]), text});
+  }
+  is_narrow ? print_narrow(table, out) : print_columns(table, out);
+}
+
+/// The figures of a topic in columns that fit beside its name.
+std::string columns(const std::string& frames, const std::string& dropped, const std::string& rate,
+                    const std::string& gap, const std::string& latency) {
+  return fmt::format("{:>9} {:>7} {:>6} {:>13} {:>18}", frames, dropped, rate, gap, latency);
+}
+
+void print_topics(const Json& all, std::ostream& out) {
+  TextTable table{{"TOPIC", columns("FRAMES", "DROPPED", "RATE/S", "GAP MS", "LATENCY MS")},
+                  {"", columns("", "", "", "MIN-MAX", "P50/P99/MAX")}};
+  for (const Json& topic : all) {
+    const Json &gap = topic["gap_ms"], &latency = topic["latency_ms"];
+    table.push_back({cell(topic["topic"]),
+                     columns(topic["frames"].dump(), topic["dropped"].dump(), figure(topic["rate_hz"], 1),
+                             figure(gap["min"], 1) + "-" + figure(gap["max"], 1),
+                             figure(latency["p50"], 2) + "/" + figure(latency["p99"], 2) + "/" +
+                                 figure(latency["max"], 2))});
+  }
+  print_narrow(table, out);
 }
 
 /// Returns whether nothing is in error.
 bool print_status(const Json& said, std::ostream& out) {
   const auto up = std::chrono::seconds(said["uptime_s"].get<std::int64_t>());
-  out << fmt::format("lidard {}, node {}, pid {}, up {:%H:%M:%S}\n{}\n\n", cell(said["version"]),
-                     cell(said["node"]), said["pid"].get<int>(), up, cell(said["summary"]));
+  const std::string history = cell(said["history"]);
+  out << fmt::format("lidard {}, node {}, pid {}, up {:%H:%M:%S}\n{}\n{}{}\n", cell(said["version"]),
+                     cell(said["node"]), said["pid"].get<int>(), up, cell(said["summary"]), history,
+                     history.empty() ? "" : "\n");
   bool fine = true;
   TextTable items{{"STATE", "WHAT", "SAYS"}};
   for (const Json& item : said["items"]) {
     items.push_back({cell(item["level"]), cell(item["name"]), cell(item["message"])});
     fine = fine && item["level"] != name_of(Health::error);
   }
-  print_columns(items, out);
-  TextTable topics{
-      {"TOPIC", "FRAMES", "DROPPED", "RATE/S", "GAP MS MIN", "MAX", "LATENCY MS P50", "P99", "MAX"}};
-  for (const Json& topic : said["topics"]) {
-    const Json &gap = topic["gap_ms"], &latency = topic["latency_ms"];
-    topics.push_back({cell(topic["topic"]), topic["frames"].dump(), topic["dropped"].dump(),
-                      figure(topic["rate_hz"], 1), figure(gap["min"], 1), figure(gap["max"], 1),
-                      figure(latency["p50"], 2), figure(latency["p99"], 2), figure(latency["max"], 2)});
-  }
+  print_narrow(items, out);
   out << '\n';
-  print_columns(topics, out);
+  print_topics(said["topics"], out);
   if (said["events"].empty()) return fine;
   out << '\n';
-  print_events(said["events"], out);
+  print_events(said["events"], out, true);
   return fine;
 }
 
@@ -164,7 +183,8 @@ std::string status_json(const DaemonState& state, const Journal& journal) {
               {"pid", getpid()},
               {"at", time_text(state.now)},
               {"uptime_s", std::chrono::duration_cast<std::chrono::seconds>(state.uptime).count()},
-              {"summary", state.summary}};
+              {"summary", state.summary},
+              {"history", state.history}};
   Json items = Json::array(), topics = Json::array(), events = Json::array();
   for (const DiagnosticItem& item : state.items) items.push_back(json_of(item));
   for (const auto& [topic, figures] : state.topics) topics.push_back(json_of(topic, figures));
@@ -220,7 +240,7 @@ int run_events(const StatusOptions& options, std::ostream& out, std::ostream& er
     const Json said = Json::parse(answer);
     if (const auto forgotten = said["forgotten"].get<std::uint64_t>(); forgotten > 0)
       out << forgotten << " earlier events are forgotten\n";
-    print_events(said["events"], out);
+    print_events(said["events"], out, false);
     return exit_ok;
   });
 }

@@ -19,6 +19,7 @@ struct DaemonState {
   Stamp now;         ///< on the host's clock
   Span uptime{0};
   std::string summary;  ///< one line, as systemd has it
+  std::string history;  ///< service_history()
   std::vector<DiagnosticItem> items;
   std::vector<std::pair<std::string, TopicFigures>> topics;
 };

@@ -15,7 +15,7 @@ using Rows = Keys<S>;
 
 constexpr double longest_offset_s = 1e6;  // so that a nanosecond survives in a double
 constexpr double last_port = 65535;
-constexpr const char* sender_form = "the sensor's IPv4 or IPv6 address like 192.168.1.201";
+constexpr const char* sender_form = "the sensor's IPv4 address like 192.168.1.201";
 constexpr const char* group_form = "a multicast address like 239.0.0.10";
 
 /// Why models refuse keys that others take, and what to do instead.
@@ -59,6 +59,7 @@ Rows of_requests(const Keys<DeviceRequests>& keys) {
 std::optional<Misfit> no_sender(const KeyValue& value) {
   const auto address = IpAddress::parse(std::get<std::string>(value));
   if (!address) return Misfit{"is {}, which is no address", sender_form};
+  if (address->v6) return Misfit{"is {}, an IPv6 address, from which nothing is received", sender_form};
   if (!address->is_multicast()) return std::nullopt;
   return Misfit{"is {}, a multicast group",
                 std::string(sender_form) + "; the group goes into multicast_group"};

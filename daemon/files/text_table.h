@@ -26,4 +26,34 @@ inline void print_columns(const TextTable& table, std::ostream& out, const std::
   }
 }
 
+/// The same for a terminal of 80 columns: the last cell goes on in further lines.
+inline void print_narrow(const TextTable& table, std::ostream& out) {
+  constexpr std::size_t width = 80, widest = 21;
+  std::vector<std::size_t> begins(table.front().size(), 0);
+  for (std::size_t i = 0; i + 1 < begins.size(); ++i) {
+    std::size_t longest = 0;
+    for (const auto& row : table) longest = std::max(longest, row[i].size());
+    begins[i + 1] = begins[i] + std::min(longest, widest) + 2;
+  }
+  for (const auto& row : table) {
+    std::string line;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const std::string& cell = row[i];
+      if (!line.empty() && line.size() + 2 > begins[i]) out << line << '\n', line.clear();
+      line.resize(begins[i], ' ');
+      std::size_t at = 0;
+      const std::size_t room = width - begins[i];
+      while (cell.size() - at > room) {
+        const std::size_t blank = cell.rfind(' ', at + room);
+        const std::size_t end = blank == std::string::npos || blank <= at ? at + room : blank;
+        out << line << cell.substr(at, end - at) << '\n';
+        line.assign(begins[i], ' ');
+        at = end + (end == blank ? 1 : 0);
+      }
+      line += cell.substr(at);
+    }
+    out << line << '\n';
+  }
+}
+
 }  // namespace lidard

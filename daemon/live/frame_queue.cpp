@@ -14,16 +14,19 @@ QueuedContent what_travels(TopicKind kind) {
   return kind == TopicKind::cloud ? QueuedContent(Cloud()) : PlanarScan();
 }
 
-/// How many frames may wait. Inertial samples come every 5 ms, and a large cloud takes longer to publish.
-std::size_t depth_of(const OutputTopic& topic) {
-  return topic.kind == TopicKind::message && topic.message == message_kind<ImuSample>() ? 32 : usual_depth;
-}
-
 }  // namespace
+
+std::size_t queue_depth(const OutputTopic& topic) {
+  if (topic.kind == TopicKind::cloud) return usual_depth;
+  if (topic.kind != TopicKind::message) return 100;
+  return topic.message == message_kind<ImuSample>() ? 50 : usual_depth;
+}
 
 FrameQueue::FrameQueue(const std::vector<OutputTopic>& topics, Backpressure backpressure)
     : backpressure_(backpressure) {
-  for (const OutputTopic& topic : topics) add_lane(what_travels(topic.kind), depth_of(topic));
+  for (const OutputTopic& topic : topics)
+    add_lane(what_travels(topic.kind),
+             backpressure == Backpressure::block ? usual_depth : queue_depth(topic));
   add_lane(std::vector<StaticTransform>(), usual_depth);
   add_lane(Stamp(), usual_depth);
 }
@@ -37,6 +40,14 @@ void FrameQueue::add_lane(const QueuedContent& empty, std::size_t depth) {
   for (QueuedFrame& frame : lane.frames) lane.free.push_back(&frame);
 }
 
+/// For a frame that was released then to find its place.
+bool FrameQueue::must_drop(const Lane& lane, Stamp released) {
+  constexpr Span longest_wait = std::chrono::seconds(1);
+  const std::size_t waiting = lane.waiting.size();
+  return waiting >= lane.depth ||
+         (waiting >= usual_depth && released - lane.waiting.front()->released > longest_wait);
+}
+
 template <typename Fill>
 void FrameQueue::push_to(std::size_t number, Stamp released, Fill fill) {
   std::unique_lock lock(mutex_);
@@ -44,15 +55,13 @@ void FrameQueue::push_to(std::size_t number, Stamp released, Fill fill) {
   if (backpressure_ == Backpressure::block)
     emptied_.wait(lock, [&] { return stopped_ || lane.waiting.size() < lane.depth; });
   if (stopped_) return;
-  QueuedFrame* frame = nullptr;
-  if (lane.waiting.size() < lane.depth) {
-    frame = lane.free.back();
-    lane.free.pop_back();
-  } else {
-    frame = lane.waiting.front();
+  while (backpressure_ == Backpressure::drop_oldest && must_drop(lane, released + step_.load())) {
+    lane.free.push_back(lane.waiting.front());
     lane.waiting.pop_front();
     ++lane.dropped;
   }
+  QueuedFrame* const frame = lane.free.back();
+  lane.free.pop_back();
   frame->number = ++pushed_;
   frame->released = released + step_.load();
   lane.watch.released(released);

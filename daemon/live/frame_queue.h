@@ -32,8 +32,14 @@ struct QueuedFrame {
   QueuedContent content;
 };
 
-/// A bounded queue with a lane per topic, of two frames or of 32 inertial samples; frames leave in the order
-/// they came. Frames and their buffers are recycled: no allocation after warm-up. Knows no middleware.
+/// How many frames of a topic may wait until they are published. A thread that stood still publishes late
+/// what came meanwhile: planar scans of a second (no scanner turns more than 100 times), and inertial samples
+/// of a quarter of one. Clouds are large and outdated soon.
+std::size_t queue_depth(const OutputTopic& topic);
+
+/// A bounded queue with a lane per topic, see queue_depth(); live, what has waited for a second makes room
+/// for what comes. Frames leave in the order they came. Frames and their buffers are recycled: no allocation
+/// after warm-up. Knows no middleware.
 class FrameQueue {
  public:
   /// `topics` as in output_topics().
@@ -80,6 +86,7 @@ class FrameQueue {
   void add_lane(const QueuedContent& empty, std::size_t depth);
   template <typename Fill>
   void push_to(std::size_t lane, Stamp released, Fill fill);
+  static bool must_drop(const Lane& lane, Stamp released);
   Lane* oldest();
   std::uint64_t dropped(std::size_t begin, std::size_t end) const;
 

@@ -121,14 +121,51 @@ std::string host_hint(const SensorConfig& sensor, const HostCounts& counts) {
       came, in.to_string(), who, sensor.ip_port, in.name, who);
 }
 
+void NeighbourWatch::see(const std::string& hardware, Clock::time_point now) {
+  if (hardware == hardware_) return;
+  if (hardware == before_) returned_ = now;
+  before_ = std::exchange(hardware_, hardware);
+}
+
+std::string NeighbourWatch::rivals(Clock::time_point now) const {
+  constexpr auto news = std::chrono::minutes(10);
+  return returned_ && now - *returned_ < news ? hardware_ + " and " + before_ : std::string();
+}
+
 HostCauses::HostCauses(const Config& config, const UdpPorts& ports) : ports_(ports) { configure(config); }
 
 void HostCauses::configure(const Config& config) {
   sensors_ = config.sensors;
+  auto known = std::exchange(addresses_, {});
+  for (const SensorConfig& each : sensors_) {
+    if (is_received(each) && each.ip_address) addresses_[*each.ip_address] = known[*each.ip_address];
+  }
   others_may_talk_ =
       config.is_not_alone || std::any_of(sensors_.begin(), sensors_.end(), [](const SensorConfig& each) {
         return is_received(each) && each.model->transport == Transport::tcp;
       });
+}
+
+void HostCauses::watch_addresses() {
+  const auto now = Clock::now();
+  if (now - watched_ < std::chrono::seconds(1)) return;
+  watched_ = now;
+  const auto neighbours = look_at_neighbours();
+  for (auto& [address, watch] : addresses_) {
+    if (const auto found = neighbours.find(address); found != neighbours.end()) watch.see(found->second, now);
+  }
+}
+
+void HostCauses::add_diagnostics(std::vector<DiagnosticItem>& items) const {
+  for (const auto& [address, watch] : addresses_) {
+    const std::string rivals = watch.rivals(Clock::now());
+    if (rivals.empty()) continue;
+    const std::string text = address.to_string();
+    DiagnosticItem item{"address " + text, text};
+    item.set(Health::error, "two devices have the address " + text + ", with the hardware addresses " +
+                                rivals + "; give one of them another IP address");
+    items.push_back(std::move(item));
+  }
 }
 
 void HostCauses::look() {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,6 +28,19 @@ std::string path_filter_hint(const HostCounts& counts);
 /// Why nothing may come from a sensor that sends datagrams; empty: no idea.
 std::string host_hint(const SensorConfig& sensor, const HostCounts& counts);
 
+/// Follows the hardware address of a neighbour. Two that take turns are two devices with one IP address.
+class NeighbourWatch {
+ public:
+  using Clock = std::chrono::steady_clock;
+  void see(const std::string& hardware, Clock::time_point now);
+  /// Both of them; empty: there were not two in the last ten minutes.
+  std::string rivals(Clock::time_point now) const;
+
+ private:
+  std::string hardware_, before_;
+  std::optional<Clock::time_point> returned_;
+};
+
 /// Looks at this host's network when a sensor is silent: at most once per second, and when interfaces have
 /// changed.
 class HostCauses {
@@ -39,6 +53,10 @@ class HostCauses {
   /// As host_trouble(), or why the sensor's port cannot be opened. `sensor`: place in the configuration.
   std::string trouble(std::size_t sensor);
   std::string hint(std::size_t sensor);
+  /// To be called often: looks once a second who has the sensors' addresses.
+  void watch_addresses();
+  /// An item for each address that two devices have.
+  void add_diagnostics(std::vector<DiagnosticItem>& items) const;
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -54,6 +72,8 @@ class HostCauses {
   const UdpPorts& ports_;
   bool others_may_talk_ = false;  // of whom ports_ does not know
   std::optional<Look> before_, now_;
+  std::map<IpAddress, NeighbourWatch> addresses_;  // of sensors
+  Clock::time_point watched_{};
   bool stale_ = true;
 };
 

@@ -14,6 +14,14 @@ std::string without_figures(std::string text) {
   return text;
 }
 
+/// What happens again within this time is no other incident.
+constexpr Span one_incident = std::chrono::minutes(10);
+
+bool is_again(const Event& before, const Event& now) {
+  return before.source == now.source && before.health == now.health && now.at >= before.at &&
+         now.at - before.at < one_incident && without_figures(before.text) == without_figures(now.text);
+}
+
 }  // namespace
 
 Health Journal::update(const std::vector<DiagnosticItem>& items, Stamp now) {
@@ -32,6 +40,13 @@ Health Journal::update(const std::vector<DiagnosticItem>& items, Stamp now) {
 
 void Journal::add(Event event) {
   if (is_to_be_told(event)) told_(event);
+  const auto before = std::find_if(events_.rbegin(), events_.rend(),
+                                   [&](const Event& known) { return is_again(known, event); });
+  if (before != events_.rend()) {
+    event.count += before->count;
+    event.first = before->first;
+    events_.erase(std::next(before).base());
+  }
   events_.push_back(std::move(event));
   if (events_.size() <= most_events) return;
   events_.pop_front();
@@ -39,9 +54,8 @@ void Journal::add(Event event) {
 }
 
 bool Journal::is_to_be_told(const Event& event) {
-  constexpr Span minute = std::chrono::minutes(1);
   Known& known = known_[event.source];
-  const auto is_old = [&](Stamp at) { return event.at - at > minute || at > event.at; };
+  const auto is_old = [&](Stamp at) { return event.at - at > one_incident || at > event.at; };
   known.told.erase(std::remove_if(known.told.begin(), known.told.end(), is_old), known.told.end());
   if (known.told.size() < most_told) {
     known.flaps = false;
@@ -50,7 +64,7 @@ bool Journal::is_to_be_told(const Event& event) {
   }
   if (!std::exchange(known.flaps, true))
     told_({event.at, event.source, event.health,
-           event.text + " (changes to and fro; `lidard events` lists what follows within the minute)"});
+           event.text + " (changes to and fro; `lidard events` counts what follows)"});
   return false;
 }
 

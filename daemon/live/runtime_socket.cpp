@@ -151,6 +151,8 @@ std::string ask_daemon(const std::string& path, const std::string& word) {
   Local::socket socket(io);
   boost::system::error_code error;
   socket.connect(path, error);
+  if (error == asio::error::access_denied)
+    throw std::runtime_error(path + ": this user may not ask the daemon; ask with sudo");
   if (error)
     throw std::runtime_error(path + ": no daemon answers (" + error.message() +
                              "); start it, or name its socket with --socket");

@@ -53,6 +53,7 @@ SensorLoop::SensorLoop(const Config& config, DaemonClock& clock, BlackBox& box, 
     add_items(items);
     ports_.add_diagnostics(items);
     links_.add_diagnostics(items);
+    host_causes_.add_diagnostics(items);
     on_state({items, lidars_alive(), ports_.open(), links_.connected()});
   });
 }
@@ -105,8 +106,18 @@ Share SensorLoop::lidars_alive() const {
   return alive;
 }
 
+/// A round of the thread, if one is due.
+void SensorLoop::live() {
+  const auto now = std::chrono::steady_clock::now();
+  if (now < next_round_) return;
+  next_round_ = now + tick_period;
+  ++rounds_;
+  on_round();
+}
+
 template <class Use>
 void SensorLoop::take(const Packet& packet, Use use) {
+  live();
   Packet timed = packet;
   timed.arrival = clock_.without_steps(packet.arrival);
   box_.add(timed);
@@ -124,10 +135,12 @@ void SensorLoop::catch_up(Then then) {
 }
 
 void SensorLoop::schedule_tick() {
-  next_tick_ += tick_period;
+  // After a stop nobody needs the ticks that were missed.
+  next_tick_ = std::max(next_tick_ + tick_period, std::chrono::steady_clock::now());
   timer_.expires_at(next_tick_);
   timer_.async_wait([this](const boost::system::error_code& error) {
     if (error) return;
+    live();
     catch_up([this](Stamp now) { tick(now); });
     schedule_tick();
   });
@@ -150,13 +163,13 @@ void SensorLoop::arm() {
 }
 
 void SensorLoop::tick(Stamp now) {
-  ++rounds_;
   pipeline_.tick(now);
   arm();
   links_.tick();
-  ports_.log_changes();
+  ports_.note_changes();
+  host_causes_.watch_addresses();
   ports_are_taken_ = ports_.taken();
-  links_.log_changes();
+  links_.log_first();
   on_tick(now);
 }
 

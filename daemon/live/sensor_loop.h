@@ -39,8 +39,9 @@ class SensorLoop {
 
   boost::asio::io_context& io() { return io_; }
   Pipeline& pipeline() { return pipeline_; }
-  /// Called in the thread of run(), about ten times a second, and with the state of the lane whenever
-  /// /diagnostics is told it.
+  /// Called in the thread of run(), about ten times a second: while the thread lives, whatever it has to
+  /// catch up; when it has caught up; and with the state of the lane whenever /diagnostics is told it.
+  std::function<void()> on_round = [] {};
   std::function<void(Stamp now)> on_tick = [](Stamp) {};
   std::function<void(const LaneState&)> on_state = [](const LaneState&) {};
   /// Adds what somebody else knows to the items of the lane.
@@ -64,6 +65,7 @@ class SensorLoop {
   bool ports_are_taken() const { return ports_are_taken_; }
 
  private:
+  void live();
   template <class Use>
   void take(const Packet& packet, Use use);
   template <class Then>
@@ -84,7 +86,7 @@ class SensorLoop {
   boost::asio::steady_timer timer_;
   boost::asio::steady_timer event_timer_;
   std::optional<Stamp> next_event_;  // what event_timer_ is set to
-  std::chrono::steady_clock::time_point next_tick_;
+  std::chrono::steady_clock::time_point next_tick_, next_round_;
   std::atomic<std::uint64_t> rounds_{0};
   std::atomic<bool> ports_are_taken_{false};
 };

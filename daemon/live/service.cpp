@@ -9,13 +9,16 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
+#include <systemd/sd-bus.h>
 #include <systemd/sd-daemon.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <cstddef>
 #include <cstdlib>
+#include <fstream>
 #include <memory>
+#include <string>
 
 namespace lidard {
 namespace {
@@ -83,7 +86,39 @@ void notify_without_waiting(const std::string& text) {
   close(fd);
 }
 
+/// NRestarts of the unit of this process (org.freedesktop.systemd1(5)).
+std::uint32_t count_restarts() {
+  constexpr const char* systemd = "org.freedesktop.systemd1";
+  constexpr std::uint64_t patience_us = 500'000;
+  sd_bus* bus = nullptr;
+  sd_bus_message* answer = nullptr;
+  const char* unit = nullptr;
+  std::uint32_t restarts = 0;
+  const bool known =
+      sd_bus_open_system(&bus) >= 0 && sd_bus_set_method_call_timeout(bus, patience_us) >= 0 &&
+      sd_bus_call_method(bus, systemd, "/org/freedesktop/systemd1", "org.freedesktop.systemd1.Manager",
+                         "GetUnitByPID", nullptr, &answer, "u", static_cast<std::uint32_t>(getpid())) >= 0 &&
+      sd_bus_message_read(answer, "o", &unit) >= 0 &&
+      sd_bus_get_property_trivial(bus, systemd, unit, "org.freedesktop.systemd1.Service", "NRestarts",
+                                  nullptr, 'u', &restarts) >= 0;
+  sd_bus_message_unref(answer);
+  sd_bus_flush_close_unref(bus);
+  return known ? restarts : 0;
+}
+
 }  // namespace
+
+std::string service_history() {
+  const char* const state = std::getenv("STATE_DIRECTORY");
+  if (state == nullptr) return {};
+  std::string text;
+  if (const std::uint32_t n = count_restarts(); n > 0)
+    text = "restarted " + std::to_string(n) + (n == 1 ? " time" : " times") + " by systemd";
+  std::string killed;  // written by ExecStopPost of the unit
+  std::ifstream(std::string(state) + "/watchdog") >> killed;
+  if (!killed.empty()) text += (text.empty() ? "" : ", ") + ("last killed by its watchdog at " + killed);
+  return text;
+}
 
 bool stderr_is_journal() {
   const char* announced = std::getenv("JOURNAL_STREAM");

@@ -14,6 +14,10 @@ void set_up_logging(const std::string& level = "info");
 /// True if file descriptor 2 is the journal's stream that systemd announced in $JOURNAL_STREAM.
 bool stderr_is_journal();
 
+/// What systemd counted of this service before: "restarted 3 times by systemd, last killed by its watchdog at
+/// 2026-11-23T14:03:22Z"; empty: neither, or nobody knows. May take half a second.
+std::string service_history();
+
 /// Tells systemd how we are. Does nothing where no service manager asked for it ($NOTIFY_SOCKET).
 class ServiceManager {
  public:

@@ -111,20 +111,11 @@ void TcpConnections::tick() {
   }
 }
 
-void TcpConnections::log_changes() {
+void TcpConnections::log_first() {
   for (const auto& link : links_) {
     if (!link->source) continue;
-    const TcpState& state = link->source->state();
-    std::string text = text_of(state, link->streams);
-    if (text == link->told) continue;
-    // A dialogue that comes and goes is no news.
-    if (!state.message.empty())
-      spdlog::warn("{}: {}", link->name, text);
-    else if (is_connected(state))
-      spdlog::info("{}: connected to {}", link->name, link->device.to_string());
-    else
-      continue;
-    link->told = std::move(text);
+    if (!is_connected(link->source->state()) || std::exchange(link->announced, true)) continue;
+    spdlog::info("{}: connected to {}", link->name, link->device.to_string());
   }
 }
 
@@ -134,7 +125,6 @@ void TcpConnections::add_diagnostics(std::vector<DiagnosticItem>& items) const {
     const TcpState& state = link->source->state();
     const TcpStats& stats = link->source->stats();
     DiagnosticItem item{"link " + link->name, link->device.to_string()};
-    item.logged = true;
     item.message = text_of(state, link->streams);
     const bool idle = !link->streams && state.phase == TcpState::Phase::stopped && state.message.empty();
     if (!is_connected(state) && !idle && item.message != first_attempt)
@@ -190,11 +180,10 @@ void TcpConnections::disconnect(std::size_t sensor, bool again) {
 
 std::string TcpConnections::trouble(std::size_t sensor) const {
   const Link* link = find(sensor);
-  const bool streams = link != nullptr && link->streams;
-  if (streams && is_connected(link->source->state())) return {};
-  // What is wrong with this host explains what is wrong with the connection.
+  // What is wrong with this host explains what is wrong with the connection, and is known before it breaks.
   std::string host = events_.host_trouble ? events_.host_trouble(sensor) : std::string();
-  return host.empty() && streams ? text_of(link->source->state(), true) : host;
+  const bool says_more = link != nullptr && link->streams && !is_connected(link->source->state());
+  return host.empty() && says_more ? text_of(link->source->state(), true) : host;
 }
 
 std::string TcpConnections::hint(std::size_t sensor) const {

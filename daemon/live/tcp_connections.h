@@ -42,8 +42,8 @@ class TcpConnections final : public DeviceConnections {
   /// To be called about ten times a second: a stream that falls silent is noticed sooner than a device that
   /// still starts.
   void tick();
-  /// Logs what changed since the last call.
-  void log_changes();
+  /// Logs the first time that a device is connected; changes are in add_diagnostics().
+  void log_first();
   /// One item per connection.
   void add_diagnostics(std::vector<DiagnosticItem>& items) const;
   /// Of the devices that stream over TCP.
@@ -64,7 +64,7 @@ class TcpConnections final : public DeviceConnections {
     Span silence{0};  // longest between two frames
     std::unique_ptr<TcpSource> source;
     std::uint64_t frames_before = 0;  // this connection
-    std::string told;
+    bool announced = false;
   };
   void open(Link& link, const IpAddress& device);
   void connected(Link& link, Stamp now);

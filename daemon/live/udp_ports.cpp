@@ -101,26 +101,17 @@ void UdpPorts::look_again() {
   for (auto& port : ports_) port.source->look_again();
 }
 
-void UdpPorts::log_changes() {
+void UdpPorts::note_changes() {
   for (auto& port : ports_) {
     const UdpState& state = port.source->state();
-    if (state.phase != port.told.phase || state.message != port.told.message) {
+    if (state.phase != port.known.phase || state.message != port.known.message) {
       // Not each time that it is tried: all processes are looked at.
       port.holder = state.phase == UdpState::Phase::waiting ? holder_of_udp_port(port.number) : std::string();
-      if (state.phase == UdpState::Phase::receiving) {
-        spdlog::info("listening on port {}", port.number);
-        if (!port.source->warning().empty()) spdlog::warn("port {}: {}", port.number, port.source->warning());
-      } else {
-        spdlog::warn("{}", message_of(port));
-      }
-      port.told = state;
+      if (state.phase == UdpState::Phase::receiving) spdlog::info("listening on port {}", port.number);
+      port.known = state;
     }
     const std::uint64_t drops = port.source->stats().kernel_drops;
-    if (drops != port.reported_drops) {
-      spdlog::warn("port {}: {} packets lost in the kernel's receive buffer so far", port.number, drops);
-      port.reported_drops = drops;
-      port.dropped_at = std::chrono::steady_clock::now();
-    }
+    if (std::exchange(port.known_drops, drops) != drops) port.dropped_at = std::chrono::steady_clock::now();
   }
 }
 
@@ -130,7 +121,6 @@ void UdpPorts::add_diagnostics(std::vector<DiagnosticItem>& items) const {
     const UdpStats& stats = port.source->stats();
     const std::string name = "port " + std::to_string(port.number);
     DiagnosticItem item{name, name};
-    item.logged = true;
     item.health = state.phase == UdpState::Phase::receiving ? Health::ok
                   : receives(state)                         ? Health::warn
                                                             : Health::error;

@@ -25,8 +25,9 @@ class UdpPorts {
   void stop();
   /// Interfaces or addresses of this host have changed.
   void look_again();
-  /// Logs what changed since the last call: listening, waiting for a port, small buffers, kernel drops.
-  void log_changes();
+  /// Looks for what changed since the last call, and logs which ports are open; the rest is in
+  /// add_diagnostics().
+  void note_changes();
   /// One item per port.
   void add_diagnostics(std::vector<DiagnosticItem>& items) const;
   Share open() const;
@@ -41,9 +42,9 @@ class UdpPorts {
   struct Port {
     std::uint16_t number = 0;
     std::unique_ptr<UdpSource> source;
-    UdpState told;
+    UdpState known;
     std::string holder;  // who has it instead of us
-    std::uint64_t reported_drops = 0;
+    std::uint64_t known_drops = 0;
     std::chrono::steady_clock::time_point dropped_at{};
   };
   static std::string message_of(const Port& port);

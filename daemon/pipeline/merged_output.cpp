@@ -65,7 +65,7 @@ class MergedOutput final : public Output {
         overlap_(config.laserscan_topics.size()),
         compared_(config.laserscan_topics.size(), nullptr),
         places_(config.laserscan_topics.size(), Eigen::Vector2d::Zero()),
-        reported_states_(config.laserscan_topics.size(), SourceState::never),
+        reported_(config.laserscan_topics.size()),
         why_unplaced_(config.laserscan_topics.size()),
         taken_(config.laserscan_topics.size(), 0) {
     find_topics();
@@ -115,12 +115,10 @@ class MergedOutput final : public Output {
     return event ? std::min(*event, given_up) : given_up;
   }
   bool states_changed(Stamp now) override {
+    const Span passed = now - std::exchange(looked_at_, now);
     bool changed = false;
-    for (std::size_t s = 0; s < reported_states_.size(); ++s) {
-      const SourceState state = scheduler_.state(s, now);
-      changed = changed || state != reported_states_[s];
-      reported_states_[s] = state;
-    }
+    for (std::size_t s = 0; s < reported_.size(); ++s)
+      changed = reported_[s].update(scheduler_.state(s, now), passed) || changed;
     return changed;
   }
   void set_scan(const OutputScanConfig& wanted) override {
@@ -268,12 +266,11 @@ class MergedOutput final : public Output {
     ++counters_.published;
     counters_.last_published = now;
     compare_sources(moment.at);
-    Outlet& outlet = context_.outlet;
-    for (std::size_t i = 0; i < scans_.size(); ++i) outlet.publish(*scan_topics_[i], scans_[i], now);
-    if (cloud_topic_ != nullptr) outlet.publish(*cloud_topic_, cloud_, now);
+    for (std::size_t i = 0; i < scans_.size(); ++i) context_.outlet.publish(*scan_topics_[i], scans_[i], now);
+    if (cloud_topic_ != nullptr) context_.outlet.publish(*cloud_topic_, cloud_, now);
     if (status_topic_ == nullptr) return;
     fill_status();
-    outlet.publish(*status_topic_, status_, now);
+    context_.outlet.publish(*status_topic_, status_, now);
   }
   void fill_status() {
     const Visibility& visibility = *merger_->visibility();
@@ -315,23 +312,25 @@ class MergedOutput final : public Output {
   }
   void describe_sources(DiagnosticItem& item, Stamp now, bool starting) const {
     std::string silent, lost;
+    bool delivers = false;
     for (std::size_t s = 0; s < config_.laserscan_topics.size(); ++s) {
       const std::string& name = config_.laserscan_topics[s];
       const SourceState state = scheduler_.state(s, now);
       std::string text = to_string(state);
-      if (state != SourceState::never) {
-        const double period = scheduler_.period(s);
-        text += fmt::format(", {:.1f} Hz, age {:.0f} ms", period > 0 ? 1 / period : 0,
-                            seconds(scheduler_.age(s, now)) * 1000);
-      }
+      const double period = scheduler_.period(s), age_ms = seconds(scheduler_.age(s, now)) * 1000;
+      if (state != SourceState::never)
+        text += fmt::format(", {:.1f} Hz, age {:.0f} ms", period > 0 ? 1 / period : 0, age_ms);
       item.add("Source " + name, text);
-      std::string& list = state == SourceState::stale ? silent : lost;
-      if (state != SourceState::ok) list += (list.empty() ? "" : ", ") + name;
+      const SourceState told = reported_[s].state();
+      std::string& list = told == SourceState::stale ? silent : lost;
+      if (told != SourceState::ok) list += (list.empty() ? "" : ", ") + name;
+      delivers = delivers || told == SourceState::ok || config_.schedule.publish_when_empty;
     }
     item.add("Sources lost", lost);
     if (starting || item.health != Health::ok || (lost.empty() && silent.empty())) return;
     item.set(lost.empty() ? Health::warn : Health::error,
              "publishing without " + (lost.empty() ? silent + ", whose sweeps are too old" : lost));
+    if (!delivers) item.message = "no output, since no source delivers: see the state of its sensors";
     if (counters_.no_pose > 0 && !counters_.why_no_pose.empty()) item.message += ": " + counters_.why_no_pose;
   }
   void describe_beams(DiagnosticItem& item) const {
@@ -371,7 +370,8 @@ class MergedOutput final : public Output {
   MountCheck overlap_;
   std::vector<const PlacedScan*> compared_;
   std::vector<Eigen::Vector2d> places_;
-  std::vector<SourceState> reported_states_;
+  std::vector<ReportedState> reported_;
+  Stamp looked_at_{};
   std::vector<std::string> why_unplaced_;  // why the newest scan of a source had no place; empty: it had one
   std::vector<char> taken_;                // sources of which a scan was ever used
   std::vector<PlanarScan> scans_;          // the first is the entry's own, then those of `also`

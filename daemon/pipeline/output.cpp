@@ -69,6 +69,19 @@ DiagnosticItem health_of(const std::string& name, const OutputCounters& counters
   return item;
 }
 
+bool ReportedState::update(SourceState now, Span passed) {
+  constexpr Span least = std::chrono::seconds(1);
+  passed = std::clamp(passed, Span(0), least);
+  const bool stale = now == SourceState::stale;
+  stale_ = std::clamp(stale_ + (stale ? passed : -passed), Span(0), least);
+  if (stale && state_ == SourceState::lost) stale_ = least;  // it has not been of use meanwhile
+  if (stale || now == SourceState::ok) {
+    const bool still = state_ == SourceState::stale && stale_ > Span(0);
+    now = stale_ == least || still ? SourceState::stale : SourceState::ok;
+  }
+  return std::exchange(state_, now) != now;
+}
+
 void Outlet::configure(std::vector<OutputTopic> topics, std::size_t sensors) {
   const std::vector<OutputReport> before = std::exchange(reports_, {});
   topics_ = std::move(topics);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/frames/scan_grid.h"
+#include "core/merge/scheduler.h"
 #include "daemon/config/config.h"
 #include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/report.h"
@@ -114,6 +115,20 @@ class Output {
 /// The output of an entry.
 std::unique_ptr<Output> make_output(const MergedScanConfig& config, const OutputContext& context);
 std::unique_ptr<Output> make_output(const VirtualScanConfig& config, const OutputContext& context);
+
+/// The state of a source of a merged scan as people are told it. A busy computer makes sweeps stale now and
+/// then for milliseconds: `stale` begins when that has been so for a second longer than not, and ends
+/// likewise.
+class ReportedState {
+ public:
+  SourceState state() const { return state_; }
+  /// What it is now, and for how long it was looked at. True if another state is to be told.
+  bool update(SourceState now, Span passed);
+
+ private:
+  SourceState state_ = SourceState::never;
+  Span stale_{0};
+};
 
 /// What one output did since the start.
 struct OutputCounters {

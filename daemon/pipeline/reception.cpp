@@ -22,6 +22,8 @@ constexpr std::uint64_t least_looked = 10;
 constexpr float too_near = 0.3F;
 /// No product turns slower than a third of its usual rate (Velodyne: 300 of 600 rpm).
 constexpr double slowest = 3;
+/// Nor eight times as fast (an LMS511 turns four times as fast).
+constexpr double fastest = 1.0 / 8;
 /// A scanner that sends every second scan, or fewer.
 constexpr double left_out = 1.5;
 
@@ -216,10 +218,11 @@ double ReceptionWatch::median_distance() const {
 double ReceptionWatch::period() const {
   if (promised_s_ <= 0 || exact_) return promised_s_;
   const double learned = median_distance();
-  if (learned <= 0) return 0;
+  // Of scans that come out in a rush the stamps say nothing.
+  if (learned < fastest * promised_s_) return 0;
   if (declared_s_ <= 0) return std::min(learned, slowest * promised_s_);
   const bool seldom = learned > left_out * declared_s_ && recent().lost() == 0;
-  return seldom ? learned : declared_s_;
+  return seldom ? learned : std::max(declared_s_, fastest * promised_s_);
 }
 
 void ReceptionWatch::sender(const IpAddress& address) {

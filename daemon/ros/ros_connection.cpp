@@ -32,8 +32,6 @@ namespace {
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
-/// Of the thread that talks to the master, for debuggers.
-constexpr const char* thread_name = "lidard-master";
 /// How often the master is asked whether it is there.
 constexpr auto master_period = milliseconds(500);
 constexpr auto look_period = milliseconds(100);
@@ -43,6 +41,8 @@ constexpr auto news_of_a_stop = std::chrono::seconds(60);
 constexpr auto longest_standing_back = std::chrono::seconds(2);
 /// A live thread makes ten rounds per second.
 constexpr auto longest_round = std::chrono::seconds(2);
+/// To advertise all topics takes a busy master its time.
+constexpr auto longest_call = std::chrono::seconds(5);
 
 }  // namespace
 
@@ -72,7 +72,7 @@ struct RosConnection::Impl {
   std::unique_ptr<RosCallbackThread> callbacks;  // while ROS runs
 
   std::atomic<bool> stopping{false};
-  std::atomic<bool> master_present{false};
+  std::atomic<bool> master_asked{false}, master_present{false};
   std::atomic<bool> master_ended{false};
   std::atomic<bool> ended_clean{true};
   std::atomic<bool> news{false};  // for /diagnostics, not to be held back
@@ -95,6 +95,7 @@ struct RosConnection::Impl {
   bool registered = false;
   int master_pid = 0;
   std::optional<Clock::time_point> standing_back_since;
+  bool noticed = false;  // that the master does not answer
   Clock::time_point next_notice = Clock::now();
   Clock::time_point next_diagnostics = Clock::now();
 
@@ -106,7 +107,6 @@ struct RosConnection::Impl {
     wake.notify_all();
   }
   void run_master() {
-    name_this_thread(thread_name);
     MasterClient master(*parse_server_uri(master_uri), node);
     while (!stopping) {
       look_after(master);
@@ -115,8 +115,10 @@ struct RosConnection::Impl {
       const auto is_urgent = [this] {
         return stopping || news || wanted || lanes->has_retired() || (running && !ros::ok());
       };
-      for (auto waited = milliseconds(0); waited < master_period && !is_urgent(); waited += look_period)
+      for (auto waited = milliseconds(0); waited < master_period && !is_urgent(); waited += look_period) {
+        pulse.tick(RosPulse::master);
         wake.wait_for(lock, look_period, is_urgent);
+      }
     }
     shut_down(master);
     master_ended = true;
@@ -139,12 +141,12 @@ struct RosConnection::Impl {
   }
   /// What has to wait for the master.
   void register_changes() {
-    const RosPulse::Call call(pulse);
     components.register_changes(*callbacks);
     for (const auto& lane : lanes->current()) lane->publishers().advertise_missing();
   }
   void look_after(MasterClient& master) {
     const Clock::time_point now = Clock::now();
+    pulse.tick(RosPulse::master);
     if (now - std::exchange(last_round, now) > longest_round) awake_since = now;
     begin_change();
     end_change();
@@ -152,6 +154,8 @@ struct RosConnection::Impl {
     // News do not wait for the master's answer.
     if (running && news.exchange(false)) publish_diagnostics();
     const auto pid = master.pid();
+    master_asked = true;
+    pulse.tick(RosPulse::master);
     if (stopping) return;
     if (pid) {
       master_answered(master, *pid);
@@ -162,7 +166,9 @@ struct RosConnection::Impl {
     if (running && Clock::now() >= next_diagnostics) publish_diagnostics();
   }
   void master_answered(MasterClient& master, int pid) {
+    const RosPulse::Call call(pulse);
     master_present = true;
+    noticed = false;
     const bool another = pid != master_pid;
     master_pid = pid;
     if (!running) {
@@ -174,7 +180,6 @@ struct RosConnection::Impl {
       if (registered) spdlog::warn("ROS master at {} came back; all topics are registered again", master_uri);
     }
     register_changes();
-    const RosPulse::Call call(pulse);
     components.for_each(*callbacks, [&](RosComponent& component) {
       if (stopping) return;
       component.poll(master);
@@ -193,21 +198,17 @@ struct RosConnection::Impl {
     standing_back_since.reset();
     master_present = false;
     registered = false;
-    if (Clock::now() < next_notice) return;
-    next_notice = Clock::now() + std::chrono::seconds(30);
+    if (noticed || Clock::now() < next_notice) return;
+    noticed = true;
+    next_notice = Clock::now() + std::chrono::minutes(1);
     spdlog::warn("no ROS master at {} ({}): {}; start one with `roscore`, or set ROS_MASTER_URI", master_uri,
                  master.error(),
                  running ? "new subscribers cannot find us" : "data is received but not published");
   }
   void start_ros() {
-    const RosPulse::Call call(pulse);
     name->answer_others();
     ros::master::setRetryTimeout(ros::WallDuration(0.2));
-    // A new thread has the name of the one that starts it; RosPulse names all of roscpp's but that of
-    // /rosout.
-    name_this_thread("roscpp-rosout");
     ros::start();
-    name_this_thread(thread_name);
     for (const auto& lane : lanes->all()) lane->publishers().advertise();
     diagnostics.start();
     callbacks = std::make_unique<RosCallbackThread>(pulse);
@@ -230,6 +231,7 @@ struct RosConnection::Impl {
     running = false;
   }
   void restart_after_foreign_stop(MasterClient& master) {
+    const RosPulse::Call call(pulse);
     ++foreign_stops;
     last_foreign_stop = Clock::now();
     spdlog::error(
@@ -267,10 +269,20 @@ struct RosConnection::Impl {
     return item;
   }
   void judge_own_status(DiagnosticItem& item) const {
-    const Span stands = std::min<Span>(pulse.since_tick(), Clock::now() - awake_since.load());
+    const Span awake = Clock::now() - awake_since.load();
+    const Span stands = std::min<Span>(awake, std::max(pulse.since_tick(RosPulse::publishing),
+                                                       pulse.since_tick(RosPulse::publishing_clouds)));
+    const Span calls = std::min<Span>(awake, pulse.since_tick(RosPulse::master));
     if (stands > longest_round) {
       item.set(Health::error,
                fmt::format("the thread that publishes has stood still for {:.1f} s", seconds(stands)));
+    } else if (calls > longest_call) {
+      item.set(Health::error,
+               fmt::format("the thread that talks to the ROS master has stood still for {:.1f} "
+                           "s; check roscore",
+                           seconds(calls)));
+    } else if (!master_asked) {
+      item.message = "asking the master";
     } else if (!master_present) {
       item.set(Health::warn, "the master does not answer; check roscore");
     } else if (foreign_stops > 0 && Clock::now() - last_foreign_stop.load() < news_of_a_stop) {

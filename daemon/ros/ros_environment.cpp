@@ -91,7 +91,9 @@ void init_ros(const RosOptions& options) {
   choose_ros_log_folder();
   if (const std::string doubt = doubt_about_own_address(); !doubt.empty()) spdlog::warn("{}", doubt);
   try {
-    ros::init(remappings, options.node_name, ros::init_options::NoSigintHandler);
+    // Nothing of ours goes to /rosout, and its thread would wait for the master.
+    ros::init(remappings, options.node_name,
+              ros::init_options::NoSigintHandler | ros::init_options::NoRosout);
   } catch (const ros::Exception& problem) {
     throw wrong_name(problem);
   }

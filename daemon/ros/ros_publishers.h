@@ -28,9 +28,10 @@ class RosPublishers {
  public:
   RosPublishers(const std::vector<OutputTopic>& topics, bool clock)
       : frames_(topics.size()), with_clock_(clock), losses_(topics.size()) {
-    for (const OutputTopic& topic : topics) outputs_.push_back({topic.name, message_for(topic)});
-    outputs_.push_back({"/tf_static", tf2_msgs::TFMessage()});
-    outputs_.push_back({"/clock", rosgraph_msgs::Clock()});
+    for (const OutputTopic& topic : topics)
+      outputs_.push_back({topic.name, message_for(topic), std::max(least_queue, queue_depth(topic))});
+    outputs_.push_back({"/tf_static", tf2_msgs::TFMessage(), least_queue});
+    outputs_.push_back({"/clock", rosgraph_msgs::Clock(), least_queue});
   }
 
   /// Advertises everything; ROS must run. Called by the master thread, may wait for the master.
@@ -143,6 +144,7 @@ class RosPublishers {
  private:
   /// Messages that roscpp is sending to slow subscribers beside those in its queues.
   static constexpr std::size_t most_being_sent = 8;
+  static constexpr std::size_t least_queue = 10;
   /// What subscribers of a topic have not got.
   struct Losses {
     using Clock = std::chrono::steady_clock;
@@ -156,12 +158,10 @@ class RosPublishers {
   struct Output {
     std::string topic;
     RosMessage message;
+    std::size_t queue_size;  // messages that roscpp keeps for a slow subscriber before it drops the oldest
     ros::Publisher publisher = {};
     std::deque<boost::shared_array<std::uint8_t>> sent = {};  // buffers that roscpp may still hold
     std::uint64_t lost = 0;                                   // messages that a subscriber has not got
-    /// How many messages roscpp keeps for a slow subscriber before it drops the oldest; of inertial samples a
-    /// quarter of a second.
-    std::uint32_t queue_size() const { return std::holds_alternative<sensor_msgs::Imu>(message) ? 50 : 10; }
     std::size_t in_flight() {
       count_lost();
       while (!sent.empty() && sent.front().use_count() == 1) sent.pop_front();
@@ -190,7 +190,7 @@ class RosPublishers {
             // What all sockets have taken is to be freed: a cloud takes 10 MB.
             in_flight();
             if (serialized.buf) sent.push_back(serialized.buf);
-            while (sent.size() > queue_size() + most_being_sent) sent.pop_front();
+            while (sent.size() > queue_size + most_being_sent) sent.pop_front();
           },
           message);
     }
@@ -198,7 +198,8 @@ class RosPublishers {
       return std::visit(
           [&](const auto& held) {
             using Message = std::decay_t<decltype(held)>;
-            return node.advertise<Message>(topic, queue_size(), std::is_same_v<Message, tf2_msgs::TFMessage>);
+            return node.advertise<Message>(topic, static_cast<std::uint32_t>(queue_size),
+                                           std::is_same_v<Message, tf2_msgs::TFMessage>);
           },
           message);
     }

@@ -5,7 +5,6 @@
 #include <pthread.h>
 #include <ros/callback_queue.h>
 #include <ros/init.h>
-#include <ros/param.h>
 #include <ros/poll_manager.h>
 #include <ros/xmlrpc_manager.h>
 
@@ -31,7 +30,8 @@ constexpr Names names[] = {{"lidard-ros", "the ROS thread"},
                            {"lidard-callback", "the thread for ROS callbacks"},
                            {"roscpp-sockets", "roscpp's thread for sockets"},
                            {"roscpp-xmlrpc", "roscpp's thread for XML-RPC"},
-                           {"roscpp-callback", "roscpp's thread for callbacks"}};
+                           {"roscpp-callback", "roscpp's thread for callbacks"},
+                           {"lidard-master", "the thread that talks to the ROS master"}};
 
 }  // namespace
 
@@ -41,7 +41,7 @@ void RosPulse::Rounds::tick(Thread thread) {
   thread_local bool named = false;
   if (!std::exchange(named, true)) name_this_thread(names[thread].for_debuggers);
   ++counts[thread];
-  if (thread <= publishing_clouds) published[thread] = Clock::now();
+  last[thread] = Clock::now();
 }
 
 /// A connection without a socket: the server's thread asks each connection in each round whether it has
@@ -74,9 +74,6 @@ class RosPulse::InternalRound final : public ros::CallbackInterface {
 };
 
 void RosPulse::attach() {
-  // Else roscpp asks the master for it in whatever thread first logs a warning, and hangs with the master.
-  bool no_topics = false;
-  ros::param::getCached("/rosout_disable_topics_generation", no_topics);
   rounds_->callback_waits = false;
   ros::XMLRPCManager::instance()->addASyncConnection(boost::make_shared<ServerRound>(rounds_));
   const ros::CallbackInterfacePtr callback = boost::make_shared<InternalRound>(rounds_);
@@ -95,8 +92,9 @@ std::string RosPulse::standing(bool master_answers) {
   std::string standing;
   for (std::size_t i = 0; i < threads; ++i) {
     now[i] = rounds_->counts[i];
-    const bool ours = i == publishing || i == publishing_clouds;
-    const bool counts = ours ? now[i] > 0 : (attached_ && (i == callbacks || master_answers));
+    const bool ours = i == publishing || i == publishing_clouds || i == master;
+    const bool without_master = i <= callbacks;
+    const bool counts = (ours ? now[i] > 0 : attached_.load()) && (without_master || master_answers);
     if (counts && now[i] == before_[i])
       standing += (standing.empty() ? "" : ", ") + std::string(names[i].for_people);
   }

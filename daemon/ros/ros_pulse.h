@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -17,52 +16,55 @@ namespace lidard {
 /// What `top -H` calls the calling thread; at most 15 characters.
 void name_this_thread(const char* name);
 
-/// Tells which of the threads that bring messages to ROS and from it stand still, for a watchdog: ours, and
+/// Reports which of the threads that bring messages to ROS and from it stand still, for a watchdog: ours, and
 /// those of roscpp. Each of them makes about ten rounds per second, also when it has nothing to do.
 class RosPulse {
   using Clock = std::chrono::steady_clock;
 
  public:
   /// `sockets`, `server` and `internal` are roscpp's.
-  enum Thread : std::size_t { publishing, publishing_clouds, callbacks, sockets, server, internal };
+  enum Thread : std::size_t { publishing, publishing_clouds, callbacks, sockets, server, internal, master };
 
   /// A round of the calling thread; the first one gives the thread its name.
   void tick(Thread thread) { rounds_->tick(thread); }
-  /// How long ago the last round of a thread that publishes was.
-  Span since_tick() const {
-    const Clock::time_point oldest = std::min(rounds_->published[0].load(), rounds_->published[1].load());
-    return Clock::now() - oldest;
-  }
+  /// How long ago the last round of a thread of ours was.
+  Span since_tick(Thread thread) const { return Clock::now() - rounds_->last[thread].load(); }
 
   /// To be called after each ros::start(), which forgets what was attached before; may wait for the master.
   void attach();
   /// To be called before ros::shutdown().
   void detach() { attached_ = false; }
 
-  /// While it lives, a thread is in a call of roscpp that may wait for the master.
+  /// While it lives, the master thread is in a call that may wait for the master. One may be inside another.
   class Call {
    public:
-    explicit Call(RosPulse& pulse) : since_(pulse.called_) { since_ = Clock::now(); }
-    ~Call() { since_ = Clock::time_point(); }
+    explicit Call(RosPulse& pulse) : since_(pulse.called_), outer_(since_) {
+      if (outer_ == Clock::time_point()) since_ = Clock::now();
+    }
+    ~Call() { since_ = outer_; }
     Call(const Call&) = delete;
     Call& operator=(const Call&) = delete;
 
    private:
     std::atomic<Clock::time_point>& since_;
+    const Clock::time_point outer_;
   };
 
-  /// The threads that have not made a round since the last call that returned "". All but those that publish
-  /// count while they are attached, those of roscpp only while the master answers: without it any of them may
-  /// wait for it. None counts while a Call takes long, since roscpp holds its locks meanwhile. Always to be
-  /// called by the same thread.
+  /// The threads that have not made a round since the last call that returned "". All but ours count while
+  /// they are attached, those of roscpp and the master thread only while the master answers: without it any
+  /// of them may wait for it. None counts while a Call takes long, since roscpp holds its locks meanwhile.
+  /// Always to be called by the same thread.
   std::string standing(bool master_answers);
 
  private:
-  static constexpr std::size_t threads = internal + 1;
+  static constexpr std::size_t threads = master + 1;
   struct Rounds {
+    Rounds() {
+      for (auto& at : last) at = Clock::now();
+    }
     void tick(Thread thread);
     std::array<std::atomic<std::uint64_t>, threads> counts{};
-    std::atomic<Clock::time_point> published[2] = {Clock::now(), Clock::now()};  // by lane
+    std::array<std::atomic<Clock::time_point>, threads> last;
     std::atomic<bool> callback_waits{false};
   };
   class ServerRound;

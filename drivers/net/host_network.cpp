@@ -131,6 +131,21 @@ HostNetwork look_at_network() {
   return network;
 }
 
+std::map<IpAddress, std::string> look_at_neighbours() {
+  std::map<IpAddress, std::string> all;
+  std::ifstream in("/proc/self/net/arp");
+  std::string line;
+  std::getline(in, line);  // the head
+  while (std::getline(in, line)) {
+    std::istringstream fields(line);
+    std::string address, type, flags, hardware;
+    fields >> address >> type >> flags >> hardware;
+    const auto parsed = IpAddress::parse(address);
+    if (parsed && flags != "0x0") all[*parsed] = hardware;
+  }
+  return all;
+}
+
 bool has_route_to(const IpAddress& address) {
   const FileDescriptor fd(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   sockaddr_in to{};

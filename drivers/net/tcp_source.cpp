@@ -89,11 +89,11 @@ std::string why_not_connected(const Endpoint& device, int error) {
       return name + " refuses the connection; is this the device's port, and does another program use the " +
              "device already? it is tried again";
     case ETIMEDOUT:
+    case EHOSTUNREACH:  // the same, from the kernel that looks for the device's MAC address
+    case EHOSTDOWN:
       return name + " does not answer; check the device's power, cable and address, it is tried again";
-    case EHOSTUNREACH:
     case ENETUNREACH:
     case ENETDOWN:
-    case EHOSTDOWN:
       return name + " cannot be reached (" + std::strerror(error) +
              "); check cable and this host's network address, it is tried again";
     case EMFILE:

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <utility>
@@ -73,6 +74,7 @@ class VelodyneDriver final : public DriverBase {
     }
     incoming_.index = static_cast<std::uint32_t>(counters_.packets++);
     counters_.bytes += packet.payload.size();
+    incoming_.arrival = packet.arrival;
     // Copied before the blocks are looked at: memory is read faster in one go.
     if (packet.payload.size() == packet_size)
       std::memcpy(incoming_.bytes.data(), packet.payload.data(), packet_size);
@@ -81,7 +83,6 @@ class VelodyneDriver final : public DriverBase {
       counters_.reject(reason);
       return reason;
     }
-    incoming_.arrival = packet.arrival;
     incoming_.layout = &layout_of(incoming_.view(), row_);
     incoming_.azimuths = read_azimuths(incoming_.view(), *incoming_.layout);
     if (!row_.has_stamp()) arrival_stamps_.stamp(packet.arrival, incoming_.azimuths, incoming_.bytes.data());
@@ -126,6 +127,7 @@ class VelodyneDriver final : public DriverBase {
     constexpr Span describe_period = std::chrono::seconds(1);
     if (now - described_ < describe_period && described_ < now) return;
     described_ = now;
+    forget_foreign(now);
     describe_status();
   }
 
@@ -284,19 +286,34 @@ class VelodyneDriver final : public DriverBase {
   }
 
   void note_product(std::uint8_t product, bool refused) {
+    foreign_at_ = incoming_.arrival;
     if (product == reported_product_) return;
     reported_product_ = product;
-    const std::string says = "packets name " + product_name(product) + " as their product, configured is " +
-                             std::string(config_.model->product);
-    info_.warnings.push_back(
-        says + (refused ? "; they are refused: correct `model`, or `ip_address` if two sensors share the port"
-                        : "; their period is that of the configured model, so they are decoded as it"));
+    const std::string says =
+        "packets name " + product_name(product) + " as their product, configured is " +
+        std::string(config_.model->product) +
+        (refused ? "; they are refused: correct `model`, or `ip_address` if two sensors share the port"
+                 : "; their period is that of the configured model, so they are decoded as it");
+    auto& all = info_.warnings;
+    if (std::find(all.begin(), all.end(), says) == all.end()) all.push_back(says);
+  }
+
+  /// Packets of another model that came once are no news for ever.
+  void forget_foreign(Stamp now) {
+    constexpr Span news = std::chrono::seconds(10);
+    if (now - foreign_at_ < news) return;
+    reported_product_ = 0;
+    generation_warning_.clear();
+    auto& all = info_.warnings;
+    const auto is_old = [](const std::string& text) { return text.rfind("packets ", 0) == 0; };
+    all.erase(std::remove_if(all.begin(), all.end(), is_old), all.end());
   }
 
   /// True if another HDL-64E sends such packets: the blocks of an S1 have another order.
   bool note_generation(ByteView payload) {
     const ModelRow* other = family_of(payload);
     if (other == nullptr || other->names_product() || other->has_stamp() == row_.has_stamp()) return false;
+    foreign_at_ = incoming_.arrival;
     if (!generation_warning_.empty()) return true;
     generation_warning_ = "packets are those of an HDL-64E " +
                           std::string(other->has_stamp() ? "S2, S2.1 or S3" : "S1") + ", configured is " +
@@ -350,6 +367,7 @@ class VelodyneDriver final : public DriverBase {
   std::optional<std::pair<Span, double>>
       edge_;  // when the last hidden sector inside a packet began, and where
   std::uint8_t reported_product_ = 0;
+  Stamp foreign_at_{};  // the newest packet of another model
   std::string generation_warning_;
 };
 

@@ -3,11 +3,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """SICK scanners that wait on loopback, in both dialects, `lidard run` and subscribers: scans at the scanners' rate, and again
 after they were away."""
+import json
+import signal
 import subprocess
 import time
 
 import rospy
-from harness import LIDARD, LIDARD_SIM, Starved, check_stream, expect, folder, free_port, process, ros_master, use_master_at, wait_for
+from harness import LIDARD, LIDARD_SIM, Starved, check_stream, expect, folder, free_port, process, ros_master, run, use_master_at, wait_for
 from sensor_msgs.msg import LaserScan, PointCloud2
 
 SCENE = """\
@@ -38,6 +40,20 @@ def check(name, scans, period, seconds, starved):
         expect(abs(ahead - 4) < 0.002, f"{name}: wall at {ahead} m")
 
 
+def stand_still(daemon, scans):
+    """What comes while the daemon stands for half a second is published afterwards: TCP loses nothing."""
+    begin, started, starved = len(scans), time.monotonic(), Starved()
+    for _ in range(3):
+        daemon.send_signal(signal.SIGSTOP)
+        time.sleep(0.5)
+        daemon.send_signal(signal.SIGCONT)
+        time.sleep(1.5)
+    check("lms", scans[begin:], 0.02, time.monotonic() - started, starved.seconds())
+    dropped = {topic["topic"]: topic["dropped"] for topic in json.loads(run("status", "--json").stdout)["topics"]}
+    expect(dropped["lms/scan"] == 0, f"dropped on their way: {dropped}")
+    print("lms: no scan is missing after three stops of 0.5 s")
+
+
 def main():
     ports = {"lms": free_port(), "tim": free_port(), "mrs": free_port(), "master": free_port()}
     use_master_at(ports["master"])
@@ -54,7 +70,7 @@ def main():
             else:
                 rospy.Subscriber(f"/{name}/scan", LaserScan, frames.append, queue_size=1000)
         with log.open("w") as sink, process([LIDARD, "run", "-c", tmp / "live.yaml"], stdout=sink,
-                                            stderr=subprocess.STDOUT):
+                                            stderr=subprocess.STDOUT) as daemon:
             with process(simulator, stdout=subprocess.DEVNULL):
                 wait_for(lambda: all(len(frames) > 10 for frames in got.values()), 30, "frames of all")
                 begin = {name: len(frames) for name, frames in got.items()}
@@ -65,6 +81,7 @@ def main():
                 starved = starved.seconds()
                 for name, period in (("lms", 0.02), ("tim", 1 / 15), ("mrs", 0.08)):
                     check(name, taken[name], period, seconds, starved)
+                stand_still(daemon, got["lms"])
             time.sleep(2)
             begin = {name: len(frames) for name, frames in got.items()}
             with process(simulator, stdout=subprocess.DEVNULL):

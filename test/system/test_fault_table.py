@@ -39,7 +39,7 @@ class Watch:
 
     def __init__(self):
         self.seen = collections.defaultdict(list)  # (place, item) -> [(time, level, sentence)]
-        self.events, self.ended = 0, threading.Event()
+        self.events, self.ended = set(), threading.Event()
         rospy.Subscriber("/diagnostics", DiagnosticArray, self.diagnostics, queue_size=100)
         self.thread = threading.Thread(target=self.poll, daemon=True)
         self.thread.start()
@@ -58,9 +58,10 @@ class Watch:
             for one in (ask("status") or {"items": []})["items"]:
                 self.note("status", one["name"], one["level"], one["message"])
             events = (ask("events") or {"events": []})["events"]
-            for event in events[self.events:] if len(events) >= self.events else events:
-                self.note("events", event["source"], event["level"], event["text"])
-            self.events = len(events)
+            for event in events:
+                if (key := (event["source"], event["level"], event["at"])) not in self.events:
+                    self.note("events", event["source"], event["level"], event["text"])
+                    self.events.add(key)
 
     def first(self, place, fault, since):
         """The first sentence of that level since the fault; where that is another one, the right one if it came later."""

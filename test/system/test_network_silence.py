@@ -7,6 +7,7 @@ this host's network is named with the remedy: link, address, reverse path filter
 import contextlib
 import os
 import socket
+import struct
 import subprocess
 import threading
 import time
@@ -213,6 +214,22 @@ def say_what_comes_instead(network, tmp):
     end()
 
 
+def two_devices(network):
+    """Two devices with one address ask for this host's, each with its own hardware address."""
+    with network.among_lidars():
+        raw = socket.socket(socket.AF_PACKET, socket.SOCK_RAW)
+    raw.bind(("dev-lidar0", 0x0806))
+    for number in (1, 2, 1, 2):
+        mac = bytes((2, 0, 0, 0, 0, number))
+        request = struct.pack("!HHBBH", 1, 0x0800, 6, 4, 1) + mac + socket.inet_aton("192.168.1.201") + bytes(6) + socket.inet_aton("192.168.1.100")
+        raw.send(b"\xff" * 6 + mac + b"\x08\x06" + request)
+        time.sleep(1.6)  # the kernel takes no other hardware address within a second
+    wait_for(lambda: item("address 192.168.1.201"), 5, "the address of two devices is an item")
+    message = item("address 192.168.1.201")["message"]
+    print("    " + message)
+    expect(all(f"02:00:00:00:00:0{n}" in message for n in (1, 2)) and "give one of them another IP address" in message, message)
+
+
 def taken_port(tmp):
     """Another program has the port from the start; when it ends, the port is opened."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
@@ -257,6 +274,7 @@ def main():
                 device.off()
             roof = lidars[0]
             roof.on()
+            two_devices(network)
             host_causes(network, tmp, roof)
             expect(child.poll() is None, "the daemon lives")
     print("ok")

@@ -132,14 +132,11 @@ class Vehicle:
         wait_for(lambda: not ill(), limit, Now(lambda: f"all is well again: {ill()}"))
 
 
-SEEN = []
-
-
 def all_events(source):
-    """The levels of all events of a source so far, those too that the daemon has forgotten."""
+    """The levels of all events of a source so far, each as often as it happened."""
     answer = ask("events")
-    SEEN.extend(answer["events"][len(SEEN) - answer["forgotten"]:])
-    return [event["level"] for event in SEEN if event["source"] == source]
+    expect(answer["forgotten"] == 0, f"{answer['forgotten']} events are forgotten")
+    return [event["level"] for event in answer["events"] if event["source"] == source for _ in range(event["count"])]
 
 
 def resources(daemon):

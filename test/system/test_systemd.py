@@ -4,6 +4,7 @@
 """The installed units under a real systemd: a container whose disk is this machine's with a layer above that is thrown away. Data
 come with everything the unit forbids, a daemon that is killed or hangs is back, and stopping is quick."""
 import contextlib
+import datetime
 import json
 import os
 import pathlib
@@ -224,6 +225,14 @@ def check_hang(vehicle):
     print(f"a new process {time.monotonic() - begin:.2f} s after it stood still")
     expect("watchdog" in journal(vehicle).lower(), journal(vehicle))
     seconds_to_data(vehicle)
+    history = status(vehicle)["history"]
+    print(history)
+    restarts = vehicle.prop("lidard", "NRestarts")
+    killed = re.fullmatch(rf"restarted {restarts} times? by systemd, last killed by its watchdog at (\S+)Z", history)
+    expect(killed, f"{history!r}, NRestarts is {restarts}")
+    at = datetime.datetime.fromisoformat(killed[1] + "+00:00").timestamp()
+    expect(abs(at - time.time()) < 120, f"the watchdog fired at {killed[1]}")
+    expect(history in vehicle.inside(*STATUS).stdout, "`lidard status` prints it")
 
 
 def check_instances(vehicle):
@@ -250,10 +259,17 @@ def check_bad_configuration(vehicle):
     expect("broken.yaml:1" in journal(vehicle, "lidard@broken"), journal(vehicle, "lidard@broken"))
 
 
-def configuration_item(vehicle):
-    done = vehicle.inside("env", "-u", "LIDARD_SOCKET", "XDG_RUNTIME_DIR=/run/user/0", "lidard", "status", "--json")
+STATUS = ("env", "-u", "LIDARD_SOCKET", "XDG_RUNTIME_DIR=/run/user/0", "lidard", "status")
+
+
+def status(vehicle):
+    done = vehicle.inside(*STATUS, "--json")
     expect(done.stdout, f"`lidard status`: {done.stderr}")
-    return {item["name"]: item for item in json.loads(done.stdout)["items"]}["configuration"]
+    return json.loads(done.stdout)
+
+
+def configuration_item(vehicle):
+    return {item["name"]: item for item in status(vehicle)["items"]}["configuration"]
 
 
 def check_reload(vehicle):

@@ -33,7 +33,7 @@ virtual_scans:
 """
 OURS = [pathlib.Path(LIDARD).name[:15], "lidard-clouds", "lidard-master", "lidard-ros", "lidard-roscloud"]
 CALLBACKS = ["lidard-callback"]
-ROSCPP = ["roscpp-callback", "roscpp-rosout", "roscpp-sockets", "roscpp-xmlrpc"]
+ROSCPP = ["roscpp-callback", "roscpp-sockets", "roscpp-xmlrpc"]
 
 
 def names_of(daemon):

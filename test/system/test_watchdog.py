@@ -92,7 +92,7 @@ def items_of(states):
 
 
 def stop_each(daemon, manager, newest):
-    for name in (None, "lidard-clouds", "lidard-ros", "lidard-roscloud", "lidard-callback", "roscpp-sockets", "roscpp-xmlrpc", "roscpp-callback"):
+    for name in (None, "lidard-clouds", "lidard-master", "lidard-ros", "lidard-roscloud", "lidard-callback", "roscpp-sockets", "roscpp-xmlrpc", "roscpp-callback"):
         thread = wait_for(lambda name=name: thread_of(daemon, name), 5, f"a thread {name}")
         with stopped(thread):
             # What the thread did before it was stopped may still be told.
@@ -116,6 +116,24 @@ def stop_each(daemon, manager, newest):
                  f"all is well again after {name}: {newest['sensor front'].message}, {newest['ROS'].message}")
 
 
+def starve(daemon, manager, tmp, port):
+    """The daemon shares one processor with eight others, and everything waits for it: what it has to catch up never ends."""
+    scene = tmp / "backlog.yaml"
+    scene.write_text(SCANNER_SCENE.format(port=port).replace("duration: 600", "duration: 20"))
+    subprocess.run([LIDARD_SIM, "make", str(scene), "-o", str(tmp / "backlog"), "--no-truth"], check=True, capture_output=True)
+    send = [LIDARD_SIM, "send", tmp / "backlog.pcap", "--to", "127.0.0.1", "--rate", "max", "--repeat", "100000"]
+    with contextlib.ExitStack() as stack:
+        for _ in range(8):
+            stack.enter_context(process(["taskset", "-c", "0", "sh", "-c", "while :; do :; done"]))
+        for task in pathlib.Path(f"/proc/{daemon.pid}/task").iterdir():
+            os.sched_setaffinity(int(task.name), {0})
+        stack.enter_context(process(send, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
+        manager.expect_fed(10, "a starved machine with a backlog")
+        for task in pathlib.Path(f"/proc/{daemon.pid}/task").iterdir():
+            os.sched_setaffinity(int(task.name), range(os.cpu_count()))
+    expect(daemon.poll() is None, "the daemon lives")
+
+
 def main():
     master_port, port = free_port(), free_port(socket.SOCK_DGRAM)
     use_master_at(master_port)
@@ -137,6 +155,7 @@ def main():
             wait_for(lambda: len(scans) > 20 and newest.get("sensor front") and newest["sensor front"].level == 0, 20, "scans")
             manager.expect_fed(3, "all is well")
             stop_each(daemon, manager, newest)
+            starve(daemon, manager, tmp, port)
             own = rosgraph.Master("/test").lookupNode("/lidard")
             master.send_signal(signal.SIGSTOP)
             manager.expect_fed(6, "the master hangs")

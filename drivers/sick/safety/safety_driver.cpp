@@ -52,6 +52,7 @@ class SafetyDriver final : public DriverBase {
       return Reject::none;
     }
     last_datagram_ = packet.arrival;
+    sender_ = packet.from.address;
     ++counters_.packets;
     counters_.bytes += packet.payload.size();
     Ms3Reassembler::Instance instance;
@@ -117,14 +118,19 @@ class SafetyDriver final : public DriverBase {
   bool is_ours(Stamp arrival) {
     if (stream_known_ && telegram_.serial == serial_ && telegram_.channel == channel_) {
       last_arrival_ = arrival;
+      our_sender_ = sender_;
       return true;
     }
     if (stream_known_ && std::chrono::abs(arrival - last_arrival_) <= silence) {
       board_.tell(Warning::other_stream, true, [&] {
+        const std::string remedy = telegram_.serial == serial_ ? "give each channel its own UDP port"
+                                   : sender_ == our_sender_ ? "both have the address " + sender_.to_string() +
+                                                                  ": give one of them another"
+                                                            : "give each its own UDP port, or set ip_address";
         return "channel " + std::to_string(telegram_.channel) + " of scanner " +
                std::to_string(telegram_.serial) + " sends to the same place as channel " +
-               std::to_string(channel_) + " of scanner " + std::to_string(serial_) +
-               " and is left out; give each its own UDP port, or set ip_address";
+               std::to_string(channel_) + " of scanner " + std::to_string(serial_) + " and is left out; " +
+               remedy;
       });
       return false;
     }
@@ -137,6 +143,7 @@ class SafetyDriver final : public DriverBase {
     serial_ = telegram_.serial;
     channel_ = telegram_.channel;
     last_arrival_ = arrival;
+    our_sender_ = sender_;
     sequence_known_ = false;
     clock_.reset();
     info_.serial = std::to_string(serial_);
@@ -290,6 +297,7 @@ class SafetyDriver final : public DriverBase {
   Ms3Telegram telegram_{};
   ScanClock clock_;
 
+  IpAddress sender_, our_sender_;  // of the newest datagram, and of the newest of the stream that is taken
   bool stream_known_ = false;
   std::uint32_t serial_ = 0;
   std::uint8_t channel_ = 0;

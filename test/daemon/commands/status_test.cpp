@@ -39,8 +39,9 @@ DaemonState sample_state() {
 TEST(Status, IsJsonWhateverDevicesSay) {
   Journal journal([](const Event&) {});
   for (int i = 0; i < 12; ++i)
-    journal.add(
-        {Stamp{1'700'000'000'000'000'000 + i * 1'000'000L}, "front", Health::warn, std::to_string(i)});
+    journal.add({Stamp{1'700'000'000'000'000'000 + i * 1'000'000L}, "sensor " + std::to_string(i),
+                 Health::warn, std::to_string(i)});
+  journal.add({Stamp{1'700'000'000'011'000'000}, "sensor 11", Health::warn, "11"});
   const Json said = Json::parse(status_json(sample_state(), journal));
   EXPECT_EQ(said["at"], "2023-11-14T22:13:20.250Z");
   EXPECT_EQ(said["uptime_s"], 25 * 3600);
@@ -51,12 +52,15 @@ TEST(Status, IsJsonWhateverDevicesSay) {
   ASSERT_EQ(said["events"].size(), 10U) << "the newest";
   EXPECT_EQ(said["events"][0]["text"], "2");
   EXPECT_EQ(said["events"][9]["at"], "2023-11-14T22:13:20.011Z");
+  EXPECT_EQ(said["events"][9]["count"], 2);
+  EXPECT_EQ(said["events"][8]["first"], "2023-11-14T22:13:20.010Z");
+  EXPECT_EQ(said["events"][8]["count"], 1);
 }
 
 TEST(Events, AreAllThatTheJournalHas) {
   Journal journal([](const Event&) {});
   for (std::size_t i = 0; i < Journal::most_events + 3; ++i)
-    journal.add({Stamp{}, "front", Health::ok, "back"});
+    journal.add({Stamp{}, "sensor " + std::to_string(i), Health::ok, "back"});
   const Json said = Json::parse(events_json(journal));
   EXPECT_EQ(said["forgotten"], 3);
   EXPECT_EQ(said["events"].size(), Journal::most_events);

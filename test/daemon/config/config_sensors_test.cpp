@@ -103,12 +103,16 @@ TEST(SensorConfig, NamesTheNearestModels) {
 }
 
 TEST(SensorConfig, RefusesWhatIsNoSenderAddress) {
-  const std::string usual = "the sensor's IPv4 or IPv6 address like 192.168.1.201";
+  const std::string usual = "the sensor's IPv4 address like 192.168.1.201";
   EXPECT_EQ(error_of("sensors:\n  a:\n    model: velodyne_vlp16\n    ip_address: 192.168.1.256\n"),
             "f:4:17: sensors.a.ip_address is \"192.168.1.256\", which is no address; expected " + usual);
   EXPECT_EQ(error_of("sensors: {a: {model: velodyne_vlp16, ip_address: 239.0.0.1}}"),
             "f:1:50: sensors.a.ip_address is \"239.0.0.1\", a multicast group; expected " + usual +
                 "; the group goes into multicast_group");
+  EXPECT_EQ(error_of("sensors: {a: {model: velodyne_vlp16, ip_address: 'fd00:64::201'}}"),
+            "f:1:50: sensors.a.ip_address is \"fd00:64::201\", an IPv6 address, from which nothing is "
+            "received; expected " +
+                usual);
   EXPECT_EQ(error_of("sensors: {a: {model: velodyne_vlp16, multicast_group: 10.0.0.1}}"),
             "f:1:55: sensors.a.multicast_group is \"10.0.0.1\", which is no multicast group; expected a "
             "multicast address like 239.0.0.10");

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <set>
 #include <thread>
+#include <vector>
 
 #include "test/support/ros_samples.h"
 
@@ -20,23 +21,67 @@ using test::sample_scan;
 
 TEST(FrameQueue, DropsTheOldestAndCountsItWhenTheSensorThreadIsFaster) {
   FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
-  auto scan = sample_scan();
   for (int i = 1; i <= 5; ++i) {
-    scan.stamp.ns = i;
-    queue.push(test::front_scan, scan, Stamp{i});
+    Cloud cloud = sample_cloud(1);
+    cloud.stamp.ns = i;
+    queue.push(test::roof_points, cloud, Stamp{i});
   }
-  EXPECT_EQ(queue.dropped(0), 3U);
+  EXPECT_EQ(queue.dropped(test::roof_points.id), 3U);
   auto* first = queue.pop(1ms);
   ASSERT_NE(first, nullptr);
-  EXPECT_EQ(std::get<PlanarScan>(first->content).stamp.ns, 4);
+  EXPECT_EQ(std::get<Cloud>(first->content).stamp.ns, 4);
   queue.done(first);
   EXPECT_FALSE(queue.idle());
   auto* second = queue.pop(1ms);
   ASSERT_NE(second, nullptr);
-  EXPECT_EQ(std::get<PlanarScan>(second->content).stamp.ns, 5);
+  EXPECT_EQ(std::get<Cloud>(second->content).stamp.ns, 5);
   queue.done(second);
   EXPECT_TRUE(queue.idle());
   EXPECT_EQ(queue.pop(1ms), nullptr);
+}
+
+/// Stamps in ms of the frames that wait.
+std::vector<std::int64_t> waiting(FrameQueue& queue) {
+  std::vector<std::int64_t> stamps;
+  while (QueuedFrame* const frame = queue.pop(0ms)) {
+    stamps.push_back(std::get<PlanarScan>(frame->content).stamp.ns / 1'000'000);
+    queue.done(frame);
+  }
+  return stamps;
+}
+
+TEST(FrameQueue, LosesNoScanOfAScannerWhileTheThreadThatPublishesStandsForHalfASecond) {
+  FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
+  auto scan = sample_scan();
+  const auto push = [&](Span at, Span released) {
+    scan.stamp = Stamp{} + at;
+    queue.push(test::front_scan, scan, Stamp{} + released);
+  };
+  std::vector<std::int64_t> all;
+  for (Span at = 0s; at < 500ms; at += 20ms) push(at, at), all.push_back(at / 1ms);
+  EXPECT_EQ(waiting(queue), all);
+  for (Span at = 0s; at < 500ms; at += 20ms) push(at, 500ms);
+  EXPECT_EQ(waiting(queue), all) << "also those that TCP delivers in one piece";
+  EXPECT_EQ(queue.dropped(), 0U);
+  EXPECT_EQ(queue.figures(test::front_scan.id, Stamp{} + 1s).dropped, 0U);
+}
+
+TEST(FrameQueue, KeepsNoScanThatIsASecondOldAndAtMostAHundred) {
+  FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
+  auto scan = sample_scan();
+  for (Span at = 0s; at <= 3s; at += 50ms) {
+    scan.stamp = Stamp{} + at;
+    queue.push(test::front_scan, scan, scan.stamp);
+  }
+  const auto kept = waiting(queue);
+  ASSERT_EQ(kept.size(), 21U);
+  EXPECT_EQ(kept.front(), 2000);
+  EXPECT_EQ(queue.dropped(), 40U);
+  for (int i = 0; i < 250; ++i) queue.push(test::front_scan, scan, Stamp{} + 3s);
+  EXPECT_EQ(waiting(queue).size(), 100U);
+  EXPECT_EQ(queue.dropped(), 190U);
+  for (const Span at : {10s, 15s}) queue.push(test::front_scan, scan, Stamp{} + at);
+  EXPECT_EQ(queue.dropped(), 190U) << "of a scanner that measures seldom two wait, however old they are";
 }
 
 TEST(FrameQueue, KeepsTheOrderOfFramesAcrossTopics) {
@@ -126,7 +171,7 @@ TEST(FrameQueue, TellsRatesAndLatenciesAsIfTheHostsClockHadNotBeenSet) {
 
 TEST(FrameQueue, LetsAnImuRunAheadFurtherThanAFrame) {
   FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
-  for (int i = 0; i < 40; ++i) queue.push(test::roof_imu, test::sample_imu(), Stamp{i});
+  for (int i = 0; i < 58; ++i) queue.push(test::roof_imu, test::sample_imu(), Stamp{i});
   for (int i = 0; i < 5; ++i) queue.push(test::roof_fix, test::sample_fix(), Stamp{i});
   EXPECT_EQ(queue.dropped(test::roof_imu.id), 8U);
   EXPECT_EQ(queue.dropped(test::roof_fix.id), 3U);

@@ -45,6 +45,22 @@ TEST(HostCauses, NameAnInterfaceThatIsOffOrHasNoLink) {
   EXPECT_EQ(host_trouble(sensor(), network({in, second}), true), "") << "one way is enough";
 }
 
+TEST(NeighbourWatch, TakesTwoHardwareAddressesThatTakeTurnsForTwoDevices) {
+  using namespace std::chrono_literals;
+  const auto begin = NeighbourWatch::Clock::now();
+  NeighbourWatch watch;
+  watch.see("60:76:88:00:00:01", begin);
+  watch.see("60:76:88:00:00:01", begin + 1s);
+  EXPECT_EQ(watch.rivals(begin + 1s), "");
+  watch.see("60:76:88:00:00:02", begin + 2s);
+  EXPECT_EQ(watch.rivals(begin + 2s), "") << "the device may have been exchanged";
+  watch.see("60:76:88:00:00:01", begin + 30s);
+  EXPECT_EQ(watch.rivals(begin + 31s), "60:76:88:00:00:01 and 60:76:88:00:00:02");
+  EXPECT_EQ(watch.rivals(begin + 11min), "");
+  watch.see("60:76:88:00:00:02", begin + 12min);
+  EXPECT_EQ(watch.rivals(begin + 12min), "60:76:88:00:00:02 and 60:76:88:00:00:01");
+}
+
 TEST(HostCauses, NameTheAddressThatIsMissing) {
   const HostInterface bare{"lidar0", {}, 0, true, true, false, 0};
   const HostInterface office{"eth0", IpAddress::v4(10, 0, 0, 5), 8, true, true, false, 0};

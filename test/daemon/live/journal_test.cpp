@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace lidard {
 namespace {
 
@@ -56,22 +58,78 @@ TEST(Journal, KeepsSourcesApart) {
 TEST(Journal, ForgetsTheOldestAndSaysHowMany) {
   Bench bench;
   for (std::size_t i = 0; i < Journal::most_events + 7; ++i)
-    bench.journal.add({at(100.0 * static_cast<double>(i)), "front", Health::ok, std::to_string(i)});
+    bench.journal.add({at(1000.0 * static_cast<double>(i)), "front", Health::ok, std::to_string(i)});
   EXPECT_EQ(bench.journal.events().size(), Journal::most_events);
   EXPECT_EQ(bench.journal.forgotten(), 7U);
   EXPECT_EQ(bench.journal.events().front().text, "7");
 }
 
-TEST(Journal, TellsOfASourceThatFlapsThatItDoesAndNotesTheRest) {
+TEST(Journal, CountsWhatHappensAgainInOneEvent) {
+  Bench bench;
+  for (int i = 0; i < 7; ++i) {
+    bench.see(60 * i, Health::error, "no scan for " + std::to_string(i) + " s");
+    bench.see(60 * i + 1, Health::ok, "");
+  }
+  bench.see(400, Health::error, "window covered");
+  bench.see(401, Health::error, "no scan for 1 s", "rear");
+  const auto& events = bench.journal.events();
+  ASSERT_EQ(events.size(), 4U) << "in the order in which they happened last";
+  EXPECT_EQ(events[0].text, "no scan for 6 s");
+  EXPECT_EQ(events[0].count, 7U);
+  EXPECT_EQ(events[0].first, at(0));
+  EXPECT_EQ(events[0].at, at(360));
+  EXPECT_EQ(events[1].count, 7U);
+  EXPECT_EQ(events[2].count, 1U);
+  EXPECT_EQ(events[3].source, "rear");
+  bench.see(1001, Health::error, "no scan for 1 s");
+  ASSERT_EQ(events.size(), 5U) << "ten minutes later it is another incident";
+  EXPECT_EQ(events[4].count, 1U);
+  EXPECT_EQ(events[4].first, at(1001));
+}
+
+TEST(Journal, OfABadHourHasAFewRowsWithEveryIncidentAmongThem) {
+  Bench bench;
+  const char* const causes[] = {"nothing received: lidar0 has no link", "nothing received: check the cable"};
+  for (int s = 0; s < 3600; ++s) {
+    // A device that is away, whose sentence alternates; a cable that flaps; a merged scan of both on a busy
+    // machine.
+    bench.see(s, Health::error, causes[s / 2 % 2], "sensor away");
+    bench.see(s, Health::error, causes[s / 2 % 2], "link away");
+    const bool up = s % 5 < 2;
+    bench.see(s, up ? Health::ok : s % 5 == 2 ? Health::warn : Health::error, "silent", "sensor flapping");
+    bench.see(s, s % 3 == 0 ? Health::warn : Health::ok, "publishing without flapping", "merged around");
+    // What somebody has to know of.
+    if (s == 700) bench.see(s, Health::error, "is in use by another program", "port 2368");
+    if (s == 1900) bench.see(s, Health::error, "window covered", "sensor rear");
+    if (s == 2000) bench.see(s, Health::ok, "", "sensor rear");
+    if (s == 3000) bench.see(s, Health::error, "window covered", "sensor rear");
+  }
+  const auto& events = bench.journal.events();
+  EXPECT_LE(events.size(), 60U);
+  EXPECT_EQ(bench.journal.forgotten(), 0U);
+  const auto found = [&](const std::string& source, Health health, Stamp when) {
+    return std::any_of(events.begin(), events.end(), [&](const Event& event) {
+      return event.source == source && event.health == health && event.first == when && event.at == when;
+    });
+  };
+  EXPECT_TRUE(found("port 2368", Health::error, at(700)));
+  EXPECT_TRUE(found("sensor rear", Health::error, at(1900)));
+  EXPECT_TRUE(found("sensor rear", Health::ok, at(2000)));
+  EXPECT_TRUE(found("sensor rear", Health::error, at(3000)));
+  EXPECT_LE(bench.told.size(), 300U) << "nor does the log grow by more than 5 lines a minute";
+}
+
+TEST(Journal, TellsOfASourceThatFlapsThatItDoesAndCountsTheRest) {
   Bench bench;
   for (int i = 0; i < 20; ++i) bench.see(i, i % 2 == 0 ? Health::warn : Health::ok, "contact");
-  EXPECT_EQ(bench.journal.events().size(), 20U);
+  ASSERT_EQ(bench.journal.events().size(), 2U);
+  EXPECT_EQ(bench.journal.events()[0].count, 10U);
   ASSERT_EQ(bench.told.size(), Journal::most_told + 1);
   EXPECT_NE(bench.told.back().text.find("to and fro"), std::string::npos);
   bench.see(20.5, Health::warn, "other", "rear");
   EXPECT_EQ(bench.told.back().source, "rear") << "others are heard";
-  bench.see(100, Health::error, "gone");
-  EXPECT_EQ(bench.told.back().text, "gone") << "after a minute";
+  bench.see(620, Health::error, "gone");
+  EXPECT_EQ(bench.told.back().text, "gone") << "after ten minutes";
 }
 
 }  // namespace

@@ -27,7 +27,8 @@ struct LiveBench {
               {[this](std::size_t sensor, const Packet& packet) { pipeline.chunk(sensor, packet); },
                [this](std::size_t sensor, Stamp now) { pipeline.connected(sensor, now); },
                [this](std::size_t sensor) { pipeline.disconnected(sensor); },
-               [this](std::size_t sensor) { return pipeline.frames(sensor); }},
+               [this](std::size_t sensor) { return pipeline.frames(sensor); },
+               [this](std::size_t) { return host_trouble; }},
               options),
         ports(io, config, [this](const Packet& packet) { pipeline.packet(packet); }) {
     pipeline.set_links(&links);
@@ -63,6 +64,7 @@ struct LiveBench {
   /// What else happens while time passes.
   virtual void meanwhile() {}
 
+  std::string host_trouble;  // what HostCauses would find
   boost::asio::io_context io;
   NoTransforms poses;
   RecordingSink sink{false};

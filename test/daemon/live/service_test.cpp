@@ -12,6 +12,8 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 
 #include "test/support/ros_master.h"
 
@@ -43,6 +45,22 @@ class NotifySocket {
  private:
   int fd_;
 };
+
+TEST(ServiceHistory, SaysWhenTheWatchdogKilledTheDaemonLast) {
+  in_own_process([] {
+    unsetenv("STATE_DIRECTORY");
+    EXPECT_EQ(service_history(), "") << "no service";
+    const auto folder =
+        std::filesystem::temp_directory_path() / ("lidard-history-" + std::to_string(getpid()));
+    std::filesystem::create_directory(folder);
+    setenv("STATE_DIRECTORY", folder.c_str(), 1);
+    setenv("DBUS_SYSTEM_BUS_ADDRESS", "unix:path=/nowhere", 1);
+    EXPECT_EQ(service_history(), "");
+    std::ofstream(folder / "watchdog") << "2026-11-23T14:03:22Z\n";
+    EXPECT_EQ(service_history(), "last killed by its watchdog at 2026-11-23T14:03:22Z");
+    std::filesystem::remove_all(folder);
+  });
+}
 
 TEST(ServiceManager, HearsWhenTheDaemonIsReadyAliveAndStopping) {
   in_own_process([] {

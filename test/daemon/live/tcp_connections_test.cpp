@@ -74,6 +74,15 @@ TEST(TcpConnections, SayWhyThereIsNoConnectionInTheSensorsDiagnosticsToo) {
   EXPECT_THAT(items[0].message, HasSubstr("refuses the connection"));
 }
 
+TEST(TcpConnections, NameWhatIsWrongWithThisHostBeforeTheConnectionBreaks) {
+  TcpBench t;
+  ASSERT_TRUE(t.b.until([&] { return t.b.driver.dialogues == 1 && t.peer.accept(); }));
+  EXPECT_EQ(t.b.links.trouble(0), "");
+  t.b.host_trouble = "lidar0 has no link";
+  EXPECT_EQ(t.b.message(0), "connected") << "TCP notices it a second later";
+  EXPECT_EQ(t.b.links.trouble(0), "lidar0 has no link");
+}
+
 TEST(TcpConnections, BeginTheDialogueAnewAfterAResetAndForgetHalfALine) {
   TcpBench t;
   ASSERT_TRUE(t.b.until([&] { return t.b.driver.dialogues == 1 && t.peer.accept(); }));

@@ -46,8 +46,8 @@ merged_scans:
   EXPECT_EQ(sink.newest.at(0).health, Health::ok);
   pipeline.tick(at(11.32));
   EXPECT_EQ(sink.tellings, 3);
-  pipeline.tick(at(11.4));
-  EXPECT_EQ(sink.tellings, 4) << "the only sweep is too old by now";
+  pipeline.tick(at(11.7));
+  EXPECT_EQ(sink.tellings, 4) << "the only source is lost by now";
 }
 
 }  // namespace

@@ -176,15 +176,73 @@ TEST(MergedOutput, NamesAStaleSourceAsAWarningAndALostOneAsAnError) {
   EXPECT_EQ(test::value_of(item_at(3001), "Sources lost"), "b");
   EXPECT_THAT(test::value_of(item_at(3001), "Source b"), MatchesRegex("lost, 10.0 Hz, age 1001 ms"));
 
-  PipelineBench late(two_sources("max_age: 0.15"));
-  for (double at = 100; at <= 2200; at += 100) {
-    sweep(late, "a", ms(at));
-    if (at <= 2000) sweep(late, "b", ms(at));
-  }
-  const DiagnosticItem stale = late.item("merged m", bench_begin + ms(2210));
+  PipelineBench late(two_sources("max_age: 0.15, lost_after: 5"));
+  const auto until = [&](double begin, double end) {
+    for (double at = begin; at <= end; at += 100) {
+      sweep(late, "a", ms(at));
+      if (at <= 2000) sweep(late, "b", ms(at));
+      late.pipeline.tick(bench_begin + ms(at));
+    }
+    return late.item("merged m", bench_begin + ms(end + 10));
+  };
+  EXPECT_EQ(until(100, 3100).health, Health::ok) << "it is stale from 2150 on, for less than a second";
+  const DiagnosticItem stale = until(3200, 3300);
   EXPECT_EQ(stale.health, Health::warn);
   EXPECT_EQ(stale.message, "publishing without b, whose sweeps are too old");
   EXPECT_EQ(test::value_of(stale, "Sources lost"), "");
+}
+
+TEST(MergedOutput, CallsASourceStaleOnceThatIsSoMoreOftenThanNotForASecond) {
+  // A busy machine: the sweeps of b come in 60 ms late now and then, and then too late in general.
+  PipelineBench bench(two_sources("lost_after: 5"));
+  std::vector<std::pair<double, Health>> states;
+  bench.pipeline.add_diagnostics([&](std::vector<DiagnosticItem>& items) {
+    for (const DiagnosticItem& item : items) {
+      if (item.name != "merged m" || (!states.empty() && states.back().second == item.health)) continue;
+      states.emplace_back(
+          seconds(bench.sink.released["m"].empty() ? Span(0) : bench.sink.released["m"].back() - bench_begin),
+          item.health);
+    }
+  });
+  const auto pass = [&](double begin, double end, double late_ms) {
+    for (double at = begin; at < end; at += 10) {
+      const bool due = std::fmod(at, 100) == 0;
+      if (due) sweep(bench, "a", ms(at));
+      if (std::fmod(at - late_ms, 100) == 0 && at >= begin + late_ms) {
+        bench.give("b", round_scan("b", bench_begin + ms(at - late_ms) - sweep_time, 5, 361, sweep_time),
+                   bench_begin + ms(at));
+      }
+      bench.pipeline.tick(bench_begin + ms(at));
+    }
+  };
+  pass(100, 2000, 0);
+  const std::size_t well = states.size();
+  for (double second = 2000; second < 12000; second += 1000) {
+    pass(second, second + 600, 0);
+    pass(second + 600, second + 1000, 60);
+  }
+  EXPECT_EQ(states.size(), well) << "stale for milliseconds, ten times";
+  EXPECT_GE(bench.value("merged m", "Sources waited for in vain", bench_begin + ms(12000)), "1");
+}
+
+TEST(ReportedState, StaysForASecondUnlessTheSourceIsLost) {
+  ReportedState state;
+  EXPECT_TRUE(state.update(SourceState::ok, ms(10)));
+  for (int i = 0; i < 1000; ++i) {
+    EXPECT_FALSE(state.update(i % 2 == 0 ? SourceState::stale : SourceState::ok, ms(10))) << "to and fro";
+  }
+  int steps = 0;
+  while (!state.update(SourceState::stale, ms(10))) ++steps;
+  EXPECT_EQ(state.state(), SourceState::stale);
+  EXPECT_EQ(steps, 99);
+  for (steps = 0; !state.update(SourceState::ok, ms(10));) ++steps;
+  EXPECT_EQ(state.state(), SourceState::ok);
+  EXPECT_EQ(steps, 99);
+  EXPECT_TRUE(state.update(SourceState::lost, ms(10))) << "at once";
+  EXPECT_TRUE(state.update(SourceState::stale, ms(10))) << "back, but still of no use";
+  EXPECT_EQ(state.state(), SourceState::stale);
+  EXPECT_TRUE(state.update(SourceState::lost, ms(10)));
+  EXPECT_TRUE(state.update(SourceState::ok, ms(10)));
 }
 
 TEST(MergedOutput, CountsWhatItWaitedForInVain) {
@@ -286,7 +344,8 @@ TEST(MergedOutput, ThatGivesNothingSaysSoAfterThreeSeconds) {
   const Stamp last = bench.sink.released["m"].back();
   for (double at = 2100; at <= 6000; at += 100) bench.pipeline.tick(bench_begin + ms(at));
   ASSERT_EQ(bench.sink.released["m"].back(), last) << "nobody delivers";
-  EXPECT_EQ(bench.item("merged m", last + ms(2999)).message, "publishing without a, b");
+  EXPECT_EQ(bench.item("merged m", last + ms(2999)).message,
+            "no output, since no source delivers: see the state of its sensors");
   const DiagnosticItem item = bench.item("merged m", last + ms(3001));
   EXPECT_EQ(item.health, Health::error);
   EXPECT_EQ(item.message, "no output for more than 3 s: see the state of its sensors");

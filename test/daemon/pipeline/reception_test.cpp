@@ -210,6 +210,23 @@ TEST(ReceptionWatch, FollowsAMotorThatIsSetToAnotherRate) {
   EXPECT_EQ(stream.run(20, 0.05), Health::ok) << stream.verdict.figures;
 }
 
+TEST(ReceptionWatch, ExpectsNoRateThatNoSensorHas) {
+  for (const double declared_s : {0.0, 1e-9}) {
+    Stream stream(0.1);
+    stream.run(5, 0.1, declared_s);
+    // What waited somewhere comes in a rush, with stamps that lie nanoseconds apart.
+    for (int i = 0; i < 3000; ++i) {
+      stream.scan.stamp = stream.scan.stamp + Span(3);
+      ++stream.counters.frames, ++stream.counters.packets;
+      stream.watch.scan(stream.scan);
+      if (i % 100 == 0) stream.watch.advance(stream.at(stream.time += tick_s), stream.counters);
+    }
+    const Reception recent = stream.watch.recent();
+    EXPECT_LT(recent.expected, 100 * recent.watched_s) << declared_s;
+    EXPECT_THAT(judge(recent, FrameKind::scan).figures, Not(HasSubstr("frames/s"))) << declared_s;
+  }
+}
+
 TEST(ReceptionWatch, ForgetsAnOldLossAfterTenSeconds) {
   Stream stream(0.025);
   stream.run(20, 0.025, 0.025);

@@ -32,6 +32,28 @@ TEST(SafetyStream, SendingOnlyEverySecondScanIsNoLoss) {
   EXPECT_EQ(bench.driver->counters().clock_steps, 0U);
 }
 
+TEST(SafetyStream, SaysWhatToDoWhereSeveralStreamsComeToOnePlace) {
+  const auto send = [](SafetyBench& bench, std::uint32_t serial, std::uint8_t channel, std::uint8_t host) {
+    Ms3Sample other = bench.sample;
+    other.serial = serial;
+    other.channel = channel;
+    for (const Bytes& datagram : ms3_datagrams(other.instance(), bench.identification++))
+      bench.driver->receive(packet_of(datagram, bench.now, host), bench);
+  };
+  SafetyBench bench;
+  bench.send_next();
+  send(bench, bench.sample.serial + 1, 0, 21);
+  EXPECT_TRUE(bench.has_warning("both have the address 192.168.0.21: give one of them another"));
+  SafetyBench apart;
+  apart.send_next();
+  send(apart, apart.sample.serial + 1, 0, 22);
+  EXPECT_TRUE(apart.has_warning("give each its own UDP port, or set ip_address"));
+  SafetyBench channels;
+  channels.send_next();
+  send(channels, channels.sample.serial, 1, 21);
+  EXPECT_TRUE(channels.has_warning("give each channel its own UDP port"));
+}
+
 TEST(SafetyStream, SequenceNumberMayWrap) {
   SafetyBench bench;
   bench.sample.sequence = 0xfffffffdU;
