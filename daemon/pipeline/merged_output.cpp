@@ -315,6 +315,7 @@ class MergedOutput final : public Output {
   }
   void describe_sources(DiagnosticItem& item, Stamp now, bool starting) const {
     std::string silent, lost;
+    bool awaited = true;  // all that are lost
     for (std::size_t s = 0; s < config_.laserscan_topics.size(); ++s) {
       const std::string& name = config_.laserscan_topics[s];
       const SourceState state = scheduler_.state(s, now);
@@ -326,12 +327,14 @@ class MergedOutput final : public Output {
       }
       item.add("Source " + name, text);
       std::string& list = state == SourceState::stale ? silent : lost;
+      awaited = awaited && state != SourceState::lost;
       if (state != SourceState::ok) list += (list.empty() ? "" : ", ") + name;
     }
     item.add("Sources lost", lost);
     if (starting || item.health != Health::ok || (lost.empty() && silent.empty())) return;
     item.set(lost.empty() ? Health::warn : Health::error,
              "publishing without " + (lost.empty() ? silent + ", whose sweeps are too old" : lost));
+    item.awaited = awaited;
     if (counters_.no_pose > 0 && !counters_.why_no_pose.empty()) item.message += ": " + counters_.why_no_pose;
   }
   void describe_beams(DiagnosticItem& item) const {
