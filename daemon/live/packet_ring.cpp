@@ -18,7 +18,7 @@ constexpr std::size_t block_bytes = 128 * 1024;
 /// One block is written to while another one is read.
 constexpr std::size_t fewest_blocks = 3;
 /// The threads that add packets are late by different times; within so many bytes their packets are sorted.
-constexpr std::size_t sorted_bytes = 4'000'000;
+constexpr std::size_t sorted_bytes = 1'000'000;
 
 static_assert(std::is_trivially_copyable_v<Packet>, "packets are kept as bytes");
 

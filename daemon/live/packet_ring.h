@@ -21,7 +21,8 @@ class PacketRing {
   /// What the ring held at an instant, oldest first.
   class Snapshot;
 
-  /// `bytes`: all memory of the ring, headers of packets included. Throws std::bad_alloc.
+  /// `bytes`: all memory of the ring, headers of packets included; read() takes 1 MB more. Throws
+  /// std::bad_alloc.
   explicit PacketRing(std::size_t bytes);
 
   /// Blocks older than `longest` are reused before memory is touched that was not used yet.

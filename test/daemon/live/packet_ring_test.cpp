@@ -95,6 +95,7 @@ TEST(PacketRing, HandsOutOnlyWholePacketsWhileOthersAreAdded) {
   std::thread owner([&] {
     Mill mill;
     for (std::uint64_t n = 0; !stop; added = ++n) {
+      std::this_thread::yield();
       const std::lock_guard lock(mutex);
       ring.add(mill.make(n, begin + Span(n)), longest);
     }
