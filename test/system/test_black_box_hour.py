@@ -38,6 +38,7 @@ SENSORS = {
     "roof": "model: velodyne_vlp32c, from: '192.168.1.201:2368', to: '127.0.0.1:{roof}', pose: {{xyz: [0, 0, 3]}}",
     "tail": "model: velodyne_vlp16, from: '192.168.1.202:2368', to: '127.0.0.1:{tail}', pose: {{xyz: [-7, 0, 3]}}",
 }
+FILES = 10
 FLAPPING = ("front_left", "rear_left")
 CONFIG = """\
 sensors:
@@ -49,7 +50,7 @@ sensors:
   tail: {{model: velodyne_vlp16, ip_address: 127.168.1.202, ip_port: {tail}}}
 merged_scans:
   around: {{laserscan_topics: [front_left, front_right, rear_left, rear_right], range_max: 25}}
-blackbox: {{seconds: {minute}, megabytes: {megabytes}, path: {path}, files: 10}}
+blackbox: {{seconds: {minute}, megabytes: {megabytes}, path: {path}, files: {files}}}
 """
 
 
@@ -136,7 +137,7 @@ def main():
     with folder() as tmp, ros_master(port), contextlib.ExitStack() as stack:
         os.environ["LIDARD_SOCKET"] = str(tmp / "control")
         vehicle, captures = Vehicle(tmp, int(seconds) + 120), Captures(tmp / "box")
-        (tmp / "live.yaml").write_text(CONFIG.format(path=tmp / "box", minute=minute, megabytes=megabytes, **vehicle.ports))
+        (tmp / "live.yaml").write_text(CONFIG.format(path=tmp / "box", minute=minute, megabytes=megabytes, files=FILES, **vehicle.ports))
         log = stack.enter_context((tmp / "log.txt").open("w"))
         simulators = [vehicle.simulate(stack, [name]) for name in FLAPPING]
         vehicle.simulate(stack, [name for name in SENSORS if name not in FLAPPING])
@@ -164,7 +165,9 @@ def report(captures, incidents, memory, start, minute, megabytes, log):
     for kind in {(source, text) for (_, source), text in captures.errors.items()}:
         first = min(seconds_of(at) for (at, source), text in captures.errors.items() if (source, text) == kind)
         kept = [name for name, (begin, end, _) in captures.times.items() if begin <= first <= end and (captures.box / name).exists()]
-        expect(kept, f"the first capture of {kind} is gone")
+        # A starved machine has more kinds of errors than there are places; the first ones stay.
+        older = [name for name, (begin, _, _) in captures.times.items() if begin < first and (captures.box / name).exists()]
+        expect(kept or len(older) >= FILES - 1, f"the first capture of {kind} is gone")
     expect(most <= settled + 0.05 * megabytes, f"{settled:.0f} MB grew to {most:.0f} MB")
     expect(most - without <= 1.05 * megabytes, f"{without:.0f} MB grew to {most:.0f} MB")
 
