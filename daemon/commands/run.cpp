@@ -63,10 +63,13 @@ class Daemon {
         clouds_(plan_->parts[1], clock_, box_, ros_.poses(), ros_.sink(Lane::clouds)),
         signals_(planes_.io(), SIGINT, SIGTERM),
         wishes_(planes_.io(), SIGHUP, SIGUSR1),
-        socket_(planes_.io(), {{"status", [this] { return status_json(state(), journal_); }},
-                               {"events", [this] { return events_json(journal_); }},
-                               {"metrics", [this] { return metrics_text(state()); }},
-                               {"dump", [this] { return dump() + "\n"; }}}) {
+        socket_(planes_.io(),
+                {{"status", [this](const auto& reply) { reply(status_json(state(), journal_)); }},
+                 {"events", [this](const auto& reply) { reply(events_json(journal_)); }},
+                 {"metrics", [this](const auto& reply) { reply(metrics_text(state())); }},
+                 {"dump", [this](const auto& reply) {
+                    box_.dump([reply](const std::string& said) { reply(said + "\n"); });
+                  }}}) {
     for (const auto& [part, loop] : {std::pair(&plan_->parts[0], &planes_), {&plan_->parts[1], &clouds_}})
       ros_.feed(*part, config, loop->pipeline(),
                 [loop = loop](std::function<void(Stamp)> task) { loop->post(std::move(task)); });
@@ -112,6 +115,7 @@ class Daemon {
     planes_.run();
     service_.stopping();
     socket_.stop();
+    box_.finish();
     planes_.finish();
     left = end_clouds();
     left = ros_.stop() && left;
@@ -161,7 +165,7 @@ class Daemon {
       if (signal == SIGHUP)
         reload();
       else
-        spdlog::info("SIGUSR1: {}", dump());
+        box_.dump([](const std::string& said) { spdlog::info("SIGUSR1: {}", said); });
       wait_for_wishes();
     });
   }
@@ -244,14 +248,6 @@ class Daemon {
     item.add("Reloads", reloads_);
     return item;
   }
-  /// The path of the black box's capture, or why there is none.
-  std::string dump() {
-    try {
-      return box_.write(clock_.now(), clock_.step(), events_json(journal_));
-    } catch (const std::exception& error) {
-      return std::string("error: ") + error.what();
-    }
-  }
   void take_state(Lane lane, const LaneState& state) {
     states_[static_cast<std::size_t>(lane)] = state;
     update_journal();
@@ -264,10 +260,9 @@ class Daemon {
     return all;
   }
   void update_journal() {
-    constexpr Span aftermath = std::chrono::seconds(5);  // what follows an error for so long is written too
     const Stamp now = clock_.now();
-    if (journal_.update(items(now), clock_.realtime(now)) == Health::error)
-      box_.write_on_error(now, aftermath);
+    for (const std::string& error : journal_.update(items(now), clock_.realtime(now)))
+      box_.incident(now, error);
   }
   std::string status() const {
     Share lidars, ports, devices;

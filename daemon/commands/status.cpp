@@ -247,8 +247,9 @@ int run_events(const StatusOptions& options, std::ostream& out, std::ostream& er
 
 int run_dump(const StatusOptions& options, std::ostream& out, std::ostream& err) {
   return ask(options, "dump", out, err, [&](const std::string& answer) {
-    const bool good = answer.rfind("error: ", 0) != 0;
-    (good ? out : err) << answer;
+    const bool good = !answer.empty() && answer.rfind("error: ", 0) != 0;
+    (good ? out : err) << (answer.empty() ? "error: the daemon ended before the capture was written\n"
+                                          : answer);
     return good ? exit_ok : exit_failed;
   });
 }

@@ -42,7 +42,7 @@ struct StatusOptions {
 int run_status(const StatusOptions& options, std::ostream& out, std::ostream& err);
 int run_events(const StatusOptions& options, std::ostream& out, std::ostream& err);
 int run_metrics(const StatusOptions& options, std::ostream& out, std::ostream& err);
-/// Prints the path of the capture; exit code 1 too if the daemon could not write one.
+/// Waits for the capture and prints its path; exit code 1 too if the daemon could not write one.
 int run_dump(const StatusOptions& options, std::ostream& out, std::ostream& err);
 
 }  // namespace lidard

@@ -17,7 +17,9 @@ const Keys<BlackBoxConfig>& black_box_keys() {
       text("path", &B::path, "a folder",
            "where the captures are written; empty: $STATE_DIRECTORY, else /var/lib/lidard")
           .or_empty(),
-      whole("files", &B::files, 1, 1000, "captures kept there; a new one takes the place of the oldest"),
+      whole("files", &B::files, 1, 1000,
+            "captures kept there; a new one takes the place of the oldest, but the first of each kind of "
+            "error stays"),
       flag("on_error", &B::on_error, "a capture is written when an item of /diagnostics goes to ERROR")};
   return all;
 }

@@ -2,18 +2,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/live/black_box.h"
 
+#include <fcntl.h>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <pthread.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <deque>
 #include <filesystem>
 #include <fstream>
+#include <new>
 #include <stdexcept>
+#include <system_error>
 #include <thread>
 
 #include "drivers/capture/pcap_writer.h"
@@ -23,6 +27,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// What follows an incident for so long is written too.
+constexpr Span aftermath = std::chrono::seconds(5);
+
 fs::path folder_of(const BlackBoxConfig& config) {
   if (!config.path.empty()) return config.path;
   const char* state = std::getenv("STATE_DIRECTORY");
@@ -30,13 +37,14 @@ fs::path folder_of(const BlackBoxConfig& config) {
   return folders.substr(0, folders.find(':'));
 }
 
-/// The captures in that folder, oldest first: their names hold the time.
-std::vector<fs::path> captures_in(const fs::path& folder) {
+/// The captures in that folder, oldest first: their names hold the time. With `extension` ".part": those
+/// that are not whole.
+std::vector<fs::path> captures_in(const fs::path& folder, const char* extension = ".pcap") {
   std::vector<fs::path> found;
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
     const std::string name = entry.path().filename();
-    if (name.rfind("lidard-", 0) == 0 && entry.path().extension() == ".pcap") found.push_back(entry.path());
+    if (name.rfind("lidard-", 0) == 0 && entry.path().extension() == extension) found.push_back(entry.path());
   }
   std::sort(found.begin(), found.end());
   return found;
@@ -44,172 +52,211 @@ std::vector<fs::path> captures_in(const fs::path& folder) {
 
 fs::path events_beside(fs::path capture) { return capture.replace_extension(".events.json"); }
 
-void make_room(const fs::path& folder, int files) {
-  auto captures = captures_in(folder);
+/// Removes the oldest captures but `kept`, until there are `files`.
+void make_room(const fs::path& folder, std::size_t files, const std::vector<std::string>& kept) {
+  const auto captures = captures_in(folder);
+  std::size_t count = captures.size();
   std::error_code ignored;
-  for (std::size_t i = 0; i + static_cast<std::size_t>(files) <= captures.size(); ++i) {
-    fs::remove(events_beside(captures[i]), ignored);
-    fs::remove(captures[i], ignored);
+  for (const fs::path& capture : captures) {
+    if (count <= files) return;
+    if (std::find(kept.begin(), kept.end(), capture.string()) != kept.end()) continue;
+    fs::remove(events_beside(capture), ignored);
+    fs::remove(capture, ignored);
+    --count;
+  }
+}
+
+/// What a daemon left that was killed while it wrote. Who writes now has touched its file a moment ago.
+void remove_leftovers(const fs::path& folder) {
+  std::error_code ignored;
+  const auto old = fs::file_time_type::clock::now() - std::chrono::minutes(1);
+  for (const fs::path& part : captures_in(folder, ".part")) {
+    if (fs::last_write_time(part, ignored) < old) fs::remove(part, ignored);
+  }
+}
+
+/// Returns when the file is on the disk, even if the power fails now. Throws std::system_error.
+void sync_file(const fs::path& path) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int error = file < 0 || ::fsync(file) != 0 ? errno : 0;
+  if (file >= 0) ::close(file);
+  if (error != 0) throw std::system_error(error, std::generic_category(), path.string());
+}
+
+/// None if nothing is to be kept, or if there is not so much memory.
+std::shared_ptr<PacketRing> make_ring(const BlackBoxConfig& config) {
+  if (config.seconds <= 0) return nullptr;
+  try {
+    return std::make_shared<PacketRing>(static_cast<std::size_t>(config.megabytes * 1e6));
+  } catch (const std::bad_alloc&) {
+    return nullptr;
   }
 }
 
 }  // namespace
 
-class BlackBox::Ring {
- public:
-  Ring(std::size_t most_bytes, Span longest) : most_bytes_(most_bytes), longest_(longest) {}
-
-  void add(const Packet& packet) {
-    const std::size_t size = packet.payload.size() + sizeof(Record);
-    while (!records_.empty() &&
-           (bytes_ + size > most_bytes_ || packet.arrival - records_.front().packet.arrival > longest_))
-      drop();
-    if (size > most_bytes_) return;
-    Record& record = take_record();
-    record.packet = packet;
-    record.packet.payload = {};  // belongs to the caller
-    record.payload.assign(packet.payload.begin(), packet.payload.end());
-    bytes_ += size;
-  }
-  std::size_t size() const { return records_.size(); }
-  Span span() const {
-    return records_.empty() ? Span(0) : records_.back().packet.arrival - records_.front().packet.arrival;
-  }
-  void write(PcapWriter& writer, Span step) const {
-    // Each lane adds its packets in their order, but both together do not.
-    std::vector<const Record*> in_order;
-    for (const Record& record : records_) in_order.push_back(&record);
-    std::stable_sort(in_order.begin(), in_order.end(),
-                     [](const Record* a, const Record* b) { return a->packet.arrival < b->packet.arrival; });
-    for (const Record* const record : in_order) {
-      const ByteView payload(record->payload.data(), record->payload.size());
-      const Packet& packet = record->packet;
-      const Stamp at = packet.arrival + step;
-      if (packet.stream_start) writer.open_tcp(at, packet.to, packet.from);
-      packet.transport == Transport::udp ? writer.write(at, packet.from, packet.to, payload)
-                                         : writer.write_tcp(at, packet.from, packet.to, payload);
-    }
-  }
-
- private:
-  struct Record {
-    Packet packet;
-    std::vector<std::uint8_t> payload;
-  };
-  void drop() {
-    bytes_ -= records_.front().payload.size() + sizeof(Record);
-    spare_.push_back(std::move(records_.front().payload));
-    records_.pop_front();
-  }
-  /// With a buffer that was used before: once the ring is full no buffer is allocated.
-  Record& take_record() {
-    Record& record = records_.emplace_back();
-    if (spare_.empty()) return record;
-    record.payload = std::move(spare_.back());
-    spare_.pop_back();
-    return record;
-  }
-
-  const std::size_t most_bytes_;
-  const Span longest_;
-  std::deque<Record> records_;
-  std::vector<std::vector<std::uint8_t>> spare_;
-  std::size_t bytes_ = 0;
-};
-
 struct BlackBox::Writing {
   fs::path path;
-  std::unique_ptr<Ring> ring;
-  std::string events, trouble;
+  std::shared_ptr<PacketRing> ring;  // owns what the snapshot shows
+  PacketRing::Snapshot snapshot;
+  Stamp since;
+  Span step{0};
+  std::size_t files = 0;
+  std::vector<std::string> kept;  // besides the newest
+  std::string events;
+  std::set<std::string> kinds;  // that this capture is the first of
+  std::vector<Answer> asked;
+  // What became of it:
+  std::string trouble;
+  std::uint64_t lost = 0;
+  Stamp first, last;
   std::atomic<bool> done{false};
   std::thread thread;
 
-  void run(Span step) {
+  void run() {
+    const fs::path part = path.string() + ".part";
     try {
-      const fs::path part = path.string() + ".part";
-      PcapWriter writer(part);
-      ring->write(writer, step);
-      writer.close();
+      std::error_code ignored;
+      fs::create_directories(path.parent_path(), ignored);
+      remove_leftovers(path.parent_path());
+      write(part);
       std::ofstream beside(events_beside(path));
       beside << events;
       beside.close();
       if (!beside) throw std::runtime_error(events_beside(path).string() + ": cannot be written");
+      sync_file(part);
       fs::rename(part, path);
+      kept.push_back(path);
+      make_room(path.parent_path(), files, kept);
     } catch (const std::exception& error) {
       trouble = error.what();
+      std::error_code ignored;
+      fs::remove(part, ignored);
+      fs::remove(events_beside(path), ignored);
     }
     done = true;
+  }
+  void write(const fs::path& part) {
+    PcapWriter writer(part);
+    lost = PacketRing::read(snapshot, since, [&](const Packet& packet) {
+      if (writer.records() == 0) first = packet.arrival;
+      last = packet.arrival;
+      const Stamp at = packet.arrival + step;
+      if (packet.stream_start) writer.open_tcp(at, packet.to, packet.from);
+      packet.transport == Transport::udp ? writer.write(at, packet.from, packet.to, packet.payload)
+                                         : writer.write_tcp(at, packet.from, packet.to, packet.payload);
+    });
+    writer.close();
   }
 };
 
 BlackBox::BlackBox(BlackBoxConfig config, std::function<void(bool, const std::string&)> told)
-    : config_(std::move(config)), told_(std::move(told)) {}
+    : config_(std::move(config)), told_(std::move(told)), ring_(make_ring(config_)) {}
 
-BlackBox::~BlackBox() {
+BlackBox::~BlackBox() { finish(); }
+
+void BlackBox::finish() {
   if (writing_ && writing_->thread.joinable()) writing_->thread.join();
+  writing_.reset();
+  asked_.clear();
 }
 
 void BlackBox::configure(const BlackBoxConfig& config) {
+  const bool same = config.megabytes == config_.megabytes && is_on() == (config.seconds > 0);
+  auto ring = same ? ring_ : make_ring(config);
   const std::lock_guard lock(mutex_);
-  if (config.seconds != config_.seconds || config.megabytes != config_.megabytes) ring_.reset();
+  ring_ = std::move(ring);
   config_ = config;
 }
 
 void BlackBox::add(const Packet& packet) {
   const std::lock_guard lock(mutex_);
-  if (!is_on()) return;
-  if (!ring_)
-    ring_ = std::make_unique<Ring>(static_cast<std::size_t>(config_.megabytes * 1e6),
-                                   span_from_seconds(config_.seconds));
-  ring_->add(packet);
+  if (ring_) ring_->add(packet, span_from_seconds(config_.seconds) + aftermath);
 }
 
-void BlackBox::write_on_error(Stamp now, Span delay) {
-  if (!is_on() || !config_.on_error || due_ || writing_) return;
-  if (written_ && now - *written_ < span_from_seconds(config_.seconds)) return;
-  due_ = now + delay;
+std::string BlackBox::no_memory() const {
+  return fmt::format("{:g} MB of memory cannot be had; reduce `megabytes` of `blackbox`", config_.megabytes);
 }
 
-std::string BlackBox::write(Stamp now, Span step, const std::string& events) {
-  if (!is_on())
-    throw std::runtime_error("no black box is kept; set `blackbox: {seconds: 60}` in the configuration");
+void BlackBox::incident(Stamp now, const std::string& kind) {
+  if (!is_on() || !config_.on_error) return;
+  incidents_.insert(kind);
+  if (!due_) due_ = std::max(now + aftermath, pause_end_);
+}
+
+void BlackBox::poll(Stamp now, Span step, const std::function<std::string()>& events) {
   collect();
-  if (writing_) throw std::runtime_error(writing_->path.string() + " is being written; ask again later");
+  const bool due = due_ && now >= *due_;
+  if (writing_ || (asked_.empty() && !due)) return;
+  auto asked = std::exchange(asked_, {});
+  const std::string trouble = start(now, step, due, events);
+  if (due) {
+    due_.reset();
+    incidents_.clear();
+    pause_end_ = now + span_from_seconds(config_.seconds);
+  }
+  if (trouble.empty())
+    writing_->asked = std::move(asked);
+  else
+    for (const Answer& answer : asked) answer("error: " + trouble);
+}
+
+/// True if the first capture of one of these is still to come. The newest capture must have a place, too.
+bool BlackBox::is_first(const std::set<std::string>& kinds) const {
+  const bool room = firsts_.size() + 1 < static_cast<std::size_t>(config_.files);
+  return room && !std::includes(kinds_.begin(), kinds_.end(), kinds.begin(), kinds.end());
+}
+
+/// Returns why nothing is written.
+std::string BlackBox::start(Stamp now, Span step, bool due, const std::function<std::string()>& events) {
+  if (!is_on()) return "no black box is kept; set `blackbox: {seconds: 60}` in the configuration";
+  if (!ring_) return no_memory();
+  auto writing = std::make_unique<Writing>();
   std::unique_lock lock(mutex_);
-  if (!ring_ || ring_->size() == 0) throw std::runtime_error("no packet has come yet");
-  const fs::path folder = folder_of(config_);
-  std::error_code error;
-  fs::create_directories(folder, error);
-  make_room(folder, config_.files);
-  const std::int64_t ms = (now + step).ns / 1'000'000;
-  writing_ = std::make_unique<Writing>();
-  writing_->path = folder / fmt::format("lidard-{:%Y%m%dT%H%M%S}.{:03}Z.pcap",
-                                        fmt::gmtime(static_cast<std::time_t>(ms / 1000)), ms % 1000);
-  writing_->ring = std::move(ring_);
+  writing->snapshot = ring_->snapshot();
   lock.unlock();
-  writing_->events = events;
-  writing_->thread = std::thread([writing = writing_.get(), step] {
-    pthread_setname_np(pthread_self(), "lidard-dump");
-    writing->run(step);
-  });
-  due_.reset();
-  written_ = now;
-  return writing_->path;
+  if (writing->snapshot.empty()) return "no packet has come yet";
+  const std::int64_t ms = (now + step).ns / 1'000'000;
+  writing->path =
+      folder_of(config_) / fmt::format("lidard-{:%Y%m%dT%H%M%S}.{:03}Z.pcap",
+                                       fmt::gmtime(static_cast<std::time_t>(ms / 1000)), ms % 1000);
+  writing->ring = ring_;
+  writing->since = now - span_from_seconds(config_.seconds) - (due ? aftermath : Span(0));
+  writing->step = step;
+  writing->files = static_cast<std::size_t>(config_.files);
+  writing->kept = firsts_;
+  if (due && is_first(incidents_)) writing->kinds = incidents_;
+  writing->events = events();
+  try {
+    writing->thread = std::thread([writing = writing.get()] {
+      pthread_setname_np(pthread_self(), "lidard-dump");
+      writing->run();
+    });
+  } catch (const std::system_error& error) {
+    writing->trouble = error.what();
+    writing->done = true;
+  }
+  writing_ = std::move(writing);
+  return {};
 }
 
 void BlackBox::collect() {
   if (!writing_ || !writing_->done) return;
-  writing_->thread.join();
-  const bool good = writing_->trouble.empty();
-  tell(good, good ? fmt::format("the last {:.1f} s are in {}", seconds(writing_->ring->span()),
-                                writing_->path.string())
-                  : "the black box cannot be written: " + writing_->trouble);
-  writing_.reset();
-}
-
-void BlackBox::tell(bool good, const std::string& sentence) {
-  trouble_ = good ? "" : sentence;
+  if (writing_->thread.joinable()) writing_->thread.join();
+  const std::unique_ptr<Writing> written = std::move(writing_);
+  const bool good = written->trouble.empty();
+  trouble_ = good ? "" : "the black box cannot be written: " + written->trouble;
+  std::string sentence = trouble_;
+  if (good) {
+    sentence = fmt::format("the last {:.1f} s are in {}", seconds(written->last - written->first),
+                           written->path.string());
+    if (written->lost > 0)
+      sentence += fmt::format(", without {} packets: the disk is too slow for them", written->lost);
+    if (!written->kinds.empty()) firsts_.push_back(written->path);
+    kinds_.merge(written->kinds);
+  }
   told_(good, sentence);
+  for (const Answer& answer : written->asked) answer(good ? written->path.string() : "error: " + trouble_);
 }
 
 std::optional<DiagnosticItem> BlackBox::item() const {
@@ -218,19 +265,9 @@ std::optional<DiagnosticItem> BlackBox::item() const {
   item.logged = true;
   item.message = "keeps the newest packets";
   if (!trouble_.empty()) item.set(Health::warn, trouble_);
+  if (!ring_) item.set(Health::warn, "no packets are kept: " + no_memory());
   item.add("Folder", folder_of(config_).string());
   return item;
-}
-
-void BlackBox::poll(Stamp now, Span step, const std::function<std::string()>& events) {
-  collect();
-  if (!due_ || now < *due_) return;
-  due_.reset();
-  try {
-    write(now, step, events());
-  } catch (const std::exception& error) {
-    tell(false, std::string("the black box cannot be written: ") + error.what());
-  }
 }
 
 }  // namespace lidard

@@ -24,8 +24,8 @@ bool is_again(const Event& before, const Event& now) {
 
 }  // namespace
 
-Health Journal::update(const std::vector<DiagnosticItem>& items, Stamp now) {
-  Health worst = Health::ok;
+std::vector<std::string> Journal::update(const std::vector<DiagnosticItem>& items, Stamp now) {
+  std::vector<std::string> errors;
   for (const DiagnosticItem& item : items) {
     Known& known = known_[item.name];
     const std::string text = item.health == Health::ok ? "" : without_figures(item.message);
@@ -33,9 +33,9 @@ Health Journal::update(const std::vector<DiagnosticItem>& items, Stamp now) {
     known.health = item.health;
     known.text = text;
     add({now, item.name, item.health, item.message, item.logged});
-    worst = std::max(worst, item.health);
+    if (item.health == Health::error && !item.awaited) errors.push_back(item.name + ": " + text);
   }
-  return worst;
+  return errors;
 }
 
 void Journal::add(Event event) {

@@ -33,8 +33,9 @@ class Journal {
   /// fro (more than `most_told` within ten minutes), which would flood a log.
   explicit Journal(std::function<void(const Event&)> told) : told_(std::move(told)) {}
 
-  /// Returns the worst state of the events that were noted.
-  Health update(const std::vector<DiagnosticItem>& items, Stamp now);
+  /// Returns what went to ERROR and had worked since the start, each as its source and its text without
+  /// figures.
+  std::vector<std::string> update(const std::vector<DiagnosticItem>& items, Stamp now);
   void add(Event event);
 
   /// In the order in which they happened last, at most `most_events`.

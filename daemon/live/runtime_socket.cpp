@@ -49,17 +49,15 @@ std::string running_socket_path() {
   return service_socket;
 }
 
-/// One question and its answer. Keeps itself alive until both are through, or patience is over.
+/// One question and its answer. Keeps itself alive until both are through, or patience with the asker is
+/// over.
 class RuntimeSocket::Talk : public std::enable_shared_from_this<Talk> {
  public:
   Talk(Local::socket socket, const Answers& answers)
-      : socket_(std::move(socket)), limit_(socket_.get_executor(), patience), answers_(answers) {}
+      : socket_(std::move(socket)), limit_(socket_.get_executor()), answers_(answers) {}
 
   void begin() {
-    limit_.async_wait([self = shared_from_this()](const boost::system::error_code& error) {
-      boost::system::error_code ignored;
-      if (!error) self->socket_.close(ignored);
-    });
+    limit_patience();
     asio::async_read_until(socket_, question_, '\n',
                            [self = shared_from_this()](const boost::system::error_code& error, std::size_t) {
                              error ? self->end() : self->answer();
@@ -67,16 +65,29 @@ class RuntimeSocket::Talk : public std::enable_shared_from_this<Talk> {
   }
 
  private:
+  void limit_patience() {
+    limit_.expires_after(patience);
+    limit_.async_wait([self = shared_from_this()](const boost::system::error_code& error) {
+      boost::system::error_code ignored;
+      if (!error) self->socket_.close(ignored);
+    });
+  }
   void answer() {
+    limit_.cancel();
     std::string word;
     std::istream in(&question_);
     std::getline(in, word);
     const auto found = answers_.find(word);
+    if (found == answers_.end()) return reply("unknown question\n");
     try {
-      text_ = found == answers_.end() ? "unknown question\n" : found->second();
+      found->second([self = shared_from_this()](std::string text) { self->reply(std::move(text)); });
     } catch (const std::exception& error) {
-      text_ = std::string("no answer: ") + error.what() + "\n";  // a question must not end the daemon
+      reply(std::string("no answer: ") + error.what() + "\n");  // a question must not end the daemon
     }
+  }
+  void reply(std::string text) {
+    text_ = std::move(text);
+    limit_patience();
     asio::async_write(
         socket_, asio::buffer(text_),
         [self = shared_from_this()](const boost::system::error_code&, std::size_t) { self->end(); });

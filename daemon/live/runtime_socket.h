@@ -20,8 +20,9 @@ std::string running_socket_path();
 /// comes in, a text goes out, and the connection ends. Whoever may write to the socket's file may ask.
 class RuntimeSocket {
  public:
-  /// What is answered to each word. Called from within `io`.
-  using Answers = std::map<std::string, std::function<std::string()>>;
+  using Reply = std::function<void(std::string text)>;
+  /// What is done for each word. Called from within `io`, as `reply` has to be, at once or later.
+  using Answers = std::map<std::string, std::function<void(const Reply& reply)>>;
 
   RuntimeSocket(boost::asio::io_context& io, Answers answers);
   ~RuntimeSocket();  // NOLINT(bugprone-exception-escape): see there

@@ -129,6 +129,7 @@ void TcpConnections::add_diagnostics(std::vector<DiagnosticItem>& items) const {
     const bool idle = !link->streams && state.phase == TcpState::Phase::stopped && state.message.empty();
     if (!is_connected(state) && !idle && item.message != first_attempt)
       item.health = link->streams ? Health::error : Health::warn;  // data come without a dialogue
+    item.awaited = events_.frames(link->sensor) == 0;
     item.add("Device", link->device.to_string());
     item.add("Attempts", stats.attempts);
     item.add("Connections", stats.connects);

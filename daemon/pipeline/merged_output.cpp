@@ -312,7 +312,8 @@ class MergedOutput final : public Output {
   }
   void describe_sources(DiagnosticItem& item, Stamp now, bool starting) const {
     std::string silent, lost;
-    bool delivers = false;
+    // Whether any source delivers, and whether all that are lost have never come.
+    bool delivers = false, awaited = true;
     for (std::size_t s = 0; s < config_.laserscan_topics.size(); ++s) {
       const std::string& name = config_.laserscan_topics[s];
       const SourceState state = scheduler_.state(s, now);
@@ -321,16 +322,18 @@ class MergedOutput final : public Output {
       if (state != SourceState::never)
         text += fmt::format(", {:.1f} Hz, age {:.0f} ms", period > 0 ? 1 / period : 0, age_ms);
       item.add("Source " + name, text);
-      const SourceState told = reported_[s].state();
-      std::string& list = told == SourceState::stale ? silent : lost;
-      if (told != SourceState::ok) list += (list.empty() ? "" : ", ") + name;
-      delivers = delivers || told == SourceState::ok || config_.schedule.publish_when_empty;
+      const SourceState seen = reported_[s].state();
+      std::string& list = seen == SourceState::stale ? silent : lost;
+      if (seen != SourceState::ok) list += (list.empty() ? "" : ", ") + name;
+      delivers = delivers || seen == SourceState::ok || config_.schedule.publish_when_empty;
+      awaited = awaited && seen != SourceState::lost;
     }
     item.add("Sources lost", lost);
     if (starting || item.health != Health::ok || (lost.empty() && silent.empty())) return;
     item.set(lost.empty() ? Health::warn : Health::error,
              "publishing without " + (lost.empty() ? silent + ", whose sweeps are too old" : lost));
     if (!delivers) item.message = "no output, since no source delivers: see the state of its sensors";
+    item.awaited = awaited;
     if (counters_.no_pose > 0 && !counters_.why_no_pose.empty()) item.message += ": " + counters_.why_no_pose;
   }
   void describe_beams(DiagnosticItem& item) const {

@@ -64,6 +64,7 @@ DiagnosticItem health_of(const std::string& name, const OutputCounters& counters
   } else {
     item.message = "publishing";
   }
+  item.awaited = counters.published == 0;
   item.add("Published", counters.published);
   item.add("Inputs without pose", counters.no_pose);
   return item;

@@ -151,6 +151,7 @@ DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& rep
                              const UnknownSenders& unknown, Stamp now) {
   DiagnosticItem item{"sensor " + report.name, report.info.serial.empty() ? report.name : report.info.serial};
   judge(config, report, unknown, now, item);
+  item.awaited = !report.seen;
   if (config.ip_address) item.add("IP Address", config.ip_address->to_string());
   if (config.model != nullptr && config.packet_topic.empty()) item.add("IP Port", config.ip_port);
   for (const auto& [key, text] : report.info.details) item.add(key, text);

@@ -34,7 +34,8 @@ struct DiagnosticItem {
   Health health = Health::ok;
   std::string message{};  ///< one sentence; says the remedy when health is not ok
   std::vector<std::pair<std::string, std::string>> values{};
-  bool logged = false;  ///< its maker tells the log of changes
+  bool logged = false;   ///< its maker tells the log of changes
+  bool awaited = false;  ///< it has not come yet since the start, so nothing of it broke
 
   void set(Health level, std::string sentence) {
     health = level;

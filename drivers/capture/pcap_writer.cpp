@@ -169,13 +169,11 @@ void PcapWriter::open_tcp(Stamp time, const Endpoint& client, const Endpoint& se
   put_segment(time, client, server, {}, tcp_ack);
 }
 
-void PcapWriter::write_tcp(Stamp time, const Endpoint& from, const Endpoint& to, ByteView payload) {
-  // A segment takes its time on a 100 Mbit/s line.
-  constexpr std::int64_t ns_per_byte = 80;
+void PcapWriter::write_tcp(Stamp time, const Endpoint& from, const Endpoint& to, ByteView payload,
+                           Span per_byte) {
   for (std::size_t at = 0; at < payload.size(); at += largest_segment) {
     const ByteView segment = payload.sub(at, std::min(largest_segment, payload.size() - at));
-    put_segment(time + Span(ns_per_byte * static_cast<std::int64_t>(at)), from, to, segment,
-                tcp_push | tcp_ack);
+    put_segment(time + per_byte * static_cast<std::int64_t>(at), from, to, segment, tcp_push | tcp_ack);
   }
 }
 

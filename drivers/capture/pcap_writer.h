@@ -44,8 +44,9 @@ class PcapWriter {
   void write(Stamp time, const Endpoint& from, const Endpoint& to, ByteView payload);
   /// The handshake of a connection; without it a capture is joined in the middle of one.
   void open_tcp(Stamp time, const Endpoint& client, const Endpoint& server);
-  /// Bytes of a connection, cut into segments.
-  void write_tcp(Stamp time, const Endpoint& from, const Endpoint& to, ByteView payload);
+  /// Bytes of a connection, cut into segments, each `per_byte` of those before it later.
+  void write_tcp(Stamp time, const Endpoint& from, const Endpoint& to, ByteView payload,
+                 Span per_byte = Span(0));
   /// Records written so far.
   std::uint32_t records() const { return records_; }
   /// Flushes and closes; throws std::runtime_error if the disk did not take everything.

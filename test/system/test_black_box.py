@@ -2,10 +2,14 @@
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
 """The black box of a running daemon: `lidard dump`, SIGUSR1 and an error write the last packets, which replay to the scans that
-were published; SIGHUP does not end the daemon."""
+were published; a sensor that has not come yet makes no capture; a full disk is reported and costs no older capture; SIGHUP does
+not end the daemon."""
+import contextlib
+import ctypes
 import json
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import time
@@ -26,8 +30,13 @@ objects:
 """
 CONFIG = """\
 sensors:
-  front: {{model: sick_microscan3, ip_address: 127.168.0.21, ip_port: {front}, listen_only: true}}
-  lms: {{model: sick_lms1xx, ip_address: 127.168.0.10, ip_port: {lms}}}
+  front: {{model: sick_microscan3, ip_address: 127.168.0.21, ip_port: {front}, listen_only: true, pose: {{xyz: [0, 0, 0.35]}}}}
+  lms: {{model: sick_lms1xx, ip_address: 127.168.0.10, ip_port: {lms}, pose: {{xyz: [0, 0, 0.35]}}}}
+"""
+LIVE_CONFIG = CONFIG + """\
+  late: {{model: sick_lms1xx, ip_address: 127.168.0.11, ip_port: {lms}, pose: {{xyz: [0, 0, 0.35]}}}}
+merged_scans:
+  around: {{laserscan_topics: [front, lms, late], range_max: 25}}
 blackbox: {{seconds: 4, path: {path}}}
 """
 TOPICS = ("/front/scan", "/lms/scan")
@@ -45,8 +54,8 @@ def beside(capture):
 def check_replay(tmp, capture, published):
     """Each scan of the capture is one that was published: the same ranges at the same time."""
     bag = tmp / "again.bag"
-    done = run("replay", "-c", tmp / "live.yaml", "--pcap", capture, "--bag", bag)
-    expect(done.returncode == 0, done.stderr)
+    done = run("replay", "-c", tmp / "replay.yaml", "--pcap", capture, "--bag", bag)
+    expect(done.returncode == 0, f"exit {done.returncode}: {done.stdout}{done.stderr}")
     for topic in TOPICS:
         live = {scan.ranges for scan in published[topic]}
         again = [message for _, message, _ in rosbag.Bag(str(bag)).read_messages(topics=[topic])]
@@ -59,40 +68,80 @@ def check_replay(tmp, capture, published):
         print(f"{topic}: {len(again)} scans again, stamps within {1000 * max(near):.1f} ms")
 
 
+@contextlib.contextmanager
+def small_disk(path):
+    """A file system of 64 MB in memory, for this process and its children; None where that is not permitted."""
+    new_mounts = 0x20000  # CLONE_NEWNS of sched.h
+    path.mkdir()
+    made = os.geteuid() == 0 and ctypes.CDLL(None).unshare(new_mounts) == 0 and all(
+        subprocess.run(["mount", *arguments], check=False).returncode == 0
+        for arguments in (["--make-rprivate", "/"], ["-t", "tmpfs", "-o", "size=64m", "tmpfs", path]))
+    try:
+        yield path if made else print("no file system may be mounted here: the full disk is left out")
+    finally:
+        if made:
+            subprocess.run(["umount", path], check=False)
+
+
+def check_full_disk(box):
+    """Nothing older is removed for a capture that does not get room, and nothing of it is left."""
+    before = sorted(box.iterdir())
+    with (box / "filler").open("wb") as filler:
+        with contextlib.suppress(OSError):
+            while True:
+                filler.write(bytes(65536))
+                filler.flush()
+    done = run("dump")
+    expect(done.returncode == 1 and done.stdout == "" and "make room on the disk" in done.stderr, f"{done.returncode}: {done.stdout}{done.stderr}")
+    (box / "filler").unlink()
+    expect(sorted(box.iterdir()) == before, f"{sorted(box.iterdir())}, before: {before}")
+    expect(run("dump").returncode == 0, "there is room again")
+
+
 def main():
     ports = {name: free_port() for name in ("front", "lms", "master")}
     use_master_at(ports["master"])
-    with folder() as tmp, ros_master(ports["master"]):
-        os.environ["LIDARD_SOCKET"] = str(tmp / "control")
-        (tmp / "scene.yaml").write_text(SCENE.format(**ports))
-        (tmp / "live.yaml").write_text(CONFIG.format(path=tmp / "box", **ports))
-        rospy.init_node("listener", disable_signals=True, anonymous=True)
-        published = {topic: [] for topic in TOPICS}
-        for topic, scans in published.items():
-            rospy.Subscriber(topic, LaserScan, scans.append, queue_size=1000)
-        log = tmp / "log.txt"
-        with log.open("w") as sink, process([LIDARD, "run", "-c", tmp / "live.yaml"], stdout=sink, stderr=subprocess.STDOUT) as daemon:
-            with process([LIDARD_SIM, "live", tmp / "scene.yaml"], stdout=subprocess.DEVNULL) as simulator:
-                wait_for(lambda: all(len(scans) > 250 for scans in published.values()), 30, "scans")
-                done = run("dump")
-                expect(done.returncode == 0 and done.stdout.strip().endswith(".pcap"), done.stdout + done.stderr)
-                capture = pathlib.Path(done.stdout.strip())
-                wait_for(capture.exists, 10, "the capture")
-                check_replay(tmp, capture, published)
-                events = json.loads(beside(capture).read_text())
-                expect("events" in events, str(events))
-                time.sleep(1)
-                daemon.send_signal(signal.SIGHUP)
-                daemon.send_signal(signal.SIGUSR1)
-                wait_for(lambda: dumped(tmp, 2), 10, "the capture that SIGUSR1 asks for")
-                expect(daemon.poll() is None, "SIGHUP ended the daemon")
-                time.sleep(4.5)  # an error within the four seconds just written would be in there
-                simulator.kill()
-            third = wait_for(lambda: dumped(tmp, 3), 20, "a capture some seconds after the error")[2]
-            wait_for(lambda: "in " + str(third) in log.read_text(), 10, "the log says where it is")
-            expect("ERROR" in beside(third).read_text(), "the error is among the events beside")
-        expect("live.yaml is in force" in log.read_text(), "the log says what became of SIGHUP")
+    with folder() as tmp, small_disk(tmp / "box") as disk, ros_master(ports["master"]):
+        check(tmp, ports, disk)
     print("ok")
+
+
+def check(tmp, ports, disk):
+    os.environ["LIDARD_SOCKET"] = str(tmp / "control")
+    (tmp / "scene.yaml").write_text(SCENE.format(**ports))
+    (tmp / "replay.yaml").write_text(CONFIG.format(**ports))
+    (tmp / "live.yaml").write_text(LIVE_CONFIG.format(path=tmp / "box", **ports))
+    rospy.init_node("listener", disable_signals=True, anonymous=True)
+    published = {topic: [] for topic in TOPICS}
+    for topic, scans in published.items():
+        rospy.Subscriber(topic, LaserScan, scans.append, queue_size=1000)
+    log = tmp / "log.txt"
+    with log.open("w") as sink, process([LIDARD, "run", "-c", tmp / "live.yaml"], stdout=sink, stderr=subprocess.STDOUT) as daemon:
+        with process([LIDARD_SIM, "live", tmp / "scene.yaml"], stdout=subprocess.DEVNULL) as simulator:
+            wait_for(lambda: all(len(scans) > 250 for scans in published.values()), 30, "scans")
+            wait_for(lambda: "late: nothing received" in log.read_text(), 10, "the sensor that does not come is an error")
+            time.sleep(6)  # longer than it takes until an error is written
+            # A simulator that is starved is silent.
+            others = [line for line in log.read_text().splitlines() if " error: " in line and not re.search("sensor late|without late$", line)]
+            expect(others or not dumped(tmp, 1), f"a capture of a sensor that has not come yet: {log.read_text()}")
+            done = run("dump")
+            capture = pathlib.Path(done.stdout.strip())
+            expect(done.returncode == 0 and capture.suffix == ".pcap" and capture.exists(), done.stdout + done.stderr)
+            check_replay(tmp, capture, published)
+            events = json.loads(beside(capture).read_text())
+            expect("events" in events, str(events))
+            daemon.send_signal(signal.SIGHUP)
+            daemon.send_signal(signal.SIGUSR1)
+            wait_for(lambda: dumped(tmp, 2), 10, "the capture that SIGUSR1 asks for")
+            expect(daemon.poll() is None, "SIGHUP ended the daemon")
+            if disk:
+                check_full_disk(disk)
+            count = len(dumped(tmp, 1))
+            simulator.kill()
+        newest = wait_for(lambda: dumped(tmp, count + 1), 20, "a capture some seconds after the error")[-1]
+        wait_for(lambda: "in " + str(newest) in log.read_text(), 10, "the log says where it is")
+        expect("ERROR" in beside(newest).read_text(), "the error is among the events beside")
+    expect("live.yaml is in force" in log.read_text(), "the log says what became of SIGHUP")
 
 
 if __name__ == "__main__":

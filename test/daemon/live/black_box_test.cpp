@@ -4,12 +4,15 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <thread>
 
 #include "test/drivers/capture/pcap_testing.h"
@@ -19,6 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using std::chrono::milliseconds;
+using std::chrono::seconds;
 using test::read_capture;
 using ::testing::HasSubstr;
 
@@ -42,12 +46,28 @@ class BlackBoxTest : public ::testing::Test {
     packet.stream_start = stream_start;
     box.add(packet);
   }
-  void wait_until_written(BlackBox& box, Stamp now) {
-    for (int i = 0; i < 10000 && said_.empty(); ++i) {
+  /// What is answered to whoever asks for a capture.
+  static std::string dump(BlackBox& box, Stamp now, Span step = Span(0), const std::string& events = "") {
+    std::string answer;
+    box.dump([&](const std::string& said) { answer = said; });
+    for (int i = 0; i < 10000 && answer.empty(); ++i) {
+      box.poll(now, step, [&] { return events; });
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+    EXPECT_NE(answer, "");
+    return answer;
+  }
+  /// Waits for a capture that poll() begins at `now`; returns false where it begins none.
+  bool writes(BlackBox& box, Stamp now) {
+    const std::size_t before = said_.size();
+    bool begun = false;
+    box.poll(now, Span(0), [&] { return begun = true, "why"; });
+    for (int i = 0; i < 10000 && begun && said_.size() == before; ++i) {
       std::this_thread::sleep_for(milliseconds(1));
       box.poll(now, Span(0), [] { return ""; });
     }
-    ASSERT_FALSE(said_.empty());
+    EXPECT_EQ(said_.size(), before + (begun ? 1 : 0));
+    return begun;
   }
   std::vector<fs::path> files() const {
     std::vector<fs::path> found;
@@ -65,14 +85,13 @@ class BlackBoxTest : public ::testing::Test {
 TEST_F(BlackBoxTest, WritesWhatCameInTheLastSecondsWithTheEventsBeside) {
   BlackBox box = this->box();
   for (int i = 0; i < 300; ++i) add(box, begin + milliseconds(100 * i), "packet " + std::to_string(i));
-  const std::string path = box.write(begin + milliseconds(29'950), Span(0), "[events]");
+  const std::string path = dump(box, begin + milliseconds(29'950), Span(0), "[events]");
   EXPECT_EQ(fs::path(path).filename(), "lidard-20231114T221349.950Z.pcap");
-  wait_until_written(box, begin + std::chrono::seconds(31));
-  EXPECT_TRUE(said_[0].first);
-  EXPECT_THAT(said_[0].second, HasSubstr("the last 10.0 s are in " + path));
+  EXPECT_TRUE(said_.at(0).first);
+  EXPECT_THAT(said_[0].second, HasSubstr("the last 9.9 s are in " + path));
   const test::Contents found = read_capture(path);
-  ASSERT_EQ(found.payloads.size(), 101U);
-  EXPECT_EQ(found.payloads.front(), "packet 199");
+  ASSERT_EQ(found.payloads.size(), 100U);
+  EXPECT_EQ(found.payloads.front(), "packet 200");
   EXPECT_EQ(found.payloads.back(), "packet 299");
   EXPECT_EQ(found.stamps.back(), begin + milliseconds(29'900));
   EXPECT_EQ(found.flows.front(), "192.168.1.201:2368 > 192.168.1.77:2369");
@@ -84,97 +103,250 @@ TEST_F(BlackBoxTest, WritesWhatCameInTheLastSecondsWithTheEventsBeside) {
 TEST_F(BlackBoxTest, StampsAsTheHostsClockIsSetNow) {
   BlackBox box = this->box();
   add(box, begin, "a");
-  const std::string path = box.write(begin, -std::chrono::hours(1), "");
-  wait_until_written(box, begin);
+  const std::string path = dump(box, begin, -std::chrono::hours(1));
   EXPECT_EQ(read_capture(path).stamps.at(0), begin - std::chrono::hours(1));
 }
 
-TEST_F(BlackBoxTest, HoldsConnectionsToo) {
+TEST_F(BlackBoxTest, HoldsConnectionsWithTheStampsOfTheirChunks) {
   BlackBox box = this->box();
+  const std::string telegram(9000, 't');
   add(box, begin, "half of a tele", Transport::tcp);
   add(box, begin + milliseconds(1), "gram", Transport::tcp);
-  add(box, begin + milliseconds(9), "anew", Transport::tcp, true);
-  const std::string path = box.write(begin, Span(0), "");
-  wait_until_written(box, begin);
+  add(box, begin + milliseconds(9), telegram, Transport::tcp, true);
+  const std::string path = dump(box, begin + milliseconds(9));
   std::string all;
   std::size_t starts = 0;
   for (const test::TcpChunk& chunk : read_capture(path).chunks) {
     all += chunk.bytes;
     starts += chunk.stream_start ? 1U : 0U;
     EXPECT_EQ(chunk.missing, 0U);
+    if (all.size() > 18) {
+      EXPECT_EQ(chunk.arrival, begin + milliseconds(9)) << "of each segment";
+    }
   }
-  EXPECT_EQ(all, "half of a telegramanew");
+  EXPECT_EQ(all, "half of a telegram" + telegram);
   EXPECT_EQ(starts, 2U) << "the second connection begins anew";
 }
 
 TEST_F(BlackBoxTest, TakesNoMoreMemoryThanItMay) {
-  config_.megabytes = 0.1;
+  config_.megabytes = 1;
   BlackBox box = this->box();
   const std::string bytes(1000, 'x');
-  for (int i = 0; i < 1000; ++i) add(box, begin + milliseconds(i), bytes);
-  const std::string path = box.write(begin, Span(0), "");
-  wait_until_written(box, begin);
-  const auto kept = read_capture(path).payloads.size();
-  EXPECT_LT(kept, 100U);
-  EXPECT_GT(kept, 80U) << "the newest";
-  EXPECT_EQ(read_capture(path).stamps.back(), begin + milliseconds(999));
+  for (int i = 0; i < 5000; ++i) add(box, begin + milliseconds(i), bytes);
+  const test::Contents found = read_capture(dump(box, begin + milliseconds(4999)));
+  EXPECT_LT(found.payloads.size(), 1000U);
+  EXPECT_GT(found.payloads.size(), 700U) << "the newest";
+  EXPECT_EQ(found.stamps.back(), begin + milliseconds(4999));
 }
 
-TEST_F(BlackBoxTest, IsWrittenAWhileAfterAnErrorAndOnceForAllThatFollowsSoon) {
+TEST_F(BlackBoxTest, IsWrittenAWhileAfterAnIncidentWithTheSecondsBeforeIt) {
   BlackBox box = this->box();
-  add(box, begin, "a");
-  box.write_on_error(begin, std::chrono::seconds(5));
-  box.poll(begin + std::chrono::seconds(4), Span(0), [] { return ""; });
-  EXPECT_TRUE(files().empty());
-  box.write_on_error(begin + std::chrono::seconds(4), std::chrono::seconds(5));
-  box.poll(begin + std::chrono::seconds(5), Span(0), [] { return "why"; });
-  wait_until_written(box, begin + std::chrono::seconds(6));
-  EXPECT_EQ(files().size(), 2U);
-  add(box, begin + std::chrono::seconds(7), "b");
-  box.write_on_error(begin + std::chrono::seconds(8), Span(0));
-  box.poll(begin + std::chrono::seconds(9), Span(0), [] { return ""; });
-  EXPECT_EQ(files().size(), 2U) << "an error within the ten seconds that were written";
-  box.write_on_error(begin + std::chrono::seconds(16), Span(0));
-  said_.clear();
-  box.poll(begin + std::chrono::seconds(16), Span(0), [] { return ""; });
-  wait_until_written(box, begin + std::chrono::seconds(17));
-  EXPECT_EQ(files().size(), 4U);
+  for (int i = 0; i <= 400; ++i) add(box, begin + milliseconds(100 * i), std::to_string(i));
+  box.incident(begin + seconds(35), "front: silent");
+  EXPECT_FALSE(writes(box, begin + milliseconds(39'900)));
+  EXPECT_TRUE(writes(box, begin + seconds(40)));
+  ASSERT_EQ(files().size(), 2U);
+  const test::Contents found = read_capture((folder_ / files()[1]).string());
+  EXPECT_EQ(found.stamps.front(), begin + seconds(25));
+  EXPECT_EQ(found.stamps.back(), begin + seconds(40));
+}
+
+TEST_F(BlackBoxTest, ADumpNeitherEmptiesItNorHoldsUpAnIncident) {
+  BlackBox box = this->box();
+  for (int i = 0; i <= 200; ++i) add(box, begin + milliseconds(100 * i), std::to_string(i));
+  const auto first = read_capture(dump(box, begin + seconds(20)));
+  const auto second = read_capture(dump(box, begin + milliseconds(20'001)));
+  EXPECT_EQ(first.stamps.front(), begin + seconds(10));
+  EXPECT_EQ(second.stamps.front(), begin + milliseconds(10'100));
+  box.incident(begin + seconds(21), "front: silent");
+  EXPECT_TRUE(writes(box, begin + seconds(26)));
+}
+
+TEST_F(BlackBoxTest, AnIncidentWithinThePauseIsWrittenWhenThePauseEndsAndNothingIsMissingBetween) {
+  BlackBox box = this->box();
+  auto add_until = [&, from = 0](int to) mutable {
+    for (; from <= to; ++from) add(box, begin + milliseconds(100 * from), std::to_string(from));
+  };
+  add_until(200);
+  box.incident(begin + seconds(15), "front: silent");
+  ASSERT_TRUE(writes(box, begin + seconds(20)));
+  for (const int at : {21, 24, 29}) {
+    box.incident(begin + seconds(at), "front: silent");
+    EXPECT_FALSE(writes(box, begin + seconds(at)));
+  }
+  add_until(300);
+  ASSERT_TRUE(writes(box, begin + seconds(30)));
+  box.incident(begin + seconds(39), "front: silent");
+  add_until(440);
+  EXPECT_FALSE(writes(box, begin + seconds(40)));
+  ASSERT_TRUE(writes(box, begin + seconds(44)));
+  std::set<std::string> written;
+  for (const fs::path& file : files())
+    if (file.extension() == ".pcap")
+      for (const std::string& payload : read_capture((folder_ / file).string()).payloads)
+        written.insert(payload);
+  for (int i = 50; i <= 440; ++i) EXPECT_EQ(written.count(std::to_string(i)), 1U) << i;
+}
+
+TEST_F(BlackBoxTest, WhatFailsWithoutAPacketIsNoCaptureAndNoTrouble) {
+  BlackBox box = this->box();
+  box.incident(begin, "port 2368: in use");
+  EXPECT_FALSE(writes(box, begin + seconds(6)));
+  EXPECT_TRUE(said_.empty());
+  EXPECT_EQ(box.item()->health, Health::ok);
 }
 
 TEST_F(BlackBoxTest, DoesNotFillTheDisk) {
   config_.files = 2;
   BlackBox box = this->box();
   for (int i = 0; i < 5; ++i) {
-    said_.clear();
-    const Stamp now = begin + std::chrono::seconds(100 * i);
+    const Stamp now = begin + seconds(100 * i);
     add(box, now, std::to_string(i));
-    box.write(now, Span(0), "");
-    wait_until_written(box, now);
+    dump(box, now);
   }
   ASSERT_EQ(files().size(), 4U);
   EXPECT_EQ(read_capture((folder_ / files()[3]).string()).payloads.at(0), "4");
 }
 
+TEST_F(BlackBoxTest, TheFirstCaptureOfEachKindStays) {
+  config_.files = 4;
+  BlackBox box = this->box();
+  const auto fail = [&](int at, const std::string& kind) {
+    add(box, begin + seconds(at), kind + std::to_string(at));
+    box.incident(begin + seconds(at), kind);
+    EXPECT_TRUE(writes(box, begin + seconds(at + 5)));
+  };
+  const auto kept = [&] {
+    std::vector<std::string> newest;
+    for (const fs::path& file : files())
+      if (file.extension() == ".pcap")
+        newest.push_back(read_capture((folder_ / file).string()).payloads.back());
+    return newest;
+  };
+  fail(0, "front");
+  for (int i = 1; i < 9; ++i) fail(100 * i, i == 3 ? "rear" : "front");
+  EXPECT_EQ(kept(), (std::vector<std::string>{"front0", "rear300", "front700", "front800"}));
+  // There is always a place for the newest one.
+  for (int i = 9; i < 14; ++i) fail(100 * i, "kind " + std::to_string(i) + " at ");
+  EXPECT_EQ(kept(), (std::vector<std::string>{"front0", "rear300", "kind 9 at 900", "kind 13 at 1300"}));
+}
+
 TEST_F(BlackBoxTest, SaysWhyNothingCanBeWritten) {
   config_.path = "/proc/none";
   BlackBox box = this->box();
-  const auto reason = [](BlackBox& one) -> std::string {
-    try {
-      return one.write(begin, Span(0), "");
-    } catch (const std::runtime_error& error) {
-      return error.what();
-    }
-  };
-  EXPECT_THAT(reason(box), HasSubstr("no packet"));
+  EXPECT_EQ(dump(box, begin), "error: no packet has come yet");
   add(box, begin, "a");
-  reason(box);
-  wait_until_written(box, begin);
-  EXPECT_FALSE(said_[0].first);
-  EXPECT_THAT(said_[0].second, HasSubstr("/proc/none"));
+  EXPECT_THAT(dump(box, begin), HasSubstr("error: the black box cannot be written: /proc/none"));
+  EXPECT_FALSE(said_.at(0).first);
+  EXPECT_EQ(box.item()->health, Health::warn);
   config_.seconds = 0;
   BlackBox off = this->box();
   add(off, begin, "a");
-  EXPECT_THAT(reason(off), HasSubstr("blackbox: {seconds: 60}"));
+  EXPECT_THAT(dump(off, begin), HasSubstr("blackbox: {seconds: 60}"));
+}
+
+TEST_F(BlackBoxTest, SaysThatThereIsNotSoMuchMemory) {
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_AS, &before), 0);
+  const rlimit little{std::min<rlim_t>(before.rlim_max, 1ULL << 36U), before.rlim_max};
+  setrlimit(RLIMIT_AS, &little);
+  config_.megabytes = 100'000;
+  BlackBox box = this->box();
+  setrlimit(RLIMIT_AS, &before);
+  add(box, begin, "a");
+  EXPECT_THAT(dump(box, begin), HasSubstr("reduce `megabytes`"));
+  EXPECT_THAT(box.item()->message, HasSubstr("reduce `megabytes`"));
+  config_.megabytes = 1;
+  box.configure(config_);
+  add(box, begin, "a");
+  EXPECT_THAT(dump(box, begin), HasSubstr(".pcap"));
+  EXPECT_EQ(box.item()->health, Health::ok);
+}
+
+/// No file grows beyond 100 kB, as on a disk that is full.
+struct FullDisk {
+  FullDisk() {
+    getrlimit(RLIMIT_FSIZE, &before);
+    const rlimit full{100'000, before.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &full);
+  }
+  ~FullDisk() {
+    setrlimit(RLIMIT_FSIZE, &before);
+    std::signal(SIGXFSZ, handler);
+  }
+  rlimit before{};
+  void (*handler)(int) = std::signal(SIGXFSZ, SIG_IGN);
+};
+
+TEST_F(BlackBoxTest, OnAFullDiskNothingOlderIsRemovedAndNothingHalfWrittenIsLeft) {
+  config_.files = 1;
+  BlackBox box = this->box();
+  add(box, begin, "old");
+  const std::string old = dump(box, begin);
+  const fs::path left = folder_ / "lidard-20200101T000000.000Z.pcap.part";
+  const fs::path new_one = folder_ / "lidard-20200101T000001.000Z.pcap.part";
+  std::ofstream(left) << "of a daemon that was killed";
+  std::ofstream(new_one) << "of a daemon that writes now";
+  fs::last_write_time(left, fs::file_time_type::clock::now() - std::chrono::hours(1));
+  for (int i = 0; i < 1000; ++i) add(box, begin + milliseconds(i), std::string(1000, 'x'));
+  {
+    const FullDisk full;
+    EXPECT_THAT(dump(box, begin + seconds(2)),
+                HasSubstr("not everything could be written; make room on the disk"));
+  }
+  EXPECT_THAT(box.item()->message, HasSubstr("make room on the disk"));
+  EXPECT_TRUE(fs::exists(old));
+  EXPECT_EQ(files().size(), 3U) << "the old capture, its events, and what another daemon writes";
+  EXPECT_FALSE(fs::exists(left));
+  const std::string path = dump(box, begin + seconds(3));
+  EXPECT_EQ(read_capture(path).payloads.size(), 1001U) << "what could not be written is still kept";
+  EXPECT_FALSE(fs::exists(old));
+  EXPECT_EQ(box.item()->health, Health::ok);
+}
+
+TEST_F(BlackBoxTest, AnHourWithThreeIncidentsAMinuteAndDumpsBetween) {
+  config_.seconds = 60;
+  config_.megabytes = 16;
+  BlackBox box = this->box();
+  const std::string payload(1000, 'x');
+  std::vector<Stamp> incidents, in_a_capture;
+  std::size_t captures = 0, dumps = 0;
+  std::string first_capture;
+  std::vector<Stamp> waiting;
+  const auto read_new = [&] {
+    const test::Contents found = read_capture((folder_ / files().at(files().size() - 1)).string());
+    ++captures;
+    for (const Stamp at : waiting)
+      if (found.stamps.front() <= at && at <= found.stamps.back()) in_a_capture.push_back(at);
+    if (first_capture.empty()) first_capture = (folder_ / files().back()).string();
+  };
+  for (int tenth = 0; tenth < 36'000; ++tenth) {
+    const Stamp now = begin + milliseconds(100 * tenth);
+    for (int i = 0; i < 10; ++i) add(box, now + milliseconds(i), payload);
+    if (tenth % 200 == 150) {
+      box.incident(now, tenth % 400 == 150 ? "front" : "rear");
+      incidents.push_back(now);
+      waiting.push_back(now);
+    }
+    if (writes(box, now)) {
+      read_new();
+      waiting.clear();
+    }
+    if (tenth % 3000 == 2999) {
+      EXPECT_THAT(dump(box, now), HasSubstr(".pcap"));
+      ++dumps;
+    }
+  }
+  EXPECT_EQ(incidents.size(), 180U);
+  EXPECT_EQ(dumps, 12U);
+  EXPECT_GE(captures, 55U);
+  // The newest ones are still to be written.
+  EXPECT_GE(in_a_capture.size() + 4, incidents.size());
+  in_a_capture.resize(std::min(in_a_capture.size(), incidents.size()));
+  incidents.resize(in_a_capture.size());
+  EXPECT_EQ(in_a_capture, incidents);
+  EXPECT_TRUE(fs::exists(first_capture)) << "of the first incident";
+  EXPECT_EQ(files().size(), 20U);
 }
 
 }  // namespace

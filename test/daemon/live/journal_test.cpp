@@ -46,6 +46,24 @@ TEST(Journal, NotesEachChangeOnceAtItsTime) {
   EXPECT_EQ(bench.told.size(), 4U);
 }
 
+TEST(Journal, ReturnsWhatWentToErrorUnlessItHasNotComeSinceTheStart) {
+  Journal journal([](const Event&) {});
+  const auto errors = [&](double s, Health health, const std::string& message, bool awaited = false) {
+    DiagnosticItem item{"sensor front"};
+    item.set(health, message);
+    item.awaited = awaited;
+    return journal.update({item}, at(s));
+  };
+  using Errors = std::vector<std::string>;
+  EXPECT_EQ(errors(1, Health::error, "nothing received for 3 s", true), Errors{});
+  EXPECT_EQ(errors(2, Health::error, "refused", true), Errors{});
+  EXPECT_EQ(journal.events().size(), 2U) << "events they are all the same";
+  EXPECT_EQ(errors(3, Health::error, "it is a VLP-16"), Errors{"sensor front: it is a VLP-"});
+  EXPECT_EQ(errors(4, Health::error, "it is a VLP-16"), Errors{});
+  EXPECT_EQ(errors(5, Health::warn, "silent for 1 s"), Errors{});
+  EXPECT_EQ(errors(6, Health::error, "silent for 3 s"), Errors{"sensor front: silent for  s"});
+}
+
 TEST(Journal, KeepsSourcesApart) {
   Bench bench;
   bench.see(1, Health::warn, "silent", "front");

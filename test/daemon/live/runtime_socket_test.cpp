@@ -10,6 +10,7 @@
 
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -23,8 +24,9 @@ class RuntimeSocketTest : public ::testing::Test {
  protected:
   RuntimeSocketTest()
       : folder_(std::filesystem::temp_directory_path() / ("lidard-socket-" + std::to_string(getpid()))),
-        socket_(io_, {{"status", [] { return std::string("fine\n"); }},
-                      {"events", [] { return std::string(5'000'000, 'e'); }}}) {}
+        socket_(io_, {{"status", [](const auto& reply) { reply("fine\n"); }},
+                      {"events", [](const auto& reply) { reply(std::string(5'000'000, 'e')); }},
+                      {"dump", [this](const auto& reply) { later_ = reply; }}}) {}
   void SetUp() override {
     std::filesystem::create_directories(folder_);
     ASSERT_EQ(socket_.start(path()), "");
@@ -33,6 +35,7 @@ class RuntimeSocketTest : public ::testing::Test {
   void TearDown() override {
     io_.stop();
     if (thread_.joinable()) thread_.join();
+    later_ = {};
     socket_.stop();
     EXPECT_FALSE(std::filesystem::exists(path())) << "a daemon that ended leaves no socket";
     std::filesystem::remove_all(folder_);
@@ -41,6 +44,7 @@ class RuntimeSocketTest : public ::testing::Test {
 
   std::filesystem::path folder_;
   boost::asio::io_context io_;
+  RuntimeSocket::Reply later_;
   RuntimeSocket socket_;
   std::thread thread_;
 };
@@ -50,6 +54,13 @@ TEST_F(RuntimeSocketTest, AnswersAWordWithAText) {
   EXPECT_EQ(ask_daemon(path(), "status"), "fine\n");
   EXPECT_EQ(ask_daemon(path(), "events").size(), 5'000'000U);
   EXPECT_EQ(ask_daemon(path(), "halt"), "unknown question\n");
+}
+
+TEST_F(RuntimeSocketTest, AnswersLaterWhereTheAnswerTakesItsTime) {
+  boost::asio::steady_timer timer(io_,
+                                  std::chrono::milliseconds(2500));  // longer than its patience with askers
+  timer.async_wait([this](const boost::system::error_code&) { later_("written\n"); });
+  EXPECT_EQ(ask_daemon(path(), "dump"), "written\n");
 }
 
 TEST_F(RuntimeSocketTest, IsNotStoppedByThoseWhoSayNothingOrTooMuch) {

@@ -72,7 +72,8 @@ CaptureSummary make_capture(const Scene& scene, const std::string& prefix, bool 
       // A capture that begins with a request begins with the connection.
       if (packet.to_device && opened.insert(packet.sensor).second)
         pcap.open_tcp(packet.time - Span(300'000), packet.from, packet.to);
-      pcap.write_tcp(packet.time, packet.from, packet.to, packet.payload);
+      constexpr Span per_byte(80);  // of a 100 Mbit/s line
+      pcap.write_tcp(packet.time, packet.from, packet.to, packet.payload, per_byte);
     } else {
       pcap.write(packet.time, packet.from, packet.to, packet.payload);
     }
