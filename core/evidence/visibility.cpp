@@ -9,87 +9,9 @@
 namespace lidard {
 namespace {
 
-// What is seen is told in so long pieces, and exactly where one of them is not seen as a whole.
-constexpr double shortest_step = 0.12;  // m
-constexpr double growth = 0.025;        // of the range
-
-}  // namespace
-
-VisibilityTable::VisibilityTable(const Raster& raster) : beams_(raster.grid().beams) {
-  double at = 0;
-  while (at < raster.grid().range_max) {
-    edges_.push_back(static_cast<float>(at));
-    at += std::max(shortest_step, growth * at);
-  }
-  edges_.push_back(static_cast<float>(at));
-  stretches_of_beam_ = steps() / stretch_steps + 1;
-  // No two steps begin within a shortest one.
-  for (std::size_t k = 0; static_cast<double>(k) * shortest_step <= at; ++k) {
-    const auto begin = static_cast<float>(static_cast<double>(k) * shortest_step);
-    const auto next = std::upper_bound(edges_.begin(), edges_.end(), begin) - edges_.begin();
-    step_at_.push_back(static_cast<std::uint32_t>(std::max<std::ptrdiff_t>(next - 1, 0)));
-  }
-}
-
-std::size_t VisibilityTable::step_at(float range) const {
-  if (!(range > 0)) return 0;
-  const auto bucket = static_cast<std::size_t>(range * static_cast<float>(1 / shortest_step));
-  if (bucket >= step_at_.size()) return steps();
-  std::size_t step = step_at_[bucket];
-  while (step < steps() && edges_[step + 1] <= range) ++step;
-  return step;
-}
-
-VisibilityTable::Stretch VisibilityTable::stretch_of(const std::vector<Place>& places,
-                                                     const FreeSpaceMap& map) {
-  const auto count = static_cast<std::int32_t>(map.size());
-  std::int32_t at = 0, low = 0, high = 0;  // cells from the first place's
-  std::uint16_t nearest = places[0].distance, farthest = places[0].distance;
-  for (std::size_t m = 1; m < places.size(); ++m) {
-    std::int32_t turn = places[m].cell - places[m - 1].cell;
-    if (turn > count / 2) turn -= count;
-    if (turn < -count / 2) turn += count;
-    at += turn;
-    low = std::min(low, at);
-    high = std::max(high, at);
-    nearest = std::min(nearest, places[m].distance);
-    farthest = std::max(farthest, places[m].distance);
-  }
-  Stretch stretch{
-      {}, FreeSpaceMap::ordered(nearest), static_cast<std::int16_t>(~FreeSpaceMap::ordered(farthest))};
-  const std::int32_t first = places[0].cell + low;
-  const auto cell = static_cast<std::size_t>(first < 0 ? first + count : first);
-  // Nothing is free from before the source.
-  if (!map.find_run(cell, static_cast<std::size_t>(high - low + 1), stretch.cells))
-    stretch.nearest = FreeSpaceMap::ordered(0), stretch.not_farthest = FreeSpaceMap::ordered(0);
-  return stretch;
-}
-
-void VisibilityTable::set(std::size_t source, std::size_t sources, const Raster& raster,
-                          const FreeSpaceMap& map) {
-  if (sources != sources_) {
-    sources_ = sources;
-    stretches_.assign(beams_ * sources * stretches_of_beam_, {});
-    places_.assign(stretches_.size() * stretch_steps, {0, 0xFFFF});
-  }
-  std::vector<Place> places(stretch_steps + 1);
-  for (std::size_t beam = 0; beam < beams_; ++beam) {
-    for (std::size_t k = 0; k < stretches_of_beam_; ++k) {
-      for (std::size_t i = 0; i <= stretch_steps; ++i) {
-        const float range = edges_[std::min(k * stretch_steps + i, steps())];
-        places[i] = map.place_of(range * raster.cosine(beam), range * raster.sine(beam));
-      }
-      std::copy_n(places.begin(), stretch_steps, places_.data() + index(beam, source, k) * stretch_steps);
-      stretches_[index(beam, source, k)] = stretch_of(places, map);
-    }
-  }
-}
-
-namespace {
-
 constexpr float infinite = std::numeric_limits<float>::infinity();
 // A step is looked at in so many parts where no source sees all of it.
-constexpr int parts_of_step = 8;
+constexpr int parts_of_step = 4;
 
 }  // namespace
 
@@ -282,13 +204,14 @@ std::size_t Visibility::seen_run(Walk& walk, std::size_t from, std::size_t to) {
   return from;
 }
 
-bool Visibility::sees_piece(Walk& walk, std::size_t step, bool from_body, float to) {
+bool Visibility::sees_piece(Walk& walk, std::size_t step, bool from_body, std::size_t to) {
   const std::size_t beam = walk.beam;
+  const bool to_end = to > walk.last;
   for (std::size_t s = 0; s < walk.sources; ++s) {
     const auto begin = from_body ? body_ends_[s][beam] : table_.place(beam, row_of(s), step);
-    const auto end = to < ways_[beam] ? table_.place(beam, row_of(s), step + 1) : way_ends_[s][beam];
+    const auto end = to_end ? way_ends_[s][beam] : table_.place(beam, row_of(s), to);
     if (!maps_[s].is_free(begin, end)) continue;
-    see(walk, s, to);
+    see(walk, s, to_end ? ways_[beam] : table_.edge(to));
     return true;
   }
   return false;
@@ -330,8 +253,8 @@ bool Visibility::may_hold_body(const Walk& walk, std::size_t step) const {
 bool Visibility::is_covered(std::size_t beam, std::size_t sources) {
   const float end = ways_[beam];
   const Inside& body = inside_[beam];
-  const std::size_t last = table_.step_at(end);  // of which a part remains
-  Walk walk{beam, sources, witness_ < sources ? witness_ : 0};
+  const std::size_t last = table_.step_at(end);
+  Walk walk{beam, sources, last, witness_ < sources ? witness_ : 0};
   // What cannot be seen lies nearest.
   if (observing_ < sources) walk.source = observing_;
   blind_to_[beam] = 0;
@@ -339,6 +262,7 @@ bool Visibility::is_covered(std::size_t beam, std::size_t sources) {
   bool body_ahead = body.end > 0;
   bool from_body = false;
   bool covered = true;
+  constexpr std::size_t many = VisibilityTable::stretch_steps;
   for (std::size_t m = 0; walk.at < end;) {
     if (body_ahead && m >= body.from) {
       body_ahead = false;
@@ -347,30 +271,35 @@ bool Visibility::is_covered(std::size_t beam, std::size_t sources) {
       walk.at = walk.known = body.end;
       continue;
     }
-    if (!from_body && m < last) {
-      const std::size_t seen_to = seen_run(walk, m, body_ahead ? std::min(last, body.from) : last);
-      walk.at = table_.edge(seen_to);
-      if (seen_to > m) {
-        m = seen_to;
-        continue;
-      }
+    // To the end of the way, or to where stretches begin; else stretch by stretch and step by step.
+    std::size_t to = std::min(m / many * many + many, last + 1);
+    if ((body_ahead && body.from < to) || (!from_body && m % many == 0 && to <= last)) to = m;
+    if (to == m || !sees_piece(walk, m, from_body, to)) {
+      to = m;
+      if (!from_body && m < last) to = seen_run(walk, m, body_ahead ? std::min(last, body.from) : last);
     }
-    const float next = m < last ? table_.edge(m + 1) : end;
-    const bool seen = (from_body || m == last) && sees_piece(walk, m, from_body, next);
-    const float known = walk.known;
-    if (!seen && (covered || may_hold_body(walk, m)) && !accept(walk, walk.at, next) && covered) {
-      covered = false;
-      covered_[beam] = known;
+    if (to == m) {
+      to = m + 1;
+      covered = take_step(walk, m, from_body, covered);
+      if (!covered && is_decided(beam)) break;
     }
-    // What stands behind a return counts although the way to it was not observed.
-    if (!covered && is_decided(beam)) break;
+    m = to;
     from_body = false;
-    walk.at = next;
-    ++m;
+    walk.at = m > last ? end : table_.edge(m);
   }
   if (covered) covered_[beam] = walk.known;
   covered_[beam] = std::min(covered_[beam], std::max(end, begin_[beam]));
   return covered;
+}
+
+/// What stands behind a return counts although the way to it was not observed.
+bool Visibility::take_step(Walk& walk, std::size_t step, bool from_body, bool covered) {
+  if (from_body && sees_piece(walk, step, true, step + 1)) return covered;
+  if (!covered && !may_hold_body(walk, step)) return false;
+  const float known = walk.known;
+  if (accept(walk, walk.at, step < walk.last ? table_.edge(step + 1) : ways_[walk.beam])) return covered;
+  if (covered) covered_[walk.beam] = known;
+  return false;
 }
 
 BeamState Visibility::decide(std::size_t beam) {

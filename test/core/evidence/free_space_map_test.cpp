@@ -81,7 +81,7 @@ Fan random_fan(sim::Rng& rng) {
   return fan;
 }
 
-TEST(FreeSpaceMap, UnlinkedBeamsCountUpToTheMiddleBetweenThemWhateverTheMount) {
+TEST(FreeSpaceMap, BetweenUnlinkedBeamsTheShorterOneCountsWhateverTheMount) {
   sim::Rng rng(1);
   std::size_t inside = 0, outside = 0;
   for (int round = 0; round < 60; ++round) {
@@ -107,8 +107,17 @@ TEST(FreeSpaceMap, UnlinkedBeamsCountUpToTheMiddleBetweenThemWhateverTheMount) {
         continue;
       }
       const auto i = static_cast<std::size_t>(beam);
-      const double from = static_cast<double>(fan.sweep.free_from[i]);
-      const double to = static_cast<double>(fan.sweep.free_to[i]);
+      double from = static_cast<double>(fan.sweep.free_from[i]);
+      double to = static_cast<double>(fan.sweep.free_to[i]);
+      // What the shorter of two beams meets may go on as far as to the longer one.
+      const double beside = beam + (place < beam ? -1 : 1);
+      const bool alone = beside < 0 || beside >= static_cast<double>(fan.beams());
+      const std::size_t n = alone ? i : static_cast<std::size_t>(beside);
+      const auto other = static_cast<double>(fan.sweep.free_to[n]);
+      if (other > 0 && other < to) {
+        from = std::max(from, static_cast<double>(fan.sweep.free_from[n]));
+        to = other;
+      }
       ++inside;
       ASSERT_EQ(is_free(map, cell, 1.2), to > 0) << round << " cell " << cell;
       if (to == 0) continue;

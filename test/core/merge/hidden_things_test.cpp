@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Open yards with things made to be missed; bench/report_hidden prints the same figures for many of them.
+#include <gtest/gtest.h>
+
+#include <cctype>
+#include <string>
+
+#include "test/support/hidden.h"
+
+namespace lidard::sim {
+namespace {
+
+struct Totals {
+  HidingScore strict, safety;
+};
+
+Totals totals_of(const HidingCase& set_up, std::uint64_t first, std::uint64_t yards) {
+  Totals totals;
+  for (std::uint64_t seed = first; seed < first + yards; ++seed) {
+    const HidingScene scene = make_hiding_scene(set_up, seed);
+    totals.strict.add(judge_hiding(set_up, scene, scene.strict));
+    totals.safety.add(judge_hiding(set_up, scene, scene.safety));
+  }
+  return totals;
+}
+
+class HiddenThings : public ::testing::TestWithParam<std::size_t> {};
+
+TEST_P(HiddenThings, AreNeitherFalselyFreeNorSeenThrough) {
+  const HidingCase& set_up = hiding_cases()[GetParam()];
+  const Totals totals = totals_of(set_up, 1, set_up.from_cloud ? 12 : 24);
+  ASSERT_GT(totals.strict.blocked, 300U);
+  // Boxes that end between two beams above and below the plane are told apart by chance.
+  if (set_up.hiding != Hiding::low) {
+    EXPECT_EQ(totals.strict.falsely_free + totals.safety.falsely_free, 0U);
+    EXPECT_LE(totals.strict.seen_through, totals.strict.blocked / 1000);
+  }
+  if (set_up.hiding == Hiding::posts) {
+    EXPECT_LE(totals.safety.seen_through, totals.safety.blocked / 100);
+  }
+  if (set_up.hiding == Hiding::posts && !set_up.from_cloud) {
+    EXPECT_EQ(totals.safety.seen_through, 0U);
+    EXPECT_GE(totals.strict.right * 100, totals.strict.blocked * 92);
+    EXPECT_GE(totals.strict.open_free * 100, totals.strict.open * 97);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Yards, HiddenThings, ::testing::Range<std::size_t>(0, hiding_cases().size()),
+                         [](const auto& each) {
+                           std::string name;
+                           for (const char c : std::string(hiding_cases()[each.param].name))
+                             if (std::isalnum(static_cast<unsigned char>(c)) != 0) name += c;
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace lidard::sim
