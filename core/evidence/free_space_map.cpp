@@ -85,12 +85,12 @@ void FreeSpaceMap::span_of(std::uint16_t a, std::uint16_t b, std::size_t& first,
 bool FreeSpaceMap::is_free_between(Place a, Place b) const {
   const std::uint16_t nearest = std::min(a.distance, b.distance);
   const std::uint16_t farthest = std::max(a.distance, b.distance);
-  if (!is_free({a.cell, nearest}) || !is_free({a.cell, farthest}) || !is_free({b.cell, nearest}) ||
-      !is_free({b.cell, farthest}))
-    return false;
   std::size_t first = 0, count = 0;
   span_of(a.cell, b.cell, first, count);
-  if (count <= 2) return true;
+  if (count <= 2) {
+    return is_free({a.cell, nearest}) && is_free({a.cell, farthest}) && is_free({b.cell, nearest}) &&
+           is_free({b.cell, farthest});
+  }
   const std::int16_t near = ordered(nearest);
   const auto not_far = static_cast<std::int16_t>(~ordered(farthest));
   RunAt run;

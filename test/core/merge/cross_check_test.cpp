@@ -164,8 +164,9 @@ TEST(CrossCheck, ATenthOfAMetreOrFiveStandardDeviationsAreNobodysFault) {
 }
 
 TEST(CrossCheck, WhatIsSeenThroughAtItsEdgeAloneIsKept) {
-  // A box that hides the wall from the second scanner two beams beside the return: its edge may be there.
-  for (const double beams_beside : {1.5, 2.5, -1.5, -2.5}) {
+  // A box that hides the wall from the second scanner beside the return: its edge may be as near as two
+  // beams.
+  for (const double beams_beside : {1.5, 3.5, -1.5, -3.5}) {
     Room room(doubting(), {{0, 0}, {0, 0.02}});
     const double hidden = (beams_beside > 0 ? beams_beside + 3 : beams_beside - 3) * degree;
     room.world.add_box(3 * Eigen::Vector2d(std::cos(hidden), std::sin(hidden)),

@@ -62,7 +62,8 @@ TEST(MergeBench, CoarserOutputThanInputKeepsItsAccuracy) {
 TEST(MergeBench, SparseScannersFillADenseOutput) {
   const Totals totals = totals_of(merge_cases()[4], 12);
   const MergeScore& s = totals.strict;
-  EXPECT_GE(s.share(s.right), 96);
+  // Beside each edge the way between two beams, a degree, is unknown.
+  EXPECT_GE(s.share(s.right), 94.5);
   EXPECT_LE(s.share(s.see_through), 0.3);
   EXPECT_EQ(s.false_free, 0U);
   EXPECT_LT(totals.ancestor.share(totals.ancestor.right), 40);
@@ -73,7 +74,7 @@ TEST(MergeBench, DrivingMakesNoClaimWrong) {
   const Totals totals = totals_of(set_up, 12);
   const MergeScore& s = totals.strict;
   ASSERT_GT(s.seen, 10'000U);
-  EXPECT_GE(s.share(s.right), 97.5);
+  EXPECT_GE(s.share(s.right), 97);
   EXPECT_LE(s.share(s.see_through), 0.3);
   EXPECT_LE(s.unseen_share(s.unseen_wrong), 2);
   EXPECT_LE(s.rms(), set_up.noise);

@@ -103,7 +103,8 @@ Proof prove(const Scene& scene, std::size_t column, double above) {
   return proof;
 }
 
-/// The columns on either side cross the plane with the same rings, as far as anything is known of them.
+/// The columns on either side cross the plane with the same rings and meet the same surface, as far as
+/// anything is known of them.
 bool neighbours_agree(const Scene& scene, std::size_t column, double above) {
   const auto crosses = [&](std::size_t c, std::size_t ring) {
     const auto z = static_cast<double>(scene.grid.ends[scene.grid.index(c % 360, ring)].z);
@@ -117,6 +118,8 @@ bool neighbours_agree(const Scene& scene, std::size_t column, double above) {
     for (const std::size_t beside : {column + 359, column + 1}) {
       const bool both = known(column, ring) && known(beside, ring);
       if (both && crosses(column, ring) != crosses(beside, ring)) return false;
+      const std::size_t first = beside > column ? column : beside % 360;
+      if (both && !scene.links.level(first, ring)) return false;
     }
   }
   return true;

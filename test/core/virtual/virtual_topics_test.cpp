@@ -92,7 +92,7 @@ TEST_P(VirtualTopics, ShowAYardNearlyAsWellAsCloudsWhoseColumnsAreKnown) {
     RecordProperty("yard_" + std::to_string(which), figures);
     SCOPED_TRACE(figures);
     EXPECT_GE(topic.share(topic.right), known.share(known.right) - GetParam().loss);
-    EXPECT_LE(topic.share(topic.phantom), known.share(known.phantom) + 0.5);
+    EXPECT_LE(topic.share(topic.phantom), known.share(known.phantom) + 0.8);
     EXPECT_EQ(topic.free, 0U);
   }
 }
