@@ -18,6 +18,8 @@ constexpr float level_enough = 0.02F;
 // Pieces so near to each other are one, m and share of the distance: neighbouring columns cross in turn.
 constexpr float touching = 0.05F;
 constexpr float touching_share = 0.02F;
+// Neighbouring columns share their border, so that no cell between them is left out.
+constexpr float overlap = 1.05F;
 
 }  // namespace
 
@@ -111,10 +113,9 @@ void CutEvidence::add_blind(std::size_t lowest) {
   add(along, along, {-1, false});
 }
 
-/// The cells whose middle lies within half a column of `azimuth`; none of them reaches into what the next
-/// column but one says.
+/// The cells whose middle lies within half a column of `azimuth`.
 CutEvidence::Cells CutEvidence::cells_at(float azimuth) const {
-  const float half = width_ / 2;
+  const float half = width_ * overlap / 2;
   const float middle = azimuth + static_cast<float>(cells_.size());
   return {static_cast<std::size_t>(middle - half + 0.5F), static_cast<std::size_t>(middle + half - 0.5F)};
 }
