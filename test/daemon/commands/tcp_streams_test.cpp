@@ -28,7 +28,7 @@ struct Recorded {
   int packets, scans;  // some came twice
   double hz;           // by the telegrams' own times
 };
-const Recorded lms111{"sick/lms111_colab_20210302.pcap", "sick_lms1xx", 175, 172, 50.59};
+const Recorded lms111{"sick/lms111_colab_20210302.pcap", "sick_lms1xx", 175, 172, 49.72};
 const Recorded tim781s{"sick/tim781s_colab_20210125.pcap", "sick_tim7xx", 140, 140, 15};
 
 class RecordedConnection : public ::testing::TestWithParam<Recorded> {};

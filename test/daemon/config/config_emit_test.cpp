@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 const std::string everything =
     "vehicle: {base_frame: base, footprint: [[-4, -1], [0.1, -1], [0.1, 1]], odometry_frame: odom}\n"
     "sensors:\n"
-    "  roof: {model: velodyne_vlp16, ip_address: 'fe80::1', pose: {xyz: [0.1, -0.2, 2], rpy_deg: [1, -2, "
+    "  roof: {model: velodyne_vlp16, ip_address: 192.168.1.201, pose: {xyz: [0.1, -0.2, 2], rpy_deg: [1, -2, "
     "30]}, "
     "multicast_group: 239.1.2.3, interface: 'true', clock: arrival, time_offset: -0.123456789, cut_angle: "
     "0.3}\n"

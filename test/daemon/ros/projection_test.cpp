@@ -98,14 +98,15 @@ std::string name_of(const ::testing::TestParamInfo<Mount>& mount) {
 INSTANTIATE_TEST_SUITE_P(Mounts, Projection,
                          ::testing::Values(Mount::upright, Mount::reversed, Mount::upside_down), name_of);
 
-/// All but the ends of walls seen at a slant: such a return stays at its range in the middle of its beam.
+/// All but the ends of walls seen at a slant: such a return stays at its range in the middle of its beam, and
+/// `safety` ends a beam that passes shortly behind a return there.
 TEST_P(Projection, PutsStrictAndSafetyScansBackOntoTheWalls) {
   for (const Profile profile : {Profile::strict, Profile::safety}) {
     const auto distances = Scene().errors(profile, GetParam());
     ASSERT_GT(distances.size(), 1000U);
     const auto far = std::upper_bound(distances.begin(), distances.end(), 0.005);
-    EXPECT_LT(static_cast<double>(distances.end() - far), 0.005 * static_cast<double>(distances.size()));
-    EXPECT_LT(distances.back(), 0.005 + 23.4 * 0.125 * degree);
+    EXPECT_LT(static_cast<double>(distances.end() - far), 0.01 * static_cast<double>(distances.size()));
+    EXPECT_LT(distances.back(), 0.1);
   }
 }
 

@@ -51,7 +51,7 @@ TEST(Models, AreToldApartByWhatFewOfThemCan) {
   EXPECT_EQ(with(Trait::calibration), with(Trait::packet_messages));
   EXPECT_EQ(with(Trait::calibration).size(), with(Trait::web_control).size() + 4) << "the four HDL-64E";
   EXPECT_EQ(with(Trait::skip_request).size(), 7U) << "SCIP";
-  for (const auto name : with(Trait::skip_setting))
+  for (const auto& name : with(Trait::skip_setting))
     EXPECT_THAT(with(Trait::states_on_request), ::testing::Contains(name)) << "CoLa";
   EXPECT_EQ(with(Trait::states_on_request).size(), with(Trait::skip_setting).size() + 4) << "safety scanners";
 }
