@@ -211,9 +211,10 @@ void FreeSpaceMap::fill(const PlacedScan& sweep) {
       if (slot.after ? to_next : to_previous) {
         // On a straight line the inverse of the distance changes (nearly) evenly.
         cells_[slot.cell] = cell_of(sweep.free_from[beam], to * other / (other + slot.share * (to - other)));
-      } else if (other > 0 && other < to && slot.share > passed_share_) {
+      } else if (sweep.kind[neighbour] != Return::nothing && other > 0 && other < to &&
+                 slot.share > passed_share_) {
         cells_[slot.cell] = cell_of(std::max(sweep.free_from[beam], sweep.free_from[neighbour]), other);
-        hides_[slot.cell] = sweep.kind[neighbour] != Return::nothing ? 1 : 0;
+        hides_[slot.cell] = 1;
       }
     }
   }
@@ -252,8 +253,8 @@ void FreeSpaceMap::limit_pair(const PlacedScan& sweep, std::size_t beam, float s
     return;
   }
   const float shorter = nearer ? to : next, longer = nearer ? next : to;
-  const float passed =
-      std::clamp(step, -2 * std::fabs(half_beam_), 2 * std::fabs(half_beam_)) * passed_share_;
+  const float passed = std::clamp(step, -2 * std::fabs(half_beam_), 2 * std::fabs(half_beam_)) *
+                       (hides ? passed_share_ : 0.5F);
   const float begin = nearer ? at : at + step, end = nearer ? at + step : at;
   const float border = nearer ? end - passed : end + passed;
   limit(begin, border, from, shorter, shorter, hides);

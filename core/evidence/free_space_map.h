@@ -74,8 +74,8 @@ class FreeSpaceMap {
   void place_beams(const float* dx, const float* dy, std::size_t beams);
 
   /// Takes the evidence of a sweep. Between linked returns it is interpolated; between others the thing that
-  /// the shorter beam meets may go on as far as to the longer beam. Where a beam proves nothing, the nearer
-  /// beam counts.
+  /// the shorter beam meets may go on as far as to the longer beam. Beside a beam that ends at nothing the
+  /// nearer beam counts.
   void fill(const PlacedScan& sweep);
   /// No evidence at all.
   void clear();
