@@ -228,7 +228,8 @@ def check_hang(vehicle):
     history = status(vehicle)["history"]
     print(history)
     restarts = vehicle.prop("lidard", "NRestarts")
-    killed = re.fullmatch(rf"restarted {restarts} times? by systemd, last killed by its watchdog at (\S+)Z", history)
+    # Restarts are known where the bus of the system answers; a bare container has none.
+    killed = re.fullmatch(rf"(?:restarted {restarts} times? by systemd, )?last killed by its watchdog at (\S+)Z", history)
     expect(killed, f"{history!r}, NRestarts is {restarts}")
     at = datetime.datetime.fromisoformat(killed[1] + "+00:00").timestamp()
     expect(abs(at - time.time()) < 120, f"the watchdog fired at {killed[1]}")
