@@ -18,6 +18,7 @@ VLP16 = ["velodyne_vlp16"]
 RECORDED = {
     "bags": NOTHING,
     "burst": VLP16,
+    "burst/hdl64e_s1": ["velodyne_hdl64e_s1"],
     "odd": VLP16,  # relatives of velodyne/vlp16_2014_says_hdl32.pcap
     "odd/bad_magic.pcap": NOTHING,
     "odd/empty.pcap": NOTHING,
@@ -33,6 +34,7 @@ RECORDED = {
     "sick/multiscan_": ["sick_multiscan136"],
     "sick/picoscan150_": ["sick_picoscan150"],
     "sick/rms1xxx_": NOTHING,
+    "sick/tim5": ["sick_tim5xx"],
     "sick/tim7": ["sick_tim7xxs"],  # both are of a TiM781S
     "velodyne/hdl32e": ["velodyne_hdl32e"],
     "velodyne/hdl64e_s1": ["velodyne_hdl64e_s1"],
