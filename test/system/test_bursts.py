@@ -101,7 +101,7 @@ def live(tmp, captures, number):
 def recordings(tmp):
     """Two captures on which decode, inspect and replay once hung for ever; run() ends them after two minutes."""
     captures = pathlib.Path(os.environ.get("LIDARD_CAPTURES", "/nowhere"), "burst")
-    for capture in sorted(captures.glob("*.pcap")):
+    for capture in sorted(captures.glob("burst_*.pcap")):
         decoded = run("decode", capture, "--format", "csv", "-o", tmp / "out.csv")
         expect(decoded.returncode == 0 and ", rejected 0, lost " in decoded.stderr, decoded.stderr)
         inspected = run("inspect", capture)
