@@ -6,13 +6,18 @@ import collections
 import re
 import socket
 import subprocess
+import sys
 import threading
 import time
 
 import rosbag
+import roslib.message
 import rospy
-from harness import (LIDARD, LIDARD_SIM, ROOT, Starved, expect, folder, free_port, live_config, process, ros_master, run,
+from harness import (LIDARD, LIDARD_SIM, ROOT, SKIP, Starved, expect, folder, free_port, live_config, process, ros_master, run,
                      use_master_at, wait_for)
+
+# Runs on a busy machine before the test gives up.
+ATTEMPTS = 6
 
 
 def content(message):
@@ -26,18 +31,11 @@ def content(message):
     return fields
 
 
-def check_messages(what, live, replayed, starved, log):
-    """The same messages in the same order. A frame that is not sent before the next ones come is dropped, so some may be
-    missing after processes of the test waited for a processor; none may be there that the replay does not have."""
-    missing = len(replayed) - len(live)
-    expect(missing == 0 or (starved > 0.1 and 0 < missing < len(replayed) / 2),
-           f"{what}: {len(live)} live, {len(replayed)} replayed, starved {starved:.3f} s; log:\n" + log.read_text())
-    if missing:
-        print(f"{what}: {missing} of {len(replayed)} messages missing, starved {starved:.3f} s")
-    rest = iter(enumerate(replayed))
-    for n, message in enumerate(live):
-        at = next((m for m, one in rest if one == message), None)
-        expect(at is not None and (missing or at == n), f"{what}: message {n} differs")
+def difference(live, replayed):
+    """What makes the live messages others than the replayed ones; None where they are the same in the same order."""
+    if len(live) != len(replayed):
+        return f"{len(live)} live, {len(replayed)} replayed"
+    return next((f"message {n} differs" for n, (one, other) in enumerate(zip(live, replayed)) if one != other), None)
 
 
 def compare(name, config_text, capture, ports, tmp):
@@ -52,10 +50,27 @@ def compare(name, config_text, capture, ports, tmp):
         for topic, message, _ in messages.read_messages():
             if message._type in ("sensor_msgs/LaserScan", "sensor_msgs/PointCloud2"):
                 expected[topic].append(content(message))
-                types[topic] = type(message)
+                types[topic] = roslib.message.get_message_class(message._type)
 
     live = tmp / f"{name}_live.yaml"
     live.write_text(live_config(config_text, ports))
+    for _ in range(ATTEMPTS):
+        received, starved = run_live(name, live, capture, ports, types, expected, tmp)
+        differences = [f"{name} {topic}: {text}" for topic, messages in expected.items()
+                       if (text := difference(received[topic], messages))]
+        if not differences:
+            print(f"{name}: " + ", ".join(f"{t} {len(m)}" for t, m in sorted(expected.items())))
+            return
+        print(f"starved {starved:.3f} s: {differences}", flush=True)
+        # A daemon that waits for a processor publishes without a scan that comes late, and drops a frame that is not sent
+        # before the next ones come.
+        expect(starved > 0.1, "; log:\n".join([*differences, (tmp / f"{name}.log").read_text()]))
+    print(f"{name}: processes of the test waited for a processor in each of {ATTEMPTS} runs")
+    sys.exit(SKIP)
+
+
+def run_live(name, live, capture, ports, types, expected, tmp):
+    """What subscribers received of the capture sent to a daemon, by topic, and for how long processes of the test were starved."""
     received = collections.defaultdict(list)
     lock = threading.Lock()
 
@@ -63,11 +78,7 @@ def compare(name, config_text, capture, ports, tmp):
         with lock:
             received[topic].append(content(message))
 
-    import roslib.message
-    subscribers = []
-    for topic in expected:
-        kind = roslib.message.get_message_class(types[topic]._type)
-        subscribers.append(rospy.Subscriber(topic, kind, take, callback_args=topic, queue_size=1000))
+    subscribers = [rospy.Subscriber(topic, kind, take, callback_args=topic, queue_size=1000) for topic, kind in types.items()]
     log = (tmp / f"{name}.log").open("w")
     with process([LIDARD, "run", "-c", live], stdout=log, stderr=subprocess.STDOUT):
         wait_for(lambda: all(s.get_num_connections() > 0 for s in subscribers), 20, f"{name}: subscribers are connected")
@@ -87,9 +98,7 @@ def compare(name, config_text, capture, ports, tmp):
         starved = starved.seconds()
     for s in subscribers:
         s.unregister()
-    for topic, messages in expected.items():
-        check_messages(f"{name} {topic}", received[topic], messages, starved, tmp / f"{name}.log")
-    print(f"{name}: " + ", ".join(f"{t} {len(m)}" for t, m in sorted(expected.items())))
+    return received, starved
 
 
 def main():
