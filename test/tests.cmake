@@ -10,6 +10,7 @@ set_source_files_properties(test/support/captures.cpp test/bench/bench_decode.cp
 set_source_files_properties(test/sim/servers/capture_test.cpp PROPERTIES
   COMPILE_DEFINITIONS LIDARD_SIM_BINARY="$<TARGET_FILE:lidard-sim>")
 
+set(test_headers <filesystem> <fstream> <random> <gmock/gmock.h> <gtest/gtest.h>)
 # What several tests and benchmarks stand on; what knows ROS is the daemon's tests' alone.
 file(GLOB support CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/support/*.cpp)
 set(ros_support ${support})
@@ -17,6 +18,7 @@ list(FILTER support EXCLUDE REGEX "/support/ros_")
 list(FILTER ros_support INCLUDE REGEX "/support/ros_")
 add_library(lidard_support STATIC ${support})
 target_link_libraries(lidard_support PUBLIC lidard_sim GTest::gtest GTest::gmock)
+target_precompile_headers(lidard_support PRIVATE ${common_headers} ${test_headers})
 
 # test/<folder>/*_test.cpp is one GoogleTest program; folders mirror the sources.
 function(lidard_tests folder)
@@ -24,6 +26,9 @@ function(lidard_tests folder)
   set(name test_${folder})
   add_executable(${name} ${sources})
   target_link_libraries(${name} PRIVATE lidard_support ${ARGN} GTest::gtest_main)
+  # A test runs for milliseconds; what it calls is optimised.
+  target_compile_options(${name} PRIVATE $<$<CONFIG:RelWithDebInfo>:-O1>)
+  target_precompile_headers(${name} PRIVATE ${common_headers} ${test_headers})
   # The names of parametrised tests are words of their own; "pretty values" would be the bytes of the parameters.
   gtest_discover_tests(${name} TEST_PREFIX "${folder}." NO_PRETTY_VALUES DISCOVERY_TIMEOUT 120 PROPERTIES TIMEOUT 300)
 endfunction()
@@ -61,10 +66,13 @@ foreach(script ${system_tests})
     ENVIRONMENT "LIDARD=$<TARGET_FILE:lidard>;LIDARD_SIM=$<TARGET_FILE:lidard-sim>;LIDARD_CLOCK_SHIM=$<TARGET_FILE:clock_shim>;LIDARD_SOURCE_DIR=${CMAKE_CURRENT_SOURCE_DIR}")
 endforeach()
 
+# Benches are for who measures: cmake --build build --target benches.
+add_custom_target(benches)
 file(GLOB benches CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/bench/*.cpp)
 foreach(source ${benches})
   get_filename_component(name ${source} NAME_WE)
-  add_executable(${name} ${source})
+  add_executable(${name} EXCLUDE_FROM_ALL ${source})
+  add_dependencies(benches ${name})
   target_link_libraries(${name} PRIVATE lidard_support lidard_daemon benchmark::benchmark)
   if(name STREQUAL bench_merge OR name STREQUAL bench_virtual)
     target_link_libraries(${name} PRIVATE PkgConfig::ANCESTOR)

@@ -3,6 +3,7 @@
 #include "daemon/ros/ros_connection.h"
 
 #include <fmt/format.h>
+#include <ros/connection_manager.h>
 #include <ros/init.h>
 #include <ros/master.h>
 #include <ros/this_node.h>
@@ -94,6 +95,7 @@ struct RosConnection::Impl {
   bool running = false;
   bool registered = false;
   int master_pid = 0;
+  std::uint32_t service_port = 0;
   std::optional<Clock::time_point> standing_back_since;
   bool noticed = false;  // that the master does not answer
   Clock::time_point next_notice = Clock::now();
@@ -175,8 +177,10 @@ struct RosConnection::Impl {
       if (!name->is_free(master) || stands_back()) return;
       start_ros();
       spdlog::info("ROS master found at {}; publishing as {}", master_uri, node);
+    } else if (ros::isShuttingDown()) {
+      return;  // from outside; roscpp waits for the master on its way
     } else if (another || !registered) {
-      registered = register_again(master, components.master_restarted());
+      registered = register_again(master, components.master_restarted(), service_port);
       if (registered) spdlog::warn("ROS master at {} came back; all topics are registered again", master_uri);
     }
     register_changes();
@@ -209,6 +213,7 @@ struct RosConnection::Impl {
     name->answer_others();
     ros::master::setRetryTimeout(ros::WallDuration(0.2));
     ros::start();
+    service_port = ros::ConnectionManager::instance()->getTCPPort();
     for (const auto& lane : lanes->all()) lane->publishers().advertise();
     diagnostics.start();
     callbacks = std::make_unique<RosCallbackThread>(pulse);

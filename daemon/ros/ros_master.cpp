@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/ros/ros_master.h"
 
-#include <ros/connection_manager.h>
 #include <ros/network.h>
 #include <ros/publication.h>
 #include <ros/this_node.h>
@@ -164,9 +163,8 @@ bool MasterClient::register_publisher(const std::string& topic, const std::strin
   return call("registerPublisher", {topic, type, our_uri()}).has_value();
 }
 
-bool MasterClient::register_service(const std::string& service) {
-  const std::string service_uri = "rosrpc://" + ros::network::getHost() + ":" +
-                                  std::to_string(ros::ConnectionManager::instance()->getTCPPort());
+bool MasterClient::register_service(const std::string& service, std::uint32_t port) {
+  const std::string service_uri = "rosrpc://" + ros::network::getHost() + ":" + std::to_string(port);
   return call("registerService", {service, service_uri, our_uri()}).has_value();
 }
 
@@ -221,7 +219,7 @@ bool MasterClient::set_parameter(const std::string& name, const XmlRpcValue& val
   return ask("setParam", arguments).has_value();
 }
 
-bool register_again(MasterClient& master, const std::vector<std::string>& services) {
+bool register_again(MasterClient& master, const std::vector<std::string>& services, std::uint32_t port) {
   ros::V_string published;
   ros::V_string subscribed;
   ros::this_node::getAdvertisedTopics(published);
@@ -234,8 +232,8 @@ bool register_again(MasterClient& master, const std::vector<std::string>& servic
   for (const auto& topic : subscribed) all &= master.register_subscriber(topic);
   // roscpp offers these two for every node.
   for (const char* name : {"/get_loggers", "/set_logger_level"})
-    all &= master.register_service(master.caller_id() + name);
-  for (const auto& service : services) all &= master.register_service(service);
+    all &= master.register_service(master.caller_id() + name, port);
+  for (const auto& service : services) all &= master.register_service(service, port);
   return all;
 }
 

@@ -38,7 +38,7 @@ class MasterClient {
   std::optional<int> pid();
   /// Registers what roscpp offers in this process.
   bool register_publisher(const std::string& topic, const std::string& type);
-  bool register_service(const std::string& service);
+  bool register_service(const std::string& service, std::uint32_t port);
   /// Registers us, and tells roscpp the publishers of the topic, as the master does when it learns of one.
   bool register_subscriber(const std::string& topic);
   /// Where the XML-RPC server of a node is; empty: no node of that name is registered, or no answer.
@@ -68,7 +68,9 @@ class MasterClient {
 };
 
 /// Tells a (restarted) master all topics and services of this process that roscpp knows; roscpp registers
-/// only once. `services`: ours, by full name. False if the master did not answer every call.
-bool register_again(MasterClient& master, const std::vector<std::string>& services);
+/// only once. `services`: ours, by full name. `port`: where roscpp accepts connections to services; while
+/// roscpp shuts down, to ask it for the port would end the process. False if the master did not answer every
+/// call.
+bool register_again(MasterClient& master, const std::vector<std::string>& services, std::uint32_t port);
 
 }  // namespace lidard

@@ -35,26 +35,26 @@ std::string json(const Settings& settings, const std::string& prefix) {
   return text + "}";
 }
 
-std::string quoted(const std::string& text) { return '"' + text + '"'; }
+std::string in_quotes(const std::string& text) { return '"' + text + '"'; }
 
 Settings vlp16() {
-  return {{"info.model", quoted("VLP-16")},
-          {"info.serial", quoted("AG29999999")},
+  return {{"info.model", in_quotes("VLP-16")},
+          {"info.serial", in_quotes("AG29999999")},
           {"config.rpm", "600"},
-          {"config.returns", quoted("Strongest")},
-          {"config.laser", quoted("On")},
+          {"config.returns", in_quotes("Strongest")},
+          {"config.laser", in_quotes("On")},
           {"config.fov.start", "0"},
           {"config.fov.end", "359"},
-          {"config.phaselock.enabled", quoted("Off")},
+          {"config.phaselock.enabled", in_quotes("Off")},
           {"config.phaselock.offset", "0"},
-          {"config.host.addr", quoted("255.255.255.255")},
+          {"config.host.addr", in_quotes("255.255.255.255")},
           {"config.host.dport", "2368"},
           {"config.host.tport", "8308"},
-          {"status.gps.pps_state", quoted("Absent")},
-          {"status.gps.position", quoted("")},
-          {"status.motor.state", quoted("On")},
+          {"status.gps.pps_state", in_quotes("Absent")},
+          {"status.gps.position", in_quotes("")},
+          {"status.motor.state", in_quotes("On")},
           {"status.motor.rpm", "599"},
-          {"status.laser.state", quoted("On")},
+          {"status.laser.state", in_quotes("On")},
           {"diag.volt_temp.top.hv", "2960"},
           {"diag.volt_temp.top.lm20_temp", "1016"},
           {"diag.volt_temp.bot.pwr_v_in", "896"}};
@@ -132,7 +132,7 @@ void FakeVelodyne::Impl::take(const std::string& path, const std::string& body) 
     std::string value = field.substr(equals + 1);
     if (value == "on") value = "On";
     if (value == "off") value = "Off";
-    settings["config." + section + field.substr(0, equals)] = is_number(value) ? value : quoted(value);
+    settings["config." + section + field.substr(0, equals)] = is_number(value) ? value : in_quotes(value);
   }
   settings["status.motor.rpm"] = settings["config.rpm"];
 }
@@ -151,7 +151,7 @@ void FakeVelodyne::ignore_settings() { impl_->ignoring = true; }
 void FakeVelodyne::forget(const std::string& key) { impl_->settings.erase(key); }
 
 void FakeVelodyne::set(const std::string& key, const std::string& value) {
-  impl_->settings[key] = is_number(value) ? value : quoted(value);
+  impl_->settings[key] = is_number(value) ? value : in_quotes(value);
 }
 
 std::string FakeVelodyne::get(const std::string& key) const {

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include "core/virtual/plane_cut.h"
 #include "test/core/virtual/small_lidar.h"
@@ -70,9 +69,8 @@ Proof prove(const Scene& scene, std::size_t column, double above) {
   const auto rings = static_cast<int>(scene.grid.rings());
   const double sign = above > 0 ? 1 : -1;
   Proof proof;
-  std::optional<double> begin;
-  double last_at = 0, last_end = 0;
-  bool last_on_ground = false, any = false;
+  double begin = 0, last_at = 0, last_end = 0;
+  bool crossed = false, last_on_ground = false, any = false;
   for (int k = 0; k < rings; ++k) {
     const int ring = sign > 0 ? k : rings - 1 - k;
     const std::size_t i = scene.grid.index(column, static_cast<std::size_t>(ring));
@@ -87,19 +85,20 @@ Proof prove(const Scene& scene, std::size_t column, double above) {
       proof.blind = drop <= 1e-6 ? 0 : crosses || kind == Beam::none ? at : std::min(at, end);
     any = any || known;
     if (crosses) {
-      if (!begin) begin = at;
+      if (!crossed) begin = at;
+      crossed = true;
       last_at = at, last_end = end;
       last_on_ground = kind == Beam::none || scene.ground.is_ground[i] != 0;
       continue;
     }
-    if (begin) {
+    if (crossed) {
       // Up to what the next beam meets; what the last one met beyond the plane may stand in the plane too.
       double to = !known ? last_at : last_on_ground ? end : std::max(last_at, std::min(last_end, end));
-      proof.free.push_back({*begin, to});
-      begin.reset();
+      proof.free.push_back({begin, to});
+      crossed = false;
     }
   }
-  if (begin) proof.free.push_back({*begin, last_at});
+  if (crossed) proof.free.push_back({begin, last_at});
   return proof;
 }
 
