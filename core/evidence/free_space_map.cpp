@@ -38,13 +38,17 @@ void FreeSpaceMap::set(float x, float y, double beam_width, double unit) {
 
 bool FreeSpaceMap::find_run(std::size_t cell, std::size_t length, RunAt& at) const {
   if (length == 0 || length > longest_run) return false;
+  at = run_at(cell, length);
+  return true;
+}
+
+inline FreeSpaceMap::RunAt FreeSpaceMap::run_at(std::size_t cell, std::size_t length) const {
   // The binary logarithm.
   const std::size_t power = std::min<std::size_t>(
       31U - static_cast<unsigned>(__builtin_clz(static_cast<unsigned>(length))), run_lengths - 1);
-  const std::size_t base = power * (cells_.size() + longest_run);
-  at.first = static_cast<std::uint32_t>(base + cell);
-  at.second = static_cast<std::uint32_t>(base + cell + length - (std::size_t{1} << power));
-  return true;
+  const std::size_t first = power * (cells_.size() + longest_run) + cell;
+  return {static_cast<std::uint32_t>(first),
+          static_cast<std::uint32_t>(first + length - (std::size_t{1} << power))};
 }
 
 void FreeSpaceMap::find_runs() {
@@ -87,17 +91,12 @@ bool FreeSpaceMap::is_free_between(Place a, Place b) const {
   const std::uint16_t farthest = std::max(a.distance, b.distance);
   std::size_t first = 0, count = 0;
   span_of(a.cell, b.cell, first, count);
-  if (count <= 2) {
-    return is_free({a.cell, nearest}) && is_free({a.cell, farthest}) && is_free({b.cell, nearest}) &&
-           is_free({b.cell, farthest});
-  }
   const std::int16_t near = ordered(nearest);
   const auto not_far = static_cast<std::int16_t>(~ordered(farthest));
-  RunAt run;
   for (std::size_t part = 0; count > 0; first += part, count -= part) {
     part = std::min(count, longest_run);
     first -= first >= cells_.size() ? cells_.size() : 0;
-    find_run(first, part, run);
+    const RunAt run = run_at(first, part);
     const Run one = runs_[run.first], other = runs_[run.second];
     if (std::max(one.from, other.from) > near || std::max(one.not_to, other.not_to) > not_far) return false;
   }

@@ -66,7 +66,6 @@ class FreeSpaceMap {
     const Eigen::Vector3d at = rays.pose.translation();
     set(static_cast<float>(at.x()), static_cast<float>(at.y()), rays.increment, unit);
     passed_share_ = static_cast<float>(std::min(0.5, narrowest / 4 / std::abs(rays.increment)));
-    corner_ = static_cast<float>(std::min(0.2, 2 * std::abs(rays.increment)));
     place_beams(rays.x.data(), rays.y.data(), rays.size());
   }
   /// Tells in which directions of the output's plane the `beams` beams of the source look, in order; needed
@@ -105,7 +104,14 @@ class FreeSpaceMap {
   const Cell* cells() const { return cells_.data(); }
   bool is_free(Place at) const { return cells_[at.cell].is_free(at.distance); }
   /// True if all of the straight way between two places is free. Needs the newest runs().
-  bool is_free(Place a, Place b) const { return is_free(a) && is_free(b) && is_free_between(a, b); }
+  bool is_free(Place a, Place b) const {
+    const std::uint16_t nearest = std::min(a.distance, b.distance);
+    const std::uint16_t farthest = std::max(a.distance, b.distance);
+    const Cell first = cells_[a.cell], last = cells_[b.cell];
+    if (!first.is_free(nearest) || !first.is_free(farthest)) return false;
+    if (!last.is_free(nearest) || !last.is_free(farthest)) return false;
+    return std::abs(a.cell - b.cell) <= 1 || is_free_between(a, b);
+  }
   /// m from a return to the nearer end of the way between two places, of which it hides a part; infinite:
   /// none does. Of several returns the nearest to the way counts.
   float hidden_by(Place a, Place b) const;
@@ -127,6 +133,9 @@ class FreeSpaceMap {
     float share;  // 0: in the beam's own direction
   };
   Cell cell_of(float from, float to) const;
+  /// find_run() of a length that is none too long.
+  RunAt run_at(std::size_t cell, std::size_t length) const;
+  /// The same by runs(), for any number of cells.
   bool is_free_between(Place a, Place b) const;
   /// Cells from `a` on to `b` or the other way round, whichever is shorter.
   void span_of(std::uint16_t a, std::uint16_t b, std::size_t& first, std::size_t& count) const;
@@ -143,7 +152,6 @@ class FreeSpaceMap {
   float per_rad_ = 1;       // cells
   float half_beam_ = 0;     // cells to half way to the next beam, signed
   float passed_share_ = 0;  // of the way between two beams, that belongs to the longer one
-  float corner_ = 0;        // of its range by which a thing may be nearer than its last return, beside that
   std::vector<Cell> cells_;
   std::vector<char> hides_;                // by cell: its free way ends at a return
   std::vector<Run> runs_;                  // by length (1, 2, 4 ... cells), then by first cell

@@ -154,24 +154,20 @@ void Visibility::find_ends() {
   }
 }
 
+bool Visibility::sees_stretch(std::size_t source, std::size_t beam, std::size_t stretch) const {
+  return maps_[source].size() > 0 &&
+         table_.stretch(beam, row_of(source), stretch).is_free(maps_[source].runs());
+}
+
 std::size_t Visibility::free_run(std::size_t source, std::size_t beam, std::size_t from,
                                  std::size_t to) const {
   const FreeSpaceMap& map = maps_[source];
   if (map.size() == 0) return from;
-  const FreeSpaceMap::Run* const runs = map.runs();
   const std::size_t row = row_of(source);
-  constexpr std::size_t many = VisibilityTable::stretch_steps;
-  while (from < to) {
-    if (from % many == 0 && from + many <= to && table_.stretch(beam, row, from / many).is_free(runs)) {
-      from += many;
-      continue;
-    }
-    const FreeSpaceMap::Place begin = table_.place(beam, row, from);
-    const std::size_t stop = std::min(to, from / many * many + many);
-    for (std::size_t more = many / 2; more > 0; more /= 2) {
-      if (from + more <= stop && map.is_free(begin, table_.place(beam, row, from + more))) from += more;
-    }
-    if (from < stop) break;
+  const FreeSpaceMap::Place begin = table_.place(beam, row, from);
+  if (!map.is_free(begin)) return from;
+  for (std::size_t more = VisibilityTable::stretch_steps; more > 0; more /= 2) {
+    if (from + more <= to && map.is_free(begin, table_.place(beam, row, from + more))) from += more;
   }
   return from;
 }
@@ -187,19 +183,38 @@ bool Visibility::accept_unseen(Walk& walk, float from) {
   return behind == infinite && has_hit(walk.beam) && walk.at - walk.known <= most && walk.unseen <= 2 * most;
 }
 
-void Visibility::see(Walk& walk, std::size_t source, float to) {
+void Visibility::see(Walk& walk, std::size_t source, float to, bool same_run) {
+  float& blind_to = blind_to_[walk.beam];
+  if (source == observing_ && (blind_to <= 0 || (same_run && blind_to == walk.known))) blind_to = to;
   walk.known = to;
   witness_ = source;
-  if (source == observing_ && blind_to_[walk.beam] <= 0) blind_to_[walk.beam] = to;
 }
 
 std::size_t Visibility::seen_run(Walk& walk, std::size_t from, std::size_t to) {
+  constexpr std::size_t many = VisibilityTable::stretch_steps;
+  std::size_t seen_last = walk.sources;
   for (std::size_t refused = 0; refused < walk.sources && from < to;) {
-    const std::size_t seen_to = free_run(walk.source, walk.beam, from, to);
-    if (seen_to > from) see(walk, walk.source, table_.edge(seen_to));
-    refused = seen_to > from ? 1 : refused + 1;
+    // Where one source does not see a whole stretch another one may.
+    if (from % many == 0 && from + many <= to) {
+      std::size_t asked = 0;
+      for (; asked < walk.sources && !sees_stretch(walk.source, walk.beam, from / many); ++asked) ask_next(walk);
+      if (asked < walk.sources) {
+        from += many;
+        refused = 0;
+        see(walk, walk.source, table_.edge(from), walk.source == seen_last);
+        seen_last = walk.source;
+        continue;
+      }
+    }
+    const std::size_t stop = std::min(to, from / many * many + many);
+    const std::size_t seen_to = free_run(walk.source, walk.beam, from, stop);
+    refused = seen_to > from ? 0 : refused + 1;
+    if (seen_to > from) {
+      see(walk, walk.source, table_.edge(seen_to), walk.source == seen_last);
+      seen_last = walk.source;
+    }
+    if (seen_to < stop) ask_next(walk);
     from = seen_to;
-    walk.source = walk.source + 1 < walk.sources ? walk.source + 1 : 0;
   }
   return from;
 }
@@ -207,7 +222,8 @@ std::size_t Visibility::seen_run(Walk& walk, std::size_t from, std::size_t to) {
 bool Visibility::sees_piece(Walk& walk, std::size_t step, bool from_body, std::size_t to) {
   const std::size_t beam = walk.beam;
   const bool to_end = to > walk.last;
-  for (std::size_t s = 0; s < walk.sources; ++s) {
+  for (std::size_t asked = 0; asked < walk.sources; ++asked, ask_next(walk)) {
+    const std::size_t s = walk.source;
     if (maps_[s].size() == 0) continue;
     const auto begin = from_body ? body_ends_[s][beam] : table_.place(beam, row_of(s), step);
     const auto end = to_end ? way_ends_[s][beam] : table_.place(beam, row_of(s), to);

@@ -81,7 +81,10 @@ class Visibility {
   /// Walks along the beam's way from where the vehicle ends; false where it is not observed. Sets covered.
   bool is_covered(std::size_t beam, std::size_t sources);
   std::size_t row_of(std::size_t source) const { return one_place_ ? 0 : source; }
-  /// The first step in [from, to) of which this source does not see all to be free, or `to`.
+  /// This source sees all of stretch `stretch` of the table to be free.
+  bool sees_stretch(std::size_t source, std::size_t beam, std::size_t stretch) const;
+  /// The first step in [from, to), all in one stretch, of which this source does not see all to be free, or
+  /// `to`.
   std::size_t free_run(std::size_t source, std::size_t beam, std::size_t from, std::size_t to) const;
   /// A way along a beam that is walked now.
   struct Walk {
@@ -92,7 +95,9 @@ class Visibility {
     float known = 0;     // m, where the last piece ends that was seen
     float unseen = 0;    // m in all where no source has a beam
   };
-  void see(Walk& walk, std::size_t source, float to);
+  /// This source sees the next piece of the way, up to `to` m; `same_run`: as it saw the piece before.
+  void see(Walk& walk, std::size_t source, float to, bool same_run = false);
+  static void ask_next(Walk& walk) { walk.source = walk.source + 1 < walk.sources ? walk.source + 1 : 0; }
   /// The first step in [from, to) of which no source sees all, or `to`.
   std::size_t seen_run(Walk& walk, std::size_t from, std::size_t to);
   /// Some source sees all from step `step` (from the vehicle's border in it) to where step `to` begins, or to

@@ -41,15 +41,22 @@ void CutEvidence::mark_beams() {
   }
   std::uint8_t* const marks = marks_.data();
   const std::size_t column = rings_;
-  const auto agree = [own, marks](std::size_t i, std::size_t before, std::size_t after) {
-    const int blocked =
-        (own[before] & ~(own[before] >> 1) & known) | (own[after] & ~(own[after] >> 1) & known);
-    const int met = (own[before] | own[after]) & meets & (own[i] << 1);
+  if (cells < 2 * column) {
+    marks_ = own_marks_;
+    return;
+  }
+  agree(own, own + cells - column, own + column, marks, column);
+  agree(own + column, own, own + 2 * column, marks + column, cells - 2 * column);
+  agree(own + cells - column, own + cells - 2 * column, own, marks + cells - column, column);
+}
+
+void CutEvidence::agree(const std::uint8_t* own, const std::uint8_t* before, const std::uint8_t* after,
+                        std::uint8_t* marks, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const int blocked = (before[i] & ~(before[i] >> 1) & known) | (after[i] & ~(after[i] >> 1) & known);
+    const int met = (before[i] | after[i]) & meets & (own[i] << 1);
     marks[i] = static_cast<std::uint8_t>((own[i] | met) & ~(blocked * (crosses | meets)));
-  };
-  for (std::size_t i = 0; i < column; ++i) agree(i, cells - column + i, i + column);
-  for (std::size_t i = column; i + column < cells; ++i) agree(i, i - column, i + column);
-  for (std::size_t i = cells - column; i < cells; ++i) agree(i, i - column, i + column - cells);
+  }
 }
 
 std::array<std::size_t, 3> CutEvidence::abreast(std::size_t i) const {

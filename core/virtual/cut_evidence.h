@@ -77,6 +77,9 @@ class CutEvidence {
   };
 
   void mark_beams();
+  /// Marks `count` beams as far as the ones before and after them in their rings agree.
+  static void agree(const std::uint8_t* own, const std::uint8_t* before, const std::uint8_t* after,
+                    std::uint8_t* marks, std::size_t count);
   Ray ray(std::size_t i) const;
   void add(const Ray& first, const Ray& seen_along, End end);
   void add_blind(std::size_t lowest);
