@@ -183,16 +183,16 @@ bool Visibility::accept_unseen(Walk& walk, float from) {
   return behind == infinite && has_hit(walk.beam) && walk.at - walk.known <= most && walk.unseen <= 2 * most;
 }
 
-void Visibility::see(Walk& walk, std::size_t source, float to, bool same_run) {
+void Visibility::see(Walk& walk, std::size_t source, float to) {
+  // As long as each piece follows on the one before, all of the way so far is blind.
   float& blind_to = blind_to_[walk.beam];
-  if (source == observing_ && (blind_to <= 0 || (same_run && blind_to == walk.known))) blind_to = to;
+  if (source == observing_ && (blind_to <= 0 || blind_to == walk.known)) blind_to = to;
   walk.known = to;
   witness_ = source;
 }
 
 std::size_t Visibility::seen_run(Walk& walk, std::size_t from, std::size_t to) {
   constexpr std::size_t many = VisibilityTable::stretch_steps;
-  std::size_t seen_last = walk.sources;
   for (std::size_t refused = 0; refused < walk.sources && from < to;) {
     // Where one source does not see a whole stretch another one may.
     if (from % many == 0 && from + many <= to) {
@@ -201,18 +201,14 @@ std::size_t Visibility::seen_run(Walk& walk, std::size_t from, std::size_t to) {
       if (asked < walk.sources) {
         from += many;
         refused = 0;
-        see(walk, walk.source, table_.edge(from), walk.source == seen_last);
-        seen_last = walk.source;
+        see(walk, walk.source, table_.edge(from));
         continue;
       }
     }
     const std::size_t stop = std::min(to, from / many * many + many);
     const std::size_t seen_to = free_run(walk.source, walk.beam, from, stop);
     refused = seen_to > from ? 0 : refused + 1;
-    if (seen_to > from) {
-      see(walk, walk.source, table_.edge(seen_to), walk.source == seen_last);
-      seen_last = walk.source;
-    }
+    if (seen_to > from) see(walk, walk.source, table_.edge(seen_to));
     if (seen_to < stop) ask_next(walk);
     from = seen_to;
   }

@@ -95,8 +95,7 @@ class Visibility {
     float known = 0;     // m, where the last piece ends that was seen
     float unseen = 0;    // m in all where no source has a beam
   };
-  /// This source sees the next piece of the way, up to `to` m; `same_run`: as it saw the piece before.
-  void see(Walk& walk, std::size_t source, float to, bool same_run = false);
+  void see(Walk& walk, std::size_t source, float to);
   static void ask_next(Walk& walk) { walk.source = walk.source + 1 < walk.sources ? walk.source + 1 : 0; }
   /// The first step in [from, to) of which no source sees all, or `to`.
   std::size_t seen_run(Walk& walk, std::size_t from, std::size_t to);

@@ -93,6 +93,30 @@ TEST(Virtualizer, TheWayIsFreeFromTheLowestBeamsCrossingOn) {
   EXPECT_NEAR(static_cast<double>(cut.strict.free_from[ahead]), blind, 0.2);
 }
 
+TEST(Virtualizer, NoDirectionIsFreeNearerThanTheLowestBeamCrossesThePlane) {
+  const double blind = (lidar_height - plane_height) / std::tan(15 * degree);
+  sim::Yard yard;
+  yard.objects = {wall(20, -20, 20, 20),       wall(20, 20, -20, 20), wall(-20, 20, -20, -20),
+                  wall(-20, -20, 20, -20),     box({9, 2, 1}, {0.3, 0.3, 2}), box({-7, 1, 1}, {2, 0.1, 2}),
+                  box({1, -8, 1}, {0.1, 2, 2})};
+  for (const Eigen::Vector2d& at : {Eigen::Vector2d(0, 0), {0.8, -0.5}, {-2, 1}, {2.5, 2.5}}) {
+    Cut cut;
+    cut.frame = make_pose({at.x(), at.y(), plane_height}, {0, 0, 0.3});
+    cut.make(seen(yard, lidar16()), lidar16().pose);
+    std::size_t hits = 0;
+    for (std::size_t beam = 0; beam < cut.grid.beams; ++beam) {
+      if (cut.strict.statuses[beam] != BeamStatus::hit) continue;
+      ++hits;
+      // Where the beam leaves the circle that no ring reaches down to.
+      const double angle = cut.grid.angle(beam) + 0.3;
+      const double along = -at.dot(Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+      const double end = along + std::sqrt(along * along - at.squaredNorm() + blind * blind);
+      EXPECT_NEAR(static_cast<double>(cut.strict.free_from[beam]), end, 0.25) << at.transpose() << ", " << beam;
+    }
+    EXPECT_GT(hits, 600U) << at.transpose();
+  }
+}
+
 TEST(Virtualizer, FromTheLidarsOwnHeightAnOpenFieldIsFree) {
   sim::Yard yard;
   yard.objects = {wall(10, -5, 10, 5)};
