@@ -1,21 +1,23 @@
 #!/usr/bin/python3
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The line of skipped.py is right for reports of the kind that ctest 3.25 writes."""
+"""The line of skipped.py is right for reports of the kinds that ctest 3.25 and GoogleTest 1.12 write."""
 from skipped import NO_CAPTURES, summary
 
-CASE = '<testcase name="{name}" status="{status}">{skipped}<system-out>{output}</system-out></testcase>'
-SKIPPED = '<skipped message="SKIP_REGULAR_EXPRESSION_MATCHED"/>'
+PASSED = '<testcase name="t"><system-out>skipped: no</system-out></testcase>'
 
 
 def gtest(reason):
-    return f"[ RUN      ] A.B\n../test/a_test.cpp:145: Skipped\n{reason}\n[  SKIPPED ] A.B (0 ms)\n"
+    message = f"../test/a_test.cpp:145&#x0A;{reason}"
+    return f'<testcase name="t" result="skipped"><skipped message="{message}"><![CDATA[../test/a_test.cpp:145\n{reason}]]></skipped></testcase>'
+
+
+def script(output):
+    return f'<testcase name="t" status="notrun"><skipped message="SKIP_RETURN_CODE=77"/><system-out>{output}</system-out></testcase>'
 
 
 def report(*cases):
-    text = "".join(CASE.format(name=f"t{i}", status="notrun" if skipped else "run", skipped=SKIPPED if skipped else "",
-                               output=output) for i, (skipped, output) in enumerate(cases))
-    return f'<?xml version="1.0"?><testsuite tests="{len(cases)}">{text}</testsuite>'
+    return f'<?xml version="1.0"?><testsuites><testsuite tests="{len(cases)}">{"".join(cases)}</testsuite></testsuites>'
 
 
 def expect(line, expected):
@@ -23,19 +25,17 @@ def expect(line, expected):
 
 
 def main():
-    capture = (True, gtest("real capture a.pcap not found: set LIDARD_CAPTURES (see test/CAPTURES.md)"))
-    # A test that passed has skipped nothing, whatever it says.
-    passed = (False, gtest("real capture a.pcap not found: set LIDARD_CAPTURES (see test/CAPTURES.md)"))
-    script = (True, "skipped: recording needs CAP_NET_RAW\n")
-    expect(summary(report(), ""), "")
-    expect(summary(report(passed), ""), "")
-    expect(summary(report(capture), ""), f"1 test skipped: {NO_CAPTURES}")
-    expect(summary(report(capture, passed, capture), ""), f"2 tests skipped: {NO_CAPTURES}")
-    expect(summary(report(capture, script, capture), ""),
+    capture = gtest("real capture a.pcap not found: set LIDARD_CAPTURES (see test/CAPTURES.md)")
+    network = script("skipped: recording needs CAP_NET_RAW\n")
+    expect(summary([], ""), "")
+    expect(summary([report(), report(PASSED)], ""), "")
+    expect(summary([report(capture)], ""), f"1 test skipped: {NO_CAPTURES}")
+    expect(summary([report(capture), report(PASSED, capture)], ""), f"2 tests skipped: {NO_CAPTURES}")
+    expect(summary([report(capture, capture), report(network)], ""),
            f"3 tests skipped: 2: {NO_CAPTURES}; 1: recording needs CAP_NET_RAW")
-    expect(summary(report(capture), "/data"), "1 test skipped: real captures that /data lacks (test/CAPTURES.md)")
-    expect(summary(report((True, gtest("needs CAP_NET_ADMIN"))), ""), "1 test skipped: needs CAP_NET_ADMIN")
-    expect(summary(report((True, "[  SKIPPED ] A.B (0 ms)\n")), ""), "1 test skipped: no reason told")
+    expect(summary([report(capture)], "/data"), "1 test skipped: real captures that /data lacks (test/CAPTURES.md)")
+    expect(summary([report(gtest("needs CAP_NET_ADMIN"))], ""), "1 test skipped: needs CAP_NET_ADMIN")
+    expect(summary([report(script(""))], ""), "1 test skipped: no reason given")
     print("ok")
 
 

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 find_package(GTest REQUIRED)
 find_package(benchmark REQUIRED)
-include(GoogleTest)
 
 # Paths are compiled into these files alone, so that a compiler cache can serve a second clone.
 set_source_files_properties(test/support/captures.cpp test/bench/bench_decode.cpp PROPERTIES
@@ -20,8 +19,11 @@ add_library(lidard_support STATIC ${support})
 target_link_libraries(lidard_support PUBLIC lidard_sim GTest::gtest GTest::gmock)
 target_precompile_headers(lidard_support PRIVATE ${common_headers} ${test_headers})
 
-# test/<folder>/*_test.cpp is one GoogleTest program; folders mirror the sources.
-function(lidard_tests folder)
+# test/<folder>/*_test.cpp is one GoogleTest program; folders mirror the sources. Its tests run in a few processes, since
+# a process of its own costs most tests more than what they do. Each of these uses one processor; ctest counts halves,
+# because the system tests below mostly wait.
+set(programs)
+function(lidard_tests folder shards)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/${folder}/*_test.cpp)
   set(name test_${folder})
   add_executable(${name} ${sources})
@@ -29,27 +31,31 @@ function(lidard_tests folder)
   # A test runs for milliseconds; what it calls is optimised.
   target_compile_options(${name} PRIVATE $<$<CONFIG:RelWithDebInfo>:-O1>)
   target_precompile_headers(${name} PRIVATE ${common_headers} ${test_headers})
-  # The names of parametrised tests are words of their own; "pretty values" would be the bytes of the parameters.
-  gtest_discover_tests(${name} TEST_PREFIX "${folder}." NO_PRETTY_VALUES DISCOVERY_TIMEOUT 120 PROPERTIES TIMEOUT 300)
+  foreach(shard RANGE 1 ${shards})
+    math(EXPR index "${shard} - 1")
+    add_test(NAME ${folder}.${shard} COMMAND ${name})
+    set_tests_properties(${folder}.${shard} PROPERTIES PROCESSORS 2 TIMEOUT 900 ENVIRONMENT
+      "GTEST_TOTAL_SHARDS=${shards};GTEST_SHARD_INDEX=${index};GTEST_OUTPUT=xml:${CMAKE_CURRENT_BINARY_DIR}/Testing/${folder}.${shard}.xml")
+  endforeach()
+  set(programs ${programs} $<TARGET_FILE:${name}> PARENT_SCOPE)
 endfunction()
 
-lidard_tests(core lidard_core)
-lidard_tests(drivers lidard_drivers)
+lidard_tests(core 4 lidard_core)
+lidard_tests(drivers 4 lidard_drivers)
 # What users' programs and ira_laser_tools make of scans with; the daemon needs none of them.
 pkg_check_modules(ANCESTOR REQUIRED IMPORTED_TARGET laser_geometry tf pcl_common)
-lidard_tests(daemon lidard_daemon lidard_rosbag PkgConfig::ANCESTOR)
+lidard_tests(daemon 6 lidard_daemon lidard_rosbag PkgConfig::ANCESTOR)
 target_sources(test_daemon PRIVATE ${ros_support})
 # The modules are loaded at run time.
 add_dependencies(test_daemon lidard_pcl lidard_outliers)
-lidard_tests(sim lidard_drivers)
+lidard_tests(sim 2 lidard_drivers)
 add_dependencies(test_sim lidard-sim)
 # The skeleton of a driver, which only its test makes known to the program.
-lidard_tests(skeleton lidard_daemon lidard_rosbag)
+lidard_tests(skeleton 1 lidard_daemon lidard_rosbag)
 target_sources(test_skeleton PRIVATE test/skeleton/disc_driver.cpp)
 
 add_test(NAME layering COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/layering.py ${CMAKE_CURRENT_SOURCE_DIR})
-
-add_test(NAME test_names COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/test_names.py ${CMAKE_CTEST_COMMAND} ${CMAKE_CURRENT_BINARY_DIR})
+add_test(NAME test_names COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/test_names.py ${programs})
 add_test(NAME skipped_tests COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/skipped_test.py)
 add_test(NAME mutate COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/mutate_test.py)
 
@@ -57,13 +63,24 @@ add_test(NAME mutate COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/m
 add_library(clock_shim MODULE test/system/clock_shim.cpp)
 target_link_libraries(clock_shim PRIVATE lidard_options ${CMAKE_DL_LIBS})
 
-# test/system/*.py drive the real programs: sockets on loopback, a real rosmaster, roscpp, bags.
+# test/system/*.py drive the real programs: sockets on loopback, a real rosmaster, roscpp, bags. They have a network of
+# their own (harness.py) and run side by side, but for those that measure how late something is, or load the machine.
+set(alone test_bursts test_memory test_network_losses test_noise test_planes_first test_soak test_velodyne_rate
+          test_watchdog)
+# What takes longest begins first.
+set(long test_network_silence test_package test_inspect test_systemd test_node_name)
 file(GLOB system_tests CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/system/test_*.py)
 foreach(script ${system_tests})
   get_filename_component(name ${script} NAME_WE)
   add_test(NAME system.${name} COMMAND /usr/bin/python3 ${script})
-  set_tests_properties(system.${name} PROPERTIES TIMEOUT 300 SKIP_RETURN_CODE 77 RUN_SERIAL TRUE
+  set_tests_properties(system.${name} PROPERTIES TIMEOUT 900 SKIP_RETURN_CODE 77
     ENVIRONMENT "LIDARD=$<TARGET_FILE:lidard>;LIDARD_SIM=$<TARGET_FILE:lidard-sim>;LIDARD_CLOCK_SHIM=$<TARGET_FILE:clock_shim>;LIDARD_SOURCE_DIR=${CMAKE_CURRENT_SOURCE_DIR}")
+  if(name IN_LIST long)
+    set_tests_properties(system.${name} PROPERTIES COST 100)
+  endif()
+  if(name IN_LIST alone)
+    set_tests_properties(system.${name} PROPERTIES RUN_SERIAL TRUE)
+  endif()
 endforeach()
 
 # Benches are for who measures: cmake --build build --target benches.

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the system tests share: the programs under test, a private ROS master, ports, a wait with a limit."""
 import contextlib
+import ctypes
 import os
 import pathlib
 import signal
@@ -19,6 +20,8 @@ SKIP = 77
 # Machines that run tests are busy: limits that only end a hopeless wait are this much longer.
 PATIENCE = 4
 CHILDREN = []
+LIBC = ctypes.CDLL(None, use_errno=True)
+NEW_NETWORK = 0x40000000  # CLONE_NEWNET of sched.h
 # Daemons of the tests are not to be found where one of this machine is asked.
 os.environ["LIDARD_SOCKET"] = f"{tempfile.gettempdir()}/lidard-test-{os.getpid()}.control"
 
@@ -32,6 +35,17 @@ objects:
   - wall: {{from: [8, -8], to: [8, 8], z: [-1, 2]}}
 """
 SCANNER_CONFIG = "sensors: {{front: {{model: sick_microscan3, ip_address: 127.168.0.21, ip_port: {port}, listen_only: true}}}}\n"
+
+
+def own_network():
+    """Gives this process and its children a network namespace with a loopback of its own; False where that is not permitted."""
+    if os.geteuid() != 0 or LIBC.unshare(NEW_NETWORK) != 0:
+        return False
+    return subprocess.run(["ip", "link", "set", "lo", "up"], check=False).returncode == 0
+
+
+# Tests that run side by side share no port.
+HAS_OWN_NETWORK = "LIDARD_TEST_HOST_NETWORK" not in os.environ and own_network()
 
 
 def free_port(kind=socket.SOCK_STREAM):

@@ -2,7 +2,8 @@
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
 """What a running daemon holds of the memory: with eight lidars, a merged and a virtual scan at most 64 MB, with two VLS-128 of two
-returns whose clouds (10 MB each, ten times a second) somebody takes at most 160 MB.
+returns whose clouds (10 MB each, ten times a second) somebody takes at most 160 MB. For a subscriber that does not keep up roscpp
+holds up to ten clouds of each topic beside that.
 
     test_memory.py [SECONDS]     default 8 for each; with LIDARD, LIDARD_SIM and LIDARD_SOURCE_DIR set as ctest does
 """
@@ -78,7 +79,9 @@ def two_with_clouds(tmp, seconds):
                 peak = max(peak, megabytes(daemon, "VmRSS"))
         print(f"two VLS-128, {len(clouds)} clouds of {max(clouds, default=0) / 1e6:.1f} MB taken: at most {peak:.1f} MB")
         expect(len(clouds) > 2 * seconds and max(clouds) > 5e6, "clouds come")
-        expect(peak <= 160, f"{peak:.1f} MB")
+        keeps_up = len(clouds) > 0.9 * 2 * 10 * seconds
+        limit = 160 if keeps_up else 160 + 2 * 10 * max(clouds) / 1e6
+        expect(peak <= limit, f"{peak:.1f} MB, above {limit:.0f} MB")
 
 
 def main():

@@ -193,8 +193,9 @@ def main():
             now = len(list(pathlib.Path(f"/proc/{daemon.pid}/fd").iterdir()))
             print(f"{descriptors} descriptors before, {now} after")
             expect(now <= descriptors + 4, "sockets are left of former configurations")
-            # Four of roscpp's and six of ours; those of former lanes end soon.
-            wait_for(lambda: len(list(pathlib.Path(f"/proc/{daemon.pid}/task").iterdir())) == 10, 5, "no thread is left")
+            # Three of roscpp's and six of ours; those of former lanes end soon.
+            threads = lambda: sorted((task / "comm").read_text().strip() for task in pathlib.Path(f"/proc/{daemon.pid}/task").iterdir())
+            wait_for(lambda: len(threads()) == 9, 5, f"no thread is left: {threads()}")
             print(f"lost: left {losses(vehicle, 'left')}, roof {losses(vehicle, 'roof')}")
         check_start_with_bad_file(vehicle, tmp, sim)
     print("ok")
