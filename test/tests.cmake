@@ -65,10 +65,12 @@ target_link_libraries(clock_shim PRIVATE lidard_options ${CMAKE_DL_LIBS})
 
 # test/system/*.py drive the real programs: sockets on loopback, a real rosmaster, roscpp, bags. They have a network of
 # their own (harness.py) and run side by side, but for those that measure how late something is, or load the machine.
-set(alone test_bursts test_memory test_network_losses test_noise test_planes_first test_soak test_velodyne_rate
-          test_watchdog)
+set(alone test_bursts test_clock_step test_cola_live test_drop_out test_fault_table test_hokuyo_live test_late_master
+          test_live_equals_replay test_memory test_network_changes test_network_losses test_network_silence test_node_name
+          test_noise test_planes_first test_reload test_soak test_status test_systemd test_velodyne_control
+          test_velodyne_rate test_watchdog)
 # What takes longest begins first.
-set(long test_network_silence test_package test_inspect test_systemd test_node_name)
+set(long test_package test_inspect test_import test_decode test_bad_packet)
 file(GLOB system_tests CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/system/test_*.py)
 foreach(script ${system_tests})
   get_filename_component(name ${script} NAME_WE)
