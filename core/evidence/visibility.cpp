@@ -184,7 +184,7 @@ bool Visibility::accept_unseen(Walk& walk, float from) {
 }
 
 void Visibility::see(Walk& walk, std::size_t source, float to) {
-  // As long as each piece follows on the one before, all of the way so far is blind.
+  // The blind way goes on while no other source sees a piece of it; a gap that is forgiven does not end it.
   float& blind_to = blind_to_[walk.beam];
   if (source == observing_ && (blind_to <= 0 || blind_to == walk.known)) blind_to = to;
   walk.known = to;

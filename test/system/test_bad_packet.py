@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""One bad datagram costs at most the frame into which it comes: into each shipped capture of UDP sensors a spoiled copy of a
-datagram is put, at two places, and all other frames stay as they are, to the last digit. Where a tenth of the datagrams is lost, each
+"""One bad datagram costs at most one frame: into each shipped capture of UDP sensors a spoiled copy of a datagram is put, at two
+places, and all frames but one stay as they are, to the last digit. Under which reason it is counted is not looked at. Where a tenth of the datagrams is lost, each
 return that is left is one that was measured, at its time."""
 import collections
 import hashlib
@@ -113,7 +113,7 @@ def main():
             count = sum(map(len, left.values()))
             expect(count > len(whole) / 3, f"{capture.name}: only {count} of {len(whole)} rows are left")
             kept += count
-    print(f"P3: {tried} bad datagrams, none of which changed more than its frame")
+    print(f"P3: {tried} bad datagrams, none of which changed more than one frame")
     print(f"P6: without a tenth of the datagrams {kept} returns, all of them as measured")
     expect(tried >= 20, f"only {tried} were tried")
 
