@@ -25,6 +25,9 @@ struct Stamp {
   friend constexpr Span operator-(Stamp a, Stamp b) { return Span(a.ns - b.ns); }
 };
 
+/// A clock that goes back by more than this was set, or the stream began anew.
+constexpr Span restart_limit = std::chrono::seconds(1);
+
 /// Length of `d` in seconds.
 constexpr double seconds(Span d) { return static_cast<double>(d.count()) * 1e-9; }
 
@@ -34,12 +37,11 @@ constexpr Span span_from_seconds(double s) {
 }
 
 /// Stamps of one stream of frames: strictly increasing, since consumers drop what is not newer. Only a clock
-/// that was set by more than a second may go back.
+/// that was set back by restart_limit may go back.
 class SteadyStamps {
  public:
   Stamp next(Stamp stamp) {
-    constexpr Span hidden_step = std::chrono::seconds(1);
-    const bool back_a_little = stamp <= last_ && last_ - stamp < hidden_step;
+    const bool back_a_little = stamp <= last_ && last_ - stamp < restart_limit;
     last_ = back_a_little ? last_ + Span(1) : stamp;
     return last_;
   }

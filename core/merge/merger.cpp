@@ -46,7 +46,6 @@ bool Merger::add(std::size_t index, const PlanarScan& scan, const Pose& output_f
     return false;
   }
   // Far back it is no late sweep but a clock that was set, or an input that starts again.
-  constexpr Span restart_limit = std::chrono::seconds(1);
   if (source.stamp && scan.stamp + restart_limit < *source.stamp) reset();
   if (source.stamp && scan.stamp <= *source.stamp) {
     ++out_of_order_;

@@ -14,7 +14,6 @@ namespace {
 constexpr std::size_t beams = 720;
 constexpr Span period = std::chrono::milliseconds(200);
 constexpr double memory_s = 5;
-constexpr Span restart_limit = std::chrono::seconds(1);
 
 // A surface is a straight piece of 2 * reach + 1 returns.
 constexpr std::size_t reach = 4;

@@ -13,7 +13,6 @@ constexpr double deadline_share = 0.3;  // of the shortest period
 // Until a period is known: that of a scanner of 10 Hz.
 constexpr double usual_period_s = 0.1;
 // So far back it is no late packet but a clock that was set, or an input that starts again.
-constexpr Span restart_limit = std::chrono::seconds(1);
 constexpr double smoothing = 0.2;
 // So many of its periods between two sweeps are a pause, and no period unless it happens again and again.
 constexpr double pause_share = 1.5;

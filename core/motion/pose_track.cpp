@@ -8,7 +8,6 @@
 namespace lidard {
 namespace {
 
-constexpr Span restart_limit = std::chrono::seconds(1);
 // Over a shorter time the noise of two poses is more than the motion between them.
 constexpr Span shortest_twist = std::chrono::milliseconds(10);
 

@@ -11,14 +11,13 @@
 namespace lidard {
 namespace {
 
-constexpr double turn = two_pi;
 // A larger step than so many usual ones has unseen columns in between.
 constexpr double gap_steps = 1.6;
 constexpr std::size_t fewest_columns = 8;
 constexpr std::uint32_t nowhere = 0xFFFFFFFFU;
 
 // Stands for the step between two returns of one firing.
-constexpr double no_step = -turn;
+constexpr double no_step = -two_pi;
 
 double mean_step(const std::vector<double>& steps, double limit) {
   double sum = 0;
@@ -72,10 +71,10 @@ bool RingGrid::fires_in_columns(const Cloud& cloud) {
     const bool again = same_firing(cloud.columns[c - 1], cloud.columns[c]);
     turns_[c] = again ? no_step : azimuth_step(cloud.columns[c - 1], cloud.columns[c]);
     turned += again ? 0 : turns_[c];
-    if (turned > 1.2 * turn) return false;
+    if (turned > 1.2 * two_pi) return false;
   }
   // Again, so that neither a hidden sector nor lost packets count as the usual step.
-  step_ = mean_step(turns_, turn);
+  step_ = mean_step(turns_, two_pi);
   step_ = mean_step(turns_, 2.5 * step_);
   step_ = mean_step(turns_, gap_steps * step_);
   return step_ > 1e-4;
@@ -100,7 +99,7 @@ void RingGrid::number_columns(const Cloud& cloud) {
   for (std::size_t c = 0; c < cloud.columns.size(); ++c) {
     if (c > 0 && turns_[c] != no_step) {
       const double step = turns_[c];
-      const bool closed = turned + step > turn - step_ / 2;
+      const bool closed = turned + step > two_pi - step_ / 2;
       if (closed || beyond > 0) {
         ++beyond;
       } else {
@@ -111,7 +110,7 @@ void RingGrid::number_columns(const Cloud& cloud) {
     places_[c] = beyond > 0 ? nowhere : static_cast<std::uint32_t>(place);
   }
   misplaced += beyond;
-  const long rest = std::max(1L, std::lround((turn - turned) / step_));
+  const long rest = std::max(1L, std::lround((two_pi - turned) / step_));
   clear_grid(place + static_cast<std::size_t>(rest), cloud.rings);
 }
 

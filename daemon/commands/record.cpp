@@ -4,12 +4,12 @@
 #include <poll.h>
 
 #include <chrono>
-#include <csignal>
 #include <memory>
 #include <ostream>
 #include <set>
 
 #include "daemon/commands/commands.h"
+#include "daemon/commands/stop_signal.h"
 #include "daemon/config/config.h"
 #include "drivers/registry/registry.h"
 
@@ -21,8 +21,6 @@ constexpr int snapshot_length = 262144;
 /// For the moments in which the disk is slow.
 constexpr int buffer_bytes = 64 * 1024 * 1024;
 constexpr int wake_up_ms = 200;
-
-volatile std::sig_atomic_t stop_signal = 0;
 
 struct CloseCapture {
   void operator()(pcap_t* capture) const { pcap_close(capture); }
@@ -92,7 +90,7 @@ std::string record(pcap_t* capture, pcap_dumper_t* dump, double duration, std::u
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(duration);
   // Left to wait by itself libpcap sleeps through signals and the end of the time while nothing comes.
   pollfd source{pcap_get_selectable_fd(capture), POLLIN, 0};
-  while (stop_signal == 0 && (duration <= 0 || std::chrono::steady_clock::now() < end)) {
+  while (!stopped() && (duration <= 0 || std::chrono::steady_clock::now() < end)) {
     static_cast<void>(::poll(&source, 1, wake_up_ms));
     if (pcap_dispatch(capture, -1, take, reinterpret_cast<unsigned char*>(&sink)) < 0)
       return std::string("recording ended: ") + pcap_geterr(capture);
@@ -136,8 +134,7 @@ int run_record(const RecordOptions& options, std::ostream& err) {
     if (!trouble.empty()) fail(trouble);
     Dump dump(pcap_dump_open(capture.get(), options.output.c_str()));
     if (!dump) fail(pcap_geterr(capture.get()));
-    stop_signal = 0;
-    for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int number) { stop_signal = number; });
+    stop_on_signals();
     err << "recording to " << options.output << ", stop with Ctrl-C\n";
     std::uint64_t packets = 0;
     trouble = record(capture.get(), dump.get(), options.duration, packets);

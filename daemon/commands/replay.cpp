@@ -14,6 +14,7 @@
 #include "daemon/commands/commands.h"
 #include "daemon/commands/inspect_survey.h"
 #include "daemon/commands/player.h"
+#include "daemon/commands/stop_signal.h"
 #include "daemon/pipeline/report.h"
 #include "daemon/ros/bag_sink.h"
 #include "daemon/ros/ros_environment.h"
@@ -22,15 +23,6 @@
 
 namespace lidard {
 namespace {
-
-volatile std::sig_atomic_t stop_signal = 0;
-
-bool stopped() { return stop_signal != 0; }
-
-void stop_on_signals() {
-  stop_signal = 0;
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int number) { stop_signal = number; });
-}
 
 /// Captures on their way through a pipeline into a sink.
 struct Replay {

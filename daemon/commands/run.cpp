@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <malloc.h>
-#include <spdlog/spdlog.h>
 
 #include <array>
 #include <atomic>
@@ -22,6 +21,7 @@
 #include "daemon/live/runtime_socket.h"
 #include "daemon/live/sensor_loop.h"
 #include "daemon/live/service.h"
+#include "daemon/pipeline/log.h"
 #include "daemon/ros/ros_environment.h"
 #include "daemon/ros/ros_pulse.h"
 #include "daemon/ros/ros_session.h"
@@ -38,10 +38,10 @@ constexpr auto longest_round = std::chrono::seconds(1);
 
 void log_event(const Event& event) {
   if (event.logged) return;
-  const auto level = event.health == Health::ok     ? spdlog::level::info
-                     : event.health == Health::warn ? spdlog::level::warn
-                                                    : spdlog::level::err;
-  spdlog::log(level, "{}: {}", event.source, event.text);
+  const auto level = event.health == Health::ok     ? LogLevel::info
+                     : event.health == Health::warn ? LogLevel::warn
+                                                    : LogLevel::error;
+  log_line(level, event.source + ": " + event.text);
 }
 
 /// Everything of a running daemon. The constructor's thread becomes that of the lane of planes, which the
@@ -57,7 +57,7 @@ class Daemon {
         ros_(plan_->parts[0], plan_->parts[1], how),
         box_(config.black_box,
              [](bool good, const std::string& sentence) {
-               spdlog::log(good ? spdlog::level::info : spdlog::level::err, "black box: {}", sentence);
+               log_line(good ? LogLevel::info : LogLevel::error, "black box: " + sentence);
              }),
         planes_(plan_->parts[0], clock_, box_, ros_.poses(), ros_.sink(Lane::planes)),
         clouds_(plan_->parts[1], clock_, box_, ros_.poses(), ros_.sink(Lane::clouds)),
@@ -92,14 +92,14 @@ class Daemon {
   int run(bool& left) {
     signals_.async_wait([this](const boost::system::error_code& error, int signal) {
       if (error) return;
-      spdlog::info("stopping on signal {}", signal);
+      log_info("stopping on signal {}", signal);
       planes_.stop();
     });
     wait_for_wishes();
     ros_.start();
     ros_.sink(Lane::planes).transforms(planes_.pipeline().static_transforms(), clock_.now());
     if (const std::string trouble = socket_.start(runtime_socket_path()); !trouble.empty())
-      spdlog::warn("`lidard status` cannot ask this daemon: {}", trouble);
+      log_warn("`lidard status` cannot ask this daemon: {}", trouble);
     // Ready is who has opened all sockets. Where there are no clouds, their lane has none to open.
     planes_.post([this](Stamp) {
       states_[0] = planes_.state();
@@ -128,7 +128,7 @@ class Daemon {
     service_.ready(status());
     // What is in force since a wrong file is kept already.
     if (!trouble_.empty()) return;
-    if (const std::string why = last_good_.keep(plan_->whole); !why.empty()) spdlog::warn("{}", why);
+    if (const std::string why = last_good_.keep(plan_->whole); !why.empty()) log_warn("{}", why);
   }
   void run_clouds() {
     name_this_thread("lidard-clouds");
@@ -165,7 +165,7 @@ class Daemon {
       if (signal == SIGHUP)
         reload();
       else
-        box_.dump([](const std::string& said) { spdlog::info("SIGUSR1: {}", said); });
+        box_.dump([](const std::string& said) { log_info("SIGUSR1: {}", said); });
       wait_for_wishes();
     });
   }
@@ -187,7 +187,7 @@ class Daemon {
     });
   }
   void change(const Config& config) {
-    for (const auto& warning : config.warnings) spdlog::warn("{}", warning);
+    for (const auto& warning : config.warnings) log_warn("{}", warning);
     next_plan_ = std::make_unique<Plan>(config);
     try {
       RosChange change = ros_.change_to(config, next_plan_->parts);
@@ -231,9 +231,9 @@ class Daemon {
     trouble_ = trouble;
     ++reloads_;
     if (trouble.empty())
-      spdlog::info("{} is in force", plan_->whole.file);
+      log_info("{} is in force", plan_->whole.file);
     else
-      spdlog::error("{}; nothing is changed, correct it and reload again", trouble);
+      log_error("{}; nothing is changed, correct it and reload again", trouble);
     came_up();
     update_journal();
     malloc_trim(0);  // the former configuration has left holes
@@ -312,14 +312,14 @@ class Daemon {
       fed_ = now;
       reported_standing_ = false;
     } else if (now - fed_ > longest_round && !reported_standing_) {
-      spdlog::error("the watchdog is not fed, since for 1 s there stands still: {}", standing);
+      log_error("the watchdog is not fed, since for 1 s there stands still: {}", standing);
       reported_standing_ = true;
     }
   }
   void leave_name_to_others() {
     const std::string conflict = ros_.conflict();
     if (conflict.empty() || exit_code_ != exit_ok) return;
-    spdlog::error("{}", conflict);
+    log_error("{}", conflict);
     exit_code_ = exit_failed;
     planes_.stop();
   }
@@ -359,7 +359,7 @@ int run_daemon(const Config& config, RosOptions ros, std::ostream& err, const st
   lock_memory();
   try {
     ros.longest_report_age = longest_report_age;
-    for (const auto& warning : config.warnings) spdlog::warn("{}", warning);
+    for (const auto& warning : config.warnings) log_warn("{}", warning);
     Daemon daemon(config, ros, trouble);
     bool left = false;
     const int code = daemon.run(left);
@@ -387,7 +387,7 @@ int run_daemon(const std::string& config_file, const std::vector<std::string>& r
     err << trouble << '\n';
     return exit_config;
   }
-  spdlog::error("{}; the last good configuration is in force, correct the file and reload", trouble);
+  log_error("{}; the last good configuration is in force, correct the file and reload", trouble);
   last_good->file = config_file;
   return run_daemon(*last_good, ros, err, trouble);
 }

@@ -12,7 +12,7 @@ using namespace keys;
 using F = FrameFilterSettings;
 
 constexpr double furthest_m = 1000;
-constexpr double strongest = 65535;
+constexpr double highest_intensity = 65535;
 
 Keys<FilterBox> box_rows() {
   using B = FilterBox;
@@ -35,9 +35,9 @@ KeyOf<F> box_row(std::string_view name, FilterBox F::*member, std::string_view m
 
 Keys<F> rows() {
   const auto wanted = [](const F& filter) { return filter.outlier_radius > 0; };
-  return {number("intensity_min", &F::intensity_min, 0, strongest, "", "weaker returns are removed")
+  return {number("intensity_min", &F::intensity_min, 0, highest_intensity, "", "weaker returns are removed")
               .by_default("no limit"),
-          number("intensity_max", &F::intensity_max, 0, strongest, "", "stronger returns are removed")
+          number("intensity_max", &F::intensity_max, 0, highest_intensity, "", "stronger returns are removed")
               .by_default("no limit"),
           box_row("box", &F::box, "returns outside are removed; in frame_id of the sensor"),
           box_row("cut_out", &F::cut_out, "returns inside are removed: the vehicle itself"),

@@ -13,7 +13,6 @@ using namespace keys;
 using Merged = MergedScanConfig;
 
 constexpr double longest_wait_s = 3600;
-constexpr double farthest_m = 10000;
 constexpr double strongest = 1e9;
 constexpr double most_outputs_per_s = 1000;
 

@@ -12,7 +12,6 @@ namespace {
 
 using namespace keys;
 
-constexpr double farthest_m = 10000;
 constexpr double longest_period_s = 3600;
 constexpr std::size_t default_beams_per_turn = 1440;
 

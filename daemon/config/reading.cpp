@@ -12,7 +12,7 @@
 namespace lidard {
 namespace {
 
-constexpr double farthest_m = 1000;  // a vehicle is smaller; millimetres written for metres are not
+constexpr double vehicle_size_m = 1000;  // a vehicle is smaller; millimetres written for metres are not
 
 bool is_word_character(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 
@@ -116,7 +116,7 @@ std::string without_slash(const std::string& name) {
 Pose read_pose(const Value& value, Mistakes& mistakes) {
   Mapping pose(value, {"xyz", "rpy", "rpy_deg"}, mistakes);
   const std::string expected = "{xyz: [x, y, z], rpy_deg: [roll, pitch, yaw]}";
-  const std::vector<double> xyz = pose.require("xyz", expected).numbers(3, farthest_m, "m");
+  const std::vector<double> xyz = pose.require("xyz", expected).numbers(3, vehicle_size_m, "m");
   Eigen::Vector3d rpy = Eigen::Vector3d::Zero();
   pose.in_rad("rpy", [&](const Value& angles, double to_rad) {
     const bool rad = to_rad == 1;

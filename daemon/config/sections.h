@@ -25,6 +25,9 @@ void check_filter(Mapping& parent, SensorConfig& sensor);
 /// Brings the limits of the ring that is a scan in line with those of the cloud.
 void set_ring_limits(SensorConfig& sensor);
 
+/// The largest length that a key of an output takes, m.
+constexpr double farthest_m = 10000;
+
 /// Between which ranges a source measures, m.
 struct SourceLimits {
   SourceLimits(const SensorConfig& sensor);

@@ -12,7 +12,6 @@ namespace {
 using namespace keys;
 using Virtual = VirtualScanConfig;
 
-constexpr double farthest_m = 10000;
 // ira_laser_tools' first release kept what lay within 0.1 m of the plane; later ones 1 cm, then everything.
 constexpr double virtual_half_height_m = 0.1;
 

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <optional>
@@ -10,6 +9,7 @@
 #include "daemon/commands/commands.h"
 #include "daemon/config/config.h"
 #include "daemon/dropin/dropin.h"
+#include "daemon/pipeline/log.h"
 #include "daemon/ros/ros_environment.h"
 
 namespace lidard {
@@ -91,10 +91,10 @@ std::optional<int> answer(const Dropin& dropin, const Arguments& arguments, std:
 int run_setup(const Dropin& dropin, const Arguments& arguments, std::ostream& out, std::ostream& err) {
   const std::string node = full_node_name(arguments, dropin.node);
   DropinSetup setup = dropin.setup(arguments, node);
-  for (const auto& warning : setup.warnings) spdlog::warn("{}", warning);
-  for (const auto& remark : setup.remarks) spdlog::info("{}", remark);
+  for (const auto& warning : setup.warnings) log_warn("{}", warning);
+  for (const auto& remark : setup.remarks) log_info("{}", remark);
   const std::string yaml = setup.yaml();
-  spdlog::info("the same as a configuration for `lidard run`:\n{}", yaml);
+  log_info("the same as a configuration for `lidard run`:\n{}", yaml);
   const Config config = parse_config(yaml, "parameters of " + node);
   setup.replay.ros = {dropin.node, arguments, dropin.reconfigure};
   if (setup.replay.captures.empty()) return run_daemon(config, setup.replay.ros, err);

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <spdlog/spdlog.h>
 
 #include <chrono>
 #include <cstdlib>
@@ -8,6 +7,7 @@
 
 #include "daemon/config/config.h"
 #include "daemon/dropin/dropin.h"
+#include "daemon/pipeline/log.h"
 #include "daemon/ros/ros_environment.h"
 #include "daemon/ros/ros_master.h"
 
@@ -67,7 +67,7 @@ NodeParameters scalars(XmlRpcValue& all) {
     if (as_text(value, text))
       parameters[name] = text;
     else
-      spdlog::warn("parameter ~{} is neither a value nor a list of values and has no effect", name);
+      log_warn("parameter ~{} is neither a value nor a list of values and has no effect", name);
   }
   return parameters;
 }
@@ -87,7 +87,7 @@ NodeParameters wait_for_parameters(const std::vector<std::string>& arguments, co
   bool told = false;
   std::optional<XmlRpcValue> all;
   while (!(all = master.parameters(node))) {
-    if (!told) spdlog::warn("waiting for the ROS master, which holds the parameters: {}", master.error());
+    if (!told) log_warn("waiting for the ROS master, which holds the parameters: {}", master.error());
     told = true;
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
   }

@@ -227,7 +227,8 @@ const MovedPackage& moved_sick_scan() {
 DropinSetup sick_scan_setup(const NodeParameters& parameters) {
   DropinSetup setup;
   ParameterReader reader(parameters);
-  const ScannerType& type = type_of(reader.text("scanner_type", ""));
+  const std::string scanner_type = reader.text("scanner_type", "");
+  const ScannerType& type = type_of(scanner_type);
   const bool is_165 = type.ours == "sick_multiscan136" && reader.text("layer_lookup_table_id", "0") == "1";
   const Model& model = *find_model(is_165 ? "sick_multiscan165" : type.ours);
   KeyMap sensor{{"model", std::string(model.name)}, {"ip_address", reader.text("hostname", "192.168.0.1")}};

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <regex>
 #include <string>
 
 namespace lidard {
@@ -14,15 +13,17 @@ class NumberedPath {
  public:
   /// Nothing if the path has no such place.
   static std::optional<NumberedPath> parse(const std::string& path) {
-    static const std::regex place("%(0?)([1-9]?)d");
-    std::smatch found;
-    if (!std::regex_search(path, found, place)) return std::nullopt;
-    NumberedPath out;
-    out.begin_ = found.prefix();
-    out.end_ = found.suffix();
-    out.fill_ = found[1].length() > 0 ? '0' : ' ';
-    out.width_ = found[2].length() > 0 ? static_cast<std::size_t>(found[2].str()[0] - '0') : 0;
-    return out;
+    for (auto at = path.find('%'); at != std::string::npos; at = path.find('%', at + 1)) {
+      NumberedPath out;
+      std::size_t end = at + 1;
+      if (path[end] == '0') out.fill_ = '0', ++end;
+      if (path[end] >= '1' && path[end] <= '9') out.width_ = static_cast<std::size_t>(path[end++] - '0');
+      if (path[end] != 'd') continue;
+      out.begin_ = path.substr(0, at);
+      out.end_ = path.substr(end + 1);
+      return out;
+    }
+    return std::nullopt;
   }
   std::string of(std::uint64_t number) const {
     const std::string digits = std::to_string(number);
@@ -31,7 +32,7 @@ class NumberedPath {
 
  private:
   std::string begin_, end_;
-  char fill_ = '0';
+  char fill_ = ' ';
   std::size_t width_ = 0;
 };
 

@@ -3,13 +3,13 @@
 #pragma once
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <functional>
 #include <mutex>
 #include <utility>
 
 #include "core/base/host_clock.h"
+#include "daemon/pipeline/log.h"
 #include "daemon/pipeline/sink.h"
 #include "drivers/net/wall_clock.h"
 
@@ -68,7 +68,7 @@ class DaemonClock {
       set_at_ = clock_.steady(reading);
       last_step_ = *step;
       stepped_(clock_.step());
-      spdlog::warn("the host's clock was set by {:+.3f} s; the stamps follow it in one step", seconds(*step));
+      log_warn("the host's clock was set by {:+.3f} s; the stamps follow it in one step", seconds(*step));
     }
     return reading;
   }

@@ -4,7 +4,6 @@
 
 #include <linux/capability.h>
 #include <malloc.h>
-#include <spdlog/spdlog.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -12,6 +11,8 @@
 
 #include <cstdlib>
 #include <string_view>
+
+#include "daemon/pipeline/log.h"
 
 namespace lidard {
 
@@ -27,7 +28,7 @@ void lock_memory() {
   getrlimit(RLIMIT_MEMLOCK, &limit);
   const bool root = geteuid() == 0 && prctl(PR_CAPBSET_READ, CAP_IPC_LOCK) == 1;
   if ((root || limit.rlim_cur == RLIM_INFINITY) && mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return;
-  spdlog::warn(
+  log_warn(
       "LIDARD_LOCK_MEMORY=1, but this process may not lock all of its memory; set "
       "LimitMEMLOCK=infinity in the unit");
 }

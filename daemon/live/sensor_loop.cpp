@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/live/sensor_loop.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 
+#include "daemon/pipeline/log.h"
 #include "daemon/pipeline/report.h"
 
 namespace lidard {
@@ -15,8 +14,8 @@ constexpr auto tick_period = std::chrono::milliseconds(100);
 
 void log_sensor(const SensorReport& sensor) {
   const Counters& c = sensor.counters;
-  spdlog::info("{} ({}): {} packets, {} frames, {} lost, rejected {}", sensor.name, sensor.model, c.packets,
-               c.frames, c.lost_packets, rejected_text(c));
+  log_info("{} ({}): {} packets, {} frames, {} lost, rejected {}", sensor.name, sensor.model, c.packets,
+           c.frames, c.lost_packets, rejected_text(c));
 }
 
 }  // namespace
@@ -68,7 +67,7 @@ void SensorLoop::post(std::function<void(Stamp)> task) {
 void SensorLoop::run() {
   ports_.start();
   links_.start();
-  if (const std::string trouble = interfaces_.start(); !trouble.empty()) spdlog::warn("{}", trouble);
+  if (const std::string trouble = interfaces_.start(); !trouble.empty()) log_warn("{}", trouble);
   next_tick_ = std::chrono::steady_clock::now();
   schedule_tick();
   io_.run();

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/live/tcp_connections.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
+
+#include "daemon/pipeline/log.h"
 
 namespace lidard {
 namespace {
@@ -115,7 +115,7 @@ void TcpConnections::log_first() {
   for (const auto& link : links_) {
     if (!link->source) continue;
     if (!is_connected(link->source->state()) || std::exchange(link->announced, true)) continue;
-    spdlog::info("{}: connected to {}", link->name, link->device.to_string());
+    log_info("{}: connected to {}", link->name, link->device.to_string());
   }
 }
 

@@ -2,13 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/live/udp_ports.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <map>
 #include <utility>
 
 #include "daemon/config/config.h"
+#include "daemon/pipeline/log.h"
 #include "drivers/net/host_network.h"
 
 namespace lidard {
@@ -107,7 +106,7 @@ void UdpPorts::note_changes() {
     if (state.phase != port.known.phase || state.message != port.known.message) {
       // Not each time that it is tried: all processes are looked at.
       port.holder = state.phase == UdpState::Phase::waiting ? holder_of_udp_port(port.number) : std::string();
-      if (state.phase == UdpState::Phase::receiving) spdlog::info("listening on port {}", port.number);
+      if (state.phase == UdpState::Phase::receiving) log_info("listening on port {}", port.number);
       port.known = state;
     }
     const std::uint64_t drops = port.source->stats().kernel_drops;

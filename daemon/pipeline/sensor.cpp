@@ -2,11 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/pipeline/sensor.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <utility>
 
+#include "daemon/pipeline/log.h"
 #include "daemon/pipeline/report.h"
 #include "daemon/pipeline/sensor_health.h"
 
@@ -166,7 +165,7 @@ void Sensor::message(const DeviceMessage& message) { publish_told(topic_of(messa
 
 void Sensor::extra_scan(std::string_view name, PlanarScan& scan) { publish_told(name, scan); }
 
-void Sensor::note(std::string_view sentence) { spdlog::info("{}: {}", config_.name, sentence); }
+void Sensor::note(std::string_view sentence) { log_info("{}: {}", config_.name, sentence); }
 
 void Sensor::request(ByteView bytes) {
   if (context_.connections != nullptr) context_.connections->send(place_, bytes);

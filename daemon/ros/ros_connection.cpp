@@ -7,7 +7,6 @@
 #include <ros/init.h>
 #include <ros/master.h>
 #include <ros/this_node.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <array>
@@ -16,6 +15,7 @@
 #include <thread>
 #include <utility>
 
+#include "daemon/pipeline/log.h"
 #include "daemon/ros/ros_callback_thread.h"
 #include "daemon/ros/ros_components.h"
 #include "daemon/ros/ros_diagnostics.h"
@@ -176,12 +176,12 @@ struct RosConnection::Impl {
     if (!running) {
       if (!name->is_free(master) || stands_back()) return;
       start_ros();
-      spdlog::info("ROS master found at {}; publishing as {}", master_uri, node);
+      log_info("ROS master found at {}; publishing as {}", master_uri, node);
     } else if (ros::isShuttingDown()) {
       return;  // from outside; roscpp waits for the master on its way
     } else if (another || !registered) {
       registered = register_again(master, components.master_restarted(), service_port);
-      if (registered) spdlog::warn("ROS master at {} came back; all topics are registered again", master_uri);
+      if (registered) log_warn("ROS master at {} came back; all topics are registered again", master_uri);
     }
     register_changes();
     components.for_each(*callbacks, [&](RosComponent& component) {
@@ -205,9 +205,9 @@ struct RosConnection::Impl {
     if (noticed || Clock::now() < next_notice) return;
     noticed = true;
     next_notice = Clock::now() + std::chrono::minutes(1);
-    spdlog::warn("no ROS master at {} ({}): {}; start one with `roscore`, or set ROS_MASTER_URI", master_uri,
-                 master.error(),
-                 running ? "new subscribers cannot find us" : "data is received but not published");
+    log_warn("no ROS master at {} ({}): {}; start one with `roscore`, or set ROS_MASTER_URI", master_uri,
+             master.error(),
+             running ? "new subscribers cannot find us" : "data is received but not published");
   }
   void start_ros() {
     name->answer_others();
@@ -239,7 +239,7 @@ struct RosConnection::Impl {
     const RosPulse::Call call(pulse);
     ++foreign_stops;
     last_foreign_stop = Clock::now();
-    spdlog::error(
+    log_error(
         "our ROS node {} was shut down from outside (a node of the same name, or rosnode kill); starting "
         "again",
         node);

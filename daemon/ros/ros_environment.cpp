@@ -7,7 +7,6 @@
 #include <ros/exceptions.h>
 #include <ros/init.h>
 #include <ros/names.h>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -16,6 +15,7 @@
 #include <memory>
 #include <thread>
 
+#include "daemon/pipeline/log.h"
 #include "daemon/ros/ros_master.h"
 #include "drivers/net/host_network.h"
 
@@ -89,7 +89,7 @@ void init_ros(const RosOptions& options) {
     remappings[remapping.substr(0, at)] = remapping.substr(at + 2);
   }
   choose_ros_log_folder();
-  if (const std::string doubt = doubt_about_own_address(); !doubt.empty()) spdlog::warn("{}", doubt);
+  if (const std::string doubt = doubt_about_own_address(); !doubt.empty()) log_warn("{}", doubt);
   try {
     // Nothing of ours goes to /rosout, and its thread would wait for the master.
     ros::init(remappings, options.node_name,

@@ -6,13 +6,13 @@
 #include <nav_msgs/Odometry.h>
 #include <ros/names.h>
 #include <sensor_msgs/Imu.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <atomic>
 #include <mutex>
 #include <utility>
 
+#include "daemon/pipeline/log.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/ros_callback_thread.h"
 #include "daemon/ros/ros_convert.h"
@@ -162,7 +162,7 @@ struct RosInputs::Source {
       expected += std::string(expected.empty() ? "" : " or ") + datatype<sensor_msgs::PointCloud2>();
     const std::lock_guard lock(mutex);
     report.wrong_type = "topic " + report.topic + " carries " + report.type + "; expected " + expected;
-    spdlog::error("{}", report.wrong_type);
+    log_error("{}", report.wrong_type);
   }
   void reject(const char* reason) {
     const std::lock_guard lock(mutex);
@@ -170,7 +170,7 @@ struct RosInputs::Source {
     report.rejected_at = std::chrono::steady_clock::now();
     if (report.last_reason == reason) return;
     report.last_reason = reason;
-    spdlog::warn("messages of {} are not used: {}", report.topic, reason);
+    log_warn("messages of {} are not used: {}", report.topic, reason);
   }
   void hand_on(const LeftOut& left_out) {
     const std::lock_guard lock(mutex);

@@ -3,10 +3,10 @@
 #include "daemon/ros/ros_lane.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <utility>
 
+#include "daemon/pipeline/log.h"
 #include "daemon/ros/wait_until.h"
 #include "drivers/net/wall_clock.h"
 
@@ -127,7 +127,7 @@ void RosLane::wait_for_subscribers_of(const QueuedFrame& frame) {
   };
   while (!wait_until(keeps_up, stuck_subscriber)) {
     if (!publishers_.ready()) continue;
-    spdlog::warn("a subscriber has taken nothing for 10 s; it loses messages from here on");
+    log_warn("a subscriber has taken nothing for 10 s; it loses messages from here on");
     return;
   }
 }

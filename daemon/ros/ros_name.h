@@ -3,7 +3,6 @@
 #pragma once
 
 #include <ros/xmlrpc_manager.h>
-#include <spdlog/spdlog.h>
 
 #include <charconv>
 #include <chrono>
@@ -15,6 +14,7 @@
 #include <utility>
 
 #include "core/base/time.h"
+#include "daemon/pipeline/log.h"
 #include "daemon/ros/ros_master.h"
 
 namespace lidard {
@@ -46,7 +46,7 @@ class RosName {
       return true;
     }
     if (!seen_since_) {
-      spdlog::warn("another daemon at {} has the node name {}; waiting for its end", other->uri, node_);
+      log_warn("another daemon at {} has the node name {}; waiting for its end", other->uri, node_);
       seen_since_ = Clock::now();
     }
     if (Clock::now() - *seen_since_ >= patience) give_up(*other);

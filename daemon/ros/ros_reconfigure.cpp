@@ -3,11 +3,11 @@
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <ros/node_handle.h>
 #include <ros/this_node.h>
-#include <spdlog/spdlog.h>
 
 #include <mutex>
 #include <utility>
 
+#include "daemon/pipeline/log.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/output_items.h"
 #include "daemon/ros/ros_callback_thread.h"
@@ -61,26 +61,25 @@ struct Server {
     refusal.clear();
     to_store = true;
     if (output.sensor) {
-      spdlog::info("{}: changed through dynamic_reconfigure", name());
+      log_info("{}: changed through dynamic_reconfigure", name());
       return apply();
     }
     const std::size_t beams = beams_of(output.config);
-    spdlog::info("{}: changed through dynamic_reconfigure; {} beams", name(), beams);
+    log_info("{}: changed through dynamic_reconfigure; {} beams", name(), beams);
     if (beams != beams_before) {
       ++resized;
       to_renew = true;
-      spdlog::warn(
-          "{} has {} beams now, not {}: gmapping refuses scans of another size until it is restarted", name(),
-          beams, beams_before);
+      log_warn("{} has {} beams now, not {}: gmapping refuses scans of another size until it is restarted",
+               name(), beams, beams_before);
     }
     if (beams >= gmapping_beam_limit)
-      spdlog::warn("{} has {} beams; gmapping needs fewer than {}", name(), beams, gmapping_beam_limit);
+      log_warn("{} has {} beams; gmapping needs fewer than {}", name(), beams, gmapping_beam_limit);
     apply();
   }
   void refuse(const std::string& why) {
     ++refused;
     refusal = why;
-    spdlog::warn("{}: change refused, the values before stay: {}", name(), why);
+    log_warn("{}: change refused, the values before stay: {}", name(), why);
   }
   DiagnosticItem status() const {
     const std::lock_guard lock(mutex);

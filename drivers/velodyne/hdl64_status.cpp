@@ -20,7 +20,7 @@ constexpr int slots_per_cycle = 16;
 constexpr int first_calibration_slot = 9;
 constexpr int bytes_per_cycle = 7;
 constexpr int cycles_per_round = 260;
-constexpr int lasers = 64;
+constexpr int laser_count = 64;
 constexpr int first_laser = 7;    // position in the round's calibration bytes
 constexpr int laser_stride = 28;  // 4 cycles
 constexpr int laser_bytes = 21;
@@ -189,7 +189,7 @@ bool Hdl64Status::is_landmark_right(int index, std::uint8_t value) {
   if (cycle_ == 0 && index < static_cast<int>(sizeof token))
     return value == static_cast<std::uint8_t>(token[index]);
   const int position = cycle_ * bytes_per_cycle + index - first_laser;
-  if (position < 0 || position >= lasers * laser_stride || position % laser_stride != 0) return true;
+  if (position < 0 || position >= laser_count * laser_stride || position % laser_stride != 0) return true;
   if (value != position / laser_stride) return false;
   commit();
   return true;
@@ -214,12 +214,12 @@ void Hdl64Status::finish_round() {
   take_settings();
   if (!is_trustworthy()) return;
   bool is_new = calibration_ == nullptr;
-  for (int i = 0; i < lasers && !is_new; ++i)
+  for (int i = 0; i < laser_count && !is_new; ++i)
     is_new = !(calibration_->lasers[static_cast<std::size_t>(i)] == laser(i));
   if (!is_new) return;
   Calibration fresh;
-  fresh.lasers.reserve(lasers);
-  for (int i = 0; i < lasers; ++i) fresh.lasers.push_back(laser(i));
+  fresh.lasers.reserve(laser_count);
+  for (int i = 0; i < laser_count; ++i) fresh.lasers.push_back(laser(i));
   calibration_ = std::make_shared<const Calibration>(std::move(fresh));
 }
 
@@ -239,7 +239,7 @@ std::uint16_t Hdl64Status::le16(int position) const {
 bool Hdl64Status::is_checksum_right() const {
   if (times_known(checksum_at, round_bytes) == 0) return false;
   boost::crc_optimal<16, 0x8005, 0, 0, false, false> crc;
-  for (int i = 0; i < lasers; ++i) {
+  for (int i = 0; i < laser_count; ++i) {
     const int record = first_laser + i * laser_stride;
     for (int k = record + 1; k < record + laser_bytes; ++k)
       crc.process_byte(bytes_[static_cast<std::size_t>(k)].value);
@@ -249,7 +249,7 @@ bool Hdl64Status::is_checksum_right() const {
 
 bool Hdl64Status::is_trustworthy() const {
   int times = std::numeric_limits<int>::max();
-  for (int i = 0; i < lasers; ++i) {
+  for (int i = 0; i < laser_count; ++i) {
     const int record = first_laser + i * laser_stride;
     times = std::min(times, times_known(record, record + laser_bytes));
     constexpr double right_angle = 1.5708;

@@ -151,13 +151,13 @@ const std::array<Laser, 128> vls128_lasers = [] {
   return crossing_at(58.63, lasers);
 }();
 
-using ns = std::chrono::nanoseconds;
+using std::chrono::nanoseconds;
 
 /// A sensor whose lasers fire evenly: `together` at each step.
 Timing even(int sequence_ns, int step_ns, std::size_t together) {
   Timing timing{};
-  timing.sequence = ns(sequence_ns);
-  timing.step = ns(step_ns);
+  timing.sequence = nanoseconds(sequence_ns);
+  timing.step = nanoseconds(step_ns);
   timing.together = together;
   return timing;
 }
@@ -166,13 +166,13 @@ Timing even(int sequence_ns, int step_ns, std::size_t together) {
 Timing vls128(int sequence_ns, int step_ns, int pause_steps, int before_ns) {
   Timing timing = even(sequence_ns, step_ns, 8);
   timing.pause_after = 64;
-  timing.pause = ns(step_ns * pause_steps);
-  timing.before = ns(before_ns);
+  timing.pause = nanoseconds(step_ns * pause_steps);
+  timing.before = nanoseconds(before_ns);
   return timing;
 }
 
 /// HDL-64E: four lasers of each bank within a step; both banks together.
-Timing hdl64e(int sequence_ns, int step_ns, std::array<ns, 4> within) {
+Timing hdl64e(int sequence_ns, int step_ns, std::array<nanoseconds, 4> within) {
   Timing timing = even(sequence_ns, step_ns, 4);
   timing.within = {within[0], within[1], within[2], within[3]};
   return timing;
@@ -187,13 +187,15 @@ const Timing puck32 = even(55296, 2304, 2);
 const Timing hdl32e_new = even(46080, 1152, 1);
 const Timing hdl32e_old = [] {
   Timing timing = hdl32e_new;
-  timing.before = ns(542592);
+  timing.before = nanoseconds(542592);
   return timing;
 }();
 // HDL-64E S2 manual p. 38 and the S3's, as valgur/velodyne_decoder reads them; unverified, no recording is
 // public.
-const Timing hdl64e_48us = hdl64e(48000, 6000, {ns(0), ns(1260), ns(2460), ns(3660)});
-const Timing hdl64e_57us = hdl64e(57600, 7200, {ns(0), ns(1300), ns(2500), ns(3700)});
+const Timing hdl64e_48us =
+    hdl64e(48000, 6000, {nanoseconds(0), nanoseconds(1260), nanoseconds(2460), nanoseconds(3660)});
+const Timing hdl64e_57us =
+    hdl64e(57600, 7200, {nanoseconds(0), nanoseconds(1300), nanoseconds(2500), nanoseconds(3700)});
 // S1: measured on the capture of one (chalmers-revere/opendlv.core, "atwall"): 384.05 us from packet to
 // packet as a line through the arrivals of 306 packets has it, 12 blocks at the same step of the azimuth
 // within a packet and from packet to packet, so 32.0 us for each; ros-drivers/velodyne counts 2600 packets/s,

@@ -7,12 +7,11 @@
 #include <limits>
 
 #include "core/base/angle.h"
+#include "test/sim/world/units.h"
 
 namespace lidard::sim {
 namespace {
 
-constexpr double degree = pi_d / 180;
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double mast_height = 2;     // m, of the lidar
 constexpr double scanner_reach = 25;  // m
 constexpr int posts = 9;

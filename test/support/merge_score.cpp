@@ -8,17 +8,16 @@
 
 #include "core/base/angle.h"
 #include "core/evidence/placed_scan.h"
+#include "test/sim/world/units.h"
 #include "test/sim/world/vehicle_motion.h"
 
 namespace lidard::sim {
 namespace {
 
-constexpr double degree = pi_d / 180;
 constexpr double scanner_range_max = 25;  // m
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double veil_spot = 0.1 * degree;
 constexpr double longest_unseen = 0.06;  // m
-constexpr double sample_step = 0.05;    // m
+constexpr double sample_step = 0.05;     // m
 
 ScanGrid full_circle(std::size_t beams) {
   ScanGridSpec spec;

@@ -9,12 +9,12 @@
 
 #include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
+#include "test/sim/world/units.h"
 #include "test/support/recording_sink.h"
 
 namespace lidard::test {
 
 constexpr Stamp bench_begin{1'700'000'000'000'000'000};
-inline Span ms(double n) { return span_from_seconds(n / 1000); }
 
 /// A tf that knows the poses it is given, of any child in any parent, and says how often it was asked.
 class KnownTransforms final : public TransformSource {

@@ -5,19 +5,16 @@
 #include <vector>
 
 #include "core/base/angle.h"
+#include "test/sim/world/units.h"
 
 namespace lidard::sim {
-namespace {
-
-constexpr double pi = pi_d;
-
-}  // namespace
+namespace {}  // namespace
 
 ScanGrid read_grid(Bytes& in) {
   ScanGridSpec spec;
   spec.beams = 2 + in.below(2000);
   if (in.chance(100))
-    spec.angle_min = in.between(-pi, 0), spec.angle_max = spec.angle_min + in.between(0.1, pi);
+    spec.angle_min = in.between(-pi_d, 0), spec.angle_max = spec.angle_min + in.between(0.1, pi_d);
   spec.range_max = in.between(0.5, 80);
   if (in.chance(60)) spec.range_min = in.between(0, 0.4);
   const auto grid = make_grid(spec);
@@ -32,9 +29,9 @@ HeightBand read_band(Bytes& in) {
 }
 
 Pose read_pose(Bytes& in) {
-  const double tilt = in.chance(100) ? pi : 0.05;
+  const double tilt = in.chance(100) ? pi_d : 0.05;
   return make_pose({in.between(-5, 5), in.between(-5, 5), in.between(-1, 1)},
-                   {in.between(-tilt, tilt), in.between(-tilt, tilt), in.between(-pi, pi)});
+                   {in.between(-tilt, tilt), in.between(-tilt, tilt), in.between(-pi_d, pi_d)});
 }
 
 Footprint read_footprint(Bytes& in) {

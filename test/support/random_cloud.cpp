@@ -13,7 +13,7 @@
 namespace lidard::sim {
 namespace {
 
-VirtualSettings read_settings(Bytes& in) {
+VirtualSettings read_virtual_settings(Bytes& in) {
   VirtualSettings settings;
   settings.visibility = in.chance(240);
   settings.mode = in.chance(128) ? CutMode::slice : CutMode::band;
@@ -126,7 +126,7 @@ class Run {
         look_(look),
         grid_(read_grid(in)),
         frames_(1 + in.below(3)),
-        settings_(read_settings(in)),
+        settings_(read_virtual_settings(in)),
         virtualizer_(grid_, read_band(in), frames_, settings_),
         vehicle_from_cloud_(read_pose(in)) {
     if (in.chance(128)) virtualizer_.set_footprint(read_footprint(in));

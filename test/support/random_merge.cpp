@@ -7,14 +7,13 @@
 
 #include "core/merge/merger.h"
 #include "core/merge/mount_check.h"
+#include "test/sim/world/units.h"
 #include "test/support/random_bytes.h"
 
 namespace lidard::sim {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
-
-MergeSettings read_settings(Bytes& in) {
+MergeSettings read_merge_settings(Bytes& in) {
   MergeSettings settings;
   settings.points = settings.visibility = true;
   settings.how.noise = settings.source.noise = in.between(0, 0.1);
@@ -34,7 +33,7 @@ MergeSettings read_settings(Bytes& in) {
 void read_scan(Bytes& in, PlanarScan& scan) {
   const std::size_t beams = in.chance(10) ? 1 + in.below(3) : 1 + in.below(700);
   scan.reset(beams, in.chance(40) ? 1 + in.below(3) : 1, in.chance(128));
-  const double increment = in.between(1e-4, 2 * pi) / static_cast<double>(beams);
+  const double increment = in.between(1e-4, 2 * pi_d) / static_cast<double>(beams);
   scan.set_angles(static_cast<float>(in.between(-4, 4)),
                   static_cast<float>(in.chance(60) ? -increment : increment));
   scan.range_min = static_cast<float>(in.between(0, 0.3));
@@ -65,7 +64,7 @@ std::size_t merge_bytes(const std::uint8_t* data, std::size_t size,
   const ScanGrid grid = read_grid(in);
   const std::size_t sources = 1 + in.below(3);
   const HeightBand band = read_band(in);
-  Merger merger(grid, band, sources, read_settings(in));
+  Merger merger(grid, band, sources, read_merge_settings(in));
   if (in.chance(128)) merger.set_footprint(read_footprint(in));
   std::vector<Pose> poses;
   for (std::size_t s = 0; s < sources; ++s) poses.push_back(read_pose(in));

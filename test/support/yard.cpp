@@ -7,12 +7,11 @@
 #include <limits>
 
 #include "core/base/angle.h"
+#include "test/sim/world/units.h"
 
 namespace lidard::sim {
 namespace {
 
-constexpr double degree = pi_d / 180;
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double lidar_height = 2.0;  // m
 constexpr double lidar_noise = 0.02;  // m
 constexpr std::size_t output_beams = 720;

@@ -176,7 +176,7 @@ constexpr std::size_t at_channel = 12;
 /// Datagrams overtake each other by milliseconds; whoever uses an identification again later, counts anew.
 constexpr Span memory_of_finished = std::chrono::seconds(1);
 /// A datagram that is older than that by its number belongs to another channel or to a restarted device.
-constexpr std::uint32_t overtaking_limit = 16;
+constexpr std::uint32_t overtaken_datagrams = 16;
 
 }  // namespace
 
@@ -267,7 +267,7 @@ void Ms3Reassembler::give_up_older_than(const Slot& done, Stamp now) {
     if (!(slot.key.from == done.key.from) || slot.key.to_port != done.key.to_port) continue;
     if (slot.channel_known() && done.channel_known() && slot.channel() != done.channel()) continue;
     const std::uint32_t behind = done.key.identification - slot.key.identification;
-    if (behind <= overtaking_limit) give_up(slot, now);
+    if (behind <= overtaken_datagrams) give_up(slot, now);
   }
 }
 

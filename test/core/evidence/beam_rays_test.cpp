@@ -14,12 +14,10 @@
 namespace lidard {
 namespace {
 
-double draw(sim::Rng& rng, double reach) { return reach * (2 * rng.uniform() - 1); }
-
 /// A convex outline of some corners around a point, either way round.
 std::vector<Eigen::Vector2d> random_outline(sim::Rng& rng) {
   std::vector<Eigen::Vector2d> corners;
-  const Eigen::Vector2d middle(draw(rng, 3), draw(rng, 3));
+  const Eigen::Vector2d middle(rng.within(3), rng.within(3));
   const int count = 3 + static_cast<int>(rng.uniform() * 5);
   const double way = rng.uniform() < 0.5 ? -1 : 1;
   for (int i = 0; i < count; ++i) {
@@ -50,14 +48,14 @@ TEST(Footprint, HoldsWhatLiesOnTheInnerSideOfAllItsEdgesAndPaddingMovesThem) {
   for (int round = 0; round < 2000; ++round) {
     const auto corners = random_outline(rng);
     const Footprint body(corners);
-    const Eigen::Vector2d point(draw(rng, 5), draw(rng, 5));
+    const Eigen::Vector2d point(rng.within(5), rng.within(5));
     for (const double margin : {0.0, 0.1, -0.1}) {
       const double far = depth(corners, point) + margin;
       if (std::abs(far) < 1e-6) continue;
       ASSERT_EQ(body.padded(margin).contains(point), far > 0) << round << ' ' << margin;
       ++(far > 0 ? inside : outside);
     }
-    const Pose pose = make_pose({draw(rng, 9), draw(rng, 9), draw(rng, 1)}, {0, 0, draw(rng, 3)});
+    const Pose pose = make_pose({rng.within(9), rng.within(9), rng.within(1)}, {0, 0, rng.within(3)});
     const Eigen::Vector2d moved = (pose * Eigen::Vector3d(point.x(), point.y(), 0)).head<2>();
     if (std::abs(depth(corners, point)) > 1e-6) {
       ASSERT_EQ(body.transformed(pose).contains(moved), body.contains(point));
@@ -73,8 +71,8 @@ TEST(Footprint, ARayCrossesItWhereItsPointsAreInside) {
   for (int round = 0; round < 500; ++round) {
     const auto corners = random_outline(rng);
     const Footprint body(corners);
-    const Eigen::Vector2d origin(draw(rng, 5), draw(rng, 5));
-    const double angle = draw(rng, 3.2), length = 0.5 + rng.uniform();  // directions need not be 1 m long
+    const Eigen::Vector2d origin(rng.within(5), rng.within(5));
+    const double angle = rng.within(3.2), length = 0.5 + rng.uniform();  // directions need not be 1 m long
     const Eigen::Vector2d direction = length * Eigen::Vector2d(std::cos(angle), std::sin(angle));
     double in = -1, out = -1;
     for (double r = 0; r < 30; r += 0.004) {
@@ -114,10 +112,10 @@ TEST(BeamRays, PointWhereTheMountSaysAndKnowTheBandTheyCross) {
   sim::Rng rng(3);
   int limited = 0;
   for (int round = 0; round < 50; ++round) {
-    const double first = draw(rng, 3), increment = rng.uniform() < 0.5 ? 0.02 : -0.03;
+    const double first = rng.within(3), increment = rng.uniform() < 0.5 ? 0.02 : -0.03;
     const PlanarScan scan = scan_of(100, first, increment);
-    const Pose mount = make_pose({draw(rng, 3), draw(rng, 3), draw(rng, 1)},
-                                 {rng.uniform() < 0.5 ? 0 : pi_d, draw(rng, 0.3), draw(rng, 3)});
+    const Pose mount = make_pose({rng.within(3), rng.within(3), rng.within(1)},
+                                 {rng.uniform() < 0.5 ? 0 : pi_d, rng.within(0.3), rng.within(3)});
     const HeightBand band{-0.5, 0.8};
     BeamRays rays;
     rays.build(scan, mount, {}, band);

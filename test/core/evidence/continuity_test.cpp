@@ -8,11 +8,10 @@
 #include "core/base/angle.h"
 #include "core/evidence/placed_scan.h"
 #include "test/sim/world/rng.h"
+#include "test/sim/world/units.h"
 
 namespace lidard {
 namespace {
-
-constexpr double degree = pi_d / 180;
 
 /// Returns of a scanner whose beam i points at i times `step_deg`.
 struct Returns {

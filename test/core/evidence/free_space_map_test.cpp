@@ -10,11 +10,11 @@
 
 #include "core/base/angle.h"
 #include "test/sim/world/rng.h"
+#include "test/sim/world/units.h"
 
 namespace lidard {
 namespace {
 
-constexpr double degree = pi_d / 180;
 constexpr double unit = 0.002;
 
 double turn_between(double a, double b) { return std::remainder(a - b, 2 * pi_d); }

@@ -11,21 +11,19 @@
 #include "core/base/angle.h"
 #include "core/evidence/placed_scan.h"
 #include "test/sim/world/rng.h"
+#include "test/sim/world/units.h"
 #include "test/sim/world/vehicle_motion.h"
 
 namespace lidard {
 namespace {
 
 constexpr Stamp start{1'700'000'000'000'000'000};
-constexpr double degree = pi_d / 180;
-
-double draw(sim::Rng& rng, double reach) { return reach * (2 * rng.uniform() - 1); }
 
 /// A scanner mounted in any way: level, tilted, upside down.
 Pose random_mount(sim::Rng& rng) {
   const double roll = rng.uniform() < 0.5 ? 0 : pi_d;
-  return make_pose({draw(rng, 2), draw(rng, 2), rng.uniform()},
-                   {roll + draw(rng, 0.2), draw(rng, 0.2), draw(rng, 3)});
+  return make_pose({rng.within(2), rng.within(2), rng.uniform()},
+                   {roll + rng.within(0.2), rng.within(0.2), rng.within(3)});
 }
 
 PlanarScan random_scan(sim::Rng& rng, std::size_t echoes = 1) {
@@ -85,7 +83,8 @@ TEST(PlacedScanMotion, ReturnsAndFreeWaysOfATurnedMountAreWhereTheyWereMeasuredA
   std::size_t moved_returns = 0, ends = 0, cut = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     sim::Rng rng(seed);
-    const Drive drive(seed, make_pose({draw(rng, 1), draw(rng, 1), draw(rng, 0.5)}, {0, 0, draw(rng, 3)}));
+    const Drive drive(seed,
+                      make_pose({rng.within(1), rng.within(1), rng.within(0.5)}, {0, 0, rng.within(3)}));
     const Pose mount = random_mount(rng);
     const HeightBand band{-1, 2};
     PlanarScan scan = random_scan(rng);

@@ -9,14 +9,13 @@
 
 #include "core/base/angle.h"
 #include "test/sim/world/flat_world.h"
+#include "test/sim/world/units.h"
 
 namespace lidard {
 namespace {
 
 using sim::FlatScanner;
 using sim::FlatWorld;
-
-constexpr double degree = pi_d / 180;
 
 /// A scanner in a world, measured and conditioned.
 struct Conditioned {

@@ -9,12 +9,12 @@
 
 #include "core/base/angle.h"
 #include "core/evidence/raster.h"
+#include "test/sim/world/units.h"
 
 namespace lidard::test::raster {
 
 using Point = Raster::Point;
 
-constexpr double degree = pi_d / 180;
 constexpr float nothing = std::numeric_limits<float>::infinity();
 
 inline ScanGrid full_circle(std::size_t beams) {

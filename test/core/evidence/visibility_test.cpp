@@ -8,6 +8,7 @@
 
 #include "core/base/angle.h"
 #include "test/sim/world/flat_world.h"
+#include "test/sim/world/units.h"
 #include "test/support/allocations.h"
 
 namespace lidard {
@@ -15,8 +16,6 @@ namespace {
 
 using sim::FlatScanner;
 using sim::FlatWorld;
-
-constexpr double degree = pi_d / 180;
 
 ScanGrid grid_of(std::size_t beams, double range_max = 24) {
   ScanGridSpec spec;

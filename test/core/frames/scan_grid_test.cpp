@@ -6,10 +6,10 @@
 
 #include <cmath>
 
+#include "test/sim/world/units.h"
+
 namespace lidard {
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
 
 ScanGrid grid_of(const ScanGridSpec& spec) {
   const auto grid = make_grid(spec);
@@ -22,7 +22,7 @@ ScanGrid grid_of(const ScanGridSpec& spec) {
 std::size_t karto_count(const PlanarScan& scan) {
   const double span = static_cast<double>(scan.angle_max) - static_cast<double>(scan.angle_min);
   const double increment = static_cast<double>(scan.angle_increment);
-  const bool is_360 = std::abs(span - 2 * pi) < increment - (0.0000001 * 6.283);
+  const bool is_360 = std::abs(span - 2 * pi_d) < increment - (0.0000001 * 6.283);
   return static_cast<std::size_t>(std::lround(span / increment)) + (is_360 ? 0U : 1U);
 }
 
@@ -33,7 +33,7 @@ TEST(ScanGrid, SatisfiesSlamToolboxForEveryFullCircle) {
     PlanarScan scan;
     grid_of(spec).prepare(scan, false);
     ASSERT_EQ(scan.beams, n);
-    // With a step of 2 pi / n the span misses the full turn by one increment, which Karto counts as open.
+    // With a step of 2 pi_d / n the span misses the full turn by one increment, which Karto counts as open.
     ASSERT_EQ(karto_count(scan), n) << n;
   }
 }
@@ -69,12 +69,12 @@ TEST(ScanGrid, FindsTheNearestBeamAcrossTheSeam) {
   spec.beams = 360;
   const ScanGrid grid = grid_of(spec);
   ASSERT_TRUE(grid.full_circle);
-  EXPECT_EQ(grid.nearest(-pi), 0U);
-  EXPECT_EQ(grid.nearest(pi), 0U);
-  EXPECT_EQ(grid.nearest(pi - 0.001), 0U);
-  EXPECT_EQ(grid.nearest(pi - 0.01), 359U);
+  EXPECT_EQ(grid.nearest(-pi_d), 0U);
+  EXPECT_EQ(grid.nearest(pi_d), 0U);
+  EXPECT_EQ(grid.nearest(pi_d - 0.001), 0U);
+  EXPECT_EQ(grid.nearest(pi_d - 0.01), 359U);
   EXPECT_EQ(grid.nearest(0), 180U);
-  EXPECT_EQ(grid.nearest(2 * pi), 180U);
+  EXPECT_EQ(grid.nearest(2 * pi_d), 180U);
 }
 
 TEST(ScanGrid, KeepsPointsAtTheEndsOfAPartialSpanAndDropsThoseBeyond) {
@@ -89,11 +89,11 @@ TEST(ScanGrid, KeepsPointsAtTheEndsOfAPartialSpanAndDropsThoseBeyond) {
   EXPECT_EQ(grid.nearest(-2.004), 0U);
   EXPECT_EQ(grid.nearest(-2.006), grid.beams);
   EXPECT_EQ(grid.nearest(2.006), grid.beams);
-  EXPECT_EQ(grid.nearest(pi), grid.beams);
+  EXPECT_EQ(grid.nearest(pi_d), grid.beams);
 }
 
 TEST(ScanGrid, EveryAngleOfASpanHasAnIndexInside) {
-  for (const double increment : {pi / 180, pi / 360, pi / 720, 0.01, 0.005}) {
+  for (const double increment : {pi_d / 180, pi_d / 360, pi_d / 720, 0.01, 0.005}) {
     ScanGridSpec spec;
     spec.angle_increment = increment;
     const ScanGrid grid = grid_of(spec);
@@ -138,18 +138,18 @@ TEST(ScanGrid, AnIncrementIsKeptAndTheLastBeamIsTheOneNearestToTheEnd) {
 TEST(ScanGrid, ASpanOfAFullTurnButForHalfABeamIsOne) {
   const auto full = [](double span) {
     ScanGridSpec spec;
-    spec.angle_min = -pi;
-    spec.angle_max = -pi + span;
+    spec.angle_min = -pi_d;
+    spec.angle_max = -pi_d + span;
     spec.angle_increment = 0.02;
     return grid_of(spec).full_circle;
   };
-  EXPECT_TRUE(full(2 * pi));
-  EXPECT_TRUE(full(2 * pi - 0.0099));
-  EXPECT_TRUE(full(2 * pi + 0.0099));
-  EXPECT_FALSE(full(2 * pi - 0.0101));
+  EXPECT_TRUE(full(2 * pi_d));
+  EXPECT_TRUE(full(2 * pi_d - 0.0099));
+  EXPECT_TRUE(full(2 * pi_d + 0.0099));
+  EXPECT_FALSE(full(2 * pi_d - 0.0101));
   ScanGridSpec spec;
-  spec.angle_min = -pi;
-  spec.angle_max = pi + 0.011;
+  spec.angle_min = -pi_d;
+  spec.angle_max = pi_d + 0.011;
   spec.angle_increment = 0.02;
   EXPECT_NE(make_grid(spec).reason().find("full turn"), std::string::npos);
 }
@@ -157,9 +157,9 @@ TEST(ScanGrid, ASpanOfAFullTurnButForHalfABeamIsOne) {
 TEST(ScanGrid, TheDefaultIsAQuarterOfADegreeOverAnySpan) {
   EXPECT_EQ(grid_of({}).beams, 1440U);
   ScanGridSpec half;
-  half.angle_min = 0, half.angle_max = pi;
+  half.angle_min = 0, half.angle_max = pi_d;
   EXPECT_EQ(grid_of(half).beams, 721U);
-  EXPECT_NEAR(grid_of(half).increment, pi / 720, 1e-12);
+  EXPECT_NEAR(grid_of(half).increment, pi_d / 720, 1e-12);
 }
 
 TEST(ScanGrid, TheNearestBeamIsTheOneThatASearchOfAllBeamsFinds) {
@@ -167,15 +167,15 @@ TEST(ScanGrid, TheNearestBeamIsTheOneThatASearchOfAllBeamsFinds) {
     for (const double from : {-3.0, -0.4, 1.9}) {
       ScanGridSpec spec;
       spec.angle_min = from;
-      spec.angle_max = full ? from + 2 * pi : from + 2.5;
-      spec.angle_increment = 2 * pi / 250;
-      if (spec.angle_max > 2 * pi) continue;
+      spec.angle_max = full ? from + 2 * pi_d : from + 2.5;
+      spec.angle_increment = 2 * pi_d / 250;
+      if (spec.angle_max > 2 * pi_d) continue;
       const ScanGrid grid = grid_of(spec);
       for (double angle = -9; angle < 9; angle += 0.00713) {
         std::size_t nearest = grid.beams;
         double least = grid.increment / 2;
         for (std::size_t beam = 0; beam < grid.beams; ++beam) {
-          const double off = std::abs(std::remainder(grid.angle(beam) - angle, 2 * pi));
+          const double off = std::abs(std::remainder(grid.angle(beam) - angle, 2 * pi_d));
           if (off < least) least = off, nearest = beam;
         }
         if (std::abs(least - grid.increment / 2) < 1e-6 && nearest < grid.beams) continue;
@@ -209,18 +209,18 @@ TEST(ScanGrid, LimitsHoldAtTheirEdges) {
     EXPECT_EQ(made, grid.reason().empty());
     return made;
   };
-  EXPECT_TRUE(fits([](auto& s) { s.angle_min = -2 * pi, s.angle_max = 0; }));
-  EXPECT_FALSE(fits([](auto& s) { s.angle_min = -2 * pi - 0.001, s.angle_max = 0; }));
-  EXPECT_TRUE(fits([](auto& s) { s.angle_min = 0, s.angle_max = 2 * pi; }));
-  EXPECT_FALSE(fits([](auto& s) { s.angle_min = 0.1, s.angle_max = 2 * pi + 0.001; }));
+  EXPECT_TRUE(fits([](auto& s) { s.angle_min = -2 * pi_d, s.angle_max = 0; }));
+  EXPECT_FALSE(fits([](auto& s) { s.angle_min = -2 * pi_d - 0.001, s.angle_max = 0; }));
+  EXPECT_TRUE(fits([](auto& s) { s.angle_min = 0, s.angle_max = 2 * pi_d; }));
+  EXPECT_FALSE(fits([](auto& s) { s.angle_min = 0.1, s.angle_max = 2 * pi_d + 0.001; }));
   EXPECT_FALSE(fits([](auto& s) { s.angle_min = s.angle_max = 1; }));
   EXPECT_TRUE(fits([](auto& s) { s.beams = 2; }));
   EXPECT_TRUE(fits([](auto& s) { s.range_min = 0; }));
   EXPECT_FALSE(fits([](auto& s) { s.range_min = s.range_max = 5; }));
   EXPECT_FALSE(fits([](auto& s) { s.time_increment = -1e-6; }));
   EXPECT_FALSE(fits([](auto& s) { s.scan_time = -1e-6; }));
-  EXPECT_TRUE(fits([](auto& s) { s.angle_increment = 2 * pi / 32767; }));
-  EXPECT_FALSE(fits([](auto& s) { s.angle_increment = 2 * pi / 32768; }));
+  EXPECT_TRUE(fits([](auto& s) { s.angle_increment = 2 * pi_d / 32767; }));
+  EXPECT_FALSE(fits([](auto& s) { s.angle_increment = 2 * pi_d / 32768; }));
   EXPECT_FALSE(fits([](auto& s) { s.angle_min = 0, s.angle_max = 0.01, s.angle_increment = 0.021; }));
   for (const double bad : {std::nan(""), HUGE_VAL}) {
     EXPECT_FALSE(fits([bad](auto& s) { s.angle_min = bad; }));

@@ -9,13 +9,10 @@
 #include "core/merge/merger.h"
 #include "core/virtual/virtualizer.h"
 #include "test/sim/world/flat_world.h"
+#include "test/sim/world/units.h"
 
 namespace lidard {
 namespace {
-
-constexpr Stamp t0{1'767'225'600'000'000'000};
-
-Span ms(int n) { return std::chrono::milliseconds(n); }
 
 /// The count that slam_toolbox (noetic: laser_utils.cpp, Karto.h) expects of a scan.
 std::size_t karto_count(const PlanarScan& scan) {

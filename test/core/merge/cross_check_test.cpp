@@ -10,6 +10,7 @@
 
 #include "core/base/angle.h"
 #include "test/sim/world/flat_world.h"
+#include "test/sim/world/units.h"
 
 namespace lidard {
 namespace {
@@ -17,7 +18,6 @@ namespace {
 using sim::FlatScanner;
 using sim::FlatWorld;
 
-constexpr double degree = pi_d / 180;
 constexpr Stamp early{1'700'000'000'000'000'000};
 constexpr Stamp later = early + std::chrono::milliseconds(20);
 

@@ -9,14 +9,11 @@
 
 #include "core/base/angle.h"
 #include "core/merge/merger.h"
+#include "test/sim/world/units.h"
 #include "test/support/allocations.h"
 
 namespace lidard {
 namespace {
-
-constexpr Stamp t0{1'767'225'600'000'000'000};
-
-Span ms(int n) { return std::chrono::milliseconds(n); }
 
 ScanGrid grid_of(std::size_t beams) {
   ScanGridSpec spec;

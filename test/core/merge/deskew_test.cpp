@@ -10,6 +10,7 @@
 #include "core/base/angle.h"
 #include "core/merge/merger.h"
 #include "test/sim/world/flat_world.h"
+#include "test/sim/world/units.h"
 #include "test/sim/world/vehicle_motion.h"
 #include "test/support/allocations.h"
 
@@ -19,9 +20,6 @@ namespace {
 using sim::FlatScanner;
 using sim::FlatWorld;
 using sim::Pose2;
-
-constexpr double degree = pi_d / 180;
-constexpr Stamp t0{1'767'225'600'000'000'000};
 
 Span s(double seconds) { return span_from_seconds(seconds); }
 
@@ -75,7 +73,7 @@ MergeSettings all_profiles() {
   return settings;
 }
 
-struct Outputs {
+struct TwoOutputs {
   PlanarScan strict, safety, flat;
   Cloud cloud;
   std::vector<MergedScan> list{
@@ -88,7 +86,7 @@ TEST(Deskew, StandingVehicleGivesTheVeryScanThatComesWithoutPoses) {
   FlatScanner scanner = scanner_of(0.5);
   scanner.at = {1, 0.5};
   scanner.yaw = 0.3;
-  Outputs with, without;
+  TwoOutputs with, without;
   Merger merger(full_circle(1440), {}, 1, all_profiles());
   merger.add(0, drive.sweep(scanner, 0, 0.06), scanner.pose());
   const PoseTrack track = drive.track(-0.1, 0.1);
@@ -114,7 +112,7 @@ TEST(Deskew, WallAheadStandsWhereItIsAtTheOutputsInstant) {
   Drive drive([](double t) { return Pose2{t - 0.06, 0, 0}; });
   drive.world.add_wall({10, -30}, {10, 30});
   FlatScanner scanner = scanner_of(0.5, 180);
-  Outputs out;
+  TwoOutputs out;
   Merger merger(full_circle(1440), {}, 1, all_profiles());
   merger.add(0, drive.sweep(scanner, 0, 0.06), scanner.pose());
   const PoseTrack track = drive.track(-0.1, 0.1);
@@ -152,7 +150,7 @@ TEST(Deskew, WallsStayStraightAndMeetAtTheSeamWhileTheVehicleTurns) {
   merger.add(0, drive.sweep(scanner, 0, 0.12), scanner.pose());
   const PoseTrack track = drive.track(-0.1, 0.3);
   const auto worst_deviation = [&](const PoseTrack* used) {
-    Outputs out;
+    TwoOutputs out;
     merger.merge({t0 + s(0.12), used}, {1}, out.list, &out.cloud);
     const Eigen::Rotation2Dd back(1.7 * 0.12);
     double worst = 0;

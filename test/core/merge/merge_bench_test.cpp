@@ -9,13 +9,13 @@
 namespace lidard::sim {
 namespace {
 
-struct Totals {
+struct MergeTotals {
   MergeScore strict, mean, safety, ancestor;
   std::uint64_t dropped = 0;
 };
 
-Totals totals_of(const MergeCase& set_up, std::uint64_t scenes) {
-  Totals totals;
+MergeTotals totals_of(const MergeCase& set_up, std::uint64_t scenes) {
+  MergeTotals totals;
   for (std::uint64_t seed = 1; seed <= scenes; ++seed) {
     const MergeScene scene = make_scene(set_up, seed);
     const TruthfulClaims ours = truthful_claims(scene, set_up, false);
@@ -30,7 +30,7 @@ Totals totals_of(const MergeCase& set_up, std::uint64_t scenes) {
 
 TEST(MergeBench, StrictIsRightAndNeverFalselyFreeAtHalfADegree) {
   const MergeCase& set_up = merge_cases()[1];
-  const Totals totals = totals_of(set_up, 12);
+  const MergeTotals totals = totals_of(set_up, 12);
   const MergeScore& s = totals.strict;
   ASSERT_GT(s.seen, 10'000U);
   EXPECT_GE(s.share(s.right), 97.5);
@@ -44,7 +44,7 @@ TEST(MergeBench, StrictIsRightAndNeverFalselyFreeAtHalfADegree) {
 
 TEST(MergeBench, SafetyDropsNoReturnAndIsNeverFalselyFree) {
   for (const MergeCase& set_up : merge_cases()) {
-    const Totals totals = totals_of(set_up, 4);
+    const MergeTotals totals = totals_of(set_up, 4);
     EXPECT_EQ(totals.safety.false_free, 0U) << set_up.name;
     EXPECT_EQ(totals.safety.unseen_free, 0U) << set_up.name;
     EXPECT_EQ(totals.dropped, 0U) << set_up.name;
@@ -52,7 +52,7 @@ TEST(MergeBench, SafetyDropsNoReturnAndIsNeverFalselyFree) {
 }
 
 TEST(MergeBench, CoarserOutputThanInputKeepsItsAccuracy) {
-  const Totals totals = totals_of(merge_cases()[3], 12);
+  const MergeTotals totals = totals_of(merge_cases()[3], 12);
   const MergeScore& s = totals.mean;
   EXPECT_GE(s.share(s.right), 98);
   EXPECT_LE(std::abs(s.bias()), 0.002);
@@ -60,7 +60,7 @@ TEST(MergeBench, CoarserOutputThanInputKeepsItsAccuracy) {
 }
 
 TEST(MergeBench, SparseScannersFillADenseOutput) {
-  const Totals totals = totals_of(merge_cases()[4], 12);
+  const MergeTotals totals = totals_of(merge_cases()[4], 12);
   const MergeScore& s = totals.strict;
   // Beside each edge the way between two beams, a degree, is unknown.
   EXPECT_GE(s.share(s.right), 94.5);
@@ -71,7 +71,7 @@ TEST(MergeBench, SparseScannersFillADenseOutput) {
 
 TEST(MergeBench, DrivingMakesNoClaimWrong) {
   const MergeCase& set_up = merge_cases()[5];
-  const Totals totals = totals_of(set_up, 12);
+  const MergeTotals totals = totals_of(set_up, 12);
   const MergeScore& s = totals.strict;
   ASSERT_GT(s.seen, 10'000U);
   EXPECT_GE(s.share(s.right), 97);

@@ -9,6 +9,7 @@
 #include "core/base/angle.h"
 #include "core/merge/merger.h"
 #include "test/sim/world/flat_world.h"
+#include "test/sim/world/units.h"
 #include "test/support/allocations.h"
 
 namespace lidard {
@@ -16,10 +17,6 @@ namespace {
 
 using sim::FlatScanner;
 using sim::FlatWorld;
-
-constexpr double degree = pi_d / 180;
-constexpr Stamp t0{1'767'225'600'000'000'000};
-Span ms(int n) { return std::chrono::milliseconds(n); }
 
 FlatWorld room() {
   FlatWorld world;

@@ -24,8 +24,6 @@ ScanGrid circle() {
   return make_grid(spec).value();
 }
 
-double draw(sim::Rng& rng, double reach) { return reach * (2 * rng.uniform() - 1); }
-
 PlanarScan random_scan(sim::Rng& rng, Stamp stamp) {
   PlanarScan scan;
   scan.reset(200, rng.uniform() < 0.3 ? 2 : 1, rng.uniform() < 0.7);
@@ -55,7 +53,7 @@ TEST(MergerPoints, EveryReturnIsWhereItIsSeenFromNowWhateverTheMounts) {
     PoseTrack track;
     vehicle.report(track, start, 200, 0.5, 1.5);
     const bool moves = seed % 3 != 0;
-    const Pose output_from_base = make_pose({draw(rng, 1), draw(rng, 1), 0}, {0, 0, draw(rng, 3)});
+    const Pose output_from_base = make_pose({rng.within(1), rng.within(1), 0}, {0, 0, rng.within(3)});
     const Footprint body = Footprint({{-2, -1}, {1, -1}, {1, 1}, {-2, 1}}).transformed(output_from_base);
     const Footprint margin = body.padded(Footprint::margin_m);
     const HeightBand band{-0.5, 1.5};
@@ -77,8 +75,8 @@ TEST(MergerPoints, EveryReturnIsWhereItIsSeenFromNowWhateverTheMounts) {
     for (std::size_t s = 0; s < sources; ++s) {
       const double begin = 1 + 0.05 * rng.uniform();
       const PlanarScan scan = random_scan(rng, start + span_from_seconds(begin));
-      const Pose mount = make_pose({draw(rng, 2), draw(rng, 2), rng.uniform()},
-                                   {rng.uniform() < 0.5 ? 0 : sim::pi, draw(rng, 0.1), draw(rng, 3)});
+      const Pose mount = make_pose({rng.within(2), rng.within(2), rng.uniform()},
+                                   {rng.uniform() < 0.5 ? 0 : pi_d, rng.within(0.1), rng.within(3)});
       ASSERT_TRUE(merger.add(s, scan, mount));
       if (use[s] == 0) continue;
       longest = std::max(longest, scan.scan_time);

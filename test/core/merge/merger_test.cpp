@@ -7,12 +7,10 @@
 #include <cmath>
 
 #include "core/virtual/virtualizer.h"
+#include "test/sim/world/units.h"
 
 namespace lidard {
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
-constexpr Stamp t0{1'767'225'600'000'000'000};
 
 ScanGrid full_circle(std::size_t beams, double range_max = 50) {
   ScanGridSpec spec;
@@ -25,7 +23,7 @@ ScanGrid full_circle(std::size_t beams, double range_max = 50) {
 PlanarScan arc(double range, Stamp stamp, bool intensities = true) {
   PlanarScan scan;
   scan.reset(181, 1, intensities);
-  scan.set_angles(static_cast<float>(-pi / 2), static_cast<float>(pi / 180));
+  scan.set_angles(static_cast<float>(-pi_d / 2), static_cast<float>(pi_d / 180));
   scan.range_max = 60;
   scan.scan_time = 0.03F;
   scan.stamp = stamp;
@@ -35,8 +33,6 @@ PlanarScan arc(double range, Stamp stamp, bool intensities = true) {
   }
   return scan;
 }
-
-Span ms(int n) { return std::chrono::milliseconds(n); }
 
 /// Merges all sources at the newest of their stamps, as if the vehicle stood.
 void merge(Merger& merger, std::size_t sources, const std::vector<MergedScan>& outputs,
@@ -78,7 +74,7 @@ TEST(Merger, MovesPointsByTheMountPoseAndIgnoresTheirHeight) {
   for (std::size_t i = 0; i < scan.beams; ++i) {
     if (i != 90) scan.set_without_hit(i, BeamStatus::none);
   }
-  ASSERT_TRUE(merger.add(0, scan, make_pose({1, 2, 0.35}, {0, 0, pi / 2})));
+  ASSERT_TRUE(merger.add(0, scan, make_pose({1, 2, 0.35}, {0, 0, pi_d / 2})));
   PlanarScan out;
   merge(merger, 1, out);
   const auto beam = full_circle(360).nearest(std::atan2(6, 1));
@@ -215,7 +211,7 @@ TEST(Merger, ReturnsInsideTheVehiclesOutlineAreLeftOutInEveryProfile) {
 TEST(Merger, SectorOfASourceThatIsNotUsedIsUnknown) {
   Merger merger(full_circle(360, 30), {}, 2, with_visibility());
   merger.add(0, arc(5, t0), Pose::Identity());
-  merger.add(1, arc(7, t0 + ms(5)), make_pose({0, 0, 0}, {0, 0, pi}));
+  merger.add(1, arc(7, t0 + ms(5)), make_pose({0, 0, 0}, {0, 0, pi_d}));
   PlanarScan strict;
   merge(merger, 2, {{Profile::strict, &strict}});
   EXPECT_FLOAT_EQ(strict.ranges[0], 7);

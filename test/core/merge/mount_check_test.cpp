@@ -8,6 +8,7 @@
 
 #include "core/base/angle.h"
 #include "test/sim/world/flat_world.h"
+#include "test/sim/world/units.h"
 #include "test/support/allocations.h"
 
 namespace lidard {
@@ -16,16 +17,14 @@ namespace {
 using sim::FlatScanner;
 using sim::FlatWorld;
 
-constexpr double degree = pi_d / 180;
-
 /// How a scanner is mounted against what the configuration says.
 struct MountError {
   double yaw_deg = 0, x = 0, y = 0;
 };
 
 /// Two 270 degree scanners on the front corners of a vehicle; the right one may be mounted wrongly.
-struct Vehicle {
-  explicit Vehicle(const FlatWorld& surroundings, double range_noise = 0.01) : world(surroundings) {
+struct CheckedVehicle {
+  explicit CheckedVehicle(const FlatWorld& surroundings, double range_noise = 0.01) : world(surroundings) {
     for (const double side : {1.0, -1.0}) {
       FlatScanner scanner;
       scanner.at = {0, side};
@@ -86,7 +85,7 @@ void expect_correction(const OverlapState& state, const MountError& error) {
 
 TEST(MountCheck, ScannersMountedAsConfiguredAgree) {
   for (const double noise : {0.0, 0.01, 0.02}) {
-    Vehicle vehicle(paper_room(), noise);
+    CheckedVehicle vehicle(paper_room(), noise);
     const OverlapState& state = vehicle.drive({}, 0, 5);
     EXPECT_LT(std::abs(state.median), 0.002) << noise;
     EXPECT_GE(state.beams, 50) << noise;
@@ -98,7 +97,7 @@ TEST(MountCheck, ScannersMountedAsConfiguredAgree) {
 TEST(MountCheck, FindsAMountTurnedByHalfADegreeWithinTwoSeconds) {
   for (const double noise : {0.0, 0.01, 0.02}) {
     for (const double yaw : {0.5, -0.5}) {
-      Vehicle vehicle(paper_room(), noise);
+      CheckedVehicle vehicle(paper_room(), noise);
       const OverlapState& state = vehicle.drive({yaw, 0, 0}, 0, 2);
       EXPECT_TRUE(state.misaligned) << noise << ' ' << yaw;
       expect_correction(state, {yaw, 0, 0});
@@ -109,7 +108,7 @@ TEST(MountCheck, FindsAMountTurnedByHalfADegreeWithinTwoSeconds) {
 TEST(MountCheck, FindsAMountShiftedByFiveCentimetresWithinTwoSeconds) {
   for (const MountError& error :
        {MountError{0, 0.05, 0}, MountError{0, 0, -0.05}, MountError{0.4, -0.05, 0.05}}) {
-    Vehicle vehicle(paper_room());
+    CheckedVehicle vehicle(paper_room());
     const OverlapState& state = vehicle.drive(error, 0, 2);
     EXPECT_TRUE(state.misaligned) << error.x << ' ' << error.y;
     expect_correction(state, error);
@@ -117,14 +116,14 @@ TEST(MountCheck, FindsAMountShiftedByFiveCentimetresWithinTwoSeconds) {
 }
 
 TEST(MountCheck, NoticesAMountThatIsKnockedOnTheWay) {
-  Vehicle vehicle(paper_room());
+  CheckedVehicle vehicle(paper_room());
   EXPECT_FALSE(vehicle.drive({}, 0, 10).misaligned);
   EXPECT_TRUE(vehicle.drive({1.0, 0, 0}, 10, 5).misaligned);
   EXPECT_FALSE(vehicle.drive({}, 15, 20).misaligned);
 }
 
 TEST(MountCheck, MotionThatIsNotKnownIsNotTakenForAWrongMount) {
-  Vehicle vehicle(paper_room());
+  CheckedVehicle vehicle(paper_room());
   vehicle.speed = 1.5;
   EXPECT_FALSE(vehicle.drive({}, 0, 4).misaligned);
   EXPECT_EQ(vehicle.drive({}, 4, 0.1).beams, 0);
@@ -133,7 +132,7 @@ TEST(MountCheck, MotionThatIsNotKnownIsNotTakenForAWrongMount) {
 }
 
 TEST(MountCheck, ComparesAlsoWhileDrivingOnceSweepsAreDeskewed) {
-  Vehicle vehicle(paper_room());
+  CheckedVehicle vehicle(paper_room());
   vehicle.deskewed = true;
   expect_correction(vehicle.drive({0.5, 0, 0}, 0, 2), {0.5, 0, 0});
 }
@@ -142,7 +141,7 @@ TEST(MountCheck, InACorridorItDoesNotGuessHowFarAlongOneIs) {
   FlatWorld corridor;
   corridor.add_wall({-60, 2}, {60, 2});
   corridor.add_wall({-60, -2}, {60, -2});
-  Vehicle vehicle(corridor);
+  CheckedVehicle vehicle(corridor);
   const OverlapState& state = vehicle.drive({0.5, 0.05, 0.05}, 0, 2);
   EXPECT_TRUE(state.misaligned);
   EXPECT_NEAR(state.correction[0] / degree, 0.5, 0.1);
@@ -154,7 +153,7 @@ TEST(MountCheck, InACorridorItDoesNotGuessHowFarAlongOneIs) {
 }
 
 TEST(MountCheck, SaysNothingWhereTheScannersHaveNothingInCommon) {
-  Vehicle vehicle(FlatWorld{});
+  CheckedVehicle vehicle(FlatWorld{});
   const OverlapState& state = vehicle.drive({2, 0, 0}, 0, 1);
   EXPECT_EQ(state.beams, 0);
   EXPECT_FALSE(state.misaligned);
@@ -165,7 +164,7 @@ TEST(MountCheck, AWallThatOneScannerAloneSeesIsNotComparedWithTheOneBehindIt) {
   FlatWorld world;
   world.add_box({0, 0}, {12, 10}, 0);
   for (const double side : {1.0, -1.0}) world.add_box({1.2, side * 1.3}, {0.1, 0.4}, 0);
-  Vehicle vehicle(world);
+  CheckedVehicle vehicle(world);
   const OverlapState& state = vehicle.drive({}, 0, 2);
   EXPECT_FALSE(state.misaligned);
   EXPECT_LT(std::abs(state.median), 0.002);
@@ -183,7 +182,7 @@ TEST(MountCheck, LooksFiveTimesASecondAndStartsAnewWhenTheInputDoes) {
 
 /// Two scanners in a room of which one sees things move, look by look; nothing is deskewed.
 double beams_compared(bool first_moves, bool second_moves, bool deskewed) {
-  Vehicle vehicle(paper_room(), 0.001);
+  CheckedVehicle vehicle(paper_room(), 0.001);
   double beams = 0;
   for (int look = 0; look < 8; ++look) {
     for (std::size_t s = 0; s < 2; ++s) {
@@ -212,7 +211,7 @@ TEST(MountCheck, IsNotFooledWhileOneScannerMovesThoughTheOtherOneStands) {
 
 TEST(MountCheck, MotionOfLessThanThreeCentimetresFromLookToLookIsStanding) {
   for (const double speed : {0.1, 0.2}) {
-    Vehicle vehicle(paper_room(), 0.001);
+    CheckedVehicle vehicle(paper_room(), 0.001);
     vehicle.speed = speed;  // 2 and 4 cm a look
     EXPECT_EQ(vehicle.drive({}, 0, 2).beams > 0, speed < 0.15) << speed;
   }
@@ -264,7 +263,7 @@ TEST(MountCheck, TellsWhichOfThreeScannersIsMountedWronglyAndHowFarOff) {
 }
 
 TEST(MountCheck, AJumpBackOfMoreThanASecondForgetsWhatWasSeen) {
-  Vehicle vehicle(paper_room());
+  CheckedVehicle vehicle(paper_room());
   ASSERT_TRUE(vehicle.drive({1, 0, 0}, 10, 3).misaligned);
   const double before = vehicle.overlap.pairs()[0].beams;
   ASSERT_GT(before, 0);
@@ -281,7 +280,7 @@ TEST(MountCheck, AJumpBackOfMoreThanASecondForgetsWhatWasSeen) {
 
 TEST(MountCheck, TheToleranceIsWhatMayDiffer) {
   for (const double tolerance : {0.01, 0.1}) {
-    Vehicle vehicle(paper_room());
+    CheckedVehicle vehicle(paper_room());
     vehicle.overlap = MountCheck(2, tolerance);
     EXPECT_EQ(vehicle.drive({0, 0.05, 0}, 0, 2).misaligned, tolerance < 0.05);
     vehicle.overlap.reset();
@@ -290,7 +289,7 @@ TEST(MountCheck, TheToleranceIsWhatMayDiffer) {
 }
 
 TEST(MountCheck, DoesNotAllocateAfterItsFirstLook) {
-  Vehicle vehicle(paper_room());
+  CheckedVehicle vehicle(paper_room());
   vehicle.drive({}, 0, 0.3);
   const std::vector<const PlacedScan*> sweeps = {&vehicle.sweeps[0], &vehicle.sweeps[1]};
   const std::vector<Eigen::Vector2d> places = {{0, 1}, {0, -1}};

@@ -9,11 +9,11 @@
 
 #include "core/merge/scheduler.h"
 #include "test/sim/world/rng.h"
+#include "test/sim/world/units.h"
 
 namespace lidard {
 namespace {
 
-constexpr Span ms(double n) { return span_from_seconds(n / 1000); }
 constexpr Stamp begin{1'700'000'000'000'000'000};
 
 struct Delivery {

@@ -9,10 +9,11 @@
 #include <optional>
 #include <vector>
 
+#include "test/sim/world/units.h"
+
 namespace lidard {
 namespace {
 
-constexpr Span ms(double n) { return span_from_seconds(n / 1000); }
 constexpr Stamp begin{1'700'000'000'000'000'000};
 
 /// Scanners of fixed rates on a virtual clock, and the outputs that a scheduler makes of them.

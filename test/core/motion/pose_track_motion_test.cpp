@@ -7,14 +7,11 @@
 
 #include "core/motion/pose_track.h"
 #include "test/sim/world/rng.h"
+#include "test/sim/world/units.h"
 #include "test/sim/world/vehicle_motion.h"
 
 namespace lidard {
 namespace {
-
-constexpr Stamp t0{1'767'225'600'000'000'000};
-
-Span ms(double n) { return span_from_seconds(n * 1e-3); }
 
 double yaw_of(const Pose& pose) { return std::atan2(pose.linear()(1, 0), pose.linear()(0, 0)); }
 

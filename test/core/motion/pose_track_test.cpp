@@ -8,14 +8,11 @@
 #include <limits>
 
 #include "test/sim/world/motion.h"
+#include "test/sim/world/units.h"
 #include "test/support/allocations.h"
 
 namespace lidard {
 namespace {
-
-constexpr Stamp t0{1'767'225'600'000'000'000};
-
-Span ms(double n) { return span_from_seconds(n * 1e-3); }
 
 /// Knots every 20 ms on an arc, from t0 on.
 PoseTrack arc_track(double speed, double yaw_rate, int knots) {
@@ -168,7 +165,7 @@ TEST(PoseTrack, TurnsTheShortWayThroughHalfATurn) {
   ASSERT_EQ(track.at(t0 + ms(10), pose), PoseOrigin::known);
   EXPECT_NEAR(pose.linear()(0, 0), -1, 1e-9);
   ASSERT_EQ(track.at(t0 + ms(30), pose), PoseOrigin::extrapolated);
-  const double half_step = (2 * sim::pi - 6.2) / 2;
+  const double half_step = (2 * pi_d - 6.2) / 2;
   EXPECT_NEAR(std::atan2(pose.linear()(1, 0), pose.linear()(0, 0)), -3.1 + half_step, 1e-9);
 }
 

@@ -10,11 +10,11 @@
 
 #include "core/base/angle.h"
 #include "core/virtual/virtualizer.h"
+#include "test/sim/world/units.h"
 #include "test/support/yard.h"
 
 namespace lidard::test::cut {
 
-constexpr double degree = pi_d / 180;
 constexpr double lidar_height = 2.0;
 constexpr double plane_height = 0.5;
 

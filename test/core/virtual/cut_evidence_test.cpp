@@ -10,6 +10,7 @@
 
 #include "core/virtual/plane_cut.h"
 #include "test/core/virtual/small_lidar.h"
+#include "test/sim/world/units.h"
 
 namespace lidard {
 namespace {
@@ -17,7 +18,6 @@ namespace {
 using namespace test::rings;
 
 constexpr double unit = 0.001;
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// A lidar that stands level, `above` m above a level plane (or beneath it), and what its beams prove of
 /// that.

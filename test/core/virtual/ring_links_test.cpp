@@ -7,13 +7,12 @@
 #include <cmath>
 
 #include "test/core/virtual/small_lidar.h"
+#include "test/sim/world/units.h"
 
 namespace lidard {
 namespace {
 
 using namespace test::rings;
-
-constexpr double degree = pi_d / 180;
 
 /// Degrees between the line through two returns of beams `apart` and the beam of the nearer one.
 double steepness(double a, double b, double apart) {

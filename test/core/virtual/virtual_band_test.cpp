@@ -9,13 +9,12 @@
 #include <string>
 
 #include "test/core/virtual/cut_bench.h"
+#include "test/sim/world/units.h"
 
 namespace lidard {
 namespace {
 
 using namespace test::cut;
-
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// What the nearest thing of a band is, and where the lidar could see it.
 class BandTruth {

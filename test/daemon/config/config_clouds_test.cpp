@@ -15,12 +15,12 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 /// The roof sensor with these keys in flow style; they begin at column 38.
-std::string roof(const std::string& keys, const std::string& model = "velodyne_vlp16") {
+std::string roof_cloud(const std::string& keys, const std::string& model = "velodyne_vlp16") {
   return "sensors: {a: {model: " + model + ", " + keys + "}}";
 }
 
 SensorConfig sensor_of(const std::string& keys, const std::string& model = "velodyne_vlp16") {
-  return parse_config(roof(keys, model), "f").sensors.at(0);
+  return parse_config(roof_cloud(keys, model), "f").sensors.at(0);
 }
 
 TEST(CloudConfig, LeavesCloudsAsTheyComeUnlessAsked) {
@@ -49,14 +49,16 @@ TEST(CloudConfig, TakesRangesAndTheViewInRadOrDegrees) {
 }
 
 TEST(CloudConfig, RefusesRangesAndViewsThatHoldNothing) {
-  EXPECT_EQ(error_of(roof("min_range: 5, max_range: 5")),
+  EXPECT_EQ(error_of(roof_cloud("min_range: 5, max_range: 5")),
             "f:1:63: sensors.a.max_range is not above min_range; expected min_range < max_range, or 0 for no "
             "limit");
-  EXPECT_THAT(error_of(roof("min_range: -1")), StartsWith("f:1:49: sensors.a.min_range is -1"));
-  EXPECT_EQ(error_of(roof("view_width: 0")),
+  EXPECT_THAT(error_of(roof_cloud("min_range: -1")), StartsWith("f:1:49: sensors.a.min_range is -1"));
+  EXPECT_EQ(error_of(roof_cloud("view_width: 0")),
             "f:1:50: sensors.a.view_width is no width of a sector; expected an angle in (0, 2 pi]");
-  EXPECT_THAT(error_of(roof("view_width_deg: 361")), StartsWith("f:1:54: sensors.a.view_width_deg is no"));
-  EXPECT_THAT(error_of(roof("view_direction_deg: 400")), HasSubstr("view_direction_deg is more than a turn"));
+  EXPECT_THAT(error_of(roof_cloud("view_width_deg: 361")),
+              StartsWith("f:1:54: sensors.a.view_width_deg is no"));
+  EXPECT_THAT(error_of(roof_cloud("view_direction_deg: 400")),
+              HasSubstr("view_direction_deg is more than a turn"));
 }
 
 TEST(CloudConfig, CutsByAngleOrViewOrTime) {
@@ -65,12 +67,12 @@ TEST(CloudConfig, CutsByAngleOrViewOrTime) {
   EXPECT_EQ(timed.frame_cut, FrameCut::time);
   EXPECT_EQ(timed.frame_duration, std::chrono::milliseconds(50));
   EXPECT_EQ(sensor_of("frame_cut: time").driver.frame_duration, std::chrono::milliseconds(100));
-  EXPECT_EQ(error_of(roof("frame_cut: turn")),
+  EXPECT_EQ(error_of(roof_cloud("frame_cut: turn")),
             "f:1:49: sensors.a.frame_cut is \"turn\"; expected one of angle, view, time");
-  EXPECT_EQ(error_of(roof("frame_duration: 0.1")),
+  EXPECT_EQ(error_of(roof_cloud("frame_duration: 0.1")),
             "f:1:38: sensors.a.frame_duration is given without frame_cut: time; expected both, or neither: a "
             "revolution lasts as long as it lasts");
-  EXPECT_EQ(error_of(roof("cut_angle: 1, frame_cut: time")),
+  EXPECT_EQ(error_of(roof_cloud("cut_angle: 1, frame_cut: time")),
             "f:1:38: sensors.a.cut_angle is given with frame_cut: time; expected one of them: frames are cut "
             "by time or by angle");
 }
@@ -83,8 +85,9 @@ TEST(CloudConfig, ArrangesTheMessage) {
   EXPECT_EQ(sensor_of("organize_cloud: rings").layout.order, CloudOrder::ring_rows);
   EXPECT_EQ(sensor_of("organize_cloud: firings").layout.order, CloudOrder::firing_rows);
   EXPECT_EQ(sensor_of("organize_cloud: no").layout.order, CloudOrder::list);
-  EXPECT_THAT(error_of(roof("organize_cloud: columns")), StartsWith("f:1:54: sensors.a.organize_cloud is"));
-  EXPECT_EQ(error_of(roof("frame_stamp: middle")),
+  EXPECT_THAT(error_of(roof_cloud("organize_cloud: columns")),
+              StartsWith("f:1:54: sensors.a.organize_cloud is"));
+  EXPECT_EQ(error_of(roof_cloud("frame_stamp: middle")),
             "f:1:51: sensors.a.frame_stamp is \"middle\"; expected one of first, last");
 }
 
@@ -92,7 +95,7 @@ TEST(CloudConfig, GivesConfidenceOnlyWhereTheModelSendsIt) {
   const SensorConfig a = sensor_of("publish_confidence: true", "velodyne_vls128");
   EXPECT_TRUE(a.layout.confidence);
   EXPECT_TRUE(a.driver.keep_confidence);
-  EXPECT_EQ(error_of(roof("publish_confidence: true")),
+  EXPECT_EQ(error_of(roof_cloud("publish_confidence: true")),
             "f:1:38: sensors.a.publish_confidence is not available for velodyne_vlp16, which does not vouch "
             "for its returns; expected no such key: it applies to the VLS-128");
 }
@@ -120,12 +123,13 @@ TEST(CloudConfig, MakesAPlanarScanOfAnyRing) {
   EXPECT_EQ(a.scan_topic, "level");
   EXPECT_EQ(a.points_topic, "p");
   EXPECT_FALSE(sensor_of("scan_ring: -1").ring_scan);
-  EXPECT_THAT(error_of(roof("scan_ring: 16")), StartsWith("f:1:49: sensors.a.scan_ring is 16; expected"));
-  EXPECT_EQ(error_of(roof("scan_resolution: 0.007")),
+  EXPECT_THAT(error_of(roof_cloud("scan_ring: 16")),
+              StartsWith("f:1:49: sensors.a.scan_ring is 16; expected"));
+  EXPECT_EQ(error_of(roof_cloud("scan_resolution: 0.007")),
             "f:1:38: sensors.a.scan_resolution is given without scan_ring; expected both, or neither");
-  EXPECT_THAT(error_of(roof("scan_ring: 1, scan_resolution: 0.0001")), HasSubstr("is out of range"));
+  EXPECT_THAT(error_of(roof_cloud("scan_ring: 1, scan_resolution: 0.0001")), HasSubstr("is out of range"));
   EXPECT_EQ(
-      error_of(roof("scan_ring: 1, frame_cut: time")),
+      error_of(roof_cloud("scan_ring: 1, frame_cut: time")),
       "f:1:38: sensors.a.scan_ring is given with frame_cut: time; expected another frame_cut: a scan is "
       "a revolution");
 }
@@ -144,20 +148,20 @@ TEST(CloudConfig, GivesEveryTopicToOneOwner) {
 TEST(CloudConfig, ChoosesTheTelemetryPort) {
   EXPECT_EQ(sensor_of("telemetry_port: 8309").telemetry_port, 8309);
   EXPECT_EQ(sensor_of("telemetry_port: 0").telemetry_port, 0);
-  EXPECT_EQ(error_of(roof("telemetry_port: 2368")),
+  EXPECT_EQ(error_of(roof_cloud("telemetry_port: 2368")),
             "f:1:54: sensors.a.telemetry_port is both ip_port and telemetry_port; expected two ports, or "
             "telemetry_port: 0");
-  EXPECT_THAT(error_of(roof("telemetry_port: 8308", "velodyne_hdl64e_s3")),
+  EXPECT_THAT(error_of(roof_cloud("telemetry_port: 8308", "velodyne_hdl64e_s3")),
               HasSubstr("which sends no telemetry beside its data"));
 }
 
 TEST(CloudConfig, TakesPacketsFromATopicInsteadOfTheNetwork) {
   const SensorConfig a = sensor_of("packet_topic: /velodyne_packets");
   EXPECT_EQ(a.packet_topic, "/velodyne_packets");
-  EXPECT_THAT(error_of(roof("packet_topic: p, ip_port: 2368")),
+  EXPECT_THAT(error_of(roof_cloud("packet_topic: p, ip_port: 2368")),
               HasSubstr("sensors.a.ip_port is given beside packet_topic"));
-  EXPECT_THAT(error_of(roof("packet_topic: p, control: {read: true}")), HasSubstr("is given beside"));
-  EXPECT_THAT(error_of(roof("packet_topic: p", "sick_microscan3")),
+  EXPECT_THAT(error_of(roof_cloud("packet_topic: p, control: {read: true}")), HasSubstr("is given beside"));
+  EXPECT_THAT(error_of(roof_cloud("packet_topic: p", "sick_microscan3")),
               HasSubstr("whose packets travel in no message that is known"));
   EXPECT_EQ(
       error_of("sensors:\n  a: {model: velodyne_vlp16, packet_topic: p}\n  b: {model: velodyne_vlp16}\n"),
@@ -171,14 +175,14 @@ TEST(CloudConfig, PublishesPacketsOnATopicOfTheirOwn) {
   EXPECT_EQ(topic.name, "velodyne_packets");
   EXPECT_EQ(topic.kind, TopicKind::message);
   EXPECT_EQ(topic.message, message_kind<RawPackets>());
-  EXPECT_THAT(error_of(roof("raw_topic: a/points")), HasSubstr("would publish on a/points"));
-  EXPECT_NE(error_of(roof("raw_topic: p, packet_topic: p")), "no error") << "it would hear itself";
-  EXPECT_THAT(error_of(roof("raw_topic: p", "sick_microscan3")),
+  EXPECT_THAT(error_of(roof_cloud("raw_topic: a/points")), HasSubstr("would publish on a/points"));
+  EXPECT_NE(error_of(roof_cloud("raw_topic: p, packet_topic: p")), "no error") << "it would hear itself";
+  EXPECT_THAT(error_of(roof_cloud("raw_topic: p", "sick_microscan3")),
               HasSubstr("whose packets travel in no message that is known"));
 }
 
 TEST(CloudConfig, PlanarScannersHaveNoSuchKeysButTheirTopic) {
-  EXPECT_THAT(error_of(roof("min_range: 1", "sick_microscan3")),
+  EXPECT_THAT(error_of(roof_cloud("min_range: 1", "sick_microscan3")),
               HasSubstr("is not available for sick_microscan3, which is no multi-plane lidar"));
   EXPECT_EQ(sensor_of("scan_topic: front", "sick_microscan3").scan_topic, "front");
   EXPECT_EQ(sensor_of("ip_port: 6060", "sick_microscan3").scan_topic, "a/scan");
@@ -191,12 +195,12 @@ TEST(CloudConfig, IsWrittenAndReadBackTheSame) {
         "publish_confidence: true, publish_echo: true, organize_cloud: true, telemetry_port: 0",
         "scan_ring: auto, scan_resolution: 0.007, scan_topic: level, points_topic: velodyne_points",
         "packet_topic: velodyne_packets", "raw_topic: velodyne_packets"}) {
-    const Config config = parse_config(roof(keys, "velodyne_vls128"), "f");
+    const Config config = parse_config(roof_cloud(keys, "velodyne_vls128"), "f");
     const std::string yaml = to_yaml(config);
     EXPECT_EQ(to_yaml(parse_config(yaml, "g")), yaml) << keys;
     EXPECT_THAT(yaml, HasSubstr("points_topic: "));
   }
-  const std::string yaml = to_yaml(parse_config(roof("scan_ring: auto, organize_cloud: true"), "f"));
+  const std::string yaml = to_yaml(parse_config(roof_cloud("scan_ring: auto, organize_cloud: true"), "f"));
   for (const char* line :
        {"    frame_cut: angle\n", "    scan_ring: 8\n", "    organize_cloud: rings\n",
         "    frame_stamp: first\n", "    telemetry_port: 8308\n", "    publish_echo: false\n"})

@@ -16,7 +16,7 @@ using ::testing::StartsWith;
 std::string roof(const std::string& control) {
   return "sensors: {roof: {model: velodyne_vlp16, ip_address: 192.168.1.201, control: {" + control + "}}}\n";
 }
-const std::string at = "f:1:";
+const std::string line_1 = "f:1:";
 
 VelodyneControl control_of(const std::string& control) {
   return parse_config(roof(control), "f").sensors.at(0).control;
@@ -103,7 +103,7 @@ TEST(ControlConfig, RefusesValuesThatTheSensorWouldNotTake) {
   for (const auto& [text, message] : wrong) {
     const std::string error = error_of(roof(prefix + text));
     EXPECT_THAT(error, HasSubstr(message)) << text;
-    EXPECT_THAT(error, StartsWith(at)) << text;
+    EXPECT_THAT(error, StartsWith(line_1)) << text;
   }
 }
 

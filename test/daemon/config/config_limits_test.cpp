@@ -28,7 +28,7 @@ std::string sensor_of(const std::string& model, const std::string& more = "") {
 }
 const std::string sources =
     "sensors: {a: {topic: /a, pose: {xyz: [0, 0, 0]}}, roof: {model: velodyne_vlp16}}\n";
-std::string merged(const std::string& more = "") {
+std::string merged_with(const std::string& more = "") {
   return sources + "merged_scans:\n  m: {laserscan_topics: a" + more + ", %}\n";
 }
 std::string one_source() {
@@ -87,23 +87,23 @@ const std::vector<Limit>& limits() {
        "[[-1000.1, -1], [1, -1], [0, 1]]", "[[-1, -1], [1000, -1], [0, 1]]",
        "[[-1, -1], [1000.1, -1], [0, 1]]"},
 
-      {"beams", merged(), 3, "beams", "2", "1", "32767", "32768"},
-      {"angle_min", merged(), 3, "angle_min", "-3.1", "-7.001", "3.1", "3.15"},
-      {"time_increment", merged(), 3, "time_increment", "0", "-1e-9", "", ""},
-      {"scan_time", merged(), 3, "scan_time", "0", "-1e-9", "", ""},
-      {"range_min", merged(", range_max: 10000"), 3, "range_min", "0", "-0.001", "9999", "10000"},
-      {"range_max", merged(", range_min: 0"), 3, "range_max", "0.001", "0", "10000", "10000.1"},
-      {"min_height", merged(), 3, "min_height", "-10000", "-10000.1", "10000", "10000.1"},
-      {"max_height", merged(), 3, "max_height", "-10000", "-10000.1", "10000", "10000.1"},
-      {"heights", merged(", min_height: 1"), 3, "max_height", "1.001", "1", "", ""},
-      {"rate", merged(), 3, "rate", "0.01", "0.009", "1000", "1000.1"},
-      {"deadline", merged(), 3, "deadline", "0", "-0.001", "3600", "3600.1"},
-      {"max_age", merged(), 3, "max_age", "0.001", "0.0009", "3600", "3600.1"},
-      {"lost_after", merged(), 3, "lost_after", "0.001", "0.0009", "3600", "3600.1"},
-      {"range_noise", merged(), 3, "range_noise", "0.0005", "0.00049", "1", "1.001"},
-      {"free_required", merged(", range_max: 20"), 3, "free_required", "0.1", "0.099", "20", "20.001"},
-      {"missing_intensity", merged(", intensity: on"), 3, "missing_intensity", "-1e9", "-1000000001", "1e9",
-       "1000000001"},
+      {"beams", merged_with(), 3, "beams", "2", "1", "32767", "32768"},
+      {"angle_min", merged_with(), 3, "angle_min", "-3.1", "-7.001", "3.1", "3.15"},
+      {"time_increment", merged_with(), 3, "time_increment", "0", "-1e-9", "", ""},
+      {"scan_time", merged_with(), 3, "scan_time", "0", "-1e-9", "", ""},
+      {"range_min", merged_with(", range_max: 10000"), 3, "range_min", "0", "-0.001", "9999", "10000"},
+      {"range_max", merged_with(", range_min: 0"), 3, "range_max", "0.001", "0", "10000", "10000.1"},
+      {"min_height", merged_with(), 3, "min_height", "-10000", "-10000.1", "10000", "10000.1"},
+      {"max_height", merged_with(), 3, "max_height", "-10000", "-10000.1", "10000", "10000.1"},
+      {"heights", merged_with(", min_height: 1"), 3, "max_height", "1.001", "1", "", ""},
+      {"rate", merged_with(), 3, "rate", "0.01", "0.009", "1000", "1000.1"},
+      {"deadline", merged_with(), 3, "deadline", "0", "-0.001", "3600", "3600.1"},
+      {"max_age", merged_with(), 3, "max_age", "0.001", "0.0009", "3600", "3600.1"},
+      {"lost_after", merged_with(), 3, "lost_after", "0.001", "0.0009", "3600", "3600.1"},
+      {"range_noise", merged_with(), 3, "range_noise", "0.0005", "0.00049", "1", "1.001"},
+      {"free_required", merged_with(", range_max: 20"), 3, "free_required", "0.1", "0.099", "20", "20.001"},
+      {"missing_intensity", merged_with(", intensity: on"), 3, "missing_intensity", "-1e9", "-1000000001",
+       "1e9", "1000000001"},
       {"range_min of a source", one_source(), 3, "range_min", "0", "-0.001", "10000", "10000.1"},
       {"range_max of a source", one_source(), 3, "range_max", "0.001", "0", "10000", "10000.1"},
       {"intensity_min of a source", one_source(), 3, "intensity_min", "-1e9", "-1000000001", "1e9",

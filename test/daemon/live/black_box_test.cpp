@@ -22,7 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using std::chrono::milliseconds;
-using std::chrono::seconds;
 using test::read_capture;
 using ::testing::HasSubstr;
 
@@ -142,24 +141,24 @@ TEST_F(BlackBoxTest, TakesNoMoreMemoryThanItMay) {
 TEST_F(BlackBoxTest, IsWrittenAWhileAfterAnIncidentWithTheSecondsBeforeIt) {
   BlackBox box = this->box();
   for (int i = 0; i <= 400; ++i) add(box, begin + milliseconds(100 * i), std::to_string(i));
-  box.incident(begin + seconds(35), "front: silent");
+  box.incident(begin + std::chrono::seconds(35), "front: silent");
   EXPECT_FALSE(writes(box, begin + milliseconds(39'900)));
-  EXPECT_TRUE(writes(box, begin + seconds(40)));
+  EXPECT_TRUE(writes(box, begin + std::chrono::seconds(40)));
   ASSERT_EQ(files().size(), 2U);
   const test::Contents found = read_capture((folder_ / files()[1]).string());
-  EXPECT_EQ(found.stamps.front(), begin + seconds(25));
-  EXPECT_EQ(found.stamps.back(), begin + seconds(40));
+  EXPECT_EQ(found.stamps.front(), begin + std::chrono::seconds(25));
+  EXPECT_EQ(found.stamps.back(), begin + std::chrono::seconds(40));
 }
 
 TEST_F(BlackBoxTest, ADumpNeitherEmptiesItNorHoldsUpAnIncident) {
   BlackBox box = this->box();
   for (int i = 0; i <= 200; ++i) add(box, begin + milliseconds(100 * i), std::to_string(i));
-  const auto first = read_capture(dump(box, begin + seconds(20)));
+  const auto first = read_capture(dump(box, begin + std::chrono::seconds(20)));
   const auto second = read_capture(dump(box, begin + milliseconds(20'001)));
-  EXPECT_EQ(first.stamps.front(), begin + seconds(10));
+  EXPECT_EQ(first.stamps.front(), begin + std::chrono::seconds(10));
   EXPECT_EQ(second.stamps.front(), begin + milliseconds(10'100));
-  box.incident(begin + seconds(21), "front: silent");
-  EXPECT_TRUE(writes(box, begin + seconds(26)));
+  box.incident(begin + std::chrono::seconds(21), "front: silent");
+  EXPECT_TRUE(writes(box, begin + std::chrono::seconds(26)));
 }
 
 TEST_F(BlackBoxTest, AnIncidentWithinThePauseIsWrittenWhenThePauseEndsAndNothingIsMissingBetween) {
@@ -168,18 +167,18 @@ TEST_F(BlackBoxTest, AnIncidentWithinThePauseIsWrittenWhenThePauseEndsAndNothing
     for (; from <= to; ++from) add(box, begin + milliseconds(100 * from), std::to_string(from));
   };
   add_until(200);
-  box.incident(begin + seconds(15), "front: silent");
-  ASSERT_TRUE(writes(box, begin + seconds(20)));
+  box.incident(begin + std::chrono::seconds(15), "front: silent");
+  ASSERT_TRUE(writes(box, begin + std::chrono::seconds(20)));
   for (const int at : {21, 24, 29}) {
-    box.incident(begin + seconds(at), "front: silent");
-    EXPECT_FALSE(writes(box, begin + seconds(at)));
+    box.incident(begin + std::chrono::seconds(at), "front: silent");
+    EXPECT_FALSE(writes(box, begin + std::chrono::seconds(at)));
   }
   add_until(300);
-  ASSERT_TRUE(writes(box, begin + seconds(30)));
-  box.incident(begin + seconds(39), "front: silent");
+  ASSERT_TRUE(writes(box, begin + std::chrono::seconds(30)));
+  box.incident(begin + std::chrono::seconds(39), "front: silent");
   add_until(440);
-  EXPECT_FALSE(writes(box, begin + seconds(40)));
-  ASSERT_TRUE(writes(box, begin + seconds(44)));
+  EXPECT_FALSE(writes(box, begin + std::chrono::seconds(40)));
+  ASSERT_TRUE(writes(box, begin + std::chrono::seconds(44)));
   std::set<std::string> written;
   for (const fs::path& file : files())
     if (file.extension() == ".pcap")
@@ -191,7 +190,7 @@ TEST_F(BlackBoxTest, AnIncidentWithinThePauseIsWrittenWhenThePauseEndsAndNothing
 TEST_F(BlackBoxTest, WhatFailsWithoutAPacketIsNoCaptureAndNoTrouble) {
   BlackBox box = this->box();
   box.incident(begin, "port 2368: in use");
-  EXPECT_FALSE(writes(box, begin + seconds(6)));
+  EXPECT_FALSE(writes(box, begin + std::chrono::seconds(6)));
   EXPECT_TRUE(said_.empty());
   EXPECT_EQ(box.item()->health, Health::ok);
 }
@@ -200,7 +199,7 @@ TEST_F(BlackBoxTest, DoesNotFillTheDisk) {
   config_.files = 2;
   BlackBox box = this->box();
   for (int i = 0; i < 5; ++i) {
-    const Stamp now = begin + seconds(100 * i);
+    const Stamp now = begin + std::chrono::seconds(100 * i);
     add(box, now, std::to_string(i));
     dump(box, now);
   }
@@ -212,9 +211,9 @@ TEST_F(BlackBoxTest, TheFirstCaptureOfEachKindStays) {
   config_.files = 4;
   BlackBox box = this->box();
   const auto fail = [&](int at, const std::string& kind) {
-    add(box, begin + seconds(at), kind + std::to_string(at));
-    box.incident(begin + seconds(at), kind);
-    EXPECT_TRUE(writes(box, begin + seconds(at + 5)));
+    add(box, begin + std::chrono::seconds(at), kind + std::to_string(at));
+    box.incident(begin + std::chrono::seconds(at), kind);
+    EXPECT_TRUE(writes(box, begin + std::chrono::seconds(at + 5)));
   };
   const auto kept = [&] {
     std::vector<std::string> newest;
@@ -291,14 +290,14 @@ TEST_F(BlackBoxTest, OnAFullDiskNothingOlderIsRemovedAndNothingHalfWrittenIsLeft
   for (int i = 0; i < 1000; ++i) add(box, begin + milliseconds(i), std::string(1000, 'x'));
   {
     const FullDisk full;
-    EXPECT_THAT(dump(box, begin + seconds(2)),
+    EXPECT_THAT(dump(box, begin + std::chrono::seconds(2)),
                 HasSubstr("not everything could be written; make room on the disk"));
   }
   EXPECT_THAT(box.item()->message, HasSubstr("make room on the disk"));
   EXPECT_TRUE(fs::exists(old));
   EXPECT_EQ(files().size(), 3U) << "the old capture, its events, and what another daemon writes";
   EXPECT_FALSE(fs::exists(left));
-  const std::string path = dump(box, begin + seconds(3));
+  const std::string path = dump(box, begin + std::chrono::seconds(3));
   EXPECT_EQ(read_capture(path).payloads.size(), 1001U) << "what could not be written is still kept";
   EXPECT_FALSE(fs::exists(old));
   EXPECT_EQ(box.item()->health, Health::ok);

@@ -9,8 +9,8 @@
 namespace lidard {
 namespace {
 
-constexpr Stamp begin{1'700'000'000'000'000'000};
-Stamp at(double s) { return begin + span_from_seconds(s); }
+constexpr Stamp journal_start{1'700'000'000'000'000'000};
+Stamp at(double s) { return journal_start + span_from_seconds(s); }
 
 struct Bench {
   void see(double s, Health health, const std::string& message, const std::string& name = "front") {

@@ -17,7 +17,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr Stamp begin{1'700'000'000'000'000'000};
+constexpr Stamp ring_start{1'700'000'000'000'000'000};
 constexpr Span longest = std::chrono::seconds(60);
 constexpr std::size_t megabyte = 1'000'000;
 
@@ -46,9 +46,9 @@ TEST(PacketRing, KeepsTheNewestThatItsMemoryHolds) {
   PacketRing ring(megabyte);
   Mill mill;
   for (std::uint64_t n = 0; n < 10'000; ++n)
-    ring.add(mill.make(n, begin + milliseconds(n)), std::chrono::hours(1));
+    ring.add(mill.make(n, ring_start + milliseconds(n)), std::chrono::hours(1));
   std::uint64_t next = 0, kept = 0;
-  EXPECT_EQ(PacketRing::read(ring.snapshot(), begin,
+  EXPECT_EQ(PacketRing::read(ring.snapshot(), ring_start,
                              [&](const Packet& packet) {
                                EXPECT_TRUE(Mill::is_whole(packet));
                                EXPECT_TRUE(next == 0 || packet.missing == next) << packet.missing;
@@ -65,9 +65,9 @@ TEST(PacketRing, ReadingTakesNothingOut) {
   PacketRing ring(megabyte);
   Mill mill;
   for (std::uint64_t n = 0; n < 5; ++n) {
-    ring.add(mill.make(n, begin + milliseconds(n)), longest);
+    ring.add(mill.make(n, ring_start + milliseconds(n)), longest);
     std::uint64_t packets = 0;
-    PacketRing::read(ring.snapshot(), begin, [&](const Packet&) { ++packets; });
+    PacketRing::read(ring.snapshot(), ring_start, [&](const Packet&) { ++packets; });
     EXPECT_EQ(packets, n + 1);
   }
 }
@@ -76,15 +76,15 @@ TEST(PacketRing, SortsWhatSeveralThreadsAddLate) {
   PacketRing ring(10 * megabyte);
   Mill mill;
   for (std::uint64_t n = 0; n < 1000; ++n) {
-    ring.add(mill.make(2 * n, begin + milliseconds(2 * n)), longest);
-    if (n >= 300) ring.add(mill.make(2 * n - 599, begin + milliseconds(2 * n - 599)), longest);
+    ring.add(mill.make(2 * n, ring_start + milliseconds(2 * n)), longest);
+    if (n >= 300) ring.add(mill.make(2 * n - 599, ring_start + milliseconds(2 * n - 599)), longest);
   }
   Stamp last{};
-  PacketRing::read(ring.snapshot(), begin + milliseconds(500), [&](const Packet& packet) {
-    EXPECT_GE(packet.arrival, std::max(last, begin + milliseconds(500)));
+  PacketRing::read(ring.snapshot(), ring_start + milliseconds(500), [&](const Packet& packet) {
+    EXPECT_GE(packet.arrival, std::max(last, ring_start + milliseconds(500)));
     last = packet.arrival;
   });
-  EXPECT_EQ(last, begin + milliseconds(1998));
+  EXPECT_EQ(last, ring_start + milliseconds(1998));
 }
 
 TEST(PacketRing, HandsOutOnlyWholePacketsWhileOthersAreAdded) {
@@ -97,7 +97,7 @@ TEST(PacketRing, HandsOutOnlyWholePacketsWhileOthersAreAdded) {
     for (std::uint64_t n = 0; !stop; added = ++n) {
       std::this_thread::yield();
       const std::lock_guard lock(mutex);
-      ring.add(mill.make(n, begin + Span(n)), longest);
+      ring.add(mill.make(n, ring_start + Span(n)), longest);
     }
   });
   std::uint64_t all_lost = 0;
@@ -109,7 +109,7 @@ TEST(PacketRing, HandsOutOnlyWholePacketsWhileOthersAreAdded) {
     const std::uint64_t end = added + 1;
     lock.unlock();
     std::uint64_t next = 0;
-    all_lost += PacketRing::read(snapshot, begin, [&](const Packet& packet) {
+    all_lost += PacketRing::read(snapshot, ring_start, [&](const Packet& packet) {
       EXPECT_TRUE(Mill::is_whole(packet));
       EXPECT_GE(packet.missing, next);
       EXPECT_LE(packet.missing, end) << "of the instant of the snapshot";
@@ -129,14 +129,15 @@ TEST(PacketRing, CountsWhatWasReusedBeforeItWasReadAndBeginsConnectionsAnew) {
   mill.packet.transport = Transport::tcp;
   std::uint64_t n = 0;
   const auto add = [&](std::uint64_t count) {
-    for (; count > 0; --count, ++n) ring.add(mill.make(n, begin + milliseconds(n)), std::chrono::hours(1));
+    for (; count > 0; --count, ++n)
+      ring.add(mill.make(n, ring_start + milliseconds(n)), std::chrono::hours(1));
   };
   add(30'000);
   const PacketRing::Snapshot snapshot = ring.snapshot();
   // A disk that stands still as soon as it gets something: half of the ring is reused meanwhile.
   std::uint64_t first = 0, packets = 0;
   std::vector<std::uint64_t> starts;
-  const std::uint64_t lost = PacketRing::read(snapshot, begin, [&](const Packet& packet) {
+  const std::uint64_t lost = PacketRing::read(snapshot, ring_start, [&](const Packet& packet) {
     if (packets++ == 0) {
       first = packet.missing;
       add(9000);
@@ -151,11 +152,11 @@ TEST(PacketRing, CountsWhatWasReusedBeforeItWasReadAndBeginsConnectionsAnew) {
 TEST(PacketRing, WhatIsReusedBeforeTheReaderBeginsIsNoGap) {
   PacketRing ring(megabyte);
   Mill mill;
-  for (std::uint64_t n = 0; n < 2000; ++n) ring.add(mill.make(n, begin + milliseconds(n)), longest);
+  for (std::uint64_t n = 0; n < 2000; ++n) ring.add(mill.make(n, ring_start + milliseconds(n)), longest);
   const PacketRing::Snapshot snapshot = ring.snapshot();
-  for (std::uint64_t n = 0; n < 300; ++n) ring.add(mill.make(n, begin + milliseconds(n)), longest);
+  for (std::uint64_t n = 0; n < 300; ++n) ring.add(mill.make(n, ring_start + milliseconds(n)), longest);
   std::uint64_t first = 0, packets = 0;
-  const std::uint64_t lost = PacketRing::read(snapshot, begin, [&](const Packet& packet) {
+  const std::uint64_t lost = PacketRing::read(snapshot, ring_start, [&](const Packet& packet) {
     if (packets++ == 0) first = packet.missing;
   });
   EXPECT_EQ(lost, 0U);
@@ -175,10 +176,11 @@ TEST(PacketRing, TouchesNoMoreMemoryThanTheTimeNeeds) {
   PacketRing ring(200 * megabyte);
   Mill mill;
   // A minute of 10 packets a second, for an hour.
-  for (std::uint64_t n = 0; n < 36'000; ++n) ring.add(mill.make(n, begin + milliseconds(100 * n)), longest);
+  for (std::uint64_t n = 0; n < 36'000; ++n)
+    ring.add(mill.make(n, ring_start + milliseconds(100 * n)), longest);
   EXPECT_LT(resident() - before, 4 * megabyte);
   std::uint64_t packets = 0;
-  PacketRing::read(ring.snapshot(), begin + milliseconds(3'599'900) - longest,
+  PacketRing::read(ring.snapshot(), ring_start + milliseconds(3'599'900) - longest,
                    [&](const Packet&) { ++packets; });
   EXPECT_EQ(packets, 601U);
 }

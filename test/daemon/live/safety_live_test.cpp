@@ -20,11 +20,11 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-const Endpoint loopback{IpAddress::v4(127, 0, 0, 1), 0};
+const Endpoint any_port{IpAddress::v4(127, 0, 0, 1), 0};
 
 /// The scanner as a whole: sends datagrams only where its settings say, and only while it has power.
 struct Scanner {
-  Scanner() : server(loopback, std::make_unique<sim::SafetyDevice>()) {}
+  Scanner() : server(any_port, std::make_unique<sim::SafetyDevice>()) {}
 
   sim::SafetySettings settings() {
     sim::SafetySettings copy;
@@ -36,11 +36,11 @@ struct Scanner {
     if (!powered || now - last < 30ms) return;
     last = now;
     const auto output = settings().current;
-    if (!output.enabled || output.host != loopback.address) return;
+    if (!output.enabled || output.host != any_port.address) return;
     ++sample.sequence;
     ++sample.scan;
     for (const Bytes& datagram : ms3_datagrams(sample.instance(), ++identification))
-      sender.send({loopback.address, 0}, {output.host, output.port},
+      sender.send({any_port.address, 0}, {output.host, output.port},
                   ByteView(datagram.data(), datagram.size()));
   }
   void power_off() {
@@ -81,9 +81,9 @@ Config config_of(const Model& model, bool write) {
   SensorConfig sensor;
   sensor.name = sensor.frame_id = sensor.driver.frame_id = "front";
   sensor.model = sensor.driver.model = &model;
-  sensor.ip_address = loopback.address;
+  sensor.ip_address = any_port.address;
   sensor.ip_port = free_udp_port();
-  sensor.driver.requests.host_address = loopback.address;
+  sensor.driver.requests.host_address = any_port.address;
   sensor.driver.requests.host_port = sensor.ip_port;
   sensor.driver.requests.allow_write = write;
   config.sensors.push_back(sensor);

@@ -24,7 +24,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using Clock = std::chrono::steady_clock;
 
-const IpAddress loopback = IpAddress::v4(127, 0, 0, 1);
+const IpAddress this_host = IpAddress::v4(127, 0, 0, 1);
 
 struct Bench : LiveBench {
   explicit Bench(const Config& config, const TcpOptions& options = {})
@@ -39,7 +39,7 @@ struct TcpBench {
 
   Config config() const {
     Config out;
-    out.sensors.push_back(line_sensor(model, "front", loopback));
+    out.sensors.push_back(line_sensor(model, "front", this_host));
     return out;
   }
 };
@@ -129,14 +129,14 @@ TEST(TcpConnections, DialWhatStreamsOverUdpOnlyWhenItsDriverAsks) {
   TcpPeer peer;
   const Model model = line_model(Transport::udp, 6060, peer.port());
   Config config;
-  config.sensors.push_back(line_sensor(model, "front", loopback));
+  config.sensors.push_back(line_sensor(model, "front", this_host));
   Bench b(config);
   b.run(milliseconds(100));
   EXPECT_FALSE(peer.accept());
   EXPECT_EQ(b.links.connected().all, 0U);
   Packet ask;
   ask.payload = ByteView("ask");
-  ask.from = {loopback, 5000};
+  ask.from = {this_host, 5000};
   ask.to.port = 6060;
   ask.arrival = wall_clock();
   b.pipeline.packet(ask);
@@ -155,13 +155,13 @@ TEST(TcpConnections, DialTheSenderWhereNoAddressIsConfiguredAndNobodyInListenOnl
     TcpPeer peer;
     const Model model = line_model(Transport::udp, 6060, peer.port());
     Config config;
-    config.sensors.push_back(line_sensor(model, "front", loopback));
+    config.sensors.push_back(line_sensor(model, "front", this_host));
     config.sensors[0].ip_address.reset();
     config.sensors[0].driver.requests.listen_only = listen_only;
     Bench b(config);
     Packet ask;
     ask.payload = ByteView("ask");
-    ask.from = {loopback, 5000};
+    ask.from = {this_host, 5000};
     ask.to.port = 6060;
     ask.arrival = wall_clock();
     b.pipeline.packet(ask);
@@ -170,7 +170,7 @@ TEST(TcpConnections, DialTheSenderWhereNoAddressIsConfiguredAndNobodyInListenOnl
   }
 }
 
-/// A sensor's stand-in that sends numbered datagrams over loopback.
+/// A sensor's stand-in that sends numbered datagrams over this_host.
 class Sender {
  public:
   explicit Sender(std::uint16_t port) : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {
@@ -221,8 +221,8 @@ TEST(TcpConnections, LoseNothingOfOtherSensorsAndLeakNothingWhileOneDisconnectsA
   const Model planar = line_model(Transport::tcp, peer.port());
   const Model other = line_model(Transport::udp, free_port());
   Config config;
-  config.sensors.push_back(line_sensor(planar, "front", loopback));
-  config.sensors.push_back(line_sensor(other, "rear", loopback));
+  config.sensors.push_back(line_sensor(planar, "front", this_host));
+  config.sensors.push_back(line_sensor(other, "rear", this_host));
   TcpOptions options;
   options.first_retry = options.last_retry = milliseconds(0);
   Bench b(config, options);

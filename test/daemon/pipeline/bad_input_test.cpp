@@ -11,6 +11,7 @@
 #include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/ros/ros_convert.h"
+#include "test/sim/world/units.h"
 #include "test/support/recording_sink.h"
 
 namespace lidard {
@@ -18,8 +19,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr float nan = std::numeric_limits<float>::quiet_NaN();
-constexpr float inf = std::numeric_limits<float>::infinity();
 constexpr std::size_t ahead = 180;  // beam of the output, one per degree
 constexpr std::size_t behind = 0;
 constexpr std::size_t left = 270;

@@ -14,6 +14,7 @@
 #include "drivers/capture/pcap_source.h"
 #include "test/daemon/config/config_support.h"
 #include "test/sim/servers/scene_file.h"
+#include "test/sim/world/units.h"
 #include "test/support/allocations.h"
 #include "test/support/captures.h"
 #include "test/support/recording_sink.h"
@@ -24,8 +25,6 @@ namespace {
 using ::testing::HasSubstr;
 
 const Pose mount = make_pose({0, 0, 2}, {0, 0, 0});
-
-Span ms(int n) { return std::chrono::milliseconds(n); }
 
 /// tf of the demo's vehicle: its true way, known so long after the time at hand.
 class TrueWay final : public TransformSource {

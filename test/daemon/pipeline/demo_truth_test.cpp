@@ -12,13 +12,12 @@
 #include "test/daemon/pipeline/no_tf.h"
 #include "test/sim/servers/scene_file.h"
 #include "test/sim/servers/simulate.h"
+#include "test/sim/world/units.h"
 #include "test/support/captures.h"
 #include "test/support/recording_sink.h"
 
 namespace lidard {
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
 
 /// What one sensor truly saw: exact points in its own frame, with the time of the first beam.
 struct TrueFrame {
@@ -26,14 +25,14 @@ struct TrueFrame {
   std::vector<Eigen::Vector3d> points;
 };
 
-struct Demo {
+struct DemoDrive {
   Config config = load_config(test::project_file("config/demo.yaml"));
   NoTf tf;
   test::RecordingSink sink;
   std::map<std::string, std::vector<TrueFrame>> truth;
   std::vector<SensorReport> report;
 
-  explicit Demo(const std::function<void(Config&)>& change = {}) {
+  explicit DemoDrive(const std::function<void(Config&)>& change = {}) {
     if (change) change(config);
     play();
     simulate();
@@ -64,9 +63,9 @@ struct Demo {
       const bool planar = config.find_sensor(name)->model->kind == FrameKind::scan;
       if (planar || frames.empty()) frames.push_back({packet.measurement->begin, {}});
       for (const auto& slot : packet.measurement->slots) {
-        // The device counts azimuth from 0 to 2 pi; firing sequences begin at laser 0.
+        // The device counts azimuth from 0 to 2 pi_d; firing sequences begin at laser 0.
         if (!planar && slot.laser == 0) {
-          if (slot.azimuth < last_azimuth[name] - pi) frames.push_back({slot.time, {}});
+          if (slot.azimuth < last_azimuth[name] - pi_d) frames.push_back({slot.time, {}});
           last_azimuth[name] = slot.azimuth;
         }
         if (std::isfinite(slot.wire) && std::isfinite(slot.exact)) frames.back().points.push_back(slot.xyz);
@@ -105,7 +104,7 @@ class Reference {
       if (p.z() < low_ || p.z() > high_ || range < scan_.range_min || range > scan_.range_max) continue;
       if (own_begin_ < p.x() && p.x() < own_end_ && std::abs(p.y()) < 1.05) continue;
       const double steps = (std::atan2(p.y(), p.x()) - static_cast<double>(scan_.angle_min)) /
-                           (2 * pi / static_cast<double>(scan_.beams));
+                           (2 * pi_d / static_cast<double>(scan_.beams));
       const auto beam = static_cast<std::size_t>(std::lround(steps)) % scan_.beams;
       ranges_[beam] = std::min(ranges_[beam], range);
     }
@@ -127,8 +126,8 @@ class Reference {
   std::vector<double> ranges_;
 };
 
-TEST(Demo, LosesNothingAndPublishesEveryTopic) {
-  const Demo demo;
+TEST(DemoDrive, LosesNothingAndPublishesEveryTopic) {
+  const DemoDrive demo;
   for (const auto& sensor : demo.report) {
     EXPECT_EQ(sensor.counters.lost_packets, 0U) << sensor.name;
     EXPECT_EQ(sensor.counters.incomplete, 0U) << sensor.name;
@@ -150,8 +149,8 @@ TEST(Demo, LosesNothingAndPublishesEveryTopic) {
   }
 }
 
-TEST(Demo, StampsIncreaseStrictlyAndAreThoseOfTheFirstBeam) {
-  const Demo demo;
+TEST(DemoDrive, StampsIncreaseStrictlyAndAreThoseOfTheFirstBeam) {
+  const DemoDrive demo;
   for (const auto& [topic, scans] : demo.sink.scans) {
     for (std::size_t i = 1; i < scans.size(); ++i) ASSERT_GT(scans[i].stamp, scans[i - 1].stamp) << topic;
   }
@@ -165,8 +164,8 @@ TEST(Demo, StampsIncreaseStrictlyAndAreThoseOfTheFirstBeam) {
   }
 }
 
-TEST(Demo, MergedScansAreTheTruthProjectedByTheFlattenRule) {
-  const Demo demo;
+TEST(DemoDrive, MergedScansAreTheTruthProjectedByTheFlattenRule) {
+  const DemoDrive demo;
   std::size_t right = 0;
   std::size_t all = 0;
   for (const auto& scan : demo.sink.scans.at("scan_multi")) {
@@ -185,8 +184,8 @@ TEST(Demo, MergedScansAreTheTruthProjectedByTheFlattenRule) {
   EXPECT_GE(static_cast<double>(right), 0.999 * static_cast<double>(all)) << right << " of " << all;
 }
 
-TEST(Demo, VirtualScansAreTheTruthProjectedByTheFlattenRule) {
-  const Demo demo;
+TEST(DemoDrive, VirtualScansAreTheTruthProjectedByTheFlattenRule) {
+  const DemoDrive demo;
   const auto& group = demo.config.virtual_scans.at(0);
   for (const auto& frame : group.virtual_laser_scan) {
     std::size_t right = 0;
@@ -237,8 +236,8 @@ struct CutScore {
   }
 };
 
-TEST(Demo, StrictVirtualScansMeetWhatIsThere) {
-  const Demo demo([](Config& config) {
+TEST(DemoDrive, StrictVirtualScansMeetWhatIsThere) {
+  const DemoDrive demo([](Config& config) {
     VirtualScanConfig& scan = config.virtual_scans.at(0);
     scan.also = {{"strict", Profile::strict, EmptyBeam::inf, EmptyBeam::nan}};
     scan.ground.model = GroundModel::plane;

@@ -11,7 +11,6 @@ namespace lidard {
 namespace {
 
 using test::bench_begin;
-using test::ms;
 using test::PipelineBench;
 using test::round_scan;
 using testing::HasSubstr;

@@ -14,7 +14,6 @@ namespace {
 
 using namespace test::merged;
 using test::bench_begin;
-using test::ms;
 using test::PipelineBench;
 using test::round_scan;
 using testing::HasSubstr;

@@ -11,13 +11,13 @@
 #include "daemon/pipeline/pipeline.h"
 #include "test/daemon/pipeline/no_tf.h"
 #include "test/sim/world/flat_world.h"
+#include "test/sim/world/units.h"
 #include "test/support/recording_sink.h"
 
 namespace lidard {
 namespace {
 
 constexpr Stamp begin{1'700'000'000'000'000'000};
-constexpr Span ms(double n) { return span_from_seconds(n / 1000); }
 
 /// Two scanners of 25 Hz on the front corners of a vehicle in a room, as topics of other drivers.
 struct Vehicle {

@@ -15,7 +15,6 @@
 namespace lidard {
 namespace {
 
-using test::ms;
 using testing::HasSubstr;
 using testing::IsEmpty;
 

@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-struct Vehicle {
+struct ChangedVehicle {
   Config config = parse_config(R"(
 sensors:
   left: {topic: left, pose: {xyz: [0, 0, 0]}}
@@ -61,7 +61,7 @@ virtual_scans:
 };
 
 TEST(OutputChange, TakesEffectWithTheNextInputAndKeepsCounting) {
-  Vehicle vehicle;
+  ChangedVehicle vehicle;
   EXPECT_EQ(vehicle.send_scan().beams, 301U);
   OutputScanConfig wanted = vehicle.config.merged_scans[0].output;
   wanted.grid.angle_increment = 0.02;
@@ -77,7 +77,7 @@ TEST(OutputChange, TakesEffectWithTheNextInputAndKeepsCounting) {
 }
 
 TEST(OutputChange, AppliesToVirtualScans) {
-  Vehicle vehicle;
+  ChangedVehicle vehicle;
   const auto hits = [](const PlanarScan& scan) {
     return std::count(scan.statuses.begin(), scan.statuses.end(), BeamStatus::hit);
   };
@@ -89,7 +89,7 @@ TEST(OutputChange, AppliesToVirtualScans) {
 }
 
 TEST(OutputChange, IsRefusedForAGridThatIsWrongOrAnOutputThatIsNot) {
-  Vehicle vehicle;
+  ChangedVehicle vehicle;
   OutputScanConfig wanted = vehicle.config.merged_scans[0].output;
   EXPECT_THAT(vehicle.pipeline.set_output({OutputId::Kind::virtual_group, "around"}, wanted),
               HasSubstr("no output named around"));

@@ -14,7 +14,6 @@ namespace lidard {
 namespace {
 
 using test::bench_begin;
-using test::ms;
 using testing::HasSubstr;
 
 /// A Velodyne that has been heard of, all its limits kept.

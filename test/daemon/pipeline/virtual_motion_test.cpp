@@ -8,6 +8,7 @@
 
 #include "daemon/pipeline/pipeline.h"
 #include "test/daemon/pipeline/no_tf.h"
+#include "test/sim/world/units.h"
 #include "test/support/recording_sink.h"
 #include "test/support/yard.h"
 
@@ -57,8 +58,6 @@ struct Vehicle {
   Config config;
   Pipeline pipeline;
 };
-
-constexpr Span ms(int n) { return std::chrono::milliseconds(n); }
 
 TEST(VirtualMotion, ScansAreOfTheInstantOfTheirStampAndMissingPosesAreTold) {
   Vehicle vehicle(", odometry_topic: /odom");

@@ -12,7 +12,6 @@ namespace lidard {
 namespace {
 
 using test::bench_begin;
-using test::ms;
 using test::PipelineBench;
 using testing::HasSubstr;
 

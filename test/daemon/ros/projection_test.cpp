@@ -11,14 +11,13 @@
 #include "core/merge/merger.h"
 #include "daemon/ros/ros_convert.h"
 #include "test/sim/world/flat_world.h"
+#include "test/sim/world/units.h"
 
 namespace lidard {
 namespace {
 
 using sim::FlatScanner;
 using sim::FlatWorld;
-
-constexpr double degree = pi_d / 180;
 
 enum class Mount { upright, reversed, upside_down };
 

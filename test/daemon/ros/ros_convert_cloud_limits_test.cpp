@@ -10,14 +10,13 @@
 
 #include "daemon/ros/ros_convert.h"
 #include "daemon/ros/ros_message.h"
+#include "test/sim/world/units.h"
 #include "test/support/ros_samples.h"
 
 namespace lidard {
 namespace {
 
 using Field = sensor_msgs::PointField;
-constexpr float inf = std::numeric_limits<float>::infinity();
-constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 /// A cloud message of points with a ring as float64 and a time as float32, row after row.
 struct RingMessage {

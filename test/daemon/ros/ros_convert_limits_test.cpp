@@ -10,14 +10,13 @@
 
 #include "daemon/ros/ros_convert.h"
 #include "daemon/ros/ros_message.h"
+#include "test/sim/world/units.h"
 #include "test/support/ros_samples.h"
 
 namespace lidard {
 namespace {
 
 using Field = sensor_msgs::PointField;
-constexpr float inf = std::numeric_limits<float>::infinity();
-constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 TEST(DiagnosticsToRos, EveryHealthHasItsLevel) {
   // diagnostic_msgs/DiagnosticStatus: OK 0, WARN 1, ERROR 2, STALE 3.
@@ -100,14 +99,14 @@ std::string complaint(const sensor_msgs::LaserScan& message) {
   const char* why = taken(message, scan);
   return why == nullptr ? "" : why;
 }
-sensor_msgs::LaserScan sample_message() {
+sensor_msgs::LaserScan limits_message() {
   sensor_msgs::LaserScan message;
   to_ros(test::sample_scan(), message);
   return message;
 }
 
 TEST(ScanFromRos, TakesRangesAtTheirLimitsAndInfinitiesByTheirSign) {
-  auto message = sample_message();
+  auto message = limits_message();
   message.ranges = {0.1F, 40.0F, inf, -inf, nan};
   PlanarScan scan;
   ASSERT_EQ(taken(message, scan), nullptr);
@@ -123,7 +122,7 @@ TEST(ScanFromRos, TakesRangesAtTheirLimitsAndInfinitiesByTheirSign) {
 
 TEST(ScanFromRos, MayBeOffByOneBeamFromItsAnglesButNotByTwo) {
   for (const int off : {-2, -1, 0, 1, 2}) {
-    auto message = sample_message();
+    auto message = limits_message();
     message.ranges.resize(static_cast<std::size_t>(5 + off), 1.0F);
     message.intensities.clear();
     EXPECT_EQ(complaint(message) == "", std::abs(off) <= 1) << off << ": " << complaint(message);
@@ -131,7 +130,7 @@ TEST(ScanFromRos, MayBeOffByOneBeamFromItsAnglesButNotByTwo) {
 }
 
 TEST(ScanFromRos, OfOneBeamNeedsNoIncrement) {
-  auto message = sample_message();
+  auto message = limits_message();
   message.ranges = {3};
   message.intensities.clear();
   message.angle_increment = 0;
@@ -144,7 +143,7 @@ TEST(ScanFromRos, OfOneBeamNeedsNoIncrement) {
 }
 
 TEST(ScanFromRos, MayLastAMinuteAndNotLonger) {
-  auto message = sample_message();
+  auto message = limits_message();
   message.time_increment = 12;
   EXPECT_EQ(complaint(message), "") << "five beams, 60 s";
   message.time_increment = 12.01F;
@@ -154,23 +153,23 @@ TEST(ScanFromRos, MayLastAMinuteAndNotLonger) {
 }
 
 TEST(ScanFromRos, RangeLimitsMayBeginAtZeroAndMustDiffer) {
-  auto message = sample_message();
+  auto message = limits_message();
   message.range_min = 0;
   EXPECT_EQ(complaint(message), "");
   message.range_min = message.range_max;
   EXPECT_EQ(complaint(message), "range limits are not 0 <= min < max");
-  message = sample_message();
+  message = limits_message();
   message.angle_max = inf;
   EXPECT_EQ(complaint(message), "angles are not finite");
-  message = sample_message();
+  message = limits_message();
   message.angle_increment = nan;
   EXPECT_EQ(complaint(message), "angles are not finite");
 }
 
 TEST(ScanFromRos, LeavesNothingOfTheMessageBefore) {
   PlanarScan scan;
-  ASSERT_EQ(taken(sample_message(), scan), nullptr);
-  auto message = sample_message();
+  ASSERT_EQ(taken(limits_message(), scan), nullptr);
+  auto message = limits_message();
   message.intensities.clear();
   message.ranges.assign(5, nan);
   message.header.frame_id = "/other";

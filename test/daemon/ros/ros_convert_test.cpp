@@ -8,6 +8,7 @@
 #include <cstring>
 #include <limits>
 
+#include "test/sim/world/units.h"
 #include "test/support/ros_samples.h"
 
 namespace lidard {
@@ -15,8 +16,6 @@ namespace {
 
 using test::sample_cloud;
 using test::sample_scan;
-
-constexpr float inf = std::numeric_limits<float>::infinity();
 
 sensor_msgs::LaserScan sample_message() {
   sensor_msgs::LaserScan message;

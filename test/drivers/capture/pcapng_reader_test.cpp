@@ -12,8 +12,8 @@ using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 
-const Bytes payload = counting(41);  // odd, so that the block needs padding
-const Bytes frame = ethernet(ipv4(udp(payload)));
+const Bytes odd_payload = counting(41);  // odd, so that the block needs padding
+const Bytes odd_frame = ethernet(ipv4(udp(odd_payload)));
 
 /// Builds a pcapng file.
 class Pcapng {
@@ -59,12 +59,12 @@ TEST(Pcapng, ReadsEnhancedSimpleAndObsoletePacketsOfEitherByteOrder) {
   for (const bool big_endian : {false, true}) {
     const Contents got = read_capture(Pcapng(big_endian)
                                           .interface()
-                                          .enhanced(frame, 1'700'000'000'250'000)
-                                          .simple(frame, frame.size())
-                                          .obsolete(frame, 1'700'000'001'000'000, 0)
+                                          .enhanced(odd_frame, 1'700'000'000'250'000)
+                                          .simple(odd_frame, odd_frame.size())
+                                          .obsolete(odd_frame, 1'700'000'001'000'000, 0)
                                           .bytes);
     EXPECT_EQ(got.error, "");
-    EXPECT_THAT(got.payloads, ElementsAre(text(payload), text(payload), text(payload)));
+    EXPECT_THAT(got.payloads, ElementsAre(text(odd_payload), text(odd_payload), text(odd_payload)));
     EXPECT_EQ(got.stamps[0].ns, 1'700'000'000'250'000'000);
     EXPECT_EQ(got.stamps[1], got.stamps[0]);
     EXPECT_EQ(got.stamps[2].ns, 1'700'000'001'000'000'000);
@@ -76,7 +76,7 @@ std::int64_t stamp(std::uint8_t resolution, std::uint64_t ticks, std::int64_t of
   const Bytes options = file.option(9, {resolution}) +
                         file.option(14, file.u(static_cast<std::uint64_t>(offset_s), 8)) +
                         file.option(0, {}) + file.option(9, {1});
-  return read_capture(file.interface(1, options).enhanced(frame, ticks).bytes).stamps.at(0).ns;
+  return read_capture(file.interface(1, options).enhanced(odd_frame, ticks).bytes).stamps.at(0).ns;
 }
 
 TEST(Pcapng, ReadsResolutionsThatArePowersOfTen) {
@@ -133,7 +133,7 @@ TEST(Pcapng, StepsOverBlocksItDoesNotKnow) {
                                         .block(5, Bytes(40))
                                         .block(0x40000bad, {})
                                         .block(0xa, Bytes(5000))
-                                        .enhanced(frame)
+                                        .enhanced(odd_frame)
                                         .block(0xbad, Bytes(16))
                                         .bytes);
   EXPECT_EQ(got.error, "");
@@ -141,8 +141,8 @@ TEST(Pcapng, StepsOverBlocksItDoesNotKnow) {
 }
 
 TEST(Pcapng, CutsASimplePacketAtTheSnapshotLength) {
-  const Bytes part(frame.begin(), frame.begin() + 60);
-  const Contents got = read_capture(Pcapng().interface(1, {}, 60).simple(part, frame.size()).bytes);
+  const Bytes part(odd_frame.begin(), odd_frame.begin() + 60);
+  const Contents got = read_capture(Pcapng().interface(1, {}, 60).simple(part, odd_frame.size()).bytes);
   EXPECT_EQ(got.error, "");
   EXPECT_EQ(got.counters.truncated, 1U);
 }
@@ -156,31 +156,32 @@ void expect_broken(const Pcapng& file, const std::string& what, std::size_t befo
               EndsWith(" at byte " + std::to_string(file.last) + "; what came before it was used"));
 }
 
-Pcapng one_packet() { return Pcapng().interface().enhanced(frame); }
+Pcapng one_packet() { return Pcapng().interface().enhanced(odd_frame); }
 
 TEST(Pcapng, EndsAtABlockThatLies) {
-  Pcapng length = one_packet().enhanced(frame);
+  Pcapng length = one_packet().enhanced(odd_frame);
   length.bytes[length.last + 4] ^= 1U;
   expect_broken(length, "block with the impossible length");
-  length = one_packet().enhanced(frame);
+  length = one_packet().enhanced(odd_frame);
   length.bytes[length.last + 7] = 0x7f;
   expect_broken(length, "left");
-  Pcapng trailer = one_packet().enhanced(frame);
+  Pcapng trailer = one_packet().enhanced(odd_frame);
   trailer.bytes[trailer.bytes.size() - 4] ^= 4U;
   expect_broken(trailer, "whose two lengths differ");
   Pcapng skipped = one_packet().block(0xbad, Bytes(16));
   skipped.bytes[skipped.bytes.size() - 4] ^= 4U;
   expect_broken(skipped, "whose two lengths differ");
-  Pcapng captured = one_packet().enhanced(frame);
+  Pcapng captured = one_packet().enhanced(odd_frame);
   captured.bytes[captured.last + 22] = 1;
   expect_broken(captured, "bytes in a block that holds");
 }
 
 TEST(Pcapng, EndsAtAPacketOrSectionThatCannotBe) {
-  expect_broken(one_packet().enhanced(frame, 0, 1), "packet of undescribed interface 1");
-  expect_broken(one_packet().obsolete(frame, 0, 7), "packet of undescribed interface 7");
-  expect_broken(one_packet().section(false).enhanced(frame), "packet of undescribed interface 0");
-  expect_broken(one_packet().section(false).simple(frame, frame.size()), "packet of undescribed interface 0");
+  expect_broken(one_packet().enhanced(odd_frame, 0, 1), "packet of undescribed interface 1");
+  expect_broken(one_packet().obsolete(odd_frame, 0, 7), "packet of undescribed interface 7");
+  expect_broken(one_packet().section(false).enhanced(odd_frame), "packet of undescribed interface 0");
+  expect_broken(one_packet().section(false).simple(odd_frame, odd_frame.size()),
+                "packet of undescribed interface 0");
   expect_broken(one_packet().block(6, Bytes(16)), "packet block too short");
   expect_broken(one_packet().block(2, Bytes(16)), "packet block too short");
   expect_broken(one_packet().block(3, {}), "packet block too short");
@@ -195,12 +196,13 @@ TEST(Pcapng, EndsAtAPacketOrSectionThatCannotBe) {
 
 TEST(Pcapng, RefusesABlockBeyondReasonWithoutReadingIt) {
   expect_broken(one_packet().block(6, Bytes((16U << 20U) + 4)), "packet block with the impossible length");
-  const Contents got = read_capture(one_packet().block(0xbad, Bytes((16U << 20U) + 4)).enhanced(frame).bytes);
+  const Contents got =
+      read_capture(one_packet().block(0xbad, Bytes((16U << 20U) + 4)).enhanced(odd_frame).bytes);
   EXPECT_EQ(got.payloads.size(), 2U);
 }
 
 TEST(Pcapng, KeepsWhatCameBeforeACutBlock) {
-  const Pcapng whole = one_packet().enhanced(frame);
+  const Pcapng whole = one_packet().enhanced(odd_frame);
   for (std::size_t size = whole.last + 1; size < whole.bytes.size(); ++size) {
     Pcapng cut = whole;
     cut.bytes.resize(size);
@@ -212,13 +214,13 @@ TEST(Pcapng, KeepsWhatCameBeforeACutBlock) {
 TEST(Pcapng, IgnoresOptionsThatRunOutOfTheirBlock) {
   Pcapng file;
   const Contents got =
-      read_capture(file.interface(1, file.u(9, 2) + file.u(4000, 2)).enhanced(frame, 1'000'000).bytes);
+      read_capture(file.interface(1, file.u(9, 2) + file.u(4000, 2)).enhanced(odd_frame, 1'000'000).bytes);
   ASSERT_EQ(got.stamps.size(), 1U);
   EXPECT_EQ(got.stamps[0].ns, 1'000'000'000);
 }
 
 TEST(Pcapng, StartsAgain) {
-  const MemoryFile file(one_packet().section(true).interface().enhanced(frame).bytes);
+  const MemoryFile file(one_packet().section(true).interface().enhanced(odd_frame).bytes);
   PcapSource source(file.path());
   Contents first, second;
   read_all(source, first);

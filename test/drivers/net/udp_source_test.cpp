@@ -52,8 +52,8 @@ class Sender {
   int fd_;
 };
 
-struct Bench {
-  explicit Bench(UdpOptions options = {})
+struct UdpBench {
+  explicit UdpBench(UdpOptions options = {})
       : source(io, std::move(options), [this](const Packet& packet) {
           last = packet;
           ++by_sender[packet.from.address.to_string()];
@@ -87,7 +87,7 @@ struct Bench {
 };
 
 TEST(UdpSource, ReceivesUnicastWithSenderAndReceiver) {
-  Bench bench;
+  UdpBench bench;
   ASSERT_EQ(bench.source.state().phase, UdpState::Phase::receiving) << bench.source.state().message;
   Sender sender("127.0.0.2");
   ASSERT_TRUE(sender.send(bench.port(), "hello"));
@@ -103,7 +103,7 @@ TEST(UdpSource, ReceivesUnicastWithSenderAndReceiver) {
 }
 
 TEST(UdpSource, StampsTheArrivalNotTheReading) {
-  Bench bench;
+  UdpBench bench;
   Sender sender;
   // The kernel switches stamping on in the background; until then it stamps when the datagram is read.
   double late = 1;
@@ -120,7 +120,7 @@ TEST(UdpSource, StampsTheArrivalNotTheReading) {
 TEST(UdpSource, ReceivesBroadcastsFromListedSenders) {
   UdpOptions options;
   options.senders = {IpAddress::v4(127, 0, 0, 3)};
-  Bench bench(options);
+  UdpBench bench(options);
   Sender sender("127.0.0.3");
   ASSERT_TRUE(sender.send(bench.port(), "to all", "127.255.255.255"));
   ASSERT_TRUE(bench.run_until_count(1));
@@ -130,7 +130,7 @@ TEST(UdpSource, ReceivesBroadcastsFromListedSenders) {
 TEST(UdpSource, ReceivesMulticastOfJoinedGroups) {
   UdpOptions options;
   options.groups = {{IpAddress::v4(239, 1, 2, 3), "lo"}};
-  Bench bench(options);
+  UdpBench bench(options);
   if (bench.source.state().phase != UdpState::Phase::receiving)
     GTEST_SKIP() << "no multicast on lo here: " << bench.source.state().message;
   Sender sender;
@@ -144,7 +144,7 @@ TEST(UdpSource, ReceivesMulticastOfJoinedGroups) {
 TEST(UdpSource, MissingInterfaceIsNamedWhileUnicastGoesOn) {
   UdpOptions options;
   options.groups = {{IpAddress::v4(239, 1, 2, 3), "lidar9"}};
-  Bench bench(options);
+  UdpBench bench(options);
   EXPECT_EQ(bench.source.state().phase, UdpState::Phase::partial);
   EXPECT_NE(bench.source.state().message.find("no interface lidar9"), std::string::npos);
   Sender sender;
@@ -153,7 +153,7 @@ TEST(UdpSource, MissingInterfaceIsNamedWhileUnicastGoesOn) {
 }
 
 TEST(UdpSource, TellsSensorsOnOnePortApart) {
-  Bench bench;
+  UdpBench bench;
   Sender a("127.0.0.2"), b("127.0.0.3"), c("127.0.0.4");
   for (int i = 0; i < 10; ++i) {
     a.send(bench.port(), "a");
@@ -169,7 +169,7 @@ TEST(UdpSource, TellsSensorsOnOnePortApart) {
 TEST(UdpSource, KernelFilterLetsASampleOfStrangersThrough) {
   UdpOptions options;
   options.senders = {IpAddress::v4(127, 0, 0, 2), IpAddress::v4(127, 0, 0, 3)};
-  Bench bench(options);
+  UdpBench bench(options);
   Sender a("127.0.0.2"), b("127.0.0.3"), stranger("127.0.0.9");
   constexpr int sent = 6400;
   for (int i = 0; i < sent; ++i) {
@@ -191,10 +191,10 @@ TEST(UdpSource, KernelFilterLetsASampleOfStrangersThrough) {
 }
 
 TEST(UdpSource, PortInUseIsExplainedAndTakenWhenFree) {
-  auto other = std::make_unique<Bench>();
+  auto other = std::make_unique<UdpBench>();
   UdpOptions options;
   options.port = other->port();
-  Bench bench(options);
+  UdpBench bench(options);
   EXPECT_EQ(bench.source.state().phase, UdpState::Phase::waiting);
   const std::string port = std::to_string(options.port);
   EXPECT_EQ(
@@ -211,10 +211,10 @@ TEST(UdpSource, PortInUseIsExplainedAndTakenWhenFree) {
 }
 
 TEST(UdpSource, TriesAtOnceWhenInterfacesHaveChanged) {
-  Bench holder;
+  UdpBench holder;
   UdpOptions options;
   options.port = holder.port();
-  Bench bench(options);
+  UdpBench bench(options);
   bench.run(milliseconds(2500));  // by then the next attempt is a second away
   ASSERT_EQ(bench.source.state().phase, UdpState::Phase::waiting);
   holder.source.stop();
@@ -230,7 +230,7 @@ TEST(UdpSource, TriesAtOnceWhenInterfacesHaveChanged) {
 TEST(UdpSource, ForeignAddressIsExplained) {
   UdpOptions options;
   options.address = IpAddress::v4(192, 0, 2, 77);
-  Bench bench(options);
+  UdpBench bench(options);
   EXPECT_EQ(bench.source.state().phase, UdpState::Phase::waiting);
   EXPECT_NE(bench.source.state().message.find("192.0.2.77"), std::string::npos);
 }
@@ -238,9 +238,9 @@ TEST(UdpSource, ForeignAddressIsExplained) {
 TEST(UdpSource, SharedPortDeliversBroadcastsToBoth) {
   UdpOptions options;
   options.share_port = true;
-  Bench first(options);
+  UdpBench first(options);
   options.port = first.port();
-  Bench second(options);
+  UdpBench second(options);
   ASSERT_EQ(second.source.state().phase, UdpState::Phase::receiving) << second.source.state().message;
   Sender sender;
   sender.send(first.port(), "both", "127.255.255.255");
@@ -251,7 +251,7 @@ TEST(UdpSource, SharedPortDeliversBroadcastsToBoth) {
 TEST(UdpSource, OversizedDatagramIsCountedAndLeftOut) {
   UdpOptions options;
   options.max_datagram = 1500;
-  Bench bench(options);
+  UdpBench bench(options);
   Sender sender;
   sender.send(bench.port(), std::string(1501, 'x'));
   sender.send(bench.port(), std::string(1500, 'y'));
@@ -267,7 +267,7 @@ TEST(UdpSource, CountsWhatTheKernelDropped) {
     UdpOptions options;
     options.receive_buffer = 8192;
     if (filtered) options.senders = {IpAddress::v4(127, 0, 0, 1)};
-    Bench bench(options);
+    UdpBench bench(options);
     Sender sender;
     constexpr std::uint64_t sent = 200;
     for (std::uint64_t i = 0; i < sent; ++i) sender.send(bench.port(), std::string(1206, 'v'));
@@ -284,10 +284,10 @@ TEST(UdpSource, CountsWhatTheKernelDropped) {
 TEST(UdpSource, AsksForABufferThatFitsTheRateAndSaysWhatIsMissing) {
   UdpOptions options;
   options.packets_per_s = 1507;
-  Bench bench(options);
+  UdpBench bench(options);
   EXPECT_EQ(bench.source.stats().receive_buffer_asked, 1041638U);  // 1507 / s x 0.6 s x 1152
   options.packets_per_s = 1e6;
-  Bench greedy(options);
+  UdpBench greedy(options);
   const UdpStats& stats = greedy.source.stats();
   EXPECT_EQ(stats.receive_buffer_asked, 691200000U);
   if (stats.receive_buffer_got < stats.receive_buffer_asked) {
@@ -295,13 +295,13 @@ TEST(UdpSource, AsksForABufferThatFitsTheRateAndSaysWhatIsMissing) {
         << greedy.source.warning();
   }
   options.packets_per_s = 1;
-  Bench modest(options);
+  UdpBench modest(options);
   EXPECT_GE(modest.source.stats().receive_buffer_got, 50000U) << "never below the system's default";
   EXPECT_TRUE(modest.source.warning().empty());
 }
 
 TEST(UdpSource, StopsAtOnceAndStartsAgain) {
-  Bench bench;
+  UdpBench bench;
   Sender sender;
   const std::uint16_t port = bench.port();
   sender.send(port, "queued");
@@ -337,7 +337,7 @@ TEST(UdpSource, HandlerMayStopTheSource) {
 TEST(UdpSource, LosesNothingAtTheRateOfADualReturnVlp16) {
   UdpOptions options;
   options.packets_per_s = 1507;
-  Bench bench(options);
+  UdpBench bench(options);
   constexpr std::uint64_t sent = 3014;
   std::thread lidar([port = bench.port()] {
     Sender sender;

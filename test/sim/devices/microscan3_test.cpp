@@ -94,7 +94,7 @@ TEST(VirtualMicroScan3, DerivedValuesSayWhatTheBeamsDo) {
                 0.51);
     // The device counts from the right, ROS from the front.
     const double ros = std::atan2(truth.slots[i].xyz.y(), truth.slots[i].xyz.x());
-    EXPECT_NEAR(std::remainder(ros - (start + beam * step - 90) * rad_per_deg, 2 * pi), 0, 1e-9);
+    EXPECT_NEAR(std::remainder(ros - (start + beam * step - 90) * rad_per_deg, 2 * pi_d), 0, 1e-9);
   }
 }
 

@@ -7,7 +7,7 @@
 namespace lidard::sim {
 namespace {
 
-constexpr char stx = 0x02, etx = 0x03;
+constexpr char uam_stx = 0x02, uam_etx = 0x03;
 constexpr Span turn{30'000'000};
 constexpr Span answer_time{300'000};
 
@@ -35,7 +35,7 @@ std::uint16_t uam_checksum(const std::string& text) {
 
 std::string uam_frame(const std::string& text) {
   const std::string counted = hex(static_cast<unsigned>(text.size() + 10), 4) + text;
-  return stx + counted + hex(uam_checksum(counted), 4) + etx;
+  return uam_stx + counted + hex(uam_checksum(counted), 4) + uam_etx;
 }
 
 void UamDevice::disconnected() {
@@ -47,9 +47,9 @@ void UamDevice::disconnected() {
 void UamDevice::receive(std::string_view bytes, Stamp now) {
   received_ += bytes;
   for (const char c : bytes) {
-    if (c == stx) line_.clear();
+    if (c == uam_stx) line_.clear();
     line_ += c;
-    if (c == etx && line_.size() >= 14) answer(line_.substr(5, 4), now);
+    if (c == uam_etx && line_.size() >= 14) answer(line_.substr(5, 4), now);
   }
 }
 

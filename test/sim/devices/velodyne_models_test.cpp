@@ -152,7 +152,7 @@ TEST(VirtualVlp32, DistancesAreInFourMillimetresFromWhereTheBeamCrossesTheAxis) 
       ASSERT_NEAR(slot.wire, slot.exact, 0.002 + 1e-9);
       const double elevation = table.lasers[slot.laser].elevation_deg * rad_per_deg;
       ASSERT_NEAR(slot.xyz.z(), -0.0424 * std::tan(elevation) + slot.exact * std::sin(elevation), 1e-9);
-      ASSERT_NEAR(std::remainder(std::atan2(-slot.xyz.y(), slot.xyz.x()) - slot.azimuth, 2 * pi), 0, 1e-9);
+      ASSERT_NEAR(std::remainder(std::atan2(-slot.xyz.y(), slot.xyz.x()) - slot.azimuth, 2 * pi_d), 0, 1e-9);
       ASSERT_LT((wire_point(slot, table) - slot.xyz).norm(), 0.002 + 1e-9);
     }
   }

@@ -73,7 +73,7 @@ TEST(VirtualVlp16, PointIsWhereTheBeamMeetsTheWallAndTheWireRoundsToTwoMillimetr
       const SlotTruth& slot = packet.measurement.slots[i];
       const double to_wall = std::max(std::abs(slot.xyz.x()), std::abs(slot.xyz.y()));
       ASSERT_NEAR(to_wall, 5, 1e-9);
-      ASSERT_NEAR(std::atan2(-slot.xyz.y(), slot.xyz.x()), std::remainder(slot.azimuth, 2 * pi), 1e-9);
+      ASSERT_NEAR(std::atan2(-slot.xyz.y(), slot.xyz.x()), std::remainder(slot.azimuth, 2 * pi_d), 1e-9);
       ASSERT_NEAR(slot.wire, slot.exact, 0.001 + 1e-9);
       const std::size_t at = 100 * (i / 32) + 4 + 3 * (i % 32);
       ASSERT_NEAR(packet.view().le16(at) * 0.002, slot.wire, 1e-9);

@@ -60,7 +60,7 @@ bool FlatScanner::sees(const FlatWorld& world, const Eigen::Vector2d& point) con
   const Eigen::Vector2d to = point - at;
   const double distance = to.norm();
   const double angle = std::atan2(to.y(), to.x());
-  if (distance > range_max || std::abs(std::remainder(angle - yaw, 2 * pi)) > field / 2) return false;
+  if (distance > range_max || std::abs(std::remainder(angle - yaw, 2 * pi_d)) > field / 2) return false;
   return world.cast(at, angle) >= distance - 0.02;
 }
 

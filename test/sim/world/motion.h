@@ -6,10 +6,10 @@
 
 #include "core/base/angle.h"
 #include "core/base/pose.h"
+#include "test/sim/world/units.h"
 
 namespace lidard::sim {
 
-constexpr double pi = pi_d;
 using lidard::rad_per_deg;
 
 /// A place on the ground: m and rad, yaw counter-clockwise from x.

@@ -14,10 +14,10 @@ using namespace lidard::sim;
 
 TEST(Trajectory, QuarterCircleEndsBesideItsCentre) {
   // 2 m/s at 0.5 rad/s: a circle of radius 4 m.
-  const Pose2 end = drive({1, 2, 0}, {100, 2, 0.5}, pi / 2 / 0.5);
+  const Pose2 end = drive({1, 2, 0}, {100, 2, 0.5}, lidard::pi_d / 2 / 0.5);
   EXPECT_NEAR(end.x, 1 + 4, 1e-12);
   EXPECT_NEAR(end.y, 2 + 4, 1e-12);
-  EXPECT_NEAR(end.yaw, pi / 2, 1e-12);
+  EXPECT_NEAR(end.yaw, lidard::pi_d / 2, 1e-12);
 }
 
 TEST(Trajectory, TinyYawRateIsNearlyAStraightLine) {

@@ -25,6 +25,8 @@ class Rng {
   }
   /// In [0, 1).
   double uniform() { return static_cast<double>(bits() >> 11U) * 0x1.0p-53; }
+  /// In [-reach, reach).
+  double within(double reach) { return reach * (2 * uniform() - 1); }
   /// Mean 0, standard deviation 1 (Box and Muller; one of the pair is thrown away to keep no state).
   double gaussian() {
     const double radius = std::sqrt(-2 * std::log(1 - uniform()));

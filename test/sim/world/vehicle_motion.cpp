@@ -13,10 +13,10 @@ constexpr double step_s = 1e-4;
 
 SwingingVehicle::SwingingVehicle(std::uint64_t seed, double duration) {
   Rng rng(seed);
-  speed_rate_ = 2 * pi / (1.25 * (1 + rng.uniform()));
-  speed_phase_ = 2 * pi * rng.uniform();
-  turn_rate_ = 2 * pi / (1.25 * (1 + rng.uniform()));
-  turn_phase_ = 2 * pi * rng.uniform();
+  speed_rate_ = 2 * pi_d / (1.25 * (1 + rng.uniform()));
+  speed_phase_ = 2 * pi_d * rng.uniform();
+  turn_rate_ = 2 * pi_d / (1.25 * (1 + rng.uniform()));
+  turn_phase_ = 2 * pi_d * rng.uniform();
   places_.emplace_back(0, 0);
   for (double time = 0; time < duration; time += step_s)
     places_.push_back(places_.back() + way(static_cast<double>(places_.size() - 1) * step_s, step_s));

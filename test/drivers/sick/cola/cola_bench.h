@@ -14,6 +14,10 @@
 
 namespace lidard::test {
 
+inline sim::SickChannel channel(const char* name, std::vector<std::uint16_t> values, bool wide = true) {
+  return {name, 1, 0, -450000, 5000, wide, std::move(values)};
+}
+
 /// A scanner on the desk that speaks CoLa: sends telegrams to a driver and keeps what comes of them.
 class ColaBench final : public DriverOutput {
  public:

