@@ -7,7 +7,9 @@ set(config ${CMAKE_CURRENT_SOURCE_DIR}/config)
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME lidard)
 
 install(TARGETS lidard RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(TARGETS lidard_pcl lidard_outliers LIBRARY DESTINATION lib/lidard/modules COMPONENT pcl)
+if(TARGET lidard_pcl)
+  install(TARGETS lidard_pcl lidard_outliers LIBRARY DESTINATION lib/lidard/modules COMPONENT pcl)
+endif()
 if(TARGET lidard-sim)
   # OPTIONAL: a build of the target lidard alone can be installed too.
   install(TARGETS lidard-sim RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT sim OPTIONAL)

@@ -137,7 +137,7 @@ class Bench:
         shutil.rmtree(self.build / "faults", ignore_errors=True)
         self.build.mkdir(exist_ok=True)
         link = ["-DCMAKE_EXE_LINKER_FLAGS=-fuse-ld=lld"] if shutil.which("ld.lld") else []
-        self.checked(["cmake", "-S", "..", "-B", ".", "-G", "Ninja", "-DLIDARD_WERROR=ON", *link, *self.options],
+        self.checked(["cmake", "-S", "..", "-B", ".", "-G", "Ninja", "-DLIDARD_WERROR=ON", "-DLIDARD_UNITY=OFF", *link, *self.options],
                      "cmake")
         self.checked(["ninja", f"-j{self.jobs}", *targets], "the build of " + ", ".join(targets))
         for entry in json.loads((self.build / "compile_commands.json").read_text()):

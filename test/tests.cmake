@@ -18,6 +18,7 @@ list(FILTER ros_support INCLUDE REGEX "/support/ros_")
 add_library(lidard_support STATIC ${support})
 target_link_libraries(lidard_support PUBLIC lidard_sim GTest::gtest GTest::gmock)
 target_precompile_headers(lidard_support PRIVATE ${common_headers} ${test_headers})
+lidard_unity(lidard_support)
 
 # test/<folder>/*_test.cpp is one GoogleTest program; folders mirror the sources. Its tests run in a few processes, since
 # a process of its own costs most tests more than what they do. Each of these uses one processor; ctest counts halves,
@@ -30,7 +31,10 @@ function(lidard_tests folder shards)
   target_link_libraries(${name} PRIVATE lidard_support ${ARGN} GTest::gtest_main)
   # A test runs for milliseconds; what it calls is optimised.
   target_compile_options(${name} PRIVATE $<$<CONFIG:RelWithDebInfo>:-O1>)
+  # Names of one file may hide those of another one that it is compiled with.
+  set_target_properties(${name} PROPERTIES LIDARD_MAY_SHADOW ON)
   target_precompile_headers(${name} PRIVATE ${common_headers} ${test_headers})
+  lidard_unity(${name})
   foreach(shard RANGE 1 ${shards})
     math(EXPR index "${shard} - 1")
     add_test(NAME ${folder}.${shard} COMMAND ${name})
@@ -69,6 +73,8 @@ set(alone test_bursts test_clock_step test_cola_live test_drop_out test_fault_ta
           test_live_equals_replay test_memory test_network_changes test_network_losses test_network_silence test_node_name
           test_noise test_planes_first test_reload test_soak test_status test_systemd test_velodyne_control
           test_velodyne_rate test_watchdog)
+# What shows that lidard lasts, and its packages: ./test/run --all.
+set(endurance test_bad_packet test_black_box_hour test_bursts test_noise test_package test_soak)
 # What takes longest begins first.
 set(long test_package test_inspect test_import test_decode test_bad_packet)
 file(GLOB system_tests CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/system/test_*.py)
@@ -79,6 +85,9 @@ foreach(script ${system_tests})
     ENVIRONMENT "LIDARD=$<TARGET_FILE:lidard>;LIDARD_SIM=$<TARGET_FILE:lidard-sim>;LIDARD_CLOCK_SHIM=$<TARGET_FILE:clock_shim>;LIDARD_SOURCE_DIR=${CMAKE_CURRENT_SOURCE_DIR}")
   if(name IN_LIST long)
     set_tests_properties(system.${name} PROPERTIES COST 100)
+  endif()
+  if(name IN_LIST endurance)
+    set_tests_properties(system.${name} PROPERTIES LABELS endurance)
   endif()
   if(name IN_LIST alone)
     set_tests_properties(system.${name} PROPERTIES RUN_SERIAL TRUE)

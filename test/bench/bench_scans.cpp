@@ -10,11 +10,10 @@
 #include "drivers/registry/registry.h"
 #include "test/bench/yardstick.h"
 #include "test/sim/servers/velodyne_stream.h"
+#include "test/sim/world/units.h"
 
 namespace lidard {
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
 
 ScanGrid full_circle() {
   ScanGridSpec spec;
@@ -27,7 +26,7 @@ ScanGrid full_circle() {
 PlanarScan room_scan() {
   PlanarScan scan;
   scan.reset(1081, 1, true);
-  scan.set_angles(static_cast<float>(-0.75 * pi), static_cast<float>(1.5 * pi / 1080));
+  scan.set_angles(static_cast<float>(-0.75 * pi_d), static_cast<float>(1.5 * pi_d / 1080));
   scan.range_max = 60;
   scan.scan_time = 0.04F;
   for (std::size_t i = 0; i < scan.beams; ++i) {
@@ -43,8 +42,8 @@ PlanarScan room_scan() {
 
 void merge(benchmark::State& state) {
   Merger merger(full_circle(), {}, 2);
-  const Pose left = make_pose({1.2, 0.6, 0.2}, {0, 0, pi / 4});
-  const Pose right = make_pose({-1.2, -0.6, 0.2}, {0, 0, -0.75 * pi});
+  const Pose left = make_pose({1.2, 0.6, 0.2}, {0, 0, pi_d / 4});
+  const Pose right = make_pose({-1.2, -0.6, 0.2}, {0, 0, -0.75 * pi_d});
   PlanarScan scan = room_scan();
   PlanarScan merged;
   const std::vector<MergedScan> outputs = {{Profile::flatten, &merged}};
