@@ -33,7 +33,7 @@ TEST(ScanGrid, SatisfiesSlamToolboxForEveryFullCircle) {
     PlanarScan scan;
     grid_of(spec).prepare(scan, false);
     ASSERT_EQ(scan.beams, n);
-    // With a step of 2 pi_d / n the span misses the full turn by one increment, which Karto counts as open.
+    // With a step of 2 pi / n the span misses the full turn by one increment, which Karto counts as open.
     ASSERT_EQ(karto_count(scan), n) << n;
   }
 }

@@ -170,7 +170,7 @@ TEST(TcpConnections, DialTheSenderWhereNoAddressIsConfiguredAndNobodyInListenOnl
   }
 }
 
-/// A sensor's stand-in that sends numbered datagrams over this_host.
+/// A sensor's stand-in that sends numbered datagrams over loopback.
 class Sender {
  public:
   explicit Sender(std::uint16_t port) : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {

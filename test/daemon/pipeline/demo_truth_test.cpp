@@ -63,7 +63,7 @@ struct DemoDrive {
       const bool planar = config.find_sensor(name)->model->kind == FrameKind::scan;
       if (planar || frames.empty()) frames.push_back({packet.measurement->begin, {}});
       for (const auto& slot : packet.measurement->slots) {
-        // The device counts azimuth from 0 to 2 pi_d; firing sequences begin at laser 0.
+        // The device counts azimuth from 0 to 2 pi; firing sequences begin at laser 0.
         if (!planar && slot.laser == 0) {
           if (slot.azimuth < last_azimuth[name] - pi_d) frames.push_back({slot.time, {}});
           last_azimuth[name] = slot.azimuth;
