@@ -54,6 +54,8 @@ set_tests_properties(drivers.mills PROPERTIES PROCESSORS 3 TIMEOUT 900 LABELS en
   "GTEST_FILTER=${mills};GTEST_OUTPUT=xml:${CMAKE_CURRENT_BINARY_DIR}/Testing/drivers.mills.xml")
 # What users' programs and ira_laser_tools make of scans with; the daemon needs none of them.
 pkg_check_modules(ANCESTOR REQUIRED IMPORTED_TARGET laser_geometry tf pcl_common)
+list(REMOVE_ITEM ANCESTOR_INCLUDE_DIRS /include)
+set_target_properties(PkgConfig::ANCESTOR PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${ANCESTOR_INCLUDE_DIRS}")
 lidard_tests(daemon 6 lidard_daemon lidard_rosbag PkgConfig::ANCESTOR)
 target_sources(test_daemon PRIVATE ${ros_support})
 # The modules are loaded at run time.

@@ -62,7 +62,7 @@ class Daemon {
         planes_(plan_->parts[0], clock_, box_, ros_.poses(), ros_.sink(Lane::planes)),
         clouds_(plan_->parts[1], clock_, box_, ros_.poses(), ros_.sink(Lane::clouds)),
         signals_(planes_.io(), SIGINT, SIGTERM),
-        wishes_(planes_.io(), SIGHUP, SIGUSR1),
+        requests_(planes_.io(), SIGHUP, SIGUSR1),
         socket_(planes_.io(),
                 {{"status", [this](const auto& reply) { reply(status_json(state(), journal_)); }},
                  {"events", [this](const auto& reply) { reply(events_json(journal_)); }},
@@ -95,7 +95,7 @@ class Daemon {
       log_info("stopping on signal {}", signal);
       planes_.stop();
     });
-    wait_for_wishes();
+    wait_for_signals();
     ros_.start();
     ros_.sink(Lane::planes).transforms(planes_.pipeline().static_transforms(), clock_.now());
     if (const std::string trouble = socket_.start(runtime_socket_path()); !trouble.empty())
@@ -159,14 +159,14 @@ class Daemon {
           planes_.post(take_over);
         });
   }
-  void wait_for_wishes() {
-    wishes_.async_wait([this](const boost::system::error_code& error, int signal) {
+  void wait_for_signals() {
+    requests_.async_wait([this](const boost::system::error_code& error, int signal) {
       if (error) return;
       if (signal == SIGHUP)
         reload();
       else
         box_.dump([](const std::string& said) { log_info("SIGUSR1: {}", said); });
-      wait_for_wishes();
+      wait_for_signals();
     });
   }
   /// Reads the file again. A wrong one changes nothing. In a thread of its own, since a calibration takes its
@@ -342,7 +342,7 @@ class Daemon {
   std::uint64_t clouds_rounds_ = 0;
   std::array<LaneState, 2> states_;
   boost::asio::signal_set signals_;
-  boost::asio::signal_set wishes_;  // that do not end the daemon
+  boost::asio::signal_set requests_;  // that do not end the daemon
   int ticks_ = 0;
   int exit_code_ = exit_ok;
   std::chrono::steady_clock::time_point fed_ = std::chrono::steady_clock::now();

@@ -15,22 +15,22 @@
 
 namespace lidard {
 
-/// The host's clocks as the threads of a daemon share them: what comes in is told in the time without steps.
-/// The clocks are read at each call, so that a step is known before the first stamp after it is used.
+/// The host's clocks, shared by the threads of a daemon. Arrivals are converted to the time without steps.
+/// The clocks are read at each call, so that a step is known before the first stamp after the step is used.
 class DaemonClock {
  public:
-  /// `stepped` takes HostClock::step() whenever it is another one; called in the thread that notices first.
+  /// `stepped` is called with HostClock::step() when its value changes, in the thread that notices the step.
   explicit DaemonClock(std::function<void(Span)> stepped) : stepped_(std::move(stepped)) {}
 
   /// Now, in the time without steps.
   Stamp now() {
     const std::lock_guard lock(mutex_);
-    return clock_.steady(look());
+    return clock_.steady(read());
   }
   /// A stamp of the host's clock in the time without steps.
   Stamp without_steps(Stamp taken) {
     const std::lock_guard lock(mutex_);
-    const ClockReading reading = look();
+    const ClockReading reading = read();
     return clock_.steady(taken, reading);
   }
   /// What the host's clock says at a time without steps.
@@ -45,7 +45,7 @@ class DaemonClock {
   }
   DiagnosticItem item() {
     const std::lock_guard lock(mutex_);
-    const Stamp now = clock_.steady(look());
+    const Stamp now = clock_.steady(read());
     DiagnosticItem item{"clock"};
     item.logged = true;
     item.message = "the host's clock runs evenly";
@@ -62,7 +62,7 @@ class DaemonClock {
   }
 
  private:
-  ClockReading look() {
+  ClockReading read() {
     const ClockReading reading = read_clocks();
     if (const auto step = clock_.observe(reading)) {
       set_at_ = clock_.steady(reading);

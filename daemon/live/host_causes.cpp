@@ -15,7 +15,8 @@ bool is_received(const SensorConfig& sensor) {
   return sensor.model != nullptr && sensor.packet_topic.empty();
 }
 
-/// The interfaces that a sensor's packets can come in at: those of its network, else the one of its groups.
+/// The interfaces at which a sensor's packets can arrive: those in its network, else that of its multicast
+/// group.
 std::vector<const HostInterface*> interfaces_of(const SensorConfig& sensor, const HostNetwork& network) {
   std::vector<const HostInterface*> found;
   for (const HostInterface& each : network.interfaces) {
@@ -28,13 +29,14 @@ std::vector<const HostInterface*> interfaces_of(const SensorConfig& sensor, cons
   return found;
 }
 
-/// An address for this host in the network of the sensor, which most often has 24 bits.
+/// An address for this host in the sensor's network; most of these have a prefix of 24 bits.
 std::string address_beside(IpAddress sensor) {
   sensor.bytes[3] = sensor.bytes[3] == 100 ? 101 : 100;
   return sensor.to_string() + "/24";
 }
 
-/// The interface that the sensor is probably plugged into: one without an address before one with another.
+/// The interface that the sensor is probably plugged into. One without an address is likelier than one with
+/// an address in another network.
 std::string likely_interface(const HostNetwork& network) {
   const HostInterface* best = nullptr;
   for (const HostInterface& each : network.interfaces) {
@@ -79,9 +81,8 @@ std::string path_filter_hint(const HostCounts& counts) {
   if (dropped < 1) return {};
   return fmt::format(
       "the reverse path filter of this host drops {:.0f} packets/s: they come in at an interface that does "
-      "not lead "
-      "back to their sender; give that interface an address in the sensor's network, or run `sysctl -w "
-      "net.ipv4.conf.all.rp_filter=0 net.ipv4.conf.INTERFACE.rp_filter=0`",
+      "not lead back to their sender; give that interface an address in the sensor's network, or run `sysctl "
+      "-w net.ipv4.conf.all.rp_filter=0 net.ipv4.conf.INTERFACE.rp_filter=0`",
       dropped);
 }
 
@@ -94,16 +95,14 @@ std::string host_hint(const SensorConfig& sensor, const HostCounts& counts) {
   if (unheard >= std::max(2.0, 0.2 * expected))
     return fmt::format(
         "{:.0f} datagrams/s come to ports of this host where nobody listens; does the sensor send to another "
-        "port "
-        "than {}? `tcpdump -ni any udp and src host {}` shows it",
+        "port than {}? `tcpdump -ni any udp and src host {}` shows it",
         unheard, sensor.ip_port, who);
   const double foreign = rate(counts.before.for_others, counts.now.for_others, counts.time_s);
   if (foreign >= std::max(2.0, 0.2 * expected))
     return fmt::format(
         "{:.0f} packets/s come in for an address that this host does not have; does the sensor send "
-        "elsewhere? "
-        "`tcpdump -ni any udp and src host {}` shows where to; set its destination to an address of this "
-        "host",
+        "elsewhere? `tcpdump -ni any udp and src host {}` shows where to; set its destination to an address "
+        "of this host",
         foreign, who);
   const auto interfaces = interfaces_of(sensor, counts.now);
   const auto earlier = interfaces_of(sensor, counts.before);
@@ -116,12 +115,11 @@ std::string host_hint(const SensorConfig& sensor, const HostCounts& counts) {
   if (came < 0.5 * expected || counts.others_talk) return {};
   return fmt::format(
       "{:.0f} packets/s come in at {}, but none from {} to port {}; does it send elsewhere, or does a "
-      "firewall drop "
-      "them? Compare `tcpdump -ni {} src host {}` with `nft list ruleset`",
+      "firewall drop them? Compare `tcpdump -ni {} src host {}` with `nft list ruleset`",
       came, in.to_string(), who, sensor.ip_port, in.name, who);
 }
 
-void NeighbourWatch::see(const std::string& hardware, Clock::time_point now) {
+void NeighbourWatch::observe(const std::string& hardware, Clock::time_point now) {
   if (hardware == hardware_) return;
   if (hardware == before_) returned_ = now;
   before_ = std::exchange(hardware_, hardware);
@@ -150,9 +148,10 @@ void HostCauses::watch_addresses() {
   const auto now = Clock::now();
   if (now - watched_ < std::chrono::seconds(1)) return;
   watched_ = now;
-  const auto neighbours = look_at_neighbours();
+  const auto neighbours = read_neighbours();
   for (auto& [address, watch] : addresses_) {
-    if (const auto found = neighbours.find(address); found != neighbours.end()) watch.see(found->second, now);
+    if (const auto found = neighbours.find(address); found != neighbours.end())
+      watch.observe(found->second, now);
   }
 }
 
@@ -168,13 +167,13 @@ void HostCauses::add_diagnostics(std::vector<DiagnosticItem>& items) const {
   }
 }
 
-void HostCauses::look() {
+void HostCauses::refresh() {
   constexpr auto fresh = std::chrono::milliseconds(900);
   const auto now = Clock::now();
   if (!stale_ && now_ && now - now_->at < fresh) return;
-  // What was counted between two looks counts only where the interfaces were the same.
+  // Counters of different interfaces cannot be compared.
   before_ = stale_ ? std::nullopt : std::move(now_);
-  now_ = Look{look_at_network(), ports_.datagrams(), now};
+  now_ = Snapshot{read_network(), ports_.datagrams(), now};
   stale_ = false;
 }
 
@@ -192,9 +191,9 @@ std::string HostCauses::trouble(std::size_t sensor) {
   if (config.model->transport == Transport::udp) {
     if (std::string port = ports_.trouble(config.ip_port); !port.empty()) return port;
   }
-  look();
+  refresh();
   const bool has_route = config.ip_address && has_route_to(*config.ip_address);
-  // The connection itself says more of a device behind a router.
+  // For a device behind a router the state of the connection says more.
   const bool is_remote = has_route && config.model->transport == Transport::tcp;
   if (is_remote && interfaces_of(config, now_->network).empty()) return {};
   std::string text = host_trouble(config, now_->network, has_route);
@@ -204,7 +203,7 @@ std::string HostCauses::trouble(std::size_t sensor) {
 }
 
 std::string HostCauses::hint(std::size_t sensor) {
-  look();
+  refresh();
   const auto counted = counts();
   return counted ? host_hint(sensors_.at(sensor), *counted) : std::string();
 }

@@ -16,7 +16,7 @@ namespace lidard {
 
 /// What is wrong with this host's network, seen from a sensor, with the remedy; empty: nothing.
 std::string host_trouble(const SensorConfig& sensor, const HostNetwork& network, bool has_route);
-/// What was counted between two looks at this host's network.
+/// Two readings of this host's network and the time between them.
 struct HostCounts {
   const HostNetwork& before;
   const HostNetwork& now;
@@ -25,15 +25,16 @@ struct HostCounts {
 };
 /// That the reverse path filter drops packets; empty: it does not.
 std::string path_filter_hint(const HostCounts& counts);
-/// Why nothing may come from a sensor that sends datagrams; empty: no idea.
+/// The likely reason why no datagram comes from a sensor; empty: unknown.
 std::string host_hint(const SensorConfig& sensor, const HostCounts& counts);
 
-/// Follows the hardware address of a neighbour. Two that take turns are two devices with one IP address.
+/// Follows the hardware address of a neighbour. Two hardware addresses in turn are two devices with one IP
+/// address.
 class NeighbourWatch {
  public:
   using Clock = std::chrono::steady_clock;
-  void see(const std::string& hardware, Clock::time_point now);
-  /// Both of them; empty: there were not two in the last ten minutes.
+  void observe(const std::string& hardware, Clock::time_point now);
+  /// Both hardware addresses; empty: only one was seen in the last ten minutes.
   std::string rivals(Clock::time_point now) const;
 
  private:
@@ -41,8 +42,8 @@ class NeighbourWatch {
   std::optional<Clock::time_point> returned_;
 };
 
-/// Looks at this host's network when a sensor is silent: at most once per second, and when interfaces have
-/// changed.
+/// Reads the state of this host's network when a sensor is silent: at most once per second, and again after
+/// interfaces have changed.
 class HostCauses {
  public:
   /// `ports` must outlive this.
@@ -53,25 +54,25 @@ class HostCauses {
   /// As host_trouble(), or why the sensor's port cannot be opened. `sensor`: place in the configuration.
   std::string trouble(std::size_t sensor);
   std::string hint(std::size_t sensor);
-  /// To be called often: looks once a second who has the sensors' addresses.
+  /// To be called often; reads once a second which hardware has the sensors' addresses.
   void watch_addresses();
   /// An item for each address that two devices have.
   void add_diagnostics(std::vector<DiagnosticItem>& items) const;
 
  private:
   using Clock = std::chrono::steady_clock;
-  struct Look {
+  struct Snapshot {
     HostNetwork network;
     std::uint64_t datagrams;  // of all our ports
     Clock::time_point at;
   };
-  void look();
+  void refresh();
   std::optional<HostCounts> counts() const;
 
   std::vector<SensorConfig> sensors_;
   const UdpPorts& ports_;
-  bool others_may_talk_ = false;  // of whom ports_ does not know
-  std::optional<Look> before_, now_;
+  bool others_may_talk_ = false;  // senders whose packets ports_ does not count
+  std::optional<Snapshot> before_, now_;
   std::map<IpAddress, NeighbourWatch> addresses_;  // of sensors
   Clock::time_point watched_{};
   bool stale_ = true;

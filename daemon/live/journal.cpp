@@ -14,7 +14,7 @@ std::string without_figures(std::string text) {
   return text;
 }
 
-/// What happens again within this time is no other incident.
+/// An event that recurs within this time belongs to the same incident.
 constexpr Span one_incident = std::chrono::minutes(10);
 
 bool is_again(const Event& before, const Event& now) {
@@ -39,7 +39,7 @@ std::vector<std::string> Journal::update(const std::vector<DiagnosticItem>& item
 }
 
 void Journal::add(Event event) {
-  if (is_to_be_told(event)) told_(event);
+  if (should_log(event)) log_(event);
   const auto before = std::find_if(events_.rbegin(), events_.rend(),
                                    [&](const Event& known) { return is_again(known, event); });
   if (before != events_.rend()) {
@@ -53,18 +53,19 @@ void Journal::add(Event event) {
   ++forgotten_;
 }
 
-bool Journal::is_to_be_told(const Event& event) {
+bool Journal::should_log(const Event& event) {
   Known& known = known_[event.source];
   const auto is_old = [&](Stamp at) { return event.at - at > one_incident || at > event.at; };
-  known.told.erase(std::remove_if(known.told.begin(), known.told.end(), is_old), known.told.end());
-  if (known.told.size() < most_told) {
+  known.logged_at.erase(std::remove_if(known.logged_at.begin(), known.logged_at.end(), is_old),
+                        known.logged_at.end());
+  if (known.logged_at.size() < most_logged) {
     known.flaps = false;
-    known.told.push_back(event.at);
+    known.logged_at.push_back(event.at);
     return true;
   }
   if (!std::exchange(known.flaps, true))
-    told_({event.at, event.source, event.health,
-           event.text + " (changes to and fro; `lidard events` counts what follows)"});
+    log_({event.at, event.source, event.health,
+          event.text + " (changes to and fro; `lidard events` counts what follows)"});
   return false;
 }
 

@@ -13,49 +13,49 @@
 
 namespace lidard {
 
-/// Something changed that an operator wants to know of.
+/// A change of state that an operator wants to know of.
 struct Event {
   Stamp at;  ///< on the host's clock
   std::string source;
   Health health = Health::ok;
   std::string text;         ///< a sentence, with the remedy unless health is ok
   bool logged = false;      ///< the log has it already, and more of it
-  std::uint64_t count = 1;  ///< how often it happened, `at` being the last time,
-  Stamp first = at;         ///< and this the first one
+  std::uint64_t count = 1;  ///< occurrences; `at` is the last one
+  Stamp first = at;         ///< the first occurrence
 };
 
-/// The changes of state of a running daemon: it compares the items of /diagnostics with what was known. A
-/// figure alone is no news; neither is that something is well from the beginning. What happens again within
-/// ten minutes is counted in one event.
+/// The changes of state of a running daemon, found by comparing the items of /diagnostics with the previous
+/// ones. A change of figures alone is no event, nor is an item that is ok from the start. An event that
+/// recurs within ten minutes is counted in one entry.
 class Journal {
  public:
-  /// `told`: is called with each event when it is noted, but not with those of a source that changes to and
-  /// fro (more than `most_told` within ten minutes), which would flood a log.
-  explicit Journal(std::function<void(const Event&)> told) : told_(std::move(told)) {}
+  /// `log` is called with each event, but at most `most_logged` times within ten minutes for one source: a
+  /// source that changes to and fro must not flood the log.
+  explicit Journal(std::function<void(const Event&)> told) : log_(std::move(told)) {}
 
-  /// Returns what went to ERROR and had worked since the start, each as its source and its text without
-  /// figures.
+  /// Returns the items that became ERROR after they had worked since the start, each as its source and its
+  /// text without figures.
   std::vector<std::string> update(const std::vector<DiagnosticItem>& items, Stamp now);
   void add(Event event);
 
-  /// In the order in which they happened last, at most `most_events`.
+  /// At most `most_events`, ordered by their last occurrence.
   const std::deque<Event>& events() const { return events_; }
-  /// How many older ones are forgotten.
+  /// How many older events were dropped.
   std::uint64_t forgotten() const { return forgotten_; }
 
   static constexpr std::size_t most_events = 1000;
-  static constexpr std::size_t most_told = 10;
+  static constexpr std::size_t most_logged = 10;
 
  private:
   struct Known {
     Health health = Health::ok;
-    std::string text;        // without figures
-    std::deque<Stamp> told;  // within the last ten minutes
+    std::string text;             // without figures
+    std::deque<Stamp> logged_at;  // within the last ten minutes
     bool flaps = false;
   };
-  bool is_to_be_told(const Event& event);
+  bool should_log(const Event& event);
 
-  std::function<void(const Event&)> told_;
+  std::function<void(const Event&)> log_;
   std::map<std::string, Known> known_;
   std::deque<Event> events_;
   std::uint64_t forgotten_ = 0;

@@ -4,11 +4,11 @@
 
 namespace lidard {
 
-/// Clouds of 10 MB come and go ten times a second. Each gets memory of its own, which the system has back
-/// after it; in the heaps of several threads they would leave holes.
+/// Lets clouds of 10 MB, which come and go ten times a second, have memory mappings of their own that are
+/// returned to the system. In the heaps of several threads they would leave holes.
 void keep_heap_small();
-/// Where $LIDARD_LOCK_MEMORY asks for it: memory that is swapped out is late. Below a limit nothing is
-/// locked, since what is allocated later would fail there.
+/// Locks the memory if $LIDARD_LOCK_MEMORY is set, since swapped memory delays a scan. Does nothing if the
+/// process has a limit of locked memory, since later allocations would fail.
 void lock_memory();
 
 }  // namespace lidard

@@ -10,24 +10,26 @@
 
 namespace lidard {
 
-/// Where a daemon is asked how it is: $LIDARD_SOCKET, or `control` in $RUNTIME_DIRECTORY (systemd), else in
-/// $XDG_RUNTIME_DIR/lidard, else in /run/lidard.
+/// The path of a daemon's runtime socket: $LIDARD_SOCKET, or `control` in $RUNTIME_DIRECTORY (systemd), else
+/// in $XDG_RUNTIME_DIR/lidard, else in /run/lidard.
 std::string runtime_socket_path();
-/// Where to ask the daemon that runs: there, or, where no such daemon is, the one of the service.
+/// The socket of the running daemon: the path above, or that of the service if no socket exists there.
 std::string running_socket_path();
 
-/// Answers questions of programs on the same computer, over a socket in the file system: one line with a word
-/// comes in, a text goes out, and the connection ends. Whoever may write to the socket's file may ask.
+/// Answers requests of programs on the same computer over a socket in the file system: a request is one line
+/// with one word, the answer is a text, and the connection is closed. Everybody with write access to the
+/// socket's file may send requests.
 class RuntimeSocket {
  public:
   using Reply = std::function<void(std::string text)>;
-  /// What is done for each word. Called from within `io`, as `reply` has to be, at once or later.
+  /// A handler for each word, called from within `io`. It calls `reply` from within `io` too, at once or
+  /// later.
   using Answers = std::map<std::string, std::function<void(const Reply& reply)>>;
 
   RuntimeSocket(boost::asio::io_context& io, Answers answers);
   ~RuntimeSocket();  // NOLINT(bugprone-exception-escape): see there
 
-  /// Empty, or why nobody can ask: another daemon answers there, the folder cannot be written to.
+  /// Empty, or why the socket cannot be opened: another daemon answers there, or the folder is not writable.
   std::string start(const std::string& path);
   void stop();
 
@@ -38,10 +40,10 @@ class RuntimeSocket {
   boost::asio::local::stream_protocol::acceptor acceptor_;
   boost::asio::steady_timer pause_;
   const Answers answers_;
-  std::string path_;  // while it is ours
+  std::string path_;  // empty: not opened
 };
 
-/// Asks the daemon at `path`; throws std::runtime_error with the remedy if there is none.
+/// Sends a request to the daemon at `path`; throws std::runtime_error with the remedy if there is none.
 std::string ask_daemon(const std::string& path, const std::string& word);
 
 }  // namespace lidard

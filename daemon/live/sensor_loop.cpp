@@ -27,33 +27,34 @@ SensorLoop::SensorLoop(const Config& config, DaemonClock& clock, BlackBox& box, 
       pipeline_(config, transforms, sink),
       ports_(io_, config,
              [this](const Packet& packet) {
-               take(packet, [this](const Packet& timed) { pipeline_.packet(timed); });
+               handle(packet, [this](const Packet& timed) { pipeline_.packet(timed); });
              }),
       host_causes_(config, ports_),
-      links_(io_, config,
-             {[this](std::size_t sensor, const Packet& packet) {
-                take(packet, [&](const Packet& timed) { pipeline_.chunk(sensor, timed); });
-              },
-              [this](std::size_t sensor, Stamp at) { pipeline_.connected(sensor, clock_.without_steps(at)); },
-              [this](std::size_t sensor) { pipeline_.disconnected(sensor); },
-              [this](std::size_t sensor) { return pipeline_.frames(sensor); },
-              [this](std::size_t sensor) { return host_causes_.trouble(sensor); },
-              [this](std::size_t sensor) { return host_causes_.hint(sensor); }}),
+      connections_(
+          io_, config,
+          {[this](std::size_t sensor, const Packet& packet) {
+             handle(packet, [&](const Packet& timed) { pipeline_.chunk(sensor, timed); });
+           },
+           [this](std::size_t sensor, Stamp at) { pipeline_.connected(sensor, clock_.without_steps(at)); },
+           [this](std::size_t sensor) { pipeline_.disconnected(sensor); },
+           [this](std::size_t sensor) { return pipeline_.frames(sensor); },
+           [this](std::size_t sensor) { return host_causes_.trouble(sensor); },
+           [this](std::size_t sensor) { return host_causes_.hint(sensor); }}),
       interfaces_(io_,
                   [this] {
                     host_causes_.interfaces_changed();
-                    ports_.look_again();
-                    links_.look_again();
+                    ports_.interfaces_changed();
+                    connections_.interfaces_changed();
                   }),
       timer_(io_),
       event_timer_(io_) {
-  pipeline_.set_links(&links_);
+  pipeline_.set_links(&connections_);
   pipeline_.add_diagnostics([this](std::vector<DiagnosticItem>& items) {
     add_items(items);
     ports_.add_diagnostics(items);
-    links_.add_diagnostics(items);
+    connections_.add_diagnostics(items);
     host_causes_.add_diagnostics(items);
-    on_state({items, lidars_alive(), ports_.open(), links_.connected()});
+    on_state({items, lidars_alive(), ports_.open(), connections_.connected()});
   });
 }
 
@@ -66,7 +67,7 @@ void SensorLoop::post(std::function<void(Stamp)> task) {
 
 void SensorLoop::run() {
   ports_.start();
-  links_.start();
+  connections_.start();
   if (const std::string trouble = interfaces_.start(); !trouble.empty()) log_warn("{}", trouble);
   next_tick_ = std::chrono::steady_clock::now();
   schedule_tick();
@@ -77,7 +78,7 @@ void SensorLoop::configure(const Config& config, FrameSink& sink) {
   pipeline_.set_sinks({&sink});
   pipeline_.configure(config);
   ports_.configure(config);
-  links_.configure(config);
+  connections_.configure(config);
   host_causes_.configure(config);
   next_event_.reset();
   arm();
@@ -87,12 +88,12 @@ void SensorLoop::finish() {
   interfaces_.stop();
   ports_.stop();
   pipeline_.finish(clock_.now());
-  links_.stop();
+  connections_.stop();
   for (const auto& sensor : pipeline_.report()) log_sensor(sensor);
 }
 
 LaneState SensorLoop::state() {
-  return {pipeline_.diagnostics(clock_.now()), lidars_alive(), ports_.open(), links_.connected()};
+  return {pipeline_.diagnostics(clock_.now()), lidars_alive(), ports_.open(), connections_.connected()};
 }
 
 Share SensorLoop::lidars_alive() const {
@@ -105,8 +106,8 @@ Share SensorLoop::lidars_alive() const {
   return alive;
 }
 
-/// A round of the thread, if one is due.
-void SensorLoop::live() {
+/// Reports that the thread runs, if a report is due.
+void SensorLoop::report_round() {
   const auto now = std::chrono::steady_clock::now();
   if (now < next_round_) return;
   next_round_ = now + tick_period;
@@ -115,8 +116,8 @@ void SensorLoop::live() {
 }
 
 template <class Use>
-void SensorLoop::take(const Packet& packet, Use use) {
-  live();
+void SensorLoop::handle(const Packet& packet, Use use) {
+  report_round();
   Packet timed = packet;
   timed.arrival = clock_.without_steps(packet.arrival);
   box_.add(timed);
@@ -124,28 +125,29 @@ void SensorLoop::take(const Packet& packet, Use use) {
   arm();
 }
 
-/// Calls `then` with the time that it is now, after all that has arrived by now: what waits in a socket while
-/// this thread is busy is not late.
+/// Calls `then` with the present time after all packets that have arrived by now are handled: a packet that
+/// waited in a socket while this thread was busy is not late.
 template <class Then>
 void SensorLoop::catch_up(Then then) {
-  // A handler that is posted runs before those of sockets found ready meanwhile, the next one after them.
+  // The first posted handler runs before those of sockets that became ready meanwhile, the second one after
+  // them.
   boost::asio::post(io_,
                     [this, then, now = clock_.now()] { boost::asio::post(io_, [then, now] { then(now); }); });
 }
 
 void SensorLoop::schedule_tick() {
-  // After a stop nobody needs the ticks that were missed.
+  // Ticks that were missed while the process was stopped are left out.
   next_tick_ = std::max(next_tick_ + tick_period, std::chrono::steady_clock::now());
   timer_.expires_at(next_tick_);
   timer_.async_wait([this](const boost::system::error_code& error) {
     if (error) return;
-    live();
+    report_round();
     catch_up([this](Stamp now) { tick(now); });
     schedule_tick();
   });
 }
 
-/// Sets the timer to the next thing that the pipeline has to do without new input.
+/// Sets the timer to the pipeline's next event.
 void SensorLoop::arm() {
   const auto event = pipeline_.next_event();
   if (!event || event == next_event_) return;
@@ -164,11 +166,11 @@ void SensorLoop::arm() {
 void SensorLoop::tick(Stamp now) {
   pipeline_.tick(now);
   arm();
-  links_.tick();
+  connections_.tick();
   ports_.note_changes();
   host_causes_.watch_addresses();
   ports_are_taken_ = ports_.taken();
-  links_.log_first();
+  connections_.log_first();
   on_tick(now);
 }
 

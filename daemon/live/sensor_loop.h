@@ -23,14 +23,14 @@
 
 namespace lidard {
 
-/// What a lane of the daemon tells of itself.
+/// The state of a lane of the daemon.
 struct LaneState {
   std::vector<DiagnosticItem> items;
   Share lidars_alive, open_ports, connected_devices;
 };
 
-/// One lane of a running daemon: its sockets and its pipeline, in the one thread that calls run(). Whatever
-/// others want of it they post.
+/// One lane of a running daemon: its sockets and its pipeline, used only by the thread that calls run().
+/// Other threads post tasks.
 class SensorLoop {
  public:
   /// `config` as part_of() gives it. The rest must outlive this.
@@ -39,35 +39,35 @@ class SensorLoop {
 
   boost::asio::io_context& io() { return io_; }
   Pipeline& pipeline() { return pipeline_; }
-  /// Called in the thread of run(), about ten times a second: while the thread lives, whatever it has to
-  /// catch up; when it has caught up; and with the state of the lane whenever /diagnostics is told it.
+  /// Called in the thread of run(). on_round: about ten times a second, also while packets wait. on_tick:
+  /// about ten times a second, when no packet waits. on_state: with each list of diagnostics.
   std::function<void()> on_round = [] {};
   std::function<void(Stamp now)> on_tick = [](Stamp) {};
   std::function<void(const LaneState&)> on_state = [](const LaneState&) {};
-  /// Adds what somebody else knows to the items of the lane.
+  /// Adds items to the diagnostics of the lane.
   std::function<void(std::vector<DiagnosticItem>&)> add_items = [](std::vector<DiagnosticItem>&) {};
 
-  /// Does `task` in the thread of run(), with the time without steps at which it was posted.
+  /// Runs `task` in the thread of run(), with the time without steps at which it was posted.
   void post(std::function<void(Stamp)> task);
-  /// Opens sockets and works until stop().
+  /// Opens the sockets and runs until stop().
   void run();
-  /// From now on works after another configuration, into another sink. What stays the same goes on.
+  /// Applies another configuration and another sink. Entries that stay the same are not interrupted.
   void configure(const Config& config, FrameSink& sink);
-  /// May be called by any thread.
+  /// Thread-safe.
   void stop() { io_.stop(); }
-  /// After run(): closes the sockets, counts what is still in doubt of the last packets, and logs what came.
+  /// After run(): closes the sockets, completes the counters, and logs them.
   void finish();
-  /// Of the calling thread's own lane only.
+  /// Only for the thread of run().
   LaneState state();
-  /// Grows about ten times a second while the thread lives. May be asked for by any thread.
+  /// Grows about ten times a second while the thread runs. Thread-safe.
   std::uint64_t rounds() const { return rounds_; }
-  /// Whether another program has one of the ports. May be asked for by any thread.
+  /// Whether another program holds one of the ports. Thread-safe.
   bool ports_are_taken() const { return ports_are_taken_; }
 
  private:
-  void live();
+  void report_round();
   template <class Use>
-  void take(const Packet& packet, Use use);
+  void handle(const Packet& packet, Use use);
   template <class Then>
   void catch_up(Then then);
   void schedule_tick();
@@ -81,7 +81,7 @@ class SensorLoop {
   Pipeline pipeline_;
   UdpPorts ports_;
   HostCauses host_causes_;
-  TcpConnections links_;
+  TcpConnections connections_;
   InterfaceWatch interfaces_;
   boost::asio::steady_timer timer_;
   boost::asio::steady_timer event_timer_;

@@ -23,7 +23,7 @@
 namespace lidard {
 namespace {
 
-/// %j: the level as journald reads it at the begin of a line (sd-daemon(3)).
+/// %j: the level as journald expects it at the start of a line (sd-daemon(3)).
 class JournalLevel : public spdlog::custom_flag_formatter {
  public:
   void format(const spdlog::details::log_msg& message, const std::tm&, spdlog::memory_buf_t& to) override {
@@ -68,8 +68,9 @@ std::shared_ptr<spdlog::logger> terminal_logger() {
   return logger;
 }
 
-/// sd_notify() waits while the service manager does not read; the thread that receives must not. What does
-/// not fit into the manager's queue is dropped: the next one comes soon. Addresses: sd_notify(3).
+/// sd_notify() blocks while the service manager does not read; the sensor thread must not block. A message
+/// that does not fit into the manager's queue is dropped, since the next one follows soon. Addresses:
+/// sd_notify(3).
 void notify_without_waiting(const std::string& text) {
   const char* const given = std::getenv("NOTIFY_SOCKET");
   const std::string_view path = given == nullptr ? "" : given;

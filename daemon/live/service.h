@@ -14,18 +14,18 @@ void set_up_logging(const std::string& level = "info");
 /// True if file descriptor 2 is the journal's stream that systemd announced in $JOURNAL_STREAM.
 bool stderr_is_journal();
 
-/// What systemd counted of this service before: "restarted 3 times by systemd, last killed by its watchdog at
-/// 2026-11-23T14:03:22Z"; empty: neither, or nobody knows. May take half a second.
+/// What systemd counted of earlier runs of this service: "restarted 3 times by systemd, last killed by its watchdog at
+/// 2026-11-23T14:03:22Z"; empty: neither, or unknown. May take half a second.
 std::string service_history();
 
-/// Tells systemd how we are. Does nothing where no service manager asked for it ($NOTIFY_SOCKET).
+/// Reports the state of the daemon to systemd. Does nothing without a service manager ($NOTIFY_SOCKET).
 class ServiceManager {
  public:
   /// The configuration is valid, sockets are open, the pipeline runs.
   void ready(const std::string& status);
   /// One line for `systemctl status`.
   void status(const std::string& text);
-  /// Until the next ready() a changed configuration is put in force.
+  /// A changed configuration is being applied, until the next ready().
   void reloading();
   void stopping();
   /// To be called at least twice per WatchdogSec= of the unit.

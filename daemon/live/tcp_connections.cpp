@@ -9,11 +9,12 @@
 namespace lidard {
 namespace {
 
-/// Longer than a driver waits for an answer (Patience::most), or for a motor that starts: it knows better.
+/// Longer than a driver waits for an answer (Patience::most) or for a motor that starts, so that the driver
+/// decides first.
 constexpr Span first_frame_patience = std::chrono::seconds(12);
 constexpr Span least_silence = std::chrono::seconds(1);
 
-/// How long a stream may be silent: three scans, and those that are left out between two.
+/// How long a stream may be silent: three scans, counting those that the device skips.
 Span silence_of(const SensorConfig& sensor) {
   const int scans = 3 * (1 + sensor.driver.requests.skip.value_or(0));
   return std::max(least_silence, span_from_seconds(scans * sensor.model->frame_period));
@@ -30,14 +31,14 @@ std::string text_of(const TcpState& state, bool streams) {
 
 }  // namespace
 
-TcpConnections::TcpConnections(boost::asio::io_context& io, const Config& config, LinkEvents events,
+TcpConnections::TcpConnections(boost::asio::io_context& io, const Config& config, ConnectionEvents events,
                                TcpOptions options)
     : io_(io), events_(std::move(events)), options_(options) {
   configure(config);
 }
 
 void TcpConnections::configure(const Config& config) {
-  std::vector<std::unique_ptr<Link>> before = std::exchange(links_, {});
+  std::vector<std::unique_ptr<Connection>> before = std::exchange(connections_, {});
   for (std::size_t i = 0; i < config.sensors.size(); ++i) {
     const SensorConfig& sensor = config.sensors[i];
     if (sensor.model == nullptr) continue;
@@ -48,89 +49,92 @@ void TcpConnections::configure(const Config& config) {
         std::find_if(before.begin(), before.end(), [&](const auto& l) { return l && l->text == text; });
     if (same != before.end()) {
       (*same)->sensor = i;
-      links_.push_back(std::move(*same));
+      connections_.push_back(std::move(*same));
       continue;
     }
-    auto link = std::make_unique<Link>();
-    link->sensor = i;
-    link->text = text;
-    link->name = sensor.name;
-    link->streams = streams;
-    link->device.port = sensor.device_port();
-    link->silence = silence_of(sensor);
-    if (streams) open(*link, sensor.ip_address.value());
-    if (streams && started_) link->source->start();
-    links_.push_back(std::move(link));
+    auto connection = std::make_unique<Connection>();
+    connection->sensor = i;
+    connection->text = text;
+    connection->name = sensor.name;
+    connection->streams = streams;
+    connection->device.port = sensor.device_port();
+    connection->silence = silence_of(sensor);
+    if (streams) open(*connection, sensor.ip_address.value());
+    if (streams && started_) connection->source->start();
+    connections_.push_back(std::move(connection));
   }
-  for (const auto& link : before) {
-    if (link && link->source) link->source->stop();
+  for (const auto& connection : before) {
+    if (connection && connection->source) connection->source->stop();
   }
 }
 
-void TcpConnections::open(Link& link, const IpAddress& device) {
-  link.device.address = device;
+void TcpConnections::open(Connection& connection, const IpAddress& device) {
+  connection.device.address = device;
   TcpOptions options = options_;
-  options.device = link.device;
-  options.keep_up = link.streams;
+  options.device = connection.device;
+  options.keep_up = connection.streams;
   TcpHandlers handlers;
-  handlers.receive = [this, &link](const Packet& packet) { events_.chunk(link.sensor, packet); };
-  handlers.connected = [this, &link](Stamp now) { connected(link, now); };
-  handlers.disconnected = [this, &link] { events_.disconnected(link.sensor); };
-  link.source = std::make_unique<TcpSource>(io_, options, std::move(handlers));
+  handlers.receive = [this, &connection](const Packet& packet) { events_.chunk(connection.sensor, packet); };
+  handlers.connected = [this, &connection](Stamp now) { connected(connection, now); };
+  handlers.disconnected = [this, &connection] { events_.disconnected(connection.sensor); };
+  connection.source = std::make_unique<TcpSource>(io_, options, std::move(handlers));
 }
 
-void TcpConnections::connected(Link& link, Stamp now) {
-  link.frames_before = events_.frames(link.sensor);
-  if (link.streams) link.source->set_read_time_out(std::max(first_frame_patience, link.silence));
-  events_.connected(link.sensor, now);
+void TcpConnections::connected(Connection& connection, Stamp now) {
+  connection.frames_before = events_.frames(connection.sensor);
+  if (connection.streams)
+    connection.source->set_read_time_out(std::max(first_frame_patience, connection.silence));
+  events_.connected(connection.sensor, now);
 }
 
 void TcpConnections::start() {
   started_ = true;
-  for (const auto& link : links_) {
-    if (link->streams) link->source->start();
+  for (const auto& connection : connections_) {
+    if (connection->streams) connection->source->start();
   }
 }
 
 void TcpConnections::stop() {
-  for (const auto& link : links_) {
-    if (link->source) link->source->stop();
+  for (const auto& connection : connections_) {
+    if (connection->source) connection->source->stop();
   }
 }
 
-void TcpConnections::look_again() {
-  for (const auto& link : links_) {
-    if (link->source) link->source->look_again();
+void TcpConnections::interfaces_changed() {
+  for (const auto& connection : connections_) {
+    if (connection->source) connection->source->interfaces_changed();
   }
 }
 
 void TcpConnections::tick() {
-  for (const auto& link : links_) {
-    if (!link->streams || !is_connected(link->source->state())) continue;
-    if (events_.frames(link->sensor) > link->frames_before) link->source->set_read_time_out(link->silence);
+  for (const auto& connection : connections_) {
+    if (!connection->streams || !is_connected(connection->source->state())) continue;
+    if (events_.frames(connection->sensor) > connection->frames_before)
+      connection->source->set_read_time_out(connection->silence);
   }
 }
 
 void TcpConnections::log_first() {
-  for (const auto& link : links_) {
-    if (!link->source) continue;
-    if (!is_connected(link->source->state()) || std::exchange(link->announced, true)) continue;
-    log_info("{}: connected to {}", link->name, link->device.to_string());
+  for (const auto& connection : connections_) {
+    if (!connection->source) continue;
+    if (!is_connected(connection->source->state()) || std::exchange(connection->announced, true)) continue;
+    log_info("{}: connected to {}", connection->name, connection->device.to_string());
   }
 }
 
 void TcpConnections::add_diagnostics(std::vector<DiagnosticItem>& items) const {
-  for (const auto& link : links_) {
-    if (!link->source) continue;
-    const TcpState& state = link->source->state();
-    const TcpStats& stats = link->source->stats();
-    DiagnosticItem item{"link " + link->name, link->device.to_string()};
-    item.message = text_of(state, link->streams);
-    const bool idle = !link->streams && state.phase == TcpState::Phase::stopped && state.message.empty();
+  for (const auto& connection : connections_) {
+    if (!connection->source) continue;
+    const TcpState& state = connection->source->state();
+    const TcpStats& stats = connection->source->stats();
+    DiagnosticItem item{"link " + connection->name, connection->device.to_string()};
+    item.message = text_of(state, connection->streams);
+    const bool idle =
+        !connection->streams && state.phase == TcpState::Phase::stopped && state.message.empty();
     if (!is_connected(state) && !idle && item.message != first_attempt)
-      item.health = link->streams ? Health::error : Health::warn;  // data come without a dialogue
-    item.awaited = events_.frames(link->sensor) == 0;
-    item.add("Device", link->device.to_string());
+      item.health = connection->streams ? Health::error : Health::warn;  // data come without a dialogue
+    item.awaited = events_.frames(connection->sensor) == 0;
+    item.add("Device", connection->device.to_string());
     item.add("Attempts", stats.attempts);
     item.add("Connections", stats.connects);
     item.add("Disconnections", stats.disconnects);
@@ -144,47 +148,50 @@ void TcpConnections::add_diagnostics(std::vector<DiagnosticItem>& items) const {
 
 Share TcpConnections::connected() const {
   Share connected;
-  for (const auto& link : links_) {
-    if (!link->streams) continue;
+  for (const auto& connection : connections_) {
+    if (!connection->streams) continue;
     ++connected.all;
-    connected.good += is_connected(link->source->state()) ? 1U : 0U;
+    connected.good += is_connected(connection->source->state()) ? 1U : 0U;
   }
   return connected;
 }
 
-TcpConnections::Link* TcpConnections::find(std::size_t sensor) {
-  const auto found =
-      std::find_if(links_.begin(), links_.end(), [&](const auto& link) { return link->sensor == sensor; });
-  return found == links_.end() ? nullptr : found->get();
+TcpConnections::Connection* TcpConnections::find(std::size_t sensor) {
+  const auto found = std::find_if(connections_.begin(), connections_.end(),
+                                  [&](const auto& connection) { return connection->sensor == sensor; });
+  return found == connections_.end() ? nullptr : found->get();
 }
 
 void TcpConnections::connect(std::size_t sensor, const IpAddress& device) {
-  Link* link = find(sensor);
-  if (link == nullptr) return;
-  if (!link->source) open(*link, device);
-  link->source->start();
+  Connection* connection = find(sensor);
+  if (connection == nullptr) return;
+  if (!connection->source) open(*connection, device);
+  connection->source->start();
 }
 
 void TcpConnections::send(std::size_t sensor, ByteView bytes) {
-  Link* link = find(sensor);
-  if (link != nullptr && link->source) link->source->send(bytes);
+  Connection* connection = find(sensor);
+  if (connection != nullptr && connection->source) connection->source->send(bytes);
 }
 
 void TcpConnections::disconnect(std::size_t sensor, bool again) {
-  Link* link = find(sensor);
-  if (link == nullptr || !link->source) return;
+  Connection* connection = find(sensor);
+  if (connection == nullptr || !connection->source) return;
   // A device that streams over TCP is of no use without its connection.
-  link->source->disconnect(again || link->streams,
-                           "the dialogue with " + link->device.to_string() +
-                               " could not go on; it is begun again, the sensor's diagnostics say more");
+  connection->source->disconnect(
+      again || connection->streams,
+      "the dialogue with " + connection->device.to_string() +
+          " could not go on; it is begun again, the sensor's diagnostics say more");
 }
 
 std::string TcpConnections::trouble(std::size_t sensor) const {
-  const Link* link = find(sensor);
-  // What is wrong with this host explains what is wrong with the connection, and is known before it breaks.
+  const Connection* connection = find(sensor);
+  // A fault of this host's network explains why a connection fails, and is known before the connection
+  // breaks.
   std::string host = events_.host_trouble ? events_.host_trouble(sensor) : std::string();
-  const bool says_more = link != nullptr && link->streams && !is_connected(link->source->state());
-  return host.empty() && says_more ? text_of(link->source->state(), true) : host;
+  const bool says_more =
+      connection != nullptr && connection->streams && !is_connected(connection->source->state());
+  return host.empty() && says_more ? text_of(connection->source->state(), true) : host;
 }
 
 std::string TcpConnections::hint(std::size_t sensor) const {

@@ -14,12 +14,12 @@
 
 namespace lidard {
 
-/// What TcpConnections tells; `sensor` is the sensor's place in the configuration.
-struct LinkEvents {
+/// Callbacks of TcpConnections; `sensor` is the sensor's place in the configuration.
+struct ConnectionEvents {
   std::function<void(std::size_t sensor, const Packet& packet)> chunk;
   std::function<void(std::size_t sensor, Stamp now)> connected;
   std::function<void(std::size_t sensor)> disconnected;
-  /// How many frames the sensor has given so far.
+  /// Frames that the sensor's driver has handed on so far.
   std::function<std::uint64_t(std::size_t sensor)> frames;
   /// What is, and what may be, wrong with this host's network; as DeviceConnections::trouble() and hint().
   std::function<std::string(std::size_t sensor)> host_trouble{}, host_hint{};
@@ -30,17 +30,17 @@ struct LinkEvents {
 class TcpConnections final : public DeviceConnections {
  public:
   /// `options`: of every connection; the device is filled in.
-  TcpConnections(boost::asio::io_context& io, const Config& config, LinkEvents events,
+  TcpConnections(boost::asio::io_context& io, const Config& config, ConnectionEvents events,
                  TcpOptions options = {});
 
-  /// Connections to devices whose entries are the same stay.
+  /// Applies another configuration. A connection to a device whose entry is the same stays open.
   void configure(const Config& config);
   void start();
   void stop();
   /// Interfaces or addresses of this host have changed.
-  void look_again();
-  /// To be called about ten times a second: a stream that falls silent is noticed sooner than a device that
-  /// still starts.
+  void interfaces_changed();
+  /// To be called about ten times a second. Once frames come, a silent stream is closed sooner than a device
+  /// that still starts.
   void tick();
   /// Logs the first time that a device is connected; changes are in add_diagnostics().
   void log_first();
@@ -56,7 +56,7 @@ class TcpConnections final : public DeviceConnections {
   std::string hint(std::size_t sensor) const override;
 
  private:
-  struct Link {
+  struct Connection {
     std::size_t sensor = 0;
     std::string name, text;  // text: its entry, see to_yaml()
     bool streams = false;    // else only a dialogue
@@ -66,15 +66,15 @@ class TcpConnections final : public DeviceConnections {
     std::uint64_t frames_before = 0;  // this connection
     bool announced = false;
   };
-  void open(Link& link, const IpAddress& device);
-  void connected(Link& link, Stamp now);
-  Link* find(std::size_t sensor);
-  const Link* find(std::size_t sensor) const { return const_cast<TcpConnections*>(this)->find(sensor); }
+  void open(Connection& connection, const IpAddress& device);
+  void connected(Connection& connection, Stamp now);
+  Connection* find(std::size_t sensor);
+  const Connection* find(std::size_t sensor) const { return const_cast<TcpConnections*>(this)->find(sensor); }
 
   boost::asio::io_context& io_;
-  LinkEvents events_;
+  ConnectionEvents events_;
   TcpOptions options_;
-  std::vector<std::unique_ptr<Link>> links_;
+  std::vector<std::unique_ptr<Connection>> connections_;
   bool started_ = false;
 };
 

@@ -11,20 +11,20 @@
 
 namespace lidard {
 
-/// What came out on a topic lately: how often, how evenly and how soon.
+/// Rate, regularity and latency of a topic.
 struct TopicFigures {
   std::uint64_t frames = 0;              ///< since the start
-  std::uint64_t dropped = 0;             ///< of them, because publishing was behind
-  std::uint64_t lost = 0;                ///< messages that a slow subscriber has not got
-  bool loses = false;                    ///< within the last 10 s
-  double rate_hz = 0;                    ///< of the last 10 s; 0: less than two frames
+  std::uint64_t dropped = 0;             ///< of these, because publishing was too slow
+  std::uint64_t lost = 0;                ///< messages that a slow subscriber did not get
+  bool loses = false;                    ///< messages were lost within the last 10 s
+  double rate_hz = 0;                    ///< in the last 10 s; 0: less than two frames
   Span shortest_gap{0}, longest_gap{0};  ///< between two frames of the last 10 s
   /// From the arrival of the packet that completed a frame until the frame was handed to the middleware, of
   /// the last 512 frames.
   Span median_latency{0}, p99_latency{0}, longest_latency{0};
 };
 
-/// Follows the frames of one topic. No allocation.
+/// Computes the figures of one topic. Does not allocate.
 class TopicWatch {
  public:
   void released(Stamp at) {

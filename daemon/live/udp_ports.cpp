@@ -20,7 +20,7 @@ bool receives(const UdpState& state) {
 /// What UDP over IPv4 can carry.
 constexpr std::size_t largest_datagram = 65507;
 
-/// Usual datagrams per second that take as much of a receive buffer as the model's.
+/// Datagrams/s of usual size that need as much receive buffer as the model's.
 double load_of(const Model& model) {
   // Buffers of fragments are of up to 2304 bytes each.
   const double fragments = model.fragments_per_packet;
@@ -79,8 +79,7 @@ void UdpPorts::configure(const Config& config) {
     }
     Port port;
     port.number = number;
-    // The handler sees the configured port also where the packet was addressed to a broadcast or group
-    // address.
+    // Packets to a broadcast or group address reach the handler with the configured port, too.
     port.source = std::make_unique<UdpSource>(io_, options, handler_);
     if (started_) port.source->start();
     ports_.push_back(std::move(port));
@@ -96,15 +95,15 @@ void UdpPorts::stop() {
   for (auto& port : ports_) port.source->stop();
 }
 
-void UdpPorts::look_again() {
-  for (auto& port : ports_) port.source->look_again();
+void UdpPorts::interfaces_changed() {
+  for (auto& port : ports_) port.source->interfaces_changed();
 }
 
 void UdpPorts::note_changes() {
   for (auto& port : ports_) {
     const UdpState& state = port.source->state();
     if (state.phase != port.known.phase || state.message != port.known.message) {
-      // Not each time that it is tried: all processes are looked at.
+      // Only when the state changes, since the search reads the files of every process.
       port.holder = state.phase == UdpState::Phase::waiting ? holder_of_udp_port(port.number) : std::string();
       if (state.phase == UdpState::Phase::receiving) log_info("listening on port {}", port.number);
       port.known = state;
@@ -131,12 +130,11 @@ void UdpPorts::add_diagnostics(std::vector<DiagnosticItem>& items) const {
     if (stats.kernel_drops > 0 && std::chrono::steady_clock::now() - port.dropped_at < news)
       item.set(Health::warn,
                "packets were lost in the kernel's receive buffer in the last 10 s: this computer was too "
-               "busy to fetch "
-               "them; see `top`, and raise net.core.rmem_max");
+               "busy to fetch them; see `top`, and raise net.core.rmem_max");
     item.add("Datagrams", stats.datagrams);
     item.add("Kernel drops", stats.kernel_drops);
     item.add("Truncated", stats.truncated);
-    item.add("From unknown_senders", stats.strangers_sampled + stats.strangers_filtered);
+    item.add("From unknown senders", stats.unknown_sampled + stats.unknown_filtered);
     item.add("Receive buffer (bytes)", stats.receive_buffer_got);
     items.push_back(std::move(item));
   }

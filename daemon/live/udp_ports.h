@@ -19,19 +19,19 @@ class UdpPorts {
  public:
   UdpPorts(boost::asio::io_context& io, const Config& config, const UdpSource::Handler& handler);
 
-  /// Other ports; a port that stays goes on receiving.
+  /// Applies another configuration. A port that stays goes on receiving.
   void configure(const Config& config);
   void start();
   void stop();
   /// Interfaces or addresses of this host have changed.
-  void look_again();
-  /// Looks for what changed since the last call, and logs which ports are open; the rest is in
-  /// add_diagnostics().
+  void interfaces_changed();
+  /// Logs the ports that were opened since the last call, and finds out which program holds a port that
+  /// cannot be opened. All other changes are in add_diagnostics().
   void note_changes();
   /// One item per port.
   void add_diagnostics(std::vector<DiagnosticItem>& items) const;
   Share open() const;
-  /// How many datagrams came to all of them.
+  /// Datagrams received at all ports.
   std::uint64_t datagrams() const;
   /// True if another program has one of the ports.
   bool taken() const;
@@ -43,7 +43,7 @@ class UdpPorts {
     std::uint16_t number = 0;
     std::unique_ptr<UdpSource> source;
     UdpState known;
-    std::string holder;  // who has it instead of us
+    std::string holder;  // the program that has it instead
     std::uint64_t known_drops = 0;
     std::chrono::steady_clock::time_point dropped_at{};
   };

@@ -93,7 +93,7 @@ std::string HostInterface::to_string() const {
   return name + " (" + address.to_string() + "/" + std::to_string(prefix) + ")";
 }
 
-HostNetwork look_at_network() {
+HostNetwork read_network() {
   HostNetwork network;
   ifaddrs* list = nullptr;
   if (getifaddrs(&list) != 0) return network;
@@ -131,7 +131,7 @@ HostNetwork look_at_network() {
   return network;
 }
 
-std::map<IpAddress, std::string> look_at_neighbours() {
+std::map<IpAddress, std::string> read_neighbours() {
   std::map<IpAddress, std::string> all;
   std::ifstream in("/proc/self/net/arp");
   std::string line;

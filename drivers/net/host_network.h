@@ -35,10 +35,10 @@ struct HostNetwork {
   std::uint64_t without_port = 0;     ///< datagrams that came to a port where nobody listened
   std::uint64_t for_others = 0;       ///< packets that came in for an address that this host does not have
 };
-HostNetwork look_at_network();
+HostNetwork read_network();
 
 /// The hardware addresses of this host's neighbours as the kernel heard them last (ARP).
-std::map<IpAddress, std::string> look_at_neighbours();
+std::map<IpAddress, std::string> read_neighbours();
 
 /// True if the kernel knows a way to that address, be it through a gateway.
 bool has_route_to(const IpAddress& address);

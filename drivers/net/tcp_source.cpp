@@ -189,7 +189,7 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
     if (state_.phase == TcpState::Phase::connected) watch_silence();
   }
 
-  void look_again() {
+  void interfaces_changed() {
     if (state_.phase == TcpState::Phase::waiting) connect();
   }
 
@@ -393,7 +393,7 @@ void TcpSource::stop() { impl_->stop(); }
 bool TcpSource::send(ByteView bytes) { return impl_->send(bytes); }
 void TcpSource::disconnect(bool again, const std::string& why) { impl_->disconnect(again, why); }
 void TcpSource::set_read_time_out(Span time_out) { impl_->set_read_time_out(time_out); }
-void TcpSource::look_again() { impl_->look_again(); }
+void TcpSource::interfaces_changed() { impl_->interfaces_changed(); }
 const TcpState& TcpSource::state() const { return impl_->state(); }
 const TcpStats& TcpSource::stats() const { return impl_->stats(); }
 

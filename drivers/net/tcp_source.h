@@ -80,7 +80,7 @@ class TcpSource {
   /// Changes TcpOptions::read_time_out.
   void set_read_time_out(Span time_out);
   /// Interfaces or addresses have changed: tries at once to connect, instead of when the pause is over.
-  void look_again();
+  void interfaces_changed();
 
   const TcpState& state() const;
   const TcpStats& stats() const;

@@ -62,7 +62,7 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     join_groups();
   }
 
-  void look_again() {
+  void interfaces_changed() {
     if (state_.phase == UdpState::Phase::waiting) {
       close();
       open();
@@ -173,7 +173,7 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
       ++stats_.truncated;
       return;
     }
-    if (is_stranger(datagram.from.address)) ++stats_.strangers_sampled;
+    if (is_stranger(datagram.from.address)) ++stats_.unknown_sampled;
     ++stats_.datagrams;
     stats_.bytes += datagram.payload.size();
     Packet packet;
@@ -190,7 +190,7 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
   void count_drops(const DatagramBatch::Datagram& datagram) {
     const std::uint32_t more = datagram.drops - drops_;  // unsigned, so that it may wrap
     drops_ = datagram.drops;
-    (filtered_ && !filling_seen_ ? stats_.strangers_filtered : stats_.kernel_drops) += more;
+    (filtered_ && !filling_seen_ ? stats_.unknown_filtered : stats_.kernel_drops) += more;
     if (filling_seen_ && (!datagram.kernel_stamp || *datagram.kernel_stamp > *filling_seen_))
       filling_seen_.reset();
   }
@@ -226,7 +226,7 @@ UdpSource::UdpSource(boost::asio::io_context& io, UdpOptions options, Handler ha
 UdpSource::~UdpSource() { impl_->stop(); }
 void UdpSource::start() { impl_->start(); }
 void UdpSource::stop() { impl_->stop(); }
-void UdpSource::look_again() { impl_->look_again(); }
+void UdpSource::interfaces_changed() { impl_->interfaces_changed(); }
 void UdpSource::configure(UdpOptions options) { impl_->configure(std::move(options)); }
 const UdpState& UdpSource::state() const { return impl_->state(); }
 const UdpStats& UdpSource::stats() const { return impl_->stats(); }

@@ -46,8 +46,8 @@ struct UdpStats {
   std::uint64_t bytes = 0;               ///< their payloads
   std::uint64_t kernel_drops = 0;        ///< lost because the receive buffer was full
   std::uint64_t truncated = 0;           ///< longer than max_datagram
-  std::uint64_t strangers_sampled = 0;   ///< from other senders and handed on nevertheless, 1 of 64
-  std::uint64_t strangers_filtered = 0;  ///< from other senders and dropped by the kernel
+  std::uint64_t unknown_sampled = 0;   ///< from other senders and handed on nevertheless, 1 of 64
+  std::uint64_t unknown_filtered = 0;  ///< from other senders and dropped by the kernel
   std::size_t receive_buffer_asked = 0, receive_buffer_got = 0;  ///< bytes, as in SO_RCVBUF
   std::uint64_t wakeups = 0;
 };
@@ -81,7 +81,7 @@ class UdpSource {
   /// No handler is called any more once this returned.
   void stop();
   /// Interfaces or addresses have changed: joins groups again, and tries at once what could not be done.
-  void look_again();
+  void interfaces_changed();
 
   /// Other senders, groups and rates, of a socket that goes on receiving. Port, address, share_port and
   /// max_datagram stay what they are.

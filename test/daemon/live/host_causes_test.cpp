@@ -49,15 +49,15 @@ TEST(NeighbourWatch, TakesTwoHardwareAddressesThatTakeTurnsForTwoDevices) {
   using namespace std::chrono_literals;
   const auto begin = NeighbourWatch::Clock::now();
   NeighbourWatch watch;
-  watch.see("60:76:88:00:00:01", begin);
-  watch.see("60:76:88:00:00:01", begin + 1s);
+  watch.observe("60:76:88:00:00:01", begin);
+  watch.observe("60:76:88:00:00:01", begin + 1s);
   EXPECT_EQ(watch.rivals(begin + 1s), "");
-  watch.see("60:76:88:00:00:02", begin + 2s);
+  watch.observe("60:76:88:00:00:02", begin + 2s);
   EXPECT_EQ(watch.rivals(begin + 2s), "") << "the device may have been exchanged";
-  watch.see("60:76:88:00:00:01", begin + 30s);
+  watch.observe("60:76:88:00:00:01", begin + 30s);
   EXPECT_EQ(watch.rivals(begin + 31s), "60:76:88:00:00:01 and 60:76:88:00:00:02");
   EXPECT_EQ(watch.rivals(begin + 11min), "");
-  watch.see("60:76:88:00:00:02", begin + 12min);
+  watch.observe("60:76:88:00:00:02", begin + 12min);
   EXPECT_EQ(watch.rivals(begin + 12min), "60:76:88:00:00:02 and 60:76:88:00:00:01");
 }
 
@@ -129,7 +129,7 @@ TEST(HostCauses, TellByWhatWasCountedWhyNothingMayCome) {
 }
 
 TEST(HostNetwork, IsThatOfThisHostWithoutAPrivilege) {
-  const HostNetwork here = look_at_network();
+  const HostNetwork here = read_network();
   bool found = false;
   for (const HostInterface& each : here.interfaces) {
     if (each.address != IpAddress::v4(127, 0, 0, 1)) continue;

@@ -139,7 +139,7 @@ TEST(UdpPorts, HandOnWhatTheSensorSendsAndCountWhatOthersSend) {
     EXPECT_EQ(value_of(item, "Datagrams"), "2");
     EXPECT_EQ(value_of(item, "Kernel drops"), "0");
     EXPECT_EQ(value_of(item, "Truncated"), "0");
-    EXPECT_EQ(value_of(item, "From unknown_senders"), "0");
+    EXPECT_EQ(value_of(item, "From unknown senders"), "0");
     EXPECT_NE(value_of(item, "Receive buffer (bytes)"), "0");
     EXPECT_NE(item.health, Health::error);
   }
@@ -149,7 +149,7 @@ TEST(UdpPorts, HandOnWhatTheSensorSendsAndCountWhatOthersSend) {
   for (int i = 0; i < 20; ++i) sender.send(other, "stranger");
   EXPECT_TRUE(closed.until([&] {
     for (const DiagnosticItem& item : closed.items())
-      if (item.name == "port " + std::to_string(other) && value_of(item, "From unknown_senders") != "0")
+      if (item.name == "port " + std::to_string(other) && value_of(item, "From unknown senders") != "0")
         return true;
     sender.send(other, "stranger");
     return false;

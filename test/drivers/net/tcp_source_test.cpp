@@ -288,15 +288,15 @@ TEST(TcpSource, TriesAtOnceWhenAnInterfaceCameInsteadOfWaiting) {
   TcpOptions options = to_port(peer.port());
   options.first_retry = options.last_retry = std::chrono::hours(1);
   Bench b(options);
-  b.source.look_again();
+  b.source.interfaces_changed();
   EXPECT_EQ(b.source.stats().attempts, 0U) << "it is stopped";
   b.source.start();
   ASSERT_TRUE(b.until([&] { return b.source.state().phase == TcpState::Phase::waiting; }));
   peer.listen_again();
-  b.source.look_again();
+  b.source.interfaces_changed();
   ASSERT_TRUE(b.until_connected());
   EXPECT_EQ(b.source.stats().attempts, 2U);
-  b.source.look_again();
+  b.source.interfaces_changed();
   b.run(milliseconds(50));
   EXPECT_EQ(b.disconnects, 0) << "a connection that stands is left alone";
 }

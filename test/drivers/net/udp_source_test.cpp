@@ -185,8 +185,8 @@ TEST(UdpSource, KernelFilterLetsASampleOfStrangersThrough) {
   EXPECT_GT(bench.by_sender["127.0.0.9"], 50);
   EXPECT_LT(bench.by_sender["127.0.0.9"], 150);
   const UdpStats& stats = bench.source.stats();
-  EXPECT_EQ(stats.strangers_sampled, static_cast<std::uint64_t>(bench.by_sender["127.0.0.9"]));
-  EXPECT_EQ(stats.strangers_sampled + stats.strangers_filtered, static_cast<std::uint64_t>(sent));
+  EXPECT_EQ(stats.unknown_sampled, static_cast<std::uint64_t>(bench.by_sender["127.0.0.9"]));
+  EXPECT_EQ(stats.unknown_sampled + stats.unknown_filtered, static_cast<std::uint64_t>(sent));
   EXPECT_EQ(stats.kernel_drops, 0U);
 }
 
@@ -218,7 +218,7 @@ TEST(UdpSource, TriesAtOnceWhenInterfacesHaveChanged) {
   bench.run(milliseconds(2500));  // by then the next attempt is a second away
   ASSERT_EQ(bench.source.state().phase, UdpState::Phase::waiting);
   holder.source.stop();
-  bench.source.look_again();
+  bench.source.interfaces_changed();
   EXPECT_EQ(bench.source.state().phase, UdpState::Phase::receiving) << bench.source.state().message;
   bench.run(milliseconds(1500));  // the attempt that was planned is forgotten
   Sender sender;
@@ -277,7 +277,7 @@ TEST(UdpSource, CountsWhatTheKernelDropped) {
     const UdpStats& stats = bench.source.stats();
     EXPECT_GT(stats.kernel_drops, 100U);
     EXPECT_EQ(stats.kernel_drops + stats.datagrams, sent + 1);
-    EXPECT_EQ(stats.strangers_filtered, 0U);
+    EXPECT_EQ(stats.unknown_filtered, 0U);
   }
 }
 
