@@ -144,13 +144,6 @@ struct DeviceRequests {
   bool device_states = false;  ///< SOPAS: subscribe to field evaluation, inputs and outputs
 };
 
-/// Where one frame of a multi-plane lidar ends and the next begins.
-enum class FrameCut : std::uint8_t {
-  angle,  ///< at DriverConfig::cut_angle
-  view,   ///< in the sector that the sensor was told to leave out; at cut_angle while there is none
-  time    ///< every DriverConfig::frame_duration
-};
-
 /// What a driver needs to know; everything has a default that fits the model.
 struct DriverConfig {
   const Model* model = nullptr;
@@ -160,9 +153,6 @@ struct DriverConfig {
   /// The sensor's clock is meant to follow a receiver (PPS and NMEA): a warning tells when it does not.
   bool expect_pps = false;
   double cut_angle = 0;  ///< rad, as the sensor counts azimuth: where a revolution ends (multi-plane lidars)
-  FrameCut frame_cut = FrameCut::angle;
-  Span frame_duration = std::chrono::milliseconds(100);  ///< for FrameCut::time
-  bool keep_confidence = false;  ///< fill Cloud::confidences, where the model sends them
   bool keep_too_near = false;    ///< fill Cloud::too_near
   double min_range = 0;          ///< m: nearer returns are left out (multi-plane lidars)
   double max_range = 0;          ///< m: farther returns are left out; 0: no limit

@@ -21,7 +21,6 @@ enum class FrameKind : std::uint8_t { scan, cloud };
 /// these.
 enum class Trait : std::uint8_t {
   echoes,       ///< several echoes of a beam of a planar scanner
-  confidence,   ///< vouches for each return (Cloud::confidences)
   revolutions,  ///< clouds are revolutions of firing sequences: they can be cut, organised, seen by ring
   calibration,  ///< takes a calibration file
   silent_beams_are_free,  ///< a beam without return proves that nothing is there, up to range_max

@@ -23,18 +23,6 @@ struct __attribute__((packed, may_alias)) CloudPoint {
 };
 static_assert(sizeof(CloudPoint) == 22, "the PointCloud2 layout is a contract");
 
-/// How points stand in the bytes of a cloud. As drivers make them they are a list of CloudPoint; only what
-/// goes to a topic may stand otherwise (CloudArranger).
-struct CloudFormat {
-  std::uint32_t point_step = sizeof(CloudPoint);
-  std::uint32_t height = 0;  ///< rows of an organised cloud, in which missing returns are NaN; 0: a list
-  bool confidence = false;   ///< uint16 `confidence` behind `time`
-  bool echo = false;         ///< uint8 `echo` at the end: CloudColumn::echo
-};
-
-/// What stands in `confidences` where the device vouches for nothing: it was not asked to.
-constexpr std::uint16_t no_confidence = 0xFFFF;
-
 /// A return that is in no point, since it was nearer than DriverConfig::min_range.
 struct NearReturn {
   std::uint32_t column;  ///< index into columns
@@ -91,12 +79,13 @@ struct Cloud {
   std::size_t expected_columns = 0;  ///< of a whole revolution at the measured rate; 0 unknown
   std::vector<std::uint8_t> points_bytes;
   std::vector<CloudColumn> columns;
-  std::vector<ReturnOrigin> origins;       ///< empty, or one per point
-  std::vector<std::uint16_t> confidences;  ///< empty, or one per point: the device's own bits
-  std::vector<NearReturn> too_near;        ///< in order of columns; only where asked for
-  CloudFormat format;
+  std::vector<ReturnOrigin> origins;  ///< empty, or one per point
+  std::vector<NearReturn> too_near;   ///< in order of columns; only where asked for
+  /// Rows of an organised cloud (CloudArranger), in which missing returns are NaN; 0: a list, as drivers make
+  /// clouds.
+  std::uint32_t height = 0;
 
-  std::size_t size() const { return points_bytes.size() / format.point_step; }
+  std::size_t size() const { return points_bytes.size() / sizeof(CloudPoint); }
   const CloudPoint* points() const { return reinterpret_cast<const CloudPoint*>(points_bytes.data()); }
   /// The index behind the last return of a column.
   std::size_t points_end(std::size_t column) const {
@@ -109,7 +98,6 @@ struct Cloud {
     points_bytes.clear();
     columns.clear();
     origins.clear();
-    confidences.clear();
     too_near.clear();
     complete = false;
     expected_columns = 0;

@@ -25,8 +25,6 @@ enum class FrameStamp : std::uint8_t {
 struct CloudLayout {
   CloudOrder order = CloudOrder::list;
   FrameStamp stamp = FrameStamp::first;
-  bool confidence = false;  ///< with a field `confidence`
-  bool echo = false;        ///< with a field `echo`
 };
 
 /// Turns a cloud as drivers make it into one as a message shall have it.
@@ -40,8 +38,7 @@ class CloudArranger {
 
   /// True if messages look as drivers make clouds, so that nothing needs to be done.
   bool is_plain() const {
-    return layout_.order == CloudOrder::list && layout_.stamp == FrameStamp::first && !layout_.confidence &&
-           !layout_.echo;
+    return layout_.order == CloudOrder::list && layout_.stamp == FrameStamp::first;
   }
   /// The stamp of the message that the cloud becomes.
   Stamp stamp_of(const Cloud& cloud) const { return cloud.stamp + span_from_seconds(shift_of(cloud)); }
@@ -58,7 +55,6 @@ class CloudArranger {
   std::size_t slot_of(std::size_t column, std::size_t ring, std::size_t columns) const {
     return layout_.order == CloudOrder::ring_rows ? ring * columns + column : column * arranged_.rings + ring;
   }
-  void put(const Cloud& cloud, std::size_t point, std::size_t column, std::size_t slot);
 
   CloudLayout layout_;
   Cloud arranged_;

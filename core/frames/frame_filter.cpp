@@ -140,7 +140,6 @@ void FrameFilter::apply(Cloud& cloud) {
   }
   cloud.points_bytes.resize(kept * sizeof(CloudPoint));
   keep(cloud.origins, verdicts_);
-  keep(cloud.confidences, verdicts_);
 }
 
 void FrameFilter::apply(PlanarScan& scan) {

@@ -37,16 +37,6 @@ void RevolutionCutter::reset() {
   period_ = Span(0);
 }
 
-bool RevolutionCutter::set_cut(double cut_deg) {
-  const double cut = wrap_deg(cut_deg - rounding_deg);
-  // Where the middle of a hidden sector is taken for the cut, it wanders by the steps at the sector's edges.
-  constexpr double same_cut_deg = 1;
-  if (std::fabs(std::remainder(cut - cut_deg_, 360)) < same_cut_deg) return false;
-  cut_deg_ = cut;
-  position_deg_ = wrap_deg(azimuth_deg_ - cut_deg_);
-  return true;
-}
-
 void RevolutionCutter::measure_rate(double step_deg, Span time) {
   turned_deg_ += step_deg;
   if (turned_deg_ < rate_angle_deg) return;
@@ -90,17 +80,6 @@ RevolutionCutter::Verdict RevolutionCutter::next(double azimuth_deg, Span time) 
   if (time - frame_start_ > limit) verdict = Verdict::forced;
   if (verdict != Verdict::same) frame_start_ = time;
   return verdict;
-}
-
-bool IntervalCutter::next(Span time) {
-  if (!started_) {
-    started_ = true;
-    frame_start_ = time;
-    return false;
-  }
-  if (time - frame_start_ < duration_) return false;
-  frame_start_ += (time - frame_start_) / duration_ * duration_;
-  return true;
 }
 
 }  // namespace lidard

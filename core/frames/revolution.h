@@ -23,8 +23,6 @@ class RevolutionCutter {
     forced  ///< first of a new frame; the old one was given up: a whole turn is missing, more than 1.5 turns
             ///< of time without a cut, or the motor stands still
   };
-  /// Moves the cut, also in the middle of a revolution; that one then ends at the new cut. True if it moved.
-  bool set_cut(double cut_deg);
   /// Next firing sequence, in order of time. `azimuth_deg` in [0, 360), `time` the unwrapped device time.
   Verdict next(double azimuth_deg, Span time);
 
@@ -45,22 +43,6 @@ class RevolutionCutter {
   double turned_deg_ = 0;
   Span turned_since_{0};
   Span period_{0};
-};
-
-/// Decides where one of several frames of equal duration ends, whatever the lidar turns.
-class IntervalCutter {
- public:
-  explicit IntervalCutter(Span duration) : duration_(duration) {}
-
-  /// True if the firing sequence at that device time is the first of a new frame. Frames keep their grid,
-  /// also over one without any sequence.
-  bool next(Span time);
-  void reset() { started_ = false; }
-
- private:
-  Span duration_;
-  bool started_ = false;
-  Span frame_start_{0};
 };
 
 }  // namespace lidard

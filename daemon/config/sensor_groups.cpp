@@ -29,7 +29,6 @@ const Misfit no_paths{", which is no safety scanner of SICK", no_key};
 const Misfit no_telemetry{", which sends no telemetry beside its data", no_key};
 const Misfit no_beams{", whose clouds are complete with all returns",
                       "no such key; view_direction and view_width keep a sector"};
-const Misfit no_vouching{", which does not vouch for its returns", "no such key: it applies to the VLS-128"};
 const Misfit calibrated{", which sends calibrated measurements", no_key};
 const Misfit tcp{", which is read over TCP", no_key};
 const Misfit no_clock{", which is not asked for its clock",
@@ -153,10 +152,6 @@ Rows cloud_rows() {
        within(&S::layout, stamp)});
 }
 
-Rows field_row(std::string_view name, bool CloudLayout::*member, std::string_view meaning) {
-  return within(&S::layout, Keys<CloudLayout>{flag(name, member, meaning)});
-}
-
 Keys<CloudLayout> order_rows() {
   const Words<CloudOrder> orders{{"true", CloudOrder::ring_rows},
                                  {"false", CloudOrder::list},
@@ -264,12 +259,7 @@ const std::vector<SensorGroup>& sensor_groups() {
       {"multi-plane lidars", gives<FrameKind::cloud>, false, cloud_rows(), no_cloud},
       {"Velodynes", can<Trait::revolutions>, false,
        joined<S>({of_driver(revolution_keys()), within(&S::layout, order_rows())}), no_cloud},
-      {"the VLS-128", can<Trait::confidence>, false,
-       field_row("publish_confidence", &CloudLayout::confidence, "points have a field confidence"),
-       no_vouching, no_vouching},
-      {"Velodynes", can<Trait::revolutions>, false,
-       joined<S>({field_row("publish_echo", &CloudLayout::echo, "points have a field echo"), ring_rows()}),
-       no_cloud},
+      {"Velodynes", can<Trait::revolutions>, false, ring_rows(), no_cloud},
       {"Velodynes", can<Trait::calibration>, false, calibration_rows(), calibrated, calibrated}};
   return groups;
 }

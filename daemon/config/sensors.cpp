@@ -129,16 +129,14 @@ void check_requests(Mapping& yaml, SensorConfig& sensor) {
         .fail_at_key("is given alone", "both user_level and user_level_password, or none");
 }
 
-/// Refuses what would be ignored: a wish without permission, a permission to save nothing.
+/// Rejects what would be ignored: a wanted setting without permission to write it.
 void check_permissions(const Mapping& yaml, const VelodyneControl& control) {
   const bool wanted = control.wanted.any();
-  for (const char* key : {"rpm", "returns", "laser", "fov", "phase_lock", "host", "save"}) {
-    if (!control.allow_write && yaml.has(key) && (wanted || control.save))
+  for (const char* key : {"rpm", "returns", "fov", "host"}) {
+    if (!control.allow_write && yaml.has(key) && wanted)
       yaml.where(key).fail_at_key("asks to change the sensor, but control.allow_write is not true",
                                   "allow_write: true beside it, or no such key");
   }
-  if (control.save && !wanted)
-    yaml.where("save").fail_at_key("is given, but no setting to save", "rpm, returns, fov, host … beside it");
   if (wanted && !control.read)
     yaml.where("read").fail("is false, so nobody could tell whether a setting differs",
                             "true, or no wanted settings");
@@ -174,14 +172,6 @@ void check_beams(const Mapping& yaml, const DriverConfig& driver) {
 }
 
 void check_frames(const Mapping& yaml, DriverConfig& driver) {
-  const bool by_time = driver.frame_cut == FrameCut::time;
-  if (yaml.has("frame_duration") && !by_time)
-    yaml.where("frame_duration")
-        .fail_at_key("is given without frame_cut: time",
-                     "both, or neither: a revolution lasts as long as it lasts");
-  if (yaml.has("cut_angle") && by_time)
-    yaml.where("cut_angle")
-        .fail_at_key("is given with frame_cut: time", "one of them: frames are cut by time or by angle");
   if (driver.max_range != 0 && driver.max_range <= driver.min_range && yaml.has("max_range"))
     yaml.where("max_range").fail("is not above min_range", "min_range < max_range, or 0 for no limit");
   if (std::abs(driver.view_direction) > two_pi)
@@ -211,9 +201,6 @@ void read_ring_scan(Mapping& yaml, SensorConfig& sensor) {
     if (!ring && yaml.has(key)) yaml.where(key).fail_at_key("is given without scan_ring", "both, or neither");
   }
   if (!ring) return;
-  DriverConfig& driver = sensor.driver;
-  if (driver.frame_cut == FrameCut::time)
-    asked->fail_at_key("is given with frame_cut: time", "another frame_cut: a scan is a revolution");
   RingScanSpec spec;
   spec.ring = *ring;
   spec.resolution = resolution.value_or(spec.resolution);
@@ -221,7 +208,7 @@ void read_ring_scan(Mapping& yaml, SensorConfig& sensor) {
     yaml.where("scan_resolution").fail("is out of range", "0.0005 to 0.2 rad");
   sensor.ring_scan = spec;
   set_ring_limits(sensor);
-  driver.keep_too_near = true;
+  sensor.driver.keep_too_near = true;
 }
 
 void check_cloud(Mapping& yaml, SensorConfig& sensor, const VehicleConfig& vehicle) {
@@ -230,7 +217,6 @@ void check_cloud(Mapping& yaml, SensorConfig& sensor, const VehicleConfig& vehic
       yaml.where("deskew").fail_at_key("needs to know how the vehicle moves",
                                        "vehicle.odometry_frame, vehicle.odometry_topic or vehicle.imu_topic");
   });
-  sensor.driver.keep_confidence = sensor.layout.confidence;
   if (!sensor.model->has(Trait::revolutions)) return;
   yaml.attempt_rule([&] { check_frames(yaml, sensor.driver); });
   yaml.attempt_rule([&] { read_ring_scan(yaml, sensor); });

@@ -130,8 +130,7 @@ class Gatherer {
     const Eigen::Isometry3f to_base = pose.cast<float>();
     const Eigen::Isometry3f to_lidar = (lidar.inverse() * pose).cast<float>();
     for (std::size_t i = 0; i < cloud->size(); ++i) {
-      const auto* p =
-          reinterpret_cast<const CloudPoint*>(cloud->points_bytes.data() + i * cloud->format.point_step);
+      const CloudPoint* const p = cloud->points() + i;
       const Eigen::Vector3f in_message(p->x, p->y, p->z);
       if (!in_message.allFinite()) continue;
       if (has_fan) slopes.add(p->ring, to_lidar * in_message);

@@ -84,7 +84,7 @@ void FrameQueue::push(const OutputTopic& topic, Cloud& cloud, Stamp released) {
     Cloud& kept = std::get<Cloud>(slot);
     kept.frame_id = cloud.frame_id;
     kept.stamp = cloud.stamp + step_.load();
-    kept.format = cloud.format;
+    kept.height = cloud.height;
     kept.points_bytes.swap(cloud.points_bytes);
   });
 }

@@ -16,10 +16,7 @@ namespace {
 /// topic promises nothing.
 ReceptionWatch watch_of(const SensorConfig& sensor) {
   if (sensor.model == nullptr) return ReceptionWatch(0);
-  const DriverConfig& driver = sensor.driver;
-  if (sensor.model->kind == FrameKind::cloud && driver.frame_cut == FrameCut::time)
-    return ReceptionWatch(seconds(driver.frame_duration), true);
-  return ReceptionWatch(sensor.model->frame_period * (1 + driver.requests.skip.value_or(0)));
+  return ReceptionWatch(sensor.model->frame_period * (1 + sensor.driver.requests.skip.value_or(0)));
 }
 
 /// Takes the geometry and limits of `shape` and makes every beam `invalid`: a sweep that says nothing.

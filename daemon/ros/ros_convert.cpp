@@ -45,17 +45,6 @@ const std::vector<sensor_msgs::PointField>& cloud_fields() {
   return fields;
 }
 
-/// The fields of CloudPoint and what CloudFormat adds; those of the last message are kept if they fit.
-void set_fields(const CloudFormat& format, sensor_msgs::PointCloud2& message) {
-  using Field = sensor_msgs::PointField;
-  const std::size_t wanted = cloud_fields().size() + (format.confidence ? 1U : 0U) + (format.echo ? 1U : 0U);
-  // Both formats with one more field differ in their point_step.
-  if (message.fields.size() == wanted && message.point_step == format.point_step) return;
-  message.fields = cloud_fields();
-  if (format.confidence) message.fields.push_back(field("confidence", sizeof(CloudPoint), Field::UINT16));
-  if (format.echo) message.fields.push_back(field("echo", format.point_step - 1, Field::UINT8));
-}
-
 void copy_echoes(const PlanarScan& scan, const std::vector<float>& values, std::size_t beam,
                  sensor_msgs::LaserEcho& echo) {
   echo.echoes.clear();
@@ -145,14 +134,14 @@ void to_ros(const PlanarScan& scan, sensor_msgs::MultiEchoLaserScan& message) {
 }
 
 void to_ros(Cloud& cloud, sensor_msgs::PointCloud2& message) {
-  const bool organised = cloud.format.height > 0;
+  const bool organised = cloud.height > 0;
   message.header.stamp = to_ros(cloud.stamp);
   message.header.frame_id = ros_frame(cloud.frame_id);
-  message.height = organised ? cloud.format.height : 1;
+  message.height = organised ? cloud.height : 1;
   message.width = static_cast<std::uint32_t>(cloud.size()) / message.height;
-  set_fields(cloud.format, message);
+  if (message.fields.empty()) message.fields = cloud_fields();
   message.is_bigendian = 0;
-  message.point_step = cloud.format.point_step;
+  message.point_step = sizeof(CloudPoint);
   message.row_step = message.width * message.point_step;
   message.is_dense = organised ? 0 : 1;
   message.data.swap(cloud.points_bytes);

@@ -24,9 +24,8 @@ class CloudBuilder {
         counters_(counters),
         unpacker_(row, config.keep_origins, config.min_range, config.max_range, config.calibration.get()),
         cutter_(config.cut_angle * deg_per_rad),
-        interval_(std::max(config.frame_duration, Span(1))),
-        most_sequences_(most_sequences(config, row)) {
-    unpacker_.keep(config.keep_confidence, config.keep_too_near);
+        most_sequences_(most_sequences(row)) {
+    unpacker_.keep_too_near(config.keep_too_near);
     cloud_.frame_id = config.frame_id;
     cloud_.rings = static_cast<std::uint16_t>(row.lasers);
   }
@@ -36,12 +35,6 @@ class CloudBuilder {
   void set_calibration(std::shared_ptr<const Calibration> calibration) { fresh_ = std::move(calibration); }
   /// Driver::change().
   void change(const DriverConfig& wanted) { wanted_ = wanted; }
-  /// For FrameCut::view: the middle of the sector that the sensor leaves out; empty while there is none.
-  void set_hidden_middle(std::optional<double> azimuth_deg) {
-    const bool moved = cutter_.set_cut(azimuth_deg.value_or(config_.cut_angle * deg_per_rad));
-    // The frame at hand began elsewhere than it will end: no whole revolution.
-    if (moved) began_at_cut_ = false;
-  }
 
   /// Makes room for a packet; call before its sequences.
   void begin_packet() { unpacker_.reserve_packet(cloud_); }
@@ -49,7 +42,7 @@ class CloudBuilder {
   /// depend on it.
   /// Call once per sequence, then append() for each of its returns.
   void place(Sequence& sequence, Span time, const DeviceClock& clock, DriverOutput& out) {
-    auto verdict = judge(sequence.azimuth_deg, time);
+    auto verdict = cutter_.next(sequence.azimuth_deg, time);
     if (++sequences_ > most_sequences_) verdict = RevolutionCutter::Verdict::forced;
     if (!in_stream_) {
       begin(time, false, clock);
@@ -72,18 +65,14 @@ class CloudBuilder {
   void cut_off(DriverOutput& out) {
     end(false, out);
     cutter_.reset();
-    interval_.reset();
   }
 
   void reset() {
     cutter_.reset();
-    interval_.reset();
     cloud_.columns.clear();
     in_stream_ = false;
   }
 
-  /// Time of one revolution; 0 unknown.
-  Span period() const { return cutter_.period(); }
   /// Sequences of a frame are counted per return.
   void set_echoes(std::size_t echoes) { echoes_ = echoes; }
 
@@ -93,18 +82,10 @@ class CloudBuilder {
 
   /// Firing sequences that a frame can hold, with some to spare; more of them are no frame. Stamps that stand
   /// still, or nearly so, would let it grow for ever.
-  static std::size_t most_sequences(const DriverConfig& config, const ModelRow& row) {
+  static std::size_t most_sequences(const ModelRow& row) {
     Span shortest = row.timings.front().sequence;
     for (const Timing& timing : row.timings) shortest = std::min(shortest, timing.sequence);
-    const Span longest = config.frame_cut == FrameCut::time ? config.frame_duration : longest_turn;
-    return static_cast<std::size_t>(longest / shortest) * 5 / 4 + 100;
-  }
-
-  RevolutionCutter::Verdict judge(double azimuth_deg, Span time) {
-    using Verdict = RevolutionCutter::Verdict;
-    const Verdict turn = cutter_.next(azimuth_deg, time);  // it measures the period in any case
-    if (config_.frame_cut != FrameCut::time) return turn;
-    return interval_.next(time) ? Verdict::crossed : Verdict::same;
+    return static_cast<std::size_t>(longest_turn / shortest) * 5 / 4 + 100;
   }
 
   void begin(Span time, bool at_cut, const DeviceClock& clock) {
@@ -114,7 +95,6 @@ class CloudBuilder {
     sequences_ = 1;
     cloud_.columns.clear();
     cloud_.origins.clear();
-    cloud_.confidences.clear();
     cloud_.too_near.clear();
     points_ = 0;
     if (fresh_) unpacker_.set_calibration(*std::exchange(fresh_, nullptr));
@@ -142,8 +122,8 @@ class CloudBuilder {
       return;
     }
     cloud_.end = cloud_.columns.back().stamp;
-    const Span whole = config_.frame_cut == FrameCut::time ? config_.frame_duration : cutter_.period();
-    cloud_.expected_columns = static_cast<std::size_t>(whole / row_.timings.front().sequence) * echoes_;
+    cloud_.expected_columns =
+        static_cast<std::size_t>(cutter_.period() / row_.timings.front().sequence) * echoes_;
     cloud_.points_bytes.resize(points_ * sizeof(CloudPoint));
     ++counters_.frames;
     out.cloud(cloud_);
@@ -154,7 +134,6 @@ class CloudBuilder {
   Counters& counters_;
   Unpacker unpacker_;
   RevolutionCutter cutter_;
-  IntervalCutter interval_;
   std::shared_ptr<const Calibration> fresh_;  // waits for the next frame
   std::optional<DriverConfig> wanted_;        // this too
   Cloud cloud_;

@@ -282,13 +282,12 @@ Model spinning(const char* name, const char* product, const ModelRow& row, doubl
 /// Sensors with telemetry packets and a web interface (63-9243 Rev D, section 10.2), which the HDL-64E has
 /// not: it is set through its serial line (user manual 63-HDL64ES3).
 Model connected(const char* name, const char* product, const ModelRow& row, double range_max,
-                const char* verified, std::initializer_list<Trait> more = {}) {
+                const char* verified) {
   Model model = spinning(name, product, row, range_max, verified);
   model.telemetry_port = 8308;
   model.dialogue_port = 80;
   model.traits.add({Trait::gnss, Trait::web_control});
   model.messages = {message_topic<GnssFix>(), message_topic<TimeReference>()};
-  model.traits.add(more);
   return model;
 }
 
@@ -310,11 +309,8 @@ void append_models(std::vector<Model>& list) {
   add(spinning("velodyne_hdl64e_s2", "HDL-64E S2", hdl64e_s2_row, 120, simulated));
   add(spinning("velodyne_hdl64e_s21", "HDL-64E S2.1", hdl64e_s21_row, 120, simulated));
   add(spinning("velodyne_hdl64e_s3", "HDL-64E S3", hdl64e_s3_row, 120, simulated));
-  // Confidence: return mode 0x3B.
-  add(connected("velodyne_vls128", "VLS-128", vls128_row, 300, "real capture: strongest",
-                {Trait::confidence}));
-  add(connected("velodyne_alpha_prime", "Alpha Prime", vls128_row, 300, "same packets as VLS-128",
-                {Trait::confidence}));
+  add(connected("velodyne_vls128", "VLS-128", vls128_row, 300, "real capture: strongest"));
+  add(connected("velodyne_alpha_prime", "Alpha Prime", vls128_row, 300, "same packets as VLS-128"));
 }
 
 const std::vector<const ModelRow*>& model_rows() {

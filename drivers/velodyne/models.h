@@ -87,10 +87,9 @@ const ModelRow* family_of(ByteView payload);
 
 /// Driver of the spinning Velodynes; `config.model` must be one of velodyne::append_models().
 ///
-/// Frames are cut per firing sequence: revolutions at `config.cut_angle` or in the sector that the sensor
-/// leaves out, or pieces of `config.frame_duration`. A packet that comes one place too late is put back in
-/// its place; one that comes twice is used once. The first and the last revolution of a stream are handed on
-/// only with `keep_partial`.
+/// Frames are revolutions, cut per firing sequence at `config.cut_angle`. A packet that comes one place too
+/// late is put back in its place; one that comes twice is used once. The first and the last revolution of a
+/// stream are handed on only with `keep_partial`.
 std::unique_ptr<Driver> make_driver(const DriverConfig& config);
 
 }  // namespace lidard::velodyne

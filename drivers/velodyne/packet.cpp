@@ -65,14 +65,14 @@ Reject check_single_banks(const DataPacket& packet) {
   return lower == blocks_per_packet / 4 ? Reject::none : Reject::magic;
 }
 
-/// VLS-128 modes 0x3A and 0x3B: return 1, return 2, confidence words of each bank.
+/// VLS-128 modes 0x3A and 0x3B: return 1, return 2, confidence words of each bank. The words are not used.
 PacketLayout dual_with_confidence() {
   PacketLayout layout;
   layout.banks = 4;
   layout.echoes = 2;
-  layout.confidence = true;
   layout.groups = 1;
-  for (std::size_t b = 0; b < blocks_per_packet; ++b) layout.block[0][b % 3][b / 3] = byte(b);
+  for (std::size_t b = 0; b < blocks_per_packet; ++b)
+    if (b % 3 < 2) layout.block[0][b % 3][b / 3] = byte(b);
   return layout;
 }
 

@@ -70,12 +70,10 @@ inline bool is_dual(const DataPacket& packet) {
 struct PacketLayout {
   std::size_t groups = 0;  ///< sets of blocks with one azimuth
   std::size_t echoes = 1;
-  bool confidence = false;  ///< a third block of each bank holds confidence words
   std::size_t banks = 1;
   bool one_bank =
       false;  ///< each block has the lasers of one bank, which its flag names; the other is silent
-  std::array<std::array<std::array<std::uint8_t, 4>, 3>, 12>
-      block{};  ///< [group][echo or 2 = confidence][bank]
+  std::array<std::array<std::array<std::uint8_t, 4>, 2>, 12> block{};  ///< [group][echo][bank]
 
   std::size_t first_block(std::size_t group) const { return block[group][0][0]; }
 };

@@ -196,34 +196,7 @@ void Unpacker::append(const Sequence& sequence, Cloud& cloud, std::size_t& point
 
 void Unpacker::append_extras(const Sequence& sequence, Cloud& cloud) const {
   if (keep_origins_) append_origins(sequence, cloud);
-  if (keep_confidences_) append_confidences(sequence, cloud);
   if (keep_too_near_) append_too_near(sequence, cloud);
-}
-
-/// Calls use(laser, distance count) for what became a point.
-template <class Use>
-void Unpacker::each_return(const Sequence& sequence, Use use) const {
-  const std::size_t per_bank = row_.lasers / row_.banks;
-  for (std::size_t k = 0; k < row_.lasers; ++k) {
-    const std::int32_t count = distance_count(sequence.slots[k / per_bank] + 3 * (k % per_bank));
-    if (count >= lasers_.nearest[k] && count <= lasers_.farthest[k]) use(k, count);
-  }
-}
-
-/// A word is 24 bits, wire bytes low distance, high distance, intensity; bits 11..0 are those of the first
-/// return, 23..12 the same of the second (UniBwTAS/velodyne, README; the byte order is unverified: no capture
-/// is known).
-void Unpacker::append_confidences(const Sequence& sequence, Cloud& cloud) const {
-  const std::size_t per_bank = row_.lasers / row_.banks;
-  each_return(sequence, [&](std::size_t k, std::int32_t) {
-    std::uint16_t bits = no_confidence;
-    if (sequence.confidence[0] != nullptr) {
-      const std::uint8_t* slot = sequence.confidence[k / per_bank] + 3 * (k % per_bank);
-      const std::uint32_t word = static_cast<std::uint32_t>(distance_count(slot)) << 8U | slot[2];
-      bits = static_cast<std::uint16_t>((sequence.echo == 0 ? word : word >> 12U) & 0xFFFU);
-    }
-    cloud.confidences.push_back(bits);
-  });
 }
 
 void Unpacker::append_too_near(const Sequence& sequence, Cloud& cloud) const {
@@ -238,7 +211,9 @@ void Unpacker::append_too_near(const Sequence& sequence, Cloud& cloud) const {
 
 void Unpacker::append_origins(const Sequence& sequence, Cloud& cloud) const {
   const std::size_t per_bank = row_.lasers / row_.banks;
-  each_return(sequence, [&](std::size_t k, std::int32_t count) {
+  for (std::size_t k = 0; k < row_.lasers; ++k) {
+    const std::int32_t count = distance_count(sequence.slots[k / per_bank] + 3 * (k % per_bank));
+    if (count < lasers_.nearest[k] || count > lasers_.farthest[k]) continue;
     ReturnOrigin origin{};
     origin.column = static_cast<std::uint32_t>(cloud.columns.size() - 1);
     origin.laser = static_cast<std::uint16_t>(k);
@@ -249,7 +224,7 @@ void Unpacker::append_origins(const Sequence& sequence, Cloud& cloud) const {
     origin.offset_ns = (sequence.in_packet + origins_[k].firing).count();
     origin.stamp = sequence.stamp + origins_[k].firing;
     cloud.origins.push_back(origin);
-  });
+  }
 }
 
 }  // namespace lidard::velodyne

@@ -28,13 +28,12 @@ void directions(const double* angles_deg, std::size_t count, Direction* to);
 
 /// A firing sequence ready to be unpacked.
 struct Sequence {
-  std::array<const std::uint8_t*, 4> slots;       ///< the first slot of each bank in the packet
-  std::array<const std::uint8_t*, 4> confidence;  ///< the first confidence word of each bank; nullptr none
-  double azimuth_deg;                             ///< at its begin, as the sensor counts it
-  Direction ahead;                                ///< of that azimuth
-  Span in_packet;                                 ///< its first firing after the packet's stamp
-  Span in_frame;                                  ///< its first firing after the frame's stamp
-  Stamp stamp;                                    ///< its first firing on the host's time scale
+  std::array<const std::uint8_t*, 4> slots;  ///< the first slot of each bank in the packet
+  double azimuth_deg;                        ///< at its begin, as the sensor counts it
+  Direction ahead;                           ///< of that azimuth
+  Span in_packet;                            ///< its first firing after the packet's stamp
+  Span in_frame;                             ///< its first firing after the frame's stamp
+  Stamp stamp;                               ///< its first firing on the host's time scale
   std::uint32_t packet;
   std::array<std::uint8_t, 4> blocks;  ///< of the banks
   std::uint8_t echo;
@@ -50,11 +49,8 @@ class Unpacker {
 
   /// Places what comes from now on with that calibration, instead of what was given before.
   void set_calibration(const Calibration& calibration);
-  /// Also fills Cloud::confidences and Cloud::too_near.
-  void keep(bool confidences, bool too_near) {
-    keep_confidences_ = confidences;
-    keep_too_near_ = too_near;
-  }
+  /// Also fills Cloud::too_near.
+  void keep_too_near(bool keep) { keep_too_near_ = keep; }
   /// The limits of what comes from now on, as for the constructor.
   void set_ranges(double min_range, double max_range) {
     min_range_ = min_range;
@@ -78,17 +74,13 @@ class Unpacker {
   void set_geometry(const Calibration& calibration);
   void set_limits();
   void turn_anew();
-  template <class Use>
-  void each_return(const Sequence& sequence, Use use) const;
   void append_extras(const Sequence& sequence, Cloud& cloud) const;
   void append_origins(const Sequence& sequence, Cloud& cloud) const;
-  void append_confidences(const Sequence& sequence, Cloud& cloud) const;
   void append_too_near(const Sequence& sequence, Cloud& cloud) const;
 
   const ModelRow& row_;
   bool keep_origins_;
   double min_range_, max_range_;
-  bool keep_confidences_ = false;
   bool keep_too_near_ = false;
   double rate_ = 0;
   double longest_turning_ = 0;  // s

@@ -217,7 +217,6 @@ class VelodyneDriver final : public DriverBase {
 
     frames_.unpacker().set_rate(schedule.rate_deg_per_s);
     frames_.set_echoes(layout.echoes);
-    if (config_.frame_cut == FrameCut::view) frames_.set_hidden_middle(order_.hidden_middle_deg());
     frames_.begin_packet();
     const std::size_t per_block = row_.sequences_per_block();
     const Look look = look_of(azimuths, schedule, per_block);
@@ -235,7 +234,6 @@ class VelodyneDriver final : public DriverBase {
           for (std::size_t bank = 0; bank < layout.banks; ++bank) {
             sequence.blocks[bank] = layout.block[g][echo][bank];
             sequence.slots[bank] = slots_of(view, layout, g, echo, bank) + s * row_.lasers * 3;
-            if (layout.confidence) sequence.confidence[bank] = view.slots(layout.block[g][2][bank]);
           }
           frames_.append(sequence);
         }

@@ -89,11 +89,8 @@ DriverConfig random_config(const Model& model, std::uint64_t seed) {
   config.model = &model;
   config.clock = one_of(2) == 0 ? ClockMode::smooth : ClockMode::arrival;
   config.cut_angle = rng.uniform() * 6.28;
-  config.frame_cut = static_cast<FrameCut>(one_of(3));
-  config.frame_duration = span_from_seconds(0.001 + rng.uniform() * 0.2);
   config.keep_partial = one_of(2) == 0;
   config.keep_origins = one_of(4) == 0;
-  config.keep_confidence = one_of(4) == 0;
   config.keep_too_near = one_of(4) == 0;
   config.publish_multiecho = one_of(2) == 0;
   config.publish_intensity = one_of(3) != 0;

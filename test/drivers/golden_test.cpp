@@ -35,7 +35,7 @@ const Way ways[] = {
     {"all that can be kept",
      [](DriverConfig& config) {
        config.publish_multiecho = config.keep_partial = config.keep_origins = true;
-       config.keep_confidence = config.keep_too_near = true;
+       config.keep_too_near = true;
        config.clock = ClockMode::arrival;
        config.min_range = 2.5;
        config.time_offset = std::chrono::microseconds(1234);
@@ -49,14 +49,8 @@ const Way ways[] = {
        config.max_range = 9;
        config.view_direction = 0.9;
        config.view_width = 2.5;
-       config.frame_cut = FrameCut::view;
      }},
-    {"in slices of time",
-     [](DriverConfig& config) {
-       config.frame_cut = FrameCut::time;
-       config.frame_duration = std::chrono::milliseconds(37);
-       config.keep_partial = true;
-     }},
+    {"with partial frames", [](DriverConfig& config) { config.keep_partial = true; }},
 };
 
 std::string head(const std::string& name, const Way& way) { return name + ", " + way.name + "\n"; }

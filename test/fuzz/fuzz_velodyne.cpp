@@ -40,10 +40,8 @@ class Stream {
     config.clock = (wishes & 1U) != 0 ? ClockMode::arrival : ClockMode::smooth;
     config.keep_partial = (wishes & 2U) != 0;
     config.keep_origins = (wishes & 4U) != 0;
-    config.keep_confidence = config.keep_too_near = (wishes & 8U) != 0;
-    config.frame_cut = static_cast<FrameCut>((wishes >> 4U) % 3U);
+    config.keep_too_near = (wishes & 8U) != 0;
     config.cut_angle = in_.between(0, 6.28);
-    config.frame_duration = span_from_seconds(in_.between(0.001, 0.2));
     if ((wishes & 128U) != 0)
       config.calibration =
           std::make_shared<velodyne::Calibration>(velodyne::table_calibration(*config.model));

@@ -45,8 +45,6 @@ Settings vlp16() {
           {"config.laser", in_quotes("On")},
           {"config.fov.start", "0"},
           {"config.fov.end", "359"},
-          {"config.phaselock.enabled", in_quotes("Off")},
-          {"config.phaselock.offset", "0"},
           {"config.host.addr", in_quotes("255.255.255.255")},
           {"config.host.dport", "2368"},
           {"config.host.tport", "8308"},
@@ -54,10 +52,7 @@ Settings vlp16() {
           {"status.gps.position", in_quotes("")},
           {"status.motor.state", in_quotes("On")},
           {"status.motor.rpm", "599"},
-          {"status.laser.state", in_quotes("On")},
-          {"diag.volt_temp.top.hv", "2960"},
-          {"diag.volt_temp.top.lm20_temp", "1016"},
-          {"diag.volt_temp.bot.pwr_v_in", "896"}};
+          {"status.laser.state", in_quotes("On")}};
 }
 
 /// Fields of a form that are kept without quotes.
@@ -117,7 +112,6 @@ std::string FakeVelodyne::Impl::answer(const std::string& method, const std::str
   }
   if (path == "/cgi/snapshot.hdl") return json(settings, "");
   if (path == "/cgi/status.json") return json(settings, "status.");
-  if (path == "/cgi/diag.json") return json(settings, "diag.");
   return "";
 }
 

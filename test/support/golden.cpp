@@ -123,7 +123,7 @@ void Sums::cloud(const std::string& name, const Cloud& cloud) {
   add_exact(name + " columns", static_cast<std::int64_t>(cloud.columns.size()));
   add_exact(name + " expected", static_cast<std::int64_t>(cloud.expected_columns));
   add_exact(name + " rings", cloud.rings * 2 + (cloud.complete ? 1 : 0));
-  add_exact(name + " format", cloud.format.point_step + 1000 * cloud.format.height);
+  add_exact(name + " format", static_cast<std::int64_t>(sizeof(CloudPoint)) + 1000 * cloud.height);
   add_text(name + " frame", cloud.frame_id);
   for (const CloudColumn& c : cloud.columns) {
     add_exact(name + " column", c.first_point + 7LL * c.packet + 1000LL * c.block + 100000LL * c.echo);
@@ -135,7 +135,7 @@ void Sums::cloud(const std::string& name, const Cloud& cloud) {
       &times = sums_[name + " time"];
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     CloudPoint p;
-    std::memcpy(&p, cloud.points_bytes.data() + i * cloud.format.point_step, sizeof p);
+    std::memcpy(&p, cloud.points_bytes.data() + i * sizeof p, sizeof p);
     const float x = p.x, y = p.y, z = p.z, intensity = p.intensity, time = p.time;
     xs.add(static_cast<double>(x)), ys.add(static_cast<double>(y)), zs.add(static_cast<double>(z));
     intensities.add(static_cast<double>(intensity));
@@ -148,7 +148,6 @@ void Sums::cloud(const std::string& name, const Cloud& cloud) {
     add(name + " origin azimuth", o.azimuth_deg);
     add(name + " origin distance", o.distance_m);
   }
-  for (const std::uint16_t bits : cloud.confidences) add_exact(name + " confidence", bits);
   for (const NearReturn& n : cloud.too_near) add_exact(name + " too_near", n.column * 1000LL + n.ring);
 }
 

@@ -64,7 +64,6 @@ struct Field {
   const char* path;
   const char* field;
   std::optional<std::string> wanted;
-  const char* else_reports = "";  // where some firmware has it instead
 };
 
 template <class Number>
@@ -76,10 +75,8 @@ std::optional<std::string> wanted_fov(const std::optional<int>& degrees) {
   return degrees ? wanted_number(std::optional<int>(sensor_fov(*degrees))) : std::nullopt;
 }
 
-const char* on_off(bool on) { return on ? "on" : "off"; }
-
 // Paths and fields of the forms: 63-9243 Rev D, section 10.2; names of the reported settings as other
-// drivers read them (tier4/nebula, UniBwTAS/velodyne); `laser` and `phaselock` unverified.
+// drivers read them (tier4/nebula, UniBwTAS/velodyne).
 std::vector<Field> setting_fields(const VelodyneSettings& w) {
   const char* setting = "/cgi/setting";
   const char* fov = "/cgi/setting/fov";
@@ -87,8 +84,6 @@ std::vector<Field> setting_fields(const VelodyneSettings& w) {
       {"rpm", "config.rpm", setting, "rpm", wanted_number(w.rpm)},
       {"returns", "config.returns", setting, "returns",
        w.returns ? std::optional<std::string>(to_string(*w.returns)) : std::nullopt},
-      {"laser", "config.laser", setting, "laser",
-       w.laser ? std::optional<std::string>(on_off(*w.laser)) : std::nullopt, "status.laser.state"},
       {"fov start", "config.fov.start", fov, "start", wanted_fov(w.fov_start_deg)},
       {"fov end", "config.fov.end", fov, "end", wanted_fov(w.fov_end_deg)},
   };
@@ -111,8 +106,7 @@ std::optional<std::string> reported(const VelodyneTree& tree, const char* name) 
 
 void plan_field(const VelodyneTree& tree, const Field& field, VelodynePlan& plan) {
   if (!field.wanted) return;
-  auto now = reported(tree, field.reports);
-  if (!now) now = reported(tree, field.else_reports);
+  const auto now = reported(tree, field.reports);
   if (!now) {
     plan.unknown.emplace_back(field.name);
     return;
@@ -121,41 +115,6 @@ void plan_field(const VelodyneTree& tree, const Field& field, VelodynePlan& plan
   if (lower(is_fov ? fov_text(*now) : *now) == lower(*field.wanted)) return;
   plan.changes.push_back({field.path, std::string(field.field) + "=" + *field.wanted,
                           std::string(field.name) + ": " + *now + " -> " + *field.wanted});
-}
-
-std::string degrees_text(int hundredths) {
-  std::string text = std::to_string(hundredths / 100);
-  if (hundredths % 100 == 0) return text;
-  const std::string fraction = std::to_string(100 + hundredths % 100).substr(1);
-  text += "." + fraction;
-  if (text.back() == '0') text.pop_back();
-  return text;
-}
-
-std::optional<int> count_in(const std::optional<std::string>& text) {
-  const auto count = text && text->size() < 7 ? number_in<unsigned>(*text) : std::nullopt;
-  return count ? std::optional<int>(static_cast<int>(*count)) : std::nullopt;
-}
-
-/// The form holds both fields: `enabled`, and `offset` in 1/100 degree with `offsetInput` in degrees, as
-/// UniBwTAS/velodyne sends them (unverified).
-void plan_phase_lock(const VelodyneTree& tree, const VelodyneSettings& wanted, VelodynePlan& plan) {
-  if (!wanted.phase_lock && !wanted.phase_lock_offset) return;
-  const auto enabled = reported(tree, "config.phaselock.enabled");
-  const auto offset = count_in(reported(tree, "config.phaselock.offset"));
-  if (!enabled || !offset) {
-    plan.unknown.emplace_back("phase_lock");
-    return;
-  }
-  const bool was_on = lower(*enabled) == "on";
-  const bool on = wanted.phase_lock.value_or(was_on);
-  const int target = wanted.phase_lock_offset.value_or(*offset);
-  if (on == was_on && target == *offset) return;
-  plan.changes.push_back({"/cgi/setting/phaselock",
-                          std::string("enabled=") + on_off(on) + "&offset=" + std::to_string(target) +
-                              "&offsetInput=" + degrees_text(target),
-                          std::string("phase_lock: ") + on_off(was_on) + " at " + degrees_text(*offset) +
-                              " deg -> " + on_off(on) + " at " + degrees_text(target) + " deg"});
 }
 
 }  // namespace
@@ -174,14 +133,12 @@ const char* to_string(VelodyneReturns returns) {
 }
 
 bool VelodyneSettings::any() const {
-  return rpm || returns || laser || fov_start_deg || fov_end_deg || phase_lock || phase_lock_offset ||
-         host_address || host_port || host_telemetry_port;
+  return rpm || returns || fov_start_deg || fov_end_deg || host_address || host_port || host_telemetry_port;
 }
 
 VelodynePlan plan(const VelodyneTree& tree, const VelodyneSettings& wanted) {
   VelodynePlan result;
   for (const Field& field : setting_fields(wanted)) plan_field(tree, field, result);
-  plan_phase_lock(tree, wanted, result);
   for (const Field& field : host_fields(wanted)) plan_field(tree, field, result);
   return result;
 }
@@ -195,8 +152,6 @@ using S = VelodyneSettings;
 constexpr double slowest_rpm = 300;
 constexpr double fastest_rpm = 1200;
 constexpr double rpm_step = 60;
-constexpr double shortest_period_s = 3;  // one round is three requests, one per second
-constexpr double longest_period_s = 3600;
 constexpr double last_port = 65535;
 
 constexpr const char* fov_form = "{start_deg: 0, end_deg: 360}, whole degrees";
@@ -205,12 +160,6 @@ constexpr const char* host_form = "the IPv4 address to send to, a broadcast or a
 std::optional<Misfit> no_rpm(const KeyValue& value) {
   if (std::fmod(std::get<double>(value), rpm_step) == 0) return std::nullopt;
   return Misfit{"is {}", "a multiple of 60 from 300 to 1200"};
-}
-
-std::optional<Misfit> no_hundredths(const KeyValue& value) {
-  const double hundredths = std::get<double>(value) * 100;
-  if (std::abs(hundredths - std::round(hundredths)) <= 1e-6) return std::nullopt;
-  return Misfit{"is {}", "a multiple of 0.01 degrees"};
 }
 
 std::optional<Misfit> no_host(const KeyValue& value) {
@@ -227,22 +176,6 @@ Keys<S> fov_keys() {
       whole("end_deg", &S::fov_end_deg, 0, 360, "as the sensor counts azimuth").of_form(fov_form).needed()};
 }
 
-Keys<S> phase_lock_keys() {
-  auto offset = number("offset_deg", &S::phase_lock_offset, 0, 360, "degrees",
-                       "where the lasers fire at the top of the second")
-                    .checked(no_hundredths);
-  offset.get = [](const S& wanted) {
-    return wanted.phase_lock_offset ? key_value(*wanted.phase_lock_offset / 100.0) : KeyValue();
-  };
-  offset.set = [](S& wanted, const KeyValue& value) {
-    wanted.phase_lock_offset = static_cast<int>(std::lround(std::get<double>(value) * 100));
-  };
-  return {flag("enabled", &S::phase_lock, "the rotation is locked to the top of the second")
-              .of_form("{enabled: true, offset_deg: 0}")
-              .needed(),
-          offset};
-}
-
 Keys<S> wanted_keys() {
   const Words<std::optional<VelodyneReturns>> returns{{"strongest", VelodyneReturns::strongest},
                                                       {"last", VelodyneReturns::last},
@@ -250,9 +183,7 @@ Keys<S> wanted_keys() {
   return {
       whole("rpm", &S::rpm, slowest_rpm, fastest_rpm, "speed of rotation, a multiple of 60").checked(no_rpm),
       word("returns", &S::returns, returns, "which returns it sends"),
-      flag("laser", &S::laser, "the lasers fire"),
       section("fov", fov_keys(), "the sector that it sends"),
-      section("phase_lock", phase_lock_keys(), "where it looks at the top of the second"),
       section<S>("host",
                  {text("address", &S::host_address, host_form, "where it sends").checked(no_host),
                   whole("port", &S::host_port, 1, last_port, "of its data"),
@@ -271,9 +202,6 @@ Keys<VelodyneControl> control_keys() {
       whole("port", &C::port, 1, last_port, "TCP port of its web interface")};
   const Keys<C> wanted = within(&C::wanted, wanted_keys());
   rows.insert(rows.end(), wanted.begin(), wanted.end());
-  rows.push_back(flag("save", &C::save, "keeps what was written in the sensor's flash memory"));
-  rows.push_back(number("period", &C::period, shortest_period_s, longest_period_s, "s",
-                        "between two rounds of requests"));
   return rows;
 }
 

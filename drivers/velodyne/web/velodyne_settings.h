@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "core/base/time.h"
 #include "drivers/address.h"
 #include "drivers/key.h"
 
@@ -28,10 +27,7 @@ const char* to_string(VelodyneReturns returns);
 struct VelodyneSettings {
   std::optional<int> rpm;
   std::optional<VelodyneReturns> returns;
-  std::optional<bool> laser;
   std::optional<int> fov_start_deg, fov_end_deg;  ///< 0 to 360, as the sensor counts azimuth
-  std::optional<bool> phase_lock;
-  std::optional<int> phase_lock_offset;  ///< 1/100 degree
   std::optional<IpAddress> host_address;
   std::optional<std::uint16_t> host_port, host_telemetry_port;
 
@@ -46,8 +42,6 @@ struct VelodyneControl {
   IpAddress address;            ///< the sensor's
   std::uint16_t data_port = 0;  ///< where its data are expected
   VelodyneSettings wanted;
-  bool save = false;  ///< keep what was written in the sensor's flash memory
-  Span period = std::chrono::seconds(10);
 };
 
 /// One request that changes a setting.

@@ -30,44 +30,32 @@ WebDialogue::WebDialogue(const VelodyneControl& control, const WebTiming& timing
       where_(Endpoint{control.address, control.port}.to_string()),
       retry_(timing.first_retry) {}
 
-/// The whole talk. It goes on after each `yield` when the request was answered or has failed, or when the
-/// pause is over.
+/// The whole dialogue. It continues after each `yield` when the request was answered or has failed, or when
+/// the pause is over.
 void WebDialogue::script(DriverOutput& out) {
   reenter(script_) {
     for (;;) {
-      yield ask("/cgi/snapshot.hdl");
+      yield request("/cgi/snapshot.hdl");
       tree_.clear();
-      complete_ = snapshot_is_new_ = take("/cgi/snapshot.hdl", "");
+      complete_ = snapshot_is_new_ = parse_answer("/cgi/snapshot.hdl", "");
       if (present_) {
-        yield ask("/cgi/status.json");
-        complete_ = take("/cgi/status.json", "status.") && complete_;
-      }
-      if (present_) {
-        yield ask("/cgi/diag.json");
-        complete_ = take("/cgi/diag.json", "diag.") && complete_;
+        yield request("/cgi/status.json");
+        complete_ = parse_answer("/cgi/status.json", "status.") && complete_;
       }
       finish_reading();
       for (change_ = 0; change_ < changes_.size(); ++change_) {
-        yield request(changes_[change_].path, changes_[change_].body, timing_.limit);
-        take_write(out);
+        yield request(changes_[change_].path, changes_[change_].body);
+        finish_write(out);
       }
-      if (are_changes_verified(out) && control_.save) {
-        for (saved_ = false, saves_ = 1; !saved_ && saves_ <= most_attempts; ++saves_) {
-          // UniBwTAS/velodyne: the sensor needs some ten seconds for it (unverified).
-          yield request("/cgi/save", "data=submit", timing_.save_limit);
-          take_save(out);
-          yield pause(timing_.after_save);
-        }
-      }
+      report_verified(out);
       yield pause(next_pause());
     }
   }
 }
 
-/// Dials as soon as the pace allows it. An empty form: GET.
-void WebDialogue::request(const std::string& path, const std::string& form, Span limit) {
+/// Connects as soon as the pace allows it. An empty form: GET.
+void WebDialogue::request(const std::string& path, const std::string& form) {
   request_ = http_request(where_, path, form);
-  limit_ = limit;
   phase_ = Phase::waiting;
 }
 
@@ -96,7 +84,7 @@ void WebDialogue::tick(Stamp now, DriverOutput& out) {
 
 void WebDialogue::dial(DriverOutput& out) {
   phase_ = Phase::dialling;
-  patience_.start(now_, limit_);
+  patience_.start(now_, timing_.limit);
   answer_ = {};
   received_.clear();
   present_ = false;
@@ -130,7 +118,7 @@ void WebDialogue::receive(const Packet& packet, DriverOutput& out) {
 }
 
 /// False if there is no such answer; the state says why.
-bool WebDialogue::take(const std::string& path, const std::string& prefix) {
+bool WebDialogue::parse_answer(const std::string& path, const std::string& prefix) {
   // An answer that ends early or whose length is wrong is good enough if it is all there.
   const auto section = answer_.status == 200 ? read_velodyne_json(answer_.body) : std::nullopt;
   if (section) {
@@ -171,12 +159,12 @@ void WebDialogue::finish_reading() {
   }
 }
 
-void WebDialogue::take_write(DriverOutput& out) {
+void WebDialogue::finish_write(DriverOutput& out) {
   const VelodyneChange& change = changes_[change_];
   ++attempts_[change.path + change.body];
-  // Without an answer nobody knows whether it was taken; the next snapshot tells.
+  // Without an answer it is not known whether the sensor applied the change; the next snapshot shows it.
   unverified_ = unverified_ || present_;
-  if (was_taken())
+  if (answer_.status >= 200 && answer_.status <= 206)
     out.note("wrote " + change.text + " to " + where_);
   else
     out.note("could not write " + change.text + " to " + where_ + ": " +
@@ -185,28 +173,19 @@ void WebDialogue::take_write(DriverOutput& out) {
   ++state_.writes;
 }
 
-/// True once, when everything that was written shows in a snapshot.
-bool WebDialogue::are_changes_verified(DriverOutput& out) {
+/// Reports once that everything that was written stands in a snapshot.
+void WebDialogue::report_verified(DriverOutput& out) {
   const bool agrees = snapshot_is_new_ && changes_.empty() && state_.refused.empty();
-  if (!agrees || !unverified_) return false;
+  if (!agrees || !unverified_) return;
   out.note("the sensor reports the written settings");
   unverified_ = false;
   attempts_.clear();
-  return true;
-}
-
-void WebDialogue::take_save(DriverOutput& out) {
-  saved_ = was_taken();
-  if (saved_)
-    out.note("the sensor at " + where_ + " saved its settings");
-  else if (saves_ == most_attempts)
-    out.note("the sensor at " + where_ + " did not save its settings; they are lost when it is switched off");
 }
 
 Span WebDialogue::next_pause() {
   if (complete_) retry_ = timing_.first_retry;
   if (!changes_.empty()) return timing_.settle;
-  if (complete_) return control_.period;
+  if (complete_) return timing_.period;
   return std::exchange(retry_, std::min(2 * retry_, timing_.last_retry));
 }
 

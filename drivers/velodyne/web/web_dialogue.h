@@ -32,14 +32,14 @@ std::string http_request(const std::string& host, const std::string& path, const
 /// length, and lengths that are too large.
 HttpAnswer read_http_answer(std::string_view bytes, bool ended);
 
-/// How patient the dialogue is. The web servers of these sensors are slow, and lose requests that come faster
-/// than one per second.
+/// Pauses and time limits of the dialogue. The web servers of these sensors are slow, and lose requests that
+/// come faster than one per second.
 struct WebTiming {
   Span pace = std::chrono::seconds(1);   ///< between the end of a request and the begin of the next
   Span limit = std::chrono::seconds(5);  ///< for one request
-  Span save_limit = std::chrono::seconds(15);
-  Span settle = std::chrono::seconds(2);  ///< between writing and looking whether it was taken
-  Span after_save = std::chrono::seconds(10);
+  Span settle = std::chrono::seconds(2);  ///< between writing and reading the setting back
+  /// Between two readings: a sensor that was replaced, restarted or set by hand is noticed by them.
+  Span period = std::chrono::seconds(10);
   Span first_retry = std::chrono::seconds(1);  ///< doubled after each failure in a row
   Span last_retry = std::chrono::seconds(60);
   Span spin_up = std::chrono::seconds(30);  ///< after a change of the speed
@@ -58,9 +58,10 @@ struct WebState {
   std::uint64_t requests = 0, failures = 0, writes = 0;
 };
 
-/// The talk with a Velodyne's web interface (TCP 80): asks for its state again and again and, where the
-/// configuration allows it, writes the settings that differ. Never gives up, and never makes more than one
-/// request at a time; each has a connection of its own, since the sensor closes it.
+/// The dialogue with a Velodyne's web interface (TCP 80): reads its settings and state every
+/// WebTiming::period and, where the configuration allows it, writes the settings that differ. Never gives up,
+/// and never makes more than one request at a time; each has a connection of its own, since the sensor closes
+/// it.
 class WebDialogue {
  public:
   explicit WebDialogue(const VelodyneControl& control, const WebTiming& timing = {});
@@ -78,17 +79,14 @@ class WebDialogue {
   enum class Phase : std::uint8_t { pausing, waiting, dialling, talking, answered };
 
   void script(DriverOutput& out);
-  void ask(const char* path) { request(path, "", timing_.limit); }
-  void request(const std::string& path, const std::string& form, Span limit);
+  void request(const std::string& path, const std::string& form = {});
   void dial(DriverOutput& out);
   void pause(Span time) { phase_ = Phase::pausing, patience_.start(now_, time); }
   Span next_pause();
-  bool was_taken() const { return answer_.status >= 200 && answer_.status <= 206; }
-  bool take(const std::string& path, const std::string& prefix);
+  bool parse_answer(const std::string& path, const std::string& prefix);
   void finish_reading();
-  void take_write(DriverOutput& out);
-  bool are_changes_verified(DriverOutput& out);
-  void take_save(DriverOutput& out);
+  void finish_write(DriverOutput& out);
+  void report_verified(DriverOutput& out);
 
   const VelodyneControl control_;
   const WebTiming timing_;
@@ -99,8 +97,7 @@ class WebDialogue {
   Patience pace_;
   Stamp now_{};
   std::string request_;
-  Span limit_{0};        // of the request
-  bool present_ = true;  // the last connection was taken
+  bool present_ = true;  // the last connection was accepted
   std::string received_;
   HttpAnswer answer_;
   WebState state_;
@@ -111,8 +108,6 @@ class WebDialogue {
   std::size_t change_ = 0;               // of those the one that is written
   std::map<std::string, int> attempts_;  // by request
   bool unverified_ = false;              // something was written and not seen in a snapshot yet
-  bool saved_ = false;
-  int saves_ = 0;
   Span retry_;
   Stamp last_write_{};
 };

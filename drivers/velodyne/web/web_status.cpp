@@ -5,54 +5,11 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <cstdio>
 
 #include "core/base/number_text.h"
 
-namespace lidard {
+namespace lidard::velodyne {
 namespace {
-
-constexpr double full_scale_v = 5;
-constexpr double counts = 4096;
-
-// Conversions: VLP-16 user manual 63-9243 Rev D, section 10.2, as tier4/nebula and UniBwTAS/velodyne agree.
-double volts(double v) { return v; }
-double half_volts(double v) { return 2 * v; }
-double supply_volts(double v) { return 11 * v; }
-double high_volts(double v) { return 101 * (v - 5); }
-double amperes(double v) { return 10 * (v - 2.5); }
-/// The sensor chip LM20's transfer function.
-double celsius(double v) { return -1481.96 + std::sqrt(2.1962e6 + (1.8639 - v) / 3.88e-6); }
-
-struct Row {
-  const char* key;  // below diag.volt_temp
-  const char* name;
-  const char* unit;
-  double (*convert)(double volts);
-  double lowest, highest;
-  bool needs_laser;  // inferred: what feeds the laser diodes falls when they are off
-};
-
-// Limits: as the conversions. nebula tests pwr_5v_raw against the limits of 2.5 V; UniBwTAS prints +25 for
-// the lowest temperature of the top board.
-constexpr Row rows[] = {
-    {"top.hv", "Top high voltage", "V", high_volts, -150, -132, true},
-    {"top.lm20_temp", "Top temperature", "C", celsius, -25, 90, false},
-    {"top.pwr_5v", "Top 5 V", "V", half_volts, 4.8, 5.2, false},
-    {"top.pwr_2_5v", "Top 2.5 V", "V", volts, 2.3, 2.7, false},
-    {"top.pwr_3_3v", "Top 3.3 V", "V", volts, 3.1, 3.5, false},
-    {"top.pwr_5v_raw", "Top 5 V raw", "V", half_volts, 4.8, 5.2, false},
-    {"top.pwr_raw", "Top raw", "V", volts, 1.6, 1.9, false},
-    {"top.pwr_vccint", "Top VCCINT", "V", volts, 1.0, 1.4, false},
-    {"bot.i_out", "Bottom output current", "A", amperes, 0.3, 1.0, true},
-    {"bot.lm20_temp", "Bottom temperature", "C", celsius, -25, 90, false},
-    {"bot.pwr_1_2v", "Bottom 1.2 V", "V", volts, 1.0, 1.4, false},
-    {"bot.pwr_1_25v", "Bottom 1.25 V", "V", volts, 1.0, 1.4, false},
-    {"bot.pwr_2_5v", "Bottom 2.5 V", "V", volts, 2.3, 2.7, false},
-    {"bot.pwr_3_3v", "Bottom 3.3 V", "V", volts, 3.1, 3.5, false},
-    {"bot.pwr_5v", "Bottom 5 V", "V", half_volts, 4.8, 5.2, false},
-    {"bot.pwr_v_in", "Supply voltage", "V", supply_volts, 8, 19, false},
-};
 
 std::string value_of(const VelodyneTree& tree, const std::string& key) {
   const auto found = tree.find(key);
@@ -63,30 +20,6 @@ std::optional<double> number_of(const VelodyneTree& tree, const std::string& key
   const auto number = number_in<double>(value_of(tree, key));
   return number && std::isfinite(*number) ? number : std::nullopt;
 }
-
-bool laser_is_off(const VelodyneTree& tree) {
-  const std::string state = value_of(tree, "status.laser.state");
-  return state == "Off" || state == "off";
-}
-
-}  // namespace
-
-std::vector<VelodyneReading> velodyne_readings(const VelodyneTree& tree) {
-  std::vector<VelodyneReading> readings;
-  const bool dark = laser_is_off(tree);
-  for (const Row& row : rows) {
-    const auto count = number_of(tree, std::string("diag.volt_temp.") + row.key);
-    if (!count || *count < 0 || *count >= counts) continue;
-    readings.push_back({row.name, row.unit, row.convert(*count * full_scale_v / counts), row.lowest,
-                        row.highest, !(dark && row.needs_laser)});
-  }
-  return readings;
-}
-
-}  // namespace lidard
-
-namespace lidard::velodyne {
-namespace {
 
 /// A locked motor stays within a few rpm; what differs by more turns at another speed.
 constexpr double rpm_tolerance = 0.05;
@@ -163,10 +96,6 @@ void judge_state(const VelodyneTree& tree, std::vector<std::string>& found) {
     found.emplace_back("the laser is off; switch it on in the sensor's web page");
   if (same_word(value_of(tree, "status.gps.pps_state"), "error"))
     found.emplace_back("the sensor reports an error of the PPS signal; check the time source");
-  for (const auto& reading : velodyne_readings(tree)) {
-    if (!reading.is_good())
-      found.push_back(std::string(reading.name) + " is outside its limits; check supply and cooling");
-  }
 }
 
 std::string list_of(const std::vector<std::string>& words) {
@@ -199,13 +128,6 @@ void judge(const WebState& state, const Received& received, SettingsStatus& item
     item.details.emplace_back("Remark " + std::to_string(i + 1), found[i]);
 }
 
-std::string shown(const VelodyneReading& reading) {
-  char text[96];
-  std::snprintf(text, sizeof text, "%.2f %s%s (%g to %g)", reading.value, reading.unit,
-                reading.is_good() ? "" : " OUT OF LIMITS", reading.lowest, reading.highest);
-  return text;
-}
-
 void add_values(const VelodyneTree& tree, SettingsStatus& item) {
   static constexpr std::pair<const char*, const char*> rows[] = {
       {"Model", "info.model"},
@@ -217,8 +139,6 @@ void add_values(const VelodyneTree& tree, SettingsStatus& item) {
       {"Destination address", "config.host.addr"},
       {"Destination port", "config.host.dport"},
       {"Destination telemetry port", "config.host.tport"},
-      {"Phase lock", "config.phaselock.enabled"},
-      {"Phase lock offset (1/100 deg)", "config.phaselock.offset"},
       {"Motor", "status.motor.state"},
       {"Motor rpm", "status.motor.rpm"},
       {"Motor lock", "status.motor.lock"},
@@ -230,7 +150,6 @@ void add_values(const VelodyneTree& tree, SettingsStatus& item) {
     const std::string value = value_of(tree, key);
     if (!value.empty()) item.details.emplace_back(label, value);
   }
-  for (const auto& reading : velodyne_readings(tree)) item.details.emplace_back(reading.name, shown(reading));
 }
 
 }  // namespace

@@ -10,25 +10,6 @@
 #include "drivers/velodyne/web/velodyne_settings.h"
 #include "drivers/velodyne/web/web_dialogue.h"
 
-namespace lidard {
-
-/// One voltage, current or temperature of the sensor's boards.
-struct VelodyneReading {
-  const char* name;  ///< "Top temperature"
-  const char* unit;  ///< "C", "V", "A"
-  double value;
-  double lowest, highest;  ///< where the manual wants it
-  bool judged;             ///< false: means nothing while the laser is off
-
-  bool is_good() const { return !judged || (value >= lowest && value <= highest); }
-};
-
-/// The readings in `tree` ("diag.volt_temp…") in physical units; what is missing or no 12-bit count is left
-/// out.
-std::vector<VelodyneReading> velodyne_readings(const VelodyneTree& tree);
-
-}  // namespace lidard
-
 namespace lidard::velodyne {
 
 /// What arrives from a sensor, to hold against what it reports.

@@ -32,13 +32,12 @@ Cloud sample_cloud() {
   cloud.columns = {{0, 0, 0, 0, 0.1F, Stamp{1000 * ms}},
                    {2, 0, 1, 0, 0.2F, Stamp{1010 * ms}},
                    {3, 0, 2, 1, 0.2F, Stamp{1010 * ms}}};
-  cloud.confidences = {7, 6, 5, 4, 0x0863};
   return cloud;
 }
 
 CloudPoint point_at(const Cloud& cloud, std::size_t slot) {
   CloudPoint point;
-  std::memcpy(&point, cloud.points_bytes.data() + slot * cloud.format.point_step, sizeof point);
+  std::memcpy(&point, cloud.points_bytes.data() + slot * sizeof point, sizeof point);
   return point;
 }
 
@@ -60,8 +59,7 @@ TEST(CloudArranger, GivesARowToEachRingAndAColumnToEachReturnOfAFiring) {
   CloudArranger arranger(with_order(CloudOrder::ring_rows));
   const Cloud source = sample_cloud();
   const Cloud& made = arranger.arrange(source);
-  EXPECT_EQ(made.format.height, 4U);
-  EXPECT_EQ(made.format.point_step, 22U);
+  EXPECT_EQ(made.height, 4U);
   ASSERT_EQ(made.size(), 12U);
   const int expected[4][3] = {{20, -1, -1}, {-1, -1, 40}, {10, -1, -1}, {-1, 30, 50}};
   const float begins[] = {0, 0.010F, 0.010F};
@@ -86,7 +84,7 @@ TEST(CloudArranger, GivesARowToEachRingAndAColumnToEachReturnOfAFiring) {
 TEST(CloudArranger, GivesARowToEachFiringWhereThatIsAskedFor) {
   CloudArranger arranger(with_order(CloudOrder::firing_rows));
   const Cloud& made = arranger.arrange(sample_cloud());
-  EXPECT_EQ(made.format.height, 3U);
+  EXPECT_EQ(made.height, 3U);
   ASSERT_EQ(made.size(), 12U);
   EXPECT_EQ(point_at(made, 0).intensity, 20);
   EXPECT_EQ(point_at(made, 2).intensity, 10);
@@ -111,40 +109,14 @@ TEST(CloudArranger, StampsTheLastFiringAndCountsTimesBackFromIt) {
   EXPECT_NEAR(point_at(made, 1).time, -0.011, 1e-7);
 }
 
-TEST(CloudArranger, PutsConfidenceAndEchoBehindThePoint) {
-  CloudLayout layout = with_order(CloudOrder::ring_rows);
-  layout.confidence = layout.echo = true;
-  CloudArranger arranger(layout);
-  const Cloud& made = arranger.arrange(sample_cloud());
-  ASSERT_EQ(made.format.point_step, 25U);
-  ASSERT_EQ(made.size(), 12U);
-  const auto confidence = [&](std::size_t slot) {
-    std::uint16_t value = 0;
-    std::memcpy(&value, made.points_bytes.data() + slot * 25 + 22, 2);
-    return value;
-  };
-  const auto echo = [&](std::size_t slot) { return made.points_bytes[slot * 25 + 24]; };
-  EXPECT_EQ(confidence(2 * 3), 7);
-  EXPECT_EQ(confidence(3 * 3 + 2), 0x0863);
-  EXPECT_EQ(confidence(1), no_confidence);
-  EXPECT_EQ(echo(1), 0);
-  EXPECT_EQ(echo(2), 1);
-  EXPECT_EQ(echo(3 * 3 + 2), 1);
-}
-
 TEST(CloudArranger, LeavesACloudWithoutColumnsAList) {
-  CloudLayout layout = with_order(CloudOrder::ring_rows);
-  layout.confidence = true;
-  CloudArranger arranger(layout);
+  CloudArranger arranger(with_order(CloudOrder::ring_rows));
   Cloud source = sample_cloud();
   source.columns.clear();
-  source.confidences.clear();
   const Cloud& made = arranger.arrange(source);
-  EXPECT_EQ(made.format.height, 0U);
+  EXPECT_EQ(made.height, 0U);
   ASSERT_EQ(made.size(), 5U);
-  std::uint16_t value = 0;
-  std::memcpy(&value, made.points_bytes.data() + 22, 2);
-  EXPECT_EQ(value, no_confidence);
+  EXPECT_EQ(point_at(made, 1).intensity, 20);
 }
 
 TEST(CloudArranger, AllocatesNothingOnceTheLargestCloudWasSeen) {

@@ -31,7 +31,9 @@ Cloud random_cloud(std::size_t columns, double size_m) {
     for (std::uint16_t ring = 0; ring < 3 && c % 7 != 6; ++ring) {
       points.push_back({place(random), place(random), place(random), static_cast<float>(points.size() % 256),
                         ring, static_cast<float>(c)});
-      cloud.confidences.push_back(static_cast<std::uint16_t>(points.size()));
+      ReturnOrigin origin{};
+      origin.laser = static_cast<std::uint16_t>(points.size());
+      cloud.origins.push_back(origin);
     }
   }
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(points.data());
@@ -39,7 +41,7 @@ Cloud random_cloud(std::size_t columns, double size_m) {
   return cloud;
 }
 
-/// The points of `cloud` for which `stays` holds, each with its column and its confidence.
+/// The points of `cloud` for which `stays` holds, each with its column and its origin.
 using Row = std::tuple<std::uint32_t, float, float, float, std::uint16_t>;
 template <class Stays>
 std::vector<Row> rows_of(const Cloud& cloud, Stays stays) {
@@ -48,7 +50,7 @@ std::vector<Row> rows_of(const Cloud& cloud, Stays stays) {
     for (std::size_t i = cloud.columns[c].first_point; i < cloud.points_end(c); ++i) {
       const CloudPoint p = cloud.points()[i];
       if (stays(p))
-        rows.emplace_back(cloud.columns[c].packet, p.x, p.intensity, p.time, cloud.confidences[i]);
+        rows.emplace_back(cloud.columns[c].packet, p.x, p.intensity, p.time, cloud.origins[i].laser);
     }
   }
   return rows;
@@ -252,7 +254,7 @@ TEST(FrameFilter, AllocatesNothingAfterTheFirstFrame) {
   for (int i = 0; i < 5; ++i) {
     used.points_bytes.assign(cloud.points_bytes.begin(), cloud.points_bytes.end());
     used.columns = cloud.columns;
-    used.confidences = cloud.confidences;
+    used.origins = cloud.origins;
     used_scan = scan;
     filter.apply(used);
     filter.apply(used_scan);

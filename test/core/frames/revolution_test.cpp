@@ -76,21 +76,6 @@ TEST(RevolutionCutter, AMissingTurnEndsTheFrameAlsoWhereTheAzimuthGoesOn) {
   EXPECT_NEAR(seconds(cutter.period()), 1800 * seconds(sequence), 1e-6);
 }
 
-TEST(RevolutionCutter, ACutThatMovesEndsTheFrameAtTheNewPlace) {
-  RevolutionCutter cutter(0);
-  int i = 0;
-  for (; i < 2000; ++i) cutter.next(wrap(0.2 * i), sequence * i);  // at 40 deg
-  EXPECT_FALSE(cutter.set_cut(0.3)) << "the edges of a hidden sector wander that much";
-  EXPECT_TRUE(cutter.set_cut(200));
-  std::vector<double> cuts;
-  for (; i < 5000; ++i) {
-    if (cutter.next(wrap(0.2 * i), sequence * i) == Verdict::crossed) cuts.push_back(wrap(0.2 * i));
-  }
-  ASSERT_EQ(cuts.size(), 2U);
-  EXPECT_NEAR(cuts[0], 200, 0.2);
-  EXPECT_NEAR(cuts[1], 200, 0.2);
-}
-
 /// A lidar that turns once in 100 ms and sends every 0.2 degrees.
 class Turning {
  public:
@@ -199,20 +184,6 @@ TEST(RevolutionCutter, AFrameLastsOneAndAHalfTurnsAtMostAndASecondAndAHalfUntilT
   for (int ms = 5; ms < 148; ms += 5) EXPECT_FALSE(forced_by(ms)) << ms;
   EXPECT_FALSE(forced_by(149));
   EXPECT_TRUE(forced_by(151));
-}
-
-TEST(IntervalCutter, KeepsItsGridWhereFramesHadNothing) {
-  IntervalCutter cutter(std::chrono::milliseconds(10));
-  const auto next = [&](int ms) { return cutter.next(std::chrono::milliseconds(ms)); };
-  EXPECT_FALSE(next(103));
-  EXPECT_FALSE(next(112));
-  EXPECT_TRUE(next(113));
-  EXPECT_TRUE(next(145));  // in the frame from 143 on
-  EXPECT_FALSE(next(152));
-  EXPECT_TRUE(next(153));
-  cutter.reset();
-  EXPECT_FALSE(next(7));
-  EXPECT_TRUE(next(17));
 }
 
 }  // namespace

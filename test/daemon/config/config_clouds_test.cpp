@@ -25,13 +25,11 @@ SensorConfig sensor_of(const std::string& keys, const std::string& model = "velo
 
 TEST(CloudConfig, LeavesCloudsAsTheyComeUnlessAsked) {
   const SensorConfig a = sensor_of("ip_port: 2368");
-  EXPECT_EQ(a.driver.frame_cut, FrameCut::angle);
   EXPECT_EQ(a.driver.cut_angle, 0);
   EXPECT_EQ(a.driver.min_range, 0);
   EXPECT_EQ(a.driver.max_range, 0);
   EXPECT_DOUBLE_EQ(a.driver.view_width, 2 * M_PI);
   EXPECT_TRUE(CloudArranger(a.layout).is_plain());
-  EXPECT_FALSE(a.driver.keep_confidence);
   EXPECT_FALSE(a.ring_scan);
   EXPECT_EQ(a.points_topic, "a/points");
   EXPECT_EQ(a.telemetry_port, 8308);
@@ -61,27 +59,21 @@ TEST(CloudConfig, RefusesRangesAndViewsThatHoldNothing) {
               HasSubstr("view_direction_deg is more than a turn"));
 }
 
-TEST(CloudConfig, CutsByAngleOrViewOrTime) {
-  EXPECT_EQ(sensor_of("frame_cut: view, cut_angle_deg: 180").driver.frame_cut, FrameCut::view);
-  const DriverConfig timed = sensor_of("frame_cut: time, frame_duration: 0.05").driver;
-  EXPECT_EQ(timed.frame_cut, FrameCut::time);
-  EXPECT_EQ(timed.frame_duration, std::chrono::milliseconds(50));
-  EXPECT_EQ(sensor_of("frame_cut: time").driver.frame_duration, std::chrono::milliseconds(100));
-  EXPECT_EQ(error_of(roof_cloud("frame_cut: turn")),
-            "f:1:49: sensors.a.frame_cut is \"turn\"; expected one of angle, view, time");
-  EXPECT_EQ(error_of(roof_cloud("frame_duration: 0.1")),
-            "f:1:38: sensors.a.frame_duration is given without frame_cut: time; expected both, or neither: a "
-            "revolution lasts as long as it lasts");
-  EXPECT_EQ(error_of(roof_cloud("cut_angle: 1, frame_cut: time")),
-            "f:1:38: sensors.a.cut_angle is given with frame_cut: time; expected one of them: frames are cut "
-            "by time or by angle");
+TEST(CloudConfig, RemovedKeysNameWhatToDoInstead) {
+  EXPECT_THAT(error_of(roof_cloud("frame_cut: view")),
+              StartsWith("f:1:38: sensors.a.frame_cut was removed; expected no such key: frames are revolutions; "
+                         "cut_angle puts the cut into the sector"));
+  for (const char* key : {"frame_duration", "publish_confidence", "publish_echo"})
+    EXPECT_THAT(error_of(roof_cloud(std::string(key) + ": true")), HasSubstr("was removed")) << key;
+  for (const char* key : {"laser", "phase_lock", "save", "period"})
+    EXPECT_THAT(error_of(roof_cloud("ip_address: 10.0.0.1, control: {read: true, " + std::string(key) + ": 1}")),
+                HasSubstr("control." + std::string(key) + " was removed; expected no such key: ")) << key;
 }
 
 TEST(CloudConfig, ArrangesTheMessage) {
-  const SensorConfig a = sensor_of("organize_cloud: true, frame_stamp: last, publish_echo: yes");
+  const SensorConfig a = sensor_of("organize_cloud: true, frame_stamp: last");
   EXPECT_EQ(a.layout.order, CloudOrder::ring_rows);
   EXPECT_EQ(a.layout.stamp, FrameStamp::last);
-  EXPECT_TRUE(a.layout.echo);
   EXPECT_EQ(sensor_of("organize_cloud: rings").layout.order, CloudOrder::ring_rows);
   EXPECT_EQ(sensor_of("organize_cloud: firings").layout.order, CloudOrder::firing_rows);
   EXPECT_EQ(sensor_of("organize_cloud: no").layout.order, CloudOrder::list);
@@ -89,15 +81,6 @@ TEST(CloudConfig, ArrangesTheMessage) {
               StartsWith("f:1:54: sensors.a.organize_cloud is"));
   EXPECT_EQ(error_of(roof_cloud("frame_stamp: middle")),
             "f:1:51: sensors.a.frame_stamp is \"middle\"; expected one of first, last");
-}
-
-TEST(CloudConfig, GivesConfidenceOnlyWhereTheModelSendsIt) {
-  const SensorConfig a = sensor_of("publish_confidence: true", "velodyne_vls128");
-  EXPECT_TRUE(a.layout.confidence);
-  EXPECT_TRUE(a.driver.keep_confidence);
-  EXPECT_EQ(error_of(roof_cloud("publish_confidence: true")),
-            "f:1:38: sensors.a.publish_confidence is not available for velodyne_vlp16, which does not vouch "
-            "for its returns; expected no such key: it applies to the VLS-128");
 }
 
 TEST(CloudConfig, FindsTheLevelRingOfEveryModel) {
@@ -128,10 +111,6 @@ TEST(CloudConfig, MakesAPlanarScanOfAnyRing) {
   EXPECT_EQ(error_of(roof_cloud("scan_resolution: 0.007")),
             "f:1:38: sensors.a.scan_resolution is given without scan_ring; expected both, or neither");
   EXPECT_THAT(error_of(roof_cloud("scan_ring: 1, scan_resolution: 0.0001")), HasSubstr("is out of range"));
-  EXPECT_EQ(
-      error_of(roof_cloud("scan_ring: 1, frame_cut: time")),
-      "f:1:38: sensors.a.scan_ring is given with frame_cut: time; expected another frame_cut: a scan is "
-      "a revolution");
 }
 
 TEST(CloudConfig, GivesEveryTopicToOneOwner) {
@@ -190,9 +169,9 @@ TEST(CloudConfig, PlanarScannersHaveNoSuchKeysButTheirTopic) {
 
 TEST(CloudConfig, IsWrittenAndReadBackTheSame) {
   for (const char* keys :
-       {"frame_cut: view, cut_angle: 1, min_range: 0.4, max_range: 70, view_direction: -0.5, view_width: 1",
-        "frame_cut: time, frame_duration: 0.05, organize_cloud: firings, frame_stamp: last",
-        "publish_confidence: true, publish_echo: true, organize_cloud: true, telemetry_port: 0",
+       {"cut_angle: 1, min_range: 0.4, max_range: 70, view_direction: -0.5, view_width: 1",
+        "organize_cloud: firings, frame_stamp: last",
+        "organize_cloud: true, telemetry_port: 0",
         "scan_ring: auto, scan_resolution: 0.007, scan_topic: level, points_topic: velodyne_points",
         "packet_topic: velodyne_packets", "raw_topic: velodyne_packets"}) {
     const Config config = parse_config(roof_cloud(keys, "velodyne_vls128"), "f");
@@ -202,8 +181,8 @@ TEST(CloudConfig, IsWrittenAndReadBackTheSame) {
   }
   const std::string yaml = to_yaml(parse_config(roof_cloud("scan_ring: auto, organize_cloud: true"), "f"));
   for (const char* line :
-       {"    frame_cut: angle\n", "    scan_ring: 8\n", "    organize_cloud: rings\n",
-        "    frame_stamp: first\n", "    telemetry_port: 8308\n", "    publish_echo: false\n"})
+       {"    cut_angle: 0\n", "    scan_ring: 8\n", "    organize_cloud: rings\n",
+        "    frame_stamp: first\n", "    telemetry_port: 8308\n"})
     EXPECT_THAT(yaml, HasSubstr(line));
 }
 

@@ -27,33 +27,24 @@ TEST(ControlConfig, ReadsAndWritesNothingByDefault) {
   for (const VelodyneControl& control : {config.sensors.at(0).control, control_of("")}) {
     EXPECT_FALSE(control.read);
     EXPECT_FALSE(control.allow_write);
-    EXPECT_FALSE(control.save);
     EXPECT_FALSE(control.wanted.any());
     EXPECT_EQ(control.port, 80);
-    EXPECT_EQ(control.period, std::chrono::seconds(10));
   }
   EXPECT_FALSE(control_of("allow_write: true").read);
 }
 
 TEST(ControlConfig, TakesEveryKey) {
   const VelodyneControl control = control_of(
-      "allow_write: true, port: 8080, rpm: 900, returns: dual, laser: on, fov: {start_deg: 270, end_deg: "
-      "90}, "
-      "phase_lock: {enabled: true, offset_deg: 90.25}, save: true, period: 3.5, "
+      "allow_write: true, port: 8080, rpm: 900, returns: dual, fov: {start_deg: 270, end_deg: 90}, "
       "host: {address: 192.168.1.77, port: 2368, telemetry_port: 8309}");
   EXPECT_TRUE(control.read) << "a wanted setting asks for the reading too";
   EXPECT_TRUE(control.allow_write);
-  EXPECT_TRUE(control.save);
   EXPECT_EQ(control.port, 8080);
-  EXPECT_EQ(control.period, std::chrono::milliseconds(3500));
   const VelodyneSettings& wanted = control.wanted;
   EXPECT_EQ(wanted.rpm, 900);
   EXPECT_EQ(wanted.returns, VelodyneReturns::dual);
-  EXPECT_EQ(wanted.laser, true);
   EXPECT_EQ(wanted.fov_start_deg, 270);
   EXPECT_EQ(wanted.fov_end_deg, 90);
-  EXPECT_EQ(wanted.phase_lock, true);
-  EXPECT_EQ(wanted.phase_lock_offset, 9025);
   EXPECT_EQ(wanted.host_address, IpAddress::v4(192, 168, 1, 77));
   EXPECT_EQ(wanted.host_port, 2368);
   EXPECT_EQ(wanted.host_telemetry_port, 8309);
@@ -67,11 +58,8 @@ TEST(ControlConfig, RefusesAWishWithoutPermissionToWrite) {
   EXPECT_EQ(error_of(roof("rpm: 600")), "f:1:78: sensors.roof.control.rpm " + why);
   EXPECT_EQ(error_of(roof("allow_write: false, returns: last")),
             "f:1:98: sensors.roof.control.returns " + why);
-  EXPECT_THAT(error_of(roof("read: true, save: true")), HasSubstr("control.save " + why));
-  for (const char* wish : {"laser: off", "fov: {start_deg: 0, end_deg: 90}", "phase_lock: {enabled: false}",
-                           "host: {port: 2368}"}) {
+  for (const char* wish : {"fov: {start_deg: 0, end_deg: 90}", "host: {port: 2368}"})
     EXPECT_THAT(error_of(roof(wish)), HasSubstr(why)) << wish;
-  }
 }
 
 TEST(ControlConfig, RefusesValuesThatTheSensorWouldNotTake) {
@@ -81,23 +69,17 @@ TEST(ControlConfig, RefusesValuesThatTheSensorWouldNotTake) {
       {"rpm: 1260", "rpm is 1260; expected"},
       {"rpm: 601", "rpm is 601; expected a multiple of 60 from 300 to 1200"},
       {"returns: all", "returns is \"all\"; expected strongest, last or dual"},
-      {"laser: bright", "laser is \"bright\"; expected true or false"},
       {"fov: {start_deg: 360, end_deg: 9}", "fov.start_deg is 360; expected a whole number from 0 to 359"},
       {"fov: {start_deg: 0.5, end_deg: 9}", "fov.start_deg is \"0.5\"; expected"},
       {"fov: {start_deg: 0, end_deg: 361}", "fov.end_deg is 361; expected a whole number from 0 to 360"},
       {"fov: {start_deg: 9, end_deg: 9}", "fov.end_deg is start_deg too"},
       {"fov: {start_deg: 9}", "fov has no end_deg"},
-      {"phase_lock: {offset_deg: 1}", "phase_lock has no enabled"},
-      {"phase_lock: {enabled: on, offset_deg: 361}", "phase_lock.offset_deg is 361"},
-      {"phase_lock: {enabled: on, offset_deg: 0.001}", "expected a multiple of 0.01 degrees"},
       {"host: {address: roof.local}", "host.address is \"roof.local\"; expected the IPv4 address"},
       {"host: {address: 'fe80::1'}", "host.address is \"fe80::1\""},
       {"host: {address: 0.0.0.0}", "host.address is \"0.0.0.0\""},
       {"host: {port: 0}", "host.port is 0; expected a whole number from 1 to 65535"},
       {"port: 65536", "control.port is 65536"},
-      {"period: 1", "control.period is 1; expected a number from 3 to 3600 s"},
       {"rpms: 600", "unknown key sensors.roof.control.rpms; expected rpm"},
-      {"save: true", "control.save is given, but no setting to save"},
       {"read: false, rpm: 600", "control.read is false, so nobody could tell whether a setting differs"},
   };
   for (const auto& [text, message] : wrong) {
@@ -133,19 +115,16 @@ TEST(ControlConfig, WarnsWhereTheSensorWouldSendElsewhere) {
 TEST(ControlConfig, IsEmittedSoThatItReadsBackToTheSame) {
   EXPECT_THAT(
       to_yaml(parse_config("sensors: {roof: {model: velodyne_vlp16}}", "f")),
-      HasSubstr("    control: {read: false, allow_write: false, port: 80, save: false, period: 10}\n"));
+      HasSubstr("    control: {read: false, allow_write: false, port: 80}\n"));
   const std::string yaml = to_yaml(parse_config(
-      roof("allow_write: true, rpm: 900, returns: last, laser: off, fov: {start_deg: 270, end_deg: 360}, "
-           "save: "
-           "on, phase_lock: {enabled: off, offset_deg: 0.07}, host: {address: 239.0.0.1, port: 2368, "
-           "telemetry_port: 1}, period: 12.25"),
+      roof("allow_write: true, rpm: 900, returns: last, fov: {start_deg: 270, end_deg: 360}, host: {address: "
+           "239.0.0.1, port: 2368, telemetry_port: 1}"),
       "f"));
   EXPECT_THAT(
       yaml,
       HasSubstr(
-          "control: {read: true, allow_write: true, port: 80, rpm: 900, returns: last, laser: false, fov: "
-          "{start_deg: 270, end_deg: 360}, phase_lock: {enabled: false, offset_deg: 0.07}, host: "
-          "{address: 239.0.0.1, port: 2368, telemetry_port: 1}, save: true, period: 12.25}\n"));
+          "control: {read: true, allow_write: true, port: 80, rpm: 900, returns: last, fov: "
+          "{start_deg: 270, end_deg: 360}, host: {address: 239.0.0.1, port: 2368, telemetry_port: 1}}\n"));
   EXPECT_EQ(to_yaml(parse_config(yaml, "g")), yaml);
 }
 

@@ -54,8 +54,6 @@ const std::vector<Limit>& limits() {
       {"time offset", sensor_of("velodyne_vlp16"), 3, "time_offset", "-1e6", "-1000001", "1e6", "1000001"},
       {"skip", sensor_of("hokuyo_ust_10lx"), 3, "skip", "0", "-1", "9", "10"},
       {"cluster", sensor_of("hokuyo_ust_10lx"), 3, "cluster", "1", "0", "99", "100"},
-      {"frame duration", sensor_of("velodyne_vlp16", ", frame_cut: time"), 3, "frame_duration", "0.001",
-       "0.0009", "10", "10.001"},
       {"min range", sensor_of("velodyne_vlp16"), 3, "min_range", "0", "-0.001", "1000", "1000.1"},
       {"max range", sensor_of("velodyne_vlp16"), 3, "max_range", "0", "-0.001", "1000", "1000.1"},
       {"cut angle", sensor_of("velodyne_vlp16"), 3, "cut_angle", "-6.28", "-6.2841", "6.28", "6.2841"},
@@ -222,8 +220,7 @@ TEST(ConfigDefaults, AreWhatTheReferenceSays) {
   EXPECT_FALSE(v.keep_ground || v.early_returns);
   const DriverConfig& roof = config.find_sensor("roof")->driver;
   EXPECT_EQ(roof.clock, ClockMode::smooth);
-  EXPECT_EQ(roof.frame_cut, FrameCut::angle);
-  EXPECT_EQ(roof.frame_duration, std::chrono::milliseconds(100));
+  EXPECT_EQ(roof.cut_angle, 0);
   EXPECT_EQ(roof.time_offset, Span(0));
   EXPECT_TRUE(roof.publish_intensity);
   EXPECT_EQ(config.vehicle.base_frame, "base_link");

@@ -93,8 +93,8 @@ TEST(SensorChange, LeavesOutWhatIsNoMoreInView) {
 
 TEST(SensorChange, ArrangesCloudsOtherwise) {
   const auto clouds = play(", organize_cloud: firings").clouds.at("roof/points");
-  EXPECT_EQ(clouds.front().format.height, 0U);
-  EXPECT_GT(clouds.back().format.height, 1000U);
+  EXPECT_EQ(clouds.front().height, 0U);
+  EXPECT_GT(clouds.back().height, 1000U);
 }
 
 TEST(SensorChange, RefusesASensorThatIsNotThere) {

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstring>
 #include <map>
-#include <set>
 #include <tuple>
 
 #include "daemon/pipeline/frame_tree.h"
@@ -56,7 +55,7 @@ std::vector<SimulatedPacket> packets_of(const char* model, const char* mode, int
 
 CloudPoint point_at(const Cloud& cloud, std::size_t slot) {
   CloudPoint point;
-  std::memcpy(&point, cloud.points_bytes.data() + slot * cloud.format.point_step, sizeof point);
+  std::memcpy(&point, cloud.points_bytes.data() + slot * sizeof point, sizeof point);
   return point;
 }
 
@@ -134,67 +133,6 @@ TEST(VelodyneSurface, RangesAndViewKeepOnlyWhatIsAskedFor) {
     const float range = std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
     ASSERT_TRUE(range > 2.98F && range < 6.02F) << range;
     ASSERT_NEAR(std::atan2(p.y, p.x), M_PI / 2, (30 + 0.5) * M_PI / 180);
-  }
-}
-
-TEST(VelodyneSurface, ConfidenceBitsAreThoseOfTheReturnsOwnWord) {
-  const auto packets = packets_of("velodyne_vls128", "dual_confidence", 150);
-  const Config config = parse_config(
-      "sensors: {roof: {model: velodyne_vls128, publish_confidence: true, publish_echo: true}}", "f");
-  DriverConfig driver_config = config.sensors[0].driver;
-  driver_config.keep_origins = driver_config.keep_partial = true;
-  class Output final : public DriverOutput {
-   public:
-    void scan(PlanarScan&) override {}
-    void cloud(Cloud& cloud) override { clouds.push_back(cloud); }
-    std::vector<Cloud> clouds;
-  } output;
-  const auto driver = driver_config.model->make(driver_config);
-  for (const auto& packet : packets)
-    driver->receive({packet.view(), packet.arrival, sensor, {{}, packet.port}}, output);
-  driver->finish(output);
-  std::size_t checked = 0;
-  std::set<std::uint16_t> different;
-  for (const Cloud& cloud : output.clouds) {
-    ASSERT_EQ(cloud.confidences.size(), cloud.size());
-    for (std::size_t i = 0; i < cloud.size(); ++i, ++checked) {
-      const ReturnOrigin& origin = cloud.origins[i];
-      // Blocks go return 1, return 2, words: one triple per 32 lasers.
-      const std::size_t words = static_cast<std::size_t>(origin.block) / 3 * 3 + 2;
-      const std::uint8_t* word = packets.at(cloud.columns[origin.column].packet).view().data() + words * 100 +
-                                 4 + origin.laser % 32 * 3;
-      const unsigned bits =
-          static_cast<unsigned>(word[1]) << 16U | static_cast<unsigned>(word[0]) << 8U | word[2];
-      ASSERT_EQ(cloud.confidences[i], origin.block % 3 == 0 ? bits & 0xfffU : bits >> 12U);
-      different.insert(cloud.confidences[i]);
-    }
-  }
-  EXPECT_GT(checked, 100000U);
-  EXPECT_GT(different.size(), 4U);
-}
-
-TEST(VelodyneSurface, ConfidenceTravelsInAFieldOfItsOwn) {
-  const auto packets = packets_of("velodyne_vls128", "dual_confidence", 250);
-  const test::RecordingSink told = play("publish_confidence: true", packets, "velodyne_vls128");
-  const test::RecordingSink plain = play("clock: smooth", packets, "velodyne_vls128");
-  ASSERT_GT(told.count("roof/points"), 0U);
-  const auto message = message_of(told, 0);
-  EXPECT_EQ(message.point_step, 24U);
-  ASSERT_EQ(message.fields.size(), 7U);
-  EXPECT_EQ(message.fields[6].name, "confidence");
-  EXPECT_EQ(message.fields[6].offset, 22U);
-  EXPECT_EQ(message.fields[6].datatype, sensor_msgs::PointField::UINT16);
-  EXPECT_EQ(finite_points(told.clouds.at("roof/points")[0]),
-            finite_points(plain.clouds.at("roof/points")[0]));
-  EXPECT_EQ(message_of(plain, 0).fields.size(), 6U);
-  // A mode without words: the field stays, and says so.
-  const test::RecordingSink none =
-      play("publish_confidence: true", packets_of("velodyne_vls128", "dual", 250), "velodyne_vls128");
-  const Cloud& cloud = none.clouds.at("roof/points").at(0);
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    std::uint16_t bits = 0;
-    std::memcpy(&bits, cloud.points_bytes.data() + i * 24 + 22, 2);
-    ASSERT_EQ(bits, no_confidence);
   }
 }
 

@@ -47,7 +47,6 @@ TEST(Models, HaveWhatTheirTraitsNeed) {
 }
 
 TEST(Models, AreToldApartByWhatFewOfThemCan) {
-  EXPECT_THAT(with(Trait::confidence), ElementsAre("velodyne_vls128", "velodyne_alpha_prime"));
   EXPECT_EQ(with(Trait::calibration), with(Trait::packet_messages));
   EXPECT_EQ(with(Trait::calibration).size(), with(Trait::web_control).size() + 4) << "the four HDL-64E";
   EXPECT_EQ(with(Trait::skip_request).size(), 7U) << "SCIP";

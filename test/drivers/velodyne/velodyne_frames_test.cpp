@@ -139,82 +139,34 @@ TEST(VelodyneFrames, EachFiringThatCameIsInExactlyOneFrameWhateverWasLost) {
   }
 }
 
-struct SeenView {
-  AzimuthSector view;
-  double visible_deg;
-};
-const std::vector<SeenView> views = {
-    {{270, 90}, 180}, {{10.05, 150.15}, 140.1}, {{185, 174}, 349}, {{40, 70}, 30}};
+/// A field of view hides the cut angle in some of these.
+const std::vector<AzimuthSector> views = {{270, 90}, {10.05, 150.15}, {185, 174}, {40, 70}};
 
 /// Of an HDL-64E S1 no field of view is known; last return is sent like the strongest.
 bool knows_view(const ModelMode& which) {
   return which.model != "velodyne_hdl64e_s1" && which.mode != sim::ReturnMode::last;
 }
 
-TEST(VelodyneFrames, ACutByViewIsInTheSectorThatTheSensorLeavesOut) {
+TEST(VelodyneFrames, ACutInTheSectorThatTheSensorLeavesOutSplitsNoRevolution) {
   for (const ModelMode& which : test::model_modes()) {
     if (!knows_view(which)) continue;
-    for (const SeenView& seen : views) {
-      SCOPED_TRACE(which.name() + " from " + std::to_string(seen.view.start_deg));
-      const auto packets = stream_of(which, 5.4, seen.view);
-      DriverConfig config = config_of(which, seen.view.start_deg + 15);  // in the midst of what is seen
-      config.frame_cut = FrameCut::view;
-      const Columns out = play(config, packets);
+    for (const AzimuthSector& view : views) {
+      SCOPED_TRACE(which.name() + " from " + std::to_string(view.start_deg));
+      const double visible_deg = std::fmod(view.end_deg - view.start_deg + 360, 360);
+      const auto packets = stream_of(which, 5.4, view);
+      const Columns out = play(config_of(which, view.start_deg - (360 - visible_deg) / 2), packets);
       expect_each_firing_once(which, out, packets.size());
       std::size_t whole = 0;
       for (const Columns::Frame& frame : out.frames) {
         if (!frame.complete) continue;
-        const double first =
-            std::fmod(frame.columns.front().azimuth / deg - seen.view.start_deg + 360.001, 360);
-        const double last =
-            std::fmod(frame.columns.back().azimuth / deg - seen.view.start_deg + 360.001, 360);
-        // The sector shows after some turns where it never lies inside a packet; till then the angle cuts.
-        const bool by_angle = std::fabs(first - 15) < 1 && &frame - out.frames.data() < 5;
-        if (by_angle) continue;
         ++whole;
-        EXPECT_LT(first, which.turn_deg() + 0.2);
-        EXPECT_GT(last, seen.visible_deg - which.turn_deg() - 0.2);
+        const auto since_begin = [&](const CloudColumn& column) {
+          return std::fmod(column.azimuth / deg - view.start_deg + 360.001, 360);
+        };
+        EXPECT_LT(since_begin(frame.columns.front()), which.turn_deg() + 0.2);
+        EXPECT_GT(since_begin(frame.columns.back()), visible_deg - which.turn_deg() - 0.2);
       }
-      EXPECT_GE(whole, 1U);
-    }
-  }
-}
-
-TEST(VelodyneFrames, ACutByViewWithoutAHiddenSectorIsAtTheAngle) {
-  for (const ModelMode& which : test::model_modes()) {
-    SCOPED_TRACE(which.name());
-    DriverConfig config = config_of(which, 77);
-    config.frame_cut = FrameCut::view;
-    const auto packets = stream_of(which, 2.3);
-    const Columns out = play(config, packets);
-    expect_each_firing_once(which, out, packets.size());
-    expect_cut_at(which, out, 77);
-  }
-}
-
-TEST(VelodyneFrames, ACutByTimeGivesFramesOfEqualDurationWhateverTheSensorTurns) {
-  for (const ModelMode& which : test::model_modes()) {
-    const auto packets = stream_of(which, 2.3);
-    for (const int milliseconds : {7, 33, 100}) {
-      SCOPED_TRACE(which.name() + " " + std::to_string(milliseconds) + " ms");
-      DriverConfig config = config_of(which, 0);
-      config.frame_cut = FrameCut::time;
-      config.frame_duration = std::chrono::milliseconds(milliseconds);
-      const Columns out = play(config, packets);
-      expect_each_firing_once(which, out, packets.size());
-      const Stamp begin = out.frames.front().stamp;
-      ASSERT_GE(out.frames.size(), 2U);
-      for (std::size_t i = 0; i < out.frames.size(); ++i) {
-        const Columns::Frame& frame = out.frames[i];
-        const bool between = i > 0 && i + 1 < out.frames.size();
-        EXPECT_EQ(frame.complete, between);
-        // The arrivals place the stamps: 20 us of latency and the whole microseconds of the device.
-        const double due = static_cast<double>(i) * milliseconds * 1e-3;
-        const double longest_step_s = 390e-6;
-        EXPECT_GT(seconds(frame.stamp - begin), due - 50e-6);
-        EXPECT_LT(seconds(frame.stamp - begin), due + longest_step_s);
-        EXPECT_LT(seconds(frame.end - frame.stamp), milliseconds * 1e-3 + 50e-6);
-      }
+      EXPECT_GE(whole, 3U);
     }
   }
 }

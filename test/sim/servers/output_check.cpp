@@ -48,7 +48,6 @@ void OutputCheck::cloud(Cloud& cloud) {
   expect(cloud.size() <= most_points, "more points than any device has");
   expect(are_in_order(cloud), "columns are not in the order of their points");
   expect(cloud.origins.empty() || cloud.origins.size() == cloud.size(), "an origin per point");
-  expect(cloud.confidences.empty() || cloud.confidences.size() == cloud.size(), "a confidence per point");
   bool finite = true, known = true, late = true;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const CloudPoint point = cloud.points()[i];

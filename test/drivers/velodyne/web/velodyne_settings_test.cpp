@@ -14,11 +14,8 @@ using ::testing::IsEmpty;
 VelodyneTree snapshot() {
   return {{"config.rpm", "600"},
           {"config.returns", "Strongest"},
-          {"config.laser", "On"},
           {"config.fov.start", "0"},
           {"config.fov.end", "359"},
-          {"config.phaselock.enabled", "Off"},
-          {"config.phaselock.offset", "0"},
           {"config.host.addr", "192.168.1.77"},
           {"config.host.dport", "2368"},
           {"config.host.tport", "8308"}};
@@ -47,9 +44,6 @@ TEST(VelodynePlan, NamesPathFormAndChange) {
   EXPECT_THAT(only_change(snapshot(), wanted),
               ElementsAre("/cgi/setting", "returns=Dual", "returns: Strongest -> Dual"));
   wanted = {};
-  wanted.laser = false;
-  EXPECT_THAT(only_change(snapshot(), wanted), ElementsAre("/cgi/setting", "laser=off", "laser: On -> off"));
-  wanted = {};
   wanted.fov_start_deg = 270;
   EXPECT_THAT(only_change(snapshot(), wanted),
               ElementsAre("/cgi/setting/fov", "start=270", "fov start: 0 -> 270"));
@@ -70,10 +64,8 @@ TEST(VelodynePlan, NamesPathFormAndChange) {
 TEST(VelodynePlan, IgnoresTheCaseOfWords) {
   VelodyneTree tree = snapshot();
   tree["config.returns"] = "STRONGEST";
-  tree["config.laser"] = "on";
   VelodyneSettings wanted;
   wanted.returns = VelodyneReturns::strongest;
-  wanted.laser = true;
   EXPECT_THAT(plan(tree, wanted).changes, IsEmpty());
 }
 
@@ -88,47 +80,19 @@ TEST(VelodynePlan, SendsAFullTurnAs359AndTakes360ForTheSame) {
   EXPECT_THAT(only_change(tree, wanted), ElementsAre("/cgi/setting/fov", "end=359", "fov end: 90 -> 359"));
 }
 
-TEST(VelodynePlan, MakesOneRequestOfThePhaseLock) {
-  VelodyneSettings wanted;
-  wanted.phase_lock = true;
-  wanted.phase_lock_offset = 12305;
-  EXPECT_THAT(only_change(snapshot(), wanted),
-              ElementsAre("/cgi/setting/phaselock", "enabled=on&offset=12305&offsetInput=123.05",
-                          "phase_lock: off at 0 deg -> on at 123.05 deg"));
-  VelodyneTree tree = snapshot();
-  tree["config.phaselock.enabled"] = "On";
-  tree["config.phaselock.offset"] = "12305";
-  EXPECT_THAT(plan(tree, wanted).changes, IsEmpty());
-  wanted.phase_lock = false;
-  wanted.phase_lock_offset.reset();
-  EXPECT_THAT(only_change(tree, wanted),
-              ElementsAre("/cgi/setting/phaselock", "enabled=off&offset=12305&offsetInput=123.05",
-                          "phase_lock: on at 123.05 deg -> off at 123.05 deg"));
-}
-
 TEST(VelodynePlan, MovesTheStreamLast) {
-  VelodyneSettings wanted{300, VelodyneReturns::last,     false, 10, 20, true,
-                          100, IpAddress::v4(1, 2, 3, 4), 1,     2};
+  const VelodyneSettings wanted{300, VelodyneReturns::last, 10, 20, IpAddress::v4(1, 2, 3, 4), 1, 2};
   std::vector<std::string> bodies;
   for (const auto& change : plan(snapshot(), wanted).changes) bodies.push_back(change.body);
   EXPECT_THAT(bodies,
-              ElementsAre("rpm=300", "returns=Last", "laser=off", "start=10", "end=20",
-                          "enabled=on&offset=100&offsetInput=1", "dport=1", "tport=2", "addr=1.2.3.4"));
+              ElementsAre("rpm=300", "returns=Last", "start=10", "end=20", "dport=1", "tport=2", "addr=1.2.3.4"));
 }
 
 TEST(VelodynePlan, DoesNotTouchWhatIsNotReported) {
-  VelodyneSettings wanted{300, VelodyneReturns::last,     false, 10, 20, true,
-                          100, IpAddress::v4(1, 2, 3, 4), 1,     2};
-  const VelodynePlan todo = plan({{"config.rpm", ""}, {"config.phaselock.enabled", "On"}}, wanted);
+  const VelodyneSettings wanted{300, VelodyneReturns::last, 10, 20, IpAddress::v4(1, 2, 3, 4), 1, 2};
+  const VelodynePlan todo = plan({{"config.rpm", ""}}, wanted);
   EXPECT_THAT(todo.changes, IsEmpty());
-  EXPECT_EQ(todo.unknown.size(), 9U);
-}
-
-TEST(VelodynePlan, FindsTheLaserInTheStatusToo) {
-  VelodyneSettings wanted;
-  wanted.laser = true;
-  EXPECT_THAT(plan({{"status.laser.state", "On"}}, wanted).changes, IsEmpty());
-  EXPECT_EQ(plan({{"status.laser.state", "Off"}}, wanted).changes.size(), 1U);
+  EXPECT_EQ(todo.unknown.size(), 7U);
 }
 
 TEST(VelodyneJson, IsReadFlat) {

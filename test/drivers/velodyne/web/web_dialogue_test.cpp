@@ -27,7 +27,6 @@ VelodyneControl reading() {
   VelodyneControl control;
   control.read = true;
   control.address = loopback;
-  control.period = 10s;
   return control;
 }
 
@@ -112,21 +111,17 @@ TEST(WebDialogue, OnlyReadsWithoutPermissionToWrite) {
   const Texts all = talk.sensor.requests();
   EXPECT_EQ(all[0], "GET /cgi/snapshot.hdl");
   EXPECT_EQ(all[1], "GET /cgi/status.json");
-  EXPECT_EQ(all[2], "GET /cgi/diag.json");
   EXPECT_EQ(talk.sensor.requests("GET").size(), all.size());
   const WebState state = talk.state();
   EXPECT_EQ(state.serial, "AG29999999");
   EXPECT_EQ(state.tree.at("status.motor.rpm"), "599");
-  EXPECT_EQ(state.tree.at("diag.volt_temp.top.hv"), "2960");
   EXPECT_EQ(state.trouble, "");
   EXPECT_EQ(state.local_address, "127.0.0.1");
 }
 
 TEST(WebDialogue, PostsNothingWhenTheSnapshotAgrees) {
   VelodyneControl control = writing();
-  control.wanted = {600, VelodyneReturns::strongest,        true, 0,   360, false,
-                    0,   IpAddress::v4(255, 255, 255, 255), 2368, 8308};
-  control.save = true;
+  control.wanted = {600, VelodyneReturns::strongest, 0, 360, IpAddress::v4(255, 255, 255, 255), 2368, 8308};
   Talk talk(control);
   ASSERT_TRUE(talk.rounds(3));
   EXPECT_THAT(talk.posts(), IsEmpty());
@@ -135,17 +130,16 @@ TEST(WebDialogue, PostsNothingWhenTheSnapshotAgrees) {
 
 TEST(WebDialogue, PostsOnlyWhatDiffersAndEachOnce) {
   VelodyneControl control = writing();
-  control.wanted = {1200, VelodyneReturns::strongest, true, 0, 360, true, 9050, loopback, 2368, 8309};
+  control.wanted = {1200, VelodyneReturns::strongest, 0, 360, loopback, 2368, 8309};
   Talk talk(control);
   talk.sensor.set("config.fov.end", "90");
   ASSERT_TRUE(talk.rounds(3));
   EXPECT_THAT(talk.posts(),
               ElementsAre("POST /cgi/setting rpm=1200", "POST /cgi/setting/fov end=359",
-                          "POST /cgi/setting/phaselock enabled=on&offset=9050&offsetInput=90.5",
                           "POST /cgi/setting/host tport=8309", "POST /cgi/setting/host addr=127.0.0.1"));
   const WebState state = talk.state();
   EXPECT_THAT(state.refused, IsEmpty());
-  EXPECT_EQ(state.writes, 5U);
+  EXPECT_EQ(state.writes, 4U);
   EXPECT_TRUE(state.settling);
   EXPECT_EQ(talk.sensor.get("config.rpm"), "1200");
   ASSERT_TRUE(talk.rounds(4));
@@ -159,34 +153,6 @@ TEST(WebDialogue, TellsWhatItWroteAndThatTheSensorReportsIt) {
   ASSERT_TRUE(talk.rounds(3));
   EXPECT_THAT(talk.notes, ElementsAre("wrote rpm: 600 -> 1200 to 127.0.0.1:80",
                                       "the sensor reports the written settings"));
-}
-
-TEST(WebDialogue, SavesOnceAfterTheSensorTookEverything) {
-  VelodyneControl control = writing();
-  control.wanted.rpm = 900;
-  control.wanted.returns = VelodyneReturns::dual;
-  control.save = true;
-  Talk talk(control);
-  ASSERT_TRUE(talk.until([&] { return talk.posts().size() >= 3; }));
-  ASSERT_TRUE(talk.rounds(3));
-  EXPECT_THAT(talk.posts(), ElementsAre("POST /cgi/setting rpm=900", "POST /cgi/setting returns=Dual",
-                                        "POST /cgi/save data=submit"));
-  const Texts all = talk.sensor.requests();
-  const auto save = std::find(all.begin(), all.end(), "POST /cgi/save data=submit");
-  const auto written = std::find(all.begin(), all.end(), "POST /cgi/setting returns=Dual");
-  EXPECT_NE(std::find(written, save, "GET /cgi/snapshot.hdl"), save) << "saved before it was verified";
-  EXPECT_EQ(talk.notes.back(), "the sensor at 127.0.0.1:80 saved its settings");
-}
-
-TEST(WebDialogue, TriesThreeTimesToHaveTheSettingsSaved) {
-  VelodyneControl control = writing();
-  control.wanted.rpm = 900;
-  control.save = true;
-  Talk talk(control);
-  talk.sensor.misbehave(Fault::error_500, 1'000'000, "POST /cgi/save");
-  ASSERT_TRUE(talk.rounds(4));
-  EXPECT_EQ(talk.sensor.requests("POST /cgi/save").size(), 3U);
-  EXPECT_THAT(talk.notes.back(), HasSubstr("did not save its settings; they are lost"));
 }
 
 TEST(WebDialogue, GoesOnAfterEveryKindOfBadAnswer) {
@@ -227,11 +193,11 @@ TEST(WebDialogue, WritesNothingWhileTheSnapshotIsUnreadable) {
   EXPECT_THAT(talk.state().trouble, HasSubstr("HTTP status 500"));
 }
 
-TEST(WebDialogue, WritesAlthoughDiagnosticsAreNotKnownToTheSensor) {
+TEST(WebDialogue, WritesAlthoughTheSensorDoesNotReportItsState) {
   VelodyneControl control = writing();
   control.wanted.rpm = 1200;
   Talk talk(control);
-  talk.sensor.misbehave(Fault::error_500, 1'000'000, "GET /cgi/diag.json");
+  talk.sensor.misbehave(Fault::error_500, 1'000'000, "GET /cgi/status.json");
   ASSERT_TRUE(talk.until([&] { return talk.sensor.get("config.rpm") == "1200"; }));
 }
 
@@ -261,7 +227,6 @@ TEST(WebDialogue, RepeatsAWriteThatFailed) {
 TEST(WebDialogue, GivesUpASettingThatTheSensorIgnores) {
   VelodyneControl control = writing();
   control.wanted.rpm = 1200;
-  control.save = true;
   Talk talk(control);
   talk.sensor.ignore_settings();
   ASSERT_TRUE(talk.until([&] { return !talk.state().refused.empty(); }));
@@ -298,9 +263,8 @@ TEST(WebDialogue, WritesAgainToASensorThatForgotItsSettingsWhileItWasAway) {
 TEST(WebDialogue, NeverAsksFasterThanItsPace) {
   EXPECT_GE(WebTiming{}.pace, 1s);
   WebTiming timing;
-  timing.settle = timing.first_retry = 0ms;
+  timing.settle = timing.first_retry = timing.period = 0ms;
   VelodyneControl control = writing();
-  control.period = 0ms;
   control.wanted.rpm = 1200;
   control.wanted.returns = VelodyneReturns::dual;
   Talk talk(control, timing);
@@ -314,7 +278,7 @@ TEST(WebDialogue, AsksMoreSeldomTheLongerNobodyAnswers) {
   Talk talk(reading());
   talk.sensor.misbehave(Fault::error_500, 1'000'000);
   ASSERT_TRUE(talk.rounds(9));
-  const std::size_t last = talk.asked.size() - 1;  // a question for the snapshot, after a round of three
+  const std::size_t last = talk.asked.size() - 1;  // a question for the snapshot, after a round of two
   EXPECT_GE(talk.asked[last] - talk.asked[last - 1], 60s);
   EXPECT_LE(talk.asked[last] - talk.asked[last - 1], 62s);
 }

@@ -15,51 +15,6 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::StartsWith;
 
-double reading(const std::string& key, int count) {
-  const auto readings = velodyne_readings({{"diag.volt_temp." + key, std::to_string(count)}});
-  return readings.size() == 1 ? readings[0].value : -1e9;
-}
-
-// Counts whose voltage is exact, or worked out by hand from the published formulas.
-TEST(VelodyneReadings, ConvertCountsToPhysicalUnits) {
-  EXPECT_DOUBLE_EQ(reading("top.pwr_2_5v", 2048), 2.5);
-  EXPECT_DOUBLE_EQ(reading("top.pwr_5v", 2048), 5.0);
-  EXPECT_DOUBLE_EQ(reading("top.pwr_5v_raw", 2048), 5.0);
-  EXPECT_DOUBLE_EQ(reading("top.pwr_3_3v", 2048), 2.5);
-  EXPECT_DOUBLE_EQ(reading("bot.pwr_v_in", 1024), 13.75);
-  EXPECT_DOUBLE_EQ(reading("bot.i_out", 2048 + 512), 6.25);
-  EXPECT_DOUBLE_EQ(reading("top.hv", 3072), -126.25);
-  EXPECT_DOUBLE_EQ(reading("bot.pwr_1_25v", 1024), 1.25);
-  EXPECT_NEAR(reading("top.lm20_temp", 1527), 0, 0.5);     // the LM20 gives 1.8639 V at 0 C
-  EXPECT_NEAR(reading("bot.lm20_temp", 1279), 25.9, 0.5);  // and 1.5613 V: 11.7 mV per degree
-}
-
-TEST(VelodyneReadings, AreHeldAgainstTheirLimits) {
-  const auto good = [](const char* key, const char* count) {
-    const auto readings = velodyne_readings({{std::string("diag.volt_temp.") + key, count}});
-    return readings.size() == 1 && readings[0].is_good();
-  };
-  EXPECT_TRUE(good("top.hv", "2960"));
-  EXPECT_FALSE(good("top.hv", "3072"));
-  EXPECT_TRUE(good("top.pwr_5v_raw", "2048"));
-  EXPECT_TRUE(good("bot.pwr_v_in", "896"));
-  EXPECT_FALSE(good("bot.pwr_v_in", "500"));
-  EXPECT_TRUE(good("top.lm20_temp", "1527"));
-  EXPECT_FALSE(good("top.lm20_temp", "500"));
-}
-
-TEST(VelodyneReadings, LeaveOutWhatIsMissingOrNoCount) {
-  EXPECT_THAT(velodyne_readings({}), IsEmpty());
-  for (const char* count : {"4096", "-1", "12V", "", "1e9", "nan"})
-    EXPECT_THAT(velodyne_readings({{"diag.volt_temp.top.hv", count}}), IsEmpty()) << count;
-}
-
-TEST(VelodyneReadings, DoNotJudgeTheHighVoltageOfADarkLaser) {
-  const auto readings = velodyne_readings({{"diag.volt_temp.top.hv", "4000"}, {"status.laser.state", "Off"}});
-  ASSERT_EQ(readings.size(), 1U);
-  EXPECT_TRUE(readings[0].is_good());
-}
-
 WebState answering() {
   WebState state;
   state.answered = true;
@@ -160,10 +115,10 @@ TEST(WebStatus, SaysWhatIsWrongMostUrgentFirst) {
   EXPECT_EQ(item.level, Level::ok);
   EXPECT_EQ(item.message, "answering");
 
-  state.tree["diag.volt_temp.bot.pwr_v_in"] = "500";
+  state.tree["status.motor.state"] = "Off";
   item = web_status(state, receiving());
   EXPECT_EQ(item.level, Level::warn);
-  EXPECT_EQ(item.message, "Supply voltage is outside its limits; check supply and cooling");
+  EXPECT_EQ(item.message, "the motor is off; switch it on in the sensor's web page (rpm)");
 
   state.unknown = {"rpm"};
   item = web_status(state, receiving());
