@@ -21,7 +21,7 @@ namespace lidard {
 namespace {
 
 constexpr const char* default_config = "/etc/lidard/lidard.yaml";
-constexpr const char* capture_help = "pcap or pcapng, also packed (gzip, zstd, xz); - is standard input";
+constexpr const char* capture_help = "pcap or pcapng, also packed (gzip, zstd); - is standard input";
 
 /// IP[:PORT], IPv4 only.
 std::optional<Endpoint> read_endpoint(const std::string& text, std::uint16_t port) {

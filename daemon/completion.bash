@@ -19,7 +19,7 @@ _lidard() {
   fi
   case $before in
     -c | --config) _lidard_files yaml yml; return ;;
-    --pcap) _lidard_files pcap pcapng gz zst xz; return ;;
+    --pcap) _lidard_files pcap pcapng gz zst; return ;;
     --model) _lidard_words "$(lidard models 2>/dev/null | sed '1d; s/ .*//')"; return ;;
     --calibration) _lidard_files yaml yml xml; return ;;
     --calibration-model) _lidard_words "ros_drivers exact veloview"; return ;;
@@ -42,7 +42,7 @@ _lidard() {
     import:-*) _lidard_words "--output --tables --help" ;;
     import:*) _lidard_files launch yaml yml ;;
     discover:*) _lidard_words "--hokuyo --sick --wait --json --help" ;;
-    *) _lidard_files pcap pcapng gz zst xz ;;
+    *) _lidard_files pcap pcapng gz zst ;;
   esac
 }
 complete -F _lidard lidard

@@ -8,7 +8,7 @@ find_dependency(Eigen3)
 find_dependency(Boost)
 find_dependency(nlohmann_json)
 # The names are those of the project's own CMakeLists.txt.
-foreach(library "PCAP libpcap" "TINYXML2 tinyxml2" "UNPACK zlib liblzma libzstd")
+foreach(library "PCAP libpcap" "TINYXML2 tinyxml2" "UNPACK zlib libzstd")
   separate_arguments(library)
   list(POP_FRONT library name)
   if(NOT TARGET PkgConfig::${name})

@@ -77,7 +77,7 @@ ${family}
 This package has its drivers, which turn packets into scans and clouds without
 a socket, thread or clock of their own, and its merging, as libraries with
 headers and an example. For CMake: find_package(lidard).")
-set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libboost-dev, libeigen3-dev, liblzma-dev, libpcap-dev, libtinyxml2-dev, libzstd-dev, nlohmann-json3-dev, pkg-config, zlib1g-dev")
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libboost-dev, libeigen3-dev, libpcap-dev, libtinyxml2-dev, libzstd-dev, nlohmann-json3-dev, pkg-config, zlib1g-dev")
 set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
 
 foreach(component IN LISTS CPACK_COMPONENTS_ALL)

@@ -11,6 +11,7 @@
 #include "daemon/commands/commands.h"
 #include "daemon/commands/stop_signal.h"
 #include "daemon/config/config.h"
+#include "drivers/capture/pcap_writer.h"
 #include "drivers/registry/registry.h"
 
 namespace lidard {
@@ -25,11 +26,7 @@ constexpr int wake_up_ms = 200;
 struct CloseCapture {
   void operator()(pcap_t* capture) const { pcap_close(capture); }
 };
-struct CloseDump {
-  void operator()(pcap_dumper_t* dump) const { pcap_dump_close(dump); }
-};
 using Capture = std::unique_ptr<pcap_t, CloseCapture>;
-using Dump = std::unique_ptr<pcap_dumper_t, CloseDump>;
 
 /// Fragments but the first have no ports; a sender that is not known cannot be picked out of them.
 constexpr const char* fragments = "(ip[6:2] & 0x1fff != 0)";
@@ -76,38 +73,42 @@ std::string begin(pcap_t* capture, const std::string& interface, const std::stri
   return well ? std::string() : "cannot filter with '" + filter + "': " + pcap_geterr(capture);
 }
 
-/// Records until a signal or the end of the time; returns what went wrong, or nothing.
-std::string record(pcap_t* capture, pcap_dumper_t* dump, double duration, std::uint64_t& packets) {
-  struct Sink {
-    pcap_dumper_t* dump;
-    std::uint64_t* packets;
-  } sink{dump, &packets};
-  const auto take = [](unsigned char* user, const pcap_pkthdr* header, const unsigned char* bytes) {
-    auto* to = reinterpret_cast<Sink*>(user);
-    pcap_dump(reinterpret_cast<unsigned char*>(to->dump), header, bytes);
-    ++*to->packets;
-  };
+/// What libpcap calls with each frame.
+struct Recorder {
+  PcapWriter& writer;
+  std::int64_t tick;  // ns: of the stamps' second part
+
+  static void record(unsigned char* self, const pcap_pkthdr* header, const unsigned char* bytes) {
+    const Recorder& to = *reinterpret_cast<Recorder*>(self);
+    const Stamp stamp{header->ts.tv_sec * std::int64_t{1'000'000'000} + header->ts.tv_usec * to.tick};
+    to.writer.write_frame(stamp, {bytes, header->caplen}, header->len);
+  }
+};
+
+/// Records until a signal, the end of the time or of the disk; returns what went wrong with the network, or
+/// nothing.
+std::string record(pcap_t* capture, PcapWriter& writer, double duration) {
+  Recorder recorder{writer, pcap_get_tstamp_precision(capture) == PCAP_TSTAMP_PRECISION_NANO ? 1 : 1000};
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(duration);
   // Left to wait by itself libpcap sleeps through signals and the end of the time while nothing comes.
   pollfd source{pcap_get_selectable_fd(capture), POLLIN, 0};
-  while (!stopped() && (duration <= 0 || std::chrono::steady_clock::now() < end)) {
+  while (!stopped() && !writer.has_failed() && (duration <= 0 || std::chrono::steady_clock::now() < end)) {
     static_cast<void>(::poll(&source, 1, wake_up_ms));
-    if (pcap_dispatch(capture, -1, take, reinterpret_cast<unsigned char*>(&sink)) < 0)
+    if (pcap_dispatch(capture, -1, Recorder::record, reinterpret_cast<unsigned char*>(&recorder)) < 0)
       return std::string("recording ended: ") + pcap_geterr(capture);
-    if (std::ferror(pcap_dump_file(dump)) != 0) return "the file cannot be written; is the disk full?";
   }
-  return pcap_dump_flush(dump) == 0 ? std::string() : "the file cannot be written; is the disk full?";
+  return {};
 }
 
-void tell(pcap_t* capture, const RecordOptions& options, std::uint64_t packets, std::ostream& err) {
+void report(pcap_t* capture, const RecordOptions& options, std::uint64_t packets, std::ostream& err) {
   err << options.output << ": " << packets << " packets";
   pcap_stat counts{};
   if (pcap_stats(capture, &counts) == 0) err << ", " << counts.ps_drop << " lost by the kernel";
   err << '\n';
   if (packets == 0)
-    err << "nothing came from the sensors; check addresses, ports and cables, `lidard inspect` on "
-           "a "
-           "recording of everything (tcpdump -w) shows what is there\n";
+    err << "nothing came from the sensors; check addresses, ports and cables, `lidard inspect` on a "
+           "recording "
+           "of everything (tcpdump -w) shows what is there\n";
 }
 
 }  // namespace
@@ -132,14 +133,13 @@ int run_record(const RecordOptions& options, std::ostream& err) {
     if (!capture) fail(why);
     std::string trouble = begin(capture.get(), options.interface, filter);
     if (!trouble.empty()) fail(trouble);
-    Dump dump(pcap_dump_open(capture.get(), options.output.c_str()));
-    if (!dump) fail(pcap_geterr(capture.get()));
+    PcapWriter writer(options.output, pcap_datalink(capture.get()), snapshot_length);
     stop_on_signals();
     err << "recording to " << options.output << ", stop with Ctrl-C\n";
-    std::uint64_t packets = 0;
-    trouble = record(capture.get(), dump.get(), options.duration, packets);
-    tell(capture.get(), options, packets, err);
+    trouble = record(capture.get(), writer, options.duration);
+    report(capture.get(), options, writer.records(), err);
     if (!trouble.empty()) fail(trouble);
+    writer.close();
     return exit_ok;
   });
 }

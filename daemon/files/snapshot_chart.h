@@ -65,41 +65,39 @@ class Chart {
   Eigen::Vector2d to_page(const Eigen::Vector2f& meters) const {
     return to_page(Eigen::Vector2d(meters.cast<double>()));
   }
+  /// True if a place on the page lies in the field.
+  bool shows(const Eigen::Vector2d& p) const {
+    return Eigen::AlignedBox2d(corner_, corner_ + size_).contains(p);
+  }
   /// A colour for a place on the page.
   struct Dot {
     Eigen::Vector2d at;
     Color color;
   };
-  /// Draws dots into the field, each `side` pixels wide; where several fall together their colours mix. As
-  /// pixels in an SVG too: a lidar's cloud as shapes would make a file that nothing opens.
+  /// Draws dots into the field, each `side` pixels wide, as pixels in an SVG too: a lidar's cloud as shapes
+  /// would make a file that nothing opens.
   void dots(const std::vector<Dot>& dots, int side, double opacity) {
     const auto width = static_cast<int>(std::lround(size_.x())),
                height = static_cast<int>(std::lround(size_.y()));
-    struct Sum {
-      float red = 0, green = 0, blue = 0, weight = 0;
-    };
-    std::vector<Sum> sums(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    cairo_surface_t* image = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, width, height);
+    unsigned char* data = cairo_image_surface_get_data(image);
+    const int stride = cairo_image_surface_get_stride(image);
+    const auto byte = [](double share) { return static_cast<std::uint32_t>(std::lround(255 * share)); };
     for (const Dot& dot : dots) {
       const Eigen::Vector2d p = dot.at - corner_;
       if (!(p.x() >= 0 && p.y() >= 0 && p.x() < width && p.y() < height)) continue;
-      const int left = static_cast<int>(p.x()) - (side - 1) / 2,
-                top = static_cast<int>(p.y()) - (side - 1) / 2;
-      for (int y = std::max(0, top); y < std::min(height, top + side); ++y) {
-        for (int x = std::max(0, left); x < std::min(width, left + side); ++x) {
-          Sum& sum = sums[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                          static_cast<std::size_t>(x)];
-          sum.red += static_cast<float>(dot.color.red), sum.green += static_cast<float>(dot.color.green);
-          sum.blue += static_cast<float>(dot.color.blue), sum.weight += 1;
-        }
+      const Color& c = dot.color;
+      const std::uint32_t pixel = 0xff000000U | byte(c.red) << 16U | byte(c.green) << 8U | byte(c.blue);
+      for (int y = static_cast<int>(p.y()); y < std::min(height, static_cast<int>(p.y()) + side); ++y) {
+        auto* row = reinterpret_cast<std::uint32_t*>(data + y * stride);
+        for (int x = static_cast<int>(p.x()); x < std::min(width, static_cast<int>(p.x()) + side); ++x)
+          row[x] = pixel;
       }
     }
-    paint_pixels(width, height, [&](std::size_t i) -> Color {
-      const Sum& sum = sums[i];
-      if (sum.weight == 0) return {0, 0, 0, 0};
-      return {static_cast<double>(sum.red / sum.weight), static_cast<double>(sum.green / sum.weight),
-              static_cast<double>(sum.blue / sum.weight),
-              1 - std::pow(1 - opacity, static_cast<double>(sum.weight))};
-    });
+    cairo_surface_mark_dirty(image);
+    cairo_set_source_surface(pen_, image, corner_.x(), corner_.y());
+    cairo_paint_with_alpha(pen_, opacity);
+    cairo_surface_destroy(image);
   }
 
   /// Keeps what is drawn until end_clip() inside the field.
@@ -138,9 +136,6 @@ class Chart {
     cairo_new_sub_path(pen_);
     cairo_arc(pen_, center.x(), center.y(), radius, 0, two_pi);
   }
-  /// Lines without grey edges until end_crisp(): edges of faint lines would be most of a picture's bytes.
-  void begin_crisp() { cairo_set_antialias(pen_, CAIRO_ANTIALIAS_NONE); }
-  void end_crisp() { cairo_set_antialias(pen_, CAIRO_ANTIALIAS_DEFAULT); }
   void fill(const Color& color) {
     set_source(pen_, color);
     cairo_fill(pen_);
@@ -154,27 +149,6 @@ class Chart {
     cairo_stroke(pen_);
     cairo_set_dash(pen_, nullptr, 0, 0);
   }
-  /// Fills the path with slanting lines.
-  void hatch(const Color& color, double distance) {
-    cairo_save(pen_);
-    double left, top, right, bottom;
-    cairo_path_extents(pen_, &left, &top, &right, &bottom);
-    double clip_left, clip_top, clip_right, clip_bottom;
-    cairo_clip_extents(pen_, &clip_left, &clip_top, &clip_right, &clip_bottom);
-    cairo_clip(pen_);
-    left = std::max(left, clip_left), right = std::min(right, clip_right);
-    top = std::max(top, clip_top), bottom = std::min(bottom, clip_bottom);
-    const double height = bottom - top;
-    begin_crisp();
-    // Lines of neighbouring areas meet: each lies on a multiple of the distance.
-    for (double at = std::floor((left - bottom) / distance) * distance; at <= right - top; at += distance) {
-      move_to({tenth(at + top), top});
-      line_to({tenth(at + top + height), bottom});
-    }
-    stroke(color, 1);
-    cairo_restore(pen_);
-  }
-
   enum class Align { left, middle, right };
   /// Text whose baseline stands at `p`.
   void text(const Eigen::Vector2d& p, const std::string& words, double size, const Color& color,
@@ -186,38 +160,23 @@ class Chart {
     cairo_show_text(pen_, words.c_str());
     cairo_new_path(pen_);
   }
-  /// text() with a white edge, to be readable on whatever is below. Where it would be cut by the field's edge
-  /// or stand on another label it is left out, and the answer is false.
-  bool label(const Eigen::Vector2d& p, const std::string& words, double size, const Color& color,
+  /// text() with a white edge, to be readable on whatever is below; moved into the field, and down to where
+  /// no other label stands.
+  void label(Eigen::Vector2d p, const std::string& words, double size, const Color& color,
              Align align = Align::left) {
     const double width = text_width(words, size);
-    const double left = p.x() - (align == Align::left ? 0 : align == Align::middle ? width / 2 : width);
-    const Eigen::AlignedBox2d place(Eigen::Vector2d(left - 2, p.y() - size),
-                                    Eigen::Vector2d(left + width + 2, p.y() + 3));
-    const auto stands_on = [&](const auto& other) { return other.intersects(place); };
-    if (!Eigen::AlignedBox2d(corner_, corner_ + size_).contains(place) ||
-        std::any_of(labels_.begin(), labels_.end(), stands_on))
-      return false;
-    labels_.push_back(place);
-    cairo_move_to(pen_, tenth(left), tenth(p.y()));
+    p.x() -= align == Align::left ? 0 : align == Align::middle ? width / 2 : width;
+    p.x() = std::max(corner_.x() + 3, std::min(p.x(), corner_.x() + size_.x() - width - 3));
+    const auto stands_there = [&](const Eigen::AlignedBox2d& other) {
+      return other.intersects(
+          Eigen::AlignedBox2d(p - Eigen::Vector2d(2, size), p + Eigen::Vector2d(width + 2, 3)));
+    };
+    while (std::any_of(labels_.begin(), labels_.end(), stands_there)) p.y() += size / 2;
+    labels_.emplace_back(p - Eigen::Vector2d(2, size), p + Eigen::Vector2d(width + 2, 3));
+    cairo_move_to(pen_, tenth(p.x()), tenth(p.y()));
     cairo_text_path(pen_, words.c_str());
     stroke({1, 1, 1, 0.85}, 3);
-    text({left, p.y()}, words, size, color);
-    return true;
-  }
-  /// label() moved to a place that is free: in the field, farther right in the same row, or in one of the
-  /// rows above and below. Left out where there is none.
-  void name(Eigen::Vector2d p, const std::string& words, double size, const Color& color,
-            Align align = Align::left) {
-    const double width = text_width(words, size);
-    const double least = corner_.x() + 3, most = std::max(least, corner_.x() + size_.x() - width - 3);
-    p.x() -= align == Align::left ? 0 : align == Align::middle ? width / 2 : width;
-    p.x() = std::clamp(p.x(), least, most);
-    for (const int row : {0, -1, 1, -2, 2, -3, 3}) {
-      for (double x = p.x(); x <= most; x += width / 4) {
-        if (label({x, p.y() + row * (size + 4)}, words, size, color)) return;
-      }
-    }
+    text(p, words, size, color);
   }
   double text_width(const std::string& words, double size, bool bold = false) {
     set_font(size, bold);
@@ -242,27 +201,6 @@ class Chart {
   }
 
  private:
-  /// Paints pixels over the field; `color_at` tells each one's, row by row.
-  template <class ColorAt>
-  void paint_pixels(int width, int height, ColorAt color_at) {
-    cairo_surface_t* image = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, width, height);
-    unsigned char* data = cairo_image_surface_get_data(image);
-    const auto stride = static_cast<std::size_t>(cairo_image_surface_get_stride(image));
-    for (int y = 0; y < height; ++y) {
-      auto* row = reinterpret_cast<std::uint32_t*>(data + static_cast<std::size_t>(y) * stride);
-      for (int x = 0; x < width; ++x) {
-        const Color c = color_at(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                                 static_cast<std::size_t>(x));
-        const auto byte = [](double share) { return static_cast<std::uint32_t>(std::lround(255 * share)); };
-        row[x] = byte(c.alpha) << 24U | byte(c.red * c.alpha) << 16U | byte(c.green * c.alpha) << 8U |
-                 byte(c.blue * c.alpha);
-      }
-    }
-    cairo_surface_mark_dirty(image);
-    cairo_set_source_surface(pen_, image, corner_.x(), corner_.y());
-    cairo_paint(pen_);
-    cairo_surface_destroy(image);
-  }
   static cairo_status_t append(void* bytes, const unsigned char* data, unsigned int length) {
     static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data), length);
     return CAIRO_STATUS_SUCCESS;

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <sstream>
 
 #include "daemon/files/snapshot_style.h"
 
@@ -18,10 +18,65 @@ constexpr double field_top = 76;
 /// Of the field, in pixels.
 constexpr double field_area = 760 * 1000;
 constexpr double legend_width = 264;
+constexpr std::size_t legend_columns = 40;  // letters of a line, beside the pictures of what it explains
+constexpr double name_height = 19, line_height = 17, row_gap = 9;
 constexpr double margin = 20;
 constexpr double side_caption = 34;
-constexpr const char* white_note =
-    "White: unknown too: behind what was hit, or outside of the scan's angles and range.";
+
+/// One thing that the legend explains.
+struct LegendRow {
+  std::string name;  // empty: none
+  std::string note;
+  const SnapshotView::Layer* layer = nullptr;  // whose dots or line stand beside it
+  std::vector<Color> colors;                   // that fill a box beside it
+  Color ink = pale;
+
+  std::vector<std::string> lines() const {
+    std::vector<std::string> all;
+    std::istringstream words(note);
+    for (std::string word; words >> word;) {
+      if (all.empty() || all.back().size() + 1 + word.size() > legend_columns)
+        all.push_back(word);
+      else
+        all.back() += " " + word;
+    }
+    return all;
+  }
+  double height() const {
+    return (name.empty() ? 0 : name_height) + line_height * static_cast<double>(lines().size()) + row_gap;
+  }
+};
+
+std::vector<LegendRow> legend_of(const SnapshotView& view) {
+  std::vector<LegendRow> rows;
+  for (const auto& layer : view.layers) rows.push_back({layer.name, layer.note, &layer, {}});
+  if (!view.lidars.empty()) {
+    const auto number = [](double value) { return printed("%.3g", std::abs(value) < 5e-4 ? 0.0 : value); };
+    rows.push_back(
+        {"colours",
+         number(view.framing.lowest) + " to " + number(view.framing.highest) + ": " + view.color_words,
+         nullptr,
+         {}});
+    for (int step = 0; step < 14; ++step) rows.back().colors.push_back(scale_color(step / 13.0));
+  }
+  if (!view.free_note.empty()) {
+    rows.push_back({"free", view.free_note, nullptr, {free_color}});
+    rows.push_back({"unknown", view.unobserved_note, nullptr, {unobserved_color}});
+    rows.push_back({"",
+                    "White: unknown too: behind what was hit, or outside of the scan's angles and range.",
+                    nullptr,
+                    {}});
+  }
+  rows.push_back({"",
+                  "Ahead is up. Rings: distance from " + view.base_frame +
+                      ". Outline around a sensor: its field of view, not to scale.",
+                  nullptr,
+                  {}});
+  for (const auto* sentences : {&view.notes, &view.missing}) {
+    for (const auto& sentence : *sentences) rows.push_back({"", sentence, nullptr, {}, {0.70, 0.20, 0.00}});
+  }
+  return rows;
+}
 
 /// Where the parts of a picture stand, in pixels: the field as wide and high as what it shows.
 struct Layout {
@@ -43,20 +98,20 @@ struct Layout {
 /// Draws one view.
 class Painter {
  public:
-  Painter(const SnapshotView& view, PictureFormat format, double page_height)
-      : view_(view), layout_(view), chart_(format, layout_.page_width(), page_height) {
+  Painter(const SnapshotView& view, PictureFormat format)
+      : view_(view),
+        layout_(view),
+        legend_(legend_of(view)),
+        chart_(format, layout_.page_width(), page_height()) {
     chart_.set_field({field_left, field_top}, {layout_.width, layout_.height}, view.framing.center,
                      view.framing.half);
   }
-  /// Pixels that the page needs: the views or the legend, whichever is longer.
-  static double page_height(const SnapshotView& view) {
-    Painter trial(view, PictureFormat::png, 1);
-    trial.legend();
-    return std::ceil(std::max(trial.layout_.bottom(), trial.legend_y_) + margin);
-  }
   std::string bytes() {
     paint();
-    return chart_.bytes(view_.title, description());
+    std::string description = view_.subtitle;
+    for (const LegendRow& row : legend_)
+      description += "\n" + row.name + (row.name.empty() ? "" : ": ") + row.note;
+    return chart_.bytes(view_.title, description);
   }
 
  private:
@@ -64,13 +119,6 @@ class Painter {
     chart_.begin_clip();
     areas(true);
     areas(false);
-    for (const auto& wedge : view_.wedges) {
-      if (wedge.observed) continue;
-      chart_.path({chart_.to_page(wedge.corner[0]), chart_.to_page(wedge.corner[1]),
-                   chart_.to_page(wedge.corner[2])});
-      chart_.close();
-    }
-    chart_.hatch(hatch_color, 9);
     rings();
     const auto all = [&](Role role) {
       for (auto l = view_.layers.rbegin(); l != view_.layers.rend(); ++l) {
@@ -82,7 +130,6 @@ class Painter {
     all(Role::input);
     all(Role::merged);
     all(Role::virtual_scan);
-    scale_bar();
     for (std::size_t i = 0; i < view_.sensors.size(); ++i) sensor(view_.sensors[i], i);
     for (std::size_t i = 0; i < view_.sensors.size(); ++i) sensor_name(view_.sensors[i], i);
     ring_labels();
@@ -94,6 +141,12 @@ class Painter {
     if (layout_.side > 0) draw_side(chart_, view_, {field_left, layout_.side_top()}, layout_.width);
   }
 
+  /// The views or the legend, whichever is longer.
+  double page_height() const {
+    double legend = field_top;
+    for (const LegendRow& row : legend_) legend += row.height();
+    return std::ceil(std::max(layout_.bottom(), legend) + margin);
+  }
   /// m from the middle of the field to its upper edge.
   double shown() const { return layout_.height / 2 / chart_.pixels_per_meter(); }
   /// All wedges of one kind as one path. Neighbours are joined, else a thin line would show between them.
@@ -117,12 +170,10 @@ class Painter {
     const double step = round_step(shown(), 4.5);
     const Vector2d origin = chart_.to_page(Vector2d(0, 0));
     const double reach = view_.framing.center.norm() + shown() * 1.3;
-    chart_.begin_crisp();
     for (double r = step; r < reach; r += step) {
       chart_.circle(origin, r * chart_.pixels_per_meter());
       chart_.stroke({0.72, 0.72, 0.72}, 1, {2, 6});
     }
-    chart_.end_crisp();
     for (const auto& [dx, dy] : {std::pair{1.0, 0.0}, std::pair{0.0, 1.0}}) {
       const Vector2d along(reach * dx, reach * dy);
       chart_.path({chart_.to_page(Vector2d(-along)), chart_.to_page(along)});
@@ -133,8 +184,10 @@ class Painter {
   void ring_labels() {
     const double step = round_step(shown(), 4.5);
     const Vector2d along(std::cos(-0.7), std::sin(-0.7));
-    for (double r = step; r < view_.framing.center.norm() + shown() * 1.3; r += step)
-      chart_.label(chart_.to_page(Vector2d(r * along)), meters(r), 12, pale, Align::middle);
+    for (double r = step; r < view_.framing.center.norm() + shown() * 1.3; r += step) {
+      const Vector2d at = chart_.to_page(Vector2d(r * along));
+      if (chart_.shows(at)) chart_.label(at, meters(r), 12, pale, Align::middle);
+    }
   }
   /// Share of the colours' scale.
   double share(float value) const {
@@ -217,149 +270,63 @@ class Painter {
     const Vector2d at = chart_.to_page(sensor.at);
     const double radius = radius_of(index);
     if (sensor.all_round)
-      return chart_.name(at - Vector2d(0, radius + 5), sensor.name, 13, color, Align::middle);
+      return chart_.label(at - Vector2d(0, radius + 5), sensor.name, 13, color, Align::middle);
     // Names stand beside the vehicle, on the sensor's side.
     const bool left = sensor.at.y() > 0.05 || (std::abs(sensor.at.y()) <= 0.05 && index % 2 == 1);
     const Vector2d place = at + Vector2d(left ? -radius - 6 : radius + 6, sensor.at.x() < -0.5 ? 14 : -6);
-    chart_.name(place, sensor.name, 13, color, left ? Align::right : Align::left);
-  }
-  void scale_bar() {
-    const double length = round_step(shown(), 5);
-    const double pixels = length * chart_.pixels_per_meter();
-    const double x = field_left + 16;
-    const double y = field_top + layout_.height - 16;
-    chart_.rectangle(x - 8, y - 26, pixels + 16, 36);
-    chart_.fill({1, 1, 1, 0.85});
-    chart_.path({{x, y - 5}, {x, y}, {x + pixels, y}, {x + pixels, y - 5}});
-    chart_.stroke(ink, 1.6);
-    chart_.text({x + pixels / 2, y - 9}, meters(length), 12, ink, Align::middle);
+    chart_.label(place, sensor.name, 13, color, left ? Align::right : Align::left);
   }
   void heading() {
     chart_.text({field_left, 34}, view_.title, 21, ink, Align::left, true);
     chart_.text({field_left, 58}, view_.subtitle, 14, pale);
   }
   void legend() {
-    legend_y_ = field_top + 14;
-    const auto group = [&](const char* heading, Role role) {
-      bool any = false;
-      for (const auto& layer : view_.layers) {
-        if (layer.role != role) continue;
-        if (!any) legend_text(heading, 12, pale), legend_y_ += 6;
-        any = true;
-        legend_layer(layer);
+    double y = field_top + 14;
+    for (const LegendRow& row : legend_) {
+      swatch(row, {layout_.legend_left(), y});
+      double baseline = y;
+      const double left = layout_.legend_left() + 38;
+      if (!row.name.empty()) {
+        chart_.text({left, baseline}, row.name, 14, ink, Align::left, true);
+        baseline += name_height;
       }
-      if (any) legend_y_ += 8;
-    };
-    group("SCANNERS", Role::input);
-    group("CLOUDS", Role::cloud);
-    if (!view_.fans.empty()) legend_scale();
-    group("MERGED SCANS", Role::merged);
-    group("VIRTUAL SCANS", Role::virtual_scan);
-    if (!view_.free_note.empty()) {
-      legend_text("AREAS", 12, pale);
-      legend_y_ += 6;
-      legend_area("free", view_.free_note, true);
-      legend_area("unknown", view_.unobserved_note, false);
-      legend_text(white_note, 12, pale, 38);
-      legend_y_ += 8;
-    }
-    legend_text("Ahead is up. Rings: distance from " + view_.base_frame +
-                    ". Outline around a sensor: its field of view, not to scale.",
-                12, pale);
-    legend_y_ += 8;
-    for (const auto* sentences : {&view_.notes, &view_.missing}) {
-      for (const auto& sentence : *sentences) {
-        legend_text(sentence, 12, {0.70, 0.20, 0.00});
-        legend_y_ += 4;
+      for (const std::string& line : row.lines()) {
+        chart_.text({left, baseline}, line, 11, row.ink);
+        baseline += line_height;
       }
+      y += row.height();
     }
   }
-  void legend_scale() {
-    const double left = layout_.legend_left() + 38, width = legend_width - 60, y = legend_y_ - 12;
-    constexpr int steps = 60;
-    for (int i = 0; i < steps; ++i) {
-      chart_.rectangle(left + width * i / steps, y, width / steps + 0.6, 14);
-      chart_.fill(scale_color((i + 0.5) / steps));
+  /// What a row of the legend explains, before its first line.
+  void swatch(const LegendRow& row, const Vector2d& at) {
+    const double width = 28 / std::max<double>(1, static_cast<double>(row.colors.size()));
+    for (std::size_t i = 0; i < row.colors.size(); ++i) {
+      chart_.rectangle(at.x() + width * static_cast<double>(i), at.y() - 13, width, 18);
+      chart_.fill(row.colors[i]);
     }
-    const auto number = [](double value) { return printed("%.3g", std::abs(value) < 5e-4 ? 0.0 : value); };
-    const auto& f = view_.framing;
-    chart_.text({left, y + 28}, number(f.lowest), 12, ink);
-    chart_.text({left + width / 2, y + 28}, number((f.lowest + f.highest) / 2), 12, ink, Align::middle);
-    chart_.text({left + width, y + 28}, number(f.highest), 12, ink, Align::right);
-    legend_y_ = y + 45;
-    legend_text(view_.color_words, 12, pale, 38);
-    legend_y_ += 14;
-  }
-  void legend_layer(const SnapshotView::Layer& layer) {
-    const Color color = color_of(layer.role, layer.number);
-    const double y = legend_y_ - 5;
-    if (layer.role == Role::input || layer.role == Role::cloud) {
-      for (const double share : {0.1, 0.5, 0.9}) {
-        chart_.dot({layout_.legend_left() + 4 + 20 * share, y});
-        chart_.stroke(layer.role == Role::cloud ? scale_color(share) : color, 6);
-      }
-    } else {
-      chart_.path({{layout_.legend_left(), y}, {layout_.legend_left() + 28, y}});
-      stroke_line(layer);
+    if (row.layer == nullptr) return;
+    if (row.layer->role == Role::merged || row.layer->role == Role::virtual_scan) {
+      chart_.path({at - Vector2d(0, 5), at + Vector2d(28, -5)});
+      return stroke_line(*row.layer);
     }
-    legend_entry(layer.name, layer.note);
-  }
-  void legend_entry(const std::string& name, const std::string& note) {
-    legend_text(name, 14, ink, 38, true);
-    legend_text(note, 12, pale, 38);
-    legend_y_ += 9;
-  }
-  void legend_area(const std::string& name, const std::string& note, bool observed) {
-    chart_.rectangle(layout_.legend_left(), legend_y_ - 13, 28, 18);
-    chart_.fill(observed ? free_color : unobserved_color);
-    chart_.rectangle(layout_.legend_left(), legend_y_ - 13, 28, 18);
-    if (!observed) chart_.hatch(hatch_color, 7);
-    chart_.rectangle(layout_.legend_left(), legend_y_ - 13, 28, 18);
-    chart_.stroke({0.6, 0.6, 0.6}, 0.8);
-    legend_entry(name, note);
-  }
-  /// Writes words into the legend, in as many lines as they need.
-  void legend_text(const std::string& words, double size, const Color& color, double indent = 0,
-                   bool bold = false) {
-    std::string row;
-    const auto put = [&] {
-      if (row.empty()) return;
-      chart_.text({layout_.legend_left() + indent, legend_y_}, row, size, color, Align::left, bold);
-      legend_y_ += size + 5;
-      row.clear();
-    };
-    for (std::size_t begin = 0; begin < words.size();) {
-      const std::size_t end = std::min(words.find(' ', begin), words.size());
-      const std::string word = words.substr(begin, end - begin);
-      const std::string longer = row.empty() ? word : row + " " + word;
-      if (chart_.text_width(longer, size, bold) > legend_width - indent) put();
-      row = row.empty() ? word : row + " " + word;
-      begin = end + 1;
+    for (const double share : {0.1, 0.5, 0.9}) {
+      chart_.dot(at + Vector2d(4 + 20 * share, -5));
+      chart_.stroke(
+          row.layer->role == Role::cloud ? scale_color(share) : color_of(row.layer->role, row.layer->number),
+          6);
     }
-    put();
-  }
-  std::string description() const {
-    std::string text = view_.subtitle;
-    for (const auto& layer : view_.layers) text += "\n" + layer.name + ": " + layer.note;
-    for (const auto& sensor : view_.sensors) text += "\nsensor " + sensor.name;
-    if (!view_.free_note.empty())
-      text += "\nfree: " + view_.free_note + "\nunknown: " + view_.unobserved_note + "\n" + white_note;
-    for (const auto* sentences : {&view_.notes, &view_.missing}) {
-      for (const auto& sentence : *sentences) text += "\n" + sentence;
-    }
-    return text;
   }
 
   const SnapshotView& view_;
   Layout layout_;
+  std::vector<LegendRow> legend_;
   Chart chart_;
-  double legend_y_ = 0;
 };
 
 }  // namespace
 
 std::string draw_snapshot(const SnapshotView& view, PictureFormat format) {
-  return Painter(view, format, Painter::page_height(view)).bytes();
+  return Painter(view, format).bytes();
 }
 
 }  // namespace lidard

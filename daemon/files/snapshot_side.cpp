@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The view from the right side below a picture: rings, ground and planes, and what lies near the middle line.
+// The view from the right side below a picture: lidars, ground and planes, and what lies near the middle
+// line.
 #include <cmath>
 
 #include "daemon/files/snapshot_style.h"
@@ -27,10 +28,7 @@ SideScale scale_of(const SnapshotView& view, double width) {
   const double span = view.framing.high - view.framing.low;
   if (!(span > 0)) return scale;
   scale.pixels_per_meter = std::min(width / (2 * view.framing.half.x()), most_height / span);
-  for (const double stretch : {1, 2, 3, 4, 5, 6, 8, 10}) {
-    scale.stretch = stretch;
-    if (span * scale.pixels_per_meter * stretch >= least_height) break;
-  }
+  scale.stretch = std::round(std::clamp(least_height / (span * scale.pixels_per_meter), 1.0, 10.0));
   scale.height = std::clamp(span * scale.pixels_per_meter * scale.stretch, least_height / 2, most_height);
   return scale;
 }
@@ -52,20 +50,18 @@ class SidePainter {
     constexpr Color ground_color{0.45, 0.30, 0.15};
     chart_.begin_clip();
     grid();
-    fans();
     clouds();
     if (view_.ground) {
       chart_.path({at({left(), *view_.ground}), at({right(), *view_.ground})});
       chart_.stroke(ground_color, 1.6);
     }
     for (const auto& plane : view_.planes) plane_line(plane);
-    for (const auto& fan : view_.fans) {
-      chart_.circle(at(fan.at), 4);
+    for (const Vector2d& lidar : view_.lidars) {
+      chart_.circle(at(lidar), 4);
       chart_.fill(cloud_color);
     }
-    if (view_.ground) chart_.name(at({left(), *view_.ground}) + Vector2d(8, -4), "ground", 12, ground_color);
+    if (view_.ground) chart_.label(at({left(), *view_.ground}) + Vector2d(8, -4), "ground", 12, ground_color);
     for (const auto& plane : view_.planes) plane_name(plane);
-    heights();
     chart_.end_clip();
     chart_.rectangle(corner_.x(), corner_.y(), size_.x(), size_.y());
     chart_.stroke({0.5, 0.5, 0.5}, 1);
@@ -79,32 +75,16 @@ class SidePainter {
   double left() const { return view_.framing.center.x() - reach(); }
   double right() const { return view_.framing.center.x() + reach(); }
 
-  /// Calls `line` with each height of the grid, and whether it is that of base_frame.
-  template <class Line>
-  void for_each_height(Line line) const {
-    const double step = round_step(view_.framing.high - view_.framing.low, 4);
-    for (double z = std::ceil(view_.framing.low / step) * step; z < view_.framing.high; z += step)
-      line(z, std::abs(z) < step / 2);
-  }
+  /// Heights, that of base_frame darker.
   void grid() {
-    for_each_height([&](double z, bool base) {
+    const double step = round_step(view_.framing.high - view_.framing.low, 4);
+    for (double z = std::ceil(view_.framing.low / step) * step; z < view_.framing.high; z += step) {
+      const bool base = std::abs(z) < step / 2;
       chart_.path({at({left(), z}), at({right(), z})});
       chart_.stroke(base ? Color{0.55, 0.55, 0.55} : Color{0.85, 0.85, 0.85}, base ? 1 : 0.7);
-    });
-  }
-  void heights() {
-    for_each_height([&](double z, bool base) {
       chart_.label(at({right(), z}) + Vector2d(-6, -3), base ? "0 m, " + view_.base_frame : meters(z), 11,
                    pale, Chart::Align::right);
-    });
-  }
-  void fans() {
-    chart_.begin_crisp();
-    for (const auto& fan : view_.fans) {
-      for (const Vector2d& ring : fan.rings) chart_.path({at(fan.at), at(fan.at + 4 * reach() * ring)});
-      chart_.stroke({0.84, 0.84, 0.84}, 1);
     }
-    chart_.end_crisp();
   }
   void clouds() {
     const auto& f = view_.framing;
@@ -134,7 +114,7 @@ class SidePainter {
     const double x = left() + 8 / scale_.pixels_per_meter;
     const bool steep = std::abs(plane.along.x()) < 0.2;
     const double z = plane.at.y() + (steep ? 0 : plane.along.y() / plane.along.x() * (x - plane.at.x()));
-    chart_.name(at({x, z}) + Vector2d(0, -4), plane.name, 12, color_of(plane.role, plane.number));
+    chart_.label(at({x, z}) + Vector2d(0, -4), plane.name, 12, color_of(plane.role, plane.number));
   }
   void caption() {
     std::string words = "From the right, y within " + meters(SnapshotView::side_strip);

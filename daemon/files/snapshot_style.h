@@ -26,7 +26,6 @@ constexpr std::array<Color, 4> virtual_colors = {
 constexpr Color cloud_color{0.35, 0.35, 0.35};
 constexpr Color free_color{0.86, 0.95, 0.89};
 constexpr Color unobserved_color{0.91, 0.89, 0.87};
-constexpr Color hatch_color{0.70, 0.66, 0.63};
 constexpr Color ink{0.13, 0.13, 0.13};
 constexpr Color pale{0.45, 0.45, 0.45};
 

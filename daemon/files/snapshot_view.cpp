@@ -38,37 +38,6 @@ Eigen::Vector2f from_above(const Pose& pose, double angle, double range) {
   return p.head<2>().cast<float>();
 }
 
-/// How steep each ring of a lidar looks, from its returns: tables of angles know no calibration.
-class RingSlopes {
- public:
-  explicit RingSlopes(std::size_t rings) : sums_(rings), counts_(rings) {}
-  void add(std::size_t ring, const Eigen::Vector3f& p) {
-    if (ring >= sums_.size()) return;
-    sums_[ring] += static_cast<double>(std::atan2(p.z(), p.head<2>().norm()));
-    ++counts_[ring];
-  }
-  /// Of the rings ahead and behind, in x and z of base_frame; of many rings some.
-  std::vector<Eigen::Vector2d> directions(const Pose& pose) const {
-    constexpr std::size_t most = 32;
-    std::vector<Eigen::Vector2d> all;
-    const std::size_t step = (sums_.size() + most - 1) / most;
-    for (std::size_t ring = 0; ring < sums_.size(); ring += step) {
-      if (counts_[ring] == 0) continue;
-      const double slope = sums_[ring] / static_cast<double>(counts_[ring]);
-      for (const double ahead : {1.0, -1.0}) {
-        const Eigen::Vector3d ray =
-            pose.linear() * Eigen::Vector3d(ahead * std::cos(slope), 0, std::sin(slope));
-        all.emplace_back(ray.x(), ray.z());
-      }
-    }
-    return all;
-  }
-
- private:
-  std::vector<double> sums_;
-  std::vector<std::size_t> counts_;
-};
-
 /// Builds a view layer by layer.
 class Gatherer {
  public:
@@ -120,20 +89,18 @@ class Gatherer {
       view_.missing.push_back(topic + " had not come by then");
       return;
     }
-    // The message may be in another frame than the lidar, whose rings fan out from where it is.
-    Pose pose, lidar = Pose::Identity();
+    // The message may be in another frame than the lidar.
+    Pose pose, lidar;
     if (!place(cloud->frame_id, cloud->stamp, pose)) return;
-    const bool has_fan = place(sensor.frame_id, cloud->stamp, lidar);
+    if (place(sensor.frame_id, cloud->stamp, lidar))
+      view_.lidars.emplace_back(lidar.translation().x(), lidar.translation().z());
     auto& layer = add_layer(Role::cloud, topic,
                             "cloud, " + std::to_string(cloud->size()) + " points" + age(cloud->stamp));
-    RingSlopes slopes(cloud->rings);
     const Eigen::Isometry3f to_base = pose.cast<float>();
-    const Eigen::Isometry3f to_lidar = (lidar.inverse() * pose).cast<float>();
     for (std::size_t i = 0; i < cloud->size(); ++i) {
       const CloudPoint* const p = cloud->points() + i;
       const Eigen::Vector3f in_message(p->x, p->y, p->z);
       if (!in_message.allFinite()) continue;
-      if (has_fan) slopes.add(p->ring, to_lidar * in_message);
       const Eigen::Vector3f at = to_base * in_message;
       layer.points.emplace_back(at.head<2>());
       layer.heights.push_back(at.z());
@@ -141,8 +108,6 @@ class Gatherer {
                              : color_ == CloudColor::ring ? static_cast<float>(p->ring)
                                                           : p->intensity);
     }
-    if (has_fan)
-      view_.fans.push_back({{lidar.translation().x(), lidar.translation().z()}, slopes.directions(lidar)});
     add_field(sensor, nullptr, layer.number);
   }
   void add_field(const SensorConfig& sensor, const PlanarScan* scan, std::size_t number) {
@@ -342,12 +307,12 @@ struct Extent {
 
 /// Heights for the side view: those of the returns, the sensors and the virtual planes.
 void fit_heights(const SnapshotView& view, std::vector<float>& heights, SnapshotView::Framing& out) {
-  if (view.fans.empty()) return;
+  if (view.lidars.empty()) return;
   double low = 0, high = 0;
   if (!heights.empty()) std::tie(low, high) = range_of(heights, 0.01);
   const auto include = [&](double z) { low = std::min(low, z), high = std::max(high, z); };
   for (const auto& plane : view.planes) include(plane.at.y());
-  for (const auto& fan : view.fans) include(fan.at.y());
+  for (const auto& lidar : view.lidars) include(lidar.y());
   if (view.ground) include(*view.ground);
   const double margin = 0.3 + 0.05 * (high - low);
   out.low = low - margin;

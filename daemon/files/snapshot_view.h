@@ -84,11 +84,6 @@ struct SnapshotView {
     std::string name;
     Eigen::Vector2d at, along;
   };
-  /// The rings of a lidar in the side view: x and z of the lidar, and the rings' directions.
-  struct Fan {
-    Eigen::Vector2d at;
-    std::vector<Eigen::Vector2d> rings;
-  };
   /// What the picture shows.
   struct Framing {
     Eigen::Vector2d center{0, 0};
@@ -127,9 +122,9 @@ struct SnapshotView {
   std::vector<std::string> notes;    ///< one sentence each: what else is to be said of the picture
   std::vector<std::string> missing;  ///< one sentence each: what could not be drawn, and why
   std::vector<Plane> planes;
-  std::vector<Fan> fans;
-  std::optional<double> ground;  ///< m: height of a plane that the configuration calls the ground
-  std::string color_words;       ///< what the colours of clouds tell
+  std::vector<Eigen::Vector2d> lidars;  ///< in the side view: x and z of those whose clouds are shown
+  std::optional<double> ground;         ///< m: height of a plane that the configuration calls the ground
+  std::string color_words;              ///< what the colours of clouds tell
   Framing framing;
 };
 

@@ -23,36 +23,31 @@ struct PackedBytes {
 class Codec {
  public:
   virtual ~Codec() = default;
-  /// Unpacks what it can; `last`: no more input comes. Returns what is wrong with the bytes, or nullptr.
-  virtual const char* run(PackedBytes& bytes, bool last) = 0;
+  /// Unpacks what it can. Returns what is wrong with the bytes, or nullptr.
+  virtual const char* run(PackedBytes& bytes) = 0;
   /// True where the packed bytes may end.
   virtual bool complete() const = 0;
   virtual const char* name() const = 0;
 };
 
 /// The bytes of a capture file from the first one on: as they stand there, or unpacked while they are read
-/// where the file is gzip, zstd or xz. Needs memory for one window of the packing, not for the file.
+/// where the file is gzip or zstd. Needs memory for one window of the packing, not for the file.
 class CaptureBytes {
  public:
   /// `fd` must outlive this; its offset is neither used nor changed.
   explicit CaptureBytes(int fd);
 
-  /// Reads up to `size` bytes; 0 at the end, -1 where they cannot be read (errno or error() says why).
-  ssize_t read(char* out, std::size_t size);
-  /// Starts again.
-  void rewind();
+  /// Reads up to `size` bytes; 0 at the end, -1 where they cannot be read (error() says why, or errno).
+  ssize_t read(std::uint8_t* out, std::size_t size);
 
   bool is_packed() const { return codec_ != nullptr; }
-  /// Bytes given so far.
-  std::uint64_t position() const { return position_; }
-  /// Bytes of the file that were read for them.
+  /// Bytes of the file that were read.
   std::uint64_t taken() const { return taken_; }
   /// What is wrong with the packed file, and where; empty: nothing.
   const std::string& error() const { return error_; }
 
  private:
-  ssize_t read_packed(char* out, std::size_t size);
-  bool fill();
+  ssize_t read_packed(std::uint8_t* out, std::size_t size);
   ssize_t fail(const std::string& what);
 
   int fd_;
@@ -60,7 +55,7 @@ class CaptureBytes {
   std::vector<std::uint8_t> buffer_;
   PackedBytes bytes_;
   bool file_ended_ = false;
-  std::uint64_t position_ = 0, taken_ = 0;
+  std::uint64_t taken_ = 0;
   std::string error_;
 };
 

@@ -3,140 +3,19 @@
 #include "drivers/capture/pcap_source.h"
 
 #include <fcntl.h>
-#include <pcap/pcap.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <map>
-#include <new>
 
 namespace lidard {
 namespace {
 
-constexpr const char* remedy = "; give a pcap or pcapng file, e.g. from `tcpdump -w FILE.pcap`";
-
-struct PcapCloser {
-  void operator()(pcap_t* pcap) const { pcap_close(pcap); }
-};
-
-Stamp stamp_of(const timeval& time) {
-  // The file has 32 bits of seconds, which libpcap reads as signed: unsigned they last until 2106. With
-  // nanosecond precision tv_usec holds nanoseconds (man pcap_open_offline).
-  return {static_cast<std::int64_t>(static_cast<std::uint32_t>(time.tv_sec)) * 1'000'000'000 + time.tv_usec};
-}
-
-class LibpcapReader : public CaptureReader {
- public:
-  explicit LibpcapReader(std::unique_ptr<pcap_t, PcapCloser> pcap)
-      : pcap_(std::move(pcap)), link_type_(static_cast<std::uint32_t>(pcap_datalink(pcap_.get()))) {}
-
-  bool next(CaptureRecord& record) override {
-    const std::uint64_t begin = position();
-    pcap_pkthdr* header = nullptr;
-    const u_char* bytes = nullptr;
-    const int result = pcap_next_ex(pcap_.get(), &header, &bytes);
-    if (result == 1) {
-      record = {stamp_of(header->ts), ByteView(bytes, header->caplen), header->len, link_type_};
-      return true;
-    }
-    if (result == PCAP_ERROR)
-      error_ = std::string(pcap_geterr(pcap_.get())) + " at byte " + std::to_string(begin);
-    return false;
-  }
-  const std::string& error() const override { return error_; }
-  bool ran_out() const override { return !error_.empty() && std::feof(pcap_file(pcap_.get())) != 0; }
-  std::uint64_t position() const override {
-    return static_cast<std::uint64_t>(ftello(pcap_file(pcap_.get())));
-  }
-
- private:
-  std::unique_ptr<pcap_t, PcapCloser> pcap_;
-  std::uint32_t link_type_;
-  std::string error_;
-};
-
-/// The bytes of a capture as a stream for libpcap.
-struct BytesView {
-  std::shared_ptr<CaptureBytes> bytes;
-  bool hide_snapshot_length;
-
-  static ssize_t read(void* self, char* out, std::size_t size) {
-    auto& view = *static_cast<BytesView*>(self);
-    const std::uint64_t begin = view.bytes->position();
-    const ssize_t got = view.bytes->read(out, size);
-    // libpcap cuts records at the snapshot length of the file header, even where it lies and the bytes are
-    // there. Zero means no limit of the file's own (pcap-savefile(5): bytes 16 to 19).
-    for (std::uint64_t i = std::max<std::uint64_t>(16, begin); view.hide_snapshot_length && i < 20; ++i) {
-      if (got > 0 && i < begin + static_cast<std::uint64_t>(got)) out[i - begin] = 0;
-    }
-    return got;
-  }
-
-  /// Tells where the stream is (ftello() asks); nobody needs it elsewhere.
-  static int seek(void* self, off64_t* offset, int whence) {
-    if (whence != SEEK_CUR || *offset != 0) return -1;
-    *offset = static_cast<off64_t>(static_cast<BytesView*>(self)->bytes->position());
-    return 0;
-  }
-
-  static int close(void* self) {
-    delete static_cast<BytesView*>(self);
-    return 0;
-  }
-};
-
-FileHandle open_stream(std::shared_ptr<CaptureBytes> bytes, bool hide_snapshot_length) {
-  cookie_io_functions_t functions{};
-  functions.read = BytesView::read;
-  functions.seek = BytesView::seek;
-  functions.close = BytesView::close;
-  auto view = std::make_unique<BytesView>(BytesView{std::move(bytes), hide_snapshot_length});
-  FileHandle file(::fopencookie(view.get(), "rb", functions));
-  if (!file) throw std::bad_alloc();
-  static_cast<void>(view.release());  // close() deletes it
-  return file;
-}
-
 std::string why_not() { return std::strerror(errno); }
-
-// Section Header Block and its byte-order magic, draft-ietf-opsawg-pcapng section 4.1.
-bool is_pcapng(ByteView head) { return head.be32(0) == 0x0a0d0d0aU; }
-bool has_byte_order(ByteView head) { return head.be32(8) == 0x1a2b3c4dU || head.le32(8) == 0x1a2b3c4dU; }
-
-}  // namespace
-
-std::unique_ptr<CaptureReader> open_pcap(FileHandle file, const std::string& name) {
-  std::array<char, PCAP_ERRBUF_SIZE> why{};
-  std::unique_ptr<pcap_t, PcapCloser> pcap(
-      pcap_fopen_offline_with_tstamp_precision(file.get(), PCAP_TSTAMP_PRECISION_NANO, why.data()));
-  if (!pcap) throw CaptureError(name + ": " + why.data() + remedy);
-  static_cast<void>(file.release());  // pcap_close() closes it
-  return std::make_unique<LibpcapReader>(std::move(pcap));
-}
-
-std::unique_ptr<CaptureReader> open_capture(std::shared_ptr<CaptureBytes> bytes, const std::string& name,
-                                            std::uint64_t size) {
-  if (size == 0) throw CaptureError(name + ": the file is empty (0 bytes); record it again");
-  std::array<std::uint8_t, 12> head{};
-  const ssize_t got = bytes->read(reinterpret_cast<char*>(head.data()), head.size());
-  if (!bytes->error().empty()) throw CaptureError(name + ": " + bytes->error() + "; copy or record it again");
-  if (got < 0) throw CaptureError(name + ": cannot be read: " + why_not() + "; check the disk");
-  if (got < 4) throw CaptureError(name + ": too short to be a capture" + remedy);
-  bytes->rewind();
-  const bool packed = bytes->is_packed();
-  const ByteView magic(head.data(), head.size());
-  if (!is_pcapng(magic)) return open_pcap(open_stream(std::move(bytes), true), name);
-  if (!has_byte_order(magic))
-    throw CaptureError(name + ": begins like a pcapng file but has no byte-order magic; record it again");
-  return open_pcapng(open_stream(std::move(bytes), false), packed ? unknown_size : size);
-}
-
-namespace {
 
 /// A pipe's bytes in a temporary file without a name. Stops early where they are those of no capture: a pipe
 /// may never end.
@@ -163,7 +42,7 @@ FileDescriptor spool(int pipe, const std::string& name) {
     if (checked || size < 64 * 1024) continue;
     checked = true;
     try {
-      open_capture(std::make_shared<CaptureBytes>(file.get()), name, size);
+      CaptureReader(file.get(), name);
     } catch (const CaptureError&) {
       return file;  // whoever opens it finds the same
     }
@@ -197,25 +76,14 @@ PcapSource::PcapSource(const std::string& path)
   struct stat status {};
   if (::fstat(file_.get(), &status) != 0) throw CaptureError(name_ + ": cannot be read: " + why_not());
   size_ = static_cast<std::uint64_t>(status.st_size);
-  open();
-}
-
-void PcapSource::open() {
-  bytes_ = std::make_shared<CaptureBytes>(file_.get());
-  reader_ = open_capture(bytes_, name_, size_);
+  reader_ = std::make_unique<CaptureReader>(file_.get(), name_);
 }
 
 bool PcapSource::next(Packet& packet) {
   CaptureRecord record;
   while (!tcp_.next(packet)) {
     if (ended_) return false;
-    const std::uint64_t begin = reader_->position();
     if (!reader_->next(record)) {
-      // More bytes than a record has are more than a last one.
-      constexpr std::uint64_t longest_record = 65536 + 64;
-      const std::uint64_t all = bytes_->is_packed() ? bytes_->position() : size_;
-      ends_in_last_record_ =
-          records_ > 0 && reader_->ran_out() && bytes_->error().empty() && all - begin <= longest_record;
       end();
       continue;
     }
@@ -236,9 +104,8 @@ void PcapSource::end() {
   defragmenter_.flush();
   counters_.fragments_dropped = defragmenter_.dropped();
   tcp_.flush();
-  const std::string& trouble = bytes_->error().empty() ? reader_->error() : bytes_->error();
-  if (!trouble.empty()) {
-    error_ = name_ + ": " + trouble + "; " +
+  if (!reader_->error().empty()) {
+    error_ = name_ + ": " + reader_->error() + "; " +
              (records_ == 0 ? "there is nothing before it, record again" : "what came before it was used");
   } else if (records_ == 0) {
     error_ = name_ + ": holds no packet; check interface and filter and record again";
@@ -317,9 +184,8 @@ void PcapSource::rewind() {
   counters_.fragments_dropped = defragmenter_.dropped();
   tcp_.restart();
   error_.clear();
-  ends_in_last_record_ = false;
   records_ = 0;
-  open();
+  reader_ = std::make_unique<CaptureReader>(file_.get(), name_);
   ended_ = false;
 }
 

@@ -3,76 +3,19 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
-#include <limits>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "core/base/bytes.h"
 #include "core/base/time.h"
-#include "drivers/capture/capture_bytes.h"
+#include "drivers/capture/capture_reader.h"
 #include "drivers/capture/ip_packet.h"
 #include "drivers/capture/tcp_reassembler.h"
 #include "drivers/driver.h"
 #include "drivers/file_descriptor.h"
 
 namespace lidard {
-
-/// One record of a capture file.
-struct CaptureRecord {
-  Stamp stamp;
-  ByteView bytes;               ///< as captured; valid until the next record is read
-  std::uint32_t length = 0;     ///< on the wire; more than `bytes` where the snapshot length cut it
-  std::uint32_t link_type = 0;  ///< LINKTYPE_ number
-};
-
-/// Reads the records of a capture file one after the other.
-class CaptureReader {
- public:
-  CaptureReader() = default;
-  CaptureReader(const CaptureReader&) = delete;
-  CaptureReader& operator=(const CaptureReader&) = delete;
-  virtual ~CaptureReader() = default;
-
-  /// False at the end, be it good or bad.
-  virtual bool next(CaptureRecord& record) = 0;
-  /// What ended the capture early, "what at byte N"; empty if nothing did.
-  virtual const std::string& error() const = 0;
-  /// True if the file ended inside a record, or inside what its length says to be one.
-  virtual bool ran_out() const = 0;
-  /// Bytes read.
-  virtual std::uint64_t position() const = 0;
-};
-
-/// Closes a FILE.
-struct FileCloser {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-using FileHandle = std::unique_ptr<std::FILE, FileCloser>;
-
-/// A classic pcap file, through libpcap. Throws CaptureError, whose message begins with `name`.
-std::unique_ptr<CaptureReader> open_pcap(FileHandle file, const std::string& name);
-
-/// The size of a file that is unpacked while it is read.
-constexpr std::uint64_t unknown_size = std::numeric_limits<std::uint64_t>::max();
-
-/// A pcapng file of `size` bytes (draft-ietf-opsawg-pcapng): any number of sections, interfaces and link
-/// types.
-std::unique_ptr<CaptureReader> open_pcapng(FileHandle file, std::uint64_t size);
-
-/// Whichever of the two the bytes of a file of `size` bytes are, from their beginning; throws CaptureError
-/// where they are neither.
-std::unique_ptr<CaptureReader> open_capture(std::shared_ptr<CaptureBytes> bytes, const std::string& name,
-                                            std::uint64_t size);
-
-/// A capture that cannot be opened, or ends in a broken record: "file: what, at byte N; remedy".
-class CaptureError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// What became of the frames of a capture. Every frame is counted in exactly one of datagrams, tcp_segments,
 /// not_ip, other_ip, truncated, malformed, unsupported_link and fragments; a packet put together from
@@ -112,7 +55,7 @@ constexpr NamedCounter<CaptureCounters> capture_losses[] = {
     {&CaptureCounters::fragments_dropped, "fragments_dropped", "fragments without use"}};
 
 /// Reads UDP datagrams, and TCP streams in both directions, from a capture file: pcap and pcapng, both byte
-/// orders, us and ns, as they are or packed (gzip, zstd, xz); Ethernet, VLAN, QinQ, Linux cooked v1 and v2,
+/// orders, us and ns, as they are or packed (gzip, zstd); Ethernet, VLAN, QinQ, Linux cooked v1 and v2,
 /// raw IP, null and loop; IPv4 (options, fragments) and IPv6.
 class PcapSource {
  public:
@@ -128,14 +71,14 @@ class PcapSource {
   const std::string& error() const { return error_; }
   /// True if error() tells of more than a last record that whoever recorded did not finish, as when a
   /// recording is stopped.
-  bool is_damaged() const { return !error_.empty() && !ends_in_last_record_; }
+  bool is_damaged() const { return !error_.empty() && (records_ == 0 || !reader_->ends_in_record()); }
   CaptureCounters counters() const {
     CaptureCounters all = counters_;
     all.tcp = tcp_.counters();
     return all;
   }
   /// Bytes of the file read and in all, for a progress display.
-  std::uint64_t position() const { return bytes_->is_packed() ? bytes_->taken() : reader_->position(); }
+  std::uint64_t position() const { return reader_->position(); }
   std::uint64_t size() const { return size_; }
   /// Starts again from the first record; counters go on.
   void rewind();
@@ -146,20 +89,17 @@ class PcapSource {
   bool take_transport(const IpPacket& ip, bool snapped, Packet& packet);
   void take_segment(const IpPacket& ip, bool snapped, Stamp stamp);
   bool count(HeaderResult result, bool snapped);
-  void open();
   void end();
 
   std::string name_;
   FileDescriptor file_;  // kept, so that a rewind finds the same file even where its name is gone
   std::uint64_t size_ = 0;
-  std::shared_ptr<CaptureBytes> bytes_;
   std::unique_ptr<CaptureReader> reader_;
   IpDefragmenter defragmenter_;
   TcpReassembler tcp_;
   CaptureCounters counters_;
   std::uint64_t records_ = 0;  // since the last rewind
   bool ended_ = false;
-  bool ends_in_last_record_ = false;
   std::string error_;
 };
 

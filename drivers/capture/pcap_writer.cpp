@@ -126,9 +126,9 @@ Bytes ethernet_frame(const Endpoint& from, const Endpoint& to, ByteView payload,
   return bytes;
 }
 
-PcapWriter::PcapWriter(const std::string& path)
+PcapWriter::PcapWriter(const std::string& path, int link_type, int snapshot_length)
     : path_(path),
-      pcap_(pcap_open_dead_with_tstamp_precision(DLT_EN10MB, 65535, PCAP_TSTAMP_PRECISION_NANO)) {
+      pcap_(pcap_open_dead_with_tstamp_precision(link_type, snapshot_length, PCAP_TSTAMP_PRECISION_NANO)) {
   if (pcap_ != nullptr) dumper_ = pcap_dump_open(pcap_, path.c_str());
   if (dumper_ != nullptr) return;
   const std::string reason = pcap_ != nullptr ? pcap_geterr(pcap_) : "out of memory";
@@ -142,10 +142,15 @@ PcapWriter::~PcapWriter() {
 }
 
 void PcapWriter::put(Stamp time, const std::vector<std::uint8_t>& frame) {
+  write_frame(time, {frame.data(), frame.size()}, static_cast<std::uint32_t>(frame.size()));
+}
+
+void PcapWriter::write_frame(Stamp time, ByteView frame, std::uint32_t length) {
   pcap_pkthdr header{};
   header.ts.tv_sec = static_cast<decltype(header.ts.tv_sec)>(time.ns / 1'000'000'000);
   header.ts.tv_usec = static_cast<decltype(header.ts.tv_usec)>(time.ns % 1'000'000'000);
-  header.caplen = header.len = static_cast<bpf_u_int32>(frame.size());
+  header.caplen = static_cast<bpf_u_int32>(frame.size());
+  header.len = length;
   pcap_dump(reinterpret_cast<u_char*>(dumper_), &header, frame.data());
   ++records_;
 }
@@ -177,8 +182,10 @@ void PcapWriter::write_tcp(Stamp time, const Endpoint& from, const Endpoint& to,
   }
 }
 
+bool PcapWriter::has_failed() const { return std::ferror(pcap_dump_file(dumper_)) != 0; }
+
 void PcapWriter::close() {
-  const bool complete = pcap_dump_flush(dumper_) == 0 && std::ferror(pcap_dump_file(dumper_)) == 0;
+  const bool complete = pcap_dump_flush(dumper_) == 0 && !has_failed();
   pcap_dump_close(dumper_);
   dumper_ = nullptr;
   if (!complete) throw std::runtime_error(path_ + ": not everything could be written; make room on the disk");

@@ -32,15 +32,19 @@ struct TcpMark {
 std::vector<std::uint8_t> ethernet_tcp_frame(const Endpoint& from, const Endpoint& to, ByteView payload,
                                              std::uint16_t identification, TcpMark mark);
 
-/// Writes UDP datagrams and TCP segments to a pcap file with nanoseconds.
+/// Writes frames as they were captured, or those of UDP datagrams and TCP segments, to a pcap file with
+/// nanoseconds.
 class PcapWriter {
  public:
-  /// Creates or empties the file; throws std::runtime_error.
-  explicit PcapWriter(const std::string& path);
+  /// Creates or empties the file; throws std::runtime_error. `link_type` is the DLT_ number of the frames, 1:
+  /// Ethernet, as write() and write_tcp() make them.
+  explicit PcapWriter(const std::string& path, int link_type = 1, int snapshot_length = 65535);
   ~PcapWriter();
   PcapWriter(const PcapWriter&) = delete;
   PcapWriter& operator=(const PcapWriter&) = delete;
 
+  /// `length` is the frame's on the wire, of which `frame` may hold less.
+  void write_frame(Stamp time, ByteView frame, std::uint32_t length);
   void write(Stamp time, const Endpoint& from, const Endpoint& to, ByteView payload);
   /// The handshake of a connection; without it a capture is joined in the middle of one.
   void open_tcp(Stamp time, const Endpoint& client, const Endpoint& server);
@@ -48,8 +52,10 @@ class PcapWriter {
   void write_tcp(Stamp time, const Endpoint& from, const Endpoint& to, ByteView payload,
                  Span per_byte = Span(0));
   /// Records written so far.
-  std::uint32_t records() const { return records_; }
-  /// Flushes and closes; throws std::runtime_error if the disk did not take everything.
+  std::uint64_t records() const { return records_; }
+  /// True if the disk did not accept everything; close() gives the reason.
+  bool has_failed() const;
+  /// Flushes and closes; throws std::runtime_error if the disk did not accept everything.
   void close();
 
  private:
@@ -60,7 +66,7 @@ class PcapWriter {
   std::string path_;
   pcap* pcap_ = nullptr;
   pcap_dumper* dumper_ = nullptr;
-  std::uint32_t records_ = 0;
+  std::uint64_t records_ = 0;
   std::map<IpAddress, std::uint16_t> identification_;                 // counts the datagrams of each sender
   std::map<std::pair<Endpoint, Endpoint>, std::uint32_t> sequences_;  // of the next byte from, to
 };

@@ -312,40 +312,5 @@ TEST(Golden, AReplayWritesAndSaysWhatItDidBefore) {
   test::expect_golden("daemon_replay.txt", without_folders(all + sums.text(), bag.path));
 }
 
-/// The lines of an SVG without the shapes of letters, which are the font's.
-std::string shapes_of(const std::string& svg) {
-  std::istringstream in(svg);
-  std::string all;
-  bool in_letters = false;
-  for (std::string line; std::getline(in, line);) {
-    if (line.find("<defs>") != std::string::npos) in_letters = true;
-    // The pixels of clouds are packed by a library that may change.
-    if (!in_letters && line.find("<use") == std::string::npos && line.find("<image") == std::string::npos &&
-        line.find("rgb(100%,100%,100%)") == std::string::npos)
-      all += line.size() < 300 ? line + "\n" : line.substr(0, 200) + "\n" + summed(line, ' ');
-    if (line.find("</defs>") != std::string::npos) in_letters = false;
-  }
-  // Cairo counts the surfaces of a process.
-  all = std::regex_replace(all, std::regex("surface[0-9]+"), "surface");
-  return std::regex_replace(all, std::regex("([\"(])([0-9])"), "$1 $2");
-}
-
-TEST(Golden, PicturesAreDrawnAsBefore) {
-  std::string all;
-  for (const int variant : {0, 1, 2}) {
-    const TemporaryFile svg(".svg");
-    SnapshotOptions options;
-    options.config = test::project_file("config/demo.yaml");
-    options.captures = {test::project_file("pcaps/demo.pcap")};
-    options.output = svg.path;
-    if (variant == 1) options.at = 0.7, options.range = 12, options.areas = "scan_safety";
-    if (variant == 2) options.at = 0.13, options.areas = "bumper";
-    std::ostringstream err;
-    const int code = run_snapshot(options, err);
-    all += "exit " + std::to_string(code) + err.str() + "\n" + shapes_of(content(svg.path));
-  }
-  test::expect_golden("daemon_pictures.txt", without_folders(all));
-}
-
 }  // namespace
 }  // namespace lidard

@@ -55,7 +55,7 @@ TEST_F(Pictures, NameEveryPlaneOfTheSideView) {
   const auto draw_planes = [&](const std::vector<Plane>& planes) {
     SnapshotView view = empty_view();
     view.planes = planes;
-    view.fans.push_back({{0, 2}, {}});
+    view.lidars.push_back({0, 2});
     view.framing.low = -0.5, view.framing.high = 2.5;
     return pixels_of(view);
   };

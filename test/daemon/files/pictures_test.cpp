@@ -107,7 +107,7 @@ SnapshotView two_clumps() {
   cloud.heights.push_back(2);
   cloud.values = cloud.heights;
   view.layers.push_back(cloud);
-  view.fans.push_back({{0, 1}, {{1, 0.1}, {1, -0.1}}});
+  view.lidars.push_back({0, 1});
   view.framing.center = {0, 0};
   view.framing.half = {6, 6};
   view.framing.low = -0.5, view.framing.high = 2.5;

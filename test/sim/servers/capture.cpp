@@ -78,7 +78,7 @@ CaptureSummary make_capture(const Scene& scene, const std::string& prefix, bool 
       pcap.write(packet.time, packet.from, packet.to, packet.payload);
     }
     if (packet.measurement != nullptr) {
-      truth.add(*packet.measurement, pcap.records() - 1);
+      truth.add(*packet.measurement, static_cast<std::uint32_t>(pcap.records()) - 1);
       ++summary.measurements;
     }
     ++summary.packets;

@@ -161,10 +161,10 @@ Pcapng one_packet() { return Pcapng().interface().enhanced(odd_frame); }
 TEST(Pcapng, EndsAtABlockThatLies) {
   Pcapng length = one_packet().enhanced(odd_frame);
   length.bytes[length.last + 4] ^= 1U;
-  expect_broken(length, "block with the impossible length");
+  expect_broken(length, "block of the impossible length");
   length = one_packet().enhanced(odd_frame);
   length.bytes[length.last + 7] = 0x7f;
-  expect_broken(length, "left");
+  expect_broken(length, "block of the impossible length");
   Pcapng trailer = one_packet().enhanced(odd_frame);
   trailer.bytes[trailer.bytes.size() - 4] ^= 4U;
   expect_broken(trailer, "whose two lengths differ");
@@ -187,18 +187,16 @@ TEST(Pcapng, EndsAtAPacketOrSectionThatCannotBe) {
   expect_broken(one_packet().block(3, {}), "packet block too short");
   expect_broken(one_packet().block(1, Bytes(4)), "interface description too short");
   expect_broken(one_packet().simple(Bytes(8), 9000), "packet of 9000 bytes in a block that holds 8");
-  expect_broken(one_packet().section(false, 2), "unknown pcapng version 2");
+  expect_broken(one_packet().section(false, 2), "section of an unknown version");
   expect_broken(one_packet().block(0x0a0d0d0a, Bytes(16)), "section without a byte-order magic");
   Pcapng magic_only = one_packet();
   magic_only.block(0x0a0d0d0a, magic_only.u(0x1a2b3c4d, 4));
-  expect_broken(magic_only, "section header too short");
+  expect_broken(magic_only, "section of an unknown version");
 }
 
 TEST(Pcapng, RefusesABlockBeyondReasonWithoutReadingIt) {
-  expect_broken(one_packet().block(6, Bytes((16U << 20U) + 4)), "packet block with the impossible length");
-  const Contents got =
-      read_capture(one_packet().block(0xbad, Bytes((16U << 20U) + 4)).enhanced(odd_frame).bytes);
-  EXPECT_EQ(got.payloads.size(), 2U);
+  for (const std::uint32_t type : {6U, 0xbadU})
+    expect_broken(one_packet().block(type, Bytes((16U << 20U) + 4)), "block of the impossible length");
 }
 
 TEST(Pcapng, KeepsWhatCameBeforeACutBlock) {
@@ -206,8 +204,8 @@ TEST(Pcapng, KeepsWhatCameBeforeACutBlock) {
   for (std::size_t size = whole.last + 1; size < whole.bytes.size(); ++size) {
     Pcapng cut = whole;
     cut.bytes.resize(size);
-    expect_broken(
-        cut, size - whole.last < 12 ? "block cut by the end of the file" : "bytes, but the file has only");
+    expect_broken(cut, "block cut by the end of the file");
+    EXPECT_FALSE(read_capture(cut.bytes).damaged) << "a recording was stopped";
   }
 }
 
