@@ -53,10 +53,7 @@ Keys<R> login_keys() {
                      .checked(no_hash)};
 }
 
-Keys<R> scip_keys() {
-  return {whole("skip", &R::skip, 0, 9, "scans left out between two").or_else(0.0),
-          whole("cluster", &R::cluster, 1, 99, "beams merged into one").or_else(1.0)};
-}
+Keys<R> scip_keys() { return {whole("cluster", &R::cluster, 1, 99, "beams merged into one").or_else(1.0)}; }
 
 Keys<R> scip_clock_keys() {
   return {flag("calibrate_time", &R::calibrate_time, "compares both clocks once before the stream starts")};
@@ -73,8 +70,9 @@ Keys<R> state_keys() {
                "output_paths, intrusion, beam_status")};
 }
 
-Keys<R> cola_keys() {
-  return {whole("skip", &R::skip, 0, 999, "scans left out between two").unless_set("as the device is set")};
+Keys<R> skip_keys() {
+  return {whole("skip", &R::skip, 0, 999, "scans left out between two; of a Hokuyo 0 to 9")
+              .unless_set("as a SICK scanner is set, 0 of a Hokuyo")};
 }
 
 Keys<D> revolution_keys() {

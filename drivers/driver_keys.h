@@ -23,8 +23,8 @@ Keys<DriverConfig> receiver_clock_keys();
 /// Whether its states are published: Trait::states_on_request.
 Keys<DeviceRequests> state_keys();
 
-/// What a device is asked for: Trait::skip_setting.
-Keys<DeviceRequests> cola_keys();
+/// How many scans are left out: Trait::skip_setting, Trait::skip_request.
+Keys<DeviceRequests> skip_keys();
 
 /// How a cloud is cut out of the stream, and which returns are kept: Trait::revolutions.
 Keys<DriverConfig> revolution_keys();

@@ -7,11 +7,6 @@
 namespace lidard {
 namespace {
 
-bool within_intensities(const SourceSettings& settings, float intensity) {
-  const auto value = static_cast<double>(intensity);
-  return value >= settings.intensity_min && value <= settings.intensity_max;
-}
-
 /// Turns the beams of one scan into what they prove.
 class Conditioner {
  public:
@@ -54,9 +49,7 @@ class Conditioner {
   }
 
   bool usable(std::size_t i) const {
-    if (scan_.statuses[i] != BeamStatus::hit) return false;
-    if (scan_.ranges[i] < nearest_ || scan_.ranges[i] > farthest_) return false;
-    return scan_.intensities.empty() || within_intensities(settings_, scan_.intensities[i]);
+    return scan_.statuses[i] == BeamStatus::hit && scan_.ranges[i] >= nearest_ && scan_.ranges[i] <= farthest_;
   }
 
   /// Index of the return that counts, or of the first echo if none does.
@@ -209,8 +202,7 @@ bool SourceSettings::wants(const PlanarScan& scan, std::size_t i) const {
   if (range < range_min || range > range_max) return false;
   const double angle = static_cast<double>(scan.angle_min) +
                        static_cast<double>(i % scan.beams) * static_cast<double>(scan.angle_increment);
-  if (angle < angle_min || angle > angle_max) return false;
-  return scan.intensities.empty() || within_intensities(*this, scan.intensities[i]);
+  return angle >= angle_min && angle <= angle_max;
 }
 
 void measure(const PlanarScan& scan, const BeamRays& rays, const SourceSettings& settings,

@@ -24,8 +24,6 @@ struct SourceSettings {
   double range_max = std::numeric_limits<double>::infinity();
   double angle_min = -std::numeric_limits<double>::infinity();  ///< rad, sensor frame
   double angle_max = std::numeric_limits<double>::infinity();
-  double intensity_min = -std::numeric_limits<double>::infinity();
-  double intensity_max = std::numeric_limits<double>::infinity();
   /// How far a beam without return proves that nothing is there, m; infinite: to the scan's range_max.
   double no_return_free_range = std::numeric_limits<double>::infinity();
   bool veil_filter = true;

@@ -119,24 +119,6 @@ void Visibility::combine(const std::vector<const PlacedScan*>& sweeps) {
       nearest_.intensity[beam] = layers_[s].intensity[beam];
     }
   }
-  if (!settings_.mean || sweeps.size() < 2) return;
-  for (std::size_t beam = 0; beam < beams(); ++beam) average(beam);
-}
-
-void Visibility::average(std::size_t beam) {
-  if (nearest_.range[beam] == infinite) return;
-  const float limit = nearest_.range[beam] + static_cast<float>(3 * settings_.noise);
-  float range = 0;
-  float intensity = 0;
-  float count = 0;
-  for (const RangeLayer& layer : layers_) {
-    if (!(layer.range[beam] <= limit)) continue;
-    range += layer.range[beam];
-    intensity += layer.intensity[beam];
-    ++count;
-  }
-  nearest_.range[beam] = range / count;
-  nearest_.intensity[beam] = intensity / count;
 }
 
 void Visibility::find_ends() {

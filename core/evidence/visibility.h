@@ -27,7 +27,6 @@ struct VisibilitySettings {
   double gap_share = 0.05;   ///< ... or this share of the range, whichever is more; in all twice as much
   double approach = 0.12;    ///< so far before a surface the way must be free, m
   double free_required = 0;  ///< how far a beam must be observed to be free, m; 0: range_max
-  bool mean = false;         ///< surfaces that several sources see in one place are averaged
 };
 
 /// What can be said from the origin of an output frame about the surfaces and the free space that several
@@ -64,16 +63,9 @@ class Visibility {
   float range(std::size_t beam) const { return nearest_.range[beam]; }
   /// m from the origin as far as the way is observed to be free.
   float covered(std::size_t beam) const { return covered_[beam]; }
-  /// A beam that was found to be free is not; only `covered` m of it are.
-  void withdraw_free(std::size_t beam, float covered) {
-    if (states_[beam] != BeamState::free) return;
-    states_[beam] = BeamState::unobserved;
-    covered_[beam] = covered;
-  }
 
  private:
   void combine(const std::vector<const PlacedScan*>& sweeps);
-  void average(std::size_t beam);
   bool has_hit(std::size_t beam) const { return nearest_.range[beam] <= range_max_; }
   /// Finds how far each way goes and where its end lies for each source.
   void find_ends();

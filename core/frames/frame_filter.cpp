@@ -12,15 +12,6 @@
 namespace lidard {
 namespace {
 
-bool is_inside(double value, const std::optional<double>& lowest, const std::optional<double>& highest) {
-  return (!lowest || value >= *lowest) && (!highest || value <= *highest);
-}
-bool is_inside(const CloudPoint& point, const FilterBox& box) {
-  return is_inside(static_cast<double>(point.x), box.x_min, box.x_max) &&
-         is_inside(static_cast<double>(point.y), box.y_min, box.y_max) &&
-         is_inside(static_cast<double>(point.z), box.z_min, box.z_max);
-}
-
 /// The number of the cube of `size` m that a point lies in, and the square of how far it is from the centre.
 /// 21 bits for each axis count a million cubes in both directions: 10 km of the smallest ones.
 std::pair<std::uint64_t, float> voxel_of(const CloudPoint& point, double size) {
@@ -70,9 +61,10 @@ void keep_echoes(std::size_t beam, const FilterVerdict*& verdict, PlanarScan& sc
 
 FilterVerdict FrameFilter::judge(const CloudPoint& point, bool with_intensities) const {
   const FrameFilterSettings& s = settings_;
-  if (with_intensities && !is_inside(static_cast<double>(point.intensity), s.intensity_min, s.intensity_max))
+  if (with_intensities && s.intensity_min && !(static_cast<double>(point.intensity) >= *s.intensity_min))
     return FilterVerdict::intensity;
-  const bool stays = is_inside(point, s.box) && !(s.cut_out.any() && is_inside(point, s.cut_out));
+  const Eigen::Vector3d place = Eigen::Vector3f(point.x, point.y, point.z).cast<double>();
+  const bool stays = (!s.box || s.box->contains(place)) && !(s.cut_out && s.cut_out->contains(place));
   return stays ? FilterVerdict::kept : FilterVerdict::box;
 }
 
@@ -81,7 +73,7 @@ void FrameFilter::judge(const CloudPoint* points, std::size_t returns, bool with
   for (std::size_t i = 0; i < returns; ++i) verdicts_[i] = judge(points[i], with_intensities);
   if (settings_.voxel_size > 0) judge_voxels(points);
   if (settings_.outlier_radius > 0) judge_outliers(points);
-  if (settings_.by_intensity() && returns > 0) counters_.has_no_intensities = !with_intensities;
+  if (settings_.intensity_min && returns > 0) counters_.has_no_intensities = !with_intensities;
   count(returns);
 }
 

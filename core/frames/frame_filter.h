@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -16,12 +17,8 @@ namespace lidard {
 /// What becomes of a return.
 enum class FilterVerdict : std::uint8_t { kept, intensity, box, voxel, outlier };
 
-/// A box along the axes of the sensor's frame, m. A side that is not set has no limit.
-struct FilterBox {
-  std::optional<double> x_min, x_max, y_min, y_max, z_min, z_max;
-
-  bool any() const { return x_min || x_max || y_min || y_max || z_min || z_max; }
-};
+/// A box along the axes of the sensor's frame, m.
+using FilterBox = Eigen::AlignedBox3d;
 
 /// Finds outliers among `count` points: sets inliers[i] to 1 if at least `neighbours` others are within
 /// `radius` m of point i, else to 0.
@@ -29,18 +26,15 @@ using FindInliers = void (*)(const CloudPoint* points, std::size_t count, double
                              std::uint8_t* inliers);
 
 struct FrameFilterSettings {
-  std::optional<double> intensity_min, intensity_max;  ///< device units
-  FilterBox box;                                       ///< returns outside are removed
-  FilterBox cut_out;                                   ///< returns inside are removed
+  std::optional<double> intensity_min;  ///< device units
+  std::optional<FilterBox> box;         ///< returns outside are removed
+  std::optional<FilterBox> cut_out;     ///< returns inside are removed
   double voxel_size = 0;       ///< m; of the returns in a cube the one nearest to its centre stays; 0: all
   double outlier_radius = 0;   ///< m; 0: outliers stay
   int outlier_neighbours = 2;  ///< a return with fewer of them within outlier_radius is an outlier
   FindInliers find_inliers = nullptr;  ///< not nullptr where outlier_radius is above 0
 
-  bool any() const {
-    return by_intensity() || box.any() || cut_out.any() || voxel_size > 0 || outlier_radius > 0;
-  }
-  bool by_intensity() const { return intensity_min || intensity_max; }
+  bool any() const { return intensity_min || box || cut_out || voxel_size > 0 || outlier_radius > 0; }
 };
 
 /// What a filter did since the start.
@@ -48,7 +42,7 @@ struct FilterCounters {
   std::uint64_t returns = 0;  ///< that it looked at
   std::uint64_t by_intensity = 0, by_box = 0, by_voxel = 0, outliers = 0;
   std::uint64_t emptied_in_a_row = 0;  ///< the newest frames, one after the other, that lost all returns
-  bool has_no_intensities = false;     ///< a limit of the intensity could not be applied to the newest frame
+  bool has_no_intensities = false;     ///< the limit of the intensity could not be applied to the newest frame
 };
 /// What was removed, by what.
 constexpr NamedCounter<FilterCounters> filter_counters[] = {
@@ -58,7 +52,7 @@ constexpr NamedCounter<FilterCounters> filter_counters[] = {
     {&FilterCounters::outliers, "filtered_outliers", "outliers"}};
 
 /// Removes returns from frames. What stays is as it was measured: neither moved nor averaged, and with its
-/// ring and time. The limits of intensity come first, then the boxes, the voxels and the outliers: each looks
+/// ring and time. The limit of intensity comes first, then the boxes, the voxels and the outliers: each looks
 /// at what the former ones left. No allocation after the largest frame, but for what find_inliers allocates.
 class FrameFilter {
  public:

@@ -11,23 +11,16 @@ Merger::Merger(const ScanGrid& grid, HeightBand band, std::size_t sources, const
     : settings_(settings),
       band_(band),
       flattener_(grid, band),
-      ends_(sources),
       newest_sweeps_(sources, nullptr),
       sources_(sources) {
   report_.sources.assign(sources, SourceUse::not_used);
-  if (!settings.visibility) return;
-  visibility_.emplace(grid, settings.how, sources);
-  const MergeOptions& options = settings.options;
-  if (options.newest_wins || options.veil_cross_check)
-    cross_check_.emplace(options, sources, grid.range_max, settings.how.noise);
-  if (options.all_heights) height_groups_.emplace(grid, settings.how, sources);
+  if (settings.visibility) visibility_.emplace(grid, settings.how, sources);
 }
 
 void Merger::set_footprint(const Footprint& footprint) {
   footprint_ = footprint;
   flattener_.set_footprint(footprint.padded(Footprint::margin_m));
   if (visibility_) visibility_->set_footprint(footprint);
-  if (height_groups_) height_groups_->set_footprint(footprint);
   for (Source& source : sources_) source.rays_outdated = true;
 }
 
@@ -72,10 +65,8 @@ void Merger::take_points(const PlanarScan& scan, const Pose& output_from_sensor,
                          static_cast<double>(beam) * static_cast<double>(scan.angle_increment);
     const auto range = static_cast<double>(scan.ranges[i]);
     const Eigen::Vector3d in_sensor(range * std::cos(angle), range * std::sin(angle), 0);
-    source.points.push_back(
-        {output_from_sensor * in_sensor,
-         source.has_intensities ? scan.intensities[i] : settings_.options.missing_intensity,
-         static_cast<std::uint32_t>(beam)});
+    source.points.push_back({output_from_sensor * in_sensor, source.has_intensities ? scan.intensities[i] : 0,
+                             static_cast<std::uint32_t>(beam)});
   }
 }
 
@@ -85,14 +76,8 @@ void Merger::take_sweep(std::size_t index, const PlanarScan& scan, const Pose& o
     source.rays_outdated = false;
     source.rays.build(scan, output_from_sensor, footprint_, band_);
     visibility_->set_source(index, source.rays);
-    if (cross_check_) cross_check_->set_source(index, source.rays);
-    if (height_groups_) height_groups_->set_source(index, source.rays);
   }
   measure(scan, source.rays, settings_of(index), source.sweep);
-  if (source.has_intensities || settings_.options.intensities != Intensities::on) return;
-  source.sweep.intensity.assign(scan.beams, settings_.options.missing_intensity);
-  for (PlacedScan::EarlyReturn& early : source.sweep.early_returns)
-    early.intensity = settings_.options.missing_intensity;
 }
 
 std::optional<SweepTimes> Merger::times(std::size_t source) const {
@@ -107,8 +92,6 @@ bool Merger::poses_cover(std::size_t source, const MergeMoment& moment) const {
 }
 
 bool Merger::with_intensities(const std::vector<char>& use) const {
-  if (settings_.options.intensities != Intensities::automatic)
-    return settings_.options.intensities == Intensities::on;
   for (std::size_t s = 0; s < sources_.size(); ++s) {
     if (use[s] != 0 && sources_[s].stamp && !sources_[s].has_intensities) return false;
   }
@@ -164,15 +147,6 @@ SourceUse Merger::bring(std::size_t index, const MergeMoment& moment) {
   return origin == PoseOrigin::known ? SourceUse::deskewed : SourceUse::extrapolated;
 }
 
-void Merger::look() {
-  if (cross_check_) {
-    for (std::size_t s = 0; s < sources_.size(); ++s) ends_[s] = sources_[s].times.last();
-    cross_check_->check(newest_sweeps_, ends_);
-  }
-  visibility_->compute(newest_sweeps_);
-  if (height_groups_) height_groups_->require(newest_sweeps_, *visibility_);
-}
-
 const MergeReport& Merger::merge(const MergeMoment& moment, const std::vector<char>& use,
                                  const std::vector<MergedScan>& outputs, Cloud* cloud) {
   const bool intensities = with_intensities(use);
@@ -185,7 +159,7 @@ const MergeReport& Merger::merge(const MergeMoment& moment, const std::vector<ch
     report_.sources[s] = bring(s, moment);
     scan_time = std::max(scan_time, sources_[s].scan_time);
   }
-  if (visibility_) look();
+  if (visibility_) visibility_->compute(newest_sweeps_);
   for (const MergedScan& output : outputs) {
     if (output.profile == Profile::flatten)
       flatten(*output.scan, intensities);

@@ -10,7 +10,6 @@
 #include "core/evidence/flatten.h"
 #include "core/evidence/visibility.h"
 #include "core/frames/cloud.h"
-#include "core/merge/cross_check.h"
 
 namespace lidard {
 
@@ -27,7 +26,6 @@ struct MergeSettings {
   VisibilitySettings how;
   SourceSettings source;               ///< of every source
   std::vector<SourceSettings> each{};  ///< per source, where they differ; empty: `source` for all
-  MergeOptions options;
 };
 
 /// What became of a source in a merge. `static_poses`: its points stand where they were measured, since poses
@@ -76,8 +74,6 @@ class Merger {
   const Visibility* visibility() const { return visibility_ ? &*visibility_ : nullptr; }
   /// A source's sweep as the last merge placed it; nullptr: it was not used, or no surfaces are computed.
   const PlacedScan* sweep(std::size_t source) const { return newest_sweeps_[source]; }
-  /// Returns that another source sees through; nullptr: it is not looked for.
-  const CrossCheck* cross_check() const { return cross_check_ ? &*cross_check_ : nullptr; }
   /// Where it was measured from, in the output frame.
   Eigen::Vector2d looks_from(std::size_t source) const {
     return sources_[source].rays.pose.translation().head<2>();
@@ -105,8 +101,6 @@ class Merger {
     return settings_.each.empty() ? settings_.source : settings_.each[source];
   }
   bool with_intensities(const std::vector<char>& use) const;
-  /// Surfaces and free space of the newest sweeps.
-  void look();
   void take_points(const PlanarScan& scan, const Pose& output_from_sensor, const SourceSettings& settings,
                    Source& source) const;
   void take_sweep(std::size_t index, const PlanarScan& scan, const Pose& output_from_sensor);
@@ -122,9 +116,6 @@ class Merger {
   Footprint footprint_;
   Flattener flattener_;
   std::optional<Visibility> visibility_;
-  std::optional<CrossCheck> cross_check_;
-  std::optional<HeightGroups> height_groups_;
-  std::vector<Stamp> ends_;  // of the sources' newest sweeps
   std::vector<const PlacedScan*> newest_sweeps_;
   std::vector<Source> sources_;
   std::uint64_t superseded_ = 0;

@@ -38,7 +38,6 @@ void Scheduler::reset() {
   now_.reset();
   first_.reset();
   next_tick_.reset();
-  last_done_.reset();
 }
 
 /// The time only goes forward, but for an input that starts again.
@@ -91,7 +90,7 @@ SourceState Scheduler::state(std::size_t index, Stamp now) const {
   const Source& source = sources_[index];
   if (!source.seen) return SourceState::never;
   if (now > lost_after(source)) return SourceState::lost;
-  return now > stale_after(source) ? SourceState::stale : SourceState::ok;
+  return now > patience_end(source) ? SourceState::stale : SourceState::ok;
 }
 
 Stamp Scheduler::patience_end(const Source& source) const {
@@ -101,10 +100,6 @@ Stamp Scheduler::patience_end(const Source& source) const {
   // Counted from the stamp, lest a sweep that came late excuse the next one. Who lags by more than a period
   // is not up to date.
   return source.end + span_from_seconds(period + std::min(source.delay, period)) + deadline();
-}
-
-Stamp Scheduler::stale_after(const Source& source) const {
-  return settings_.max_age ? source.end + *settings_.max_age : patience_end(source);
 }
 
 Stamp Scheduler::lost_after(const Source& source) const {
@@ -138,24 +133,13 @@ bool Scheduler::has_news(Stamp now) const {
   return false;
 }
 
-Span Scheduler::idle_period() const {
-  if (settings_.policy == Policy::rate) return span_from_seconds(1 / settings_.rate);
-  double longest = 0;
-  for (const Source& source : sources_) longest = std::max(longest, source.period);
-  return span_from_seconds(longest > 0 ? longest : usual_period_s);
-}
-
 bool Scheduler::is_due(Stamp now) {
   notice(now);
   if (settings_.policy == Policy::rate) {
     if (!next_tick_) next_tick_ = now;
-    const bool due = now >= *next_tick_ || has_news(now);
-    return due && (settings_.publish_when_empty || anything_usable(now));
+    return (now >= *next_tick_ || has_news(now)) && anything_usable(now);
   }
-  if (!anything_usable(now)) {
-    if (!settings_.publish_when_empty) return false;
-    return !last_done_ || now - *last_done_ >= idle_period();
-  }
+  if (!anything_usable(now)) return false;
   if (has_news(now)) return true;
   const Source& trigger = sources_[settings_.trigger];
   // Without its trigger the output goes on with what the others deliver.
@@ -171,11 +155,10 @@ std::optional<Stamp> Scheduler::next_event() const {
   for (const Source& source : sources_) {
     if (first_) consider(patience_end(source));
     if (!source.seen) continue;
-    consider(stale_after(source) + Span(1));
+    consider(patience_end(source) + Span(1));
     consider(lost_after(source) + Span(1));
   }
   if (settings_.policy == Policy::rate && next_tick_) consider(*next_tick_);
-  if (settings_.publish_when_empty && last_done_) consider(*last_done_ + idle_period());
   return next;
 }
 
@@ -193,9 +176,8 @@ void Scheduler::done(Stamp now) {
     in_vain = in_vain || is == SourceState::stale;
   }
   if (in_vain) ++deadlines_missed_;
-  last_done_ = now;
   if (settings_.policy != Policy::rate || !next_tick_) return;
-  const Span step = idle_period();
+  const Span step = rate_period();
   const bool early = now < *next_tick_;
   *next_tick_ = *next_tick_ + step;
   // What was missed is not made up for, and an output out of turn begins a new row.

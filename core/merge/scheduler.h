@@ -15,7 +15,7 @@ namespace lidard {
 /// at a fixed rate. `trigger`: when one of the sources has delivered.
 enum class Policy : std::uint8_t { complete, rate, trigger };
 
-/// What is known of a source. `stale`: its next sweep is overdue, or its newest one is older than `max_age`;
+/// What is known of a source. `stale`: its next sweep is overdue, that is late by the deadline;
 /// it contributes nothing. `lost`: silent for long.
 enum class SourceState : std::uint8_t { never, ok, stale, lost };
 
@@ -25,11 +25,8 @@ struct ScheduleSettings {
   std::size_t trigger = 0;       ///< the source that triggers, for policy `trigger`
   std::optional<Span> deadline;  ///< how long a source is waited for beyond the time it was due; default: 0.3
                                  ///< of the shortest period of the sources
-  std::optional<Span> max_age;  ///< older sweeps are not used; default: a sweep is used until the next one of
-                                ///< its source is overdue, that is late by the deadline
   Span lost_after =
       std::chrono::milliseconds(400);  ///< of silence; a source is not lost before it is overdue
-  bool publish_when_empty = false;     ///< outputs go on when no source has anything to say
 };
 
 /// Decides when an output is due, and which sources have something to say in it. It has no clock: `now` is
@@ -80,21 +77,19 @@ class Scheduler {
   static void learn_period(Source& source, double measured);
   /// Until when the source is waited for; later its next sweep is overdue.
   Stamp patience_end(const Source& source) const;
-  Stamp stale_after(const Source& source) const;
   Stamp lost_after(const Source& source) const;
   bool all_delivered(Stamp now) const;
   bool anything_usable(Stamp now) const;
   /// True if a source of the last output has become stale since, or one that was lost is back.
   bool has_news(Stamp now) const;
-  Span idle_period() const;
+  Span rate_period() const { return span_from_seconds(1 / settings_.rate); }
 
   ScheduleSettings settings_;
   std::vector<Source> sources_;
   std::vector<char> usable_;
   std::optional<Stamp> first_;      // arrival of the first sweep of any source
   std::optional<Stamp> now_;        // the newest time heard of
-  std::optional<Stamp> next_tick_;  // of policy `rate`, and of an output that goes on empty
-  std::optional<Stamp> last_done_;
+  std::optional<Stamp> next_tick_;  // of policy `rate`
   std::uint64_t deadlines_missed_ = 0;
   std::uint64_t restarts_ = 0;
 };

@@ -251,7 +251,7 @@ void draw_band_edges(const PlaneView& view, HeightBand band, const Raster& raste
     for (std::size_t r = 0; r < grid.rings(); ++r) {
       const std::size_t i = grid.index(c, r);
       const bool on_ground = (view.sides()[i] & PlaneView::on_ground) != 0;
-      if (grid.kind[i] != Beam::point || (on_ground && !view.keeps_ground())) continue;
+      if (grid.kind[i] != Beam::point || on_ground) continue;
       const std::size_t beside = grid.index(grid.after(c), r);
       const bool level = view.is_surface(i, beside) && links.level(c, r);
       const bool upright = r + 1 < grid.rings() && view.is_surface(i, i + 1) && links.upright(c, r);

@@ -19,8 +19,7 @@ void PlaneView::set_cloud(const RingGrid& grid, const Ground& ground, const Ring
   resize_amply(cells + grid.rings(), sides_);
 }
 
-void PlaneView::set_frame(const Pose& virtual_from_cloud, bool keep_ground) {
-  keep_ground_ = keep_ground;
+void PlaneView::set_frame(const Pose& virtual_from_cloud) {
   rotation_ = virtual_from_cloud.linear().cast<float>();
   translation_ = virtual_from_cloud.translation().cast<float>();
   rise_ = rotation_.row(2).dot(up_);

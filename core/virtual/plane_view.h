@@ -23,8 +23,8 @@ class PlaneView {
   /// cloud's frame.
   void set_cloud(const RingGrid& grid, const Ground& ground, const RingLinks& links,
                  const Eigen::Vector3f& up);
-  /// The frame of the following planes; `keep_ground`: the ground is a surface too.
-  void set_frame(const Pose& virtual_from_cloud, bool keep_ground);
+  /// The frame of the following planes.
+  void set_frame(const Pose& virtual_from_cloud);
   /// The plane z = `level`.
   void set_level(float level);
 
@@ -33,7 +33,6 @@ class PlaneView {
   const RingLinks& links() const { return *links_; }
   const Eigen::Matrix3f& rotation() const { return rotation_; }
   const Eigen::Vector3f& translation() const { return translation_; }
-  bool keeps_ground() const { return keep_ground_; }
 
   /// m per m upward.
   float rise() const { return rise_; }
@@ -48,10 +47,7 @@ class PlaneView {
   /// m from the sensor, level.
   float distance(std::size_t i) const { return ground_->distance[i]; }
   /// Two returns between which a surface may be.
-  bool is_surface(std::size_t a, std::size_t b) const {
-    const int grounds = (sides_[a] & on_ground) + (sides_[b] & on_ground);
-    return grounds == 0 || (keep_ground_ && grounds == 2 * on_ground);
-  }
+  bool is_surface(std::size_t a, std::size_t b) const { return ((sides_[a] | sides_[b]) & on_ground) == 0; }
   static bool are_opposite(std::uint8_t a, std::uint8_t b) { return ((a | b) & both_sides) == both_sides; }
 
   /// Places in the frame: of a beam's end, where the line between two ends on either side crosses the plane,
@@ -67,7 +63,6 @@ class PlaneView {
   Eigen::Vector3f up_ = Eigen::Vector3f::UnitZ();
   Eigen::Matrix3f rotation_ = Eigen::Matrix3f::Identity();
   Eigen::Vector3f translation_ = Eigen::Vector3f::Zero();
-  bool keep_ground_ = false;
   float level_ = 0;
   float rise_ = 1;
   std::vector<float> heights_;

@@ -138,7 +138,7 @@ void Virtualizer::look(Frame& frame, const Pose& virtual_from_cloud) {
   visibility.begin();
   splat_points(frame, virtual_from_cloud);
   if (organised_) {
-    view_.set_frame(virtual_from_cloud, settings_.keep_ground);
+    view_.set_frame(virtual_from_cloud);
     const bool band = settings_.mode == CutMode::band;
     if (band)
       cut_band(visibility, evidence_level(virtual_from_cloud));

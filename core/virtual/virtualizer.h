@@ -22,7 +22,6 @@ struct VirtualSettings {
   bool visibility = false;  ///< surfaces and free space, for profiles `strict` and `safety`
   CutMode mode = CutMode::slice;
   GroundSettings ground;
-  bool keep_ground = false;  ///< the ground is a surface too
   VisibilitySettings how;
   RingGridSettings beams;
 };

@@ -131,13 +131,13 @@ class Forecast {
     const auto pose = pose_of(frame, sensor->frame_id);
     return pose ? sensor->model->range_max + pose->translation().norm() : unknown_reach;
   }
-  /// A beam is free where its whole way, as far as that is asked for, is seen.
+  /// A beam is free where its whole way, as far as that is asked for, is seen; `free_required`: 0: range_max.
   template <class Output>
-  void question_reach(const Value& entry, const Output& output, double reach) {
+  void question_reach(const Value& entry, const Output& output, double reach, double free_required = 0) {
     const double range_max = output.output.grid.range_max;
-    const double wanted = output.free_required > 0 ? std::min(output.free_required, range_max) : range_max;
+    const double wanted = free_required > 0 ? std::min(free_required, range_max) : range_max;
     if (!output.has_visibility() || wanted <= reach) return;
-    const Value key = value_of(entry, output.free_required > 0 ? "free_required" : "range_max");
+    const Value key = value_of(entry, free_required > 0 ? "free_required" : "range_max");
     add(key, "is " + number_text(wanted) + " m, and its sources see no farther than " +
                  printed("%.1f", reach) + " m: no beam of profile strict or safety is ever free (+inf)");
   }
@@ -200,7 +200,7 @@ class Forecast {
     double reach = 0;
     for (const std::string& source : merged.laserscan_topics)
       reach = std::max(reach, reach_of(config_.find_sensor(source), merged.destination_frame));
-    question_reach(entry, merged, reach);
+    question_reach(entry, merged, reach, merged.free_required);
     const std::string destination = "destination_frame " + merged.destination_frame;
     const bool destination_known = is_known(base, merged.destination_frame);
     std::set<std::string> unknown;

@@ -14,7 +14,6 @@
 #include "core/frames/frame_filter.h"
 #include "core/frames/ring_scan.h"
 #include "core/frames/scan_grid.h"
-#include "core/merge/cross_check.h"
 #include "core/merge/scheduler.h"
 #include "core/virtual/virtualizer.h"
 #include "daemon/config/mistakes.h"
@@ -100,8 +99,6 @@ struct OutputScanConfig {
 struct AlsoScanConfig {
   std::string topic;
   Profile profile = Profile::safety;
-  EmptyBeam empty = EmptyBeam::inf;
-  EmptyBeam unobserved = EmptyBeam::nan;
 };
 
 /// What a merged scan does while poses of the vehicle are missing: as if it stood, wait for them as long as
@@ -124,11 +121,9 @@ struct MergedScanConfig {
   std::vector<AlsoScanConfig> also;
   EchoChoice echoes = EchoChoice::last;
   bool veil_filter = true;
-  bool mean = false;          ///< fuse: mean instead of nearest
   double range_noise = 0.02;  ///< m, one standard deviation of the sources' ranges
   std::map<std::string, SourceSettings> source_settings;  ///< of sources that differ from the rest, by name
   double free_required = 0;  ///< m that a beam must be observed to be free; 0: range_max
-  MergeOptions options;
 
   /// True if some scan of this merge is more than points.
   bool has_visibility() const;
@@ -146,10 +141,7 @@ struct VirtualScanConfig {
   std::vector<AlsoScanConfig> also;  ///< topics beneath that of the frame
   CutMode mode = CutMode::slice;
   GroundSettings ground;
-  bool keep_ground = false;
   bool early_returns = false;       ///< echoes: all
-  double range_noise = 0.02;        ///< m, one standard deviation of the ranges
-  double free_required = 0;         ///< m that a beam must be observed to be free; 0: range_max
   double no_return_free_range = 0;  ///< m that a beam without return proves free
   bool has_visibility() const;
   /// Topic of a frame's scan, or of one of its further scans.

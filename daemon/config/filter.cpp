@@ -13,31 +13,21 @@ using F = FrameFilterSettings;
 
 constexpr double furthest_m = 1000;
 constexpr double highest_intensity = 65535;
+constexpr const char* box_form = "two opposite corners [[x, y, z], [x, y, z]], m";
 
-Keys<FilterBox> box_rows() {
-  using B = FilterBox;
-  const auto side = [](std::string_view name, std::optional<double> B::*member, std::string_view meaning) {
-    return number(name, member, -furthest_m, furthest_m, "m", meaning).by_default("no limit");
+/// Two opposite corners.
+KeyOf<F> box_row(std::string_view name, std::optional<FilterBox> F::*member, std::string_view meaning) {
+  const auto corner = [](const Eigen::Vector3d& at) { return KeyList{at.x(), at.y(), at.z()}; };
+  const auto get = [member, corner](const F& filter) {
+    const auto& box = filter.*member;
+    return box ? KeyValue(KeyList{corner(box->min()), corner(box->max())}) : KeyValue();
   };
-  return {side("x_min", &B::x_min, "ahead of the sensor"),
-          side("x_max", &B::x_max, "ahead of the sensor"),
-          side("y_min", &B::y_min, "to the left of the sensor"),
-          side("y_max", &B::y_max, "to the left of the sensor"),
-          side("z_min", &B::z_min, "above the sensor; a scan lies at 0"),
-          side("z_max", &B::z_max, "above the sensor")};
-}
-
-KeyOf<F> box_row(std::string_view name, FilterBox F::*member, std::string_view meaning) {
-  return section(name, within(member, box_rows()), meaning)
-      .shown_if([member](const F& filter) { return (filter.*member).any(); })
-      .in_one_line();
+  return special<F>(name, box_form, get, meaning);
 }
 
 Keys<F> rows() {
   const auto wanted = [](const F& filter) { return filter.outlier_radius > 0; };
   return {number("intensity_min", &F::intensity_min, 0, highest_intensity, "", "weaker returns are removed")
-              .by_default("no limit"),
-          number("intensity_max", &F::intensity_max, 0, highest_intensity, "", "stronger returns are removed")
               .by_default("no limit"),
           box_row("box", &F::box, "returns outside are removed; in frame_id of the sensor"),
           box_row("cut_out", &F::cut_out, "returns inside are removed: the vehicle itself"),
@@ -52,34 +42,29 @@ Keys<F> rows() {
               .shown_if(wanted)};
 }
 
-/// Refuses sides of which nothing can lie between.
-void check_box(const Mapping& filter, const char* name, const FilterBox& box) {
-  if (!filter.has(name)) return;
-  const Mapping yaml = filter.inside(name);
-  const auto check = [&](const char* key, const auto& lowest, const auto& highest, const std::string& axis) {
-    if (lowest && highest && *highest <= *lowest)
-      yaml.where(key).fail("is not above " + axis + "_min", axis + "_min < " + axis + "_max");
-  };
-  check("x_max", box.x_min, box.x_max, "x");
-  check("y_max", box.y_min, box.y_max, "y");
-  check("z_max", box.z_min, box.z_max, "z");
+void read_box(const Mapping& filter, const char* name, std::optional<FilterBox>& box) {
+  const auto value = filter.find(name);
+  if (!value) return;
+  const std::vector<Value> corners = value->items(box_form);
+  if (corners.size() != 2) value->fail("has " + std::to_string(corners.size()) + " corners", box_form);
+  box.emplace();
+  for (const Value& corner : corners) {
+    const std::vector<double> xyz = corner.numbers(3, furthest_m, "m");
+    box->extend(Eigen::Vector3d(xyz[0], xyz[1], xyz[2]));
+  }
+  if (!(box->volume() > 0)) value->fail("has no volume", box_form);
 }
 
 /// A scan lies at z 0 of its frame, that of a ring too.
-void check_height(const Mapping& filter, const FilterBox& box) {
-  if (!filter.has("box") || (box.z_min.value_or(0) <= 0 && box.z_max.value_or(0) >= 0)) return;
-  filter.inside("box")
-      .where(box.z_min.value_or(0) > 0 ? "z_min" : "z_max")
-      .fail("leaves out the whole scan, which lies at 0", "z_min <= 0 <= z_max, or no such keys");
+void check_height(const Mapping& yaml, const F& filter) {
+  if (filter.box && (filter.box->min().z() > 0 || filter.box->max().z() < 0))
+    yaml.where("box").fail("leaves out the whole scan, which lies at z 0", "a box from z <= 0 to z >= 0");
 }
 
 void check_intensity(const Mapping& yaml, const SensorConfig& sensor) {
-  const F& filter = sensor.filter;
-  if (filter.intensity_min && filter.intensity_max && *filter.intensity_max < *filter.intensity_min)
-    yaml.where("intensity_max").fail("is below intensity_min", "intensity_min <= intensity_max");
-  if (!filter.by_intensity() || sensor.model->kind == FrameKind::cloud || sensor.driver.publish_intensity)
+  if (!sensor.filter.intensity_min || sensor.model->kind == FrameKind::cloud || sensor.driver.publish_intensity)
     return;
-  yaml.where(filter.intensity_min ? "intensity_min" : "intensity_max")
+  yaml.where("intensity_min")
       .fail_at_key("has nothing to go by: publish_intensity is false",
                    "publish_intensity: true, or no such key");
 }
@@ -119,10 +104,10 @@ void check_filter(Mapping& parent, SensorConfig& sensor) {
   if (!parent.has("filter")) return;
   const Mapping yaml = parent.inside("filter");
   yaml.attempt_rule([&] { check_intensity(yaml, sensor); });
-  yaml.attempt_rule([&] { check_box(yaml, "box", sensor.filter.box); });
-  yaml.attempt_rule([&] { check_box(yaml, "cut_out", sensor.filter.cut_out); });
+  yaml.attempt("box", [&] { read_box(yaml, "box", sensor.filter.box); });
+  yaml.attempt("cut_out", [&] { read_box(yaml, "cut_out", sensor.filter.cut_out); });
   const bool gives_scan = sensor.model->kind == FrameKind::scan || parent.has("scan_ring");
-  if (gives_scan) yaml.attempt_rule([&] { check_height(yaml, sensor.filter.box); });
+  if (gives_scan) yaml.attempt_rule([&] { check_height(yaml, sensor.filter); });
   yaml.attempt_rule([&] { check_voxels(yaml, sensor); });
   yaml.attempt_rule([&] { load_outliers(yaml, sensor.filter); });
 }

@@ -13,7 +13,6 @@ using namespace keys;
 using Merged = MergedScanConfig;
 
 constexpr double longest_wait_s = 3600;
-constexpr double strongest = 1e9;
 constexpr double most_outputs_per_s = 1000;
 
 const Words<EchoChoice> echo_choices{{"first", EchoChoice::first},
@@ -61,11 +60,8 @@ Keys<ScheduleSettings> patience_rows() {
       number("deadline", &S::deadline, 0, longest_wait_s, "s",
              "how late a source may be before an output is published without it")
           .unless_set("0.3 of the shortest period of the sources"),
-      number("max_age", &S::max_age, 0.001, longest_wait_s, "s", "older sweeps are not used")
-          .unless_set("until the next sweep of the source is overdue by the deadline"),
       number("lost_after", &S::lost_after, 0.001, longest_wait_s, "s",
-             "silence after which a source is lost, which is an ERROR"),
-      flag("publish_when_empty", &S::publish_when_empty, "outputs go on when no source has anything to say")};
+             "silence after which a source is lost, which is an ERROR")};
 }
 
 KeyOf<Merged> trigger_row() {
@@ -90,29 +86,23 @@ KeyOf<Merged> source_settings_row() {
                          "windows and properties of single sources, by their name");
 }
 
-Keys<Merged> fusion_rows() {
-  return {word("fuse", &Merged::mean, {{"nearest", false}, {"mean", true}},
-               "what stands where several sources see the same surface"),
-          word("echoes", &Merged::echoes, echo_choices, "which echo of a beam counts"),
-          flag("veil_filter", &Merged::veil_filter,
-               "leaves out mixed pixels: returns between two surfaces where no surface is"),
-          range_noise_row<Merged>(), free_required_row<Merged>()};
+KeyOf<Merged> free_required_row() {
+  auto key = number("free_required", &Merged::free_required, 0.1, farthest_m, "m",
+                    "what must be observed for a beam to be free")
+                 .by_default("range_max");
+  key.most = [](const Merged& merged) { return merged.output.grid.range_max; };
+  key.get = [](const Merged& merged) {
+    return key_value(merged.free_required > 0 ? merged.free_required : merged.output.grid.range_max);
+  };
+  return key;
 }
 
-Keys<MergeOptions> option_rows() {
-  using O = MergeOptions;
-  const Words<Intensities> intensities{
-      {"auto", Intensities::automatic}, {"on", Intensities::on}, {"off", Intensities::off}};
-  return {word("conflicts", &O::newest_wins, {{"keep", false}, {"newest", true}},
-               "newest: a hit inside what a newer sweep of another source sees through is dropped"),
-          word("free_requires", &O::all_heights, {{"any", false}, {"all", true}},
-               "all: a beam is free only where the sources of every mounting height say so"),
-          flag("veil_cross_check", &O::veil_cross_check,
-               "a return that another source sees through counts for profile safety alone"),
-          word("intensity", &O::intensities, intensities, "auto: where all sources have intensities"),
-          number("missing_intensity", &O::missing_intensity, -strongest, strongest, "",
-                 "of sources without intensities, with intensity: on")
-              .shown_if([](const O& o) { return o.intensities == Intensities::on; })};
+Keys<Merged> fusion_rows() {
+  return {word("echoes", &Merged::echoes, echo_choices, "which echo of a beam counts"),
+          flag("veil_filter", &Merged::veil_filter,
+               "leaves out mixed pixels: returns between two surfaces where no surface is"),
+          number("range_noise", &Merged::range_noise, 0.0005, 1, "m", "one standard deviation of the ranges"),
+          free_required_row()};
 }
 
 /// The sources of a merged scan.
@@ -207,7 +197,6 @@ void read_one_source(const Value& entry, SourceSettings& settings, Mistakes& mis
   yaml.attempt_rule([&] {
     check_window(yaml, "range_min", "range_max", settings.range_min, settings.range_max);
     check_window(yaml, "angle_min", "angle_max", settings.angle_min, settings.angle_max);
-    check_window(yaml, "intensity_min", "intensity_max", settings.intensity_min, settings.intensity_max);
   });
 }
 
@@ -269,27 +258,6 @@ void refuse_flat_sources(const ReadSources& sources, const Merged& merged) {
   }
 }
 
-/// What compares the evidence of sources needs some evidence, and sources.
-void check_options(const Mapping& yaml, const Merged& merged) {
-  const MergeOptions& options = merged.options;
-  const auto need_evidence = [&](bool asked, const char* key) {
-    if (!asked) return;
-    if (!merged.has_visibility() && merged.status_topic.empty())
-      yaml.where(key).fail_at_key("has no effect with profile: flatten, which knows no free space",
-                                  "profile: strict or safety");
-    if (merged.laserscan_topics.size() < 2)
-      yaml.where(key).fail_at_key("has no effect with one source", "two sources or more");
-  };
-  need_evidence(options.newest_wins, "conflicts");
-  need_evidence(options.all_heights, "free_requires");
-  need_evidence(options.veil_cross_check, "veil_cross_check");
-  if (yaml.has("missing_intensity") && options.intensities != Intensities::on)
-    yaml.where("missing_intensity")
-        .fail_at_key(std::string("has no effect with intensity: ") +
-                         (options.intensities == Intensities::off ? "off" : "auto"),
-                     "intensity: on");
-}
-
 void warn_without_footprint(const Mapping& yaml, const Merged& merged, Reading& reading) {
   if (!merged.has_visibility() || !reading.config.vehicle.footprint.empty()) return;
   reading.warn(yaml.where("profile").place(),
@@ -313,7 +281,6 @@ Merged read_merged(const std::string& name, const Value& entry, Reading& reading
   claim_topics(yaml, merged, reading);
   check_output(yaml, merged.output, reading);
   yaml.attempt_rule([&] { warn_without_footprint(yaml, merged, reading); });
-  yaml.attempt_rule([&] { check_options(yaml, merged); });
   yaml.attempt_rule([&] { refuse_flat_sources(sources, merged); });
   yaml.attempt_rule([&] { check_policy(yaml, sources.written, merged); });
   yaml.attempt_rule([&] { read_source_settings(yaml, sources.written, merged); });
@@ -331,16 +298,9 @@ const Keys<SourceSettings>& source_keys() {
       number("range_max", &S::range_max, 0, farthest_m, "m", "farther returns are left out"),
       angle("angle_min", &S::angle_min, -most_turn_rad, most_turn_rad, "first angle in the sensor's frame"),
       angle("angle_max", &S::angle_max, -most_turn_rad, most_turn_rad, "last angle in the sensor's frame"),
-      number("intensity_min", &S::intensity_min, -strongest, strongest, "", "weaker returns are left out"),
-      number("intensity_max", &S::intensity_max, -strongest, strongest, "", "stronger returns are left out"),
-      number("range_noise", &S::noise, 0.0005, 1, "m", "one standard deviation of its ranges")
-          .by_default("that of the merged scan"),
       number("no_return_free_range", &S::no_return_free_range, 0, farthest_m, "m",
              "how far a beam without return proves that nothing is there")
-          .by_default("range_max of the merged scan"),
-      word("echoes", &S::echoes, echo_choices, "which echo of a beam counts")
-          .by_default("that of the merged scan"),
-      flag("veil_filter", &S::veil_filter, "leaves out mixed pixels").by_default("that of the merged scan")};
+          .by_default("range_max of the merged scan")};
   return rows;
 }
 
@@ -357,7 +317,6 @@ const Keys<Merged>& merged_keys() {
         source_settings_row()},
        within(&Merged::output, output_keys()),
        fusion_rows(),
-       within(&Merged::options, option_rows()),
        {also_row<Merged>()}});
   return all;
 }

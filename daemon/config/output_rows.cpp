@@ -28,10 +28,10 @@ KeyOf<Output> profile_row() {
   return word("profile", &Output::profile, profiles, "how the scan says what is known");
 }
 /// What stands in beams without a range.
-template <class Output>
-Keys<Output> beam_rows() {
-  return {word("empty", &Output::empty, beams, "what stands where nothing is"),
-          word("unobserved", &Output::unobserved, beams, "what stands where nothing is known")};
+Keys<OutputScanConfig> beam_rows() {
+  using O = OutputScanConfig;
+  return {word("empty", &O::empty, beams, "what stands where nothing is"),
+          word("unobserved", &O::unobserved, beams, "what stands where nothing is known")};
 }
 
 Keys<ScanGridSpec> grid_rows() {
@@ -96,7 +96,7 @@ const Keys<OutputScanConfig>& output_keys() {
   using O = OutputScanConfig;
   static const Keys<O> rows = [] {
     Keys<O> all =
-        joined<O>({{profile_row<O>()}, within(&O::grid, grid_rows()), beam_rows<O>(), height_rows()});
+        joined<O>({{profile_row<O>()}, within(&O::grid, grid_rows()), beam_rows(), height_rows()});
     for (Key& key : all) key.live = key.name != "beams";  // which angle_increment stands for
     return all;
   }();
@@ -105,8 +105,7 @@ const Keys<OutputScanConfig>& output_keys() {
 
 const KeyOf<AlsoScanConfig>& also_key() {
   using A = AlsoScanConfig;
-  static const KeyOf<A> key =
-      section("also", joined<A>({{profile_row<A>().needed()}, beam_rows<A>()}), "one more scan").in_short();
+  static const KeyOf<A> key = section<A>("also", {profile_row<A>().needed()}, "one more scan").in_short();
   return key;
 }
 

@@ -54,23 +54,6 @@ KeyOf<Output> also_row() {
   return keys::special<Output>("also", "{TOPIC: PROFILE, …}", get,
                                "more scans of the same evidence, by topic");
 }
-template <class Output>
-KeyOf<Output> range_noise_row() {
-  return keys::number("range_noise", &Output::range_noise, 0.0005, 1, "m",
-                      "one standard deviation of the ranges");
-}
-template <class Output>
-KeyOf<Output> free_required_row() {
-  auto key = keys::number("free_required", &Output::free_required, 0.1, 10000, "m",
-                          "what must be observed for a beam to be free")
-                 .by_default("range_max");
-  key.most = [](const Output& output) { return output.output.grid.range_max; };
-  key.get = [](const Output& output) {
-    return key_value(output.free_required > 0 ? output.free_required : output.output.grid.range_max);
-  };
-  return key;
-}
-
 /// Reads the entries of a section. Those in which something is wrong are left out, but their names are known.
 template <class Entry>
 void read_entries(const Value& section, std::vector<Entry>& entries, Reading& reading,

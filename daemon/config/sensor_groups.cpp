@@ -30,7 +30,7 @@ const Misfit no_telemetry{", which sends no telemetry beside its data", no_key};
 const Misfit no_beams{", whose clouds are complete with all returns",
                       "no such key; view_direction and view_width keep a sector"};
 const Misfit calibrated{", which sends calibrated measurements", no_key};
-const Misfit tcp{", which is read over TCP", no_key};
+const Misfit over_tcp{", which is read over TCP", no_key};
 const Misfit no_clock{", which is not asked for its clock",
                       "clock: smooth, which follows the device clock all the time"};
 
@@ -43,6 +43,9 @@ template <Trait trait>
 bool can(const Model& model) {
   return model.has(trait);
 }
+
+bool gives_scans(const Model& model) { return model.kind == FrameKind::scan || model.has(Trait::revolutions); }
+bool can_skip(const Model& model) { return model.has(Trait::skip_setting) || model.has(Trait::skip_request); }
 
 /// Of the safety scanners of SICK, which tell their output paths.
 bool has_output_paths(const Model& model) {
@@ -131,7 +134,9 @@ Keys<DriverConfig> beam_rows() {
 }
 
 KeyOf<S> scan_topic_row() {
-  return topic("scan_topic", &S::scan_topic, "its LaserScan").by_default("NAME/scan");
+  return topic("scan_topic", &S::scan_topic, "its LaserScan, or that of scan_ring")
+      .by_default("NAME/scan")
+      .shown_if([](const S& sensor) { return sensor.ring_scan || sensor.model->kind == FrameKind::scan; });
 }
 
 Keys<DriverConfig> echo_rows() {
@@ -175,8 +180,7 @@ Rows ring_rows() {
           [](const S& sensor) { return key_value(sensor.ring_scan.value_or(RingScanSpec()).resolution); },
           "between beams of that scan")
           .as_angle()
-          .shown_if(has_ring),
-      scan_topic_row().shown_if(has_ring)};
+          .shown_if(has_ring)};
 }
 
 Rows packet_rows() {
@@ -235,7 +239,7 @@ const std::vector<SensorGroup>& sensor_groups() {
        no_telemetry},
       {"devices with a satellite receiver", can<Trait::gnss>, false, of_driver(receiver_clock_keys()),
        no_telemetry, no_telemetry},
-      {"devices that stream over UDP", udp, true, group_rows(), tcp, tcp},
+      {"devices that stream over UDP", udp, true, group_rows(), over_tcp, over_tcp},
       {"", nullptr, false, joined<S>({place_rows(), of_driver(time_rows())})},
       {"", any_model, false, of_driver(clock_rows())},
       {"", any_model, false, filter_rows()},
@@ -247,12 +251,12 @@ const std::vector<SensorGroup>& sensor_groups() {
        no_settings},
       {"Velodynes but the HDL-64E", can<Trait::web_control>, true, control_rows(), no_web, no_web},
       {"planar scanners", gives<FrameKind::scan>, false, of_driver(beam_rows()), {}, no_beams},
-      {"planar scanners", gives<FrameKind::scan>, false, {scan_topic_row()}},
+      {"planar scanners and Velodynes", gives_scans, false, {scan_topic_row()}},
       {"planar scanners with several echoes", echoes, false, of_driver(echo_rows()), {}, no_beams},
       {"SICK safety scanners", has_output_paths, false, safety_topic_rows(), no_paths, no_paths},
       {"SICK safety scanners, SICK scanners that speak CoLa", can<Trait::states_on_request>, false,
        of_requests(state_keys())},
-      {"SICK scanners that speak CoLa", can<Trait::skip_setting>, false, of_requests(cola_keys())},
+      {"SICK scanners that speak CoLa, Hokuyos that speak SCIP", can_skip, false, of_requests(skip_keys())},
       {"Hokuyos that speak SCIP", can<Trait::skip_request>, false, of_requests(scip_keys())},
       {"Hokuyos that speak SCIP", can<Trait::skip_request>, false, of_requests(scip_clock_keys()), no_clock,
        no_clock},

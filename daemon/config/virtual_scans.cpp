@@ -53,11 +53,8 @@ Keys<Virtual> evidence_rows() {
       word("mode", &Virtual::mode, {{"slice", CutMode::slice}, {"band", CutMode::band}},
            "slice: what crosses the plane; band: all between min_height and max_height"),
       section("ground", within(&Virtual::ground, ground_rows()), "what is no obstacle").in_short(),
-      flag("keep_ground", &Virtual::keep_ground, "the ground is seen like anything else"),
       word("echoes", &Virtual::early_returns, {{"last", false}, {"all", true}},
            "which returns count; the surface is made of the last ones"),
-      range_noise_row<Virtual>(),
-      free_required_row<Virtual>(),
       number("no_return_free_range", &Virtual::no_return_free_range, 0, farthest_m, "m",
              "how far a beam without return proves that nothing is there")
           .by_default("range_max of the model, 0 of a topic")};

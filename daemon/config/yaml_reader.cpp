@@ -15,9 +15,9 @@
 
 #include "core/base/angle.h"
 #include "core/base/nearest.h"
-#include "daemon/config/removed_keys.h"
 #include "core/base/number_text.h"
 #include "daemon/config/config.h"
+#include "daemon/config/removed_keys.h"
 
 namespace lidard {
 namespace {
@@ -273,8 +273,8 @@ Mapping::Mapping(const Value& value, std::vector<std::string_view> known_keys, M
       continue;
     }
     mistakes.attempt(entry.key_place(), [&, &written = key, &unknown = entry] {
-      if (const auto instead = instead_of_removed(unknown.path()); !instead.empty())
-        fail_at(unknown.key_place(), unknown.path() + " was removed", std::string(instead));
+      if (const std::string_view instead = instead_of(unknown.path()); !instead.empty())
+        fail_at(unknown.key_place(), unknown.path() + " is a key of former versions", std::string(instead));
       const std::string_view near = nearest_word(written, known_keys);
       fail_at(unknown.key_place(), "unknown key " + unknown.path(),
               near.empty() ? "one of " + list_of(known_keys) : std::string(near));

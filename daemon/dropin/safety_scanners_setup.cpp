@@ -29,9 +29,7 @@ const MovedPackage& moved_safety_scanners() {
         "send "
         "them"},
        {"min_intensities", "filter",
-        "filter: {intensity_min: ...}; a beam whose return is weaker is NaN (theirs: +inf, which says free); "
-        "merged scans "
-        "have source_settings: {NAME: {intensity_min: ...}}",
+        "filter: {intensity_min: ...}; a beam whose return is weaker is NaN (theirs: +inf, which says free)",
         "", as_intensity_filter},
        {"interface_ip", "", "for a multicast group write the name of the interface into `interface`",
         "0.0.0.0"},

@@ -154,9 +154,7 @@ const MovedPackage& moved_sick_scan() {
        {"range_filter_handling", "",
         "merged and virtual scans have range_min and range_max, per source too (source_settings)", "0"},
        {"min_intensity", "filter",
-        "filter: {intensity_min: ...}; a beam whose return is weaker is NaN (theirs: +inf, which says free); "
-        "merged scans "
-        "have source_settings: {NAME: {intensity_min: ...}}",
+        "filter: {intensity_min: ...}; a beam whose return is weaker is NaN (theirs: +inf, which says free)",
         "", as_intensity_filter},
        {"use_binary_protocol sopas_cola_binary", "", "found out by asking the device", "*"},
        {"timelimit read_timeout_millisec_default read_timeout_millisec_startup "

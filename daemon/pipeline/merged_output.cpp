@@ -22,15 +22,12 @@ MergeSettings settings_of(const MergedScanConfig& config) {
   for (const AlsoScanConfig& also : config.also) settings.points |= also.profile == Profile::flatten;
   settings.visibility = config.has_visibility() || !config.status_topic.empty();
   settings.how.noise = settings.source.noise = config.range_noise;
-  settings.how.mean = config.mean;
   settings.how.free_required = config.free_required;
   settings.source.echoes = config.echoes;
   settings.source.veil_filter = config.veil_filter;
-  settings.options = config.options;
   for (const std::string& name : config.laserscan_topics) {
     const auto own = config.source_settings.find(name);
     settings.each.push_back(own == config.source_settings.end() ? settings.source : own->second);
-    settings.how.noise = std::max(settings.how.noise, settings.each.back().noise);
   }
   return settings;
 }
@@ -166,10 +163,6 @@ class MergedOutput final : public Output {
              same_clock ? fmt::format("{:.1f}", seconds(latency_) * 1000) : "stamps are of another clock");
     item.add("Skew of the sources (ms)", fmt::format("{:.1f}", seconds(skew_) * 1000));
     item.add("Sources waited for in vain", scheduler_.deadlines_missed());
-    if (const CrossCheck* const check = merger_->cross_check()) {
-      item.add("Returns that another source sees through", check->veils());
-      item.add("Hits that a newer sweep sees through", check->conflicts());
-    }
     item.add("Sweeps replaced before use", merger_->superseded());
     item.add("Sweeps out of order", merger_->out_of_order());
     item.add("Sweeps with impossible times", merger_->bad_times());
@@ -183,7 +176,7 @@ class MergedOutput final : public Output {
                     settings_of(config_));
     footprint_placed_.reset();
     scans_.assign(1 + config_.also.size(), PlanarScan());
-    set_encodings(config_.output, config_.also, scans_);
+    set_encoding(config_.output, scans_[0]);
     for (PlanarScan& scan : scans_) scan.frame_id = config_.destination_frame;
     merged_ = {{config_.output.profile, &scans_[0]}};
     for (std::size_t i = 0; i < config_.also.size(); ++i)
@@ -325,7 +318,7 @@ class MergedOutput final : public Output {
       const SourceState seen = reported_[s].state();
       std::string& list = seen == SourceState::stale ? silent : lost;
       if (seen != SourceState::ok) list += (list.empty() ? "" : ", ") + name;
-      delivers = delivers || seen == SourceState::ok || config_.schedule.publish_when_empty;
+      delivers = delivers || seen == SourceState::ok;
       awaited = awaited && seen != SourceState::lost;
     }
     item.add("Sources lost", lost);

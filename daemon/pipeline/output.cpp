@@ -39,14 +39,9 @@ float value_of(EmptyBeam beam, const OutputScanConfig& config) {
   return infinite;
 }
 
-void set_encodings(const OutputScanConfig& output, const std::vector<AlsoScanConfig>& also,
-                   std::vector<PlanarScan>& scans) {
-  scans[0].none_as = value_of(output.empty, output);
-  scans[0].invalid_as = value_of(output.unobserved, output);
-  for (std::size_t i = 0; i < also.size(); ++i) {
-    scans[i + 1].none_as = value_of(also[i].empty, output);
-    scans[i + 1].invalid_as = value_of(also[i].unobserved, output);
-  }
+void set_encoding(const OutputScanConfig& output, PlanarScan& scan) {
+  scan.none_as = value_of(output.empty, output);
+  scan.invalid_as = value_of(output.unobserved, output);
 }
 
 DiagnosticItem health_of(const std::string& name, const OutputCounters& counters, Stamp now, bool starting) {

@@ -143,9 +143,8 @@ ScanGrid grid_of(const ScanGridSpec& spec);
 HeightBand band_of(const OutputScanConfig& config);
 /// What a message holds for `beam` of an output.
 float value_of(EmptyBeam beam, const OutputScanConfig& config);
-/// How an entry's own scan (the first) and those of `also` hold what is not there and what is not known.
-void set_encodings(const OutputScanConfig& output, const std::vector<AlsoScanConfig>& also,
-                   std::vector<PlanarScan>& scans);
+/// How an entry's own scan holds what is not there and what is not known.
+void set_encoding(const OutputScanConfig& output, PlanarScan& scan);
 /// Whether an output publishes, and if not, why. While all are `starting`, waiting for input is no error.
 DiagnosticItem health_of(const std::string& name, const OutputCounters& counters, Stamp now, bool starting);
 

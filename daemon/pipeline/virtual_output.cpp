@@ -21,9 +21,6 @@ VirtualSettings settings_of(const VirtualScanConfig& config) {
   settings.visibility = config.has_visibility();
   settings.mode = config.mode;
   settings.ground = config.ground;
-  settings.keep_ground = config.keep_ground;
-  settings.how.noise = config.range_noise;
-  settings.how.free_required = config.free_required;
   settings.beams.no_return_free_range = config.no_return_free_range;
   settings.beams.early_returns = config.early_returns;
   return settings;
@@ -118,7 +115,7 @@ class VirtualOutput final : public Output {
                          config_.virtual_laser_scan.size(), settings_of(config_));
     virtualizer_->set_footprint(Footprint(vehicle.footprint));
     scans_.assign(1 + config_.also.size(), PlanarScan());
-    set_encodings(config_.output, config_.also, scans_);
+    set_encoding(config_.output, scans_[0]);
     outputs_ = {{config_.output.profile, &scans_[0]}};
     for (std::size_t i = 0; i < config_.also.size(); ++i)
       outputs_.push_back({config_.also[i].profile, &scans_[i + 1]});

@@ -19,16 +19,15 @@ void print(const char* method, const MergeScore& s) {
 }
 
 void report(const MergeCase& set_up, int scenes, std::uint64_t first_seed) {
-  MergeScore ancestor, rounding, strict, safety, mean;
+  MergeScore ancestor, rounding, strict, safety;
   std::uint64_t dropped = 0, returns = 0;
   for (int i = 0; i < scenes; ++i) {
     const MergeScene scene = make_scene(set_up, first_seed + static_cast<std::uint64_t>(i));
     ancestor.add(judge(scene, set_up, ancestor_claims(scene)));
     rounding.add(judge(scene, set_up, rounding_claims(scene)));
-    const TruthfulClaims ours = truthful_claims(scene, set_up, false);
+    const TruthfulClaims ours = truthful_claims(scene, set_up);
     strict.add(judge(scene, set_up, ours.strict));
     safety.add(judge(scene, set_up, ours.safety));
-    mean.add(judge(scene, set_up, truthful_claims(scene, set_up, true).strict));
     dropped += ours.dropped;
     returns += ours.returns;
   }
@@ -37,7 +36,6 @@ void report(const MergeCase& set_up, int scenes, std::uint64_t first_seed) {
   print("ira formula", ancestor);
   print("rounding", rounding);
   print("strict", strict);
-  print("strict, mean", mean);
   print("safety", safety);
   std::printf("  safety has nothing at or before %llu of %llu returns\n",
               static_cast<unsigned long long>(dropped), static_cast<unsigned long long>(returns));

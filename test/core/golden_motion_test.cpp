@@ -67,8 +67,7 @@ TEST(Golden, OutputsAreScheduledAsBefore) {
       settings.rate = 12;
       settings.trigger = static_cast<std::size_t>(variant % 3);
       if (variant == 1) settings.deadline = std::chrono::milliseconds(15);
-      if (variant == 2) settings.max_age = std::chrono::milliseconds(120);
-      settings.publish_when_empty = variant == 3;
+      if (variant == 2) settings.lost_after = std::chrono::milliseconds(120);
       all += std::string(to_string(policy)) + ", variant " + std::to_string(variant) + "\n" +
              scheduled(settings, ++seed);
     }

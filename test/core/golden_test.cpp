@@ -167,12 +167,8 @@ TEST(Golden, ScannersThatDriveAreMergedAsBefore) {
       MergeSettings settings;
       settings.visibility = true;
       settings.how.noise = settings.source.noise = 0.01;
-      settings.how.mean = variant == 1;
       settings.how.free_required = variant == 2 ? 9 : 0;
-      settings.options.newest_wins = variant == 1;
-      settings.options.veil_cross_check = variant >= 1;
-      settings.options.all_heights = variant == 3;
-      settings.options.intensities = variant == 2 ? Intensities::on : Intensities::automatic;
+      settings.source.echoes = variant == 1 ? EchoChoice::all : EchoChoice::last;
       settings.source.no_return_free_range = variant == 3 ? 12 : 40;
       all += std::string(set_up.name) + ", variant " + std::to_string(variant) + "\n" +
              driven_merge(set_up, settings, ++seed);
@@ -189,7 +185,6 @@ std::string cut_yard(const sim::YardScene& scene, int variant) {
   settings.mode = variant % 2 == 0 ? CutMode::slice : CutMode::band;
   settings.ground.model = static_cast<GroundModel>(variant % 3);
   settings.ground.z = 0.02;
-  settings.keep_ground = variant % 5 == 4;
   settings.beams.no_return_free_range = variant % 4 == 3 ? 0 : 50;
   settings.beams.early_returns = variant % 2 == 1;
   Virtualizer virtualizer(scene.grid, {-0.1, 0.4}, 2, settings);

@@ -160,13 +160,13 @@ std::string played(const std::string& path, const Config& config, const Day& day
 const std::pair<const char*, const char*> vehicles[] = {
     {"the demo vehicle as it is", ""},
     {"outputs with all that can be asked for",
-     "  all: {laserscan_topics: [front_left, front_right], profile: strict, fuse: mean, status_topic: "
+     "  all: {laserscan_topics: [front_left, front_right], profile: strict, status_topic: "
      "known,\n"
-     "    policy: rate, rate: 17, beams: 360, range_max: 20, conflicts: newest, veil_cross_check: true,\n"
+     "    policy: rate, rate: 17, beams: 360, range_max: 20,\n"
      "    on_missing_motion: wait, destination_frame: out,\n"
      "    destination_pose: {xyz: [0.5, 0.1, 0.2], rpy_deg: [0, 0, 30]}}\n"
      "  triggered: {laserscan_topics: [front_left, front_right], profile: safety, policy: trigger,\n"
-     "    trigger: front_right, angle_min_deg: -100, angle_max_deg: 80, free_requires: all}\n"
+     "    trigger: front_right, angle_min_deg: -100, angle_max_deg: 80}\n"
      "virtual_scans:\n"
      "  sure: {cloud_topic: roof, virtual_laser_scan: [low, high], profile: strict, mode: band,\n"
      "    poses: {low: {xyz: [1, 0, 0.4]}, high: {xyz: [0, 0.3, 1.4], rpy_deg: [1, 2, 40]}},\n"

@@ -266,10 +266,9 @@ MergeScore judge(const MergeScene& scene, const MergeCase& set_up, const std::ve
 std::vector<Claim> ancestor_claims(const MergeScene& scene) { return nearest_points(scene, 0); }
 std::vector<Claim> rounding_claims(const MergeScene& scene) { return nearest_points(scene, 0.5); }
 
-TruthfulClaims truthful_claims(const MergeScene& scene, const MergeCase& set_up, bool mean) {
+TruthfulClaims truthful_claims(const MergeScene& scene, const MergeCase& set_up) {
   VisibilitySettings settings;
   settings.noise = std::max(set_up.noise, 0.001);
-  settings.mean = mean;
   SourceSettings source;
   source.noise = settings.noise;
   Visibility visibility(scene.grid, settings, scene.scans.size());

@@ -79,6 +79,6 @@ struct TruthfulClaims {
   std::uint64_t dropped = 0;  ///< returns of scanners that the safety scan has nothing at or before
   std::uint64_t returns = 0;
 };
-TruthfulClaims truthful_claims(const MergeScene& scene, const MergeCase& set_up, bool mean);
+TruthfulClaims truthful_claims(const MergeScene& scene, const MergeCase& set_up);
 
 }  // namespace lidard::sim

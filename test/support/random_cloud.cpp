@@ -21,7 +21,6 @@ VirtualSettings read_virtual_settings(Bytes& in) {
   settings.ground.z = in.between(-3, 1);
   settings.ground.tolerance = in.between(0, 0.5);
   settings.ground.steepest = in.between(0, 1);
-  settings.keep_ground = in.chance(40);
   settings.how.noise = in.between(0, 0.1);
   if (in.chance(40)) settings.how.free_required = in.between(0, 100);
   if (in.chance(200)) settings.beams.no_return_free_range = in.between(0, 120);

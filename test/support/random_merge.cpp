@@ -17,11 +17,7 @@ MergeSettings read_merge_settings(Bytes& in) {
   MergeSettings settings;
   settings.points = settings.visibility = true;
   settings.how.noise = settings.source.noise = in.between(0, 0.1);
-  settings.how.mean = in.chance(128);
   if (in.chance(40)) settings.how.free_required = in.between(0, 100);
-  settings.options.newest_wins = in.chance(60);
-  settings.options.all_heights = in.chance(40);
-  settings.options.veil_cross_check = in.chance(80);
   settings.source.echoes = static_cast<EchoChoice>(in.below(4));
   settings.source.veil_filter = in.chance(200);
   if (in.chance(40)) settings.source.angle_max = in.between(-4, 4);

@@ -165,8 +165,6 @@ TEST(PlacedScanMotion, TheReturnThatIsAskedForCountsInWhateverOrderTheEchoesCome
       SourceSettings settings;
       settings.veil_filter = false;
       settings.echoes = choice;
-      settings.intensity_min = 20;
-      settings.intensity_max = 180;
       settings.range_min = 2;
       settings.range_max = 18;
       BeamRays rays;
@@ -178,8 +176,7 @@ TEST(PlacedScanMotion, TheReturnThatIsAskedForCountsInWhateverOrderTheEchoesCome
         std::vector<std::size_t> usable;
         for (std::size_t echo = 0; echo < 3; ++echo) {
           const std::size_t i = scan.index(beam, echo);
-          if (scan.statuses[i] == BeamStatus::hit && scan.ranges[i] >= 2 && scan.ranges[i] <= 18 &&
-              scan.intensities[i] >= 20 && scan.intensities[i] <= 180)
+          if (scan.statuses[i] == BeamStatus::hit && scan.ranges[i] >= 2 && scan.ranges[i] <= 18)
             usable.push_back(i);
         }
         ASSERT_EQ(sweep.kind[beam] == Return::surface, !usable.empty()) << beam;
@@ -286,12 +283,6 @@ TEST(PlacedScanMotion, WindowsHoldAtTheirEdges) {
   EXPECT_EQ(surfaces([](auto& s) { s.range_max = 5; }), (List{0, 1, 2, 3}));
   EXPECT_EQ(surfaces([](auto& s) { s.angle_min = -0.25; }), (List{1, 2, 3, 4}));
   EXPECT_EQ(surfaces([](auto& s) { s.angle_max = 0.25; }), (List{0, 1, 2, 3}));
-  EXPECT_EQ(surfaces([](auto& s) { s.intensity_min = 8; }), (List{0, 1, 2, 3, 4}));
-  EXPECT_EQ(surfaces([](auto& s) { s.intensity_max = 8; }), (List{0, 1, 2, 3, 4}));
-  EXPECT_EQ(surfaces([](auto& s) { s.intensity_min = 8.01; }), (List{}));
-  EXPECT_EQ(surfaces([](auto& s) { s.intensity_max = 7.99; }), (List{}));
-  scan.intensities.clear();
-  EXPECT_EQ(surfaces([](auto& s) { s.intensity_min = 8.01; }), (List{0, 1, 2, 3, 4})) << "there are none";
 }
 
 TEST(PlacedScanMotion, ABeamWithoutReturnProvesNoMoreThanIsSaidOfIt) {

@@ -185,9 +185,7 @@ TEST(DeskewRules, VehiclesOwnReturnsStayItsOwnWhileItDrives) {
 }
 
 TEST(DeskewRules, NothingIsAllocatedPerMergeInAnyProfileWithOrWithoutMotion) {
-  MergeSettings settings = with_visibility();
-  settings.how.mean = true;
-  Merger merger(grid_of(1440), {}, 2, settings);
+  Merger merger(grid_of(1440), {}, 2, with_visibility());
   PlanarScan safety;
   Outputs out;
   out.list.push_back({Profile::safety, &safety});

@@ -59,9 +59,6 @@ TEST(MergerPoints, EveryReturnIsWhereItIsSeenFromNowWhateverTheMounts) {
     const HeightBand band{-0.5, 1.5};
     MergeSettings settings;
     settings.source.veil_filter = false;
-    settings.source.intensity_min = -1;
-    settings.options.intensities = Intensities::on;
-    settings.options.missing_intensity = 7;
     const std::size_t sources = 1 + seed % 3;
     settings.each.assign(sources, settings.source);
     settings.each[0].range_max = 9;
@@ -94,7 +91,7 @@ TEST(MergerPoints, EveryReturnIsWhereItIsSeenFromNowWhateverTheMounts) {
           const Pose base_then = sim::to_pose(vehicle.at(begin + 0.0003 * static_cast<double>(beam)));
           now = output_from_base * (base_now.inverse() * base_then) * (output_from_base.inverse() * then);
         }
-        expected.push_back({now, scan.intensities.empty() ? 7 : static_cast<double>(scan.intensities[i]), s});
+        expected.push_back({now, scan.intensities.empty() ? 0 : static_cast<double>(scan.intensities[i]), s});
         // What is the vehicle's own is told by where it was measured.
         if (margin.contains(then.head<2>())) expected.back().source += 100, ++own;
       }
@@ -134,7 +131,8 @@ TEST(MergerPoints, EveryReturnIsWhereItIsSeenFromNowWhateverTheMounts) {
     for (std::size_t beam = 0; beam < 360; ++beam) {
       const bool hit = scan.statuses[beam] == BeamStatus::hit;
       const bool same = hit ? std::abs(static_cast<double>(scan.ranges[beam]) - nearest[beam]) < 2e-3 &&
-                                  static_cast<double>(scan.intensities[beam]) == intensity[beam]
+                                  (scan.intensities.empty() ||
+                                   static_cast<double>(scan.intensities[beam]) == intensity[beam])
                             : nearest[beam] > 1e8;
       differ += same ? 0 : 1;
     }
@@ -144,11 +142,9 @@ TEST(MergerPoints, EveryReturnIsWhereItIsSeenFromNowWhateverTheMounts) {
   EXPECT_GT(own, 100U);
 }
 
-TEST(MergerPoints, IntensitiesAreThereWhereAllSourcesInUseHaveThemOrAsToldOtherwise) {
-  const auto has = [](Intensities choice, bool first, bool second, const std::vector<char>& use) {
-    MergeSettings settings;
-    settings.options.intensities = choice;
-    Merger merger(circle(), {}, 2, settings);
+TEST(MergerPoints, IntensitiesAreThereWhereAllSourcesInUseHaveThem) {
+  const auto has = [](bool first, bool second, const std::vector<char>& use) {
+    Merger merger(circle(), {}, 2);
     for (std::size_t s = 0; s < 2; ++s) {
       PlanarScan scan;
       scan.reset(10, 1, s == 0 ? first : second);
@@ -161,12 +157,10 @@ TEST(MergerPoints, IntensitiesAreThereWhereAllSourcesInUseHaveThemOrAsToldOtherw
     merger.merge({start}, use, {{Profile::flatten, &out}}, nullptr);
     return !out.intensities.empty();
   };
-  EXPECT_TRUE(has(Intensities::automatic, true, true, {1, 1}));
-  EXPECT_FALSE(has(Intensities::automatic, true, false, {1, 1}));
-  EXPECT_FALSE(has(Intensities::automatic, false, true, {1, 1}));
-  EXPECT_TRUE(has(Intensities::automatic, true, false, {1, 0})) << "who is not used does not matter";
-  EXPECT_TRUE(has(Intensities::on, false, false, {1, 1}));
-  EXPECT_FALSE(has(Intensities::off, true, true, {1, 1}));
+  EXPECT_TRUE(has(true, true, {1, 1}));
+  EXPECT_FALSE(has(true, false, {1, 1}));
+  EXPECT_FALSE(has(false, true, {1, 1}));
+  EXPECT_TRUE(has(true, false, {1, 0})) << "who is not used does not matter";
 }
 
 }  // namespace

@@ -77,27 +77,23 @@ TEST(SchedulerEvents, WhoAsksAtTheEventsAloneMissesNothingThatWhoAlwaysAsksGets)
   sim::Rng rng(3);
   std::size_t compared = 0;
   for (const Policy policy : {Policy::complete, Policy::rate, Policy::trigger}) {
-    for (const bool when_empty : {false, true}) {
-      for (int round = 0; round < 12; ++round) {
-        ScheduleSettings settings;
-        settings.policy = policy;
-        settings.publish_when_empty = when_empty;
-        settings.rate = 5 + 20 * rng.uniform();
-        if (round % 3 == 1) settings.max_age = ms(30 + 100 * rng.uniform());
-        if (round % 4 == 1) settings.deadline = ms(30 * rng.uniform());
-        const std::size_t sources = 1 + static_cast<std::size_t>(round) % 3;
-        settings.trigger = sources - 1;
-        const auto deliveries = random_deliveries(rng, sources, length);
-        const auto events = outputs_of(deliveries, sources, settings, length, false);
-        const auto always = outputs_of(deliveries, sources, settings, length, true);
-        ASSERT_EQ(events.size(), always.size()) << to_string(policy) << when_empty << ' ' << round;
-        for (std::size_t i = 0; i < events.size(); ++i) {
-          ASSERT_EQ(events[i].at, always[i].at)
-              << to_string(policy) << when_empty << ' ' << round << ' ' << seconds(always[i].at);
-          ASSERT_EQ(events[i].use, always[i].use) << seconds(events[i].at);
-        }
-        compared += events.size();
+    for (int round = 0; round < 24; ++round) {
+      ScheduleSettings settings;
+      settings.policy = policy;
+      settings.rate = 5 + 20 * rng.uniform();
+      if (round % 3 == 1) settings.lost_after = ms(30 + 100 * rng.uniform());
+      if (round % 4 == 1) settings.deadline = ms(30 * rng.uniform());
+      const std::size_t sources = 1 + static_cast<std::size_t>(round) % 3;
+      settings.trigger = sources - 1;
+      const auto deliveries = random_deliveries(rng, sources, length);
+      const auto events = outputs_of(deliveries, sources, settings, length, false);
+      const auto always = outputs_of(deliveries, sources, settings, length, true);
+      ASSERT_EQ(events.size(), always.size()) << to_string(policy) << ' ' << round;
+      for (std::size_t i = 0; i < events.size(); ++i) {
+        ASSERT_EQ(events[i].at, always[i].at) << to_string(policy) << ' ' << round << ' ' << seconds(always[i].at);
+        ASSERT_EQ(events[i].use, always[i].use) << seconds(events[i].at);
       }
+      compared += events.size();
     }
   }
   EXPECT_GT(compared, 3000U);
@@ -117,23 +113,6 @@ TEST(SchedulerEvents, AnEventLiesInTheFutureAndThereIsNoneOnceEverythingIsLost) 
   }
   EXPECT_EQ(scheduler.state(0, now), SourceState::lost);
   EXPECT_EQ(scheduler.state(1, now), SourceState::lost);
-}
-
-TEST(SchedulerEvents, AnEmptyOutputIsAnnouncedAPeriodAfterTheLastOne) {
-  for (const Policy policy : {Policy::complete, Policy::trigger}) {
-    ScheduleSettings settings;
-    settings.policy = policy;
-    settings.publish_when_empty = true;
-    Scheduler scheduler(1, settings);
-    scheduler.delivered(0, begin, 0.05, begin);
-    const Stamp later = begin + std::chrono::seconds(10);
-    ASSERT_TRUE(scheduler.is_due(later));
-    scheduler.done(later);
-    EXPECT_FALSE(scheduler.is_due(later + ms(50) - Span(1)));
-    ASSERT_TRUE(scheduler.next_event().has_value());
-    EXPECT_EQ(*scheduler.next_event(), later + ms(50));
-    EXPECT_TRUE(scheduler.is_due(later + ms(50)));
-  }
 }
 
 /// One source whose sweeps end and arrive after so many ms each.
@@ -262,9 +241,7 @@ TEST(SchedulerLimits, AStampALittleBackDoesNotMoveTheTimeOfEvents) {
 }
 
 TEST(SchedulerLimits, ResetForgetsSourcesPeriodsAndTheLastOutput) {
-  ScheduleSettings settings;
-  settings.publish_when_empty = true;
-  Scheduler scheduler(2, settings);
+  Scheduler scheduler(2, {});
   scheduler.delivered(0, begin, 0.04, begin);
   scheduler.delivered(1, begin, 0.04, begin);
   ASSERT_TRUE(scheduler.is_due(begin));
@@ -274,7 +251,7 @@ TEST(SchedulerLimits, ResetForgetsSourcesPeriodsAndTheLastOutput) {
   EXPECT_EQ(scheduler.period(0), 0);
   EXPECT_EQ(scheduler.deadline(), ms(30));
   EXPECT_FALSE(scheduler.next_event().has_value());
-  EXPECT_TRUE(scheduler.is_due(begin + ms(1))) << "the first empty output is due at once";
+  EXPECT_FALSE(scheduler.is_due(begin + ms(1)));
   // Who is not there at the start is waited for anew.
   scheduler.reset();
   scheduler.delivered(0, begin + ms(1000), 0.04, begin + ms(1000));

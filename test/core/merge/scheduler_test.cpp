@@ -177,15 +177,6 @@ TEST(Scheduler, SlowSourceIsNotLostBetweenItsSweeps) {
   EXPECT_EQ(scheduler.state(0, begin + ms(1300) + Span(1)), SourceState::lost);
 }
 
-TEST(Scheduler, MaxAgeThatIsSetHoldsInsteadOfTheDeadline) {
-  ScheduleSettings settings;
-  settings.max_age = ms(100);
-  Scheduler scheduler(1, settings);
-  scheduler.delivered(0, begin, 0.04, begin);
-  EXPECT_EQ(scheduler.state(0, begin + ms(100)), SourceState::ok);
-  EXPECT_EQ(scheduler.state(0, begin + ms(100) + Span(1)), SourceState::stale);
-}
-
 TEST(Scheduler, PeriodIsLearnedAnewWhenADeviceTurnsSlowerButNotWhenSweepsAreMissing) {
   Scheduler scheduler(1, {});
   Span at{};
@@ -238,20 +229,12 @@ TEST(Scheduler, TriggerThatDiesIsReplacedByTheOthers) {
   EXPECT_NEAR(yard.rate(ms(1500), ms(3000)), 25, 1);
 }
 
-TEST(Scheduler, NothingIsPublishedWithoutAnySourceUnlessItIsAskedFor) {
+TEST(Scheduler, NothingIsPublishedWithoutAnySource) {
   ScheduleSettings settings;
   settings.policy = Policy::rate;
   Yard silent({{ms(40), ms(0), ms(1000)}}, settings);
   silent.run(std::chrono::seconds(3));
   EXPECT_LE(silent.outputs.back().at, ms(1100));
-  for (const Policy policy : {Policy::rate, Policy::complete}) {
-    settings.policy = policy;
-    settings.publish_when_empty = true;
-    Yard empty({{ms(40), ms(0), ms(1000)}}, settings);
-    empty.run(std::chrono::seconds(3));
-    EXPECT_GE(empty.rate(ms(1500), ms(3000)), 9) << to_string(policy);
-    EXPECT_EQ(empty.outputs.back().use[0], 0);
-  }
 }
 
 TEST(Scheduler, TimeThatJumpsBackStartsAnew) {

@@ -153,7 +153,7 @@ TEST(Virtualizer, ASlabOverheadIsInABandButNotInASliceBeneath) {
   EXPECT_NEAR(band.range(band.safety, 40 * degree), 20 / std::cos(40 * degree), 0.02);
 }
 
-TEST(Virtualizer, TheGroundIsNoObstacleUnlessItIsKept) {
+TEST(Virtualizer, TheGroundIsNoObstacleUnlessThereIsNone) {
   Cut cut;
   cut.frame = make_pose({0, 0, -0.02}, {0, 0, 0});
   cut.settings.mode = CutMode::band;
@@ -161,7 +161,7 @@ TEST(Virtualizer, TheGroundIsNoObstacleUnlessItIsKept) {
   const Cloud cloud = seen({}, lidar16());
   cut.make(cloud, lidar16().pose);
   EXPECT_EQ(cut.count(cut.safety, BeamStatus::hit), 0U);
-  cut.settings.keep_ground = true;
+  cut.settings.ground.model = GroundModel::none;
   cut.make(cloud, lidar16().pose);
   EXPECT_EQ(cut.count(cut.safety, BeamStatus::hit), cut.grid.beams);
 }

@@ -2,9 +2,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <yaml-cpp/yaml.h>
+
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
+#include <sstream>
 
+#include "daemon/commands/commands.h"
 #include "daemon/config/config.h"
 #include "drivers/registry/registry.h"
 #include "test/support/captures.h"
@@ -18,6 +28,43 @@ std::vector<std::string> examples() {
     if (entry.path().extension() == ".yaml") files.push_back(entry.path().string());
   }
   return files;
+}
+
+/// The text of an example in which each option, a line like `# skip: 1`, is switched on.
+std::string with_options(const std::string& path) {
+  std::ifstream file(path);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  return std::regex_replace(text, std::regex("\n( +)# ([a-z_]+: )"), "\n$1$2");
+}
+
+/// The rows of the key tables, each as section.key; sections as `lidard keys` names them.
+std::set<std::string> key_rows() {
+  std::ostringstream listed;
+  run_keys(KeysFormat::json, listed);
+  std::set<std::string> rows;
+  for (const auto& row : nlohmann::json::parse(listed.str()))
+    rows.insert(std::string(row["section"]) + "." + std::string(row["key"]));
+  return rows;
+}
+
+/// Collects the rows that are used beneath `node`, which holds keys of `section`.
+void find_used(const YAML::Node& node, const std::string& section, const std::set<std::string>& rows,
+               std::set<std::string>& used) {
+  for (const auto& entry : node) {
+    std::string row = section + "." + std::regex_replace(entry.first.Scalar(), std::regex("_deg$"), "");
+    if (rows.count(row) == 0) row = section + "." + entry.first.Scalar();
+    used.insert(row);
+    const bool has_names = row == "merged_scans.NAME.source_settings" || row.find(".also") != std::string::npos;
+    if (!entry.second.IsMap()) continue;
+    if (!has_names) find_used(entry.second, row, rows, used);
+    for (const auto& named : entry.second) {
+      if (!has_names || !named.second.IsMap()) continue;
+      const bool is_also = row.find(".also") != std::string::npos;
+      find_used(named.second,
+                is_also ? "merged_scans.NAME.also.TOPIC, virtual_scans.NAME.also.TOPIC" : row + ".SOURCE", rows,
+                used);
+    }
+  }
 }
 
 std::vector<ScanGridSpec> grids_of(const Config& config) {
@@ -42,13 +89,37 @@ TEST(ExampleConfigs, AreAllRead) {
     const Config config = load_config(file);
     EXPECT_TRUE(config.warnings.empty()) << config.warnings.front();
     EXPECT_EQ(to_yaml(parse_config(to_yaml(config), "again")), to_yaml(config)) << file;
+    EXPECT_NO_THROW(parse_config(with_options(file), file)) << "with its options";
   }
+}
+
+TEST(ExampleConfigs, ShowNearlyEveryKeyThereIs) {
+  const std::set<std::string> rows = key_rows();
+  std::set<std::string> used;
+  for (const std::string& file : examples()) {
+    const YAML::Node root = YAML::Load(with_options(file));
+    for (const auto& section : root) {
+      const std::string name = section.first.Scalar();
+      if (name == "vehicle" || name == "blackbox") find_used(section.second, name, rows, used);
+      if (name == "vehicle" || name == "blackbox") continue;
+      for (const auto& entry : section.second) find_used(entry.second, name + ".NAME", rows, used);
+    }
+  }
+  std::size_t shown = 0;
+  std::string missing;
+  for (const std::string& row : rows) {
+    shown += used.count(row);
+    if (used.count(row) == 0) missing += "\n  " + row;
+  }
+  std::cout << rows.size() << " keys, " << shown << " of them in an example; in none:" << missing << '\n';
+  EXPECT_LE(rows.size(), 145U) << "a key stands in an example, or goes";
+  EXPECT_GE(shown, 120U) << missing;
 }
 
 TEST(ExampleConfigs, NameTheAddressOfEachSensor) {
   for (const std::string& file : examples()) {
     for (const SensorConfig& sensor : load_config(file).sensors)
-      EXPECT_TRUE(sensor.model == nullptr || sensor.ip_address) << file << ": " << sensor.name;
+      EXPECT_TRUE(sensor.model == nullptr || sensor.ip_address || !sensor.packet_topic.empty()) << file << ": " << sensor.name;
   }
 }
 

@@ -61,20 +61,17 @@ std::vector<std::string> places_of(const std::string& section) {
   if (section == filter)
     return {"sensors: {s: {model: velodyne_vlp16, filter: {@}}}\n",
             "sensors: {s: {model: sick_microscan3, ip_address: 10.0.0.1, filter: {@}}}\n"};
-  if (section == filter + ".box" || section == filter + ".cut_out")
-    return {"sensors: {s: {model: velodyne_vlp16, filter: {" + section.substr(filter.size() + 1) +
-            ": {@}}}}\n"};
   if (section == "merged_scans.NAME")
     return {merged + "@}}\n", two_sensors + "merged_scans: {m: {laserscan_topics: [a], @}}\n"};
   if (section == "merged_scans.NAME.source_settings.SOURCE")
     return {merged + "source_settings: {a: {@}}}}\n"};
-  if (section == "merged_scans.NAME.also.TOPIC") return {merged + "also: {t: {@}}}}\n"};
   if (section == "virtual_scans.NAME")
     return {cut + "@}}\n",
             two_sensors + "virtual_scans: {v: {cloud_topic: b, virtual_laser_scan: [b], @}}\n"};
   if (section == "virtual_scans.NAME.ground")
     return {cut + "ground: {@}}}\n", cut + "ground: {model: slope, @}}}\n"};
-  if (section == "virtual_scans.NAME.also.TOPIC") return {cut + "also: {t: {@}}}}\n"};
+  if (section == "merged_scans.NAME.also.TOPIC, virtual_scans.NAME.also.TOPIC")
+    return {merged + "also: {t: {@}}}}\n", cut + "also: {t: {@}}}}\n"};
   if (section == "blackbox") return {"sensors: {s: {model: velodyne_vlp16}}\nblackbox: {@}\n"};
   ADD_FAILURE() << "no place for keys of " << section;
   return {};
@@ -129,17 +126,13 @@ TEST(ConfigGolden, EveryKeyTakesAndMeansWhatItDidBefore) {
     for (const std::string& place : places_of(section)) {
       test::Sums sums;
       std::size_t accepted = 0;
-      std::string last;
       for (const std::string& value : tried) {
         const std::string said = said_of(with(place, key + ": " + value));
         sums.add_text("said", said);
-        if (said.rfind("accepted", 0) == 0)
-          ++accepted;
-        else if (value == "[]" || value == "-2000000000")
-          last += "    " + said.substr(0, said.find('\n')) + "\n";
+        accepted += said.rfind("accepted", 0) == 0 ? 1U : 0U;
       }
       all += section + "." + key + " in place " + std::to_string(number++) + ": " + std::to_string(accepted) +
-             " accepted" + sums.text() + last;
+             " accepted" + sums.text();
     }
   }
   test::expect_golden("config_keys.txt", all);

@@ -96,26 +96,14 @@ const std::vector<Limit>& limits() {
       {"heights", merged_with(", min_height: 1"), 3, "max_height", "1.001", "1", "", ""},
       {"rate", merged_with(), 3, "rate", "0.01", "0.009", "1000", "1000.1"},
       {"deadline", merged_with(), 3, "deadline", "0", "-0.001", "3600", "3600.1"},
-      {"max_age", merged_with(), 3, "max_age", "0.001", "0.0009", "3600", "3600.1"},
       {"lost_after", merged_with(), 3, "lost_after", "0.001", "0.0009", "3600", "3600.1"},
       {"range_noise", merged_with(), 3, "range_noise", "0.0005", "0.00049", "1", "1.001"},
       {"free_required", merged_with(", range_max: 20"), 3, "free_required", "0.1", "0.099", "20", "20.001"},
-      {"missing_intensity", merged_with(", intensity: on"), 3, "missing_intensity", "-1e9", "-1000000001",
-       "1e9", "1000000001"},
       {"range_min of a source", one_source(), 3, "range_min", "0", "-0.001", "10000", "10000.1"},
       {"range_max of a source", one_source(), 3, "range_max", "0.001", "0", "10000", "10000.1"},
-      {"intensity_min of a source", one_source(), 3, "intensity_min", "-1e9", "-1000000001", "1e9",
-       "1000000001"},
-      {"intensity_max of a source", one_source(), 3, "intensity_max", "-1e9", "-1000000001", "1e9",
-       "1000000001"},
-      {"range_noise of a source", one_source(), 3, "range_noise", "0.0005", "0", "1", "1.001"},
       {"no_return_free_range of a source", one_source(), 3, "no_return_free_range", "0", "-0.001", "10000",
        "10000.1"},
 
-      {"virtual range_noise", virtuals(", profile: strict"), 3, "range_noise", "0.0005", "0.00049", "1",
-       "1.001"},
-      {"virtual free_required", virtuals(", profile: strict, range_max: 30"), 3, "free_required", "0.1",
-       "0.099", "30", "30.001"},
       {"virtual no_return_free_range", virtuals(", profile: strict"), 3, "no_return_free_range", "0",
        "-0.001", "10000", "10000.1"},
       {"height of the ground", ground("plane"), 3, "z", "-10000", "-10000.1", "10000", "10000.1"},
@@ -201,23 +189,19 @@ TEST(ConfigDefaults, AreWhatTheReferenceSays) {
   const MergedScanConfig& m = config.merged_scans.at(0);
   EXPECT_EQ(m.schedule.policy, Policy::complete);
   EXPECT_EQ(m.schedule.lost_after, std::chrono::milliseconds(400));
-  EXPECT_FALSE(m.schedule.deadline || m.schedule.max_age || m.schedule.publish_when_empty);
+  EXPECT_FALSE(m.schedule.deadline);
   EXPECT_EQ(m.on_missing_motion, MissingMotion::stand);
   EXPECT_EQ(m.echoes, EchoChoice::last);
   EXPECT_TRUE(m.veil_filter);
-  EXPECT_FALSE(m.mean);
   EXPECT_EQ(m.range_noise, 0.02);
   EXPECT_EQ(m.free_required, 0);
   EXPECT_EQ(m.output.empty, EmptyBeam::inf);
   EXPECT_EQ(m.output.unobserved, EmptyBeam::nan);
-  EXPECT_FALSE(m.options.newest_wins || m.options.all_heights || m.options.veil_cross_check);
-  EXPECT_EQ(m.options.intensities, Intensities::automatic);
   const VirtualScanConfig& v = config.virtual_scans.at(0);
   EXPECT_EQ(v.mode, CutMode::slice);
   EXPECT_EQ(v.output.min_height, -0.1);
   EXPECT_EQ(v.output.max_height, 0.1);
-  EXPECT_EQ(v.range_noise, 0.02);
-  EXPECT_FALSE(v.keep_ground || v.early_returns);
+  EXPECT_FALSE(v.early_returns);
   const DriverConfig& roof = config.find_sensor("roof")->driver;
   EXPECT_EQ(roof.clock, ClockMode::smooth);
   EXPECT_EQ(roof.cut_angle, 0);

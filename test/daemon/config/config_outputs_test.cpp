@@ -105,16 +105,15 @@ TEST(MergedScanConfig, RefusesNoSourcesAtAll) {
 
 TEST(MergedScanConfig, ReadsTheProfileAndWhatItNeeds) {
   const Config config = with_outputs(
-      "merged_scans: {m: {laserscan_topics: rear, profile: strict, unobserved: minus_inf, empty: zero, fuse: "
-      "mean, echoes: all, veil_filter: no, range_noise: 0.03, range_max: 30, free_required: 28, also: {safe: "
-      "safety, flat: {profile: flatten, empty: range_max_plus_one, unobserved: inf}}}}\n"
+      "merged_scans: {m: {laserscan_topics: rear, profile: strict, unobserved: minus_inf, empty: zero, "
+      "echoes: all, veil_filter: no, range_noise: 0.03, range_max: 30, free_required: 28, also: {safe: "
+      "safety, flat: {profile: flatten}}}}\n"
       "vehicle: {footprint: [[-1, -1], [1, -1], [0, 1]]}");
   EXPECT_TRUE(config.warnings.empty());
   const MergedScanConfig& m = config.merged_scans[0];
   EXPECT_EQ(m.output.profile, Profile::strict);
   EXPECT_EQ(m.output.unobserved, EmptyBeam::minus_inf);
   EXPECT_EQ(m.output.empty, EmptyBeam::zero);
-  EXPECT_TRUE(m.mean);
   EXPECT_EQ(m.echoes, EchoChoice::all);
   EXPECT_FALSE(m.veil_filter);
   EXPECT_EQ(m.range_noise, 0.03);
@@ -123,8 +122,6 @@ TEST(MergedScanConfig, ReadsTheProfileAndWhatItNeeds) {
   EXPECT_EQ(m.also[0].topic, "safe");
   EXPECT_EQ(m.also[0].profile, Profile::safety);
   EXPECT_EQ(m.also[1].profile, Profile::flatten);
-  EXPECT_EQ(m.also[1].empty, EmptyBeam::range_max_plus_one);
-  EXPECT_EQ(m.also[1].unobserved, EmptyBeam::inf);
 }
 
 TEST(MergedScanConfig, WarnsWhenTheVehiclesOutlineIsNeededAndNotThere) {
@@ -136,13 +133,11 @@ TEST(MergedScanConfig, WarnsWhenTheVehiclesOutlineIsNeededAndNotThere) {
 TEST(MergedScanConfig, RefusesWrongProfiles) {
   EXPECT_EQ(merged_error("laserscan_topics: rear, profile: flat"),
             "f:7:40: merged_scans.m.profile is \"flat\"; expected strict, safety or flatten");
-  EXPECT_EQ(merged_error("laserscan_topics: rear, fuse: max"),
-            "f:7:37: merged_scans.m.fuse is \"max\"; expected nearest or mean");
   EXPECT_EQ(merged_error("laserscan_topics: rear, echoes: 2nd"),
             "f:7:39: merged_scans.m.echoes is \"2nd\"; expected first, last, strongest or all");
   EXPECT_EQ(merged_error("laserscan_topics: rear, also: {x: safe}"),
             "f:7:41: merged_scans.m.also.x is \"safe\"; expected strict, safety or flatten");
-  EXPECT_EQ(merged_error("laserscan_topics: rear, also: {x: {empty: nan}}"),
+  EXPECT_EQ(merged_error("laserscan_topics: rear, also: {x: {}}"),
             "f:7:38: merged_scans.m.also.x has no profile; expected strict, safety or flatten");
 }
 
@@ -214,7 +209,7 @@ TEST(VirtualScanConfig, ReadsTheProfileAndWhatItNeeds) {
       "merged_scans: {m: {laserscan_topics: rear}}\n"
       "virtual_scans: {v: {cloud_topic: roof, virtual_laser_scan: [low, high], profile: strict, mode: band, "
       "min_height: 0.1, max_height: 1.8, ground: {model: slope, z: -0.3, tolerance: 0.05, steepest: 0.2}, "
-      "keep_ground: no, echoes: all, range_noise: 0.03, range_max: 50, free_required: 20, "
+      "echoes: all, range_max: 50, "
       "no_return_free_range: 40, unobserved: minus_inf, also: {safe: safety}}}\n");
   EXPECT_TRUE(config.warnings.empty());
   const VirtualScanConfig& scan = config.virtual_scans.at(0);
@@ -224,7 +219,6 @@ TEST(VirtualScanConfig, ReadsTheProfileAndWhatItNeeds) {
   EXPECT_EQ(scan.ground.z, -0.3);
   EXPECT_EQ(scan.ground.steepest, 0.2);
   EXPECT_TRUE(scan.early_returns);
-  EXPECT_EQ(scan.free_required, 20);
   EXPECT_EQ(scan.no_return_free_range, 40);
   ASSERT_EQ(scan.also.size(), 1U);
   EXPECT_EQ(scan.topic("low"), "low");
@@ -270,7 +264,6 @@ TEST(VirtualScanConfig, RefusesWrongCuts) {
   EXPECT_THAT(virtual_error(begin + "ground: {model: plane, steepest: 0.1}"),
               ::testing::HasSubstr("is for a ground of model slope, and this is plane"));
   EXPECT_THAT(virtual_error(begin + "echoes: first"), ::testing::HasSubstr("expected last or all"));
-  EXPECT_THAT(virtual_error(begin + "free_required: 1000"), ::testing::HasSubstr("free_required"));
   EXPECT_THAT(virtual_error(begin + "also: {a: safety, 'b c': strict}"), ::testing::StartsWith("f:"));
 }
 

@@ -26,15 +26,13 @@ std::string error(const std::string& keys) {
 
 TEST(ScheduleConfig, IsCompleteByDefaultAndTakesItsKindFromRateOrTrigger) {
   EXPECT_EQ(merged("laserscan_topics: a b").schedule.policy, Policy::complete);
-  const auto rate = merged("laserscan_topics: a b, rate: 20, deadline: 0.01, max_age: 0.2").schedule;
+  const auto rate = merged("laserscan_topics: a b, rate: 20, deadline: 0.01").schedule;
   EXPECT_EQ(rate.policy, Policy::rate);
   EXPECT_EQ(rate.rate, 20);
   EXPECT_EQ(rate.deadline, std::chrono::milliseconds(10));
-  EXPECT_EQ(rate.max_age, std::chrono::milliseconds(200));
-  const auto trigger = merged("laserscan_topics: a b, trigger: b, publish_when_empty: true").schedule;
+  const auto trigger = merged("laserscan_topics: a b, trigger: b").schedule;
   EXPECT_EQ(trigger.policy, Policy::trigger);
   EXPECT_EQ(trigger.trigger, 1U);
-  EXPECT_TRUE(trigger.publish_when_empty);
   EXPECT_EQ(merged("laserscan_topics: a, on_missing_motion: wait").on_missing_motion, MissingMotion::wait);
 }
 
@@ -54,11 +52,10 @@ TEST(ScheduleConfig, SourcesHaveWindowsOfTheirOwn) {
   const auto config = merged(
       "laserscan_topics: a b, range_noise: 0.03, source_settings: {a: {range_min: 0.4, range_max: 8, "
       "angle_min_deg: "
-      "-90, angle_max_deg: 90, intensity_min: 10, no_return_free_range: 0}}");
+      "-90, angle_max_deg: 90, no_return_free_range: 0}}");
   const SourceSettings& a = config.source_settings.at("a");
   EXPECT_EQ(a.range_max, 8);
   EXPECT_NEAR(a.angle_max, 1.5707963, 1e-6);
-  EXPECT_EQ(a.intensity_min, 10);
   EXPECT_EQ(a.no_return_free_range, 0);
   EXPECT_EQ(a.noise, 0.03);
   EXPECT_EQ(config.source_settings.count("b"), 0U);
@@ -110,20 +107,18 @@ TEST(MotionConfig, HasOneSource) {
 TEST(ScheduleConfig, IsWrittenAndReadBack) {
   const Config config = parse(
       sensors +
-      "merged_scans: {m: {laserscan_topics: [a, b], rate: 20, deadline: 0.01, max_age: 0.2, lost_after: 0.3, "
-      "status_topic: s, on_missing_motion: drop, source_settings: {b: {range_max: 9, echoes: first}}}}\n");
+      "merged_scans: {m: {laserscan_topics: [a, b], rate: 20, deadline: 0.01, lost_after: 0.3, "
+      "status_topic: s, on_missing_motion: drop, source_settings: {b: {range_max: 9}}}}\n");
   const Config again = parse_config(to_yaml(config), "again");
   const MergedScanConfig& a = config.merged_scans[0];
   const MergedScanConfig& b = again.merged_scans[0];
   EXPECT_EQ(b.schedule.policy, Policy::rate);
   EXPECT_EQ(b.schedule.rate, a.schedule.rate);
   EXPECT_EQ(b.schedule.deadline, a.schedule.deadline);
-  EXPECT_EQ(b.schedule.max_age, a.schedule.max_age);
   EXPECT_EQ(b.schedule.lost_after, a.schedule.lost_after);
   EXPECT_EQ(b.status_topic, "s");
   EXPECT_EQ(b.on_missing_motion, MissingMotion::drop);
   EXPECT_EQ(b.source_settings.at("b").range_max, 9);
-  EXPECT_EQ(b.source_settings.at("b").echoes, EchoChoice::first);
   EXPECT_EQ(to_yaml(again), to_yaml(config));
 }
 

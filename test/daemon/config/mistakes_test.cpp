@@ -74,12 +74,13 @@ TEST(Mistakes, InOneEntryAreToldTogetherWithRulesThatItBreaks) {
                 "    laserscan_topics: [a]\n"
                 "    min_height: 2\n"
                 "    max_height: 1\n"
-                "    missing_intensity: 1\n"
-                "    fuse: both\n"),
+                "    rate: 5\n"
+                "    policy: trigger\n"
+                "    profile: both\n"),
       ElementsAre(StartsWith("f:4:27: merged_scans.m.laserscan_topics[1] names \"b\", which is no sensor"),
                   StartsWith("f:8:17: merged_scans.n.max_height leaves no height"),
-                  StartsWith("f:9:5: merged_scans.n.missing_intensity has no effect with intensity: auto"),
-                  StartsWith("f:10:11: merged_scans.n.fuse is \"both\"")));
+                  StartsWith("f:9:5: merged_scans.n.rate has no effect with policy: trigger"),
+                  StartsWith("f:11:14: merged_scans.n.profile is \"both\"")));
 }
 
 TEST(Mistakes, OfModelsThatAreNotKnownAreCheckedAsFarAsAnyModelGoes) {

@@ -92,7 +92,7 @@ TEST(LaserMerger, KnowsKeysOfOurOwnConfiguration) {
                                                 {"empty", "inf"},
                                                 {"unobserved", "minus_inf"},
                                                 {"lost_after", "0.2"},
-                                                {"fuse", "mean"},
+                                                {"echoes", "first"},
                                                 {"min_height", "0.05"}});
   EXPECT_THAT(setup.warnings, IsEmpty());
   const MergedScanConfig merged = parse_config(setup.yaml(), "p").merged_scans[0];
@@ -100,7 +100,7 @@ TEST(LaserMerger, KnowsKeysOfOurOwnConfiguration) {
   EXPECT_EQ(merged.output.empty, EmptyBeam::inf);
   EXPECT_EQ(merged.output.unobserved, EmptyBeam::minus_inf);
   EXPECT_EQ(merged.schedule.lost_after, std::chrono::milliseconds(200));
-  EXPECT_TRUE(merged.mean);
+  EXPECT_EQ(merged.echoes, EchoChoice::first);
   EXPECT_EQ(merged.output.min_height, 0.05);
 }
 

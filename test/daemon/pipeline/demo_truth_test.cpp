@@ -239,7 +239,7 @@ struct CutScore {
 TEST(DemoDrive, StrictVirtualScansMeetWhatIsThere) {
   const DemoDrive demo([](Config& config) {
     VirtualScanConfig& scan = config.virtual_scans.at(0);
-    scan.also = {{"strict", Profile::strict, EmptyBeam::inf, EmptyBeam::nan}};
+    scan.also = {{"strict", Profile::strict}};
     scan.ground.model = GroundModel::plane;
     scan.no_return_free_range = 100;
   });

@@ -54,7 +54,7 @@ std::vector<CloudPoint> points_of(const Cloud& cloud) {
 
 TEST(SensorFilter, LeavesWhatVirtualScansSeeAsItIs) {
   const test::RecordingSink all = play("");
-  const test::RecordingSink some = play(", filter: {box: {x_min: 1}, voxel_size: 0.2}");
+  const test::RecordingSink some = play(", filter: {box: [[1, -900, -900], [900, 900, 900]], voxel_size: 0.2}");
   ASSERT_GT(all.scans.at("v").size(), 5U);
   ASSERT_EQ(some.scans.at("v").size(), all.scans.at("v").size());
   for (std::size_t i = 0; i < all.scans.at("v").size(); ++i) {
@@ -106,7 +106,7 @@ TEST(SensorFilter, OutliersAreReturnsWithTooFewOthersAroundThem) {
 
 TEST(SensorFilter, AnOrganisedCloudKeepsItsPlaces) {
   const test::RecordingSink all = play(", organize_cloud: rings");
-  const test::RecordingSink some = play(", organize_cloud: rings, filter: {cut_out: {y_min: 0}}");
+  const test::RecordingSink some = play(", organize_cloud: rings, filter: {cut_out: [[-900, 0, -900], [900, 900, 900]]}");
   const Cloud& before = all.clouds.at("roof/points").at(1);
   const Cloud& after = some.clouds.at("roof/points").at(1);
   ASSERT_EQ(after.size(), before.size());
@@ -125,12 +125,12 @@ TEST(SensorFilter, AnOrganisedCloudKeepsItsPlaces) {
 }
 
 TEST(SensorFilter, SaysThatNothingIsLeft) {
-  const test::RecordingSink none = play(", filter: {box: {x_min: 900}}");
+  const test::RecordingSink none = play(", filter: {box: [[900, -900, -9], [901, 900, 9]]}");
   EXPECT_EQ(none.item("sensor roof").health, Health::warn);
   EXPECT_THAT(none.item("sensor roof").message, HasSubstr("its filter removed every return of the last"));
   EXPECT_THAT(none.item("sensor roof").message, HasSubstr("frames on roof/points"));
   // A ring's scan lies at 0; of the cloud few returns do.
-  const test::RecordingSink level = play(", filter: {cut_out: {z_min: -0.01, z_max: 0.01}}");
+  const test::RecordingSink level = play(", filter: {cut_out: [[-900, -900, -0.01], [900, 900, 0.01]]}");
   EXPECT_GT(level.clouds.at("roof/points").back().size(), 1000U);
   EXPECT_THAT(level.item("sensor roof").message, HasSubstr("frames on roof/scan"));
 }
@@ -140,15 +140,13 @@ TEST(SensorFilter, RefusesWhatMakesNoSense) {
     return error_of("sensors: {a: {model: " + model + ", ip_address: 10.0.0.1, " + keys + "}}");
   };
   const std::string roof = "velodyne_vlp16", front = "sick_microscan3";
-  EXPECT_THAT(with(roof, "filter: {intensity_min: 9, intensity_max: 3}"),
-              HasSubstr("sensors.a.filter.intensity_max is below intensity_min; expected intensity_min <="));
-  EXPECT_THAT(with(roof, "filter: {box: {x_min: 2, x_max: 2}}"),
-              HasSubstr("sensors.a.filter.box.x_max is not above x_min"));
-  EXPECT_THAT(with(front, "filter: {box: {z_min: 0.1}}"),
-              HasSubstr("sensors.a.filter.box.z_min leaves out the whole scan, which lies at 0"));
-  EXPECT_THAT(with(roof, "scan_ring: auto, filter: {box: {z_max: -1}}"),
-              HasSubstr("sensors.a.filter.box.z_max leaves out the whole scan"));
-  EXPECT_EQ(with(roof, "filter: {box: {z_max: -1}}"), "no error");
+  const std::string high = "filter: {box: [[-9, -9, 0.1], [9, 9, 2]]}";
+  EXPECT_THAT(with(front, high), HasSubstr("sensors.a.filter.box leaves out the whole scan, which lies at z 0"));
+  EXPECT_THAT(with(roof, "scan_ring: auto, " + high), HasSubstr("filter.box leaves out the whole scan"));
+  EXPECT_EQ(with(roof, high), "no error");
+  EXPECT_THAT(with(roof, "filter: {cut_out: [[1, 2, 3], [4, 2, 6]]}"), HasSubstr("filter.cut_out has no volume"));
+  EXPECT_THAT(with(roof, "filter: {box: [[1, 2, 3]]}"), HasSubstr("filter.box has 1 corners"));
+  EXPECT_THAT(with(roof, "filter: {box: {x_min: 1}}"), HasSubstr("expected two opposite corners"));
   EXPECT_THAT(with(roof, "filter: {outlier_neighbours: 2}"),
               HasSubstr("sensors.a.filter.outlier_neighbours is given without outlier_radius"));
   EXPECT_THAT(with(roof, "filter: {voxel: 2}"), HasSubstr("voxel_size"));
@@ -158,7 +156,7 @@ TEST(SensorFilter, RefusesWhatMakesNoSense) {
               HasSubstr("sensors.a.filter.intensity_min has nothing to go by: publish_intensity is false"));
   EXPECT_THAT(error_of("sensors: {a: {topic: /scan, filter: {intensity_min: 1}}}"),
               HasSubstr("sensors.a.filter does not apply to a source with topic:"));
-  EXPECT_EQ(with(front, "filter: {intensity_min: 1, cut_out: {x_max: 0.1}, outlier_radius: 0.2}"),
+  EXPECT_EQ(with(front, "filter: {intensity_min: 1, cut_out: [[0.1, 1, 1], [-1, -1, -1]], outlier_radius: 0.2}"),
             "no error");
 }
 

@@ -122,7 +122,7 @@ TEST(ForeignMessages, WhatOthersKnowIsAddedToEveryListOfDiagnostics) {
 TEST(ForeignMessages, AfterALongPauseOutputsOfThePastAreNotMadeUpFor) {
   PipelineBench bench(
       "sensors: {a: {topic: /a, pose: {xyz: [0, 0, 0]}}}\n"
-      "merged_scans: {m: {laserscan_topics: a, range_max: 20, beams: 360, rate: 10, max_age: 100, "
+      "merged_scans: {m: {laserscan_topics: a, range_max: 20, beams: 360, rate: 10, deadline: 100, "
       "lost_after: 100}}\n");
   bench.give("a", round_scan("a", bench_begin), bench_begin);
   for (double at = 100; at <= 1000; at += 100) bench.pipeline.tick(bench_begin + ms(at));

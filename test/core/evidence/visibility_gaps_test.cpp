@@ -16,10 +16,9 @@ constexpr Stamp now{1'700'000'000'000'000'000};
 /// What one of several scanners in one place measures of a round wall.
 struct View {
   float range, intensity;
-  bool used = true;
 };
 
-PlanarScan merged(const std::vector<View>& views, bool mean, double range_max = 50) {
+PlanarScan merged(const std::vector<View>& views, double range_max = 50) {
   ScanGridSpec spec;
   spec.beams = 360;
   spec.range_max = range_max;
@@ -27,7 +26,6 @@ PlanarScan merged(const std::vector<View>& views, bool mean, double range_max = 
   settings.points = false;
   settings.visibility = true;
   settings.how.noise = settings.source.noise = 0.02;
-  settings.how.mean = mean;
   Merger merger(*make_grid(spec), {}, views.size(), settings);
   std::vector<char> use;
   for (std::size_t s = 0; s < views.size(); ++s) {
@@ -41,7 +39,7 @@ PlanarScan merged(const std::vector<View>& views, bool mean, double range_max = 
       scan.intensities[i] = views[s].intensity;
     }
     EXPECT_TRUE(merger.add(s, scan, Pose::Identity()));
-    use.push_back(views[s].used ? 1 : 0);
+    use.push_back(1);
   }
   PlanarScan out;
   merger.merge({now}, use, {{Profile::strict, &out}}, nullptr);
@@ -57,30 +55,13 @@ void expect_everywhere(const PlanarScan& scan, double range, double intensity) {
   }
 }
 
-TEST(VisibilityMean, RangesAndIntensitiesOfOneSurfaceAreAveraged) {
-  expect_everywhere(merged({{5, 100}, {5.04F, 160}}, true), 5.02, 130);
-  expect_everywhere(merged({{5.04F, 160}, {5, 100}}, true), 5.02, 130);
-  expect_everywhere(merged({{5, 100}, {5.02F, 130}, {5.04F, 220}}, true), 5.02, 150);
+TEST(VisibilityGaps, OfSeveralSourcesTheNearestCountsWithItsOwnIntensity) {
+  expect_everywhere(merged({{5, 100}, {5.04F, 160}}), 5, 100);
+  expect_everywhere(merged({{5.04F, 160}, {5, 100}}), 5, 100);
 }
 
-TEST(VisibilityMean, OtherwiseTheNearestCountsWithItsOwnIntensity) {
-  expect_everywhere(merged({{5, 100}, {5.04F, 160}}, false), 5, 100);
-  expect_everywhere(merged({{5.04F, 160}, {5, 100}}, false), 5, 100);
-}
-
-TEST(VisibilityMean, WhatLiesFartherBehindThanThreeStandardDeviationsIsAnotherSurface) {
-  expect_everywhere(merged({{5, 100}, {5.055F, 160}}, true), 5.0275, 130);
-  expect_everywhere(merged({{5, 100}, {5.065F, 160}}, true), 5, 100);
-  expect_everywhere(merged({{5, 100}, {9, 160}}, true), 5, 100);
-}
-
-TEST(VisibilityMean, OneSourceAloneIsItsOwnMean) {
-  expect_everywhere(merged({{5, 100}}, true), 5, 100);
-  expect_everywhere(merged({{5, 100}, {5.04F, 160, false}}, true), 5, 100);
-}
-
-TEST(VisibilityMean, BeyondTheRangeOfTheOutputThereIsNothing) {
-  const PlanarScan scan = merged({{35, 100}, {35.02F, 50}}, true, 20);
+TEST(VisibilityGaps, BeyondTheRangeOfTheOutputThereIsNothing) {
+  const PlanarScan scan = merged({{35, 100}, {35.02F, 50}}, 20);
   for (std::size_t i = 1; i + 1 < scan.beams; ++i) EXPECT_EQ(scan.statuses[i], BeamStatus::none) << i;
 }
 
