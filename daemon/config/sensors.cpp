@@ -123,7 +123,7 @@ void check_requests(Mapping& yaml, SensorConfig& sensor) {
         .fail_at_key("is given without ip_address",
                      "both: the device is told over TCP where to send, so its address must be known");
   if (sensor.model->has(Trait::skip_request) && requests.skip.value_or(0) > 9)
-    yaml.where("skip").fail("is above 9", "0 to 9: SCIP has one digit for it");
+    yaml.where("skip").fail("is " + std::to_string(*requests.skip), "a whole number from 0 to 9");
   if (requests.listen_only && requests.allow_write)
     yaml.where("listen_only").fail_at_key("contradicts allow_write", "one of them");
   if (sensor.model->has(Trait::logins) && yaml.has("user_level") != yaml.has("user_level_password"))
