@@ -161,7 +161,7 @@ std::string rivals_text(const std::vector<std::string>& senders, std::uint16_t p
          " here, and give each other sensor an entry of its own";
 }
 
-ReceptionWatch::ReceptionWatch(double promised_s, bool exact) : promised_s_(promised_s), exact_(exact) {
+ReceptionWatch::ReceptionWatch(double promised_s) : promised_s_(promised_s) {
   total_.period_s = promised_s;
 }
 
@@ -216,7 +216,7 @@ double ReceptionWatch::median_distance() const {
 }
 
 double ReceptionWatch::period() const {
-  if (promised_s_ <= 0 || exact_) return promised_s_;
+  if (promised_s_ <= 0) return promised_s_;
   const double learned = median_distance();
   // Of scans that come out in a rush the stamps say nothing.
   if (learned < fastest * promised_s_) return 0;

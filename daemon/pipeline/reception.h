@@ -80,8 +80,7 @@ std::string rivals_text(const std::vector<std::string>& senders, std::uint16_t p
 class ReceptionWatch {
  public:
   /// `promised_s`: usual time between two frames by the model and its settings, s; 0: nobody promises.
-  /// `exact`: frames are cut by this time, whatever the device does.
-  explicit ReceptionWatch(double promised_s, bool exact = false);
+  explicit ReceptionWatch(double promised_s);
 
   /// The frames, for what their beams see and for the rate: a scanner's own scan_time, or the median of the
   /// stamps' distances. A device that sends more seldom than its scan_time says, without a loss, was told to.
@@ -120,7 +119,6 @@ class ReceptionWatch {
   Reception since(const Reception& begin) const;
 
   const double promised_s_;
-  const bool exact_;
   bool begun_ = false;
   Stamp last_{};
   double idle_s_ = 0;  // since the last packet
