@@ -136,6 +136,9 @@ class Chart {
     cairo_new_sub_path(pen_);
     cairo_arc(pen_, center.x(), center.y(), radius, 0, two_pi);
   }
+  /// Lines without grey edges until end_crisp(): edges of faint lines would be most of a picture's bytes.
+  void begin_crisp() { cairo_set_antialias(pen_, CAIRO_ANTIALIAS_NONE); }
+  void end_crisp() { cairo_set_antialias(pen_, CAIRO_ANTIALIAS_DEFAULT); }
   void fill(const Color& color) {
     set_source(pen_, color);
     cairo_fill(pen_);
@@ -160,19 +163,25 @@ class Chart {
     cairo_show_text(pen_, words.c_str());
     cairo_new_path(pen_);
   }
-  /// text() with a white edge, to be readable on whatever is below; moved into the field, and down to where
-  /// no other label stands.
+  /// text() with a white edge, to be readable on whatever is below; moved into the field, and up or down to
+  /// where no other label stands.
   void label(Eigen::Vector2d p, const std::string& words, double size, const Color& color,
              Align align = Align::left) {
-    const double width = text_width(words, size);
+    const double width = text_width(words, size), wanted = p.y();
     p.x() -= align == Align::left ? 0 : align == Align::middle ? width / 2 : width;
     p.x() = std::max(corner_.x() + 3, std::min(p.x(), corner_.x() + size_.x() - width - 3));
-    const auto stands_there = [&](const Eigen::AlignedBox2d& other) {
-      return other.intersects(
-          Eigen::AlignedBox2d(p - Eigen::Vector2d(2, size), p + Eigen::Vector2d(width + 2, 3)));
+    const auto box = [&] {
+      return Eigen::AlignedBox2d(p - Eigen::Vector2d(2, size), p + Eigen::Vector2d(width + 2, 3));
     };
-    while (std::any_of(labels_.begin(), labels_.end(), stands_there)) p.y() += size / 2;
-    labels_.emplace_back(p - Eigen::Vector2d(2, size), p + Eigen::Vector2d(width + 2, 3));
+    const auto is_free = [&] {
+      return shows(p) && shows(p - Eigen::Vector2d(0, size)) &&
+             std::none_of(labels_.begin(), labels_.end(),
+                          [&](const Eigen::AlignedBox2d& other) { return other.intersects(box()); });
+    };
+    constexpr int most_steps = 40;
+    for (int n = 0; n < most_steps && !is_free(); ++n)
+      p.y() = wanted + (n % 2 == 0 ? 1 : -1) * (n / 2 + 1) * size / 2;
+    labels_.push_back(box());
     cairo_move_to(pen_, tenth(p.x()), tenth(p.y()));
     cairo_text_path(pen_, words.c_str());
     stroke({1, 1, 1, 0.85}, 3);

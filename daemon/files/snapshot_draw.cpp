@@ -170,6 +170,7 @@ class Painter {
     const double step = round_step(shown(), 4.5);
     const Vector2d origin = chart_.to_page(Vector2d(0, 0));
     const double reach = view_.framing.center.norm() + shown() * 1.3;
+    chart_.begin_crisp();
     for (double r = step; r < reach; r += step) {
       chart_.circle(origin, r * chart_.pixels_per_meter());
       chart_.stroke({0.72, 0.72, 0.72}, 1, {2, 6});
@@ -179,6 +180,7 @@ class Painter {
       chart_.path({chart_.to_page(Vector2d(-along)), chart_.to_page(along)});
       chart_.stroke({0.80, 0.80, 0.80}, 0.6);
     }
+    chart_.end_crisp();
   }
   /// On a diagonal, where the axes and usually the vehicle are not.
   void ring_labels() {
