@@ -242,6 +242,25 @@ TEST(Visibility, FreeNeedsProofToRangeMaxUnlessLessIsAskedFor) {
   EXPECT_EQ(ahead(23), BeamStatus::none);
 }
 
+TEST(Visibility, ItIsKnownToAStepHowFarAWayIsFree) {
+  // Steps are 0.12 m, or 2.5 % of the range; distances are known to 3 mm.
+  Paper paper(0.5);
+  paper.world = FlatWorld();
+  for (FlatScanner& scanner : paper.scanners) scanner.at = {0, 0};
+  double worst_near = 0, worst_far = 0;
+  for (double reach = 1; reach < 12; reach *= 1.013) {
+    for (FlatScanner& scanner : paper.scanners) scanner.range_max = reach;
+    Merged merged(paper, grid_of(36, 24));
+    merged.scan(Profile::strict);
+    const double covered = static_cast<double>(merged.visibility().covered(18));  // straight ahead
+    EXPECT_LE(covered, reach + 0.001);
+    double& worst = reach < 4.8 ? worst_near : worst_far;
+    worst = std::max(worst, (reach - covered) / (reach < 4.8 ? 1 : reach));
+  }
+  EXPECT_LT(worst_near, 0.1235);
+  EXPECT_LT(worst_far, 0.0258);
+}
+
 TEST(Visibility, SectorOfAMissingScannerIsUnknownNotFree) {
   const Paper paper(0.5);
   Merged merged(paper, grid_of(720, 50));

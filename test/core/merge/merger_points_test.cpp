@@ -43,20 +43,16 @@ struct Expected {
   Eigen::Vector3d place;
   double intensity;
   std::size_t source;
+  bool own;  ///< told by where it was measured
 };
 
-TEST(MergerPoints, EveryReturnIsWhereItIsSeenFromNowWhateverTheMounts) {
-  std::size_t points = 0, own = 0;
-  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
-    sim::Rng rng(seed);
-    const sim::SwingingVehicle vehicle(seed, 2);
-    PoseTrack track;
+/// A merge of random mounts, and where each return must be seen from now.
+struct RandomMerge {
+  explicit RandomMerge(std::uint64_t a_seed) : seed(a_seed), rng(seed), vehicle(seed, 2) {
     vehicle.report(track, start, 200, 0.5, 1.5);
-    const bool moves = seed % 3 != 0;
-    const Pose output_from_base = make_pose({rng.within(1), rng.within(1), 0}, {0, 0, rng.within(3)});
+    output_from_base = make_pose({rng.within(1), rng.within(1), 0}, {0, 0, rng.within(3)});
     const Footprint body = Footprint({{-2, -1}, {1, -1}, {1, 1}, {-2, 1}}).transformed(output_from_base);
-    const Footprint margin = body.padded(Footprint::margin_m);
-    const HeightBand band{-0.5, 1.5};
+    margin = body.padded(Footprint::margin_m);
     MergeSettings settings;
     settings.source.veil_filter = false;
     const std::size_t sources = 1 + seed % 3;
@@ -65,78 +61,100 @@ TEST(MergerPoints, EveryReturnIsWhereItIsSeenFromNowWhateverTheMounts) {
     settings.each[0].angle_min = -1.5;
     Merger merger(circle(), band, sources, settings);
     merger.set_footprint(body);
-    std::vector<Expected> expected;
-    std::vector<char> use(sources, 1);
+    use.assign(sources, 1);
     if (sources == 3) use[1] = 0;
-    float longest = 0;
-    for (std::size_t s = 0; s < sources; ++s) {
-      const double begin = 1 + 0.05 * rng.uniform();
-      const PlanarScan scan = random_scan(rng, start + span_from_seconds(begin));
-      const Pose mount = make_pose({rng.within(2), rng.within(2), rng.uniform()},
-                                   {rng.uniform() < 0.5 ? 0 : pi_d, rng.within(0.1), rng.within(3)});
-      ASSERT_TRUE(merger.add(s, scan, mount));
-      if (use[s] == 0) continue;
-      longest = std::max(longest, scan.scan_time);
-      for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
-        const std::size_t beam = i % scan.beams;
-        const double angle = -2 + static_cast<double>(beam) * static_cast<double>(scan.angle_increment);
-        if (scan.statuses[i] != BeamStatus::hit) continue;
-        const auto range = static_cast<double>(scan.ranges[i]);
-        if (s == 0 && (range > 9 || angle < -1.5)) continue;
-        const Eigen::Vector3d then =
-            mount * Eigen::Vector3d(range * std::cos(angle), range * std::sin(angle), 0);
-        Eigen::Vector3d now = then;
-        if (moves) {
-          const Pose base_now = sim::to_pose(vehicle.at(1.2));
-          const Pose base_then = sim::to_pose(vehicle.at(begin + 0.0003 * static_cast<double>(beam)));
-          now = output_from_base * (base_now.inverse() * base_then) * (output_from_base.inverse() * then);
-        }
-        expected.push_back({now, scan.intensities.empty() ? 0 : static_cast<double>(scan.intensities[i]), s});
-        // What is the vehicle's own is told by where it was measured.
-        if (margin.contains(then.head<2>())) expected.back().source += 100, ++own;
-      }
+    for (std::size_t s = 0; s < sources; ++s) add(s, merger);
+    report = merger.merge({now, moves ? &track : nullptr, output_from_base}, use, {{Profile::flatten, &scan}},
+                          &cloud);
+  }
+
+  void add(std::size_t s, Merger& merger) {
+    const double begin = 1 + 0.05 * rng.uniform();
+    const PlanarScan measured = random_scan(rng, start + span_from_seconds(begin));
+    const Pose mount = make_pose({rng.within(2), rng.within(2), rng.uniform()},
+                                 {rng.uniform() < 0.5 ? 0 : pi_d, rng.within(0.1), rng.within(3)});
+    ASSERT_TRUE(merger.add(s, measured, mount));
+    if (use[s] == 0) return;
+    longest = std::max(longest, measured.scan_time);
+    for (std::size_t i = 0; i < measured.ranges.size(); ++i) {
+      const std::size_t beam = i % measured.beams;
+      const double angle = -2 + static_cast<double>(beam) * static_cast<double>(measured.angle_increment);
+      const auto range = static_cast<double>(measured.ranges[i]);
+      if (measured.statuses[i] != BeamStatus::hit || (s == 0 && (range > 9 || angle < -1.5))) continue;
+      const Eigen::Vector3d then =
+          mount * Eigen::Vector3d(range * std::cos(angle), range * std::sin(angle), 0);
+      const Pose base_then = sim::to_pose(vehicle.at(begin + 0.0003 * static_cast<double>(beam)));
+      const Pose way = sim::to_pose(vehicle.at(1.2)).inverse() * base_then;
+      expected.push_back({moves ? output_from_base * (way * (output_from_base.inverse() * then)) : then,
+                          measured.intensities.empty() ? 0 : static_cast<double>(measured.intensities[i]), s,
+                          margin.contains(then.head<2>())});
     }
-    PlanarScan scan;
-    Cloud cloud;
-    const MergeMoment moment{start + span_from_seconds(1.2), moves ? &track : nullptr, output_from_base};
-    const MergeReport& report = merger.merge(moment, use, {{Profile::flatten, &scan}}, &cloud);
-    for (std::size_t s = 0; s < sources; ++s) {
-      const SourceUse wanted = use[s] == 0 ? SourceUse::not_used
-                               : moves     ? SourceUse::deskewed
-                                           : SourceUse::static_poses;
-      EXPECT_EQ(report.sources[s], wanted) << seed;
+  }
+
+  std::uint64_t seed;
+  sim::Rng rng;
+  sim::SwingingVehicle vehicle;
+  PoseTrack track;
+  bool moves = seed % 3 != 0;
+  Stamp now = start + span_from_seconds(1.2);
+  Pose output_from_base;
+  Footprint margin;
+  HeightBand band{-0.5, 1.5};
+  std::vector<char> use;
+  std::vector<Expected> expected;
+  float longest = 0;
+  MergeReport report;
+  PlanarScan scan;
+  Cloud cloud;
+};
+
+TEST(MergerPoints, EveryReturnIsWhereItIsSeenFromNowWhateverTheMounts) {
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    const RandomMerge merge(seed);
+    for (std::size_t s = 0; s < merge.use.size(); ++s) {
+      const SourceUse used = merge.moves ? SourceUse::deskewed : SourceUse::static_poses;
+      EXPECT_EQ(merge.report.sources[s], merge.use[s] == 0 ? SourceUse::not_used : used) << seed;
     }
-    EXPECT_EQ(report.deskewed, moves);
-    EXPECT_EQ(scan.stamp, moment.at);
-    EXPECT_EQ(cloud.stamp, moment.at);
-    EXPECT_EQ(cloud.end, moment.at);
-    EXPECT_EQ(cloud.rings, sources);
-    EXPECT_EQ(scan.scan_time, longest);
-    ASSERT_EQ(cloud.size(), expected.size()) << seed;
-    std::vector<double> nearest(360, 1e9), intensity(360, 0);
-    for (std::size_t i = 0; i < expected.size(); ++i) {
-      const CloudPoint& p = cloud.points()[i];
-      const Expected& e = expected[i];
+    EXPECT_EQ(merge.report.deskewed, merge.moves);
+    EXPECT_EQ(merge.scan.stamp, merge.now);
+    EXPECT_EQ(merge.cloud.stamp, merge.now);
+    EXPECT_EQ(merge.cloud.end, merge.now);
+    EXPECT_EQ(merge.cloud.rings, merge.use.size());
+    EXPECT_EQ(merge.scan.scan_time, merge.longest);
+    ASSERT_EQ(merge.cloud.size(), merge.expected.size()) << seed;
+    for (std::size_t i = 0; i < merge.expected.size(); ++i) {
+      const CloudPoint& p = merge.cloud.points()[i];
+      const Expected& e = merge.expected[i];
       ASSERT_LT((Eigen::Vector3f(p.x, p.y, p.z).cast<double>() - e.place).norm(), 1e-3) << seed << ' ' << i;
       ASSERT_EQ(static_cast<double>(p.intensity), e.intensity);
-      ASSERT_EQ(p.ring, e.source % 100);
+      ASSERT_EQ(p.ring, e.source);
+    }
+  }
+}
+
+TEST(MergerPoints, OfTheReturnsInABeamTheNearestCountsThatIsInTheBandAndNotTheVehicle) {
+  std::size_t points = 0, own = 0;
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    const RandomMerge merge(seed);
+    std::vector<double> nearest(360, 1e9), intensity(360, 0);
+    for (const Expected& e : merge.expected) {
       const double range = e.place.head<2>().norm();
-      const bool is_own = e.source >= 100 || margin.contains(e.place.head<2>());
-      if (is_own || e.place.z() < band.min || e.place.z() > band.max || range < 0.5 || range > 15) continue;
+      own += e.own ? 1 : 0;
+      if (e.own || merge.margin.contains(e.place.head<2>()) || range < 0.5 || range > 15) continue;
+      if (e.place.z() < merge.band.min || e.place.z() > merge.band.max) continue;
       const std::size_t beam = circle().nearest(std::atan2(e.place.y(), e.place.x()));
       if (range < nearest[beam]) nearest[beam] = range, intensity[beam] = e.intensity;
       ++points;
     }
     int differ = 0;  // a point on the very border of a beam, of the band or of the body may fall either way
     for (std::size_t beam = 0; beam < 360; ++beam) {
-      const bool hit = scan.statuses[beam] == BeamStatus::hit;
-      const bool same = hit ? std::abs(static_cast<double>(scan.ranges[beam]) - nearest[beam]) < 2e-3 &&
-                                  (scan.intensities.empty() ||
-                                   static_cast<double>(scan.intensities[beam]) == intensity[beam])
+      const bool hit = merge.scan.statuses[beam] == BeamStatus::hit;
+      const bool same = hit ? std::abs(static_cast<double>(merge.scan.ranges[beam]) - nearest[beam]) < 2e-3 &&
+                                  static_cast<double>(merge.scan.intensities[beam]) == intensity[beam]
                             : nearest[beam] > 1e8;
       differ += same ? 0 : 1;
     }
-    EXPECT_LE(differ, moves ? 4 : 0) << seed;
+    EXPECT_LE(differ, merge.moves ? 4 : 0) << seed;
   }
   EXPECT_GT(points, 2000U);
   EXPECT_GT(own, 100U);

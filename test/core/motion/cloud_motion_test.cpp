@@ -129,6 +129,25 @@ TEST(CloudMotion, PointsAreMovedToAnotherFrameAsTheyAreOnAStandingVehicle) {
   }
 }
 
+TEST(CloudMotion, BetweenItsBordersAPointTenMetresAwayIsTwoMicrometresOffAtMost) {
+  constexpr double rate = 1.2;  // rad/s
+  for (const int length_us : {1000, 1900, 2950, 100'000}) {
+    Cloud cloud;
+    cloud.end = cloud.stamp + std::chrono::microseconds(length_us);
+    PoseTrack track;
+    for (int ms = -20; ms <= 120; ms += 20)
+      track.add(cloud.stamp + std::chrono::milliseconds(ms), make_pose({0, 0, 0}, {0, 0, rate * ms * 1e-3}));
+    CloudMotion motion;
+    ASSERT_TRUE(motion.find(cloud, Pose::Identity(), track));
+    for (double share = 0; share <= 1; share += 0.0137) {
+      const double after = share * length_us * 1e-6;
+      const double turn = rate * (after - length_us * 1e-6);
+      const Eigen::Vector3d truth(10 * std::cos(turn), 10 * std::sin(turn), 0);
+      EXPECT_LT((motion.at(after) * Eigen::Vector3d(10, 0, 0) - truth).norm(), 2e-6) << length_us << ' ' << share;
+    }
+  }
+}
+
 TEST(CloudMotion, TheInstantIsNotLaterThanTheNewestPose) {
   const Cloud cloud = seen_while_driving();
   CloudMotion motion;

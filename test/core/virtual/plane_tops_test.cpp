@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "test/core/virtual/cut_bench.h"
+#include "test/core/virtual/small_lidar.h"
 
 namespace lidard::test::cut {
 namespace {
@@ -89,6 +90,39 @@ TEST(PlaneTops, AWallGoesDownToThePlaneBehindAThingThatHidesItsFoot) {
     EXPECT_NEAR(cut.range(cut.safety, deg * degree), expected, 0.05) << deg;
   }
   EXPECT_GT(hidden, 8);
+}
+
+/// Of a lidar 1.5 m above the plane: one ring meets a thing at 8 m, the next one a wall at 24 m, at these
+/// heights above the plane.
+PlaneTops::Verdict verdict(double thing, double wall) {
+  rings::SmallLidar lidar(1);
+  lidar.elevations = {std::atan2(thing - 1.5, 8), std::atan2(wall - 1.5, 24)};
+  lidar.offsets.assign(2, 0);
+  lidar.range = [&](std::size_t ring, std::size_t) {
+    return ring == 0 ? std::hypot(8, thing - 1.5) : std::hypot(24, wall - 1.5);
+  };
+  RingGrid grid({});
+  EXPECT_TRUE(grid.organise(lidar.cloud()));
+  Ground ground;
+  find_ground(grid, {}, make_pose({0, 0, 2}, {0, 0, 0}), ground);
+  RingLinks links;
+  links.set(grid, 0.005);
+  PlaneView view;
+  view.set_cloud(grid, ground, links, Eigen::Vector3f::UnitZ());
+  view.set_frame(make_pose({0, 0, 1.5}, {0, 0, 0}), false);
+  view.set_level(0);
+  PlaneTops tops;
+  tops.find(view);
+  return static_cast<PlaneTops::Verdict>(tops.verdicts()[grid.index(100, 1)]);
+}
+
+TEST(PlaneTops, AWallMayGoDownToThePlaneWhereTheShadowOfWhatStandsBeforeItEndsBeneath) {
+  // The line from the lidar over the return on the thing falls three times as far until it meets the wall:
+  // from 1.5 m to the plane, if the return is 1 m above it.
+  EXPECT_EQ(verdict(0.95, 1.2), PlaneTops::hides);
+  EXPECT_EQ(verdict(0.4, 1.2), PlaneTops::hides);
+  EXPECT_EQ(verdict(1.05, 1.2), PlaneTops::reaches) << "its foot is hidden";
+  EXPECT_EQ(verdict(0.95, -0.1), PlaneTops::reaches) << "what is farther away lies beneath the plane";
 }
 
 }  // namespace
