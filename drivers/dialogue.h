@@ -42,24 +42,55 @@ class Patience {
   bool slow_ = false;
 };
 
-/// A talk over a TCP connection beside a stream of datagrams: asks, compares, sets what may be set, hangs up.
-/// It takes place once, and again when the stream stopped, since the device may have lost what was set.
-///
-/// The talk itself is a script: it asks one question at a time and goes on when the answer came.
-class SideDialogue {
+/// A dialogue with a device: a script that asks one question at a time and goes on when the answer came.
+class Dialogue {
+ public:
+  virtual ~Dialogue() = default;
+  /// What was read, and what is wrong with it.
+  const DeviceInfo& info() const { return info_; }
+  /// True once after info() changed.
+  bool changed() { return std::exchange(changed_, false); }
+
+ protected:
+  virtual void script(DriverOutput& out) = 0;
+
+  void begin_script(Stamp now, DriverOutput& out) {
+    now_ = now;
+    script_ = {};
+    script(out);
+  }
+  static void send(const std::vector<std::uint8_t>& question, DriverOutput& out) {
+    out.request(ByteView(question.data(), question.size()));
+  }
+  void detail(std::string_view key, std::string_view value) {
+    info_.set(key, value);
+    changed_ = true;
+  }
+  void set_warnings(std::vector<std::string> sentences) {
+    changed_ = changed_ || sentences != info_.warnings;
+    info_.warnings = std::move(sentences);
+  }
+
+  boost::asio::coroutine script_;
+  Stamp now_{};
+  Patience patience_;  ///< with the last question
+  DeviceInfo info_;
+  bool changed_ = false;
+};
+
+/// A dialogue over a TCP connection beside a stream of datagrams: asks, compares, sets what may be set, hangs
+/// up. It takes place once, and again when the stream stopped, since the device may have lost what was set.
+class SideDialogue : public Dialogue {
  public:
   /// `wanted`: it takes place at all. `restores`: also when the stream stopped.
   SideDialogue(bool wanted, bool restores, Span patience)
       : wanted_(wanted), restores_(restores), patience_limit_(patience) {}
-  virtual ~SideDialogue() = default;
 
   void connected(Stamp now, DriverOutput& out) {
-    now_ = now;
     phase_ = Phase::talking;
     talked_ = true;
-    script_ = {};
     begin();
-    script(out);
+    begin_script(now, out);
   }
   /// Bytes from the device.
   virtual void receive(const Packet& packet, DriverOutput& out) = 0;
@@ -80,22 +111,16 @@ class SideDialogue {
     out.connect();
   }
 
-  /// What was read, and what is wrong with it.
-  const DeviceInfo& info() const { return info_; }
-  /// Changes whenever info() did.
-  unsigned version() const { return version_; }
-
  protected:
   /// A connection stands: nothing of a former one counts.
   virtual void begin() = 0;
-  virtual void script(DriverOutput& out) = 0;
   /// The last question was not answered.
   virtual void silent(DriverOutput& out) = 0;
 
   bool is_talking() const { return phase_ == Phase::talking; }
   void ask(const std::vector<std::uint8_t>& question, DriverOutput& out) {
     patience_.start(now_, patience_limit_);
-    out.request(ByteView(question.data(), question.size()));
+    send(question, out);
   }
   /// `complete`: whatever could be done was done.
   void hang_up(bool complete, DriverOutput& out) {
@@ -103,11 +128,6 @@ class SideDialogue {
     phase_ = Phase::idle;
     out.disconnect(false);
   }
-
-  boost::asio::coroutine script_;
-  Stamp now_{};
-  DeviceInfo info_;
-  unsigned version_ = 0;
 
  private:
   enum class Phase : std::uint8_t { idle, dialling, talking };
@@ -126,7 +146,6 @@ class SideDialogue {
 
   const bool wanted_, restores_;
   Span patience_limit_;
-  Patience patience_;
   Phase phase_ = Phase::idle;
   std::optional<Stamp> last_dial_;
   bool talked_ = false;    // a connection was made when it was dialled last

@@ -37,6 +37,12 @@ struct Packet {
   std::uint64_t missing = 0;  ///< bytes of the stream lost right before this chunk (captures with holes)
 };
 
+/// What a driver made of a packet, or of a chunk of a stream. The counters hold it already.
+struct Verdict {
+  bool has_data = false;  ///< measurement data, good or bad; telemetry and the answers of a dialogue are none
+  Reject reject = Reject::none;  ///< why data in it, or a packet that was held back until it, was not used
+};
+
 /// Name of the extra scan whose intensities hold what the device says of each beam, as bits.
 constexpr std::string_view beam_status_scan = "beam_status";
 /// The name of the state that tells the output paths of a safety scanner.
@@ -100,8 +106,8 @@ class Driver {
  public:
   virtual ~Driver() = default;
   /// One datagram, or one chunk of what the device sent over TCP (`packet.transport`; what was sent to it is
-  /// not handed in). Returns why it was not used; the counters already hold it.
-  virtual Reject receive(const Packet& packet, DriverOutput& out) = 0;
+  /// not handed in).
+  virtual Verdict receive(const Packet& packet, DriverOutput& out) = 0;
   /// A TCP connection to the device stands; its dialogue starts here. Never called in replay.
   virtual void connected(Stamp /*now*/, DriverOutput& /*out*/) {}
   /// That connection ended, half a telegram is worth nothing now; or, of a device that streams over UDP, the

@@ -48,21 +48,23 @@ class DriverBase : public Driver {
   /// Details that are listed anew, behind vendor and product.
   void clear_details() { info_.details.resize(2); }
 
-  /// Feeds a chunk of a stream to its reader and hands each whole item to `handle`, which says why it was not
-  /// used; the last such reason.
+  /// Feeds a chunk of a stream to its reader and hands each whole item to `handle`; bytes that belong to no
+  /// item are counted by the reader.
   template <class Item, class Reader, class Handle>
-  Reject read_stream(const Packet& packet, Reader& reader, Handle handle) {
+  Verdict read_stream(const Packet& packet, Reader& reader, Handle handle) {
     counters_.bytes += packet.payload.size();
     if (packet.stream_start || packet.missing > 0) reader.interrupt();
     reader.add(packet.payload);
-    Reject result = Reject::none;
-    for (Item item; reader.next(item);) {
-      const Reject reason = handle(item);
-      if (reason == Reject::none) continue;
-      counters_.reject(reason);
-      result = reason;
-    }
-    return result;
+    Verdict all;
+    for (Item item; reader.next(item);) include_verdict(handle(item), all);
+    return all;
+  }
+  /// Counts why an item was not used; `all` is the verdict on the bytes that hold it.
+  void include_verdict(const Verdict& item, Verdict& all) {
+    all.has_data = all.has_data || item.has_data;
+    if (item.reject == Reject::none) return;
+    counters_.reject(item.reject);
+    all.reject = item.reject;
   }
 
   /// True if these are the bytes of the last call: something on the way sends what it passes on twice.

@@ -75,21 +75,16 @@ void Sensor::change(const SensorConfig& wanted) {
     ring_scan_->set_ranges(wanted.ring_scan->range_min, wanted.ring_scan->range_max);
 }
 
-/// What comes in a dialogue does not show that the data come, whether it has a connection of its own or the
-/// one of the data.
+/// Answers of a dialogue do not prove that measurement data arrive, on whichever connection they come.
 void Sensor::receive(const Packet& packet, Stamp received) {
   const bool datagram = packet.transport == Transport::udp;
   if (datagram) sender_ = packet.from.address;
-  const std::uint64_t data_packets = counters().packets;
-  const std::uint64_t foreign = counters().rejected[static_cast<std::size_t>(Reject::model)];
   if (raw_topic_ != nullptr) raw_.add(packet);
-  Reject refused = driver_->receive(packet, *this);
+  const Verdict verdict = driver_->receive(packet, *this);
   if (raw_.is_full()) publish_raw();
-  // The verdict on a packet may come with the next one.
-  if (counters().rejected[static_cast<std::size_t>(Reject::model)] != foreign) refused = Reject::model;
-  if (refused != Reject::none && datagram) other_model_.refused(packet, refused);
+  if (verdict.reject != Reject::none && datagram) other_model_.refused(packet, verdict.reject);
   if (packet.transport == config_.model->transport) {
-    if (counters().packets != data_packets) {
+    if (verdict.has_data) {
       notice_data(received);
       if (datagram && !config_.ip_address && config_.packet_topic.empty()) watch_.sender(sender_);
     } else if (datagram) {

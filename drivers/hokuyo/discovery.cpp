@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/hokuyo/discovery.h"
-
 #include "drivers/hokuyo/models.h"
 #include "drivers/hokuyo/scip_message.h"
 

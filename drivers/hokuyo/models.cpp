@@ -81,8 +81,9 @@ class HokuyoRecognizer final : public Recognizer {
     scip_.add(packet.payload);
     for (ScipMessage message; scip_.next(message);) take(message);
     uam_.add(packet.payload);
-    for (std::string_view frame; uam_.next(frame);) {
-      const std::string_view command = frame.substr(5, 4);
+    for (UamFrame frame; uam_.next(frame);) {
+      if (frame.reject != Reject::none) continue;
+      const std::string_view command = frame.text.substr(5, 4);
       if (command == "AR00") name_ = "hokuyo_uam_05lp";
       if (command == "AR01") name_ = "hokuyo_uam_05lp_intensity";
       if (command == "AR06") name_ = "hokuyo_uam_05lp_fine";

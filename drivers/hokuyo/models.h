@@ -25,6 +25,8 @@ struct ScipRow {
 /// Adds the SCIP sensors and the UAM-05LP safety scanners to the table of models.
 void append_models(std::vector<Model>& list);
 std::unique_ptr<Recognizer> make_recognizer();
+/// Asks a Hokuyo for its name (SCIP: VV).
+const Discovery& discovery();
 /// Name of the generic model.
 constexpr std::string_view any_scip_name = "hokuyo_scip";
 /// The SCIP sensors alone.

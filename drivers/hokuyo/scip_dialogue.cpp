@@ -34,13 +34,7 @@ void ScipDialogue::connected(Stamp now, DriverOutput& out) {
   intensities_ = config_.publish_intensity;
   board_.clear(ScipTrouble::no_echoes);
   board_.clear(ScipTrouble::no_intensities);
-  begin(now, out);
-}
-
-void ScipDialogue::begin(Stamp now, DriverOutput& out) {
-  now_ = now;
-  script_ = {};
-  script(out);
+  begin_script(now, out);
 }
 
 /// From whatever the sensor does to its stream. Goes on after each `yield` with the answer; a comparison also
@@ -187,7 +181,7 @@ void ScipDialogue::ask_for_less(const ScipMessage& message, DriverOutput& out) {
 void ScipDialogue::restart_stream(Stamp now, DriverOutput& out) {
   if (step_ != Step::streaming || now - restarted_ < before_next_try) return;
   restarted_ = now;
-  begin(now, out);
+  begin_script(now, out);
 }
 
 void ScipDialogue::reexamine(Stamp now, DriverOutput& out) {
@@ -201,7 +195,7 @@ void ScipDialogue::compare_again(Stamp now, DriverOutput& out) {
   if (step_ != Step::streaming) return;
   compare_only_ = true;
   restarted_ = now;
-  begin(now, out);
+  begin_script(now, out);
 }
 
 void ScipDialogue::tick(Stamp now, DriverOutput& out) {
@@ -210,9 +204,9 @@ void ScipDialogue::tick(Stamp now, DriverOutput& out) {
 }
 
 void ScipDialogue::overdue(DriverOutput& out) {
-  if (step_ == Step::waiting) return begin(now_, out);
+  if (step_ == Step::waiting) return begin_script(now_, out);
   if (step_ == Step::asking && comparing_) return script(out);
-  if (step_ == Step::streaming && stalls_++ == 0) return begin(now_, out);
+  if (step_ == Step::streaming && stalls_++ == 0) return begin_script(now_, out);
   board_.set(
       ScipTrouble::silent,
       step_ == Step::streaming || introduced_

@@ -33,7 +33,7 @@ enum class ScipTrouble : std::uint8_t {
 /// What it writes by default is what a stream needs: QT (ends what a former client left running), VV, PP and
 /// II (who is there), TM0, TM1 and TM2 (what its clock shows), and the request itself. It changes no
 /// setting of the sensor.
-class ScipDialogue {
+class ScipDialogue final : public Dialogue {
  public:
   /// Whoever knows the sensor.
   class Owner {
@@ -67,8 +67,7 @@ class ScipDialogue {
  private:
   enum class Step : std::uint8_t { idle, asking, starting, streaming, waiting };
 
-  void script(DriverOutput& out);
-  void begin(Stamp now, DriverOutput& out);
+  void script(DriverOutput& out) override;
   void ask(std::string_view request, DriverOutput& out, Span patience);
   void ask(std::string_view request, DriverOutput& out);
   bool expects(const ScipMessage& message) const;
@@ -85,13 +84,10 @@ class ScipDialogue {
   Owner& owner_;
   WarningBoard<ScipTrouble>& board_;
   const DriverConfig& config_;
-  boost::asio::coroutine script_;
   Step step_ = Step::idle;
-  Stamp now_;
-  std::string_view question_;            // the last one
+  std::string_view question_;            // the last one; patience_ is with it, or with the stream
   const ScipMessage* answer_ = nullptr;  // to the last question; nullptr: none came
-  Patience patience_;        // with the last question, or with the stream since its last sign of life
-  bool introduced_ = false;  // VV, PP, II and TM are done
+  bool introduced_ = false;              // VV, PP, II and TM are done
   bool compare_only_ = false;
   bool comparing_ = false;
   bool without_percent_ = false;  // since connected(): with it nothing fitted

@@ -40,7 +40,7 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
     scan_.frame_id = config.frame_id;
   }
 
-  Reject receive(const Packet& packet, DriverOutput& out) override {
+  Verdict receive(const Packet& packet, DriverOutput& out) override {
     return read_stream<ScipMessage>(
         packet, reader_, [&](const ScipMessage& item) { return handle(item, packet.arrival, out); });
   }
@@ -86,7 +86,11 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
     return ++comparisons_ >= enough_comparisons && rest && *rest < fine_comparison;
   }
 
-  Reject handle(const ScipMessage& message, Stamp arrival, DriverOutput& out) {
+  Verdict handle(const ScipMessage& message, Stamp arrival, DriverOutput& out) {
+    if (message.echo.empty()) {
+      ++counters_.packets;
+      return {true, Reject::magic};
+    }
     const auto request = parse_scan_request(message.echo);
     const bool has_data = request && message.status == (request->continuous ? "99" : "00");
     if (!has_data) {
@@ -95,19 +99,19 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
       if (message.status == "00" && message.echo == "PP") note_parameters(message);
       if (message.status == "00" && message.echo == "II") note_information(message);
       dialogue_.take(message, arrival, out);
-      return Reject::none;
+      return {};
     }
     const bool before_our_stream = dialogue_.active() && !dialogue_.streaming();
     dialogue_.take(message, arrival, out);
     if (before_our_stream && !dialogue_.streaming()) {
       ++counters_.other_packets;  // on its way when the stream was ended
-      return Reject::none;
+      return {};
     }
     ++counters_.packets;
-    if (is_repeated(ByteView(message.body))) return Reject::duplicate;
+    if (is_repeated(ByteView(message.body))) return {true, Reject::duplicate};
     const Reject reason = publish(message, *request, arrival, out);
     note_fit(reason, arrival, out);
-    return reason;
+    return {true, reason};
   }
 
   /// A stream that brings nothing that fits is not what this driver takes it for: it asks again who is there

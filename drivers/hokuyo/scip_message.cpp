@@ -3,6 +3,7 @@
 #include "drivers/hokuyo/scip_message.h"
 
 #include <array>
+#include <utility>
 
 #include "core/base/angle.h"
 #include "core/base/number_text.h"
@@ -64,61 +65,49 @@ std::string_view take_line(std::string_view& text) {
   return line;
 }
 
-ScipReader::ScipReader(Counters& counters) : counters_(counters) {}
-
 void ScipReader::interrupt() {
-  if (begin_ < buffer_.size()) ++counters_.incomplete;
+  if (!buffer_.rest().empty()) ++counters_.incomplete;
   buffer_.clear();
-  begin_ = searched_ = 0;
+  searched_ = 0;
   torn_ = true;
 }
 
-void ScipReader::add(ByteView bytes) {
-  if (begin_ > 0) {
-    buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(begin_));
-    searched_ -= begin_;
-    begin_ = 0;
-  }
-  buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
+namespace {
+
+/// Empty unless the status line is sound.
+ScipMessage parse_message(std::string_view text) {
+  ScipMessage message;
+  message.echo = take_line(text);
+  const std::string_view status = take_line(text);
+  if (message.echo.size() < 2 || status.size() != 3 || !has_checksum(status)) return {};
+  message.status = status.substr(0, 2);
+  message.body = text;
+  return message;
 }
+
+}  // namespace
 
 bool ScipReader::next(ScipMessage& message) {
   while (true) {
+    std::string_view rest = buffer_.rest().text();
     // No answer begins with an empty line, but a stream may be joined between the two LF that end one.
-    while (begin_ < buffer_.size() && buffer_[begin_] == '\n') ++begin_;
-    searched_ = std::max(searched_, begin_);
-    const auto from = buffer_.begin() + static_cast<std::ptrdiff_t>(searched_);
-    constexpr std::array<std::uint8_t, 2> empty_line = {'\n', '\n'};
-    const auto end = std::search(from, buffer_.end(), empty_line.begin(), empty_line.end());
-    if (end == buffer_.end()) {
+    const std::size_t empty_lines = std::min(rest.find_first_not_of('\n'), rest.size());
+    buffer_.drop(empty_lines);
+    rest.remove_prefix(empty_lines);
+    searched_ -= std::min(searched_, empty_lines);
+    const std::size_t end = rest.find("\n\n", searched_);
+    if (end == std::string_view::npos) {
       // The last byte may be the first of the two.
-      searched_ = std::max(begin_, buffer_.empty() ? 0 : buffer_.size() - 1);
-      if (buffer_.size() - begin_ > longest_answer) interrupt();
+      searched_ = rest.empty() ? 0 : rest.size() - 1;
+      if (rest.size() > longest_answer) interrupt();
       return false;
     }
-    const auto size = static_cast<std::size_t>(end - buffer_.begin()) - begin_ + 1;
-    const std::string_view text(reinterpret_cast<const char*>(buffer_.data()) + begin_, size);
-    begin_ += size + 1;
-    const bool sound = parse(text, message);
-    const bool was_torn = torn_;
-    torn_ = false;
-    if (sound) return true;
-    if (was_torn) {
-      ++counters_.incomplete;
-    } else {
-      ++counters_.packets;
-      counters_.reject(Reject::magic);
-    }
+    buffer_.drop(end + 2);
+    searched_ = 0;
+    message = parse_message(rest.substr(0, end + 1));
+    if (!std::exchange(torn_, false) || !message.echo.empty()) return true;
+    ++counters_.incomplete;
   }
-}
-
-bool ScipReader::parse(std::string_view text, ScipMessage& message) const {
-  message.echo = take_line(text);
-  const std::string_view status = take_line(text);
-  if (message.echo.size() < 2 || status.size() != 3 || !has_checksum(status)) return false;
-  message.status = status.substr(0, 2);
-  message.body = text;
-  return true;
 }
 
 std::optional<ScipScanRequest> parse_scan_request(std::string_view echo) {

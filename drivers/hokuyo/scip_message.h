@@ -16,6 +16,7 @@
 #include "core/base/counters.h"
 #include "core/frames/scan.h"
 #include "drivers/driver.h"
+#include "drivers/stream_buffer.h"
 
 namespace lidard::hokuyo {
 
@@ -30,7 +31,7 @@ std::optional<std::uint64_t> scip_number(std::string_view text);
 /// Cuts the first line off `text`: returns it without its LF.
 std::string_view take_line(std::string_view& text);
 
-/// One answer of a SCIP sensor; views into the reader's buffer.
+/// One answer of a SCIP sensor; views into the reader's buffer. All are empty where it is not readable.
 struct ScipMessage {
   std::string_view echo;    ///< the request as the sensor repeats it
   std::string_view status;  ///< two characters
@@ -43,22 +44,19 @@ struct ScipMessage {
 /// Cuts a stream into answers. An answer ends with an empty line; the stream may begin or be torn anywhere.
 class ScipReader {
  public:
-  explicit ScipReader(Counters& counters);
+  explicit ScipReader(Counters& counters) : counters_(counters) {}
 
   /// The next bytes come from somewhere else in the stream, or from another one: what is half here is worth
   /// nothing.
   void interrupt();
-  void add(ByteView bytes);
-  /// The next answer whose status line is sound. It is valid until the next call of any function.
+  void add(ByteView bytes) { buffer_.add(bytes); }
+  /// The next answer. It is valid until the next call of any function.
   bool next(ScipMessage& message);
 
  private:
-  bool parse(std::string_view text, ScipMessage& message) const;
-
   Counters& counters_;
-  std::vector<std::uint8_t> buffer_;
-  std::size_t begin_ = 0;     // of the answer that is being collected
-  std::size_t searched_ = 0;  // no empty line ends before
+  StreamBuffer buffer_;
+  std::size_t searched_ = 0;  // no empty line ends in so many bytes
   bool torn_ = true;          // what comes next may be the tail of an answer
 };
 

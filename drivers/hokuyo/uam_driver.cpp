@@ -105,9 +105,12 @@ class UamDriver final : public DriverBase {
         choose_beams(config_, first_deg * rad_per_deg, row_.step_deg * rad_per_deg, row_.beams, scan_).first;
   }
 
-  Reject receive(const Packet& packet, DriverOutput& out) override {
-    return read_stream<std::string_view>(
-        packet, reader_, [&](const std::string_view& item) { return handle(item, packet.arrival, out); });
+  Verdict receive(const Packet& packet, DriverOutput& out) override {
+    return read_stream<UamFrame>(packet, reader_, [&](const UamFrame& frame) {
+      if (frame.reject == Reject::none) return handle(frame.text, packet.arrival, out);
+      ++counters_.packets;
+      return Verdict{true, frame.reject};
+    });
   }
 
   void connected(Stamp now, DriverOutput& out) override {
@@ -144,26 +147,26 @@ class UamDriver final : public DriverBase {
  private:
   enum class Step : std::uint8_t { idle, version, start, streaming, waiting };
 
-  Reject handle(std::string_view frame, Stamp arrival, DriverOutput& out) {
+  Verdict handle(std::string_view frame, Stamp arrival, DriverOutput& out) {
     const std::string_view command = frame.substr(5, 4);
     const std::size_t blocks = row_.intensities ? 2 : 1;
     const bool has_distances = command == row_.answer;
     if (has_distances) {
       ++counters_.packets;
-      if (frame.size() != uam_distances_at + 4 * row_.beams * blocks + uam_tail) return Reject::size;
+      if (frame.size() != uam_distances_at + 4 * row_.beams * blocks + uam_tail) return {true, Reject::size};
       if (step_ != Step::idle) {
         step_ = Step::streaming;
         patience_.start(arrival, stream_patience);
         board_.clear(Trouble::silent);
         board_.clear(Trouble::refused);
       }
-      return is_repeated(ByteView(frame)) ? Reject::duplicate : publish(frame, arrival, out);
+      return {true, is_repeated(ByteView(frame)) ? Reject::duplicate : publish(frame, arrival, out)};
     }
     ++counters_.other_packets;
     if (command == "VR00") take_version(frame);
     if (step_ == Step::version && command == "VR00") ask(Step::start, arrival, out);
     if (step_ == Step::start && command == row_.start) answer_to_start(frame, arrival);
-    return Reject::none;
+    return {};
   }
 
   /// Model, firmware, a reserved field and the serial number, separated by commas.

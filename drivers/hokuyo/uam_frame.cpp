@@ -34,59 +34,44 @@ std::optional<std::uint32_t> uam_number(std::string_view text, std::size_t at, s
   return number_in<std::uint32_t>(text.substr(at, digits), 16);
 }
 
-UamReader::UamReader(Counters& counters) : counters_(counters) {}
-
 void UamReader::interrupt() {
-  if (begin_ < buffer_.size()) ++counters_.incomplete;
+  if (!buffer_.rest().empty()) ++counters_.incomplete;
   buffer_.clear();
-  begin_ = 0;
   torn_ = true;
-}
-
-void UamReader::add(ByteView bytes) {
-  buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(begin_));
-  begin_ = 0;
-  buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
 }
 
 /// Moves to the next STX; counts a torn frame's rest once.
 bool UamReader::skip_to_frame() {
-  const auto from = buffer_.begin() + static_cast<std::ptrdiff_t>(begin_);
-  const auto start = std::find(from, buffer_.end(), stx);
-  if (start != from && torn_) ++counters_.incomplete;
-  if (start != from) torn_ = false;
-  begin_ = static_cast<std::size_t>(start - buffer_.begin());
-  return start != buffer_.end();
+  const std::string_view rest = buffer_.rest().text();
+  const std::size_t start = std::min(rest.find(static_cast<char>(stx)), rest.size());
+  if (start > 0 && torn_) ++counters_.incomplete;
+  if (start > 0) torn_ = false;
+  buffer_.drop(start);
+  return start < rest.size();
 }
 
-bool UamReader::next(std::string_view& frame) {
-  while (skip_to_frame()) {
-    const std::string_view rest(reinterpret_cast<const char*>(buffer_.data()) + begin_,
-                                buffer_.size() - begin_);
-    if (rest.size() < head) return false;
-    const auto size = uam_number(rest, 1, 4);
-    Reject reason = Reject::none;
-    if (!size || *size < shortest_frame || *size > longest_frame) {
-      reason = Reject::size;
-    } else if (rest.size() < *size) {
-      return false;
-    } else if (static_cast<std::uint8_t>(rest[*size - 1]) != etx) {
-      reason = Reject::magic;
-    } else if (uam_number(rest, *size - checksum_size, 4) !=
-               uam_crc(rest.substr(1, *size - 1 - checksum_size))) {
-      reason = Reject::checksum;
-    }
-    torn_ = false;
-    if (reason == Reject::none) {
-      begin_ += *size;
-      frame = rest.substr(0, *size);
-      return true;
-    }
-    ++counters_.packets;
-    counters_.reject(reason);
-    ++begin_;  // a frame may begin inside of what only looked like one
+bool UamReader::next(UamFrame& frame) {
+  if (!skip_to_frame()) return false;
+  const std::string_view rest = buffer_.rest().text();
+  if (rest.size() < head) return false;
+  const auto size = uam_number(rest, 1, 4);
+  frame = {};
+  if (!size || *size < shortest_frame || *size > longest_frame) {
+    frame.reject = Reject::size;
+  } else if (rest.size() < *size) {
+    return false;
+  } else if (static_cast<std::uint8_t>(rest[*size - 1]) != etx) {
+    frame.reject = Reject::magic;
+  } else if (uam_number(rest, *size - checksum_size, 4) !=
+             uam_crc(rest.substr(1, *size - 1 - checksum_size))) {
+    frame.reject = Reject::checksum;
+  } else {
+    frame.text = rest.substr(0, *size);
   }
-  return false;
+  torn_ = false;
+  // A frame may begin inside of what only looked like one.
+  buffer_.drop(frame.reject == Reject::none ? *size : 1);
+  return true;
 }
 
 }  // namespace lidard::hokuyo

@@ -7,10 +7,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "core/base/bytes.h"
 #include "core/base/counters.h"
+#include "drivers/stream_buffer.h"
 
 namespace lidard::hokuyo {
 
@@ -21,22 +21,27 @@ std::string uam_request(std::string_view command);
 /// `digits` hexadecimal digits at `at`; empty if one of them is none.
 std::optional<std::uint32_t> uam_number(std::string_view text, std::size_t at, std::size_t digits);
 
-/// Cuts a stream into frames STX length ... CRC ETX; a view into its own buffer. Text outside of frames
-/// (SCIP answers on the same connection) is passed over.
+/// A frame from STX to ETX.
+struct UamFrame {
+  std::string_view text;         ///< a view into the reader's buffer
+  Reject reject = Reject::none;  ///< why it is not readable: then the text is empty
+};
+
+/// Cuts a stream into frames STX length ... CRC ETX. Text outside of frames (SCIP answers on the same
+/// connection) is passed over.
 class UamReader {
  public:
-  explicit UamReader(Counters& counters);
+  explicit UamReader(Counters& counters) : counters_(counters) {}
   void interrupt();
-  void add(ByteView bytes);
-  /// The next frame from STX to ETX, its checksum is right; valid until the next call.
-  bool next(std::string_view& frame);
+  void add(ByteView bytes) { buffer_.add(bytes); }
+  /// The next frame, valid until the next call of add() or interrupt().
+  bool next(UamFrame& frame);
 
  private:
   bool skip_to_frame();
 
   Counters& counters_;
-  std::vector<std::uint8_t> buffer_;
-  std::size_t begin_ = 0;
+  StreamBuffer buffer_;
   bool torn_ = true;
 };
 

@@ -5,10 +5,8 @@
 #include <algorithm>
 #include <string>
 
-#include "drivers/hokuyo/discovery.h"
 #include "drivers/hokuyo/models.h"
 #include "drivers/sick/cola/cola_models.h"
-#include "drivers/sick/cola/discovery.h"
 #include "drivers/sick/compact/compact_models.h"
 #include "drivers/sick/safety/safety_models.h"
 #include "drivers/velodyne/models.h"

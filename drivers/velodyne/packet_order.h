@@ -37,7 +37,8 @@ class PacketOrder {
       : row_(row), counters_(counters), timing_(&row.timings.front()), decided_(row.timings.size() == 1) {}
 
   /// Takes a packet of the right size and calls `use(packet, device_time)` for each that is due, in order;
-  /// device time is unwrapped. Returns why this packet was not used, if so; the counters hold it already.
+  /// device time is unwrapped. Returns why this packet, or the one that was held back until it, was not used;
+  /// the counters hold it already.
   template <typename Use>
   Reject add(const OrderedPacket& packet, Use&& use) {
     if (packet.other_product) {
@@ -229,6 +230,8 @@ class PacketOrder {
       }
       counters_.reject(Reject::model);  // for the held one, whose verdict came late
       refused_product_ = held_.view().product();
+      held_ = packet;
+      return Reject::model;
     } else if (started_) {
       if (is_model_period(since_last(packet), packet)) {
         lying_product_ = product;

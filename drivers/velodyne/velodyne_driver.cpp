@@ -62,15 +62,15 @@ class VelodyneDriver final : public DriverBase {
 
   void change(const DriverConfig& wanted) override { frames_.change(wanted); }
 
-  Reject receive(const Packet& packet, DriverOutput& out) override {
+  Verdict receive(const Packet& packet, DriverOutput& out) override {
     if (packet.transport == Transport::tcp) {
       if (web_) web_->dialogue.receive(packet, out);
-      return Reject::none;
+      return {};
     }
     if (web_) web_->facts.add(packet);
     if (packet.payload.size() == position_packet_size) {
       ++counters_.other_packets;
-      return telemetry_.receive(packet.payload, packet.arrival, out, info_);
+      return {false, telemetry_.receive(packet.payload, packet.arrival, out, info_)};
     }
     incoming_.index = static_cast<std::uint32_t>(counters_.packets++);
     counters_.bytes += packet.payload.size();
@@ -81,7 +81,7 @@ class VelodyneDriver final : public DriverBase {
     const Reject reason = check(packet.payload);
     if (reason != Reject::none) {
       counters_.reject(reason);
-      return reason;
+      return {true, reason};
     }
     incoming_.layout = &layout_of(incoming_.view(), row_);
     incoming_.azimuths = read_azimuths(incoming_.view(), *incoming_.layout);
@@ -95,7 +95,7 @@ class VelodyneDriver final : public DriverBase {
       if (product == order_.lying_product()) note_product(product, false);
       if (product == order_.refused_product()) note_product(product, true);
     }
-    return verdict;
+    return {true, verdict};
   }
 
   void finish(DriverOutput& out) override {

@@ -147,7 +147,7 @@ MillRun run_once(std::uint64_t seed, const Model& model, StallWatch& watch) {
     const Packet& packet = mill.next();
     watch.begin_packet(run.packets);
     const double begin = used(CLOCK_THREAD_CPUTIME_ID);
-    run.not_used += driver->receive(packet, out) != Reject::none ? 1U : 0U;
+    run.not_used += driver->receive(packet, out).reject != Reject::none ? 1U : 0U;
     between(*driver, packet.arrival, out, rng);
     const double spent = used(CLOCK_THREAD_CPUTIME_ID) - begin;
     EXPECT_LT(spent, longest_packet_s) << "packet " << run.packets;

@@ -116,7 +116,7 @@ std::string milled(const Model& model, std::uint64_t seed, const Way& way) {
     const Packet& packet = mill.next();
     now = packet.arrival;
     if (i % 150 == 20) driver->connected(now, out);
-    out.sums.add_exact("reject", static_cast<int>(driver->receive(packet, out)));
+    out.sums.add_exact("reject", static_cast<int>(driver->receive(packet, out).reject));
     if (i % 10 == 0) driver->tick(now, out);
     if (i % 150 == 100) driver->disconnected();
     if (i == 700) driver->restart();

@@ -141,7 +141,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                                     : stream.data_packet();
     packet.payload = ByteView(bytes.data(), bytes.size());
     ++given;
-    refused += driver->receive(packet, out) != Reject::none ? 1U : 0U;
+    refused += driver->receive(packet, out).reject != Reject::none ? 1U : 0U;
   }
   driver->finish(out);
   const Counters& counters = driver->counters();

@@ -22,7 +22,7 @@ class DiscDriver final : public DriverBase {
  public:
   explicit DiscDriver(const DriverConfig& config);
 
-  Reject receive(const Packet& packet, DriverOutput& out) override;
+  Verdict receive(const Packet& packet, DriverOutput& out) override;
   void finish(DriverOutput&) override { give_up_scan(); }
   void restart() override;
 
@@ -61,12 +61,12 @@ DiscDriver::DiscDriver(const DriverConfig& config) : DriverBase(config), clock_(
   });
 }
 
-Reject DiscDriver::receive(const Packet& packet, DriverOutput& out) {
+Verdict DiscDriver::receive(const Packet& packet, DriverOutput& out) {
   ++counters_.packets;
   counters_.bytes += packet.payload.size();
   const Reject reason = use(packet, out);
   if (reason != Reject::none) counters_.reject(reason);
-  return reason;
+  return {true, reason};
 }
 
 Reject DiscDriver::use(const Packet& packet, DriverOutput& out) {

@@ -248,7 +248,7 @@ struct Bench {
     packet.payload = test::view(bytes);
     packet.arrival = now;
     now = now + disc::turn / 4;
-    return driver->receive(packet, output);
+    return driver->receive(packet, output).reject;
   }
   Reject give(std::uint32_t scan, std::size_t part, bool dirty = false) {
     return give(disc_packet(

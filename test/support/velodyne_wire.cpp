@@ -83,8 +83,8 @@ std::vector<WirePacket> spin(const ModelMode& which, double turns, sim::Velodyne
 
 Reject give(Driver& driver, const WirePacket& packet, DriverOutput& out) {
   const Endpoint sensor{IpAddress::v4(192, 168, 1, 201), 2368};
-  return driver.receive({{packet.bytes.data(), packet.bytes.size()}, packet.arrival, sensor, {{}, 2368}},
-                        out);
+  const ByteView bytes(packet.bytes.data(), packet.bytes.size());
+  return driver.receive({bytes, packet.arrival, sensor, {{}, 2368}}, out).reject;
 }
 
 }  // namespace lidard::test

@@ -3,77 +3,40 @@
 #include "drivers/sick/cola/cola_dialogue.h"
 
 #include <boost/asio/yield.hpp>
-#include <cstdio>
-#include <cstdlib>
 
+#include "core/base/number_text.h"
 #include "drivers/model.h"
-#include "drivers/sick/cola/cola_stream.h"
 
 namespace lidard::sick {
 namespace {
 
-/// Recorded devices answer within 20 ms. After that people learn that an answer is missing; it may still
-/// come.
+/// Recorded devices answer within 20 ms. After that the missing answer is reported; it may still come.
 constexpr Span patience = std::chrono::seconds(2);
-/// For the first answer, which tells the dialect that the device speaks.
+/// For the first answer, which shows the dialect of the device.
 constexpr Span probe_patience = std::chrono::milliseconds(600);
 /// The mirror may have to reach its speed first.
 constexpr Span first_scan_patience = std::chrono::seconds(4);
 
-/// What is asked in each step, by Step; arguments follow.
-constexpr std::array<std::string_view, 14> commands = {"",
-                                                       "sRN DeviceIdent",
-                                                       "sRN LMPoutputRange",
-                                                       "sRN LMDscandatacfg",
-                                                       "sMN SetAccessMode",
-                                                       "sWN LMDscandatacfg",
-                                                       "sMN Run",
-                                                       "sEN LFErec",
-                                                       "sEN LIDoutputstate",
-                                                       "sEN LIDinputstate",
-                                                       "sEN InertialMeasurementUnit",
-                                                       "sEN LMDscandata",
-                                                       "",
-                                                       ""};
+constexpr std::string_view settings_read = "sRN LMDscandatacfg", settings_write = "sWN LMDscandatacfg",
+                           subscription = "sEN LMDscandata";
 
 constexpr const char* no_scans =
     "the device accepts 'sEN LMDscandata 1' but sends no scans: its measurement is switched off, or somebody "
-    "else "
-    "is logged in; look at it with SOPAS ET";
-
-template <class Step>
-std::string_view command_of(Step step) {
-  return commands.at(static_cast<std::size_t>(step));
-}
-
-std::string_view variable_of(std::string_view command) { return command.substr(4); }
+    "else is logged in; look at it with SOPAS ET";
 
 template <class Reader>
-bool read_settings(Reader in, ColaOutputs& s) {
-  for (std::uint8_t& byte : s.channels) byte = in.u8();
-  s.rssi = in.u8();
-  s.wide_rssi = in.u8();
-  s.unit = in.u8();
-  for (std::uint8_t& byte : s.encoders) byte = in.u8();
-  s.position = in.u8();
-  s.name = in.u8();
-  s.comment = in.u8();
-  s.time = in.u8();
-  s.interval = in.u16();
+bool read_outputs(Reader in, ColaOutputs& outputs) {
+  for (std::uint8_t& byte : outputs.contents) byte = in.u8();
+  outputs.interval = in.u16();
   return in.ok();
-}
-
-void write_settings(ColaWriter& out, const ColaOutputs& s) {
-  out.u8(s.channels[0]).u8(s.channels[1]).u8(s.rssi).u8(s.wide_rssi).u8(s.unit);
-  out.u8(s.encoders[0]).u8(s.encoders[1]).u8(s.position).u8(s.name).u8(s.comment).u8(s.time);
-  out.u16(s.interval);
 }
 
 /// The echoes that come, "1+2", or "none".
 std::string echoes_of(const ColaOutputs& s) {
   std::string text;
   for (unsigned bit = 0; bit < 5; ++bit) {
-    if ((s.channels[0] >> bit & 1U) != 0) text += (text.empty() ? "" : "+") + std::to_string(bit + 1);
+    if ((s.contents[ColaOutputs::echoes] >> bit & 1U) != 0)
+      text += (text.empty() ? "" : "+") + std::to_string(bit + 1);
   }
   return text.empty() ? "none" : text;
 }
@@ -85,9 +48,11 @@ std::string changes(const ColaOutputs& before, const ColaOutputs& now) {
     if (was == is) return;
     text += (text.empty() ? "" : ", ") + std::string(what) + " " + was + " -> " + is;
   };
-  const auto on_off = [](bool on) { return std::string(on ? "on" : "off"); };
+  const auto intensity = [](const ColaOutputs& s) {
+    return std::string(s.contents[ColaOutputs::intensity] != 0 ? "on" : "off");
+  };
   append("echoes", echoes_of(before), echoes_of(now));
-  append("intensity", on_off(before.rssi != 0), on_off(now.rssi != 0));
+  append("intensity", intensity(before), intensity(now));
   append("output interval", std::to_string(before.interval), std::to_string(now.interval));
   return text;
 }
@@ -105,9 +70,7 @@ std::string read_range(Reader in) {
   const double step = in.u32() / 10000.0;
   const double start = in.i32() / 10000.0;
   const double stop = in.i32() / 10000.0;
-  std::array<char, 96> text{};
-  std::snprintf(text.data(), text.size(), "%.4f to %.4f deg in steps of %.4f deg", start, stop, step);
-  return in.ok() ? text.data() : std::string();
+  return in.ok() ? printed("%.4f to %.4f deg in steps of %.4f deg", start, stop, step) : std::string();
 }
 
 /// The answer of methods and subscriptions: one number, 1 (or 0 for methods that report errors).
@@ -117,57 +80,58 @@ unsigned first_number(const ColaTelegram& telegram) {
 
 }  // namespace
 
-void ColaDialogue::start(Stamp now, DriverOutput& out) {
-  now_ = now;
+void ColaDialogue::connected(Stamp now, DriverOutput& out) {
   patience_ = {};
   answered_ = scans_ = logged_in_ = false;
   settings_.reset();
   wanted_.reset();
   found_.clear();
-  script_ = {};
-  script(out);
+  begin_script(now, out);
 }
 
 /// Goes on after each `yield` with the answer, or without one where the device sends scans anyway.
 void ColaDialogue::script(DriverOutput& out) {
+  const DeviceRequests& requests = config_.requests;
+  const bool compares = requests.allow_write || requests.skip || config_.publish_multiecho;
   reenter(script_) {
-    yield ask(Step::identity, out);
-    if (was_done()) take_identity();
-    yield ask(Step::range, out);
+    yield ask("sRN DeviceIdent", Answer::dispensable, out);
+    if (was_done()) note_identity();
+    yield ask("sRN LMPoutputRange", Answer::dispensable, out);
     if (was_done()) detail("Output range", read_arguments(*answer_, [](auto in) { return read_range(in); }));
-    yield ask(Step::settings, out);
-    if (was_done()) take_settings();
+    yield ask(settings_read, compares ? Answer::needed : Answer::dispensable, out);
+    if (was_done()) read_settings();
     if (wanted_) {
-      yield ask(Step::login, out);
-      take_login();
+      yield ask(sopas_login, out);
+      note_login();
     }
     if (logged_in_) {
-      yield ask(Step::write, out);
-      if (was_done()) settings_written(out);
-      yield ask(Step::run, out);  // logs out
+      yield ask(settings_write, out);
+      if (was_done()) note_written(out);
+      yield ask(sopas_run, out);
       if (was_done()) logged_in_ = false;
     }
-    if (config_.requests.device_states) {
-      yield ask(Step::fields, out);
-      yield ask(Step::outputs, out);
-      yield ask(Step::inputs, out);
+    if (requests.device_states) {
+      yield ask("sEN LFErec", out);
+      yield ask("sEN LIDoutputstate", out);
+      yield ask("sEN LIDinputstate", out);
     }
-    if (config_.model->tells<ImuSample>() && dialect_ == ColaDialect::b) {
-      yield ask(Step::imu, out);
+    if (config_.model->tells<ImuSample>() && session_.dialect == ColaDialect::b) {
+      yield ask("sEN InertialMeasurementUnit", Answer::dispensable, out);
     }
-    yield ask(Step::subscribe, out);
-    if (refused_ && !can_login()) return give_up({}, out);
+    yield ask(subscription, out);
+    if (refused_ && !can_login()) return give_up(out);
     if (refused_) {
-      yield ask(Step::login, out);
-      take_login();
-      if (refused_) return give_up({}, out);
+      yield ask(sopas_login, out);
+      note_login();
+      if (refused_) return give_up(out);
       if (logged_in_) {
-        yield ask(Step::subscribe, out);
-        if (refused_) return give_up({}, out);
-        yield ask(Step::run, out);
+        yield ask(subscription, out);
+        if (refused_) return give_up(out);
+        yield ask(sopas_run, out);
       }
     }
-    ask(Step::waiting, out);
+    phase_ = Phase::waiting_for_scan;
+    patience_.start_answer(now_, first_scan_patience);
   }
 }
 
@@ -177,112 +141,87 @@ bool ColaDialogue::can_login() const {
 }
 
 void ColaDialogue::change_dialect() {
-  dialect_ = dialect_ == ColaDialect::b ? ColaDialect::a : ColaDialect::b;
+  session_.dialect = session_.dialect == ColaDialect::b ? ColaDialect::a : ColaDialect::b;
 }
 
 /// Somebody who takes silence for a dead connection may have been quicker than our patience.
-void ColaDialogue::stop() {
-  if (step_ == Step::idle) return;
-  if (step_ == Step::waiting) warn(no_scans);
-  if (step_ != Step::streaming) show_warnings();
-  const bool unanswered = step_ < Step::waiting && !dialect_known_;
-  if (unanswered) change_dialect();
-  step_ = Step::idle;
+void ColaDialogue::disconnected() {
+  if (phase_ == Phase::idle) return;
+  if (phase_ == Phase::waiting_for_scan) warn(no_scans);
+  if (phase_ != Phase::streaming) show_warnings();
+  if (phase_ == Phase::asking && !dialect_known_) change_dialect();
+  phase_ = Phase::idle;
 }
 
-void ColaDialogue::ask(Step step, DriverOutput& out) {
-  step_ = step;
-  refused_.reset();
-  patience_.start_answer(now_, step == Step::waiting ? first_scan_patience
-                               : answered_           ? patience
-                                                     : probe_patience);
-  send_request(out);
+void ColaDialogue::ask(std::string_view command, Answer answer, DriverOutput& out) {
+  phase_ = Phase::asking;
+  expected_ = answer;
+  refused_ = false;
+  question_ = command;
+  patience_.start_answer(now_, answered_ ? patience : probe_patience);
+  send_question(out);
 }
 
-void ColaDialogue::send_request(DriverOutput& out) const {
-  const std::vector<std::uint8_t> bytes = request(step_);
-  if (!bytes.empty()) out.request({bytes.data(), bytes.size()});
+void ColaDialogue::send_question(DriverOutput& out) {
+  ColaWriter question = session_.ask(question_);
+  if (question_ == settings_write) {
+    for (const std::uint8_t byte : wanted_->contents) question.u8(byte);
+    question.u16(wanted_->interval);
+  }
+  if (question_.substr(0, 3) == "sEN") question.u8(1);
+  send(question.finish(), out);
 }
 
-std::vector<std::uint8_t> ColaDialogue::login_request() const {
-  const DeviceRequests& requests = config_.requests;
-  const unsigned long level =
-      requests.user_level.empty() ? row_.login : std::strtoul(requests.user_level.c_str(), nullptr, 10);
-  const unsigned long hash = requests.password_hash.empty()
-                                 ? row_.password
-                                 : std::strtoul(requests.password_hash.c_str(), nullptr, 16);
-  ColaWriter writer(dialect_, command_of(Step::login));
-  return writer.u8(static_cast<std::uint8_t>(level)).hash(static_cast<std::uint32_t>(hash)).finish();
-}
-
-std::vector<std::uint8_t> ColaDialogue::request(Step step) const {
-  const std::string_view command = command_of(step);
-  if (command.empty()) return {};
-  if (step == Step::login) return login_request();
-  ColaWriter writer(dialect_, command);
-  if (step == Step::write) write_settings(writer, *wanted_);
-  if (command.substr(0, 3) == "sEN") writer.u8(1);
-  return writer.finish();
-}
-
-void ColaDialogue::answer(const ColaTelegram& telegram, Stamp now, DriverOutput& out) {
-  if (!is_asked()) return;
+void ColaDialogue::receive(const ColaTelegram& telegram, Stamp now, DriverOutput& out) {
+  if (phase_ != Phase::asking) return;  // a device that is asked does not stream yet
   now_ = now;
   if (patience_.is_slow()) patience_.start_answer(now, patience);
-  const bool error = telegram.kind() == "sFA";
-  if (!error && telegram.name() != variable_of(command_of(step_))) return;
+  if (!session_.accept(telegram)) return;
   answered_ = true;
   // Whoever set the device to the other dialect wanted it so: we speak it too.
-  const bool misunderstood = error && telegram.dialect != dialect_ && !dialect_known_;
-  dialect_ = telegram.dialect;
+  const bool misunderstood = session_.refusal() && telegram.dialect != session_.dialect && !dialect_known_;
+  session_.dialect = telegram.dialect;
   dialect_known_ = true;
-  if (misunderstood) return ask(step_, out);
-  if (error)
-    refused_ = cola_error_code(telegram);
-  else if (step_ == Step::subscribe && first_number(telegram) != 1)
-    refused_ = 0xff;
-  if (refused_) take_refusal();
+  if (misunderstood) return ask(question_, expected_, out);
+  const bool declined = question_ == subscription && first_number(telegram) != 1;
+  refused_ = session_.refusal() || declined;
+  if (refused_) note_refusal(session_.refusal().value_or(0xff));
   answer_ = &telegram;
   script(out);
   answer_ = nullptr;
 }
 
-void ColaDialogue::take_refusal() {
-  if (step_ == Step::subscribe && can_login()) return;  // that may help
-  const std::string command(command_of(step_));
-  std::string words = "(sFA " + std::to_string(*refused_) + "): " + cola_error_words(*refused_);
-  if (is_dispensable())
-    detail("Refused " + command, words);
+void ColaDialogue::note_refusal(std::uint8_t code) {
+  if (question_ == subscription && can_login()) return;  // that may help
+  const std::string words = "(sFA " + std::to_string(code) + "): " + cola_error_words(code);
+  note_missing("the device refused '" + session_.command() + "' " + words, words);
+}
+
+/// The last question has no answer, or it was refused.
+void ColaDialogue::note_missing(std::string warning, const std::string& remark) {
+  if (expected_ == Answer::dispensable)
+    detail("Refused " + session_.command(), remark);
   else
-    warn("the device refused '" + command + "' " + words);
+    warn(std::move(warning));
 }
 
-/// True if nothing that the configuration asks for depends on the answer to the last question.
-bool ColaDialogue::is_dispensable() const {
-  const DeviceRequests& requests = config_.requests;
-  const bool compares = requests.allow_write || requests.skip || config_.publish_multiecho;
-  return step_ == Step::identity || step_ == Step::range || (step_ == Step::settings && !compares) ||
-         step_ == Step::imu;
-}
-
-void ColaDialogue::take_login() {
+void ColaDialogue::note_login() {
   logged_in_ = was_done() && first_number(*answer_) == 1;
   if (!was_done() || logged_in_) return;
-  refused_ = 0xff;
+  refused_ = true;
   warn(
       "the device refused the login: the password of that user level was changed, or the level does "
       "not exist; set user_level and user_level_password");
 }
 
-void ColaDialogue::give_up(std::string why, DriverOutput& out) {
-  if (!why.empty()) warn(std::move(why));
+void ColaDialogue::give_up(DriverOutput& out) {
   show_warnings();
-  step_ = Step::idle;
+  phase_ = Phase::idle;
   out.disconnect(true);
 }
 
 /// A TiM7xxS calls itself as a TiM7xx does: only the beginning of the configured name counts.
-void ColaDialogue::take_identity() {
+void ColaDialogue::note_identity() {
   const std::string identity = read_arguments(*answer_, [](auto in) { return read_identity(in); });
   detail("Device", identity);
   const std::string_view named = cola_model_named(identity);
@@ -295,17 +234,20 @@ void ColaDialogue::take_identity() {
                              : "set model: " + std::string(named)));
 }
 
-void ColaDialogue::take_settings() {
+void ColaDialogue::read_settings() {
   ColaOutputs read;
-  if (!read_arguments(*answer_, [&](auto in) { return read_settings(in, read); })) {
+  if (!read_arguments(*answer_, [&](auto in) { return read_outputs(in, read); })) {
     warn(
         "the answer to 'sRN LMDscandatacfg' is not as SICK 8014631 describes it, so nothing is compared or "
         "written; report the firmware version");
     return;
   }
   settings_ = read;
+  const bool intensities = read.contents[ColaOutputs::intensity] != 0;
   detail("Echoes sent", echoes_of(read));
-  detail("Intensities sent", read.rssi == 0 ? "no" : read.wide_rssi == 0 ? "8 bits" : "16 bits");
+  detail("Intensities sent", !intensities                                      ? "no"
+                             : read.contents[ColaOutputs::wide_intensity] == 0 ? "8 bits"
+                                                                               : "16 bits");
   detail("Output interval", std::to_string(read.interval));
   compare_settings();
 }
@@ -315,19 +257,20 @@ void ColaDialogue::compare_settings() {
   ColaOutputs wanted = *settings_;
   constexpr std::uint8_t all_echoes = 0x1f;  // SICK 8014631: bits of DIST1 to DIST5
   if (config_.requests.skip) wanted.interval = static_cast<std::uint16_t>(*config_.requests.skip + 1);
-  if (config_.publish_multiecho && config_.model->has(Trait::echoes)) wanted.channels[0] = all_echoes;
-  const bool explicit_wish = !(wanted == *settings_);
+  if (config_.publish_multiecho && config_.model->has(Trait::echoes))
+    wanted.contents[ColaOutputs::echoes] = all_echoes;
+  const bool differs = !(wanted == *settings_);
   // Intensities are published by default where they are; that alone is no reason to ask for a permission.
-  if (config_.publish_intensity && config_.requests.allow_write) wanted.rssi = 1;
+  if (config_.publish_intensity && config_.requests.allow_write) wanted.contents[ColaOutputs::intensity] = 1;
   if (config_.requests.allow_write) {
     if (!(wanted == *settings_)) wanted_ = wanted;
-  } else if (explicit_wish) {
+  } else if (differs) {
     warn("the device is set otherwise than configured (" + changes(*settings_, wanted) +
          "); set allow_write: true to have it changed, or change it with SOPAS ET");
   }
 }
 
-void ColaDialogue::settings_written(DriverOutput& out) {
+void ColaDialogue::note_written(DriverOutput& out) {
   const std::string text = "LMDscandatacfg: " + changes(*settings_, *wanted_);
   out.note(text);
   detail("Setting written", text);
@@ -335,30 +278,30 @@ void ColaDialogue::settings_written(DriverOutput& out) {
 }
 
 void ColaDialogue::scan_came(ColaDialect dialect) {
-  if (!scans_) dialect_ = dialect;
+  if (!scans_) session_.dialect = dialect;
   scans_ = dialect_known_ = true;
-  if (step_ != Step::waiting && step_ != Step::subscribe) return;
-  step_ = Step::streaming;
+  const bool subscribing = phase_ == Phase::asking && question_ == subscription;
+  if (phase_ != Phase::waiting_for_scan && !subscribing) return;
+  phase_ = Phase::streaming;
   show_warnings();
 }
 
 void ColaDialogue::tick(Stamp now, DriverOutput& out) {
   now_ = now;
-  if (step_ == Step::idle || step_ == Step::streaming || !patience_.is_over(now)) return;
-  if (step_ == Step::waiting) return give_up(no_scans, out);
+  if (phase_ == Phase::idle || phase_ == Phase::streaming || !patience_.is_over(now)) return;
+  if (phase_ == Phase::waiting_for_scan) {
+    warn(no_scans);
+    return give_up(out);
+  }
   if (!dialect_known_) {
     // Whatever was not understood was not answered either.
     dialect_known_ = true;
     change_dialect();
-    return ask(step_, out);
+    return ask(question_, expected_, out);
   }
-  const std::string command(command_of(step_));
-  const std::string unanswered = "the device did not answer '" + command + "'";
+  const std::string unanswered = "the device did not answer '" + session_.command() + "'";
   if (scans_) {
-    if (is_dispensable())
-      detail("Refused " + command, "no answer");
-    else
-      warn(unanswered + "; its scans are not affected");
+    note_missing(unanswered + "; its scans are not affected", "no answer");
     return script(out);
   }
   const std::string why =
@@ -368,20 +311,11 @@ void ColaDialogue::tick(Stamp now, DriverOutput& out) {
   if (!answered_) change_dialect();
   if (!patience_.extend(now)) {
     dialect_known_ = false;
-    return give_up(why, out);
+    warn(why);
+    return give_up(out);
   }
-  info_.warnings = {why};
-  changed_ = true;
-  send_request(out);
-}
-
-bool ColaDialogue::changed() { return std::exchange(changed_, false); }
-
-/// Those of the last attempt stay until this one has come to its end: nothing flickers while it goes on.
-void ColaDialogue::show_warnings() {
-  if (info_.warnings == found_) return;
-  info_.warnings = found_;
-  changed_ = true;
+  set_warnings({why});
+  send_question(out);
 }
 
 }  // namespace lidard::sick

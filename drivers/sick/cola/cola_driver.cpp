@@ -67,22 +67,15 @@ class ColaStates {
     state_->frame_id = imu_->frame_id = config.frame_id;
   }
 
-  /// True if the telegram is one of those; `reason` says whether it could be read.
-  bool take(const ColaTelegram& telegram, Stamp arrival, const ColaClock& clock, DriverOutput& out,
-            Reject& reason) {
-    const std::string_view kind = telegram.kind();
-    if (kind != "sSN" && kind != "sRA") return false;
-    const std::string_view name = telegram.name();
-    if (name == "LFErec") {
-      reason = take_fields(telegram, arrival, clock, out);
-    } else if (name == "LIDoutputstate" || name == "LIDinputstate") {
-      reason = take_pins(telegram, name == "LIDoutputstate", arrival, clock, out);
-    } else if (name == "InertialMeasurementUnit") {
-      reason = take_imu(telegram, arrival, clock, out);
-    } else {
-      return false;
-    }
-    return true;
+  /// Reads the telegram if it is one of those; why it cannot be read.
+  Reject read(const ColaTelegram& telegram, Stamp arrival, const ColaClock& clock, DriverOutput& out) {
+    const std::string_view kind = telegram.kind(), name = telegram.name();
+    if (kind != "sSN" && kind != "sRA") return Reject::none;
+    if (name == "LFErec") return read_fields(telegram, arrival, clock, out);
+    if (name == "LIDoutputstate") return read_pins(telegram, true, arrival, clock, out);
+    if (name == "LIDinputstate") return read_pins(telegram, false, arrival, clock, out);
+    if (name == "InertialMeasurementUnit") return read_imu(telegram, arrival, clock, out);
+    return Reject::none;
   }
 
   /// The encoders of a scan, if it has any.
@@ -109,7 +102,7 @@ class ColaStates {
     return (use ? clock.to_host(clock.near_last(*time_us)) : arrival) + time_offset_;
   }
 
-  Reject take_fields(const ColaTelegram& telegram, Stamp arrival, const ColaClock& clock, DriverOutput& out) {
+  Reject read_fields(const ColaTelegram& telegram, Stamp arrival, const ColaClock& clock, DriverOutput& out) {
     const Reject reason = parse_cola_fields(telegram, fields_);
     if (reason != Reject::none) return reason;
     state_->values.clear();
@@ -121,7 +114,7 @@ class ColaStates {
     return Reject::none;
   }
 
-  Reject take_pins(const ColaTelegram& telegram, bool output, Stamp arrival, const ColaClock& clock,
+  Reject read_pins(const ColaTelegram& telegram, bool output, Stamp arrival, const ColaClock& clock,
                    DriverOutput& out) {
     const Reject reason = output ? parse_cola_outputs(telegram, pins_) : parse_cola_inputs(telegram, pins_);
     if (reason != Reject::none) return reason;
@@ -136,7 +129,7 @@ class ColaStates {
     return Reject::none;
   }
 
-  Reject take_imu(const ColaTelegram& telegram, Stamp arrival, const ColaClock& clock, DriverOutput& out) {
+  Reject read_imu(const ColaTelegram& telegram, Stamp arrival, const ColaClock& clock, DriverOutput& out) {
     ColaImu read;
     const Reject reason = parse_cola_imu(telegram, read);
     if (reason != Reject::none) return reason;
@@ -167,26 +160,24 @@ class ColaDriver final : public DriverBase {
         states_(config),
         dialogue_(config, row_) {}
 
-  Reject receive(const Packet& packet, DriverOutput& out) override {
+  Verdict receive(const Packet& packet, DriverOutput& out) override {
     if (packet.stream_start) counting_ = plain_scans_ = false;
-    const std::uint64_t rejected = counters_.rejected_total();
-    Reject result = read_stream<ColaTelegram>(
+    const Verdict verdict = read_stream<ColaTelegram>(
         packet, stream_, [&](const ColaTelegram& telegram) { return handle(telegram, packet.arrival, out); });
-    if (result == Reject::none && counters_.rejected_total() != rejected) result = Reject::checksum;
     if (dialogue_.changed()) show_info();
-    return result;
+    return verdict;
   }
 
   void connected(Stamp now, DriverOutput& out) override {
     stream_.interrupt();
     counting_ = false;
-    dialogue_.start(now, out);
+    dialogue_.connected(now, out);
     show_info();
   }
 
   void disconnected() override {
     stream_.interrupt();
-    dialogue_.stop();
+    dialogue_.disconnected();
     if (dialogue_.changed()) show_info();
   }
 
@@ -208,16 +199,15 @@ class ColaDriver final : public DriverBase {
   }
 
  private:
-  Reject handle(const ColaTelegram& telegram, Stamp arrival, DriverOutput& out) {
+  Verdict handle(const ColaTelegram& telegram, Stamp arrival, DriverOutput& out) {
     if (is_scan(telegram)) {
       ++counters_.packets;
-      return is_repeated(telegram.arguments()) ? Reject::duplicate : handle_scan(telegram, arrival, out);
+      const bool repeated = is_repeated(telegram.arguments());
+      return {true, repeated ? Reject::duplicate : handle_scan(telegram, arrival, out)};
     }
     ++counters_.other_packets;
-    if (telegram.kind() != "sSN") dialogue_.answer(telegram, arrival, out);
-    Reject reason = Reject::none;
-    states_.take(telegram, arrival, clock_, out, reason);
-    return reason;
+    if (telegram.kind() != "sSN") dialogue_.receive(telegram, arrival, out);
+    return {false, states_.read(telegram, arrival, clock_, out)};
   }
 
   /// Where both come, LMDscandatamon repeats LMDscandata.

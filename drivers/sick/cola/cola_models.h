@@ -31,6 +31,9 @@ void append_cola_models(std::vector<Model>& list);
 /// Recognises such a scanner by what it calls itself (DeviceIdent), else by angles, rates and distances of
 /// its scans; where they fit several families, others() names those that were not chosen.
 std::unique_ptr<Recognizer> make_cola_recognizer();
+/// The search telegram of SICK devices (UDP 30718, as sick_scan_xd sends it; unverified on a device): 24
+/// bytes; the answer is XML.
+const Discovery& discovery();
 /// The model of a device that calls itself `identity` (DeviceIdent); empty if no known name is in it.
 std::string_view cola_model_named(std::string_view identity);
 

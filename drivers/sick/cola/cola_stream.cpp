@@ -46,18 +46,9 @@ std::uint8_t ColaStream::checksum(ByteView payload) {
   return sum;
 }
 
-void ColaStream::add(ByteView bytes) {
-  if (begin_ > 0) {
-    buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(begin_));
-    begin_ = 0;
-  }
-  buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
-}
-
 void ColaStream::interrupt() {
-  if (begin_ < buffer_.size()) ++counters_.incomplete;
+  if (!buffer_.rest().empty()) ++counters_.incomplete;
   buffer_.clear();
-  begin_ = 0;
   searched_ = 0;
   in_step_ = false;
   joined_ = true;
@@ -73,12 +64,12 @@ void ColaStream::skip_byte() {
   in_step_ = false;
   joined_ = false;
   searched_ = 0;
-  ++begin_;
+  buffer_.drop(1);
 }
 
 bool ColaStream::next(ColaTelegram& telegram) {
-  while (begin_ < buffer_.size()) {
-    const ByteView rest(buffer_.data() + begin_, buffer_.size() - begin_);
+  while (!buffer_.rest().empty()) {
+    const ByteView rest = buffer_.rest();
     Find found = Find::nothing;
     std::size_t used = 0;
     if (rest.u8(0) == stx) {
@@ -87,7 +78,7 @@ bool ColaStream::next(ColaTelegram& telegram) {
     }
     if (found == Find::more) return false;
     if (found == Find::telegram) {
-      begin_ += used;
+      buffer_.drop(used);
       searched_ = 0;
       in_step_ = true;
       joined_ = false;

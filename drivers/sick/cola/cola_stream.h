@@ -9,6 +9,7 @@
 
 #include "core/base/bytes.h"
 #include "core/base/counters.h"
+#include "drivers/stream_buffer.h"
 
 namespace lidard::sick {
 
@@ -43,7 +44,7 @@ class ColaStream {
   explicit ColaStream(Counters& counters) : counters_(counters) {}
 
   /// The next bytes of the stream. Take out all telegrams before adding more.
-  void add(ByteView bytes);
+  void add(ByteView bytes) { buffer_.add(bytes); }
   /// The next whole telegram, valid until the next call of add(), interrupt() or next().
   bool next(ColaTelegram& telegram);
   /// The stream begins or continues after a hole: what was begun will never be whole.
@@ -58,8 +59,7 @@ class ColaStream {
   void skip_byte();
 
   Counters& counters_;
-  std::vector<std::uint8_t> buffer_;
-  std::size_t begin_ = 0;
+  StreamBuffer buffer_;
   std::size_t searched_ = 0;  // text: this many bytes of the candidate hold no end
   bool in_step_ = false;      // the last thing was a telegram's end
   bool joined_ = true;        // nothing but a lost beginning was skipped since interrupt()

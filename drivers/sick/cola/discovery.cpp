@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/sick/cola/discovery.h"
-
 #include <tinyxml2.h>
 
 #include <algorithm>

@@ -36,19 +36,21 @@ class CompactDriver final : public DriverBase {
         {"frame", 0}, {"ticks", 0}, {"speed", 0}, {"ticks at reference 1", 0}, {"ticks at reference 2", 0}};
   }
 
-  Reject receive(const Packet& packet, DriverOutput& out) override {
+  Verdict receive(const Packet& packet, DriverOutput& out) override {
     if (packet.transport == Transport::udp) return receive_datagram(packet, out);
-    if (!dialogue_) return receive_stream(packet, out);
+    if (!dialogue_)
+      return read_stream<Telegram>(
+          packet, stream_, [&](const Telegram& telegram) { return handle(telegram, packet.arrival, out); });
     dialogue_->receive(packet, out);
     note_dialogue();
-    return Reject::none;
+    return {};
   }
 
   void connected(Stamp now, DriverOutput& out) override {
     if (dialogue_) dialogue_->connected(now, out);
   }
   void disconnected() override {
-    stream_.cut(counters_);
+    stream_.interrupt();
     if (dialogue_) dialogue_->disconnected();
   }
 
@@ -69,7 +71,7 @@ class CompactDriver final : public DriverBase {
   void finish(DriverOutput& out) override { flush(out, true); }
 
   void restart() override {
-    stream_.cut(counters_);
+    stream_.interrupt();
     order_.reset();
     frames_.restart();
     builder_->restart();
@@ -83,64 +85,52 @@ class CompactDriver final : public DriverBase {
 
  private:
   void note_dialogue() {
-    const DeviceInfo& info = dialogue_->info();
-    warnings_.set(SegmentTrouble::dialogue, info.warnings.empty() ? std::string() : info.warnings.back());
-    for (const auto& [key, value] : info.details) info_.set(key, value);
+    if (!dialogue_->changed()) return;
+    warnings_.lead(dialogue_->info().warnings);
+    for (const auto& [key, value] : dialogue_->info().details) info_.set(key, value);
   }
 
-  Reject receive_datagram(const Packet& packet, DriverOutput& out) {
+  Verdict receive_datagram(const Packet& packet, DriverOutput& out) {
     counters_.bytes += packet.payload.size();
     ByteView rest = packet.payload;
-    Reject result = Reject::none;
+    Verdict all;
     do {
       const TelegramHead head = read_head(rest);
-      Reject reason = head.reject;
-      if (reason == Reject::none && (head.length == 0 || head.length > rest.size())) reason = Reject::size;
       const bool known = head.type <= TelegramType::imu || head.type == TelegramType::encoder;
       if (!known) {
         // Nobody reads those; a datagram ends where its telegram ends.
         ++counters_.other_packets;
-        return result;
+        return all;
       }
+      Reject reason = head.reject;
+      if (reason == Reject::none && (head.length == 0 || head.length > rest.size())) reason = Reject::size;
       if (reason == Reject::none && !checksum_is_right(rest.sub(0, head.length), head.type))
         reason = Reject::checksum;
       if (reason != Reject::none) {
         ++counters_.packets;
-        counters_.reject(reason);
-        return reason;
+        include_verdict({true, reason}, all);
+        return all;
       }
-      const Reject taken = take(rest.sub(0, head.length), head.type, packet.arrival, out);
-      if (taken != Reject::none) result = taken;
+      include_verdict(handle({rest.sub(0, head.length), head.type}, packet.arrival, out), all);
       rest = rest.from(head.length);
     } while (!rest.empty());
-    return result;
+    return all;
   }
 
-  Reject receive_stream(const Packet& packet, DriverOutput& out) {
-    if (packet.stream_start || packet.missing > 0) stream_.cut(counters_);
-    counters_.bytes += packet.payload.size();
-    Reject result = Reject::none;
-    const Reject skipped = stream_.feed(packet.payload, counters_, [&](ByteView telegram, TelegramType type) {
-      const Reject taken = take(telegram, type, packet.arrival, out);
-      if (taken != Reject::none) result = taken;
-    });
-    return skipped != Reject::none ? skipped : result;
+  Verdict handle(const Telegram& telegram, Stamp arrival, DriverOutput& out) {
+    const TelegramType type = telegram.type;
+    if (type == TelegramType::scan || type == TelegramType::msgpack) {
+      ++counters_.packets;
+      return {true, handle_scan(telegram, arrival, out)};
+    }
+    ++counters_.other_packets;
+    if (type == TelegramType::imu) return {false, handle_imu(telegram.bytes, arrival, out)};
+    if (type == TelegramType::encoder) return {false, handle_encoder(telegram.bytes, arrival, out)};
+    return {};
   }
 
-  Reject take(ByteView telegram, TelegramType type, Stamp arrival, DriverOutput& out) {
-    const bool is_scan = type == TelegramType::scan || type == TelegramType::msgpack;
-    ++(is_scan ? counters_.packets : counters_.other_packets);
-    Reject reason = Reject::none;
-    if (is_scan) reason = take_scan(telegram, type, arrival, out);
-    if (type == TelegramType::imu) reason = take_imu(telegram, arrival, out);
-    if (type == TelegramType::encoder) reason = take_encoder(telegram, arrival, out);
-    if (reason != Reject::none) counters_.reject(reason);
-    return reason;
-  }
-
-  Reject take_scan(ByteView telegram, TelegramType type, Stamp arrival, DriverOutput& out) {
-    const Reject reason = type == TelegramType::msgpack ? parse_msgpack(telegram, segment_)
-                                                        : parse_compact_scan(telegram, segment_);
+  Reject handle_scan(const Telegram& telegram, Stamp arrival, DriverOutput& out) {
+    const Reject reason = parse_scan(telegram, segment_);
     if (reason != Reject::none) return reason;
     if (!is_ours(segment_.sender, arrival)) {
       ++counters_.other_packets;
@@ -161,11 +151,11 @@ class CompactDriver final : public DriverBase {
         last_stop_us_ = 0;
       }
     }
-    note_format();
-    return take_segment(arrival, out);
+    describe_format();
+    return handle_segment(arrival, out);
   }
 
-  Reject take_segment(Stamp arrival, DriverOutput& out) {
+  Reject handle_segment(Stamp arrival, DriverOutput& out) {
     const std::uint64_t stop_us = segment_.stop_us();
     clock_.observe(device_span(stop_us), arrival);
     counters_.clock_steps = clock_.steps() + clock_restarts_;
@@ -191,7 +181,7 @@ class CompactDriver final : public DriverBase {
     return Reject::none;
   }
 
-  Reject take_imu(ByteView telegram, Stamp arrival, DriverOutput& out) {
+  Reject handle_imu(ByteView telegram, Stamp arrival, DriverOutput& out) {
     ImuTelegram read;
     const Reject reason = parse_imu(telegram, read);
     if (reason != Reject::none) return reason;
@@ -202,7 +192,7 @@ class CompactDriver final : public DriverBase {
     return Reject::none;
   }
 
-  Reject take_encoder(ByteView telegram, Stamp arrival, DriverOutput& out) {
+  Reject handle_encoder(ByteView telegram, Stamp arrival, DriverOutput& out) {
     EncoderTelegram read;
     const Reject reason = parse_encoder(telegram, read);
     if (reason != Reject::none) return reason;
@@ -275,11 +265,11 @@ class CompactDriver final : public DriverBase {
       ++counters_.partial_frames;
   }
 
-  void note_format() {
-    if (segment_.version == told_version_) return;
-    told_version_ = segment_.version;
+  void describe_format() {
+    if (segment_.version == described_version_) return;
+    described_version_ = segment_.version;
     info_.set("Scan Data Format",
-              told_version_ == 0 ? "MSGPACK" : "Compact, version " + std::to_string(told_version_));
+              described_version_ == 0 ? "MSGPACK" : "Compact, version " + std::to_string(described_version_));
   }
 
   /// Host time of what an inertial unit or encoder measured. Their device time is the scans'; it is taken for
@@ -301,7 +291,7 @@ class CompactDriver final : public DriverBase {
   SegmentWarnings warnings_;
   std::unique_ptr<SideDialogue> dialogue_;  // of a device whose TCP connection is for settings, not for data
   Segment segment_;
-  TelegramStream stream_;
+  TelegramStream stream_{counters_};
   TelegramOrder order_;
   OpenFrames frames_;
   std::unique_ptr<FrameBuilder> builder_;
@@ -312,7 +302,7 @@ class CompactDriver final : public DriverBase {
   Stamp last_arrival_;
   bool sender_known_ = false;
   std::uint32_t sender_ = 0;
-  std::uint32_t told_version_ = ~0U;
+  std::uint32_t described_version_ = ~0U;
   ReusedMessage<ImuSample> imu_;
   ReusedMessage<DeviceState> encoder_;
 };

@@ -81,16 +81,15 @@ class CompactRecognizer final : public Recognizer {
   void add(const Packet& packet) override {
     if (!verdict_.empty()) return;
     if (packet.transport == Transport::tcp) {
-      if (packet.stream_start || packet.missing > 0) stream_.cut(counters_);
-      static_cast<void>(stream_.feed(packet.payload, counters_, [&](ByteView telegram, TelegramType type) {
-        judge(telegram, type, packet.transport);
-      }));
+      if (packet.stream_start || packet.missing > 0) stream_.interrupt();
+      stream_.add(packet.payload);
+      for (Telegram telegram; stream_.next(telegram);) judge(telegram, packet.transport);
       return;
     }
     const TelegramHead head = read_head(packet.payload);
     if (head.reject != Reject::none || head.length == 0 || head.length > packet.payload.size()) return;
     const ByteView telegram = packet.payload.sub(0, head.length);
-    if (checksum_is_right(telegram, head.type)) judge(telegram, head.type, packet.transport);
+    if (checksum_is_right(telegram, head.type)) judge({telegram, head.type}, packet.transport);
   }
 
   std::string_view verdict() const override { return verdict_; }
@@ -101,12 +100,9 @@ class CompactRecognizer final : public Recognizer {
   }
 
  private:
-  void judge(ByteView telegram, TelegramType type, Transport transport) {
+  void judge(const Telegram& telegram, Transport transport) {
     auto segment = std::make_unique<Segment>();
-    Reject reason = Reject::magic;
-    if (type == TelegramType::msgpack) reason = parse_msgpack(telegram, *segment);
-    if (type == TelegramType::scan) reason = parse_compact_scan(telegram, *segment);
-    if (reason != Reject::none) return;
+    if (parse_scan(telegram, *segment) != Reject::none) return;
     transport_ = transport;
     kind_ = transport == Transport::udp && segment->line_count > 1 ? FrameKind::cloud : FrameKind::scan;
     verdict_ = transport == Transport::tcp ? "sick_lrs4000"
@@ -114,8 +110,8 @@ class CompactRecognizer final : public Recognizer {
                                            : "sick_picoscan150";
   }
 
-  TelegramStream stream_;
   Counters counters_;
+  TelegramStream stream_{counters_};
   std::string_view verdict_;
   FrameKind kind_ = FrameKind::scan;
   Transport transport_ = Transport::udp;

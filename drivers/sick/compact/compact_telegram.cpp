@@ -6,6 +6,7 @@
 #include <boost/crc.hpp>
 #include <cmath>
 #include <cstring>
+#include <string_view>
 
 namespace lidard::sick {
 namespace {
@@ -231,27 +232,40 @@ Reject parse_encoder(ByteView telegram, EncoderTelegram& out) {
 
 namespace {
 
-constexpr std::uint8_t mark_byte = 0x02;
+constexpr char mark_byte = 0x02;
 
 }  // namespace
 
-void TelegramStream::append(ByteView chunk) {
-  buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(at_));
-  at_ = 0;
-  buffer_.insert(buffer_.end(), chunk.begin(), chunk.end());
+bool TelegramStream::next(Telegram& telegram) {
+  for (;;) {
+    const ByteView rest = buffer_.rest();
+    const TelegramHead head = read_head(rest);
+    Reject reason = head.reject;
+    if (reason == Reject::none) {
+      if (head.length == 0 || head.length > rest.size()) return false;
+      telegram = {rest.sub(0, head.length), head.type};
+      if (checksum_is_right(telegram.bytes, head.type)) {
+        buffer_.drop(head.length);
+        return in_step_ = true;
+      }
+      reason = Reject::checksum;
+    }
+    // Before the first telegram and behind a hole nothing else is to be expected.
+    if (in_step_) counters_.reject(reason);
+    in_step_ = false;
+    skip_to_mark();
+  }
 }
 
 /// Steps over at least one byte, to the next that may begin a start mark.
 void TelegramStream::skip_to_mark() {
-  if (rest().empty()) return;
-  const auto from = buffer_.begin() + static_cast<std::ptrdiff_t>(at_) + 1;
-  at_ = static_cast<std::size_t>(std::find(from, buffer_.end(), mark_byte) - buffer_.begin());
+  const std::string_view rest = buffer_.rest().text();
+  buffer_.drop(std::min(rest.find(mark_byte, 1), rest.size()));
 }
 
-void TelegramStream::cut(Counters& counters) {
-  if (in_step_ && !rest().empty()) ++counters.incomplete;
+void TelegramStream::interrupt() {
+  if (in_step_ && !buffer_.rest().empty()) ++counters_.incomplete;
   buffer_.clear();
-  at_ = 0;
   in_step_ = false;
 }
 

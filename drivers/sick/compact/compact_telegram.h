@@ -7,10 +7,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <vector>
 
 #include "core/base/bytes.h"
 #include "core/base/counters.h"
+#include "drivers/stream_buffer.h"
 
 namespace lidard::sick {
 
@@ -173,54 +173,31 @@ struct EncoderTelegram {
 };
 Reject parse_encoder(ByteView telegram, EncoderTelegram& out);
 
+/// A whole telegram whose checksum is right.
+struct Telegram {
+  ByteView bytes;
+  TelegramType type = TelegramType::scan;
+};
+
 /// Finds whole telegrams in a stream of bytes, joined anywhere and with holes: looks for the start mark again
 /// wherever the bytes are no telegram with a right checksum.
 class TelegramStream {
  public:
-  /// Takes the next bytes and calls `take(telegram, type)` for each telegram that is whole; the view is valid
-  /// during the call. Returns the last reason for which bytes were skipped inside what looked like a stream.
-  template <class Take>
-  Reject feed(ByteView chunk, Counters& counters, Take&& take);
+  explicit TelegramStream(Counters& counters) : counters_(counters) {}
+
+  void add(ByteView chunk) { buffer_.add(chunk); }
+  /// The next whole telegram, valid until the next call of add() or interrupt().
+  bool next(Telegram& telegram);
   /// Bytes are missing, or the connection ended: half a telegram is worth nothing.
-  void cut(Counters& counters);
+  void interrupt();
 
  private:
-  ByteView rest() const { return {buffer_.data() + at_, buffer_.size() - at_}; }
-  void append(ByteView chunk);
   void skip_to_mark();
 
-  std::vector<std::uint8_t> buffer_;
-  std::size_t at_ = 0;
-  bool in_step_ = false;  // the last telegram ended at at_
+  Counters& counters_;
+  StreamBuffer buffer_;
+  bool in_step_ = false;  // the last telegram ended where the rest begins
 };
-
-template <class Take>
-Reject TelegramStream::feed(ByteView chunk, Counters& counters, Take&& take) {
-  append(chunk);
-  Reject last = Reject::none;
-  for (;;) {
-    const TelegramHead head = read_head(rest());
-    Reject reason = head.reject;
-    if (reason == Reject::none) {
-      if (head.length == 0 || head.length > rest().size()) return last;
-      const ByteView telegram = rest().sub(0, head.length);
-      if (checksum_is_right(telegram, head.type)) {
-        at_ += head.length;
-        in_step_ = true;
-        take(telegram, head.type);
-        continue;
-      }
-      reason = Reject::checksum;
-    }
-    // Before the first telegram and behind a hole nothing else is to be expected.
-    if (in_step_) {
-      counters.reject(reason);
-      last = reason;
-    }
-    in_step_ = false;
-    skip_to_mark();
-  }
-}
 
 /// Parses a whole MSGPACK telegram (start mark, length, map, checksum) whose checksum was tested. `out`
 /// points into it.
@@ -228,5 +205,11 @@ Reject parse_msgpack(ByteView telegram, Segment& out);
 
 /// Parses a telegram without start mark, length and checksum.
 Reject parse_msgpack_payload(ByteView payload, Segment& out);
+
+/// Parses a scan telegram of either format; Reject::magic for every other telegram.
+inline Reject parse_scan(const Telegram& telegram, Segment& out) {
+  return telegram.type == TelegramType::msgpack ? parse_msgpack(telegram.bytes, out)
+                                                : parse_compact_scan(telegram.bytes, out);
+}
 
 }  // namespace lidard::sick

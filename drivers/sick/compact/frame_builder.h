@@ -221,16 +221,7 @@ class TelegramOrder {
 inline Span device_span(std::uint64_t us) { return std::chrono::microseconds(static_cast<std::int64_t>(us)); }
 
 /// What may be wrong with a stream of segments.
-enum class SegmentTrouble : std::uint8_t {
-  geometry,
-  layers,
-  uneven,
-  no_beams,
-  other_device,
-  far,
-  dialogue,
-  count_
-};
+enum class SegmentTrouble : std::uint8_t { geometry, layers, uneven, no_beams, other_device, count_ };
 using SegmentWarnings = WarningBoard<SegmentTrouble>;
 
 /// Why and how whole a frame ends.

@@ -62,7 +62,6 @@ class RasterScan {
             PlanarScan& out) const;
   bool reflector(std::size_t beam) const { return reflectors_[beam] != 0; }
   std::size_t reflectors() const { return reflector_count_; }
-  const PlanarScan& beams() const { return beams_; }
 
  private:
   void put(const SegmentLine& line, std::size_t from, std::size_t beam);

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
 #include <boost/asio/yield.hpp>
-#include <cstdlib>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,7 +9,7 @@
 
 #include "drivers/dialogue.h"
 #include "drivers/model.h"
-#include "drivers/sick/cola/cola_stream.h"
+#include "drivers/sick/cola/sopas_session.h"
 #include "drivers/sick/compact/compact_models.h"
 
 namespace lidard::sick {
@@ -20,7 +19,7 @@ namespace {
 // sick_scan_services.cpp of SICKAG/sick_scan_xd. Unverified against a device.
 constexpr std::uint8_t udp = 1;
 constexpr std::uint32_t format_msgpack = 1, format_compact = 2;
-constexpr const char* authorized_client = "3";
+constexpr std::uint8_t authorized_client = 3;
 constexpr std::uint32_t authorized_client_hash = 0xf4724744;
 
 constexpr Span patience = std::chrono::seconds(5);  // Run takes its time
@@ -30,7 +29,7 @@ constexpr std::string_view scan_target = "ScanDataEthSettings", scan_format = "S
 /// Asked for in this order. A device without inertial unit refuses those after the first three.
 constexpr std::array variables = {scan_target, scan_format, scan_enable, imu_target, imu_enable};
 constexpr std::size_t needed = 3;
-constexpr const char* start_measuring = "LMCstartmeas";
+constexpr std::string_view start_measuring = "sMN LMCstartmeas";
 
 /// Where a picoScan100 or multiScan100 sends its datagrams (ScanDataEthSettings, ImuDataEthSettings).
 struct SopasTarget {
@@ -83,7 +82,7 @@ std::optional<std::uint32_t> read_number(const ColaTelegram& telegram) {
   return value;
 }
 
-/// The talk with a picoScan100 or multiScan100 in SICK's command language, dialect A (TCP 2111). It takes
+/// The dialogue with a picoScan100 or multiScan100 in SICK's command language, dialect A (TCP 2111). It takes
 /// place only where the configuration has a host address and not `listen_only`: reads where the device sends,
 /// in which format and whether, and compares. A stream that is only switched off is started; settings that
 /// differ are written if `allow_write` is set, each with a note old -> new, and stay until the device is
@@ -92,7 +91,8 @@ class SopasDialogue final : public SideDialogue {
  public:
   explicit SopasDialogue(const DriverConfig& config)
       : SideDialogue(!config.requests.listen_only && config.requests.host_address, true, patience),
-        requests_(config.requests) {
+        requests_(config.requests),
+        session_(ColaDialect::a, config.requests, authorized_client, authorized_client_hash) {
     if (!requests_.host_address) return;
     const std::uint16_t port = requests_.host_port != 0 ? requests_.host_port : config.model->port;
     scan_wanted_ = target_at(*requests_.host_address, port);
@@ -103,21 +103,19 @@ class SopasDialogue final : public SideDialogue {
     now_ = packet.arrival;
     stream_.add(packet.payload);
     while (is_talking() && stream_.next(answer_)) {
-      const std::string_view kind = answer_.kind();
-      const bool expected =
-          expected_.empty() ? kind == "sAN" || kind == "sWA" : kind == "sRA" && answer_.name() == expected_;
-      if (expected || is_refused()) script(out);
+      if (session_.accept(answer_)) script(out);
     }
   }
 
  private:
   /// One command of the second half, after the comparison.
   struct Step {
-    std::vector<std::uint8_t> telegram;
-    std::string what;     ///< for people: "ScanDataFormat: 1 -> 2"
-    bool method = false;  ///< answers 1 where it was done
+    std::string command, arguments;
+    std::string what;  ///< for people: "ScanDataFormat: 1 -> 2"
     bool may_fail = false;
-    bool is_write = false;
+    /// Of the methods all but one answer 1 where they were done.
+    bool answers_one() const { return command[1] == 'M' && command != start_measuring; }
+    bool is_write() const { return command[1] == 'W'; }
   };
 
   void begin() override {
@@ -133,46 +131,38 @@ class SopasDialogue final : public SideDialogue {
   void script(DriverOutput& out) override {
     reenter(script_) {
       for (variable_ = 0; variable_ < variables.size(); ++variable_) {
-        yield read(variables[variable_], out);
-        if (!take(variables[variable_], out)) return;
+        yield question("sRN " + std::string(variables[variable_]), {}, out);
+        if (!read_variable(variables[variable_], out)) return;
       }
       if (!plan(out)) return;
       for (step_ = 0; step_ < steps_.size(); ++step_) {
-        yield question(steps_[step_].telegram, steps_[step_].what, out);
-        if (!take_step(out)) return;
+        yield question(steps_[step_].command, steps_[step_].arguments, out);
+        if (!note_step(out)) return;
       }
       if (!steps_.empty())
-        info_.set("Data Output", (requests_.allow_write ? scan_wanted_ : *scan_target_).describe());
+        detail("Data Output", (requests_.allow_write ? scan_wanted_ : *scan_target_).describe());
       hang_up(true, out);
     }
   }
 
   void silent(DriverOutput& out) override {
-    fail("takes the connection but does not answer '" + asked_ +
+    const bool reads = variable_ < variables.size();
+    fail("takes the connection but does not answer '" + (reads ? session_.command() : steps_.at(step_).what) +
              "'; check that it speaks CoLa A on that port and that nobody else is connected to it",
          out);
   }
 
-  void question(const std::vector<std::uint8_t>& telegram, const std::string& what, DriverOutput& out) {
-    expected_ = {};
-    asked_ = what;
-    ask(telegram, out);
+  void question(const std::string& command, const std::string& arguments, DriverOutput& out) {
+    ColaWriter writer = session_.ask(command);
+    if (!arguments.empty()) writer.letters(arguments);
+    ask(writer.finish(), out);
   }
-
-  void read(std::string_view variable, DriverOutput& out) {
-    const std::string command = "sRN " + std::string(variable);
-    question(ColaWriter(ColaDialect::a, command).finish(), command, out);
-    expected_ = variable;
-  }
-
-  bool is_refused() const { return answer_.kind() == "sFA"; }
 
   /// False if the dialogue cannot go on.
-  bool take(std::string_view variable, DriverOutput& out) {
-    if (is_refused()) {
+  bool read_variable(std::string_view variable, DriverOutput& out) {
+    if (session_.refusal()) {
       if (variable_ >= needed) return true;
-      fail("refuses to tell " + std::string(variable) + ": " + cola_error_words(cola_error_code(answer_)),
-           out);
+      fail("refuses to tell " + std::string(variable) + ": " + cola_error_words(*session_.refusal()), out);
       return false;
     }
     if (variable == scan_target) scan_target_ = read_target(answer_);
@@ -189,8 +179,8 @@ class SopasDialogue final : public SideDialogue {
       fail("answers in a way that is not known; report its firmware version", out);
       return false;
     }
-    info_.set("Data Output", scan_target_->describe() + (*scan_enable_ == 0 ? ", switched off" : ""));
-    info_.warnings.clear();
+    detail("Data Output", scan_target_->describe() + (*scan_enable_ == 0 ? ", switched off" : ""));
+    set_warnings({});
     plan_targets();
     std::vector<Step> settings = std::exchange(steps_, {});
     const bool ours = *scan_target_ == scan_wanted_;
@@ -208,7 +198,7 @@ class SopasDialogue final : public SideDialogue {
       if (part->empty()) continue;
       add_login();
       for (Step& step : *part) steps_.push_back(std::move(step));
-      add_method("Run");  // makes what was written valid, and logs out
+      add_method(sopas_run);
     }
     if (steps_.empty()) return true;
     add_login();
@@ -216,27 +206,18 @@ class SopasDialogue final : public SideDialogue {
     return true;
   }
 
-  void add_write(std::string_view variable, std::string_view arguments, std::string what, bool may_fail) {
+  void add_write(std::string_view variable, std::string arguments, const std::string& what, bool may_fail) {
     const std::string name(variable);
-    const std::string command = "sWN " + name;
-    steps_.push_back({ColaWriter(ColaDialect::a, command).letters(arguments).finish(),
-                      name + ": " + std::move(what), false, may_fail, true});
+    steps_.push_back({"sWN " + name, std::move(arguments), name + ": " + what, may_fail});
   }
 
   void add_login() {
-    const std::string level = requests_.user_level.empty() ? authorized_client : requests_.user_level;
-    const std::uint32_t hash =
-        requests_.password_hash.empty()
-            ? authorized_client_hash
-            : static_cast<std::uint32_t>(std::strtoul(requests_.password_hash.c_str(), nullptr, 16));
-    ColaWriter writer(ColaDialect::a, "sMN SetAccessMode");
     steps_.push_back(
-        {writer.letters(level).hash(hash).finish(), "login at level " + level, true, false, false});
+        {std::string(sopas_login), {}, "login at level " + std::to_string(session_.level()), false});
   }
 
-  void add_method(std::string_view name) {
-    const std::string command = "sMN " + std::string(name);
-    steps_.push_back({ColaWriter(ColaDialect::a, command).finish(), std::string(name), true, false, false});
+  void add_method(std::string_view command) {
+    steps_.push_back({std::string(command), {}, std::string(command.substr(4)), false});
   }
 
   /// Where the device sends and in which format.
@@ -259,10 +240,10 @@ class SopasDialogue final : public SideDialogue {
   }
 
   /// False if the dialogue cannot go on.
-  bool take_step(DriverOutput& out) {
+  bool note_step(DriverOutput& out) {
     const Step& step = steps_.at(step_);
-    if (is_refused()) {
-      const std::string words = cola_error_words(cola_error_code(answer_));
+    if (session_.refusal()) {
+      const std::string words = cola_error_words(*session_.refusal());
       if (!step.may_fail) {
         fail("refuses " + step.what + ": " + words, out);
         return false;
@@ -271,15 +252,15 @@ class SopasDialogue final : public SideDialogue {
            "; without a licence for its inertial unit that is to be expected");
       return true;
     }
-    if (step.method && step.what != start_measuring && read_number(answer_).value_or(1) != 1) {
+    if (step.answers_one() && read_number(answer_).value_or(1) != 1) {
       fail("refuses " + step.what + "; correct user_level and user_level_password", out);
       return false;
     }
-    if (step.is_write) out.note(step.what);
+    if (step.is_write()) out.note(step.what);
     return true;
   }
 
-  void warn(std::string sentence) { info_.warnings = {std::move(sentence)}; }
+  void warn(std::string sentence) { set_warnings({std::move(sentence)}); }
 
   void fail(std::string why, DriverOutput& out) {
     warn("the device " + std::move(why));
@@ -287,12 +268,11 @@ class SopasDialogue final : public SideDialogue {
   }
 
   DeviceRequests requests_;
+  SopasSession session_;
   SopasTarget scan_wanted_, imu_wanted_;
   Counters stream_counters_;
   ColaStream stream_{stream_counters_};
   ColaTelegram answer_;
-  std::string asked_;          // for people
-  std::string_view expected_;  // the variable that is read; empty: a step is taken
   std::size_t variable_ = 0;
   std::optional<SopasTarget> scan_target_, imu_target_;
   std::optional<std::uint32_t> scan_format_, scan_enable_, imu_enable_;

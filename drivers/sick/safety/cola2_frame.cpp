@@ -34,48 +34,29 @@ std::vector<std::uint8_t> encode_cola2(const Cola2Telegram& t) {
   return out;
 }
 
-void Cola2Stream::clear() {
-  buffer_.clear();
-  used_ = 0;
-}
-
-void Cola2Stream::skip(std::size_t count) {
-  skipped_ += count;
-  drop(count);
-}
-
-void Cola2Stream::drop(std::size_t count) {
-  buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(count));
-}
-
 std::size_t Cola2Stream::garbage() const {
   static constexpr std::uint8_t start[stx_count] = {stx, stx, stx, stx};
-  const auto found = std::search(buffer_.begin(), buffer_.end(), std::begin(start), std::end(start));
-  if (found != buffer_.end()) return static_cast<std::size_t>(found - buffer_.begin());
+  const ByteView rest = buffer_.rest();
+  const auto found = std::search(rest.begin(), rest.end(), std::begin(start), std::end(start));
   // A shorter run of STX at the end may be the beginning of the next telegram.
-  const auto run = std::find_if(buffer_.rbegin(), buffer_.rend(), [](std::uint8_t b) { return b != stx; });
-  return static_cast<std::size_t>(buffer_.rend() - run);
+  const std::size_t run = rest.text().find_last_not_of(static_cast<char>(stx)) + 1;
+  return found != rest.end() ? static_cast<std::size_t>(found - rest.begin()) : run;
 }
 
 bool Cola2Stream::next(Cola2Telegram& telegram) {
-  drop(used_);
-  used_ = 0;
-  for (;;) {
-    skip(garbage());
-    const ByteView view(buffer_.data(), buffer_.size());
+  for (;; buffer_.drop(1)) {
+    buffer_.drop(garbage());
+    const ByteView view = buffer_.rest();
     if (!view.has(0, length_end)) return false;
     const std::size_t length = view.be32(stx_count);
-    if (length < counted_header || length > longest) {
-      skip(1);
-      continue;
-    }
+    if (length < counted_header || length > longest) continue;
     if (!view.has(length_end, length)) return false;
     telegram.session = view.be32(10);
     telegram.request = view.be16(14);
     telegram.type = static_cast<char>(view.u8(16));
     telegram.mode = static_cast<char>(view.u8(17));
     telegram.data = view.sub(length_end + counted_header, length - counted_header);
-    used_ = length_end + length;
+    buffer_.drop(length_end + length);
     return true;
   }
 }

@@ -10,6 +10,7 @@
 
 #include "core/base/bytes.h"
 #include "drivers/address.h"
+#include "drivers/stream_buffer.h"
 
 namespace lidard::sick {
 
@@ -28,23 +29,18 @@ struct Cola2Telegram {
 /// The telegram as bytes.
 std::vector<std::uint8_t> encode_cola2(const Cola2Telegram& telegram);
 
-/// Telegrams out of a stream in chunks of any size; what is no telegram is skipped and counted.
+/// Telegrams out of a stream in chunks of any size; what is no telegram is skipped.
 class Cola2Stream {
  public:
-  void add(ByteView chunk) { buffer_.insert(buffer_.end(), chunk.begin(), chunk.end()); }
-  /// False when no whole telegram is there. The view is valid until the next call.
+  void add(ByteView chunk) { buffer_.add(chunk); }
+  /// False when no whole telegram is there. The view is valid until the next call of add() or clear().
   bool next(Cola2Telegram& telegram);
-  void clear();
-  std::uint64_t skipped_bytes() const { return skipped_; }
+  void clear() { buffer_.clear(); }
 
  private:
   std::size_t garbage() const;
-  void skip(std::size_t count);
-  void drop(std::size_t count);
 
-  std::vector<std::uint8_t> buffer_;
-  std::size_t used_ = 0;  // bytes of the telegram given out last
-  std::uint64_t skipped_ = 0;
+  StreamBuffer buffer_;
 };
 
 /// Indices of variables and methods of the safety scanners (SICK 8022708 p. 31-47 and

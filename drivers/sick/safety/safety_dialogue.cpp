@@ -41,9 +41,9 @@ const char* label_of(std::uint16_t index) {
 
 void add_to_list(std::string& list, const std::string& entry) { list += (list.empty() ? "" : "; ") + entry; }
 
-/// The talk with a safety scanner over CoLa 2 (TCP 2122): reads who it is and where it sends, compares that
-/// with what is wanted and, if allowed, changes and reads again. Then it hangs up: some firmware stalls the
-/// stream while it is talked to (SICKAG/sick_safetyscanners issue 15).
+/// The dialogue with a safety scanner over CoLa 2 (TCP 2122): reads who it is and where it sends, compares
+/// that with what is wanted and, if allowed, changes and reads again. Then it hangs up: some firmware stalls
+/// the stream while it is talked to (SICKAG/sick_safetyscanners issue 15).
 ///
 /// It takes place only if the configuration asks for something (`DeviceRequests::host_address`, `skip` or
 /// `allow_write`). What is written is volatile; it is written again when the stream stopped, as it does when
@@ -86,7 +86,7 @@ class SafetyDialogue final : public SideDialogue {
       session_ = answer_.session;
       info_.details.clear();
       info_.warnings.clear();
-      ++version_;
+      changed_ = true;
       for (variable_ = 0; variable_ < variables.size(); ++variable_) {
         yield read(variables[variable_], out);
         take_variable(variables[variable_]);
@@ -232,15 +232,10 @@ class SafetyDialogue final : public SideDialogue {
     hang_up(false, out);
   }
 
-  void detail(const std::string& key, const std::string& text) {
-    ++version_;
-    info_.set(key, text);
-  }
-
   void warn(const std::string& text) {
-    ++version_;
-    auto& known = info_.warnings;
+    std::vector<std::string> known = info_.warnings;
     if (std::find(known.begin(), known.end(), text) == known.end()) known.push_back(text);
+    set_warnings(std::move(known));
   }
 
   SafetyOutput wanted_output(const SafetyOutput& present) const {

@@ -44,12 +44,12 @@ class SafetyDriver final : public DriverBase {
     prepare_scan(config, scan_);
   }
 
-  Reject receive(const Packet& packet, DriverOutput& out) override {
+  Verdict receive(const Packet& packet, DriverOutput& out) override {
     if (packet.transport == Transport::tcp) {
       ++counters_.other_packets;
       dialogue_->receive(packet, out);
       note_dialogue();
-      return Reject::none;
+      return {};
     }
     last_datagram_ = packet.arrival;
     sender_ = packet.from.address;
@@ -59,7 +59,7 @@ class SafetyDriver final : public DriverBase {
     Reject reason = reassembler_.add(packet, instance);
     if (reason == Reject::none && !instance.bytes.empty()) reason = handle(instance, out);
     if (reason != Reject::none) counters_.reject(reason);
-    return reason;
+    return {true, reason};
   }
 
   void connected(Stamp now, DriverOutput& out) override { dialogue_->connected(now, out); }
@@ -199,8 +199,7 @@ class SafetyDriver final : public DriverBase {
   }
 
   void note_dialogue() {
-    if (dialogue_->version() == dialogue_version_) return;
-    dialogue_version_ = dialogue_->version();
+    if (!dialogue_->changed()) return;
     if (info_.serial.empty()) info_.serial = dialogue_->info().serial;
     list_details();
     board_.lead(dialogue_->info().warnings);
@@ -281,7 +280,7 @@ class SafetyDriver final : public DriverBase {
       // A device of that range may overshoot its end a little.
       if (range > 1.05F * scan_.range_max) beyond_range_m_ = std::max<double>(beyond_range_m_, range);
     }
-    // These two the ranges tell.
+    // The ranges show these two.
     if ((flags & ~(0U + ms3_beam::valid + ms3_beam::infinite)) == 0) scan_.flags.clear();
   }
 
@@ -316,7 +315,6 @@ class SafetyDriver final : public DriverBase {
 
   SafetyTopics topics_;
   std::unique_ptr<SideDialogue> dialogue_;
-  unsigned dialogue_version_ = 0;
   std::optional<Stamp> last_datagram_;
 };
 

@@ -15,9 +15,9 @@
 #include <sstream>
 #include <thread>
 
-#include "drivers/hokuyo/discovery.h"
+#include "drivers/hokuyo/models.h"
 #include "drivers/registry/registry.h"
-#include "drivers/sick/cola/discovery.h"
+#include "drivers/sick/cola/cola_models.h"
 #include "test/sim/devices/scip_device.h"
 #include "test/sim/servers/device_server.h"
 

@@ -23,11 +23,11 @@ std::atomic<int> taken{0};
 /// Takes 10 ms for each packet, as where a machine is overloaded.
 class SlowDriver final : public Driver {
  public:
-  Reject receive(const Packet&, DriverOutput&) override {
+  Verdict receive(const Packet&, DriverOutput&) override {
     ++counters_.packets;
     std::this_thread::sleep_for(10ms);
     ++taken;
-    return Reject::none;
+    return {true, Reject::none};
   }
   void restart() override {}
   const Counters& counters() const override { return counters_; }

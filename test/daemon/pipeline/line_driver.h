@@ -16,17 +16,17 @@ namespace lidard::test {
 class LineDriver final : public Driver {
  public:
   explicit LineDriver(const DriverConfig& config) : config_(config) {}
-  Reject receive(const Packet& packet, DriverOutput& out) override {
+  Verdict receive(const Packet& packet, DriverOutput& out) override {
     ++counters_.packets;
     if (packet.stream_start) text_.clear();
     if (packet.transport == Transport::udp) {
       if (packet.payload.text() == "ask") out.connect();
-      return Reject::none;
+      return {true, Reject::none};
     }
     text_ += packet.payload.text();
     for (std::size_t end = 0; (end = text_.find('\n')) != std::string::npos; text_.erase(0, end + 1))
       line(text_.substr(0, end), out);
-    return Reject::none;
+    return {true, Reject::none};
   }
   void connected(Stamp, DriverOutput& out) override {
     ++dialogues;

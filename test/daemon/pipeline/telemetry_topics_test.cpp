@@ -20,17 +20,17 @@ using testing::ElementsAre;
 class TellingDriver final : public Driver {
  public:
   explicit TellingDriver(DriverConfig config) : config_(std::move(config)) {}
-  Reject receive(const Packet& /*packet*/, DriverOutput& out) override {
+  Verdict receive(const Packet& /*packet*/, DriverOutput& out) override {
     out.message(test::sample_fix());
     out.message(test::sample_time_reference());
     out.message(test::sample_imu());
     out.message(test::sample_imu());
-    if (!config_.model->tells<DeviceState>()) return Reject::none;
+    if (!config_.model->tells<DeviceState>()) return {};
     out.message(DeviceState{"outputs", "laser", Stamp{5}, {{"output_1", 1}}});
     PlanarScan scan = test::sample_scan();
     out.extra_scan("intrusion", scan);
     out.scan(scan);
-    return Reject::none;
+    return {};
   }
   void restart() override {}
   const Counters& counters() const override { return counters_; }

@@ -94,7 +94,7 @@ class TcpBench : public DriverOutput {
     packet.transport = Transport::tcp;
     packet.stream_start = start;
     packet.missing = missing;
-    return driver->receive(packet, *this);
+    return driver->receive(packet, *this).reject;
   }
 
   std::unique_ptr<Driver> driver;

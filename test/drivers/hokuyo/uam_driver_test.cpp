@@ -77,7 +77,7 @@ TEST(Uam, FramesHaveTheLengthsThatAreKnown) {
     hokuyo::UamReader reader(counters);
     reader.add(ByteView(stream));
     std::size_t length = 0;
-    for (std::string_view frame; reader.next(frame);) length = std::max(length, frame.size());
+    for (hokuyo::UamFrame frame; reader.next(frame);) length = std::max(length, frame.text.size());
     return length;
   };
   EXPECT_EQ(longest(stream_of({}, "AR02", 100ms)), 4379U);

@@ -74,7 +74,7 @@ std::unique_ptr<Driver> make_driver(double cut_deg = 0, bool keep_partial = true
 
 Reject give(Driver& driver, const Bytes& bytes, Stamp arrival, DriverOutput& out) {
   const Endpoint sensor{IpAddress::v4(192, 168, 1, 201), 2368};
-  return driver.receive({{bytes.data(), bytes.size()}, arrival, sensor, {{}, 2368}}, out);
+  return driver.receive({{bytes.data(), bytes.size()}, arrival, sensor, {{}, 2368}}, out).reject;
 }
 
 TEST(VelodyneStream, EveryFiringIsInExactlyOneFrameForEveryCutAngle) {

@@ -50,7 +50,7 @@ class ColaBench final : public DriverOutput {
     packet.transport = Transport::tcp;
     packet.missing = missing;
     packet.stream_start = stream_start;
-    return driver->receive(packet, *this);
+    return driver->receive(packet, *this).reject;
   }
   Reject send_sample() { return send(sample.bytes(dialect)); }
   /// Sends the next of a row of scans, one period later.

@@ -94,7 +94,7 @@ class SegmentBench final : public DriverOutput {
     packet.arrival = when;
     packet.from = {IpAddress::v4(192, 168, 0, 30), 2115};
     packet.to = {IpAddress::v4(192, 168, 0, 1), port};
-    return driver->receive(packet, *this);
+    return driver->receive(packet, *this).reject;
   }
   Reject send(std::uint64_t frame, int index) {
     return send(encode(segment(frame, index)), arrival(frame, index));

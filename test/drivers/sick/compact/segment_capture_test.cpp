@@ -324,7 +324,7 @@ TEST(SegmentCapture, Lrs4000TelegramIsAWholeTurn) {
     packet.transport = Transport::tcp;
     packet.stream_start = name[0] == '0';
     packet.arrival = bench.epoch + std::chrono::milliseconds(40 * (name[0] - '0'));
-    EXPECT_EQ(bench.driver->receive(packet, bench), Reject::none);
+    EXPECT_EQ(bench.driver->receive(packet, bench).reject, Reject::none);
   }
   EXPECT_EQ(bench.driver->counters().packets, 3U);
   // Of the first turn the begin is not known to be whole.

@@ -49,7 +49,7 @@ std::map<std::size_t, Sensor> play(const sim::Scene& scene, DriverConfig config 
     packet.arrival = sent.time;
     packet.from = sent.from;
     packet.to = sent.to;
-    EXPECT_EQ(sensor.driver->receive(packet, sensor.out), Reject::none);
+    EXPECT_EQ(sensor.driver->receive(packet, sensor.out).reject, Reject::none);
     if (sent.to.port == 7503) sensor.imu_times.push_back(sent.time);
     if (sent.measurement != nullptr) sensor.truth.push_back(*sent.measurement);
     return true;

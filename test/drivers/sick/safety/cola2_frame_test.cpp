@@ -60,13 +60,11 @@ TEST(Cola2Frame, FindsTheSameTelegramsHoweverTheStreamIsCut) {
     }
     EXPECT_EQ(requests, (std::vector<std::uint16_t>{1, 2, 3})) << cut;
     EXPECT_EQ(data, 30U);
-    EXPECT_EQ(stream.skipped_bytes(), 0U);
   }
 }
 
-TEST(Cola2Frame, FindsItsStepAgainAndCountsWhatWasNone) {
+TEST(Cola2Frame, FindsItsStepAgain) {
   Bytes all = {'x', 2, 2, 2, 'y', 2, 2, 2, 2, 0xff, 0xff, 0xff, 0xff};  // the last has an impossible length
-  const std::size_t garbage = all.size();
   const Bytes good = three_telegrams();
   all.insert(all.end(), good.begin(), good.end());
   Cola2Stream stream;
@@ -77,7 +75,6 @@ TEST(Cola2Frame, FindsItsStepAgainAndCountsWhatWasNone) {
     while (stream.next(telegram)) ++found;
   }
   EXPECT_EQ(found, 3U);
-  EXPECT_EQ(stream.skipped_bytes(), garbage);
 }
 
 TEST(Cola2Frame, ForgetsHalfATelegramOfALostConnection) {

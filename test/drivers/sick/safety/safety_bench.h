@@ -45,7 +45,7 @@ class SafetyBench final : public DriverOutput {
   Reject send(const Ms3Sample& what, Stamp arrival) {
     Reject reason = Reject::none;
     for (const Bytes& datagram : ms3_datagrams(what.instance(), identification++)) {
-      reason = driver->receive(packet_of(datagram, arrival), *this);
+      reason = driver->receive(packet_of(datagram, arrival), *this).reject;
       arrival = arrival + std::chrono::microseconds(120);
     }
     return reason;

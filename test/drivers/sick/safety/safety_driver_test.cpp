@@ -236,8 +236,8 @@ TEST(SafetyDriver, ReplacedScannerTakesOver) {
 
 TEST(SafetyDriver, ForeignDatagramsAreCountedByReason) {
   SafetyBench bench;
-  EXPECT_EQ(bench.driver->receive(packet_of(Bytes(1206, 0xff)), bench), Reject::magic);
-  EXPECT_EQ(bench.driver->receive(packet_of({}), bench), Reject::size);
+  EXPECT_EQ(bench.driver->receive(packet_of(Bytes(1206, 0xff)), bench).reject, Reject::magic);
+  EXPECT_EQ(bench.driver->receive(packet_of({}), bench).reject, Reject::size);
   EXPECT_EQ(bench.driver->counters().packets, 2U);
   EXPECT_EQ(bench.driver->counters().rejected_total(), 2U);
 }
