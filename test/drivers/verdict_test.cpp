@@ -66,7 +66,7 @@ TEST(Verdict, APacketThatWasHeldBackIsRejectedWithTheNextOne) {
   config.model = find_model("velodyne_vlp16");
   const auto driver = config.model->make(config);
   Nowhere nowhere;
-  std::vector<WirePacket> packets = spin(model_modes().front(), 0.1);
+  std::vector<WirePacket> packets = spin(model_modes().front(), 1);
   ASSERT_EQ(model_modes().front().model, "velodyne_vlp16");
   for (WirePacket& packet : packets) packet.bytes[1205] = 0x28;  // a VLP-32C's
   EXPECT_EQ(give(*driver, packets[0], nowhere), Reject::none) << "not known yet";
