@@ -32,7 +32,13 @@ ROOMS = {
     "daemon/pipeline": ["daemon/config"],
     "daemon/live": ["daemon/pipeline"],
     "daemon/files": ["daemon/pipeline"],
-    "daemon/ros": ["daemon/live"],
+    "daemon/ros/master": ["daemon/live"],
+    "daemon/ros/messages": ["daemon/pipeline"],
+    "daemon/ros/velodyne": ["daemon/ros/messages"],
+    "daemon/ros/sick": ["daemon/ros/messages"],
+    "daemon/ros/out": ["daemon/ros/master", "daemon/ros/velodyne", "daemon/ros/sick"],
+    "daemon/ros/in": ["daemon/ros/master", "daemon/ros/velodyne"],
+    "daemon/ros": ["daemon/ros/out", "daemon/ros/in"],
     "daemon/commands": ["daemon/ros", "daemon/files"],
     "daemon/dropin": ["daemon/commands"],
     "daemon": ["daemon/dropin"],
@@ -46,7 +52,7 @@ ROOMS = {
 FOLDERS = ("core", "drivers", "daemon", "test/sim", "test/skeleton")
 TESTS = re.compile(r"test/.*(_test\.cpp|_testing\.h)$")
 
-ROS = r"ros/|rosbag/|tf2|tf2_ros/|\w+_msgs/|diagnostic_updater/|dynamic_reconfigure/|XmlRpc"
+ROS = r"ros/|rosbag/|tf2|tf2_ros/|\w+_msgs/|dynamic_reconfigure/|XmlRpc"
 FILES_AND_SOCKETS = r"boost/asio|boost/beast|pcap|sys/socket|netinet/|arpa/|fstream$|filesystem$"
 THREADS_AND_CLOCKS = r"thread$|mutex$|condition_variable$|future$"
 FORBIDDEN = {
@@ -55,7 +61,7 @@ FORBIDDEN = {
     "daemon": r"test/",
     "daemon/pipeline": "|".join([ROS, r"boost/asio|boost/beast|sys/socket|netinet/|arpa/|yaml-cpp", THREADS_AND_CLOCKS]),
 }
-ONLY_IN = {"yaml-cpp": ["daemon/config"], ROS: ["daemon/ros", "daemon/dropin", "daemon/commands"]}
+ONLY_IN = {"yaml-cpp": ["daemon/config"], ROS: [room for room in ROOMS if room.startswith("daemon/ros")] + ["daemon/dropin", "daemon/commands"]}
 HEAVY_IN_HEADERS = "|".join([ROS, r"pcl/|spdlog"])
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 

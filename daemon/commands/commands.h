@@ -12,7 +12,7 @@
 #include "core/base/time.h"
 #include "daemon/config/config.h"
 #include "daemon/files/frame_writer.h"
-#include "daemon/ros/ros_environment.h"
+#include "daemon/ros/master/environment.h"
 #include "drivers/address.h"
 
 namespace lidard {

@@ -13,22 +13,14 @@
 
 namespace lidard {
 
-/// A topic for each source that is handed over to the other lane.
-inline std::vector<OutputTopic> topics_of(const std::vector<std::string>& sources) {
-  std::vector<OutputTopic> topics;
-  topics.reserve(sources.size());
-  for (const std::string& source : sources)
-    topics.push_back({source, TopicKind::scan, true, 0, topics.size()});
-  return topics;
-}
-
-/// Scans on their way from the lane of clouds to that of planes.
+/// Scans on their way from the lane of clouds to that of planes: a slot of the queue for each source.
 struct HandedOver {
-  explicit HandedOver(std::vector<std::string> names)
-      : sources(std::move(names)), topics(topics_of(sources)), queue(topics, Backpressure::drop_oldest) {}
+  static constexpr std::size_t depth = 100;
+  explicit HandedOver(std::vector<std::string> names) : sources(std::move(names)) {
+    for (std::size_t i = 0; i < sources.size(); ++i) queue.add_slot(depth);
+  }
   const std::vector<std::string> sources;
-  const std::vector<OutputTopic> topics;
-  FrameQueue queue;
+  FrameQueue queue{Backpressure::drop_oldest};
 };
 
 /// A configuration as both lanes see it; arrays are by lane, here and below.

@@ -16,10 +16,10 @@
 #include "daemon/commands/player.h"
 #include "daemon/commands/stop_signal.h"
 #include "daemon/pipeline/report.h"
-#include "daemon/ros/bag_sink.h"
-#include "daemon/ros/ros_environment.h"
-#include "daemon/ros/ros_session.h"
-#include "daemon/ros/tf_poses.h"
+#include "daemon/ros/in/tf_poses.h"
+#include "daemon/ros/master/environment.h"
+#include "daemon/ros/out/bag_sink.h"
+#include "daemon/ros/session.h"
 
 namespace lidard {
 namespace {

@@ -22,10 +22,10 @@
 #include "daemon/live/sensor_loop.h"
 #include "daemon/live/service.h"
 #include "daemon/pipeline/log.h"
-#include "daemon/ros/ros_environment.h"
-#include "daemon/ros/ros_pulse.h"
-#include "daemon/ros/ros_session.h"
-#include "daemon/ros/wait_until.h"
+#include "daemon/ros/master/environment.h"
+#include "daemon/ros/master/thread_watch.h"
+#include "daemon/ros/master/wait_until.h"
+#include "daemon/ros/session.h"
 
 namespace lidard {
 namespace {
@@ -148,14 +148,14 @@ class Daemon {
   void connect_lanes() {
     const auto take_over = [this, over = plan_->handed_over](Stamp received) {
       while (QueuedFrame* const frame = over->queue.pop(Span(0))) {
-        planes_.pipeline().scan_message(over->sources[frame->lane], std::get<PlanarScan>(frame->content),
+        planes_.pipeline().scan_message(over->sources[frame->slot], std::get<PlanarScan>(frame->content),
                                         received);
         over->queue.done(frame);
       }
     };
     clouds_.pipeline().set_hand_over(
         [this, over = plan_->handed_over, take_over](std::size_t source, const PlanarScan& scan, Stamp now) {
-          over->queue.push(over->topics[source], scan, now);
+          over->queue.push(source, scan, now);
           planes_.post(take_over);
         });
   }
@@ -183,29 +183,28 @@ class Daemon {
       } catch (const std::exception& error) {
         trouble = error.what();
       }
-      planes_.post([this, config, trouble](Stamp) { config ? change(*config) : end_reload(trouble); });
+      planes_.post([this, config, trouble](Stamp now) { config ? change(*config, now) : end_reload(trouble); });
     });
   }
-  void change(const Config& config) {
+  void change(const Config& config, Stamp now) {
     for (const auto& warning : config.warnings) log_warn("{}", warning);
     next_plan_ = std::make_unique<Plan>(config);
     try {
-      RosChange change = ros_.change_to(config, next_plan_->parts);
-      change.ready = [this](FrameSink& planes, FrameSink& clouds) {
-        planes_.post([this, &planes, &clouds](Stamp now) { switch_over(planes, clouds, now); });
-      };
-      ros_.change(std::move(change));
+      ros_.change(config, next_plan_->parts);
     } catch (const RosError& error) {
-      end_reload(error.what());
+      return end_reload(error.what());
     }
+    switch_over(now);
   }
   /// Both lanes one after the other, each in its own thread.
-  void switch_over(FrameSink& planes, FrameSink& clouds, Stamp now) {
+  void switch_over(Stamp now) {
     plan_ = std::move(next_plan_);
-    planes_.configure(plan_->parts[0], planes);
-    planes.transforms(planes_.pipeline().static_transforms(), now);
-    const auto switch_clouds = [this, &clouds] {
-      clouds_.configure(plan_->parts[1], clouds);
+    ros_.set_topics(Lane::planes, plan_->topics[0]);
+    planes_.configure(plan_->parts[0]);
+    ros_.sink(Lane::planes).transforms(planes_.pipeline().static_transforms(), now);
+    const auto switch_clouds = [this] {
+      ros_.set_topics(Lane::clouds, plan_->topics[1]);
+      clouds_.configure(plan_->parts[1]);
       connect_lanes();
     };
     if (clouds_thread_.joinable()) {
@@ -220,7 +219,6 @@ class Daemon {
     end_change();
   }
   void end_change() {
-    ros_.finish_change();
     box_.configure(plan_->whole.black_box);
     end_reload("");
   }
@@ -289,7 +287,6 @@ class Daemon {
     return all;
   }
   void tick(Stamp now) {
-    ros_.stand_back(planes_.ports_are_taken() || clouds_.ports_are_taken());
     leave_name_to_others();
     if (++ticks_ % ticks_per_status == 0) service_.status(status());
     update_journal();

@@ -12,7 +12,7 @@
 #include "daemon/files/snapshot_view.h"
 #include "daemon/files/text_file.h"
 #include "daemon/pipeline/report.h"
-#include "daemon/ros/tf_poses.h"
+#include "daemon/ros/in/tf_poses.h"
 
 namespace lidard {
 namespace {

@@ -92,11 +92,11 @@ void add_told(const SensorConfig& sensor, std::vector<OutputTopic>& topics) {
   for (const MessageTopic& told : sensor.model->messages) {
     if (told.kind == message_kind<DeviceState>() && !states) continue;
     if (told.name == output_paths_topic && !sensor.output_paths_topic.empty()) continue;
-    topics.push_back({below + std::string(told.name), TopicKind::message, false, told.kind});
+    topics.push_back({below + std::string(told.name), TopicKind::message, false, told.kind, 0, told.name});
   }
   if (!states) return;
   for (const auto name : sensor.model->extra_scans)
-    topics.push_back({below + std::string(name), TopicKind::scan, false});
+    topics.push_back({below + std::string(name), TopicKind::scan, false, 0, 0, name});
 }
 
 }  // namespace
@@ -190,7 +190,7 @@ std::vector<OutputTopic> sensor_topics(const SensorConfig& sensor) {
   if (!sensor.extended_scan_topic.empty())
     topics.push_back({sensor.extended_scan_topic, TopicKind::extended_scan});
   if (!sensor.output_paths_topic.empty())
-    topics.push_back({sensor.output_paths_topic, TopicKind::output_paths, false});
+    topics.push_back({sensor.output_paths_topic, TopicKind::output_paths, false, 0, 0, output_paths_topic});
   add_told(sensor, topics);
   return topics;
 }

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/pose.h"
@@ -197,9 +198,10 @@ enum class TopicKind : std::uint8_t { scan, echoes, cloud, message, extended_sca
 struct OutputTopic {
   std::string name;  ///< as ROS has it (relative names are resolved by the sink)
   TopicKind kind;
-  bool promised = true;     ///< comes with every frame; else only when the device has something to tell
+  bool promised = true;     ///< comes with every frame; else only when the device has something to report
   std::size_t message = 0;  ///< of TopicKind::message: message_kind() of what travels
   std::size_t id = 0;       ///< place in output_topics()
+  std::string_view from{};  ///< the driver's name of what travels; empty: what every sensor of the kind gives
 };
 
 /// The topic of a sensor's own frames: its cloud, or its scan.

@@ -10,7 +10,7 @@
 #include "daemon/config/config.h"
 #include "daemon/dropin/dropin.h"
 #include "daemon/pipeline/log.h"
-#include "daemon/ros/ros_environment.h"
+#include "daemon/ros/master/environment.h"
 
 namespace lidard {
 namespace {

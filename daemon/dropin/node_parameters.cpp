@@ -8,8 +8,8 @@
 #include "daemon/config/config.h"
 #include "daemon/dropin/dropin.h"
 #include "daemon/pipeline/log.h"
-#include "daemon/ros/ros_environment.h"
-#include "daemon/ros/ros_master.h"
+#include "daemon/ros/master/environment.h"
+#include "daemon/ros/master/master_client.h"
 
 namespace lidard {
 namespace {

@@ -26,15 +26,15 @@ class FrameKeeper : public FrameSink {
   /// What comes after this call is not kept.
   void freeze() { frozen_ = true; }
 
-  void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp /*released*/) override {
+  void publish(const OutputTopic& topic, const Payload& payload, Stamp /*released*/) override {
     if (frozen_) return;
-    scans_[{topic.name, scan.frame_id}] = scan;
-    newest_ = std::max(newest_, scan.stamp);
-  }
-  void cloud(const OutputTopic& topic, Cloud& cloud, Stamp /*released*/) override {
-    if (frozen_) return;
-    clouds_[topic.name] = cloud;
-    newest_ = std::max(newest_, cloud.stamp);
+    if (const PlanarScan* const* const scan = std::get_if<const PlanarScan*>(&payload)) {
+      scans_[{topic.name, (*scan)->frame_id}] = **scan;
+      newest_ = std::max(newest_, (*scan)->stamp);
+    } else if (Cloud* const* const cloud = std::get_if<Cloud*>(&payload)) {
+      clouds_[topic.name] = **cloud;
+      newest_ = std::max(newest_, (*cloud)->stamp);
+    }
   }
 
   /// The newest of them, or nullptr.

@@ -7,121 +7,101 @@
 namespace lidard {
 namespace {
 
-constexpr std::size_t usual_depth = 2;
+constexpr std::size_t least_depth = 2;
 
-QueuedContent what_travels(TopicKind kind) {
-  if (kind == TopicKind::message || kind == TopicKind::output_paths) return DeviceMessage();
-  return kind == TopicKind::cloud ? QueuedContent(Cloud()) : PlanarScan();
+template <class Kept>
+Kept& kept_in(QueuedContent& content) {
+  Kept* const kept = std::get_if<Kept>(&content);
+  return kept != nullptr ? *kept : content.emplace<Kept>();
 }
 
 }  // namespace
 
-std::size_t queue_depth(const OutputTopic& topic) {
-  if (topic.kind == TopicKind::cloud) return usual_depth;
-  if (topic.kind != TopicKind::message) return 100;
-  return topic.message == message_kind<ImuSample>() ? 50 : usual_depth;
+std::size_t FrameQueue::add_slot(std::size_t depth) {
+  const std::lock_guard lock(mutex_);
+  slots_.emplace_back().depth = backpressure_ == Backpressure::block ? least_depth : depth;
+  slots_.back().allocate(slots_.size() - 1);
+  return slots_.size() - 1;
 }
 
-FrameQueue::FrameQueue(const std::vector<OutputTopic>& topics, Backpressure backpressure)
-    : backpressure_(backpressure) {
-  for (const OutputTopic& topic : topics)
-    add_lane(what_travels(topic.kind),
-             backpressure == Backpressure::block ? usual_depth : queue_depth(topic));
-  add_lane(std::vector<StaticTransform>(), usual_depth);
-  add_lane(Stamp(), usual_depth);
+void FrameQueue::release(std::size_t number) {
+  const std::lock_guard lock(mutex_);
+  if (slots_.at(number).idle()) slots_[number].allocate(number);
 }
 
-void FrameQueue::add_lane(const QueuedContent& empty, std::size_t depth) {
-  const std::size_t number = lanes_.size();
-  Lane& lane = lanes_.emplace_back();
-  lane.depth = depth;
-  // One more than may wait: the thread that publishes holds one.
-  lane.frames.assign(depth + 1, {number, 0, {}, empty});
-  for (QueuedFrame& frame : lane.frames) lane.free.push_back(&frame);
+/// One more than may wait: the thread that publishes holds one.
+void FrameQueue::Slot::allocate(std::size_t number) {
+  frames.assign(depth + 1, {number, 0, {}, {}});
+  frames.shrink_to_fit();
+  free.clear();
+  for (QueuedFrame& frame : frames) free.push_back(&frame);
 }
 
 /// For a frame that was released then to find its place.
-bool FrameQueue::must_drop(const Lane& lane, Stamp released) {
+bool FrameQueue::must_drop(const Slot& slot, Stamp released) {
   constexpr Span longest_wait = std::chrono::seconds(1);
-  const std::size_t waiting = lane.waiting.size();
-  return waiting >= lane.depth ||
-         (waiting >= usual_depth && released - lane.waiting.front()->released > longest_wait);
+  const std::size_t waiting = slot.waiting.size();
+  return waiting >= slot.depth ||
+         (waiting >= least_depth && released - slot.waiting.front()->released > longest_wait);
 }
 
-template <typename Fill>
-void FrameQueue::push_to(std::size_t number, Stamp released, Fill fill) {
+void FrameQueue::push(std::size_t number, const Payload& payload, Stamp released) {
   std::unique_lock lock(mutex_);
-  Lane& lane = lanes_.at(number);
+  Slot& slot = slots_.at(number);
   if (backpressure_ == Backpressure::block)
-    emptied_.wait(lock, [&] { return stopped_ || lane.waiting.size() < lane.depth; });
+    emptied_.wait(lock, [&] { return stopped_ || slot.waiting.size() < slot.depth; });
   if (stopped_) return;
-  while (backpressure_ == Backpressure::drop_oldest && must_drop(lane, released + step_.load())) {
-    lane.free.push_back(lane.waiting.front());
-    lane.waiting.pop_front();
-    ++lane.dropped;
+  while (backpressure_ == Backpressure::drop_oldest && must_drop(slot, released + step_.load())) {
+    slot.free.push_back(slot.waiting.front());
+    slot.waiting.pop_front();
+    ++slot.dropped;
   }
-  QueuedFrame* const frame = lane.free.back();
-  lane.free.pop_back();
+  QueuedFrame* const frame = slot.free.back();
+  slot.free.pop_back();
   frame->number = ++pushed_;
   frame->released = released + step_.load();
-  lane.watch.released(released);
-  fill(frame->content);
-  lane.waiting.push_back(frame);
+  slot.watch.released(released);
+  fill(payload, frame->content);
+  slot.waiting.push_back(frame);
   lock.unlock();
   filled_.notify_one();
 }
 
-void FrameQueue::push(const OutputTopic& topic, const PlanarScan& scan, Stamp released) {
-  push_to(topic.id, released, [&](QueuedContent& slot) {
-    PlanarScan& kept = std::get<PlanarScan>(slot);
-    kept = scan;
-    kept.stamp = scan.stamp + step_.load();
-  });
+void FrameQueue::fill(const Payload& payload, QueuedContent& content) const {
+  const auto keep = [&](auto* given) {
+    using Kept = std::remove_const_t<std::remove_pointer_t<decltype(given)>>;
+    Kept& kept = kept_in<Kept>(content);
+    if constexpr (std::is_same_v<Kept, Cloud>) {
+      kept.frame_id = given->frame_id;
+      kept.stamp = given->stamp + step_.load();
+      kept.height = given->height;
+      kept.points_bytes.swap(given->points_bytes);
+    } else {
+      kept = *given;
+    }
+    if constexpr (std::is_same_v<Kept, PlanarScan>) kept.stamp = kept.stamp + step_.load();
+    if constexpr (std::is_same_v<Kept, DeviceMessage>)
+      std::visit([this](auto& message) { message.stamp = message.stamp + step_.load(); }, kept);
+  };
+  std::visit(keep, payload);
 }
 
-void FrameQueue::push(const OutputTopic& topic, Cloud& cloud, Stamp released) {
-  push_to(topic.id, released, [&](QueuedContent& slot) {
-    Cloud& kept = std::get<Cloud>(slot);
-    kept.frame_id = cloud.frame_id;
-    kept.stamp = cloud.stamp + step_.load();
-    kept.height = cloud.height;
-    kept.points_bytes.swap(cloud.points_bytes);
-  });
-}
-
-void FrameQueue::push(const OutputTopic& topic, const DeviceMessage& message, Stamp released) {
-  push_to(topic.id, released, [&](QueuedContent& slot) {
-    DeviceMessage& kept = std::get<DeviceMessage>(slot);
-    kept = message;
-    std::visit([this](auto& told) { told.stamp = told.stamp + step_.load(); }, kept);
-  });
-}
-
-void FrameQueue::push(const std::vector<StaticTransform>& transforms, Stamp released) {
-  push_to(transforms_lane(), released, [&](QueuedContent& slot) { slot = transforms; });
-}
-
-void FrameQueue::push_clock(Stamp now) {
-  push_to(clock_lane(), now, [now](QueuedContent& slot) { slot = now; });
-}
-
-FrameQueue::Lane* FrameQueue::oldest() {
-  Lane* oldest = nullptr;
-  for (auto& lane : lanes_) {
-    if (lane.waiting.empty()) continue;
-    if (oldest == nullptr || lane.waiting.front()->number < oldest->waiting.front()->number) oldest = &lane;
+FrameQueue::Slot* FrameQueue::oldest() {
+  Slot* oldest = nullptr;
+  for (Slot& slot : slots_) {
+    if (slot.waiting.empty()) continue;
+    if (oldest == nullptr || slot.waiting.front()->number < oldest->waiting.front()->number) oldest = &slot;
   }
   return oldest;
 }
 
 QueuedFrame* FrameQueue::pop(Span wait) {
   std::unique_lock lock(mutex_);
-  Lane* lane = nullptr;
-  filled_.wait_for(lock, wait, [&] { return stopped_ || (lane = oldest()) != nullptr; });
-  if (stopped_ || lane == nullptr) return nullptr;
-  QueuedFrame* frame = lane->waiting.front();
-  lane->waiting.pop_front();
-  ++out_;
+  Slot* slot = nullptr;
+  filled_.wait_for(lock, wait, [&] { return stopped_ || (slot = oldest()) != nullptr; });
+  if (stopped_ || slot == nullptr) return nullptr;
+  QueuedFrame* frame = slot->waiting.front();
+  slot->waiting.pop_front();
   lock.unlock();
   emptied_.notify_all();
   return frame;
@@ -129,8 +109,7 @@ QueuedFrame* FrameQueue::pop(Span wait) {
 
 void FrameQueue::done(QueuedFrame* frame) {
   const std::lock_guard lock(mutex_);
-  lanes_[frame->lane].free.push_back(frame);
-  --out_;
+  slots_[frame->slot].free.push_back(frame);
 }
 
 void FrameQueue::published(QueuedFrame* frame, Stamp now) {
@@ -139,36 +118,33 @@ void FrameQueue::published(QueuedFrame* frame, Stamp now) {
   const Span latency = now - frame->released;
   if (latency >= Span(0) && latency < longest_way) {
     const std::lock_guard lock(mutex_);
-    lanes_[frame->lane].watch.published(latency);
+    slots_[frame->slot].watch.published(latency);
   }
   done(frame);
 }
 
-TopicFigures FrameQueue::figures(std::size_t topic, Stamp now) const {
+TopicFigures FrameQueue::figures(std::size_t number, Stamp now) const {
   const std::lock_guard lock(mutex_);
-  const Lane& lane = lanes_.at(topic);
-  TopicFigures figures = lane.watch.figures(now);
-  figures.dropped = lane.dropped;
+  const Slot& slot = slots_.at(number);
+  TopicFigures figures = slot.watch.figures(now);
+  figures.dropped = slot.dropped;
   return figures;
-}
-
-void FrameQueue::continue_figures(std::size_t topic, const FrameQueue& before, std::size_t topic_before) {
-  const std::scoped_lock lock(mutex_, before.mutex_);
-  lanes_.at(topic).watch = before.lanes_.at(topic_before).watch;
-  lanes_.at(topic).dropped = before.lanes_.at(topic_before).dropped;
 }
 
 bool FrameQueue::idle() const {
   const std::lock_guard lock(mutex_);
-  const bool empty =
-      std::all_of(lanes_.begin(), lanes_.end(), [](const Lane& lane) { return lane.waiting.empty(); });
-  return empty && out_ == 0;
+  return std::all_of(slots_.begin(), slots_.end(), [](const Slot& slot) { return slot.idle(); });
 }
 
-std::uint64_t FrameQueue::dropped(std::size_t begin, std::size_t end) const {
+bool FrameQueue::idle(std::size_t slot) const {
+  const std::lock_guard lock(mutex_);
+  return slots_.at(slot).idle();
+}
+
+std::uint64_t FrameQueue::dropped() const {
   const std::lock_guard lock(mutex_);
   std::uint64_t sum = 0;
-  for (std::size_t i = begin; i < end; ++i) sum += lanes_[i].dropped;
+  for (const Slot& slot : slots_) sum += slot.dropped;
   return sum;
 }
 

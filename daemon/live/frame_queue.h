@@ -26,78 +26,71 @@ using QueuedContent = std::variant<PlanarScan, Cloud, DeviceMessage, std::vector
 
 /// A frame on its way from the sensor thread to the one that publishes.
 struct QueuedFrame {
-  std::size_t lane = 0;  ///< OutputTopic::id, or FrameQueue::transforms_lane(), clock_lane()
+  std::size_t slot = 0;
   std::uint64_t number = 0;
   Stamp released;
   QueuedContent content;
+  Payload payload() {
+    return std::visit([](auto& held) { return Payload(held); }, content);
+  }
 };
 
-/// How many frames of a topic may wait until they are published. A thread that stood still publishes late
-/// what came meanwhile: planar scans of a second (no scanner turns more than 100 times), and inertial samples
-/// of a quarter of one. Clouds are large and outdated soon.
-std::size_t queue_depth(const OutputTopic& topic);
-
-/// A bounded queue with a lane per topic, see queue_depth(); live, what has waited for a second makes room
-/// for what comes. Frames leave in the order they came. Frames and their buffers are recycled: no allocation
-/// after warm-up. Knows no middleware.
+/// A bounded queue with a slot per topic; live, what has waited for a second makes room for what comes.
+/// Frames leave in the order they came. Frames and their buffers are recycled: no allocation after warm-up.
+/// Knows no middleware.
 class FrameQueue {
  public:
-  /// `topics` as in output_topics().
-  FrameQueue(const std::vector<OutputTopic>& topics, Backpressure backpressure);
+  explicit FrameQueue(Backpressure backpressure) : backpressure_(backpressure) {}
+
+  /// Adds a slot, for frames of one type, and returns its number. `depth`: how many frames may wait (2 with
+  /// Backpressure::block).
+  std::size_t add_slot(std::size_t depth);
+  /// Frees the memory of a slot that is not used for now.
+  void release(std::size_t slot);
 
   /// By how much the stamps of what is pushed from now on are moved: HostClock::step().
   void set_step(Span step) { step_ = step; }
-  void push(const OutputTopic& topic, const PlanarScan& scan, Stamp released);
-  /// Swaps points_bytes with a recycled buffer.
-  void push(const OutputTopic& topic, Cloud& cloud, Stamp released);
-  void push(const OutputTopic& topic, const DeviceMessage& message, Stamp released);
-  void push(const std::vector<StaticTransform>& transforms, Stamp released);
-  void push_clock(Stamp now);
+  /// Swaps the points_bytes of a cloud with a recycled buffer.
+  void push(std::size_t slot, const Payload& payload, Stamp released);
 
   /// The oldest frame, or nullptr after `wait` or stop(). Give it back with done().
   QueuedFrame* pop(Span wait);
   void done(QueuedFrame* frame);
   /// The same of a frame that was published, at `now` on the host's clock.
   void published(QueuedFrame* frame, Stamp now);
-  /// How a topic does; `now` in the time without steps, as `released` was.
-  TopicFigures figures(std::size_t topic, Stamp now) const;
-  /// The figures of a topic go on from those of another queue's topic.
-  void continue_figures(std::size_t topic, const FrameQueue& before, std::size_t topic_before);
+  /// How the topic of a slot does; `now` in the time without steps, as `released` was.
+  TopicFigures figures(std::size_t slot, Stamp now) const;
   /// True if every frame pushed was also given back.
   bool idle() const;
-  /// Frames dropped so far, of one topic or of all.
-  std::uint64_t dropped(std::size_t topic) const { return dropped(topic, topic + 1); }
-  std::uint64_t dropped() const { return dropped(0, lanes_.size()); }
-  /// Ends all waiting; nothing is taken or given from now on.
+  /// The same of one slot.
+  bool idle(std::size_t slot) const;
+  /// Frames dropped so far.
+  std::uint64_t dropped() const;
+  /// Ends all waiting; from now on nothing is pushed or popped.
   void stop();
 
-  std::size_t transforms_lane() const { return lanes_.size() - 2; }
-  std::size_t clock_lane() const { return lanes_.size() - 1; }
-
  private:
-  struct Lane {
+  struct Slot {
     std::vector<QueuedFrame> frames;  // all hold the same kind of thing
     std::deque<QueuedFrame*> waiting;
     std::vector<QueuedFrame*> free;
     std::size_t depth = 0;
     std::uint64_t dropped = 0;
     TopicWatch watch;
+    void allocate(std::size_t number);
+    bool idle() const { return free.size() == frames.size(); }
   };
-  void add_lane(const QueuedContent& empty, std::size_t depth);
-  template <typename Fill>
-  void push_to(std::size_t lane, Stamp released, Fill fill);
-  static bool must_drop(const Lane& lane, Stamp released);
-  Lane* oldest();
-  std::uint64_t dropped(std::size_t begin, std::size_t end) const;
+  static bool must_drop(const Slot& slot, Stamp released);
+  void fill(const Payload& payload, QueuedContent& content) const;
+  Slot* oldest();
 
   Backpressure backpressure_;
   std::atomic<Span> step_{Span(0)};
   mutable std::mutex mutex_;
   std::condition_variable filled_;
   std::condition_variable emptied_;
-  std::deque<Lane> lanes_;  // one per topic, then transforms, then clock
+  std::deque<Slot> slots_;
   std::uint64_t pushed_ = 0;
-  std::size_t out_ = 0;
   bool stopped_ = false;
 };
 

@@ -74,8 +74,7 @@ void SensorLoop::run() {
   io_.run();
 }
 
-void SensorLoop::configure(const Config& config, FrameSink& sink) {
-  pipeline_.set_sinks({&sink});
+void SensorLoop::configure(const Config& config) {
   pipeline_.configure(config);
   ports_.configure(config);
   connections_.configure(config);
@@ -169,7 +168,6 @@ void SensorLoop::tick(Stamp now) {
   connections_.tick();
   ports_.note_changes();
   host_causes_.watch_addresses();
-  ports_are_taken_ = ports_.taken();
   connections_.log_first();
   on_tick(now);
 }

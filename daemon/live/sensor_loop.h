@@ -51,8 +51,8 @@ class SensorLoop {
   void post(std::function<void(Stamp)> task);
   /// Opens the sockets and runs until stop().
   void run();
-  /// Applies another configuration and another sink. Entries that stay the same are not interrupted.
-  void configure(const Config& config, FrameSink& sink);
+  /// Applies another configuration. Entries that stay the same are not interrupted.
+  void configure(const Config& config);
   /// Thread-safe.
   void stop() { io_.stop(); }
   /// After run(): closes the sockets, completes the counters, and logs them.
@@ -61,8 +61,6 @@ class SensorLoop {
   LaneState state();
   /// Grows about ten times a second while the thread runs. Thread-safe.
   std::uint64_t rounds() const { return rounds_; }
-  /// Whether another program holds one of the ports. Thread-safe.
-  bool ports_are_taken() const { return ports_are_taken_; }
 
  private:
   void report_round();
@@ -88,7 +86,6 @@ class SensorLoop {
   std::optional<Stamp> next_event_;  // what event_timer_ is set to
   std::chrono::steady_clock::time_point next_tick_, next_round_;
   std::atomic<std::uint64_t> rounds_{0};
-  std::atomic<bool> ports_are_taken_{false};
 };
 
 }  // namespace lidard

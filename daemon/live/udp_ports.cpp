@@ -151,10 +151,6 @@ std::uint64_t UdpPorts::datagrams() const {
   return all;
 }
 
-bool UdpPorts::taken() const {
-  return std::any_of(ports_.begin(), ports_.end(), [](const Port& port) { return !port.holder.empty(); });
-}
-
 std::string UdpPorts::trouble(std::uint16_t port) const {
   for (const auto& each : ports_) {
     if (each.number == port && !receives(each.source->state())) return message_of(each);

@@ -33,8 +33,6 @@ class UdpPorts {
   Share open() const;
   /// Datagrams received at all ports.
   std::uint64_t datagrams() const;
-  /// True if another program has one of the ports.
-  bool taken() const;
   /// Why nothing can be received at a port; empty: it is open.
   std::string trouble(std::uint16_t port) const;
 

@@ -92,24 +92,15 @@ void Outlet::configure(std::vector<OutputTopic> topics, std::size_t sensors) {
   }
 }
 
-void Outlet::publish(const OutputTopic& topic, const PlanarScan& scan, Stamp now) {
+void Outlet::publish(const OutputTopic& topic, const Payload& payload, Stamp now) {
   reports_[topic.id].count(now);
-  for (FrameSink* const sink : sinks_) sink->scan(topic, scan, now);
-}
-
-void Outlet::publish(const OutputTopic& topic, Cloud& cloud, Stamp now) {
-  reports_[topic.id].count(now);
+  Cloud* const* const cloud = std::get_if<Cloud*>(&payload);
   for (FrameSink* const sink : sinks_) {
     // A sink may keep the points.
-    const bool last = sink == sinks_.back();
-    if (!last) copy_ = cloud;
-    sink->cloud(topic, last ? cloud : copy_, now);
+    const bool needs_copy = cloud != nullptr && sink != sinks_.back();
+    if (needs_copy) copy_ = **cloud;
+    sink->publish(topic, needs_copy ? Payload(copy_) : payload, now);
   }
-}
-
-void Outlet::publish(const OutputTopic& topic, const DeviceMessage& message, Stamp now) {
-  reports_[topic.id].count(now);
-  for (FrameSink* const sink : sinks_) sink->message(topic, message, now);
 }
 
 void Outlet::publish(const std::vector<DiagnosticItem>& items, Stamp now) {

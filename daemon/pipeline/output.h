@@ -31,7 +31,6 @@ class Outlet {
   /// From now on these are the topics, each with what came out on it before, and there are so many sensors.
   /// Nothing is connected.
   void configure(std::vector<OutputTopic> topics, std::size_t sensors);
-  void set_sinks(std::vector<FrameSink*> sinks) { sinks_ = std::move(sinks); }
   void set_hand_over(HandOver hand_over) { hand_over_ = std::move(hand_over); }
 
   const std::vector<OutputTopic>& topics() const { return topics_; }
@@ -46,10 +45,7 @@ class Outlet {
   }
 
   /// To the sinks.
-  void publish(const OutputTopic& topic, const PlanarScan& scan, Stamp now);
-  /// May swap out cloud.points_bytes.
-  void publish(const OutputTopic& topic, Cloud& cloud, Stamp now);
-  void publish(const OutputTopic& topic, const DeviceMessage& message, Stamp now);
+  void publish(const OutputTopic& topic, const Payload& payload, Stamp now);
   void publish(const std::vector<DiagnosticItem>& items, Stamp now);
   /// To the outputs that are made of this source.
   void feed(std::size_t source, const PlanarScan& scan, Stamp now);

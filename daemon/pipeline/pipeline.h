@@ -76,7 +76,6 @@ class Pipeline final : public MessageReceiver {
   /// From now on works after another configuration. Sensors and outputs whose entries are the same go on as
   /// if nothing had happened, unless set_output() has changed them.
   void configure(const Config& config);
-  void set_sinks(std::vector<FrameSink*> sinks) { outlet_.set_sinks(std::move(sinks)); }
   void set_hand_over(HandOver hand_over) { outlet_.set_hand_over(std::move(hand_over)); }
   /// The configured transforms, for /tf_static.
   const std::vector<StaticTransform>& static_transforms() const { return frames_.transforms(); }

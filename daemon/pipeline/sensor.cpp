@@ -48,22 +48,19 @@ Sensor::Sensor(const SensorConfig& config, std::size_t place, SensorContext& con
 
 void Sensor::place_at(std::size_t place) {
   place_ = place;
-  topic_ = ring_topic_ = echoes_topic_ = extended_topic_ = raw_topic_ = nullptr;
-  told_topics_.clear();
+  topic_ = ring_topic_ = raw_topic_ = nullptr;
+  more_scan_topics_.clear();
+  device_topics_.clear();
   for (const OutputTopic& own : sensor_topics(config_)) {
     const OutputTopic& topic = topic_named(context_.outlet.topics(), own.name);
-    if (topic.kind == TopicKind::output_paths)
-      told_topics_.emplace_back(output_paths_topic, &topic);
-    else if (topic.kind == TopicKind::extended_scan)
-      extended_topic_ = &topic;
-    else if (!topic.promised)
-      told_topics_.emplace_back(std::string_view(topic.name).substr(config_.name.size() + 1), &topic);
+    if (!topic.from.empty())
+      device_topics_.push_back(&topic);
     else if (topic.kind == TopicKind::message)
       raw_topic_ = &topic;
-    else if (topic.kind == TopicKind::echoes)
-      echoes_topic_ = &topic;
-    else
+    else if (topic.kind == TopicKind::scan || topic.kind == TopicKind::cloud)
       (topic_ == nullptr ? topic_ : ring_topic_) = &topic;
+    else
+      more_scan_topics_.push_back(&topic);
   }
 }
 
@@ -110,9 +107,7 @@ void Sensor::publish_scan(const OutputTopic& topic, std::optional<FrameFilter>& 
     filter->apply(scan);
   }
   context_.outlet.publish(topic, scan, context_.now);
-  for (const OutputTopic* more : {echoes_topic_, extended_topic_}) {
-    if (more != nullptr) context_.outlet.publish(*more, scan, context_.now);
-  }
+  for (const OutputTopic* more : more_scan_topics_) context_.outlet.publish(*more, scan, context_.now);
   if (!filter) feed(scan);
 }
 
@@ -146,16 +141,15 @@ void Sensor::feed(const Frame& frame) {
   context_.outlet.feed(place_, frame, context_.now);
 }
 
-template <class Told>
-void Sensor::publish_told(std::string_view name, Told& what) {
-  for (const auto& [told, topic] : told_topics_) {
-    if (told == name) context_.outlet.publish(*topic, what, context_.now);
+void Sensor::publish_from_device(std::string_view name, const Payload& payload) {
+  for (const OutputTopic* topic : device_topics_) {
+    if (topic->from == name) context_.outlet.publish(*topic, payload, context_.now);
   }
 }
 
-void Sensor::message(const DeviceMessage& message) { publish_told(topic_of(message), message); }
+void Sensor::message(const DeviceMessage& message) { publish_from_device(topic_of(message), message); }
 
-void Sensor::extra_scan(std::string_view name, PlanarScan& scan) { publish_told(name, scan); }
+void Sensor::extra_scan(std::string_view name, PlanarScan& scan) { publish_from_device(name, scan); }
 
 void Sensor::note(std::string_view sentence) { log_info("{}: {}", config_.name, sentence); }
 

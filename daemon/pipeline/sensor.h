@@ -127,9 +127,8 @@ class Sensor final : public DriverOutput {
   /// For the outputs that are made of this sensor's frames.
   template <class Frame>
   void feed(const Frame& frame);
-  /// What is told beside the frames, on each of its topics.
-  template <class Told>
-  void publish_told(std::string_view name, Told& what);
+  /// What the device reports beside its frames, on each of its topics.
+  void publish_from_device(std::string_view name, const Payload& payload);
 
   SensorConfig config_;
   std::size_t place_;
@@ -141,13 +140,12 @@ class Sensor final : public DriverOutput {
   std::optional<RingScan> ring_scan_;
   PlanarScan ring_;
   RawPacketCollector raw_{config_};
-  const OutputTopic* topic_ = nullptr;           // of its frames; nullptr, as below: none
-  const OutputTopic* ring_topic_ = nullptr;      // of the ring that is a scan
-  const OutputTopic* echoes_topic_ = nullptr;    // of its scans with all echoes
-  const OutputTopic* extended_topic_ = nullptr;  // of its scans with the flags of the beams
-  const OutputTopic* raw_topic_ = nullptr;       // of its packets
-  std::vector<std::pair<std::string_view, const OutputTopic*>> told_topics_;  // by what a driver calls them
-  ConnectionPicker connection_;                                               // in a capture
+  const OutputTopic* topic_ = nullptr;                // of its frames; nullptr, as below: none
+  const OutputTopic* ring_topic_ = nullptr;           // of the ring that is a scan
+  const OutputTopic* raw_topic_ = nullptr;            // of its packets
+  std::vector<const OutputTopic*> more_scan_topics_;  // of its scans in other messages
+  std::vector<const OutputTopic*> device_topics_;     // of what its driver reports by name
+  ConnectionPicker connection_;                       // in a capture
   ConnectionRequest request_ = ConnectionRequest::none;
   IpAddress sender_;   // of the last datagram
   bool seen_ = false;  // data; not what a device tells beside it

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "core/base/pose.h"
@@ -63,16 +64,25 @@ inline std::vector<DiagnosticItem> joined(const std::vector<DiagnosticItem>& ite
   return all;
 }
 
-/// Takes what the pipeline finished: ROS, a bag, a file, a test. Called from the sensor thread; must not
+/// What travels on a topic. Refers to what the caller holds.
+struct Payload : std::variant<const PlanarScan*, Cloud*, const DeviceMessage*,
+                              const std::vector<StaticTransform>*, const Stamp*> {
+  Payload(const PlanarScan& scan) : variant(&scan) {}
+  /// Whoever gets a cloud may swap out its points_bytes.
+  Payload(Cloud& cloud) : variant(&cloud) {}
+  Payload(const DeviceMessage& message) : variant(&message) {}
+  Payload(const std::vector<StaticTransform>& transforms) : variant(&transforms) {}
+  /// The time of a replay.
+  Payload(const Stamp& now) : variant(&now) {}
+};
+
+/// Gets what the pipeline finished: ROS, a bag, a file, a test. Called from the sensor thread; must not
 /// block. The topics are entries of output_topics() of the pipeline's configuration.
 class FrameSink {
  public:
   virtual ~FrameSink() = default;
   /// `released`: arrival of the packet that completed the frame.
-  virtual void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) = 0;
-  /// May swap out cloud.points_bytes.
-  virtual void cloud(const OutputTopic& topic, Cloud& cloud, Stamp released) = 0;
-  virtual void message(const OutputTopic& /*topic*/, const DeviceMessage& /*message*/, Stamp /*released*/) {}
+  virtual void publish(const OutputTopic& topic, const Payload& payload, Stamp released) = 0;
   virtual void transforms(const std::vector<StaticTransform>& /*transforms*/, Stamp /*released*/) {}
   virtual void diagnostics(const std::vector<DiagnosticItem>& /*items*/, Stamp /*released*/) {}
 };

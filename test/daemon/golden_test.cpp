@@ -65,17 +65,14 @@ std::string without_folders(std::string text, const std::string& temporary = "")
 /// Sums up what a pipeline publishes, and writes down its diagnostics.
 class SummedSink final : public FrameSink {
  public:
-  void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp released) override {
+  void publish(const OutputTopic& topic, const Payload& payload, Stamp released) override {
     note(topic, released);
-    sums.scan(topic.name, scan);
-  }
-  void cloud(const OutputTopic& topic, Cloud& cloud, Stamp released) override {
-    note(topic, released);
-    sums.cloud(topic.name, cloud);
-  }
-  void message(const OutputTopic& topic, const DeviceMessage& message, Stamp released) override {
-    note(topic, released);
-    sums.message(topic.name, message);
+    if (const auto* scan = std::get_if<const PlanarScan*>(&payload))
+      sums.scan(topic.name, **scan);
+    else if (const auto* cloud = std::get_if<Cloud*>(&payload))
+      sums.cloud(topic.name, **cloud);
+    else
+      sums.message(topic.name, *std::get<const DeviceMessage*>(payload));
   }
   void diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) override {
     sums.add_exact("diagnostics", released.ns);

@@ -27,18 +27,16 @@ class RecordingSink final : public FrameSink {
   /// `keep_frames` false: scans and clouds are counted and not kept, for long streams.
   explicit RecordingSink(bool keep_frames = true) : keep_frames_(keep_frames) {}
 
-  void scan(const OutputTopic& topic, const PlanarScan& scan, Stamp at) override {
-    EXPECT_EQ(violation(scan), nullptr) << topic.name;
+  void publish(const OutputTopic& topic, const Payload& payload, Stamp at) override {
     note(topic.name, at);
-    if (keep_frames_) scans[topic.name].push_back(scan);
-  }
-  void cloud(const OutputTopic& topic, Cloud& cloud, Stamp at) override {
-    note(topic.name, at);
-    if (keep_frames_) clouds[topic.name].push_back(cloud);
-  }
-  void message(const OutputTopic& topic, const DeviceMessage& message, Stamp at) override {
-    note(topic.name, at);
-    messages[topic.name].push_back(message);
+    if (const auto* scan = std::get_if<const PlanarScan*>(&payload)) {
+      EXPECT_EQ(violation(**scan), nullptr) << topic.name;
+      if (keep_frames_) scans[topic.name].push_back(**scan);
+    } else if (const auto* cloud = std::get_if<Cloud*>(&payload)) {
+      if (keep_frames_) clouds[topic.name].push_back(**cloud);
+    } else {
+      messages[topic.name].push_back(*std::get<const DeviceMessage*>(payload));
+    }
   }
   /// The messages of one type that came on a topic.
   template <class Kind>

@@ -17,7 +17,7 @@
 #include <iostream>
 #include <utility>
 
-#include "daemon/ros/ros_master.h"
+#include "daemon/ros/master/master_client.h"
 
 namespace lidard::test {
 namespace {

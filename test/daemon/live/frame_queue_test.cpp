@@ -19,14 +19,22 @@ using namespace std::chrono_literals;
 using test::sample_cloud;
 using test::sample_scan;
 
+/// A slot for each of test::sample_topics(), with room for a hundred scans, two clouds or fixes and fifty samples,
+/// and one for the clock.
+void add_slots(FrameQueue& queue) {
+  for (const std::size_t depth : {100U, 100U, 2U, 2U, 2U, 50U, 2U}) queue.add_slot(depth);
+}
+constexpr std::size_t clock_slot = 6;
+
 TEST(FrameQueue, DropsTheOldestAndCountsItWhenTheSensorThreadIsFaster) {
-  FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
+  FrameQueue queue(Backpressure::drop_oldest);
+  add_slots(queue);
   for (int i = 1; i <= 5; ++i) {
     Cloud cloud = sample_cloud(1);
     cloud.stamp.ns = i;
-    queue.push(test::roof_points, cloud, Stamp{i});
+    queue.push(test::roof_points.id, cloud, Stamp{i});
   }
-  EXPECT_EQ(queue.dropped(test::roof_points.id), 3U);
+  EXPECT_EQ(queue.dropped(), 3U);
   auto* first = queue.pop(1ms);
   ASSERT_NE(first, nullptr);
   EXPECT_EQ(std::get<Cloud>(first->content).stamp.ns, 4);
@@ -51,11 +59,12 @@ std::vector<std::int64_t> waiting(FrameQueue& queue) {
 }
 
 TEST(FrameQueue, LosesNoScanOfAScannerWhileTheThreadThatPublishesStandsForHalfASecond) {
-  FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
+  FrameQueue queue(Backpressure::drop_oldest);
+  add_slots(queue);
   auto scan = sample_scan();
   const auto push = [&](Span at, Span released) {
     scan.stamp = Stamp{} + at;
-    queue.push(test::front_scan, scan, Stamp{} + released);
+    queue.push(test::front_scan.id, scan, Stamp{} + released);
   };
   std::vector<std::int64_t> all;
   for (Span at = 0s; at < 500ms; at += 20ms) push(at, at), all.push_back(at / 1ms);
@@ -67,29 +76,31 @@ TEST(FrameQueue, LosesNoScanOfAScannerWhileTheThreadThatPublishesStandsForHalfAS
 }
 
 TEST(FrameQueue, KeepsNoScanThatIsASecondOldAndAtMostAHundred) {
-  FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
+  FrameQueue queue(Backpressure::drop_oldest);
+  add_slots(queue);
   auto scan = sample_scan();
   for (Span at = 0s; at <= 3s; at += 50ms) {
     scan.stamp = Stamp{} + at;
-    queue.push(test::front_scan, scan, scan.stamp);
+    queue.push(test::front_scan.id, scan, scan.stamp);
   }
   const auto kept = waiting(queue);
   ASSERT_EQ(kept.size(), 21U);
   EXPECT_EQ(kept.front(), 2000);
   EXPECT_EQ(queue.dropped(), 40U);
-  for (int i = 0; i < 250; ++i) queue.push(test::front_scan, scan, Stamp{} + 3s);
+  for (int i = 0; i < 250; ++i) queue.push(test::front_scan.id, scan, Stamp{} + 3s);
   EXPECT_EQ(waiting(queue).size(), 100U);
   EXPECT_EQ(queue.dropped(), 190U);
-  for (const Span at : {10s, 15s}) queue.push(test::front_scan, scan, Stamp{} + at);
+  for (const Span at : {10s, 15s}) queue.push(test::front_scan.id, scan, Stamp{} + at);
   EXPECT_EQ(queue.dropped(), 190U) << "of a scanner that measures seldom two wait, however old they are";
 }
 
 TEST(FrameQueue, KeepsTheOrderOfFramesAcrossTopics) {
-  FrameQueue queue(test::sample_topics(), Backpressure::block);
+  FrameQueue queue(Backpressure::block);
+  add_slots(queue);
   auto cloud = sample_cloud(1);
-  queue.push(test::roof_points, cloud, Stamp{1});
-  queue.push_clock(Stamp{2});
-  queue.push(test::front_scan, sample_scan(), Stamp{3});
+  queue.push(test::roof_points.id, cloud, Stamp{1});
+  queue.push(clock_slot, Stamp{2}, Stamp{2});
+  queue.push(test::front_scan.id, sample_scan(), Stamp{3});
   for (int i = 1; i <= 3; ++i) {
     auto* frame = queue.pop(1ms);
     ASSERT_NE(frame, nullptr);
@@ -99,10 +110,11 @@ TEST(FrameQueue, KeepsTheOrderOfFramesAcrossTopics) {
 }
 
 TEST(FrameQueue, PassesWhatDevicesTellInOrder) {
-  FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
-  queue.push(test::roof_imu, test::sample_imu(), Stamp{1});
-  queue.push(test::roof_fix, test::sample_fix(), Stamp{2});
-  queue.push(test::roof_time, test::sample_time_reference(), Stamp{3});
+  FrameQueue queue(Backpressure::drop_oldest);
+  add_slots(queue);
+  queue.push(test::roof_imu.id, DeviceMessage(test::sample_imu()), Stamp{1});
+  queue.push(test::roof_fix.id, DeviceMessage(test::sample_fix()), Stamp{2});
+  queue.push(test::roof_time.id, DeviceMessage(test::sample_time_reference()), Stamp{3});
   const auto next = [&queue] {
     QueuedFrame* frame = queue.pop(Span(0));
     EXPECT_NE(frame, nullptr);
@@ -121,15 +133,16 @@ TEST(FrameQueue, PassesWhatDevicesTellInOrder) {
 }
 
 TEST(FrameQueue, MovesEveryStampByWhatTheHostsClockWasSetBy) {
-  FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
+  FrameQueue queue(Backpressure::drop_oldest);
+  add_slots(queue);
   queue.set_step(-5s);
   const PlanarScan scan = sample_scan();
   Cloud cloud = sample_cloud(1);
   const Stamp measured = cloud.stamp;
   const TimeReference reference = test::sample_time_reference();
-  queue.push(test::front_scan, scan, Stamp{9'000'000'000});
-  queue.push(test::roof_points, cloud, Stamp{1});
-  queue.push(test::roof_time, reference, Stamp{1});
+  queue.push(test::front_scan.id, scan, Stamp{9'000'000'000});
+  queue.push(test::roof_points.id, cloud, Stamp{1});
+  queue.push(test::roof_time.id, DeviceMessage(reference), Stamp{1});
   auto* frame = queue.pop(1ms);
   ASSERT_NE(frame, nullptr);
   EXPECT_EQ(frame->released.ns, 4'000'000'000);
@@ -145,12 +158,13 @@ TEST(FrameQueue, MovesEveryStampByWhatTheHostsClockWasSetBy) {
 }
 
 TEST(FrameQueue, TellsRatesAndLatenciesAsIfTheHostsClockHadNotBeenSet) {
-  FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
+  FrameQueue queue(Backpressure::drop_oldest);
+  add_slots(queue);
   constexpr Span period = 100ms, way = 3ms;
   Stamp released{1'700'000'000'000'000'000};
   Span step{0};
   const auto one_frame = [&](Span set_on_its_way) {
-    queue.push(test::front_scan, sample_scan(), released);
+    queue.push(test::front_scan.id, sample_scan(), released);
     QueuedFrame* const frame = queue.pop(1ms);
     ASSERT_NE(frame, nullptr);
     queue.published(frame, released + step + set_on_its_way + way);
@@ -170,11 +184,12 @@ TEST(FrameQueue, TellsRatesAndLatenciesAsIfTheHostsClockHadNotBeenSet) {
 }
 
 TEST(FrameQueue, LetsAnImuRunAheadFurtherThanAFrame) {
-  FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
-  for (int i = 0; i < 58; ++i) queue.push(test::roof_imu, test::sample_imu(), Stamp{i});
-  for (int i = 0; i < 5; ++i) queue.push(test::roof_fix, test::sample_fix(), Stamp{i});
-  EXPECT_EQ(queue.dropped(test::roof_imu.id), 8U);
-  EXPECT_EQ(queue.dropped(test::roof_fix.id), 3U);
+  FrameQueue queue(Backpressure::drop_oldest);
+  add_slots(queue);
+  for (int i = 0; i < 58; ++i) queue.push(test::roof_imu.id, DeviceMessage(test::sample_imu()), Stamp{i});
+  for (int i = 0; i < 5; ++i) queue.push(test::roof_fix.id, DeviceMessage(test::sample_fix()), Stamp{i});
+  EXPECT_EQ(queue.figures(test::roof_imu.id, Stamp{58}).dropped, 8U);
+  EXPECT_EQ(queue.figures(test::roof_fix.id, Stamp{58}).dropped, 3U);
   QueuedFrame* oldest = queue.pop(Span(0));
   ASSERT_NE(oldest, nullptr);
   EXPECT_EQ(oldest->released.ns, 8);
@@ -182,13 +197,14 @@ TEST(FrameQueue, LetsAnImuRunAheadFurtherThanAFrame) {
 }
 
 TEST(FrameQueue, LeavesTheCallerABufferForTheNextCloudAndNeedsNoNewOneAfterAWhile) {
-  FrameQueue queue(test::sample_topics(), Backpressure::drop_oldest);
+  FrameQueue queue(Backpressure::drop_oldest);
+  add_slots(queue);
   auto cloud = sample_cloud(100);
   std::set<const void*> buffers;
   for (int i = 0; i < 20; ++i) {
     const auto sent = cloud.points_bytes.size();
     buffers.insert(cloud.points_bytes.data());
-    queue.push(test::roof_points, cloud, Stamp{i});
+    queue.push(test::roof_points.id, cloud, Stamp{i});
     cloud.points_bytes.resize(sent);
     QueuedFrame* frame = queue.pop(1ms);
     ASSERT_NE(frame, nullptr);
@@ -199,11 +215,12 @@ TEST(FrameQueue, LeavesTheCallerABufferForTheNextCloudAndNeedsNoNewOneAfterAWhil
 }
 
 TEST(FrameQueue, MakesAReplayWaitUntilThereIsRoomAndLetsItGoWhenStopped) {
-  FrameQueue queue(test::sample_topics(), Backpressure::block);
+  FrameQueue queue(Backpressure::block);
+  add_slots(queue);
   std::atomic<int> pushed{0};
   std::thread sensor([&] {
     for (int i = 1; i <= 5; ++i) {
-      queue.push(test::front_scan, sample_scan(), Stamp{i});
+      queue.push(test::front_scan.id, sample_scan(), Stamp{i});
       ++pushed;
     }
   });
@@ -224,6 +241,25 @@ TEST(FrameQueue, MakesAReplayWaitUntilThereIsRoomAndLetsItGoWhenStopped) {
   EXPECT_EQ(pushed, 5);
   EXPECT_EQ(queue.dropped(), 0U);
   EXPECT_EQ(queue.pop(1ms), nullptr) << "nothing leaves a queue that was stopped";
+}
+
+TEST(FrameQueue, GetsASlotMoreAndFreesTheMemoryOfOneThatIsNotUsed) {
+  FrameQueue queue(Backpressure::drop_oldest);
+  add_slots(queue);
+  const std::size_t slot = queue.add_slot(2);
+  Cloud cloud = sample_cloud(100);
+  queue.push(slot, cloud, Stamp{1});
+  EXPECT_FALSE(queue.idle(slot));
+  queue.release(slot);
+  QueuedFrame* frame = queue.pop(1ms);
+  ASSERT_NE(frame, nullptr) << "what waits stays";
+  EXPECT_EQ(std::get<Cloud>(frame->content).size(), 100U);
+  queue.done(frame);
+  EXPECT_TRUE(queue.idle(slot));
+  queue.release(slot);
+  queue.push(slot, cloud, Stamp{2});
+  EXPECT_EQ(cloud.points_bytes.capacity(), 0U) << "the buffers were freed";
+  EXPECT_EQ(queue.figures(slot, Stamp{2}).frames, 2U);
 }
 
 }  // namespace

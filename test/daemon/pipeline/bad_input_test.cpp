@@ -10,7 +10,7 @@
 
 #include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/ros/ros_convert.h"
+#include "daemon/ros/messages/convert.h"
 #include "test/sim/world/units.h"
 #include "test/support/recording_sink.h"
 

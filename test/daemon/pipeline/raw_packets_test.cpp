@@ -8,7 +8,7 @@
 #include "daemon/live/frame_queue.h"
 #include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/ros/velodyne_scan.h"
+#include "daemon/ros/velodyne/velodyne_scan.h"
 #include "drivers/velodyne/packet.h"
 #include "test/sim/servers/velodyne_stream.h"
 #include "test/support/allocations.h"
@@ -77,10 +77,10 @@ TEST(RawPackets, ReadBackByAnotherPipelineGiveTheSameClouds) {
   direct.pipeline.finish(all.back().arrival);
   Roof from_topic("packet_topic: raw");
   for (const RawPackets& one : direct.raw()) {
-    std::vector<std::uint8_t> message;
-    write_velodyne_scan(one, message);
+    VelodyneScanMessage message;
+    to_ros(one, message);
     const char* const wrong =
-        read_velodyne_scan({message.data(), message.size()}, [&](ByteView payload, Stamp arrival) {
+        read_velodyne_scan({message.bytes.data(), message.bytes.size()}, [&](ByteView payload, Stamp arrival) {
           from_topic.pipeline.packet_message("roof", {payload, arrival, {}, {}}, arrival);
         });
     EXPECT_EQ(wrong, nullptr);
@@ -125,22 +125,21 @@ TEST(RawPackets, AreBoundedWhereNoRevolutionEnds) {
 
 TEST(RawPackets, UseNoNewMemoryOnTheirWayToRosAfterTheFirstRevolutions) {
   const Config config = parse_config("sensors: {roof: {model: velodyne_vlp16, raw_topic: raw}}", "f");
-  const std::vector<OutputTopic> topics = output_topics(config);
-  const OutputTopic& topic = topic_named(topics, "raw");
   const auto all = half_a_second();
   RawPacketCollector collector(config.sensors[0]);
-  FrameQueue queue(topics, Backpressure::drop_oldest);
-  std::vector<std::uint8_t> message;
+  FrameQueue queue(Backpressure::drop_oldest);
+  queue.add_slot(2);
+  VelodyneScanMessage message;
   std::uint64_t before = 0;
   constexpr int warm = 10, revolutions = 40;
   for (int i = 0; i < revolutions; ++i) {
     if (i == warm) before = test::allocations();
     for (std::size_t k = 0; k < 76; ++k) collector.add({all[k].view(), all[k].arrival, {}, {}});
-    queue.push(topic, collector.message(), Stamp{1});
+    queue.push(0, collector.message(), Stamp{1});
     collector.clear();
     QueuedFrame* const frame = queue.pop(Span(0));
     ASSERT_NE(frame, nullptr);
-    write_velodyne_scan(std::get<RawPackets>(std::get<DeviceMessage>(frame->content)), message);
+    to_ros(std::get<RawPackets>(std::get<DeviceMessage>(frame->content)), message);
     queue.done(frame);
   }
   EXPECT_EQ(test::allocations() - before, 0U);

@@ -16,13 +16,9 @@ using testing::ElementsAre;
 /// Keeps the points of a cloud, as a queue to another thread does.
 class KeepingSink final : public FrameSink {
  public:
-  void scan(const OutputTopic& topic, const PlanarScan&, Stamp) override { names.push_back(topic.name); }
-  void cloud(const OutputTopic& topic, Cloud& cloud, Stamp) override {
+  void publish(const OutputTopic& topic, const Payload& payload, Stamp) override {
     names.push_back(topic.name);
-    points.swap(cloud.points_bytes);
-  }
-  void message(const OutputTopic& topic, const DeviceMessage&, Stamp) override {
-    names.push_back(topic.name);
+    if (Cloud* const* const cloud = std::get_if<Cloud*>(&payload)) points.swap((*cloud)->points_bytes);
   }
   void diagnostics(const std::vector<DiagnosticItem>&, Stamp) override { names.emplace_back("diagnostics"); }
 

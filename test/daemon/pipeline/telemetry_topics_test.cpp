@@ -6,7 +6,7 @@
 #include "daemon/config/config.h"
 #include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/ros/ros_message.h"
+#include "daemon/ros/messages/device_messages.h"
 #include "drivers/registry/registry.h"
 #include "test/support/recording_sink.h"
 #include "test/support/ros_samples.h"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/ros/bag_sink.h"
+#include "daemon/ros/out/bag_sink.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "daemon/ros/ros_message.h"
+#include "daemon/ros/messages/convert.h"
 #include "test/support/ros_samples.h"
 
 namespace lidard {
@@ -39,10 +39,10 @@ class Bags : public testing::Test {
     sink.transforms({{"base_link", "front_laser", make_pose({1, 0, 0}, {0, 0, 0})}}, Stamp{1'000'000'000});
     for (int i = 0; i < frames; ++i) {
       const Stamp released{1'700'000'001'000'000'000 + i * 100'000'000L};
-      sink.scan(test::front_scan, sample_scan(), released);
-      sink.scan(test::front_echoes, sample_scan(), released);
+      sink.publish(test::front_scan, sample_scan(), released);
+      sink.publish(test::front_echoes, sample_scan(), released);
       auto cloud = sample_cloud(1000);
-      sink.cloud(test::roof_points, cloud, released);
+      sink.publish(test::roof_points, cloud, released);
       sink.diagnostics({{"front", "SN1", Health::ok, "fine", {}}}, released);
     }
     sink.close();
@@ -98,7 +98,7 @@ TEST_F(Bags, HoldCloudsByteForByteAndGiveTheDriverItsBufferBack) {
   const auto sent = cloud.points_bytes;
   {
     BagSink sink(path("a.bag"));
-    sink.cloud(test::roof_points, cloud, Stamp{1'700'000'001'000'000'000});
+    sink.publish(test::roof_points, cloud, Stamp{1'700'000'001'000'000'000});
     sink.close();
   }
   EXPECT_EQ(cloud.points_bytes.data(), buffer);
@@ -113,9 +113,9 @@ TEST_F(Bags, HoldFixesTimeReferencesAndImuSamples) {
   {
     BagSink sink(path("a.bag"));
     const Stamp released{1'700'000'001'000'000'000};
-    sink.message(test::roof_fix, test::sample_fix(), released);
-    sink.message(test::roof_time, test::sample_time_reference(), released);
-    sink.message(test::roof_imu, test::sample_imu(), released);
+    sink.publish(test::roof_fix, DeviceMessage(test::sample_fix()), released);
+    sink.publish(test::roof_time, DeviceMessage(test::sample_time_reference()), released);
+    sink.publish(test::roof_imu, DeviceMessage(test::sample_imu()), released);
     sink.close();
     EXPECT_EQ(sink.messages(), 3U);
   }
@@ -158,8 +158,8 @@ TEST_F(Bags, MarkFixedTransformsAsLatched) {
 TEST_F(Bags, PutRelativeTopicsBelowTheRoot) {
   {
     BagSink sink(path("a.bag"));
-    sink.scan(test::front_scan, sample_scan(), Stamp{});
-    sink.scan({"/absolute", TopicKind::scan}, sample_scan(), Stamp{});
+    sink.publish(test::front_scan, sample_scan(), Stamp{});
+    sink.publish({"/absolute", TopicKind::scan}, sample_scan(), Stamp{});
     sink.close();
   }
   rosbag::Bag bag(path("a.bag"));
@@ -198,7 +198,7 @@ TEST_F(Bags, StopAtTheFirstErrorAndTellWhenClosed) {
     ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
     for (int i = 0; i < 100; ++i) {
       auto cloud = sample_cloud(1000);
-      sink.cloud(test::roof_points, cloud, Stamp{1'700'000'001'000'000'000});
+      sink.publish(test::roof_points, cloud, Stamp{1'700'000'001'000'000'000});
     }
     EXPECT_LT(sink.messages(), 100U);
     EXPECT_THAT(sink.error(), testing::HasSubstr("File too large"));

@@ -9,7 +9,7 @@
 
 #include "core/base/angle.h"
 #include "core/merge/merger.h"
-#include "daemon/ros/ros_convert.h"
+#include "daemon/ros/messages/convert.h"
 #include "test/sim/world/flat_world.h"
 #include "test/sim/world/units.h"
 

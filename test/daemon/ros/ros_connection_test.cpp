@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/ros/ros_connection.h"
+#include "daemon/ros/connection.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,9 +11,9 @@
 #include <iostream>
 #include <thread>
 
-#include "daemon/ros/ros_environment.h"
-#include "daemon/ros/ros_master.h"
-#include "daemon/ros/ros_message.h"
+#include "daemon/ros/master/environment.h"
+#include "daemon/ros/master/master_client.h"
+#include "daemon/ros/messages/convert.h"
 #include "test/support/ros_listener.h"
 #include "test/support/ros_samples.h"
 #include "test/support/starved.h"
@@ -45,7 +45,7 @@ constexpr auto surely_not_hanging = 3s;
 void publish_for(RosConnection& connection, std::chrono::milliseconds time) {
   const auto end = SteadyClock::now() + time;
   for (int n = 0; n < 5 || SteadyClock::now() < end; ++n) {
-    connection.sink().scan(test::front_scan, sample_scan(), Stamp{1});
+    connection.sink().publish(test::front_scan, sample_scan(), Stamp{1});
     std::this_thread::sleep_for(10ms);
   }
 }
@@ -70,11 +70,11 @@ TEST(RosConnection, PublishesScansEchoesCloudsAndLatchedTransforms) {
                           Stamp{1'000'000'000});
     connection.start();
     ASSERT_TRUE(connection.wait_for_subscribers(3, 30s));
-    connection.sink().scan(test::front_scan, sample_scan(), Stamp{1});
-    connection.sink().scan(test::front_echoes, sample_scan(), Stamp{1});
+    connection.sink().publish(test::front_scan, sample_scan(), Stamp{1});
+    connection.sink().publish(test::front_echoes, sample_scan(), Stamp{1});
     auto cloud = sample_cloud(30000);
     const auto sent = cloud.points_bytes;
-    connection.sink().cloud(test::roof_points, cloud, Stamp{1});
+    connection.sink().publish(test::roof_points, cloud, Stamp{1});
 
     const auto scan = scans.take(1);
     ASSERT_EQ(scan.size(), 1U);
@@ -104,9 +104,9 @@ TEST(RosConnection, PublishesFixesTimeReferencesAndImuSamples) {
     RosConnection connection({}, sample_topics());
     connection.start();
     ASSERT_TRUE(connection.wait_for_subscribers(3, 30s));
-    connection.sink().message(test::roof_fix, test::sample_fix(), Stamp{1});
-    connection.sink().message(test::roof_time, test::sample_time_reference(), Stamp{1});
-    for (int i = 0; i < 20; ++i) connection.sink().message(test::roof_imu, test::sample_imu(), Stamp{1});
+    connection.sink().publish(test::roof_fix, DeviceMessage(test::sample_fix()), Stamp{1});
+    connection.sink().publish(test::roof_time, DeviceMessage(test::sample_time_reference()), Stamp{1});
+    for (int i = 0; i < 20; ++i) connection.sink().publish(test::roof_imu, DeviceMessage(test::sample_imu()), Stamp{1});
 
     const auto fix = fixes.take(1);
     ASSERT_EQ(fix.size(), 1U);
@@ -175,7 +175,7 @@ TEST(RosConnection, IsNotDisturbedByAMasterThatHangs) {
     auto longest = SteadyClock::duration(0);
     for (int i = 0; i < 100; ++i) {
       const auto begin = SteadyClock::now();
-      connection.sink().scan(test::front_scan, sample_scan(), Stamp{1});
+      connection.sink().publish(test::front_scan, sample_scan(), Stamp{1});
       longest = std::max(longest, SteadyClock::now() - begin);
       std::this_thread::sleep_for(10ms);
     }
@@ -204,7 +204,7 @@ TEST(RosConnection, LosesNothingInAReplayAsFastAsItGoes) {
     for (std::size_t i = 0; i < count; ++i) {
       auto cloud = sample_cloud(20000);
       cloud.stamp.ns = static_cast<std::int64_t>(i) + 1;
-      connection.sink().cloud(test::roof_points, cloud, Stamp{1});
+      connection.sink().publish(test::roof_points, cloud, Stamp{1});
     }
     EXPECT_TRUE(connection.flush(20s));
     const bool stopped = connection.stop();
@@ -297,7 +297,7 @@ TEST(RosConnection, ComesBackWhenSomebodyShutsItsNodeDown) {
       EXPECT_TRUE(soon([&] { return connection.status().connected && ros::ok(); }));
       const auto before = connection.status().published;
       EXPECT_TRUE(soon([&] {
-        connection.sink().scan(test::front_scan, sample_scan(), Stamp{1});
+        connection.sink().publish(test::front_scan, sample_scan(), Stamp{1});
         return connection.status().published > before;
       }));
     }

@@ -8,8 +8,8 @@
 #include <limits>
 #include <random>
 
-#include "daemon/ros/ros_convert.h"
-#include "daemon/ros/ros_message.h"
+#include "daemon/ros/messages/convert.h"
+#include "daemon/ros/messages/device_messages.h"
 #include "test/sim/world/units.h"
 #include "test/support/ros_samples.h"
 

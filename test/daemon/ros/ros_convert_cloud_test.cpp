@@ -6,7 +6,7 @@
 #include <cstring>
 #include <limits>
 
-#include "daemon/ros/ros_convert.h"
+#include "daemon/ros/messages/convert.h"
 #include "test/support/ros_samples.h"
 
 namespace lidard {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "daemon/ros/ros_message.h"
+#include "daemon/ros/messages/device_messages.h"
 #include "test/support/ros_samples.h"
 
 namespace lidard {

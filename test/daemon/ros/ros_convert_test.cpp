@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/ros/ros_convert.h"
+#include "daemon/ros/messages/convert.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/ros/ros_inputs.h"
+#include "daemon/ros/in/inputs.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,9 +11,9 @@
 #include <thread>
 
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/ros/ros_connection.h"
-#include "daemon/ros/ros_convert.h"
-#include "daemon/ros/tf_poses.h"
+#include "daemon/ros/connection.h"
+#include "daemon/ros/messages/convert.h"
+#include "daemon/ros/in/tf_poses.h"
 #include "test/support/ros_master.h"
 #include "test/support/ros_samples.h"
 #include "test/support/starved.h"

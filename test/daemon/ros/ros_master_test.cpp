@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/ros/ros_master.h"
+#include "daemon/ros/master/master_client.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <thread>
 #include <utility>
 
-#include "daemon/ros/ros_environment.h"
+#include "daemon/ros/master/environment.h"
 #include "test/support/ros_listener.h"
 #include "test/support/starved.h"
 #include "test/support/tcp_peer.h"
@@ -119,7 +119,7 @@ TEST(MasterClient, TakesTheAnswerOfAMasterAndNothingElse) {
   EXPECT_EQ(
       pid_from(http_answer("<methodResponse><fault><value><int>1</int></value></fault></methodResponse>")),
       "error: the answer is a fault");
-  EXPECT_EQ(pid_from(http_answer("<html>welcome</html>")), "error: the answer is a fault");
+  EXPECT_EQ(pid_from(http_answer("<html>welcome</html>")), "error: the answer has no end");
   EXPECT_EQ(pid_from(http_answer(xml_answer("<int>many</int>"))), "error: the answer is not XML-RPC");
 }
 
@@ -127,10 +127,10 @@ TEST(MasterClient, SaysWhyAnAnswerIsNotUsed) {
   EXPECT_EQ(pid_from(http_answer(master_answer("1", "<int>1</int>"), "404 Not Found")),
             "error: HTTP status 404");
   EXPECT_EQ(pid_from(http_answer("", "503 Service Unavailable")), "error: HTTP status 503");
-  EXPECT_EQ(pid_from(""), "error: end of stream");
-  EXPECT_EQ(pid_from("HTTP/1.1 200 OK\r\nContent-Length: 100\r\n\r\n<?xml"), "error: partial message");
-  EXPECT_EQ(pid_from("SSH-2.0-OpenSSH_9.2\r\n"), "error: bad version");
-  EXPECT_EQ(pid_from("HTTP/1.1 200 OK\r\nContent-Length: 99999999999\r\n\r\n"), "error: body limit exceeded");
+  EXPECT_EQ(pid_from(""), "error: the connection was closed without an answer");
+  EXPECT_EQ(pid_from("HTTP/1.1 200 OK\r\nContent-Length: 100\r\n\r\n<?xml"), "error: the answer has no end");
+  EXPECT_EQ(pid_from("SSH-2.0-OpenSSH_9.2\r\n"), "error: the answer is not HTTP");
+  EXPECT_EQ(pid_from("HTTP/1.1 200 OK\r\n\r\n" + std::string(9 << 20, 'x')), "error: the answer has no end");
 }
 
 TEST(MasterUri, IsTakenApart) {

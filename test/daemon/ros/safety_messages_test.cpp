@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/ros/safety_messages.h"
+#include "daemon/ros/sick/safety_messages.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/ros/ros_message.h"
+#include "daemon/ros/out/message_rows.h"
 #include "test/daemon/config/config_support.h"
 #include "test/support/allocations.h"
 
@@ -18,11 +18,8 @@ using Bytes = std::vector<std::uint8_t>;
 
 template <class Message>
 Bytes bytes_of(const Message& message) {
-  Bytes bytes(ros::serialization::serializationLength(message));
-  ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
-  ros::serialization::serialize(stream, message);
-  EXPECT_EQ(stream.getLength(), 0U) << "as long as it says";
-  return bytes;
+  const RawMessage made = raw(message);
+  return {made.data.message_start, made.data.message_start + made.size()};
 }
 
 TEST(SafetyMessages, OutputPathsTravelAsListsOfTruthValues) {
@@ -98,10 +95,7 @@ TEST(SafetyMessages, TopicsAreThereWhereTheKeysAreSet) {
         parse_config("sensors: {a: {ip_address: 10.0.0.1, model: sick_microscan3" + keys + "}}", "f");
     std::string text;
     for (const OutputTopic& topic : output_topics(config))
-      text += topic.name + " " +
-              std::visit([](const auto& one) { return ros::message_traits::datatype(one); },
-                         RosMessage(message_for(topic))) +
-              "\n";
+      text += topic.name + " " + row_of(topic).maker()->type().name + "\n";
     return text;
   };
   EXPECT_THAT(topics_of(""), ::testing::Not(HasSubstr("sick_safetyscanners")));

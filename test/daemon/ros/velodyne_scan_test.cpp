@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/ros/velodyne_scan.h"
+#include "daemon/ros/velodyne/velodyne_scan.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@
 
 #include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/ros/ros_connection.h"
-#include "daemon/ros/ros_inputs.h"
+#include "daemon/ros/connection.h"
+#include "daemon/ros/in/inputs.h"
 #include "test/sim/servers/velodyne_stream.h"
 #include "test/support/recording_sink.h"
 #include "test/support/ros_master.h"

@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "daemon/config/lanes.h"
+#include "daemon/live/topic_watch.h"
+#include "daemon/pipeline/sink.h"
+#include "daemon/ros/master/environment.h"
+
+namespace lidard {
+
+class RosComponent;
+
+/// A snapshot for status lines, diagnostics and tests.
+struct RosStatus {
+  bool master = false;              ///< the master answered lately
+  bool connected = false;           ///< topics are advertised
+  std::size_t subscribers = 0;      ///< of all frame topics together
+  std::uint64_t published = 0;      ///< frames given to roscpp
+  std::uint64_t dropped = 0;        ///< frames dropped because the ROS thread was behind
+  std::uint64_t without_ros = 0;    ///< frames that came while there was no master yet
+  std::uint64_t foreign_stops = 0;  ///< how often somebody shut our node down from outside
+};
+
+/// Publishes what pipelines produce, each through a PublisherThread. Another thread alone talks to the
+/// master, waits for it, registers again when it was restarted; RosCallbackThread lives while ROS runs.
+class RosConnection {
+ public:
+  /// Calls init_ros(), which may throw RosError. `topics` as output_topics() has them, of the lane of planes
+  /// or of all, and `clouds` of the other one.
+  RosConnection(RosOptions options, const std::vector<OutputTopic>& topics,
+                const std::vector<OutputTopic>& clouds = {});
+  ~RosConnection();
+  RosConnection(const RosConnection&) = delete;
+  RosConnection& operator=(const RosConnection&) = delete;
+
+  /// Lets `component` live by the connection, in the place of `former`: as soon as the master answers.
+  /// Shared, since a master thread that hangs at the end may outlive its owner.
+  void add(std::shared_ptr<RosComponent> component, std::shared_ptr<RosComponent> former = nullptr);
+  void start();
+
+  /// Gets what a lane of the pipeline produces.
+  FrameSink& sink(Lane lane = Lane::planes);
+  /// Publishes on other topics, see PublisherThread::set_topics(). To be called in the thread that uses
+  /// sink().
+  void set_topics(Lane lane, const std::vector<OutputTopic>& topics);
+  /// By how much the host's clock was set since the beginning: so much is added to the stamps of what goes
+  /// out, and taken from those of what comes in.
+  void set_step(Span step);
+  /// The same for components.
+  std::shared_ptr<const std::atomic<Span>> step() const;
+  /// The time of a replay, on /clock.
+  void publish_clock(Stamp now);
+
+  /// Waits until the topics are advertised; false after `limit`, or in a conflict().
+  bool wait_for_master(Span limit);
+  /// Waits until the frame topics have so many subscribers together; false after `limit`.
+  bool wait_for_subscribers(std::size_t count, Span limit);
+  /// Waits until every frame was published and is in the subscribers' sockets; false after `limit`.
+  bool flush(Span limit);
+
+  /// Name of the node.
+  std::string node() const;
+  RosStatus status() const;
+  /// How a topic does; `now` in the time without steps.
+  TopicFigures figures(Lane lane, const OutputTopic& topic, Stamp now) const;
+  /// What /diagnostics says of the connection, of the topics and of the components; `now` as
+  /// FrameQueue::figures().
+  std::vector<DiagnosticItem> diagnostics(Stamp now) const;
+  bool has_master() const;
+  /// The threads that have not moved since the last call that returned "", see ThreadWatch::standing(). For a
+  /// watchdog; always to be called by the same thread.
+  std::string standing_threads();
+  /// Why the node name is not used, see NodeName::conflict(): then there will be no ROS. Else empty.
+  std::string conflict() const;
+  /// Ends everything within a second. False if the master hangs: then leave with std::quick_exit, since
+  /// roscpp's destructors would wait for the master.
+  bool stop();
+
+ private:
+  struct Impl;
+  std::shared_ptr<Impl> impl_;
+};
+
+}  // namespace lidard

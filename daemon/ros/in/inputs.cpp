@@ -1,0 +1,245 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/ros/in/inputs.h"
+
+#include <ros/names.h>
+
+#include <algorithm>
+#include <mutex>
+#include <utility>
+
+#include "daemon/pipeline/log.h"
+#include "daemon/pipeline/pipeline.h"
+#include "daemon/ros/master/master_client.h"
+#include "daemon/ros/messages/convert.h"
+#include "daemon/ros/velodyne/velodyne_scan.h"
+
+namespace lidard {
+namespace {
+
+/// Messages of one source that may wait for the sensor thread.
+constexpr int most_pending = 4;
+
+/// What a usable message held that was not used.
+struct LeftOut {
+  std::size_t points = 0;
+  bool intensities = false;
+};
+
+/// What the thread of the pipeline has to do with a message.
+using Task = std::function<void(Stamp received)>;
+
+/// What the outputs need of a source.
+std::optional<FrameKind> use_of(const std::string& sensor, const Config& config) {
+  for (const auto& merged : config.merged_scans) {
+    const auto& names = merged.laserscan_topics;
+    if (std::find(names.begin(), names.end(), sensor) != names.end()) return FrameKind::scan;
+  }
+  for (const auto& group : config.virtual_scans) {
+    if (group.cloud_topic == sensor) return FrameKind::cloud;
+  }
+  return std::nullopt;
+}
+
+void judge(const TopicReport& report, bool waits, DiagnosticItem& item) {
+  constexpr auto news = std::chrono::seconds(10);
+  item.message = "receiving";
+  if (!report.wrong_type.empty()) {
+    item.set(Health::error, report.wrong_type);
+  } else if (report.messages == 0) {
+    item.message = "waiting for the first message";
+    if (!waits) item.set(Health::warn, "nobody publishes " + report.topic + "; start its driver");
+  } else if (report.rejected > 0 && std::chrono::steady_clock::now() - report.rejected_at < news) {
+    item.set(Health::warn, "unusable messages: " + report.last_reason);
+  }
+}
+
+}  // namespace
+
+std::vector<TopicSource> topic_sources(const Config& config) {
+  std::vector<TopicSource> sources;
+  for (const auto& sensor : config.sensors) {
+    if (sensor.model == nullptr && !sensor.handed_over)
+      sources.push_back({sensor.name, sensor.topic, false, use_of(sensor.name, config)});
+    if (!sensor.packet_topic.empty()) sources.push_back({sensor.name, sensor.packet_topic, true});
+  }
+  return sources;
+}
+
+struct RosInputs::Source {
+  mutable std::mutex mutex;
+  TopicReport report;
+  int pending = 0;
+  bool subscribed = false;  // belongs to the master thread
+
+  /// Counts a message; false if the sensor thread is too far behind.
+  bool accept() {
+    const std::lock_guard lock(mutex);
+    ++report.messages;
+    if (pending < most_pending) return true;
+    ++report.dropped;
+    return false;
+  }
+  bool accepts(FrameKind frames) const { return !report.packets && report.kind.value_or(frames) == frames; }
+  void reject_type() {
+    std::string expected = report.packets ? VelodyneScanMessage::message_type().name : "";
+    if (accepts(FrameKind::scan)) expected = type_of<sensor_msgs::LaserScan>().name;
+    if (accepts(FrameKind::cloud))
+      expected += (expected.empty() ? "" : " or ") + type_of<sensor_msgs::PointCloud2>().name;
+    const std::lock_guard lock(mutex);
+    report.wrong_type = "topic " + report.topic + " carries " + report.type + "; expected " + expected;
+    log_error("{}", report.wrong_type);
+  }
+  void reject(const char* reason) {
+    const std::lock_guard lock(mutex);
+    ++report.rejected;
+    report.rejected_at = std::chrono::steady_clock::now();
+    if (report.last_reason == reason) return;
+    report.last_reason = reason;
+    log_warn("messages of {} are not used: {}", report.topic, reason);
+  }
+  void count(const LeftOut& left_out) {
+    const std::lock_guard lock(mutex);
+    report.points_dropped += left_out.points;
+    report.intensities_ignored += left_out.intensities ? 1 : 0;
+    ++pending;
+  }
+  void done() {
+    const std::lock_guard lock(mutex);
+    --pending;
+  }
+};
+
+RosInputs::RosInputs(const std::vector<TopicSource>& sources, RosPost post, MessageReceiver& receiver,
+                     HostStep step)
+    : post_(std::move(post)), receiver_(receiver), step_(std::move(step)) {
+  for (const auto& source : sources) {
+    sources_.push_back(std::make_shared<Source>());
+    static_cast<TopicSource&>(sources_.back()->report) = source;
+  }
+}
+
+RosInputs::~RosInputs() = default;
+
+void RosInputs::disconnected() {
+  ros_ = nullptr;
+  for (auto& source : sources_) {
+    const std::lock_guard lock(source->mutex);
+    source->subscribed = false;
+    source->report.type.clear();
+  }
+}
+
+template <typename Message, typename Read>
+void RosInputs::subscribe_as(const MessageType& type, const std::shared_ptr<Source>& source, Read read) {
+  const auto receive = [source, read, post = post_](const boost::shared_ptr<const Message>& message) {
+    if (!source->accept()) return;
+    Task task;
+    LeftOut left_out;
+    if (const char* reason = read(message, task, left_out)) return source->reject(reason);
+    source->count(left_out);
+    post([source, task](Stamp received) {
+      task(received);
+      source->done();
+    });
+  };
+  // roscpp itself refuses a publisher of another type or md5sum.
+  RosComponent::subscribe<Message>(*ros_, source->report.topic, 10, receive, type);
+  source->subscribed = true;
+}
+
+void RosInputs::subscribe(const std::shared_ptr<Source>& source, const std::string& type) {
+  using sensor_msgs::LaserScan;
+  using sensor_msgs::PointCloud2;
+  const auto& packets = VelodyneScanMessage::message_type();
+  const auto use = [&receiver = receiver_, sensor = source->report.sensor, step = step_](auto give) {
+    return [=, &receiver](const auto& message, Task& task, LeftOut& left_out) {
+      return give(receiver, sensor, step->load(), message, task, left_out);
+    };
+  };
+  if (source->report.packets && type == packets.name) {
+    subscribe_as<RawMessage>(packets, source,
+                             use([](auto& to, auto& sensor, Span step, auto& message, Task& task, LeftOut&) {
+                               const ByteView bytes(message->data.message_start, message->size());
+                               task = [=, &to, keeps_bytes = message](Stamp received) {
+                                 read_velodyne_scan(bytes, [&](ByteView packet, Stamp arrival) {
+                                   // Nobody stamps 1970; a stamp that was left out is the time at hand.
+                                   const Stamp stamp = arrival == Stamp{} ? received : arrival - step;
+                                   to.packet_message(sensor, {packet, stamp, {}, {}}, received);
+                                 });
+                               };
+                               // Read once before it is passed on, so that a bad message counts at once.
+                               return read_velodyne_scan(bytes, [](ByteView, Stamp) {});
+                             }));
+  } else if (type == type_of<LaserScan>().name && source->accepts(FrameKind::scan)) {
+    subscribe_as<LaserScan>(
+        type_of<LaserScan>(), source,
+        use([](auto& to, auto& sensor, Span step, auto& message, Task& task, LeftOut& left_out) {
+          const auto scan = std::make_shared<PlanarScan>();
+          const char* const error = from_ros(*message, *scan);
+          scan->stamp = scan->stamp - step;
+          left_out.intensities = !intensities_fit(*message);
+          task = [=, &to](Stamp received) { to.scan_message(sensor, *scan, received); };
+          return error;
+        }));
+  } else if (type == type_of<PointCloud2>().name && source->accepts(FrameKind::cloud)) {
+    subscribe_as<PointCloud2>(
+        type_of<PointCloud2>(), source,
+        use([](auto& to, auto& sensor, Span step, auto& message, Task& task, LeftOut& left_out) {
+          const auto cloud = std::make_shared<Cloud>();
+          const CloudReading reading = from_ros(*message, *cloud);
+          cloud->stamp = cloud->stamp - step;
+          cloud->end = cloud->end - step;
+          left_out.points = reading.dropped;
+          task = [=, &to](Stamp received) { to.cloud_message(sensor, *cloud, received); };
+          return reading.error;
+        }));
+  } else {
+    source->reject_type();
+  }
+}
+
+void RosInputs::poll(MasterClient& master) {
+  const bool all = std::all_of(sources_.begin(), sources_.end(), [](const auto& s) { return s->subscribed; });
+  if (all || ros_ == nullptr) return;
+  const auto types = master.topic_types();
+  for (auto& source : sources_) {
+    const auto found = types.find(ros::names::resolve(source->report.topic));
+    // "*" is what a subscriber alone leaves there; a type that was seen before is settled.
+    if (source->subscribed || found == types.end() || found->second == "*") continue;
+    {
+      const std::lock_guard lock(source->mutex);
+      if (std::exchange(source->report.type, found->second) == found->second) continue;
+      source->report.wrong_type.clear();
+    }
+    subscribe(source, found->second);
+  }
+}
+
+std::vector<TopicReport> RosInputs::report() const {
+  std::vector<TopicReport> all;
+  for (const auto& source : sources_) {
+    const std::lock_guard lock(source->mutex);
+    all.push_back(source->report);
+  }
+  return all;
+}
+
+std::vector<DiagnosticItem> RosInputs::diagnostics() {
+  std::vector<DiagnosticItem> items;
+  for (const auto& r : report()) {
+    DiagnosticItem item{r.sensor + " input"};
+    judge(r, may_still_come(connected_at_), item);
+    item.values = {{"Topic", r.topic},
+                   {"Type", r.type},
+                   {"Messages", std::to_string(r.messages)},
+                   {"Rejected", std::to_string(r.rejected)},
+                   {"Dropped", std::to_string(r.dropped)},
+                   {"Points not finite", std::to_string(r.points_dropped)},
+                   {"Intensities ignored", std::to_string(r.intensities_ignored)}};
+    items.push_back(std::move(item));
+  }
+  return items;
+}
+
+}  // namespace lidard

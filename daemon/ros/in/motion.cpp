@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <geometry_msgs/TwistStamped.h>
+#include <nav_msgs/Odometry.h>
+#include <sensor_msgs/Imu.h>
+
+#include <atomic>
+#include <utility>
+
+#include "daemon/pipeline/pipeline.h"
+#include "daemon/ros/in/component.h"
+#include "daemon/ros/messages/convert.h"
+
+namespace lidard {
+namespace {
+
+class RosMotion final : public RosComponent {
+ public:
+  RosMotion(const VehicleConfig& vehicle, RosPost post, MessageReceiver& receiver, HostStep step)
+      : topics_{vehicle.odometry_topic, vehicle.imu_topic, vehicle.speed_topic},
+        post_(std::move(post)),
+        receiver_(receiver),
+        step_(std::move(step)) {}
+  void connected(RosCallbackThread& ros) override {
+    connected_at_ = std::chrono::steady_clock::now();
+    listen<nav_msgs::Odometry>(ros, odometry, [&to = receiver_, step = step_](const nav_msgs::Odometry& m) {
+      return [&to, stamp = from_ros(m.header.stamp) - step->load(),
+              pose = to_pose(m.pose.pose.position, m.pose.pose.orientation),
+              child = m.child_frame_id](Stamp received) { to.pose_message(stamp, pose, child, received); };
+    });
+    listen<sensor_msgs::Imu>(ros, imu, [&to = receiver_, step = step_](const sensor_msgs::Imu& m) {
+      const Eigen::Vector3d rates(m.angular_velocity.x, m.angular_velocity.y, m.angular_velocity.z);
+      return [&to, stamp = from_ros(m.header.stamp) - step->load(), rates,
+              frame = m.header.frame_id](Stamp received) { to.turn_message(stamp, rates, frame, received); };
+    });
+    listen<geometry_msgs::TwistStamped>(ros, speed, [&to = receiver_](const auto& m) {
+      return [&to, ahead = m.twist.linear.x](Stamp) { to.speed_message(ahead); };
+    });
+  }
+  std::vector<DiagnosticItem> diagnostics() override {
+    std::vector<DiagnosticItem> items;
+    for (const Topic i : {odometry, imu, speed}) {
+      const std::string& topic = topics_[i];
+      const std::uint64_t messages = messages_[i];
+      if (topic.empty()) continue;
+      DiagnosticItem item{"motion " + topic};
+      item.message = "receiving";
+      if (messages == 0 && !may_still_come(connected_at_))
+        item.set(Health::warn, "nobody publishes " + topic + "; scans are not deskewed");
+      item.add("Topic", topic);
+      item.add("Messages", messages);
+      items.push_back(std::move(item));
+    }
+    return items;
+  }
+
+ private:
+  enum Topic : std::size_t { odometry, imu, speed };
+  template <typename Message, typename MakeTask>
+  void listen(RosCallbackThread& ros, Topic topic, MakeTask make_task) {
+    constexpr std::uint32_t queue_length = 50;
+    if (topics_[topic].empty()) return;
+    const auto receive = [this, topic, make_task](const boost::shared_ptr<const Message>& message) {
+      ++messages_[topic];
+      post_(make_task(*message));
+    };
+    // A pose that comes late by Nagle's algorithm is a scan that is not deskewed.
+    subscribe<Message>(ros, topics_[topic], queue_length, receive, type_of<Message>(),
+                       ros::TransportHints().tcpNoDelay());
+  }
+
+  const std::string topics_[3];  // empty: none
+  const RosPost post_;
+  MessageReceiver& receiver_;
+  const HostStep step_;
+  std::atomic<std::uint64_t> messages_[3] = {};
+  std::chrono::steady_clock::time_point connected_at_{};
+};
+
+}  // namespace
+
+std::shared_ptr<RosComponent> make_ros_motion(const VehicleConfig& vehicle, RosPost post,
+                                              MessageReceiver& receiver, HostStep step) {
+  return std::make_shared<RosMotion>(vehicle, std::move(post), receiver, std::move(step));
+}
+
+}  // namespace lidard

@@ -1,0 +1,330 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/ros/in/output_items.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "core/base/angle.h"
+#include "core/base/number_text.h"
+#include "daemon/config/key_tables.h"
+#include "daemon/config/sections.h"
+
+namespace lidard {
+namespace {
+
+/// What follows from the items of a sensor. A width of 0 is all around, as in velodyne_pointcloud
+/// (src/lib/rawdata.cc).
+void complete(SensorConfig& sensor) {
+  if (sensor.driver.view_width <= 0) sensor.driver.view_width = two_pi;
+  set_ring_limits(sensor);
+}
+
+/// The increment in force, which may follow from the number of beams; who sets it decides that number.
+void follow_increment(OutputItem& item) {
+  item.get = [](const ChangeableOutput& output) {
+    const auto grid = make_grid(output.config.grid);
+    return key_value(output.config.grid.angle_increment.value_or(grid ? grid->increment : 0));
+  };
+  item.set = [](ChangeableOutput& output, const KeyValue& value) {
+    output.config.grid.angle_increment = std::get<double>(value);
+    output.config.grid.beams.reset();
+  };
+}
+
+/// What a configuration may hold lies within the limits of its keys; those of ira_laser_tools' nodes are
+/// their own.
+std::vector<OutputItem> items_of(OutputId::Kind kind, ReconfigureNames names) {
+  std::vector<OutputItem> items;
+  for (OutputItem item : within(&ChangeableOutput::config, output_keys())) {
+    const GridLimit* const limit = grid_limit(item.name);
+    const bool wanted = names == ReconfigureNames::node
+                            ? limit != nullptr
+                            : item.live && (item.name != "profile" || kind == OutputId::Kind::merged);
+    if (!wanted) continue;
+    if (names == ReconfigureNames::node) item.lowest = limit->min, item.highest = limit->max;
+    if (item.name == "angle_increment") follow_increment(item);
+    items.push_back(std::move(item));
+  }
+  return items;
+}
+
+/// A source that is a virtual scan of profile flatten; empty: there is none.
+std::string flat_source(const MergedScanConfig& merged, const Config& config) {
+  for (const std::string& source : merged.laserscan_topics) {
+    for (const VirtualScanConfig& group : config.virtual_scans) {
+      const auto& frames = group.virtual_laser_scan;
+      const bool gives = group.output_laser_topic == source ||
+                         std::find(frames.begin(), frames.end(), source) != frames.end();
+      if (gives && group.output.profile == Profile::flatten && config.find_sensor(source) == nullptr)
+        return source;
+    }
+  }
+  return {};
+}
+
+ChangeableOutput merged_output(const MergedScanConfig& merged, const Config& config, ReconfigureNames names) {
+  ChangeableOutput output;
+  output.id = {OutputId::Kind::merged, merged.name};
+  output.topics.push_back(merged.scan_destination_topic);
+  for (const AlsoScanConfig& also : merged.also) output.topics.push_back(also.topic);
+  if (!merged.status_topic.empty()) output.topics.push_back(merged.status_topic);
+  output.free_required = merged.free_required;
+  output.flat_source = flat_source(merged, config);
+  output.config = merged.output;
+  output.items = items_of(output.id.kind, names);
+  return output;
+}
+
+ChangeableOutput virtual_output(const VirtualScanConfig& group, ReconfigureNames names) {
+  ChangeableOutput output;
+  output.id = {OutputId::Kind::virtual_group, group.name};
+  output.topics = group.virtual_laser_scan;
+  if (!group.output_laser_topic.empty()) output.topics = {group.output_laser_topic};
+  output.config = group.output;
+  output.items = items_of(output.id.kind, names);
+  return output;
+}
+
+/// What velodyne_driver and velodyne_pointcloud let change, with their limits (1.7.0, cfg/VelodyneNode.cfg
+/// and cfg/TransformNode.cfg).
+struct {
+  std::string_view name;
+  double min, max;
+} constexpr sensor_limits[]{{"time_offset", -1, 1},
+                            {"min_range", 0.1, 10},
+                            {"max_range", 0.1, 200},
+                            {"view_direction", -pi_d, pi_d},
+                            {"view_width", 0, two_pi}};
+
+/// A key of a sensor as an item.
+OutputItem item_of(const KeyOf<SensorConfig>& key) {
+  OutputItem item;
+  static_cast<Key&>(item) = key;
+  item.get = [get = key.get](const ChangeableOutput& output) { return get(*output.sensor); };
+  item.set = [set = key.set](ChangeableOutput& output, const KeyValue& value) { set(*output.sensor, value); };
+  return item;
+}
+
+OutputItem organize_item() {
+  OutputItem item;
+  item.name = "organize_cloud";
+  item.kind = KeyKind::flag;
+  item.meaning = "a row of the cloud for each firing sequence";
+  item.highest = 1;
+  item.get = [](const ChangeableOutput& output) -> KeyValue {
+    return output.sensor->layout.order != CloudOrder::list;
+  };
+  item.set = [](ChangeableOutput& output, const KeyValue& value) {
+    output.sensor->layout.order = std::get<bool>(value) ? CloudOrder::firing_rows : CloudOrder::list;
+  };
+  return item;
+}
+
+ChangeableOutput sensor_output(const SensorConfig& sensor) {
+  ChangeableOutput output;
+  output.id.entry = sensor.name;
+  output.sensor = sensor;
+  for (const auto& limit : sensor_limits) {
+    for (const SensorGroup& group : sensor_groups()) {
+      for (const auto& key : group.keys) {
+        if (key.name != limit.name || !takes(sensor, group)) continue;
+        OutputItem item = item_of(key);
+        item.lowest = limit.min, item.highest = limit.max;
+        output.items.push_back(std::move(item));
+      }
+    }
+  }
+  output.items.push_back(organize_item());
+  return output;
+}
+
+/// A value as a request may hold it; a number at the limit of a key that may be unset stands for "not set".
+std::string take(const OutputItem& item, const ItemValues& wanted, ChangeableOutput& output) {
+  const std::string name(item.name);
+  const KeyValue& value = wanted.at(name);
+  if (const auto* number = std::get_if<double>(&value)) {
+    if (std::isnan(*number)) return name + " is not a number; expected one";
+    const double within = std::clamp(*number, item.lowest, item.highest);
+    const auto* const none = std::get_if<double>(&item.otherwise);
+    item.set(output, none != nullptr && within == *none ? KeyValue() : within);
+  } else if (const auto* word = std::get_if<std::string>(&value)) {
+    std::string expected;
+    for (const auto one : item.words) expected.append(expected.empty() ? "" : ", ").append(one);
+    if (std::find(item.words.begin(), item.words.end(), *word) == item.words.end())
+      return name + " is '" + *word + "'; expected one of " + expected;
+    item.set(output, value);
+  } else {
+    item.set(output, value);
+  }
+  return {};
+}
+
+/// What speaks against these values together.
+std::string conflict(const ChangeableOutput& output) {
+  if (output.sensor) {
+    const DriverConfig& driver = output.sensor->driver;
+    return driver.max_range > driver.min_range
+               ? ""
+               : "max_range is not above min_range; expected min_range < max_range";
+  }
+  const OutputScanConfig& config = output.config;
+  if (const auto grid = make_grid(config.grid); !grid) return grid.reason();
+  if (config.min_height && config.max_height && *config.max_height <= *config.min_height)
+    return "max_height is not above min_height; expected min_height < max_height";
+  if (output.free_required > config.grid.range_max)
+    return "range_max is below free_required of the configuration; expected " +
+           number_text(output.free_required) + " or more";
+  if (config.profile != Profile::flatten && !output.flat_source.empty())
+    return "profile needs proof, but the source " + output.flat_source +
+           " is a virtual scan of profile flatten; expected flatten";
+  return {};
+}
+
+using ConfigMessage = dynamic_reconfigure::Config;
+
+void add(ConfigMessage& config, const OutputItem& item, const KeyValue& value) {
+  const auto put = [&](auto& list, const auto& held) {
+    auto& one = list.emplace_back();
+    one.name = item.name;
+    one.value = held;
+  };
+  if (const auto* number = std::get_if<double>(&value)) put(config.doubles, *number);
+  if (const auto* word = std::get_if<std::string>(&value)) put(config.strs, *word);
+  if (const auto* flag = std::get_if<bool>(&value)) put(config.bools, static_cast<std::uint8_t>(*flag));
+}
+
+/// The limit of a number.
+KeyValue limit_of(const OutputItem& item, double limit) {
+  if (item.kind == KeyKind::flag) return limit > 0;
+  return item.words.empty() ? KeyValue(limit) : KeyValue(std::string());
+}
+
+/// The meaning, the unit, and what stands for none.
+std::string description_of(const OutputItem& item) {
+  std::string text(item.meaning);
+  if (!item.unit.empty()) text.append(", ").append(item.unit);
+  const auto* none = std::get_if<double>(&item.otherwise);
+  return none == nullptr ? text : text + "; " + number_text(*none) + ": none";
+}
+
+/// Every message of values names the one group there is (dynamic_reconfigure/GroupState.msg).
+ConfigMessage with_group() {
+  ConfigMessage config;
+  config.groups.emplace_back();
+  config.groups.back().name = "Default";
+  config.groups.back().state = true;
+  return config;
+}
+
+/// How rqt_reconfigure offers words: a Python literal, as parameter_generator writes it.
+std::string edit_method(const OutputItem& item) {
+  if (item.words.empty()) return {};
+  std::string entries;
+  for (const auto& word : item.words) {
+    entries += (entries.empty() ? "{'name': '" : ", {'name': '") + std::string(word) +
+               "', 'type': 'str', 'value': '" + std::string(word) +
+               "', 'description': '', 'srcline': 0, 'srcfile': '', 'cconsttype': 'const char * const', "
+               "'ctype': 'std::string'}";
+  }
+  return "{'enum_description': '" + description_of(item) + "', 'enum': [" + entries + "]}";
+}
+
+dynamic_reconfigure::ParamDescription described(const OutputItem& item) {
+  dynamic_reconfigure::ParamDescription description;
+  description.name = item.name;
+  description.type = item.kind == KeyKind::flag ? "bool" : item.words.empty() ? "double" : "str";
+  description.description = description_of(item);
+  description.edit_method = edit_method(item);
+  return description;
+}
+
+}  // namespace
+
+std::vector<ChangeableOutput> changeable_outputs(const Config& config, ReconfigureNames names) {
+  std::vector<ChangeableOutput> outputs;
+  for (const auto& merged : config.merged_scans) outputs.push_back(merged_output(merged, config, names));
+  for (const auto& group : config.virtual_scans) outputs.push_back(virtual_output(group, names));
+  std::set<std::string> taken;
+  for (ChangeableOutput& output : outputs) {
+    output.server = output.id.entry;
+    while (!taken.insert(output.server).second) output.server += "_virtual";
+  }
+  if (names == ReconfigureNames::node && outputs.empty()) {
+    for (const SensorConfig& sensor : config.sensors) {
+      if (sensor.model != nullptr && sensor.model->has(Trait::revolutions))
+        outputs.push_back(sensor_output(sensor));
+    }
+  }
+  if (names == ReconfigureNames::node && !outputs.empty()) {
+    outputs.resize(1);
+    outputs.front().server.clear();
+  }
+  return outputs;
+}
+
+ItemValues values_of(const ChangeableOutput& output) {
+  ItemValues values;
+  for (const OutputItem& item : output.items) {
+    const KeyValue value = item.get(output);
+    values[std::string(item.name)] = value.is_set() ? value : item.otherwise;
+  }
+  return values;
+}
+
+std::string change(ChangeableOutput& output, const ItemValues& wanted) {
+  // What follows from the number of beams stays as it is, whatever else changes.
+  ItemValues values = values_of(output);
+  for (const auto& [name, value] : wanted) {
+    const auto known = values.find(name);
+    if (known != values.end() && known->second.index() == value.index()) known->second = value;
+  }
+  ChangeableOutput changed = output;
+  for (const OutputItem& item : output.items) {
+    if (std::string complaint = take(item, values, changed); !complaint.empty()) return complaint;
+  }
+  if (changed.sensor) complete(*changed.sensor);
+  if (std::string complaint = conflict(changed); !complaint.empty()) return complaint;
+  output = std::move(changed);
+  return {};
+}
+
+std::size_t beams_of(const OutputScanConfig& config) {
+  const auto grid = make_grid(config.grid);
+  return grid ? grid->beams : 0;
+}
+
+ItemValues read_values(const ConfigMessage& config) {
+  ItemValues values;
+  for (const auto& one : config.doubles) values[one.name] = one.value;
+  // Who writes 5 for 5.0 means the same.
+  for (const auto& one : config.ints) values[one.name] = static_cast<double>(one.value);
+  for (const auto& one : config.strs) values[one.name] = one.value;
+  for (const auto& one : config.bools) values[one.name] = one.value != 0;
+  return values;
+}
+
+ConfigMessage config_message(const ChangeableOutput& output) {
+  ConfigMessage config = with_group();
+  const ItemValues values = values_of(output);
+  for (const OutputItem& item : output.items) add(config, item, values.at(std::string(item.name)));
+  return config;
+}
+
+dynamic_reconfigure::ConfigDescription description_message(const ChangeableOutput& output) {
+  dynamic_reconfigure::ConfigDescription description;
+  description.groups.emplace_back();
+  description.groups.back().name = "Default";
+  description.min = with_group();
+  description.max = with_group();
+  description.dflt = config_message(output);
+  for (const OutputItem& item : output.items) {
+    description.groups.back().parameters.push_back(described(item));
+    add(description.min, item, limit_of(item, item.lowest));
+    add(description.max, item, limit_of(item, item.highest));
+  }
+  return description;
+}
+
+}  // namespace lidard

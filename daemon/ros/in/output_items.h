@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dynamic_reconfigure/Config.h>
+#include <dynamic_reconfigure/ConfigDescription.h>
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/config/config.h"
+#include "daemon/ros/master/environment.h"
+#include "drivers/key.h"
+
+namespace lidard {
+
+struct ChangeableOutput;
+/// Something of an output that may be changed while it runs: a number with limits, one of a few words, or a
+/// truth value.
+using OutputItem = KeyOf<ChangeableOutput>;
+
+/// Values of items by name.
+using ItemValues = std::map<std::string, KeyValue>;
+
+/// An output, or the clouds of a sensor, whose items may be changed while it runs.
+struct ChangeableOutput {
+  OutputId id;
+  std::string server;               ///< name below the node; empty: the node itself
+  std::vector<std::string> topics;  ///< of its scans
+  double free_required = 0;         ///< m; 0: none
+  std::string flat_source;          ///< a source that proves nothing, so that profile is flatten; empty: none
+  OutputScanConfig config;          ///< in force
+  std::optional<SensorConfig> sensor;  ///< in force, where it is a sensor's; then `config` means nothing
+  std::vector<OutputItem> items;
+};
+
+/// The outputs of a configuration with their items.
+std::vector<ChangeableOutput> changeable_outputs(const Config& config, ReconfigureNames names);
+
+/// The values in force.
+ItemValues values_of(const ChangeableOutput& output);
+
+/// Changes `output` to `wanted`, in which items may be missing; numbers are brought into their limits first.
+/// Empty, or why it cannot be and what would be right: then nothing changes.
+std::string change(ChangeableOutput& output, const ItemValues& wanted);
+
+/// The number of beams of an output.
+std::size_t beams_of(const OutputScanConfig& config);
+
+/// The values of a request.
+ItemValues read_values(const dynamic_reconfigure::Config& config);
+/// The values in force as a message.
+dynamic_reconfigure::Config config_message(const ChangeableOutput& output);
+/// The items with their limits as a message; the values in force are their defaults.
+dynamic_reconfigure::ConfigDescription description_message(const ChangeableOutput& output);
+
+}  // namespace lidard

@@ -1,0 +1,190 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <dynamic_reconfigure/Reconfigure.h>
+#include <ros/node_handle.h>
+#include <ros/this_node.h>
+
+#include <mutex>
+#include <utility>
+
+#include "daemon/pipeline/log.h"
+#include "daemon/pipeline/pipeline.h"
+#include "daemon/ros/in/component.h"
+#include "daemon/ros/in/output_items.h"
+#include "daemon/ros/master/master_client.h"
+
+namespace lidard {
+namespace {
+
+using dynamic_reconfigure::Reconfigure;
+
+XmlRpc::XmlRpcValue parameter_of(const KeyValue& value) {
+  if (const auto* const flag = std::get_if<bool>(&value)) return XmlRpc::XmlRpcValue(*flag);
+  const auto* const number = std::get_if<double>(&value);
+  return number != nullptr ? XmlRpc::XmlRpcValue(*number) : XmlRpc::XmlRpcValue(std::get<std::string>(value));
+}
+
+/// Of one output.
+struct Server {
+  explicit Server(ChangeableOutput given) : output(std::move(given)) {}
+
+  void offer(ros::NodeHandle node) {
+    description = node.advertise<dynamic_reconfigure::ConfigDescription>("parameter_descriptions", 1, true);
+    const auto announced = node.advertise<dynamic_reconfigure::Config>("parameter_updates", 1, true);
+    {
+      const std::lock_guard lock(mutex);
+      description.publish(description_message(output));
+      announced.publish(config_message(output));
+      updates = announced;
+    }
+    service = node.advertiseService("set_parameters", &Server::serve, this);
+  }
+  /// In the callback thread.
+  bool serve(Reconfigure::Request& request, Reconfigure::Response& response) {
+    const std::lock_guard lock(mutex);
+    const std::size_t beams_before = beams_of(output.config);
+    const std::string why = change(output, read_values(request.config));
+    if (why.empty())
+      accept(beams_before);
+    else
+      refuse(why);
+    response.config = config_message(output);
+    updates.publish(response.config);
+    return true;
+  }
+  void accept(std::size_t beams_before) {
+    ++accepted;
+    refusal.clear();
+    to_store = true;
+    if (output.sensor) {
+      log_info("{}: changed through dynamic_reconfigure", name());
+      return apply();
+    }
+    const std::size_t beams = beams_of(output.config);
+    log_info("{}: changed through dynamic_reconfigure; {} beams", name(), beams);
+    if (beams != beams_before) {
+      ++resized;
+      to_renew = true;
+      log_warn("{} has {} beams now, not {}: gmapping refuses scans of another size until it is restarted",
+               name(), beams, beams_before);
+    }
+    if (beams >= gmapping_beam_limit)
+      log_warn("{} has {} beams; gmapping needs fewer than {}", name(), beams, gmapping_beam_limit);
+    apply();
+  }
+  void refuse(const std::string& why) {
+    ++refused;
+    refusal = why;
+    log_warn("{}: change refused, the values before stay: {}", name(), why);
+  }
+  DiagnosticItem status() const {
+    const std::lock_guard lock(mutex);
+    DiagnosticItem item{"reconfigure " + name(), "none", Health::ok, "values in force"};
+    if (!refusal.empty()) item.set(Health::warn, "change refused, the values before stay: " + refusal);
+    item.add("Changes", accepted);
+    item.add("Changes refused", refused);
+    if (output.sensor) return item;
+    item.add("Changes of the number of beams", resized);
+    item.add("Beams", beams_of(output.config));
+    return item;
+  }
+  std::string name() const { return output.server.empty() ? output.id.entry : output.server; }
+  /// The full name of something of this server.
+  std::string below(const std::string& what) const {
+    const std::string space = output.server.empty() ? "" : "/" + output.server;
+    return ros::this_node::getName() + space + "/" + what;
+  }
+
+  mutable std::mutex mutex;
+  ChangeableOutput output;
+  std::function<void()> apply;
+  ros::Publisher updates;
+  ros::Publisher description;
+  ros::ServiceServer service;
+  bool to_store = true;   // the parameter server does not hold the values in force
+  bool to_renew = false;  // subscribers are to notice that scans have another size
+  std::string refusal;    // of the newest request
+  std::uint64_t accepted = 0;
+  std::uint64_t refused = 0;
+  std::uint64_t resized = 0;
+};
+
+class RosReconfigure final : public RosComponent {
+ public:
+  RosReconfigure(std::vector<ChangeableOutput> outputs, const RosPost& post, MessageReceiver& receiver) {
+    for (auto& output : outputs) {
+      servers_.push_back(std::make_unique<Server>(std::move(output)));
+      Server& server = *servers_.back();
+      server.apply = [&server, &receiver, post] {
+        if (server.output.sensor)
+          return post([&receiver, wanted = *server.output.sensor](Stamp) { receiver.set_sensor(wanted); });
+        post([&receiver, id = server.output.id, config = server.output.config](Stamp) {
+          receiver.set_output(id, config);
+        });
+      };
+    }
+  }
+  void connected(RosCallbackThread& ros) override {
+    for (const auto& server : servers_) {
+      server->offer(ros.node("~" + server->output.server));
+      keep(server->description);
+      keep(server->updates);
+      keep(server->service);
+    }
+  }
+  void disconnected() override {
+    for (const auto& server : servers_) {
+      const std::lock_guard lock(server->mutex);
+      server->updates = {};
+      server->to_store = true;
+    }
+  }
+  void poll(MasterClient& master) override {
+    for (const auto& server : servers_) {
+      std::unique_lock lock(server->mutex);
+      if (!std::exchange(server->to_store, false)) continue;
+      const ItemValues values = values_of(server->output);
+      lock.unlock();
+      bool stored = true;
+      for (const auto& [name, value] : values)
+        stored = stored && master.set_parameter(server->below(name), parameter_of(value));
+      lock.lock();
+      server->to_store = server->to_store || !stored;
+    }
+  }
+  std::vector<std::string> master_restarted() override {
+    std::vector<std::string> services;
+    for (const auto& server : servers_) {
+      const std::lock_guard lock(server->mutex);
+      server->to_store = true;
+      services.push_back(server->below("set_parameters"));
+    }
+    return services;
+  }
+  std::vector<std::string> stale_topics() override {
+    std::vector<std::string> topics;
+    for (const auto& server : servers_) {
+      const std::lock_guard lock(server->mutex);
+      if (!std::exchange(server->to_renew, false)) continue;
+      topics.insert(topics.end(), server->output.topics.begin(), server->output.topics.end());
+    }
+    return topics;
+  }
+  std::vector<DiagnosticItem> diagnostics() override {
+    std::vector<DiagnosticItem> items;
+    for (const auto& server : servers_) items.push_back(server->status());
+    return items;
+  }
+
+ private:
+  std::vector<std::unique_ptr<Server>> servers_;
+};
+
+}  // namespace
+
+std::shared_ptr<RosComponent> make_ros_reconfigure(std::vector<ChangeableOutput> outputs, const RosPost& post,
+                                                   MessageReceiver& receiver) {
+  return std::make_shared<RosReconfigure>(std::move(outputs), post, receiver);
+}
+
+}  // namespace lidard

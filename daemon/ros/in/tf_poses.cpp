@@ -1,0 +1,148 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/ros/in/tf_poses.h"
+
+#include <nav_msgs/Odometry.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <tf2/exceptions.h>
+#include <tf2_msgs/TFMessage.h>
+#include <tf2_ros/transform_listener.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "daemon/ros/messages/convert.h"
+
+namespace lidard {
+namespace {
+
+// Between such samples of tf, which itself draws straight lines between its knots, a vehicle's way is
+// straight.
+constexpr Span sampling = std::chrono::milliseconds(10);
+constexpr Span shortest_step = std::chrono::milliseconds(5);
+// What a merge may need of the past.
+constexpr Span longest_past = std::chrono::seconds(2);
+/// Frames are looked up at most some hundred milliseconds after they were measured.
+constexpr double live_kept_s = 10;
+// The whole of any bag is kept.
+constexpr double bag_kept_s = 1e7;
+
+bool sample(const tf2::BufferCore& buffer, const std::string& to, const std::string& from, Stamp stamp,
+            std::vector<StampedPose>& poses) {
+  const ros::Time time = to_ros(stamp);
+  if (!buffer.canTransform(to, from, time)) return false;
+  poses.push_back({stamp, to_pose(buffer.lookupTransform(to, from, time).transform)});
+  return true;
+}
+
+}  // namespace
+
+bool BufferPoses::lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
+                         std::string& why_not) {
+  const std::string to = ros_frame(parent);
+  const std::string from = ros_frame(child);
+  if (to.empty() || from.empty()) {
+    why_not = "a frame name is empty";
+    return false;
+  }
+  if (to == from) {
+    pose = Pose::Identity();
+    return true;
+  }
+  const ros::Time time = to_ros(stamp);
+  // Asked first, because lookupTransform() throws, and an unknown pose is an everyday matter.
+  std::string reason;
+  if (!buffer_.canTransform(to, from, time, &reason)) {
+    if (reason.empty()) reason = "tf does not know " + from + " in " + to;
+    why_not = reason + "; publish it on tf or configure the pose";
+    return false;
+  }
+  try {
+    pose = to_pose(buffer_.lookupTransform(to, from, time).transform);
+  } catch (const tf2::TransformException& problem) {
+    why_not = problem.what();
+    return false;
+  }
+  return true;
+}
+
+void BufferPoses::history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
+                          std::vector<StampedPose>& poses) {
+  const std::string to = ros_frame(parent);
+  const std::string from = ros_frame(child);
+  if (to.empty() || from.empty()) return;
+  try {
+    if (!buffer_.canTransform(to, from, ros::Time(0))) return;
+    const Stamp newest = from_ros(buffer_.lookupTransform(to, from, ros::Time(0)).header.stamp);
+    const Stamp last = std::min(newest, until);
+    if (last >= after && last - after < shortest_step) return;
+    // A track that is far ahead belongs to an input that has started again.
+    Stamp at = after > last + longest_past ? last - longest_past : std::max(after, last - longest_past);
+    for (at = at + sampling; at < last; at = at + sampling) sample(buffer_, to, from, at, poses);
+    if (last > after || at > after) sample(buffer_, to, from, last, poses);
+  } catch (const tf2::TransformException&) {
+    // It was overwritten while it was read; the next call reads on.
+  }
+}
+
+TfPoses::TfPoses(HostStep step) : BufferPoses(live_kept_s), step_(std::move(step)) {}
+
+bool TfPoses::lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
+                     std::string& why_not) {
+  if (BufferPoses::lookup(parent, child, stamp + step_->load(), pose, why_not)) return true;
+  if (!listening_) why_not = "no tf: there was no ROS master yet; publish it on tf or configure the pose";
+  return false;
+}
+
+void TfPoses::history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
+                      std::vector<StampedPose>& poses) {
+  const std::size_t known = poses.size();
+  BufferPoses::history(parent, child, after + step_->load(), until + step_->load(), poses);
+  for (std::size_t i = known; i < poses.size(); ++i) poses[i].stamp = poses[i].stamp - step_->load();
+}
+
+void TfPoses::connected(RosCallbackThread& ros) {
+  constexpr bool own_thread = false;
+  keep(std::make_shared<tf2_ros::TransformListener>(buffer_, ros.node(), own_thread));
+  listening_ = true;
+}
+
+BagPoses::BagPoses(const std::string& path, const std::string& odometry_topic)
+    : BufferPoses(bag_kept_s), is_there_(!path.empty()) {
+  if (!is_there_) return;
+  try {
+    rosbag::Bag bag(path, rosbag::bagmode::Read);
+    for (const auto& message : rosbag::View(bag)) {
+      const std::string topic = message.getTopic();
+      if (const auto tf = message.instantiate<tf2_msgs::TFMessage>())
+        for (const auto& transform : tf->transforms)
+          buffer_.setTransform(transform, "bag", topic == "/tf_static" || topic == "tf_static");
+      if (odometry_topic.empty() || (topic != odometry_topic && topic != "/" + odometry_topic)) continue;
+      const auto odometry = message.instantiate<nav_msgs::Odometry>();
+      if (!odometry) throw std::runtime_error("topic " + topic + " is no nav_msgs/Odometry");
+      const auto& pose = odometry->pose.pose;
+      odometry_.push_back({from_ros(odometry->header.stamp), to_pose(pose.position, pose.orientation)});
+      child_ = odometry->child_frame_id;
+    }
+  } catch (const std::exception& problem) {
+    throw std::runtime_error(path + ": " + problem.what() + "; expected a bag with /tf or the odometry");
+  }
+  std::stable_sort(odometry_.begin(), odometry_.end(),
+                   [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
+}
+
+bool BagPoses::lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
+                      std::string& why_not) {
+  return is_there_ ? BufferPoses::lookup(parent, child, stamp, pose, why_not)
+                   : NoTransforms().lookup(parent, child, stamp, pose, why_not);
+}
+
+void BagPoses::feed(Pipeline& pipeline, Stamp until) {
+  for (; next_ < odometry_.size() && odometry_[next_].stamp <= until; ++next_) {
+    const auto& [stamp, pose] = odometry_[next_];
+    pipeline.pose_message(stamp, pose, child_, stamp);
+  }
+}
+
+}  // namespace lidard

@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <tf2/buffer_core.h>
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include "daemon/pipeline/pipeline.h"
+#include "daemon/ros/in/component.h"
+
+namespace lidard {
+
+/// Poses from a buffer of tf2, direct or through a chain. The names may have a leading slash.
+class BufferPoses : public TransformSource {
+ public:
+  /// `kept_s`: how long transforms are kept, s.
+  explicit BufferPoses(double kept_s) : buffer_(ros::Duration(kept_s)) {}
+  bool lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
+              std::string& why_not) override;
+  void history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
+               std::vector<StampedPose>& poses) override;
+
+ protected:
+  tf2::BufferCore buffer_;
+};
+
+/// Poses from tf. Listens while ROS runs; lookups never wait.
+class TfPoses final : public BufferPoses, public RosComponent {
+ public:
+  explicit TfPoses(HostStep step = no_step());
+  bool lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
+              std::string& why_not) override;
+  void history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
+               std::vector<StampedPose>& poses) override;
+  void connected(RosCallbackThread& ros) override;
+
+ private:
+  void disconnected() override { listening_ = false; }
+
+  const HostStep step_;  // tf is stamped with the host's clock, lookups ask for the time without steps
+  std::atomic<bool> listening_{false};
+};
+
+/// Poses from the /tf and /tf_static (and, if asked for, nav_msgs/Odometry) of a recorded bag: what a replay
+/// needs to deskew without a ROS master. Only what was stamped before the time that is asked about counts, as
+/// it would live.
+class BagPoses final : public BufferPoses {
+ public:
+  /// Reads the whole bag. An empty path: there is none, and all poses are configured. `odometry_topic` may be
+  /// empty. Throws std::runtime_error that names the file.
+  BagPoses(const std::string& path, const std::string& odometry_topic);
+  bool lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
+              std::string& why_not) override;
+  /// Gives the pipeline the odometry's messages after the last call, up to `until`.
+  void feed(Pipeline& pipeline, Stamp until);
+
+ private:
+  const bool is_there_;
+  std::vector<StampedPose> odometry_;
+  std::string child_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace lidard

@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/ros/master/environment.h"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <ros/exceptions.h>
+#include <ros/init.h>
+#include <ros/names.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "daemon/pipeline/log.h"
+#include "daemon/ros/master/xmlrpc.h"
+#include "drivers/net/host_network.h"
+
+namespace lidard {
+namespace {
+
+bool is_set(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value != nullptr && *value != '\0';
+}
+
+bool may_write_below(const std::string& home) {
+  const std::string folder = home + "/.ros";
+  return access(folder.c_str(), F_OK) == 0 ? access(folder.c_str(), W_OK | X_OK) == 0
+                                           : access(home.c_str(), W_OK | X_OK) == 0;
+}
+
+RosError wrong_name(const ros::Exception& problem) {
+  return RosError(std::string(problem.what()) + "; expected names of letters, digits, _ and /");
+}
+
+/// The IPv4 address of a host, if it is known within a second: a name server may be out of reach.
+std::optional<IpAddress> address_of(const std::string& name) {
+  for (const auto& [address, length] : resolve(name, 1, std::chrono::seconds(1))) {
+    const auto* const v4 = reinterpret_cast<const sockaddr_in*>(&address);
+    char text[INET_ADDRSTRLEN] = "";
+    if (address.ss_family == AF_INET && inet_ntop(AF_INET, &v4->sin_addr, text, sizeof text) != nullptr)
+      return IpAddress::parse(text);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string doubt_about_own_address() {
+  const char* const variable = is_set("ROS_HOSTNAME") ? "ROS_HOSTNAME" : "ROS_IP";
+  if (!is_set(variable)) return {};
+  const std::string given = std::getenv(variable);
+  const auto address = address_of(given);
+  const std::string given_address = std::string(variable) + " is " + given + ", which ";
+  if (!address)
+    return given_address + "no name server resolves: other nodes cannot reach what is published here";
+  if (address->to_string().compare(0, 4, "127.") == 0 || address->v6) return {};
+  std::string own;
+  for (const HostInterface& one : look_at_network().interfaces) {
+    if (one.prefix == 0) continue;
+    if (one.address == *address) return {};
+    own.append(own.empty() ? "" : ", ").append(one.to_string());
+  }
+  return given_address +
+         "no interface of this host has: other nodes cannot reach what is published here; expected one of " +
+         own + ", or neither ROS_IP nor ROS_HOSTNAME";
+}
+
+void init_ros(const RosOptions& options) {
+  ros::M_string remappings;
+  for (const auto& remapping : options.remappings) {
+    const auto at = remapping.find(":=");
+    if (at == std::string::npos || at == 0)
+      throw RosError("'" + remapping + "' is not a remapping; expected from:=to");
+    remappings[remapping.substr(0, at)] = remapping.substr(at + 2);
+  }
+  choose_ros_log_folder();
+  if (const std::string doubt = doubt_about_own_address(); !doubt.empty()) log_warn("{}", doubt);
+  try {
+    // Nothing of ours goes to /rosout, and its thread would wait for the master.
+    ros::init(remappings, options.node_name,
+              ros::init_options::NoSigintHandler | ros::init_options::NoRosout);
+  } catch (const ros::Exception& problem) {
+    throw wrong_name(problem);
+  }
+}
+
+void check_ros_names(const std::vector<OutputTopic>& topics) {
+  try {
+    for (const auto& topic : topics) ros::names::resolve(topic.name);
+  } catch (const ros::Exception& problem) {
+    throw wrong_name(problem);
+  }
+}
+
+void choose_ros_log_folder() {
+  if (is_set("ROS_LOG_DIR") || is_set("ROS_HOME") || std::getenv("HOME") == nullptr) return;
+  if (may_write_below(std::getenv("HOME"))) return;
+  std::error_code error;
+  const auto temporary = std::filesystem::temp_directory_path(error);
+  const std::string folder = is_set("RUNTIME_DIRECTORY") ? std::getenv("RUNTIME_DIRECTORY")
+                                                         : (error ? std::string("/tmp") : temporary.string());
+  setenv("ROS_LOG_DIR", folder.c_str(), 1);
+}
+
+std::string choose_master(const std::vector<std::string>& remappings) {
+  std::string uri = is_set("ROS_MASTER_URI") ? std::getenv("ROS_MASTER_URI") : "http://localhost:11311";
+  const std::string remapping = "__master:=";
+  for (const auto& given : remappings) {
+    if (given.compare(0, remapping.size(), remapping) == 0) uri = given.substr(remapping.size());
+  }
+  if (!parse_server_uri(uri))
+    throw RosError("the ROS master's address is '" + uri +
+                   "'; expected http://host:port in ROS_MASTER_URI, e.g. http://localhost:11311");
+  setenv("ROS_MASTER_URI", uri.c_str(), 1);
+  return uri;
+}
+
+}  // namespace lidard

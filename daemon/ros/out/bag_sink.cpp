@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/ros/out/bag_sink.h"
+
+#include <rosbag/bag.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include "daemon/ros/messages/convert.h"
+
+namespace lidard {
+namespace {
+
+/// The connection header of a latched topic; `rosbag play` latches a topic that was recorded with it.
+boost::shared_ptr<ros::M_string> latched_header(const MessageType& type) {
+  auto header = boost::make_shared<ros::M_string>();
+  *header = {{"type", type.name},
+             {"md5sum", type.md5},
+             {"message_definition", type.definition},
+             {"latching", "1"},
+             {"callerid", "/lidard"}};
+  return header;
+}
+
+}  // namespace
+
+/// The bag's destructor writes what is left, and an exception there would end the process: a bag that cannot
+/// be written is put aside for good.
+void BagSink::give_up(const std::exception& problem, int error_number) {
+  static auto* const broken = new std::vector<std::unique_ptr<rosbag::Bag>>;
+  const std::string why = error_number != 0 ? std::strerror(error_number) : problem.what();
+  if (error_.empty())
+    error_ = "cannot write bag '" + path_ + "': " + why + "; choose a writable path with enough space";
+  broken->push_back(std::move(bag_));
+}
+
+template <class Step>
+bool BagSink::attempt(const Step& step) {
+  errno = 0;
+  try {
+    step(*bag_);
+    return true;
+  } catch (const rosbag::BagException& problem) {
+    give_up(problem, errno);
+    return false;
+  }
+}
+
+void BagSink::write(const std::string& topic, Stamp released, const RawMessage& message, bool latched) {
+  const std::string name = (topic.compare(0, 1, "/") == 0 ? "" : "/") + topic;
+  // A bag refuses the time 0 (ros::TIME_MIN).
+  const ros::Time time = std::max(to_ros(released), ros::TIME_MIN);
+  const auto header = latched ? latched_header(*message.type) : nullptr;
+  if (bag_ && attempt([&](rosbag::Bag& bag) { bag.write(name, time, message, header); })) ++messages_;
+}
+
+BagSink::BagSink(const std::string& path) : path_(path), bag_(std::make_unique<rosbag::Bag>()) {
+  if (!attempt([&](rosbag::Bag& bag) { bag.open(path, rosbag::bagmode::Write); })) throw BagError(error_);
+}
+
+BagSink::~BagSink() {
+  try {
+    close();
+  } catch (const BagError&) {
+    // A destructor cannot report it; whoever wants to know calls close().
+  }
+}
+
+void BagSink::publish(const OutputTopic& topic, const Payload& payload, Stamp released) {
+  auto& maker = makers_[topic.name];
+  if (maker == nullptr) maker = row_of(topic).maker();
+  write(topic.name, released, maker->make(payload, released));
+}
+
+void BagSink::transforms(const std::vector<StaticTransform>& transforms, Stamp released) {
+  if (!transforms.empty())
+    write("/tf_static", released, transforms_maker()->make(transforms, released), true);
+}
+
+void BagSink::diagnostics(const std::vector<DiagnosticItem>& items, Stamp released) {
+  if (items.empty()) return;
+  diagnostic_msgs::DiagnosticArray message;
+  to_ros(items, "lidard", released, message);
+  write("/diagnostics", released, raw(message));
+}
+
+void BagSink::outline(const VehicleConfig& vehicle, Stamp released) {
+  if (!vehicle.footprint.empty()) write(outline_topic, released, outline_of(vehicle), true);
+}
+
+void BagSink::close() {
+  if (bag_ && bag_->isOpen()) attempt([](rosbag::Bag& bag) { bag.close(); });
+  if (!error_.empty()) throw BagError(error_);
+}
+
+}  // namespace lidard

@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ros/publisher.h>
+
+#include <array>
+#include <chrono>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/pipeline/sink.h"
+
+namespace lidard {
+
+/// Publishes the newest status items of both pipelines on /diagnostics. set() may be called from any thread,
+/// the rest belongs to the master thread.
+class DiagnosticsPublisher {
+ public:
+  using TimePoint = std::chrono::steady_clock::time_point;
+
+  /// Items that nobody has set() anew for longer than `longest_age` are published as errors that say so: the
+  /// thread that sets them is dead. Empty: never.
+  explicit DiagnosticsPublisher(std::optional<Span> longest_age = std::nullopt) : longest_age_(longest_age) {}
+  /// True if an item came, went or has another health than before, which is to be published at once.
+  bool set(std::size_t pipeline, const std::vector<DiagnosticItem>& items);
+  /// ROS runs: from now on publish() works. May wait for the master.
+  void start();
+  /// Publishes the items given to set(), followed by `more`. `awake_since`: since when this process runs
+  /// without having stood; nobody could set() anything before.
+  void publish(const std::vector<DiagnosticItem>& more, TimePoint awake_since);
+  /// ROS ends. With `leave` roscpp is not told, whose destructors wait for the master.
+  void stop(bool leave);
+
+ private:
+  struct Newest {
+    std::vector<DiagnosticItem> items;
+    TimePoint at;
+  };
+  std::vector<DiagnosticItem> aged(const Newest& newest, TimePoint awake_since) const;
+
+  const std::optional<Span> longest_age_;
+  std::mutex mutex_;
+  std::array<Newest, 2> newest_;  // guarded by mutex_
+  ros::Publisher publisher_;
+};
+
+}  // namespace lidard

@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <memory>
+
+#include "daemon/pipeline/sink.h"
+#include "daemon/ros/messages/raw_message.h"
+
+namespace lidard {
+
+/// Makes messages of one type. Keeps the memory of the message for the next one.
+class MessageMaker {
+ public:
+  virtual ~MessageMaker() = default;
+  virtual const MessageType& type() const = 0;
+  /// `payload` has to be of the type that travels on the topic. The points of a cloud stay where they are.
+  virtual RawMessage make(const Payload& payload, Stamp released) = 0;
+};
+
+/// How what travels on a topic goes out.
+struct MessageRow {
+  TopicKind kind;
+  std::size_t message;  ///< of TopicKind::message: message_kind() of what travels
+  /// How many frames may wait until they are published. A thread that stood still publishes late what came
+  /// meanwhile: planar scans of a second (no scanner turns more than 100 times), and inertial samples of a
+  /// quarter of one. Clouds are large and soon outdated.
+  std::size_t queue_depth;
+  std::unique_ptr<MessageMaker> (*maker)();
+};
+const MessageRow& row_of(const OutputTopic& topic);
+
+/// For fixed transforms, and for the time of a replay.
+std::unique_ptr<MessageMaker> transforms_maker();
+std::unique_ptr<MessageMaker> clock_maker();
+
+/// Where the outline of the vehicle is published, if it has one.
+constexpr const char* outline_topic = "footprint";
+/// The outline of the vehicle, at any time (geometry_msgs/PolygonStamped).
+RawMessage outline_of(const VehicleConfig& vehicle);
+
+}  // namespace lidard

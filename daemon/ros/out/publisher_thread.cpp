@@ -1,0 +1,278 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/ros/out/publisher_thread.h"
+
+#include <fmt/format.h>
+#include <ros/node_handle.h>
+#include <ros/topic_manager.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "daemon/pipeline/log.h"
+#include "daemon/ros/master/wait_until.h"
+#include "drivers/net/wall_clock.h"
+
+namespace lidard {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Of the 10 messages that roscpp keeps for a slow subscriber; the rest is slack for its own queue.
+constexpr std::size_t most_in_flight = 8;
+/// Messages that roscpp is sending to slow subscribers beside those in its queues.
+constexpr std::size_t most_being_sent = 8;
+constexpr std::size_t least_queue = 10;
+/// After this long a subscriber that reads nothing counts as stuck, and a replay goes on without it.
+constexpr auto stuck_subscriber = std::chrono::seconds(10);
+constexpr auto between_counts = std::chrono::milliseconds(100);
+/// For so long a loss is reported.
+constexpr auto news_of_a_loss = std::chrono::seconds(10);
+
+bool is_free(const boost::shared_array<std::uint8_t>& buffer) { return buffer.use_count() == 1; }
+
+std::string ms(Span span) { return fmt::format("{:.1f}", 1e3 * seconds(span)); }
+
+DiagnosticItem topic_item(const std::string& topic, const TopicFigures& f) {
+  DiagnosticItem item{"topic " + topic};
+  item.message = "publishing";
+  if (f.loses)
+    item.set(Health::warn, "a subscriber of " + topic +
+                               " is too slow and loses messages; `rosnode info` names the subscribers, "
+                               "`rostopic bw` the load");
+  item.values = {{"Messages/s", fmt::format("{:.1f}", f.rate_hz)},
+                 {"Shortest gap of the last 10 s (ms)", ms(f.shortest_gap)},
+                 {"Longest gap of the last 10 s (ms)", ms(f.longest_gap)},
+                 {"Latency, median (ms)", ms(f.median_latency)},
+                 {"Latency, 99 of 100 (ms)", ms(f.p99_latency)},
+                 {"Latency, longest (ms)", ms(f.longest_latency)}};
+  item.add("Dropped before ROS", f.dropped);
+  item.add("Lost by slow subscribers", f.lost);
+  return item;
+}
+
+}  // namespace
+
+PublisherThread::Output::Output(std::string name, std::unique_ptr<MessageMaker> makes, std::size_t queue_slot,
+                                std::size_t depth)
+    : topic(std::move(name)),
+      maker(std::move(makes)),
+      slot(queue_slot),
+      queue_size(std::max(least_queue, depth)) {}
+
+ros::Publisher make_publisher(const std::string& topic, const MessageType& type, std::size_t queue_size,
+                              bool latched) {
+  ros::AdvertiseOptions options(topic, static_cast<std::uint32_t>(queue_size), type.md5, type.name,
+                                type.definition);
+  options.has_header = type.begins_with_header;
+  options.latch = latched;
+  return ros::NodeHandle().advertise(options);
+}
+
+void PublisherThread::Output::send(const Payload& payload, Stamp released) {
+  if (latched) return publisher.publish(*latest);
+  // ros::Publisher::publish() does just this, but hides the buffer, which shows when all sockets have it.
+  ros::SerializedMessage serialized;
+  ros::TopicManager::instance()->publish(
+      publisher.getTopic(), [&] { return maker->make(payload, released).data; }, serialized);
+  // The memory of what all sockets have is to be freed: a cloud has 10 MB.
+  in_flight();
+  if (serialized.buf) sent.push_back(serialized.buf);
+  while (sent.size() > queue_size + most_being_sent) sent.pop_front();
+}
+
+/// roscpp lets go of a message before an older one only when it drops it, since the queue for a slow
+/// subscriber is full. Whether the oldest is still held has to be checked last.
+std::size_t PublisherThread::Output::in_flight() {
+  if (sent.size() > 1 && std::any_of(sent.begin() + 1, sent.end(), is_free) && !is_free(sent.front())) {
+    const auto kept = std::remove_if(sent.begin() + 1, sent.end(), is_free);
+    lost += static_cast<std::uint64_t>(sent.end() - kept);
+    lost_at = Clock::now();
+    sent.erase(kept, sent.end());
+  }
+  while (!sent.empty() && is_free(sent.front())) sent.pop_front();
+  return sent.size();
+}
+
+bool PublisherThread::Output::loses() const {
+  return lost > 0 && Clock::now() - lost_at.load() < news_of_a_loss;
+}
+
+PublisherThread::PublisherThread(const RosOptions& options, ThreadWatch& watch, ThreadWatch::Thread number,
+                                 OnDiagnostics on_diagnostics)
+    : block_(options.backpressure == Backpressure::block),
+      with_clock_(options.clock),
+      watch_(watch),
+      number_(number),
+      on_diagnostics_(std::move(on_diagnostics)),
+      queue_(options.backpressure),
+      tf_(add_output("/tf_static", transforms_maker(), 2)),
+      clock_(add_output("/clock", clock_maker(), 2)) {
+  tf_.latched = true;
+  clock_.wanted = with_clock_;
+}
+
+PublisherThread::Output& PublisherThread::add_output(const std::string& topic,
+                                                     std::unique_ptr<MessageMaker> maker, std::size_t depth) {
+  return outputs_.emplace_back(topic, std::move(maker), queue_.add_slot(depth), depth);
+}
+
+void PublisherThread::set_topics(const std::vector<OutputTopic>& topics) {
+  const std::lock_guard lock(list_mutex_);
+  for (Output& output : outputs_) output.wanted = &output == &tf_ || (&output == &clock_ && with_clock_);
+  outputs_of_topics_.clear();
+  for (const OutputTopic& topic : topics) {
+    const MessageRow& row = row_of(topic);
+    auto maker = row.maker();
+    const auto same = [&](const Output& one) {
+      return one.topic == topic.name && one.maker->type().name == maker->type().name;
+    };
+    const auto known = std::find_if(outputs_.begin(), outputs_.end(), same);
+    Output& output =
+        known != outputs_.end() ? *known : add_output(topic.name, std::move(maker), row.queue_depth);
+    output.wanted = true;
+    outputs_of_topics_.push_back(&output);
+  }
+}
+
+std::vector<PublisherThread::Output*> PublisherThread::outputs() {
+  const std::lock_guard lock(list_mutex_);
+  std::vector<Output*> all;
+  for (Output& output : outputs_) all.push_back(&output);
+  return all;
+}
+
+PublisherThread::Output& PublisherThread::output_of(const QueuedFrame& frame) {
+  const std::lock_guard lock(list_mutex_);
+  return outputs_[frame.slot];
+}
+
+void PublisherThread::start() {
+  thread_ = std::thread([this] { run(); });
+}
+
+void PublisherThread::stop() {
+  stopping_ = true;
+  queue_.stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+/// roscpp is called without the mutex: the last copy of a publisher waits for the master.
+void PublisherThread::replace_publisher(Output& output, ros::Publisher next, bool leave) {
+  {
+    const std::lock_guard lock(send_mutex_);
+    std::swap(output.publisher, next);
+    if (!output.publisher) output.sent.clear();
+    if (output.publisher && output.latest) output.publisher.publish(*output.latest);
+  }
+  if (leave) leave_behind(std::move(next));
+}
+
+void PublisherThread::advertise() {
+  for (Output* const output : outputs()) {
+    if (output->wanted && !output->publisher) {
+      replace_publisher(*output, output->make());
+    } else if (!output->wanted && output->publisher && queue_.idle(output->slot)) {
+      replace_publisher(*output, {});
+      queue_.release(output->slot);
+    }
+  }
+  ready_ = true;
+}
+
+void PublisherThread::advertise_again(const std::vector<std::string>& topics) {
+  for (Output* const output : outputs()) {
+    if (!output->publisher || std::find(topics.begin(), topics.end(), output->topic) == topics.end())
+      continue;
+    replace_publisher(*output, {});
+    replace_publisher(*output, output->make());
+  }
+}
+
+void PublisherThread::withdraw(bool leave) {
+  ready_ = false;
+  for (Output* const output : outputs()) replace_publisher(*output, {}, leave);
+}
+
+TopicFigures PublisherThread::figures_of(const Output& output, Stamp now) const {
+  TopicFigures figures = queue_.figures(output.slot, now);
+  figures.lost = output.lost;
+  figures.loses = output.loses();
+  return figures;
+}
+
+TopicFigures PublisherThread::figures(const std::string& topic, Stamp now) {
+  for (const Output* const output : outputs()) {
+    if (output->topic == topic && output->wanted) return figures_of(*output, now);
+  }
+  return {};
+}
+
+void PublisherThread::add_diagnostics(std::vector<DiagnosticItem>& items, Stamp now) {
+  for (const Output* const output : outputs()) {
+    if (!output->wanted || output == &tf_ || output == &clock_) continue;
+    const TopicFigures figures = figures_of(*output, now);
+    if (figures.frames > 0) items.push_back(topic_item(output->topic, figures));
+  }
+}
+
+std::size_t PublisherThread::in_flight() {
+  std::size_t sum = queue_.idle() ? 0 : 1;
+  for (Output* const output : outputs()) {
+    const std::lock_guard lock(send_mutex_);
+    sum += output->in_flight();
+  }
+  return sum;
+}
+
+void PublisherThread::count_subscribers() {
+  std::size_t sum = 0;
+  for (Output* const output : outputs()) {
+    const std::lock_guard lock(send_mutex_);
+    if (output != &tf_ && output != &clock_) sum += output->publisher.getNumSubscribers();
+  }
+  subscribers_ = sum;
+}
+
+void PublisherThread::run() {
+  auto counted = Clock::now();
+  while (!stopping_) {
+    watch_.tick(number_);
+    QueuedFrame* const frame = queue_.pop(between_counts);
+    if (const auto now = Clock::now(); now - counted >= between_counts) {
+      count_subscribers();
+      counted = now;
+    }
+    if (frame == nullptr) continue;
+    if (block_) wait_for_subscribers_of(*frame);
+    const bool sent = send(*frame);
+    ++(sent ? published_ : without_ros_);
+    sent ? queue_.published(frame, wall_clock()) : queue_.done(frame);
+  }
+}
+
+/// Converts and publishes; false if nothing is advertised.
+bool PublisherThread::send(QueuedFrame& frame) {
+  Output& output = output_of(frame);
+  const std::lock_guard lock(send_mutex_);
+  if (output.latched) output.latest = output.maker->make(frame.payload(), frame.released);
+  if (!ready_ || !ros::ok() || !output.publisher) return false;
+  output.send(frame.payload(), frame.released);
+  return true;
+}
+
+void PublisherThread::wait_for_subscribers_of(const QueuedFrame& frame) {
+  Output& output = output_of(frame);
+  const auto keeps_up = [&] {
+    watch_.tick(number_);
+    const std::lock_guard lock(send_mutex_);
+    return stopping_ || ((ready_ || output.latched) && output.in_flight() < most_in_flight);
+  };
+  while (!wait_until(keeps_up, stuck_subscriber)) {
+    if (!ready_) continue;
+    log_warn("a subscriber has read nothing for 10 s; it loses messages from here on");
+    return;
+  }
+}
+
+}  // namespace lidard

@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ros/publisher.h>
+
+#include <atomic>
+#include <boost/shared_array.hpp>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "daemon/live/frame_queue.h"
+#include "daemon/ros/master/environment.h"
+#include "daemon/ros/master/thread_watch.h"
+#include "daemon/ros/out/message_rows.h"
+
+namespace lidard {
+
+/// Advertises a topic; may wait for the master. `queue_size`: messages kept for a slow subscriber.
+ros::Publisher make_publisher(const std::string& topic, const MessageType& type, std::size_t queue_size,
+                              bool latched);
+
+/// What one pipeline produces, on its way to ROS: a bounded queue, the publishers, and a thread that converts
+/// and publishes. The calls of FrameSink never wait (unless Backpressure::block), and come from one thread.
+class PublisherThread final : public FrameSink {
+ public:
+  using OnDiagnostics = std::function<void(const std::vector<DiagnosticItem>&)>;
+
+  /// `watch` must outlive this; `number`: which of its threads this one is.
+  PublisherThread(const RosOptions& options, ThreadWatch& watch, ThreadWatch::Thread number,
+                  OnDiagnostics on_diagnostics);
+  ~PublisherThread() override { stop(); }
+
+  /// From the next call of publish() on these are the topics. A topic that was there before keeps its queue,
+  /// its figures and its subscribers; what waits on one that goes is published first.
+  void set_topics(const std::vector<OutputTopic>& topics);
+  void start();
+  /// Publishes nothing any more.
+  void stop();
+
+  void publish(const OutputTopic& topic, const Payload& payload, Stamp released) override {
+    queue_.push(outputs_of_topics_[topic.id]->slot, payload, released);
+  }
+  void transforms(const std::vector<StaticTransform>& transforms, Stamp released) override {
+    queue_.push(tf_.slot, transforms, released);
+  }
+  void diagnostics(const std::vector<DiagnosticItem>& items, Stamp) override { on_diagnostics_(items); }
+  /// The time of a replay, on /clock.
+  void publish_clock(Stamp now) { queue_.push(clock_.slot, now, now); }
+  /// By how much the host's clock was set: FrameQueue::set_step().
+  void set_step(Span step) { queue_.set_step(step); }
+
+  // For the master thread; these three may wait for the master.
+  /// Advertises what is not advertised yet, and withdraws the topics that went.
+  void advertise();
+  /// Withdraws topics and advertises them anew, so that subscribers see a new publisher. Frames of these
+  /// topics are lost meanwhile.
+  void advertise_again(const std::vector<std::string>& topics);
+  /// Withdraws everything. With `leave` roscpp is not told, whose destructors wait for the master.
+  void withdraw(bool leave);
+
+  // Any thread may ask, and is not held up by roscpp.
+  /// True if the topics are advertised.
+  bool ready() const { return ready_; }
+  /// How a topic does; `now` as FrameQueue::figures().
+  TopicFigures figures(const std::string& topic, Stamp now);
+  /// Adds an item for each topic that something came out on.
+  void add_diagnostics(std::vector<DiagnosticItem>& items, Stamp now);
+  /// Of all topics of frames, as counted last.
+  std::size_t subscribers() const { return subscribers_; }
+  std::uint64_t published() const { return published_; }
+  std::uint64_t dropped() const { return queue_.dropped(); }
+  std::uint64_t without_ros() const { return without_ros_; }
+  /// Messages that have not reached the sockets of all subscribers. May be held up by roscpp.
+  std::size_t in_flight();
+
+ private:
+  struct Output {
+    Output(std::string name, std::unique_ptr<MessageMaker> makes, std::size_t queue_slot, std::size_t depth);
+
+    ros::Publisher make() const { return make_publisher(topic, maker->type(), queue_size, latched); }
+    void send(const Payload& payload, Stamp released);
+    std::size_t in_flight();
+    bool loses() const;
+
+    const std::string topic;
+    const std::unique_ptr<MessageMaker> maker;  // of the publishing thread
+    const std::size_t slot;                     // of the queue
+    const std::size_t
+        queue_size;  // messages that roscpp keeps for a slow subscriber before it drops the oldest
+    std::atomic<bool> wanted{true};
+    std::atomic<std::uint64_t> lost{0};  // messages that a subscriber has not got
+    std::atomic<std::chrono::steady_clock::time_point> lost_at{std::chrono::steady_clock::time_point()};
+    bool latched = false;
+    // Guarded by send_mutex_:
+    ros::Publisher publisher;
+    std::deque<boost::shared_array<std::uint8_t>> sent;  // buffers that roscpp may still hold
+    std::optional<RawMessage> latest;                    // of a latched topic
+  };
+
+  Output& add_output(const std::string& topic, std::unique_ptr<MessageMaker> maker, std::size_t depth);
+  std::vector<Output*> outputs();
+  Output& output_of(const QueuedFrame& frame);
+  TopicFigures figures_of(const Output& output, Stamp now) const;
+  void replace_publisher(Output& output, ros::Publisher next, bool leave = false);
+  void run();
+  bool send(QueuedFrame& frame);
+  void wait_for_subscribers_of(const QueuedFrame& frame);
+  void count_subscribers();
+
+  const bool block_, with_clock_;
+  ThreadWatch& watch_;
+  const ThreadWatch::Thread number_;
+  const OnDiagnostics on_diagnostics_;
+  FrameQueue queue_;
+  std::mutex list_mutex_;
+  std::deque<Output> outputs_;              // by slot; guarded by list_mutex_
+  std::vector<Output*> outputs_of_topics_;  // by OutputTopic::id, of the thread that calls publish()
+  Output &tf_, &clock_;
+  std::mutex send_mutex_;
+  std::atomic<bool> ready_{false}, stopping_{false};
+  std::atomic<std::size_t> subscribers_{0};
+  std::atomic<std::uint64_t> published_{0}, without_ros_{0};
+  std::thread thread_;
+};
+
+}  // namespace lidard

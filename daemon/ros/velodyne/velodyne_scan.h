@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/base/bytes.h"
+#include "core/base/time.h"
+#include "core/frames/device_message.h"
+#include "daemon/ros/messages/raw_message.h"
+
+namespace lidard {
+
+/// A velodyne_msgs/VelodyneScan as it travels: its bytes.
+struct VelodyneScanMessage : CarriedMessage {
+  static const MessageType& message_type();
+  void all(ros::serialization::LStream& stream) const {
+    stream.advance(static_cast<std::uint32_t>(bytes.size()));
+  }
+  void all(ros::serialization::OStream& stream) const {
+    std::copy(bytes.begin(), bytes.end(), stream.advance(static_cast<std::uint32_t>(bytes.size())));
+  }
+
+  std::vector<std::uint8_t> bytes;
+};
+
+/// Called with each data packet and when the sender of the message received it.
+using OnPacket = std::function<void(ByteView payload, Stamp arrival)>;
+
+/// Reads a VelodyneScan: a header, then a list of a stamp and 1206 bytes each
+/// (velodyne_msgs/VelodyneScan.msg, VelodynePacket.msg). Returns nullptr, or what is wrong with the message;
+/// then there was no call.
+const char* read_velodyne_scan(ByteView message, const OnPacket& on_packet);
+
+/// The packets of a Velodyne as a message.
+void to_ros(const RawPackets& packets, VelodyneScanMessage& message);
+
+}  // namespace lidard
