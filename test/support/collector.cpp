@@ -9,16 +9,11 @@
 #include "drivers/registry/registry.h"
 
 namespace lidard::test {
-namespace {
-
-/// From a device that listens on the model's TCP port, or to the UDP port that the model sends to.
 bool is_for(const Model& model, const Packet& packet) {
   if (packet.transport != model.transport) return false;
   if (packet.transport == Transport::tcp) return packet.from.port == model.port;
   return packet.to.port == model.port || packet.to.port == model.telemetry_port;
 }
-
-}  // namespace
 
 void Collector::cloud(Cloud& cloud) {
   for (std::size_t i = 0; i < cloud.origins.size(); ++i) {

@@ -32,6 +32,10 @@ class Collector final : public DriverOutput {
   std::vector<Row> rows;  ///< of clouds with origins
 };
 
+/// Whether the packet comes from a device that listens on the model's TCP port, or goes to a UDP port of the
+/// model.
+bool is_for(const Model& model, const Packet& packet);
+
 /// What came of decoding a capture as one model.
 struct Decoded {
   Collector output;
@@ -40,9 +44,7 @@ struct Decoded {
   std::string capture_error;
 };
 
-/// Decodes all datagrams of a capture that go to the ports of the model, or all that came over TCP from its
-/// port. Fails the test if it cannot be
-/// opened.
+/// Decodes all packets of a capture that are for the model. Fails the test if the capture cannot be opened.
 Decoded decode_capture(const std::string& path, const std::string& model, DriverConfig config = {});
 
 }  // namespace lidard::test

@@ -62,17 +62,7 @@ bool is_number(const std::string& value) {
 
 }  // namespace
 
-struct FakeVelodyne::Impl {
-  std::string answer(const std::string& method, const std::string& path, const std::string& body);
-  void take(const std::string& path, const std::string& body);
-
-  Settings settings = vlp16();
-  std::vector<std::string> log;
-  Fault next_fault = Fault::none;
-  int fault_times = 0;
-  std::string fault_beginning;
-  bool ignoring = false;
-};
+FakeVelodyne::FakeVelodyne() : settings_(vlp16()) {}
 
 /// Remembers the request; what to send.
 FakeVelodyne::Reply FakeVelodyne::take(const std::string& request) {
@@ -82,15 +72,15 @@ FakeVelodyne::Reply FakeVelodyne::take(const std::string& request) {
   first >> method >> path;
   const std::string body = request.substr(header);
   const std::string text = method + " " + path + (body.empty() ? "" : " " + body);
-  impl_->log.push_back(text);
+  log_.push_back(text);
   Fault fault = Fault::none;
-  if (impl_->fault_times > 0 && begins_with(text, impl_->fault_beginning)) {
-    --impl_->fault_times;
-    fault = impl_->next_fault;
+  if (fault_times_ > 0 && begins_with(text, fault_beginning_)) {
+    --fault_times_;
+    fault = next_fault_;
   }
   if (fault == Fault::error_500) return {"HTTP/1.1 500 Internal Server Error\r\nContent-Length: 0\r\n\r\n"};
   if (fault == Fault::garbage) return {"HTTP/1.1 200 OK\r\nContent-Length: 9\r\n\r\n{\"rpm\":60"};
-  const std::string content = impl_->answer(method, path, body);
+  const std::string content = answer(method, path, body);
   if (fault == Fault::half_closed) return {};
   if (fault == Fault::hang) return {"", false};
   if (content.empty()) {
@@ -104,18 +94,18 @@ FakeVelodyne::Reply FakeVelodyne::take(const std::string& request) {
           content};
 }
 
-std::string FakeVelodyne::Impl::answer(const std::string& method, const std::string& path,
-                                       const std::string& body) {
+std::string FakeVelodyne::answer(const std::string& method, const std::string& path,
+                                 const std::string& body) {
   if (method == "POST") {
-    if (!ignoring) take(path, body);
+    if (!ignoring_) apply(path, body);
     return "";
   }
-  if (path == "/cgi/snapshot.hdl") return json(settings, "");
-  if (path == "/cgi/status.json") return json(settings, "status.");
+  if (path == "/cgi/snapshot.hdl") return json(settings_, "");
+  if (path == "/cgi/status.json") return json(settings_, "status.");
   return "";
 }
 
-void FakeVelodyne::Impl::take(const std::string& path, const std::string& body) {
+void FakeVelodyne::apply(const std::string& path, const std::string& body) {
   const std::string form = "/cgi/setting";
   if (!begins_with(path, form)) return;
   std::string section = path.substr(form.size());
@@ -126,36 +116,29 @@ void FakeVelodyne::Impl::take(const std::string& path, const std::string& body) 
     std::string value = field.substr(equals + 1);
     if (value == "on") value = "On";
     if (value == "off") value = "Off";
-    settings["config." + section + field.substr(0, equals)] = is_number(value) ? value : in_quotes(value);
+    settings_["config." + section + field.substr(0, equals)] = is_number(value) ? value : in_quotes(value);
   }
-  settings["status.motor.rpm"] = settings["config.rpm"];
+  settings_["status.motor.rpm"] = settings_["config.rpm"];
 }
-
-FakeVelodyne::FakeVelodyne() : impl_(std::make_unique<Impl>()) {}
-FakeVelodyne::~FakeVelodyne() = default;
 
 void FakeVelodyne::misbehave(Fault fault, int times, const std::string& beginning) {
-  impl_->next_fault = fault;
-  impl_->fault_times = times;
-  impl_->fault_beginning = beginning;
+  next_fault_ = fault;
+  fault_times_ = times;
+  fault_beginning_ = beginning;
 }
 
-void FakeVelodyne::ignore_settings() { impl_->ignoring = true; }
-
-void FakeVelodyne::forget(const std::string& key) { impl_->settings.erase(key); }
-
 void FakeVelodyne::set(const std::string& key, const std::string& value) {
-  impl_->settings[key] = is_number(value) ? value : in_quotes(value);
+  settings_[key] = is_number(value) ? value : in_quotes(value);
 }
 
 std::string FakeVelodyne::get(const std::string& key) const {
-  const auto found = impl_->settings.find(key);
-  return found == impl_->settings.end() ? "" : found->second;
+  const auto found = settings_.find(key);
+  return found == settings_.end() ? "" : found->second;
 }
 
 std::vector<std::string> FakeVelodyne::requests(const std::string& beginning) const {
   std::vector<std::string> texts;
-  for (const auto& request : impl_->log) {
+  for (const auto& request : log_) {
     if (begins_with(request, beginning)) texts.push_back(request);
   }
   return texts;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <memory>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -27,16 +27,15 @@ class FakeVelodyne {
   };
 
   FakeVelodyne();
-  ~FakeVelodyne();
 
   /// What it sends on a request.
   Reply take(const std::string& request);
   /// The next `times` requests whose text begins with `beginning` are answered so.
   void misbehave(Fault fault, int times, const std::string& beginning = "");
   /// POSTs of settings are answered well and ignored.
-  void ignore_settings();
+  void ignore_settings() { ignoring_ = true; }
   /// The setting is no longer reported, "config.rpm".
-  void forget(const std::string& key);
+  void forget(const std::string& key) { settings_.erase(key); }
   void set(const std::string& key, const std::string& value);
   std::string get(const std::string& key) const;
 
@@ -44,8 +43,15 @@ class FakeVelodyne {
   std::vector<std::string> requests(const std::string& beginning = "") const;
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::string answer(const std::string& method, const std::string& path, const std::string& body);
+  void apply(const std::string& path, const std::string& body);
+
+  std::map<std::string, std::string> settings_;
+  std::vector<std::string> log_;
+  Fault next_fault_ = Fault::none;
+  int fault_times_ = 0;
+  std::string fault_beginning_;
+  bool ignoring_ = false;
 };
 
 }  // namespace lidard::test

@@ -28,7 +28,6 @@ struct HidingCase {
   Eigen::Vector3d at;  ///< of the output's frame, vehicle frame, m
   double range_max;    ///< m, of the output
   std::size_t rings = 16;  ///< of the lidar, from -15 to 15 degrees
-  std::size_t lidars = 1;  ///< reserved for clouds: masts side by side; 1 in this file
 };
 const std::vector<HidingCase>& hiding_cases();
 

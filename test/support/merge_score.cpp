@@ -141,15 +141,6 @@ std::vector<Claim> nearest_points(const MergeScene& scene, double offset) {
   return claims;
 }
 
-std::vector<Claim> claims_of(const PlanarScan& scan) {
-  std::vector<Claim> claims(scan.beams);
-  for (std::size_t i = 0; i < scan.beams; ++i) {
-    if (scan.statuses[i] == BeamStatus::hit) claims[i] = {Claim::hit, static_cast<double>(scan.ranges[i])};
-    if (scan.statuses[i] == BeamStatus::none) claims[i].kind = Claim::free;
-  }
-  return claims;
-}
-
 /// Error of a hit against the truth at the beam and half a beam to either side, whichever fits best.
 double best_error(const MergeScene& scene, std::size_t beam, double range) {
   double best = range - scene.truth[beam];
@@ -263,6 +254,15 @@ MergeScore judge(const MergeScene& scene, const MergeCase& set_up, const std::ve
   return score;
 }
 
+std::vector<Claim> claims_of_scan(const PlanarScan& scan) {
+  std::vector<Claim> claims(scan.beams);
+  for (std::size_t i = 0; i < scan.beams; ++i) {
+    if (scan.statuses[i] == BeamStatus::hit) claims[i] = {Claim::hit, static_cast<double>(scan.ranges[i])};
+    if (scan.statuses[i] == BeamStatus::none) claims[i].kind = Claim::free;
+  }
+  return claims;
+}
+
 std::vector<Claim> ancestor_claims(const MergeScene& scene) { return nearest_points(scene, 0); }
 std::vector<Claim> rounding_claims(const MergeScene& scene) { return nearest_points(scene, 0.5); }
 
@@ -287,9 +287,9 @@ TruthfulClaims truthful_claims(const MergeScene& scene, const MergeCase& set_up)
   TruthfulClaims claims;
   PlanarScan scan;
   visibility.encode(Profile::strict, scan, false);
-  claims.strict = claims_of(scan);
+  claims.strict = claims_of_scan(scan);
   visibility.encode(Profile::safety, scan, false);
-  claims.safety = claims_of(scan);
+  claims.safety = claims_of_scan(scan);
   each_point(scene, true, [&](const Eigen::Vector2d& p) {
     // At the very limit the surface between this return and the next one may lie beyond it.
     if (p.norm() > merge_range_max - 0.1) return;

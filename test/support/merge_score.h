@@ -31,6 +31,8 @@ struct Claim {
   double range = 0;  ///< m
 };
 
+std::vector<Claim> claims_of_scan(const PlanarScan& scan);
+
 /// Counts over the beams of many scenes. `seen` beams are those whose whole true path some scanner sees.
 struct MergeScore {
   std::uint64_t seen = 0, right = 0, see_through = 0, phantom = 0, false_free = 0, silent = 0;

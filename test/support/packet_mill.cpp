@@ -12,17 +12,12 @@
 #include "drivers/velodyne/packet.h"
 #include "test/sim/devices/checksums.h"
 #include "test/support/captures.h"
+#include "test/support/collector.h"
 
 namespace lidard::test {
 namespace {
 
 using velodyne::blocks_per_packet;
-
-bool is_for(const Model& model, const Packet& packet) {
-  if (packet.transport != model.transport) return false;
-  if (packet.transport == Transport::tcp) return packet.from.port == model.port;
-  return packet.to.port == model.port || packet.to.port == model.telemetry_port;
-}
 
 /// Sorted by protocol; what is for none of ours (a client's requests) is left out.
 void take_apart(const std::string& path, std::vector<Grist>& all) {

@@ -8,7 +8,6 @@
 #include "test/sim/world/units.h"
 
 namespace lidard::sim {
-namespace {}  // namespace
 
 ScanGrid read_grid(Bytes& in) {
   ScanGridSpec spec;

@@ -254,15 +254,6 @@ std::vector<Claim> banded_claims(const YardScene& scene, double half_height) {
   return claims;
 }
 
-std::vector<Claim> claims_of_scan(const PlanarScan& scan) {
-  std::vector<Claim> claims(scan.beams);
-  for (std::size_t i = 0; i < scan.beams; ++i) {
-    if (scan.statuses[i] == BeamStatus::hit) claims[i] = {Claim::hit, static_cast<double>(scan.ranges[i])};
-    if (scan.statuses[i] == BeamStatus::none) claims[i].kind = Claim::free;
-  }
-  return claims;
-}
-
 std::vector<Claim> cut_claims(const YardScene& scene, Profile profile, GroundModel model) {
   VirtualSettings settings;
   settings.visibility = true;

@@ -85,6 +85,5 @@ std::vector<Claim> banded_claims(const YardScene& scene, double half_height);
 /// Our own cut in one profile.
 std::vector<Claim> cut_claims(const YardScene& scene, Profile profile,
                               GroundModel model = GroundModel::plane);
-std::vector<Claim> claims_of_scan(const PlanarScan& scan);
 
 }  // namespace lidard::sim

@@ -122,7 +122,6 @@ class MicroScan3 : public SensorModel {
     wire.put8(2, 1);
     wire.put32(4, options_.serial);
     wire.put32(8, options_.serial + 1);
-    wire.put8(12, options_.channel);
     wire.put32(16, scan);
     wire.put32(20, options_.first_scan + scan);
     wire.put16(24, static_cast<std::uint64_t>(ms / ms_per_day - epoch_days));

@@ -20,7 +20,6 @@ struct MicroScan3Options {
   Span scan_time{30'000'000};    ///< one turn
   std::uint32_t serial = 12345678;
   std::uint32_t first_scan = 1;
-  std::uint8_t channel = 0;
   double protective_field = 0;  ///< m; beams nearer than that are marked in the intrusion data; 0 none
   std::vector<std::pair<double, double>> dirty_deg;  ///< sectors of the window that are contaminated
 };

@@ -126,8 +126,8 @@ class SickSegments final : public SensorModel {
     return !options_.keep_deg ||
            (deg >= options_.keep_deg->first - 1e-9 && deg <= options_.keep_deg->second + 1e-9);
   }
-  double counts(const Answer::Echo& echo) const {
-    return std::min(65535.0, std::round(echo.distance * 1000 / options_.scale));
+  static double millimetres(const Answer::Echo& echo) {
+    return std::min(65535.0, std::round(echo.distance * 1000));
   }
 
   void add_truth(const Part& part, std::size_t b, const Answer& answer, std::vector<SlotTruth>& slots) const {
@@ -143,7 +143,7 @@ class SickSegments final : public SensorModel {
         slot.exact = echo.exact;
         slot.reflectivity = echo.reflectivity;
         if (is_kept(part.angle_deg(b)))
-          slot.wire = wire_distance(static_cast<std::uint32_t>(counts(echo)), options_.scale);
+          slot.wire = wire_distance(static_cast<std::uint32_t>(millimetres(echo)), 1);
       }
       slot.xyz = slot.exact * beam.ray.direction;
       slots.push_back(slot);
@@ -170,7 +170,7 @@ class SickSegments final : public SensorModel {
         continue;
       }
       const double rssi = std::min(65535.0, std::round(answer.echoes[e].reflectivity * 20000));
-      out.echoes.push_back({counts(answer.echoes[e]) * options_.scale, static_cast<std::uint16_t>(rssi)});
+      out.echoes.push_back({millimetres(answer.echoes[e]), static_cast<std::uint16_t>(rssi)});
       out.reflector = out.reflector || answer.echoes[e].reflectivity > 1;
     }
     return out;
@@ -181,7 +181,6 @@ class SickSegments final : public SensorModel {
     segment.index = number;
     segment.frame = options_.first_frame + frame_ - 1;
     segment.sender = options_.serial;
-    segment.scale = options_.scale;
     segment.modules.resize(layers_.size());
     Stamp last = start_;
     bool any_kept = false;

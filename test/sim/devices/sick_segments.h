@@ -21,7 +21,6 @@ struct SickSegmentsOptions {
   double segment_deg = 30;
   Span turn{50'000'000};
   std::size_t echoes = 1;
-  double scale = 1;  ///< mm of a step, Compact version 4
   std::uint32_t serial = 23370016;
   std::uint64_t first_frame = 100;
   double imu_hz = 100;  ///< 0: none

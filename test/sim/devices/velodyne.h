@@ -31,7 +31,6 @@ struct VelodyneOptions {
   std::optional<AzimuthSector> fov;
   std::string timing;                 ///< name of one of the product's; empty: the default
   std::int64_t rest_spread_ns = 700;  ///< a random rest differs from its mean by up to this
-  std::uint64_t rest_seed = 1;
   bool old_stamp = false;     ///< HDL-32E before firmware 2.2.20: stamp of the last firing, no factory bytes
   bool status_stream = true;  ///< HDL-64E S2 and later: status bytes; else zeros
 };

@@ -17,7 +17,7 @@ VelodyneHead::VelodyneHead(const VelodyneTiming& timing, const VelodyneOptions& 
       step_deg_(step_deg),
       start_(start),
       next_(start),
-      rng_(options.rest_seed) {}
+      rng_(1) {}
 
 double VelodyneHead::azimuth_deg(Stamp time) const {
   const auto since = static_cast<double>((time - start_).count());

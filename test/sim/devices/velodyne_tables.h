@@ -13,9 +13,9 @@ constexpr double encoder_step_deg = 0.09;
 
 /// One laser of a rotating head: where its beam goes when the head's azimuth is 0.
 struct VelodyneLaser {
-  double elevation_deg;
-  double rot_correction_deg;  ///< subtracted from the head's azimuth
-  double z_offset_mm;         ///< height where its beam crosses the axis
+  double elevation_deg = 0;
+  double rot_correction_deg = 0;  ///< subtracted from the head's azimuth
+  double z_offset_mm = 0;         ///< height where its beam crosses the axis
 };
 using VelodyneLasers = std::vector<VelodyneLaser>;
 

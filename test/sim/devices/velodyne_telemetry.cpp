@@ -13,7 +13,7 @@ namespace {
 
 // Velodyne 63-9243 ch. 9.3.2, and VeloView's vtkVelodyneHDLPositionReader for the offsets.
 constexpr std::size_t position_bytes = 512;
-constexpr std::size_t stamp_at = 0xc6;
+constexpr std::size_t hour_stamp_at = 0xc6;
 constexpr std::size_t pps_at = 0xca;
 constexpr std::size_t nmea_at = 0xce;
 // Velodyne 63-9325 p. 60.
@@ -46,7 +46,7 @@ std::vector<std::uint8_t> position_packet(const PositionState& state) {
     wire.put8(bottom_at, 38);
     wire.put8(calibrated_at, 40);
   }
-  wire.put32(stamp_at, state.device_us);
+  wire.put32(hour_stamp_at, state.device_us);
   wire.put8(pps_at, state.pps_locked ? 2 : 0);
   const std::string sentence = gprmc(state.utc, state.pps_locked);
   wire.copy(nmea_at, sentence.data(), sentence.size());

@@ -9,7 +9,7 @@
 
 namespace lidard::sim {
 
-/// Bytes that grow as a packet is written, little-endian unless said otherwise.
+/// Bytes that grow as a packet is written, little-endian.
 class Wire {
  public:
   explicit Wire(std::size_t size = 0) : bytes_(size) {}
@@ -18,9 +18,6 @@ class Wire {
   void put16(std::size_t at, std::uint64_t value) { put(at, value, 2); }
   void put32(std::size_t at, std::uint64_t value) { put(at, value, 4); }
   void put64(std::size_t at, std::uint64_t value) { put(at, value, 8); }
-  void put16_big(std::size_t at, std::uint64_t value) {
-    put16(at, (value >> 8U & 0xffU) | (value & 0xffU) << 8U);
-  }
   void copy(std::size_t at, const void* data, std::size_t size) {
     const auto* bytes = static_cast<const std::uint8_t*>(data);
     for (std::size_t i = 0; i < size; ++i) put8(at + i, bytes[i]);

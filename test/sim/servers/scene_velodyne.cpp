@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "test/sim/servers/scene_velodyne.h"
-
 #include <cmath>
+
+#include "test/sim/devices/velodyne.h"
+#include "test/sim/servers/scene_models.h"
 
 namespace lidard::sim {
 namespace {
@@ -53,37 +54,37 @@ std::optional<double> parse_turn(const VelodyneTiming& timing, const YamlReader&
   return turn_deg;
 }
 
-void parse_special(const VelodyneTable& table, const YamlReader& yaml, VelodyneOptions& options) {
-  if (yaml.has("old_stamp")) {
-    options.old_stamp = yaml.at("old_stamp").flag();
-    if (std::string(table.name) != "velodyne_hdl32e")
-      yaml.at("old_stamp").fail("only velodyne_hdl32e has it");
-  }
-  if (yaml.has("status_stream")) {
-    options.status_stream = yaml.at("status_stream").flag();
-    if (!table.has_status()) yaml.at("status_stream").fail("only the HDL-64E has it");
-  }
-}
-
-}  // namespace
-
 ModelMaker parse_velodyne(const VelodyneTable& table, const YamlReader& yaml) {
   yaml.allow({"return_mode", "rpm", "turn_deg", "start_azimuth_deg", "telemetry_hz", "pps_locked", "fov",
-              "timing", "rest_spread_us", "rest_seed", "old_stamp", "status_stream"});
+              "timing", "rest_spread_us", "old_stamp"});
   VelodyneOptions options;
   if (yaml.has("return_mode")) options.mode = return_mode(table, yaml.at("return_mode"));
   if (yaml.has("timing")) options.timing = timing_name(table, yaml.at("timing"));
   options.turn_deg = parse_turn(velodyne_timing(table, options.timing), yaml);
   options.start_azimuth_deg = yaml.not_negative("start_azimuth_deg", 0);
   options.telemetry_hz = yaml.not_negative("telemetry_hz", 0);
-  if (yaml.has("pps_locked")) options.pps_locked = yaml.at("pps_locked").flag();
+  options.pps_locked = yaml.flag("pps_locked");
   if (yaml.has("fov")) options.fov = parse_sector(yaml.at("fov"));
   if (options.fov && options.turn_deg == 0.0) yaml.fail("fov needs a motor that turns; raise rpm");
   options.rest_spread_ns = std::llround(yaml.not_negative("rest_spread_us", 0.7) * 1000);
   if (options.rest_spread_ns > 1'900) yaml.fail("rest_spread_us must be below the mean rest, 1.9");
-  if (yaml.has("rest_seed")) options.rest_seed = static_cast<std::uint64_t>(yaml.at("rest_seed").integer());
-  parse_special(table, yaml, options);
+  options.old_stamp = yaml.flag("old_stamp");
+  if (yaml.has("old_stamp") && std::string(table.name) != "velodyne_hdl32e")
+    yaml.at("old_stamp").fail("only velodyne_hdl32e has it");
   return make_velodyne(table, options);
+}
+
+}  // namespace
+
+std::vector<SceneModel> velodyne_models() {
+  std::vector<SceneModel> models;
+  for (const VelodyneTable& table : velodyne_tables()) {
+    models.push_back(
+        {table.name, 0.1, table.range_max, [&table](const YamlReader& options, SensorEntry& entry) {
+           entry.make = parse_velodyne(table, options);
+         }});
+  }
+  return models;
 }
 
 }  // namespace lidard::sim

@@ -6,8 +6,6 @@
 #include <deque>
 #include <utility>
 
-#include "test/sim/world/rng.h"
-
 namespace lidard::sim {
 namespace {
 
@@ -85,19 +83,13 @@ class Station {
       const Hit& near = left.distance <= right.distance ? left : right;
       const Hit& far = left.distance <= right.distance ? right : left;
       if (far.distance - near.distance > echo_separation) {
-        add(answer, near);
-        add(answer, far);
+        add_echo(entry_, near, rng_, answer);
+        add_echo(entry_, far, rng_, answer);
         return answer;
       }
     }
-    add(answer, look(scene_, entry_, beam.ray, beam.time));
+    add_echo(entry_, look(scene_, entry_, beam.ray, beam.time), rng_, answer);
     return answer;
-  }
-
-  void add(Answer& answer, const Hit& hit) {
-    if (!(hit.distance >= entry_.range_min && hit.distance <= entry_.range_max)) return;
-    const double error = entry_.noise > 0 ? entry_.noise * rng_.gaussian() : 0;
-    answer.echoes[answer.count++] = {std::max(0.0, hit.distance + error), hit.distance, hit.reflectivity};
   }
 
   static Ray turned(const Ray& ray, double angle) {

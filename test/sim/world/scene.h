@@ -10,6 +10,7 @@
 #include "core/base/time.h"
 #include "test/sim/world/geometry.h"
 #include "test/sim/world/motion.h"
+#include "test/sim/world/rng.h"
 #include "test/sim/world/sensor_model.h"
 
 namespace lidard::sim {
@@ -39,5 +40,7 @@ struct Scene {
 
 /// What a ray of a sensor (in its own frame) meets first at `time`.
 Hit look(const Scene& scene, const SensorEntry& sensor, const Ray& ray, Stamp time);
+/// Adds what the sensor measures of a hit in its range.
+void add_echo(const SensorEntry& sensor, const Hit& hit, Rng& rng, Answer& answer);
 
 }  // namespace lidard::sim

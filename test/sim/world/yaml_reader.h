@@ -49,6 +49,8 @@ class YamlReader {
   /// "2026-01-01T00:17:23.456Z", up to nanoseconds.
   Stamp stamp() const;
 
+  /// Whether that key is true; false without it.
+  bool flag(const char* key) const { return has(key) && at(key).flag(); }
   double number(const char* key, double otherwise) const;
   /// Must be > 0.
   double positive(const char* key) const;
