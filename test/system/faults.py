@@ -54,7 +54,7 @@ MIDDLEWARE = [
 MAY_BE_SECOND = ("lossier", "no_pose", "cut")
 NOT_TESTED = {
     "a receive buffer that is too small": "root's sockets get what they ask for",
-    "a device whose settings differ or whose password is wrong": "test_velodyne_control.py, test_cola_live.py read the log",
+    "a device whose settings differ or whose password is wrong": "test_velodyne_control.py, test/drivers/sick/cola read the log",
     "a firewall that drops": "no rules can be set here; test_network_silence.py shows the sentence for packets that are for nobody",
     "a thread that stands still": "test_watchdog.py",
     "no calibration file at the start": "exit status 78, no daemon that could be asked: test_reload.py",

@@ -3,10 +3,15 @@
 """What the system tests share: the programs under test, a private ROS master, ports, a wait with a limit."""
 import contextlib
 import ctypes
+import datetime
+import json
+import mmap
 import os
 import pathlib
+import re
 import signal
 import socket
+import struct
 import subprocess
 import sys
 import tempfile
@@ -19,13 +24,24 @@ ROOT = pathlib.Path(os.environ["LIDARD_SOURCE_DIR"])
 SKIP = 77
 # Machines that run tests are busy: limits that only end a hopeless wait are this much longer.
 PATIENCE = 4
+# Bytes before the first record of a pcap file, before the packet of a record, before the payload of a UDP record.
+FILE_HEAD, RECORD_HEAD, PAYLOAD = 24, 16, 16 + 14 + 20 + 8
 CHILDREN = []
 LIBC = ctypes.CDLL(None, use_errno=True)
 NEW_NETWORK = 0x40000000  # CLONE_NEWNET of sched.h
 # Daemons of the tests are not to be found where one of this machine is asked.
 os.environ["LIDARD_SOCKET"] = f"{tempfile.gettempdir()}/lidard-test-{os.getpid()}.control"
 
-# A microScan3 before a wall, live for ten minutes, and the configuration that takes it; format() puts the port in.
+WALL = "wall: {from: [4, -30], to: [4, 30], z: [-5, 5]}"
+
+
+def scene_of(sensors, *objects, seconds=600):
+    """A scene: keys of its sensors by their names, and objects, which are a wall 4 m ahead if none are given."""
+    lines = ["start: 2026-01-01T00:00:00Z", f"duration: {seconds}", "objects:", *(f"  - {one}" for one in objects or [WALL]), "sensors:"]
+    return "\n".join([*lines, *(f"  {name}: {{{keys}}}" for name, keys in sensors.items())]) + "\n"
+
+
+# A microScan3 before a wall, live for ten minutes, and the configuration that receives it; format() puts the port in.
 SCANNER_SCENE = """\
 start: 2026-01-01T00:00:00Z
 duration: 600
@@ -49,6 +65,7 @@ HAS_OWN_NETWORK = "LIDARD_TEST_HOST_NETWORK" not in os.environ and own_network()
 
 
 def free_port(kind=socket.SOCK_STREAM):
+    """A port of the loopback that nobody uses."""
     with socket.socket(socket.AF_INET, kind) as s:
         s.bind(("127.0.0.1", 0))
         return s.getsockname()[1]
@@ -73,6 +90,11 @@ def wait_for(condition, limit, what):
 def expect(condition, text):
     if not condition:
         sys.exit(f"FAILED: {text}")
+
+
+def write(path, text):
+    path.write_text(text)
+    return path
 
 
 @contextlib.contextmanager
@@ -152,6 +174,161 @@ def process(command, **options):
 
 
 @contextlib.contextmanager
+def logged(command, log, **options):
+    """A program whose output goes to the file `log`; said() is the output so far."""
+    with log.open("w") as sink, process(command, stdout=sink, stderr=subprocess.STDOUT, **options) as child:
+        child.said = log.read_text
+        yield child
+
+
+def daemon(config, *arguments, **options):
+    """`lidard run`; its log lies beside the configuration."""
+    return logged([LIDARD, "run", "-c", config, *arguments], config.with_suffix(".log"), **options)
+
+
+def expect_end(child, stop, limit=20):
+    """The program ends with 0 after the signal; returns the seconds that it took."""
+    begin = time.monotonic()
+    child.send_signal(stop)
+    expect(child.wait(limit * PATIENCE) == 0, f"{stop.name} ends it with 0, not {child.returncode}")
+    return time.monotonic() - begin
+
+
+def named_program(tmp, name):
+    """The executable below another name, as rosrun would start it."""
+    program = tmp / name
+    program.symlink_to(os.path.abspath(LIDARD))
+    return program
+
+
+def sim(scene):
+    """`lidard-sim live`."""
+    return process([LIDARD_SIM, "live", scene], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def make_capture(path, scene):
+    """What the sensors of a scene send, in a file."""
+    made = subprocess.run([LIDARD_SIM, "make", write(path.with_suffix(".scene.yaml"), scene), "-o", path, "--no-truth"],
+                          capture_output=True, text=True)
+    expect(made.returncode == 0, made.stderr)
+    return path.with_suffix(".pcap")
+
+
+def send(capture, *options, timeout=300):
+    """Sends a capture over loopback at its own pace; what lidard-sim reports."""
+    sent = subprocess.run([LIDARD_SIM, "send", capture, "--to", "127.0.0.1", *options], capture_output=True, text=True, timeout=timeout)
+    expect(sent.returncode == 0, sent.stderr)
+    return sent.stdout
+
+
+def send_for_ever(capture, ports):
+    options = " ".join(f"--port-map={old}={new}" for old, new in ports.items())
+    return process(["/bin/sh", "-c", f"while :; do '{LIDARD_SIM}' send '{capture}' --to 127.0.0.1 {options}; done"],
+                   stdout=subprocess.DEVNULL, start_new_session=True)
+
+
+def records(data):
+    """The records of a pcap file of the simulator."""
+    at = FILE_HEAD
+    while at < len(data):
+        end = at + RECORD_HEAD + struct.unpack_from("<I", data, at + 8)[0]
+        yield data[at:end]
+        at = end
+
+
+def stamp_ns(record):
+    seconds, fraction = struct.unpack_from("<II", record)
+    return seconds * 1_000_000_000 + fraction  # captures of the simulator count ns
+
+
+def source_of(record):
+    return socket.inet_ntoa(record[RECORD_HEAD + 26:RECORD_HEAD + 30])
+
+
+class Clock:
+    """The clock of the host as a program sees it that has this environment; moved by `seconds`."""
+
+    def __init__(self, path):
+        path.write_bytes(bytes(8))
+        self.file = path.open("r+b")
+        self.memory = mmap.mmap(self.file.fileno(), 8)
+        self.seconds = 0
+        self.environment = {**os.environ, "LD_PRELOAD": os.environ["LIDARD_CLOCK_SHIM"], "LIDARD_TEST_CLOCK": str(path)}
+
+    def set_by(self, step):
+        self.seconds += step
+        self.memory[:] = struct.pack("<q", round(self.seconds * 1e9))
+
+
+def kilobytes(pid, key):
+    """A figure of /proc/PID/status: VmRSS, VmHWM, VmLck."""
+    return int(re.search(rf"{key}:\s+(\d+) kB", pathlib.Path(f"/proc/{pid}/status").read_text())[1])
+
+
+def descriptors(pid):
+    return len(list(pathlib.Path(f"/proc/{pid}/fd").iterdir()))
+
+
+def thread_names(pid):
+    return sorted((task / "comm").read_text().strip() for task in pathlib.Path(f"/proc/{pid}/task").iterdir())
+
+
+def ask(word):
+    """What the daemon answers at its runtime socket; None while there is none."""
+    try:
+        with socket.socket(socket.AF_UNIX) as s:
+            s.connect(os.environ["LIDARD_SOCKET"])
+            s.sendall(word.encode() + b"\n")
+            answer = b"".join(iter(lambda: s.recv(65536), b""))
+        return json.loads(answer)
+    except OSError:
+        return None
+
+
+def item(name):
+    status = ask("status")
+    return next((one for one in status["items"] if one["name"] == name), None) if status else None
+
+
+def figure(name, key):
+    return item(name)["values"][key]
+
+
+def events_of(source, since=0):
+    """(time, level, sentence) of the events of a source, from that time on, in s of the host's clock."""
+    answer = ask("events") or {"events": []}
+    times = [(datetime.datetime.fromisoformat(e["at"].replace("Z", "+00:00")).timestamp(), e["level"], e["text"])
+             for e in answer["events"] if e["source"] == source]
+    return [one for one in times if one[0] >= since]
+
+
+def first_event(source, since, level, limit=10, text=""):
+    """When the first one of that level came."""
+    return wait_for(lambda: next((e for e in events_of(source, since) if e[1] == level and text in e[2]), None), limit,
+                    f"{source} becomes {level} {text}: {events_of(source)}")
+
+
+def level(name):
+    return (item(name) or {}).get("level")
+
+
+def well(*names, limit=20):
+    """Waits until these items are OK."""
+    ill = lambda: [f"{name}: {(item(name) or {}).get('message')}" for name in names if level(name) != "OK"]
+    wait_for(lambda: not ill(), limit, Now(lambda: f"all is well: {ill()}"))
+
+
+class Now:
+    """A text that is made when it is shown."""
+
+    def __init__(self, text):
+        self.text = text
+
+    def __str__(self):
+        return self.text()
+
+
+@contextlib.contextmanager
 def ros_master(port):
     client = xmlrpc.client.ServerProxy(f"http://127.0.0.1:{port}")
 
@@ -164,6 +341,7 @@ def ros_master(port):
     with process(["/usr/bin/python3", "/usr/bin/rosmaster", "--core", "-p", port], stdout=subprocess.DEVNULL,
                  stderr=subprocess.DEVNULL) as master:
         wait_for(answers, 20, "the ROS master answers")
+        master.port = port
         yield master
 
 

@@ -5,7 +5,6 @@ have another one, and veth pairs are the cables between. Where that is not permi
 import atexit
 import contextlib
 import ctypes
-import datetime
 import json
 import os
 import pathlib
@@ -15,10 +14,8 @@ import subprocess
 import sys
 import time
 
-from harness import CHILDREN, HAS_OWN_NETWORK, LIBC, LIDARD_SIM, NEW_NETWORK, SKIP, expect, wait_for
-
-ETHERNET_IP_UDP = 14 + 20 + 8
-FILE_HEAD, RECORD_HEAD = 24, 16
+from harness import (CHILDREN, HAS_OWN_NETWORK, LIBC, LIDARD_SIM, NEW_NETWORK, PAYLOAD, RECORD_HEAD, SKIP, make_capture, records,
+                     scene_of, source_of, stamp_ns, write)
 
 
 class Network:
@@ -71,6 +68,14 @@ class Network:
         atexit.register(child.kill)
         CHILDREN.append(child)
         return child
+
+    def start_sim(self, tmp, name, keys, seconds=600):
+        """A simulated sensor of that name and keys of a scene, among the lidars."""
+        scene = write(tmp / f"{name}.scene.yaml", scene_of({name: keys}, seconds=seconds))
+        address = keys.split("from: '")[1].split(":")[0]
+        # A sensor that sends datagrams sends them from its own address.
+        own = [] if any(tcp in keys for tcp in ("hokuyo", "lms")) else [f"--source-map={address}={address}"]
+        return self.start_lidar([LIDARD_SIM, "live", str(scene), *own])
 
     @staticmethod
     def lidar_talks(child):
@@ -131,17 +136,8 @@ class Burst:
 
 def recorded(tmp, scene):
     """The datagrams of a scene: when each is due, s from the first, from which address, to which port, and its bytes."""
-    (tmp / "recorded.yaml").write_text(scene)
-    made = subprocess.run([LIDARD_SIM, "make", str(tmp / "recorded.yaml"), "-o", str(tmp / "recorded"), "--no-truth"], capture_output=True, text=True)
-    expect(made.returncode == 0, made.stderr)
-    data, at, datagrams = (tmp / "recorded.pcap").read_bytes(), FILE_HEAD, []
-    unit = 1e-9 if struct.unpack_from("<I", data)[0] == 0xA1B23C4D else 1e-6
-    while at < len(data):
-        s, fraction, size = struct.unpack_from("<III", data, at)
-        packet = data[at + RECORD_HEAD:at + RECORD_HEAD + size]
-        at += RECORD_HEAD + size
-        datagrams.append((s + fraction * unit, socket.inet_ntoa(packet[26:30]), struct.unpack_from("!H", packet, 36)[0],
-                          packet[ETHERNET_IP_UDP:]))
+    datagrams = [(stamp_ns(record) / 1e9, source_of(record), struct.unpack_from("!H", record, RECORD_HEAD + 36)[0], record[PAYLOAD:])
+                 for record in records(make_capture(tmp / "recorded", scene).read_bytes())]
     return [(t - datagrams[0][0], *rest) for t, *rest in datagrams]
 
 
@@ -159,41 +155,6 @@ def send_paced(datagrams, senders, to, change=lambda burst: burst, until=lambda:
                 sent, last = sent + 1, time.time()
         time.sleep(0.002)
     return last, sent
-
-
-def ask(word):
-    """What the daemon answers at its runtime socket; None while there is none."""
-    try:
-        with socket.socket(socket.AF_UNIX) as s:
-            s.connect(os.environ["LIDARD_SOCKET"])
-            s.sendall(word.encode() + b"\n")
-            answer = b"".join(iter(lambda: s.recv(65536), b""))
-        return json.loads(answer)
-    except OSError:
-        return None
-
-
-def item(name):
-    status = ask("status")
-    return next((one for one in status["items"] if one["name"] == name), None) if status else None
-
-
-def figure(name, key):
-    return item(name)["values"][key]
-
-
-def events_of(source, since=0):
-    """(time, level, sentence) of the events of a source, from that time on, in s of the host's clock."""
-    answer = ask("events") or {"events": []}
-    times = [(datetime.datetime.fromisoformat(e["at"].replace("Z", "+00:00")).timestamp(), e["level"], e["text"])
-             for e in answer["events"] if e["source"] == source]
-    return [one for one in times if one[0] >= since]
-
-
-def first_event(source, since, level, limit=10, text=""):
-    """When the first one of that level came."""
-    return wait_for(lambda: next((e for e in events_of(source, since) if e[1] == level and text in e[2]), None), limit,
-                    f"{source} becomes {level} {text}: {events_of(source)}")
 
 
 def group_is_joined(group, interface):

@@ -2,25 +2,17 @@
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
 """One bad datagram costs at most one frame: into each shipped capture of UDP sensors a spoiled copy of a datagram is put, at two
-places, and all frames but one stay as they are, to the last digit. Under which reason it is counted is not looked at. Where a tenth of the datagrams is lost, each
-return that is left is one that was measured, at its time."""
+places, and all frames but one stay as they are, to the last digit. Under which reason it is counted is not checked. Where a
+tenth of the datagrams is lost, each return that is left is one that was measured, at its time."""
 import collections
 import hashlib
 import pathlib
 import random
 import struct
 
-from harness import ROOT, expect, folder, run
+from harness import FILE_HEAD, PAYLOAD, RECORD_HEAD, ROOT, expect, folder, records, run, source_of
 
-FILE_HEAD, RECORD_HEAD, IP, UDP = 24, 16, 14, 34
-
-
-def records(data):
-    at = FILE_HEAD
-    while at < len(data):
-        end = at + RECORD_HEAD + struct.unpack_from("<I", data, at + 8)[0]
-        yield data[at:end]
-        at = end
+IP, UDP = 14, 34
 
 
 def is_datagram(record):
@@ -29,8 +21,7 @@ def is_datagram(record):
 
 
 def inverted(record):
-    head = RECORD_HEAD + UDP + 8
-    return record[:head - 2] + b"\0\0" + bytes(255 - byte for byte in record[head:])
+    return record[:PAYLOAD - 2] + b"\0\0" + bytes(255 - byte for byte in record[PAYLOAD:])
 
 
 def cut(record):
@@ -81,38 +72,59 @@ def model_of(scene):
     return models.pop() if len(models) == 1 else None
 
 
+def port_of(record):
+    return struct.unpack_from("!H", record, RECORD_HEAD + UDP + 2)[0]
+
+
+class Capture:
+    """A shipped capture: its records, the sensor's port, and which records are the datagrams to it."""
+
+    def __init__(self, path):
+        self.name, self.path, self.model = path.name, path, model_of(pathlib.Path(str(path).replace(".pcap", ".scene.yaml")))
+        data = path.read_bytes()
+        self.head, self.records = data[:FILE_HEAD], list(records(data))
+        datagrams = [i for i, record in enumerate(self.records) if is_datagram(record)]
+        self.is_fit = self.model and len({source_of(self.records[i]) for i in datagrams}) == 1 and len(datagrams) >= 100
+        if self.is_fit:
+            self.port = collections.Counter(port_of(self.records[i]) for i in datagrams).most_common(1)[0][0]
+            self.sent = [i for i in datagrams if port_of(self.records[i]) == self.port]
+
+    def rows_with(self, file, changed):
+        file.write_bytes(self.head + b"".join(changed))
+        return rows(file, self.model, self.port)
+
+
+def spoil_one(capture, whole, file):
+    """How many were tried."""
+    before = digests(whole)
+    for spoil, place in ((inverted, 0.4), (cut, 0.7)):
+        at = capture.sent[int(place * len(capture.sent))]
+        after = digests(capture.rows_with(file, [*capture.records[:at + 1], spoil(capture.records[at]), *capture.records[at + 1:]]))
+        changed = [frame for frame in before if after.get(frame) != before[frame]]
+        expect(len(after) == len(before) and len(changed) <= 1, f"{capture.name}, {spoil.__name__}: frames {changed} differ")
+    return 2
+
+
+def lose_a_tenth(capture, whole, file):
+    """How many returns are left."""
+    dice, sent = random.Random(7), set(capture.sent)
+    left = returns(capture.rows_with(file, [record for i, record in enumerate(capture.records) if i not in sent or dice.random() > 0.1]))
+    wrong = invented(left, returns(whole))
+    expect(not wrong, f"{capture.name}: {len(wrong)} returns that were not measured, e.g. {wrong[:1]}")
+    count = sum(map(len, left.values()))
+    expect(count > len(whole) / 3, f"{capture.name}: only {count} of {len(whole)} rows are left")
+    return count
+
+
 def main():
     tried = kept = 0
     with folder() as tmp:
-        for capture in sorted((ROOT / "pcaps").glob("*.pcap")):
-            model = model_of(pathlib.Path(str(capture).replace(".pcap", ".scene.yaml")))
-            data = capture.read_bytes()
-            all_records = list(records(data))
-            datagrams = [i for i, record in enumerate(all_records) if is_datagram(record)]
-            senders = {all_records[i][RECORD_HEAD + IP + 12:RECORD_HEAD + IP + 16] for i in datagrams}
-            if model is None or len(senders) != 1 or len(datagrams) < 100:
-                continue
-            ports = collections.Counter(struct.unpack_from("!H", all_records[i], RECORD_HEAD + UDP + 2)[0] for i in datagrams)
-            port = ports.most_common(1)[0][0]
-            sent = [i for i in datagrams if struct.unpack_from("!H", all_records[i], RECORD_HEAD + UDP + 2)[0] == port]
-            whole = rows(capture, model, port)
-            before = digests(whole)
-            bad = tmp / "bad.pcap"
-            for spoil, place in ((inverted, 0.4), (cut, 0.7)):
-                at = sent[int(place * len(sent))]
-                bad.write_bytes(data[:FILE_HEAD] + b"".join(all_records[:at + 1] + [spoil(all_records[at])] + all_records[at + 1:]))
-                after = digests(rows(bad, model, port))
-                changed = [frame for frame in before if after.get(frame) != before[frame]]
-                expect(len(after) == len(before) and len(changed) <= 1, f"{capture.name}, {spoil.__name__}: frames {changed} differ")
-                tried += 1
-            dice = random.Random(7)
-            bad.write_bytes(data[:FILE_HEAD] + b"".join(record for i, record in enumerate(all_records) if i not in sent or dice.random() > 0.1))
-            left = returns(rows(bad, model, port))
-            wrong = invented(left, returns(whole))
-            expect(not wrong, f"{capture.name}: {len(wrong)} returns that were not measured, e.g. {wrong[:1]}")
-            count = sum(map(len, left.values()))
-            expect(count > len(whole) / 3, f"{capture.name}: only {count} of {len(whole)} rows are left")
-            kept += count
+        for path in sorted((ROOT / "pcaps").glob("*.pcap")):
+            capture = Capture(path)
+            if capture.is_fit:
+                whole = rows(path, capture.model, capture.port)
+                tried += spoil_one(capture, whole, tmp / "bad.pcap")
+                kept += lose_a_tenth(capture, whole, tmp / "bad.pcap")
     print(f"P3: {tried} bad datagrams, none of which changed more than one frame")
     print(f"P6: without a tenth of the datagrams {kept} returns, all of them as measured")
     expect(tried >= 20, f"only {tried} were tried")

@@ -16,32 +16,13 @@ import random
 import re
 import signal
 import socket
-import struct
-import subprocess
 import sys
 
-from harness import LIDARD, LIDARD_SIM, expect, folder, free_port, kernel_port_is_open, process, run, use_master_at, wait_for
+from harness import (FILE_HEAD, daemon, expect, expect_end, folder, free_port, kernel_port_is_open, make_capture, records, run, scene_of,
+                     send, use_master_at, wait_for, write)
 
-SCENE = """start: 2026-01-01T00:00:00Z
-duration: {seconds}
-objects:
-  - wall: {{from: [4, -30], to: [4, 30], z: [-5, 5]}}
-sensors:
-  roof: {{model: {model}, from: '192.168.1.201:2368', to: '192.168.1.77:2368'}}
-"""
 CONFIG = "sensors:\n  roof: {{model: {model}, ip_address: 127.168.1.201, ip_port: {port}}}\n"
 MODELS = ("velodyne_vlp16", "velodyne_vls128", "velodyne_hdl32e")
-FILE_HEAD, RECORD_HEAD = 24, 16
-
-
-def records(capture):
-    """The records of a pcap file of the simulator."""
-    data = capture.read_bytes()
-    at = FILE_HEAD
-    while at < len(data):
-        size = RECORD_HEAD + struct.unpack_from("<I", data, at + 8)[0]
-        yield data[at:at + size]
-        at += size
 
 
 def lose_bursts(capture, out, seed):
@@ -51,7 +32,7 @@ def lose_bursts(capture, out, seed):
     left = 200
     with out.open("wb") as file:
         file.write(capture.read_bytes()[:FILE_HEAD])
-        for record in records(capture):
+        for record in records(capture.read_bytes()):
             if left == 0:
                 left = 200 + rng.randint(20, 75)
             left -= 1
@@ -71,31 +52,24 @@ def is_read(port):
 
 def live(tmp, captures, number):
     model = MODELS[number % len(MODELS)]
-    port = free_port(socket.SOCK_DGRAM)
-    config, arriving, log = (tmp / f"{number}.{end}" for end in ("yaml", "pcap", "log"))
-    config.write_text(CONFIG.format(model=model, port=port))
+    port, arriving = free_port(socket.SOCK_DGRAM), tmp / f"{number}.pcap"
     sent, lost = lose_bursts(captures[model], arriving, number)
-    with log.open("w") as file, process([LIDARD, "run", "-c", config], stdout=file, stderr=subprocess.STDOUT) as daemon:
+    with daemon(write(tmp / f"{number}.yaml", CONFIG.format(model=model, port=port))) as child:
         wait_for(lambda: kernel_port_is_open(port), 30, "the daemon listens")
-        sender = subprocess.run([LIDARD_SIM, "send", str(arriving), "--to", "127.0.0.1", f"--port-map=2368={port}"],
-                                capture_output=True, text=True, timeout=300)
-        expect(sender.returncode == 0, sender.stderr)
-        wait_for(lambda: daemon.poll() is not None or is_read(port), 30, f"run {number}: the daemon reads what came")
-        expect(daemon.poll() is None, f"run {number}: the daemon ended by itself")
-        daemon.send_signal(signal.SIGTERM)
-        try:
-            daemon.wait(30)
-        except subprocess.TimeoutExpired:
-            sys.exit(f"FAILED: run {number}: the daemon hangs")
+        send(arriving, f"--port-map=2368={port}")
+        wait_for(lambda: child.poll() is not None or is_read(port), 30, f"run {number}: the daemon reads what came")
+        expect(child.poll() is None, f"run {number}: the daemon ended by itself")
+        expect_end(child, signal.SIGTERM, 30)
     arriving.unlink()
-    found = re.search(r"roof \(\w+\): (\d+) packets, (\d+) frames, (\d+) lost, rejected (.*)", log.read_text())
-    expect(found, log.read_text())
+    log = child.said()
+    found = re.search(r"roof \(\w+\): (\d+) packets, (\d+) frames, (\d+) lost, rejected (.*)", log)
+    expect(found, log)
     packets, frames, counted = (int(n) for n in found.group(1, 2, 3))
     print(f"run {number} {model}: {sent} packets sent, {packets} received, {lost} left out, {counted} counted as lost, {frames} clouds",
           flush=True)
     # What a busy machine's kernel threw away is lost, too.
-    expect(counted == lost + sent - packets, f"run {number} of {model}: {counted} counted as lost; log:\n{log.read_text()}")
-    expect(found.group(4) == "0" and frames > 0, log.read_text())
+    expect(counted == lost + sent - packets, f"run {number} of {model}: {counted} counted as lost; log:\n{log}")
+    expect(found.group(4) == "0" and frames > 0, log)
 
 
 def recordings(tmp):
@@ -120,12 +94,8 @@ def main():
     with folder() as tmp:
         recordings(tmp)
     with folder() as tmp, concurrent.futures.ThreadPoolExecutor(2) as pool:
-        captures = {}
-        for model in MODELS:
-            scene = tmp / f"{model}.yaml"
-            scene.write_text(SCENE.format(model=model, seconds=seconds))
-            subprocess.run([LIDARD_SIM, "make", scene, "-o", tmp / model, "--no-truth"], check=True, capture_output=True)
-            captures[model] = tmp / f"{model}.pcap"
+        captures = {model: make_capture(tmp / model, scene_of(
+            {"roof": f"model: {model}, from: '192.168.1.201:2368', to: '192.168.1.77:2368'"}, seconds=seconds)) for model in MODELS}
         for done in [pool.submit(live, tmp, captures, number) for number in range(runs)]:
             done.result()
     print("ok")

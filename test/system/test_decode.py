@@ -1,8 +1,10 @@
 #!/usr/bin/python3
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""lidard decode of a big capture: memory stays that of a frame, and progress is for a terminal alone; captures come packed and through pipes too."""
+"""lidard decode: its formats hold the same returns, and what came before the cut of a capture. Of a big capture memory stays that of a
+frame, and progress is for a terminal alone. Captures come packed and through pipes too."""
 import gzip
+import json
 import lzma
 import multiprocessing
 import os
@@ -13,7 +15,7 @@ import subprocess
 import sys
 import time
 
-from harness import LIDARD, LIDARD_SIM, ROOT, expect, folder, run
+from harness import FILE_HEAD, LIDARD, PAYLOAD, ROOT, expect, folder, make_capture, run
 
 DEMO = ROOT / "pcaps/demo.pcap"
 MEGABYTE = 1_000_000
@@ -22,16 +24,13 @@ MEGABYTE = 1_000_000
 def grown(path, size):
     """A second of a simulated VLS-128 again and again, the clocks going on, until the file has `size` bytes."""
     scene = (ROOT / "pcaps/vls128_a.scene.yaml").read_text()
-    second = path.with_name("second")
-    second.with_suffix(".scene.yaml").write_text(re.sub("duration: .*", "duration: 1", scene))
-    subprocess.run([LIDARD_SIM, "make", second.with_suffix(".scene.yaml"), "-o", second], check=True, stdout=subprocess.DEVNULL)
-    data = second.with_suffix(".pcap").read_bytes()
-    record = 16 + 42 + 1206
-    expect((len(data) - 24) % record == 0, "one kind of packet")
+    data = make_capture(path.with_name("second"), re.sub("duration: .*", "duration: 1", scene)).read_bytes()
+    record = PAYLOAD + 1206
+    expect((len(data) - FILE_HEAD) % record == 0, "one kind of packet")
     with open(path, "wb") as out:
-        out.write(data[:24])
+        out.write(data[:FILE_HEAD])
         for turn in range(size // len(data) + 1):
-            again = bytearray(data[24:])
+            again = bytearray(data[FILE_HEAD:])
             for at in range(0, len(again), record):
                 seconds, fraction = struct.unpack_from("<II", again, at)
                 struct.pack_into("<I", again, at, seconds + turn)
@@ -62,7 +61,7 @@ def big_captures(tmp):
         expect(returns > 20_000_000 and (tmp / "big.pcd").stat().st_size == 256 + 22 * returns, "every return is in the file")
         print(f"pcd: {returns / took / 1e6:.1f} M points/s, {megabytes:.0f} MB")
         (tmp / "big.pcd").unlink()
-        expect("% " not in said and "left" not in said, f"progress where nobody looks: {said}")
+        expect("% " not in said and "left" not in said, f"progress without a terminal: {said}")
         megabytes, took, _ = peak_of("decode", tmp / "big.pcap", out=nowhere)
         expect(megabytes < 100, f"{megabytes:.0f} MB of memory for CSV")
         print(f"csv: {returns / took / 1e6:.1f} M points/s, {megabytes:.0f} MB")
@@ -107,12 +106,39 @@ def packed_and_piped(tmp):
     expect(result.returncode == 1 and "standard input: is neither a file nor a pipe" in result.stderr, result.stderr)
 
 
+def formats(tmp):
+    for extension in ("csv", "json", "pcd"):
+        result = run("decode", DEMO, "--model", "velodyne_vlp16", "--format", extension, "-o", tmp / f"o.{extension}")
+        expect(result.returncode == 0, result.stderr)
+    header = "frame,packet,block,laser,ring,return,stamp_ns,azimuth_deg,distance_m,x_m,y_m,z_m,intensity\n"
+    lines = (tmp / "o.csv").read_text().splitlines(keepends=True)
+    expect(lines[0] == header, f"header {lines[0]}")
+    frames = [json.loads(line) for line in (tmp / "o.json").open()]
+    expect(sum(len(f["rows"]) for f in frames) == len(lines) - 1, "JSON and CSV hold the same returns")
+    head = (tmp / "o.pcd").read_bytes()[:500]
+    expect(b"DATA binary_compressed" in head, "PCD is binary_compressed")
+    expect(f"POINTS {len(lines) - 1}".encode() in head, "PCD holds the same returns")
+    planar = run("decode", DEMO, "--source", "192.168.0.21")
+    expect(planar.stdout.startswith("frame,beam,echo,angle_rad,range_m,intensity,stamp_ns,status\n"), "planar header")
+
+
+def cut_capture(tmp):
+    cut = tmp / "cut.pcap"
+    cut.write_bytes(DEMO.read_bytes()[:1_000_000])
+    result = run("decode", cut, "--model", "velodyne_vlp16", "-o", tmp / "cut.csv")
+    expect(result.returncode == 0, f"exit {result.returncode} where a last record alone is not whole")
+    expect("cut.pcap: " in result.stderr and "what came before it was used" in result.stderr, result.stderr)
+    expect((tmp / "cut.csv").read_text().count("\n") > 100_000, "what came before the cut is written")
+
+
 def main():
     with folder() as tmp:
         # First: a child's peak of memory counts what its parent had before.
         big_captures(tmp)
         progress_on_a_terminal(tmp)
         packed_and_piped(tmp)
+        formats(tmp)
+        cut_capture(tmp)
     print("ok")
 
 

@@ -4,15 +4,14 @@
 """A vehicle that swings through a room: simulated packets, tf of 50 Hz in a bag, replay to a bag. The merged scan must
 show the room as it is from the vehicle at its stamp; without motion it is far off, and says so."""
 import math
-import subprocess
 
 import rosbag
 import rospy
 from geometry_msgs.msg import TransformStamped
-from harness import LIDARD, LIDARD_SIM, expect, folder, free_port, process, ros_master, run, use_master_at, wait_for
+from harness import LIDARD, expect, logged, make_capture, run, wait_for, write
 from nav_msgs.msg import Odometry
+from ros_tools import Listener, ros_test
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import LaserScan
 from tf2_msgs.msg import TFMessage
 
 START = 1767226643.456  # 2026-01-01T00:17:23.456Z
@@ -123,8 +122,7 @@ def write_motion(path, way, until, with_tf):
 
 
 def errors(tmp, way, motion, motion_bag):
-    config, out = tmp / "config.yaml", tmp / "out.bag"
-    config.write_text(CONFIG.format(motion=motion))
+    config, out = write(tmp / "config.yaml", CONFIG.format(motion=motion)), tmp / "out.bag"
     extra = ["--motion", motion_bag] if motion_bag else []
     out.unlink(missing_ok=True)
     result = run("replay", "-c", config, "--pcap", tmp / "drive.pcap", "--rate", "max", "--bag", out, *extra)
@@ -163,42 +161,37 @@ def judge(way, scans):
 
 
 def live(tmp, way):
-    """The same with tf of a ROS master, then with odometry that follows the clock; the scan taken by a subscriber."""
-    port = free_port()
-    use_master_at(port)
-    scans = []
-    with ros_master(port):
-        rospy.init_node("listener", disable_signals=True, anonymous=True)
-        rospy.Subscriber("/scan", LaserScan, scans.append, queue_size=1000)
-        tf = rospy.Publisher("/tf", TFMessage, queue_size=1000)
-        odom = rospy.Publisher("/odom", Odometry, queue_size=1000)
-        waiting = [odometry(message.transforms[0].header.stamp, way) for message in transforms(way, DURATION)]
+    """The same with tf of a ROS master, then with odometry that follows the clock; a subscriber receives the scans."""
+    scans = Listener("/scan").messages
+    tf = rospy.Publisher("/tf", TFMessage, queue_size=1000)
+    odom = rospy.Publisher("/odom", Odometry, queue_size=1000)
+    waiting = [odometry(message.transforms[0].header.stamp, way) for message in transforms(way, DURATION)]
 
-        def drive(clock):
-            # A little ahead, so that no scan waits for it.
-            while waiting and waiting[0].header.stamp <= clock.clock + rospy.Duration.from_sec(0.2):
-                odom.publish(waiting.pop(0))
-        rospy.Subscriber("/clock", Clock, drive, queue_size=1000)
-        for name, publisher, messages, extra in (("odometry_frame: odom", tf, transforms(way, DURATION), []),
-                                                 ("odometry_topic: /odom", odom, [], ["--clock"])):
-            scans.clear()
-            (tmp / "live.yaml").write_text(CONFIG.format(motion="  " + name))
-            command = [LIDARD, "replay", "-c", tmp / "live.yaml", "--pcap", tmp / "drive.pcap", "--wait", "4", *extra]
-            with process(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as child:
-                wait_for(lambda publisher=publisher: publisher.get_num_connections() > 0, 20, f"a subscriber for {name}")
-                for message in messages:
-                    publisher.publish(message)
-                child.wait(timeout=60)
-            wait_for(lambda: len(scans) > 150, 5, "merged scans")
-            rms, p99, silent = judge(way, scans)
-            print(f"live, {name}: rms {rms * 1000:.2f} mm, p99 {p99 * 1000:.2f} mm, {silent:.1%} NaN")
-            expect(rms <= 0.001 and p99 <= 0.003, f"live, {name}: rms {rms * 1000:.2f} mm, p99 {p99 * 1000:.2f} mm")
+    def drive(clock):
+        # A little ahead, so that no scan waits for it.
+        while waiting and waiting[0].header.stamp <= clock.clock + rospy.Duration.from_sec(0.2):
+            odom.publish(waiting.pop(0))
+
+    rospy.Subscriber("/clock", Clock, drive, queue_size=1000)
+    for name, publisher, messages, extra in (("odometry_frame: odom", tf, transforms(way, DURATION), []),
+                                             ("odometry_topic: /odom", odom, [], ["--clock"])):
+        scans.clear()
+        config = write(tmp / "live.yaml", CONFIG.format(motion="  " + name))
+        command = [LIDARD, "replay", "-c", config, "--pcap", tmp / "drive.pcap", "--wait", "4", *extra]
+        with logged(command, tmp / "log") as child:
+            wait_for(lambda publisher=publisher: publisher.get_num_connections() > 0, 20, f"a subscriber for {name}")
+            for message in messages:
+                publisher.publish(message)
+            child.wait(timeout=60)
+        wait_for(lambda: len(scans) > 150, 5, "merged scans")
+        rms, p99, silent = judge(way, scans)
+        print(f"live, {name}: rms {rms * 1000:.2f} mm, p99 {p99 * 1000:.2f} mm, {silent:.1%} NaN")
+        expect(rms <= 0.001 and p99 <= 0.003, f"live, {name}: rms {rms * 1000:.2f} mm, p99 {p99 * 1000:.2f} mm")
 
 
 def picture(tmp, motion, motion_bag):
     """The snapshot at 3 s; its text without the names."""
-    config, out = tmp / "config.yaml", tmp / "out.svg"
-    config.write_text(CONFIG.format(motion=motion))
+    config, out = write(tmp / "config.yaml", CONFIG.format(motion=motion)), tmp / "out.svg"
     extra = ["--motion", motion_bag] if motion_bag else []
     result = run("snapshot", "-c", config, "--pcap", tmp / "drive.pcap", "--at", 3, "-o", out, *extra)
     expect(result.returncode == 0, result.stderr)
@@ -217,12 +210,10 @@ def check_pictures(tmp):
 
 def main():
     way = Way()
-    with folder() as tmp:
+    with ros_test() as (tmp, _):
         legs = "\n".join(
             f"    - {{duration: {LEG}, speed: {v!r}, yaw_rate_deg: {math.degrees(w)!r}}}" for v, w in way.legs)
-        (tmp / "drive.scene.yaml").write_text(SCENE.format(duration=DURATION, legs=legs))
-        made = subprocess.run([LIDARD_SIM, "make", tmp / "drive.scene.yaml", "-o", tmp / "drive"], capture_output=True, text=True)
-        expect(made.returncode == 0, made.stderr)
+        make_capture(tmp / "drive", SCENE.format(duration=DURATION, legs=legs))
         write_motion(tmp / "tf.bag", way, DURATION, True)
         write_motion(tmp / "odom.bag", way, DURATION, False)
         for name, motion in (("tf", "  odometry_frame: odom"), ("odom", "  odometry_topic: /odom")):

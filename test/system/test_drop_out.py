@@ -5,25 +5,14 @@
 unobserved, /diagnostics says ERROR, and all is well again with the scanner's first sweep after its return."""
 import math
 import socket
-import subprocess
 import time
 
-import rospy
-from diagnostic_msgs.msg import DiagnosticArray
-from harness import LIDARD, LIDARD_SIM, Starved, expect, folder, free_port, process, ros_master, use_master_at, wait_for
-from sensor_msgs.msg import LaserScan
+from harness import Starved, daemon, expect, free_port, scene_of, sim, wait_for, write
+from ros_tools import Diagnostics, Listener, ros_test
 
-SCENE = """\
-start: 2026-01-01T00:00:00Z
-duration: 600
-sensors:
-  {name}: {{model: sick_microscan3, from: '192.168.0.{last}:6060', to: '127.0.0.1:{port}', pose: {{xyz: [0, {y}, 0.35], rpy_deg: [0, 0, {yaw}]}}}}
-objects:
-  - wall: {{from: [8, -8], to: [8, 8], z: [-1, 2]}}
-  - wall: {{from: [-8, -8], to: [-8, 8], z: [-1, 2]}}
-  - wall: {{from: [-8, 8], to: [8, 8], z: [-1, 2]}}
-  - wall: {{from: [-8, -8], to: [8, -8], z: [-1, 2]}}
-"""
+SCANNER = "model: sick_microscan3, from: '192.168.0.{last}:6060', to: '127.0.0.1:{port}', pose: {{xyz: [0, {y}, 0.35], rpy_deg: [0, 0, {yaw}]}}"
+ROOM = ("wall: {from: [8, -8], to: [8, 8], z: [-1, 2]}", "wall: {from: [-8, -8], to: [-8, 8], z: [-1, 2]}",
+        "wall: {from: [-8, 8], to: [8, 8], z: [-1, 2]}", "wall: {from: [-8, -8], to: [8, -8], z: [-1, 2]}")
 CONFIG = """\
 vehicle:
   footprint: [[-4.0, -0.9], [0.1, -0.9], [0.1, 0.9], [-4.0, 0.9]]
@@ -43,93 +32,98 @@ class Watch:
     """The merged scan and its state, each with the time of arrival."""
 
     def __init__(self):
-        self.scans, self.own, self.states = [], [], []
-        self.subscribers = [
-            rospy.Subscriber("/around", LaserScan, lambda m: self.scans.append((time.monotonic(), m)), queue_size=1000),
-            rospy.Subscriber("/right/scan", LaserScan, lambda m: self.own.append(time.monotonic()), queue_size=1000),
-            rospy.Subscriber("/diagnostics", DiagnosticArray, self._state, queue_size=100)]
+        self.around, self.own, self.states = Listener("/around"), Listener("/right/scan"), []
+        self.diagnostics = Diagnostics(lambda name, status: name == "merged around" and self.states.append((time.monotonic(), status)))
 
-    def _state(self, array):
-        for status in array.status:
-            if status.name.endswith("merged around"):
-                self.states.append((time.monotonic(), status))
+    def scans(self):
+        return list(zip(list(self.around.times), list(self.around.messages)))
 
     def first(self, condition, since, limit, what):
         """When the first scan came for which the condition holds."""
-        return wait_for(lambda: next((t for t, m in list(self.scans) if t > since and condition(m)), None), limit, what)
+        return wait_for(lambda: next((t for t, m in self.scans() if t > since and condition(m)), None), limit, what)
 
     def first_state(self, condition, since, limit, what):
         return wait_for(lambda: next((t for t, s in list(self.states) if t > since and condition(s)), None), limit, what)
 
     def close(self):
-        for subscriber in self.subscribers:
-            subscriber.unregister()
+        for one in (self.around, self.own, self.diagnostics):
+            one.close()
+
+
+def right_only(scan):
+    """The ranges of the right scanner's own sector."""
+    return [r for i, r in enumerate(scan.ranges)
+            if RIGHT_ONLY[0] < math.remainder(scan.angle_min + i * scan.angle_increment, 2 * math.pi) < RIGHT_ONLY[1]]
 
 
 def seen(scan):
-    """The share of the right scanner's own sector that holds a range."""
-    sector = [r for i, r in enumerate(scan.ranges)
-              if RIGHT_ONLY[0] < math.remainder(scan.angle_min + i * scan.angle_increment, 2 * math.pi) < RIGHT_ONLY[1]]
-    return sum(math.isfinite(r) for r in sector) / len(sector)
+    """The share of the sector that holds a range."""
+    return sum(math.isfinite(r) for r in right_only(scan)) / len(right_only(scan))
 
 
 def unobserved(scan):
-    sector = [r for i, r in enumerate(scan.ranges)
-              if RIGHT_ONLY[0] < math.remainder(scan.angle_min + i * scan.angle_increment, 2 * math.pi) < RIGHT_ONLY[1]]
-    return all(math.isnan(r) for r in sector)
+    return all(math.isnan(r) for r in right_only(scan))
 
 
 def check_rate(watch, begin, seconds, rate, starved, when):
-    times = [t for t, _ in watch.scans if begin < t < begin + seconds]
+    times = [t for t in list(watch.around.times) if begin < t < begin + seconds]
     gap = max((b - a for a, b in zip(times, times[1:])), default=9)
     print(f"{when}: {len(times) / seconds:.1f} scans/s, longest gap {gap * 1000:.0f} ms, starved {starved * 1000:.0f} ms")
     expect(abs(len(times) / seconds / rate - 1) < 0.15 + starved / seconds and gap < 0.3 + starved, f"{when}: {len(times)} scans in {seconds} s, gap {gap:.3f} s")
-    stamps = [m.header.stamp for _, m in watch.scans]
-    expect(all(a < b for a, b in zip(stamps, stamps[1:])), "stamps increase")
+    stamps = [message.header.stamp for message in list(watch.around.messages)]
+    bad = [(i, a, b) for i, (a, b) in enumerate(zip(stamps, stamps[1:])) if a >= b]
+    expect(not bad, f"stamps increase: {bad[:3]} of {len(stamps)}")
+
+
+def both_there(watch, policy, log):
+    watch.first(lambda m: seen(m) > 0.95, 0, 20, "a scan of both:\n" + log())
+    watch.first_state(lambda s: s.level == 0, 0, 5, "all is well")
+    begin, starved = time.monotonic(), Starved()
+    time.sleep(2)  # measured time
+    check_rate(watch, begin, 2, RATES[policy], starved.seconds(), f"{policy}, both")
+
+
+def one_dead(watch, policy, killed, starved):
+    gone = watch.first(unobserved, killed, 3, "its sector becomes unobserved") - killed
+    reported = watch.first_state(lambda s: s.level == 2 and "right" in s.message, killed, 3, "ERROR naming it") - killed
+    late = starved.seconds()
+    time.sleep(2)  # measured time
+    check_rate(watch, killed, 2, RATES[policy], starved.seconds(), f"{policy}, one dead")
+    print(f"{policy}: sector unobserved {gone * 1000:.0f} ms, ERROR {reported * 1000:.0f} ms after the kill")
+    expect(gone < 0.25 + late, f"sector unobserved only after {gone:.3f} s")
+    expect(reported < 0.5 + late, f"ERROR only after {reported:.3f} s")
+    expect(all(unobserved(m) for t, m in watch.scans() if t > killed + gone), "and stays so")
+
+
+def comes_back(watch, policy, returned, starved):
+    first = wait_for(lambda: next((t for t in list(watch.own.times) if t > returned), None), 10, "its scans again")
+    back = watch.first(lambda m: seen(m) > 0.95, returned, 5, "its sector is back") - first
+    watch.first_state(lambda s: s.level == 0, returned, 5, "all is well again")
+    print(f"{policy}: sector back {back * 1000:.0f} ms after the scanner's first scan")
+    expect(back < 0.2 + starved.seconds(), f"back only after {back:.3f} s")
 
 
 def drop_out(policy, tmp, port):
-    (tmp / "live.yaml").write_text(CONFIG.format(port=port, keys=POLICIES[policy]))
-    for name, last, y, yaw in (("left", 21, 1, 45), ("right", 22, -1, -45)):
-        (tmp / f"{name}.yaml").write_text(SCENE.format(name=name, last=last, y=y, yaw=yaw, port=port))
-    watch, log, rate = Watch(), tmp / f"{policy}.txt", RATES[policy]
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    right = [LIDARD_SIM, "live", tmp / "right.yaml"]
-    with log.open("w") as sink, process([LIDARD, "run", "-c", tmp / "live.yaml"], stdout=sink, stderr=subprocess.STDOUT):
-        with process([LIDARD_SIM, "live", tmp / "left.yaml"], **quiet):
-            with process(right, **quiet) as scanner:
-                watch.first(lambda m: seen(m) > 0.95, 0, 20, "a scan of both:\n" + log.read_text())
-                watch.first_state(lambda s: s.level == 0, 0, 5, "all is well")
-                begin, starved = time.monotonic(), Starved()
-                time.sleep(2)
-                check_rate(watch, begin, 2, rate, starved.seconds(), f"{policy}, both")
-                scanner.kill()
-                scanner.wait()
-                killed, starved = time.monotonic(), Starved()
-            gone = watch.first(unobserved, killed, 3, "its sector becomes unobserved") - killed
-            told = watch.first_state(lambda s: s.level == 2 and "right" in s.message, killed, 3, "ERROR naming it") - killed
-            late = starved.seconds()
-            time.sleep(2)
-            check_rate(watch, killed, 2, rate, starved.seconds(), f"{policy}, one dead")
-            print(f"{policy}: sector unobserved {gone * 1000:.0f} ms, ERROR {told * 1000:.0f} ms after the kill")
-            expect(gone < 0.25 + late, f"sector unobserved only after {gone:.3f} s")
-            expect(told < 0.5 + late, f"ERROR only after {told:.3f} s")
-            expect(all(unobserved(m) for t, m in watch.scans if t > killed + gone), "and stays so")
-            returned, starved = time.monotonic(), Starved()
-            with process(right, **quiet):
-                first = wait_for(lambda: next((t for t in watch.own if t > returned), None), 10, "its scans again")
-                back = watch.first(lambda m: seen(m) > 0.95, returned, 5, "its sector is back") - first
-                watch.first_state(lambda s: s.level == 0, returned, 5, "all is well again")
-                print(f"{policy}: sector back {back * 1000:.0f} ms after the scanner's first scan")
-                expect(back < 0.2 + starved.seconds(), f"back only after {back:.3f} s")
+    config = write(tmp / f"{policy}.yaml", CONFIG.format(port=port, keys=POLICIES[policy]))
+    left, right = (write(tmp / f"{name}.yaml", scene_of({name: SCANNER.format(last=last, y=y, yaw=yaw, port=port)}, *ROOM))
+                   for name, last, y, yaw in (("left", 21, 1, 45), ("right", 22, -1, -45)))
+    watch = Watch()
+    with daemon(config) as child, sim(left):
+        with sim(right) as scanner:
+            both_there(watch, policy, child.said)
+            scanner.kill()
+            scanner.wait()
+            killed, starved = time.monotonic(), Starved()
+        one_dead(watch, policy, killed, starved)
+        returned, starved = time.monotonic(), Starved()
+        with sim(right):
+            comes_back(watch, policy, returned, starved)
     watch.close()
 
 
 def main():
-    master, port = free_port(), free_port(socket.SOCK_DGRAM)
-    use_master_at(master)
-    with folder() as tmp, ros_master(master):
-        rospy.init_node("listener", disable_signals=True, anonymous=True)
+    port = free_port(socket.SOCK_DGRAM)
+    with ros_test() as (tmp, _):
         for policy in POLICIES:
             drop_out(policy, tmp, port)
     print("ok")

@@ -6,27 +6,26 @@
 import collections
 import contextlib
 import json
-import os
-import pathlib
 import re
 import signal
 import socket
-import subprocess
-import sys
 import threading
 import time
 import xmlrpc.client
 
 import rospy
-from diagnostic_msgs.msg import DiagnosticArray
 from faults import CABLE, MAY_BE_SECOND, MIDDLEWARE, NOT_TESTED
-from harness import LIDARD, LIDARD_SIM, Starved, expect, folder, free_port, process, ros_master, run, use_master_at, wait_for
-from network import Network, ask, recorded
+from harness import (Clock, Starved, ask, daemon, expect, figure, free_port, item, level, process, run, scene_of, sim, wait_for, well,
+                     write)
+from network import Network, recorded
+from ros_tools import Diagnostics, ros_test
 from sensor_msgs.msg import Imu, LaserScan
 
 HOST = "192.168.1.100"
-VLP16 = "start: 2026-01-01T00:00:00Z\nduration: {seconds}\nobjects:\n  - wall: {{from: [4, -30], to: [4, 30], z: [-5, 5]}}\nsensors:\n" \
-        "  roof: {{model: velodyne_{model}, from: '192.168.1.201:2368', to: '192.168.1.100:2368'}}\n"
+
+
+def roof(model, seconds):
+    return scene_of({"roof": f"model: velodyne_{model}, from: '192.168.1.201:2368', to: '{HOST}:2368'"}, seconds=seconds)
 
 
 def plain(text):
@@ -40,7 +39,7 @@ class Watch:
     def __init__(self):
         self.seen = collections.defaultdict(list)  # (place, item) -> [(time, level, sentence)]
         self.events, self.ended = set(), threading.Event()
-        rospy.Subscriber("/diagnostics", DiagnosticArray, self.diagnostics, queue_size=100)
+        Diagnostics(lambda name, status: self.note("/diagnostics", name, ("OK", "WARN", "ERROR", "STALE")[status.level], status.message))
         self.thread = threading.Thread(target=self.poll, daemon=True)
         self.thread.start()
 
@@ -48,10 +47,6 @@ class Watch:
         known = self.seen[place, name]
         if not known or (known[-1][1], plain(known[-1][2])) != (level, plain(text)):
             known.append((time.monotonic(), level, text))
-
-    def diagnostics(self, array):
-        for status in array.status:
-            self.note("/diagnostics", status.name.split(": ", 1)[-1], ("OK", "WARN", "ERROR", "STALE")[status.level], status.message)
 
     def poll(self):
         while not self.ended.wait(0.1):
@@ -65,11 +60,11 @@ class Watch:
 
     def first(self, place, fault, since):
         """The first sentence of that level since the fault; where that is another one, the right one if it came later."""
-        told = [one for one in list(self.seen[place, fault.item]) if one[0] >= since and one[1] == fault.level]
-        return next((one for one in told if fault.text in one[2]), told[0] if told else None)
+        seen = [one for one in list(self.seen[place, fault.item]) if one[0] >= since and one[1] == fault.level]
+        return next((one for one in seen if fault.text in one[2]), seen[0] if seen else None)
 
     def before(self, place, fault, since, then):
-        """What was told of the item between the fault and its sentence, and is no good news."""
+        """What was said of the item between the fault and its sentence, and is no good news."""
         return [one[2] for one in list(self.seen[place, fault.item]) if since <= one[0] < then and one[1] != "OK"]
 
     def end(self):
@@ -162,42 +157,22 @@ sensors:
   group: {model: velodyne_vlp16, ip_address: 192.168.1.42, ip_port: 2415, multicast_group: 239.1.2.3, interface: nothere0}
 """
 DEVICES = {
-    "front": ("sick_microscan3", "192.168.1.21:6060", HOST + ":6060", ""),
-    "left": ("hokuyo_ust_10lx", "192.168.1.10:10940", HOST + ":40001", ""),
-    "right": ("sick_lms1xx", "192.168.1.11:2112", HOST + ":40002", ""),
-    "dirty": ("hokuyo_uam_05lp", "192.168.1.12:10940", HOST + ":40003", ", options: {contaminated: true}"),
+    "front": f"model: sick_microscan3, from: '192.168.1.21:6060', to: '{HOST}:6060'",
+    "left": f"model: hokuyo_ust_10lx, from: '192.168.1.10:10940', to: '{HOST}:40001'",
+    "right": f"model: sick_lms1xx, from: '192.168.1.11:2112', to: '{HOST}:40002'",
+    "dirty": f"model: hokuyo_uam_05lp, from: '192.168.1.12:10940', to: '{HOST}:40003', options: {{contaminated: true}}",
 }
 
 
-def start_device(network, tmp, name):
-    model, source, to, more = DEVICES[name]
-    scene = tmp / f"{name}.yaml"
-    scene.write_text("start: 2026-01-01T00:00:00Z\nduration: 300\nobjects:\n  - wall: {from: [4, -30], to: [4, 30], z: [-5, 5]}\n"
-                     f"sensors:\n  {name}: {{model: {model}, from: '{source}', to: '{to}'{more}}}\n")
-    address = source.split(":")[0]
-    return network.start_lidar([LIDARD_SIM, "live", str(scene)] + ([f"--source-map={address}={address}"] if name == "front" else []))
-
-
-def level(name):
-    status = ask("status") or {"items": []}
-    return next((one["level"] for one in status["items"] if one["name"] == name), None)
-
-
-def well(*names):
-    wait_for(lambda: all(level("sensor " + name) == "OK" for name in names), 15, f"{names} are well: {[level('sensor ' + n) for n in names]}")
-
-
 @contextlib.contextmanager
-def daemon(tmp, name, **environment):
-    file = tmp / f"{name}.log"
-    with file.open("w") as log, process([LIDARD, "run", "-c", tmp / f"{name}.yaml"], stdout=log, stderr=subprocess.STDOUT,
-                                        env={**os.environ, **environment}) as child:
+def tested(config, **options):
+    """A daemon; the end of its log is shown if it ends by itself."""
+    with daemon(config, **options) as child:
         try:
             yield child
         finally:
-            ended = child.poll()
-            if ended is not None:
-                print(f"the daemon ended with {ended}:\n" + "".join(file.read_text().splitlines(True)[-40:]))
+            if child.poll() is not None:
+                print(f"the daemon ended with {child.poll()}:\n" + "".join(child.said().splitlines(True)[-40:]))
 
 
 def plug_cables(network):
@@ -213,28 +188,28 @@ def corrupt(payload, number):
 
 def faults_of_cables(network, tmp, watch, table):
     plug_cables(network)
-    (tmp / "cable.yaml").write_text(CABLE_CONFIG)
-    lidars = Lidars(network, recorded(tmp, VLP16.format(seconds=60, model="vlp16")), recorded(tmp, VLP16.format(seconds=2, model="vlp32c")))
+    config = write(tmp / "cable.yaml", CABLE_CONFIG)
+    lidars = Lidars(network, recorded(tmp, roof("vlp16", 60)), recorded(tmp, roof("vlp32c", 2)))
     for address, port, to in (("192.168.2.201", 2368, "192.168.2.100"), ("192.168.3.201", 2368, "192.168.3.100"),
                               ("192.168.4.201", 2368, "192.168.4.100"), ("192.168.1.202", 2368, HOST), ("192.168.1.203", 2368, HOST),
                               ("192.168.1.204", 2368, HOST), ("192.168.1.206", 2410, HOST), ("192.168.1.207", 2410, HOST), ("192.168.1.208", 2411, HOST)):
         lidars.add(address, port, to)
     lidars.add("192.168.1.205", 2368, strange=True)
-    devices = {name: start_device(network, tmp, name) for name in DEVICES}
+    devices = {name: network.start_sim(tmp, name, keys) for name, keys in DEVICES.items()}
     wait_for(lambda: all(network.lidar_talks(child) for child in devices.values()), 10, "the devices talk")
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other_program:
         other_program.bind(("0.0.0.0", 2413))
         lidars.start()
         start = began()
-        with daemon(tmp, "cable") as child:
+        with tested(config) as child:
             present = [f for f in CABLE if f.key in ("taken", "absent", "other", "shared", "misnamed", "dirty", "group", "no_odometry")]
             table.check(present, {f.key: start for f in present})
             check_commands(watch, "sensor other")
-            well("front", "left", "right", "cut", "off", "bare", "lossy", "lossier", "broken")
-            time.sleep(7)  # one second without frames is a tenth of 10 s: silence is told before
+            well(*(f"sensor {name}" for name in ("front", "left", "right", "cut", "off", "bare", "lossy", "lossier", "broken")))
+            time.sleep(7)  # one second without frames is a tenth of 10 s: silence is reported before
             cut_off(network, lidars, devices, table)
             spoil(lidars, table)
-            time.sleep(1)
+            time.sleep(1)  # so that packets of all wait
             stop(child, table)
             lidars.ended.set()
 
@@ -269,7 +244,7 @@ def spoil(lidars, table):
 
 def stop(child, table):
     child.send_signal(signal.SIGSTOP)
-    time.sleep(2.5)
+    time.sleep(2.5)  # the buffer holds half a second
     child.send_signal(signal.SIGCONT)
     table.check([f for f in CABLE if f.key == "stopped"], {"stopped": began()})
 
@@ -292,19 +267,24 @@ virtual_scans:
   levels: {{cloud_topic: roof, virtual_laser_scan: [low], poses: {{low: {{xyz: [0, 0, 0.4]}}}}, beams: 720}}
 blackbox: {{seconds: 5, on_error: false, path: {tmp}/file/box}}
 """
-ROOM = """\
-start: 2026-01-01T00:00:00Z
-duration: 300
-objects:
-  - wall: {from: [6, -7], to: [6, 8], z: [-1, 4]}
-  - wall: {from: [-6, 7], to: [8, 7], z: [-1, 4]}
-sensors:
-"""
+ROOM = ("wall: {from: [6, -7], to: [6, 8], z: [-1, 4]}", "wall: {from: [-6, 7], to: [8, 7], z: [-1, 4]}")
+# Sensors that send always, and those that end.
+ALWAYS = {"left": "model: sick_microscan3, from: '192.168.0.21:6060', to: '127.0.0.1:{ms3}', pose: {{xyz: [0, 1, 0.3]}}",
+          "crooked": "model: sick_microscan3, from: '192.168.0.23:6060', to: '127.0.0.1:{ms3}', pose: {{xyz: [0, 0, 0.3]}}",
+          "full": "model: velodyne_vlp16, from: '192.168.1.202:2368', to: '127.0.0.1:{roof}', pose: {{xyz: [0, 0, 2]}}"}
+MORTAL = {"right": "model: sick_microscan3, from: '192.168.0.22:6060', to: '127.0.0.1:{ms3}', pose: {{xyz: [0, -1, 0.3]}}",
+          "roof": "model: velodyne_vlp16, from: '192.168.1.201:2368', to: '127.0.0.1:{roof}', pose: {{xyz: [0, 0, 2]}}"}
+SLOW_SUBSCRIBER = """
+import rospy
+from sensor_msgs.msg import PointCloud2
+rospy.init_node('slow', anonymous=True)
+rospy.Subscriber('/full/points', PointCloud2, lambda m: None, queue_size=1)
+rospy.spin()"""
 
 
-def start_sim(stack, tmp, name, ports, sensors):
-    (tmp / f"{name}.yaml").write_text(ROOM + "".join(line.format(**ports) for line in sensors))
-    return stack.enter_context(process([LIDARD_SIM, "live", tmp / f"{name}.yaml"], stdout=subprocess.DEVNULL))
+def start_sim(stack, tmp, name, sensors, ports):
+    scene = scene_of({sensor: keys.format(**ports) for sensor, keys in sensors.items()}, *ROOM, seconds=300)
+    return stack.enter_context(sim(write(tmp / f"{name}.yaml", scene)))
 
 
 def publish_oddly(stop_it):
@@ -316,31 +296,11 @@ def publish_oddly(stop_it):
         bad.publish(LaserScan(angle_increment=0, ranges=[1.0] * 5))
 
 
-def set_clock(tmp, step):
-    file = tmp / "clock"
-    with file.open("r+b" if file.exists() else "wb") as clock:  # the daemon has it mapped: SIGBUS where it is shorter for a moment
-        clock.write(int(step * 1e9).to_bytes(8, "little", signed=True))
-
-
-def faults_of_middleware(tmp, watch, table, stack, master_port, master):
+def faults_of_middleware(tmp, watch, table, master):
     ports = {"ms3": free_port(socket.SOCK_DGRAM), "roof": free_port(socket.SOCK_DGRAM)}
     (tmp / "file").write_text("no folder")
     good = MIDDLEWARE_CONFIG.format(tmp=tmp, **ports)
-    (tmp / "ros.yaml").write_text(good)
-    set_clock(tmp, 0)
-    start_sim(stack, tmp, "always", ports, [
-        "  left: {{model: sick_microscan3, from: '192.168.0.21:6060', to: '127.0.0.1:{ms3}', pose: {{xyz: [0, 1, 0.3]}}}}\n",
-        "  crooked: {{model: sick_microscan3, from: '192.168.0.23:6060', to: '127.0.0.1:{ms3}', pose: {{xyz: [0, 0, 0.3]}}}}\n",
-        "  full: {{model: velodyne_vlp16, from: '192.168.1.202:2368', to: '127.0.0.1:{roof}', pose: {{xyz: [0, 0, 2]}}}}\n"])
-    mortal = start_sim(stack, tmp, "mortal", ports, [
-        "  right: {{model: sick_microscan3, from: '192.168.0.22:6060', to: '127.0.0.1:{ms3}', pose: {{xyz: [0, -1, 0.3]}}}}\n",
-        "  roof: {{model: velodyne_vlp16, from: '192.168.1.201:2368', to: '127.0.0.1:{roof}', pose: {{xyz: [0, 0, 2]}}}}\n"])
-    stop_it = threading.Event()
-    threading.Thread(target=publish_oddly, args=(stop_it,), daemon=True).start()
-    slow = stack.enter_context(process(["/usr/bin/python3", "-c", "import rospy; from sensor_msgs.msg import PointCloud2\n"
-                                        "rospy.init_node('slow', anonymous=True)\n"
-                                        "rospy.Subscriber('/full/points', PointCloud2, lambda m: None, queue_size=1)\nrospy.spin()"]))
-    shim = {"LD_PRELOAD": os.environ["LIDARD_CLOCK_SHIM"], "LIDARD_TEST_CLOCK": str(tmp / "clock")}
+    config, clock = write(tmp / "ros.yaml", good), Clock(tmp / "clock")
 
     def fault(key, do):
         begin = began()
@@ -348,16 +308,23 @@ def faults_of_middleware(tmp, watch, table, stack, master_port, master):
         table.check([f for f in MIDDLEWARE if f.key == key], {key: begin})
 
     def reload(text):
-        (tmp / "ros.yaml").write_text(text)
+        write(config, text)
         child.send_signal(signal.SIGHUP)
 
-    start = began()
-    with daemon(tmp, "ros", **shim) as child:
+    with contextlib.ExitStack() as stack:
+        start_sim(stack, tmp, "always", ALWAYS, ports)
+        mortal = start_sim(stack, tmp, "mortal", MORTAL, ports)
+        stop_it = threading.Event()
+        threading.Thread(target=publish_oddly, args=(stop_it,), daemon=True).start()
+        stack.callback(stop_it.set)
+        slow = stack.enter_context(process(["/usr/bin/python3", "-c", SLOW_SUBSCRIBER]))
+        start = began()
+        child = stack.enter_context(tested(config, env=clock.environment))
         present = [f for f in MIDDLEWARE if f.key in ("wrong_type", "nobody", "unusable", "no_pose", "mount")]
         table.check(present, {f.key: start for f in present})
         check_commands(watch, "odd input")
-        well("left", "right", "roof", "full")
-        wait_for(lambda: int(next(i for i in ask("status")["items"] if i["name"] == "ROS")["values"]["Subscribers"]) > 0, 10, "a subscriber")
+        well("sensor left", "sensor right", "sensor roof", "sensor full")
+        wait_for(lambda: int(figure("ROS", "Subscribers")) > 0, 10, "a subscriber")
         slow.send_signal(signal.SIGSTOP)
         standing = began()
         mortal.kill()
@@ -370,47 +337,41 @@ def faults_of_middleware(tmp, watch, table, stack, master_port, master):
         fault("calibration", lambda: reload(good.replace("ip_port: %d, pose: {xyz: [0, 0, 2]}" % ports["roof"],
                                                          "ip_port: %d, calibration: nowhere.yaml, pose: {xyz: [0, 0, 2]}" % ports["roof"], 1)))
         reload(good)
-        fault("clock", lambda: set_clock(tmp, 1.5))
+        fault("clock", lambda: clock.set_by(1.5))
         table.check([f for f in MIDDLEWARE if f.key == "slow"], {"slow": standing})
-        fault_of_master(fault, master, master_port)
-    stop_it.set()
+        fault_of_master(fault, master)
 
 
-def fault_of_master(fault, master, port):
-    uri = xmlrpc.client.ServerProxy(f"http://127.0.0.1:{port}").lookupNode("/test", "/lidard")[2]
+def fault_of_master(fault, master):
+    uri = xmlrpc.client.ServerProxy(f"http://127.0.0.1:{master.port}").lookupNode("/test", "/lidard")[2]
     fault("shutdown", lambda: xmlrpc.client.ServerProxy(uri).shutdown("/test", "a test"))
-    time.sleep(1)
+    time.sleep(1)  # it starts again
     wait_for(lambda: level("ROS") is not None, 10, "ROS")
     fault("hung", lambda: master.send_signal(signal.SIGSTOP))
     master.send_signal(signal.SIGCONT)
-    wait_for(lambda: (ask("status") and "does not answer" not in next(i["message"] for i in ask("status")["items"] if i["name"] == "ROS")), 10,
-             "the master answers")
-    time.sleep(1)
+    wait_for(lambda: item("ROS") and "does not answer" not in item("ROS")["message"], 10, "the master answers")
+    time.sleep(1)  # so that the next fault is one of its own
     fault("away", lambda: (master.kill(), master.wait()))
 
 
-def check_commands(watch, item):
+def check_commands(watch, name):
     """The commands say of an item what was read from their socket."""
     status, events = (json.loads(run(word, "--json").stdout) for word in ("status", "events"))
-    said = {one["name"]: one for one in status["items"]}[item]
-    told = [event for event in events["events"] if event["source"] == item][-1]
-    for place, level_now, text in (("status", said["level"], said["message"]), ("events", told["level"], told["text"])):
-        known = [(one[1], plain(one[2])) for one in watch.seen[place, item]]
+    said = {one["name"]: one for one in status["items"]}[name]
+    newest = [event for event in events["events"] if event["source"] == name][-1]
+    for place, level_now, text in (("status", said["level"], said["message"]), ("events", newest["level"], newest["text"])):
+        known = [(one[1], plain(one[2])) for one in watch.seen[place, name]]
         expect((level_now, plain(text)) in known, f"lidard {place} says {level_now} {text}, read before: {known}")
 
 
 def main():
     network = Network()
-    master_port = free_port()
-    use_master_at(master_port)
-    print(f"seconds until it is on {', in '.join(PLACES)}")
-    with folder() as tmp, contextlib.ExitStack() as stack:
-        master = stack.enter_context(ros_master(master_port))
-        rospy.init_node("listener", disable_signals=True, anonymous=True)
+    print(f"seconds until it is on {', '.join(PLACES)}")
+    with ros_test() as (tmp, master):
         watch = Watch()
         table = Table(watch)
         faults_of_cables(network, tmp, watch, table)
-        faults_of_middleware(tmp, watch, table, stack, master_port, master)
+        faults_of_middleware(tmp, watch, table, master)
         watch.end()
     for what, why in NOT_TESTED.items():
         print(f"not tested: {what}: {why}")

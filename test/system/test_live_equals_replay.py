@@ -5,16 +5,13 @@
 import collections
 import re
 import socket
-import subprocess
 import sys
-import threading
 import time
 
 import rosbag
 import roslib.message
-import rospy
-from harness import (LIDARD, LIDARD_SIM, ROOT, SKIP, Starved, expect, folder, free_port, live_config, process, ros_master, run,
-                     use_master_at, wait_for)
+from harness import ROOT, SKIP, Starved, daemon, expect, free_port, live_config, make_capture, run, send, wait_for, write
+from ros_tools import Listener, ros_test
 
 # Runs on a busy machine before the test gives up.
 ATTEMPTS = 6
@@ -39,8 +36,7 @@ def difference(live, replayed):
 
 
 def compare(name, config_text, capture, ports, tmp):
-    config = tmp / f"{name}.yaml"
-    config.write_text(config_text)
+    config = write(tmp / f"{name}.yaml", config_text)
     bag = tmp / f"{name}.bag"
     result = run("replay", "-c", config, "--pcap", capture, "--rate", "max", "--bag", bag)
     expect(result.returncode == 0, result.stderr)
@@ -52,10 +48,9 @@ def compare(name, config_text, capture, ports, tmp):
                 expected[topic].append(content(message))
                 types[topic] = roslib.message.get_message_class(message._type)
 
-    live = tmp / f"{name}_live.yaml"
-    live.write_text(live_config(config_text, ports))
+    live = write(tmp / f"{name}_live.yaml", live_config(config_text, ports))
     for _ in range(ATTEMPTS):
-        received, starved = run_live(name, live, capture, ports, types, expected, tmp)
+        received, starved, log = run_live(name, live, capture, ports, types, expected)
         differences = [f"{name} {topic}: {text}" for topic, messages in expected.items()
                        if (text := difference(received[topic], messages))]
         if not differences:
@@ -64,57 +59,36 @@ def compare(name, config_text, capture, ports, tmp):
         print(f"starved {starved:.3f} s: {differences}", flush=True)
         # A daemon that waits for a processor publishes without a scan that comes late, and drops a frame that is not sent
         # before the next ones come.
-        expect(starved > 0.1, "; log:\n".join([*differences, (tmp / f"{name}.log").read_text()]))
+        expect(starved > 0.1, "; log:\n".join([*differences, log]))
     print(f"{name}: processes of the test waited for a processor in each of {ATTEMPTS} runs")
     sys.exit(SKIP)
 
 
-def run_live(name, live, capture, ports, types, expected, tmp):
-    """What subscribers received of the capture sent to a daemon, by topic, and for how long processes of the test were starved."""
-    received = collections.defaultdict(list)
-    lock = threading.Lock()
-
-    def take(message, topic):
-        with lock:
-            received[topic].append(content(message))
-
-    subscribers = [rospy.Subscriber(topic, kind, take, callback_args=topic, queue_size=1000) for topic, kind in types.items()]
-    log = (tmp / f"{name}.log").open("w")
-    with process([LIDARD, "run", "-c", live], stdout=log, stderr=subprocess.STDOUT):
-        wait_for(lambda: all(s.get_num_connections() > 0 for s in subscribers), 20, f"{name}: subscribers are connected")
+def run_live(name, live, capture, ports, types, expected):
+    """What subscribers received of the capture sent to a daemon, by topic, how long processes of the test were starved, and the log."""
+    listeners = {topic: Listener(topic, kind) for topic, kind in types.items()}
+    with daemon(live) as child:
+        wait_for(lambda: all(one.subscriber.get_num_connections() > 0 for one in listeners.values()), 20, f"{name}: subscribers are connected")
         starved = Starved()
-        port_options = [f"--port-map={old}={new}" for old, new in ports.items()]
-        sender = subprocess.run([LIDARD_SIM, "send", str(capture), "--to", "127.0.0.1", *port_options], capture_output=True,
-                                text=True, timeout=120)
-        expect(sender.returncode == 0, sender.stderr)
-
-        def complete():
-            with lock:
-                return all(len(received[t]) >= len(expected[t]) for t in expected)
-
+        send(capture, *(f"--port-map={old}={new}" for old, new in ports.items()))
         end = time.monotonic() + 10
-        while not complete() and time.monotonic() < end:
+        while any(len(listeners[t].messages) < len(expected[t]) for t in expected) and time.monotonic() < end:
             time.sleep(0.02)
         starved = starved.seconds()
-    for s in subscribers:
-        s.unregister()
-    return received, starved
+    for one in listeners.values():
+        one.close()
+    return {topic: [content(message) for message in one.messages] for topic, one in listeners.items()}, starved, child.said()
 
 
 def main():
-    port = free_port()
-    use_master_at(port)
-    with folder() as tmp, ros_master(port):
-        rospy.init_node("listener", disable_signals=True, anonymous=True)
+    with ros_test() as (tmp, _):
         udp = {p: free_port(socket.SOCK_DGRAM) for p in (2368, 6060)}
         compare("demo", (ROOT / "config/demo.yaml").read_text(), ROOT / "pcaps/demo.pcap", udp, tmp)
         # 1507 packets per second, for five seconds.
         scene = (ROOT / "pcaps/vlp16_dual.scene.yaml").read_text()
-        long_scene = tmp / "dual.scene.yaml"
-        long_scene.write_text(re.sub(r"^duration: .*$", "duration: 5.0", scene, flags=re.M))
-        subprocess.run([LIDARD_SIM, "make", long_scene, "-o", tmp / "dual_5s"], check=True, capture_output=True)
+        capture = make_capture(tmp / "dual_5s", re.sub(r"^duration: .*$", "duration: 5.0", scene, flags=re.M))
         dual = "sensors:\n  roof: {model: velodyne_vlp16, ip_address: 192.168.1.201, ip_port: 2368, pose: {xyz: [0, 0, 2]}}\n"
-        compare("dual", dual, tmp / "dual_5s.pcap", udp, tmp)
+        compare("dual", dual, capture, udp, tmp)
     print("ok")
 
 

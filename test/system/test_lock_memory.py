@@ -5,27 +5,22 @@
 default."""
 import contextlib
 import os
-import pathlib
-import re
 import resource
 import socket
-import subprocess
 import sys
 
-from harness import LIDARD, SCANNER_CONFIG, SKIP, expect, folder, free_port, kernel_port_is_open, process, use_master_at, wait_for
+from harness import (LIDARD, SCANNER_CONFIG, SKIP, expect, folder, free_port, kernel_port_is_open, kilobytes, logged, use_master_at,
+                     wait_for, write)
 
 
 @contextlib.contextmanager
 def daemon(tmp, wish, before=()):
     """Locked and resident kB of a running daemon, and its log."""
     port = free_port(socket.SOCK_DGRAM)
-    (tmp / "c.yaml").write_text(SCANNER_CONFIG.format(port=port))
-    log = tmp / "log"
-    with log.open("w") as sink, process([*before, LIDARD, "run", "-c", tmp / "c.yaml"], stdout=sink, stderr=subprocess.STDOUT,
-                                        env={**os.environ, "LIDARD_LOCK_MEMORY": wish}) as child:
+    config = write(tmp / "c.yaml", SCANNER_CONFIG.format(port=port))
+    with logged([*before, LIDARD, "run", "-c", config], tmp / "log", env={**os.environ, "LIDARD_LOCK_MEMORY": wish}) as child:
         wait_for(lambda: kernel_port_is_open(port), 10, "the daemon listens")
-        status = pathlib.Path(f"/proc/{child.pid}/status").read_text()
-        yield (*(int(re.search(rf"{key}:\s+(\d+) kB", status)[1]) for key in ("VmLck", "VmRSS")), log.read_text())
+        yield kilobytes(child.pid, "VmLck"), kilobytes(child.pid, "VmRSS"), child.said()
 
 
 def main():

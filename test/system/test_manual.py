@@ -10,7 +10,7 @@ import re
 import shlex
 import subprocess
 
-from harness import LIDARD, LIDARD_SIM, ROOT, expect, folder, free_port, process, ros_master, use_master_at, wait_for
+from harness import LIDARD, LIDARD_SIM, ROOT, ask, daemon, expect, folder, free_port, ros_master, scene_of, sim, use_master_at, wait_for, write
 
 PICTURES = ROOT / "config/doc/pictures"
 PAGES = [ROOT / "README.md", *sorted((ROOT / "config/doc").glob("*.md")), PICTURES / "README.md"]
@@ -34,14 +34,7 @@ VEHICLE = """\
 sensors:
   front_left: {{model: sick_microscan3, ip_address: 127.168.0.21, ip_port: {port}, listen_only: true, pose: {{xyz: [0, 0, 0.3]}}}}
 """
-SCENE = """\
-start: 2026-01-01T00:00:00Z
-duration: 600
-sensors:
-  front_left: {{model: sick_microscan3, from: '192.168.0.21:6060', to: '127.0.0.1:{port}'}}
-objects:
-  - wall: {{from: [8, -8], to: [8, 8], z: [-1, 2]}}
-"""
+SENSORS = {"front_left": "model: sick_microscan3, from: '192.168.0.21:6060', to: '127.0.0.1:{port}'"}
 
 
 def blocks(page, kind):
@@ -100,33 +93,36 @@ def check_pictures(tmp, environment):
         expect(not missing, f"{name} shows no {missing}, but\n{shown}")
 
 
+def check_page(page, home, vehicle):
+    """How many commands were run and configurations checked."""
+    check_links(page)
+    configurations = blocks(page, "yaml")
+    for text in configurations:
+        check_configuration(page, text, home)
+    with folder() as tmp:
+        write(tmp / "lidard.yaml", vehicle)
+        for name in ("pcaps", "config", "test"):
+            (tmp / name).symlink_to(ROOT / name)
+        (tmp / "bin").mkdir()
+        for program in (LIDARD, LIDARD_SIM):
+            (tmp / "bin" / pathlib.Path(program).name).symlink_to(program)
+        environment = dict(os.environ, PATH=f"{tmp}/bin:" + os.environ["PATH"])
+        commands = sum(run_command(page, line, tmp, environment) for text in blocks(page, "sh") for line in text.splitlines())
+        if page.parent == PICTURES:
+            check_pictures(tmp, environment)
+    return commands, len(configurations)
+
+
 def main():
-    commands = configurations = 0
-    ports = {"port": free_port(), "master": free_port()}
-    use_master_at(ports["master"])
-    with folder() as home, ros_master(ports["master"]):
-        (home / "live.yaml").write_text(VEHICLE.format(**ports))
-        (home / "scene.yaml").write_text(SCENE.format(**ports))
-        with process([LIDARD_SIM, "live", home / "scene.yaml"], stdout=subprocess.DEVNULL), \
-                process([LIDARD, "run", "-c", home / "live.yaml"], stderr=subprocess.DEVNULL):
-            wait_for(lambda: subprocess.run([LIDARD, "status"], capture_output=True, check=False).returncode == 0, 20, "lidard status")
-            for page in PAGES:
-                check_links(page)
-                for text in blocks(page, "yaml"):
-                    check_configuration(page, text, home)
-                    configurations += 1
-                with folder() as tmp:
-                    (tmp / "lidard.yaml").write_text(VEHICLE.format(**ports))
-                    for name in ("pcaps", "config", "test"):
-                        (tmp / name).symlink_to(ROOT / name)
-                    (tmp / "bin").mkdir()
-                    for program in (LIDARD, LIDARD_SIM):
-                        (tmp / "bin" / pathlib.Path(program).name).symlink_to(program)
-                    environment = dict(os.environ, PATH=f"{tmp}/bin:" + os.environ["PATH"])
-                    for text in blocks(page, "sh"):
-                        commands += sum(run_command(page, line, tmp, environment) for line in text.splitlines())
-                    if page.parent == PICTURES:
-                        check_pictures(tmp, environment)
+    port, master = free_port(), free_port()
+    use_master_at(master)
+    with folder() as home, ros_master(master):
+        vehicle = VEHICLE.format(port=port)
+        scene = write(home / "scene.yaml", scene_of({name: keys.format(port=port) for name, keys in SENSORS.items()}))
+        with sim(scene), daemon(write(home / "live.yaml", vehicle)):
+            wait_for(lambda: ask("status") and subprocess.run([LIDARD, "status"], capture_output=True, check=False).returncode == 0, 20,
+                     "lidard status")
+            commands, configurations = map(sum, zip(*(check_page(page, home, vehicle) for page in PAGES)))
     print(f"{len(PAGES)} pages, {commands} commands, {configurations} configurations")
     expect(commands >= 10 and configurations >= 10, "too few commands or configurations were found: are the blocks marked?")
     lines = (ROOT / "README.md").read_text().count("\n")

@@ -2,29 +2,23 @@
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
 """What a running daemon holds of the memory: with eight lidars, a merged and a virtual scan at most 64 MB, with two VLS-128 of two
-returns whose clouds (10 MB each, ten times a second) somebody takes at most 160 MB. For a subscriber that does not keep up roscpp
+returns whose clouds (10 MB each, ten times a second) have a subscriber at most 160 MB. For a subscriber that does not keep up roscpp
 holds up to ten clouds of each topic beside that, and up to eight are being sent.
 
     test_memory.py [SECONDS]     default 8 for each; with LIDARD, LIDARD_SIM and LIDARD_SOURCE_DIR set as ctest does
 """
 import contextlib
-import os
-import pathlib
-import re
 import socket
 import subprocess
 import sys
 import time
 
 import rospy
-from harness import LIDARD, LIDARD_SIM, PATIENCE, expect, folder, free_port, kernel_port_is_open, process, ros_master, use_master_at, wait_for
+from harness import (LIDARD_SIM, PATIENCE, daemon, expect, free_port, kernel_port_is_open, kilobytes, make_capture, process, scene_of, sim,
+                     wait_for, write)
+from ros_tools import ros_test
 
-SCENE = """start: 2026-01-01T00:00:00Z
-duration: {seconds}
-objects:
-  - box: {{center: [1.3, -0.7, 0.4], size: [17, 12, 6.5], rpy_deg: [4, -3, 12], reflectivity: 0.5}}
-sensors:
-"""
+BOX = "box: {center: [1.3, -0.7, 0.4], size: [17, 12, 6.5], rpy_deg: [4, -3, 12], reflectivity: 0.5}"
 EIGHT = [("velodyne_vlp16", 201), ("velodyne_vlp16", 202), ("velodyne_vlp16", 203), ("velodyne_hdl32e", 204),
          ("sick_microscan3", 21), ("sick_microscan3", 22), ("sick_microscan3", 23), ("sick_microscan3", 24)]
 OUTPUTS = """merged_scans:
@@ -34,51 +28,47 @@ virtual_scans:
 """
 
 
-def megabytes(daemon, what):
-    """VmRSS or VmHWM, 1e6 bytes."""
-    return int(re.search(rf"{what}:\s+(\d+) kB", pathlib.Path(f"/proc/{daemon.pid}/status").read_text())[1]) * 1024 / 1e6
+def megabytes(child, key):
+    return kilobytes(child.pid, key) * 1024 / 1e6
 
 
 @contextlib.contextmanager
-def vehicle(tmp, models, more, options, outputs):
-    """A daemon that listens, with the scene and ports of its sensors."""
-    scene, config, ports = SCENE, "sensors:\n", []
+def vehicle(tmp, models, seconds, options, outputs):
+    """A daemon that listens, and the scene of its sensors."""
+    sensors, config, ports = {}, "sensors:\n", []
     for i, (model, host) in enumerate(models):
         ports.append(free_port(socket.SOCK_DGRAM))
-        source = 2368 if "velodyne" in model else 6060
-        scene += f"  s{i}: {{{{model: {model}, from: '192.168.1.{host}:{source}', to: '127.0.0.1:{ports[-1]}'{options}}}}}\n"
-        listens = "" if "velodyne" in model else ", listen_only: true"
+        source, listens = (2368, "") if "velodyne" in model else (6060, ", listen_only: true")
+        sensors[f"s{i}"] = f"model: {model}, from: '192.168.1.{host}:{source}', to: '127.0.0.1:{ports[-1]}'{options}"
         config += f"  s{i}: {{model: {model}, ip_address: 127.168.1.{host}, ip_port: {ports[-1]}, pose: {{xyz: [0, 0, 1]}}{listens}}}\n"
-    (tmp / "scene.yaml").write_text(scene.format(seconds=more))
-    (tmp / "live.yaml").write_text(config + outputs)
-    with (tmp / "log.txt").open("w") as log, process([LIDARD, "run", "-c", tmp / "live.yaml"], stdout=log, stderr=subprocess.STDOUT) as daemon:
+    with daemon(write(tmp / "live.yaml", config + outputs)) as child:
         wait_for(lambda: all(kernel_port_is_open(port) for port in ports), 20, "the daemon listens")
-        yield daemon
+        yield child, scene_of(sensors, BOX, seconds=seconds)
 
 
 def eight(tmp, seconds):
-    with vehicle(tmp, EIGHT, seconds + 60, "", OUTPUTS) as daemon, \
-            process([LIDARD_SIM, "live", tmp / "scene.yaml"], stdout=subprocess.DEVNULL):
-        time.sleep(seconds)
-        peak = megabytes(daemon, "VmHWM")
-        print(f"eight lidars: {megabytes(daemon, 'VmRSS'):.1f} MB, at most {peak:.1f} MB")
+    with vehicle(tmp, EIGHT, seconds + 60, "", OUTPUTS) as (child, scene), sim(write(tmp / "scene.yaml", scene)):
+        time.sleep(seconds)  # measured time
+        peak = megabytes(child, "VmHWM")
+        print(f"eight lidars: {megabytes(child, 'VmRSS'):.1f} MB, at most {peak:.1f} MB")
         expect(peak <= 64, f"{peak:.1f} MB")
 
 
 def two_with_clouds(tmp, seconds):
     models = [("velodyne_vls128", 201), ("velodyne_vls128", 202)]
-    with vehicle(tmp, models, 1, ", divergence_mrad: 3, options: {{return_mode: dual}}", "") as daemon:
-        subprocess.run([LIDARD_SIM, "make", tmp / "scene.yaml", "-o", tmp / "two", "--no-truth"], check=True, capture_output=True)
+    with vehicle(tmp, models, 1, ", divergence_mrad: 3, options: {return_mode: dual}", "") as (child, scene):
+        capture = make_capture(tmp / "two", scene)
         clouds, peak = [], 0
         for topic in ("s0/points", "s1/points"):
             rospy.Subscriber(topic, rospy.AnyMsg, lambda message: clouds.append(len(message._buff)), buff_size=1 << 24)
-        with process([LIDARD_SIM, "send", tmp / "two.pcap", "--to", "127.0.0.1", "--repeat", str(int(seconds) + 20 + 20 * PATIENCE)], stdout=subprocess.DEVNULL):
+        with process([LIDARD_SIM, "send", capture, "--to", "127.0.0.1", "--repeat", int(seconds) + 20 + 20 * PATIENCE],
+                     stdout=subprocess.DEVNULL):
             end = time.monotonic() + seconds
             while (now := time.monotonic()) < end or (len(clouds) <= 2 * seconds and now < end + 20 * PATIENCE):
                 time.sleep(0.1)
-                peak = max(peak, megabytes(daemon, "VmRSS"))
+                peak = max(peak, megabytes(child, "VmRSS"))
             keeps_up = len(clouds) > 0.9 * 2 * 10 * seconds and now < end + 1
-        print(f"two VLS-128, {len(clouds)} clouds of {max(clouds, default=0) / 1e6:.1f} MB taken: at most {peak:.1f} MB")
+        print(f"two VLS-128, {len(clouds)} clouds of {max(clouds, default=0) / 1e6:.1f} MB received: at most {peak:.1f} MB")
         expect(len(clouds) > 2 * seconds and max(clouds) > 5e6, "clouds come")
         # Else roscpp holds 10 of each topic, and up to 8 are being sent (ros_publishers.h).
         limit = 160 if keeps_up else 160 + 2 * 18 * max(clouds) / 1e6
@@ -87,11 +77,7 @@ def two_with_clouds(tmp, seconds):
 
 def main():
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 8
-    port = free_port()
-    use_master_at(port)
-    with folder() as tmp, ros_master(port):
-        os.environ["LIDARD_SOCKET"] = str(tmp / "control")
-        rospy.init_node("listener", disable_signals=True)
+    with ros_test() as (tmp, _):
         eight(tmp, seconds)
         two_with_clouds(tmp, seconds)
     print("ok")

@@ -7,12 +7,11 @@ interface is made anew."""
 import contextlib
 import os
 import socket
-import subprocess
 import threading
 import time
 
-from harness import LIDARD, Starved, expect, folder, free_port, process, use_master_at, wait_for
-from network import Network, ask, figure, group_is_joined, item, recorded
+from harness import Starved, daemon, expect, figure, folder, free_port, item, level, scene_of, use_master_at, wait_for, write
+from network import Network, group_is_joined, recorded
 
 CONFIG = """\
 sensors:
@@ -24,13 +23,7 @@ LIDARS = ("192.168.1.201/24", "192.168.1.202/24", "192.168.1.203/24")
 TARGETS = {"roof": ("192.168.1.201", ("192.168.1.100", 2368)), "mast": ("192.168.1.202", ("239.0.0.10", 2369)),
            "rear": ("192.168.1.203", ("239.0.0.11", 2370))}
 GROUPS = ("239.0.0.10", "239.0.0.11")
-SCENE = """start: 2026-01-01T00:00:00Z
-duration: 1
-objects:
-  - wall: {from: [4, -30], to: [4, 30], z: [-5, 5]}
-sensors:
-  roof: {model: velodyne_vlp16, from: '192.168.1.201:2368', to: '192.168.1.100:2368'}
-"""
+SCENE = scene_of({"roof": "model: velodyne_vlp16, from: '192.168.1.201:2368', to: '192.168.1.100:2368'"}, seconds=1)
 
 
 class Lidars(threading.Thread):
@@ -81,55 +74,54 @@ def daemon_that_starts_with_nothing(tmp):
     ready.bind(str(tmp / "notify"))
     ready.settimeout(60)
     starved, begin = Starved(), time.monotonic()
-    with (tmp / "log").open("w") as log, process([LIDARD, "run", "-c", tmp / "c.yaml"], stdout=log, stderr=subprocess.STDOUT,
-                                                 env=dict(os.environ, NOTIFY_SOCKET=str(tmp / "notify"))) as daemon:
+    with daemon(write(tmp / "c.yaml", CONFIG), env=dict(os.environ, NOTIFY_SOCKET=str(tmp / "notify"))) as child:
         expect(b"READY=1" in ready.recv(4096), "the first word is READY=1")
         took = time.monotonic() - begin
         print(f"ready with nothing present after {took:.3f} s")
         expect(took <= 0.5 + starved.seconds(), f"ready after {took:.3f} s, starved {starved.seconds():.3f} s")
-        wait_for(lambda: item("sensor roof") and item("sensor roof")["level"] == "ERROR", 5, "without anything the sensors are errors")
-        yield daemon
+        wait_for(lambda: level("sensor roof") == "ERROR", 5, "without anything the sensors are errors")
+        yield child
+
+
+def address(network, change):
+    network.host("address", change, "192.168.1.100/24", "dev", "lidar0")
+    return time.monotonic()
+
+
+def groups_and_data(since, what):
+    groups_after(since, what)
+    data_after(since, what)
 
 
 def main():
     network = Network()
     use_master_at(free_port())
     with folder() as tmp:
-        (tmp / "c.yaml").write_text(CONFIG)
         Lidars(network, tmp)
-        with daemon_that_starts_with_nothing(tmp) as daemon:
+        with daemon_that_starts_with_nothing(tmp) as child:
             network.plug(host=None, lidars=LIDARS)
-            time.sleep(0.5)
-            network.host("address", "add", "192.168.1.100/24", "dev", "lidar0")
-            since = time.monotonic()
-            groups_after(since, "the interface came")
-            data_after(since, "the interface came")
+            time.sleep(0.5)  # an interface without an address
+            groups_and_data(address(network, "add"), "the interface came")
             for pause in (0.2, 3, 8):  # a timer with back-off would be late after the long one
                 network.unplug()
                 time.sleep(pause)
                 network.plug(host=None, lidars=LIDARS)
-                time.sleep(0.3)
-                network.host("address", "add", "192.168.1.100/24", "dev", "lidar0")
-                since = time.monotonic()
-                groups_after(since, f"the interface was made anew after {pause} s")
-                data_after(since, f"the interface was made anew after {pause} s")
-            network.host("address", "delete", "192.168.1.100/24", "dev", "lidar0")
-            time.sleep(2)
-            network.host("address", "add", "192.168.1.100/24", "dev", "lidar0")
-            data_after(time.monotonic(), "the address came back")
+                time.sleep(0.3)  # an interface without an address
+                groups_and_data(address(network, "add"), f"the interface was made anew after {pause} s")
+            address(network, "delete")
+            time.sleep(2)  # silence
+            data_after(address(network, "add"), "the address came back")
             network.host("link", "set", "lidar0", "down")
-            time.sleep(2)
+            time.sleep(2)  # silence
             network.host("link", "set", "lidar0", "up")
             data_after(time.monotonic(), "the link came back")
             # Memberships of interfaces that are gone count: net.ipv4.igmp_max_memberships is 20.
             for _ in range(25):
                 network.unplug()
                 network.plug(lidars=LIDARS)
-                time.sleep(0.1)
-            since = time.monotonic()
-            groups_after(since, "the interface was made anew 25 times")
-            data_after(since, "the interface was made anew 25 times")
-            expect(daemon.poll() is None, "the daemon lives")
+                time.sleep(0.1)  # the daemon joins
+            groups_and_data(time.monotonic(), "the interface was made anew 25 times")
+            expect(child.poll() is None, "the daemon lives")
     print("ok")
 
 

@@ -8,35 +8,33 @@ import contextlib
 import pathlib
 import random
 import signal
-import subprocess
 import threading
 import time
 
-import rospy
-from harness import LIDARD, Starved, expect, folder, free_port, process, ros_master, use_master_at, wait_for
-from network import Burst, Network, ask, figure, item, recorded, send_paced
+from harness import Starved, ask, expect, figure, item, scene_of, wait_for, write
+from harness import daemon as started_daemon
+from network import Burst, Network, recorded, send_paced
+from ros_tools import Listener, ros_test
 from sensor_msgs.msg import PointCloud2
 
 HOST = "192.168.1.100"
 LIDARS = [f"192.168.1.{n}" for n in (201, 202, 203, 204)]
 STRANGER = "192.168.1.66"
-SCENE = """start: 2026-01-01T00:00:00Z
-duration: {seconds}
-objects:
-  - wall: {{from: [4, -30], to: [4, 30], z: [-5, 5]}}
-sensors:
-  roof: {{model: velodyne_vlp16, from: '192.168.1.201:2368', to: '192.168.1.100:2368', options: {{return_mode: {mode}}}}}
-"""
 # What four VLP-16 with two returns send, and the bytes that the daemon asks for: 600 ms fit in.
 RATE, STALL = 6032, 0.5
 BUFFER = int(RATE * 0.6 * 1152)
 
 
+def packets_of_a_lidar(tmp, seconds, mode="strongest"):
+    keys = f"model: velodyne_vlp16, from: '192.168.1.201:2368', to: '192.168.1.100:2368', options: {{return_mode: {mode}}}"
+    return recorded(tmp, scene_of({"roof": keys}, seconds=seconds))
+
+
 @contextlib.contextmanager
 def daemon(tmp, sensors):
-    (tmp / "c.yaml").write_text("sensors:\n" + "".join(
+    config = write(tmp / "c.yaml", "sensors:\n" + "".join(
         f"  {name}: {{model: velodyne_vlp16, ip_address: {address}}}\n" for name, address in sensors.items()))
-    with (tmp / "log").open("a") as log, process([LIDARD, "run", "-c", tmp / "c.yaml"], stdout=log, stderr=subprocess.STDOUT) as child:
+    with started_daemon(config) as child:
         wait_for(lambda: ask("status"), 20, "the daemon answers")
         yield child
 
@@ -74,23 +72,22 @@ class Flood(threading.Thread):
 
 def run_of_frames(tmp, datagrams, senders, during=contextlib.nullcontext):
     """The clouds of all of these datagrams, live; what was counted, and how long we were starved."""
-    clouds = []
-    subscriber = rospy.Subscriber("/roof/points", PointCloud2, lambda m: clouds.append(bytes(m.data)), queue_size=1000, buff_size=1 << 24)
+    clouds = Listener("/roof/points", PointCloud2, buff_size=1 << 24)
     with daemon(tmp, {"roof": LIDARS[0]}):
-        wait_for(lambda: subscriber.get_num_connections() > 0, 20, "the subscriber is connected")
+        wait_for(lambda: clouds.subscriber.get_num_connections() > 0, 20, "the subscriber is connected")
         with during():
             starved = Starved()
             _, sent = send_paced(datagrams, senders, HOST)
             wait_for(lambda: value("roof", "Packets") == sent, 5, f"all {sent} packets are received: {counted('roof')}")
             waited = starved.seconds()
-        time.sleep(0.5)
+        time.sleep(0.5)  # what must not come may come
         result = counted("roof")
-    subscriber.unregister()
-    return clouds, result, sent, waited
+    clouds.close()
+    return [bytes(cloud.data) for cloud in clouds.messages], result, sent, waited
 
 
 def strangers_change_nothing(network, tmp):
-    datagrams = recorded(tmp, SCENE.format(seconds=5, mode="strongest"))
+    datagrams = packets_of_a_lidar(tmp, 5)
     senders = {LIDARS[0]: network.lidar(LIDARS[0])}
     quiet, result, sent, waited = run_of_frames(tmp, datagrams, senders)
     expect(result == (sent, 0, 0), f"alone: packets, lost, dropped {result} of {sent}")
@@ -105,7 +102,7 @@ def strangers_change_nothing(network, tmp):
 
     clouds, result, sent, waited = run_of_frames(tmp, datagrams, senders, flooded)
     print(f"P4: {len(clouds)} clouds, {len(quiet)} without the stranger; packets, lost, dropped {result} of {sent}; starved {waited:.3f} s")
-    # The kernel counts what found the buffer full and what the filter refused in one number, which is told as the former while
+    # The kernel counts what found the buffer full and what the filter refused in one number, which is reported as the former while
     # the buffer is half full: no packet is missing all the same.
     expect(result[:2] == (sent, 0) and (result[2] == 0 or waited > 0.1), f"P4: packets, lost, dropped {result} of {sent}, starved {waited:.3f} s")
     expect(len(quiet) >= 40 and (len(clouds) == len(quiet) or waited > 0.1), f"P4: {len(clouds)} clouds of {len(quiet)}, starved {waited:.3f} s")
@@ -137,11 +134,10 @@ def disturb(rng, lost):
 
 
 def every_loss_is_counted(network, tmp):
-    datagrams = recorded(tmp, SCENE.format(seconds=8, mode="strongest"))
+    datagrams = packets_of_a_lidar(tmp, 8)
     senders = {LIDARS[0]: network.lidar(LIDARS[0])}
     # The last ones come, so that all losses lie between others.
-    half, end = len(datagrams) // 2, len(datagrams) - 300
-    lost = []
+    half, lost = len(datagrams) // 2, []
     with daemon(tmp, {"roof": LIDARS[0]}) as child:
         change = disturb(random.Random(4), lost)
         first = [d for d in datagrams if d[0] <= datagrams[half][0]]
@@ -171,7 +167,7 @@ def nothing_is_lost_in_a_stall(network, tmp):
     limit = int(pathlib.Path("/proc/sys/net/core/rmem_max").read_text()) if pathlib.Path("/proc/sys/net/core/rmem_max").exists() else BUFFER
     if limit < BUFFER:
         return print(f"P7 skipped: net.core.rmem_max is {limit}; the package sets 8388608 (config/60-lidard.conf)")
-    payloads = [payload for _, _, _, payload in recorded(tmp, SCENE.format(seconds=3, mode="dual"))]
+    payloads = [payload for _, _, _, payload in packets_of_a_lidar(tmp, 3, "dual")]
     slot = 0.005
     limits = [min(len(payloads), round(n * RATE / 4 * slot)) for n in range(int(len(payloads) / (RATE / 4 * slot)) + 2)]
     bursts = [Burst(payloads[a:b], (HOST, 2368)) for a, b in zip(limits, limits[1:]) if b > a]
@@ -179,7 +175,7 @@ def nothing_is_lost_in_a_stall(network, tmp):
     names = ("a", "b", "c", "d")
     for attempt in range(3):
         with daemon(tmp, dict(zip(names, LIDARS))) as child:
-            time.sleep(0.5)
+            time.sleep(0.5)  # the daemon has begun
             starved, begin, stopped, stalled = Starved(), time.monotonic(), None, 0
             for n, burst in enumerate(bursts):
                 for sender in senders:
@@ -192,7 +188,7 @@ def nothing_is_lost_in_a_stall(network, tmp):
                     stalled = time.monotonic() - stopped
                 time.sleep(max(0, begin + (n + 1) * slot - time.monotonic()))
             rate = 4 * len(payloads) / (time.monotonic() - begin)
-            time.sleep(1)
+            time.sleep(1)  # counters follow
             got = [counted(name) for name in names]
             waited = starved.seconds()
         print(f"P7: {4 * len(payloads)} packets at {rate:.0f}/s, stopped for {stalled:.3f} s, starved {waited:.3f} s: packets, lost, dropped {got}")
@@ -207,14 +203,10 @@ def nothing_is_lost_in_a_stall(network, tmp):
 def main():
     network = Network()
     network.plug(host=HOST + "/24", lidars=[a + "/24" for a in (*LIDARS, STRANGER)])
-    port = free_port()
-    use_master_at(port)
-    with folder() as tmp:
+    with ros_test() as (tmp, _):
         every_loss_is_counted(network, tmp)
         nothing_is_lost_in_a_stall(network, tmp)
-        with ros_master(port):
-            rospy.init_node("listener", disable_signals=True, anonymous=True)
-            strangers_change_nothing(network, tmp)
+        strangers_change_nothing(network, tmp)
     print("ok")
 
 

@@ -14,8 +14,9 @@ import subprocess
 import threading
 import time
 
-from harness import LIDARD, LIDARD_SIM, Starved, expect, folder, free_port, process, use_master_at, wait_for
-from network import Network, ask, first_event, item
+from harness import Starved, ask, expect, first_event, folder, free_port, item, use_master_at, wait_for, well, write
+from harness import daemon as started_daemon
+from network import Network
 
 CONFIG = """\
 sensors:
@@ -24,18 +25,11 @@ sensors:
   left: {model: hokuyo_ust_10lx, ip_address: 192.168.1.10}
   right: {model: sick_lms1xx, ip_address: 192.168.1.11}
 """
-ROOM = """\
-start: 2026-01-01T00:00:00Z
-duration: 600
-objects:
-  - wall: {from: [4, -30], to: [4, 30], z: [-5, 5]}
-sensors:
-"""
 SCENES = {
-    "roof": "{model: velodyne_vlp16, from: '192.168.1.201:2368', to: '192.168.1.100:2368'}",
-    "front": "{model: sick_microscan3, from: '192.168.1.21:6060', to: '192.168.1.100:6060'}",
-    "left": "{model: hokuyo_ust_10lx, from: '192.168.1.10:10940', to: '192.168.1.100:40001'}",
-    "right": "{model: sick_lms1xx, from: '192.168.1.11:2112', to: '192.168.1.100:40002'}",
+    "roof": "model: velodyne_vlp16, from: '192.168.1.201:2368', to: '192.168.1.100:2368'",
+    "front": "model: sick_microscan3, from: '192.168.1.21:6060', to: '192.168.1.100:6060'",
+    "left": "model: hokuyo_ust_10lx, from: '192.168.1.10:10940', to: '192.168.1.100:40001'",
+    "right": "model: sick_lms1xx, from: '192.168.1.11:2112', to: '192.168.1.100:40002'",
 }
 ADDRESSES = {"roof": "192.168.1.201", "front": "192.168.1.21", "left": "192.168.1.10", "right": "192.168.1.11"}
 
@@ -44,15 +38,15 @@ class Device:
     """A lidar of the simulator; it can lose its power."""
 
     def __init__(self, network, tmp, name):
-        self.network, self.name = network, name
-        self.scene, self.child = tmp / f"{name}.yaml", None
-        self.scene.write_text(ROOM + f"  {name}: {SCENES[name]}\n")
+        self.network, self.tmp, self.name, self.child = network, tmp, name, None
 
     def on(self):
-        command = [LIDARD_SIM, "live", str(self.scene)]
-        if self.name in ("roof", "front"):
-            command.append(f"--source-map={ADDRESSES[self.name]}={ADDRESSES[self.name]}")
-        self.child = self.network.start_lidar(command)
+        self.child = self.network.start_sim(self.tmp, self.name, SCENES[self.name])
+
+    def talks(self):
+        """When it talks, in s of the host's clock."""
+        wait_for(lambda: self.network.lidar_talks(self.child), 10, f"{self.name} starts")
+        return time.time()
 
     def off(self):
         self.child.kill()
@@ -65,15 +59,6 @@ class Device:
 
     def power(self):
         self.network.lidars("address", "add", ADDRESSES[self.name] + "/24", "dev", "dev-lidar0")
-
-
-def is_well(name):
-    found = item("sensor " + name)
-    return found is not None and found["level"] == "OK"
-
-
-def well(name):
-    wait_for(lambda: is_well(name), 20, f"{name} is well: {(item('sensor ' + name) or {}).get('message')}")
 
 
 def frames(name):
@@ -103,7 +88,7 @@ def came_back(name, on, since, starved, how):
 
 def silence(device, pause, how):
     name = device.name
-    well(name)
+    well("sensor " + name)
     starved, since = Starved(), time.time()
     device.off()
     fell_silent(name, since, starved, how)
@@ -111,8 +96,7 @@ def silence(device, pause, how):
     starved, on = Starved(), time.time()
     device.on()
     # The simulator needs its time to start, a device as well: counted is from where it talks.
-    began = wait_for(lambda: device.network.lidar_talks(device.child), 10, f"{name} starts") and time.time()
-    came_back(name, on, began, starved, how)
+    came_back(name, on, device.talks(), starved, how)
 
 
 def half_open(device):
@@ -125,19 +109,18 @@ def half_open(device):
     wait_for(lambda: int(link()["values"]["Attempts"]) > before, 10, f"{name}: the next attempt to connect")
     check(f"{name} half-open: next attempt to connect", time.time() - since, 2, starved)
     fell_silent(name, since, starved, "half-open")
-    time.sleep(2)
+    time.sleep(2)  # without power
     starved, on = Starved(), time.time()
     device.power()
     device.on()
-    began = wait_for(lambda: device.network.lidar_talks(device.child), 10, f"{name} starts") and time.time()
-    came_back(name, on, began, starved, "half-open")
+    came_back(name, on, device.talks(), starved, "half-open")
 
 
 def dead_cable(device, pause):
     """The device keeps its power, and takes no second client: for it the connection stands as long as it likes to wait."""
     name, address = device.name, ADDRESSES[device.name]
     nobody = ("lladdr", "02:00:00:00:00:99", "nud", "permanent")
-    well(name)
+    well("sensor " + name)
     device.network.host("neighbour", "replace", address, "dev", "lidar0", *nobody)
     device.network.lidars("neighbour", "replace", "192.168.1.100", "dev", "dev-lidar0", *nobody)
     time.sleep(pause)
@@ -156,26 +139,26 @@ def says(name, text, what, limit=5):
     print("    " + item("sensor " + name)["message"])
 
 
-def host_causes(network, tmp, roof):
-    well("roof")
+def host_causes(network, roof):
+    well("sensor roof")
     network.host("link", "set", "lidar0", "down")
     says("roof", "lidar0 (192.168.1.100/24) is switched off; switch it on: `ip link set lidar0 up`", "an interface that is off")
     network.host("link", "set", "lidar0", "up")
-    well("roof")
+    well("sensor roof")
     network.lidars("link", "set", "dev-lidar0", "down")
     says("roof", "lidar0 (192.168.1.100/24) has no link", "a link that is down")
     network.lidars("link", "set", "dev-lidar0", "up")
     network.lidars("route", "replace", "default", "dev", "dev-lidar0")
-    well("roof")
+    well("sensor roof")
     network.host("address", "delete", "192.168.1.100/24", "dev", "lidar0")
     says("roof", "add one: `ip address add 192.168.1.100/24 dev lidar0`", "a missing address")
     network.host("address", "add", "192.168.1.100/24", "dev", "lidar0")
-    well("roof")
+    well("sensor roof")
     roof.off()
-    say_what_comes_instead(network, tmp)
+    say_what_comes_instead(network)
 
 
-def flood(network, address, to, tmp):
+def flood(network, address, to):
     """Somebody sends what a VLP-16 sends to another place, until the test ends."""
     sender, stop = network.lidar(address, 4000), threading.Event()
 
@@ -190,14 +173,14 @@ def flood(network, address, to, tmp):
     return lambda: (stop.set(), thread.join(), sender.close())
 
 
-def say_what_comes_instead(network, tmp):
+def say_what_comes_instead(network):
     says("roof", "next to nothing comes in at lidar0", "that nothing comes in", 12)
-    end = flood(network, "192.168.1.201", ("192.168.1.100", 2400), tmp)
+    end = flood(network, "192.168.1.201", ("192.168.1.100", 2400))
     says("roof", "come to ports of this host where nobody listens; does the sensor send to another port than 2368?", "another port", 12)
     end()
     # A neighbour's address with this host's hardware: the packets come in and are for nobody.
     network.lidars("neigh", "replace", "192.168.1.77", "lladdr", network.mac("lidar0"), "dev", "dev-lidar0")
-    end = flood(network, "192.168.1.201", ("192.168.1.77", 2368), tmp)
+    end = flood(network, "192.168.1.201", ("192.168.1.77", 2368))
     says("roof", "come in for an address that this host does not have; does the sensor send elsewhere?", "packets for somebody else", 12)
     end()
     network.plug(host="10.1.1.1/24", lidars=("10.1.1.2/24",), name="lidar1")
@@ -207,11 +190,11 @@ def say_what_comes_instead(network, tmp):
     network.lidars("address", "add", "192.168.1.201/24", "dev", "dev-lidar1")
     network.lidars("route", "add", "192.168.1.100/32", "dev", "dev-lidar1")
     network.lidars("neigh", "replace", "192.168.1.100", "lladdr", network.mac("lidar1"), "dev", "dev-lidar1")
-    end = flood(network, "192.168.1.201", ("192.168.1.100", 2368), tmp)
+    end = flood(network, "192.168.1.201", ("192.168.1.100", 2368))
     says("roof", "the reverse path filter of this host drops", "the reverse path filter", 12)
     end()
     network.lidars("route", "delete", "192.168.1.100/32", "dev", "dev-lidar1")
-    end = flood(network, "192.168.1.10", ("192.168.1.100", 2368), tmp)
+    end = flood(network, "192.168.1.10", ("192.168.1.100", 2368))
     says("roof", "but there are packets from 192.168.1.10 -> port 2368", "another sender", 12)
     end()
 
@@ -251,7 +234,7 @@ def taken_port(tmp):
 
 @contextlib.contextmanager
 def daemon(tmp):
-    with (tmp / "log").open("a") as log, process([LIDARD, "run", "-c", tmp / "c.yaml"], stdout=log, stderr=subprocess.STDOUT) as child:
+    with started_daemon(write(tmp / "c.yaml", CONFIG)) as child:
         wait_for(lambda: ask("status"), 20, "the daemon answers")
         yield child
 
@@ -260,20 +243,19 @@ def main():
     network = Network()
     use_master_at(free_port())
     with folder() as tmp:
-        (tmp / "c.yaml").write_text(CONFIG)
         network.plug(lidars=[a + "/24" for a in ADDRESSES.values()])
         taken_port(tmp)
         lidars = [Device(network, tmp, name) for name in SCENES]
         with daemon(tmp) as child:
             for device in lidars:
                 device.on()
-                well(device.name)
+                well("sensor " + device.name)
                 time.sleep(1)  # in the first second silence says nothing
                 silence(device, 6, "silent for 6 s")
                 if device.name == "front":
                     silence(device, 60, "silent for 60 s")
                 if device.name in ("left", "right"):
-                    well(device.name)
+                    well("sensor " + device.name)
                     half_open(device)
                     dead_cable(device, 10)
                     dead_cable(device, 25)
@@ -281,7 +263,7 @@ def main():
             roof = lidars[0]
             roof.on()
             two_devices(network)
-            host_causes(network, tmp, roof)
+            host_causes(network, roof)
             expect(child.poll() is None, "the daemon lives")
     print("ok")
 

@@ -1,12 +1,12 @@
 #!/usr/bin/python3
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Two safety scanners, two picoScans and a multiScan, whose datagrams are large, send to one UDP port; each is told by its
+"""Two safety scanners, two picoScans and a multiScan, whose datagrams are large, send to one UDP port; each is known by its
 sender, and a sixth that nobody configured is named on /diagnostics. The same live and in replay."""
-import subprocess
-
 import rosbag
-from harness import LIDARD, LIDARD_SIM, expect, folder, free_port, process, ros_master, run, use_master_at, wait_for
+from harness import daemon, expect, free_port, make_capture, run, sim, wait_for, write
+from ros_tools import Diagnostics, Listener, ros_test
+from sensor_msgs.msg import LaserScan, PointCloud2
 
 SCENE = """\
 start: 2026-01-01T00:00:00Z
@@ -48,55 +48,42 @@ def check_items(items, net):
 
 
 def replay(tmp):
-    (tmp / "scene.yaml").write_text(SCENE.format(port=6060, duration=2))
-    (tmp / "replay.yaml").write_text(CONFIG.format(port=6060, net=192))
-    subprocess.run([LIDARD_SIM, "make", tmp / "scene.yaml", "-o", tmp / "four", "--no-truth"], check=True, stdout=subprocess.DEVNULL)
-    done = run("replay", "-c", tmp / "replay.yaml", "--pcap", tmp / "four.pcap", "--rate", "max", "--bag", tmp / "four.bag")
+    config, bag = write(tmp / "replay.yaml", CONFIG.format(port=6060, net=192)), tmp / "five.bag"
+    capture = make_capture(tmp / "five", SCENE.format(port=6060, duration=2))
+    done = run("replay", "-c", config, "--pcap", capture, "--rate", "max", "--bag", bag)
     expect(done.returncode == 0, done.stderr)
     counts, items = {}, {}
-    with rosbag.Bag(str(tmp / "four.bag")) as bag:
-        for topic, message, _ in bag.read_messages():
+    with rosbag.Bag(str(bag)) as messages:
+        for topic, message, _ in messages.read_messages():
             counts[topic] = counts.get(topic, 0) + 1
             if topic == "/diagnostics":
                 items.update((status.name.split(": ")[-1], status) for status in message.status)
     for name, period in PERIODS.items():
-        expected = 2 / period
-        expect(abs(counts.get(TOPICS[name], 0) - expected) <= 2, f"{counts.get(TOPICS[name])} frames of {name}")
+        expect(abs(counts.get(TOPICS[name], 0) - 2 / period) <= 2, f"{counts.get(TOPICS[name])} frames of {name}")
     check_items(items, 192)
 
 
 def live(tmp):
-    import rospy
-    from diagnostic_msgs.msg import DiagnosticArray
-    from sensor_msgs.msg import LaserScan, PointCloud2
-
-    master, port = free_port(), free_port()
-    use_master_at(master)
-    (tmp / "live_scene.yaml").write_text(SCENE.format(port=port, duration=60))
-    (tmp / "live.yaml").write_text(CONFIG.format(port=port, net=127))
-    with ros_master(master):
-        rospy.init_node("listener", disable_signals=True, anonymous=True)
-        got, items = {name: [] for name in SERIALS}, {}
-        for name, scans in got.items():
-            rospy.Subscriber(TOPICS[name], PointCloud2 if name == "dome" else LaserScan, scans.append, queue_size=1000)
-        rospy.Subscriber("/diagnostics", DiagnosticArray,
-                         lambda array: items.update((status.name.split(": ")[-1], status) for status in array.status), queue_size=100)
-        with process([LIDARD, "run", "-c", tmp / "live.yaml"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL):
-            wait_for(lambda: "sensor left" in items, 20, "diagnostics")
-            with process([LIDARD_SIM, "live", tmp / "live_scene.yaml"], stdout=subprocess.DEVNULL):
-                wait_for(lambda: all(len(scans) > 60 for scans in got.values()), 30, "frames of all five")
-                wait_for(lambda: items["sensor left"].hardware_id == "21", 5, "a status with the serial number")
-                # The kernel drops most of a stranger's packets unseen; a few of them are enough.
-                wait_for(lambda: any("127.168.0.99" in item.message + str(item.values) for item in list(items.values())), 30,
-                         "a status that names the stranger")
-                check_items(items, 127)
-    expect(all(cloud.width * cloud.height > 100 for cloud in got.pop("dome")), "clouds have points")
-    for name, scans in got.items():
-        expect({len(scan.ranges) for scan in scans} == {len(scans[0].ranges)}, f"{name}: the number of beams changes")
+    port = free_port()
+    scene = write(tmp / "live_scene.yaml", SCENE.format(port=port, duration=60))
+    got = {name: Listener(TOPICS[name], PointCloud2 if name == "dome" else LaserScan) for name in SERIALS}
+    items = Diagnostics().items
+    with daemon(write(tmp / "live.yaml", CONFIG.format(port=port, net=127))):
+        wait_for(lambda: "sensor left" in items, 20, "diagnostics")
+        with sim(scene):
+            wait_for(lambda: all(len(one.messages) > 60 for one in got.values()), 30, "frames of all five")
+            wait_for(lambda: items["sensor left"].hardware_id == "21", 5, "a status with the serial number")
+            # The kernel drops most of a stranger's packets unseen; a few of them are enough.
+            wait_for(lambda: any("127.168.0.99" in item.message + str(item.values) for item in list(items.values())), 30,
+                     "a status that names the stranger")
+            check_items(items, 127)
+    expect(all(cloud.width * cloud.height > 100 for cloud in got.pop("dome").messages), "clouds have points")
+    for name, one in got.items():
+        expect(len({len(scan.ranges) for scan in one.messages}) == 1, f"{name}: the number of beams changes")
 
 
 def main():
-    with folder() as tmp:
+    with ros_test() as (tmp, _):
         replay(tmp)
         live(tmp)
     print("ok")

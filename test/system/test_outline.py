@@ -5,12 +5,12 @@
 too."""
 import signal
 import socket
-import sys
 
 import rosbag
 import rospy
 from geometry_msgs.msg import PolygonStamped
-from harness import LIDARD, ROOT, SCANNER_CONFIG, expect, folder, free_port, process, ros_master, run, use_master_at, wait_for
+from harness import ROOT, SCANNER_CONFIG, daemon, expect, free_port, run, wait_for, write
+from ros_tools import ros_test
 
 TRIANGLE = [[0.5, -1.0], [0.5, 1.0], [-4.25, 0.0]]
 SQUARE = [[1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]]
@@ -31,22 +31,22 @@ def check_live(tmp):
     port = free_port(socket.SOCK_DGRAM)
     file = tmp / "vehicle.yaml"
 
-    def write(outline):
+    def change(outline):
         shape = f", footprint: {outline}" if outline else ""
-        file.write_text(f"vehicle: {{base_frame: rig{shape}}}\n" + SCANNER_CONFIG.format(port=port))
+        write(file, f"vehicle: {{base_frame: rig{shape}}}\n" + SCANNER_CONFIG.format(port=port))
 
-    write(TRIANGLE)
-    with process([LIDARD, "run", "-c", file], stderr=open(tmp / "log", "wb")) as daemon:
+    change(TRIANGLE)
+    with daemon(file) as child:
         heard = []
         wait_for(is_published, 10, "the topic footprint")
         rospy.Subscriber("/footprint", PolygonStamped, heard.append)
         wait_for(lambda: heard, 10, "the outline")
         expect(corners(heard[0]) == TRIANGLE, str(heard[0]))
-        write(SQUARE)
-        daemon.send_signal(signal.SIGHUP)
+        change(SQUARE)
+        child.send_signal(signal.SIGHUP)
         wait_for(lambda: corners(heard[-1]) == SQUARE, 10, "the outline after a reload")
-        write(None)
-        daemon.send_signal(signal.SIGHUP)
+        change(None)
+        child.send_signal(signal.SIGHUP)
         wait_for(lambda: not is_published(), 10, "a vehicle without outline publishes none")
 
 
@@ -61,23 +61,17 @@ def check_bag(tmp):
 
 
 def check_name(tmp):
-    file = tmp / "twice.yaml"
-    file.write_text((ROOT / "config/demo.yaml").read_text().replace("scan_destination_topic: scan_multi", "scan_destination_topic: footprint"))
+    file = write(tmp / "twice.yaml", (ROOT / "config/demo.yaml").read_text().replace("scan_destination_topic: scan_multi", "scan_destination_topic: footprint"))
     done = run("check", file)
     expect(done.returncode == 78 and "would publish on footprint, the topic of vehicle.footprint" in done.stderr + done.stdout, done.stderr)
 
 
 def main():
-    port = free_port()
-    use_master_at(port)
-    with folder() as tmp, ros_master(port):
+    with ros_test() as (tmp, _):
         check_name(tmp)
         check_bag(tmp)
-        rospy.init_node("listener", anonymous=True, disable_signals=True)
         check_live(tmp)
-        rospy.signal_shutdown("done")
     print("ok")
-    sys.exit(0)
 
 
 if __name__ == "__main__":

@@ -1,11 +1,10 @@
 #!/usr/bin/python3
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Outputs that never come are told, by replay and decode, with the reason and exit 1; outputs that come have their rate."""
+"""Outputs that never come are reported, by replay and decode, with the reason and exit 1; outputs that come have their rate."""
 import re
-import struct
 
-from harness import ROOT, expect, folder, run
+from harness import FILE_HEAD, PAYLOAD, ROOT, expect, folder, records, run, source_of, write
 
 DEMO = ROOT / "pcaps/demo.pcap"
 FRONT = "front_left: {model: sick_microscan3, ip_address: 192.168.0.21, pose: {xyz: [0, 1, 0.35]}}"
@@ -18,9 +17,7 @@ BOTH = "merged_scans:\n  both: {laserscan_topics: [front_left, front_right], als
 
 
 def config(tmp, *sensors, outputs=""):
-    path = tmp / "config.yaml"
-    path.write_text("sensors:\n" + "".join(f"  {sensor}\n" for sensor in sensors) + outputs)
-    return path
+    return write(tmp / "config.yaml", "sensors:\n" + "".join(f"  {sensor}\n" for sensor in sensors) + outputs)
 
 
 def rows(text):
@@ -36,8 +33,8 @@ def replay(tmp, path, capture=DEMO, *options):
     return result.returncode, rows(result.stdout), result.stdout + result.stderr
 
 
-def expect_none(told, name, *words):
-    code, table, text = told
+def expect_none(replayed, name, *words):
+    code, table, text = replayed
     expect(code == 1, f"exit {code}, expected 1:\n{text}")
     expect(name in table, f"{name} is not in the table:\n{text}")
     messages, _, remark = table[name]
@@ -45,18 +42,11 @@ def expect_none(told, name, *words):
 
 
 def first_packets(capture, count, sender):
-    """The bytes of a capture (pcap, Ethernet, microseconds or nanoseconds) with only so many packets of a sender."""
+    """The bytes of a capture with only so many packets of a sender."""
     data = capture.read_bytes()
-    out, at, kept = [data[:24]], 24, 0
-    while at < len(data) and kept < count:
-        length = struct.unpack("<I", data[at + 8:at + 12])[0]
-        record = data[at:at + 16 + length]
-        at += 16 + length
-        if record[16 + 26:16 + 30] == bytes(int(part) for part in sender.split(".")):
-            out.append(record)
-            kept += 1
-    expect(kept == count, f"{capture} has only {kept} packets of {sender}")
-    return b"".join(out)
+    kept = [record for record in records(data) if source_of(record) == sender][:count]
+    expect(len(kept) == count, f"{capture} has only {len(kept)} packets of {sender}")
+    return data[:FILE_HEAD] + b"".join(kept)
 
 
 def all_well(tmp):
@@ -81,16 +71,16 @@ def reasons(tmp):
     expect_none(replay(tmp, config(tmp, FRONT, REAR, outputs="merged_scans: {one: {laserscan_topics: rear}}\n")), "one",
                 "source rear gave no scans", "/rear/scan")
     frames = "virtual_scans: {levels: {cloud_topic: roof, virtual_laser_scan: [low, high], poses: {low: {xyz: [0, 0, 1]}}}}\n"
-    told = replay(tmp, config(tmp, ROOF, outputs=frames))
-    expect_none(told, "high", "pose of high")
-    expect(told[1]["low"][0] > 10, f"the other frame comes: {told}")
+    replayed = replay(tmp, config(tmp, ROOF, outputs=frames))
+    expect_none(replayed, "high", "pose of high")
+    expect(replayed[1]["low"][0] > 10, f"the other frame comes: {replayed}")
     wrong = ROOF.replace("vlp16", "vls128")
     expect_none(replay(tmp, config(tmp, wrong)), "roof/points", "no packet could be used", "VLS-128")
     expect_none(replay(tmp, config(tmp, ROOF), DEMO, "--duration", "0.04"), "roof/points", "only about 0.4 of a frame")
 
 
 def without_a_source(tmp):
-    """An output that comes without one of its sources is told, but no failure."""
+    """An output that comes without one of its sources is reported, but no failure."""
     code, table, text = replay(tmp, config(tmp, FRONT, REAR, outputs="merged_scans: {one: {laserscan_topics: [front_left, rear]}}\n"))
     expect(code == 0 and table["one"][0] > 50, text)
     expect("source rear gave no scans" in table["one"][2] and "none" not in table["one"][2], f"{table}")
@@ -98,10 +88,10 @@ def without_a_source(tmp):
 
 def without_returns(capture):
     """The packets of a VLP-16 with every distance 0."""
-    data, record = bytearray(capture), 16 + 42 + 1206
-    for packet in range(24, len(data), record):
+    data = bytearray(capture)
+    for packet in range(FILE_HEAD, len(data), PAYLOAD + 1206):
         for block in range(12):
-            begin = packet + 16 + 42 + 100 * block + 4
+            begin = packet + PAYLOAD + 100 * block + 4
             for channel in range(32):
                 data[begin + 3 * channel:begin + 3 * channel + 2] = b"\0\0"
     return bytes(data)

@@ -9,22 +9,16 @@ descriptors do not grow, every lost packet is counted, every fault is an event o
                                as ctest does
 """
 import collections
-import os
-import pathlib
-import random
-import re
 import signal
-import subprocess
 import sys
 import threading
 import time
 
-from harness import LIDARD, Starved, expect, folder, free_port, process, ros_master, use_master_at, wait_for
-from network import Network, ask, figure, item, recorded
+from harness import (Clock, Now, Starved, ask, daemon, descriptors, expect, figure, folder, free_port, item, kilobytes, ros_master,
+                     scene_of, use_master_at, wait_for, well)
+from network import Network, recorded
 import test_network_silence as lidars
-from test_clock_step import Clock
 
-SHIM = os.environ["LIDARD_CLOCK_SHIM"]
 MORE = {"rear": ("velodyne_vlp16", "192.168.1.202", 2369), "side": ("velodyne_hdl32e", "192.168.1.203", 2370),
         "back": ("sick_microscan3", "192.168.1.22", 6061), "low": ("sick_microscan3", "192.168.1.23", 6062)}
 CONFIG = lidars.CONFIG + "".join(
@@ -44,42 +38,47 @@ class Roof:
     """The VLP-16 whose packets somebody else spoils on their way; knows what it did not send."""
 
     def __init__(self, network, tmp):
-        scene = re.sub(r"duration: \d+", "duration: 20", lidars.ROOM) + f"  roof: {lidars.SCENES['roof']}\n"
+        scene = scene_of({"roof": lidars.SCENES["roof"]}, seconds=20)
         self.payloads = [payload for _, _, port, payload in recorded(tmp, scene) if port == 2368]
         self.period = 1 / 753.5
-        self.sender, self.dice, self.stop = network.lidar(lidars.ADDRESSES["roof"]), random.Random(5), threading.Event()
-        self.lost, self.sent, self.spoil = 0, 0, False
+        self.sender, self.stop = network.lidar(lidars.ADDRESSES["roof"]), threading.Event()
+        self.lost, self.sent, self.spoil, self.us = 0, 0, False, 0
         self.thread = threading.Thread(target=self.run, daemon=True)
 
+    def stamped(self, number):
+        """The payload of packet `number`. Stamps go on where the recording begins again."""
+        count = len(self.payloads)
+        payload = bytearray(self.payloads[number % count])
+        if number % count == 0 and number > 0:
+            self.us += int(1e6 * self.period)
+        elif number > 0:
+            before = int.from_bytes(self.payloads[(number - 1) % count][1200:1204], "little")
+            self.us += (int.from_bytes(payload[1200:1204], "little") - before) % 3_600_000_000
+        payload[1200:1204] = (self.us % 3_600_000_000).to_bytes(4, "little")
+        return payload
+
     def run(self):
-        due, number, us = time.monotonic(), 0, 0
-        held = None
+        due, number, held = time.monotonic(), 0, None
         while not self.stop.is_set():
             now = time.monotonic()
             if now < due:
                 time.sleep(min(0.004, due - now))
                 continue
             due += self.period
-            payload = bytearray(self.payloads[number % len(self.payloads)])
-            # The stamps of packets go on where the recording begins again.
-            if number % len(self.payloads) == 0 and number > 0:
-                us += int(1e6 * self.period)
-            elif number > 0:
-                a = int.from_bytes(self.payloads[(number - 1) % len(self.payloads)][1200:1204], "little")
-                us += (int.from_bytes(payload[1200:1204], "little") - a) % 3_600_000_000
-            payload[1200:1204] = (us % 3_600_000_000).to_bytes(4, "little")
+            payload = self.stamped(number)
             number += 1
-            if self.spoil and number % LOST["every"] < LOST["bursts"]:
+            place = number % LOST["every"] if self.spoil else None
+            if place is not None and place < LOST["bursts"]:
                 self.lost += 1
                 continue
-            if self.spoil and number % LOST["every"] == 250:
+            if place == 250:
                 held = bytes(payload)  # comes after the next one
                 continue
             self.send(payload)
             if held:
                 self.send(held)
                 held = None
-            if self.spoil and number % LOST["every"] == 400:
+            if place == 400:
                 self.send(payload)
 
     def send(self, payload):
@@ -90,22 +89,12 @@ class Roof:
             pass  # there is no cable
 
 
-class Now:
-    """A text that is made when it is shown."""
-
-    def __init__(self, text):
-        self.text = text
-
-    def __str__(self):
-        return self.text()
-
-
 class Vehicle:
     def __init__(self, network, tmp):
         self.network, self.tmp, self.port = network, tmp, free_port()
         self.file = tmp / "c.yaml"
         self.file.write_text(CONFIG)
-        lidars.SCENES.update({name: f"{{model: {model}, from: '{address}:{2368 if 'velodyne' in model else 6060}', to: '192.168.1.100:{port}'}}"
+        lidars.SCENES.update({name: f"model: {model}, from: '{address}:{2368 if 'velodyne' in model else 6060}', to: '192.168.1.100:{port}'"
                               for name, (model, address, port) in MORE.items()})
         lidars.ADDRESSES.update({name: address for name, (_, address, _) in MORE.items()})
         self.plug()
@@ -115,15 +104,10 @@ class Vehicle:
     def plug(self):
         self.network.plug(lidars=[address + "/24" for address in lidars.ADDRESSES.values()])
 
-    def start_lidars(self):
-        for name in lidars.SCENES:
-            if name == "roof":
-                continue
-            device = lidars.Device(self.network, self.tmp, name)
-            command = [lidars.LIDARD_SIM, "live", str(device.scene)]
-            if name not in ("left", "right"):
-                command.append(f"--source-map={lidars.ADDRESSES[name]}={lidars.ADDRESSES[name]}")
-            self.network.start_lidar(command)
+    def start_lidars(self, seconds):
+        for name, keys in lidars.SCENES.items():
+            if name != "roof":
+                self.network.start_sim(self.tmp, name, keys, seconds)
 
     def all_well(self, limit=30):
         def ill():
@@ -144,83 +128,87 @@ def all_events(source):
     return levels
 
 
-def resources(daemon):
-    status = pathlib.Path(f"/proc/{daemon.pid}/status").read_text()
-    return int(re.search(r"VmRSS:\s+(\d+)", status)[1]), len(list(pathlib.Path(f"/proc/{daemon.pid}/fd").iterdir()))
+def resources(child):
+    return kilobytes(child.pid, "VmRSS"), descriptors(child.pid)
 
 
-def one_round(vehicle, daemon, roof, number):
+def one_round(vehicle, child, roof, number):
     """One of each fault, and time between them in which all is well again."""
     roof.spoil = True
-    time.sleep(4)
+    time.sleep(4)  # six bursts
     roof.spoil = False
     vehicle.faults["clock"] += 1
     vehicle.clock.set_by((-1) ** number * (1.013 if number % 3 else 3600))
-    time.sleep(1)
+    time.sleep(1)  # two faults, not one
     vehicle.network.unplug()
-    time.sleep(4)
+    time.sleep(4)  # silence becomes an ERROR after 3 s
     vehicle.plug()
     vehicle.faults["cable"] += 1
     vehicle.all_well()
     vehicle.file.write_text(CONFIG + (OTHER if number % 2 == 0 else ""))
-    daemon.send_signal(signal.SIGHUP)
+    child.send_signal(signal.SIGHUP)
     vehicle.faults["reload"] += 1
     wait_for(lambda: int(figure("configuration", "Reloads")) == vehicle.faults["reload"], 10, "the reload")
     vehicle.all_well()
 
 
+class Counts:
+    """What the daemon counts of the roof, and the events, since this was made."""
+
+    def __init__(self, roof):
+        self.roof, self.spoiled = roof, roof.lost
+        self.lost, self.drops, self.events = int(figure("sensor roof", "Lost packets")), int(figure("port 2368", "Kernel drops")), all_events("sensor roof")
+
+    def check(self, number, begin, rss, open_files):
+        counted = int(figure("sensor roof", "Lost packets")) - self.lost
+        dropped = int(figure("port 2368", "Kernel drops")) - self.drops
+        left_out, events = self.roof.lost - self.spoiled, all_events("sensor roof") - self.events
+        print(f"round {number} after {time.monotonic() - begin:.0f} s: {rss} kB, {open_files} descriptors, left out {left_out}, "
+              f"counted {counted}, dropped by the kernel {dropped}; events of the roof {dict(events)}", flush=True)
+        # What the cable did not carry is counted too; nothing that was left out is forgotten.
+        expect(counted >= left_out, f"{left_out} packets were left out, {counted} counted")
+        expect(events["ERROR"] == 1, f"the unplugged cable is one ERROR of the roof: {events}")
+
+
 def main():
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 30
     network = Network()
-    lidars.ROOM = lidars.ROOM.replace("duration: 600", f"duration: {seconds + 600:.0f}")
     with folder() as tmp:
-        os.environ["LIDARD_SOCKET"] = str(tmp / "control")
         vehicle = Vehicle(network, tmp)
         use_master_at(vehicle.port)
-        roof = Roof(network, tmp)
-        environment = {**os.environ, "LD_PRELOAD": SHIM, "LIDARD_TEST_CLOCK": str(tmp / "clock")}
-        starved = Starved()
-        with (tmp / "log").open("w") as log, process([LIDARD, "run", "-c", vehicle.file], env=environment, stdout=log, stderr=subprocess.STDOUT) as daemon:
-            vehicle.start_lidars()
+        roof, starved = Roof(network, tmp), Starved()
+        with daemon(vehicle.file, env=vehicle.clock.environment) as child:
+            vehicle.start_lidars(seconds + 600)
             roof.thread.start()
             begin, rounds, warm = time.monotonic(), 0, None
             # Every second round has virtual scans: compared is what is alike.
             while time.monotonic() - begin < seconds or rounds < 4 or rounds % 2:
                 with ros_master(vehicle.port):
                     vehicle.faults["master"] += 1
-                    wait_for(lambda: item("ROS") and item("ROS")["level"] == "OK", 20, "the daemon comes to ROS")
+                    well("ROS")
                     vehicle.all_well()
-                    lost = int(figure("sensor roof", "Lost packets"))
-                    drops = int(figure("port 2368", "Kernel drops"))
-                    spoiled, before = roof.lost, all_events("sensor roof")
-                    one_round(vehicle, daemon, roof, rounds)
-                    counted = int(figure("sensor roof", "Lost packets")) - lost
-                    dropped = int(figure("port 2368", "Kernel drops")) - drops
-                    events = all_events("sensor roof") - before
-                rounds += 1
-                rss, descriptors = resources(daemon)
+                    counts = Counts(roof)
+                    one_round(vehicle, child, roof, rounds)
+                    rounds += 1
+                    now = resources(child)
+                    counts.check(rounds, begin, *now)
                 # The heap finds its size within the first fifth of the time.
                 if rounds % 2 == 0 and (warm is None or time.monotonic() - begin < seconds / 5):
-                    warm = rss, descriptors
-                print(f"round {rounds} after {time.monotonic() - begin:.0f} s: {rss} kB, {descriptors} descriptors, left out {roof.lost - spoiled}, "
-                      f"counted {counted}, dropped by the kernel {dropped}; events of the roof {dict(events)}", flush=True)
-                # What the cable did not carry is counted too; nothing that was left out is forgotten.
-                expect(counted >= roof.lost - spoiled, f"{roof.lost - spoiled} packets were left out, {counted} counted")
-                expect(events["ERROR"] == 1, f"the unplugged cable is one ERROR of the roof: {events}")
-            check_end(vehicle, daemon, warm, LARGEST_GROWTH if seconds >= 600 else SHORT_GROWTH)
+                    warm = now
+            check_end(vehicle, child, warm, LARGEST_GROWTH if seconds >= 600 else SHORT_GROWTH)
             roof.stop.set()
         print(f"starved for {starved.seconds():.1f} s; ok")
 
 
-def check_end(vehicle, daemon, warm, most):
-    rss, descriptors = resources(daemon)
-    print(f"grown by {rss - warm[0]} kB and {descriptors - warm[1]} descriptors since it was warm; faults {vehicle.faults}")
+def check_end(vehicle, child, warm, most):
+    rss, open_files = resources(child)
+    print(f"grown by {rss - warm[0]} kB and {open_files - warm[1]} descriptors since it was warm; faults {vehicle.faults}")
     expect(rss - warm[0] <= most, f"memory grows: {warm[0]} kB, then {rss}, by more than {most} kB")
-    expect(descriptors - warm[1] <= 2, f"descriptors: {warm[1]}, then {descriptors}")
+    expect(open_files - warm[1] <= 2, f"descriptors: {warm[1]}, then {open_files}")
     steps = all_events("clock")["WARN"]
     expect(steps == vehicle.faults["clock"], f"{vehicle.faults['clock']} steps of the clock, {steps} events")
     expect(item("clock")["values"]["Steps"] == str(vehicle.faults["clock"]), str(item("clock")))
-    expect(daemon.poll() is None, "the daemon lives")
+    expect(child.poll() is None, "the daemon lives")
 
 
 if __name__ == "__main__":

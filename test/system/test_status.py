@@ -7,12 +7,9 @@ import datetime
 import json
 import os
 import re
-import subprocess
 import time
 
-from harness import LIDARD, LIDARD_SIM, SCANNER_CONFIG, SCANNER_SCENE, expect, folder, free_port, process, ros_master, run, use_master_at, wait_for
-
-SIM = [LIDARD_SIM, "live"]
+from harness import SCANNER_CONFIG, SCANNER_SCENE, daemon, expect, folder, free_port, ros_master, run, sim, use_master_at, wait_for, write
 
 
 def ask(word, code=0):
@@ -56,18 +53,18 @@ def check_texts():
         expect(re.fullmatch(r'# (TYPE|HELP) .*|[a-z_]+(\{.*\})? [0-9.e+-]+', line), f"not as Prometheus reads it: {line}")
 
 
-def check_silence(tmp, silent_since):
+def check_silence(scene, silent_since):
     """The sensor ends: WARN, then ERROR, each once; then it is back."""
     wait_for(lambda: ("ERROR" in [level for level, _ in events_of("sensor front")]), 10, "an event for the silent sensor")
-    time.sleep(2)
+    time.sleep(2)  # a second one would come
     known = events_of("sensor front")
-    expect([level for level, _ in known].count("ERROR") == 1, f"told more than once: {known}")
+    expect([level for level, _ in known].count("ERROR") == 1, f"reported more than once: {known}")
     first = next(event for event in ask("events")["events"] if event["source"] == "sensor front")
     at = datetime.datetime.fromisoformat(first["at"].replace("Z", "+00:00")).timestamp()
     print(f"silence is an event {at - silent_since:.2f} s after it began: {first['text']}")
     expect(-0.1 < at - silent_since < 5, f"an event {at - silent_since:.2f} s after the silence began")
     expect(run("status").returncode == 1, "exit 1 while something is in error")
-    with process([*SIM, tmp / "scene.yaml"], stdout=subprocess.DEVNULL):
+    with sim(scene):
         wait_for(lambda: events_of("sensor front")[-1][0] == "OK", 10, "the event that it is back")
         levels = [level for level, _ in events_of("sensor front")]
         expect(levels.count("OK") == 1, f"{levels}")
@@ -78,18 +75,17 @@ def main():
     use_master_at(master)
     with folder() as tmp, ros_master(master):
         os.environ["LIDARD_SOCKET"] = str(tmp / "control")
-        (tmp / "scene.yaml").write_text(SCANNER_SCENE.format(port=port))
-        (tmp / "live.yaml").write_text(SCANNER_CONFIG.format(port=port))
+        scene, config = write(tmp / "scene.yaml", SCANNER_SCENE.format(port=port)), write(tmp / "live.yaml", SCANNER_CONFIG.format(port=port))
         check_without_daemon(tmp)
-        with process([LIDARD, "run", "-c", tmp / "live.yaml"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL):
-            with process([*SIM, tmp / "scene.yaml"], stdout=subprocess.DEVNULL) as simulator:
+        with daemon(config):
+            with sim(scene) as simulator:
                 wait_for(lambda: (tmp / "control").exists() and run("status").returncode == 0
                          and ask("status")["topics"][0]["frames"] > 60, 30, "scans")
                 check_well(ask("status"))
                 check_texts()
                 simulator.kill()
                 silent_since = time.time()
-            check_silence(tmp, silent_since)
+            check_silence(scene, silent_since)
         expect(not (tmp / "control").exists(), "the socket stays behind")
     print("ok")
 

@@ -15,10 +15,11 @@ import sys
 import tempfile
 import time
 
-from harness import LIDARD, LIDARD_SIM, ROOT, SCANNER_CONFIG, SCANNER_SCENE, SKIP, expect, process, wait_for
+from harness import LIDARD, LIDARD_SIM, ROOT, SCANNER_CONFIG, SCANNER_SCENE, SKIP, expect, process, wait_for, write
 
 PORT = 6060
 MASTER = "http://127.0.0.1:11311"
+WRONG = "sensors: {front: {model: sick_microscan4}}\n"
 SUBSCRIBER = """
 import sys, threading, time, rospy
 from sensor_msgs.msg import LaserScan
@@ -123,9 +124,9 @@ def prepare(root):
     """Configurations, a scene, and what plays the lidar and the ROS master."""
     (root / "etc/lidard").mkdir(exist_ok=True)
     text = SCANNER_CONFIG.format(port=PORT)
-    (root / "etc/lidard/lidard.yaml").write_text(text)
-    (root / "etc/lidard/rear.yaml").write_text(text.replace(str(PORT), str(PORT + 1)).replace("front", "rear"))
-    (root / "etc/lidard/broken.yaml").write_text("sensors: {front: {model: sick_microscan4}}\n")
+    write(root / "etc/lidard/lidard.yaml", text)
+    write(root / "etc/lidard/rear.yaml", text.replace(str(PORT), str(PORT + 1)).replace("front", "rear"))
+    write(root / "etc/lidard/broken.yaml", WRONG)
     (root / "etc/default").mkdir(exist_ok=True)
     (root / "etc/default/lidard").write_text(f"ROS_MASTER_URI={MASTER}\nROS_IP=127.0.0.1\n")
     (root / "etc/scene.yaml").write_text(SCANNER_SCENE.format(port=PORT))
@@ -253,8 +254,8 @@ def nodes(vehicle):
 def check_bad_configuration(vehicle):
     """It fails once, loudly, and is not tried again."""
     done = vehicle.systemctl("start", "lidard@broken")
-    expect(done.returncode != 0, "a wrong configuration was taken")
-    time.sleep(1)
+    expect(done.returncode != 0, "a wrong configuration was accepted")
+    time.sleep(1)  # a second try would come
     expect(vehicle.prop("lidard@broken", "NRestarts") == "0", "tried again")
     expect(vehicle.prop("lidard@broken", "ExecMainStatus") == "78", vehicle.prop("lidard@broken", "ExecMainStatus"))
     expect("broken.yaml:1" in journal(vehicle, "lidard@broken"), journal(vehicle, "lidard@broken"))
@@ -285,8 +286,8 @@ def check_reload(vehicle):
 
     reload(good + "merged_scans: {around: {laserscan_topics: [front], destination_frame: front, range_max: 20}}\n")
     seconds_to_data(vehicle, "/around")
-    reload("sensors: {front: {model: sick_microscan4}}\n")
-    wait_for(lambda: configuration_item(vehicle)["level"] == "ERROR", 5, "the wrong file is told")
+    reload(WRONG)
+    wait_for(lambda: configuration_item(vehicle)["level"] == "ERROR", 5, "the wrong file is reported")
     expect("lidard.yaml:1:" in journal(vehicle), journal(vehicle))
     expect(main_pid(vehicle) == process, "the same process goes on")
     seconds_to_data(vehicle)

@@ -4,16 +4,17 @@
 """The daemon has six threads beside those of roscpp, however many sensors, topics, transforms and dynamic_reconfigure servers it
 has to do with: before the master comes, with it, after the node was shut down from outside, and with a master that was restarted."""
 import pathlib
+import signal
 import socket
-import subprocess
 import time
 import xmlrpc.client
 
 import rosgraph
 import rospy
-from harness import LIDARD, LIDARD_SIM, SCANNER_SCENE, expect, folder, free_port, process, ros_master, use_master_at, wait_for
-from laser_tools import Listener, Talker, static_transforms, transform, wall_scan
+from harness import (LIDARD, SCANNER_SCENE, daemon, expect, expect_end, folder, free_port, ros_master, sim, thread_names, use_master_at,
+                     wait_for, write)
 from nav_msgs.msg import Odometry
+from ros_tools import Listener, Talker, static_transforms, transform, wall_scan
 
 CONFIG = """\
 vehicle: {{odometry_topic: /odom}}
@@ -36,52 +37,49 @@ CALLBACKS = ["lidard-callback"]
 ROSCPP = ["roscpp-callback", "roscpp-sockets", "roscpp-xmlrpc"]
 
 
-def names_of(daemon):
-    return sorted((task / "comm").read_text().strip() for task in pathlib.Path(f"/proc/{daemon.pid}/task").iterdir())
+def expect_threads(child, names, when):
+    wait_for(lambda: thread_names(child.pid) == sorted(names), 10, f"{when}: the threads {sorted(names)}, not {thread_names(child.pid)}")
+    time.sleep(2)  # and so it stays
+    expect(thread_names(child.pid) == sorted(names), f"{when}: {thread_names(child.pid)}")
+    print(f"{when}: {', '.join(thread_names(child.pid))}")
 
 
-def expect_threads(daemon, names, when):
-    wait_for(lambda: names_of(daemon) == sorted(names), 10, f"{when}: the threads {sorted(names)}, not {names_of(daemon)}")
-    time.sleep(2)
-    expect(names_of(daemon) == sorted(names), f"{when}: {names_of(daemon)}")
-    print(f"{when}: {', '.join(names_of(daemon))}")
+def check_with_master(child, scans, appeared):
+    wait_for(lambda: scans.messages, 10, "merged scans:\n" + child.said())
+    print(f"first scans {time.monotonic() - appeared:.1f} s after the master")
+    wait_for(lambda: len(scans.messages) > 20, 10, "merged scans:\n" + child.said())
+    expect_threads(child, OURS + CALLBACKS + ROSCPP, "with everything at work")
+    xmlrpc.client.ServerProxy(rosgraph.Master("/test").lookupNode("/lidard")).shutdown("/intruder", "go away")
+    wait_for(lambda: "starting again" in child.said(), 10, "it was shut down")
+    seen = len(scans.messages)
+    wait_for(lambda: len(scans.messages) > seen + 20, 20, "merged scans again:\n" + child.said())
+    expect_threads(child, OURS + CALLBACKS + ROSCPP, "after it was shut down from outside")
 
 
 def main():
     port, udp = free_port(), free_port(socket.SOCK_DGRAM)
     use_master_at(port)
     with folder() as tmp:
-        (tmp / "live.yaml").write_text(CONFIG.format(port=udp))
-        (tmp / "scene.yaml").write_text(SCANNER_SCENE.format(port=udp))
-        log = tmp / "log.txt"
-        with log.open("w") as sink, process([LIDARD, "run", "-c", tmp / "live.yaml"], stdout=sink, stderr=subprocess.STDOUT) as daemon, \
-                process([LIDARD_SIM, "live", tmp / "scene.yaml"], stdout=subprocess.DEVNULL):
-            wait_for(lambda: "no ROS master" in log.read_text(), 20, "it waits for the master")
-            expect_threads(daemon, OURS, "without a master")
+        config, scene = write(tmp / "live.yaml", CONFIG.format(port=udp)), write(tmp / "scene.yaml", SCANNER_SCENE.format(port=udp))
+        with daemon(config) as child, sim(scene):
+            wait_for(lambda: "no ROS master" in child.said(), 10, "the log says that there is no master")
+            expect_threads(child, OURS, "without a master")
             with ros_master(port):
+                appeared = time.monotonic()
                 rospy.init_node("listener", disable_signals=True, anonymous=True)
-                scans = Listener("/ab")
                 tf = static_transforms([transform("base_link", f"{name}_laser", (0, 0, 0)) for name in "abcd"])
                 talkers = [Talker(f"/{name}", wall_scan(f"{name}_laser", [3.0] * 200)) for name in "abcd"]
                 pose = Odometry(child_frame_id="base_link")
                 pose.pose.pose.orientation.w = 1
                 talkers.append(Talker("/odom", pose, 50))
-                wait_for(lambda: len(scans.messages) > 20, 20, "merged scans:\n" + log.read_text())
-                expect_threads(daemon, OURS + CALLBACKS + ROSCPP, "with everything at work")
-                server = xmlrpc.client.ServerProxy(rosgraph.Master("/test").lookupNode("/lidard"))
-                server.shutdown("/intruder", "go away")
-                wait_for(lambda: "starting again" in log.read_text(), 10, "it was shut down")
-                seen = len(scans.messages)
-                wait_for(lambda: len(scans.messages) > seen + 20, 20, "merged scans again:\n" + log.read_text())
-                expect_threads(daemon, OURS + CALLBACKS + ROSCPP, "after it was shut down from outside")
+                check_with_master(child, Listener("/ab"), appeared)
             with ros_master(port):
-                wait_for(lambda: "registered again" in log.read_text(), 20, "it registers again")
-                expect_threads(daemon, OURS + CALLBACKS + ROSCPP, "after the master was restarted")
+                wait_for(lambda: "registered again" in child.said(), 20, "it registers again")
+                expect_threads(child, OURS + CALLBACKS + ROSCPP, "after the master was restarted")
             for talker in talkers:
                 talker.running = False
             tf.unregister()
-            daemon.terminate()
-            expect(daemon.wait(20) == 0, "SIGTERM ends it with 0")
+            expect_end(child, signal.SIGTERM)
     print("ok")
 
 

@@ -3,20 +3,24 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """velodyne_node with parameters of ros-drivers/velodyne on a real master: clouds and scans come, live and of a capture."""
 import math
-import os
+import signal
 import socket
 import struct
 import subprocess
 import threading
 import xml.etree.ElementTree
-import xmlrpc.client
 
 import dynamic_reconfigure.client
 import rospy
 from geometry_msgs.msg import TransformStamped
-from harness import LIDARD, LIDARD_SIM, ROOT, expect, folder, free_port, process, ros_master, use_master_at, wait_for
+from harness import ROOT, expect, expect_end, folder, free_port, logged, named_program, ros_master, send_for_ever, use_master_at, wait_for
+from ros_tools import set_parameters
 from sensor_msgs.msg import LaserScan, PointCloud2
 from tf2_msgs.msg import TFMessage
+
+DEMO = str(ROOT / "pcaps/demo.pcap")
+# Of a capture that is played again and again.
+PLAYED = {"pcap": DEMO, "port": 2368, "repeat_delay": 0.1}
 
 
 class Topics:
@@ -71,13 +75,6 @@ def check_launch_files():
     return names
 
 
-def set_parameters(port, node, parameters):
-    master = xmlrpc.client.ServerProxy(f"http://127.0.0.1:{port}")
-    for name, value in parameters.items():
-        code, message, _ = master.setParam("/test", f"{node}/{name}", value)
-        expect(code == 1, message)
-
-
 def farthest(cloud):
     points = (struct.unpack_from("<fff", cloud.data, i * 22) for i in range(cloud.width * cloud.height))
     return max(math.hypot(*point) for point in points if math.isfinite(point[0]))
@@ -85,21 +82,21 @@ def farthest(cloud):
 
 def reconfigure(program, port, parameters, tmp):
     """The items of velodyne_pointcloud's nodes, while the capture plays: not a revolution is lost."""
-    topics, log = Topics("/live"), tmp / "live.txt"
-    set_parameters(port, "/live/velodyne", {**parameters, "pcap": str(ROOT / "pcaps/demo.pcap"), "port": 2368, "repeat_delay": 0.1})
-    with log.open("w") as sink, process([program, "__name:=velodyne", "__ns:=/live"], stdout=sink, stderr=subprocess.STDOUT):
-        wait_for(lambda: len(topics.clouds) > 3, 30, "clouds come:\n" + log.read_text())
+    topics = Topics("/live")
+    set_parameters(port, "/live/velodyne", {**parameters, **PLAYED})
+    with logged([program, "__name:=velodyne", "__ns:=/live"], tmp / "live.txt") as node:
+        wait_for(lambda: len(topics.clouds) > 3, 30, "clouds come:\n" + node.said())
         expect(farthest(topics.clouds[-1]) > 9, "a wall stands farther away than 9 m")
         server = dynamic_reconfigure.client.Client("/live/velodyne", timeout=20)
         items = server.get_configuration()
         expect(items["max_range"] == 130 and items["organize_cloud"] is False, f"values in force: {items}")
         changed = server.update_configuration({"max_range": 8.0, "organize_cloud": True})
-        expect(changed["max_range"] == 8 and changed["organize_cloud"] is True, f"taken: {changed}")
+        expect(changed["max_range"] == 8 and changed["organize_cloud"] is True, f"accepted: {changed}")
         wait_for(lambda: topics.clouds[-1].height > 1 and farthest(topics.clouds[-1]) <= 8.01, 10, "8 m, and organised")
         wait_for(lambda: rospy.get_param("/live/velodyne/max_range") == 8, 10, "the parameter server knows it")
         refused = server.update_configuration({"min_range": 9.0})
         expect(refused["min_range"] == 1 and refused["max_range"] == 8, f"what cannot be changes nothing: {refused}")
-        expect("max_range is not above min_range" in log.read_text(), log.read_text())
+        expect("max_range is not above min_range" in node.said(), node.said())
         server.close()
 
 
@@ -107,7 +104,7 @@ SPEED = 1000.0  # m/s; the room of the capture, 50 m wide, passes by within half
 MOUNT = 2.0  # m, of the lidar above base_link
 
 
-def tell_way(begin, stop):
+def publish_way(begin, stop):
     """base_link drives along x of odom; 50 poses per second."""
     tf = rospy.Publisher("/tf", TFMessage, queue_size=100)
     mount, step = TransformStamped(), TransformStamped()
@@ -136,82 +133,83 @@ def is_in_place(cloud, frame, begin):
 def frames(program, port, parameters, tmp):
     """fixed_frame and target_frame, as velodyne_pointcloud has them, with a real tf."""
     stop, begin = threading.Event(), rospy.Time.now().to_sec()
-    teller = threading.Thread(target=tell_way, args=(begin, stop))
-    teller.start()
+    publisher = threading.Thread(target=publish_way, args=(begin, stop))
+    publisher.start()
     try:
         for name, frame, given in (("a", "odom", {"fixed_frame": "odom"}),
                                    ("b", "base_link", {"fixed_frame": "odom", "target_frame": "base_link"})):
-            topics, log = Topics("/" + name), tmp / f"{name}.txt"
-            set_parameters(port, f"/{name}/velodyne", {**parameters, **given, "pcap": str(ROOT / "pcaps/demo.pcap"),
-                                                       "port": 2368, "repeat_delay": 0.1})
-            with log.open("w") as sink, process([program, "__name:=velodyne", f"__ns:=/{name}"], stdout=sink,
-                                                stderr=subprocess.STDOUT):
+            topics = Topics("/" + name)
+            set_parameters(port, f"/{name}/velodyne", {**parameters, **given, **PLAYED})
+            with logged([program, "__name:=velodyne", f"__ns:=/{name}"], tmp / f"{name}.txt") as node:
                 # On a starved machine poses may be late, and single clouds are not deskewed.
                 wait_for(lambda: sum(is_in_place(cloud, frame, begin) for cloud in topics.clouds) >= 5, 40,
-                         f"clouds in {frame}:\n" + log.read_text())
+                         f"clouds in {frame}:\n" + node.said())
     finally:
         stop.set()
-        teller.join()
+        publisher.join()
+
+
+PARAMETERS = {"model": "VLP16", "frame_id": "roof", "rpm": 600.0, "min_range": 1.0, "max_range": 130.0, "laserscan_ring": -1,
+              "laserscan_resolution": 0.007, "cut_angle": -0.01, "timestamp_first_packet": False, "device_ip": "", "pcap": "",
+              "calibration": ""}
+
+
+def live(program, port, data, tmp):
+    topics = Topics()
+    set_parameters(port, "/velodyne", {**PARAMETERS, "port": data})
+    with logged([program, "__name:=velodyne", "_max_range:=20.0"], tmp / "log.txt") as node:
+        wait_for(lambda: "ROS master found" in node.said(), 20, "it starts:\n" + node.said())
+        with send_for_ever(DEMO, {2368: data, 6060: free_port(socket.SOCK_DGRAM)}):
+            wait_for(lambda: len(topics.clouds) > 3 and len(topics.scans) > 3, 30, "velodyne_points and scan come:\n" + node.said())
+        complaints = [line for line in node.said().splitlines() if "no effect" in line and " info: " not in line]
+        expect(not complaints, "what stands at its default is no warning:\n" + "\n".join(complaints))
+        expect_end(node, signal.SIGTERM, 5)
+    for cloud in topics.clouds[:3]:
+        check_cloud(cloud)
+    for scan in topics.scans[:3]:
+        check_scan(scan)
+    expect(len(topics.packets) > 3, "packets come to whoever subscribes, as from velodyne_driver")
+
+
+def played(program, port, tmp):
+    topics = Topics("/car")
+    set_parameters(port, "/car/velodyne", {**PARAMETERS, **PLAYED, "max_range": 20.0})
+    with logged([program, "__name:=velodyne", "__ns:=/car"], tmp / "car.txt") as node:
+        wait_for(lambda: len(topics.clouds) > 6 and len(topics.scans) > 6 and len(topics.packets) > 6, 30,
+                 "the capture is played again and again:\n" + node.said())
+    kinds = {packets._connection_header["type"] for packets in topics.packets}
+    expect(kinds == {"velodyne_msgs/VelodyneScan"}, f"velodyne_packets: {kinds}")
+    age = rospy.Time.now().to_sec() - topics.clouds[-1].header.stamp.to_sec()
+    expect(0 <= age < 20, f"stamps are of now, {age} s old")
+
+
+def refusals(program, port):
+    set_parameters(port, "/checked", {"model": "VLP16", "pcap": "/nowhere.pcap",
+                                      **{n: v for n, v in check_launch_files() if n not in ("pcap", "model")}})
+    done = subprocess.run([program, "__name:=checked"], capture_output=True, text=True, timeout=20, check=False)
+    expect(done.returncode == 1 and "/nowhere.pcap" in done.stderr, f"a missing capture: {done}")
+    expect("not known" not in done.stdout + done.stderr, f"launch files set known parameters: {done}")
+    set_parameters(port, "/wrong", {"model": "VLP17"})
+    done = subprocess.run([program, "__name:=wrong"], capture_output=True, text=True, timeout=20, check=False)
+    expect(done.returncode == 78 and "expected one of VLP16" in done.stderr, f"a wrong model: {done}")
 
 
 def main():
-    port = free_port()
+    port, data = free_port(), free_port(socket.SOCK_DGRAM)
     use_master_at(port)
-    data, other = (free_port(socket.SOCK_DGRAM) for _ in range(2))
     with folder() as tmp:
-        program = tmp / "velodyne_node"
-        program.symlink_to(os.path.abspath(LIDARD))
+        program = named_program(tmp, "velodyne_node")
         code = subprocess.run([program, "nonsense"], capture_output=True, text=True, check=False)
         expect(code.returncode == 2 and "no parameter" in code.stderr, f"usage: {code}")
-        log = tmp / "log.txt"
-        with log.open("w") as sink, process([program, "__name:=velodyne", "_max_range:=20.0"], stdout=sink,
-                                            stderr=subprocess.STDOUT):
-            wait_for(lambda: "waiting for the ROS master" in log.read_text(), 10, "it waits for the master")
-        parameters = {"model": "VLP16", "port": data, "frame_id": "roof", "rpm": 600.0, "min_range": 1.0,
-                      "max_range": 130.0, "laserscan_ring": -1, "laserscan_resolution": 0.007, "cut_angle": -0.01,
-                      "timestamp_first_packet": False, "device_ip": "", "pcap": "", "calibration": ""}
+        with logged([program, "__name:=velodyne", "_max_range:=20.0"], tmp / "log.txt") as node:
+            wait_for(lambda: "waiting for the ROS master" in node.said(), 10, "it waits for the master")
         with ros_master(port):
             rospy.init_node("listener", disable_signals=True, anonymous=True)
-            live = Topics()
-            set_parameters(port, "/velodyne", parameters)
-            with log.open("w") as sink, process([program, "__name:=velodyne", "_max_range:=20.0"], stdout=sink,
-                                                stderr=subprocess.STDOUT) as node:
-                wait_for(lambda: "ROS master found" in log.read_text(), 20, "it starts:\n" + log.read_text())
-                with process(["/bin/sh", "-c", f"while :; do '{LIDARD_SIM}' send '{ROOT}/pcaps/demo.pcap' "
-                              f"--to 127.0.0.1 --port-map=2368={data} --port-map=6060={other}; done"], stdout=subprocess.DEVNULL,
-                             start_new_session=True):
-                    wait_for(lambda: len(live.clouds) > 3 and len(live.scans) > 3, 30,
-                             "velodyne_points and scan come:\n" + log.read_text())
-                complaints = [line for line in log.read_text().splitlines() if "no effect" in line and " info: " not in line]
-                expect(not complaints, "what stands at its default is no warning:\n" + "\n".join(complaints))
-                node.terminate()
-                expect(node.wait(5) == 0, "SIGTERM ends it with 0")
-            for cloud in live.clouds[:3]:
-                check_cloud(cloud)
-            for scan in live.scans[:3]:
-                check_scan(scan)
-            reconfigure(program, port, parameters, tmp)
-            frames(program, port, parameters, tmp)
-            replayed = Topics("/car")
-            set_parameters(port, "/car/velodyne", {**parameters, "pcap": str(ROOT / "pcaps/demo.pcap"), "port": 2368,
-                                                   "repeat_delay": 0.1, "max_range": 20.0})
-            with log.open("w") as sink, process([program, "__name:=velodyne", "__ns:=/car"], stdout=sink,
-                                                stderr=subprocess.STDOUT):
-                wait_for(lambda: len(replayed.clouds) > 6 and len(replayed.scans) > 6 and len(replayed.packets) > 6, 30,
-                         "the capture is played again and again:\n" + log.read_text())
-            expect(len(live.packets) > 3, "packets come to whoever subscribes, as from velodyne_driver")
-            kinds = {packets._connection_header["type"] for packets in replayed.packets}
-            expect(kinds == {"velodyne_msgs/VelodyneScan"}, f"velodyne_packets: {kinds}")
-            age = rospy.Time.now().to_sec() - replayed.clouds[-1].header.stamp.to_sec()
-            expect(0 <= age < 20, f"stamps are of now, {age} s old")
-            set_parameters(port, "/checked", {"model": "VLP16", "pcap": "/nowhere.pcap",
-                                              **{n: v for n, v in check_launch_files() if n not in ("pcap", "model")}})
-            done = subprocess.run([program, "__name:=checked"], capture_output=True, text=True, timeout=20, check=False)
-            expect(done.returncode == 1 and "/nowhere.pcap" in done.stderr, f"a missing capture: {done}")
-            expect("not known" not in done.stdout + done.stderr, f"launch files set known parameters: {done}")
-            set_parameters(port, "/wrong", {"model": "VLP17"})
-            done = subprocess.run([program, "__name:=wrong"], capture_output=True, text=True, timeout=20, check=False)
-            expect(done.returncode == 78 and "expected one of VLP16" in done.stderr, f"a wrong model: {done}")
+            live(program, port, data, tmp)
+            reconfigure(program, port, {**PARAMETERS, "port": data}, tmp)
+            frames(program, port, {**PARAMETERS, "port": data}, tmp)
+            played(program, port, tmp)
+            refusals(program, port)
     print("ok")
 
 

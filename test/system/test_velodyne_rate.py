@@ -13,22 +13,18 @@ import pathlib
 import re
 import signal
 import socket
-import subprocess
 import sys
 import time
 
 import rospy
-from harness import (LIDARD, LIDARD_SIM, expect, folder, free_port, kernel_port_is_open, process, ros_master,
-                     use_master_at, wait_for, waited_for_processor)
+from harness import (daemon, expect, expect_end, free_port, kernel_port_is_open, make_capture, scene_of, send, wait_for,
+                     waited_for_processor, write)
+from ros_tools import ros_test
 
-SCENE = """start: 2026-01-01T00:00:00Z
-duration: 1.0
-objects:
-  - box: {center: [1.3, -0.7, 0.4], size: [17, 12, 6.5], rpy_deg: [4, -3, 12], reflectivity: 0.5}
-  - cylinder: {center: [2.5, 1.1, 0], radius: 0.1, height: 4, reflectivity: 0.9}
-sensors:
-  roof: {model: velodyne_vls128, from: '192.168.1.201:2368', to: '192.168.1.77:2368', divergence_mrad: 3, options: {return_mode: dual}}
-"""
+SCENE = scene_of(
+    {"roof": "model: velodyne_vls128, from: '192.168.1.201:2368', to: '192.168.1.77:2368', divergence_mrad: 3, options: {return_mode: dual}"},
+    "box: {center: [1.3, -0.7, 0.4], size: [17, 12, 6.5], rpy_deg: [4, -3, 12], reflectivity: 0.5}",
+    "cylinder: {center: [2.5, 1.1, 0], radius: 0.1, height: 4, reflectivity: 0.9}", seconds=1)
 CONFIG = "sensors:\n  roof: {{model: velodyne_vls128, ip_address: 127.168.1.201, ip_port: {port}}}\n"
 
 
@@ -48,67 +44,52 @@ def kernel_drops(port):
     return 0
 
 
+def counts(log, sent_by):
+    """Packets sent, received, counted as lost; clouds; how late the sender was."""
+    found = re.search(r"roof \(velodyne_vls128\): (\d+) packets, (\d+) frames, (\d+) lost, rejected (.*)", log)
+    expect(found and found.group(4) == "0", log)
+    packets, frames, lost = (int(n) for n in found.group(1, 2, 3))
+    return int(re.search(r": (\d+) packets", sent_by).group(1)), packets, lost, frames, re.search(r"latest packet: (.*) behind", sent_by).group(1)
+
+
 def stream(name, capture, seconds, listen, tmp):
     port = free_port(socket.SOCK_DGRAM)
-    config = tmp / f"{name}.yaml"
-    config.write_text(CONFIG.format(port=port))
-    log_path = tmp / f"{name}.log"
     clouds = collections.Counter()
-
-    def count(message):
-        clouds["n"] += 1
-        clouds["bytes"] += len(message._buff)
-
-    subscriber = rospy.Subscriber("/roof/points", rospy.AnyMsg, count, queue_size=20, buff_size=1 << 24) if listen else None
-    with log_path.open("w") as log, process([LIDARD, "run", "-c", config], stdout=log, stderr=subprocess.STDOUT) as daemon:
+    subscriber = rospy.Subscriber("/roof/points", rospy.AnyMsg, lambda message: clouds.update(n=1, bytes=len(message._buff)),
+                                  queue_size=20, buff_size=1 << 24) if listen else None
+    with daemon(write(tmp / f"{name}.yaml", CONFIG.format(port=port))) as child:
         wait_for(lambda: kernel_port_is_open(port), 20, "the daemon listens")
         if listen:
             wait_for(lambda: subscriber.get_num_connections() > 0, 20, "the subscriber is connected")
-        time.sleep(0.5)
-        user, system = cpu_seconds(daemon.pid)
-        begin, waited = time.monotonic(), waited_for_processor(daemon.pid)
-        sender = subprocess.run([LIDARD_SIM, "send", str(capture), "--to", "127.0.0.1", f"--port-map=2368={port}",
-                                 f"--repeat={seconds}"], capture_output=True, text=True, timeout=seconds + 60)
+        time.sleep(0.5)  # its start is not measured
+        before = cpu_seconds(child.pid)
+        begin, waited = time.monotonic(), waited_for_processor(child.pid)
+        sent_by = send(capture, f"--port-map=2368={port}", f"--repeat={seconds}", timeout=seconds + 60)
         elapsed = time.monotonic() - begin
-        expect(sender.returncode == 0, sender.stderr)
-        time.sleep(0.5)
-        user, system = (b - a for a, b in zip((user, system), cpu_seconds(daemon.pid)))
-        drops = kernel_drops(port)
-        starved = waited_for_processor(daemon.pid) - waited
-        daemon.send_signal(signal.SIGTERM)
-        daemon.wait(20)
+        time.sleep(0.5)  # the last packets are read
+        user, system = (b - a for a, b in zip(before, cpu_seconds(child.pid)))
+        drops, starved = kernel_drops(port), waited_for_processor(child.pid) - waited
+        expect_end(child, signal.SIGTERM)
     if subscriber:
         subscriber.unregister()
-    text = log_path.read_text()
-    sent = int(re.search(r": (\d+) packets", sender.stdout).group(1))
-    found = re.search(r"roof \(velodyne_vls128\): (\d+) packets, (\d+) frames, (\d+) lost, rejected (.*)", text)
-    expect(found, text)
-    packets, frames, lost = (int(n) for n in found.group(1, 2, 3))
-    late = re.search(r"latest packet: (.*) behind", sender.stdout).group(1)
+    sent, packets, lost, frames, late = counts(child.said(), sent_by)
     print(f"{name}: {sent} packets in {elapsed:.1f} s ({sent / elapsed:.0f}/s, at most {late} late), {packets} received, "
           f"{lost} lost, {drops} dropped by the kernel, {frames} clouds; lidard used {100 * (user + system) / elapsed:.1f} % "
           f"of a core ({100 * user / elapsed:.1f} user, {100 * system / elapsed:.1f} system)"
           + (f"; subscriber got {clouds['n']} clouds, {clouds['bytes'] / elapsed / 1e6:.0f} MB/s" if listen else ""))
-    expect(found.group(4) == "0", text)
     if starved > 0.2 * elapsed:
         # What the kernel cannot keep while others have the processors is lost, and has to be counted.
         print(f"{name}: the daemon waited {starved:.1f} s of {elapsed:.1f} s for a processor")
         expect(packets + drops == sent and (lost > 0) == (drops > 0), f"{sent} sent, {packets} received, {drops} dropped, {lost} lost")
         return
-    expect(packets == sent and lost == 0 and drops == 0, f"packets were lost, starved {starved:.2f} s; log:\n{text}")
+    expect(packets == sent and lost == 0 and drops == 0, f"packets were lost, starved {starved:.2f} s; log:\n{child.said()}")
     expect(frames >= 10 * seconds - 2, f"{frames} clouds in {seconds} s at 10 turns per second")
 
 
 def main():
     seconds = int(sys.argv[1]) if len(sys.argv) > 1 else 5
-    master = free_port()
-    use_master_at(master)
-    with folder() as tmp, ros_master(master):
-        rospy.init_node("listener", disable_signals=True, anonymous=True)
-        scene = tmp / "scene.yaml"
-        scene.write_text(SCENE)
-        subprocess.run([LIDARD_SIM, "make", scene, "-o", tmp / "vls128", "--no-truth"], check=True, capture_output=True)
-        capture = tmp / "vls128.pcap"
+    with ros_test() as (tmp, _):
+        capture = make_capture(tmp / "vls128", SCENE)
         stream("nobody listens", capture, seconds, False, tmp)
         stream("a subscriber", capture, seconds, True, tmp)
     print("ok")

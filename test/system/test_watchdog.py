@@ -15,20 +15,21 @@ import time
 import xmlrpc.client
 
 import rosgraph
-import rospy
-from diagnostic_msgs.msg import DiagnosticArray
-from harness import (LIDARD, LIDARD_SIM, SCANNER_CONFIG, SCANNER_SCENE, expect, folder, free_port, process, ros_master,
-                     use_master_at, wait_for)
-from sensor_msgs.msg import LaserScan
+from harness import (LIBC, LIDARD_SIM, SCANNER_SCENE, daemon, expect, free_port, make_capture, process, sim, wait_for, write)
+from ros_tools import Diagnostics, Listener, ros_test
 
 LIMIT = 2.0  # WatchdogSec of config/lidard.service.in
 PTRACE_SEIZE, PTRACE_INTERRUPT, PTRACE_DETACH, WALL = 0x4206, 0x4207, 17, 0x40000000
-libc = ctypes.CDLL(None, use_errno=True)
-libc.ptrace.argtypes = [ctypes.c_long, ctypes.c_long, ctypes.c_void_p, ctypes.c_void_p]
+LIBC.ptrace.argtypes = [ctypes.c_long, ctypes.c_long, ctypes.c_void_p, ctypes.c_void_p]
+CONFIG = """\
+sensors:
+  front: {{model: sick_microscan3, ip_address: 127.168.0.21, ip_port: {port}, listen_only: true}}
+  roof: {{model: velodyne_vlp16, ip_port: {roof}}}
+"""
 
 
 def ptrace(request, thread):
-    if libc.ptrace(request, thread, None, None) != 0:
+    if LIBC.ptrace(request, thread, None, None) != 0:
         raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
 
 
@@ -45,7 +46,7 @@ def stopped(thread):
 
 
 class Manager:
-    """Hears what systemd would hear."""
+    """Receives what systemd would receive."""
 
     def __init__(self, path):
         self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
@@ -77,103 +78,106 @@ class Manager:
         expect(gap < LIMIT, f"{when}: not fed for {gap:.2f} s")
 
 
-def thread_of(daemon, name):
+def thread_of(child, name):
     """The id of the thread of that name; of the daemon's first thread, which receives, without a name."""
     if name is None:
-        return daemon.pid
-    for task in pathlib.Path(f"/proc/{daemon.pid}/task").iterdir():
+        return child.pid
+    for task in pathlib.Path(f"/proc/{child.pid}/task").iterdir():
         if (task / "comm").read_text().strip() == name:
             return int(task.name)
     return None
 
 
-def items_of(states):
-    return {status.name.split(": ")[-1]: status for status in states}
+THREADS = (None, "lidard-clouds", "lidard-master", "lidard-ros", "lidard-roscloud", "lidard-callback", "roscpp-sockets", "roscpp-xmlrpc",
+           "roscpp-callback")
 
 
-def stop_each(daemon, manager, newest):
-    for name in (None, "lidard-clouds", "lidard-master", "lidard-ros", "lidard-roscloud", "lidard-callback", "roscpp-sockets", "roscpp-xmlrpc", "roscpp-callback"):
-        thread = wait_for(lambda name=name: thread_of(daemon, name), 5, f"a thread {name}")
+def check_states(name, diagnostics):
+    """What /diagnostics says while that thread stands."""
+    if name is None:
+        wait_for(lambda: diagnostics.level("sensor front") == 2, 3, "the sensor's state is an ERROR")
+        text = diagnostics.message("sensor front")
+        expect("no report from the sensor thread for" in text, text)
+        print(f"sensor front: {text}")
+    if name == "lidard-clouds":
+        wait_for(lambda: "no report from the sensor thread for" in diagnostics.message("sensor roof"), 3, "the clouds' state is old")
+        expect(diagnostics.level("sensor front") == 0, "the planar scanner is well")
+    if name in ("lidard-ros", "lidard-roscloud"):
+        wait_for(lambda: diagnostics.level("ROS") == 2, 3, "the state of ROS is an ERROR")
+        print(f"ROS: {diagnostics.message('ROS')}")
+
+
+def stop_each(child, manager, diagnostics):
+    for name in THREADS:
+        thread = wait_for(lambda name=name: thread_of(child, name), 5, f"a thread {name}")
         with stopped(thread):
-            # What the thread did before it was stopped may still be told.
+            # What the thread did before it was stopped may still be reported.
             manager.listen(0.3)
             fed = manager.listen(LIMIT + 0.2)
             expect(not fed, f"fed {len(fed)} times although {name or 'the sensor thread'} stands")
-            if name is None:
-                wait_for(lambda: newest["sensor front"].level == 2, 3, "the sensor's state is an ERROR")
-                expect("no report from the sensor thread for" in newest["sensor front"].message, newest["sensor front"].message)
-                print(f"sensor front: {newest['sensor front'].message}")
-            if name == "lidard-clouds":
-                wait_for(lambda: "no report from the sensor thread for" in newest["sensor roof"].message, 3, "the clouds' state is old")
-                expect(newest["sensor front"].level == 0, "the lane of planes is well")
-            if name in ("lidard-ros", "lidard-roscloud"):
-                wait_for(lambda: newest["ROS"].level == 2, 3, "the state of ROS is an ERROR")
-                print(f"ROS: {newest['ROS'].message}")
+            check_states(name, diagnostics)
         print(f"{name or 'the sensor thread'} stood: not fed")
         manager.expect_fed(3, "after it")
-        # What was lost meanwhile is told for 10 s.
-        wait_for(lambda: newest["sensor front"].level == 0 and newest["ROS"].level == 0, 20,
-                 f"all is well again after {name}: {newest['sensor front'].message}, {newest['ROS'].message}")
+        # What was lost meanwhile is reported for 10 s.
+        wait_for(lambda: diagnostics.level("sensor front") == 0 and diagnostics.level("ROS") == 0, 20,
+                 f"all is well again after {name}: {diagnostics.message('sensor front')}, {diagnostics.message('ROS')}")
 
 
-def starve(daemon, manager, tmp, port):
+def starve(child, manager, tmp, port):
     """The daemon shares one processor with eight others, and everything waits for it: what it has to catch up never ends."""
-    scene = tmp / "backlog.yaml"
-    scene.write_text(SCANNER_SCENE.format(port=port).replace("duration: 600", "duration: 20"))
-    subprocess.run([LIDARD_SIM, "make", str(scene), "-o", str(tmp / "backlog"), "--no-truth"], check=True, capture_output=True)
-    send = [LIDARD_SIM, "send", tmp / "backlog.pcap", "--to", "127.0.0.1", "--rate", "max", "--repeat", "100000"]
+    capture = make_capture(tmp / "backlog", SCANNER_SCENE.format(port=port).replace("duration: 600", "duration: 20"))
+    send = [LIDARD_SIM, "send", capture, "--to", "127.0.0.1", "--rate", "max", "--repeat", "100000"]
+    tasks = lambda: [int(task.name) for task in pathlib.Path(f"/proc/{child.pid}/task").iterdir()]
     with contextlib.ExitStack() as stack:
         for _ in range(8):
             stack.enter_context(process(["taskset", "-c", "0", "sh", "-c", "while :; do :; done"]))
-        for task in pathlib.Path(f"/proc/{daemon.pid}/task").iterdir():
-            os.sched_setaffinity(int(task.name), {0})
+        for task in tasks():
+            os.sched_setaffinity(task, {0})
         stack.enter_context(process(send, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
         manager.expect_fed(10, "a starved machine with a backlog")
-        for task in pathlib.Path(f"/proc/{daemon.pid}/task").iterdir():
-            os.sched_setaffinity(int(task.name), range(os.cpu_count()))
-    expect(daemon.poll() is None, "the daemon lives")
+        for task in tasks():
+            os.sched_setaffinity(task, range(os.cpu_count()))
+    expect(child.poll() is None, "the daemon lives")
+
+
+def hang_master(child, manager, master, scans):
+    own = rosgraph.Master("/test").lookupNode("/lidard")
+    master.send_signal(signal.SIGSTOP)
+    manager.expect_fed(6, "the master hangs")
+    # roscpp's own threads wait for the master then.
+    threading.Thread(target=lambda: xmlrpc.client.ServerProxy(own).shutdown("/intruder", "go away"), daemon=True).start()
+    manager.expect_fed(6, "shut down from outside while the master hangs")
+    master.send_signal(signal.SIGCONT)
+    count = len(scans)
+    wait_for(lambda: len(scans) > count + 10 or child.poll() is not None, 30, "scans again")
+    expect(child.poll() is None, "the daemon lives")
+
+
+def start_while_master_hangs(config, manager, master):
+    master.send_signal(signal.SIGSTOP)
+    with daemon(config, env=manager.environment()) as child:
+        wait_for(lambda: manager.ready == 2, 10, "READY=1")
+        manager.expect_fed(5, "started while the master hangs")
+        master.send_signal(signal.SIGCONT)
+        manager.expect_fed(5, "the master goes on")
+        expect(thread_of(child, "roscpp-sockets") is not None, "the daemon has come to ROS")
 
 
 def main():
-    master_port, port = free_port(), free_port(socket.SOCK_DGRAM)
-    use_master_at(master_port)
-    with folder() as tmp, ros_master(master_port) as master:
-        roof = f"  roof: {{model: velodyne_vlp16, ip_port: {free_port(socket.SOCK_DGRAM)}}}\n"
-        config = SCANNER_CONFIG.format(port=port).replace("sensors: {front: ", "sensors:\n  front: ").replace("}}", "}")
-        (tmp / "live.yaml").write_text(config + roof)
-        (tmp / "scene.yaml").write_text(SCANNER_SCENE.format(port=port))
-        rospy.init_node("listener", disable_signals=True, anonymous=True)
-        newest, scans = {}, []
-        rospy.Subscriber("/diagnostics", DiagnosticArray, lambda array: newest.update(items_of(array.status)), queue_size=100)
-        rospy.Subscriber("/front/scan", LaserScan, scans.append, queue_size=100)
-        manager, log = Manager(tmp / "notify"), tmp / "log.txt"
-        run = [LIDARD, "run", "-c", tmp / "live.yaml"]
-        sim = [LIDARD_SIM, "live", tmp / "scene.yaml"]
-        with log.open("w") as sink, process(run, env=manager.environment(), stdout=sink, stderr=subprocess.STDOUT) as daemon, \
-                process(sim, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL):
+    port = free_port(socket.SOCK_DGRAM)
+    with ros_test() as (tmp, master):
+        config = write(tmp / "live.yaml", CONFIG.format(port=port, roof=free_port(socket.SOCK_DGRAM)))
+        diagnostics, scans = Diagnostics(), Listener("/front/scan").messages
+        manager = Manager(tmp / "notify")
+        with daemon(config, env=manager.environment()) as child, sim(write(tmp / "scene.yaml", SCANNER_SCENE.format(port=port))):
             wait_for(lambda: manager.ready == 1, 10, "READY=1")
-            wait_for(lambda: len(scans) > 20 and newest.get("sensor front") and newest["sensor front"].level == 0, 20, "scans")
+            wait_for(lambda: len(scans) > 20 and diagnostics.level("sensor front") == 0, 20, "scans")
             manager.expect_fed(3, "all is well")
-            stop_each(daemon, manager, newest)
-            starve(daemon, manager, tmp, port)
-            own = rosgraph.Master("/test").lookupNode("/lidard")
-            master.send_signal(signal.SIGSTOP)
-            manager.expect_fed(6, "the master hangs")
-            # roscpp's own threads wait for the master then.
-            threading.Thread(target=lambda: xmlrpc.client.ServerProxy(own).shutdown("/intruder", "go away"), daemon=True).start()
-            manager.expect_fed(6, "shut down from outside while the master hangs")
-            master.send_signal(signal.SIGCONT)
-            count = len(scans)
-            wait_for(lambda: len(scans) > count + 10 or daemon.poll() is not None, 30, "scans again")
-            expect(daemon.poll() is None, "the daemon lives")
-        print(log.read_text())
-        master.send_signal(signal.SIGSTOP)
-        with process(run, env=manager.environment(), stderr=subprocess.DEVNULL) as daemon:
-            wait_for(lambda: manager.ready == 2, 10, "READY=1")
-            manager.expect_fed(5, "started while the master hangs")
-            master.send_signal(signal.SIGCONT)
-            manager.expect_fed(5, "the master goes on")
-            expect(thread_of(daemon, "roscpp-sockets") is not None, "the daemon has come to ROS")
+            stop_each(child, manager, diagnostics)
+            starve(child, manager, tmp, port)
+            hang_master(child, manager, master, scans)
+        print(child.said())
+        start_while_master_hangs(config, manager, master)
     print("ok")
 
 

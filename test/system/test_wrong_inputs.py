@@ -7,9 +7,11 @@ import os
 import pty
 import shutil
 import signal
+import socket
 import subprocess
 
-from harness import LIDARD, ROOT, expect, folder, free_port, process, ros_master, run, use_master_at, wait_for
+from harness import (LIDARD, ROOT, daemon, expect, expect_end, folder, free_port, process, ros_master, run, use_master_at, wait_for,
+                     write)
 
 DEMO, DEMO_CONFIG = ROOT / "pcaps/demo.pcap", ROOT / "config/demo.yaml"
 VLP = "sensors:\n  roof: {model: velodyne_vlp16, ip_address: 192.168.1.201}\n"
@@ -31,6 +33,11 @@ COMMANDS = [
     (["decode", DEMO, "--model", "velodyne_vlp61"], 2, ("--model", "unknown model", "velodyne_vlp61", "velodyne_vlp16")),
     (["decode", DEMO, "--source", "300.1.1.1"], 2, ("--source", "300.1.1.1", "expected IP")),
     (["replay", "-c", DEMO_CONFIG, "--pcap", DEMO, "--rate", "fast"], 2, ("--rate", "fast", "max")),
+    (["replay", "-c", DEMO_CONFIG], 2, ("--pcap",)),
+    (["replay", "-c", DEMO_CONFIG, "--pcap", DEMO, "--loop", "--bag", "/nowhere/x.bag"], 2, ("--loop",)),
+    (["check", "/nowhere/x.yaml"], 78, ("/nowhere/x.yaml",)),
+    (["decode", DEMO, "--model", "velodyne_vlp16", "-o", "/nowhere/no/dir.csv"], 1, ("/nowhere/no/dir.csv",)),
+    (["decode", DEMO], 1, ("--source",)),
     (["run", "-c", "/nowhere/x.yaml"], 78, ("/nowhere/x.yaml", "No such file", "expected a readable YAML file")),
     (["import", "/nowhere/x.launch"], 78, ("/nowhere/x.launch", "cannot be read", "expected a launch file")),
     (["status", "--socket", "/nowhere/control"], 1, ("/nowhere/control", "no daemon answers", "start it")),
@@ -78,7 +85,9 @@ def configurations(tmp):
     for text, words in CONFIGURATIONS:
         file.write_bytes(text if isinstance(text, bytes) else text.encode())
         refused(repr(text), run("check", file), 78, (str(file) + words[0], *words[1:]))
-    return len(CONFIGURATIONS)
+    for command in (["run", "-c", file], ["replay", "-c", file, "--pcap", DEMO, "--bag", tmp / "x.bag"]):
+        refused(command[0], run(*command), 78, (f"{file}:3:1",))  # the last one of the list
+    return len(CONFIGURATIONS) + 2
 
 
 def without_modules(tmp):
@@ -105,37 +114,65 @@ def captures(tmp):
     return 2 * len(cases)
 
 
+def bag_that_exists(tmp):
+    """A replay without a configuration replays what `inspect` finds; a bag that is there stays."""
+    bag = tmp / "found.bag"
+    done = run("replay", DEMO, "--rate", "max", "--bag", bag)
+    expect(done.returncode == 0 and "velodyne_vlp16/points" in done.stdout, f"{done}")
+    before = bag.read_bytes()
+    again = run("replay", DEMO, "--rate", "max", "--bag", bag)
+    expect(again.returncode == 1 and "found.bag is there already" in again.stderr and "another file" in again.stderr, f"{again}")
+    expect(bag.read_bytes() == before, "the bag was touched")
+    nothing = tmp / "nothing.pcap"
+    nothing.write_bytes(DEMO.read_bytes()[:24])
+    refused("replay", run("replay", nothing, "--bag", tmp / "y.bag"), 1, ("nothing.pcap", "holds no packet"))
+    return 2
+
+
+def port_in_use(tmp):
+    """The daemon says who has the port, goes on, and receives once it is free."""
+    port = free_port(socket.SOCK_DGRAM)
+    use_master_at(free_port())
+    config = write(tmp / "port.yaml", f"sensors:\n  roof: {{model: velodyne_vlp16, ip_port: {port}, pose: {{xyz: [0, 0, 2]}}}}\n")
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        other.bind(("0.0.0.0", port))
+        with daemon(config) as child:
+            wait_for(lambda: f"port {port} is in use" in child.said(), 10, "the log says that the port is in use")
+            expect(child.poll() is None, "the daemon goes on")
+            other.close()
+            wait_for(lambda: f"listening on port {port}" in child.said(), 10, "the daemon listens when the port is free")
+            expect_end(child, signal.SIGTERM)
+    return 1
+
+
 def environment(tmp):
-    config = tmp / "fine.yaml"
-    config.write_text(f"sensors:\n  roof: {{model: velodyne_vlp16, ip_port: {free_port()}, telemetry_port: 0}}\n")
+    config = write(tmp / "fine.yaml", f"sensors:\n  roof: {{model: velodyne_vlp16, ip_port: {free_port()}, telemetry_port: 0}}\n")
     done = run("run", "-c", config, env={**os.environ, "ROS_MASTER_URI": "localhost:11311"}, timeout=20)
     refused("ROS_MASTER_URI", done, 2, ("ROS_MASTER_URI", "localhost:11311", "http://host:port"))
     port = free_port()
     use_master_at(port)
-    log = tmp / "log"
     wrong = [("ROS_IP", "203.0.113.9", "no interface of this host has"), ("ROS_HOSTNAME", "no-such-host.invalid", "no name server resolves")]
     with ros_master(port):
         for variable, value, what in wrong:
             own = {**os.environ, variable: value, "NO_COLOR": "1"}
-            with log.open("w") as sink, process([LIDARD, "run", "-c", config], stderr=sink, env=own) as daemon:
-                wait_for(lambda: "ROS master found" in log.read_text(), 30, "it starts nevertheless:\n" + log.read_text())
-                daemon.send_signal(signal.SIGTERM)
-                expect(daemon.wait(10) == 0, "it hangs nowhere")
+            with daemon(config, env=own) as child:
+                wait_for(lambda: "ROS master found" in child.said(), 30, "it starts nevertheless:\n" + child.said())
+                expect_end(child, signal.SIGTERM, 10)
             for word in ("warning:", variable, value, what, "cannot reach what is published here"):
-                expect(word in log.read_text(), f"'{word}' is not in\n{log.read_text()}")
+                expect(word in child.said(), f"'{word}' is not in\n{child.said()}")
     return 1 + len(wrong)
 
 
 def said_on_a_terminal(config, **environment):
     """What `lidard run` writes to a terminal until it waits for the master."""
     ours, its = pty.openpty()
-    with process([LIDARD, "run", "-c", config], stderr=its, env={**os.environ, **environment}) as daemon:
+    with process([LIDARD, "run", "-c", config], stderr=its, env={**os.environ, **environment}) as child:
         os.close(its)
         text = b""
         while b"ROS master" not in text:
             text += os.read(ours, 4096)
-        daemon.send_signal(signal.SIGTERM)
-        daemon.wait(10)
+        child.terminate()
+        child.wait(10)
     os.close(ours)
     return text
 
@@ -144,7 +181,7 @@ def colours(tmp):
     config = tmp / "fine.yaml"
     environment = {"ROS_MASTER_URI": f"http://127.0.0.1:{free_port()}", "TERM": "xterm"}
     expect(b"\x1b[" in said_on_a_terminal(config, **environment, NO_COLOR=""), "a terminal has colours")
-    expect(b"\x1b[" not in said_on_a_terminal(config, **environment, NO_COLOR="1"), "NO_COLOR takes them away")
+    expect(b"\x1b[" not in said_on_a_terminal(config, **environment, NO_COLOR="1"), "NO_COLOR removes them")
 
 
 def what_works(tmp):
@@ -162,8 +199,8 @@ def what_works(tmp):
 
 
 with folder() as tmp:
-    told = sum(step(tmp) for step in (commands, configurations, without_modules, captures, environment))
+    tried = sum(step(tmp) for step in (commands, configurations, without_modules, captures, bag_that_exists, port_in_use, environment))
     colours(tmp)
     what_works(tmp)
-    expect(told >= 40, f"{told} wrong inputs")
-    print(f"{told} wrong inputs, each answered")
+    expect(tried >= 40, f"{tried} wrong inputs")
+    print(f"{tried} wrong inputs, each answered")

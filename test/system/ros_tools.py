@@ -1,17 +1,65 @@
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the tests of laserscan_multi_merger and laserscan_virtualizer share: scanners and poses that other nodes publish, and what
+"""What the tests with ROS share: a master, listeners, diagnostics; scanners and poses that other nodes publish, and what
 ira_laser_tools would make of them, computed anew."""
+import contextlib
 import math
+import signal
+import struct
 import threading
 import time
 import xmlrpc.client
 
 import rospy
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TransformStamped
-from harness import expect
-from sensor_msgs.msg import LaserScan, PointCloud2
+from harness import Starved, expect, expect_end, folder, free_port, ros_master, use_master_at
+from sensor_msgs.msg import LaserScan, PointCloud2, PointField
 from tf2_msgs.msg import TFMessage
+
+
+@contextlib.contextmanager
+def ros_test():
+    """A folder and a ROS master; this test is a node."""
+    port = free_port()
+    use_master_at(port)
+    with folder() as tmp, ros_master(port) as master:
+        rospy.init_node("listener", disable_signals=True, anonymous=True)
+        yield tmp, master
+
+
+class Diagnostics:
+    """The newest status of each item by its name, without the name of the node."""
+
+    def __init__(self, use=lambda name, status: None):
+        """`use` is called with each status that comes."""
+        self.items, self.use = {}, use
+        self.subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, self._keep, queue_size=100)
+
+    def _keep(self, array):
+        for status in array.status:
+            name = status.name.split(": ", 1)[-1]
+            self.items[name] = status
+            self.use(name, status)
+
+    def level(self, name):
+        return self.items[name].level if name in self.items else None
+
+    def message(self, name):
+        return self.items[name].message if name in self.items else ""
+
+    def values(self, name):
+        return {pair.key: pair.value for pair in self.items[name].values} if name in self.items else {}
+
+    def close(self):
+        self.subscriber.unregister()
+
+
+def expect_quick_end(node):
+    """Ctrl-C ends a node within a second."""
+    starved = Starved()
+    seconds = expect_end(node, signal.SIGINT)
+    expect(seconds < 1 + starved.seconds(), f"Ctrl-C took {seconds:.2f} s")
 
 
 def set_parameters(port, node, parameters):
@@ -77,13 +125,16 @@ class Talker:
 class Listener:
     """Keeps what comes on a topic, with the time of its arrival."""
 
-    def __init__(self, topic, kind=LaserScan):
-        self.kind, self.messages, self.times = kind, [], []
-        self.subscriber = rospy.Subscriber(topic, kind, self._take, queue_size=1000)
+    def __init__(self, topic, kind=LaserScan, **options):
+        self.messages, self.times = [], []
+        self.subscriber = rospy.Subscriber(topic, kind, self._keep, **{"queue_size": 1000, **options})
 
-    def _take(self, message):
+    def _keep(self, message):
         self.times.append(time.monotonic())
         self.messages.append(message)
+
+    def stamps(self):
+        return [message.header.stamp.to_sec() for message in list(self.messages)]
 
     def since(self, moment):
         return [m for m, t in zip(list(self.messages), list(self.times)) if t > moment]
@@ -92,8 +143,12 @@ class Listener:
         self.subscriber.unregister()
 
 
-def cloud_listener(topic):
-    return Listener(topic, PointCloud2)
+def cloud_of(points, frame):
+    cloud = PointCloud2(height=1, width=len(points), point_step=12, row_step=12 * len(points), is_dense=True)
+    cloud.header.frame_id = frame
+    cloud.fields = [PointField(name, 4 * i, PointField.FLOAT32, 1) for i, name in enumerate("xyz")]
+    cloud.data = b"".join(struct.pack("<fff", *point) for point in points)
+    return cloud
 
 
 def place(points, xyz, rpy=(0, 0, 0)):
@@ -122,14 +177,18 @@ def nearest_per_beam(points, angle_min, angle_max, angle_increment, range_min, r
     return ranges
 
 
-def expect_same(scan, expected, what):
-    """Ranges agree to the millimetre; a point at the very edge between two beams may lie in either."""
-    expect(len(scan.ranges) == len(expected), f"{what}: {len(scan.ranges)} beams, expected {len(expected)}")
+def wrong_beams(scan, expected):
+    """Beams that do not agree to the millimetre. A point at the very edge between two beams may lie in either: up to four do."""
     wrong = [i for i, (a, b) in enumerate(zip(scan.ranges, expected)) if not abs(a - b) < 1e-3]
     edges = [i for i in wrong
              if any(0 <= j < len(expected) and abs(scan.ranges[i] - expected[j]) < 1e-3 for j in (i - 1, i + 1))]
-    expect(len(wrong) == len(edges) and len(wrong) <= 4, f"{what}: beams {wrong[:10]} differ, e.g. "
-           f"{[(scan.ranges[i], expected[i]) for i in wrong[:3]]}")
+    return [] if len(wrong) == len(edges) and len(wrong) <= 4 else wrong
+
+
+def expect_same(scan, expected, what):
+    expect(len(scan.ranges) == len(expected), f"{what}: {len(scan.ranges)} beams, expected {len(expected)}")
+    wrong = wrong_beams(scan, expected)
+    expect(not wrong, f"{what}: beams {wrong[:10]} differ, e.g. {[(scan.ranges[i], expected[i]) for i in wrong[:3]]}")
 
 
 def check_consistent(scan):
