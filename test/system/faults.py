@@ -49,7 +49,7 @@ MIDDLEWARE = [
     Fault("away", "the ROS master ends", "ROS", "WARN", "the master does not answer; check roscore", 3),
 ]
 # Sentences before which another one may stand: a loss is a WARN before it is an ERROR; before a connection to the master is
-# there, tf is missing for that reason; the kernel tells that a link is down up to 1 s later (linkwatch), so that "silent" may come
+# there, tf is missing for that reason; the kernel reports that a link is down up to 1 s later (linkwatch), so that "silent" may come
 # without the cause at first.
 MAY_BE_SECOND = ("lossier", "no_pose", "cut")
 NOT_TESTED = {

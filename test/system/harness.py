@@ -142,7 +142,7 @@ class Starved:
 
 
 def check_stream(name, stamps, period, seconds, starved):
-    """Stamps of a sensor that measures once a `period`, taken for `seconds`: each a whole number of periods after the one
+    """Stamps of a sensor that measures once a `period`, received for `seconds`: each a whole number of periods after the one
     before. What is missing between them was lost while processes of the test were starved for `starved` seconds."""
     expect(len(stamps) > 2, f"{name}: {len(stamps)} frames in {seconds:.1f} s")
     steps = [b - a for a, b in zip(stamps, stamps[1:])]
@@ -246,14 +246,17 @@ def source_of(record):
 
 
 class Clock:
-    """The clock of the host as a program sees it that has this environment; moved by `seconds`."""
+    """The clock of the host, moved by `seconds`, as a program sees it that is started with environment()."""
 
     def __init__(self, path):
+        self.path = path
         path.write_bytes(bytes(8))
         self.file = path.open("r+b")
         self.memory = mmap.mmap(self.file.fileno(), 8)
         self.seconds = 0
-        self.environment = {**os.environ, "LD_PRELOAD": os.environ["LIDARD_CLOCK_SHIM"], "LIDARD_TEST_CLOCK": str(path)}
+
+    def environment(self):
+        return {**os.environ, "LD_PRELOAD": os.environ["LIDARD_CLOCK_SHIM"], "LIDARD_TEST_CLOCK": str(self.path)}
 
     def set_by(self, step):
         self.seconds += step

@@ -112,7 +112,7 @@ def main():
         clock, stop = Clock(tmp / "clock"), threading.Event()
         streams = Streams(clock)
         threading.Thread(target=other_node, args=(clock, stop), daemon=True).start()
-        with sim(scene), daemon(config, env=clock.environment) as child:
+        with sim(scene), daemon(config, env=clock.environment()) as child:
             wait_for(lambda: all(len(streams.stamps[topic]) > 10 for topic in STREAMS), 30, "frames of all")
             time.sleep(AGAIN)
             for step in STEPS:

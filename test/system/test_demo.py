@@ -22,7 +22,7 @@ def main():
     seconds = time.monotonic() - begin
     said = done.stdout
     expect(done.returncode == 0, said)
-    # The steps run in processes that have ended: on a busy machine each second of processor takes several.
+    # The steps run in processes that have ended: on a busy machine each second of processor lasts several.
     patience = LIMIT * max(1.0, os.getloadavg()[0] / os.cpu_count()) + starved.seconds()
     expect(seconds < patience, f"{seconds:.0f} s, at most {patience:.0f}")
     expect("a simulated drive" in said.splitlines()[0], said)

@@ -319,7 +319,7 @@ def faults_of_middleware(tmp, watch, table, master):
         stack.callback(stop_it.set)
         slow = stack.enter_context(process(["/usr/bin/python3", "-c", SLOW_SUBSCRIBER]))
         start = began()
-        child = stack.enter_context(tested(config, env=clock.environment))
+        child = stack.enter_context(tested(config, env=clock.environment()))
         present = [f for f in MIDDLEWARE if f.key in ("wrong_type", "nobody", "unusable", "no_pose", "mount")]
         table.check(present, {f.key: start for f in present})
         check_commands(watch, "odd input")

@@ -58,7 +58,7 @@ def recorded(path):
 
 
 def named(sensor):
-    """The model told, those told beside it, and those that the remark names."""
+    """The model reported, the others beside it, and those that the remark names."""
     return [sensor["model"], *sensor["others"], *re.findall(r"[a-z]+_[a-z0-9_]+", sensor.get("remark", ""))]
 
 

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Installs into a temporary prefix, as any user may, and looks at what lies there."""
+"""Installs into a temporary prefix, as any user may, and checks what lies there."""
 import os
 import pathlib
 import shutil

@@ -117,7 +117,7 @@ def half_open(device):
 
 
 def dead_cable(device, pause):
-    """The device keeps its power, and takes no second client: for it the connection stands as long as it likes to wait."""
+    """The device keeps its power, and accepts no second client: for the device the connection stands as long as it waits."""
     name, address = device.name, ADDRESSES[device.name]
     nobody = ("lladdr", "02:00:00:00:00:99", "nud", "permanent")
     well("sensor " + name)
@@ -208,7 +208,7 @@ def two_devices(network):
         mac = bytes((2, 0, 0, 0, 0, number))
         request = struct.pack("!HHBBH", 1, 0x0800, 6, 4, 1) + mac + socket.inet_aton("192.168.1.201") + bytes(6) + socket.inet_aton("192.168.1.100")
         raw.send(b"\xff" * 6 + mac + b"\x08\x06" + request)
-        time.sleep(1.6)  # the kernel takes no other hardware address within a second
+        time.sleep(1.6)  # the kernel accepts no other hardware address within a second
     wait_for(lambda: item("address 192.168.1.201"), 5, "the address of two devices is an item")
     message = item("address 192.168.1.201")["message"]
     print("    " + message)

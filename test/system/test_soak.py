@@ -177,7 +177,7 @@ def main():
         vehicle = Vehicle(network, tmp)
         use_master_at(vehicle.port)
         roof, starved = Roof(network, tmp), Starved()
-        with daemon(vehicle.file, env=vehicle.clock.environment) as child:
+        with daemon(vehicle.file, env=vehicle.clock.environment()) as child:
             vehicle.start_lidars(seconds + 600)
             roof.thread.start()
             begin, rounds, warm = time.monotonic(), 0, None

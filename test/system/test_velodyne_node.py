@@ -54,7 +54,8 @@ def check_scan(scan):
     n = len(scan.ranges)
     expect(n == round(2 * math.pi / 0.007), f"{n} beams")
     expect(abs(scan.angle_max - scan.angle_min - (n - 1) * scan.angle_increment) < 1e-4, "angles agree with their number")
-    expect(0.09 < scan.scan_time < 0.11 and abs(scan.time_increment * n - scan.scan_time) < 1e-4, "true times")
+    expect(0.09 < scan.scan_time < 0.11 and abs(scan.time_increment * n - scan.scan_time) < 1e-4,
+           f"true times: {scan.scan_time} s, {n} times {scan.time_increment} s")
     hits = [r for r in scan.ranges if math.isfinite(r)]
     expect(len(hits) > 100, f"{len(hits)} of {n} beams hit")
 
