@@ -41,14 +41,15 @@ class Network:
 
     def plug(self, host="192.168.1.100/24", lidars=("192.168.1.201/24",), name="lidar0"):
         """A cable whose ends have these addresses; the interface of the host is new each time."""
-        self.host("link", "add", name, "type", "veth", "peer", "name", "dev-" + name, "netns", self.name)
+        # Both ends are the lidars' first, so that the host sees its own one without an address for a moment only.
+        self.lidars("link", "add", "dev-" + name, "type", "veth", "peer", "name", name)
         for address in lidars:
             self.lidars("address", "add", address, "dev", "dev-" + name)
         self.lidars("link", "set", "dev-" + name, "up")
         self.lidars("route", "append", "224.0.0.0/4", "dev", "dev-" + name)
-        self.host("link", "set", name, "up")
-        if host:
-            self.host("address", "add", host, "dev", name)
+        self.lidars("link", "set", name, "netns", str(os.getpid()))
+        own = [f"link set {name} up", *([f"address add {host} dev {name}"] if host else [])]
+        subprocess.run(["ip", "-batch", "-"], input="\n".join(own) + "\n", text=True, check=True)
 
     def unplug(self, name="lidar0"):
         self.host("link", "delete", name)

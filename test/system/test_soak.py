@@ -14,7 +14,7 @@ import sys
 import threading
 import time
 
-from harness import (Clock, Now, Starved, ask, daemon, descriptors, expect, figure, folder, free_port, item, kilobytes, ros_master,
+from harness import (Clock, Now, Starved, ask, daemon, descriptors, events_of, expect, figure, folder, free_port, item, kilobytes, ros_master,
                      scene_of, use_master_at, wait_for, well)
 from network import Network, recorded
 import test_network_silence as lidars
@@ -159,15 +159,10 @@ class Counts:
         self.roof, self.spoiled = roof, roof.lost
         self.lost, self.drops, self.events = int(figure("sensor roof", "Lost packets")), int(figure("port 2368", "Kernel drops")), all_events("sensor roof")
 
-    def check(self, number, begin, rss, open_files):
-        counted = int(figure("sensor roof", "Lost packets")) - self.lost
-        dropped = int(figure("port 2368", "Kernel drops")) - self.drops
-        left_out, events = self.roof.lost - self.spoiled, all_events("sensor roof") - self.events
-        print(f"round {number} after {time.monotonic() - begin:.0f} s: {rss} kB, {open_files} descriptors, left out {left_out}, "
-              f"counted {counted}, dropped by the kernel {dropped}; events of the roof {dict(events)}", flush=True)
-        # What the cable did not carry is counted too; nothing that was left out is forgotten.
-        expect(counted >= left_out, f"{left_out} packets were left out, {counted} counted")
-        expect(events["ERROR"] == 1, f"the unplugged cable is one ERROR of the roof: {events}")
+    def read(self):
+        """Packets left out, counted as lost and dropped by the kernel since then, and events."""
+        return (self.roof.lost - self.spoiled, int(figure("sensor roof", "Lost packets")) - self.lost,
+                int(figure("port 2368", "Kernel drops")) - self.drops, all_events("sensor roof") - self.events)
 
 
 def main():
@@ -189,12 +184,17 @@ def main():
                     vehicle.all_well()
                     counts = Counts(roof)
                     one_round(vehicle, child, roof, rounds)
-                    rounds += 1
-                    now = resources(child)
-                    counts.check(rounds, begin, *now)
+                    left_out, counted, dropped, events = counts.read()
+                rounds += 1
+                now = resources(child)
                 # The heap finds its size within the first fifth of the time.
                 if rounds % 2 == 0 and (warm is None or time.monotonic() - begin < seconds / 5):
                     warm = now
+                print(f"round {rounds} after {time.monotonic() - begin:.0f} s: {now[0]} kB, {now[1]} descriptors, left out {left_out}, counted "
+                      f"{counted}, dropped by the kernel {dropped}; events of the roof {dict(events)}", flush=True)
+                # What the cable did not carry is counted too; nothing that was left out is forgotten.
+                expect(counted >= left_out, f"{left_out} packets were left out, {counted} counted")
+                expect(events["ERROR"] == 1, f"the unplugged cable is one ERROR of the roof: {events}; {events_of('sensor roof')}")
             check_end(vehicle, child, warm, LARGEST_GROWTH if seconds >= 600 else SHORT_GROWTH)
             roof.stop.set()
         print(f"starved for {starved.seconds():.1f} s; ok")
