@@ -202,8 +202,8 @@ class Painter {
       for (std::size_t i = 0; i < layer.values.size(); ++i)
         dots.push_back({chart_.to_page(layer.points[i]), scale_color(share(layer.values[i]))});
     }
-    // A few returns are big dots, many make shades.
-    chart_.dots(dots, dots.size() < 60'000 ? 2 : 1, dots.size() < 200'000 ? 0.85 : 0.6);
+    // Of few returns each shows; many make shades.
+    chart_.dots(dots, dots.size() < 60'000 ? 2 : 1, dots.size() < 200'000 ? 1 : 0.6);
   }
   void layer(const SnapshotView::Layer& layer) {
     const Color color = color_of(layer.role, layer.number);
