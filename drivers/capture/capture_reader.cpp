@@ -44,8 +44,8 @@ constexpr OtherPacking other_packings[] = {{0xfd377a58, 0xffffffff, "xz", "xz -d
 std::string why_no_capture(ByteView head) {
   for (const OtherPacking& packing : other_packings) {
     if ((head.be32(0) & packing.mask) == packing.first_bytes)
-      return std::string("is packed with ") + packing.name +
-             ", of which only gzip and zstd are unpacked here; use `" + packing.command + "` first";
+      return std::string("is packed with ") + packing.name + "; only gzip and zstd are unpacked here: use `" +
+             packing.command + "` first";
   }
   return std::string("unknown file format") + remedy;
 }
