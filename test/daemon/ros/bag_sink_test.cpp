@@ -15,6 +15,7 @@
 #include <iterator>
 
 #include "daemon/ros/messages/convert.h"
+#include "daemon/ros/messages/device_messages.h"
 #include "test/support/ros_samples.h"
 
 namespace lidard {

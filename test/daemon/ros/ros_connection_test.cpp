@@ -14,6 +14,7 @@
 #include "daemon/ros/master/environment.h"
 #include "daemon/ros/master/master_client.h"
 #include "daemon/ros/messages/convert.h"
+#include "daemon/ros/messages/device_messages.h"
 #include "test/support/ros_listener.h"
 #include "test/support/ros_samples.h"
 #include "test/support/starved.h"
