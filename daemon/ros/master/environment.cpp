@@ -57,7 +57,7 @@ std::string doubt_about_own_address() {
     return given_address + "no name server resolves: other nodes cannot reach what is published here";
   if (address->to_string().compare(0, 4, "127.") == 0 || address->v6) return {};
   std::string own;
-  for (const HostInterface& one : look_at_network().interfaces) {
+  for (const HostInterface& one : read_network().interfaces) {
     if (one.prefix == 0) continue;
     if (one.address == *address) return {};
     own.append(own.empty() ? "" : ", ").append(one.to_string());
