@@ -36,6 +36,21 @@ void FreeSpaceMap::set(float x, float y, double beam_width, double unit) {
   first_slot_.assign(1, 0);
 }
 
+bool FreeSpaceMap::find_run(std::size_t cell, std::size_t length, RunAt& at) const {
+  if (length == 0 || length > longest_run) return false;
+  at = run_at(cell, length);
+  return true;
+}
+
+inline FreeSpaceMap::RunAt FreeSpaceMap::run_at(std::size_t cell, std::size_t length) const {
+  // The binary logarithm.
+  const std::size_t power = std::min<std::size_t>(
+      31U - static_cast<unsigned>(__builtin_clz(static_cast<unsigned>(length))), run_lengths - 1);
+  const std::size_t first = power * (cells_.size() + longest_run) + cell;
+  return {static_cast<std::uint32_t>(first),
+          static_cast<std::uint32_t>(first + length - (std::size_t{1} << power))};
+}
+
 void FreeSpaceMap::find_runs() {
   const std::size_t count = cells_.size();
   if (count == 0) return;
@@ -44,7 +59,8 @@ void FreeSpaceMap::find_runs() {
   runs_.resize(run_lengths * row);
   for (std::size_t i = 0; i < count; ++i) {
     const Cell cell = cells_[i];
-    runs_[i] = {cell.from, static_cast<std::uint16_t>(cell.from + cell.span)};
+    const auto to = static_cast<std::uint16_t>(cell.from + cell.span);
+    runs_[i] = {ordered(cell.from), static_cast<std::int16_t>(~ordered(to))};
   }
   for (std::size_t i = count; i < row; ++i) runs_[i] = runs_[i - count];
   for (std::size_t power = 1; power < run_lengths; ++power) {
@@ -53,7 +69,7 @@ void FreeSpaceMap::find_runs() {
     Run* const longer = runs_.data() + power * row;
     for (std::size_t i = 0; i + 2 * half <= row; ++i) {
       longer[i].from = std::max(shorter[i].from, shorter[i + half].from);
-      longer[i].to = std::min(shorter[i].to, shorter[i + half].to);
+      longer[i].not_to = std::max(shorter[i].not_to, shorter[i + half].not_to);
     }
   }
 }
@@ -75,15 +91,14 @@ bool FreeSpaceMap::is_free_between(Place a, Place b) const {
   const std::uint16_t farthest = std::max(a.distance, b.distance);
   std::size_t first = 0, count = 0;
   span_of(a.cell, b.cell, first, count);
+  const std::int16_t near = ordered(nearest);
+  const auto not_far = static_cast<std::int16_t>(~ordered(farthest));
   for (std::size_t part = 0; count > 0; first += part, count -= part) {
     part = std::min(count, longest_run);
     first -= first >= cells_.size() ? cells_.size() : 0;
-    // Two runs of a power of two cells cover the part; the binary logarithm.
-    const std::size_t power = std::min<std::size_t>(
-        31U - static_cast<unsigned>(__builtin_clz(static_cast<unsigned>(part))), run_lengths - 1);
-    const Run* const runs = runs_.data() + power * (cells_.size() + longest_run) + first;
-    const Run one = runs[0], other = runs[part - (std::size_t{1} << power)];
-    if (std::max(one.from, other.from) > nearest || std::min(one.to, other.to) < farthest) return false;
+    const RunAt run = run_at(first, part);
+    const Run one = runs_[run.first], other = runs_[run.second];
+    if (std::max(one.from, other.from) > near || std::max(one.not_to, other.not_to) > not_far) return false;
   }
   return true;
 }

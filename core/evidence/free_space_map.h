@@ -37,6 +37,20 @@ class FreeSpaceMap {
     bool is_free(std::uint16_t distance) const { return static_cast<std::uint16_t>(distance - from) <= span; }
   };
 
+  /// What all of several neighbouring cells have in common: they are free from `from` to `to`. Kept as signed
+  /// numbers in the same order, and `to` turned over, so that the run of both of two runs is their maximum.
+  struct Run {
+    std::int16_t from;
+    std::int16_t not_to;
+  };
+  /// A run of cells, in terms of runs(): it is what two others cover together.
+  struct RunAt {
+    std::uint32_t first = 0, second = 0;
+  };
+  static std::int16_t ordered(std::uint16_t distance) {
+    return static_cast<std::int16_t>(distance ^ 0x8000U);
+  }
+
   /// A place of the output's plane as the source sees it.
   struct Place {
     std::uint16_t cell;
@@ -71,8 +85,11 @@ class FreeSpaceMap {
     hides_[cell] = hides ? 1 : 0;
   }
 
-  /// Prepares is_free() of ways, from what is known of the cells now.
+  /// Works out runs(), from what is known of the cells now.
   void find_runs();
+  const Run* runs() const { return runs_.data(); }
+  /// Where in runs() `length` cells from `cell` on (all around) are found; false: a run too long.
+  bool find_run(std::size_t cell, std::size_t length, RunAt& at) const;
 
   float x() const { return x_; }
   float y() const { return y_; }
@@ -86,7 +103,7 @@ class FreeSpaceMap {
   }
   const Cell* cells() const { return cells_.data(); }
   bool is_free(Place at) const { return cells_[at.cell].is_free(at.distance); }
-  /// True if all of the straight way between two places is free. Needs the newest find_runs().
+  /// True if all of the straight way between two places is free. Needs the newest runs().
   bool is_free(Place a, Place b) const {
     const std::uint16_t nearest = std::min(a.distance, b.distance);
     const std::uint16_t farthest = std::max(a.distance, b.distance);
@@ -116,11 +133,9 @@ class FreeSpaceMap {
     float share;  // 0: in the beam's own direction
   };
   Cell cell_of(float from, float to) const;
-  /// What several neighbouring cells have in common: they are free from `from` to `to`.
-  struct Run {
-    std::uint16_t from, to;
-  };
-  /// is_free() for any number of cells.
+  /// find_run() of a length that is none too long.
+  RunAt run_at(std::size_t cell, std::size_t length) const;
+  /// The same by runs(), for any number of cells.
   bool is_free_between(Place a, Place b) const;
   /// Cells from `a` on to `b` or the other way round, whichever is shorter.
   void span_of(std::uint16_t a, std::uint16_t b, std::size_t& first, std::size_t& count) const;

@@ -136,6 +136,24 @@ void Visibility::find_ends() {
   }
 }
 
+bool Visibility::sees_stretch(std::size_t source, std::size_t beam, std::size_t stretch) const {
+  return maps_[source].size() > 0 &&
+         table_.stretch(beam, row_of(source), stretch).is_free(maps_[source].runs());
+}
+
+std::size_t Visibility::free_run(std::size_t source, std::size_t beam, std::size_t from,
+                                 std::size_t to) const {
+  const FreeSpaceMap& map = maps_[source];
+  if (map.size() == 0) return from;
+  const std::size_t row = row_of(source);
+  const FreeSpaceMap::Place begin = table_.place(beam, row, from);
+  if (!map.is_free(begin)) return from;
+  for (std::size_t more = VisibilityTable::stretch_steps; more > 0; more /= 2) {
+    if (from + more <= to && map.is_free(begin, table_.place(beam, row, from + more))) from += more;
+  }
+  return from;
+}
+
 bool Visibility::accept_unseen(Walk& walk, float from) {
   float behind = infinite;
   for (std::size_t s = 0; s < walk.sources; ++s)
@@ -153,6 +171,30 @@ void Visibility::see(Walk& walk, std::size_t source, float to) {
   if (source == observing_ && (blind_to <= 0 || blind_to == walk.known)) blind_to = to;
   walk.known = to;
   witness_ = source;
+}
+
+std::size_t Visibility::seen_run(Walk& walk, std::size_t from, std::size_t to) {
+  constexpr std::size_t many = VisibilityTable::stretch_steps;
+  for (std::size_t refused = 0; refused < walk.sources && from < to;) {
+    // Where one source does not see a whole stretch another one may.
+    if (from % many == 0 && from + many <= to) {
+      std::size_t asked = 0;
+      for (; asked < walk.sources && !sees_stretch(walk.source, walk.beam, from / many); ++asked) ask_next(walk);
+      if (asked < walk.sources) {
+        from += many;
+        refused = 0;
+        see(walk, walk.source, table_.edge(from));
+        continue;
+      }
+    }
+    const std::size_t stop = std::min(to, from / many * many + many);
+    const std::size_t seen_to = free_run(walk.source, walk.beam, from, stop);
+    refused = seen_to > from ? 0 : refused + 1;
+    if (seen_to > from) see(walk, walk.source, table_.edge(seen_to));
+    if (seen_to < stop) ask_next(walk);
+    from = seen_to;
+  }
+  return from;
 }
 
 bool Visibility::sees_piece(Walk& walk, std::size_t step, bool from_body, std::size_t to) {
@@ -219,27 +261,33 @@ bool Visibility::is_covered(std::size_t beam, std::size_t sources) {
   blind_to_[beam] = 0;
   body_at_[beam] = infinite;
   bool body_ahead = body.end > 0;
+  bool from_body = false;
   bool covered = true;
-  constexpr std::size_t many = VisibilityTable::steps_at_once;
+  constexpr std::size_t many = VisibilityTable::stretch_steps;
   for (std::size_t m = 0; walk.at < end;) {
-    const bool from_body = body_ahead && m >= body.from;
-    if (from_body) {
+    if (body_ahead && m >= body.from) {
       body_ahead = false;
+      from_body = true;
       m = body.to;
       walk.at = walk.known = body.end;
-      if (!(walk.at < end)) break;
+      continue;
     }
-    // Several steps at once, else one, else parts of one.
+    // To the end of the way, or to where stretches begin; else stretch by stretch and step by step.
     std::size_t to = std::min(m / many * many + many, last + 1);
-    if (body_ahead) to = std::min(to, body.from);
-    if (!sees_piece(walk, m, from_body, to)) {
+    if ((body_ahead && body.from < to) || (!from_body && m % many == 0 && to <= last)) to = m;
+    if (to == m || !sees_piece(walk, m, from_body, to)) {
+      to = m;
+      const std::size_t whole = last / many * many;
+      const std::size_t limit = m < whole ? whole : last;
+      if (!from_body && m < last) to = seen_run(walk, m, body_ahead ? std::min(limit, body.from) : limit);
+    }
+    if (to == m) {
       to = m + 1;
-      if (!sees_piece(walk, m, from_body, to)) {
-        covered = accept_step(walk, m, covered);
-        if (!covered && is_decided(beam)) break;
-      }
+      covered = take_step(walk, m, from_body, covered);
+      if (!covered && is_decided(beam)) break;
     }
     m = to;
+    from_body = false;
     walk.at = m > last ? end : table_.edge(m);
   }
   if (covered) covered_[beam] = walk.known;
@@ -248,7 +296,8 @@ bool Visibility::is_covered(std::size_t beam, std::size_t sources) {
 }
 
 /// What stands behind a return counts although the way to it was not observed.
-bool Visibility::accept_step(Walk& walk, std::size_t step, bool covered) {
+bool Visibility::take_step(Walk& walk, std::size_t step, bool from_body, bool covered) {
+  if (from_body && sees_piece(walk, step, true, step + 1)) return covered;
   if (!covered && !may_hold_body(walk, step)) return false;
   const float known = walk.known;
   if (accept(walk, walk.at, step < walk.last ? table_.edge(step + 1) : ways_[walk.beam])) return covered;

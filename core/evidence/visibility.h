@@ -73,6 +73,11 @@ class Visibility {
   /// Walks along the beam's way from where the vehicle ends; false where it is not observed. Sets covered.
   bool is_covered(std::size_t beam, std::size_t sources);
   std::size_t row_of(std::size_t source) const { return one_place_ ? 0 : source; }
+  /// This source sees all of stretch `stretch` of the table to be free.
+  bool sees_stretch(std::size_t source, std::size_t beam, std::size_t stretch) const;
+  /// The first step in [from, to), all in one stretch, of which this source does not see all to be free, or
+  /// `to`.
+  std::size_t free_run(std::size_t source, std::size_t beam, std::size_t from, std::size_t to) const;
   /// A way along a beam that is walked now.
   struct Walk {
     std::size_t beam, sources;
@@ -84,11 +89,13 @@ class Visibility {
   };
   void see(Walk& walk, std::size_t source, float to);
   static void ask_next(Walk& walk) { walk.source = walk.source + 1 < walk.sources ? walk.source + 1 : 0; }
+  /// The first step in [from, to) of which no source sees all, or `to`.
+  std::size_t seen_run(Walk& walk, std::size_t from, std::size_t to);
   /// Some source sees all from step `step` (from the vehicle's border in it) to where step `to` begins, or to
   /// the end of the way if that is beyond the last one.
   bool sees_piece(Walk& walk, std::size_t step, bool from_body, std::size_t to);
   /// Walks through a step that no source sees as a whole; false if the way was not or is not observed.
-  bool accept_step(Walk& walk, std::size_t step, bool covered);
+  bool take_step(Walk& walk, std::size_t step, bool from_body, bool covered);
   /// Walks on in parts of a step, [from, to] m; false if one of them is not observed.
   bool accept(Walk& walk, float from, float to);
   /// Nothing is to be found any more along a way that was not observed.

@@ -21,6 +21,7 @@ VisibilityTable::VisibilityTable(const Raster& raster) : beams_(raster.grid().be
     at += std::max(shortest_step, growth * at);
   }
   edges_.push_back(static_cast<float>(at));
+  stretches_of_beam_ = steps() / stretch_steps + 1;
   // No two steps begin within a shortest one.
   for (std::size_t k = 0; static_cast<double>(k) * shortest_step <= at; ++k) {
     const auto begin = static_cast<float>(static_cast<double>(k) * shortest_step);
@@ -38,15 +39,48 @@ std::size_t VisibilityTable::step_at(float range) const {
   return step;
 }
 
+VisibilityTable::Stretch VisibilityTable::stretch_of(const std::vector<Place>& places,
+                                                     const FreeSpaceMap& map) {
+  const auto count = static_cast<std::int32_t>(map.size());
+  std::int32_t at = 0, low = 0, high = 0;  // cells from the first place's
+  std::uint16_t nearest = places[0].distance, farthest = places[0].distance;
+  for (std::size_t m = 1; m < places.size(); ++m) {
+    std::int32_t turn = places[m].cell - places[m - 1].cell;
+    if (turn > count / 2) turn -= count;
+    if (turn < -count / 2) turn += count;
+    at += turn;
+    low = std::min(low, at);
+    high = std::max(high, at);
+    nearest = std::min(nearest, places[m].distance);
+    farthest = std::max(farthest, places[m].distance);
+  }
+  Stretch stretch{
+      {}, FreeSpaceMap::ordered(nearest), static_cast<std::int16_t>(~FreeSpaceMap::ordered(farthest))};
+  const std::int32_t first = places[0].cell + low;
+  const auto cell = static_cast<std::size_t>(first < 0 ? first + count : first);
+  // Nothing is free from before the source.
+  if (!map.find_run(cell, static_cast<std::size_t>(high - low + 1), stretch.cells))
+    stretch.nearest = FreeSpaceMap::ordered(0), stretch.not_farthest = FreeSpaceMap::ordered(0);
+  return stretch;
+}
+
 void VisibilityTable::set(std::size_t source, std::size_t sources, const Raster& raster,
                           const FreeSpaceMap& map) {
   if (sources != sources_) {
     sources_ = sources;
-    places_.assign(beams_ * sources * edges_.size(), {0, 0xFFFF});
+    stretches_.assign(beams_ * sources * stretches_of_beam_, {});
+    places_.assign(stretches_.size() * stretch_steps, {0, 0xFFFF});
   }
-  for (std::size_t m = 0; m < edges_.size(); ++m) {
-    for (std::size_t beam = 0; beam < beams_; ++beam)
-      places_[index(beam, source, m)] = map.place_of(edges_[m] * raster.cosine(beam), edges_[m] * raster.sine(beam));
+  std::vector<Place> places(stretch_steps + 1);
+  for (std::size_t beam = 0; beam < beams_; ++beam) {
+    for (std::size_t k = 0; k < stretches_of_beam_; ++k) {
+      for (std::size_t i = 0; i <= stretch_steps; ++i) {
+        const float range = edges_[std::min(k * stretch_steps + i, steps())];
+        places[i] = map.place_of(range * raster.cosine(beam), range * raster.sine(beam));
+      }
+      std::copy_n(places.begin(), stretch_steps, places_.data() + index(beam, source, k) * stretch_steps);
+      stretches_[index(beam, source, k)] = stretch_of(places, map);
+    }
   }
 }
 

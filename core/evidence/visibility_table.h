@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -16,10 +17,21 @@ namespace lidard {
 class VisibilityTable {
  public:
   using Place = FreeSpaceMap::Place;
-  /// Where a way along a beam is looked at first in so many steps at once.
-  static constexpr std::size_t steps_at_once = 8;
 
-  /// Sets the steps for beams as long as `range_max`, m.
+  /// So many steps at once: the cells they lead through, and between which distances of the source.
+  struct Stretch {
+    FreeSpaceMap::RunAt cells;
+    std::int16_t nearest;       ///< ordered() as in FreeSpaceMap::Run
+    std::int16_t not_farthest;  ///< turned over
+    bool is_free(const FreeSpaceMap::Run* runs) const {
+      const FreeSpaceMap::Run a = runs[cells.first];
+      const FreeSpaceMap::Run b = runs[cells.second];
+      return std::max(a.from, b.from) <= nearest && std::max(a.not_to, b.not_to) <= not_farthest;
+    }
+  };
+  static constexpr std::size_t stretch_steps = 8;
+
+  /// Sets the steps for beams that are looked along as far as `range_max`, m.
   explicit VisibilityTable(const Raster& raster);
 
   /// Fills in one of `sources` sources.
@@ -30,22 +42,29 @@ class VisibilityTable {
   float edge(std::size_t m) const { return edges_[m]; }
   /// The step that holds `range`, m; of a border the outer one. steps(): beyond all of them.
   std::size_t step_at(float range) const;
+  /// Steps stretch_steps * k and the following ones of a beam. Those of beams side by side lie side by side:
+  /// that is how they are looked at.
+  const Stretch& stretch(std::size_t beam, std::size_t source, std::size_t k) const {
+    return stretches_[index(beam, source, k)];
+  }
   /// Where step m begins, and with m + 1 where it ends.
   Place place(std::size_t beam, std::size_t source, std::size_t m) const {
-    return places_[index(beam, source, m)];
+    return places_[index(beam, source, m / stretch_steps) * stretch_steps + m % stretch_steps];
   }
 
  private:
-  /// Places of beams side by side lie side by side: in that order they are used.
-  std::size_t index(std::size_t beam, std::size_t source, std::size_t m) const {
-    return (source * edges_.size() + m) * beams_ + beam;
+  std::size_t index(std::size_t beam, std::size_t source, std::size_t k) const {
+    return (source * stretches_of_beam_ + k) * beams_ + beam;
   }
+  static Stretch stretch_of(const std::vector<Place>& places, const FreeSpaceMap& map);
 
   std::vector<float> edges_;
   std::vector<std::uint32_t> step_at_;  // for every shortest step, the one that holds its begin
   std::size_t sources_ = 0;
   std::size_t beams_;
+  std::size_t stretches_of_beam_;
   std::vector<Place> places_;
+  std::vector<Stretch> stretches_;
 };
 
 }  // namespace lidard

@@ -342,34 +342,34 @@ TEST(FreeSpaceMap, AClaimIsRoundedInwardsAndReplacesTheOneBefore) {
   EXPECT_FALSE(cell.is_free(map.distance(1)));
 }
 
-TEST(FreeSpaceMap, AWayIsFreeIfAllCellsThatItLeadsThroughAreTheShortWayRound) {
+TEST(FreeSpaceMap, ARunIsWhatItsCellsHaveInCommonAllAround) {
   sim::Rng rng(6);
-  std::size_t free = 0, not_free = 0;
   for (const double width : {10 * degree, 2.3 * degree, 0.25 * degree}) {
     FreeSpaceMap map;
     map.set(0, 0, width, unit);
     for (std::size_t cell = 0; cell < map.size(); ++cell)
-      map.claim(cell, static_cast<float>(rng.uniform()), static_cast<float>(4 + 30 * rng.uniform()));
+      map.claim(cell, static_cast<float>(rng.uniform()), static_cast<float>(0.9 + 10 * rng.uniform()));
     map.find_runs();
-    for (int round = 0; round < 2000; ++round) {
-      const auto any = [&](double most) { return static_cast<std::size_t>(rng.uniform() * most); };
-      const std::size_t first = any(static_cast<double>(map.size()));
-      const std::size_t more = any(round % 2 == 0 ? 8 : static_cast<double>(map.size() / 2));
-      const FreeSpaceMap::Place a{static_cast<std::uint16_t>(first), map.distance(static_cast<float>(6 * rng.uniform()))};
-      const FreeSpaceMap::Place b{static_cast<std::uint16_t>((first + more) % map.size()),
-                                  map.distance(static_cast<float>(6 * rng.uniform()))};
-      bool all = true;
-      for (std::size_t i = 0; i <= more; ++i) {
-        const FreeSpaceMap::Cell& cell = map.cells()[(first + i) % map.size()];
-        all = all && cell.is_free(a.distance) && cell.is_free(b.distance);
-      }
-      ASSERT_EQ(map.is_free(a, b), all) << width << ' ' << first << " + " << more;
-      ASSERT_EQ(map.is_free(b, a), all) << width << ' ' << first << " + " << more;
-      ++(all ? free : not_free);
+    for (int round = 0; round < 500; ++round) {
+      const auto first = static_cast<std::size_t>(rng.uniform() * static_cast<double>(map.size()));
+      const auto length = 1 + static_cast<std::size_t>(rng.uniform() * 128);
+      FreeSpaceMap::RunAt at;
+      ASSERT_TRUE(map.find_run(first, length, at));
+      const FreeSpaceMap::Run a = map.runs()[at.first], b = map.runs()[at.second];
+      const auto meters = static_cast<float>(12 * rng.uniform());
+      const std::int16_t near = FreeSpaceMap::ordered(map.distance(meters));
+      const bool run_is_free = std::max(a.from, b.from) <= near &&
+                               std::max(a.not_to, b.not_to) <= static_cast<std::int16_t>(~near);
+      bool all_are_free = true;
+      for (std::size_t i = 0; i < length; ++i)
+        all_are_free = all_are_free && map.cells()[(first + i) % map.size()].is_free(map.distance(meters));
+      ASSERT_EQ(run_is_free, all_are_free) << width << ' ' << first << " + " << length << " at " << meters;
     }
+    FreeSpaceMap::RunAt at;
+    EXPECT_FALSE(map.find_run(0, 0, at));
+    EXPECT_TRUE(map.find_run(0, 128, at));
+    EXPECT_FALSE(map.find_run(0, 129, at));
   }
-  EXPECT_GT(free, 300U);
-  EXPECT_GT(not_free, 300U);
 }
 
 TEST(FreeSpaceMap, CellsAreFineAndDivideTheBeamsEvenly) {

@@ -79,16 +79,14 @@ std::optional<Way> way_in_band(const Pose& mount, const Eigen::Vector3d& ray, He
   return Way{begin, end};
 }
 
-TEST(PlacedScanMotion, ReturnsAndFreeWaysOfATurnedMountAreWhereTheyWereMeasuredAsSeenFromNow) {
-  std::size_t moved_returns = 0, ends = 0, cut = 0;
-  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-    sim::Rng rng(seed);
-    const Drive drive(seed,
-                      make_pose({rng.within(1), rng.within(1), rng.within(0.5)}, {0, 0, rng.within(3)}));
-    const Pose mount = random_mount(rng);
-    const HeightBand band{-1, 2};
-    PlanarScan scan = random_scan(rng);
-    const bool moves = seed % 4 != 0;
+/// A random sweep of a random mount on a vehicle that drives or stands.
+struct DrivenSweep {
+  explicit DrivenSweep(std::uint64_t seed)
+      : rng(seed),
+        drive(seed, make_pose({rng.within(1), rng.within(1), rng.within(0.5)}, {0, 0, rng.within(3)})),
+        mount(random_mount(rng)),
+        scan(random_scan(rng)),
+        moves(seed % 4 != 0) {
     scan.stamp = start + span_from_seconds(1.1);
     scan.time_increment = 0.06F / 180;
     SourceSettings settings;
@@ -97,131 +95,126 @@ TEST(PlacedScanMotion, ReturnsAndFreeWaysOfATurnedMountAreWhereTheyWereMeasuredA
     rays.build(scan, mount, {}, band);
     SweepMotion motion;
     if (moves) {
-      ASSERT_NE(motion.follow(drive.moment(), times_of(scan)), PoseOrigin::missing);
+      EXPECT_NE(motion.follow(drive.moment(), times_of(scan)), PoseOrigin::missing);
     }
-    PlacedScan sweep;
-    measure(scan, rays, settings, sweep);
-    place(rays, motion, settings.noise, sweep);
-    ASSERT_EQ(sweep.moved, moves);
-    for (std::size_t i = 0; i < scan.beams; ++i) {
-      const auto angle = static_cast<double>(scan.angle_min) +
-                         static_cast<double>(i) * static_cast<double>(scan.angle_increment);
-      const Eigen::Vector3d ray = mount.linear() * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
-      const double time = 1.1 + 0.06 / 180 * static_cast<double>(i);
-      const auto place_of = [&](double range) {
-        const Eigen::Vector3d then = mount.translation() + range * ray;
-        return moves ? drive.now(then, time) : then;
-      };
-      const bool hit = scan.statuses[i] == BeamStatus::hit;
-      const bool none = scan.statuses[i] == BeamStatus::none;
-      const double to = hit ? static_cast<double>(scan.ranges[i]) : 30;
-      const auto way = way_in_band(mount, ray, band, to);
-      const double height = mount.translation().z() + to * ray.z();
-      const bool counts = hit && height >= band.min && height <= band.max;
-      if (std::abs(height - band.min) < 1e-4 || std::abs(height - band.max) < 1e-4) continue;
-      ASSERT_EQ(sweep.kind[i] == Return::surface, counts) << seed << ' ' << i;
-      if (counts) {
-        const Eigen::Vector3d at = place_of(to);
-        ASSERT_NEAR(static_cast<double>(sweep.x[i]), at.x(), 8e-4) << seed << ' ' << i;
-        ASSERT_NEAR(static_cast<double>(sweep.y[i]), at.y(), 8e-4) << seed << ' ' << i;
-        moved_returns += moves ? 1 : 0;
-      }
-      if (!(hit || none) || !way) {
-        ASSERT_EQ(sweep.free_to[i], 0) << seed << ' ' << i;
+    measure(scan, rays, settings, placed);
+    place(rays, motion, settings.noise, placed);
+  }
+  Eigen::Vector3d ray(std::size_t beam) const {
+    const auto angle = static_cast<double>(scan.angle_min) +
+                       static_cast<double>(beam) * static_cast<double>(scan.angle_increment);
+    return mount.linear() * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
+  }
+  /// Of a point on a beam, as seen from now.
+  Eigen::Vector3d place_of(std::size_t beam, double range) const {
+    const Eigen::Vector3d then = mount.translation() + range * ray(beam);
+    return moves ? drive.now(then, 1.1 + 0.06 / 180 * static_cast<double>(beam)) : then;
+  }
+  /// m along the beam, as far as it proves anything.
+  double length(std::size_t beam) const {
+    return scan.statuses[beam] == BeamStatus::hit    ? static_cast<double>(scan.ranges[beam])
+           : scan.statuses[beam] == BeamStatus::none ? 30
+                                                     : 0;
+  }
+
+  sim::Rng rng;
+  Drive drive;
+  Pose mount;
+  HeightBand band{-1, 2};
+  PlanarScan scan;
+  bool moves;
+  PlacedScan placed;
+};
+
+TEST(PlacedScanMotion, ReturnsOfATurnedMountAreWhereTheyWereMeasuredAsSeenFromNow) {
+  std::size_t moved = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const DrivenSweep sweep(seed);
+    ASSERT_EQ(sweep.placed.moved, sweep.moves);
+    for (std::size_t i = 0; i < sweep.scan.beams; ++i) {
+      const double to = sweep.length(i);
+      const double height = sweep.mount.translation().z() + to * sweep.ray(i).z();
+      if (std::abs(height - sweep.band.min) < 1e-4 || std::abs(height - sweep.band.max) < 1e-4) continue;
+      const bool counts = sweep.scan.statuses[i] == BeamStatus::hit && height >= sweep.band.min &&
+                          height <= sweep.band.max;
+      ASSERT_EQ(sweep.placed.kind[i] == Return::surface, counts) << seed << ' ' << i;
+      if (!counts) continue;
+      const Eigen::Vector3d at = sweep.place_of(i, to);
+      ASSERT_NEAR(static_cast<double>(sweep.placed.x[i]), at.x(), 8e-4) << seed << ' ' << i;
+      ASSERT_NEAR(static_cast<double>(sweep.placed.y[i]), at.y(), 8e-4) << seed << ' ' << i;
+      moved += sweep.moves ? 1 : 0;
+    }
+  }
+  EXPECT_GT(moved, 1000U);
+}
+
+TEST(PlacedScanMotion, FreeWaysOfATurnedMountEndWhereTheBeamOrTheBandEndsAsSeenFromNow) {
+  std::size_t ends = 0, cut = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const DrivenSweep sweep(seed);
+    for (std::size_t i = 0; i < sweep.scan.beams; ++i) {
+      const double to = sweep.length(i);
+      const auto way = way_in_band(sweep.mount, sweep.ray(i), sweep.band, to);
+      if (!way) {
+        ASSERT_EQ(sweep.placed.free_to[i], 0) << seed << ' ' << i;
         continue;
       }
-      const double level = ray.head<2>().norm();
-      ASSERT_NEAR(static_cast<double>(sweep.free_to[i]), way->end * level, 1e-4 * way->end)
+      const double level = sweep.ray(i).head<2>().norm();
+      ASSERT_NEAR(static_cast<double>(sweep.placed.free_to[i]), way->end * level, 1e-4 * way->end)
           << seed << ' ' << i;
-      ASSERT_NEAR(static_cast<double>(sweep.free_from[i]), way->begin * level, 1e-4 * way->end);
+      ASSERT_NEAR(static_cast<double>(sweep.placed.free_from[i]), way->begin * level, 1e-4 * way->end);
       cut += way->end < to - 1e-3 ? 1 : 0;
-      if (!moves) continue;
+      if (!sweep.moves) continue;
       // Counted from where the scanner stands now.
-      const Eigen::Vector3d end = place_of(way->end) - mount.translation();
-      ASSERT_NEAR(static_cast<double>(sweep.free_x[i]), end.x(), 1.5e-3) << seed << ' ' << i;
-      ASSERT_NEAR(static_cast<double>(sweep.free_y[i]), end.y(), 1.5e-3) << seed << ' ' << i;
+      const Eigen::Vector3d end = sweep.place_of(i, way->end) - sweep.mount.translation();
+      ASSERT_NEAR(static_cast<double>(sweep.placed.free_x[i]), end.x(), 1.5e-3) << seed << ' ' << i;
+      ASSERT_NEAR(static_cast<double>(sweep.placed.free_y[i]), end.y(), 1.5e-3) << seed << ' ' << i;
       ++ends;
     }
   }
-  EXPECT_GT(moved_returns, 1000U);
   EXPECT_GT(ends, 1000U);
   EXPECT_GT(cut, 500U) << "beams that leave the band before they end";
 }
 
-std::size_t index_of(const PlanarScan& scan, std::size_t beam, float range) {
-  for (std::size_t echo = 0; echo < scan.echoes; ++echo) {
-    if (scan.ranges[scan.index(beam, echo)] == range) return scan.index(beam, echo);
-  }
-  return scan.index(beam);
-}
-
 TEST(PlacedScanMotion, TheReturnThatIsAskedForCountsInWhateverOrderTheEchoesCome) {
-  sim::Rng rng(9);
-  std::size_t early = 0;
-  for (int round = 0; round < 20; ++round) {
-    PlanarScan scan = random_scan(rng, 3);
-    for (const EchoChoice choice :
-         {EchoChoice::first, EchoChoice::last, EchoChoice::strongest, EchoChoice::all}) {
+  // One is too near and one too far to be used.
+  std::vector<std::pair<float, float>> echoes = {{1, 200}, {5, 40}, {7, 90}, {9, 10}, {20, 200}};
+  do {
+    PlanarScan scan;
+    scan.reset(1, echoes.size(), true);
+    scan.set_angles(0.5F, 0.01F);
+    scan.range_max = 30;
+    for (std::size_t i = 0; i < echoes.size(); ++i) {
+      scan.set_hit(scan.index(0, i), echoes[i].first);
+      scan.intensities[scan.index(0, i)] = echoes[i].second;
+    }
+    const auto expect = [&](EchoChoice choice, float range, float intensity, float free_to) {
       SourceSettings settings;
-      settings.veil_filter = false;
       settings.echoes = choice;
-      settings.intensity_min = 20;
-      settings.intensity_max = 180;
       settings.range_min = 2;
       settings.range_max = 18;
       BeamRays rays;
       rays.build(scan, Pose::Identity(), {}, {});
       PlacedScan sweep;
       condition(scan, rays, settings, sweep);
-      std::size_t next_early = 0;
-      for (std::size_t beam = 0; beam < scan.beams; ++beam) {
-        std::vector<std::size_t> usable;
-        for (std::size_t echo = 0; echo < 3; ++echo) {
-          const std::size_t i = scan.index(beam, echo);
-          if (scan.statuses[i] == BeamStatus::hit && scan.ranges[i] >= 2 && scan.ranges[i] <= 18 &&
-              scan.intensities[i] >= 20 && scan.intensities[i] <= 180)
-            usable.push_back(i);
-        }
-        ASSERT_EQ(sweep.kind[beam] == Return::surface, !usable.empty()) << beam;
-        if (usable.empty()) continue;
-        const auto by_range = [&](std::size_t a, std::size_t b) { return scan.ranges[a] < scan.ranges[b]; };
-        const auto by_intensity = [&](std::size_t a, std::size_t b) {
-          return scan.intensities[a] < scan.intensities[b];
-        };
-        std::sort(usable.begin(), usable.end(), by_range);
-        std::size_t chosen = choice == EchoChoice::first ? usable.front() : usable.back();
-        if (choice == EchoChoice::strongest) {
-          chosen = *std::max_element(usable.begin(), usable.end(), by_intensity);
-          // Of two that are equally strong either may count.
-          if (scan.intensities[chosen] == sweep.intensity[beam])
-            chosen = index_of(scan, beam, sweep.range[beam]);
-        }
-        ASSERT_EQ(sweep.range[beam], scan.ranges[chosen]) << beam;
-        ASSERT_EQ(sweep.intensity[beam], scan.intensities[chosen]) << beam;
-        const float free_to = choice == EchoChoice::all ? scan.ranges[usable.front()] : scan.ranges[chosen];
-        ASSERT_NEAR(sweep.free_to[beam], free_to, 1e-5) << beam;
-        if (choice != EchoChoice::all) continue;
-        usable.pop_back();
-        for (std::size_t k = 0; k < usable.size(); ++k, ++next_early, ++early) {
-          ASSERT_LT(next_early, sweep.early_echoes.size());
-          const PlacedScan::Point& p = sweep.early_echoes[next_early];
-          const double angle = static_cast<double>(scan.angle(beam));
-          ASSERT_NEAR(std::remainder(std::atan2(static_cast<double>(p.y), static_cast<double>(p.x)) - angle,
-                                     2 * pi_d),
-                      0, 1e-5);
-          const auto found = std::find_if(usable.begin(), usable.end(), [&](std::size_t i) {
-            return std::abs(std::hypot(p.x, p.y) - scan.ranges[i]) < 1e-4F &&
-                   p.intensity == scan.intensities[i];
-          });
-          ASSERT_NE(found, usable.end()) << beam;
-        }
-      }
-      if (choice == EchoChoice::all) {
-        EXPECT_EQ(next_early, sweep.early_echoes.size());
-      }
-    }
-  }
-  EXPECT_GT(early, 1000U);
+      EXPECT_EQ(sweep.kind[0], Return::surface);
+      EXPECT_EQ(sweep.range[0], range);
+      EXPECT_EQ(sweep.intensity[0], intensity);
+      EXPECT_NEAR(sweep.free_to[0], free_to, 1e-5);
+      return sweep.early_echoes;
+    };
+    EXPECT_TRUE(expect(EchoChoice::first, 5, 40, 5).empty());
+    EXPECT_TRUE(expect(EchoChoice::last, 9, 10, 9).empty());
+    EXPECT_TRUE(expect(EchoChoice::strongest, 7, 90, 7).empty());
+    // What the first one hides is seen through it, but not known to be free.
+    auto early = expect(EchoChoice::all, 9, 10, 5);
+    ASSERT_EQ(early.size(), 2U);
+    std::sort(early.begin(), early.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
+    EXPECT_NEAR(early[0].x, 5 * std::cos(0.5), 1e-5);
+    EXPECT_NEAR(early[1].y, 7 * std::sin(0.5), 1e-5);
+    EXPECT_EQ(early[0].intensity, 40);
+    EXPECT_EQ(early[1].intensity, 90);
+  } while (std::next_permutation(echoes.begin(), echoes.end()));
 }
 
 TEST(PlacedScanMotion, EarlyReturnsMoveWithTheirBeam) {

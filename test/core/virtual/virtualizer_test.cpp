@@ -57,6 +57,28 @@ TEST(Virtualizer, ATiltedFrameMeetsAWallOnTheAnalyticLine) {
   }
 }
 
+TEST(Virtualizer, AFrameUpsideDownShowsTheSameMirrored) {
+  sim::Yard yard;
+  yard.ground = false;
+  yard.objects = {wall(8, -30, 8, 30, 12, -12), box({-5, 2, 1}, {1, 1, 3}), wall(-9, -30, -9, 30, 12, -12)};
+  Cut cut, turned;
+  cut.settings.ground.model = turned.settings.ground.model = GroundModel::none;
+  // Not quite upright, so that steep beams of the plane also meet what lies higher and lower.
+  cut.frame = make_pose({0.3, 0.2, 1.4}, {0.1, 0.05, 0});
+  turned.frame = cut.frame * make_pose({0, 0, 0}, {pi_d, 0, 0});
+  cut.make(seen(yard, lidar16()), lidar16().pose);
+  turned.make(seen(yard, lidar16()), lidar16().pose);
+  std::size_t hits = 0;
+  for (std::size_t beam = 0; beam < cut.grid.beams; ++beam) {
+    const double angle = cut.grid.angle(beam);
+    const double upright = cut.range(cut.safety, angle);
+    if (std::isnan(upright) || std::abs(angle) > 70 * degree) continue;
+    ++hits;
+    EXPECT_NEAR(turned.range(turned.safety, -angle), upright, 0.02) << angle / degree;
+  }
+  EXPECT_GT(hits, 200U);
+}
+
 TEST(Virtualizer, InATiltedPlaneTheWayIsFreeWhereverTheRingsReach) {
   // A round room of 12 m; the plane leans by 0.15 rad and passes 0.4 m beneath a lidar whose rings reach
   // 25 degrees down and up. The plane's axes are seen from another place than the lidar's.
