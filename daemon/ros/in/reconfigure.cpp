@@ -135,7 +135,8 @@ class RosReconfigure final : public RosComponent {
   void disconnected() override {
     for (const auto& server : servers_) {
       const std::lock_guard lock(server->mutex);
-      server->updates = {};
+      server->updates = server->description = {};
+      server->service = {};
       server->to_store = true;
     }
   }
