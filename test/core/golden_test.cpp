@@ -50,10 +50,6 @@ void add(Sums& sums, const Merger& merger) {
   sums.add_exact("superseded", static_cast<std::int64_t>(merger.superseded()));
   sums.add_exact("out of order", static_cast<std::int64_t>(merger.out_of_order()));
   sums.add_exact("bad times", static_cast<std::int64_t>(merger.bad_times()));
-  if (const CrossCheck* const check = merger.cross_check()) {
-    sums.add_exact("veils", static_cast<std::int64_t>(check->veils()));
-    sums.add_exact("conflicts", static_cast<std::int64_t>(check->conflicts()));
-  }
   if (merger.visibility() != nullptr) add(sums, *merger.visibility());
 }
 

@@ -14,7 +14,7 @@
 namespace lidard {
 namespace {
 
-constexpr Stamp begin{1'700'000'000'000'000'000};
+constexpr Stamp origin{1'700'000'000'000'000'000};
 
 struct Delivery {
   std::size_t source;
@@ -52,21 +52,21 @@ std::vector<Output> outputs_of(const std::vector<Delivery>& deliveries, std::siz
   std::vector<Output> outputs;
   Span now{};
   const auto look = [&] {
-    if (!scheduler.is_due(begin + now)) return;
-    outputs.push_back({now, scheduler.usable(begin + now)});
-    scheduler.done(begin + now);
+    if (!scheduler.is_due(origin + now)) return;
+    outputs.push_back({now, scheduler.usable(origin + now)});
+    scheduler.done(origin + now);
   };
   look();
   for (std::size_t next = 0;;) {
     Span at = next < deliveries.size() ? deliveries[next].arrival : length;
     const Span delivery = at;
-    if (const auto event = scheduler.next_event()) at = std::min(at, *event - begin);
+    if (const auto event = scheduler.next_event()) at = std::min(at, *event - origin);
     if (always) at = std::min(at, now + ms(0.5));
     now = at;
     if (now >= length) return outputs;
     if (at == delivery && next < deliveries.size()) {
       const Delivery& d = deliveries[next++];
-      scheduler.delivered(d.source, begin + d.end, d.period, begin + now);
+      scheduler.delivered(d.source, origin + d.end, d.period, origin + now);
     }
     look();
   }
@@ -101,9 +101,9 @@ TEST(SchedulerEvents, WhoAsksAtTheEventsAloneMissesNothingThatWhoAlwaysAsksGets)
 
 TEST(SchedulerEvents, AnEventLiesInTheFutureAndThereIsNoneOnceEverythingIsLost) {
   Scheduler scheduler(2, {});
-  scheduler.delivered(0, begin, 0.05, begin);
-  scheduler.delivered(1, begin + ms(7), 0.08, begin + ms(9));
-  Stamp now = begin + ms(9);
+  scheduler.delivered(0, origin, 0.05, origin);
+  scheduler.delivered(1, origin + ms(7), 0.08, origin + ms(9));
+  Stamp now = origin + ms(9);
   int events = 0;
   while (const auto event = scheduler.next_event()) {
     ASSERT_GT(*event, now);
@@ -121,7 +121,7 @@ struct OneSource {
   Span at{};
   void deliver(double after_ms, double told_s = 0) {
     at += ms(after_ms);
-    scheduler.delivered(0, begin + at, told_s, begin + at);
+    scheduler.delivered(0, origin + at, told_s, origin + at);
   }
   double period_ms() const { return scheduler.period(0) * 1000; }
 };
@@ -174,26 +174,26 @@ TEST(SchedulerPeriod, WhatIsToldCountsUntilSomethingIsMeasuredAndNonsenseNever) 
   OneSource source;
   source.deliver(0, 0.05);
   EXPECT_NEAR(source.period_ms(), 50, 1e-9);
-  source.scheduler.delivered(0, begin, 0, begin + ms(1));  // a sweep that ends when the last one did
+  source.scheduler.delivered(0, origin, 0, origin + ms(1));  // a sweep that ends when the last one did
   EXPECT_NEAR(source.period_ms(), 50, 1e-9);
 }
 
 TEST(SchedulerLimits, ASourceIsWaitedForByThreeTenthsOfTheShortestPeriod) {
   Scheduler scheduler(3, {});
   EXPECT_EQ(scheduler.deadline(), ms(30)) << "of 10 Hz, until a period is known";
-  scheduler.delivered(0, begin, 0.08, begin);
+  scheduler.delivered(0, origin, 0.08, origin);
   EXPECT_EQ(scheduler.deadline(), ms(24));
-  scheduler.delivered(1, begin, 0.02, begin);
-  scheduler.delivered(2, begin, 0.05, begin);
+  scheduler.delivered(1, origin, 0.02, origin);
+  scheduler.delivered(2, origin, 0.05, origin);
   EXPECT_EQ(scheduler.deadline(), ms(6));
-  EXPECT_EQ(scheduler.state(0, begin + ms(86)), SourceState::ok);
-  EXPECT_EQ(scheduler.state(0, begin + ms(86) + Span(1)), SourceState::stale);
+  EXPECT_EQ(scheduler.state(0, origin + ms(86)), SourceState::ok);
+  EXPECT_EQ(scheduler.state(0, origin + ms(86) + Span(1)), SourceState::stale);
   ScheduleSettings settings;
   settings.deadline = ms(1);
   Scheduler strict(1, settings);
-  strict.delivered(0, begin, 0.05, begin);
-  EXPECT_EQ(strict.state(0, begin + ms(51)), SourceState::ok);
-  EXPECT_EQ(strict.state(0, begin + ms(51) + Span(1)), SourceState::stale);
+  strict.delivered(0, origin, 0.05, origin);
+  EXPECT_EQ(strict.state(0, origin + ms(51)), SourceState::ok);
+  EXPECT_EQ(strict.state(0, origin + ms(51) + Span(1)), SourceState::stale);
 }
 
 TEST(SchedulerLimits, TheUsualDelayOfASourceIsWaitedForButNotMoreThanItsPeriod) {
@@ -201,8 +201,8 @@ TEST(SchedulerLimits, TheUsualDelayOfASourceIsWaitedForButNotMoreThanItsPeriod) 
     ScheduleSettings settings;
     settings.deadline = ms(5);
     Scheduler scheduler(1, settings);
-    for (int i = 0; i < 50; ++i) scheduler.delivered(0, begin + ms(40 * i), 0.04, begin + ms(40 * i + delay));
-    const Stamp end = begin + ms(40 * 49);
+    for (int i = 0; i < 50; ++i) scheduler.delivered(0, origin + ms(40 * i), 0.04, origin + ms(40 * i + delay));
+    const Stamp end = origin + ms(40 * 49);
     const Stamp overdue = end + ms(40 + std::min(delay, 40.0) + 5);
     if (overdue > end + ms(delay)) {
       EXPECT_EQ(scheduler.state(0, overdue - ms(0.001)), SourceState::ok) << delay;
@@ -222,40 +222,40 @@ TEST(SchedulerLimits, JumpsBackOfASecondAreNoRestartButLongerOnesAre) {
         scheduler.delivered(0, at, 0.04, at);
     };
     Scheduler scheduler(1, {});
-    scheduler.delivered(0, begin, 0.04, begin);
-    step_to(scheduler, begin - std::chrono::seconds(1));
+    scheduler.delivered(0, origin, 0.04, origin);
+    step_to(scheduler, origin - std::chrono::seconds(1));
     EXPECT_EQ(scheduler.restarts(), 0U);
-    step_to(scheduler, begin - std::chrono::seconds(1) - Span(1));
+    step_to(scheduler, origin - std::chrono::seconds(1) - Span(1));
     EXPECT_EQ(scheduler.restarts(), 1U) << by_asking;
-    EXPECT_EQ(scheduler.state(0, begin), by_asking ? SourceState::never : SourceState::lost);
+    EXPECT_EQ(scheduler.state(0, origin), by_asking ? SourceState::never : SourceState::lost);
   }
 }
 
 TEST(SchedulerLimits, AStampALittleBackDoesNotMoveTheTimeOfEvents) {
   Scheduler scheduler(1, {});
-  scheduler.delivered(0, begin, 0.04, begin);
-  scheduler.is_due(begin + ms(300));
-  scheduler.is_due(begin + ms(100));
+  scheduler.delivered(0, origin, 0.04, origin);
+  scheduler.is_due(origin + ms(300));
+  scheduler.is_due(origin + ms(100));
   ASSERT_TRUE(scheduler.next_event().has_value());
-  EXPECT_EQ(*scheduler.next_event(), begin + ms(400) + Span(1)) << "what lies before 300 ms is past";
+  EXPECT_EQ(*scheduler.next_event(), origin + ms(400) + Span(1)) << "what lies before 300 ms is past";
 }
 
 TEST(SchedulerLimits, ResetForgetsSourcesPeriodsAndTheLastOutput) {
   Scheduler scheduler(2, {});
-  scheduler.delivered(0, begin, 0.04, begin);
-  scheduler.delivered(1, begin, 0.04, begin);
-  ASSERT_TRUE(scheduler.is_due(begin));
-  scheduler.done(begin);
+  scheduler.delivered(0, origin, 0.04, origin);
+  scheduler.delivered(1, origin, 0.04, origin);
+  ASSERT_TRUE(scheduler.is_due(origin));
+  scheduler.done(origin);
   scheduler.reset();
-  EXPECT_EQ(scheduler.state(0, begin + ms(1)), SourceState::never);
+  EXPECT_EQ(scheduler.state(0, origin + ms(1)), SourceState::never);
   EXPECT_EQ(scheduler.period(0), 0);
   EXPECT_EQ(scheduler.deadline(), ms(30));
   EXPECT_FALSE(scheduler.next_event().has_value());
-  EXPECT_FALSE(scheduler.is_due(begin + ms(1)));
+  EXPECT_FALSE(scheduler.is_due(origin + ms(1)));
   // Who is not there at the start is waited for anew.
   scheduler.reset();
-  scheduler.delivered(0, begin + ms(1000), 0.04, begin + ms(1000));
-  EXPECT_FALSE(scheduler.is_due(begin + ms(1000)));
+  scheduler.delivered(0, origin + ms(1000), 0.04, origin + ms(1000));
+  EXPECT_FALSE(scheduler.is_due(origin + ms(1000)));
 }
 
 TEST(SchedulerRate, WhatWasMissedIsNotMadeUpForAndTheGridIsKeptOtherwise) {
@@ -264,9 +264,9 @@ TEST(SchedulerRate, WhatWasMissedIsNotMadeUpForAndTheGridIsKeptOtherwise) {
   settings.rate = 10;
   Scheduler scheduler(1, settings);
   const auto ask = [&](double at) {
-    scheduler.delivered(0, begin + ms(at), 0.01, begin + ms(at));
-    const bool due = scheduler.is_due(begin + ms(at));
-    if (due) scheduler.done(begin + ms(at));
+    scheduler.delivered(0, origin + ms(at), 0.01, origin + ms(at));
+    const bool due = scheduler.is_due(origin + ms(at));
+    if (due) scheduler.done(origin + ms(at));
     return due;
   };
   EXPECT_TRUE(ask(0));
@@ -275,7 +275,7 @@ TEST(SchedulerRate, WhatWasMissedIsNotMadeUpForAndTheGridIsKeptOtherwise) {
   EXPECT_FALSE(ask(199));
   EXPECT_TRUE(ask(200)) << "the next one is not late for that";
   EXPECT_TRUE(ask(555));
-  EXPECT_FALSE(ask(600)) << "three were missed; a new row begins";
+  EXPECT_FALSE(ask(600)) << "three were missed; a new row origins";
   EXPECT_TRUE(ask(655));
 }
 
@@ -285,17 +285,17 @@ TEST(SchedulerRate, AnOutputOutOfTurnBeginsANewRow) {
   settings.rate = 10;
   Scheduler scheduler(2, settings);
   const auto look = [&](double at) {
-    const bool due = scheduler.is_due(begin + ms(at));
-    if (due) scheduler.done(begin + ms(at));
+    const bool due = scheduler.is_due(origin + ms(at));
+    if (due) scheduler.done(origin + ms(at));
     return due;
   };
-  scheduler.delivered(0, begin, 0.03, begin);
-  scheduler.delivered(1, begin, 0.03, begin);
+  scheduler.delivered(0, origin, 0.03, origin);
+  scheduler.delivered(1, origin, 0.03, origin);
   EXPECT_TRUE(look(0));
-  scheduler.delivered(1, begin + ms(30), 0.03, begin + ms(30));
+  scheduler.delivered(1, origin + ms(30), 0.03, origin + ms(30));
   EXPECT_FALSE(look(39));
   EXPECT_TRUE(look(40)) << "the first source is overdue: it must be gone from the output";
-  for (double at = 60; at < 135; at += 30) scheduler.delivered(1, begin + ms(at), 0.03, begin + ms(at));
+  for (double at = 60; at < 135; at += 30) scheduler.delivered(1, origin + ms(at), 0.03, origin + ms(at));
   EXPECT_FALSE(look(100));
   EXPECT_FALSE(look(139));
   EXPECT_TRUE(look(140));
@@ -308,9 +308,9 @@ TEST(SchedulerTrigger, WaitsForItsSourceUntilThatIsOverdueThoughTheOthersHaveDel
   settings.trigger = 0;
   Scheduler scheduler(2, settings);
   const auto deliver = [&](std::size_t source, double at) {
-    scheduler.delivered(source, begin + ms(at), source == 0 ? 0.1 : 0.04, begin + ms(at));
-    const bool due = scheduler.is_due(begin + ms(at));
-    if (due) scheduler.done(begin + ms(at));
+    scheduler.delivered(source, origin + ms(at), source == 0 ? 0.1 : 0.04, origin + ms(at));
+    const bool due = scheduler.is_due(origin + ms(at));
+    if (due) scheduler.done(origin + ms(at));
     return due;
   };
   EXPECT_FALSE(deliver(1, 0)) << "at the start the trigger is waited for";

@@ -33,7 +33,7 @@ struct Scene {
     find_ground(grid, settings, make_pose({0, 0, 2}, {0, 0, 0}), ground);
     links.set(grid, 0.005);
     view.set_cloud(grid, ground, links, Eigen::Vector3f::UnitZ());
-    view.set_frame(make_pose({0, 0, above}, {0, 0, 0}), false);
+    view.set_frame(make_pose({0, 0, above}, {0, 0, 0}));
     view.set_level(0);
     tops.find(view);
     for (FreeSpaceMap* map : {&near, &far, &blind, &over}) map->set(0, 0, grid.step(), unit);
@@ -173,7 +173,7 @@ TEST(CutEvidence, ThePlaneIsFreeBetweenTheBeamsThatCrossItAndBlindBeforeThem) {
       if (scene.lidar.rng.uniform() < 0.15) scene.grid.kind[i] = Beam::unknown;
     }
     scene.view.set_cloud(scene.grid, scene.ground, scene.links, Eigen::Vector3f::UnitZ());
-    scene.view.set_frame(make_pose({0, 0, 1.5}, {0, 0, 0}), false);
+    scene.view.set_frame(make_pose({0, 0, 1.5}, {0, 0, 0}));
     scene.view.set_level(0);
     scene.tops.find(scene.view);
     for (FreeSpaceMap* map : {&scene.near, &scene.far, &scene.blind}) map->clear();

@@ -109,7 +109,7 @@ PlaneTops::Verdict verdict(double thing, double wall) {
   links.set(grid, 0.005);
   PlaneView view;
   view.set_cloud(grid, ground, links, Eigen::Vector3f::UnitZ());
-  view.set_frame(make_pose({0, 0, 1.5}, {0, 0, 0}), false);
+  view.set_frame(make_pose({0, 0, 1.5}, {0, 0, 0}));
   view.set_level(0);
   PlaneTops tops;
   tops.find(view);
