@@ -18,7 +18,10 @@ EXAMPLES = {
     "sick_lms1xx.yaml": "sick_lms111.pcap",
     "sick_picoscan150.yaml": "picoscan150.pcap",
     "two_safety_scanners.yaml": "demo.pcap",
+    "truck.yaml": "demo.pcap",
 }
+# Two of its sensors are topics of other nodes, which no capture has: an output never comes, exit 1.
+WITH_TOPICS = ("truck.yaml",)
 
 
 def karto_count(scan):
@@ -43,7 +46,7 @@ def check_example(config, capture, tmp):
     for n in (1, 2):
         bag = tmp / f"{config}.{n}.bag"
         result = run("replay", "-c", ROOT / "config" / config, "--pcap", ROOT / "pcaps" / capture, "--rate", "max", "--bag", bag)
-        expect(result.returncode == 0, f"{config}: {result.stderr}")
+        expect(result.returncode == (1 if config in WITH_TOPICS else 0), f"{config}: {result.stderr}")
         digests.add(hashlib.sha256(bag.read_bytes()).hexdigest())
     expect(len(digests) == 1, f"{config}: two replays gave different bags")
     counts, stamps = {}, {}
