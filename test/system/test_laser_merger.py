@@ -167,7 +167,8 @@ def check_launch_file(tmp, port):
         merged = Listener("/scan_multi")
         with logged(["/usr/bin/roslaunch", "--wait", launch], tmp / "roslaunch.txt", env=environment) as child:
             wait_for(lambda: len(merged.messages) > 5, 30, f"scans with {launch}:\n" + child.said())
-            expect_same(merged.messages[-1], expected, launch.name)
+            # A busy machine may delay a scanner: then the newest scan is without it.
+            wait_for(lambda: not wrong_beams(merged.messages[-1], expected), 5, f"{launch.name}: the merged scan")
         expect("has no effect" not in child.said(), "every parameter is known:\n" + child.said())
         merged.close()
     for talker in talkers:

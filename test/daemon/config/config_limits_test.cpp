@@ -73,7 +73,6 @@ const std::vector<Limit>& limits() {
       {"control port", control(), 3, "port", "1", "0", "65535", "65536"},
       {"control rpm", control("allow_write: true, "), 3, "rpm", "300", "299", "1200", "1201"},
       {"control rpm step", control("allow_write: true, "), 3, "rpm", "360", "359", "1140", "1141"},
-      {"control period", control("read: true, "), 3, "period", "3", "2.999", "3600", "3600.1"},
 
       {"pose", "sensors:\n  a: {topic: /a, pose: {%, rpy: [0, 0, 0]}}\n", 2, "xyz", "[-1000, 0, 0]",
        "[-1000.1, 0, 0]", "[0, 0, 1000]", "[0, 0, 1000.1]"},
