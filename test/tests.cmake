@@ -18,7 +18,7 @@ list(FILTER ros_support INCLUDE REGEX "/support/ros_")
 add_library(lidard_support STATIC ${support})
 target_link_libraries(lidard_support PUBLIC lidard_sim GTest::gtest GTest::gmock)
 target_precompile_headers(lidard_support PRIVATE ${common_headers} ${test_headers})
-lidard_unity(lidard_support)
+lidard_unity(lidard_support 6)
 
 # test/<folder>/*_test.cpp is one GoogleTest program; folders mirror the sources. Its tests run in a few processes, since
 # a process of its own costs most tests more than what they do. ctest counts thirds of a processor, because most of the
@@ -37,7 +37,7 @@ function(lidard_tests folder shards)
   # Names of one file may hide those of another one that it is compiled with.
   set_target_properties(${name} PROPERTIES LIDARD_MAY_SHADOW ON)
   target_precompile_headers(${name} PRIVATE ${common_headers} ${test_headers})
-  lidard_unity(${name})
+  lidard_unity(${name} 6)
   foreach(shard RANGE 1 ${shards})
     math(EXPR index "${shard} - 1")
     add_test(NAME ${folder}.${shard} COMMAND ${name})

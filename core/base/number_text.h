@@ -39,4 +39,7 @@ std::string printed(const char* format, Values... values) {
   return text;
 }
 
+/// "3.142" for 3 digits after the point.
+inline std::string fixed(double value, int digits) { return printed("%.*f", digits, value); }
+
 }  // namespace lidard

@@ -17,7 +17,6 @@ using Json = nlohmann::ordered_json;
 // Enough to see what else is on the network; --json has all of it.
 constexpr std::size_t unknown_rows = 10;
 
-std::string fixed(double value, int digits) { return printed("%.*f", digits, value); }
 
 /// Text from the network, fit for a line of a comment.
 std::string printable(std::string text) {

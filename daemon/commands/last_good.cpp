@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* file_name = "lidard.yaml";
+constexpr const char* kept_name = "lidard.yaml";
 
 fs::path beside(const Config& config, const std::string& file) {
   const fs::path path = file;
@@ -50,7 +50,7 @@ std::string LastGood::keep(const Config& config) const {
       fs::copy_file(beside(config, sensor.calibration), part / name);
       sensor.calibration = name;
     }
-    write(part / file_name, to_yaml(copy));
+    write(part / kept_name, to_yaml(copy));
     fs::remove_all(folder_);
     fs::rename(part, folder_);
   } catch (const std::exception& error) {
@@ -62,7 +62,7 @@ std::string LastGood::keep(const Config& config) const {
 std::optional<Config> LastGood::load() const {
   if (folder_.empty()) return std::nullopt;
   try {
-    return load_config((fs::path(folder_) / file_name).string());
+    return load_config((fs::path(folder_) / kept_name).string());
   } catch (const ConfigError&) {
     return std::nullopt;
   }

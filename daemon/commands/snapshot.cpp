@@ -17,7 +17,6 @@
 namespace lidard {
 namespace {
 
-std::string fixed(double value, int digits) { return printed("%.*f", digits, value); }
 
 std::string to_utc(Stamp stamp) {
   const std::time_t whole = static_cast<std::time_t>(stamp.ns / 1'000'000'000);

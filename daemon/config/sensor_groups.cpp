@@ -124,7 +124,7 @@ Rows control_rows() {
               .in_one_line()};
 }
 
-Keys<DriverConfig> beam_rows() {
+Keys<DriverConfig> planar_rows() {
   using D = DriverConfig;
   return {angle("angle_min", &D::angle_min, -most_turn_rad, most_turn_rad, "beams before it are left out")
               .unless_set("all beams"),
@@ -250,7 +250,7 @@ const std::vector<SensorGroup>& sensor_groups() {
       {"SICK devices with logins", can<Trait::logins>, false, of_requests(login_keys()), no_settings,
        no_settings},
       {"Velodynes but the HDL-64E", can<Trait::web_control>, true, control_rows(), no_web, no_web},
-      {"planar scanners", gives<FrameKind::scan>, false, of_driver(beam_rows()), {}, no_beams},
+      {"planar scanners", gives<FrameKind::scan>, false, of_driver(planar_rows()), {}, no_beams},
       {"planar scanners and Velodynes", gives_scans, false, {scan_topic_row()}},
       {"planar scanners with several echoes", echoes, false, of_driver(echo_rows()), {}, no_beams},
       {"SICK safety scanners", has_output_paths, false, safety_topic_rows(), no_paths, no_paths},

@@ -161,7 +161,7 @@ bool is_indented_with_tab(const std::string& text, int line) {
   return content.substr(0, content.find_first_not_of(" \t")).find('\t') != std::string::npos;
 }
 
-std::string list_of(const std::vector<std::string_view>& words) {
+std::string comma_list(const std::vector<std::string_view>& words) {
   std::string list;
   for (const std::string_view word : words) list.append(list.empty() ? "" : ", ").append(word);
   return list;
@@ -277,7 +277,7 @@ Mapping::Mapping(const Value& value, std::vector<std::string_view> known_keys, M
         fail_at(unknown.key_place(), unknown.path() + " is a key of former versions", std::string(instead));
       const std::string_view near = nearest_word(written, known_keys);
       fail_at(unknown.key_place(), "unknown key " + unknown.path(),
-              near.empty() ? "one of " + list_of(known_keys) : std::string(near));
+              near.empty() ? "one of " + comma_list(known_keys) : std::string(near));
     });
     mistakes.doubt(value.path());
   }
