@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <malloc.h>
 
-#include <array>
 #include <atomic>
 #include <boost/asio/signal_set.hpp>
 #include <cstdlib>
@@ -15,7 +14,6 @@
 #include "daemon/commands/last_good.h"
 #include "daemon/commands/plan.h"
 #include "daemon/commands/status.h"
-#include "daemon/live/frame_queue.h"
 #include "daemon/live/journal.h"
 #include "daemon/live/process_memory.h"
 #include "daemon/live/runtime_socket.h"
@@ -50,7 +48,7 @@ class Daemon {
  public:
   /// `trouble`: why `config` is not what the file holds; empty: it is.
   Daemon(const Config& config, const RosOptions& how, std::string trouble)
-      : plan_(std::make_unique<Plan>(config)),
+      : plan_(std::make_shared<Plan>(config)),
         last_good_(config.file),
         trouble_(std::move(trouble)),
         clock_([this](Span step) { ros_.set_step(step); }),
@@ -78,12 +76,8 @@ class Daemon {
       items.push_back(configuration_item());
       if (auto item = box_.item()) items.push_back(std::move(*item));
     };
-    planes_.on_state = [this](const LaneState& state) { take_state(Lane::planes, state); };
     planes_.on_round = [this] { feed_watchdog(); };
     planes_.on_tick = [this](Stamp now) { tick(now); };
-    clouds_.on_state = [this](const LaneState& state) {
-      planes_.post([this, state](Stamp) { take_state(Lane::clouds, state); });
-    };
     connect_lanes();
   }
 
@@ -100,16 +94,14 @@ class Daemon {
     ros_.sink(Lane::planes).transforms(planes_.pipeline().static_transforms(), clock_.now());
     if (const std::string trouble = socket_.start(runtime_socket_path()); !trouble.empty())
       log_warn("`lidard status` cannot ask this daemon: {}", trouble);
-    // Ready is who has opened all sockets. Where there are no clouds, their lane has none to open.
-    planes_.post([this](Stamp) {
-      states_[0] = planes_.state();
+    // Report READY once all sockets are open. The lane of clouds runs only where it has some to open.
+    planes_.post([this](Stamp now) {
+      planes_.pipeline().tick(now);
       if (!plan_->has_clouds()) came_up();
     });
-    clouds_.post([this](Stamp) {
-      planes_.post([this, state = clouds_.state()](Stamp) {
-        take_state(Lane::clouds, state);
-        came_up();
-      });
+    clouds_.post([this](Stamp now) {
+      clouds_.pipeline().tick(now);
+      planes_.post([this](Stamp) { came_up(); });
     });
     if (plan_->has_clouds()) clouds_thread_ = std::thread([this] { run_clouds(); });
     planes_.run();
@@ -125,7 +117,7 @@ class Daemon {
  private:
   /// All sockets are open.
   void came_up() {
-    service_.ready(status());
+    service_.ready(status(ros_.diagnostics(clock_.now())));
     // What is in force since a wrong file is kept already.
     if (!trouble_.empty()) return;
     if (const std::string why = last_good_.keep(plan_->whole); !why.empty()) log_warn("{}", why);
@@ -146,18 +138,16 @@ class Daemon {
   }
   /// To be called in the thread of the lane of clouds, or before it runs.
   void connect_lanes() {
-    const auto take_over = [this, over = plan_->handed_over](Stamp received) {
-      while (QueuedFrame* const frame = over->queue.pop(Span(0))) {
-        planes_.pipeline().scan_message(over->sources[frame->slot], std::get<PlanarScan>(frame->content),
-                                        received);
-        over->queue.done(frame);
-      }
-    };
-    clouds_.pipeline().set_hand_over(
-        [this, over = plan_->handed_over, take_over](std::size_t source, const PlanarScan& scan, Stamp now) {
-          over->queue.push(source, scan, now);
-          planes_.post(take_over);
-        });
+    clouds_.pipeline().set_hand_over([this, plan = plan_](std::size_t source, const PlanarScan& scan, Stamp) {
+      constexpr int most_waiting = 100;
+      if (handed_over_ >= most_waiting) return;
+      ++handed_over_;
+      planes_.post([this, plan, source, scan](Stamp received) {
+        --handed_over_;
+        // The places of sources are those of its own plan.
+        if (plan == plan_) planes_.pipeline().handed_over(source, scan, received);
+      });
+    });
   }
   void wait_for_signals() {
     requests_.async_wait([this](const boost::system::error_code& error, int signal) {
@@ -188,7 +178,7 @@ class Daemon {
   }
   void change(const Config& config, Stamp now) {
     for (const auto& warning : config.warnings) log_warn("{}", warning);
-    next_plan_ = std::make_unique<Plan>(config);
+    next_plan_ = std::make_shared<Plan>(config);
     try {
       ros_.change(config, next_plan_->parts);
     } catch (const RosError& error) {
@@ -201,6 +191,7 @@ class Daemon {
     plan_ = std::move(next_plan_);
     ros_.set_topics(Lane::planes, plan_->topics[0]);
     planes_.configure(plan_->parts[0]);
+    planes_.pipeline().tick(now);
     ros_.sink(Lane::planes).transforms(planes_.pipeline().static_transforms(), now);
     const auto switch_clouds = [this] {
       ros_.set_topics(Lane::clouds, plan_->topics[1]);
@@ -208,8 +199,9 @@ class Daemon {
       connect_lanes();
     };
     if (clouds_thread_.joinable()) {
-      clouds_.post([this, switch_clouds](Stamp) {
+      clouds_.post([this, switch_clouds](Stamp at) {
         switch_clouds();
+        clouds_.pipeline().tick(at);
         planes_.post([this](Stamp) { end_change(); });
       });
       return;
@@ -233,7 +225,6 @@ class Daemon {
     else
       log_error("{}; nothing is changed, correct it and reload again", trouble);
     came_up();
-    update_journal();
     malloc_trim(0);  // the former configuration has left holes
     if (std::exchange(wants_reload_, false)) reload();
   }
@@ -246,38 +237,26 @@ class Daemon {
     item.add("Reloads", reloads_);
     return item;
   }
-  void take_state(Lane lane, const LaneState& state) {
-    states_[static_cast<std::size_t>(lane)] = state;
-    update_journal();
-  }
-  /// What both lanes tell.
-  std::vector<DiagnosticItem> items(Stamp now) const {
-    std::vector<DiagnosticItem> all = joined(states_[0].items, states_[1].items);
-    const std::vector<DiagnosticItem> of_ros = ros_.diagnostics(now);
-    all.insert(all.end(), of_ros.begin(), of_ros.end());
-    return all;
-  }
-  void update_journal() {
-    const Stamp now = clock_.now();
-    for (const std::string& error : journal_.update(items(now), clock_.realtime(now)))
-      box_.incident(now, error);
-  }
-  std::string status() const {
-    Share lidars, ports, devices;
-    for (const LaneState& state : states_) {
-      lidars += state.lidars_alive;
-      ports += state.open_ports;
-      devices += state.connected_devices;
+  std::string status(const std::vector<DiagnosticItem>& items) const {
+    std::string text;
+    for (const auto& [kind, form] : {std::pair("sensor ", "{}/{} lidars, "),
+                                     {"port ", "{} of {} ports open, "},
+                                     {"link ", "{} of {} devices connected, "}}) {
+      std::size_t up = 0, all = 0;
+      for (const DiagnosticItem& item : items) {
+        if (!item.is_up || item.name.rfind(kind, 0) != 0) continue;
+        ++all;
+        up += *item.is_up ? 1U : 0U;
+      }
+      if (all > 0 || text.empty()) text += fmt::format(fmt::runtime(form), up, all);
     }
-    std::string text = fmt::format("{}/{} lidars, ", lidars.good, lidars.all);
-    if (ports.all > 0) text += fmt::format("{} of {} ports open, ", ports.good, ports.all);
-    if (devices.all > 0) text += fmt::format("{} of {} devices connected, ", devices.good, devices.all);
     return text + "ROS master " + (ros_.has_master() ? "present" : "absent");
   }
   DaemonState state() {
-    states_[0] = planes_.state();
     const Stamp now = clock_.now();
-    DaemonState all{ros_.node(), clock_.realtime(now), now - started_, status(), history_, items(now), {}};
+    std::vector<DiagnosticItem> items = ros_.diagnostics(now);
+    DaemonState all{
+        ros_.node(), clock_.realtime(now), now - started_, status(items), history_, std::move(items), {}};
     for (const Lane lane : {Lane::planes, Lane::clouds}) {
       for (const OutputTopic& topic : plan_->topics[static_cast<std::size_t>(lane)]) {
         const TopicFigures figures = ros_.figures(lane, topic, now);
@@ -288,8 +267,9 @@ class Daemon {
   }
   void tick(Stamp now) {
     leave_name_to_others();
-    if (++ticks_ % ticks_per_status == 0) service_.status(status());
-    update_journal();
+    const std::vector<DiagnosticItem> items = ros_.diagnostics(now);
+    if (++ticks_ % ticks_per_status == 0) service_.status(status(items));
+    for (const std::string& error : journal_.update(items, clock_.realtime(now))) box_.incident(now, error);
     box_.poll(now, clock_.step(), [this] { return events_json(journal_); });
   }
   /// The threads that stand still. This one moves, since it is here.
@@ -321,7 +301,7 @@ class Daemon {
     planes_.stop();
   }
 
-  std::unique_ptr<Plan> plan_, next_plan_;  // next_plan_: of a reload that goes on
+  std::shared_ptr<const Plan> plan_, next_plan_;  // next_plan_: of a reload that goes on
   const LastGood last_good_;
   std::string trouble_;  // why plan_ is not what the file holds; empty: it is
   std::uint64_t reloads_ = 0;
@@ -337,7 +317,7 @@ class Daemon {
   std::thread clouds_thread_;
   std::atomic<bool> clouds_ended_{false};
   std::uint64_t clouds_rounds_ = 0;
-  std::array<LaneState, 2> states_;
+  std::atomic<int> handed_over_{0};  // scans on their way from the lane of clouds to that of planes
   boost::asio::signal_set signals_;
   boost::asio::signal_set requests_;  // that do not end the daemon
   int ticks_ = 0;

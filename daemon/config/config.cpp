@@ -60,15 +60,6 @@ void write_named(YAML::Emitter& yaml, const char* key, const Entries& entries) {
   yaml << YAML::EndMap;
 }
 
-template <class Entry>
-std::string text_of(const Entry& entry) {
-  YAML::Emitter yaml;
-  yaml << YAML::BeginMap;
-  write(yaml, entry);
-  yaml << YAML::EndMap;
-  return yaml.c_str() + std::string("\n");
-}
-
 void add_merged(const MergedScanConfig& merged, std::vector<OutputTopic>& topics) {
   topics.push_back({merged.scan_destination_topic, TopicKind::scan});
   if (!merged.status_topic.empty()) topics.push_back({merged.status_topic, TopicKind::scan});
@@ -142,13 +133,21 @@ std::string to_yaml(const Config& config) {
   return with_indented_comments(yaml.c_str());
 }
 
-std::string to_yaml(const VehicleConfig& vehicle) { return text_of(vehicle); }
-std::string to_yaml(const SensorConfig& sensor) {
-  return sensor.name + ":\n" + text_of(sensor) + "# calibration " +
-         std::to_string(sensor.calibration_digest) + (sensor.handed_over ? ", handed over\n" : "\n");
+bool operator==(const VehicleConfig& a, const VehicleConfig& b) { return same_keys(vehicle_keys(), a, b); }
+bool operator==(const SensorConfig& a, const SensorConfig& b) {
+  const auto same = [&](const SensorGroup& group) {
+    return takes(a, group) == takes(b, group) && (!takes(a, group) || same_keys(group.keys, a, b));
+  };
+  const auto& groups = sensor_groups();
+  return a.name == b.name && a.model == b.model && a.calibration_digest == b.calibration_digest &&
+         std::all_of(groups.begin(), groups.end(), same);
 }
-std::string to_yaml(const MergedScanConfig& merged) { return merged.name + ":\n" + text_of(merged); }
-std::string to_yaml(const VirtualScanConfig& group) { return group.name + ":\n" + text_of(group); }
+bool operator==(const MergedScanConfig& a, const MergedScanConfig& b) {
+  return a.name == b.name && same_keys(merged_keys(), a, b);
+}
+bool operator==(const VirtualScanConfig& a, const VirtualScanConfig& b) {
+  return a.name == b.name && same_keys(virtual_keys(), a, b);
+}
 
 std::string yaml_text(const KeyMap& keys) {
   YAML::Emitter yaml;
@@ -214,13 +213,6 @@ std::vector<StaticTransform> fixed_poses(const Config& config) {
     for (const auto& [frame, pose] : group.poses) add(group.base_frame, frame, pose);
   }
   return poses;
-}
-
-const OutputTopic& topic_named(const std::vector<OutputTopic>& topics, const std::string& name) {
-  for (const OutputTopic& topic : topics) {
-    if (topic.name == name) return topic;
-  }
-  throw std::logic_error("no topic " + name + " in the list");
 }
 
 std::vector<OutputTopic> output_topics(const Config& config) {

@@ -73,7 +73,6 @@ struct SensorConfig {
   bool deskew = false;             ///< the cloud message shows one instant, that of its stamp
   std::optional<RingScanSpec> ring_scan;  ///< one ring of a multi-plane lidar as a planar scan
   FrameFilterSettings filter;             ///< of what is published of it; other outputs see all of it
-  bool handed_over = false;               ///< its scans come from the other lane of the daemon, see part_of()
 
   /// TCP port that the device listens on, for its data or its settings; 0: none.
   std::uint16_t device_port() const {
@@ -168,9 +167,10 @@ struct Config {
   BlackBoxConfig black_box;
   std::vector<std::string> warnings;  ///< `file:line:column: what`, to be shown once
   /// Of a part of a configuration, see part_of():
-  std::vector<std::string> hand_over;  ///< sources whose scans the other lane takes
-  std::vector<StaticTransform> poses;  ///< those of the whole configuration
-  bool is_not_alone = false;           ///< the other lane has sensors too
+  std::vector<std::string> hand_over;    ///< sources whose scans the other lane merges
+  std::vector<std::string> handed_over;  ///< sources whose scans come from the other lane
+  std::vector<StaticTransform> poses;    ///< those of the whole configuration
+  bool is_not_alone = false;             ///< the other lane has sensors too
 
   const SensorConfig* find_sensor(const std::string& name) const;
 };
@@ -181,11 +181,11 @@ Config load_config(const std::string& path);
 Config parse_config(const std::string& text, const std::string& name);
 /// The configuration as YAML with every default filled in; parse_config() reads it back to the same.
 std::string to_yaml(const Config& config);
-/// The same of one entry, with all that changes what it does: entries of equal text do the same.
-std::string to_yaml(const VehicleConfig& vehicle);
-std::string to_yaml(const SensorConfig& sensor);
-std::string to_yaml(const MergedScanConfig& merged);
-std::string to_yaml(const VirtualScanConfig& group);
+/// True if two entries have the same name and the same value of every key, so that they do the same.
+bool operator==(const VehicleConfig& a, const VehicleConfig& b);
+bool operator==(const SensorConfig& a, const SensorConfig& b);
+bool operator==(const MergedScanConfig& a, const MergedScanConfig& b);
+bool operator==(const VirtualScanConfig& a, const VirtualScanConfig& b);
 
 /// The poses that a configuration fixes, each frame once.
 std::vector<StaticTransform> fixed_poses(const Config& config);
@@ -208,8 +208,6 @@ struct OutputTopic {
 OutputTopic frame_topic(const SensorConfig& sensor);
 /// Everything that a sensor of ours may publish on; a source with `topic:` publishes nothing.
 std::vector<OutputTopic> sensor_topics(const SensorConfig& sensor);
-/// The entry of that name, which must be there.
-const OutputTopic& topic_named(const std::vector<OutputTopic>& topics, const std::string& name);
 /// Everything that the configuration may publish on. At run time a topic travels as its entry of this list.
 std::vector<OutputTopic> output_topics(const Config& config);
 

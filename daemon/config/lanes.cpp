@@ -84,12 +84,7 @@ Config part_of(const Config& config, Lane lane) {
     return part;
   }
   part.virtual_scans.clear();
-  for (const std::string& name : over) {
-    SensorConfig sensor;
-    sensor.name = sensor.topic = sensor.frame_id = name;
-    sensor.handed_over = true;
-    part.sensors.push_back(std::move(sensor));
-  }
+  part.handed_over.assign(over.begin(), over.end());
   return part;
 }
 

@@ -13,9 +13,9 @@ enum class Lane : std::uint8_t {
   clouds   ///< multi-plane lidars and all virtual scans
 };
 
-/// The part of a configuration that belongs to one lane. What a merged scan takes from the lane of clouds is
-/// named in `hand_over` there, and is a sensor with `handed_over` in the lane of planes. A planar scanner
-/// that shares a UDP port with a multi-plane lidar goes with it.
+/// The part of a configuration that belongs to one lane. What is merged of the lane of clouds is named in
+/// `hand_over` there, and in the same order in `handed_over` of the lane of planes. A planar scanner that
+/// shares a UDP port with a multi-plane lidar goes with it.
 Config part_of(const Config& config, Lane lane);
 
 }  // namespace lidard

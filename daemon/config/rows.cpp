@@ -121,6 +121,17 @@ void write_value(YAML::Emitter& yaml, std::string_view name, const KeyValue& val
   if (value.is_set()) write_tree(yaml << YAML::Key << std::string(name) << YAML::Value, value);
 }
 
+bool operator==(const KeyValue& a, const KeyValue& b) {
+  const auto same = [&](const auto& one) {
+    const auto& other = std::get<std::decay_t<decltype(one)>>(b);
+    if constexpr (std::is_same_v<std::decay_t<decltype(one)>, Pose>)
+      return one.matrix() == other.matrix();
+    else
+      return one == other;
+  };
+  return a.index() == b.index() && std::visit(same, a);
+}
+
 void write_remark(YAML::Emitter& yaml, const Key& key) {
   yaml << YAML::Newline << YAML::Comment(std::string(key.name) + ": " + std::string(key.remark));
 }

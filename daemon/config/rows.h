@@ -23,6 +23,7 @@ KeyValue read_value(const Value& value, const Key& key, Mistakes& mistakes);
 void write_tree(YAML::Emitter& yaml, const KeyValue& value);
 /// The name and the value; nothing is written for "not set".
 void write_value(YAML::Emitter& yaml, std::string_view name, const KeyValue& value);
+bool operator==(const KeyValue& a, const KeyValue& b);
 /// Says in a comment what holds while an optional key is not there.
 void write_remark(YAML::Emitter& yaml, const Key& key);
 
@@ -96,6 +97,14 @@ void write_keys(YAML::Emitter& yaml, const Keys<Owner>& keys, const Owner& owner
       write_value(yaml, key.name, value.is_set() ? value : key.otherwise);
     }
   }
+}
+
+/// True if `a` and `b` have the same value of each key.
+template <class Owner>
+bool same_keys(const Keys<Owner>& keys, const Owner& a, const Owner& b) {
+  return std::all_of(keys.begin(), keys.end(), [&](const KeyOf<Owner>& key) {
+    return shown_value(key, a) == shown_value(key, b) && same_keys(key.inner, a, b);
+  });
 }
 
 }  // namespace lidard

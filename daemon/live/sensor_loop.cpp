@@ -54,7 +54,6 @@ SensorLoop::SensorLoop(const Config& config, DaemonClock& clock, BlackBox& box, 
     ports_.add_diagnostics(items);
     connections_.add_diagnostics(items);
     host_causes_.add_diagnostics(items);
-    on_state({items, lidars_alive(), ports_.open(), connections_.connected()});
   });
 }
 
@@ -89,20 +88,6 @@ void SensorLoop::finish() {
   pipeline_.finish(clock_.now());
   connections_.stop();
   for (const auto& sensor : pipeline_.report()) log_sensor(sensor);
-}
-
-LaneState SensorLoop::state() {
-  return {pipeline_.diagnostics(clock_.now()), lidars_alive(), ports_.open(), connections_.connected()};
-}
-
-Share SensorLoop::lidars_alive() const {
-  Share alive;
-  const Stamp now = clock_.now();
-  for (const SensorReport& sensor : pipeline_.report()) {
-    ++alive.all;
-    alive.good += sensor.seen && seconds(now - sensor.last_arrival) < 1 ? 1U : 0U;
-  }
-  return alive;
 }
 
 /// Reports that the thread runs, if a report is due.

@@ -23,12 +23,6 @@
 
 namespace lidard {
 
-/// The state of a lane of the daemon.
-struct LaneState {
-  std::vector<DiagnosticItem> items;
-  Share lidars_alive, open_ports, connected_devices;
-};
-
 /// One lane of a running daemon: its sockets and its pipeline, used only by the thread that calls run().
 /// Other threads post tasks.
 class SensorLoop {
@@ -40,10 +34,9 @@ class SensorLoop {
   boost::asio::io_context& io() { return io_; }
   Pipeline& pipeline() { return pipeline_; }
   /// Called in the thread of run(). on_round: about ten times a second, also while packets wait. on_tick:
-  /// about ten times a second, when no packet waits. on_state: with each list of diagnostics.
+  /// about ten times a second, when no packet waits.
   std::function<void()> on_round = [] {};
   std::function<void(Stamp now)> on_tick = [](Stamp) {};
-  std::function<void(const LaneState&)> on_state = [](const LaneState&) {};
   /// Adds items to the diagnostics of the lane.
   std::function<void(std::vector<DiagnosticItem>&)> add_items = [](std::vector<DiagnosticItem>&) {};
 
@@ -57,8 +50,6 @@ class SensorLoop {
   void stop() { io_.stop(); }
   /// After run(): closes the sockets, completes the counters, and logs them.
   void finish();
-  /// Only for the thread of run().
-  LaneState state();
   /// Grows about ten times a second while the thread runs. Thread-safe.
   std::uint64_t rounds() const { return rounds_; }
 
@@ -71,7 +62,6 @@ class SensorLoop {
   void schedule_tick();
   void arm();
   void tick(Stamp now);
-  Share lidars_alive() const;
 
   boost::asio::io_context io_{1};
   DaemonClock& clock_;

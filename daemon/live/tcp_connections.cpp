@@ -44,9 +44,8 @@ void TcpConnections::configure(const Config& config) {
     if (sensor.model == nullptr) continue;
     const bool streams = sensor.model->transport == Transport::tcp;
     if (sensor.device_port() == 0 || sensor.driver.requests.listen_only) continue;
-    const std::string text = to_yaml(sensor);
     const auto same =
-        std::find_if(before.begin(), before.end(), [&](const auto& l) { return l && l->text == text; });
+        std::find_if(before.begin(), before.end(), [&](const auto& l) { return l && l->config == sensor; });
     if (same != before.end()) {
       (*same)->sensor = i;
       connections_.push_back(std::move(*same));
@@ -54,8 +53,7 @@ void TcpConnections::configure(const Config& config) {
     }
     auto connection = std::make_unique<Connection>();
     connection->sensor = i;
-    connection->text = text;
-    connection->name = sensor.name;
+    connection->config = sensor;
     connection->streams = streams;
     connection->device.port = sensor.device_port();
     connection->silence = silence_of(sensor);
@@ -118,7 +116,7 @@ void TcpConnections::log_first() {
   for (const auto& connection : connections_) {
     if (!connection->source) continue;
     if (!is_connected(connection->source->state()) || std::exchange(connection->announced, true)) continue;
-    log_info("{}: connected to {}", connection->name, connection->device.to_string());
+    log_info("{}: connected to {}", connection->config.name, connection->device.to_string());
   }
 }
 
@@ -127,13 +125,14 @@ void TcpConnections::add_diagnostics(std::vector<DiagnosticItem>& items) const {
     if (!connection->source) continue;
     const TcpState& state = connection->source->state();
     const TcpStats& stats = connection->source->stats();
-    DiagnosticItem item{"link " + connection->name, connection->device.to_string()};
+    DiagnosticItem item{"link " + connection->config.name, connection->device.to_string()};
     item.message = text_of(state, connection->streams);
     const bool idle =
         !connection->streams && state.phase == TcpState::Phase::stopped && state.message.empty();
     if (!is_connected(state) && !idle && item.message != first_attempt)
       item.health = connection->streams ? Health::error : Health::warn;  // data come without a dialogue
     item.awaited = events_.frames(connection->sensor) == 0;
+    if (connection->streams) item.is_up = is_connected(state);
     item.add("Device", connection->device.to_string());
     item.add("Attempts", stats.attempts);
     item.add("Connections", stats.connects);
@@ -144,16 +143,6 @@ void TcpConnections::add_diagnostics(std::vector<DiagnosticItem>& items) const {
     item.add("Requests dropped", stats.requests_dropped);
     items.push_back(std::move(item));
   }
-}
-
-Share TcpConnections::connected() const {
-  Share connected;
-  for (const auto& connection : connections_) {
-    if (!connection->streams) continue;
-    ++connected.all;
-    connected.good += is_connected(connection->source->state()) ? 1U : 0U;
-  }
-  return connected;
 }
 
 TcpConnections::Connection* TcpConnections::find(std::size_t sensor) {

@@ -46,8 +46,6 @@ class TcpConnections final : public DeviceConnections {
   void log_first();
   /// One item per connection.
   void add_diagnostics(std::vector<DiagnosticItem>& items) const;
-  /// Of the devices that stream over TCP.
-  Share connected() const;
 
   void connect(std::size_t sensor, const IpAddress& device) override;
   void send(std::size_t sensor, ByteView bytes) override;
@@ -58,8 +56,8 @@ class TcpConnections final : public DeviceConnections {
  private:
   struct Connection {
     std::size_t sensor = 0;
-    std::string name, text;  // text: its entry, see to_yaml()
-    bool streams = false;    // else only a dialogue
+    SensorConfig config;
+    bool streams = false;  // else only a dialogue
     Endpoint device;
     Span silence{0};  // longest between two frames
     std::unique_ptr<TcpSource> source;

@@ -122,6 +122,7 @@ void UdpPorts::add_diagnostics(std::vector<DiagnosticItem>& items) const {
     item.health = state.phase == UdpState::Phase::receiving ? Health::ok
                   : receives(state)                         ? Health::warn
                                                             : Health::error;
+    item.is_up = receives(state);
     item.message = state.message.empty() ? "listening" : message_of(port);
     if (item.health == Health::ok && !port.source->warning().empty()) {
       item.set(Health::warn, port.source->warning());
@@ -156,12 +157,6 @@ std::string UdpPorts::trouble(std::uint16_t port) const {
     if (each.number == port && !receives(each.source->state())) return message_of(each);
   }
   return {};
-}
-
-Share UdpPorts::open() const {
-  Share open{0, ports_.size()};
-  for (const auto& port : ports_) open.good += receives(port.source->state()) ? 1U : 0U;
-  return open;
 }
 
 }  // namespace lidard

@@ -30,7 +30,6 @@ class UdpPorts {
   void note_changes();
   /// One item per port.
   void add_diagnostics(std::vector<DiagnosticItem>& items) const;
-  Share open() const;
   /// Datagrams received at all ports.
   std::uint64_t datagrams() const;
   /// Why nothing can be received at a port; empty: it is open.

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/pipeline/cloud_placer.h"
 
-#include <spdlog/fmt/fmt.h>
-
 #include <algorithm>
 #include <utility>
 
@@ -22,7 +20,7 @@ CloudPlacer::CloudPlacer(const SensorConfig& sensor, const CloudArranger& arrang
                          Publish publish)
     : sensor_(sensor), arranger_(arranger), vehicle_(motion), publish_(std::move(publish)) {}
 
-void CloudPlacer::take(const Cloud& cloud, Stamp now) {
+void CloudPlacer::add(const Cloud& cloud, Stamp now) {
   if (waiting_ == most_waiting) release_first(now);
   if (waiting_ == clouds_.size()) clouds_.emplace_back();
   clouds_[waiting_].cloud = cloud;
@@ -37,13 +35,15 @@ void CloudPlacer::advance(Stamp now) {
   if (waiting_ > 0 && !too_soon) release_due(now);
 }
 
+std::optional<Stamp> CloudPlacer::next_event() const {
+  return waiting_ > 0 ? std::optional(last_try_ + between_tries) : std::nullopt;
+}
+
 void CloudPlacer::release_due(Stamp now) {
   last_try_ = now;
   vehicle_.poll(now);
   while (waiting_ > 0) {
-    // A clock that was set back must not make a cloud wait for longer.
-    const Span waited = now - clouds_.front().since;
-    const bool may_wait = waited >= Span(0) && waited < longest_wait;
+    const bool may_wait = PoseGate::may_wait(clouds_.front().since, longest_wait, now);
     if (!release(clouds_.front(), may_wait, now)) return;
     drop_first();
   }
@@ -81,39 +81,19 @@ bool CloudPlacer::release(Waiting& waiting, bool may_wait, Stamp now) {
   std::string why_not;
   const bool is_placed =
       vehicle_.frames().find(frame, cloud.frame_id, waiting.instant, frame_from_lidar, why_not);
-  if (!is_placed && may_wait) return false;
-  const bool is_deskewed = !sensor_.deskew || find_motion(cloud, waiting.instant);
+  const bool is_deskewed = is_placed && (!sensor_.deskew || find_motion(cloud, waiting.instant));
   if (!is_deskewed && may_wait) return false;
-  counters_.trouble.clear();
   if (!is_placed) {
-    ++counters_.not_published;
-    counters_.trouble = "its clouds are not published in " + frame + ": " + why_not;
+    gate_.left_out("not published in " + frame + ": " + why_not);
     return true;
   }
-  if (!is_deskewed) {
-    ++counters_.not_deskewed;
-    counters_.trouble =
-        "its clouds are published as if the vehicle stood still: poses of their time are missing; see that "
-        "odometry is published";
-  }
+  gate_.published(is_deskewed);
   const CloudMotion& motion = sensor_.deskew && is_deskewed ? motion_ : stands_;
   // What does not move stays where it is to the last bit.
   if (!motion.stands() || frame != cloud.frame_id) move_points(motion, frame_from_lidar, cloud);
   cloud.frame_id = frame;
   publish_(cloud, now);
   return true;
-}
-
-std::string placement_losses(const PlacementCounters& counters) {
-  std::string text;
-  const auto add = [&](std::uint64_t count, const char* what) {
-    if (count > 0)
-      text +=
-          fmt::format("{}{} {} {}", text.empty() ? "" : ", ", count, count == 1 ? "cloud" : "clouds", what);
-  };
-  add(counters.not_published, "not published, since their pose in points_frame was not known");
-  add(counters.not_deskewed, "not deskewed, since poses of the vehicle are missing");
-  return text;
 }
 
 }  // namespace lidard

@@ -3,24 +3,17 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <functional>
-#include <string>
+#include <optional>
 #include <vector>
 
 #include "core/frames/cloud_layout.h"
 #include "core/motion/frame_motion.h"
 #include "daemon/config/config.h"
+#include "daemon/pipeline/pose_gate.h"
 #include "daemon/pipeline/vehicle_motion.h"
 
 namespace lidard {
-
-/// What became of clouds that are published in another frame than the sensor's, or deskewed.
-struct PlacementCounters {
-  std::uint64_t not_published = 0;  ///< the pose of the sensor in the frame was not known
-  std::uint64_t not_deskewed = 0;   ///< published as if the vehicle stood still
-  std::string trouble;              ///< with the newest cloud, and the remedy; empty: none
-};
 
 /// Brings the clouds of a sensor to the frame and the instant in which they are published
 /// (SensorConfig::points_frame, deskew). The instant is the stamp of the message. A cloud whose poses are not
@@ -35,12 +28,14 @@ class CloudPlacer {
               Publish publish);
   static bool is_wanted(const SensorConfig& sensor) { return sensor.deskew || !sensor.points_frame.empty(); }
 
-  void take(const Cloud& cloud, Stamp now);
+  void add(const Cloud& cloud, Stamp now);
   /// Time passed, or poses came in: publishes what has waited long enough.
   void advance(Stamp now);
+  /// When advance() is worth a call.
+  std::optional<Stamp> next_event() const;
   /// No poses will come any more: publishes what can be published.
   void finish(Stamp now);
-  const PlacementCounters& counters() const { return counters_; }
+  const PoseGate& gate() const { return gate_; }
 
  private:
   struct Waiting {
@@ -60,15 +55,12 @@ class CloudPlacer {
   const CloudArranger& arranger_;
   VehicleMotion& vehicle_;
   Publish publish_;
-  PlacementCounters counters_;
+  PoseGate gate_;
   std::vector<Waiting> clouds_;  // the first `waiting_` ones, oldest first
   std::size_t waiting_ = 0;
   Stamp last_try_{};
   CloudMotion motion_;
   CloudMotion stands_;
 };
-
-/// The line below the table of a replay: "2 clouds not deskewed"; empty: all is well.
-std::string placement_losses(const PlacementCounters& counters);
 
 }  // namespace lidard

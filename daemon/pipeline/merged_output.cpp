@@ -12,6 +12,7 @@
 #include "core/merge/mount_check.h"
 #include "core/merge/scheduler.h"
 #include "daemon/pipeline/output.h"
+#include "daemon/pipeline/pose_gate.h"
 
 namespace lidard {
 namespace {
@@ -65,20 +66,20 @@ class MergedOutput final : public Output {
         reported_(config.laserscan_topics.size()),
         why_unplaced_(config.laserscan_topics.size()),
         taken_(config.laserscan_topics.size(), 0) {
-    find_topics();
+    const auto topic = [&](const std::string& name) {
+      return name.empty() ? nullptr : &context.outlet.topic(name);
+    };
+    scan_topics_ = {topic(config.scan_destination_topic)};
+    for (const AlsoScanConfig& also : config.also) scan_topics_.push_back(topic(also.topic));
+    cloud_topic_ = topic(config.cloud_destination_topic);
+    status_topic_ = topic(config.status_topic);
     cloud_.frame_id = config.destination_frame;
     status_.frame_id = config.destination_frame;
     set_up();
   }
 
   OutputId id() const override { return {OutputId::Kind::merged, config_.name}; }
-  void find_topics() override {
-    const auto topic = [&](const std::string& name) { return &topic_named(context_.outlet.topics(), name); };
-    scan_topics_ = {topic(config_.scan_destination_topic)};
-    for (const AlsoScanConfig& also : config_.also) scan_topics_.push_back(topic(also.topic));
-    if (!config_.cloud_destination_topic.empty()) cloud_topic_ = topic(config_.cloud_destination_topic);
-    if (!config_.status_topic.empty()) status_topic_ = topic(config_.status_topic);
-  }
+  bool is_of(const MergedScanConfig& entry) const override { return config_ == entry; }
   std::vector<std::string> sources() const override { return config_.laserscan_topics; }
   void add_scan(std::size_t source, const PlanarScan& scan, Stamp now) override {
     Pose pose;
@@ -96,19 +97,22 @@ class MergedOutput final : public Output {
     advance(now);
   }
   void advance(Stamp now) override {
-    if (!scheduler_.is_due(now)) {
-      waits_for_motion_since_.reset();
-      return;
-    }
+    if (!scheduler_.is_due(now)) return due_since_.reset();
     if (lacks_sweeps(now)) return;
     const MergeMoment moment = moment_of(now);
-    if (must_wait_for_motion(moment, now)) return;
-    publish(moment, now);
+    if (!due_since_) due_since_ = now;
+    const bool lacks_poses = config_.on_missing_motion != MissingMotion::stand && !has_poses(moment, now);
+    const bool drops = config_.on_missing_motion == MissingMotion::drop;
+    if (lacks_poses && !drops && PoseGate::may_wait(*due_since_, scheduler_.deadline(), now)) return;
+    due_since_.reset();
+    if (!lacks_poses || !drops) return publish(moment, now);
+    gate_.left_out("on_missing_motion: drop, and poses of the vehicle are missing");
+    scheduler_.done(now);
   }
   std::optional<Stamp> next_event() const override {
     const auto event = scheduler_.next_event();
-    if (!waits_for_motion_since_) return event;
-    const Stamp given_up = *waits_for_motion_since_ + scheduler_.deadline();
+    if (!due_since_) return event;
+    const Stamp given_up = *due_since_ + scheduler_.deadline();
     return event ? std::min(*event, given_up) : given_up;
   }
   bool states_changed(Stamp now) override {
@@ -122,7 +126,7 @@ class MergedOutput final : public Output {
     config_.output = wanted;
     set_up();
     overlap_ = MountCheck(config_.laserscan_topics.size());
-    waits_for_motion_since_.reset();
+    due_since_.reset();
     uses_.clear();
     latency_ = skew_ = Span(0);
   }
@@ -131,7 +135,7 @@ class MergedOutput final : public Output {
     scheduler_.reset();
     overlap_.reset();
     stamps_.reset();
-    waits_for_motion_since_.reset();
+    due_since_.reset();
   }
   bool publishes(const std::string& topic) const override {
     const auto has = [&](const OutputTopic* own) { return own != nullptr && own->name == topic; };
@@ -149,7 +153,7 @@ class MergedOutput final : public Output {
       missing += (missing.empty() ? "" : "; ") + why;
     }
     if (counters_.published > 0 || !missing.empty()) return missing;
-    if (dropped_ > 0) return "on_missing_motion: drop, and poses of the vehicle are missing";
+    if (!gate_.trouble().empty()) return gate_.trouble();
     return std::string("no output was due with policy ") + to_string(config_.schedule.policy);
   }
   DiagnosticItem diagnostics(Stamp now, bool starting) const override {
@@ -227,25 +231,13 @@ class MergedOutput final : public Output {
     }
     return false;
   }
-  bool must_wait_for_motion(const MergeMoment& moment, Stamp now) {
-    if (poses_.track() == nullptr || config_.on_missing_motion == MissingMotion::stand) return false;
+  /// True if the way of the vehicle is known for all sweeps of an output, or nobody knows how it moves.
+  bool has_poses(const MergeMoment& moment, Stamp now) {
     const std::vector<char>& use = scheduler_.usable(now);
     bool known = true;
     for (std::size_t s = 0; s < use.size(); ++s)
       known = known && (use[s] == 0 || merger_->poses_cover(s, moment));
-    if (known) {
-      waits_for_motion_since_.reset();
-      return false;
-    }
-    if (config_.on_missing_motion == MissingMotion::drop) {
-      ++dropped_;
-      scheduler_.done(now);
-      return true;
-    }
-    if (!waits_for_motion_since_) waits_for_motion_since_ = now;
-    if (now - *waits_for_motion_since_ < scheduler_.deadline()) return true;
-    waits_for_motion_since_.reset();
-    return false;
+    return known || poses_.track() == nullptr;
   }
   void publish(MergeMoment moment, Stamp now) {
     moment.at = stamps_.next(moment.at);
@@ -254,7 +246,7 @@ class MergedOutput final : public Output {
     scheduler_.done(now);
     uses_ = report.sources;
     const bool stands = std::count(uses_.begin(), uses_.end(), SourceUse::static_poses) > 0;
-    if (poses_.track() != nullptr && stands) ++without_motion_;
+    gate_.published(poses_.track() == nullptr || !stands);
     latency_ = now - moment.at;
     ++counters_.published;
     counters_.last_published = now;
@@ -291,17 +283,12 @@ class MergedOutput final : public Output {
   }
   void describe_motion(DiagnosticItem& item) const {
     if (poses_.track() == nullptr) return;
-    const auto count = [this](SourceUse use) { return std::count(uses_.begin(), uses_.end(), use); };
-    std::string text = poses_.track()->empty() ? "no poses yet" : "deskewed";
-    if (count(SourceUse::extrapolated) > 0) text = "deskewed, partly beyond the newest pose";
-    const bool stands = poses_.track()->empty() || count(SourceUse::static_poses) > 0;
-    if (stands && !poses_.track()->empty()) text = "not deskewed: poses of the sweeps' time are missing";
-    item.add("Motion", text);
-    item.add("Outputs not deskewed", without_motion_);
-    item.add("Outputs left out for want of poses", dropped_);
-    if (!stands || item.health != Health::ok || counters_.published == 0) return;
-    item.set(Health::warn,
-             "publishing as if the vehicle stood still: " + text + "; see that odometry is published");
+    const auto has = [this](SourceUse use) { return std::count(uses_.begin(), uses_.end(), use) > 0; };
+    item.add("Motion", poses_.track()->empty()        ? "no poses yet"
+                       : has(SourceUse::static_poses) ? "not deskewed: poses of the sweeps' time are missing"
+                       : has(SourceUse::extrapolated) ? "deskewed, partly beyond the newest pose"
+                                                      : "deskewed");
+    gate_.describe(item);
   }
   void describe_sources(DiagnosticItem& item, Stamp now, bool starting) const {
     std::string silent, lost;
@@ -379,12 +366,11 @@ class MergedOutput final : public Output {
   Cloud cloud_;
   OutputCounters counters_;
   SteadyStamps stamps_;
-  std::optional<Stamp> waits_for_motion_since_;
-  std::vector<SourceUse> uses_;       // of the last output
-  Span latency_{};                    // of the last output: from its instant to its publication
-  Span skew_{};                       // between the last rays of the sweeps that it was made of
-  std::uint64_t without_motion_ = 0;  // outputs with sources that could not be deskewed
-  std::uint64_t dropped_ = 0;         // outputs left out since poses were missing
+  PoseGate gate_;
+  std::optional<Stamp> due_since_;  // an output that waits for poses
+  std::vector<SourceUse> uses_;     // of the last output
+  Span latency_{};                  // of the last output: from its instant to its publication
+  Span skew_{};                     // between the last rays of the sweeps that it was made of
 };
 
 }  // namespace

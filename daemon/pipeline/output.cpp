@@ -78,36 +78,48 @@ bool ReportedState::update(SourceState now, Span passed) {
   return std::exchange(state_, now) != now;
 }
 
-void Outlet::configure(std::vector<OutputTopic> topics, std::size_t sensors) {
-  const std::vector<OutputReport> before = std::exchange(reports_, {});
-  topics_ = std::move(topics);
-  sensors_ = sensors;
-  consumers_.assign(sensors + topics_.size(), {});
-  for (const OutputTopic& topic : topics_) {
-    const auto known = std::find_if(before.begin(), before.end(),
-                                    [&](const OutputReport& report) { return report.name == topic.name; });
-    reports_.push_back(known == before.end() ? OutputReport() : *known);
+void Outlet::configure(const Config& config) {
+  auto topics = std::exchange(topics_, {});
+  const auto reports = std::exchange(reports_, {});
+  names_.clear();
+  for (const SensorConfig& sensor : config.sensors) names_.push_back(sensor.name);
+  names_.insert(names_.end(), config.handed_over.begin(), config.handed_over.end());
+  first_topic_ = names_.size();
+  for (const OutputTopic& topic : output_topics(config)) {
+    const auto known = std::find_if(topics.begin(), topics.end(),
+                                    [&](const auto& one) { return one && one->name == topic.name; });
+    const bool is_new = known == topics.end();
+    reports_.push_back(is_new ? OutputReport() : reports[(*known)->id]);
     reports_.back().name = topic.name;
     reports_.back().promised = topic.promised;
+    topics_.push_back(is_new ? std::make_unique<OutputTopic>() : std::move(*known));
+    *topics_.back() = topic;
+    names_.push_back(topic.name);
   }
+  consumers_.assign(names_.size(), {});
+}
+
+std::size_t Outlet::source(const std::string& name) const {
+  const auto found = std::find(names_.begin(), names_.end(), name);
+  if (found == names_.end()) throw std::logic_error("no source " + name);
+  return static_cast<std::size_t>(found - names_.begin());
+}
+
+const OutputTopic& Outlet::topic(const std::string& name) const {
+  for (const auto& topic : topics_) {
+    if (topic->name == name) return *topic;
+  }
+  throw std::logic_error("no topic " + name);
 }
 
 void Outlet::publish(const OutputTopic& topic, const Payload& payload, Stamp now) {
   reports_[topic.id].count(now);
-  Cloud* const* const cloud = std::get_if<Cloud*>(&payload);
-  for (FrameSink* const sink : sinks_) {
-    // A sink may keep the points.
-    const bool needs_copy = cloud != nullptr && sink != sinks_.back();
-    if (needs_copy) copy_ = **cloud;
-    sink->publish(topic, needs_copy ? Payload(copy_) : payload, now);
-  }
-}
-
-void Outlet::publish(const std::vector<DiagnosticItem>& items, Stamp now) {
-  for (FrameSink* const sink : sinks_) sink->diagnostics(items, now);
+  sink_.publish(topic, payload, now);
+  if (const auto* scan = std::get_if<const PlanarScan*>(&payload)) feed(first_topic_ + topic.id, **scan, now);
 }
 
 void Outlet::feed(std::size_t source, const PlanarScan& scan, Stamp now) {
+  fed_ = true;
   for (const Consumer& consumer : consumers_[source]) {
     if (consumer.output != nullptr)
       consumer.output->add_scan(consumer.place, scan, now);
@@ -117,6 +129,7 @@ void Outlet::feed(std::size_t source, const PlanarScan& scan, Stamp now) {
 }
 
 void Outlet::feed(std::size_t source, const Cloud& cloud, Stamp now) {
+  fed_ = true;
   for (const Consumer& consumer : consumers_[source]) {
     if (consumer.output != nullptr) consumer.output->add_cloud(cloud, now);
   }

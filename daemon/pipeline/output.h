@@ -19,23 +19,26 @@ namespace lidard {
 
 class Output;
 
-/// Takes a scan for the other lane, see Config::hand_over; `source`: its place there.
+/// Passes a scan to the other lane, see Config::hand_over; `source`: its place there.
 using HandOver = std::function<void(std::size_t source, const PlanarScan& scan, Stamp now)>;
 
-/// The way on for frames: to every sink, and to the merged and virtual scans that are made of them. Sources
-/// are numbered: sensors by their place in the configuration, after them the topics by OutputTopic::id.
+/// The way on for frames: to the sink, and to the merged and virtual scans that are made of them. Sources
+/// are numbered: sensors by their place in the configuration, then those of the other lane by their place in
+/// Config::handed_over, then topics by OutputTopic::id.
 class Outlet {
  public:
-  /// The sinks must outlive this.
-  explicit Outlet(std::vector<FrameSink*> sinks) : sinks_(std::move(sinks)) {}
-  /// From now on these are the topics, each with what came out on it before, and there are so many sensors.
-  /// Nothing is connected.
-  void configure(std::vector<OutputTopic> topics, std::size_t sensors);
+  /// The sink must outlive this.
+  explicit Outlet(FrameSink& sink) : sink_(sink) {}
+  /// Replaces topics and sources, and connects nothing. A topic that was there before keeps its address and
+  /// what it counted.
+  void configure(const Config& config);
   void set_hand_over(HandOver hand_over) { hand_over_ = std::move(hand_over); }
 
-  const std::vector<OutputTopic>& topics() const { return topics_; }
-  std::size_t source_of(const OutputTopic& topic) const { return sensors_ + topic.id; }
-  /// From now on `output` takes what the source gives, as its source number `place`.
+  /// The topic of that name, which must be there.
+  const OutputTopic& topic(const std::string& name) const;
+  /// The number of the source of that name: a sensor, one of the other lane, or a virtual scan by its topic.
+  std::size_t source(const std::string& name) const;
+  /// From now on `output` gets what the source gives, as its source number `place`.
   void connect(std::size_t source, Output& output, std::size_t place) {
     consumers_.at(source).push_back({&output, place});
   }
@@ -44,14 +47,16 @@ class Outlet {
     consumers_.at(source).push_back({nullptr, place});
   }
 
-  /// To the sinks.
+  /// To the sink, and to the outputs that are made of a scan on this topic.
   void publish(const OutputTopic& topic, const Payload& payload, Stamp now);
-  void publish(const std::vector<DiagnosticItem>& items, Stamp now);
+  void publish(const std::vector<DiagnosticItem>& items, Stamp now) { sink_.diagnostics(items, now); }
   /// To the outputs that are made of this source.
   void feed(std::size_t source, const PlanarScan& scan, Stamp now);
   void feed(std::size_t source, const Cloud& cloud, Stamp now);
+  /// True if something was fed since the last call.
+  bool was_fed() { return std::exchange(fed_, false); }
 
-  /// What came out, one for each of topics().
+  /// What came out, by OutputTopic::id.
   const std::vector<OutputReport>& reports() const { return reports_; }
 
  private:
@@ -59,13 +64,14 @@ class Outlet {
     Output* output;     // nullptr: the other lane
     std::size_t place;  // of the source among those of the output
   };
-  std::vector<OutputTopic> topics_;
-  std::vector<FrameSink*> sinks_;
+  FrameSink& sink_;
   HandOver hand_over_ = [](std::size_t, const PlanarScan&, Stamp) {};
-  std::size_t sensors_ = 0;
-  std::vector<std::vector<Consumer>> consumers_;  // by source
+  std::vector<std::unique_ptr<OutputTopic>> topics_;
   std::vector<OutputReport> reports_;
-  Cloud copy_;  // for all sinks but the last
+  std::vector<std::string> names_;                // of the sources; a topic is the source of its scans
+  std::vector<std::vector<Consumer>> consumers_;  // by source
+  std::size_t first_topic_ = 0;                   // among the sources
+  bool fed_ = false;
 };
 
 /// What the outputs of a pipeline share; it must outlive them.
@@ -83,8 +89,9 @@ class Output {
  public:
   virtual ~Output() = default;
   virtual OutputId id() const = 0;
-  /// The topics of the outlet are others now: looks its own up.
-  virtual void find_topics() = 0;
+  /// True if it is just what the entry asks for.
+  virtual bool is_of(const MergedScanConfig& /*entry*/) const { return false; }
+  virtual bool is_of(const VirtualScanConfig& /*entry*/) const { return false; }
   /// Names of the sensors and virtual scans that it is made of.
   virtual std::vector<std::string> sources() const = 0;
   /// A scan of one of them, `source` being its place there.

@@ -11,72 +11,53 @@ constexpr Span diagnostics_period = std::chrono::seconds(1);
 
 }  // namespace
 
-Pipeline::Pipeline(const Config& config, TransformSource& transforms, std::vector<FrameSink*> sinks)
+Pipeline::Pipeline(const Config& config, TransformSource& transforms, FrameSink& sink)
     : vehicle_(config.vehicle),
       frames_(config, transforms),
       motion_(vehicle_, transforms, frames_),
-      outlet_(std::move(sinks)) {
+      outlet_(sink) {
   configure(config);
 }
 
 void Pipeline::configure(const Config& config) {
-  const auto by_text = [](auto& entries, std::vector<std::string>& texts) {
-    std::map<std::string, typename std::decay_t<decltype(entries)>::value_type> known;
-    for (std::size_t i = 0; i < entries.size(); ++i) known.emplace(texts[i], std::move(entries[i]));
-    entries.clear();
-    texts.clear();
-    return known;
-  };
-  auto sensors = by_text(sensors_, sensor_texts_);
-  auto outputs = by_text(outputs_, output_texts_);
+  List<Sensor> sensors = std::exchange(sensors_, {});
+  List<Output> outputs = std::exchange(outputs_, {});
+  // What an output shows depends on the vehicle's outline too.
+  if (!(vehicle_ == config.vehicle)) outputs.clear();
   vehicle_ = config.vehicle;
   frames_.configure(config);
   motion_.configure();
-  outlet_.configure(output_topics(config), config.sensors.size());
+  outlet_.configure(config);
   flows_ = {};
   tcp_ports_.clear();
   for (const SensorConfig& entry : config.sensors) add_sensor(entry, sensors);
   for (const auto& entry : config.merged_scans) add_output(entry, outputs);
   for (const auto& entry : config.virtual_scans) add_output(entry, outputs);
   for (std::size_t i = 0; i < config.hand_over.size(); ++i)
-    outlet_.connect_other_lane(source_named(config.hand_over[i]), i);
+    outlet_.connect_other_lane(outlet_.source(config.hand_over[i]), i);
+  knows_next_event_ = false;
+  diagnostics_wanted_ = true;
 }
 
-void Pipeline::add_sensor(const SensorConfig& entry, Kept<Sensor>& before) {
-  sensor_texts_.push_back(to_yaml(entry));
-  const auto same = before.find(sensor_texts_.back());
-  if (same != before.end()) {
-    sensors_.push_back(std::move(same->second));
-    sensors_.back()->place_at(sensors_.size() - 1);
-  } else {
-    sensors_.push_back(std::make_unique<Sensor>(entry, sensors_.size(), sensor_context_));
-  }
+void Pipeline::add_sensor(const SensorConfig& entry, List<Sensor>& before) {
+  const std::size_t place = sensors_.size();
+  const auto same = std::find_if(before.begin(), before.end(),
+                                 [&](const auto& one) { return one && one->config() == entry; });
+  sensors_.push_back(same != before.end() ? std::move(*same)
+                                          : std::make_unique<Sensor>(entry, place, sensor_context_));
+  sensors_.back()->set_place(place);
   for (const Flow& flow : flows_of(entry)) flows_.add(flow, sensors_.back().get());
   if (entry.model != nullptr && entry.model->transport == Transport::tcp) tcp_ports_.insert(entry.ip_port);
 }
 
 template <class Entry>
-void Pipeline::add_output(const Entry& entry, Kept<Output>& before) {
-  // What an output shows depends on the vehicle's outline too.
-  output_texts_.push_back(to_yaml(vehicle_) + to_yaml(entry));
-  const auto same = before.find(output_texts_.back());
-  if (same != before.end()) {
-    outputs_.push_back(std::move(same->second));
-    outputs_.back()->find_topics();
-  } else {
-    outputs_.push_back(make_output(entry, output_context_));
-  }
+void Pipeline::add_output(const Entry& entry, List<Output>& before) {
+  const auto same =
+      std::find_if(before.begin(), before.end(), [&](const auto& one) { return one && one->is_of(entry); });
+  outputs_.push_back(same != before.end() ? std::move(*same) : make_output(entry, output_context_));
   Output& output = *outputs_.back();
   std::size_t place = 0;
-  for (const std::string& name : output.sources()) outlet_.connect(source_named(name), output, place++);
-}
-
-/// A sensor, or a virtual scan by its topic.
-std::size_t Pipeline::source_named(const std::string& name) const {
-  for (std::size_t i = 0; i < sensors_.size(); ++i) {
-    if (sensors_[i]->config().name == name) return i;
-  }
-  return outlet_.source_of(topic_named(outlet_.topics(), name));
+  for (const std::string& name : output.sources()) outlet_.connect(outlet_.source(name), output, place++);
 }
 
 /// A sensor whose data come as messages, of packets for its driver or not. nullptr: it is no longer in the
@@ -99,27 +80,19 @@ Sensor* Pipeline::owner_of(const Packet& packet) {
   return nullptr;
 }
 
-/// What is due before the input comes first.
-template <class Input>
-void Pipeline::take(Stamp at, Input input) {
-  advance(at);
-  sensor_context_.now = at;
-  input();
-}
-
 void Pipeline::packet(const Packet& packet) {
-  take(packet.arrival, [&] {
-    Sensor* const sensor = owner_of(packet);
-    if (sensor == nullptr) return;
-    if (packet.transport == Transport::tcp)
-      sensor->receive_recorded(packet);
-    else
-      sensor->receive(packet, packet.arrival);
-  });
+  advance(packet.arrival);
+  Sensor* const sensor = owner_of(packet);
+  if (sensor == nullptr) return;
+  if (packet.transport == Transport::tcp)
+    sensor->receive_recorded(packet);
+  else
+    sensor->receive(packet, packet.arrival);
 }
 
 void Pipeline::chunk(std::size_t sensor, const Packet& packet) {
-  take(packet.arrival, [&] { sensors_.at(sensor)->receive(packet, packet.arrival); });
+  advance(packet.arrival);
+  sensors_.at(sensor)->receive(packet, packet.arrival);
 }
 
 void Pipeline::connected(std::size_t sensor, Stamp now) {
@@ -127,22 +100,26 @@ void Pipeline::connected(std::size_t sensor, Stamp now) {
   sensors_.at(sensor)->connected(now);
 }
 
+void Pipeline::handed_over(std::size_t source, const PlanarScan& scan, Stamp received) {
+  advance(received);
+  motion_.poll(received);
+  motion_.note_data(scan.stamp, received);
+  outlet_.feed(sensors_.size() + source, scan, received);
+}
+
 void Pipeline::packet_message(const std::string& sensor, const Packet& packet, Stamp received) {
-  take(received, [&] {
-    if (Sensor* const known = topic_sensor(sensor, true)) known->receive(packet, received);
-  });
+  advance(received);
+  if (Sensor* const known = topic_sensor(sensor, true)) known->receive(packet, received);
 }
 
 void Pipeline::scan_message(const std::string& sensor, PlanarScan& scan, Stamp received) {
-  take(received, [&] {
-    if (Sensor* const known = topic_sensor(sensor, false)) known->take_message(scan, received);
-  });
+  advance(received);
+  if (Sensor* const known = topic_sensor(sensor, false)) known->receive(scan, received);
 }
 
 void Pipeline::cloud_message(const std::string& sensor, Cloud& cloud, Stamp received) {
-  take(received, [&] {
-    if (Sensor* const known = topic_sensor(sensor, false)) known->take_message(cloud, received);
-  });
+  advance(received);
+  if (Sensor* const known = topic_sensor(sensor, false)) known->receive(cloud, received);
 }
 
 void Pipeline::pose_message(Stamp stamp, const Pose& pose, const std::string& child, Stamp received) {
@@ -160,20 +137,19 @@ void Pipeline::turn_message(Stamp stamp, const Eigen::Vector3d& rates, const std
 
 std::string Pipeline::set_output(const OutputId& output, const OutputScanConfig& wanted) {
   if (const auto grid = make_grid(wanted.grid); !grid) return grid.reason();
-  for (std::size_t i = 0; i < outputs_.size(); ++i) {
-    if (!(outputs_[i]->id() == output)) continue;
-    outputs_[i]->set_scan(wanted);
-    output_texts_[i].clear();  // no longer what the file says
+  for (const auto& one : outputs_) {
+    if (!(one->id() == output)) continue;
+    one->set_scan(wanted);
+    knows_next_event_ = false;
     return {};
   }
   return "there is no output named " + output.entry;
 }
 
 std::string Pipeline::set_sensor(const SensorConfig& wanted) {
-  for (std::size_t i = 0; i < sensors_.size(); ++i) {
-    if (sensors_[i]->config().name != wanted.name) continue;
-    sensors_[i]->change(wanted);
-    sensor_texts_[i].clear();  // no longer what the file says
+  for (const auto& sensor : sensors_) {
+    if (sensor->config().name != wanted.name) continue;
+    sensor->change(wanted);
     return {};
   }
   return "there is no sensor named " + wanted.name;
@@ -187,35 +163,50 @@ void Pipeline::advance_to(Stamp at) {
     output->advance(at);
     diagnostics_wanted_ = output->states_changed(at) || diagnostics_wanted_;
   }
+  knows_next_event_ = false;
 }
 
-std::optional<Stamp> Pipeline::next_event() const {
-  std::optional<Stamp> next;
-  for (const auto& output : outputs_) {
-    const auto event = output->next_event();
-    if (event && (!next || *event < *next)) next = event;
-  }
-  return next;
+std::optional<Stamp> Pipeline::next_event() {
+  if (!outlet_.was_fed() && knows_next_event_) return next_event_;
+  next_event_.reset();
+  const auto consider = [this](const auto& all) {
+    for (const auto& one : all) {
+      const auto event = one->next_event();
+      if (event && (!next_event_ || *event < *next_event_)) next_event_ = event;
+    }
+  };
+  consider(sensors_);
+  consider(outputs_);
+  knows_next_event_ = true;
+  return next_event_;
 }
 
 void Pipeline::advance(Stamp now) {
-  // Time may jump. Packets that waited while we stood bring their time with them.
-  const bool jumped = start_.step(now);
-  for (const auto& sensor : sensors_) sensor->advance(now, jumped);
+  // Time may jump. Packets that waited while this thread stood bring their time with them.
+  if (start_.step(now)) {
+    for (const auto& sensor : sensors_) sensor->clock_jumped(now);
+  }
+  auto event = next_event();
+  if (event && *event <= now) {
+    for (const auto& sensor : sensors_) sensor->advance(now);
+    knows_next_event_ = false;
+  }
   // After a long pause there is nobody to publish the past for.
   constexpr Span longest_pause = std::chrono::seconds(1);
   const Stamp newest_past = now - longest_pause;
-  for (auto event = next_event(); event && *event <= now; event = next_event()) {
+  for (event = next_event(); event && *event <= now; event = next_event()) {
     const Stamp at = std::max(*event, newest_past);
     advance_to(at);
     if (diagnostics_wanted_) publish_diagnostics(at);
   }
+  sensor_context_.now = now;
 }
 
 void Pipeline::tick(Stamp now) {
   // What arrived after the caller looked at its clock is known already.
   const Stamp known = sensor_context_.now;
   if (now < known && known - now < diagnostics_period) now = known;
+  for (const auto& sensor : sensors_) sensor->advance(now);
   advance(now);
   advance_to(now);
   for (const auto& sensor : sensors_) {
@@ -235,13 +226,12 @@ void Pipeline::restart() {
   for (const auto& sensor : sensors_) sensor->restart();
   for (const auto& output : outputs_) output->restart();
   motion_.restart();
+  knows_next_event_ = false;
 }
 
 std::vector<SensorReport> Pipeline::report() const {
   std::vector<SensorReport> reports;
-  for (const auto& sensor : sensors_) {
-    if (!sensor->config().handed_over) reports.push_back(sensor->report());
-  }
+  for (const auto& sensor : sensors_) reports.push_back(sensor->report());
   return reports;
 }
 
@@ -277,7 +267,6 @@ std::vector<DiagnosticItem> Pipeline::diagnostics(Stamp now) const {
   std::vector<DiagnosticItem> items;
   const bool starting = start_.is_starting(now);
   for (const auto& sensor : sensors_) {
-    if (sensor->config().handed_over) continue;
     SensorReport report = sensor->report();
     report.starting = starting;
     items.push_back(sensor_health(sensor->config(), report, unknown_senders_, now));

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -15,8 +14,8 @@
 
 namespace lidard {
 
-/// Takes what other nodes publish, in the thread of the pipeline; `received` is when it came. A sensor is
-/// called by its name in the configuration.
+/// Gets what other nodes publish, in the thread of the pipeline; `received` is when it came. A sensor is
+/// named, since a message may be on its way while the configuration changes.
 class MessageReceiver {
  public:
   virtual ~MessageReceiver() = default;
@@ -65,16 +64,14 @@ class StartWatch {
 /// replay; it has no thread and no clock: time is what the arrivals and tick() say.
 ///
 /// The stages in order: whose packet it is (flows), the sensors with their drivers, what is made of their
-/// frames (outputs), and the way on (outlet), which ends in the sinks.
+/// frames (outputs), and the way on (outlet), which ends in the sink.
 class Pipeline final : public MessageReceiver {
  public:
-  /// `transforms` and the sinks must outlive the pipeline.
-  Pipeline(const Config& config, TransformSource& transforms, std::vector<FrameSink*> sinks);
-  Pipeline(const Config& config, TransformSource& transforms, FrameSink& sink)
-      : Pipeline(config, transforms, std::vector<FrameSink*>{&sink}) {}
+  /// `transforms` and `sink` must outlive the pipeline.
+  Pipeline(const Config& config, TransformSource& transforms, FrameSink& sink);
 
-  /// From now on works after another configuration. Sensors and outputs whose entries are the same go on as
-  /// if nothing had happened, unless set_output() has changed them.
+  /// Applies another configuration. Sensors and outputs that are as their entries say go on as if nothing had
+  /// happened.
   void configure(const Config& config);
   void set_hand_over(HandOver hand_over) { outlet_.set_hand_over(std::move(hand_over)); }
   /// The configured transforms, for /tf_static.
@@ -92,6 +89,9 @@ class Pipeline final : public MessageReceiver {
   /// Frames that a sensor's driver has handed on so far.
   std::uint64_t frames(std::size_t sensor) const { return sensors_.at(sensor)->counters().frames; }
 
+  /// A scan that the other lane hands over; `source`: its place in Config::handed_over.
+  void handed_over(std::size_t source, const PlanarScan& scan, Stamp received);
+
   void packet_message(const std::string& sensor, const Packet& packet, Stamp received) override;
   void scan_message(const std::string& sensor, PlanarScan& scan, Stamp received) override;
   void cloud_message(const std::string& sensor, Cloud& cloud, Stamp received) override;
@@ -105,7 +105,7 @@ class Pipeline final : public MessageReceiver {
   /// Time passed: publishes what is due at or before `now`, each at its own time.
   void advance(Stamp now);
   /// The next time at which advance() has something to do.
-  std::optional<Stamp> next_event() const;
+  std::optional<Stamp> next_event();
   /// Time passed; publishes diagnostics once per second of it, and when a source comes or goes.
   void tick(Stamp now);
   /// End of input: hands on what is complete.
@@ -126,18 +126,14 @@ class Pipeline final : public MessageReceiver {
   void add_diagnostics(std::function<void(std::vector<DiagnosticItem>&)> source);
 
  private:
-  /// What there was before configure(), by the text of its entry.
   template <class What>
-  using Kept = std::map<std::string, std::unique_ptr<What>>;
+  using List = std::vector<std::unique_ptr<What>>;
 
   Sensor* owner_of(const Packet& packet);
-  std::size_t source_named(const std::string& name) const;
   Sensor* topic_sensor(const std::string& name, bool with_driver);
-  void add_sensor(const SensorConfig& config, Kept<Sensor>& before);
+  void add_sensor(const SensorConfig& entry, List<Sensor>& before);
   template <class Entry>
-  void add_output(const Entry& entry, Kept<Output>& before);
-  template <class Input>
-  void take(Stamp at, Input input);
+  void add_output(const Entry& entry, List<Output>& before);
   void advance_to(Stamp at);
   void publish_diagnostics(Stamp now);
   std::string why_silent(const std::string& source) const;
@@ -148,13 +144,14 @@ class Pipeline final : public MessageReceiver {
   FlowTable<Sensor*> flows_;
   std::set<std::uint16_t> tcp_ports_;  // of devices that stream over TCP
   UnknownSenders unknown_senders_;
-  std::vector<std::unique_ptr<Sensor>> sensors_;
-  std::vector<std::unique_ptr<Output>> outputs_;
-  std::vector<std::string> sensor_texts_, output_texts_;  // their entries, see to_yaml()
+  List<Sensor> sensors_;
+  List<Output> outputs_;
   Outlet outlet_;
   SensorContext sensor_context_{outlet_, motion_};
   OutputContext output_context_{vehicle_, frames_, outlet_};
   StartWatch start_;
+  std::optional<Stamp> next_event_;
+  bool knows_next_event_ = false;
   Stamp last_diagnostics_{};
   bool diagnostics_wanted_ = false;  // a source has come or gone
   std::function<void(std::vector<DiagnosticItem>&)> more_diagnostics_;

@@ -69,6 +69,16 @@ std::string filter_text(const FilterCounters& counters) {
                      reasons.empty() ? "" : reasons + ")");
 }
 
+std::string PoseGate::losses() const {
+  std::string text;
+  for (const auto& [count, what] : {std::pair(left_out_, "not published"), {not_deskewed_, "not deskewed"}}) {
+    if (count > 0)
+      text +=
+          fmt::format("{}{} {} {}", text.empty() ? "" : ", ", count, count == 1 ? "cloud" : "clouds", what);
+  }
+  return text.empty() || trouble_.empty() ? text : text + "; " + trouble_;
+}
+
 std::string filter_trouble(const FilterCounters& counters, const std::string& topic) {
   constexpr std::uint64_t many_frames = 10;
   if (counters.emptied_in_a_row >= many_frames)
@@ -125,8 +135,8 @@ void print_verdicts(const Config& config, const std::vector<SensorReport>& senso
     if (!s.rivals_ever.empty()) print(Health::error, rivals_text(s.rivals_ever, sensor->ip_port));
     if (s.filter) out << "  " << s.name << ": " << filter_text(*s.filter) << '\n';
     if (!s.filter_trouble.empty()) print(Health::warn, s.filter_trouble);
-    if (const auto losses = s.placement ? placement_losses(*s.placement) : std::string(); !losses.empty())
-      print(Health::warn, losses + (s.placement->trouble.empty() ? "" : "; " + s.placement->trouble));
+    if (const auto losses = s.gate ? s.gate->losses() : std::string(); !losses.empty())
+      print(Health::warn, losses);
     if (verdict.health != Health::ok)
       print(verdict.health,
             fmt::format("{} in {:.1f} s; {}", verdict.figures, s.whole.watched_s, verdict.remedy));

@@ -12,7 +12,7 @@
 #include "core/base/time.h"
 #include "core/frames/frame_filter.h"
 #include "daemon/config/config.h"
-#include "daemon/pipeline/cloud_placer.h"
+#include "daemon/pipeline/pose_gate.h"
 #include "daemon/pipeline/reception.h"
 #include "drivers/capture/pcap_source.h"
 #include "drivers/driver.h"
@@ -28,10 +28,10 @@ struct SensorReport {
   DeviceInfo info;
   std::optional<FilterCounters> filter;  ///< of its own frames; none: it has no filter
   std::string filter_trouble;            ///< why its filter does not do what it was meant to; empty: no doubt
-  std::optional<PlacementCounters> placement;  ///< of its clouds; none: published as they were measured
-  bool seen = false;                           ///< any data received at all
-  Stamp last_arrival;                          ///< of data
-  Stamp last_telemetry;                        ///< of what the device tells beside its data
+  std::optional<PoseGate> gate;          ///< of its clouds; none: published as they were measured
+  bool seen = false;                     ///< any data received at all
+  Stamp last_arrival;                    ///< of data
+  Stamp last_telemetry;                  ///< of what the device tells beside its data
   std::string link_trouble;  ///< while silent: what is wrong with its connection or this host's network;
                              ///< empty: nothing
   std::string link_hint;     ///< while silent: what may be wrong there

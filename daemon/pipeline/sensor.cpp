@@ -43,16 +43,8 @@ Sensor::Sensor(const SensorConfig& config, std::size_t place, SensorContext& con
   if (CloudPlacer::is_wanted(config))
     placer_.emplace(config_, arranger_, context.motion,
                     [this](Cloud& cloud, Stamp now) { publish_cloud(cloud, now); });
-  place_at(place);
-}
-
-void Sensor::place_at(std::size_t place) {
-  place_ = place;
-  topic_ = ring_topic_ = raw_topic_ = nullptr;
-  more_scan_topics_.clear();
-  device_topics_.clear();
   for (const OutputTopic& own : sensor_topics(config_)) {
-    const OutputTopic& topic = topic_named(context_.outlet.topics(), own.name);
+    const OutputTopic& topic = context.outlet.topic(own.name);
     if (!topic.from.empty())
       device_topics_.push_back(&topic);
     else if (topic.kind == TopicKind::message)
@@ -65,7 +57,7 @@ void Sensor::place_at(std::size_t place) {
 }
 
 void Sensor::change(const SensorConfig& wanted) {
-  config_.driver.time_offset = wanted.driver.time_offset;
+  config_ = wanted;
   driver_->change(wanted.driver);
   arranger_ = CloudArranger(wanted.layout);
   if (ring_scan_ && wanted.ring_scan)
@@ -74,6 +66,7 @@ void Sensor::change(const SensorConfig& wanted) {
 
 /// Answers of a dialogue do not prove that measurement data arrive, on whichever connection they come.
 void Sensor::receive(const Packet& packet, Stamp received) {
+  watch_.advance(received, counters());
   const bool datagram = packet.transport == Transport::udp;
   if (datagram) sender_ = packet.from.address;
   if (raw_topic_ != nullptr) raw_.add(packet);
@@ -125,7 +118,7 @@ void Sensor::cloud(Cloud& cloud) {
   if (filter_) filter_->apply(cloud);
   // The sinks come last, since they may keep the points.
   if (placer_)
-    placer_->take(cloud, context_.now);
+    placer_->add(cloud, context_.now);
   else
     publish_cloud(cloud, context_.now);
 }
@@ -172,7 +165,8 @@ void Sensor::connected(Stamp now) {
   apply_connection_request();
 }
 
-void Sensor::take_message(PlanarScan& scan, Stamp received) {
+void Sensor::receive(PlanarScan& scan, Stamp received) {
+  watch_.advance(received, counters());
   notice_data(received);
   ++topic_counters_.packets;
   if (scan.beams == 0) fill_empty(scan);
@@ -186,7 +180,8 @@ void Sensor::take_message(PlanarScan& scan, Stamp received) {
   feed(scan);
 }
 
-void Sensor::take_message(Cloud& cloud, Stamp received) {
+void Sensor::receive(Cloud& cloud, Stamp received) {
+  watch_.advance(received, counters());
   notice_data(received);
   ++topic_counters_.packets;
   ++topic_counters_.frames;
@@ -203,10 +198,12 @@ void Sensor::notice_data(Stamp received) {
   last_arrival_ = received;
 }
 
-void Sensor::advance(Stamp now, bool jumped) {
+void Sensor::advance(Stamp now) {
   watch_.advance(now, counters());
   if (placer_) placer_->advance(now);
-  if (!jumped) return;
+}
+
+void Sensor::clock_jumped(Stamp now) {
   // What has arrived later than it is now has arrived just now.
   last_arrival_ = std::min(last_arrival_, now);
   last_telemetry_ = std::min(last_telemetry_, now);
@@ -248,7 +245,7 @@ SensorReport Sensor::report() const {
     if (ring_topic_ != nullptr && report.filter_trouble.empty())
       report.filter_trouble = filter_trouble(ring_filter_->counters(), ring_topic_->name);
   }
-  if (placer_) report.placement = placer_->counters();
+  if (placer_) report.gate = placer_->gate();
   report.seen = seen_;
   report.last_arrival = last_arrival_;
   report.last_telemetry = last_telemetry_;
@@ -274,8 +271,8 @@ std::optional<DiagnosticItem> Sensor::settings(Stamp now) const {
 
 std::string Sensor::why_no_frames(const UnknownSenders& unknown) const {
   if (counters().frames > 0) {
-    const bool withheld = placer_ && placer_->counters().not_published > 0;
-    return withheld ? placer_->counters().trouble : std::string();
+    const bool withheld = placer_ && placer_->gate().has_left_out();
+    return withheld ? placer_->gate().trouble() : std::string();
   }
   if (driver_ == nullptr)
     return seen_ ? "no message of " + config_.topic + " could be used"

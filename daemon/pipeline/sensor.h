@@ -61,11 +61,11 @@ class Sensor final : public DriverOutput {
   Sensor(const SensorConfig& config, std::size_t place, SensorContext& context);
 
   const SensorConfig& config() const { return config_; }
-  /// The topics of the outlet, or its place in the configuration, are others now.
-  void place_at(std::size_t place);
+  /// Its place in the configuration is another one now.
+  void set_place(std::size_t place) { place_ = place; }
   const Counters& counters() const { return driver_ ? driver_->counters() : topic_counters_; }
 
-  /// Takes over what may change while it runs: see Driver::change(), and how its cloud is arranged.
+  /// Applies what may change while it runs: see Driver::change(), and how its cloud is arranged.
   void change(const SensorConfig& wanted);
 
   /// A packet of this sensor, or a chunk of its connection.
@@ -76,11 +76,15 @@ class Sensor final : public DriverOutput {
   void disconnected() { driver_->disconnected(); }
   /// A scan that another driver published. A scan without beams becomes one that observed nothing, so that it
   /// counts as delivered.
-  void take_message(PlanarScan& scan, Stamp received);
+  void receive(PlanarScan& scan, Stamp received);
   /// A cloud that another driver published.
-  void take_message(Cloud& cloud, Stamp received);
-  /// Time passed, perhaps by a jump.
-  void advance(Stamp now, bool jumped);
+  void receive(Cloud& cloud, Stamp received);
+  /// Time passed.
+  void advance(Stamp now);
+  /// When advance() is worth a call if nothing else happens.
+  std::optional<Stamp> next_event() const { return placer_ ? placer_->next_event() : std::nullopt; }
+  /// The clock jumped.
+  void clock_jumped(Stamp now);
   void tick(Stamp now);
   /// True once where it fell silent, became an error by that, or is heard of again.
   bool silence_changed(Stamp now);

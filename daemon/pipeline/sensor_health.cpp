@@ -96,8 +96,6 @@ void judge_data(const SensorConfig& config, const SensorReport& report, Diagnost
     item.set(Health::warn, warnings_of(report));
   } else if (!report.filter_trouble.empty()) {
     item.set(Health::warn, report.filter_trouble);
-  } else if (report.placement && !report.placement->trouble.empty()) {
-    item.set(Health::warn, report.placement->trouble);
   } else {
     item.message = "receiving";
   }
@@ -152,6 +150,7 @@ DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& rep
   DiagnosticItem item{"sensor " + report.name, report.info.serial.empty() ? report.name : report.info.serial};
   judge(config, report, unknown, now, item);
   item.awaited = !report.seen;
+  item.is_up = report.seen && seconds(now - report.last_arrival) < 1;
   if (config.ip_address) item.add("IP Address", config.ip_address->to_string());
   if (config.model != nullptr && config.packet_topic.empty()) item.add("IP Port", config.ip_port);
   for (const auto& [key, text] : report.info.details) item.add(key, text);
@@ -165,10 +164,7 @@ DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& rep
   item.add("Rejected", rejected_text(c));
   for (const auto& counter : trouble_counters) count(counter);
   if (report.filter) item.add("Filter", filter_text(*report.filter));
-  if (report.placement) {
-    item.add("Clouds not published for want of a pose", report.placement->not_published);
-    item.add("Clouds not deskewed", report.placement->not_deskewed);
-  }
+  if (report.gate) report.gate->describe(item);
   add_rates(report.recent, item);
   return item;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -16,15 +17,6 @@
 
 namespace lidard {
 
-/// How many of all.
-struct Share {
-  std::size_t good = 0, all = 0;
-  void operator+=(const Share& more) {
-    good += more.good;
-    all += more.all;
-  }
-};
-
 enum class Health : std::uint8_t { ok, warn, error, stale };
 
 /// One status of /diagnostics. Keys as in REP 138 where it has one; `hardware_id` is the serial number (REP
@@ -35,8 +27,9 @@ struct DiagnosticItem {
   Health health = Health::ok;
   std::string message{};  ///< one sentence; says the remedy when health is not ok
   std::vector<std::pair<std::string, std::string>> values{};
-  bool logged = false;   ///< its maker tells the log of changes
-  bool awaited = false;  ///< it has not come yet since the start, so nothing of it broke
+  bool logged = false;          ///< its maker tells the log of changes
+  bool awaited = false;         ///< it has not come yet since the start, so nothing of it broke
+  std::optional<bool> is_up{};  ///< of a lidar, a port or a connection that data need: counted in one line
 
   void set(Health level, std::string sentence) {
     health = level;

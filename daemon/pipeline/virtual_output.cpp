@@ -12,6 +12,7 @@
 #include "core/motion/frame_motion.h"
 #include "core/virtual/virtualizer.h"
 #include "daemon/pipeline/output.h"
+#include "daemon/pipeline/pose_gate.h"
 
 namespace lidard {
 namespace {
@@ -35,20 +36,16 @@ class VirtualOutput final : public Output {
         poses_(context.poses),
         stamps_(config.output_laser_topic.empty() ? config.virtual_laser_scan.size() : 1),
         why_unplaced_(config.virtual_laser_scan.size()) {
-    find_topics();
+    for (const std::string& frame : config.virtual_laser_scan) {
+      topics_.push_back({&context.outlet.topic(config.topic(frame))});
+      for (const AlsoScanConfig& also : config.also)
+        topics_.back().push_back(&context.outlet.topic(config.topic(frame, &also)));
+    }
     set_up();
   }
 
   OutputId id() const override { return {OutputId::Kind::virtual_group, config_.name}; }
-  void find_topics() override {
-    const auto topic = [&](const std::string& name) { return &topic_named(context_.outlet.topics(), name); };
-    topics_.clear();
-    for (const std::string& frame : config_.virtual_laser_scan) {
-      topics_.push_back({topic(config_.topic(frame))});
-      for (const AlsoScanConfig& also : config_.also)
-        topics_.back().push_back(topic(config_.topic(frame, &also)));
-    }
-  }
+  bool is_of(const VirtualScanConfig& entry) const override { return config_ == entry; }
   std::vector<std::string> sources() const override { return {config_.cloud_topic}; }
   void add_cloud(const Cloud& cloud, Stamp now) override {
     Pose vehicle_from_cloud;
@@ -94,7 +91,7 @@ class VirtualOutput final : public Output {
   DiagnosticItem diagnostics(Stamp now, bool starting) const override {
     DiagnosticItem item = health_of("virtual " + config_.name, counters_, now, starting);
     describe_frames(item);
-    describe_motion(item);
+    if (poses_.track() != nullptr) gate_.describe(item);
     if (!config_.has_visibility()) return item;
     item.add("Clouds without rings", without_rings_);
     item.add("Returns on the vehicle", virtualizer_->own_returns());
@@ -119,8 +116,8 @@ class VirtualOutput final : public Output {
     outputs_ = {{config_.output.profile, &scans_[0]}};
     for (std::size_t i = 0; i < config_.also.size(); ++i)
       outputs_.push_back({config_.also[i].profile, &scans_[i + 1]});
-    without_rings_ = without_motion_ = 0;
-    stands_ = false;
+    without_rings_ = 0;
+    gate_ = {};
   }
   bool place_vehicle(const Cloud& cloud, Pose& vehicle_from_cloud) {
     vehicle_from_cloud = Pose::Identity();
@@ -132,8 +129,7 @@ class VirtualOutput final : public Output {
   Stamp take(const Cloud& cloud, const Pose& vehicle_from_cloud) {
     const PoseTrack* const track = poses_.track();
     const bool moves = track != nullptr && motion_.find(cloud, vehicle_from_cloud, *track);
-    stands_ = track != nullptr && !moves;
-    if (stands_) ++without_motion_;
+    gate_.published(track == nullptr || moves);
     virtualizer_->set_cloud(cloud, vehicle_from_cloud, moves ? &motion_ : nullptr);
     if (virtualizer_->why_no_surfaces()[0] != '\0') ++without_rings_;
     return moves ? motion_.instant() : cloud.stamp;
@@ -147,9 +143,7 @@ class VirtualOutput final : public Output {
     for (std::size_t i = 0; i < scans_.size(); ++i) {
       scans_[i].frame_id = config_.virtual_laser_scan[frame];
       scans_[i].stamp = stamp;
-      const OutputTopic& topic = *topics_[frame][i];
-      context_.outlet.publish(topic, scans_[i], now);
-      context_.outlet.feed(context_.outlet.source_of(topic), scans_[i], now);
+      context_.outlet.publish(*topics_[frame][i], scans_[i], now);
     }
   }
   bool carries(const std::string& topic, std::size_t frame) const {
@@ -162,15 +156,6 @@ class VirtualOutput final : public Output {
       if (why_unplaced_[i].empty()) continue;
       item.set(Health::warn, "publishing without " + config_.virtual_laser_scan[i] + ": " + why_unplaced_[i]);
     }
-  }
-  void describe_motion(DiagnosticItem& item) const {
-    item.add("Clouds without motion", without_motion_);
-    if (!stands_ || item.health != Health::ok || counters_.published == 0) return;
-    item.set(
-        Health::warn,
-        "publishing as if the vehicle stood still: poses of the cloud's time are missing; see that odometry "
-        "is "
-        "published");
   }
   void describe_beams(DiagnosticItem& item) const {
     for (std::size_t i = 0; i < config_.virtual_laser_scan.size(); ++i) {
@@ -202,9 +187,8 @@ class VirtualOutput final : public Output {
   std::vector<std::string>
       why_unplaced_;  // why the newest cloud could not be seen from a frame; empty: it could
   OutputCounters counters_;
-  std::uint64_t without_rings_ = 0;   // clouds that are points alone
-  std::uint64_t without_motion_ = 0;  // clouds that could not be deskewed
-  bool stands_ = false;               // the newest one among them
+  std::uint64_t without_rings_ = 0;  // clouds that are points alone
+  PoseGate gate_;
 };
 
 }  // namespace

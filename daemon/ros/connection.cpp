@@ -371,7 +371,11 @@ TopicFigures RosConnection::figures(Lane lane, const OutputTopic& topic, Stamp n
   return impl_->publishers[static_cast<std::size_t>(lane)]->figures(topic.name, now);
 }
 
-std::vector<DiagnosticItem> RosConnection::diagnostics(Stamp now) const { return impl_->own_items(now); }
+std::vector<DiagnosticItem> RosConnection::diagnostics(Stamp now) const {
+  std::vector<DiagnosticItem> items = impl_->diagnostics.items();
+  for (DiagnosticItem& item : impl_->own_items(now)) items.push_back(std::move(item));
+  return items;
+}
 bool RosConnection::has_master() const { return impl_->master_present; }
 std::string RosConnection::standing_threads() { return impl_->watch.standing(impl_->master_present); }
 std::string RosConnection::conflict() const { return impl_->name->conflict(); }

@@ -69,8 +69,8 @@ class RosConnection {
   RosStatus status() const;
   /// How a topic does; `now` in the time without steps.
   TopicFigures figures(Lane lane, const OutputTopic& topic, Stamp now) const;
-  /// What /diagnostics says of the connection, of the topics and of the components; `now` as
-  /// FrameQueue::figures().
+  /// The state of everything as /diagnostics has it: the newest items that the sinks got, then those of the
+  /// connection, of the topics and of the components; `now` as FrameQueue::figures().
   std::vector<DiagnosticItem> diagnostics(Stamp now) const;
   bool has_master() const;
   /// The threads that have not moved since the last call that returned "", see ThreadWatch::standing(). For a

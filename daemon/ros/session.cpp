@@ -15,10 +15,7 @@ namespace {
 
 bool has_output(const Config& config, const ChangeableOutput& output) {
   const OutputId& id = output.id;
-  if (output.sensor) {
-    const SensorConfig* const sensor = config.find_sensor(id.entry);
-    return sensor != nullptr && !sensor->handed_over;
-  }
+  if (output.sensor) return config.find_sensor(id.entry) != nullptr;
   const auto named = [&](const auto& entry) { return entry.name == id.entry; };
   return id.kind == OutputId::Kind::merged
              ? std::any_of(config.merged_scans.begin(), config.merged_scans.end(), named)

@@ -27,13 +27,14 @@ LEFT = "  left: {{model: sick_microscan3, ip_address: 127.168.0.21, ip_port: {sc
 RIGHT = "  right: {{model: sick_microscan3, ip_address: 127.168.0.22, ip_port: {scanners}, listen_only: true, pose: {{xyz: [1, -1, 0.3]}}}}\n"
 ROOF = "  roof: {{model: velodyne_vlp16, ip_address: 127.168.1.201, ip_port: {roof}, pose: {{xyz: [0, 0, 2]}}}}\n"
 VIRTUAL = "virtual_scans:\n  levels: {{cloud_topic: roof, virtual_laser_scan: [low{more}], poses: {{low: {{xyz: [0, 0, 0.4]}}{pose}}}, beams: 720}}\n"
-MERGED = "merged_scans:\n  around: {{laserscan_topics: [left, right], range_max: 30}}\n"
+MERGED = ("merged_scans:\n  around: {{laserscan_topics: [left, right], range_max: 30}}\n"
+          "  mixed: {{laserscan_topics: [left, low], range_max: 30}}\n")
 
 
 FULL = "sensors:\n" + LEFT + ROOF + RIGHT + MERGED + VIRTUAL
 HIGH = {"more": ", high", "pose": ", high: {xyz: [0, 0, 1.5]}"}
 TOPICS = {"left/scan": LaserScan, "roof/points": PointCloud2, "low": LaserScan, "high": LaserScan, "right/scan": LaserScan,
-          "around": LaserScan}
+          "around": LaserScan, "mixed": LaserScan}
 
 
 class Vehicle:
@@ -78,10 +79,17 @@ def published_topics():
     return [name for name, _ in rosgraph.Master("/test").getSystemState()[0]]
 
 
+def expect_merged_with_virtual(vehicle):
+    count = vehicle.count("mixed")
+    wait_for(lambda: vehicle.count("mixed") > count + 10, 10, "a planar scan and a virtual one are merged")
+    wait_for(lambda: item("merged mixed")["values"]["Source low"].startswith("ok"), 5, f"both are used: {item('merged mixed')}")
+
+
 def check_changes(vehicle, child):
     vehicle.change(FULL, **HIGH)
     vehicle.reload(child)
     wait_for(lambda: vehicle.count("right/scan") > 10 and vehicle.count("around") > 10 and vehicle.count("high") > 5, 10, "what is new comes")
+    expect_merged_with_virtual(vehicle)
     vehicle.reload(child)  # nothing has changed
     time.sleep(1)  # a loss would show
     vehicle.change("sensors:\n" + ROOF + LEFT + VIRTUAL)
@@ -94,6 +102,7 @@ def check_changes(vehicle, child):
     vehicle.change(FULL)
     vehicle.reload(child)
     wait_for(lambda: vehicle.count("around") > count + 10, 10, "the merged scan is back")
+    expect_merged_with_virtual(vehicle)
 
 
 def check_bad_file(vehicle, child):
@@ -128,7 +137,7 @@ def check_leftovers(vehicle, child, before):
         vehicle.reload(child)
     now = descriptors(child.pid)
     print(f"{before} descriptors before, {now} after")
-    expect(now <= before + 4, "sockets are left of former configurations")
+    expect(now <= before + 5, "sockets are left of former configurations")
     # Three of roscpp's and six of ours; those of former workers end soon.
     wait_for(lambda: len(thread_names(child.pid)) == 9, 5, f"no thread is left: {thread_names(child.pid)}")
     print(f"lost: left {losses('left')}, roof {losses('roof')}")

@@ -59,7 +59,7 @@ void judge(const TopicReport& report, bool waits, DiagnosticItem& item) {
 std::vector<TopicSource> topic_sources(const Config& config) {
   std::vector<TopicSource> sources;
   for (const auto& sensor : config.sensors) {
-    if (sensor.model == nullptr && !sensor.handed_over)
+    if (sensor.model == nullptr)
       sources.push_back({sensor.name, sensor.topic, false, use_of(sensor.name, config)});
     if (!sensor.packet_topic.empty()) sources.push_back({sensor.name, sensor.packet_topic, true});
   }

@@ -26,6 +26,11 @@ class DiagnosticsPublisher {
   explicit DiagnosticsPublisher(std::optional<Span> longest_age = std::nullopt) : longest_age_(longest_age) {}
   /// True if an item came, went or has another health than before, which is to be published at once.
   bool set(std::size_t pipeline, const std::vector<DiagnosticItem>& items);
+  /// The newest items of both.
+  std::vector<DiagnosticItem> items() const {
+    const std::lock_guard lock(mutex_);
+    return joined(newest_[0].items, newest_[1].items);
+  }
   /// ROS runs: from now on publish() works. May wait for the master.
   void start();
   /// Publishes the items given to set(), followed by `more`. `awake_since`: since when this process runs
@@ -42,7 +47,7 @@ class DiagnosticsPublisher {
   std::vector<DiagnosticItem> aged(const Newest& newest, TimePoint awake_since) const;
 
   const std::optional<Span> longest_age_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::array<Newest, 2> newest_;  // guarded by mutex_
   ros::Publisher publisher_;
 };

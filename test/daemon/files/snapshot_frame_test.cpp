@@ -21,7 +21,7 @@ SnapshotView view_with(const std::string& keys) {
   NoTransforms poses;
   FrameTree frames(config, poses);
   FrameKeeper keeper;
-  Pipeline pipeline(config, poses, {&keeper});
+  Pipeline pipeline(config, poses, keeper);
   PcapSource source(test::project_file("pcaps/demo.pcap"));
   Packet packet;
   for (int i = 0; i < 1000 && source.next(packet); ++i) pipeline.packet(packet);

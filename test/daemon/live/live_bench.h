@@ -56,11 +56,12 @@ struct LiveBench {
     }
     return true;
   }
-  std::string message(std::size_t item) {
+  std::vector<DiagnosticItem> items() const {
     std::vector<DiagnosticItem> items;
     links.add_diagnostics(items);
-    return items.at(item).message;
+    return items;
   }
+  std::string message(std::size_t item) const { return items().at(item).message; }
   /// What else happens while time passes.
   virtual void meanwhile() {}
 

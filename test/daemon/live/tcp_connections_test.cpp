@@ -51,8 +51,7 @@ TEST(TcpConnections, CarryADialogueAndAStreamToFrames) {
   ASSERT_TRUE(t.peer.send("an\n"));
   ASSERT_TRUE(t.b.until([&] { return t.b.sink.count("front/scan") == 2; }));
   EXPECT_EQ(t.peer.read(), "hello\n");
-  EXPECT_EQ(t.b.links.connected().good, 1U);
-  EXPECT_EQ(t.b.links.connected().all, 1U);
+  EXPECT_EQ(t.b.items().at(0).is_up, true);
   EXPECT_EQ(t.b.message(0), "connected");
   const auto report = t.b.pipeline.report();
   EXPECT_TRUE(report[0].seen);
@@ -67,8 +66,7 @@ TEST(TcpConnections, SayWhyThereIsNoConnectionInTheSensorsDiagnosticsToo) {
   ASSERT_TRUE(t.b.until([&] { return !t.b.pipeline.report()[0].link_trouble.empty(); }));
   t.b.run(milliseconds(300));
   EXPECT_THAT(t.b.message(0), HasSubstr("refuses the connection"));
-  EXPECT_EQ(t.b.links.connected().good, 0U);
-  EXPECT_EQ(t.b.links.connected().all, 1U);
+  EXPECT_EQ(t.b.items().at(0).is_up, false);
   const auto items = t.b.pipeline.diagnostics(wall_clock());
   EXPECT_EQ(items[0].health, Health::error);
   EXPECT_THAT(items[0].message, HasSubstr("refuses the connection"));
@@ -133,7 +131,7 @@ TEST(TcpConnections, DialWhatStreamsOverUdpOnlyWhenItsDriverAsks) {
   Bench b(config);
   b.run(milliseconds(100));
   EXPECT_FALSE(peer.accept());
-  EXPECT_EQ(b.links.connected().all, 0U);
+  EXPECT_TRUE(b.items().empty());
   Packet ask;
   ask.payload = ByteView("ask");
   ask.from = {this_host, 5000};

@@ -63,7 +63,7 @@ TEST(MergedOutput, WaitsForPosesUntilItsDeadlineAndThenGoesOnWithoutThem) {
   bench.pipeline.tick(bench_begin + ms(1050));
   EXPECT_EQ(bench.sink.count("m"), 1U);
   const Stamp now = bench_begin + ms(1050);
-  EXPECT_EQ(bench.value("merged m", "Outputs not deskewed", now), "1");
+  EXPECT_EQ(bench.value("merged m", "Not deskewed", now), "1");
   EXPECT_EQ(bench.value("merged m", "Motion", now), "not deskewed: poses of the sweeps' time are missing");
   EXPECT_EQ(bench.item("merged m", now).health, Health::warn);
 
@@ -74,8 +74,17 @@ TEST(MergedOutput, WaitsForPosesUntilItsDeadlineAndThenGoesOnWithoutThem) {
   poses_until(bench, ms(1110), bench_begin + ms(1120));
   EXPECT_EQ(bench.sink.count("m"), 2U);
   EXPECT_EQ(bench.sink.released["m"].back(), bench_begin + ms(1120));
-  EXPECT_EQ(bench.value("merged m", "Outputs not deskewed", bench_begin + ms(1120)), "1");
+  EXPECT_EQ(bench.value("merged m", "Not deskewed", bench_begin + ms(1120)), "1");
   EXPECT_THAT(bench.value("merged m", "Motion", bench_begin + ms(1120)), testing::StartsWith("deskewed"));
+}
+
+TEST(MergedOutput, AClockThatIsSetBackDoesNotProlongTheWaitForPoses) {
+  PipelineBench bench(two_sources("on_missing_motion: wait, deadline: 0.05", "odometry_topic: /odom"));
+  sweep(bench, "a", ms(1000));
+  sweep(bench, "b", ms(1000));
+  EXPECT_EQ(bench.sink.count("m"), 0U);
+  poses_until(bench, ms(100), bench_begin + ms(990));
+  EXPECT_EQ(bench.sink.count("m"), 1U) << "no longer than until the clock is seen to be set back";
 }
 
 TEST(MergedOutput, PatienceForPosesBeginsAnewWithEachOutput) {
@@ -99,7 +108,7 @@ TEST(MergedOutput, CountsOutputsThatAreLeftOutForWantOfPoses) {
   }
   const Stamp now = bench_begin + ms(500);
   EXPECT_EQ(bench.sink.count("m"), 0U);
-  EXPECT_EQ(bench.value("merged m", "Outputs left out for want of poses", now), "5");
+  EXPECT_EQ(bench.value("merged m", "Left out for want of poses", now), "5");
   EXPECT_EQ(bench.value("merged m", "Motion", now), "no poses yet");
   EXPECT_EQ(bench.pipeline.why_missing("m"), "on_missing_motion: drop, and poses of the vehicle are missing");
 }

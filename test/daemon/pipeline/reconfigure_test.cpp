@@ -157,8 +157,7 @@ TEST(TwoLanes, GiveWhatOnePipelineGives) {
   play([&](std::size_t, const Packet& packet) { all.pipeline.packet(packet); });
   Played planes(part_of(all.config, Lane::planes)), clouds(part_of(all.config, Lane::clouds));
   clouds.pipeline.set_hand_over([&](std::size_t source, const PlanarScan& scan, Stamp now) {
-    PlanarScan copy = scan;
-    planes.pipeline.scan_message(clouds.config.hand_over.at(source), copy, now);
+    planes.pipeline.handed_over(source, scan, now);
   });
   play([&](std::size_t, const Packet& packet) {
     const bool of_planes = packet.to.port == 6060;

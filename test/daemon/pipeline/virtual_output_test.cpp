@@ -139,7 +139,7 @@ TEST(VirtualOutput, PointsAloneAreBroughtToOneInstantTooFromTheirLidarsPlaceOnTh
     }
     EXPECT_LE(nearest, 2 * M_PI / 720) << "a post at " << angle;
   }
-  EXPECT_EQ(bench.value("virtual v", "Clouds without motion", bench_begin + ms(150)), "0");
+  EXPECT_EQ(bench.value("virtual v", "Not deskewed", bench_begin + ms(150)), "0");
 }
 
 TEST(VirtualOutput, NeedsTheLidarsPlaceOnTheVehicleOnlyForWhatIsKnownOfTheVehicle) {
