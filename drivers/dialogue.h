@@ -12,23 +12,23 @@
 
 namespace lidard {
 
-/// How long something may take: the answer to a question, a pause.
+/// A time limit: of the answer to a question, or of a pause.
 class Patience {
  public:
-  /// The longest time for an answer, that of a device that is slow.
+  /// The longest time for an answer, for slow devices.
   static constexpr Span most = std::chrono::seconds(10);
 
   void start(Stamp now, Span limit) { since_ = now, limit_ = limit; }
   /// A question was asked whose answer usually comes within `limit`.
   void start_answer(Stamp now, Span limit) { start(asked_ = now, slow_ ? most : limit); }
-  /// A clock that was set back begins the time anew.
+  /// A clock that was set back restarts the time.
   bool is_over(Stamp now) {
     since_ = std::min(since_, now);
     return now - since_ > limit_;
   }
   Stamp since() const { return since_; }
-  /// No answer came in time: the question may be asked again, and is given twice the time, for the device may
-  /// only be slow; then it is for all further answers too. False: it was waited for so long already.
+  /// No answer came in time: doubles the limit, so that the question can be asked again, in case the device
+  /// is only slow; the new limit holds for all further answers. False: the limit was the longest one already.
   bool extend(Stamp now) {
     if (now - asked_ >= most) return false;
     start(now, std::min(2 * limit_, asked_ + most - now));
@@ -42,11 +42,11 @@ class Patience {
   bool slow_ = false;
 };
 
-/// A dialogue with a device: a script that asks one question at a time and goes on when the answer came.
+/// A dialogue with a device: a script that asks one question at a time and continues with its answer.
 class Dialogue {
  public:
   virtual ~Dialogue() = default;
-  /// What was read, and what is wrong with it.
+  /// The data read from the device, with warnings.
   const DeviceInfo& info() const { return info_; }
   /// True once after info() changed.
   bool changed() { return std::exchange(changed_, false); }
@@ -78,11 +78,11 @@ class Dialogue {
   bool changed_ = false;
 };
 
-/// A dialogue over a TCP connection beside a stream of datagrams: asks, compares, sets what may be set, hangs
-/// up. It takes place once, and again when the stream stopped, since the device may have lost what was set.
+/// A dialogue over a TCP connection beside a stream of datagrams: asks, compares, writes allowed settings,
+/// hangs up. It runs once, and again when the stream stopped, since the device may have lost its settings.
 class SideDialogue : public Dialogue {
  public:
-  /// `wanted`: it takes place at all. `restores`: also when the stream stopped.
+  /// `wanted`: it runs at all. `restores`: also when the stream stopped.
   SideDialogue(bool wanted, bool restores, Span patience)
       : wanted_(wanted), restores_(restores), patience_limit_(patience) {}
 
@@ -94,13 +94,13 @@ class SideDialogue : public Dialogue {
   }
   /// Bytes from the device.
   virtual void receive(const Packet& packet, DriverOutput& out) = 0;
-  /// The connection ended, or was not taken.
+  /// The connection ended, or was refused.
   void disconnected() { phase_ = Phase::idle; }
   /// `last_data`: when the device last sent a datagram of its data; empty: never.
   void tick(Stamp now, std::optional<Stamp> last_data, DriverOutput& out) {
     now_ = now;
     if (phase_ == Phase::talking && patience_.is_over(now)) {
-      // The next talk waits longer: the device may only be slow.
+      // The next dialogue waits longer: the device may only be slow.
       patience_limit_ = std::min(2 * patience_limit_, Patience::most);
       return silent(out);
     }
@@ -112,7 +112,7 @@ class SideDialogue : public Dialogue {
   }
 
  protected:
-  /// A connection stands: nothing of a former one counts.
+  /// A connection stands: drops the state of a former one.
   virtual void begin() = 0;
   /// The last question was not answered.
   virtual void silent(DriverOutput& out) = 0;
@@ -122,7 +122,7 @@ class SideDialogue : public Dialogue {
     patience_.start(now_, patience_limit_);
     send(question, out);
   }
-  /// `complete`: whatever could be done was done.
+  /// `complete`: every possible step was done.
   void hang_up(bool complete, DriverOutput& out) {
     complete_ = complete_ || complete;
     phase_ = Phase::idle;
@@ -136,7 +136,7 @@ class SideDialogue : public Dialogue {
     /// A stream that stopped for so long may have lost its settings, or never had them.
     constexpr Span silence = std::chrono::seconds(1);
     constexpr Span pause = std::chrono::milliseconds(500);
-    /// The pause after a whole dialogue that did not bring the stream back.
+    /// The pause after a complete dialogue that did not bring the stream back.
     constexpr Span fruitless_pause = std::chrono::seconds(5);
     const bool stopped = !last_data || now_ - *last_data > silence;
     if (!wanted_ || (complete_ && !(restores_ && stopped))) return false;

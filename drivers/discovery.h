@@ -17,10 +17,10 @@ namespace lidard {
 struct FoundDevice {
   std::string vendor, product, serial, firmware;
   IpAddress address;
-  std::string model;  ///< name in the configuration; empty: the answer does not tell
+  std::string model;  ///< name in the configuration; empty: not in the answer
 };
 
-/// How the devices of one vendor are found in a network. The question changes nothing in them.
+/// Search for the devices of one vendor in a network. The question changes no setting.
 struct Discovery {
   std::string_view name;  ///< of the command's option: "hokuyo"
   std::string_view vendor;
@@ -32,7 +32,7 @@ struct Discovery {
   std::string_view usual_address;
   /// `key`: anything, the answers may repeat it; `own` and `mask`: of the interface that it is sent from.
   std::string (*question)(std::uint32_t key, const IpAddress& own, const IpAddress& mask) = nullptr;
-  /// All that `sender` has sent so far; empty: no answer, or not the whole of it.
+  /// Parses all that `sender` has sent so far; empty: no answer, or an incomplete one.
   std::optional<FoundDevice> (*read_answer)(ByteView answer, const IpAddress& sender) = nullptr;
 };
 

@@ -22,11 +22,11 @@
 
 namespace lidard {
 
-/// How bytes travel.
+/// Transport protocol.
 enum class Transport : std::uint8_t { udp, tcp };
 
-/// A datagram, or a chunk of one direction of a TCP stream, as it came in. The payload is valid only during
-/// the call.
+/// A datagram, or a chunk of one direction of a TCP stream, as received. The payload is valid only during the
+/// call.
 struct Packet {
   ByteView payload;
   Stamp arrival;  ///< kernel receive stamp, or the stamp of the capture
@@ -37,25 +37,25 @@ struct Packet {
   std::uint64_t missing = 0;  ///< bytes of the stream lost right before this chunk (captures with holes)
 };
 
-/// What a driver made of a packet, or of a chunk of a stream. The counters hold it already.
+/// A driver's verdict on a packet, or on a chunk of a stream. It is counted already.
 struct Verdict {
   bool has_data = false;  ///< measurement data, good or bad; telemetry and the answers of a dialogue are none
   Reject reject = Reject::none;  ///< why data in it, or a packet that was held back until it, was not used
 };
 
-/// Name of the extra scan whose intensities hold what the device says of each beam, as bits.
+/// Name of the extra scan whose intensities hold the device's flags of each beam.
 constexpr std::string_view beam_status_scan = "beam_status";
-/// The name of the state that tells the output paths of a safety scanner.
+/// Name of the state of a safety scanner's output paths.
 constexpr std::string_view output_paths_topic = "output_paths";
 
-/// Takes what a driver produces. The references are valid during the call; a cloud's or scan's buffers may be
-/// swapped out by the receiver, which must leave a valid (possibly empty) vector behind.
+/// Receives the output of a driver. The references are valid during the call; a cloud's or scan's buffers may
+/// be swapped out by the receiver, which must leave a valid (possibly empty) vector behind.
 class DriverOutput {
  public:
   virtual ~DriverOutput() = default;
   virtual void scan(PlanarScan& scan) = 0;
   virtual void cloud(Cloud& cloud) = 0;
-  /// What the device tells beside its frames; its topic is one of Model::messages.
+  /// What the device sends beside its frames; its topic is one of Model::messages.
   virtual void message(const DeviceMessage& /*message*/) {}
   /// A further scan of the device (its intrusion data, say); `topic` is one of Model::extra_scans.
   virtual void extra_scan(std::string_view /*topic*/, PlanarScan& /*scan*/) {}
@@ -71,8 +71,7 @@ class DriverOutput {
   virtual void disconnect(bool /*again*/) {}
 };
 
-/// What is known of the device beyond its data; grows while packets come in. Keys as in REP 138 where it has
-/// one.
+/// Properties of the device; grows while packets come in. Keys as in REP 138 where it has one.
 struct DeviceInfo {
   std::string serial;                                        ///< empty: unknown
   std::vector<std::pair<std::string, std::string>> details;  ///< for diagnostics, in display order
@@ -89,11 +88,11 @@ struct DeviceInfo {
   }
 };
 
-/// How the settings of a device stand, where its driver watches them beside the data.
+/// Status of a device's settings, where its driver watches them beside the data.
 struct SettingsStatus {
   enum class Level : std::uint8_t { ok, warn, error };
   Level level = Level::ok;
-  std::string message;  ///< one sentence; says the remedy when the level is not ok
+  std::string message;  ///< one sentence, with the remedy when the level is not ok
   std::string serial;   ///< empty: unknown
   std::vector<std::pair<std::string, std::string>> details;  ///< for diagnostics, in display order
 };
@@ -110,23 +109,22 @@ class Driver {
   virtual Verdict receive(const Packet& packet, DriverOutput& out) = 0;
   /// A TCP connection to the device stands; its dialogue starts here. Never called in replay.
   virtual void connected(Stamp /*now*/, DriverOutput& /*out*/) {}
-  /// That connection ended, half a telegram is worth nothing now; or, of a device that streams over UDP, the
-  /// connection that was asked for could not be made. The next one is opened only when it is asked for.
+  /// That connection ended: drops an incomplete telegram. Or, for a device that streams over UDP, the
+  /// requested connection could not be made. The next one is opened only on request.
   virtual void disconnected() {}
   /// Time passed (arrival time scale); for time-outs and keep-alives.
   virtual void tick(Stamp /*now*/, DriverOutput& /*out*/) {}
   /// No more input: hands on what is complete enough (end of a capture).
   virtual void finish(DriverOutput& /*out*/) {}
-  /// Forgets what belongs to the stream so far (a capture starts again), keeps counters and what is known of
-  /// the device.
+  /// Forgets the stream so far (a capture starts again); keeps the counters and info().
   virtual void restart() = 0;
-  /// Takes over what may change while data come, from the next frame on: time_offset, and which returns of a
-  /// cloud are kept (min_range, max_range, view_direction, view_width).
+  /// Applies settings that may change while data come, from the next frame on: time_offset, and which returns
+  /// of a cloud are kept (min_range, max_range, view_direction, view_width).
   virtual void change(const DriverConfig& /*wanted*/) {}
 
   virtual const Counters& counters() const = 0;
   virtual const DeviceInfo& info() const = 0;
-  /// Empty: nothing is watched, or nothing that info() does not tell.
+  /// Empty: nothing is watched beyond info().
   virtual std::optional<SettingsStatus> settings(Stamp /*now*/) const { return std::nullopt; }
 };
 
@@ -136,7 +134,7 @@ namespace velodyne {
 struct Calibration;
 }
 
-/// What a driver may ask of its device. By default nothing that is not needed to start the stream.
+/// Requests to the device. By default only those that start the stream.
 struct DeviceRequests {
   bool allow_write = false;   ///< settings that differ from the configuration are written
   bool listen_only = false;   ///< no connection at all (devices that stream over UDP)
@@ -150,22 +148,22 @@ struct DeviceRequests {
   bool device_states = false;  ///< SOPAS: subscribe to field evaluation, inputs and outputs
 };
 
-/// What a driver needs to know; everything has a default that fits the model.
+/// Configuration of a driver; every default fits the model.
 struct DriverConfig {
   const Model* model = nullptr;
   std::string frame_id;
   ClockMode clock = ClockMode::smooth;
   Span time_offset{0};  ///< added to every stamp
-  /// The sensor's clock is meant to follow a receiver (PPS and NMEA): a warning tells when it does not.
+  /// The sensor's clock is meant to follow a receiver (PPS and NMEA): otherwise there is a warning.
   bool expect_pps = false;
   double cut_angle = 0;  ///< rad, as the sensor counts azimuth: where a revolution ends (multi-plane lidars)
-  bool keep_too_near = false;    ///< fill Cloud::too_near
-  double min_range = 0;          ///< m: nearer returns are left out (multi-plane lidars)
-  double max_range = 0;          ///< m: farther returns are left out; 0: no limit
-  double view_direction = 0;     ///< rad, counter-clockwise from the front: middle of the sector that is kept
-  double view_width = two_pi;    ///< rad: width of that sector
-  bool keep_partial = false;     ///< hand on first, last and torn frames too
-  bool keep_origins = false;     ///< fill Cloud::origins
+  bool keep_too_near = false;  ///< fill Cloud::too_near
+  double min_range = 0;        ///< m: nearer returns are left out (multi-plane lidars)
+  double max_range = 0;        ///< m: farther returns are left out; 0: no limit
+  double view_direction = 0;   ///< rad, counter-clockwise from the front: middle of the sector that is kept
+  double view_width = two_pi;  ///< rad: width of that sector
+  bool keep_partial = false;   ///< hand on first, last and torn frames too
+  bool keep_origins = false;   ///< fill Cloud::origins
   std::optional<double> angle_min, angle_max;  ///< rad: keep only these beams of a planar scanner (REP 138)
   bool publish_intensity = true;
   bool publish_multiecho = false;  ///< all echoes of a planar scanner (REP 138)

@@ -15,7 +15,7 @@
 
 namespace lidard {
 
-/// What every driver holds.
+/// Common part of all drivers.
 class DriverBase : public Driver {
  public:
   const Counters& counters() const final { return counters_; }
@@ -26,8 +26,8 @@ class DriverBase : public Driver {
     info_.set("Vendor Name", config.model->vendor);
     info_.set("Product Name", config.model->product);
   }
-  /// Tells diagnostics, once a second, how well the device's clock is followed. Such a clock is never taken
-  /// for the time of day, whatever sets it; `wraps`: overflows of its counter.
+  /// Updates, once a second, the details on the device's clock. Such a clock is never used as the time of
+  /// day, whatever sets it; `wraps`: overflows of its counter.
   void describe_clock(const DeviceClock& clock, std::uint64_t wraps, Stamp now) {
     if (!clock.ready() || std::chrono::abs(now - clock_described_) < std::chrono::seconds(1)) return;
     clock_described_ = now;
@@ -48,8 +48,8 @@ class DriverBase : public Driver {
   /// Details that are listed anew, behind vendor and product.
   void clear_details() { info_.details.resize(2); }
 
-  /// Feeds a chunk of a stream to its reader and hands each whole item to `handle`; bytes that belong to no
-  /// item are counted by the reader.
+  /// Feeds a chunk of a stream to its reader and hands each complete item to `handle`; bytes that belong to
+  /// no item are counted by the reader.
   template <class Item, class Reader, class Handle>
   Verdict read_stream(const Packet& packet, Reader& reader, Handle handle) {
     counters_.bytes += packet.payload.size();
@@ -59,7 +59,7 @@ class DriverBase : public Driver {
     for (Item item; reader.next(item);) include_verdict(handle(item), all);
     return all;
   }
-  /// Counts why an item was not used; `all` is the verdict on the bytes that hold it.
+  /// Counts the verdict on an item and adds it to `all`, the verdict on the bytes that hold it.
   void include_verdict(const Verdict& item, Verdict& all) {
     all.has_data = all.has_data || item.has_data;
     if (item.reject == Reject::none) return;
@@ -67,7 +67,7 @@ class DriverBase : public Driver {
     all.reject = item.reject;
   }
 
-  /// True if these are the bytes of the last call: something on the way sends what it passes on twice.
+  /// True if these are the bytes of the last call: the network delivers data twice.
   bool is_repeated(ByteView bytes) {
     if (bytes.text() == std::string_view(last_item_)) return true;
     last_item_ = bytes.text();
@@ -84,7 +84,7 @@ class DriverBase : public Driver {
   std::string last_item_;
 };
 
-/// Takes what an inertial unit says; `turned` (w x y z) counts only where it is a rotation.
+/// Stores a sample of an inertial unit; `turned` (w x y z) is used only where it is a rotation.
 inline void set_imu(const std::array<double, 3>& acceleration, const std::array<double, 3>& velocity,
                     const std::array<double, 4>& turned, ReusedMessage<ImuSample>& sample) {
   sample->linear_acceleration = {acceleration[0], acceleration[1], acceleration[2]};
@@ -101,8 +101,8 @@ inline void prepare_scan(const DriverConfig& config, PlanarScan& scan) {
   scan.range_max = static_cast<float>(config.model->range_max);
 }
 
-/// Gives a scan those of `beams` beams that the configured angles leave, the first of all at `angle` and each
-/// `step` further, rad. Returns which they are.
+/// Sets the beams of a scan: those of `beams` beams, the first at `angle` and each `step` further (rad), that
+/// lie between the configured angles. Returns which they are.
 inline BeamWindow choose_beams(const DriverConfig& config, double angle, double step, std::size_t beams,
                                PlanarScan& scan) {
   const BeamWindow kept = beams_between(angle, step, beams, config.angle_min, config.angle_max);
@@ -127,12 +127,12 @@ class WarningBoard {
   }
   void clear(Kind kind) { set(kind, {}); }
   bool is_set(Kind kind) const { return !texts_[static_cast<std::size_t>(kind)].empty(); }
-  /// Sets the warning when the trouble begins, with what `make_text` says then, and clears it when it ends.
+  /// Sets the warning when the trouble begins, with the text of `make_text` then, and clears it when it ends.
   template <class MakeText>
-  void tell(Kind kind, bool lasts, MakeText&& make_text) {
+  void update(Kind kind, bool lasts, MakeText&& make_text) {
     if (lasts != is_set(kind)) set(kind, lasts ? std::string(make_text()) : std::string());
   }
-  /// What others warn of, shown before everything else.
+  /// Warnings of others, shown before all else.
   void lead(const std::vector<std::string>& sentences) {
     lead_ = sentences;
     show();

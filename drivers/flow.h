@@ -13,11 +13,11 @@
 
 namespace lidard {
 
-/// The datagrams from one address to one port of ours, or what a device sends over connections to one port of
-/// its own: as far as a configuration can tell senders apart.
+/// The datagrams from one address to one port of ours, or the data of a device over connections to one of its
+/// ports: a configuration distinguishes senders by flows.
 struct Flow {
   Transport transport = Transport::udp;
-  IpAddress address;       ///< of the sender; without value where anybody may send
+  IpAddress address;       ///< of the sender; without value: any sender
   std::uint16_t port = 0;  ///< destination; of a connection the sender's own
 
   /// "192.168.1.9 -> port 2368", "192.168.1.9:2112 over TCP".
@@ -38,8 +38,8 @@ inline Flow flow_of(const Packet& packet) {
   const bool connection = packet.transport == Transport::tcp;
   return {packet.transport, packet.from.address, connection ? packet.from.port : packet.to.port};
 }
-/// What a device at `address` sends: its data to (or, over TCP, from) `port`, its telemetry, its part of the
-/// dialogue; a port 0 is none. The data come first.
+/// The flows of a device at `address`: its data to (or, over TCP, from) `port`, its telemetry, its part of
+/// the dialogue; a port 0 is none. The data come first.
 inline std::vector<Flow> flows_of(const Model& model, const IpAddress& address, std::uint16_t port,
                                   std::uint16_t telemetry_port, std::uint16_t dialogue_port) {
   std::vector<Flow> flows = {{model.transport, address, port}};
@@ -53,13 +53,13 @@ inline std::vector<Flow> flows_of(const Model& model, const IpAddress& address, 
   return flows_of(model, address, port, model.telemetry_port, model.dialogue_port);
 }
 
-/// Whose packet is this? A known sender comes before one that may be anybody.
+/// Finds the owner of a packet. A known sender comes before an unspecified one.
 template <class Owner>
 class FlowTable {
  public:
   /// The first owner of a flow keeps it.
   void add(const Flow& flow, const Owner& owner) { owners_.emplace(flow, owner); }
-  /// nullptr: nobody's.
+  /// nullptr: no owner.
   const Owner* find(const Flow& flow) const {
     auto found = owners_.find(flow);
     if (found == owners_.end()) found = owners_.find({flow.transport, IpAddress(), flow.port});

@@ -45,29 +45,29 @@ enum class KeyKind : std::uint8_t {
   special
 };
 
-/// What is wrong with a value, where {} stands for the value as written, and what would be right.
+/// The fault of a value, where {} stands for the value as written, and what is expected.
 struct Misfit {
   std::string what, expected;
 };
 
-/// What is to be known of a configuration key, whatever structure it belongs to.
+/// Properties of a configuration key, whatever structure it belongs to.
 struct Key {
   std::string_view name;
   KeyKind kind = KeyKind::special;
   std::string_view meaning;  ///< one line, for the reference
   double lowest = 0, highest = 0;
   std::string_view unit;                ///< of a number; an angle is in rad, or in degrees as `name`_deg
-  std::vector<std::string_view> words;  ///< that it may be
-  std::string_view form;                ///< what a text or a special value looks like, for messages
+  std::vector<std::string_view> words;  ///< allowed
+  std::string_view form;                ///< form of a text or a special value, for messages
   std::string_view preset;              ///< the default, where it follows from something else
-  std::string_view remark;              ///< what holds while nothing is set
+  std::string_view remark;              ///< the behaviour while nothing is set
   KeyValue otherwise;                   ///< the value that stands for "not set" where one has to
   bool required = false;
   bool may_be_empty = false;  ///< an empty text means none
   bool short_form = false;    ///< a section: a single value stands for its first key
   bool flow = false;          ///< a section that is written in one line
   bool live = false;          ///< it can be changed while the daemon runs
-  std::optional<Misfit> (*misfit)(const KeyValue& value) = nullptr;  ///< what else is asked of a value
+  std::optional<Misfit> (*misfit)(const KeyValue& value) = nullptr;  ///< a further check of a value
 };
 
 inline KeyValue key_value(bool value) { return value; }
@@ -90,7 +90,7 @@ KeyValue key_value(const std::optional<T>& value) {
 
 /// The reverse. `value` was checked: it is of the right kind, and its text an address where one is needed.
 template <class T>
-void take_value(const KeyValue& value, T& member) {
+void store_value(const KeyValue& value, T& member) {
   if constexpr (std::is_same_v<T, Span>)
     member = span_from_seconds(std::get<double>(value));
   else if constexpr (std::is_same_v<T, IpAddress>)
@@ -101,9 +101,9 @@ void take_value(const KeyValue& value, T& member) {
     member = std::get<T>(value);
 }
 template <class T>
-void take_value(const KeyValue& value, std::optional<T>& member) {
+void store_value(const KeyValue& value, std::optional<T>& member) {
   member.reset();
-  if (value.is_set()) take_value(value, member.emplace());
+  if (value.is_set()) store_value(value, member.emplace());
 }
 
 /// A key of the structure `Owner`: one row of a table. The functions that return the row complete it.
@@ -143,7 +143,7 @@ Keys<Owner> joined(std::initializer_list<Keys<Owner>> parts) {
   return all;
 }
 
-/// What is to be shown of the key: nothing if it means nothing now, or if it is not set.
+/// The value shown: nothing if the key means nothing now, or if it is not set.
 template <class Owner>
 KeyValue shown_value(const KeyOf<Owner>& key, const Owner& owner) {
   if (!key.get || (key.shown && !key.shown(owner))) return {};
@@ -161,7 +161,7 @@ KeyMap shown_values(const Keys<Owner>& keys, const Owner& owner) {
   return map;
 }
 
-/// The keys of a member as keys of the whole.
+/// The keys of a member as keys of its owner.
 template <class Owner, class Member>
 Keys<Owner> within(Member Owner::*member, const Keys<Member>& keys) {
   Keys<Owner> lifted;
@@ -200,7 +200,7 @@ KeyOf<Owner> of_kind(KeyKind kind, std::string_view name, Member Owner::*member,
   key.kind = kind;
   key.meaning = meaning;
   key.get = [member](const Owner& owner) { return key_value(owner.*member); };
-  key.set = [member](Owner& owner, const KeyValue& value) { take_value(value, owner.*member); };
+  key.set = [member](Owner& owner, const KeyValue& value) { store_value(value, owner.*member); };
   return key;
 }
 
@@ -228,8 +228,8 @@ KeyOf<Owner> whole(std::string_view name, Member Owner::*member, double lowest, 
   return key;
 }
 
-/// An angle: `name` in rad, or `name`_deg in degrees. Reading refuses what is written in the wrong unit; the
-/// limits are those of sense, which the section sees to.
+/// An angle: `name` in rad, or `name`_deg in degrees. Reading rejects the wrong unit; the section checks the
+/// limits.
 template <class Owner, class Member>
 KeyOf<Owner> angle(std::string_view name, Member Owner::*member, double lowest, double highest,
                    std::string_view meaning) {

@@ -17,22 +17,21 @@ namespace lidard {
 /// What a sensor produces.
 enum class FrameKind : std::uint8_t { scan, cloud };
 
-/// What some models can and others cannot. A key of the configuration that only some models take names one of
-/// these.
+/// An ability of some models. A key of the configuration that only some models accept names one of these.
 enum class Trait : std::uint8_t {
   echoes,       ///< several echoes of a beam of a planar scanner
   revolutions,  ///< clouds are revolutions of firing sequences: they can be cut, organised, seen by ring
-  calibration,  ///< takes a calibration file
+  calibration,  ///< accepts a calibration file
   silent_beams_are_free,  ///< a beam without return proves that nothing is there, up to range_max
   packet_messages,        ///< its packets travel in velodyne_msgs/VelodyneScan too
   gnss,                   ///< sends a satellite receiver's sentences to telemetry_port
   web_control,            ///< its settings are read and changed through its web interface
   settings_writable,      ///< its settings can be changed over TCP, if that is allowed
-  receiver_settable,      ///< streams over UDP and can be told over TCP where to send
+  receiver_settable,      ///< streams over UDP and the receiver's address can be set over TCP
   logins,                 ///< has user levels with passwords
   skip_setting,           ///< can leave scans out, which is a setting of the device (CoLa)
   skip_request,           ///< can leave scans out and merge beams, as the request for scans says (SCIP)
-  states_on_request,      ///< tells its states only if asked to (CoLa)
+  states_on_request,      ///< sends its states only on request (CoLa)
 };
 
 /// The traits of a model.
@@ -51,18 +50,18 @@ class Traits {
   std::uint32_t bits_ = 0;
 };
 
-/// Messages of one kind that a device tells beside its frames.
+/// Messages of one kind that a device sends beside its frames.
 struct MessageTopic {
   std::string_view name;  ///< last part of the topic's name
   std::size_t kind;       ///< message_kind() of what travels there
 };
-template <class Told>
-MessageTopic message_topic(std::string_view name = Told::topic) {
-  return {name, message_kind<Told>()};
+template <class Kind>
+MessageTopic message_topic(std::string_view name = Kind::topic) {
+  return {name, message_kind<Kind>()};
 }
 
-/// Everything the rest of the program needs to know about one product. What only its protocol needs (beam
-/// angles, firing times) stands in the family's own table, behind `row`.
+/// The properties of a product that the rest of the program needs. What only its protocol needs (beam angles,
+/// firing times) stands in the family's own table, behind `row`.
 struct Model {
   std::string_view name;      ///< as in the configuration, e.g. "velodyne_vlp16"
   std::string_view vendor;    ///< "Velodyne"
@@ -78,7 +77,7 @@ struct Model {
   double fragments_per_packet = 1;   ///< IP fragments of a usual datagram; sizes the receive buffer
   double frame_period = 0;           ///< s, usual
   double range_min = 0, range_max = 0;  ///< m, constant in every scan
-  std::size_t beams = 0;                ///< rings of a multi-plane lidar; 0: the packets tell
+  std::size_t beams = 0;                ///< rings of a multi-plane lidar; 0: the packets show it
   Traits traits{};
   std::vector<MessageTopic> messages{};         ///< of DriverOutput::message()
   std::vector<std::string_view> extra_scans{};  ///< of DriverOutput::extra_scan()
@@ -88,11 +87,11 @@ struct Model {
   std::unique_ptr<Driver> (*make)(const DriverConfig& config) = nullptr;
 
   bool has(Trait trait) const { return traits.has(trait); }
-  /// True if the device may tell messages of this kind.
-  template <class Told>
+  /// True if the device may send messages of this kind.
+  template <class Kind>
   bool tells() const {
     return std::any_of(messages.begin(), messages.end(),
-                       [](const MessageTopic& topic) { return topic.kind == message_kind<Told>(); });
+                       [](const MessageTopic& topic) { return topic.kind == message_kind<Kind>(); });
   }
 };
 

@@ -13,7 +13,7 @@ namespace lidard {
 /// The bytes of a stream that its reader has not used yet.
 class StreamBuffer {
  public:
-  /// Appends bytes; views of rest() are worth nothing afterwards.
+  /// Appends bytes; views of rest() are invalid afterwards.
   void add(ByteView bytes) {
     bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(begin_));
     begin_ = 0;

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every room may include only what it may know; headers of core and drivers stay light.
+"""Every room may include only what it may know; headers of core and drivers stay light; code uses the words of the field.
 
 Debian installs ROS, PCL and the rest under /usr/include, so a wrong include compiles without a murmur.
 """
@@ -63,6 +63,20 @@ FORBIDDEN = {
 }
 ONLY_IN = {"yaml-cpp": ["daemon/config"], ROS: [room for room in ROOMS if room.startswith("daemon/ros")] + ["daemon/dropin", "daemon/commands"]}
 HEAVY_IN_HEADERS = "|".join([ROS, r"pcl/|spdlog"])
+# Words that names and comments do not use, and what they say instead; a text in quotes may have them.
+WORDS = {
+    "told|tells?|telling": "report, log, show",
+    "lament|misfit|doubt(s|ed|ful)?": "error, rejection, warning",
+    "wish(es)?": "request",
+    "strangers?": "unknown senders",
+    "links_": "connections_",
+    "overlap_": "mount_check_",
+    "veils?(?!_filter)": "mixed pixel",
+}
+QUOTED = re.compile(r"""R"\((.|\n)*?\)"|"(\\.|[^"\\\n])*"|'\\?[^\n]'""")
+# The rooms that still have some of them.
+UNTRANSLATED = {"core/evidence", "core/merge", "core/virtual", "daemon/commands", "daemon/config", "daemon/dropin", "daemon/live", "daemon/pipeline",
+                "drivers", "drivers/net", "drivers/sick/cola", "drivers/sick/compact", "drivers/velodyne", "drivers/velodyne/web"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 
 
@@ -103,6 +117,14 @@ def faults_of(path, name, room):
             yield f"{name}:{number}: core/ has no clock"
 
 
+def words_of(path, name):
+    text = QUOTED.sub(lambda quoted: "\n" * quoted.group().count("\n"), path.read_text())
+    for number, line in enumerate(text.splitlines(), 1):
+        for word, instead in WORDS.items():
+            if found := re.search(rf"(?<![a-z])({word})(?![a-z])", line, re.I):
+                yield f"{name}:{number}: '{found.group(1)}' is no word of ours; say {instead}"
+
+
 def violations(root):
     for folder in FOLDERS:
         for path in sorted((root / folder).rglob("*")):
@@ -114,6 +136,8 @@ def violations(root):
                 yield f"{name}: {room}/ is no room; its row in test/layering.py is missing"
                 continue
             yield from faults_of(path, name, room)
+            if room.split("/")[0] != "test" and room not in UNTRANSLATED:
+                yield from words_of(path, name)
 
 
 def missing_pages(root):

@@ -10,10 +10,10 @@
 
 namespace lidard {
 
-/// A view of bytes that somebody else owns; valid as long as they are.
+/// A view of bytes that another object owns; valid as long as that object.
 ///
-/// Readers take an offset from the start of the view. Test lengths that come from the wire with `has()`
-/// first: a read outside the view is a bug of ours and ends the process.
+/// Offsets count from the start of the view. Check lengths from the wire with `has()` first: a read outside
+/// the view is a bug and ends the process.
 class ByteView {
  public:
   constexpr ByteView() = default;
@@ -79,9 +79,9 @@ void resize_amply(std::size_t size, Lists&... lists) {
   (resize(lists), ...);
 }
 
-/// Calls `take` with the index of each of `count` bytes that is not 0; made for few of them.
-template <class Take>
-void each_set(const std::uint8_t* bytes, std::size_t count, Take take) {
+/// Calls `use` with the index of each of `count` bytes that is not 0; fast where few are.
+template <class Use>
+void each_set(const std::uint8_t* bytes, std::size_t count, Use use) {
   constexpr std::size_t width = sizeof(std::uint64_t);
   std::size_t i = 0;
   for (; i + width <= count; i += width) {
@@ -89,11 +89,11 @@ void each_set(const std::uint8_t* bytes, std::size_t count, Take take) {
     std::memcpy(&all, bytes + i, width);
     if (all == 0) continue;
     for (std::size_t k = i; k < i + width; ++k) {
-      if (bytes[k] != 0) take(k);
+      if (bytes[k] != 0) use(k);
     }
   }
   for (; i < count; ++i) {
-    if (bytes[i] != 0) take(i);
+    if (bytes[i] != 0) use(i);
   }
 }
 

@@ -30,7 +30,7 @@ inline const char* to_string(Reject reason) {
   return names.at(static_cast<std::size_t>(reason));
 }
 
-/// A counter of `Owner` and what users read of it: reports, diagnostics and JSON come from lists of these.
+/// A counter of `Owner` and its names: reports, diagnostics and JSON are made from lists of these.
 template <class Owner>
 struct NamedCounter {
   std::uint64_t Owner::*value;
@@ -60,13 +60,13 @@ struct Counters {
   }
 };
 
-/// What is told of every sensor, apart from the rejected packets.
+/// The counters reported for every sensor, beside those of rejected packets.
 constexpr NamedCounter<Counters> usual_counters[] = {
     {&Counters::packets, "data_packets", "packets"},
     {&Counters::other_packets, "other_packets", "other packets"},
     {&Counters::frames, "frames", "frames"},
     {&Counters::lost_packets, "lost_packets", "lost packets"}};
-/// What else may have gone wrong with its packets.
+/// Counters of faults.
 constexpr NamedCounter<Counters> trouble_counters[] = {
     {&Counters::incomplete, "incomplete", "incomplete telegrams"},
     {&Counters::partial_frames, "partial_frames", "partial frames dropped"},

@@ -11,29 +11,28 @@ namespace {
 constexpr std::int64_t ms = 1'000'000;
 /// An arrival this far off the estimate is no network jitter: a clock was set, or a long stall.
 constexpr std::int64_t step_limit = 50 * ms;
-/// So long must every packet be late before it counts as a step and not as a stall.
+/// Packets that are all late for longer are a step, not a stall.
 constexpr std::int64_t late_limit = 500 * ms;
 /// Windows grow from the first length to the last: a crystal's drift is steady for as long as all windows
 /// last then (16 s), and each of the slowest sensor's windows holds some packets.
 constexpr std::int64_t first_window = 50 * ms, last_window = 400 * ms;
 constexpr std::int64_t drift_known_after = 2000 * ms;
-/// No clock of a sensor is that far off; a steeper line is a fit to noise.
+/// No sensor's clock deviates by more; a steeper line is a fit to noise.
 constexpr double slope_limit = 2000e-6;
-/// Standard deviation of the drift between two crystals of which nothing is known, and the least of what one
-/// drifts more or less after a reboot.
+/// Standard deviation of the drift between two unknown crystals, and the least one after a reboot.
 constexpr double unknown_drift = 150e-6, known_drift = 20e-6;
 /// The same where the rate changed: ntpd slews a host's clock by up to 500 ppm.
 constexpr double slewed_drift = 200e-6;
-/// What the lowest delays of windows are taken to deviate before there are some, and at least.
+/// Deviation of the windows' lowest delays: assumed before any is known, and the least one.
 constexpr double usual_spread = 0.2e6, least_spread = 1e3;
-/// So many minima tell twice as much as their number.
+/// The variance of n minima grows by the factor 1 + few_minima / n.
 constexpr double few_minima = 24;
 /// The median of an exponential distribution, as a part of its mean.
 constexpr double ln_2 = 0.6931;
-/// So long without a packet at the line shows that the rate changed, if each window was this far above it and
-/// so many times what minima deviate.
+/// The rate changed if no packet reached the line for rate_time and each window was above it by rate_limit
+/// and by rate_spreads times the deviation of the minima.
 constexpr std::int64_t rate_time = 2000 * ms, rate_limit = 3 * ms / 20, rate_spreads = 3;
-/// In arrival mode a packet that is later is no jitter of a wired network; the host did not look.
+/// In arrival mode a packet that is later is no jitter of a wired network: the host stalled.
 constexpr std::int64_t stall_limit = 10 * ms;
 
 }  // namespace
@@ -41,9 +40,9 @@ constexpr std::int64_t stall_limit = 10 * ms;
 void DeviceClock::restart() {
   if (knows_drift_) {
     const std::int64_t seen = std::max(minima_[minima_count_ - 1].device - minima_[0].device, window_length_);
-    const double doubt = 4 * static_cast<double>(spread_) / static_cast<double>(seen);
+    const double deviation = 4 * static_cast<double>(spread_) / static_cast<double>(seen);
     expected_slope_ = slope_;
-    slope_deviation_ = std::clamp(doubt, known_drift, unknown_drift);
+    slope_deviation_ = std::clamp(deviation, known_drift, unknown_drift);
   }
   ready_ = knows_drift_ = false;
   late_since_ = 0;
@@ -115,8 +114,8 @@ void DeviceClock::close_window(std::int64_t device, std::int64_t offset) {
   fit();
 }
 
-/// When not one of the last packets reached the line, the rates of the clocks changed (a host's clock that is
-/// slewed does so by 500 ppm and more): what was before tells nothing of now.
+/// Forgets the minima before a change of rate: none of the last packets reached the line (a slewed host clock
+/// changes its rate by 500 ppm and more).
 void DeviceClock::forget_former_rate() {
   const std::int64_t now = minima_[minima_count_ - 1].device;
   const std::int64_t limit = rate_limit + rate_spreads * spread_;
@@ -145,9 +144,9 @@ void DeviceClock::halve() {
   window_length_ *= 2;
 }
 
-/// Of all lines that no minimum lies below, the likeliest one. Were every slope as likely as any other, that
-/// would be the one nearest to the minima in sum: the edge of their lower hull under their middle. A window
-/// in which every packet was late does not lift it.
+/// The likeliest of the lines that no minimum lies below. If all slopes were equally likely, this would be
+/// the line nearest to the minima in sum: the edge of their lower hull under their middle. A window in which
+/// every packet was late does not lift the line.
 double DeviceClock::likeliest_slope() {
   std::size_t hull[max_minima] = {};
   std::size_t count = 0;
@@ -173,16 +172,15 @@ double DeviceClock::likeliest_slope() {
   double deviations[max_minima] = {usual_spread};
   for (std::size_t i = 1; i < minima_count_; ++i)
     deviations[i] = std::abs(y(i) - y(i - 1) - nearest * (x(i) - x(i - 1)));
-  // Delays that are exponential differ from one to the next as they differ from zero. Half of them may be
-  // stalls.
+  // Differences of exponential delays are distributed like the delays. Half of them may be stalls.
   double* const median = deviations + minima_count_ / 2;
   std::nth_element(deviations, median, deviations + minima_count_);
   const double spread = std::max(least_spread, *median / ln_2);
   spread_ = std::llround(spread);
   // A line that turns about a corner of the hull loses in sum what it gains in slope; it is best where both
   // are in balance, or lies on the next edge.
-  const double doubt = 1 + few_minima / n;
-  const double weight = slope_deviation_ * slope_deviation_ / (spread * doubt);
+  const double factor = 1 + few_minima / n;
+  const double weight = slope_deviation_ * slope_deviation_ / (spread * factor);
   double best = expected_slope_;
   for (std::size_t i = 0; i < count; ++i) {
     best = expected_slope_ + weight * (x_sum - n * x(hull[i]));

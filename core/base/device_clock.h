@@ -12,7 +12,7 @@ namespace lidard {
 /// How a device's own time becomes host time.
 enum class ClockMode : std::uint8_t {
   arrival,  ///< every packet is placed by its own arrival: truthful about each packet, with the network's
-            ///< jitter; a packet that a stalled host took late is placed by the device's own clock
+            ///< jitter; a packet that a stalled host read late is placed by the device's own clock
   smooth    ///< lower envelope of the arrivals over the last seconds: no jitter, follows drift
 };
 
@@ -20,10 +20,9 @@ enum class ClockMode : std::uint8_t {
 ///
 /// A packet can be late but never early, so the lowest of `arrival - device` over a window is the best guess
 /// of the offset between the clocks; a line below the minima of several windows follows the drift. The line
-/// has the likeliest slope: delays are taken to be exponential, and crystals to be as good as crystals are
-/// until the minima know better. The windows are short in the beginning and grow with what is known, so that
-/// the stamps are right soon and quiet later. A counter that is rounded down reads low, which looks like a
-/// late packet. A pure function of what it was given: the same packets give the same stamps.
+/// has the likeliest slope for exponentially distributed delays and crystals of the usual accuracy. The
+/// windows are short at first and grow, so that the stamps are right soon and quiet later. A counter that is
+/// rounded down reads low, which has the effect of a late packet. The same packets give the same stamps.
 class DeviceClock {
  public:
   explicit DeviceClock(ClockMode mode = ClockMode::smooth) : mode_(mode) {}
@@ -43,13 +42,12 @@ class DeviceClock {
   double drift_ppm() const { return knows_drift() ? slope_ * 1e6 : 0; }
   /// True once the drift was measured.
   bool knows_drift() const { return knows_drift_; }
-  /// How late packets come on the average, as far as the lowest of each window tell: what the line leaves
-  /// open. Zero before the first window.
+  /// Mean delay of the earliest packet of each window above the line. Zero before the first window.
   Span spread() const { return Span(spread_); }
-  /// The device's time began anew (a reboot): forgets the offset. The crystal is the same, so its drift is
-  /// the first guess.
+  /// Forgets the offset, since the device's time began anew (a reboot). The drift stays as the first guess:
+  /// the crystal is the same.
   void restart();
-  /// Another device: forgets everything.
+  /// Forgets everything, for another device.
   void reset();
 
  private:
@@ -69,8 +67,8 @@ class DeviceClock {
   ClockMode mode_;
   bool ready_ = false, knows_drift_ = false;
   std::uint64_t steps_ = 0;
-  // Arrival since when every packet was beyond the step limit; 0: none. After a stall what was held back
-  // arrives at once, however long it took to measure; after a step packets arrive at their pace.
+  // Arrival since when every packet was beyond the step limit; 0: none. After a stall the delayed packets
+  // arrive in one burst; after a step they arrive at their normal rate.
   std::int64_t late_since_ = 0;
   std::int64_t begun_ = 0, window_begin_ = 0;  // device time
   std::int64_t window_length_ = 0;

@@ -16,10 +16,9 @@ struct ClockReading {
   Span uncertainty{0};  ///< how much earlier than `realtime` the monotonic clock may have been read
 };
 
-/// The time that a running program reckons with: that of the host when the program began, and from there on
-/// without steps. Whatever was set since is added again where a stamp leaves the program, so that a step of
-/// the host's clock is one step of each stream of stamps, and neither ages nor time-outs nor the clocks of
-/// devices notice it.
+/// The time scale of a running program: the host's time when the program began, and no steps from there on.
+/// The steps are added where a stamp leaves the program. So a step of the host's clock is one step of each
+/// stream of stamps, and does not affect ages, time-outs and device clocks.
 ///
 ///     realtime  ────────┐              = steady + step()
 ///                       └──────────
@@ -28,16 +27,16 @@ struct ClockReading {
 /// Small corrections change the rates of both clocks alike (adjtimex(2)) and are no steps.
 class HostClock {
  public:
-  /// Smaller differences between the clocks are a matter of reading them.
+  /// Smaller differences come from reading one clock after the other.
   static constexpr Span least_step = std::chrono::milliseconds(1);
 
-  /// So long a packet may wait in a socket.
+  /// Longest time that a packet may wait in a socket.
   static constexpr Span longest_wait = std::chrono::seconds(1);
 
   explicit HostClock(const ClockReading& first) : offset_(first.realtime - Stamp{first.monotonic.count()}) {}
 
-  /// To be called whenever the program wakes up. Returns by how much the host's clock was set since the last
-  /// call, if it was.
+  /// To be called at every wake-up. Returns by how much the host's clock was set since the last call, if it
+  /// was.
   std::optional<Span> observe(const ClockReading& reading) {
     const Span step = reading.realtime - Stamp{reading.monotonic.count()} - offset_ - step_;
     if (std::chrono::abs(step) <= least_step + reading.uncertainty) return std::nullopt;
@@ -48,19 +47,19 @@ class HostClock {
     return step;
   }
 
-  /// The time without steps of a reading.
+  /// The steady time of a reading.
   Stamp steady(const ClockReading& reading) const { return Stamp{reading.monotonic.count()} + offset_; }
-  /// The same of a stamp of the host's clock that was taken, for a packet say, before `reading`, which was
-  /// observed. What waited while the clock was set bears the former time: of both meanings of such a stamp
-  /// the younger counts, unless it lies ahead.
-  Stamp steady(Stamp taken, const ClockReading& reading) const {
-    const Stamp by_new = taken - step_, by_old = taken - before_;
+  /// The steady time of a stamp of the host's clock (of a packet, say) from before `reading`, which was
+  /// observed. A packet that waited while the clock was set has a stamp of the former time: the younger of
+  /// both meanings counts, unless it lies ahead.
+  Stamp steady(Stamp stamp, const ClockReading& reading) const {
+    const Stamp by_new = stamp - step_, by_old = stamp - before_;
     if (steps_ == 0 || reading.monotonic - set_at_ > longest_wait) return by_new;
     const Stamp now = steady(reading) + reading.uncertainty + least_step;
     const bool is_old = by_old <= now && (by_new > now || by_old > by_new);
     return is_old ? by_old : by_new;
   }
-  /// What the host's clock says at a time without steps.
+  /// The host's clock at a steady time.
   Stamp realtime(Stamp steady) const { return steady + step_; }
   /// By how much the host's clock was set since the beginning.
   Span step() const { return step_; }

@@ -12,8 +12,8 @@ namespace lidard {
 /// `b`.
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-/// True if somebody who wrote `written` at edit distance `distance` may have meant the other word: a third of
-/// the letters may be wrong, two in short words.
+/// True if `written` may stand for a word at edit distance `distance`: a third of the letters may be wrong,
+/// two in short words.
 bool is_plausible_slip(std::string_view written, std::size_t distance);
 
 /// The candidate nearest to `written`, the first of equals; empty if there is none or none is plausible.

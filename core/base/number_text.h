@@ -17,8 +17,7 @@ inline std::string number_text(double number) {
   return {text, std::to_chars(text, text + sizeof text, number == 0 ? 0.0 : number).ptr};
 }
 
-/// The number that the whole of `text` is, without blanks; empty if it is none. Of an unsigned type no sign
-/// is taken.
+/// Parses all of `text`, without blanks, as a number; empty if it is none. An unsigned type has no sign.
 template <class Number>
 std::optional<Number> number_in(std::string_view text, [[maybe_unused]] int base = 10) {
   Number number{};

@@ -23,7 +23,7 @@ struct __attribute__((packed, may_alias)) CloudPoint {
 };
 static_assert(sizeof(CloudPoint) == 22, "the PointCloud2 layout is a contract");
 
-/// A return that is in no point, since it was nearer than DriverConfig::min_range.
+/// A return nearer than DriverConfig::min_range, which has no point.
 struct NearReturn {
   std::uint32_t column;  ///< index into columns
   std::uint16_t ring;
@@ -54,7 +54,7 @@ inline double azimuth_step(const CloudColumn& a, const CloudColumn& b) {
   return step > two_pi - backwards_limit ? step - two_pi : step;
 }
 
-/// Where a return came from; kept only where somebody asks for it (`lidard decode`).
+/// Where a return came from; kept only on request (`lidard decode`).
 struct ReturnOrigin {
   std::uint32_t column;  ///< index into columns
   std::uint16_t laser;   ///< the device's own number of the laser

@@ -8,9 +8,9 @@
 
 namespace lidard {
 
-/// In which order the points of a cloud message stand.
+/// Order of the points of a cloud message.
 enum class CloudOrder : std::uint8_t {
-  list,        ///< as they were measured, only what came back
+  list,        ///< as they were measured, returns only
   ring_rows,   ///< organised: a row per ring, lowest first, a column per firing sequence
   firing_rows  ///< organised as velodyne_pointcloud does it: a row per firing sequence, a column per ring
 };
@@ -21,25 +21,23 @@ enum class FrameStamp : std::uint8_t {
   last    ///< the last one that came back: times are <= 0, as in ros-drivers/velodyne
 };
 
-/// How a cloud message looks; the default is what drivers make.
+/// Layout of a cloud message; the default is that of drivers' clouds.
 struct CloudLayout {
   CloudOrder order = CloudOrder::list;
   FrameStamp stamp = FrameStamp::first;
 };
 
-/// Turns a cloud as drivers make it into one as a message shall have it.
+/// Converts a driver's cloud to the layout of a message.
 ///
 /// Organised clouds have one line of points per return of a firing sequence: in dual return mode two lines
-/// with the same `time` follow each other, CloudColumn::echo 0 and 1. Where nothing came back x, y, z and
-/// intensity are NaN, `ring` is right and `time` is the begin of the firing sequence.
+/// with the same `time` follow each other, CloudColumn::echo 0 and 1. Without a return x, y, z and intensity
+/// are NaN, `ring` is set and `time` is the begin of the firing sequence.
 class CloudArranger {
  public:
   explicit CloudArranger(const CloudLayout& layout) : layout_(layout) {}
 
-  /// True if messages look as drivers make clouds, so that nothing needs to be done.
-  bool is_plain() const {
-    return layout_.order == CloudOrder::list && layout_.stamp == FrameStamp::first;
-  }
+  /// True if messages have the layout of drivers' clouds, so that nothing needs to be done.
+  bool is_plain() const { return layout_.order == CloudOrder::list && layout_.stamp == FrameStamp::first; }
   /// The stamp of the message that the cloud becomes.
   Stamp stamp_of(const Cloud& cloud) const { return cloud.stamp + span_from_seconds(shift_of(cloud)); }
   /// The arranged cloud, valid until the next call; its bytes may be swapped out. `cloud` stays as it is. A

@@ -25,7 +25,7 @@ enum class FixStatus : std::uint8_t {
   gbas        ///< with a base station's carrier phase (RTK)
 };
 
-/// A position that a satellite receiver wired to the device told.
+/// A position from a satellite receiver that is wired to the device.
 struct GnssFix {
   static constexpr std::string_view topic = "fix";
   std::string frame_id;
@@ -34,7 +34,7 @@ struct GnssFix {
   double longitude_deg = std::numeric_limits<double>::quiet_NaN();  ///< WGS 84, east positive
   double altitude_m = std::numeric_limits<double>::quiet_NaN();  ///< above the WGS 84 ellipsoid; NaN unknown
   FixStatus status = FixStatus::none;
-  std::optional<Stamp> source_time;  ///< the receiver's own time (UTC), where it told the date too
+  std::optional<Stamp> source_time;  ///< the receiver's own time (UTC), where it sends the date too
 };
 
 /// One instant on two clocks.
@@ -45,7 +45,7 @@ struct TimeReference {
   std::string source;  ///< which other clock
 };
 
-/// One sample of an inertial unit, in the axes of `frame_id`. As measured: no bias is taken off.
+/// One sample of an inertial unit, in the axes of `frame_id`. As measured, bias included.
 struct ImuSample {
   static constexpr std::string_view topic = "imu";
   std::string frame_id;
@@ -69,7 +69,7 @@ struct DeviceState {
   std::vector<DeviceValue> values;
 };
 
-/// Datagrams as they came, all of one size, in the order in which they came.
+/// Datagrams as received, all of one size, in order of arrival.
 struct RawPackets {
   static constexpr std::string_view topic = "packets";
   std::string frame_id;
@@ -83,32 +83,32 @@ struct RawPackets {
   }
 };
 
-/// What a device tells beside its frames. Each kind has a member `topic`, the last part of its topic's name.
+/// What a device sends beside its frames. Each kind has a member `topic`, the last part of its topic's name.
 using DeviceMessage = std::variant<GnssFix, TimeReference, ImuSample, DeviceState, RawPackets>;
 
-/// The place of a kind in that list, as DeviceMessage::index() has it.
-template <class Told, std::size_t place = 0>
+/// Index of a kind in that list, as of DeviceMessage::index().
+template <class Kind, std::size_t place = 0>
 constexpr std::size_t message_kind() {
-  if constexpr (std::is_same_v<std::variant_alternative_t<place, DeviceMessage>, Told>)
+  if constexpr (std::is_same_v<std::variant_alternative_t<place, DeviceMessage>, Kind>)
     return place;
   else
-    return message_kind<Told, place + 1>();
+    return message_kind<Kind, place + 1>();
 }
 
 /// The last part of the name of a message's topic.
 inline std::string_view topic_of(const DeviceMessage& message) {
-  return std::visit([](const auto& told) { return std::string_view(told.topic); }, message);
+  return std::visit([](const auto& kind) { return std::string_view(kind.topic); }, message);
 }
 
-/// A message that its maker fills again and again, so that the memory of its texts and lists is kept.
-template <class Told>
+/// A message that is filled again and again and keeps the memory of its texts and lists.
+template <class Kind>
 class ReusedMessage {
  public:
-  Told* operator->() { return std::get_if<Told>(&message_); }
+  Kind* operator->() { return std::get_if<Kind>(&message_); }
   operator const DeviceMessage&() const { return message_; }
 
  private:
-  DeviceMessage message_ = Told{};
+  DeviceMessage message_ = Kind{};
 };
 
 }  // namespace lidard

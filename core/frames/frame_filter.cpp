@@ -12,8 +12,8 @@
 namespace lidard {
 namespace {
 
-/// The number of the cube of `size` m that a point lies in, and the square of how far it is from the centre.
-/// 21 bits for each axis count a million cubes in both directions: 10 km of the smallest ones.
+/// The number of the cube of `size` m that holds a point, and the squared distance from its centre. 21 bits
+/// for each axis count a million cubes in both directions: 10 km of the smallest ones.
 std::pair<std::uint64_t, float> voxel_of(const CloudPoint& point, double size) {
   std::uint64_t number = 0;
   float off_centre = 0;
@@ -27,7 +27,7 @@ std::pair<std::uint64_t, float> voxel_of(const CloudPoint& point, double size) {
   return {number, off_centre};
 }
 
-/// Moves what stays to the front.
+/// Moves the kept values to the front.
 template <class Value>
 void keep(std::vector<Value>& values, const std::vector<FilterVerdict>& verdicts) {
   if (values.empty()) return;
@@ -113,7 +113,7 @@ void FrameFilter::count(std::size_t returns) {
                                &counters_.outliers};
   for (const FilterVerdict verdict : verdicts_) ++*of[static_cast<std::size_t>(verdict)];
   counters_.returns += returns;
-  // A frame that had nothing says nothing about the filter.
+  // An empty frame shows nothing about the filter.
   if (kept > 0)
     counters_.emptied_in_a_row = 0;
   else if (returns > 0)

@@ -39,12 +39,12 @@ struct FrameFilterSettings {
 
 /// What a filter did since the start.
 struct FilterCounters {
-  std::uint64_t returns = 0;  ///< that it looked at
+  std::uint64_t returns = 0;  ///< examined
   std::uint64_t by_intensity = 0, by_box = 0, by_voxel = 0, outliers = 0;
   std::uint64_t emptied_in_a_row = 0;  ///< the newest frames, one after the other, that lost all returns
-  bool has_no_intensities = false;     ///< the limit of the intensity could not be applied to the newest frame
+  bool has_no_intensities = false;  ///< the limit of the intensity could not be applied to the newest frame
 };
-/// What was removed, by what.
+/// Returns removed, by reason.
 constexpr NamedCounter<FilterCounters> filter_counters[] = {
     {&FilterCounters::by_intensity, "filtered_by_intensity", "by intensity"},
     {&FilterCounters::by_box, "filtered_by_box", "by box"},
@@ -52,13 +52,13 @@ constexpr NamedCounter<FilterCounters> filter_counters[] = {
     {&FilterCounters::outliers, "filtered_outliers", "outliers"}};
 
 /// Removes returns from frames. What stays is as it was measured: neither moved nor averaged, and with its
-/// ring and time. The limit of intensity comes first, then the boxes, the voxels and the outliers: each looks
-/// at what the former ones left. No allocation after the largest frame, but for what find_inliers allocates.
+/// ring and time. The limit of intensity comes first, then the boxes, the voxels and the outliers: each
+/// examines what the former ones left. No allocation after the largest frame, except in find_inliers.
 class FrameFilter {
  public:
   explicit FrameFilter(const FrameFilterSettings& settings) : settings_(settings) {}
 
-  /// The columns of the cloud hold what is left, perhaps nothing.
+  /// Columns of the cloud may become empty.
   void apply(Cloud& cloud);
   /// A beam that loses a return keeps its further echoes; one that loses all of them is `invalid`.
   void apply(PlanarScan& scan);

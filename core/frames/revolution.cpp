@@ -47,7 +47,7 @@ void RevolutionCutter::measure_rate(double step_deg, Span time) {
   turned_since_ = time;
 }
 
-/// Turns that nothing was received of, besides the step that the azimuths tell.
+/// Turns without a packet, beyond the step between the azimuths.
 int RevolutionCutter::whole_turns(double step_deg, Span elapsed) const {
   if (period_.count() <= 0 || elapsed * 2 < period_) return 0;
   const double turns = static_cast<double>(elapsed.count()) / static_cast<double>(period_.count());

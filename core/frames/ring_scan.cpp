@@ -11,13 +11,13 @@ namespace {
 constexpr double turn = two_pi;
 /// Neighbours farther apart than this many firing steps have something unseen between them.
 constexpr double gap_steps = 1.6;
-/// A firing tells this far beyond itself where its neighbour is missing, and at both ends of the revolution.
+/// A firing is valid this far beyond itself where its neighbour is missing and at the ends of a revolution.
 constexpr double reach_steps = 0.6;
 constexpr double reach_steps_at_ends = 1.1;
 /// Change of range per rad and range: a surface seen under more than atan(1 / 3) = 18 deg.
 constexpr double steepest = 3;
-/// Returns nearer than this stand too close to the sensor's optics to tell the direction of the beam.
-constexpr double telling_range_m = 1;
+/// Nearer returns are too close to the sensor's optics to show the direction of the beam.
+constexpr double direction_range_m = 1;
 
 /// The point of `ring` in a column, or nullptr.
 const CloudPoint* point_in_column(const Cloud& cloud, std::size_t column, std::uint16_t ring) {
@@ -44,7 +44,7 @@ void RingScan::gather(const Cloud& cloud) {
   double position = 0;
   double offsets = 0;
   double times = 0;
-  std::size_t told = 0;
+  std::size_t counted = 0;
   std::size_t near = 0;
   for (std::size_t c = 0; c < cloud.columns.size(); ++c) {
     const CloudColumn& column = cloud.columns[c];
@@ -61,10 +61,10 @@ void RingScan::gather(const Cloud& cloud) {
       // Azimuth counts clockwise.
       const double offset = std::remainder(-std::atan2(y, x) - static_cast<double>(column.azimuth), turn);
       firing = {position + offset, static_cast<float>(std::hypot(x, y)), point->intensity, BeamStatus::hit};
-      if (firing.range > telling_range_m) {
+      if (firing.range > direction_range_m) {
         offsets += offset;
         times += static_cast<double>(point->time) - seconds(column.stamp - cloud.stamp);
-        ++told;
+        ++counted;
       }
     }
     if (!again) {
@@ -73,9 +73,9 @@ void RingScan::gather(const Cloud& cloud) {
       merge_echo(firing);
     }
   }
-  if (told == 0) return;
-  offset_rad_ = offsets / static_cast<double>(told);
-  offset_time_ = span_from_seconds(times / static_cast<double>(told));
+  if (counted == 0) return;
+  offset_rad_ = offsets / static_cast<double>(counted);
+  offset_time_ = span_from_seconds(times / static_cast<double>(counted));
 }
 
 void RingScan::merge_echo(const Firing& echo) {
@@ -165,7 +165,7 @@ void RingScan::set_beam(PlanarScan& scan, std::size_t beam, const Firing& a, con
   put(scan, beam, range, nearest.intensity);
 }
 
-void RingScan::take_nearer(PlanarScan& scan, std::size_t beam, const Firing& firing) const {
+void RingScan::keep_nearer(PlanarScan& scan, std::size_t beam, const Firing& firing) const {
   if (firing.status != BeamStatus::hit || scan.statuses[beam] == BeamStatus::near) return;
   const double off = std::fabs(firing.position - static_cast<double>(beam) * increment_);
   const double range = static_cast<double>(firing.range);
@@ -184,7 +184,7 @@ void RingScan::fill(PlanarScan& scan) const {
   for (const Firing& firing : firings_) {
     const long beam = std::lround(firing.position / increment_);
     if (beam >= 0 && beam < static_cast<long>(beams_))
-      take_nearer(scan, static_cast<std::size_t>(beam), firing);
+      keep_nearer(scan, static_cast<std::size_t>(beam), firing);
   }
 }
 

@@ -34,8 +34,8 @@ class RingScan {
 
   /// The limits of ranges, m, of what is converted from now on.
   void set_ranges(double range_min, double range_max);
-  /// False if the revolution is too short to tell the speed of rotation; `scan` is of no use then. Angles are
-  /// those of the first revolution converted, for good.
+  /// False if the revolution is too short to measure the speed of rotation; `scan` is invalid then. The first
+  /// revolution converted fixes the angles.
   bool convert(const Cloud& cloud, PlanarScan& scan);
 
  private:
@@ -52,7 +52,7 @@ class RingScan {
   void place(const Cloud& cloud);
   void fill(PlanarScan& scan) const;
   void set_beam(PlanarScan& scan, std::size_t beam, const Firing& a, const Firing& b) const;
-  void take_nearer(PlanarScan& scan, std::size_t beam, const Firing& firing) const;
+  void keep_nearer(PlanarScan& scan, std::size_t beam, const Firing& firing) const;
   bool same_surface(const Firing& a, const Firing& b) const;
   void put(PlanarScan& scan, std::size_t beam, double range, float intensity) const;
   void put(PlanarScan& scan, std::size_t beam, const Firing& firing) const;

@@ -35,8 +35,8 @@ inline BeamWindow beams_between(double angle, double step, std::size_t beams, st
   return window;
 }
 
-/// What a beam says. `none`: observed, nothing there. `near`: something too close to measure.
-/// `invalid`: not observed, or the device does not vouch for the value.
+/// State of a beam. `none`: observed, nothing there. `near`: something too close to measure. `invalid`: not
+/// observed, or the device does not vouch for the value.
 enum class BeamStatus : std::uint8_t { hit, none, near, invalid };
 
 const char* to_string(BeamStatus status);
@@ -74,7 +74,7 @@ struct PlanarScan {
   /// m per beam: nearer than that nothing was observed, though what lies beyond was; empty: 0 everywhere.
   /// Only virtual scans have it.
   std::vector<float> free_from;
-  /// What the device says of each beam in bits of its own (sick::ms3_beam); empty: nothing beyond its status.
+  /// Flags of the device for each beam (sick::ms3_beam); empty: nothing beyond the status.
   std::vector<std::uint8_t> flags;
 
   std::size_t index(std::size_t beam, std::size_t echo = 0) const { return echo * beams + beam; }
@@ -92,7 +92,7 @@ struct PlanarScan {
     ranges[i] = range_without_hit(status);
     statuses[i] = status;
   }
-  /// What a device measured, m: nearer than range_min it is `near`, beyond range_max `none`.
+  /// Stores a measured range, m: below range_min it is `near`, beyond range_max `none`.
   void set_measured(std::size_t i, float range_m) {
     if (range_m < range_min)
       set_without_hit(i, BeamStatus::near);

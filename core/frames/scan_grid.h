@@ -13,7 +13,7 @@
 
 namespace lidard {
 
-/// How a scan says what is known. `strict`: only what is proven. `safety`: every return, and free only what
+/// Encoding of evidence in a scan. `strict`: only what is proven. `safety`: every return, and free only what
 /// is proven free. `flatten`: points alone, as ira_laser_tools has it.
 enum class Profile : std::uint8_t { strict, safety, flatten };
 
@@ -23,8 +23,7 @@ struct HeightBand {
   double max = std::numeric_limits<double>::infinity();
 };
 
-/// What a user asks of a merged or virtual scan. Names and meaning as in ira_laser_tools; angles in rad, m,
-/// s.
+/// Settings of a merged or virtual scan. Names and meaning as in ira_laser_tools; angles in rad, m, s.
 struct ScanGridSpec {
   double angle_min = -pi_d;
   double angle_max = pi_d;
@@ -57,7 +56,7 @@ struct ScanGrid {
   void prepare(PlanarScan& scan, bool with_intensities) const;
 };
 
-/// Builds the grid, or says what is wrong with the specification and what would be right.
+/// Builds the grid, or reports the fault of the specification and its remedy.
 Expected<ScanGrid> make_grid(const ScanGridSpec& spec);
 
 /// gmapping drops scans with this many beams or more (openslam_gmapping, LASER_MAXBEAMS).

@@ -35,9 +35,9 @@ struct MergeMoment {
   Pose output_from_base = Pose::Identity();
 };
 
-/// How the vehicle moved during a sweep: takes what a beam measured, in the output frame as it stood at the
-/// beam's time, to the output frame as it stands at the output's instant. Exact at borders about 1 ms apart;
-/// in between the transform changes linearly (at 1.2 rad/s and 10 m this is 2 micrometres off).
+/// The vehicle's motion during a sweep: maps a beam's measurement from the output frame at the beam's time to
+/// the output frame at the output's instant. Exact at borders about 1 ms apart; in between the transform
+/// changes linearly (at 1.2 rad/s and 10 m this is 2 micrometres off).
 class SweepMotion {
  public:
   using Matrix = Eigen::Matrix<double, 3, 4>;
@@ -49,14 +49,14 @@ class SweepMotion {
     void lead_to(const Stretch& next);
   };
 
-  /// Works out the motion; `missing` if a pose is not known: then everything stands.
+  /// Computes the motion; `missing` if a pose is unknown: then everything stands.
   PoseOrigin follow(const MergeMoment& moment, const SweepTimes& times);
   /// Nothing moves.
   void stand() { stretches_.clear(); }
 
   bool stands() const { return stretches_.empty(); }
   const std::vector<Stretch>& stretches() const { return stretches_; }
-  /// What `beam` measured at `point`, m. Not while everything stands.
+  /// The measurement of `beam` at `point` (m), moved. Not while everything stands.
   Eigen::Vector3d moved(std::size_t beam, const Eigen::Vector3d& point) const {
     const Stretch& s = stretches_[std::min(beam / step_, stretches_.size() - 1)];
     return (s.from + static_cast<double>(beam - s.begin) * s.change) * point.homogeneous();
@@ -86,8 +86,8 @@ class CloudMotion {
   Stamp instant() const { return instant_; }
   /// Nothing moved: returns stay where they are to the last bit.
   bool stands() const { return borders_.empty(); }
-  /// From where the lidar was so long after the cloud's stamp to where it is at the instant. Outside of the
-  /// cloud's time the motion of its begin or end.
+  /// The lidar's motion from `after_s` after the cloud's stamp to the instant. Outside of the cloud's time
+  /// that of its begin or end.
   Pose at(double after_s) const;
   /// The motion of each column of the cloud; empty for a cloud without columns and while the vehicle stands.
   const std::vector<Pose>& columns() const { return columns_; }
@@ -105,8 +105,8 @@ class CloudMotion {
   std::vector<Pose> columns_;
 };
 
-/// Takes each return of a cloud to where the lidar is at the instant of `motion`, and from there to another
-/// frame. What else a return holds stays, also the time at which it was measured.
+/// Moves each return of a cloud to the lidar's pose at the instant of `motion`, and from there to another
+/// frame. Its other fields stay, the time of measurement too.
 void move_points(const CloudMotion& motion, const Pose& frame_from_lidar, Cloud& cloud);
 
 }  // namespace lidard

@@ -24,8 +24,8 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   return m;
 }
 
-/// Where a body that turns by `turn` (rad, as a vector) gets to per m of its own steady way: the left
-/// Jacobian of the rotation group.
+/// Displacement of a body that turns by `turn` (rad, as a vector) per m of its path: the left Jacobian of the
+/// rotation group.
 Eigen::Matrix3d arc_matrix(const Eigen::Vector3d& turn) {
   const double angle = turn.norm();
   const Eigen::Matrix3d w = cross_matrix(turn);

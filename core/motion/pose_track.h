@@ -13,7 +13,7 @@
 
 namespace lidard {
 
-/// What a pose of a track stands on: knots on both sides of its time, the last motion carried on, or nothing.
+/// Origin of a track's pose: knots on both sides of its time, the last motion carried on, or nothing.
 enum class PoseOrigin : std::uint8_t { known, extrapolated, missing };
 
 struct PoseTrackSettings {
@@ -28,8 +28,8 @@ class PoseTrack {
  public:
   explicit PoseTrack(const PoseTrackSettings& settings = {});
 
-  /// Takes a knot. False if it is not used: not newer than the newest one, or not a rigid transform. A stamp
-  /// more than 1 s back is a clock that was set or an input that starts again: the track begins anew.
+  /// Adds a knot. False if it is rejected: not newer than the newest one, or not a rigid transform. A stamp
+  /// more than 1 s back restarts the track: a clock was set, or an input starts again.
   bool add(Stamp stamp, const Pose& odom_from_base);
   /// The pose at a time. Beyond the newest knot the last motion, and its change, are carried on for a short
   /// while. Leaves `pose` alone if it is missing.
@@ -47,9 +47,9 @@ class PoseTrack {
 
   /// Knots with a stamp that is not newer than the newest one's.
   std::uint64_t out_of_order() const { return out_of_order_; }
-  /// Times the track began anew since stamps jumped back.
+  /// Restarts of the track, since stamps jumped back.
   std::uint64_t restarts() const { return restarts_; }
-  /// Poses with numbers that are not finite or a rotation that is none.
+  /// Poses with numbers that are not finite, or without a valid rotation.
   std::uint64_t not_rigid() const { return not_rigid_; }
 
  private:
@@ -67,7 +67,7 @@ class PoseTrack {
     Eigen::Vector3d way = Eigen::Vector3d::Zero();   // m/s
   };
   static Twist twist(const Knot& from, const Knot& to);
-  /// The knot from which the way to knot `end` is long enough to tell a twist; `end` if there is none.
+  /// The knot from which the way to knot `end` is long enough for a twist; `end` if there is none.
   std::size_t twist_begin(std::size_t end) const;
   PoseOrigin beyond(Stamp stamp, Pose& pose) const;
 
@@ -80,8 +80,8 @@ class PoseTrack {
   std::uint64_t not_rigid_ = 0;
 };
 
-/// The vehicle's way from its speed ahead and its turn rates, for the moment's motion only: it drifts without
-/// bound, which does not matter over a sweep.
+/// Integrates the vehicle's forward speed and turn rates. The result drifts without bound, which does not
+/// matter over a sweep.
 class DeadReckoning {
  public:
   /// Speed along x of base_frame, m/s. Not finite: counted, not used.

@@ -12,14 +12,14 @@
 
 namespace lidard {
 
-/// What the column stamp_ns holds.
+/// Content of the column stamp_ns.
 enum class StampColumn : std::uint8_t {
   host,   ///< since the Unix epoch
   device  ///< since the packet's own stamp (clouds), since the first ray (planar scans)
 };
 
-/// True if a writer has a row for this echo of a beam: the first always, further ones where something came
-/// back. Most beams of a scanner with several echoes have one.
+/// True if a writer has a row for this echo of a beam: always for the first, for further ones if there is a
+/// return. Most beams have one echo.
 inline bool is_written(const PlanarScan& scan, std::size_t beam, std::size_t echo) {
   const BeamStatus status = scan.statuses[scan.index(beam, echo)];
   return echo == 0 || status == BeamStatus::hit || status == BeamStatus::near;
@@ -34,7 +34,7 @@ class FrameWriter {
   virtual void scan(std::uint64_t frame, const PlanarScan& scan) = 0;
   /// The device's own flags of the beams of the scan that comes next; only where it sends some.
   virtual void beam_flags(const std::vector<float>& flags) { static_cast<void>(flags); }
-  /// Completes the file; throws std::runtime_error if it could not be written whole.
+  /// Completes the file; throws std::runtime_error if it could not be written completely.
   virtual void finish() = 0;
 };
 

@@ -19,8 +19,8 @@
 namespace lidard {
 namespace {
 
-/// PCL compresses a file as a whole and needs some 130 bytes for each of its points. A file of more points
-/// is written as they come, not compressed.
+/// PCL compresses a file as a whole and needs some 130 bytes for each of its points. A larger file is written
+/// in order of arrival, not compressed.
 constexpr std::size_t most_compressed = 500'000;
 
 void save(const std::string& path, const std::vector<CloudPoint>& points) {
@@ -52,8 +52,8 @@ std::string binary_header(std::uint64_t points) {
 class OnePcd final : public FrameWriter {
  public:
   explicit OnePcd(std::string path) : path_(std::move(path)) {
-    // Found out now, not after a long capture was decoded. The header needs the number of points, so what
-    // goes to standard output stands in a file first.
+    // Fail now, not after a long capture was decoded. The header needs the number of points, so output to
+    // standard output goes to a file first.
     file_.reset(path_ == "-" ? std::tmpfile() : std::fopen(path_.c_str(), "wb"));
     if (!file_) fail("cannot be opened for writing");
   }
@@ -70,7 +70,7 @@ class OnePcd final : public FrameWriter {
   void finish() override {
     if (spilled_ == 0 && points_.empty()) throw std::runtime_error(path_ + ": there is no point to write");
     if (spilled_ == 0) {
-      // PCL writes to a path; a file without a name has one there.
+      // PCL needs a path; a file without a name has one there.
       std::fflush(file_.get());
       save(path_ == "-" ? "/proc/self/fd/" + std::to_string(fileno(file_.get())) : path_, points_);
     } else {
@@ -135,7 +135,7 @@ class NumberedPcd final : public FrameWriter {
   void write(std::uint64_t number, const Frame& frame) {
     points_.clear();
     append(frame, points_);
-    // A frame in which nothing came back has no file: PCL writes none without points.
+    // A frame without returns has no file: PCL writes none without points.
     if (!points_.empty()) save(path_.of(number), points_);
   }
 

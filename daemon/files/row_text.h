@@ -15,8 +15,8 @@
 
 namespace lidard {
 
-/// Rows of numbers on their way to a file, in the very characters of fmt, but several times as fast: the
-/// numbers of a lidar have few digits.
+/// Formats rows of numbers exactly as fmt does, but several times as fast: the numbers of a lidar have few
+/// digits.
 class RowText {
  public:
   explicit RowText(const std::string& path) : file_(path) {}
@@ -36,7 +36,7 @@ class RowText {
     return put({digits,
                 static_cast<std::size_t>(std::to_chars(digits, digits + sizeof digits, value).ptr - digits)});
   }
-  /// With so many digits behind the point, as `{:.5f}`.
+  /// With a fixed number of digits behind the point, as `{:.5f}`.
   template <int digits>
   RowText& fixed(double value) {
     constexpr std::int64_t one = power_of_ten(digits);
@@ -66,7 +66,7 @@ class RowText {
     return *this;
   }
 
-  /// To be called now and then: what is held back stays small.
+  /// Call it now and then, so that the buffer stays small.
   void flush_if_long() {
     constexpr std::size_t enough = 256 * 1024;
     if (text_.size() >= enough) flush();

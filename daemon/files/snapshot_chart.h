@@ -24,8 +24,8 @@ struct Color {
   double alpha = 1;
 };
 
-/// A page to draw on, in pixels from its upper left corner. What is drawn in `meters` stands on a part of
-/// base_frame whose x axis points up.
+/// A page to draw on, in pixels from its upper left corner. Coordinates in `meters` are in base_frame, whose
+/// x axis points up.
 class Chart {
  public:
   Chart(PictureFormat format, double width, double height) : format_(format) {
@@ -47,8 +47,8 @@ class Chart {
   Chart(const Chart&) = delete;
   Chart& operator=(const Chart&) = delete;
 
-  /// The part of the page for what is measured, and what of base_frame it shows.
-  /// `half` is how far it shows at least from the center, ahead and to the left.
+  /// Sets the part of the page for measurements, and the area of base_frame in it. `half` is the least extent
+  /// from the center, ahead and to the left.
   void set_field(const Eigen::Vector2d& corner, const Eigen::Vector2d& size, const Eigen::Vector2d& center,
                  const Eigen::Vector2d& half) {
     corner_ = corner;
@@ -74,8 +74,8 @@ class Chart {
     Eigen::Vector2d at;
     Color color;
   };
-  /// Draws dots into the field, each `side` pixels wide, as pixels in an SVG too: a lidar's cloud as shapes
-  /// would make a file that nothing opens.
+  /// Draws dots into the field, each `side` pixels wide, as pixels in an SVG too: shapes would make the file
+  /// too large to open.
   void dots(const std::vector<Dot>& dots, int side, double opacity) {
     const auto width = static_cast<int>(std::lround(size_.x())),
                height = static_cast<int>(std::lround(size_.y()));
@@ -100,7 +100,7 @@ class Chart {
     cairo_surface_destroy(image);
   }
 
-  /// Keeps what is drawn until end_clip() inside the field.
+  /// Clips drawings at the field until end_clip().
   void begin_clip() {
     cairo_save(pen_);
     rectangle(corner_.x(), corner_.y(), size_.x(), size_.y());
@@ -136,7 +136,7 @@ class Chart {
     cairo_new_sub_path(pen_);
     cairo_arc(pen_, center.x(), center.y(), radius, 0, two_pi);
   }
-  /// Lines without grey edges until end_crisp(): edges of faint lines would be most of a picture's bytes.
+  /// Lines without grey edges until end_crisp(): such edges would be most of a picture's bytes.
   void begin_crisp() { cairo_set_antialias(pen_, CAIRO_ANTIALIAS_NONE); }
   void end_crisp() { cairo_set_antialias(pen_, CAIRO_ANTIALIAS_DEFAULT); }
   void fill(const Color& color) {
@@ -163,8 +163,8 @@ class Chart {
     cairo_show_text(pen_, words.c_str());
     cairo_new_path(pen_);
   }
-  /// text() with a white edge, to be readable on whatever is below; moved into the field, and up or down to
-  /// where no other label stands.
+  /// text() with a white edge, to be readable on any background; moved into the field, and up or down to a
+  /// place without a label.
   void label(Eigen::Vector2d p, const std::string& words, double size, const Color& color,
              Align align = Align::left) {
     const double width = text_width(words, size), wanted = p.y();

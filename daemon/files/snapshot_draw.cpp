@@ -18,12 +18,12 @@ constexpr double field_top = 76;
 /// Of the field, in pixels.
 constexpr double field_area = 760 * 1000;
 constexpr double legend_width = 264;
-constexpr std::size_t legend_columns = 40;  // letters of a line, beside the pictures of what it explains
+constexpr std::size_t legend_columns = 40;  // letters of a line, beside the symbols
 constexpr double name_height = 19, line_height = 17, row_gap = 9;
 constexpr double margin = 20;
 constexpr double side_caption = 34;
 
-/// One thing that the legend explains.
+/// One row of the legend.
 struct LegendRow {
   std::string name;  // empty: none
   std::string note;
@@ -78,7 +78,7 @@ std::vector<LegendRow> legend_of(const SnapshotView& view) {
   return rows;
 }
 
-/// Where the parts of a picture stand, in pixels: the field as wide and high as what it shows.
+/// Places of the parts of a picture, in pixels; the field has the shape of the area shown.
 struct Layout {
   double width, height;  // of the field
   double side;           // height of the side view; 0: there is none
@@ -202,7 +202,7 @@ class Painter {
       for (std::size_t i = 0; i < layer.values.size(); ++i)
         dots.push_back({chart_.to_page(layer.points[i]), scale_color(share(layer.values[i]))});
     }
-    // Of few returns each shows; many make shades.
+    // Few returns are drawn one by one; many as shades.
     chart_.dots(dots, dots.size() < 60'000 ? 2 : 1, dots.size() < 200'000 ? 1 : 0.6);
   }
   void layer(const SnapshotView::Layer& layer) {
@@ -252,7 +252,7 @@ class Painter {
     chart_.circle(o, 2.5);
     chart_.fill(ink);
   }
-  /// Of the outline of its field of view; radii differ, so that sensors in one place can be told apart.
+  /// Of the outline of its field of view; radii differ, to distinguish sensors in one place.
   static double radius_of(std::size_t index) { return 26 + 7 * static_cast<double>(index % 4); }
   void sensor(const SnapshotView::Sensor& sensor, std::size_t index) {
     const Color color = color_of(sensor.role, sensor.number);
@@ -299,7 +299,7 @@ class Painter {
       y += row.height();
     }
   }
-  /// What a row of the legend explains, before its first line.
+  /// Draws the symbol of a legend row before its first line.
   void swatch(const LegendRow& row, const Vector2d& at) {
     const double width = 28 / std::max<double>(1, static_cast<double>(row.colors.size()));
     for (std::size_t i = 0; i < row.colors.size(); ++i) {

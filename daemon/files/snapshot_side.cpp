@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The view from the right side below a picture: lidars, ground and planes, and what lies near the middle
-// line.
+// The view from the right side below a picture: lidars, ground and planes, and objects near the middle line.
 #include <cmath>
 
 #include "daemon/files/snapshot_style.h"
@@ -22,7 +21,7 @@ struct SideScale {
   double height = 0;   // pixels
 };
 
-/// Shows as much ahead and behind as the view from above; heights are stretched where they would be flat.
+/// Same extent ahead and behind as the view from above; small heights are stretched.
 SideScale scale_of(const SnapshotView& view, double width) {
   SideScale scale;
   const double span = view.framing.high - view.framing.low;

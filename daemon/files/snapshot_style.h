@@ -13,7 +13,7 @@
 
 namespace lidard {
 
-// Okabe and Ito's colours, which people with any colour vision tell apart; roles differ in shape too.
+// Okabe and Ito's colours, which people with any colour vision can distinguish; roles differ in shape too.
 constexpr std::array<Color, 6> input_colors = {{{0.00, 0.45, 0.70},
                                                 {0.84, 0.37, 0.00},
                                                 {0.80, 0.47, 0.65},
@@ -44,7 +44,7 @@ inline Color color_of(SnapshotView::Role role, std::size_t number) {
 }
 
 /// The colour of a value between the ends of a scale, 0 ... 1: the map viridis of matplotlib (CC0), whose
-/// steps look alike and differ in brightness for people with any colour vision; without its end, too bright
+/// steps appear equal and differ in brightness for people with any colour vision; without its end, too bright
 /// on white.
 inline Color scale_color(double share) {
   constexpr std::array<Color, 8> steps = {{{0.267, 0.005, 0.329},

@@ -16,7 +16,7 @@ namespace {
 
 using Role = SnapshotView::Role;
 
-/// A scan that is so much older than those beside it shows a place where the vehicle is no longer, s.
+/// A scan older by this than the others shows the vehicle's surroundings of another place, s.
 constexpr double noticeably_older = 0.02;
 
 std::string percent(std::size_t part, std::size_t all) {
@@ -54,7 +54,7 @@ class Gatherer {
     for (const SensorConfig& sensor : config_.sensors) add_sensor(sensor);
     for (const MergedScanConfig& merged : config_.merged_scans) add_merged(merged);
     for (const VirtualScanConfig& group : config_.virtual_scans) add_virtual(group);
-    // What a device itself says is as good as proven.
+    // A device's own free space counts as proven.
     if (first_input_ != nullptr && (shaded_ == nullptr || !areas_.empty()))
       choose_areas(first_input_topic_, *first_input_, Profile::strict);
     if (!areas_came_ && !areas_.empty())
@@ -186,7 +186,7 @@ class Gatherer {
     return scan;
   }
   void add_plane(const SnapshotView::Layer& layer, const std::string& name, const Pose& pose) {
-    // The line in which the plane cuts the one that the side view shows, y = 0.
+    // The intersection with the plane of the side view, y = 0.
     const Eigen::Vector3d normal = pose.linear().col(2);
     const Eigen::Vector2d along(normal.z(), -normal.x());
     if (along.norm() < 1e-6) return;
@@ -196,7 +196,7 @@ class Gatherer {
                             {pose.translation().x(), pose.translation().z()},
                             along.normalized()});
   }
-  /// Prefers scans that say only what is proven.
+  /// Prefers scans with only proven evidence.
   void choose_areas(const std::string& topic, const PlanarScan& scan, Profile profile) {
     const bool better = shaded_ == nullptr || profile < shaded_profile_;
     if (areas_.empty() ? !better || profile == Profile::flatten : areas_ != topic) return;
@@ -236,13 +236,13 @@ class Gatherer {
     view_.missing.push_back(frame + " is not drawn: " + why);
     return false;
   }
-  /// Says how old a frame is when it is not of the same moment as the others.
+  /// The age of a frame that is not of the same moment as the others.
   std::string age(Stamp stamp) const {
     const double old = seconds(frames_.newest() - stamp);
     return old < 0.3 ? "" : ", " + std::to_string(std::lround(old * 10) / 10) + " s old";
   }
 
-  /// Says when a virtual scan is not of the same moment as the scans beside it.
+  /// A remark on a virtual scan that is not of the same moment as the other scans.
   std::string beside(Stamp stamp) const {
     const double old = seconds(scans_stamp_ - stamp);
     if (scans_stamp_ == Stamp{} || std::abs(old) < noticeably_older) return {};
@@ -265,7 +265,7 @@ class Gatherer {
   SnapshotView view_;
 };
 
-/// What lies between the lowest and the highest of most values.
+/// The range of most values.
 std::pair<double, double> range_of(std::vector<float>& values, double left_out) {
   const auto at = [&](double share) {
     const auto n = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
@@ -286,7 +286,7 @@ std::pair<double, double> narrowest(std::vector<float>& values, double share) {
   return {values[best], values[best + held - 1]};
 }
 
-/// What a framing must show.
+/// The extent that a framing must show.
 struct Extent {
   std::vector<float> x{0}, y{0};
   std::vector<float> heights, values;  // of clouds, inside what is shown
@@ -331,7 +331,7 @@ SnapshotView::Framing fit_to_points(const SnapshotView& view) {
   const bool has_scanners = std::any_of(view.layers.begin(), view.layers.end(), [](const auto& layer) {
     return !layer.points.empty() && (layer.role == Role::input || layer.role == Role::merged);
   });
-  // A roof lidar sees far over what the scanners show.
+  // A roof lidar sees far beyond the scanners.
   for (const auto& layer : view.layers)
     if (layer.role != Role::cloud || !has_scanners) extent.add(layer);
   // Of each axis 2.5 % are left out, so of both together at most 5 %.

@@ -23,7 +23,7 @@ class FrameKeeper : public FrameSink {
   /// By topic and frame: several virtual scans may share a topic.
   using Key = std::pair<std::string, std::string>;
 
-  /// What comes after this call is not kept.
+  /// Frames after this call are not kept.
   void freeze() { frozen_ = true; }
 
   void publish(const OutputTopic& topic, const Payload& payload, Stamp /*released*/) override {
@@ -46,7 +46,7 @@ class FrameKeeper : public FrameSink {
     const auto found = clouds_.find(topic);
     return found == clouds_.end() ? nullptr : &found->second;
   }
-  /// True if something came on a topic.
+  /// True if a frame came on a topic.
   bool has(const std::string& topic) const {
     const auto scan = scans_.lower_bound({topic, ""});
     return clouds_.count(topic) != 0 || (scan != scans_.end() && scan->first.first == topic);
@@ -62,7 +62,7 @@ class FrameKeeper : public FrameSink {
   bool frozen_ = false;
 };
 
-/// Everything a picture shows, in base_frame seen from above, m. Drawing it needs nothing else.
+/// The content of a picture, in base_frame seen from above, m. Drawing needs nothing else.
 struct SnapshotView {
   enum class Role : std::uint8_t { input, merged, virtual_scan, cloud };
 
@@ -71,10 +71,11 @@ struct SnapshotView {
     Role role = Role::input;
     std::size_t number = 0;  ///< among those of its role; chooses the colour
     std::string name;
-    std::string note;  ///< what it is and says, for the legend
+    std::string note;  ///< its explanation in the legend
     std::vector<Eigen::Vector2f> points;
     std::vector<char> joined;  ///< point i and i + 1 are neighbouring beams on one surface; empty: none are
-    std::vector<float> heights, values;  ///< of a cloud's points: m in base_frame; what their colours tell
+    std::vector<float> heights,
+        values;  ///< of a cloud's points: m in base_frame; the values of their colours
   };
 
   /// The plane of a scan as a line in the side view: x and z of a point, and the line's direction.
@@ -84,15 +85,15 @@ struct SnapshotView {
     std::string name;
     Eigen::Vector2d at, along;
   };
-  /// What the picture shows.
+  /// The area that the picture shows.
   struct Framing {
     Eigen::Vector2d center{0, 0};
     Eigen::Vector2d half{10, 10};    ///< m that are shown at least from the center, ahead and to the left
     double low = 0, high = 0;        ///< m: heights of the side view; equal: there is none
-    int width = 0;                   ///< pixels of the page; 0: as what it shows needs
+    int width = 0;                   ///< pixels of the page; 0: as needed
     double lowest = 0, highest = 1;  ///< values at the ends of the colours
   };
-  /// The side view shows what lies so far to the left and right of base_frame's x axis, m.
+  /// Extent of the side view to the left and right of base_frame's x axis, m.
   static constexpr double side_strip = 2;
 
   struct Sensor {
@@ -104,9 +105,9 @@ struct SnapshotView {
     std::size_t number = 0;
   };
 
-  /// A beam's width as far as it says something.
+  /// The width of a beam up to its end.
   struct Wedge {
-    Eigen::Vector2f corner[3];  ///< the first one is where the scan looks from
+    Eigen::Vector2f corner[3];  ///< the first one is the origin of the scan
     bool observed;              ///< free if true
   };
 
@@ -119,21 +120,21 @@ struct SnapshotView {
   std::vector<Wedge> wedges;  ///< by angle
   std::string free_note;      ///< legend of the areas; empty: none is shown
   std::string unobserved_note;
-  std::vector<std::string> notes;    ///< one sentence each: what else is to be said of the picture
-  std::vector<std::string> missing;  ///< one sentence each: what could not be drawn, and why
+  std::vector<std::string> notes;    ///< one sentence each: remarks on the picture
+  std::vector<std::string> missing;  ///< one sentence each: objects not drawn, and why
   std::vector<Plane> planes;
   std::vector<Eigen::Vector2d> lidars;  ///< in the side view: x and z of those whose clouds are shown
   std::optional<double> ground;         ///< m: height of a plane that the configuration calls the ground
-  std::string color_words;              ///< what the colours of clouds tell
+  std::string color_words;              ///< meaning of the colours of clouds
   Framing framing;
 };
 
-/// What the colours of clouds tell.
+/// Meaning of the colours of clouds.
 enum class CloudColor : std::uint8_t { height, ring, intensity };
 
-/// Gathers what `frames` holds. `areas` is the topic whose free and unobserved areas are shaded; empty: the
+/// Builds the view of `frames`. `areas` is the topic whose free and unobserved areas are shaded; empty: the
 /// first merged or virtual scan in profile strict, else safety, else the first scan of all; flatten proves no
-/// place to be free, so nothing is shaded for it. Throws std::runtime_error if it did not come.
+/// free space, so nothing is shaded for it. Throws std::runtime_error without a frame of it.
 SnapshotView make_view(const Config& config, const FrameTree& poses, const FrameKeeper& frames,
                        const std::string& areas, CloudColor color);
 

@@ -27,14 +27,14 @@ namespace {
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
-/// How often the master is asked whether it is there.
+/// Period of the requests to the master.
 constexpr auto master_period = milliseconds(500);
 constexpr auto round_period = milliseconds(100);
-/// For so long a shutdown from outside is reported.
+/// A shutdown from outside is reported for so long.
 constexpr auto news_of_a_stop = std::chrono::seconds(60);
 /// A live thread makes ten rounds per second.
 constexpr auto longest_round = std::chrono::seconds(2);
-/// To advertise all topics takes a busy master its time.
+/// Advertising all topics may last so long with a busy master.
 constexpr auto longest_call = std::chrono::seconds(5);
 
 }  // namespace
@@ -84,8 +84,7 @@ struct RosConnection::Impl {
   std::vector<std::pair<Pointer, Pointer>> changes;  // former and next component; guarded by wake_mutex
   std::vector<DiagnosticItem> component_items;       // guarded by wake_mutex
 
-  // When the whole process stood, this thread may be the first one that runs again, and must not report the
-  // others as dead.
+  // After a stall of the process this thread may run first, and must not report the others as dead.
   std::atomic<Clock::time_point> awake_since{Clock::now()};
 
   // Belongs to the master thread.
@@ -124,7 +123,7 @@ struct RosConnection::Impl {
     while (!stopping) {
       do_round(master);
       std::unique_lock lock(wake_mutex);
-      // A node that was shut down from outside is back soon.
+      // A node that was shut down from outside comes back soon.
       const auto is_urgent = [this] { return stopping || news || (running && !ros::ok()); };
       for (auto waited = milliseconds(0); waited < master_period && !is_urgent(); waited += round_period) {
         watch.tick(ThreadWatch::master);
@@ -144,7 +143,7 @@ struct RosConnection::Impl {
     if (now - std::exchange(last_round, now) > longest_round) awake_since = now;
     if (!name->lock()) return;
     if (running && !ros::ok()) restart_after_foreign_stop(master);
-    // News do not wait for the master's answer.
+    // Publish news before the master's answer.
     if (running && news.exchange(false)) publish_diagnostics();
     const auto pid = master.pid();
     master_asked = true;
@@ -261,7 +260,7 @@ struct RosConnection::Impl {
     }
     diagnostics.publish(own_items(wall_clock() - step->load()), awake_since);
   }
-  /// What is reported beside the sensor threads' items.
+  /// Items beside those of the sensor threads.
   std::vector<DiagnosticItem> own_items(Stamp now) const {
     std::vector<DiagnosticItem> items{own_status()};
     for (const auto& one : publishers) one->add_diagnostics(items, now);
@@ -358,7 +357,7 @@ bool RosConnection::wait_for_subscribers(std::size_t count, Span limit) {
 bool RosConnection::flush(Span limit) {
   const bool sent = wait_until(
       [this] { return impl_->sum([](PublisherThread& one) { return one.in_flight(); }) == 0; }, limit);
-  // A subscriber drops what it has not read yet when the master reports that this node is gone.
+  // A subscriber drops unread messages when the master reports that this node is gone.
   if (impl_->subscribers() > 0) std::this_thread::sleep_for(milliseconds(250));
   return sent;
 }

@@ -24,33 +24,33 @@ struct RosStatus {
   std::uint64_t published = 0;      ///< frames given to roscpp
   std::uint64_t dropped = 0;        ///< frames dropped because the ROS thread was behind
   std::uint64_t without_ros = 0;    ///< frames that came while there was no master yet
-  std::uint64_t foreign_stops = 0;  ///< how often somebody shut our node down from outside
+  std::uint64_t foreign_stops = 0;  ///< how often this node was shut down from outside
 };
 
-/// Publishes what pipelines produce, each through a PublisherThread. Another thread alone talks to the
-/// master, waits for it, registers again when it was restarted; RosCallbackThread lives while ROS runs.
+/// Publishes the frames of pipelines, each through a PublisherThread. Only the master thread calls the
+/// master, waits for it, and registers again after a restart; RosCallbackThread lives while ROS runs.
 class RosConnection {
  public:
-  /// Calls init_ros(), which may throw RosError. `topics` as output_topics() has them, of the lane of planes
-  /// or of all, and `clouds` of the other one.
+  /// Calls init_ros(), which may throw RosError. `topics` as of output_topics(), of the pipeline of planes or
+  /// of all; `clouds` those of the other pipeline.
   RosConnection(RosOptions options, const std::vector<OutputTopic>& topics,
                 const std::vector<OutputTopic>& clouds = {});
   ~RosConnection();
   RosConnection(const RosConnection&) = delete;
   RosConnection& operator=(const RosConnection&) = delete;
 
-  /// Lets `component` live by the connection, in the place of `former`: as soon as the master answers.
-  /// Shared, since a master thread that hangs at the end may outlive its owner.
+  /// Adds `component`, in the place of `former`, as soon as the master answers. Shared, since a master thread
+  /// that hangs at the end may outlive its owner.
   void add(std::shared_ptr<RosComponent> component, std::shared_ptr<RosComponent> former = nullptr);
   void start();
 
-  /// Gets what a lane of the pipeline produces.
+  /// Receives the frames of a pipeline.
   FrameSink& sink(Lane lane = Lane::planes);
   /// Publishes on other topics, see PublisherThread::set_topics(). To be called in the thread that uses
   /// sink().
   void set_topics(Lane lane, const std::vector<OutputTopic>& topics);
-  /// By how much the host's clock was set since the beginning: so much is added to the stamps of what goes
-  /// out, and taken from those of what comes in.
+  /// Sets the step of the host's clock since the beginning, which is added to outgoing stamps and subtracted
+  /// from incoming ones.
   void set_step(Span step);
   /// The same for components.
   std::shared_ptr<const std::atomic<Span>> step() const;
@@ -59,7 +59,7 @@ class RosConnection {
 
   /// Waits until the topics are advertised; false after `limit`, or in a conflict().
   bool wait_for_master(Span limit);
-  /// Waits until the frame topics have so many subscribers together; false after `limit`.
+  /// Waits until the frame topics have `count` subscribers together; false after `limit`.
   bool wait_for_subscribers(std::size_t count, Span limit);
   /// Waits until every frame was published and is in the subscribers' sockets; false after `limit`.
   bool flush(Span limit);
@@ -67,7 +67,7 @@ class RosConnection {
   /// Name of the node.
   std::string node() const;
   RosStatus status() const;
-  /// How a topic does; `now` in the time without steps.
+  /// Figures of a topic; `now` in steady time.
   TopicFigures figures(Lane lane, const OutputTopic& topic, Stamp now) const;
   /// The state of everything as /diagnostics has it: the newest items that the sinks got, then those of the
   /// connection, of the topics and of the components; `now` as FrameQueue::figures().
@@ -78,7 +78,7 @@ class RosConnection {
   std::string standing_threads();
   /// Why the node name is not used, see NodeName::conflict(): then there will be no ROS. Else empty.
   std::string conflict() const;
-  /// Ends everything within a second. False if the master hangs: then leave with std::quick_exit, since
+  /// Ends all within a second. False if the master hangs: then end the process with std::quick_exit, since
   /// roscpp's destructors would wait for the master.
   bool stop();
 

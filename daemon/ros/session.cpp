@@ -41,7 +41,7 @@ class Outline final : public RosComponent {
 
 }  // namespace
 
-/// What comes in for one pipeline, with what it follows from.
+/// The components of one pipeline, with their configuration.
 struct RosSession::Fed {
   Fed(MessageReceiver& pipeline, Post how) : receiver(pipeline), post(std::move(how)) {}
   MessageReceiver& receiver;
@@ -72,8 +72,8 @@ void RosSession::change(const Config& whole, const std::array<Config, 2>& parts)
   for (std::size_t i = 0; i < fed_.size(); ++i) renew(*fed_[i], parts.at(i), whole);
 }
 
-/// Replaces the components that follow from something else than before. The servers of dynamic_reconfigure
-/// are always new: a change by hand ends with the next configuration.
+/// Replaces the components whose configuration changed. The servers of dynamic_reconfigure are always new: a
+/// change by hand ends with the next configuration.
 void RosSession::renew(Fed& fed, const Config& config, const Config& whole) {
   const auto replace = [this](std::shared_ptr<RosComponent>& place, std::shared_ptr<RosComponent> next) {
     const auto former = std::exchange(place, next);

@@ -91,8 +91,8 @@ CaptureBytes::CaptureBytes(int fd) : fd_(fd) {
 
 ssize_t CaptureBytes::read(std::uint8_t* out, std::size_t size) {
   if (codec_ != nullptr) return read_packed(out, size);
-  const ssize_t got = ::pread(fd_, out, size, static_cast<off_t>(taken_));
-  if (got > 0) taken_ += static_cast<std::uint64_t>(got);
+  const ssize_t got = ::pread(fd_, out, size, static_cast<off_t>(position_));
+  if (got > 0) position_ += static_cast<std::uint64_t>(got);
   return got;
 }
 
@@ -102,10 +102,10 @@ ssize_t CaptureBytes::read_packed(std::uint8_t* out, std::size_t size) {
   bytes_.out_left = size;
   while (bytes_.out_left == size) {
     if (bytes_.in_left == 0 && !file_ended_) {
-      const ssize_t got = ::pread(fd_, buffer_.data(), buffer_.size(), static_cast<off_t>(taken_));
+      const ssize_t got = ::pread(fd_, buffer_.data(), buffer_.size(), static_cast<off_t>(position_));
       if (got < 0) return -1;
       file_ended_ = got == 0;
-      taken_ += static_cast<std::uint64_t>(got);
+      position_ += static_cast<std::uint64_t>(got);
       bytes_.in = buffer_.data();
       bytes_.in_left = static_cast<std::size_t>(got);
     }
@@ -121,7 +121,7 @@ ssize_t CaptureBytes::read_packed(std::uint8_t* out, std::size_t size) {
 
 ssize_t CaptureBytes::fail(const std::string& what) {
   error_ = std::string("the ") + codec_->name() + " file " + what + ", at byte " +
-           std::to_string(taken_ - bytes_.in_left);
+           std::to_string(position_ - bytes_.in_left);
   return -1;
 }
 

@@ -30,8 +30,8 @@ class Codec {
   virtual const char* name() const = 0;
 };
 
-/// The bytes of a capture file from the first one on: as they stand there, or unpacked while they are read
-/// where the file is gzip or zstd. Needs memory for one window of the packing, not for the file.
+/// The bytes of a capture file in order; a gzip or zstd file is unpacked while it is read. Needs memory for
+/// one window of the packing, not for the file.
 class CaptureBytes {
  public:
   /// `fd` must outlive this; its offset is neither used nor changed.
@@ -42,8 +42,8 @@ class CaptureBytes {
 
   bool is_packed() const { return codec_ != nullptr; }
   /// Bytes of the file that were read.
-  std::uint64_t taken() const { return taken_; }
-  /// What is wrong with the packed file, and where; empty: nothing.
+  std::uint64_t position() const { return position_; }
+  /// The fault of the packed file, and where it is; empty: none.
   const std::string& error() const { return error_; }
 
  private:
@@ -55,7 +55,7 @@ class CaptureBytes {
   std::vector<std::uint8_t> buffer_;
   PackedBytes bytes_;
   bool file_ended_ = false;
-  std::uint64_t taken_ = 0;
+  std::uint64_t position_ = 0;
   std::string error_;
 };
 

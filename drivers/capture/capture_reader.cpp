@@ -17,7 +17,7 @@ constexpr const char* remedy = "; give a pcap or pcapng file, e.g. from `tcpdump
 constexpr std::size_t file_header = 24, record_header = 16;
 /// libpcap's limits for what one packet of a network and one block may hold; other lengths are wrong.
 constexpr std::uint32_t max_record = 262144, max_block = 16U << 20U;
-/// More bytes than a record has are more than a last one.
+/// More bytes than this are more than one last record.
 constexpr std::size_t longest_record = 65536 + 64;
 
 // Block types of pcapng, section 11.1.
@@ -31,7 +31,7 @@ constexpr std::int64_t max_seconds = std::numeric_limits<std::int64_t>::max() / 
 
 __extension__ typedef unsigned __int128 Wide;
 
-/// Files packed by programs whose packing is not read: their first bytes, and what unpacks them.
+/// Packed formats that are not supported: their first bytes, and the program that unpacks them.
 struct OtherPacking {
   std::uint32_t first_bytes, mask;
   const char *name, *command;

@@ -38,12 +38,12 @@ class CaptureReader {
 
   /// False at the end, be it good or bad.
   bool next(CaptureRecord& record);
-  /// What ended the capture early, "what at byte N"; empty if nothing did.
+  /// Why the capture ended early, "what at byte N"; empty if it did not.
   const std::string& error() const { return error_; }
   /// True if the file ends inside its last record, as when a recording is stopped.
   bool ends_in_record() const { return ends_in_record_; }
   /// Bytes of the file that were read.
-  std::uint64_t position() const { return bytes_.is_packed() ? bytes_.taken() : position_; }
+  std::uint64_t position() const { return bytes_.is_packed() ? bytes_.position() : position_; }
 
  private:
   /// One Interface Description Block, or the file header of a pcap file.

@@ -120,8 +120,7 @@ HeaderResult parse_v4(ByteView bytes, IpPacket& out) {
 constexpr std::uint8_t hop_by_hop = 0, routing = 43, fragment_header = 44, authentication = 51,
                        destination_options = 60, mobility = 135, host_identity = 139, shim6 = 140;
 
-/// Length of an extension header in bytes, from its second byte; 0 if `type` is none (or no way leads past
-/// it).
+/// Length of an extension header in bytes, from its second byte; 0 if `type` is none (or cannot be skipped).
 std::size_t extension_length(std::uint8_t type, std::uint8_t length) {
   switch (type) {
     case hop_by_hop:

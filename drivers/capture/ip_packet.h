@@ -12,7 +12,7 @@
 
 namespace lidard {
 
-/// What the reading of a header came to.
+/// Result of parsing a header.
 enum class HeaderResult : std::uint8_t {
   ok,
   not_ip,       ///< another protocol
@@ -35,7 +35,7 @@ HeaderResult find_ip(std::uint32_t link_type, ByteView frame, LinkPayload& out);
 /// IP protocol numbers (iana.org/assignments/protocol-numbers).
 enum class IpProtocol : std::uint8_t { tcp = 6, udp = 17 };
 
-/// Where a fragment belongs; the whole packet has `is_fragment` false.
+/// Place of a fragment; a complete packet has `is_fragment` false.
 struct IpFragment {
   bool is_fragment = false;
   bool more = false;         ///< another one follows
@@ -43,15 +43,15 @@ struct IpFragment {
   std::uint32_t id = 0;
 };
 
-/// An IP packet: who to whom, and the bytes of the transport protocol inside.
+/// An IP packet: its addresses, and the bytes of the transport protocol inside.
 struct IpPacket {
   IpAddress from;
   IpAddress to;
   std::uint8_t protocol = 0;  ///< of the transport; in a fragment: of what stands at its beginning
   /// The bytes that the IP length covers, as far as they were captured.
   ByteView transport;
-  /// All bytes behind the IP headers, padding included: for UDP, whose own length is the better witness
-  /// (a known capture has IP lengths of 1234 on packets of 540 bytes).
+  /// All bytes behind the IP headers, padding included: for UDP, whose own length is more reliable (a known
+  /// capture has IP lengths of 1234 on packets of 540 bytes).
   ByteView captured;
   std::size_t declared = 0;            ///< bytes of the transport that the IP length promises
   bool shorter_than_declared = false;  ///< `transport` holds less than that
@@ -89,27 +89,27 @@ struct TcpSegment {
 /// Reads the TCP header of a packet. The checksum is not verified, as for UDP.
 HeaderResult parse_tcp(const IpPacket& packet, TcpSegment& out);
 
-/// What came out of a fragment.
+/// Result of adding a fragment.
 enum class DefragResult : std::uint8_t {
   waiting,   ///< kept (or dropped: see the counter); more must come
-  complete,  ///< the packet is whole
+  complete,  ///< the packet is complete
   malformed  ///< not a possible fragment; not kept
 };
 
 /// Puts IP fragments together again, in whatever order they come.
 ///
 /// Memory is bounded: at most `max_packets` unfinished packets of at most 65 535 bytes; the oldest gives way.
-/// An unfinished packet is given up after `time_out` of capture time, as Linux does (net.ipv4.ipfrag_time).
-/// Fragments that overlap with other content make the whole packet worthless (RFC 5722, and Linux for IPv4).
+/// An unfinished packet is given up after `time_out` of capture time, as Linux does (net.ipv4.ipfrag_time). A
+/// packet whose fragments overlap with different content is dropped (RFC 5722, and Linux for IPv4).
 class IpDefragmenter {
  public:
   static constexpr std::size_t max_packets = 64;
   static constexpr Span time_out = std::chrono::seconds(30);
 
-  /// Takes a fragment. When it completes its packet, `packet` becomes the whole one, whose bytes stay valid
+  /// Adds a fragment. When it completes its packet, `packet` becomes the complete one, whose bytes stay valid
   /// until the next call.
   DefragResult add(IpPacket& packet, Stamp now);
-  /// No more input: gives up what is unfinished.
+  /// No more input: drops unfinished packets.
   void flush();
 
   /// Fragments that came twice, contradicted others, or belong to packets given up.

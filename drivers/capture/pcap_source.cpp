@@ -17,8 +17,8 @@ namespace {
 
 std::string why_not() { return std::strerror(errno); }
 
-/// A pipe's bytes in a temporary file without a name. Stops early where they are those of no capture: a pipe
-/// may never end.
+/// Copies a pipe to a temporary file without a name. Stops early if the bytes are no capture: a pipe may
+/// never end.
 FileDescriptor spool(int pipe, const std::string& name) {
   const auto fail = [&](const char* what) -> void {
     throw CaptureError(name + ": " + what + ": " + why_not() + "; save the capture to a file first");
@@ -44,13 +44,13 @@ FileDescriptor spool(int pipe, const std::string& name) {
     try {
       CaptureReader(file.get(), name);
     } catch (const CaptureError&) {
-      return file;  // whoever opens it finds the same
+      return file;  // a further open finds the same
     }
   }
 }
 
-/// Opens what can be read from any place: a file, or the copy of a pipe ("-": standard input). The copy is
-/// made once, since the writer of a pipe is gone when it is opened again.
+/// Opens a seekable file: a file by name, or the copy of a pipe ("-": standard input). The copy is made once,
+/// since the writer of a pipe is gone when it is opened again.
 FileDescriptor open_file(const std::string& path, const std::string& name) {
   static std::map<std::string, FileDescriptor> copies;
   const auto duplicate = [](int fd) { return FileDescriptor(::fcntl(fd, F_DUPFD_CLOEXEC, 0)); };
@@ -90,7 +90,7 @@ bool PcapSource::next(Packet& packet) {
     ++counters_.frames;
     ++records_;
     tcp_.expire(record.stamp);
-    if (take(record, packet)) {
+    if (decode(record, packet)) {
       ++counters_.datagrams;
       return true;
     }
@@ -112,7 +112,7 @@ void PcapSource::end() {
   }
 }
 
-/// Counts what is not handed on. Bytes that end too early are the snapshot length's fault, or a lie.
+/// Counts a frame that is not handed on. Bytes end too early through the snapshot length, or are malformed.
 bool PcapSource::count(HeaderResult result, bool snapped) {
   if (result == HeaderResult::not_ip)
     ++counters_.not_ip;
@@ -123,7 +123,7 @@ bool PcapSource::count(HeaderResult result, bool snapped) {
   return false;
 }
 
-bool PcapSource::take(const CaptureRecord& record, Packet& packet) {
+bool PcapSource::decode(const CaptureRecord& record, Packet& packet) {
   const bool snapped = record.bytes.size() < record.length;
   LinkPayload link;
   IpPacket ip;
@@ -131,10 +131,10 @@ bool PcapSource::take(const CaptureRecord& record, Packet& packet) {
   if (result == HeaderResult::ok) result = parse_ip(link.bytes, link.v6, ip);
   if (result != HeaderResult::ok) return count(result, snapped);
   packet.arrival = record.stamp;
-  return ip.fragment.is_fragment ? take_fragment(ip, snapped, packet) : take_transport(ip, snapped, packet);
+  return ip.fragment.is_fragment ? add_fragment(ip, snapped, packet) : decode_transport(ip, snapped, packet);
 }
 
-bool PcapSource::take_fragment(IpPacket& ip, bool snapped, Packet& packet) {
+bool PcapSource::add_fragment(IpPacket& ip, bool snapped, Packet& packet) {
   if (ip.shorter_than_declared) return count(HeaderResult::cut, snapped);
   const DefragResult defragmented = defragmenter_.add(ip, packet.arrival);
   counters_.fragments_dropped = defragmenter_.dropped();
@@ -143,12 +143,12 @@ bool PcapSource::take_fragment(IpPacket& ip, bool snapped, Packet& packet) {
   if (defragmented == DefragResult::waiting) return false;
   ++counters_.reassembled;
   const HeaderResult result = skip_reassembled_extensions(ip);
-  return result == HeaderResult::ok ? take_transport(ip, false, packet) : count(result, false);
+  return result == HeaderResult::ok ? decode_transport(ip, false, packet) : count(result, false);
 }
 
-bool PcapSource::take_transport(const IpPacket& ip, bool snapped, Packet& packet) {
+bool PcapSource::decode_transport(const IpPacket& ip, bool snapped, Packet& packet) {
   if (ip.protocol == static_cast<std::uint8_t>(IpProtocol::tcp)) {
-    take_segment(ip, snapped, packet.arrival);
+    add_segment(ip, snapped, packet.arrival);
     return false;
   }
   if (ip.protocol != static_cast<std::uint8_t>(IpProtocol::udp)) {
@@ -167,7 +167,7 @@ bool PcapSource::take_transport(const IpPacket& ip, bool snapped, Packet& packet
   return true;
 }
 
-void PcapSource::take_segment(const IpPacket& ip, bool snapped, Stamp stamp) {
+void PcapSource::add_segment(const IpPacket& ip, bool snapped, Stamp stamp) {
   TcpSegment segment;
   HeaderResult result = parse_tcp(ip, segment);
   if (result == HeaderResult::ok && ip.shorter_than_declared && !snapped) result = HeaderResult::malformed;

@@ -17,34 +17,33 @@
 
 namespace lidard {
 
-/// What became of the frames of a capture. Every frame is counted in exactly one of datagrams, tcp_segments,
-/// not_ip, other_ip, truncated, malformed, unsupported_link and fragments; a packet put together from
-/// fragments is counted in `reassembled` and then once more like a frame. So frames + reassembled is the sum
-/// of those eight.
+/// Counters of a capture. Every frame is counted in exactly one of datagrams, tcp_segments, not_ip, other_ip,
+/// truncated, malformed, unsupported_link and fragments; a packet put together from fragments is counted in
+/// `reassembled` and then once more like a frame. So frames + reassembled is the sum of those eight.
 struct CaptureCounters {
   std::uint64_t frames = 0;        ///< records read
   std::uint64_t datagrams = 0;     ///< UDP datagrams handed on, put together from fragments or not
   std::uint64_t not_ip = 0;        ///< ARP, LLDP, ...
   std::uint64_t tcp_segments = 0;  ///< TCP segments, with or without payload
   std::uint64_t other_ip = 0;      ///< neither UDP nor TCP: ICMP, IGMP, ...
-  /// Cut by the capture's snapshot length: record again with `tcpdump -s 0`. What is there of a TCP segment
-  /// is used.
+  /// Cut by the capture's snapshot length: record again with `tcpdump -s 0`. The captured part of a TCP
+  /// segment is used.
   std::uint64_t truncated = 0;
   std::uint64_t malformed = 0;          ///< headers that contradict themselves
   std::uint64_t unsupported_link = 0;   ///< link-layer type we do not read
   std::uint64_t fragments = 0;          ///< IP fragments
   std::uint64_t reassembled = 0;        ///< datagrams put together from fragments
-  std::uint64_t fragments_dropped = 0;  ///< fragments of datagrams that never became whole, or came twice
+  std::uint64_t fragments_dropped = 0;  ///< fragments of datagrams that stayed incomplete, or came twice
   TcpCounters tcp;                      ///< of the streams that the segments make
 };
 
-/// What became of them, apart from the losses.
+/// The counters apart from losses.
 constexpr NamedCounter<CaptureCounters> capture_counts[] = {
     {&CaptureCounters::frames, "frames", "frames"},
     {&CaptureCounters::datagrams, "datagrams", "datagrams"},
     {&CaptureCounters::tcp_segments, "tcp_segments", "TCP segments"},
     {&CaptureCounters::reassembled, "reassembled", "datagrams put together from fragments"}};
-/// What kept frames from becoming datagrams.
+/// The counters of losses.
 constexpr NamedCounter<CaptureCounters> capture_losses[] = {
     {&CaptureCounters::not_ip, "not_ip", "not IP"},
     {&CaptureCounters::other_ip, "other_ip", "neither UDP nor TCP (ICMP, IGMP)"},
@@ -63,14 +62,13 @@ class PcapSource {
   /// sources of the process share. Throws CaptureError.
   explicit PcapSource(const std::string& path);
 
-  /// The next datagram or chunk of a TCP stream (Packet::transport tells), or false at the end. The payload
-  /// stays valid until the next call.
-  /// A broken record ends the capture: the call returns false, and `error()` says what and where.
+  /// The next datagram or chunk of a TCP stream (Packet::transport says which), or false at the end. The
+  /// payload stays valid until the next call. A broken record ends the capture: the call returns false, and
+  /// `error()` says what and where.
   bool next(Packet& packet);
   /// Why the capture ended early; empty if it did not.
   const std::string& error() const { return error_; }
-  /// True if error() tells of more than a last record that whoever recorded did not finish, as when a
-  /// recording is stopped.
+  /// True if error() is more than an unfinished last record, as of a recording that was stopped.
   bool is_damaged() const { return !error_.empty() && (records_ == 0 || !reader_->ends_in_record()); }
   CaptureCounters counters() const {
     CaptureCounters all = counters_;
@@ -84,10 +82,10 @@ class PcapSource {
   void rewind();
 
  private:
-  bool take(const CaptureRecord& record, Packet& packet);
-  bool take_fragment(IpPacket& ip, bool snapped, Packet& packet);
-  bool take_transport(const IpPacket& ip, bool snapped, Packet& packet);
-  void take_segment(const IpPacket& ip, bool snapped, Stamp stamp);
+  bool decode(const CaptureRecord& record, Packet& packet);
+  bool add_fragment(IpPacket& ip, bool snapped, Packet& packet);
+  bool decode_transport(const IpPacket& ip, bool snapped, Packet& packet);
+  void add_segment(const IpPacket& ip, bool snapped, Stamp stamp);
   bool count(HeaderResult result, bool snapped);
   void end();
 
@@ -134,9 +132,8 @@ class MergedCapture {
   File* given_ = nullptr;  // whose packet the caller holds
 };
 
-/// A capture may hold several connections to one device (a configuration tool beside the driver, or one after
-/// the other); half telegrams of two must not be mixed. Picks the chunks of one connection at a time: the
-/// newest.
+/// Picks the chunks of the newest of a device's connections. A capture may hold several (a configuration tool
+/// beside the driver, or one after the other), whose telegrams must not be mixed.
 class ConnectionPicker {
  public:
   /// True if the chunk, which the device sent, is of the connection that counts; the first one of a

@@ -7,7 +7,7 @@
 namespace lidard {
 namespace {
 
-/// So that no position is ever below zero.
+/// Keeps every position above zero.
 constexpr std::uint64_t first_wrap = std::uint64_t{1} << 32U;
 
 /// Signed distance of sequence numbers, which wrap (RFC 9293 section 3.4).
@@ -38,8 +38,8 @@ void TcpReassembler::add(const TcpSegment& segment, const IpAddress& from, const
     at = find_or_begin(key, segment.sequence + (segment.syn ? 1U : 0U), now);
   }
   at->second.used = now;
-  take_flags(segment, at);
-  if (segment.length > 0) take_bytes(segment, at, now);
+  apply_flags(segment, at);
+  if (segment.length > 0) add_bytes(segment, at, now);
   if (segment.fin && at->second.is_within_window(segment.sequence))
     at->second.end = at->second.position(segment.sequence + segment.length);
 }
@@ -71,7 +71,7 @@ void TcpReassembler::begin_again(Streams::iterator at, std::uint32_t sequence) {
   ++counters_.streams;
 }
 
-void TcpReassembler::take_flags(const TcpSegment& segment, Streams::iterator at) {
+void TcpReassembler::apply_flags(const TcpSegment& segment, Streams::iterator at) {
   Stream& stream = at->second;
   if (segment.syn) {
     // The same SYN sent again begins nothing.
@@ -87,7 +87,7 @@ void TcpReassembler::take_flags(const TcpSegment& segment, Streams::iterator at)
   }
 }
 
-void TcpReassembler::take_bytes(const TcpSegment& segment, Streams::iterator at, Stamp now) {
+void TcpReassembler::add_bytes(const TcpSegment& segment, Streams::iterator at, Stamp now) {
   const std::uint32_t sequence = segment.sequence + (segment.syn ? 1U : 0U);
   Stream& stream = at->second;
   if (!stream.is_within_window(sequence) || stream.position(sequence) > stream.end) begin_again(at, sequence);
@@ -131,7 +131,7 @@ void TcpReassembler::keep(const TcpSegment& segment, Position begin, Stream& str
   entry.stamp = now;
 }
 
-/// What the receiver acknowledged it has: where that lies behind a hole, only the capture lost the bytes.
+/// Applies an acknowledgement: if it lies behind a hole, only the capture lost the bytes.
 void TcpReassembler::note_acknowledgement(const TcpSegment& segment, const Key& answered, Stamp now) {
   const auto at = streams_.find(answered);
   if (at == streams_.end()) return;
@@ -170,10 +170,10 @@ void TcpReassembler::restart() {
   flush();
   streams_.clear();
   ready_.clear();
-  ready_taken_ = 0;
+  ready_next_ = 0;
 }
 
-/// Goes on behind the first hole. What waited there has been received when it was captured.
+/// Continues behind the first hole. The bytes that waited there were received when they were captured.
 void TcpReassembler::skip_hole(Streams::iterator at) {
   Stream& stream = at->second;
   const Position behind = stream.waiting.begin()->first;
@@ -184,7 +184,7 @@ void TcpReassembler::skip_hole(Streams::iterator at) {
   release(at, stream.waiting.begin()->second.stamp);
 }
 
-/// Hands on what waits where the stream has come to. A receiver could not read it before `not_before`.
+/// Hands on the chunks that now continue the stream. A receiver could not read them before `not_before`.
 void TcpReassembler::release(Streams::iterator at, Stamp not_before) {
   Stream& stream = at->second;
   if (stream.waiting.empty()) return;
@@ -234,12 +234,12 @@ void TcpReassembler::advance(Streams::iterator at, std::size_t length, Chunk chu
 }
 
 bool TcpReassembler::next(Packet& packet) {
-  if (ready_taken_ == ready_.size()) {
+  if (ready_next_ == ready_.size()) {
     ready_.clear();
-    ready_taken_ = 0;
+    ready_next_ = 0;
     return false;
   }
-  const Chunk& chunk = ready_[ready_taken_++];
+  const Chunk& chunk = ready_[ready_next_++];
   packet.payload = chunk.view;
   packet.arrival = chunk.stamp;
   packet.from = chunk.key.first;

@@ -14,7 +14,7 @@
 
 namespace lidard {
 
-/// What became of the TCP segments of a capture.
+/// Counters of the TCP segments of a capture.
 struct TcpCounters {
   std::uint64_t streams = 0;       ///< directions of connections, from their begin or joined in the middle
   std::uint64_t bytes = 0;         ///< handed on
@@ -24,7 +24,7 @@ struct TcpCounters {
   std::uint64_t missing = 0;       ///< those bytes
 };
 
-/// What became of TCP streams, apart from the losses.
+/// The counters apart from losses.
 constexpr NamedCounter<TcpCounters> tcp_counts[] = {
     {&TcpCounters::streams, "tcp_streams", "TCP streams"},
     {&TcpCounters::bytes, "tcp_bytes", "bytes of TCP streams"},
@@ -36,9 +36,9 @@ constexpr NamedCounter<TcpCounters> tcp_losses[] = {
 
 /// Makes streams of TCP segments, one per connection and direction.
 ///
-/// A hole in a stream is waited for until its bytes come, as the receiver had to. It is given up when the
-/// receiver acknowledged the bytes that are not there (the capture lost them, nobody will send them again),
-/// when too much waits behind it, or after `patience` of capture time.
+/// A stream waits at a hole for its bytes, as the receiver had to. The hole is given up when the receiver
+/// acknowledged the missing bytes (only the capture lost them), when too much waits behind it, or after
+/// `patience` of capture time.
 ///
 /// Use: add() a segment, then call next() until it returns false.
 class TcpReassembler {
@@ -110,8 +110,8 @@ class TcpReassembler {
   Streams::iterator find_or_begin(const Key& key, std::uint32_t sequence, Stamp now);
   void make_room();
   void begin_again(Streams::iterator at, std::uint32_t sequence);
-  void take_flags(const TcpSegment& segment, Streams::iterator at);
-  void take_bytes(const TcpSegment& segment, Streams::iterator at, Stamp now);
+  void apply_flags(const TcpSegment& segment, Streams::iterator at);
+  void add_bytes(const TcpSegment& segment, Streams::iterator at, Stamp now);
   void keep(const TcpSegment& segment, Position begin, Stream& stream, Stamp now);
   void note_acknowledgement(const TcpSegment& segment, const Key& answered, Stamp now);
   void release(Streams::iterator at, Stamp not_before);
@@ -123,7 +123,7 @@ class TcpReassembler {
 
   Streams streams_;
   std::vector<Chunk> ready_;
-  std::size_t ready_taken_ = 0;
+  std::size_t ready_next_ = 0;
   std::size_t waiting_bytes_ = 0;
   std::size_t waiting_streams_ = 0;
   TcpCounters counters_;

@@ -65,10 +65,10 @@ std::string_view scip_name_of(std::string_view product) {
 
 namespace {
 
-/// Whatever sends so much without a single answer of ours does not speak our protocols.
+/// A sender of so much without one known answer speaks another protocol.
 constexpr std::uint64_t patience_bytes = 1 << 20;
 
-/// Finds out whether a TCP stream is a Hokuyo's, and which one's.
+/// Recognizes the TCP stream of a Hokuyo, and its model.
 class HokuyoRecognizer final : public Recognizer {
  public:
   void add(const Packet& packet) override {
@@ -79,7 +79,7 @@ class HokuyoRecognizer final : public Recognizer {
     }
     if (name_.empty()) useless_bytes_ += packet.payload.size();
     scip_.add(packet.payload);
-    for (ScipMessage message; scip_.next(message);) take(message);
+    for (ScipMessage message; scip_.next(message);) inspect(message);
     uam_.add(packet.payload);
     for (UamFrame frame; uam_.next(frame);) {
       if (frame.reject != Reject::none) continue;
@@ -90,16 +90,16 @@ class HokuyoRecognizer final : public Recognizer {
     }
   }
 
-  /// Name of a model; empty while nothing fits, the generic SCIP model while distances came but no name.
+  /// Name of a model; empty while nothing fits; the generic SCIP model after distances without a name.
   std::string_view verdict() const override { return name_; }
-  /// While the sensor did not say its name: every one that speaks SCIP.
+  /// While the sensor's name is unknown: all models that speak SCIP.
   std::vector<std::string_view> others() const override {
     if (name_ != any_scip_name) return {};
     return names_of(append_scip_models, [](const Model&) { return true; });
   }
 
  private:
-  void take(const ScipMessage& message) {
+  void inspect(const ScipMessage& message) {
     if (message.echo == "PP" && message.status == "00") {
       ScipParameters parameters;
       std::string product;

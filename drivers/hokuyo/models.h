@@ -12,14 +12,14 @@
 
 namespace lidard::hokuyo {
 
-/// What the protocol needs to know of one SCIP sensor before it told.
+/// Properties of a SCIP sensor, used until the sensor reports its own.
 struct ScipRow {
   std::string_view product;   ///< begin of its own name (MODL, PROD); empty: any
   ScipParameters parameters;  ///< its answer to PP
   CodeTable codes;
   bool has_percent;    ///< newer firmware knows the % extension
   bool sends_on_tick;  ///< answers leave with the next ms of its counter (as urg_stamped found out)
-  bool any;            ///< the generic row: takes what the sensor says without a remark
+  bool any;            ///< the generic row: accepts the sensor's values without a remark
 };
 
 /// Adds the SCIP sensors and the UAM-05LP safety scanners to the table of models.
@@ -36,8 +36,8 @@ std::string_view scip_name_of(std::string_view product);
 
 /// Driver of the sensors that speak SCIP 2; `config.model` must be one of append_scip_models().
 ///
-/// With a connection it asks for name, parameters and state, compares the clocks and starts an endless
-/// stream; without one (a capture) it takes what passes by, from anywhere in the stream on.
+/// On a connection it asks for name, parameters and state, compares the clocks and starts an endless stream;
+/// without one (a capture) it reads the stream, from anywhere on.
 std::unique_ptr<Driver> make_scip_driver(const DriverConfig& config);
 
 /// Adds the UAM-05LP safety scanners, read by their AR protocol: scan and state come in the same frame.

@@ -10,36 +10,36 @@ namespace {
 
 constexpr std::int64_t ms = 1'000'000;
 constexpr std::int64_t counter_length = (std::int64_t{1} << 24U) * ms;
-/// A counter this far ahead of what the time that passed tells was reset, or a clock was set.
+/// A counter this far ahead of the elapsed time was reset, or a clock was set.
 constexpr std::int64_t jump_limit = 1000 * ms;
-/// One that goes on but lags by less shows a host that did not look; TCP keeps what came meanwhile.
+/// A counter that lags by less shows a stalled host; TCP keeps the data meanwhile.
 constexpr std::int64_t longest_stall = 5000 * ms;
-/// One that goes back by more was reset.
+/// A counter that goes back by more was reset.
 constexpr std::int64_t backward_limit = 100 * ms;
 /// A sweep this far from the line means that the motor did not turn evenly.
 constexpr std::int64_t uneven_limit = 3 * ms / 2;
 constexpr std::size_t turns_for_fit = 8;
-/// A line is looked for again after so many turns, since that takes longer than all else.
+/// A line is fitted again after so many turns, since the fit is expensive.
 constexpr std::int64_t turns_between_fits = 64;
 /// A turn that begins that far outside of its tick is not on the line.
 constexpr std::int64_t line_tolerance = ms / 10;
-/// Ticks that need a wider band are those of a motor that changed its speed.
+/// A wider band of ticks means that the motor changed its speed.
 constexpr double widest_band = 1.25e6;
 /// A motor's jitter, and the time in which a sensor that sends on its tick has processed what it measured.
-/// Both are unverified; a sensor that takes longer sends on a later tick, where this makes it miss one.
+/// Both are unverified; a slower sensor sends on a later tick, where this makes it miss one.
 constexpr std::int64_t tick_margin = ms / 20, longest_processing = 3 * ms / 10;
 constexpr std::size_t first_delay = 16;
 /// Comparisons of one row: the clocks drift apart by 0.5 ms then if they differ by 1000 ppm.
 constexpr Span comparison_age = std::chrono::milliseconds(500);
-/// The line through the arrivals still reaches back to the comparison then.
+/// The line through the arrivals reaches back to a comparison of this age.
 constexpr Span drift_age = std::chrono::seconds(25);
-/// Some packets have shown the least delay then. What changes it by more later is a host's clock that is
-/// slewed; a line through the turns that becomes better does so by less.
+/// The least delay is known after this time. A larger change later comes from a slewed host clock; a better
+/// line through the turns changes it by less.
 constexpr Span delay_age = std::chrono::seconds(6);
 constexpr std::int64_t delay_change = ms / 2;
-/// So long a comparison bounds stamps by itself.
+/// A comparison bounds stamps by itself for so long.
 constexpr Span bound_age = std::chrono::seconds(2);
-/// A way that takes longer is no way: the comparison and the sweeps do not fit together.
+/// A longer delay is impossible: the comparison and the sweeps do not fit together.
 constexpr std::int64_t longest_delay = 50 * ms;
 
 std::int64_t nanoseconds(ScipStamp stamp) {
@@ -74,7 +74,7 @@ bool TurnLine::add(Span tick, Span period, Stamp arrival) {
   return even;
 }
 
-/// What the ticks span, measured from a line of that period; `lowest` gets where, relative to the newest
+/// The span of the ticks, measured from a line of that period; `lowest` gets where, relative to the newest
 /// tick.
 double TurnLine::width(double period, double* lowest) const {
   double low = 0, high = 0;
@@ -120,7 +120,7 @@ bool TurnLine::fit() {
     fit_once();
     band = width(period_, &lowest);
   }
-  // Ticks lie below what was read by up to one: the middle of what that leaves open.
+  // A counter reads up to one tick low: use the middle of the possible range.
   base_number_ = turn.number;
   base_ = turn.tick + std::llround(lowest + (band + static_cast<double>(ms)) / 2);
   uncertainty_ = std::max<std::int64_t>(0, std::llround((static_cast<double>(ms) - band) / 2));
@@ -191,16 +191,15 @@ Stamp ScipClock::begin_of(const Sweep& sweep, std::int64_t& skipped) {
   return as_compared(clock_.to_host(sent) - sweep.until_sent - Span(delay_.value_or(0)), read, sweep);
 }
 
-/// When a sweep that began then may have left: no earlier than its end, and on a tick where the sensor sends
-/// on one.
+/// Earliest time at which a sweep left: at its end, or on the next tick where the sensor sends on ticks.
 Span ScipClock::sent_at(Span begin, const Sweep& sweep) const {
   const std::int64_t ready = (begin + sweep.until_sent).count();
   if (!on_tick_) return Span(ready);
   return Span((ready + ms - 1) / ms * ms);
 }
 
-/// Next to a comparison that alone bounds when the counter showed what it did, however late the first sweeps
-/// of a stream were taken.
+/// Soon after a comparison the comparison alone bounds the begin, however late the first sweeps of a stream
+/// were read.
 Stamp ScipClock::as_compared(Stamp begin, Span read, const Sweep& sweep) const {
   if (mode_ != ClockMode::smooth || !compared_ || sweep.arrival - compared_at_ > bound_age) return begin;
   constexpr double worst_drift = 1000e-6;
@@ -211,7 +210,7 @@ Stamp ScipClock::as_compared(Stamp begin, Span read, const Sweep& sweep) const {
                                         read.count() + tick + highest_ + drifted)};
 }
 
-/// Begin of the newest turn by the line. With a better line, what was seen so far is seen again.
+/// Begin of the newest turn by the line. A better line is applied to all turns so far again.
 Span ScipClock::begin_by_line(const Sweep& sweep, Span read) {
   if (turns_.fit()) {
     std::size_t sure = 0;
@@ -242,8 +241,8 @@ void ScipClock::observe_turn(const TurnLine::Turn& turn, const Sweep& sweep) {
   clock_.observe(sent_at(Span(begin), sweep), Stamp{turn.arrival});
 }
 
-/// From the end of a sweep to its arrival, without the network's jitter: by how much the line through the
-/// arrivals is late where the clocks were compared.
+/// Measures the delay from the end of a sweep to its arrival, without the network's jitter: the lateness of
+/// the line through the arrivals where the clocks were compared.
 void ScipClock::learn_delay(Stamp now) {
   if (!compared_ || now - compared_at_ > drift_age) return;
   const std::int64_t compared = lowest_ + (highest_ - lowest_) / 2;

@@ -13,29 +13,29 @@
 
 namespace lidard::hokuyo {
 
-/// The last turns of a motor that runs evenly: what a counter of whole ms showed when each began.
+/// The last turns of an evenly running motor: what a counter of ms showed when each began.
 class TurnLine {
  public:
   struct Turn {
     std::int64_t number, tick, arrival;  ///< tick and arrival in ns
   };
-  /// Takes the next turn; `period`: nominal, a whole part of it may have passed. False if the motor did not
-  /// turn evenly: numbers begin at 0 again.
+  /// Adds the next turn; `period`: nominal, several turns may have passed. False if the motor did not turn
+  /// evenly: numbers begin at 0 again.
   bool add(Span tick, Span period, Stamp arrival);
   void reset();
   std::size_t count() const { return turns_.size(); }
   const Turn& newest() const { return turns_.back(); }
   /// Turns between the newest and the one before.
   std::int64_t skipped() const { return skipped_; }
-  /// Finds the line that leaves all ticks of the counter by as little as can be, if enough is new to matter;
-  /// true if it did. A counter that showed n read n to n + 1: with every turn fewer lines fit, since the
-  /// motor's beat with the counter shows where in a tick a turn began (as
-  /// seqsense/urg_stamped src/scan_estimator_ust.cpp, which looks for where 25 ms become 24 or 26). Turns
-  /// that no line fits are of another speed and are forgotten.
+  /// Fits the line that deviates least from all ticks of the counter, if there are enough new ones; true if
+  /// it did. A counter that showed n read n to n + 1: with every turn fewer lines fit, since the motor's beat
+  /// with the counter shows where in a tick a turn began (as seqsense/urg_stamped src/scan_estimator_ust.cpp,
+  /// which searches for 25 ms that become 24 or 26). Turns that no line fits are of another speed and are
+  /// dropped.
   bool fit();
   /// Begin of a turn by the line, ns of the device.
   std::int64_t begin(std::int64_t number) const;
-  /// By how much the line may be off, ns: half of what the ticks leave open.
+  /// Uncertainty of the line, ns: half of the range that the ticks leave open.
   std::int64_t uncertainty() const { return uncertainty_; }
   /// From the oldest to the newest.
   const boost::circular_buffer<Turn>& turns() const { return turns_; }
@@ -52,14 +52,14 @@ class TurnLine {
   double period_ = 0;
 };
 
-/// Host times of a SCIP sensor's sweeps, by listening; comparisons of both clocks (TM1) show what the way to
-/// us takes. The line through the arrivals is followed back to the moment of the comparison, so that a drift
-/// between the clocks does not count as a part of the way.
+/// Host times of a SCIP sensor's sweeps, from their arrivals; comparisons of both clocks (TM1) show the delay
+/// on the way. The line through the arrivals is extended back to the comparison, so that a drift between the
+/// clocks does not count as delay.
 ///
-/// A counter of whole ms does not show where in one a sweep began; the line through the last turns does.
-/// Sensors that send as soon as a sweep ends are mapped by that end. Those that send on a tick of their
-/// counter (UST: urg_stamped, README and src/scan_estimator_ust.cpp) are mapped by the first tick after it:
-/// their arrivals tell when the counter ticked. Stamps in us need no line.
+/// A counter of ms does not show where in a tick a sweep began; the line through the last turns does. Sensors
+/// that send as soon as a sweep ends are mapped by that end. Those that send on a tick of their counter (UST:
+/// urg_stamped, README and src/scan_estimator_ust.cpp) are mapped by the first tick after it: their arrivals
+/// show when the counter ticked. Stamps in us need no line.
 class ScipClock {
  public:
   ScipClock(ClockMode mode, bool sends_on_tick) : mode_(mode), on_tick_(sends_on_tick), clock_(mode) {}
@@ -75,18 +75,18 @@ class ScipClock {
   Stamp begin_of(const Sweep& sweep, std::int64_t& skipped);
   /// Compares the clocks of sensor and host: the counter was read between `sent` and `received`.
   void compare(ScipStamp stamp, Stamp sent, Stamp received);
-  /// Width of what the comparisons leave open; nothing without one.
+  /// Uncertainty after the comparisons; nothing without one.
   std::optional<Span> uncertainty() const;
   /// From the end of a sweep to its arrival, as far as the comparisons showed it.
   std::optional<Span> measured_delay() const;
-  /// True if a comparison was made, but is lost or too old by now to tell the delay that it was made for.
+  /// True if a comparison was made, but is lost or too old now to show the delay.
   bool needs_comparison() const;
   /// A new connection: comparisons start again, and the next sweep does not follow the last one.
   void connection();
   void reset();
   std::uint64_t steps() const { return clock_.steps() + restarts_; }
   std::uint64_t wraps() const { return wraps_; }
-  /// Of what its stamps are made.
+  /// The clock behind the stamps.
   const DeviceClock& clock() const { return clock_; }
 
  private:

@@ -10,7 +10,7 @@
 namespace lidard::hokuyo {
 namespace {
 
-/// Sensors answer within some ms; UTM-30LX-EW takes longer for QT while its last scan is on the way.
+/// Sensors answer within some ms; UTM-30LX-EW needs longer for QT while its last scan is on the way.
 constexpr Span answer_patience = std::chrono::milliseconds(1200);
 constexpr Span time_patience = std::chrono::milliseconds(500);
 constexpr Span least_stream_patience = std::chrono::milliseconds(600);
@@ -37,8 +37,8 @@ void ScipDialogue::connected(Stamp now, DriverOutput& out) {
   begin_script(now, out);
 }
 
-/// From whatever the sensor does to its stream. Goes on after each `yield` with the answer; a comparison also
-/// without one.
+/// From any state of the sensor to its stream. Continues after each `yield` with the answer; a comparison
+/// also without one.
 void ScipDialogue::script(DriverOutput& out) {
   reenter(script_) {
     comparing_ = false;
@@ -98,10 +98,10 @@ Span ScipDialogue::stream_patience() const {
   return std::max(least_stream_patience, span_from_seconds(5 * turn_s_));
 }
 
-void ScipDialogue::take(const ScipMessage& message, Stamp now, DriverOutput& out) {
+void ScipDialogue::receive(const ScipMessage& message, Stamp now, DriverOutput& out) {
   if (step_ == Step::idle) return;
   now_ = now;
-  if (parse_scan_request(message.echo)) return take_stream(message, out);
+  if (parse_scan_request(message.echo)) return follow_stream(message, out);
   if (step_ != Step::asking) return;
   if (patience_.is_slow()) patience_.start_answer(now, answer_patience);
   if (!expects(message)) return;
@@ -122,13 +122,13 @@ bool ScipDialogue::is_compared() {
     return false;
   }
   std::string_view body = answer_->body;
-  const std::string_view line = take_line(body);
+  const std::string_view line = cut_line(body);
   if (answer_->status != "00" || !has_checksum(line)) return true;
   const auto stamp = parse_stamp(line);
   return !stamp || owner_.compared(*stamp, patience_.since(), now_) || ++comparisons_ >= most_comparisons;
 }
 
-void ScipDialogue::take_stream(const ScipMessage& message, DriverOutput& out) {
+void ScipDialogue::follow_stream(const ScipMessage& message, DriverOutput& out) {
   if (step_ != Step::starting && step_ != Step::streaming) return;
   switch (class_of(message.status)) {
     case StatusClass::data:
@@ -156,8 +156,8 @@ void ScipDialogue::take_stream(const ScipMessage& message, DriverOutput& out) {
   }
 }
 
-/// The sensor does not know this request: first without the extension, then without echoes, at last without
-/// intensities. The user is told what he does not get.
+/// The sensor does not know this request: asks without the extension, then without echoes, at last without
+/// intensities. A warning reports what is missing.
 void ScipDialogue::ask_for_less(const ScipMessage& message, DriverOutput& out) {
   if (percent_) {
     percent_ = false;

@@ -24,26 +24,25 @@ enum class ScipTrouble : std::uint8_t {
   geometry,
   no_beams,
   values,
-  misfit,
+  unfit,
   count_
 };
 
-/// Leads a connection from the first request to the endless stream, and back to it after trouble.
+/// The dialogue of a connection from the first request to the endless stream, and back to it after trouble.
 ///
-/// What it writes by default is what a stream needs: QT (ends what a former client left running), VV, PP and
-/// II (who is there), TM0, TM1 and TM2 (what its clock shows), and the request itself. It changes no
-/// setting of the sensor.
+/// By default it sends only what a stream needs: QT (ends the stream of a former client), VV, PP and II
+/// (identity), TM0, TM1 and TM2 (clock), and the request itself. It changes no setting of the sensor.
 class ScipDialogue final : public Dialogue {
  public:
-  /// Whoever knows the sensor.
+  /// The driver that knows the sensor.
   class Owner {
    public:
     virtual ~Owner() = default;
     /// The steps, cluster and skip to ask for.
     virtual ScipScanRequest wanted() = 0;
-    /// True if the sensor's firmware knows the % extension, as far as one can tell.
+    /// True if the sensor's firmware knows the % extension, as far as is known.
     virtual bool knows_percent() const = 0;
-    /// Takes a comparison of the clocks; true if no more are needed.
+    /// Receives a comparison of the clocks; true if no more are needed.
     virtual bool compared(ScipStamp stamp, Stamp sent, Stamp received) = 0;
   };
 
@@ -54,12 +53,12 @@ class ScipDialogue final : public Dialogue {
   void disconnected() { step_ = Step::idle; }
   bool active() const { return step_ != Step::idle; }
   bool streaming() const { return step_ == Step::streaming; }
-  /// Every answer goes here, too; `now`: when it came.
-  void take(const ScipMessage& message, Stamp now, DriverOutput& out);
+  /// Every answer, too; `now`: its arrival.
+  void receive(const ScipMessage& message, Stamp now, DriverOutput& out);
   void tick(Stamp now, DriverOutput& out);
   /// Ends the stream and asks for it again, at most once a second.
   void restart_stream(Stamp now, DriverOutput& out);
-  /// Nothing that the stream brings fits: asks again who is there, and for a stream without the % extension.
+  /// No answer of the stream fits: asks for the identity again, and for a stream without the % extension.
   void reexamine(Stamp now, DriverOutput& out);
   /// Ends the stream, compares the clocks again and goes on.
   void compare_again(Stamp now, DriverOutput& out);
@@ -74,7 +73,7 @@ class ScipDialogue final : public Dialogue {
   /// "QT", "TM0", "%TM"
   std::string_view expected() const { return question_.substr(0, question_.size() == 3 ? 2 : 3); }
   bool is_compared();
-  void take_stream(const ScipMessage& message, DriverOutput& out);
+  void follow_stream(const ScipMessage& message, DriverOutput& out);
   void ask_for_less(const ScipMessage& message, DriverOutput& out);
   void wait(Span time) { step_ = Step::waiting, patience_.start(now_, time); }
   void start(DriverOutput& out);
@@ -90,7 +89,7 @@ class ScipDialogue final : public Dialogue {
   bool introduced_ = false;              // VV, PP, II and TM are done
   bool compare_only_ = false;
   bool comparing_ = false;
-  bool without_percent_ = false;  // since connected(): with it nothing fitted
+  bool without_percent_ = false;  // since connected(): no answer fitted with it
   bool percent_ = false, echoes_ = false, intensities_ = false;
   int comparisons_ = 0;
   int stalls_ = 0;

@@ -13,19 +13,18 @@
 namespace lidard::hokuyo {
 namespace {
 
-// urg_c allows three; no document known here tells the number.
+// urg_c allows three; no known document gives the number.
 constexpr std::size_t most_echoes = 3;
 constexpr char next_echo = '&';
 // Two characters end at 4095, which then only says "not nearer".
 constexpr int short_range_max_mm = 4094;
-/// In a capture, so many scans of other steps in a row mean that somebody asked for something else.
+/// In a capture, so many scans of other steps in a row are the answer to a new request.
 constexpr int foreign_limit = 10;
-/// Longer pauses are no loss but a stream that was ended.
+/// Longer pauses are an ended stream, no loss.
 constexpr std::int64_t longest_loss = 10'000;
 constexpr int enough_comparisons = 10;
-/// Half a second of a fast sensor. One answer in between that fits shows that the line is bad, not the
-/// request.
-constexpr int misfit_limit = 20;
+/// Half a second of a fast sensor. One fitting answer in between shows that the line is bad, not the request.
+constexpr int unfit_limit = 20;
 constexpr Span fine_comparison = std::chrono::microseconds(300);
 constexpr int most_renewals = 3;  // of a connection; each costs some scans
 
@@ -48,7 +47,7 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
   void connected(Stamp now, DriverOutput& out) override {
     reader_.interrupt();
     clock_.connection();
-    comparisons_ = renewals_ = misfits_ = 0;
+    comparisons_ = renewals_ = unfit_answers_ = 0;
     dialogue_.connected(now, out);
   }
 
@@ -98,11 +97,11 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
       if (message.status == "00" && message.echo == "VV") note_version(message);
       if (message.status == "00" && message.echo == "PP") note_parameters(message);
       if (message.status == "00" && message.echo == "II") note_information(message);
-      dialogue_.take(message, arrival, out);
+      dialogue_.receive(message, arrival, out);
       return {};
     }
     const bool before_our_stream = dialogue_.active() && !dialogue_.streaming();
-    dialogue_.take(message, arrival, out);
+    dialogue_.receive(message, arrival, out);
     if (before_our_stream && !dialogue_.streaming()) {
       ++counters_.other_packets;  // on its way when the stream was ended
       return {};
@@ -114,20 +113,20 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
     return {true, reason};
   }
 
-  /// A stream that brings nothing that fits is not what this driver takes it for: it asks again who is there
-  /// and for a plainer stream.
+  /// A stream without a fitting answer is from another sensor than assumed: asks for its identity again, and
+  /// for a plainer stream.
   void note_fit(Reject reason, Stamp arrival, DriverOutput& out) {
     if (reason == Reject::none) {
-      misfits_ = 0;
-      board_.clear(ScipTrouble::misfit);
+      unfit_answers_ = 0;
+      board_.clear(ScipTrouble::unfit);
       if (!clock_.needs_comparison() || renewals_ >= most_renewals) return;
       ++renewals_;
       comparisons_ = 0;
       return dialogue_.compare_again(arrival, out);
     }
-    if (++misfits_ < misfit_limit) return;
+    if (++unfit_answers_ < unfit_limit) return;
     board_.set(
-        ScipTrouble::misfit,
+        ScipTrouble::unfit,
         "no answer of the stream fits what was asked for (" + std::string(to_string(reason)) +
             "), the sensor is asked again who it is and for plain stamps; if it stays, check the model "
             "in the configuration and report the firmware version");
@@ -189,11 +188,11 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
   Reject publish(const ScipMessage& message, const ScipScanRequest& request, Stamp arrival,
                  DriverOutput& out) {
     std::string_view body = message.body;
-    const std::string_view stamp_line = take_line(body);
+    const std::string_view stamp_line = cut_line(body);
     if (!has_checksum(stamp_line) || !join_lines(body, flat_)) return Reject::checksum;
     const auto stamp = parse_stamp(stamp_line);
     if (!stamp) return Reject::field;
-    if (!take_geometry(request)) {
+    if (!accept_geometry(request)) {
       ++counters_.other_packets;
       return Reject::none;
     }
@@ -222,7 +221,7 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
   }
 
   /// False for scans of other steps than those of this session.
-  bool take_geometry(const ScipScanRequest& request) {
+  bool accept_geometry(const ScipScanRequest& request) {
     const bool same_sensor = geometry_ && geometry_->parameters == parameters_;
     if (same_sensor && geometry_->request == request &&
         geometry_->request.short_values == request.short_values) {
@@ -239,7 +238,8 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
     return true;
   }
 
-  /// Which of the values the configured angles leave. The middle of a group of merged steps is its direction.
+  /// Chooses the values between the configured angles. The middle of a group of merged steps is its
+  /// direction.
   void choose_beams() {
     const ScipParameters& p = geometry_->parameters;
     const ScipScanRequest& request = geometry_->request;
@@ -253,7 +253,7 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
     scan_.range_max = static_cast<float>(range_max_mm_ * 1e-3);
     const auto steps_before = request.first_step + static_cast<int>(first_beam_) * request.cluster;
     before_first_ray_ = span_from_seconds(p.step_seconds() * steps_before);
-    board_.tell(ScipTrouble::no_beams, kept.count == 0, [] {
+    board_.update(ScipTrouble::no_beams, kept.count == 0, [] {
       return "no beam lies between angle_min and angle_max; correct the angles in the configuration";
     });
   }
@@ -318,7 +318,7 @@ class ScipDriver final : public DriverBase, private ScipDialogue::Owner {
     ScipScanRequest request;
   };
   std::optional<Geometry> geometry_;
-  int foreign_ = 0, misfits_ = 0;
+  int foreign_ = 0, unfit_answers_ = 0;
   std::size_t first_beam_ = 0;
   Span before_first_ray_{0};
   int range_max_mm_ = 0;

@@ -20,7 +20,7 @@ constexpr std::size_t longest_number = 11;
 constexpr std::size_t longest_user_string = 17;
 
 /// Reads exactly `digits` decimal digits from the front of `text`; -1 if they are not there.
-int take_decimal(std::string_view& text, std::size_t digits) {
+int cut_decimal(std::string_view& text, std::size_t digits) {
   const auto value = number_in<unsigned>(text.substr(0, digits));
   if (text.size() < digits || !value) return -1;
   text.remove_prefix(digits);
@@ -58,7 +58,7 @@ std::optional<ScipStamp> parse_stamp(std::string_view line) {
   return ScipStamp{*ticks, line.size() == in_us + 1};
 }
 
-std::string_view take_line(std::string_view& text) {
+std::string_view cut_line(std::string_view& text) {
   const std::size_t end = std::min(text.find('\n'), text.size());
   const std::string_view line = text.substr(0, end);
   text.remove_prefix(std::min(end + 1, text.size()));
@@ -77,8 +77,8 @@ namespace {
 /// Empty unless the status line is sound.
 ScipMessage parse_message(std::string_view text) {
   ScipMessage message;
-  message.echo = take_line(text);
-  const std::string_view status = take_line(text);
+  message.echo = cut_line(text);
+  const std::string_view status = cut_line(text);
   if (message.echo.size() < 2 || status.size() != 3 || !has_checksum(status)) return {};
   message.status = status.substr(0, 2);
   message.body = text;
@@ -124,12 +124,12 @@ std::optional<ScipScanRequest> parse_scan_request(std::string_view echo) {
   request.intensities = content == 'E';
   request.short_values = content == 'S' && !request.multi_echo;
   if (content != 'D' && !request.intensities && !request.short_values) return std::nullopt;
-  request.first_step = take_decimal(echo, 4);
-  request.last_step = take_decimal(echo, 4);
-  const int cluster = take_decimal(echo, 2);
+  request.first_step = cut_decimal(echo, 4);
+  request.last_step = cut_decimal(echo, 4);
+  const int cluster = cut_decimal(echo, 2);
   request.cluster = std::max(1, cluster);
-  request.skip = request.continuous ? take_decimal(echo, 1) : 0;
-  const int scans = request.continuous ? take_decimal(echo, 2) : 0;
+  request.skip = request.continuous ? cut_decimal(echo, 1) : 0;
+  const int scans = request.continuous ? cut_decimal(echo, 2) : 0;
   if (request.first_step < 0 || request.last_step < request.first_step || cluster < 0 || request.skip < 0 ||
       scans < 0 || echo.size() > longest_user_string)
     return std::nullopt;
@@ -148,7 +148,7 @@ std::string_view write_scan_request(const ScipScanRequest& request, std::vector<
 bool join_lines(std::string_view body, std::vector<char>& flat) {
   flat.clear();
   while (!body.empty()) {
-    const std::string_view line = take_line(body);
+    const std::string_view line = cut_line(body);
     if (!has_checksum(line)) return false;
     flat.insert(flat.end(), line.begin(), line.end() - 1);
   }
@@ -175,7 +175,7 @@ bool is_plausible(const ScipParameters& p) {
 
 BeamStatus status_of_code(CodeTable table, std::uint32_t code) {
   if (table == CodeTable::urg) {
-    // 0: possibly at 22 m; 6: "others", in practice beyond the range (as hokuyo_node takes both).
+    // 0: possibly at 22 m; 6: "others", in practice beyond the range (as hokuyo_node reads both).
     return code == 0 || code == 6 ? BeamStatus::none : BeamStatus::invalid;
   }
   if (code == 1) return BeamStatus::none;

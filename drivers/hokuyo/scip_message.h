@@ -28,10 +28,10 @@ bool has_checksum(std::string_view line);
 /// A number coded with 6 bits a character, most significant first (Hokuyo C-42-03320B p. 6); empty if a
 /// character cannot be of a number or there are more than 11 of them.
 std::optional<std::uint64_t> scip_number(std::string_view text);
-/// Cuts the first line off `text`: returns it without its LF.
-std::string_view take_line(std::string_view& text);
+/// Removes the first line of `text` and returns it without its LF.
+std::string_view cut_line(std::string_view& text);
 
-/// One answer of a SCIP sensor; views into the reader's buffer. All are empty where it is not readable.
+/// One answer of a SCIP sensor; views into the reader's buffer. All are empty if the answer is not readable.
 struct ScipMessage {
   std::string_view echo;    ///< the request as the sensor repeats it
   std::string_view status;  ///< two characters
@@ -46,8 +46,8 @@ class ScipReader {
  public:
   explicit ScipReader(Counters& counters) : counters_(counters) {}
 
-  /// The next bytes come from somewhere else in the stream, or from another one: what is half here is worth
-  /// nothing.
+  /// The next bytes come from another place in the stream, or from another stream: drops an incomplete
+  /// answer.
   void interrupt();
   void add(ByteView bytes) { buffer_.add(bytes); }
   /// The next answer. It is valid until the next call of any function.
@@ -60,7 +60,7 @@ class ScipReader {
   bool torn_ = true;          // what comes next may be the tail of an answer
 };
 
-/// What a request for distances asks for, as its echo repeats it.
+/// Parameters of a request for distances, as its echo repeats them.
 struct ScipScanRequest {
   bool percent = false;       ///< with the extension, which asks for stamps in us
   bool continuous = false;    ///< M. and N.: the sensor goes on sending
@@ -78,15 +78,15 @@ struct ScipScanRequest {
   }
 };
 
-/// What a sensor's counter shows.
+/// Reading of a sensor's counter.
 struct ScipStamp {
   std::uint64_t ticks = 0;
   bool microseconds = false;  ///< of the % extension; else ms, 24 bits (Hokuyo C-42-03320B p. 12)
 };
 
-/// Reads a line with a stamp, checksum included; empty if it is none. How wide it is tells its unit: 4
-/// characters are ms, the 11 of the % extension are us. The echo does not tell: seqsense/urg_stamped's
-/// simulator answers %ME with the echo ME (src/urg_sim/urg_sim.cpp, handleMX).
+/// Reads a line with a stamp, checksum included; empty if it is none. Its width shows the unit: 4 characters
+/// are ms, the 11 of the % extension are us. The echo does not show it: seqsense/urg_stamped's simulator
+/// answers %ME with the echo ME (src/urg_sim/urg_sim.cpp, handleMX).
 std::optional<ScipStamp> parse_stamp(std::string_view line);
 
 /// Empty if the echo is not that of MD, MS, ME, ND, NE, GD, GS, GE, HD or HE with sound parameters.
@@ -98,13 +98,13 @@ std::string_view write_scan_request(const ScipScanRequest& request, std::vector<
 /// C-42-03320B p. 11). False if a checksum is wrong.
 bool join_lines(std::string_view body, std::vector<char>& flat);
 
-/// What distances below the shortest one mean; they are codes then, never distances.
+/// Meaning of distances below the shortest one, which are codes.
 enum class CodeTable : std::uint8_t {
   utm,  ///< Hokuyo C-42-03320B p. 12 table 4 (UTM-30LX); unverified for UST and UXM
   urg   ///< the same, table 3 (URG-04LX, UBG, UHG)
 };
 
-/// What a code says of its beam.
+/// State of a beam by its code.
 BeamStatus status_of_code(CodeTable table, std::uint32_t code);
 /// The table that fits a product's name.
 CodeTable code_table_of(std::string_view product);
@@ -131,26 +131,26 @@ struct ScipParameters {
 /// checksum is wrong or the values make no sense.
 bool parse_parameters(std::string_view body, ScipParameters& parameters, std::string& product);
 
-/// Calls take(key, value) for each line KEY:VALUE of an answer to PP, VV or II. The checksum counts the line
-/// without its semicolon; some firmware counts that, too. `sound` tells whether it is right.
-template <class Take>
-void for_each_entry(std::string_view body, Take&& take);
+/// Calls use(key, value, sound) for each line KEY:VALUE of an answer to PP, VV or II. The checksum counts the
+/// line without its semicolon; some firmware counts that, too. `sound`: the checksum is right.
+template <class Use>
+void for_each_entry(std::string_view body, Use&& use);
 
 bool split_entry(std::string_view line, std::string_view& key, std::string_view& value, bool& sound);
 
-template <class Take>
-void for_each_entry(std::string_view body, Take&& take) {
+template <class Use>
+void for_each_entry(std::string_view body, Use&& use) {
   while (!body.empty()) {
     const std::size_t end = body.find('\n');
     std::string_view key, value;
     bool sound = false;
-    if (split_entry(body.substr(0, end), key, value, sound)) take(key, value, sound);
+    if (split_entry(body.substr(0, end), key, value, sound)) use(key, value, sound);
     body.remove_prefix(end == std::string_view::npos ? body.size() : end + 1);
   }
 }
 
-/// What to ask a sensor for: the steps inside the configured angles (all of them if there are none), cluster
-/// and skip.
+/// The request for the steps inside the configured angles (all of them if there are none), with cluster and
+/// skip.
 inline ScipScanRequest request_for(const ScipParameters& p, const DriverConfig& config) {
   ScipScanRequest request;
   // Configured angles are rounded: a step on the limit is inside.
@@ -177,12 +177,12 @@ inline bool firmware_knows_percent(const std::string& firmware) {
   return major > 4 || (major == 4 && minor >= 1) || (major == 1 && minor >= 1);
 }
 
-/// What the status of an answer wants from us.
+/// Class of the status of an answer.
 enum class StatusClass : std::uint8_t {
   accepted,   ///< 00
   data,       ///< 99
   unknown,    ///< 0E, 0F: the sensor has no such command
-  verifying,  ///< 21-49: it pauses to check itself
+  verifying,  ///< 21-49: the sensor pauses to check itself
   fault,      ///< 50-97: hardware trouble
   resumed,    ///< 98
   refused     ///< everything else
@@ -190,8 +190,8 @@ enum class StatusClass : std::uint8_t {
 
 StatusClass class_of(std::string_view status);
 
-/// Why `command` was not carried out: a sentence in plain words with a remedy. Where the two generations of
-/// SCIP 2 give a status another meaning, it names both.
+/// Why `command` was not carried out: a sentence with a remedy. Where the two generations of SCIP 2 give a
+/// status another meaning, it names both.
 std::string explain_status(std::string_view command, std::string_view status);
 
 }  // namespace lidard::hokuyo

@@ -12,7 +12,7 @@
 namespace lidard::hokuyo {
 namespace {
 
-/// One way to ask for distances.
+/// A request for distances.
 struct UamRow {
   std::string_view start;   ///< command of the endless stream
   std::string_view answer;  ///< sub-header of its frames
@@ -44,7 +44,7 @@ enum class Trouble : std::uint8_t {
   count_
 };
 
-/// What stands in an answer with distances beside them. Flags are 0 or 1 as the sensor sends them.
+/// The state in an answer with distances. Flags are 0 or 1 as the sensor sends them.
 struct UamStatus {
   std::uint32_t operating_mode, area, error_state, error_code, lockout, ossd1, ossd2, ossd3, ossd4, warning1,
       warning2, muting1, muting2, reset_request1, reset_request2, encoder_speed, time_ms, laser_off,
@@ -163,14 +163,14 @@ class UamDriver final : public DriverBase {
       return {true, is_repeated(ByteView(frame)) ? Reject::duplicate : publish(frame, arrival, out)};
     }
     ++counters_.other_packets;
-    if (command == "VR00") take_version(frame);
+    if (command == "VR00") read_version(frame);
     if (step_ == Step::version && command == "VR00") ask(Step::start, arrival, out);
     if (step_ == Step::start && command == row_.start) answer_to_start(frame, arrival);
     return {};
   }
 
   /// Model, firmware, a reserved field and the serial number, separated by commas.
-  void take_version(std::string_view frame) {
+  void read_version(std::string_view frame) {
     if (frame.size() < 11 + uam_tail) return;
     std::string_view text = frame.substr(11, frame.size() - 11 - uam_tail);
     constexpr std::array<const char*, 4> keys = {"Product Name", "Firmware Version", "", "Device ID"};
@@ -211,7 +211,7 @@ class UamDriver final : public DriverBase {
     if (reason != Reject::none) return reason;
     note_troubles();
     scan_.stamp = first_ray(arrival);
-    tell_state(out);
+    send_state(out);
     if (scan_.beams == 0) return Reject::none;
     ++counters_.frames;
     out.scan(scan_);
@@ -253,7 +253,7 @@ class UamDriver final : public DriverBase {
     return Reject::none;
   }
 
-  /// The frame's counter in ms; unverified: taken as the first beam's time.
+  /// The frame's counter in ms; unverified: used as the first beam's time.
   Stamp first_ray(Stamp arrival) {
     ScipClock::Sweep sweep;
     sweep.stamp = {status_.time_ms & shown_by_clock, false};
@@ -269,21 +269,21 @@ class UamDriver final : public DriverBase {
   }
 
   void note_troubles() {
-    const auto tell = [this](Trouble trouble, bool active, const char* text) {
-      board_.tell(trouble, active, [text] { return text; });
+    const auto update = [this](Trouble trouble, bool active, const char* text) {
+      board_.update(trouble, active, [text] { return text; });
     };
-    tell(Trouble::error, status_.error_state != 0 || status_.error_code != 0,
-         "the scanner reports an error and switches its outputs off; its display shows the number (topic "
-         "status, "
-         "error_code): look it up in the manual");
-    tell(Trouble::lockout, status_.lockout != 0,
-         "the scanner is locked out; remove the cause shown on its display and switch its power off and on");
-    tell(Trouble::laser_off, status_.laser_off != 0,
-         "the scanner's laser is off, beams are invalid; wait until it has started, or wake it up");
-    tell(Trouble::contaminated, status_.contaminated != 0, "the scanner's window is dirty; clean it");
+    update(Trouble::error, status_.error_state != 0 || status_.error_code != 0,
+           "the scanner reports an error and switches its outputs off; its display shows the number (topic "
+           "status, error_code): look it up in the manual");
+    update(
+        Trouble::lockout, status_.lockout != 0,
+        "the scanner is locked out; remove the cause shown on its display and switch its power off and on");
+    update(Trouble::laser_off, status_.laser_off != 0,
+           "the scanner's laser is off, beams are invalid; wait until it has started, or wake it up");
+    update(Trouble::contaminated, status_.contaminated != 0, "the scanner's window is dirty; clean it");
   }
 
-  void tell_state(DriverOutput& out) {
+  void send_state(DriverOutput& out) {
     state_->values.clear();
     for (const auto& field : status_fields) {
       if (field.name != nullptr)

@@ -69,7 +69,7 @@ bool UamReader::next(UamFrame& frame) {
     frame.text = rest.substr(0, *size);
   }
   torn_ = false;
-  // A frame may begin inside of what only looked like one.
+  // A frame may begin inside a false one.
   buffer_.drop(frame.reject == Reject::none ? *size : 1);
   return true;
 }

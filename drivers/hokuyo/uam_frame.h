@@ -14,7 +14,7 @@
 
 namespace lidard::hokuyo {
 
-/// CRC-16/KERMIT (polynomial 0x1021 reflected, start 0) over what stands between STX and the checksum.
+/// CRC-16/KERMIT (polynomial 0x1021 reflected, start 0) of the text between STX and the checksum.
 std::uint16_t uam_crc(std::string_view text);
 /// A request of the AR family, e.g. "AR02": STX, length, command, checksum, ETX.
 std::string uam_request(std::string_view command);
@@ -24,11 +24,11 @@ std::optional<std::uint32_t> uam_number(std::string_view text, std::size_t at, s
 /// A frame from STX to ETX.
 struct UamFrame {
   std::string_view text;         ///< a view into the reader's buffer
-  Reject reject = Reject::none;  ///< why it is not readable: then the text is empty
+  Reject reject = Reject::none;  ///< why it is not readable; the text is empty then
 };
 
 /// Cuts a stream into frames STX length ... CRC ETX. Text outside of frames (SCIP answers on the same
-/// connection) is passed over.
+/// connection) is skipped.
 class UamReader {
  public:
   explicit UamReader(Counters& counters) : counters_(counters) {}

@@ -10,7 +10,7 @@ namespace lidard {
 namespace {
 
 /// Names the other models that are decoded differently; empty if there are none.
-std::string doubt(const Identifier& identifier, const char* begin) {
+std::string ambiguity(const Identifier& identifier, const char* begin) {
   const Model* verdict = identifier.verdict();
   std::string names;
   for (const Model* other : identifier.others()) {
@@ -55,9 +55,9 @@ std::vector<const Model*> Identifier::others() const {
 std::string Identifier::remark() const {
   for (const auto& recognizer : recognizers_) {
     const std::string text = recognizer->remark();
-    if (!text.empty()) return text + doubt(*this, "; ");
+    if (!text.empty()) return text + ambiguity(*this, "; ");
   }
-  return doubt(*this, "");
+  return ambiguity(*this, "");
 }
 
 }  // namespace lidard

@@ -19,7 +19,7 @@ class Identifier {
   void add(const Packet& packet);
   /// nullptr while nothing fits.
   const Model* verdict() const;
-  /// Models that the packets may be of as well: nothing in them tells these from the verdict.
+  /// Models that fit the packets as well: nothing in the packets distinguishes them from the verdict.
   std::vector<const Model*> others() const;
   /// Sentences when the packets contradict themselves ("product byte says HDL-32E, the packet period says
   /// VLP-16") or may be of a model that is decoded differently; else empty.

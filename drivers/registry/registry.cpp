@@ -14,7 +14,7 @@
 namespace lidard {
 namespace {
 
-/// Two models of one name could not be told apart in a configuration.
+/// A configuration could not distinguish two models of one name.
 void require_usable(const std::vector<Model>& added, const std::deque<Model>& known) {
   std::vector<std::string_view> names;
   for (const Model& model : known) names.push_back(model.name);

@@ -16,9 +16,9 @@ const std::vector<Family>& families();
 const std::deque<Model>& models();
 /// The model of that name, or nullptr.
 const Model* find_model(std::string_view name);
-/// Makes one more family known, behind the others: a driver that stands outside of this program. Every command
-/// knows its models from then on. Only before other threads start. Throws std::invalid_argument, and changes
-/// nothing, if a name is taken or a model has no driver.
+/// Appends a family of an external driver. Every command knows its models from then on. Call it before other
+/// threads start. Throws std::invalid_argument, and changes nothing, if a name is in use or a model has no
+/// driver.
 void register_family(const Family& family);
 
 }  // namespace lidard

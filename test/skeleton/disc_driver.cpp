@@ -38,8 +38,8 @@ class DiscDriver final : public DriverBase {
   DeviceClock clock_;
   SteadyStamps stamps_;
   PlanarScan scan_;
-  std::size_t first_beam_ = 0;   // the first that the configured angles leave
-  std::size_t parts_taken_ = 0;  // of scan_; 0: none is begun
+  std::size_t first_beam_ = 0;    // the first that the configured angles leave
+  std::size_t parts_placed_ = 0;  // of scan_; 0: none is begun
 
   bool started_ = false;
   std::uint32_t number_ = 0;  // of the newest datagram, counted through all scans
@@ -55,7 +55,7 @@ DiscDriver::DiscDriver(const DriverConfig& config) : DriverBase(config), clock_(
   first_beam_ =
       choose_beams(config, disc::first_deg * rad_per_deg, disc::step_deg * rad_per_deg, disc::beams, scan_)
           .first;
-  board_.tell(Warning::no_beams_left, scan_.beams == 0, [] {
+  board_.update(Warning::no_beams_left, scan_.beams == 0, [] {
     return "no beam lies between angle_min and angle_max, the scanner measures from -135 to 134.625 deg; "
            "correct the angles in the configuration";
   });
@@ -81,13 +81,13 @@ Reject DiscDriver::use(const Packet& packet, DriverOutput& out) {
   if (order != Reject::none) return order;
 
   if (info_.serial.empty()) info_.serial = std::to_string(bytes.le32(8));
-  board_.tell(Warning::dirty, (bytes.le16(16) & 1U) != 0,
-              [] { return "the scanner says that its window is dirty; clean it, or beams end too early"; });
-  if (parts_taken_ == 0 || scan != scan_number_) begin_scan(scan, bytes.le32(12));
+  board_.update(Warning::dirty, (bytes.le16(16) & 1U) != 0,
+                [] { return "the scanner says that its window is dirty; clean it, or beams end too early"; });
+  if (parts_placed_ == 0 || scan != scan_number_) begin_scan(scan, bytes.le32(12));
   clock_.observe(device_ + disc::beam * static_cast<int>((part + 1) * disc::beams_of_part), packet.arrival);
   counters_.clock_steps = clock_.steps();
   place_beams(bytes, part);
-  ++parts_taken_;
+  ++parts_placed_;
   if (part + 1 == disc::parts) publish(out);
   return Reject::none;
 }
@@ -123,8 +123,8 @@ void DiscDriver::begin_scan(std::uint32_t scan, std::uint32_t device_us) {
 
 /// A scan with a hole would say "not observed" where something may be: it is counted and dropped.
 void DiscDriver::give_up_scan() {
-  if (parts_taken_ > 0) ++counters_.partial_frames;
-  parts_taken_ = 0;
+  if (parts_placed_ > 0) ++counters_.partial_frames;
+  parts_placed_ = 0;
 }
 
 void DiscDriver::place_beams(ByteView bytes, std::size_t part) {
@@ -143,8 +143,8 @@ void DiscDriver::place_beams(ByteView bytes, std::size_t part) {
 }
 
 void DiscDriver::publish(DriverOutput& out) {
-  if (parts_taken_ != disc::parts) return give_up_scan();
-  parts_taken_ = 0;
+  if (parts_placed_ != disc::parts) return give_up_scan();
+  parts_placed_ = 0;
   if (scan_.beams == 0) return;
   const Span first_ray = device_ + disc::beam * static_cast<int>(first_beam_);
   scan_.stamp = stamps_.next(clock_.to_host(first_ray) + config_.time_offset);
@@ -154,7 +154,7 @@ void DiscDriver::publish(DriverOutput& out) {
 
 void DiscDriver::restart() {
   started_ = false;
-  parts_taken_ = 0;
+  parts_placed_ = 0;
   clock_.reset();
   stamps_.reset();
 }

@@ -13,8 +13,8 @@
 
 namespace lidard {
 
-/// The one thread in which roscpp calls back, for messages, requests and tf alike. Created when ROS runs,
-/// gone before ROS ends. Calls belong to the master thread.
+/// The only thread of roscpp's callbacks: messages, requests and tf. Lives while ROS runs. To be called by
+/// the master thread.
 class RosCallbackThread {
  public:
   explicit RosCallbackThread(ThreadWatch& watch) : thread_([this, &watch] { run(watch); }) {}
@@ -28,7 +28,7 @@ class RosCallbackThread {
     node.setCallbackQueue(&queue_);
     return node;
   }
-  /// From now on there are no calls.
+  /// Ends the callbacks.
   void stop() {
     queue_.disable();
     stopping_ = true;

@@ -24,7 +24,7 @@ class MasterClient;
 class MessageReceiver;
 struct ChangeableOutput;
 
-/// Something that lives by the ROS connection. All calls come from the master thread.
+/// A part that needs the ROS connection. All calls come from the master thread.
 class RosComponent {
  public:
   virtual ~RosComponent() = default;
@@ -32,14 +32,13 @@ class RosComponent {
   virtual void connected(RosCallbackThread& ros) = 0;
   /// Twice a second while the master answers.
   virtual void poll(MasterClient& /*master*/) {}
-  /// The master was restarted, and gets the topics of this node from others. Returns the services of the
-  /// component, which it has to get too.
+  /// The master was restarted; the topics of this node are registered elsewhere. Returns the component's
+  /// services, to be registered too.
   virtual std::vector<std::string> master_restarted() { return {}; }
-  /// Frame topics that are to be advertised anew, since what they carry changed its shape.
+  /// Frame topics to be advertised anew, since the shape of their frames changed.
   virtual std::vector<std::string> stale_topics() { return {}; }
   virtual std::vector<DiagnosticItem> diagnostics() { return {}; }
-  /// Gives up what was kept: from now on nothing calls the component. May wait for the master, unless
-  /// `leave`.
+  /// Drops all parts kept: nothing calls the component afterwards. May wait for the master, unless `leave`.
   void disconnect(bool leave) {
     if (leave) leave_behind(std::exchange(kept_, {}));
     kept_.clear();
@@ -70,16 +69,16 @@ class RosComponent {
   std::vector<std::any> kept_;
 };
 
-/// Has a task done in the thread of the pipeline, with the time of the host, or of the replay, at which the
-/// task came. Called in the callback thread; must not wait.
+/// Runs a task in the thread of the pipeline, with the host's or the replay's time at which the task came.
+/// Called in the callback thread; must not wait.
 using RosPost = std::function<void(std::function<void(Stamp received)> task)>;
 
-/// By how much the host's clock was set since the beginning: messages are stamped with the host's clock,
-/// pipelines count time without steps.
+/// Step of the host's clock since the beginning: messages have stamps of the host's clock, pipelines use
+/// steady time.
 using HostStep = std::shared_ptr<const std::atomic<Span>>;
 inline HostStep no_step() { return std::make_shared<const std::atomic<Span>>(Span(0)); }
 
-/// The master is asked every half second, then a connection is made: until then nobody is missing.
+/// True until the master was asked and connections had time to come: no publisher counts as missing yet.
 inline bool may_still_come(std::chrono::steady_clock::time_point connected_at) {
   return std::chrono::steady_clock::now() - connected_at < std::chrono::seconds(2);
 }

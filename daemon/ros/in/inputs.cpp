@@ -20,16 +20,16 @@ namespace {
 /// Messages of one source that may wait for the sensor thread.
 constexpr int most_pending = 4;
 
-/// What a usable message held that was not used.
+/// The unused part of a usable message.
 struct LeftOut {
   std::size_t points = 0;
   bool intensities = false;
 };
 
-/// What the thread of the pipeline has to do with a message.
+/// A message's task in the thread of the pipeline.
 using Task = std::function<void(Stamp received)>;
 
-/// What the outputs need of a source.
+/// The kind of frames that the outputs need from a source.
 std::optional<FrameKind> use_of(const std::string& sensor, const Config& config) {
   for (const auto& merged : config.merged_scans) {
     const auto& names = merged.laserscan_topics;
@@ -163,12 +163,12 @@ void RosInputs::subscribe(const std::shared_ptr<Source>& source, const std::stri
                                const ByteView bytes(message->data.message_start, message->size());
                                task = [=, &to, keeps_bytes = message](Stamp received) {
                                  read_velodyne_scan(bytes, [&](ByteView packet, Stamp arrival) {
-                                   // Nobody stamps 1970; a stamp that was left out is the time at hand.
+                                   // A missing stamp (1970) is the time of reception.
                                    const Stamp stamp = arrival == Stamp{} ? received : arrival - step;
                                    to.packet_message(sensor, {packet, stamp, {}, {}}, received);
                                  });
                                };
-                               // Read once before it is passed on, so that a bad message counts at once.
+                               // Parse it before it is passed on, so that a bad message is counted at once.
                                return read_velodyne_scan(bytes, [](ByteView, Stamp) {});
                              }));
   } else if (type == type_of<LaserScan>().name && source->accepts(FrameKind::scan)) {
@@ -205,7 +205,7 @@ void RosInputs::poll(MasterClient& master) {
   const auto types = master.topic_types();
   for (auto& source : sources_) {
     const auto found = types.find(ros::names::resolve(source->report.topic));
-    // "*" is what a subscriber alone leaves there; a type that was seen before is settled.
+    // "*" is the type of a topic with subscribers only.
     if (source->subscribed || found == types.end() || found->second == "*") continue;
     {
       const std::lock_guard lock(source->mutex);

@@ -19,16 +19,16 @@ struct TopicSource {
   std::string sensor;
   std::string topic;
   bool packets = false;                ///< the topic carries velodyne_msgs/VelodyneScan for a driver of ours
-  std::optional<FrameKind> kind = {};  ///< what the outputs need; unset: any
+  std::optional<FrameKind> kind = {};  ///< needed by the outputs; unset: any
   friend bool operator==(const TopicSource& a, const TopicSource& b) {
     return a.sensor == b.sensor && a.topic == b.topic && a.packets == b.packets && a.kind == b.kind;
   }
 };
 
-/// The topics that the sensors of a configuration come from.
+/// The topics of a configuration's sensors.
 std::vector<TopicSource> topic_sources(const Config& config);
 
-/// What happened to one topic source since the start.
+/// Counters of one topic source since the start.
 struct TopicReport : TopicSource {
   std::string type;                       ///< ROS type; empty while nobody publishes
   std::uint64_t messages = 0;             ///< received, good or bad

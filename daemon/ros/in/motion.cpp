@@ -64,7 +64,7 @@ class RosMotion final : public RosComponent {
       ++messages_[topic];
       post_(make_task(*message));
     };
-    // A pose that comes late by Nagle's algorithm is a scan that is not deskewed.
+    // A pose that Nagle's algorithm delays is missing for deskewing.
     subscribe<Message>(ros, topics_[topic], queue_length, receive, type_of<Message>(),
                        ros::TransportHints().tcpNoDelay());
   }

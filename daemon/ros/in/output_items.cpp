@@ -14,14 +14,14 @@
 namespace lidard {
 namespace {
 
-/// What follows from the items of a sensor. A width of 0 is all around, as in velodyne_pointcloud
-/// (src/lib/rawdata.cc).
+/// Sets the values that depend on the items of a sensor. A width of 0 is all around, as in
+/// velodyne_pointcloud (src/lib/rawdata.cc).
 void complete(SensorConfig& sensor) {
   if (sensor.driver.view_width <= 0) sensor.driver.view_width = two_pi;
   set_ring_limits(sensor);
 }
 
-/// The increment in force, which may follow from the number of beams; who sets it decides that number.
+/// The increment in force, which may follow from the number of beams; setting it sets that number.
 void follow_increment(OutputItem& item) {
   item.get = [](const ChangeableOutput& output) {
     const auto grid = make_grid(output.config.grid);
@@ -33,8 +33,7 @@ void follow_increment(OutputItem& item) {
   };
 }
 
-/// What a configuration may hold lies within the limits of its keys; those of ira_laser_tools' nodes are
-/// their own.
+/// The items have the limits of their keys; those of ira_laser_tools' nodes have their own.
 std::vector<OutputItem> items_of(OutputId::Kind kind, ReconfigureNames names) {
   std::vector<OutputItem> items;
   for (OutputItem item : within(&ChangeableOutput::config, output_keys())) {
@@ -87,8 +86,8 @@ ChangeableOutput virtual_output(const VirtualScanConfig& group, ReconfigureNames
   return output;
 }
 
-/// What velodyne_driver and velodyne_pointcloud let change, with their limits (1.7.0, cfg/VelodyneNode.cfg
-/// and cfg/TransformNode.cfg).
+/// The items of velodyne_driver and velodyne_pointcloud, with their limits (1.7.0, cfg/VelodyneNode.cfg and
+/// cfg/TransformNode.cfg).
 struct {
   std::string_view name;
   double min, max;
@@ -140,8 +139,8 @@ ChangeableOutput sensor_output(const SensorConfig& sensor) {
   return output;
 }
 
-/// A value as a request may hold it; a number at the limit of a key that may be unset stands for "not set".
-std::string take(const OutputItem& item, const ItemValues& wanted, ChangeableOutput& output) {
+/// Applies a value of a request; a number at the limit of a key that may be unset stands for "not set".
+std::string apply_item(const OutputItem& item, const ItemValues& wanted, ChangeableOutput& output) {
   const std::string name(item.name);
   const KeyValue& value = wanted.at(name);
   if (const auto* number = std::get_if<double>(&value)) {
@@ -161,7 +160,7 @@ std::string take(const OutputItem& item, const ItemValues& wanted, ChangeableOut
   return {};
 }
 
-/// What speaks against these values together.
+/// Why these values contradict each other; empty: they do not.
 std::string conflict(const ChangeableOutput& output) {
   if (output.sensor) {
     const DriverConfig& driver = output.sensor->driver;
@@ -201,7 +200,7 @@ KeyValue limit_of(const OutputItem& item, double limit) {
   return item.words.empty() ? KeyValue(limit) : KeyValue(std::string());
 }
 
-/// The meaning, the unit, and what stands for none.
+/// The meaning, the unit, and the value for "not set".
 std::string description_of(const OutputItem& item) {
   std::string text(item.meaning);
   if (!item.unit.empty()) text.append(", ").append(item.unit);
@@ -246,10 +245,10 @@ std::vector<ChangeableOutput> changeable_outputs(const Config& config, Reconfigu
   std::vector<ChangeableOutput> outputs;
   for (const auto& merged : config.merged_scans) outputs.push_back(merged_output(merged, config, names));
   for (const auto& group : config.virtual_scans) outputs.push_back(virtual_output(group, names));
-  std::set<std::string> taken;
+  std::set<std::string> used;
   for (ChangeableOutput& output : outputs) {
     output.server = output.id.entry;
-    while (!taken.insert(output.server).second) output.server += "_virtual";
+    while (!used.insert(output.server).second) output.server += "_virtual";
   }
   if (names == ReconfigureNames::node && outputs.empty()) {
     for (const SensorConfig& sensor : config.sensors) {
@@ -274,7 +273,7 @@ ItemValues values_of(const ChangeableOutput& output) {
 }
 
 std::string change(ChangeableOutput& output, const ItemValues& wanted) {
-  // What follows from the number of beams stays as it is, whatever else changes.
+  // Values that follow from the number of beams stay, whatever else changes.
   ItemValues values = values_of(output);
   for (const auto& [name, value] : wanted) {
     const auto known = values.find(name);
@@ -282,7 +281,7 @@ std::string change(ChangeableOutput& output, const ItemValues& wanted) {
   }
   ChangeableOutput changed = output;
   for (const OutputItem& item : output.items) {
-    if (std::string complaint = take(item, values, changed); !complaint.empty()) return complaint;
+    if (std::string complaint = apply_item(item, values, changed); !complaint.empty()) return complaint;
   }
   if (changed.sensor) complete(*changed.sensor);
   if (std::string complaint = conflict(changed); !complaint.empty()) return complaint;
@@ -298,7 +297,7 @@ std::size_t beams_of(const OutputScanConfig& config) {
 ItemValues read_values(const ConfigMessage& config) {
   ItemValues values;
   for (const auto& one : config.doubles) values[one.name] = one.value;
-  // Who writes 5 for 5.0 means the same.
+  // An integer stands for the same double.
   for (const auto& one : config.ints) values[one.name] = static_cast<double>(one.value);
   for (const auto& one : config.strs) values[one.name] = one.value;
   for (const auto& one : config.bools) values[one.name] = one.value != 0;

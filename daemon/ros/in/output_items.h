@@ -17,7 +17,7 @@
 namespace lidard {
 
 struct ChangeableOutput;
-/// Something of an output that may be changed while it runs: a number with limits, one of a few words, or a
+/// A setting of an output that may be changed while it runs: a number with limits, one of a few words, or a
 /// truth value.
 using OutputItem = KeyOf<ChangeableOutput>;
 
@@ -27,11 +27,11 @@ using ItemValues = std::map<std::string, KeyValue>;
 /// An output, or the clouds of a sensor, whose items may be changed while it runs.
 struct ChangeableOutput {
   OutputId id;
-  std::string server;               ///< name below the node; empty: the node itself
-  std::vector<std::string> topics;  ///< of its scans
-  double free_required = 0;         ///< m; 0: none
-  std::string flat_source;          ///< a source that proves nothing, so that profile is flatten; empty: none
-  OutputScanConfig config;          ///< in force
+  std::string server;                  ///< name below the node; empty: the node itself
+  std::vector<std::string> topics;     ///< of its scans
+  double free_required = 0;            ///< m; 0: none
+  std::string flat_source;             ///< a source without evidence, so that profile is flatten; empty: none
+  OutputScanConfig config;             ///< in force
   std::optional<SensorConfig> sensor;  ///< in force, where it is a sensor's; then `config` means nothing
   std::vector<OutputItem> items;
 };
@@ -43,7 +43,7 @@ std::vector<ChangeableOutput> changeable_outputs(const Config& config, Reconfigu
 ItemValues values_of(const ChangeableOutput& output);
 
 /// Changes `output` to `wanted`, in which items may be missing; numbers are brought into their limits first.
-/// Empty, or why it cannot be and what would be right: then nothing changes.
+/// Returns why it cannot be and the remedy, then nothing changes; empty after success.
 std::string change(ChangeableOutput& output, const ItemValues& wanted);
 
 /// The number of beams of an output.

@@ -24,7 +24,7 @@ XmlRpc::XmlRpcValue parameter_of(const KeyValue& value) {
   return number != nullptr ? XmlRpc::XmlRpcValue(*number) : XmlRpc::XmlRpcValue(std::get<std::string>(value));
 }
 
-/// Of one output.
+/// The server of one output.
 struct Server {
   explicit Server(ChangeableOutput given) : output(std::move(given)) {}
 
@@ -89,7 +89,7 @@ struct Server {
     return item;
   }
   std::string name() const { return output.server.empty() ? output.id.entry : output.server; }
-  /// The full name of something of this server.
+  /// The full name of a resource of this server.
   std::string below(const std::string& what) const {
     const std::string space = output.server.empty() ? "" : "/" + output.server;
     return ros::this_node::getName() + space + "/" + what;
@@ -101,8 +101,8 @@ struct Server {
   ros::Publisher updates;
   ros::Publisher description;
   ros::ServiceServer service;
-  bool to_store = true;   // the parameter server does not hold the values in force
-  bool to_renew = false;  // subscribers are to notice that scans have another size
+  bool to_store = true;   // the values in force are not on the parameter server yet
+  bool to_renew = false;  // subscribers must notice the new size of scans
   std::string refusal;    // of the newest request
   std::uint64_t accepted = 0;
   std::uint64_t refused = 0;

@@ -17,15 +17,14 @@
 namespace lidard {
 namespace {
 
-// Between such samples of tf, which itself draws straight lines between its knots, a vehicle's way is
-// straight.
+// The vehicle's path between such samples of tf is straight; tf itself interpolates linearly.
 constexpr Span sampling = std::chrono::milliseconds(10);
 constexpr Span shortest_step = std::chrono::milliseconds(5);
-// What a merge may need of the past.
+// The oldest poses that a merge may need.
 constexpr Span longest_past = std::chrono::seconds(2);
 /// Frames are looked up at most some hundred milliseconds after they were measured.
 constexpr double live_kept_s = 10;
-// The whole of any bag is kept.
+// A bag is kept completely.
 constexpr double bag_kept_s = 1e7;
 
 bool sample(const tf2::BufferCore& buffer, const std::string& to, const std::string& from, Stamp stamp,
@@ -51,7 +50,7 @@ bool BufferPoses::lookup(const std::string& parent, const std::string& child, St
     return true;
   }
   const ros::Time time = to_ros(stamp);
-  // Asked first, because lookupTransform() throws, and an unknown pose is an everyday matter.
+  // Checked first: lookupTransform() throws, and unknown poses are common.
   std::string reason;
   if (!buffer_.canTransform(to, from, time, &reason)) {
     if (reason.empty()) reason = "tf does not know " + from + " in " + to;

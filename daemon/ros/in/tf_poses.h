@@ -40,21 +40,20 @@ class TfPoses final : public BufferPoses, public RosComponent {
  private:
   void disconnected() override { listening_ = false; }
 
-  const HostStep step_;  // tf is stamped with the host's clock, lookups ask for the time without steps
+  const HostStep step_;  // tf is stamped with the host's clock, lookups use steady time
   std::atomic<bool> listening_{false};
 };
 
-/// Poses from the /tf and /tf_static (and, if asked for, nav_msgs/Odometry) of a recorded bag: what a replay
-/// needs to deskew without a ROS master. Only what was stamped before the time that is asked about counts, as
-/// it would live.
+/// Poses from the /tf and /tf_static (and optional nav_msgs/Odometry) of a recorded bag, for deskewing in a
+/// replay without a ROS master. Only poses stamped before the requested time are used, as live.
 class BagPoses final : public BufferPoses {
  public:
-  /// Reads the whole bag. An empty path: there is none, and all poses are configured. `odometry_topic` may be
+  /// Reads the bag. An empty path: there is none, and all poses are configured. `odometry_topic` may be
   /// empty. Throws std::runtime_error that names the file.
   BagPoses(const std::string& path, const std::string& odometry_topic);
   bool lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
               std::string& why_not) override;
-  /// Gives the pipeline the odometry's messages after the last call, up to `until`.
+  /// Passes the odometry's messages after the last call, up to `until`, to the pipeline.
   void feed(Pipeline& pipeline, Stamp until);
 
  private:

@@ -47,7 +47,7 @@ std::optional<IpAddress> address_of(const std::string& name) {
 
 }  // namespace
 
-std::string doubt_about_own_address() {
+std::string own_address_warning() {
   const char* const variable = is_set("ROS_HOSTNAME") ? "ROS_HOSTNAME" : "ROS_IP";
   if (!is_set(variable)) return {};
   const std::string given = std::getenv(variable);
@@ -76,9 +76,9 @@ void init_ros(const RosOptions& options) {
     remappings[remapping.substr(0, at)] = remapping.substr(at + 2);
   }
   choose_ros_log_folder();
-  if (const std::string doubt = doubt_about_own_address(); !doubt.empty()) log_warn("{}", doubt);
+  if (const std::string warning = own_address_warning(); !warning.empty()) log_warn("{}", warning);
   try {
-    // Nothing of ours goes to /rosout, and its thread would wait for the master.
+    // lidard does not use /rosout, whose thread would wait for the master.
     ros::init(remappings, options.node_name,
               ros::init_options::NoSigintHandler | ros::init_options::NoRosout);
   } catch (const ros::Exception& problem) {

@@ -13,39 +13,40 @@
 
 namespace lidard {
 
-/// Where the dynamic_reconfigure servers are.
+/// Names of the dynamic_reconfigure servers.
 enum class ReconfigureNames : std::uint8_t {
   entries,  ///< one below the node for each merged scan and group of virtual scans
   node      ///< the node itself, for the first of them, as ira_laser_tools has it; without any for the first
             ///< Velodyne, with the items of velodyne_driver and velodyne_pointcloud
 };
 
-/// How to appear in ROS.
+/// Options of the ROS node.
 struct RosOptions {
   std::string node_name = "lidard";
   std::vector<std::string> remappings = {};  ///< "from:=to", "__ns:=…", "__name:=…", "__master:=…"
   ReconfigureNames reconfigure = ReconfigureNames::entries;
   Backpressure backpressure = Backpressure::drop_oldest;
   bool clock = false;  ///< publish_clock() will be used
-  /// Where diagnostics() comes by the clock on the wall: older items are errors. Empty, as in replay: never.
+  /// For diagnostics() by wall clock: older items are errors. Empty, as in replay: never.
   std::optional<Span> longest_report_age = {};
 };
 
-/// ROS cannot be used as asked: a wrong name or address. A usage error.
+/// A usage error of ROS: a wrong name or address.
 class RosError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Why other nodes will not reach this one at $ROS_HOSTNAME or $ROS_IP; empty: nothing speaks against it.
-/// Takes a second at most.
-std::string doubt_about_own_address();
+/// Why other nodes will not reach this one at $ROS_HOSTNAME or $ROS_IP; empty: no reason is known. Needs a
+/// second at most.
+std::string own_address_warning();
 
 /// Calls ros::init, which no master is needed for; once per process. Throws RosError.
 void init_ros(const RosOptions& options);
-/// Throws RosError for names of topics that ROS does not take. After init_ros().
+/// Throws RosError for names of topics that ROS rejects. After init_ros().
 void check_ros_names(const std::vector<OutputTopic>& topics);
-/// Lets roscpp write its logs where it may: it aborts the process when $HOME is set but cannot be written.
+/// Sets a writable folder for roscpp's logs: roscpp aborts the process when $HOME is set but cannot be
+/// written.
 void choose_ros_log_folder();
 /// The master's address: "__master:=…" of the remappings, else $ROS_MASTER_URI, else the default, which is
 /// then put into the environment. Throws RosError if it is not "http://host:port": roscpp would abort the

@@ -24,7 +24,7 @@ std::vector<std::string> strings(XmlRpcValue& list) {
   return found;
 }
 
-/// Where roscpp answers in this process.
+/// Address of roscpp in this process.
 std::string our_uri() { return ros::XMLRPCManager::instance()->getServerURI(); }
 
 }  // namespace
@@ -99,7 +99,7 @@ std::map<std::string, std::string> MasterClient::topic_types() {
 }
 
 std::optional<XmlRpcValue> MasterClient::parameters(const std::string& name) {
-  // getParam refuses what is not there as it refuses what is wrong.
+  // getParam fails in the same way for a missing parameter and for an error.
   auto there = call("hasParam", {name});
   if (!there || there->getType() != XmlRpcValue::TypeBoolean) return std::nullopt;
   if (!static_cast<bool&>(*there)) {

@@ -20,12 +20,12 @@ class MasterClient {
 
   /// The master's process; changes when it is restarted. Empty: no answer.
   std::optional<int> pid();
-  /// Registers what roscpp offers in this process.
+  /// Registers a topic that roscpp publishes in this process.
   bool register_publisher(const std::string& topic, const std::string& type);
   bool register_service(const std::string& service, std::uint32_t port);
   /// Registers this node, and passes the publishers of the topic to roscpp, as the master does for a new one.
   bool register_subscriber(const std::string& topic);
-  /// Where the XML-RPC server of a node is; empty: no node of that name is registered, or no answer.
+  /// Address of a node's XML-RPC server; empty: no node of that name is registered, or no answer.
   std::optional<std::string> node_uri(const std::string& node);
   /// Types by topic, of all topics the master knows; empty without an answer.
   std::map<std::string, std::string> topic_types();
@@ -51,9 +51,8 @@ class MasterClient {
 };
 
 /// Registers all topics and services of this process that roscpp knows at a (restarted) master; roscpp
-/// registers only once. `services`: ours, by full name. `port`: where roscpp accepts connections to services;
-/// while roscpp shuts down, to ask it for the port would end the process. False if the master did not answer
-/// every call.
+/// registers only once. `services`: this node's, by full name. `port`: roscpp's port for services; asking
+/// roscpp for it during its shutdown would end the process. False if the master did not answer every call.
 bool register_again(MasterClient& master, const std::vector<std::string>& services, std::uint32_t port);
 
 }  // namespace lidard

@@ -15,7 +15,7 @@
 namespace lidard {
 namespace {
 
-/// A daemon that is just being stopped has ended by then.
+/// A daemon that is stopping ends within this time.
 constexpr auto patience = std::chrono::seconds(3);
 constexpr auto stop_window = std::chrono::seconds(10);
 constexpr std::size_t many_stops = 3;
@@ -75,7 +75,7 @@ std::string NodeName::conflict() const {
   return conflict_;
 }
 
-/// A node that answers where the master says that the name is (Slave API, getPid); empty: none.
+/// A node that answers at the registered address of the name (Slave API, getPid); empty: none.
 std::string NodeName::other_node(MasterClient& master) const {
   const auto uri = master.node_uri(node_);
   const auto server = uri ? parse_server_uri(*uri) : std::nullopt;

@@ -27,16 +27,16 @@ class NodeName {
 
   /// True if no other daemon of this computer has the name. After 3 s of trying there is a conflict.
   bool lock();
-  /// True if the name is ours, or no node of the name answers at the master. After 3 s of asking there is a
-  /// conflict.
+  /// True if this process has the name, or no node of the name answers at the master. After 3 s of asking
+  /// there is a conflict.
   bool is_free(MasterClient& master);
-  /// This process has registered: the name is taken back from now on if another node takes it.
+  /// This process has registered: from now on it reclaims the name if another node registers it.
   void registered() { ours_ = true; }
   /// The node was shut down from outside. Returns how long to wait before registering again: from the third
   /// time in 10 s on up to 1 s by chance, so that of two nodes in step one finds the other. If another node
   /// has the name then, there is a conflict.
   Span after_foreign_stop(MasterClient& master);
-  /// Why this process does not use the name, with the remedy; empty: no other one has it.
+  /// Why this process does not use the name, with the remedy; empty: there is no conflict.
   std::string conflict() const;
 
  private:

@@ -18,7 +18,7 @@ CallbackQueuePtr getInternalCallbackQueue();
 namespace lidard {
 namespace {
 
-/// A call into roscpp that takes longer waits for the master.
+/// A longer call into roscpp waits for the master.
 constexpr auto quick_call = std::chrono::milliseconds(300);
 
 struct Names {
@@ -44,8 +44,7 @@ void ThreadWatch::Rounds::tick(Thread thread) {
   last[thread] = Clock::now();
 }
 
-/// A connection without a socket: the server's thread asks each connection in each round whether it has
-/// ended.
+/// A connection without a socket: the server's thread checks in each round whether each connection has ended.
 class ThreadWatch::ServerRound final : public ros::ASyncXMLRPCConnection {
  public:
   explicit ServerRound(std::shared_ptr<Rounds> rounds) : rounds_(std::move(rounds)) {}

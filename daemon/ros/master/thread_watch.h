@@ -16,8 +16,8 @@ namespace lidard {
 /// Sets the name that `top -H` shows for the calling thread; at most 15 characters.
 void name_this_thread(const char* name);
 
-/// Reports which of the threads that bring messages to ROS and from it stand still, for a watchdog: ours, and
-/// those of roscpp. Each of them makes about ten rounds per second, also when it has nothing to do.
+/// Reports the stalled threads between the daemon and ROS, for a watchdog: own threads and those of roscpp.
+/// Each of them makes about ten rounds per second, also when it has nothing to do.
 class ThreadWatch {
   using Clock = std::chrono::steady_clock;
 
@@ -27,7 +27,7 @@ class ThreadWatch {
 
   /// A round of the calling thread; the first one gives the thread its name.
   void tick(Thread thread) { rounds_->tick(thread); }
-  /// How long ago the last round of a thread of ours was.
+  /// Time since the last round of an own thread.
   Span since_tick(Thread thread) const { return Clock::now() - rounds_->last[thread].load(); }
 
   /// To be called after each ros::start(), which forgets what was attached before; may wait for the master.
@@ -35,7 +35,7 @@ class ThreadWatch {
   /// To be called before ros::shutdown().
   void detach() { attached_ = false; }
 
-  /// While it lives, the master thread is in a call that may wait for the master. One may be inside another.
+  /// While it lives, the master thread is in a call that may wait for the master. Calls may nest.
   class Call {
    public:
     explicit Call(ThreadWatch& pulse) : since_(pulse.called_), outer_(since_) {
@@ -50,10 +50,10 @@ class ThreadWatch {
     const Clock::time_point outer_;
   };
 
-  /// The threads that have not made a round since the last call that returned "". All but ours count while
-  /// they are attached, those of roscpp and the master thread only while the master answers: without it any
-  /// of them may wait for it. None counts while a Call takes long, since roscpp holds its locks meanwhile.
-  /// Always to be called by the same thread.
+  /// The threads that have not made a round since the last call that returned "". Threads of roscpp count
+  /// while they are attached. They and the master thread count only while the master answers: otherwise any
+  /// of them may wait for it. None counts during a long Call, since roscpp holds its locks then. Always to be
+  /// called by the same thread.
   std::string standing(bool master_answers);
 
  private:

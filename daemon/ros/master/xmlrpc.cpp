@@ -50,7 +50,7 @@ struct Socket {
   const int fd;
 };
 
-/// Lets the next call wait until `end` at most; false, with errno, if that is over.
+/// Limits the next call to `end`; false, with errno, if `end` has passed.
 bool set_limit(int fd, Clock::time_point end) {
   const auto left = std::chrono::duration_cast<std::chrono::microseconds>(end - Clock::now()).count();
   const timeval limit{left / 1'000'000, left % 1'000'000};
@@ -59,7 +59,7 @@ bool set_limit(int fd, Clock::time_point end) {
          setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit) == 0;
 }
 
-/// Sends the request and returns what comes until the end of an answer or of the connection; nothing, with
+/// Sends the request and returns the bytes up to the end of the answer or the connection; nothing, with
 /// errno, if a call failed or `end` passed.
 std::optional<std::string> exchange(const SocketAddress& to, const std::string& request,
                                     Clock::time_point end) {
@@ -95,7 +95,7 @@ std::string request_of(const XmlRpcServer& server, const std::string& method, co
          "\r\nContent-Type: text/xml\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
 }
 
-/// What is wrong with an HTTP answer; empty: it is whole, and of status 200.
+/// The fault of an HTTP answer; empty: it is complete, with status 200.
 std::string trouble_with(const std::string& answer) {
   if (answer.empty()) return "the connection was closed without an answer";
   if (answer.compare(0, 7, "HTTP/1.") != 0 || answer.size() < 12) return "the answer is not HTTP";

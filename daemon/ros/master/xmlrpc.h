@@ -15,7 +15,7 @@
 
 namespace lidard {
 
-/// Where an XML-RPC server listens.
+/// Address of an XML-RPC server.
 struct XmlRpcServer {
   std::string host;
   std::uint16_t port = 0;

@@ -58,7 +58,7 @@ bool all_finite(const sensor_msgs::LaserScan& m) {
   return std::isfinite(m.angle_min) && std::isfinite(m.angle_max) && std::isfinite(m.angle_increment);
 }
 
-/// True if the number of ranges is what the angles say, give or take one beam.
+/// True if the number of ranges fits the angles, within one beam.
 bool count_fits_angles(const sensor_msgs::LaserScan& m) {
   if (m.ranges.size() == 1) return true;
   const double span = static_cast<double>(m.angle_max) - static_cast<double>(m.angle_min);
@@ -66,7 +66,7 @@ bool count_fits_angles(const sensor_msgs::LaserScan& m) {
   return std::abs(expected - static_cast<double>(m.ranges.size())) < 1.5;
 }
 
-/// No scan takes longer; such a time counts something else.
+/// Longest scan; a longer time has another meaning.
 constexpr float longest_scan_s = 60;
 
 const char* what_is_wrong_in_time(const sensor_msgs::LaserScan& m) {

@@ -35,15 +35,15 @@ void to_ros(const std::vector<StaticTransform>& transforms, Stamp stamp, tf2_msg
 /// Status items as diagnostic_msgs/DiagnosticArray; names are prefixed "`node`: " (REP 107).
 void to_ros(const std::vector<DiagnosticItem>& items, const std::string& node, Stamp stamp,
             diagnostic_msgs::DiagnosticArray& message);
-/// One of them but for its name; the status has no values yet.
+/// One of them without its name; the status has no values yet.
 void to_ros(const DiagnosticItem& item, diagnostic_msgs::DiagnosticStatus& status);
-/// Reads another driver's scan. Returns nullptr, or what is wrong with the message; then `scan` is of no use.
+/// Reads another driver's scan. Returns nullptr, or the fault of the message; `scan` is invalid then.
 ///
 /// NaN is `invalid`, +inf `none`, -inf `near` (REP 117); a finite range outside the message's limits is
 /// `invalid` (sensor_msgs/LaserScan: "should be discarded"). A negative increment is a scanner mounted upside
-/// down and is kept when it agrees with the angles. One beam more or less than the angles say is rounding and
-/// is accepted. A message without ranges is a sweep that says nothing: `scan` then has no beams. Intensities
-/// of another number than the ranges are left out.
+/// down and is kept when it agrees with the angles. One beam more or less than by the angles is rounding and
+/// accepted. A message without ranges gives a `scan` without beams. Intensities of another number than the
+/// ranges are left out.
 const char* from_ros(const sensor_msgs::LaserScan& message, PlanarScan& scan);
 /// False if the message has intensities, but not one for each range.
 bool intensities_fit(const sensor_msgs::LaserScan& message);
@@ -60,9 +60,9 @@ inline Pose to_pose(const geometry_msgs::Transform& transform) {
   return to_pose(transform.translation, transform.rotation);
 }
 
-/// What became of a point cloud message.
+/// Result of reading a point cloud message.
 struct CloudReading {
-  const char* error = nullptr;  ///< what is wrong with the message; then the cloud is of no use
+  const char* error = nullptr;  ///< the fault of the message; the cloud is invalid then
   std::size_t dropped = 0;      ///< points left out because a coordinate is not finite
 };
 /// Reads another driver's cloud: fields in any order, of any type and byte order, with padding; `ring`,

@@ -11,11 +11,11 @@
 
 namespace lidard {
 
-/// What roscpp and rosbag must know of the type of a message.
+/// Properties of a message type that roscpp and rosbag need.
 struct MessageType {
   std::string name, md5;
-  /// Without comments, in the form of `gendeps --cat`: rosbag keeps it, and whoever does not have the package
-  /// reads the messages by it.
+  /// Without comments, in the form of `gendeps --cat`: rosbag stores it, so that messages can be read without
+  /// the package.
   std::string definition;
   bool begins_with_header = false;  ///< roscpp numbers such messages
 };

@@ -64,7 +64,7 @@ const char* find_fields(const sensor_msgs::PointCloud2& m, Layout& layout) {
   for (const auto& field : m.fields) {
     for (const auto& [name, reader] : wanted) {
       if (field.name != name) continue;
-      // PointField::count 0 is what some publishers leave there for a single value.
+      // Some publishers set PointField::count 0 for a single value.
       if (field.count > 1) return "a field that should hold one value holds several";
       *reader = FieldReader(field, m.is_bigendian != 0);
       if (!reader->is_set()) return "a field has an unknown datatype";
@@ -72,7 +72,7 @@ const char* find_fields(const sensor_msgs::PointCloud2& m, Layout& layout) {
     }
   }
   if (!layout.x.is_set() || !layout.y.is_set() || !layout.z.is_set()) return "no fields x, y and z";
-  // Whole numbers would be ticks of a unit that the message does not tell.
+  // Integers would be ticks of a unit that is not in the message.
   if (!layout.time.is_float()) layout.time = FieldReader();
   return nullptr;
 }
@@ -111,7 +111,7 @@ void settle_times(Cloud& cloud) {
   const auto [first, last] = std::minmax_element(begin, begin + cloud.size(), by_time);
   const float earliest = first->time;
   const float latest = last->time;
-  // No frame reaches further from its stamp; such a time counts from something else, and means nothing to us.
+  // No frame is longer; a larger time has another origin and is not used.
   constexpr float furthest_s = 60;
   const bool foreign = earliest < -furthest_s || latest > furthest_s;
   const float shift = std::min(earliest, 0.0F);

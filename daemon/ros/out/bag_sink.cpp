@@ -26,8 +26,8 @@ boost::shared_ptr<ros::M_string> latched_header(const MessageType& type) {
 
 }  // namespace
 
-/// The bag's destructor writes what is left, and an exception there would end the process: a bag that cannot
-/// be written is put aside for good.
+/// Gives up a bag that cannot be written: its destructor writes the rest, and an exception there would end
+/// the process.
 void BagSink::give_up(const std::exception& problem, int error_number) {
   static auto* const broken = new std::vector<std::unique_ptr<rosbag::Bag>>;
   const std::string why = error_number != 0 ? std::strerror(error_number) : problem.what();
@@ -64,7 +64,7 @@ BagSink::~BagSink() {
   try {
     close();
   } catch (const BagError&) {
-    // A destructor cannot report it; whoever wants to know calls close().
+    // A destructor cannot report errors; close() does.
   }
 }
 

@@ -22,8 +22,8 @@ class BagError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Writes the messages that ROS would have got into a bag; needs no master. The time of a message in the bag
-/// is the frame's `released`. The same calls give the same file, byte by byte.
+/// Writes the messages for ROS into a bag; needs no master. The time of a message in the bag is the frame's
+/// `released`. The same calls give the same file, byte by byte.
 class BagSink : public FrameSink {
  public:
   /// Creates or overwrites the file; throws BagError.
@@ -38,10 +38,10 @@ class BagSink : public FrameSink {
 
   /// Messages written so far.
   std::size_t messages() const { return messages_; }
-  /// What went wrong while writing; empty if nothing did. After an error nothing more is written.
+  /// The first error of writing; empty: none. After an error nothing more is written.
   const std::string& error() const { return error_; }
   /// Writes the index and closes the file; throws BagError if the bag is not complete on disk. The destructor
-  /// closes too, and keeps errors to itself.
+  /// closes too, and ignores errors.
   void close();
 
  private:

@@ -21,10 +21,10 @@ class DiagnosticsPublisher {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
 
-  /// Items that nobody has set() anew for longer than `longest_age` are published as errors that say so: the
-  /// thread that sets them is dead. Empty: never.
+  /// Items without a set() for longer than `longest_age` are published as errors that say so: their thread is
+  /// dead. Empty: never.
   explicit DiagnosticsPublisher(std::optional<Span> longest_age = std::nullopt) : longest_age_(longest_age) {}
-  /// True if an item came, went or has another health than before, which is to be published at once.
+  /// True if an item came, went or changed its health: publish at once.
   bool set(std::size_t pipeline, const std::vector<DiagnosticItem>& items);
   /// The newest items of both.
   std::vector<DiagnosticItem> items() const {
@@ -33,10 +33,10 @@ class DiagnosticsPublisher {
   }
   /// ROS runs: from now on publish() works. May wait for the master.
   void start();
-  /// Publishes the items given to set(), followed by `more`. `awake_since`: since when this process runs
-  /// without having stood; nobody could set() anything before.
+  /// Publishes the items given to set(), followed by `more`. `awake_since`: end of the last stall of the
+  /// process, during which no set() was possible.
   void publish(const std::vector<DiagnosticItem>& more, TimePoint awake_since);
-  /// ROS ends. With `leave` roscpp is not told, whose destructors wait for the master.
+  /// ROS ends. `leave`: without roscpp's destructors, which wait for the master.
   void stop(bool leave);
 
  private:

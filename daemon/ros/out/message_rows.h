@@ -15,17 +15,17 @@ class MessageMaker {
  public:
   virtual ~MessageMaker() = default;
   virtual const MessageType& type() const = 0;
-  /// `payload` has to be of the type that travels on the topic. The points of a cloud stay where they are.
+  /// `payload` must be of the topic's type. The points of a cloud stay where they are.
   virtual RawMessage make(const Payload& payload, Stamp released) = 0;
 };
 
-/// How what travels on a topic goes out.
+/// Publication of a kind of topic.
 struct MessageRow {
   TopicKind kind;
-  std::size_t message;  ///< of TopicKind::message: message_kind() of what travels
-  /// How many frames may wait until they are published. A thread that stood still publishes late what came
-  /// meanwhile: planar scans of a second (no scanner turns more than 100 times), and inertial samples of a
-  /// quarter of one. Clouds are large and soon outdated.
+  std::size_t message;  ///< of TopicKind::message: message_kind() of the payload
+  /// Frames that may wait for publication. A stalled thread publishes late: the planar scans of a second (no
+  /// scanner turns faster than 100 Hz), and the inertial samples of a quarter of one. Clouds are large and
+  /// soon outdated.
   std::size_t queue_depth;
   std::unique_ptr<MessageMaker> (*maker)();
 };

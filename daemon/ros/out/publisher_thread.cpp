@@ -26,7 +26,7 @@ constexpr std::size_t least_queue = 10;
 /// After this long a subscriber that reads nothing counts as stuck, and a replay goes on without it.
 constexpr auto stuck_subscriber = std::chrono::seconds(10);
 constexpr auto between_counts = std::chrono::milliseconds(100);
-/// For so long a loss is reported.
+/// A loss is reported for so long.
 constexpr auto news_of_a_loss = std::chrono::seconds(10);
 
 bool is_free(const boost::shared_array<std::uint8_t>& buffer) { return buffer.use_count() == 1; }
@@ -75,14 +75,14 @@ void PublisherThread::Output::send(const Payload& payload, Stamp released) {
   ros::SerializedMessage serialized;
   ros::TopicManager::instance()->publish(
       publisher.getTopic(), [&] { return maker->make(payload, released).data; }, serialized);
-  // The memory of what all sockets have is to be freed: a cloud has 10 MB.
+  // Frees the memory of sent messages: a cloud has 10 MB.
   in_flight();
   if (serialized.buf) sent.push_back(serialized.buf);
   while (sent.size() > queue_size + most_being_sent) sent.pop_front();
 }
 
-/// roscpp lets go of a message before an older one only when it drops it, since the queue for a slow
-/// subscriber is full. Whether the oldest is still held has to be checked last.
+/// roscpp releases a message before an older one only by dropping it from the full queue of a slow
+/// subscriber. The oldest one must be checked last.
 std::size_t PublisherThread::Output::in_flight() {
   if (sent.size() > 1 && std::any_of(sent.begin() + 1, sent.end(), is_free) && !is_free(sent.front())) {
     const auto kept = std::remove_if(sent.begin() + 1, sent.end(), is_free);

@@ -26,8 +26,8 @@ namespace lidard {
 ros::Publisher make_publisher(const std::string& topic, const MessageType& type, std::size_t queue_size,
                               bool latched);
 
-/// What one pipeline produces, on its way to ROS: a bounded queue, the publishers, and a thread that converts
-/// and publishes. The calls of FrameSink never wait (unless Backpressure::block), and come from one thread.
+/// Publishes the frames of one pipeline: a bounded queue, the publishers, and a thread that converts and
+/// publishes. The calls of FrameSink never wait (unless Backpressure::block), and come from one thread.
 class PublisherThread final : public FrameSink {
  public:
   using OnDiagnostics = std::function<void(const std::vector<DiagnosticItem>&)>;
@@ -37,8 +37,8 @@ class PublisherThread final : public FrameSink {
                   OnDiagnostics on_diagnostics);
   ~PublisherThread() override { stop(); }
 
-  /// From the next call of publish() on these are the topics. A topic that was there before keeps its queue,
-  /// its figures and its subscribers; what waits on one that goes is published first.
+  /// From the next call of publish() on these are the topics. A topic that stays keeps its queue, its figures
+  /// and its subscribers; frames waiting on a removed one are published first.
   void set_topics(const std::vector<OutputTopic>& topics);
   void start();
   /// Publishes nothing any more.
@@ -53,31 +53,31 @@ class PublisherThread final : public FrameSink {
   void diagnostics(const std::vector<DiagnosticItem>& items, Stamp) override { on_diagnostics_(items); }
   /// The time of a replay, on /clock.
   void publish_clock(Stamp now) { queue_.push(clock_.slot, now, now); }
-  /// By how much the host's clock was set: FrameQueue::set_step().
+  /// Sets the step of the host's clock: FrameQueue::set_step().
   void set_step(Span step) { queue_.set_step(step); }
 
   // For the master thread; these three may wait for the master.
-  /// Advertises what is not advertised yet, and withdraws the topics that went.
+  /// Advertises new topics, and withdraws removed ones.
   void advertise();
   /// Withdraws topics and advertises them anew, so that subscribers see a new publisher. Frames of these
   /// topics are lost meanwhile.
   void advertise_again(const std::vector<std::string>& topics);
-  /// Withdraws everything. With `leave` roscpp is not told, whose destructors wait for the master.
+  /// Withdraws everything. `leave`: without roscpp's destructors, which wait for the master.
   void withdraw(bool leave);
 
-  // Any thread may ask, and is not held up by roscpp.
+  // For any thread; roscpp does not block these.
   /// True if the topics are advertised.
   bool ready() const { return ready_; }
-  /// How a topic does; `now` as FrameQueue::figures().
+  /// Figures of a topic; `now` as FrameQueue::figures().
   TopicFigures figures(const std::string& topic, Stamp now);
-  /// Adds an item for each topic that something came out on.
+  /// Adds an item for each topic with frames.
   void add_diagnostics(std::vector<DiagnosticItem>& items, Stamp now);
   /// Of all topics of frames, as counted last.
   std::size_t subscribers() const { return subscribers_; }
   std::uint64_t published() const { return published_; }
   std::uint64_t dropped() const { return queue_.dropped(); }
   std::uint64_t without_ros() const { return without_ros_; }
-  /// Messages that have not reached the sockets of all subscribers. May be held up by roscpp.
+  /// Messages that have not reached the sockets of all subscribers. roscpp may block it.
   std::size_t in_flight();
 
  private:

@@ -15,7 +15,7 @@
 
 namespace lidard {
 
-/// A velodyne_msgs/VelodyneScan as it travels: its bytes.
+/// A velodyne_msgs/VelodyneScan as bytes.
 struct VelodyneScanMessage : CarriedMessage {
   static const MessageType& message_type();
   void all(ros::serialization::LStream& stream) const {
@@ -32,8 +32,8 @@ struct VelodyneScanMessage : CarriedMessage {
 using OnPacket = std::function<void(ByteView payload, Stamp arrival)>;
 
 /// Reads a VelodyneScan: a header, then a list of a stamp and 1206 bytes each
-/// (velodyne_msgs/VelodyneScan.msg, VelodynePacket.msg). Returns nullptr, or what is wrong with the message;
-/// then there was no call.
+/// (velodyne_msgs/VelodyneScan.msg, VelodynePacket.msg). Returns nullptr, or the fault of the message; then
+/// there was no call.
 const char* read_velodyne_scan(ByteView message, const OnPacket& on_packet);
 
 /// The packets of a Velodyne as a message.

@@ -10,7 +10,7 @@
 namespace lidard::sick {
 namespace {
 
-/// Recorded devices answer within 20 ms. After that the missing answer is reported; it may still come.
+/// Recorded devices answer within 20 ms. After this time a missing answer is reported; it may still come.
 constexpr Span patience = std::chrono::seconds(2);
 /// For the first answer, which shows the dialect of the device.
 constexpr Span probe_patience = std::chrono::milliseconds(600);
@@ -31,7 +31,7 @@ bool read_outputs(Reader in, ColaOutputs& outputs) {
   return in.ok();
 }
 
-/// The echoes that come, "1+2", or "none".
+/// The echoes that are sent, "1+2", or "none".
 std::string echoes_of(const ColaOutputs& s) {
   std::string text;
   for (unsigned bit = 0; bit < 5; ++bit) {
@@ -41,7 +41,7 @@ std::string echoes_of(const ColaOutputs& s) {
   return text.empty() ? "none" : text;
 }
 
-/// What differs, for people: "echoes 1 -> 1+2, output interval 1 -> 2".
+/// The differences, for people: "echoes 1 -> 1+2, output interval 1 -> 2".
 std::string changes(const ColaOutputs& before, const ColaOutputs& now) {
   std::string text;
   const auto append = [&text](const char* what, const std::string& was, const std::string& is) {
@@ -89,7 +89,7 @@ void ColaDialogue::connected(Stamp now, DriverOutput& out) {
   begin_script(now, out);
 }
 
-/// Goes on after each `yield` with the answer, or without one where the device sends scans anyway.
+/// Continues after each `yield` with the answer, or without one if the device sends scans anyway.
 void ColaDialogue::script(DriverOutput& out) {
   const DeviceRequests& requests = config_.requests;
   const bool compares = requests.allow_write || requests.skip || config_.publish_multiecho;
@@ -135,7 +135,8 @@ void ColaDialogue::script(DriverOutput& out) {
   }
 }
 
-/// Without permission to write nobody logs in to subscribe, unless the configuration names a user level.
+/// Without permission to write there is no login for a subscription, unless the configuration names a user
+/// level.
 bool ColaDialogue::can_login() const {
   return (config_.requests.allow_write || !config_.requests.user_level.empty()) && !logged_in_;
 }
@@ -144,7 +145,7 @@ void ColaDialogue::change_dialect() {
   session_.dialect = session_.dialect == ColaDialect::b ? ColaDialect::a : ColaDialect::b;
 }
 
-/// Somebody who takes silence for a dead connection may have been quicker than our patience.
+/// The connection may have been closed because of the device's silence, before the time limit of the answer.
 void ColaDialogue::disconnected() {
   if (phase_ == Phase::idle) return;
   if (phase_ == Phase::waiting_for_scan) warn(no_scans);
@@ -173,12 +174,12 @@ void ColaDialogue::send_question(DriverOutput& out) {
 }
 
 void ColaDialogue::receive(const ColaTelegram& telegram, Stamp now, DriverOutput& out) {
-  if (phase_ != Phase::asking) return;  // a device that is asked does not stream yet
+  if (phase_ != Phase::asking) return;  // the device does not stream during the questions
   now_ = now;
   if (patience_.is_slow()) patience_.start_answer(now, patience);
   if (!session_.accept(telegram)) return;
   answered_ = true;
-  // Whoever set the device to the other dialect wanted it so: we speak it too.
+  // The device is set to the other dialect: use that one.
   const bool misunderstood = session_.refusal() && telegram.dialect != session_.dialect && !dialect_known_;
   session_.dialect = telegram.dialect;
   dialect_known_ = true;
@@ -252,7 +253,7 @@ void ColaDialogue::read_settings() {
   compare_settings();
 }
 
-/// What the configuration asks for beyond what the device is set to.
+/// Compares the configuration with the device's settings.
 void ColaDialogue::compare_settings() {
   ColaOutputs wanted = *settings_;
   constexpr std::uint8_t all_echoes = 0x1f;  // SICK 8014631: bits of DIST1 to DIST5
@@ -260,7 +261,7 @@ void ColaDialogue::compare_settings() {
   if (config_.publish_multiecho && config_.model->has(Trait::echoes))
     wanted.contents[ColaOutputs::echoes] = all_echoes;
   const bool differs = !(wanted == *settings_);
-  // Intensities are published by default where they are; that alone is no reason to ask for a permission.
+  // Intensities are published by default where the device sends them; the default asks for no permission.
   if (config_.publish_intensity && config_.requests.allow_write) wanted.contents[ColaOutputs::intensity] = 1;
   if (config_.requests.allow_write) {
     if (!(wanted == *settings_)) wanted_ = wanted;
@@ -294,7 +295,7 @@ void ColaDialogue::tick(Stamp now, DriverOutput& out) {
     return give_up(out);
   }
   if (!dialect_known_) {
-    // Whatever was not understood was not answered either.
+    // No answer in this dialect: ask in the other one.
     dialect_known_ = true;
     change_dialect();
     return ask(question_, expected_, out);

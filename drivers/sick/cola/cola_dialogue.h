@@ -16,7 +16,7 @@
 
 namespace lidard::sick {
 
-/// LMDscandatacfg: what the device puts into its scans (SICK 8014631 chapter 4.3.1).
+/// LMDscandatacfg: the contents of the device's scans (SICK 8014631 chapter 4.3.1).
 struct ColaOutputs {
   /// One byte each: echoes (bit by echo; two bytes), intensity, intensity of 16 bits, its unit, encoders (two
   /// bytes), position, name, comment, time.
@@ -30,10 +30,10 @@ struct ColaOutputs {
   }
 };
 
-/// Starts the stream of scans on a device that was just connected: asks what it is and what it is set to,
-/// subscribes, and writes a setting only where the configuration asks for another one and allows it.
-/// Without that the requests are DeviceIdent, LMPoutputRange and LMDscandatacfg to read and LMDscandata to
-/// subscribe to, in this order; before the last of them InertialMeasurementUnit, of models that have one.
+/// Starts the stream of scans of a device: reads its identity and settings, subscribes, and writes a setting
+/// only if the configuration asks for another one and allows it. Otherwise the requests are DeviceIdent,
+/// LMPoutputRange and LMDscandatacfg to read and LMDscandata to subscribe to, in this order;
+/// InertialMeasurementUnit comes before LMDscandata, for models that have one.
 class ColaDialogue final : public Dialogue {
  public:
   ColaDialogue(const DriverConfig& config, const ColaRow& row)
@@ -41,7 +41,7 @@ class ColaDialogue final : public Dialogue {
 
   void connected(Stamp now, DriverOutput& out);
   void disconnected();
-  /// Something that the device said and that is no event.
+  /// An answer of the device that is no event.
   void receive(const ColaTelegram& telegram, Stamp now, DriverOutput& out);
   /// A scan came, in this dialect.
   void scan_came(ColaDialect dialect);
@@ -49,7 +49,7 @@ class ColaDialogue final : public Dialogue {
 
  private:
   enum class Phase : std::uint8_t { idle, asking, waiting_for_scan, streaming };
-  /// What a missing answer means: something that the configuration asks for cannot be done, or nothing.
+  /// Meaning of a missing answer: a configured request cannot be done, or nothing.
   enum class Answer : std::uint8_t { needed, dispensable };
 
   void script(DriverOutput& out) override;
@@ -57,7 +57,7 @@ class ColaDialogue final : public Dialogue {
   void ask(std::string_view command, DriverOutput& out) { ask(command, Answer::needed, out); }
   void send_question(DriverOutput& out);
   bool can_login() const;
-  /// The last question was answered and not refused.
+  /// True if the last question was answered and not refused.
   bool was_done() const { return answer_ != nullptr && !refused_; }
   void note_refusal(std::uint8_t code);
   void note_missing(std::string warning, const std::string& remark);
@@ -75,9 +75,9 @@ class ColaDialogue final : public Dialogue {
   SopasSession session_;
   bool dialect_known_ = false;
   bool answered_ = false;  // in this connection
-  bool scans_ = false;     // likewise: they come although not everything was asked yet
+  bool scans_ = false;     // likewise: scans come before the end of the questions
   Phase phase_ = Phase::idle;
-  std::string_view question_;  // the command that was asked last
+  std::string_view question_;  // the last command
   Answer expected_ = Answer::needed;
   const ColaTelegram* answer_ = nullptr;  // to the last question; nullptr: none came
   bool refused_ = false;                  // that answer

@@ -12,7 +12,7 @@
 namespace lidard::sick {
 namespace {
 
-/// So many telegrams may be missing between two that came in one burst.
+/// Largest loss between two telegrams that came in one burst.
 constexpr double loss_without_time = 1000;
 
 enum class Warning : std::uint8_t {
@@ -57,8 +57,8 @@ std::string_view encoder_name(bool speed, std::size_t i) {
   return speed ? speeds[i] : positions[i];
 }
 
-/// Turns what the device tells beside its scans into states on topics of their own: `lferec` (field_1 ...: 0
-/// invalid, 1 free, 2 infringed), `lidoutputstate` (output_1 ..., output_1_count ...), `lidinputstate`
+/// Publishes the device's messages beside its scans as states on topics of their own: `lferec` (field_1 ...:
+/// 0 invalid, 1 free, 2 infringed), `lidoutputstate` (output_1 ..., output_1_count ...), `lidinputstate`
 /// (input_1 ...: 0 inactive, 1 active, 2 not used), `encoder` (position_1 in ticks, speed_1 in ticks/mm) and
 /// `imu`.
 class ColaStates {
@@ -67,7 +67,7 @@ class ColaStates {
     state_->frame_id = imu_->frame_id = config.frame_id;
   }
 
-  /// Reads the telegram if it is one of those; why it cannot be read.
+  /// Publishes the telegram if it is one of those. Returns why it cannot be parsed.
   Reject read(const ColaTelegram& telegram, Stamp arrival, const ColaClock& clock, DriverOutput& out) {
     const std::string_view kind = telegram.kind(), name = telegram.name();
     if (kind != "sSN" && kind != "sRA") return Reject::none;
@@ -97,7 +97,7 @@ class ColaStates {
   }
 
   Stamp stamp_of(const std::optional<std::uint32_t>& time_us, Stamp arrival, const ColaClock& clock) const {
-    // The pins of some devices are not stamped, and old times are told when a subscription begins.
+    // The pins of some devices have no stamp, and old times are sent when a subscription begins.
     const bool use = time_us && clock.ready();
     return (use ? clock.to_host(clock.near_last(*time_us)) : arrival) + time_offset_;
   }
@@ -210,7 +210,7 @@ class ColaDriver final : public DriverBase {
     return {false, states_.read(telegram, arrival, clock_, out)};
   }
 
-  /// Where both come, LMDscandatamon repeats LMDscandata.
+  /// If both are sent, LMDscandatamon repeats LMDscandata.
   bool is_scan(const ColaTelegram& telegram) {
     if (!is_cola_scan(telegram)) return false;
     const bool monitor = telegram.name() == monitor_scan;
@@ -226,12 +226,12 @@ class ColaDriver final : public DriverBase {
       dialect_ = telegram.dialect;
       follow_device();
     }
-    board_.tell(Warning::status, scan_.status[0] != 0 || scan_.status[1] != 0, [&] {
+    board_.update(Warning::status, scan_.status[0] != 0 || scan_.status[1] != 0, [&] {
       return "the device tells status " + std::to_string(scan_.status[0]) + " " +
              std::to_string(scan_.status[1]) +
              " instead of 0 0: a fault or a dirty window; look at it with SOPAS ET";
     });
-    reason = take_geometry();
+    reason = apply_geometry();
     if (reason != Reject::none) return reason;
     const Span start = clock_.observe(scan_.start_us, scan_.transmit_us, geometry_.sweep(), arrival);
     counters_.clock_steps = clock_.steps();
@@ -243,7 +243,7 @@ class ColaDriver final : public DriverBase {
       return Reject::none;
     }
     const bool known = cloud_builder_.add(scan_, geometry_, first, clock_, out);
-    board_.tell(Warning::layer, !known, [&] {
+    board_.update(Warning::layer, !known, [&] {
       return "the device sends a plane at " + std::to_string(scan_.layer) +
              " (1/100 deg) that this model does not have; check `model`";
     });
@@ -255,7 +255,7 @@ class ColaDriver final : public DriverBase {
     if (device_known_ && before != scan_.serial) {
       clock_.reset();
       counting_ = false;
-      board_.tell(Warning::other_device, true, [&] {
+      board_.update(Warning::other_device, true, [&] {
         return "scanner " + std::to_string(before) + " was replaced by scanner " +
                std::to_string(scan_.serial) + "; check its pose and its fields";
       });
@@ -267,8 +267,8 @@ class ColaDriver final : public DriverBase {
     show_info();
   }
 
-  /// A gap in the telegram counter is a loss if the time that passed allows for it, by the device's clock
-  /// and, since that may have started anew, roughly by ours. Devices that do not count telegrams count scans.
+  /// Counts a gap in the telegram counter as loss if the elapsed time allows it, by the device's clock and,
+  /// as that may have restarted, roughly by the host's. Devices that do not count telegrams count scans.
   void follow_counters(Span start, Stamp arrival) {
     const auto by_telegram = static_cast<std::uint16_t>(scan_.telegram_counter - telegram_counter_);
     const auto by_scan = static_cast<std::uint16_t>(scan_.scan_counter - scan_counter_);
@@ -286,10 +286,10 @@ class ColaDriver final : public DriverBase {
     counted_arrival_ = arrival;
   }
 
-  Reject take_geometry() {
+  Reject apply_geometry() {
     ColaGeometry now;
     const bool good = read_geometry(scan_, row_, now);
-    board_.tell(Warning::no_distances, !good && scan_.channel("DIST1") == nullptr, [] {
+    board_.update(Warning::no_distances, !good && scan_.channel("DIST1") == nullptr, [] {
       return "the device sends scans without distances; switch the channel DIST1 on (LMDscandatacfg)";
     });
     if (!good) return Reject::field;
@@ -302,7 +302,7 @@ class ColaDriver final : public DriverBase {
     geometry_ = now;
     has_geometry_ = true;
     has_beams_ = scan_builder_.choose(geometry_);
-    board_.tell(Warning::no_beams_left, !has_beams_ && !row_.layered, [&] {
+    board_.update(Warning::no_beams_left, !has_beams_ && !row_.layered, [&] {
       return "no beam lies between angle_min and angle_max, the scanner sends " + describe(geometry_) +
              "; correct the angles in the configuration";
     });

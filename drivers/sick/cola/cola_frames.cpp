@@ -17,29 +17,29 @@ double turn_by_measurements(const ColaScan& scan, double step_deg) {
   return scan.measurement_hz > 0 && step_deg > 0 ? 360 / step_deg / scan.measurement_hz : 0;
 }
 
-/// Time between neighbouring beams. The scan frequency is the exact one of both frequencies; how many scans
-/// a turn gives is the row's, unless the measurement frequency says otherwise.
+/// Time between neighbouring beams. Of both frequencies the scan frequency is exact; the row has the scans
+/// per turn, unless the measurement frequency contradicts it.
 double beam_period(const ColaScan& scan, const ColaRow& row, double step_deg) {
   if (!(scan.scan_hz > 0)) return 0;
   constexpr double tolerance = 0.02;
   const double period = 1 / scan.scan_hz;
-  const double told = turn_by_measurements(scan, step_deg);
+  const double measured = turn_by_measurements(scan, step_deg);
   double turn = row.turn * period;
   for (int scans = 1; scans <= 4; ++scans) {
-    if (told > 0 && std::abs(told - scans * period) <= tolerance * told) turn = scans * period;
+    if (measured > 0 && std::abs(measured - scans * period) <= tolerance * measured) turn = scans * period;
   }
   return turn * step_deg / 360;
 }
 
 }  // namespace
 
-double exact_step_deg(double told) {
+double exact_step_deg(double sent) {
   constexpr double half_unit = 0.5e-4;
-  for (int parts = 1; parts <= 3 && told > 0; ++parts) {
-    const double exact = parts / std::round(parts / told);
-    if (std::abs(exact - told) <= half_unit) return exact;
+  for (int parts = 1; parts <= 3 && sent > 0; ++parts) {
+    const double exact = parts / std::round(parts / sent);
+    if (std::abs(exact - sent) <= half_unit) return exact;
   }
-  return told;
+  return sent;
 }
 
 double ColaGeometry::angle(const ColaRow& row, double beam) const {
@@ -140,10 +140,10 @@ constexpr std::size_t no_ring = planes.size();
 /// Elevation of a plane, rad, positive upwards.
 double elevation_of(std::size_t ring) { return -planes[ring] / 100.0 * rad_per_deg; }
 /// The telegrams of the planes follow each other as 250, -500, 0, -250: a cloud begins with the first of
-/// them, so that its telegrams do not depend on when one starts to listen.
+/// them, so that its telegrams do not depend on the start of the connection.
 constexpr std::size_t first_ring = 0;
 constexpr std::uint32_t all_rings = (1U << planes.size()) - 1;
-/// ANGL1: what to add to the evenly spaced angle, in 1/10000 deg.
+/// ANGL1: correction of the evenly spaced angle, in 1/10000 deg.
 constexpr double correction_deg = 1e-4;
 
 std::size_t ring_of(std::int16_t layer) {
@@ -233,7 +233,7 @@ void ColaCloudBuilder::append(const ColaScan& telegram, std::size_t ring, Span f
                                 static_cast<float>(azimuth_deg * rad_per_deg), fired});
       append_return(*telegram.channel(distance_names[echo]), telegram.channel(intensity_names[echo]), beam,
                     azimuth_deg, static_cast<std::uint16_t>(ring), fired);
-      // Second and third echoes are rare: no column of theirs without a point.
+      // Second and third echoes are rare: drop their columns without a point.
       if (echo > 0 && cloud_.columns.back().first_point == cloud_.size()) cloud_.columns.pop_back();
     }
     cloud_.end = std::max(cloud_.end, fired);

@@ -17,7 +17,7 @@
 
 namespace lidard::sick {
 
-/// Where and when the beams of a telegram were measured.
+/// Angles and times of a telegram's beams.
 struct ColaGeometry {
   std::size_t beams = 0;
   std::size_t echoes = 0;
@@ -37,10 +37,10 @@ bool read_geometry(const ColaScan& scan, const ColaRow& row, ColaGeometry& geome
 std::string describe(const ColaGeometry& geometry);
 
 /// A step that the telegram holds in 1/10000 deg: 0.3333 stands for 1/3, 0.1667 for 1/6.
-double exact_step_deg(double told);
+double exact_step_deg(double sent);
 
-/// What a raw distance means. Values below 16 are codes (sick_scan_xd, README of the data formats): 0 no
-/// echo, 1 dazzled, others unknown. That 0 always means free space is unverified.
+/// State of a beam by its raw distance. Values below 16 are codes (sick_scan_xd, README of the data formats):
+/// 0 no echo, 1 dazzled, others unknown. It is unverified that 0 always means free space.
 BeamStatus status_of_raw(std::uint16_t raw);
 constexpr std::uint16_t first_distance = 16;
 
@@ -49,7 +49,7 @@ class ColaScanBuilder {
  public:
   ColaScanBuilder(const DriverConfig& config, const ColaRow& row);
 
-  /// Which beams the configured angles leave of this geometry. False: none.
+  /// Chooses the beams between the configured angles. False: none.
   bool choose(const ColaGeometry& geometry);
   /// Beam of the telegram that comes first in the scan.
   std::size_t first_beam() const { return first_beam_; }
@@ -74,11 +74,11 @@ class ColaCloudBuilder {
  public:
   ColaCloudBuilder(const DriverConfig& config, const ColaRow& row, Counters& counters);
 
-  /// Takes a telegram whose first beam was measured at `first` of the device's clock. Hands on the cloud
-  /// that it completes. False: no plane of the device has that angle.
+  /// Adds a telegram whose first beam was measured at `first` of the device's clock. Hands on the cloud that
+  /// it completes. False: no plane of the device has that angle.
   bool add(const ColaScan& telegram, const ColaGeometry& geometry, Span first, const ColaClock& clock,
            DriverOutput& out);
-  /// Hands on, or drops, what is begun.
+  /// Hands on or drops the unfinished cloud.
   void finish(DriverOutput& out);
   void clear();
 

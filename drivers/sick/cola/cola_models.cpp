@@ -19,10 +19,10 @@ constexpr std::uint32_t tim7xxs_password = 0x6FD62C05;
 // Shifts and mirroring: sick_scan_xd 3.9.0, sick_generic_parser.cpp 553-1018. Only those of TiM7xx, LMS1xx,
 // LMS5xx and MRS1000 were seen in recordings, whose angles fit; the others are unverified.
 //
-// Stamps: LMS111 and TiM781 transmit 3 and 6 ms after their time stamp, but their sweeps take 15 and 50 ms:
-// the stamp cannot be that of the first beam sent; taken for the last one's. MRS1104 transmits 64 ms after
-// it, its sweep takes 61 ms: the first beam. LMS511: 40 ms, sweep 21 ms: taken for the first beam. What is
-// not named here is unverified, as is the part of a turn that each may be off.
+// Stamps: LMS111 and TiM781 transmit 3 and 6 ms after their time stamp, but their sweeps last 15 and 50 ms:
+// the stamp cannot be that of the first beam sent; assumed to be the last one's. MRS1104 transmits 64 ms
+// after it, its sweep lasts 61 ms: the first beam. LMS511: 40 ms, sweep 21 ms: assumed to be the first
+// beam's. All else is unverified, as is the error of each within a turn.
 constexpr ColaRow row(double shift_deg, bool mirrored, ColaStamp stamp,
                       std::uint32_t password = usual_password) {
   return {shift_deg, mirrored, stamp, 1, authorized_client, password, false};
@@ -56,8 +56,8 @@ struct Facts {
   std::uint16_t port = usual_port;
 };
 
-// Ranges: the products' data sheets, the largest of each family; the near ends are those of what devices
-// were seen to send (an LMS111 tells 0.08 m, an MRS1104 16 mm). Unverified.
+// Ranges: the products' data sheets, the largest of each family; the near ends are distances that devices
+// were seen to send (LMS111 0.08 m, MRS1104 16 mm). Unverified.
 constexpr Facts all_facts[] = {
     {"sick_lms1xx", "LMS1xx", &lms1xx, 50, 0.05, 50, true, "1 capture (LMS111), telegrams of an LMS151"},
     {"sick_lms5xx", "LMS5xx", &lms5xx, 25, 0.05, 80, true, "1 capture (LMS511), single answers in CoLa A"},
@@ -105,8 +105,8 @@ void append_cola_models(std::vector<Model>& list) {
 
 namespace {
 
-/// How the names begin that devices call themselves by; the first that fits counts.
-/// Recorded: "MRS1xxxx", "MRS1xxxC". The others follow SICK 8014631 and are unverified.
+/// Begins of the names in DeviceIdent; the first that fits counts. Recorded: "MRS1xxxx", "MRS1xxxC". The
+/// others follow SICK 8014631 and are unverified.
 struct Identity {
   std::string_view begins, model;
 };
@@ -125,7 +125,7 @@ constexpr std::array identities = {
     Identity{"OEM15", "sick_oem15xx"},
 };
 
-/// What the scans of a sender say of it, beside its name.
+/// Evidence from the scans of a sender.
 struct ColaEvidence {
   double start_deg = 0, end_deg = 0, step_deg = 0;  ///< as the device counts
   double hz = 0;                                    ///< scans per second
@@ -136,8 +136,8 @@ struct ColaEvidence {
 constexpr double slack_deg = 0.1;
 constexpr double any = 0;
 
-/// What the scans of a family may be: a part of the sweep from `start_deg` to `end_deg` of the device, at one
-/// of the rates and steps, no distance beyond `farthest_m`.
+/// Possible scans of a family: a part of the sweep from `start_deg` to `end_deg` of the device, at one of the
+/// rates and steps, no distance beyond `farthest_m`.
 struct Family {
   std::string_view model;
   double start_deg, end_deg;
@@ -146,9 +146,9 @@ struct Family {
   double most_mm;                  ///< of one step of a distance (the scale factor); 0: any
   double farthest_m;
 };
-/// Of the families that fit, the first is told. Rates and steps of the LMS5xx: SICK 8013796 p. 85; that it
-/// alone tells distances in steps of 2 mm follows from its range of 80 m (16 bits of 1 mm end at 65 m) and
-/// was seen; the others' were seen or follow their data sheets, unverified.
+/// The first family that fits is chosen. Rates and steps of the LMS5xx: SICK 8013796 p. 85; only the LMS5xx
+/// sends distances in steps of 2 mm, which follows from its range of 80 m (16 bits of 1 mm end at 65 m) and
+/// was seen; those of the others were seen or follow their data sheets, unverified.
 constexpr std::array families = {
     Family{"sick_lms1000", -47.5, 227.5, {50}, {0.25}, 1, 64},
     Family{"sick_tim7xx", -45, 225, {15}, {1.0 / 3}, 1, 25},
@@ -168,12 +168,12 @@ constexpr std::array families = {
     Family{"sick_nav31x", 0, 360, {8}, {}, any, any},
     Family{"sick_oem15xx", 0, 360, {8}, {}, any, any},
     Family{"sick_lrs36x0", 0, 360, {8}, {}, any, any},
-    // Steps and rates that are not listed: rather a scan than none. An LMS1xx turns at 25 or 50 Hz only.
+    // Accept unlisted steps and rates. An LMS1xx turns at 25 or 50 Hz only.
     Family{"sick_lms5xx", -5, 185, {}, {}, any, any},
     Family{"sick_lms1xx", -45, 225, {25, 50}, {}, 1, 50},
     Family{"sick_tim5xx", -45, 225, {}, {}, 1, 25},
 };
-/// The families whose scans are known from devices; the last three take what is not listed.
+/// The families whose scans are known from devices; the last three accept what is not listed.
 constexpr std::size_t known_families = families.size() - 3;
 
 bool near_to(double a, double b, double tolerance) { return std::abs(a - b) <= tolerance; }
@@ -185,7 +185,7 @@ bool is_among(const std::array<double, Size>& values, double value, double toler
                      [&](double each) { return each != any && near_to(each, value, tolerance); });
 }
 
-/// A whole sweep of an LMS5xx is a part of the wider ones.
+/// True for a full sweep of an LMS5xx, which is a part of the wider ones.
 bool is_whole_lms5xx(const ColaEvidence& seen) {
   return near_to(seen.start_deg, -5, slack_deg) && near_to(seen.end_deg, 185, slack_deg);
 }
@@ -200,8 +200,8 @@ bool fits(const Family& family, const ColaEvidence& seen) {
   return is_among(family.hz, seen.hz, 0.6) && is_among(family.step_deg, seen.step_deg, 1e-4);
 }
 
-/// What a telegram says, and how far the scans before it saw. False if it has no distances.
-bool look(const ColaScan& scan, ColaEvidence& seen) {
+/// Adds a telegram to the evidence. False if it has no distances.
+bool add_scan(const ColaScan& scan, ColaEvidence& seen) {
   const ColaChannel* distance = scan.channel("DIST1");
   if (distance == nullptr || distance->values.empty()) return false;
   seen.step_deg = exact_step_deg(distance->step_deg);
@@ -216,9 +216,7 @@ bool look(const ColaScan& scan, ColaEvidence& seen) {
   return true;
 }
 
-/// Recognises scanners that speak CoLa in the bytes of one sender. The model follows from what the device
-/// calls itself (DeviceIdent), else from angles, rates and distances of its scans; where they fit several
-/// families, others() names those that were not chosen.
+/// Recognizes scanners that speak CoLa in the bytes of one sender, see make_cola_recognizer().
 class ColaRecognizer final : public Recognizer {
  public:
   void add(const Packet& packet) override {
@@ -228,12 +226,12 @@ class ColaRecognizer final : public Recognizer {
     for (const std::string_view head : {"sSN LMDscandata", "sRA LMDscandata"})
       scan_heads_ += packet.payload.text().find(head) != std::string_view::npos ? 1U : 0U;
     stream_.add(packet.payload);
-    for (ColaTelegram telegram; stream_.next(telegram);) look_at(telegram);
+    for (ColaTelegram telegram; stream_.next(telegram);) inspect(telegram);
   }
 
   std::string_view verdict() const override { return verdict_; }
   std::vector<std::string_view> others() const override { return others_; }
-  /// Of scans that nobody can read.
+  /// Reports scans that cannot be parsed.
   std::string remark() const override {
     if (!verdict_.empty() || scan_heads_ == 0) return {};
     std::string text =
@@ -255,7 +253,7 @@ class ColaRecognizer final : public Recognizer {
   }
 
  private:
-  void look_at(const ColaTelegram& telegram) {
+  void inspect(const ColaTelegram& telegram) {
     if (telegram.kind() == "sRA" && telegram.name() == "DeviceIdent")
       note_identity(telegram.arguments().text());
     if (named_ || !is_cola_scan(telegram)) return;
@@ -268,7 +266,7 @@ class ColaRecognizer final : public Recognizer {
       others_.clear();
       return;
     }
-    if (look(scan_, seen_)) choose();
+    if (add_scan(scan_, seen_)) choose();
   }
 
   void note_identity(std::string_view identity) {
@@ -307,7 +305,7 @@ class ColaRecognizer final : public Recognizer {
 
 }  // namespace
 
-/// The text may stand behind its length, of whichever dialect.
+/// The text may follow its length, in either dialect.
 std::string_view cola_model_named(std::string_view identity) {
   for (const Identity& known : identities) {
     if (identity.substr(0, 16).find(known.begins) != std::string_view::npos) return known.model;

@@ -11,13 +11,13 @@
 
 namespace lidard::sick {
 
-/// What the telegram's "time since start up" means. SICK 8014631 says "time at the zero index before the
+/// Meaning of the telegram's "time since start up". SICK 8014631 says "time at the zero index before the
 /// measurement itself starts"; the times of transmission beside it contradict that for some devices.
 enum class ColaStamp : std::uint8_t { first_beam, last_beam };
 
-/// What the protocol needs to know of one device.
+/// Protocol properties of one device.
 struct ColaRow {
-  double shift_deg;        ///< added to the device's angle: what points ahead becomes 0
+  double shift_deg;        ///< added to the device's angle, so that 0 points ahead
   bool mirrored;           ///< then the sign changes: the device counts clockwise
   ColaStamp stamp;         ///< see there
   std::uint8_t turn;       ///< telegrams for each turn of the mirror
@@ -28,8 +28,8 @@ struct ColaRow {
 
 /// Adds the scanners that speak CoLa A and B over TCP to the table of models.
 void append_cola_models(std::vector<Model>& list);
-/// Recognises such a scanner by what it calls itself (DeviceIdent), else by angles, rates and distances of
-/// its scans; where they fit several families, others() names those that were not chosen.
+/// Recognizes such a scanner by its own name (DeviceIdent), else by angles, rates and distances of its scans;
+/// where they fit several families, others() names those that were not chosen.
 std::unique_ptr<Recognizer> make_cola_recognizer();
 /// The search telegram of SICK devices (UDP 30718, as sick_scan_xd sends it; unverified on a device): 24
 /// bytes; the answer is XML.
@@ -37,7 +37,7 @@ const Discovery& discovery();
 /// The model of a device that calls itself `identity` (DeviceIdent); empty if no known name is in it.
 std::string_view cola_model_named(std::string_view identity);
 
-/// Topics of what such a device tells beside its scans, in Model::messages.
+/// Topics of the messages beside the scans, in Model::messages.
 constexpr std::string_view topic_fields = "lferec";
 constexpr std::string_view topic_outputs = "lidoutputstate";
 constexpr std::string_view topic_inputs = "lidinputstate";

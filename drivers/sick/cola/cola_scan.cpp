@@ -81,9 +81,9 @@ std::string_view read_text(Reader& in) {
   return in.u16() == 0 ? std::string_view() : in.text(in.text_size());
 }
 
-/// What follows the channels: where the device stands, its name, a comment and the time. Of these the name
-/// counts. The events behind them are described differently from device to device; old firmware sends no such
-/// field.
+/// Parses the part behind the channels: position of the device, its name, a comment and the time. Only the
+/// name is used. The events behind them are described differently from device to device; old firmware sends
+/// no such field.
 template <class Reader>
 void read_tail(Reader& in, ColaScan& scan) {
   if (in.u16() != 0) {
@@ -133,8 +133,8 @@ Reject parse_cola_scan(const ColaTelegram& telegram, ColaScan& scan) {
 
 namespace {
 
-/// Where a field is infringed. One entry for every cut-off segment: 15 bytes (recorded from an LMS511),
-/// of which nothing is needed here. Two more lists follow, whose entries nobody has seen.
+/// Skips the infringed places. One entry for every cut-off segment: 15 bytes (recorded from an LMS511). Two
+/// more lists follow, of which no entry was recorded.
 template <class Reader>
 Reject skip_infringements(Reader& in) {
   const std::size_t segments = in.u16();
@@ -183,7 +183,7 @@ Reject read_fields(Reader in, ColaFields& out) {
   return Reject::none;
 }
 
-/// The number of pins is not told: it follows from what is left before the time at the end.
+/// The number of pins is not sent: it follows from the bytes left before the time at the end.
 template <class Reader>
 Reject read_pins(Reader in, bool with_counts, ColaPins& out) {
   const auto units = [](std::size_t bytes) { return Reader::units(bytes); };
@@ -226,7 +226,7 @@ Reject parse_cola_imu(const ColaTelegram& telegram, ColaImu& imu) {
   };
   read(imu.acceleration);
   read(imu.angular_velocity);
-  for (int i = 0; i < 3; ++i) in.u32();  // nobody knows what; 0
+  for (int i = 0; i < 3; ++i) in.u32();  // unknown; 0
   read(imu.orientation);
   in.u32();  // likewise
   imu.time_us = in.u32();

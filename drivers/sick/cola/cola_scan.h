@@ -72,7 +72,7 @@ struct ColaScan {
 constexpr std::string_view monitor_scan = "LMDscandatamon";
 /// True for "sSN LMDscandata", the polled "sRA LMDscandata" and both of LMDscandatamon.
 bool is_cola_scan(const ColaTelegram& telegram);
-/// Reads a scan in either dialect. What is wrong with it, or Reject::none; `scan` is whole only then.
+/// Reads a scan in either dialect. Returns its fault, or Reject::none; `scan` is complete only then.
 Reject parse_cola_scan(const ColaTelegram& telegram, ColaScan& scan);
 
 /// The microseconds since start-up in the telegrams, unwrapped and mapped to host time.
@@ -80,15 +80,15 @@ class ColaClock {
  public:
   explicit ColaClock(ClockMode mode) : clock_(mode) {}
 
-  /// A telegram arrived. Its two times are `start_us` and `transmit_us`; `sweep` is how long it measured,
-  /// used where the device does not tell when it transmitted. Returns the unwrapped start time.
+  /// A telegram arrived. Its two times are `start_us` and `transmit_us`; `sweep` is the duration of the
+  /// measurement, used where the device sends no time of transmission. Returns the unwrapped start time.
   Span observe(std::uint32_t start_us, std::uint32_t transmit_us, Span sweep, Stamp arrival) {
     if (!started_) {
       device_ = std::chrono::microseconds(start_us);
     } else {
       const Span ahead = std::chrono::microseconds(start_us - start_us_);
       if (start_us < start_us_) ++wraps_;
-      // More than one wrap fits into a long silence.
+      // A long silence may span several wraps.
       const double wraps = seconds(arrival - arrival_ - ahead) / seconds(wrap);
       device_ += ahead + wrap * static_cast<std::int64_t>(std::max(0.0, std::round(wraps)));
     }
@@ -109,7 +109,7 @@ class ColaClock {
   /// Overflows, each some 71.6 min after the last; a device that was switched off and on counts as one too.
   std::uint64_t wraps() const { return wraps_; }
   const DeviceClock& clock() const { return clock_; }
-  /// Another device, or another recording: the times have nothing to do with the former.
+  /// Restarts for another device or recording, whose times are unrelated.
   void reset() {
     started_ = false;
     clock_.reset();
@@ -117,7 +117,7 @@ class ColaClock {
 
  private:
   static constexpr Span wrap = std::chrono::microseconds(std::int64_t{1} << 32);
-  /// A longer way from measurement to transmission is no time but an empty field.
+  /// A longer time from measurement to transmission is an empty field.
   static constexpr Span longest_way = std::chrono::seconds(10);
 
   DeviceClock clock_;
@@ -128,7 +128,7 @@ class ColaClock {
   Stamp arrival_;
 };
 
-/// LFErec: what the device's field evaluation says.
+/// LFErec: the result of the device's field evaluation.
 struct ColaFields {
   static constexpr std::size_t most = 48;
   struct Field {
@@ -161,12 +161,12 @@ struct ColaImu {
 };
 
 /// Reads "sSN InertialMeasurementUnit" of CoLa B. Fields as in sick_scan_xd (sick_generic_imu.cpp), but the
-/// time: recorded telegrams of an MRS1104 have it in the last word. That driver reads another order of
-/// fields in CoLa A, which nobody has recorded: such a telegram is Reject::version.
+/// time: recorded telegrams of an MRS1104 have it in the last word. That driver reads another order of fields
+/// in CoLa A, of which no recording is known: such a telegram is Reject::version.
 Reject parse_cola_imu(const ColaTelegram& telegram, ColaImu& imu);
 
 /// Layouts: sick_scan_xd (sick_scan_messages.cpp), compared with recorded telegrams of LMS111, LMS511 and
-/// TiM781S. What is wrong, or Reject::none.
+/// TiM781S. Returns the fault, or Reject::none.
 Reject parse_cola_fields(const ColaTelegram& telegram, ColaFields& fields);
 Reject parse_cola_outputs(const ColaTelegram& telegram, ColaPins& pins);
 Reject parse_cola_inputs(const ColaTelegram& telegram, ColaPins& pins);

@@ -15,11 +15,11 @@ constexpr std::uint8_t stx = 2;
 constexpr std::uint8_t etx = 3;
 constexpr std::size_t marks = 4;        // STX four times
 constexpr std::size_t binary_head = 8;  // marks and length
-constexpr std::size_t letters = 3;      // "sSN": the shortest that tells a command
+constexpr std::size_t letters = 3;      // "sSN": the shortest begin of a command
 
 bool is_upper(std::uint8_t c) { return c >= 'A' && c <= 'Z'; }
 
-/// True as long as nothing contradicts that a command ("sRN", "sFA") begins at `at`.
+/// True if a command ("sRN", "sFA") may begin at `at`.
 bool may_be_command(ByteView bytes, std::size_t at) {
   if (bytes.has(at, 1) && bytes.data()[at] != 's') return false;
   if (bytes.has(at + 1, 1) && !is_upper(bytes.data()[at + 1])) return false;
@@ -100,7 +100,7 @@ ColaStream::Find ColaStream::find_binary(ByteView rest, ColaTelegram& telegram, 
   if (!rest.has(binary_head, length + 1)) return Find::more;
   const ByteView payload = rest.sub(binary_head, length);
   if (checksum(payload) != rest.u8(binary_head + length)) {
-    // A length that was damaged may reach over good telegrams: only the mark is given up.
+    // A damaged length may span good telegrams: skip only the mark.
     counters_.reject(Reject::checksum);
     in_step_ = false;
     joined_ = false;
@@ -142,7 +142,7 @@ int digit_of(char c) {
 
 }  // namespace
 
-std::uint32_t ColaBinaryReader::take(std::size_t size) {
+std::uint32_t ColaBinaryReader::number(std::size_t size) {
   if (!bytes_.has(at_, size)) {
     ok_ = false;
     at_ = bytes_.size();
@@ -154,7 +154,7 @@ std::uint32_t ColaBinaryReader::take(std::size_t size) {
   return value;
 }
 
-float ColaBinaryReader::f32() { return float_of_bits(take(4)); }
+float ColaBinaryReader::f32() { return float_of_bits(number(4)); }
 
 std::size_t ColaBinaryReader::text_size() {
   const std::uint8_t first = u8();
@@ -218,7 +218,7 @@ std::uint32_t ColaTextReader::number(std::uint32_t highest) {
 
 float ColaTextReader::f32() { return float_of_bits(number(0xffffffff)); }
 
-/// A text follows its length and one blank, and may hold blanks itself.
+/// A text follows its length and one blank, and may contain blanks.
 std::string_view ColaTextReader::text(std::size_t size) {
   if (size == 0) return {};
   if (text_.size() < size + 1 || text_.front() != ' ') {
@@ -233,7 +233,7 @@ std::string_view ColaTextReader::text(std::size_t size) {
 
 void ColaTextReader::values(std::size_t count, bool wide, std::vector<std::uint16_t>& out) {
   out.clear();
-  // Every value takes two characters at least: a lying count asks for no memory.
+  // Every value has two characters at least: a false count allocates no memory.
   if (count > text_.size()) {
     ok_ = false;
     return;

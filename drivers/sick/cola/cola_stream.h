@@ -17,7 +17,7 @@ namespace lidard::sick {
 /// checksum (SICK 8014631, "Telegram listing", chapter 2).
 enum class ColaDialect : std::uint8_t { a, b };
 
-/// What stands between the frame's marks: "sSN LMDscandata ..." and the like.
+/// The text between the frame's marks: "sSN LMDscandata ..." and the like.
 struct ColaTelegram {
   ColaDialect dialect = ColaDialect::b;
   ByteView payload;
@@ -26,28 +26,27 @@ struct ColaTelegram {
   std::string_view kind() const { return payload.text().substr(0, 3); }
   /// "LMDscandata"; empty in an error answer.
   std::string_view name() const;
-  /// What follows the name and its blank.
+  /// The part behind the name and its blank.
   ByteView arguments() const;
 };
 
 /// Finds telegrams of both dialects in a byte stream that may begin anywhere and have holes.
 ///
 /// A candidate counts only when length, command letters and checksum (B) or character set (A) fit, so that
-/// measured values that look like a frame's mark are not taken for one. Memory is bounded by one telegram
-/// and one chunk.
+/// measured values that equal a frame's mark are no frame. Memory is bounded by one telegram and one chunk.
 class ColaStream {
  public:
-  /// The longest payload that is waited for, bytes. The largest real ones (several channels of a NAV or MRS
-  /// in text) stay far below.
+  /// The longest accepted payload, bytes. The largest real ones (several channels of a NAV or MRS in text)
+  /// stay far below.
   static constexpr std::size_t longest = 256 * 1024;
 
   explicit ColaStream(Counters& counters) : counters_(counters) {}
 
-  /// The next bytes of the stream. Take out all telegrams before adding more.
+  /// Appends bytes of the stream. Remove all telegrams before adding more.
   void add(ByteView bytes) { buffer_.add(bytes); }
-  /// The next whole telegram, valid until the next call of add(), interrupt() or next().
+  /// The next complete telegram, valid until the next call of add(), interrupt() or next().
   bool next(ColaTelegram& telegram);
-  /// The stream begins or continues after a hole: what was begun will never be whole.
+  /// The stream begins or continues after a hole: drops the incomplete telegram.
   void interrupt();
   /// The checksum of dialect B: all payload bytes, exclusive or.
   static std::uint8_t checksum(ByteView payload);
@@ -65,16 +64,16 @@ class ColaStream {
   bool joined_ = true;        // nothing but a lost beginning was skipped since interrupt()
 };
 
-/// Reads the arguments of a binary telegram one after the other (SICK 8014631 chapter 2.3: big-endian).
-/// A value that is not there makes ok() false and reads as 0.
+/// Reads the arguments of a binary telegram one after the other (SICK 8014631 chapter 2.3: big-endian). A
+/// missing value makes ok() false and reads as 0.
 class ColaBinaryReader {
  public:
   explicit ColaBinaryReader(ByteView bytes) : bytes_(bytes) {}
 
   bool ok() const { return ok_; }
-  std::uint8_t u8() { return static_cast<std::uint8_t>(take(1)); }
-  std::uint16_t u16() { return static_cast<std::uint16_t>(take(2)); }
-  std::uint32_t u32() { return take(4); }
+  std::uint8_t u8() { return static_cast<std::uint8_t>(number(1)); }
+  std::uint16_t u16() { return static_cast<std::uint16_t>(number(2)); }
+  std::uint32_t u32() { return number(4); }
   std::int16_t i16() { return static_cast<std::int16_t>(u16()); }
   std::int32_t i32() { return static_cast<std::int32_t>(u32()); }
   float f32();
@@ -85,13 +84,13 @@ class ColaBinaryReader {
   std::string_view text(std::size_t size);
   /// `count` values of 8 or 16 bits.
   void values(std::size_t count, bool wide, std::vector<std::uint16_t>& out);
-  /// What is left: bytes.
+  /// Bytes left.
   std::size_t left() const { return bytes_.size() - at_; }
-  /// What a value of `bytes` bytes takes of left().
+  /// The share of left() of a value of `bytes` bytes.
   static constexpr std::size_t units(std::size_t bytes) { return bytes; }
 
  private:
-  std::uint32_t take(std::size_t size);
+  std::uint32_t number(std::size_t size);
 
   ByteView bytes_;
   std::size_t at_ = 0;
@@ -114,7 +113,7 @@ class ColaTextReader {
   std::size_t text_size() { return u16(); }
   std::string_view text(std::size_t size);
   void values(std::size_t count, bool wide, std::vector<std::uint16_t>& out);
-  /// What is left: fields.
+  /// Fields left.
   std::size_t left() const;
   static constexpr std::size_t units(std::size_t) { return 1; }
 
@@ -169,7 +168,7 @@ class ColaWriter {
 
 /// The code of "sFA", or 0xff where it holds none.
 std::uint8_t cola_error_code(const ColaTelegram& telegram);
-/// What a refusal ("sFA" with that code) means and what to do about it.
+/// Meaning of a refusal ("sFA" with that code), with the remedy.
 std::string cola_error_words(std::uint8_t code);
 
 }  // namespace lidard::sick

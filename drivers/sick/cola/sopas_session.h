@@ -14,13 +14,13 @@
 namespace lidard::sick {
 
 constexpr std::string_view sopas_login = "sMN SetAccessMode";
-/// Makes what was written valid, and logs out.
+/// Applies the written settings, and logs out.
 constexpr std::string_view sopas_run = "sMN Run";
 
-/// One question after the other to a SICK device (SOPAS), and whether it was refused.
+/// Questions to a SICK device (SOPAS), one after the other, and refusals.
 class SopasSession {
  public:
-  /// `level`, `password` (its hash): of the login where the configuration names no other.
+  /// `level`, `password` (its hash): of the login unless the configuration names others.
   SopasSession(ColaDialect spoken, const DeviceRequests& requests, std::uint8_t level, std::uint32_t password)
       : dialect(spoken), level_(level), password_(password) {
     const auto number = [](const std::string& text, int base) {
@@ -31,7 +31,7 @@ class SopasSession {
       password_ = static_cast<std::uint32_t>(number(requests.password_hash, 16));
   }
 
-  /// The next question; the arguments of `command` ("sRN DeviceIdent") follow, but those of a login.
+  /// The next question; the arguments of `command` ("sRN DeviceIdent") follow, except those of a login.
   ColaWriter ask(std::string_view command) {
     command_ = command;
     refusal_.reset();

@@ -91,7 +91,7 @@ class CloudBuilder final : public FrameBuilder {
     std::size_t begin, end;
     std::uint8_t number;
   };
-  /// What a line's beams have in common.
+  /// Common values of a line's beams.
   struct LineTable {
     double cos_elevation, sin_elevation;
     std::uint16_t ring;
@@ -130,7 +130,7 @@ class CloudBuilder final : public FrameBuilder {
         open.cloud.columns.push_back(column);
         for (std::size_t line = group.begin; line < group.end; ++line)
           add_point(segment, line, beam, echo, group, open);
-        // Second and third echoes are rare: no column without a point.
+        // Second and third echoes are rare: drop a column without a point.
         if (echo > 0 && open.points == column.first_point) open.cloud.columns.pop_back();
       }
     }

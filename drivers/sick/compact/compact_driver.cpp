@@ -12,9 +12,9 @@
 namespace lidard::sick {
 namespace {
 
-/// After such a silence another device may take over.
+/// After such a silence another device is accepted.
 constexpr Span silence = std::chrono::seconds(1);
-/// Two device times so far apart are not of one clock, or it was set.
+/// Two device times farther apart are of two clocks, or a clock was set.
 constexpr std::uint64_t one_clock_us = 2'000'000;
 /// A frame is given up so long after its last segment should have come.
 constexpr Span deadline_slack = std::chrono::milliseconds(10);
@@ -98,7 +98,7 @@ class CompactDriver final : public DriverBase {
       const TelegramHead head = read_head(rest);
       const bool known = head.type <= TelegramType::imu || head.type == TelegramType::encoder;
       if (!known) {
-        // Nobody reads those; a datagram ends where its telegram ends.
+        // These are not used; a datagram ends with its telegram.
         ++counters_.other_packets;
         return all;
       }
@@ -197,8 +197,8 @@ class CompactDriver final : public DriverBase {
     const Reject reason = parse_encoder(telegram, read);
     if (reason != Reject::none) return reason;
     if (read.transmit_us > latest_device_us) return Reject::field;
-    // The time of the tick has lost its upper half in the telegrams of a picoScan150 that are public; that of
-    // the transmission has not, and is near.
+    // In the public telegrams of a picoScan150 the time of the tick lacks its upper half; the time of
+    // transmission is complete, and near.
     constexpr std::uint64_t half = 0xffffffffU;
     auto apart =
         static_cast<std::int32_t>(static_cast<std::uint32_t>((read.tick_us - read.transmit_us) & half));
@@ -240,7 +240,7 @@ class CompactDriver final : public DriverBase {
     return true;
   }
 
-  /// The device was switched off and on, or its counters start again for another reason.
+  /// Restarts the stream: the device was switched on, or its counters start again.
   void begin_stream(DriverOutput& out) {
     flush(out, true);
     frames_.restart();
@@ -272,8 +272,8 @@ class CompactDriver final : public DriverBase {
               described_version_ == 0 ? "MSGPACK" : "Compact, version " + std::to_string(described_version_));
   }
 
-  /// Host time of what an inertial unit or encoder measured. Their device time is the scans'; it is taken for
-  /// its own where there are no scans or where it is not.
+  /// Host time of a sample of an inertial unit or encoder. Their device time is the scans'; it has a clock of
+  /// its own if there are no scans or if it differs.
   Stamp stamp_of(std::uint64_t us, Stamp arrival) {
     const std::uint64_t apart = us > last_stop_us_ ? us - last_stop_us_ : last_stop_us_ - us;
     Stamp stamp;
@@ -287,7 +287,7 @@ class CompactDriver final : public DriverBase {
   }
 
   DeviceClock clock_;
-  DeviceClock side_clock_;  // of inertial unit and encoder, where their time is another one
+  DeviceClock side_clock_;  // of inertial unit and encoder, if their time differs
   SegmentWarnings warnings_;
   std::unique_ptr<SideDialogue> dialogue_;  // of a device whose TCP connection is for settings, not for data
   Segment segment_;

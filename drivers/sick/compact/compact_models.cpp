@@ -59,8 +59,8 @@ Model lrs4000() {
 }  // namespace
 
 // Largest ranges: sick_scan_xd's table of devices for the LRS4000; those of the others and all smallest ones
-// are unverified and generous, since a limit too near would make a wall look like nothing. Rates: 20 turns/s
-// of 12 segments (multiScan100); up to 50 turns/s of 5, or 25 of 10 (picoScan100); inertial unit 100 Hz.
+// are unverified and generous, since a limit too near would hide a wall. Rates: 20 turns/s of 12 segments
+// (multiScan100); up to 50 turns/s of 5, or 25 of 10 (picoScan100); inertial unit 100 Hz.
 void append_compact_models(std::vector<Model>& list) {
   const char* sister = "no capture of a device; sends what a multiScan136 sends";
   list.push_back(picoscan("sick_picoscan150", "picoScan150",

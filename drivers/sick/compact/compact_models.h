@@ -18,8 +18,7 @@ namespace lidard::sick {
 void append_compact_models(std::vector<Model>& list);
 
 /// Recognizes the family. The telegrams do not name the product: one layer is a picoScan150 (over TCP an
-/// LRS4000), several a multiScan136, and only the configuration can say that it is a sister with another
-/// range.
+/// LRS4000), several a multiScan136, and only the configuration can set a related model with another range.
 std::unique_ptr<Recognizer> make_compact_recognizer();
 
 /// Driver of the devices that send Compact or MSGPACK telegrams: picoScan100, multiScan100, LRS4000.

@@ -32,7 +32,7 @@ double f32(ByteView bytes, std::size_t at) {
   return static_cast<double>(value);
 }
 
-/// Where the parts of a module's head stand, from its number of lines on.
+/// Places of the parts of a module's head, from its number of lines on.
 struct ModuleLayout {
   std::size_t start, stop, elevation, theta_start, theta_stop, scale, next, data;
 
@@ -95,7 +95,7 @@ struct ModuleCounts {
   }
 };
 
-/// Where the values of one line lie: for each beam, for each line, its echoes and then the beam's own.
+/// Sets the places of one line's values: for each beam and each line the echoes, then the beam's own.
 void place_columns(const std::uint8_t* data, std::size_t line, const ModuleCounts& counts,
                    std::uint32_t version, SegmentLine& out) {
   const auto stride = static_cast<std::uint32_t>(counts.lines * counts.beam_bytes());
@@ -250,7 +250,7 @@ bool TelegramStream::next(Telegram& telegram) {
       }
       reason = Reject::checksum;
     }
-    // Before the first telegram and behind a hole nothing else is to be expected.
+    // Other bytes are expected before the first telegram and behind a hole.
     if (in_step_) counters_.reject(reason);
     in_step_ = false;
     skip_to_mark();

@@ -23,20 +23,20 @@ constexpr std::size_t max_segments = 64;
 /// Beams of one line; a full turn in steps of 0.02 deg.
 constexpr std::size_t max_beams = 18000;
 
-/// So that nanoseconds since 1970 fit into 63 bits.
+/// Nanoseconds since 1970 must fit into 63 bits.
 constexpr std::uint64_t latest_device_us = 9'000'000'000'000'000;
 
-/// How the elements of a column are written. Little-endian all.
+/// Type of a column's elements, all little-endian.
 enum class Element : std::uint8_t { u8, u16, u32, f32 };
 
-/// One quantity of the beams of a line, where it lies in the telegram.
+/// Place of one quantity of a line's beams in the telegram.
 struct Column {
   const std::uint8_t* data = nullptr;  ///< of the first beam; nullptr: not sent
   std::uint32_t stride = 0;            ///< bytes from beam to beam
   Element element = Element::u16;
 
   bool sent() const { return data != nullptr; }
-  /// The value of a beam, as it stands on the wire.
+  /// The value of a beam on the wire.
   double operator[](std::size_t beam) const {
     const std::uint8_t* at = data + beam * stride;
     const ByteView bytes(at, 4);
@@ -73,7 +73,7 @@ struct SegmentLine {
   double theta_zero = 0;  ///< azimuth = (theta - theta_zero) * theta_step
   double theta_step = 1;  ///< rad
 
-  /// Azimuth of a beam as the beam itself tells it, else by the announced ends.
+  /// Azimuth of a beam from its own column, else from the announced ends.
   double azimuth(std::size_t beam) const {
     if (theta.sent()) return (theta[beam] - theta_zero) * theta_step;
     if (beams < 2) return theta_start;
@@ -87,7 +87,7 @@ struct SegmentLine {
   }
 };
 
-/// A part of a frame as one telegram carries it, whatever its format. Points into the telegram.
+/// The part of a frame in one telegram, of either format. Points into the telegram.
 struct Segment {
   std::uint64_t counter = 0;  ///< of telegrams
   std::uint64_t frame = 0;
@@ -111,7 +111,7 @@ struct Segment {
   }
 };
 
-/// False where a line says what cannot be: times that run backwards or for ever, angles that are none.
+/// False for impossible values of a line: times that run backwards or for ever, invalid angles.
 inline bool is_plausible(const SegmentLine& line) {
   constexpr std::uint64_t longest_us = 2'000'000;
   constexpr double farthest = 7;  // rad: a segment of a multiScan100 may run beyond pi
@@ -123,7 +123,7 @@ inline bool is_plausible(const SegmentLine& line) {
   return line.metres > 0 && line.metres < 1;
 }
 
-/// What a telegram of picoScan100, multiScan100 or LRS4000 is. The numbers are those on the wire (SICK
+/// Type of a telegram of picoScan100, multiScan100 or LRS4000. The numbers are those on the wire (SICK
 /// KaitaiStructDescriptions, compact_frame.ksy and its neighbours); msgpack has none.
 enum class TelegramType : std::uint32_t {
   msgpack = 0,
@@ -136,21 +136,21 @@ enum class TelegramType : std::uint32_t {
   imu_v2 = 7
 };
 
-/// Longer telegrams are none: an UDP datagram ends at 64 KiB, three echoes of a full turn need less.
+/// Longest telegram: a UDP datagram ends at 64 KiB, three echoes of a full turn need less.
 constexpr std::size_t max_telegram = 256 * 1024;
 
-/// What the begin of some bytes says of the telegram that starts there.
+/// Head of the telegram that starts at some bytes.
 struct TelegramHead {
   Reject reject = Reject::none;  ///< no telegram starts here
   TelegramType type = TelegramType::scan;
-  std::size_t length = 0;  ///< of the whole telegram with its checksum; 0: more bytes are needed to tell
+  std::size_t length = 0;  ///< of the telegram with its checksum; 0: more bytes are needed
 };
 TelegramHead read_head(ByteView bytes);
 
-/// True if the checksum at the end of the whole telegram is right.
+/// True if the checksum at the end of the telegram is right.
 bool checksum_is_right(ByteView telegram, TelegramType type);
 
-/// Parses a whole scan telegram (type 1) whose checksum was tested. `out` points into it.
+/// Parses a complete scan telegram (type 1) whose checksum was tested. `out` points into it.
 Reject parse_compact_scan(ByteView telegram, Segment& out);
 
 /// Type 2, as SICK KaitaiStructDescriptions type_2_imu.ksy has it.
@@ -173,22 +173,22 @@ struct EncoderTelegram {
 };
 Reject parse_encoder(ByteView telegram, EncoderTelegram& out);
 
-/// A whole telegram whose checksum is right.
+/// A complete telegram whose checksum is right.
 struct Telegram {
   ByteView bytes;
   TelegramType type = TelegramType::scan;
 };
 
-/// Finds whole telegrams in a stream of bytes, joined anywhere and with holes: looks for the start mark again
-/// wherever the bytes are no telegram with a right checksum.
+/// Finds telegrams in a stream of bytes, joined anywhere and with holes: searches for the start mark again
+/// where the bytes are no telegram with a right checksum.
 class TelegramStream {
  public:
   explicit TelegramStream(Counters& counters) : counters_(counters) {}
 
   void add(ByteView chunk) { buffer_.add(chunk); }
-  /// The next whole telegram, valid until the next call of add() or interrupt().
+  /// The next complete telegram, valid until the next call of add() or interrupt().
   bool next(Telegram& telegram);
-  /// Bytes are missing, or the connection ended: half a telegram is worth nothing.
+  /// Bytes are missing, or the connection ended: drops an incomplete telegram.
   void interrupt();
 
  private:
@@ -199,7 +199,7 @@ class TelegramStream {
   bool in_step_ = false;  // the last telegram ended where the rest begins
 };
 
-/// Parses a whole MSGPACK telegram (start mark, length, map, checksum) whose checksum was tested. `out`
+/// Parses a complete MSGPACK telegram (start mark, length, map, checksum) whose checksum was tested. `out`
 /// points into it.
 Reject parse_msgpack(ByteView telegram, Segment& out);
 

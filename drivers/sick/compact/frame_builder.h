@@ -16,11 +16,11 @@
 
 namespace lidard::sick {
 
-/// Which segments belong to a frame and when it is complete.
+/// Assigns segments to frames and decides when a frame is complete.
 ///
-/// A device leaves out the segments that its angle filter hides, so the frame's size is learned: from frames
-/// of which the telegram counter proves that nothing is missing, at either end. Two frames may be open at a
-/// time, so that telegrams may overtake each other.
+/// A device leaves out the segments that its angle filter hides, so the frame's size is learned from frames
+/// that are complete by the telegram counter, at either end. Two frames may be open at a time, so that
+/// telegrams may overtake each other.
 class OpenFrames {
  public:
   static constexpr std::size_t most = 2;
@@ -74,7 +74,7 @@ class OpenFrames {
     while (open_count() > 0 && is_complete(frames_[oldest()])) release_oldest(release);
   }
 
-  /// Closes the oldest open frame whatever is missing; false if none is open.
+  /// Closes the oldest open frame, complete or not; false if none is open.
   template <class Release>
   bool release_oldest(Release&& release) {
     if (open_count() == 0) return false;
@@ -87,7 +87,7 @@ class OpenFrames {
   const Frame& frame(std::size_t slot) const { return frames_[slot]; }
   /// Bit n: segment n belongs to a frame; 0: not yet known.
   std::uint64_t expected() const { return expected_; }
-  /// Forgets the stream, and what was learned too.
+  /// Forgets the stream and the learned size.
   void reset() {
     restart();
     expected_ = 0;
@@ -102,7 +102,7 @@ class OpenFrames {
   }
 
  private:
-  /// Frames after which the segments seen are taken for all, where the telegram counter proves nothing.
+  /// Frames after which the segments so far count as all, without a proof by the telegram counter.
   static constexpr int patience = 8;
 
   bool find_slot(std::uint64_t number, std::size_t& slot) const {
@@ -128,7 +128,8 @@ class OpenFrames {
     return expected_ != 0 && (frame.segments & expected_) == expected_;
   }
 
-  /// True if nothing more of the old frame can come: the new one continues it without a gap, or has gone on.
+  /// True if the old frame can get no more segments: the new one continues it without a gap, or is further
+  /// on.
   bool is_overtaken(const Frame& old_frame, const Frame& new_frame) const {
     if (new_frame.telegrams > 1) return true;
     return old_frame.is_gapless() && new_frame.first_counter == old_frame.last_counter + 1 && released_any_ &&
@@ -149,7 +150,7 @@ class OpenFrames {
   }
 
   void learn(const Frame& frame) {
-    // Also of a frame that is complete: the device may send more than it did.
+    // Also for a complete frame: the device may now send more.
     const bool is_whole = frame.proven || is_complete(frame);
     if (!is_whole) seen_ |= frame.segments;
     if (!is_whole && ++unproven_ < patience) return;
@@ -158,7 +159,7 @@ class OpenFrames {
     seen_ = 0;
   }
 
-  /// A segment of a frame that was held for complete: frames have more segments than was known.
+  /// A segment of a frame that counted as complete: frames have more segments than known.
   void note_late(const Segment& segment) {
     if (expected_ != 0 && segment.frame == released_number_ && segment.counter > released_counter_)
       expected_ |= std::uint64_t{1} << segment.index;
@@ -173,12 +174,12 @@ class OpenFrames {
   std::uint64_t released_counter_ = 0;  // the last counter of the last frame released
 };
 
-/// Follows a counter of telegrams: what is missing, what comes twice, what comes late.
+/// Follows a counter of telegrams: finds missing, repeated and late ones.
 class TelegramOrder {
  public:
   enum class Verdict { next, late, duplicate, restart };
 
-  /// The next telegram that came in; `counters` gets what is lost and what is late.
+  /// Adds the next telegram; `counters` gets lost and late ones.
   Verdict add(std::uint64_t counter, Counters& counters) {
     const bool ahead = counter > newest_;
     const std::uint64_t distance = ahead ? counter - newest_ : newest_ - counter;
@@ -207,7 +208,7 @@ class TelegramOrder {
   void reset() { started_ = false; }
 
  private:
-  /// Telegrams that are remembered; what is older than that is not late but another count.
+  /// Telegrams that are remembered; an older one belongs to another count.
   static constexpr std::uint64_t window = 64;
   /// A step ahead beyond that is another count too: some minutes of the fastest device.
   static constexpr std::uint64_t longest_gap = 100'000;
@@ -220,11 +221,11 @@ class TelegramOrder {
 /// Device time as the clock counts it. `us` is at most what is_plausible() lets pass.
 inline Span device_span(std::uint64_t us) { return std::chrono::microseconds(static_cast<std::int64_t>(us)); }
 
-/// What may be wrong with a stream of segments.
+/// Faults of a stream of segments.
 enum class SegmentTrouble : std::uint8_t { geometry, layers, uneven, no_beams, other_device, count_ };
 using SegmentWarnings = WarningBoard<SegmentTrouble>;
 
-/// Why and how whole a frame ends.
+/// How a frame ends.
 struct FrameEnd {
   bool torn = false;           ///< cut off by the begin or end of the data
   std::uint64_t segments = 0;  ///< bit n: segment n is there
@@ -232,7 +233,7 @@ struct FrameEnd {
   bool complete() const { return expected != 0 && (segments & expected) == expected; }
 };
 
-/// What is common to the makers of scans and clouds. They write segments into as many frames as
+/// Common interface of the builders of scans and clouds. They write segments into as many frames as
 /// OpenFrames keeps open.
 class FrameBuilder {
  public:
@@ -244,7 +245,7 @@ class FrameBuilder {
   virtual void adopt(const Segment& segment) = 0;
   virtual void begin(std::size_t slot) = 0;
   virtual void add(std::size_t slot, const Segment& segment, std::uint32_t packet) = 0;
-  /// Hands the frame on; false: it was not whole enough.
+  /// Hands the frame on; false: it was too incomplete.
   virtual bool end(std::size_t slot, const FrameEnd& how, DriverOutput& out) = 0;
   /// The stream starts again.
   virtual void restart() = 0;

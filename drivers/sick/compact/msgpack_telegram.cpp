@@ -27,8 +27,8 @@ bool in(std::uint8_t marker, std::uint8_t first, std::size_t count) {
 /// Bytes of the number behind a marker that is the n-th of 8, 16, 32, 64 bits.
 std::size_t width_of(std::uint8_t marker, std::uint8_t first) { return 1U << (marker - first); }
 
-/// Walks through MessagePack bytes without copying or allocating. Every read says whether the next value was
-/// of that kind and whole; after a failure the position means nothing.
+/// Walks through MessagePack bytes without copying or allocating. Every read returns whether the next value
+/// was complete and of that kind; after a failure the position is undefined.
 class MsgpackReader {
  public:
   explicit MsgpackReader(ByteView bytes) : bytes_(bytes) {}
@@ -48,7 +48,7 @@ class MsgpackReader {
     if (in(marker, uint8, 4)) return big(width_of(marker, uint8), value);
     if (!in(marker, int8, 4)) return false;
     const std::size_t width = width_of(marker, int8);
-    // A signed number that is not negative will do as well.
+    // A signed number that is not negative is accepted, too.
     return big(width, value) && value >> (8 * width - 1) == 0;
   }
 
@@ -87,13 +87,13 @@ class MsgpackReader {
     return true;
   }
 
-  /// Any value with all that it holds.
+  /// Any value with its contents.
   bool skip() {
     std::uint64_t open = 1;
     while (open > 0) {
       --open;
       if (!skip_one(open)) return false;
-      // Each value takes a byte: a count beyond what is left is a lie and must not be walked through.
+      // Each value has a byte at least: reject a count beyond the bytes left.
       if (open > bytes_.size() - at_) return false;
     }
     return true;
@@ -127,7 +127,7 @@ class MsgpackReader {
     return true;
   }
 
-  /// Steps over one value; `inner` grows by the values that it holds.
+  /// Skips one value; `inner` grows by the values that it contains.
   bool skip_one(std::uint64_t& inner) {
     if (!has(1)) return false;
     const std::uint8_t marker = bytes_.u8(at_);
@@ -206,25 +206,25 @@ struct CountedColumn {
   std::uint64_t count = 0;
 };
 
-/// Calls `take(key)` at the value of each pair of a map; it must read or skip the value.
-template <class Take>
-bool for_each_pair(MsgpackReader& reader, Take&& take) {
+/// Calls `use(key)` at the value of each pair of a map; it must read or skip the value.
+template <class Use>
+bool for_each_pair(MsgpackReader& reader, Use&& use) {
   std::size_t pairs = 0;
   if (!reader.map(pairs)) return false;
   for (std::size_t i = 0; i < pairs; ++i) {
     std::uint64_t key = 0;
-    if (!reader.unsigned_integer(key) || !take(key)) return false;
+    if (!reader.unsigned_integer(key) || !use(key)) return false;
   }
   return true;
 }
 
 /// An object is {class: .., data: ..}; the data may stand on either side of the class.
-template <class TakeData>
-bool read_object(MsgpackReader& reader, std::uint64_t wanted, TakeData&& take_data) {
+template <class UseData>
+bool read_object(MsgpackReader& reader, std::uint64_t wanted, UseData&& use_data) {
   return for_each_pair(reader, [&](std::uint64_t key) {
     std::uint64_t name = 0;
     if (key == key_class) return reader.unsigned_integer(name) && name == wanted;
-    return key == key_data ? take_data() : reader.skip();
+    return key == key_data ? use_data() : reader.skip();
   });
 }
 
@@ -294,7 +294,7 @@ bool read_line_map(MsgpackReader& reader, SegmentLine& line, LineColumns& column
   return read;
 }
 
-/// Columns may hold floating-point numbers, and those be none. A distance that is none is no return.
+/// Columns of floating-point numbers may contain NaN. A distance of NaN is no return.
 bool is_finite(const Column& column, std::size_t beams) {
   for (std::size_t beam = 0; column.sent() && beam < beams; ++beam) {
     if (!std::isfinite(column[beam])) return false;
@@ -303,7 +303,7 @@ bool is_finite(const Column& column, std::size_t beams) {
 }
 
 /// Hands the columns to the line if all of them have a value for each beam.
-bool take_columns(const LineColumns& from, SegmentLine& line) {
+bool store_columns(const LineColumns& from, SegmentLine& line) {
   if (line.beams < 1 || line.beams > max_beams) return false;
   if (line.echoes < 1 || line.echoes != from.distances) return false;
   if (from.rssis != 0 && from.rssis != line.echoes) return false;
@@ -335,7 +335,7 @@ bool read_scans(MsgpackReader& reader, Segment& out) {
     SegmentLine& line = out.lines[i];
     LineColumns columns;
     const auto read_data = [&] { return read_line_map(reader, line, columns); };
-    if (!read_object(reader, class_scan, read_data) || !take_columns(columns, line)) return false;
+    if (!read_object(reader, class_scan, read_data) || !store_columns(columns, line)) return false;
     ++out.line_count;
   }
   return true;

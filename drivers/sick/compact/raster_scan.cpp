@@ -15,7 +15,7 @@ constexpr double turn = two_pi;
 constexpr double azimuth_rounding = 1.5 / 5215;
 
 /// rad from beam to beam. The announced last azimuth of an LRS4000 is that of the end of the turn, a step
-/// behind the last beam, so the beams' own azimuths decide; they are rounded, so the announced ends are taken
+/// behind the last beam, so the beams' own azimuths decide; they are rounded, so the announced ends are used
 /// where they agree.
 double step_of(const SegmentLine& line) {
   const auto steps = static_cast<double>(line.beams - 1);
@@ -28,7 +28,7 @@ double step_of(const SegmentLine& line) {
   return std::fabs(measured - around) * steps < azimuth_rounding ? around : measured;
 }
 
-/// Of the first `count` values, which lose their order; of an even number the mean of the middle two.
+/// Median of the first `count` values, which lose their order; for an even number the mean of the middle two.
 double median(std::array<double, max_segments>& values, std::size_t count) {
   std::sort(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count));
   return (values[(count - 1) / 2] + values[count / 2]) / 2;
@@ -129,10 +129,10 @@ void RasterScan::put(const SegmentLine& line, std::size_t from, std::size_t beam
   reflectors_[beam] = reflector ? 1 : 0;
 }
 
-/// Only the times at which segments begin tell the time of a beam. In a recording of a picoScan150 (5
-/// segments of 240 beams, 0.25 deg, 40 turns/s) the last segment ends beyond the view: its stop time is that
-/// of the end of the view (+138.25 deg), 95 beams before its last, empty beam; and the first segment's start
-/// time is 17 us, one beam, early. The median overcomes both.
+/// Only the begin times of segments give the time of a beam. In a recording of a picoScan150 (5 segments of
+/// 240 beams, 0.25 deg, 40 turns/s) the last segment ends beyond the view: its stop time is that of the end
+/// of the view (+138.25 deg), 95 beams before its last, empty beam; and the first segment's start time is 17
+/// us, one beam, early. The median is right in both cases.
 SweepTimes RasterScan::times(double known_beam_us) const {
   SweepTimes times;
   std::array<double, max_segments> values{};

@@ -13,7 +13,7 @@
 namespace lidard::sick {
 
 /// The angular raster of a single-plane device: beam k points at `first + k * step`, rad. It spans a little
-/// more than a turn, so that every segment finds its place before it is known which of them come.
+/// more than a turn, so that every segment has a place before the set of segments is known.
 struct SweepGrid {
   double first = 0;
   double step = 0;
@@ -22,7 +22,7 @@ struct SweepGrid {
   double angle(std::size_t beam) const { return first + step * static_cast<double>(beam); }
   /// Nearest beam; may lie outside [0, beams).
   long nearest(double angle) const;
-  /// The raster in which the beams of `line` lie; nothing where it has a single beam or turns clockwise.
+  /// The raster in which the beams of `line` lie; nothing for a single beam or a clockwise line.
   static std::optional<SweepGrid> of(const SegmentLine& line);
   /// True if the beams of `line` lie in this raster.
   bool holds(const SegmentLine& line) const;
@@ -37,7 +37,7 @@ struct SweepTimes {
 /// The beams of one frame of a single-plane device, segment by segment.
 class RasterScan {
  public:
-  /// Everything of it unobserved; allocates only when the raster or the number of echoes grows.
+  /// Starts with all beams unobserved; allocates only when the raster or the number of echoes grows.
   void begin(const SweepGrid& grid, std::size_t echoes, float range_min, float range_max);
   /// Places the beams of a segment's line. `had_echo` (as long as the raster) remembers which beams ever had
   /// one. Returns how many beams lie a quarter step or more beside the raster.
@@ -50,12 +50,12 @@ class RasterScan {
   /// Length of the first and of the last segment, beams.
   std::size_t first_segment() const { return first_segment_; }
   std::size_t last_segment() const { return last_segment_; }
-  /// How many segments are in it.
+  /// Number of segments.
   std::size_t segments() const { return begin_count_; }
-  /// The times of the beams by the times at which the segments begin. `known_beam_us` is what an earlier
-  /// frame told (0: none did), for a frame of one segment.
+  /// The times of the beams by the times at which the segments begin. `known_beam_us` comes from an earlier
+  /// frame (0: unknown), for a frame of one segment.
   SweepTimes times(double known_beam_us) const;
-  /// Told by the first segment, us.
+  /// Start time of the first segment, us.
   std::uint64_t base_us() const { return begins_[0].us; }
   /// Copies the beams [begin, begin + count) to `out`, whose geometry they become; with `echoes` of each.
   void copy(std::size_t begin, std::size_t count, std::size_t echoes, bool with_intensities,

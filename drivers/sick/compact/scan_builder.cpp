@@ -125,7 +125,7 @@ class ScanBuilder final : public FrameBuilder {
     return part;
   }
 
-  /// A device whose angle filter hides a part of a segment sends zeros there, as if nothing came back. So the
+  /// For a part of a segment that the angle filter hides, the device sends zeros, as for no echo. So the
   /// outermost beams count as not observed until the first echo; only in the first and last segment, since
   /// segments that are hidden altogether are not sent.
   void hide_unseen_edges(BeamWindow all, BeamWindow kept) {
@@ -174,7 +174,7 @@ class ScanBuilder final : public FrameBuilder {
     last_first_us_ = first_us;
   }
 
-  /// The scan with nothing but the beams that met a reflector.
+  /// The scan with only the beams that met a reflector.
   void publish_reflectors(const RasterScan& sweep, BeamWindow kept, DriverOutput& out) {
     marked_.stamp = scan_.stamp;
     marked_.time_increment = scan_.time_increment;
@@ -193,11 +193,11 @@ class ScanBuilder final : public FrameBuilder {
   std::size_t echoes_ = 1;
   std::array<RasterScan, OpenFrames::most> sweeps_;
   std::vector<std::uint8_t> had_echo_;
-  std::uint64_t window_segments_ = 0;  // of which the window was made; 0: not yet known
+  std::uint64_t window_segments_ = 0;  // of the window; 0: not yet known
   BeamWindow window_;
   std::size_t first_segment_ = 0, last_segment_ = 0;
   SteadyStamps stamps_;
-  double beam_us_ = 0;  // from beam to beam, by the last frame that told; 0: none did
+  double beam_us_ = 0;  // from beam to beam, by the last frame that shows it; 0: unknown
   std::uint64_t last_first_us_ = 0;
   PlanarScan scan_;
   PlanarScan marked_;

@@ -22,7 +22,7 @@ constexpr std::uint32_t format_msgpack = 1, format_compact = 2;
 constexpr std::uint8_t authorized_client = 3;
 constexpr std::uint32_t authorized_client_hash = 0xf4724744;
 
-constexpr Span patience = std::chrono::seconds(5);  // Run takes its time
+constexpr Span patience = std::chrono::seconds(5);  // Run needs some time
 constexpr std::string_view scan_target = "ScanDataEthSettings", scan_format = "ScanDataFormat",
                            scan_enable = "ScanDataEnable", imu_target = "ImuDataEthSettings",
                            imu_enable = "ImuDataEnable";
@@ -31,7 +31,7 @@ constexpr std::array variables = {scan_target, scan_format, scan_enable, imu_tar
 constexpr std::size_t needed = 3;
 constexpr std::string_view start_measuring = "sMN LMCstartmeas";
 
-/// Where a picoScan100 or multiScan100 sends its datagrams (ScanDataEthSettings, ImuDataEthSettings).
+/// Receiver of a picoScan100's or multiScan100's datagrams (ScanDataEthSettings, ImuDataEthSettings).
 struct SopasTarget {
   std::uint8_t protocol = 0;  ///< 1 UDP, 2 TCP
   std::array<std::uint8_t, 4> host{};
@@ -82,11 +82,11 @@ std::optional<std::uint32_t> read_number(const ColaTelegram& telegram) {
   return value;
 }
 
-/// The dialogue with a picoScan100 or multiScan100 in SICK's command language, dialect A (TCP 2111). It takes
-/// place only where the configuration has a host address and not `listen_only`: reads where the device sends,
-/// in which format and whether, and compares. A stream that is only switched off is started; settings that
-/// differ are written if `allow_write` is set, each with a note old -> new, and stay until the device is
-/// switched off, after which the dialogue takes place again. Then it hangs up.
+/// The dialogue with a picoScan100 or multiScan100 in SICK's command language, dialect A (TCP 2111). It runs
+/// only if the configuration has a host address and not `listen_only`: reads and compares the receiver, the
+/// format and whether the stream is on. A stream that is only switched off is started; settings that differ
+/// are written if `allow_write` is set, each with a note old -> new, and last until the device is switched
+/// off, after which the dialogue runs again. Then it hangs up.
 class SopasDialogue final : public SideDialogue {
  public:
   explicit SopasDialogue(const DriverConfig& config)
@@ -113,7 +113,7 @@ class SopasDialogue final : public SideDialogue {
     std::string command, arguments;
     std::string what;  ///< for people: "ScanDataFormat: 1 -> 2"
     bool may_fail = false;
-    /// Of the methods all but one answer 1 where they were done.
+    /// All methods but one answer 1 after success.
     bool answers_one() const { return command[1] == 'M' && command != start_measuring; }
     bool is_write() const { return command[1] == 'W'; }
   };
@@ -173,7 +173,7 @@ class SopasDialogue final : public SideDialogue {
     return true;
   }
 
-  /// What is to be done after the comparison. False if the dialogue cannot go on.
+  /// Plans the steps after the comparison. False if the dialogue cannot go on.
   bool plan(DriverOutput& out) {
     if (!scan_target_ || !scan_format_ || !scan_enable_) {
       fail("answers in a way that is not known; report its firmware version", out);
@@ -191,7 +191,7 @@ class SopasDialogue final : public SideDialogue {
            "); set allow_write: true, or change it on the device's web page");
       settings.clear();
     }
-    // A stream to somebody else is not ours to start.
+    // Do not start a stream to another receiver.
     if (ours || requests_.allow_write) plan_start();
     std::vector<Step> start = std::exchange(steps_, {});
     for (std::vector<Step>* part : {&settings, &start}) {
@@ -220,7 +220,7 @@ class SopasDialogue final : public SideDialogue {
     steps_.push_back({std::string(command), {}, std::string(command.substr(4)), false});
   }
 
-  /// Where the device sends and in which format.
+  /// Plans the receiver and the format.
   void plan_targets() {
     if (!(*scan_target_ == scan_wanted_))
       add_write(scan_target, arguments_of(scan_wanted_),
@@ -233,7 +233,7 @@ class SopasDialogue final : public SideDialogue {
                 imu_target_->describe() + " -> " + imu_wanted_.describe(), true);
   }
 
-  /// What switches the stream on.
+  /// Plans the start of the stream.
   void plan_start() {
     if (*scan_enable_ == 0) add_write(scan_enable, "1", "0 -> 1", false);
     if (requests_.allow_write && imu_enable_ && *imu_enable_ == 0) add_write(imu_enable, "1", "0 -> 1", true);

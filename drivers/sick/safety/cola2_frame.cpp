@@ -13,7 +13,7 @@ constexpr std::uint8_t stx = 0x02;
 constexpr std::size_t stx_count = 4;
 constexpr std::size_t length_end = 8;
 constexpr std::size_t counted_header = 10;
-/// No variable known to us is longer; a longer length is a stream out of step.
+/// No known variable is longer; a longer length is a stream out of step.
 constexpr std::size_t longest = 0x10000;
 
 void put_be(std::vector<std::uint8_t>& out, std::uint32_t value, unsigned bytes) {

@@ -29,11 +29,11 @@ struct Cola2Telegram {
 /// The telegram as bytes.
 std::vector<std::uint8_t> encode_cola2(const Cola2Telegram& telegram);
 
-/// Telegrams out of a stream in chunks of any size; what is no telegram is skipped.
+/// Finds telegrams in a stream of chunks of any size; other bytes are skipped.
 class Cola2Stream {
  public:
   void add(ByteView chunk) { buffer_.add(chunk); }
-  /// False when no whole telegram is there. The view is valid until the next call of add() or clear().
+  /// False if there is no complete telegram. The view is valid until the next call of add() or clear().
   bool next(Cola2Telegram& telegram);
   void clear() { buffer_.clear(); }
 
@@ -60,7 +60,7 @@ constexpr std::uint16_t field_header = 0x2710;   ///< reserved for contour data;
 constexpr std::uint16_t change_output = 176;     ///< a method
 }  // namespace safety_index
 
-/// Where and how a scanner sends its data output.
+/// Settings of a scanner's data output.
 struct SafetyOutput {
   bool enabled = false;
   std::uint8_t interface = 0;  ///< 0 EFI-pro, 1 EtherNet/IP, 3 PROFINET, 4 non-safe Ethernet
@@ -92,7 +92,7 @@ double range_of(const std::string& type_code);
 
 /// The status overview in words, for diagnostics. The meaning of the state numbers is not published.
 std::string describe_status(ByteView variable);
-/// What the scanner wants its user to do, in words; "none".
+/// The user action that the scanner requires, in words; "none".
 std::string describe_action(ByteView variable);
 
 /// One configured field.
@@ -109,7 +109,7 @@ std::optional<SafetyField> read_field(ByteView variable);
 /// "case 3: fields 1 2"; empty where no case is defined under the index.
 std::string describe_case(ByteView variable);
 
-/// The answer to a change of the data output, in words with the remedy; empty if it was accepted.
+/// Why a change of the data output was refused, with the remedy; empty if it was accepted.
 std::string refusal_text(std::uint8_t result);
 
 }  // namespace lidard::sick

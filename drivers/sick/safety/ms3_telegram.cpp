@@ -24,7 +24,8 @@ std::uint32_t le24(ByteView b, std::size_t o) {
   return b.le16(o) | static_cast<std::uint32_t>(b.u8(o + 2)) << 16U;
 }
 
-/// The block whose offset and size stand at `entry`; empty if it is switched off. False if it lies.
+/// The block whose offset and size stand at `entry`; empty if it is switched off. False if the offsets are
+/// wrong.
 bool find_block(ByteView instance, std::size_t entry, ByteView& block) {
   const std::size_t offset = instance.le16(entry);
   const std::size_t size = instance.le16(entry + 2);
@@ -78,7 +79,7 @@ bool read_measurement(ByteView b, Ms3Telegram& t) {
   return true;
 }
 
-/// 24 times a length in bytes and so many bytes of bits.
+/// 24 times: a length in bytes, then the bits in so many bytes.
 bool read_intrusion(ByteView b, std::array<ByteView, 24>& paths) {
   std::array<ByteView, 24> found;
   std::size_t at = 0;
@@ -93,7 +94,7 @@ bool read_intrusion(ByteView b, std::array<ByteView, 24>& paths) {
   return true;
 }
 
-/// p. 25-27; what stands before are inputs. Everything from 197 on is unverified.
+/// p. 25-27; the inputs stand before. Everything from 197 on is unverified.
 Ms3Application read_application(ByteView b) {
   Ms3Application a{};
   a.evaluation_paths = b.le32(140);
@@ -117,7 +118,7 @@ void read_header(ByteView b, Ms3Telegram& t) {
   t.time_ms = b.le32(28);
 }
 
-/// Blocks without which there still is a scan: one that is too short for us is left out.
+/// Parses the optional blocks; one that is too short is left out.
 void read_status_blocks(ByteView state, ByteView intrusion, ByteView application, Ms3Telegram& t) {
   const auto is_short = [&](ByteView block, std::size_t size) {
     const bool too_short = !block.empty() && block.size() < size;
@@ -173,7 +174,7 @@ constexpr std::uint8_t datagram_version = 1;
 /// Of the data header inside the instance (SICK 8022708 p. 20, table 4).
 constexpr std::size_t at_channel = 12;
 
-/// Datagrams overtake each other by milliseconds; whoever uses an identification again later, counts anew.
+/// Datagrams overtake each other by milliseconds; an identification that comes again later is a new one.
 constexpr Span memory_of_finished = std::chrono::seconds(1);
 /// A datagram that is older than that by its number belongs to another channel or to a restarted device.
 constexpr std::uint32_t overtaken_datagrams = 16;
@@ -211,7 +212,7 @@ Reject Ms3Reassembler::add(const Packet& packet, Instance& complete) {
   if (const Finished* done = finished(key, packet.arrival))
     return done->complete ? Reject::duplicate : Reject::stale;
   Slot* slot = find(key);
-  if (slot == nullptr) slot = &take(key, datagram.total, packet.arrival);
+  if (slot == nullptr) slot = &claim(key, datagram.total, packet.arrival);
   if (slot->bytes.size() != datagram.total) return Reject::field;
   slot->first_arrival = std::min(slot->first_arrival, packet.arrival);
   if (!place(*slot, datagram)) return Reject::duplicate;
@@ -224,7 +225,7 @@ Reject Ms3Reassembler::add(const Packet& packet, Instance& complete) {
   return Reject::none;
 }
 
-/// False if it brought nothing new.
+/// Stores a datagram's bytes; false if none was new.
 bool Ms3Reassembler::place(Slot& slot, const Ms3Datagram& datagram) {
   const std::size_t before = slot.covered;
   for (std::size_t i = 0; i < datagram.data.size(); ++i) {
@@ -244,7 +245,7 @@ Ms3Reassembler::Slot* Ms3Reassembler::find(const Key& key) {
   return nullptr;
 }
 
-Ms3Reassembler::Slot& Ms3Reassembler::take(const Key& key, std::uint32_t total, Stamp arrival) {
+Ms3Reassembler::Slot& Ms3Reassembler::claim(const Key& key, std::uint32_t total, Stamp arrival) {
   Slot* best = &slots_[0];
   for (Slot& slot : slots_) {
     if (slot.used < best->used || (slot.used == best->used && slot.order < best->order)) best = &slot;
@@ -260,7 +261,7 @@ Ms3Reassembler::Slot& Ms3Reassembler::take(const Key& key, std::uint32_t total, 
   return *best;
 }
 
-/// Only those of the same channel: each channel counts its identifications for itself.
+/// Gives up those of the same channel: each channel has its own identifications.
 void Ms3Reassembler::give_up_older_than(const Slot& done, Stamp now) {
   for (Slot& slot : slots_) {
     if (&slot == &done || !slot.used) continue;
@@ -285,7 +286,7 @@ void Ms3Reassembler::give_up_all() {
 
 void Ms3Reassembler::expire(Stamp now) {
   for (Slot& slot : slots_) {
-    // A capture or a host clock may go back: too old in either direction.
+    // A capture or a host clock may go back: check both directions.
     if (slot.used && std::chrono::abs(now - slot.first_arrival) > patience_) give_up(slot, now);
   }
 }

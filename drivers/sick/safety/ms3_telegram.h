@@ -20,7 +20,7 @@
 
 namespace lidard::sick {
 
-/// One beam as the device tells it.
+/// One beam as sent by the device.
 struct Ms3Beam {
   std::uint16_t distance;  ///< times Ms3Derived::factor: mm
   std::uint8_t reflectivity;
@@ -46,7 +46,7 @@ constexpr std::uint8_t unknown_6 = 0x40;
 constexpr std::uint8_t unknown_7 = 0x80;
 }  // namespace ms3_beam
 
-/// What the data output was configured to, as the device rounded it.
+/// Configuration of the data output, as rounded by the device.
 struct Ms3Derived {
   std::uint16_t factor;              ///< raw distance times this is mm
   std::uint16_t beams;               ///< number of beams
@@ -73,7 +73,7 @@ struct Ms3State {
   friend bool operator==(const Ms3State& a, const Ms3State& b) { return a.tied() == b.tied(); }
 };
 
-/// Application data, outputs: those that are told.
+/// Application data: the outputs that are used.
 struct Ms3Application {
   std::uint32_t evaluation_paths, evaluation_safe, evaluation_valid;
   std::array<std::uint16_t, 20> cases;  ///< active monitoring case per table
@@ -99,7 +99,7 @@ struct Ms3Telegram {
   std::array<ByteView, 24> intrusion;  ///< per cut-off path: bits of interrupted beams, first beam in bit 0
   std::optional<Ms3Application> application;
   ByteView local_io;          ///< sixth block, not described in SICK 8022708 (2019): raw
-  bool has_unreadable_block;  ///< a status block is shorter than we know it; it was left out
+  bool has_unreadable_block;  ///< a status block is shorter than known; it was left out
 
   std::size_t beams() const { return beam_bytes.size() / 4; }
   Ms3Beam beam(std::size_t i) const {
@@ -126,24 +126,24 @@ inline std::string describe(const Ms3Derived& d) {
 }
 
 /// Time between neighbouring beams. The announced one is rounded to us, 0.3 ms in a scan; the exact one
-/// follows from the turn of the mirror and is taken where it agrees.
+/// follows from the turn of the mirror and is used where it agrees.
 inline Span beam_period(const Ms3Derived& d) {
   const Span announced = std::chrono::microseconds(d.beam_period_us);
   const Span exact = span_from_seconds(d.scan_time_ms * 1e-3 * std::abs(d.step_deg) / 360);
   return std::chrono::abs(exact - announced) <= std::chrono::microseconds(1) ? exact : announced;
 }
 
-/// What the flags of a beam say of it. A dazzled receiver misses what is there, so glare comes before "no
-/// echo": never free space by mistake.
+/// State of a beam by its flags. A dazzled receiver misses objects, so glare comes before "no echo": no false
+/// free space.
 inline BeamStatus status_of(Ms3Beam beam) {
   if (beam.is(ms3_beam::glare)) return BeamStatus::invalid;
   if (beam.is(ms3_beam::infinite)) return BeamStatus::none;
   return beam.is(ms3_beam::valid) ? BeamStatus::hit : BeamStatus::invalid;
 }
 
-/// One datagram of the safety scanners' data output: where its bytes belong in the instance.
+/// One datagram of the safety scanners' data output, with its place in the instance.
 struct Ms3Datagram {
-  std::uint32_t total = 0;           ///< bytes of the whole instance
+  std::uint32_t total = 0;           ///< bytes of the instance
   std::uint32_t identification = 0;  ///< equal in all datagrams of an instance
   std::uint32_t offset = 0;          ///< of `data` in the instance, bytes
   ByteView data;
@@ -162,17 +162,17 @@ class Ms3Reassembler {
     Stamp first_arrival;  ///< of the datagram that came first
   };
   static constexpr std::size_t max_open = 4;
-  /// Blocks are addressed by 16-bit offsets (SICK 8022708 p. 20): nothing beyond could be reached.
+  /// Blocks are addressed by 16-bit offsets (SICK 8022708 p. 20): no block lies beyond.
   static constexpr std::uint32_t max_instance = 65536;
 
   /// Instances given up are counted in `counters.incomplete`.
   explicit Ms3Reassembler(Counters& counters) : counters_(counters) {}
 
-  /// Takes a datagram. `complete.bytes` is empty unless it was the last one missing.
+  /// Adds a datagram. `complete.bytes` is empty unless it was the last one missing.
   Reject add(const Packet& packet, Instance& complete);
-  /// An instance unfinished for so long is given up; two scan times are right.
+  /// Sets the time after which an unfinished instance is given up; two scan times are right.
   void set_patience(Span patience) { patience_ = patience; }
-  /// Gives up what waited too long at `now` (arrival time scale).
+  /// Gives up instances that waited too long at `now` (arrival time scale).
   void expire(Stamp now);
   /// Gives up everything unfinished.
   void give_up_all();
@@ -210,7 +210,7 @@ class Ms3Reassembler {
   };
 
   Slot* find(const Key& key);
-  Slot& take(const Key& key, std::uint32_t total, Stamp arrival);
+  Slot& claim(const Key& key, std::uint32_t total, Stamp arrival);
   const Finished* finished(const Key& key, Stamp now) const;
   void remember(const Key& key, bool complete, Stamp at);
   void give_up(Slot& slot, Stamp now);

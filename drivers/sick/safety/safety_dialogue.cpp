@@ -16,7 +16,7 @@ namespace {
 
 namespace idx = safety_index;
 
-/// Asked for in this order; the present output comes last, since what follows depends on it.
+/// Asked for in this order; the present output comes last, since the next steps depend on it.
 constexpr std::array<std::uint16_t, 9> variables = {
     idx::type_code,        idx::serial_number,   idx::firmware,    idx::device_name,   idx::project_name,
     idx::application_name, idx::status_overview, idx::user_action, idx::current_output};
@@ -25,7 +25,7 @@ constexpr std::uint8_t channel = 0;
 constexpr Span patience = std::chrono::seconds(2);
 constexpr std::uint16_t most_fields = 128;  // indices up to the first geometry, 0x2810
 constexpr std::uint16_t most_cases = 254;
-/// The session ends by itself after so many seconds without a telegram (SICK 8022708 p. 30 advises 30).
+/// The session ends after so many seconds without a telegram (SICK 8022708 p. 30 advises 30).
 constexpr std::uint8_t session_timeout_s = 30;
 
 std::array<std::uint8_t, 2> le16(std::uint16_t value) {
@@ -41,13 +41,13 @@ const char* label_of(std::uint16_t index) {
 
 void add_to_list(std::string& list, const std::string& entry) { list += (list.empty() ? "" : "; ") + entry; }
 
-/// The dialogue with a safety scanner over CoLa 2 (TCP 2122): reads who it is and where it sends, compares
-/// that with what is wanted and, if allowed, changes and reads again. Then it hangs up: some firmware stalls
-/// the stream while it is talked to (SICKAG/sick_safetyscanners issue 15).
+/// The dialogue with a safety scanner over CoLa 2 (TCP 2122): reads identity and data output, compares the
+/// output with the configuration and, if allowed, changes it and reads it again. Then it hangs up: some
+/// firmware stalls the stream during a dialogue (SICKAG/sick_safetyscanners issue 15).
 ///
-/// It takes place only if the configuration asks for something (`DeviceRequests::host_address`, `skip` or
-/// `allow_write`). What is written is volatile; it is written again when the stream stopped, as it does when
-/// the scanner was switched off (same project, issue 98).
+/// It runs only if the configuration has a request (`DeviceRequests::host_address`, `skip` or `allow_write`).
+/// Written settings are volatile; they are written again when the stream stopped, as after switching the
+/// scanner off (same project, issue 98).
 class SafetyDialogue final : public SideDialogue {
  public:
   explicit SafetyDialogue(const DriverConfig& config)
@@ -89,7 +89,7 @@ class SafetyDialogue final : public SideDialogue {
       changed_ = true;
       for (variable_ = 0; variable_ < variables.size(); ++variable_) {
         yield read(variables[variable_], out);
-        take_variable(variables[variable_]);
+        store_variable(variables[variable_]);
       }
       if (is_to_be_changed()) {
         yield change_output(out);
@@ -102,12 +102,12 @@ class SafetyDialogue final : public SideDialogue {
       // Fields, then monitoring cases, each up to the first index that holds none.
       for (index_ = idx::field_header; !refused_ && index_ < idx::field_header + most_fields; ++index_) {
         yield read(index_, out);
-        if (!take_field()) break;
+        if (!store_field()) break;
       }
       if (!fields_.empty()) detail("Fields", fields_);
       for (index_ = idx::monitoring_case; !refused_ && index_ < idx::monitoring_case + most_cases; ++index_) {
         yield read(index_, out);
-        if (!take_case()) break;
+        if (!store_case()) break;
       }
       if (!cases_.empty()) detail("Configured Monitoring Cases", cases_);
       yield ask_in_mode('C', 'X', {}, out);
@@ -128,7 +128,7 @@ class SafetyDialogue final : public SideDialogue {
   }
 
   void open(DriverOutput& out) {
-    // Time-out and an identity of the client, which the scanner only repeats in its log.
+    // Time-out and the client's identity, which appears only in the scanner's log.
     const std::array<std::uint8_t, 5> open = {session_timeout_s, 'l', 'd', 'r', 'd'};
     ask_in_mode('O', 'X', ByteView(open.data(), open.size()), out);
   }
@@ -147,7 +147,7 @@ class SafetyDialogue final : public SideDialogue {
     ask_index('M', idx::change_output, ByteView(argument.data(), argument.size()), out);
   }
 
-  void take_variable(std::uint16_t index) {
+  void store_variable(std::uint16_t index) {
     const ByteView value = value_;
     if (index == idx::type_code) {
       type_code_ = read_text(value);
@@ -206,14 +206,14 @@ class SafetyDialogue final : public SideDialogue {
   }
 
   void verify() {
-    take_variable(idx::current_output);
+    store_variable(idx::current_output);
     if (encode_output(present_, channel) != encode_output(target_, channel))
       warn("the scanner accepted " + describe(target_) + " but reports " + describe(present_) +
            "; another program may have changed it");
   }
 
-  /// False after the last one.
-  bool take_field() {
+  /// Lists a field; false after the last one.
+  bool store_field() {
     const auto field = read_field(value_);
     if (field && field->defined) add_to_list(fields_, field->describe());
     // The first index may be empty, it is reserved (sick_safetyscanners_base, src/SickSafetyscanners.cpp,
@@ -221,7 +221,7 @@ class SafetyDialogue final : public SideDialogue {
     return field || index_ == idx::field_header;
   }
 
-  bool take_case() {
+  bool store_case() {
     const std::string text = describe_case(value_);
     if (!text.empty()) add_to_list(cases_, text);
     return !text.empty();

@@ -13,11 +13,11 @@
 namespace lidard::sick {
 namespace {
 
-/// After such a silence another device or channel may take over, and sequence numbers may start again.
+/// After such a silence another device or channel is accepted, and sequence numbers may start again.
 constexpr Span silence = std::chrono::seconds(1);
-/// Data sets that come so little too late were overtaken; anything older is a restart of the device.
+/// Data sets at most this late were overtaken; older ones are a restart of the device.
 constexpr std::int32_t overtaking_limit = 16;
-/// Missing data sets nobody needs time for; beyond that their number must fit the time that passed.
+/// Loss that is accepted at once; a larger one must fit the elapsed time.
 constexpr std::int64_t loss_without_time = 1000;
 
 enum class Warning : std::uint8_t {
@@ -85,7 +85,7 @@ class SafetyDriver final : public DriverBase {
  private:
   Reject handle(const Ms3Reassembler::Instance& instance, DriverOutput& out) {
     const Reject reason = parse_ms3_telegram(instance.bytes, telegram_);
-    board_.tell(Warning::version, reason == Reject::version, [&] {
+    board_.update(Warning::version, reason == Reject::version, [&] {
       return "the scanner sends version " + std::to_string(telegram_.version_major) +
              " of the data output, known is version 2; its scans are not used: update this program";
     });
@@ -106,7 +106,7 @@ class SafetyDriver final : public DriverBase {
       return Reject::none;
     }
     if (!telegram_.derived) return Reject::field;
-    take_geometry(*telegram_.derived);
+    apply_geometry(*telegram_.derived);
     const Stamp end =
         clock_.end_of_scan(telegram_.scan, std::chrono::milliseconds(geometry_->scan_time_ms), arrival);
     counters_.clock_steps = clock_.steps();
@@ -122,7 +122,7 @@ class SafetyDriver final : public DriverBase {
       return true;
     }
     if (stream_known_ && std::chrono::abs(arrival - last_arrival_) <= silence) {
-      board_.tell(Warning::other_stream, true, [&] {
+      board_.update(Warning::other_stream, true, [&] {
         const std::string remedy = telegram_.serial == serial_ ? "give each channel its own UDP port"
                                    : sender_ == our_sender_ ? "both have the address " + sender_.to_string() +
                                                                   ": give one of them another"
@@ -135,7 +135,7 @@ class SafetyDriver final : public DriverBase {
       return false;
     }
     const std::uint32_t before = serial_;
-    board_.tell(Warning::other_device, stream_known_ && telegram_.serial != before, [&] {
+    board_.update(Warning::other_device, stream_known_ && telegram_.serial != before, [&] {
       return "scanner " + std::to_string(before) + " was replaced by scanner " +
              std::to_string(telegram_.serial) + "; check its pose and its fields";
     });
@@ -150,8 +150,8 @@ class SafetyDriver final : public DriverBase {
     return true;
   }
 
-  /// Counts what is missing. The sequence number counts data sets sent; the scan number does not tell losses
-  /// from every n-th scan being sent, nor from the scans left out on waking up (SICK 8022708 p. 11).
+  /// Counts missing data sets by the sequence number. The scan number also skips where only every n-th scan
+  /// is sent, and after standby (SICK 8022708 p. 11).
   Reject follow_sequence(Stamp arrival) {
     const std::uint32_t by_sequence = telegram_.sequence - sequence_;
     const std::uint32_t by_scan = telegram_.scan - scan_number_;
@@ -184,14 +184,14 @@ class SafetyDriver final : public DriverBase {
   }
 
   void note_blocks() {
-    board_.tell(Warning::no_geometry, telegram_.has_measurement && !telegram_.derived, [] {
+    board_.update(Warning::no_geometry, telegram_.has_measurement && !telegram_.derived, [] {
       return "the scanner sends measurement data without the configuration of the data output (derived "
              "values), so the angles of its beams are unknown; switch that block on in Safety Designer";
     });
-    board_.tell(Warning::no_measurement, !telegram_.has_measurement && !status_.in_standby(), [] {
+    board_.update(Warning::no_measurement, !telegram_.has_measurement && !status_.in_standby(), [] {
       return "the scanner sends its state but no measurement data; switch that block on in Safety Designer";
     });
-    board_.tell(Warning::unreadable, telegram_.has_unreadable_block, [] {
+    board_.update(Warning::unreadable, telegram_.has_unreadable_block, [] {
       return "a status block of the scanner is not as SICK 8022708 describes it and is left out; scans are "
              "not "
              "affected, but its state may be missing here: please report the firmware version";
@@ -212,7 +212,7 @@ class SafetyDriver final : public DriverBase {
     for (auto& detail : describe(status_)) info_.details.push_back(std::move(detail));
   }
 
-  void take_geometry(const Ms3Derived& derived) {
+  void apply_geometry(const Ms3Derived& derived) {
     if (geometry_ && same_geometry(*geometry_, derived)) {
       geometry_ = derived;  // the distance factor may differ
       return;
@@ -223,13 +223,13 @@ class SafetyDriver final : public DriverBase {
                      "; restart whatever expects the former, or undo the change in Safety Designer");
     }
     geometry_ = derived;
-    // Late is no loss: a network that is busy holds a datagram back for longer than a turn.
+    // Late is no loss: a busy network delays a datagram by more than a turn.
     reassembler_.set_patience(
         std::chrono::milliseconds(std::max<std::int64_t>(100, 2 * std::int64_t{derived.scan_time_ms})));
     choose_beams();
   }
 
-  /// Which beams the configured angles leave.
+  /// Chooses the beams between the configured angles.
   void choose_beams() {
     const double step = geometry_->step_deg * rad_per_deg;
     const double first = (geometry_->start_deg - row_.ahead_deg) * rad_per_deg;
@@ -237,7 +237,7 @@ class SafetyDriver final : public DriverBase {
     first_beam_ = kept.first;
     scan_.scan_time = static_cast<float>(geometry_->scan_time_ms * 1e-3);
     scan_.time_increment = static_cast<float>(seconds(beam_period(*geometry_)));
-    board_.tell(Warning::no_beams_left, kept.count == 0, [&] {
+    board_.update(Warning::no_beams_left, kept.count == 0, [&] {
       return "no beam lies between angle_min and angle_max, the scanner sends " + describe(*geometry_) +
              " (90 deg is ahead); correct the angles in the configuration";
     });
@@ -250,7 +250,7 @@ class SafetyDriver final : public DriverBase {
     }
     scan_.stamp = first_ray(end);
     fill();
-    board_.tell(Warning::beyond_range, beyond_range_m_ > 0, [&] {
+    board_.update(Warning::beyond_range, beyond_range_m_ > 0, [&] {
       return "the scanner measures up to " + std::to_string(beyond_range_m_) + " m, but range_max of " +
              std::string(config_.model->name) + " is " + std::to_string(config_.model->range_max) +
              " m and farther echoes count as none; choose the model with the longer range";
@@ -284,7 +284,7 @@ class SafetyDriver final : public DriverBase {
     if ((flags & ~(0U + ms3_beam::valid + ms3_beam::infinite)) == 0) scan_.flags.clear();
   }
 
-  /// The data leaves when the last beam is measured; the first published one came so many periods before.
+  /// The data leaves after the last beam; the first published beam was measured so many periods before.
   Stamp first_ray(Stamp end) {
     const auto before = static_cast<std::int64_t>(geometry_->beams - 1 - first_beam_);
     return stamps_.next(end - beam_period(*geometry_) * before + config_.time_offset);
@@ -296,7 +296,7 @@ class SafetyDriver final : public DriverBase {
   Ms3Telegram telegram_{};
   ScanClock clock_;
 
-  IpAddress sender_, our_sender_;  // of the newest datagram, and of the newest of the stream that is taken
+  IpAddress sender_, our_sender_;  // of the newest datagram, and of the newest of the accepted stream
   bool stream_known_ = false;
   std::uint32_t serial_ = 0;
   std::uint8_t channel_ = 0;

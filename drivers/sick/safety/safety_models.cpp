@@ -35,7 +35,7 @@ Model scanner(const char* name, const char* product, double frame_period, double
 class SafetyRecognizer final : public Recognizer {
  public:
   void add(const Packet& packet) override {
-    found_ = found_ || (packet.transport == Transport::udp && looks_like_ms3(packet.payload));
+    found_ = found_ || (packet.transport == Transport::udp && is_ms3(packet.payload));
   }
   std::string_view verdict() const override { return found_ ? "sick_microscan3" : ""; }
   std::vector<std::string_view> others() const override {
@@ -62,7 +62,7 @@ void append_safety_models(std::vector<Model>& list) {
 
 std::unique_ptr<Recognizer> make_safety_recognizer() { return std::make_unique<SafetyRecognizer>(); }
 
-bool looks_like_ms3(ByteView payload) {
+bool is_ms3(ByteView payload) {
   Ms3Datagram datagram;
   return read_ms3_datagram(payload, datagram) == Reject::none;
 }

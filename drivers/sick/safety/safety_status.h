@@ -14,23 +14,23 @@
 
 namespace lidard::sick {
 
-/// What a safety scanner says about itself, small enough to be compared with each telegram: texts are made
-/// only when something changed.
+/// Status of a safety scanner, small enough to be compared with each telegram: texts are made only after a
+/// change.
 struct SafetyStatus {
   std::uint32_t serial = 0, plug_serial = 0;
   std::uint8_t channel = 0, version_major = 0, version_minor = 0, version_release = 0;
   std::optional<Ms3State> state;
   std::uint32_t intruded_paths = 0;
-  std::uint8_t standby_state = 0;  ///< of the application outputs: 1 standby, 2 not, 0 not told
+  std::uint8_t standby_state = 0;  ///< of the application outputs: 1 standby, 2 not, 0 not sent
 
-  /// The mirror does not turn.
+  /// True if the mirror does not turn.
   bool in_standby() const;
   friend bool operator==(const SafetyStatus& a, const SafetyStatus& b);
 };
 
 SafetyStatus read_status(const Ms3Telegram& telegram);
 
-/// Key and text of everything known, for diagnostics.
+/// Key and text of all values, for diagnostics.
 std::vector<std::pair<std::string, std::string>> describe(const SafetyStatus& status);
 
 /// Names of the topics below a safety scanner's.
@@ -39,9 +39,8 @@ constexpr std::string_view system_state = "system_state";
 constexpr std::string_view intrusion = "intrusion";
 }  // namespace safety_topic
 
-/// Hands on what a telegram holds beside its scan, with the scan's stamp: general system state, output paths
-/// (application data), interrupted beams, and what the device says of each beam. Blocks that are switched off
-/// are left out.
+/// Publishes a telegram's other data with the scan's stamp: general system state, output paths (application
+/// data), interrupted beams, and the flags of each beam. Blocks that are switched off are left out.
 class SafetyTopics {
  public:
   /// `scan` is the one of this telegram; its beam 0 is the telegram's beam `first_beam`.

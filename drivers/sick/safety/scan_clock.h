@@ -9,7 +9,7 @@
 
 namespace lidard::sick {
 
-/// The scan number as a clock: it counts turns of the mirror, which are a crystal's, while the device's own
+/// The scan number as a clock: it counts the turns of the mirror, which a crystal controls. The device's own
 /// time stamps jitter and belong to no beam (SICK 8022708 p. 11).
 class ScanClock {
  public:
@@ -32,7 +32,7 @@ class ScanClock {
     clock_.observe(device_, arrival);
     return clock_.to_host(device_);
   }
-  /// The scan number stands still while time goes on (standby): the next scan starts afresh.
+  /// Standby: the scan number stands while time passes. The next scan starts anew.
   void pause() { paused_ = true; }
   void reset() {
     started_ = false;
@@ -44,8 +44,7 @@ class ScanClock {
 
  private:
   bool continues(std::uint32_t number, Span scan_time, Stamp arrival) const {
-    // Scans later than the scan number allows by so much are no stall of the network: the mirror stood still
-    // or a clock was set.
+    // A scan later by more than this is no stall of the network: the mirror stood or a clock was set.
     constexpr Span longest_stall = std::chrono::milliseconds(500);
     const auto ahead = static_cast<std::int32_t>(number - number_);
     return scan_time == scan_time_ && ahead > 0 && arrival - arrival_ - scan_time * ahead <= longest_stall;

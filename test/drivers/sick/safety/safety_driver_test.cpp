@@ -32,7 +32,7 @@ TEST(SafetyModels, AreFoundByNameAndMakeDrivers) {
 }
 
 TEST(SafetyModels, RecogniseTheirDatagramsOnly) {
-  const auto looks = [](const Bytes& b) { return looks_like_ms3(ByteView(b.data(), b.size())); };
+  const auto looks = [](const Bytes& b) { return is_ms3(ByteView(b.data(), b.size())); };
   EXPECT_TRUE(looks(ms3_datagrams(Ms3Sample().instance(), 1)[0]));
   EXPECT_FALSE(looks(Bytes(1206, 0xff)));
   EXPECT_FALSE(looks({}));
