@@ -62,7 +62,7 @@ std::string without_folders(std::string text, const std::string& temporary = "")
   return std::regex_replace(text, std::regex(test::project_file("")), "");
 }
 
-/// Sums up what a pipeline publishes, and writes down its diagnostics.
+/// Sums up what a pipeline publishes, and the state in its diagnostics, not their values.
 class SummedSink final : public FrameSink {
  public:
   void publish(const OutputTopic& topic, const Payload& payload, Stamp released) override {
@@ -79,7 +79,6 @@ class SummedSink final : public FrameSink {
     for (const DiagnosticItem& item : items) {
       sums.add_exact("diagnostics of " + item.name, static_cast<int>(item.health));
       sums.add_text("diagnostics of " + item.name, item.message);
-      for (const auto& [key, value] : item.values) sums.add_text("diagnostics of " + item.name, key + value);
     }
   }
   test::Sums sums;
@@ -114,8 +113,13 @@ const Day days[] = {
     {"a good day", [](std::size_t) { return true; }, false},
     {"a drive on which packets are lost", [](std::size_t n) { return n % 41 != 7 && n % 500 > 60; }, true}};
 
+/// What a pipeline made of a capture.
+struct Played {
+  std::string sums, states, values, tables;
+};
+
 /// Plays a capture through a pipeline as `day` has it.
-std::string played(const std::string& path, const Config& config, const Day& day) {
+Played played(const std::string& path, const Config& config, const Day& day) {
   NoTf tf;
   SummedSink sink;
   Pipeline pipeline(config, tf, sink);
@@ -123,7 +127,7 @@ std::string played(const std::string& path, const Config& config, const Day& day
   std::size_t number = 0;
   const auto pose_at = [](double t) { return make_pose({3 * t, 0.1 * t, 0}, {0, 0.02 * t, 0.5 * t}); };
   Packet packet;
-  std::string said;
+  Played all;
   for (PcapSource source(path); source.next(packet); ++number) {
     now = packet.arrival;
     if (number == 0) begin = now;
@@ -131,17 +135,15 @@ std::string played(const std::string& path, const Config& config, const Day& day
     if (day.drives && number % 20 == 0) pipeline.pose_message(now, pose_at(t), "", now);
     if (day.comes(number)) pipeline.packet(packet);
     pipeline.tick(now);
-    if (number % 700 == 650)
-      said += "at " + std::to_string(number) + "\n" + text_of(pipeline.diagnostics(now), true);
+    if (number % 700 == 650) all.states += text_of(pipeline.diagnostics(now), false);
   }
-  said += "at the end\n" + text_of(pipeline.diagnostics(now), true);
+  all.values = text_of(pipeline.diagnostics(now), true);
   pipeline.finish(now);
   for (const double later : {0.6, 2.1, 3.4, 12.0}) {
     pipeline.tick(now + span_from_seconds(later));
     const auto event = pipeline.next_event();
-    said += "later by " + std::to_string(later) + ", next " +
-            std::to_string(event ? (*event - now).count() : -1) + "\n" +
-            text_of(pipeline.diagnostics(now + span_from_seconds(later)), later > 10);
+    all.states += "next " + std::to_string(event ? (*event - now).count() : -1) + "\n" +
+                  text_of(pipeline.diagnostics(now + span_from_seconds(later)), false);
   }
   std::ostringstream tables;
   print_table(pipeline.report(), tables);
@@ -150,7 +152,9 @@ std::string played(const std::string& path, const Config& config, const Day& day
   for (const std::string& sender : pipeline.unclaimed_senders()) tables << sender << '\n';
   for (const auto& fixed : pipeline.static_transforms())
     tables << fixed.parent << " -> " << fixed.child << '\n';
-  return sink.sums.text() + said + tables.str();
+  all.tables = tables.str();
+  all.sums = sink.sums.digest(path + ", " + day.name);
+  return all;
 }
 
 /// The demo vehicle with other outputs.
@@ -188,9 +192,10 @@ TEST(Golden, TheDemoVehiclePublishesAndSaysWhatItDidBefore) {
   std::string all;
   for (const auto& [name, outputs] : vehicles) {
     const Config config = parse_config(demo_with(outputs), "demo");
-    for (const Day& day : days)
-      all += std::string(name) + ", " + day.name + "\n" +
-             played(test::project_file("pcaps/demo.pcap"), config, day);
+    for (const Day& day : days) {
+      const Played demo = played(test::project_file("pcaps/demo.pcap"), config, day);
+      all += std::string(name) + ", " + day.name + "\n" + demo.sums + demo.values + demo.states + demo.tables;
+    }
   }
   test::expect_golden("daemon_demo.txt", all);
 }
@@ -200,8 +205,11 @@ TEST(Golden, EveryShippedCaptureIsPublishedAsBefore) {
   for (const std::string& path : shipped_captures()) {
     if (fs::path(path).filename() == "demo.pcap") continue;
     const Config config = parse_config(config_of(survey({path})), "found");
-    for (const Day& day : days)
-      all += std::string(fs::path(path).filename()) + ", " + day.name + "\n" + played(path, config, day);
+    for (const Day& day : days) {
+      const Played capture = played(path, config, day);
+      all += std::string(fs::path(path).filename()) + ", " + day.name + "\n" + capture.sums + "  states " +
+             test::checksum(capture.states) + "\n" + capture.tables;
+    }
   }
   test::expect_golden("daemon_captures.txt", all);
 }
@@ -212,14 +220,14 @@ TEST(Golden, InspectSaysWhatItSaidBefore) {
     for (const bool json : {false, true}) {
       std::ostringstream out, err;
       const int code = run_inspect({path}, json, out, err);
-      all += "exit " + std::to_string(code) + "\n" + out.str() + err.str();
+      all += "exit " + std::to_string(code) + "\n" +
+             (json ? "JSON " + test::checksum(without_folders(out.str())) + "\n" : out.str()) + err.str();
     }
   }
   test::expect_golden("daemon_inspect.txt", without_folders(all));
 }
 
-/// Rows as sums; JSON as it is but for its rows.
-std::string summed(const std::string& text, char between) {
+std::string summed(const std::string& title, const std::string& text, char between) {
   test::Sums sums;
   std::istringstream in(text);
   std::string cell;
@@ -234,7 +242,7 @@ std::string summed(const std::string& text, char between) {
     else
       sums.add_text(column + " text", cell);
   }
-  return sums.text();
+  return sums.digest(title);
 }
 
 TEST(Golden, DecodeWritesAndSaysWhatItDidBefore) {
@@ -254,7 +262,7 @@ TEST(Golden, DecodeWritesAndSaysWhatItDidBefore) {
       std::ostringstream err;
       const int code = run_decode(options, err);
       all += "exit " + std::to_string(code) + "\n" + without_folders(err.str(), file.path);
-      if (code == 0) all += summed(content(file.path), ',');
+      if (code == 0) all += summed(path + ", " + format, content(file.path), ',');
     }
   }
   test::expect_golden("daemon_decode.txt", all);

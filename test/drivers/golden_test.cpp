@@ -55,6 +55,11 @@ const Way ways[] = {
 
 std::string head(const std::string& name, const Way& way) { return name + ", " + way.name + "\n"; }
 
+/// What a driver made of its input, and a checksum of what it reports.
+std::string summed(const std::string& title, const test::SummedOutput& out, const Driver& driver, Stamp now) {
+  return out.sums.digest(title) + "  reports " + test::checksum(test::reported_by(driver, now)) + "\n";
+}
+
 /// Decodes what each sensor of a capture sent.
 std::string decoded(const std::string& path, const Way& way) {
   std::map<Flow, Identifier> senders;
@@ -82,8 +87,9 @@ std::string decoded(const std::string& path, const Way& way) {
       last = packet.arrival;
     }
     driver->finish(out);
-    all += " " + std::string(model->name) + " " + identifier.remark() + "\n" + out.sums.text() +
-           test::told_by(*driver, last);
+    all += " " + std::string(model->name) + " " + identifier.remark() + "\n" +
+           summed(head(path, way) + std::string(model->name), out, *driver, last);
+    if (&way == ways) all += test::reported_by(*driver, last);
   }
   return all;
 }
@@ -122,7 +128,7 @@ std::string milled(const Model& model, std::uint64_t seed, const Way& way) {
     if (i == 700) driver->restart();
   }
   driver->finish(out);
-  return out.sums.text() + test::told_by(*driver, now);
+  return summed(head(std::string(model.name), way), out, *driver, now);
 }
 
 TEST(Golden, BadStreamsAreDecodedAsBefore) {

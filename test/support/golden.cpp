@@ -206,11 +206,35 @@ std::string Sums::text() const {
   return all;
 }
 
+std::string Sums::digest(const std::string& title) const {
+  if (const char* const details = std::getenv("LIDARD_GOLDEN_DETAILS"))
+    std::ofstream(details, std::ios::app) << title << '\n' << text();
+  std::uint64_t count = 0, exact = 0;
+  std::string sums;
+  char number[40];
+  for (const auto& [name, sum] : sums_) {
+    count += sum.count;
+    for (const std::uint64_t value : {hash_of(name), sum.count, sum.exact, sum.not_a_number, sum.infinite})
+      exact = exact * 31 + value;
+    if (sum.plain == 0 && sum.by_place == 0) continue;
+    std::snprintf(number, sizeof number, " %.3f", sum.plain + sum.by_place);
+    sums += number;
+  }
+  std::snprintf(number, sizeof number, " values, %016llx,", static_cast<unsigned long long>(exact));
+  return "  " + std::to_string(count) + number + sums + '\n';
+}
+
+std::string checksum(std::string_view text) {
+  char number[20];
+  std::snprintf(number, sizeof number, "%016llx", static_cast<unsigned long long>(hash_of(text)));
+  return number;
+}
+
 void SummedOutput::request(ByteView bytes) {
   sums.add_text("request", {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
-std::string told_by(const Driver& driver, Stamp now) {
+std::string reported_by(const Driver& driver, Stamp now) {
   const Counters& c = driver.counters();
   std::string all = "  counters: bytes " + std::to_string(c.bytes);
   for (const auto& counter : usual_counters)

@@ -29,6 +29,9 @@ class Sums {
   void message(const std::string& name, const DeviceMessage& message);
   /// A line for each kind of value.
   std::string text() const;
+  /// One line for all of them. Where it differs, LIDARD_GOLDEN_DETAILS=FILE appends text() under `title` to a file,
+  /// which can be compared with that of another build.
+  std::string digest(const std::string& title) const;
 
  private:
   struct Sum {
@@ -57,7 +60,10 @@ class SummedOutput final : public DriverOutput {
   Sums sums;
 };
 
-/// What a driver says of itself: counters, serial number, details, warnings.
-std::string told_by(const Driver& driver, Stamp now);
+/// A checksum of a text, in hexadecimal.
+std::string checksum(std::string_view text);
+
+/// What a driver reports of itself: counters, serial number, details, warnings.
+std::string reported_by(const Driver& driver, Stamp now);
 
 }  // namespace lidard::test
