@@ -57,6 +57,7 @@ struct Commands {
   SnapshotOptions snapshot;
   StatusOptions ask;
   ImportOptions import;
+  CalibrateOptions calibrate;
 
   Commands() {
     app.set_version_flag("--version", "lidard " LIDARD_VERSION);
@@ -74,6 +75,7 @@ struct Commands {
     add_snapshot();
     add_status();
     add_import();
+    add_calibrate();
   }
 
  private:
@@ -169,6 +171,19 @@ struct Commands {
     c->add_option("--interface", record.interface, "Network interface")->capture_default_str();
     c->add_option("--duration", record.duration, "Seconds; 0: until Ctrl-C")->check(CLI::NonNegativeNumber);
     c->callback([this] { action = [this] { return run_record(record, std::cerr); }; });
+  }
+  void add_calibrate() {
+    auto* c = app.add_subcommand("calibrate",
+                                 "Finds the poses of the sensors from what several of them see while parked");
+    c->add_option("-c,--config", calibrate.config, "Configuration file with about the right poses")
+        ->required();
+    add_captures(c, calibrate.captures);
+    c->add_option("--bag", calibrate.bag, "Bag with the topics of sensors that have `topic:`");
+    c->add_option("--reference", calibrate.reference,
+                  "Sensor whose x, y and yaw stay as configured; default: the first");
+    c->add_option("-o,--output", calibrate.output, "Write the configuration with the new poses");
+    c->add_flag("--json", calibrate.json, "For scripts");
+    c->callback([this] { action = [this] { return run_calibrate(calibrate, std::cout, std::cerr); }; });
   }
   void add_snapshot() {
     auto* c = app.add_subcommand("snapshot", "Draws what the vehicle sees at one moment, from above");

@@ -14,7 +14,7 @@ _lidard() {
     compopt -o nospace -o filenames 2>/dev/null
   }
   if ((COMP_CWORD == 1)); then
-    _lidard_words "run replay decode inspect check models keys discover record snapshot status events metrics dump import --help --version"
+    _lidard_words "run replay decode inspect check models keys discover record snapshot status events metrics dump import calibrate --help --version"
     return
   fi
   case $before in
@@ -32,6 +32,7 @@ _lidard() {
     replay:-*) _lidard_words "--config --pcap --rate --loop --start --duration --wait --motion --clock --bag --help" ;;
     decode:-*) _lidard_words "--model --source --port --calibration --calibration-model --format --frame --clock --time --output --help" ;;
     record:*) _lidard_words "--config --output --interface --duration --help" ;;
+    calibrate:-*) _lidard_words "--config --pcap --bag --reference --json --output --help" ;;
     snapshot:-*) _lidard_words "--config --pcap --at --range --areas --motion --width --color --output --help" ;;
     inspect:-* | models:*) _lidard_words "--json --help" ;;
     keys:*) _lidard_words "--markdown --man --json --help" ;;

@@ -27,7 +27,7 @@ _lidard() {
   fi
   case ${words[2]} in
     check | import) _files -g '*.(yaml|yml|launch)(-.)' ;;
-    inspect | decode | snapshot | replay | view) _files -g '*.pcap*(-.)' ;;
+    inspect | decode | snapshot | calibrate | replay | view) _files -g '*.pcap*(-.)' ;;
     *) compadd -- --help ;;
   esac
 }

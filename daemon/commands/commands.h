@@ -138,4 +138,17 @@ struct SnapshotOptions {
 /// above and, where there are clouds, from the side.
 int run_snapshot(const SnapshotOptions& options, std::ostream& err);
 
+/// What `lidard calibrate` was asked for.
+struct CalibrateOptions {
+  std::string config;
+  std::vector<std::string> captures;  ///< while the vehicle is parked
+  std::string bag;                    ///< with the topics of other drivers; empty: none
+  std::string reference;              ///< sensor whose pose stays; empty: the first one
+  std::string output;                 ///< configuration with the new poses; empty: none
+  bool json = false;
+};
+
+/// Finds the poses of the sensors from the surfaces that several of them see. Fails if nothing was determined.
+int run_calibrate(const CalibrateOptions& options, std::ostream& out, std::ostream& err);
+
 }  // namespace lidard

@@ -1,0 +1,282 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/mounts/mount_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/angle.h"
+#include "core/mounts/wall_fit.h"
+
+namespace lidard {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr int starts = 24;
+// Places nearer to each other than this are one, m and rad.
+constexpr double same_place_m = 0.1, same_place_rad = 3 * rad_per_deg;
+// A place where so many of the judged returns are confirmed is right if no other place comes as near: less
+// where it is about as configured than where it is turned or upside down. In a rectangle with one box the
+// margin is up to 0.03.
+constexpr double least_agreement = 0.9, least_margin = 0.05, least_margin_elsewhere = 0.1;
+// Two configured poses are no more wrong than this, m, and per m between them: a sensor that is turned by 20
+// degrees sees another one elsewhere. Nearer to the configured yaw than that, rad, a pose is about as
+// configured.
+constexpr double farthest_m = 1.5, farther_by_distance = 0.5, about_as_configured_rad = 45 * rad_per_deg;
+constexpr std::size_t least_judged = 60;
+constexpr std::size_t coarse_surfaces = 80;
+// Steps of the bias that surfaces may have in common for their beams, m, and what slow biases hide in the
+// fit.
+constexpr std::array<double, 9> biases{0, 0.0005, 0.001, 0.002, 0.003, 0.005, 0.007, 0.010, 0.015};
+constexpr double hidden_bias = 1.4;
+// What is known no better than this, m and rad, is not determined.
+constexpr double worst_m = 0.02, worst_rad = 0.2 * rad_per_deg;
+
+SeenPlace mirrored(SeenPlace place) {
+  for (StillView& view : place.views) {
+    for (StillBeam& beam : view.beams) beam.point.y() = -beam.point.y();
+  }
+  for (Surface& surface : place.surfaces) {
+    surface.middle.y() = -surface.middle.y(), surface.normal.y() = -surface.normal.y();
+    surface.along = {-surface.along.x(), surface.along.y()};
+    std::swap(surface.from, surface.to);
+    surface.from = -surface.from, surface.to = -surface.to;
+    surface.slope_by_range = -surface.slope_by_range;
+    for (Vector2d& point : surface.points) point.y() = -point.y();
+  }
+  return place;
+}
+
+/// The longest surfaces, which suffice for the coarse steps.
+std::vector<Surface> longest(std::vector<Surface> surfaces) {
+  if (surfaces.size() > coarse_surfaces) {
+    std::nth_element(surfaces.begin(), surfaces.begin() + coarse_surfaces, surfaces.end(),
+                     [](const Surface& a, const Surface& b) { return a.length() > b.length(); });
+    surfaces.resize(coarse_surfaces);
+  }
+  return surfaces;
+}
+
+bool is_same_place(const PlanarPose& a, const PlanarPose& b) {
+  return std::hypot(a.x - b.x, a.y - b.y) < same_place_m &&
+         std::abs(std::remainder(a.yaw - b.yaw, two_pi)) < same_place_rad;
+}
+
+/// A pose of one sensor in the frame of another, and how far the returns of both agree there.
+struct Place {
+  PlanarPose pose;
+  Agreement agreement;
+};
+
+/// Share of the points of surfaces of `b` that lie on one of `a`: for sensors of which none sees through a
+/// plane.
+Agreement surfaces_met(const SeenPlace& a, const SeenPlace& b, const PlanarPose& a_from_b) {
+  Agreement result;
+  for (const Surface& surface : b.surfaces) {
+    const Vector2d normal = a_from_b.turned(surface.normal);
+    for (const Vector2d& point : surface.points) {
+      const Vector2d q = a_from_b * point;
+      const bool met = std::any_of(a.surfaces.begin(), a.surfaces.end(), [&](const Surface& line) {
+        const double s = line.along.dot(q - line.middle);
+        return std::abs(line.normal.dot(q - line.middle)) < 0.05 && line.normal.dot(normal) > 0.98 &&
+               s > line.from && s < line.to;
+      });
+      met ? ++result.confirmed : ++result.refuted;
+    }
+  }
+  return result;
+}
+
+/// The places of `b` seen from `a`, the best first.
+std::vector<Place> find_places(const SeenPlace& a, const SeenPlace& b, const PlanarPose& configured) {
+  std::vector<Place> places;
+  const std::vector<Surface> lines = longest(a.surfaces), others = longest(b.surfaces);
+  const double farthest = farthest_m + farther_by_distance * std::hypot(configured.x, configured.y);
+  for (int i = 0; i < starts; ++i) {
+    PlanarPose start = configured;
+    start.yaw = std::remainder(start.yaw + two_pi * i / starts, two_pi);
+    const PlanarPose pose = match_surfaces(lines, others, start);
+    if (std::hypot(pose.x - configured.x, pose.y - configured.y) > farthest) continue;
+    if (std::any_of(places.begin(), places.end(),
+                    [&](const Place& known) { return is_same_place(known.pose, pose); }))
+      continue;
+    Agreement found = agreement(a, b, pose);
+    if (!a.is_planar() && !b.is_planar()) found = surfaces_met(a, b, pose);
+    places.push_back({pose, found});
+  }
+  std::stable_sort(places.begin(), places.end(), [](const Place& x, const Place& y) {
+    const bool x_judged = x.agreement.judged() >= least_judged,
+               y_judged = y.agreement.judged() >= least_judged;
+    if (x_judged != y_judged) return x_judged;
+    return x.agreement.share() > y.agreement.share();
+  });
+  return places;
+}
+
+/// What a pair of sensors says of the place of the second.
+struct Pair {
+  std::size_t first, second;
+  PlanarPose pose;
+  double margin = 0;  // of the agreement above that of the next place
+  bool is_sure = false, is_ambiguous = false, is_mirrored = false;
+  Agreement as_configured, as_found;
+};
+
+Pair find_pair(const std::vector<MountedSensor>& sensors, std::size_t first, std::size_t second) {
+  const SeenPlace &a = sensors[first].place, &b = sensors[second].place;
+  const PlanarPose configured = sensors[first].configured.inverse() * sensors[second].configured;
+  Pair pair{first, second, configured, 0, false, false, false, {}, {}};
+  pair.as_configured = agreement(a, b, configured);
+  const std::vector<Place> upright = find_places(a, b, configured);
+  std::vector<Place> places = upright;
+  std::size_t as_is = upright.size();
+  std::vector<Place> upside_down;
+  if (b.is_planar()) upside_down = find_places(a, mirrored(b), configured);
+  const auto judged = [](const Place& place) { return place.agreement.judged() >= least_judged; };
+  const auto best = [&](const std::vector<Place>& of) {
+    return of.empty() || !judged(of[0]) ? 0.0 : of[0].agreement.share();
+  };
+  pair.is_mirrored = best(upside_down) > best(upright);
+  if (pair.is_mirrored) places = upside_down, as_is = upside_down.size();
+  if (as_is == 0 || !judged(places[0])) return pair;
+  double next = pair.is_mirrored ? best(upright) : best(upside_down);
+  for (std::size_t i = 1; i < places.size(); ++i) {
+    if (judged(places[i])) next = std::max(next, places[i].agreement.share());
+  }
+  pair.pose = places[0].pose, pair.as_found = places[0].agreement;
+  pair.margin = places[0].agreement.share() - next;
+  const bool agrees = places[0].agreement.share() >= least_agreement;
+  const bool elsewhere = pair.is_mirrored || std::abs(std::remainder(pair.pose.yaw - configured.yaw,
+                                                                     two_pi)) > about_as_configured_rad;
+  pair.is_sure = agrees && pair.margin >= (elsewhere ? least_margin_elsewhere : least_margin);
+  pair.is_ambiguous = agrees && !pair.is_sure;
+  return pair;
+}
+
+FreeDirection direction_of(const WallFit::Sensor& sensor, const Eigen::Vector3d& held) {
+  FreeDirection free;
+  free.turn = std::abs(held[2]) > 0.3;
+  if (free.turn) {
+    // A shift beside the turn moves the point about which it turns.
+    const double rate = held[2] / sensor.lever;
+    free.about = sensor.centre + Vector2d(-held[1], held[0]) / rate;
+  } else {
+    free.shift = held.head<2>().normalized();
+  }
+  return free;
+}
+
+/// Moves the pose along the held directions back to where it is configured.
+void keep_configured(WallFit::Sensor& sensor, const PlanarPose& configured) {
+  for (int round = 0; round < 3; ++round) {
+    const double turn = std::remainder(configured.yaw - sensor.pose.yaw, two_pi);
+    const Vector2d arm = Vector2d(sensor.pose.x, sensor.pose.y) - sensor.centre;
+    const Vector2d to =
+        Vector2d(configured.x, configured.y) - sensor.centre - PlanarPose{0, 0, turn}.turned(arm);
+    const Eigen::Vector3d whole(to.x(), to.y(), turn * sensor.lever);
+    Eigen::Vector3d part = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& held : sensor.held) part += held * held.dot(whole);
+    const double own_turn = part[2] / sensor.lever;
+    const Vector2d at = sensor.centre + PlanarPose{0, 0, own_turn}.turned(arm) + part.head<2>();
+    sensor.pose = {at.x(), at.y(), std::remainder(sensor.pose.yaw + own_turn, two_pi)};
+  }
+}
+
+void describe(const WallFit& fit, std::size_t index, MountEstimate& estimate) {
+  const WallFit::Sensor& sensor = fit.sensors()[index];
+  estimate.pose = sensor.pose;
+  estimate.surfaces = sensor.shared;
+  estimate.covariance = fit.covariance(index);
+  estimate.range_offset = fit.offset_of(index);
+  estimate.determined = {true, true, true};
+  for (const Eigen::Vector3d& held : sensor.held) {
+    estimate.free.push_back(direction_of(sensor, held));
+    const double rate = held[2] / sensor.lever;
+    const Vector2d arm = Vector2d(sensor.pose.x, sensor.pose.y) - sensor.centre;
+    const Eigen::Vector3d moved(held[0] - rate * arm.y(), held[1] + rate * arm.x(), held[2]);
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (std::abs(moved[static_cast<Eigen::Index>(c)]) > 0.3 * std::max(1.0, moved.norm()))
+        estimate.determined[c] = false;
+    }
+  }
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto at = static_cast<Eigen::Index>(c);
+    if (std::sqrt(estimate.covariance(at, at)) > (c < 2 ? worst_m : worst_rad))
+      estimate.determined[c] = false;
+  }
+}
+
+}  // namespace
+
+MountSolution solve_mounts(const std::vector<MountedSensor>& sensors, std::size_t reference) {
+  MountSolution solution;
+  solution.sensors.resize(sensors.size());
+  std::vector<Pair> pairs;
+  for (std::size_t a = 0; a < sensors.size(); ++a) {
+    for (std::size_t b = 0; b < sensors.size(); ++b) {
+      if (a == b || (b < a && sensors[a].place.is_planar() == sensors[b].place.is_planar())) continue;
+      // A multi-plane lidar is never upside down, so it stands first.
+      if (!sensors[b].place.is_planar() && sensors[a].place.is_planar()) continue;
+      pairs.push_back(find_pair(sensors, a, b));
+    }
+  }
+  for (std::size_t i = 0; i < sensors.size(); ++i) solution.sensors[i].pose = sensors[i].configured;
+  solution.sensors[reference].verdict = MountVerdict::reference;
+  std::vector<std::size_t> placed{reference};
+  const auto is_placed = [&](std::size_t i) {
+    return std::find(placed.begin(), placed.end(), i) != placed.end();
+  };
+  std::vector<SeenPlace> seen;
+  for (const MountedSensor& sensor : sensors) seen.push_back(sensor.place);
+  for (std::size_t round = 1; round < sensors.size(); ++round) {
+    const Pair* best = nullptr;
+    for (const Pair& pair : pairs) {
+      if (!pair.is_sure || is_placed(pair.first) == is_placed(pair.second)) continue;
+      if (best == nullptr || pair.margin > best->margin) best = &pair;
+    }
+    if (best == nullptr) break;
+    const bool forward = is_placed(best->first);
+    const std::size_t known = forward ? best->first : best->second,
+                      added = forward ? best->second : best->first;
+    MountEstimate& estimate = solution.sensors[added];
+    estimate.verdict = MountVerdict::found;
+    estimate.pose = solution.sensors[known].pose * (forward ? best->pose : best->pose.inverse());
+    estimate.is_mirrored = best->is_mirrored;
+    estimate.as_configured = best->as_configured, estimate.as_found = best->as_found;
+    if (best->is_mirrored) seen[added] = mirrored(seen[added]);
+    placed.push_back(added);
+  }
+  for (const Pair& pair : pairs) {
+    for (const std::size_t i : {pair.first, pair.second}) {
+      if (!is_placed(i) && pair.is_ambiguous) solution.sensors[i].verdict = MountVerdict::ambiguous;
+    }
+  }
+  if (placed.size() < 2) return solution;
+
+  std::vector<WallFit::Sensor> unknown;
+  for (const std::size_t i : placed) {
+    WallFit::Sensor sensor;
+    sensor.place = &seen[i], sensor.pose = solution.sensors[i].pose, sensor.is_fixed = i == reference;
+    unknown.push_back(sensor);
+  }
+  WallFit fit(unknown);
+  for (const double gate : {0.12, 0.08, 0.06}) {
+    if (!fit.find_walls(gate)) return solution;
+    fit.find_held();
+    for (std::size_t i = 1; i < placed.size(); ++i)
+      keep_configured(fit.sensor(i), sensors[placed[i]].configured);
+    fit.refine(0.003, 4);
+  }
+  for (const double bias : biases) {
+    solution.chi_square = fit.refine(bias, 2);
+    solution.bias = bias;
+    if (solution.chi_square <= 1) break;
+  }
+  solution.bias *= hidden_bias;
+  solution.chi_square = fit.refine(solution.bias, 3);
+  for (std::size_t i = 1; i < placed.size(); ++i) describe(fit, i, solution.sensors[placed[i]]);
+  return solution;
+}
+
+}  // namespace lidard

@@ -1,0 +1,197 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/mounts/surfaces.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/angle.h"
+
+namespace lidard {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr std::size_t fewest_beams = 8;
+constexpr double shortest_m = 0.15;
+constexpr double flattest = 0.17;  // mean cosine of the angle of incidence: 80 degrees
+const double steepest = std::tan(82 * rad_per_deg);
+constexpr std::size_t points_kept = 12;
+constexpr std::size_t local_reach = 4;
+// Two lasers see one upright face if their lines agree so well, m and rad.
+constexpr double same_face_m = 0.02, same_face_rad = 2.5 * rad_per_deg, apart_m = 0.1;
+constexpr std::size_t ring_reach = 3;
+
+struct Line {
+  Vector2d middle{0, 0}, along{1, 0}, normal{0, 1};
+};
+
+/// The line through beams [first, last], each weighted by what its range noise moves across the line.
+Line fit(const std::vector<StillBeam>& beams, std::size_t first, std::size_t last,
+         std::vector<double>& weights) {
+  weights.assign(last - first + 1, 1);
+  Line line;
+  for (int round = 0; round < 3; ++round) {
+    double sum = 0;
+    line.middle.setZero();
+    for (std::size_t i = first; i <= last; ++i)
+      sum += weights[i - first], line.middle += weights[i - first] * beams[i].point;
+    line.middle /= sum;
+    double xx = 0, xy = 0, yy = 0;
+    for (std::size_t i = first; i <= last; ++i) {
+      const Vector2d d = beams[i].point - line.middle;
+      xx += weights[i - first] * d.x() * d.x(), xy += weights[i - first] * d.x() * d.y();
+      yy += weights[i - first] * d.y() * d.y();
+    }
+    const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
+    line.along = {std::cos(angle), std::sin(angle)};
+    line.normal = {-line.along.y(), line.along.x()};
+    if (line.normal.dot(line.middle) > 0) line.normal = -line.normal, line.along = -line.along;
+    for (std::size_t i = first; i <= last; ++i) {
+      const double across =
+          std::max(0.05, std::abs(line.normal.dot(beams[i].point.normalized()))) * beams[i].sigma;
+      weights[i - first] = 1 / (across * across);
+    }
+  }
+  return line;
+}
+
+/// Cuts a run of neighbouring returns where it bends.
+void split(const std::vector<StillBeam>& beams, std::size_t first, std::size_t last, double bias,
+           std::vector<std::pair<std::size_t, std::size_t>>& pieces) {
+  if (last - first + 1 < fewest_beams) return;
+  const Vector2d chord = (beams[last].point - beams[first].point).normalized();
+  const Vector2d normal(-chord.y(), chord.x());
+  double farthest = 0, sigma = 0;
+  std::size_t corner = first;
+  for (std::size_t i = first; i <= last; ++i) {
+    sigma = std::max(sigma, beams[i].sigma);
+    const double off = std::abs(normal.dot(beams[i].point - beams[first].point));
+    if (off > farthest) farthest = off, corner = i;
+  }
+  if (farthest <= 3 * std::max({0.008, 4 * sigma, 2.5 * bias})) {
+    pieces.emplace_back(first, last);
+    return;
+  }
+  split(beams, first, corner, bias, pieces);
+  split(beams, corner, last, bias, pieces);
+}
+
+bool make_surface(const StillView& view, std::size_t first, std::size_t last, Surface& surface) {
+  // Beams at the ends may have met an edge.
+  if (last - first + 1 < fewest_beams + 2) return false;
+  ++first, --last;
+  const std::vector<StillBeam>& beams = view.beams;
+  std::vector<double> weights;
+  const Line line = fit(beams, first, last, weights);
+  surface.middle = line.middle, surface.along = line.along, surface.normal = line.normal;
+  double sum = 0, across = 0, moment = 0, turning = 0, cosine = 0;
+  surface.from = surface.to = surface.height = 0;
+  for (std::size_t i = first; i <= last; ++i) {
+    const double w = weights[i - first], s = line.along.dot(beams[i].point - line.middle);
+    const double u = line.normal.dot(beams[i].point.normalized());
+    sum += w, across += w * u, moment += w * s * s, turning += w * s * u;
+    cosine += std::abs(u) / static_cast<double>(last - first + 1);
+    surface.height += beams[i].height / static_cast<double>(last - first + 1);
+    surface.from = std::min(surface.from, s), surface.to = std::max(surface.to, s);
+  }
+  if (surface.length() < shortest_m || cosine < flattest) return false;
+  surface.var_offset = 1 / sum, surface.var_slope = 1 / moment;
+  surface.offset_by_range = across / sum, surface.slope_by_range = turning / moment;
+  surface.ring = view.ring, surface.first_beam = first, surface.last_beam = last;
+  const std::size_t count = last - first + 1, kept = std::min(points_kept, count);
+  surface.points.clear();
+  for (std::size_t k = 0; k < kept; ++k)
+    surface.points.push_back(beams[first + k * (count - 1) / (kept - 1)].point);
+  return true;
+}
+
+double angle_between(const Vector2d& a, const Vector2d& b) {
+  return std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
+}
+
+/// Pieces in a row that keep turning the same way by about the same are chords of a curve.
+void mark_curves(std::vector<Surface>& surfaces) {
+  const auto turn_to_next = [&](std::size_t i) {
+    if (surfaces[i + 1].first_beam > surfaces[i].last_beam + 4) return 0.0;
+    const double turn = angle_between(surfaces[i].normal, surfaces[i + 1].normal);
+    return std::abs(turn) < 40 * rad_per_deg ? turn : 0.0;
+  };
+  for (std::size_t i = 0; i + 2 < surfaces.size(); ++i) {
+    const double first = turn_to_next(i), second = turn_to_next(i + 1);
+    if (first * second <= 0 || std::abs(first) > 3 * std::abs(second) ||
+        std::abs(second) > 3 * std::abs(first))
+      continue;
+    surfaces[i].is_curved = surfaces[i + 1].is_curved = surfaces[i + 2].is_curved = true;
+  }
+}
+
+}  // namespace
+
+std::vector<Surface> find_surfaces(const StillView& view, double bias) {
+  const std::vector<StillBeam>& beams = view.beams;
+  std::vector<std::pair<std::size_t, std::size_t>> pieces;
+  const auto follows = [&](std::size_t i) {
+    const StillBeam &a = beams[i - 1], &b = beams[i];
+    const double limit =
+        std::max(6 * std::max(a.sigma, b.sigma), std::min(a.range, b.range) * view.step * steepest);
+    return a.is_hit() && b.is_hit() && std::abs(a.range - b.range) <= limit;
+  };
+  for (std::size_t first = 0, i = 1; i <= beams.size(); ++i) {
+    if (i < beams.size() && follows(i)) continue;
+    split(beams, first, i - 1, bias, pieces);
+    first = i;
+  }
+  std::vector<Surface> surfaces;
+  Surface surface;
+  for (const auto& [first, last] : pieces) {
+    surface = {};
+    if (make_surface(view, first, last, surface)) surfaces.push_back(surface);
+  }
+  mark_curves(surfaces);
+  return surfaces;
+}
+
+std::vector<Surface> find_upright(const std::vector<StillView>& views) {
+  std::vector<std::vector<Surface>> by_view;
+  for (const StillView& view : views) by_view.push_back(find_surfaces(view));
+  const auto is_same = [](const Surface& a, const Surface& b) {
+    if (std::abs(a.height - b.height) < apart_m ||
+        std::abs(angle_between(a.normal, b.normal)) > same_face_rad)
+      return false;
+    const double s = a.along.dot(b.middle - a.middle);
+    return s > a.from && s < a.to && std::abs(a.normal.dot(b.middle - a.middle)) < same_face_m;
+  };
+  std::vector<Surface> upright;
+  for (std::size_t r = 0; r < by_view.size(); ++r) {
+    for (const Surface& surface : by_view[r]) {
+      bool found = false;
+      for (std::size_t other = r - std::min(r, ring_reach);
+           other < std::min(by_view.size(), r + ring_reach + 1); ++other) {
+        if (other == r) continue;
+        found = found || std::any_of(by_view[other].begin(), by_view[other].end(), [&](const Surface& b) {
+                  return is_same(surface, b) || is_same(b, surface);
+                });
+      }
+      if (found) upright.push_back(surface);
+    }
+  }
+  return upright;
+}
+
+std::vector<LocalLine> local_lines(const StillView& view, const Surface& surface) {
+  std::vector<LocalLine> lines;
+  std::vector<double> weights;
+  const std::size_t count = 2 * local_reach + 1;
+  for (std::size_t i = surface.first_beam; i + count - 1 <= surface.last_beam; i += local_reach) {
+    const Line line = fit(view.beams, i, i + count - 1, weights);
+    const double length = (view.beams[i + count - 1].point - view.beams[i].point).norm();
+    const double across =
+        view.beams[i + local_reach].sigma * std::abs(line.normal.dot(line.middle.normalized()));
+    const double slope = across * std::sqrt(12.0 / static_cast<double>(count)) / std::max(length, 0.01);
+    lines.push_back({line.middle, line.normal, slope * slope});
+  }
+  return lines;
+}
+
+}  // namespace lidard

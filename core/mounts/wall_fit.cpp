@@ -1,0 +1,266 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/mounts/wall_fit.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "core/base/angle.h"
+
+namespace lidard {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double same_direction = 5 * rad_per_deg, least_overlap = 0.3;
+constexpr double offset_of_scanner = 0.015, offset_of_ring = 0.010;  // m, prior standard deviations
+constexpr double freedom = 5;                                        // of Student's distribution
+constexpr double prior_freedom = 10;
+constexpr double least_share = 0.04;  // of the evidence that must determine a direction
+constexpr double floor_m = 0.0002, floor_rad = 0.001 * rad_per_deg;
+
+Vector2d across(const Vector2d& v) { return {-v.y(), v.x()}; }
+Vector2d unit(double angle) { return {std::cos(angle), std::sin(angle)}; }
+
+}  // namespace
+
+WallFit::WallFit(std::vector<Sensor> sensors) : sensors_(std::move(sensors)) {
+  for (Sensor& sensor : sensors_) {
+    sensor.first_offset = offsets_.size();
+    const bool planar = sensor.place->is_planar();
+    offsets_.resize(offsets_.size() + sensor.place->views.size(), 0);
+    offset_sigma_.resize(offsets_.size(), planar ? offset_of_scanner : offset_of_ring);
+  }
+}
+
+bool WallFit::find_walls(double gate) {
+  walls_.clear(), sightings_.clear();
+  struct Candidate {
+    std::size_t sensor;
+    const Surface* surface;
+  };
+  std::vector<Candidate> candidates;
+  for (std::size_t s = 0; s < sensors_.size(); ++s) {
+    for (const Surface& surface : sensors_[s].place->surfaces) candidates.push_back({s, &surface});
+  }
+  std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return a.surface->length() > b.surface->length();
+  });
+  for (const auto& [s, surface] : candidates) {
+    const PlanarPose& pose = sensors_[s].pose;
+    const Vector2d middle = pose * surface->middle, normal = pose.turned(surface->normal);
+    const double angle = std::atan2(normal.y(), normal.x());
+    Wall* nearest = nullptr;
+    double least = gate;
+    for (Wall& wall : walls_) {
+      if (std::abs(std::remainder(angle - wall.angle, two_pi)) > same_direction) continue;
+      const Vector2d n = unit(wall.angle);
+      const double off = std::abs(n.dot(middle - wall.centre) - wall.offset);
+      const double s0 = across(n).dot(middle - wall.centre);
+      // The wall's direction is across its normal, as that of a surface is against it.
+      const double lowest = std::max(wall.from, s0 - surface->length() / 2),
+                   highest = std::min(wall.to, s0 + surface->length() / 2);
+      if (off >= least || highest - lowest < least_overlap * std::min(surface->length(), wall.to - wall.from))
+        continue;
+      nearest = &wall, least = off;
+    }
+    if (nearest == nullptr) {
+      walls_.emplace_back();
+      nearest = &walls_.back();
+      nearest->centre = middle, nearest->angle = angle;
+      nearest->from = -surface->length() / 2, nearest->to = surface->length() / 2;
+    }
+    const Sensor& sensor = sensors_[s];
+    const std::size_t ring = sensor.place->is_planar() ? 0 : surface->ring;
+    sightings_.push_back(
+        {s, static_cast<std::size_t>(nearest - walls_.data()), sensor.first_offset + ring, surface});
+  }
+  std::vector<std::set<std::size_t>> seen_by(walls_.size());
+  for (const Sighting& sighting : sightings_)
+    ++walls_[sighting.wall].seen, seen_by[sighting.wall].insert(sighting.sensor);
+  for (std::size_t w = 0; w < walls_.size(); ++w) walls_[w].sensors = seen_by[w].size();
+  sightings_.erase(std::remove_if(sightings_.begin(), sightings_.end(),
+                                  [&](const Sighting& sighting) { return walls_[sighting.wall].seen < 2; }),
+                   sightings_.end());
+  bool any = false;
+  for (Sensor& sensor : sensors_) sensor.shared = 0;
+  for (const Sighting& sighting : sightings_) {
+    if (walls_[sighting.wall].sensors < 2) continue;
+    ++sensors_[sighting.sensor].shared;
+    any = true;
+  }
+  return any;
+}
+
+void WallFit::find_held() {
+  std::vector<std::vector<LocalLine>> lines(sensors_.size());
+  for (const Sighting& sighting : sightings_) {
+    if (walls_[sighting.wall].sensors < 2) continue;
+    const Sensor& sensor = sensors_[sighting.sensor];
+    const std::size_t ring = sensor.place->is_planar() ? 0 : sighting.surface->ring;
+    for (const LocalLine& line : local_lines(sensor.place->views[ring], *sighting.surface))
+      lines[sighting.sensor].push_back(line);
+  }
+  for (std::size_t s = 0; s < sensors_.size(); ++s) {
+    Sensor& sensor = sensors_[s];
+    sensor.held.clear();
+    if (lines[s].empty()) continue;
+    sensor.centre.setZero();
+    for (const LocalLine& line : lines[s])
+      sensor.centre += sensor.pose * line.middle / static_cast<double>(lines[s].size());
+    double square = 0, noise = 0;
+    for (const LocalLine& line : lines[s]) {
+      const double arm =
+          sensor.pose.turned(line.normal).dot(across(sensor.pose * line.middle - sensor.centre));
+      square += arm * arm / static_cast<double>(lines[s].size());
+      noise += line.var_normal / static_cast<double>(lines[s].size());
+    }
+    sensor.lever = std::max(0.05, std::sqrt(square));
+    Eigen::Matrix3d evidence = Eigen::Matrix3d::Zero();
+    for (const LocalLine& line : lines[s]) {
+      const Vector2d n = sensor.pose.turned(line.normal);
+      const Vector3d lever(n.x(), n.y(),
+                           n.dot(across(sensor.pose * line.middle - sensor.centre)) / sensor.lever);
+      evidence += lever * lever.transpose() / static_cast<double>(lines[s].size());
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> parts(evidence);
+    for (int i = 0; i < 3; ++i) {
+      if (parts.eigenvalues()[i] - noise < least_share) sensor.held.emplace_back(parts.eigenvectors().col(i));
+    }
+  }
+}
+
+WallFit::Row WallFit::row_of(const Sighting& sighting) const {
+  const Sensor& sensor = sensors_[sighting.sensor];
+  const Wall& wall = walls_[sighting.wall];
+  const Surface& surface = *sighting.surface;
+  const Vector2d n = unit(wall.angle), middle = sensor.pose * surface.middle,
+                 normal = sensor.pose.turned(surface.normal);
+  const double offset = offsets_[sighting.offset];
+  Row row;
+  row.across = n.dot(middle - wall.centre) - wall.offset + offset * surface.offset_by_range;
+  row.slope = std::remainder(std::atan2(normal.y(), normal.x()) - wall.angle, two_pi) +
+              offset * surface.slope_by_range;
+  row.lever = {n.x(), n.y(), n.dot(across(middle - sensor.centre)) / sensor.lever};
+  row.by_angle = across(n).dot(middle - wall.centre);
+  return row;
+}
+
+double WallFit::step(double bias, bool moves) {
+  Eigen::Index unknowns = 0;
+  for (Sensor& sensor : sensors_) {
+    sensor.first_unknown = static_cast<std::size_t>(unknowns);
+    if (!sensor.is_fixed) unknowns += 3;
+  }
+  const Eigen::Index first_offset = unknowns;
+  unknowns += static_cast<Eigen::Index>(offsets_.size());
+  for (Wall& wall : walls_) {
+    wall.unknown = static_cast<std::size_t>(unknowns);
+    if (wall.seen >= 2) unknowns += 2;
+  }
+  Eigen::MatrixXd levers = Eigen::MatrixXd::Zero(unknowns, unknowns);
+  Eigen::VectorXd pulls = Eigen::VectorXd::Zero(unknowns);
+  double chi_square = 0;
+  for (std::size_t i = 0; i < offsets_.size(); ++i) {
+    const Eigen::Index at = first_offset + static_cast<Eigen::Index>(i);
+    const double weight = 1 / (offset_sigma_[i] * offset_sigma_[i]);
+    levers(at, at) += weight, pulls[at] -= weight * offsets_[i];
+  }
+  for (const Sensor& sensor : sensors_) {
+    if (sensor.is_fixed) continue;
+    const auto at = static_cast<Eigen::Index>(sensor.first_unknown);
+    for (const Vector3d& held : sensor.held) levers.block<3, 3>(at, at) += 1e14 * held * held.transpose();
+  }
+  std::size_t rows = 0;
+  for (const Sighting& sighting : sightings_) {
+    const Sensor& sensor = sensors_[sighting.sensor];
+    const Wall& wall = walls_[sighting.wall];
+    const Surface& surface = *sighting.surface;
+    const Row row = row_of(sighting);
+    const double length = surface.length();
+    const double var_across = surface.var_offset + bias * bias;
+    const double var_slope = surface.var_slope + 12 * bias * bias / (length * length);
+    const double chi = row.across * row.across / var_across + row.slope * row.slope / var_slope;
+    const double trust = (freedom + 2) / (freedom + chi);
+    chi_square += trust * chi;
+    rows += 2;
+    // The columns that the two rows touch: at most 3 of the sensor, 1 of the offset, 2 of the wall.
+    std::array<Eigen::Index, 6> columns{};
+    std::array<double, 6> on_across{}, on_slope{};
+    std::size_t count = 0;
+    const auto touch = [&](std::size_t column, double a, double s) {
+      columns[count] = static_cast<Eigen::Index>(column), on_across[count] = a, on_slope[count] = s, ++count;
+    };
+    if (!sensor.is_fixed) {
+      touch(sensor.first_unknown, row.lever[0], 0);
+      touch(sensor.first_unknown + 1, row.lever[1], 0);
+      touch(sensor.first_unknown + 2, row.lever[2], 1 / sensor.lever);
+    }
+    touch(static_cast<std::size_t>(first_offset) + sighting.offset, surface.offset_by_range,
+          surface.slope_by_range);
+    touch(wall.unknown, -1, 0);
+    touch(wall.unknown + 1, row.by_angle, -1);
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t j = 0; j < count; ++j)
+        levers(columns[i], columns[j]) +=
+            trust * (on_across[i] * on_across[j] / var_across + on_slope[i] * on_slope[j] / var_slope);
+      pulls[columns[i]] -=
+          trust * (on_across[i] * row.across / var_across + on_slope[i] * row.slope / var_slope);
+    }
+  }
+  const double spare =
+      std::max(1.0, static_cast<double>(rows) -
+                        static_cast<double>(unknowns - static_cast<Eigen::Index>(offsets_.size())));
+  const Eigen::LDLT<Eigen::MatrixXd> solver(levers);
+  if (!moves) {
+    inverse_ = solver.solve(Eigen::MatrixXd::Identity(unknowns, first_offset));
+    scale_ = std::max(1.0, (prior_freedom + chi_square) / (prior_freedom + spare));
+    return chi_square / spare;
+  }
+  const Eigen::VectorXd change = solver.solve(pulls);
+  if (!change.allFinite()) return chi_square / spare;
+  for (Sensor& sensor : sensors_) {
+    if (sensor.is_fixed) continue;
+    const auto at = static_cast<Eigen::Index>(sensor.first_unknown);
+    const double turn = change[at + 2] / sensor.lever;
+    const Vector2d arm = Vector2d(sensor.pose.x, sensor.pose.y) - sensor.centre;
+    const Vector2d to =
+        sensor.centre + PlanarPose{0, 0, turn}.turned(arm) + Vector2d(change[at], change[at + 1]);
+    sensor.pose = {to.x(), to.y(), std::remainder(sensor.pose.yaw + turn, two_pi)};
+  }
+  for (std::size_t i = 0; i < offsets_.size(); ++i)
+    offsets_[i] += change[first_offset + static_cast<Eigen::Index>(i)];
+  for (Wall& wall : walls_) {
+    if (wall.seen < 2) continue;
+    wall.offset += change[static_cast<Eigen::Index>(wall.unknown)];
+    wall.angle += change[static_cast<Eigen::Index>(wall.unknown) + 1];
+  }
+  return chi_square / spare;
+}
+
+double WallFit::refine(double bias, int steps) {
+  for (int i = 0; i < steps; ++i) step(bias, true);
+  return step(bias, false);
+}
+
+Eigen::Matrix3d WallFit::covariance(std::size_t s) const {
+  const Sensor& sensor = sensors_[s];
+  if (sensor.is_fixed || inverse_.size() == 0) return Eigen::Matrix3d::Zero();
+  const auto at = static_cast<Eigen::Index>(sensor.first_unknown);
+  // From moves about the centre to those of the pose.
+  Eigen::Matrix3d to_pose = Eigen::Matrix3d::Identity();
+  const Vector2d arm = across(Vector2d(sensor.pose.x, sensor.pose.y) - sensor.centre);
+  to_pose(0, 2) = arm.x() / sensor.lever, to_pose(1, 2) = arm.y() / sensor.lever,
+             to_pose(2, 2) = 1 / sensor.lever;
+  const Eigen::Matrix3d own = scale_ * inverse_.block<3, 3>(at, at);
+  Eigen::Matrix3d result = to_pose * own * to_pose.transpose();
+  for (int i = 0; i < 2; ++i) result(i, i) += floor_m * floor_m;
+  result(2, 2) += floor_rad * floor_rad;
+  return result;
+}
+
+}  // namespace lidard

@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/mounts/mount_solver.h"
+
+namespace lidard {
+
+/// The least-squares problem of mounts: unknown are the poses of the sensors, the walls, and an offset of the
+/// ranges per laser. A pose moves by (x, y, turn * lever) about `centre`, so that all three are lengths.
+class WallFit {
+ public:
+  struct Sensor {
+    const SeenPlace* place;
+    PlanarPose pose;
+    bool is_fixed = false;
+    Eigen::Vector2d centre{0, 0};
+    double lever = 1;
+    std::vector<Eigen::Vector3d> held;  ///< directions that stay as they are
+    std::size_t first_unknown = 0, first_offset = 0;
+    std::size_t shared = 0;  ///< surfaces on walls that another sensor sees too
+  };
+
+  explicit WallFit(std::vector<Sensor> sensors);
+  /// Joins surfaces to walls, nearer than `gate` (m); true if any wall is shared by two sensors.
+  bool find_walls(double gate);
+  /// Sets centre, lever and held directions from what the shared surfaces determine.
+  void find_held();
+  /// Gauss-Newton steps with this bias per surface; returns chi-square per degree of freedom.
+  double refine(double bias, int steps);
+  /// Of (x, y, yaw) of a sensor after refine().
+  Eigen::Matrix3d covariance(std::size_t sensor) const;
+  double offset_of(std::size_t sensor) const { return offsets_[sensors_[sensor].first_offset]; }
+  const std::vector<Sensor>& sensors() const { return sensors_; }
+  Sensor& sensor(std::size_t i) { return sensors_[i]; }
+
+ private:
+  struct Wall {
+    Eigen::Vector2d centre{0, 0};
+    double angle = 0;   // rad, of the normal
+    double offset = 0;  // m along the normal from the centre
+    double from = 0, to = 0;
+    std::size_t seen = 0, sensors = 0;
+    std::size_t unknown = 0;
+  };
+  struct Sighting {
+    std::size_t sensor, wall, offset;
+    const Surface* surface;
+  };
+  struct Row {
+    double across, slope;
+    Eigen::Vector3d lever;  // of the sensor's unknowns on `across`
+    double by_angle;        // of the wall's angle on `across`
+  };
+  Row row_of(const Sighting& sighting) const;
+  double step(double bias, bool moves);
+
+  std::vector<Sensor> sensors_;
+  std::vector<Wall> walls_;
+  std::vector<Sighting> sightings_;
+  std::vector<double> offsets_, offset_sigma_;
+  Eigen::MatrixXd inverse_;
+  double scale_ = 1;
+};
+
+}  // namespace lidard

@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/mounts/still_view.h"
+
+#include <gtest/gtest.h>
+
+#include "core/base/angle.h"
+#include "core/mounts/surfaces.h"
+
+namespace lidard {
+namespace {
+
+PlanarScan scan_of(std::size_t beams) {
+  PlanarScan scan;
+  scan.reset(beams);
+  scan.set_angles(-0.5F, 0.01F);
+  return scan;
+}
+
+TEST(StillView, WhatMovesThroughTheViewLeavesNoTrace) {
+  StillScans scans;
+  for (std::size_t frame = 0; frame < 20; ++frame) {
+    PlanarScan scan = scan_of(100);
+    for (std::size_t i = 0; i < scan.beams; ++i) scan.set_hit(i, i / 5 == frame ? 2.0F : 5.0F);
+    ASSERT_TRUE(scans.add(scan));
+  }
+  const auto views = scans.views(Eigen::Matrix3d::Identity());
+  for (const StillBeam& beam : views[0].beams) EXPECT_NEAR(beam.range, 5, 1e-6);
+}
+
+TEST(StillView, ABeamThatSeesNothingMostOfTheTimeIsFreeAndOneThatFlickersIsNotKnown) {
+  StillScans scans;
+  for (std::size_t frame = 0; frame < 20; ++frame) {
+    PlanarScan scan = scan_of(3);
+    frame < 3 ? scan.set_hit(0, 5) : scan.set_without_hit(0, BeamStatus::none);
+    frame % 2 == 0 ? scan.set_hit(1, 5) : scan.set_without_hit(1, BeamStatus::none);
+    scan.set_hit(2, 5);
+    scans.add(scan);
+  }
+  const auto beams = scans.views(Eigen::Matrix3d::Identity())[0].beams;
+  EXPECT_TRUE(std::isinf(beams[0].range));
+  EXPECT_TRUE(std::isnan(beams[1].range));
+  EXPECT_TRUE(beams[2].is_hit());
+}
+
+TEST(StillView, ScansOfAnotherGridAreNotAdded) {
+  StillScans scans;
+  EXPECT_TRUE(scans.add(scan_of(100)));
+  EXPECT_FALSE(scans.add(scan_of(101)));
+  EXPECT_EQ(scans.frames(), 1U);
+}
+
+/// A wall 4 m ahead that ends in a corner; behind the corner a wall goes away.
+TEST(Surfaces, AreCutAtCornersAndKnowTheirErrors) {
+  StillScans scans;
+  PlanarScan scan = scan_of(100);
+  for (std::size_t i = 0; i < scan.beams; ++i) {
+    const double angle = static_cast<double>(scan.angle(i));
+    const double ahead = 4 / std::cos(angle), beside = angle > 0 ? 1.0 / std::sin(angle) : 1e9;
+    scan.set_hit(i, static_cast<float>(std::min(ahead, beside)));
+  }
+  for (int frame = 0; frame < 10; ++frame) scans.add(scan);
+  const auto surfaces = find_surfaces(scans.views(Eigen::Matrix3d::Identity())[0]);
+  ASSERT_EQ(surfaces.size(), 2U);
+  EXPECT_NEAR(surfaces[0].middle.x(), 4, 0.001);
+  EXPECT_NEAR(surfaces[0].normal.x(), -1, 1e-4);
+  EXPECT_NEAR(surfaces[1].middle.y(), 1, 0.001);
+  EXPECT_NEAR(surfaces[1].normal.y(), -1, 1e-4);
+  // An offset of the ranges moves the wall ahead away from the sensor by nearly as much.
+  EXPECT_LT(surfaces[0].offset_by_range, -0.9);
+  EXPECT_LT(surfaces[0].var_offset, 1e-6);
+}
+
+}  // namespace
+}  // namespace lidard
