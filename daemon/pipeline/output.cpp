@@ -103,6 +103,15 @@ void Outlet::publish(const OutputTopic& topic, const Payload& payload, Stamp now
   }
 }
 
+bool Outlet::wants(const OutputTopic& topic) const {
+  return std::any_of(sinks_.begin(), sinks_.end(), [&](const FrameSink* sink) { return sink->wants(topic); });
+}
+
+void Outlet::skip(const OutputTopic& topic, Stamp now) {
+  reports_[topic.id].count(now);
+  for (FrameSink* const sink : sinks_) sink->skip(topic, now);
+}
+
 void Outlet::publish(const std::vector<DiagnosticItem>& items, Stamp now) {
   for (FrameSink* const sink : sinks_) sink->diagnostics(items, now);
 }

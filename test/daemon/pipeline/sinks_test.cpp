@@ -23,7 +23,7 @@ class KeepingSink final : public FrameSink {
   void diagnostics(const std::vector<DiagnosticItem>&, Stamp) override { names.emplace_back("diagnostics"); }
 
   std::vector<std::string> names;
-  std::vector<std::uint8_t> points;
+  PointBytes points;
 };
 
 TEST(Sinks, EachOfSeveralGetsAllThatComesOutThoughOneKeepsThePoints) {
@@ -31,7 +31,7 @@ TEST(Sinks, EachOfSeveralGetsAllThatComesOutThoughOneKeepsThePoints) {
   Outlet outlet({&first, &second});
   outlet.configure(test::sample_topics(), 2);
   Cloud cloud = test::sample_cloud(100);
-  const std::vector<std::uint8_t> points(cloud.points_bytes.begin(), cloud.points_bytes.end());
+  const PointBytes points = cloud.points_bytes;
   outlet.publish(test::roof_points, cloud, Stamp{1});
   outlet.publish(test::front_scan, test::sample_scan(), Stamp{2});
   outlet.publish(test::roof_imu, DeviceMessage(test::sample_imu()), Stamp{3});
