@@ -7,6 +7,7 @@ set(config ${CMAKE_CURRENT_SOURCE_DIR}/config)
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME lidard)
 
 install(TARGETS lidard RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS lidard_pictures lidard_bags LIBRARY DESTINATION lib/lidard/modules)
 if(TARGET lidard_pcl)
   install(TARGETS lidard_pcl lidard_outliers LIBRARY DESTINATION lib/lidard/modules COMPONENT pcl)
 endif()

@@ -55,6 +55,9 @@ class DriverOutput {
   virtual ~DriverOutput() = default;
   virtual void scan(PlanarScan& scan) = 0;
   virtual void cloud(Cloud& cloud) = 0;
+  /// Asked when a cloud begins. False: nobody uses its points, and a few of its columns are enough to judge what
+  /// the sensor sees.
+  virtual bool wants_cloud() { return true; }
   /// What the device sends beside its frames; its topic is one of Model::messages.
   virtual void message(const DeviceMessage& /*message*/) {}
   /// A further scan of the device (its intrusion data, say); `topic` is one of Model::extra_scans.

@@ -59,12 +59,13 @@ set_target_properties(PkgConfig::ANCESTOR PROPERTIES INTERFACE_INCLUDE_DIRECTORI
 lidard_tests(daemon 6 lidard_daemon lidard_rosbag PkgConfig::ANCESTOR)
 target_sources(test_daemon PRIVATE ${ros_support})
 # The modules are loaded at run time.
-add_dependencies(test_daemon lidard_pcl lidard_outliers)
+add_dependencies(test_daemon lidard_pcl lidard_outliers lidard_pictures lidard_bags)
 lidard_tests(sim 2 lidard_drivers)
 add_dependencies(test_sim lidard-sim)
 # The skeleton of a driver, which only its test makes known to the program.
 lidard_tests(skeleton 1 lidard_daemon lidard_rosbag)
 target_sources(test_skeleton PRIVATE test/skeleton/disc_driver.cpp)
+add_dependencies(test_skeleton lidard_bags)
 
 add_test(NAME layering COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/layering.py ${CMAKE_CURRENT_SOURCE_DIR})
 add_test(NAME test_names COMMAND /usr/bin/python3 ${CMAKE_CURRENT_SOURCE_DIR}/test/test_names.py ${programs})

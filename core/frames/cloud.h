@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,24 @@ struct __attribute__((packed, may_alias)) CloudPoint {
   float time;          ///< s after the cloud's stamp
 };
 static_assert(sizeof(CloudPoint) == 22, "the PointCloud2 layout is a contract");
+
+/// Allocates memory with room for the head of a message before it, so that a message is made around the
+/// points where they stand.
+template <class T>
+struct PointAllocator {
+  using value_type = T;
+  static constexpr std::size_t room = 1024;  ///< bytes
+  PointAllocator() = default;
+  template <class U>
+  PointAllocator(const PointAllocator<U>& /*other*/) noexcept {}
+  T* allocate(std::size_t n) {
+    return reinterpret_cast<T*>(static_cast<char*>(::operator new(room + n * sizeof(T))) + room);
+  }
+  void deallocate(T* p, std::size_t) noexcept { ::operator delete(reinterpret_cast<char*>(p) - room); }
+  friend bool operator==(const PointAllocator&, const PointAllocator&) { return true; }
+  friend bool operator!=(const PointAllocator&, const PointAllocator&) { return false; }
+};
+using PointBytes = std::vector<std::uint8_t, PointAllocator<std::uint8_t>>;
 
 /// A return nearer than DriverConfig::min_range, which has no point.
 struct NearReturn {
@@ -77,7 +96,7 @@ struct Cloud {
   std::uint16_t rings = 0;
   bool complete = false;             ///< false: the revolution was cut off by the begin or end of the data
   std::size_t expected_columns = 0;  ///< of a whole revolution at the measured rate; 0 unknown
-  std::vector<std::uint8_t> points_bytes;
+  PointBytes points_bytes;
   std::vector<CloudColumn> columns;
   std::vector<ReturnOrigin> origins;  ///< empty, or one per point
   std::vector<NearReturn> too_near;   ///< in order of columns; only where asked for

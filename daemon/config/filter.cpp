@@ -76,8 +76,8 @@ void load_outliers(const Mapping& yaml, F& filter) {
     return;
   }
   try {
-    filter.find_inliers =
-        reinterpret_cast<FindInliers>(module_function("lidard_outliers", "lidard_find_inliers", "it needs"));
+    filter.find_inliers = reinterpret_cast<FindInliers>(
+        module_function("lidard_outliers", "lidard_find_inliers", "it needs the package lidard-pcl"));
   } catch (const std::runtime_error& e) {
     yaml.where("outlier_radius")
         .fail_at_key(std::string("cannot be applied: ") + e.what(), "the package lidard-pcl, or no such key");

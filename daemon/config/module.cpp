@@ -19,7 +19,7 @@ void* module_function(const std::string& module, const char* function, const std
     if (found != nullptr) return found;
     trouble = dlerror();
   }
-  throw std::runtime_error(purpose + " lidard's module for PCL (package lidard-pcl): " + trouble);
+  throw std::runtime_error(purpose + ": " + trouble);
 }
 
 }  // namespace lidard

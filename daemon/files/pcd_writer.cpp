@@ -25,7 +25,7 @@ constexpr std::size_t most_compressed = 500'000;
 
 void save(const std::string& path, const std::vector<CloudPoint>& points) {
   static const auto write = reinterpret_cast<decltype(&lidard_write_pcd)>(
-      module_function("lidard_pcl", "lidard_write_pcd", "PCD files need"));
+      module_function("lidard_pcl", "lidard_write_pcd", "PCD files need the package lidard-pcl"));
   if (!write(path.c_str(), points.data(), points.size()))
     throw std::runtime_error(path + ": cannot be written as PCD");
 }

@@ -10,6 +10,7 @@
 
 #include "core/base/angle.h"
 #include "core/base/number_text.h"
+#include "daemon/config/module.h"
 
 namespace lidard {
 namespace {
@@ -348,6 +349,14 @@ SnapshotView::Framing fit_to_points(const SnapshotView& view) {
   out.highest = std::max(out.highest, out.lowest + 1e-3);
   fit_heights(view, extent.heights, out);
   return out;
+}
+
+std::string draw_snapshot(const SnapshotView& view, PictureFormat format) {
+  const auto draw = reinterpret_cast<decltype(&lidard_draw_snapshot)>(
+      module_function("lidard_pictures", "lidard_draw_snapshot", "pictures need lidard's module for pictures"));
+  std::string bytes;
+  draw(view, format, bytes);
+  return bytes;
 }
 
 }  // namespace lidard

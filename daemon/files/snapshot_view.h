@@ -146,3 +146,7 @@ enum class PictureFormat : std::uint8_t { png, svg };
 std::string draw_snapshot(const SnapshotView& view, PictureFormat format);
 
 }  // namespace lidard
+
+/// draw_snapshot() itself; not linked, but found by name in the module for pictures.
+extern "C" void lidard_draw_snapshot(const lidard::SnapshotView& view, lidard::PictureFormat format,
+                                     std::string& bytes);

@@ -7,10 +7,12 @@
 #include <functional>
 #include <mutex>
 #include <utility>
+#include <vector>
 
 #include "core/base/host_clock.h"
 #include "daemon/pipeline/log.h"
 #include "daemon/pipeline/sink.h"
+#include "drivers/driver.h"
 #include "drivers/net/wall_clock.h"
 
 namespace lidard {
@@ -32,6 +34,12 @@ class DaemonClock {
     const std::lock_guard lock(mutex_);
     const ClockReading reading = read();
     return clock_.steady(taken, reading);
+  }
+  /// The same for the arrivals of packets that came at once.
+  void remove_steps(std::vector<Packet>& packets) {
+    const std::lock_guard lock(mutex_);
+    const ClockReading reading = read();
+    for (Packet& packet : packets) packet.arrival = clock_.steady(packet.arrival, reading);
   }
   /// What the host's clock says at a time without steps.
   Stamp realtime(Stamp steady) const {

@@ -67,6 +67,11 @@ void FrameQueue::push(std::size_t number, const Payload& payload, Stamp released
   filled_.notify_one();
 }
 
+void FrameQueue::skip(std::size_t number, Stamp released) {
+  const std::lock_guard lock(mutex_);
+  slots_.at(number).watch.released(released);
+}
+
 void FrameQueue::fill(const Payload& payload, QueuedContent& content) const {
   const auto keep = [&](auto* given) {
     using Kept = std::remove_const_t<std::remove_pointer_t<decltype(given)>>;

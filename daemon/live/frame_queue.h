@@ -52,6 +52,8 @@ class FrameQueue {
   void set_step(Span step) { step_ = step; }
   /// Swaps the points_bytes of a cloud with a recycled buffer.
   void push(std::size_t slot, const Payload& payload, Stamp released);
+  /// Counts a frame that was not made, since nobody wants it.
+  void skip(std::size_t slot, Stamp released);
 
   /// The oldest frame, or nullptr after `wait` or stop(). Give it back with done().
   QueuedFrame* pop(Span wait);

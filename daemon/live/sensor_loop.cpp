@@ -26,14 +26,15 @@ SensorLoop::SensorLoop(const Config& config, DaemonClock& clock, BlackBox& box, 
       box_(box),
       pipeline_(config, transforms, sink),
       ports_(io_, config,
-             [this](const Packet& packet) {
-               handle(packet, [this](const Packet& timed) { pipeline_.packet(timed); });
+             [this](std::vector<Packet>& packets) {
+               handle(packets, [this](const Packet& packet) { pipeline_.packet(packet); });
              }),
       host_causes_(config, ports_),
       connections_(
           io_, config,
           {[this](std::size_t sensor, const Packet& packet) {
-             handle(packet, [&](const Packet& timed) { pipeline_.chunk(sensor, timed); });
+             chunk_[0] = packet;
+             handle(chunk_, [&](const Packet& chunk) { pipeline_.chunk(sensor, chunk); });
            },
            [this](std::size_t sensor, Stamp at) { pipeline_.connected(sensor, clock_.without_steps(at)); },
            [this](std::size_t sensor) { pipeline_.disconnected(sensor); },
@@ -99,13 +100,15 @@ void SensorLoop::report_round() {
   on_round();
 }
 
+/// Uses each of the packets that came at once.
 template <class Use>
-void SensorLoop::handle(const Packet& packet, Use use) {
+void SensorLoop::handle(std::vector<Packet>& packets, Use use) {
   report_round();
-  Packet timed = packet;
-  timed.arrival = clock_.without_steps(packet.arrival);
-  box_.add(timed);
-  use(timed);
+  clock_.remove_steps(packets);
+  for (const Packet& packet : packets) {
+    box_.add(packet);
+    use(packet);
+  }
   arm();
 }
 
@@ -114,9 +117,13 @@ void SensorLoop::handle(const Packet& packet, Use use) {
 template <class Then>
 void SensorLoop::catch_up(Then then) {
   // The first posted handler runs before those of sockets that became ready meanwhile, the second one after
-  // them.
-  boost::asio::post(io_,
-                    [this, then, now = clock_.now()] { boost::asio::post(io_, [then, now] { then(now); }); });
+  // them. Busy ports are not among these.
+  boost::asio::post(io_, [this, then, now = clock_.now()] {
+    boost::asio::post(io_, [this, then, now] {
+      ports_.catch_up();
+      then(now);
+    });
+  });
 }
 
 void SensorLoop::schedule_tick() {

@@ -56,7 +56,7 @@ class SensorLoop {
  private:
   void report_round();
   template <class Use>
-  void handle(const Packet& packet, Use use);
+  void handle(std::vector<Packet>& packets, Use use);
   template <class Then>
   void catch_up(Then then);
   void schedule_tick();
@@ -73,6 +73,7 @@ class SensorLoop {
   InterfaceWatch interfaces_;
   boost::asio::steady_timer timer_;
   boost::asio::steady_timer event_timer_;
+  std::vector<Packet> chunk_ = std::vector<Packet>(1);  // of a connection
   std::optional<Stamp> next_event_;  // what event_timer_ is set to
   std::chrono::steady_clock::time_point next_tick_, next_round_;
   std::atomic<std::uint64_t> rounds_{0};

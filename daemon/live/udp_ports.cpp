@@ -95,6 +95,10 @@ void UdpPorts::stop() {
   for (auto& port : ports_) port.source->stop();
 }
 
+void UdpPorts::catch_up() {
+  for (auto& port : ports_) port.source->catch_up();
+}
+
 void UdpPorts::interfaces_changed() {
   for (auto& port : ports_) port.source->interfaces_changed();
 }

@@ -23,6 +23,8 @@ class UdpPorts {
   void configure(const Config& config);
   void start();
   void stop();
+  /// Hands on what has arrived at busy ports since they were read last.
+  void catch_up();
   /// Interfaces or addresses of this host have changed.
   void interfaces_changed();
   /// Logs the ports that were opened since the last call, and finds out which program holds a port that

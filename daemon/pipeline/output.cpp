@@ -118,6 +118,11 @@ void Outlet::publish(const OutputTopic& topic, const Payload& payload, Stamp now
   if (const auto* scan = std::get_if<const PlanarScan*>(&payload)) feed(first_topic_ + topic.id, **scan, now);
 }
 
+void Outlet::skip(const OutputTopic& topic, Stamp now) {
+  reports_[topic.id].count(now);
+  sink_.skip(topic, now);
+}
+
 void Outlet::feed(std::size_t source, const PlanarScan& scan, Stamp now) {
   fed_ = true;
   for (const Consumer& consumer : consumers_[source]) {

@@ -49,6 +49,12 @@ class Outlet {
 
   /// To the sink, and to the outputs that are made of a scan on this topic.
   void publish(const OutputTopic& topic, const Payload& payload, Stamp now);
+  /// True if the sink wants what is published on the topic.
+  bool wants(const OutputTopic& topic) const { return sink_.wants(topic); }
+  /// Counts a frame that nobody wants.
+  void skip(const OutputTopic& topic, Stamp now);
+  /// True if an output is made of this source.
+  bool feeds(std::size_t source) const { return !consumers_.at(source).empty(); }
   void publish(const std::vector<DiagnosticItem>& items, Stamp now) { sink_.diagnostics(items, now); }
   /// To the outputs that are made of this source.
   void feed(std::size_t source, const PlanarScan& scan, Stamp now);

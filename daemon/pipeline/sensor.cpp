@@ -110,9 +110,20 @@ void Sensor::publish_raw() {
   raw_.clear();
 }
 
+bool Sensor::wants_cloud() {
+  cloud_wanted_ = ring_scan_ || context_.outlet.feeds(place_) || context_.outlet.wants(*topic_);
+  return *cloud_wanted_;
+}
+
 void Sensor::cloud(Cloud& cloud) {
   publish_raw();
   watch_.cloud(cloud);
+  const bool is_wanted = cloud_wanted_ ? *cloud_wanted_ : wants_cloud();
+  cloud_wanted_.reset();
+  if (!is_wanted) {
+    follow_motion(cloud.stamp);
+    return context_.outlet.skip(*topic_, context_.now);
+  }
   feed(cloud);
   if (ring_scan_ && ring_scan_->convert(cloud, ring_)) publish_scan(*ring_topic_, ring_filter_, ring_);
   if (filter_) filter_->apply(cloud);
@@ -127,10 +138,14 @@ void Sensor::publish_cloud(Cloud& cloud, Stamp now) {
   context_.outlet.publish(*topic_, arranger_.is_plain() ? cloud : arranger_.arrange(cloud), now);
 }
 
+void Sensor::follow_motion(Stamp frame) {
+  context_.motion.poll(context_.now);
+  context_.motion.note_data(frame, context_.now);
+}
+
 template <class Frame>
 void Sensor::feed(const Frame& frame) {
-  context_.motion.poll(context_.now);
-  context_.motion.note_data(frame.stamp, context_.now);
+  follow_motion(frame.stamp);
   context_.outlet.feed(place_, frame, context_.now);
 }
 

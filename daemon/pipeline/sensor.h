@@ -101,6 +101,7 @@ class Sensor final : public DriverOutput {
 
   void scan(PlanarScan& scan) override;
   void cloud(Cloud& cloud) override;
+  bool wants_cloud() override;
   void message(const DeviceMessage& message) override;
   void extra_scan(std::string_view name, PlanarScan& scan) override;
   void note(std::string_view sentence) override;
@@ -128,6 +129,8 @@ class Sensor final : public DriverOutput {
   void publish_cloud(Cloud& cloud, Stamp now);
   /// Publishes the packets since the last call, if there are any.
   void publish_raw();
+  /// The vehicle's motion is followed up to a frame.
+  void follow_motion(Stamp frame);
   /// For the outputs that are made of this sensor's frames.
   template <class Frame>
   void feed(const Frame& frame);
@@ -139,6 +142,7 @@ class Sensor final : public DriverOutput {
   SensorContext& context_;
   std::unique_ptr<Driver> driver_;                   // nullptr: another driver publishes on config_.topic
   std::optional<FrameFilter> filter_, ring_filter_;  // of its frames, and of the ring that is a scan
+  std::optional<bool> cloud_wanted_;  // as the driver was told when its cloud began
   CloudArranger arranger_;
   std::optional<CloudPlacer> placer_;
   std::optional<RingScan> ring_scan_;

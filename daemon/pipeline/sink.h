@@ -74,6 +74,10 @@ struct Payload : std::variant<const PlanarScan*, Cloud*, const DeviceMessage*,
 class FrameSink {
  public:
   virtual ~FrameSink() = default;
+  /// False while what is published on the topic would reach nobody: it need not be made.
+  virtual bool wants(const OutputTopic& /*topic*/) const { return true; }
+  /// Called in place of publish() for a frame that was not made, since no sink wants it.
+  virtual void skip(const OutputTopic& /*topic*/, Stamp /*released*/) {}
   /// `released`: arrival of the packet that completed the frame.
   virtual void publish(const OutputTopic& topic, const Payload& payload, Stamp released) = 0;
   virtual void transforms(const std::vector<StaticTransform>& /*transforms*/, Stamp /*released*/) {}

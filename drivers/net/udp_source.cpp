@@ -23,6 +23,10 @@ constexpr auto last_retry = std::chrono::milliseconds(1000);
 constexpr auto membership_check = std::chrono::seconds(1);
 /// Other sockets of the thread want their turn.
 constexpr int batches_per_wakeup = 8;
+/// Datagrams/s from which on a port is busy, and below which it is quiet again.
+constexpr double busy_from = 2000, quiet_below = 1500;
+constexpr auto rate_window = std::chrono::milliseconds(100);
+constexpr auto busy_period = std::chrono::milliseconds(1);
 
 }  // namespace
 
@@ -33,6 +37,7 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
         handler_(std::move(handler)),
         descriptor_(io),
         timer_(io),
+        busy_timer_(io),
         batch_(options_.max_datagram) {}
 
   void start() {
@@ -51,7 +56,7 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
   void configure(UdpOptions options) {
     const UdpOptions before = std::exchange(options_, std::move(options));
     if (port_ == 0) return;  // the next attempt to open it knows
-    const int fd = descriptor_.native_handle();
+    const int fd = socket_.get();
     note(limit_socket(fd, options_));
     for (const MulticastGroup& group : before.groups) {
       const auto& now = options_.groups;
@@ -60,6 +65,10 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     boost::system::error_code ignored;
     timer_.cancel(ignored);
     join_groups();
+  }
+
+  void catch_up() {
+    for (int n = 0; busy_ && n < batches_per_wakeup && read_batch();) ++n;
   }
 
   void interfaces_changed() {
@@ -81,10 +90,7 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     auto opened = open_udp_socket(options_);
     if (!opened) return fail(opened.reason());
     UdpSocket& socket = opened.value();
-    boost::system::error_code error;
-    descriptor_.assign(socket.fd.get(), error);
-    if (error) return fail("cannot wait for the socket: " + error.message() + "; it is tried again");
-    socket.fd.release();
+    socket_ = std::move(socket.fd);
     port_ = socket.port;
     drops_ = 0;
     filling_seen_.reset();
@@ -104,14 +110,17 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
   void close() {
     ++generation_;
     boost::system::error_code ignored;
-    descriptor_.close(ignored);
+    busy_timer_.cancel(ignored);
+    if (descriptor_.is_open()) descriptor_.release();
+    socket_ = FileDescriptor();
+    busy_ = false;
     port_ = 0;
   }
 
   void join_groups(bool new_socket = false) {
     state_ = {UdpState::Phase::receiving, {}};
     for (const MulticastGroup& group : options_.groups) {
-      const int error = join_group(descriptor_.native_handle(), group);
+      const int error = join_group(socket_.get(), group);
       // Only a new socket forgets the memberships of interfaces that are gone.
       if (error == ENOBUFS && !new_socket) return fail(why_not_joined(group, error));
       if (error != 0) state_ = {UdpState::Phase::partial, why_not_joined(group, error)};
@@ -136,38 +145,68 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     });
   }
 
+  /// Waits until there is something to read: in the reactor, which wakes for every datagram, or for a time.
   void wait() {
+    if (busy_) return wait_for(busy_period);
+    boost::system::error_code error;
+    if (!descriptor_.is_open()) descriptor_.assign(socket_.get(), error);
+    if (error) return fail_to_wait(error);
     descriptor_.async_wait(
         boost::asio::posix::stream_descriptor::wait_read,
-        [self = shared_from_this(), generation = generation_](const auto& error) {
+        [self = shared_from_this(), generation = generation_](const auto& failure) {
           if (generation != self->generation_) return;
-          if (error) {
-            self->fail("cannot wait for the socket: " + error.message() + "; it is tried again");
-          } else {
-            self->readable();
-          }
+          failure ? self->fail_to_wait(failure) : self->readable();
         });
+  }
+
+  void wait_for(Span delay) {
+    busy_timer_.expires_after(delay);
+    busy_timer_.async_wait([self = shared_from_this(), generation = generation_](const auto& error) {
+      if (!error && generation == self->generation_) self->readable();
+    });
+  }
+
+  void fail_to_wait(const boost::system::error_code& error) {
+    fail("cannot wait for the socket: " + error.message() + "; it is tried again");
   }
 
   void readable() {
     ++stats_.wakeups;
     const std::uint64_t generation = generation_;
-    for (int round = 0; round < batches_per_wakeup; ++round) {
-      const int fd = descriptor_.native_handle();
-      if (filtered_ && receive_buffer_is_filling(fd)) filling_seen_ = wall_clock();
-      const int count = batch_.receive(fd);
-      if (count < 0 && errno != EAGAIN && errno != EINTR)
-        return fail(std::string("cannot receive: ") + std::strerror(errno) + "; the port is opened again");
-      for (int i = 0; i < count; ++i) {
-        hand_on(batch_[static_cast<std::size_t>(i)]);
-        if (generation != generation_) return;  // stopped by the handler
-      }
-      if (count < static_cast<int>(DatagramBatch::capacity)) break;
-    }
-    wait();
+    int batches = 0;
+    while (batches < batches_per_wakeup && read_batch()) ++batches;
+    if (generation != generation_) return;  // stopped by the handler, or failed
+    note_rate();
+    busy_ && batches == batches_per_wakeup ? wait_for(Span(0)) : wait();
   }
 
-  void hand_on(const DatagramBatch::Datagram& datagram) {
+  /// True if there may be more to read.
+  bool read_batch() {
+    const int fd = socket_.get();
+    const std::uint64_t generation = generation_;
+    if (filtered_ && receive_buffer_is_filling(fd)) filling_seen_ = wall_clock();
+    const int count = batch_.receive(fd);
+    if (count < 0 && errno != EAGAIN && errno != EINTR)
+      fail(std::string("cannot receive: ") + std::strerror(errno) + "; the port is opened again");
+    packets_.clear();
+    for (int i = 0; i < count; ++i) add(batch_[static_cast<std::size_t>(i)]);
+    if (!packets_.empty()) handler_(packets_);
+    return generation == generation_ && count == static_cast<int>(DatagramBatch::capacity);
+  }
+
+  /// Decides whether the port is busy, by its rate since the last decision.
+  void note_rate() {
+    const auto now = std::chrono::steady_clock::now();
+    const Span passed = now - rate_begin_;
+    if (passed < rate_window) return;
+    const auto datagrams = static_cast<double>(stats_.datagrams - rate_datagrams_);
+    busy_ = datagrams > (busy_ ? quiet_below : busy_from) * seconds(passed);
+    rate_begin_ = now;
+    rate_datagrams_ = stats_.datagrams;
+    if (busy_ && descriptor_.is_open()) descriptor_.release();
+  }
+
+  void add(const DatagramBatch::Datagram& datagram) {
     count_drops(datagram);
     if (datagram.truncated) {
       ++stats_.truncated;
@@ -176,12 +215,11 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     if (is_stranger(datagram.from.address)) ++stats_.unknown_sampled;
     ++stats_.datagrams;
     stats_.bytes += datagram.payload.size();
-    Packet packet;
+    Packet& packet = packets_.emplace_back();
     packet.payload = datagram.payload;
     packet.arrival = datagram.kernel_stamp ? *datagram.kernel_stamp : wall_clock();
     packet.from = datagram.from;
     packet.to = {datagram.to, port_};
-    handler_(packet);
   }
 
   /// The kernel counts datagrams refused by the filter and those that found the buffer full in one number,
@@ -206,9 +244,12 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
 
   UdpOptions options_;
   Handler handler_;
-  boost::asio::posix::stream_descriptor descriptor_;
-  boost::asio::steady_timer timer_;
+  FileDescriptor socket_;
+  boost::asio::posix::stream_descriptor descriptor_;  // socket_ in the reactor; does not own it
+  boost::asio::steady_timer timer_;                   // to try again
+  boost::asio::steady_timer busy_timer_;
   DatagramBatch batch_;
+  std::vector<Packet> packets_;  // of a batch
   UdpState state_;
   UdpStats stats_;
   std::string warning_;
@@ -219,6 +260,9 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
   bool filtered_ = false;
   std::optional<Stamp> filling_seen_;
   std::uint32_t drops_ = 0;
+  bool busy_ = false;  // read by busy_timer_ instead of the reactor
+  std::chrono::steady_clock::time_point rate_begin_;
+  std::uint64_t rate_datagrams_ = 0;  // at rate_begin_
 };
 
 UdpSource::UdpSource(boost::asio::io_context& io, UdpOptions options, Handler handler)
@@ -226,6 +270,7 @@ UdpSource::UdpSource(boost::asio::io_context& io, UdpOptions options, Handler ha
 UdpSource::~UdpSource() { impl_->stop(); }
 void UdpSource::start() { impl_->start(); }
 void UdpSource::stop() { impl_->stop(); }
+void UdpSource::catch_up() { impl_->catch_up(); }
 void UdpSource::interfaces_changed() { impl_->interfaces_changed(); }
 void UdpSource::configure(UdpOptions options) { impl_->configure(std::move(options)); }
 const UdpState& UdpSource::state() const { return impl_->state(); }

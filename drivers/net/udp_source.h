@@ -49,7 +49,7 @@ struct UdpStats {
   std::uint64_t unknown_sampled = 0;   ///< from other senders and handed on nevertheless, 1 of 64
   std::uint64_t unknown_filtered = 0;  ///< from other senders and dropped by the kernel
   std::size_t receive_buffer_asked = 0, receive_buffer_got = 0;  ///< bytes, as in SO_RCVBUF
-  std::uint64_t wakeups = 0;
+  std::uint64_t wakeups = 0;  ///< times that the port was read
 };
 
 struct UdpState {
@@ -64,14 +64,17 @@ struct UdpState {
 };
 
 /// Receives datagrams from any number of senders on one local port, with the kernel's time of arrival.
+/// A port with few datagrams is read at once. A busy one (more than 2000 datagrams/s) is read by a timer, every
+/// millisecond: waiting for each datagram would cost more than the datagrams themselves.
 ///
 /// Never throws and never gives up: what the system refuses (port in use, no such interface, ...) becomes a
 /// state with a message, and is tried again after 0.1 s, then ever later up to 1 s.
 class UdpSource {
  public:
-  using Handler = std::function<void(const Packet&)>;
+  /// Gets the datagrams that one system call brought, in order; it may change them.
+  using Handler = std::function<void(std::vector<Packet>&)>;
 
-  /// `handler` is called once per datagram, from within `io`.
+  /// `handler` is called from within `io`.
   UdpSource(boost::asio::io_context& io, UdpOptions options, Handler handler);
   ~UdpSource();
   UdpSource(const UdpSource&) = delete;
@@ -80,6 +83,8 @@ class UdpSource {
   void start();
   /// No handler is called any more once this returned.
   void stop();
+  /// Hands on what a busy port has received since its timer; what a quiet port received is handed on by `io`.
+  void catch_up();
   /// Interfaces or addresses have changed: joins groups again, and tries at once what could not be done.
   void interfaces_changed();
 

@@ -45,17 +45,18 @@ class CloudBuilder {
     auto verdict = cutter_.next(sequence.azimuth_deg, time);
     if (++sequences_ > most_sequences_) verdict = RevolutionCutter::Verdict::forced;
     if (!in_stream_) {
-      begin(time, false, clock);
+      begin(time, false, clock, out);
     } else if (verdict != RevolutionCutter::Verdict::same) {
       const bool at_cut = verdict == RevolutionCutter::Verdict::crossed;
       end(at_cut, out);
-      begin(time, at_cut, clock);
+      begin(time, at_cut, clock, out);
     }
     // Only packets that overlap by their stamps fire before the frame's first sequence.
     sequence.in_frame = std::max(time - frame_time_, Span(0));
     sequence.stamp = clock.to_host(time) + config_.time_offset;
     // The view counts counter-clockwise from the front (REP 103), azimuth clockwise.
     visible_ = config_.in_view(-sequence.azimuth_deg * rad_per_deg);
+    if (visible_ && is_thin_) visible_ = in_view_++ % thin_step == 0;
   }
 
   void append(const Sequence& sequence) {
@@ -79,6 +80,8 @@ class CloudBuilder {
  private:
   /// A frame ends by its stamps after so long: RevolutionCutter's limit.
   static constexpr Span longest_turn = std::chrono::milliseconds(1500);
+  /// One sequence in so many is kept of a frame that nobody wants.
+  static constexpr std::size_t thin_step = 16;
 
   /// Firing sequences that a frame can hold, with some to spare; more of them are no frame. Stamps that stand
   /// still, or nearly so, would let it grow for ever.
@@ -88,8 +91,10 @@ class CloudBuilder {
     return static_cast<std::size_t>(longest_turn / shortest) * 5 / 4 + 100;
   }
 
-  void begin(Span time, bool at_cut, const DeviceClock& clock) {
+  void begin(Span time, bool at_cut, const DeviceClock& clock, DriverOutput& out) {
     in_stream_ = true;
+    is_thin_ = !out.wants_cloud();
+    in_view_ = 0;
     began_at_cut_ = at_cut;
     frame_time_ = time;
     sequences_ = 1;
@@ -144,6 +149,8 @@ class CloudBuilder {
   bool in_stream_ = false;
   bool began_at_cut_ = false;
   bool visible_ = true;
+  bool is_thin_ = false;     // nobody wants the points of the frame at hand
+  std::size_t in_view_ = 0;  // sequences of a thin frame so far
   Span frame_time_{0};
   SteadyStamps stamps_;
 };

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "test/support/ros_samples.h"
 
+#include "daemon/ros/out/message_rows.h"
+
 namespace lidard::test {
 
 PlanarScan sample_scan() {
@@ -35,6 +37,14 @@ Cloud sample_cloud(std::size_t points) {
   }
   cloud.end = cloud.stamp;
   return cloud;
+}
+
+sensor_msgs::PointCloud2 message_of(Cloud cloud) {
+  const RawMessage made = row_of(roof_points).maker()->make(cloud, Stamp());
+  sensor_msgs::PointCloud2 message;
+  ros::serialization::IStream stream(made.data.message_start, made.size());
+  ros::serialization::deserialize(stream, message);
+  return message;
 }
 
 GnssFix sample_fix() {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <sensor_msgs/PointCloud2.h>
+
 #include <cstddef>
 
 #include "core/frames/cloud.h"
@@ -15,6 +17,8 @@ namespace lidard::test {
 PlanarScan sample_scan();
 /// A cloud of 16 rings with `points` distinct points, 0.1 ms apart.
 Cloud sample_cloud(std::size_t points);
+/// The message that the cloud is published as.
+sensor_msgs::PointCloud2 message_of(Cloud cloud);
 /// A fix with corrections, of known altitude.
 GnssFix sample_fix();
 /// An instant that both clocks tell, from "gps_pps".

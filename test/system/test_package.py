@@ -90,7 +90,8 @@ class Packages(unittest.TestCase):
             self.assertEqual(root.stat().st_mode & 0o777, 0o755, "the root of the package")
 
     def test_programs_are_stripped(self):
-        for package, name in (("lidard", "usr/bin/lidard"), ("lidard-sim", "usr/bin/lidard-sim"),
+        for package, name in (("lidard", "usr/bin/lidard"), ("lidard", "usr/lib/lidard/modules/lidard_bags.so"),
+                              ("lidard", "usr/lib/lidard/modules/lidard_pictures.so"), ("lidard-sim", "usr/bin/lidard-sim"),
                               ("lidard-pcl", "usr/lib/lidard/modules/lidard_pcl.so"),
                               ("lidard-pcl", "usr/lib/lidard/modules/lidard_outliers.so")):
             self.assertNotIn(".symtab", must_run("readelf", "-SW", self.unpacked(package) / name))

@@ -2,16 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/ros/in/tf_poses.h"
 
-#include <nav_msgs/Odometry.h>
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
 #include <tf2/exceptions.h>
-#include <tf2_msgs/TFMessage.h>
 #include <tf2_ros/transform_listener.h>
 
 #include <algorithm>
 #include <stdexcept>
 
+#include "daemon/ros/messages/bags_module.h"
 #include "daemon/ros/messages/convert.h"
 
 namespace lidard {
@@ -110,20 +107,17 @@ void TfPoses::connected(RosCallbackThread& ros) {
 BagPoses::BagPoses(const std::string& path, const std::string& odometry_topic)
     : BufferPoses(bag_kept_s), is_there_(!path.empty()) {
   if (!is_there_) return;
+  const auto use_transforms = [this](const tf2_msgs::TFMessage& message, bool is_static) {
+    for (const auto& transform : message.transforms) buffer_.setTransform(transform, "bag", is_static);
+  };
+  const auto use_odometry = [this](const nav_msgs::Odometry& message) {
+    const auto& pose = message.pose.pose;
+    odometry_.push_back({from_ros(message.header.stamp), to_pose(pose.position, pose.orientation)});
+    child_ = message.child_frame_id;
+  };
   try {
-    rosbag::Bag bag(path, rosbag::bagmode::Read);
-    for (const auto& message : rosbag::View(bag)) {
-      const std::string topic = message.getTopic();
-      if (const auto tf = message.instantiate<tf2_msgs::TFMessage>())
-        for (const auto& transform : tf->transforms)
-          buffer_.setTransform(transform, "bag", topic == "/tf_static" || topic == "tf_static");
-      if (odometry_topic.empty() || (topic != odometry_topic && topic != "/" + odometry_topic)) continue;
-      const auto odometry = message.instantiate<nav_msgs::Odometry>();
-      if (!odometry) throw std::runtime_error("topic " + topic + " is no nav_msgs/Odometry");
-      const auto& pose = odometry->pose.pose;
-      odometry_.push_back({from_ros(odometry->header.stamp), to_pose(pose.position, pose.orientation)});
-      child_ = odometry->child_frame_id;
-    }
+    bags_function<decltype(lidard_read_poses)>("lidard_read_poses")(path, odometry_topic, use_transforms,
+                                                                    use_odometry);
   } catch (const std::exception& problem) {
     throw std::runtime_error(path + ": " + problem.what() + "; expected a bag with /tf or the odometry");
   }

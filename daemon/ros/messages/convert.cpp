@@ -133,7 +133,7 @@ void to_ros(const PlanarScan& scan, sensor_msgs::MultiEchoLaserScan& message) {
     copy_echoes(scan, scan.intensities, b, message.intensities[b]);
 }
 
-void to_ros(Cloud& cloud, sensor_msgs::PointCloud2& message) {
+void to_ros(const Cloud& cloud, sensor_msgs::PointCloud2& message) {
   const bool organised = cloud.height > 0;
   message.header.stamp = to_ros(cloud.stamp);
   message.header.frame_id = ros_frame(cloud.frame_id);
@@ -144,7 +144,6 @@ void to_ros(Cloud& cloud, sensor_msgs::PointCloud2& message) {
   message.point_step = sizeof(CloudPoint);
   message.row_step = message.width * message.point_step;
   message.is_dense = organised ? 0 : 1;
-  message.data.swap(cloud.points_bytes);
 }
 
 void to_ros(const std::vector<StaticTransform>& transforms, Stamp stamp, tf2_msgs::TFMessage& message) {

@@ -28,8 +28,8 @@ void to_ros(const PlanarScan& scan, sensor_msgs::LaserScan& message);
 /// A scan as sensor_msgs/MultiEchoLaserScan: each beam holds its first echo, hit or not, and the further
 /// hits.
 void to_ros(const PlanarScan& scan, sensor_msgs::MultiEchoLaserScan& message);
-/// A cloud as sensor_msgs/PointCloud2. Swaps `points_bytes` with the message's data; nothing is copied.
-void to_ros(Cloud& cloud, sensor_msgs::PointCloud2& message);
+/// A cloud as sensor_msgs/PointCloud2, but for its data.
+void to_ros(const Cloud& cloud, sensor_msgs::PointCloud2& message);
 /// Fixed transforms as tf2_msgs/TFMessage.
 void to_ros(const std::vector<StaticTransform>& transforms, Stamp stamp, tf2_msgs::TFMessage& message);
 /// Status items as diagnostic_msgs/DiagnosticArray; names are prefixed "`node`: " (REP 107).

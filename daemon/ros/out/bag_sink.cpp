@@ -2,34 +2,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/ros/out/bag_sink.h"
 
-#include <rosbag/bag.h>
+#include <ros/exception.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 
+#include "daemon/ros/messages/bags_module.h"
 #include "daemon/ros/messages/convert.h"
 
 namespace lidard {
-namespace {
-
-/// The connection header of a latched topic; `rosbag play` latches a topic that was recorded with it.
-boost::shared_ptr<ros::M_string> latched_header(const MessageType& type) {
-  auto header = boost::make_shared<ros::M_string>();
-  *header = {{"type", type.name},
-             {"md5sum", type.md5},
-             {"message_definition", type.definition},
-             {"latching", "1"},
-             {"callerid", "/lidard"}};
-  return header;
-}
-
-}  // namespace
 
 /// Gives up a bag that cannot be written: its destructor writes the rest, and an exception there would end
 /// the process.
 void BagSink::give_up(const std::exception& problem, int error_number) {
-  static auto* const broken = new std::vector<std::unique_ptr<rosbag::Bag>>;
+  static auto* const broken = new std::vector<std::unique_ptr<BagFile>>;
   const std::string why = error_number != 0 ? std::strerror(error_number) : problem.what();
   if (error_.empty())
     error_ = "cannot write bag '" + path_ + "': " + why + "; choose a writable path with enough space";
@@ -40,9 +27,9 @@ template <class Step>
 bool BagSink::attempt(const Step& step) {
   errno = 0;
   try {
-    step(*bag_);
+    step();
     return true;
-  } catch (const rosbag::BagException& problem) {
+  } catch (const ros::Exception& problem) {
     give_up(problem, errno);
     return false;
   }
@@ -52,12 +39,12 @@ void BagSink::write(const std::string& topic, Stamp released, const RawMessage& 
   const std::string name = (topic.compare(0, 1, "/") == 0 ? "" : "/") + topic;
   // A bag refuses the time 0 (ros::TIME_MIN).
   const ros::Time time = std::max(to_ros(released), ros::TIME_MIN);
-  const auto header = latched ? latched_header(*message.type) : nullptr;
-  if (bag_ && attempt([&](rosbag::Bag& bag) { bag.write(name, time, message, header); })) ++messages_;
+  if (bag_ && attempt([&] { bag_->write(name, time, message, latched); })) ++messages_;
 }
 
-BagSink::BagSink(const std::string& path) : path_(path), bag_(std::make_unique<rosbag::Bag>()) {
-  if (!attempt([&](rosbag::Bag& bag) { bag.open(path, rosbag::bagmode::Write); })) throw BagError(error_);
+BagSink::BagSink(const std::string& path) : path_(path) {
+  const auto open = bags_function<decltype(lidard_write_bag)>("lidard_write_bag");
+  if (!attempt([&] { bag_.reset(open(path)); })) throw BagError(error_);
 }
 
 BagSink::~BagSink() {
@@ -91,7 +78,7 @@ void BagSink::outline(const VehicleConfig& vehicle, Stamp released) {
 }
 
 void BagSink::close() {
-  if (bag_ && bag_->isOpen()) attempt([](rosbag::Bag& bag) { bag.close(); });
+  if (bag_ && attempt([&] { bag_->close(); })) bag_.reset();
   if (!error_.empty()) throw BagError(error_);
 }
 

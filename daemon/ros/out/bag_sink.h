@@ -10,11 +10,9 @@
 
 #include "daemon/ros/out/message_rows.h"
 
-namespace rosbag {
-class Bag;
-}
-
 namespace lidard {
+
+class BagFile;
 
 /// A bag that cannot be written: "cannot write bag 'out.bag': No space left on device; …".
 class BagError : public std::runtime_error {
@@ -46,14 +44,14 @@ class BagSink : public FrameSink {
 
  private:
   void give_up(const std::exception& problem, int error_number);
-  /// Calls step(bag), which may fail; false if it did.
+  /// Calls step(), which may fail; false if it did.
   template <class Step>
   bool attempt(const Step& step);
   void write(const std::string& topic, Stamp released, const RawMessage& message, bool latched = false);
 
   const std::string path_;
   std::map<std::string, std::unique_ptr<MessageMaker>> makers_;  // by topic
-  std::unique_ptr<rosbag::Bag> bag_;
+  std::unique_ptr<BagFile> bag_;  // nullptr: closed, or given up
   std::size_t messages_ = 0;
   std::string error_;
 };

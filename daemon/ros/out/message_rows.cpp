@@ -6,7 +6,9 @@
 #include <rosgraph_msgs/Clock.h>
 
 #include <algorithm>
+#include <cstring>
 #include <iterator>
+#include <memory>
 #include <stdexcept>
 
 #include "daemon/ros/messages/convert.h"
@@ -24,8 +26,6 @@ template <class Frame>
 auto& frame_in(const Payload& payload) {
   if constexpr (is_device_message<Frame>)
     return std::get<Frame>(*std::get<const DeviceMessage*>(payload));
-  else if constexpr (std::is_same_v<Frame, Cloud>)
-    return *std::get<Cloud*>(payload);
   else
     return *std::get<const Frame*>(payload);
 }
@@ -42,13 +42,63 @@ class MakerOf final : public MessageMaker {
       message_.clock = to_ros(frame);
     else
       to_ros(frame, message_);
-    RawMessage made = raw(message_);
-    if constexpr (std::is_same_v<Frame, Cloud>) message_.data.swap(frame.points_bytes);
-    return made;
+    return raw(message_);
   }
 
  private:
   Message message_;
+};
+
+/// Makes the message of a cloud, which has up to 15 MB, around its points.
+template <>
+class MakerOf<Cloud, sensor_msgs::PointCloud2> final : public MessageMaker {
+ public:
+  const MessageType& type() const override { return type_of<sensor_msgs::PointCloud2>(); }
+  RawMessage make(const Payload& payload, Stamp /*released*/) override {
+    Cloud& cloud = *std::get<Cloud*>(payload);
+    to_ros(cloud, message_);
+    message_.data.clear();
+    const RawMessage without_data = raw(message_);
+    // What follows the data is `is_dense`.
+    const std::size_t head = without_data.data.num_bytes - 1, size = cloud.points_bytes.size();
+    if (head > PointBytes::allocator_type::room) {
+      message_.data.assign(cloud.points_bytes.begin(), cloud.points_bytes.end());
+      return raw(message_);
+    }
+    const std::shared_ptr<PointBytes> points = free_buffer();
+    points->swap(cloud.points_bytes);
+    points->push_back(message_.is_dense);
+    std::uint8_t* const begin = points->data() - head;
+    std::memcpy(begin, without_data.data.buf.get(), head);
+    constexpr std::size_t length_bytes = sizeof(std::uint32_t);
+    write_length(head - length_bytes + size + 1, begin);
+    write_length(size, points->data() - length_bytes);
+    const boost::shared_array<std::uint8_t> held(begin, [points](std::uint8_t*) {});
+    ros::SerializedMessage data(held, head + size + 1);
+    data.message_start = begin + length_bytes;
+    return {&type(), data};
+  }
+
+ private:
+  static void write_length(std::size_t length, std::uint8_t* to) {
+    ros::serialization::OStream(to, sizeof(std::uint32_t)).next(static_cast<std::uint32_t>(length));
+  }
+  /// A buffer whose message all sockets have, or a new one. More free ones are given back: a slow subscriber
+  /// has made them many.
+  std::shared_ptr<PointBytes> free_buffer() {
+    std::shared_ptr<PointBytes> found;
+    for (auto& buffer : buffers_) {
+      if (buffer.use_count() == 1) found = std::move(buffer);
+    }
+    buffers_.erase(std::remove(buffers_.begin(), buffers_.end(), nullptr), buffers_.end());
+    if (found == nullptr) found = std::make_shared<PointBytes>();
+    if (!found->empty()) found->pop_back();
+    buffers_.push_back(found);
+    return found;
+  }
+
+  sensor_msgs::PointCloud2 message_;
+  std::vector<std::shared_ptr<PointBytes>> buffers_;  // of messages that are on their way, and free ones
 };
 
 template <class Frame, class Message>

@@ -15,7 +15,8 @@ class MessageMaker {
  public:
   virtual ~MessageMaker() = default;
   virtual const MessageType& type() const = 0;
-  /// `payload` must be of the topic's type. The points of a cloud stay where they are.
+  /// `payload` must be of the topic's type. The message holds the points of a cloud where they are, and the cloud gets
+  /// other memory.
   virtual RawMessage make(const Payload& payload, Stamp released) = 0;
 };
 

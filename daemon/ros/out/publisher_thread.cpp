@@ -3,6 +3,7 @@
 #include "daemon/ros/out/publisher_thread.h"
 
 #include <fmt/format.h>
+#include <ros/callback_queue_interface.h>
 #include <ros/node_handle.h>
 #include <ros/topic_manager.h>
 
@@ -30,6 +31,13 @@ constexpr auto between_counts = std::chrono::milliseconds(100);
 constexpr auto news_of_a_loss = std::chrono::seconds(10);
 
 bool is_free(const boost::shared_array<std::uint8_t>& buffer) { return buffer.use_count() == 1; }
+
+/// Makes roscpp call back without a queue.
+class AtOnce final : public ros::CallbackQueueInterface {
+ public:
+  void addCallback(const ros::CallbackInterfacePtr& callback, std::uint64_t) override { callback->call(); }
+  void removeByID(std::uint64_t) override {}
+};
 
 std::string ms(Span span) { return fmt::format("{:.1f}", 1e3 * seconds(span)); }
 
@@ -61,12 +69,21 @@ PublisherThread::Output::Output(std::string name, std::unique_ptr<MessageMaker> 
       queue_size(std::max(least_queue, depth)) {}
 
 ros::Publisher make_publisher(const std::string& topic, const MessageType& type, std::size_t queue_size,
-                              bool latched) {
+                              bool latched, const ros::SubscriberStatusCallback& on_subscriber) {
+  static auto* const at_once = new AtOnce;  // roscpp uses it to the very end
   ros::AdvertiseOptions options(topic, static_cast<std::uint32_t>(queue_size), type.md5, type.name,
                                 type.definition);
   options.has_header = type.begins_with_header;
   options.latch = latched;
+  options.connect_cb = on_subscriber;
+  options.callback_queue = at_once;
   return ros::NodeHandle().advertise(options);
+}
+
+/// The first subscriber gets the next cloud that begins.
+ros::Publisher PublisherThread::Output::make() const {
+  return make_publisher(topic, maker->type(), queue_size, latched,
+                        [flag = has_subscribers](const ros::SingleSubscriberPublisher&) { *flag = true; });
 }
 
 void PublisherThread::Output::send(const Payload& payload, Stamp released) {
@@ -229,7 +246,9 @@ void PublisherThread::count_subscribers() {
   std::size_t sum = 0;
   for (Output* const output : outputs()) {
     const std::lock_guard lock(send_mutex_);
-    if (output != &tf_ && output != &clock_) sum += output->publisher.getNumSubscribers();
+    const std::size_t count = output->publisher.getNumSubscribers();
+    *output->has_subscribers = count > 0;
+    if (output != &tf_ && output != &clock_) sum += count;
   }
   subscribers_ = sum;
 }

@@ -23,8 +23,9 @@
 namespace lidard {
 
 /// Advertises a topic; may wait for the master. `queue_size`: messages kept for a slow subscriber.
+/// `on_subscriber` is called by roscpp's thread when a subscriber connects.
 ros::Publisher make_publisher(const std::string& topic, const MessageType& type, std::size_t queue_size,
-                              bool latched);
+                              bool latched, const ros::SubscriberStatusCallback& on_subscriber = {});
 
 /// Publishes the frames of one pipeline: a bounded queue, the publishers, and a thread that converts and
 /// publishes. The calls of FrameSink never wait (unless Backpressure::block), and come from one thread.
@@ -46,6 +47,13 @@ class PublisherThread final : public FrameSink {
 
   void publish(const OutputTopic& topic, const Payload& payload, Stamp released) override {
     queue_.push(outputs_of_topics_[topic.id]->slot, payload, released);
+  }
+  bool wants(const OutputTopic& topic) const override {
+    return block_ || *outputs_of_topics_[topic.id]->has_subscribers;
+  }
+  void skip(const OutputTopic& topic, Stamp released) override {
+    queue_.skip(outputs_of_topics_[topic.id]->slot, released);
+    ++(ready_ ? published_ : without_ros_);
   }
   void transforms(const std::vector<StaticTransform>& transforms, Stamp released) override {
     queue_.push(tf_.slot, transforms, released);
@@ -84,7 +92,7 @@ class PublisherThread final : public FrameSink {
   struct Output {
     Output(std::string name, std::unique_ptr<MessageMaker> makes, std::size_t queue_slot, std::size_t depth);
 
-    ros::Publisher make() const { return make_publisher(topic, maker->type(), queue_size, latched); }
+    ros::Publisher make() const;
     void send(const Payload& payload, Stamp released);
     std::size_t in_flight();
     bool loses() const;
@@ -94,6 +102,8 @@ class PublisherThread final : public FrameSink {
     const std::size_t slot;                     // of the queue
     const std::size_t
         queue_size;  // messages that roscpp keeps for a slow subscriber before it drops the oldest
+    // Shared with roscpp, which may outlive this.
+    const std::shared_ptr<std::atomic<bool>> has_subscribers = std::make_shared<std::atomic<bool>>(false);
     std::atomic<bool> wanted{true};
     std::atomic<std::uint64_t> lost{0};  // messages that a subscriber has not got
     std::atomic<std::chrono::steady_clock::time_point> lost_at{std::chrono::steady_clock::time_point()};

@@ -184,7 +184,7 @@ TEST(RingScan, TakesTheNearerOfTwoEchoes) {
   const Cloud nearer = revolution([](double direction) { return direction > 0 ? 3.0 : inf(); });
   Cloud both = cloud;
   both.columns.clear();
-  std::vector<std::uint8_t> bytes;
+  PointBytes bytes;
   for (std::size_t c = 0; c < cloud.columns.size(); ++c) {
     const Cloud* sources[] = {&cloud, &nearer};
     for (std::uint8_t echo = 0; echo < 2; ++echo) {

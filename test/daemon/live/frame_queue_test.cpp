@@ -262,5 +262,17 @@ TEST(FrameQueue, GetsASlotMoreAndFreesTheMemoryOfOneThatIsNotUsed) {
   EXPECT_EQ(queue.figures(slot, Stamp{2}).frames, 2U);
 }
 
+TEST(FrameQueue, CountsAFrameThatNobodyWantsAndHoldsNothingOfIt) {
+  FrameQueue queue(Backpressure::drop_oldest);
+  add_slots(queue);
+  for (std::int64_t i = 0; i < 5; ++i) queue.skip(test::roof_points.id, Stamp{i * 100'000'000});
+  const TopicFigures figures = queue.figures(test::roof_points.id, Stamp{500'000'000});
+  EXPECT_EQ(figures.frames, 5U);
+  EXPECT_EQ(figures.rate_hz, 10);
+  EXPECT_EQ(figures.dropped, 0U);
+  EXPECT_TRUE(queue.idle());
+  EXPECT_EQ(queue.pop(1ms), nullptr);
+}
+
 }  // namespace
 }  // namespace lidard

@@ -144,7 +144,7 @@ TEST(HostNetwork, IsThatOfThisHostWithoutAPrivilege) {
 TEST(HostNetwork, KnowsWhoHasAPort) {
   boost::asio::io_context io;
   UdpOptions options;
-  UdpSource source(io, options, [](const Packet&) {});
+  UdpSource source(io, options, [](std::vector<Packet>&) {});
   source.start();
   EXPECT_THAT(holder_of_udp_port(source.local_port()),
               EndsWith("(process " + std::to_string(getpid()) + ")"));

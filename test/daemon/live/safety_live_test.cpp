@@ -71,7 +71,7 @@ struct ScannerBench final : LiveBench {
 /// A port nobody listens on now.
 std::uint16_t free_udp_port() {
   boost::asio::io_context io;
-  UdpSource probe(io, UdpOptions(), [](const Packet&) {});
+  UdpSource probe(io, UdpOptions(), [](std::vector<Packet>&) {});
   probe.start();
   return probe.local_port();
 }

@@ -13,6 +13,7 @@
 #include "daemon/ros/messages/convert.h"
 #include "test/sim/world/units.h"
 #include "test/support/recording_sink.h"
+#include "test/support/ros_samples.h"
 
 namespace lidard {
 namespace {
@@ -292,8 +293,7 @@ TEST(BadInput, PointsOfACloudThatAreNotFiniteAreLeftOutAndCounted) {
   cloud.frame_id = "roof";
   cloud.points_bytes.resize(points.size() * sizeof(CloudPoint));
   std::copy(points.begin(), points.end(), cloud.points());
-  sensor_msgs::PointCloud2 message;
-  to_ros(cloud, message);
+  const sensor_msgs::PointCloud2 message = test::message_of(cloud);
   Cloud read;
   const auto reading = from_ros(message, read);
   EXPECT_EQ(reading.error, nullptr);

@@ -13,6 +13,7 @@
 #include "daemon/ros/messages/convert.h"
 #include "test/sim/servers/velodyne_stream.h"
 #include "test/support/recording_sink.h"
+#include "test/support/ros_samples.h"
 
 namespace lidard {
 namespace {
@@ -24,10 +25,7 @@ using ::testing::HasSubstr;
 /// Keeps what a pipeline publishes.
 /// A cloud of the sensor as its message.
 sensor_msgs::PointCloud2 message_of(const test::RecordingSink& sink, std::size_t i) {
-  Cloud cloud = sink.clouds.at("roof/points").at(i);
-  sensor_msgs::PointCloud2 message;
-  to_ros(cloud, message);
-  return message;
+  return test::message_of(sink.clouds.at("roof/points").at(i));
 }
 
 const Endpoint sensor{IpAddress::v4(192, 168, 1, 201), 2368};

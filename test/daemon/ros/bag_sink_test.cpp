@@ -93,16 +93,14 @@ TEST_F(Bags, HoldTheVeryMessagesAtTheTimeOfTheirRelease) {
   EXPECT_EQ(echoes[0]->ranges.size(), 5U);
 }
 
-TEST_F(Bags, HoldCloudsByteForByteAndGiveTheDriverItsBufferBack) {
+TEST_F(Bags, HoldCloudsByteForByte) {
   auto cloud = sample_cloud(1000);
-  const auto* buffer = cloud.points_bytes.data();
-  const auto sent = cloud.points_bytes;
+  const std::vector<std::uint8_t> sent(cloud.points_bytes.begin(), cloud.points_bytes.end());
   {
     BagSink sink(path("a.bag"));
     sink.publish(test::roof_points, cloud, Stamp{1'700'000'001'000'000'000});
     sink.close();
   }
-  EXPECT_EQ(cloud.points_bytes.data(), buffer);
   rosbag::Bag bag(path("a.bag"));
   const auto clouds = read<sensor_msgs::PointCloud2>(bag, "/roof/points");
   ASSERT_EQ(clouds.size(), 1U);

@@ -74,7 +74,7 @@ TEST(RosConnection, PublishesScansEchoesCloudsAndLatchedTransforms) {
     connection.sink().publish(test::front_scan, sample_scan(), Stamp{1});
     connection.sink().publish(test::front_echoes, sample_scan(), Stamp{1});
     auto cloud = sample_cloud(30000);
-    const auto sent = cloud.points_bytes;
+    const std::vector<std::uint8_t> sent(cloud.points_bytes.begin(), cloud.points_bytes.end());
     connection.sink().publish(test::roof_points, cloud, Stamp{1});
 
     const auto scan = scans.take(1);
@@ -193,12 +193,35 @@ TEST(RosConnection, IsNotDisturbedByAMasterThatHangs) {
   });
 }
 
+TEST(RosConnection, WantsACloudWhileSomebodySubscribesAndCountsThoseThatNobodyGets) {
+  in_own_process([] {
+    RosMaster master;
+    master.start();
+    RosConnection connection({}, sample_topics());
+    connection.start();
+    ASSERT_TRUE(connection.wait_for_master(30s));
+    FrameSink& sink = connection.sink();
+    EXPECT_FALSE(sink.wants(test::roof_points));
+    sink.skip(test::roof_points, Stamp{1});
+    EXPECT_EQ(connection.status().published, 1U);
+    EXPECT_EQ(connection.figures(Lane::planes, test::roof_points, Stamp{2}).frames, 1U);
+    {
+      Listener<sensor_msgs::PointCloud2> listener("/roof/points");
+      EXPECT_TRUE(soon([&] { return sink.wants(test::roof_points); }));
+      EXPECT_FALSE(sink.wants(test::front_scan));
+    }
+    EXPECT_TRUE(soon([&] { return !sink.wants(test::roof_points); }));
+    EXPECT_TRUE(connection.stop());
+  });
+}
+
 TEST(RosConnection, LosesNothingInAReplayAsFastAsItGoes) {
   in_own_process([] {
     RosMaster master;
     Listener<sensor_msgs::PointCloud2> listener("/roof/points");
     master.start();
     RosConnection connection(blocking(), sample_topics());
+    EXPECT_TRUE(connection.sink().wants(test::roof_points));
     connection.start();
     ASSERT_TRUE(connection.wait_for_subscribers(1, 30s));
     constexpr std::size_t count = 200;

@@ -155,8 +155,7 @@ TEST(CloudFromRos, TakesDataThatEndExactlyWhereTheyMay) {
 TEST(CloudToRos, AnOrganisedCloudHasRowsAndMayHaveHoles) {
   Cloud cloud = test::sample_cloud(4);
   cloud.height = 2;
-  sensor_msgs::PointCloud2 message;
-  to_ros(cloud, message);
+  const sensor_msgs::PointCloud2 message = test::message_of(cloud);
   EXPECT_EQ(message.fields.size(), 6U);
   EXPECT_EQ(message.height, 2U);
   EXPECT_EQ(message.width, 2U);

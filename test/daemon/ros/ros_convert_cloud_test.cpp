@@ -68,8 +68,7 @@ std::string reason(const sensor_msgs::PointCloud2& message) {
 TEST(CloudFromRos, GivesBackOurOwnCloudByteForByte) {
   Cloud sent = sample_cloud(100);
   const auto bytes = sent.points_bytes;
-  sensor_msgs::PointCloud2 message;
-  to_ros(sent, message);
+  const sensor_msgs::PointCloud2 message = test::message_of(sent);
   Cloud cloud;
   const auto reading = from_ros(message, cloud);
   ASSERT_EQ(reading.error, nullptr);

@@ -7,7 +7,9 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 
+#include "daemon/ros/out/message_rows.h"
 #include "test/sim/world/units.h"
 #include "test/support/ros_samples.h"
 
@@ -173,12 +175,11 @@ TEST(ScanFromRos, SaysWhatIsWrong) {
   EXPECT_EQ(broken([](auto& m) { m.range_min = -1; }), "range limits are not 0 <= min < max");
 }
 
-TEST(CloudToRos, HasTheContractsLayoutAndSwapsTheBytes) {
-  Cloud cloud = sample_cloud(3);
-  const std::uint8_t* bytes = cloud.points_bytes.data();
-  sensor_msgs::PointCloud2 message;
-  to_ros(cloud, message);
-  EXPECT_EQ(message.data.data(), bytes);
+TEST(CloudToRos, HasTheContractsLayoutAndTheBytesOfThePoints) {
+  const Cloud cloud = sample_cloud(3);
+  const sensor_msgs::PointCloud2 message = test::message_of(cloud);
+  EXPECT_TRUE(std::equal(message.data.begin(), message.data.end(), cloud.points_bytes.begin(),
+                         cloud.points_bytes.end()));
   EXPECT_EQ(message.header.frame_id, "velodyne");
   EXPECT_EQ(message.height, 1U);
   EXPECT_EQ(message.width, 3U);
@@ -194,6 +195,42 @@ TEST(CloudToRos, HasTheContractsLayoutAndSwapsTheBytes) {
     EXPECT_EQ(message.fields[i].offset, std::get<1>(expected[i]));
     EXPECT_EQ(message.fields[i].datatype, std::get<2>(expected[i]));
     EXPECT_EQ(message.fields[i].count, 1U);
+  }
+}
+
+TEST(CloudToRos, TheMessageHoldsThePointsWhereTheyAreAndTheirMemoryIsUsedAgain) {
+  const auto maker = row_of(test::roof_points).maker();
+  Cloud cloud;
+  const auto fill = [&cloud] {
+    cloud = sample_cloud(100);
+    cloud.points_bytes.reserve(cloud.points_bytes.size() + 1);  // a driver has room to spare
+  };
+  fill();
+  const std::uint8_t* const points = cloud.points_bytes.data();
+  std::optional<RawMessage> first = maker->make(cloud, Stamp());
+  EXPECT_GT(points, first->data.message_start);
+  EXPECT_LT(points, first->data.message_start + first->size());
+  EXPECT_NE(cloud.points_bytes.data(), points);
+  fill();
+  const RawMessage second = maker->make(cloud, Stamp());
+  EXPECT_NE(cloud.points_bytes.data(), points) << "a message that is on its way keeps its points";
+  EXPECT_EQ(second.size(), first->size());
+  EXPECT_EQ(std::memcmp(second.data.message_start, first->data.message_start, second.size()), 0);
+  first.reset();
+  fill();
+  maker->make(cloud, Stamp());
+  EXPECT_EQ(cloud.points_bytes.data(), points);
+}
+
+TEST(CloudToRos, AFrameOfAnyLengthIsNamed) {
+  Cloud cloud = sample_cloud(100);
+  for (const std::size_t length : {0U, 1U, 800U, 1000U, 5000U}) {
+    cloud.frame_id = std::string(length, 'f');
+    const sensor_msgs::PointCloud2 message = test::message_of(cloud);
+    EXPECT_EQ(message.header.frame_id, cloud.frame_id);
+    ASSERT_EQ(message.data.size(), cloud.points_bytes.size());
+    EXPECT_TRUE(std::equal(message.data.begin(), message.data.end(), cloud.points_bytes.begin()));
+    EXPECT_TRUE(message.is_dense);
   }
 }
 

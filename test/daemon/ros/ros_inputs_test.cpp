@@ -136,8 +136,7 @@ TEST(RosInputs, ConvertCloudsOfAPublisherThatComesLate) {
     RosMaster master;
     auto cloud = test::sample_cloud(500);
     const auto sent = cloud.points_bytes;
-    sensor_msgs::PointCloud2 message;
-    to_ros(cloud, message);
+    const sensor_msgs::PointCloud2 message = test::message_of(cloud);
     Posted posted;
     Seen seen;
     const Child clouds = talker("/points", message);  // waits for the master, as we do

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+// What draws pictures is a module, since cairo brings 20 libraries that only `lidard snapshot` needs.
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -327,8 +328,9 @@ class Painter {
 
 }  // namespace
 
-std::string draw_snapshot(const SnapshotView& view, PictureFormat format) {
-  return Painter(view, format).bytes();
-}
-
 }  // namespace lidard
+
+extern "C" void lidard_draw_snapshot(const lidard::SnapshotView& view, lidard::PictureFormat format,
+                                     std::string& bytes) {
+  bytes = lidard::Painter(view, format).bytes();
+}
