@@ -23,7 +23,7 @@ constexpr double least_agreement = 0.9, least_margin = 0.05, least_margin_elsewh
 // Two configured poses are no more wrong than this, m, and per m between them: a sensor that is turned by 20
 // degrees sees another one elsewhere. Nearer to the configured yaw than that, rad, a pose is about as
 // configured.
-constexpr double farthest_m = 1.5, farther_by_distance = 0.5, about_as_configured_rad = 45 * rad_per_deg;
+constexpr double farthest_start_m = 1.5, farther_by_distance = 0.5, about_as_configured_rad = 45 * rad_per_deg;
 constexpr std::size_t least_judged = 60;
 constexpr std::size_t coarse_surfaces = 80;
 // Steps of the bias that surfaces may have in common for their beams, m, and what slow biases hide in the
@@ -92,7 +92,7 @@ Agreement surfaces_met(const SeenPlace& a, const SeenPlace& b, const PlanarPose&
 std::vector<Place> find_places(const SeenPlace& a, const SeenPlace& b, const PlanarPose& configured) {
   std::vector<Place> places;
   const std::vector<Surface> lines = longest(a.surfaces), others = longest(b.surfaces);
-  const double farthest = farthest_m + farther_by_distance * std::hypot(configured.x, configured.y);
+  const double farthest = farthest_start_m + farther_by_distance * std::hypot(configured.x, configured.y);
   for (int i = 0; i < starts; ++i) {
     PlanarPose start = configured;
     start.yaw = std::remainder(start.yaw + two_pi * i / starts, two_pi);

@@ -15,7 +15,7 @@ using Eigen::Vector2d;
 constexpr std::size_t fewest_beams = 8;
 constexpr double shortest_m = 0.15;
 constexpr double flattest = 0.17;  // mean cosine of the angle of incidence: 80 degrees
-const double steepest = std::tan(82 * rad_per_deg);
+const double steepest_jump = std::tan(82 * rad_per_deg);
 constexpr std::size_t points_kept = 12;
 constexpr std::size_t local_reach = 4;
 // Two lasers see one upright face if their lines agree so well, m and rad.
@@ -134,7 +134,7 @@ std::vector<Surface> find_surfaces(const StillView& view, double bias) {
   const auto follows = [&](std::size_t i) {
     const StillBeam &a = beams[i - 1], &b = beams[i];
     const double limit =
-        std::max(6 * std::max(a.sigma, b.sigma), std::min(a.range, b.range) * view.step * steepest);
+        std::max(6 * std::max(a.sigma, b.sigma), std::min(a.range, b.range) * view.step * steepest_jump);
     return a.is_hit() && b.is_hit() && std::abs(a.range - b.range) <= limit;
   };
   for (std::size_t first = 0, i = 1; i <= beams.size(); ++i) {

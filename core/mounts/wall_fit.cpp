@@ -20,7 +20,7 @@ constexpr double same_direction = 5 * rad_per_deg, least_overlap = 0.3;
 constexpr double offset_of_scanner = 0.015, offset_of_ring = 0.010;  // m, prior standard deviations
 constexpr double freedom = 5;                                        // of Student's distribution
 constexpr double prior_freedom = 10;
-constexpr double least_share = 0.04;  // of the evidence that must determine a direction
+constexpr double least_evidence = 0.04;  // of the evidence that must determine a direction
 constexpr double floor_m = 0.0002, floor_rad = 0.001 * rad_per_deg;
 
 Vector2d across(const Vector2d& v) { return {-v.y(), v.x()}; }
@@ -129,7 +129,7 @@ void WallFit::find_held() {
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> parts(evidence);
     for (int i = 0; i < 3; ++i) {
-      if (parts.eigenvalues()[i] - noise < least_share) sensor.held.emplace_back(parts.eigenvectors().col(i));
+      if (parts.eigenvalues()[i] - noise < least_evidence) sensor.held.emplace_back(parts.eigenvectors().col(i));
     }
   }
 }

@@ -1,10 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
-#include <sensor_msgs/LaserScan.h>
-#include <sensor_msgs/PointCloud2.h>
 
 #include <fstream>
 #include <iterator>
@@ -21,6 +17,7 @@
 #include "daemon/files/text_file.h"
 #include "daemon/files/text_table.h"
 #include "daemon/ros/in/tf_poses.h"
+#include "daemon/ros/messages/bags_module.h"
 #include "daemon/ros/messages/convert.h"
 
 namespace lidard {
@@ -87,23 +84,25 @@ Config bare(Config config) {
 void add_topics(const std::string& path, std::vector<Watched>& watched) {
   PlanarScan scan;
   Cloud cloud;
-  try {
-    rosbag::Bag bag(path, rosbag::bagmode::Read);
-    for (const auto& message : rosbag::View(bag)) {
-      const std::string topic = message.getTopic();
-      for (Watched& sensor : watched) {
-        const std::string& own = sensor.config->topic;
-        if (own.empty() || (own != topic && "/" + own != topic)) continue;
-        if (const auto ranges = message.instantiate<sensor_msgs::LaserScan>()) {
-          if (from_ros(*ranges, scan) == nullptr) sensor.add(scan);
-        } else if (const auto points = message.instantiate<sensor_msgs::PointCloud2>()) {
-          if (from_ros(*points, cloud).error == nullptr) sensor.add(cloud);
-        } else {
-          throw std::runtime_error("topic " + topic + " is neither a LaserScan nor a PointCloud2");
-        }
-      }
+  const auto for_each_of = [&](const std::string& topic, const auto& use) {
+    for (Watched& sensor : watched) {
+      const std::string& own = sensor.config->topic;
+      if (!own.empty() && (own == topic || "/" + own == topic)) use(sensor);
     }
-  } catch (const rosbag::BagException& problem) {
+  };
+  const auto use_scan = [&](const std::string& topic, const sensor_msgs::LaserScan& message) {
+    for_each_of(topic, [&](Watched& sensor) {
+      if (from_ros(message, scan) == nullptr) sensor.add(scan);
+    });
+  };
+  const auto use_cloud = [&](const std::string& topic, const sensor_msgs::PointCloud2& message) {
+    for_each_of(topic, [&](Watched& sensor) {
+      if (from_ros(message, cloud).error == nullptr) sensor.add(cloud);
+    });
+  };
+  try {
+    bags_function<decltype(lidard_read_scans)>("lidard_read_scans")(path, use_scan, use_cloud);
+  } catch (const std::exception& problem) {
     throw std::runtime_error(path + ": " + problem.what());
   }
 }

@@ -53,3 +53,16 @@ extern "C" void lidard_read_poses(const std::string& path, const std::string& od
     use_odometry(*odometry);
   }
 }
+
+void lidard_read_scans(
+    const std::string& path,
+    const std::function<void(const std::string& topic, const sensor_msgs::LaserScan& message)>& use_scan,
+    const std::function<void(const std::string& topic, const sensor_msgs::PointCloud2& message)>& use_cloud) {
+  rosbag::Bag bag(path, rosbag::bagmode::Read);
+  for (const auto& message : rosbag::View(bag)) {
+    if (const auto scan = message.instantiate<sensor_msgs::LaserScan>())
+      use_scan(message.getTopic(), *scan);
+    else if (const auto cloud = message.instantiate<sensor_msgs::PointCloud2>())
+      use_cloud(message.getTopic(), *cloud);
+  }
+}

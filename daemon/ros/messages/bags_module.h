@@ -3,6 +3,8 @@
 #pragma once
 
 #include <nav_msgs/Odometry.h>
+#include <sensor_msgs/LaserScan.h>
+#include <sensor_msgs/PointCloud2.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include <functional>
@@ -39,3 +41,8 @@ extern "C" void lidard_read_poses(
     const std::string& path, const std::string& odometry_topic,
     const std::function<void(const tf2_msgs::TFMessage& message, bool is_static)>& use_transforms,
     const std::function<void(const nav_msgs::Odometry& message)>& use_odometry);
+/// Reads the scans and clouds of a bag, each with its topic. Throws std::exception.
+extern "C" void lidard_read_scans(
+    const std::string& path,
+    const std::function<void(const std::string& topic, const sensor_msgs::LaserScan& message)>& use_scan,
+    const std::function<void(const std::string& topic, const sensor_msgs::PointCloud2& message)>& use_cloud);
