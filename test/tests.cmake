@@ -56,7 +56,7 @@ set_tests_properties(drivers.mills PROPERTIES PROCESSORS 3 TIMEOUT 900 LABELS en
 pkg_check_modules(ANCESTOR REQUIRED IMPORTED_TARGET laser_geometry tf pcl_common)
 list(REMOVE_ITEM ANCESTOR_INCLUDE_DIRS /include)
 set_target_properties(PkgConfig::ANCESTOR PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${ANCESTOR_INCLUDE_DIRS}")
-lidard_tests(daemon 6 lidard_daemon lidard_rosbag PkgConfig::ANCESTOR)
+lidard_tests(daemon 6 lidard_daemon lidard_rosbag PkgConfig::ANCESTOR ${CAIRO_LINK_LIBRARIES})
 target_sources(test_daemon PRIVATE ${ros_support})
 # The modules are loaded at run time.
 add_dependencies(test_daemon lidard_pcl lidard_outliers lidard_pictures lidard_bags)

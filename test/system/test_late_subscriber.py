@@ -50,7 +50,7 @@ def main():
                 wait_for(lambda: topic()["frames"] > 20, 20, "revolutions are counted")
                 for _ in range(2):
                     expect(abs(topic()["rate_hz"] - 10) < 1, f"nobody subscribes: {topic()}")
-                    expect(float(figure("roof", "Beams with a return (%)")) > 95, "the beams are judged")
+                    expect(float(figure("sensor roof", "Beams with a return (%)")) > 95, "the beams are judged")
                     subscribe()
                     frames = topic()["frames"]
                     wait_for(lambda: topic()["frames"] > frames + 15, 20, "revolutions are counted again")

@@ -65,7 +65,7 @@ class MakerOf<Cloud, sensor_msgs::PointCloud2> final : public MessageMaker {
       message_.data.assign(cloud.points_bytes.begin(), cloud.points_bytes.end());
       return raw(message_);
     }
-    const std::shared_ptr<PointBytes> points = free_buffer();
+    const std::shared_ptr<PointBytes> points = free_buffer(size);
     points->swap(cloud.points_bytes);
     points->push_back(message_.is_dense);
     std::uint8_t* const begin = points->data() - head;
@@ -83,18 +83,21 @@ class MakerOf<Cloud, sensor_msgs::PointCloud2> final : public MessageMaker {
   static void write_length(std::size_t length, std::uint8_t* to) {
     ros::serialization::OStream(to, sizeof(std::uint32_t)).next(static_cast<std::uint32_t>(length));
   }
-  /// A buffer whose message all sockets have, or a new one. More free ones are given back: a slow subscriber
-  /// has made them many.
-  std::shared_ptr<PointBytes> free_buffer() {
-    std::shared_ptr<PointBytes> found;
-    for (auto& buffer : buffers_) {
-      if (buffer.use_count() == 1) found = std::move(buffer);
+  /// A buffer whose message all sockets have, or a new one. Few free ones are kept: a slow subscriber makes
+  /// them many.
+  std::shared_ptr<PointBytes> free_buffer(std::size_t size) {
+    constexpr std::ptrdiff_t most_free = 3;
+    const auto first_free = std::partition(buffers_.begin(), buffers_.end(),
+                                           [](const auto& buffer) { return buffer.use_count() > 1; });
+    if (buffers_.end() - first_free > most_free) buffers_.erase(first_free + most_free, buffers_.end());
+    if (first_free != buffers_.end()) {
+      (*first_free)->pop_back();
+      return *first_free;
     }
-    buffers_.erase(std::remove(buffers_.begin(), buffers_.end(), nullptr), buffers_.end());
-    if (found == nullptr) found = std::make_shared<PointBytes>();
-    if (!found->empty()) found->pop_back();
-    buffers_.push_back(found);
-    return found;
+    constexpr std::size_t growth = 100'000;  // from one cloud to the next
+    buffers_.push_back(std::make_shared<PointBytes>());
+    buffers_.back()->reserve(size + growth);
+    return buffers_.back();
   }
 
   sensor_msgs::PointCloud2 message_;

@@ -30,7 +30,9 @@ struct LiveBench {
                [this](std::size_t sensor) { return pipeline.frames(sensor); },
                [this](std::size_t) { return host_trouble; }},
               options),
-        ports(io, config, [this](const Packet& packet) { pipeline.packet(packet); }) {
+        ports(io, config, [this](const std::vector<Packet>& packets) {
+          for (const Packet& packet : packets) pipeline.packet(packet);
+        }) {
     pipeline.set_links(&links);
     links.start();
     ports.start();

@@ -70,8 +70,8 @@ class Logged {
 
 struct Ports {
   explicit Ports(const std::string& yaml)
-      : config(parse_config(yaml, "c")), ports(io, config, [this](const Packet& packet) {
-          received.emplace_back(packet.to.port, packet.payload.size());
+      : config(parse_config(yaml, "c")), ports(io, config, [this](const std::vector<Packet>& packets) {
+          for (const Packet& packet : packets) received.emplace_back(packet.to.port, packet.payload.size());
         }) {
     ports.start();
   }
