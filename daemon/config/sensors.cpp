@@ -311,7 +311,8 @@ void read_calibration(Mapping& yaml, SensorConfig& sensor, Reading& reading) {
     file->fail("is " + file->quoted() + ", which cannot be read: " + std::strerror(errno), expected);
   auto calibration = std::make_shared<velodyne::Calibration>(load_calibration(path, reading.config.warnings));
   sensor.calibration_digest = std::hash<std::string>()(read_file(path, expected));
-  calibration->model = model ? read_calibration_model(*model) : velodyne::usual_equations(*calibration, *sensor.model);
+  calibration->model =
+      model ? read_calibration_model(*model) : velodyne::usual_equations(*calibration, *sensor.model);
   const std::string misfit = velodyne::calibration_misfit(*calibration, *sensor.model);
   if (!misfit.empty()) file->fail(misfit, "the calibration of this sensor");
   const std::string doubt = velodyne::calibration_doubt(*calibration, *sensor.model);

@@ -76,8 +76,8 @@ int run_setup(const Dropin& dropin, const Arguments& arguments, std::ostream& ou
   const std::string node = full_node_name(arguments, dropin.node);
   NodeParameters parameters = wait_for_parameters(arguments, node);
   if (dropin.executable == virtualizer_name)
-    parameters = with_absolute_names(
-        parameters, wait_for_parameters(arguments, std::string("/") + virtualizer_name));
+    parameters =
+        with_absolute_names(parameters, wait_for_parameters(arguments, std::string("/") + virtualizer_name));
   DropinSetup setup = dropin.setup(parameters);
   for (const auto& warning : setup.warnings) log_warn("{}", warning);
   for (const auto& remark : setup.remarks) log_info("{}", remark);

@@ -76,12 +76,9 @@ struct Conversion {
   std::string_view name;
   KeyValue (*convert)(const std::string& value);
 };
-constexpr Conversion conversions[] = {{"", nullptr},
-                                      {"copy", copied},
-                                      {"unless_0", copied_unless_0},
-                                      {"if_1", true_if_1},
-                                      {"if_true", true_if_true},
-                                      {"intensity", as_intensity_filter}};
+constexpr Conversion conversions[] = {
+    {"", nullptr},       {"copy", copied},          {"unless_0", copied_unless_0},
+    {"if_1", true_if_1}, {"if_true", true_if_true}, {"intensity", as_intensity_filter}};
 
 constexpr const char table[] =
 #include "config/moving_over.tsv"

@@ -159,9 +159,7 @@ std::string rivals_text(const std::vector<std::string>& senders, std::uint16_t p
          " here, and give each other sensor an entry of its own";
 }
 
-ReceptionWatch::ReceptionWatch(double promised_s) : promised_s_(promised_s) {
-  total_.period_s = promised_s;
-}
+ReceptionWatch::ReceptionWatch(double promised_s) : promised_s_(promised_s) { total_.period_s = promised_s; }
 
 void ReceptionWatch::scan(const PlanarScan& scan) {
   ++total_.frames_looked;
@@ -269,8 +267,8 @@ void ReceptionWatch::advance(Stamp now, const Counters& counters) {
   const std::uint64_t frames = less(counters.frames, total_.counters.frames);
   total_.counters = counters;
   add_time(passed_s, packets_came, frames);
-  // A silence that was reported as ERROR is not reported again as a loss after it: drivers count what was lost
-  // when the first whole frame is done.
+  // A silence that was reported as ERROR is not reported again as a loss after it: drivers count what was
+  // lost when the first whole frame is done.
   const bool is_silent = idle_s_ >= SilenceLimits(total_.period_s).error_s;
   settles_s_ = is_silent ? std::max(0.3, 3 * total_.period_s) : settles_s_ - passed_s;
   if (!begun_ || settles_s_ > 0) restart();
