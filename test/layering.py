@@ -48,6 +48,10 @@ ROOMS = {
     "test/skeleton": ["drivers"],
     "test/sim/servers": ["test/sim/devices", "drivers/registry", "drivers/net", "drivers/capture"],
 }
+# The rooms of one vendor's protocols. The daemon knows families by drivers/*.h and the registry; only a room that carries a
+# vendor's messages includes that vendor's headers.
+VENDORS = re.compile(r"drivers/(velodyne|hokuyo|sick)/")
+VENDOR_OF = {"daemon/ros/velodyne": "drivers/velodyne/", "daemon/ros/sick": "drivers/sick/"}
 # Where rooms are; below test/ only the simulator and the skeleton of a driver are made of them. Their tests, which stand
 # beside what they test, may use everything.
 FOLDERS = ("core", "drivers", "daemon", "test/sim", "test/skeleton")
@@ -110,7 +114,8 @@ def faults_of(path, name, room):
         found = INCLUDE.match(line)
         target = found.group(1) if found else ""
         ours = target.split("/")[0] in ("core", "drivers", "daemon", "test")
-        if ours and target.rpartition("/")[0] not in allowed:
+        foreign = room.startswith("daemon") and VENDORS.match(target) and not target.startswith(VENDOR_OF.get(room, "-"))
+        if foreign or (ours and target.rpartition("/")[0] not in allowed):
             yield f"{name}:{number}: {room}/ must not include {target}"
         elif not ours and found and rule and re.match(rule, target):
             yield f"{name}:{number}: {room}/ must not include {target}"

@@ -15,7 +15,7 @@
 #include "daemon/config/yaml_reader.h"
 #include "daemon/files/text_table.h"
 #include "daemon/pipeline/frame_tree.h"
-#include "drivers/velodyne/calibration.h"
+#include "drivers/calibration.h"
 
 namespace lidard {
 namespace {

@@ -15,7 +15,6 @@
 #include "drivers/registry/identifier.h"
 #include "drivers/registry/nearest_models.h"
 #include "drivers/registry/registry.h"
-#include "drivers/velodyne/calibration.h"
 
 namespace lidard {
 namespace {
@@ -214,7 +213,7 @@ CalibrationPtr read_calibration(const DecodeOptions& options, std::ostream& err)
 /// The model's table with the equations asked for, where no file was given; nullptr: as the driver does it.
 CalibrationPtr table_calibration(const DecodeOptions& options, const Model& model) {
   if (options.calibration_model != "ros_drivers") return nullptr;
-  if (!takes_calibration(model) || velodyne::needs_own_calibration(model))
+  if (!model.has(Trait::calibration) || velodyne::needs_own_calibration(model))
     throw ConfigError("--calibration-model ros_drivers: " + std::string(model.product) +
                       " has no table of its own for it; expected --calibration FILE");
   return std::make_shared<velodyne::Calibration>(velodyne::table_calibration(model));
@@ -224,14 +223,14 @@ CalibrationPtr table_calibration(const DecodeOptions& options, const Model& mode
 /// of the model.
 CalibrationPtr settle_calibration(const DecodeOptions& options, const velodyne::Calibration& calibration,
                                   const Model& model, std::ostream& err) {
-  const std::string misfit = calibration_misfit(calibration, model);
+  const std::string misfit = velodyne::calibration_misfit(calibration, model);
   if (!misfit.empty())
     throw ConfigError(options.calibration + ": " + misfit + "; expected the calibration of this sensor");
-  const std::string doubt = calibration_doubt(calibration, model);
+  const std::string doubt = velodyne::calibration_doubt(calibration, model);
   if (!doubt.empty()) err << "note: " << options.calibration << ": " << doubt << '\n';
   auto settled = std::make_shared<velodyne::Calibration>(calibration);
   settled->model =
-      calibration_model_of(options.calibration_model).value_or(usual_equations(calibration, model));
+      calibration_model_of(options.calibration_model).value_or(velodyne::usual_equations(calibration, model));
   return settled;
 }
 

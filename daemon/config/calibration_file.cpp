@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <set>
 
@@ -15,7 +14,6 @@
 #include "core/base/nearest.h"
 #include "core/base/number_text.h"
 #include "daemon/config/yaml_reader.h"
-#include "drivers/velodyne/models.h"
 
 namespace lidard {
 namespace {
@@ -351,16 +349,6 @@ Calibration load_calibration(const std::string& path, std::vector<std::string>& 
   return parse_calibration(read_file(path, expected_file), path, warnings);
 }
 
-bool takes_calibration(const Model& model) { return model.has(Trait::calibration); }
-
-std::string calibration_misfit(const Calibration& calibration, const Model& model) {
-  const std::string product(model.product);
-  if (!takes_calibration(model)) return "is for a Velodyne, " + product + " takes none";
-  if (model.beams == 0 || model.beams == calibration.lasers.size()) return {};
-  return "has " + std::to_string(calibration.lasers.size()) + " lasers, " + product + " has " +
-         std::to_string(model.beams);
-}
-
 std::optional<CalibrationModel> calibration_model_of(std::string_view name) {
   for (const auto& [known, equations] : calibration_models) {
     if (known == name) return equations;
@@ -373,24 +361,6 @@ std::string_view name_of(CalibrationModel equations) {
     if (known == equations) return name;
   }
   return {};
-}
-
-CalibrationModel usual_equations(const Calibration& calibration, const Model& model) {
-  const bool s1 = static_cast<const velodyne::ModelRow*>(model.row)->bank_by_bank;
-  return s1 && calibration.is_db_xml ? CalibrationModel::veloview : CalibrationModel::ros_drivers;
-}
-
-std::string calibration_doubt(const Calibration& calibration, const Model& model) {
-  if (!takes_calibration(model)) return {};
-  const double usual = static_cast<const velodyne::ModelRow*>(model.row)->distance_step_m;
-  if (std::abs(calibration.distance_step_m - usual) < 1e-6) return {};
-  const auto mm = [](double m) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%g mm", std::round(m * 1e6) / 1e3);
-    return std::string(text);
-  };
-  return "has a distance step of " + mm(calibration.distance_step_m) + ", but " + std::string(model.product) +
-         " counts in " + mm(usual) + ": is it the right file?";
 }
 
 }  // namespace lidard

@@ -8,8 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "drivers/model.h"
-#include "drivers/velodyne/calibration.h"
+#include "drivers/calibration.h"
 
 namespace lidard {
 
@@ -29,17 +28,5 @@ velodyne::Calibration load_calibration(const std::string& path, std::vector<std:
 /// The same from text; `name` stands in messages where a file name would.
 velodyne::Calibration parse_calibration(const std::string& text, const std::string& name,
                                         std::vector<std::string>& warnings);
-
-/// The equations to use with that file if nobody asks for others: those of velodyne_pointcloud, as users of
-/// such files expect, but with the db.xml of an HDL-64E S1 the viewer's, which its published frame proves.
-velodyne::CalibrationModel usual_equations(const velodyne::Calibration& calibration, const Model& model);
-
-/// What keeps this calibration from being that of a sensor of the model: "has 32 lasers, VLP-16 has 16";
-/// empty if nothing does.
-std::string calibration_misfit(const velodyne::Calibration& calibration, const Model& model);
-/// What is suspicious about it, but no reason to refuse it; else empty.
-std::string calibration_doubt(const velodyne::Calibration& calibration, const Model& model);
-/// True if sensors of this model can be given a calibration.
-bool takes_calibration(const Model& model);
 
 }  // namespace lidard

@@ -21,7 +21,7 @@
 #include "drivers/driver.h"
 #include "drivers/flow.h"
 #include "drivers/model.h"
-#include "drivers/velodyne/web/velodyne_settings.h"
+#include "drivers/web_control.h"
 
 namespace lidard {
 

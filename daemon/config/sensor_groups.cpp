@@ -4,7 +4,6 @@
 #include "daemon/config/calibration_file.h"
 #include "daemon/config/sections.h"
 #include "drivers/driver_keys.h"
-#include "drivers/velodyne/web/velodyne_settings.h"
 
 namespace lidard {
 namespace {

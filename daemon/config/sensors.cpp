@@ -15,7 +15,6 @@
 #include "daemon/config/sections.h"
 #include "drivers/registry/nearest_models.h"
 #include "drivers/registry/registry.h"
-#include "drivers/velodyne/calibration.h"
 
 namespace lidard {
 namespace {
@@ -312,10 +311,11 @@ void read_calibration(Mapping& yaml, SensorConfig& sensor, Reading& reading) {
     file->fail("is " + file->quoted() + ", which cannot be read: " + std::strerror(errno), expected);
   auto calibration = std::make_shared<velodyne::Calibration>(load_calibration(path, reading.config.warnings));
   sensor.calibration_digest = std::hash<std::string>()(read_file(path, expected));
-  calibration->model = model ? read_calibration_model(*model) : usual_equations(*calibration, *sensor.model);
-  const std::string misfit = calibration_misfit(*calibration, *sensor.model);
+  calibration->model =
+      model ? read_calibration_model(*model) : velodyne::usual_equations(*calibration, *sensor.model);
+  const std::string misfit = velodyne::calibration_misfit(*calibration, *sensor.model);
   if (!misfit.empty()) file->fail(misfit, "the calibration of this sensor");
-  const std::string doubt = calibration_doubt(*calibration, *sensor.model);
+  const std::string doubt = velodyne::calibration_doubt(*calibration, *sensor.model);
   if (!doubt.empty()) reading.warn(file->place(), file->path() + " " + doubt);
   sensor.driver.calibration = std::move(calibration);
 }

@@ -23,7 +23,7 @@ struct Dropin {
   const char* node;   ///< its name unless __name:= says otherwise
   const char* usage;  ///< what stands before the line on arguments
   ReconfigureNames reconfigure;
-  DropinSetup (*setup)(const Arguments& arguments, const std::string& full_name);
+  DropinSetup (*setup)(const NodeParameters& parameters);
 };
 
 constexpr const char* virtualizer_name = "laserscan_virtualizer";
@@ -32,40 +32,24 @@ constexpr Dropin dropins[] = {
     {"velodyne_node", "velodyne_node",
      "Stands in for the nodes of ros-drivers/velodyne: reads their private parameters (model, device_ip, "
      "port, pcap, calibration, min_range, max_range, ...) and publishes velodyne_points and scan.\n",
-     ReconfigureNames::node,
-     [](const Arguments& arguments, const std::string& node) {
-       return velodyne_node_setup(wait_for_parameters(arguments, node));
-     }},
+     ReconfigureNames::node, velodyne_node_setup},
     {"sick_safetyscanners_node", "sick_safetyscanners",
      "Stands in for sick_safetyscanners_node: reads its private parameters (sensor_ip, host_ip, frame_id, "
      "...) and publishes scan, extended_laser_scan and output_paths.\n",
-     ReconfigureNames::entries,
-     [](const Arguments& arguments, const std::string& node) {
-       return safety_scanners_setup(wait_for_parameters(arguments, node));
-     }},
+     ReconfigureNames::entries, safety_scanners_setup},
     {"urg_node", "urg_node",
      "Stands in for urg_node: reads its private parameters (ip_address, frame_id, angle_min, ...) and "
      "publishes scan, or echoes.\n",
-     ReconfigureNames::entries,
-     [](const Arguments& arguments, const std::string& node) {
-       return urg_node_setup(wait_for_parameters(arguments, node));
-     }},
+     ReconfigureNames::entries, urg_node_setup},
     // ira_laser_tools' name for the node differs from that of its executable.
     {"laserscan_multi_merger", "laser_multi_merger",
      "Stands in for laserscan_multi_merger of ira_laser_tools: reads its private parameters "
      "(laserscan_topics, destination_frame, ...) and publishes the merged scan and cloud.\n",
-     ReconfigureNames::node,
-     [](const Arguments& arguments, const std::string& node) {
-       return laser_merger_setup(wait_for_parameters(arguments, node));
-     }},
+     ReconfigureNames::node, laser_merger_setup},
     {virtualizer_name, virtualizer_name,
      "Stands in for laserscan_virtualizer of ira_laser_tools: reads its parameters (cloud_topic, "
      "virtual_laser_scan, ...) and publishes a scan for each virtual frame.\n",
-     ReconfigureNames::node, [](const Arguments& arguments, const std::string& node) {
-       const NodeParameters own = wait_for_parameters(arguments, node);
-       const NodeParameters absolute = wait_for_parameters(arguments, std::string("/") + virtualizer_name);
-       return laser_virtualizer_setup(with_absolute_names(own, absolute));
-     }}};
+     ReconfigureNames::node, laser_virtualizer_setup}};
 
 std::string usage_of(const Dropin& dropin) {
   return std::string(dropin.usage) + "usage: " + std::string(dropin.executable) +
@@ -90,7 +74,11 @@ std::optional<int> answer(const Dropin& dropin, const Arguments& arguments, std:
 
 int run_setup(const Dropin& dropin, const Arguments& arguments, std::ostream& out, std::ostream& err) {
   const std::string node = full_node_name(arguments, dropin.node);
-  DropinSetup setup = dropin.setup(arguments, node);
+  NodeParameters parameters = wait_for_parameters(arguments, node);
+  if (dropin.executable == virtualizer_name)
+    parameters =
+        with_absolute_names(parameters, wait_for_parameters(arguments, std::string("/") + virtualizer_name));
+  DropinSetup setup = dropin.setup(parameters);
   for (const auto& warning : setup.warnings) log_warn("{}", warning);
   for (const auto& remark : setup.remarks) log_info("{}", remark);
   const std::string yaml = setup.yaml();

@@ -36,9 +36,17 @@ KeyMap& section(KeyMap& keys, const std::string& name) {
   return std::get<KeyMap>(*find_key(keys, name));
 }
 
-bool is_of(const LaunchNode& node, const MovedPackage& package) {
-  const auto names = split_words(package.packages);
-  return std::find(names.begin(), names.end(), node.package) != names.end();
+/// The package of the node; of a parameter file the one that knows most of the parameters. Empty: none here.
+std::string_view package_name(const LaunchNode& node) {
+  if (node.package.empty()) {
+    const MovedPackage* const package = package_of(node.parameters);
+    return package == nullptr ? std::string_view() : package->name;
+  }
+  for (const MovedPackage& package : moved_packages()) {
+    const auto names = split_words(package.packages);
+    if (std::find(names.begin(), names.end(), node.package) != names.end()) return package.name;
+  }
+  return {};
 }
 
 /// The tables of velodyne_pointcloud/params (1.7.0) that are those of the models here: clouds decoded with
@@ -57,11 +65,11 @@ class Importer {
     std::vector<const LaunchNode*> late;
     for (const LaunchNode& node : launch_.nodes) {
       attempt(node, [&] {
-        if (!take(node)) late.push_back(&node);
+        if (!import_node(node)) late.push_back(&node);
       });
     }
     // What merges comes after what it may read.
-    for (const LaunchNode* node : late) attempt(*node, [&] { take_laser_tools(*node); });
+    for (const LaunchNode* node : late) attempt(*node, [&] { add_laser_tools(*node); });
     place();
     return std::move(config_);
   }
@@ -78,21 +86,20 @@ class Importer {
   }
 
   /// False for a node that reads what others publish.
-  bool take(const LaunchNode& node) {
-    const MovedPackage* package = node.package.empty() ? package_of(node.parameters) : nullptr;
-    const auto belongs = [&](const MovedPackage& one) { return package == &one || is_of(node, one); };
-    if (belongs(moved_laser_tools())) return false;
+  bool import_node(const LaunchNode& node) {
+    const std::string_view package = package_name(node);
+    if (package == "ira_laser_tools") return false;
     const bool is_caller = node.type.empty() || node.type.find("sick_") == 0;
-    if (belongs(moved_safety_scanners())) {
-      take_sensor(node, safety_scanners_setup(node.parameters));
-    } else if (belongs(moved_urg_node())) {
-      take_sensor(node, urg_node_setup(node.parameters));
-    } else if (belongs(moved_sick_scan()) && is_caller) {
-      take_sensor(node, sick_scan_setup(node.parameters));
-    } else if (belongs(moved_velodyne())) {
-      take_velodyne(node);
+    if (package == "sick_safetyscanners") {
+      add_sensor(node, safety_scanners_setup(node.parameters));
+    } else if (package == "urg_node") {
+      add_sensor(node, urg_node_setup(node.parameters));
+    } else if (package == "sick_scan_xd" && is_caller) {
+      add_sensor(node, sick_scan_setup(node.parameters));
+    } else if (package == "ros-drivers/velodyne") {
+      add_velodyne(node);
     } else if (node.type == "static_transform_publisher") {
-      take_transform(node);
+      add_transform(node);
     } else if (node.package == "lidard") {
       config_.remarks.push_back(node.name + " is lidard with a configuration of its own, which stays");
     } else if (node.package != "nodelet") {
@@ -114,7 +121,7 @@ class Importer {
     return unique;
   }
 
-  void take_sensor(const LaunchNode& node, DropinSetup setup) {
+  void add_sensor(const LaunchNode& node, DropinSetup setup) {
     remark(node, setup);
     transforms_.insert(transforms_.end(), setup.transforms.begin(), setup.transforms.end());
     for (auto& [name, value] : section(setup.keys, "sensors")) {
@@ -130,11 +137,11 @@ class Importer {
     }
     const std::string source = section(config_.keys, "sensors").back().first;
     for (auto& cloud : section(setup.keys, "merged_scans"))
-      take_cloud(node, source, std::get<KeyMap>(cloud.second));
+      add_cloud(node, source, std::get<KeyMap>(cloud.second));
   }
 
   /// The cloud of a planar scanner: a merged scan of it alone.
-  void take_cloud(const LaunchNode& node, const std::string& source, KeyMap& entry) {
+  void add_cloud(const LaunchNode& node, const std::string& source, KeyMap& entry) {
     *find_key(entry, "laserscan_topics") = KeyList{source};
     *find_key(entry, "cloud_destination_topic") = node.resolved(text_of(entry, "cloud_destination_topic"));
     drop_shared_topics(node, entry);
@@ -165,7 +172,7 @@ class Importer {
   }
 
   /// The driver, the transformation and the scan of one Velodyne make one sensor.
-  void take_velodyne(const LaunchNode& node) {
+  void add_velodyne(const LaunchNode& node) {
     const bool has_driver = partner("velodyne_driver", node, "velodyne_packets") != nullptr;
     if (node.package == "velodyne_laserscan" || (node.package == "velodyne_pointcloud" && has_driver)) return;
     NodeParameters parameters = node.parameters;
@@ -189,12 +196,12 @@ class Importer {
     }
     for (const auto& capture : setup.replay.captures)
       setup.warnings.push_back("parameter ~pcap: `lidard replay -c THIS --pcap " + capture + "` plays it");
-    take_odometry(node, setup);
-    take_sensor(node, std::move(setup));
+    add_odometry(node, setup);
+    add_sensor(node, std::move(setup));
   }
 
   /// A vehicle has one frame that does not move with it.
-  void take_odometry(const LaunchNode& node, DropinSetup& setup) {
+  void add_odometry(const LaunchNode& node, DropinSetup& setup) {
     auto& vehicle = section(setup.keys, "vehicle");
     const std::string frame = text_of(vehicle, "odometry_frame");
     if (frame.empty()) return;
@@ -206,7 +213,7 @@ class Importer {
   }
 
   /// x y z yaw pitch roll, or x y z qx qy qz qw; parent child [period].
-  void take_transform(const LaunchNode& node) {
+  void add_transform(const LaunchNode& node) {
     std::vector<double> numbers;
     std::vector<std::string> frames;
     for (const auto& word : node.arguments) {
@@ -239,7 +246,7 @@ class Importer {
     return {};
   }
 
-  void take_laser_tools(const LaunchNode& node) {
+  void add_laser_tools(const LaunchNode& node) {
     const bool is_merger = node.type.find("merger") != std::string::npos ||
                            (node.type.empty() && node.parameters.count("virtual_laser_scan") == 0);
     DropinSetup setup =
@@ -362,8 +369,8 @@ int import_file(const ImportOptions& options, std::ostream& err) {
       for (const auto& remark : *list) err << remark << '\n';
     }
     err << options.file << ": nothing in it can be imported; expected a node of";
-    for (const MovedPackage* package : moved_packages())
-      err << (package == moved_packages().front() ? " " : ", ") << package->name;
+    for (const MovedPackage& package : moved_packages())
+      err << (&package == &moved_packages().front() ? " " : ", ") << package.name;
     err << '\n';
     return exit_failed;
   }

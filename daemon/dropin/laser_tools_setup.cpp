@@ -92,31 +92,6 @@ std::vector<std::string> required_words(ParameterReader& reader, const char* nam
 
 }  // namespace
 
-const MovedPackage& moved_laser_tools() {
-  static const MovedPackage package{
-      "ira_laser_tools",
-      "ira_laser_tools laserscan_multi_merger laserscan_virtualizer",
-      "src/laserscan_multi_merger.cpp, src/laserscan_virtualizer.cpp, their cfg and launch files (1.0.7)",
-      {{"laserscan_topics", "laserscan_topics",
-        "each a sensor with `topic`, or a sensor of this configuration"},
-       {"destination_frame", "destination_frame", "as it is; it becomes vehicle.base_frame too"},
-       {"scan_destination_topic cloud_destination_topic", "scan_destination_topic cloud_destination_topic",
-        "as they are"},
-       {"cloud_topic", "cloud_topic", "a sensor with `topic`, or a sensor of this configuration"},
-       {"base_frame", "base_frame", "as it is; it becomes vehicle.base_frame too"},
-       {"virtual_laser_scan", "virtual_laser_scan",
-        "as it is; the static transforms of the launch file become `poses`"},
-       {"output_laser_topic", "output_laser_topic", "as it is"},
-       {"angle_min angle_max angle_increment time_increment scan_time range_min range_max",
-        "angle_min angle_max angle_increment time_increment scan_time range_min range_max",
-        "rad, s and m, as they are, within the limits of dynamic_reconfigure"},
-       {"empty", "empty", "of our nodes alone; without it range_max + 1 as ira_laser_tools has it"}},
-      {{"scan_multi merged_cloud", "sensor_msgs/LaserScan, sensor_msgs/PointCloud2",
-        "the same; returns fall into the nearest beam, not the one before"},
-       {"FRAME", "sensor_msgs/LaserScan", "the same, one for each frame of virtual_laser_scan"}}};
-  return package;
-}
-
 DropinSetup laser_merger_setup(const NodeParameters& parameters) {
   DropinSetup setup;
   ParameterReader reader(parameters);

@@ -3,11 +3,13 @@
 #include "daemon/dropin/moving.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <set>
 #include <sstream>
+#include <stdexcept>
 
 #include "core/base/nearest.h"
 #include "core/base/number_text.h"
@@ -58,6 +60,56 @@ void write_package(std::ostream& out, const MovedPackage& package) {
     out << "| " << code_words(row.name) << " | " << row.type << " | " << cell(row.ours) << " |\n";
 }
 
+KeyValue as_intensity_filter(const std::string& value) {
+  return std::strtod(value.c_str(), nullptr) > 0 ? KeyValue(KeyMap{{"intensity_min", value}}) : KeyValue();
+}
+
+KeyValue true_if_true(const std::string& value) {
+  return lower(value) == "true" || value == "1" ? KeyValue(true) : KeyValue();
+}
+
+KeyValue true_if_1(const std::string& value) { return value == "1" ? KeyValue(true) : KeyValue(); }
+KeyValue copied_unless_0(const std::string& value) { return value == "0" ? KeyValue() : copied(value); }
+
+/// How the value of a key is made, as the table says it.
+struct Conversion {
+  std::string_view name;
+  KeyValue (*convert)(const std::string& value);
+};
+constexpr Conversion conversions[] = {
+    {"", nullptr},       {"copy", copied},          {"unless_0", copied_unless_0},
+    {"if_1", true_if_1}, {"if_true", true_if_true}, {"intensity", as_intensity_filter}};
+
+constexpr const char table[] =
+#include "config/moving_over.tsv"
+    ;
+
+/// The cells of a row; those that it does not have are empty.
+std::array<std::string_view, 6> cells_of(std::string_view row) {
+  std::array<std::string_view, 6> cells;
+  for (std::string_view& one : cells) {
+    one = row.substr(0, row.find('\t'));
+    row.remove_prefix(std::min(row.size(), one.size() + 1));
+  }
+  return cells;
+}
+
+std::vector<MovedPackage> read_table() {
+  std::vector<MovedPackage> packages;
+  for (std::string_view rest(table); !rest.empty();) {
+    const std::string_view row = rest.substr(0, rest.find('\n'));
+    rest.remove_prefix(std::min(rest.size(), row.size() + 1));
+    const auto [kind, a, b, c, d, e] = cells_of(row);
+    if (kind == "package") packages.push_back({a, b, c, {}, {}});
+    if (kind == "topic") packages.back().topics.push_back({a, b, c});
+    if (kind != "parameter") continue;
+    for (const Conversion& one : conversions) {
+      if (one.name == c) packages.back().parameters.push_back({a, b, one.convert, d, e});
+    }
+  }
+  return packages;
+}
+
 bool takes_key(const Model& model, std::string_view key) {
   const auto& groups = sensor_groups();
   return std::any_of(groups.begin(), groups.end(), [&](const SensorGroup& group) {
@@ -69,29 +121,36 @@ bool takes_key(const Model& model, std::string_view key) {
 
 }  // namespace
 
-std::vector<const MovedPackage*> moved_packages() {
-  return {&moved_safety_scanners(), &moved_sick_scan(), &moved_urg_node(), &moved_velodyne(),
-          &moved_laser_tools()};
+const std::vector<MovedPackage>& moved_packages() {
+  static const std::vector<MovedPackage> packages = read_table();
+  return packages;
+}
+
+const MovedPackage& moved_package(std::string_view name) {
+  for (const MovedPackage& package : moved_packages()) {
+    if (package.name == name) return package;
+  }
+  throw std::out_of_range(std::string(name));
 }
 
 const MovedPackage* package_of(const NodeParameters& parameters) {
   const MovedPackage* best = nullptr;
   std::size_t most = 0;
-  for (const MovedPackage* package : moved_packages()) {
+  for (const MovedPackage& package : moved_packages()) {
     std::set<std::string> names;
-    for (const auto& row : package->parameters) {
+    for (const auto& row : package.parameters) {
       for (auto& name : split_words(row.names)) names.insert(std::move(name));
     }
     const auto known = static_cast<std::size_t>(std::count_if(
         parameters.begin(), parameters.end(), [&](const auto& one) { return names.count(one.first) != 0; }));
-    if (known > most) most = known, best = package;
+    if (known > most) most = known, best = &package;
   }
   return best;
 }
 
 std::string moved_markdown() {
   std::ostringstream out;
-  for (const MovedPackage* package : moved_packages()) write_package(out, *package);
+  for (const MovedPackage& package : moved_packages()) write_package(out, package);
   return out.str();
 }
 
@@ -118,10 +177,6 @@ KeyValue copied(const std::string& value) { return value.empty() ? KeyValue() : 
 
 KeyValue as_frame(const std::string& value) {
   return copied(!value.empty() && value.front() == '/' ? value.substr(1) : value);
-}
-
-KeyValue as_intensity_filter(const std::string& value) {
-  return std::strtod(value.c_str(), nullptr) > 0 ? KeyValue(KeyMap{{"intensity_min", value}}) : KeyValue();
 }
 
 void drop_misfits(const Model& model, KeyMap& sensor, DropinSetup& setup) {
@@ -163,7 +218,7 @@ bool ParameterReader::flag(const std::string& name, const std::string& missing) 
   throw ConfigError("parameter ~" + name + " is '" + given + "'; expected true or false");
 }
 
-void ParameterReader::lament(const MovedParameter& row, DropinSetup& setup) {
+void ParameterReader::report_without_counterpart(const MovedParameter& row, DropinSetup& setup) {
   std::string given;
   int count = 0;
   bool idle = true;
@@ -194,9 +249,9 @@ std::vector<std::string> ParameterReader::given_names(std::string_view list) {
   return names;
 }
 
-void ParameterReader::move(const MovedPackage& package, KeyMap& entry, DropinSetup& setup) {
-  for (const MovedParameter& row : package.parameters) {
-    if (row.key.empty()) lament(row, setup);
+void ParameterReader::move(std::string_view package, KeyMap& entry, DropinSetup& setup) {
+  for (const MovedParameter& row : moved_package(package).parameters) {
+    if (row.key.empty()) report_without_counterpart(row, setup);
     if (row.key.empty() || row.convert == nullptr) continue;
     for (const std::string& name : given_names(row.names)) {
       const auto value = find(name);

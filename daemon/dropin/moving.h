@@ -29,16 +29,16 @@ struct DropinSetup {
   std::string yaml() const;
 };
 
-/// Parameters of another driver that have the same fate.
+/// Parameters of another driver that have the same fate: a row of config/moving_over.tsv.
 struct MovedParameter {
-  std::string_view names;   ///< separated by blanks; a * at the end stands for whatever begins so
-  std::string_view key;     ///< that takes their value; empty: there is no counterpart
-  std::string_view remark;  ///< how the value becomes the key's, or why there is no counterpart
+  std::string_view names;  ///< separated by blanks; a * at the end stands for whatever begins so
+  std::string_view key;    ///< that gets their value; empty: there is no counterpart
+  /// The value of the key; not set: the key stays unset. nullptr: the package's own setup sets the key.
+  KeyValue (*convert)(const std::string& value);
   /// The values, separated by blanks, with which the parameter asks for nothing that a robot would miss; *:
   /// all.
-  std::string_view idle{};
-  /// The value of the key; empty: the key stays unset. Without it the setup itself sees to the parameter.
-  KeyValue (*convert)(const std::string& value) = nullptr;
+  std::string_view idle;
+  std::string_view remark;  ///< how the value becomes the key's, or why there is no counterpart
 };
 
 /// A topic or service of another driver.
@@ -54,12 +54,9 @@ struct MovedPackage {
   std::vector<MovedParameter> parameters;
   std::vector<MovedTopic> topics;
 };
-const MovedPackage& moved_velodyne();
-const MovedPackage& moved_laser_tools();
-const MovedPackage& moved_safety_scanners();
-const MovedPackage& moved_urg_node();
-const MovedPackage& moved_sick_scan();
-std::vector<const MovedPackage*> moved_packages();
+const std::vector<MovedPackage>& moved_packages();
+/// The package of that name; throws std::out_of_range where there is none.
+const MovedPackage& moved_package(std::string_view name);
 /// The package that knows most of the parameters; nullptr: none knows any.
 const MovedPackage* package_of(const NodeParameters& parameters);
 
@@ -81,16 +78,16 @@ class ParameterReader {
   /// Throws ConfigError for what is no number, or no truth value.
   double number(const std::string& name, double missing);
   bool flag(const std::string& name, const std::string& missing = "false");
-  /// Takes what the table of the package converts into `entry`, and remarks on what has no counterpart.
-  void move(const MovedPackage& package, KeyMap& entry, DropinSetup& setup);
+  /// Puts what the table of the package converts into `entry`, and remarks on what has no counterpart.
+  void move(std::string_view package, KeyMap& entry, DropinSetup& setup);
   /// Remarks on what nobody took.
   void remark_on_rest(std::vector<std::string>& warnings) const;
 
  private:
   /// The names of a row, where a * at the end stands for all that were given and begin so.
   std::vector<std::string> given_names(std::string_view list);
-  /// Takes the parameters of a row without counterpart, and says why.
-  void lament(const MovedParameter& row, DropinSetup& setup);
+  /// Reports the parameters of a row without counterpart, and why.
+  void report_without_counterpart(const MovedParameter& row, DropinSetup& setup);
 
   NodeParameters left_;
   std::vector<std::string> known_;
@@ -103,9 +100,6 @@ std::string entry_name(const std::string& topic);
 KeyValue copied(const std::string& value);
 /// The same of a frame, without the slash that old versions of tf wrote before it.
 KeyValue as_frame(const std::string& value);
-
-/// A least intensity as the value of `filter`; not set where it is 0.
-KeyValue as_intensity_filter(const std::string& value);
 
 /// Removes keys of a sensor that its model does not take, and says so.
 void drop_misfits(const Model& model, KeyMap& sensor, DropinSetup& setup);

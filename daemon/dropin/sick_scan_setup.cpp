@@ -34,14 +34,6 @@ constexpr ScannerType scanner_types[] = {{"sick_lms_1xx", "sick_lms1xx"},
                                          {"sick_multiscan", "sick_multiscan136"},
                                          {"sick_scansegment_xd", "sick_multiscan136"}};
 
-const char* const device_setting =
-    "a setting of the device: SOPAS ET or its web page keeps it, nobody has to send it";
-const char* const other_device = "of a device that lidard does not read";
-
-KeyValue true_if_true(const std::string& value) {
-  return value == "true" || value == "True" || value == "1" ? KeyValue(true) : KeyValue();
-}
-
 const ScannerType& type_of(const std::string& given) {
   std::string known;
   for (const ScannerType& type : scanner_types) {
@@ -98,130 +90,6 @@ void pair_login(KeyMap& sensor, DropinSetup& setup) {
 
 }  // namespace
 
-const MovedPackage& moved_sick_scan() {
-  static const MovedPackage package{
-      "sick_scan_xd",
-      "sick_scan_xd sick_scan",
-      "launch/*.launch and driver/src (3.9.0)",
-      {{"scanner_type", "model",
-        "sick_tim_7xx is sick_tim7xx, and so on; sick_picoscan is sick_picoscan150, sick_multiscan is "
-        "sick_multiscan136, or 165 with layer_lookup_table_id 1"},
-       {"layer_lookup_table_id", "model", "1: sick_multiscan165"},
-       {"hostname", "ip_address", "an address, as it is; names of hosts are not looked up"},
-       {"port", "ip_port",
-        "as it is, of devices that are read over TCP; an LRS4000 is read from another one"},
-       {"udp_port", "ip_port", "as it is, of devices that stream over UDP", "", copied},
-       {"udp_receiver_ip", "udp_receiver_ip", "as it is; empty: the device sends here already", "", copied},
-       {"listen_only_mode", "listen_only", "as it is; then nothing is written to the device", "",
-        true_if_true},
-       {"frame_id publish_frame_id", "frame_id", "as it is, without suffix for layers and echoes"},
-       {"min_ang", "angle_min", "rad, as it is, of planar scanners", "", copied},
-       {"max_ang", "angle_max", "rad, as it is, of planar scanners", "", copied},
-       {"laserscan_topic publish_laserscan_fullframe_topic", "scan_topic", "as it is, of planar scanners"},
-       {"cloud_topic", "points_topic cloud_destination_topic",
-        "as it is, of multi-plane lidars; of a planar one that of a merged scan of it alone"},
-       {"intensity", "publish_intensity", "as it is, of planar scanners", "", copied},
-       {"skip", "skip", "as it is, of devices that speak CoLa", "", copied},
-       {"time_offset", "time_offset", "s, as it is", "", copied},
-       {"activate_lferec activate_lidoutputstate activate_lidinputstate", "publish_states",
-        "true if one of them is; of devices that speak CoLa", "", true_if_true},
-       {"user_level", "user_level", "as it is", "", copied},
-       {"user_level_password", "user_level_password", "as it is, the hash of the password", "", copied},
-       {"host_FREchoFilter", "publish_multiecho", "1: true; others are settings of the device", "",
-        [](const std::string& value) { return value == "1" ? KeyValue(true) : KeyValue(); }},
-       {"tf_base_frame_id tf_base_lidar_xyz_rpy tf_publish_rate", "pose",
-        "of the sensor in vehicle.base_frame, on /tf_static; a rate of 0: none"},
-       {"add_transform_xyz_rpy", "pose",
-        "part of the pose; with a tf_publish_rate of 0 the sensor has the frame FRAME_device, and its pose "
-        "in "
-        "FRAME"},
-       {"add_transform_check_dynamic_updates", "", "a pose is changed with a new configuration", "false"},
-       {"all_segments_min_deg all_segments_max_deg", "",
-        "a frame ends where the device ends it; angle_min_deg and angle_max_deg crop a scan", "*"},
-       {"publish_laserscan_segment_topic", "",
-        "scans are published whole; a scan is on its way within a ms of its "
-        "last segment"},
-       {"laserscan_layer_filter scan_layer_filter", "",
-        "virtual_scans make a LaserScan of any plane of a multi-plane lidar"},
-       {"custom_pointclouds cloud_unstructured_* cloud_structured_* cloud_polar_* cloud_all_fields_* "
-        "cloud_structured "
-        "cloud_output_mode filter_echos imu_frame_id publish_imu_frame_id imu_topic",
-        "",
-        "one cloud with all returns on points_topic, x y z intensity ring time; IMU on NAME/imu in the "
-        "sensor's "
-        "frame"},
-       {"range_min range_max", "", "without range_filter_handling they limit nothing", "*"},
-       {"range_filter_handling", "",
-        "merged and virtual scans have range_min and range_max, per source too (source_settings)", "0"},
-       {"min_intensity", "filter",
-        "filter: {intensity_min: ...}; a beam whose return is weaker is NaN (theirs: +inf, which says free)",
-        "", as_intensity_filter},
-       {"use_binary_protocol sopas_cola_binary", "", "found out by asking the device", "*"},
-       {"timelimit read_timeout_millisec_default read_timeout_millisec_startup "
-        "read_timeout_millisec_kill_node "
-        "message_monitoring_enabled udp_timeout_ms udp_timeout_ms_initial sopas_timeout_ms auto_reboot",
-        "", "silence is told within 1 s, and connections are made again without end", "*"},
-       {"sw_pll_only_publish use_generation_timestamp tick_to_timestamp_mode", "",
-        "stamps follow the device's clock all the time, counted in the host's (clock: smooth)", "true 0"},
-       {"start_services start_sopas_service", "",
-        "there are no services: what the device says is on /diagnostics"},
-       {"ros_qos udp_input_fifolength msgpack_output_fifolength", "",
-        "queues are bounded, and what is lost in them is counted", "*"},
-       {"check_udp_receiver_ip check_udp_receiver_port", "",
-        "an address that this host does not have is told by `lidard check` and on /diagnostics", "*"},
-       {"udp_sender", "", "packets are taken from ip_address", "*"},
-       {"scandataformat", "", "Compact and MSGPACK are both read, without being told which", "*"},
-       {"sopas_tcp_port", "", "2111", "2111"},
-       {"send_sopas_start_stop_cmd send_udp_start send_udp_start_string host_read_filtersettings "
-        "initialize_scanner "
-        "load_application_default",
-        "", "nothing has to be sent to a device that streams; it is asked only if udp_receiver_ip is set",
-        "*"},
-       {"imu_enable imu_udp_port imu_latency_microsec", "",
-        "an IMU's data are read where the device sends them (UDP 7503; MRS1000: beside its scans), and "
-        "stamped "
-        "like its scans"},
-       {"verbose_level measure_timing export_csv export_udp_msg logfolder nodename publish_datagram "
-        "subscribe_datagram device_number segment_count",
-        "", "`lidard status`, `lidard record` and `lidard decode` do such things", "*"},
-       {"msgpack_validator_*", "", "each telegram is checked, and what is missing is counted", "*"},
-       {"time_increment", "", "the device says how long its scan takes", "*"},
-       {"expected_frequency_tolerance", "", "/diagnostics compares with what the device promises", "*"},
-       {"intensity_resolution_16bit ang_res scan_freq scan_cfg_list_entry "
-        "scandatacfg_timingflag "
-        "scandatacfg_azimuth_table encoder_mode active_field_set field_set_selection_method "
-        "performanceprofilenumber "
-        "lfp_meanfilter lfp_medianfilter host_set_FREchoFilter host_LFPangleRangeFilter "
-        "host_set_LFPangleRangeFilter "
-        "host_LFPintervalFilter host_set_LFPintervalFilter host_LFPlayerFilter host_set_LFPlayerFilter "
-        "active_echos "
-        "glare_detection_sens lmd_scandatascalefactor ntp_server_address new_IP_address locationName",
-        "", device_setting, "-1"},
-       {"nav_* topic_radar topic_cloud_radar_* transmit_raw_targets transmit_objects tracking_mode "
-        "slam_bundle "
-        "slam_echo start_angle end_angle scan_frequency angular_resolution_type layer_range_reduction "
-        "ignore_near_range sensitivity_control flexres_* contour_point_density min_object_age "
-        "max_prediction_age "
-        "sync_angle_offset",
-        "", other_device}},
-      {{"scan scan_fullframe", "sensor_msgs/LaserScan", "the same: scan_topic"},
-       {"scan_segment", "sensor_msgs/LaserScan", "none: scans are published whole"},
-       {"cloud cloud_*", "sensor_msgs/PointCloud2",
-        "the same: points_topic, or cloud_destination_topic of a planar one; x y z intensity ring time"},
-       {"imu", "sensor_msgs/Imu", "NAME/imu"},
-       {"encoder", "sick_scan_xd/Encoder",
-        "NAME/encoder as diagnostic_msgs/DiagnosticArray; its type is not carried here"},
-       {"lferec lidinputstate lidoutputstate", "sick_scan_xd/LFErecMsg, LIDinputstateMsg, LIDoutputstateMsg",
-        "NAME/lferec, ... as diagnostic_msgs/DiagnosticArray, with publish_states: true; their types "
-        "are not carried here"},
-       {"marker", "visualization_msgs/MarkerArray", "none: fields are drawn by nobody"},
-       {"ColaMsg ECRChangeArr SCdevicestate SCreboot SCsoftreset GetContaminationResult FieldSetRead "
-        "FieldSetWrite",
-        "services", "none: nobody commands the device over ROS"},
-       {"diagnostics", "diagnostic_msgs/DiagnosticArray", "the same topic, more in it"}}};
-  return package;
-}
-
 DropinSetup sick_scan_setup(const NodeParameters& parameters) {
   DropinSetup setup;
   ParameterReader reader(parameters);
@@ -248,7 +116,7 @@ DropinSetup sick_scan_setup(const NodeParameters& parameters) {
   const bool has_usual_cloud = !is_planar || model.transport == Transport::tcp;
   const std::string cloud = reader.text("cloud_topic", has_usual_cloud ? "cloud" : "");
   if (!is_planar) sensor.emplace_back("points_topic", cloud);
-  reader.move(moved_sick_scan(), sensor, setup);
+  reader.move("sick_scan_xd", sensor, setup);
   const bool listens =
       std::any_of(sensor.begin(), sensor.end(), [](const auto& one) { return one.first == "listen_only"; });
   // sick_scan_xd sets each device up as its parameters say.

@@ -106,63 +106,6 @@ void read_replay(ParameterReader& reader, ReplayOptions& replay) {
 
 }  // namespace
 
-const MovedPackage& moved_velodyne() {
-  static const MovedPackage package{
-      "ros-drivers/velodyne",
-      "velodyne_driver velodyne_pointcloud velodyne_laserscan velodyne_node",
-      "velodyne_driver/src/driver/driver.cc, velodyne_pointcloud/src/conversions/transform.cc, "
-      "velodyne_laserscan/src/velodyne_laserscan.cpp, their cfg and launch files (1.7.0)",
-      {{"model", "model",
-        "VLP16 is velodyne_vlp16 (with a Hi-Res calibration velodyne_puck_hires), and so on"},
-       {"device_ip", "ip_address", "empty: from any sender"},
-       {"port", "ip_port", "as it is"},
-       {"frame_id", "frame_id", "as it is"},
-       {"time_offset", "time_offset", "s, as it is; here also with a capture"},
-       {"timestamp_first_packet", "frame_stamp", "true: first, false: last"},
-       {"cut_angle", "cut_angle", "rad, as the sensor counts; below 0: behind the sensor"},
-       {"min_range max_range view_direction view_width", "min_range max_range view_direction view_width",
-        "m and rad, as they are"},
-       {"organize_cloud", "organize_cloud", "true: firings"},
-       {"calibration", "calibration calibration_model",
-        "a file that velodyne_pointcloud brings for a model (VLP16db.yaml, ...) holds the table of the "
-        "model: "
-        "`import` names no file then, so that velodyne_pointcloud can be removed"},
-       {"ring laserscan_ring", "scan_ring", "-1: auto, the ring nearest to the level"},
-       {"resolution laserscan_resolution", "scan_resolution", "rad, as it is"},
-       {"pcap", "replay --pcap", "the capture, of `lidard replay`; the node plays it itself"},
-       {"read_fast", "replay --rate", "true: max"},
-       {"read_once", "replay --loop", "false: --loop"},
-       {"repeat_delay", "replay --loop", "s between two rounds, of the node velodyne_node"},
-       {"pcap_time", "replay",
-        "`lidard replay` keeps the capture's time; the node brings it to the present "
-        "unless pcap_time is set"},
-       {"packet_topic", "packet_topic", "of our node alone: packets from a velodyne_msgs/VelodyneScan"},
-       {"publish_packets", "raw_topic", "of our node alone; false: no velodyne_packets"},
-       {"telemetry_port", "telemetry_port", "of our node alone"},
-       {"fixed_frame", "deskew odometry_frame points_frame",
-        "clouds are deskewed with the sensor's way in that frame, from tf; published in it unless there is a "
-        "target_frame. A cloud whose poses do not come within 0.2 s is published as if the vehicle stood "
-        "still, with a WARN. The scan stays in frame_id; not changed while the node runs"},
-       {"target_frame", "points_frame",
-        "as it is; a cloud whose pose does not come within 0.2 s is left out, with a WARN. The scan stays in "
-        "frame_id; not changed while the node runs"},
-       {"gps_time", "", "stamps follow the sensor's clock but count in the host's time", "false"},
-       {"npackets", "", "clouds are whole revolutions at any speed and in any return mode", "*"},
-       {"rpm", "", "revolutions are seen, at any speed; control: {rpm: 600} sets that of the sensor", "600"},
-       {"enabled", "", "the sensor is enabled while it stands in the configuration", "true"},
-       {"diagnostic_frequency_tolerance", "", "/diagnostics compares with what the sensor's own data promise",
-        "*"},
-       {"manager", "", "there are no nodelets to be managed", "*"},
-       {"max_rate", "", "/diagnostics compares with what the sensor's own data promise", "*"}},
-      {{"velodyne_points", "sensor_msgs/PointCloud2", "the same, point by point: points_topic"},
-       {"scan", "sensor_msgs/LaserScan", "the same: scan_topic"},
-       {"velodyne_packets", "velodyne_msgs/VelodyneScan",
-        "the same: raw_topic; it is read with packet_topic. "
-        "`lidard record` keeps packets without ROS"},
-       {"diagnostics", "diagnostic_msgs/DiagnosticArray", "the same topic, more in it"}}};
-  return package;
-}
-
 DropinSetup velodyne_node_setup(const NodeParameters& parameters) {
   DropinSetup setup;
   ParameterReader reader(parameters);
@@ -174,7 +117,7 @@ DropinSetup velodyne_node_setup(const NodeParameters& parameters) {
   add_outputs(reader, model, calibration, sensor);
   if (KeyMap vehicle = add_frames(reader, reader.text("frame_id", "velodyne"), sensor); !vehicle.empty())
     setup.keys.emplace_back("vehicle", std::move(vehicle));
-  reader.move(moved_velodyne(), sensor, setup);
+  reader.move("ros-drivers/velodyne", sensor, setup);
   setup.keys.emplace_back("sensors", KeyMap{{"velodyne", std::move(sensor)}});
   reader.remark_on_rest(setup.warnings);
   return setup;

@@ -2,12 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/pipeline/raw_packets.h"
 
-#include "drivers/velodyne/packet.h"
-
 namespace lidard {
 
 void RawPacketCollector::add(const Packet& packet) {
-  if (packet.transport != Transport::udp || packet.payload.size() != velodyne::packet_size) return;
+  if (packet.transport != Transport::udp || packet.payload.size() != packet_size) return;
   if (is_empty()) first_ = packet.arrival;
   message_->arrivals.push_back(packet.arrival - first_);
   message_->bytes.insert(message_->bytes.end(), packet.payload.begin(), packet.payload.end());

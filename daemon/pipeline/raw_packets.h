@@ -14,6 +14,9 @@ class RawPacketCollector {
   /// A VLS-128 in dual return mode at 300 rpm sends 3618 packets in a revolution.
   static constexpr std::size_t most_packets = 4000;
 
+  /// Bytes of a velodyne_msgs/VelodynePacket.
+  static constexpr std::size_t packet_size = 1206;
+
   /// `config` must outlive this.
   explicit RawPacketCollector(const SensorConfig& config) : config_(config) {}
 

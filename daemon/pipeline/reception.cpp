@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "daemon/pipeline/report.h"
 
@@ -32,11 +33,11 @@ std::uint64_t less(std::uint64_t now, std::uint64_t before) { return now > befor
 Counters less(const Counters& now, const Counters& before) {
   Counters d;
   d.bytes = less(now.bytes, before.bytes);
-  const auto take = [&](const NamedCounter<Counters>& counter) {
+  const auto subtract = [&](const NamedCounter<Counters>& counter) {
     d.*counter.value = less(now.*counter.value, before.*counter.value);
   };
-  std::for_each(std::begin(usual_counters), std::end(usual_counters), take);
-  std::for_each(std::begin(trouble_counters), std::end(trouble_counters), take);
+  std::for_each(std::begin(usual_counters), std::end(usual_counters), subtract);
+  std::for_each(std::begin(trouble_counters), std::end(trouble_counters), subtract);
   for (std::size_t i = 0; i < reject_reasons; ++i) d.rejected[i] = less(now.rejected[i], before.rejected[i]);
   return d;
 }
@@ -56,10 +57,7 @@ class Findings {
     if (verdict_.remedy.empty() || health > verdict_.health) verdict_.remedy = remedy;
     verdict_.health = std::max(verdict_.health, health);
   }
-  ReceptionVerdict take() {
-    if (verdict_.health == Health::ok) return {};
-    return std::move(verdict_);
-  }
+  ReceptionVerdict verdict() const { return verdict_.health == Health::ok ? ReceptionVerdict() : verdict_; }
 
  private:
   ReceptionVerdict verdict_;
@@ -69,11 +67,11 @@ Health level(double value, double warn, double error) {
   return value >= error ? Health::error : value >= warn ? Health::warn : Health::ok;
 }
 
-constexpr const char* look_at_network = "check the cable, the switch and the load of this computer";
-constexpr const char* look_at_path = "look for a proxy, a mirror port or a loop between sensor and computer";
-constexpr const char* look_at_sensor = "check the sensor's state and settings";
-constexpr const char* look_at_model = "is it the configured model, and the only one that sends here?";
-constexpr const char* look_at_window = "is its window covered? An empty field looks the same";
+constexpr const char* check_network = "check the cable, the switch and the load of this computer";
+constexpr const char* check_path = "look for a proxy, a mirror port or a loop between sensor and computer";
+constexpr const char* check_sensor = "check the sensor's state and settings";
+constexpr const char* check_model = "is it the configured model, and the only one that sends here?";
+constexpr const char* check_window = "is its window covered? An empty field looks the same";
 
 bool has_rate(const Reception& r) { return r.expected > 0 && r.frames_s >= judged_after_s; }
 
@@ -92,7 +90,7 @@ void judge_frames(const Reception& r, FrameKind kind, Findings& findings) {
   if (kind == FrameKind::scan && r.lost() >= 2) health = level(missing, 0.01, 0.05);
   const bool loss = r.lost() >= 2;
   if (has_rate(r) && (health != Health::ok || loss))
-    findings.add(health, rate_text(r), loss ? look_at_network : look_at_sensor);
+    findings.add(health, rate_text(r), loss ? check_network : check_sensor);
 }
 
 void judge_losses(const Reception& r, FrameKind kind, Findings& findings) {
@@ -102,18 +100,18 @@ void judge_losses(const Reception& r, FrameKind kind, Findings& findings) {
   findings.add(level(part, 0.01, 0.05),
                kind == FrameKind::cloud ? percent(part) + " of packets lost"
                                         : fmt::format("{} packets or scans lost", lost),
-               look_at_network);
+               check_network);
 }
 
 void judge_rejects(const Reception& r, Findings& findings) {
   const std::uint64_t repeated = r.counters.rejected[static_cast<std::size_t>(Reject::duplicate)];
   const double twice = share(repeated, r.counters.packets);
-  if (twice >= 0.1) findings.add(Health::warn, percent(twice) + " of packets came twice", look_at_path);
+  if (twice >= 0.1) findings.add(Health::warn, percent(twice) + " of packets came twice", check_path);
   const std::uint64_t rejected = r.counters.rejected_total() - repeated;
   const double part = share(rejected, r.counters.packets);
   const Health health = level(part, 0.01, 0.99);
   if (rejected >= 2 && health != Health::ok)
-    findings.add(health, percent(part) + " of packets rejected: " + rejected_text(r.counters), look_at_model);
+    findings.add(health, percent(part) + " of packets rejected: " + rejected_text(r.counters), check_model);
 }
 
 void judge_beams(const Reception& r, FrameKind kind, Findings& findings) {
@@ -123,9 +121,9 @@ void judge_beams(const Reception& r, FrameKind kind, Findings& findings) {
   const double returned = share(cloud ? seen : r.returns, r.beams);
   const double blind = share(r.blind, cloud ? seen : r.beams);
   if (cloud ? returned < 0.01 : r.returns == 0 && blind < 0.95)
-    findings.add(Health::warn, percent(returned) + " of the beams with a return", look_at_window);
+    findings.add(Health::warn, percent(returned) + " of the beams with a return", check_window);
   else if (blind >= 0.95)
-    findings.add(Health::warn, percent(blind) + " of the beams blind (too near or invalid)", look_at_window);
+    findings.add(Health::warn, percent(blind) + " of the beams blind (too near or invalid)", check_window);
 }
 
 }  // namespace
@@ -140,7 +138,7 @@ ReceptionVerdict judge(const Reception& r, FrameKind kind) {
     const std::string rate = r.period_s > 0 ? fmt::format("0 of {:.1f} frames/s, ", 1 / r.period_s) : "";
     findings.add(Health::error,
                  rate + fmt::format("no frame for {:.1f} s although packets come", r.without_frame_s),
-                 look_at_sensor);
+                 check_sensor);
   } else {
     judge_frames(r, kind, findings);
   }
@@ -149,7 +147,7 @@ ReceptionVerdict judge(const Reception& r, FrameKind kind) {
     judge_rejects(r, findings);
   }
   judge_beams(r, kind, findings);
-  return findings.take();
+  return findings.verdict();
 }
 
 std::string rivals_text(const std::vector<std::string>& senders, std::uint16_t port) {
@@ -161,9 +159,7 @@ std::string rivals_text(const std::vector<std::string>& senders, std::uint16_t p
          " here, and give each other sensor an entry of its own";
 }
 
-ReceptionWatch::ReceptionWatch(double promised_s) : promised_s_(promised_s) {
-  total_.period_s = promised_s;
-}
+ReceptionWatch::ReceptionWatch(double promised_s) : promised_s_(promised_s) { total_.period_s = promised_s; }
 
 void ReceptionWatch::scan(const PlanarScan& scan) {
   ++total_.frames_looked;
@@ -197,11 +193,9 @@ void ReceptionWatch::cloud(const Cloud& cloud) {
 }
 
 void ReceptionWatch::learn(Stamp stamp, double declared_s) {
-  const double passed = seconds(stamp - last_stamp_);
+  distances_[distance_count_++ % distances] = seconds(stamp - last_stamp_);
   last_stamp_ = stamp;
-  declared_s_ = declared_s;
-  distances_[distance_count_++ % distances] = passed;
-  period_s_ = period();
+  period_s_ = period(declared_s);
 }
 
 /// 0 while too few are known. The first distance is none.
@@ -215,104 +209,82 @@ double ReceptionWatch::median_distance() const {
   return std::max(0.0, *middle);
 }
 
-double ReceptionWatch::period() const {
+double ReceptionWatch::period(double declared_s) const {
   if (promised_s_ <= 0) return promised_s_;
   const double learned = median_distance();
   // Of scans that come out in a rush the stamps say nothing.
   if (learned < fastest * promised_s_) return 0;
-  if (declared_s_ <= 0) return std::min(learned, slowest * promised_s_);
-  const bool seldom = learned > left_out * declared_s_ && recent().lost() == 0;
-  return seldom ? learned : std::max(declared_s_, fastest * promised_s_);
+  if (declared_s <= 0) return std::min(learned, slowest * promised_s_);
+  const bool seldom = learned > left_out * declared_s && recent().lost() == 0;
+  return seldom ? learned : std::max(declared_s, fastest * promised_s_);
 }
 
 void ReceptionWatch::sender(const IpAddress& address) {
-  const auto end = senders_.begin() + static_cast<std::ptrdiff_t>(sender_count_);
-  auto found = std::find_if(senders_.begin(), end, [&](const Sender& s) { return s.address == address; });
-  if (found == end) {
-    if (sender_count_ == most_senders) return;
-    ++sender_count_;
-    *found = {address, {}};
+  for (Sender& one : senders_) {
+    if (one.now + one.before == 0) one.address = address;
+    if (one.address == address) {
+      ++one.now;
+      return;
+    }
   }
-  ++found->packets[0];
 }
 
-/// One second has passed. Two who sent in both of the last two send at the same time; a sensor whose address
-/// changes does not. Who sends less than 1 % of the packets is no sensor.
-void ReceptionWatch::age_senders() {
+/// One second has passed. Two that sent in both of the last two seconds send at the same time; a sensor whose
+/// address changes does not. Who sends less than 1 % of the packets is no sensor.
+void ReceptionWatch::compare_senders() {
   rivals_.clear();
   std::uint64_t all = 0;
-  for (std::size_t i = 0; i < sender_count_; ++i) all += senders_[i].packets[0] + senders_[i].packets[1];
-  for (std::size_t i = 0; i < sender_count_;) {
-    auto& packets = senders_[i].packets;
-    const std::uint64_t both = packets[0] + packets[1];
-    if (packets[0] > 0 && packets[1] > 0 && both * 100 >= all)
-      rivals_.push_back(senders_[i].address.to_string());
-    packets = {0, packets[0], packets[1]};
-    if (both == 0) {
-      senders_[i] = senders_[--sender_count_];
-    } else {
-      ++i;
-    }
+  for (const Sender& one : senders_) all += one.now + one.before;
+  for (Sender& one : senders_) {
+    if (one.now > 0 && one.before > 0 && (one.now + one.before) * 100 >= all)
+      rivals_.push_back(one.address.to_string());
+    one.before = std::exchange(one.now, 0);
   }
   if (rivals_.size() < 2) rivals_.clear();
   if (!rivals_.empty()) rivals_ever_ = rivals_;
 }
 
-void ReceptionWatch::pass(double passed_s, bool packets_came, bool frames_came) {
-  // A silence that was told ends with a new beginning; a plug that is loose is no beginning each time.
-  const SilenceLimits told(total_.period_s);
-  const bool first = total_.watched_s - began_anew_at_ > window_s;
-  const bool again = packets_came && idle_s_ >= (first ? told.warn_s : told.error_s);
+void ReceptionWatch::add_time(double passed_s, bool packets_came, std::uint64_t frames) {
   idle_s_ = packets_came ? 0 : idle_s_ + passed_s;
   total_.watched_s += passed_s;
   // Silence is another matter than packets without frames.
   if (idle_s_ < longest_step_s) total_.without_frame_s += passed_s;
-  if (frames_came) total_.without_frame_s = 0;
-  if (period_s_ > 0) {
-    total_.period_s = period_s_;
-    total_.frames_s += passed_s;
-    total_.expected += passed_s / period_s_;
-    total_.frames = static_cast<double>(total_.counters.frames - uncounted_frames_);
-  }
-  // Drivers count what was lost in a silence when the first whole frame after it is done.
-  if (again) settles_s_ = std::max(0.3, 3 * total_.period_s);
-  if (settles_s_ <= 0) return;
-  settles_s_ -= passed_s;
-  began_anew_at_ = total_.watched_s;
-  forget();
+  if (frames > 0) total_.without_frame_s = 0;
+  if (period_s_ <= 0) return;
+  if (total_.frames_s > 0) total_.frames += static_cast<double>(frames);
+  total_.period_s = period_s_;
+  total_.frames_s += passed_s;
+  total_.expected += passed_s / period_s_;
 }
 
 void ReceptionWatch::advance(Stamp now, const Counters& counters) {
   if (!begun_ && counters.packets == 0) return;
   const double step = begun_ ? seconds(now - last_) : 0;
-  const bool packets_came = counters.packets != total_.counters.packets;
-  const bool frames_came = counters.frames != total_.counters.frames;
-  // What was stamped before the last look at the clock is no jump.
+  const double passed_s = step > 0 && step <= longest_step_s ? step : 0;
+  // An arrival that is stamped before the last time is no jump.
   if (step >= 0 || step < -longest_step_s) last_ = now;
+  const bool packets_came = counters.packets != total_.counters.packets;
+  const std::uint64_t frames = less(counters.frames, total_.counters.frames);
   total_.counters = counters;
-  if (!rate_known_ && period_s_ > 0) {
-    rate_known_ = true;
-    uncounted_frames_ = counters.frames;
-    forget();
-  }
-  if (!begun_) forget();
+  add_time(passed_s, packets_came, frames);
+  // A silence that was reported as ERROR is not reported again as a loss after it: drivers count what was
+  // lost when the first whole frame is done.
+  const bool is_silent = idle_s_ >= SilenceLimits(total_.period_s).error_s;
+  settles_s_ = is_silent ? std::max(0.3, 3 * total_.period_s) : settles_s_ - passed_s;
+  if (!begun_ || settles_s_ > 0) restart();
   begun_ = true;
-  pass(step > 0 && step <= longest_step_s ? step : 0, packets_came, frames_came);
-  if (total_.watched_s - marked_at_ < 1) return;
-  age_senders();
+  if (total_.watched_s - marks_[(mark_count_ - 1) % marks].watched_s < 1) return;
+  compare_senders();
   mark();
 }
 
-void ReceptionWatch::forget() {
+void ReceptionWatch::restart() {
   mark_count_ = 0;
   total_.without_frame_s = 0;
   mark();
 }
 
-void ReceptionWatch::mark() {
-  marks_[mark_count_++ % marks] = total_;
-  marked_at_ = total_.watched_s;
-}
+void ReceptionWatch::mark() { marks_[mark_count_++ % marks] = total_; }
 
 Reception ReceptionWatch::since(const Reception& begin) const {
   Reception r = total_;

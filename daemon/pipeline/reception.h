@@ -90,8 +90,8 @@ class ReceptionWatch {
   void sender(const IpAddress& address);
   /// Time passed; `counters`: of the sensor, since the start.
   void advance(Stamp now, const Counters& counters);
-  /// The input starts again.
-  void restart() { forget(); }
+  /// The input starts again: what came until now is no part of the window.
+  void restart();
 
   Reception recent() const;
   Reception whole() const;
@@ -107,36 +107,29 @@ class ReceptionWatch {
   static constexpr std::size_t most_senders = 4;
   struct Sender {
     IpAddress address;
-    std::array<std::uint64_t, 3> packets{};  // in this second, in the last one and in the one before
+    std::uint64_t now = 0, before = 0;  // packets in this second and in the last one
   };
   void learn(Stamp stamp, double declared_s);
   double median_distance() const;
-  double period() const;
-  void pass(double passed_s, bool packets_came, bool frames_came);
-  void age_senders();
-  void forget();
+  double period(double declared_s) const;
+  void add_time(double passed_s, bool packets_came, std::uint64_t frames);
+  void compare_senders();
   void mark();
   Reception since(const Reception& begin) const;
 
   const double promised_s_;
   bool begun_ = false;
   Stamp last_{};
-  double idle_s_ = 0;  // since the last packet
-  double declared_s_ = 0;
-  double period_s_ = 0;
+  double idle_s_ = 0;     // since the last packet
+  double settles_s_ = 0;  // time left after a silence, in which drivers count what was lost in it
+  double period_s_ = 0;   // of the last frame; 0: not known
   Stamp last_stamp_{};
   std::array<double, distances> distances_{};  // s between stamps, in a ring
   std::size_t distance_count_ = 0;
   Reception total_;
   std::array<Reception, marks> marks_{};  // total_ at the last seconds, in a ring
   std::size_t mark_count_ = 0;
-  double marked_at_ = 0;
-  double began_anew_at_ = 0;
-  double settles_s_ = 0;                // what is counted until then belongs to the silence before
-  std::uint64_t uncounted_frames_ = 0;  // before the rate was known
-  bool rate_known_ = false;
   std::array<Sender, most_senders> senders_{};
-  std::size_t sender_count_ = 0;
   std::vector<std::string> rivals_, rivals_ever_;
 };
 

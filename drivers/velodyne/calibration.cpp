@@ -3,11 +3,13 @@
 #include "drivers/velodyne/calibration.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <tuple>
 
 #include "core/base/angle.h"
+#include "core/base/number_text.h"
 #include "drivers/velodyne/models.h"
 
 namespace lidard::velodyne {
@@ -118,5 +120,27 @@ Calibration table_calibration(const Model& model) {
 }
 
 bool needs_own_calibration(const Model& model) { return row_of(model).banks == 2; }
+
+CalibrationModel usual_equations(const Calibration& calibration, const Model& model) {
+  const bool is_s1 = row_of(model).bank_by_bank;
+  return is_s1 && calibration.is_db_xml ? CalibrationModel::veloview : CalibrationModel::ros_drivers;
+}
+
+std::string calibration_misfit(const Calibration& calibration, const Model& model) {
+  const std::string product(model.product);
+  if (!model.has(Trait::calibration)) return "is for a Velodyne, " + product + " takes none";
+  if (model.beams == calibration.lasers.size()) return {};
+  return "has " + std::to_string(calibration.lasers.size()) + " lasers, " + product + " has " +
+         std::to_string(model.beams);
+}
+
+std::string calibration_doubt(const Calibration& calibration, const Model& model) {
+  if (!model.has(Trait::calibration)) return {};
+  const double usual = row_of(model).distance_step_m;
+  if (std::abs(calibration.distance_step_m - usual) < 1e-6) return {};
+  const auto mm = [](double m) { return printed("%g mm", std::round(m * 1e6) / 1e3); };
+  return "has a distance step of " + mm(calibration.distance_step_m) + ", but " + std::string(model.product) +
+         " counts in " + mm(usual) + ": is it the right file?";
+}
 
 }  // namespace lidard::velodyne

@@ -32,8 +32,6 @@ void add_products(const ModelRow* row, std::vector<std::string_view>& names) {
   }
 }
 
-bool is_paired_hdl64e(const ModelRow& row) { return row.has_status(); }
-
 /// Recognises which Velodyne sent a stream: by the order of its blocks, its product byte unless the packet
 /// period contradicts it, and, of an HDL-64E, its status bytes.
 class VelodyneRecognizer final : public Recognizer {
@@ -57,67 +55,51 @@ class VelodyneRecognizer final : public Recognizer {
   }
 
   std::string_view verdict() const override {
-    std::vector<std::string_view> names;
-    add_products(row(), names);
+    const auto names = others();
     return names.empty() ? std::string_view() : names.front();
   }
 
   /// Every product of the rows that fit, so that only a person can tell: a Puck LITE has the row of a VLP-16.
   std::vector<std::string_view> others() const override {
     std::vector<std::string_view> names;
-    add_products(row(), names);
-    for (const ModelRow* other : other_rows()) add_products(other, names);
+    for (const ModelRow* row : possible_rows()) add_products(row, names);
     return names;
   }
 
   /// Byte and period disagree, or the product is not supported.
   std::string remark() const override {
     if (packets_ == 0) return {};
-    const ModelRow* chosen = row();
-    if (chosen == nullptr)
-      return "Velodyne packets of a " + product_name(product_) + ", which is not supported";
+    const auto rows = possible_rows();
+    if (rows.empty()) return "Velodyne packets of a " + product_name(product_) + ", which is not supported";
+    const ModelRow* const chosen = rows.front();
     if (!chosen->names_product() || chosen->has_product(product_)) return {};
     return "product byte says " + product_name(product_) + ", the packet period says " +
            std::string(chosen->product);
   }
 
  private:
-  /// nullptr: no Velodyne, or one without a row.
-  const ModelRow* row() const {
-    if (packets_ == 0) return nullptr;
-    if (!family_->has_stamp()) return family_;
-    if (is_paired_hdl64e(*family_)) {
-      // Each has both periods; the usual one of the first that it can be is worth a guess.
-      const Span period = median_period();
-      const std::size_t echoes = dual_packets_ * 2 > packets_ ? 2 : 1;
-      const ModelRow* first = nullptr;
-      for (const ModelRow* each : model_rows()) {
-        if (!is_possible_generation(*each)) continue;
-        if (first == nullptr) first = each;
-        if (is_within_percent(period, each->packet_period(each->timings.front(), echoes), 3)) return each;
-      }
-      return first;
-    }
-    if (is_byte_right()) return by_product();
-    for (const ModelRow* each : model_rows()) {
-      if (fits_period(*each)) return each;
-    }
-    return nullptr;
-  }
-
-  /// Rows that the packets fit beside row().
-  std::vector<const ModelRow*> other_rows() const {
-    const ModelRow* chosen = row();
+  /// The rows that the packets fit, the likeliest first; empty: no Velodyne, or one without a row.
+  std::vector<const ModelRow*> possible_rows() const {
+    if (packets_ == 0) return {};
+    if (!family_->has_stamp()) return {family_};
     std::vector<const ModelRow*> rows;
-    if (chosen == nullptr || !chosen->has_stamp()) return rows;
+    const bool is_named = is_byte_right();
     for (const ModelRow* each : model_rows()) {
-      const bool possible = is_paired_hdl64e(*chosen) ? is_possible_generation(*each)
-                            : is_byte_right()         ? each->product_ids == chosen->product_ids
-                                                      : fits_period(*each);
-      if (possible && each != chosen) rows.push_back(each);
+      const bool is_possible = family_->has_status() ? is_possible_generation(*each)
+                               : is_named ? each->banks == family_->banks && each->has_product(product_)
+                                          : fits_period(*each);
+      if (is_possible) rows.push_back(each);
     }
+    if (!family_->has_status()) return rows;
+    // Each HDL-64E has both periods; the usual one of the first that it can be is worth a guess.
+    const auto usual = std::find_if(rows.begin(), rows.end(), [&](const ModelRow* each) {
+      return is_within_percent(median_period(), each->packet_period(each->timings.front(), echoes()), 3);
+    });
+    if (usual != rows.end()) std::rotate(rows.begin(), usual, usual + 1);
     return rows;
   }
+
+  std::size_t echoes() const { return dual_packets_ * 2 > packets_ ? 2 : 1; }
 
   const ModelRow* by_product() const {
     for (const ModelRow* each : model_rows()) {
@@ -129,9 +111,8 @@ class VelodyneRecognizer final : public Recognizer {
   bool fits_period(const ModelRow& model) const {
     if (model.banks != family_->banks) return false;
     const Span period = median_period();
-    const std::size_t echoes = dual_packets_ * 2 > packets_ ? 2 : 1;
     return std::any_of(model.timings.begin(), model.timings.end(), [&](const Timing& timing) {
-      return is_within_percent(period, model.packet_period(timing, echoes), 3);
+      return is_within_percent(period, model.packet_period(timing, echoes()), 3);
     });
   }
 
@@ -143,7 +124,7 @@ class VelodyneRecognizer final : public Recognizer {
 
   /// Whether an HDL-64E with pairs of blocks is of that generation; by the status bytes, else by the period.
   bool is_possible_generation(const ModelRow& model) const {
-    if (!is_paired_hdl64e(model)) return false;
+    if (!model.has_status()) return false;
     const bool is_s3 = model.warns;
     if (warnings_ > 0) return is_s3;
     if (quiet_ >= enough_quiet_cycles) return !is_s3;

@@ -3,8 +3,8 @@
 #include "drivers/sick/cola/cola_stream.h"
 
 #include <algorithm>
-#include <cstring>
 
+#include "core/base/float_bits.h"
 #include "core/base/number_text.h"
 
 namespace lidard::sick {
@@ -128,12 +128,6 @@ ColaStream::Find ColaStream::find_text(ByteView rest, ColaTelegram& telegram, st
 
 namespace {
 
-float float_of_bits(std::uint32_t bits) {
-  float value = 0;
-  std::memcpy(&value, &bits, sizeof value);
-  return value;
-}
-
 int digit_of(char c) {
   if (c >= '0' && c <= '9') return c - '0';
   if (c >= 'A' && c <= 'F') return c - 'A' + 10;
@@ -154,7 +148,7 @@ std::uint32_t ColaBinaryReader::number(std::size_t size) {
   return value;
 }
 
-float ColaBinaryReader::f32() { return float_of_bits(number(4)); }
+float ColaBinaryReader::f32() { return float_of_bits<float>(number(4)); }
 
 std::size_t ColaBinaryReader::text_size() {
   const std::uint8_t first = u8();
@@ -216,7 +210,7 @@ std::uint32_t ColaTextReader::number(std::uint32_t highest) {
   return static_cast<std::uint32_t>(negative ? 0 - value : value) & highest;
 }
 
-float ColaTextReader::f32() { return float_of_bits(number(0xffffffff)); }
+float ColaTextReader::f32() { return float_of_bits<float>(number(0xffffffff)); }
 
 /// A text follows its length and one blank, and may contain blanks.
 std::string_view ColaTextReader::text(std::size_t size) {

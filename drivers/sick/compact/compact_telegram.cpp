@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <boost/crc.hpp>
 #include <cmath>
-#include <cstring>
 #include <string_view>
 
 namespace lidard::sick {
@@ -26,10 +25,7 @@ constexpr unsigned has_first = 1U << 0U;   // distance of an echo, properties of
 constexpr unsigned has_second = 1U << 1U;  // RSSI of an echo, azimuth of a beam
 
 double f32(ByteView bytes, std::size_t at) {
-  const std::uint32_t raw = bytes.le32(at);
-  float value = 0;
-  std::memcpy(&value, &raw, sizeof value);
-  return static_cast<double>(value);
+  return static_cast<double>(float_of_bits<float>(bytes.le32(at)));
 }
 
 /// Places of the parts of a module's head, from its number of lines on.

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 
 #include "core/base/bytes.h"
 #include "core/base/counters.h"
+#include "core/base/float_bits.h"
 #include "drivers/stream_buffer.h"
 
 namespace lidard::sick {
@@ -47,12 +47,8 @@ struct Column {
         return at[0] | at[1] << 8U;
       case Element::u32:
         return bytes.le32(0);
-      case Element::f32: {
-        const std::uint32_t raw = bytes.le32(0);
-        float value = 0;
-        std::memcpy(&value, &raw, sizeof value);
-        return static_cast<double>(value);
-      }
+      case Element::f32:
+        return static_cast<double>(float_of_bits<float>(bytes.le32(0)));
     }
     return 0;
   }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 
 #include "core/base/bytes.h"
 #include "drivers/sick/compact/compact_telegram.h"
@@ -60,11 +59,8 @@ class MsgpackReader {
     if (marker == float32 || marker == float64) {
       ++at_;
       if (!big(marker == float32 ? 4 : 8, raw)) return false;
-      float single = 0;
-      const auto bits = static_cast<std::uint32_t>(raw);
-      std::memcpy(&single, &bits, sizeof single);
-      std::memcpy(&value, &raw, sizeof value);
-      if (marker == float32) value = static_cast<double>(single);
+      value = marker == float64 ? float_of_bits<double>(raw)
+                                : static_cast<double>(float_of_bits<float>(static_cast<std::uint32_t>(raw)));
       return true;
     }
     if (marker >= negative_fixint) {

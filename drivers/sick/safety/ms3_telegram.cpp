@@ -114,8 +114,6 @@ void read_header(ByteView b, Ms3Telegram& t) {
   t.channel = b.u8(12);
   t.sequence = b.le32(16);
   t.scan = b.le32(20);
-  t.date = b.le16(24);
-  t.time_ms = b.le32(28);
 }
 
 /// Parses the optional blocks; one that is too short is left out.
@@ -146,9 +144,10 @@ Reject parse_ms3_telegram(ByteView instance, Ms3Telegram& t) {
   if (t.version_major != version_major) return Reject::version;
   read_header(instance, t);
   ByteView state, derived, measurement, intrusion, application;
+  ByteView local_io;  // not described in SICK 8022708 (2019)
   if (!find_block(instance, at_state, state) || !find_block(instance, at_derived, derived) ||
       !find_block(instance, at_measurement, measurement) || !find_block(instance, at_intrusion, intrusion) ||
-      !find_block(instance, at_application, application) || !find_block(instance, at_local_io, t.local_io))
+      !find_block(instance, at_application, application) || !find_block(instance, at_local_io, local_io))
     return Reject::field;
   if (!derived.empty()) {
     if (derived.size() < derived_size) return Reject::field;

@@ -89,8 +89,6 @@ struct Ms3Telegram {
   std::uint8_t channel;
   std::uint32_t sequence;  ///< counts the data sets sent on this channel
   std::uint32_t scan;      ///< counts scans; does not move in standby
-  std::uint16_t date;      ///< days since 1972-01-01, or since power-up where no clock is set
-  std::uint32_t time_ms;   ///< ms since midnight, when the data set was made (not when it was measured)
 
   std::optional<Ms3State> state;
   std::optional<Ms3Derived> derived;
@@ -98,7 +96,6 @@ struct Ms3Telegram {
   ByteView beam_bytes;
   std::array<ByteView, 24> intrusion;  ///< per cut-off path: bits of interrupted beams, first beam in bit 0
   std::optional<Ms3Application> application;
-  ByteView local_io;          ///< sixth block, not described in SICK 8022708 (2019): raw
   bool has_unreadable_block;  ///< a status block is shorter than known; it was left out
 
   std::size_t beams() const { return beam_bytes.size() / 4; }

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "drivers/address.h"
+#include "drivers/key.h"
+
+namespace lidard {
+
+enum class VelodyneReturns : std::uint8_t { strongest, last, dual };
+/// Settings that the sensor is to have; those not set stay as they are.
+struct VelodyneSettings {
+  std::optional<int> rpm;
+  std::optional<VelodyneReturns> returns;
+  std::optional<int> fov_start_deg, fov_end_deg;  ///< 0 to 360, as the sensor counts azimuth
+  std::optional<IpAddress> host_address;
+  std::optional<std::uint16_t> host_port, host_telemetry_port;
+
+  bool any() const;
+};
+
+/// `control:` of a sensor: what may be done through its web interface.
+struct VelodyneControl {
+  bool read = false;         ///< false: no traffic to the sensor at all
+  bool allow_write = false;  ///< settings that differ from `wanted` are written
+  std::uint16_t port = 80;
+  IpAddress address;            ///< the sensor's
+  std::uint16_t data_port = 0;  ///< where its data are expected
+  VelodyneSettings wanted;
+};
+
+/// `control:` of a sensor: Trait::web_control. The rows stand with the family.
+Keys<VelodyneControl> control_keys();
+
+}  // namespace lidard
