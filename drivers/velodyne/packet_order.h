@@ -10,7 +10,7 @@
 
 #include "core/base/counters.h"
 #include "core/base/time.h"
-#include "drivers/velodyne/field_of_view.h"
+#include "drivers/velodyne/hidden_sectors.h"
 #include "drivers/velodyne/models.h"
 #include "drivers/velodyne/packet.h"
 
@@ -100,11 +100,11 @@ class PacketOrder {
     }
     holding_ = false;
     count_early_holes();
-    counters_.lost_packets += view_.finish();
+    counters_.lost_packets += hidden_.finish();
   }
   void reset() {
     started_ = holding_ = false;
-    view_.reset();
+    hidden_.reset();
     early_count_ = 0;
   }
   /// The timing variant in force; `decided`: chosen by the packets, not the usual one for want of a better.
@@ -171,7 +171,7 @@ class PacketOrder {
     const Span expected = row_.packet_period(*timing_, hole.echoes);
     counted.groups = std::max<std::int64_t>(
         1, std::llround(seconds(hole.step) / seconds(expected) * static_cast<double>(counted.per_packet)));
-    counters_.lost_packets += view_.hole(counted);
+    counters_.lost_packets += hidden_.hole(counted);
   }
 
   void count_early_holes() {
@@ -182,7 +182,7 @@ class PacketOrder {
   void remember(const OrderedPacket& packet) {
     last_period_ = period(packet);
     last_azimuths_ = packet.azimuths;
-    counters_.lost_packets += view_.receive(last_azimuths_);
+    counters_.lost_packets += hidden_.receive(last_azimuths_);
   }
 
   Span since_last(const OrderedPacket& p) const { return hour_difference(p.view().stamp_us(), last_us_); }
@@ -276,7 +276,7 @@ class PacketOrder {
   std::size_t late_in_row_ = 0;
   const Timing* timing_;
   bool decided_;
-  FieldOfView view_;
+  HiddenSectors hidden_;
   std::array<Hole, 16> early_{};  // seen before the timing variant was known, which tells their packets
   std::size_t early_count_ = 0;
   double turn_rate_ = 0;

@@ -255,44 +255,6 @@ TEST(VelodyneLoss, BurstsOfLostPacketsAreCountedExactlyForEveryModelAndMode) {
   }
 }
 
-/// Drops a burst per turn at nearly the same azimuth, as a load that comes ten times a second does.
-class BurstsInStep {
- public:
-  BurstsInStep(unsigned seed, int packets_per_turn) : random_(seed), per_turn_(packets_per_turn) { start(); }
-  bool operator()() {
-    if (number_ == end_) start();
-    const int at = number_++;
-    return at >= begin_ && at < end_;
-  }
-
- private:
-  void start() {
-    const auto within = [&](int n) { return static_cast<int>(random_() % static_cast<unsigned>(n)); };
-    begin_ += per_turn_ + within(per_turn_ / 8) - per_turn_ / 16;
-    end_ = begin_ + per_turn_ / 20 + within(per_turn_ / 6);
-  }
-
-  std::mt19937 random_;
-  int per_turn_, number_ = 0, begin_ = 0, end_ = 0;
-};
-
-TEST(VelodyneLoss, BurstsNearlyInStepWithTheMotorAreNoFieldOfView) {
-  for (const ModelMode& which : test::model_modes()) {
-    if (which.timing != which.table().timings.front().name || which.mode == sim::ReturnMode::last) continue;
-    for (const View& view : {views[0], views[1]}) {
-      if (!is_tried(which, view)) continue;
-      SCOPED_TRACE(which.name() + name_of(view));
-      const auto packets = spin(which, 9, view);
-      for (unsigned seed = 1; seed <= 6; ++seed) {
-        const Loss loss = play(which, packets, BurstsInStep(seed, static_cast<int>(packets.size() / 9)));
-        EXPECT_LE(loss.counters.lost_packets, loss.dropped) << seed;
-        EXPECT_GE(loss.counters.lost_packets, loss.knowable) << seed;
-        EXPECT_GT(loss.knowable, 0U);
-      }
-    }
-  }
-}
-
 /// Two turns of a VLP-16 with bursts in them; the first stands on the sum 64.03 + 13.42, which is no number
 /// of a double. What was never received of may be lost or hidden.
 TEST(VelodyneLoss, BurstsOfARecordingAreLostAsFarAsAnybodyCanKnow) {
