@@ -58,7 +58,9 @@ void DeviceClock::reset() {
 }
 
 std::int64_t DeviceClock::predicted_offset(std::int64_t device) const {
-  return base_offset_ + std::llround(slope_ * static_cast<double>(device - base_device_));
+  // Rounded without a call of the mathematical library: it is done for each firing sequence.
+  const double gained = slope_ * static_cast<double>(device - base_device_);
+  return base_offset_ + static_cast<std::int64_t>(gained + (gained < 0 ? -0.5 : 0.5));
 }
 
 void DeviceClock::begin(std::int64_t device, std::int64_t offset) {

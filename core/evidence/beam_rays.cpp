@@ -123,6 +123,7 @@ void BeamRays::build(const PlanarScan& scan, const Pose& output_from_sensor, con
        {&x, &y, &z, &level, &cosine, &sine, &own_begin, &own_end, &blocked_at, &band_begin, &band_end})
     list->clear();
   from_inside.clear();
+  direction.clear();
   const Footprint body = footprint.padded(-graze_m);
   const Footprint margin = footprint.padded(Footprint::margin_m);
   for (std::size_t i = 0; i < scan.beams; ++i) {
@@ -133,6 +134,7 @@ void BeamRays::build(const PlanarScan& scan, const Pose& output_from_sensor, con
 void BeamRays::add_beam(double angle, const Footprint& body, const Footprint& margin, HeightBand band) {
   const Eigen::Vector3d ray = pose.linear() * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
   const Eigen::Vector2d origin = pose.translation().head<2>();
+  direction.push_back(ray);
   x.push_back(static_cast<float>(ray.x()));
   y.push_back(static_cast<float>(ray.y()));
   z.push_back(static_cast<float>(ray.z()));

@@ -58,7 +58,8 @@ class BeamRays {
   Pose pose = Pose::Identity();  ///< output_from_sensor
   double angle_min = 0;          ///< rad, sensor frame
   double increment = 0;          ///< rad
-  std::vector<float> x, y, z;    ///< direction in the output frame, per m of range
+  std::vector<Eigen::Vector3d> direction;  ///< in the output frame, per m of range
+  std::vector<float> x, y, z;    ///< the same
   std::vector<float> level;      ///< m in the output's plane per m of range
   std::vector<float> cosine;     ///< in the sensor frame
   std::vector<float> sine;

@@ -21,7 +21,8 @@ struct Point {
 
 Point operator-(Point a, Point b) { return {a.x - b.x, a.y - b.y}; }
 float cross(Point a, Point b) { return a.x * b.y - a.y * b.x; }
-float length(Point a) { return std::sqrt(a.x * a.x + a.y * a.y); }
+float square(Point a) { return a.x * a.x + a.y * a.y; }
+float length(Point a) { return std::sqrt(square(a)); }
 
 /// The returns of one sweep in the scanner's own plane.
 class Returns {
@@ -58,7 +59,8 @@ class Returns {
   /// The line from return i to its neighbour makes less than 12 degrees with the beam.
   bool along_beam(std::size_t i, std::size_t neighbour) const {
     const Point step = at(neighbour) - at(i);
-    return std::fabs(cross({rays_.cosine[i], rays_.sine[i]}, step)) < veil_sine * length(step);
+    const float across = cross({rays_.cosine[i], rays_.sine[i]}, step);
+    return across * across < veil_sine * veil_sine * square(step);
   }
 
  private:
@@ -149,8 +151,9 @@ void find_corners(double noise, PlacedScan& sweep) {
     const Point b = at(i), c = at(i + 1);
     const Point before = b - at(i - 1), after = at(i + 2) - c, across = c - b;
     const float bend = cross(before, after);
-    const float both = length(before) * length(after);
-    if (std::fabs(bend) < sharpest_bend * both || both < shortest * shortest) continue;
+    const float both = square(before) * square(after);
+    if (bend * bend < sharpest_bend * sharpest_bend * both) continue;
+    if (both < shortest * shortest * shortest * shortest) continue;
     // b + t * before meets c - u * after.
     const float t = cross(across, after) / bend;
     const float u = cross(before, across) / bend;

@@ -3,11 +3,11 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
-#include "core/base/pose.h"
 #include "core/evidence/beam_rays.h"
-#include "core/frames/scan_grid.h"
+#include "core/evidence/raster.h"
 
 namespace lidard {
 
@@ -16,40 +16,77 @@ namespace lidard {
 /// Knows neither surfaces nor free space: a beam without a point says "nothing there".
 class Flattener {
  public:
-  Flattener(const ScanGrid& grid, HeightBand band) : grid_(grid), band_(band) {}
+  Flattener(const ScanGrid& grid, HeightBand band) : raster_(grid), band_(band) {}
 
   /// Starts a scan: every beam `none`.
   void begin(PlanarScan& scan, bool with_intensities) {
-    grid_.prepare(scan, with_intensities);
+    grid().prepare(scan, with_intensities);
     std::fill(scan.ranges.begin(), scan.ranges.end(), range_without_hit(BeamStatus::none));
     std::fill(scan.statuses.begin(), scan.statuses.end(), BeamStatus::none);
     scan_ = &scan;
+    count_ = 0;
   }
   /// One point in the output frame, m. Points outside the band, the ranges or the span, or not finite, are
   /// left out.
   void add(const Eigen::Vector3d& point, float intensity) {
     if (!(point.z() >= band_.min && point.z() <= band_.max)) return;
-    const auto range = static_cast<float>(std::hypot(point.x(), point.y()));
-    if (!(range >= scan_->range_min && range <= scan_->range_max)) return;
     if (is_own(point)) return;
-    const std::size_t beam = grid_.nearest(std::atan2(point.y(), point.x()));
-    if (beam >= grid_.beams || !(range < scan_->ranges[beam])) return;
-    scan_->set_hit(beam, range);
-    if (!scan_->intensities.empty()) scan_->intensities[beam] = intensity;
+    x_[count_] = point.x();
+    y_[count_] = point.y();
+    intensity_[count_] = intensity;
+    if (++count_ == block) place();
   }
+  /// Ends the scan: all points are in it.
+  void end() { place(); }
 
   /// Points inside the vehicle's outline (in the output frame) are left out.
   void set_footprint(const Footprint& footprint) { own_ = footprint; }
 
   bool is_own(const Eigen::Vector3d& point) const { return own_.contains(point.head<2>()); }
 
-  const ScanGrid& grid() const { return grid_; }
+  const ScanGrid& grid() const { return raster_.grid(); }
 
  private:
-  ScanGrid grid_;
+  // So many directions are computed at once.
+  static constexpr std::size_t block = 64;
+
+  void place() {
+    std::array<float, block> x, y, ranges, beams;
+    for (std::size_t i = 0; i < count_; ++i) {
+      x[i] = static_cast<float>(x_[i]);
+      y[i] = static_cast<float>(y_[i]);
+      ranges[i] = static_cast<float>(std::sqrt(x_[i] * x_[i] + y_[i] * y_[i]));
+    }
+    raster_.positions(x.data(), y.data(), count_, beams.data());
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (!(ranges[i] >= scan_->range_min && ranges[i] <= scan_->range_max)) continue;
+      const std::size_t beam = beam_of(beams[i], x_[i], y_[i]);
+      if (beam >= grid().beams || !(ranges[i] < scan_->ranges[beam])) continue;
+      scan_->set_hit(beam, ranges[i]);
+      if (!scan_->intensities.empty()) scan_->intensities[beam] = intensity_[i];
+    }
+    count_ = 0;
+  }
+  /// The beam nearest to a point that lies, as computed in float, `at` beams from the first one; beyond the
+  /// last one: none. Computed exactly near a border between two beams.
+  std::size_t beam_of(float at, double x, double y) const {
+    // Five times what float loses.
+    const float doubt = 1e-6F * raster_.turn();
+    const auto beam = static_cast<std::size_t>(at + 0.5F);
+    const bool sure = std::fabs(at - static_cast<float>(beam)) < 0.5F - doubt;
+    // The first beam counts also half a beam before it.
+    if (sure && (beam < grid().beams || at + 1 < raster_.turn())) return beam;
+    return grid().nearest(std::atan2(y, x));
+  }
+
+  Raster raster_;
   HeightBand band_;
   Footprint own_;
   PlanarScan* scan_ = nullptr;
+  // Points that wait.
+  std::array<double, block> x_{}, y_{};
+  std::array<float, block> intensity_{};
+  std::size_t count_ = 0;
 };
 
 }  // namespace lidard

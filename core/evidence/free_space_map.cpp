@@ -91,16 +91,25 @@ bool FreeSpaceMap::is_free_between(Place a, Place b) const {
   const std::uint16_t farthest = std::max(a.distance, b.distance);
   std::size_t first = 0, count = 0;
   span_of(a.cell, b.cell, first, count);
+  const float angle = static_cast<float>(count) / per_rad_;
   const std::int16_t near = ordered(nearest);
   const auto not_far = static_cast<std::int16_t>(~ordered(farthest));
+  std::int16_t from = ordered(0);
   for (std::size_t part = 0; count > 0; first += part, count -= part) {
     part = std::min(count, longest_run);
     first -= first >= cells_.size() ? cells_.size() : 0;
     const RunAt run = run_at(first, part);
     const Run one = runs_[run.first], other = runs_[run.second];
-    if (std::max(one.from, other.from) > near || std::max(one.not_to, other.not_to) > not_far) return false;
+    from = std::max({from, one.from, other.from});
+    if (from > near || std::max(one.not_to, other.not_to) > not_far) return false;
   }
-  return true;
+  if (from == ordered(0)) return true;
+  // A way that passes the source comes nearer to it than both its ends: to nearest * cos(angle / 2) if both
+  // are as far away. It does not pass if the farther end lies beyond the nearer one as seen from the source.
+  const auto to_nearest = static_cast<float>(nearest);
+  if (to_nearest <= static_cast<float>(farthest) * (1 - angle * angle / 2)) return true;
+  const float passing = to_nearest * std::max(0.0F, 1 - angle * angle / 8);
+  return from <= ordered(static_cast<std::uint16_t>(passing));
 }
 
 float FreeSpaceMap::hidden_by(Place a, Place b) const {

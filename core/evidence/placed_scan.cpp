@@ -3,6 +3,7 @@
 #include "core/evidence/placed_scan.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace lidard {
 namespace {
@@ -166,31 +167,30 @@ void place_standing(const BeamRays& rays, PlacedScan& sweep) {
   }
 }
 
-Eigen::Vector3d point_on(const BeamRays& rays, std::size_t beam, float range) {
-  return rays.pose.translation() +
-         static_cast<double>(range) *
-             Eigen::Vector3f(rays.x[beam], rays.y[beam], rays.z[beam]).cast<double>();
+Eigen::Vector3d ray_of(const BeamRays& rays, std::size_t beam) {
+  return Eigen::Vector3f(rays.x[beam], rays.y[beam], rays.z[beam]).cast<double>();
 }
 
 /// Places returns and the ends of free ways where they are now that the vehicle has moved on.
 void place_moving(const BeamRays& rays, const SweepMotion& motion, PlacedScan& sweep) {
-  const Eigen::Vector2d here = rays.pose.translation().head<2>();
+  const Eigen::Vector3d& here = rays.pose.translation();
   sweep.free_x.resize(sweep.kind.size());
   sweep.free_y.resize(sweep.kind.size());
   motion.each_beam([&](std::size_t beam, const SweepMotion::Matrix& transform) {
+    const float range = sweep.range[beam];
+    const Eigen::Vector2d from = transform.topRows<2>() * here.homogeneous();
+    const Eigen::Vector2d ray = transform.topLeftCorner<2, 3>() * ray_of(rays, beam);
     if (sweep.kind[beam] != Return::nothing) {
-      const Eigen::Vector3d p = transform * point_on(rays, beam, sweep.range[beam]).homogeneous();
-      sweep.x[beam] = static_cast<float>(p.x());
-      sweep.y[beam] = static_cast<float>(p.y());
+      sweep.x[beam] = static_cast<float>(from.x() + static_cast<double>(range) * ray.x());
+      sweep.y[beam] = static_cast<float>(from.y() + static_cast<double>(range) * ray.y());
     }
     if (!(sweep.free_to[beam] > 0)) return;
-    const float range = sweep.free_to[beam] / rays.level[beam];
-    const Eigen::Vector3d end = transform * point_on(rays, beam, range).homogeneous();
-    sweep.free_x[beam] = static_cast<float>(end.x() - here.x());
-    sweep.free_y[beam] = static_cast<float>(end.y() - here.y());
+    const auto end = static_cast<double>(sweep.free_to[beam] / rays.level[beam]);
+    sweep.free_x[beam] = static_cast<float>(from.x() + end * ray.x() - here.x());
+    sweep.free_y[beam] = static_cast<float>(from.y() + end * ray.y() - here.y());
   });
   for (const PlacedScan::EarlyReturn& early : sweep.early_returns) {
-    const Eigen::Vector3d p = motion.moved(early.beam, point_on(rays, early.beam, early.range));
+    const Eigen::Vector3d p = motion.moved(early.beam, here + static_cast<double>(early.range) * ray_of(rays, early.beam));
     sweep.early_echoes.push_back({static_cast<float>(p.x()), static_cast<float>(p.y()), early.intensity});
   }
 }
@@ -200,6 +200,7 @@ void place_moving(const BeamRays& rays, const SweepMotion& motion, PlacedScan& s
 bool SourceSettings::wants(const PlanarScan& scan, std::size_t i) const {
   const auto range = static_cast<double>(scan.ranges[i]);
   if (range < range_min || range > range_max) return false;
+  if (std::isinf(angle_min) && std::isinf(angle_max)) return true;
   const double angle = static_cast<double>(scan.angle_min) +
                        static_cast<double>(i % scan.beams) * static_cast<double>(scan.angle_increment);
   return angle >= angle_min && angle <= angle_max;

@@ -27,6 +27,8 @@ class Raster {
   const ScanGrid& grid() const { return grid_; }
   float cosine(std::size_t beam) const { return cosine_[beam]; }
   float sine(std::size_t beam) const { return sine_[beam]; }
+  /// Beams of a full turn.
+  float turn() const { return turn_; }
 
   /// All surfaces of a sweep. Ends of surfaces and single returns also count in the beam nearest to them.
   void draw(const PlacedScan& sweep, RangeLayer& layer);
@@ -49,7 +51,7 @@ class Raster {
   void fill(Point p, Point q, float from, float to, RangeLayer& layer) const;
 
   ScanGrid grid_;
-  float turn_;     // beams of a full turn
+  float turn_;     // beams
   float per_rad_;  // beams
   float first_;    // rad
   std::vector<float> cosine_;

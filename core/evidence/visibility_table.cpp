@@ -73,13 +73,21 @@ void VisibilityTable::set(std::size_t source, std::size_t sources, const Raster&
   }
   std::vector<Place> places(stretch_steps + 1);
   for (std::size_t beam = 0; beam < beams_; ++beam) {
+    const float c = raster.cosine(beam), s = raster.sine(beam);
+    // Where the beam passes the source, and at which distance.
+    const float passing = map.x() * c + map.y() * s;
+    const std::int16_t passed = FreeSpaceMap::ordered(map.distance(std::fabs(map.y() * c - map.x() * s)));
     for (std::size_t k = 0; k < stretches_of_beam_; ++k) {
       for (std::size_t i = 0; i <= stretch_steps; ++i) {
         const float range = edges_[std::min(k * stretch_steps + i, steps())];
-        places[i] = map.place_of(range * raster.cosine(beam), range * raster.sine(beam));
+        places[i] = map.place_of(range * c, range * s);
       }
       std::copy_n(places.begin(), stretch_steps, places_.data() + index(beam, source, k) * stretch_steps);
-      stretches_[index(beam, source, k)] = stretch_of(places, map);
+      Stretch& stretch = stretches_[index(beam, source, k)];
+      stretch = stretch_of(places, map);
+      const float end = edges_[std::min((k + 1) * stretch_steps, steps())];
+      if (passing > edges_[std::min(k * stretch_steps, steps())] && passing < end)
+        stretch.nearest = std::min(stretch.nearest, passed);
     }
   }
 }

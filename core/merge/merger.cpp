@@ -50,34 +50,28 @@ bool Merger::add(std::size_t index, const PlanarScan& scan, const Pose& output_f
   source.fresh = true;
   source.has_intensities = !scan.intensities.empty();
   source.scan_time = scan.scan_time;
-  if (settings_.points) take_points(scan, output_from_sensor, settings_of(index), source);
-  if (visibility_) take_sweep(index, scan, output_from_sensor);
-  return true;
-}
-
-void Merger::take_points(const PlanarScan& scan, const Pose& output_from_sensor,
-                         const SourceSettings& settings, Source& source) const {
-  source.points.clear();
-  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
-    if (scan.statuses[i] != BeamStatus::hit || !settings.wants(scan, i)) continue;
-    const std::size_t beam = i % scan.beams;
-    const double angle = static_cast<double>(scan.angle_min) +
-                         static_cast<double>(beam) * static_cast<double>(scan.angle_increment);
-    const auto range = static_cast<double>(scan.ranges[i]);
-    const Eigen::Vector3d in_sensor(range * std::cos(angle), range * std::sin(angle), 0);
-    source.points.push_back({output_from_sensor * in_sensor, source.has_intensities ? scan.intensities[i] : 0,
-                             static_cast<std::uint32_t>(beam)});
-  }
-}
-
-void Merger::take_sweep(std::size_t index, const PlanarScan& scan, const Pose& output_from_sensor) {
-  Source& source = sources_[index];
   if (source.rays_outdated || !source.rays.fits(scan, output_from_sensor)) {
     source.rays_outdated = false;
     source.rays.build(scan, output_from_sensor, footprint_, band_);
-    visibility_->set_source(index, source.rays);
+    if (visibility_) visibility_->set_source(index, source.rays);
   }
-  measure(scan, source.rays, settings_of(index), source.sweep);
+  if (settings_.points) place_points(scan, settings_of(index), source);
+  if (visibility_) measure(scan, source.rays, settings_of(index), source.sweep);
+  return true;
+}
+
+void Merger::place_points(const PlanarScan& scan, const SourceSettings& settings, Source& source) {
+  source.points.clear();
+  const Eigen::Vector3d origin = source.rays.pose.translation();
+  for (std::size_t echo = 0; echo < scan.echoes; ++echo) {
+    for (std::size_t beam = 0; beam < scan.beams; ++beam) {
+      const std::size_t i = scan.index(beam, echo);
+      if (scan.statuses[i] != BeamStatus::hit || !settings.wants(scan, i)) continue;
+      source.points.push_back({origin + static_cast<double>(scan.ranges[i]) * source.rays.direction[beam],
+                               source.has_intensities ? scan.intensities[i] : 0,
+                               static_cast<std::uint32_t>(beam)});
+    }
+  }
 }
 
 std::optional<SweepTimes> Merger::times(std::size_t source) const {
@@ -100,9 +94,11 @@ bool Merger::with_intensities(const std::vector<char>& use) const {
 
 template <class Use>
 void Merger::each_point(const Source& source, Use use) {
-  const bool stands = source.motion.stands();
-  for (const Point& point : source.points)
-    use(stands ? point.position : source.motion.moved(point.beam, point.position), point);
+  if (source.motion.stands()) {
+    for (const Point& point : source.points) use(point.position, point);
+  } else {
+    for (const Point& point : source.points) use(source.motion.moved(point.beam, point.position), point);
+  }
 }
 
 void Merger::flatten(PlanarScan& scan, bool intensities) {
@@ -115,6 +111,7 @@ void Merger::flatten(PlanarScan& scan, bool intensities) {
       if (!moves || !flattener_.is_own(measured.position)) flattener_.add(here, measured.intensity);
     });
   }
+  flattener_.end();
 }
 
 void Merger::fill(Cloud& cloud) const {

@@ -94,16 +94,14 @@ class Merger {
     bool has_intensities = false;
     float scan_time = 0;
     BeamRays rays;
-    bool rays_outdated = false;  // the vehicle's outline has changed
+    bool rays_outdated = true;  // the vehicle's outline has changed
     PlacedScan sweep;
   };
   const SourceSettings& settings_of(std::size_t source) const {
     return settings_.each.empty() ? settings_.source : settings_.each[source];
   }
   bool with_intensities(const std::vector<char>& use) const;
-  void take_points(const PlanarScan& scan, const Pose& output_from_sensor, const SourceSettings& settings,
-                   Source& source) const;
-  void take_sweep(std::size_t index, const PlanarScan& scan, const Pose& output_from_sensor);
+  static void place_points(const PlanarScan& scan, const SourceSettings& settings, Source& source);
   void flatten(PlanarScan& scan, bool intensities);
   void fill(Cloud& cloud) const;
   SourceUse bring(std::size_t index, const MergeMoment& moment);

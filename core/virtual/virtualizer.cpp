@@ -65,22 +65,25 @@ void Virtualizer::set_cloud(const Cloud& cloud, const Pose& vehicle_from_cloud, 
 /// The vehicle's own returns go with it: their place when they were measured tells.
 template <class Use>
 void Virtualizer::each_return(const Pose& virtual_from_cloud, Use use) const {
-  std::size_t column = 0;
-  Pose pose = virtual_from_cloud;
-  for (std::size_t i = 0; i < cloud_->size(); ++i) {
-    const CloudPoint& point = cloud_->points()[i];
-    if (motion_ != nullptr && cloud_->columns.empty()) {
-      pose = virtual_from_cloud * motion_->at(static_cast<double>(point.time));
-    } else if (motion_ != nullptr) {
-      const std::size_t before = column;
-      while (column + 1 < cloud_->columns.size() && cloud_->columns[column + 1].first_point <= i) ++column;
-      if (column != before || i == 0) pose = virtual_from_cloud * motion_->columns()[column];
+  const auto each_of = [&](const Pose& pose, std::size_t begin, std::size_t end) {
+    const Eigen::Matrix3d& turn = pose.linear();
+    const Eigen::Vector3d& at = pose.translation();
+    for (std::size_t i = begin; i < end; ++i) {
+      const CloudPoint& point = cloud_->points()[i];
+      const Eigen::Vector3d measured = place_of(point);
+      // Most returns are at other heights.
+      const double z = turn.row(2).dot(measured) + at.z();
+      if (!(z >= band_.min && z <= band_.max)) continue;
+      if (!own_.empty() && own_.contains((vehicle_from_cloud_ * measured).head<2>())) continue;
+      use(point, {turn.row(0).dot(measured) + at.x(), turn.row(1).dot(measured) + at.y(), z});
     }
-    const Eigen::Vector3d place = pose.linear() * place_of(point) + pose.translation();
-    if (!(place.z() >= band_.min && place.z() <= band_.max)) continue;
-    if (!own_.empty() && own_.contains((vehicle_from_cloud_ * place_of(point)).head<2>())) continue;
-    use(point, place);
-  }
+  };
+  if (motion_ == nullptr) return each_of(virtual_from_cloud, 0, cloud_->size());
+  for (std::size_t c = 0; c < cloud_->columns.size(); ++c)
+    each_of(virtual_from_cloud * motion_->columns()[c], cloud_->columns[c].first_point, cloud_->points_end(c));
+  if (!cloud_->columns.empty()) return;
+  for (std::size_t i = 0; i < cloud_->size(); ++i)
+    each_of(virtual_from_cloud * motion_->at(static_cast<double>(cloud_->points()[i].time)), i, i + 1);
 }
 
 void Virtualizer::flatten(const Pose& virtual_from_cloud, PlanarScan& scan) {
@@ -88,6 +91,7 @@ void Virtualizer::flatten(const Pose& virtual_from_cloud, PlanarScan& scan) {
   each_return(virtual_from_cloud, [this](const CloudPoint& point, const Eigen::Vector3d& place) {
     flattener_.add(place, point.intensity);
   });
+  flattener_.end();
 }
 
 void Virtualizer::place(Frame& frame, const Pose& virtual_from_cloud) const {

@@ -60,8 +60,10 @@ class CloudBuilder {
   }
 
   void append(const Sequence& sequence) {
-    if (visible_) unpacker_.append(sequence, cloud_, points_);
+    if (visible_) unpacker_.append(sequence, cloud_);
   }
+  /// Call after a packet's sequences.
+  void end_packet() { unpacker_.place(cloud_, points_); }
   /// Ends the frame at hand: the stream ends or its clock jumped.
   void cut_off(DriverOutput& out) {
     end(false, out);
@@ -120,6 +122,7 @@ class CloudBuilder {
   void end(bool at_cut, DriverOutput& out) {
     if (!in_stream_) return;
     in_stream_ = false;
+    unpacker_.place(cloud_, points_);
     if (cloud_.columns.empty()) return;
     cloud_.complete = began_at_cut_ && at_cut;
     if (!cloud_.complete && !config_.keep_partial) {

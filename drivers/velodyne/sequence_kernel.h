@@ -14,6 +14,9 @@ namespace lidard::velodyne {
 
 /// Of one firing sequence: the VLS-128's.
 constexpr std::size_t most_lasers = 128;
+constexpr std::size_t most_banks = 4;
+/// Of one packet: two in each of its 12 blocks.
+constexpr std::size_t most_sequences = 24;
 /// Slots are unpacked this many at a time; 16 lasers or 32 slots of a block are whole numbers of it.
 constexpr std::size_t lanes = 8;
 
@@ -34,6 +37,7 @@ struct alignas(32) LaserArrays {
   std::int32_t nearest[most_lasers];   ///< counts below are no returns
   std::int32_t farthest[most_lasers];  ///< counts above are none either
   std::size_t size;                    ///< lasers there are, a multiple of `lanes`
+  std::size_t banks;                   ///< of a sequence, with equally many lasers
 };
 
 /// What a calibration of the very sensor adds; see CalibratedGeometry for the names and equations. m, rad.
@@ -56,13 +60,24 @@ struct alignas(32) CalibrationArrays {
   float far_target;
 };
 
-/// The slots of one firing sequence, and which way it looked when.
-struct SequenceSlots {
-  const std::uint8_t* const* slots;  ///< the first slot of each bank; 8 bytes behind the last can be read
-  std::size_t banks;
-  double cos_azimuth, sin_azimuth;  ///< at the sequence's first firing
-  float begin;                      ///< s after the frame's stamp
+/// The firing sequences of a packet: their slots, and which way they looked when.
+struct alignas(32) SequenceArrays {
+  double azimuth_deg[most_sequences];                  ///< at the first firing, less than a turn either way
+  double cosine[most_sequences], sine[most_sequences];  ///< of it
+  float begin[most_sequences];                          ///< s after the frame's stamp
+  /// The first slot of each bank; 8 bytes behind the last can be read.
+  const std::uint8_t* slots[most_sequences][most_banks];
+  std::uint8_t* end[most_sequences];  ///< filled in: where the sequence's points end
+  std::size_t size;
 };
+
+/// Cosine and sine of an angle.
+struct Direction {
+  double cosine, sine;
+};
+/// The directions of all whole degrees from a turn back to a turn ahead.
+constexpr int whole_turn_deg = 360;
+using WholeDegrees = Direction[2 * whole_turn_deg + 1];
 
 /// PointCloud2 bytes of a point: CloudPoint.
 constexpr std::size_t point_step = 22;
@@ -74,11 +89,13 @@ struct SequenceKernels {
   /// Turns the lasers by the rotation (rad/s) between the sequence's first firing and theirs: below 0.1 rad,
   /// or the series lose the 9th digit.
   void (*turn_lasers)(LaserArrays& lasers, double rate);
-  /// Writes the returns of a sequence to `out`; returns the end of the last.
-  std::uint8_t* (*place)(const LaserArrays& lasers, const SequenceSlots& sequence, std::uint8_t* out);
-  /// Writes the returns of a sequence by every term of a calibration.
-  std::uint8_t* (*place_calibrated)(const LaserArrays& lasers, const CalibrationArrays& calibration,
-                                    const SequenceSlots& sequence, std::uint8_t* out);
+  /// Fills in cosines and sines, to 1e-15.
+  void (*find_directions)(const WholeDegrees& whole, SequenceArrays& sequences);
+  /// Writes the returns of sequences to `out`, one after the other. They need their directions.
+  void (*place)(const LaserArrays& lasers, SequenceArrays& sequences, std::uint8_t* out);
+  /// Writes the returns of sequences by every term of a calibration.
+  void (*place_calibrated)(const LaserArrays& lasers, const CalibrationArrays& calibration,
+                           SequenceArrays& sequences, std::uint8_t* out);
 };
 
 /// For any processor.

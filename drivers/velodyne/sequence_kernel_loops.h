@@ -64,14 +64,16 @@ constexpr PlaceTable make_place_table() {
 }
 constexpr PlaceTable place_table = make_place_table();
 
-inline void store_low(std::uint8_t* to, __m256 xyzi, __m128i ring_time) {
-  _mm_storeu_ps(reinterpret_cast<float*>(to), _mm256_castps256_ps128(xyzi));
-  _mm_storel_epi64(reinterpret_cast<__m128i*>(to + 16), ring_time);
+/// One store of a point and what follows it, which the next point overwrites: stores that overlap are dear.
+inline void store(std::uint8_t* to, __m256i xyzi_ring_time) {
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), xyzi_ring_time);
 }
-inline void store_high(std::uint8_t* to, __m256 xyzi, __m128i ring_time) {
-  _mm_storeu_ps(reinterpret_cast<float*>(to), _mm256_extractf128_ps(xyzi, 1));
-  _mm_storel_epi64(reinterpret_cast<__m128i*>(to + 16), ring_time);
+/// Coordinates from `p`, ring and time from `t`; whether of the low or the high half `halves` says.
+template <int halves>
+inline __m256i joined(__m256 p, __m256i t) {
+  return _mm256_permute2x128_si256(_mm256_castps_si256(p), t, halves);
 }
+constexpr int low_low = 0x20, low_high = 0x30, high_low = 0x21, high_high = 0x31;
 
 /// Ring (16 bit) and time (32 bit) of four points, each in 8 bytes.
 inline __m256i rings_and_times(const std::uint64_t* ring, const float* time) {
@@ -102,16 +104,15 @@ inline std::uint8_t* write_returns(const LaserArrays& lasers, std::size_t k, con
   const __m256 p26 = _mm256_shuffle_ps(xy23, zi23, 0x44), p37 = _mm256_shuffle_ps(xy23, zi23, 0xEE);
   const __m256i low = rings_and_times(lasers.ring + k, p.time);
   const __m256i high = rings_and_times(lasers.ring + k + 4, p.time + 4);
-  const __m128i t01 = _mm256_castsi256_si128(low), t23 = _mm256_extracti128_si256(low, 1);
-  const __m128i t45 = _mm256_castsi256_si128(high), t67 = _mm256_extracti128_si256(high, 1);
-  store_low(out + at[0], p04, t01);
-  store_low(out + at[1], p15, _mm_unpackhi_epi64(t01, t01));
-  store_low(out + at[2], p26, t23);
-  store_low(out + at[3], p37, _mm_unpackhi_epi64(t23, t23));
-  store_high(out + at[4], p04, t45);
-  store_high(out + at[5], p15, _mm_unpackhi_epi64(t45, t45));
-  store_high(out + at[6], p26, t67);
-  store_high(out + at[7], p37, _mm_unpackhi_epi64(t67, t67));
+  const __m256i odd_low = _mm256_unpackhi_epi64(low, low), odd_high = _mm256_unpackhi_epi64(high, high);
+  store(out + at[0], joined<low_low>(p04, low));
+  store(out + at[1], joined<low_low>(p15, odd_low));
+  store(out + at[2], joined<low_high>(p26, low));
+  store(out + at[3], joined<low_high>(p37, odd_low));
+  store(out + at[4], joined<high_low>(p04, high));
+  store(out + at[5], joined<high_low>(p15, odd_high));
+  store(out + at[6], joined<high_high>(p26, high));
+  store(out + at[7], joined<high_high>(p37, odd_high));
   return out + at[lanes];
 }
 
@@ -156,10 +157,10 @@ void turn_lasers(LaserArrays& lasers, double rate) {
 
 /// Points of `lanes` lasers. The sensor counts azimuth clockwise from ahead; ROS has x ahead and y to the
 /// left.
-inline void place_lanes(const LaserArrays& lasers, const SequenceSlots& sequence, std::size_t first,
-                        const Slots& slots, Points& p) {
-  const auto cos_a = static_cast<float>(sequence.cos_azimuth);
-  const auto sin_a = static_cast<float>(sequence.sin_azimuth);
+inline void place_lanes(const LaserArrays& lasers, const SequenceArrays& sequences, std::size_t n,
+                        std::size_t first, const Slots& slots, Points& p) {
+  const auto cos_a = static_cast<float>(sequences.cosine[n]);
+  const auto sin_a = static_cast<float>(sequences.sine[n]);
   for (std::size_t i = 0; i < lanes; ++i) {
     const std::size_t k = first + i;
     const auto count = static_cast<float>(slots.count[i]);
@@ -170,16 +171,16 @@ inline void place_lanes(const LaserArrays& lasers, const SequenceSlots& sequence
     p.y[i] = -(ground * sin_alpha);
     p.z[i] = count * lasers.up_step[k] + lasers.up_begin[k];
     p.intensity[i] = static_cast<float>(slots.reflectivity[i]);
-    p.time[i] = sequence.begin + lasers.time[k];
+    p.time[i] = sequences.begin[n] + lasers.time[k];
   }
 }
 
 /// CalibratedGeometry::place for `lanes` lasers.
 inline void place_lanes_calibrated(const LaserArrays& lasers, const CalibrationArrays& c,
-                                   const SequenceSlots& sequence, std::size_t first, const Slots& slots,
-                                   Points& p) {
-  const auto cos_a = static_cast<float>(sequence.cos_azimuth);
-  const auto sin_a = static_cast<float>(sequence.sin_azimuth);
+                                   const SequenceArrays& sequences, std::size_t n, std::size_t first,
+                                   const Slots& slots, Points& p) {
+  const auto cos_a = static_cast<float>(sequences.cosine[n]);
+  const auto sin_a = static_cast<float>(sequences.sine[n]);
   for (std::size_t i = 0; i < lanes; ++i) {
     const std::size_t k = first + i;
     const auto count = static_cast<float>(slots.count[i]);
@@ -200,43 +201,64 @@ inline void place_lanes_calibrated(const LaserArrays& lasers, const CalibrationA
                   c.focal_slope[k] * __builtin_fabsf(c.focal[k] - 256 * nearness * nearness);
     value = value < c.min_intensity[k] ? c.min_intensity[k] : value;
     p.intensity[i] = value > c.max_intensity[k] ? c.max_intensity[k] : value;
-    p.time[i] = sequence.begin + lasers.time[k];
+    p.time[i] = sequences.begin[n] + lasers.time[k];
   }
 }
 
-/// Bank after bank, `lanes` slots at a time.
+/// Sequence after sequence, bank after bank, `lanes` slots at a time.
 template <typename PlaceLanes>
-inline std::uint8_t* for_all_lanes(const LaserArrays& lasers, const SequenceSlots& sequence,
-                                   std::uint8_t* out, PlaceLanes place_points) {
-  const std::size_t per_bank = lasers.size / sequence.banks;
-  std::size_t first = 0;
-  for (std::size_t bank = 0; bank < sequence.banks; ++bank) {
-    const std::uint8_t* slot = sequence.slots[bank];
-    for (const std::size_t end = first + per_bank; first < end; first += lanes, slot += 3 * lanes) {
-      Slots slots;
-      Points p;
-      read_slots(slot, slots);
-      place_points(first, slots, p);
-      out = write_returns(lasers, first, slots, p, out);
+inline void for_all_lanes(const LaserArrays& lasers, SequenceArrays& sequences, std::uint8_t* out,
+                          PlaceLanes place_points) {
+  const std::size_t per_bank = lasers.size / lasers.banks;
+  for (std::size_t n = 0; n < sequences.size; ++n) {
+    std::size_t first = 0;
+    for (std::size_t bank = 0; bank < lasers.banks; ++bank) {
+      const std::uint8_t* slot = sequences.slots[n][bank];
+      for (const std::size_t end = first + per_bank; first < end; first += lanes, slot += 3 * lanes) {
+        Slots slots;
+        Points p;
+        read_slots(slot, slots);
+        place_points(n, first, slots, p);
+        out = write_returns(lasers, first, slots, p, out);
+      }
     }
+    sequences.end[n] = out;
   }
-  return out;
 }
 
-std::uint8_t* place(const LaserArrays& lasers, const SequenceSlots& sequence, std::uint8_t* out) {
-  return for_all_lanes(lasers, sequence, out, [&](std::size_t first, const Slots& slots, Points& p) {
-    place_lanes(lasers, sequence, first, slots, p);
-  });
+void place(const LaserArrays& lasers, SequenceArrays& sequences, std::uint8_t* out) {
+  for_all_lanes(lasers, sequences, out,
+                [&](std::size_t n, std::size_t first, const Slots& slots, Points& p) {
+                  place_lanes(lasers, sequences, n, first, slots, p);
+                });
 }
 
-std::uint8_t* place_calibrated(const LaserArrays& lasers, const CalibrationArrays& calibration,
-                               const SequenceSlots& sequence, std::uint8_t* out) {
-  return for_all_lanes(lasers, sequence, out, [&](std::size_t first, const Slots& slots, Points& p) {
-    place_lanes_calibrated(lasers, calibration, sequence, first, slots, p);
-  });
+void place_calibrated(const LaserArrays& lasers, const CalibrationArrays& calibration,
+                      SequenceArrays& sequences, std::uint8_t* out) {
+  for_all_lanes(lasers, sequences, out,
+                [&](std::size_t n, std::size_t first, const Slots& slots, Points& p) {
+                  place_lanes_calibrated(lasers, calibration, sequences, n, first, slots, p);
+                });
 }
 
-constexpr SequenceKernels kernels = {&turn_lasers, &place, &place_calibrated};
+/// The whole degree's direction, turned by the rest: within half a degree the next terms of the series are
+/// below 1e-15.
+void find_directions(const WholeDegrees& whole, SequenceArrays& sequences) {
+  constexpr double rad_per_deg = 3.14159265358979323846 / 180;
+  for (std::size_t i = 0; i < sequences.size; ++i) {
+    int place = static_cast<int>(sequences.azimuth_deg[i] + (whole_turn_deg + 0.5));
+    place = place < 0 ? 0 : place;
+    place = place > 2 * whole_turn_deg ? 2 * whole_turn_deg : place;
+    const double rest = (sequences.azimuth_deg[i] - (place - whole_turn_deg)) * rad_per_deg;
+    const double square = rest * rest;
+    const double cosine = 1 - square * (1.0 / 2 - square * (1.0 / 24));
+    const double sine = rest * (1 - square * (1.0 / 6 - square * (1.0 / 120)));
+    sequences.cosine[i] = whole[place].cosine * cosine - whole[place].sine * sine;
+    sequences.sine[i] = whole[place].sine * cosine + whole[place].cosine * sine;
+  }
+}
+
+constexpr SequenceKernels kernels = {&turn_lasers, &find_directions, &place, &place_calibrated};
 
 }  // namespace
 }  // namespace lidard::velodyne

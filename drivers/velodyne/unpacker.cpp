@@ -12,42 +12,15 @@
 namespace lidard::velodyne {
 namespace {
 
-constexpr int turn = 360;
-
-using WholeDegrees = std::array<Direction, 2 * turn + 1>;  // from -360 to 360
-
-WholeDegrees whole_degrees() {
-  WholeDegrees table{};
-  for (int i = -turn; i <= turn; ++i)
-    table[static_cast<std::size_t>(i + turn)] = {std::cos(i * rad_per_deg), std::sin(i * rad_per_deg)};
-  return table;
-}
-
-const WholeDegrees table = whole_degrees();
-
-inline Direction direction_of(double angle_deg) {
-  if (!(angle_deg > -turn && angle_deg < turn)) {
-    return {std::cos(angle_deg * rad_per_deg), std::sin(angle_deg * rad_per_deg)};
+/// The table that SequenceKernels need.
+struct WholeDegreesTable {
+  WholeDegrees whole;
+  WholeDegreesTable() {
+    for (int i = -whole_turn_deg; i <= whole_turn_deg; ++i)
+      whole[i + whole_turn_deg] = {std::cos(i * rad_per_deg), std::sin(i * rad_per_deg)};
   }
-  const int place = static_cast<int>(angle_deg + (turn + 0.5));
-  const Direction whole = table[static_cast<std::size_t>(place)];
-  // Within half a degree the next terms of the series are below 1e-15.
-  const double rest = (angle_deg - (place - turn)) * rad_per_deg;
-  const double square = rest * rest;
-  const double cosine = 1 - square * (1.0 / 2 - square * (1.0 / 24));
-  const double sine = rest * (1 - square * (1.0 / 6 - square * (1.0 / 120)));
-  return {whole.cosine * cosine - whole.sine * sine, whole.sine * cosine + whole.cosine * sine};
-}
-
-}  // namespace
-
-Direction direction(double angle_deg) { return direction_of(angle_deg); }
-
-void directions(const double* angles_deg, std::size_t count, Direction* to) {
-  for (std::size_t i = 0; i < count; ++i) to[i] = direction_of(angles_deg[i]);
-}
-
-namespace {
+};
+const WholeDegreesTable table;
 
 static_assert(sizeof(CloudPoint) == point_step && offsetof(CloudPoint, intensity) == 12 &&
                   offsetof(CloudPoint, ring) == 16 && offsetof(CloudPoint, time) == 18,
@@ -96,6 +69,7 @@ Unpacker::Unpacker(const ModelRow& row, bool keep_origins, double min_range, dou
       kernels_(kernels),
       origins_(row.lasers) {
   lasers_.size = row.lasers;
+  lasers_.banks = row.banks;
   set_geometry(calibration != nullptr ? *calibration : table_of(row));
   set_timing(row.timings.front());
 }
@@ -175,23 +149,35 @@ void Unpacker::reserve_packet(Cloud& cloud) const {
   if (cloud.size() < needed) cloud.points_bytes.resize((needed + step) * sizeof(CloudPoint));
 }
 
-void Unpacker::append(const Sequence& sequence, Cloud& cloud, std::size_t& points) const {
+void Unpacker::append(const Sequence& sequence, Cloud& cloud) {
   CloudColumn& column = cloud.columns.emplace_back();
-  column.first_point = static_cast<std::uint32_t>(points);
   column.packet = sequence.packet;
   column.block = sequence.blocks[0];
   column.echo = sequence.echo;
   column.azimuth = static_cast<float>(sequence.azimuth_deg * rad_per_deg);
   column.stamp = sequence.stamp;
-
-  const SequenceSlots slots = {sequence.slots.data(), row_.banks, sequence.ahead.cosine, sequence.ahead.sine,
-                               static_cast<float>(seconds(sequence.in_frame))};
-  std::uint8_t* const begin = cloud.points_bytes.data() + points * point_step;
-  const std::uint8_t* const end = calibration_
-                                      ? kernels_.place_calibrated(lasers_, *calibration_, slots, begin)
-                                      : kernels_.place(lasers_, slots, begin);
-  points += static_cast<std::size_t>(end - begin) / point_step;
+  const std::size_t n = waiting_.size++;
+  std::copy(sequence.slots.begin(), sequence.slots.end(), waiting_.slots[n]);
+  waiting_.azimuth_deg[n] = sequence.azimuth_deg;
+  waiting_.begin[n] = static_cast<float>(seconds(sequence.in_frame));
   append_extras(sequence, cloud);
+}
+
+void Unpacker::place(Cloud& cloud, std::size_t& points) {
+  if (waiting_.size == 0) return;
+  kernels_.find_directions(table.whole, waiting_);
+  std::uint8_t* const bytes = cloud.points_bytes.data();
+  std::uint8_t* const out = bytes + points * point_step;
+  if (calibration_)
+    kernels_.place_calibrated(lasers_, *calibration_, waiting_, out);
+  else
+    kernels_.place(lasers_, waiting_, out);
+  CloudColumn* column = cloud.columns.data() + cloud.columns.size() - waiting_.size;
+  for (std::size_t n = 0; n < waiting_.size; ++n, ++column) {
+    column->first_point = static_cast<std::uint32_t>(points);
+    points = static_cast<std::size_t>(waiting_.end[n] - bytes) / point_step;
+  }
+  waiting_.size = 0;
 }
 
 void Unpacker::append_extras(const Sequence& sequence, Cloud& cloud) const {

@@ -16,26 +16,15 @@
 
 namespace lidard::velodyne {
 
-/// Cosine and sine of an angle.
-struct Direction {
-  double cosine, sine;
-};
-
-/// The direction of an angle in degrees, to 1e-15; quickest within a turn either way.
-Direction direction(double angle_deg);
-/// The directions of many angles: one takes a while, all together take little more.
-void directions(const double* angles_deg, std::size_t count, Direction* to);
-
 /// A firing sequence ready to be unpacked.
 struct Sequence {
-  std::array<const std::uint8_t*, 4> slots;  ///< the first slot of each bank in the packet
+  std::array<const std::uint8_t*, most_banks> slots;  ///< the first slot of each bank in the packet
   double azimuth_deg;                        ///< at its begin, as the sensor counts it
-  Direction ahead;                           ///< of that azimuth
   Span in_packet;                            ///< its first firing after the packet's stamp
   Span in_frame;                             ///< its first firing after the frame's stamp
   Stamp stamp;                               ///< its first firing on the host's time scale
   std::uint32_t packet;
-  std::array<std::uint8_t, 4> blocks;  ///< of the banks
+  std::array<std::uint8_t, most_banks> blocks;  ///< of the banks
   std::uint8_t echo;
 };
 
@@ -62,9 +51,11 @@ class Unpacker {
   void set_rate(double deg_per_s);
   /// Makes room for one more packet; call before its sequences.
   void reserve_packet(Cloud& cloud) const;
-  /// Appends the sequence's returns and its column. Points beyond the capacity made by reserve_packet() are a
-  /// bug.
-  void append(const Sequence& sequence, Cloud& cloud, std::size_t& points) const;
+  /// Appends the sequence's column; its returns are placed later. A packet's sequences at most wait.
+  void append(const Sequence& sequence, Cloud& cloud);
+  /// Places the returns of all sequences appended since, behind `points` points. Points beyond the capacity
+  /// made by reserve_packet() are a bug.
+  void place(Cloud& cloud, std::size_t& points);
 
  private:
   struct LaserOrigin {
@@ -87,6 +78,7 @@ class Unpacker {
   const SequenceKernels& kernels_;
   LaserArrays lasers_{};
   std::unique_ptr<CalibrationArrays> calibration_;  // where lasers_ alone do not place a return
+  SequenceArrays waiting_{};
   std::vector<LaserOrigin> origins_;
   std::optional<CalibratedGeometry> geometry_;
 };

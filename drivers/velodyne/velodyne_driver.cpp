@@ -25,26 +25,6 @@ constexpr const char* no_calibration =
     "an HDL-64E S1 does not tell its calibration: without it points are a metre off and more; set "
     "`calibration` to the db.xml that came with the sensor";
 
-/// Which way each firing sequence of a packet looked.
-struct Look {
-  std::array<double, 2 * blocks_per_packet> azimuth_deg;
-  std::array<Direction, 2 * blocks_per_packet> ahead;
-};
-
-Look look_of(const PacketAzimuths& azimuths, const FiringSchedule& schedule, std::size_t per_block) {
-  Look look;
-  std::size_t n = 0;
-  for (std::size_t g = 0; g < azimuths.groups; ++g) {
-    for (std::size_t s = 0; s < per_block; ++s) {
-      const Span into_group = schedule.sequence * static_cast<int>(s);
-      const double azimuth = azimuths.group_deg(g) + schedule.rate_deg_per_s * seconds(into_group);
-      look.azimuth_deg[n++] = azimuth < 360 ? azimuth : azimuth - 360;
-    }
-  }
-  directions(look.azimuth_deg.data(), n, look.ahead.data());
-  return look;
-}
-
 class VelodyneDriver final : public DriverBase {
  public:
   explicit VelodyneDriver(const DriverConfig& config)
@@ -219,15 +199,14 @@ class VelodyneDriver final : public DriverBase {
     frames_.set_echoes(layout.echoes);
     frames_.begin_packet();
     const std::size_t per_block = row_.sequences_per_block();
-    const Look look = look_of(azimuths, schedule, per_block);
     Sequence sequence{};
     sequence.packet = packet.index;
     for (std::size_t g = 0; g < layout.groups; ++g) {
       for (std::size_t s = 0; s < per_block; ++s) {
         const Span into_group = schedule.sequence * static_cast<int>(s);
         sequence.in_packet = schedule.begin[g] + into_group;
-        sequence.azimuth_deg = look.azimuth_deg[g * per_block + s];
-        sequence.ahead = look.ahead[g * per_block + s];
+        const double azimuth = azimuths.group_deg(g) + schedule.rate_deg_per_s * seconds(into_group);
+        sequence.azimuth_deg = azimuth < 360 ? azimuth : azimuth - 360;
         frames_.place(sequence, time + sequence.in_packet, clock_, out);
         for (std::size_t echo = 0; echo < layout.echoes; ++echo) {
           sequence.echo = static_cast<std::uint8_t>(echo);
@@ -239,6 +218,7 @@ class VelodyneDriver final : public DriverBase {
         }
       }
     }
+    frames_.end_packet();
     order_.set_turn_rate(turn_rate());
   }
 

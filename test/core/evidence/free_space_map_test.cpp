@@ -81,6 +81,28 @@ Fan random_fan(sim::Rng& rng) {
   return fan;
 }
 
+TEST(FreeSpaceMap, AWayThatPassesTheSourceIsFreeOnlyIfItsNearestPlaceIs) {
+  FreeSpaceMap map;
+  map.set(2, 1, degree, unit);
+  for (std::size_t cell = 0; cell < map.size(); ++cell) map.claim(cell, 0.3F, 10);
+  map.find_runs();
+  for (double turn = 0.03; turn < 6; turn += 0.1) {
+    // A way of 1 m past the source, and its parts as far as to the foot of the perpendicular.
+    const auto is_free_past = [&](double beside, double begin, double end) {
+      const auto place = [&](double along) {
+        return map.place_of(static_cast<float>(2 + along * std::cos(turn) - beside * std::sin(turn)),
+                            static_cast<float>(1 + along * std::sin(turn) + beside * std::cos(turn)));
+      };
+      return map.is_free(place(begin), place(end));
+    };
+    EXPECT_FALSE(is_free_past(0.1, -0.5, 0.5)) << turn;
+    EXPECT_FALSE(is_free_past(0.28, -0.5, 0.6)) << turn;
+    EXPECT_FALSE(is_free_past(0.28, -0.9, 0.4)) << turn;
+    EXPECT_TRUE(is_free_past(0.6, -0.5, 0.5)) << turn;
+    EXPECT_TRUE(is_free_past(0.31, 0.2, 1.2)) << turn;
+  }
+}
+
 TEST(FreeSpaceMap, BetweenUnlinkedBeamsTheShorterOneCountsWhateverTheMount) {
   sim::Rng rng(1);
   std::size_t inside = 0, outside = 0;

@@ -118,5 +118,28 @@ TEST(VisibilityGaps, ASurfaceIsSeenFromTheSideWhereTheLastOfTheWayIsFree) {
   EXPECT_EQ(Alone(0, 18.9, how).state, BeamState::behind);
 }
 
+TEST(VisibilityGaps, ABeamThatPassesASourceNearerThanThatOneSeesIsNotFree) {
+  ScanGridSpec spec;
+  spec.beams = 360;
+  spec.range_max = 10;
+  const ScanGrid grid = *make_grid(spec);
+  for (double ahead = 1; ahead < 3; ahead += 0.02) {
+    Visibility visibility(grid, {}, 1);
+    PlanarScan scan;
+    scan.reset(360);
+    scan.set_angles(static_cast<float>(-pi_d), static_cast<float>(pi_d / 180));
+    BeamRays rays;
+    rays.build(scan, make_pose({ahead, 0.15, 0}, {0, 0, 0}), {}, {});
+    visibility.set_source(0, rays);
+    visibility.begin();
+    for (std::size_t cell = 0; cell < visibility.free_space(0).size(); ++cell)
+      visibility.free_space(0).claim(cell, 0.3F, 15);
+    visibility.compute();
+    EXPECT_EQ(visibility.state(180), BeamState::unobserved) << ahead;
+    EXPECT_LT(static_cast<double>(visibility.covered(180)), ahead - 0.24) << ahead;
+    EXPECT_EQ(visibility.state(90), BeamState::free) << "it leads away from the source";
+  }
+}
+
 }  // namespace
 }  // namespace lidard

@@ -63,9 +63,9 @@ PointBytes unpack(const ModelRow& row, const Calibration* calibration,
     Sequence sequence{};
     for (std::size_t bank = 0; bank < row.banks; ++bank) sequence.slots[bank] = slots.data() + 96 * bank;
     sequence.azimuth_deg = 6.1 * i;
-    sequence.ahead = direction(sequence.azimuth_deg);
     sequence.in_frame = std::chrono::microseconds(1663 * i);
-    unpacker.append(sequence, cloud, points);
+    unpacker.append(sequence, cloud);
+    unpacker.place(cloud, points);
   }
   cloud.points_bytes.resize(points * point_step);
   return cloud.points_bytes;
@@ -104,8 +104,8 @@ void expect_equations(const ModelRow& row, const Calibration& calibration, doubl
   Sequence sequence{};
   for (std::size_t bank = 0; bank < row.banks; ++bank) sequence.slots[bank] = slots.data() + 96 * bank;
   sequence.azimuth_deg = azimuth;
-  sequence.ahead = direction(azimuth);
-  unpacker.append(sequence, cloud, points);
+  unpacker.append(sequence, cloud);
+  unpacker.place(cloud, points);
   std::size_t next = 0;
   for (std::size_t k = 0; k < row.lasers; ++k) {
     const std::uint8_t* slot = slots.data() + 3 * k;
@@ -168,8 +168,8 @@ TEST(VelodyneKernels, RangeLimitsTestTheCorrectedDistance) {
     unpacker.reserve_packet(cloud);
     Sequence sequence{};
     sequence.slots[0] = slots.data();
-    sequence.ahead = direction(0);
-    unpacker.append(sequence, cloud, points);
+    unpacker.append(sequence, cloud);
+    unpacker.place(cloud, points);
     std::size_t expected = 0;
     for (std::size_t k = 0; k < row.lasers; ++k) {
       const double distance = count * 0.002 + calibration.lasers[k].dist_correction;
@@ -179,14 +179,28 @@ TEST(VelodyneKernels, RangeLimitsTestTheCorrectedDistance) {
   }
 }
 
-TEST(VelodyneKernels, DirectionsAreExactAtEveryAngle) {
-  for (int i = -80000; i <= 80000; ++i) {
-    const double angle = 0.0100003 * i;
-    const Direction d = direction(angle);
-    ASSERT_NEAR(d.cosine, std::cos(angle * rad_per_deg), 2e-15) << angle;
-    ASSERT_NEAR(d.sine, std::sin(angle * rad_per_deg), 2e-15) << angle;
+TEST(VelodyneKernels, AReturnLiesInItsDirectionAtEveryAngle) {
+  const ModelRow& row = *model_rows().front();
+  Calibration calibration = table_of(row);
+  for (LaserCalibration& laser : calibration.lasers) laser = {};
+  Unpacker unpacker(row, false, 0, 0, &calibration);
+  unpacker.set_rate(0);
+  const std::vector<std::uint8_t> slots(packet_size, 0xFF);
+  Cloud cloud;
+  for (int i = -35990; i <= 35990; ++i) {
+    Sequence sequence{};
+    sequence.slots.fill(slots.data());
+    sequence.azimuth_deg = 0.0100003 * i;
+    std::size_t points = 0;
+    cloud.clear();
+    unpacker.reserve_packet(cloud);
+    unpacker.append(sequence, cloud);
+    unpacker.place(cloud, points);
+    const double far = 65535 * calibration.distance_step_m;
+    const CloudPoint point = cloud.points()[0];
+    ASSERT_NEAR(point.x / far, std::cos(sequence.azimuth_deg * rad_per_deg), 2.5e-7) << i;
+    ASSERT_NEAR(point.y / far, -std::sin(sequence.azimuth_deg * rad_per_deg), 2.5e-7) << i;
   }
-  EXPECT_TRUE(std::isnan(direction(NAN).sine));
 }
 
 }  // namespace
