@@ -24,7 +24,7 @@ namespace lidard {
 namespace {
 
 /// A sensor of the configuration and what it saw.
-struct Watched {
+struct ParkedSensor {
   const SensorConfig* config;
   StillScans scans;
   Pose before, after;
@@ -49,8 +49,8 @@ struct Watched {
 /// Collects the frames of the sensors.
 class StillSink final : public FrameSink {
  public:
-  StillSink(std::vector<Watched>& watched, std::vector<std::string> topics)
-      : watched_(watched), topics_(std::move(topics)) {}
+  StillSink(std::vector<ParkedSensor>& parked, std::vector<std::string> topics)
+      : watched_(parked), topics_(std::move(topics)) {}
   void publish(const OutputTopic& topic, const Payload& payload, Stamp /*released*/) override {
     for (std::size_t i = 0; i < topics_.size(); ++i) {
       if (topics_[i] != topic.name) continue;
@@ -62,7 +62,7 @@ class StillSink final : public FrameSink {
   }
 
  private:
-  std::vector<Watched>& watched_;
+  std::vector<ParkedSensor>& watched_;
   std::vector<std::string> topics_;
 };
 
@@ -81,22 +81,22 @@ Config bare(Config config) {
 }
 
 /// Adds what other drivers published.
-void add_topics(const std::string& path, std::vector<Watched>& watched) {
+void add_topics(const std::string& path, std::vector<ParkedSensor>& parked) {
   PlanarScan scan;
   Cloud cloud;
   const auto for_each_of = [&](const std::string& topic, const auto& use) {
-    for (Watched& sensor : watched) {
+    for (ParkedSensor& sensor : parked) {
       const std::string& own = sensor.config->topic;
       if (!own.empty() && (own == topic || "/" + own == topic)) use(sensor);
     }
   };
   const auto use_scan = [&](const std::string& topic, const sensor_msgs::LaserScan& message) {
-    for_each_of(topic, [&](Watched& sensor) {
+    for_each_of(topic, [&](ParkedSensor& sensor) {
       if (from_ros(message, scan) == nullptr) sensor.add(scan);
     });
   };
   const auto use_cloud = [&](const std::string& topic, const sensor_msgs::PointCloud2& message) {
-    for_each_of(topic, [&](Watched& sensor) {
+    for_each_of(topic, [&](ParkedSensor& sensor) {
       if (from_ros(message, cloud).error == nullptr) sensor.add(cloud);
     });
   };
@@ -107,16 +107,16 @@ void add_topics(const std::string& path, std::vector<Watched>& watched) {
   }
 }
 
-std::vector<Watched> watch(const CalibrateOptions& options, const Config& config) {
-  std::vector<Watched> watched;
+std::vector<ParkedSensor> play_parked(const CalibrateOptions& options, const Config& config) {
+  std::vector<ParkedSensor> parked;
   std::vector<std::string> topics;
   for (const SensorConfig& sensor : config.sensors) {
     if (!sensor.pose) continue;
-    watched.push_back({&sensor, {}, *sensor.pose, *sensor.pose, tilt_of(sensor.pose->linear()), {}, {}});
+    parked.push_back({&sensor, {}, *sensor.pose, *sensor.pose, tilt_of(sensor.pose->linear()), {}, {}});
     topics.push_back(sensor.model == nullptr ? std::string() : frame_topic(sensor).name);
   }
-  if (!options.bag.empty()) add_topics(options.bag, watched);
-  StillSink sink(watched, topics);
+  if (!options.bag.empty()) add_topics(options.bag, parked);
+  StillSink sink(parked, topics);
   MergedCapture capture(options.captures);
   BagPoses no_motion("", "");
   const Config played = bare(config);
@@ -124,11 +124,11 @@ std::vector<Watched> watch(const CalibrateOptions& options, const Config& config
   ReplayOptions fast;
   fast.rate = 0;
   Player(fast, capture, pipeline).play([] { return false; });
-  return watched;
+  return parked;
 }
 
 /// The place that a sensor sees, with the ground of a multi-plane lidar found first.
-MountedSensor place_of(Watched& sensor) {
+MountedSensor place_of(ParkedSensor& sensor) {
   if (sensor.scans.is_cloud()) {
     sensor.ground = find_ground(sensor.scans.points(), sensor.before);
     if (sensor.ground) sensor.tilt = tilt_to(sensor.ground->up);
@@ -144,7 +144,7 @@ MountedSensor place_of(Watched& sensor) {
 }
 
 /// The new pose: what was determined, and all else as configured.
-Pose new_pose(const Watched& sensor) {
+Pose new_pose(const ParkedSensor& sensor) {
   const MountEstimate& e = sensor.estimate;
   Eigen::Vector3d at = sensor.before.translation();
   double yaw = yaw_of(sensor.before.linear());
@@ -169,7 +169,7 @@ Eigen::Vector3d degrees_of(const Pose& pose) {
 double sigma_of(const MountEstimate& e, Eigen::Index i) { return std::sqrt(e.covariance(i, i)); }
 
 /// What is known of x, y and yaw, or why not, and what would help.
-std::string sentence_of(const Watched& sensor) {
+std::string sentence_of(const ParkedSensor& sensor) {
   const MountEstimate& e = sensor.estimate;
   std::string text;
   switch (e.verdict) {
@@ -199,7 +199,7 @@ std::string sentence_of(const Watched& sensor) {
                             100 * e.as_configured.share(), 100 * e.as_found.share());
 }
 
-TextTable table_of(const std::vector<Watched>& sensors) {
+TextTable table_of(const std::vector<ParkedSensor>& sensors) {
   TextTable table{{"SENSOR", "", "X", "Y", "Z", "ROLL", "PITCH", "YAW"}};
   const auto row = [](std::string name, const char* what, const Pose& pose) {
     const Eigen::Vector3d at = pose.translation(), angles = degrees_of(pose);
@@ -212,7 +212,7 @@ TextTable table_of(const std::vector<Watched>& sensors) {
                                     fmt::format("{:.3f}", angles.y()),
                                     fmt::format("{:.3f}", angles.z())};
   };
-  for (const Watched& sensor : sensors) {
+  for (const ParkedSensor& sensor : sensors) {
     table.push_back(row(sensor.config->name, "before", sensor.before));
     table.push_back(row("", "after", sensor.after));
     const auto known = [&](int i, double scale, const char* format) {
@@ -231,7 +231,7 @@ TextTable table_of(const std::vector<Watched>& sensors) {
   return table;
 }
 
-nlohmann::json json_of(const std::vector<Watched>& sensors, const MountSolution& solution) {
+nlohmann::json json_of(const std::vector<ParkedSensor>& sensors, const MountSolution& solution) {
   constexpr const char* verdicts[] = {"reference", "found", "ambiguous", "unconnected"};
   const auto pose = [](const Pose& p) {
     const Eigen::Vector3d at = p.translation(), angles = degrees_of(p);
@@ -239,7 +239,7 @@ nlohmann::json json_of(const std::vector<Watched>& sensors, const MountSolution&
                           {"rpy_deg", {angles.x(), angles.y(), angles.z()}}};
   };
   nlohmann::json all = nlohmann::json::object();
-  for (const Watched& s : sensors) {
+  for (const ParkedSensor& s : sensors) {
     nlohmann::json sigma = nlohmann::json::object();
     constexpr const char* names[] = {"x", "y", "yaw_deg"};
     for (int i = 0; i < 3; ++i) {
@@ -271,9 +271,9 @@ std::string content_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-void write_poses(const CalibrateOptions& options, const std::vector<Watched>& sensors) {
+void write_poses(const CalibrateOptions& options, const std::vector<ParkedSensor>& sensors) {
   std::map<std::string, Pose> poses;
-  for (const Watched& sensor : sensors) {
+  for (const ParkedSensor& sensor : sensors) {
     if (sensor.is_changed()) poses[sensor.config->name] = sensor.after;
   }
   TextFile file(options.output);
@@ -287,9 +287,9 @@ int run_calibrate(const CalibrateOptions& options, std::ostream& out, std::ostre
   try {
     const Config config = load_config(options.config);
     for (const auto& warning : config.warnings) err << warning << '\n';
-    std::vector<Watched> watched = watch(options, config);
-    std::vector<Watched> sensors;
-    for (Watched& sensor : watched) {
+    std::vector<ParkedSensor> parked = play_parked(options, config);
+    std::vector<ParkedSensor> sensors;
+    for (ParkedSensor& sensor : parked) {
       if (sensor.scans.frames() > 0)
         sensors.push_back(std::move(sensor));
       else
@@ -307,7 +307,7 @@ int run_calibrate(const CalibrateOptions& options, std::ostream& out, std::ostre
       return exit_failed;
     }
     std::vector<MountedSensor> mounted;
-    for (Watched& sensor : sensors) mounted.push_back(place_of(sensor));
+    for (ParkedSensor& sensor : sensors) mounted.push_back(place_of(sensor));
     const MountSolution solution = solve_mounts(mounted, reference);
     bool any = false;
     for (std::size_t i = 0; i < sensors.size(); ++i) {
@@ -319,7 +319,8 @@ int run_calibrate(const CalibrateOptions& options, std::ostream& out, std::ostre
       out << json_of(sensors, solution).dump(2) << '\n';
     } else {
       print_columns(table_of(sensors), out);
-      for (const Watched& sensor : sensors) out << sensor.config->name << ": " << sentence_of(sensor) << '\n';
+      for (const ParkedSensor& sensor : sensors)
+        out << sensor.config->name << ": " << sentence_of(sensor) << '\n';
     }
     if (any && !options.output.empty()) write_poses(options, sensors);
     if (!any) err << "nothing was determined, and nothing is written\n";
