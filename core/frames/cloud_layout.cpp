@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <limits>
 
+template class std::vector<std::uint8_t, lidard::PointAllocator<std::uint8_t>>;
+
 namespace lidard {
 namespace {
 

@@ -18,6 +18,7 @@ FAR = {"front_right": "{xyz: [0.4, -1.2, 0.35], rpy_deg: [0, 0, -60]}", "roof": 
 def parked(objects=None):
     """The scene of the demo, standing, with knocked mounts; `objects` in place of its own."""
     scene = yaml.safe_load((ROOT / "pcaps/demo.scene.yaml").read_text())
+    scene["start"] = "2026-01-01T00:17:23.456Z"
     scene["vehicle"]["path"] = [{"duration": 2.0, "speed": 0, "yaw_rate_deg": 0}]
     for name, (xyz, rpy_deg) in KNOCKED.items():
         scene["sensors"][name]["pose"] = {"xyz": xyz, "rpy_deg": rpy_deg}

@@ -134,6 +134,7 @@ def dead_cable(device, pause):
 def says(name, text, what, limit=5):
     """What /diagnostics says of the silent sensor contains the text within `limit` s."""
     starved, begin = Starved(), time.monotonic()
+    wait_for(lambda: item("sensor " + name), limit, f"the first report of {name}")
     wait_for(lambda: text in item("sensor " + name)["message"], limit, f"{what}: {item('sensor ' + name)['message']}")
     check(f"{what} is named", time.monotonic() - begin, limit, starved)
     print("    " + item("sensor " + name)["message"])
