@@ -106,8 +106,20 @@ class CloudBuilder {
     points_ = 0;
     if (fresh_) unpacker_.set_calibration(*std::exchange(fresh_, nullptr));
     if (wanted_) take_over(*std::exchange(wanted_, std::nullopt));
+    reserve_revolution();
     unpacker_.reserve_packet(cloud_);
     cloud_.stamp = stamps_.next(clock.to_host(time) + config_.time_offset);
+  }
+
+  /// A buffer that grew step by step would be copied, 10 MB at a time, while packets come.
+  void reserve_revolution() {
+    if (is_thin_) return;
+    const Span turn = std::clamp(cutter_.period(), Span(0), Span(longest_turn));
+    const auto sequences = static_cast<std::size_t>(turn / row_.timings.front().sequence) * echoes_;
+    const std::size_t bytes = (sequences + sequences / 16) * row_.lasers * sizeof(CloudPoint);
+    if (cloud_.points_bytes.capacity() >= bytes) return;
+    cloud_.points_bytes.clear();
+    cloud_.points_bytes.reserve(bytes);
   }
 
   void take_over(const DriverConfig& wanted) {
