@@ -64,8 +64,8 @@ CalibrationModel usual_equations(const Calibration& calibration, const Model& mo
 
 /// What keeps this calibration from being that of a sensor of the model: "has 32 lasers, VLP-16 has 16";
 /// empty if nothing does.
-std::string calibration_misfit(const Calibration& calibration, const Model& model);
+std::string calibration_rejection(const Calibration& calibration, const Model& model);
 /// What is suspicious about it, but no reason to refuse it; else empty.
-std::string calibration_doubt(const Calibration& calibration, const Model& model);
+std::string calibration_warning(const Calibration& calibration, const Model& model);
 
 }  // namespace lidard::velodyne

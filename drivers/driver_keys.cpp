@@ -11,20 +11,20 @@ using D = DriverConfig;
 
 constexpr double farthest_m = 1000;
 
-std::optional<Misfit> no_receiver(const KeyValue& value) {
+std::optional<Rejection> no_receiver(const KeyValue& value) {
   const auto address = IpAddress::parse(std::get<std::string>(value));
   if (address && !address->v6) return std::nullopt;
-  return Misfit{"is {}, which is no IPv4 address",
+  return Rejection{"is {}, which is no IPv4 address",
                 "an IPv4 address of this host (or a multicast group) like 192.168.0.100"};
 }
 
 constexpr const char* hash_form = "the hash of the password, 8 hexadecimal digits like F4724744";
 
-std::optional<Misfit> no_hash(const KeyValue& value) {
+std::optional<Rejection> no_hash(const KeyValue& value) {
   const auto& text = std::get<std::string>(value);
   if (text.size() == 8 && text.find_first_not_of("0123456789abcdefABCDEF") == std::string::npos)
     return std::nullopt;
-  return Misfit{"is not 8 hexadecimal digits", hash_form};
+  return Rejection{"is not 8 hexadecimal digits", hash_form};
 }
 
 }  // namespace

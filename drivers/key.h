@@ -46,7 +46,7 @@ enum class KeyKind : std::uint8_t {
 };
 
 /// The fault of a value, where {} stands for the value as written, and what is expected.
-struct Misfit {
+struct Rejection {
   std::string what, expected;
 };
 
@@ -67,7 +67,7 @@ struct Key {
   bool short_form = false;    ///< a section: a single value stands for its first key
   bool flow = false;          ///< a section that is written in one line
   bool live = false;          ///< it can be changed while the daemon runs
-  std::optional<Misfit> (*misfit)(const KeyValue& value) = nullptr;  ///< a further check of a value
+  std::optional<Rejection> (*rejection)(const KeyValue& value) = nullptr;  ///< a further check of a value
 };
 
 inline KeyValue key_value(bool value) { return value; }
@@ -128,8 +128,8 @@ struct KeyOf : Key {
   KeyOf&& shown_if(std::function<bool(const Owner&)> when) && {
     return shown = std::move(when), std::move(*this);
   }
-  KeyOf&& checked(std::optional<Misfit> (*check)(const KeyValue&)) && {
-    return misfit = check, std::move(*this);
+  KeyOf&& checked(std::optional<Rejection> (*check)(const KeyValue&)) && {
+    return rejection = check, std::move(*this);
   }
 };
 

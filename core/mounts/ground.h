@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/base/angle.h"
 #include "core/base/pose.h"
 
 namespace lidard {
@@ -20,8 +21,8 @@ struct GroundPlane {
 
 /// What the ground of a place may be off from that under the wheels: a yard slopes, a tyre gives. Standard
 /// deviations.
-constexpr double ground_tilt_sigma = 0.3 * 3.14159265358979323846 / 180;  // rad
-constexpr double ground_height_sigma = 0.015;                             // m
+constexpr double ground_tilt_sigma = 0.3 * rad_per_deg;  // rad
+constexpr double ground_height_sigma = 0.015;            // m
 
 /// The largest plane below the sensor that lies within 25 degrees and 0.7 m of where `base_from_sensor` has
 /// the plane z = 0; nothing if there is none of 200 points.

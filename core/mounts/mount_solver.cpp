@@ -23,7 +23,8 @@ constexpr double least_agreement = 0.9, least_margin = 0.05, least_margin_elsewh
 // Two configured poses are no more wrong than this, m, and per m between them: a sensor that is turned by 20
 // degrees sees another one elsewhere. Nearer to the configured yaw than that, rad, a pose is about as
 // configured.
-constexpr double farthest_start_m = 1.5, farther_by_distance = 0.5, about_as_configured_rad = 45 * rad_per_deg;
+constexpr double farthest_start_m = 1.5, farther_by_distance = 0.5,
+                 about_as_configured_rad = 45 * rad_per_deg;
 constexpr std::size_t least_judged = 60;
 constexpr std::size_t coarse_surfaces = 80;
 // Steps of the bias that surfaces may have in common for their beams, m, and what slow biases hide in the
@@ -183,7 +184,7 @@ void keep_configured(WallFit::Sensor& sensor, const PlanarPose& configured) {
   }
 }
 
-void describe(const WallFit& fit, std::size_t index, MountEstimate& estimate) {
+void describe(const WallFit& fit, std::size_t index, const PlanarPose& configured, MountEstimate& estimate) {
   const WallFit::Sensor& sensor = fit.sensors()[index];
   estimate.pose = sensor.pose;
   estimate.surfaces = sensor.shared;
@@ -200,11 +201,12 @@ void describe(const WallFit& fit, std::size_t index, MountEstimate& estimate) {
         estimate.determined[c] = false;
     }
   }
-  for (std::size_t c = 0; c < 3; ++c) {
-    const auto at = static_cast<Eigen::Index>(c);
-    if (std::sqrt(estimate.covariance(at, at)) > (c < 2 ? worst_m : worst_rad))
-      estimate.determined[c] = false;
-  }
+  const auto sigma = [&](int c) { return std::sqrt(estimate.covariance(c, c)); };
+  if (sigma(0) < worst_m && sigma(1) < worst_m && sigma(2) < worst_rad) return;
+  // x, y and yaw depend on each other: all or none of them is changed.
+  estimate.verdict = MountVerdict::uncertain;
+  estimate.pose = configured;
+  estimate.determined = {false, false, false};
 }
 
 }  // namespace
@@ -275,7 +277,8 @@ MountSolution solve_mounts(const std::vector<MountedSensor>& sensors, std::size_
   }
   solution.bias *= hidden_bias;
   solution.chi_square = fit.refine(solution.bias, 3);
-  for (std::size_t i = 1; i < placed.size(); ++i) describe(fit, i, solution.sensors[placed[i]]);
+  for (std::size_t i = 1; i < placed.size(); ++i)
+    describe(fit, i, sensors[placed[i]].configured, solution.sensors[placed[i]]);
   return solution;
 }
 

@@ -30,6 +30,7 @@ struct FreeDirection {
 enum class MountVerdict : std::uint8_t {
   reference,    ///< the pose is kept as configured
   found,        ///< along the determined directions
+  uncertain,    ///< known no better than configured poses are
   ambiguous,    ///< the surfaces fit as well at another place
   unconnected,  ///< shares no surfaces with a sensor that is connected to the reference
 };

@@ -4,11 +4,8 @@
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <map>
-#include <utility>
 #include <vector>
 
-#include "core/base/pose.h"
 #include "core/frames/cloud.h"
 #include "core/frames/scan.h"
 

@@ -57,7 +57,7 @@ Line fit(const std::vector<StillBeam>& beams, std::size_t first, std::size_t las
 }
 
 /// Cuts a run of neighbouring returns where it bends.
-void split(const std::vector<StillBeam>& beams, std::size_t first, std::size_t last, double bias,
+void split(const std::vector<StillBeam>& beams, std::size_t first, std::size_t last,
            std::vector<std::pair<std::size_t, std::size_t>>& pieces) {
   if (last - first + 1 < fewest_beams) return;
   const Vector2d chord = (beams[last].point - beams[first].point).normalized();
@@ -69,12 +69,12 @@ void split(const std::vector<StillBeam>& beams, std::size_t first, std::size_t l
     const double off = std::abs(normal.dot(beams[i].point - beams[first].point));
     if (off > farthest) farthest = off, corner = i;
   }
-  if (farthest <= 3 * std::max({0.008, 4 * sigma, 2.5 * bias})) {
+  if (farthest <= 3 * std::max(0.008, 4 * sigma)) {
     pieces.emplace_back(first, last);
     return;
   }
-  split(beams, first, corner, bias, pieces);
-  split(beams, corner, last, bias, pieces);
+  split(beams, first, corner, pieces);
+  split(beams, corner, last, pieces);
 }
 
 bool make_surface(const StillView& view, std::size_t first, std::size_t last, Surface& surface) {
@@ -110,25 +110,9 @@ double angle_between(const Vector2d& a, const Vector2d& b) {
   return std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
 }
 
-/// Pieces in a row that keep turning the same way by about the same are chords of a curve.
-void mark_curves(std::vector<Surface>& surfaces) {
-  const auto turn_to_next = [&](std::size_t i) {
-    if (surfaces[i + 1].first_beam > surfaces[i].last_beam + 4) return 0.0;
-    const double turn = angle_between(surfaces[i].normal, surfaces[i + 1].normal);
-    return std::abs(turn) < 40 * rad_per_deg ? turn : 0.0;
-  };
-  for (std::size_t i = 0; i + 2 < surfaces.size(); ++i) {
-    const double first = turn_to_next(i), second = turn_to_next(i + 1);
-    if (first * second <= 0 || std::abs(first) > 3 * std::abs(second) ||
-        std::abs(second) > 3 * std::abs(first))
-      continue;
-    surfaces[i].is_curved = surfaces[i + 1].is_curved = surfaces[i + 2].is_curved = true;
-  }
-}
-
 }  // namespace
 
-std::vector<Surface> find_surfaces(const StillView& view, double bias) {
+std::vector<Surface> find_surfaces(const StillView& view) {
   const std::vector<StillBeam>& beams = view.beams;
   std::vector<std::pair<std::size_t, std::size_t>> pieces;
   const auto follows = [&](std::size_t i) {
@@ -139,7 +123,7 @@ std::vector<Surface> find_surfaces(const StillView& view, double bias) {
   };
   for (std::size_t first = 0, i = 1; i <= beams.size(); ++i) {
     if (i < beams.size() && follows(i)) continue;
-    split(beams, first, i - 1, bias, pieces);
+    split(beams, first, i - 1, pieces);
     first = i;
   }
   std::vector<Surface> surfaces;
@@ -148,7 +132,6 @@ std::vector<Surface> find_surfaces(const StillView& view, double bias) {
     surface = {};
     if (make_surface(view, first, last, surface)) surfaces.push_back(surface);
   }
-  mark_curves(surfaces);
   return surfaces;
 }
 

@@ -24,14 +24,12 @@ struct Surface {
   std::size_t ring = 0;
   std::size_t first_beam = 0, last_beam = 0;
   std::vector<Eigen::Vector2d> points;  ///< a few of its returns
-  /// Whether the surface is a piece of a curve, as the wall of a silo is.
-  bool is_curved = false;
 
   double length() const { return to - from; }
 };
 
-/// The straight surfaces of a view. `bias`, m: what the ranges of neighbouring beams may be wrong in common.
-std::vector<Surface> find_surfaces(const StillView& view, double bias = 0);
+/// The straight surfaces of a view.
+std::vector<Surface> find_surfaces(const StillView& view);
 /// The surfaces of all lasers of a multi-plane lidar that are upright: another laser sees the same line
 /// higher or lower.
 std::vector<Surface> find_upright(const std::vector<StillView>& views);

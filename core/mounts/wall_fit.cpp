@@ -129,7 +129,8 @@ void WallFit::find_held() {
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> parts(evidence);
     for (int i = 0; i < 3; ++i) {
-      if (parts.eigenvalues()[i] - noise < least_evidence) sensor.held.emplace_back(parts.eigenvectors().col(i));
+      if (parts.eigenvalues()[i] - noise < least_evidence)
+        sensor.held.emplace_back(parts.eigenvectors().col(i));
     }
   }
 }

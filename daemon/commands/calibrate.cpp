@@ -14,6 +14,7 @@
 #include "daemon/commands/commands.h"
 #include "daemon/commands/player.h"
 #include "daemon/config/pose_edit.h"
+#include "daemon/config/reading.h"
 #include "daemon/files/text_file.h"
 #include "daemon/files/text_table.h"
 #include "daemon/ros/in/tf_poses.h"
@@ -160,11 +161,7 @@ Pose new_pose(const ParkedSensor& sensor) {
   return pose;
 }
 
-Eigen::Vector3d degrees_of(const Pose& pose) {
-  const Eigen::Matrix3d r = pose.linear();
-  return deg_per_rad *
-         Eigen::Vector3d(std::atan2(r(2, 1), r(2, 2)), std::asin(std::clamp(-r(2, 0), -1.0, 1.0)), yaw_of(r));
-}
+Eigen::Vector3d degrees_of(const Pose& pose) { return deg_per_rad * rpy_of(pose); }
 
 double sigma_of(const MountEstimate& e, Eigen::Index i) { return std::sqrt(e.covariance(i, i)); }
 
@@ -175,6 +172,11 @@ std::string sentence_of(const ParkedSensor& sensor) {
   switch (e.verdict) {
     case MountVerdict::reference:
       return "the reference: x, y and yaw stay as configured";
+    case MountVerdict::uncertain:
+      return fmt::format(
+          "x, y, yaw: not determined: known to {:.0f} mm and {:.2f} deg only; park where walls stand in more "
+          "directions",
+          1000 * std::max(sigma_of(e, 0), sigma_of(e, 1)), deg_per_rad * sigma_of(e, 2));
     case MountVerdict::ambiguous:
       return "x, y, yaw: not determined: what it sees fits as well at another place (a bare rectangle, a "
              "corridor or a round room); "
@@ -232,7 +234,7 @@ TextTable table_of(const std::vector<ParkedSensor>& sensors) {
 }
 
 nlohmann::json json_of(const std::vector<ParkedSensor>& sensors, const MountSolution& solution) {
-  constexpr const char* verdicts[] = {"reference", "found", "ambiguous", "unconnected"};
+  constexpr const char* verdicts[] = {"reference", "found", "uncertain", "ambiguous", "unconnected"};
   const auto pose = [](const Pose& p) {
     const Eigen::Vector3d at = p.translation(), angles = degrees_of(p);
     return nlohmann::json{{"xyz", {at.x(), at.y(), at.z()}},

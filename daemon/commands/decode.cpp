@@ -223,11 +223,11 @@ CalibrationPtr table_calibration(const DecodeOptions& options, const Model& mode
 /// of the model.
 CalibrationPtr settle_calibration(const DecodeOptions& options, const velodyne::Calibration& calibration,
                                   const Model& model, std::ostream& err) {
-  const std::string misfit = velodyne::calibration_misfit(calibration, model);
-  if (!misfit.empty())
-    throw ConfigError(options.calibration + ": " + misfit + "; expected the calibration of this sensor");
-  const std::string doubt = velodyne::calibration_doubt(calibration, model);
-  if (!doubt.empty()) err << "note: " << options.calibration << ": " << doubt << '\n';
+  const std::string rejection = velodyne::calibration_rejection(calibration, model);
+  if (!rejection.empty())
+    throw ConfigError(options.calibration + ": " + rejection + "; expected the calibration of this sensor");
+  const std::string warning = velodyne::calibration_warning(calibration, model);
+  if (!warning.empty()) err << "note: " << options.calibration << ": " << warning << '\n';
   auto settled = std::make_shared<velodyne::Calibration>(calibration);
   settled->model =
       calibration_model_of(options.calibration_model).value_or(velodyne::usual_equations(calibration, model));

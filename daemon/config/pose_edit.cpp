@@ -10,6 +10,7 @@
 
 #include "core/base/angle.h"
 #include "core/base/number_text.h"
+#include "daemon/config/reading.h"
 
 namespace lidard {
 namespace {
@@ -49,10 +50,7 @@ std::string with_poses(const std::string& text, const std::map<std::string, Pose
   for (const auto& [name, pose] : poses) {
     const YAML::Node old = sensors[name]["pose"];
     const YAML::Node xyz = old["xyz"], rpy = old["rpy"], rpy_deg = old["rpy_deg"];
-    const Eigen::Matrix3d r = pose.linear();
-    const Eigen::Vector3d angles(std::atan2(r(2, 1), r(2, 2)),
-                                 std::atan2(-r(2, 0), std::hypot(r(2, 1), r(2, 2))),
-                                 std::atan2(r(1, 0), r(0, 0)));
+    const Eigen::Vector3d angles = rpy_of(pose);
     if (!xyz) throw std::runtime_error("the pose of " + name + " has no xyz");
     edits.push_back(list_at(text, xyz, name));
     edits.back().text = list_of(pose.translation(), "%.4f");

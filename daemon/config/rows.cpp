@@ -82,11 +82,11 @@ std::string expected_of(const Key& key) {
 
 KeyValue read_value(const Value& value, const Key& key, Mistakes& mistakes) {
   KeyValue read = read_plain(value, key, mistakes);
-  if (key.misfit == nullptr) return read;
-  if (auto misfit = key.misfit(read)) {
-    const std::size_t gap = misfit->what.find("{}");
-    if (gap != std::string::npos) misfit->what.replace(gap, 2, quoted(value, read));
-    value.fail(misfit->what, misfit->expected);
+  if (key.rejection == nullptr) return read;
+  if (auto rejection = key.rejection(read)) {
+    const std::size_t gap = rejection->what.find("{}");
+    if (gap != std::string::npos) rejection->what.replace(gap, 2, quoted(value, read));
+    value.fail(rejection->what, rejection->expected);
   }
   return read;
 }

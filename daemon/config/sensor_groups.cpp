@@ -19,18 +19,18 @@ constexpr const char* group_form = "a multicast address like 239.0.0.10";
 
 /// Why models refuse keys that others take, and what to do instead.
 constexpr const char* no_key = "no such key";
-const Misfit no_cloud{", which is no multi-plane lidar", no_key};
-const Misfit no_settings{", to whose settings nothing is said", "no such key; set it up in the device"};
-const Misfit no_web{", which has no web interface that is known",
+const Rejection no_cloud{", which is no multi-plane lidar", no_key};
+const Rejection no_settings{", to whose settings nothing is said", "no such key; set it up in the device"};
+const Rejection no_web{", which has no web interface that is known",
                     "no such key: it applies to Velodynes other than the HDL-64E"};
-const Misfit no_packets{", whose packets travel in no message that is known", "a Velodyne, or no such key"};
-const Misfit no_paths{", which is no safety scanner of SICK", no_key};
-const Misfit no_telemetry{", which sends no telemetry beside its data", no_key};
-const Misfit no_beams{", whose clouds are complete with all returns",
+const Rejection no_packets{", whose packets travel in no message that is known", "a Velodyne, or no such key"};
+const Rejection no_paths{", which is no safety scanner of SICK", no_key};
+const Rejection no_telemetry{", which sends no telemetry beside its data", no_key};
+const Rejection no_beams{", whose clouds are complete with all returns",
                       "no such key; view_direction and view_width keep a sector"};
-const Misfit calibrated{", which sends calibrated measurements", no_key};
-const Misfit over_tcp{", which is read over TCP", no_key};
-const Misfit no_clock{", which is not asked for its clock",
+const Rejection calibrated{", which sends calibrated measurements", no_key};
+const Rejection over_tcp{", which is read over TCP", no_key};
+const Rejection no_clock{", which is not asked for its clock",
                       "clock: smooth, which follows the device clock all the time"};
 
 bool any_model(const Model& /*model*/) { return true; }
@@ -57,20 +57,20 @@ Rows of_requests(const Keys<DeviceRequests>& keys) {
   return of_driver(within(&DriverConfig::requests, keys));
 }
 
-std::optional<Misfit> no_sender(const KeyValue& value) {
+std::optional<Rejection> no_sender(const KeyValue& value) {
   const auto address = IpAddress::parse(std::get<std::string>(value));
-  if (!address) return Misfit{"is {}, which is no address", sender_form};
-  if (address->v6) return Misfit{"is {}, an IPv6 address, from which nothing is received", sender_form};
+  if (!address) return Rejection{"is {}, which is no address", sender_form};
+  if (address->v6) return Rejection{"is {}, an IPv6 address, from which nothing is received", sender_form};
   if (!address->is_multicast()) return std::nullopt;
-  return Misfit{"is {}, a multicast group",
+  return Rejection{"is {}, a multicast group",
                 std::string(sender_form) + "; the group goes into multicast_group"};
 }
 
-std::optional<Misfit> no_group(const KeyValue& value) {
+std::optional<Rejection> no_group(const KeyValue& value) {
   const auto address = IpAddress::parse(std::get<std::string>(value));
-  if (!address) return Misfit{"is {}, which is no address", group_form};
+  if (!address) return Rejection{"is {}, which is no address", group_form};
   if (address->is_multicast()) return std::nullopt;
-  return Misfit{"is {}, which is no multicast group", group_form};
+  return Rejection{"is {}, which is no multicast group", group_form};
 }
 
 KeyOf<S> model_row() {

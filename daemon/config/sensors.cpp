@@ -26,18 +26,18 @@ bool holds(const SensorGroup& group, const std::string& key) {
 }
 
 /// Why a key that this kind of sensor does not take is refused, and what to do instead.
-Misfit refusal(const std::string& key, const SensorConfig& sensor) {
+Rejection refusal(const std::string& key, const SensorConfig& sensor) {
   if (sensor.model == nullptr)
     return {"does not apply to a source with topic:", "topic, frame_id, pose and time_offset only"};
   const bool cloud = sensor.model->kind == FrameKind::cloud;
-  Misfit why =
-      cloud ? Misfit{", whose clouds are complete with all returns", "no such key"}
-            : Misfit{", which sends what its own configuration says", "no such key; set it in the device"};
+  Rejection why =
+      cloud ? Rejection{", whose clouds are complete with all returns", "no such key"}
+            : Rejection{", which sends what its own configuration says", "no such key; set it in the device"};
   for (const SensorGroup& group : sensor_groups()) {
     if (!holds(group, key)) continue;
     if (group.network && group.takes(*sensor.model))
       return {"is given beside packet_topic", "one of them: the network and its sensor are another node's"};
-    const Misfit& own = cloud ? group.of_clouds : group.of_scanners;
+    const Rejection& own = cloud ? group.of_clouds : group.of_scanners;
     if (!own.what.empty()) why = own;
   }
   return {"is not available for " + std::string(sensor.model->name) + why.what, why.expected};
@@ -51,7 +51,7 @@ void check_keys(const Mapping& yaml, const SensorConfig& sensor) {
     });
     if (is_taken) continue;
     yaml.attempt_rule([&] {
-      const Misfit why = refusal(key, sensor);
+      const Rejection why = refusal(key, sensor);
       yaml.where(key).fail_at_key(why.what, why.expected);
     });
   }
@@ -82,7 +82,7 @@ void read_kind(Mapping& yaml, SensorConfig& sensor) {
   const auto model = yaml.find("model");
   if (model && yaml.has("topic")) {
     const Value& topic = yaml.where("topic");
-    yaml.mistakes().doubt(topic.path());
+    yaml.mistakes().warning(topic.path());
     topic.fail_at_key("is given beside model", "one of them: model (our driver) or topic (another driver)");
   }
   if (!model && !yaml.has("topic") && yaml.mistakes().is_in_doubt(yaml.self().path())) throw AlreadyNoted();
@@ -313,10 +313,10 @@ void read_calibration(Mapping& yaml, SensorConfig& sensor, Reading& reading) {
   sensor.calibration_digest = std::hash<std::string>()(read_file(path, expected));
   calibration->model =
       model ? read_calibration_model(*model) : velodyne::usual_equations(*calibration, *sensor.model);
-  const std::string misfit = velodyne::calibration_misfit(*calibration, *sensor.model);
-  if (!misfit.empty()) file->fail(misfit, "the calibration of this sensor");
-  const std::string doubt = velodyne::calibration_doubt(*calibration, *sensor.model);
-  if (!doubt.empty()) reading.warn(file->place(), file->path() + " " + doubt);
+  const std::string rejection = velodyne::calibration_rejection(*calibration, *sensor.model);
+  if (!rejection.empty()) file->fail(rejection, "the calibration of this sensor");
+  const std::string warning = velodyne::calibration_warning(*calibration, *sensor.model);
+  if (!warning.empty()) reading.warn(file->place(), file->path() + " " + warning);
   sensor.driver.calibration = std::move(calibration);
 }
 

@@ -179,14 +179,14 @@ KeyValue as_frame(const std::string& value) {
   return copied(!value.empty() && value.front() == '/' ? value.substr(1) : value);
 }
 
-void drop_misfits(const Model& model, KeyMap& sensor, DropinSetup& setup) {
-  const auto is_misfit = [&](const auto& one) {
+void drop_rejected(const Model& model, KeyMap& sensor, DropinSetup& setup) {
+  const auto is_rejected = [&](const auto& one) {
     if (takes_key(model, one.first)) return false;
     setup.warnings.push_back("key " + one.first + " was left out: a " + std::string(model.product) +
                              " has no use for it");
     return true;
   };
-  sensor.erase(std::remove_if(sensor.begin(), sensor.end(), is_misfit), sensor.end());
+  sensor.erase(std::remove_if(sensor.begin(), sensor.end(), is_rejected), sensor.end());
 }
 
 std::optional<std::string> ParameterReader::find(const std::string& name) {

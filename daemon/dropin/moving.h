@@ -102,7 +102,7 @@ KeyValue copied(const std::string& value);
 KeyValue as_frame(const std::string& value);
 
 /// Removes keys of a sensor that its model does not take, and says so.
-void drop_misfits(const Model& model, KeyMap& sensor, DropinSetup& setup);
+void drop_rejected(const Model& model, KeyMap& sensor, DropinSetup& setup);
 
 /// Translates the parameters of laserscan_multi_merger (ira_laser_tools 1.0.7), with its defaults and limits.
 /// Throws ConfigError for what cannot be; so do the following ones.

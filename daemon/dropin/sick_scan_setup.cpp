@@ -122,7 +122,7 @@ DropinSetup sick_scan_setup(const NodeParameters& parameters) {
   // sick_scan_xd sets each device up as its parameters say.
   if (!listens) sensor.emplace_back("allow_write", true);
   pair_login(sensor, setup);
-  drop_misfits(model, sensor, setup);
+  drop_rejected(model, sensor, setup);
   setup.keys = {{"sensors", KeyMap{{"scanner", std::move(sensor)}}}};
   if (is_planar && !cloud.empty())
     setup.keys.emplace_back("merged_scans",

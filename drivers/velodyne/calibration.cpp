@@ -126,7 +126,7 @@ CalibrationModel usual_equations(const Calibration& calibration, const Model& mo
   return is_s1 && calibration.is_db_xml ? CalibrationModel::veloview : CalibrationModel::ros_drivers;
 }
 
-std::string calibration_misfit(const Calibration& calibration, const Model& model) {
+std::string calibration_rejection(const Calibration& calibration, const Model& model) {
   const std::string product(model.product);
   if (!model.has(Trait::calibration)) return "is for a Velodyne, " + product + " takes none";
   if (model.beams == calibration.lasers.size()) return {};
@@ -134,7 +134,7 @@ std::string calibration_misfit(const Calibration& calibration, const Model& mode
          std::to_string(model.beams);
 }
 
-std::string calibration_doubt(const Calibration& calibration, const Model& model) {
+std::string calibration_warning(const Calibration& calibration, const Model& model) {
   if (!model.has(Trait::calibration)) return {};
   const double usual = row_of(model).distance_step_m;
   if (std::abs(calibration.distance_step_m - usual) < 1e-6) return {};

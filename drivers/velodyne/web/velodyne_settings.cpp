@@ -157,15 +157,15 @@ constexpr double last_port = 65535;
 constexpr const char* fov_form = "{start_deg: 0, end_deg: 360}, whole degrees";
 constexpr const char* host_form = "the IPv4 address to send to, a broadcast or a multicast address";
 
-std::optional<Misfit> no_rpm(const KeyValue& value) {
+std::optional<Rejection> no_rpm(const KeyValue& value) {
   if (std::fmod(std::get<double>(value), rpm_step) == 0) return std::nullopt;
-  return Misfit{"is {}", "a multiple of 60 from 300 to 1200"};
+  return Rejection{"is {}", "a multiple of 60 from 300 to 1200"};
 }
 
-std::optional<Misfit> no_host(const KeyValue& value) {
+std::optional<Rejection> no_host(const KeyValue& value) {
   const auto address = IpAddress::parse(std::get<std::string>(value));
   if (address && !address->v6 && *address != IpAddress::v4(0, 0, 0, 0)) return std::nullopt;
-  return Misfit{"is {}", host_form};
+  return Rejection{"is {}", host_form};
 }
 
 Keys<S> fov_keys() {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <random>
 
 #include "core/base/angle.h"
@@ -193,6 +194,18 @@ TEST(MountSolver, PlacesThatLookAlikeFromSeveralPosesAreRefused) {
     }
   });
   verdict_in([](Place& /*open field*/) {});
+}
+
+TEST(MountSolver, WhereWallsHardlyShowADirectionThePoseStaysAsConfigured) {
+  Trial trial(11);
+  // Walls one degree off parallel, and no end in sight.
+  trial.place.walls = {{{-200, -3}, {200, -3}}, {{-200, 3 - 3.5}, {200, 3 + 3.5}}};
+  trial.add({0.5, 0.5, 0.7}, {}, false, 0.05);
+  trial.add({0.5, -0.5, -0.7}, {}, false, 0.05);
+  const MountSolution solution = solve_mounts(trial.sensors, 0);
+  const MountEstimate& estimate = solution.sensors[1];
+  EXPECT_FALSE(estimate.determined[0]);
+  EXPECT_NEAR(estimate.pose.x, trial.sensors[1].configured.x, 0.02) << "along the walls nothing is known";
 }
 
 TEST(MountSolver, AlongACorridorThatIsConfiguredNearlyRightNothingIsChanged) {

@@ -117,10 +117,10 @@ TEST_P(SharedCalibration, FitsItsModelOnly) {
   std::vector<std::string> warnings;
   const Calibration calibration = load_calibration(path, warnings);
   const Model* vlp16 = find_model("velodyne_vlp16");
-  EXPECT_EQ(velodyne::calibration_misfit(calibration, *vlp16).empty(), shared.lasers == 16);
+  EXPECT_EQ(velodyne::calibration_rejection(calibration, *vlp16).empty(), shared.lasers == 16);
   if (const Model* model = find_model(shared.model)) {
-    EXPECT_EQ(velodyne::calibration_misfit(calibration, *model), "");
-    EXPECT_EQ(velodyne::calibration_doubt(calibration, *model), "");
+    EXPECT_EQ(velodyne::calibration_rejection(calibration, *model), "");
+    EXPECT_EQ(velodyne::calibration_warning(calibration, *model), "");
   }
 }
 
@@ -286,15 +286,15 @@ TEST(CalibrationFile, RefusesFilesThatCannotBeRead) {
 TEST(CalibrationFile, OtherSensorsTakeNone) {
   const Calibration calibration = calibration_of(one_laser(""));
   const Model& scanner = *find_model("sick_microscan3");
-  EXPECT_THAT(velodyne::calibration_misfit(calibration, scanner), HasSubstr("takes none"));
-  EXPECT_EQ(velodyne::calibration_doubt(calibration, scanner), "");
+  EXPECT_THAT(velodyne::calibration_rejection(calibration, scanner), HasSubstr("takes none"));
+  EXPECT_EQ(velodyne::calibration_warning(calibration, scanner), "");
 }
 
 TEST(CalibrationFile, AnotherStepThanTheModelsIsDoubted) {
   Calibration calibration;
   calibration.lasers.resize(16);
   calibration.distance_step_m = 0.004;
-  EXPECT_EQ(velodyne::calibration_doubt(calibration, *find_model("velodyne_vlp16")),
+  EXPECT_EQ(velodyne::calibration_warning(calibration, *find_model("velodyne_vlp16")),
             "has a distance step of 4 mm, but VLP-16 counts in 2 mm: is it the right file?");
 }
 

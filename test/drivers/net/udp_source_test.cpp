@@ -2,92 +2,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/net/udp_source.h"
 
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
-#include <atomic>
-#include <boost/asio/io_context.hpp>
 #include <chrono>
 #include <cmath>
-#include <map>
 #include <thread>
 
+#include "test/drivers/net/udp_bench.h"
 #include "test/support/allocations.h"
 
 namespace lidard {
 namespace {
 
 using std::chrono::milliseconds;
-
-sockaddr_in ip(const std::string& address, std::uint16_t port) {
-  sockaddr_in raw{};
-  raw.sin_family = AF_INET;
-  raw.sin_port = htons(port);
-  inet_pton(AF_INET, address.c_str(), &raw.sin_addr);
-  return raw;
-}
-
-/// A lidar's stand-in: sends from an address of the loopback network.
-class Sender {
- public:
-  explicit Sender(const std::string& from = "127.0.0.1") : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {
-    const int yes = 1;
-    setsockopt(fd_, SOL_SOCKET, SO_BROADCAST, &yes, sizeof yes);
-    const sockaddr_in local = ip(from, 0);
-    EXPECT_EQ(bind(fd_, reinterpret_cast<const sockaddr*>(&local), sizeof local), 0) << from;
-  }
-  ~Sender() { close(fd_); }
-  Sender(const Sender&) = delete;
-  Sender& operator=(const Sender&) = delete;
-
-  bool send(std::uint16_t port, const std::string& text, const std::string& to = "127.0.0.1") {
-    const sockaddr_in target = ip(to, port);
-    return sendto(fd_, text.data(), text.size(), 0, reinterpret_cast<const sockaddr*>(&target),
-                  sizeof target) == static_cast<ssize_t>(text.size());
-  }
-  int fd() const { return fd_; }
-
- private:
-  int fd_;
-};
-
-struct UdpBench {
-  explicit UdpBench(UdpOptions options = {})
-      : source(io, std::move(options), [this](const std::vector<Packet>& packets) {
-          for (const Packet& packet : packets) {
-            last = packet;
-            ++by_sender[packet.from.address.to_string()];
-            text = std::string(packet.payload.text());
-            ++count;
-          }
-        }) {
-    source.start();
-  }
-  void run(milliseconds span) {
-    io.restart();
-    io.run_for(span);
-  }
-  /// Runs until `done` or 20 s passed: machines that run tests are busy.
-  template <class Done>
-  bool run_until(Done done, milliseconds limit = milliseconds(20000)) {
-    const auto end = std::chrono::steady_clock::now() + limit;
-    while (!done() && std::chrono::steady_clock::now() < end) run(milliseconds(5));
-    return done();
-  }
-  bool run_until_count(std::uint64_t n) {
-    return run_until([&] { return count >= n; });
-  }
-  std::uint16_t port() const { return source.local_port(); }
-
-  boost::asio::io_context io;
-  Packet last;
-  std::string text;
-  std::map<std::string, int> by_sender;
-  std::uint64_t count = 0;
-  UdpSource source;
-};
+using test::ip;
+using test::Sender;
+using test::UdpBench;
 
 TEST(UdpSource, ReceivesUnicastWithSenderAndReceiver) {
   UdpBench bench;
@@ -362,91 +293,6 @@ TEST(UdpSource, LosesNothingAtTheRateOfADualReturnVlp16) {
   EXPECT_EQ(bench.count, sent);
   EXPECT_EQ(bench.source.stats().kernel_drops, 0U);
   EXPECT_LE(bench.source.stats().wakeups, sent + 10);
-}
-
-/// Sends `packets_per_s` to a port for as long as it lives.
-class Stream {
- public:
-  Stream(std::uint16_t port, int packets_per_s)
-      : thread_([this, port, packets_per_s] {
-          Sender sender;
-          auto next = std::chrono::steady_clock::now();
-          for (; !ended_; std::this_thread::sleep_until(next += milliseconds(1))) {
-            for (int i = 0; i < packets_per_s / 1000; ++i) sent_ += sender.send(port, std::string(1206, 'v'));
-          }
-        }) {}
-  ~Stream() { end(); }
-  std::uint64_t end() {
-    ended_ = true;
-    if (thread_.joinable()) thread_.join();
-    return sent_;
-  }
-
- private:
-  std::atomic<bool> ended_{false};
-  std::uint64_t sent_ = 0;
-  std::thread thread_;
-};
-
-TEST(UdpSource, ReadsABusyPortByTheClockAndLosesNothing) {
-  UdpOptions options;
-  options.packets_per_s = 8000;
-  UdpBench bench(options);
-  Stream stream(bench.port(), 8000);
-  bench.run_until_count(4000);
-  const std::uint64_t wakeups = bench.source.stats().wakeups, count = bench.count;
-  const auto begin = std::chrono::steady_clock::now();
-  bench.run_until_count(count + 8000);
-  const double passed_ms = 1e3 * seconds(std::chrono::steady_clock::now() - begin);
-  EXPECT_LE(static_cast<double>(bench.source.stats().wakeups - wakeups), passed_ms + 10);
-  const std::uint64_t sent = stream.end();
-  EXPECT_TRUE(bench.run_until_count(sent));
-  EXPECT_EQ(bench.count, sent);
-  EXPECT_EQ(bench.source.stats().kernel_drops, 0U);
-}
-
-TEST(UdpSource, SleepsUntilTheNextDatagramOnceABusyPortIsQuiet) {
-  UdpBench bench;
-  {
-    Stream stream(bench.port(), 8000);
-    bench.run_until_count(4000);
-  }
-  bench.run(milliseconds(500));
-  const std::uint64_t wakeups = bench.source.stats().wakeups, count = bench.count;
-  bench.run(milliseconds(300));
-  EXPECT_EQ(bench.source.stats().wakeups, wakeups);
-  Sender sender;
-  sender.send(bench.port(), "one");
-  ASSERT_TRUE(bench.run_until_count(count + 1));
-  EXPECT_EQ(bench.source.stats().wakeups, wakeups + 1);
-  EXPECT_EQ(bench.text, "one");
-}
-
-TEST(UdpSource, CatchesUpWithABusyPortBeforeItsTime) {
-  UdpBench bench;
-  Stream stream(bench.port(), 8000);
-  bench.run_until_count(4000);
-  const std::uint64_t sent = stream.end();
-  for (int i = 0; i < 100 && bench.count < sent; ++i) bench.source.catch_up();  // without the loop
-  EXPECT_EQ(bench.count, sent);
-}
-
-TEST(UdpSource, ABusyPortStopsAndStartsAgain) {
-  UdpBench bench;
-  Stream stream(bench.port(), 8000);
-  bench.run_until_count(4000);
-  bench.source.stop();
-  stream.end();
-  const std::uint64_t count = bench.count;
-  bench.source.catch_up();
-  bench.run(milliseconds(50));
-  EXPECT_EQ(bench.count, count);
-  EXPECT_TRUE(bench.io.stopped()) << "something keeps the loop alive";
-  bench.source.start();
-  Sender sender;
-  sender.send(bench.port(), "again");
-  ASSERT_TRUE(bench.run_until_count(count + 1));
-  EXPECT_EQ(bench.text, "again");
 }
 
 }  // namespace

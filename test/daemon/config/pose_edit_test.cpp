@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/config/pose_edit.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "core/base/angle.h"
+
+namespace lidard {
+namespace {
+
+const Pose wanted = make_pose({1.25, -0.5, 0.3}, {0, 0, 90 * rad_per_deg});
+
+TEST(PoseEdit, ReplacesNumbersAndLeavesAllElseAsItIs) {
+  const char* const text =
+      "# yard truck\nsensors:\n  left:   # front\n    model: sick_microscan3\n"
+      "    pose: {xyz: [0, 1, 0.35], rpy_deg: [0, 0, 45]}   # by tape\n  right: {pose: {xyz: [0, 0, 0]}}\n";
+  EXPECT_EQ(with_poses(text, {{"left", wanted}}),
+            "# yard truck\nsensors:\n  left:   # front\n    model: sick_microscan3\n"
+            "    pose: {xyz: [1.25, -0.5, 0.3], rpy_deg: [0, 0, 90]}   # by tape\n  right: {pose: {xyz: [0, "
+            "0, 0]}}\n");
+}
+
+TEST(PoseEdit, KeepsTheUnitOfAnglesAndAddsThoseThatAreMissing) {
+  EXPECT_EQ(with_poses("sensors: {a: {pose: {rpy: [0, 0, 0], xyz: [0, 0, 0]}}}", {{"a", wanted}}),
+            "sensors: {a: {pose: {rpy: [0, 0, 1.570796], xyz: [1.25, -0.5, 0.3]}}}");
+  EXPECT_EQ(with_poses("sensors: {a: {pose: {xyz: [0, 0, 0]}}}", {{"a", wanted}}),
+            "sensors: {a: {pose: {xyz: [1.25, -0.5, 0.3], rpy_deg: [0, 0, 90]}}}");
+  EXPECT_EQ(
+      with_poses("sensors:\n  a:\n    pose:\n      xyz: [0, 0, 0]\n    model: b\n", {{"a", wanted}}),
+      "sensors:\n  a:\n    pose:\n      xyz: [1.25, -0.5, 0.3]\n      rpy_deg: [0, 0, 90]\n    model: b\n");
+}
+
+TEST(PoseEdit, NamesTheLineOfAPoseThatItCannotReplace) {
+  try {
+    with_poses("sensors:\n  a:\n    pose:\n      xyz:\n        - 0\n        - 0\n        - 0\n",
+               {{"a", wanted}});
+    FAIL() << "was replaced";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("line 5: write the pose of a as {xyz: [x, y, z], rpy_deg"));
+  }
+}
+
+}  // namespace
+}  // namespace lidard
