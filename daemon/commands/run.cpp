@@ -74,6 +74,7 @@ class Daemon {
     planes_.add_items = [this](auto& items) {
       items.push_back(clock_.item());
       items.push_back(configuration_item());
+      if (!plan_->parts[1].hand_over.empty()) items.push_back(hand_over_item());
       if (auto item = box_.item()) items.push_back(std::move(*item));
     };
     planes_.on_round = [this] { feed_watchdog(); };
@@ -140,7 +141,10 @@ class Daemon {
   void connect_lanes() {
     clouds_.pipeline().set_hand_over([this, plan = plan_](std::size_t source, const PlanarScan& scan, Stamp) {
       constexpr int most_waiting = 100;
-      if (handed_over_ >= most_waiting) return;
+      if (handed_over_ >= most_waiting) {
+        ++not_handed_over_;
+        return;
+      }
       ++handed_over_;
       planes_.post([this, plan, source, scan](Stamp received) {
         --handed_over_;
@@ -173,7 +177,8 @@ class Daemon {
       } catch (const std::exception& error) {
         trouble = error.what();
       }
-      planes_.post([this, config, trouble](Stamp now) { config ? change(*config, now) : end_reload(trouble); });
+      planes_.post(
+          [this, config, trouble](Stamp now) { config ? change(*config, now) : end_reload(trouble); });
     });
   }
   void change(const Config& config, Stamp now) {
@@ -227,6 +232,16 @@ class Daemon {
     came_up();
     malloc_trim(0);  // the former configuration has left holes
     if (std::exchange(wants_reload_, false)) reload();
+  }
+  /// Virtual scans on their way to merged ones.
+  DiagnosticItem hand_over_item() const {
+    DiagnosticItem item{"virtual scans to merge"};
+    const std::uint64_t lost = not_handed_over_;
+    item.add("Scans dropped", lost);
+    item.message = "all are handed over";
+    if (lost > 0)
+      item.set(Health::warn, "scans were dropped, since this computer is too busy to merge them; see `top`");
+    return item;
   }
   DiagnosticItem configuration_item() const {
     DiagnosticItem item{"configuration"};
@@ -318,6 +333,7 @@ class Daemon {
   std::atomic<bool> clouds_ended_{false};
   std::uint64_t clouds_rounds_ = 0;
   std::atomic<int> handed_over_{0};  // scans on their way from the lane of clouds to that of planes
+  std::atomic<std::uint64_t> not_handed_over_{0};
   boost::asio::signal_set signals_;
   boost::asio::signal_set requests_;  // that do not end the daemon
   int ticks_ = 0;

@@ -82,7 +82,7 @@ void read_kind(Mapping& yaml, SensorConfig& sensor) {
   const auto model = yaml.find("model");
   if (model && yaml.has("topic")) {
     const Value& topic = yaml.where("topic");
-    yaml.mistakes().warning(topic.path());
+    yaml.mistakes().doubt(topic.path());
     topic.fail_at_key("is given beside model", "one of them: model (our driver) or topic (another driver)");
   }
   if (!model && !yaml.has("topic") && yaml.mistakes().is_in_doubt(yaml.self().path())) throw AlreadyNoted();

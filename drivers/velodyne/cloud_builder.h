@@ -82,6 +82,8 @@ class CloudBuilder {
  private:
   /// A frame ends by its stamps after so long: RevolutionCutter's limit.
   static constexpr Span longest_turn = std::chrono::milliseconds(1500);
+  /// At 600 rpm.
+  static constexpr Span usual_turn = std::chrono::milliseconds(100);
   /// One sequence in so many is kept of a frame that nobody wants.
   static constexpr std::size_t thin_step = 16;
 
@@ -111,15 +113,19 @@ class CloudBuilder {
     cloud_.stamp = stamps_.next(clock.to_host(time) + config_.time_offset);
   }
 
-  /// A buffer that grew step by step would be copied, 10 MB at a time, while packets come.
+  /// A buffer that grew step by step would be copied, 10 MB at a time, while packets come. It has to hold the
+  /// last frame, or, where there was none, as many returns as a turn can have.
   void reserve_revolution() {
     if (is_thin_) return;
-    const Span turn = std::clamp(cutter_.period(), Span(0), Span(longest_turn));
-    const auto sequences = static_cast<std::size_t>(turn / row_.timings.front().sequence) * echoes_;
-    const std::size_t bytes = (sequences + sequences / 16) * row_.lasers * sizeof(CloudPoint);
+    std::size_t bytes = last_bytes_;
+    if (bytes == 0) {
+      const Span turn = cutter_.period() > Span(0) ? std::min(cutter_.period(), longest_turn) : usual_turn;
+      bytes = static_cast<std::size_t>(turn / row_.timings.front().sequence) * echoes_ * row_.lasers *
+              sizeof(CloudPoint);
+    }
     if (cloud_.points_bytes.capacity() >= bytes) return;
     cloud_.points_bytes.clear();
-    cloud_.points_bytes.reserve(bytes);
+    cloud_.points_bytes.reserve(bytes + bytes / 16);
   }
 
   void take_over(const DriverConfig& wanted) {
@@ -145,6 +151,7 @@ class CloudBuilder {
     cloud_.expected_columns =
         static_cast<std::size_t>(cutter_.period() / row_.timings.front().sequence) * echoes_;
     cloud_.points_bytes.resize(points_ * sizeof(CloudPoint));
+    if (!is_thin_) last_bytes_ = cloud_.points_bytes.size();
     ++counters_.frames;
     out.cloud(cloud_);
   }
@@ -164,8 +171,9 @@ class CloudBuilder {
   bool in_stream_ = false;
   bool began_at_cut_ = false;
   bool visible_ = true;
-  bool is_thin_ = false;     // nobody wants the points of the frame at hand
-  std::size_t in_view_ = 0;  // sequences of a thin frame so far
+  std::size_t last_bytes_ = 0;  // of the points of the last frame that somebody wanted
+  bool is_thin_ = false;        // nobody wants the points of the frame at hand
+  std::size_t in_view_ = 0;     // sequences of a thin frame so far
   Span frame_time_{0};
   SteadyStamps stamps_;
 };

@@ -96,7 +96,8 @@ class MakerOf<Cloud, sensor_msgs::PointCloud2> final : public MessageMaker {
     }
     constexpr std::size_t growth = 100'000;  // from one cloud to the next
     buffers_.push_back(std::make_shared<PointBytes>());
-    buffers_.back()->reserve(size + growth);
+    // Written here, so that the thread that receives packets does not wait for pages of the system.
+    buffers_.back()->resize(size + growth);
     return buffers_.back();
   }
 

@@ -121,7 +121,8 @@ TEST(RunDaemon, TellsItsStateToTheServiceManagerAndTheLogUntilASignal) {
   // Trouble is told once.
   ASSERT_TRUE(daemon.says("error: sensor roof: nothing received from any sender to port")) << daemon.log();
   EXPECT_EQ(count(daemon.log(), "sensor roof: "), 1U) << daemon.log();
-  const auto packets = spin({"velodyne_vlp16", sim::ReturnMode::strongest, ""}, 12);
+  // The line is a second old at most, of items that are a second old at most.
+  const auto packets = spin({"velodyne_vlp16", sim::ReturnMode::strongest, ""}, 40);
   std::size_t sent = 0;
   while (!daemon.says("STATUS=1/1 lidars", 0) && sent < packets.size()) {
     daemon.send(packets[sent++].bytes);
