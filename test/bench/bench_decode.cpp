@@ -1,10 +1,13 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 // Decoding packets to finished PointCloud2 bytes, and copying the same number of bytes with memcpy between
-// buffers larger than the cache, in one program: the ratio is what counts, since machines differ.
+// buffers larger than the cache, in one program: the ratio is what counts, since machines differ. With
+// LIDARD_CAPTURES real captures are decoded too.
 #include <benchmark/benchmark.h>
 
+#include <cstdlib>
 #include <cstring>
+#include <string>
 #include <vector>
 
 #include "drivers/capture/pcap_source.h"
@@ -20,10 +23,10 @@ struct Recorded {
   Endpoint from, to;
 };
 
-/// The packets of one model's port in a capture of the project.
-std::vector<Recorded> packets_of(const char* capture, const Model& model) {
+/// The packets of one model's port in a capture.
+std::vector<Recorded> packets_of(const std::string& capture, const Model& model) {
   std::vector<Recorded> packets;
-  PcapSource source(std::string(LIDARD_SOURCE_DIR "/pcaps/") + capture);
+  PcapSource source(capture);
   Packet p;
   while (source.next(p)) {
     if (p.to.port != model.port) continue;
@@ -39,7 +42,7 @@ class CountingOutput final : public DriverOutput {
   std::uint64_t points = 0;
 };
 
-void decode(benchmark::State& state, const char* name, const char* capture) {
+void decode(benchmark::State& state, const std::string& name, const std::string& capture) {
   const Model& model = *find_model(name);
   const auto packets = packets_of(capture, model);
   if (packets.empty()) {
@@ -65,6 +68,9 @@ void decode(benchmark::State& state, const char* name, const char* capture) {
   state.SetBytesProcessed(static_cast<std::int64_t>(output.points * sizeof(CloudPoint)));
   state.counters["ns_per_point"] = benchmark::Counter(
       static_cast<double>(output.points) * 1e-9, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  state.counters["ns_per_packet"] =
+      benchmark::Counter(static_cast<double>(state.iterations()) * static_cast<double>(packets.size()) * 1e-9,
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
 /// The yardstick: as many bytes as a revolution of 28 800 points, from and to 64 MiB.
@@ -86,12 +92,37 @@ void copy_points(benchmark::State& state) {
       benchmark::Counter(copied * 1e-9, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
-BENCHMARK(copy_points)->Name("memcpy");
-BENCHMARK_CAPTURE(decode, vlp16, "velodyne_vlp16", "demo.pcap");
-BENCHMARK_CAPTURE(decode, vlp16_dual, "velodyne_vlp16", "vlp16_dual.pcap");
-BENCHMARK_CAPTURE(decode, microscan3, "sick_microscan3", "demo.pcap");
+struct Case {
+  const char *name, *model, *file;
+};
+constexpr Case shipped[] = {{"vlp16", "velodyne_vlp16", "demo.pcap"},
+                            {"vlp16_dual", "velodyne_vlp16", "vlp16_dual.pcap"},
+                            {"microscan3", "sick_microscan3", "demo.pcap"}};
+constexpr Case real[] = {{"real/vlp16_strongest", "velodyne_vlp16", "vlp16_strongest_1000.pcap"},
+                         {"real/vlp16_last", "velodyne_vlp16", "vlp16_last_1500.pcap"},
+                         {"real/vlp16_dual", "velodyne_vlp16", "vlp16_dual_1500.pcap"},
+                         {"real/vlp32c", "velodyne_vlp32c", "vlp32c_fov_379.pcap"},
+                         {"real/hdl32e", "velodyne_hdl32e", "hdl32e_gprmc_876.pcap"},
+                         {"real/vls128", "velodyne_vls128", "vls128_strongest_2193.pcap"}};
+
+void add(const Case& one, const std::string& folder) {
+  benchmark::RegisterBenchmark(one.name, [&one, path = folder + one.file](benchmark::State& state) {
+    decode(state, one.model, path);
+  });
+}
 
 }  // namespace
 }  // namespace lidard
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+  benchmark::RegisterBenchmark("memcpy", lidard::copy_points);
+  for (const auto& one : lidard::shipped) lidard::add(one, LIDARD_SOURCE_DIR "/pcaps/");
+  if (const char* folder = std::getenv("LIDARD_CAPTURES")) {
+    for (const auto& one : lidard::real) lidard::add(one, std::string(folder) + "/velodyne/");
+  }
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  return 0;
+}

@@ -117,8 +117,8 @@ void ancestor(benchmark::State& state) {
   }
 }
 
-BENCHMARK(ancestor)->Name("ancestor's chain of calls")->Arg(1)->Arg(4);
-BENCHMARK_CAPTURE(ours, strict slice, Profile::strict, CutMode::slice)->Arg(1)->Arg(4);
+BENCHMARK(ancestor)->Name("ancestor's chain of calls")->Arg(1)->Arg(16);
+BENCHMARK_CAPTURE(ours, strict slice, Profile::strict, CutMode::slice)->Arg(1)->Arg(16);
 BENCHMARK_CAPTURE(ours, strict band, Profile::strict, CutMode::band)->Arg(1);
 BENCHMARK_CAPTURE(ours, flatten, Profile::flatten, CutMode::slice)->Arg(1);
 
