@@ -19,6 +19,7 @@
 #include "daemon/live/runtime_socket.h"
 #include "daemon/live/sensor_loop.h"
 #include "daemon/live/service.h"
+#include "daemon/live/thread_priority.h"
 #include "daemon/pipeline/log.h"
 #include "daemon/ros/master/environment.h"
 #include "daemon/ros/master/thread_watch.h"
@@ -125,6 +126,7 @@ class Daemon {
   }
   void run_clouds() {
     name_this_thread("lidard-clouds");
+    yield_this_thread();
     clouds_.run();
     clouds_.finish();
     clouds_ended_ = true;
@@ -350,6 +352,7 @@ class Daemon {
 int run_daemon(const Config& config, RosOptions ros, std::ostream& err, const std::string& trouble) {
   keep_heap_small();
   lock_memory();
+  prefer_this_thread();
   try {
     ros.longest_report_age = longest_report_age;
     for (const auto& warning : config.warnings) log_warn("{}", warning);

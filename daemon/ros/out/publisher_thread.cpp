@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "daemon/live/thread_priority.h"
 #include "daemon/pipeline/log.h"
 #include "daemon/ros/master/wait_until.h"
 #include "drivers/net/wall_clock.h"
@@ -88,10 +89,12 @@ ros::Publisher PublisherThread::Output::make() const {
 
 void PublisherThread::Output::send(const Payload& payload, Stamp released) {
   if (latched) return publisher.publish(*latest);
-  // ros::Publisher::publish() does just this, but hides the buffer, which shows when all sockets have it.
-  ros::SerializedMessage serialized;
+  if (publisher.getNumSubscribers() == 0) return;
+  // ros::Publisher::publish() does just this, but makes the message while roscpp holds the lock of all topics
+  // (a cloud would hold up the scans), and hides the buffer, which shows when all sockets have it.
+  ros::SerializedMessage serialized = maker->make(payload, released).data;
   ros::TopicManager::instance()->publish(
-      publisher.getTopic(), [&] { return maker->make(payload, released).data; }, serialized);
+      publisher.getTopic(), [&] { return serialized; }, serialized);
   // Frees the memory of sent messages: a cloud has 10 MB.
   in_flight();
   if (serialized.buf) sent.push_back(serialized.buf);
@@ -165,7 +168,10 @@ PublisherThread::Output& PublisherThread::output_of(const QueuedFrame& frame) {
 }
 
 void PublisherThread::start() {
-  thread_ = std::thread([this] { run(); });
+  thread_ = std::thread([this] {
+    if (number_ == ThreadWatch::publishing_clouds) yield_this_thread();
+    run();
+  });
 }
 
 void PublisherThread::stop() {

@@ -37,8 +37,7 @@ Pose parse_pose(const YamlReader& yaml) {
 SensorEntry parse_sensor(const std::string& name, const YamlReader& yaml) {
   yaml.allow({"model", "pose", "from", "to", "phase_ms", "clock_offset", "latency_us", "jitter_us", "noise",
               "divergence_mrad", "range_min", "range_max", "options"});
-  const YamlReader name_of_model = yaml.at("model");
-  const SceneModel& model = find_model(name_of_model);
+  const SceneModel& model = find_model(yaml.at("model"));
   SensorEntry sensor;
   sensor.name = name;
   sensor.model = model.name;
