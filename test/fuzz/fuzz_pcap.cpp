@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Any bytes as a capture file. Corpus: any captures; -max_len=65536. For coverage of the library build with
-// -DLIDARD_FUZZ=ON -DLIDARD_SANITIZE=address,undefined,fuzzer-no-link.
+// Any bytes as a capture file. Corpus: any captures; -max_len=65536.
 #include <cstdlib>
 
 #include "test/drivers/capture/pcap_testing.h"

@@ -97,7 +97,10 @@ TEST(Config, SyntaxErrorsNameTheirPlace) {
   EXPECT_EQ(error_of("sensors: [1, 2\n"), "f:2:1: not YAML: end of sequence flow not found" + expected);
   EXPECT_EQ(error_of("sensors:\n  a: {topic: s}}\n"), "f:2:16: not YAML: illegal flow end" + expected);
   EXPECT_EQ(error_of("sensors:\n\ta: 1\n"), "f:2:3: not YAML: a tab in the indentation" + expected);
-  EXPECT_EQ(error_of("sensors: *a\n"), "f:1:10: not YAML: the referenced anchor is not defined" + expected);
+  // yaml-cpp 0.8 adds the name of the anchor.
+  EXPECT_THAT(error_of("sensors: *a\n"),
+              testing::AllOf(testing::StartsWith("f:1:10: not YAML: the referenced anchor is not defined"),
+                             testing::EndsWith(expected)));
 }
 
 TEST(Config, WrongShapesNameTheirPlace) {
