@@ -96,9 +96,11 @@ constexpr float steady_growth = 2.5F;         // of the steps along a wall
 constexpr float line_tolerance = 0.005F;      // m, beside the noise
 }  // namespace breakpoint
 
-/// Sets `sweep.linked`: which neighbouring returns belong to one surface. Two returns belong to one surface
-/// if the angle between surface and beam can be at least 10 degrees (9 here, to leave room at the limit):
-/// with ranges a <= b, s the angle between the beams, l = 9 degrees and sigma the noise
+/// Sets `sweep.linked`: which neighbouring returns belong to one surface.
+///
+/// Two returns belong to one surface if the angle between surface and beam can be at least 10 degrees (9
+/// here, to leave room at the limit): with ranges a <= b, s the angle between the beams, l = 9 degrees and
+/// sigma the noise
 ///     |P_a P_b| <= a sin(s) / sin(l - s) + 3 sigma.
 /// Four returns on one line are a wall at a more grazing angle. A steep link between two surfaces that both
 /// continue is removed: with coarse beams the rule alone would bridge steps of more than a metre.

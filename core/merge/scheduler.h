@@ -24,7 +24,7 @@ struct ScheduleSettings {
   double rate = 10;              ///< outputs per second, for policy `rate`
   std::size_t trigger = 0;       ///< the triggering source, for policy `trigger`
   std::optional<Span> deadline;  ///< how long to wait for a source after its sweep is due; default: 0.3 of
-                                 ///< the ///< shortest period of the sources
+                                 ///< the shortest period of the sources
   Span lost_after = std::chrono::milliseconds(400);  ///< silence; a source is not lost before it is overdue
 };
 

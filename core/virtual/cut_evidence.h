@@ -20,6 +20,7 @@ namespace lidard {
 ///    H |    `-._                a = e H / (H - h).
 ///    ==+========`x===       The plane is free there if h < 0: the beam goes on to E beneath.
 ///      |--- a ---| `-.E
+///
 /// A beam proves the plane free only if the beam and its neighbours in the ring cross the plane before their
 /// returns: an object between two columns may extend to the column that misses it. The piece between two
 /// neighbouring beams of a column that both cross the plane counts as free, unless the lower beam hits an

@@ -12,15 +12,17 @@
 namespace lidard {
 
 /// Cuts the surfaces of an organised cloud with planes z = const of a virtual frame and draws the cuts into
-/// the beams of a virtual scan. Ballardini et al. ("ira_laser_tools: a ROS LaserScan manipulation toolbox",
-/// arXiv:1411.1086, 2014) project the points near the plane; here the plane cuts the surfaces between the
-/// points.
+/// the beams of a virtual scan.
+///
+/// Ballardini et al. ("ira_laser_tools: a ROS LaserScan manipulation toolbox", arXiv:1411.1086, 2014) project
+/// the points near the plane; here the plane cuts the surfaces between the points.
 ///
 ///    ring r + 1   b------b'      Four neighbouring returns (two rings, two columns) span two triangles, if
 ///                 |     /|       they lie on one surface. An edge whose ends a, b are at heights h_a, h_b
 ///    plane  ======x===x==x===    on either side of the plane is crossed at the share
 ///                 | /    |           t = h_a / (h_a - h_b)
 ///    ring r       a------a'      of the way from a to b; crossings x of one surface are joined.
+///
 /// Where the ground is known, objects reach down to it: the edge between a return from the ground and the
 /// return above it is not a surface, and the surface of the upper return ends on the ground unless a beam
 /// passed beneath it. Edges between two returns from the ground are not drawn.

@@ -81,8 +81,9 @@ inline BeamEnd mixed(const BeamEnd& a, const BeamEnd& b, float share) {
 ///     \ `-._                    over what the lower one hits at
 ///      \    `-._ passing            passing = h_S + (h_up - h_S) d_low / d_up.
 ///    ===\=======`-._======      The plane (===), at h = 0, lies at -top above the highest return (top); the
-///        x top      `-._        thing reaches it if
+///        x top      `-._        object reaches it if
 ///    ____|______________`x_         -top < (passing - top) / 3.
+///
 /// The top of an object is at least as high as its highest return and lower than the lowest beam that passes
 /// over it. Both limits come from all neighbouring columns that see the object, since tops are mostly level.
 /// If the plane is close to the return, the object reaches it; if the plane is close to the beam, the object

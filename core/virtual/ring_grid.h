@@ -64,9 +64,10 @@ struct RingGridSettings {
 };
 
 /// A cloud as a grid of rings (ascending elevation) and azimuth columns. Neighbours of a beam are the same
-/// ring in the next column and the next ring in the same column. Lasers with different azimuth offsets are
-/// sorted into columns: the beams of one column point to one azimuth within half a column. Columns of lost
-/// packets stay `unknown`. Buffers keep their memory.
+/// ring in the next column and the next ring in the same column.
+///
+/// Lasers with different azimuth offsets are sorted into columns: the beams of one column point to one
+/// azimuth within half a column. Columns of lost packets stay `unknown`. Buffers keep their memory.
 class RingGrid {
  public:
   explicit RingGrid(const RingGridSettings& settings) : settings_(settings) {}
