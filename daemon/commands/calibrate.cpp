@@ -24,7 +24,7 @@
 namespace lidard {
 namespace {
 
-/// A sensor of the configuration and its frames.
+/// A sensor of the configuration and what it saw.
 struct ParkedSensor {
   const SensorConfig* config;
   StillScans scans;
@@ -33,7 +33,7 @@ struct ParkedSensor {
   std::optional<GroundPlane> ground;
   MountEstimate estimate;
 
-  // More frames add no accuracy: the remaining errors are not noise.
+  // More frames add no accuracy: what is left is no noise.
   static constexpr std::size_t most_scans = 1000, most_clouds = 100;
   void add(const PlanarScan& scan) {
     if (scans.frames() < most_scans) scans.add(scan);
@@ -67,7 +67,7 @@ class StillSink final : public FrameSink {
   std::vector<std::string> topics_;
 };
 
-/// The configuration without filters and outputs.
+/// The configuration without what changes the frames of a sensor or is made of them.
 Config bare(Config config) {
   config.merged_scans.clear();
   config.virtual_scans.clear();
@@ -81,7 +81,7 @@ Config bare(Config config) {
   return config;
 }
 
-/// Adds the messages of other drivers.
+/// Adds what other drivers published.
 void add_topics(const std::string& path, std::vector<ParkedSensor>& parked) {
   PlanarScan scan;
   Cloud cloud;
@@ -128,7 +128,7 @@ std::vector<ParkedSensor> play_parked(const CalibrateOptions& options, const Con
   return parked;
 }
 
-/// The surroundings of a sensor; for a multi-plane lidar the ground is found first.
+/// The place that a sensor sees, with the ground of a multi-plane lidar found first.
 MountedSensor place_of(ParkedSensor& sensor) {
   if (sensor.scans.is_cloud()) {
     sensor.ground = find_ground(sensor.scans.points(), sensor.before);
@@ -144,7 +144,7 @@ MountedSensor place_of(ParkedSensor& sensor) {
   return mounted;
 }
 
-/// The new pose: determined components, and the others as configured.
+/// The new pose: what was determined, and all else as configured.
 Pose new_pose(const ParkedSensor& sensor) {
   const MountEstimate& e = sensor.estimate;
   Eigen::Vector3d at = sensor.before.translation();
@@ -165,7 +165,7 @@ Eigen::Vector3d degrees_of(const Pose& pose) { return deg_per_rad * rpy_of(pose)
 
 double sigma_of(const MountEstimate& e, Eigen::Index i) { return std::sqrt(e.covariance(i, i)); }
 
-/// The result for x, y and yaw, or why they are not determined, with the remedy.
+/// What is known of x, y and yaw, or why not, and what would help.
 std::string sentence_of(const ParkedSensor& sensor) {
   const MountEstimate& e = sensor.estimate;
   std::string text;

@@ -148,8 +148,7 @@ struct CalibrateOptions {
   bool json = false;
 };
 
-/// Finds the poses of the sensors from the surfaces that several of them see. Fails if nothing was
-/// determined.
+/// Finds the poses of the sensors from the surfaces that several of them see. Fails if nothing was determined.
 int run_calibrate(const CalibrateOptions& options, std::ostream& out, std::ostream& err);
 
 }  // namespace lidard
