@@ -12,23 +12,23 @@
 
 namespace lidard {
 
-/// A time limit: of the answer to a question, or of a pause.
+/// A time limit for the answer to a question or for a pause.
 class Patience {
  public:
   /// The longest time for an answer, for slow devices.
   static constexpr Span most = std::chrono::seconds(10);
 
   void start(Stamp now, Span limit) { since_ = now, limit_ = limit; }
-  /// A question was asked whose answer usually comes within `limit`.
+  /// Starts the limit of an answer that usually comes within `limit`.
   void start_answer(Stamp now, Span limit) { start(asked_ = now, slow_ ? most : limit); }
-  /// A clock that was set back restarts the time.
+  /// True if the limit has passed. A clock that was set back restarts the limit.
   bool is_over(Stamp now) {
     since_ = std::min(since_, now);
     return now - since_ > limit_;
   }
   Stamp since() const { return since_; }
-  /// No answer came in time: doubles the limit, so that the question can be asked again, in case the device
-  /// is only slow; the new limit holds for all further answers. False: the limit was the longest one already.
+  /// Extends the limit of this and all further answers to `most`, for a slow device, so that the question can
+  /// be repeated. False: the limit was `most` already.
   bool extend(Stamp now) {
     if (now - asked_ >= most) return false;
     start(now, std::min(2 * limit_, asked_ + most - now));
@@ -78,11 +78,12 @@ class Dialogue {
   bool changed_ = false;
 };
 
-/// A dialogue over a TCP connection beside a stream of datagrams: asks, compares, writes allowed settings,
-/// hangs up. It runs once, and again when the stream stopped, since the device may have lost its settings.
+/// A dialogue over a TCP connection beside a stream of datagrams: reads, compares and writes allowed
+/// settings, then disconnects. It runs once, and again after the stream stopped, since the device may have
+/// lost its settings.
 class SideDialogue : public Dialogue {
  public:
-  /// `wanted`: it runs at all. `restores`: also when the stream stopped.
+  /// `wanted`: the dialogue runs. `restores`: it runs again after the stream stopped.
   SideDialogue(bool wanted, bool restores, Span patience)
       : wanted_(wanted), restores_(restores), patience_limit_(patience) {}
 
@@ -100,7 +101,7 @@ class SideDialogue : public Dialogue {
   void tick(Stamp now, std::optional<Stamp> last_data, DriverOutput& out) {
     now_ = now;
     if (phase_ == Phase::talking && patience_.is_over(now)) {
-      // The next dialogue waits longer: the device may only be slow.
+      // The device may be slow: the next dialogue waits longer.
       patience_limit_ = std::min(2 * patience_limit_, Patience::most);
       return silent(out);
     }
@@ -112,7 +113,7 @@ class SideDialogue : public Dialogue {
   }
 
  protected:
-  /// A connection stands: drops the state of a former one.
+  /// A connection was made: drops the state of a former one.
   virtual void begin() = 0;
   /// The last question was not answered.
   virtual void silent(DriverOutput& out) = 0;
@@ -133,10 +134,10 @@ class SideDialogue : public Dialogue {
   enum class Phase : std::uint8_t { idle, dialling, talking };
 
   bool is_due(std::optional<Stamp> last_data) const {
-    /// A stream that stopped for so long may have lost its settings, or never had them.
+    /// After this silence the device may have lost its settings.
     constexpr Span silence = std::chrono::seconds(1);
     constexpr Span pause = std::chrono::milliseconds(500);
-    /// The pause after a complete dialogue that did not bring the stream back.
+    /// The pause after a complete dialogue that did not restart the stream.
     constexpr Span fruitless_pause = std::chrono::seconds(5);
     const bool stopped = !last_data || now_ - *last_data > silence;
     if (!wanted_ || (complete_ && !(restores_ && stopped))) return false;
@@ -148,8 +149,8 @@ class SideDialogue : public Dialogue {
   Span patience_limit_;
   Phase phase_ = Phase::idle;
   std::optional<Stamp> last_dial_;
-  bool talked_ = false;    // a connection was made when it was dialled last
-  bool complete_ = false;  // one dialogue came to its end
+  bool talked_ = false;    // the last attempt to connect succeeded
+  bool complete_ = false;  // a dialogue was completed
 };
 
 }  // namespace lidard

@@ -28,9 +28,9 @@ struct Discovery {
   /// device, whose answer may come in pieces.
   Transport transport = Transport::udp;
   std::uint16_t port = 0;
-  /// The address that devices are delivered with; empty: the question is broadcast on every interface.
+  /// The factory address of devices; empty: the question is broadcast on every interface.
   std::string_view usual_address;
-  /// `key`: anything, the answers may repeat it; `own` and `mask`: of the interface that it is sent from.
+  /// `key`: an arbitrary number that answers may repeat; `own` and `mask`: of the sending interface.
   std::string (*question)(std::uint32_t key, const IpAddress& own, const IpAddress& mask) = nullptr;
   /// Parses all that `sender` has sent so far; empty: no answer, or an incomplete one.
   std::optional<FoundDevice> (*read_answer)(ByteView answer, const IpAddress& sender) = nullptr;

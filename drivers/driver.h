@@ -33,14 +33,14 @@ struct Packet {
   Endpoint from;
   Endpoint to;
   Transport transport = Transport::udp;
-  bool stream_start = false;  ///< first chunk of a connection, or of what a capture holds of it
+  bool stream_start = false;  ///< first chunk of a connection, or of its part in a capture
   std::uint64_t missing = 0;  ///< bytes of the stream lost right before this chunk (captures with holes)
 };
 
-/// A driver's verdict on a packet, or on a chunk of a stream. It is counted already.
+/// A driver's verdict on a packet or on a chunk of a stream. The driver has counted it.
 struct Verdict {
-  bool has_data = false;  ///< measurement data, good or bad; telemetry and the answers of a dialogue are none
-  Reject reject = Reject::none;  ///< why data in it, or a packet that was held back until it, was not used
+  bool has_data = false;         ///< measurement data, good or bad (not telemetry or answers of a dialogue)
+  Reject reject = Reject::none;  ///< why data of this packet, or of the held back one, was rejected
 };
 
 /// Name of the extra scan whose intensities hold the device's flags of each beam.
@@ -55,32 +55,31 @@ class DriverOutput {
   virtual ~DriverOutput() = default;
   virtual void scan(PlanarScan& scan) = 0;
   virtual void cloud(Cloud& cloud) = 0;
-  /// Asked when a cloud begins. False: nobody uses its points, and a few of its columns are enough to judge what
-  /// the sensor sees.
+  /// Called when a cloud begins. False: the cloud has no consumer, and a few of its columns are enough for
+  /// diagnostics.
   virtual bool wants_cloud() { return true; }
-  /// What the device sends beside its frames; its topic is one of Model::messages.
+  /// A message of the device beside its frames; its topic is one of Model::messages.
   virtual void message(const DeviceMessage& /*message*/) {}
-  /// A further scan of the device (its intrusion data, say); `topic` is one of Model::extra_scans.
+  /// A further scan of the device (such as intrusion data); `topic` is one of Model::extra_scans.
   virtual void extra_scan(std::string_view /*topic*/, PlanarScan& /*scan*/) {}
   /// Bytes to send to the device over its TCP connection; dropped in replay.
   virtual void request(ByteView /*bytes*/) {}
   /// A sentence for the log: a setting of the device was written ("host address 192.168.0.2 -> 192.168.0.5").
   virtual void note(std::string_view /*sentence*/) {}
-  /// Open the TCP connection (again). A device that streams over TCP is connected without asking; one that
-  /// streams over UDP (Model::dialogue_port) only when its driver asks, from tick() or receive().
+  /// Opens the TCP connection (again), from tick() or receive(). Devices that stream over TCP are connected
+  /// without a request; devices that stream over UDP (Model::dialogue_port) only on request.
   virtual void connect() {}
-  /// The dialogue is over or cannot go on: close the connection and, with `again`, open it anew after a
-  /// pause.
+  /// Closes the connection and, with `again`, opens a new one after a pause.
   virtual void disconnect(bool /*again*/) {}
 };
 
-/// Properties of the device; grows while packets come in. Keys as in REP 138 where it has one.
+/// Properties of the device, completed while packets arrive. Keys follow REP 138 where possible.
 struct DeviceInfo {
   std::string serial;                                        ///< empty: unknown
   std::vector<std::pair<std::string, std::string>> details;  ///< for diagnostics, in display order
   std::vector<std::string> warnings;                         ///< full sentences, each with its remedy
 
-  /// Sets a detail, behind the others where it is new.
+  /// Sets a detail; a new one is appended.
   void set(std::string_view key, std::string_view value) {
     for (auto& detail : details) {
       if (detail.first != key) continue;
@@ -91,7 +90,7 @@ struct DeviceInfo {
   }
 };
 
-/// Status of a device's settings, where its driver watches them beside the data.
+/// Status of a device's settings, from drivers that read them.
 struct SettingsStatus {
   enum class Level : std::uint8_t { ok, warn, error };
   Level level = Level::ok;
@@ -102,50 +101,47 @@ struct SettingsStatus {
 
 struct DriverConfig;
 
-/// Speaks one device's protocol: bytes and an arrival stamp in; frames, requests and status out.
-/// Owns no socket, thread or clock, so that live input, replay, fuzzers and tests make the same calls.
+/// The protocol of one device: bytes and an arrival stamp in; frames, requests and status out. A driver owns
+/// no socket, thread or clock, so that live input, replay, fuzzers and tests make the same calls.
 class Driver {
  public:
   virtual ~Driver() = default;
-  /// One datagram, or one chunk of what the device sent over TCP (`packet.transport`; what was sent to it is
-  /// not handed in).
+  /// Accepts one datagram, or one chunk that the device sent over TCP (`packet.transport`).
   virtual Verdict receive(const Packet& packet, DriverOutput& out) = 0;
-  /// A TCP connection to the device stands; its dialogue starts here. Never called in replay.
+  /// A TCP connection to the device was made; the dialogue starts here. Never called in replay.
   virtual void connected(Stamp /*now*/, DriverOutput& /*out*/) {}
-  /// That connection ended: drops an incomplete telegram. Or, for a device that streams over UDP, the
-  /// requested connection could not be made. The next one is opened only on request.
+  /// The connection ended: drops an incomplete telegram. For a device that streams over UDP also: the
+  /// requested connection failed; the next one is opened only on request.
   virtual void disconnected() {}
-  /// Time passed (arrival time scale); for time-outs and keep-alives.
+  /// Advances the time (arrival time scale), for time-outs and keep-alives.
   virtual void tick(Stamp /*now*/, DriverOutput& /*out*/) {}
-  /// No more input: hands on what is complete enough (end of a capture).
+  /// End of the input (of a capture): publishes a frame that is complete enough.
   virtual void finish(DriverOutput& /*out*/) {}
-  /// Forgets the stream so far (a capture starts again); keeps the counters and info().
+  /// Resets the stream (a capture starts again); keeps the counters and info().
   virtual void restart() = 0;
-  /// Applies settings that may change while data come, from the next frame on: time_offset, and which returns
-  /// of a cloud are kept (min_range, max_range, view_direction, view_width).
+  /// Applies settings that may change at run time, from the next frame on: time_offset, min_range, max_range,
+  /// view_direction, view_width.
   virtual void change(const DriverConfig& /*wanted*/) {}
 
   virtual const Counters& counters() const = 0;
   virtual const DeviceInfo& info() const = 0;
-  /// Empty: nothing is watched beyond info().
+  /// Empty: the driver reads no settings.
   virtual std::optional<SettingsStatus> settings(Stamp /*now*/) const { return std::nullopt; }
 };
 
 struct Model;
 struct VelodyneControl;
-namespace velodyne {
 struct Calibration;
-}
 
 /// Requests to the device. By default only those that start the stream.
 struct DeviceRequests {
-  bool allow_write = false;   ///< settings that differ from the configuration are written
+  bool allow_write = false;   ///< writes settings that differ from the configuration
   bool listen_only = false;   ///< no connection at all (devices that stream over UDP)
   std::string user_level;     ///< SOPAS: number of the level to log in at; empty: the model's default
   std::string password_hash;  ///< SOPAS: 8 hexadecimal digits; empty: the model's default
-  std::optional<IpAddress> host_address;  ///< where the device shall send its datagrams
+  std::optional<IpAddress> host_address;  ///< receiver of the device's datagrams
   std::uint16_t host_port = 0;            ///< 0: the sensor's port
-  std::optional<int> skip;                ///< scans left out between two (REP 138)
+  std::optional<int> skip;                ///< scans skipped between two (REP 138)
   std::optional<int> cluster;             ///< beams merged into one (REP 138)
   bool calibrate_time = true;  ///< compare both clocks once before the stream starts (REP 138; SCIP: TM)
   bool device_states = false;  ///< SOPAS: subscribe to field evaluation, inputs and outputs
@@ -157,12 +153,12 @@ struct DriverConfig {
   std::string frame_id;
   ClockMode clock = ClockMode::smooth;
   Span time_offset{0};  ///< added to every stamp
-  /// The sensor's clock is meant to follow a receiver (PPS and NMEA): otherwise there is a warning.
+  /// Warns if the sensor's clock does not follow a receiver (PPS and NMEA).
   bool expect_pps = false;
   double cut_angle = 0;  ///< rad, as the sensor counts azimuth: where a revolution ends (multi-plane lidars)
   bool keep_too_near = false;  ///< fill Cloud::too_near
-  double min_range = 0;        ///< m: nearer returns are left out (multi-plane lidars)
-  double max_range = 0;        ///< m: farther returns are left out; 0: no limit
+  double min_range = 0;        ///< m: nearer returns are dropped (multi-plane lidars)
+  double max_range = 0;        ///< m: farther returns are dropped; 0: no limit
   double view_direction = 0;   ///< rad, counter-clockwise from the front: middle of the sector that is kept
   double view_width = two_pi;  ///< rad: width of that sector
   bool keep_partial = false;   ///< hand on first, last and torn frames too
@@ -171,10 +167,10 @@ struct DriverConfig {
   bool publish_intensity = true;
   bool publish_multiecho = false;  ///< all echoes of a planar scanner (REP 138)
   DeviceRequests requests;
-  std::shared_ptr<const velodyne::Calibration> calibration;  ///< of a Velodyne; nullptr: the model's table
-  std::shared_ptr<const VelodyneControl> control;            ///< its web interface; nullptr: nothing is asked
+  std::shared_ptr<const Calibration> calibration;  ///< nullptr: the model's table
+  std::shared_ptr<const VelodyneControl> control;  ///< web interface; nullptr: not used
 
-  /// True if a direction (rad, counter-clockwise from the front) lies in the sector that is kept.
+  /// True if a direction (rad, counter-clockwise from the front) lies in the view.
   bool in_view(double direction) const {
     constexpr double nearly_all = two_pi - 1e-8;
     return view_width >= nearly_all ||

@@ -26,8 +26,8 @@ class DriverBase : public Driver {
     info_.set("Vendor Name", config.model->vendor);
     info_.set("Product Name", config.model->product);
   }
-  /// Updates, once a second, the details on the device's clock. Such a clock is never used as the time of
-  /// day, whatever sets it; `wraps`: overflows of its counter.
+  /// Updates the details of the device's clock once per second. The device's clock is never used as the time
+  /// of day; `wraps`: overflows of its counter.
   void describe_clock(const DeviceClock& clock, std::uint64_t wraps, Stamp now) {
     if (!clock.ready() || std::chrono::abs(now - clock_described_) < std::chrono::seconds(1)) return;
     clock_described_ = now;
@@ -45,11 +45,11 @@ class DriverBase : public Driver {
     set("Clock restarts", "%llu", static_cast<unsigned long long>(counters_.clock_steps));
     set("Clock overflows", "%llu", static_cast<unsigned long long>(wraps));
   }
-  /// Details that are listed anew, behind vendor and product.
+  /// Removes all details but vendor and product.
   void clear_details() { info_.details.resize(2); }
 
-  /// Feeds a chunk of a stream to its reader and hands each complete item to `handle`; bytes that belong to
-  /// no item are counted by the reader.
+  /// Passes a chunk of a stream to its reader and every complete item to `handle`. The reader counts bytes
+  /// that belong to no item.
   template <class Item, class Reader, class Handle>
   Verdict read_stream(const Packet& packet, Reader& reader, Handle handle) {
     counters_.bytes += packet.payload.size();
@@ -67,7 +67,7 @@ class DriverBase : public Driver {
     all.reject = item.reject;
   }
 
-  /// True if these are the bytes of the last call: the network delivers data twice.
+  /// True if the bytes equal those of the last call: the network duplicates packets.
   bool is_repeated(ByteView bytes) {
     if (bytes.text() == std::string_view(last_item_)) return true;
     last_item_ = bytes.text();
@@ -84,7 +84,7 @@ class DriverBase : public Driver {
   std::string last_item_;
 };
 
-/// Stores a sample of an inertial unit; `turned` (w x y z) is used only where it is a rotation.
+/// Stores a sample of an inertial unit; `turned` (w x y z) is used only if it is a rotation.
 inline void set_imu(const std::array<double, 3>& acceleration, const std::array<double, 3>& velocity,
                     const std::array<double, 4>& turned, ReusedMessage<ImuSample>& sample) {
   sample->linear_acceleration = {acceleration[0], acceleration[1], acceleration[2]};
@@ -101,8 +101,8 @@ inline void prepare_scan(const DriverConfig& config, PlanarScan& scan) {
   scan.range_max = static_cast<float>(config.model->range_max);
 }
 
-/// Sets the beams of a scan: those of `beams` beams, the first at `angle` and each `step` further (rad), that
-/// lie between the configured angles. Returns which they are.
+/// Sets the beams of a scan to those of `beams` beams, from `angle` in steps of `step` (rad), that lie
+/// between the configured angles. Returns the window.
 inline BeamWindow choose_beams(const DriverConfig& config, double angle, double step, std::size_t beams,
                                PlanarScan& scan) {
   const BeamWindow kept = beams_between(angle, step, beams, config.angle_min, config.angle_max);
@@ -112,7 +112,7 @@ inline BeamWindow choose_beams(const DriverConfig& config, double angle, double 
   return kept;
 }
 
-/// One sentence per kind of trouble, kept in DeviceInfo::warnings while it lasts.
+/// One warning per kind of trouble, in DeviceInfo::warnings while the trouble lasts.
 template <class Kind>
 class WarningBoard {
  public:
@@ -127,12 +127,12 @@ class WarningBoard {
   }
   void clear(Kind kind) { set(kind, {}); }
   bool is_set(Kind kind) const { return !texts_[static_cast<std::size_t>(kind)].empty(); }
-  /// Sets the warning when the trouble begins, with the text of `make_text` then, and clears it when it ends.
+  /// Sets the warning (from `make_text`) when the trouble begins and clears it when the trouble ends.
   template <class MakeText>
   void update(Kind kind, bool lasts, MakeText&& make_text) {
     if (lasts != is_set(kind)) set(kind, lasts ? std::string(make_text()) : std::string());
   }
-  /// Warnings of others, shown before all else.
+  /// Warnings from another source, listed first.
   void lead(const std::vector<std::string>& sentences) {
     lead_ = sentences;
     show();

@@ -14,8 +14,8 @@ constexpr double farthest_m = 1000;
 std::optional<Rejection> no_receiver(const KeyValue& value) {
   const auto address = IpAddress::parse(std::get<std::string>(value));
   if (address && !address->v6) return std::nullopt;
-  return Rejection{"is {}, which is no IPv4 address",
-                "an IPv4 address of this host (or a multicast group) like 192.168.0.100"};
+  return Rejection{"is {}, which is not an IPv4 address",
+                   "an IPv4 address of this host (or a multicast group) like 192.168.0.100"};
 }
 
 constexpr const char* hash_form = "the hash of the password, 8 hexadecimal digits like F4724744";
@@ -61,7 +61,7 @@ Keys<R> scip_clock_keys() {
 
 Keys<D> receiver_clock_keys() {
   return {flag("expect_pps", &D::expect_pps,
-               "a warning tells when the sensor's clock does not follow a receiver's PPS and NMEA")};
+               "warns when the sensor's clock does not follow a receiver's PPS and NMEA")};
 }
 
 Keys<R> state_keys() {
@@ -76,12 +76,13 @@ Keys<R> skip_keys() {
 }
 
 Keys<D> revolution_keys() {
-  return {angle("cut_angle", &D::cut_angle, -two_pi, two_pi, "where a frame ends, as the sensor counts azimuth"),
-          number("min_range", &D::min_range, 0, farthest_m, "m", "nearer returns are left out"),
-          number("max_range", &D::max_range, 0, farthest_m, "m", "farther returns are left out; 0: no limit"),
-          angle("view_direction", &D::view_direction, -two_pi, two_pi,
-                "middle of the sector that is kept, counter-clockwise from the front"),
-          angle("view_width", &D::view_width, 0, two_pi, "width of that sector")};
+  return {
+      angle("cut_angle", &D::cut_angle, -two_pi, two_pi, "where a frame ends, as the sensor counts azimuth"),
+      number("min_range", &D::min_range, 0, farthest_m, "m", "nearer returns are left out"),
+      number("max_range", &D::max_range, 0, farthest_m, "m", "farther returns are left out; 0: no limit"),
+      angle("view_direction", &D::view_direction, -two_pi, two_pi,
+            "middle of the sector that is kept, counter-clockwise from the front"),
+      angle("view_width", &D::view_width, 0, two_pi, "width of that sector")};
 }
 
 }  // namespace lidard

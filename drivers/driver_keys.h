@@ -14,7 +14,7 @@ Keys<DeviceRequests> login_keys();
 
 /// Parameters of the request for scans (REP 138): Trait::skip_request.
 Keys<DeviceRequests> scip_keys();
-/// Comparison of both clocks.
+/// Comparison of the host's and the device's clock.
 Keys<DeviceRequests> scip_clock_keys();
 
 /// Clock of a device with a satellite receiver: Trait::gnss.
@@ -23,10 +23,10 @@ Keys<DriverConfig> receiver_clock_keys();
 /// Publication of the device's states: Trait::states_on_request.
 Keys<DeviceRequests> state_keys();
 
-/// Scans left out: Trait::skip_setting, Trait::skip_request.
+/// Skipped scans: Trait::skip_setting, Trait::skip_request.
 Keys<DeviceRequests> skip_keys();
 
-/// Cut of a cloud out of the stream, and the returns kept: Trait::revolutions.
+/// Begin of a cloud in the stream, and its view and ranges: Trait::revolutions.
 Keys<DriverConfig> revolution_keys();
 
 }  // namespace lidard

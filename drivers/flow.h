@@ -13,12 +13,12 @@
 
 namespace lidard {
 
-/// The datagrams from one address to one port of ours, or the data of a device over connections to one of its
-/// ports: a configuration distinguishes senders by flows.
+/// The datagrams from one address to one local port, or the data of connections to one port of a device. The
+/// configuration distinguishes senders by flows.
 struct Flow {
   Transport transport = Transport::udp;
-  IpAddress address;       ///< of the sender; without value: any sender
-  std::uint16_t port = 0;  ///< destination; of a connection the sender's own
+  IpAddress address;       ///< of the sender; unspecified: any sender
+  std::uint16_t port = 0;  ///< destination port; for a connection the device's port
 
   /// "192.168.1.9 -> port 2368", "192.168.1.9:2112 over TCP".
   std::string to_string() const {
@@ -38,8 +38,8 @@ inline Flow flow_of(const Packet& packet) {
   const bool connection = packet.transport == Transport::tcp;
   return {packet.transport, packet.from.address, connection ? packet.from.port : packet.to.port};
 }
-/// The flows of a device at `address`: its data to (or, over TCP, from) `port`, its telemetry, its part of
-/// the dialogue; a port 0 is none. The data come first.
+/// The flows of a device at `address`: data to (over TCP: from) `port` first, then telemetry and dialogue;
+/// port 0: none.
 inline std::vector<Flow> flows_of(const Model& model, const IpAddress& address, std::uint16_t port,
                                   std::uint16_t telemetry_port, std::uint16_t dialogue_port) {
   std::vector<Flow> flows = {{model.transport, address, port}};
@@ -53,7 +53,7 @@ inline std::vector<Flow> flows_of(const Model& model, const IpAddress& address, 
   return flows_of(model, address, port, model.telemetry_port, model.dialogue_port);
 }
 
-/// Finds the owner of a packet. A known sender comes before an unspecified one.
+/// Finds the owner of a packet. A specified sender has priority over an unspecified one.
 template <class Owner>
 class FlowTable {
  public:
@@ -66,7 +66,7 @@ class FlowTable {
     return found == owners_.end() ? nullptr : &found->second;
   }
   const Owner* find(const Packet& packet) const { return find(flow_of(packet)); }
-  /// The device that a chunk of a connection was sent to, if it is one.
+  /// The owner of the device that a chunk of a connection was sent to.
   const Owner* find_receiver(const Packet& packet) const {
     const auto found = owners_.find({packet.transport, packet.to.address, packet.to.port});
     return found == owners_.end() ? nullptr : &found->second;

@@ -30,7 +30,7 @@ struct KeyValue : std::variant<std::monostate, bool, double, std::string, Pose, 
   bool is_set() const { return index() != 0; }
 };
 
-/// What a key holds. `section`: further keys. `special`: what the section that it stands in reads by itself.
+/// Kind of a key's value. `section`: nested keys. `special`: parsed by the enclosing section.
 enum class KeyKind : std::uint8_t {
   flag,
   whole,
@@ -45,7 +45,7 @@ enum class KeyKind : std::uint8_t {
   special
 };
 
-/// The fault of a value, where {} stands for the value as written, and what is expected.
+/// Why a value is rejected ({} stands for the value as written), and what is expected.
 struct Rejection {
   std::string what, expected;
 };
@@ -59,13 +59,13 @@ struct Key {
   std::string_view unit;                ///< of a number; an angle is in rad, or in degrees as `name`_deg
   std::vector<std::string_view> words;  ///< allowed
   std::string_view form;                ///< form of a text or a special value, for messages
-  std::string_view preset;              ///< the default, where it follows from something else
-  std::string_view remark;              ///< the behaviour while nothing is set
-  KeyValue otherwise;                   ///< the value that stands for "not set" where one has to
+  std::string_view preset;              ///< description of a default that depends on other things
+  std::string_view remark;              ///< the behaviour while the key is not set
+  KeyValue otherwise;                   ///< the value that means "not set", if there is one
   bool required = false;
   bool may_be_empty = false;  ///< an empty text means none
   bool short_form = false;    ///< a section: a single value stands for its first key
-  bool flow = false;          ///< a section that is written in one line
+  bool flow = false;          ///< a section is written in one line
   bool live = false;          ///< it can be changed while the daemon runs
   std::optional<Rejection> (*rejection)(const KeyValue& value) = nullptr;  ///< a further check of a value
 };
@@ -75,7 +75,7 @@ template <class Number, std::enable_if_t<std::is_arithmetic_v<Number>, int> = 0>
 KeyValue key_value(Number value) {
   return static_cast<double>(value);
 }
-/// Divides, so that the shortest text of a decimal fraction comes out.
+/// The division gives the shortest text of a decimal fraction.
 inline KeyValue key_value(Span value) { return static_cast<double>(value.count()) / 1e9; }
 inline KeyValue key_value(const std::string& value) { return value; }
 inline KeyValue key_value(const std::vector<std::string>& value) {
@@ -88,7 +88,7 @@ KeyValue key_value(const std::optional<T>& value) {
   return value ? key_value(*value) : KeyValue();
 }
 
-/// The reverse. `value` was checked: it is of the right kind, and its text an address where one is needed.
+/// Stores a value in a member. `value` must be of the right kind (a valid address for an IpAddress).
 template <class T>
 void store_value(const KeyValue& value, T& member) {
   if constexpr (std::is_same_v<T, Span>)
@@ -106,12 +106,12 @@ void store_value(const KeyValue& value, std::optional<T>& member) {
   if (value.is_set()) store_value(value, member.emplace());
 }
 
-/// A key of the structure `Owner`: one row of a table. The functions that return the row complete it.
+/// A key of the structure `Owner`: one row of a table. The member functions add properties to the row.
 template <class Owner>
 struct KeyOf : Key {
   std::function<KeyValue(const Owner&)> get;
   std::function<void(Owner&, const KeyValue&)> set;
-  std::function<bool(const Owner&)> shown;   ///< false: it means nothing now; empty: it always does
+  std::function<bool(const Owner&)> shown;   ///< false: the key has no meaning now; empty: always shown
   std::function<double(const Owner&)> most;  ///< the highest number, where it depends on other keys
   std::vector<KeyOf> inner;                  ///< of a section
 
@@ -124,7 +124,6 @@ struct KeyOf : Key {
   KeyOf&& as_angle() && { return kind = KeyKind::angle, unit = "rad", std::move(*this); }
   KeyOf&& in_short() && { return short_form = true, std::move(*this); }
   KeyOf&& in_one_line() && { return flow = true, std::move(*this); }
-  KeyOf&& changes_live() && { return live = true, std::move(*this); }
   KeyOf&& shown_if(std::function<bool(const Owner&)> when) && {
     return shown = std::move(when), std::move(*this);
   }
@@ -143,7 +142,7 @@ Keys<Owner> joined(std::initializer_list<Keys<Owner>> parts) {
   return all;
 }
 
-/// The value shown: nothing if the key means nothing now, or if it is not set.
+/// The value to show; empty if the key is not shown or not set.
 template <class Owner>
 KeyValue shown_value(const KeyOf<Owner>& key, const Owner& owner) {
   if (!key.get || (key.shown && !key.shown(owner))) return {};
@@ -181,7 +180,7 @@ Keys<Owner> within(Member Owner::*member, const Keys<Member>& keys) {
 /// Rows of every kind.
 namespace keys {
 
-/// A key that is written as `get` says, and read by the section that it stands in.
+/// A key that `get` writes and the enclosing section parses.
 template <class Owner>
 KeyOf<Owner> special(std::string_view name, std::string_view form, std::function<KeyValue(const Owner&)> get,
                      std::string_view meaning) {
@@ -228,8 +227,8 @@ KeyOf<Owner> whole(std::string_view name, Member Owner::*member, double lowest, 
   return key;
 }
 
-/// An angle: `name` in rad, or `name`_deg in degrees. Reading rejects the wrong unit; the section checks the
-/// limits.
+/// An angle: `name` in rad, or `name`_deg in degrees. The parser rejects the wrong unit; the section checks
+/// the limits.
 template <class Owner, class Member>
 KeyOf<Owner> angle(std::string_view name, Member Owner::*member, double lowest, double highest,
                    std::string_view meaning) {
@@ -241,7 +240,8 @@ KeyOf<Owner> angle(std::string_view name, Member Owner::*member, double lowest, 
 template <class Choice>
 using Words = std::vector<std::pair<std::string_view, Choice>>;
 
-/// One of a few words, each for a value of the member. Of several words for one value the last is written.
+/// One of a few words, each for a value of the member. If several words mean one value, the last one is
+/// written.
 template <class Owner, class Member>
 KeyOf<Owner> word(std::string_view name, Member Owner::*member, const Words<Member>& words,
                   std::string_view meaning) {

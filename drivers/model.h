@@ -20,17 +20,17 @@ enum class FrameKind : std::uint8_t { scan, cloud };
 /// An ability of some models. A key of the configuration that only some models accept names one of these.
 enum class Trait : std::uint8_t {
   echoes,       ///< several echoes of a beam of a planar scanner
-  revolutions,  ///< clouds are revolutions of firing sequences: they can be cut, organised, seen by ring
+  revolutions,  ///< clouds are revolutions of firing sequences, which can be cut, organised and split by ring
   calibration,  ///< accepts a calibration file
   silent_beams_are_free,  ///< a beam without return proves that nothing is there, up to range_max
-  packet_messages,        ///< its packets travel in velodyne_msgs/VelodyneScan too
-  gnss,                   ///< sends a satellite receiver's sentences to telemetry_port
+  packet_messages,        ///< packets can also come in velodyne_msgs/VelodyneScan
+  gnss,                   ///< sends the sentences of a satellite receiver to telemetry_port
   web_control,            ///< its settings are read and changed through its web interface
-  settings_writable,      ///< its settings can be changed over TCP, if that is allowed
+  settings_writable,      ///< settings can be changed over TCP, if allowed
   receiver_settable,      ///< streams over UDP and the receiver's address can be set over TCP
   logins,                 ///< has user levels with passwords
-  skip_setting,           ///< can leave scans out, which is a setting of the device (CoLa)
-  skip_request,           ///< can leave scans out and merge beams, as the request for scans says (SCIP)
+  skip_setting,           ///< can skip scans, by a setting of the device (CoLa)
+  skip_request,           ///< can skip scans and merge beams, by the request for scans (SCIP)
   states_on_request,      ///< sends its states only on request (CoLa)
 };
 
@@ -53,24 +53,24 @@ class Traits {
 /// Messages of one kind that a device sends beside its frames.
 struct MessageTopic {
   std::string_view name;  ///< last part of the topic's name
-  std::size_t kind;       ///< message_kind() of what travels there
+  std::size_t kind;       ///< message_kind() of the topic
 };
 template <class Kind>
 MessageTopic message_topic(std::string_view name = Kind::topic) {
   return {name, message_kind<Kind>()};
 }
 
-/// The properties of a product that the rest of the program needs. What only its protocol needs (beam angles,
-/// firing times) stands in the family's own table, behind `row`.
+/// The properties of a product that the program needs outside of its family. Properties of the protocol (beam
+/// angles, firing times) are in the family's own table, at `row`.
 struct Model {
   std::string_view name;      ///< as in the configuration, e.g. "velodyne_vlp16"
   std::string_view vendor;    ///< "Velodyne"
   std::string_view product;   ///< "VLP-16"
   std::string_view protocol;  ///< for people: "Velodyne data packet", "MS3 MD"
-  std::string_view verified;  ///< on what the decoder was tested, a few words for the table of models
+  std::string_view verified;  ///< how the decoder was tested, a few words for the table of models
   FrameKind kind = FrameKind::scan;
   Transport transport = Transport::udp;
-  std::uint16_t port = 0;            ///< default: UDP destination port of the data, or the device's TCP port
+  std::uint16_t port = 0;            ///< default UDP destination port of the data, or the device's TCP port
   std::uint16_t telemetry_port = 0;  ///< second UDP port of the device: GNSS, inertial unit; 0 none
   std::uint16_t dialogue_port = 0;   ///< TCP port of a UDP device's settings; 0 none
   double packets_per_s = 0;          ///< highest rate, all return modes; sizes the receive buffer
@@ -89,7 +89,7 @@ struct Model {
   bool has(Trait trait) const { return traits.has(trait); }
   /// True if the device may send messages of this kind.
   template <class Kind>
-  bool tells() const {
+  bool sends() const {
     return std::any_of(messages.begin(), messages.end(),
                        [](const MessageTopic& topic) { return topic.kind == message_kind<Kind>(); });
   }

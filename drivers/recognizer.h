@@ -18,22 +18,22 @@ class Recognizer {
  public:
   virtual ~Recognizer() = default;
   virtual void add(const Packet& packet) = 0;
-  /// Name of a model; empty while nothing fits.
+  /// Name of the model; empty while no model fits.
   virtual std::string_view verdict() const = 0;
-  /// Names of the models that the packets fit as well, perhaps the verdict among them.
+  /// Names of all models that fit equally well.
   virtual std::vector<std::string_view> others() const { return {}; }
-  /// A sentence when the packets contradict themselves; else empty.
+  /// A sentence if the packets are contradictory; else empty.
   virtual std::string remark() const { return {}; }
 };
 
-/// The models that speak one protocol, or kindred ones, and how to find them in packets.
+/// The models of one protocol or of related ones, and how to recognize them in packets.
 struct Family {
   void (*append_models)(std::vector<Model>& list);
   std::unique_ptr<Recognizer> (*make_recognizer)();
-  const Discovery* discovery = nullptr;  ///< how to find the vendor's devices; one family of a vendor has it
+  const Discovery* discovery = nullptr;  ///< how to find the vendor's devices; set in one family per vendor
 };
 
-/// The names of those models of a family that are wanted, in the order of its list.
+/// The names of a family's models that satisfy a condition, in the order of its list.
 inline std::vector<std::string_view> names_of(void (*append_models)(std::vector<Model>& list),
                                               const std::function<bool(const Model&)>& is_wanted) {
   std::vector<Model> models;

@@ -10,7 +10,7 @@
 
 namespace lidard {
 
-/// The bytes of a stream that its reader has not used yet.
+/// The unread bytes of a stream.
 class StreamBuffer {
  public:
   /// Appends bytes; views of rest() are invalid afterwards.
@@ -19,7 +19,7 @@ class StreamBuffer {
     begin_ = 0;
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
   }
-  /// The first `count` bytes of rest() are used.
+  /// Removes the first `count` bytes of rest().
   void drop(std::size_t count) { begin_ += count; }
   void clear() {
     bytes_.clear();

@@ -11,7 +11,7 @@
 namespace lidard {
 
 enum class VelodyneReturns : std::uint8_t { strongest, last, dual };
-/// Settings that the sensor is to have; those not set stay as they are.
+/// Requested settings of the sensor; settings without a value stay unchanged.
 struct VelodyneSettings {
   std::optional<int> rpm;
   std::optional<VelodyneReturns> returns;
@@ -22,17 +22,17 @@ struct VelodyneSettings {
   bool any() const;
 };
 
-/// `control:` of a sensor: what may be done through its web interface.
+/// `control:` of a sensor: permitted use of its web interface.
 struct VelodyneControl {
-  bool read = false;         ///< false: no traffic to the sensor at all
-  bool allow_write = false;  ///< settings that differ from `wanted` are written
+  bool read = false;         ///< false: no traffic to the sensor
+  bool allow_write = false;  ///< writes settings that differ from `wanted`
   std::uint16_t port = 80;
   IpAddress address;            ///< the sensor's
-  std::uint16_t data_port = 0;  ///< where its data are expected
+  std::uint16_t data_port = 0;  ///< local port of its data
   VelodyneSettings wanted;
 };
 
-/// `control:` of a sensor: Trait::web_control. The rows stand with the family.
+/// Keys of `control:` of a sensor: Trait::web_control. drivers/velodyne/web defines them.
 Keys<VelodyneControl> control_keys();
 
 }  // namespace lidard

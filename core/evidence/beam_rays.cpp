@@ -81,13 +81,13 @@ Footprint Footprint::transformed(const Pose& pose) const {
 namespace {
 
 constexpr float nowhere = std::numeric_limits<float>::infinity();
-// A scanner stands a little inside the outline; so much of the body cannot block its beams.
+// A scanner may stand a little inside the outline; a crossing shorter than this does not block its beams.
 constexpr double housing_m = 0.5;
-// Beams that graze an edge they start on do not enter the body.
+// The body shrinks by this, so that a beam that starts on an edge and grazes it does not enter.
 constexpr double graze_m = 0.002;
 
-/// True if a beam runs into the body. A scanner on the border of an outline that reaches a little beyond it
-/// is not blocked by that strip.
+/// True if a beam runs into the body. A narrow strip of outline in front of a scanner on the border does not
+/// block.
 bool is_blocked(const std::optional<Footprint::Crossing>& body) {
   if (!body || body->in <= 0) return false;
   return body->in > Footprint::margin_m || body->out - body->in > housing_m;

@@ -16,17 +16,18 @@ namespace lidard {
 /// Outline of the vehicle, a simple polygon in the xy plane of some frame, m.
 class Footprint {
  public:
-  /// Where a ray is inside the outline, m along the ray. `in` is 0 if it begins inside.
+  /// Where a ray enters and leaves the outline, m along the ray. `in` is 0 if the ray begins inside.
   struct Crossing {
     double in = 0;
     double out = 0;
   };
 
-  /// Returns so near to the outline are the vehicle's: mirrors, cables, an outline drawn a little too small.
+  /// Returns within this distance of the outline belong to the vehicle: mirrors, cables, an outline drawn a
+  /// little too small.
   static constexpr double margin_m = 0.05;
 
   Footprint() = default;
-  /// Vertices in order, either way round; fewer than three make an outline that contains nothing.
+  /// Vertices in order, clockwise or counter-clockwise; fewer than three vertices make an empty outline.
   explicit Footprint(std::vector<Eigen::Vector2d> vertices);
 
   bool empty() const { return vertices_.empty(); }
@@ -43,27 +44,28 @@ class Footprint {
   std::vector<Eigen::Vector2d> vertices_;  // counter-clockwise
 };
 
-/// The beams of one scanner seen from an output frame: constant while mount and beams stay the same, so that
-/// everything that costs trigonometry is done once.
+/// The beams of one scanner in an output frame. They are computed once and stay valid while mount and beams
+/// stay the same.
 class BeamRays {
  public:
-  /// True if these rays already belong to that scanner in that place.
+  /// True if the rays were built for this scanner at this pose.
   bool fits(const PlanarScan& scan, const Pose& output_from_sensor) const;
-  /// Builds them; `footprint` is the vehicle's outline, `band` the heights that count, in the output frame.
+  /// Builds the rays; `footprint` is the vehicle's outline, `band` the heights that count, in the output
+  /// frame.
   void build(const PlanarScan& scan, const Pose& output_from_sensor, const Footprint& footprint,
              HeightBand band);
 
   std::size_t size() const { return x.size(); }
 
-  Pose pose = Pose::Identity();  ///< output_from_sensor
-  double angle_min = 0;          ///< rad, sensor frame
-  double increment = 0;          ///< rad
+  Pose pose = Pose::Identity();            ///< output_from_sensor
+  double angle_min = 0;                    ///< rad, sensor frame
+  double increment = 0;                    ///< rad
   std::vector<Eigen::Vector3d> direction;  ///< in the output frame, per m of range
-  std::vector<float> x, y, z;    ///< the same
-  std::vector<float> level;      ///< m in the output's plane per m of range
-  std::vector<float> cosine;     ///< in the sensor frame
+  std::vector<float> x, y, z;              ///< the components of `direction`
+  std::vector<float> level;                ///< m in the output's plane per m of range
+  std::vector<float> cosine;               ///< in the sensor frame
   std::vector<float> sine;
-  std::vector<float> own_begin;  ///< ranges in [own_begin, own_end] are the vehicle itself; inf: none
+  std::vector<float> own_begin;  ///< returns in [own_begin, own_end] hit the vehicle; inf: none
   std::vector<float> own_end;
   std::vector<float> blocked_at;  ///< range where the beam runs into the body from outside; inf: nowhere
   std::vector<float> band_begin;  ///< ranges in [band_begin, band_end] are at heights that count

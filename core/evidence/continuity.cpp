@@ -9,10 +9,10 @@ namespace lidard {
 namespace {
 
 using namespace breakpoint;
-constexpr float veil_sine = 0.2079117F;    // of 12 degrees
-constexpr float sharpest_bend = 0.34F;     // sine of 20 degrees; less is noise or a curve
-constexpr float shortest_bridge = 0.1F;    // m
-constexpr float bridge_sine = 0.4226183F;  // of 25 degrees
+constexpr float along_beam_sine = 0.2079117F;  // sine of 12 degrees
+constexpr float sharpest_bend = 0.34F;         // sine of 20 degrees; less is noise or a curve
+constexpr float shortest_bridge = 0.1F;        // m
+constexpr float bridge_sine = 0.4226183F;      // sine of 25 degrees
 constexpr float bridge_cosine = 0.9063078F;
 
 struct Point {
@@ -40,7 +40,8 @@ class Returns {
     const Point line = b - a;
     return std::fabs(cross(line, middle - a)) <= tolerance() * length(line);
   }
-  /// Four returns around the pair (i, i + 1) on one line whose steps grow steadily: a grazing wall.
+  /// True if the four returns around the pair (i, i + 1) lie on one line with steadily growing steps: a
+  /// grazing wall.
   bool grazing(std::size_t i) const {
     if (i == 0 || !has(i - 1) || !has(i + 2)) return false;
     const Point a = at(i - 1), b = at(i), c = at(i + 1), d = at(i + 2);
@@ -49,18 +50,18 @@ class Returns {
     if (step > steady_growth * std::max(length(b - a), length(d - c))) return false;
     return in_line(a, b, d) && in_line(a, c, d);
   }
-  /// The step from `side` to i continues a line that came from `beyond`.
+  /// True if the step from `side` to i continues the line from `beyond` to `side`.
   bool continues(std::size_t beyond, std::size_t side, std::size_t i) const {
     if (!has(beyond) || !has(side)) return false;
     const Point a = at(beyond), b = at(side), c = at(i);
     if (length(c - b) > steady_growth * std::max(length(b - a), 6 * noise_)) return false;
     return in_line(a, b, c);
   }
-  /// The line from return i to its neighbour makes less than 12 degrees with the beam.
+  /// True if the line from return i to its neighbour makes less than 12 degrees with the beam.
   bool along_beam(std::size_t i, std::size_t neighbour) const {
     const Point step = at(neighbour) - at(i);
     const float across = cross({rays_.cosine[i], rays_.sine[i]}, step);
-    return across * across < veil_sine * veil_sine * square(step);
+    return across * across < along_beam_sine * along_beam_sine * square(step);
   }
 
  private:
@@ -73,7 +74,7 @@ bool is_between(float a, float middle, float b) {
   return (a < middle && middle < b) || (b < middle && middle < a);
 }
 
-bool is_veil(const Returns& returns, const PlacedScan& sweep, std::size_t i) {
+bool is_mixed_pixel(const Returns& returns, const PlacedScan& sweep, std::size_t i) {
   if (!returns.has(i - 1) || !returns.has(i) || !returns.has(i + 1)) return false;
   if (!is_between(sweep.range[i - 1], sweep.range[i], sweep.range[i + 1])) return false;
   const bool alone = sweep.linked[i - 1] == 0 && sweep.linked[i] == 0;
@@ -82,8 +83,8 @@ bool is_veil(const Returns& returns, const PlacedScan& sweep, std::size_t i) {
   return !returns.continues(i + 2, i + 1, i);
 }
 
-/// True if the link from i to i + 1 leads steeply from one surface to another: both go on beyond it, on other
-/// lines. Between coarse beams it is wide enough to bridge a step of more than a metre.
+/// True if the link from i to i + 1 leads steeply from one surface to another and both continue on other
+/// lines.
 bool is_bridge(const Returns& returns, const BeamRays& rays, const PlacedScan& sweep, std::size_t i,
                float shortest) {
   if (sweep.linked[i - 1] == 0 || sweep.linked[i] == 0 || sweep.linked[i + 1] == 0) return false;
@@ -97,7 +98,7 @@ bool is_bridge(const Returns& returns, const BeamRays& rays, const PlacedScan& s
 
 void cut_bridges(const Returns& returns, const BeamRays& rays, double noise, PlacedScan& sweep) {
   const float shortest = std::max(shortest_bridge, static_cast<float>(5 * noise));
-  bool before = false;  // the link before is one; it goes only after this one was judged by it
+  bool before = false;  // the link before is a bridge; it is removed after this link was judged
   for (std::size_t i = 1; i + 2 < sweep.linked.size(); ++i) {
     const bool bridge = is_bridge(returns, rays, sweep, i, shortest);
     if (before) sweep.linked[i - 1] = 0;
@@ -121,24 +122,24 @@ void link_neighbours(const BeamRays& rays, double noise, PlacedScan& sweep) {
     const float a = sweep.range[i];
     const float b = sweep.range[i + 1];
     const float limit = std::min(a, b) * slope + slack;
-    // The chord, without the cancellation of the cosine rule.
+    // The chord squared, without the cancellation of the cosine rule.
     const float squared = (a - b) * (a - b) + a * b * spread;
     if (squared <= limit * limit || returns.grazing(i)) sweep.linked[i] = 1;
   }
   cut_bridges(returns, rays, noise, sweep);
 }
 
-void mark_veils(const BeamRays& rays, double noise, PlacedScan& sweep) {
+void mark_mixed_pixels(const BeamRays& rays, double noise, PlacedScan& sweep) {
   const std::size_t n = sweep.range.size();
   const Returns returns(rays, noise, sweep);
   for (std::size_t i = 1; i + 1 < n; ++i) {
     if (sweep.linked[i - 1] != 0 && sweep.linked[i] != 0 && !returns.along_beam(i, i - 1)) continue;
-    if (!is_veil(returns, sweep, i)) continue;
-    sweep.kind[i] = Return::doubtful;
-    ++sweep.veils;
+    if (!is_mixed_pixel(returns, sweep, i)) continue;
+    sweep.kind[i] = Return::mixed_pixel;
+    ++sweep.mixed_pixels;
   }
   for (std::size_t i = 0; i + 1 < n; ++i) {
-    if (sweep.kind[i] == Return::doubtful || sweep.kind[i + 1] == Return::doubtful) sweep.linked[i] = 0;
+    if (sweep.kind[i] == Return::mixed_pixel || sweep.kind[i + 1] == Return::mixed_pixel) sweep.linked[i] = 0;
   }
 }
 

@@ -11,9 +11,9 @@
 
 namespace lidard {
 
-/// Projects points on the xy plane of an output scan and keeps the nearest one per beam: what ira_laser_tools
-/// publishes, but rounded to the nearest beam's centre, with the right number of beams and a height rule.
-/// Knows neither surfaces nor free space: a beam without a point says "nothing there".
+/// Projects points on the xy plane of an output scan and keeps the nearest one per beam, as ira_laser_tools
+/// does, but rounded to the nearest beam's centre, with the right number of beams and a height rule. It
+/// ignores surfaces and free space: a beam without a point reports "nothing there".
 class Flattener {
  public:
   Flattener(const ScanGrid& grid, HeightBand band) : raster_(grid), band_(band) {}
@@ -26,8 +26,8 @@ class Flattener {
     scan_ = &scan;
     count_ = 0;
   }
-  /// One point in the output frame, m. Points outside the band, the ranges or the span, or not finite, are
-  /// left out.
+  /// Adds a point in the output frame, m. Drops points that are not finite or lie outside the band, the
+  /// ranges or the span.
   void add(const Eigen::Vector3d& point, float intensity) {
     if (!(point.z() >= band_.min && point.z() <= band_.max)) return;
     if (is_own(point)) return;
@@ -36,10 +36,10 @@ class Flattener {
     intensity_[count_] = intensity;
     if (++count_ == block) place();
   }
-  /// Ends the scan: all points are in it.
+  /// Ends the scan: writes the points that are still buffered.
   void end() { place(); }
 
-  /// Points inside the vehicle's outline (in the output frame) are left out.
+  /// Drops points inside the vehicle's outline (in the output frame).
   void set_footprint(const Footprint& footprint) { own_ = footprint; }
 
   bool is_own(const Eigen::Vector3d& point) const { return own_.contains(point.head<2>()); }
@@ -47,7 +47,7 @@ class Flattener {
   const ScanGrid& grid() const { return raster_.grid(); }
 
  private:
-  // So many directions are computed at once.
+  // Number of directions that are computed at once.
   static constexpr std::size_t block = 64;
 
   void place() {
@@ -67,14 +67,14 @@ class Flattener {
     }
     count_ = 0;
   }
-  /// The beam nearest to a point that lies, as computed in float, `at` beams from the first one; beyond the
-  /// last one: none. Computed exactly near a border between two beams.
+  /// The beam nearest to a point at float position `at` (beams from the first one); grid().beams: outside the
+  /// span. Near a border between two beams the result is computed in double.
   std::size_t beam_of(float at, double x, double y) const {
-    // Five times what float loses.
-    const float doubt = 1e-6F * raster_.turn();
+    // Five times the rounding error of float.
+    const float slack = 1e-6F * raster_.turn();
     const auto beam = static_cast<std::size_t>(at + 0.5F);
-    const bool sure = std::fabs(at - static_cast<float>(beam)) < 0.5F - doubt;
-    // The first beam counts also half a beam before it.
+    const bool sure = std::fabs(at - static_cast<float>(beam)) < 0.5F - slack;
+    // The first beam also covers the half beam before it.
     if (sure && (beam < grid().beams || at + 1 < raster_.turn())) return beam;
     return grid().nearest(std::atan2(y, x));
   }
@@ -83,7 +83,7 @@ class Flattener {
   HeightBand band_;
   Footprint own_;
   PlanarScan* scan_ = nullptr;
-  // Points that wait.
+  // Buffered points.
   std::array<double, block> x_{}, y_{};
   std::array<float, block> intensity_{};
   std::size_t count_ = 0;

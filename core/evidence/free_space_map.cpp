@@ -11,12 +11,12 @@
 namespace lidard {
 namespace {
 
-// Between two returns of a slanting wall the free way changes; so fine it is followed.
+// Resolution at which the free way between two returns of a slanting wall is interpolated.
 constexpr double widest_cell = 0.2 * rad_per_deg;
 constexpr double most_cells = 65000;
-// Neighbouring beams farther apart than that are no neighbours; a plane that stands nearly upright has such.
+// Beams farther apart than this are not neighbours; a scan plane that stands nearly upright has such beams.
 constexpr float widest_step = 0.2F;  // rad
-// Runs are of 1, 2, 4 ... cells; two of the longest are the longest that can be asked for.
+// Runs have 1, 2, 4 ... cells; two runs of the longest kind make the longest run that can be found.
 constexpr std::size_t run_lengths = 7;
 constexpr std::size_t longest_run = 2U << (run_lengths - 1U);
 
@@ -54,7 +54,7 @@ inline FreeSpaceMap::RunAt FreeSpaceMap::run_at(std::size_t cell, std::size_t le
 void FreeSpaceMap::find_runs() {
   const std::size_t count = cells_.size();
   if (count == 0) return;
-  // Beyond the last cell the circle begins again.
+  // After the last cell the first cells follow again.
   const std::size_t row = count + longest_run;
   runs_.resize(run_lengths * row);
   for (std::size_t i = 0; i < count; ++i) {
@@ -104,8 +104,9 @@ bool FreeSpaceMap::is_free_between(Place a, Place b) const {
     if (from > near || std::max(one.not_to, other.not_to) > not_far) return false;
   }
   if (from == ordered(0)) return true;
-  // A way that passes the source comes nearer to it than both its ends: to nearest * cos(angle / 2) if both
-  // are as far away. It does not pass if the farther end lies beyond the nearer one as seen from the source.
+  // A way that passes the source comes nearer to it than both of its ends: to nearest * cos(angle / 2) if
+  // both ends are equally far away. The way does not pass the source if the farther end lies beyond the
+  // nearer one.
   const auto to_nearest = static_cast<float>(nearest);
   if (to_nearest <= static_cast<float>(farthest) * (1 - angle * angle / 2)) return true;
   const float passing = to_nearest * std::max(0.0F, 1 - angle * angle / 8);
@@ -130,7 +131,7 @@ float FreeSpaceMap::hidden_by(Place a, Place b) const {
 FreeSpaceMap::Cell FreeSpaceMap::cell_of(float from, float to) const {
   const float units = std::min(from * per_meter_, 65534.0F);
   const float last = std::min(to * per_meter_, 65533.0F);
-  // Rounded up; not by a call of the mathematical library.
+  // Rounded up, without a call of the mathematical library.
   auto first = static_cast<std::int32_t>(units);
   first += static_cast<float>(first) < units ? 1 : 0;
   if (!(to > 0) || last < static_cast<float>(first)) return {};
@@ -145,7 +146,7 @@ std::uint16_t FreeSpaceMap::cell_towards(float dx, float dy) const {
 void FreeSpaceMap::find_places(const float* x, const float* y, std::size_t count, Place* places) const {
   const float at_x = x_, at_y = y_, per_rad = per_rad_, per_meter = per_meter_;
   const auto cells = static_cast<std::int32_t>(cells_.size());
-  // The same numbers as place_of(), but many at once.
+  // The results equal those of place_of(); the loop is vectorised.
   for (std::size_t i = 0; i < count; ++i) {
     const float dx = x[i] - at_x;
     const float dy = y[i] - at_y;
@@ -156,8 +157,8 @@ void FreeSpaceMap::find_places(const float* x, const float* y, std::size_t count
   }
 }
 
-/// The cells whose middle lies between two directions, counted in cells from -pi, one of them that of the
-/// beam, the other half way to a neighbour.
+/// Adds the cells whose middle lies between the direction of a beam and its border to a neighbour, both in
+/// cells from -pi.
 void FreeSpaceMap::add_slots(double beam, double border, bool after) {
   const auto count = static_cast<double>(cells_.size());
   const double width = 2 * std::fabs(border - beam);
@@ -182,8 +183,8 @@ void FreeSpaceMap::place_beams(const float* dx, const float* dy, std::size_t bea
   const auto per_rad = static_cast<double>(per_rad_);
   double at = (static_cast<double>(azimuth(0)) + pi_d) * per_rad;
   double step = static_cast<double>(step_from(0)) * per_rad;
-  // The outer halves of the first and the last beam are as wide as their inner ones. Both beams at a border
-  // use the same number for it, so that each cell belongs to one of them.
+  // The outer halves of the first and the last beam are as wide as their inner halves. Both beams at a border
+  // use the same number for it, so that every cell belongs to exactly one beam.
   double border = at - step / 2;
   half_beam_ = static_cast<float>(step / 2);
   for (std::size_t beam = 0; beam < beams; ++beam) {
@@ -217,7 +218,7 @@ void FreeSpaceMap::fill(const PlacedScan& sweep) {
       cells_[slot.cell] = own;
       hides_[slot.cell] = hides;
       if (slot.after ? to_next : to_previous) {
-        // On a straight line the inverse of the distance changes (nearly) evenly.
+        // The inverse of the distance changes (nearly) evenly along a straight line.
         cells_[slot.cell] = cell_of(sweep.free_from[beam], to * other / (other + slot.share * (to - other)));
       } else if (sweep.kind[neighbour] != Return::nothing && other > 0 && other < to &&
                  slot.share > passed_share_) {
@@ -229,7 +230,7 @@ void FreeSpaceMap::fill(const PlacedScan& sweep) {
 }
 
 void FreeSpaceMap::limit(float begin, float end, float from, float a, float b, bool hides) {
-  // Both ends of a stretch count, so that no cell between two stretches is forgotten.
+  // Both ends of a stretch are included, so that no cell between two stretches is left out.
   constexpr float slack = 0.01F;
   const auto count = static_cast<std::int64_t>(cells_.size());
   const float width = end - begin;

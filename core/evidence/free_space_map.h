@@ -12,9 +12,9 @@
 
 namespace lidard {
 
-/// How far one source sees in each direction around itself, as integers that a walk along the output's beams
-/// can compare quickly: a polar map. Cells are equal parts of the full circle around the source's place in
-/// the output's plane; the beams of the source need not lie evenly in it.
+/// A polar map of how far one source sees in each direction, stored as integers that compare quickly. Cells
+/// are equal parts of the full circle around the source's place in the output's plane; the beams of the
+/// source need not be evenly spaced.
 ///
 ///      cell k:  from ..... to          A beam of the output that starts elsewhere (o) crosses the cells of
 ///         \                 .          a source (S) one after the other. A point of it, d m from S in the
@@ -27,8 +27,8 @@ namespace lidard {
 ///     1 / r(t) = (1 - t) / a + t / b,  so  r(t) = a b / (b + t (a - b)).
 class FreeSpaceMap {
  public:
-  /// m, the step of distance of maps that tell ways as far as `range_max` (m) from the output's origin;
-  /// sources that stand more than 100 m away from it see nothing of it.
+  /// m, the unit of distance of a map that reaches `range_max` (m) from the output's origin. A source may
+  /// stand at most 100 m from the origin.
   static constexpr double unit_for(double range_max) { return (range_max + 100) / 60000; }
 
   struct Cell {
@@ -37,13 +37,13 @@ class FreeSpaceMap {
     bool is_free(std::uint16_t distance) const { return static_cast<std::uint16_t>(distance - from) <= span; }
   };
 
-  /// What all of several neighbouring cells have in common: they are free from `from` to `to`. Kept as signed
-  /// numbers in the same order, and `to` turned over, so that the run of both of two runs is their maximum.
+  /// The distances at which all of several neighbouring cells are free. Both limits are signed numbers in the
+  /// same order and `to` is inverted, so that the intersection of two runs is their maximum.
   struct Run {
     std::int16_t from;
     std::int16_t not_to;
   };
-  /// A run of cells, in terms of runs(): it is what two others cover together.
+  /// A run of cells as two entries of runs() that cover it together.
   struct RunAt {
     std::uint32_t first = 0, second = 0;
   };
@@ -51,44 +51,45 @@ class FreeSpaceMap {
     return static_cast<std::int16_t>(distance ^ 0x8000U);
   }
 
-  /// A place of the output's plane as the source sees it.
+  /// A point of the output's plane in polar coordinates of the source.
   struct Place {
     std::uint16_t cell;
     std::uint16_t distance;  ///< units
   };
 
-  /// Sets the place of a source, m in the output's plane. Cells divide `beam_width` (rad between beams)
-  /// evenly; `unit` is the length of one step of distance, m. Nothing is free then.
+  /// Sets the place of a source, m in the output's plane, and clears the map. Cells divide `beam_width` (rad
+  /// between beams) evenly; `unit` is the unit of distance, m.
   void set(float x, float y, double beam_width, double unit);
-  /// Sets place and directions of a scanner whose beams are `rays`. `narrowest` is the width of what need not
-  /// be seen, rad: a thing ends nowhere nearer than a quarter of that to a beam that passes it.
+  /// Sets place and directions of a scanner whose beams are `rays`. `narrowest` (rad) is the width of objects
+  /// that may be missed: an object ends at least a quarter of that before a beam that passes it.
   void set_source(const BeamRays& rays, double unit, double narrowest = 0) {
     const Eigen::Vector3d at = rays.pose.translation();
     set(static_cast<float>(at.x()), static_cast<float>(at.y()), rays.increment, unit);
     passed_share_ = static_cast<float>(std::min(0.5, narrowest / 4 / std::abs(rays.increment)));
     place_beams(rays.x.data(), rays.y.data(), rays.size());
   }
-  /// Tells in which directions of the output's plane the `beams` beams of the source look, in order; needed
-  /// before fill(), and whenever they change.
+  /// Sets the directions of the source's beams in the output's plane, in order. Call it before fill() and
+  /// whenever the directions change.
   void place_beams(const float* dx, const float* dy, std::size_t beams);
 
-  /// Takes the evidence of a sweep. Between linked returns it is interpolated; between others the thing that
-  /// the shorter beam meets may go on as far as to the longer beam. Beside a beam that ends at nothing the
+  /// Fills the map from a sweep. Free ranges are interpolated between linked returns. Between other returns
+  /// the object that the shorter beam hits may extend to the longer beam. Beside a beam without return the
   /// nearer beam counts.
   void fill(const PlacedScan& sweep);
-  /// No evidence at all.
+  /// Removes all evidence.
   void clear();
-  /// States that the cell is free between two distances from the source, m, and whether a return `hides` what
-  /// is beyond; replaces what was known of it.
+  /// Sets the free distances of a cell, m from the source, and whether a return `hides` what is beyond;
+  /// replaces earlier evidence.
   void claim(std::size_t cell, float from, float to, bool hides = false) {
     cells_[cell] = cell_of(from, to);
     hides_[cell] = hides ? 1 : 0;
   }
 
-  /// Works out runs(), from what is known of the cells now.
+  /// Computes runs() from the cells.
   void find_runs();
   const Run* runs() const { return runs_.data(); }
-  /// Where in runs() `length` cells from `cell` on (all around) are found; false: a run too long.
+  /// Finds the run of `length` cells from `cell` on (with wrap-around) in runs(); false if the run is too
+  /// long.
   bool find_run(std::size_t cell, std::size_t length, RunAt& at) const;
 
   float x() const { return x_; }
@@ -103,7 +104,7 @@ class FreeSpaceMap {
   }
   const Cell* cells() const { return cells_.data(); }
   bool is_free(Place at) const { return cells_[at.cell].is_free(at.distance); }
-  /// True if all of the straight way between two places is free. Needs the newest runs().
+  /// True if the straight way between two places is free. Needs up-to-date runs().
   bool is_free(Place a, Place b) const {
     const std::uint16_t nearest = std::min(a.distance, b.distance);
     const std::uint16_t farthest = std::max(a.distance, b.distance);
@@ -112,8 +113,8 @@ class FreeSpaceMap {
     if (!last.is_free(nearest) || !last.is_free(farthest)) return false;
     return std::abs(a.cell - b.cell) <= 1 || is_free_between(a, b);
   }
-  /// m from a return to the nearer end of the way between two places, of which it hides a part; infinite:
-  /// none does. Of several returns the nearest to the way counts.
+  /// m from a return that hides a part of the way between two places to the nearer end of that way; the
+  /// smallest such distance, infinite if no return hides a part.
   float hidden_by(Place a, Place b) const;
   /// The place of a point of the output frame, m.
   Place place_of(float x, float y) const {
@@ -126,37 +127,37 @@ class FreeSpaceMap {
   std::size_t size() const { return cells_.size(); }
 
  private:
-  /// A cell that a beam looks into: the part of the way to a neighbouring beam.
+  /// A cell between a beam and the border to a neighbouring beam.
   struct Slot {
     std::uint16_t cell;
-    bool after;   // towards the next beam, not the one before
+    bool after;   // on the side of the next beam
     float share;  // 0: in the beam's own direction
   };
   Cell cell_of(float from, float to) const;
-  /// find_run() of a length that is none too long.
+  /// find_run() without the check of the length.
   RunAt run_at(std::size_t cell, std::size_t length) const;
-  /// The same by runs(), for any number of cells.
+  /// is_free() for any number of cells, from runs().
   bool is_free_between(Place a, Place b) const;
-  /// Cells from `a` on to `b` or the other way round, whichever is shorter.
+  /// The cells from `a` to `b` along the shorter arc.
   void span_of(std::uint16_t a, std::uint16_t b, std::size_t& first, std::size_t& count) const;
-  /// fill() where the vehicle moved: the beams' ends lie anywhere, also in another order.
+  /// fill() for a moving vehicle: the ends of the beams may lie in any order.
   void fill_moved(const PlacedScan& sweep);
   void limit_pair(const PlacedScan& sweep, std::size_t beam, float step);
-  /// Free ways in cells [begin, end] (cells from -pi; either may be the larger) are no longer than `a` to
-  /// `b`.
+  /// Limits the free ways in cells [begin, end] (cells from -pi; either may be the larger) to lengths that
+  /// change from `a` to `b`.
   void limit(float begin, float end, float from, float a, float b, bool hides);
   void add_slots(double beam, double border, bool after);
 
   float x_ = 0, y_ = 0;
   float per_meter_ = 1;
   float per_rad_ = 1;       // cells
-  float half_beam_ = 0;     // cells to half way to the next beam, signed
-  float passed_share_ = 0;  // of the way between two beams, that belongs to the longer one
+  float half_beam_ = 0;     // cells to the border to the next beam, signed
+  float passed_share_ = 0;  // share of the angle between two beams that belongs to the longer one
   std::vector<Cell> cells_;
-  std::vector<char> hides_;                // by cell: its free way ends at a return
+  std::vector<char> hides_;                // per cell: the free way ends at a return
   std::vector<Run> runs_;                  // by length (1, 2, 4 ... cells), then by first cell
-  std::vector<float> azimuths_;            // of the ends of moved beams, cells from -pi
-  std::vector<float> lengths_;             // m, of their free ways
+  std::vector<float> azimuths_;            // cells from -pi, of the ends of moved beams
+  std::vector<float> lengths_;             // m, free ways of moved beams
   std::vector<float> starts_, ends_;       // m, of each cell's free way; end < 0: none
   std::vector<Slot> slots_;                // by beam
   std::vector<std::uint32_t> first_slot_;  // of each beam, and the end

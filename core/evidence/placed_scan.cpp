@@ -8,7 +8,7 @@
 namespace lidard {
 namespace {
 
-/// Turns the beams of one scan into what they prove.
+/// Converts the beams of one scan to surfaces and free ranges.
 class Conditioner {
  public:
   Conditioner(const PlanarScan& scan, const BeamRays& rays, const SourceSettings& settings, PlacedScan& sweep)
@@ -28,16 +28,16 @@ class Conditioner {
     sweep_.free_from.assign(n, 0);
     sweep_.free_to.assign(n, 0);
     sweep_.early_returns.clear();
-    for (std::size_t beam = 0; beam < n; ++beam) take_beam(beam);
+    for (std::size_t beam = 0; beam < n; ++beam) read_beam(beam);
     link_neighbours(rays_, settings_.noise, sweep_);
-    if (settings_.veil_filter && n > 2) mark_veils(rays_, settings_.noise, sweep_);
+    if (settings_.veil_filter && n > 2) mark_mixed_pixels(rays_, settings_.noise, sweep_);
     for (std::size_t beam = 0; beam < n; ++beam) {
       if (sweep_.kind[beam] != Return::surface) continue;
       const float early = sweep_.free_to[beam];
       free_in_band(beam, sweep_.range[beam]);
       if (early > 0) sweep_.free_to[beam] = std::min(sweep_.free_to[beam], early);
     }
-    shorten_veils();
+    shorten_mixed_pixels();
     for (std::size_t beam = 0; beam < n; ++beam) {
       if (sweep_.kind[beam] != Return::nothing) drop_outside_band(beam);
     }
@@ -50,10 +50,11 @@ class Conditioner {
   }
 
   bool usable(std::size_t i) const {
-    return scan_.statuses[i] == BeamStatus::hit && scan_.ranges[i] >= nearest_ && scan_.ranges[i] <= farthest_;
+    return scan_.statuses[i] == BeamStatus::hit && scan_.ranges[i] >= nearest_ &&
+           scan_.ranges[i] <= farthest_;
   }
 
-  /// Index of the return that counts, or of the first echo if none does.
+  /// Index of the return that counts, or of the first echo if none counts.
   std::size_t chosen_echo(std::size_t beam) const {
     std::size_t chosen = scan_.index(beam);
     bool found = usable(chosen);
@@ -70,16 +71,16 @@ class Conditioner {
     return chosen;
   }
 
-  void take_beam(std::size_t beam) {
+  void read_beam(std::size_t beam) {
     if (!wanted(beam)) return;
     const std::size_t i = scan_.echoes > 1 ? chosen_echo(beam) : beam;
     if (usable(i))
-      take_hit(beam, i);
+      accept_hit(beam, i);
     else if (scan_.statuses[i] == BeamStatus::none)
-      take_none(beam);
+      accept_none(beam);
   }
 
-  void take_hit(std::size_t beam, std::size_t i) {
+  void accept_hit(std::size_t beam, std::size_t i) {
     const float range = scan_.ranges[i];
     if (range >= rays_.own_begin[beam] && range <= rays_.own_end[beam]) {
       ++sweep_.own_returns;
@@ -94,21 +95,21 @@ class Conditioner {
     sweep_.kind[beam] = Return::surface;
     sweep_.range[beam] = range;
     if (!sweep_.intensity.empty()) sweep_.intensity[beam] = scan_.intensities[i];
-    if (scan_.echoes > 1) take_early_echoes(beam, i);
+    if (scan_.echoes > 1) keep_early_echoes(beam, i);
   }
 
-  void take_none(std::size_t beam) {
+  void accept_none(std::size_t beam) {
     if (rays_.from_inside[beam] != 0) return;
     free_in_band(beam, std::min(open_, rays_.blocked_at[beam]));
   }
 
-  void take_early_echoes(std::size_t beam, std::size_t chosen) {
+  void keep_early_echoes(std::size_t beam, std::size_t chosen) {
     if (settings_.echoes != EchoChoice::all) return;
     for (std::size_t echo = 0; echo < scan_.echoes; ++echo) {
       const std::size_t i = scan_.index(beam, echo);
       const float r = scan_.ranges[i];
       if (i == chosen || !usable(i) || r >= scan_.ranges[chosen]) continue;
-      // What a first echo hides is seen through it, but the way beyond is no longer called free.
+      // The way beyond an early echo is not free, although later echoes were measured through it.
       const float to = r * rays_.level[beam];
       sweep_.free_to[beam] = sweep_.free_to[beam] > 0 ? std::min(sweep_.free_to[beam], to) : to;
       if (r < rays_.band_begin[beam] || r > rays_.band_end[beam]) continue;
@@ -116,7 +117,7 @@ class Conditioner {
     }
   }
 
-  /// A return at a height that does not count is none; its beam is free as far as it counts.
+  /// Drops a return outside the height band; the free part of its beam stays.
   void drop_outside_band(std::size_t beam) {
     const float r = sweep_.range[beam];
     if (r >= rays_.band_begin[beam] && r <= rays_.band_end[beam]) return;
@@ -125,15 +126,15 @@ class Conditioner {
     if (beam > 0) sweep_.linked[beam - 1] = 0;
   }
 
-  /// A veil point is no surface; its beam is free as far as the nearer of its neighbours.
-  void shorten_veils() {
+  /// The beam of a mixed pixel is free as far as the nearer of its neighbours.
+  void shorten_mixed_pixels() {
     for (std::size_t i = 1; i + 1 < sweep_.kind.size(); ++i) {
-      if (sweep_.kind[i] != Return::doubtful) continue;
+      if (sweep_.kind[i] != Return::mixed_pixel) continue;
       free_in_band(i, std::min(sweep_.range[i - 1], sweep_.range[i + 1]));
     }
   }
 
-  /// The beam is free up to `to` (range), as far as it is at heights that count.
+  /// Marks the beam free up to range `to`, within the height band.
   void free_in_band(std::size_t beam, float to) {
     const float end = std::min(to, rays_.band_end[beam]);
     const float observed_from = scan_.free_from.empty() ? 0 : scan_.free_from[beam];
@@ -149,10 +150,10 @@ class Conditioner {
   PlacedScan& sweep_;
   float nearest_;
   float farthest_;
-  float open_;  // m that a beam without return proves free
+  float open_;  // m, free range of a beam without return
 };
 
-/// Places returns where the vehicle stood all the time.
+/// Places returns of a vehicle at rest.
 void place_standing(const BeamRays& rays, PlacedScan& sweep) {
   const auto x = static_cast<float>(rays.pose.translation().x());
   const auto y = static_cast<float>(rays.pose.translation().y());
@@ -171,7 +172,7 @@ Eigen::Vector3d ray_of(const BeamRays& rays, std::size_t beam) {
   return Eigen::Vector3f(rays.x[beam], rays.y[beam], rays.z[beam]).cast<double>();
 }
 
-/// Places returns and the ends of free ways where they are now that the vehicle has moved on.
+/// Places returns and the ends of free ways of a moving vehicle.
 void place_moving(const BeamRays& rays, const SweepMotion& motion, PlacedScan& sweep) {
   const Eigen::Vector3d& here = rays.pose.translation();
   sweep.free_x.resize(sweep.kind.size());
@@ -190,7 +191,8 @@ void place_moving(const BeamRays& rays, const SweepMotion& motion, PlacedScan& s
     sweep.free_y[beam] = static_cast<float>(from.y() + end * ray.y() - here.y());
   });
   for (const PlacedScan::EarlyReturn& early : sweep.early_returns) {
-    const Eigen::Vector3d p = motion.moved(early.beam, here + static_cast<double>(early.range) * ray_of(rays, early.beam));
+    const Eigen::Vector3d p =
+        motion.moved(early.beam, here + static_cast<double>(early.range) * ray_of(rays, early.beam));
     sweep.early_echoes.push_back({static_cast<float>(p.x()), static_cast<float>(p.y()), early.intensity});
   }
 }

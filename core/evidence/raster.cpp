@@ -11,10 +11,10 @@
 namespace lidard {
 namespace {
 
-// Nearer to the origin than this there is no direction.
+// m; a nearer point has no direction.
 constexpr float nearest = 0.001F;
 
-// Segments that reach less far across a beam lie along it, m.
+// m; a segment that extends less across a beam lies along it.
 constexpr float narrowest = 2e-4F;
 
 float beams_to(float x, float y, float first, float per_rad, float turn) {
@@ -24,7 +24,7 @@ float beams_to(float x, float y, float first, float per_rad, float turn) {
   return at >= turn ? at - turn : at;
 }
 
-/// A step between two places, in beams, the short way round.
+/// A step between two positions, in beams, along the shorter arc.
 float short_way(float span, float turn) {
   if (span > turn / 2) return span - turn;
   return span < -turn / 2 ? span + turn : span;
@@ -92,9 +92,9 @@ void Raster::draw(const PlacedScan& sweep, RangeLayer& layer) {
   for (const Point& echo : sweep.early_echoes) draw_point(echo, layer);
 }
 
-void Raster::draw_doubtful(const PlacedScan& sweep, RangeLayer& layer) const {
+void Raster::draw_mixed_pixels(const PlacedScan& sweep, RangeLayer& layer) const {
   for (std::size_t i = 0; i < sweep.kind.size(); ++i) {
-    if (sweep.kind[i] == Return::doubtful) draw_point(point_of(sweep, i), layer);
+    if (sweep.kind[i] == Return::mixed_pixel) draw_point(point_of(sweep, i), layer);
   }
 }
 
@@ -106,7 +106,7 @@ void Raster::draw_segment(Point p, Point q, RangeLayer& layer) const {
 
 std::size_t Raster::nearest_beam(float at) const {
   const auto beam = static_cast<std::size_t>(at + 0.5F);
-  // Half a beam before the first one, all around.
+  // The half beam before the first one belongs to it.
   return beam >= grid_.beams && at >= turn_ - 0.5F ? 0 : beam;
 }
 
@@ -122,7 +122,7 @@ void Raster::draw_end(Point p, Point inner, float at, RangeLayer& layer) const {
   if (range < nearest || beam >= grid_.beams) return;
   const float dx = p.x - inner.x;
   const float dy = p.y - inner.y;
-  // Where the surface, drawn out to the middle of the beam, would be; at a slant it stays where it ends.
+  // The surface is extended to the middle of the beam, unless it is slanted too much.
   const float across = cosine_[beam] * dy - sine_[beam] * dx;
   const float drawn_out = std::fabs(across) > 1e-6F ? (p.x * dy - p.y * dx) / across : range;
   const bool fits = std::fabs(drawn_out - range) * per_rad_ <= range / 2;
@@ -147,7 +147,7 @@ void Raster::fill(Point p, Point q, float from, float to, RangeLayer& layer) con
     const float both = side_p - side_q;
     const float ahead_p = c * p.x + s * p.y;
     const float ahead_q = c * q.x + s * q.y;
-    // Of a surface that lies along the beam its nearer end counts.
+    // If a surface lies along the beam, its nearer end counts.
     const float along = ahead_p < ahead_q ? 0.0F : 1.0F;
     const float share = std::fabs(both) < narrowest ? along : std::clamp(side_p / both, 0.0F, 1.0F);
     const float range = ahead_p + share * (ahead_q - ahead_p);

@@ -16,8 +16,8 @@ struct RangeLayer {
   void clear(std::size_t beams);
 };
 
-/// Draws surfaces into the beams of an output scan: what a scanner in the output frame's origin would
-/// measure of them. Each beam's range is where it meets the surface; the nearest one stays.
+/// Draws surfaces into the beams of an output scan, as a scanner at the output frame's origin would measure
+/// them. A beam keeps the range of the nearest surface.
 class Raster {
  public:
   using Point = PlacedScan::Point;
@@ -27,23 +27,24 @@ class Raster {
   const ScanGrid& grid() const { return grid_; }
   float cosine(std::size_t beam) const { return cosine_[beam]; }
   float sine(std::size_t beam) const { return sine_[beam]; }
-  /// Beams of a full turn.
+  /// Number of beams in a full turn.
   float turn() const { return turn_; }
 
-  /// All surfaces of a sweep. Ends of surfaces and single returns also count in the beam nearest to them.
+  /// Draws all surfaces of a sweep. Ends of surfaces and single returns also count in the beam nearest to
+  /// them.
   void draw(const PlacedScan& sweep, RangeLayer& layer);
-  /// The returns of a sweep that are doubtful, as points.
-  void draw_doubtful(const PlacedScan& sweep, RangeLayer& layer) const;
+  /// Draws the mixed pixels of a sweep as points.
+  void draw_mixed_pixels(const PlacedScan& sweep, RangeLayer& layer) const;
   void draw_point(Point p, RangeLayer& layer) const;
   void draw_segment(Point p, Point q, RangeLayer& layer) const;
-  /// Beams from the first one to the azimuth of (x, y), less than a turn of them.
+  /// Beams from the first one to the azimuth of (x, y), in [0, turn()).
   float position(float x, float y) const;
   /// The positions of `count` points.
   void positions(const float* x, const float* y, std::size_t count, float* at) const;
-  /// Points and segments whose position() is known.
+  /// draw_point() and draw_segment() with known positions.
   void draw_point(Point p, float at, RangeLayer& layer) const;
   void draw_segment(Point p, Point q, float at_p, float at_q, RangeLayer& layer) const;
-  /// The end `p` of a surface that comes from `inner`, in the beam nearest to it.
+  /// Draws the end `p` of a surface that comes from `inner` into the beam nearest to it.
   void draw_end(Point p, Point inner, float at, RangeLayer& layer) const;
 
  private:
@@ -56,7 +57,7 @@ class Raster {
   float first_;    // rad
   std::vector<float> cosine_;
   std::vector<float> sine_;
-  std::vector<float> positions_;  // of one sweep's returns
+  std::vector<float> positions_;  // of the returns of one sweep
 };
 
 }  // namespace lidard

@@ -10,7 +10,7 @@ namespace lidard {
 namespace {
 
 constexpr float infinite = std::numeric_limits<float>::infinity();
-// A step is looked at in so many parts where no source sees all of it.
+// A step that no single source sees completely is checked in this number of parts.
 constexpr int parts_of_step = 4;
 
 }  // namespace
@@ -41,7 +41,7 @@ Visibility::Visibility(const ScanGrid& grid, const VisibilitySettings& settings,
   const double asked = settings_.free_required > 0 ? settings_.free_required : grid.range_max;
   open_ = std::min(static_cast<float>(asked), range_max_);
   nearest_.clear(grid.beams);
-  doubtful_.clear(grid.beams);
+  mixed_pixels_.clear(grid.beams);
 }
 
 void Visibility::set_footprint(const Footprint& footprint) {
@@ -54,7 +54,7 @@ void Visibility::set_footprint(const Footprint& footprint) {
     inside_[beam] = {};
     if (!crossing) continue;
     const auto end = static_cast<float>(crossing->out);
-    // The step that holds the border is the body's too: nobody sees into it.
+    // The step that holds the border belongs to the body: no source sees into it.
     const std::size_t border = inside ? 0 : table_.step_at(static_cast<float>(crossing->in));
     inside_[beam] = {border, table_.step_at(end), end};
   }
@@ -86,7 +86,7 @@ void Visibility::set_place(float x, float y, double width, std::size_t observing
 
 void Visibility::begin() {
   nearest_.clear(beams());
-  doubtful_.clear(beams());
+  mixed_pixels_.clear(beams());
   for (FreeSpaceMap& map : maps_) map.clear();
 }
 
@@ -103,7 +103,7 @@ void Visibility::compute() {
 
 void Visibility::combine(const std::vector<const PlacedScan*>& sweeps) {
   nearest_.clear(beams());
-  doubtful_.clear(beams());
+  mixed_pixels_.clear(beams());
   for (std::size_t s = 0; s < sweeps.size(); ++s) {
     layers_[s].clear(beams());
     if (sweeps[s] == nullptr) {
@@ -112,7 +112,7 @@ void Visibility::combine(const std::vector<const PlacedScan*>& sweeps) {
     }
     maps_[s].fill(*sweeps[s]);
     raster_.draw(*sweeps[s], layers_[s]);
-    raster_.draw_doubtful(*sweeps[s], doubtful_);
+    raster_.draw_mixed_pixels(*sweeps[s], mixed_pixels_);
     for (std::size_t beam = 0; beam < beams(); ++beam) {
       if (!(layers_[s].range[beam] < nearest_.range[beam])) continue;
       nearest_.range[beam] = layers_[s].range[beam];
@@ -166,7 +166,7 @@ bool Visibility::accept_unseen(Walk& walk, float from) {
 }
 
 void Visibility::see(Walk& walk, std::size_t source, float to) {
-  // The blind way goes on while no other source sees a piece of it; a gap that is forgiven does not end it.
+  // The blind way continues until another source sees a piece of the way; an accepted gap does not end it.
   float& blind_to = blind_to_[walk.beam];
   if (source == observing_ && (blind_to <= 0 || blind_to == walk.known)) blind_to = to;
   walk.known = to;
@@ -176,10 +176,10 @@ void Visibility::see(Walk& walk, std::size_t source, float to) {
 std::size_t Visibility::seen_run(Walk& walk, std::size_t from, std::size_t to) {
   constexpr std::size_t many = VisibilityTable::stretch_steps;
   for (std::size_t refused = 0; refused < walk.sources && from < to;) {
-    // Where one source does not see a whole stretch another one may.
+    // Another source may see a stretch that one source does not see completely.
     if (from % many == 0 && from + many <= to) {
       std::size_t asked = 0;
-      for (; asked < walk.sources && !sees_stretch(walk.source, walk.beam, from / many); ++asked) ask_next(walk);
+      for (; asked < walk.sources && !sees_stretch(walk.source, walk.beam, from / many); ++asked) next_source(walk);
       if (asked < walk.sources) {
         from += many;
         refused = 0;
@@ -191,7 +191,7 @@ std::size_t Visibility::seen_run(Walk& walk, std::size_t from, std::size_t to) {
     const std::size_t seen_to = free_run(walk.source, walk.beam, from, stop);
     refused = seen_to > from ? 0 : refused + 1;
     if (seen_to > from) see(walk, walk.source, table_.edge(seen_to));
-    if (seen_to < stop) ask_next(walk);
+    if (seen_to < stop) next_source(walk);
     from = seen_to;
   }
   return from;
@@ -200,7 +200,7 @@ std::size_t Visibility::seen_run(Walk& walk, std::size_t from, std::size_t to) {
 bool Visibility::sees_piece(Walk& walk, std::size_t step, bool from_body, std::size_t to) {
   const std::size_t beam = walk.beam;
   const bool to_end = to > walk.last;
-  for (std::size_t asked = 0; asked < walk.sources; ++asked, ask_next(walk)) {
+  for (std::size_t asked = 0; asked < walk.sources; ++asked, next_source(walk)) {
     const std::size_t s = walk.source;
     if (maps_[s].size() == 0) continue;
     const auto begin = from_body ? body_ends_[s][beam] : table_.place(beam, row_of(s), step);
@@ -256,7 +256,7 @@ bool Visibility::is_covered(std::size_t beam, std::size_t sources) {
   const Inside& body = inside_[beam];
   const std::size_t last = table_.step_at(end);
   Walk walk{beam, sources, last, witness_ < sources ? witness_ : 0};
-  // What cannot be seen lies nearest.
+  // The blind part lies nearest, so its map is queried first.
   if (observing_ < sources) walk.source = observing_;
   blind_to_[beam] = 0;
   body_at_[beam] = infinite;
@@ -272,7 +272,8 @@ bool Visibility::is_covered(std::size_t beam, std::size_t sources) {
       walk.at = walk.known = body.end;
       continue;
     }
-    // To the end of the way, or to where stretches begin; else stretch by stretch and step by step.
+    // Try to walk to the end of the way or to the next stretch at once; otherwise stretch by stretch, then
+    // step by step.
     std::size_t to = std::min(m / many * many + many, last + 1);
     if ((body_ahead && body.from < to) || (!from_body && m % many == 0 && to <= last)) to = m;
     if (to == m || !sees_piece(walk, m, from_body, to)) {
@@ -283,7 +284,7 @@ bool Visibility::is_covered(std::size_t beam, std::size_t sources) {
     }
     if (to == m) {
       to = m + 1;
-      covered = take_step(walk, m, from_body, covered);
+      covered = cross_step(walk, m, from_body, covered);
       if (!covered && is_decided(beam)) break;
     }
     m = to;
@@ -295,8 +296,8 @@ bool Visibility::is_covered(std::size_t beam, std::size_t sources) {
   return covered;
 }
 
-/// What stands behind a return counts although the way to it was not observed.
-bool Visibility::take_step(Walk& walk, std::size_t step, bool from_body, bool covered) {
+/// An object behind a return counts although the way to it was not observed.
+bool Visibility::cross_step(Walk& walk, std::size_t step, bool from_body, bool covered) {
   if (from_body && sees_piece(walk, step, true, step + 1)) return covered;
   if (!covered && !may_hold_body(walk, step)) return false;
   const float known = walk.known;
@@ -314,7 +315,7 @@ BeamState Visibility::decide(std::size_t beam) {
   return seen ? BeamState::hit : BeamState::behind;
 }
 
-/// Slow, and by another way than is_covered(): for debug builds.
+/// Checks is_covered() by a slower method, for debug builds.
 bool Visibility::is_seen_all_along(std::size_t beam) const {
   constexpr float apart = 0.01F;  // m
   for (float at = begin_[beam] + apart; at < ways_[beam]; at += apart) {
@@ -336,11 +337,11 @@ void Visibility::encode(Profile profile, PlanarScan& scan, bool with_intensities
     bool hit = states_[beam] == BeamState::hit;
     bool free = states_[beam] == BeamState::free;
     if (profile == Profile::safety) {
-      if (doubtful_.range[beam] < range) {
-        range = doubtful_.range[beam];
-        intensity = doubtful_.intensity[beam];
+      if (mixed_pixels_.range[beam] < range) {
+        range = mixed_pixels_.range[beam];
+        intensity = mixed_pixels_.intensity[beam];
       }
-      // The body may be that of the hit, seen from its other side.
+      // The object may be the one that was hit, seen from its other side.
       if (body_at_[beam] + static_cast<float>(settings_.gap) + approach_ < range) {
         range = body_at_[beam];
         intensity = 0;
@@ -361,7 +362,7 @@ void Visibility::encode(Profile profile, PlanarScan& scan, bool with_intensities
   scan.free_from.assign(beams(), 0);
   for (std::size_t beam = 0; beam < beams(); ++beam) {
     if (scan.statuses[beam] != BeamStatus::hit) continue;
-    // The way to a hit that is not known to be free proves nothing.
+    // If the way to a hit is not known to be free, the hit proves no free space.
     const float range = scan.ranges[beam];
     scan.free_from[beam] = states_[beam] == BeamState::hit ? std::min(blind_to_[beam], range) : range;
   }

@@ -14,32 +14,32 @@
 
 namespace lidard {
 
-/// What is known about a beam of the output. `free`: each place of the way as far as the beam must be
-/// observed lies between two neighbouring beams of one source that both passed it; whatever stands in the
-/// beam is narrower than the way between these two. `hit`: the same holds as far as the surface, but for
-/// short ways where no source has a beam; no return hides a part of them. `gap`: a surface, but the way to it
-/// was not observed. `behind`: it was, but no source sees the surface from the side the beam comes from.
+/// What is known about a beam of the output. `free`: every place of the required way lies between two
+/// neighbouring beams of one source that both passed it; an object in the beam would be narrower than the
+/// space between these two. `hit`: the way to the surface is free, except for short parts where no source has
+/// a beam and which no return hides. `gap`: a surface, but the way to it was not observed. `behind`: the way
+/// was observed, but no source sees the surface from the side of the beam.
 enum class BeamState : std::uint8_t { unobserved, free, hit, behind, gap };
 
 struct VisibilitySettings {
   double noise = 0.02;       ///< the largest of the sources' standard deviations, m
-  double gap = 0.3;          ///< so much of the way to a hit may have no beam in one piece, m ...
-  double gap_share = 0.05;   ///< ... or this share of the range, whichever is more; in all twice as much
-  double approach = 0.12;    ///< so far before a surface the way must be free, m
-  double free_required = 0;  ///< how far a beam must be observed to be free, m; 0: range_max
+  double gap = 0.3;          ///< longest part of the way to a hit that may be unobserved, m,
+  double gap_share = 0.05;   ///< or this share of the range, whichever is more; in total twice as much
+  double approach = 0.12;    ///< distance before a surface as far as which the way must be free, m
+  double free_required = 0;  ///< range up to which a beam must be observed to be free, m; 0: range_max
 };
 
-/// What can be said from the origin of an output frame about the surfaces and the free space that several
-/// sources see: per beam the nearest surface, and whether the way to it is known to be free.
+/// The surfaces and the free space that several sources see, as seen from the origin of an output frame: per
+/// beam the nearest surface, and whether the way to it is known to be free.
 class Visibility {
  public:
   Visibility(const ScanGrid& grid, const VisibilitySettings& settings, std::size_t sources);
 
   /// The vehicle's outline in the output frame: the way inside it need not be observed.
   void set_footprint(const Footprint& footprint);
-  /// Tells where a source looks from; needed once, and whenever it moves.
+  /// Sets the beams of a source; call it once and whenever the source moves.
   void set_source(std::size_t source, const BeamRays& rays);
-  /// Computes from the newest sweep of each source; nullptr: this source has none.
+  /// Computes from the newest sweep of every source; nullptr: the source has none.
   void compute(const std::vector<const PlacedScan*>& sweeps);
   /// For what is no sweep: the place of all sources, m in the output's plane; their columns are `width` rad
   /// apart. The first `observing` sources then are what is seen to be free. The next one is what no beam can
@@ -50,59 +50,57 @@ class Visibility {
   void begin();
   const Raster& raster() const { return raster_; }
   RangeLayer& surfaces() { return nearest_; }
-  RangeLayer& doubtful() { return doubtful_; }
   FreeSpaceMap& free_space(std::size_t source) { return maps_[source]; }
   /// Computes from what was filled in.
   void compute();
-  /// Writes the result in the words of a profile, `strict` or `safety`.
+  /// Encodes the result for profile `strict` or `safety`.
   void encode(Profile profile, PlanarScan& scan, bool with_intensities) const;
 
   std::size_t beams() const { return states_.size(); }
   BeamState state(std::size_t beam) const { return states_[beam]; }
   /// m to the nearest surface; infinite: none.
   float range(std::size_t beam) const { return nearest_.range[beam]; }
-  /// m from the origin as far as the way is observed to be free.
+  /// m from the origin to the end of the observed free way.
   float covered(std::size_t beam) const { return covered_[beam]; }
 
  private:
   void combine(const std::vector<const PlacedScan*>& sweeps);
   bool has_hit(std::size_t beam) const { return nearest_.range[beam] <= range_max_; }
-  /// Finds how far each way goes and where its end lies for each source.
+  /// Computes the required way of every beam and the place of its end for every source.
   void find_ends();
   BeamState decide(std::size_t beam);
-  /// Walks along the beam's way from where the vehicle ends; false where it is not observed. Sets covered.
+  /// Walks along the beam's way from the vehicle's border; false if the way is not observed. Sets covered_.
   bool is_covered(std::size_t beam, std::size_t sources);
   std::size_t row_of(std::size_t source) const { return one_place_ ? 0 : source; }
   /// This source sees all of stretch `stretch` of the table to be free.
   bool sees_stretch(std::size_t source, std::size_t beam, std::size_t stretch) const;
-  /// The first step in [from, to), all in one stretch, of which this source does not see all to be free, or
-  /// `to`.
+  /// The first step in [from, to), all in one stretch, that the source does not see to be free, or `to`.
   std::size_t free_run(std::size_t source, std::size_t beam, std::size_t from, std::size_t to) const;
-  /// A way along a beam that is walked now.
+  /// State of a walk along a beam.
   struct Walk {
     std::size_t beam, sources;
-    std::size_t last;    // step, that holds the end of the way
-    std::size_t source;  // that is asked next
+    std::size_t last;    // step that holds the end of the way
+    std::size_t source;  // to be queried next
     float at = 0;        // m, walked so far
-    float known = 0;     // m, where the last piece ends that was seen
-    float unseen = 0;    // m in all where no source has a beam
+    float known = 0;     // m, end of the last piece that was seen
+    float unseen = 0;    // m in total where no source has a beam
   };
   void see(Walk& walk, std::size_t source, float to);
-  static void ask_next(Walk& walk) { walk.source = walk.source + 1 < walk.sources ? walk.source + 1 : 0; }
-  /// The first step in [from, to) of which no source sees all, or `to`.
+  static void next_source(Walk& walk) { walk.source = walk.source + 1 < walk.sources ? walk.source + 1 : 0; }
+  /// The first step in [from, to) that no source sees to be free, or `to`.
   std::size_t seen_run(Walk& walk, std::size_t from, std::size_t to);
-  /// Some source sees all from step `step` (from the vehicle's border in it) to where step `to` begins, or to
-  /// the end of the way if that is beyond the last one.
+  /// True if a source sees the way from step `step` (from the vehicle's border in it) to the begin of step
+  /// `to`, or to the end of the way if `to` is beyond the last step.
   bool sees_piece(Walk& walk, std::size_t step, bool from_body, std::size_t to);
-  /// Walks through a step that no source sees as a whole; false if the way was not or is not observed.
-  bool take_step(Walk& walk, std::size_t step, bool from_body, bool covered);
-  /// Walks on in parts of a step, [from, to] m; false if one of them is not observed.
+  /// Walks through a step that no single source sees completely; false if the way is not observed.
+  bool cross_step(Walk& walk, std::size_t step, bool from_body, bool covered);
+  /// Walks from `from` to `to` m in parts of a step; false if a part is not observed.
   bool accept(Walk& walk, float from, float to);
-  /// Nothing is to be found any more along a way that was not observed.
+  /// True if walking on along a way that was not observed cannot change the result.
   bool is_decided(std::size_t beam) const { return !has_hit(beam) || body_at_[beam] <= range_max_; }
-  /// A step leads through what stands shortly behind a return.
+  /// True if a step leads through the space shortly behind a return.
   bool may_hold_body(const Walk& walk, std::size_t step) const;
-  /// The part from `from` m to walk.at, here_ to there_, is none that must be seen.
+  /// True if the part from `from` m to walk.at, here_ to there_, may stay unseen.
   bool accept_unseen(Walk& walk, float from);
   bool is_seen_all_along(std::size_t beam) const;
   FreeSpaceMap::Place place_at(std::size_t source, std::size_t beam, float range) const {
@@ -120,10 +118,10 @@ class Visibility {
   bool one_place_ = false;          // all sources look from there, so that they share the table's row
   std::size_t witness_ = 0;         // the source that saw the farthest part of the last way walked
   RangeLayer nearest_;
-  RangeLayer doubtful_;
-  /// Where a beam leads through the vehicle; the way in there need not be observed.
+  RangeLayer mixed_pixels_;
+  /// Where a beam leads through the vehicle; this part need not be observed.
   struct Inside {
-    std::size_t from = 0, to = 0;  // the steps in which it begins and ends
+    std::size_t from = 0, to = 0;  // the first and the last step
     float end = 0;                 // m; 0: nowhere
   };
   float range_max_;          // m
@@ -134,14 +132,13 @@ class Visibility {
   std::vector<float> end_x_, end_y_;                         // where they end
   std::vector<std::vector<FreeSpaceMap::Place>> way_ends_;   // of each source, by beam
   std::vector<std::vector<FreeSpaceMap::Place>> body_ends_;  // where beams leave the vehicle
-  std::vector<FreeSpaceMap::Place> here_, there_;            // of a part of a step, for each source
-  std::vector<float> begin_;  // m, where the vehicle ends if the origin lies inside
+  std::vector<FreeSpaceMap::Place> here_, there_;            // ends of a part of a step, per source
+  std::vector<float> begin_;  // m, the vehicle's border if the origin lies inside
   std::vector<Inside> inside_;
   std::vector<BeamState> states_;
   std::vector<float> covered_;
-  std::vector<float>
-      body_at_;  // m to where the way leads into what stands behind a return; infinite: nowhere
-  std::vector<float> blind_to_;  // m of the last ways walked, up to which no beam can see
+  std::vector<float> body_at_;   // m to where the way leads into the space behind a return; infinite: nowhere
+  std::vector<float> blind_to_;  // m, begin of the way that no beam can see
 };
 
 }  // namespace lidard

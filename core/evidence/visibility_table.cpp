@@ -8,7 +8,8 @@
 namespace lidard {
 namespace {
 
-// Ways are compared in so long steps, and exactly where no source sees a step as a whole.
+// Length of the steps in which ways are compared; finer parts are compared where no single source sees a step
+// completely.
 constexpr double shortest_step = 0.12;  // m
 constexpr double growth = 0.025;        // of the range
 
@@ -22,7 +23,7 @@ VisibilityTable::VisibilityTable(const Raster& raster) : beams_(raster.grid().be
   }
   edges_.push_back(static_cast<float>(at));
   stretches_of_beam_ = steps() / stretch_steps + 1;
-  // No two steps begin within a shortest one.
+  // At most one step begins within a bucket of shortest_step.
   for (std::size_t k = 0; static_cast<double>(k) * shortest_step <= at; ++k) {
     const auto begin = static_cast<float>(static_cast<double>(k) * shortest_step);
     const auto next = std::upper_bound(edges_.begin(), edges_.end(), begin) - edges_.begin();
@@ -42,7 +43,7 @@ std::size_t VisibilityTable::step_at(float range) const {
 VisibilityTable::Stretch VisibilityTable::stretch_of(const std::vector<Place>& places,
                                                      const FreeSpaceMap& map) {
   const auto count = static_cast<std::int32_t>(map.size());
-  std::int32_t at = 0, low = 0, high = 0;  // cells from the first place's
+  std::int32_t at = 0, low = 0, high = 0;  // cells from the first place
   std::uint16_t nearest = places[0].distance, farthest = places[0].distance;
   for (std::size_t m = 1; m < places.size(); ++m) {
     std::int32_t turn = places[m].cell - places[m - 1].cell;
@@ -58,7 +59,7 @@ VisibilityTable::Stretch VisibilityTable::stretch_of(const std::vector<Place>& p
       {}, FreeSpaceMap::ordered(nearest), static_cast<std::int16_t>(~FreeSpaceMap::ordered(farthest))};
   const std::int32_t first = places[0].cell + low;
   const auto cell = static_cast<std::size_t>(first < 0 ? first + count : first);
-  // Nothing is free from before the source.
+  // A run that is too long is never free: no cell is free from distance 0 to 0.
   if (!map.find_run(cell, static_cast<std::size_t>(high - low + 1), stretch.cells))
     stretch.nearest = FreeSpaceMap::ordered(0), stretch.not_farthest = FreeSpaceMap::ordered(0);
   return stretch;
@@ -74,7 +75,7 @@ void VisibilityTable::set(std::size_t source, std::size_t sources, const Raster&
   std::vector<Place> places(stretch_steps + 1);
   for (std::size_t beam = 0; beam < beams_; ++beam) {
     const float c = raster.cosine(beam), s = raster.sine(beam);
-    // Where the beam passes the source, and at which distance.
+    // The range at which the beam passes the source, and the distance between them.
     const float passing = map.x() * c + map.y() * s;
     const std::int16_t passed = FreeSpaceMap::ordered(map.distance(std::fabs(map.y() * c - map.x() * s)));
     for (std::size_t k = 0; k < stretches_of_beam_; ++k) {

@@ -11,18 +11,18 @@
 
 namespace lidard {
 
-/// Where the beams of an output scan lead through the views of the sources: for every beam, every source and
-/// a row of steps outward, where the source sees the step begin. Built once per mounting, so that the walk
-/// along a beam is a row of look-ups.
+/// Where the beams of an output scan pass through the maps of the sources: for every beam, source and step
+/// outward, the place of the step's begin. The table is built once per mounting, so that a walk along a beam
+/// only reads it.
 class VisibilityTable {
  public:
   using Place = FreeSpaceMap::Place;
 
-  /// So many steps at once: the cells they lead through, and between which distances of the source.
+  /// A number of steps together: the cells and the distances from the source that they pass through.
   struct Stretch {
     FreeSpaceMap::RunAt cells;
     std::int16_t nearest;       ///< ordered() as in FreeSpaceMap::Run
-    std::int16_t not_farthest;  ///< turned over
+    std::int16_t not_farthest;  ///< inverted
     bool is_free(const FreeSpaceMap::Run* runs) const {
       const FreeSpaceMap::Run a = runs[cells.first];
       const FreeSpaceMap::Run b = runs[cells.second];
@@ -31,23 +31,23 @@ class VisibilityTable {
   };
   static constexpr std::size_t stretch_steps = 8;
 
-  /// Sets the steps for beams that are looked along as far as `range_max`, m.
+  /// Computes the steps up to the range_max of the raster's grid.
   explicit VisibilityTable(const Raster& raster);
 
-  /// Fills in one of `sources` sources.
+  /// Fills in source number `source` of `sources`.
   void set(std::size_t source, std::size_t sources, const Raster& raster, const FreeSpaceMap& map);
 
   std::size_t steps() const { return edges_.size() - 1; }
   /// Where step m begins, m from the origin; edge(steps()) is where the last one ends.
   float edge(std::size_t m) const { return edges_[m]; }
-  /// The step that holds `range`, m; of a border the outer one. steps(): beyond all of them.
+  /// The step that holds `range`, m; at a border the outer one. steps(): beyond the last step.
   std::size_t step_at(float range) const;
-  /// Steps stretch_steps * k and the following ones of a beam. Those of beams side by side lie side by side:
-  /// that is how they are looked at.
+  /// The steps of a beam from stretch_steps * k on. Neighbouring beams are neighbours in memory, in the order
+  /// of access.
   const Stretch& stretch(std::size_t beam, std::size_t source, std::size_t k) const {
     return stretches_[index(beam, source, k)];
   }
-  /// Where step m begins, and with m + 1 where it ends.
+  /// Where step m begins; the next step begins where it ends.
   Place place(std::size_t beam, std::size_t source, std::size_t m) const {
     return places_[index(beam, source, m / stretch_steps) * stretch_steps + m % stretch_steps];
   }
@@ -59,7 +59,7 @@ class VisibilityTable {
   static Stretch stretch_of(const std::vector<Place>& places, const FreeSpaceMap& map);
 
   std::vector<float> edges_;
-  std::vector<std::uint32_t> step_at_;  // for every shortest step, the one that holds its begin
+  std::vector<std::uint32_t> step_at_;  // per shortest_step of range: the step that holds its begin
   std::size_t sources_ = 0;
   std::size_t beams_;
   std::size_t stretches_of_beam_;

@@ -38,7 +38,7 @@ bool Merger::add(std::size_t index, const PlanarScan& scan, const Pose& output_f
     ++bad_times_;
     return false;
   }
-  // Far back it is no late sweep but a clock that was set, or an input that starts again.
+  // A stamp far back is not a late sweep: the clock was set, or the input starts again.
   if (source.stamp && scan.stamp + restart_limit < *source.stamp) reset();
   if (source.stamp && scan.stamp <= *source.stamp) {
     ++out_of_order_;
@@ -107,7 +107,7 @@ void Merger::flatten(PlanarScan& scan, bool intensities) {
     if (!used(s)) continue;
     const bool moves = !sources_[s].motion.stands();
     each_point(sources_[s], [&](const Eigen::Vector3d& here, const Point& measured) {
-      // What is the vehicle's own goes with it: its place when it was measured tells.
+      // The vehicle's own returns move with the vehicle, so the measured place is checked too.
       if (!moves || !flattener_.is_own(measured.position)) flattener_.add(here, measured.intensity);
     });
   }
@@ -130,8 +130,8 @@ void Merger::fill(Cloud& cloud) const {
   }
 }
 
-/// Places a source's sweep in the output frame as it stands at the moment.
-SourceUse Merger::bring(std::size_t index, const MergeMoment& moment) {
+/// Places a source's sweep in the output frame at the given moment.
+SourceUse Merger::place_source(std::size_t index, const MergeMoment& moment) {
   Source& source = sources_[index];
   source.fresh = false;
   const PoseOrigin origin = source.motion.follow(moment, source.times);
@@ -153,7 +153,7 @@ const MergeReport& Merger::merge(const MergeMoment& moment, const std::vector<ch
     newest_sweeps_[s] = nullptr;
     report_.sources[s] = SourceUse::not_used;
     if (use[s] == 0 || !sources_[s].stamp) continue;
-    report_.sources[s] = bring(s, moment);
+    report_.sources[s] = place_source(s, moment);
     scan_time = std::max(scan_time, sources_[s].scan_time);
   }
   if (visibility_) visibility_->compute(newest_sweeps_);
@@ -163,7 +163,7 @@ const MergeReport& Merger::merge(const MergeMoment& moment, const std::vector<ch
     else
       visibility_->encode(output.profile, *output.scan, intensities);
     output.scan->stamp = moment.at;
-    // All beams are brought to one instant; consumers that deskew must not do it again.
+    // All beams are deskewed to one instant; consumers must not deskew them again.
     if (report_.deskewed) output.scan->time_increment = 0;
     if (output.scan->scan_time == 0) output.scan->scan_time = scan_time;
   }

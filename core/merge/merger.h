@@ -19,62 +19,61 @@ struct MergedScan {
   PlanarScan* scan;
 };
 
-/// What a merge computes beside points.
+/// What a merge computes.
 struct MergeSettings {
   bool points = true;       ///< keeps the points, for profile `flatten` and the cloud
   bool visibility = false;  ///< surfaces and free space, for profiles `strict` and `safety`
   VisibilitySettings how;
   SourceSettings source;               ///< of every source
-  std::vector<SourceSettings> each{};  ///< per source, where they differ; empty: `source` for all
+  std::vector<SourceSettings> each{};  ///< per source; empty: `source` for all
 };
 
-/// What became of a source in a merge. `static_poses`: its points stand where they were measured, since poses
-/// are missing (or there is no track at all). `extrapolated`: deskewed, partly beyond the newest pose.
+/// How a merge used a source. `static_poses`: its points are not deskewed, since poses are missing (or there
+/// is no track). `extrapolated`: deskewed, partly beyond the newest pose.
 enum class SourceUse : std::uint8_t { not_used, static_poses, deskewed, extrapolated };
 
-/// What a merge did.
+/// The result of a merge.
 struct MergeReport {
   std::vector<SourceUse> sources;
-  bool deskewed = false;  ///< of some source
+  bool deskewed = false;  ///< at least one source was deskewed
 };
 
-/// Merges the newest sweeps of several single-plane scanners into one scan, all beams brought to one instant.
-/// When, and which sources are fit to be used, is for the Scheduler to say.
+/// Merges the newest sweeps of several single-plane scanners into one scan, all beams deskewed to one
+/// instant. The Scheduler decides when to merge and which sources to use.
 class Merger {
  public:
   Merger(const ScanGrid& grid, HeightBand band, std::size_t sources, const MergeSettings& settings = {});
 
-  /// The vehicle's outline in the output frame: what lies inside is the vehicle's own.
+  /// Sets the vehicle's outline in the output frame: returns inside hit the vehicle itself.
   void set_footprint(const Footprint& footprint);
 
-  /// Stores a sweep; `output_from_sensor` takes the scanner's coordinates to the output frame. False for
-  /// sweeps that are not newer than the source's last one, or whose beams have impossible times: they are
-  /// counted and not used. A stamp more than 1 s back is an input that starts again: all sweeps are
-  /// forgotten.
+  /// Stores a sweep; `output_from_sensor` transforms the scanner's coordinates to the output frame. Returns
+  /// false and counts the sweep if it is not newer than the source's last one or if its beams have impossible
+  /// times. A stamp more than 1 s back means that the input starts again: all sweeps are dropped.
   bool add(std::size_t source, const PlanarScan& scan, const Pose& output_from_sensor);
-  /// Merges the sweeps of the sources that `use` names (one flag per source), brought to `moment`, whose
-  /// instant is the stamp. The caller sets the frames' names. If `cloud` is not nullptr it gets all points
-  /// (ring = source, time 0). The report stays valid until the next call.
+  /// Merges the sweeps of the sources selected by `use` (one flag per source), deskewed to `moment`, whose
+  /// instant is the stamp. The caller sets the frame names. All points go to `cloud` (ring = source, time 0)
+  /// unless it is nullptr. The report stays valid until the next call.
   const MergeReport& merge(const MergeMoment& moment, const std::vector<char>& use,
                            const std::vector<MergedScan>& outputs, Cloud* cloud);
-  /// Forgets all sweeps (the input starts again).
+  /// Drops all sweeps (the input starts again).
   void reset();
 
-  /// Sweeps that were replaced by a newer one of the same source before they were used.
+  /// Number of sweeps that a newer one of the same source replaced before they were used.
   std::uint64_t superseded() const { return superseded_; }
-  /// Sweeps older than one of the same source already taken; not used.
+  /// Number of sweeps rejected because a newer one of the same source had been accepted.
   std::uint64_t out_of_order() const { return out_of_order_; }
-  /// Sweeps with a time between beams that is not finite, negative or too long.
+  /// Number of sweeps rejected because the time between beams was not finite, negative or too long.
   std::uint64_t bad_times() const { return bad_times_; }
-  /// When the beams of a source's newest sweep were measured; none if it has none.
+  /// Times of the beams of a source's newest sweep; nullopt if it has none.
   std::optional<SweepTimes> times(std::size_t source) const;
   /// True if the source has a sweep and all its poses are known.
   bool poses_cover(std::size_t source, const MergeMoment& moment) const;
-  /// What is known of each beam; nullptr if no profile needs it.
+  /// The state of every beam; nullptr if no profile needs it.
   const Visibility* visibility() const { return visibility_ ? &*visibility_ : nullptr; }
-  /// A source's sweep as the last merge placed it; nullptr: it was not used, or no surfaces are computed.
+  /// A source's sweep as placed by the last merge; nullptr if it was not used or no surfaces are computed.
   const PlacedScan* sweep(std::size_t source) const { return newest_sweeps_[source]; }
-  /// Where it was measured from, in the output frame.
+  /// The origin of a source's sweep, in the output frame.
   Eigen::Vector2d looks_from(std::size_t source) const {
     return sources_[source].rays.pose.translation().head<2>();
   }
@@ -104,7 +103,7 @@ class Merger {
   static void place_points(const PlanarScan& scan, const SourceSettings& settings, Source& source);
   void flatten(PlanarScan& scan, bool intensities);
   void fill(Cloud& cloud) const;
-  SourceUse bring(std::size_t index, const MergeMoment& moment);
+  SourceUse place_source(std::size_t index, const MergeMoment& moment);
   bool used(std::size_t source) const { return report_.sources[source] != SourceUse::not_used; }
   template <class Use>
   static void each_point(const Source& source, Use use);

@@ -18,17 +18,17 @@ constexpr double memory_s = 5;
 // A surface is a straight piece of 2 * reach + 1 returns.
 constexpr std::size_t reach = 4;
 constexpr float straight_m = 0.03F;
-// Surfaces farther apart than this are two things.
+// Surfaces farther apart than this are different objects.
 constexpr float same_surface_m = 0.4F;
 constexpr float same_direction = 0.9848F;  // cosine of 10 degrees
 constexpr float steep = 0.342F;            // sine of 20 degrees: a flatter beam makes errors long
-// Neighbouring pieces share their returns, so that so many beams are worth one.
+// Neighbouring pieces share their returns: this number of beams counts as one sample.
 constexpr double beams_per_sample = 2 * reach + 1;
 constexpr double enough_beams = 50;
-// A vehicle whose surroundings move by less from look to look makes no difference between two sweeps, which
-// are much less than a look apart.
+// If the surroundings move by less between two comparisons, the vehicle counts as standing: two sweeps are
+// much closer in time.
 constexpr double standing_m = 0.03;
-// Share of the evidence that must speak for a direction.
+// Share of the evidence that is required for a direction.
 constexpr double determined_share = 0.02;
 constexpr double mad_to_sigma = 1.4826;
 
@@ -38,7 +38,7 @@ struct Solution {
   std::array<bool, 3> determined{false, false, false};
 };
 
-/// Least squares along the directions that the surfaces determine, nothing along the others.
+/// Least squares along the directions that the surfaces determine, 0 along the others.
 Solution solve(const Eigen::Matrix3d& levers, const Eigen::Vector3d& pulls, double evidence) {
   Solution solution;
   if (evidence <= 0) return solution;
@@ -96,7 +96,7 @@ bool MountCheck::is_due(Stamp stamp) const {
   return !last_look_ || stamp - *last_look_ >= period || *last_look_ - stamp > restart_limit;
 }
 
-/// The straight line through the returns around `beam`; false if they are no straight surface.
+/// Fits a straight line through the returns around `beam`; false if they are not on a straight surface.
 bool MountCheck::fit(const PlacedScan& sweep, std::size_t beam, Eigen::Vector2f& middle,
                      Eigen::Vector2f& normal) const {
   if (beam < reach || beam + reach >= sweep.linked.size()) return false;
@@ -111,7 +111,7 @@ bool MountCheck::fit(const PlacedScan& sweep, std::size_t beam, Eigen::Vector2f&
     const Eigen::Vector2f d = Eigen::Vector2f(sweep.x[i], sweep.y[i]) - middle;
     spread += d * d.transpose();
   }
-  // Of a symmetric 2 x 2 matrix both are known in closed form.
+  // Closed form for the eigenvalues of a symmetric 2 x 2 matrix.
   const float half_trace = (spread(0, 0) + spread(1, 1)) / 2;
   const float half_difference = (spread(0, 0) - spread(1, 1)) / 2;
   const float root = std::hypot(half_difference, spread(0, 1));
@@ -122,7 +122,7 @@ bool MountCheck::fit(const PlacedScan& sweep, std::size_t beam, Eigen::Vector2f&
   return thickness < straight_m && length > 3 * thickness;
 }
 
-/// Writes the piece of surface from p to q into the beams that meet it.
+/// Writes the piece of surface from p to q into the beams that hit it.
 void MountCheck::draw(const Eigen::Vector2f& p, const Eigen::Vector2f& q, const Eigen::Vector2f& middle,
                       const Eigen::Vector2f& normal, std::vector<Facet>& facets) const {
   constexpr auto per_rad = static_cast<float>(static_cast<double>(beams) / (two_pi));
@@ -157,7 +157,7 @@ void MountCheck::see(const PlacedScan& sweep, const Eigen::Vector2d& place, std:
   }
 }
 
-/// True if a source sees what it saw at the look before.
+/// True if a source sees the same surfaces as in the previous comparison.
 bool MountCheck::stands(std::size_t source) {
   sorted_.clear();
   for (std::size_t i = 0; i < beams; ++i) {
@@ -167,7 +167,7 @@ bool MountCheck::stands(std::size_t source) {
     sorted_.push_back(static_cast<double>(std::abs((now.range - then.range) * now.normal.dot(rays_[i]))));
   }
   if (static_cast<double>(sorted_.size()) < enough_beams) return false;
-  // Walls along the way do not move: it is the few across it that tell.
+  // Walls along the way do not move; only the few surfaces across it show motion.
   const auto most = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() * 9 / 10);
   std::nth_element(sorted_.begin(), most, sorted_.end());
   return *most < standing_m;
@@ -199,8 +199,8 @@ double MountCheck::median_of(Value value) {
   return *middle;
 }
 
-/// The correction that one look suggests; counts its evidence. Huber's weights: what fits badly counts by its
-/// sign only.
+/// Computes the correction from one comparison and counts its evidence, with Huber's weights against
+/// outliers.
 void MountCheck::learn(Memory& memory) {
   constexpr int rounds = 4;
   Eigen::Vector3d guess = Eigen::Vector3d::Zero();
@@ -224,7 +224,7 @@ void MountCheck::learn(Memory& memory) {
   }
 }
 
-/// Adds one look to what is left of the earlier ones.
+/// Adds one comparison to the decayed sums of the earlier ones.
 void MountCheck::remember(double kept, Memory& memory) {
   const auto n = static_cast<double>(common_.size());
   memory.weight = memory.weight * kept + 1;

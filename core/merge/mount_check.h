@@ -13,7 +13,7 @@
 
 namespace lidard {
 
-/// What two sources say of the surfaces that both see, smoothed.
+/// Comparison of the surfaces that two sources both see, smoothed.
 struct OverlapState {
   std::size_t first = 0, second = 0;  ///< the sources
   double beams = 0;                   ///< that show both the same surface, in one look
@@ -21,31 +21,31 @@ struct OverlapState {
   double mad = 0;                     ///< m, median absolute deviation from the median
   /// What to add to the mount of `second`, in the output frame: yaw (rad), x, y (m).
   Eigen::Vector3d correction{0, 0, 0};
-  /// False where the surfaces do not tell: along a corridor nothing says how far along one is.
+  /// False for components that the surfaces do not determine, such as the position along a corridor.
   std::array<bool, 3> determined{false, false, false};
   double shift = 0;  ///< m by which the correction moves the surfaces, root mean square
-  /// The median, or the shift, is more than the tolerance and three times what chance explains.
+  /// The median or the shift exceeds the tolerance and three times its statistical error.
   bool misaligned = false;
 };
 
-/// Watches whether sources agree on the surfaces that both see: if not, a mount is not what the configuration
-/// says. Compares straight pieces of surface along beams from the output frame's origin.
+/// Checks whether sources agree on the surfaces that both see. A disagreement means that a configured mount
+/// is wrong. Compares straight pieces of surface along beams from the output frame's origin.
 class MountCheck {
  public:
-  /// `tolerance`, m: smaller differences are nobody's fault.
+  /// `tolerance`, m: smaller differences are accepted.
   explicit MountCheck(std::size_t sources, double tolerance = 0.02);
 
-  /// True when the next look is due: a few per second are enough.
+  /// True when the next comparison is due, a few times per second.
   bool is_due(Stamp stamp) const;
-  /// Takes the newest sweep of each source (nullptr: none) and the place it was measured from, in the output
-  /// frame. `deskewed`: they were brought to one instant. If not, they are compared only while the vehicle
-  /// stands, as each source's own view shows, since motion between two sweeps looks like a wrong mount.
-  /// A stamp that goes back by more than a moment forgets everything.
+  /// Compares the newest sweeps of the sources (nullptr: none), measured from `places` in the output frame.
+  /// `deskewed`: the sweeps are deskewed to one instant. Otherwise they are compared only while every
+  /// source's own view shows that the vehicle stands, since motion between two sweeps looks like a wrong
+  /// mount. Resets if the stamp jumps back.
   void look(Stamp stamp, const std::vector<const PlacedScan*>& sweeps,
             const std::vector<Eigen::Vector2d>& places, bool deskewed);
   void reset();
 
-  /// One per pair of sources; `beams` is 0 while they have nothing in common.
+  /// One per pair of sources; `beams` is 0 while they have no surface in common.
   const std::vector<OverlapState>& pairs() const { return states_; }
 
  private:
@@ -60,7 +60,7 @@ class MountCheck {
     double across;          // m between both surfaces, along the normal
     double along;           // m, along the beam
   };
-  /// Sums that forget slowly.
+  /// Sums with slow decay.
   struct Memory {
     double weight = 0, beams = 0, median = 0, mad = 0, rest = 0;
     double evidence = 0;  // of beams
@@ -83,7 +83,7 @@ class MountCheck {
   double tolerance_;
   std::optional<Stamp> last_look_;
   std::vector<std::vector<Facet>> facets_;  // per source and beam
-  std::vector<std::vector<Facet>> before_;  // the same at the look before
+  std::vector<std::vector<Facet>> before_;  // facets_ of the previous comparison
   std::vector<Eigen::Vector2f> rays_;
   std::vector<Common> common_;
   std::vector<double> sorted_;

@@ -10,11 +10,10 @@ namespace lidard {
 namespace {
 
 constexpr double deadline_share = 0.3;  // of the shortest period
-// Until a period is known: that of a scanner of 10 Hz.
+// Period assumed until one is measured: a scanner of 10 Hz.
 constexpr double usual_period_s = 0.1;
-// So far back it is no late packet but a clock that was set, or an input that starts again.
 constexpr double smoothing = 0.2;
-// So many of its periods between two sweeps are a pause, and no period unless it happens again and again.
+// A gap of more than this number of periods is a pause; several pauses in a row are a new period.
 constexpr double pause_share = 1.5;
 constexpr int pauses_to_believe = 3;
 
@@ -40,8 +39,8 @@ void Scheduler::reset() {
   next_tick_.reset();
 }
 
-/// The time only goes forward, but for an input that starts again.
-void Scheduler::notice(Stamp now) {
+/// Advances the time; resets if the input starts again.
+void Scheduler::advance(Stamp now) {
   if (now_ && now + restart_limit < *now_) {
     reset();
     ++restarts_;
@@ -60,7 +59,7 @@ void Scheduler::learn_period(Source& source, double measured) {
 }
 
 void Scheduler::delivered(std::size_t index, Stamp end, double period, Stamp now) {
-  notice(now);
+  advance(now);
   if (!first_) first_ = now;
   Source& source = sources_[index];
   source.back = source.back || state(index, now) == SourceState::lost;
@@ -90,21 +89,21 @@ SourceState Scheduler::state(std::size_t index, Stamp now) const {
   const Source& source = sources_[index];
   if (!source.seen) return SourceState::never;
   if (now > lost_after(source)) return SourceState::lost;
-  return now > patience_end(source) ? SourceState::stale : SourceState::ok;
+  return now > wait_end(source) ? SourceState::stale : SourceState::ok;
 }
 
-Stamp Scheduler::patience_end(const Source& source) const {
-  // At the start nobody knows when a source would be due.
+Stamp Scheduler::wait_end(const Source& source) const {
+  // A source that never delivered has no due time.
   if (!source.seen) return *first_ + settings_.lost_after;
   const double period = source.period > 0 ? source.period : usual_period_s;
-  // Counted from the stamp, lest a sweep that came late excuse the next one. Who lags by more than a period
-  // is not up to date.
+  // Counted from the stamp, so that a late sweep does not extend the wait for the next one. At most one
+  // period of delay is accepted.
   return source.end + span_from_seconds(period + std::min(source.delay, period)) + deadline();
 }
 
 Stamp Scheduler::lost_after(const Source& source) const {
-  // Arrival counts for what is lost: a scanner whose stamps lag is not silent.
-  return std::max(source.arrival + settings_.lost_after, patience_end(source));
+  // Loss is judged by the arrival: a scanner whose stamps lag is not silent.
+  return std::max(source.arrival + settings_.lost_after, wait_end(source));
 }
 
 bool Scheduler::all_delivered(Stamp now) const {
@@ -113,7 +112,7 @@ bool Scheduler::all_delivered(Stamp now) const {
     const Source& source = sources_[s];
     any = any || source.fresh;
     if (source.fresh || state(s, now) == SourceState::lost) continue;
-    if (now < patience_end(source)) return false;
+    if (now < wait_end(source)) return false;
   }
   return any;
 }
@@ -125,7 +124,7 @@ bool Scheduler::anything_usable(Stamp now) const {
   return false;
 }
 
-bool Scheduler::has_news(Stamp now) const {
+bool Scheduler::sources_changed(Stamp now) const {
   for (std::size_t s = 0; s < sources_.size(); ++s) {
     const bool usable = state(s, now) == SourceState::ok;
     if (usable ? sources_[s].back : sources_[s].used) return true;
@@ -134,16 +133,16 @@ bool Scheduler::has_news(Stamp now) const {
 }
 
 bool Scheduler::is_due(Stamp now) {
-  notice(now);
+  advance(now);
   if (settings_.policy == Policy::rate) {
     if (!next_tick_) next_tick_ = now;
-    return (now >= *next_tick_ || has_news(now)) && anything_usable(now);
+    return (now >= *next_tick_ || sources_changed(now)) && anything_usable(now);
   }
   if (!anything_usable(now)) return false;
-  if (has_news(now)) return true;
+  if (sources_changed(now)) return true;
   const Source& trigger = sources_[settings_.trigger];
-  // Without its trigger the output goes on with what the others deliver.
-  if (settings_.policy == Policy::trigger && now < patience_end(trigger)) return trigger.fresh;
+  // If the trigger is overdue, the output continues with the other sources.
+  if (settings_.policy == Policy::trigger && now < wait_end(trigger)) return trigger.fresh;
   return all_delivered(now);
 }
 
@@ -153,9 +152,9 @@ std::optional<Stamp> Scheduler::next_event() const {
     if (now_ && at > *now_ && (!next || at < *next)) next = at;
   };
   for (const Source& source : sources_) {
-    if (first_) consider(patience_end(source));
+    if (first_) consider(wait_end(source));
     if (!source.seen) continue;
-    consider(patience_end(source) + Span(1));
+    consider(wait_end(source) + Span(1));
     consider(lost_after(source) + Span(1));
   }
   if (settings_.policy == Policy::rate && next_tick_) consider(*next_tick_);
@@ -180,7 +179,7 @@ void Scheduler::done(Stamp now) {
   const Span step = rate_period();
   const bool early = now < *next_tick_;
   *next_tick_ = *next_tick_ + step;
-  // What was missed is not made up for, and an output out of turn begins a new row.
+  // Missed outputs are not made up for; an early output restarts the schedule.
   if (early || *next_tick_ <= now) *next_tick_ = now + step;
 }
 

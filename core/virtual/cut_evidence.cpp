@@ -13,12 +13,13 @@ namespace lidard {
 namespace {
 
 constexpr float infinite = std::numeric_limits<float>::infinity();
-// A plane that leans more than that (sine) shows the beams of one column in different directions.
+// sine; in a plane that leans more, the beams of one column have different directions.
 constexpr float level_enough = 0.02F;
-// Pieces so near to each other are one, m and share of the distance: neighbouring columns cross in turn.
+// Pieces within this gap (m and share of the distance) are joined: neighbouring columns cross at alternating
+// distances.
 constexpr float touching = 0.05F;
 constexpr float touching_share = 0.02F;
-// Neighbouring columns share their border, so that no cell between them is left out.
+// Columns are widened by this factor, so that no cell between two columns is left out.
 constexpr float overlap = 1.05F;
 
 }  // namespace
@@ -45,13 +46,13 @@ void CutEvidence::mark_beams() {
     marks_ = own_marks_;
     return;
   }
-  agree(own, own + cells - column, own + column, marks, column);
-  agree(own + column, own, own + 2 * column, marks + column, cells - 2 * column);
-  agree(own + cells - column, own + cells - 2 * column, own, marks + cells - column, column);
+  mark_agreed(own, own + cells - column, own + column, marks, column);
+  mark_agreed(own + column, own, own + 2 * column, marks + column, cells - 2 * column);
+  mark_agreed(own + cells - column, own + cells - 2 * column, own, marks + cells - column, column);
 }
 
-void CutEvidence::agree(const std::uint8_t* own, const std::uint8_t* before, const std::uint8_t* after,
-                        std::uint8_t* marks, std::size_t count) {
+void CutEvidence::mark_agreed(const std::uint8_t* own, const std::uint8_t* before, const std::uint8_t* after,
+                              std::uint8_t* marks, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
     const int blocked = (before[i] & ~(before[i] >> 1) & known) | (after[i] & ~(after[i] >> 1) & known);
     const int met = (before[i] | after[i]) & meets & (own[i] << 1);
@@ -75,7 +76,7 @@ CutEvidence::End CutEvidence::end_abreast(std::size_t i) const {
   End nearest{infinite, false};
   for (const std::size_t beam : abreast(i)) {
     const bool same = on_one_surface(i, beam);
-    // On one surface each column sees as far as its own return.
+    // On one surface every column sees as far as its own return.
     if (!ends(beam) || (same && beam != i && ends(i))) continue;
     const float end = ray(beam).end * (same ? 1 : 1 - corner_);
     if (end < nearest.at) nearest = {end, view_->grid().kind[beam] == Beam::point};
@@ -112,7 +113,7 @@ inline void CutEvidence::add(const Ray& first, const Ray& seen_along, End end) {
   blind_ = {};
 }
 
-/// A column whose lowest beams do not cross the plane, or do not look in one direction, needs it by itself.
+/// Adds the blind part of a column whose lowest beams do not cross the plane or have different directions.
 void CutEvidence::add_blind(std::size_t lowest) {
   const Ray along = ray(lowest);
   const End end = end_abreast(lowest);
@@ -142,18 +143,18 @@ void CutEvidence::claim(Cell& cell, const Piece& piece) const {
     return;
   }
   const float slack = touching + touching_share * piece.to;
-  bool taken = false;
+  bool joined = false;
   for (Piece& old : free) {
     if (old.exists() && (piece.from > old.to + slack || piece.to < old.from - slack)) continue;
     old = old.exists() ? both(old, piece) : piece;
-    taken = true;
+    joined = true;
     break;
   }
-  if (taken && free[1].exists() && free[1].from <= free[0].to + slack && free[1].to >= free[0].from - slack)
+  if (joined && free[1].exists() && free[1].from <= free[0].to + slack && free[1].to >= free[0].from - slack)
     free = {both(free[0], free[1]), Piece{}};
 }
 
-void CutEvidence::take_wedges() {
+void CutEvidence::claim_wedges() {
   const std::size_t n = wedges_.size();
   for (auto* list : {&x_, &y_, &azimuths_}) list->resize(n);
   float* const x = x_.data();
@@ -179,14 +180,14 @@ void CutEvidence::take_wedges() {
       if (old.to <= 0 || wedge.blind.is_shorter(old)) old = wedge.blind;
     }
     if (tilted_ && wedge.free.to >= 0)
-      take_tilted(wedge, azimuths[i]);
+      claim_tilted(wedge, azimuths[i]);
     else
       claim(cells, wedge.free);
   }
 }
 
-/// Between its beams the piece leads through several directions.
-void CutEvidence::take_tilted(const Wedge& wedge, float azimuth) {
+/// Claims a piece that spans several directions, part by part.
+void CutEvidence::claim_tilted(const Wedge& wedge, float azimuth) {
   const auto turn = static_cast<float>(cells_.size());
   const float length = wedge.free.to - wedge.free.from;
   float span = azimuth - wedge.begin;
@@ -201,7 +202,7 @@ void CutEvidence::take_tilted(const Wedge& wedge, float azimuth) {
   }
 }
 
-/// m to the nearest thing of a column that stands between the heights of the band.
+/// m to the nearest object of a column between the heights of the band.
 float CutEvidence::wall_in_band(std::size_t column) const {
   if (!(band_.max > band_.min)) return infinite;
   const RingGrid& grid = view_->grid();
@@ -217,8 +218,8 @@ float CutEvidence::wall_in_band(std::size_t column) const {
   return nearest;
 }
 
-/// What the crossing beam `before` meets beyond the plane may stand in the plane too, under its neighbour.
-/// The ground does not, nor what is known to be lower.
+/// True if the object that the crossing beam `before` hits beyond the plane may reach the plane under the
+/// neighbouring beam. The ground does not, nor does an object that is known to be lower.
 bool CutEvidence::is_hidden(std::size_t before, std::size_t upper) const {
   if (view_->grid().kind[before] != Beam::point || view_->ground().is_ground[before] != 0) return false;
   return tops_->verdicts()[upper] != PlaneTops::stays_below;
@@ -252,7 +253,7 @@ void CutEvidence::find_wedges(std::size_t column) {
   }
 }
 
-/// `next`: the neighbour of the last beam that crosses; `last` itself if nothing is known of it.
+/// `next`: the neighbour of the last crossing beam, or `last` itself if nothing is known of the neighbour.
 void CutEvidence::end_wedge(const Ray& first, std::size_t last, std::size_t next) {
   const Ray seen_along = ray(next);
   if (next == last) {
@@ -268,7 +269,7 @@ void CutEvidence::end_wedge(const Ray& first, std::size_t last, std::size_t next
     wedges_.back().over = {wedges_.back().free.to, end.at, false};
 }
 
-/// Columns do not lie quite evenly, so that a cell between two of them may have been left out.
+/// Fills cells that were left out between unevenly spaced columns.
 void CutEvidence::fill_holes() {
   const std::size_t n = cells_.size();
   for (std::size_t k = 0; k < n; ++k) {
@@ -304,7 +305,7 @@ void CutEvidence::find(const PlaneView& view, const PlaneTops& tops, HeightBand 
   const Eigen::Matrix3f& r = view.rotation();
   axes_ = {r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2)};
   for (std::size_t c = 0; c < view.grid().columns(); ++c) find_wedges(c);
-  take_wedges();
+  claim_wedges();
   fill_holes();
   for (std::size_t k = 0; k < cells_.size(); ++k) {
     for (std::size_t p = 0; p < pieces; ++p) {

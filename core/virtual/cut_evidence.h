@@ -13,7 +13,7 @@
 
 namespace lidard {
 
-/// What the beams of an organised cloud prove of a plane of a virtual frame.
+/// The evidence of an organised cloud's beams for a plane of a virtual frame.
 ///
 ///      S                    A beam from the sensor S, H above the plane (===), whose end E is at height h
 ///      |`-._                (h < H) and e m away (level), crosses the plane, or would, at
@@ -21,21 +21,21 @@ namespace lidard {
 ///    ==+========`x===       The plane is free there if h < 0: the beam goes on to E beneath.
 ///      |--- a ---| `-.E
 ///
-/// A beam proves the plane free only where it crosses it before its return, and where its neighbours in the
-/// ring do so too: what stands between two columns may go on as far as to the one that misses it. Two
-/// neighbouring beams of a column that both cross the plane bound a piece of it that is taken to be free,
-/// unless the lower one meets something that may reach the plane; so do a beam that crosses it and the next
-/// one up to where that one meets something. Nearer than the nearest crossing, and than what stands there, no
-/// beam can see: blind.
+/// A beam proves the plane free only if the beam and its neighbours in the ring cross the plane before their
+/// returns: an object between two columns may extend to the column that misses it. The piece between two
+/// neighbouring beams of a column that both cross the plane counts as free, unless the lower beam hits an
+/// object that may reach the plane. Between a crossing beam and a next one that hits an object, the piece is
+/// free up to the object. The part nearer than the nearest crossing and the nearest object is blind: no beam
+/// can see it.
 class CutEvidence {
  public:
-  /// Free pieces that are kept of each direction: the nearest one, and one beyond something.
+  /// Number of free pieces per direction: the nearest one, and one beyond an object.
   static constexpr std::size_t pieces = 2;
 
-  /// Finds the evidence for the view's plane, in which `tops` were found. Free pieces end where something
-  /// stands between the heights of `band` (of all returns but those from the ground). `over`: ways over
-  /// things that end between two beams and more likely than not beneath the plane. The maps must have been
-  /// set to the sensor's place; they are filled.
+  /// Fills the maps with the evidence for the view's plane; `tops` belong to that plane. Free pieces end at
+  /// objects between the heights of `band` (returns from the ground excluded). `over`: ways over objects
+  /// whose tops lie between two beams and likely beneath the plane. The maps must be set to the sensor's
+  /// place.
   void find(const PlaneView& view, const PlaneTops& tops, HeightBand band,
             const std::array<FreeSpaceMap*, pieces>& free, FreeSpaceMap& blind, FreeSpaceMap& over);
 
@@ -51,53 +51,53 @@ class CutEvidence {
     std::array<Piece, pieces> free{};
     Piece blind{}, over{};
   };
-  /// Cells all around, counted from a turn ahead so that none is negative.
+  /// A range of cells, offset by a turn so that no index is negative.
   struct Cells {
     std::size_t first = 1, last = 0;
   };
-  /// What a beam is to the plane. `meets`: it crosses the plane, and it or a neighbour in the ring meets a
-  /// thing beyond.
+  /// How a beam relates to the plane. `meets`: the beam crosses the plane, and it or a neighbour in the ring
+  /// hits an object beyond.
   enum Mark : std::uint8_t { known = 1, crosses = 2, meets = 4 };
-  /// A beam as the plane sees it; `at` is a of the drawing, `end` is e.
+  /// A beam in the plane; `at` is a of the drawing, `end` is e.
   struct Ray {
     float x = 0, y = 0;  ///< towards its end
     float end = 0;       ///< m, level in the plane, where it ends
-    float at = 0;        ///< m, level in the plane, where it crosses or would
+    float at = 0;        ///< m, level in the plane, where it crosses the plane or would cross it
   };
-  /// A free piece between neighbouring beams; nearer than `blind` no beam of its column sees the plane.
+  /// A free piece between neighbouring beams; `blind` is the part that no beam of the column sees.
   struct Wedge {
     Piece free, blind, over;
-    float x, y;   // towards the beam that it is seen along
-    float begin;  // cells, where the plane leans the azimuth of the beam it begins with
+    float x, y;   // direction of the beam
+    float begin;  // cells, azimuth of the first beam, for a tilted plane
   };
-  /// Where what neighbouring beams meet ends what a beam sees.
+  /// Where an object that neighbouring beams hit ends the view of a beam.
   struct End {
     float at;  // m, level in the plane; infinite: nowhere
     bool hides;
   };
 
   void mark_beams();
-  /// Marks `count` beams as far as the ones before and after them in their rings agree.
-  static void agree(const std::uint8_t* own, const std::uint8_t* before, const std::uint8_t* after,
-                    std::uint8_t* marks, std::size_t count);
+  /// Marks `count` beams whose neighbours in the ring, `before` and `after`, have the same marks.
+  static void mark_agreed(const std::uint8_t* own, const std::uint8_t* before, const std::uint8_t* after,
+                          std::uint8_t* marks, std::size_t count);
   Ray ray(std::size_t i) const;
   void add(const Ray& first, const Ray& seen_along, End end);
   void add_blind(std::size_t lowest);
   /// A beam and its two neighbours in the ring.
   std::array<std::size_t, 3> abreast(std::size_t i) const;
   bool on_one_surface(std::size_t i, std::size_t beside) const;
-  /// The nearest end of those of them that do not cross the plane.
+  /// The nearest end of those beams abreast of `i` that do not cross the plane.
   End end_abreast(std::size_t i) const;
-  /// Where a thing stands that one of three crossing beams meets and that may reach the plane under the next
-  /// beams of their columns; `step` leads to those.
+  /// The nearest object that one of three crossing beams hits and that may reach the plane under the next
+  /// beams of their columns, which are `step` away.
   End thing_abreast(std::size_t last, std::ptrdiff_t step) const;
-  /// Of the beams of a column, in order away from the sensor's foot, the k-th.
+  /// The k-th beam of a column, in order away from the sensor's foot.
   std::size_t beam(std::size_t base, std::size_t k) const { return base + (sign_ > 0 ? k : rings_ - 1 - k); }
   void find_wedges(std::size_t column);
   void end_wedge(const Ray& first, std::size_t last, std::size_t next);
   bool is_hidden(std::size_t before, std::size_t upper) const;
-  void take_wedges();
-  void take_tilted(const Wedge& wedge, float azimuth);
+  void claim_wedges();
+  void claim_tilted(const Wedge& wedge, float azimuth);
   Cells cells_at(float azimuth) const;
   float wall_in_band(std::size_t column) const;
   void claim(Cells cells, const Piece& piece);
@@ -109,8 +109,8 @@ class CutEvidence {
   void fill_holes();
 
   std::vector<Cell> cells_;
-  std::vector<std::uint8_t> own_marks_;  // by RingGrid::index(): of the beam alone
-  std::vector<std::uint8_t> marks_;      // and as far as its neighbours in the ring agree
+  std::vector<std::uint8_t> own_marks_;  // by RingGrid::index(), of the beam alone
+  std::vector<std::uint8_t> marks_;      // of the beam and its neighbours in the ring
   float width_ = 1;                      // of a column, in cells
   std::vector<Wedge> wedges_;
   std::vector<float> x_, y_, azimuths_;  // of the wedges
@@ -118,12 +118,12 @@ class CutEvidence {
   const BeamEnd* ends_ = nullptr;
   std::array<float, 6> axes_{};  // of the frame's x and y in the cloud's frame
   Piece blind_{};                // of the next wedge
-  float farthest_ = 0;           // m, where something stands in the column at hand
+  float farthest_ = 0;           // m, nearest object in the band, of the current column
   const PlaneView* view_ = nullptr;
   const PlaneTops* tops_ = nullptr;
-  float sensor_ = 0;  // m above the plane, turned so that it is positive
+  float sensor_ = 0;  // m, distance from the plane
   float sign_ = 1;
-  float corner_ = 0;         // of its range by which a thing may be nearer than its last return, beside that
+  float corner_ = 0;  // share of the range by which an object may extend towards the sensor beside its return
   std::ptrdiff_t step_ = 1;  // from a beam to the next one away from the sensor's foot
   HeightBand band_;
   float per_rad_ = 1;  // cells

@@ -10,16 +10,16 @@
 namespace lidard {
 namespace {
 
-// The ground may lie lower than it was taken for, m.
+// m by which the ground may lie lower than assumed.
 constexpr float ground_slack = 0.3F;
-// A beam that is so high above the ground passes beneath things, m.
+// m; a beam at least this high above the ground passes beneath objects.
 constexpr float passing_height = 0.1F;
-// m from a face to a return on top of it; nearer than that the line between both does no harm.
+// m from a face to a return on top of it; at shorter steps a slope between both is accurate enough.
 constexpr float shallowest_step = 0.05F;
 
 }  // namespace
 
-/// The beam whose end is `lower` passes between the ground and the return `upper`.
+/// True if the beam that ends at `lower` passes between the ground and the return `upper`.
 bool PlaneCut::passes_beneath(std::size_t lower, std::size_t upper) const {
   const float far = view_->distance(lower);
   const float near = view_->distance(upper);
@@ -39,7 +39,7 @@ bool PlaneCut::has_foot(std::size_t upper, std::size_t upper_ring) const {
   return !passes_beneath(upper - 1, upper);
 }
 
-/// What is between a return and the one above it, which is farther away.
+/// The surface between a return and the one above it, which is farther away.
 PlaneCut::Between PlaneCut::between_rings(std::size_t column, std::size_t upper) const {
   const RingLinks& links = view_->links();
   const std::size_t rings = view_->grid().rings();
@@ -110,11 +110,11 @@ bool PlaneCut::cross_level(std::size_t column, std::size_t ring, Place& at) cons
 
 void PlaneCut::join(std::size_t a, const Place& at_a, std::size_t b, const Place& at_b) {
   raster_->draw_segment(at_a.point, at_b.point, at_a.beam, at_b.beam, *layer_);
-  if (a != nobody) ++crossings_[a].segments, crossings_[a].neighbour = at_b.point;
-  if (b != nobody) ++crossings_[b].segments, crossings_[b].neighbour = at_a.point;
+  if (a != no_crossing) ++crossings_[a].segments, crossings_[a].neighbour = at_b.point;
+  if (b != no_crossing) ++crossings_[b].segments, crossings_[b].neighbour = at_a.point;
 }
 
-/// Any ring has its returns in this column and the next one on either side of the plane.
+/// True if a ring's returns in this column and the next one lie on opposite sides of the plane.
 bool PlaneCut::turns_between(std::size_t column) const {
   const std::size_t rings = view_->grid().rings();
   const std::uint8_t* const here = view_->sides().data() + view_->grid().index(column, 0);
@@ -127,14 +127,14 @@ bool PlaneCut::turns_between(std::size_t column) const {
   return turns != 0;
 }
 
-/// Two crossings of the same ring in neighbouring columns, of one surface.
+/// True if two crossings of one ring in neighbouring columns belong to one surface.
 bool PlaneCut::go_together(std::size_t column, const Crossing& left, const Crossing& right) const {
   const bool lower = !left.foot && !right.foot && view_->links().level(column, left.ring - 1);
   return lower || view_->links().level(column, left.ring);
 }
 
-/// Draws what is between two neighbouring columns: cell by cell the line between the two edges that the plane
-/// crosses.
+/// Draws the cut between two neighbouring columns: for every cell the line between the two edges that the
+/// plane crosses.
 void PlaneCut::connect(std::size_t column) {
   if (turns_between(column)) {
     connect_turning(column);
@@ -167,25 +167,26 @@ void PlaneCut::connect_turning(std::size_t column) {
   bool has_bottom = false;
   for (std::size_t r = 0; r < view_->grid().rings(); ++r) {
     const bool has_top = cross_level(column, r, top);
-    const std::size_t left = here < here_end && crossings_[here].ring == r ? here++ : nobody;
-    const std::size_t right = beside < beside_end && crossings_[beside].ring == r ? beside++ : nobody;
-    if (left != nobody && right != nobody && !has_top && !has_bottom) {
+    const std::size_t left = here < here_end && crossings_[here].ring == r ? here++ : no_crossing;
+    const std::size_t right = beside < beside_end && crossings_[beside].ring == r ? beside++ : no_crossing;
+    if (left != no_crossing && right != no_crossing && !has_top && !has_bottom) {
       if (go_together(column, crossings_[left], crossings_[right]))
         join(left, place_of(left), right, place_of(right));
     } else {
-      // Where all four edges are crossed, the lines turn round the lower left and the upper right corner.
-      if (left != nobody && has_bottom) join(left, place_of(left), nobody, bottom);
-      if (right != nobody && has_top) join(right, place_of(right), nobody, top);
-      if (left != nobody && has_top && !has_bottom) join(left, place_of(left), nobody, top);
-      if (right != nobody && has_bottom && !has_top) join(right, place_of(right), nobody, bottom);
-      if (left == nobody && right == nobody && has_top && has_bottom) join(nobody, bottom, nobody, top);
+      // If all four edges are crossed, the lines separate the lower left and the upper right corner.
+      if (left != no_crossing && has_bottom) join(left, place_of(left), no_crossing, bottom);
+      if (right != no_crossing && has_top) join(right, place_of(right), no_crossing, top);
+      if (left != no_crossing && has_top && !has_bottom) join(left, place_of(left), no_crossing, top);
+      if (right != no_crossing && has_bottom && !has_top) join(right, place_of(right), no_crossing, bottom);
+      if (left == no_crossing && right == no_crossing && has_top && has_bottom)
+        join(no_crossing, bottom, no_crossing, top);
     }
     bottom = top;
     has_bottom = has_top;
   }
 }
 
-/// What ends here or stands alone also counts in the beam nearest to it.
+/// Draws the end of a line or a single crossing into the beam nearest to it.
 void PlaneCut::flush(std::size_t crossing) const {
   const Crossing& one = crossings_[crossing];
   if (one.segments > 1) return;
@@ -225,7 +226,7 @@ void PlaneCut::draw_slice(const PlaneView& view, const PlaneTops& tops, const Ra
 
 namespace {
 
-/// The part of the line between two returns whose height is in the band.
+/// Draws the part of the line between two returns whose height is in the band.
 void draw_clipped(const PlaneView& view, std::size_t a, std::size_t b, HeightBand band, const Raster& raster,
                   RangeLayer& layer) {
   const float za = view.heights()[a];

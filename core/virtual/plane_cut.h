@@ -11,11 +11,11 @@
 
 namespace lidard {
 
-/// Cuts the surfaces of an organised cloud with planes z = const of a virtual frame and draws what it finds
-/// into the beams of a virtual scan.
+/// Cuts the surfaces of an organised cloud with planes z = const of a virtual frame and draws the cuts into
+/// the beams of a virtual scan.
 ///
 /// Ballardini et al. ("ira_laser_tools: a ROS LaserScan manipulation toolbox", arXiv:1411.1086, 2014) project
-/// the points near the plane; here the plane cuts what lies between the points.
+/// the points near the plane; here the plane cuts the surfaces between the points.
 ///
 ///    ring r + 1   b------b'      Four neighbouring returns (two rings, two columns) span two triangles, if
 ///                 |     /|       they lie on one surface. An edge whose ends a, b are at heights h_a, h_b
@@ -23,12 +23,12 @@ namespace lidard {
 ///                 | /    |           t = h_a / (h_a - h_b)
 ///    ring r       a------a'      of the way from a to b; crossings x of one surface are joined.
 ///
-/// Where the ground is known, what stands on it reaches down to it: the edge between a return from the ground
-/// and the return above it is no surface, and the latter's surface ends on the ground, unless a beam passed
-/// beneath it. Edges between two returns from the ground are never drawn, unless the view keeps the ground.
+/// Where the ground is known, objects reach down to it: the edge between a return from the ground and the
+/// return above it is not a surface, and the surface of the upper return ends on the ground unless a beam
+/// passed beneath it. Edges between two returns from the ground are not drawn.
 class PlaneCut {
  public:
-  /// Draws the cut with the view's plane; `tops` were found in it.
+  /// Draws the cut with the view's plane; `tops` belong to that plane.
   void draw_slice(const PlaneView& view, const PlaneTops& tops, const Raster& raster, RangeLayer& layer);
 
  private:
@@ -37,18 +37,18 @@ class PlaneCut {
     Raster::Point at{};
     Raster::Point neighbour{};  // at the other end of the newest segment
     std::uint32_t ring = 0;     // the upper one
-    bool foot = false;          // of the upper return, on the ground
+    bool foot = false;          // the crossing is the foot of the upper return on the ground
     std::uint8_t segments = 0;
   };
-  /// In the virtual frame; `beam` is its azimuth in beams of the virtual scan.
+  /// A point in the virtual frame; `beam` is its azimuth in beams of the virtual scan.
   struct Place {
     Raster::Point point;
     float beam;
   };
-  /// What is between two returns of neighbouring rings that may belong together. `top`: the upper one lies on
-  /// top of what the lower one is the face of. `nothing`: each is a face of its own.
+  /// The surface between two returns of neighbouring rings. `top`: the lower return is on the face of an
+  /// object, the upper one on its top. `nothing`: the returns are on separate faces.
   enum class Between : std::uint8_t { slope, top, nothing };
-  static constexpr std::size_t nobody = static_cast<std::size_t>(-1);
+  static constexpr std::size_t no_crossing = static_cast<std::size_t>(-1);
 
   void find_events();
   void cross(std::size_t column, std::size_t ring);
@@ -65,21 +65,21 @@ class PlaneCut {
   void join(std::size_t a, const Place& at_a, std::size_t b, const Place& at_b);
   void flush(std::size_t crossing) const;
 
-  // Of the cut that is drawn now.
+  // Of the current cut.
   const PlaneView* view_ = nullptr;
   const PlaneTops* tops_ = nullptr;
   const Raster* raster_ = nullptr;
   RangeLayer* layer_ = nullptr;
 
-  std::vector<std::uint8_t> events_;   // by index(): something may cross beneath this beam
+  std::vector<std::uint8_t> events_;   // by index(): a surface may cross the plane beneath this beam
   std::vector<Crossing> crossings_;    // by column and ring
-  std::vector<std::uint32_t> firsts_;  // crossing of each column, and of the end
+  std::vector<std::uint32_t> firsts_;  // per column, and the end
   std::vector<float> x_, y_, beams_;   // of the crossings
 };
 
-/// Draws what an organised cloud shows between two heights of the view's frame: the lines between
-/// neighbouring returns of one surface, as far as they are in the band, and single returns. What the band's
-/// limits cut is left to PlaneCut.
+/// Draws the parts of an organised cloud between two heights of the view's frame: lines between neighbouring
+/// returns of one surface, clipped to the band, and single returns. PlaneCut draws the cuts with the band's
+/// limits.
 void draw_band_edges(const PlaneView& view, HeightBand band, const Raster& raster, RangeLayer& layer);
 
 }  // namespace lidard

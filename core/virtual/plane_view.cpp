@@ -12,7 +12,7 @@ void PlaneView::set_cloud(const RingGrid& grid, const Ground& ground, const Ring
                           const Eigen::Vector3f& up) {
   grid_ = &grid;
   ground_ = &ground;
-  links_ = &links;
+  neighbours_ = &links;
   up_ = up;
   const std::size_t cells = grid.kind.size();
   resize_amply(cells, heights_);
@@ -66,10 +66,10 @@ Raster::Point PlaneView::straight_from(std::size_t i) const {
 
 namespace {
 
-// So much (share) of the way from the highest return to the beam that passes over it. In random yards half of
-// the tops that end in between are higher than that: further up more would be claimed wrongly than found.
+// Share of the height between the highest return and the beam that passes over it. In random yards half of
+// the tops in between are higher than this.
 constexpr float likely_reach = 0.33F;
-// Returns of one ring from so wide a stretch (m) at one distance lie on the top itself, not on a face.
+// m; a wider stretch of returns of one ring at one distance lies on the top of an object, not on a face.
 constexpr float flat_width = 0.6F;
 constexpr float flat_slack = 0.02F;  // m, beside the noise
 
@@ -86,7 +86,7 @@ void PlaneTops::find(const PlaneView& view) {
   for (std::size_t c = 0; c < grid.columns(); ++c) {
     const std::size_t lowest = grid.index(c, 0);
     each_set(steps_.data() + lowest + 1, grid.rings() - 1,
-             [&](std::size_t r) { take(view, c, lowest + 1 + r); });
+             [&](std::size_t r) { add_step(view, c, lowest + 1 + r); });
   }
   for (std::size_t r = 0; r < runs_.size(); ++r) close(view, r);
 }
@@ -107,7 +107,7 @@ void PlaneTops::mark_steps(const PlaneView& view) {
   }
 }
 
-void PlaneTops::take(const PlaneView& view, std::size_t column, std::size_t upper) {
+void PlaneTops::add_step(const PlaneView& view, std::size_t column, std::size_t upper) {
   const std::size_t lower = upper - 1;
   const std::size_t ring = upper - view.grid().index(column, 0);
   const float near = view.distance(lower);
@@ -130,7 +130,7 @@ void PlaneTops::take(const PlaneView& view, std::size_t column, std::size_t uppe
   run = {column, column + 1, here, passing, near};
 }
 
-/// Most returns of the run lie on the thing's top: their ring meets a level surface at one distance.
+/// True if most returns of the run lie on the object's top: a ring hits a level surface at one distance.
 bool PlaneTops::is_flat(const PlaneView& view, std::size_t ring, const Run& run) const {
   const RingGrid& grid = view.grid();
   const float limit = run.nearest + flat_slack + view.links().slack();

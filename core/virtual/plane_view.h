@@ -10,35 +10,34 @@
 
 namespace lidard {
 
-/// An organised cloud as a plane z = const of a virtual frame sees it: on which side of the plane each beam
-/// ends, and how high above it.
+/// An organised cloud relative to a plane z = const of a virtual frame: on which side of the plane and how
+/// high above it every beam ends.
 class PlaneView {
  public:
-  /// Bits of side(). `no_return`: the beam has none.
+  /// Bits of sides(). `no_return`: the beam has no return.
   enum Side : std::uint8_t { no_return = 0, below = 1, above_it = 2, both_sides = 3, on_ground = 4 };
-  /// A virtual frame's plane less level than that (cosine) is not crossed by what stands upright.
+  /// cosine; upright surfaces are not extended to a plane that is less level than this.
   static constexpr float steepest = 0.3F;
 
-  /// The cloud of all following planes; grid, ground and links must stay alive. `up` is the vertical in the
-  /// cloud's frame.
+  /// Sets the cloud; grid, ground and links must stay alive. `up` is the vertical in the cloud's frame.
   void set_cloud(const RingGrid& grid, const Ground& ground, const RingLinks& links,
                  const Eigen::Vector3f& up);
-  /// The frame of the following planes.
+  /// Sets the virtual frame.
   void set_frame(const Pose& virtual_from_cloud);
-  /// The plane z = `level`.
+  /// Sets the plane z = `level`.
   void set_level(float level);
 
   const RingGrid& grid() const { return *grid_; }
   const Ground& ground() const { return *ground_; }
-  const RingLinks& links() const { return *links_; }
+  const RingLinks& links() const { return *neighbours_; }
   const Eigen::Matrix3f& rotation() const { return rotation_; }
   const Eigen::Vector3f& translation() const { return translation_; }
 
-  /// m per m upward.
+  /// m of z in the frame per m upward.
   float rise() const { return rise_; }
-  /// m, height of a beam's end in the frame, by RingGrid::index(); only where it has one.
+  /// m, height of a beam's end in the frame, by RingGrid::index(); valid only for beams with an end.
   const std::vector<float>& heights() const { return heights_; }
-  /// By RingGrid::index(), and the first column once more after the last.
+  /// By RingGrid::index(); the first column is repeated after the last one.
   const std::vector<std::uint8_t>& sides() const { return sides_; }
   /// m above the plane, of a beam's end and of the sensor.
   float above(std::size_t i) const { return heights_[i] - level_; }
@@ -46,12 +45,12 @@ class PlaneView {
   float level() const { return level_; }
   /// m from the sensor, level.
   float distance(std::size_t i) const { return ground_->distance[i]; }
-  /// Two returns between which a surface may be.
+  /// True if a surface may lie between two returns.
   bool is_surface(std::size_t a, std::size_t b) const { return ((sides_[a] | sides_[b]) & on_ground) == 0; }
   static bool are_opposite(std::uint8_t a, std::uint8_t b) { return ((a | b) & both_sides) == both_sides; }
 
-  /// Places in the frame: of a beam's end, where the line between two ends on either side crosses the plane,
-  /// and where the plane is straight beneath or above an end.
+  /// Points in the frame: a beam's end, the crossing of the plane with the line between two ends on either
+  /// side, and the point of the plane straight beneath or above an end.
   Raster::Point place(const BeamEnd& end) const;
   Raster::Point between(std::size_t a, std::size_t b) const;
   Raster::Point straight_from(std::size_t i) const;
@@ -59,7 +58,7 @@ class PlaneView {
  private:
   const RingGrid* grid_ = nullptr;
   const Ground* ground_ = nullptr;
-  const RingLinks* links_ = nullptr;
+  const RingLinks* neighbours_ = nullptr;
   Eigen::Vector3f up_ = Eigen::Vector3f::UnitZ();
   Eigen::Matrix3f rotation_ = Eigen::Matrix3f::Identity();
   Eigen::Vector3f translation_ = Eigen::Vector3f::Zero();
@@ -69,30 +68,31 @@ class PlaneView {
   std::vector<std::uint8_t> sides_;
 };
 
-/// A point of the line between two beams' ends.
+/// A point on the line between two beams' ends.
 inline BeamEnd mixed(const BeamEnd& a, const BeamEnd& b, float share) {
   return {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y), a.z + share * (b.z - a.z),
           a.intensity + share * (b.intensity - a.intensity)};
 }
 
-/// Judges what lies between two neighbouring rings of which the upper one passes over what the lower one
-/// meets, and whether that concerns a plane.
+/// Estimates how high an object reaches where the lower of two neighbouring rings hits it and the upper one
+/// passes over it, and whether the object reaches the plane.
 ///
 ///    S (sensor)                 With level distances d and heights h above the plane, the upper beam passes
-///     \ `-._                    over what the lower one meets at
+///     \ `-._                    over what the lower one hits at
 ///      \    `-._ passing            passing = h_S + (h_up - h_S) d_low / d_up.
 ///    ===\=======`-._======      The plane (===), at h = 0, lies at -top above the highest return (top); the
-///        x top      `-._        thing reaches it if
+///        x top      `-._        object reaches it if
 ///    ____|______________`x_         -top < (passing - top) / 3.
 ///
-/// The top of a thing is at least as high as its highest return and lower than the lowest beam that passes
-/// over it; both are taken over all neighbouring columns that see the thing, for tops are mostly level. Where
-/// the plane is close to the return, the thing reaches it; where it is close to the beam, the thing likely
-/// does not. It surely does not where the returns lie on its level top, or the beam is beneath the plane.
+/// The top of an object is at least as high as its highest return and lower than the lowest beam that passes
+/// over it. Both limits come from all neighbouring columns that see the object, since tops are mostly level.
+/// If the plane is close to the return, the object reaches it; if the plane is close to the beam, the object
+/// likely does not. The object does not reach the plane if the returns lie on its level top or the beam is
+/// beneath the plane.
 class PlaneTops {
  public:
-  /// Of a beam and the one below it. `hides`: what the upper beam meets may go down to the plane behind what
-  /// the lower one meets.
+  /// Result for a beam and the one below it. `hides`: the object that the upper beam hits may extend down to
+  /// the plane behind the object that the lower beam hits.
   enum Verdict : std::uint8_t { none = 0, reaches = 1, stays_below = 2, hides = 3, likely_below = 4 };
 
   void find(const PlaneView& view);
@@ -100,7 +100,7 @@ class PlaneTops {
   const std::vector<std::uint8_t>& verdicts() const { return verdicts_; }
 
  private:
-  /// Neighbouring columns in which a ring meets one thing.
+  /// Neighbouring columns in which a ring hits one object.
   struct Run {
     std::size_t first = 0, end = 0;  // columns [first, end)
     float top = 0;                   // m above the plane, the highest return
@@ -108,13 +108,13 @@ class PlaneTops {
     float nearest = 0;               // m from the sensor
   };
   void mark_steps(const PlaneView& view);
-  void take(const PlaneView& view, std::size_t column, std::size_t upper);
+  void add_step(const PlaneView& view, std::size_t column, std::size_t upper);
   void close(const PlaneView& view, std::size_t ring);
   bool is_flat(const PlaneView& view, std::size_t ring, const Run& run) const;
 
   std::vector<std::uint8_t> verdicts_;
-  std::vector<std::uint8_t> steps_;  // the upper beam passes over what the lower one meets
-  std::vector<Run> runs_;            // the newest one of each upper ring
+  std::vector<std::uint8_t> steps_;  // the upper beam passes over the object that the lower one hits
+  std::vector<Run> runs_;            // the newest run, per upper ring
 };
 
 }  // namespace lidard

@@ -11,7 +11,7 @@
 namespace lidard {
 namespace {
 
-// A larger step than so many usual ones has unseen columns in between.
+// A step of more than this number of usual steps spans missing columns.
 constexpr double gap_steps = 1.6;
 constexpr std::size_t fewest_columns = 8;
 constexpr std::uint32_t nowhere = 0xFFFFFFFFU;
@@ -73,7 +73,7 @@ bool RingGrid::fires_in_columns(const Cloud& cloud) {
     turned += again ? 0 : turns_[c];
     if (turned > 1.2 * two_pi) return false;
   }
-  // Again, so that neither a hidden sector nor lost packets count as the usual step.
+  // Repeated with tighter limits, so that hidden sectors and lost packets do not count.
   step_ = mean_step(turns_, two_pi);
   step_ = mean_step(turns_, 2.5 * step_);
   step_ = mean_step(turns_, gap_steps * step_);
@@ -168,7 +168,7 @@ void RingGrid::fill_column(const Cloud& cloud, std::size_t column, const Pose* m
   const std::size_t end = cloud.points_end(column);
   const std::size_t first = index(places_[column], 0);
   const std::size_t cells = kind.size();
-  // Copies, since the bytes of points could be anything's, for all that the compiler knows.
+  // Local copies: the compiler must assume that the bytes of points alias the members.
   const std::size_t rings = rings_;
   const std::size_t* const offsets = offsets_.data();
   const CloudPoint* const points = cloud.points();
@@ -190,7 +190,7 @@ void RingGrid::fill_column(const Cloud& cloud, std::size_t column, const Pose* m
   }
 }
 
-/// For a cloud at rest: what is known of a return only from its range.
+/// Computes the ranges of a cloud at rest and checks its returns.
 void RingGrid::measure_ranges() {
   const std::size_t cells = ends.size();
   const BeamEnd* const from = ends.data();
@@ -211,7 +211,7 @@ void RingGrid::measure_ranges() {
   }
 }
 
-/// Sorts out a return that is the vehicle's, or of no place.
+/// Drops a return that hit the vehicle or is not finite.
 void RingGrid::check(std::size_t at) {
   range[at] = length(ends[at]);
   if (!std::isfinite(range[at])) {
@@ -244,8 +244,8 @@ void RingGrid::put(std::size_t at, const CloudPoint& point, const Pose* move) {
     if (kind[at] != Beam::point) kind[at] = Beam::own;
     return;
   }
-  // Of several returns of a firing the last one is the surface; those before it are seen through. Where
-  // firings are not known, it may be two beams of a fine ring: the nearer one hides.
+  // The last return of a firing is the surface. Without firings the returns may be two beams of a fine ring;
+  // then the nearer one counts.
   const bool again = kind[at] == Beam::point;
   const bool is_nearer = again && far < range[at];
   if (move != nullptr) move_end(end, *move);
@@ -282,7 +282,7 @@ void RingGrid::place_without_return(const CloudMotion* motion) {
         continue;
       }
       if (!ready) {
-        // A column that was not fired has beams of its neighbours'.
+        // A column that was not fired has beams of its neighbours.
         const std::size_t from = fired_[c] != 0 || c == 0 ? c : c - 1;
         const float azimuth = azimuths_[from] + (from == c ? 0 : static_cast<float>(step_));
         cosine = std::cos(azimuth);
@@ -312,11 +312,11 @@ void RingGrid::bridge_single_gaps() {
   }
 }
 
-/// A single missing beam between two of the same kind is taken to lie in the middle between them.
+/// Interpolates a single missing beam between two neighbours of the same kind.
 void RingGrid::bridge(std::size_t before, std::size_t at, std::size_t after) {
   if (kind[before] != kind[after] || (kind[at] == Beam::none && kind[before] == Beam::none)) return;
   if (kind[before] != Beam::point && kind[before] != Beam::none) return;
-  // A surface that need not be steeper than 18 degrees against the beam.
+  // The limit of a surface at 18 degrees to the beam.
   const float near = std::min(range[before], range[after]);
   const auto limit = static_cast<float>(3 * 2 * step_) * near + 0.06F;
   if (std::fabs(range[before] - range[after]) > limit) return;

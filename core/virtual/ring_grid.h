@@ -13,14 +13,13 @@
 
 namespace lidard {
 
-/// Where the beams of a multi-plane lidar point, learnt from its returns: the direction of a beam without
-/// return is known from the others of its ring.
+/// Directions of the beams of a multi-plane lidar, learnt from its returns, for beams without return.
 class RingTable {
  public:
-  /// Forgets all when the number of rings changes.
+  /// Resets the table when the number of rings changes.
   void set_rings(std::size_t rings);
-  /// Takes a part of a cloud's returns (all of them the first time). `with_offsets`: its columns tell an
-  /// azimuth, counted clockwise.
+  /// Learns from a part of a cloud's returns (from all of the first cloud). `with_offsets`: the columns have
+  /// azimuths, counted clockwise.
   void learn(const Cloud& cloud, bool with_offsets);
 
   bool is_known(std::size_t ring) const { return rings_[ring].count > 0; }
@@ -35,19 +34,19 @@ class RingTable {
     double count = 0;
     double mean(double sum) const { return count > 0 ? sum / count : 0; }
   };
-  void take(const Cloud& cloud, std::size_t begin, std::size_t end, const CloudColumn* column);
+  void add(const Cloud& cloud, std::size_t begin, std::size_t end, const CloudColumn* column);
   void fade();
 
   std::vector<Ring> rings_;
   std::size_t clouds_ = 0;
 };
 
-/// Where the rings of a cloud that does not number them lie: one elevation (rad) per ring, ascending. Empty
-/// if the returns' elevations do not fall into groups.
+/// Finds the rings of a cloud without ring numbers: one elevation (rad) per ring, ascending. Empty if the
+/// returns' elevations do not form groups.
 void find_rings(const Cloud& cloud, std::vector<float>& elevations);
 
-/// What one beam of a cloud says. `unknown`: it was not fired or its packet was lost. `none`: nothing came
-/// back. `own`: too near to measure, or the vehicle itself; nothing is known about what is beyond.
+/// State of a beam of a cloud. `unknown`: it was not fired or its packet was lost. `none`: no return. `own`:
+/// the return is too near to measure or hit the vehicle; nothing is known beyond.
 enum class Beam : std::uint8_t { unknown, none, point, own };
 
 /// Where a beam ends, m in the cloud's frame.
@@ -58,53 +57,51 @@ struct alignas(16) BeamEnd {
 
 /// How a cloud is organised.
 struct RingGridSettings {
-  /// How far a beam without return proves that nothing is there, m; 0: not at all.
+  /// Free range that a beam without return proves, m; 0: none.
   double no_return_free_range = 0;
-  /// Earlier returns of a firing are kept as single points; only the last one is surface.
+  /// Keeps earlier returns of a firing as single points; the last one is surface.
   bool early_returns = false;
 };
 
-/// A cloud as a grid of rings (ascending elevation) and azimuth columns, so that neighbours are known: those
-/// of a beam are the same ring in the next column and the next ring in the same column.
+/// A cloud as a grid of rings (ascending elevation) and azimuth columns. Neighbours of a beam are the same
+/// ring in the next column and the next ring in the same column.
 ///
-/// Firings whose lasers point to different azimuths are straightened: the beams of one column point the same
-/// way within half a column. Columns whose packets were lost stay in their place, `unknown`. Buffers keep
-/// their memory.
+/// Lasers with different azimuth offsets are sorted into columns: the beams of one column point to one
+/// azimuth within half a column. Columns of lost packets stay `unknown`. Buffers keep their memory.
 class RingGrid {
  public:
   explicit RingGrid(const RingGridSettings& settings) : settings_(settings) {}
 
-  /// The vehicle's outline (with its margin) in its own frame and the pose of clouds in that frame: returns
-  /// inside are the vehicle's.
+  /// Sets the vehicle's outline (with its margin) in the vehicle frame and the pose of clouds in that frame:
+  /// returns inside hit the vehicle.
   void set_footprint(const Footprint& own, const Pose& vehicle_from_cloud);
-  /// Takes a cloud; false if rings and columns cannot be told from it (`why_not`), so that only its points
-  /// are known. `motion` moves the ends of beams; which beam is which is told by where they were measured.
+  /// Sorts a cloud into the grid; false if its rings and columns cannot be determined (why_not()). `motion`
+  /// moves the ends of beams; ring and column follow from the measured place.
   bool organise(const Cloud& cloud, const CloudMotion* motion = nullptr);
   const char* why_not() const { return why_not_; }
-  /// True if the beams of a column were fired one after the other, in nearly one direction; else returns were
-  /// put into columns by their azimuths.
+  /// True if the columns are firings of the sensor; false if returns were put into columns by their azimuths.
   bool fired_in_columns() const { return !by_azimuth_; }
 
   std::size_t rings() const { return rings_; }
   std::size_t columns() const { return columns_; }
-  /// A column's neighbour; the columns make a full turn.
+  /// The next column; the columns make a full turn.
   std::size_t after(std::size_t column) const { return column + 1 < columns_ ? column + 1 : 0; }
   /// rad between columns.
   double step() const { return step_; }
   /// rad, of a ring above the sensor's x-y plane.
   double elevation(std::size_t ring) const { return elevations_[ring]; }
-  /// False while no return of the ring came in yet.
+  /// False while the ring has had no return.
   bool is_known(std::size_t ring) const { return known_[ring] != 0; }
   std::size_t index(std::size_t column, std::size_t ring) const { return column * rings_ + ring; }
   bool has_column(std::size_t column) const { return fired_[column] != 0; }
 
-  /// By index(): the return, or where the evidence of a beam without return ends.
+  /// By index(): the return, or the end of the free range of a beam without return.
   std::vector<BeamEnd> ends;
   std::vector<float> range;  ///< m from the sensor
   std::vector<Beam> kind;
   std::vector<CloudPoint> early;  ///< earlier returns of firings
-  std::uint64_t own_returns = 0;  ///< on the vehicle, since the start
-  std::uint64_t misplaced = 0;    ///< points that found no place of their own in the grid, since the start
+  std::uint64_t own_returns = 0;  ///< returns from the vehicle, since the start
+  std::uint64_t misplaced = 0;    ///< points without a place in the grid, since the start
 
  private:
   bool fires_in_columns(const Cloud& cloud);
@@ -133,30 +130,30 @@ class RingGrid {
   RingTable table_;
   Footprint own_;
   Pose vehicle_from_cloud_ = Pose::Identity();
-  float own_reach_ = 0;  // m from the cloud's origin; farther away nothing is the vehicle's
+  float own_reach_ = 0;  // m from the cloud's origin to the vehicle's farthest corner
   const char* why_not_ = "";
   std::size_t rings_ = 0;
   std::size_t columns_ = 0;
-  bool by_azimuth_ = false;  // the cloud does not tell its columns
+  bool by_azimuth_ = false;  // the cloud has no firing columns
   double step_ = 0;
   std::vector<double> elevations_;
   std::vector<char> known_;
-  std::vector<float> level_, rise_;  // of the end of a beam without return, m
+  std::vector<float> level_, rise_;  // m, end of a beam without return, per ring
   std::vector<char> fired_;
   std::vector<float> azimuths_;              // rad per column, counted clockwise
   std::vector<float> times_;                 // s after the cloud's stamp, per column
-  std::vector<double> turns_;                // rad from the column before, of each of the cloud's columns
-  std::vector<std::uint32_t> places_;        // column of each of the cloud's columns
-  std::vector<std::uint32_t> shifts_;        // columns by which a ring points ahead, less than columns_
-  std::vector<std::size_t> offsets_;         // of a ring's beam in the grid from the begin of its column
-  bool straight_ = false;                    // all rings are known, and none is shifted
-  std::vector<std::uint16_t> rows_;          // of the cloud's ring numbers, where columns are not known
-  std::vector<float> found_;                 // elevations, where rings are not known either
-  std::vector<float> point_azimuths_;        // rad per point, counted clockwise from behind: >= 0
+  std::vector<double> turns_;                // rad from the previous column, per column of the cloud
+  std::vector<std::uint32_t> places_;        // column in the grid, per column of the cloud
+  std::vector<std::uint32_t> shifts_;        // columns by which a ring points ahead, in [0, columns_)
+  std::vector<std::size_t> offsets_;         // index of a ring's beam relative to the begin of its column
+  bool straight_ = false;                    // all rings are known and not shifted
+  std::vector<std::uint16_t> rows_;          // row per ring number of the cloud, for clouds without columns
+  std::vector<float> found_;                 // elevations of the rings, for clouds without ring numbers
+  std::vector<float> point_azimuths_;        // rad per point, clockwise from behind, >= 0
   std::vector<std::uint16_t> point_rows_;    // per point; 0xFFFF: none
-  std::size_t measured_rings_ = 0;           // rings when step_ was measured
-  std::vector<float> phases_, phase_sines_;  // per ring: where in a column's width its beams are
-  std::vector<std::vector<float>> steps_;    // per ring; first the azimuths between which they are
+  std::size_t measured_rings_ = 0;           // number of rings when step_ was measured
+  std::vector<float> phases_, phase_sines_;  // per ring: position of its beams within a column's width
+  std::vector<std::vector<float>> steps_;    // rad between returns, per ring
 };
 
 }  // namespace lidard

@@ -14,7 +14,7 @@ using namespace breakpoint;
 
 /// Longest distance between two returns of one surface per m of range, for beams `apart` (rad).
 float slope_of(double apart) {
-  // Between widely spaced rings no surface could ever be told by the rule; there it may be less steep.
+  // The rule links no surface between widely spaced rings, so the limit is relaxed there.
   const double limit = std::max(steepest, 3 * apart);
   return static_cast<float>(std::sin(apart) / std::sin(std::min(limit, pi_d / 2) - apart));
 }
@@ -38,7 +38,7 @@ bool RingLinks::in_line(std::size_t a, std::size_t b, std::size_t c) const {
   return line.cross(middle).norm() <= (slack_ + line_tolerance) * line.norm();
 }
 
-/// Four returns on one line whose steps grow steadily.
+/// True if four returns lie on one line with steadily growing steps.
 bool RingLinks::grazing(std::size_t a, std::size_t b, std::size_t c, std::size_t d) const {
   const Eigen::Vector3f line = end(d) - end(a);
   const float step = (end(c) - end(b)).norm();
@@ -66,9 +66,9 @@ bool RingLinks::upright(std::size_t column, std::size_t ring) const {
 
 namespace {
 
-// Between sparse rings a slope could be anything; what rises by more is no ground, m.
+// m; between sparse rings a higher rise is not ground, whatever its slope.
 constexpr float most_rise = 0.3F;
-// So far outward the ground must have gone on before it counts as higher, m.
+// m; the ground must extend this far outward before its height is updated.
 constexpr float least_advance = 0.5F;
 
 void measure(const RingGrid& grid, const Eigen::Vector3f& up, Ground& ground) {
@@ -98,7 +98,7 @@ void find_slope(const RingGrid& grid, const GroundSettings& settings, Ground& gr
       const float rise_allowed = std::min(steepest * std::fabs(level - distance), most_rise);
       if (std::fabs(ground.height[i] - height) > rise_allowed + slack) continue;
       ground.is_ground[i] = 1;
-      // A wall must not be climbed in small steps.
+      // Otherwise a wall would be climbed in small steps.
       if (level - distance < least_advance) continue;
       height = ground.height[i];
       distance = level;

@@ -10,22 +10,22 @@
 
 namespace lidard {
 
-/// Which neighbouring returns of an organised cloud lie on one surface: the rule of the planar scans
-/// (core/evidence/continuity.h) for neighbours in a ring and for neighbours in a column.
+/// Which neighbouring returns of an organised cloud lie on one surface: the rule of planar scans
+/// (link_neighbours() in core/evidence/placed_scan.h) for neighbours in a ring and in a column.
 class RingLinks {
  public:
   /// The grid must stay alive. `noise`: one standard deviation of a range, m.
   void set(const RingGrid& grid, double noise);
 
-  /// Return `ring` of `column` and that of the next column.
+  /// Links return `ring` of `column` with that of the next column.
   bool level(std::size_t column, std::size_t ring) const {
     const std::size_t a = grid_->index(column, ring);
     const std::size_t b = grid_->index(grid_->after(column), ring);
     return is_point(a) && is_point(b) && (near(a, b, level_slope_) || grazing_level(column, ring));
   }
-  /// Return `ring` of `column` and that of the next ring.
+  /// Links return `ring` of `column` with that of the next ring.
   bool upright(std::size_t column, std::size_t ring) const;
-  /// Three returns on one line.
+  /// True if three returns lie on one line.
   bool in_line(std::size_t a, std::size_t b, std::size_t c) const;
   float slack() const { return slack_; }
 
@@ -51,8 +51,8 @@ class RingLinks {
   std::vector<float> upright_slopes_;  // per ring, to the next one
 };
 
-/// How the ground is told from what stands on it. `plane`: returns not higher than `tolerance` above z.
-/// `slope`: returns that a drive outward from the sensor's foot reaches on no steeper way than `steepest`.
+/// How ground and objects are distinguished. `plane`: ground is at most `tolerance` above z. `slope`: ground
+/// is reached outward from the sensor's foot without a slope steeper than `steepest`.
 enum class GroundModel : std::uint8_t { none, plane, slope };
 
 struct GroundSettings {
@@ -71,7 +71,7 @@ struct Ground {
   float sensor = 0;             ///< m, the sensor's height above z
 };
 
-/// Tells the ground in `grid`; `vehicle_from_cloud` places it.
+/// Finds the returns from the ground in `grid`.
 void find_ground(const RingGrid& grid, const GroundSettings& settings, const Pose& vehicle_from_cloud,
                  Ground& ground);
 

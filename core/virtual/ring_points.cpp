@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-// The part of RingGrid for clouds that do not tell their columns: of other drivers, and of scanners that
-// measure one plane after the other.
+// The part of RingGrid for clouds without firing columns: of other drivers, and of scanners that measure one
+// plane after the other.
 
 #include <algorithm>
 #include <cmath>
@@ -13,15 +13,15 @@
 namespace lidard {
 namespace {
 
-// Nearer returns stand too close to the optics to tell the direction of their beam.
-constexpr float telling_range_m = 2;
-// After the first cloud one column in so many is looked at, others each time.
+// Nearer returns are too close to the optics to determine the direction of their beam.
+constexpr float direction_range_m = 2;
+// After the first cloud one column in this number is sampled, others in every cloud.
 constexpr std::size_t sampled = 211;
-// Beyond that many returns old ones count less, so that a changed speed of rotation is followed.
+// Beyond this number of returns old ones decay, so that the table follows a changed speed of rotation.
 constexpr double memory = 2000;
 
-bool is_telling(const CloudPoint& p) {
-  return p.x * p.x + p.y * p.y > telling_range_m * telling_range_m && std::isfinite(p.z);
+bool shows_direction(const CloudPoint& p) {
+  return p.x * p.x + p.y * p.y > direction_range_m * direction_range_m && std::isfinite(p.z);
 }
 
 float elevation_of(const CloudPoint& p) { return fast_atan2(p.z, std::sqrt(p.x * p.x + p.y * p.y)); }
@@ -34,15 +34,14 @@ void RingTable::set_rings(std::size_t rings) {
   clouds_ = 0;
 }
 
-void RingTable::take(const Cloud& cloud, std::size_t begin, std::size_t end, const CloudColumn* column) {
+void RingTable::add(const Cloud& cloud, std::size_t begin, std::size_t end, const CloudColumn* column) {
   for (std::size_t i = begin; i < end; ++i) {
     const CloudPoint& p = cloud.points()[i];
-    if (p.ring >= rings_.size() || !is_telling(p)) continue;
+    if (p.ring >= rings_.size() || !shows_direction(p)) continue;
     Ring& ring = rings_[p.ring];
     ring.elevations += static_cast<double>(elevation_of(p));
     ring.count += 1;
     if (column == nullptr) continue;
-    // Azimuth counts clockwise.
     const float behind = fast_atan2(-p.y, p.x) - wrapped(column->azimuth);
     ring.offsets += static_cast<double>(wrapped(behind));
   }
@@ -61,10 +60,10 @@ void RingTable::learn(const Cloud& cloud, bool with_offsets) {
   const std::size_t first = clouds_ == 0 ? 0 : clouds_ % sampled;
   ++clouds_;
   if (!with_offsets) {
-    for (std::size_t i = first; i < cloud.size(); i += step) take(cloud, i, i + 1, nullptr);
+    for (std::size_t i = first; i < cloud.size(); i += step) add(cloud, i, i + 1, nullptr);
   } else {
     for (std::size_t c = first; c < cloud.columns.size(); c += step) {
-      take(cloud, cloud.columns[c].first_point, cloud.points_end(c), &cloud.columns[c]);
+      add(cloud, cloud.columns[c].first_point, cloud.points_end(c), &cloud.columns[c]);
     }
   }
   fade();
@@ -78,7 +77,7 @@ void find_rings(const Cloud& cloud, std::vector<float>& elevations) {
   std::size_t all = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const CloudPoint& p = cloud.points()[i];
-    if (!is_telling(p)) continue;
+    if (!shows_direction(p)) continue;
     const auto at = (elevation_of(p) + static_cast<float>(pi_d / 2)) / width;
     ++counts[std::min(static_cast<std::size_t>(at), bins - 1)];
     ++all;
@@ -93,7 +92,7 @@ void find_rings(const Cloud& cloud, std::vector<float>& elevations) {
       count += counts[end];
       sum += static_cast<float>(counts[end]) * (static_cast<float>(end) + 0.5F);
     }
-    // A ring is narrow, and no stray return.
+    // A ring is narrow and has more than stray returns.
     if (end - begin <= 6 && count * 1000 > all) {
       elevations.push_back(sum / static_cast<float>(count) * width - static_cast<float>(pi_d / 2));
       in_groups += count;
@@ -107,14 +106,13 @@ namespace {
 
 constexpr float turn = static_cast<float>(two_pi);
 constexpr std::size_t fewest_steps = 8;
-// Steps outside are those between turns, or of returns of one firing.
+// Smaller steps are between returns of one firing, larger ones between turns.
 constexpr float shortest_step = 3e-4F;
 constexpr float longest_step = 0.05F;
 constexpr std::size_t most_columns = 20000;
 
-/// The ring whose elevation is the nearest.
 std::uint16_t nearest_ring(const std::vector<float>& elevations, const CloudPoint& p) {
-  const float elevation = fast_atan2(p.z, std::sqrt(p.x * p.x + p.y * p.y));
+  const float elevation = elevation_of(p);
   std::size_t best = 0;
   for (std::size_t r = 1; r < elevations.size(); ++r) {
     if (std::fabs(elevations[r] - elevation) < std::fabs(elevations[best] - elevation)) best = r;
@@ -154,7 +152,7 @@ bool RingGrid::number_rings(const Cloud& cloud) {
   return rings_ > 1;
 }
 
-/// The coarsest ring's step between returns: finer rings then have several returns per column.
+/// Measures the azimuth step of the coarsest ring; finer rings then have several returns per column.
 bool RingGrid::measure_step(const Cloud& cloud) {
   steps_.resize(rings_);
   for (auto& azimuths : steps_) azimuths.clear();
@@ -174,7 +172,7 @@ bool RingGrid::measure_step(const Cloud& cloud) {
     if (steps.size() < fewest_steps) continue;
     const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
     std::nth_element(steps.begin(), middle, steps.end());
-    // The mean of the usual steps: single ones are rounded by the wire.
+    // The mean of the usual steps, since single steps are rounded on the wire.
     const float limit = *middle * 1.3F;
     float sum = 0;
     float count = 0;
@@ -190,7 +188,7 @@ bool RingGrid::measure_step(const Cloud& cloud) {
   return true;
 }
 
-/// Circular mean, per ring, of where in the width of a column its returns lie.
+/// Measures per ring the circular mean of the returns' positions within a column's width.
 void RingGrid::measure_phases(const Cloud& cloud) {
   phases_.assign(rings_, 0);
   phase_sines_.assign(rings_, 0);
@@ -228,7 +226,7 @@ void RingGrid::place_points(const Cloud& cloud, const CloudMotion* motion) {
   }
 }
 
-/// Beams that are missing in a column with others did not come back.
+/// Marks missing beams of a column that has returns as `none`.
 void RingGrid::open_gaps() {
   for (std::size_t c = 0; c < columns_; ++c) {
     if (fired_[c] == 0) continue;
@@ -258,7 +256,7 @@ bool RingGrid::organise_points(const Cloud& cloud, const CloudMotion* motion) {
       point_rows_[i] = p.ring < rings_ ? rows_[p.ring] : std::uint16_t{0xFFFF};
   }
   if ((step_ <= 0 || measured_rings_ != rings_) && !measure_step(cloud)) {
-    why_not_ = "its rings have too few returns to tell their azimuth step";
+    why_not_ = "its rings have too few returns to measure their azimuth step";
     return false;
   }
   measured_rings_ = rings_;

@@ -56,13 +56,13 @@ void Virtualizer::set_cloud(const Cloud& cloud, const Pose& vehicle_from_cloud, 
   organised_ = grid_.organise(cloud, motion_);
   if (!organised_) return;
   find_ground(grid_, settings_.ground, vehicle_from_cloud, ground_);
-  links_.set(grid_, settings_.how.noise);
+  neighbours_.set(grid_, settings_.how.noise);
   const Eigen::Vector3f up = vehicle_from_cloud.linear().row(2).transpose().cast<float>();
-  view_.set_cloud(grid_, ground_, links_, up);
+  view_.set_cloud(grid_, ground_, neighbours_, up);
 }
 
-/// Calls use(return, its place in the virtual frame) for all at heights that count but the vehicle's own.
-/// The vehicle's own returns go with it: their place when they were measured tells.
+/// Calls use(return, its place in the virtual frame) for all at heights that count but the vehicle's own. The
+/// vehicle's own returns move with it, so the place where they were measured decides.
 template <class Use>
 void Virtualizer::each_return(const Pose& virtual_from_cloud, Use use) const {
   const auto each_of = [&](const Pose& pose, std::size_t begin, std::size_t end) {
@@ -80,7 +80,8 @@ void Virtualizer::each_return(const Pose& virtual_from_cloud, Use use) const {
   };
   if (motion_ == nullptr) return each_of(virtual_from_cloud, 0, cloud_->size());
   for (std::size_t c = 0; c < cloud_->columns.size(); ++c)
-    each_of(virtual_from_cloud * motion_->columns()[c], cloud_->columns[c].first_point, cloud_->points_end(c));
+    each_of(virtual_from_cloud * motion_->columns()[c], cloud_->columns[c].first_point,
+            cloud_->points_end(c));
   if (!cloud_->columns.empty()) return;
   for (std::size_t i = 0; i < cloud_->size(); ++i)
     each_of(virtual_from_cloud * motion_->at(static_cast<double>(cloud_->points()[i].time)), i, i + 1);

@@ -86,7 +86,7 @@ class Virtualizer {
   bool organised_ = false;
   RingGrid grid_;
   Ground ground_;
-  RingLinks links_;
+  RingLinks neighbours_;
   PlaneView view_;
   PlaneTops tops_;
   PlaneCut cut_;

@@ -20,7 +20,7 @@
 namespace lidard {
 namespace {
 
-/// The value of a key of a mapping that was read before and is therefore there.
+/// The value of an existing key.
 Value value_of(const Value& mapping, const std::string& key) {
   for (const auto& [name, value] : named_entries(mapping)) {
     if (name == key) return value;
@@ -30,40 +30,40 @@ Value value_of(const Value& mapping, const std::string& key) {
 
 constexpr double unknown_reach = std::numeric_limits<double>::infinity();
 
-/// True for what is written in place of an address of a device.
+/// True for addresses that no device has.
 bool is_no_device(const IpAddress& address) {
   const std::string text = address.to_string();
   return text == "0.0.0.0" || text == "255.255.255.255";
 }
 
-/// A quarter of a right angle in rad, or a multiple of it.
+/// True for multiples of pi/8.
 bool looks_like_rad(double angle) {
   return std::abs(angle) > 0.5 && std::abs(std::remainder(angle, pi_d / 4)) < 0.005;
 }
 
-/// Of the lowest and of the highest ring, rad.
+/// Elevations of the lowest and the highest ring, rad.
 std::pair<double, double> elevations_of(const SensorConfig& sensor) {
-  const auto calibration = sensor.driver.calibration != nullptr ? *sensor.driver.calibration
-                                                                : velodyne::table_calibration(*sensor.model);
+  const auto calibration =
+      sensor.driver.calibration != nullptr ? *sensor.driver.calibration : table_calibration(*sensor.model);
   const auto [lowest, highest] =
       std::minmax_element(calibration.lasers.begin(), calibration.lasers.end(),
                           [](const auto& a, const auto& b) { return a.vert_correction < b.vert_correction; });
   return {lowest->vert_correction, highest->vert_correction};
 }
 
-/// What can be known of a configuration without data: which poses only tf can tell, which sources only
-/// another node can give, what looks like a mistake, and what can never come.
+/// Checks a configuration without data: poses that come only from tf, sources of other nodes, likely
+/// mistakes, and outputs that can never come.
 class Forecast {
  public:
-  /// `text` is what `config` was read from.
+  /// `text`: the source of `config`.
   Forecast(const Config& config, const std::string& text)
       : config_(config), root_(parse_yaml(text, config.file)), poses_(config, no_tf_) {}
 
   /// Each sentence begins with `file:line:column`.
   std::vector<std::string> all() {
-    for (const SensorConfig& sensor : config_.sensors) tell(sensor);
-    for (const MergedScanConfig& merged : config_.merged_scans) tell(merged);
-    for (const VirtualScanConfig& group : config_.virtual_scans) tell(group);
+    for (const SensorConfig& sensor : config_.sensors) check(sensor);
+    for (const MergedScanConfig& merged : config_.merged_scans) check(merged);
+    for (const VirtualScanConfig& group : config_.virtual_scans) check(group);
     return std::move(sentences_);
   }
 
@@ -76,10 +76,10 @@ class Forecast {
   bool is_known(const std::string& parent, const std::string& child) const {
     return pose_of(parent, child).has_value();
   }
-  /// Is the place of a source's frames in `frame` configured? A source is a sensor or a virtual scan.
+  /// True if the pose of a source (sensor or virtual scan) in `frame` is configured.
   bool is_placed(const std::string& source, const std::string& frame) const {
     if (const SensorConfig* sensor = config_.find_sensor(source)) {
-      // The frame of another driver's messages is known only when they come.
+      // The frame of another driver's messages is known only at run time.
       if (sensor->model == nullptr && !sensor->pose) return false;
       return is_known(frame, sensor->frame_id);
     }
@@ -93,8 +93,8 @@ class Forecast {
   void add(const Value& entry, const std::string& sentence) {
     sentences_.push_back(entry.key_place().to_string() + ": " + entry.path() + ": " + sentence);
   }
-  /// `unknown`: what has no configured pose; `lost`: whether all of the output needs it.
-  void tell_poses(const Value& entry, const std::set<std::string>& unknown, bool lost) {
+  /// `unknown`: frames without configured pose; `lost`: the complete output needs them.
+  void check_poses(const Value& entry, const std::set<std::string>& unknown, bool lost) {
     if (unknown.empty()) return;
     std::string list;
     for (const std::string& name : unknown) list += (list.empty() ? "" : ", ") + name;
@@ -103,7 +103,7 @@ class Forecast {
     add(entry, begin + "; without tf (replay --bag, snapshot) " +
                    (lost ? "nothing comes out" : "what needs it is left out") + ": configure it");
   }
-  void tell_topics(const Value& entry, const std::vector<std::string>& sources) {
+  void check_topics(const Value& entry, const std::vector<std::string>& sources) {
     for (const std::string& source : sources) {
       const SensorConfig* sensor = config_.find_sensor(source);
       if (sensor == nullptr || sensor->model != nullptr) continue;
@@ -125,13 +125,13 @@ class Forecast {
     if (are_small && std::any_of(angles.begin(), angles.end(), looks_like_rad))
       add(turn, "looks like rad and is taken as degrees; in rad the key is rpy");
   }
-  /// How far from `frame` a sensor can see something.
+  /// The range of a sensor as seen from `frame`.
   double reach_of(const SensorConfig* sensor, const std::string& frame) const {
     if (sensor == nullptr || sensor->model == nullptr || sensor->model->range_max <= 0) return unknown_reach;
     const auto pose = pose_of(frame, sensor->frame_id);
     return pose ? sensor->model->range_max + pose->translation().norm() : unknown_reach;
   }
-  /// A beam is free where its whole way, as far as that is asked for, is seen; `free_required`: 0: range_max.
+  /// Checks that the sources see as far as a free beam requires; `free_required`: 0: range_max.
   template <class Output>
   void question_reach(const Value& entry, const Output& output, double reach, double free_required = 0) {
     const double range_max = output.output.grid.range_max;
@@ -147,7 +147,7 @@ class Forecast {
       return sources.size() > 1 && std::find(sources.begin(), sources.end(), topic) != sources.end();
     });
   }
-  /// How many of 100 beams of a virtual scan begin where no ring of the lidar passes.
+  /// Percentage of the beams of a virtual scan that begin where no ring of the lidar passes.
   int blind_beams(const SensorConfig& lidar, const ScanGridSpec& grid, const std::string& frame) const {
     constexpr double between_rings = 1 * rad_per_deg;
     constexpr double forgiven_m = 0.3;
@@ -179,7 +179,7 @@ class Forecast {
                        "its height");
     }
   }
-  void tell(const SensorConfig& sensor) {
+  void check(const SensorConfig& sensor) {
     const Value entry = value_of(value_of(root_, "sensors"), sensor.name);
     if (sensor.ip_address && is_no_device(*sensor.ip_address))
       add(value_of(entry, "ip_address"),
@@ -192,7 +192,7 @@ class Forecast {
             " comes from tf only; without tf (replay --bag, snapshot) its cloud does not come out: take a "
             "frame whose pose is configured, or name a bag with tf (--motion)");
   }
-  void tell(const MergedScanConfig& merged) {
+  void check(const MergedScanConfig& merged) {
     const Value entry = value_of(value_of(root_, "merged_scans"), merged.name);
     const std::string& base = config_.vehicle.base_frame;
     if (const Value pose = value_of(entry, "destination_pose"); pose.path() != entry.path())
@@ -213,10 +213,10 @@ class Forecast {
     }
     const bool footprint_lost = !config_.vehicle.footprint.empty() && !destination_known;
     if (footprint_lost) unknown.insert(destination);
-    tell_poses(entry, unknown, footprint_lost || lost == merged.laserscan_topics.size());
-    tell_topics(entry, merged.laserscan_topics);
+    check_poses(entry, unknown, footprint_lost || lost == merged.laserscan_topics.size());
+    check_topics(entry, merged.laserscan_topics);
   }
-  void tell(const VirtualScanConfig& group) {
+  void check(const VirtualScanConfig& group) {
     const Value entry = value_of(value_of(root_, "virtual_scans"), group.name);
     const VehicleConfig& vehicle = config_.vehicle;
     for (const auto& [frame, pose] : group.poses) question(value_of(value_of(entry, "poses"), frame), pose);
@@ -236,8 +236,8 @@ class Forecast {
     }
     const bool on_vehicle = group.has_visibility() || !vehicle.footprint.empty() || vehicle.has_motion();
     if (on_vehicle && !cloud_known) unknown.insert(group.cloud_topic);
-    tell_poses(entry, unknown, (on_vehicle && !cloud_known) || lost == group.virtual_laser_scan.size());
-    tell_topics(entry, {group.cloud_topic});
+    check_poses(entry, unknown, (on_vehicle && !cloud_known) || lost == group.virtual_laser_scan.size());
+    check_topics(entry, {group.cloud_topic});
   }
 
   const Config& config_;
@@ -247,7 +247,7 @@ class Forecast {
   std::vector<std::string> sentences_;
 };
 
-/// True if the daemon connects to the device: always to one that streams over TCP, else if its driver asks.
+/// True if the daemon connects to the device: it streams over TCP, or its driver has a dialogue.
 bool connects(const SensorConfig& sensor) {
   struct Listener final : DriverOutput {
     void scan(PlanarScan& /*scan*/) override {}
@@ -262,7 +262,7 @@ bool connects(const SensorConfig& sensor) {
   return listener.asked;
 }
 
-/// Ports that the daemon listens on, and devices that it connects to, each with the sensors behind it.
+/// Ports that the daemon listens on and devices that it connects to, with their sensors.
 TextTable sockets_of(const Config& config) {
   std::map<std::pair<std::string, std::string>, std::string> sensors;
   for (const SensorConfig& sensor : config.sensors) {
@@ -278,7 +278,7 @@ TextTable sockets_of(const Config& config) {
   }
   TextTable table{{"DOES", "SOCKET", "FOR"}};
   for (const auto& [socket, names] : sensors) table.push_back({socket.first, socket.second, names});
-  // roscpp: topics and calls over TCP; it opens the port of UDPROS unasked. The kernel chooses all of them.
+  // roscpp: topics and calls over TCP; it always opens the port of UDPROS. The kernel chooses the ports.
   table.push_back({"listens", "tcp, two free ports", "ROS"});
   table.push_back({"listens", "udp, one free port", "ROS"});
   table.push_back({"connects", "tcp, the ROS master's port", "ROS"});

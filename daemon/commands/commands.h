@@ -23,7 +23,7 @@ constexpr int exit_failed = 1;
 constexpr int exit_usage = 2;
 constexpr int exit_config = 78;  ///< EX_CONFIG of sysexits.h
 
-/// Runs a command; what it throws is told to `err` and makes the exit code.
+/// Runs a command; reports exceptions to `err` and returns the exit code.
 template <class Command>
 int guarded(std::ostream& err, const Command& command) {
   const auto fail = [&err](const std::exception& why, int code) { return err << why.what() << '\n', code; };
@@ -38,22 +38,22 @@ int guarded(std::ostream& err, const Command& command) {
   }
 }
 
-// Each command returns its exit code, prints what was asked for to `out`, and messages and errors to `err`.
+// A command returns its exit code and prints its result to `out`, messages and errors to `err`.
 
 /// `lidard check`: prints the configuration with every default filled in.
 int run_check(const std::string& file, std::ostream& out, std::ostream& err);
-/// `lidard check --ports`: prints which sockets the daemon opens, for firewalls. Returns the same.
+/// `lidard check --ports`: prints the sockets that the daemon opens, for firewalls.
 int run_check_ports(const std::string& file, std::ostream& out, std::ostream& err);
 
-/// What `lidard decode` was asked for.
+/// Options of `lidard decode`.
 struct DecodeOptions {
   std::string capture;
-  std::string model;                ///< empty: the packets tell
+  std::string model;                ///< empty: from the packets
   std::optional<IpAddress> source;  ///< only packets from this sender
   std::uint16_t source_port = 0;    ///< 0: any
   std::uint16_t port = 0;           ///< destination port; 0: any
-  std::string calibration;          ///< file; empty: what the model or the device says
-  std::string calibration_model;    ///< ros_drivers, exact or veloview; empty: what suits the file
+  std::string calibration;          ///< file; empty: that of the model or the device
+  std::string calibration_model;    ///< ros_drivers, exact or veloview; empty: the file's default
   std::string format = "csv";       ///< csv, json or pcd
   std::string output = "-";
   std::optional<std::uint64_t> frame;  ///< only this frame
@@ -61,16 +61,16 @@ struct DecodeOptions {
   StampColumn stamps = StampColumn::host;
 };
 
-/// Decodes one sensor's frames. After a failure what could be decoded was written.
+/// Decodes one sensor's frames. After a failure the output contains the frames decoded so far.
 int run_decode(const DecodeOptions& options, std::ostream& err);
 
-/// `lidard inspect`: which sensors are in the captures, how well they were recorded, and a configuration that
-/// replays them. As text the whole output is such a configuration, the report being its comments; or JSON.
-/// Fails if a capture could not be read to its end.
+/// `lidard inspect`: reports the sensors in the captures and the quality of the recording. The text output is
+/// a configuration that replays the captures, with the report as comments; or JSON. Fails if a capture could
+/// not be read to its end.
 int run_inspect(const std::vector<std::string>& captures, bool json, std::ostream& out, std::ostream& err);
 
-/// How the reference of all configuration keys is printed: for a terminal, for config/KEYS.md, for the manual
-/// page, or for programs.
+/// Format of the reference of all configuration keys: for a terminal, config/KEYS.md, the manual page, or
+/// programs.
 enum class KeysFormat { table, markdown, man, json };
 
 int run_keys(KeysFormat format, std::ostream& out);
@@ -78,67 +78,67 @@ int run_keys(KeysFormat format, std::ostream& out);
 /// `lidard models`: the table of supported models and how each was verified, for people or as JSON.
 int run_models(bool json, std::ostream& out);
 
-/// What `lidard record` was asked for.
+/// Options of `lidard record`.
 struct RecordOptions {
-  std::string config;  ///< empty: what any supported lidar sends to or from its usual port
+  std::string config;  ///< empty: traffic of all supported lidars at their usual ports
   std::string output;
   std::string interface = "any";  ///< of the host
   double duration = 0;            ///< s; 0: until a signal
 };
 
-/// The filter, as pcap-filter(7) has it, for the traffic of the configured sensors: all that a known address
-/// sends and gets, else what goes to the sensor's ports. Empty: no sensor is on the network.
+/// The filter (pcap-filter(7)) for the traffic of the configured sensors: all traffic of a known address,
+/// else packets to the sensor's ports. Empty: no sensor is on the network.
 std::string capture_filter(const Config& config);
 
-/// Records the configured sensors' traffic, UDP and both directions of TCP, without taking it from anybody.
+/// Records the configured sensors' traffic (UDP and both directions of TCP) without disturbing receivers.
 int run_record(const RecordOptions& options, std::ostream& err);
 
-/// What `lidard replay` was asked for.
+/// Options of `lidard replay`.
 struct ReplayOptions {
   std::string config;  ///< empty: the sensors that are found in the captures
   std::vector<std::string> captures;
   double rate = 1;                                 ///< of the recorded pace; 0: as fast as possible
-  bool loop = false;                               ///< again and again, stamps going on
+  bool loop = false;                               ///< repeats the captures with continuous stamps
   double start = 0;                                ///< s into the capture
   double duration = -1;                            ///< s; negative: to the end
   double wait = 0;                                 ///< s between advertising the topics and the first frame
-  bool restamp = false;                            ///< stamps as if it were live: the first packet comes now
+  bool restamp = false;                            ///< shifts stamps so that the first packet comes now
   Span loop_gap = std::chrono::milliseconds(100);  ///< between the last packet of a round and the next round
   RosOptions ros;
-  std::string bag;     ///< write here instead of to ROS
-  std::string motion;  ///< with `bag`: a bag whose tf or odometry tells how the vehicle moved
+  std::string bag;     ///< output file instead of ROS
+  std::string motion;  ///< with `bag`: a bag with the vehicle's motion (tf or odometry)
 };
 
 /// Plays captures through the pipeline of a configuration into ROS or a bag, and prints a table at the end.
 int run_replay(const ReplayOptions& options, std::ostream& out, std::ostream& err);
-/// The same with a configuration that is there already; `options.config` has no meaning.
+/// The same with a given configuration; `options.config` is ignored.
 int run_replay(const ReplayOptions& options, const Config& config, std::ostream& out, std::ostream& err);
 
-/// The daemon: listens to the configured sensors and publishes until SIGTERM or SIGINT. `trouble`: why
-/// `config` is not what its file holds; empty: it is.
+/// The daemon: receives the configured sensors and publishes until SIGTERM or SIGINT. `trouble`: why `config`
+/// is not the content of its file; empty: it is.
 int run_daemon(const Config& config, RosOptions ros, std::ostream& err, const std::string& trouble = {});
-/// Runs the daemon with the configuration that the file holds.
+/// Runs the daemon with the configuration file.
 int run_daemon(const std::string& config_file, const std::vector<std::string>& ros_arguments,
                std::ostream& err);
 
-/// What `lidard snapshot` was asked for.
+/// Options of `lidard snapshot`.
 struct SnapshotOptions {
   std::string config;  ///< empty: the sensors that are found in the captures, all at the origin
   std::vector<std::string> captures;
   std::optional<double> at;      ///< s into the capture; unset: its middle
-  std::optional<double> range;   ///< m from base_frame to the picture's edge; unset: fits what was measured
+  std::optional<double> range;   ///< m from base_frame to the picture's edge; unset: fits the returns
   std::string areas;             ///< topic whose free and unobserved areas are shaded; empty: see make_view()
-  std::string motion;            ///< a bag whose tf or odometry tells how the vehicle moved; empty: it stood
-  int width = 0;                 ///< pixels of the picture; 0: as what it shows needs
-  std::string color = "height";  ///< what the colours of clouds tell: height, ring or intensity
+  std::string motion;            ///< a bag with the vehicle's motion (tf or odometry); empty: it stood
+  int width = 0;                 ///< pixels of the picture; 0: automatic
+  std::string color = "height";  ///< meaning of the colours of clouds: height, ring or intensity
   std::string output;            ///< .png or .svg
 };
 
-/// Plays captures through the pipeline of a configuration up to one moment and draws what is known then, from
-/// above and, where there are clouds, from the side.
+/// Plays captures through the pipeline of a configuration up to one moment and draws the frames from above
+/// and, if there are clouds, from the side.
 int run_snapshot(const SnapshotOptions& options, std::ostream& err);
 
-/// What `lidard calibrate` was asked for.
+/// Options of `lidard calibrate`.
 struct CalibrateOptions {
   std::string config;
   std::vector<std::string> captures;  ///< while the vehicle is parked

@@ -25,7 +25,7 @@ struct SensorStream {
   const Model* model = nullptr;
   std::string remark;
 
-  /// Its data, and its model's telemetry and dialogue.
+  /// The flows of the data, telemetry and dialogue.
   FlowTable<const Model*> flows() const {
     FlowTable<const Model*> all;
     for (const Flow& flow : flows_of(*model, data.address, data.port)) all.add(flow, model);
@@ -34,10 +34,10 @@ struct SensorStream {
   std::string to_string() const { return std::string(model->name) + " " + data.to_string(); }
 };
 
-/// So many datagrams are enough once a sensor was found; a sensor that starts later is counted as another
-/// sender.
+/// Number of datagrams to search after the first sensor; a sensor that starts later counts as another sender.
 constexpr std::uint64_t enough_datagrams = 5000;
-/// An address scan or a peer-to-peer program makes a flow per packet; a vehicle has some dozens.
+/// Limit for address scans and peer-to-peer programs, which make a flow per packet; a vehicle has some
+/// dozens.
 constexpr std::size_t max_candidates = 1000;
 
 class NoOutput final : public DriverOutput {
@@ -46,7 +46,7 @@ class NoOutput final : public DriverOutput {
   void cloud(Cloud& /*cloud*/) override {}
 };
 
-/// What speaks for a stream being a sensor's.
+/// Evidence that a stream belongs to a sensor.
 struct Candidate {
   Identifier identifier;
   std::unique_ptr<Driver> probe;
@@ -68,22 +68,22 @@ struct Candidate {
     if (model == nullptr) return identifier.verdict();
     if (!probe) return nullptr;
     const Counters& c = probe->counters();
-    // Requests to a device may pass for packets, but never for frames.
+    // Requests to a device may look like packets, but never make frames.
     const bool some = model->transport == Transport::tcp ? c.frames > 0 : c.packets > c.rejected_total();
     return some ? model : nullptr;
   }
 };
 
-/// True if the packet passes the sender and port asked for; the port of a connection is the device's own.
+/// True if the packet is of the requested sender and port; the port of a connection is the device's.
 bool is_wanted(const Packet& packet, const DecodeOptions& options) {
   if (options.source && packet.from.address != *options.source) return false;
   if (options.source_port != 0 && packet.from.port != options.source_port) return false;
   return options.port == 0 || flow_of(packet).port == options.port;
 }
 
-/// The streams of a capture that can be decoded: as `model` if it is not nullptr, else as what their packets
-/// look like. Throws CaptureError if the file cannot be opened. What a sensor sent that nobody can read goes
-/// to `unreadable`, a line for each stream.
+/// The streams of a capture that can be decoded, as `model` or, if it is nullptr, as the recognized model.
+/// Throws CaptureError if the file cannot be opened. `unreadable` gets a line for every stream of an
+/// unsupported sensor.
 std::vector<SensorStream> find_streams(const DecodeOptions& options, const Model* model,
                                        std::string& unreadable) {
   PcapSource source(options.capture);
@@ -140,7 +140,7 @@ class WriterOutput final : public DriverOutput {
   OutputReport report_;
 };
 
-/// Tells whether the packets of a stream make a whole frame, one that a replay would publish.
+/// Checks whether a stream contains a complete frame, as a replay would publish it.
 class WholeFrame final : public DriverOutput {
  public:
   explicit WholeFrame(DriverConfig config) {
@@ -153,7 +153,7 @@ class WholeFrame final : public DriverOutput {
     seen_ = true;
     last_ = packet.arrival;
     if (!found_) driver_->receive(packet, *this);
-    if (found_) driver_.reset();  // its frames would be the memory of a second decoder
+    if (found_) driver_.reset();  // frees its memory
   }
   void finish() {
     if (!found_) driver_->finish(*this);
@@ -163,7 +163,7 @@ class WholeFrame final : public DriverOutput {
   bool found() const { return found_; }
   /// From the first to the last packet.
   Span span() const { return last_ - first_; }
-  /// Only while nothing was found.
+  /// Valid only while no frame was found.
   const Counters& counters() const { return driver_->counters(); }
 
  private:
@@ -179,7 +179,7 @@ std::unique_ptr<FrameWriter> make_writer(const DecodeOptions& options) {
   return make_csv_writer(options.output, options.stamps);
 }
 
-/// The one stream to decode, or nothing after saying why.
+/// The stream to decode, or nothing after an error message.
 std::optional<SensorStream> choose_stream(const DecodeOptions& options, const Model* model,
                                           std::ostream& err) {
   std::string unreadable;
@@ -199,44 +199,43 @@ std::optional<SensorStream> choose_stream(const DecodeOptions& options, const Mo
   return std::nullopt;
 }
 
-using CalibrationPtr = std::shared_ptr<const velodyne::Calibration>;
+using CalibrationPtr = std::shared_ptr<const Calibration>;
 
-/// The calibration asked for, if any; throws ConfigError.
+/// The requested calibration, if any; throws ConfigError.
 CalibrationPtr read_calibration(const DecodeOptions& options, std::ostream& err) {
   if (options.calibration.empty()) return nullptr;
   std::vector<std::string> warnings;
-  auto calibration = std::make_shared<velodyne::Calibration>(load_calibration(options.calibration, warnings));
+  auto calibration = std::make_shared<Calibration>(load_calibration(options.calibration, warnings));
   for (const std::string& warning : warnings) err << "note: " << warning << '\n';
   return calibration;
 }
 
-/// The model's table with the equations asked for, where no file was given; nullptr: as the driver does it.
+/// The model's table with the requested equations, if no file is given; nullptr: the driver's default.
 CalibrationPtr table_calibration(const DecodeOptions& options, const Model& model) {
   if (options.calibration_model != "ros_drivers") return nullptr;
-  if (!model.has(Trait::calibration) || velodyne::needs_own_calibration(model))
+  if (!model.has(Trait::calibration) || needs_own_calibration(model))
     throw ConfigError("--calibration-model ros_drivers: " + std::string(model.product) +
                       " has no table of its own for it; expected --calibration FILE");
-  return std::make_shared<velodyne::Calibration>(velodyne::table_calibration(model));
+  return std::make_shared<Calibration>(table_calibration(model));
 }
 
-/// With the equations asked for, or those that suit it; throws ConfigError if the calibration cannot be that
-/// of the model.
-CalibrationPtr settle_calibration(const DecodeOptions& options, const velodyne::Calibration& calibration,
+/// The calibration with the requested or default equations; throws ConfigError if it does not fit the model.
+CalibrationPtr settle_calibration(const DecodeOptions& options, const Calibration& calibration,
                                   const Model& model, std::ostream& err) {
-  const std::string rejection = velodyne::calibration_rejection(calibration, model);
+  const std::string rejection = calibration_rejection(calibration, model);
   if (!rejection.empty())
     throw ConfigError(options.calibration + ": " + rejection + "; expected the calibration of this sensor");
-  const std::string warning = velodyne::calibration_warning(calibration, model);
+  const std::string warning = calibration_warning(calibration, model);
   if (!warning.empty()) err << "note: " << options.calibration << ": " << warning << '\n';
-  auto settled = std::make_shared<velodyne::Calibration>(calibration);
+  auto settled = std::make_shared<Calibration>(calibration);
   settled->model =
-      calibration_model_of(options.calibration_model).value_or(velodyne::usual_equations(calibration, model));
+      calibration_model_of(options.calibration_model).value_or(usual_equations(calibration, model));
   return settled;
 }
 
-/// The table at the end; false if no return came, or not the frame asked for.
-bool tell_output(const DecodeOptions& options, const WriterOutput& output, const WholeFrame& whole,
-                 const Model& model, std::ostream& err) {
+/// Prints the table at the end; false if there was no return or not the requested frame.
+bool print_report(const DecodeOptions& options, const WriterOutput& output, const WholeFrame& whole,
+                  const Model& model, std::ostream& err) {
   OutputReport report = output.report();
   report.name = options.output == "-" ? "standard output" : options.output;
   const bool beyond = options.frame && *options.frame >= output.frames();
@@ -298,7 +297,7 @@ int decode_stream(const DecodeOptions& options, const SensorStream& stream, Cali
   print_counters(driver->counters(), err);
   print_capture_counters(source.counters(), others, err);
   for (const auto& warning : driver->info().warnings) err << "note: " << warning << '\n';
-  const bool came = tell_output(options, output, whole, *stream.model, err);
+  const bool came = print_report(options, output, whole, *stream.model, err);
   if (!source.error().empty()) err << source.error() << '\n';
   return came && !source.is_damaged() ? exit_ok : exit_failed;
 }

@@ -53,7 +53,7 @@ struct Listener {
   std::array<std::uint8_t, longest_answer> datagram{};
 };
 
-/// A TCP connection to what may be such a device.
+/// A TCP connection to a possible device.
 struct Asked {
   DiscoverPlace place;
   std::string question;
@@ -86,7 +86,7 @@ class Search {
   const std::vector<std::string>& asked() const { return asked_; }
 
  private:
-  /// One datagram from each interface's own address, so that its answers come back to it.
+  /// Sends a datagram from the address of every interface, so that answers return to it.
   void broadcast(DiscoverPlace place) {
     ifaddrs* all = nullptr;
     if (::getifaddrs(&all) != 0) return;

@@ -9,7 +9,7 @@
 
 namespace lidard {
 
-/// Where to ask in one of the ways that the families know.
+/// The destination of one kind of search.
 struct DiscoverPlace {
   const Discovery* how = nullptr;
   Endpoint to{};  ///< without an address: broadcast on every interface
@@ -21,8 +21,8 @@ struct DiscoverOptions {
   bool json = false;
 };
 
-/// `lidard discover`: which devices answer, as a table or JSON. Changes nothing in them. Returns the exit
-/// code: 1 if none answered.
+/// `lidard discover`: prints the devices that answer, as a table or JSON. Changes no settings. Returns the
+/// exit code: 1 if no device answered.
 int run_discover(const DiscoverOptions& options, std::ostream& out, std::ostream& err);
 
 }  // namespace lidard

@@ -14,11 +14,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Enough to see what else is on the network; --json has all of it.
+// Number of unknown flows in the text; --json has all of them.
 constexpr std::size_t unknown_rows = 10;
 
-
-/// Text from the network, fit for a line of a comment.
+/// Makes text from the network printable in a comment.
 std::string printable(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
@@ -79,7 +78,7 @@ std::vector<std::string> row_of(const FoundSensor& sensor) {
           sensor.info.serial.empty() ? "-" : printable(sensor.info.serial)};
 }
 
-/// The device's own details are many: they stand in the JSON.
+/// Prints remarks; the details of the device are only in the JSON.
 void print_remarks(const FoundSensor& sensor, std::ostream& out) {
   const auto remark = [&](const std::string& text) {
     if (!text.empty()) out << "# " << sensor.name << ": " << printable(text) << '\n';
@@ -125,8 +124,7 @@ void print_unknown(const Survey& survey, std::ostream& out) {
   print_columns(table, out, "# ");
   const std::size_t more = survey.unknown.size() - table.size() + 1;
   if (more > 0) out << "# and " << more << " more (see --json)\n";
-  if (survey.uncounted > 0)
-    out << "# and " << survey.uncounted << " datagrams of too many others to tell apart\n";
+  if (survey.uncounted > 0) out << "# and " << survey.uncounted << " datagrams of further senders\n";
 }
 
 void print_text(const Survey& survey, std::ostream& out) {
@@ -211,7 +209,7 @@ void print_json(const Survey& survey, std::ostream& out) {
   Json all{
       {"captures", captures}, {"sensors", sensors}, {"unknown", unknown}, {"uncounted", survey.uncounted}};
   all["config"] = survey.sensors.empty() ? Json() : Json(config_of(survey));
-  // File names and what sensors say of themselves need not be UTF-8.
+  // File names and texts of sensors need not be UTF-8.
   out << all.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
 }
 

@@ -15,7 +15,7 @@
 namespace lidard {
 namespace {
 
-// An address scan or a peer-to-peer program makes a flow per packet; a vehicle has some dozens.
+// Limit for address scans and peer-to-peer programs, which make a flow per packet; a vehicle has some dozens.
 constexpr std::size_t max_flows = 1000;
 
 struct Watched {
@@ -25,7 +25,7 @@ struct Watched {
 };
 using Flows = std::map<Flow, Watched>;
 
-/// Notes when the frames of a sensor were measured.
+/// Records the stamps of a sensor's frames.
 class FrameTimes final : public DriverOutput {
  public:
   explicit FrameTimes(FoundSensor& sensor) : sensor_(&sensor) {}
@@ -57,9 +57,9 @@ void add_to(SeenFlow& flow, const Packet& packet) {
   flow.last = std::max(flow.last, packet.arrival);
 }
 
-/// Calls `take` with every datagram and chunk; returns what is to be said of the file.
-template <typename Take>
-SurveyedCapture read(const std::string& file, Take take) {
+/// Calls `use` with every datagram and chunk; returns the properties of the file.
+template <typename Use>
+SurveyedCapture read(const std::string& file, Use use) {
   SurveyedCapture capture;
   capture.file = file;
   try {
@@ -68,7 +68,7 @@ SurveyedCapture read(const std::string& file, Take take) {
     while (source.next(packet)) {
       capture.first = std::min(capture.first.value_or(packet.arrival), packet.arrival);
       capture.last = std::max(capture.last.value_or(packet.arrival), packet.arrival);
-      take(packet);
+      use(packet);
     }
     capture.counters = source.counters();
     capture.error = source.error();
@@ -101,7 +101,7 @@ std::string name_for(const Model& model, const std::vector<FoundSensor>& others)
   return std::string(model.name) + (same == 0 ? "" : "_" + std::to_string(same + 1));
 }
 
-/// Whose packets: the sensors found, by their places in the list.
+/// The owners of packets, as indices of the found sensors.
 FlowTable<std::size_t> owners_of(const std::vector<FoundSensor>& sensors) {
   FlowTable<std::size_t> owners;
   for (std::size_t i = 0; i < sensors.size(); ++i) owners.add(sensors[i].data, i);
@@ -131,7 +131,7 @@ void sort_out(Flows& flows, Survey& out) {
     if (watched.identifier.verdict() != nullptr) continue;
     const std::size_t* owner = owners.find(flow);
     const Endpoint& peer = watched.flow.peer;
-    // The client's side of a conversation is of no interest.
+    // The client's side of a connection is ignored.
     if (owner == nullptr && flow.transport == Transport::tcp)
       owner = owners.find({Transport::tcp, peer.address, peer.port});
     if (owner == nullptr)
@@ -143,7 +143,7 @@ void sort_out(Flows& flows, Survey& out) {
                    [](const SeenFlow& a, const SeenFlow& b) { return a.packets > b.packets; });
 }
 
-/// Lets the drivers of the sensors see their packets.
+/// Runs the drivers of the sensors.
 void judge(const std::vector<std::string>& captures, std::vector<FoundSensor>& sensors) {
   struct Receiver {
     std::unique_ptr<Driver> driver;
@@ -177,7 +177,8 @@ void judge(const std::vector<std::string>& captures, std::vector<FoundSensor>& s
 /// The models to choose from, as comments.
 std::string others_in_yaml(const FoundSensor& sensor) {
   if (sensor.others.empty()) return {};
-  std::string yaml = "    # Nothing in the packets tells these apart from it; set the one that you have:\n";
+  std::string yaml =
+      "    # The packets do not distinguish these models from it; set the one that you have:\n";
   for (const Model* other : sensor.others) {
     const bool alike = other->row == sensor.model->row;
     yaml += "    # model: " + std::string(other->name) + (alike ? "  # decoded alike" : "") + "\n";
@@ -185,7 +186,7 @@ std::string others_in_yaml(const FoundSensor& sensor) {
   return yaml;
 }
 
-/// What a capture holds instead of a lidar's packets.
+/// The message for captures without packets of a lidar.
 std::string nothing_found(const Survey& found) {
   std::string all;
   for (const SeenFlow& flow : found.unknown) {
@@ -231,7 +232,7 @@ std::string config_of(const Survey& survey) {
     yaml += "  " + sensor.name + ":\n";
     yaml += "    model: " + std::string(sensor.model->name) + "\n";
     yaml += others_in_yaml(sensor);
-    if (!sensor.data.address.v6)  // the daemon receives from IPv4 addresses alone
+    if (!sensor.data.address.v6)  // the daemon receives only IPv4
       yaml += "    ip_address: \"" + sensor.data.address.to_string() + "\"\n";
     yaml += "    ip_port: " + std::to_string(sensor.data.port) + "\n";
     for (const IpAddress& destination : sensor.data.destinations) {

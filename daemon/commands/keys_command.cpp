@@ -15,12 +15,12 @@
 namespace lidard {
 namespace {
 
-/// One key as a user sees it.
+/// A key for the reference.
 struct Entry {
   Key key;
   std::string preset;
-  const SensorGroup* group;  // of models that take it; nullptr: not a key of sensors
-  bool inner;                // beneath a key of the same models
+  const SensorGroup* group;  // of models that accept it; nullptr: not a key of sensors
+  bool inner;                // below a key of the same models
 };
 struct Section {
   std::string name;
@@ -85,7 +85,7 @@ std::string limit_text(double number) {
   return text;
 }
 
-/// What may be written for the key.
+/// Allowed values of the key.
 std::string value_text(const Key& key) {
   if (!key.words.empty()) {
     std::string list;
@@ -116,7 +116,7 @@ std::string value_text(const Key& key) {
   }
 }
 
-/// The meaning, and where and when the key has one.
+/// The meaning, with models and conditions.
 std::string meaning_text(const Entry& entry) {
   std::string text(entry.key.meaning);
   if (entry.group != nullptr && !entry.inner && !entry.group->models.empty())
@@ -135,7 +135,7 @@ void print_table(std::ostream& out) {
   }
 }
 
-/// `text` with `from` replaced, for characters that mean something to a format.
+/// Replaces `from` in `text`, for special characters of a format.
 std::string escaped(std::string text, const std::string& from, const std::string& to) {
   for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
     text.replace(at, from.size(), to);
@@ -156,7 +156,7 @@ void print_markdown(std::ostream& out) {
   }
 }
 
-/// A line that begins with a dot or a quote would be a request.
+/// Escapes a leading dot or quote, which would be a roff request.
 std::string roff(const std::string& text) {
   const std::string safe = escaped(escaped(escaped(text, "\\", "\\e"), "-", "\\-"), "…", "\\[u2026]");
   return safe.find_first_of(".'") == 0 ? "\\&" + safe : safe;

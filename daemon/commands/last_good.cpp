@@ -38,7 +38,7 @@ LastGood::LastGood(const std::string& config_file) {
 std::string LastGood::keep(const Config& config) const {
   if (folder_.empty()) return {};
   try {
-    // A folder that is not complete yet must not be taken for a good one.
+    // Written to another folder first, so that an incomplete copy is never used.
     const fs::path part = folder_ + ".part";
     fs::remove_all(part);
     fs::create_directories(part);

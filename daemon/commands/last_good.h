@@ -9,21 +9,21 @@
 
 namespace lidard {
 
-/// A copy of the last configuration that a daemon came up with, and of its calibrations, below
-/// $STATE_DIRECTORY (systemd.exec(5)): what the next start uses instead of a file that is wrong. Without that
-/// variable, as on a terminal, nothing is kept.
+/// A copy of the last valid configuration of a daemon, with its calibrations, below $STATE_DIRECTORY
+/// (systemd.exec(5)). The next start uses it if the file is invalid. Without that variable, as on a terminal,
+/// no copy is kept.
 class LastGood {
  public:
-  /// Of this configuration file.
+  /// The copy of this configuration file.
   explicit LastGood(const std::string& config_file);
 
   /// Empty, or why it could not be kept.
   std::string keep(const Config& config) const;
-  /// None, if there is no copy or it cannot be read.
+  /// nullopt if there is no readable copy.
   std::optional<Config> load() const;
 
  private:
-  std::string folder_;  // empty: none
+  std::string folder_;  // empty: no copy is kept
 };
 
 }  // namespace lidard

@@ -10,7 +10,7 @@
 
 namespace lidard {
 
-/// A configuration as both lanes see it; arrays are by lane, here and below.
+/// The parts of a configuration for both lanes; arrays are indexed by lane, here and below.
 struct Plan {
   explicit Plan(Config config)
       : whole(std::move(config)),

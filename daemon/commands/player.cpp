@@ -27,7 +27,7 @@ Stamp Player::now() const {
   return std::clamp(begin_ + span_from_seconds(since.count() * options_.rate), last_, std::max(last_, next_));
 }
 
-/// Waits until it is `stamp`. What the pipeline has to do before happens at its own time too.
+/// Waits until `stamp`. Runs the pipeline's events before at their times.
 bool Player::wait_for(Stamp stamp, const std::function<bool()>& stop) {
   next_ = stamp;
   rest({});
@@ -37,7 +37,7 @@ bool Player::wait_for(Stamp stamp, const std::function<bool()>& stop) {
     const auto until = due(has_event ? *event : stamp);
     const auto now = std::chrono::steady_clock::now();
     if (now < until) {
-      // In short steps, so that a stop during a long silence is seen.
+      // In short steps, to react to a stop during a long silence.
       rest(std::min(until, now + std::chrono::milliseconds(100)));
     } else if (has_event) {
       pipeline_.advance(*event);
@@ -96,7 +96,7 @@ void Player::play(const std::function<bool()>& stop) {
     pipeline_.finish(last_);
     pipeline_.restart();
     capture_.rewind();
-    // begin_ stays that of the first round, so the shift grows by a round each time.
+    // begin_ is that of the first round, so the shift grows by one round per repetition.
     loop_shift_ = restamp_shift_ + (last_ - begin_) + options_.loop_gap;
     more = play_once(stop);
   }

@@ -12,21 +12,21 @@
 
 namespace lidard {
 
-/// Feeds a pipeline from captures at the pace asked for.
+/// Feeds a pipeline from captures at the requested pace.
 class Player {
  public:
   Player(const ReplayOptions& options, MergedCapture& capture, Pipeline& pipeline);
 
   /// Called with the stamp of every packet before it is played (for /clock).
   std::function<void(Stamp)> on_time;
-  /// Called for each packet, and while there is nothing to do before `until`, which may have passed. Returns
-  /// then, or earlier.
+  /// Called for every packet and while there is nothing to do before `until`, which may have passed; returns
+  /// at `until` or earlier.
   std::function<void(std::chrono::steady_clock::time_point until)> rest;
 
-  /// Plays until the end, or until `stop()` says so.
+  /// Plays until the end or until `stop()` returns true.
   void play(const std::function<bool()>& stop);
 
-  /// What time it is in the replay, once it has begun.
+  /// The time of the replay, once it has begun.
   Stamp now() const;
   /// Seconds of capture played so far.
   double played_s() const { return seconds(last_ - begin_); }
@@ -42,7 +42,7 @@ class Player {
   MergedCapture& capture_;
   Pipeline& pipeline_;
   bool started_ = false;
-  Stamp begin_{};  // of what is played, on the output's time scale
+  Stamp begin_{};  // begin of the replay on the output's time scale
   Stamp last_{};
   Stamp next_{};
   Span restamp_shift_{0};  // from the capture's stamps to those of the first round

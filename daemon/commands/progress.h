@@ -16,9 +16,9 @@ class Progress {
  public:
   explicit Progress(bool quiet = false) : quiet_(quiet && !terminal_) {}
 
-  /// True when show() would print now; spares the caller from collecting numbers for each packet.
+  /// True if show() would print now, so that callers need not collect numbers for every packet.
   bool is_due() const { return !quiet_ && Clock::now() >= next_; }
-  /// `part` 0 ... 1 of the job is done; `words` tell more.
+  /// Prints that `part` (0 ... 1) of the job is done, with `words`.
   void show(double part, const std::string& words) {
     next_ = Clock::now() + period();
     const double left = part > 0 ? elapsed() * (1 - part) / part : 0;

@@ -17,9 +17,9 @@
 namespace lidard {
 namespace {
 
-/// Whole datagrams: a host puts fragments and offloaded segments together before they are recorded.
+/// Complete datagrams, since the host reassembles fragments and offloaded segments before recording.
 constexpr int snapshot_length = 262144;
-/// For the moments in which the disk is slow.
+/// For delays of the disk.
 constexpr int buffer_bytes = 64 * 1024 * 1024;
 constexpr int wake_up_ms = 200;
 
@@ -28,10 +28,10 @@ struct CloseCapture {
 };
 using Capture = std::unique_ptr<pcap_t, CloseCapture>;
 
-/// Fragments but the first have no ports; a sender that is not known cannot be picked out of them.
+/// Fragments after the first one have no ports, so all of an unknown sender's are recorded.
 constexpr const char* fragments = "(ip[6:2] & 0x1fff != 0)";
 
-/// What any supported lidar sends with the ports that it leaves the factory with.
+/// The filter for all supported lidars with factory settings.
 std::string usual_filter() {
   std::set<std::string> ports;
   for (const Model& model : models()) {
@@ -73,7 +73,7 @@ std::string begin(pcap_t* capture, const std::string& interface, const std::stri
   return well ? std::string() : "cannot filter with '" + filter + "': " + pcap_geterr(capture);
 }
 
-/// What libpcap calls with each frame.
+/// The callback of libpcap for every frame.
 struct Recorder {
   PcapWriter& writer;
   std::int64_t tick;  // ns: of the stamps' second part
@@ -85,12 +85,11 @@ struct Recorder {
   }
 };
 
-/// Records until a signal, the end of the time or of the disk; returns what went wrong with the network, or
-/// nothing.
+/// Records until a signal, the end of the time or a full disk; returns an error of the network, or nothing.
 std::string record(pcap_t* capture, PcapWriter& writer, double duration) {
   Recorder recorder{writer, pcap_get_tstamp_precision(capture) == PCAP_TSTAMP_PRECISION_NANO ? 1 : 1000};
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(duration);
-  // Left to wait by itself libpcap sleeps through signals and the end of the time while nothing comes.
+  // libpcap's own waiting ignores signals and the end of the time while no packet arrives.
   pollfd source{pcap_get_selectable_fd(capture), POLLIN, 0};
   while (!stopped() && !writer.has_failed() && (duration <= 0 || std::chrono::steady_clock::now() < end)) {
     static_cast<void>(::poll(&source, 1, wake_up_ms));

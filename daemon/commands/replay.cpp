@@ -24,7 +24,7 @@
 namespace lidard {
 namespace {
 
-/// Captures on their way through a pipeline into a sink.
+/// A replay of captures through a pipeline to a sink.
 struct Replay {
   Replay(const ReplayOptions& how, const Config& what, MergedCapture& from, FrameSink& to,
          TransformSource& poses)
@@ -40,7 +40,7 @@ struct Replay {
   Pipeline pipeline;
   Player player;
 
-  /// Plays and prints what came; `on_time` is called before each packet. False if an output never came.
+  /// Plays and prints the outputs; `on_time` is called before every packet. False if an output never came.
   bool play(const std::function<void(Stamp)>& on_time, std::ostream& out, std::ostream& err) {
     bool first = true;
     player.on_time = [&](Stamp stamp) {
@@ -52,7 +52,7 @@ struct Replay {
     report(out, err);
     const auto outputs = pipeline.output_report();
     print_outputs("output", outputs, out);
-    // Who stops a replay early knows that not everything has come.
+    // A replay that was stopped early may lack outputs.
     return stopped() || all_came(outputs);
   }
 
@@ -93,7 +93,6 @@ void wait_for_subscribers(double limit) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
 }
 
-/// What is wrong if the session has not come to ROS.
 std::string why_not_connected(const RosSession& session, const RosOptions& ros) {
   const std::string conflict = session.conflict();
   return !conflict.empty() ? conflict
@@ -105,7 +104,7 @@ int into_ros(const ReplayOptions& options, const Config& config, MergedCapture& 
              std::ostream& err) {
   RosOptions ros = options.ros;
   ros.backpressure = Backpressure::block;
-  boost::asio::io_context messages;  // for the thread of the pipeline, which is this one
+  boost::asio::io_context messages;  // for the thread of the pipeline (this one)
   const auto more_may_come = boost::asio::make_work_guard(messages);
   RosSession session(config, ros);
   Replay replay(options, config, capture, session.sink(), session.poses());
@@ -123,7 +122,7 @@ int into_ros(const ReplayOptions& options, const Config& config, MergedCapture& 
     session.stop();
     return exit_failed;
   }
-  // roscpp installs handlers of its own when it starts; ours must come last.
+  // roscpp installs signal handlers when it starts, so these are installed after it.
   stop_on_signals();
   wait_for_subscribers(options.wait);
   const auto clock = [&](Stamp now) {
@@ -133,7 +132,7 @@ int into_ros(const ReplayOptions& options, const Config& config, MergedCapture& 
   const bool flushed = session.flush(patience);
   if (!flushed) err << "some frames were not taken by their subscribers within 5 s\n";
   const int code = flushed && complete ? exit_ok : exit_failed;
-  out.flush();  // std::quick_exit() would lose it
+  out.flush();  // std::quick_exit() does not flush
   if (!session.stop()) std::quick_exit(code);
   return code;
 }

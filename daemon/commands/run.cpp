@@ -32,7 +32,7 @@ namespace {
 constexpr int ticks_per_status = 10;
 /// Diagnostics come once per second.
 constexpr Span longest_report_age = std::chrono::seconds(2);
-/// Threads that live make ten rounds per second.
+/// A running thread makes ten rounds per second.
 constexpr auto longest_round = std::chrono::seconds(1);
 
 void log_event(const Event& event) {
@@ -43,11 +43,11 @@ void log_event(const Event& event) {
   log_line(level, event.source + ": " + event.text);
 }
 
-/// Everything of a running daemon. The constructor's thread becomes that of the lane of planes, which the
-/// daemon's own affairs share; the lane of clouds has another one, if it has anything to do.
+/// A running daemon. The constructor's thread runs the lane of planes and the daemon's own tasks; the lane of
+/// clouds has another thread, if it is needed.
 class Daemon {
  public:
-  /// `trouble`: why `config` is not what the file holds; empty: it is.
+  /// `trouble`: why `config` is not the content of the file; empty: it is.
   Daemon(const Config& config, const RosOptions& how, std::string trouble)
       : plan_(std::make_shared<Plan>(config)),
         last_good_(config.file),
@@ -83,8 +83,8 @@ class Daemon {
     connect_lanes();
   }
 
-  /// Runs until a signal, or until it must leave the node's name to another daemon. Returns the exit code;
-  /// `left`: false if a thread did not end in time.
+  /// Runs until a signal, or until another daemon uses the node's name. Returns the exit code; `left`: false
+  /// if a thread did not end in time.
   int run(bool& left) {
     signals_.async_wait([this](const boost::system::error_code& error, int signal) {
       if (error) return;
@@ -96,7 +96,7 @@ class Daemon {
     ros_.sink(Lane::planes).transforms(planes_.pipeline().static_transforms(), clock_.now());
     if (const std::string trouble = socket_.start(runtime_socket_path()); !trouble.empty())
       log_warn("`lidard status` cannot ask this daemon: {}", trouble);
-    // Report READY once all sockets are open. The lane of clouds runs only where it has some to open.
+    // Report READY once all sockets are open. The lane of clouds runs only if it has sockets.
     planes_.post([this](Stamp now) {
       planes_.pipeline().tick(now);
       if (!plan_->has_clouds()) came_up();
@@ -120,7 +120,7 @@ class Daemon {
   /// All sockets are open.
   void came_up() {
     service_.ready(status(ros_.diagnostics(clock_.now())));
-    // What is in force since a wrong file is kept already.
+    // The configuration in force is the stored copy already.
     if (!trouble_.empty()) return;
     if (const std::string why = last_good_.keep(plan_->whole); !why.empty()) log_warn("{}", why);
   }
@@ -131,7 +131,7 @@ class Daemon {
     clouds_.finish();
     clouds_ended_ = true;
   }
-  /// False if the thread stands still.
+  /// False if the thread hangs.
   bool end_clouds() {
     if (!clouds_thread_.joinable()) return true;
     clouds_.stop();
@@ -139,7 +139,7 @@ class Daemon {
     ended ? clouds_thread_.join() : clouds_thread_.detach();
     return ended;
   }
-  /// To be called in the thread of the lane of clouds, or before it runs.
+  /// Call it in the thread of the lane of clouds, or before the thread runs.
   void connect_lanes() {
     clouds_.pipeline().set_hand_over([this, plan = plan_](std::size_t source, const PlanarScan& scan, Stamp) {
       constexpr int most_waiting = 100;
@@ -150,7 +150,7 @@ class Daemon {
       ++handed_over_;
       planes_.post([this, plan, source, scan](Stamp received) {
         --handed_over_;
-        // The places of sources are those of its own plan.
+        // Source indices belong to the plan.
         if (plan == plan_) planes_.pipeline().handed_over(source, scan, received);
       });
     });
@@ -165,8 +165,8 @@ class Daemon {
       wait_for_signals();
     });
   }
-  /// Reads the file again. A wrong one changes nothing. In a thread of its own, since a calibration takes its
-  /// time to read.
+  /// Reloads the file in a separate thread, since reading a calibration is slow. An invalid file changes
+  /// nothing.
   void reload() {
     wants_reload_ = reader_.joinable();
     if (wants_reload_) return;
@@ -193,7 +193,7 @@ class Daemon {
     }
     switch_over(now);
   }
-  /// Both lanes one after the other, each in its own thread.
+  /// Switches both lanes in order, each in its own thread.
   void switch_over(Stamp now) {
     plan_ = std::move(next_plan_);
     ros_.set_topics(Lane::planes, plan_->topics[0]);
@@ -221,7 +221,7 @@ class Daemon {
     box_.configure(plan_->whole.black_box);
     end_reload("");
   }
-  /// `trouble`: why the file was not used; empty: it is in force.
+  /// `trouble`: why the file was rejected; empty: it is in force.
   void end_reload(const std::string& trouble) {
     reader_.join();
     reader_ = {};
@@ -232,10 +232,10 @@ class Daemon {
     else
       log_error("{}; nothing is changed, correct it and reload again", trouble);
     came_up();
-    malloc_trim(0);  // the former configuration has left holes
+    malloc_trim(0);  // returns the memory of the former configuration
     if (std::exchange(wants_reload_, false)) reload();
   }
-  /// Virtual scans on their way to merged ones.
+  /// The item on virtual scans that are merged.
   DiagnosticItem hand_over_item() const {
     DiagnosticItem item{"virtual scans to merge"};
     const std::uint64_t lost = not_handed_over_;
@@ -289,7 +289,7 @@ class Daemon {
     for (const std::string& error : journal_.update(items, clock_.realtime(now))) box_.incident(now, error);
     box_.poll(now, clock_.step(), [this] { return events_json(journal_); });
   }
-  /// The threads that stand still. This one moves, since it is here.
+  /// Names of the hanging threads.
   std::string standing_threads() {
     std::string standing = ros_.standing_threads();
     const std::uint64_t rounds = clouds_.rounds();
@@ -318,11 +318,11 @@ class Daemon {
     planes_.stop();
   }
 
-  std::shared_ptr<const Plan> plan_, next_plan_;  // next_plan_: of a reload that goes on
+  std::shared_ptr<const Plan> plan_, next_plan_;  // next_plan_: of a running reload
   const LastGood last_good_;
-  std::string trouble_;  // why plan_ is not what the file holds; empty: it is
+  std::string trouble_;  // why plan_ is not the content of the file; empty: it is
   std::uint64_t reloads_ = 0;
-  std::thread reader_;  // joinable while a reload goes on
+  std::thread reader_;  // joinable during a reload
   bool wants_reload_ = false;
   DaemonClock clock_;
   ServiceManager service_;
@@ -334,10 +334,10 @@ class Daemon {
   std::thread clouds_thread_;
   std::atomic<bool> clouds_ended_{false};
   std::uint64_t clouds_rounds_ = 0;
-  std::atomic<int> handed_over_{0};  // scans on their way from the lane of clouds to that of planes
+  std::atomic<int> handed_over_{0};  // scans queued from the lane of clouds to that of planes
   std::atomic<std::uint64_t> not_handed_over_{0};
   boost::asio::signal_set signals_;
-  boost::asio::signal_set requests_;  // that do not end the daemon
+  boost::asio::signal_set requests_;  // signals that do not end the daemon
   int ticks_ = 0;
   int exit_code_ = exit_ok;
   std::chrono::steady_clock::time_point fed_ = std::chrono::steady_clock::now();
@@ -359,7 +359,7 @@ int run_daemon(const Config& config, RosOptions ros, std::ostream& err, const st
     Daemon daemon(config, ros, trouble);
     bool left = false;
     const int code = daemon.run(left);
-    // roscpp's destructors would wait for a master that hangs.
+    // roscpp's destructors wait for a hanging master.
     if (!left) std::quick_exit(code);
     return code;
   } catch (const RosError& e) {

@@ -17,7 +17,6 @@
 namespace lidard {
 namespace {
 
-
 std::string to_utc(Stamp stamp) {
   const std::time_t whole = static_cast<std::time_t>(stamp.ns / 1'000'000'000);
   std::tm utc{};
@@ -44,16 +43,16 @@ double length_of(MergedCapture& capture) {
   return seconds(last - first);
 }
 
-/// What is played, and what is to be said of it.
+/// The configuration of the replay, and texts about it.
 struct Scene {
   Config config;
   std::string title;
   std::vector<std::string> notes;
-  std::vector<std::string> awaited;  ///< topics; empty: any will do
+  std::vector<std::string> awaited;  ///< topics; empty: any topic
   std::string why_no_frame;
 };
 
-/// A sensor that has no whole frame is shown with what there is of one.
+/// Shows the incomplete frame of a sensor without complete frames.
 void show_incomplete(const FoundSensor& sensor, SensorConfig& config, Scene& scene) {
   config.driver.keep_partial = true;
   const std::string why =
@@ -88,9 +87,9 @@ Scene configured(const std::string& file, std::ostream& err) {
   return scene;
 }
 
-/// Plays up to `at`, s into the capture; where that is not set, up to the first moment after its middle when
-/// every sensor has given a frame. Returns the seconds played; the frames that came until then are in the
-/// keeper. Frames that the end of play would cut off are no frames, unless they are asked for.
+/// Plays up to `at` (s into the capture), or by default to the first moment after its middle when every
+/// sensor has a frame. Returns the seconds played; the keeper has the frames. Frames that the end of play
+/// cuts off do not count, unless requested.
 double play(std::optional<double> at, double length, const Scene& scene, MergedCapture& capture,
             BagPoses& motion, FrameKeeper& keeper) {
   Pipeline pipeline(scene.config, motion, keeper);
@@ -128,7 +127,7 @@ std::string nothing_there(const Scene& scene, double at, double length) {
          " s long; give a later --at, or see `lidard inspect` for what it holds";
 }
 
-/// Why a view shows no return at all.
+/// Why a view shows no return.
 std::string why_empty(const SnapshotView& view) {
   std::string all;
   for (const auto& sentence : view.missing) all += (all.empty() ? "" : "; ") + sentence;
@@ -140,7 +139,7 @@ CloudColor color_named(const std::string& name) {
   return name == "ring" ? CloudColor::ring : name == "intensity" ? CloudColor::intensity : CloudColor::height;
 }
 
-/// What is known at one moment. Throws std::runtime_error if nothing can be drawn.
+/// The view at one moment. Throws std::runtime_error if nothing can be drawn.
 SnapshotView view_of(const SnapshotOptions& options, const Scene& scene) {
   MergedCapture capture(options.captures);
   const double length = length_of(capture);
@@ -155,7 +154,7 @@ SnapshotView view_of(const SnapshotOptions& options, const Scene& scene) {
   SnapshotView view = make_view(scene.config, poses, frames, options.areas, color_named(options.color));
   if (std::all_of(view.layers.begin(), view.layers.end(), [](const auto& l) { return l.points.empty(); }))
     throw std::runtime_error("there is nothing to draw: " + why_empty(view));
-  // What one sensor calls free says nothing where the others stand in a wrong place.
+  // The free area of one sensor is meaningless while the other sensors have no poses.
   if (scene.awaited.size() > 1) view.wedges.clear(), view.free_note.clear();
   view.framing = fit_to_points(view);
   view.framing.width = options.width;

@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Of these an operator sees at a glance what went on.
+/// Number of events in the overview.
 constexpr std::size_t newest_events = 10;
 
 const char* name_of(Health health) {
@@ -70,7 +70,7 @@ Json json_of(const Event& event) {
           {"level", name_of(event.health)}, {"source", event.source},          {"text", event.text}};
 }
 
-/// What devices and other nodes say may hold any bytes.
+/// Texts of devices and other nodes may contain any bytes.
 std::string text_of(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -134,7 +134,7 @@ void print_topics(const Json& all, std::ostream& out) {
   print_narrow(table, out);
 }
 
-/// Returns whether nothing is in error.
+/// Returns false if an item is in error.
 bool print_status(const Json& said, std::ostream& out) {
   const auto up = std::chrono::seconds(said["uptime_s"].get<std::int64_t>());
   const std::string history = cell(said["history"]);
@@ -156,7 +156,7 @@ bool print_status(const Json& said, std::ostream& out) {
   return fine;
 }
 
-/// Asks once, or every second; `show` prints an answer and returns the exit code.
+/// Sends the request once or every second; `show` prints an answer and returns the exit code.
 template <class Show>
 int ask(const StatusOptions& options, const char* word, std::ostream& out, std::ostream& err, Show show) {
   const std::string path = options.socket.empty() ? running_socket_path() : options.socket;

@@ -13,36 +13,36 @@
 
 namespace lidard {
 
-/// What a running daemon knows of itself.
+/// The state of a running daemon.
 struct DaemonState {
   std::string node;  ///< ROS name
   Stamp now;         ///< on the host's clock
   Span uptime{0};
-  std::string summary;  ///< one line, as systemd has it
+  std::string summary;  ///< one line, as reported to systemd
   std::string history;  ///< service_history()
   std::vector<DiagnosticItem> items;
   std::vector<std::pair<std::string, TopicFigures>> topics;
 };
 
-/// The answers of a running daemon: JSON of its state and its newest events, of all events, and the state as
-/// Prometheus' text format has it.
+/// The answers of a running daemon: JSON of the state with the newest events, JSON of all events, and the
+/// state in Prometheus' text format.
 std::string status_json(const DaemonState& state, const Journal& journal);
 std::string events_json(const Journal& journal);
 std::string metrics_text(const DaemonState& state);
 
-/// What `lidard status` and `lidard events` were asked for.
+/// Options of `lidard status` and `lidard events`.
 struct StatusOptions {
   std::string socket;  ///< empty: running_socket_path()
   bool json = false;
-  bool watch = false;  ///< again every second, until Ctrl-C
+  bool watch = false;  ///< repeats every second, until Ctrl-C
 };
 
-/// Asks a running daemon and prints its answer. Returns the exit code: 0, or 1 if there is no daemon; of
-/// `status` 1 too if something is in error.
+/// Requests the state of a running daemon and prints it. Returns the exit code: 1 if there is no daemon or,
+/// for `status`, if an item is in error.
 int run_status(const StatusOptions& options, std::ostream& out, std::ostream& err);
 int run_events(const StatusOptions& options, std::ostream& out, std::ostream& err);
 int run_metrics(const StatusOptions& options, std::ostream& out, std::ostream& err);
-/// Waits for the capture and prints its path; exit code 1 too if the daemon could not write one.
+/// Waits for the capture and prints its path; exit code 1 also if the daemon could not write it.
 int run_dump(const StatusOptions& options, std::ostream& out, std::ostream& err);
 
 }  // namespace lidard

@@ -6,10 +6,10 @@
 
 namespace lidard {
 
-/// The last of SIGINT and SIGTERM that came; 0: none.
+/// The last SIGINT or SIGTERM; 0: none.
 inline volatile std::sig_atomic_t stop_signal = 0;
 
-/// From now on these signals are noted instead of ending the process.
+/// Installs handlers, so that these signals set stop_signal instead of ending the process.
 inline void stop_on_signals() {
   stop_signal = 0;
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int number) { stop_signal = number; });

@@ -19,19 +19,15 @@ namespace lidard {
 namespace {
 
 using tinyxml2::XMLElement;
-using velodyne::Calibration;
-using velodyne::CalibrationModel;
-using velodyne::LaserCalibration;
-using velodyne::TwoPoint;
 
 constexpr const char* expected_file = "a calibration of velodyne_pointcloud (YAML) or a db.xml";
 constexpr long most_lasers = 128;
-constexpr double finest_step_m = 0.001;  // what a distance step can be; a 0.2 is one in cm
+constexpr double finest_step_m = 0.001;  // limits of a distance step; 0.2 is a step in cm
 constexpr double coarsest_step_m = 0.02;
 constexpr double m_per_cm = 0.01;
-constexpr double usual_step_cm = 0.2;  // of files from before distLSB_: all of them HDL-64E and HDL-32E
+constexpr double usual_step_cm = 0.2;  // of old files without distLSB_: HDL-64E and HDL-32E
 
-/// A number of each laser, as YAML and as XML have it. The limits catch other units: degrees, mm.
+/// A number per laser, in YAML and in XML. The limits detect wrong units: degrees, mm.
 struct LaserNumber {
   double LaserCalibration::*member;
   std::string_view key;
@@ -39,7 +35,7 @@ struct LaserNumber {
   const char* unit;
   const char* element;
   double element_limit;  // in the unit of the db.xml
-  double factor;         // from that unit
+  double factor;         // from that unit to the YAML's
 };
 using L = LaserCalibration;
 constexpr LaserNumber laser_numbers[] = {
@@ -63,8 +59,7 @@ std::vector<std::string_view> keys_of_laser() {
 const std::vector<std::string_view> known_of_laser = keys_of_laser();
 const std::vector<std::string_view> known_of_file = {"num_lasers", "distance_resolution", "lasers"};
 
-/// The step to use instead of what a file says, with a warning: VLS-128 files in circulation say 7 mm where
-/// the sensor counts in 4 mm.
+/// The distance step to use, with a warning: common VLS-128 files have 7 mm, but the sensor counts in 4 mm.
 double guarded_step(double step_m, std::size_t lasers, const std::string& place,
                     std::vector<std::string>& warnings) {
   constexpr double wrong_step_m = 0.007;
@@ -111,11 +106,12 @@ class YamlCalibration {
     return nullptr;
   }
 
-  /// The entries; keys that nobody knows are told once, not once per laser.
+  /// The entries; an unknown key is reported once, not once per laser.
   Entries entries_of(const Value& value, const std::vector<std::string_view>& known) {
     Entries entries = named_entries(value);
     for (const auto& [key, entry] : entries) {
-      if (std::find(known.begin(), known.end(), key) != known.end() || !told_.insert(key).second) continue;
+      if (std::find(known.begin(), known.end(), key) != known.end() || !reported_.insert(key).second)
+        continue;
       const std::string_view near = nearest_word(key, known);
       warnings_.push_back(entry.key_place().to_string() + ": unknown key " + entry.path() + " is ignored" +
                           (near.empty() ? "" : "; perhaps " + std::string(near)));
@@ -161,7 +157,7 @@ class YamlCalibration {
     return read;
   }
 
-  /// velodyne_pointcloud floors them.
+  /// velodyne_pointcloud truncates them.
   void read_intensities(const Entries& entries, LaserCalibration& laser) {
     constexpr double limit = 65535;
     const Value* lowest = find(entries, "min_intensity");
@@ -185,10 +181,10 @@ class YamlCalibration {
   }
 
   std::vector<std::string>& warnings_;
-  std::set<std::string> told_;
+  std::set<std::string> reported_;
 };
 
-/// Reads one db.xml: what boost::serialization wrote, its attributes are of no interest.
+/// Reads a db.xml of boost::serialization; attributes are ignored.
 class XmlCalibration {
  public:
   XmlCalibration(std::string name, std::vector<std::string>& warnings)
@@ -243,7 +239,7 @@ class XmlCalibration {
     return '"' + quote + '"';
   }
 
-  /// The numbers of `DB/name/item`; empty where the element is not there.
+  /// The numbers of `DB/name/item`; empty if the element is missing.
   std::vector<double> items(const XMLElement& db, const char* name, double highest) const {
     std::vector<double> list;
     const XMLElement* parent = db.FirstChildElement(name);
@@ -253,12 +249,12 @@ class XmlCalibration {
     return list;
   }
 
-  /// Many files have 64 points whatever the sensor; enabled_ says which of them it has.
+  /// Many files have 64 points for every sensor; enabled_ marks the valid ones.
   void read_points(const XMLElement& db, std::vector<LaserCalibration>& lasers) {
     const std::vector<double> enabled = items(db, "enabled_", 1);
     const XMLElement* points = db.FirstChildElement("points_");
     if (points == nullptr) fail(db.GetLineNum(), "DB has no points_", "points_ with an item per laser");
-    std::vector<int> lines;  // where each laser stands, 0: nowhere
+    std::vector<int> lines;  // line of each laser, 0: missing
     for (const XMLElement* item = points->FirstChildElement("item"); item != nullptr;
          item = item->NextSiblingElement("item")) {
       const XMLElement* px = item->FirstChildElement("px");
@@ -312,7 +308,7 @@ class XmlCalibration {
       if (element != nullptr)
         laser.*known.member = number(*element, -known.element_limit, known.element_limit) * known.factor;
     }
-    // As the script gen_calibration.py of velodyne_pointcloud converts it.
+    // As in gen_calibration.py of velodyne_pointcloud.
     const bool has_near = laser.dist_correction_x != 0 && laser.dist_correction_y != 0;
     laser.two_point = has_near ? TwoPoint::on : TwoPoint::off;
     return laser;

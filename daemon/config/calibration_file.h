@@ -12,21 +12,21 @@
 
 namespace lidard {
 
-/// The equations by their names in a configuration and on the command line.
-constexpr std::pair<std::string_view, velodyne::CalibrationModel> calibration_models[] = {
-    {"ros_drivers", velodyne::CalibrationModel::ros_drivers},
-    {"exact", velodyne::CalibrationModel::exact},
-    {"veloview", velodyne::CalibrationModel::veloview}};
-std::optional<velodyne::CalibrationModel> calibration_model_of(std::string_view name);
-std::string_view name_of(velodyne::CalibrationModel equations);
+/// Names of the equations in a configuration and on the command line.
+constexpr std::pair<std::string_view, CalibrationModel> calibration_models[] = {
+    {"ros_drivers", CalibrationModel::ros_drivers},
+    {"exact", CalibrationModel::exact},
+    {"veloview", CalibrationModel::veloview}};
+std::optional<CalibrationModel> calibration_model_of(std::string_view name);
+std::string_view name_of(CalibrationModel equations);
 
-/// Reads the calibration of a Velodyne: a YAML file of velodyne_pointcloud, or the db.xml that came with the
-/// sensor or from VeloView; the content tells which. Throws ConfigError `file:line:column: what; expected …`
-/// (from XML without a column). Remarks that are no errors are added to `warnings`, each with its place. The
-/// model is `ros_drivers`, as users of such files expect.
-velodyne::Calibration load_calibration(const std::string& path, std::vector<std::string>& warnings);
-/// The same from text; `name` stands in messages where a file name would.
-velodyne::Calibration parse_calibration(const std::string& text, const std::string& name,
-                                        std::vector<std::string>& warnings);
+/// Reads the calibration of a Velodyne: a YAML file of velodyne_pointcloud, or the db.xml of the sensor or of
+/// VeloView, recognized by the content. Throws ConfigError `file:line:column: what; expected …` (for XML
+/// without a column). Appends warnings with their places to `warnings`. The model of the result is
+/// `ros_drivers`.
+Calibration load_calibration(const std::string& path, std::vector<std::string>& warnings);
+/// The same from text; `name` replaces the file name in messages.
+Calibration parse_calibration(const std::string& text, const std::string& name,
+                              std::vector<std::string>& warnings);
 
 }  // namespace lidard

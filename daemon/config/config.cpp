@@ -76,14 +76,15 @@ void add_virtual(const VirtualScanConfig& group, std::vector<OutputTopic>& topic
   }
 }
 
-/// What the device says beside its frames.
-void add_told(const SensorConfig& sensor, std::vector<OutputTopic>& topics) {
+/// Topics of the device's messages beside its frames.
+void add_device_topics(const SensorConfig& sensor, std::vector<OutputTopic>& topics) {
   const std::string below = sensor.name + "/";
   const bool states = !sensor.model->has(Trait::states_on_request) || sensor.driver.requests.device_states;
-  for (const MessageTopic& told : sensor.model->messages) {
-    if (told.kind == message_kind<DeviceState>() && !states) continue;
-    if (told.name == output_paths_topic && !sensor.output_paths_topic.empty()) continue;
-    topics.push_back({below + std::string(told.name), TopicKind::message, false, told.kind, 0, told.name});
+  for (const MessageTopic& message : sensor.model->messages) {
+    if (message.kind == message_kind<DeviceState>() && !states) continue;
+    if (message.name == output_paths_topic && !sensor.output_paths_topic.empty()) continue;
+    topics.push_back(
+        {below + std::string(message.name), TopicKind::message, false, message.kind, 0, message.name});
   }
   if (!states) return;
   for (const auto name : sensor.model->extra_scans)
@@ -164,7 +165,7 @@ std::vector<Flow> flows_of(const SensorConfig& sensor) {
   std::vector<Flow> flows = flows_of(*sensor.model, sensor.ip_address.value_or(IpAddress()), sensor.ip_port,
                                      sensor.telemetry_port, sensor.device_port());
   const auto is_foreign = [&](const Flow& flow) {
-    // Another node receives the datagrams; a device without address cannot be told by its connection.
+    // Another node receives the datagrams; a connection identifies a device only by address.
     return flow.transport == Transport::udp ? !sensor.packet_topic.empty() : !sensor.ip_address;
   };
   flows.erase(std::remove_if(flows.begin(), flows.end(), is_foreign), flows.end());
@@ -190,7 +191,7 @@ std::vector<OutputTopic> sensor_topics(const SensorConfig& sensor) {
     topics.push_back({sensor.extended_scan_topic, TopicKind::extended_scan});
   if (!sensor.output_paths_topic.empty())
     topics.push_back({sensor.output_paths_topic, TopicKind::output_paths, false, 0, 0, output_paths_topic});
-  add_told(sensor, topics);
+  add_device_topics(sensor, topics);
   return topics;
 }
 

@@ -60,7 +60,7 @@ struct SensorConfig {
   std::string frame_id;      ///< default: the sensor's name
   std::optional<Pose> pose;  ///< of the sensor in base_frame; unset: from tf
   std::string calibration;   ///< file as written, relative to the configuration's folder; empty: none
-  std::size_t calibration_digest = 0;  ///< of the file's bytes: tells whether another one stands there
+  std::size_t calibration_digest = 0;  ///< hash of the file's bytes, to detect changes
   DriverConfig driver;                 ///< model, frame_id and options, ready for Model::make
   VelodyneControl control;             ///< the sensor's web interface; nothing is done with it by default
   std::string scan_topic;    ///< of a planar scanner, or of the ring `ring_scan` of a multi-plane lidar

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-// `filter:` of a sensor: what is left out of the messages of its own topics.
+// `filter:` of a sensor: returns that are removed from the messages of its own topics.
 #include "core/frames/frame_filter.h"
 #include "daemon/config/module.h"
 #include "daemon/config/sections.h"
@@ -55,14 +55,15 @@ void read_box(const Mapping& filter, const char* name, std::optional<FilterBox>&
   if (!(box->volume() > 0)) value->fail("has no volume", box_form);
 }
 
-/// A scan lies at z 0 of its frame, that of a ring too.
+/// A scan, also that of a ring, lies at z 0 of its frame.
 void check_height(const Mapping& yaml, const F& filter) {
   if (filter.box && (filter.box->min().z() > 0 || filter.box->max().z() < 0))
     yaml.where("box").fail("leaves out the whole scan, which lies at z 0", "a box from z <= 0 to z >= 0");
 }
 
 void check_intensity(const Mapping& yaml, const SensorConfig& sensor) {
-  if (!sensor.filter.intensity_min || sensor.model->kind == FrameKind::cloud || sensor.driver.publish_intensity)
+  if (!sensor.filter.intensity_min || sensor.model->kind == FrameKind::cloud ||
+      sensor.driver.publish_intensity)
     return;
   yaml.where("intensity_min")
       .fail_at_key("has nothing to go by: publish_intensity is false",

@@ -137,7 +137,7 @@ void add_source(const Value& value, const std::string& expected, const std::stri
   sources.written.push_back(value.text());
 }
 
-/// Mistakes with the sources leave the whole entry in doubt: most rules ask what they are.
+/// Mistakes in the sources make the entry invalid, since most rules depend on them.
 ReadSources read_sources(Mapping& yaml, Reading& reading, std::vector<std::string>& names) {
   ReadSources sources;
   bool complete = true;
@@ -150,7 +150,7 @@ ReadSources read_sources(Mapping& yaml, Reading& reading, std::vector<std::strin
       complete &= reading.mistakes.attempt(
           value.place(), [&] { add_source(value, expected, yaml.self().path(), reading, sources, names); });
   });
-  if (!complete) reading.mistakes.doubt(yaml.self().path());
+  if (!complete) reading.mistakes.mark_invalid(yaml.self().path());
   return sources;
 }
 

@@ -8,7 +8,7 @@
 namespace lidard {
 namespace {
 
-constexpr std::size_t most_told = 20;
+constexpr std::size_t most_reported = 20;
 
 }  // namespace
 
@@ -19,9 +19,9 @@ std::string Place::to_string() const {
 PlacedError::PlacedError(const Place& where, const std::string& what)
     : ConfigError(where.to_string() + ": " + what), place(where) {}
 
-void Mistakes::end_if_in_doubt(const std::string& path) const {
-  const auto next = doubted_.lower_bound(path);
-  if (next != doubted_.end() && next->compare(0, path.size(), path) == 0) throw AlreadyNoted();
+void Mistakes::end_if_invalid(const std::string& path) const {
+  const auto next = invalid_.lower_bound(path);
+  if (next != invalid_.end() && next->compare(0, path.size(), path) == 0) throw AlreadyNoted();
 }
 
 void Mistakes::throw_if_any() {
@@ -33,10 +33,10 @@ void Mistakes::throw_if_any() {
                            [](const auto& a, const auto& b) { return a.second == b.second; }),
                noted_.end());
   std::string all;
-  for (std::size_t i = 0; i < std::min(noted_.size(), most_told); ++i)
+  for (std::size_t i = 0; i < std::min(noted_.size(), most_reported); ++i)
     all += (i == 0 ? "" : "\n") + noted_[i].second;
-  if (noted_.size() > most_told)
-    all += "\n" + noted_[0].first.file + ": " + std::to_string(noted_.size() - most_told) +
+  if (noted_.size() > most_reported)
+    all += "\n" + noted_[0].first.file + ": " + std::to_string(noted_.size() - most_reported) +
            " more mistakes; expected these to be corrected first";
   throw ConfigError(all);
 }

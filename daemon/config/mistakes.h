@@ -16,7 +16,7 @@ class ConfigError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Where something stands in a file; line and column count from 1.
+/// A place in a file; line and column count from 1.
 struct Place {
   std::string file;
   int line = 1;
@@ -26,21 +26,21 @@ struct Place {
   std::string to_string() const;
 };
 
-/// A mistake whose place is known: "place: what; expected …".
+/// A mistake with its place: "place: what; expected …".
 struct PlacedError : ConfigError {
   PlacedError(const Place& where, const std::string& what);
   Place place;
 };
 
-/// Ends what follows from a mistake that is noted already; nobody is told.
+/// Stops checks that depend on a mistake that is noted already; it is not reported.
 struct AlreadyNoted : ConfigError {
   AlreadyNoted() : ConfigError("a mistake that was noted already") {}
 };
 
-/// Gathers the mistakes of a file, so that all of them can be told at once.
+/// Collects the mistakes of a file, so that all of them are reported together.
 class Mistakes {
  public:
-  /// Runs `read`. The mistake that it throws is noted, at its own place in the file or else at `otherwise`.
+  /// Runs `read` and notes the mistake that it throws, at its own place or else at `otherwise`.
   template <class Read>
   bool attempt(const Place& otherwise, const Read& read) {
     try {
@@ -54,20 +54,21 @@ class Mistakes {
     }
     return false;
   }
-  /// Whoever asks for this key, or for one that is missing in this mapping, ends with AlreadyNoted.
-  void doubt(const std::string& path) { doubted_.insert(path); }
-  bool is_in_doubt(const std::string& path) const { return doubted_.count(path) != 0; }
-  /// Ends with AlreadyNoted if this, or anything beneath it, is in doubt.
-  void end_if_in_doubt(const std::string& path) const;
+  /// Marks a key or a mapping as invalid: reading the key, or a missing key of the mapping, throws
+  /// AlreadyNoted.
+  void mark_invalid(const std::string& path) { invalid_.insert(path); }
+  bool is_invalid(const std::string& path) const { return invalid_.count(path) != 0; }
+  /// Throws AlreadyNoted if the path, or one below it, is invalid.
+  void end_if_invalid(const std::string& path) const;
   std::size_t count() const { return noted_.size(); }
-  /// Throws one ConfigError that tells all of them, a line for each, in the order of the file.
+  /// Throws one ConfigError with a line per mistake, in the order of the file.
   void throw_if_any();
 
  private:
   void note(const Place& place, const std::string& message) { noted_.emplace_back(place, message); }
 
   std::vector<std::pair<Place, std::string>> noted_;
-  std::set<std::string> doubted_;
+  std::set<std::string> invalid_;
 };
 
 }  // namespace lidard

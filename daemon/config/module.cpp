@@ -9,7 +9,7 @@
 
 namespace lidard {
 
-/// Modules stand beside the program where it was built, and below lib/lidard where it was installed.
+/// Modules are beside the program in a build tree and below lib/lidard after installation.
 void* module_function(const std::string& module, const char* function, const std::string& purpose) {
   const std::filesystem::path beside = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   std::string trouble;

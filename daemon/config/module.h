@@ -6,9 +6,9 @@
 
 namespace lidard {
 
-/// A function of one of the modules that hold what only some commands need and what brings many libraries
-/// along. A module is loaded when it is first asked for, and for good. Throws std::runtime_error that begins
-/// with `purpose` ("PCD files need …") if the module cannot be loaded.
+/// A function of a module. Modules contain parts with many libraries that only some commands need; a module
+/// is loaded on first use and stays loaded. Throws std::runtime_error that begins with `purpose` ("PCD files
+/// need …") if the module cannot be loaded.
 void* module_function(const std::string& module, const char* function, const std::string& purpose);
 
 }  // namespace lidard

@@ -27,7 +27,7 @@ template <class Output>
 KeyOf<Output> profile_row() {
   return word("profile", &Output::profile, profiles, "how the scan says what is known");
 }
-/// What stands in beams without a range.
+/// Encoding of beams without a range.
 Keys<OutputScanConfig> beam_rows() {
   using O = OutputScanConfig;
   return {word("empty", &O::empty, beams, "what stands where nothing is"),
@@ -63,7 +63,7 @@ Keys<OutputScanConfig> height_rows() {
               .or_else(farthest_m)};
 }
 
-/// The key that a complaint about the grid is about: the first one it mentions that the user wrote.
+/// The key that a message about the grid refers to: the first one in the message that is in the file.
 const Value& place_of_complaint(const std::string& complaint, const Mapping& yaml) {
   const Value* place = &yaml.self();
   std::size_t earliest = std::string::npos;
@@ -95,8 +95,7 @@ void check_grid(const ScanGridSpec& spec, const Mapping& yaml, Reading& reading)
 const Keys<OutputScanConfig>& output_keys() {
   using O = OutputScanConfig;
   static const Keys<O> rows = [] {
-    Keys<O> all =
-        joined<O>({{profile_row<O>()}, within(&O::grid, grid_rows()), beam_rows(), height_rows()});
+    Keys<O> all = joined<O>({{profile_row<O>()}, within(&O::grid, grid_rows()), beam_rows(), height_rows()});
     for (Key& key : all) key.live = key.name != "beams";  // which angle_increment stands for
     return all;
   }();

@@ -20,7 +20,7 @@ struct Edit {
   std::string text;
 };
 
-/// The list that begins at a node: from '[' to behind ']'.
+/// The list that begins at a node, including the brackets.
 Edit list_at(const std::string& text, const YAML::Node& node, const std::string& sensor) {
   const auto from = static_cast<std::size_t>(node.Mark().pos);
   const std::size_t end = text.find(']', from);

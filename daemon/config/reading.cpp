@@ -83,7 +83,7 @@ bool same_source(const Candidate& a, const Candidate& b) {
   return a.source.sensor == b.source.sensor && a.source.name == b.source.name;
 }
 
-/// The names that somebody who wrote `written` may have meant, best first, at most three.
+/// Up to three names similar to `written`, best first.
 std::string nearest_of(const std::string& written, const std::vector<Candidate>& candidates,
                        FrameKind wanted) {
   constexpr std::size_t most = 3;
@@ -165,11 +165,11 @@ void Reading::warn(const Place& place, const std::string& what) {
   config.warnings.push_back(place.to_string() + ": " + what);
 }
 
-void Reading::doubt_names(const std::string& name, const Value& entry) {
+void Reading::add_invalid_names(const std::string& name, const Value& entry) {
   constexpr int deepest = 3;  // an alias may hold itself
-  doubtful_names.insert(name);
+  invalid_names.insert(name);
   const std::function<void(const YAML::Node&, int)> add = [&](const YAML::Node& node, int level) {
-    if (node.IsScalar()) doubtful_names.insert(without_slash(node.Scalar()));
+    if (node.IsScalar()) invalid_names.insert(without_slash(node.Scalar()));
     if (level == deepest) return;
     for (const auto& child : node) add(node.IsMap() ? child.second : child, level + 1);
   };
@@ -177,8 +177,8 @@ void Reading::doubt_names(const std::string& name, const Value& entry) {
 }
 
 bool Reading::may_be_named(const std::string& name) const {
-  return doubtful_names.count(without_slash(name)) != 0 ||
-         doubtful_names.count(name.substr(0, name.find('/'))) != 0;
+  return invalid_names.count(without_slash(name)) != 0 ||
+         invalid_names.count(name.substr(0, name.find('/'))) != 0;
 }
 
 ConfigClaims::ConfigClaims() {

@@ -16,7 +16,7 @@ namespace lidard {
 class ConfigClaims {
  public:
   ConfigClaims();
-  /// Notes that `owner` publishes on `topic`; throws at `value` if somebody else does.
+  /// Records that `owner` publishes on `topic`; throws at `value` if another owner does.
   void publishes(const std::string& topic, const std::string& owner, const Value& value);
   /// Notes that a sensor listens to `topic`.
   void listens(const std::string& topic, const std::string& owner, const Value& value);
@@ -47,13 +47,13 @@ struct Reading {
   Config config;
   ConfigClaims claims;
   Mistakes mistakes;
-  std::set<std::string> doubtful_names;  ///< without leading slash
+  std::set<std::string> invalid_names;  ///< without leading slash
 
   /// Keeps a remark that is no error.
   void warn(const Place& place, const std::string& what);
-  /// An entry in which something is wrong: it may be called by its name, and by any text that stands in it.
-  void doubt_names(const std::string& name, const Value& entry);
-  /// True if `name` may be one of an entry in which something is wrong.
+  /// Marks the names of an invalid entry: its own and every text in it.
+  void add_invalid_names(const std::string& name, const Value& entry);
+  /// True if `name` may belong to an invalid entry.
   bool may_be_named(const std::string& name) const;
 };
 

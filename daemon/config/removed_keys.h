@@ -7,8 +7,8 @@
 
 namespace lidard {
 
-/// What to write instead of a key that former versions had, by its path like merged_scans.m.fuse; empty: there never
-/// was such a key.
+/// The replacement of a key of former versions, by its path like merged_scans.m.fuse; empty: there was no
+/// such key.
 std::string_view instead_of(const std::string& path);
 
 }  // namespace lidard

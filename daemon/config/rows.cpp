@@ -20,7 +20,7 @@ std::string list_of(const std::vector<std::string_view>& words) {
   return list;
 }
 
-/// YAML knows several words for true and false, and writes .inf and .nan.
+/// Normalizes YAML's words for true and false, .inf and .nan.
 std::string read_word(const Value& value, const Key& key) {
   const std::string expected = expected_of(key);
   const std::string text = value.text(expected);
@@ -58,14 +58,14 @@ KeyValue read_plain(const Value& value, const Key& key, Mistakes& mistakes) {
   }
 }
 
-/// The value in a message: a number as it was understood, anything else as it was written.
+/// The value in a message: a number as parsed, others as written.
 std::string quoted(const Value& value, const KeyValue& read) {
   const double* const number = std::get_if<double>(&read);
   return number == nullptr ? value.quoted() : number_text(*number);
 }
 
 KeyMap tree_of(const Pose& pose) {
-  // Digits beyond these come from turning an angle into a matrix and back.
+  // Further digits are rounding errors of the conversion to a matrix and back.
   const auto rounded = [](double degrees) { return std::round(degrees * 1e9) / 1e9; };
   const Eigen::Vector3d rpy = (rpy_of(pose) * deg_per_rad).unaryExpr(rounded);
   const auto list = [](const Eigen::Vector3d& v) { return KeyList{v.x(), v.y(), v.z()}; };

@@ -14,20 +14,20 @@
 
 namespace lidard {
 
-/// What a value of the key should be, for messages: "a number from 0 to 9 m".
+/// Description of the key's valid values, for messages: "a number from 0 to 9 m".
 std::string expected_of(const Key& key);
-/// The value of `key` in `yaml`, checked against everything that the row says; empty if it is not there.
+/// The value of `key` in `yaml`, checked against the row; empty if it is missing.
 std::optional<KeyValue> read_value(const Mapping& yaml, const Key& key);
-/// A value that stands by itself.
+/// Reads a single value.
 KeyValue read_value(const Value& value, const Key& key, Mistakes& mistakes);
 void write_tree(YAML::Emitter& yaml, const KeyValue& value);
-/// The name and the value; nothing is written for "not set".
+/// Writes name and value; nothing for "not set".
 void write_value(YAML::Emitter& yaml, std::string_view name, const KeyValue& value);
 bool operator==(const KeyValue& a, const KeyValue& b);
-/// Says in a comment what holds while an optional key is not there.
+/// Writes a comment with the behaviour without an optional key.
 void write_remark(YAML::Emitter& yaml, const Key& key);
 
-/// Adds the names by which keys stand in a file, each once.
+/// Adds the names of keys in a file, without duplicates.
 template <class Owner>
 void add_names(const Keys<Owner>& keys, std::vector<std::string>& names) {
   for (const auto& key : keys) {
@@ -46,7 +46,7 @@ Mapping mapping_of(const Value& value, const Keys<Owner>& keys, Mistakes& mistak
 template <class Owner>
 void read_keys(const Mapping& yaml, const Keys<Owner>& keys, Owner& owner);
 
-/// Takes the keys beneath `key`.
+/// Reads the keys below `key`.
 template <class Owner>
 void read_section(const Value& value, const KeyOf<Owner>& key, Owner& owner, Mistakes& mistakes) {
   if (key.short_form && value.node().IsScalar()) {
@@ -58,8 +58,8 @@ void read_section(const Value& value, const KeyOf<Owner>& key, Owner& owner, Mis
   }
 }
 
-/// Takes the key from `yaml`, if it is there, unless its section reads it. Mistakes are noted, and leave
-/// `owner` as it is.
+/// Reads the key from `yaml`, if present, unless its section reads it. Mistakes are noted and leave `owner`
+/// unchanged.
 template <class Owner>
 void read_key(const Mapping& yaml, const KeyOf<Owner>& key, Owner& owner) {
   if (key.kind == KeyKind::special) return;
@@ -78,7 +78,7 @@ void read_keys(const Mapping& yaml, const Keys<Owner>& keys, Owner& owner) {
   for (const auto& key : keys) read_key(yaml, key, owner);
 }
 
-/// Writes each key with its value, or what holds without one.
+/// Writes every key with its value, or the behaviour without a value.
 template <class Owner>
 void write_keys(YAML::Emitter& yaml, const Keys<Owner>& keys, const Owner& owner) {
   for (const auto& key : keys) {
@@ -99,7 +99,7 @@ void write_keys(YAML::Emitter& yaml, const Keys<Owner>& keys, const Owner& owner
   }
 }
 
-/// True if `a` and `b` have the same value of each key.
+/// True if `a` and `b` have the same values of all keys.
 template <class Owner>
 bool same_keys(const Keys<Owner>& keys, const Owner& a, const Owner& b) {
   return std::all_of(keys.begin(), keys.end(), [&](const KeyOf<Owner>& key) {

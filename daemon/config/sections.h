@@ -68,7 +68,7 @@ void read_entries(const Value& section, std::vector<Entry>& entries, Reading& re
     if (reading.mistakes.count() == before)
       entries.push_back(std::move(entry));
     else
-      reading.doubt_names(name, value);
+      reading.add_invalid_names(name, value);
   }
 }
 

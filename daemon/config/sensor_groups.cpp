@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-// The keys of `sensors:`, by what a model must be able to do.
+// The keys of `sensors:`, grouped by the required traits of the model.
 #include "daemon/config/calibration_file.h"
 #include "daemon/config/sections.h"
 #include "drivers/driver_keys.h"
@@ -12,26 +12,27 @@ using namespace keys;
 using S = SensorConfig;
 using Rows = Keys<S>;
 
-constexpr double longest_offset_s = 1e6;  // so that a nanosecond survives in a double
+constexpr double longest_offset_s = 1e6;  // keeps nanoseconds exact in a double
 constexpr double last_port = 65535;
 constexpr const char* sender_form = "the sensor's IPv4 address like 192.168.1.201";
 constexpr const char* group_form = "a multicast address like 239.0.0.10";
 
-/// Why models refuse keys that others take, and what to do instead.
+/// Why models reject keys that others accept, and the remedy.
 constexpr const char* no_key = "no such key";
 const Rejection no_cloud{", which is no multi-plane lidar", no_key};
 const Rejection no_settings{", to whose settings nothing is said", "no such key; set it up in the device"};
 const Rejection no_web{", which has no web interface that is known",
-                    "no such key: it applies to Velodynes other than the HDL-64E"};
-const Rejection no_packets{", whose packets travel in no message that is known", "a Velodyne, or no such key"};
+                       "no such key: it applies to Velodynes other than the HDL-64E"};
+const Rejection no_packets{", whose packets travel in no message that is known",
+                           "a Velodyne, or no such key"};
 const Rejection no_paths{", which is no safety scanner of SICK", no_key};
 const Rejection no_telemetry{", which sends no telemetry beside its data", no_key};
 const Rejection no_beams{", whose clouds are complete with all returns",
-                      "no such key; view_direction and view_width keep a sector"};
+                         "no such key; view_direction and view_width keep a sector"};
 const Rejection calibrated{", which sends calibrated measurements", no_key};
 const Rejection over_tcp{", which is read over TCP", no_key};
 const Rejection no_clock{", which is not asked for its clock",
-                      "clock: smooth, which follows the device clock all the time"};
+                         "clock: smooth, which follows the device clock all the time"};
 
 bool any_model(const Model& /*model*/) { return true; }
 template <FrameKind kind>
@@ -43,13 +44,15 @@ bool can(const Model& model) {
   return model.has(trait);
 }
 
-bool gives_scans(const Model& model) { return model.kind == FrameKind::scan || model.has(Trait::revolutions); }
+bool gives_scans(const Model& model) {
+  return model.kind == FrameKind::scan || model.has(Trait::revolutions);
+}
 bool can_skip(const Model& model) { return model.has(Trait::skip_setting) || model.has(Trait::skip_request); }
 
-/// Of the safety scanners of SICK, which tell their output paths.
+/// True for SICK's safety scanners.
 bool has_output_paths(const Model& model) {
   return std::any_of(model.messages.begin(), model.messages.end(),
-                     [](const MessageTopic& told) { return told.name == output_paths_topic; });
+                     [](const MessageTopic& message) { return message.name == output_paths_topic; });
 }
 
 Rows of_driver(const Keys<DriverConfig>& keys) { return within(&S::driver, keys); }
@@ -63,7 +66,7 @@ std::optional<Rejection> no_sender(const KeyValue& value) {
   if (address->v6) return Rejection{"is {}, an IPv6 address, from which nothing is received", sender_form};
   if (!address->is_multicast()) return std::nullopt;
   return Rejection{"is {}, a multicast group",
-                std::string(sender_form) + "; the group goes into multicast_group"};
+                   std::string(sender_form) + "; the group goes into multicast_group"};
 }
 
 std::optional<Rejection> no_group(const KeyValue& value) {
@@ -165,7 +168,7 @@ Keys<CloudLayout> order_rows() {
                "a list of returns, or organised with a row per ring or per firing sequence")};
 }
 
-/// Read by the section, which knows the rings of the model.
+/// The section reads these keys, since it knows the rings of the model.
 Rows ring_rows() {
   const auto has_ring = [](const S& sensor) { return sensor.ring_scan.has_value(); };
   return {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-// `sensors:` of a configuration: what keys have to fulfil together, and what follows from them.
+// `sensors:` of a configuration: checks of combined keys, and derived values.
 #include <unistd.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ bool holds(const SensorGroup& group, const std::string& key) {
   return std::find(names.begin(), names.end(), key) != names.end();
 }
 
-/// Why a key that this kind of sensor does not take is refused, and what to do instead.
+/// Why a key is rejected for this kind of sensor, and the remedy.
 Rejection refusal(const std::string& key, const SensorConfig& sensor) {
   if (sensor.model == nullptr)
     return {"does not apply to a source with topic:", "topic, frame_id, pose and time_offset only"};
@@ -67,7 +67,7 @@ const Model* read_model(const Value& value) {
              expected.empty() ? "a name from `lidard models`" : expected + "; see `lidard models`");
 }
 
-/// What the model says where the file does not.
+/// Sets the model's defaults.
 void set_defaults(SensorConfig& sensor) {
   const Model& model = *sensor.model;
   sensor.driver.model = sensor.model;
@@ -82,10 +82,10 @@ void read_kind(Mapping& yaml, SensorConfig& sensor) {
   const auto model = yaml.find("model");
   if (model && yaml.has("topic")) {
     const Value& topic = yaml.where("topic");
-    yaml.mistakes().doubt(topic.path());
+    yaml.mistakes().mark_invalid(topic.path());
     topic.fail_at_key("is given beside model", "one of them: model (our driver) or topic (another driver)");
   }
-  if (!model && !yaml.has("topic") && yaml.mistakes().is_in_doubt(yaml.self().path())) throw AlreadyNoted();
+  if (!model && !yaml.has("topic") && yaml.mistakes().is_invalid(yaml.self().path())) throw AlreadyNoted();
   if (!model && !yaml.has("topic"))
     yaml.self().fail_at_key("has neither model nor topic", "model: a name from `lidard models`, or topic:");
   if (!model) return;
@@ -130,7 +130,7 @@ void check_requests(Mapping& yaml, SensorConfig& sensor) {
         .fail_at_key("is given alone", "both user_level and user_level_password, or none");
 }
 
-/// Rejects what would be ignored: a wanted setting without permission to write it.
+/// Rejects wanted settings without permission to write them.
 void check_permissions(const Mapping& yaml, const VelodyneControl& control) {
   const bool wanted = control.wanted.any();
   for (const char* key : {"rpm", "returns", "fov", "host"}) {
@@ -148,7 +148,7 @@ void check_control(Mapping& parent, SensorConfig& sensor, Reading& reading) {
   control.data_port = sensor.ip_port;
   if (!parent.has("control")) return;
   Mapping yaml = parent.inside("control");
-  reading.mistakes.end_if_in_doubt(yaml.self().path());
+  reading.mistakes.end_if_invalid(yaml.self().path());
   if (!yaml.has("read")) control.read = control.wanted.any();
   if (control.wanted.fov_start_deg && control.wanted.fov_start_deg == control.wanted.fov_end_deg)
     yaml.inside("fov").where("end_deg").fail("is start_deg too",
@@ -182,7 +182,7 @@ void check_frames(const Mapping& yaml, DriverConfig& driver) {
   driver.view_width = std::min(driver.view_width, two_pi);
 }
 
-/// The ring asked for, or nothing.
+/// The requested ring; empty: auto or none.
 std::optional<std::uint16_t> read_ring(const std::optional<Value>& value, const SensorConfig& sensor) {
   if (!value || value->text("auto, or a ring counted from 0") == "-1") return std::nullopt;
   const Model& model = *sensor.model;
@@ -193,7 +193,8 @@ std::optional<std::uint16_t> read_ring(const std::optional<Value>& value, const 
   return model.level_ring(sensor.driver);
 }
 
-/// One ring as a planar scan. Its calibration is known by now, which may say what ring is level.
+/// Reads the ring that is published as a planar scan. Call it after the calibration, which may determine the
+/// level ring.
 void read_ring_scan(Mapping& yaml, SensorConfig& sensor) {
   const auto asked = yaml.find("scan_ring");
   const auto ring = read_ring(asked, sensor);
@@ -223,7 +224,7 @@ void check_cloud(Mapping& yaml, SensorConfig& sensor, const VehicleConfig& vehic
   yaml.attempt_rule([&] { read_ring_scan(yaml, sensor); });
 }
 
-/// Everything that the sensor publishes, and what it listens to.
+/// Claims the topics that the sensor publishes and listens to.
 void claim_topics(const Mapping& yaml, const SensorConfig& sensor, Reading& reading) {
   const std::string& owner = yaml.self().path();
   for (const OutputTopic& topic : sensor_topics(sensor))
@@ -232,7 +233,7 @@ void claim_topics(const Mapping& yaml, const SensorConfig& sensor, Reading& read
   if (!sensor.topic.empty()) reading.claims.listens(sensor.topic, owner, yaml.where("topic"));
 }
 
-/// The frames of a model carry `frame_id`; messages of other drivers carry what these say.
+/// Claims the pose of the sensor's frame; frames in messages of other drivers are not known.
 void claim_pose(const Mapping& yaml, SensorConfig& sensor, Reading& reading) {
   const std::string& base = reading.config.vehicle.base_frame;
   if (sensor.pose)
@@ -241,7 +242,7 @@ void claim_pose(const Mapping& yaml, SensorConfig& sensor, Reading& reading) {
     sensor.pose = Pose::Identity();
 }
 
-/// Sensors are told apart by port and sender; refuses what cannot be.
+/// Sensors are distinguished by port and sender; rejects ambiguous ones.
 void check_distinct(const Mapping& yaml, const SensorConfig& sensor,
                     const std::vector<SensorConfig>& earlier) {
   if (sensor.model == nullptr || !sensor.packet_topic.empty()) return;
@@ -260,7 +261,7 @@ void check_distinct(const Mapping& yaml, const SensorConfig& sensor,
   }
 }
 
-/// While the model is not known, every value is checked that some model takes.
+/// While the model is unknown, all values are checked.
 void read_groups(Mapping& yaml, bool known, SensorConfig& sensor) {
   std::set<std::string_view> read;
   for (const SensorGroup& group : sensor_groups()) {
@@ -271,7 +272,7 @@ void read_groups(Mapping& yaml, bool known, SensorConfig& sensor) {
   }
 }
 
-velodyne::CalibrationModel read_calibration_model(const Value& value) {
+CalibrationModel read_calibration_model(const Value& value) {
   const std::string expected =
       "ros_drivers (the equations of velodyne_pointcloud), exact (the manual's) or veloview (the viewer's)";
   const auto equations = calibration_model_of(value.text(expected));
@@ -284,16 +285,15 @@ std::string in_folder_of(const std::string& config_file, const std::string& path
   return path.front() == '/' || slash == std::string::npos ? path : config_file.substr(0, slash + 1) + path;
 }
 
-/// `calibration_model:` without a file: which equations place the returns of the model's own table.
+/// `calibration_model:` without a file: the equations for the model's table.
 void apply_to_table(const Value& value, SensorConfig& sensor) {
-  const velodyne::CalibrationModel equations = read_calibration_model(value);
-  if (equations == velodyne::CalibrationModel::exact) return;
-  if (equations == velodyne::CalibrationModel::veloview)
+  const CalibrationModel equations = read_calibration_model(value);
+  if (equations == CalibrationModel::exact) return;
+  if (equations == CalibrationModel::veloview)
     value.fail_at_key("is veloview without calibration", "it with a calibration file");
-  if (velodyne::needs_own_calibration(*sensor.model))
+  if (needs_own_calibration(*sensor.model))
     value.fail_at_key("is given without calibration", "both: each HDL-64E is calibrated on its own");
-  sensor.driver.calibration =
-      std::make_shared<velodyne::Calibration>(velodyne::table_calibration(*sensor.model));
+  sensor.driver.calibration = std::make_shared<Calibration>(table_calibration(*sensor.model));
 }
 
 /// Reads `calibration:` and `calibration_model:` of a sensor and the file itself.
@@ -309,13 +309,12 @@ void read_calibration(Mapping& yaml, SensorConfig& sensor, Reading& reading) {
   const std::string path = in_folder_of(reading.config.file, sensor.calibration);
   if (::access(path.c_str(), R_OK) != 0)
     file->fail("is " + file->quoted() + ", which cannot be read: " + std::strerror(errno), expected);
-  auto calibration = std::make_shared<velodyne::Calibration>(load_calibration(path, reading.config.warnings));
+  auto calibration = std::make_shared<Calibration>(load_calibration(path, reading.config.warnings));
   sensor.calibration_digest = std::hash<std::string>()(read_file(path, expected));
-  calibration->model =
-      model ? read_calibration_model(*model) : velodyne::usual_equations(*calibration, *sensor.model);
-  const std::string rejection = velodyne::calibration_rejection(*calibration, *sensor.model);
+  calibration->model = model ? read_calibration_model(*model) : usual_equations(*calibration, *sensor.model);
+  const std::string rejection = calibration_rejection(*calibration, *sensor.model);
   if (!rejection.empty()) file->fail(rejection, "the calibration of this sensor");
-  const std::string warning = velodyne::calibration_warning(*calibration, *sensor.model);
+  const std::string warning = calibration_warning(*calibration, *sensor.model);
   if (!warning.empty()) reading.warn(file->place(), file->path() + " " + warning);
   sensor.driver.calibration = std::move(calibration);
 }
@@ -364,12 +363,12 @@ void set_ring_limits(SensorConfig& sensor) {
 
 void read_sensors(Mapping& root, Reading& reading) {
   const std::string expected = "sensors: with at least one entry, each with model: or topic:";
-  // A file in which something else is wrong may have them under another name.
+  // After other mistakes the section may be present under a misspelt name.
   if (!root.has("sensors") && reading.mistakes.count() > 0) return;
   root.attempt("sensors", [&] {
     const Value section = root.require("sensors", expected);
     read_entries(section, reading.config.sensors, reading, read_sensor);
-    if (reading.config.sensors.empty() && reading.doubtful_names.empty()) section.fail("is empty", expected);
+    if (reading.config.sensors.empty() && reading.invalid_names.empty()) section.fail("is empty", expected);
   });
 }
 

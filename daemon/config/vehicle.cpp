@@ -17,14 +17,14 @@ using Point = Eigen::Vector2d;
 
 double cross(const Point& a, const Point& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-/// Do the closed segments a–b and c–d have a point in common?
+/// True if the closed segments a–b and c–d intersect.
 bool meet(const Point& a, const Point& b, const Point& c, const Point& d) {
   const auto side = [](const Point& p, const Point& q, const Point& r) {
     const double area = cross(q - p, r - p);
     return area > 0 ? 1 : area < 0 ? -1 : 0;
   };
   const auto within = [](const Point& p, const Point& q, const Point& r) {
-    return (r - p).dot(r - q) <= 0;  // r on the line p–q lies between them
+    return (r - p).dot(r - q) <= 0;  // r is on the line p–q: is it between them?
   };
   const int sides[] = {side(a, b, c), side(a, b, d), side(c, d, a), side(c, d, b)};
   if (sides[0] != sides[1] && sides[2] != sides[3]) return true;
@@ -82,9 +82,9 @@ KeyOf<VehicleConfig> footprint_row() {
       "polygon in base_frame; returns from inside are left out; published on the topic footprint");
 }
 
-/// Where the poses come from that scans are deskewed with.
+/// Checks the source of the vehicle's motion.
 void check_motion(const Mapping& yaml, const VehicleConfig& vehicle) {
-  yaml.mistakes().end_if_in_doubt(yaml.self().path());
+  yaml.mistakes().end_if_invalid(yaml.self().path());
   const bool odometry = !vehicle.odometry_frame.empty();
   const bool topic = !vehicle.odometry_topic.empty();
   const bool imu = !vehicle.imu_topic.empty();

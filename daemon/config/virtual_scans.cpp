@@ -12,7 +12,7 @@ namespace {
 using namespace keys;
 using Virtual = VirtualScanConfig;
 
-// ira_laser_tools' first release kept what lay within 0.1 m of the plane; later ones 1 cm, then everything.
+// The first release of ira_laser_tools kept returns within 0.1 m of the plane; later ones 1 cm, then all.
 constexpr double virtual_half_height_m = 0.1;
 
 Keys<Virtual> frame_rows() {
@@ -157,7 +157,7 @@ const SensorConfig* read_cloud_source(Mapping& yaml, Virtual& scan, Reading& rea
     reading.claims.uses(*source, FrameKind::cloud, yaml.self().path(), named);
     scan.cloud_topic = source->name;
   });
-  if (source == nullptr) reading.mistakes.doubt(yaml.self().path());
+  if (source == nullptr) reading.mistakes.mark_invalid(yaml.self().path());
   return source;
 }
 

@@ -36,7 +36,7 @@ std::string shorten(const std::string& text) {
   return printable(text.substr(0, longest_quote)) + (text.size() > longest_quote ? "…" : "");
 }
 
-/// Without the locale, and the whole text or nothing.
+/// Parses the complete text as a number, independent of the locale.
 std::optional<double> parse_number(std::string_view text) {
   if (!text.empty() && text.front() == '+') text.remove_prefix(1);
   double number = 0;
@@ -69,7 +69,7 @@ Value element(const Value& parent, const YAML::Node& node, std::size_t index) {
   return {node, place, place, parent.path() + "[" + std::to_string(index) + "]"};
 }
 
-/// Refuses keys that are no plain text or come twice; `seen` holds those before.
+/// Rejects keys that are not plain text or repeated; `seen` has the earlier keys.
 void check_key(const YAML::Node& key, const Place& place, const Value& parent, const std::string& prefix,
                std::map<std::string, Place>& seen) {
   if (!key.IsScalar() || key.Scalar().empty())
@@ -89,8 +89,8 @@ bool is_merge(const Entry& entry) {
   return entry.first.IsScalar() && entry.first.Scalar() == "<<";
 }
 
-/// The mapping and, behind it, those that it merges, nearest first. `count` bounds what anchors within
-/// anchors can make of a small file.
+/// The mapping, followed by those that it merges, nearest first. `count` limits the expansion of nested
+/// anchors.
 std::vector<YAML::Node> with_merged(const Value& value, const YAML::Node& map, std::size_t& count) {
   constexpr std::size_t most = 100;
   const std::string expected = "an alias of a mapping, like `<<: *scanner`, or a list of them";
@@ -113,7 +113,7 @@ std::vector<YAML::Node> with_merged(const Value& value, const YAML::Node& map, s
   return all;
 }
 
-/// Editors of other systems write it; yaml-cpp reads it, but people's other tools do not.
+/// UTF-16 of other systems: yaml-cpp reads it, but other tools do not.
 void refuse_utf16(const std::string& text, const Place& top) {
   const bool has_mark = text.compare(0, 2, "\xFF\xFE") == 0 || text.compare(0, 2, "\xFE\xFF") == 0;
   const bool has_zero = text.size() > 1 && (text[0] == '\0') != (text[1] == '\0');
@@ -121,7 +121,7 @@ void refuse_utf16(const std::string& text, const Place& top) {
     fail_at(top, "the file is UTF-16", "UTF-8 (`iconv -f UTF-16 -t UTF-8`, or another encoding when saving)");
 }
 
-/// Notes where a document begins and lets everything else pass.
+/// Records where a document begins; ignores all other events.
 class DocumentStart : public YAML::EventHandler {
  public:
   void OnDocumentStart(const YAML::Mark& mark) override { mark_ = mark; }
@@ -142,8 +142,8 @@ class DocumentStart : public YAML::EventHandler {
   YAML::Mark mark_ = YAML::Mark::null_mark();
 };
 
-/// YAML::Load() says nothing of what follows the first document, and YAML::LoadAll() of yaml-cpp 0.7 never
-/// ends on a stray "," or "]": it makes empty documents of it for ever.
+/// YAML::Load() ignores text after the first document, and YAML::LoadAll() of yaml-cpp 0.7 loops for ever on
+/// a stray "," or "]".
 void refuse_second_document(const std::string& text, const Place& top) {
   std::istringstream stream(text);
   YAML::Parser parser(stream);
@@ -153,7 +153,7 @@ void refuse_second_document(const std::string& text, const Place& top) {
             "one document per file");
 }
 
-/// The parser only complains of what the tab leads to.
+/// The parser's message does not mention the tab.
 bool is_indented_with_tab(const std::string& text, int line) {
   std::istringstream lines(text);
   std::string content;
@@ -279,20 +279,20 @@ Mapping::Mapping(const Value& value, std::vector<std::string_view> known_keys, M
       fail_at(unknown.key_place(), "unknown key " + unknown.path(),
               near.empty() ? "one of " + comma_list(known_keys) : std::string(near));
     });
-    mistakes.doubt(value.path());
+    mistakes.mark_invalid(value.path());
   }
 }
 
 std::optional<Value> Mapping::find(std::string_view key) const {
   const auto found = values_.find(key);
   if (found == values_.end()) return std::nullopt;
-  if (mistakes_.is_in_doubt(found->second.path())) throw AlreadyNoted();
+  if (mistakes_.is_invalid(found->second.path())) throw AlreadyNoted();
   return found->second;
 }
 
 Value Mapping::require(std::string_view key, const std::string& expected) const {
   const auto value = find(key);
-  if (!value && mistakes_.is_in_doubt(self_.path())) throw AlreadyNoted();
+  if (!value && mistakes_.is_invalid(self_.path())) throw AlreadyNoted();
   if (!value) self_.fail_at_key("has no " + std::string(key), expected);
   return *value;
 }
@@ -301,7 +301,7 @@ const Value& Mapping::where(std::string_view key) const {
   auto found = values_.find(key);
   if (found == values_.end()) found = values_.find(std::string(key) + "_deg");
   if (found == values_.end()) return self_;
-  if (mistakes_.is_in_doubt(found->second.path())) throw AlreadyNoted();
+  if (mistakes_.is_invalid(found->second.path())) throw AlreadyNoted();
   return found->second;
 }
 
@@ -333,7 +333,7 @@ std::vector<std::pair<std::string, Value>> named_entries(const Value& value, Mis
   std::map<std::string, Place> seen;
   std::size_t merged = 0;
   for (const YAML::Node& map : with_merged(value, value.node(), merged)) {
-    // What stands nearer wins; only within one mapping is a key given twice a mistake.
+    // Nearer keys override merged ones; a repeated key is a mistake only within one mapping.
     const std::map<std::string, Place> nearer = seen;
     for (const auto& entry : map) {
       if (is_merge(entry) || (entry.first.IsScalar() && nearer.count(entry.first.Scalar()) != 0)) continue;
@@ -343,7 +343,7 @@ std::vector<std::pair<std::string, Value>> named_entries(const Value& value, Mis
         check();
       else if (!mistakes->attempt(key_place, check))
         continue;
-      // The parser marks a missing value at whatever follows it.
+      // The parser gives a missing value the place of the next token.
       const Place place = entry.second.IsNull() ? key_place : place_of(entry.second.Mark(), key_place);
       const std::string& key = entry.first.Scalar();
       entries.emplace_back(key, Value(entry.second, place, key_place, prefix + shorten(key)));

@@ -14,13 +14,13 @@ namespace lidard {
 /// The node's name with its namespace: `name` or __name:=…, in __ns:=… or $ROS_NAMESPACE.
 std::string full_node_name(const std::vector<std::string>& arguments, const std::string& name);
 
-/// The private parameters of `node`: those of the master, for which it waits, and _name:=value of the
-/// arguments, which win.
+/// The private parameters of `node`: those of the master (the function waits for it), overridden by
+/// _name:=value of the arguments.
 NodeParameters wait_for_parameters(const std::vector<std::string>& arguments, const std::string& node);
 
-/// Runs the program that `executable` (argv[0] without folder) stands for, a node of another package: reads
-/// that node's private parameters from the master, for which it waits, and publishes what it did. Returns the
-/// exit code; empty: it is `lidard` itself.
+/// Runs as the node of another package named by `executable` (argv[0] without folder): reads the node's
+/// private parameters from the master, for which it waits, and publishes the node's topics. Returns the exit
+/// code; empty: `executable` is `lidard` itself.
 std::optional<int> run_dropin(const std::string& executable, const std::vector<std::string>& arguments,
                               std::ostream& out, std::ostream& err);
 

@@ -20,8 +20,8 @@ using Arguments = std::vector<std::string>;
 /// A node of another package.
 struct Dropin {
   std::string_view executable;
-  const char* node;   ///< its name unless __name:= says otherwise
-  const char* usage;  ///< what stands before the line on arguments
+  const char* node;   ///< default name
+  const char* usage;  ///< text before the line on arguments
   ReconfigureNames reconfigure;
   DropinSetup (*setup)(const NodeParameters& parameters);
 };
@@ -41,7 +41,7 @@ constexpr Dropin dropins[] = {
      "Stands in for urg_node: reads its private parameters (ip_address, frame_id, angle_min, ...) and "
      "publishes scan, or echoes.\n",
      ReconfigureNames::entries, urg_node_setup},
-    // ira_laser_tools' name for the node differs from that of its executable.
+    // In ira_laser_tools the names of the node and of its executable differ.
     {"laserscan_multi_merger", "laser_multi_merger",
      "Stands in for laserscan_multi_merger of ira_laser_tools: reads its private parameters "
      "(laserscan_topics, destination_frame, ...) and publishes the merged scan and cloud.\n",
@@ -59,7 +59,8 @@ std::string usage_of(const Dropin& dropin) {
 bool asks_for_help(const std::string& argument) { return argument == "--help" || argument == "-h"; }
 bool means_something(const std::string& argument) { return argument.find(":=") != std::string::npos; }
 
-/// Answers --help and refuses arguments that mean nothing to ROS: then with an exit code.
+/// Handles --help and rejects arguments that are neither parameters nor remappings; returns the exit code
+/// then.
 std::optional<int> answer(const Dropin& dropin, const Arguments& arguments, std::ostream& out,
                           std::ostream& err) {
   if (std::any_of(arguments.begin(), arguments.end(), asks_for_help)) {
@@ -68,7 +69,7 @@ std::optional<int> answer(const Dropin& dropin, const Arguments& arguments, std:
   }
   const auto strange = std::find_if_not(arguments.begin(), arguments.end(), means_something);
   if (strange == arguments.end()) return std::nullopt;
-  err << "'" << *strange << "' is no parameter and no remapping\n" << usage_of(dropin);
+  err << "'" << *strange << "' is neither a parameter nor a remapping\n" << usage_of(dropin);
   return exit_usage;
 }
 

@@ -36,7 +36,7 @@ KeyMap& section(KeyMap& keys, const std::string& name) {
   return std::get<KeyMap>(*find_key(keys, name));
 }
 
-/// The package of the node; of a parameter file the one that knows most of the parameters. Empty: none here.
+/// The package of the node, or for a parameter file the one with most of the parameters. Empty: unknown.
 std::string_view package_name(const LaunchNode& node) {
   if (node.package.empty()) {
     const MovedPackage* const package = package_of(node.parameters);
@@ -49,8 +49,8 @@ std::string_view package_name(const LaunchNode& node) {
   return {};
 }
 
-/// The tables of velodyne_pointcloud/params (1.7.0) that are those of the models here: clouds decoded with
-/// either differ by at most 0.07 mm, which is the rounding of angles in VLP16_hires_db.yaml.
+/// The tables of velodyne_pointcloud/params (1.7.0) that equal those of the models here: clouds differ by at
+/// most 0.07 mm, from the rounding of angles in VLP16_hires_db.yaml.
 bool is_table_of_model(const std::string& path) {
   constexpr std::string_view names[] = {"VLP16db.yaml", "VLP16_hires_db.yaml", "32db.yaml",
                                         "VeloView-VLP-32C.yaml", "VLS128.yaml"};
@@ -68,14 +68,14 @@ class Importer {
         if (!import_node(node)) late.push_back(&node);
       });
     }
-    // What merges comes after what it may read.
+    // Nodes that merge are imported after their sources.
     for (const LaunchNode* node : late) attempt(*node, [&] { add_laser_tools(*node); });
     place();
     return std::move(config_);
   }
 
  private:
-  /// A node that cannot be imported is reported, and the others are imported nevertheless.
+  /// Reports a node that cannot be imported; the others are imported.
   template <class Step>
   void attempt(const LaunchNode& node, const Step& step) {
     try {
@@ -85,7 +85,7 @@ class Importer {
     }
   }
 
-  /// False for a node that reads what others publish.
+  /// False for a node that reads topics of other nodes.
   bool import_node(const LaunchNode& node) {
     const std::string_view package = package_name(node);
     if (package == "ira_laser_tools") return false;
@@ -140,7 +140,7 @@ class Importer {
       add_cloud(node, source, std::get<KeyMap>(cloud.second));
   }
 
-  /// The cloud of a planar scanner: a merged scan of it alone.
+  /// Adds the cloud of a planar scanner as a merged scan with one source.
   void add_cloud(const LaunchNode& node, const std::string& source, KeyMap& entry) {
     *find_key(entry, "laserscan_topics") = KeyList{source};
     *find_key(entry, "cloud_destination_topic") = node.resolved(text_of(entry, "cloud_destination_topic"));
@@ -150,8 +150,8 @@ class Importer {
     ++config_.entries;
   }
 
-  /// Two nodes may publish on one topic, and two sensors may not: of those beside the scan the first one
-  /// stays.
+  /// Two nodes may publish on one topic, two sensors may not: only the first sensor keeps a shared topic
+  /// beside the scan.
   void drop_shared_topics(const LaunchNode& node, KeyMap& entry) {
     for (const char* key :
          {"raw_topic", "extended_scan_topic", "output_paths_topic", "cloud_destination_topic"}) {
@@ -163,7 +163,7 @@ class Importer {
     }
   }
 
-  /// The node of the package that reads or writes the topic of another one.
+  /// The node of the package that shares a topic with another node.
   const LaunchNode* partner(const char* package, const LaunchNode& other, const char* topic) const {
     for (const LaunchNode& node : launch_.nodes) {
       if (node.package == package && node.resolved(topic) == other.resolved(topic)) return &node;
@@ -171,7 +171,7 @@ class Importer {
     return nullptr;
   }
 
-  /// The driver, the transformation and the scan of one Velodyne make one sensor.
+  /// Combines the driver, the transformation and the scan of a Velodyne to one sensor.
   void add_velodyne(const LaunchNode& node) {
     const bool has_driver = partner("velodyne_driver", node, "velodyne_packets") != nullptr;
     if (node.package == "velodyne_laserscan" || (node.package == "velodyne_pointcloud" && has_driver)) return;
@@ -200,7 +200,7 @@ class Importer {
     add_sensor(node, std::move(setup));
   }
 
-  /// A vehicle has one frame that does not move with it.
+  /// Sets the odometry frame; a vehicle has only one.
   void add_odometry(const LaunchNode& node, DropinSetup& setup) {
     auto& vehicle = section(setup.keys, "vehicle");
     const std::string frame = text_of(vehicle, "odometry_frame");
@@ -235,7 +235,7 @@ class Importer {
     transforms_.push_back({frames[0], frames[1], pose});
   }
 
-  /// The sensor that publishes the topic; empty: none here.
+  /// The sensor that publishes the topic; empty: none.
   std::string publisher_of(const std::string& topic) {
     for (auto& [name, value] : section(config_.keys, "sensors")) {
       auto& sensor = std::get<KeyMap>(value);
@@ -278,7 +278,7 @@ class Importer {
     ++config_.entries;
   }
 
-  /// The pose of the frame in the base frame, through any number of transforms.
+  /// The pose of the frame in the base frame, through a chain of transforms.
   std::optional<Pose> pose_of(std::string frame, std::string& root) const {
     Pose pose = Pose::Identity();
     root = frame;
@@ -338,7 +338,7 @@ class Importer {
   std::set<std::string> names_, side_topics_;
   std::vector<StaticTransform> transforms_;
   std::string base_;
-  std::string odometry_, moved_;  // the frame that stands still, and that of a sensor that moves in it
+  std::string odometry_, moved_;  // the fixed frame, and the frame of a sensor that moves in it
 };
 
 std::string file_text(const std::string& file, const ImportedConfig& config) {

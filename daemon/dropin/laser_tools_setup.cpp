@@ -11,13 +11,13 @@
 namespace lidard {
 namespace {
 
-/// Read by laserscan_virtualizer from absolute names.
+/// Parameters that laserscan_virtualizer reads from absolute names.
 constexpr const char* absolute_keys[] = {"base_frame", "cloud_topic", "output_laser_topic",
                                          "virtual_laser_scan"};
 
 using Warnings = std::vector<std::string>;
 
-/// The words of a list, each once, in their order.
+/// The words of a list in order, without duplicates.
 std::vector<std::string> words_of(const std::string& list) {
   std::vector<std::string> words;
   for (auto& word : split_words(list)) {
@@ -26,15 +26,14 @@ std::vector<std::string> words_of(const std::string& list) {
   return words;
 }
 
-/// A name for the topic other than those in `taken`.
-std::string free_name(const std::string& topic, std::set<std::string>& taken) {
+std::string free_name(const std::string& topic, std::set<std::string>& used) {
   const std::string name = entry_name(topic);
   std::string unique = name;
-  for (int n = 2; !taken.insert(unique).second; ++n) unique = name + "_" + std::to_string(n);
+  for (int n = 2; !used.insert(unique).second; ++n) unique = name + "_" + std::to_string(n);
   return unique;
 }
 
-/// The grid, each number brought into its limits as dynamic_reconfigure does; what is left must make sense.
+/// Adds the grid. Numbers are clamped to their limits as by dynamic_reconfigure; the result must be valid.
 void add_grid(ParameterReader& reader, KeyMap& entry, Warnings& warnings) {
   OutputScanConfig output;
   for (const GridLimit& limit : grid_limits) {
@@ -53,11 +52,11 @@ void add_grid(ParameterReader& reader, KeyMap& entry, Warnings& warnings) {
     throw ConfigError("private parameters: " + made.reason());
 }
 
-/// The grid, and the keys of our own configuration that are given as parameters too.
+/// Adds the grid and the keys of the configuration that are given as parameters.
 template <class Owner>
 void add_output(ParameterReader& reader, const Keys<Owner>& keys, KeyMap& entry, Warnings& warnings) {
   add_grid(reader, entry, warnings);
-  // What ira_laser_tools publishes where it saw nothing.
+  // The value that ira_laser_tools publishes for beams without a hit.
   entry.emplace_back("empty", reader.text("empty", "range_max_plus_one"));
   std::set<std::string_view> given{"beams"};
   for (const auto& one : entry) given.insert(one.first);
@@ -68,15 +67,15 @@ void add_output(ParameterReader& reader, const Keys<Owner>& keys, KeyMap& entry,
   }
 }
 
-/// The topics as sensors; their names, none of which is the topic of another, are added to `names`.
+/// Converts topics to sensors and appends their names; no name equals the topic of another sensor.
 KeyMap sensors_of(const std::vector<std::string>& topics, std::vector<std::string>& names) {
   KeyMap sensors;
   for (const std::string& topic : topics) {
-    std::set<std::string> taken(names.begin(), names.end());
+    std::set<std::string> used(names.begin(), names.end());
     for (const std::string& other : topics) {
-      if (other != topic) taken.insert(other.front() == '/' ? other.substr(1) : other);
+      if (other != topic) used.insert(other.front() == '/' ? other.substr(1) : other);
     }
-    names.push_back(free_name(topic, taken));
+    names.push_back(free_name(topic, used));
     sensors.emplace_back(names.back(), KeyMap{{"topic", topic}});
   }
   return sensors;

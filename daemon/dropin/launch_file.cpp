@@ -16,20 +16,19 @@
 namespace lidard {
 namespace {
 
-// ROS is installed for this interpreter; another one that comes first on PATH often lacks it.
+// The interpreter that ROS is installed for; another one on PATH often lacks it.
 constexpr const char* python = "/usr/bin/python3";
 
-/// The script stands beside the program where it was built, and in lib/lidard where it was installed.
+/// The script is beside the program in a build tree and in lib/lidard after installation.
 std::filesystem::path script() {
   const auto beside = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   for (const auto& folder : {beside, beside / "../lib/lidard"}) {
     if (std::filesystem::exists(folder / "read_launch.py")) return folder / "read_launch.py";
   }
-  throw std::runtime_error(
-      "read_launch.py stands neither beside lidard nor in ../lib/lidard; install it anew");
+  throw std::runtime_error("read_launch.py is neither beside lidard nor in ../lib/lidard; reinstall lidard");
 }
 
-/// What the program prints, and whether it ended well.
+/// The program's output, and true if it succeeded.
 std::pair<std::string, bool> output_of(std::vector<std::string> words) {
   std::array<int, 2> ends{};
   if (pipe(ends.data()) != 0) throw std::runtime_error("no pipe for " + words[0]);
@@ -60,7 +59,7 @@ LaunchNode node_of(const nlohmann::json& json) {
   json.at("name").get_to(node.name);
   json.at("package").get_to(node.package);
   json.at("type").get_to(node.type);
-  // Our own programs are known by their names, as other nodes by their packages.
+  // lidard's programs are identified by type, other nodes by package.
   if (node.package == "lidard") node.package = node.type;
   json.at("namespace").get_to(node.space);
   json.at("arguments").get_to(node.arguments);

@@ -10,27 +10,27 @@
 
 namespace lidard {
 
-/// A node that a launch file starts, or the parameters of one.
+/// A node of a launch file, or the parameters of a node.
 struct LaunchNode {
   std::string name;           ///< with its namespace
-  std::string package, type;  ///< of a nodelet its own; empty: a parameter file does not say
-  std::string space;          ///< its namespace, with a / at the end
+  std::string package, type;  ///< of the nodelet, for nodelets; empty: not given by a parameter file
+  std::string space;          ///< namespace with a / at the end
   std::vector<std::string> arguments;
   std::map<std::string, std::string> remaps;  ///< topics by their resolved names
   NodeParameters parameters;
 
-  /// The topic that the node means by `topic`, with remappings.
+  /// The resolved name of the node's `topic`, with remappings.
   std::string resolved(const std::string& topic) const;
 };
 
-/// What a launch file or a parameter file asks for.
+/// The content of a launch file or a parameter file.
 struct LaunchFile {
   std::vector<LaunchNode> nodes;
-  std::vector<std::string> remarks;  ///< on what was not read
+  std::vector<std::string> remarks;  ///< about ignored parts
 };
 
-/// Reads the file, with roslaunch where it is installed; `arguments` are NAME:=VALUE. Nothing is started.
-/// Throws ConfigError for a file that cannot be resolved, and std::runtime_error where Python is missing.
+/// Reads the file, with roslaunch if it is installed; `arguments` are NAME:=VALUE. Starts no node. Throws
+/// ConfigError for an invalid file and std::runtime_error if Python is missing.
 LaunchFile read_launch(const std::string& file, const std::vector<std::string>& arguments);
 
 }  // namespace lidard

@@ -24,7 +24,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// As parameters compare: 600 is 600.0, and True is true.
+/// Compares parameters: 600 equals 600.0, and True equals true.
 bool same_value(const std::string& a, const std::string& b) {
   const auto x = number_in<double>(a), y = number_in<double>(b);
   return x && y ? *x == *y : lower(a) == lower(b);
@@ -71,7 +71,7 @@ KeyValue true_if_true(const std::string& value) {
 KeyValue true_if_1(const std::string& value) { return value == "1" ? KeyValue(true) : KeyValue(); }
 KeyValue copied_unless_0(const std::string& value) { return value == "0" ? KeyValue() : copied(value); }
 
-/// How the value of a key is made, as the table says it.
+/// A conversion and its name in the table.
 struct Conversion {
   std::string_view name;
   KeyValue (*convert)(const std::string& value);
@@ -84,7 +84,7 @@ constexpr const char table[] =
 #include "config/moving_over.tsv"
     ;
 
-/// The cells of a row; those that it does not have are empty.
+/// The cells of a row; missing cells are empty.
 std::array<std::string_view, 6> cells_of(std::string_view row) {
   std::array<std::string_view, 6> cells;
   for (std::string_view& one : cells) {

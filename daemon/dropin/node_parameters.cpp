@@ -84,11 +84,11 @@ std::string full_node_name(const std::vector<std::string>& arguments, const std:
 
 NodeParameters wait_for_parameters(const std::vector<std::string>& arguments, const std::string& node) {
   MasterClient master(*parse_server_uri(choose_master(arguments)), node);
-  bool told = false;
+  bool logged = false;
   std::optional<XmlRpcValue> all;
   while (!(all = master.parameters(node))) {
-    if (!told) log_warn("waiting for the ROS master, which holds the parameters: {}", master.error());
-    told = true;
+    if (!logged) log_warn("waiting for the ROS master, which holds the parameters: {}", master.error());
+    logged = true;
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
   }
   NodeParameters parameters = scalars(*all);

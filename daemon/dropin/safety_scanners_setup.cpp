@@ -10,9 +10,8 @@ DropinSetup safety_scanners_setup(const NodeParameters& parameters) {
   ParameterReader reader(parameters);
   KeyMap sensor{{"model", "sick_microscan3"}};
   setup.remarks.emplace_back(
-      "sick_safetyscanners does not tell microScan3, nanoScan3 and outdoorScan3 apart; change model where it "
-      "is "
-      "another one: limits of ranges differ");
+      "sick_safetyscanners does not distinguish microScan3, nanoScan3 and outdoorScan3; change "
+      "model where it is another one: limits of ranges differ");
   const std::string host = reader.text("host_ip", "192.168.1.9");
   sensor.emplace_back("ip_address", reader.text("sensor_ip", "192.168.1.10"));
   sensor.emplace_back("udp_receiver_ip", host);

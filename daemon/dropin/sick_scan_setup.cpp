@@ -9,10 +9,10 @@
 namespace lidard {
 namespace {
 
-/// sick_scan_xd's names of scanner types (include/sick_scan/sick_generic_parser.h), and ours.
+/// sick_scan_xd's names of scanner types (include/sick_scan/sick_generic_parser.h) and the models here.
 struct ScannerType {
   std::string_view theirs, ours;
-  bool other_port = false;  ///< they speak another protocol there than lidard does
+  bool other_port = false;  ///< sick_scan_xd uses another port and protocol
 };
 constexpr ScannerType scanner_types[] = {{"sick_lms_1xx", "sick_lms1xx"},
                                          {"sick_lms_1xxx", "sick_lms1000"},
@@ -41,7 +41,7 @@ const ScannerType& type_of(const std::string& given) {
     known.append(known.empty() ? "" : ", ").append(type.theirs);
   }
   throw ConfigError("parameter ~scanner_type is '" + given +
-                    "', a device that lidard does not read; it reads " + known);
+                    "', which lidard does not support; expected one of " + known);
 }
 
 /// "x,y,z,roll,pitch,yaw", m and rad.
@@ -59,8 +59,8 @@ Pose read_pose(ParameterReader& reader, const std::string& name) {
   return make_pose({numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]});
 }
 
-/// The sensor's pose: where tf has its frame, and how sick_scan_xd moved the points in that frame. Where
-/// another node says where the frame is, the sensor gets a frame of its own in it.
+/// Sets the sensor's pose from its frame on tf and from the transform of points by sick_scan_xd. If another
+/// node publishes the frame, the sensor gets its own frame below it.
 void place_sensor(ParameterReader& reader, std::string& frame, DropinSetup& setup) {
   const std::string base = reader.text("tf_base_frame_id", "map");
   const double rate = reader.number("tf_publish_rate", 10);
@@ -79,7 +79,7 @@ void place_sensor(ParameterReader& reader, std::string& frame, DropinSetup& setu
         "otherwise; the frame of a vehicle is wanted there");
 }
 
-/// One without the other means nothing: sick_scan_xd has a default for it, which is that of the device too.
+/// Drops a login with only one of its parameters: sick_scan_xd uses the device's default then.
 void pair_login(KeyMap& sensor, DropinSetup& setup) {
   const auto is_login = [](const auto& one) { return one.first.compare(0, 10, "user_level") == 0; };
   if (std::count_if(sensor.begin(), sensor.end(), is_login) != 1) return;
@@ -112,14 +112,14 @@ DropinSetup sick_scan_setup(const NodeParameters& parameters) {
       reader.text("publish_laserscan_fullframe_topic", reader.text("laserscan_topic", "scan"));
   sensor.emplace_back("scan_topic", scan);
   const bool is_planar = model.kind == FrameKind::scan;
-  // Clouds of a picoScan have topics of their own kind (custom_pointclouds).
+  // Clouds of a picoScan have other topics (custom_pointclouds).
   const bool has_usual_cloud = !is_planar || model.transport == Transport::tcp;
   const std::string cloud = reader.text("cloud_topic", has_usual_cloud ? "cloud" : "");
   if (!is_planar) sensor.emplace_back("points_topic", cloud);
   reader.move("sick_scan_xd", sensor, setup);
   const bool listens =
       std::any_of(sensor.begin(), sensor.end(), [](const auto& one) { return one.first == "listen_only"; });
-  // sick_scan_xd sets each device up as its parameters say.
+  // sick_scan_xd writes the settings of the device.
   if (!listens) sensor.emplace_back("allow_write", true);
   pair_login(sensor, setup);
   drop_rejected(model, sensor, setup);

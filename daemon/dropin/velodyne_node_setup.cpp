@@ -13,7 +13,7 @@
 namespace lidard {
 namespace {
 
-/// The names of ros-drivers/velodyne, and ours.
+/// The names of ros-drivers/velodyne and the models here.
 constexpr std::pair<const char*, const char*> model_names[] = {
     {"VLP16", "velodyne_vlp16"},         {"32C", "velodyne_vlp32c"},      {"32E", "velodyne_hdl32e"},
     {"VLS128", "velodyne_vls128"},       {"64E", "velodyne_hdl64e_s1"},   {"64E_S2", "velodyne_hdl64e_s2"},
@@ -21,7 +21,7 @@ constexpr std::pair<const char*, const char*> model_names[] = {
 
 std::string model_of(const std::string& given, const std::string& calibration) {
   const std::string file = calibration.substr(calibration.rfind('/') + 1);
-  // velodyne_driver knows no Puck Hi-Res: its users name a VLP-16 with the other calibration.
+  // velodyne_driver has no Puck Hi-Res: its users set a VLP-16 with another calibration.
   if (given == "VLP16" && file.find("hires") != std::string::npos) return "velodyne_puck_hires";
   std::string expected;
   for (const auto& [theirs, ours] : model_names) {
@@ -33,13 +33,13 @@ std::string model_of(const std::string& given, const std::string& calibration) {
                     ", or a name from `lidard models`");
 }
 
-/// velodyne_driver's parameters but for those of captures.
+/// Adds the parameters of velodyne_driver, except those of captures.
 void add_driver(ParameterReader& reader, const std::string& model, bool live, KeyMap& sensor) {
   sensor.emplace_back("model", model);
   const std::string address = reader.text("device_ip", "");
   const double port = reader.number("port", 2368);
   const std::string packets = reader.text("packet_topic", "");
-  // As the driver does; what comes from a topic is there already.
+  // As the driver; packets from a topic are published already.
   if (reader.flag("publish_packets", packets.empty() ? "true" : "false"))
     sensor.emplace_back("raw_topic", "velodyne_packets");
   if (!packets.empty()) {
@@ -47,18 +47,18 @@ void add_driver(ParameterReader& reader, const std::string& model, bool live, Ke
   } else {
     if (!address.empty()) sensor.emplace_back("ip_address", address);
     sensor.emplace_back("ip_port", port);
-    // Several of these nodes may run on one machine, and those they stand in for do not listen there either.
+    // Several of these nodes may run on one machine, and the original nodes do not listen there either.
     const double telemetry = reader.number("telemetry_port", live ? 0 : find_model(model)->telemetry_port);
     if (find_model(model)->telemetry_port != 0) sensor.emplace_back("telemetry_port", telemetry);
   }
   sensor.emplace_back("time_offset", reader.number("time_offset", 0));
   sensor.emplace_back("frame_stamp", reader.flag("timestamp_first_packet") ? "first" : "last");
-  // Without a cut of the user's the seam lies behind, where scans go from +pi to -pi.
+  // By default the cut is behind, where scans go from +pi to -pi.
   const double cut = reader.number("cut_angle", -0.01);
   sensor.emplace_back("cut_angle", cut < 0 ? pi_d : cut);
 }
 
-/// velodyne_pointcloud's and velodyne_laserscan's.
+/// Adds the parameters of velodyne_pointcloud and velodyne_laserscan.
 void add_outputs(ParameterReader& reader, const std::string& model, const std::string& calibration,
                  KeyMap& sensor) {
   constexpr std::pair<const char*, double> plain[] = {
@@ -77,8 +77,7 @@ void add_outputs(ParameterReader& reader, const std::string& model, const std::s
   sensor.emplace_back("scan_topic", "scan");
 }
 
-/// The frame that clouds are published in, and the one that does not move with the vehicle; returns what
-/// `vehicle` holds.
+/// Adds the frame of clouds and the fixed frame; returns the section `vehicle`.
 KeyMap add_frames(ParameterReader& reader, const std::string& own, KeyMap& sensor) {
   const std::string fixed = without_slash(reader.text("fixed_frame", ""));
   const std::string target = without_slash(reader.text("target_frame", ""));
@@ -86,7 +85,7 @@ KeyMap add_frames(ParameterReader& reader, const std::string& own, KeyMap& senso
   if (!(target + fixed).empty()) sensor.emplace_back("points_frame", target.empty() ? fixed : target);
   if (fixed.empty() || fixed == without_slash(own)) return {};
   sensor.emplace_back("deskew", true);
-  // The way of the sensor itself is looked up: no other frame of the vehicle has to be known.
+  // The motion of the sensor itself is used, so no other frame of the vehicle is needed.
   return {{"base_frame", own}, {"odometry_frame", fixed}};
 }
 

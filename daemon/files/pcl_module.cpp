@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-// All that needs PCL, as a module that is loaded when somebody wants a PCD file: Debian's PCL brings VTK with
+// All that needs PCL, as a module that is loaded when a PCD file is requested: Debian's PCL brings VTK with
 // it, 50 libraries that a daemon on a vehicle has no use for.
 #include "daemon/files/pcl_module.h"
 

@@ -27,7 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What follows an incident for so long is written too.
+/// Time after an incident that a capture includes.
 constexpr Span aftermath = std::chrono::seconds(5);
 
 fs::path folder_of(const BlackBoxConfig& config) {
@@ -37,8 +37,8 @@ fs::path folder_of(const BlackBoxConfig& config) {
   return folders.substr(0, folders.find(':'));
 }
 
-/// The captures in that folder, oldest first: their names hold the time. With `extension` ".part": those
-/// that are not whole.
+/// The captures in a folder, oldest first (by the time in their names). `extension` ".part": incomplete
+/// captures.
 std::vector<fs::path> captures_in(const fs::path& folder, const char* extension = ".pcap") {
   std::vector<fs::path> found;
   std::error_code ignored;
@@ -52,7 +52,7 @@ std::vector<fs::path> captures_in(const fs::path& folder, const char* extension 
 
 fs::path events_beside(fs::path capture) { return capture.replace_extension(".events.json"); }
 
-/// Removes the oldest captures but `kept`, until there are `files`.
+/// Removes the oldest captures except `kept` until `files` remain.
 void make_room(const fs::path& folder, std::size_t files, const std::vector<std::string>& kept) {
   const auto captures = captures_in(folder);
   std::size_t count = captures.size();
@@ -66,7 +66,7 @@ void make_room(const fs::path& folder, std::size_t files, const std::vector<std:
   }
 }
 
-/// What a daemon left that was killed while it wrote. Who writes now has touched its file a moment ago.
+/// Removes incomplete captures of a killed daemon, not those that were changed a moment ago.
 void remove_leftovers(const fs::path& folder) {
   std::error_code ignored;
   const auto old = fs::file_time_type::clock::now() - std::chrono::minutes(1);
@@ -75,7 +75,7 @@ void remove_leftovers(const fs::path& folder) {
   }
 }
 
-/// Returns when the file is on the disk, even if the power fails now. Throws std::system_error.
+/// Writes the file to the disk. Throws std::system_error.
 void sync_file(const fs::path& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   const int error = file < 0 || ::fsync(file) != 0 ? errno : 0;
@@ -83,7 +83,7 @@ void sync_file(const fs::path& path) {
   if (error != 0) throw std::system_error(error, std::generic_category(), path.string());
 }
 
-/// None if nothing is to be kept, or if there is not so much memory.
+/// nullptr if the black box is off or the memory cannot be allocated.
 std::shared_ptr<PacketRing> make_ring(const BlackBoxConfig& config) {
   if (config.seconds <= 0) return nullptr;
   try {
@@ -97,16 +97,16 @@ std::shared_ptr<PacketRing> make_ring(const BlackBoxConfig& config) {
 
 struct BlackBox::Writing {
   fs::path path;
-  std::shared_ptr<PacketRing> ring;  // owns what the snapshot shows
+  std::shared_ptr<PacketRing> ring;  // owns the memory of the snapshot
   PacketRing::Snapshot snapshot;
   Stamp since;
   Span step{0};
   std::size_t files = 0;
-  std::vector<std::string> kept;  // besides the newest
+  std::vector<std::string> kept;  // protected captures
   std::string events;
-  std::set<std::string> kinds;  // that this capture is the first of
+  std::set<std::string> kinds;  // kinds whose first capture this is
   std::vector<Answer> asked;
-  // What became of it:
+  // The result:
   std::string trouble;
   std::uint64_t lost = 0;
   Stamp first, last;
@@ -150,8 +150,8 @@ struct BlackBox::Writing {
   }
 };
 
-BlackBox::BlackBox(BlackBoxConfig config, std::function<void(bool, const std::string&)> told)
-    : config_(std::move(config)), told_(std::move(told)), ring_(make_ring(config_)) {}
+BlackBox::BlackBox(BlackBoxConfig config, std::function<void(bool, const std::string&)> report)
+    : config_(std::move(config)), report_(std::move(report)), ring_(make_ring(config_)) {}
 
 BlackBox::~BlackBox() { finish(); }
 
@@ -201,13 +201,13 @@ void BlackBox::poll(Stamp now, Span step, const std::function<std::string()>& ev
     for (const Answer& answer : asked) answer("error: " + trouble);
 }
 
-/// True if the first capture of one of these is still to come. The newest capture must have a place, too.
+/// True if one of these kinds has no protected capture yet and there is room beside the newest capture.
 bool BlackBox::is_first(const std::set<std::string>& kinds) const {
   const bool room = firsts_.size() + 1 < static_cast<std::size_t>(config_.files);
   return room && !std::includes(kinds_.begin(), kinds_.end(), kinds.begin(), kinds.end());
 }
 
-/// Returns why nothing is written.
+/// Starts a capture; returns the reason if that is not possible.
 std::string BlackBox::start(Stamp now, Span step, bool due, const std::function<std::string()>& events) {
   if (!is_on()) return "no black box is kept; set `blackbox: {seconds: 60}` in the configuration";
   if (!ring_) return no_memory();
@@ -255,7 +255,7 @@ void BlackBox::collect() {
     if (!written->kinds.empty()) firsts_.push_back(written->path);
     kinds_.merge(written->kinds);
   }
-  told_(good, sentence);
+  report_(good, sentence);
   for (const Answer& answer : written->asked) answer(good ? written->path.string() : "error: " + trouble_);
 }
 

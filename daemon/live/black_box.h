@@ -16,33 +16,32 @@
 
 namespace lidard {
 
-/// Keeps the last packets of all sensors in memory and writes them to a capture when something went wrong, so
-/// that the moments before can be replayed. Any thread may add() packets; the rest belongs to one thread. A
-/// further thread lives while a capture is written; what is kept is kept meanwhile and afterwards.
+/// Keeps the last packets of all sensors in memory and writes them to a capture after an error, for replay.
+/// Any thread may add() packets; all other functions belong to one thread. A further thread runs while a
+/// capture is written; packets are kept meanwhile and afterwards.
 class BlackBox {
  public:
-  /// Takes the path of a capture that is written, or "error: " and why there is none.
+  /// Gets the path of the written capture, or "error: " and the reason.
   using Answer = std::function<void(const std::string&)>;
 
-  /// `told`: a sentence for the log, good or bad; called by poll().
-  BlackBox(BlackBoxConfig config, std::function<void(bool good, const std::string& sentence)> told);
+  /// `report` logs a sentence on success or failure; called by poll().
+  BlackBox(BlackBoxConfig config, std::function<void(bool good, const std::string& sentence)> report);
   ~BlackBox();
 
-  /// What is kept is kept if the memory stays as large.
+  /// Keeps the packets if the memory size is unchanged.
   void configure(const BlackBoxConfig& config);
   void add(const Packet& packet);
-  /// Something went wrong. It is written 5 s later, so that what follows is in it too; at most one capture is
-  /// written in the time that one holds. The first capture that holds a `kind` stays when older ones are
-  /// removed.
+  /// Reports an error. The capture is written 5 s later, so that it includes the following packets, and at
+  /// most once per duration of a capture. The first capture of every `kind` is not removed with old ones.
   void incident(Stamp now, const std::string& kind);
-  /// Writes what is kept as soon as no other capture is being written.
+  /// Writes the packets as soon as no other capture is being written.
   void dump(Answer answer) { asked_.push_back(std::move(answer)); }
-  /// Time passed. Begins what is due, and reports what became of a capture. `step` is added to the stamps
-  /// (HostClock::step()), `events()` is the text that is written beside.
+  /// Advances the time: starts captures that are due and reports finished ones. `step` is added to the stamps
+  /// (HostClock::step()); `events()` is the text for the file beside the capture.
   void poll(Stamp now, Span step, const std::function<std::string()>& events);
-  /// Waits for a capture that is being written; who asked for one gets no answer any more.
+  /// Waits for a capture that is being written; pending dump() calls get no answer.
   void finish();
-  /// For /diagnostics; none if none is kept.
+  /// The item for /diagnostics; none if the black box is off.
   std::optional<DiagnosticItem> item() const;
 
  private:
@@ -54,18 +53,18 @@ class BlackBox {
 
   bool is_on() const { return config_.seconds > 0; }
 
-  BlackBoxConfig config_;  // guarded by mutex_, which the owner's thread need not lock to read
-  const std::function<void(bool, const std::string&)> told_;
+  BlackBoxConfig config_;  // guarded by mutex_; the owner's thread may read without it
+  const std::function<void(bool, const std::string&)> report_;
   std::mutex mutex_;
   std::shared_ptr<PacketRing> ring_;  // guarded by mutex_ as config_ is
   std::unique_ptr<Writing> writing_;
   std::vector<Answer> asked_;
-  std::set<std::string> incidents_;  // kinds that are not written yet
-  std::optional<Stamp> due_;         // when they will be
+  std::set<std::string> incidents_;  // kinds of the pending capture
+  std::optional<Stamp> due_;         // time of the pending capture
   Stamp pause_end_;
-  std::set<std::string> kinds_;      // whose first captures stay:
-  std::vector<std::string> firsts_;  // paths
-  std::string trouble_;              // why the newest capture could not be written; empty: it could
+  std::set<std::string> kinds_;      // kinds with a protected first capture
+  std::vector<std::string> firsts_;  // paths of protected captures
+  std::string trouble_;              // error of the newest capture; empty: none
 };
 
 }  // namespace lidard

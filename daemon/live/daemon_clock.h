@@ -18,35 +18,35 @@
 namespace lidard {
 
 /// The host's clocks, shared by the threads of a daemon. Arrivals are converted to the time without steps.
-/// The clocks are read at each call, so that a step is known before the first stamp after the step is used.
+/// The clocks are read at every call, so that a step is known before the first stamp after it is used.
 class DaemonClock {
  public:
-  /// `stepped` is called with HostClock::step() when its value changes, in the thread that notices the step.
+  /// `stepped` is called with HostClock::step() when its value changes, in the thread that detects the step.
   explicit DaemonClock(std::function<void(Span)> stepped) : stepped_(std::move(stepped)) {}
 
-  /// Now, in the time without steps.
+  /// The present time without steps.
   Stamp now() {
     const std::lock_guard lock(mutex_);
     return clock_.steady(read());
   }
-  /// A stamp of the host's clock in the time without steps.
-  Stamp without_steps(Stamp taken) {
+  /// Converts a stamp of the host's clock to the time without steps.
+  Stamp without_steps(Stamp stamp) {
     const std::lock_guard lock(mutex_);
     const ClockReading reading = read();
-    return clock_.steady(taken, reading);
+    return clock_.steady(stamp, reading);
   }
-  /// The same for the arrivals of packets that came at once.
+  /// The same for the arrivals of a batch of packets.
   void remove_steps(std::vector<Packet>& packets) {
     const std::lock_guard lock(mutex_);
     const ClockReading reading = read();
     for (Packet& packet : packets) packet.arrival = clock_.steady(packet.arrival, reading);
   }
-  /// What the host's clock says at a time without steps.
+  /// The host's clock at a time without steps.
   Stamp realtime(Stamp steady) const {
     const std::lock_guard lock(mutex_);
     return clock_.realtime(steady);
   }
-  /// By how much the host's clock was set since the beginning.
+  /// Sum of the steps of the host's clock.
   Span step() const {
     const std::lock_guard lock(mutex_);
     return clock_.step();

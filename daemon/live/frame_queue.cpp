@@ -29,7 +29,7 @@ void FrameQueue::release(std::size_t number) {
   if (slots_.at(number).idle()) slots_[number].allocate(number);
 }
 
-/// One more than may wait: the thread that publishes holds one.
+/// One more frame than may wait: the publishing thread holds one.
 void FrameQueue::Slot::allocate(std::size_t number) {
   frames.assign(depth + 1, {number, 0, {}, {}});
   frames.shrink_to_fit();
@@ -37,7 +37,7 @@ void FrameQueue::Slot::allocate(std::size_t number) {
   for (QueuedFrame& frame : frames) free.push_back(&frame);
 }
 
-/// For a frame that was released then to find its place.
+/// True if a frame must be dropped to make room.
 bool FrameQueue::must_drop(const Slot& slot, Stamp released) {
   constexpr Span longest_wait = std::chrono::seconds(1);
   const std::size_t waiting = slot.waiting.size();
@@ -118,7 +118,7 @@ void FrameQueue::done(QueuedFrame* frame) {
 }
 
 void FrameQueue::published(QueuedFrame* frame, Stamp now) {
-  // A frame on whose way the host's clock was set says nothing about the latency.
+  // If the host's clock was set meanwhile, the frame does not count for the latency.
   constexpr Span longest_way = std::chrono::minutes(1);
   const Span latency = now - frame->released;
   if (latency >= Span(0) && latency < longest_way) {

@@ -15,16 +15,16 @@
 
 namespace lidard {
 
-/// What to do with a frame when the thread that publishes has not yet dealt with those before it.
+/// How to handle a frame while earlier frames are still queued for the publishing thread.
 enum class Backpressure : std::uint8_t {
-  drop_oldest,  ///< live: the sensor thread never waits; what was dropped is counted
-  block         ///< replay: the calling thread waits; nothing is lost
+  drop_oldest,  ///< live: the sensor thread never waits; dropped frames are counted
+  block         ///< replay: the calling thread waits; no frame is lost
 };
 
 /// Anything that goes out on a topic; a Stamp is the time of a replay.
 using QueuedContent = std::variant<PlanarScan, Cloud, DeviceMessage, std::vector<StaticTransform>, Stamp>;
 
-/// A frame on its way from the sensor thread to the one that publishes.
+/// A frame queued for the publishing thread.
 struct QueuedFrame {
   std::size_t slot = 0;
   std::uint64_t number = 0;
@@ -52,7 +52,7 @@ class FrameQueue {
   void set_step(Span step) { step_ = step; }
   /// Swaps the points_bytes of a cloud with a recycled buffer.
   void push(std::size_t slot, const Payload& payload, Stamp released);
-  /// Counts a frame that was not made, since nobody wants it.
+  /// Counts a frame that was not made, since it has no consumer.
   void skip(std::size_t slot, Stamp released);
 
   /// The oldest frame, or nullptr after `wait` or stop(). Give it back with done().
@@ -60,9 +60,9 @@ class FrameQueue {
   void done(QueuedFrame* frame);
   /// The same of a frame that was published, at `now` on the host's clock.
   void published(QueuedFrame* frame, Stamp now);
-  /// How the topic of a slot does; `now` in the time without steps, as `released` was.
+  /// The figures of a slot's topic; `now` and `released` in the time without steps.
   TopicFigures figures(std::size_t slot, Stamp now) const;
-  /// True if every frame pushed was also given back.
+  /// True if all frames were given back.
   bool idle() const;
   /// The same of one slot.
   bool idle(std::size_t slot) const;

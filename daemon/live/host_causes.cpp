@@ -15,7 +15,7 @@ bool is_received(const SensorConfig& sensor) {
   return sensor.model != nullptr && sensor.packet_topic.empty();
 }
 
-/// The interfaces at which a sensor's packets can arrive: those in its network, else that of its multicast
+/// The interfaces that can receive a sensor's packets: those in its network, else that of its multicast
 /// group.
 std::vector<const HostInterface*> interfaces_of(const SensorConfig& sensor, const HostNetwork& network) {
   std::vector<const HostInterface*> found;
@@ -29,14 +29,13 @@ std::vector<const HostInterface*> interfaces_of(const SensorConfig& sensor, cons
   return found;
 }
 
-/// An address for this host in the sensor's network; most of these have a prefix of 24 bits.
+/// A free address in the sensor's network, assuming a prefix of 24 bits.
 std::string address_beside(IpAddress sensor) {
   sensor.bytes[3] = sensor.bytes[3] == 100 ? 101 : 100;
   return sensor.to_string() + "/24";
 }
 
-/// The interface that the sensor is probably plugged into. One without an address is likelier than one with
-/// an address in another network.
+/// The interface that the sensor is probably connected to; one without an address is preferred.
 std::string likely_interface(const HostNetwork& network) {
   const HostInterface* best = nullptr;
   for (const HostInterface& each : network.interfaces) {
@@ -193,7 +192,7 @@ std::string HostCauses::trouble(std::size_t sensor) {
   }
   refresh();
   const bool has_route = config.ip_address && has_route_to(*config.ip_address);
-  // For a device behind a router the state of the connection says more.
+  // The state of the connection is more specific for a device behind a router.
   const bool is_remote = has_route && config.model->transport == Transport::tcp;
   if (is_remote && interfaces_of(config, now_->network).empty()) return {};
   std::string text = host_trouble(config, now_->network, has_route);

@@ -14,22 +14,21 @@
 
 namespace lidard {
 
-/// What is wrong with this host's network, seen from a sensor, with the remedy; empty: nothing.
+/// The fault of this host's network that affects a sensor, with the remedy; empty: none.
 std::string host_trouble(const SensorConfig& sensor, const HostNetwork& network, bool has_route);
 /// Two readings of this host's network and the time between them.
 struct HostCounts {
   const HostNetwork& before;
   const HostNetwork& now;
   double time_s = 0;
-  bool others_talk = false;  ///< other sensors' packets may be among those that came in
+  bool others_talk = false;  ///< packets of other sensors may be among the received ones
 };
-/// That the reverse path filter drops packets; empty: it does not.
+/// A hint that the reverse path filter drops packets; empty: it does not.
 std::string path_filter_hint(const HostCounts& counts);
-/// The likely reason why no datagram comes from a sensor; empty: unknown.
+/// The likely reason why no datagram arrives from a sensor; empty: unknown.
 std::string host_hint(const SensorConfig& sensor, const HostCounts& counts);
 
-/// Follows the hardware address of a neighbour. Two hardware addresses in turn are two devices with one IP
-/// address.
+/// Follows the hardware address of a neighbour. Alternating addresses mean two devices with one IP address.
 class NeighbourWatch {
  public:
   using Clock = std::chrono::steady_clock;
@@ -54,16 +53,16 @@ class HostCauses {
   /// As host_trouble(), or why the sensor's port cannot be opened. `sensor`: place in the configuration.
   std::string trouble(std::size_t sensor);
   std::string hint(std::size_t sensor);
-  /// To be called often; reads once a second which hardware has the sensors' addresses.
+  /// Call it often; reads the hardware addresses of the sensors once per second.
   void watch_addresses();
-  /// An item for each address that two devices have.
+  /// Adds an item for every address that two devices have.
   void add_diagnostics(std::vector<DiagnosticItem>& items) const;
 
  private:
   using Clock = std::chrono::steady_clock;
   struct Snapshot {
     HostNetwork network;
-    std::uint64_t datagrams;  // of all our ports
+    std::uint64_t datagrams;  // of all local ports
     Clock::time_point at;
   };
   void refresh();
@@ -71,7 +70,7 @@ class HostCauses {
 
   std::vector<SensorConfig> sensors_;
   const UdpPorts& ports_;
-  bool others_may_talk_ = false;  // senders whose packets ports_ does not count
+  bool others_may_talk_ = false;  // there are senders whose packets ports_ does not count
   std::optional<Snapshot> before_, now_;
   std::map<IpAddress, NeighbourWatch> addresses_;  // of sensors
   Clock::time_point watched_{};

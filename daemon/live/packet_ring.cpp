@@ -13,21 +13,21 @@
 namespace lidard {
 namespace {
 
-/// Holds the largest datagram and what a TCP connection gives at once.
+/// Holds the largest datagram and the largest chunk of a TCP connection.
 constexpr std::size_t block_bytes = 128 * 1024;
 /// One block is written to while another one is read.
 constexpr std::size_t fewest_blocks = 3;
-/// The threads that add packets are late by different times; within so many bytes their packets are sorted.
+/// Packets are sorted within this number of bytes, since the threads that add them have different delays.
 constexpr std::size_t sorted_bytes = 1'000'000;
 
 static_assert(std::is_trivially_copyable_v<Packet>, "packets are kept as bytes");
 
 }  // namespace
 
-/// Sorts packets by their arrival, those of the same instant as they were added.
+/// Sorts packets by arrival (stable).
 class PacketRing::Reader {
  public:
-  Reader(Stamp since, const std::function<void(const Packet&)>& take) : since_(since), take_(take) {}
+  Reader(Stamp since, const std::function<void(const Packet&)>& use) : since_(since), use_(use) {}
 
   void read(const Block& block) {
     for (std::size_t at = 0; at < block.used;) {
@@ -39,7 +39,7 @@ class PacketRing::Reader {
     }
   }
   void lose(std::uint64_t packets) {
-    if (!begun_) return;  // what is kept begins later
+    if (!begun_) return;  // before the first packet of the snapshot
     lost_ += packets;
     unbroken_.clear();
   }
@@ -47,7 +47,7 @@ class PacketRing::Reader {
     for (; bytes_ > most_bytes; waiting_.erase(waiting_.begin())) {
       Kept& kept = waiting_.begin()->second;
       kept.packet.payload = ByteView(kept.payload.data(), kept.payload.size());
-      take_(kept.packet);
+      use_(kept.packet);
       bytes_ -= sizeof(Kept) + kept.payload.size();
     }
   }
@@ -67,7 +67,7 @@ class PacketRing::Reader {
   }
 
   const Stamp since_;
-  const std::function<void(const Packet&)>& take_;
+  const std::function<void(const Packet&)>& use_;
   std::multimap<Stamp, Kept> waiting_;
   std::size_t bytes_ = 0;  // in waiting_
   std::uint64_t lost_ = 0;
@@ -83,7 +83,7 @@ PacketRing::PacketRing(std::size_t bytes)
 
 void PacketRing::add(const Packet& packet, Span longest) {
   const std::size_t size = sizeof packet + packet.payload.size();
-  if (size > block_bytes) return;  // longer than any socket gives
+  if (size > block_bytes) return;  // longer than any chunk of a socket
   if (current_ != nullptr && current_->used + size > block_bytes) close_block();
   if (current_ == nullptr) begin_block(packet.arrival - longest);
   std::uint8_t* const to = current_->bytes + current_->used;
@@ -110,7 +110,7 @@ void PacketRing::begin_block(Stamp too_old) {
     current_ = *found;
     filled_.erase(found);
   } else {
-    current_ = &blocks_[touched_++];  // a reader is in one block at a time, so there is one
+    current_ = &blocks_[touched_++];  // a reader uses one block at a time, so one is free
     current_->busy.test_and_set(std::memory_order_acquire);
   }
   current_->used = current_->packets = 0;
@@ -128,8 +128,8 @@ PacketRing::Snapshot PacketRing::snapshot() {
 }
 
 std::uint64_t PacketRing::read(const Snapshot& snapshot, Stamp since,
-                               const std::function<void(const Packet&)>& take) {
-  Reader reader(since, take);
+                               const std::function<void(const Packet&)>& use) {
+  Reader reader(since, use);
   for (const auto& part : snapshot.parts_) {
     if (part.newest < since) continue;
     const bool free = !part.block->busy.test_and_set(std::memory_order_acquire);

@@ -13,34 +13,33 @@
 
 namespace lidard {
 
-/// The newest packets in one piece of memory that is allocated once. add() and snapshot() are called by one
-/// thread at a time; read() may run in another one meanwhile. Neither waits: memory is reused in blocks, a
-/// block that is being read is passed over, and one that was reused before it was read is lost to the reader.
+/// The newest packets in memory that is allocated once. Only one thread at a time may call add() and
+/// snapshot(); read() may run in another thread. No function waits: memory is reused in blocks, a block that
+/// is being read is skipped, and a block that was reused before it was read is lost to the reader.
 class PacketRing {
  public:
-  /// What the ring held at an instant, oldest first.
+  /// The content of the ring at an instant, oldest first.
   class Snapshot;
 
-  /// `bytes`: all memory of the ring, headers of packets included; read() takes 1 MB more. Throws
+  /// `bytes`: the memory of the ring, including headers of packets; read() needs 1 MB more. Throws
   /// std::bad_alloc.
   explicit PacketRing(std::size_t bytes);
 
-  /// Blocks older than `longest` are reused before memory is touched that was not used yet.
+  /// Adds a packet. Blocks older than `longest` are reused before unused memory.
   void add(const Packet& packet, Span longest);
   Snapshot snapshot();
-  /// Hands out the packets that arrived at `since` or later, in the order of their arrival. Returns how many
-  /// were reused behind the first one that was read. A connection with such a gap begins anew
-  /// (Packet::stream_start).
+  /// Passes the packets from `since` on to `use` in order of arrival. Returns the number of packets after the
+  /// first one that were lost by reuse; connections restart after such a gap (Packet::stream_start).
   static std::uint64_t read(const Snapshot& snapshot, Stamp since,
-                            const std::function<void(const Packet&)>& take);
+                            const std::function<void(const Packet&)>& use);
 
  private:
   struct Block {
     std::uint8_t* bytes = nullptr;
     std::size_t used = 0;
-    std::uint64_t packets = 0, number = 0;  // number: counts the uses of all blocks
+    std::uint64_t packets = 0, number = 0;  // number: sequence number among the uses of all blocks
     Stamp newest;
-    std::atomic_flag busy = ATOMIC_FLAG_INIT;  // of who writes to it or reads it
+    std::atomic_flag busy = ATOMIC_FLAG_INIT;  // being written or read
   };
   class Reader;
   void close_block();
@@ -48,7 +47,7 @@ class PacketRing {
 
   std::unique_ptr<std::uint8_t[]> memory_;
   std::vector<Block> blocks_;
-  std::size_t touched_ = 0;  // blocks that were used at all
+  std::size_t touched_ = 0;  // number of blocks used so far
   std::uint64_t number_ = 0;
   std::deque<Block*> filled_;  // oldest first
   Block* current_ = nullptr;   // busy

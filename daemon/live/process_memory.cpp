@@ -22,8 +22,8 @@ void keep_heap_small() {
 }
 
 void lock_memory() {
-  const char* const wish = std::getenv("LIDARD_LOCK_MEMORY");
-  if (wish == nullptr || std::string_view(wish) != "1") return;
+  const char* const requested = std::getenv("LIDARD_LOCK_MEMORY");
+  if (requested == nullptr || std::string_view(requested) != "1") return;
   rlimit limit{};
   getrlimit(RLIMIT_MEMLOCK, &limit);
   const bool root = geteuid() == 0 && prctl(PR_CAPBSET_READ, CAP_IPC_LOCK) == 1;

@@ -4,11 +4,11 @@
 
 namespace lidard {
 
-/// Lets clouds of 10 MB, which come and go ten times a second, have memory mappings of their own that are
-/// returned to the system. In the heaps of several threads they would leave holes.
+/// Allocates clouds (10 MB, ten times per second) as separate mappings that return to the system, since they
+/// would leave holes in the heaps of several threads.
 void keep_heap_small();
-/// Locks the memory if $LIDARD_LOCK_MEMORY is set, since swapped memory delays a scan. Does nothing if the
-/// process has a limit of locked memory, since later allocations would fail.
+/// Locks the memory if $LIDARD_LOCK_MEMORY is 1, since swapped memory delays scans. Does nothing if locked
+/// memory is limited, since later allocations would fail.
 void lock_memory();
 
 }  // namespace lidard

@@ -23,7 +23,7 @@ using Local = asio::local::stream_protocol;
 
 constexpr const char* service_socket = "/run/lidard/control";
 constexpr std::size_t longest_question = 64;
-/// Whoever asks and then neither speaks nor listens must not hold a connection for ever.
+/// Time limit of a connection.
 constexpr auto patience = std::chrono::seconds(2);
 
 std::string environment(const char* name) {
@@ -45,12 +45,12 @@ std::string runtime_socket_path() {
 std::string running_socket_path() {
   std::string own = runtime_socket_path();
   if (!environment("LIDARD_SOCKET").empty() || access(own.c_str(), F_OK) == 0) return own;
-  // Who has logged in has a folder of his own; the service has not.
+  // A user's session has XDG_RUNTIME_DIR, the service has not.
   return service_socket;
 }
 
-/// One question and its answer. Keeps itself alive until both are through, or patience with the asker is
-/// over.
+/// One request and its answer. The object keeps itself alive until the answer is sent or the time limit
+/// passes.
 class RuntimeSocket::Talk : public std::enable_shared_from_this<Talk> {
  public:
   Talk(Local::socket socket, const Answers& answers)
@@ -78,11 +78,11 @@ class RuntimeSocket::Talk : public std::enable_shared_from_this<Talk> {
     std::istream in(&question_);
     std::getline(in, word);
     const auto found = answers_.find(word);
-    if (found == answers_.end()) return reply("unknown question\n");
+    if (found == answers_.end()) return reply("unknown request\n");
     try {
       found->second([self = shared_from_this()](std::string text) { self->reply(std::move(text)); });
     } catch (const std::exception& error) {
-      reply(std::string("no answer: ") + error.what() + "\n");  // a question must not end the daemon
+      reply(std::string("no answer: ") + error.what() + "\n");  // an exception must not end the daemon
     }
   }
   void reply(std::string text) {
@@ -107,7 +107,7 @@ class RuntimeSocket::Talk : public std::enable_shared_from_this<Talk> {
 
 RuntimeSocket::RuntimeSocket(asio::io_context& io, Answers answers)
     : acceptor_(io), pause_(io), answers_(std::move(answers)) {}
-// Cancelling a timer that is not used by two threads does not fail.
+// cancel() does not fail for a timer that one thread uses.
 // NOLINTNEXTLINE(bugprone-exception-escape)
 RuntimeSocket::~RuntimeSocket() { stop(); }
 
@@ -119,7 +119,7 @@ std::string RuntimeSocket::start(const std::string& path) {
   Local::socket other(acceptor_.get_executor());
   other.connect(path, error);
   if (!error) return path + ": another daemon answers there; set LIDARD_SOCKET to a path of this one's own";
-  if (fs::is_socket(path, ignored)) fs::remove(path, ignored);  // of a daemon that was killed
+  if (fs::is_socket(path, ignored)) fs::remove(path, ignored);  // the socket of a killed daemon
   acceptor_.open(Local(), error);
   if (!error) acceptor_.bind(path, error);
   if (!error) acceptor_.listen(8, error);
@@ -140,7 +140,7 @@ void RuntimeSocket::accept() {
       std::make_shared<Talk>(std::move(socket), answers_)->begin();
       return accept();
     }
-    // The process has too many files open, say: asking again at once would take all of the processor.
+    // Too many open files, for instance: an immediate retry would occupy the processor.
     pause_.expires_after(std::chrono::milliseconds(100));
     pause_.async_wait([this](const boost::system::error_code& aborted) {
       if (!aborted) accept();

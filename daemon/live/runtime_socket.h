@@ -16,18 +16,17 @@ std::string runtime_socket_path();
 /// The socket of the running daemon: the path above, or that of the service if no socket exists there.
 std::string running_socket_path();
 
-/// Answers requests of programs on the same computer over a socket in the file system: a request is one line
-/// with one word, the answer is a text, and the connection is closed. Everybody with write access to the
-/// socket's file may send requests.
+/// Answers requests of programs on the same computer over a Unix socket: a request is one line with one word,
+/// the answer is a text, and the connection is closed. Every user with write access to the socket's file may
+/// send requests.
 class RuntimeSocket {
  public:
   using Reply = std::function<void(std::string text)>;
-  /// A handler for each word, called from within `io`. It calls `reply` from within `io` too, at once or
-  /// later.
+  /// A handler per word. The handler is called from `io` and calls `reply` from `io`, at once or later.
   using Answers = std::map<std::string, std::function<void(const Reply& reply)>>;
 
   RuntimeSocket(boost::asio::io_context& io, Answers answers);
-  ~RuntimeSocket();  // NOLINT(bugprone-exception-escape): see there
+  ~RuntimeSocket();  // NOLINT(bugprone-exception-escape): see the definition
 
   /// Empty, or why the socket cannot be opened: another daemon answers there, or the folder is not writable.
   std::string start(const std::string& path);

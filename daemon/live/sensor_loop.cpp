@@ -91,7 +91,7 @@ void SensorLoop::finish() {
   for (const auto& sensor : pipeline_.report()) log_sensor(sensor);
 }
 
-/// Reports that the thread runs, if a report is due.
+/// Calls on_round if it is due.
 void SensorLoop::report_round() {
   const auto now = std::chrono::steady_clock::now();
   if (now < next_round_) return;
@@ -100,7 +100,7 @@ void SensorLoop::report_round() {
   on_round();
 }
 
-/// Uses each of the packets that came at once.
+/// Uses every packet of a batch.
 template <class Use>
 void SensorLoop::handle(std::vector<Packet>& packets, Use use) {
   report_round();
@@ -112,12 +112,12 @@ void SensorLoop::handle(std::vector<Packet>& packets, Use use) {
   arm();
 }
 
-/// Calls `then` with the present time after all packets that have arrived by now are handled: a packet that
-/// waited in a socket while this thread was busy is not late.
+/// Calls `then` with the present time after handling all packets that have arrived: a packet that waited
+/// while this thread was busy is not late.
 template <class Then>
 void SensorLoop::catch_up(Then then) {
   // The first posted handler runs before those of sockets that became ready meanwhile, the second one after
-  // them. Busy ports are not among these.
+  // them. Busy ports are read by catch_up().
   boost::asio::post(io_, [this, then, now = clock_.now()] {
     boost::asio::post(io_, [this, then, now] {
       ports_.catch_up();
@@ -127,7 +127,7 @@ void SensorLoop::catch_up(Then then) {
 }
 
 void SensorLoop::schedule_tick() {
-  // Ticks that were missed while the process was stopped are left out.
+  // Ticks missed while the process was stopped are skipped.
   next_tick_ = std::max(next_tick_ + tick_period, std::chrono::steady_clock::now());
   timer_.expires_at(next_tick_);
   timer_.async_wait([this](const boost::system::error_code& error) {

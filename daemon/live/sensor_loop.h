@@ -23,18 +23,17 @@
 
 namespace lidard {
 
-/// One lane of a running daemon: its sockets and its pipeline, used only by the thread that calls run().
-/// Other threads post tasks.
+/// One lane of a running daemon: its sockets and its pipeline, used only by the thread of run(). Other
+/// threads post tasks.
 class SensorLoop {
  public:
-  /// `config` as part_of() gives it. The rest must outlive this.
+  /// `config`: a result of part_of(). The other arguments must outlive this.
   SensorLoop(const Config& config, DaemonClock& clock, BlackBox& box, TransformSource& transforms,
              FrameSink& sink);
 
   boost::asio::io_context& io() { return io_; }
   Pipeline& pipeline() { return pipeline_; }
-  /// Called in the thread of run(). on_round: about ten times a second, also while packets wait. on_tick:
-  /// about ten times a second, when no packet waits.
+  /// Called in the thread of run() about ten times per second; on_tick only when no packet is pending.
   std::function<void()> on_round = [] {};
   std::function<void(Stamp now)> on_tick = [](Stamp) {};
   /// Adds items to the diagnostics of the lane.
@@ -44,13 +43,13 @@ class SensorLoop {
   void post(std::function<void(Stamp)> task);
   /// Opens the sockets and runs until stop().
   void run();
-  /// Applies another configuration. Entries that stay the same are not interrupted.
+  /// Applies another configuration. Unchanged entries are not interrupted.
   void configure(const Config& config);
   /// Thread-safe.
   void stop() { io_.stop(); }
-  /// After run(): closes the sockets, completes the counters, and logs them.
+  /// Call after run(): closes the sockets, completes the counters and logs them.
   void finish();
-  /// Grows about ten times a second while the thread runs. Thread-safe.
+  /// A counter that increases about ten times per second while the thread runs. Thread-safe.
   std::uint64_t rounds() const { return rounds_; }
 
  private:
@@ -74,7 +73,7 @@ class SensorLoop {
   boost::asio::steady_timer timer_;
   boost::asio::steady_timer event_timer_;
   std::vector<Packet> chunk_ = std::vector<Packet>(1);  // of a connection
-  std::optional<Stamp> next_event_;  // what event_timer_ is set to
+  std::optional<Stamp> next_event_;                     // expiry of event_timer_
   std::chrono::steady_clock::time_point next_tick_, next_round_;
   std::atomic<std::uint64_t> rounds_{0};
 };

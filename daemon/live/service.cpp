@@ -59,8 +59,8 @@ std::shared_ptr<spdlog::logger> journal_logger() {
 }
 
 std::shared_ptr<spdlog::logger> terminal_logger() {
-  const char* const no_color_wish = std::getenv("NO_COLOR");  // no-color.org: set, and not empty
-  const bool no_color = no_color_wish != nullptr && *no_color_wish != '\0';
+  const char* const no_color_set = std::getenv("NO_COLOR");  // no-color.org: set, and not empty
+  const bool no_color = no_color_set != nullptr && *no_color_set != '\0';
   const auto mode = no_color ? spdlog::color_mode::never : spdlog::color_mode::automatic;
   auto sink = std::make_shared<spdlog::sinks::stderr_color_sink_mt>(mode);
   auto logger = std::make_shared<spdlog::logger>("lidard", std::move(sink));
@@ -68,9 +68,8 @@ std::shared_ptr<spdlog::logger> terminal_logger() {
   return logger;
 }
 
-/// sd_notify() blocks while the service manager does not read; the sensor thread must not block. A message
-/// that does not fit into the manager's queue is dropped, since the next one follows soon. Addresses:
-/// sd_notify(3).
+/// As sd_notify(3), which blocks while the service manager does not read; this function drops the message
+/// instead, since the next one follows soon.
 void notify_without_waiting(const std::string& text) {
   const char* const given = std::getenv("NOTIFY_SOCKET");
   const std::string_view path = given == nullptr ? "" : given;

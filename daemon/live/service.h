@@ -14,21 +14,21 @@ void set_up_logging(const std::string& level = "info");
 /// True if file descriptor 2 is the journal's stream that systemd announced in $JOURNAL_STREAM.
 bool stderr_is_journal();
 
-/// What systemd counted of earlier runs of this service: "restarted 3 times by systemd, last killed by its watchdog at
-/// 2026-11-23T14:03:22Z"; empty: neither, or unknown. May take half a second.
+/// systemd's record of earlier runs of this service: "restarted 3 times by systemd, last killed by its
+/// watchdog at 2026-11-23T14:03:22Z"; empty: none or unknown. The call may need half a second.
 std::string service_history();
 
 /// Reports the state of the daemon to systemd. Does nothing without a service manager ($NOTIFY_SOCKET).
 class ServiceManager {
  public:
-  /// The configuration is valid, sockets are open, the pipeline runs.
+  /// Reports READY: the configuration is valid, sockets are open, the pipeline runs.
   void ready(const std::string& status);
-  /// One line for `systemctl status`.
+  /// Sets the line in `systemctl status`.
   void status(const std::string& text);
-  /// A changed configuration is being applied, until the next ready().
+  /// Reports RELOADING: a changed configuration is being applied, until the next ready().
   void reloading();
   void stopping();
-  /// To be called at least twice per WatchdogSec= of the unit.
+  /// Feeds the watchdog; call it at least twice per WatchdogSec= of the unit.
   void alive();
 };
 

@@ -9,12 +9,12 @@
 namespace lidard {
 namespace {
 
-/// Longer than a driver waits for an answer (Patience::most) or for a motor that starts, so that the driver
-/// decides first.
+/// Longer than a driver waits for an answer (Patience::most) or for a starting motor, so that the driver's
+/// time limit applies first.
 constexpr Span first_frame_patience = std::chrono::seconds(12);
 constexpr Span least_silence = std::chrono::seconds(1);
 
-/// How long a stream may be silent: three scans, counting those that the device skips.
+/// Longest silence of a stream: three scans, including skipped ones.
 Span silence_of(const SensorConfig& sensor) {
   const int scans = 3 * (1 + sensor.driver.requests.skip.value_or(0));
   return std::max(least_silence, span_from_seconds(scans * sensor.model->frame_period));
@@ -130,7 +130,7 @@ void TcpConnections::add_diagnostics(std::vector<DiagnosticItem>& items) const {
     const bool idle =
         !connection->streams && state.phase == TcpState::Phase::stopped && state.message.empty();
     if (!is_connected(state) && !idle && item.message != first_attempt)
-      item.health = connection->streams ? Health::error : Health::warn;  // data come without a dialogue
+      item.health = connection->streams ? Health::error : Health::warn;  // data arrive without a dialogue
     item.awaited = events_.frames(connection->sensor) == 0;
     if (connection->streams) item.is_up = is_connected(state);
     item.add("Device", connection->device.to_string());
@@ -166,7 +166,7 @@ void TcpConnections::send(std::size_t sensor, ByteView bytes) {
 void TcpConnections::disconnect(std::size_t sensor, bool again) {
   Connection* connection = find(sensor);
   if (connection == nullptr || !connection->source) return;
-  // A device that streams over TCP is of no use without its connection.
+  // A device that streams over TCP needs its connection.
   connection->source->disconnect(
       again || connection->streams,
       "the dialogue with " + connection->device.to_string() +
@@ -175,8 +175,7 @@ void TcpConnections::disconnect(std::size_t sensor, bool again) {
 
 std::string TcpConnections::trouble(std::size_t sensor) const {
   const Connection* connection = find(sensor);
-  // A fault of this host's network explains why a connection fails, and is known before the connection
-  // breaks.
+  // A fault of this host's network explains the failure and is known earlier.
   std::string host = events_.host_trouble ? events_.host_trouble(sensor) : std::string();
   const bool says_more =
       connection != nullptr && connection->streams && !is_connected(connection->source->state());

@@ -14,35 +14,34 @@
 
 namespace lidard {
 
-/// Callbacks of TcpConnections; `sensor` is the sensor's place in the configuration.
+/// Callbacks of TcpConnections; `sensor` is the sensor's index in the configuration.
 struct ConnectionEvents {
   std::function<void(std::size_t sensor, const Packet& packet)> chunk;
   std::function<void(std::size_t sensor, Stamp now)> connected;
   std::function<void(std::size_t sensor)> disconnected;
-  /// Frames that the sensor's driver has handed on so far.
+  /// Number of frames from the sensor's driver so far.
   std::function<std::uint64_t(std::size_t sensor)> frames;
-  /// What is, and what may be, wrong with this host's network; as DeviceConnections::trouble() and hint().
+  /// Faults and hints about this host's network, as DeviceConnections::trouble() and hint().
   std::function<std::string(std::size_t sensor)> host_trouble{}, host_hint{};
 };
 
-/// The TCP connections of a configuration: one to each device that streams over TCP, and one to each other
-/// device whose driver asks for a dialogue.
+/// The TCP connections of a configuration: to devices that stream over TCP, and to other devices whose
+/// drivers request a dialogue.
 class TcpConnections final : public DeviceConnections {
  public:
-  /// `options`: of every connection; the device is filled in.
+  /// `options`: for every connection; the device is filled in.
   TcpConnections(boost::asio::io_context& io, const Config& config, ConnectionEvents events,
                  TcpOptions options = {});
 
-  /// Applies another configuration. A connection to a device whose entry is the same stays open.
+  /// Applies another configuration. Connections of unchanged entries stay open.
   void configure(const Config& config);
   void start();
   void stop();
-  /// Interfaces or addresses of this host have changed.
+  /// Call after interfaces or addresses of this host have changed.
   void interfaces_changed();
-  /// To be called about ten times a second. Once frames come, a silent stream is closed sooner than a device
-  /// that still starts.
+  /// Call it about ten times per second. After the first frame a silent stream is closed sooner than before.
   void tick();
-  /// Logs the first time that a device is connected; changes are in add_diagnostics().
+  /// Logs first connections; changes are in add_diagnostics().
   void log_first();
   /// One item per connection.
   void add_diagnostics(std::vector<DiagnosticItem>& items) const;
@@ -57,11 +56,11 @@ class TcpConnections final : public DeviceConnections {
   struct Connection {
     std::size_t sensor = 0;
     SensorConfig config;
-    bool streams = false;  // else only a dialogue
+    bool streams = false;  // false: only a dialogue
     Endpoint device;
     Span silence{0};  // longest between two frames
     std::unique_ptr<TcpSource> source;
-    std::uint64_t frames_before = 0;  // this connection
+    std::uint64_t frames_before = 0;  // before this connection
     bool announced = false;
   };
   void open(Connection& connection, const IpAddress& device);

@@ -14,13 +14,13 @@ namespace lidard {
 /// Rate, regularity and latency of a topic.
 struct TopicFigures {
   std::uint64_t frames = 0;              ///< since the start
-  std::uint64_t dropped = 0;             ///< of these, because publishing was too slow
-  std::uint64_t lost = 0;                ///< messages that a slow subscriber did not get
+  std::uint64_t dropped = 0;             ///< of these, dropped because publishing was too slow
+  std::uint64_t lost = 0;                ///< messages lost by a slow subscriber
   bool loses = false;                    ///< messages were lost within the last 10 s
   double rate_hz = 0;                    ///< in the last 10 s; 0: less than two frames
   Span shortest_gap{0}, longest_gap{0};  ///< between two frames of the last 10 s
-  /// From the arrival of the packet that completed a frame until the frame was handed to the middleware, of
-  /// the last 512 frames.
+  /// From the arrival of the packet that completed a frame to the publication of the frame, over the last 512
+  /// frames.
   Span median_latency{0}, p99_latency{0}, longest_latency{0};
 };
 
@@ -58,7 +58,7 @@ class TopicWatch {
       next = (next + 1) % length;
       count = std::min(count + 1, length);
     }
-    /// 0 is the newest.
+    /// The i-th newest value.
     Value back(std::size_t i) const { return values[(next + length - 1 - i) % length]; }
   };
 

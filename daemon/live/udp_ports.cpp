@@ -17,12 +17,12 @@ bool receives(const UdpState& state) {
   return state.phase == UdpState::Phase::receiving || state.phase == UdpState::Phase::partial;
 }
 
-/// What UDP over IPv4 can carry.
+/// Largest payload of UDP over IPv4.
 constexpr std::size_t largest_datagram = 65507;
 
-/// Datagrams/s of usual size that need as much receive buffer as the model's.
+/// The model's need of receive buffer, as datagrams/s of usual size.
 double load_of(const Model& model) {
-  // Buffers of fragments are of up to 2304 bytes each.
+  // A fragment occupies up to 2304 bytes.
   const double fragments = model.fragments_per_packet;
   return model.packets_per_s * (fragments > 1 ? 2 * fragments : 1);
 }
@@ -30,7 +30,7 @@ double load_of(const Model& model) {
 /// The sockets needed: data ports, and telemetry ports.
 std::map<std::uint16_t, UdpOptions> options_by_port(const Config& config) {
   std::map<std::uint16_t, UdpOptions> all;
-  std::map<std::uint16_t, bool> anybody;
+  std::map<std::uint16_t, bool> open_to_all;
   for (const auto& sensor : config.sensors) {
     for (const Flow& flow : flows_of(sensor)) {
       if (flow.transport != Transport::udp) continue;
@@ -45,13 +45,13 @@ std::map<std::uint16_t, UdpOptions> options_by_port(const Config& config) {
       if (sensor.ip_address) {
         options.senders.push_back(*sensor.ip_address);
       } else {
-        anybody[number] = true;
+        open_to_all[number] = true;
       }
       if (sensor.multicast_group) options.groups.push_back({*sensor.multicast_group, sensor.interface});
     }
   }
   for (auto& [number, options] : all) {
-    if (anybody[number]) options.senders.clear();
+    if (open_to_all[number]) options.senders.clear();
   }
   return all;
 }
@@ -79,7 +79,7 @@ void UdpPorts::configure(const Config& config) {
     }
     Port port;
     port.number = number;
-    // Packets to a broadcast or group address reach the handler with the configured port, too.
+    // Packets to a broadcast or group address also reach the handler with the configured port.
     port.source = std::make_unique<UdpSource>(io_, options, handler_);
     if (started_) port.source->start();
     ports_.push_back(std::move(port));
@@ -107,7 +107,7 @@ void UdpPorts::note_changes() {
   for (auto& port : ports_) {
     const UdpState& state = port.source->state();
     if (state.phase != port.known.phase || state.message != port.known.message) {
-      // Only when the state changes, since the search reads the files of every process.
+      // Only on changes of the state, since the search reads files of every process.
       port.holder = state.phase == UdpState::Phase::waiting ? holder_of_udp_port(port.number) : std::string();
       if (state.phase == UdpState::Phase::receiving) log_info("listening on port {}", port.number);
       port.known = state;

@@ -14,27 +14,27 @@
 
 namespace lidard {
 
-/// The UDP ports of a configuration: one socket each, shared by the sensors that send there.
+/// The UDP ports of a configuration: one socket per port, shared by the sensors that send there.
 class UdpPorts {
  public:
   UdpPorts(boost::asio::io_context& io, const Config& config, const UdpSource::Handler& handler);
 
-  /// Applies another configuration. A port that stays goes on receiving.
+  /// Applies another configuration. Unchanged ports continue to receive.
   void configure(const Config& config);
   void start();
   void stop();
-  /// Hands on what has arrived at busy ports since they were read last.
+  /// Passes on pending datagrams of busy ports.
   void catch_up();
-  /// Interfaces or addresses of this host have changed.
+  /// Call after interfaces or addresses of this host have changed.
   void interfaces_changed();
-  /// Logs the ports that were opened since the last call, and finds out which program holds a port that
-  /// cannot be opened. All other changes are in add_diagnostics().
+  /// Logs opened ports and finds the program that holds a port that cannot be opened. Other changes are in
+  /// add_diagnostics().
   void note_changes();
   /// One item per port.
   void add_diagnostics(std::vector<DiagnosticItem>& items) const;
   /// Datagrams received at all ports.
   std::uint64_t datagrams() const;
-  /// Why nothing can be received at a port; empty: it is open.
+  /// Why a port cannot receive; empty: it is open.
   std::string trouble(std::uint16_t port) const;
 
  private:
@@ -42,7 +42,7 @@ class UdpPorts {
     std::uint16_t number = 0;
     std::unique_ptr<UdpSource> source;
     UdpState known;
-    std::string holder;  // the program that has it instead
+    std::string holder;  // the program that has bound the port
     std::uint64_t known_drops = 0;
     std::chrono::steady_clock::time_point dropped_at{};
   };

@@ -9,9 +9,9 @@ namespace lidard {
 namespace {
 
 constexpr Span longest_wait = std::chrono::milliseconds(200);
-// Packets come by the thousand, poses by the dozen.
+// Packets are much more frequent than poses.
 constexpr Span between_tries = std::chrono::milliseconds(5);
-// At 20 revolutions/s those of longest_wait.
+// Clouds of longest_wait at 20 revolutions/s.
 constexpr std::size_t most_waiting = 4;
 
 }  // namespace
@@ -89,7 +89,7 @@ bool CloudPlacer::release(Waiting& waiting, bool may_wait, Stamp now) {
   }
   gate_.published(is_deskewed);
   const CloudMotion& motion = sensor_.deskew && is_deskewed ? motion_ : stands_;
-  // What does not move stays where it is to the last bit.
+  // Points that do not move stay bit-identical.
   if (!motion.stands() || frame != cloud.frame_id) move_points(motion, frame_from_lidar, cloud);
   cloud.frame_id = frame;
   publish_(cloud, now);

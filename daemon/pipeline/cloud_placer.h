@@ -15,25 +15,24 @@
 
 namespace lidard {
 
-/// Brings the clouds of a sensor to the frame and the instant in which they are published
-/// (SensorConfig::points_frame, deskew). The instant is the stamp of the message. A cloud whose poses are not
-/// known yet waits for them 0.2 s, as it does in velodyne_pointcloud (datacontainerbase.h, 1.7.0), but no
-/// more than four clouds wait. Memory is kept from cloud to cloud.
+/// Transforms the clouds of a sensor to the frame and the instant of publication (SensorConfig::points_frame,
+/// deskew). The instant is the stamp of the message. A cloud waits up to 0.2 s for its poses, as in
+/// velodyne_pointcloud (datacontainerbase.h, 1.7.0), and at most four clouds wait. Buffers keep their memory.
 class CloudPlacer {
  public:
   using Publish = std::function<void(Cloud& cloud, Stamp now)>;
 
-  /// All must outlive this. `publish` may swap out the bytes of the points.
+  /// The arguments must outlive this. `publish` may swap out the bytes of the points.
   CloudPlacer(const SensorConfig& sensor, const CloudArranger& arranger, VehicleMotion& motion,
               Publish publish);
   static bool is_wanted(const SensorConfig& sensor) { return sensor.deskew || !sensor.points_frame.empty(); }
 
   void add(const Cloud& cloud, Stamp now);
-  /// Time passed, or poses came in: publishes what has waited long enough.
+  /// Call after time or poses have advanced: publishes clouds that are ready.
   void advance(Stamp now);
-  /// When advance() is worth a call.
+  /// The next time to call advance().
   std::optional<Stamp> next_event() const;
-  /// No poses will come any more: publishes what can be published.
+  /// End of the poses: publishes the waiting clouds as far as possible.
   void finish(Stamp now);
   const PoseGate& gate() const { return gate_; }
 
@@ -43,9 +42,9 @@ class CloudPlacer {
     Stamp instant;  // the stamp of the message
     Stamp since;
   };
-  /// Publishes the first ones whose poses are known, or that have waited long enough.
+  /// Publishes the oldest clouds whose poses are known or whose wait is over.
   void release_due(Stamp now);
-  /// False: its poses are not known, and it may still wait for them.
+  /// False if the cloud must wait for its poses.
   bool release(Waiting& waiting, bool may_wait, Stamp now);
   bool find_motion(const Cloud& cloud, Stamp instant);
   void release_first(Stamp now);

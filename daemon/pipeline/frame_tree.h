@@ -15,21 +15,21 @@
 
 namespace lidard {
 
-/// Where something was at a time.
+/// A pose at a time.
 struct StampedPose {
   Stamp stamp;
   Pose pose;
 };
 
-/// Poses that the configuration does not hold (tf). Must answer at once.
+/// Source of poses that are not in the configuration (tf). Must not block.
 class TransformSource {
  public:
   virtual ~TransformSource() = default;
-  /// Pose of `child` in `parent` at `stamp`; false and a reason when it is not known.
+  /// Pose of `child` in `parent` at `stamp`; false and a reason if it is unknown.
   virtual bool lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
                       std::string& why_not) = 0;
-  /// Appends the poses of `child` in `parent` after `after` (of a restart: whatever is known) and not after
-  /// `until`, oldest first, in steps of about 10 ms.
+  /// Appends the poses of `child` in `parent` in (after, until], oldest first, in steps of about 10 ms; after
+  /// a restart all known ones.
   virtual void history(const std::string& parent, const std::string& child, Stamp after, Stamp until,
                        std::vector<StampedPose>& poses) {
     static_cast<void>(parent), static_cast<void>(child), static_cast<void>(after);
@@ -37,7 +37,7 @@ class TransformSource {
   }
 };
 
-/// Without ROS there are no transforms but those of the configuration.
+/// The source without ROS: no transforms.
 class NoTransforms final : public TransformSource {
  public:
   bool lookup(const std::string& parent, const std::string& child, Stamp, Pose&,
@@ -47,21 +47,21 @@ class NoTransforms final : public TransformSource {
   }
 };
 
-/// Where frames are: configured poses first, so that a vehicle without a tf tree works and replay is
-/// deterministic; what the configuration does not hold comes from the lookup (tf).
+/// Poses of frames: configured poses first, so that a vehicle without a tf tree works and replay is
+/// deterministic; then tf.
 class FrameTree {
  public:
   FrameTree(const Config& config, TransformSource& lookup);
-  /// From now on the poses are those of another configuration.
+  /// Replaces the configured poses.
   void configure(const Config& config);
 
-  /// Pose of `child` in `parent` at `stamp`; false and the reason when it is not known.
+  /// Pose of `child` in `parent` at `stamp`; false and the reason if it is unknown.
   bool find(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
             std::string& why_not) const;
-  /// How the vehicle moves; nullptr: nobody tells.
+  /// The vehicle's motion; nullptr: no source of motion.
   const PoseTrack* track() const { return track_; }
   void set_track(const PoseTrack* track) { track_ = track; }
-  /// What the configuration holds, for /tf_static.
+  /// The configured transforms, for /tf_static.
   const std::vector<StaticTransform>& transforms() const { return transforms_; }
 
  private:

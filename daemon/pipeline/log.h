@@ -14,7 +14,7 @@ enum class LogLevel { info, warn, error };
 /// Writes a line to the log of set_up_logging().
 void log_line(LogLevel level, const std::string& text);
 
-// Formatted here and logged there: each unit that sees spdlog's templates compiles 2 s longer.
+// Formats here and logs in log.cpp, since spdlog's templates cost 2 s of compile time per unit.
 template <class... Values>
 void log_info(fmt::format_string<Values...> form, Values&&... values) {
   log_line(LogLevel::info, fmt::format(form, std::forward<Values>(values)...));

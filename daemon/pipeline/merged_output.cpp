@@ -44,8 +44,8 @@ std::string correction_of(const OverlapState& pair) {
          ", " + part(2, "y", pair.correction[2], "m");
 }
 
-/// A stamp to tell a sweep's age by. Stamps that are far from the time at hand are of another clock, a bag's
-/// or a simulator's: then the arrival counts.
+/// A stamp for the age of a sweep. Stamps that are far from the time at hand are of another clock, a bag's or
+/// a simulator's: then the arrival counts.
 Stamp comparable(Stamp stamp, Stamp now) {
   constexpr Span another_clock = std::chrono::seconds(10);
   return now - stamp > another_clock || stamp - now > another_clock ? now : stamp;
@@ -60,7 +60,7 @@ class MergedOutput final : public Output {
         poses_(context.poses),
         footprint_(context.vehicle.footprint),
         scheduler_(config.laserscan_topics.size(), config.schedule),
-        overlap_(config.laserscan_topics.size()),
+        mount_check_(config.laserscan_topics.size()),
         compared_(config.laserscan_topics.size(), nullptr),
         places_(config.laserscan_topics.size(), Eigen::Vector2d::Zero()),
         reported_(config.laserscan_topics.size()),
@@ -125,7 +125,7 @@ class MergedOutput final : public Output {
   void set_scan(const OutputScanConfig& wanted) override {
     config_.output = wanted;
     set_up();
-    overlap_ = MountCheck(config_.laserscan_topics.size());
+    mount_check_ = MountCheck(config_.laserscan_topics.size());
     due_since_.reset();
     uses_.clear();
     latency_ = skew_ = Span(0);
@@ -133,7 +133,7 @@ class MergedOutput final : public Output {
   void restart() override {
     merger_->reset();
     scheduler_.reset();
-    overlap_.reset();
+    mount_check_.reset();
     stamps_.reset();
     due_since_.reset();
   }
@@ -223,8 +223,7 @@ class MergedOutput final : public Output {
       moment.track = nullptr;
     return moment;
   }
-  /// After a change of the grid the sources that are well have to deliver again, lest what they see be
-  /// missing.
+  /// After a change of the grid the sources that are well have to deliver again, so that none is missing.
   bool lacks_sweeps(Stamp now) const {
     for (std::size_t s = 0; s < config_.laserscan_topics.size(); ++s) {
       if (scheduler_.state(s, now) == SourceState::ok && !merger_->times(s)) return true;
@@ -272,14 +271,14 @@ class MergedOutput final : public Output {
   }
   /// Compares what the sources of the output just made see of the same surfaces.
   void compare_sources(Stamp stamp) {
-    if (merger_->visibility() == nullptr || !overlap_.is_due(stamp)) return;
+    if (merger_->visibility() == nullptr || !mount_check_.is_due(stamp)) return;
     for (std::size_t s = 0; s < compared_.size(); ++s) {
       compared_[s] = merger_->sweep(s);
       places_[s] = merger_->looks_from(s);
     }
     const auto moved = [](SourceUse use) { return use == SourceUse::static_poses; };
-    overlap_.look(stamp, compared_, places_,
-                  poses_.track() != nullptr && std::none_of(uses_.begin(), uses_.end(), moved));
+    mount_check_.look(stamp, compared_, places_,
+                      poses_.track() != nullptr && std::none_of(uses_.begin(), uses_.end(), moved));
   }
   void describe_motion(DiagnosticItem& item) const {
     if (poses_.track() == nullptr) return;
@@ -328,12 +327,12 @@ class MergedOutput final : public Output {
     item.add("Beams unobserved", share(BeamStatus::invalid));
   }
   void describe_overlap(DiagnosticItem& item) const {
-    for (const OverlapState& pair : overlap_.pairs()) {
+    for (const OverlapState& pair : mount_check_.pairs()) {
       const std::string& first = config_.laserscan_topics[pair.first];
       const std::string& second = config_.laserscan_topics[pair.second];
       if (pair.beams <= 0) continue;
       const std::string correction = correction_of(pair);
-      item.add(fmt::format("MountCheck {}/{}", first, second),
+      item.add(fmt::format("Mount check {}/{}", first, second),
                fmt::format("median {:+.1f} mm, MAD {:.1f} mm, {:.0f} beams; mount of {}: {}",
                            pair.median * 1000, pair.mad * 1000, pair.beams, second, correction));
       if (!pair.misaligned || item.health != Health::ok) continue;
@@ -350,7 +349,7 @@ class MergedOutput final : public Output {
   std::optional<Pose> footprint_placed_;  // base_frame in the output frame when it was last set
   std::optional<Merger> merger_;
   Scheduler scheduler_;
-  MountCheck overlap_;
+  MountCheck mount_check_;
   std::vector<const PlacedScan*> compared_;
   std::vector<Eigen::Vector2d> places_;
   std::vector<ReportedState> reported_;

@@ -23,7 +23,7 @@ void OtherModel::refused(const Packet& packet, Reject reason) {
   if (++looked_ == enough) conclude();
 }
 
-/// Products whose packets are the same are named together.
+/// Products with equal packets are named together.
 void OtherModel::conclude() {
   sentence_.clear();
   const Model* const found = identifier_->verdict();

@@ -10,15 +10,14 @@
 
 namespace lidard {
 
-/// Names the model whose datagrams come in place of the configured one's, by the rules of `inspect`. It looks
-/// at a few of the refused packets each 10 s, whatever number comes.
+/// Recognizes the model of rejected datagrams by the rules of `inspect`, from a few packets every 10 s.
 class OtherModel {
  public:
-  /// `expected`: the configured model; nullptr: nothing is looked at.
+  /// `expected`: the configured model; nullptr: packets are ignored.
   explicit OtherModel(const Model* expected) : expected_(expected) {}
 
   void refused(const Packet& packet, Reject reason);
-  /// "this is a VLP-32C, not a VLP-16; set model: velodyne_vlp32c"; empty: nothing fits.
+  /// "this is a VLP-32C, not a VLP-16; set model: velodyne_vlp32c"; empty: unknown.
   const std::string& sentence() const { return sentence_; }
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-// The filter that needs PCL, as a module that is loaded when a configuration asks for it. Apart from the
-// module for PCD files, since that one brings VTK along.
+// The filter that needs PCL, as a module that is loaded on demand. Separate from the module for PCD files,
+// which depends on VTK.
 #include <pcl/filters/radius_outlier_removal.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
@@ -10,7 +10,7 @@
 
 #include "core/frames/frame_filter.h"
 
-/// A lidard::FindInliers. Not linked, but found by name in the module.
+/// A lidard::FindInliers, found by name in the module.
 extern "C" void lidard_find_inliers(const lidard::CloudPoint* points, std::size_t count, double radius,
                                     int neighbours, std::uint8_t* inliers) {
   std::fill(inliers, inliers + count, std::uint8_t{0});

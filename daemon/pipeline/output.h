@@ -125,13 +125,13 @@ class Output {
 std::unique_ptr<Output> make_output(const MergedScanConfig& config, const OutputContext& context);
 std::unique_ptr<Output> make_output(const VirtualScanConfig& config, const OutputContext& context);
 
-/// The state of a source of a merged scan as people are told it. A busy computer makes sweeps stale now and
+/// The state of a source of a merged scan as it is reported. A busy computer makes sweeps stale now and
 /// then for milliseconds: `stale` begins when that has been so for a second longer than not, and ends
 /// likewise.
 class ReportedState {
  public:
   SourceState state() const { return state_; }
-  /// What it is now, and for how long it was looked at. True if another state is to be told.
+  /// What it is now, and for how long it was looked at. True if the reported state changes.
   bool update(SourceState now, Span passed);
 
  private:

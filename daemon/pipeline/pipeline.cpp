@@ -191,7 +191,7 @@ void Pipeline::advance(Stamp now) {
     for (const auto& sensor : sensors_) sensor->advance(now);
     knows_next_event_ = false;
   }
-  // After a long pause there is nobody to publish the past for.
+  // After a long pause, outputs of the past are not published.
   constexpr Span longest_pause = std::chrono::seconds(1);
   const Stamp newest_past = now - longest_pause;
   for (event = next_event(); event && *event <= now; event = next_event()) {

@@ -38,8 +38,8 @@ class MessageReceiver {
   virtual std::string set_sensor(const SensorConfig& wanted) = 0;
 };
 
-/// Knows whether all has only just begun: within a second of the start silence says nothing yet. A clock that
-/// jumps, a program that was stopped and a hole in a capture are beginnings too.
+/// Detects the first second after a start, in which silence is no fault. A jump of the clock, a pause of the
+/// program and a hole in a capture count as starts.
 class StartWatch {
  public:
   /// Time passes. True if this is a beginning.

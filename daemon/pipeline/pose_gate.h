@@ -10,13 +10,12 @@
 
 namespace lidard {
 
-/// The one gate for poses that are missing. What is to show one instant waits for them for a bounded time;
-/// then it is published as if the vehicle stood still, or left out. Counts for one output, or for the clouds
-/// of one sensor.
+/// Handles missing poses of the vehicle for one output or for the clouds of one sensor: a frame waits for its
+/// poses for a limited time and is then published as if the vehicle stood still, or dropped. Counts both.
 class PoseGate {
  public:
-  /// True if what lacks poses since `since` may wait for them at `now`. A clock that was set back ends the
-  /// wait.
+  /// True if a frame that has waited since `since` may still wait at `now`. A clock that was set back ends
+  /// the wait.
   static bool may_wait(Stamp since, Span longest_wait, Stamp now) {
     return now >= since && now - since < longest_wait;
   }
@@ -31,15 +30,15 @@ class PoseGate {
     trouble_ = std::move(why);
   }
   bool has_left_out() const { return left_out_ > 0; }
-  /// What is missing in the newest one, with the remedy; empty: nothing.
+  /// What is missing in the newest frame, with the remedy; empty: nothing.
   const std::string& trouble() const { return trouble_; }
-  /// Adds the counters; WARN with the trouble if there is none so far.
+  /// Adds the counters, and WARN with trouble() if the item is ok.
   void describe(DiagnosticItem& item) const {
     item.add("Not deskewed", not_deskewed_);
     item.add("Left out for want of poses", left_out_);
     if (item.health == Health::ok && !trouble_.empty()) item.set(Health::warn, trouble_);
   }
-  /// The line below the table of a replay: "2 clouds not deskewed"; empty: all is well.
+  /// The line below the table of a replay: "2 clouds not deskewed"; empty: no losses.
   std::string losses() const;
 
  private:

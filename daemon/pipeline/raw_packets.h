@@ -7,8 +7,7 @@
 
 namespace lidard {
 
-/// Collects the data packets of a revolution as they came, for SensorConfig::raw_topic. Its memory is kept
-/// from one revolution to the next.
+/// Collects the data packets of a revolution for SensorConfig::raw_topic. Keeps its memory.
 class RawPacketCollector {
  public:
   /// A VLS-128 in dual return mode at 300 rpm sends 3618 packets in a revolution.
@@ -20,14 +19,13 @@ class RawPacketCollector {
   /// `config` must outlive this.
   explicit RawPacketCollector(const SensorConfig& config) : config_(config) {}
 
-  /// Takes a datagram; one that is no data packet by its size is left out.
+  /// Adds a datagram, unless its size is not that of a data packet.
   void add(const Packet& packet);
-  /// True if the packets are to go out although no revolution has ended: the motor may stand still.
+  /// True if the packets must be published before the end of the revolution: the motor may stand still.
   bool is_full() { return message_->arrivals.size() >= most_packets; }
   bool is_empty() { return message_->arrivals.empty(); }
-  /// The packets since clear(), of which there is at least one. Stamps are arrival times with the
-  /// `time_offset`, as velodyne_driver gives them; the message has that of the first or of the last packet,
-  /// as `frame_stamp` says.
+  /// The packets since clear(), at least one. Stamps are arrival times plus `time_offset`, as in
+  /// velodyne_driver; the stamp of the message is that of the first or the last packet, by `frame_stamp`.
   const DeviceMessage& message();
   void clear() { message_->clear(); }
 

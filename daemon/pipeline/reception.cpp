@@ -14,18 +14,18 @@
 namespace lidard {
 namespace {
 
-/// A step of the clock that is longer is a stall of the program, a jump of the clock or a hole in a capture.
+/// A longer step is a stall of the program, a jump of the clock or a hole in a capture.
 constexpr double longest_step_s = 1;
 constexpr double judged_after_s = 2;
 constexpr double window_s = 10;
 constexpr std::uint64_t least_looked = 10;
-/// A hand or a sheet before the window is nearer, in m; next to nothing else surrounds a sensor there.
+/// m; a nearer return is a cover or a hand before the window.
 constexpr float too_near = 0.3F;
 /// No product turns slower than a third of its usual rate (Velodyne: 300 of 600 rpm).
 constexpr double slowest = 3;
-/// Nor eight times as fast (an LMS511 turns four times as fast).
+/// No product turns eight times as fast (an LMS511 turns four times as fast).
 constexpr double fastest = 1.0 / 8;
-/// A scanner that sends every second scan, or fewer.
+/// A longer period means that the scanner skips scans.
 constexpr double left_out = 1.5;
 
 std::uint64_t less(std::uint64_t now, std::uint64_t before) { return now > before ? now - before : 0; }
@@ -48,7 +48,7 @@ double share(std::uint64_t part, std::uint64_t whole) {
 
 std::string percent(double part) { return fmt::format(part < 0.0995 ? "{:.1f} %" : "{:.0f} %", 100 * part); }
 
-/// Collects what is wrong; the worst finding decides.
+/// Collects faults; the worst one decides.
 class Findings {
  public:
   void add(Health health, const std::string& figure, const char* remedy) {
@@ -75,7 +75,7 @@ constexpr const char* check_window = "is its window covered? An empty field look
 
 bool has_rate(const Reception& r) { return r.expected > 0 && r.frames_s >= judged_after_s; }
 
-/// The part of the frames that did not come, beyond the one that a window may miss.
+/// Share of missing frames, beyond the one that a window may miss.
 double missing_frames(const Reception& r) {
   return has_rate(r) ? std::max(0.0, (r.expected - 1 - r.frames) / r.expected) : 0;
 }
@@ -175,7 +175,7 @@ void ReceptionWatch::scan(const PlanarScan& scan) {
 }
 
 void ReceptionWatch::cloud(const Cloud& cloud) {
-  // One point in 64 tells whether nearly all are near.
+  // One point in 64 is enough.
   constexpr std::size_t step = 64;
   std::uint64_t near = 0, looked = 0;
   const CloudPoint* const points = cloud.points();
@@ -198,7 +198,7 @@ void ReceptionWatch::learn(Stamp stamp, double declared_s) {
   period_s_ = period(declared_s);
 }
 
-/// 0 while too few are known. The first distance is none.
+/// 0 while too few distances are known. The first one is invalid.
 double ReceptionWatch::median_distance() const {
   if (distance_count_ <= distances / 2) return 0;
   const std::size_t count = std::min(distance_count_, distances);
@@ -212,7 +212,7 @@ double ReceptionWatch::median_distance() const {
 double ReceptionWatch::period(double declared_s) const {
   if (promised_s_ <= 0) return promised_s_;
   const double learned = median_distance();
-  // Of scans that come out in a rush the stamps say nothing.
+  // Stamps of scans that arrive in a burst are not usable.
   if (learned < fastest * promised_s_) return 0;
   if (declared_s <= 0) return std::min(learned, slowest * promised_s_);
   const bool seldom = learned > left_out * declared_s && recent().lost() == 0;
@@ -229,8 +229,8 @@ void ReceptionWatch::sender(const IpAddress& address) {
   }
 }
 
-/// One second has passed. Two that sent in both of the last two seconds send at the same time; a sensor whose
-/// address changes does not. Who sends less than 1 % of the packets is no sensor.
+/// Call once per second. Senders that sent in both of the last two seconds send at the same time, unlike a
+/// sensor with a changed address. A sender of less than 1 % of the packets is ignored.
 void ReceptionWatch::compare_senders() {
   rivals_.clear();
   std::uint64_t all = 0;
@@ -247,7 +247,7 @@ void ReceptionWatch::compare_senders() {
 void ReceptionWatch::add_time(double passed_s, bool packets_came, std::uint64_t frames) {
   idle_s_ = packets_came ? 0 : idle_s_ + passed_s;
   total_.watched_s += passed_s;
-  // Silence is another matter than packets without frames.
+  // Silence is judged separately from packets without frames.
   if (idle_s_ < longest_step_s) total_.without_frame_s += passed_s;
   if (frames > 0) total_.without_frame_s = 0;
   if (period_s_ <= 0) return;
@@ -261,14 +261,14 @@ void ReceptionWatch::advance(Stamp now, const Counters& counters) {
   if (!begun_ && counters.packets == 0) return;
   const double step = begun_ ? seconds(now - last_) : 0;
   const double passed_s = step > 0 && step <= longest_step_s ? step : 0;
-  // An arrival that is stamped before the last time is no jump.
+  // An arrival slightly before the last time is not a jump.
   if (step >= 0 || step < -longest_step_s) last_ = now;
   const bool packets_came = counters.packets != total_.counters.packets;
   const std::uint64_t frames = less(counters.frames, total_.counters.frames);
   total_.counters = counters;
   add_time(passed_s, packets_came, frames);
-  // A silence that was reported as ERROR is not reported again as a loss after it: drivers count what was
-  // lost when the first whole frame is done.
+  // A silence that was reported as ERROR is not reported again as a loss: drivers count its losses with the
+  // first complete frame.
   const bool is_silent = idle_s_ >= SilenceLimits(total_.period_s).error_s;
   settles_s_ = is_silent ? std::max(0.3, 3 * total_.period_s) : settles_s_ - passed_s;
   if (!begun_ || settles_s_ > 0) restart();

@@ -116,8 +116,7 @@ void print_table(const std::vector<SensorReport>& sensors, std::ostream& out) {
     out << fmt::format("{:<{}}{:<{}}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}  {}", s.name, name_width + 2,
                        s.model, model_width + 2, c.packets, c.frames, rate(s.whole.frames),
                        rate(s.whole.expected), c.partial_frames, c.lost_packets, rejected_text(c));
-    // Of the telegrams that began and never ended; the lost ones hold them, since devices count what they
-    // send.
+    // Incomplete telegrams; the lost ones include them, since devices count what they send.
     if (c.incomplete != 0) out << ", incomplete " << c.incomplete;
     out << '\n';
   }
@@ -170,10 +169,10 @@ void print_outputs(const char* head, const std::vector<OutputReport>& outputs, s
   std::size_t width = std::strlen(head);
   for (const OutputReport& one : outputs) width = std::max(width, one.name.size());
   out << fmt::format("{:<{}}  {:>8}  {:>7}\n", head, width, "messages", "Hz");
-  std::string untold;
+  std::string unsent;
   for (const OutputReport& one : outputs) {
     if (!one.promised && one.messages == 0) {
-      untold += (untold.empty() ? "" : ", ") + one.name;
+      unsent += (unsent.empty() ? "" : ", ") + one.name;
       continue;
     }
     const std::string rate = one.rate() > 0 ? fmt::format("{:.1f}", one.rate()) : "-";
@@ -182,7 +181,7 @@ void print_outputs(const char* head, const std::vector<OutputReport>& outputs, s
     out << fmt::format("{:<{}}  {:>8}  {:>7}{}{}\n", one.name, width, one.messages, rate,
                        remark.empty() ? "" : "  ", remark);
   }
-  if (!untold.empty()) out << "  not told by the devices: " << untold << '\n';
+  if (!unsent.empty()) out << "  not sent by the devices: " << unsent << '\n';
 }
 
 bool all_came(const std::vector<OutputReport>& outputs) {

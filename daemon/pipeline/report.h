@@ -20,61 +20,60 @@
 
 namespace lidard {
 
-/// What one sensor did since the start, for the table at the end of a replay and for diagnostics.
+/// The results of a sensor since the start, for the table at the end of a replay and for diagnostics.
 struct SensorReport {
   std::string name;
   std::string model;  ///< or "topic"
   Counters counters;
   DeviceInfo info;
   std::optional<FilterCounters> filter;  ///< of its own frames; none: it has no filter
-  std::string filter_trouble;            ///< why its filter does not do what it was meant to; empty: no doubt
-  std::optional<PoseGate> gate;          ///< of its clouds; none: published as they were measured
-  bool seen = false;                     ///< any data received at all
+  std::string filter_trouble;            ///< why its filter does not work as configured; empty: it does
+  std::optional<PoseGate> gate;          ///< of its clouds; none: they are not transformed
+  bool seen = false;                     ///< data was received
   Stamp last_arrival;                    ///< of data
-  Stamp last_telemetry;                  ///< of what the device tells beside its data
-  std::string link_trouble;  ///< while silent: what is wrong with its connection or this host's network;
-                             ///< empty: nothing
-  std::string link_hint;     ///< while silent: what may be wrong there
-  std::string other_model;  ///< which model's packets come in place of the configured one's; empty: not known
-  bool starting = false;    ///< the first second of all watching: silence says nothing yet
-  Reception recent, whole;  ///< of the last 10 s, and since the start
-  std::vector<std::string> rivals, rivals_ever;  ///< several senders into one entry, now and at any time
+  Stamp last_telemetry;                  ///< of telemetry
+  std::string link_trouble;  ///< while silent: a fault of its connection or this host's network; empty: none
+  std::string link_hint;     ///< while silent: a possible cause there
+  std::string other_model;   ///< the model of packets of another model; empty: unknown
+  bool starting = false;     ///< the first second after the start: silence is no fault yet
+  Reception recent, whole;   ///< of the last 10 s, and since the start
+  std::vector<std::string> rivals, rivals_ever;  ///< several senders to one entry, now and at any time
 };
 
-/// What came out on one topic, or into one file.
+/// The output on one topic or to one file.
 struct OutputReport {
   std::string name;
   std::uint64_t messages = 0;
   Stamp first{}, last{};  ///< when the first and the last one were released
-  bool promised = true;   ///< false: it depends on what the device has to tell
-  std::string remark;     ///< why there is none, or what was missing
+  bool promised = true;   ///< false: it depends on the state of the device
+  std::string remark;     ///< why there is no output, or what was missing
 
   void count(Stamp released);
   /// Messages per second; 0: fewer than two.
   double rate() const;
 };
 
-/// Why a driver that got packets over a time of `span` gave no whole frame: "only about 0.4 of a frame: …".
+/// Why packets over `span` gave no complete frame: "only about 0.4 of a frame: …".
 std::string why_no_frame(const Model& model, const Counters& counters, Span span);
-/// The table of outputs: a row for each that was promised or came, and one line for the others.
+/// Prints the table of outputs: a row for every promised or published one, and one line for the others.
 void print_outputs(const char* head, const std::vector<OutputReport>& outputs, std::ostream& out);
 /// False if an output that was promised never came.
 bool all_came(const std::vector<OutputReport>& outputs);
 
-/// One line with all counters of a sensor that are not zero (packets always).
+/// Prints one line with the counters of a sensor that are not zero (packets always).
 void print_counters(const Counters& counters, std::ostream& out);
 /// "rejected 3 (size 1, magic 2)", or "0".
 std::string rejected_text(const Counters& counters);
-/// What a filter removed: "filter removed 12 of 3400 returns (intensity 10, outliers 2)".
+/// "filter removed 12 of 3400 returns (intensity 10, outliers 2)".
 std::string filter_text(const FilterCounters& counters);
-/// Why a filter does not do what it was meant to, on that topic; empty: no doubt.
+/// Why a filter on that topic does not work as configured; empty: it does.
 std::string filter_trouble(const FilterCounters& counters, const std::string& topic);
-/// One line with what a capture held beyond the sensor's datagrams; nothing if there was nothing.
+/// Prints one line with the counters of a capture beyond the sensor's datagrams, if any.
 void print_capture_counters(const CaptureCounters& counters, std::uint64_t other_datagrams,
                             std::ostream& out);
-/// The table at the end of a replay: a row per sensor.
+/// Prints the table at the end of a replay: a row per sensor.
 void print_table(const std::vector<SensorReport>& sensors, std::ostream& out);
-/// A line for each sensor that gave less than it should have.
+/// Prints a line for every sensor with a fault.
 void print_verdicts(const Config& config, const std::vector<SensorReport>& sensors, std::ostream& out);
 
 }  // namespace lidard

@@ -12,8 +12,7 @@
 namespace lidard {
 namespace {
 
-/// The watch of a sensor: a device that leaves scans out between two sends more seldom; another driver's
-/// topic promises nothing.
+/// The watch of a sensor: skipped scans lengthen the period; the period of another driver's topic is unknown.
 ReceptionWatch watch_of(const SensorConfig& sensor) {
   if (sensor.model == nullptr) return ReceptionWatch(0);
   return ReceptionWatch(sensor.model->frame_period * (1 + sensor.driver.requests.skip.value_or(0)));
@@ -219,7 +218,7 @@ void Sensor::advance(Stamp now) {
 }
 
 void Sensor::clock_jumped(Stamp now) {
-  // What has arrived later than it is now has arrived just now.
+  // An arrival in the future counts as now.
   last_arrival_ = std::min(last_arrival_, now);
   last_telemetry_ = std::min(last_telemetry_, now);
 }

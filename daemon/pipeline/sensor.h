@@ -26,27 +26,26 @@
 
 namespace lidard {
 
-/// What DeviceConnections::trouble() says before the first attempt has come to an end.
+/// DeviceConnections::trouble() before the end of the first attempt.
 inline constexpr const char* first_attempt = "connecting";
 
-/// The TCP connections to devices, as a pipeline uses them. A sensor is named by its place in the
-/// configuration. In replay there are none.
+/// The TCP connections to devices. Sensors are identified by their index in the configuration. There are no
+/// connections in replay.
 class DeviceConnections {
  public:
   virtual ~DeviceConnections() = default;
   /// Opens a connection to the device's dialogue port unless there is one.
   virtual void connect(std::size_t sensor, const IpAddress& device) = 0;
   virtual void send(std::size_t sensor, ByteView bytes) = 0;
-  /// Ends the connection; `again`: and opens another one.
+  /// Ends the connection; `again`: opens a new one.
   virtual void disconnect(std::size_t sensor, bool again) = 0;
-  /// Why the sensor has no connection, or cannot be reached, with the remedy; empty: nothing is known to be
-  /// wrong.
+  /// Why the sensor has no connection or cannot be reached, with the remedy; empty: no known fault.
   virtual std::string trouble(std::size_t sensor) const = 0;
-  /// What may be the reason that nothing comes from a sensor though its connection is well; empty: no idea.
+  /// A possible reason for the silence of a sensor with a working connection; empty: unknown.
   virtual std::string hint(std::size_t /*sensor*/) const { return {}; }
 };
 
-/// What the sensors of a pipeline share: where their frames go, their connections, and the time.
+/// The context of the sensors of a pipeline: outputs, connections and time.
 struct SensorContext {
   Outlet& outlet;
   VehicleMotion& motion;
@@ -54,49 +53,49 @@ struct SensorContext {
   Stamp now{};
 };
 
-/// One sensor: its driver, its connection, whether its data come, and where its frames go.
+/// One sensor: its driver, its connection, the reception of its data and the outputs of its frames.
 class Sensor final : public DriverOutput {
  public:
-  /// `place`: in the configuration. `context` must outlive this.
+  /// `place`: index in the configuration. `context` must outlive this.
   Sensor(const SensorConfig& config, std::size_t place, SensorContext& context);
 
   const SensorConfig& config() const { return config_; }
-  /// Its place in the configuration is another one now.
+  /// Sets another index in the configuration.
   void set_place(std::size_t place) { place_ = place; }
   const Counters& counters() const { return driver_ ? driver_->counters() : topic_counters_; }
 
-  /// Applies what may change while it runs: see Driver::change(), and how its cloud is arranged.
+  /// Applies settings that may change at run time: those of Driver::change(), and the layout of the cloud.
   void change(const SensorConfig& wanted);
 
-  /// A packet of this sensor, or a chunk of its connection.
+  /// Accepts a packet of this sensor or a chunk of its connection.
   void receive(const Packet& packet, Stamp received);
-  /// A chunk of one of its connections in a capture; one of them at a time is followed.
+  /// Accepts a chunk of one of its connections in a capture; one connection at a time is used.
   void receive_recorded(Packet chunk);
   void connected(Stamp now);
   void disconnected() { driver_->disconnected(); }
-  /// A scan that another driver published. A scan without beams becomes one that observed nothing, so that it
-  /// counts as delivered.
+  /// Accepts a scan of another driver. A scan without beams becomes an unobserved one, so that it counts as
+  /// delivered.
   void receive(PlanarScan& scan, Stamp received);
-  /// A cloud that another driver published.
+  /// Accepts a cloud of another driver.
   void receive(Cloud& cloud, Stamp received);
-  /// Time passed.
+  /// Advances the time.
   void advance(Stamp now);
-  /// When advance() is worth a call if nothing else happens.
+  /// The next time to call advance() without other events.
   std::optional<Stamp> next_event() const { return placer_ ? placer_->next_event() : std::nullopt; }
-  /// The clock jumped.
+  /// Call after a jump of the clock.
   void clock_jumped(Stamp now);
   void tick(Stamp now);
-  /// True once where it fell silent, became an error by that, or is heard of again.
+  /// True once when the sensor becomes silent, when that becomes an error, or when data arrives again.
   bool silence_changed(Stamp now);
-  /// End of input: hands on what is complete.
+  /// End of the input: publishes complete frames.
   void finish();
   /// The input starts again.
   void restart();
 
   SensorReport report() const;
-  /// The device's settings against those wanted; none: its driver does not look at them, or cannot.
+  /// The device's settings compared with the wanted ones; none: the driver does not read them.
   std::optional<DiagnosticItem> settings(Stamp now) const;
-  /// Why it gave no frames, or why they are not published; empty: nothing is missing.
+  /// Why there are no frames, or why they are not published; empty: nothing is missing.
   std::string why_no_frames(const UnknownSenders& unknown) const;
 
   void scan(PlanarScan& scan) override;
@@ -114,27 +113,27 @@ class Sensor final : public DriverOutput {
  private:
   enum class ConnectionRequest : std::uint8_t { none, connect, connect_anew, hang_up };
 
-  /// Does with the connection what the driver asked for in the call that just returned.
+  /// Applies the driver's last connection request.
   void apply_connection_request();
-  /// Data came in.
+  /// Records the arrival of data.
   void notice_data(Stamp received);
-  /// Remembers the geometry; says so when the number of beams changed.
+  /// Stores the geometry; logs a changed number of beams.
   void notice_shape(const PlanarScan& scan);
   /// Makes a scan without beams one that observed nothing.
   void fill_empty(PlanarScan& scan) const;
-  /// A scan of its own on a topic of its own, with echoes and flags on topics beside it. The filter comes
-  /// after those who see everything.
+  /// Publishes a scan on the sensor's topic, with echoes and flags on further topics. The filter is applied
+  /// after unfiltered consumers.
   void publish_scan(const OutputTopic& topic, std::optional<FrameFilter>& filter, PlanarScan& scan);
-  /// Its cloud, on the topic of its own.
+  /// Publishes the sensor's cloud.
   void publish_cloud(Cloud& cloud, Stamp now);
-  /// Publishes the packets since the last call, if there are any.
+  /// Publishes the packets since the last call, if any.
   void publish_raw();
-  /// The vehicle's motion is followed up to a frame.
+  /// Updates the vehicle's motion up to a frame.
   void follow_motion(Stamp frame);
-  /// For the outputs that are made of this sensor's frames.
+  /// Feeds the outputs of this sensor's frames.
   template <class Frame>
   void feed(const Frame& frame);
-  /// What the device reports beside its frames, on each of its topics.
+  /// Publishes a message of the device on its topics.
   void publish_from_device(std::string_view name, const Payload& payload);
 
   SensorConfig config_;
@@ -142,7 +141,7 @@ class Sensor final : public DriverOutput {
   SensorContext& context_;
   std::unique_ptr<Driver> driver_;                   // nullptr: another driver publishes on config_.topic
   std::optional<FrameFilter> filter_, ring_filter_;  // of its frames, and of the ring that is a scan
-  std::optional<bool> cloud_wanted_;  // as the driver was told when its cloud began
+  std::optional<bool> cloud_wanted_;                 // the last answer of wants_cloud()
   CloudArranger arranger_;
   std::optional<CloudPlacer> placer_;
   std::optional<RingScan> ring_scan_;
@@ -152,11 +151,11 @@ class Sensor final : public DriverOutput {
   const OutputTopic* ring_topic_ = nullptr;           // of the ring that is a scan
   const OutputTopic* raw_topic_ = nullptr;            // of its packets
   std::vector<const OutputTopic*> more_scan_topics_;  // of its scans in other messages
-  std::vector<const OutputTopic*> device_topics_;     // of what its driver reports by name
+  std::vector<const OutputTopic*> device_topics_;     // of messages of the driver, by name
   ConnectionPicker connection_;                       // in a capture
   ConnectionRequest request_ = ConnectionRequest::none;
   IpAddress sender_;   // of the last datagram
-  bool seen_ = false;  // data; not what a device tells beside it
+  bool seen_ = false;  // data was received (not telemetry)
   Stamp first_arrival_{};
   Stamp last_arrival_{};
   Stamp last_telemetry_{};
@@ -164,7 +163,7 @@ class Sensor final : public DriverOutput {
   Counters topic_counters_;  // without a driver
   ReceptionWatch watch_;
   OtherModel other_model_;
-  PlanarScan shape_;  // geometry of its last scan that had beams
+  PlanarScan shape_;  // geometry of the last scan with beams
 };
 
 }  // namespace lidard

@@ -13,17 +13,17 @@
 namespace lidard {
 namespace {
 
-/// A sensor that tells things beside its data does so at least once in this time.
+/// Longest time between telemetry packets.
 constexpr double telemetry_silent_s = 1;
-/// Whoever sent within this time sends now.
+/// A sender counts as active for this time.
 constexpr Span recent_sender = std::chrono::seconds(3);
 
-/// "10 s", or less soon after the begin.
+/// "10 s", or less shortly after the start.
 std::string window_text(const Reception& recent) {
   return fmt::format("{:.0f} s", std::min(10.0, recent.watched_s));
 }
 
-/// All that the device is warned of, since one trouble must not hide another.
+/// All warnings of the device.
 std::string warnings_of(const SensorReport& report) {
   std::string text;
   for (const std::string& warning : report.info.warnings) text += (text.empty() ? "" : ". ") + warning;
@@ -33,28 +33,28 @@ std::string warnings_of(const SensorReport& report) {
 std::string why_nothing(const SensorConfig& config, const SensorReport& report, const UnknownSenders& unknown,
                         Stamp now) {
   if (config.model == nullptr || !config.packet_topic.empty()) return "; is its driver running?";
-  // Packets that come from elsewhere show that it is not the network.
+  // Packets from another address show that the network works.
   const bool datagrams = config.model->transport == Transport::udp;
   const std::string sender =
       datagrams ? unknown.sender_to(config.ip_port, now - recent_sender) : std::string();
   if (!sender.empty()) return "; but there are packets from " + sender + ": correct ip_address?";
   if (!report.link_trouble.empty()) return ": " + report.link_trouble;
   if (config.model->transport == Transport::tcp) {
-    // A device that refuses says why.
+    // A device that refuses reports the reason.
     return report.info.warnings.empty() ? "; does the device measure?" : ": " + warnings_of(report);
   }
-  // What keeps the dialogue of a device that sends datagrams from starting them.
+  // A failed dialogue explains missing datagrams.
   if (!report.info.warnings.empty()) return ": " + warnings_of(report);
   if (!report.link_hint.empty()) return ": " + report.link_hint;
   return "; check the sensor's power, its destination address and port, and the firewall";
 }
 
-/// True where nobody has yet had the time to send.
+/// True in the first second after the start.
 bool may_still_come(const SensorReport& report) {
   return report.starting && (report.link_trouble.empty() || report.link_trouble == first_attempt);
 }
 
-/// Data do not come.
+/// Judges missing data.
 void judge_silence(const SensorConfig& config, const SensorReport& report, const UnknownSenders& unknown,
                    Stamp now, DiagnosticItem& item) {
   if (may_still_come(report)) {
@@ -73,10 +73,10 @@ void judge_silence(const SensorConfig& config, const SensorReport& report, const
   }
 }
 
-/// Hardly a packet could be used.
+/// True if at least 99 % of the packets were rejected.
 bool is_all_refused(const Counters& c) { return c.packets > 0 && c.rejected_total() * 100 >= c.packets * 99; }
 
-/// Data come: as many as there should be?
+/// Judges the amount of data.
 void judge_data(const SensorConfig& config, const SensorReport& report, DiagnosticItem& item) {
   const Counters& c = report.counters;
   const FrameKind kind = config.model != nullptr ? config.model->kind : FrameKind::scan;
@@ -121,7 +121,7 @@ void add_rates(const Reception& recent, DiagnosticItem& item) {
            rate(100.0 * static_cast<double>(recent.returns), static_cast<double>(recent.beams)));
 }
 
-/// So many are remembered by name; a flood of forged ones must not grow memory.
+/// Limit of the stored names, against forged senders.
 constexpr std::size_t most_names = 32;
 
 std::string name_of(const Flow& flow, std::uint64_t packets) {
@@ -201,7 +201,7 @@ void UnknownSenders::note(const Packet& packet) {
   sender.last = packet.arrival;
 }
 
-/// For one more name: the place of one who has gone may be taken.
+/// Makes room for a name by removing an expired one; false if there is none.
 bool UnknownSenders::make_room(Stamp now) {
   if (senders_.size() < most_names) return true;
   const auto oldest = std::min_element(senders_.begin(), senders_.end(), [](const auto& a, const auto& b) {

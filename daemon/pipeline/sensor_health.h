@@ -14,16 +14,16 @@
 
 namespace lidard {
 
-/// Senders on a configured port that no sensor claims.
+/// Senders to a configured port that belong to no sensor.
 class UnknownSenders {
  public:
-  /// Who sent nothing for so long is not reported any more.
+  /// A sender is forgotten after this silence.
   static constexpr Span expires_after = std::chrono::seconds(60);
 
   void note(const Packet& packet);
   /// "192.168.1.9 -> port 2368 (412 packets)"; those that have sent at or after `since`.
   std::vector<std::string> names(Stamp since = {}) const;
-  /// The first of them that has sent datagrams to the port at or after `since`; empty: there is none.
+  /// The first one that has sent datagrams to the port at or after `since`; empty: none.
   std::string sender_to(std::uint16_t port, Stamp since = {}) const;
 
  private:
@@ -37,21 +37,20 @@ class UnknownSenders {
   Sender not_named_;
 };
 
-/// OK while no longer time than a warning or an error has passed since the last data of a source; `period_s`:
-/// as in SilenceLimits.
+/// The health by the time since the last data of a source; `period_s`: as in SilenceLimits.
 Health silence_of(Stamp last_arrival, double period_s, Stamp now);
 
-/// A sensor's line on /diagnostics: is there data, as much as there should be, and if not, why probably not.
+/// A sensor's item on /diagnostics: the amount of data and, if it is too small, the probable cause.
 DiagnosticItem sensor_health(const SensorConfig& config, const SensorReport& report,
                              const UnknownSenders& unknown, Stamp now);
 
-/// "sensor NAME control": what its driver tells of the device's settings.
+/// "sensor NAME control": the driver's status of the device's settings.
 DiagnosticItem settings_item(const SensorConfig& config, const SettingsStatus& status);
 
-/// Names the senders on our ports that no sensor claims; there is at least one.
+/// The item on senders to configured ports that belong to no sensor; at least one.
 DiagnosticItem unknown_senders_item(const std::vector<std::string>& senders);
 
-/// Where the data of a sensor come from, as configured: "192.168.1.201 to port 2368", "topic /rear/scan".
+/// The configured source of a sensor's data: "192.168.1.201 to port 2368", "topic /rear/scan".
 std::string where_from(const SensorConfig& config);
 
 }  // namespace lidard

@@ -27,7 +27,7 @@ struct DiagnosticItem {
   Health health = Health::ok;
   std::string message{};  ///< one sentence; says the remedy when health is not ok
   std::vector<std::pair<std::string, std::string>> values{};
-  bool logged = false;          ///< its maker tells the log of changes
+  bool logged = false;          ///< its source logs changes
   bool awaited = false;         ///< it has not come yet since the start, so nothing of it broke
   std::optional<bool> is_up{};  ///< of a lidar, a port or a connection that data need: counted in one line
 
@@ -39,8 +39,7 @@ struct DiagnosticItem {
   void add(std::string key, std::uint64_t number) { add(std::move(key), std::to_string(number)); }
 };
 
-/// The items of both lanes. Both may have something to tell under one name, of unknown senders for example:
-/// then the worse message counts, and the values of both.
+/// The items of both lanes. Items with one name are joined, with the worse message and the values of both.
 inline std::vector<DiagnosticItem> joined(const std::vector<DiagnosticItem>& items,
                                           std::vector<DiagnosticItem> more) {
   std::vector<DiagnosticItem> all = items;
@@ -61,7 +60,7 @@ inline std::vector<DiagnosticItem> joined(const std::vector<DiagnosticItem>& ite
 struct Payload : std::variant<const PlanarScan*, Cloud*, const DeviceMessage*,
                               const std::vector<StaticTransform>*, const Stamp*> {
   Payload(const PlanarScan& scan) : variant(&scan) {}
-  /// Whoever gets a cloud may swap out its points_bytes.
+  /// The receiver of a cloud may swap out its points_bytes.
   Payload(Cloud& cloud) : variant(&cloud) {}
   Payload(const DeviceMessage& message) : variant(&message) {}
   Payload(const std::vector<StaticTransform>& transforms) : variant(&transforms) {}
@@ -74,7 +73,7 @@ struct Payload : std::variant<const PlanarScan*, Cloud*, const DeviceMessage*,
 class FrameSink {
  public:
   virtual ~FrameSink() = default;
-  /// False while what is published on the topic would reach nobody: it need not be made.
+  /// False while the topic has no consumer, so that its frames need not be made.
   virtual bool wants(const OutputTopic& /*topic*/) const { return true; }
   /// Called in place of publish() for a frame that was not made, since no sink wants it.
   virtual void skip(const OutputTopic& /*topic*/, Stamp /*released*/) {}

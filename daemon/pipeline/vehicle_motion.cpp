@@ -20,7 +20,7 @@ VehicleMotion::VehicleMotion(const VehicleConfig& vehicle, TransformSource& tran
 void VehicleMotion::configure() { frames_.set_track(vehicle_.has_motion() ? &track_ : nullptr); }
 
 void VehicleMotion::poll(Stamp now) {
-  // Packets come by the thousand, poses by the dozen.
+  // Packets are much more frequent than poses.
   constexpr Span between_polls = std::chrono::milliseconds(5);
   if (vehicle_.odometry_frame.empty()) return;
   if (now >= last_poll_ && now - last_poll_ < between_polls) return;
@@ -55,7 +55,7 @@ void VehicleMotion::note_poses(Stamp now) {
   pose_ = Newest{track_.newest(), now};
 }
 
-/// What is wrong and what to look for; empty: nothing.
+/// The fault, with the remedy; empty: none.
 std::string VehicleMotion::trouble(Stamp now) const {
   if (track_.empty()) return "no pose of the vehicle yet; scans are not deskewed";
   const bool data_live = data_ && seconds(now - data_->arrival) < data_live_s;

@@ -13,31 +13,31 @@
 
 namespace lidard {
 
-/// How the vehicle moves: collects its poses from tf, from odometry, or from turn rates and speed, and
-/// watches that they keep up with the sensors' data. Stamps are compared with stamps alone, since under
-/// simulated time, or in a replay, they are of another clock than arrivals.
+/// The vehicle's motion: collects poses from tf, from odometry, or from turn rates and speed, and checks that
+/// they keep up with the sensors' data. Stamps are compared only with stamps, since arrivals use another
+/// clock in simulation and replay.
 class VehicleMotion {
  public:
-  /// All must outlive this; `frames` gets the track.
+  /// The arguments must outlive this; `frames` gets the track.
   VehicleMotion(const VehicleConfig& vehicle, TransformSource& transforms, FrameTree& frames);
-  /// `vehicle` or the frames are others now.
+  /// Call after `vehicle` or the frames have changed.
   void configure();
 
-  /// Takes what tf has learned of the vehicle's way.
+  /// Adds new poses from tf.
   void poll(Stamp now);
-  /// A pose of `child` (empty: base_frame) in the odometry's frame.
+  /// Adds a pose of `child` (empty: base_frame) in the odometry's frame.
   void add_pose(Stamp stamp, const Pose& pose, const std::string& child, Stamp now);
-  /// Turn rates in `frame` (empty: base_frame), rad/s.
+  /// Adds turn rates in `frame` (empty: base_frame), rad/s.
   void add_turn(Stamp stamp, const Eigen::Vector3d& rates, const std::string& frame, Stamp now);
-  /// m/s along x of base_frame.
+  /// Sets the speed, m/s along x of base_frame.
   void add_speed(double speed) { reckoning_.speed(speed); }
-  /// Data of a sensor came in that was measured at `stamp`.
+  /// Reports data of a sensor measured at `stamp`.
   void note_data(Stamp stamp, Stamp now) { data_ = Newest{stamp, now}; }
   /// The input starts again.
   void restart() { track_.clear(); }
   const FrameTree& frames() const { return frames_; }
   const std::string& base_frame() const { return vehicle_.base_frame; }
-  /// Whether poses come as they should; none: nobody tells how the vehicle moves.
+  /// The item on poses; none: there is no source of motion.
   std::optional<DiagnosticItem> diagnostics(Stamp now) const;
 
  private:
@@ -45,7 +45,7 @@ class VehicleMotion {
     Stamp stamp;
     Stamp arrival;
   };
-  /// Where a frame is on the vehicle; counts those that are not known.
+  /// The pose of a frame on the vehicle; counts failures.
   std::optional<Pose> place(const std::string& parent, const std::string& child, Stamp stamp);
   void note_poses(Stamp now);
   std::string trouble(Stamp now) const;
@@ -58,7 +58,7 @@ class VehicleMotion {
   std::vector<StampedPose> new_poses_;
   Stamp last_poll_{};
   std::optional<Newest> data_, pose_;
-  std::uint64_t refused_ = 0;  // poses whose frame's place on the vehicle is not known
+  std::uint64_t refused_ = 0;  // poses of frames with unknown place on the vehicle
   std::string why_refused_;
 };
 

@@ -36,7 +36,7 @@ IpAddress address_in(const sockaddr* from) {
   return address;
 }
 
-/// A counter of /proc/net/netstat or snmp, where a line of names stands before one of numbers.
+/// A counter of /proc/net/netstat or snmp, which have a line of names before every line of numbers.
 std::uint64_t counter(const char* file, const std::string& table, const std::string& name) {
   std::ifstream in(file);
   std::string line, numbers;

@@ -16,10 +16,10 @@ struct HostInterface {
   std::string name;
   IpAddress address;      ///< 0.0.0.0: none
   unsigned prefix = 0;    ///< bits of the address that name its network
-  bool up = false;        ///< somebody switched it on
-  bool has_link = false;  ///< there is somebody at the other end of the cable
+  bool up = false;        ///< administratively up
+  bool has_link = false;  ///< the cable is connected to a running peer
   bool loopback = false;
-  std::uint32_t packets = 0;  ///< that came in; wraps
+  std::uint32_t packets = 0;  ///< received; wraps
 
   /// True if that address belongs to the network of this one.
   bool reaches(const IpAddress& other) const;
@@ -27,24 +27,24 @@ struct HostInterface {
   std::string to_string() const;
 };
 
-/// What the kernel tells everybody of the network of this host, without a privilege, and in a service that
-/// sees nothing of /proc but its own process (ProcSubset=pid).
+/// The network state of this host that the kernel reports without privileges, also to a service with
+/// ProcSubset=pid.
 struct HostNetwork {
   std::vector<HostInterface> interfaces;
   std::uint64_t dropped_by_path = 0;  ///< packets that the reverse path filter (rp_filter) dropped
-  std::uint64_t without_port = 0;     ///< datagrams that came to a port where nobody listened
-  std::uint64_t for_others = 0;       ///< packets that came in for an address that this host does not have
+  std::uint64_t without_port = 0;     ///< datagrams to a port without a listener
+  std::uint64_t for_others = 0;       ///< received packets for an address that this host does not have
 };
 HostNetwork read_network();
 
-/// The hardware addresses of this host's neighbours as the kernel heard them last (ARP).
+/// The hardware addresses of this host's neighbours (ARP).
 std::map<IpAddress, std::string> read_neighbours();
 
-/// True if the kernel knows a way to that address, be it through a gateway.
+/// True if the kernel has a route to the address, direct or through a gateway.
 bool has_route_to(const IpAddress& address);
 
-/// Who has a UDP port of this host: "velodyne_node (process 4711)", or "a program of user 1000" where another
-/// user's programs cannot be looked at; empty: not known. Takes milliseconds.
+/// The program that has bound a UDP port of this host: "velodyne_node (process 4711)", or "a program of user
+/// 1000" if the process is not accessible; empty: not known. The call needs milliseconds.
 std::string holder_of_udp_port(std::uint16_t port);
 
 }  // namespace lidard

@@ -19,10 +19,10 @@ namespace {
 /// One `ip link add` makes several messages; a program that changes routes all the time makes thousands.
 constexpr auto collecting = std::chrono::milliseconds(50);
 
-/// The messages are not read one by one: whoever is told looks for himself.
+/// Discards the messages; the handler reads the new state.
 void drain(int fd) {
   std::array<char, 8192> ignored;
-  // An overrun (ENOBUFS) says that there was more than the buffer holds, and is no end.
+  // ENOBUFS (overrun of the buffer) does not end the messages.
   while (recv(fd, ignored.data(), ignored.size(), MSG_DONTWAIT) > 0 || errno == ENOBUFS || errno == EINTR)
     errno = 0;
 }
@@ -43,8 +43,8 @@ std::string InterfaceWatch::start() {
   else
     descriptor_.assign(fd.get(), error);
   if (error)
-    return "the kernel does not tell when interfaces change (" + error.message() +
-           "), they are looked at once per second; allow AF_NETLINK in the service's unit";
+    return "the kernel does not report changes of interfaces (" + error.message() +
+           "), so they are checked once per second; allow AF_NETLINK in the service's unit";
   fd.release();
   wait();
   return {};
@@ -61,12 +61,12 @@ void InterfaceWatch::wait() {
     if (error) return;
     timer_.expires_after(collecting);
     timer_.async_wait([this](const auto& cancelled) {
-      if (!cancelled) tell();
+      if (!cancelled) report();
     });
   });
 }
 
-void InterfaceWatch::tell() {
+void InterfaceWatch::report() {
   drain(descriptor_.native_handle());
   wait();
   changed_();

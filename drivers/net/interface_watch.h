@@ -10,20 +10,19 @@
 
 namespace lidard {
 
-/// Tells that interfaces, addresses or routes of this host came, went or changed, as soon as the kernel says
-/// so.
+/// Reports changes of this host's interfaces, addresses and routes as soon as the kernel does.
 class InterfaceWatch {
  public:
-  /// `changed` is called from within `io`, once for all that changed at a time.
+  /// `changed` is called from `io`, once for several changes at a time.
   InterfaceWatch(boost::asio::io_context& io, std::function<void()> changed);
 
-  /// Empty, or why the kernel tells nothing: then timers alone find what changed.
+  /// Empty, or why the kernel does not report changes; then only timers find them.
   std::string start();
   void stop();
 
  private:
   void wait();
-  void tell();
+  void report();
 
   boost::asio::posix::stream_descriptor descriptor_;
   boost::asio::steady_timer timer_;

@@ -25,19 +25,18 @@ namespace {
 
 constexpr int keep_alive_after_s = 1;
 constexpr int keep_alive_every_s = 1;
-/// No sign of the peer for so long, though it was asked for one: it is gone. The kernel itself, which counts
-/// in whole seconds here, would notice after two.
+/// A peer that left a keep-alive unanswered for this time is gone. The kernel counts whole seconds and needs
+/// two.
 constexpr std::uint32_t gone_after_ms = 1700;
 constexpr auto peer_check = std::chrono::milliseconds(100);
 
 template <class T>
 void set(int fd, int level, int option, T value) {
-  // All of them are refinements: where the system has no such option the connection works without.
+  // The options are refinements: the connection works without them.
   static_cast<void>(::setsockopt(fd, level, option, &value, sizeof value));
 }
 
-/// Prepares a socket that is about to connect: no waiting for more bytes to send, stamps of arrival, and
-/// keep-alives that ask a peer that is silent for a sign.
+/// Sets the options of a new socket: no Nagle delay, arrival stamps and keep-alives.
 void prepare_tcp_socket(int fd) {
   set(fd, IPPROTO_TCP, TCP_NODELAY, 1);
   set(fd, SOL_SOCKET, SO_KEEPALIVE, 1);
@@ -47,8 +46,8 @@ void prepare_tcp_socket(int fd) {
   set(fd, SOL_SOCKET, SO_TIMESTAMPNS, 1);
 }
 
-/// True if neither bytes nor acknowledgements came for long, while a keep-alive or bytes of ours wait for
-/// one.
+/// True if neither bytes nor acknowledgements came for long while a keep-alive or sent bytes are
+/// unacknowledged.
 bool peer_is_gone(int fd) {
   tcp_info info{};
   socklen_t size = sizeof info;
@@ -57,7 +56,7 @@ bool peer_is_gone(int fd) {
   return asked && std::min(info.tcpi_last_data_recv, info.tcpi_last_ack_recv) >= gone_after_ms;
 }
 
-/// Reads what has arrived, without waiting. As recv(2); `stamp` is when the last byte came.
+/// Reads without waiting, as recv(2); `stamp` is the arrival of the last byte.
 ssize_t receive_bytes(int fd, std::uint8_t* to, std::size_t room, Stamp& stamp) {
   struct alignas(cmsghdr) Control {
     std::array<char, CMSG_SPACE(sizeof(timespec))> bytes;
@@ -89,7 +88,7 @@ std::string why_not_connected(const Endpoint& device, int error) {
       return name + " refuses the connection; is this the device's port, and does another program use the " +
              "device already? it is tried again";
     case ETIMEDOUT:
-    case EHOSTUNREACH:  // the same, from the kernel that looks for the device's MAC address
+    case EHOSTUNREACH:  // no answer to ARP
     case EHOSTDOWN:
       return name + " does not answer; check the device's power, cable and address, it is tried again";
     case ENETUNREACH:
@@ -127,9 +126,9 @@ using boost::asio::ip::tcp;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t read_buffer = 64 * 1024;
-/// Other sockets of the thread want their turn.
+/// Limits the time until other sockets of the thread are read.
 constexpr int reads_per_wakeup = 8;
-/// A connection that lasted so long was a good one: the next is opened soon.
+/// After a connection that lasted this long, the delay of retries starts again.
 constexpr auto steady_after = std::chrono::seconds(2);
 
 tcp::endpoint to_asio(const Endpoint& endpoint) {
@@ -234,7 +233,7 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
     timer_.cancel(error);
     const std::uint64_t generation = generation_;
     handlers_.connected(wall_clock());
-    if (generation != generation_) return;  // ended by the handler
+    if (generation != generation_) return;  // the handler ended the connection
     watch_silence();
     wait_to_read();
   }
@@ -249,7 +248,7 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
     waits_to_write_ = false;
   }
 
-  /// Ends connection or attempt; plans the next where the connection is to last.
+  /// Ends the connection or attempt; with keep_up schedules the next one.
   void fail(std::string message) {
     const bool was_connected = state_.phase == TcpState::Phase::connected;
     close();
@@ -258,8 +257,8 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
     if (was_connected || !options_.keep_up) handlers_.disconnected();
   }
 
-  /// Ends a connection that the device may hold on to for minutes, and take no other. The next comes from the
-  /// same port, which ends it there (RFC 9293 3.5.1, half-open connections).
+  /// Ends a connection that the device may keep for minutes while it refuses others. The next connection
+  /// comes from the same port, which ends the old one (RFC 9293 3.5.1, half-open connections).
   void abandon(std::string message) {
     boost::system::error_code ignored;
     socket_.set_option(tcp::socket::linger(true, 0), ignored);
@@ -303,7 +302,7 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
                        });
   }
 
-  /// False if the connection ended meanwhile.
+  /// Reads up to `rounds` times; false if the connection ended.
   bool read(int rounds) {
     const std::uint64_t generation = generation_;
     for (int round = 0; round < rounds; ++round) {
@@ -313,7 +312,7 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
       if (got < 0 && (errno == EAGAIN || errno == EINTR)) return true;
       if (got <= 0) {
         const int error = got == 0 ? 0 : errno;
-        // That the device closed it is an end like another where nobody needs a lasting connection.
+        // Without keep_up it is no error that the device closes the connection.
         std::string why = got == 0 && !options_.keep_up ? "" : why_disconnected(options_.device, error);
         error == ETIMEDOUT ? abandon(std::move(why)) : fail(std::move(why));
         return false;
@@ -332,17 +331,16 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
     return true;
   }
 
-  /// What is wrong with the connection shows when it is read.
+  /// Sends queued bytes. Errors are reported by the next read.
   void flush() {
     while (!unsent_.empty()) {
-      // As send(2), but without a signal.
-      const ssize_t taken =
+      const ssize_t written =
           ::send(socket_.native_handle(), unsent_.data(), unsent_.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
-      if (taken < 0 && errno == EINTR) continue;
-      if (taken < 0 && errno == EAGAIN) return wait_to_write();
-      if (taken < 0) return unsent_.clear();
-      stats_.sent += static_cast<std::uint64_t>(taken);
-      unsent_.erase(unsent_.begin(), unsent_.begin() + taken);
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0 && errno == EAGAIN) return wait_to_write();
+      if (written < 0) return unsent_.clear();
+      stats_.sent += static_cast<std::uint64_t>(written);
+      unsent_.erase(unsent_.begin(), unsent_.begin() + written);
     }
   }
 
@@ -354,7 +352,7 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
   }
 
   void check_silence() {
-    // If it was we who slept, the bytes are there.
+    // This process may have been delayed: the bytes may be in the buffer.
     if (!read(1)) return;
     if (peer_is_gone(socket_.native_handle())) return abandon(why_disconnected(options_.device, ETIMEDOUT));
     const auto quiet = Clock::now() - last_byte_;
@@ -376,12 +374,12 @@ class TcpSource::Impl : public std::enable_shared_from_this<Impl> {
   Clock::time_point connected_since_{};
   Clock::time_point last_byte_{};
   Endpoint local_;
-  std::uint16_t abandoned_port_ = 0;  // ours, of a connection that the device may still hold on to
+  std::uint16_t abandoned_port_ = 0;  // local port of a connection that the device may still keep
   bool fresh_ = true;                 // nothing was received on this connection yet
   bool waits_to_write_ = false;
   std::vector<std::uint8_t> buffer_;
   std::vector<std::uint8_t> unsent_;
-  // Handlers that were already queued when the socket was closed find another number here.
+  // Identifies the socket, so that queued handlers of a closed socket return.
   std::uint64_t generation_ = 0;
 };
 

@@ -17,8 +17,8 @@
 namespace lidard {
 namespace {
 
-/// What the kernel charges for a datagram of up to 1500 bytes, of which SO_RCVBUF counts half (measured; the
-/// kernel doubles the number for its own bookkeeping).
+/// Buffer space of a datagram of up to 1500 bytes (measured). SO_RCVBUF counts half of it, since the kernel
+/// doubles the number.
 constexpr double buffer_bytes_per_packet = 2304.0 / 2;
 constexpr int most_filtered_senders = 200;  // jump distances of classic BPF end at 255
 
@@ -47,7 +47,7 @@ IpAddress from_in_addr(const in_addr& raw) {
 
 sock_filter statement(unsigned code, std::uint32_t k) { return {static_cast<std::uint16_t>(code), 0, 0, k}; }
 
-/// Accepts the listed senders, and 1 of 64 datagrams of all others, so that they can be named.
+/// Accepts the listed senders, and 1 of 64 datagrams of all others so that they can be reported.
 bool attach_sender_filter(int fd, const std::vector<IpAddress>& senders) {
   constexpr std::uint32_t source_in_ip_header = 12;
   constexpr std::uint32_t accept_whole = 0xffffffffU;
@@ -131,7 +131,7 @@ Expected<UdpSocket> open_udp_socket(const UdpOptions& options) {
       !set_option(fd, IPPROTO_IP, IP_PKTINFO, 1))
     return Reason{std::string("the kernel gives no stamps or drop counters: ") + std::strerror(errno) +
                   "; Linux 3.8 or later is needed"};
-  // Otherwise groups that another program joined on this host would come in, too.
+  // Without this, datagrams of groups that other programs of this host joined are received too.
   set_option(fd, IPPROTO_IP, IP_MULTICAST_ALL, 0);
   if (options.share_port) set_option(fd, SOL_SOCKET, SO_REUSEADDR, 1);
   s.limits = limit_socket(fd, options);
@@ -225,7 +225,7 @@ int DatagramBatch::receive(int fd) {
 
 DatagramBatch::Datagram DatagramBatch::operator[](std::size_t i) const {
   const Storage& s = *storage_;
-  // The macros that walk the control data want it writable.
+  // The macros for control data need a writable header.
   auto* header = const_cast<msghdr*>(&s.messages[i].msg_hdr);
   Datagram d;
   d.payload = ByteView(s.payloads.data() + i * max_datagram_, s.messages[i].msg_len);

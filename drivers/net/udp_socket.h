@@ -13,9 +13,9 @@
 
 namespace lidard {
 
-/// What a socket lets through and holds.
+/// The limits in force of a socket.
 struct UdpLimits {
-  bool filtered = false;  ///< the kernel drops what other senders send
+  bool filtered = false;  ///< the kernel drops datagrams of other senders
   std::size_t buffer_asked = 0, buffer_got = 0;
 };
 
@@ -28,23 +28,22 @@ struct UdpSocket {
 
 Expected<UdpSocket> open_udp_socket(const UdpOptions& options);
 
-/// Joins the group (again); 0, or the error as errno has it. Joining twice does no harm and heals a
-/// membership that died with its interface. ENOBUFS: the socket has as many memberships, dead ones included,
-/// as it may.
+/// Joins the group (again); returns 0 or errno. Repeated calls are harmless and restore a membership that was
+/// lost with its interface. ENOBUFS: the limit of memberships, lost ones included, is reached.
 int join_group(int fd, const MulticastGroup& group);
-/// What such an error means, with the remedy.
+/// The message for an error of join_group(), with the remedy.
 std::string why_not_joined(const MulticastGroup& group, int error);
 
-/// Ends a membership; nothing happens where there is none.
+/// Ends a membership, if there is one.
 void leave_group(int fd, const MulticastGroup& group);
 
-/// Puts the sender filter and the receive buffer of `options` in place, also of a socket that receives.
+/// Applies the sender filter and the receive buffer of `options`, also to a socket in use.
 UdpLimits limit_socket(int fd, const UdpOptions& options);
 
 /// True if more than half of the receive buffer is occupied.
 bool receive_buffer_is_filling(int fd);
 
-/// The sentence for a buffer smaller than asked for; empty if it is large enough.
+/// The warning for a buffer smaller than requested; empty if it is large enough.
 std::string buffer_warning(const UdpLimits& limits, const UdpOptions& options);
 
 /// One receiving system call for up to 32 datagrams; its memory is allocated once.
@@ -57,7 +56,7 @@ class DatagramBatch {
     Endpoint from;
     IpAddress to;
     bool truncated = false;
-    std::uint32_t drops = 0;  ///< of the socket since it was opened
+    std::uint32_t drops = 0;  ///< dropped by the socket since it was opened
   };
 
   explicit DatagramBatch(std::size_t max_datagram);

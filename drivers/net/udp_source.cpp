@@ -18,12 +18,12 @@ namespace {
 
 constexpr auto first_retry = std::chrono::milliseconds(100);
 constexpr auto last_retry = std::chrono::milliseconds(1000);
-/// A membership dies without a word when its interface is taken away and comes back (USB adapters, VLANs).
-/// The second line, where the kernel does not tell of interfaces (see InterfaceWatch).
+/// A membership is lost without an error when its interface is removed and comes back (USB adapters, VLANs).
+/// This check is needed where InterfaceWatch does not work.
 constexpr auto membership_check = std::chrono::seconds(1);
-/// Other sockets of the thread want their turn.
+/// Limits the time until other sockets of the thread are read.
 constexpr int batches_per_wakeup = 8;
-/// Datagrams/s from which on a port is busy, and below which it is quiet again.
+/// Datagrams/s above which a port is busy, and below which it is quiet again.
 constexpr double busy_from = 2000, quiet_below = 1500;
 constexpr auto rate_window = std::chrono::milliseconds(100);
 constexpr auto busy_period = std::chrono::milliseconds(1);
@@ -55,7 +55,7 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
 
   void configure(UdpOptions options) {
     const UdpOptions before = std::exchange(options_, std::move(options));
-    if (port_ == 0) return;  // the next attempt to open it knows
+    if (port_ == 0) return;  // applied by the next attempt to open
     const int fd = socket_.get();
     note(limit_socket(fd, options_));
     for (const MulticastGroup& group : before.groups) {
@@ -121,7 +121,7 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     state_ = {UdpState::Phase::receiving, {}};
     for (const MulticastGroup& group : options_.groups) {
       const int error = join_group(socket_.get(), group);
-      // Only a new socket forgets the memberships of interfaces that are gone.
+      // Only a new socket is free of the memberships of removed interfaces.
       if (error == ENOBUFS && !new_socket) return fail(why_not_joined(group, error));
       if (error != 0) state_ = {UdpState::Phase::partial, why_not_joined(group, error)};
     }
@@ -145,18 +145,17 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     });
   }
 
-  /// Waits until there is something to read: in the reactor, which wakes for every datagram, or for a time.
+  /// Waits for the next datagram in the reactor, or for the timer of a busy port.
   void wait() {
     if (busy_) return wait_for(busy_period);
     boost::system::error_code error;
     if (!descriptor_.is_open()) descriptor_.assign(socket_.get(), error);
     if (error) return fail_to_wait(error);
-    descriptor_.async_wait(
-        boost::asio::posix::stream_descriptor::wait_read,
-        [self = shared_from_this(), generation = generation_](const auto& failure) {
-          if (generation != self->generation_) return;
-          failure ? self->fail_to_wait(failure) : self->readable();
-        });
+    descriptor_.async_wait(boost::asio::posix::stream_descriptor::wait_read,
+                           [self = shared_from_this(), generation = generation_](const auto& failure) {
+                             if (generation != self->generation_) return;
+                             failure ? self->fail_to_wait(failure) : self->readable();
+                           });
   }
 
   void wait_for(Span delay) {
@@ -175,12 +174,12 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     const std::uint64_t generation = generation_;
     int batches = 0;
     while (batches < batches_per_wakeup && read_batch()) ++batches;
-    if (generation != generation_) return;  // stopped by the handler, or failed
+    if (generation != generation_) return;  // the handler stopped the source, or it failed
     note_rate();
     busy_ && batches == batches_per_wakeup ? wait_for(Span(0)) : wait();
   }
 
-  /// True if there may be more to read.
+  /// Reads one batch; true if there may be more.
   bool read_batch() {
     const int fd = socket_.get();
     const std::uint64_t generation = generation_;
@@ -194,7 +193,7 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     return generation == generation_ && count == static_cast<int>(DatagramBatch::capacity);
   }
 
-  /// Decides whether the port is busy, by its rate since the last decision.
+  /// Decides from the rate whether the port is busy.
   void note_rate() {
     const auto now = std::chrono::steady_clock::now();
     const Span passed = now - rate_begin_;
@@ -212,7 +211,7 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
       ++stats_.truncated;
       return;
     }
-    if (is_stranger(datagram.from.address)) ++stats_.unknown_sampled;
+    if (is_unknown(datagram.from.address)) ++stats_.unknown_sampled;
     ++stats_.datagrams;
     stats_.bytes += datagram.payload.size();
     Packet& packet = packets_.emplace_back();
@@ -222,18 +221,18 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
     packet.to = {datagram.to, port_};
   }
 
-  /// The kernel counts datagrams refused by the filter and those that found the buffer full in one number,
-  /// and tells it with the next datagram that finds room. A buffer that is full stays so until it is read:
-  /// drops were losses only up to the first datagram that came after the buffer was last seen filling.
+  /// The kernel counts filtered datagrams and losses of a full buffer in one number and reports it with the
+  /// next datagram. A full buffer stays full until it is read: drops count as losses only up to the first
+  /// datagram that came after the buffer was last found filling.
   void count_drops(const DatagramBatch::Datagram& datagram) {
-    const std::uint32_t more = datagram.drops - drops_;  // unsigned, so that it may wrap
+    const std::uint32_t more = datagram.drops - drops_;  // unsigned: it may wrap
     drops_ = datagram.drops;
     (filtered_ && !filling_seen_ ? stats_.unknown_filtered : stats_.kernel_drops) += more;
     if (filling_seen_ && (!datagram.kernel_stamp || *datagram.kernel_stamp > *filling_seen_))
       filling_seen_.reset();
   }
 
-  bool is_stranger(const IpAddress& sender) const {
+  bool is_unknown(const IpAddress& sender) const {
     const auto& known = options_.senders;
     return !known.empty() && std::find(known.begin(), known.end(), sender) == known.end();
   }
@@ -245,8 +244,8 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
   UdpOptions options_;
   Handler handler_;
   FileDescriptor socket_;
-  boost::asio::posix::stream_descriptor descriptor_;  // socket_ in the reactor; does not own it
-  boost::asio::steady_timer timer_;                   // to try again
+  boost::asio::posix::stream_descriptor descriptor_;  // socket_ in the reactor, not owned
+  boost::asio::steady_timer timer_;                   // for retries
   boost::asio::steady_timer busy_timer_;
   DatagramBatch batch_;
   std::vector<Packet> packets_;  // of a batch
@@ -255,7 +254,7 @@ class UdpSource::Impl : public std::enable_shared_from_this<Impl> {
   std::string warning_;
   std::uint16_t port_ = 0;
   std::chrono::milliseconds retry_ = first_retry;
-  // Handlers that were already queued when the socket was closed find another number here.
+  // Identifies the socket, so that queued handlers of a closed socket return.
   std::uint64_t generation_ = 0;
   bool filtered_ = false;
   std::optional<Stamp> filling_seen_;

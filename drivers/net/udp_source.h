@@ -30,73 +30,74 @@ struct MulticastGroup {
 struct UdpOptions {
   std::uint16_t port = 0;                         ///< local; 0 lets the kernel choose
   IpAddress address = IpAddress::v4(0, 0, 0, 0);  ///< local; 0.0.0.0 survives changes of the interfaces
-  std::vector<IpAddress> senders;                 ///< IPv4; empty: anybody
+  std::vector<IpAddress> senders;                 ///< IPv4; empty: any sender
   std::vector<MulticastGroup> groups;
   double packets_per_s = 1000;  ///< of all sensors on this port
-  /// Half a second, and what it takes to begin to read again.
+  /// Half a second, plus the time to start reading again.
   Span tolerated_stall = std::chrono::milliseconds(600);
   std::size_t receive_buffer =
       0;  ///< bytes, as in SO_RCVBUF; 0: from rate and stall, but not below the system's default
-  std::size_t max_datagram = 2048;  ///< bytes of payload; longer ones are counted as truncated and left out
-  bool share_port = false;          ///< let other programs receive the same broadcasts and multicasts
+  std::size_t max_datagram =
+      2048;                 ///< bytes of payload; longer datagrams are counted as truncated and dropped
+  bool share_port = false;  ///< let other programs receive the same broadcasts and multicasts
 };
 
 struct UdpStats {
-  std::uint64_t datagrams = 0;           ///< handed on
-  std::uint64_t bytes = 0;               ///< their payloads
-  std::uint64_t kernel_drops = 0;        ///< lost because the receive buffer was full
-  std::uint64_t truncated = 0;           ///< longer than max_datagram
-  std::uint64_t unknown_sampled = 0;   ///< from other senders and handed on nevertheless, 1 of 64
+  std::uint64_t datagrams = 0;         ///< passed to the handler
+  std::uint64_t bytes = 0;             ///< their payloads
+  std::uint64_t kernel_drops = 0;      ///< lost because the receive buffer was full
+  std::uint64_t truncated = 0;         ///< longer than max_datagram
+  std::uint64_t unknown_sampled = 0;   ///< from other senders and passed on as samples, 1 of 64
   std::uint64_t unknown_filtered = 0;  ///< from other senders and dropped by the kernel
   std::size_t receive_buffer_asked = 0, receive_buffer_got = 0;  ///< bytes, as in SO_RCVBUF
-  std::uint64_t wakeups = 0;  ///< times that the port was read
+  std::uint64_t wakeups = 0;                                     ///< number of reads of the port
 };
 
 struct UdpState {
   enum class Phase : std::uint8_t {
     stopped,
-    waiting,  ///< cannot receive now, tries again
-    partial,  ///< receives, but not every multicast group could be joined; tries again
+    waiting,  ///< cannot receive now; retries
+    partial,  ///< receives, but could not join every multicast group; retries
     receiving
   };
   Phase phase = Phase::stopped;
   std::string message;  ///< what is wrong and the remedy; empty while receiving
 };
 
-/// Receives datagrams from any number of senders on one local port, with the kernel's time of arrival.
-/// A port with few datagrams is read at once. A busy one (more than 2000 datagrams/s) is read by a timer, every
-/// millisecond: waiting for each datagram would cost more than the datagrams themselves.
+/// Receives datagrams from any number of senders on one local port, with the kernel's arrival stamps. A quiet
+/// port is read at once. A busy port (more than 2000 datagrams/s) is read by a timer every millisecond, since
+/// waking for every datagram costs more than reading it.
 ///
-/// Never throws and never gives up: what the system refuses (port in use, no such interface, ...) becomes a
-/// state with a message, and is tried again after 0.1 s, then ever later up to 1 s.
+/// Never throws and never gives up: an error of the system (port in use, no such interface, ...) becomes a
+/// state with a message and is retried after 0.1 s, later up to 1 s.
 class UdpSource {
  public:
-  /// Gets the datagrams that one system call brought, in order; it may change them.
+  /// Gets the datagrams of one system call, in order; it may change them.
   using Handler = std::function<void(std::vector<Packet>&)>;
 
-  /// `handler` is called from within `io`.
+  /// `handler` is called from `io`.
   UdpSource(boost::asio::io_context& io, UdpOptions options, Handler handler);
   ~UdpSource();
   UdpSource(const UdpSource&) = delete;
   UdpSource& operator=(const UdpSource&) = delete;
 
   void start();
-  /// No handler is called any more once this returned.
+  /// No handler is called after this returns.
   void stop();
-  /// Hands on what a busy port has received since its timer; what a quiet port received is handed on by `io`.
+  /// Passes on what a busy port has received since its last timer.
   void catch_up();
-  /// Interfaces or addresses have changed: joins groups again, and tries at once what could not be done.
+  /// Call after interfaces or addresses have changed: joins groups again and retries failed steps at once.
   void interfaces_changed();
 
-  /// Other senders, groups and rates, of a socket that goes on receiving. Port, address, share_port and
-  /// max_datagram stay what they are.
+  /// Changes senders, groups and rates of an open socket. Port, address, share_port and max_datagram stay
+  /// unchanged.
   void configure(UdpOptions options);
 
   const UdpState& state() const;
   const UdpStats& stats() const;
-  /// A sentence if the system grants a smaller receive buffer than asked for, else empty.
+  /// A warning if the receive buffer is smaller than requested, else empty.
   const std::string& warning() const;
-  /// The port that is bound; 0 while none is.
+  /// The bound port; 0: none.
   std::uint16_t local_port() const;
 
  private:

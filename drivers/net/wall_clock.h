@@ -8,12 +8,12 @@
 
 namespace lidard {
 
-/// The host's time: the scale of the stamps of what arrives.
+/// The host's time: the time scale of arrival stamps.
 inline Stamp wall_clock() {
   return {std::chrono::duration_cast<Span>(std::chrono::system_clock::now().time_since_epoch()).count()};
 }
 
-/// Both clocks, the best of a few readings: the thread may lose its processor between the two.
+/// Both clocks, the best of a few readings, since the thread may be interrupted between the two.
 inline ClockReading read_clocks() {
   const auto monotonic = [] { return Span(std::chrono::steady_clock::now().time_since_epoch()); };
   ClockReading best;

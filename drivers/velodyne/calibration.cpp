@@ -12,10 +12,11 @@
 #include "core/base/number_text.h"
 #include "drivers/velodyne/models.h"
 
-namespace lidard::velodyne {
+namespace lidard {
+namespace velodyne {
 namespace {
 
-/// velodyne_pointcloud's rawdata.cc unpacks a VLS-128 by a way of its own that knows only the angles.
+/// velodyne_pointcloud's rawdata.cc unpacks a VLS-128 separately, with angles only.
 constexpr std::size_t lasers_of_vls128 = 128;
 /// Full scale of the intensity formula, 65535 counts of 2 mm: the manual's 13100 is in cm, our focal distance
 /// in m.
@@ -112,8 +113,12 @@ Calibration table_of(const ModelRow& row) {
   return calibration;
 }
 
+}  // namespace velodyne
+
+using velodyne::row_of;
+
 Calibration table_calibration(const Model& model) {
-  Calibration calibration = table_of(row_of(model));
+  Calibration calibration = velodyne::table_of(row_of(model));
   calibration.model = CalibrationModel::ros_drivers;
   for (LaserCalibration& laser : calibration.lasers) laser.vert_offset = 0;
   return calibration;
@@ -128,7 +133,7 @@ CalibrationModel usual_equations(const Calibration& calibration, const Model& mo
 
 std::string calibration_rejection(const Calibration& calibration, const Model& model) {
   const std::string product(model.product);
-  if (!model.has(Trait::calibration)) return "is for a Velodyne, " + product + " takes none";
+  if (!model.has(Trait::calibration)) return "is for a Velodyne, " + product + " has none";
   if (model.beams == calibration.lasers.size()) return {};
   return "has " + std::to_string(calibration.lasers.size()) + " lasers, " + product + " has " +
          std::to_string(model.beams);
@@ -143,4 +148,4 @@ std::string calibration_warning(const Calibration& calibration, const Model& mod
          " counts in " + mm(usual) + ": is it the right file?";
 }
 
-}  // namespace lidard::velodyne
+}  // namespace lidard

@@ -17,7 +17,7 @@ bool operator==(const LaserCalibration& a, const LaserCalibration& b);
 /// Rings in ascending order of elevation, equal ones in order of the laser's number.
 std::vector<std::uint16_t> rings_by_elevation(const Calibration& calibration);
 
-/// Places returns with a calibration; everything that does not depend on the return was computed beforehand.
+/// Places returns with a calibration; terms that do not depend on the return are precomputed.
 ///
 /// With D the distance with its far correction, ω the elevation, α the azimuth without rot_correction, v and
 /// h the offsets (sensor frame: Y ahead, X right):
@@ -26,34 +26,33 @@ std::vector<std::uint16_t> rings_by_elevation(const Calibration& calibration);
 ///     ros_drivers:  r = D cos ω − v sin ω  Z = Dy sin ω + v cos ω
 ///     X = r(Dx) sin α − h cos α           Y = r(Dy) cos α + h sin α
 ///
-/// where Dx and Dy are D moved between the near and the far correction in proportion to |X| and |Y|.
-/// The loops of sequence_kernel.h do it in float, for eight returns at once.
+/// where Dx and Dy are D with a correction interpolated between near and far in proportion to |X| and |Y|.
+/// The loops of sequence_kernel.h compute this in float, for eight returns at once.
 class CalibratedGeometry {
  public:
   explicit CalibratedGeometry(const Calibration& calibration);
 
   std::size_t lasers() const { return lasers_.size(); }
-  /// The distance with its far correction, m: what range limits apply to.
+  /// The distance with its far correction, m; range limits apply to it.
   double distance(std::size_t laser, std::uint16_t count) const {
     return count * step_m_ + lasers_[laser].dist_correction;
   }
 
-  /// Where the two-point calibration was made: 63-HDL64ES3 Rev K p. 43.
+  /// Distances of the two-point calibration: 63-HDL64ES3 Rev K p. 43.
   static constexpr double far_target_m = 25.04;
   static constexpr double near_target_x_m = 2.40;
   static constexpr double near_target_y_m = 1.93;
 
-  /// What the equations need of one laser.
+  /// The terms of one laser.
   struct Terms {
     double rot_correction, cos_rot, sin_rot, cos_vert, sin_vert;
     double dist_correction, horiz_offset;
-    double r_offset, z_offset;  ///< what vert_offset takes from the ground distance and adds to the height
+    double r_offset, z_offset;  ///< vert_offset, subtracted from the ground distance and added to the height
     double near_x, near_y;      ///< change of the correction per metre towards the near target
     double focal, focal_slope;
     double min_intensity, max_intensity;
     bool two_point;
-    /// True if a distance along the beam and the beam's own two angles place a return, and intensities stay
-    /// as they come.
+    /// True if distance and angles alone place a return and intensities are raw.
     bool is_straight() const {
       return horiz_offset == 0 && !two_point && focal_slope == 0 && min_intensity <= 0 &&
              max_intensity >= 255;
@@ -72,7 +71,7 @@ class CalibratedGeometry {
   std::vector<Terms> lasers_;
 };
 
-/// The model's table as a calibration: nothing but angles and heights.
+/// The model's table as a calibration: angles and heights.
 Calibration table_of(const ModelRow& row);
 
 }  // namespace lidard::velodyne

@@ -14,10 +14,10 @@
 
 namespace lidard::velodyne {
 
-/// Collects firing sequences into frames and hands them on.
+/// Collects firing sequences into frames and publishes them.
 class CloudBuilder {
  public:
-  /// `config` is that of the driver, and takes over what change() is given.
+  /// `config` is the driver's; change() is applied to it.
   CloudBuilder(DriverConfig& config, const ModelRow& row, Counters& counters)
       : config_(config),
         row_(row),
@@ -38,9 +38,8 @@ class CloudBuilder {
 
   /// Makes room for a packet; call before its sequences.
   void begin_packet() { unpacker_.reserve_packet(cloud_); }
-  /// Finds the frame of a sequence whose first laser fires at device time `time` and fills in the times that
-  /// depend on it.
-  /// Call once per sequence, then append() for each of its returns.
+  /// Finds the frame of a sequence whose first laser fires at device time `time` and fills in the dependent
+  /// times. Call once per sequence, then append() for each of its returns.
   void place(Sequence& sequence, Span time, const DeviceClock& clock, DriverOutput& out) {
     auto verdict = cutter_.next(sequence.azimuth_deg, time);
     if (++sequences_ > most_sequences_) verdict = RevolutionCutter::Verdict::forced;
@@ -54,7 +53,7 @@ class CloudBuilder {
     // Only packets that overlap by their stamps fire before the frame's first sequence.
     sequence.in_frame = std::max(time - frame_time_, Span(0));
     sequence.stamp = clock.to_host(time) + config_.time_offset;
-    // The view counts counter-clockwise from the front (REP 103), azimuth clockwise.
+    // The view is counter-clockwise from the front (REP 103), azimuth clockwise.
     visible_ = config_.in_view(-sequence.azimuth_deg * rad_per_deg);
     if (visible_ && is_thin_) visible_ = in_view_++ % thin_step == 0;
   }
@@ -64,7 +63,7 @@ class CloudBuilder {
   }
   /// Call after a packet's sequences.
   void end_packet() { unpacker_.place(cloud_, points_); }
-  /// Ends the frame at hand: the stream ends or its clock jumped.
+  /// Ends the current frame: the stream ended or its clock jumped.
   void cut_off(DriverOutput& out) {
     end(false, out);
     cutter_.reset();
@@ -80,15 +79,14 @@ class CloudBuilder {
   void set_echoes(std::size_t echoes) { echoes_ = echoes; }
 
  private:
-  /// A frame ends by its stamps after so long: RevolutionCutter's limit.
+  /// A frame ends after this time: RevolutionCutter's limit.
   static constexpr Span longest_turn = std::chrono::milliseconds(1500);
   /// At 600 rpm.
   static constexpr Span usual_turn = std::chrono::milliseconds(100);
-  /// One sequence in so many is kept of a frame that nobody wants.
+  /// One sequence in this number is kept of a frame without consumers.
   static constexpr std::size_t thin_step = 16;
 
-  /// Firing sequences that a frame can hold, with some to spare; more of them are no frame. Stamps that stand
-  /// still, or nearly so, would let it grow for ever.
+  /// Limit of the firing sequences of a frame, for stamps that do not advance.
   static std::size_t most_sequences(const ModelRow& row) {
     Span shortest = row.timings.front().sequence;
     for (const Timing& timing : row.timings) shortest = std::min(shortest, timing.sequence);
@@ -107,14 +105,14 @@ class CloudBuilder {
     cloud_.too_near.clear();
     points_ = 0;
     if (fresh_) unpacker_.set_calibration(*std::exchange(fresh_, nullptr));
-    if (wanted_) take_over(*std::exchange(wanted_, std::nullopt));
+    if (wanted_) apply(*std::exchange(wanted_, std::nullopt));
     reserve_revolution();
     unpacker_.reserve_packet(cloud_);
     cloud_.stamp = stamps_.next(clock.to_host(time) + config_.time_offset);
   }
 
-  /// A buffer that grew step by step would be copied, 10 MB at a time, while packets come. It has to hold the
-  /// last frame, or, where there was none, as many returns as a turn can have.
+  /// Reserves the size of the last frame, or of a full turn, so that the buffer (10 MB) is not copied while
+  /// packets arrive.
   void reserve_revolution() {
     if (is_thin_) return;
     std::size_t bytes = last_bytes_;
@@ -128,7 +126,7 @@ class CloudBuilder {
     cloud_.points_bytes.reserve(bytes + bytes / 16);
   }
 
-  void take_over(const DriverConfig& wanted) {
+  void apply(const DriverConfig& wanted) {
     config_.time_offset = wanted.time_offset;
     config_.min_range = wanted.min_range;
     config_.max_range = wanted.max_range;
@@ -161,18 +159,18 @@ class CloudBuilder {
   Counters& counters_;
   Unpacker unpacker_;
   RevolutionCutter cutter_;
-  std::shared_ptr<const Calibration> fresh_;  // waits for the next frame
-  std::optional<DriverConfig> wanted_;        // this too
+  std::shared_ptr<const Calibration> fresh_;  // applied with the next frame
+  std::optional<DriverConfig> wanted_;        // applied with the next frame
   Cloud cloud_;
   std::size_t points_ = 0;
   std::size_t echoes_ = 1;
-  std::size_t sequences_ = 0;  // of the frame at hand
+  std::size_t sequences_ = 0;  // of the current frame
   std::size_t most_sequences_;
   bool in_stream_ = false;
   bool began_at_cut_ = false;
   bool visible_ = true;
-  std::size_t last_bytes_ = 0;  // of the points of the last frame that somebody wanted
-  bool is_thin_ = false;        // nobody wants the points of the frame at hand
+  std::size_t last_bytes_ = 0;  // points of the last frame with consumers
+  bool is_thin_ = false;        // the current frame has no consumers
   std::size_t in_view_ = 0;     // sequences of a thin frame so far
   Span frame_time_{0};
   SteadyStamps stamps_;

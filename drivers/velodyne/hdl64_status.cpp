@@ -14,8 +14,7 @@
 namespace lidard::velodyne {
 namespace {
 
-// Layout: 63-HDL64ES3 Rev K pp. 32-38; the offsets of the settings as velodyne_decoder's hdl64e.py reads
-// them.
+// Layout: 63-HDL64ES3 Rev K pp. 32-38; offsets of the settings: velodyne_decoder, hdl64e.py.
 constexpr int slots_per_cycle = 16;
 constexpr int first_calibration_slot = 9;
 constexpr int bytes_per_cycle = 7;
@@ -32,8 +31,8 @@ constexpr int whole_token = 0x1f;
 constexpr int whole_date = 0x3f;
 constexpr double rad_per_hundredth_deg = pi_d / 18000;
 
-/// Slot of a packet in its cycle, -1 where the type does not tell. The settings have types of their own in
-/// place of the digits: 63-HDL64ES3 Rev K p. 37.
+/// Slot of a packet in its cycle; -1 if the type is ambiguous. Settings have other types in place of the
+/// digits: 63-HDL64ES3 Rev K p. 37.
 int slot_of(std::uint8_t type) {
   constexpr char letters[] = {'H', 'M', 'S', 'D', 'N', 'Y', 'G', 'T', 'V'};
   const auto* letter = std::find(std::begin(letters), std::end(letters), static_cast<char>(type));
@@ -68,7 +67,7 @@ std::string SensorDate::to_string() const {
   return printed("%04d-%02d-%02d %02d:%02d:%02d", year, month, day, hour, minute, second);
 }
 
-/// Bits: 63-HDL64ES3 Rev K p. 38; 3 and 4 of an S2 as in velodyne_decoder's hdl64e.py.
+/// Bits: 63-HDL64ES3 Rev K p. 38; 3 and 4 of an S2: velodyne_decoder, hdl64e.py.
 std::vector<std::string> hdl64_warnings(const Hdl64Info& info) {
   std::vector<std::string> warnings;
   if (has_bit(info, 0)) warnings.emplace_back("the window is dirty; clean it");
@@ -110,9 +109,9 @@ void Hdl64Status::add(std::uint8_t type, std::uint8_t value) {
   }
   step_to(slot);
   if (slot < first_calibration_slot)
-    take_status(type, value);
+    read_status(type, value);
   else
-    take_calibration(slot - first_calibration_slot, type, value);
+    read_calibration(slot - first_calibration_slot, type, value);
 }
 
 void Hdl64Status::restart() {
@@ -123,7 +122,7 @@ void Hdl64Status::restart() {
   date_ = 0;
 }
 
-/// Lost packets are skipped; a whole cycle of them is not noticed here but at the next landmark.
+/// Skips lost packets; the next landmark detects the loss of a full cycle.
 void Hdl64Status::step_to(int slot) {
   if (slot <= slot_) {
     token_ = 0;
@@ -133,7 +132,7 @@ void Hdl64Status::step_to(int slot) {
   slot_ = slot;
 }
 
-void Hdl64Status::take_status(std::uint8_t type, std::uint8_t value) {
+void Hdl64Status::read_status(std::uint8_t type, std::uint8_t value) {
   if (type == 'G')
     info_.gps = static_cast<char>(value);
   else if (type == 'T')
@@ -141,11 +140,11 @@ void Hdl64Status::take_status(std::uint8_t type, std::uint8_t value) {
   else if (type == 'V')
     info_.firmware = value;
   else
-    take_date(slot_, value);
+    read_date(slot_, value);
 }
 
-/// Only parts of one cycle make a date: across a change of the minute others would not belong together.
-void Hdl64Status::take_date(int slot, std::uint8_t value) {
+/// All parts of a date must be from one cycle, since the minute may change between cycles.
+void Hdl64Status::read_date(int slot, std::uint8_t value) {
   if (slot > 5) return;
   int* const parts[] = {&date_parts_.hour, &date_parts_.minute, &date_parts_.second,
                         &date_parts_.day,  &date_parts_.month,  &date_parts_.year};
@@ -154,7 +153,7 @@ void Hdl64Status::take_date(int slot, std::uint8_t value) {
   if (date_ == whole_date) info_.time = date_parts_;
 }
 
-void Hdl64Status::take_calibration(int index, std::uint8_t type, std::uint8_t value) {
+void Hdl64Status::read_calibration(int index, std::uint8_t type, std::uint8_t value) {
   if (type == 'W') {  // in place of a reserved byte
     info_.is_s3 = true;
     info_.warnings = value;
@@ -168,7 +167,7 @@ void Hdl64Status::take_calibration(int index, std::uint8_t type, std::uint8_t va
   pending_[pending_count_++] = {static_cast<std::uint16_t>(cycle_ * bytes_per_cycle + index), value};
 }
 
-/// True if the byte completes the token, the begin of a round.
+/// True if the byte completes the token at the begin of a round.
 bool Hdl64Status::follow_token(int index, std::uint8_t value) {
   if (index >= static_cast<int>(sizeof token) || value != static_cast<std::uint8_t>(token[index]))
     return false;
@@ -184,7 +183,7 @@ bool Hdl64Status::follow_token(int index, std::uint8_t value) {
   return true;
 }
 
-/// A landmark says that the bytes before it stood where they were taken to stand.
+/// True if a landmark confirms the place of the bytes before it.
 bool Hdl64Status::is_landmark_right(int index, std::uint8_t value) {
   if (cycle_ == 0 && index < static_cast<int>(sizeof token))
     return value == static_cast<std::uint8_t>(token[index]);
@@ -211,7 +210,7 @@ void Hdl64Status::commit() {
 }
 
 void Hdl64Status::finish_round() {
-  take_settings();
+  read_settings();
   if (!is_trustworthy()) return;
   bool is_new = calibration_ == nullptr;
   for (int i = 0; i < laser_count && !is_new; ++i)
@@ -223,7 +222,7 @@ void Hdl64Status::finish_round() {
   calibration_ = std::make_shared<const Calibration>(std::move(fresh));
 }
 
-/// How often in succession each byte of the part was the same, for the least of them.
+/// How often in succession every byte of the part was the same (minimum).
 int Hdl64Status::times_known(int begin, int end) const {
   int least = std::numeric_limits<int>::max();
   for (int i = begin; i < end; ++i) least = std::min<int>(least, bytes_[static_cast<std::size_t>(i)].times);
@@ -235,7 +234,7 @@ std::uint16_t Hdl64Status::le16(int position) const {
   return static_cast<std::uint16_t>(bytes_[at].value | bytes_[at + 1].value << 8U);
 }
 
-/// Over the lasers' records without their numbers, as velodyne_decoder's hdl64e.py has it.
+/// The checksum covers the records of the lasers without their numbers (velodyne_decoder, hdl64e.py).
 bool Hdl64Status::is_checksum_right() const {
   if (times_known(checksum_at, round_bytes) == 0) return false;
   boost::crc_optimal<16, 0x8005, 0, 0, false, false> crc;
@@ -281,7 +280,7 @@ LaserCalibration Hdl64Status::laser(int index) const {
 }
 
 /// 63-HDL64ES3 Rev K p. 37. In an S3 the first byte, the year, has the type of any other byte.
-void Hdl64Status::take_settings() {
+void Hdl64Status::read_settings() {
   if (times_known(settings_begin, round_bytes) == 0) return;
   const auto byte = [&](int offset) {
     return bytes_[static_cast<std::size_t>(settings_begin + offset)].value;

@@ -20,7 +20,7 @@ struct SensorDate {
   std::string to_string() const;
 };
 
-/// What an HDL-64E is set to; comes once per round of the status bytes (about once per second).
+/// The settings of an HDL-64E, sent once per round of the status bytes (about once per second).
 struct Hdl64Settings {
   std::optional<SensorDate> calibrated;  ///< when the factory calibrated it
   int humidity = 0;                      ///< %
@@ -32,10 +32,10 @@ struct Hdl64Settings {
   std::uint8_t power_level = 0;                         ///< 0xA8, 0xA0, 0xn8
 };
 
-/// What an HDL-64E tells of itself besides the calibration.
+/// The state that an HDL-64E reports besides the calibration.
 struct Hdl64Info {
-  bool is_s3 = false;              ///< it sends warnings of their own: an S3
-  std::optional<SensorDate> time;  ///< UTC where GPS is there
+  bool is_s3 = false;              ///< it sends separate warning bytes
+  std::optional<SensorDate> time;  ///< UTC with GPS
   std::optional<char> gps;         ///< 'A' PPS and NMEA, 'V' NMEA only, 'P' PPS only, '\0' none
   std::optional<int> temperature;  ///< °C
   std::optional<int> firmware;     ///< BCD: 0x47 is 4.07
@@ -48,25 +48,25 @@ std::vector<std::string> hdl64_warnings(const Hdl64Info& info);
 /// Key and value pairs for diagnostics.
 std::vector<std::pair<std::string, std::string>> hdl64_details(const Hdl64Info& info);
 
-/// Gathers what an HDL-64E S2 or S3 sends in the last two bytes of its packets: one byte of status per
-/// packet, 16 packets per cycle, 260 cycles per round (63-HDL64ES3 Rev K, appendix E). An S1 sends none of
-/// it, and no calibration ever comes.
+/// Collects the last two bytes of the packets of an HDL-64E S2 or S3: one byte of status per packet, 16
+/// packets per cycle, 260 cycles per round (63-HDL64ES3 Rev K, appendix E). An S1 sends neither status nor
+/// calibration.
 ///
-/// Lost packets only leave holes, which later rounds fill: each byte is counted by itself, and those between
-/// two landmarks (the token "UNIT#" and the numbers of the lasers) count only if the second landmark stands
-/// where the first one lets it be expected. The calibration is trusted when each of its bytes was the same
-/// three times in succession or, from an S3, when the checksum is right.
+/// Later rounds fill the holes of lost packets: every byte is counted separately, and bytes between two
+/// landmarks (the token "UNIT#" and the numbers of the lasers) count only if the second landmark is at its
+/// expected place. The calibration is accepted when every byte was the same three times in succession or,
+/// from an S3, when the checksum is right.
 class Hdl64Status {
  public:
-  /// The last two bytes of the next packet.
+  /// Adds the last two bytes of the next packet.
   void add(std::uint8_t type, std::uint8_t value);
-  /// The stream begins anew; what is known of the device stays.
+  /// Restarts the stream; keeps the data of the device.
   void restart();
 
-  /// Empty until it can be trusted; another object after it changed. Its model is `exact`.
+  /// Empty until accepted; a new object after a change. Its model is `exact`.
   const std::shared_ptr<const Calibration>& calibration() const { return calibration_; }
   const Hdl64Info& info() const { return info_; }
-  /// How often the place in the round was lost (many packets in a row were missing).
+  /// How often the place in the round was lost (many consecutive packets were missing).
   std::uint32_t resynchronisations() const { return resynchronisations_; }
 
  private:
@@ -81,22 +81,22 @@ class Hdl64Status {
   };
 
   void step_to(int slot);
-  void take_status(std::uint8_t type, std::uint8_t value);
-  void take_date(int slot, std::uint8_t value);
-  void take_calibration(int index, std::uint8_t type, std::uint8_t value);
+  void read_status(std::uint8_t type, std::uint8_t value);
+  void read_date(int slot, std::uint8_t value);
+  void read_calibration(int index, std::uint8_t type, std::uint8_t value);
   bool follow_token(int index, std::uint8_t value);
   bool is_landmark_right(int index, std::uint8_t value);
   void lose_place();
   void commit();
   void finish_round();
-  void take_settings();
+  void read_settings();
   int times_known(int begin, int end) const;
   std::uint16_t le16(int position) const;
   bool is_checksum_right() const;
   bool is_trustworthy() const;
   LaserCalibration laser(int index) const;
 
-  int slot_ = -1;   // of the last packet in its cycle; -1: none yet
+  int slot_ = -1;   // of the last packet in its cycle; -1: none
   int cycle_ = -1;  // of the last packet in its round; -1: not known
   int token_ = 0;   // bits: characters of the token seen in this cycle
   int date_ = 0;    // bits: parts of the date seen in this cycle

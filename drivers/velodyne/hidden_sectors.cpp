@@ -9,18 +9,18 @@
 namespace lidard::velodyne {
 namespace {
 
-/// A narrower hole between packets is always loss: fields of view hide more.
+/// A narrower hole between packets is always loss.
 constexpr Hundredths smallest_candidate = 1000;
 constexpr Hundredths smallest_sector = 100;
-/// An edge may move by so much from turn to turn, for the steps of the groups fall elsewhere.
+/// An edge may move by this from turn to turn with the steps of the groups.
 constexpr Hundredths same_edge = 100;
-/// Half the wire's step, for both ends of an interpolation.
+/// Half the step on the wire, for both ends of an interpolation.
 constexpr Hundredths tolerance = 1;
-/// Holes in one place that make a sector. Packets that are lost one by one are never lost so; bursts of lost
-/// packets may, now and then: where the stream has such, or where the sensor was seen, it takes more.
+/// Number of holes in one place that make a sector; more are required if the stream has bursts of loss or if
+/// groups were received there.
 constexpr std::int64_t passes_for_certainty = 3;
 constexpr std::int64_t passes_against_bursts = 10;
-/// Chance is ruled out where it would do such a thing once in so many streams.
+/// Chance is excluded if it explains the holes in fewer than one of 1000 streams.
 const double log_certainty = std::log(1e3);
 
 /// From `a` clockwise to `b`, all in [0, whole_turn).
@@ -47,7 +47,7 @@ std::int64_t lost_of(const StreamHole& hole, std::int64_t hidden) {
 /// The sum of floor((a * i + b) / m) over i in [0, n); nothing is negative, and n and m are positive.
 std::int64_t sum_of_floors(std::int64_t n, std::int64_t m, std::int64_t a, std::int64_t b) {
   std::int64_t sum = 0;
-  // Euclid's algorithm on a and m: the smaller one of both at least halves in two rounds, and at 0 it ends.
+  // Euclid's algorithm on a and m: the smaller one at least halves in two rounds.
   while (true) {
     sum += n * (n - 1) / 2 * (a / m) + n * (b / m);
     a %= m;
@@ -60,16 +60,15 @@ std::int64_t sum_of_floors(std::int64_t n, std::int64_t m, std::int64_t a, std::
   }
 }
 
-/// Groups of the hole inside a sector, in all its turns together. Group g stands g * turned / groups after
-/// the hole's begin; it is inside between the sector's begin and end, in the turn before the hole's begin or
-/// any after. The begins that it has passed minus the ends tell whether it is inside, and whole numbers tell
-/// it without rounding. A hole lasts some seconds at most, so that all products stay far below 64 bits.
+/// Groups of the hole inside a sector, in all its turns. Group g is at g * turned / groups after the hole's
+/// begin. It is inside if it has passed more begins than ends of the sector; integers avoid rounding. A hole
+/// lasts some seconds at most, so all products fit into 64 bits.
 std::int64_t groups_inside(const StreamHole& hole, Hundredths from, Hundredths width) {
   if (width <= 2 * tolerance) return 0;
   const std::int64_t turn = whole_turn * hole.groups;
   const std::int64_t begin = (ahead(hole.from, from) + tolerance) * hole.groups;
   const std::int64_t end = begin + (width - 2 * tolerance) * hole.groups;
-  // A begin has to lie behind the group, an end may lie where it is.
+  // A begin must lie before the group, an end may coincide with it.
   const std::int64_t begins = sum_of_floors(hole.groups, turn, hole.turned, 2 * turn - 1 - begin);
   const std::int64_t ends = sum_of_floors(hole.groups, turn, hole.turned, 2 * turn - end);
   return begins - ends;
@@ -86,7 +85,7 @@ std::int64_t HiddenSectors::hidden_groups(const StreamHole& hole) const {
   return hidden;
 }
 
-/// Counts the holes of the past with what is known now.
+/// Recounts the past holes with the current sectors.
 void HiddenSectors::count_again() {
   for (Past& past : past_) {
     if (!past.used) continue;
@@ -102,13 +101,13 @@ void HiddenSectors::count_again() {
 
 bool HiddenSectors::could_be_chance(const Sector& sector) const {
   const double all = static_cast<double>(received_ + lost_ + 1);
-  // Also a stream without any loss so far may begin to lose packets.
+  // A stream without loss so far may still lose packets.
   const double share = std::max(static_cast<double>(lost_) / all, 1e-3);
   const double packets = static_cast<double>(sector.passes) * sector.width / sector.packet;
   return packets * -std::log(share) < std::log(all) + log_certainty;
 }
 
-/// True if something was ever received of a whole degree inside the sector.
+/// True if a group of a full degree inside the sector was received.
 bool HiddenSectors::was_seen(const Sector& sector) const {
   const Hundredths first = sector.from / 100 + 1;  // both edges were received
   const Hundredths last = (sector.from + sector.width) / 100;
@@ -118,7 +117,7 @@ bool HiddenSectors::was_seen(const Sector& sector) const {
   return false;
 }
 
-/// A hole lay over the whole sector.
+/// Counts a hole over the full sector.
 void HiddenSectors::pass(Sector& sector) {
   ++sector.passes;
   if (sector.known || sector.passes < passes_for_certainty) return;
@@ -142,18 +141,17 @@ std::uint64_t HiddenSectors::hole(const StreamHole& hole) {
     next_past_ = (next_past_ + 1) % past_.size();
   }
   lost_ += static_cast<std::uint64_t>(lost);
-  return news();
+  return new_losses();
 }
 
-/// What no sector explains of the hole may be another one.
+/// Adds the unexplained parts of a hole as candidates of sectors.
 void HiddenSectors::add_candidates(const StreamHole& hole) {
   const auto packet = static_cast<Hundredths>(hole.turned * hole.per_packet / hole.groups);
   Hundredths begin = hole.last;
   auto left = static_cast<Hundredths>(hole.turned) - ahead(hole.from, hole.last);
-  // Each round but the last gets past the end of a sector, by whole hundredths. Less than a turn holds the
-  // end of each sector once; what a round adds lies behind it.
+  // Every round but the last passes the end of a sector. A hole of less than a turn has every end once.
   for (std::size_t round = 0; round <= sectors_.size() && left >= smallest_candidate; ++round) {
-    // The nearest sector that begins, or has begun, ahead.
+    // The nearest sector ahead, or the one around `begin`.
     const Sector* next = nullptr;
     Hundredths to_next = left;
     for (const Sector& s : sectors_) {
@@ -182,13 +180,12 @@ void HiddenSectors::add_sector(Hundredths from, Hundredths width, Hundredths pac
   }
 }
 
-/// A packet had this sector inside it.
 void HiddenSectors::learn(Hundredths from, Hundredths to, Hundredths packet) {
   const Hundredths width = ahead(from, to);
   Sector* place = nullptr;
   for (Sector& s : sectors_) {
     if (s.used && is_near(s.from, from) && is_near(s.end(), to)) {
-      // The narrower one of both is right: nothing ever came from within it.
+      // The narrower one is right: no group was received inside it.
       if (!s.known) s.slack = same_edge;
       s.known = true;
       s.passes = std::max(s.passes, passes_against_bursts);
@@ -202,18 +199,17 @@ void HiddenSectors::learn(Hundredths from, Hundredths to, Hundredths packet) {
   *place = {from, width, std::max(packet, 1), same_edge, passes_against_bursts, true, true};
 }
 
-/// Something came from within the sector: only what lies beside it can be hidden.
-void HiddenSectors::take_out(Sector& sector, Hundredths azimuth) {
+/// Splits a sector at a received group: only the parts beside it can be hidden.
+void HiddenSectors::exclude(Sector& sector, Hundredths azimuth) {
   const Hundredths before = ahead(sector.from, azimuth);
   const Hundredths after = sector.width - before;
   const Hundredths smallest = sector.known ? smallest_sector : smallest_candidate;
   sector.slack -= std::min(before, after);
   if (sector.known && sector.slack < 0) {
     sector.used = false;
-    // More than its edge. After few passes they were bursts in one place by chance, and what they took is
-    // lost.
+    // More than the edge was received. After few passes the holes were bursts of loss.
     if (sector.passes < passes_against_bursts) return;
-    // After many the field of view was changed, and the holes of the past were right.
+    // After many passes the field of view was changed, and the past holes were hidden.
     past_ = {};
     seen_.reset();
     return;
@@ -226,12 +222,12 @@ void HiddenSectors::take_out(Sector& sector, Hundredths azimuth) {
   add_sector(before < after ? whole.from : azimuth, std::min(before, after), whole.packet);
 }
 
-bool HiddenSectors::take_out(Hundredths azimuth) {
+bool HiddenSectors::exclude(Hundredths azimuth) {
   bool moved = false;
   for (Sector& s : sectors_) {
     if (!s.used || !is_inside(azimuth, s.from, s.width)) continue;
     moved = true;
-    take_out(s, azimuth);
+    exclude(s, azimuth);
   }
   return moved;
 }
@@ -239,10 +235,10 @@ bool HiddenSectors::take_out(Hundredths azimuth) {
 std::uint64_t HiddenSectors::receive(const PacketAzimuths& azimuths) {
   ++received_;
   bool moved = false;
-  // Most streams have no sectors, and this is done for every packet.
+  // Most streams have no sectors; the check is cheap.
   const bool any = std::any_of(sectors_.begin(), sectors_.end(), [](const Sector& s) { return s.used; });
   for (std::size_t g = 0; g < azimuths.groups; ++g) {
-    if (any) moved = take_out(azimuths.group[g]) || moved;
+    if (any) moved = exclude(azimuths.group[g]) || moved;
     seen_[static_cast<std::size_t>(azimuths.group[g] / 100)] = true;
   }
   const double packet_deg = azimuths.step_deg * static_cast<double>(azimuths.groups);
@@ -251,7 +247,7 @@ std::uint64_t HiddenSectors::receive(const PacketAzimuths& azimuths) {
     learn(azimuths.group[g - 1], azimuths.group[g], static_cast<Hundredths>(packet_deg * 100));
   }
   if (moved) count_again();
-  return news();
+  return new_losses();
 }
 
 /// True if more than one hole reached into the sector.
@@ -261,8 +257,8 @@ bool HiddenSectors::came_again(const Sector& sector) const {
          }) > 1;
 }
 
-/// Sensors have one field of view, so at most one of the sectors in doubt is hidden: the widest. A hole that
-/// never came again is loss.
+/// Sensors have one field of view, so at most the widest uncertain sector is hidden. A hole that did not
+/// recur is loss.
 std::uint64_t HiddenSectors::finish() {
   const auto is_less = [](const Sector& a, const Sector& b) {
     return std::make_tuple(a.used, a.known, a.width) < std::make_tuple(b.used, b.known, b.width);
@@ -272,7 +268,7 @@ std::uint64_t HiddenSectors::finish() {
     if (!s.known && (&s != &likeliest || !came_again(s) || was_seen(s) || could_be_chance(s))) s.used = false;
   }
   count_again();
-  const std::uint64_t lost = news();
+  const std::uint64_t lost = new_losses();
   reset();
   return lost;
 }

@@ -75,8 +75,7 @@ const std::array<Laser, 32> hdl32e_lasers = {
      {6.67, 0, -3.38},   {-13.33, 0, 6.86},  {8, 0, -4.07},      {-12, 0, 6.15},     {9.33, 0, -4.76},
      {-10.67, 0, 5.45},  {10.67, 0, -5.45}}};
 
-// HDL-64E S1 and S2: one unit's calibration (ros-drivers/velodyne 64e_utexas.yaml); every unit differs, load
-// its own.
+// HDL-64E S1 and S2: one unit's calibration (ros-drivers/velodyne 64e_utexas.yaml); every unit differs.
 const std::array<Laser, 64> hdl64e_s1_lasers = {
     {{-7.16, -4.00, 0},  {-6.82, -2.25, 0},  {0.32, 4.00, 0},    {0.66, 6.00, 0},    {-6.48, 0.80, 0},
      {-6.14, 2.25, 0},   {-8.52, 0.00, 0},   {-8.18, 1.30, 0},   {-5.80, 4.70, 0},   {-5.46, 6.50, 0},
@@ -124,14 +123,13 @@ const std::array<Laser, 64> hdl64e_s3_lasers = {
      {-16.80, 8.52, 0},  {-10.18, -6.93, 0}, {-9.74, -3.69, 0},  {-13.16, -8.30, 0}, {-12.83, -4.88, 0},
      {-9.30, -0.34, 0},  {-8.77, 2.90, 0},   {-12.29, -1.57, 0}, {-11.91, 1.66, 0}}};
 
-// VLS-128: ros-drivers/velodyne, valgur/velodyne_decoder and nebula agree in the angles. That beams
-// cross 58.63 mm ahead of the axis is velodyne_decoder's alone. In the recording of nebula the shape of the
-// road hides the heights: planes through pieces of it ask for -11 to 10 of the offset, a surface of the
-// fourth degree for 0.6 to
-// 9. But edges at 3 to 8 m, seen by lasers up to 12.7 deg apart, are shifted sideways as if beams crossed 60
-// mm ahead (+- 1.3 mm; 38 to 116 mm for other distances, or if the angles may be off by a share), and by no
-// fit at 0. A lens has one such point for both directions, and the offsets that Velodyne prints for the
-// VLP-16, Puck Hi-Res and HDL-32E are of this form: so 58.63 mm are used, as the likeliest, not as measured.
+// VLS-128: ros-drivers/velodyne, valgur/velodyne_decoder and nebula agree in the angles. Only
+// velodyne_decoder states that beams cross 58.63 mm ahead of the axis. In nebula's recording the road does
+// not determine the heights, but edges at 3 to 8 m, seen by lasers up to 12.7 deg apart, are shifted sideways
+// as if beams crossed 60 mm ahead (+- 1.3 mm; 38 to 116 mm for other distances or scaled angles; no fit gives
+// 0). A lens has one such point for both directions, and the offsets that Velodyne prints for the VLP-16,
+// Puck Hi-Res and HDL-32E have this form. So 58.63 mm are used as the most likely value, not as a measured
+// one.
 constexpr double vls128_elevations_deg[128] = {
     -11.742, -1.99, 3.4,     -5.29, -0.78,   4.61,   -4.08,   1.31,  -6.5,  -1.11,   4.28,  -4.41,  0.1,
     6.48,    -3.2,  2.19,    -3.86, 1.53,    -9.244, -1.77,   2.74,  -5.95, -0.56,   4.83,  -2.98,  2.41,
@@ -153,7 +151,7 @@ const std::array<Laser, 128> vls128_lasers = [] {
 
 using std::chrono::nanoseconds;
 
-/// A sensor whose lasers fire evenly: `together` at each step.
+/// A sensor with equal firing steps of `together` lasers.
 Timing even(int sequence_ns, int step_ns, std::size_t together) {
   Timing timing{};
   timing.sequence = nanoseconds(sequence_ns);
@@ -179,30 +177,28 @@ Timing hdl64e(int sequence_ns, int step_ns, std::array<nanoseconds, 4> within) {
 }
 
 // Firing times of the Pucks: 63-9243 Rev D, section 9.4; 63-9325 Rev B, section 9.4. 32A and 32B: assumed
-// equal to 32C, unverified.
+// equal to 32C (unverified).
 const Timing puck16 = even(55296, 2304, 1);
 const Timing puck32 = even(55296, 2304, 2);
 // HDL-32E: application note 63-9277. Old firmware (before 2.2.20.0) stamps the end of the packet: HDL-32E
-// manual (Acoustics edition) p. 27; that the missing factory bytes mark it is unverified.
+// manual (Acoustics edition) p. 27. Unverified: the missing factory bytes mark old firmware.
 const Timing hdl32e_new = even(46080, 1152, 1);
 const Timing hdl32e_old = [] {
   Timing timing = hdl32e_new;
   timing.before = nanoseconds(542592);
   return timing;
 }();
-// HDL-64E S2 manual p. 38 and the S3's, as valgur/velodyne_decoder reads them; unverified, no recording is
-// public.
+// HDL-64E S2 manual p. 38 and S3 manual, as in valgur/velodyne_decoder; unverified, no recording is public.
 const Timing hdl64e_48us =
     hdl64e(48000, 6000, {nanoseconds(0), nanoseconds(1260), nanoseconds(2460), nanoseconds(3660)});
 const Timing hdl64e_57us =
     hdl64e(57600, 7200, {nanoseconds(0), nanoseconds(1300), nanoseconds(2500), nanoseconds(3700)});
-// S1: measured on the capture of one (chalmers-revere/opendlv.core, "atwall"): 384.05 us from packet to
-// packet as a line through the arrivals of 306 packets has it, 12 blocks at the same step of the azimuth
-// within a packet and from packet to packet, so 32.0 us for each; ros-drivers/velodyne counts 2600 packets/s,
-// the data sheet a million points/s, which is 384 us. That the 32 lasers of a block fire one after another
-// and evenly is unverified.
+// S1: measured on a capture (chalmers-revere/opendlv.core, "atwall"): 384.05 us from packet to packet by a
+// line through the arrivals of 306 packets, with equal steps of the azimuth between its 12 blocks and between
+// packets, so 32.0 us per block. ros-drivers/velodyne has 2600 packets/s, the data sheet a million points/s
+// (384 us). Unverified: the 32 lasers of a block fire in order and evenly.
 const Timing hdl64e_s1 = even(32000, 1000, 1);
-// VLS-128: Rev 3 (firmware 5.1.7.1) rests a random time after each sequence, mean 1.941 us; Rev A (draft
+// VLS-128: Rev 3 (firmware 5.1.7.1) pauses for a random time after each sequence, mean 1.941 us; Rev A (draft
 // manual 63-9483); Rev 4 (firmware from 5.2.3). UniBwTAS/velodyne, valgur/velodyne_decoder,
 // ros-drivers/velodyne.
 const Timing vls128_rev3 = vls128(55277, 2665, 2, 7000);
@@ -241,7 +237,7 @@ constexpr std::array<std::pair<std::uint8_t, const char*>, 8> products = {{{0x21
                                                                            {0x63, "VLS-128"},
                                                                            {0xA1, "VLS-128"}}};
 
-/// Of two equally near to the horizontal the upper one, as velodyne_laserscan chooses on a VLP-16.
+/// The upper one of two equally near rings, as velodyne_laserscan for a VLP-16.
 std::uint16_t level_ring(const DriverConfig& config) {
   const auto& row = *static_cast<const ModelRow*>(config.model->row);
   const Calibration calibration = config.calibration != nullptr ? *config.calibration : table_of(row);
@@ -267,8 +263,7 @@ Model spinning(const char* name, const char* product, const ModelRow& row, doubl
   model.port = 2368;
   model.packets_per_s = 1 / seconds(row.packet_period(row.timings.front(), most_echoes));
   model.frame_period = 60 / default_rpm;
-  model.range_min =
-      0.4;  // nearer returns come from the housing or the mounting (launch files of ros-drivers)
+  model.range_min = 0.4;  // nearer returns are from the housing or the mounting (launch files of ros-drivers)
   model.range_max = range_max;
   model.beams = row.lasers;
   model.traits = {Trait::revolutions, Trait::calibration, Trait::silent_beams_are_free,
@@ -279,8 +274,8 @@ Model spinning(const char* name, const char* product, const ModelRow& row, doubl
   return model;
 }
 
-/// Sensors with telemetry packets and a web interface (63-9243 Rev D, section 10.2), which the HDL-64E has
-/// not: it is set through its serial line (user manual 63-HDL64ES3).
+/// Sensors with telemetry packets and a web interface (63-9243 Rev D, section 10.2). The HDL-64E has neither;
+/// it is set through a serial line (user manual 63-HDL64ES3).
 Model connected(const char* name, const char* product, const ModelRow& row, double range_max,
                 const char* verified) {
   Model model = spinning(name, product, row, range_max, verified);

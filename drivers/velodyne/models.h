@@ -22,7 +22,7 @@ struct Laser {
   double z_offset_mm;         ///< added to z: where the beam leaves the axis
 };
 
-/// When the lasers of one firing sequence fire, in one firmware.
+/// Firing times of the lasers of a firing sequence, for one firmware.
 struct Timing {
   Span sequence;                ///< from one firing sequence to the next, random rest included
   Span step;                    ///< from one firing instant of a sequence to the next
@@ -33,7 +33,7 @@ struct Timing {
   Span before{0};                ///< the first firing is this long before the packet's stamp
 };
 
-/// What the data packet of one model means: its lasers and when each of them fires.
+/// The properties of a model's data packet: its lasers and their firing times.
 struct ModelRow {
   std::string_view product;
   std::array<std::uint8_t, 2> product_ids;  ///< last byte of the packet; 0: none
@@ -41,13 +41,13 @@ struct ModelRow {
   std::size_t lasers;  ///< of one firing sequence
   std::size_t
       banks;         ///< blocks that hold one firing sequence (1, 2, 4); flags 0xEEFF, 0xDDFF, 0xCCFF, 0xBBFF
-  bool random_rest;  ///< sequences rest for a random time: their begin follows from the next packet's stamp
-  std::vector<Timing> timings;  ///< firmware variants, told apart by the packet period; the usual one first
-  const Timing*
-      without_factory_bytes;  ///< timing of old firmware that leaves the last two bytes open; nullptr none
-  const Laser* laser;         ///< [lasers]
-  /// HDL-64E S1: each block is a firing sequence of one bank alone, with an azimuth that holds for all its
-  /// lasers, and the packet has no stamp.
+  bool random_rest;  ///< a random pause after sequences: their begin follows from the next packet's stamp
+  std::vector<Timing>
+      timings;  ///< firmware variants, distinguished by the packet period; the usual one first
+  const Timing* without_factory_bytes;  ///< timing of old firmware without the last two bytes; nullptr none
+  const Laser* laser;                   ///< [lasers]
+  /// HDL-64E S1: a block is a firing sequence of one bank, its azimuth holds for all lasers, and the packet
+  /// has no stamp.
   bool bank_by_bank = false;
   bool warns = false;  ///< HDL-64E S3: warning bytes are among its status bytes
 
@@ -56,7 +56,7 @@ struct ModelRow {
   }
   bool names_product() const { return product_ids[0] != 0; }
   bool has_stamp() const { return !bank_by_bank; }
-  /// HDL-64E S2 and later: the last two bytes tell the device's state and its calibration.
+  /// HDL-64E S2 and later: the last two bytes hold the device's state and calibration.
   bool has_status() const { return !names_product() && has_stamp(); }
   std::size_t sequences_per_block() const { return banks == 1 ? 32 / lasers : 1; }
   /// Sequences of a packet in single (`echoes` 1) or dual return mode (2).
@@ -71,7 +71,7 @@ struct ModelRow {
   }
 };
 
-/// All rows, for recognition: of those that fit equally well the first counts.
+/// All rows, for recognition: the first of several equal matches counts.
 const std::vector<const ModelRow*>& model_rows();
 /// "HDL-32E" for a product byte of any Velodyne, also of those without a row; "unknown product 0x.."
 /// otherwise.
@@ -82,14 +82,14 @@ bool is_product(std::uint8_t product_id);
 /// Adds the Velodyne rows to the table of models.
 void append_models(std::vector<Model>& list);
 std::unique_ptr<Recognizer> make_recognizer();
-/// A row of the family whose blocks the packet has; nullptr if it is no data packet.
+/// A row of the family with such blocks; nullptr if the bytes are not a data packet.
 const ModelRow* family_of(ByteView payload);
 
 /// Driver of the spinning Velodynes; `config.model` must be one of velodyne::append_models().
 ///
-/// Frames are revolutions, cut per firing sequence at `config.cut_angle`. A packet that comes one place too
-/// late is put back in its place; one that comes twice is used once. The first and the last revolution of a
-/// stream are handed on only with `keep_partial`.
+/// Frames are revolutions, cut per firing sequence at `config.cut_angle`. A packet that is late by one place
+/// is reordered; a duplicate is dropped. The first and the last revolution of a stream are published only
+/// with `keep_partial`.
 std::unique_ptr<Driver> make_driver(const DriverConfig& config);
 
 }  // namespace lidard::velodyne

@@ -20,7 +20,7 @@ bool all_digits(std::string_view text) {
   return std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
-/// The number that `count` digits from `at` on make; nullopt if they are not all digits.
+/// The number of `count` digits from `at` on; nullopt if a character is not a digit.
 std::optional<int> digits(std::string_view text, std::size_t at, std::size_t count) {
   if (text.size() < at + count) return std::nullopt;
   const auto value = number_in<unsigned>(text.substr(at, count));
@@ -62,7 +62,7 @@ std::optional<Stamp> midnight(std::string_view text) {
   date.tm_mon = *month - 1;
   date.tm_year = *short_year + (*short_year < 80 ? 100 : 0);
   const std::int64_t whole = timegm(&date);
-  // timegm() takes the 31st of April for the 1st of May.
+  // timegm() accepts the 31st of April as the 1st of May.
   if (date.tm_mday != *day || date.tm_mon != *month - 1) return std::nullopt;
   return Stamp{} + seconds(whole);
 }
@@ -111,8 +111,7 @@ bool split(std::string_view body, Fields& fields) {
   return false;
 }
 
-/// Mode of RMC since NMEA 2.3; older receivers send none. Positions that do not come from satellites count
-/// as none.
+/// Mode of RMC since NMEA 2.3; older receivers send none. Positions without satellites count as no fix.
 FixStatus rmc_status(std::string_view mode) {
   if (mode.empty() || mode == "A" || mode == "P") return FixStatus::satellite;
   if (mode == "D") return FixStatus::sbas;
@@ -134,7 +133,7 @@ NmeaVerdict read_rmc(const Fields& f, NmeaReading& reading) {
   if (!time || !day || !read_position(f[3], f[4], f[5], f[6], reading)) return NmeaVerdict::malformed;
   reading.time_of_day = *time;
   reading.utc = *day + *time;
-  // 2001-01-01: a sensor without a receiver invents dates of 2000; older ones come from the roll-over of the
+  // 2001-01-01: a sensor without a receiver sends dates of 2000; older dates come from the roll-over of the
   // GPS week.
   constexpr Stamp earliest{978'307'200'000'000'000};
   return *day < earliest ? NmeaVerdict::invented_date : NmeaVerdict::valid;

@@ -12,22 +12,22 @@
 
 namespace lidard::velodyne {
 
-/// What a sentence is good for; only `valid` may be believed.
+/// Validity of a sentence; only `valid` may be used.
 enum class NmeaVerdict : std::uint8_t {
   absent,          ///< no text
-  malformed,       ///< no sentence, or a field holds what cannot be
+  malformed,       ///< not a sentence, or an impossible field
   bad_checksum,    ///< checksum wrong or missing
   other_sentence,  ///< neither RMC nor GGA
-  no_fix,          ///< the receiver itself says so (RMC status V, GGA quality 0) or guesses its position
-  invented_date,   ///< 2000 or before: what an HDL-32E without a receiver sends
+  no_fix,          ///< reported by the receiver (RMC status V, GGA quality 0), or an estimated position
+  invented_date,   ///< 2000 or before: sent by an HDL-32E without a receiver
   valid,
   count_
 };
 
-/// The sentences that Velodyne sensors take from a receiver and hand on.
+/// The sentences that Velodyne sensors forward from a receiver.
 enum class NmeaKind : std::uint8_t { none, rmc, gga };
 
-/// One sentence. The values below `verdict` mean something only if it is valid.
+/// One sentence. The members after `verdict` are set only if it is valid.
 struct NmeaReading {
   NmeaVerdict verdict = NmeaVerdict::absent;
   NmeaKind kind = NmeaKind::none;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::uint8_t byte(std::size_t n) { return static_cast<std::uint8_t>(n); }
 
-/// Single return: the banks of a sequence one after another.
+/// Single return: the banks of a sequence in order.
 PacketLayout single(std::size_t banks) {
   PacketLayout layout;
   layout.banks = banks;
@@ -18,8 +18,8 @@ PacketLayout single(std::size_t banks) {
   return layout;
 }
 
-/// Dual return of sensors with one bank, and of the VLS-128: both returns of a bank side by side. The VLS-128
-/// has room for one sequence and leaves the last four blocks empty.
+/// Dual return of sensors with one bank, and of the VLS-128: both returns of a bank side by side. A VLS-128
+/// packet holds one sequence; the last four blocks are empty.
 PacketLayout dual_by_bank(std::size_t banks) {
   PacketLayout layout;
   layout.banks = banks;
@@ -41,7 +41,7 @@ PacketLayout dual_by_return() {
   return layout;
 }
 
-/// HDL-64E S1: every block stands for itself.
+/// HDL-64E S1: every block is a sequence.
 PacketLayout bank_by_bank() {
   PacketLayout layout = single(1);
   layout.banks = 2;
@@ -50,9 +50,9 @@ PacketLayout bank_by_bank() {
   return layout;
 }
 
-/// HDL-64E S1: the lower lasers fire once for every three times of the upper ones, so one block of four is
-/// theirs. All 306 packets of the recorded one (chalmers-revere/opendlv.core, "atwall") begin with it; that
-/// another one may begin elsewhere is not known and not excluded.
+/// HDL-64E S1: the lower lasers fire once for three times of the upper ones and have one block of four. All
+/// 306 recorded packets (chalmers-revere/opendlv.core, "atwall") begin with it; other positions are accepted
+/// too.
 Reject check_single_banks(const DataPacket& packet) {
   std::size_t lower = 0;
   for (std::size_t b = 0; b < blocks_per_packet; ++b) {
@@ -83,7 +83,7 @@ bool is_dual_hdl64e(const DataPacket& packet) {
     pairs_equal = pairs_equal && packet.azimuth(b) == packet.azimuth(b + 2);
     all_equal = all_equal && packet.azimuth(b) == packet.azimuth(0);
   }
-  // It has no mode byte: a standing motor looks like single return.
+  // No mode byte: a standing motor looks like single return.
   return pairs_equal && !all_equal;
 }
 
@@ -158,7 +158,7 @@ PacketAzimuths read_azimuths(const DataPacket& packet, const PacketLayout& layou
     return azimuths;
   }
   auto sorted = steps;
-  // The lower median: with few steps a hidden sector must not become the measure.
+  // The lower median, so that a hidden sector among few steps does not count.
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>((count - 1) / 2);
   std::nth_element(sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(count));
   const int median = *middle;

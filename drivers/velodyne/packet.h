@@ -30,14 +30,14 @@ constexpr std::size_t position_packet_size = 512;
 /// Return-mode byte, 63-9243 Rev D, table 9-2.
 enum class ReturnMode : std::uint8_t { strongest = 0x37, last = 0x38, dual = 0x39 };
 
-/// A data packet whose size was checked.
+/// A data packet of the right size.
 class DataPacket {
  public:
   explicit DataPacket(ByteView bytes) : bytes_(bytes) {}
 
   std::uint16_t flag(std::size_t block) const { return bytes_.le16(block * block_size); }
-  /// 1/100 deg. Exactly a whole turn means 0; it was reported of a VLP-16 and of an HDL-32E, once in about
-  /// 2,000 packets, and stands in none of the captures of test/CAPTURES.md. More than a turn stays as it is.
+  /// 1/100 deg. Exactly a full turn means 0; it was reported for a VLP-16 and an HDL-32E, once in about 2,000
+  /// packets, and does not occur in the captures of test/CAPTURES.md. More than a turn stays unchanged.
   std::uint16_t azimuth(std::size_t block) const {
     const std::uint16_t sent = bytes_.le16(block * block_size + 2);
     return sent == whole_turn ? std::uint16_t{0} : sent;
@@ -52,8 +52,8 @@ class DataPacket {
   ByteView bytes_;
 };
 
-/// True if each block pair shares one azimuth while the pairs differ: only dual return looks so. Where the
-/// motor stands still all azimuths are equal, and the mode byte decides.
+/// True if the blocks of every pair have one azimuth while the pairs differ, as only in dual return. If the
+/// motor stands, all azimuths are equal, and the mode byte decides.
 inline bool is_dual(const DataPacket& packet) {
   bool pairs_equal = true;
   bool all_equal = true;
@@ -71,33 +71,31 @@ struct PacketLayout {
   std::size_t groups = 0;  ///< sets of blocks with one azimuth
   std::size_t echoes = 1;
   std::size_t banks = 1;
-  bool one_bank =
-      false;  ///< each block has the lasers of one bank, which its flag names; the other is silent
+  bool one_bank = false;  ///< a block has the lasers of one bank, given by its flag; the other bank is silent
   std::array<std::array<std::array<std::uint8_t, 4>, 2>, 12> block{};  ///< [group][echo][bank]
 
   std::size_t first_block(std::size_t group) const { return block[group][0][0]; }
 };
 
-/// How the packet is laid out. Dual return shows in the azimuths and flags; where the motor stands still all
-/// azimuths are equal, and the mode byte decides.
+/// The layout of the packet, from azimuths and flags, or from the mode byte if the motor stands.
 const PacketLayout& layout_of(const DataPacket& packet, const ModelRow& row);
 
 /// The flags of the blocks of each bank.
 inline constexpr std::array<std::uint16_t, 4> bank_flags{flag_lasers_0_31, 0xDDFF, 0xCCFF, 0xBBFF};
-/// Of a bank that did not fire. The kernels read eight bytes more than the slots.
+/// Slots of a bank that did not fire. The kernels read eight bytes more than the slots.
 inline constexpr std::array<std::uint8_t, 3 * slots_per_block + 8> silent_slots{};
 
-/// The first slot of a bank in that group and return; of a bank that is silent there, slots without returns.
+/// The first slot of a bank in a group and return; silent_slots if the bank did not fire.
 inline const std::uint8_t* slots_of(const DataPacket& packet, const PacketLayout& layout, std::size_t group,
                                     std::size_t echo, std::size_t bank) {
   const std::size_t b = layout.block[group][echo][bank];
   return layout.one_bank && packet.flag(b) != bank_flags[bank] ? silent_slots.data() : packet.slots(b);
 }
 
-/// Flags and azimuths of every block the layout uses.
+/// Checks the flags and azimuths of all blocks of the layout.
 Reject check_blocks(const DataPacket& packet, const PacketLayout& layout);
 
-/// An angle or a turn in the wire's unit, 1/100 deg. Sums and differences of it are exact.
+/// An angle in the unit of the wire, 1/100 deg. Sums and differences are exact.
 using Hundredths = std::int32_t;
 
 /// The azimuths of a packet's groups of blocks.
@@ -106,24 +104,23 @@ struct PacketAzimuths {
   std::array<double, blocks_per_packet>
       hidden_deg{};  ///< hidden sector between the group before and this one; 0 none
   std::size_t groups = 0;
-  double step_deg = 0;          ///< mean step from group to group, hidden sectors left out
+  double step_deg = 0;          ///< mean step from group to group, without hidden sectors
   double hidden_total_deg = 0;  ///< sum of hidden_deg
 
   double group_deg(std::size_t g) const { return group[g] * 0.01; }
 };
 
-/// The rate of a rotation, deg/s, or 0 (unknown) where no motor turns so: below 6 rpm, or above twice the
-/// 1200 rpm that the manuals allow at most. It bounds what is computed of a rate that noise, or packets of
-/// something else, made up.
+/// The rate of a rotation, deg/s, or 0 (unknown) if no motor turns like that: below 6 rpm, or above twice the
+/// maximum of 1200 rpm.
 double plausible_rate(double deg_per_s);
 
-/// Reads the azimuths and the mean step, which interpolates better than any single step: the wire has only
-/// 0.01 deg. A step far above the median crosses a sector that the sensor does not send (its field of view
-/// ends inside the packet: measured on a VLP-32C).
+/// Reads the azimuths and the mean step, which is more precise than single steps of 0.01 deg. A step far
+/// above the median crosses a hidden sector (the field of view ends inside the packet: measured on a
+/// VLP-32C).
 PacketAzimuths read_azimuths(const DataPacket& packet, const PacketLayout& layout);
 
-/// Signed difference of two hour stamps, later - earlier, the shorter way round: within half an hour. Holds
-/// also where the counter passes 3600 s without a reset (ros-drivers/velodyne#218).
+/// Signed difference of two hour stamps, later - earlier, within half an hour. Correct also if the counter
+/// passes 3600 s without a reset (ros-drivers/velodyne#218).
 inline Span hour_difference(Span later, Span earlier) {
   constexpr Span hour = std::chrono::hours(1);
   const Span difference = (later - earlier) % hour;

@@ -20,31 +20,31 @@ namespace lidard::velodyne {
 struct OrderedPacket {
   std::array<std::uint8_t, packet_size> bytes;
   Stamp arrival;
-  std::uint32_t index;  ///< data packets of this sensor before it
-  bool other_product;   ///< its product byte is not the model's
+  std::uint32_t index;  ///< number of earlier data packets of this sensor
+  bool other_product;   ///< the product byte is not the model's
   const PacketLayout* layout;
   PacketAzimuths azimuths;
 
   DataPacket view() const { return DataPacket(ByteView(bytes.data(), bytes.size())); }
 };
 
-/// Brings packets into the order of their stamps, looking one packet ahead only where the stamps leave a
-/// hole, so that undisturbed packets are not delayed. Also decides whether packets with another product byte
-/// are those of the configured model: a product byte can lie, the packet period cannot.
+/// Sorts packets by their stamps. A packet is held back for one packet only after a gap in the stamps, so
+/// that undisturbed packets are not delayed. It also decides from the packet period whether packets with
+/// another product byte belong to the configured model.
 class PacketOrder {
  public:
   PacketOrder(const ModelRow& row, Counters& counters)
       : row_(row), counters_(counters), timing_(&row.timings.front()), decided_(row.timings.size() == 1) {}
 
-  /// Takes a packet of the right size and calls `use(packet, device_time)` for each that is due, in order;
-  /// device time is unwrapped. Returns why this packet, or the one that was held back until it, was not used;
-  /// the counters hold it already.
+  /// Adds a packet of the right size and calls `use(packet, device_time)` for the packets that are due, in
+  /// order; device time is unwrapped. Returns why this packet, or the one held back before it, was rejected
+  /// (already counted).
   template <typename Use>
   Reject add(const OrderedPacket& packet, Use&& use) {
     if (packet.other_product) {
       const Reject verdict = judge_product(packet);
       if (verdict != Reject::none) return verdict;
-      // Held back until the next one tells the period.
+      // Held back until the next packet shows the period.
       if (packet.view().product() != lying_product_) return Reject::none;
     }
     if (holding_) {
@@ -67,7 +67,7 @@ class PacketOrder {
       advance(packet, use);
       return Reject::none;
     }
-    // So far back or ahead it is no late packet: the device's clock was set.
+    // A larger step is not a late packet: the device's clock was set.
     constexpr Span step_limit = std::chrono::seconds(1);
     const Span step = since_last(packet);
     if (step > -step_limit && step <= Span(0) && !is_clock_set(packet)) {
@@ -90,10 +90,10 @@ class PacketOrder {
     return Reject::none;
   }
 
-  /// No packet follows: what is held back is due.
+  /// End of the stream: the packet that is held back is due.
   template <typename Use>
   void flush(Use&& use) {
-    if (is_held_in_doubt() && counters_.rejected[static_cast<std::size_t>(Reject::model)] > 0) {
+    if (is_product_undecided() && counters_.rejected[static_cast<std::size_t>(Reject::model)] > 0) {
       counters_.reject(Reject::model);
     } else if (holding_) {
       advance(held_, use);
@@ -107,7 +107,7 @@ class PacketOrder {
     hidden_.reset();
     early_count_ = 0;
   }
-  /// The timing variant in force; `decided`: chosen by the packets, not the usual one for want of a better.
+  /// Sets the timing variant; `decided`: the packets confirm it.
   void set_timing(const Timing& timing, bool decided) {
     timing_ = &timing;
     decided_ = decided;
@@ -116,16 +116,16 @@ class PacketOrder {
 
   /// Measured rotation, deg/s, a plausible one; 0 unknown.
   void set_turn_rate(double deg_per_s) { turn_rate_ = deg_per_s; }
-  /// How often the hour of the stamps began anew.
+  /// Number of overflows of the stamps' hour.
   std::uint64_t wraps() const { return wraps_; }
-  /// The product byte that contradicts the model although the packets are the model's, if any.
+  /// The wrong product byte of packets that belong to the model, if any.
   std::optional<std::uint8_t> lying_product() const { return lying_product_; }
-  /// The product byte of packets refused as another model's, if any.
+  /// The product byte of rejected packets of another model, if any.
   std::optional<std::uint8_t> refused_product() const { return refused_product_; }
 
  private:
   Span period(const OrderedPacket& p) const { return row_.packet_period(*timing_, p.layout->echoes); }
-  /// Rotation as far as it is known, deg/s; 0 unknown.
+  /// The rotation, deg/s; 0 unknown.
   double rate() const {
     if (turn_rate_ > 0 || last_azimuths_.groups == 0) return turn_rate_;
     const Span group = last_period_ / static_cast<int>(last_azimuths_.groups);
@@ -135,8 +135,7 @@ class PacketOrder {
   /// Time from the last packet to the next one if none is lost.
   Span due() const {
     if (last_azimuths_.hidden_total_deg <= 0 || rate() <= 0) return last_period_;
-    // The packet goes on to be filled after the hidden sector, so its successor comes later by the time of
-    // the silence.
+    // The packet is completed after the hidden sector, so its successor is late by the time of the sector.
     return last_period_ + span_from_seconds(last_azimuths_.hidden_total_deg / rate());
   }
 
@@ -154,7 +153,7 @@ class PacketOrder {
     hole.hole.from = last_azimuths_.group[0];
     hole.hole.last = last_azimuths_.group[last_azimuths_.groups - 1];
     hole.hole.per_packet = static_cast<std::int64_t>(last_azimuths_.groups);
-    // The azimuths tell the turn up to whole ones, the rotation tells how many those are.
+    // The azimuths give the angle modulo a turn, the rotation gives the number of turns.
     constexpr Hundredths jitter = 100;
     const Hundredths beyond = packet.azimuths.group[0] - hole.hole.from;
     const std::int64_t turns = std::llround((rate() * seconds(step) * 100 - beyond) / whole_turn);
@@ -186,14 +185,14 @@ class PacketOrder {
   }
 
   Span since_last(const OrderedPacket& p) const { return hour_difference(p.view().stamp_us(), last_us_); }
-  /// The held packet has another product byte, and the next packet's period is to tell whether it lies.
-  bool is_held_in_doubt() const {
+  /// The held packet has another product byte; the next packet's period decides whether the byte is wrong.
+  bool is_product_undecided() const {
     return holding_ && held_.other_product && held_.view().product() != lying_product_;
   }
-  /// The stamp of a packet goes back or stays: true if the sensor's clock was set, for the packet has the
-  /// azimuth of the next one, or many such follow each other.
+  /// For a stamp that does not advance: true if the sensor's clock was set, since the packet has the azimuth
+  /// of the next one, or many such packets follow.
   bool is_clock_set(const OrderedPacket& packet) {
-    // A packet that was late or came twice looks where others looked before.
+    // A late packet or a duplicate has an azimuth that was received before.
     constexpr std::size_t most_late = 16;
     constexpr double slowest_deg = 0.02;  // per packet
     const double turn = last_azimuths_.step_deg * static_cast<double>(last_azimuths_.groups);
@@ -206,7 +205,7 @@ class PacketOrder {
     const std::size_t echoes = packet.layout->echoes;
     for (const Timing& timing : row_.timings) {
       const Span expected = row_.packet_period(timing, echoes);
-      // A lost packet or two may lie between; clocks and random rests stay well within 3 %.
+      // One or two lost packets may lie between; clocks and random pauses stay within 3 %.
       for (int n = 1; n <= 3; ++n) {
         const Span off = step - expected * n;
         if (off < expected * 3 / 100 && off > -expected * 3 / 100) return true;
@@ -218,7 +217,7 @@ class PacketOrder {
   Reject judge_product(const OrderedPacket& packet) {
     const std::uint8_t product = packet.view().product();
     if (product == lying_product_) return Reject::none;
-    if (is_held_in_doubt()) {
+    if (is_product_undecided()) {
       const Span step = hour_difference(packet.view().stamp_us(), held_.view().stamp_us());
       if (step == Span(0)) {
         counters_.reject(Reject::duplicate);
@@ -228,7 +227,7 @@ class PacketOrder {
         lying_product_ = product;
         return Reject::none;
       }
-      counters_.reject(Reject::model);  // for the held one, whose verdict came late
+      counters_.reject(Reject::model);  // for the held packet
       refused_product_ = held_.view().product();
       held_ = packet;
       return Reject::model;
@@ -277,7 +276,7 @@ class PacketOrder {
   const Timing* timing_;
   bool decided_;
   HiddenSectors hidden_;
-  std::array<Hole, 16> early_{};  // seen before the timing variant was known, which tells their packets
+  std::array<Hole, 16> early_{};  // before the timing variant, which gives their packets, was known
   std::size_t early_count_ = 0;
   double turn_rate_ = 0;
   Span time_{0};

@@ -11,8 +11,8 @@
 namespace lidard::velodyne {
 namespace {
 
-/// An S3 sends a warning byte in every fourth cycle of 16 status bytes, where the others send the first byte
-/// of the calibration: 63-HDL64ES3 Rev K, appendix E.
+/// An S3 sends a warning byte in every fourth cycle of 16 status bytes, others the first byte of the
+/// calibration: 63-HDL64ES3 Rev K, appendix E.
 constexpr std::uint8_t before_warning = 'V', warning = 'W', first_of_calibration = '1';
 constexpr std::uint64_t enough_quiet_cycles = 5;
 
@@ -20,7 +20,7 @@ bool is_within_percent(Span a, Span b, int percent) {
   return a * 100 < b * (100 + percent) && a * 100 > b * (100 - percent);
 }
 
-/// Every product of a row: a Puck LITE has the row of a VLP-16.
+/// Adds the products of a row: a Puck LITE has the row of a VLP-16.
 void add_products(const ModelRow* row, std::vector<std::string_view>& names) {
   static const std::vector<Model> products = [] {
     std::vector<Model> list;
@@ -32,8 +32,8 @@ void add_products(const ModelRow* row, std::vector<std::string_view>& names) {
   }
 }
 
-/// Recognises which Velodyne sent a stream: by the order of its blocks, its product byte unless the packet
-/// period contradicts it, and, of an HDL-64E, its status bytes.
+/// Recognizes the model from the order of blocks, the product byte (unless the packet period contradicts it)
+/// and the status bytes of an HDL-64E.
 class VelodyneRecognizer final : public Recognizer {
  public:
   void add(const Packet& received) override {
@@ -59,14 +59,14 @@ class VelodyneRecognizer final : public Recognizer {
     return names.empty() ? std::string_view() : names.front();
   }
 
-  /// Every product of the rows that fit, so that only a person can tell: a Puck LITE has the row of a VLP-16.
+  /// All products of the rows that fit: a Puck LITE has the row of a VLP-16.
   std::vector<std::string_view> others() const override {
     std::vector<std::string_view> names;
     for (const ModelRow* row : possible_rows()) add_products(row, names);
     return names;
   }
 
-  /// Byte and period disagree, or the product is not supported.
+  /// Reports a product that is not supported, or whose packet period is another model's.
   std::string remark() const override {
     if (packets_ == 0) return {};
     const auto rows = possible_rows();
@@ -78,7 +78,7 @@ class VelodyneRecognizer final : public Recognizer {
   }
 
  private:
-  /// The rows that the packets fit, the likeliest first; empty: no Velodyne, or one without a row.
+  /// The rows that fit the packets, most likely first; empty: not a Velodyne, or one without a row.
   std::vector<const ModelRow*> possible_rows() const {
     if (packets_ == 0) return {};
     if (!family_->has_stamp()) return {family_};
@@ -91,7 +91,7 @@ class VelodyneRecognizer final : public Recognizer {
       if (is_possible) rows.push_back(each);
     }
     if (!family_->has_status()) return rows;
-    // Each HDL-64E has both periods; the usual one of the first that it can be is worth a guess.
+    // Every HDL-64E has both periods; prefer the first row whose usual period fits.
     const auto usual = std::find_if(rows.begin(), rows.end(), [&](const ModelRow* each) {
       return is_within_percent(median_period(), each->packet_period(each->timings.front(), echoes()), 3);
     });
@@ -122,7 +122,8 @@ class VelodyneRecognizer final : public Recognizer {
     return median_period() == Span(0) || (named != nullptr && fits_period(*named));
   }
 
-  /// Whether an HDL-64E with pairs of blocks is of that generation; by the status bytes, else by the period.
+  /// True if an HDL-64E with pairs of blocks may be of that generation, by the status bytes, else by the
+  /// period.
   bool is_possible_generation(const ModelRow& model) const {
     if (!model.has_status()) return false;
     const bool is_s3 = model.warns;
@@ -157,8 +158,8 @@ class VelodyneRecognizer final : public Recognizer {
   std::array<std::int64_t, 128> steps_{};
   std::size_t step_count_ = 0;
   std::uint8_t last_type_ = 0;  // of the status bytes of an HDL-64E
-  std::uint64_t warnings_ = 0;  // cycles of them that have a warning byte
-  std::uint64_t quiet_ = 0;     // and that have none
+  std::uint64_t warnings_ = 0;  // cycles with a warning byte
+  std::uint64_t quiet_ = 0;     // cycles without one
 };
 
 }  // namespace

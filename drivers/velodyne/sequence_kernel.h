@@ -3,9 +3,9 @@
 #pragma once
 
 // The innermost loops of decoding, from the slots of a firing sequence to points in the bytes of a
-// PointCloud2. Compiled twice, for any processor and for those with AVX2, with the same results to the bit;
-// so this header and the kernels use nothing but plain arrays: an inline function of the standard library
-// compiled for AVX2 could be linked into the rest of the program.
+// PointCloud2. Compiled twice, for any processor and for AVX2, with identical results. This header and the
+// kernels use only plain arrays, since an inline function of the standard library compiled for AVX2 could be
+// linked into the rest of the program.
 
 #include <cstddef>
 #include <cstdint>
@@ -20,10 +20,9 @@ constexpr std::size_t most_sequences = 24;
 /// Slots are unpacked this many at a time; 16 lasers or 32 slots of a block are whole numbers of it.
 constexpr std::size_t lanes = 8;
 
-/// What is known of each laser, one array per quantity, so that several lasers are computed at once. m, rad,
-/// s.
+/// The properties of the lasers, one array per quantity for vector code. m, rad, s.
 struct alignas(32) LaserArrays {
-  double turning[most_lasers];      ///< how long the head turned before it fired
+  double turning[most_lasers];      ///< rotation time before it fired
   double cos_rot[most_lasers];      ///< of its rot_correction
   double sin_rot[most_lasers];      ///< "
   float cos_shift[most_lasers];     ///< of its azimuth minus the sequence's; see turn_lasers
@@ -34,14 +33,14 @@ struct alignas(32) LaserArrays {
   float up_begin[most_lasers];      ///< height of count 0
   float time[most_lasers];          ///< its firing after the sequence's first
   std::uint64_t ring[most_lasers];
-  std::int32_t nearest[most_lasers];   ///< counts below are no returns
-  std::int32_t farthest[most_lasers];  ///< counts above are none either
-  std::size_t size;                    ///< lasers there are, a multiple of `lanes`
-  std::size_t banks;                   ///< of a sequence, with equally many lasers
+  std::int32_t nearest[most_lasers];   ///< smallest count of a return
+  std::int32_t farthest[most_lasers];  ///< largest count of a return
+  std::size_t size;                    ///< number of lasers, a multiple of `lanes`
+  std::size_t banks;                   ///< of a sequence, with equal numbers of lasers
 };
 
-/// What a calibration of the very sensor adds; see CalibratedGeometry for the names and equations. m, rad.
-/// In float: the corrections are small, and the distance loses no more than with the model's table.
+/// Terms of a sensor's own calibration; see CalibratedGeometry for the names and equations. m, rad. Float is
+/// precise enough for the small corrections.
 struct alignas(32) CalibrationArrays {
   float dist_correction[most_lasers];
   float cos_vert[most_lasers];
@@ -60,14 +59,14 @@ struct alignas(32) CalibrationArrays {
   float far_target;
 };
 
-/// The firing sequences of a packet: their slots, and which way they looked when.
+/// The firing sequences of a packet: slots, directions and times.
 struct alignas(32) SequenceArrays {
-  double azimuth_deg[most_sequences];                  ///< at the first firing, less than a turn either way
+  double azimuth_deg[most_sequences];                   ///< at the first firing, in (-360, 360)
   double cosine[most_sequences], sine[most_sequences];  ///< of it
   float begin[most_sequences];                          ///< s after the frame's stamp
-  /// The first slot of each bank; 8 bytes behind the last can be read.
+  /// The first slot of each bank; 8 bytes after the last slot must be readable.
   const std::uint8_t* slots[most_sequences][most_banks];
-  std::uint8_t* end[most_sequences];  ///< filled in: where the sequence's points end
+  std::uint8_t* end[most_sequences];  ///< output: end of the sequence's points
   std::size_t size;
 };
 
@@ -75,7 +74,7 @@ struct alignas(32) SequenceArrays {
 struct Direction {
   double cosine, sine;
 };
-/// The directions of all whole degrees from a turn back to a turn ahead.
+/// The directions of all integer degrees from -360 to 360.
 constexpr int whole_turn_deg = 360;
 using WholeDegrees = Direction[2 * whole_turn_deg + 1];
 
@@ -86,23 +85,23 @@ constexpr std::size_t overshoot = 2 * point_step;
 
 /// The loops for one kind of processor.
 struct SequenceKernels {
-  /// Turns the lasers by the rotation (rad/s) between the sequence's first firing and theirs: below 0.1 rad,
-  /// or the series lose the 9th digit.
+  /// Turns the lasers by the rotation (rad/s) since the sequence's first firing, which must be below 0.1 rad
+  /// for nine digits.
   void (*turn_lasers)(LaserArrays& lasers, double rate);
   /// Fills in cosines and sines, to 1e-15.
   void (*find_directions)(const WholeDegrees& whole, SequenceArrays& sequences);
-  /// Writes the returns of sequences to `out`, one after the other. They need their directions.
+  /// Writes the returns of sequences to `out`. Needs find_directions().
   void (*place)(const LaserArrays& lasers, SequenceArrays& sequences, std::uint8_t* out);
-  /// Writes the returns of sequences by every term of a calibration.
+  /// Writes the returns of sequences with all terms of a calibration.
   void (*place_calibrated)(const LaserArrays& lasers, const CalibrationArrays& calibration,
                            SequenceArrays& sequences, std::uint8_t* out);
 };
 
 /// For any processor.
 const SequenceKernels& portable_kernels();
-/// For processors with AVX2; nullptr if the program was compiled for an architecture without.
+/// For processors with AVX2; nullptr if the program's architecture has none.
 const SequenceKernels* avx2_kernels();
-/// The fastest that this processor has.
+/// The fastest kernels for this processor.
 const SequenceKernels& best_kernels();
 
 }  // namespace lidard::velodyne

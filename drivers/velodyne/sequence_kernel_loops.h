@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// Included by sequence_kernel.cpp and sequence_kernel_avx2.cpp alone, which differ in the processor they are
-// compiled for. Loops have fixed lengths and no branches, so that the compiler turns them into vector code.
+// Included only by sequence_kernel.cpp and sequence_kernel_avx2.cpp, which are compiled for different
+// processors. Loops have fixed lengths and no branches, so that the compiler vectorises them.
 
 #include <cstring>
 
@@ -46,7 +46,7 @@ inline void read_slots(const std::uint8_t* from, Slots& slots) {
   _mm256_store_si256(reinterpret_cast<__m256i*>(slots.reflectivity), _mm256_srli_epi32(words, 16));
 }
 
-/// Where each of eight points goes (bytes), by which of them are returns, and where they end.
+/// Byte offsets of eight points and of their end, by the mask of returns.
 struct PlaceTable {
   std::uint8_t at[256][16];
 };
@@ -64,11 +64,11 @@ constexpr PlaceTable make_place_table() {
 }
 constexpr PlaceTable place_table = make_place_table();
 
-/// One store of a point and what follows it, which the next point overwrites: stores that overlap are dear.
+/// Stores a point and bytes after it, which the next point overwrites; overlapping stores are slow.
 inline void store(std::uint8_t* to, __m256i xyzi_ring_time) {
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), xyzi_ring_time);
 }
-/// Coordinates from `p`, ring and time from `t`; whether of the low or the high half `halves` says.
+/// Coordinates from `p`, ring and time from `t`; `halves` selects the low or the high half.
 template <int halves>
 inline __m256i joined(__m256 p, __m256i t) {
   return _mm256_permute2x128_si256(_mm256_castps_si256(p), t, halves);
@@ -82,13 +82,13 @@ inline __m256i rings_and_times(const std::uint64_t* ring, const float* time) {
   return _mm256_or_si256(_mm256_slli_epi64(_mm256_cvtepu32_epi64(times), 16), rings);
 }
 
-/// Bytes from where a point is written to where it will be a little later.
+/// Distance of the prefetch, bytes.
 constexpr std::size_t ahead = 2048;
 
 /// Points that are no returns are written, too, and then overwritten: a branch for each costs more.
 inline std::uint8_t* write_returns(const LaserArrays& lasers, std::size_t k, const Slots& slots,
                                    const Points& p, std::uint8_t* out) {
-  // A large frame is not in the near caches when it is written again.
+  // A large frame is not in the caches when it is written again.
   for (std::size_t line = 0; line < lanes * point_step; line += 64)
     _mm_prefetch(reinterpret_cast<const char*>(out + ahead + line), _MM_HINT_T0);
   const __m256i count = load(slots.count);
@@ -143,7 +143,7 @@ inline std::uint8_t* write_returns(const LaserArrays& lasers, std::size_t k, con
 
 #endif
 
-/// The azimuth that a laser fires at is the sequence's, plus the turn until then, minus its rot_correction.
+/// The azimuth of a laser is the sequence's plus the rotation until the firing minus rot_correction.
 void turn_lasers(LaserArrays& lasers, double rate) {
   for (std::size_t k = 0; k < lasers.size; ++k) {
     const double turn = rate * lasers.turning[k];
@@ -205,7 +205,7 @@ inline void place_lanes_calibrated(const LaserArrays& lasers, const CalibrationA
   }
 }
 
-/// Sequence after sequence, bank after bank, `lanes` slots at a time.
+/// Processes `lanes` slots at a time, in order of sequences and banks.
 template <typename PlaceLanes>
 inline void for_all_lanes(const LaserArrays& lasers, SequenceArrays& sequences, std::uint8_t* out,
                           PlaceLanes place_points) {
@@ -227,22 +227,20 @@ inline void for_all_lanes(const LaserArrays& lasers, SequenceArrays& sequences, 
 }
 
 void place(const LaserArrays& lasers, SequenceArrays& sequences, std::uint8_t* out) {
-  for_all_lanes(lasers, sequences, out,
-                [&](std::size_t n, std::size_t first, const Slots& slots, Points& p) {
-                  place_lanes(lasers, sequences, n, first, slots, p);
-                });
+  for_all_lanes(lasers, sequences, out, [&](std::size_t n, std::size_t first, const Slots& slots, Points& p) {
+    place_lanes(lasers, sequences, n, first, slots, p);
+  });
 }
 
 void place_calibrated(const LaserArrays& lasers, const CalibrationArrays& calibration,
                       SequenceArrays& sequences, std::uint8_t* out) {
-  for_all_lanes(lasers, sequences, out,
-                [&](std::size_t n, std::size_t first, const Slots& slots, Points& p) {
-                  place_lanes_calibrated(lasers, calibration, sequences, n, first, slots, p);
-                });
+  for_all_lanes(lasers, sequences, out, [&](std::size_t n, std::size_t first, const Slots& slots, Points& p) {
+    place_lanes_calibrated(lasers, calibration, sequences, n, first, slots, p);
+  });
 }
 
-/// The whole degree's direction, turned by the rest: within half a degree the next terms of the series are
-/// below 1e-15.
+/// Turns the direction of the integer degree by the rest: within half a degree the next terms of the series
+/// are below 1e-15.
 void find_directions(const WholeDegrees& whole, SequenceArrays& sequences) {
   constexpr double rad_per_deg = 3.14159265358979323846 / 180;
   for (std::size_t i = 0; i < sequences.size; ++i) {

@@ -10,7 +10,7 @@
 
 namespace lidard::velodyne {
 
-/// What the data packets of one sensor show of its settings, whatever the sensor itself may report.
+/// Settings of a sensor as shown by its data packets.
 class StreamFacts {
  public:
   void add(const Packet& packet) {
@@ -25,11 +25,11 @@ class StreamFacts {
 
   /// Arrival of the newest data packet; empty before the first.
   std::optional<Stamp> last_arrival() const { return last_arrival_; }
-  /// Where the newest data packet was sent to.
+  /// The destination of the newest data packet.
   const Endpoint& destination() const { return destination_; }
-  /// Its return mode as the sensor's web interface spells it; nullptr: none that is known.
+  /// Its return mode in the spelling of the web interface; nullptr: unknown.
   const char* returns() const {
-    // VLS-128 only, as UniBwTAS/velodyne has it (59).
+    // VLS-128 only: UniBwTAS/velodyne (59).
     constexpr std::uint8_t dual_with_confidence = 0x3B;
     if (mode_ == static_cast<std::uint8_t>(ReturnMode::strongest)) return "Strongest";
     if (mode_ == static_cast<std::uint8_t>(ReturnMode::last)) return "Last";
@@ -41,9 +41,9 @@ class StreamFacts {
   std::optional<double> rpm() const { return rpm_; }
 
  private:
-  /// Gaps, reordered packets and the turn of the hour are left out: what lies between is not known.
+  /// Measures the rotation; skips gaps, reordered packets and the overflow of the hour.
   void turn(std::uint32_t stamp_us, std::uint16_t azimuth) {
-    // Within it the head makes less than half a turn at 1200 rpm, so that the angle between is known.
+    // Less than half a turn at 1200 rpm, so that the angle is unambiguous.
     constexpr std::uint32_t longest_step_us = 20000;
     constexpr std::uint64_t window_us = 1000000;
     const std::uint32_t step_us = stamp_us - last_us_;
@@ -69,7 +69,7 @@ class StreamFacts {
   std::uint32_t last_us_ = 0;
   std::uint16_t last_azimuth_ = 0;
   std::uint64_t turned_ = 0;   // 1/100 deg
-  std::uint64_t time_us_ = 0;  // in which it turned so far
+  std::uint64_t time_us_ = 0;  // duration of turned_
 };
 
 }  // namespace lidard::velodyne

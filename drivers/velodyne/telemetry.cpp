@@ -12,7 +12,7 @@
 namespace lidard::velodyne {
 namespace {
 
-// Offsets of 63-9325 Rev B, p. 60; those from 0xC6 on hold for every model (measured on VLP-16 and HDL-32E).
+// Offsets: 63-9325 Rev B, p. 60; from 0xC6 on for every model (measured on VLP-16 and HDL-32E).
 constexpr std::size_t health_offset = 0xBB;
 constexpr std::size_t calibration_end = 0xC6;
 constexpr std::size_t toh_offset = 0xC6;
@@ -33,10 +33,11 @@ int signed16(std::uint16_t word) { return static_cast<std::int16_t>(word); }
 int signed12(std::uint16_t word) { return signed16(static_cast<std::uint16_t>(word << 4U)) / 16; }
 
 std::optional<SensorHealth> read_health(ByteView p) {
-  const auto tells = [&p](std::size_t begin, std::size_t end) {
+  const auto has_data = [&p](std::size_t begin, std::size_t end) {
     return std::any_of(p.begin() + begin, p.begin() + end, [](std::uint8_t b) { return b != 0; });
   };
-  if (!tells(health_offset, calibration_end) && !tells(thermal_offset, nmea_offset)) return std::nullopt;
+  if (!has_data(health_offset, calibration_end) && !has_data(thermal_offset, nmea_offset))
+    return std::nullopt;
   SensorHealth health;
   health.top_board_c = signed8(p.u8(0xBB));
   health.bottom_board_c = signed8(p.u8(0xBC));
@@ -81,14 +82,14 @@ namespace {
 
 constexpr Span describe_period = std::chrono::seconds(1);
 constexpr Span silent_after = std::chrono::seconds(3);
-/// A receiver that was just switched on, or whose antenna is in the shade for a moment, is no fault.
+/// A receiver needs time after it was switched on or lost its satellites.
 constexpr Span patience_for_pps = std::chrono::seconds(10);
 constexpr std::string_view unsynchronised =
-    "the sensor's clock does not follow a receiver's PPS and NMEA, which expect_pps asks for (see the values "
-    "PPS and NMEA); check the receiver's power, antenna and wiring, and that it sends GPRMC, or leave "
-    "expect_pps out. Stamps are right all the same: they follow the arrivals";
-/// A sentence comes up to a second after the instant it tells, and is repeated until the next one (measured:
-/// 0.85 to 1.48 s on an HDL-32E). The slack below zero is for receivers that round.
+    "the sensor's clock does not follow a receiver's PPS and NMEA as expect_pps requires (see the values "
+    "PPS and NMEA); check the receiver's power, antenna and wiring, and that it sends GPRMC, or remove "
+    "expect_pps. Stamps are not affected: they follow the arrivals";
+/// A sentence comes up to a second after its instant and is repeated until the next one (measured: 0.85 to
+/// 1.48 s on an HDL-32E). The negative limit is for receivers that round.
 constexpr Span youngest_sentence = std::chrono::milliseconds(-100);
 constexpr Span oldest_sentence = std::chrono::milliseconds(2500);
 
@@ -135,7 +136,7 @@ std::string_view text_of_pps(std::uint8_t pps) {
   return pps < texts.size() ? texts[pps] : "unknown";
 }
 
-/// Without allocations: details change while packets come in.
+/// Formats without allocations, since details change while packets arrive.
 template <typename... Values>
 void set(DeviceInfo& info, std::string_view key, const char* format, Values... values) {
   std::array<char, 48> text{};
@@ -159,7 +160,7 @@ void describe_health(const SensorHealth& health, DeviceInfo& info) {
 }  // namespace
 
 TelemetryReceiver::TelemetryReceiver(const DriverConfig& config)
-    : has_imu_(config.model != nullptr && config.model->tells<ImuSample>()),
+    : has_imu_(config.model != nullptr && config.model->sends<ImuSample>()),
       time_offset_(config.time_offset),
       clock_(config.clock),
       expects_pps_(config.expect_pps) {
@@ -178,7 +179,7 @@ Reject TelemetryReceiver::receive(ByteView payload, Stamp arrival, DriverOutput&
   const auto telemetry = read_telemetry(payload);
   if (!telemetry) return Reject::size;
   advance_clock(telemetry->toh_us, arrival);
-  const bool fresh = take_sentence(telemetry->nmea);
+  const bool fresh = store_sentence(telemetry->nmea);
   if (fresh) {
     sentence_arrival_ = arrival;
     sentence_age_ = hour_difference(toh_, nmea_.time_of_day);
@@ -186,7 +187,7 @@ Reject TelemetryReceiver::receive(ByteView payload, Stamp arrival, DriverOutput&
   const ClockClaim claim = judge(*telemetry);
   const bool changed = fresh || claim != claim_ || telemetry->pps != described_pps_;
   set_claim(claim, info);
-  // The first sentence of a stream has been repeated for nobody knows how long.
+  // The age of the first sentence of a stream is unknown, since it is repeated.
   if (fresh) send_sentence(out, sentences_ > 1);
   if (has_imu_ && telemetry->imu) send_imu(*telemetry->imu, out);
   const Span since = arrival - last_described_;
@@ -202,17 +203,17 @@ void TelemetryReceiver::tick(Stamp now, DeviceInfo& info) {
   if (expects_pps_) judge_expectation(now, info);
 }
 
-/// Warns of a clock that is not what it is meant to be, unless a warning says so already.
+/// Warns of a clock that does not follow the receiver, unless another warning covers it.
 void TelemetryReceiver::judge_expectation(Stamp now, DeviceInfo& info) {
   const bool synchronised = claim_ == ClockClaim::synchronised;
   if (synchronised) unsynchronised_since_.reset();
   if (!synchronised && !unsynchronised_since_) unsynchronised_since_ = now;
-  const bool tell =
+  const bool warn =
       !synchronised && text_of(claim_).warning.empty() && now - *unsynchronised_since_ >= patience_for_pps;
-  if (tell == told_unsynchronised_) return;
-  told_unsynchronised_ = tell;
+  if (warn == warned_unsynchronised_) return;
+  warned_unsynchronised_ = warn;
   auto& all = info.warnings;
-  if (tell)
+  if (warn)
     all.emplace_back(unsynchronised);
   else
     all.erase(std::remove(all.begin(), all.end(), unsynchronised), all.end());
@@ -227,8 +228,8 @@ void TelemetryReceiver::advance_clock(std::uint32_t toh_us, Stamp arrival) {
   clock_.observe(device_, arrival);
 }
 
-/// True if it is another sentence than the last one.
-bool TelemetryReceiver::take_sentence(std::string_view text) {
+/// Stores and parses a sentence; true if it differs from the last one.
+bool TelemetryReceiver::store_sentence(std::string_view text) {
   if (text == std::string_view(text_.data(), text_size_)) return false;
   text_size_ = std::min(text.size(), text_.size());
   std::copy_n(text.data(), text_size_, text_.data());

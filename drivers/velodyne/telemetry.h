@@ -19,7 +19,7 @@ namespace lidard::velodyne {
 /// Length of the telemetry (position) packet, VLP-16 user manual 63-9243 Rev D, section 9.3.1.6.
 constexpr std::size_t telemetry_size = 512;
 
-/// What the sensor says of the pulse per second of its receiver (63-9243 Rev D, section 9.3.1.6).
+/// State of the receiver's pulse per second as reported by the sensor (63-9243 Rev D, section 9.3.1.6).
 enum class Pps : std::uint8_t { absent = 0, synchronising = 1, locked = 2, error = 3 };
 
 /// Temperatures and the calibration of the receivers: sensors with newer firmware (VLP-32C user manual
@@ -32,30 +32,30 @@ struct SensorHealth {
   bool shut_down = false;  ///< too hot or too cold to run
 };
 
-/// The inertial unit of an HDL-32E: three gyros, each beside a two-axis accelerometer. Each 16-bit word holds
-/// its kind (0 gyro, 1 temperature, 2 and 3 acceleration) in the upper four bits, which all HDL-32E captures
-/// show; the value in the lower twelve.
+/// The inertial unit of an HDL-32E: three gyros, each beside a two-axis accelerometer. A 16-bit word holds
+/// its kind (0 gyro, 1 temperature, 2 and 3 acceleration) in the upper four bits (as in all HDL-32E captures)
+/// and the value in the lower twelve.
 struct RawImu {
   std::array<double, 3> gyro_rad_s{};
   std::array<double, 3> temperature_c{};
   std::array<double, 3> accel_x{};  ///< m/s²
   std::array<double, 3> accel_y{};  ///< m/s²
 
-  /// In the sensor's axes, as kaarta/velodyne combines them. Unverified but for the length of gravity and
-  /// which way is up; the zero-rate offset of the gyros (30 deg/s in one unit) is not taken off.
+  /// In the sensor's axes, as combined by kaarta/velodyne. Unverified except for length and direction of
+  /// gravity; the zero-rate offset of the gyros (30 deg/s in one unit) is not removed.
   std::array<double, 3> angular_velocity() const { return {gyro_rad_s[1], -gyro_rad_s[0], gyro_rad_s[2]}; }
   std::array<double, 3> linear_acceleration() const {
     return {(accel_y[0] - accel_x[2]) / 2, (accel_y[1] + accel_y[2]) / 2, (accel_x[0] + accel_x[1]) / 2};
   }
 };
 
-/// One telemetry packet. Any 512 bytes can be read; what they cannot mean is left out.
+/// One telemetry packet. Any 512 bytes can be parsed; impossible values are dropped.
 struct Telemetry {
   std::uint32_t toh_us = 0;            ///< since the top of the hour of the sensor's clock; may exceed 3600 s
   std::uint8_t pps = 0;                ///< as sent; see Pps
-  std::optional<SensorHealth> health;  ///< empty: the firmware does not tell (all its bytes are 0)
+  std::optional<SensorHealth> health;  ///< empty: not sent by the firmware (all bytes are 0)
   std::optional<RawImu> imu;           ///< empty: not an HDL-32E's
-  std::string_view nmea;               ///< up to the first NUL, as sent; lives as long as the packet
+  std::string_view nmea;               ///< up to the first NUL, as sent; valid as long as the packet
 
   bool is(Pps state) const { return pps == static_cast<std::uint8_t>(state); }
 };
@@ -63,43 +63,43 @@ struct Telemetry {
 /// nullopt unless it has 512 bytes.
 std::optional<Telemetry> read_telemetry(ByteView packet);
 
-/// What follows from the sensor's claims about its clock and from what its receiver says.
+/// State of the sensor's clock, from its own report and the receiver's sentences.
 enum class ClockClaim : std::uint8_t {
-  none,    ///< free-running and says so
+  none,    ///< free-running, as reported
   agrees,  ///< no pulse, but the clock agrees with the receiver (HDL-32E of 2012)
   synchronising,
   synchronised,  ///< pulse and receiver agree
   pps_error,
-  no_time,     ///< pulse locked, but no usable sentence: which second it marks is not known
+  no_time,     ///< pulse locked, but no usable sentence: its second is unknown
   other_time,  ///< pulse locked, but the clock shows another time than the receiver
-  unknown,     ///< a pulse state that no document names
-  silent       ///< no telemetry any more
+  unknown,     ///< an undocumented pulse state
+  silent       ///< telemetry has stopped
 };
 
-/// Takes a sensor's telemetry packets: hands on positions, time references and inertial samples, and judges
-/// for diagnostics whether the sensor's clock is what it claims to be.
+/// Parses a sensor's telemetry packets: publishes positions, time references and inertial samples, and checks
+/// the reported state of the sensor's clock.
 ///
-/// A fix goes out once per sentence; the sensor repeats a sentence until the next one. A time reference goes
-/// out with it if the sentence is valid, has a date (RMC) and its age is known: to the microsecond if the
-/// sensor is synchronised (source "gps_pps"); else by the arrival of its first packet, late by what the
-/// receiver needs to send it ("gps_nmea").
+/// A fix is published once per sentence; the sensor repeats a sentence until the next one. A time reference
+/// is published with it if the sentence is valid, has a date (RMC) and a known age: exact to the microsecond
+/// if the sensor is synchronised (source "gps_pps"), otherwise by the arrival of the first packet, late by
+/// the receiver's delay ("gps_nmea").
 class TelemetryReceiver {
  public:
   explicit TelemetryReceiver(const DriverConfig& config);
 
-  /// One packet of telemetry_size bytes; Reject::size if it is not. Keeps `info` up to date, at most once per
-  /// second unless something changes.
+  /// Parses a packet; Reject::size unless it has telemetry_size bytes. Updates `info` on changes and once per
+  /// second.
   Reject receive(ByteView payload, Stamp arrival, DriverOutput& out, DeviceInfo& info);
-  /// Time passed: what an old packet claimed is no longer so.
+  /// Advances the time: an old packet expires.
   void tick(Stamp now, DeviceInfo& info);
-  /// Forgets the stream, keeps what diagnostics count.
+  /// Resets the stream; keeps the counters.
   void restart();
 
   ClockClaim claim() const { return claim_; }
   std::uint64_t bad_sentences() const { return bad_sentences_; }
 
  private:
-  bool take_sentence(std::string_view text);
+  bool store_sentence(std::string_view text);
   void advance_clock(std::uint32_t toh_us, Stamp arrival);
   ClockClaim judge(const Telemetry& telemetry) const;
   void send_sentence(DriverOutput& out, bool age_known);
@@ -127,7 +127,7 @@ class TelemetryReceiver {
   std::uint64_t bad_sentences_ = 0;
 
   ClockClaim claim_ = ClockClaim::none;
-  bool expects_pps_, told_unsynchronised_ = false;
+  bool expects_pps_, warned_unsynchronised_ = false;
   std::optional<Stamp> unsynchronised_since_;
   std::uint8_t described_pps_ = 0;
   ReusedMessage<GnssFix> fix_;

@@ -10,7 +10,7 @@
 namespace lidard::velodyne {
 namespace {
 
-/// Sequence time from the next packet, where the two follow each other directly.
+/// Sequence time from the next packet, if the two are consecutive.
 void use_next(const NextPacket& next, std::size_t sequences, FiringSchedule& schedule) {
   const Span one = next.step / static_cast<int>(sequences);
   const Span off = one - schedule.sequence;
@@ -18,13 +18,13 @@ void use_next(const NextPacket& next, std::size_t sequences, FiringSchedule& sch
   schedule.sequence = one;
 }
 
-/// The silences of the hidden sectors inside the packet, together.
+/// Total duration of the hidden sectors inside the packet.
 Span silence_of(const PacketAzimuths& azimuths, Span busy, const std::optional<NextPacket>& next,
                 double turn_rate) {
   if (azimuths.hidden_total_deg <= 0) return Span(0);
   const Span estimate = turn_rate > 0 ? span_from_seconds(azimuths.hidden_total_deg / turn_rate) : Span(0);
   if (!next) return estimate;
-  // Counting back from the next packet's stamp is exact, unless packets between them were lost.
+  // The next packet's stamp gives the exact time, unless packets between them were lost.
   const Span exact = next->step - busy;
   if (exact < Span(0)) return estimate;
   if (estimate > Span(0) && exact - estimate > busy / 2) return estimate;
@@ -44,12 +44,12 @@ FiringSchedule schedule_of(const ModelRow& row, const Timing& timing, Span measu
   if (row.random_rest && next && azimuths.hidden_total_deg <= 0) {
     use_next(*next, sequences, schedule);
   }
-  // Its few groups tell the rotation only roughly, and so does one step of stamps in whole microseconds.
+  // Few groups and one step of stamps in microseconds give the rotation only roughly.
   if (row.random_rest && turn_rate > 0) schedule.rate_deg_per_s = turn_rate;
   const Span group = schedule.sequence * per_block;
   const Span busy = group * static_cast<int>(azimuths.groups);
   const Span silence = silence_of(azimuths, busy, next, turn_rate);
-  // The stamp may stand behind the first firing.
+  // The stamp may be later than the first firing.
   Span begin = -timing.before;
   for (std::size_t g = 0; g < azimuths.groups; ++g) {
     if (azimuths.hidden_deg[g] > 0) {
@@ -66,7 +66,7 @@ FiringSchedule schedule_of(const ModelRow& row, const Timing& timing, Span measu
 void TimingChooser::add(Span step, std::size_t sequences) {
   if (row_.timings.size() == 1 && !row_.random_rest) return;
   const std::int64_t one = step.count() / static_cast<std::int64_t>(sequences);
-  // A lost packet doubles the step: not a period.
+  // A doubled step (a lost packet) is not a period.
   if (one * 2 > row_.timings.front().sequence.count() * 3 || one * 2 < row_.timings.front().sequence.count())
     return;
   const std::size_t slot = count_ % steps_.size();
@@ -96,22 +96,22 @@ Span TimingChooser::measured_sequence() const {
 
 namespace {
 
-/// The table's period counts like so many packets beside those that came.
+/// Weight of the table's period, in packets.
 constexpr double table_weight = 500;
-/// Long enough to measure the period to 1e-5 in spite of the jitter, short enough to follow the temperature.
+/// Packets; long enough for a precision of 1e-5 despite the jitter, short enough to follow the temperature.
 constexpr double period_window = 50'000;
-/// A fifth of a turn or so: the motor follows its set value slowly.
+/// Packets, about a fifth of a turn; the motor changes its speed slowly.
 constexpr double turn_window = 512;
-/// A packet may arrive so many places too late, or so many periods too early, and its azimuth still counts.
+/// The azimuth counts if a packet is late by at most this number of places or early by as many periods.
 constexpr double latest_place = 8;
 constexpr double slack_packets = 10;
-/// After such a pause the azimuth tells nothing: the turns in it are too many to count.
+/// After a longer pause the number of turns is unknown.
 constexpr Span longest_pause = std::chrono::seconds(1);
 
 constexpr double hour_ns = 3.6e12;
 
-/// The stamps follow the arrivals by this part of what they lag behind, so that no difference of the clocks
-/// adds up; a packet that the host fetched late counts no more than one of the usual jitter.
+/// Share of the lag by which the stamps follow the arrivals, so that clock differences do not accumulate; the
+/// lag of late packets is limited to the usual jitter.
 constexpr double follow = 1.0 / 128;
 constexpr double usual_jitter_ns = 200e3;
 
@@ -137,7 +137,7 @@ void ArrivalStamps::reset() {
   started_ = false;
 }
 
-/// Whole; 0: the same packet again, below: it comes late.
+/// An integer; 0: a duplicate, negative: a late packet.
 double ArrivalStamps::packets_since(Stamp arrival, double azimuth_deg) const {
   const Span elapsed = arrival - last_arrival_;
   const double by_arrival = static_cast<double>(elapsed.count()) / period_ns_.value();
@@ -150,7 +150,7 @@ double ArrivalStamps::packets_since(Stamp arrival, double azimuth_deg) const {
     if (part <= most)
       return std::max(1.0,
                       std::round(part + packets_per_turn * std::floor((most - part) / packets_per_turn)));
-    // Ahead of what can have been sent since: it belongs before the last one.
+    // More than can have been sent since: the packet is before the last one.
     if (packets_per_turn - part <= latest_place) return std::round(part - packets_per_turn);
   }
   return std::max(1.0, std::round(by_arrival));
@@ -161,11 +161,11 @@ bool ArrivalStamps::is_repeated(const std::uint8_t* packet) const {
 }
 
 void ArrivalStamps::learn(Span elapsed, double turned, double packets) {
-  constexpr double certain = 4;  // places that an azimuth and the jitter cannot mistake
+  constexpr double certain = 4;  // places that are unambiguous despite the jitter
   if (packets < 1 || packets > certain) return;
   const auto usual_ns = static_cast<double>(usual_period_.count());
   const auto elapsed_ns = static_cast<double>(elapsed.count());
-  // What a host fetched late, and all that it fetched with it, says nothing of the period.
+  // Late packets, and those read together with them, do not show the period.
   constexpr double most_jitter = 0.9;
   if (std::abs(elapsed_ns - packets * usual_ns) > most_jitter * usual_ns) return;
   period_ns_.add(elapsed_ns, packets, period_window);
@@ -176,7 +176,7 @@ void ArrivalStamps::advance(Span elapsed, double turned, double packets) {
   learn(elapsed, turned, packets);
   double step = packets * period_ns_.value();
   lag_ns_ += static_cast<double>(elapsed.count()) - step;
-  // The host's clock was set, or turns were counted that never were: from now on from here.
+  // The host's clock was set, or turns were miscounted: restart the lag.
   if (std::abs(lag_ns_) > static_cast<double>(longest_pause.count())) lag_ns_ = 0;
   const double correction = follow * std::clamp(lag_ns_, -usual_jitter_ns, usual_jitter_ns);
   lag_ns_ -= correction;

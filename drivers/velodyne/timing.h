@@ -12,12 +12,12 @@
 
 namespace lidard::velodyne {
 
-/// What the packet after one tells about it.
+/// Data from the following packet.
 struct NextPacket {
   Span step;  ///< from stamp to stamp
 };
 
-/// When each group of a packet's blocks fired, and how fast the sensor turned meanwhile.
+/// Firing times of the groups of a packet's blocks, and the rotation.
 struct FiringSchedule {
   std::array<Span, blocks_per_packet> begin{};  ///< first firing of each group after the packet's stamp
   Span sequence{0};                             ///< from one firing sequence to the next
@@ -25,58 +25,55 @@ struct FiringSchedule {
   double rate_deg_per_s = 0;
 };
 
-/// The schedule of a packet, by the timing in force and, where sequences rest for a random time, by the
-/// sequences that were measured. Needs the next packet where sequences rest for a random time or where a
-/// hidden sector lies inside the packet: the groups after it fired late, by the time of the silence. Without
-/// it, `turn_rate` (deg/s of whole revolutions, 0 unknown) places them; a packet's own azimuth steps are too
-/// coarse for that.
+/// The schedule of a packet from the timing variant and, for random pauses, from the measured sequences. It
+/// needs the next packet for random pauses and for a hidden sector inside the packet, after which groups
+/// fired late. Without the next packet, `turn_rate` (deg/s of full revolutions, 0 unknown) places them; the
+/// azimuth steps of one packet are too coarse.
 FiringSchedule schedule_of(const ModelRow& row, const Timing& timing, Span measured_sequence,
                            const PacketAzimuths& azimuths, std::size_t echoes,
                            const std::optional<NextPacket>& next, double turn_rate);
 
-/// Chooses a model's timing variant by the median packet period, which no configuration knows and which the
-/// random rest of a VLS-128 blurs: a single pair of packets would often mislead.
+/// Chooses a model's timing variant by the median packet period; the random pause of a VLS-128 makes single
+/// periods unreliable.
 class TimingChooser {
  public:
   explicit TimingChooser(const ModelRow& row) : row_(row), chosen_(&row.timings.front()) {}
 
-  /// Two consecutive packets without loss or hidden sector between them: the time from one to the other.
+  /// Adds the time between two packets without loss or hidden sector between them.
   void add(Span step, std::size_t sequences);
   const Timing& timing() const { return *chosen_; }
-  /// False until there is something to choose by.
+  /// False before the first period.
   bool decided() const { return row_.timings.size() == 1 || count_ > 0; }
-  /// Mean time from sequence to sequence as measured; the chosen variant's before.
+  /// Measured mean time from sequence to sequence; before, that of the chosen variant.
   Span measured_sequence() const;
 
  private:
   const ModelRow& row_;
   const Timing* chosen_;
   std::array<std::int64_t, 64> steps_{};   // ns per sequence, in order of arrival
-  std::array<std::int64_t, 64> sorted_{};  // the same in order of size
+  std::array<std::int64_t, 64> sorted_{};  // sorted copy
   std::size_t count_ = 0;
   std::int64_t sum_ = 0;
 };
 
-/// Stamps for packets that come without (HDL-64E S1): it numbers them, and a packet's number times the packet
-/// period, as the arrivals have it, is its stamp, as if the sensor had a clock that was set to 0 with the
-/// first packet.
+/// Stamps for packets without stamps (HDL-64E S1): a packet's number times the measured packet period, as
+/// from a clock that starts with the first packet.
 ///
-/// How many packets lie between two, the azimuth tells but for whole turns, and the arrival tells those. A
-/// packet that came late gets the number of its place, one that came twice the same number again. Where the
-/// azimuth makes no sense (the head was stopped, the packets are of two sensors), the arrivals alone count.
-/// Arrivals jitter by a fifth of a period and more; that is left to the clock that maps the stamps to the
-/// host's time.
+/// The azimuth gives the number of packets modulo a turn, and the arrival gives the turns. A late packet gets
+/// the number of its place, a duplicate the same number again. If the azimuth is implausible (the head
+/// stopped, or packets of two sensors), only the arrivals count. The clock that maps the stamps to the host's
+/// time smooths the jitter of arrivals.
 class ArrivalStamps {
  public:
   explicit ArrivalStamps(const ModelRow& row);
 
-  /// Writes the stamp of its first firing into a packet, where others have theirs.
+  /// Writes the stamp of the first firing into a packet, where other models have it.
   void stamp(Stamp arrival, const PacketAzimuths& azimuths, std::uint8_t* packet);
-  /// The next packet is the first.
+  /// Restarts with the next packet.
   void reset();
 
  private:
-  /// Of the packets so far, the newest counting most.
+  /// Mean with exponential weights.
   struct Mean {
     double sum = 0, packets = 0;
     double value() const { return sum / packets; }
@@ -94,7 +91,7 @@ class ArrivalStamps {
   double last_azimuth_deg_ = 0;
   std::array<std::uint8_t, stamp_offset> last_{};  // blocks of the last packet
   double time_ns_ = 0;
-  double lag_ns_ = 0;  // of the stamps behind the arrivals, since the first packet
+  double lag_ns_ = 0;  // lag of the stamps behind the arrivals, since the first packet
 };
 
 }  // namespace lidard::velodyne

@@ -105,7 +105,7 @@ void Unpacker::set_limits() {
     const double added = geometry_->terms(k).dist_correction;
     const double nearest = min_range_ > 0 ? std::ceil((min_range_ - added) / step - 1e-9) : 1;
     const double farthest = max_range_ > 0 ? std::floor((max_range_ - added) / step + 1e-9) : most;
-    // A count of 0 is the wire's "no return", so it is never inside.
+    // A count of 0 means "no return" on the wire.
     lasers_.nearest[k] = static_cast<std::int32_t>(std::clamp(nearest, 1.0, most));
     lasers_.farthest[k] = static_cast<std::int32_t>(std::clamp(farthest, 0.0, most));
   }
@@ -115,8 +115,8 @@ void Unpacker::set_timing(const Timing& timing) {
   for (std::size_t k = 0; k < row_.lasers; ++k) {
     origins_[k].firing = row_.firing_time(timing, k) + timing.before;
     lasers_.time[k] = static_cast<float>(seconds(origins_[k].firing));
-    // A block's azimuth is that of its first firing. That of an HDL-64E S1 holds for the whole block: its
-    // db.xml and the viewer it was made for know of no turn within it.
+    // A block's azimuth is that of its first firing, but for an HDL-64E S1 it holds for the full block, as in
+    // the viewer of its db.xml.
     lasers_.turning[k] = row_.bank_by_bank ? 0 : seconds(origins_[k].firing);
   }
   longest_turning_ = *std::max_element(lasers_.turning, lasers_.turning + row_.lasers);
@@ -130,7 +130,7 @@ void Unpacker::turn_anew() {
 }
 
 void Unpacker::set_rate(double deg_per_s) {
-  // Below it a beam does not move by 0.01 mm at any range.
+  // A smaller turn moves a beam by less than 0.01 mm at any range.
   constexpr double negligible_deg = 2e-6;
   if (std::abs(deg_per_s - rate_) * longest_turning_ < negligible_deg) return;
   rate_ = deg_per_s;
@@ -144,7 +144,7 @@ void Unpacker::reserve_packet(Cloud& cloud) const {
   // The kernels write a little beyond the last point.
   const std::size_t needed = (cloud.columns.empty() ? 0 : cloud.columns.back().first_point + row_.lasers) +
                              blocks_per_packet * slots_per_block + overshoot / point_step;
-  // Grows in big steps: a revolution at the usual 600 rpm has 76 packets of a VLP-16.
+  // Grows in large steps: a VLP-16 sends 76 packets per revolution at 600 rpm.
   constexpr std::size_t step = 8 * blocks_per_packet * slots_per_block;
   if (cloud.size() < needed) cloud.points_bytes.resize((needed + step) * sizeof(CloudPoint));
 }

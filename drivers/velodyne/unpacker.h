@@ -19,48 +19,49 @@ namespace lidard::velodyne {
 /// A firing sequence ready to be unpacked.
 struct Sequence {
   std::array<const std::uint8_t*, most_banks> slots;  ///< the first slot of each bank in the packet
-  double azimuth_deg;                        ///< at its begin, as the sensor counts it
-  Span in_packet;                            ///< its first firing after the packet's stamp
-  Span in_frame;                             ///< its first firing after the frame's stamp
-  Stamp stamp;                               ///< its first firing on the host's time scale
+  double azimuth_deg;                                 ///< at its begin, as the sensor counts it
+  Span in_packet;                                     ///< its first firing after the packet's stamp
+  Span in_frame;                                      ///< its first firing after the frame's stamp
+  Stamp stamp;                                        ///< its first firing on the host's time scale
   std::uint32_t packet;
   std::array<std::uint8_t, most_banks> blocks;  ///< of the banks
   std::uint8_t echo;
 };
 
-/// Turns the slots of firing sequences into points, straight into the cloud's message bytes.
+/// Converts the slots of firing sequences to points in the cloud's message bytes.
 class Unpacker {
  public:
-  /// Distances (m, with the far correction of a calibration) outside [min_range, max_range] are left out;
-  /// max_range 0: no limit. `calibration`: of this very sensor, instead of the model's table; nullptr none.
+  /// Drops distances (m, with the far correction of a calibration) outside [min_range, max_range]; max_range
+  /// 0: no limit. `calibration`: the sensor's own, instead of the model's table; nullptr none.
   Unpacker(const ModelRow& row, bool keep_origins, double min_range, double max_range,
            const Calibration* calibration, const SequenceKernels& kernels = best_kernels());
 
-  /// Places what comes from now on with that calibration, instead of what was given before.
+  /// Replaces the calibration for the following sequences.
   void set_calibration(const Calibration& calibration);
   /// Also fills Cloud::too_near.
   void keep_too_near(bool keep) { keep_too_near_ = keep; }
-  /// The limits of what comes from now on, as for the constructor.
+  /// Sets the limits of the following sequences, as in the constructor.
   void set_ranges(double min_range, double max_range) {
     min_range_ = min_range;
     max_range_ = max_range;
     set_limits();
   }
   void set_timing(const Timing& timing);
-  /// The rotation during the coming sequences, degrees per second.
+  /// The rotation during the following sequences, degrees per second.
   void set_rate(double deg_per_s);
   /// Makes room for one more packet; call before its sequences.
   void reserve_packet(Cloud& cloud) const;
-  /// Appends the sequence's column; its returns are placed later. A packet's sequences at most wait.
+  /// Appends the sequence's column; place() places its returns. At most one packet's sequences may be
+  /// pending.
   void append(const Sequence& sequence, Cloud& cloud);
-  /// Places the returns of all sequences appended since, behind `points` points. Points beyond the capacity
-  /// made by reserve_packet() are a bug.
+  /// Places the returns of the pending sequences after `points` points, within the capacity of
+  /// reserve_packet().
   void place(Cloud& cloud, std::size_t& points);
 
  private:
   struct LaserOrigin {
     double rot_deg, shift_deg;
-    Span firing;  // after the sequence's first
+    Span firing;  // after the sequence's first firing
   };
   void set_geometry(const Calibration& calibration);
   void set_limits();
@@ -77,7 +78,7 @@ class Unpacker {
   double longest_turning_ = 0;  // s
   const SequenceKernels& kernels_;
   LaserArrays lasers_{};
-  std::unique_ptr<CalibrationArrays> calibration_;  // where lasers_ alone do not place a return
+  std::unique_ptr<CalibrationArrays> calibration_;  // if lasers_ are not enough to place a return
   SequenceArrays waiting_{};
   std::vector<LaserOrigin> origins_;
   std::optional<CalibratedGeometry> geometry_;

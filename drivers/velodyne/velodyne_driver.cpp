@@ -22,7 +22,7 @@ namespace {
 
 /// An S2 or S3 sends its calibration, an S1 does not.
 constexpr const char* no_calibration =
-    "an HDL-64E S1 does not tell its calibration: without it points are a metre off and more; set "
+    "an HDL-64E S1 does not send its calibration: without it points are wrong by a metre and more; set "
     "`calibration` to the db.xml that came with the sensor";
 
 class VelodyneDriver final : public DriverBase {
@@ -55,7 +55,7 @@ class VelodyneDriver final : public DriverBase {
     incoming_.index = static_cast<std::uint32_t>(counters_.packets++);
     counters_.bytes += packet.payload.size();
     incoming_.arrival = packet.arrival;
-    // Copied before the blocks are looked at: memory is read faster in one go.
+    // Copied first: one read of the memory is faster than access to single blocks.
     if (packet.payload.size() == packet_size)
       std::memcpy(incoming_.bytes.data(), packet.payload.data(), packet_size);
     const Reject reason = check(packet.payload);
@@ -125,7 +125,7 @@ class VelodyneDriver final : public DriverBase {
   }
 
  private:
-  /// Its web interface, and what arrives to hold against what that tells.
+  /// The web interface, and the received data to compare with its report.
   struct Web {
     explicit Web(const VelodyneControl& control) : dialogue(control) {}
     WebDialogue dialogue;
@@ -137,17 +137,17 @@ class VelodyneDriver final : public DriverBase {
     const DataPacket packet(payload);
     const Reject reason = check_blocks(packet, layout_of(packet, row_));
     if (reason == Reject::magic && !row_.names_product() && note_generation(payload)) return Reject::model;
-    // Another model's packets may not even look like this one's: name them.
+    // Name the model of packets with another layout.
     if (reason == Reject::none || row_.has_product(packet.product()) || !is_product(packet.product()))
       return reason;
     if (row_.names_product()) note_product(packet.product(), true);
     return row_.names_product() ? Reject::model : reason;
   }
 
-  /// A packet in its place in the stream; it waits for the next one where that one tells its times.
+  /// Accepts a packet in order; it waits for the next packet if its times depend on that one.
   void accept(const OrderedPacket& packet, Span time, DriverOutput& out) {
     if (row_.has_status()) read_status(packet.view());
-    // A jump of the device clock cannot lie inside a frame: times within it are differences.
+    // Times within a frame are differences, so a jump of the device clock ends the frame.
     constexpr Span jump = std::chrono::seconds(5);
     if (in_stream_ && (time < last_time_ || time - last_time_ > jump)) {
       decode_pending(std::nullopt, out);
@@ -192,7 +192,7 @@ class VelodyneDriver final : public DriverBase {
     const FiringSchedule schedule =
         schedule_of(row_, *timing_in_force_, timing_.measured_sequence(), azimuths, layout.echoes, next,
                     rate_over_turn(azimuths, time));
-    // The packet leaves after its last firing sequence.
+    // The packet is sent after its last firing sequence.
     clock_.observe(time + schedule.end, packet.arrival);
 
     frames_.unpacker().set_rate(schedule.rate_deg_per_s);
@@ -230,7 +230,7 @@ class VelodyneDriver final : public DriverBase {
   }
 
   void measure_turn(double azimuth_deg, Span step) {
-    // Long enough that whole microseconds and 0.01 deg do not matter, short enough to follow the motor.
+    // Long compared with the resolution of stamps and azimuths, short enough to follow the motor.
     constexpr double window_s = 0.2;
     constexpr Span longest_step = std::chrono::milliseconds(40);  // below one turn at 1200 rpm
     if (step <= Span(0) || step > longest_step) return;
@@ -244,8 +244,8 @@ class VelodyneDriver final : public DriverBase {
   /// Rotation over the last packets, deg/s; 0 unknown.
   double turn_rate() const { return turned_s_ > 0 ? plausible_rate(turned_deg_ / turned_s_) : 0; }
 
-  /// The rotation that a silence is reckoned with: over whole turns, from one begin of the hidden sector to
-  /// the next, where a hundredth of a degree is little.
+  /// The rotation over full turns, from one begin of the hidden sector to the next, for the duration of the
+  /// sector.
   double rate_over_turn(const PacketAzimuths& azimuths, Span time) {
     const double usual = turn_rate();
     if (azimuths.hidden_total_deg <= 0) return usual;
@@ -268,15 +268,16 @@ class VelodyneDriver final : public DriverBase {
     if (product == reported_product_) return;
     reported_product_ = product;
     const std::string says =
-        "packets name " + product_name(product) + " as their product, configured is " +
+        "packets have the product byte of " + product_name(product) + ", configured is " +
         std::string(config_.model->product) +
-        (refused ? "; they are refused: correct `model`, or `ip_address` if two sensors share the port"
-                 : "; their period is that of the configured model, so they are decoded as it");
+        (refused
+             ? "; the packets are rejected: correct `model`, or `ip_address` if two sensors share the port"
+             : "; the packet period is that of the configured model, so the packets are decoded");
     auto& all = info_.warnings;
     if (std::find(all.begin(), all.end(), says) == all.end()) all.push_back(says);
   }
 
-  /// Packets of another model that came once are no news for ever.
+  /// Clears the warning after packets of another model have stopped.
   void forget_foreign(Stamp now) {
     constexpr Span news = std::chrono::seconds(10);
     if (now - foreign_at_ < news) return;
@@ -287,7 +288,7 @@ class VelodyneDriver final : public DriverBase {
     all.erase(std::remove_if(all.begin(), all.end(), is_old), all.end());
   }
 
-  /// True if another HDL-64E sends such packets: the blocks of an S1 have another order.
+  /// True if the packets are those of another HDL-64E: an S1 has another order of blocks.
   bool note_generation(ByteView payload) {
     const ModelRow* other = family_of(payload);
     if (other == nullptr || other->names_product() || other->has_stamp() == row_.has_stamp()) return false;
@@ -295,13 +296,12 @@ class VelodyneDriver final : public DriverBase {
     if (!generation_warning_.empty()) return true;
     generation_warning_ = "packets are those of an HDL-64E " +
                           std::string(other->has_stamp() ? "S2, S2.1 or S3" : "S1") + ", configured is " +
-                          std::string(config_.model->product) + "; they are refused: correct `model`";
+                          std::string(config_.model->product) + "; the packets are rejected: correct `model`";
     info_.warnings.push_back(generation_warning_);
     return true;
   }
 
-  /// An HDL-64E has no product byte: the last two bytes tell its state and, little by little, its
-  /// calibration.
+  /// Reads the last two bytes: state and calibration of an HDL-64E, which has no product byte.
   void read_status(const DataPacket& packet) {
     status_.add(packet.mode(), packet.product());
     if (status_.calibration() == sent_) return;
@@ -315,7 +315,7 @@ class VelodyneDriver final : public DriverBase {
     clear_details();
     const char* source = config_.calibration != nullptr ? "file"
                          : sent_ != nullptr             ? "sent by the sensor"
-                                                        : "that of another sensor, until it sends its own";
+                                            : "that of another sensor, until the sensor sends its own";
     info_.details.emplace_back("calibration", source);
     for (auto& detail : hdl64_details(status_.info())) info_.details.push_back(std::move(detail));
     info_.warnings = hdl64_warnings(status_.info());
@@ -331,11 +331,11 @@ class VelodyneDriver final : public DriverBase {
   TelemetryReceiver telemetry_;
   std::optional<Web> web_;
   Hdl64Status status_;
-  std::shared_ptr<const Calibration> sent_;  // by the sensor, in the last bytes of its packets
+  std::shared_ptr<const Calibration> sent_;  // by the sensor, in the last two bytes
   Stamp described_{};
   const Timing* timing_in_force_ = nullptr;
   OrderedPacket incoming_{};
-  OrderedPacket waiting_{};  // for what the next packet tells about it
+  OrderedPacket waiting_{};  // until the next packet gives its times
   Span waiting_time_{0};
   bool pending_ = false;
   bool in_stream_ = false;

@@ -51,14 +51,14 @@ class Recording {
 
 /// A calibration file's content for a sensor that is exactly as its model's table says, or off by a little
 /// everywhere.
-std::shared_ptr<velodyne::Calibration> calibration_of(const Model& model, Calibrated kind) {
+std::shared_ptr<Calibration> calibration_of(const Model& model, Calibrated kind) {
   constexpr double rad = 3.14159265358979323846 / 180;
   if (kind == Calibrated::no) return nullptr;
   const auto& row = *static_cast<const velodyne::ModelRow*>(model.row);
-  auto calibration = std::make_shared<velodyne::Calibration>();
+  auto calibration = std::make_shared<Calibration>();
   calibration->distance_step_m = row.distance_step_m;
   for (std::size_t k = 0; k < row.lasers; ++k) {
-    velodyne::LaserCalibration laser;
+    LaserCalibration laser;
     laser.rot_correction = row.laser[k].rot_correction_deg * rad;
     laser.vert_correction = row.laser[k].elevation_deg * rad;
     laser.vert_offset = row.laser[k].z_offset_mm * 1e-3;
@@ -68,7 +68,7 @@ std::shared_ptr<velodyne::Calibration> calibration_of(const Model& model, Calibr
       laser.dist_correction_y = 1.22;
       laser.horiz_offset = 0.026;
       laser.vert_offset = 0.21;
-      laser.two_point = velodyne::TwoPoint::on;
+      laser.two_point = TwoPoint::on;
       laser.focal_distance = 24;
       laser.focal_slope = 1.1;
     }

@@ -142,7 +142,7 @@ void add_driven_merge(const sim::MergeCase& set_up, const MergeSettings& setting
       if (sweeps.back() == nullptr) continue;
       sums.add_exact("own", static_cast<std::int64_t>(sweeps.back()->own_returns));
       sums.add_exact("through", static_cast<std::int64_t>(sweeps.back()->seen_through));
-      sums.add_exact("doubtful", static_cast<std::int64_t>(sweeps.back()->veils));
+      sums.add_exact("doubtful", static_cast<std::int64_t>(sweeps.back()->mixed_pixels));
     }
     mounting.look(now, sweeps, places, sweep % 5 != 0);
     add(sums, mounting);

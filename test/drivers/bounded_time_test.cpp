@@ -98,7 +98,7 @@ DriverConfig random_config(const Model& model, std::uint64_t seed) {
   if (one_of(4) == 0) config.view_direction = 1, config.view_width = 2;
   if (one_of(4) == 0) config.angle_min = -0.5, config.angle_max = 1.2;
   if (model.vendor == "Velodyne" && one_of(4) == 0)
-    config.calibration = std::make_shared<velodyne::Calibration>(velodyne::table_calibration(model));
+    config.calibration = std::make_shared<Calibration>(table_calibration(model));
   return config;
 }
 

@@ -43,8 +43,7 @@ class Stream {
     config.keep_too_near = (wishes & 8U) != 0;
     config.cut_angle = in_.between(0, 6.28);
     if ((wishes & 128U) != 0)
-      config.calibration =
-          std::make_shared<velodyne::Calibration>(velodyne::table_calibration(*config.model));
+      config.calibration = std::make_shared<Calibration>(table_calibration(*config.model));
     return config;
   }
   /// Blocks of one firing look the same way; the stamp goes on by up to 16 ms, or to anywhere.

@@ -7,15 +7,15 @@
 namespace lidard::test {
 namespace {
 
-double limited(double intensity, const velodyne::LaserCalibration& laser) {
+double limited(double intensity, const LaserCalibration& laser) {
   intensity = std::fmax(intensity, laser.min_intensity);
   return std::fmin(intensity, laser.max_intensity);
 }
 
 }  // namespace
 
-PlacedPoint place_like_ros_drivers(const velodyne::LaserCalibration& laser, bool two_point, double step_m,
-                                   int count, int raw_intensity, double azimuth) {
+PlacedPoint place_like_ros_drivers(const LaserCalibration& laser, bool two_point, double step_m, int count,
+                                   int raw_intensity, double azimuth) {
   const double far = laser.dist_correction;
   const double distance = count * step_m + far;
   const double alpha = azimuth - laser.rot_correction;
@@ -43,8 +43,8 @@ PlacedPoint place_like_ros_drivers(const velodyne::LaserCalibration& laser, bool
   return {y, -x, z, limited(raw_intensity + change, laser)};
 }
 
-PlacedPoint place_like_manual(const velodyne::LaserCalibration& laser, bool two_point, double step_m,
-                              int count, int raw_intensity, double azimuth) {
+PlacedPoint place_like_manual(const LaserCalibration& laser, bool two_point, double step_m, int count,
+                              int raw_intensity, double azimuth) {
   const double far_cm = laser.dist_correction * 100;
   const double raw_cm = count * step_m * 100;
   const double distance_cm = raw_cm + far_cm;

@@ -57,7 +57,7 @@ def all_well(tmp):
     expect(scans[0] > 50 and scans[1] == "33.3" and not scans[2], f"{scans}")
     expect(table["both"][:2] == table["careful"][:2] == scans[:2], f"{table}")
     expect(table["roof/points"][1] == "10.0", f"{table}")
-    untold = re.search(r"not told by the devices: (.*)", text)
+    untold = re.search(r"not sent by the devices: (.*)", text)
     expect(untold and {"roof/fix", "roof/time_reference"} <= set(untold[1].split(", ")), text)
 
 

@@ -201,7 +201,7 @@ def main():
     with folder() as tmp:
         program = named_program(tmp, "velodyne_node")
         code = subprocess.run([program, "nonsense"], capture_output=True, text=True, check=False)
-        expect(code.returncode == 2 and "no parameter" in code.stderr, f"usage: {code}")
+        expect(code.returncode == 2 and "neither a parameter" in code.stderr, f"usage: {code}")
         with logged([program, "__name:=velodyne", "_max_range:=20.0"], tmp / "log.txt") as node:
             wait_for(lambda: "waiting for the ROS master" in node.said(), 10, "it waits for the master")
         with ros_master(port):

@@ -14,15 +14,15 @@ namespace {
 constexpr Span patience = std::chrono::seconds(2);
 /// For the first answer, which shows the dialect of the device.
 constexpr Span probe_patience = std::chrono::milliseconds(600);
-/// The mirror may have to reach its speed first.
+/// The mirror may still be accelerating.
 constexpr Span first_scan_patience = std::chrono::seconds(4);
 
 constexpr std::string_view settings_read = "sRN LMDscandatacfg", settings_write = "sWN LMDscandatacfg",
                            subscription = "sEN LMDscandata";
 
 constexpr const char* no_scans =
-    "the device accepts 'sEN LMDscandata 1' but sends no scans: its measurement is switched off, or somebody "
-    "else is logged in; look at it with SOPAS ET";
+    "the device accepts 'sEN LMDscandata 1' but sends no scans: its measurement is switched off, or another "
+    "client is logged in; check it with SOPAS ET";
 
 template <class Reader>
 bool read_outputs(Reader in, ColaOutputs& outputs) {
@@ -31,7 +31,7 @@ bool read_outputs(Reader in, ColaOutputs& outputs) {
   return in.ok();
 }
 
-/// The echoes that are sent, "1+2", or "none".
+/// The echoes that the device sends, "1+2", or "none".
 std::string echoes_of(const ColaOutputs& s) {
   std::string text;
   for (unsigned bit = 0; bit < 5; ++bit) {
@@ -89,7 +89,7 @@ void ColaDialogue::connected(Stamp now, DriverOutput& out) {
   begin_script(now, out);
 }
 
-/// Continues after each `yield` with the answer, or without one if the device sends scans anyway.
+/// Continues after a `yield` with the answer, or without one if the device already sends scans.
 void ColaDialogue::script(DriverOutput& out) {
   const DeviceRequests& requests = config_.requests;
   const bool compares = requests.allow_write || requests.skip || config_.publish_multiecho;
@@ -115,7 +115,7 @@ void ColaDialogue::script(DriverOutput& out) {
       yield ask("sEN LIDoutputstate", out);
       yield ask("sEN LIDinputstate", out);
     }
-    if (config_.model->tells<ImuSample>() && session_.dialect == ColaDialect::b) {
+    if (config_.model->sends<ImuSample>() && session_.dialect == ColaDialect::b) {
       yield ask("sEN InertialMeasurementUnit", Answer::dispensable, out);
     }
     yield ask(subscription, out);
@@ -174,7 +174,7 @@ void ColaDialogue::send_question(DriverOutput& out) {
 }
 
 void ColaDialogue::receive(const ColaTelegram& telegram, Stamp now, DriverOutput& out) {
-  if (phase_ != Phase::asking) return;  // the device does not stream during the questions
+  if (phase_ != Phase::asking) return;  // the device stops streaming during the questions
   now_ = now;
   if (patience_.is_slow()) patience_.start_answer(now, patience);
   if (!session_.accept(telegram)) return;
@@ -193,12 +193,12 @@ void ColaDialogue::receive(const ColaTelegram& telegram, Stamp now, DriverOutput
 }
 
 void ColaDialogue::note_refusal(std::uint8_t code) {
-  if (question_ == subscription && can_login()) return;  // that may help
+  if (question_ == subscription && can_login()) return;  // a login may help
   const std::string words = "(sFA " + std::to_string(code) + "): " + cola_error_words(code);
   note_missing("the device refused '" + session_.command() + "' " + words, words);
 }
 
-/// The last question has no answer, or it was refused.
+/// Records that the last question was refused or not answered.
 void ColaDialogue::note_missing(std::string warning, const std::string& remark) {
   if (expected_ == Answer::dispensable)
     detail("Refused " + session_.command(), remark);
@@ -221,16 +221,16 @@ void ColaDialogue::give_up(DriverOutput& out) {
   out.disconnect(true);
 }
 
-/// A TiM7xxS calls itself as a TiM7xx does: only the beginning of the configured name counts.
+/// A TiM7xxS reports the name of a TiM7xx, so only the beginning of the configured name is compared.
 void ColaDialogue::note_identity() {
   const std::string identity = read_arguments(*answer_, [](auto in) { return read_identity(in); });
   detail("Device", identity);
   const std::string_view named = cola_model_named(identity);
   const std::string_view configured = config_.model->name;
   if (identity.empty() || (!named.empty() && configured.substr(0, named.size()) == named)) return;
-  const std::string both = "the device calls itself " + identity + ", which is " +
-                           (named.empty() ? "no model that is supported" : "a " + std::string(named)) +
-                           ", but " + std::string(configured) + " is configured; ";
+  const std::string both = "the device reports the name " + identity + ", which is " +
+                           (named.empty() ? "not a supported model" : "a " + std::string(named)) + ", but " +
+                           std::string(configured) + " is configured; ";
   warn(both + (named.empty() ? "its angles and ranges may be wrong: check ip_address and model"
                              : "set model: " + std::string(named)));
 }
@@ -239,8 +239,8 @@ void ColaDialogue::read_settings() {
   ColaOutputs read;
   if (!read_arguments(*answer_, [&](auto in) { return read_outputs(in, read); })) {
     warn(
-        "the answer to 'sRN LMDscandatacfg' is not as SICK 8014631 describes it, so nothing is compared or "
-        "written; report the firmware version");
+        "the answer to 'sRN LMDscandatacfg' does not match SICK 8014631, so settings are neither "
+        "compared nor written; report the firmware version");
     return;
   }
   settings_ = read;
@@ -261,13 +261,13 @@ void ColaDialogue::compare_settings() {
   if (config_.publish_multiecho && config_.model->has(Trait::echoes))
     wanted.contents[ColaOutputs::echoes] = all_echoes;
   const bool differs = !(wanted == *settings_);
-  // Intensities are published by default where the device sends them; the default asks for no permission.
+  // Intensities are requested only if writing is allowed, since publish_intensity is the default.
   if (config_.publish_intensity && config_.requests.allow_write) wanted.contents[ColaOutputs::intensity] = 1;
   if (config_.requests.allow_write) {
     if (!(wanted == *settings_)) wanted_ = wanted;
   } else if (differs) {
-    warn("the device is set otherwise than configured (" + changes(*settings_, wanted) +
-         "); set allow_write: true to have it changed, or change it with SOPAS ET");
+    warn("the device's settings differ from the configuration (" + changes(*settings_, wanted) +
+         "); set allow_write: true, or change them with SOPAS ET");
   }
 }
 
@@ -295,7 +295,7 @@ void ColaDialogue::tick(Stamp now, DriverOutput& out) {
     return give_up(out);
   }
   if (!dialect_known_) {
-    // No answer in this dialect: ask in the other one.
+    // No answer in this dialect: try the other one.
     dialect_known_ = true;
     change_dialect();
     return ask(question_, expected_, out);
@@ -307,7 +307,7 @@ void ColaDialogue::tick(Stamp now, DriverOutput& out) {
   }
   const std::string why =
       unanswered +
-      " in time; check that ip_port is its port for CoLa (2112, or 2111) and that nobody else is "
+      " in time; check that ip_port is its port for CoLa (2112, or 2111) and that no other client is "
       "connected to it";
   if (!answered_) change_dialect();
   if (!patience_.extend(now)) {

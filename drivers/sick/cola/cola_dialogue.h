@@ -30,10 +30,9 @@ struct ColaOutputs {
   }
 };
 
-/// Starts the stream of scans of a device: reads its identity and settings, subscribes, and writes a setting
-/// only if the configuration asks for another one and allows it. Otherwise the requests are DeviceIdent,
-/// LMPoutputRange and LMDscandatacfg to read and LMDscandata to subscribe to, in this order;
-/// InertialMeasurementUnit comes before LMDscandata, for models that have one.
+/// Starts a device's stream of scans: reads DeviceIdent, LMPoutputRange and LMDscandatacfg, then subscribes
+/// to InertialMeasurementUnit (models that have one) and LMDscandata. Settings are written only if they
+/// differ from the configuration and writing is allowed.
 class ColaDialogue final : public Dialogue {
  public:
   ColaDialogue(const DriverConfig& config, const ColaRow& row)
@@ -41,15 +40,15 @@ class ColaDialogue final : public Dialogue {
 
   void connected(Stamp now, DriverOutput& out);
   void disconnected();
-  /// An answer of the device that is no event.
+  /// Accepts a telegram that is not an event.
   void receive(const ColaTelegram& telegram, Stamp now, DriverOutput& out);
-  /// A scan came, in this dialect.
+  /// Reports the arrival of a scan in this dialect.
   void scan_came(ColaDialect dialect);
   void tick(Stamp now, DriverOutput& out);
 
  private:
   enum class Phase : std::uint8_t { idle, asking, waiting_for_scan, streaming };
-  /// Meaning of a missing answer: a configured request cannot be done, or nothing.
+  /// `needed`: a missing answer means that a configured request failed; `dispensable`: it means nothing.
   enum class Answer : std::uint8_t { needed, dispensable };
 
   void script(DriverOutput& out) override;
@@ -75,12 +74,12 @@ class ColaDialogue final : public Dialogue {
   SopasSession session_;
   bool dialect_known_ = false;
   bool answered_ = false;  // in this connection
-  bool scans_ = false;     // likewise: scans come before the end of the questions
+  bool scans_ = false;     // scans came before the end of the questions, in this connection
   Phase phase_ = Phase::idle;
   std::string_view question_;  // the last command
   Answer expected_ = Answer::needed;
-  const ColaTelegram* answer_ = nullptr;  // to the last question; nullptr: none came
-  bool refused_ = false;                  // that answer
+  const ColaTelegram* answer_ = nullptr;  // to the last question; nullptr: no answer
+  bool refused_ = false;                  // the last answer was a refusal
   bool logged_in_ = false;
   std::optional<ColaOutputs> settings_, wanted_;
   std::vector<std::string> found_;  // warnings of this attempt

@@ -25,7 +25,7 @@ enum class Warning : std::uint8_t {
   count_
 };
 
-/// "output_1" ... for as long as the program runs.
+/// "output_1" ..., with static storage.
 template <std::size_t Count>
 class Names {
  public:
@@ -67,7 +67,7 @@ class ColaStates {
     state_->frame_id = imu_->frame_id = config.frame_id;
   }
 
-  /// Publishes the telegram if it is one of those. Returns why it cannot be parsed.
+  /// Publishes the telegram if it is one of these messages. Returns why it cannot be parsed.
   Reject read(const ColaTelegram& telegram, Stamp arrival, const ColaClock& clock, DriverOutput& out) {
     const std::string_view kind = telegram.kind(), name = telegram.name();
     if (kind != "sSN" && kind != "sRA") return Reject::none;
@@ -97,7 +97,7 @@ class ColaStates {
   }
 
   Stamp stamp_of(const std::optional<std::uint32_t>& time_us, Stamp arrival, const ColaClock& clock) const {
-    // The pins of some devices have no stamp, and old times are sent when a subscription begins.
+    // The pins of some devices have no stamp, and a new subscription begins with old times.
     const bool use = time_us && clock.ready();
     return (use ? clock.to_host(clock.near_last(*time_us)) : arrival) + time_offset_;
   }
@@ -210,7 +210,7 @@ class ColaDriver final : public DriverBase {
     return {false, states_.read(telegram, arrival, clock_, out)};
   }
 
-  /// If both are sent, LMDscandatamon repeats LMDscandata.
+  /// True for a scan; LMDscandatamon is ignored if the device also sends LMDscandata, which it repeats.
   bool is_scan(const ColaTelegram& telegram) {
     if (!is_cola_scan(telegram)) return false;
     const bool monitor = telegram.name() == monitor_scan;
@@ -227,9 +227,9 @@ class ColaDriver final : public DriverBase {
       follow_device();
     }
     board_.update(Warning::status, scan_.status[0] != 0 || scan_.status[1] != 0, [&] {
-      return "the device tells status " + std::to_string(scan_.status[0]) + " " +
+      return "the device reports status " + std::to_string(scan_.status[0]) + " " +
              std::to_string(scan_.status[1]) +
-             " instead of 0 0: a fault or a dirty window; look at it with SOPAS ET";
+             " instead of 0 0: a fault or a dirty window; check it with SOPAS ET";
     });
     reason = apply_geometry();
     if (reason != Reject::none) return reason;
@@ -268,7 +268,7 @@ class ColaDriver final : public DriverBase {
   }
 
   /// Counts a gap in the telegram counter as loss if the elapsed time allows it, by the device's clock and,
-  /// as that may have restarted, roughly by the host's. Devices that do not count telegrams count scans.
+  /// since that may have restarted, roughly by the host's. Some devices count scans, not telegrams.
   void follow_counters(Span start, Stamp arrival) {
     const auto by_telegram = static_cast<std::uint16_t>(scan_.telegram_counter - telegram_counter_);
     const auto by_scan = static_cast<std::uint16_t>(scan_.scan_counter - scan_counter_);

@@ -12,13 +12,13 @@
 namespace lidard::sick {
 namespace {
 
-/// The turn of the mirror by the measurement frequency, s; 0 unknown.
+/// Duration of a turn of the mirror from the measurement frequency, s; 0 unknown.
 double turn_by_measurements(const ColaScan& scan, double step_deg) {
   return scan.measurement_hz > 0 && step_deg > 0 ? 360 / step_deg / scan.measurement_hz : 0;
 }
 
-/// Time between neighbouring beams. Of both frequencies the scan frequency is exact; the row has the scans
-/// per turn, unless the measurement frequency contradicts it.
+/// Time between neighbouring beams. The scan frequency is the exact one; the number of scans per turn is that
+/// of the row, unless the measurement frequency contradicts it.
 double beam_period(const ColaScan& scan, const ColaRow& row, double step_deg) {
   if (!(scan.scan_hz > 0)) return 0;
   constexpr double tolerance = 0.02;
@@ -133,14 +133,14 @@ void ColaScanBuilder::fill_echo(const ColaScan& telegram, std::size_t echo) {
 namespace {
 
 /// Planes of an MRS1000 from the lowest to the highest, as the telegram has them: 1/100 deg, positive
-/// downwards. SICK 8020494 p. 24 prints FF06, FA, FE0C hex and no sign; the sign is that of the clouds which
-/// SICK's own driver (sick_scan_xd) published of an MRS1104: the planes lie at -2.5, 0, 2.5 and 5 deg.
+/// downwards. SICK 8020494 p. 24 prints FF06, FA, FE0C hex without a sign; the sign follows from clouds of an
+/// MRS1104 that sick_scan_xd published: the planes lie at -2.5, 0, 2.5 and 5 deg.
 constexpr std::array<std::int16_t, 4> planes = {250, 0, -250, -500};
 constexpr std::size_t no_ring = planes.size();
 /// Elevation of a plane, rad, positive upwards.
 double elevation_of(std::size_t ring) { return -planes[ring] / 100.0 * rad_per_deg; }
-/// The telegrams of the planes follow each other as 250, -500, 0, -250: a cloud begins with the first of
-/// them, so that its telegrams do not depend on the start of the connection.
+/// The telegrams of the planes come in the order 250, -500, 0, -250. A cloud begins with the first of them,
+/// so that its telegrams do not depend on the start of the connection.
 constexpr std::size_t first_ring = 0;
 constexpr std::uint32_t all_rings = (1U << planes.size()) - 1;
 /// ANGL1: correction of the evenly spaced angle, in 1/10000 deg.
@@ -257,7 +257,7 @@ void ColaCloudBuilder::append_return(const ColaChannel& distance, const ColaChan
   const bool has_rssi = rssi != nullptr && rssi->values.size() > beam;
   point.intensity = has_rssi ? static_cast<float>(rssi->value(beam)) : 0;
   point.ring = ring;
-  // Clocks that were set within a frame may put a plane before the first one.
+  // A clock that was set within a frame may place a plane before the first one.
   point.time = std::max(0.0F, static_cast<float>(seconds(fired - cloud_.stamp)));
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(&point);
   cloud_.points_bytes.insert(cloud_.points_bytes.end(), bytes, bytes + sizeof point);

@@ -39,19 +39,19 @@ std::string describe(const ColaGeometry& geometry);
 /// A step that the telegram holds in 1/10000 deg: 0.3333 stands for 1/3, 0.1667 for 1/6.
 double exact_step_deg(double sent);
 
-/// State of a beam by its raw distance. Values below 16 are codes (sick_scan_xd, README of the data formats):
-/// 0 no echo, 1 dazzled, others unknown. It is unverified that 0 always means free space.
+/// State of a beam from its raw distance. Values below 16 are codes (sick_scan_xd, README of the data
+/// formats): 0 no echo, 1 dazzled, others unknown. Unverified: 0 always means free space.
 BeamStatus status_of_raw(std::uint16_t raw);
 constexpr std::uint16_t first_distance = 16;
 
-/// Makes planar scans of the telegrams of a single-plane device.
+/// Makes planar scans from the telegrams of a single-plane device.
 class ColaScanBuilder {
  public:
   ColaScanBuilder(const DriverConfig& config, const ColaRow& row);
 
   /// Chooses the beams between the configured angles. False: none.
   bool choose(const ColaGeometry& geometry);
-  /// Beam of the telegram that comes first in the scan.
+  /// The telegram's beam that is the first one of the scan.
   std::size_t first_beam() const { return first_beam_; }
   /// The telegram's values in the chosen geometry; the stamp is the caller's.
   PlanarScan& fill(const ColaScan& telegram);
@@ -66,19 +66,18 @@ class ColaScanBuilder {
   PlanarScan scan_;
 };
 
-/// Makes clouds of a device whose planes come in telegrams of their own (MRS1000): one cloud holds one
-/// telegram of every plane, ring 0 being the lowest. Each echo of a beam has a column. The returns stand in
-/// the order of the telegrams; the sweeps of neighbouring planes overlap in time, so `time` rises within a
-/// plane only.
+/// Makes clouds from a device that sends one telegram per plane (MRS1000): a cloud holds one telegram of
+/// every plane, ring 0 being the lowest. Each echo of a beam has a column. The returns are in the order of
+/// the telegrams; the sweeps of neighbouring planes overlap in time, so `time` increases only within a plane.
 class ColaCloudBuilder {
  public:
   ColaCloudBuilder(const DriverConfig& config, const ColaRow& row, Counters& counters);
 
-  /// Adds a telegram whose first beam was measured at `first` of the device's clock. Hands on the cloud that
-  /// it completes. False: no plane of the device has that angle.
+  /// Adds a telegram whose first beam was measured at `first` of the device's clock, and publishes a
+  /// completed cloud. False: no plane of the device has that angle.
   bool add(const ColaScan& telegram, const ColaGeometry& geometry, Span first, const ColaClock& clock,
            DriverOutput& out);
-  /// Hands on or drops the unfinished cloud.
+  /// Publishes or drops the unfinished cloud.
   void finish(DriverOutput& out);
   void clear();
 

@@ -16,13 +16,13 @@ constexpr std::uint8_t authorized_client = 3;
 constexpr std::uint32_t usual_password = 0xF4724744;
 constexpr std::uint32_t tim7xxs_password = 0x6FD62C05;
 
-// Shifts and mirroring: sick_scan_xd 3.9.0, sick_generic_parser.cpp 553-1018. Only those of TiM7xx, LMS1xx,
-// LMS5xx and MRS1000 were seen in recordings, whose angles fit; the others are unverified.
+// Shifts and mirroring: sick_scan_xd 3.9.0, sick_generic_parser.cpp 553-1018. Recordings confirm those of
+// TiM7xx, LMS1xx, LMS5xx and MRS1000; the others are unverified.
 //
 // Stamps: LMS111 and TiM781 transmit 3 and 6 ms after their time stamp, but their sweeps last 15 and 50 ms:
-// the stamp cannot be that of the first beam sent; assumed to be the last one's. MRS1104 transmits 64 ms
-// after it, its sweep lasts 61 ms: the first beam. LMS511: 40 ms, sweep 21 ms: assumed to be the first
-// beam's. All else is unverified, as is the error of each within a turn.
+// the stamp cannot be that of the first beam; assumed: the last beam. MRS1104 transmits 64 ms after it, its
+// sweep lasts 61 ms: the first beam. LMS511: 40 ms, sweep 21 ms: assumed: the first beam. All others are
+// unverified, as is the error within a turn.
 constexpr ColaRow row(double shift_deg, bool mirrored, ColaStamp stamp,
                       std::uint32_t password = usual_password) {
   return {shift_deg, mirrored, stamp, 1, authorized_client, password, false};
@@ -37,7 +37,8 @@ constexpr ColaRow lrs36x0 = row(90, true, ColaStamp::first_beam);
 constexpr ColaRow lrs36x1 = row(-180, false, ColaStamp::first_beam);
 constexpr ColaRow nav2xx = row(0, false, ColaStamp::first_beam);
 constexpr ColaRow nav31x = row(0, true, ColaStamp::first_beam);
-// Four measuring modules turn together, each sends its sweep: four telegrams a turn (SICK 8020494, p. 24).
+// Four measuring modules turn together and send one sweep each: four telegrams per turn (SICK 8020494, p.
+// 24).
 constexpr ColaRow lms1000 = {-90, false, ColaStamp::first_beam, 4, authorized_client, usual_password, false};
 constexpr ColaRow mrs1000 = {-90, false, ColaStamp::first_beam, 4, authorized_client, usual_password, true};
 
@@ -56,8 +57,8 @@ struct Facts {
   std::uint16_t port = usual_port;
 };
 
-// Ranges: the products' data sheets, the largest of each family; the near ends are distances that devices
-// were seen to send (LMS111 0.08 m, MRS1104 16 mm). Unverified.
+// Ranges: the products' data sheets, the largest of each family; the near ends are distances in recordings
+// (LMS111 0.08 m, MRS1104 16 mm). Unverified.
 constexpr Facts all_facts[] = {
     {"sick_lms1xx", "LMS1xx", &lms1xx, 50, 0.05, 50, true, "1 capture (LMS111), telegrams of an LMS151"},
     {"sick_lms5xx", "LMS5xx", &lms5xx, 25, 0.05, 80, true, "1 capture (LMS511), single answers in CoLa A"},
@@ -105,8 +106,8 @@ void append_cola_models(std::vector<Model>& list) {
 
 namespace {
 
-/// Begins of the names in DeviceIdent; the first that fits counts. Recorded: "MRS1xxxx", "MRS1xxxC". The
-/// others follow SICK 8014631 and are unverified.
+/// Prefixes of the names in DeviceIdent; the first match counts. Recorded: "MRS1xxxx", "MRS1xxxC". The others
+/// follow SICK 8014631 and are unverified.
 struct Identity {
   std::string_view begins, model;
 };
@@ -136,8 +137,8 @@ struct ColaEvidence {
 constexpr double slack_deg = 0.1;
 constexpr double any = 0;
 
-/// Possible scans of a family: a part of the sweep from `start_deg` to `end_deg` of the device, at one of the
-/// rates and steps, no distance beyond `farthest_m`.
+/// Possible scans of a family: a part of the sweep from `start_deg` to `end_deg` of the device, with one of
+/// the rates and steps and no distance beyond `farthest_m`.
 struct Family {
   std::string_view model;
   double start_deg, end_deg;
@@ -147,8 +148,8 @@ struct Family {
   double farthest_m;
 };
 /// The first family that fits is chosen. Rates and steps of the LMS5xx: SICK 8013796 p. 85; only the LMS5xx
-/// sends distances in steps of 2 mm, which follows from its range of 80 m (16 bits of 1 mm end at 65 m) and
-/// was seen; those of the others were seen or follow their data sheets, unverified.
+/// sends distances in steps of 2 mm, as its range of 80 m requires (16 bits of 1 mm end at 65 m). The values
+/// of the others are from recordings or, unverified, from data sheets.
 constexpr std::array families = {
     Family{"sick_lms1000", -47.5, 227.5, {50}, {0.25}, 1, 64},
     Family{"sick_tim7xx", -45, 225, {15}, {1.0 / 3}, 1, 25},
@@ -173,7 +174,7 @@ constexpr std::array families = {
     Family{"sick_lms1xx", -45, 225, {25, 50}, {}, 1, 50},
     Family{"sick_tim5xx", -45, 225, {}, {}, 1, 25},
 };
-/// The families whose scans are known from devices; the last three accept what is not listed.
+/// The number of families whose scans are known from devices; the last three accept unlisted values.
 constexpr std::size_t known_families = families.size() - 3;
 
 bool near_to(double a, double b, double tolerance) { return std::abs(a - b) <= tolerance; }
@@ -185,7 +186,7 @@ bool is_among(const std::array<double, Size>& values, double value, double toler
                      [&](double each) { return each != any && near_to(each, value, tolerance); });
 }
 
-/// True for a full sweep of an LMS5xx, which is a part of the wider ones.
+/// True for a full sweep of an LMS5xx, which is also a part of wider sweeps.
 bool is_whole_lms5xx(const ColaEvidence& seen) {
   return near_to(seen.start_deg, -5, slack_deg) && near_to(seen.end_deg, 185, slack_deg);
 }
@@ -195,7 +196,7 @@ bool fits(const Family& family, const ColaEvidence& seen) {
     return false;
   if (is_whole_lms5xx(seen) && family.model != "sick_lms5xx") return false;
   if (family.most_mm != any && seen.scale_mm > family.most_mm) return false;
-  // A device may overshoot its range a little.
+  // A device may exceed its range a little.
   if (family.farthest_m != any && seen.farthest_m > 1.1 * family.farthest_m) return false;
   return is_among(family.hz, seen.hz, 0.6) && is_among(family.step_deg, seen.step_deg, 1e-4);
 }
@@ -240,7 +241,7 @@ class ColaRecognizer final : public Recognizer {
     text += "but none could be read: ";
     if (missing_ > 0)
       return text + std::to_string(missing_) +
-             " bytes of the connection are not in the capture, so that no telegram is whole; record again "
+             " bytes of the connection are not in the capture, so no telegram is complete; record again "
              "without loss";
     std::string reasons;
     for (std::size_t i = 0; i < reject_reasons; ++i) {
@@ -248,7 +249,8 @@ class ColaRecognizer final : public Recognizer {
         reasons += (reasons.empty() ? "" : ", ") + std::to_string(counters_.rejected[i]) + " rejected for " +
                    to_string(static_cast<Reject>(i));
     }
-    if (reasons.empty()) return text + "no telegram ends; is the capture cut off, or not of a scanner?";
+    if (reasons.empty())
+      return text + "no telegram is complete; is the capture truncated, or not of a scanner?";
     return text + reasons + "; report it with the device's firmware version";
   }
 

@@ -19,7 +19,7 @@ enum class ColaStamp : std::uint8_t { first_beam, last_beam };
 struct ColaRow {
   double shift_deg;        ///< added to the device's angle, so that 0 points ahead
   bool mirrored;           ///< then the sign changes: the device counts clockwise
-  ColaStamp stamp;         ///< see there
+  ColaStamp stamp;         ///< meaning of the start time
   std::uint8_t turn;       ///< telegrams for each turn of the mirror
   std::uint8_t login;      ///< SOPAS user level that may write settings
   std::uint32_t password;  ///< its factory password, as SOPAS hashes it
@@ -28,13 +28,13 @@ struct ColaRow {
 
 /// Adds the scanners that speak CoLa A and B over TCP to the table of models.
 void append_cola_models(std::vector<Model>& list);
-/// Recognizes such a scanner by its own name (DeviceIdent), else by angles, rates and distances of its scans;
-/// where they fit several families, others() names those that were not chosen.
+/// Recognizes such a scanner by DeviceIdent, else by angles, rates and distances of its scans. If several
+/// families fit, others() lists those that were not chosen.
 std::unique_ptr<Recognizer> make_cola_recognizer();
 /// The search telegram of SICK devices (UDP 30718, as sick_scan_xd sends it; unverified on a device): 24
 /// bytes; the answer is XML.
 const Discovery& discovery();
-/// The model of a device that calls itself `identity` (DeviceIdent); empty if no known name is in it.
+/// The model of a device with this `identity` (DeviceIdent); empty if it contains no known name.
 std::string_view cola_model_named(std::string_view identity);
 
 /// Topics of the messages beside the scans, in Model::messages.

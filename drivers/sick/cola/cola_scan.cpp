@@ -9,7 +9,7 @@
 namespace lidard::sick {
 namespace {
 
-/// 7200 beams (LRS36x0, 0.05 deg) is the most that a device sends; anything beyond twice that is damage.
+/// A device sends at most 7200 beams (LRS36x0, 0.05 deg); more than twice as many are an error.
 constexpr std::size_t most_values = 16384;
 
 template <class Reader>
@@ -25,7 +25,7 @@ void read_head(Reader& in, ColaScan& scan) {
   for (int i = 0; i < 4; ++i) in.u8();  // digital inputs and outputs
   scan.layer = in.i16();
   scan.scan_hz = in.u32() / 100.0;
-  // In 100 Hz; some firmware sends Hz, which no scanner reaches as hundreds.
+  // In 100 Hz; some firmware sends Hz, and then the number is too large for a scanner.
   constexpr std::uint32_t highest_in_100_hz = 10000;
   const std::uint32_t frequency = in.u32();
   scan.measurement_hz = frequency > highest_in_100_hz ? frequency : frequency * 100.0;
@@ -81,9 +81,8 @@ std::string_view read_text(Reader& in) {
   return in.u16() == 0 ? std::string_view() : in.text(in.text_size());
 }
 
-/// Parses the part behind the channels: position of the device, its name, a comment and the time. Only the
-/// name is used. The events behind them are described differently from device to device; old firmware sends
-/// no such field.
+/// Parses the part after the channels: position of the device, its name, a comment and the time. Only the
+/// name is used. The events after them differ between devices, and old firmware does not send them.
 template <class Reader>
 void read_tail(Reader& in, ColaScan& scan) {
   if (in.u16() != 0) {
@@ -133,8 +132,8 @@ Reject parse_cola_scan(const ColaTelegram& telegram, ColaScan& scan) {
 
 namespace {
 
-/// Skips the infringed places. One entry for every cut-off segment: 15 bytes (recorded from an LMS511). Two
-/// more lists follow, of which no entry was recorded.
+/// Skips the infringed places: 15 bytes per cut-off segment (recorded from an LMS511). Two more lists follow;
+/// no entry of them was recorded.
 template <class Reader>
 Reject skip_infringements(Reader& in) {
   const std::size_t segments = in.u16();
@@ -183,7 +182,7 @@ Reject read_fields(Reader in, ColaFields& out) {
   return Reject::none;
 }
 
-/// The number of pins is not sent: it follows from the bytes left before the time at the end.
+/// The number of pins is not sent; it follows from the remaining bytes before the time.
 template <class Reader>
 Reject read_pins(Reader in, bool with_counts, ColaPins& out) {
   const auto units = [](std::size_t bytes) { return Reader::units(bytes); };
@@ -228,7 +227,7 @@ Reject parse_cola_imu(const ColaTelegram& telegram, ColaImu& imu) {
   read(imu.angular_velocity);
   for (int i = 0; i < 3; ++i) in.u32();  // unknown; 0
   read(imu.orientation);
-  in.u32();  // likewise
+  in.u32();  // unknown; 0
   imu.time_us = in.u32();
   return finite ? Reject::none : Reject::field;
 }

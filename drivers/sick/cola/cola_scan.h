@@ -47,10 +47,10 @@ struct ColaScan {
   };
 
   std::uint32_t serial = 0;
-  std::array<std::uint8_t, 2> status{};  ///< 0 0: the device is well
+  std::array<std::uint8_t, 2> status{};  ///< 0 0: no error
   std::uint16_t telegram_counter = 0, scan_counter = 0;
   std::uint32_t start_us = 0;     ///< since the device started; wraps after 71.6 min
-  std::uint32_t transmit_us = 0;  ///< the same clock, when the scan went out
+  std::uint32_t transmit_us = 0;  ///< time of transmission, same clock
   std::int16_t layer = 0;         ///< 1/100 deg downwards on MRS1000, else reserved
   double scan_hz = 0;             ///< telegrams (scans, or layers) per second
   double measurement_hz = 0;      ///< measurements per second
@@ -80,8 +80,8 @@ class ColaClock {
  public:
   explicit ColaClock(ClockMode mode) : clock_(mode) {}
 
-  /// A telegram arrived. Its two times are `start_us` and `transmit_us`; `sweep` is the duration of the
-  /// measurement, used where the device sends no time of transmission. Returns the unwrapped start time.
+  /// Adds a telegram with its two times; `sweep` is the duration of the measurement, used if the device sends
+  /// no time of transmission. Returns the unwrapped start time.
   Span observe(std::uint32_t start_us, std::uint32_t transmit_us, Span sweep, Stamp arrival) {
     if (!started_) {
       device_ = std::chrono::microseconds(start_us);
@@ -99,17 +99,17 @@ class ColaClock {
     clock_.observe(device_ + (way <= longest_way ? way : sweep), arrival);
     return device_;
   }
-  /// The unwrapped time next to that of the last telegram.
+  /// The unwrapped time nearest to the last telegram.
   Span near_last(std::uint32_t time_us) const {
     return device_ + std::chrono::microseconds(static_cast<std::int32_t>(time_us - start_us_));
   }
   Stamp to_host(Span device) const { return clock_.to_host(device); }
   bool ready() const { return started_; }
   std::uint64_t steps() const { return clock_.steps(); }
-  /// Overflows, each some 71.6 min after the last; a device that was switched off and on counts as one too.
+  /// Number of overflows (one per 71.6 min); a restart of the device counts as one.
   std::uint64_t wraps() const { return wraps_; }
   const DeviceClock& clock() const { return clock_; }
-  /// Restarts for another device or recording, whose times are unrelated.
+  /// Resets the clock for another device or recording with unrelated times.
   void reset() {
     started_ = false;
     clock_.reset();
@@ -117,7 +117,7 @@ class ColaClock {
 
  private:
   static constexpr Span wrap = std::chrono::microseconds(std::int64_t{1} << 32);
-  /// A longer time from measurement to transmission is an empty field.
+  /// A longer time from measurement to transmission means that the field is empty.
   static constexpr Span longest_way = std::chrono::seconds(10);
 
   DeviceClock clock_;
@@ -133,7 +133,7 @@ struct ColaFields {
   static constexpr std::size_t most = 48;
   struct Field {
     std::uint8_t number = 0;  ///< as configured in the device
-    std::uint8_t result = 0;  ///< 0 invalid, 1 free, 2 infringed; an LMS511 also said 3
+    std::uint8_t result = 0;  ///< 0 invalid, 1 free, 2 infringed; an LMS511 also sent 3
   };
   std::array<Field, most> fields{};
   std::size_t count = 0;
@@ -154,15 +154,15 @@ struct ColaPins {
 
 /// InertialMeasurementUnit of an MRS1000, as measured, in the device's axes.
 struct ColaImu {
-  std::array<double, 3> acceleration{};      ///< m/s², at rest +g along what is up
+  std::array<double, 3> acceleration{};      ///< m/s², at rest +g upwards
   std::array<double, 3> angular_velocity{};  ///< rad/s
   std::array<double, 4> orientation{};       ///< w x y z
   std::uint32_t time_us = 0;                 ///< device clock
 };
 
-/// Reads "sSN InertialMeasurementUnit" of CoLa B. Fields as in sick_scan_xd (sick_generic_imu.cpp), but the
-/// time: recorded telegrams of an MRS1104 have it in the last word. That driver reads another order of fields
-/// in CoLa A, of which no recording is known: such a telegram is Reject::version.
+/// Reads "sSN InertialMeasurementUnit" of CoLa B. Fields as in sick_scan_xd (sick_generic_imu.cpp), except
+/// the time, which is the last word in recorded telegrams of an MRS1104. sick_scan_xd uses another order of
+/// fields in CoLa A, of which no recording is known: such a telegram is Reject::version.
 Reject parse_cola_imu(const ColaTelegram& telegram, ColaImu& imu);
 
 /// Layouts: sick_scan_xd (sick_scan_messages.cpp), compared with recorded telegrams of LMS111, LMS511 and

@@ -54,7 +54,7 @@ void ColaStream::interrupt() {
   joined_ = true;
 }
 
-/// Counts once for every row of bytes that belong to no telegram.
+/// Counts consecutive bytes outside of telegrams as one rejection.
 void ColaStream::skip_byte() {
   if (in_step_) {
     counters_.reject(Reject::magic);
@@ -191,7 +191,7 @@ std::string_view ColaTextReader::field() {
   return found;
 }
 
-/// Negative values come as the two's complement of their type, or with a sign.
+/// Negative values are sent as the two's complement of their type, or with a sign.
 std::uint32_t ColaTextReader::number(std::uint32_t highest) {
   std::string_view digits = field();
   const bool has_sign = !digits.empty() && (digits.front() == '+' || digits.front() == '-');
@@ -212,11 +212,11 @@ std::uint32_t ColaTextReader::number(std::uint32_t highest) {
 
 float ColaTextReader::f32() { return float_of_bits<float>(number(0xffffffff)); }
 
-/// A text follows its length and one blank, and may contain blanks.
+/// A text comes after its length and one blank; it may contain blanks.
 std::string_view ColaTextReader::text(std::size_t size) {
   if (size == 0) return {};
   if (text_.size() < size + 1 || text_.front() != ' ') {
-    // A name of fixed length is the first field of the telegram's arguments, or stands behind one blank.
+    // A name of fixed length is the first of the arguments, or comes after one blank.
     ok_ = false;
     return {};
   }
@@ -227,7 +227,7 @@ std::string_view ColaTextReader::text(std::size_t size) {
 
 void ColaTextReader::values(std::size_t count, bool wide, std::vector<std::uint16_t>& out) {
   out.clear();
-  // Every value has two characters at least: a false count allocates no memory.
+  // Every value has at least two characters, so a wrong count allocates no memory.
   if (count > text_.size()) {
     ok_ = false;
     return;
@@ -251,7 +251,7 @@ ColaWriter::ColaWriter(ColaDialect dialect, std::string_view command) : dialect_
   bytes_.assign(command.begin(), command.end());
 }
 
-/// Text: between all fields. Binary: between the name and its arguments only.
+/// Writes a blank; binary: only between the name and its arguments.
 void ColaWriter::blank() {
   if (dialect_ == ColaDialect::a || !has_arguments_) bytes_.push_back(' ');
   has_arguments_ = true;
@@ -299,7 +299,7 @@ std::vector<std::uint8_t> ColaWriter::finish() {
 }
 
 std::uint8_t cola_error_code(const ColaTelegram& telegram) {
-  // Binary: 16 bits right behind "sFA", recorded from an LMS511 without the blank that commands have.
+  // Binary: 16 bits directly after "sFA" without a blank (recorded from an LMS511).
   ByteView rest = telegram.payload.from(3);
   if (telegram.dialect == ColaDialect::a) {
     ColaTextReader in(rest);
@@ -314,7 +314,7 @@ std::string cola_error_words(std::uint8_t code) {
   // Codes 0 to 26: SICK 8014631 chapter "Error codes" (names also in sick_scan_xd, SopasBase.cpp).
   constexpr std::array<const char*, 27> words = {
       "no error",
-      "this user level may not do that; set user_level and user_level_password",
+      "the user level has no permission; set user_level and user_level_password",
       "the device does not know that method; its firmware or its family lacks it: check `model`",
       "the device does not know that variable; its firmware or its family lacks it: check `model`",
       "the device's state does not allow it now (starting, measuring, or in another mode); wait, or stop "
@@ -325,12 +325,12 @@ std::string cola_error_words(std::uint8_t code) {
       "the device's buffer is too small for that telegram; report it with the firmware version",
       "the telegram was too short for the device; its firmware expects other arguments, report its version",
       "a type is unknown to the device; report it with the firmware version",
-      "the setting may not be written at this user level; set user_level and user_level_password, and look "
+      "the setting may not be written at this user level; set user_level and user_level_password, and check "
       "whether the device is locked",
       "the device's name service does not know that command; report it with the firmware version",
       "the device does not know that command; check `model` and ip_port (a device with two ports may speak "
       "another language on each)",
-      "the device is busy with another method; it is asked again",
+      "the device is busy with another method; the request is repeated",
       "an array index is out of bounds; report it with the firmware version",
       "the device has no such event; its firmware or its family lacks it: check `model`",
       "a number was too large for the device's text dialect; report it with the firmware version",

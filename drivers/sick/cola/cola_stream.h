@@ -32,12 +32,12 @@ struct ColaTelegram {
 
 /// Finds telegrams of both dialects in a byte stream that may begin anywhere and have holes.
 ///
-/// A candidate counts only when length, command letters and checksum (B) or character set (A) fit, so that
-/// measured values that equal a frame's mark are no frame. Memory is bounded by one telegram and one chunk.
+/// A candidate is accepted only if length, command letters and checksum (B) or character set (A) fit, so that
+/// measured values equal to a frame's mark do not start a frame. Memory is bounded by one telegram and one
+/// chunk.
 class ColaStream {
  public:
-  /// The longest accepted payload, bytes. The largest real ones (several channels of a NAV or MRS in text)
-  /// stay far below.
+  /// The longest accepted payload, bytes; far more than any real one.
   static constexpr std::size_t longest = 256 * 1024;
 
   explicit ColaStream(Counters& counters) : counters_(counters) {}
@@ -48,7 +48,7 @@ class ColaStream {
   bool next(ColaTelegram& telegram);
   /// The stream begins or continues after a hole: drops the incomplete telegram.
   void interrupt();
-  /// The checksum of dialect B: all payload bytes, exclusive or.
+  /// The checksum of dialect B: exclusive or of all payload bytes.
   static std::uint8_t checksum(ByteView payload);
 
  private:
@@ -59,13 +59,13 @@ class ColaStream {
 
   Counters& counters_;
   StreamBuffer buffer_;
-  std::size_t searched_ = 0;  // text: this many bytes of the candidate hold no end
-  bool in_step_ = false;      // the last thing was a telegram's end
-  bool joined_ = true;        // nothing but a lost beginning was skipped since interrupt()
+  std::size_t searched_ = 0;  // text: bytes of the candidate without an end mark
+  bool in_step_ = false;      // the last bytes were the end of a telegram
+  bool joined_ = true;        // only an incomplete telegram was skipped since interrupt()
 };
 
-/// Reads the arguments of a binary telegram one after the other (SICK 8014631 chapter 2.3: big-endian). A
-/// missing value makes ok() false and reads as 0.
+/// Reads the arguments of a binary telegram in order (SICK 8014631 chapter 2.3: big-endian). A missing value
+/// makes ok() false and reads as 0.
 class ColaBinaryReader {
  public:
   explicit ColaBinaryReader(ByteView bytes) : bytes_(bytes) {}
@@ -77,8 +77,8 @@ class ColaBinaryReader {
   std::int16_t i16() { return static_cast<std::int16_t>(u16()); }
   std::int32_t i32() { return static_cast<std::int32_t>(u32()); }
   float f32();
-  /// The number of characters of a text that follows: 16 bits in recorded telegrams, 8 in the manual of the
-  /// LMS500 (SICK 8013796 p. 83); no text is so long that its first byte could be 0 in the latter.
+  /// The length of a text: 16 bits in recorded telegrams, 8 bits in the manual of the LMS500 (SICK 8013796 p.
+  /// 83). A first byte of 0 means 16 bits.
   std::size_t text_size();
   /// `size` characters; views into the telegram.
   std::string_view text(std::size_t size);
@@ -86,7 +86,7 @@ class ColaBinaryReader {
   void values(std::size_t count, bool wide, std::vector<std::uint16_t>& out);
   /// Bytes left.
   std::size_t left() const { return bytes_.size() - at_; }
-  /// The share of left() of a value of `bytes` bytes.
+  /// The number of units of left() that a value of `bytes` bytes occupies.
   static constexpr std::size_t units(std::size_t bytes) { return bytes; }
 
  private:
@@ -97,8 +97,8 @@ class ColaBinaryReader {
   bool ok_ = true;
 };
 
-/// Reads the arguments of a text telegram one after the other: fields separated by blanks, hexadecimal
-/// without a sign or decimal with one (SICK 8014631 chapter 2.2).
+/// Reads the arguments of a text telegram in order: fields separated by blanks, hexadecimal without a sign or
+/// decimal with one (SICK 8014631 chapter 2.2).
 class ColaTextReader {
  public:
   explicit ColaTextReader(ByteView text) : text_(text.text()) {}
@@ -154,7 +154,7 @@ class ColaWriter {
   ColaWriter& hash(std::uint32_t value);
   /// Characters without a length before them (channel names).
   ColaWriter& letters(std::string_view text);
-  /// The telegram with its frame.
+  /// Returns the telegram with its frame.
   std::vector<std::uint8_t> finish();
 
  private:

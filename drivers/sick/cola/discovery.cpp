@@ -45,7 +45,7 @@ std::optional<FoundDevice> read_answer(ByteView datagram, const IpAddress& sende
   device.product = value_of(*root, "DeviceType");
   device.serial = value_of(*root, "SerialNumber");
   device.firmware = value_of(*root, "FirmwareVersion");
-  // A device in another subnet answers, too: its own address counts, not the router's.
+  // A device in another subnet also answers; its own address counts, not the router's.
   device.address = IpAddress::parse(value_of(*root, "IPAddress")).value_or(sender);
   device.model = cola_model_named(device.product);
   return device;

@@ -17,7 +17,7 @@ constexpr std::string_view sopas_login = "sMN SetAccessMode";
 /// Applies the written settings, and logs out.
 constexpr std::string_view sopas_run = "sMN Run";
 
-/// Questions to a SICK device (SOPAS), one after the other, and refusals.
+/// The current question to a SICK device (SOPAS) and its refusal.
 class SopasSession {
  public:
   /// `level`, `password` (its hash): of the login unless the configuration names others.
@@ -48,7 +48,7 @@ class SopasSession {
   }
   /// The command of the last question.
   const std::string& command() const { return command_; }
-  /// The error code of its answer; empty: it was not refused.
+  /// The error code of the last question; empty: it was not refused.
   std::optional<std::uint8_t> refusal() const { return refusal_; }
   unsigned level() const { return level_; }
 

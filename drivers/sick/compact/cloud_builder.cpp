@@ -9,11 +9,11 @@
 namespace lidard::sick {
 namespace {
 
-/// One frame while its segments come in.
+/// An incomplete frame.
 struct OpenCloud {
   Cloud cloud;
   std::size_t points = 0;
-  std::uint64_t base_us = 0;  // device time that the points' times count from
+  std::uint64_t base_us = 0;  // device time of the points' time 0
   std::uint64_t end_us = 0;
 };
 
@@ -73,7 +73,7 @@ class CloudBuilder final : public FrameBuilder {
       const float time = cloud.points()[i].time;  // a copy: the member is not aligned
       earliest = std::min(earliest, time);
     }
-    // A segment that was overtaken may hold the first beams.
+    // A reordered segment may hold the first beams.
     for (std::size_t i = 0; earliest < 0 && i < open.points; ++i) cloud.points()[i].time -= earliest;
     const Span first = device_span(open.base_us) + span_from_seconds(static_cast<double>(earliest));
     cloud.complete = how.complete() && !how.torn;
@@ -98,9 +98,9 @@ class CloudBuilder final : public FrameBuilder {
     double start_s;  // after the cloud's base
   };
 
-  /// Rings count from the lowest line up. Elevations are positive upwards, as SICK's developer guide has it
-  /// and unlike sick_scan_xd: in a recording of an upright multiScan136 (its inertial unit says so) all
-  /// layers of negative elevation meet the floor at the same height.
+  /// Rings count from the lowest line up. Elevations are positive upwards (SICK developer guide; sick_scan_xd
+  /// differs): in a recording of an upright multiScan136 (by its inertial unit) all layers of negative
+  /// elevation hit the floor at the same height.
   void prepare(const Segment& segment, const OpenCloud& open) {
     for (std::size_t i = 0; i < segment.line_count; ++i) {
       const SegmentLine& line = segment.lines[i];

@@ -12,11 +12,11 @@
 namespace lidard::sick {
 namespace {
 
-/// After such a silence another device is accepted.
+/// After this silence another device is accepted.
 constexpr Span silence = std::chrono::seconds(1);
-/// Two device times farther apart are of two clocks, or a clock was set.
+/// Device times farther apart are from two clocks, or a clock was set.
 constexpr std::uint64_t one_clock_us = 2'000'000;
-/// A frame is given up so long after its last segment should have come.
+/// A frame is closed this long after its last segment was due.
 constexpr Span deadline_slack = std::chrono::milliseconds(10);
 
 class CompactDriver final : public DriverBase {
@@ -54,7 +54,7 @@ class CompactDriver final : public DriverBase {
     if (dialogue_) dialogue_->disconnected();
   }
 
-  /// A frame whose last segment was lost must not wait for the next frame, which may be half a turn away.
+  /// Closes a frame whose last segment was lost without waiting for the next frame.
   void tick(Stamp now, DriverOutput& out) override {
     describe_clock(clock_, 0, now);
     if (dialogue_) {
@@ -98,7 +98,7 @@ class CompactDriver final : public DriverBase {
       const TelegramHead head = read_head(rest);
       const bool known = head.type <= TelegramType::imu || head.type == TelegramType::encoder;
       if (!known) {
-        // These are not used; a datagram ends with its telegram.
+        // Other telegrams are not used.
         ++counters_.other_packets;
         return all;
       }
@@ -197,8 +197,8 @@ class CompactDriver final : public DriverBase {
     const Reject reason = parse_encoder(telegram, read);
     if (reason != Reject::none) return reason;
     if (read.transmit_us > latest_device_us) return Reject::field;
-    // In the public telegrams of a picoScan150 the time of the tick lacks its upper half; the time of
-    // transmission is complete, and near.
+    // In public telegrams of a picoScan150 the time of the tick lacks its upper half, which is that of the
+    // nearby time of transmission.
     constexpr std::uint64_t half = 0xffffffffU;
     auto apart =
         static_cast<std::int32_t>(static_cast<std::uint32_t>((read.tick_us - read.transmit_us) & half));
@@ -211,7 +211,7 @@ class CompactDriver final : public DriverBase {
     encoder_->values[2].value = read.speed;
     encoder_->values[3].value = read.reference_ticks[0];
     encoder_->values[4].value = read.reference_ticks[1];
-    if (config_.model->tells<DeviceState>()) out.message(encoder_);
+    if (config_.model->sends<DeviceState>()) out.message(encoder_);
     return Reject::none;
   }
 
@@ -221,7 +221,7 @@ class CompactDriver final : public DriverBase {
       if (!warnings_.is_set(SegmentTrouble::other_device))
         warnings_.set(SegmentTrouble::other_device,
                       "device " + std::to_string(sender) + " sends to the same place as device " +
-                          std::to_string(sender_) + " and is left out; set ip_address for each");
+                          std::to_string(sender_) + " and is ignored; set ip_address of both");
       return false;
     }
     if (sender_known_)
@@ -272,8 +272,8 @@ class CompactDriver final : public DriverBase {
               described_version_ == 0 ? "MSGPACK" : "Compact, version " + std::to_string(described_version_));
   }
 
-  /// Host time of a sample of an inertial unit or encoder. Their device time is the scans'; it has a clock of
-  /// its own if there are no scans or if it differs.
+  /// Host time of a sample of an inertial unit or encoder. It uses the clock of the scans, or its own clock
+  /// if there are no scans or the times differ.
   Stamp stamp_of(std::uint64_t us, Stamp arrival) {
     const std::uint64_t apart = us > last_stop_us_ ? us - last_stop_us_ : last_stop_us_ - us;
     Stamp stamp;
@@ -287,16 +287,16 @@ class CompactDriver final : public DriverBase {
   }
 
   DeviceClock clock_;
-  DeviceClock side_clock_;  // of inertial unit and encoder, if their time differs
+  DeviceClock side_clock_;  // of inertial unit and encoder, if their times differ from those of scans
   SegmentWarnings warnings_;
-  std::unique_ptr<SideDialogue> dialogue_;  // of a device whose TCP connection is for settings, not for data
+  std::unique_ptr<SideDialogue> dialogue_;  // of a device that uses TCP only for settings
   Segment segment_;
   TelegramStream stream_{counters_};
   TelegramOrder order_;
   OpenFrames frames_;
   std::unique_ptr<FrameBuilder> builder_;
   bool adopted_ = false;
-  bool first_frame_ = true;  // of the stream: its begin may be missing
+  bool first_frame_ = true;  // the begin of the stream's first frame may be missing
   std::uint64_t clock_restarts_ = 0;
   std::uint64_t last_stop_us_ = 0;
   Stamp last_arrival_;

@@ -58,15 +58,14 @@ Model lrs4000() {
 
 }  // namespace
 
-// Largest ranges: sick_scan_xd's table of devices for the LRS4000; those of the others and all smallest ones
-// are unverified and generous, since a limit too near would hide a wall. Rates: 20 turns/s of 12 segments
+// Largest ranges: sick_scan_xd's table of devices for the LRS4000; all other limits are unverified and
+// generous, since a limit that is too small would hide a wall. Rates: 20 turns/s of 12 segments
 // (multiScan100); up to 50 turns/s of 5, or 25 of 10 (picoScan100); inertial unit 100 Hz.
 void append_compact_models(std::vector<Model>& list) {
-  const char* sister = "no capture of a device; sends what a multiScan136 sends";
+  const char* sister = "no capture of a device; same telegrams as multiScan136";
   list.push_back(picoscan("sick_picoscan150", "picoScan150",
                           "1 capture and three telegrams of a device, Compact 4; the simulator"));
-  list.push_back(
-      picoscan("sick_picoscan120", "picoScan120", "the simulator; sends what a picoScan150 sends"));
+  list.push_back(picoscan("sick_picoscan120", "picoScan120", "the simulator; same telegrams as picoScan150"));
   list.push_back(multiscan("sick_multiscan136", "multiScan136",
                            "captures of a device, Compact and MSGPACK, with inertial unit"));
   list.push_back(multiscan("sick_multiscan165", "multiScan165", sister));

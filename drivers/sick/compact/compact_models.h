@@ -17,8 +17,9 @@ namespace lidard::sick {
 /// Adds picoScan100, multiScan100 and LRS4000 to the table of models.
 void append_compact_models(std::vector<Model>& list);
 
-/// Recognizes the family. The telegrams do not name the product: one layer is a picoScan150 (over TCP an
-/// LRS4000), several a multiScan136, and only the configuration can set a related model with another range.
+/// Recognizes the family. The telegrams do not name the product: one layer is recognized as picoScan150 (over
+/// TCP as LRS4000), several as multiScan136. Only the configuration can select a related model with another
+/// range.
 std::unique_ptr<Recognizer> make_compact_recognizer();
 
 /// Driver of the devices that send Compact or MSGPACK telegrams: picoScan100, multiScan100, LRS4000.

@@ -28,7 +28,7 @@ double f32(ByteView bytes, std::size_t at) {
   return static_cast<double>(float_of_bits<float>(bytes.le32(at)));
 }
 
-/// Places of the parts of a module's head, from its number of lines on.
+/// Offsets in a module's head, counted from its number of lines.
 struct ModuleLayout {
   std::size_t start, stop, elevation, theta_start, theta_stop, scale, next, data;
 
@@ -43,7 +43,7 @@ struct ModuleLayout {
         data(next + 8) {}
 };
 
-/// Adds up the modules of a scan telegram as far as the bytes reach.
+/// Adds the lengths of a scan telegram's modules, as far as the bytes reach.
 TelegramHead head_of_scan(ByteView bytes) {
   TelegramHead head;
   if (!bytes.has(0, head_bytes)) return head;
@@ -69,8 +69,8 @@ TelegramHead head_of_scan(ByteView bytes) {
   return head;
 }
 
-/// Types 3 to 7: the common head, then as many bytes as it says; version 1 of it counts the sender's number
-/// among them (compact_header.ksy). Unverified for all but type 4, of which alone telegrams are public.
+/// Types 3 to 7: the common head, then the number of bytes that it states; version 1 includes the sender's
+/// number in it (compact_header.ksy). Unverified except for type 4, the only one with public telegrams.
 TelegramHead head_of_other(ByteView bytes, TelegramType type) {
   if (!bytes.has(0, head_bytes)) return {Reject::none, type, 0};
   const std::size_t sender_bytes = bytes.le32(24) < 2 ? 0 : 4;
@@ -91,7 +91,7 @@ struct ModuleCounts {
   }
 };
 
-/// Sets the places of one line's values: for each beam and each line the echoes, then the beam's own.
+/// Locates the values of a line: for every beam and line first the echoes, then the beam's own values.
 void place_columns(const std::uint8_t* data, std::size_t line, const ModuleCounts& counts,
                    std::uint32_t version, SegmentLine& out) {
   const auto stride = static_cast<std::uint32_t>(counts.lines * counts.beam_bytes());
@@ -159,7 +159,7 @@ TelegramHead read_head(ByteView bytes) {
   if (type == 1) return head_of_scan(bytes);
   if (type == 2) return {Reject::none, TelegramType::imu, imu_bytes};
   if (type >= 3 && type <= 7) return head_of_other(bytes, static_cast<TelegramType>(type));
-  // MSGPACK has the length of its payload in that place; a map comes first.
+  // MSGPACK has the length of its payload here, followed by a map.
   if (type > max_telegram) return {Reject::magic, TelegramType::scan, 0};
   if (type < msgpack_head_bytes) return {Reject::magic, TelegramType::scan, 0};
   if (bytes.has(msgpack_head_bytes, 1)) {
@@ -170,7 +170,7 @@ TelegramHead read_head(ByteView bytes) {
 }
 
 bool checksum_is_right(ByteView telegram, TelegramType type) {
-  // Compact sums up everything before the checksum, MSGPACK its payload only.
+  // Compact's checksum covers all bytes before it, MSGPACK's only the payload.
   const std::size_t skipped = type == TelegramType::msgpack ? msgpack_head_bytes : 0;
   if (telegram.size() < skipped + checksum_bytes) return false;
   const std::size_t end = telegram.size() - checksum_bytes;
@@ -246,14 +246,14 @@ bool TelegramStream::next(Telegram& telegram) {
       }
       reason = Reject::checksum;
     }
-    // Other bytes are expected before the first telegram and behind a hole.
+    // Before the first telegram and after a hole, other bytes are no error.
     if (in_step_) counters_.reject(reason);
     in_step_ = false;
     skip_to_mark();
   }
 }
 
-/// Steps over at least one byte, to the next that may begin a start mark.
+/// Skips at least one byte, up to the next possible start mark.
 void TelegramStream::skip_to_mark() {
   const std::string_view rest = buffer_.rest().text();
   buffer_.drop(std::min(rest.find(mark_byte, 1), rest.size()));

@@ -29,7 +29,7 @@ constexpr std::uint64_t latest_device_us = 9'000'000'000'000'000;
 /// Type of a column's elements, all little-endian.
 enum class Element : std::uint8_t { u8, u16, u32, f32 };
 
-/// Place of one quantity of a line's beams in the telegram.
+/// Location of one quantity of a line's beams in the telegram.
 struct Column {
   const std::uint8_t* data = nullptr;  ///< of the first beam; nullptr: not sent
   std::uint32_t stride = 0;            ///< bytes from beam to beam
@@ -61,7 +61,7 @@ struct SegmentLine {
   double theta_start = 0, theta_stop = 0;   ///< azimuth of the first and the last beam, as announced
   std::size_t beams = 0;
   std::size_t echoes = 0;
-  double metres = 0.001;                    ///< of one step of the distance
+  double metres = 0.001;                    ///< one step of the distance
   std::array<Column, max_echoes> distance;  ///< 0: no echo
   std::array<Column, max_echoes> rssi;
   Column properties;      ///< bit 0: reflector
@@ -69,7 +69,7 @@ struct SegmentLine {
   double theta_zero = 0;  ///< azimuth = (theta - theta_zero) * theta_step
   double theta_step = 1;  ///< rad
 
-  /// Azimuth of a beam from its own column, else from the announced ends.
+  /// Azimuth of a beam from its column, else interpolated between the announced ends.
   double azimuth(std::size_t beam) const {
     if (theta.sent()) return (theta[beam] - theta_zero) * theta_step;
     if (beams < 2) return theta_start;
@@ -83,7 +83,7 @@ struct SegmentLine {
   }
 };
 
-/// The part of a frame in one telegram, of either format. Points into the telegram.
+/// The part of a frame in one telegram of either format. It refers to the telegram's bytes.
 struct Segment {
   std::uint64_t counter = 0;  ///< of telegrams
   std::uint64_t frame = 0;
@@ -93,7 +93,7 @@ struct Segment {
   std::size_t line_count = 0;
   std::array<SegmentLine, max_lines> lines;
 
-  /// Device time when its last beam was measured, us: it cannot have left before.
+  /// Device time of the last beam, us; the telegram was sent later.
   std::uint64_t stop_us() const {
     std::uint64_t last = 0;
     for (std::size_t i = 0; i < line_count; ++i) last = lines[i].stop_us > last ? lines[i].stop_us : last;
@@ -107,10 +107,10 @@ struct Segment {
   }
 };
 
-/// False for impossible values of a line: times that run backwards or for ever, invalid angles.
+/// False for impossible values of a line: decreasing or too long times, invalid angles.
 inline bool is_plausible(const SegmentLine& line) {
   constexpr std::uint64_t longest_us = 2'000'000;
-  constexpr double farthest = 7;  // rad: a segment of a multiScan100 may run beyond pi
+  constexpr double farthest = 7;  // rad: a segment of a multiScan100 may extend beyond pi
   if (line.start_us > latest_device_us || line.stop_us < line.start_us) return false;
   if (line.stop_us - line.start_us > longest_us) return false;
   for (const double angle : {line.elevation, line.theta_start, line.theta_stop}) {
@@ -120,7 +120,7 @@ inline bool is_plausible(const SegmentLine& line) {
 }
 
 /// Type of a telegram of picoScan100, multiScan100 or LRS4000. The numbers are those on the wire (SICK
-/// KaitaiStructDescriptions, compact_frame.ksy and its neighbours); msgpack has none.
+/// KaitaiStructDescriptions, compact_frame.ksy); msgpack has none.
 enum class TelegramType : std::uint32_t {
   msgpack = 0,
   scan = 1,
@@ -132,12 +132,12 @@ enum class TelegramType : std::uint32_t {
   imu_v2 = 7
 };
 
-/// Longest telegram: a UDP datagram ends at 64 KiB, three echoes of a full turn need less.
+/// Longest accepted telegram; a UDP datagram is at most 64 KiB, and three echoes of a full turn need less.
 constexpr std::size_t max_telegram = 256 * 1024;
 
 /// Head of the telegram that starts at some bytes.
 struct TelegramHead {
-  Reject reject = Reject::none;  ///< no telegram starts here
+  Reject reject = Reject::none;  ///< why no telegram starts here
   TelegramType type = TelegramType::scan;
   std::size_t length = 0;  ///< of the telegram with its checksum; 0: more bytes are needed
 };
@@ -146,10 +146,10 @@ TelegramHead read_head(ByteView bytes);
 /// True if the checksum at the end of the telegram is right.
 bool checksum_is_right(ByteView telegram, TelegramType type);
 
-/// Parses a complete scan telegram (type 1) whose checksum was tested. `out` points into it.
+/// Parses a complete scan telegram (type 1) with a verified checksum. `out` refers to its bytes.
 Reject parse_compact_scan(ByteView telegram, Segment& out);
 
-/// Type 2, as SICK KaitaiStructDescriptions type_2_imu.ksy has it.
+/// Type 2: SICK KaitaiStructDescriptions, type_2_imu.ksy.
 struct ImuTelegram {
   std::array<double, 3> acceleration{};      ///< m/s^2, with gravity
   std::array<double, 3> angular_velocity{};  ///< rad/s
@@ -158,7 +158,7 @@ struct ImuTelegram {
 };
 Reject parse_imu(ByteView telegram, ImuTelegram& out);
 
-/// Type 4, as SICK KaitaiStructDescriptions type_4_encoder.ksy has it.
+/// Type 4: SICK KaitaiStructDescriptions, type_4_encoder.ksy.
 struct EncoderTelegram {
   std::uint64_t transmit_us = 0;
   std::uint64_t frame = 0;
@@ -175,8 +175,8 @@ struct Telegram {
   TelegramType type = TelegramType::scan;
 };
 
-/// Finds telegrams in a stream of bytes, joined anywhere and with holes: searches for the start mark again
-/// where the bytes are no telegram with a right checksum.
+/// Finds telegrams in a stream of bytes that may begin anywhere and have holes. After bytes that are no
+/// telegram with a valid checksum it searches for the next start mark.
 class TelegramStream {
  public:
   explicit TelegramStream(Counters& counters) : counters_(counters) {}
@@ -184,7 +184,7 @@ class TelegramStream {
   void add(ByteView chunk) { buffer_.add(chunk); }
   /// The next complete telegram, valid until the next call of add() or interrupt().
   bool next(Telegram& telegram);
-  /// Bytes are missing, or the connection ended: drops an incomplete telegram.
+  /// Drops an incomplete telegram after missing bytes or the end of the connection.
   void interrupt();
 
  private:
@@ -192,11 +192,11 @@ class TelegramStream {
 
   Counters& counters_;
   StreamBuffer buffer_;
-  bool in_step_ = false;  // the last telegram ended where the rest begins
+  bool in_step_ = false;  // a telegram ended directly before the unread bytes
 };
 
-/// Parses a complete MSGPACK telegram (start mark, length, map, checksum) whose checksum was tested. `out`
-/// points into it.
+/// Parses a complete MSGPACK telegram (start mark, length, map, checksum) with a verified checksum. `out`
+/// refers to its bytes.
 Reject parse_msgpack(ByteView telegram, Segment& out);
 
 /// Parses a telegram without start mark, length and checksum.

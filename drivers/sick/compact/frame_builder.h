@@ -18,9 +18,9 @@ namespace lidard::sick {
 
 /// Assigns segments to frames and decides when a frame is complete.
 ///
-/// A device leaves out the segments that its angle filter hides, so the frame's size is learned from frames
-/// that are complete by the telegram counter, at either end. Two frames may be open at a time, so that
-/// telegrams may overtake each other.
+/// A device omits the segments that its angle filter hides, so the frame's size is learned from frames that
+/// are complete by the telegram counter. Two frames can be open at a time, so that telegrams may be
+/// reordered.
 class OpenFrames {
  public:
   static constexpr std::size_t most = 2;
@@ -28,16 +28,16 @@ class OpenFrames {
   struct Frame {
     bool open = false;
     std::uint64_t number = 0;
-    std::uint64_t segments = 0;  ///< bit n: segment n is there
+    std::uint64_t segments = 0;  ///< bit n: segment n was received
     std::uint64_t first_counter = 0, last_counter = 0;
     std::size_t telegrams = 0;
-    bool proven = false;  ///< when released: nothing is missing before, inside or behind it
+    bool proven = false;  ///< when released: no telegram is missing before, inside or after the frame
 
     bool is_gapless() const { return last_counter - first_counter + 1 == telegrams; }
   };
 
-  /// The slot of the frame that `segment` belongs to. `release(slot)` is called for frames that must make
-  /// room before, oldest first.
+  /// The slot of the frame that `segment` belongs to. Before, `release(slot)` is called for frames that must
+  /// make room, oldest first.
   template <class Release>
   Reject place(const Segment& segment, std::size_t& slot, Release&& release) {
     if (segment.index >= max_segments) return Reject::field;
@@ -66,7 +66,7 @@ class OpenFrames {
     return Reject::none;
   }
 
-  /// The segment just placed was used; calls `release(slot)` for frames that are finished by it.
+  /// Call after the segment was used; calls `release(slot)` for the frames that it finishes.
   template <class Release>
   void settle(Release&& release) {
     while (open_count() == 2 && is_overtaken(frames_[oldest()], frames_[newest()])) release_oldest(release);
@@ -87,13 +87,13 @@ class OpenFrames {
   const Frame& frame(std::size_t slot) const { return frames_[slot]; }
   /// Bit n: segment n belongs to a frame; 0: not yet known.
   std::uint64_t expected() const { return expected_; }
-  /// Forgets the stream and the learned size.
+  /// Resets the stream and the learned size.
   void reset() {
     restart();
     expected_ = 0;
   }
 
-  /// Forgets the stream.
+  /// Resets the stream.
   void restart() {
     frames_ = {};
     released_any_ = false;
@@ -102,7 +102,8 @@ class OpenFrames {
   }
 
  private:
-  /// Frames after which the segments so far count as all, without a proof by the telegram counter.
+  /// After this number of frames the segments so far count as complete, without a proof by the telegram
+  /// counter.
   static constexpr int patience = 8;
 
   bool find_slot(std::uint64_t number, std::size_t& slot) const {
@@ -128,8 +129,8 @@ class OpenFrames {
     return expected_ != 0 && (frame.segments & expected_) == expected_;
   }
 
-  /// True if the old frame can get no more segments: the new one continues it without a gap, or is further
-  /// on.
+  /// True if the old frame can get no more segments: the new frame follows without a gap or has progressed
+  /// further.
   bool is_overtaken(const Frame& old_frame, const Frame& new_frame) const {
     if (new_frame.telegrams > 1) return true;
     return old_frame.is_gapless() && new_frame.first_counter == old_frame.last_counter + 1 && released_any_ &&
@@ -150,7 +151,7 @@ class OpenFrames {
   }
 
   void learn(const Frame& frame) {
-    // Also for a complete frame: the device may now send more.
+    // Complete frames count too: the device may now send more segments.
     const bool is_whole = frame.proven || is_complete(frame);
     if (!is_whole) seen_ |= frame.segments;
     if (!is_whole && ++unproven_ < patience) return;
@@ -159,7 +160,7 @@ class OpenFrames {
     seen_ = 0;
   }
 
-  /// A segment of a frame that counted as complete: frames have more segments than known.
+  /// Learns from a late segment of a complete frame that frames have more segments.
   void note_late(const Segment& segment) {
     if (expected_ != 0 && segment.frame == released_number_ && segment.counter > released_counter_)
       expected_ |= std::uint64_t{1} << segment.index;
@@ -201,24 +202,24 @@ class TelegramOrder {
     if ((seen_ & bit) != 0) return Verdict::duplicate;
     seen_ |= bit;
     ++counters.reordered;
-    // It was counted as lost, unless it left before the first one that came.
+    // It was counted as lost, unless it was sent before the first received telegram.
     if (counters.lost_packets > 0) --counters.lost_packets;
     return Verdict::late;
   }
   void reset() { started_ = false; }
 
  private:
-  /// Telegrams that are remembered; an older one belongs to another count.
+  /// Number of remembered telegrams; an older one belongs to another count.
   static constexpr std::uint64_t window = 64;
-  /// A step ahead beyond that is another count too: some minutes of the fastest device.
+  /// A larger step ahead also starts another count; equals some minutes of the fastest device.
   static constexpr std::uint64_t longest_gap = 100'000;
 
   bool started_ = false;
   std::uint64_t newest_ = 0;
-  std::uint64_t seen_ = 0;  // bit n: newest_ - n came
+  std::uint64_t seen_ = 0;  // bit n: newest_ - n was received
 };
 
-/// Device time as the clock counts it. `us` is at most what is_plausible() lets pass.
+/// Device time; `us` is limited by is_plausible().
 inline Span device_span(std::uint64_t us) { return std::chrono::microseconds(static_cast<std::int64_t>(us)); }
 
 /// Faults of a stream of segments.
@@ -228,24 +229,23 @@ using SegmentWarnings = WarningBoard<SegmentTrouble>;
 /// How a frame ends.
 struct FrameEnd {
   bool torn = false;           ///< cut off by the begin or end of the data
-  std::uint64_t segments = 0;  ///< bit n: segment n is there
+  std::uint64_t segments = 0;  ///< bit n: segment n was received
   std::uint64_t expected = 0;  ///< as OpenFrames::expected()
   bool complete() const { return expected != 0 && (segments & expected) == expected; }
 };
 
-/// Common interface of the builders of scans and clouds. They write segments into as many frames as
-/// OpenFrames keeps open.
+/// Common interface of the builders of scans and clouds, which fill the frames of OpenFrames.
 class FrameBuilder {
  public:
   virtual ~FrameBuilder() = default;
-  /// Reject::none, or why segments like this one make no frame of the model.
+  /// Reject::none, or why such segments cannot form a frame of the model.
   virtual Reject check(const Segment& segment) = 0;
-  /// True if the segment continues the frames so far; false: begin anew.
+  /// False if the segment has another layout, so that the frames must restart.
   virtual bool continues(const Segment& segment) const = 0;
   virtual void adopt(const Segment& segment) = 0;
   virtual void begin(std::size_t slot) = 0;
   virtual void add(std::size_t slot, const Segment& segment, std::uint32_t packet) = 0;
-  /// Hands the frame on; false: it was too incomplete.
+  /// Publishes the frame; false: it was too incomplete.
   virtual bool end(std::size_t slot, const FrameEnd& how, DriverOutput& out) = 0;
   /// The stream starts again.
   virtual void restart() = 0;

@@ -23,11 +23,11 @@ bool in(std::uint8_t marker, std::uint8_t first, std::size_t count) {
   return marker >= first && marker < first + count;
 }
 
-/// Bytes of the number behind a marker that is the n-th of 8, 16, 32, 64 bits.
+/// Number of bytes after a marker; `first` is the marker for 8 bits, the next ones mean 16, 32, 64.
 std::size_t width_of(std::uint8_t marker, std::uint8_t first) { return 1U << (marker - first); }
 
-/// Walks through MessagePack bytes without copying or allocating. Every read returns whether the next value
-/// was complete and of that kind; after a failure the position is undefined.
+/// Reads MessagePack without copying or allocating. Every function returns whether the next value was
+/// complete and of its kind; after a failure the position is undefined.
 class MsgpackReader {
  public:
   explicit MsgpackReader(ByteView bytes) : bytes_(bytes) {}
@@ -47,7 +47,7 @@ class MsgpackReader {
     if (in(marker, uint8, 4)) return big(width_of(marker, uint8), value);
     if (!in(marker, int8, 4)) return false;
     const std::size_t width = width_of(marker, int8);
-    // A signed number that is not negative is accepted, too.
+    // A non-negative signed number is accepted too.
     return big(width, value) && value >> (8 * width - 1) == 0;
   }
 
@@ -89,7 +89,7 @@ class MsgpackReader {
     while (open > 0) {
       --open;
       if (!skip_one(open)) return false;
-      // Each value has a byte at least: reject a count beyond the bytes left.
+      // A value has at least one byte: reject a count beyond the remaining bytes.
       if (open > bytes_.size() - at_) return false;
     }
     return true;
@@ -106,7 +106,7 @@ class MsgpackReader {
  private:
   bool has(std::size_t n) const { return bytes_.has(at_, n); }
 
-  /// The number of what a map or an array holds; the markers of its kinds with 16 and 32 bits are neighbours.
+  /// Reads the number of elements of a map or an array; the marker for 32 bits follows that for 16 bits.
   bool count(std::uint8_t fix, std::uint8_t marker16, std::uint64_t& held) {
     if (!has(1)) return false;
     const std::uint8_t marker = bytes_.u8(at_++);
@@ -123,7 +123,7 @@ class MsgpackReader {
     return true;
   }
 
-  /// Skips one value; `inner` grows by the values that it contains.
+  /// Skips one value; adds the number of contained values to `inner`.
   bool skip_one(std::uint64_t& inner) {
     if (!has(1)) return false;
     const std::uint8_t marker = bytes_.u8(at_);
@@ -156,8 +156,8 @@ class MsgpackReader {
   std::size_t at_ = 0;
 };
 
-// Keys and values of SICK's MSGPACK scan segments, as msgpack_parser.cpp of SICKAG/sick_scan_xd and
-// SICKAG/ScanSegmentAPI name them.
+// Keys and values of SICK's MSGPACK scan segments: msgpack_parser.cpp of SICKAG/sick_scan_xd,
+// SICKAG/ScanSegmentAPI.
 enum Key : std::uint64_t {
   key_class = 0x10,
   key_data = 0x11,
@@ -196,13 +196,13 @@ bool element_of(std::uint64_t type, std::uint64_t size, Element& element) {
          is(type_u8, 1, Element::u8);
 }
 
-/// A column and how many values it has.
+/// A column and its number of values.
 struct CountedColumn {
   Column column;
   std::uint64_t count = 0;
 };
 
-/// Calls `use(key)` at the value of each pair of a map; it must read or skip the value.
+/// Calls `use(key)` for every pair of a map; it must read or skip the value.
 template <class Use>
 bool for_each_pair(MsgpackReader& reader, Use&& use) {
   std::size_t pairs = 0;
@@ -214,7 +214,7 @@ bool for_each_pair(MsgpackReader& reader, Use&& use) {
   return true;
 }
 
-/// An object is {class: .., data: ..}; the data may stand on either side of the class.
+/// An object is {class: .., data: ..}, in either order.
 template <class UseData>
 bool read_object(MsgpackReader& reader, std::uint64_t wanted, UseData&& use_data) {
   return for_each_pair(reader, [&](std::uint64_t key) {
@@ -246,7 +246,7 @@ bool read_column(MsgpackReader& reader, CountedColumn& out) {
   return true;
 }
 
-/// The columns of one line while its map is read; their lengths are tested when the number of beams is known.
+/// The columns of one line; their lengths are checked when the number of beams is known.
 struct LineColumns {
   CountedColumn theta, phi, properties;
   std::array<CountedColumn, max_echoes> distance, rssi;
@@ -261,7 +261,7 @@ bool read_columns(MsgpackReader& reader, std::array<CountedColumn, max_echoes>& 
   return true;
 }
 
-/// The properties come as a column or as a list with one of them or none.
+/// The properties are a column or a list of at most one column.
 bool read_properties(MsgpackReader& reader, CountedColumn& out) {
   if (reader.next_is_map()) return read_column(reader, out);
   std::size_t count = 0;
@@ -290,7 +290,7 @@ bool read_line_map(MsgpackReader& reader, SegmentLine& line, LineColumns& column
   return read;
 }
 
-/// Columns of floating-point numbers may contain NaN. A distance of NaN is no return.
+/// False if a column of floating-point numbers contains NaN.
 bool is_finite(const Column& column, std::size_t beams) {
   for (std::size_t beam = 0; column.sent() && beam < beams; ++beam) {
     if (!std::isfinite(column[beam])) return false;
@@ -298,7 +298,7 @@ bool is_finite(const Column& column, std::size_t beams) {
   return true;
 }
 
-/// Hands the columns to the line if all of them have a value for each beam.
+/// Stores the columns in the line if all of them have a value for every beam.
 bool store_columns(const LineColumns& from, SegmentLine& line) {
   if (line.beams < 1 || line.beams > max_beams) return false;
   if (line.echoes < 1 || line.echoes != from.distances) return false;

@@ -11,12 +11,12 @@ namespace lidard::sick {
 namespace {
 
 constexpr double turn = two_pi;
-/// Rounding of an azimuth on the wire (1/5215 rad), and a little more.
+/// Rounding of an azimuth on the wire (1/5215 rad), with a margin.
 constexpr double azimuth_rounding = 1.5 / 5215;
 
-/// rad from beam to beam. The announced last azimuth of an LRS4000 is that of the end of the turn, a step
-/// behind the last beam, so the beams' own azimuths decide; they are rounded, so the announced ends are used
-/// where they agree.
+/// rad from beam to beam. The announced last azimuth of an LRS4000 is the end of the turn, a step after the
+/// last beam, so the azimuths of the beams decide. They are rounded, so the announced ends are used if they
+/// agree.
 double step_of(const SegmentLine& line) {
   const auto steps = static_cast<double>(line.beams - 1);
   const double announced = (line.theta_stop - line.theta_start) / steps;
@@ -28,7 +28,7 @@ double step_of(const SegmentLine& line) {
   return std::fabs(measured - around) * steps < azimuth_rounding ? around : measured;
 }
 
-/// Median of the first `count` values, which lose their order; for an even number the mean of the middle two.
+/// Median of the first `count` values (reorders them); for an even count the mean of the middle two.
 double median(std::array<double, max_segments>& values, std::size_t count) {
   std::sort(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count));
   return (values[(count - 1) / 2] + values[count / 2]) / 2;
@@ -36,11 +36,11 @@ double median(std::array<double, max_segments>& values, std::size_t count) {
 
 }  // namespace
 
-long SweepGrid::nearest(double angle) const { return std::lround((angle - first) / step); }
+long RasterGrid::nearest(double angle) const { return std::lround((angle - first) / step); }
 
-std::optional<SweepGrid> SweepGrid::of(const SegmentLine& line) {
+std::optional<RasterGrid> RasterGrid::of(const SegmentLine& line) {
   if (line.beams < 2) return std::nullopt;
-  SweepGrid grid;
+  RasterGrid grid;
   grid.step = step_of(line);
   constexpr double finest = 2e-4;  // rad
   if (!(grid.step >= finest) || grid.step > 0.2) return std::nullopt;
@@ -52,7 +52,7 @@ std::optional<SweepGrid> SweepGrid::of(const SegmentLine& line) {
   return grid;
 }
 
-bool SweepGrid::holds(const SegmentLine& line) const {
+bool RasterGrid::holds(const SegmentLine& line) const {
   const long begin = nearest(line.theta_start);
   if (begin < 0 || static_cast<std::size_t>(begin) + line.beams > beams) return false;
   const double beside = std::fabs(angle(static_cast<std::size_t>(begin)) - line.theta_start);
@@ -62,7 +62,7 @@ bool SweepGrid::holds(const SegmentLine& line) const {
          0.1 * step + azimuth_rounding;
 }
 
-void RasterScan::begin(const SweepGrid& grid, std::size_t echoes, float range_min, float range_max) {
+void RasterScan::begin(const RasterGrid& grid, std::size_t echoes, float range_min, float range_max) {
   grid_ = grid;
   beams_.range_min = range_min;
   beams_.range_max = range_max;
@@ -108,7 +108,7 @@ std::size_t RasterScan::add(const SegmentLine& line, std::vector<std::uint8_t>& 
   return beside;
 }
 
-/// The device sends the echoes of a beam by distance, the nearest first.
+/// The device sends the echoes of a beam nearest first.
 void RasterScan::put(const SegmentLine& line, std::size_t from, std::size_t beam) {
   const auto metres = static_cast<float>(line.metres);
   const std::size_t echoes = std::min(line.echoes, beams_.echoes);
@@ -129,12 +129,12 @@ void RasterScan::put(const SegmentLine& line, std::size_t from, std::size_t beam
   reflectors_[beam] = reflector ? 1 : 0;
 }
 
-/// Only the begin times of segments give the time of a beam. In a recording of a picoScan150 (5 segments of
-/// 240 beams, 0.25 deg, 40 turns/s) the last segment ends beyond the view: its stop time is that of the end
-/// of the view (+138.25 deg), 95 beams before its last, empty beam; and the first segment's start time is 17
-/// us, one beam, early. The median is right in both cases.
-SweepTimes RasterScan::times(double known_beam_us) const {
-  SweepTimes times;
+/// Only the start times of segments are used. In a recording of a picoScan150 (5 segments of 240 beams, 0.25
+/// deg, 40 turns/s) the stop time of the last segment is that of the end of the view (+138.25 deg), 95 beams
+/// before its last, empty beam, and the start time of the first segment is one beam (17 us) early. The median
+/// is right in both cases.
+RasterTimes RasterScan::times(double known_beam_us) const {
+  RasterTimes times;
   std::array<double, max_segments> values{};
   std::size_t count = 0;
   const auto after_us = [&](std::size_t i) {

@@ -13,8 +13,8 @@
 namespace lidard::sick {
 
 /// The angular raster of a single-plane device: beam k points at `first + k * step`, rad. It spans a little
-/// more than a turn, so that every segment has a place before the set of segments is known.
-struct SweepGrid {
+/// more than a turn, so that every segment fits before the set of segments is known.
+struct RasterGrid {
   double first = 0;
   double step = 0;
   std::size_t beams = 0;
@@ -23,13 +23,13 @@ struct SweepGrid {
   /// Nearest beam; may lie outside [0, beams).
   long nearest(double angle) const;
   /// The raster in which the beams of `line` lie; nothing for a single beam or a clockwise line.
-  static std::optional<SweepGrid> of(const SegmentLine& line);
+  static std::optional<RasterGrid> of(const SegmentLine& line);
   /// True if the beams of `line` lie in this raster.
   bool holds(const SegmentLine& line) const;
 };
 
 /// When the beams of a frame were measured, us of the device's clock.
-struct SweepTimes {
+struct RasterTimes {
   double first_us = 0;  ///< the first beam, after RasterScan::base_us()
   double beam_us = 0;   ///< from beam to beam
 };
@@ -38,13 +38,13 @@ struct SweepTimes {
 class RasterScan {
  public:
   /// Starts with all beams unobserved; allocates only when the raster or the number of echoes grows.
-  void begin(const SweepGrid& grid, std::size_t echoes, float range_min, float range_max);
-  /// Places the beams of a segment's line. `had_echo` (as long as the raster) remembers which beams ever had
-  /// one. Returns how many beams lie a quarter step or more beside the raster.
+  void begin(const RasterGrid& grid, std::size_t echoes, float range_min, float range_max);
+  /// Places the beams of a segment's line and marks beams with an echo in `had_echo` (as long as the raster).
+  /// Returns the number of beams that lie a quarter step or more beside the raster.
   std::size_t add(const SegmentLine& line, std::vector<std::uint8_t>& had_echo);
 
   bool is_empty() const { return empty_; }
-  /// Beams that were sent: [first_beam, end_beam).
+  /// The received beams are [first_beam, end_beam).
   std::size_t first_beam() const { return first_beam_; }
   std::size_t end_beam() const { return end_beam_; }
   /// Length of the first and of the last segment, beams.
@@ -52,12 +52,12 @@ class RasterScan {
   std::size_t last_segment() const { return last_segment_; }
   /// Number of segments.
   std::size_t segments() const { return begin_count_; }
-  /// The times of the beams by the times at which the segments begin. `known_beam_us` comes from an earlier
-  /// frame (0: unknown), for a frame of one segment.
-  SweepTimes times(double known_beam_us) const;
+  /// The times of the beams from the start times of the segments. `known_beam_us` is from an earlier frame
+  /// (0: unknown), for a frame of one segment.
+  RasterTimes times(double known_beam_us) const;
   /// Start time of the first segment, us.
   std::uint64_t base_us() const { return begins_[0].us; }
-  /// Copies the beams [begin, begin + count) to `out`, whose geometry they become; with `echoes` of each.
+  /// Copies the beams [begin, begin + count) with `echoes` echoes to `out` and sets its geometry.
   void copy(std::size_t begin, std::size_t count, std::size_t echoes, bool with_intensities,
             PlanarScan& out) const;
   bool reflector(std::size_t beam) const { return reflectors_[beam] != 0; }
@@ -74,7 +74,7 @@ class RasterScan {
     std::uint64_t us;
   };
 
-  SweepGrid grid_;
+  RasterGrid grid_;
   PlanarScan beams_;
   std::vector<std::uint8_t> reflectors_;
   std::size_t reflector_count_ = 0;
@@ -82,7 +82,7 @@ class RasterScan {
   std::size_t first_beam_ = 0, end_beam_ = 0, first_segment_ = 0, last_segment_ = 0;
   std::array<Begin, max_segments> begins_{};  // by angle
   std::size_t begin_count_ = 0;
-  double inside_us_ = 0;  // from the first beam to the last of the segment that came last
+  double inside_us_ = 0;  // from the first to the last beam of the newest segment
 };
 
 }  // namespace lidard::sick

@@ -35,7 +35,7 @@ class ScanBuilder final : public FrameBuilder {
     }
     if (!planar) return Reject::model;
     const SegmentLine& line = segment.lines[0];
-    return grid_ || SweepGrid::of(line) ? Reject::none : Reject::field;
+    return grid_ || RasterGrid::of(line) ? Reject::none : Reject::field;
   }
 
   bool continues(const Segment& segment) const override {
@@ -44,12 +44,12 @@ class ScanBuilder final : public FrameBuilder {
   }
 
   void adopt(const Segment& segment) override {
-    const auto grid = SweepGrid::of(segment.lines[0]);
+    const auto grid = RasterGrid::of(segment.lines[0]);
     if (!grid) return;
     if (grid_) {
       warnings_.set(
           SegmentTrouble::geometry,
-          printed("the device changed from beams each %.4f deg to %.4f deg or to other angles or echoes; "
+          printed("the device changed from beams every %.4f deg to %.4f deg or to other angles or echoes; "
                   "restart whatever expects the former",
                   grid_->step * deg_per_rad, grid->step * deg_per_rad));
     }
@@ -61,32 +61,31 @@ class ScanBuilder final : public FrameBuilder {
   }
 
   void begin(std::size_t slot) override {
-    sweeps_[slot].begin(*grid_, echoes_, scan_.range_min, scan_.range_max);
+    rasters_[slot].begin(*grid_, echoes_, scan_.range_min, scan_.range_max);
   }
 
   void add(std::size_t slot, const Segment& segment, std::uint32_t /*packet*/) override {
-    if (sweeps_[slot].add(segment.lines[0], had_echo_) == 0 || warnings_.is_set(SegmentTrouble::uneven))
+    if (rasters_[slot].add(segment.lines[0], had_echo_) == 0 || warnings_.is_set(SegmentTrouble::uneven))
       return;
-    warnings_.set(
-        SegmentTrouble::uneven,
-        "beams of the device are not evenly spaced; each is taken for the nearest even angle, which "
-        "is wrong by up to half a step");
+    warnings_.set(SegmentTrouble::uneven,
+                  "beams of the device are not evenly spaced; every beam is assigned to the nearest "
+                  "even angle, with an error of up to half a step");
   }
 
   bool end(std::size_t slot, const FrameEnd& how, DriverOutput& out) override {
-    const RasterScan& sweep = sweeps_[slot];
-    if (sweep.is_empty()) return false;
-    if (how.complete() && how.expected != window_segments_) learn_window(sweep, how.expected);
+    const RasterScan& raster = rasters_[slot];
+    if (raster.is_empty()) return false;
+    if (how.complete() && how.expected != window_segments_) learn_window(raster, how.expected);
     const bool wanted = config_.keep_partial || (window_segments_ != 0 && !how.torn);
     if (!wanted) return false;
     BeamWindow all = window_;
     if (window_segments_ == 0) {
-      all = {sweep.first_beam(), sweep.end_beam() - sweep.first_beam()};
-      first_segment_ = sweep.first_segment();
-      last_segment_ = sweep.last_segment();
+      all = {raster.first_beam(), raster.end_beam() - raster.first_beam()};
+      first_segment_ = raster.first_segment();
+      last_segment_ = raster.last_segment();
     }
     if (kept(all).count == 0) return false;
-    publish(sweep, all, out);
+    publish(raster, all, out);
     return true;
   }
 
@@ -96,8 +95,8 @@ class ScanBuilder final : public FrameBuilder {
   }
 
  private:
-  void learn_window(const RasterScan& sweep, std::uint64_t segments) {
-    const BeamWindow found{sweep.first_beam(), sweep.end_beam() - sweep.first_beam()};
+  void learn_window(const RasterScan& raster, std::uint64_t segments) {
+    const BeamWindow found{raster.first_beam(), raster.end_beam() - raster.first_beam()};
     if (window_segments_ != 0 && (found.first != window_.first || found.count != window_.count)) {
       warnings_.set(
           SegmentTrouble::geometry,
@@ -108,11 +107,11 @@ class ScanBuilder final : public FrameBuilder {
     }
     window_segments_ = segments;
     window_ = found;
-    first_segment_ = sweep.first_segment();
-    last_segment_ = sweep.last_segment();
+    first_segment_ = raster.first_segment();
+    last_segment_ = raster.last_segment();
   }
 
-  /// The part of the window that the configured angles leave.
+  /// The part of the window within the configured angles.
   BeamWindow kept(BeamWindow window) {
     BeamWindow part = beams_between(grid_->angle(window.first), grid_->step, window.count, config_.angle_min,
                                     config_.angle_max);
@@ -125,9 +124,8 @@ class ScanBuilder final : public FrameBuilder {
     return part;
   }
 
-  /// For a part of a segment that the angle filter hides, the device sends zeros, as for no echo. So the
-  /// outermost beams count as not observed until the first echo; only in the first and last segment, since
-  /// segments that are hidden altogether are not sent.
+  /// In a segment that the angle filter hides partly, the device sends zeros, as for no echo. So the
+  /// outermost beams of the first and the last segment count as not observed up to the first echo.
   void hide_unseen_edges(BeamWindow all, BeamWindow kept) {
     const auto hide = [&](std::size_t beam) {
       if (beam < kept.first || beam >= kept.first + kept.count) return;
@@ -144,23 +142,23 @@ class ScanBuilder final : public FrameBuilder {
       hide(b - 1);
   }
 
-  void publish(const RasterScan& sweep, BeamWindow all, DriverOutput& out) {
+  void publish(const RasterScan& raster, BeamWindow all, DriverOutput& out) {
     const BeamWindow part = kept(all);
-    sweep.copy(part.first, part.count, echoes_, config_.publish_intensity, scan_);
+    raster.copy(part.first, part.count, echoes_, config_.publish_intensity, scan_);
     hide_unseen_edges(all, part);
-    set_times(sweep, part);
+    set_times(raster, part);
     out.scan(scan_);
-    if (!config_.model->extra_scans.empty() && sweep.reflectors() > 0) publish_reflectors(sweep, part, out);
+    if (!config_.model->extra_scans.empty() && raster.reflectors() > 0) publish_reflectors(raster, part, out);
   }
 
   /// Stamp, time from beam to beam and from scan to scan.
-  void set_times(const RasterScan& sweep, BeamWindow part) {
-    const SweepTimes times = sweep.times(beam_us_);
-    if (sweep.segments() > 1) beam_us_ = times.beam_us;
-    const double before = static_cast<double>(part.first) - static_cast<double>(sweep.first_beam());
+  void set_times(const RasterScan& raster, BeamWindow part) {
+    const RasterTimes times = raster.times(beam_us_);
+    if (raster.segments() > 1) beam_us_ = times.beam_us;
+    const double before = static_cast<double>(part.first) - static_cast<double>(raster.first_beam());
     const double to_first_us = times.first_us + times.beam_us * before;
     const Span first =
-        device_span(sweep.base_us()) + std::chrono::nanoseconds(std::llround(to_first_us * 1e3));
+        device_span(raster.base_us()) + std::chrono::nanoseconds(std::llround(to_first_us * 1e3));
     scan_.stamp = stamps_.next(clock_.to_host(first) + config_.time_offset);
     scan_.time_increment = static_cast<float>(times.beam_us * 1e-6);
     const double turn_s = times.beam_us * 1e-6 * two_pi / grid_->step;
@@ -168,20 +166,20 @@ class ScanBuilder final : public FrameBuilder {
     const auto first_us = static_cast<std::uint64_t>(first.count() / 1000);
     const double since_s =
         first_us > last_first_us_ ? static_cast<double>(first_us - last_first_us_) * 1e-6 : 0;
-    // A frame may have been lost in between.
+    // Otherwise a frame was lost in between.
     if (last_first_us_ != 0 && since_s > 0.5 * turn_s && since_s < 1.5 * turn_s)
       scan_.scan_time = static_cast<float>(since_s);
     last_first_us_ = first_us;
   }
 
-  /// The scan with only the beams that met a reflector.
-  void publish_reflectors(const RasterScan& sweep, BeamWindow kept, DriverOutput& out) {
+  /// Publishes the scan with only the beams that hit a reflector.
+  void publish_reflectors(const RasterScan& raster, BeamWindow kept, DriverOutput& out) {
     marked_.stamp = scan_.stamp;
     marked_.time_increment = scan_.time_increment;
     marked_.scan_time = scan_.scan_time;
-    sweep.copy(kept.first, kept.count, 1, config_.publish_intensity, marked_);
+    raster.copy(kept.first, kept.count, 1, config_.publish_intensity, marked_);
     for (std::size_t i = 0; i < kept.count; ++i) {
-      if (!sweep.reflector(kept.first + i)) marked_.set_without_hit(i, BeamStatus::invalid);
+      if (!raster.reflector(kept.first + i)) marked_.set_without_hit(i, BeamStatus::invalid);
     }
     out.extra_scan(reflectors_topic, marked_);
   }
@@ -189,15 +187,15 @@ class ScanBuilder final : public FrameBuilder {
   DriverConfig config_;
   const DeviceClock& clock_;
   SegmentWarnings& warnings_;
-  std::optional<SweepGrid> grid_;
+  std::optional<RasterGrid> grid_;
   std::size_t echoes_ = 1;
-  std::array<RasterScan, OpenFrames::most> sweeps_;
+  std::array<RasterScan, OpenFrames::most> rasters_;
   std::vector<std::uint8_t> had_echo_;
-  std::uint64_t window_segments_ = 0;  // of the window; 0: not yet known
+  std::uint64_t window_segments_ = 0;  // segments of the window; 0: not yet known
   BeamWindow window_;
   std::size_t first_segment_ = 0, last_segment_ = 0;
   SteadyStamps stamps_;
-  double beam_us_ = 0;  // from beam to beam, by the last frame that shows it; 0: unknown
+  double beam_us_ = 0;  // from beam to beam, of the last frame that shows it; 0: unknown
   std::uint64_t last_first_us_ = 0;
   PlanarScan scan_;
   PlanarScan marked_;

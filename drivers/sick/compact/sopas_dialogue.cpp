@@ -26,7 +26,7 @@ constexpr Span patience = std::chrono::seconds(5);  // Run needs some time
 constexpr std::string_view scan_target = "ScanDataEthSettings", scan_format = "ScanDataFormat",
                            scan_enable = "ScanDataEnable", imu_target = "ImuDataEthSettings",
                            imu_enable = "ImuDataEnable";
-/// Asked for in this order. A device without inertial unit refuses those after the first three.
+/// Read in this order. A device without inertial unit refuses all but the first three.
 constexpr std::array variables = {scan_target, scan_format, scan_enable, imu_target, imu_enable};
 constexpr std::size_t needed = 3;
 constexpr std::string_view start_measuring = "sMN LMCstartmeas";
@@ -50,7 +50,7 @@ struct SopasTarget {
 
 std::string decimal(unsigned value) { return "+" + std::to_string(value); }
 
-/// As the guide writes it: "1 +192 +168 +0 +100 +2115".
+/// In the guide's notation: "1 +192 +168 +0 +100 +2115".
 std::string arguments_of(const SopasTarget& target) {
   std::string text = std::to_string(target.protocol);
   for (const std::uint8_t byte : target.host) text += " " + decimal(byte);
@@ -83,10 +83,10 @@ std::optional<std::uint32_t> read_number(const ColaTelegram& telegram) {
 }
 
 /// The dialogue with a picoScan100 or multiScan100 in SICK's command language, dialect A (TCP 2111). It runs
-/// only if the configuration has a host address and not `listen_only`: reads and compares the receiver, the
-/// format and whether the stream is on. A stream that is only switched off is started; settings that differ
-/// are written if `allow_write` is set, each with a note old -> new, and last until the device is switched
-/// off, after which the dialogue runs again. Then it hangs up.
+/// only if the configuration has a host address and not `listen_only`. The dialogue reads and compares the
+/// receiver, the format and the state of the stream. It starts a stream that is only switched off, and writes
+/// different settings if `allow_write` is set, with a note old -> new; they are lost when the device is
+/// switched off, after which the dialogue runs again.
 class SopasDialogue final : public SideDialogue {
  public:
   explicit SopasDialogue(const DriverConfig& config)
@@ -113,7 +113,7 @@ class SopasDialogue final : public SideDialogue {
     std::string command, arguments;
     std::string what;  ///< for people: "ScanDataFormat: 1 -> 2"
     bool may_fail = false;
-    /// All methods but one answer 1 after success.
+    /// All methods but one return 1 after success.
     bool answers_one() const { return command[1] == 'M' && command != start_measuring; }
     bool is_write() const { return command[1] == 'W'; }
   };
@@ -147,8 +147,9 @@ class SopasDialogue final : public SideDialogue {
 
   void silent(DriverOutput& out) override {
     const bool reads = variable_ < variables.size();
-    fail("takes the connection but does not answer '" + (reads ? session_.command() : steps_.at(step_).what) +
-             "'; check that it speaks CoLa A on that port and that nobody else is connected to it",
+    fail("accepts the connection but does not answer '" +
+             (reads ? session_.command() : steps_.at(step_).what) +
+             "'; check that it speaks CoLa A on that port and that no other client is connected to it",
          out);
   }
 
@@ -158,11 +159,11 @@ class SopasDialogue final : public SideDialogue {
     ask(writer.finish(), out);
   }
 
-  /// False if the dialogue cannot go on.
+  /// False if the dialogue cannot continue.
   bool read_variable(std::string_view variable, DriverOutput& out) {
     if (session_.refusal()) {
       if (variable_ >= needed) return true;
-      fail("refuses to tell " + std::string(variable) + ": " + cola_error_words(*session_.refusal()), out);
+      fail("refuses to report " + std::string(variable) + ": " + cola_error_words(*session_.refusal()), out);
       return false;
     }
     if (variable == scan_target) scan_target_ = read_target(answer_);
@@ -173,10 +174,10 @@ class SopasDialogue final : public SideDialogue {
     return true;
   }
 
-  /// Plans the steps after the comparison. False if the dialogue cannot go on.
+  /// Plans the steps after the comparison. False if the dialogue cannot continue.
   bool plan(DriverOutput& out) {
     if (!scan_target_ || !scan_format_ || !scan_enable_) {
-      fail("answers in a way that is not known; report its firmware version", out);
+      fail("sends an unknown answer; report its firmware version", out);
       return false;
     }
     detail("Data Output", scan_target_->describe() + (*scan_enable_ == 0 ? ", switched off" : ""));
@@ -187,11 +188,11 @@ class SopasDialogue final : public SideDialogue {
     if (!settings.empty() && !requests_.allow_write) {
       std::string wanted;
       for (const Step& step : settings) wanted += (wanted.empty() ? "" : ", ") + step.what;
-      warn("the device is set up otherwise than wanted (" + wanted +
+      warn("the device's settings differ from the configuration (" + wanted +
            "); set allow_write: true, or change it on the device's web page");
       settings.clear();
     }
-    // Do not start a stream to another receiver.
+    // A stream to another receiver is not started.
     if (ours || requests_.allow_write) plan_start();
     std::vector<Step> start = std::exchange(steps_, {});
     for (std::vector<Step>* part : {&settings, &start}) {
@@ -239,7 +240,7 @@ class SopasDialogue final : public SideDialogue {
     if (requests_.allow_write && imu_enable_ && *imu_enable_ == 0) add_write(imu_enable, "1", "0 -> 1", true);
   }
 
-  /// False if the dialogue cannot go on.
+  /// False if the dialogue cannot continue.
   bool note_step(DriverOutput& out) {
     const Step& step = steps_.at(step_);
     if (session_.refusal()) {
@@ -249,7 +250,7 @@ class SopasDialogue final : public SideDialogue {
         return false;
       }
       warn("the device refuses " + step.what + ": " + words +
-           "; without a licence for its inertial unit that is to be expected");
+           "; this is normal without a licence for its inertial unit");
       return true;
     }
     if (step.answers_one() && read_number(answer_).value_or(1) != 1) {
@@ -264,7 +265,7 @@ class SopasDialogue final : public SideDialogue {
 
   void fail(std::string why, DriverOutput& out) {
     warn("the device " + std::move(why));
-    hang_up(true, out);  // it is tried again, but not so soon
+    hang_up(true, out);  // the next attempt comes after a longer pause
   }
 
   DeviceRequests requests_;

@@ -33,8 +33,7 @@ HttpAnswer read_http_answer(std::string_view bytes, bool ended) {
   parser.header_limit(longest_header);
   parser.body_limit(longest_body);
   boost::beast::error_code error;
-  // The header alone first: where all is read in one go, the parser forgets that the length is beyond its
-  // limit.
+  // The header is parsed first: otherwise the parser does not report a length beyond its limit.
   const std::size_t header =
       bytes.empty() ? 0 : parser.put(boost::asio::buffer(bytes.data(), bytes.size()), error);
   parser.eager(true);
@@ -49,7 +48,7 @@ HttpAnswer read_http_answer(std::string_view bytes, bool ended) {
   }
   answer.complete = error || ended || parser.is_done();
   if (error == http::error::partial_message)
-    answer.error = "the answer ends in its middle";
+    answer.error = "the answer is incomplete";
   else if (error == http::error::end_of_stream || (ended && bytes.empty()))
     answer.error = "the connection was closed without an answer";
   else if (error)

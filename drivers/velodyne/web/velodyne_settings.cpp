@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// A snapshot has some 80 values, three levels deep, the longest being an NMEA sentence.
+// A snapshot has about 80 values, three levels deep; the longest is an NMEA sentence.
 constexpr std::size_t most_values = 1000;
 constexpr std::size_t longest_text = 128;
 constexpr int deepest_level = 8;
@@ -51,13 +51,13 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// The sensor knows 0 to 359 and takes 359 for the end of a full turn (VLP-16 user manual 63-9243 Rev D,
-/// section 10.2).
+/// The sensor accepts 0 to 359, and 359 as the end of a full turn (VLP-16 user manual 63-9243 Rev D, section
+/// 10.2).
 int sensor_fov(int degrees) { return std::min(degrees, 359); }
 
 std::string fov_text(std::string text) { return text == "360" ? "359" : text; }
 
-/// What is wanted of one form field, beside where it is reported.
+/// The wanted value of a form field, and where it is reported.
 struct Field {
   const char* name;     // for people
   const char* reports;  // in the snapshot
@@ -75,8 +75,8 @@ std::optional<std::string> wanted_fov(const std::optional<int>& degrees) {
   return degrees ? wanted_number(std::optional<int>(sensor_fov(*degrees))) : std::nullopt;
 }
 
-// Paths and fields of the forms: 63-9243 Rev D, section 10.2; names of the reported settings as other
-// drivers read them (tier4/nebula, UniBwTAS/velodyne).
+// Paths and fields of the forms: 63-9243 Rev D, section 10.2; names of the reported settings: tier4/nebula,
+// UniBwTAS/velodyne.
 std::vector<Field> setting_fields(const VelodyneSettings& w) {
   const char* setting = "/cgi/setting";
   const char* fov = "/cgi/setting/fov";
@@ -89,7 +89,7 @@ std::vector<Field> setting_fields(const VelodyneSettings& w) {
   };
 }
 
-/// The address last: it moves the stream away from whoever checks the ports.
+/// The address is last, since the stream moves away with it.
 std::vector<Field> host_fields(const VelodyneSettings& w) {
   const char* host = "/cgi/setting/host";
   return {{"host port", "config.host.dport", host, "dport", wanted_number(w.host_port)},

@@ -14,11 +14,11 @@ namespace lidard {
 /// What a Velodyne's web interface reports, flat: "config.host.dport" -> "2368".
 using VelodyneTree = std::map<std::string, std::string>;
 
-/// Reads one JSON answer of the sensor; empty if it is no JSON object. Text is made printable and short;
-/// what is nested deeper or longer than any sensor's answer is left out.
+/// Parses a JSON answer of the sensor; empty if it is not a JSON object. Text is made printable and short;
+/// values that are nested deeper or longer than any sensor's answer are dropped.
 std::optional<VelodyneTree> read_velodyne_json(const std::string& text);
 
-/// As the sensor spells it.
+/// The sensor's spelling.
 const char* to_string(VelodyneReturns returns);
 
 /// One request that changes a setting.
@@ -29,12 +29,12 @@ struct VelodyneChange {
 };
 
 struct VelodynePlan {
-  std::vector<VelodyneChange> changes;  ///< in the order to make them
+  std::vector<VelodyneChange> changes;  ///< in the order of the requests
   std::vector<std::string> unknown;     ///< wanted settings that the sensor does not report
 };
 
-/// What to write so that a sensor that reports `tree` has the wanted settings: only what differs. A setting
-/// that is not reported is not written, since nobody could tell whether it must be.
+/// The changes from the reported `tree` to the wanted settings. A setting that is not reported is not
+/// written, since it cannot be compared.
 VelodynePlan plan(const VelodyneTree& tree, const VelodyneSettings& wanted);
 
 }  // namespace lidard

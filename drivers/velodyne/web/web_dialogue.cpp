@@ -9,7 +9,7 @@
 namespace lidard::velodyne {
 namespace {
 
-/// A setting is written so often until it counts as refused; tried again when the sensor was away meanwhile.
+/// After this number of writes a setting counts as refused; reset when the sensor was unreachable.
 constexpr int most_attempts = 3;
 /// More than any answer with its header.
 constexpr std::size_t most_received = 128 * 1024;
@@ -30,8 +30,8 @@ WebDialogue::WebDialogue(const VelodyneControl& control, const WebTiming& timing
       where_(Endpoint{control.address, control.port}.to_string()),
       retry_(timing.first_retry) {}
 
-/// The whole dialogue. It continues after each `yield` when the request was answered or has failed, or when
-/// the pause is over.
+/// The dialogue. It continues after a `yield` when the request was answered or has failed, or when the pause
+/// is over.
 void WebDialogue::script(DriverOutput& out) {
   reenter(script_) {
     for (;;) {
@@ -53,7 +53,7 @@ void WebDialogue::script(DriverOutput& out) {
   }
 }
 
-/// Connects as soon as the pace allows it. An empty form: GET.
+/// Connects as soon as the pace allows it. An empty form means GET.
 void WebDialogue::request(const std::string& path, const std::string& form) {
   request_ = http_request(where_, path, form);
   phase_ = Phase::waiting;
@@ -101,7 +101,7 @@ void WebDialogue::connected(Stamp now, DriverOutput& out) {
 
 void WebDialogue::disconnected() {
   if (phase_ == Phase::talking) answer_ = read_http_answer(received_, true);
-  if (phase_ == Phase::dialling) answer_.error = "nobody takes the connection";
+  if (phase_ == Phase::dialling) answer_.error = "the connection is refused";
   if (phase_ == Phase::talking || phase_ == Phase::dialling) phase_ = Phase::answered;
 }
 
@@ -117,9 +117,9 @@ void WebDialogue::receive(const Packet& packet, DriverOutput& out) {
   out.disconnect(false);
 }
 
-/// False if there is no such answer; the state says why.
+/// False if the answer is missing or invalid; state_ has the reason.
 bool WebDialogue::parse_answer(const std::string& path, const std::string& prefix) {
-  // An answer that ends early or whose length is wrong is good enough if it is all there.
+  // An answer with a wrong length is accepted if its JSON is complete.
   const auto section = answer_.status == 200 ? read_velodyne_json(answer_.body) : std::nullopt;
   if (section) {
     replace_section(tree_, prefix, *section);
@@ -135,12 +135,12 @@ bool WebDialogue::parse_answer(const std::string& path, const std::string& prefi
   else if (!answer_.error.empty())
     state_.trouble = where_ + path + ": " + answer_.error + "; the sensor may be busy or restarting";
   else
-    state_.trouble = where_ + path + " answers with what is no JSON object; is this the configured sensor?";
+    state_.trouble = where_ + path + " does not answer with a JSON object; is this the configured sensor?";
   return false;
 }
 
 void WebDialogue::finish_reading() {
-  if (!present_) attempts_.clear();  // it may come back with other settings, or be another one
+  if (!present_) attempts_.clear();  // it may return with other settings or be another sensor
   state_.tree = tree_;
   if (complete_) state_.trouble.clear();
   state_.answered = state_.answered || !tree_.empty();
@@ -162,7 +162,7 @@ void WebDialogue::finish_reading() {
 void WebDialogue::finish_write(DriverOutput& out) {
   const VelodyneChange& change = changes_[change_];
   ++attempts_[change.path + change.body];
-  // Without an answer it is not known whether the sensor applied the change; the next snapshot shows it.
+  // Without an answer the next snapshot shows whether the sensor applied the change.
   unverified_ = unverified_ || present_;
   if (answer_.status >= 200 && answer_.status <= 206)
     out.note("wrote " + change.text + " to " + where_);
@@ -173,7 +173,7 @@ void WebDialogue::finish_write(DriverOutput& out) {
   ++state_.writes;
 }
 
-/// Reports once that everything that was written stands in a snapshot.
+/// Reports once that a snapshot contains all written settings.
 void WebDialogue::report_verified(DriverOutput& out) {
   const bool agrees = snapshot_is_new_ && changes_.empty() && state_.refused.empty();
   if (!agrees || !unverified_) return;

@@ -21,7 +21,7 @@ std::optional<double> number_of(const VelodyneTree& tree, const std::string& key
   return number && std::isfinite(*number) ? number : std::nullopt;
 }
 
-/// A locked motor stays within a few rpm; what differs by more turns at another speed.
+/// A locked motor stays within a few rpm; a larger difference is another speed.
 constexpr double rpm_tolerance = 0.05;
 
 bool same_word(const std::string& a, const std::string& b) {
@@ -109,7 +109,7 @@ void judge(const WebState& state, const Received& received, SettingsStatus& item
   judge_state(state.tree, found);
   if (!state.refused.empty()) {
     item.level = SettingsStatus::Level::error;
-    item.message = "the sensor did not take " + list_of(state.refused) +
+    item.message = "the sensor did not apply " + list_of(state.refused) +
                    "; set it in the sensor's web page, or remove it from control";
   } else if (!state.trouble.empty()) {
     item.level = SettingsStatus::Level::warn;
@@ -158,7 +158,7 @@ std::vector<std::string> contradictions(const WebState& state, const Received& r
   std::vector<std::string> found;
   judge_port(state.tree, received, found);
   judge_address(state, received, found);
-  if (state.settling) return found;  // the motor and our view of it still follow the last change
+  if (state.settling) return found;  // the motor and its measured speed still follow the last change
   if (received.data) judge_mode(state.tree, received, found);
   judge_speed(state.tree, received, found);
   return found;

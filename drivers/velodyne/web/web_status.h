@@ -12,20 +12,20 @@
 
 namespace lidard::velodyne {
 
-/// What arrives from a sensor, to hold against what it reports.
+/// The received data of a sensor, for comparison with its report.
 struct Received {
-  bool data = false;              ///< packets arrive now
+  bool data = false;              ///< packets are arriving
   Endpoint destination;           ///< of the newest data packet
-  const char* returns = nullptr;  ///< its return mode as the sensor spells it; nullptr: unknown
-  std::optional<double> rpm;      ///< as the azimuths turn
-  std::uint16_t listens_on = 0;   ///< the port we expect data on
+  const char* returns = nullptr;  ///< return mode in the sensor's spelling; nullptr: unknown
+  std::optional<double> rpm;      ///< from the azimuths
+  std::uint16_t listens_on = 0;   ///< the local port of the data
 };
 
-/// Where a sensor's own report and what arrives differ, or why nothing arrives: sentences with the remedy,
-/// the same as long as the matter is the same.
+/// Differences between a sensor's report and the received data, or why no data arrives: sentences with the
+/// remedy, stable while the cause lasts.
 std::vector<std::string> contradictions(const WebState& state, const Received& received);
 
-/// What a sensor's web interface tells, judged.
+/// The status from a sensor's web interface.
 SettingsStatus web_status(const WebState& state, const Received& received);
 
 }  // namespace lidard::velodyne

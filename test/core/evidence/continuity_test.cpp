@@ -162,11 +162,11 @@ TEST(Continuity, AReturnBetweenANearAndAFarSurfaceIsAVeil) {
       if (!near_first) ranges = {8, 8, 8, veil, 4, 4, 4};
       Returns r(ranges, 0.5);
       r.link(0.01);
-      mark_veils(r.rays, 0.01, r.sweep);
+      mark_mixed_pixels(r.rays, 0.01, r.sweep);
       for (std::size_t i = 0; i < 7; ++i)
-        EXPECT_EQ(r.sweep.kind[i], i == 3 ? Return::doubtful : Return::surface) << veil << ' ' << i;
+        EXPECT_EQ(r.sweep.kind[i], i == 3 ? Return::mixed_pixel : Return::surface) << veil << ' ' << i;
       EXPECT_EQ(r.sweep.linked, (std::vector<char>{1, 1, 0, 0, 1, 1, 0})) << veil;
-      EXPECT_EQ(r.sweep.veils, 1U);
+      EXPECT_EQ(r.sweep.mixed_pixels, 1U);
     }
   }
 }
@@ -175,12 +175,12 @@ TEST(Continuity, WhatStandsAloneBeforeOrBehindIsNoVeil) {
   for (const double range : {2.0, 10.0}) {
     Returns r({4, 4, 4, range, 8, 8, 8}, 0.5);
     r.link(0.01);
-    mark_veils(r.rays, 0.01, r.sweep);
+    mark_mixed_pixels(r.rays, 0.01, r.sweep);
     EXPECT_EQ(r.sweep.kind[3], Return::surface) << range;
   }
   Returns open({4, 4, 4, 6, 0, 0, 0}, 0.5);
   open.link(0.01);
-  mark_veils(open.rays, 0.01, open.sweep);
+  mark_mixed_pixels(open.rays, 0.01, open.sweep);
   EXPECT_EQ(open.sweep.kind[3], Return::surface) << "nothing is behind it";
 }
 

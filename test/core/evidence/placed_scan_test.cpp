@@ -206,7 +206,7 @@ VeilShares veil_shares(double increment_deg, int scenes) {
                    right = world.cast({0, 0}, angle - scanner.spot);
       const double depth = std::min(r - std::min(left, right), std::max(left, right) - r);
       const bool veil = depth > 0.3;
-      const bool marked = c.sweep.kind[i] == Return::doubtful;
+      const bool marked = c.sweep.kind[i] == Return::mixed_pixel;
       veils += veil ? 1 : 0, found += veil && marked ? 1 : 0;
       good += depth < 0.05 ? 1 : 0, lost += depth < 0.05 && marked ? 1 : 0;
     }
@@ -233,7 +233,7 @@ TEST(PlacedScan, WallBesideTheScannerLosesNothingToTheVeilFilter) {
       FlatScanner scanner = scanner_at(0, 0, 0, increment);
       scanner.noise = 0.01;
       const Conditioned c(world, scanner, {}, 0.01);
-      EXPECT_EQ(c.sweep.veils, 0U) << distance << ' ' << increment;
+      EXPECT_EQ(c.sweep.mixed_pixels, 0U) << distance << ' ' << increment;
     }
   }
 }

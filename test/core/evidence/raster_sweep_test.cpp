@@ -93,12 +93,12 @@ TEST(Raster, ACornerIsDrawnAndNotCutOff) {
 
 TEST(Raster, DoubtfulReturnsAreDrawnAsPointsInALayerOfTheirOwn) {
   Sweep s({4, 5, 6});
-  s.sweep.kind[1] = Return::doubtful;
+  s.sweep.kind[1] = Return::mixed_pixel;
   const ScanGrid grid = full_circle(360);
   Raster raster(grid);
   RangeLayer surfaces = empty_layer(grid), doubtful = empty_layer(grid);
   raster.draw(s.sweep, surfaces);
-  raster.draw_doubtful(s.sweep, doubtful);
+  raster.draw_mixed_pixels(s.sweep, doubtful);
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t beam = grid.nearest(s.angle(i));
     EXPECT_EQ(surfaces.range[beam] != nothing, i != 1);

@@ -153,10 +153,10 @@ TEST(RingPoints, SaysWhyACloudIsNoGrid) {
   SmallLidar few(9);
   few.range = [](std::size_t, std::size_t column) { return column < 6 ? 8.0 : 0.0; };
   EXPECT_EQ(why_not(without_columns(few.cloud(), 9)),
-            "its rings have too few returns to tell their azimuth step");
+            "its rings have too few returns to measure their azimuth step");
   Cloud empty;
   empty.rings = 16;
-  EXPECT_EQ(why_not(empty), "its rings have too few returns to tell their azimuth step");
+  EXPECT_EQ(why_not(empty), "its rings have too few returns to measure their azimuth step");
 }
 
 TEST(RingPoints, RingsThatAreNotNumberedAreFoundByTheirElevations) {

@@ -162,8 +162,9 @@ TEST_F(CommandLine, SaysWhatItDecodedAndWhetherTheFrameAskedForWasThere) {
                                 HasSubstr(" frames, counted from 0"), HasSubstr("messages       Hz")));
   const Answer unknown = lidard({"decode", demo, "--model", "velodyne_vlp61"});
   EXPECT_EQ(unknown.exit, exit_usage);
-  EXPECT_EQ(unknown.err,
-            "--model: unknown model 'velodyne_vlp61'; expected one of `lidard models`, perhaps velodyne_vlp16\n");
+  EXPECT_EQ(
+      unknown.err,
+      "--model: unknown model 'velodyne_vlp61'; expected one of `lidard models`, perhaps velodyne_vlp16\n");
   EXPECT_EQ(lidard({"decode", demo, "--format", "xls"}).exit, exit_usage);
 }
 
@@ -261,7 +262,7 @@ TEST_F(CommandLine, StandsInForOtherNodesByTheNameOfTheProgram) {
     const Answer strange = lidard({"_a:=1", "start"}, node);
     EXPECT_EQ(strange.exit, exit_usage);
     EXPECT_EQ(strange.out, "");
-    EXPECT_EQ(strange.err, "'start' is no parameter and no remapping\n" + help.out);
+    EXPECT_EQ(strange.err, "'start' is neither a parameter nor a remapping\n" + help.out);
   }
   EXPECT_THAT(lidard({"--help"}, "other_node").out, HasSubstr("snapshot"));
 }

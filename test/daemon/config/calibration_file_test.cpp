@@ -26,10 +26,6 @@ using test::calibration_warnings;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using velodyne::Calibration;
-using velodyne::CalibrationModel;
-using velodyne::LaserCalibration;
-using velodyne::TwoPoint;
 
 struct SharedFile {
   const char* name;
@@ -117,10 +113,10 @@ TEST_P(SharedCalibration, FitsItsModelOnly) {
   std::vector<std::string> warnings;
   const Calibration calibration = load_calibration(path, warnings);
   const Model* vlp16 = find_model("velodyne_vlp16");
-  EXPECT_EQ(velodyne::calibration_rejection(calibration, *vlp16).empty(), shared.lasers == 16);
+  EXPECT_EQ(calibration_rejection(calibration, *vlp16).empty(), shared.lasers == 16);
   if (const Model* model = find_model(shared.model)) {
-    EXPECT_EQ(velodyne::calibration_rejection(calibration, *model), "");
-    EXPECT_EQ(velodyne::calibration_warning(calibration, *model), "");
+    EXPECT_EQ(calibration_rejection(calibration, *model), "");
+    EXPECT_EQ(calibration_warning(calibration, *model), "");
   }
 }
 
@@ -286,15 +282,15 @@ TEST(CalibrationFile, RefusesFilesThatCannotBeRead) {
 TEST(CalibrationFile, OtherSensorsTakeNone) {
   const Calibration calibration = calibration_of(one_laser(""));
   const Model& scanner = *find_model("sick_microscan3");
-  EXPECT_THAT(velodyne::calibration_rejection(calibration, scanner), HasSubstr("takes none"));
-  EXPECT_EQ(velodyne::calibration_warning(calibration, scanner), "");
+  EXPECT_THAT(calibration_rejection(calibration, scanner), HasSubstr("has none"));
+  EXPECT_EQ(calibration_warning(calibration, scanner), "");
 }
 
 TEST(CalibrationFile, AnotherStepThanTheModelsIsDoubted) {
   Calibration calibration;
   calibration.lasers.resize(16);
   calibration.distance_step_m = 0.004;
-  EXPECT_EQ(velodyne::calibration_warning(calibration, *find_model("velodyne_vlp16")),
+  EXPECT_EQ(calibration_warning(calibration, *find_model("velodyne_vlp16")),
             "has a distance step of 4 mm, but VLP-16 counts in 2 mm: is it the right file?");
 }
 

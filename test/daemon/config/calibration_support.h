@@ -11,7 +11,7 @@
 namespace lidard::test {
 
 /// The calibration in `text`, as the file "f".
-inline velodyne::Calibration calibration_of(const std::string& text) {
+inline Calibration calibration_of(const std::string& text) {
   std::vector<std::string> warnings;
   return parse_calibration(text, "f", warnings);
 }

@@ -19,9 +19,6 @@ using test::calibration_of;
 using test::calibration_warnings;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using velodyne::Calibration;
-using velodyne::LaserCalibration;
-using velodyne::TwoPoint;
 
 std::string list_of(const std::string& name, int count, const std::function<int(int)>& value) {
   std::string xml = "\t<" + name + ">\n\t\t<count>" + std::to_string(count) +
@@ -75,7 +72,7 @@ TEST_P(DbXml, GivesItsEnabledLasersInRadAndMetres) {
   EXPECT_THAT(calibration_warnings(text), IsEmpty());
   const Calibration calibration = calibration_of(text);
   EXPECT_NEAR(calibration.distance_step_m, 0.002, 1e-15);
-  EXPECT_EQ(calibration.model, velodyne::CalibrationModel::ros_drivers);
+  EXPECT_EQ(calibration.model, CalibrationModel::ros_drivers);
   ASSERT_EQ(calibration.lasers.size(), lasers);
   for (std::size_t i = 0; i < lasers; ++i) {
     const LaserCalibration& laser = calibration.lasers[i];

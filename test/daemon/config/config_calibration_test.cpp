@@ -19,7 +19,6 @@ namespace {
 
 using test::error_of;
 using ::testing::HasSubstr;
-using velodyne::CalibrationModel;
 
 /// A folder with a configuration and calibrations beside it.
 class ConfigCalibration : public ::testing::Test {

@@ -53,7 +53,7 @@ TEST_F(RuntimeSocketTest, AnswersAWordWithAText) {
   EXPECT_EQ(ask_daemon(path(), "status"), "fine\n");
   EXPECT_EQ(ask_daemon(path(), "status"), "fine\n");
   EXPECT_EQ(ask_daemon(path(), "events").size(), 5'000'000U);
-  EXPECT_EQ(ask_daemon(path(), "halt"), "unknown question\n");
+  EXPECT_EQ(ask_daemon(path(), "halt"), "unknown request\n");
 }
 
 TEST_F(RuntimeSocketTest, AnswersLaterWhereTheAnswerTakesItsTime) {

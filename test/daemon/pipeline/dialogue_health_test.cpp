@@ -79,7 +79,7 @@ TEST(DialogueHealth, WhatStopsTheDialogueOfAPicoScanIsTheReasonForSilence) {
   bench.pass_a_start();
   EXPECT_EQ(bench.health().health, Health::error);
   EXPECT_THAT(bench.health().message, HasSubstr("nothing received from 192.168.0.10 to port 2115"));
-  EXPECT_THAT(bench.health().message, HasSubstr("the device refuses to tell ScanDataEthSettings"));
+  EXPECT_THAT(bench.health().message, HasSubstr("the device refuses to report ScanDataEthSettings"));
 }
 
 }  // namespace

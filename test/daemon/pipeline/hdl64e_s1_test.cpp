@@ -44,8 +44,8 @@ Decoded decode(const std::string& path, const std::string& calibration_path) {
   const Model* model = find_model("velodyne_hdl64e_s1");
   if (!calibration_path.empty()) {
     std::vector<std::string> warnings;
-    auto loaded = std::make_shared<velodyne::Calibration>(load_calibration(calibration_path, warnings));
-    loaded->model = velodyne::usual_equations(*loaded, *model);
+    auto loaded = std::make_shared<Calibration>(load_calibration(calibration_path, warnings));
+    loaded->model = usual_equations(*loaded, *model);
     config.calibration = std::move(loaded);
   }
   return decode_capture(path, "velodyne_hdl64e_s1", config);

@@ -58,7 +58,7 @@ DiagnosticItem status_after(double seconds, double yaw_deg, double x) {
 
 std::string overlap_of(const DiagnosticItem& item) {
   for (const auto& [key, value] : item.values) {
-    if (key == "MountCheck left/right") return value;
+    if (key == "Mount check left/right") return value;
   }
   return "no such value";
 }

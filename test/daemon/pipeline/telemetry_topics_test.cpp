@@ -25,7 +25,7 @@ class TellingDriver final : public Driver {
     out.message(test::sample_time_reference());
     out.message(test::sample_imu());
     out.message(test::sample_imu());
-    if (!config_.model->tells<DeviceState>()) return {};
+    if (!config_.model->sends<DeviceState>()) return {};
     out.message(DeviceState{"outputs", "laser", Stamp{5}, {{"output_1", 1}}});
     PlanarScan scan = test::sample_scan();
     out.extra_scan("intrusion", scan);

@@ -72,7 +72,7 @@ TEST(Hdl64Stream, TheCalibrationThatTheSensorSendsPlacesItsReturnsFromTheNextFra
     if (detail(*driver, "calibration") == "sent by the sensor")
       known_at = static_cast<std::uint32_t>(driver->counters().packets - 1);
     else
-      ASSERT_EQ(detail(*driver, "calibration"), "that of another sensor, until it sends its own");
+      ASSERT_EQ(detail(*driver, "calibration"), "that of another sensor, until the sensor sends its own");
   }
   driver->finish(out);
   EXPECT_EQ(driver->counters().rejected_total(), 0U);
@@ -141,9 +141,9 @@ TEST(Hdl64Stream, RangeLimitsAreThoseOfTheCorrectedDistance) {
 
 TEST(Hdl64Stream, ACalibrationFileIsPreferredToWhatTheSensorSends) {
   DriverConfig config = config_of("velodyne_hdl64e_s2");
-  velodyne::Calibration file;
+  Calibration file;
   file.lasers.resize(64);
-  config.calibration = std::make_shared<const velodyne::Calibration>(file);
+  config.calibration = std::make_shared<const Calibration>(file);
   const auto packets = corrected_stream();
   // The file corrects nothing: 8 m stay 8 m from the first frame to the last, and nothing comes to be at 9.3
   // m.
@@ -162,13 +162,13 @@ TEST(Hdl64Stream, ACalibrationFileIsPreferredToWhatTheSensorSends) {
 TEST(Hdl64Stream, RangeLimitsAreThoseOfEachLasersCorrectedDistance) {
   const test::ModelMode which{"velodyne_vlp16", sim::ReturnMode::strongest, ""};
   DriverConfig config = config_of("velodyne_vlp16");
-  velodyne::Calibration file;
+  Calibration file;
   file.lasers.resize(16);
   for (std::size_t i = 0; i < 16; ++i) {
     file.lasers[i].vert_correction = 0.01 * static_cast<double>(i);
     file.lasers[i].dist_correction = 0.1 * static_cast<double>(i) - 0.7;  // 8 m become 7.3 ... 8.8 m
   }
-  config.calibration = std::make_shared<const velodyne::Calibration>(file);
+  config.calibration = std::make_shared<const Calibration>(file);
   config.min_range = 7.4;
   config.max_range = 8.4999;
   config.keep_origins = true;

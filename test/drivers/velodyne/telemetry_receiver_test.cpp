@@ -266,7 +266,7 @@ TEST(TelemetryReceiver, ASensorThatIsMeantToFollowAReceiverWarnsAfterTenSecondsW
   EXPECT_EQ(tick(0), 0U);
   EXPECT_EQ(tick(9), 0U) << "a receiver that was just switched on";
   ASSERT_EQ(tick(10), 1U) << "no telemetry at all";
-  EXPECT_NE(bench.info.warnings[0].find("which expect_pps asks for"), std::string::npos);
+  EXPECT_NE(bench.info.warnings[0].find("as expect_pps requires"), std::string::npos);
   EXPECT_EQ(tick(11), 1U) << "told once";
   send(bench, 12, Pps::locked, rmc(11));
   EXPECT_EQ(tick(12), 0U);

@@ -74,8 +74,7 @@ DriverConfig config_of(const std::string& model) {
 void expect_times(const test::ModelMode& which, const sim::VelodyneOptions& options, bool calibrated) {
   const auto packets = test::spin(which, 1.7, options);
   DriverConfig config = config_of(which.model);
-  if (calibrated)
-    config.calibration = std::make_shared<velodyne::Calibration>(velodyne::table_calibration(*config.model));
+  if (calibrated) config.calibration = std::make_shared<Calibration>(table_calibration(*config.model));
   const auto driver = config.model->make(config);
   Times times;
   for (const WirePacket& packet : packets) give(*driver, packet, times);

@@ -299,7 +299,8 @@ TEST(VelodyneStream, APacketOfAnotherModelIsNoNewsTenSecondsLater) {
   EXPECT_TRUE(driver->info().warnings.empty());
   pass(1, true);
   ASSERT_EQ(driver->info().warnings.size(), 1U);
-  EXPECT_EQ(driver->info().warnings[0].rfind("packets name VLP-32C", 0), 0U) << driver->info().warnings[0];
+  EXPECT_EQ(driver->info().warnings[0].rfind("packets have the product byte of VLP-32C", 0), 0U)
+      << driver->info().warnings[0];
   pass(8.5, false);
   EXPECT_EQ(driver->info().warnings.size(), 1U);
   pass(2.5, false);

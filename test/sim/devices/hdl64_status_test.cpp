@@ -26,7 +26,7 @@ void expect_lasers(const velodyne::Hdl64Status& collector, const sim::VelodyneLa
   ASSERT_NE(collector.calibration(), nullptr);
   ASSERT_EQ(collector.calibration()->lasers.size(), 64U);
   for (std::size_t i = 0; i < 64; ++i) {
-    const velodyne::LaserCalibration& laser = collector.calibration()->lasers[i];
+    const LaserCalibration& laser = collector.calibration()->lasers[i];
     EXPECT_NEAR(laser.vert_correction / sim::rad_per_deg, lasers[i].elevation_deg, 1e-9) << i;
     EXPECT_NEAR(laser.rot_correction / sim::rad_per_deg, lasers[i].rot_correction_deg, 1e-9) << i;
     EXPECT_EQ(laser.dist_correction, 0) << i;

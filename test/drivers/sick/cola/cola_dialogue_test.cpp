@@ -142,7 +142,7 @@ TEST(ColaDialogue, ADeviceThatIsAnotherModelIsNamedBesideTheConfiguredOne) {
     bench.dialect = dialect;
     bench.send_next();
     EXPECT_TRUE(
-        bench.has_warning("calls itself MRS1xxxx, 1.3.0.0R, which is a sick_mrs1000, but sick_lms1xx "
+        bench.has_warning("reports the name MRS1xxxx, 1.3.0.0R, which is a sick_mrs1000, but sick_lms1xx "
                           "is configured; set model: sick_mrs1000"));
     EXPECT_EQ(bench.requests.back(), subscribe(dialect)) << "its scans come all the same";
   }
@@ -183,7 +183,7 @@ TEST(ColaDialogue, ARefusedSubscriptionIsToldAndTriedAgain) {
   device.answers["sEN LMDscandata"] = refusal(Cola::binary, 1);
   device.connect();
   EXPECT_EQ(bench.reconnects, 1);
-  EXPECT_TRUE(bench.has_warning("(sFA 1): this user level may not do that; set user_level"));
+  EXPECT_TRUE(bench.has_warning("(sFA 1): the user level has no permission; set user_level"));
   // The warning stays while the next attempt goes on, and goes when scans come.
   bench.driver->connected(bench.now, bench);
   EXPECT_TRUE(bench.has_warning("(sFA 1)"));

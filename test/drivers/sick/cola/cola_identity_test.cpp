@@ -26,15 +26,15 @@ std::vector<std::string> warnings_of(const char* model, const std::string& name)
 
 TEST(ColaIdentity, ARefusedSettingDoesNotHideWhoAnswers) {
   EXPECT_THAT(warnings_of("sick_lms1xx", "TiM781S"),
-              ElementsAre(HasSubstr("calls itself TiM781S, V1.0, which is a sick_tim7xx")));
+              ElementsAre(HasSubstr("reports the name TiM781S, V1.0, which is a sick_tim7xx")));
   EXPECT_THAT(warnings_of("sick_lms1xx", "LMS111_FieldEval"), ::testing::IsEmpty());
 }
 
 TEST(ColaIdentity, ADeviceThatNoModelIsOfIsNamed) {
   for (const char* name : {"MRS6124", "RMS320", "LMC12x", "LRS4581R", "NAV350"}) {
     EXPECT_THAT(warnings_of("sick_lms1xx", name),
-                ElementsAre(HasSubstr(std::string("calls itself ") + name +
-                                      ", V1.0, which is no model that is supported, but sick_lms1xx is")));
+                ElementsAre(HasSubstr(std::string("reports the name ") + name +
+                                      ", V1.0, which is not a supported model, but sick_lms1xx is")));
   }
 }
 

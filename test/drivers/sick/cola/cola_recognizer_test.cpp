@@ -248,7 +248,7 @@ TEST(ColaRecognizer, ScansThatCannotBeReadAreNamedWithTheReason) {
     bytes.back() = ' ';
     show(recognizer, bytes);
   });
-  EXPECT_THAT(endless, AllOf(HasSubstr("begins"), HasSubstr("no telegram ends")));
+  EXPECT_THAT(endless, AllOf(HasSubstr("begins"), HasSubstr("no telegram is complete")));
   const std::string holed = remark_of([](Recognizer& recognizer, sim::SickScan& scan) {
     const auto bytes = scan.bytes(sim::Cola::binary);
     Packet packet;

@@ -110,7 +110,7 @@ TEST(Mrs1000Capture, TheInertialUnitTellsWhatIsUp) {
   DriverConfig config;
   config.model = find_model("sick_mrs1000");
   config.frame_id = "mrs";
-  ASSERT_TRUE(config.model->tells<ImuSample>());
+  ASSERT_TRUE(config.model->sends<ImuSample>());
   const auto driver = config.model->make(config);
   ImuKeeper out;
   PcapSource source(path);

@@ -43,7 +43,7 @@ TEST(HttpMessage, KeepsWhatCameOfABodyThatIsTooShort) {
   const HttpAnswer answer = read_http_answer("HTTP/1.1 200 OK\r\nContent-Length: 9\r\n\r\n{}", true);
   EXPECT_EQ(answer.status, 200U);
   EXPECT_EQ(answer.body, "{}");
-  EXPECT_EQ(answer.error, "the answer ends in its middle");
+  EXPECT_EQ(answer.error, "the answer is incomplete");
 }
 
 TEST(HttpMessage, IsRefusedWhereItIsNoHttpOrHasNoEnd) {

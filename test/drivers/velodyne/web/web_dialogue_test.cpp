@@ -173,7 +173,7 @@ TEST(WebDialogue, GoesOnAfterEveryKindOfBadAnswer) {
 TEST(WebDialogue, SaysWhatIsWrongWithAnAnswer) {
   for (const auto& [fault, message] :
        {std::pair(Fault::error_500, "127.0.0.1:80/cgi/snapshot.hdl answers with HTTP status 500; is this"),
-        std::pair(Fault::garbage, "answers with what is no JSON object"),
+        std::pair(Fault::garbage, "does not answer with a JSON object"),
         std::pair(Fault::half_closed, "the connection was closed without an answer; the sensor may be busy"),
         std::pair(Fault::hang, "no answer in time; the sensor may be busy")}) {
     Talk talk(reading());

@@ -130,7 +130,7 @@ TEST(WebStatus, SaysWhatIsWrongMostUrgentFirst) {
   state.refused = {"rpm: 600 -> 1200"};
   item = web_status(state, receiving());
   EXPECT_EQ(item.level, Level::error);
-  EXPECT_THAT(item.message, StartsWith("the sensor did not take rpm: 600 -> 1200; "));
+  EXPECT_THAT(item.message, StartsWith("the sensor did not apply rpm: 600 -> 1200; "));
 }
 
 TEST(WebStatus, TellsMotorLaserAndPps) {
