@@ -142,7 +142,7 @@ class Sensor final : public DriverOutput {
   SensorContext& context_;
   std::unique_ptr<Driver> driver_;                   // nullptr: another driver publishes on config_.topic
   std::optional<FrameFilter> filter_, ring_filter_;  // of its frames, and of the ring that is a scan
-  std::optional<bool> cloud_wanted_;  // as the driver was told when its cloud began
+  std::optional<bool> cloud_wanted_;                 // as the driver was told when its cloud began
   CloudArranger arranger_;
   std::optional<CloudPlacer> placer_;
   std::optional<RingScan> ring_scan_;
