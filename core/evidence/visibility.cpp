@@ -23,6 +23,8 @@ Visibility::Visibility(const ScanGrid& grid, const VisibilitySettings& settings,
       maps_(sources),
       layers_(sources),
       observing_(sources),
+      rows_(sources),
+      row_of_(sources),
       range_max_(static_cast<float>(grid.range_max)),
       approach_(static_cast<float>(std::max(settings.approach, 5 * settings.noise))),
       ways_(grid.beams),
@@ -40,6 +42,7 @@ Visibility::Visibility(const ScanGrid& grid, const VisibilitySettings& settings,
       blind_to_(grid.beams, 0) {
   const double asked = settings_.free_required > 0 ? settings_.free_required : grid.range_max;
   open_ = std::min(static_cast<float>(asked), range_max_);
+  set_places(sources, sources);
   nearest_.clear(grid.beams);
   mixed_pixels_.clear(grid.beams);
 }
@@ -74,14 +77,20 @@ void Visibility::set_source(std::size_t source, const BeamRays& rays) {
   find_exits(source);
 }
 
-void Visibility::set_place(float x, float y, double width, std::size_t observing) {
-  const double unit = FreeSpaceMap::unit_for(raster_.grid().range_max);
-  for (FreeSpaceMap& map : maps_) map.set(x, y, width, unit);
-  table_.set(0, 1, raster_, maps_[0]);
-  one_place_ = true;
+void Visibility::set_places(std::size_t places, std::size_t observing) {
+  rows_ = places;
   observing_ = observing;
-  column_ = static_cast<float>(width);
-  for (std::size_t s = 0; s < maps_.size(); ++s) find_exits(s);
+  for (std::size_t s = 0; s < row_of_.size(); ++s) row_of_[s] = s % places;
+}
+
+void Visibility::set_place(std::size_t place, float x, float y, double width) {
+  const double unit = FreeSpaceMap::unit_for(raster_.grid().range_max);
+  for (std::size_t s = place; s < maps_.size(); s += rows_) maps_[s].set(x, y, width, unit);
+  table_.set(place, rows_, raster_, maps_[place]);
+  widths_.resize(rows_);
+  widths_[place] = static_cast<float>(width);
+  column_ = *std::max_element(widths_.begin(), widths_.end());
+  for (std::size_t s = place; s < maps_.size(); s += rows_) find_exits(s);
 }
 
 void Visibility::begin() {
@@ -129,8 +138,8 @@ void Visibility::find_ends() {
     end_y_[beam] = way * raster_.sine(beam);
   }
   for (std::size_t s = 0; s < maps_.size(); ++s) {
-    if (one_place_ && s > 0)
-      way_ends_[s] = way_ends_[0];
+    if (row_of(s) != s)
+      way_ends_[s] = way_ends_[row_of(s)];
     else if (maps_[s].size() > 0)
       maps_[s].find_places(end_x_.data(), end_y_.data(), beams(), way_ends_[s].data());
   }
@@ -154,12 +163,26 @@ std::size_t Visibility::free_run(std::size_t source, std::size_t beam, std::size
   return from;
 }
 
+/// From some place no return hides a part between here_ and there_.
+bool Visibility::is_open_to_some(const Walk& walk) const {
+  for (std::size_t row = 0; row < rows_; ++row) {
+    bool open = maps_[row].size() > 0;
+    for (std::size_t s = row; s < walk.sources && open; s += rows_)
+      open = maps_[s].hidden_by(here_[row], there_[row]) == infinite;
+    if (open) return true;
+  }
+  return false;
+}
+
 bool Visibility::accept_unseen(Walk& walk, float from) {
   float behind = infinite;
   for (std::size_t s = 0; s < walk.sources; ++s)
     behind = std::min(behind, maps_[s].hidden_by(here_[row_of(s)], there_[row_of(s)]));
   const auto gap = static_cast<float>(settings_.gap);
-  if (behind <= gap) body_at_[walk.beam] = from;
+  if (behind <= gap)
+    body_at_[walk.beam] = from;
+  else if (observing_ < maps_.size() && is_open_to_some(walk))
+    behind = infinite;
   const float most = std::max(gap, static_cast<float>(settings_.gap_share) * walk.at);
   walk.unseen += walk.at - from;
   return behind == infinite && has_hit(walk.beam) && walk.at - walk.known <= most && walk.unseen <= 2 * most;
@@ -168,7 +191,7 @@ bool Visibility::accept_unseen(Walk& walk, float from) {
 void Visibility::see(Walk& walk, std::size_t source, float to) {
   // The blind way continues until another source sees a piece of the way; an accepted gap does not end it.
   float& blind_to = blind_to_[walk.beam];
-  if (source == observing_ && (blind_to <= 0 || blind_to == walk.known)) blind_to = to;
+  if (is_blind(source) && (blind_to <= 0 || blind_to == walk.known)) blind_to = to;
   walk.known = to;
   witness_ = source;
 }
@@ -179,7 +202,8 @@ std::size_t Visibility::seen_run(Walk& walk, std::size_t from, std::size_t to) {
     // Another source may see a stretch that one source does not see completely.
     if (from % many == 0 && from + many <= to) {
       std::size_t asked = 0;
-      for (; asked < walk.sources && !sees_stretch(walk.source, walk.beam, from / many); ++asked) next_source(walk);
+      for (; asked < walk.sources && !sees_stretch(walk.source, walk.beam, from / many); ++asked)
+        next_source(walk);
       if (asked < walk.sources) {
         from += many;
         refused = 0;
@@ -213,9 +237,8 @@ bool Visibility::sees_piece(Walk& walk, std::size_t step, bool from_body, std::s
 }
 
 bool Visibility::accept(Walk& walk, float from, float to) {
-  const std::size_t rows = one_place_ ? 1 : maps_.size();
   const auto find_places = [&](float at, std::vector<FreeSpaceMap::Place>& places) {
-    for (std::size_t row = 0; row < rows; ++row) places[row] = place_at(row, walk.beam, at);
+    for (std::size_t row = 0; row < rows_; ++row) places[row] = place_at(row, walk.beam, at);
   };
   find_places(from, here_);
   bool accepted = true;
@@ -256,8 +279,8 @@ bool Visibility::is_covered(std::size_t beam, std::size_t sources) {
   const Inside& body = inside_[beam];
   const std::size_t last = table_.step_at(end);
   Walk walk{beam, sources, last, witness_ < sources ? witness_ : 0};
-  // The blind part lies nearest, so its map is queried first.
-  if (observing_ < sources) walk.source = observing_;
+  // What cannot be seen lies nearest; from another place it may be seen.
+  if (observing_ < sources) walk.source = rows_ == 1 ? observing_ : 0;
   blind_to_[beam] = 0;
   body_at_[beam] = infinite;
   bool body_ahead = body.end > 0;
@@ -358,7 +381,7 @@ void Visibility::encode(Profile profile, PlanarScan& scan, bool with_intensities
       if (with_intensities) scan.intensities[beam] = intensity;
     }
   }
-  if (!one_place_) return;
+  if (observing_ == maps_.size()) return;
   scan.free_from.assign(beams(), 0);
   for (std::size_t beam = 0; beam < beams(); ++beam) {
     if (scan.statuses[beam] != BeamStatus::hit) continue;

@@ -41,11 +41,13 @@ class Visibility {
   void set_source(std::size_t source, const BeamRays& rays);
   /// Computes from the newest sweep of every source; nullptr: the source has none.
   void compute(const std::vector<const PlacedScan*>& sweeps);
-  /// For what is no sweep: the place of all sources, m in the output's plane; their columns are `width` rad
-  /// apart. The first `observing` sources then are what is seen to be free. The next one is what no beam can
-  /// see, the others are free more likely than not: a surface counts although the way to it leads through,
-  /// but no beam is free that does.
-  void set_place(float x, float y, double width, std::size_t observing);
+  /// For what is no sweep: `places` places, from each of which an equal number of sources looks, in turns:
+  /// source s looks from place s modulo `places`. The first `observing` sources are what is seen to be free.
+  /// Then comes from each place what no beam can see from there; the others are free more likely than not: a
+  /// surface counts although the way to it leads through, but no beam is free that does.
+  void set_places(std::size_t places, std::size_t observing);
+  /// Where place `place` is, m in the output's plane; the columns of its sources are `width` rad apart.
+  void set_place(std::size_t place, float x, float y, double width);
   /// Begins anew with surfaces and evidence that the caller fills in, in place of sweeps.
   void begin();
   const Raster& raster() const { return raster_; }
@@ -71,7 +73,9 @@ class Visibility {
   BeamState decide(std::size_t beam);
   /// Walks along the beam's way from the vehicle's border; false if the way is not observed. Sets covered_.
   bool is_covered(std::size_t beam, std::size_t sources);
-  std::size_t row_of(std::size_t source) const { return one_place_ ? 0 : source; }
+  /// The table's row, and the first of the sources that look from one place.
+  std::size_t row_of(std::size_t source) const { return row_of_[source]; }
+  bool is_blind(std::size_t source) const { return source >= observing_ && source < observing_ + rows_; }
   /// This source sees all of stretch `stretch` of the table to be free.
   bool sees_stretch(std::size_t source, std::size_t beam, std::size_t stretch) const;
   /// The first step in [from, to), all in one stretch, that the source does not see to be free, or `to`.
@@ -102,6 +106,7 @@ class Visibility {
   bool may_hold_body(const Walk& walk, std::size_t step) const;
   /// True if the part from `from` m to walk.at, here_ to there_, may stay unseen.
   bool accept_unseen(Walk& walk, float from);
+  bool is_open_to_some(const Walk& walk) const;
   bool is_seen_all_along(std::size_t beam) const;
   FreeSpaceMap::Place place_at(std::size_t source, std::size_t beam, float range) const {
     return maps_[source].place_of(range * raster_.cosine(beam), range * raster_.sine(beam));
@@ -114,9 +119,10 @@ class Visibility {
   std::vector<BeamRays> rays_;
   std::vector<FreeSpaceMap> maps_;
   std::vector<RangeLayer> layers_;  // per source
-  std::size_t observing_;           // maps of what is seen to be free; the next one is what cannot be seen
-  bool one_place_ = false;          // all sources look from there, so that they share the table's row
-  std::size_t witness_ = 0;         // the source that saw the farthest part of the last way walked
+  std::size_t observing_;           // maps of what is seen to be free; the next ones are what cannot be seen
+  std::size_t rows_;                // of the table: one for each place from which sources look
+  std::vector<std::size_t> row_of_;
+  std::size_t witness_ = 0;  // the source that saw the farthest part of the last way walked
   RangeLayer nearest_;
   RangeLayer mixed_pixels_;
   /// Where a beam leads through the vehicle; this part need not be observed.
@@ -124,11 +130,12 @@ class Visibility {
     std::size_t from = 0, to = 0;  // the first and the last step
     float end = 0;                 // m; 0: nowhere
   };
-  float range_max_;          // m
-  float open_ = 0;           // m that a beam without a hit must be free
-  float approach_;           // m before a hit
-  float column_ = 0;         // and so much of its range: a column sees a slanting wall at one distance
-  std::vector<float> ways_;  // m of each beam that must be seen to be free
+  float range_max_;            // m
+  float open_ = 0;             // m that a beam without a hit must be free
+  float approach_;             // m before a hit
+  float column_ = 0;           // and so much of its range: a column sees a slanting wall at one distance
+  std::vector<float> widths_;  // rad, of the columns at each place
+  std::vector<float> ways_;    // m of each beam that must be seen to be free
   std::vector<float> end_x_, end_y_;                         // where they end
   std::vector<std::vector<FreeSpaceMap::Place>> way_ends_;   // of each source, by beam
   std::vector<std::vector<FreeSpaceMap::Place>> body_ends_;  // where beams leave the vehicle

@@ -24,6 +24,13 @@ struct __attribute__((packed, may_alias)) CloudPoint {
 };
 static_assert(sizeof(CloudPoint) == 22, "the PointCloud2 layout is a contract");
 
+/// A return in a cloud of several sources, likewise; point_step 24.
+struct __attribute__((packed, may_alias)) MergedPoint {
+  CloudPoint point;      ///< in the frame of the merged cloud; `time` after its stamp, mostly negative
+  std::uint16_t sensor;  ///< place of its source among those of the merged cloud
+};
+static_assert(sizeof(MergedPoint) == 24, "the PointCloud2 layout is a contract");
+
 /// Allocates memory with room for the head of a message before it, so that a message is made around the
 /// points where they stand.
 template <class T>
@@ -43,8 +50,8 @@ struct PointAllocator {
 using PointBytes = std::vector<std::uint8_t, PointAllocator<std::uint8_t>>;
 }  // namespace lidard
 
-/// Compiled once, in core, with loops as copies of memory: in the daemon, which is compiled for a short build, a vector
-/// that grew held up its thread for 0.1 s.
+/// Compiled once, in core, with loops as copies of memory: in the daemon, which is compiled for a short
+/// build, a vector that grew held up its thread for 0.1 s.
 extern template class std::vector<std::uint8_t, lidard::PointAllocator<std::uint8_t>>;
 
 namespace lidard {
@@ -128,6 +135,19 @@ struct Cloud {
     complete = false;
     expected_columns = 0;
   }
+};
+
+/// The returns of several sources in one frame, as they stood at one instant. `points_bytes` may be swapped
+/// into a message.
+struct MergedCloud {
+  std::string frame_id;
+  Stamp stamp;               ///< the instant
+  std::uint32_t height = 0;  ///< as Cloud::height
+  PointBytes points_bytes;
+
+  std::size_t size() const { return points_bytes.size() / sizeof(MergedPoint); }
+  const MergedPoint* points() const { return reinterpret_cast<const MergedPoint*>(points_bytes.data()); }
+  MergedPoint* points() { return reinterpret_cast<MergedPoint*>(points_bytes.data()); }
 };
 
 }  // namespace lidard

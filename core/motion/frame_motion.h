@@ -105,6 +105,14 @@ class CloudMotion {
   std::vector<Pose> columns_;
 };
 
+/// A cloud with its lidar's place on the vehicle.
+struct PlacedCloud {
+  const Cloud* cloud = nullptr;  ///< nullptr: there is none
+  Pose vehicle_from_cloud = Pose::Identity();
+  const CloudMotion* motion = nullptr;  ///< to the instant in question; nullptr: it stands
+  bool is_sweep = false;                ///< of a planar scanner
+};
+
 /// Moves each return of a cloud to the lidar's pose at the instant of `motion`, and from there to another
 /// frame. Its other fields stay, the time of measurement too.
 void move_points(const CloudMotion& motion, const Pose& frame_from_lidar, Cloud& cloud);

@@ -32,62 +32,79 @@ struct VirtualScan {
   PlanarScan* scan;
 };
 
-/// Makes virtual single-plane scans from multi-plane clouds, as scanners in the virtual frames would have
-/// them.
+/// Makes virtual single-plane scans from the clouds of one or several lidars, as scanners in the virtual
+/// frames would have them. Each lidar's evidence of free space is its own: what one proves free, the blind
+/// spot of another does not undo. The nearest surface of all counts.
 class Virtualizer {
  public:
   /// `frames` virtual frames share a grid of beams, a height band and the work that is done once per cloud.
+  /// There are so many `lidars`.
   Virtualizer(const ScanGrid& grid, HeightBand band, std::size_t frames = 1,
-              const VirtualSettings& settings = {});
+              const VirtualSettings& settings = {}, std::size_t lidars = 1);
 
   /// The vehicle's outline (in its own frame, without margin); returns inside it and near it are left out.
   void set_footprint(const Footprint& footprint);
-  /// The cloud of the following scans; it must stay alive, and so must `motion`, which moves its returns to
-  /// the instant that the scans shall show.
-  void set_cloud(const Cloud& cloud, const Pose& vehicle_from_cloud, const CloudMotion* motion = nullptr);
-  /// Makes the scans of one frame; `virtual_from_cloud` takes the cloud's coordinates to it. Stamp and frame
-  /// period come from the cloud; the caller sets the frame's name.
-  void project(std::size_t frame, const Pose& virtual_from_cloud, const std::vector<VirtualScan>& outputs);
+  /// The clouds of the following scans, one for each lidar; they must stay alive, and so must their motions,
+  /// which move returns to the instant that the scans shall show. Of a planar scanner's sweep only points are
+  /// known.
+  void set_clouds(const std::vector<PlacedCloud>& clouds);
+  void set_cloud(const Cloud& cloud, const Pose& vehicle_from_cloud, const CloudMotion* motion = nullptr) {
+    set_cloud(0, {&cloud, vehicle_from_cloud, motion, false});
+  }
+  /// Makes the scans of one frame; `virtual_from_cloud` takes each lidar's cloud to it. Stamp and frame
+  /// period come from the first cloud; the caller sets the frame's name.
+  void project(std::size_t frame, const Pose* virtual_from_cloud, const std::vector<VirtualScan>& outputs);
+  void project(std::size_t frame, const Pose& virtual_from_cloud, const std::vector<VirtualScan>& outputs) {
+    project(frame, &virtual_from_cloud, outputs);
+  }
 
-  /// Why nothing is known of surfaces and free space of the newest cloud; empty: it is.
-  const char* why_no_surfaces() const { return organised_ ? "" : grid_.why_not(); }
-  std::uint64_t own_returns() const { return grid_.own_returns; }
+  /// Why nothing is known of surfaces and free space of a cloud; empty: it is, of all.
+  const char* why_no_surfaces() const;
+  std::uint64_t own_returns() const;
   /// What is known of a frame's beams; only with `visibility`.
   const Visibility& visibility(std::size_t frame) const { return frames_[frame]->visibility; }
 
  private:
-  struct Frame {
-    Frame(const ScanGrid& grid, const VisibilitySettings& how);
-    Visibility visibility;
-    Pose pose = Pose::Identity();  // virtual_from_cloud that the tables were made for
-    double step = 0;               // rad between columns, likewise
+  /// Where a lidar was when the tables of a frame were made.
+  struct Place {
+    Pose pose = Pose::Identity();  // virtual_from_cloud
+    double step = 0;               // rad between columns
     bool placed = false;
   };
-  void place_cloud(const Pose& vehicle_from_cloud);
+  struct Frame {
+    Frame(const ScanGrid& grid, const VisibilitySettings& how, std::size_t lidars);
+    Visibility visibility;
+    std::vector<Place> places;  // by lidar
+  };
+  struct Lidar {
+    explicit Lidar(const RingGridSettings& beams) : grid(beams) {}
+    PlacedCloud placed;
+    bool is_placed = false;
+    bool organised = false;
+    RingGrid grid;
+    Ground ground;
+    RingLinks links;
+    PlaneView view;
+  };
+  void set_cloud(std::size_t lidar, const PlacedCloud& cloud);
+  void place_cloud(std::size_t lidar, const Pose& vehicle_from_cloud);
   template <class Use>
-  void each_return(const Pose& virtual_from_cloud, Use use) const;
-  void flatten(const Pose& virtual_from_cloud, PlanarScan& scan);
-  void look(Frame& frame, const Pose& virtual_from_cloud);
-  void cut_slice(Visibility& visibility, double level);
-  void cut_band(Visibility& visibility, float evidence_level);
-  void place(Frame& frame, const Pose& virtual_from_cloud) const;
-  void splat_points(Frame& frame, const Pose& virtual_from_cloud);
-  float evidence_level(const Pose& virtual_from_cloud) const;
+  void each_return(const PlacedCloud& placed, const Pose& virtual_from_cloud, Use use) const;
+  void flatten(const Pose* virtual_from_cloud, PlanarScan& scan);
+  void look(Frame& frame, const Pose* virtual_from_cloud);
+  void look(Frame& frame, std::size_t lidar, const Pose& virtual_from_cloud);
+  void cut_slice(Lidar& lidar, Visibility& visibility, double level);
+  void cut_band(Lidar& lidar, Visibility& visibility, float evidence_level);
+  void place(Frame& frame, std::size_t lidar, const Pose& virtual_from_cloud) const;
+  void splat_points(const Lidar& lidar, Visibility& visibility, const Pose& virtual_from_cloud) const;
+  float evidence_level(const Lidar& lidar, const Pose& virtual_from_cloud) const;
 
   VirtualSettings settings_;
   HeightBand band_;
   Flattener flattener_;
   Footprint footprint_;
   Footprint own_;  // with its margin
-  bool placed_ = false;
-  const Cloud* cloud_ = nullptr;
-  const CloudMotion* motion_ = nullptr;  // nullptr: everything stands
-  Pose vehicle_from_cloud_ = Pose::Identity();
-  bool organised_ = false;
-  RingGrid grid_;
-  Ground ground_;
-  RingLinks neighbours_;
-  PlaneView view_;
+  std::vector<std::unique_ptr<Lidar>> lidars_;
   PlaneTops tops_;
   PlaneCut cut_;
   CutEvidence evidence_;

@@ -70,6 +70,7 @@ class StillSink final : public FrameSink {
 /// The configuration without what changes the frames of a sensor or is made of them.
 Config bare(Config config) {
   config.merged_scans.clear();
+  config.merged_clouds.clear();
   config.virtual_scans.clear();
   for (SensorConfig& sensor : config.sensors) {
     sensor.filter = {};

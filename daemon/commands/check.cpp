@@ -63,6 +63,7 @@ class Forecast {
   std::vector<std::string> all() {
     for (const SensorConfig& sensor : config_.sensors) check(sensor);
     for (const MergedScanConfig& merged : config_.merged_scans) check(merged);
+    for (const MergedCloudConfig& merged : config_.merged_clouds) check(merged);
     for (const VirtualScanConfig& group : config_.virtual_scans) check(group);
     return std::move(sentences_);
   }
@@ -216,28 +217,55 @@ class Forecast {
     check_poses(entry, unknown, footprint_lost || lost == merged.laserscan_topics.size());
     check_topics(entry, merged.laserscan_topics);
   }
+  void check(const MergedCloudConfig& merged) {
+    const Value entry = value_of(value_of(root_, "merged_clouds"), merged.name);
+    const std::string& base = config_.vehicle.base_frame;
+    if (const Value pose = value_of(entry, "destination_pose"); pose.path() != entry.path())
+      question(pose, *merged.destination_pose);
+    std::set<std::string> unknown;
+    for (const std::string& source : merged.sources) {
+      if (!is_placed(source, base)) unknown.insert(source);
+    }
+    const bool lost = !is_known(base, merged.destination_frame) || unknown.size() == merged.sources.size();
+    if (!is_known(base, merged.destination_frame))
+      unknown.insert("destination_frame " + merged.destination_frame);
+    check_poses(entry, unknown, lost);
+    check_topics(entry, merged.sources);
+  }
   void check(const VirtualScanConfig& group) {
     const Value entry = value_of(value_of(root_, "virtual_scans"), group.name);
     const VehicleConfig& vehicle = config_.vehicle;
+    const std::vector<std::string> lidars = config_.lidars_of(group);
     for (const auto& [frame, pose] : group.poses) question(value_of(value_of(entry, "poses"), frame), pose);
-    const SensorConfig* const lidar = config_.find_sensor(group.cloud_topic);
     double reach = 0;
-    for (const std::string& frame : group.virtual_laser_scan) reach = std::max(reach, reach_of(lidar, frame));
+    for (const std::string& lidar : lidars) {
+      for (const std::string& frame : group.virtual_laser_scan)
+        reach = std::max(reach, reach_of(config_.find_sensor(lidar), frame));
+    }
     question_reach(entry, group, reach);
-    if (lidar != nullptr) question_origins(entry, group, *lidar);
-    const bool cloud_known = is_placed(group.cloud_topic, vehicle.base_frame);
+    // Of several each sees where another one is blind.
+    if (lidars.size() == 1) question_origins(entry, group, *config_.find_sensor(lidars[0]));
+    const auto all_placed = [&](const std::string& frame) {
+      return std::all_of(lidars.begin(), lidars.end(),
+                         [&](const std::string& lidar) { return is_placed(lidar, frame); });
+    };
+    std::set<std::string> unplaced;
+    for (const std::string& lidar : lidars) {
+      if (!is_placed(lidar, vehicle.base_frame)) unplaced.insert(lidar);
+    }
     std::set<std::string> unknown;
     std::size_t lost = 0;
     for (const std::string& frame : group.virtual_laser_scan) {
-      if (is_placed(group.cloud_topic, frame)) continue;
+      if (all_placed(frame)) continue;
       ++lost;
       if (!is_known(vehicle.base_frame, frame)) unknown.insert(frame);
-      if (!cloud_known) unknown.insert(group.cloud_topic);
+      unknown.insert(unplaced.begin(), unplaced.end());
     }
     const bool on_vehicle = group.has_visibility() || !vehicle.footprint.empty() || vehicle.has_motion();
-    if (on_vehicle && !cloud_known) unknown.insert(group.cloud_topic);
-    check_poses(entry, unknown, (on_vehicle && !cloud_known) || lost == group.virtual_laser_scan.size());
-    check_topics(entry, {group.cloud_topic});
+    if (on_vehicle) unknown.insert(unplaced.begin(), unplaced.end());
+    const bool all_lost = on_vehicle && unplaced.size() == lidars.size();
+    check_poses(entry, unknown, all_lost || lost == group.virtual_laser_scan.size());
+    check_topics(entry, lidars);
   }
 
   const Config& config_;

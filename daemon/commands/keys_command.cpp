@@ -73,6 +73,7 @@ std::vector<Section> all_sections() {
     all.add("sensors.NAME", group.keys, SensorConfig(), &group);
   all.add("merged_scans.NAME", merged_keys(), MergedScanConfig());
   all.add("merged_scans.NAME.source_settings.SOURCE", source_keys(), SourceSettings());
+  all.add("merged_clouds.NAME", merged_cloud_keys(), MergedCloudConfig());
   all.add("virtual_scans.NAME", virtual_keys(), default_virtual_scan());
   all.add("merged_scans.NAME.also.TOPIC, virtual_scans.NAME.also.TOPIC", also_key().inner, AlsoScanConfig());
   all.add("blackbox", black_box_keys(), BlackBoxConfig());

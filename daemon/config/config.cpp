@@ -45,6 +45,9 @@ void write(YAML::Emitter& yaml, const SensorConfig& sensor) {
   }
 }
 void write(YAML::Emitter& yaml, const MergedScanConfig& merged) { write_keys(yaml, merged_keys(), merged); }
+void write(YAML::Emitter& yaml, const MergedCloudConfig& merged) {
+  write_keys(yaml, merged_cloud_keys(), merged);
+}
 void write(YAML::Emitter& yaml, const VirtualScanConfig& group) { write_keys(yaml, virtual_keys(), group); }
 
 /// Writes named structures; a section that nothing stands in is left out.
@@ -100,14 +103,23 @@ const SensorConfig* Config::find_sensor(const std::string& name) const {
   return nullptr;
 }
 
+std::vector<std::string> Config::lidars_of(const VirtualScanConfig& group) const {
+  for (const MergedCloudConfig& merged : merged_clouds) {
+    if (merged.destination_topic == group.cloud_topic) return merged.sources;
+  }
+  return {group.cloud_topic};
+}
+
 Config parse_config(const std::string& text, const std::string& name) {
   Reading reading;
   reading.config.file = name;
   const Value file = parse_yaml(text, name);
   reading.mistakes.attempt(file.place(), [&] {
-    Mapping root(file, {"vehicle", "sensors", "merged_scans", "virtual_scans", "blackbox"}, reading.mistakes);
+    Mapping root(file, {"vehicle", "sensors", "merged_scans", "merged_clouds", "virtual_scans", "blackbox"},
+                 reading.mistakes);
     read_vehicle(root, reading);
     read_sensors(root, reading);
+    read_merged_clouds(root, reading);
     read_virtual_scans(root, reading);
     read_merged_scans(root, reading);
     read_black_box(root, reading);
@@ -124,6 +136,7 @@ std::string to_yaml(const Config& config) {
   yaml << YAML::EndMap;
   write_named(yaml, "sensors", config.sensors);
   write_named(yaml, "merged_scans", config.merged_scans);
+  write_named(yaml, "merged_clouds", config.merged_clouds);
   write_named(yaml, "virtual_scans", config.virtual_scans);
   if (config.black_box.seconds > 0) {
     yaml << YAML::Key << "blackbox" << YAML::Value << YAML::BeginMap;
@@ -145,6 +158,9 @@ bool operator==(const SensorConfig& a, const SensorConfig& b) {
 }
 bool operator==(const MergedScanConfig& a, const MergedScanConfig& b) {
   return a.name == b.name && same_keys(merged_keys(), a, b);
+}
+bool operator==(const MergedCloudConfig& a, const MergedCloudConfig& b) {
+  return a.name == b.name && same_keys(merged_cloud_keys(), a, b);
 }
 bool operator==(const VirtualScanConfig& a, const VirtualScanConfig& b) {
   return a.name == b.name && same_keys(virtual_keys(), a, b);
@@ -210,6 +226,9 @@ std::vector<StaticTransform> fixed_poses(const Config& config) {
   for (const MergedScanConfig& merged : config.merged_scans) {
     if (merged.destination_pose) add(base, merged.destination_frame, *merged.destination_pose);
   }
+  for (const MergedCloudConfig& merged : config.merged_clouds) {
+    if (merged.destination_pose) add(base, merged.destination_frame, *merged.destination_pose);
+  }
   for (const VirtualScanConfig& group : config.virtual_scans) {
     for (const auto& [frame, pose] : group.poses) add(group.base_frame, frame, pose);
   }
@@ -222,6 +241,8 @@ std::vector<OutputTopic> output_topics(const Config& config) {
     for (auto& topic : sensor_topics(sensor)) topics.push_back(std::move(topic));
   }
   for (const auto& merged : config.merged_scans) add_merged(merged, topics);
+  for (const auto& merged : config.merged_clouds)
+    topics.push_back({merged.destination_topic, TopicKind::merged_cloud});
   for (const auto& group : config.virtual_scans) add_virtual(group, topics);
   for (std::size_t id = 0; id < topics.size(); ++id) topics[id].id = id;
   return topics;

@@ -101,8 +101,8 @@ struct AlsoScanConfig {
   Profile profile = Profile::safety;
 };
 
-/// What a merged scan does while poses of the vehicle are missing: as if it stood, wait for them as long as
-/// for a source, or leave the output out.
+/// What a merged scan or cloud does while poses of the vehicle are missing: as if it stood, wait for them as
+/// long as for a source, or leave the output out.
 enum class MissingMotion : std::uint8_t { stand, wait, drop };
 
 /// One entry of `merged_scans:`.
@@ -129,11 +129,24 @@ struct MergedScanConfig {
   bool has_visibility() const;
 };
 
+/// One entry of `merged_clouds:`.
+struct MergedCloudConfig {
+  std::string name;
+  std::vector<std::string>
+      sources;  ///< names of sensors; a return's `sensor` is the place of its source here
+  std::string destination_frame;
+  std::optional<Pose> destination_pose;  ///< as in MergedScanConfig
+  std::string destination_topic;         ///< default: the entry's name
+  bool organized = false;                ///< a row per ring, else a list
+  ScheduleSettings schedule;
+  MissingMotion on_missing_motion = MissingMotion::stand;
+};
+
 /// One entry of `virtual_scans:`.
 struct VirtualScanConfig {
   std::string name;
-  std::string cloud_topic;                      ///< name of a sensor that gives clouds
-  std::string base_frame;                       ///< parent of the poses
+  std::string cloud_topic;  ///< name of a sensor that gives clouds, or topic of a merged cloud
+  std::string base_frame;   ///< parent of the poses
   std::vector<std::string> virtual_laser_scan;  ///< output frames
   std::map<std::string, Pose> poses;  ///< of output frames in base_frame; a frame without one comes from tf
   std::string output_laser_topic;     ///< empty: one topic per frame, named like the frame
@@ -163,6 +176,7 @@ struct Config {
   VehicleConfig vehicle;
   std::vector<SensorConfig> sensors;
   std::vector<MergedScanConfig> merged_scans;
+  std::vector<MergedCloudConfig> merged_clouds;
   std::vector<VirtualScanConfig> virtual_scans;
   BlackBoxConfig black_box;
   std::vector<std::string> warnings;  ///< `file:line:column: what`, to be shown once
@@ -173,6 +187,8 @@ struct Config {
   bool is_not_alone = false;             ///< the other lane has sensors too
 
   const SensorConfig* find_sensor(const std::string& name) const;
+  /// The lidars behind the cloud_topic of a virtual scan: one, or those of a merged cloud.
+  std::vector<std::string> lidars_of(const VirtualScanConfig& group) const;
 };
 
 /// Reads and validates a configuration file; throws ConfigError.
@@ -185,6 +201,7 @@ std::string to_yaml(const Config& config);
 bool operator==(const VehicleConfig& a, const VehicleConfig& b);
 bool operator==(const SensorConfig& a, const SensorConfig& b);
 bool operator==(const MergedScanConfig& a, const MergedScanConfig& b);
+bool operator==(const MergedCloudConfig& a, const MergedCloudConfig& b);
 bool operator==(const VirtualScanConfig& a, const VirtualScanConfig& b);
 
 /// The poses that a configuration fixes, each frame once.
@@ -192,7 +209,15 @@ std::vector<StaticTransform> fixed_poses(const Config& config);
 
 /// What travels on a topic. A scan with several echoes goes to a topic of its own (MultiEchoLaserScan).
 /// `extended_scan` and `output_paths`: a scan and a DeviceState as messages of sick_safetyscanners.
-enum class TopicKind : std::uint8_t { scan, echoes, cloud, message, extended_scan, output_paths };
+enum class TopicKind : std::uint8_t {
+  scan,
+  echoes,
+  cloud,
+  merged_cloud,
+  message,
+  extended_scan,
+  output_paths
+};
 
 /// A topic that something in a configuration may publish on.
 struct OutputTopic {
@@ -215,9 +240,9 @@ std::vector<OutputTopic> output_topics(const Config& config);
 /// send it.
 std::vector<Flow> flows_of(const SensorConfig& sensor);
 
-/// An entry of merged_scans: or virtual_scans: of the configuration.
+/// An entry of merged_scans:, merged_clouds: or virtual_scans: of the configuration.
 struct OutputId {
-  enum class Kind : std::uint8_t { merged, virtual_group };
+  enum class Kind : std::uint8_t { merged, merged_cloud, virtual_group };
   Kind kind = Kind::merged;
   std::string entry;
 

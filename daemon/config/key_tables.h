@@ -14,6 +14,7 @@ namespace lidard {
 /// The keys of each section, in the order in which they are read and written.
 const Keys<VehicleConfig>& vehicle_keys();
 const Keys<MergedScanConfig>& merged_keys();
+const Keys<MergedCloudConfig>& merged_cloud_keys();
 const Keys<VirtualScanConfig>& virtual_keys();
 const Keys<BlackBoxConfig>& black_box_keys();
 /// What holds for a virtual scan before its keys are read.

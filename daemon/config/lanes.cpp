@@ -10,7 +10,15 @@ namespace {
 
 using Names = std::set<std::string>;
 
+/// A planar scanner that is a source of a merged cloud goes with it.
+bool is_merged(const SensorConfig& sensor, const MergedCloudConfig& merged) {
+  return std::find(merged.sources.begin(), merged.sources.end(), sensor.name) != merged.sources.end();
+}
+
 bool gives_clouds(const SensorConfig& sensor, const Config& config) {
+  if (std::any_of(config.merged_clouds.begin(), config.merged_clouds.end(),
+                  [&](const MergedCloudConfig& merged) { return is_merged(sensor, merged); }))
+    return true;
   if (sensor.model != nullptr) return sensor.model->kind == FrameKind::cloud;
   return std::any_of(config.virtual_scans.begin(), config.virtual_scans.end(),
                      [&](const VirtualScanConfig& group) { return group.cloud_topic == sensor.name; });
@@ -26,8 +34,9 @@ std::set<std::uint16_t> udp_ports_of(const SensorConfig& sensor) {
 
 /// True if clouds of the configuration are brought to an instant, or become scans that are.
 bool moves_clouds(const Config& config) {
-  return !config.virtual_scans.empty() || std::any_of(config.sensors.begin(), config.sensors.end(),
-                                                      [](const SensorConfig& one) { return one.deskew; });
+  return !config.virtual_scans.empty() || !config.merged_clouds.empty() ||
+         std::any_of(config.sensors.begin(), config.sensors.end(),
+                     [](const SensorConfig& one) { return one.deskew; });
 }
 
 /// The sensors of the lane of clouds.
@@ -83,6 +92,7 @@ Config part_of(const Config& config, Lane lane) {
     part.hand_over.assign(over.begin(), over.end());
     return part;
   }
+  part.merged_clouds.clear();
   part.virtual_scans.clear();
   part.handed_over.assign(over.begin(), over.end());
   return part;

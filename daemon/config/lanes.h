@@ -10,7 +10,7 @@ namespace lidard {
 /// merged of them never wait for clouds. A replay has one way, where everything comes in one order.
 enum class Lane : std::uint8_t {
   planes,  ///< planar scanners and all merged scans
-  clouds   ///< multi-plane lidars and all virtual scans
+  clouds   ///< multi-plane lidars, merged clouds with all of their sources, and virtual scans
 };
 
 /// The part of a configuration that belongs to one lane. What is merged of the lane of clouds is named in

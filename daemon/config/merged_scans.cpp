@@ -12,9 +12,6 @@ namespace {
 using namespace keys;
 using Merged = MergedScanConfig;
 
-constexpr double longest_wait_s = 3600;
-constexpr double most_outputs_per_s = 1000;
-
 const Words<EchoChoice> echo_choices{{"first", EchoChoice::first},
                                      {"last", EchoChoice::last},
                                      {"strongest", EchoChoice::strongest},
@@ -40,39 +37,6 @@ Keys<Merged> source_and_topic_rows() {
                 "a LaserScan of how far each beam is observed; as intensity 0 unobserved, 1 free, 2 hit, "
                 "3 a surface seen from behind, 4 a way with a gap; empty: none")
               .or_empty()};
-}
-
-Keys<ScheduleSettings> policy_rows() {
-  using S = ScheduleSettings;
-  const Words<Policy> policies{
-      {"complete", Policy::complete}, {"rate", Policy::rate}, {"trigger", Policy::trigger}};
-  return {
-      word("policy", &S::policy, policies,
-           "published when all sources have delivered, at a rate, or when one has delivered"),
-      number("rate", &S::rate, 0.01, most_outputs_per_s, "1/s", "with policy rate").shown_if([](const S& s) {
-        return s.policy == Policy::rate;
-      })};
-}
-
-Keys<ScheduleSettings> patience_rows() {
-  using S = ScheduleSettings;
-  return {
-      number("deadline", &S::deadline, 0, longest_wait_s, "s",
-             "how late a source may be before an output is published without it")
-          .unless_set("0.3 of the shortest period of the sources"),
-      number("lost_after", &S::lost_after, 0.001, longest_wait_s, "s",
-             "silence after which a source is lost, which is an ERROR")};
-}
-
-KeyOf<Merged> trigger_row() {
-  return special<Merged>(
-             "trigger", "the source whose sweeps trigger the output",
-             [](const Merged& merged) {
-               const bool known = merged.schedule.trigger < merged.laserscan_topics.size();
-               return known ? KeyValue(merged.laserscan_topics[merged.schedule.trigger]) : KeyValue();
-             },
-             "the source whose sweeps trigger the output, with policy trigger")
-      .shown_if([](const Merged& merged) { return merged.schedule.policy == Policy::trigger; });
 }
 
 KeyOf<Merged> source_settings_row() {
@@ -154,37 +118,6 @@ ReadSources read_sources(Mapping& yaml, Reading& reading, std::vector<std::strin
   return sources;
 }
 
-/// Index of the source that `value` names: as it is named in laserscan_topics, or by its own name.
-std::size_t index_of_source(const Value& value, const std::vector<std::string>& sources,
-                            const std::vector<std::string>& written) {
-  std::string expected = "one of laserscan_topics:";
-  for (const std::string& source : sources) expected += " " + source;
-  const std::string name = value.text(expected);
-  auto found = std::find(sources.begin(), sources.end(), name);
-  if (found == sources.end())
-    found = sources.begin() + (std::find(written.begin(), written.end(), name) - written.begin());
-  if (found == sources.end()) value.fail("is " + value.quoted() + ", which is no source of it", expected);
-  return static_cast<std::size_t>(found - sources.begin());
-}
-
-void check_policy(Mapping& yaml, const std::vector<std::string>& written, Merged& merged) {
-  ScheduleSettings& schedule = merged.schedule;
-  const bool is_open = !yaml.has("policy");
-  const auto need = [&](const Value& key, Policy policy) {
-    if (is_open) schedule.policy = policy;
-    const std::string wanted = std::string("policy: ") + to_string(policy);
-    if (schedule.policy != policy)
-      key.fail_at_key(std::string("has no effect with policy: ") + to_string(schedule.policy), wanted);
-  };
-  if (const auto rate = yaml.find("rate")) need(*rate, Policy::rate);
-  if (const auto trigger = yaml.find("trigger")) {
-    schedule.trigger = index_of_source(*trigger, merged.laserscan_topics, written);
-    need(*trigger, Policy::trigger);
-  } else if (schedule.policy == Policy::trigger) {
-    yaml.require("trigger", std::string(trigger_row().form));
-  }
-}
-
 void check_window(const Mapping& yaml, const char* low, const char* high, double least, double most) {
   if (least < most) return;
   yaml.where(yaml.has(high) ? high : low)
@@ -237,15 +170,6 @@ void claim_topics(Mapping& yaml, const Merged& merged, Reading& reading) {
     });
 }
 
-void check_destination(Mapping& yaml, Merged& merged, Reading& reading) {
-  const std::string& base = reading.config.vehicle.base_frame;
-  if (merged.destination_pose)
-    reading.claims.holds_frame(merged.destination_frame, base, *merged.destination_pose, yaml.self().path(),
-                               yaml.where("destination_pose"));
-  else if (merged.destination_frame == base)
-    merged.destination_pose = Pose::Identity();
-}
-
 /// Points alone prove nothing, so they are no evidence for what is free or hidden.
 void refuse_flat_sources(const ReadSources& sources, const Merged& merged) {
   if (!merged.has_visibility()) return;
@@ -277,12 +201,15 @@ Merged read_merged(const std::string& name, const Value& entry, Reading& reading
   default_ranges(sources.limits, merged.output.grid);
   read_keys(yaml, merged_keys(), merged);
   yaml.attempt("also", [&] { read_also(yaml, merged.also); });
-  yaml.attempt_rule([&] { check_destination(yaml, merged, reading); });
+  yaml.attempt_rule(
+      [&] { check_destination(yaml, merged.destination_frame, merged.destination_pose, reading); });
   claim_topics(yaml, merged, reading);
   check_output(yaml, merged.output, reading);
   yaml.attempt_rule([&] { warn_without_footprint(yaml, merged, reading); });
   yaml.attempt_rule([&] { refuse_flat_sources(sources, merged); });
-  yaml.attempt_rule([&] { check_policy(yaml, sources.written, merged); });
+  yaml.attempt_rule([&] {
+    check_policy(yaml, {"laserscan_topics", merged.laserscan_topics, sources.written}, merged.schedule);
+  });
   yaml.attempt_rule([&] { read_source_settings(yaml, sources.written, merged); });
   return merged;
 }
@@ -305,19 +232,12 @@ const Keys<SourceSettings>& source_keys() {
 }
 
 const Keys<Merged>& merged_keys() {
-  const Words<MissingMotion> motions{
-      {"static", MissingMotion::stand}, {"wait", MissingMotion::wait}, {"drop", MissingMotion::drop}};
-  static const Keys<Merged> all = joined<Merged>(
-      {source_and_topic_rows(),
-       within(&Merged::schedule, policy_rows()),
-       {trigger_row()},
-       within(&Merged::schedule, patience_rows()),
-       {word("on_missing_motion", &Merged::on_missing_motion, motions,
-             "while poses of the vehicle are missing: as if it stood, wait for them, or no output"),
-        source_settings_row()},
-       within(&Merged::output, output_keys()),
-       fusion_rows(),
-       {also_row<Merged>()}});
+  static const Keys<Merged> all = joined<Merged>({source_and_topic_rows(),
+                                                  schedule_rows(&Merged::laserscan_topics),
+                                                  {source_settings_row()},
+                                                  within(&Merged::output, output_keys()),
+                                                  fusion_rows(),
+                                                  {also_row<Merged>()}});
   return all;
 }
 

@@ -45,7 +45,7 @@ struct Candidate {
 };
 
 void add_sensor(const SensorConfig& sensor, FrameKind wanted, std::vector<Candidate>& candidates) {
-  const NamedSource source{&sensor, nullptr, sensor.name};
+  const NamedSource source{&sensor, nullptr, sensor.name, nullptr};
   const std::string path = "sensors." + sensor.name;
   candidates.push_back({sensor.name, can_give(sensor, wanted) ? wanted : sensor.model->kind, source, path});
   if (sensor.model == nullptr) {
@@ -68,12 +68,19 @@ bool has_own_topics(const VirtualScanConfig& group) {
 std::vector<Candidate> candidates_of(const Config& config, FrameKind wanted) {
   std::vector<Candidate> candidates;
   for (const SensorConfig& sensor : config.sensors) add_sensor(sensor, wanted, candidates);
+  for (const MergedCloudConfig& merged : config.merged_clouds) {
+    for (const std::string& name : {merged.name, merged.destination_topic})
+      candidates.push_back({name,
+                            FrameKind::cloud,
+                            {nullptr, nullptr, merged.destination_topic, &merged},
+                            "merged_clouds." + merged.name});
+  }
   for (const VirtualScanConfig& group : config.virtual_scans) {
     if (!has_own_topics(group)) continue;
     for (const std::string& frame : group.virtual_laser_scan)
       candidates.push_back({group.topic(frame),
                             FrameKind::scan,
-                            {nullptr, &group, group.topic(frame)},
+                            {nullptr, &group, group.topic(frame), nullptr},
                             "the topic of virtual_scans." + group.name});
   }
   return candidates;
@@ -250,7 +257,10 @@ NamedSource read_source(const Value& value, FrameKind kind, const Reading& readi
   if (reading.may_be_named(name)) throw AlreadyNoted();
   if (other_kind == nullptr) fail_unknown(value, candidates, kind, expected);
   if (other_kind->source.sensor == nullptr)
-    value.fail("names " + other_kind->called + ", a virtual scan, which gives no clouds", expected);
+    value.fail("names " + other_kind->called +
+                   (other_kind->source.merged_cloud != nullptr ? ", a merged cloud, which gives no scans"
+                                                               : ", a virtual scan, which gives no clouds"),
+               expected);
   value.fail("names " + other_kind->called + ", " +
                  (other_kind->called == other_kind->source.name ? "a " : "of a ") +
                  kind_of(*other_kind->source.sensor),

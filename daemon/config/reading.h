@@ -70,20 +70,21 @@ std::string without_slash(const std::string& name);
 /// Roll, pitch, yaw (fixed axes, rad) that make_pose() turns into the rotation of `pose`.
 Eigen::Vector3d rpy_of(const Pose& pose);
 
-/// What a name in laserscan_topics or cloud_topic stands for: a sensor, or a virtual scan. One of the two is
-/// set.
+/// What a name in laserscan_topics, sources or cloud_topic stands for: a sensor, a virtual scan or a merged
+/// cloud. One of them is set.
 struct NamedSource {
   const SensorConfig* sensor = nullptr;
   const VirtualScanConfig* virtual_group = nullptr;
-  std::string name;  ///< of the sensor, or the topic of the virtual scan as it is published
+  std::string name;  ///< of the sensor, or the topic of the other as it is published
+  const MergedCloudConfig* merged_cloud = nullptr;
 };
 
 /// The sensors that give frames of this kind, for messages.
 std::string names_of(const Config& config, FrameKind kind);
 /// What `value` names: a sensor by its name, by the topic it listens to or by the topic it publishes frames
-/// of this kind on; or a virtual scan by its topic, where scans are wanted. A leading slash is of no
-/// importance. Throws if that is nothing, several things, or something that gives frames of another kind;
-/// `expected` says what may be named.
+/// of this kind on; or, where scans are wanted, a virtual scan by its topic; or, where clouds are, a merged
+/// cloud by its name or its topic. A leading slash is of no importance. Throws if that is nothing, several
+/// things, or something that gives frames of another kind; `expected` says what may be named.
 NamedSource read_source(const Value& value, FrameKind kind, const Reading& reading,
                         const std::string& expected);
 /// The topics of virtual scans that carry scans of one frame each.

@@ -15,6 +15,7 @@ namespace lidard {
 void read_vehicle(Mapping& root, Reading& reading);
 void read_sensors(Mapping& root, Reading& reading);
 void read_merged_scans(Mapping& root, Reading& reading);
+void read_merged_clouds(Mapping& root, Reading& reading);
 void read_virtual_scans(Mapping& root, Reading& reading);
 void read_black_box(Mapping& root, Reading& reading);
 
@@ -42,6 +43,39 @@ bool knows_free_space(const OutputScanConfig& output, const std::vector<AlsoScan
 void check_output(Mapping& yaml, OutputScanConfig& output, Reading& reading);
 /// Reads `also:`.
 void read_also(const Mapping& yaml, std::vector<AlsoScanConfig>& also);
+
+/// The sources of a merged scan or cloud.
+struct SourceList {
+  std::string_view key;  ///< that they stand in
+  std::vector<std::string> names;
+  std::vector<std::string> written;  ///< as they are called there
+};
+constexpr const char* trigger_form = "the source whose sweeps trigger the output";
+Keys<ScheduleSettings> policy_rows();
+Keys<ScheduleSettings> patience_rows();
+/// When a merged scan or cloud is published; `sources` are the names of its sources.
+template <class Merged>
+Keys<Merged> schedule_rows(std::vector<std::string> Merged::*sources) {
+  const auto trigger = [sources](const Merged& merged) {
+    const std::vector<std::string>& names = merged.*sources;
+    const bool known = merged.schedule.trigger < names.size();
+    return known ? KeyValue(names[merged.schedule.trigger]) : KeyValue();
+  };
+  const keys::Words<MissingMotion> motions{
+      {"static", MissingMotion::stand}, {"wait", MissingMotion::wait}, {"drop", MissingMotion::drop}};
+  return joined<Merged>(
+      {within(&Merged::schedule, policy_rows()),
+       {keys::special<Merged>("trigger", trigger_form, trigger,
+                              "the source whose sweeps trigger the output, with policy trigger")
+            .shown_if([](const Merged& merged) { return merged.schedule.policy == Policy::trigger; })},
+       within(&Merged::schedule, patience_rows()),
+       {keys::word("on_missing_motion", &Merged::on_missing_motion, motions,
+                   "while poses of the vehicle are missing: as if it stood, wait for them, or no output")}});
+}
+void check_policy(Mapping& yaml, const SourceList& list, ScheduleSettings& schedule);
+/// The pose of a destination that is base_frame itself is known.
+void check_destination(const Mapping& yaml, const std::string& frame, std::optional<Pose>& pose,
+                       Reading& reading);
 
 /// Keys of merged and of virtual scans.
 template <class Output>

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `virtual_scans:` of a configuration.
 #include <algorithm>
+#include <utility>
 
 #include "daemon/config/reading.h"
 #include "daemon/config/sections.h"
@@ -17,7 +18,7 @@ constexpr double virtual_half_height_m = 0.1;
 
 Keys<Virtual> frame_rows() {
   return {special<Virtual>(
-              "cloud_topic", "a sensor that gives clouds",
+              "cloud_topic", "a sensor that gives clouds, or a merged cloud",
               [](const Virtual& scan) { return key_value(scan.cloud_topic); },
               "the source, by name or by the topic that it publishes")
               .needed(),
@@ -57,7 +58,7 @@ Keys<Virtual> evidence_rows() {
            "which returns count; the surface is made of the last ones"),
       number("no_return_free_range", &Virtual::no_return_free_range, 0, farthest_m, "m",
              "how far a beam without return proves that nothing is there")
-          .by_default("range_max of the model, 0 of a topic")};
+          .by_default("range_max of the model, 0 of a topic; the least of a merged cloud's lidars")};
   for (auto& row : rows) row.shown = [](const Virtual& scan) { return scan.has_visibility(); };
   return rows;
 }
@@ -133,11 +134,12 @@ void check_ground(Mapping& yaml, const GroundSettings& ground) {
               "model: slope, or no such key");
 }
 
-/// What follows for the source of a scan that knows free space.
-void prepare_source(const SensorConfig& source, Reading& reading) {
+/// What follows for the sources of a scan that knows free space.
+void prepare_sources(const std::vector<std::string>& sources, Reading& reading) {
   // A beam that met something too near to measure is not free.
   for (SensorConfig& sensor : reading.config.sensors) {
-    if (sensor.name == source.name) sensor.driver.keep_too_near = true;
+    if (std::find(sources.begin(), sources.end(), sensor.name) != sources.end())
+      sensor.driver.keep_too_near = true;
   }
 }
 
@@ -148,17 +150,38 @@ double default_free_range(const SensorConfig& sensor) {
                                                                                     : 0;
 }
 
-const SensorConfig* read_cloud_source(Mapping& yaml, Virtual& scan, Reading& reading) {
-  const SensorConfig* source = nullptr;
+/// The sensors behind cloud_topic; none: it is wrong.
+std::vector<std::string> read_cloud_source(Mapping& yaml, Virtual& scan, Reading& reading) {
+  std::vector<std::string> sources;
   yaml.attempt("cloud_topic", [&] {
-    const std::string expected = "a sensor that gives clouds: " + names_of(reading.config, FrameKind::cloud);
+    std::string expected = "a sensor that gives clouds: " + names_of(reading.config, FrameKind::cloud);
+    const char* separator = "; or a merged cloud: ";
+    for (const MergedCloudConfig& merged : reading.config.merged_clouds)
+      expected += std::exchange(separator, ", ") + merged.name;
     const Value named = yaml.require("cloud_topic", expected);
-    source = read_source(named, FrameKind::cloud, reading, expected).sensor;
-    reading.claims.uses(*source, FrameKind::cloud, yaml.self().path(), named);
-    scan.cloud_topic = source->name;
+    const NamedSource source = read_source(named, FrameKind::cloud, reading, expected);
+    if (source.sensor != nullptr)
+      reading.claims.uses(*source.sensor, FrameKind::cloud, yaml.self().path(), named);
+    scan.cloud_topic = source.name;
+    sources = reading.config.lidars_of(scan);
   });
-  if (source == nullptr) reading.mistakes.mark_invalid(yaml.self().path());
-  return source;
+  if (sources.empty()) reading.mistakes.mark_invalid(yaml.self().path());
+  return sources;
+}
+
+/// What holds for a scan of these sensors unless the file says otherwise.
+void set_defaults(const std::vector<std::string>& sources, const Config& config, Virtual& scan) {
+  std::vector<SourceLimits> limits;
+  std::optional<double> free_range;
+  for (const std::string& name : sources) {
+    const SensorConfig& sensor = *config.find_sensor(name);
+    limits.emplace_back(sensor);
+    if (sensor.model != nullptr && sensor.model->kind == FrameKind::scan) continue;
+    const double own = default_free_range(sensor);
+    free_range = std::min(own, free_range.value_or(own));
+  }
+  default_ranges(limits, scan.output.grid);
+  scan.no_return_free_range = free_range.value_or(0);
 }
 
 Virtual read_virtual(const std::string& name, const Value& entry, Reading& reading) {
@@ -166,11 +189,8 @@ Virtual read_virtual(const std::string& name, const Value& entry, Reading& readi
   Virtual scan = default_virtual_scan();
   scan.name = name;
   scan.base_frame = reading.config.vehicle.base_frame;
-  const SensorConfig* source = read_cloud_source(yaml, scan, reading);
-  if (source != nullptr) {
-    default_ranges({*source}, scan.output.grid);
-    scan.no_return_free_range = default_free_range(*source);
-  }
+  const std::vector<std::string> sources = read_cloud_source(yaml, scan, reading);
+  set_defaults(sources, reading.config, scan);
   yaml.attempt("virtual_laser_scan", [&] { read_frames(yaml, scan); });
   read_keys(yaml, virtual_keys(), scan);
   yaml.attempt("also", [&] { read_also(yaml, scan.also); });
@@ -180,7 +200,7 @@ Virtual read_virtual(const std::string& name, const Value& entry, Reading& readi
   yaml.attempt_rule([&] {
     if (!scan.has_visibility()) refuse_without_visibility(yaml);
     check_ground(yaml, scan.ground);
-    if (scan.has_visibility()) prepare_source(*source, reading);
+    if (scan.has_visibility()) prepare_sources(sources, reading);
   });
   return scan;
 }

@@ -54,6 +54,8 @@ class Gatherer {
                                                      : "intensity, as the device counts it";
     for (const SensorConfig& sensor : config_.sensors) add_sensor(sensor);
     for (const MergedScanConfig& merged : config_.merged_scans) add_merged(merged);
+    for (const MergedCloudConfig& merged : config_.merged_clouds)
+      add_cloud(merged.destination_topic, nullptr, "merged cloud");
     for (const VirtualScanConfig& group : config_.virtual_scans) add_virtual(group);
     // A device's own free space counts as proven.
     if (first_input_ != nullptr && (shaded_ == nullptr || !areas_.empty()))
@@ -76,7 +78,7 @@ class Gatherer {
     }
     const bool cloud = sensor.model->kind == FrameKind::cloud;
     const std::string topic = frame_topic(sensor).name;
-    if (cloud) return add_cloud(sensor, topic);
+    if (cloud) return add_cloud(topic, &sensor, "cloud");
     const std::size_t number = numbers_[Role::input];
     if (const PlanarScan* scan =
             add_scan(Role::input, topic, sensor.frame_id, std::string(sensor.model->product))) {
@@ -84,7 +86,8 @@ class Gatherer {
       if (first_input_ == nullptr) first_input_ = scan, first_input_topic_ = topic;
     }
   }
-  void add_cloud(const SensorConfig& sensor, const std::string& topic) {
+  /// `sensor` may be nullptr: the cloud of several.
+  void add_cloud(const std::string& topic, const SensorConfig* sensor, const std::string& what) {
     const Cloud* cloud = frames_.find_cloud(topic);
     if (cloud == nullptr) {
       view_.missing.push_back(topic + " had not come by then");
@@ -93,10 +96,10 @@ class Gatherer {
     // The message may be in another frame than the lidar.
     Pose pose, lidar;
     if (!place(cloud->frame_id, cloud->stamp, pose)) return;
-    if (place(sensor.frame_id, cloud->stamp, lidar))
+    if (sensor != nullptr && place(sensor->frame_id, cloud->stamp, lidar))
       view_.lidars.emplace_back(lidar.translation().x(), lidar.translation().z());
     auto& layer = add_layer(Role::cloud, topic,
-                            "cloud, " + std::to_string(cloud->size()) + " points" + age(cloud->stamp));
+                            what + ", " + std::to_string(cloud->size()) + " points" + age(cloud->stamp));
     const Eigen::Isometry3f to_base = pose.cast<float>();
     for (std::size_t i = 0; i < cloud->size(); ++i) {
       const CloudPoint* const p = cloud->points() + i;
@@ -109,7 +112,7 @@ class Gatherer {
                              : color_ == CloudColor::ring ? static_cast<float>(p->ring)
                                                           : p->intensity);
     }
-    add_field(sensor, nullptr, layer.number);
+    if (sensor != nullptr) add_field(*sensor, nullptr, layer.number);
   }
   void add_field(const SensorConfig& sensor, const PlanarScan* scan, std::size_t number) {
     Pose pose;
@@ -352,8 +355,8 @@ SnapshotView::Framing fit_to_points(const SnapshotView& view) {
 }
 
 std::string draw_snapshot(const SnapshotView& view, PictureFormat format) {
-  const auto draw = reinterpret_cast<decltype(&lidard_draw_snapshot)>(
-      module_function("lidard_pictures", "lidard_draw_snapshot", "pictures need lidard's module for pictures"));
+  const auto draw = reinterpret_cast<decltype(&lidard_draw_snapshot)>(module_function(
+      "lidard_pictures", "lidard_draw_snapshot", "pictures need lidard's module for pictures"));
   std::string bytes;
   draw(view, format, bytes);
   return bytes;

@@ -34,6 +34,9 @@ class FrameKeeper : public FrameSink {
     } else if (Cloud* const* const cloud = std::get_if<Cloud*>(&payload)) {
       clouds_[topic.name] = **cloud;
       newest_ = std::max(newest_, (*cloud)->stamp);
+    } else if (MergedCloud* const* const merged = std::get_if<MergedCloud*>(&payload)) {
+      keep(**merged, clouds_[topic.name]);
+      newest_ = std::max(newest_, (*merged)->stamp);
     }
   }
 
@@ -56,6 +59,14 @@ class FrameKeeper : public FrameSink {
   Stamp newest() const { return newest_; }
 
  private:
+  /// Its points without their sensor.
+  static void keep(const MergedCloud& merged, Cloud& cloud) {
+    cloud.frame_id = merged.frame_id;
+    cloud.stamp = merged.stamp;
+    cloud.points_bytes.resize(merged.size() * sizeof(CloudPoint));
+    for (std::size_t i = 0; i < merged.size(); ++i) cloud.points()[i] = merged.points()[i].point;
+  }
+
   std::map<Key, PlanarScan> scans_;
   std::map<std::string, Cloud> clouds_;
   Stamp newest_{};

@@ -76,7 +76,7 @@ void FrameQueue::fill(const Payload& payload, QueuedContent& content) const {
   const auto keep = [&](auto* given) {
     using Kept = std::remove_const_t<std::remove_pointer_t<decltype(given)>>;
     Kept& kept = kept_in<Kept>(content);
-    if constexpr (std::is_same_v<Kept, Cloud>) {
+    if constexpr (std::is_same_v<Kept, Cloud> || std::is_same_v<Kept, MergedCloud>) {
       kept.frame_id = given->frame_id;
       kept.stamp = given->stamp + step_.load();
       kept.height = given->height;

@@ -7,12 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "core/base/time.h"
 #include "core/merge/merger.h"
 #include "core/merge/mount_check.h"
-#include "core/merge/scheduler.h"
+#include "daemon/pipeline/merge_sources.h"
 #include "daemon/pipeline/output.h"
-#include "daemon/pipeline/pose_gate.h"
 
 namespace lidard {
 namespace {
@@ -44,13 +42,6 @@ std::string correction_of(const OverlapState& pair) {
          ", " + part(2, "y", pair.correction[2], "m");
 }
 
-/// A stamp for the age of a sweep. Stamps that are far from the time at hand are of another clock, a bag's or
-/// a simulator's: then the arrival counts.
-Stamp comparable(Stamp stamp, Stamp now) {
-  constexpr Span another_clock = std::chrono::seconds(10);
-  return now - stamp > another_clock || stamp - now > another_clock ? now : stamp;
-}
-
 /// A merged scan: takes the scans of its sources, publishes when one is due.
 class MergedOutput final : public Output {
  public:
@@ -59,13 +50,12 @@ class MergedOutput final : public Output {
         context_(context),
         poses_(context.poses),
         footprint_(context.vehicle.footprint),
-        scheduler_(config.laserscan_topics.size(), config.schedule),
+        sources_({config.laserscan_topics, "scans", config.schedule, config.on_missing_motion,
+                  config.destination_frame},
+                 context),
         mount_check_(config.laserscan_topics.size()),
         compared_(config.laserscan_topics.size(), nullptr),
-        places_(config.laserscan_topics.size(), Eigen::Vector2d::Zero()),
-        reported_(config.laserscan_topics.size()),
-        why_unplaced_(config.laserscan_topics.size()),
-        taken_(config.laserscan_topics.size(), 0) {
+        places_(config.laserscan_topics.size(), Eigen::Vector2d::Zero()) {
     const auto topic = [&](const std::string& name) {
       return name.empty() ? nullptr : &context.outlet.topic(name);
     };
@@ -83,59 +73,28 @@ class MergedOutput final : public Output {
   std::vector<std::string> sources() const override { return config_.laserscan_topics; }
   void add_scan(std::size_t source, const PlanarScan& scan, Stamp now) override {
     Pose pose;
-    if (!place_footprint(scan.stamp) ||
-        !poses_.find(config_.destination_frame, scan.frame_id, scan.stamp, pose, counters_.why_no_pose)) {
-      ++counters_.no_pose;
-      why_unplaced_[source] = counters_.why_no_pose;
-      return;
-    }
-    why_unplaced_[source].clear();
+    if (!place_footprint(scan.stamp) || !poses_.find(config_.destination_frame, scan.frame_id, scan.stamp,
+                                                     pose, sources_.counters.why_no_pose))
+      return sources_.left_out(source);
     if (!merger_->add(source, scan, pose)) return;
-    taken_[source] = 1;
-    scheduler_.delivered(source, comparable(merger_->times(source)->last(), now),
-                         static_cast<double>(scan.scan_time), now);
+    sources_.delivered(source, *merger_->times(source), static_cast<double>(scan.scan_time), now);
     advance(now);
   }
   void advance(Stamp now) override {
-    if (!scheduler_.is_due(now)) return due_since_.reset();
-    if (lacks_sweeps(now)) return;
-    const MergeMoment moment = moment_of(now);
-    if (!due_since_) due_since_ = now;
-    const bool lacks_poses = config_.on_missing_motion != MissingMotion::stand && !has_poses(moment, now);
-    const bool drops = config_.on_missing_motion == MissingMotion::drop;
-    if (lacks_poses && !drops && PoseGate::may_wait(*due_since_, scheduler_.deadline(), now)) return;
-    due_since_.reset();
-    if (!lacks_poses || !drops) return publish(moment, now);
-    gate_.left_out("on_missing_motion: drop, and poses of the vehicle are missing");
-    scheduler_.done(now);
+    if (const auto moment = sources_.due(now)) publish(*moment, now);
   }
-  std::optional<Stamp> next_event() const override {
-    const auto event = scheduler_.next_event();
-    if (!due_since_) return event;
-    const Stamp given_up = *due_since_ + scheduler_.deadline();
-    return event ? std::min(*event, given_up) : given_up;
-  }
-  bool states_changed(Stamp now) override {
-    const Span passed = now - std::exchange(looked_at_, now);
-    bool changed = false;
-    for (std::size_t s = 0; s < reported_.size(); ++s)
-      changed = reported_[s].update(scheduler_.state(s, now), passed) || changed;
-    return changed;
-  }
+  std::optional<Stamp> next_event() const override { return sources_.next_event(); }
+  bool states_changed(Stamp now) override { return sources_.states_changed(now); }
   void set_scan(const OutputScanConfig& wanted) override {
     config_.output = wanted;
     set_up();
     mount_check_ = MountCheck(config_.laserscan_topics.size());
-    due_since_.reset();
-    uses_.clear();
-    latency_ = skew_ = Span(0);
+    sources_.forget();
   }
   void restart() override {
     merger_->reset();
-    scheduler_.reset();
     mount_check_.reset();
-    stamps_.reset();
-    due_since_.reset();
+    sources_.restart();
   }
   bool publishes(const std::string& topic) const override {
     const auto has = [&](const OutputTopic* own) { return own != nullptr && own->name == topic; };
@@ -143,30 +102,14 @@ class MergedOutput final : public Output {
            std::any_of(scan_topics_.begin(), scan_topics_.end(), has);
   }
   std::string why_missing(const std::string&, const WhySilent& why_silent) const override {
-    std::string missing;
-    for (std::size_t s = 0; s < taken_.size(); ++s) {
-      if (taken_[s] != 0) continue;
-      const std::string& name = config_.laserscan_topics[s];
-      const std::string why = why_unplaced_[s].empty()
-                                  ? "source " + name + " gave no scans" + why_silent(name)
-                                  : "no pose for source " + name + ": " + why_unplaced_[s];
-      missing += (missing.empty() ? "" : "; ") + why;
-    }
-    if (counters_.published > 0 || !missing.empty()) return missing;
-    if (!gate_.trouble().empty()) return gate_.trouble();
-    return std::string("no output was due with policy ") + to_string(config_.schedule.policy);
+    return sources_.why_missing(why_silent);
   }
   DiagnosticItem diagnostics(Stamp now, bool starting) const override {
-    DiagnosticItem item = health_of("merged " + config_.name, counters_, now, starting);
-    describe_sources(item, now, starting);
-    describe_motion(item);
+    DiagnosticItem item = health_of("merged " + config_.name, sources_.counters, now, starting);
+    sources_.describe(item, now, starting);
     describe_beams(item);
     describe_overlap(item);
-    const bool same_clock = comparable(now - latency_, now) != now || latency_ == Span(0);
-    item.add("Latency (ms)",
-             same_clock ? fmt::format("{:.1f}", seconds(latency_) * 1000) : "stamps are of another clock");
-    item.add("Skew of the sources (ms)", fmt::format("{:.1f}", seconds(skew_) * 1000));
-    item.add("Sources waited for in vain", scheduler_.deadlines_missed());
+    sources_.describe_timing(item, now);
     item.add("Sweeps replaced before use", merger_->superseded());
     item.add("Sweeps out of order", merger_->out_of_order());
     item.add("Sweeps with impossible times", merger_->bad_times());
@@ -190,65 +133,17 @@ class MergedOutput final : public Output {
     if (footprint_.empty()) return true;
     Pose pose;
     if (!poses_.find(config_.destination_frame, context_.vehicle.base_frame, stamp, pose,
-                     counters_.why_no_pose))
+                     sources_.counters.why_no_pose))
       return false;
     if (footprint_placed_ && footprint_placed_->matrix() == pose.matrix()) return true;
     footprint_placed_ = pose;
     merger_->set_footprint(footprint_.transformed(pose));
     return true;
   }
-  /// The instant that the beams are brought to.
-  MergeMoment moment_of(Stamp now) {
-    MergeMoment moment;
-    const std::vector<char>& use = scheduler_.usable(now);
-    std::optional<Stamp> first, oldest, newest;
-    for (std::size_t s = 0; s < use.size(); ++s) {
-      const auto times = merger_->times(s);
-      if (use[s] == 0 || !times) continue;
-      first = std::max(first.value_or(times->first), times->first);
-      oldest = std::min(oldest.value_or(times->last()), times->last());
-      newest = std::max(newest.value_or(times->last()), times->last());
-    }
-    skew_ = newest ? *newest - *oldest : Span(0);
-    const PoseTrack* const track = poses_.track();
-    moment.at = first.value_or(now);
-    if (newest && track != nullptr && !track->empty()) {
-      // A transform to the odometry frame exists for stamps up to the newest pose.
-      moment.at = config_.schedule.policy == Policy::rate ? now : *newest;
-      moment.at = std::max(*first, std::min(moment.at, track->newest()));
-      moment.track = track;
-    }
-    if (moment.track != nullptr && !poses_.find(config_.destination_frame, context_.vehicle.base_frame,
-                                                moment.at, moment.output_from_base, counters_.why_no_pose))
-      moment.track = nullptr;
-    return moment;
-  }
-  /// After a change of the grid the sources that are well have to deliver again, so that none is missing.
-  bool lacks_sweeps(Stamp now) const {
-    for (std::size_t s = 0; s < config_.laserscan_topics.size(); ++s) {
-      if (scheduler_.state(s, now) == SourceState::ok && !merger_->times(s)) return true;
-    }
-    return false;
-  }
-  /// True if the way of the vehicle is known for all sweeps of an output, or nobody knows how it moves.
-  bool has_poses(const MergeMoment& moment, Stamp now) {
-    const std::vector<char>& use = scheduler_.usable(now);
-    bool known = true;
-    for (std::size_t s = 0; s < use.size(); ++s)
-      known = known && (use[s] == 0 || merger_->poses_cover(s, moment));
-    return known || poses_.track() == nullptr;
-  }
-  void publish(MergeMoment moment, Stamp now) {
-    moment.at = stamps_.next(moment.at);
+  void publish(const MergeMoment& moment, Stamp now) {
     const MergeReport& report =
-        merger_->merge(moment, scheduler_.usable(now), merged_, cloud_topic_ != nullptr ? &cloud_ : nullptr);
-    scheduler_.done(now);
-    uses_ = report.sources;
-    const bool stands = std::count(uses_.begin(), uses_.end(), SourceUse::static_poses) > 0;
-    gate_.published(poses_.track() == nullptr || !stands);
-    latency_ = now - moment.at;
-    ++counters_.published;
-    counters_.last_published = now;
+        merger_->merge(moment, sources_.usable(now), merged_, cloud_topic_ != nullptr ? &cloud_ : nullptr);
+    sources_.published(report, moment.at, now);
     compare_sources(moment.at);
     for (std::size_t i = 0; i < scans_.size(); ++i) context_.outlet.publish(*scan_topics_[i], scans_[i], now);
     if (cloud_topic_ != nullptr) context_.outlet.publish(*cloud_topic_, cloud_, now);
@@ -277,43 +172,9 @@ class MergedOutput final : public Output {
       places_[s] = merger_->looks_from(s);
     }
     const auto moved = [](SourceUse use) { return use == SourceUse::static_poses; };
-    mount_check_.look(stamp, compared_, places_,
-                      poses_.track() != nullptr && std::none_of(uses_.begin(), uses_.end(), moved));
-  }
-  void describe_motion(DiagnosticItem& item) const {
-    if (poses_.track() == nullptr) return;
-    const auto has = [this](SourceUse use) { return std::count(uses_.begin(), uses_.end(), use) > 0; };
-    item.add("Motion", poses_.track()->empty()        ? "no poses yet"
-                       : has(SourceUse::static_poses) ? "not deskewed: poses of the sweeps' time are missing"
-                       : has(SourceUse::extrapolated) ? "deskewed, partly beyond the newest pose"
-                                                      : "deskewed");
-    gate_.describe(item);
-  }
-  void describe_sources(DiagnosticItem& item, Stamp now, bool starting) const {
-    std::string silent, lost;
-    // Whether any source delivers, and whether all that are lost have never come.
-    bool delivers = false, awaited = true;
-    for (std::size_t s = 0; s < config_.laserscan_topics.size(); ++s) {
-      const std::string& name = config_.laserscan_topics[s];
-      const SourceState state = scheduler_.state(s, now);
-      std::string text = to_string(state);
-      const double period = scheduler_.period(s), age_ms = seconds(scheduler_.age(s, now)) * 1000;
-      if (state != SourceState::never)
-        text += fmt::format(", {:.1f} Hz, age {:.0f} ms", period > 0 ? 1 / period : 0, age_ms);
-      item.add("Source " + name, text);
-      const SourceState seen = reported_[s].state();
-      std::string& list = seen == SourceState::stale ? silent : lost;
-      if (seen != SourceState::ok) list += (list.empty() ? "" : ", ") + name;
-      delivers = delivers || seen == SourceState::ok;
-      awaited = awaited && seen != SourceState::lost;
-    }
-    item.add("Sources lost", lost);
-    if (starting || item.health != Health::ok || (lost.empty() && silent.empty())) return;
-    item.set(lost.empty() ? Health::warn : Health::error,
-             "publishing without " + (lost.empty() ? silent + ", whose sweeps are too old" : lost));
-    if (!delivers) item.message = "no output, since no source delivers: see the state of its sensors";
-    item.awaited = awaited;
-    if (counters_.no_pose > 0 && !counters_.why_no_pose.empty()) item.message += ": " + counters_.why_no_pose;
+    mount_check_.look(
+        stamp, compared_, places_,
+        poses_.track() != nullptr && std::none_of(sources_.uses().begin(), sources_.uses().end(), moved));
   }
   void describe_beams(DiagnosticItem& item) const {
     const PlanarScan& scan = scans_[0];
@@ -348,28 +209,17 @@ class MergedOutput final : public Output {
   Footprint footprint_;                   // in base_frame
   std::optional<Pose> footprint_placed_;  // base_frame in the output frame when it was last set
   std::optional<Merger> merger_;
-  Scheduler scheduler_;
+  MergeSources sources_;
   MountCheck mount_check_;
   std::vector<const PlacedScan*> compared_;
   std::vector<Eigen::Vector2d> places_;
-  std::vector<ReportedState> reported_;
-  Stamp looked_at_{};
-  std::vector<std::string> why_unplaced_;  // why the newest scan of a source had no place; empty: it had one
-  std::vector<char> taken_;                // sources of which a scan was ever used
-  std::vector<PlanarScan> scans_;          // the first is the entry's own, then those of `also`
+  std::vector<PlanarScan> scans_;                // the first is the entry's own, then those of `also`
   std::vector<const OutputTopic*> scan_topics_;  // theirs
   const OutputTopic* cloud_topic_ = nullptr;     // nullptr, as below: none
   const OutputTopic* status_topic_ = nullptr;
   std::vector<MergedScan> merged_;
   PlanarScan status_;
   Cloud cloud_;
-  OutputCounters counters_;
-  SteadyStamps stamps_;
-  PoseGate gate_;
-  std::optional<Stamp> due_since_;  // an output that waits for poses
-  std::vector<SourceUse> uses_;     // of the last output
-  Span latency_{};                  // of the last output: from its instant to its publication
-  Span skew_{};                     // between the last rays of the sweeps that it was made of
 };
 
 }  // namespace

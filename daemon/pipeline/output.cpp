@@ -65,19 +65,6 @@ DiagnosticItem health_of(const std::string& name, const OutputCounters& counters
   return item;
 }
 
-bool ReportedState::update(SourceState now, Span passed) {
-  constexpr Span least = std::chrono::seconds(1);
-  passed = std::clamp(passed, Span(0), least);
-  const bool stale = now == SourceState::stale;
-  stale_ = std::clamp(stale_ + (stale ? passed : -passed), Span(0), least);
-  if (stale && state_ == SourceState::lost) stale_ = least;  // it has not been of use meanwhile
-  if (stale || now == SourceState::ok) {
-    const bool still = state_ == SourceState::stale && stale_ > Span(0);
-    now = stale_ == least || still ? SourceState::stale : SourceState::ok;
-  }
-  return std::exchange(state_, now) != now;
-}
-
 void Outlet::configure(const Config& config) {
   auto topics = std::exchange(topics_, {});
   const auto reports = std::exchange(reports_, {});
@@ -136,8 +123,28 @@ void Outlet::feed(std::size_t source, const PlanarScan& scan, Stamp now) {
 void Outlet::feed(std::size_t source, const Cloud& cloud, Stamp now) {
   fed_ = true;
   for (const Consumer& consumer : consumers_[source]) {
-    if (consumer.output != nullptr) consumer.output->add_cloud(cloud, now);
+    if (consumer.output != nullptr) consumer.output->add_cloud(consumer.place, cloud, now);
   }
+}
+
+void Outlet::feed(const OutputTopic& topic, const std::vector<PlacedCloud>& clouds, Stamp instant,
+                  Stamp now) {
+  for (const Consumer& consumer : consumers_[first_topic_ + topic.id])
+    consumer.output->add_clouds(clouds, instant, now);
+}
+
+void Outlet::pass_by(std::size_t source, const Cloud& cloud, Stamp now) {
+  fed_ = true;
+  for (const Consumer& consumer : consumers_[source]) {
+    if (consumer.output != nullptr) consumer.output->pass_by(consumer.place, cloud, now);
+  }
+}
+
+bool Outlet::feeds(std::size_t source) const {
+  const auto& consumers = consumers_.at(source);
+  return std::any_of(consumers.begin(), consumers.end(), [](const Consumer& consumer) {
+    return consumer.output == nullptr || consumer.output->is_wanted();
+  });
 }
 
 }  // namespace lidard

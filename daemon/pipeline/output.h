@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/frames/scan_grid.h"
-#include "core/merge/scheduler.h"
+#include "core/motion/frame_motion.h"
 #include "daemon/config/config.h"
 #include "daemon/pipeline/frame_tree.h"
 #include "daemon/pipeline/report.h"
@@ -51,14 +51,20 @@ class Outlet {
   void publish(const OutputTopic& topic, const Payload& payload, Stamp now);
   /// True if the sink wants what is published on the topic.
   bool wants(const OutputTopic& topic) const { return sink_.wants(topic); }
+  /// True if an output is made of what is published on the topic.
+  bool feeds(const OutputTopic& topic) const { return feeds(first_topic_ + topic.id); }
   /// Counts a frame that nobody wants.
   void skip(const OutputTopic& topic, Stamp now);
-  /// True if an output is made of this source.
-  bool feeds(std::size_t source) const { return !consumers_.at(source).empty(); }
+  /// True if an output is made of this source whose frames are wanted.
+  bool feeds(std::size_t source) const;
   void publish(const std::vector<DiagnosticItem>& items, Stamp now) { sink_.diagnostics(items, now); }
   /// To the outputs that are made of this source.
   void feed(std::size_t source, const PlanarScan& scan, Stamp now);
   void feed(std::size_t source, const Cloud& cloud, Stamp now);
+  /// The clouds that were merged on this topic, brought to `instant`.
+  void feed(const OutputTopic& topic, const std::vector<PlacedCloud>& clouds, Stamp instant, Stamp now);
+  /// Reports a cloud without points, since nobody wanted them.
+  void pass_by(std::size_t source, const Cloud& cloud, Stamp now);
   /// True if something was fed since the last call.
   bool was_fed() { return std::exchange(fed_, false); }
 
@@ -90,20 +96,26 @@ struct OutputContext {
 /// Says why a sensor gave no frames, " (…)"; empty: it gave some, or it is no sensor.
 using WhySilent = std::function<std::string(const std::string& source)>;
 
-/// Something made of the frames of sources: an entry of merged_scans: or of virtual_scans:.
+/// Something made of the frames of sources: an entry of merged_scans:, merged_clouds: or virtual_scans:.
 class Output {
  public:
   virtual ~Output() = default;
   virtual OutputId id() const = 0;
   /// True if it is just what the entry asks for.
   virtual bool is_of(const MergedScanConfig& /*entry*/) const { return false; }
+  virtual bool is_of(const MergedCloudConfig& /*entry*/) const { return false; }
   virtual bool is_of(const VirtualScanConfig& /*entry*/) const { return false; }
-  /// Names of the sensors and virtual scans that it is made of.
+  /// Names of the sensors, merged clouds and virtual scans that it is made of.
   virtual std::vector<std::string> sources() const = 0;
+  /// False while nobody would get what it makes.
+  virtual bool is_wanted() const { return true; }
   /// A scan of one of them, `source` being its place there.
   virtual void add_scan(std::size_t /*source*/, const PlanarScan& /*scan*/, Stamp /*now*/) {}
-  /// A cloud of the only one.
-  virtual void add_cloud(const Cloud& /*cloud*/, Stamp /*now*/) {}
+  virtual void add_cloud(std::size_t /*source*/, const Cloud& /*cloud*/, Stamp /*now*/) {}
+  /// A cloud without points, since nobody wanted them when it began.
+  virtual void pass_by(std::size_t /*source*/, const Cloud& /*cloud*/, Stamp /*now*/) {}
+  /// The clouds of a merged cloud, brought to `instant`.
+  virtual void add_clouds(const std::vector<PlacedCloud>& /*clouds*/, Stamp /*instant*/, Stamp /*now*/) {}
   /// Time passed, or the vehicle's poses went on: publishes what is due.
   virtual void advance(Stamp /*now*/) {}
   /// When advance() is worth a call if nothing else happens.
@@ -111,7 +123,7 @@ class Output {
   /// True if a source has come, gone stale or was lost since the last call.
   virtual bool states_changed(Stamp /*now*/) { return false; }
   /// Takes another grid, profile or encoding from its next input on.
-  virtual void set_scan(const OutputScanConfig& wanted) = 0;
+  virtual void set_scan(const OutputScanConfig& /*wanted*/) {}
   /// The input starts again.
   virtual void restart() {}
 
@@ -123,21 +135,8 @@ class Output {
 
 /// The output of an entry.
 std::unique_ptr<Output> make_output(const MergedScanConfig& config, const OutputContext& context);
+std::unique_ptr<Output> make_output(const MergedCloudConfig& config, const OutputContext& context);
 std::unique_ptr<Output> make_output(const VirtualScanConfig& config, const OutputContext& context);
-
-/// The state of a source of a merged scan as it is reported. A busy computer makes sweeps stale now and
-/// then for milliseconds: `stale` begins when that has been so for a second longer than not, and ends
-/// likewise.
-class ReportedState {
- public:
-  SourceState state() const { return state_; }
-  /// What it is now, and for how long it was looked at. True if the reported state changes.
-  bool update(SourceState now, Span passed);
-
- private:
-  SourceState state_ = SourceState::never;
-  Span stale_{0};
-};
 
 /// What one output did since the start.
 struct OutputCounters {

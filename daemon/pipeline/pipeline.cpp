@@ -32,6 +32,7 @@ void Pipeline::configure(const Config& config) {
   tcp_ports_.clear();
   for (const SensorConfig& entry : config.sensors) add_sensor(entry, sensors);
   for (const auto& entry : config.merged_scans) add_output(entry, outputs);
+  for (const auto& entry : config.merged_clouds) add_output(entry, outputs);
   for (const auto& entry : config.virtual_scans) add_output(entry, outputs);
   for (std::size_t i = 0; i < config.hand_over.size(); ++i)
     outlet_.connect_other_lane(outlet_.source(config.hand_over[i]), i);

@@ -121,6 +121,7 @@ void Sensor::cloud(Cloud& cloud) {
   cloud_wanted_.reset();
   if (!is_wanted) {
     follow_motion(cloud.stamp);
+    context_.outlet.pass_by(place_, cloud, context_.now);
     return context_.outlet.skip(*topic_, context_.now);
   }
   feed(cloud);

@@ -57,11 +57,12 @@ inline std::vector<DiagnosticItem> joined(const std::vector<DiagnosticItem>& ite
 }
 
 /// What travels on a topic. Refers to what the caller holds.
-struct Payload : std::variant<const PlanarScan*, Cloud*, const DeviceMessage*,
+struct Payload : std::variant<const PlanarScan*, Cloud*, MergedCloud*, const DeviceMessage*,
                               const std::vector<StaticTransform>*, const Stamp*> {
   Payload(const PlanarScan& scan) : variant(&scan) {}
   /// The receiver of a cloud may swap out its points_bytes.
   Payload(Cloud& cloud) : variant(&cloud) {}
+  Payload(MergedCloud& cloud) : variant(&cloud) {}
   Payload(const DeviceMessage& message) : variant(&message) {}
   Payload(const std::vector<StaticTransform>& transforms) : variant(&transforms) {}
   /// The time of a replay.

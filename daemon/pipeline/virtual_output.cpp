@@ -27,7 +27,7 @@ VirtualSettings settings_of(const VirtualScanConfig& config) {
   return settings;
 }
 
-/// The virtual scans of one cloud.
+/// The virtual scans of one cloud, or of a merged cloud.
 class VirtualOutput final : public Output {
  public:
   VirtualOutput(const VirtualScanConfig& config, const OutputContext& context)
@@ -47,25 +47,31 @@ class VirtualOutput final : public Output {
   OutputId id() const override { return {OutputId::Kind::virtual_group, config_.name}; }
   bool is_of(const VirtualScanConfig& entry) const override { return config_ == entry; }
   std::vector<std::string> sources() const override { return {config_.cloud_topic}; }
-  void add_cloud(const Cloud& cloud, Stamp now) override {
-    Pose vehicle_from_cloud;
-    if (!place_vehicle(cloud, vehicle_from_cloud)) {
+  void add_cloud(std::size_t /*source*/, const Cloud& cloud, Stamp now) override {
+    PlacedCloud& placed = single_[0];
+    placed.cloud = &cloud;
+    if (!place_vehicle(cloud, placed.vehicle_from_cloud)) {
       ++counters_.no_pose;
       for (std::string& why : why_unplaced_) why = counters_.why_no_pose;
       return;
     }
-    const Stamp stamp = take(cloud, vehicle_from_cloud);
+    const PoseTrack* const track = poses_.track();
+    const bool moves = track != nullptr && motion_.find(cloud, placed.vehicle_from_cloud, *track);
+    gate_.published(track == nullptr || moves);
+    placed.motion = moves ? &motion_ : nullptr;
+    add_clouds(single_, moves ? motion_.instant() : cloud.stamp, now);
+  }
+  void add_clouds(const std::vector<PlacedCloud>& clouds, Stamp instant, Stamp now) override {
+    if (clouds.size() != cloud_poses_.size()) {
+      cloud_poses_.resize(clouds.size());
+      set_up();
+    }
+    virtualizer_->set_clouds(clouds);
+    if (virtualizer_->why_no_surfaces()[0] != '\0') ++without_rings_;
     for (std::size_t i = 0; i < config_.virtual_laser_scan.size(); ++i) {
-      Pose pose;
-      if (!poses_.find(config_.virtual_laser_scan[i], cloud.frame_id, cloud.stamp, pose,
-                       counters_.why_no_pose)) {
-        ++counters_.no_pose;
-        why_unplaced_[i] = counters_.why_no_pose;
-        continue;
-      }
-      why_unplaced_[i].clear();
-      virtualizer_->project(i, pose, outputs_);
-      publish(i, stamp, now);
+      if (!place_clouds(clouds, i)) continue;
+      virtualizer_->project(i, cloud_poses_.data(), outputs_);
+      publish(i, instant, now);
     }
   }
   void set_scan(const OutputScanConfig& wanted) override {
@@ -109,7 +115,7 @@ class VirtualOutput final : public Output {
     const VehicleConfig& vehicle = context_.vehicle;
     needs_vehicle_ = config_.has_visibility() || !vehicle.footprint.empty() || vehicle.has_motion();
     virtualizer_.emplace(grid_of(config_.output.grid), band_of(config_.output),
-                         config_.virtual_laser_scan.size(), settings_of(config_));
+                         config_.virtual_laser_scan.size(), settings_of(config_), cloud_poses_.size());
     virtualizer_->set_footprint(Footprint(vehicle.footprint));
     scans_.assign(1 + config_.also.size(), PlanarScan());
     set_encoding(config_.output, scans_[0]);
@@ -125,14 +131,19 @@ class VirtualOutput final : public Output {
     return poses_.find(context_.vehicle.base_frame, cloud.frame_id, cloud.stamp, vehicle_from_cloud,
                        counters_.why_no_pose);
   }
-  /// Takes the cloud; returns the instant that its scans show.
-  Stamp take(const Cloud& cloud, const Pose& vehicle_from_cloud) {
-    const PoseTrack* const track = poses_.track();
-    const bool moves = track != nullptr && motion_.find(cloud, vehicle_from_cloud, *track);
-    gate_.published(track == nullptr || moves);
-    virtualizer_->set_cloud(cloud, vehicle_from_cloud, moves ? &motion_ : nullptr);
-    if (virtualizer_->why_no_surfaces()[0] != '\0') ++without_rings_;
-    return moves ? motion_.instant() : cloud.stamp;
+  /// Finds where the clouds are in a frame.
+  bool place_clouds(const std::vector<PlacedCloud>& clouds, std::size_t frame) {
+    why_unplaced_[frame].clear();
+    for (std::size_t c = 0; c < clouds.size(); ++c) {
+      const Cloud* const cloud = clouds[c].cloud;
+      if (cloud == nullptr || poses_.find(config_.virtual_laser_scan[frame], cloud->frame_id, cloud->stamp,
+                                          cloud_poses_[c], counters_.why_no_pose))
+        continue;
+      ++counters_.no_pose;
+      why_unplaced_[frame] = counters_.why_no_pose;
+      return false;
+    }
+    return true;
   }
   /// The scans of one of the frames.
   void publish(std::size_t frame, Stamp stamp, Stamp now) {
@@ -179,7 +190,9 @@ class VirtualOutput final : public Output {
   const FrameTree& poses_;
   bool needs_vehicle_ = true;  // the cloud's place on the vehicle
   std::optional<Virtualizer> virtualizer_;
-  CloudMotion motion_;
+  std::vector<Pose> cloud_poses_{Pose::Identity()};  // of each lidar's cloud in the frame at hand
+  std::vector<PlacedCloud> single_{PlacedCloud()};
+  CloudMotion motion_;             // of the cloud of a single lidar
   std::vector<PlanarScan> scans_;  // the first is the entry's own, then those of `also`
   std::vector<VirtualScan> outputs_;
   std::vector<std::vector<const OutputTopic*>> topics_;  // of scans_, for each frame

@@ -34,6 +34,8 @@ class RecordingSink final : public FrameSink {
       if (keep_frames_) scans[topic.name].push_back(**scan);
     } else if (const auto* cloud = std::get_if<Cloud*>(&payload)) {
       if (keep_frames_) clouds[topic.name].push_back(**cloud);
+    } else if (const auto* merged = std::get_if<MergedCloud*>(&payload)) {
+      if (keep_frames_) merged_clouds[topic.name].push_back(**merged);
     } else {
       messages[topic.name].push_back(*std::get<const DeviceMessage*>(payload));
     }
@@ -74,6 +76,7 @@ class RecordingSink final : public FrameSink {
   std::map<std::string, std::vector<Stamp>> released;
   std::map<std::string, std::vector<PlanarScan>> scans;
   std::map<std::string, std::vector<Cloud>> clouds;
+  std::map<std::string, std::vector<MergedCloud>> merged_clouds;
   std::map<std::string, std::vector<DeviceMessage>> messages;
   std::vector<StaticTransform> static_transforms;
   std::vector<DiagnosticItem> newest;

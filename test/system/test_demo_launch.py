@@ -54,7 +54,7 @@ def save_png(path, width, pixels):
 def colours_of_displays():
     """Name and colour of each display that shows a topic."""
     displays = yaml.safe_load((ROOT / "config/lidard.rviz").read_text())["Visualization Manager"]["Displays"]
-    colours = {d["Name"]: tuple(int(c) for c in d["Color"].split(";")) for d in displays if "Topic" in d}
+    colours = {d["Name"]: tuple(int(c) for c in d["Color"].split(";")) for d in displays if "Topic" in d and d["Enabled"]}
     return {**colours, "Free area": FREE_AREA}
 
 

@@ -35,6 +35,10 @@ std::optional<FrameKind> use_of(const std::string& sensor, const Config& config)
     const auto& names = merged.laserscan_topics;
     if (std::find(names.begin(), names.end(), sensor) != names.end()) return FrameKind::scan;
   }
+  for (const auto& merged : config.merged_clouds) {
+    if (std::find(merged.sources.begin(), merged.sources.end(), sensor) != merged.sources.end())
+      return FrameKind::cloud;
+  }
   for (const auto& group : config.virtual_scans) {
     if (group.cloud_topic == sensor) return FrameKind::cloud;
   }

@@ -45,6 +45,20 @@ const std::vector<sensor_msgs::PointField>& cloud_fields() {
   return fields;
 }
 
+template <class AnyCloud>
+void copy_cloud(const AnyCloud& cloud, std::size_t point_step, sensor_msgs::PointCloud2& message) {
+  const bool organised = cloud.height > 0;
+  message.header.stamp = to_ros(cloud.stamp);
+  message.header.frame_id = ros_frame(cloud.frame_id);
+  message.height = organised ? cloud.height : 1;
+  message.width = static_cast<std::uint32_t>(cloud.size()) / message.height;
+  if (message.fields.empty()) message.fields = cloud_fields();
+  message.is_bigendian = 0;
+  message.point_step = static_cast<std::uint32_t>(point_step);
+  message.row_step = message.width * message.point_step;
+  message.is_dense = organised ? 0 : 1;
+}
+
 void copy_echoes(const PlanarScan& scan, const std::vector<float>& values, std::size_t beam,
                  sensor_msgs::LaserEcho& echo) {
   echo.echoes.clear();
@@ -134,16 +148,13 @@ void to_ros(const PlanarScan& scan, sensor_msgs::MultiEchoLaserScan& message) {
 }
 
 void to_ros(const Cloud& cloud, sensor_msgs::PointCloud2& message) {
-  const bool organised = cloud.height > 0;
-  message.header.stamp = to_ros(cloud.stamp);
-  message.header.frame_id = ros_frame(cloud.frame_id);
-  message.height = organised ? cloud.height : 1;
-  message.width = static_cast<std::uint32_t>(cloud.size()) / message.height;
-  if (message.fields.empty()) message.fields = cloud_fields();
-  message.is_bigendian = 0;
-  message.point_step = sizeof(CloudPoint);
-  message.row_step = message.width * message.point_step;
-  message.is_dense = organised ? 0 : 1;
+  copy_cloud(cloud, sizeof(CloudPoint), message);
+}
+
+void to_ros(const MergedCloud& cloud, sensor_msgs::PointCloud2& message) {
+  copy_cloud(cloud, sizeof(MergedPoint), message);
+  if (message.fields.size() == cloud_fields().size())
+    message.fields.push_back(field("sensor", offsetof(MergedPoint, sensor), sensor_msgs::PointField::UINT16));
 }
 
 void to_ros(const std::vector<StaticTransform>& transforms, Stamp stamp, tf2_msgs::TFMessage& message) {

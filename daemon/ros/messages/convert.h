@@ -30,6 +30,7 @@ void to_ros(const PlanarScan& scan, sensor_msgs::LaserScan& message);
 void to_ros(const PlanarScan& scan, sensor_msgs::MultiEchoLaserScan& message);
 /// A cloud as sensor_msgs/PointCloud2, but for its data.
 void to_ros(const Cloud& cloud, sensor_msgs::PointCloud2& message);
+void to_ros(const MergedCloud& cloud, sensor_msgs::PointCloud2& message);
 /// Fixed transforms as tf2_msgs/TFMessage.
 void to_ros(const std::vector<StaticTransform>& transforms, Stamp stamp, tf2_msgs::TFMessage& message);
 /// Status items as diagnostic_msgs/DiagnosticArray; names are prefixed "`node`: " (REP 107).

@@ -50,12 +50,12 @@ class MakerOf final : public MessageMaker {
 };
 
 /// Makes the message of a cloud, which has up to 15 MB, around its points.
-template <>
-class MakerOf<Cloud, sensor_msgs::PointCloud2> final : public MessageMaker {
+template <class AnyCloud>
+class MakerOf<AnyCloud, sensor_msgs::PointCloud2> final : public MessageMaker {
  public:
   const MessageType& type() const override { return type_of<sensor_msgs::PointCloud2>(); }
   RawMessage make(const Payload& payload, Stamp /*released*/) override {
-    Cloud& cloud = *std::get<Cloud*>(payload);
+    AnyCloud& cloud = *std::get<AnyCloud*>(payload);
     to_ros(cloud, message_);
     message_.data.clear();
     const RawMessage without_data = raw(message_);
@@ -121,6 +121,7 @@ constexpr MessageRow rows[]{row<PlanarScan, sensor_msgs::LaserScan>(TopicKind::s
                             row<PlanarScan, sensor_msgs::MultiEchoLaserScan>(TopicKind::echoes, 100),
                             row<PlanarScan, ExtendedScanMessage>(TopicKind::extended_scan, 100),
                             row<Cloud, sensor_msgs::PointCloud2>(TopicKind::cloud, 2),
+                            row<MergedCloud, sensor_msgs::PointCloud2>(TopicKind::merged_cloud, 2),
                             row<DeviceState, OutputPathsMessage>(TopicKind::output_paths, 100),
                             row<GnssFix, sensor_msgs::NavSatFix>(TopicKind::message, 2),
                             row<TimeReference, sensor_msgs::TimeReference>(TopicKind::message, 2),

@@ -26,7 +26,12 @@ const std::string everything =
     "angle_increment: 0.0058, time_increment: 1e-5, empty: nan, min_height: -0.3, lost_after: 0.0333333}\n"
     "  n: {laserscan_topics: rear, cloud_destination_topic: c, angle_max: 1, empty: range_max_plus_one, "
     "profile: strict, also: {s: {profile: safety}}}\n"
+    "merged_clouds:\n"
+    "  all: {sources: [roof, open], destination_frame: mid, destination_pose: {xyz: [1, 0, 0]}, destination_topic: "
+    "/both, organize_cloud: true, policy: trigger, trigger: open, deadline: 0.02, lost_after: 1, on_missing_motion: "
+    "wait}\n"
     "virtual_scans:\n"
+    "  t: {cloud_topic: all, virtual_laser_scan: [h], profile: strict}\n"
     "  v: {cloud_topic: roof, virtual_laser_scan: [a, b, base], poses: {a: {xyz: [1, 2, 3], rpy: [0, 0.1, "
     "0]}}, "
     "beams: 77, range_max: 30}\n"
@@ -54,6 +59,8 @@ void expect_same(const Config& a, const Config& b) {
     EXPECT_EQ(a.merged_scans[i].destination_pose.has_value(), b.merged_scans[i].destination_pose.has_value());
     EXPECT_EQ(a.merged_scans[i].schedule.lost_after, b.merged_scans[i].schedule.lost_after);
   }
+  ASSERT_EQ(a.merged_clouds.size(), b.merged_clouds.size());
+  EXPECT_TRUE(a.merged_clouds == b.merged_clouds);
   ASSERT_EQ(a.virtual_scans.size(), b.virtual_scans.size());
   for (std::size_t i = 0; i < a.virtual_scans.size(); ++i)
     EXPECT_EQ(a.virtual_scans[i].poses.size(), b.virtual_scans[i].poses.size());

@@ -65,6 +65,7 @@ std::vector<std::string> places_of(const std::string& section) {
     return {merged + "@}}\n", two_sensors + "merged_scans: {m: {laserscan_topics: [a], @}}\n"};
   if (section == "merged_scans.NAME.source_settings.SOURCE")
     return {merged + "source_settings: {a: {@}}}}\n"};
+  if (section == "merged_clouds.NAME") return {two_sensors + "merged_clouds: {m: {sources: [b], @}}\n"};
   if (section == "virtual_scans.NAME")
     return {cut + "@}}\n",
             two_sensors + "virtual_scans: {v: {cloud_topic: b, virtual_laser_scan: [b], @}}\n"};

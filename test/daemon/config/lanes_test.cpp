@@ -46,6 +46,21 @@ TEST(Lanes, PlanarScannersAndMergedScansGoOneWayCloudsAndVirtualScansTheOther) {
   EXPECT_THAT(names(planes.virtual_scans), IsEmpty());
 }
 
+TEST(Lanes, APlanarScannerOfAMergedCloudGoesWithItAndIsHandedOverToMergedScans) {
+  std::string text = mixed;
+  text += "merged_clouds:\n  all: {sources: [roof, left, camera]}\n";
+  const Config all = parse_config(text, "f");
+  const Config planes = part_of(all, Lane::planes), clouds = part_of(all, Lane::clouds);
+  EXPECT_THAT(names(clouds.sensors), ElementsAre("left", "low_port", "roof", "camera"));
+  EXPECT_THAT(names(clouds.merged_clouds), ElementsAre("all"));
+  EXPECT_THAT(names(planes.merged_clouds), IsEmpty());
+  EXPECT_THAT(clouds.hand_over, ElementsAre("bumper", "left", "low_port", "roof"));
+  Config only_clouds = all;
+  only_clouds.virtual_scans.clear();
+  only_clouds.merged_scans.clear();
+  EXPECT_TRUE(part_of(only_clouds, Lane::clouds).vehicle.has_motion());
+}
+
 TEST(Lanes, BothKnowAllPoses) {
   const Config all = parse_config(mixed, "f");
   for (const Lane lane : {Lane::planes, Lane::clouds})

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <random>
 
+#include "daemon/pipeline/merge_sources.h"
 #include "test/daemon/pipeline/merged_output_bench.h"
 
 namespace lidard {
