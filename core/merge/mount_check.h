@@ -26,6 +26,7 @@ struct OverlapState {
   double shift = 0;  ///< m by which the correction moves the surfaces, root mean square
   /// The median, or the shift, is more than the tolerance and three times what chance explains.
   bool misaligned = false;
+  std::optional<Stamp> since;  ///< the first look that found them misaligned
 };
 
 /// Watches whether sources agree on the surfaces that both see: if not, a mount is not what the configuration
