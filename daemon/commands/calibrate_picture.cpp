@@ -63,11 +63,12 @@ SnapshotView view_of(const std::vector<CalibratedSensor>& sensors, const Config&
         {sensor.config->name, pose.translation().head<2>(), {}, false, SnapshotView::Role::input, number});
     SnapshotView::Layer layer;
     layer.number = number, layer.name = sensor.config->name, layer.dot = 1.5;
-    const Eigen::Vector3d moved = sensor.after.translation() - sensor.before.translation();
-    layer.note = fmt::format(
-        "moved by {:.0f}, {:.0f}, {:.0f} mm and turned by {:.2f} deg", 1000 * moved.x(), 1000 * moved.y(),
-        1000 * moved.z(),
-        Eigen::AngleAxisd(sensor.before.linear().transpose() * sensor.after.linear()).angle() * deg_per_rad);
+    const Eigen::Vector3d moved = 1000 * (sensor.after.translation() - sensor.before.translation());
+    const Eigen::AngleAxisd turned(sensor.before.linear().transpose() * sensor.after.linear());
+    layer.note = sensor.is_changed() ? fmt::format("moved {}, {}, {} mm, {:.2f} deg", std::lround(moved.x()),
+                                                   std::lround(moved.y()), std::lround(moved.z()),
+                                                   turned.angle() * deg_per_rad)
+                                     : "as configured";
     layer.points =
         points_of(sensor, pose, after ? sensor.drive.time_offset : 0, drive, track ? &*track : nullptr);
     const std::size_t stride = layer.points.size() / most_points + 1;
@@ -85,7 +86,7 @@ void draw_calibration(const std::string& path, const std::vector<CalibratedSenso
   std::vector<SnapshotView> views{view_of(sensors, config, drive, false),
                                   view_of(sensors, config, drive, true)};
   views[0].framing = views[1].framing = fit_to_points(views[1]);
-  constexpr int width = 500, legend_width = 280;
+  constexpr int width = 500, legend_width = 300;
   views[0].framing.width = width, views[1].framing.width = width + legend_width;
   TextFile file(path);
   file.write(draw_snapshot(views, picture_format(path).value()));

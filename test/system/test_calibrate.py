@@ -152,7 +152,7 @@ def check_drive(tmp):
         expect(abs(sensor["time_offset"] - found["sensors"][name]["after"]["time_offset"]) < 1e-5, new)
     expect(run("check", tmp / "driven.yaml").returncode == 0, "the new file is no configuration")
     picture = (tmp / "drive.svg").read_text()
-    expect("front_left" in picture and "moved by" in picture, "the picture names no sensor")
+    expect("front_left" in picture and "moved " in picture, "the picture names no sensor")
     for name, more in (("odom", "  odometry_topic: /odom\n"), ("tf", "  odometry_frame: odom\n")):
         write_bag(tmp / f"{name}.bag", table, name == "tf")
         _, done = calibrate_drive(tmp, capture, tmp / f"{name}.bag", more, ("--json",))
