@@ -79,8 +79,9 @@ struct Commands {
   }
 
  private:
-  static void add_captures(CLI::App* c, std::vector<std::string>& captures) {
-    c->add_option("captures,--pcap", captures, std::string(capture_help) + "; several are merged by time")
+  static CLI::Option* add_captures(CLI::App* c, std::vector<std::string>& captures) {
+    return c
+        ->add_option("captures,--pcap", captures, std::string(capture_help) + "; several are merged by time")
         ->required()
         ->expected(1, 1000);
   }
@@ -177,7 +178,7 @@ struct Commands {
         app.add_subcommand("calibrate", "Finds the poses and time offsets of the sensors from what they see");
     c->add_option("-c,--config", calibrate.config, "Configuration file with about the right poses")
         ->required();
-    add_captures(c, calibrate.captures);
+    add_captures(c, calibrate.captures)->required(false);
     c->add_option("--bag", calibrate.bag, "Bag with the topics of sensors that have `topic:`");
     c->add_option(
         "--motion", calibrate.motion,

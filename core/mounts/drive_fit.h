@@ -47,7 +47,7 @@ struct DriveEstimate {
 struct DriveSolution {
   std::vector<DriveEstimate> sensors;
   double scale = 1, turn_scale = 1;  ///< by which the odometry's distances and angles are to be multiplied
-  double scale_sigma = 0, turn_scale_sigma = 0;  ///< standard deviations
+  double scale_sigma = 1, turn_scale_sigma = 1;  ///< standard deviations
   double way_noise =
       0;  ///< m, standard deviation of the odometry's place after 1 m, as the residuals show it
   double turn_noise = 0;  ///< rad, of its heading

@@ -140,6 +140,10 @@ int calibrate(const CalibrateOptions& options, std::ostream& out, std::ostream& 
 }  // namespace
 
 int run_calibrate(const CalibrateOptions& options, std::ostream& out, std::ostream& err) {
+  if (options.captures.empty() && options.bag.empty()) {
+    err << "lidard calibrate: a capture or --bag is required\n";
+    return exit_usage;
+  }
   if (!options.picture.empty() && !picture_format(options.picture)) {
     err << "--picture: '" << options.picture << "' is neither a .png nor a .svg file\n";
     return exit_usage;

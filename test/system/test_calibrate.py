@@ -162,6 +162,20 @@ def check_drive(tmp):
                 expect(abs(a - b) < 2e-4, f"{name}: {sensor}: {value['after']}, by the table {found['sensors'][sensor]['after']}")
 
 
+def check_topics(tmp, capture, yaws):
+    """The same from the messages of a bag alone."""
+    done = run("replay", "-c", ROOT / "config/demo.yaml", capture, "--rate", "max", "--bag", tmp / "messages.bag")
+    expect((tmp / "messages.bag").exists(), done.stderr)
+    sensors = "".join(f"  {name}: {{topic: {name}/scan, pose: {{xyz: [0, {y}, 0.35], rpy_deg: [0, 0, {45 * y}]}}}}\n" for name, y in (("front_left", 1), ("front_right", -1)))
+    (tmp / "topics.yaml").write_text("sensors:\n" + sensors)
+    done = run("calibrate", "-c", tmp / "topics.yaml", "--bag", tmp / "messages.bag", "--motion", tmp / "straight.odometry.csv", "--json")
+    expect(done.returncode == 0, done.stderr)
+    for found, yaw in zip(json.loads(done.stdout)["sensors"].values(), yaws):
+        expect(abs(found["after"]["rpy_deg"][2] - yaw) < 0.01, f"{found}, from packets {yaw}")
+    done = run("calibrate", "-c", tmp / "topics.yaml")
+    expect(done.returncode == 2 and "a capture or --bag is required" in done.stderr, done.stderr)
+
+
 def check_drives_that_show_little(tmp):
     capture = make_capture(tmp / "circle", driving(CONSTANT))
     _, done = calibrate_drive(tmp, capture, tmp / "circle.odometry.csv")
@@ -170,11 +184,12 @@ def check_drives_that_show_little(tmp):
     capture = make_capture(tmp / "straight", driving(STRAIGHT))
     _, done = calibrate_drive(tmp, capture, tmp / "straight.odometry.csv", arguments=("--picture", tmp / "straight.png"))
     expect(done.returncode == 0 and "x, y, time offset in base_frame: not determined" in done.stdout and "drive curves" in done.stdout, done.stdout)
-    sensors = yaml.safe_load((tmp / "driven.yaml").read_text())["sensors"]
+    sensors = {name: yaml.safe_load((tmp / "driven.yaml").read_text())["sensors"][name] for name in ("front_left", "front_right")}
     for name, y in (("front_left", 1.0), ("front_right", -1.0)):
         pose = sensors[name]["pose"]
         expect(pose["xyz"] == [0, y, 0.35] and "time_offset" not in sensors[name], f"{name}: {sensors[name]}")
         expect(abs(pose["rpy_deg"][2] - ON_VEHICLE[name][1][2]) < 0.15, f"{name}: {pose}")
+    check_topics(tmp, capture, [sensors[name]["pose"]["rpy_deg"][2] for name in sensors])
     for motion, words in ((tmp / "missing.csv", "no poses"), (ROOT / "config/demo.yaml", "expected a bag"), (tmp / "text.csv", ":2: 'far away'; expected stamp,x,y,yaw")):
         (tmp / "text.csv").write_text("stamp,x,y,yaw\nfar away\n")
         _, done = calibrate_drive(tmp, capture, motion)
