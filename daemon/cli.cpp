@@ -79,8 +79,9 @@ struct Commands {
   }
 
  private:
-  static void add_captures(CLI::App* c, std::vector<std::string>& captures) {
-    c->add_option("captures,--pcap", captures, std::string(capture_help) + "; several are merged by time")
+  static CLI::Option* add_captures(CLI::App* c, std::vector<std::string>& captures) {
+    return c
+        ->add_option("captures,--pcap", captures, std::string(capture_help) + "; several are merged by time")
         ->required()
         ->expected(1, 1000);
   }
@@ -173,15 +174,20 @@ struct Commands {
     c->callback([this] { action = [this] { return run_record(record, std::cerr); }; });
   }
   void add_calibrate() {
-    auto* c = app.add_subcommand("calibrate",
-                                 "Finds the poses of the sensors from what several of them see while parked");
+    auto* c =
+        app.add_subcommand("calibrate", "Finds the poses and time offsets of the sensors from what they see");
     c->add_option("-c,--config", calibrate.config, "Configuration file with about the right poses")
         ->required();
-    add_captures(c, calibrate.captures);
+    add_captures(c, calibrate.captures)->required(false);
     c->add_option("--bag", calibrate.bag, "Bag with the topics of sensors that have `topic:`");
+    c->add_option(
+        "--motion", calibrate.motion,
+        "Bag with the vehicle's odometry, or a .csv of stamp,x,y,yaw: base poses and time offsets, too");
     c->add_option("--reference", calibrate.reference,
-                  "Sensor whose x, y and yaw stay as configured; default: the first");
+                  "Sensor against which the others are found; default: the first");
     c->add_option("-o,--output", calibrate.output, "Write the configuration with the new poses");
+    c->add_option("--picture", calibrate.picture,
+                  "Draw what the sensors saw, before and after: .png or .svg");
     c->add_flag("--json", calibrate.json, "For scripts");
     c->callback([this] { action = [this] { return run_calibrate(calibrate, std::cout, std::cerr); }; });
   }

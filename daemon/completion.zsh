@@ -18,7 +18,7 @@ _lidard() {
     --calibration) _files -g '*.(yaml|yml|xml)(-.)'; return ;;
     --calibration-model) compadd ros_drivers exact veloview; return ;;
     --format) compadd csv pcd json; return ;;
-    --motion | --bag) _files -g '*.bag(-.)'; return ;;
+    --motion | --bag) _files -g '*.(bag|csv)(-.)'; return ;;
   esac
   if [[ $PREFIX == -* ]]; then
     words_of=(${(f)"$(_lidard_help $words[2] | grep -oE -- '(^|[ ,])--[a-z][a-z-]*' | tr -d ' ,')"})

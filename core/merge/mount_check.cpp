@@ -272,6 +272,10 @@ void MountCheck::look(Stamp stamp, const std::vector<const PlacedScan*>& sweeps,
     compare(facets_[state.first], facets_[state.second], places[state.second]);
     remember(std::exp(-since / memory_s), memories_[i]);
     judge(memories_[i], state);
+    if (!state.misaligned)
+      state.since.reset();
+    else if (!state.since)
+      state.since = stamp;
   }
 }
 

@@ -26,6 +26,7 @@ struct OverlapState {
   double shift = 0;  ///< m by which the correction moves the surfaces, root mean square
   /// The median or the shift exceeds the tolerance and three times its statistical error.
   bool misaligned = false;
+  std::optional<Stamp> since;  ///< the first look that found them misaligned
 };
 
 /// Checks whether sources agree on the surfaces that both see. A disagreement means that a configured mount

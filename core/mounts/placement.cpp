@@ -87,8 +87,9 @@ PlanarPose PlanarPose::inverse() const {
   return {-back.x(), -back.y(), -yaw};
 }
 
-PlanarPose match_surfaces(const std::vector<Surface>& a, const std::vector<Surface>& b, PlanarPose pose) {
-  for (double gate = widest_gate; gate > finest_gate; gate *= gate_shrinks) {
+PlanarPose match_surfaces(const std::vector<Surface>& a, const std::vector<Surface>& b, PlanarPose pose,
+                          double gate) {
+  for (; gate > finest_gate; gate *= gate_shrinks) {
     const double cosine = std::cos(std::max(finest_angle, widest_angle * gate / widest_gate));
     Sums sums;
     add_points(a, b, pose, gate, cosine, false, sums);

@@ -28,8 +28,9 @@ struct SeenPlace {
 };
 
 /// Brings surfaces of `b` to those of `a`, from a start up to 0.5 m and 20 degrees wrong: least squares of
-/// points to lines both ways with a gate that shrinks from 1.5 m to 3 cm.
-PlanarPose match_surfaces(const std::vector<Surface>& a, const std::vector<Surface>& b, PlanarPose start);
+/// points to lines both ways with a gate that shrinks from `gate` (m) to 3 cm.
+PlanarPose match_surfaces(const std::vector<Surface>& a, const std::vector<Surface>& b, PlanarPose start,
+                          double gate = 1.5);
 
 /// How the returns of both sensors fit each other: a return is confirmed where the other sensor has one at
 /// the same place, and refuted where the other sensor sees farther.

@@ -141,14 +141,17 @@ int run_snapshot(const SnapshotOptions& options, std::ostream& err);
 /// Options of `lidard calibrate`.
 struct CalibrateOptions {
   std::string config;
-  std::vector<std::string> captures;  ///< while the vehicle is parked
+  std::vector<std::string> captures;  ///< while the vehicle is parked, or drives
   std::string bag;                    ///< with the topics of other drivers; empty: none
+  std::string motion;                 ///< bag or table with the odometry; empty: it is parked
   std::string reference;              ///< sensor whose pose stays; empty: the first one
   std::string output;                 ///< configuration with the new poses; empty: none
+  std::string picture;                ///< .png or .svg; empty: none
   bool json = false;
 };
 
-/// Finds the poses of the sensors from the surfaces that several of them see. Fails if nothing was determined.
+/// Finds the poses of the sensors from the surfaces that several of them see, and with odometry where they
+/// are on the vehicle and how late their stamps are. Fails if nothing was determined.
 int run_calibrate(const CalibrateOptions& options, std::ostream& out, std::ostream& err);
 
 }  // namespace lidard

@@ -75,7 +75,7 @@ int into_bag(const ReplayOptions& options, const Config& config, MergedCapture& 
   if (std::filesystem::is_regular_file(options.bag))
     throw std::runtime_error(options.bag + " is there already; remove it, or name another file");
   BagSink sink(options.bag);
-  BagPoses motion(options.motion, config.vehicle.odometry_topic);
+  BagPoses motion(options.motion, config.vehicle);
   Replay replay(options, config, capture, sink, motion);
   bool first = true;
   const auto on_time = [&](Stamp now) {

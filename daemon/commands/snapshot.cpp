@@ -28,10 +28,6 @@ std::string to_utc(Stamp stamp) {
 
 std::string file_name(const std::string& path) { return path.substr(path.rfind('/') + 1); }
 
-bool ends_with(const std::string& text, const std::string& end) {
-  return text.size() > end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
 /// Seconds from the first packet to the last.
 double length_of(MergedCapture& capture) {
   Packet packet;
@@ -146,7 +142,7 @@ SnapshotView view_of(const SnapshotOptions& options, const Scene& scene) {
   if (options.at.value_or(0) > length)
     throw std::runtime_error("--at " + fixed(*options.at, 3) + ": the capture is " + fixed(length, 3) +
                              " s long");
-  BagPoses motion(options.motion, scene.config.vehicle.odometry_topic);
+  BagPoses motion(options.motion, scene.config.vehicle);
   FrameKeeper frames;
   const double at = play(options.at, length, scene, capture, motion, frames);
   if (frames.empty()) throw std::runtime_error(nothing_there(scene, at, length));
@@ -169,16 +165,15 @@ SnapshotView view_of(const SnapshotOptions& options, const Scene& scene) {
 }  // namespace
 
 int run_snapshot(const SnapshotOptions& options, std::ostream& err) {
-  const bool png = ends_with(options.output, ".png");
-  if (!png && !ends_with(options.output, ".svg")) {
+  const auto format = picture_format(options.output);
+  if (!format) {
     err << "--output: '" << options.output << "' is neither a .png nor a .svg file\n";
     return exit_usage;
   }
   return guarded(err, [&] {
     const Scene scene =
         options.config.empty() ? scene_of(options.captures, err) : configured(options.config, err);
-    const std::string picture =
-        draw_snapshot(view_of(options, scene), png ? PictureFormat::png : PictureFormat::svg);
+    const std::string picture = draw_snapshot({view_of(options, scene)}, *format);
     TextFile file(options.output);
     file.write(picture);
     file.close();

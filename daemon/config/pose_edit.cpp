@@ -31,23 +31,46 @@ Edit list_at(const std::string& text, const YAML::Node& node, const std::string&
   return {from, end + 1, {}};
 }
 
+std::string short_number(double value, const char* format) {
+  std::string number = printed(format, value);
+  number.erase(number.find_last_not_of('0') + 1);
+  if (number.back() == '.') number.pop_back();
+  return number == "-0" ? "0" : number;
+}
+
 std::string list_of(const Eigen::Vector3d& values, const char* format) {
-  std::string text = "[";
-  for (int i = 0; i < 3; ++i) {
-    std::string number = printed(format, values[i]);
-    number.erase(number.find_last_not_of('0') + 1);
-    if (number.back() == '.') number.pop_back();
-    text += (i == 0 ? "" : ", ") + (number == "-0" ? "0" : number);
+  return "[" + short_number(values.x(), format) + ", " + short_number(values.y(), format) + ", " +
+         short_number(values.z(), format) + "]";
+}
+
+/// The offset in place of the old one, or as a key before `pose`.
+Edit time_offset_edit(const std::string& text, const YAML::Node& sensor, double offset) {
+  const std::string number = short_number(offset, "%.5f");
+  if (const YAML::Node old = sensor["time_offset"]) {
+    const auto from = static_cast<std::size_t>(old.Mark().pos);
+    return {from, from + old.Scalar().size(), number};
   }
-  return text + "]";
+  for (const auto& entry : sensor) {
+    if (entry.first.Scalar() != "pose") continue;
+    const YAML::Mark at = entry.first.Mark();
+    const auto from = static_cast<std::size_t>(at.pos);
+    const bool flow = text[static_cast<std::size_t>(sensor.Mark().pos)] == '{';
+    const std::string next =
+        flow ? std::string(", ") : "\n" + std::string(static_cast<std::size_t>(at.column), ' ');
+    return {from, from, "time_offset: " + number + next};
+  }
+  throw std::runtime_error("line " + std::to_string(sensor.Mark().line + 1) +
+                           ": there is no pose beside which time_offset could be written");
 }
 
 }  // namespace
 
-std::string with_poses(const std::string& text, const std::map<std::string, Pose>& poses) {
+std::string with_mounts(const std::string& text, const std::map<std::string, MountEdit>& mounts) {
   const YAML::Node sensors = YAML::Load(text)["sensors"];
   std::vector<Edit> edits;
-  for (const auto& [name, pose] : poses) {
+  for (const auto& [name, mount] : mounts) {
+    const Pose& pose = mount.pose;
+    if (mount.time_offset) edits.push_back(time_offset_edit(text, sensors[name], *mount.time_offset));
     const YAML::Node old = sensors[name]["pose"];
     const YAML::Node xyz = old["xyz"], rpy = old["rpy"], rpy_deg = old["rpy_deg"];
     const Eigen::Vector3d angles = rpy_of(pose);

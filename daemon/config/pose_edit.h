@@ -3,14 +3,22 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 
 #include "core/base/pose.h"
 
 namespace lidard {
 
-/// The text of a configuration with other poses of sensors; all else, comments included, stays as it is.
-/// Throws std::runtime_error with the line where a pose is written in a way that cannot be replaced.
-std::string with_poses(const std::string& text, const std::map<std::string, Pose>& poses);
+/// What a calibration changes of a sensor.
+struct MountEdit {
+  Pose pose;
+  std::optional<double> time_offset;  ///< s; unset: stays
+};
+
+/// The text of a configuration with other mounts of sensors by their names; all else, comments included,
+/// stays as it is. Throws std::runtime_error with the line where one is written in a way that cannot be
+/// replaced.
+std::string with_mounts(const std::string& text, const std::map<std::string, MountEdit>& mounts);
 
 }  // namespace lidard

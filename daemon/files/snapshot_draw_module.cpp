@@ -68,9 +68,12 @@ std::vector<LegendRow> legend_of(const SnapshotView& view) {
                     nullptr,
                     {}});
   }
+  const bool has_fields = std::any_of(view.sensors.begin(), view.sensors.end(), [](const auto& sensor) {
+    return sensor.all_round || !sensor.field.empty();
+  });
   rows.push_back({"",
-                  "Ahead is up. Rings: distance from " + view.base_frame +
-                      ". Outline around a sensor: its field of view, not to scale.",
+                  "Ahead is up. Rings: distance from " + view.base_frame + "." +
+                      (has_fields ? " Outline around a sensor: its field of view, not to scale." : ""),
                   nullptr,
                   {}});
   for (const auto* sentences : {&view.notes, &view.missing}) {
@@ -83,7 +86,8 @@ std::vector<LegendRow> legend_of(const SnapshotView& view) {
 struct Layout {
   double width, height;  // of the field
   double side;           // height of the side view; 0: there is none
-  explicit Layout(const SnapshotView& view) {
+  bool has_legend;
+  explicit Layout(const SnapshotView& view) : has_legend(view.has_legend) {
     const double aspect = std::clamp(view.framing.half.y() / view.framing.half.x(), 0.65, 1.7);
     width = std::round(std::sqrt(field_area * aspect));
     if (view.framing.width > 0) width = view.framing.width - (page_width() - width);
@@ -91,31 +95,33 @@ struct Layout {
     side = std::round(side_height(view, width));
   }
   double legend_left() const { return field_left + width + 22; }
-  double page_width() const { return legend_left() + legend_width + 14; }
+  double page_width() const { return has_legend ? legend_left() + legend_width + 14 : field_left + width; }
   double side_top() const { return field_top + height + side_caption; }
   double bottom() const { return side > 0 ? side_top() + side : field_top + height; }
+};
+
+/// Where all of one view is.
+struct Page {
+  explicit Page(const SnapshotView& view) : layout(view), legend(legend_of(view)) {}
+  Layout layout;
+  std::vector<LegendRow> legend;
+
+  /// The views or the legend, whichever is longer.
+  double height() const {
+    double rows = field_top;
+    for (const LegendRow& row : legend) rows += row.height();
+    return std::ceil(std::max(layout.bottom(), layout.has_legend ? rows : 0) + margin);
+  }
 };
 
 /// Draws one view.
 class Painter {
  public:
-  Painter(const SnapshotView& view, PictureFormat format)
-      : view_(view),
-        layout_(view),
-        legend_(legend_of(view)),
-        chart_(format, layout_.page_width(), page_height()) {
+  Painter(const SnapshotView& view, const Page& page, Chart& chart)
+      : view_(view), layout_(page.layout), legend_(page.legend), chart_(chart) {
     chart_.set_field({field_left, field_top}, {layout_.width, layout_.height}, view.framing.center,
                      view.framing.half);
   }
-  std::string bytes() {
-    paint();
-    std::string description = view_.subtitle;
-    for (const LegendRow& row : legend_)
-      description += "\n" + row.name + (row.name.empty() ? "" : ": ") + row.note;
-    return chart_.bytes(view_.title, description);
-  }
-
- private:
   void paint() {
     chart_.begin_clip();
     areas(true);
@@ -138,16 +144,11 @@ class Painter {
     chart_.rectangle(field_left, field_top, layout_.width, layout_.height);
     chart_.stroke({0.5, 0.5, 0.5}, 1);
     heading();
-    legend();
+    if (layout_.has_legend) legend();
     if (layout_.side > 0) draw_side(chart_, view_, {field_left, layout_.side_top()}, layout_.width);
   }
 
-  /// The views or the legend, whichever is longer.
-  double page_height() const {
-    double legend = field_top;
-    for (const LegendRow& row : legend_) legend += row.height();
-    return std::ceil(std::max(layout_.bottom(), legend) + margin);
-  }
+ private:
   /// m from the middle of the field to its upper edge.
   double shown() const { return layout_.height / 2 / chart_.pixels_per_meter(); }
   /// All wedges of one kind as one path. Neighbours are joined, else a thin line would show between them.
@@ -210,7 +211,7 @@ class Painter {
     const Color color = color_of(layer.role, layer.number);
     if (layer.role == Role::merged || layer.role == Role::virtual_scan) return line(layer);
     for (const auto& p : layer.points) chart_.dot(chart_.to_page(p));
-    chart_.stroke(color, 6);
+    chart_.stroke(color, layer.dot);
   }
   void line(const SnapshotView::Layer& layer) {
     bool open = false;
@@ -321,16 +322,34 @@ class Painter {
   }
 
   const SnapshotView& view_;
-  Layout layout_;
-  std::vector<LegendRow> legend_;
-  Chart chart_;
+  const Layout& layout_;
+  const std::vector<LegendRow>& legend_;
+  Chart& chart_;
 };
+
+std::string drawn(const std::vector<SnapshotView>& views, PictureFormat format) {
+  std::vector<Page> pages;
+  double width = 0, height = 0;
+  for (const SnapshotView& view : views) {
+    pages.emplace_back(view);
+    width += pages.back().layout.page_width(), height = std::max(height, pages.back().height());
+  }
+  Chart chart(format, width, height);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    Painter(views[i], pages[i], chart).paint();
+    chart.shift(pages[i].layout.page_width());
+  }
+  std::string description = views.back().subtitle;
+  for (const LegendRow& row : pages.back().legend)
+    description += "\n" + row.name + (row.name.empty() ? "" : ": ") + row.note;
+  return chart.bytes(views.back().title, description);
+}
 
 }  // namespace
 
 }  // namespace lidard
 
-extern "C" void lidard_draw_snapshot(const lidard::SnapshotView& view, lidard::PictureFormat format,
-                                     std::string& bytes) {
-  bytes = lidard::Painter(view, format).bytes();
+extern "C" void lidard_draw_snapshot(const std::vector<lidard::SnapshotView>& views,
+                                     lidard::PictureFormat format, std::string& bytes) {
+  bytes = lidard::drawn(views, format);
 }

@@ -354,11 +354,17 @@ SnapshotView::Framing fit_to_points(const SnapshotView& view) {
   return out;
 }
 
-std::string draw_snapshot(const SnapshotView& view, PictureFormat format) {
+std::optional<PictureFormat> picture_format(const std::string& path) {
+  const std::string end = path.size() > 4 ? path.substr(path.size() - 4) : std::string();
+  if (end == ".png") return PictureFormat::png;
+  return end == ".svg" ? std::optional(PictureFormat::svg) : std::nullopt;
+}
+
+std::string draw_snapshot(const std::vector<SnapshotView>& views, PictureFormat format) {
   const auto draw = reinterpret_cast<decltype(&lidard_draw_snapshot)>(module_function(
       "lidard_pictures", "lidard_draw_snapshot", "pictures need lidard's module for pictures"));
   std::string bytes;
-  draw(view, format, bytes);
+  draw(views, format, bytes);
   return bytes;
 }
 

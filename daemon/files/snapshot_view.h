@@ -86,7 +86,8 @@ struct SnapshotView {
     std::vector<Eigen::Vector2f> points;
     std::vector<char> joined;  ///< point i and i + 1 are neighbouring beams on one surface; empty: none are
     std::vector<float> heights,
-        values;  ///< of a cloud's points: m in base_frame; the values of their colours
+        values;      ///< of a cloud's points: m in base_frame; the values of their colours
+    double dot = 6;  ///< pixels, of an input's points
   };
 
   /// The plane of a scan as a line in the side view: x and z of a point, and the line's direction.
@@ -124,6 +125,7 @@ struct SnapshotView {
 
   std::string title;
   std::string subtitle;
+  bool has_legend = true;
   std::string base_frame;
   std::vector<Eigen::Vector2d> footprint;
   std::vector<Sensor> sensors;
@@ -153,11 +155,13 @@ SnapshotView make_view(const Config& config, const FrameTree& poses, const Frame
 SnapshotView::Framing fit_to_points(const SnapshotView& view);
 
 enum class PictureFormat : std::uint8_t { png, svg };
-/// The picture as the bytes of a file.
-std::string draw_snapshot(const SnapshotView& view, PictureFormat format);
+/// The format by the end of a file's name; nothing: neither .png nor .svg.
+std::optional<PictureFormat> picture_format(const std::string& path);
+/// The picture as the bytes of a file: views side by side.
+std::string draw_snapshot(const std::vector<SnapshotView>& views, PictureFormat format);
 
 }  // namespace lidard
 
 /// draw_snapshot() itself; not linked, but found by name in the module for pictures.
-extern "C" void lidard_draw_snapshot(const lidard::SnapshotView& view, lidard::PictureFormat format,
-                                     std::string& bytes);
+extern "C" void lidard_draw_snapshot(const std::vector<lidard::SnapshotView>& views,
+                                     lidard::PictureFormat format, std::string& bytes);

@@ -53,8 +53,7 @@ class MergeSources {
   void published(const MergeReport& report, Stamp at, Stamp now);
   void skipped(Stamp now);
   void not_published(Stamp now) { scheduler_.done(now); }
-  /// The frames are no longer there: sources that are well have to deliver again, lest what they see be
-  /// missing.
+  /// The frames are no longer there: nothing is due until all sources that are well have delivered again.
   void forget();
   /// The input starts again.
   void restart();

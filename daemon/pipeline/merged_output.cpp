@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -197,9 +198,13 @@ class MergedOutput final : public Output {
                fmt::format("median {:+.1f} mm, MAD {:.1f} mm, {:.0f} beams; mount of {}: {}",
                            pair.median * 1000, pair.mad * 1000, pair.beams, second, correction));
       if (!pair.misaligned || item.health != Health::ok) continue;
-      item.set(Health::warn, fmt::format("{0} and {1} do not agree on where surfaces are; correct a mount, "
-                                         "e.g. that of {1} by {2}",
-                                         first, second, correction));
+      const std::time_t since = pair.since ? pair.since->ns / 1'000'000'000 : 0;
+      item.set(
+          Health::warn,
+          fmt::format(
+              "{0} and {1} do not agree on where surfaces are; correct a mount, e.g. that of {1} by {2} "
+              "(since {3:%H:%M:%S} UTC; `lidard calibrate -c FILE CAPTURE` of the parked vehicle finds it)",
+              first, second, correction, fmt::gmtime(since)));
     }
   }
 

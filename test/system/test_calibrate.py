@@ -1,11 +1,17 @@
 #!/usr/bin/python3
 # SPDX-FileCopyrightText: 2026 the lidard authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""lidard calibrate: mounts that are configured wrong are found from a capture of the parked vehicle, and places that show nothing are refused."""
+"""lidard calibrate: mounts that are configured wrong are found from a capture of the parked vehicle, places on the vehicle and time offsets from one of
+a drive with its odometry, and what these show nothing of is refused."""
 import json
 import math
 
+import rosbag
+import rospy
 import yaml
+from geometry_msgs.msg import TransformStamped
+from nav_msgs.msg import Odometry
+from tf2_msgs.msg import TFMessage
 
 from harness import ROOT, expect, folder, make_capture, run
 
@@ -69,8 +75,133 @@ def check_refused(tmp):
     expect("not determined" in done.stdout and not (tmp / "none.yaml").exists(), done.stdout)
 
 
+# How late the scanners' datagrams are, us, which their stamps then are, too; and where they are on the vehicle.
+LATE = {"front_left": 12000, "front_right": 5000, "roof": 20}
+ON_VEHICLE = {**KNOCKED, "front_left": ([0.03, 0.98, 0.35], [0, 0, 46.1])}
+CONSTANT = [{"duration": 25, "speed": 1.0, "yaw_rate_deg": 25}]
+STRAIGHT = [{"duration": 20, "speed": 0.6, "yaw_rate_deg": 0}]
+
+
+def winding(seconds):
+    """Curves to both sides, with a turn rate that swings by 0.5 rad/s."""
+    rate = [0.25 * (1 if t < 5 * seconds else -1) + 0.5 * math.sin(0.1 * t) for t in range(10 * seconds)]
+    return [{"duration": 0.1, "speed": 1.2, "yaw_rate_deg": math.degrees(w)} for w in rate]
+
+
+def driving(legs, stop=0, sensors=("front_left", "front_right")):
+    """The scene of the demo without what moves, with ranges and odometry that are noisy."""
+    scene = yaml.safe_load((ROOT / "pcaps/demo.scene.yaml").read_text())
+    legs = [{"duration": stop, "speed": 0, "yaw_rate_deg": 0}] * (stop > 0) + legs
+    scene["start"] = "2026-01-01T00:17:23.456Z"
+    scene["duration"] = sum(leg["duration"] for leg in legs)
+    scene["vehicle"] |= {"path": legs, "start": {"xy": [-5, -5], "yaw_deg": 10}, "odometry": {"scale": 1.01, "noise": 0.002, "turn_noise_deg": 0.1}}
+    scene["objects"] = [one for one in scene["objects"] if "waypoints" not in str(one) and "velocity" not in str(one)]
+    scene["sensors"] = {name: scene["sensors"][name] for name in sensors}
+    for name, sensor in scene["sensors"].items():
+        xyz, rpy_deg = ON_VEHICLE[name]
+        sensor |= {"pose": {"xyz": xyz, "rpy_deg": rpy_deg}, "noise": 0.01, "latency_us": LATE[name], "range_offset": 0.01 if name == "front_left" else 0}
+    return yaml.safe_dump(scene)
+
+
+def write_bag(path, table, with_tf):
+    """The odometry of a table as tf or as messages of a topic."""
+    with rosbag.Bag(str(path), "w") as bag:
+        for row in table.read_text().splitlines()[1:]:
+            stamp, x, y, yaw = (float(number) for number in row.split(","))
+            time = rospy.Time.from_sec(stamp)
+            message = TransformStamped() if with_tf else Odometry()
+            message.header.stamp, message.header.frame_id, message.child_frame_id = time, "odom", "base_link"
+            at, turn = (message.transform.translation, message.transform.rotation) if with_tf else (message.pose.pose.position, message.pose.pose.orientation)
+            at.x, at.y, turn.z, turn.w = x, y, math.sin(yaw / 2), math.cos(yaw / 2)
+            bag.write("/tf" if with_tf else "/odom", TFMessage([message]) if with_tf else message, time)
+
+
+def expect_on_vehicle(sensor, name):
+    (x, y, _), (*_, yaw) = ON_VEHICLE[name]
+    after, deviation = sensor["after"], sensor["deviation"]
+    errors = {"x": after["xyz"][0] - x, "y": after["xyz"][1] - y, "yaw_deg": math.remainder(after["rpy_deg"][2] - yaw, 360),
+              "time_offset": after["time_offset"] + LATE[name] * 1e-6}
+    print(f"{name}: " + ", ".join(f"{key} {error:.5f} +- {deviation[key]:.5f}" for key, error in errors.items()))
+    limits = {"x": 0.005, "y": 0.005, "yaw_deg": 0.05, "time_offset": 0.002}
+    for key, error in errors.items():
+        expect(abs(error) < limits[key] and abs(error) < 3.5 * deviation[key], f"{name}: {key} is {error} off, +- {deviation[key]}")
+
+
+def calibrate_drive(tmp, capture, motion, more="", arguments=()):
+    config = (ROOT / "config/demo.yaml").read_text().replace("vehicle:\n", "vehicle:\n" + more, 1)
+    (tmp / "drive.yaml").write_text(config)
+    (tmp / "driven.yaml").unlink(missing_ok=True)
+    return config, run("calibrate", "-c", tmp / "drive.yaml", capture, "--motion", motion, "-o", tmp / "driven.yaml", *arguments)
+
+
+def check_drive(tmp):
+    capture = make_capture(tmp / "drive", driving(winding(50), stop=4, sensors=LATE))
+    table = tmp / "drive.odometry.csv"
+    config, done = calibrate_drive(tmp, capture, table, arguments=("--json", "--picture", tmp / "drive.svg"))
+    expect(done.returncode == 0, done.stderr)
+    found = json.loads(done.stdout)
+    for name in LATE:
+        expect_on_vehicle(found["sensors"][name], name)
+    scale = found["odometry"]
+    expect(abs(scale["scale"] - 1 / 1.01) < 3.5 * scale["scale_deviation"] < 0.01, f"scale of the odometry: {scale}")
+    new = (tmp / "driven.yaml").read_text()
+    kept = [line for line in new.splitlines() if "time_offset:" not in line]
+    before = config.splitlines()
+    expect(len(kept) == len(before) and all(a == b or "pose:" in a for a, b in zip(before, kept)), new)
+    for name, sensor in yaml.safe_load(new)["sensors"].items():
+        expect(abs(sensor["time_offset"] - found["sensors"][name]["after"]["time_offset"]) < 1e-5, new)
+    expect(run("check", tmp / "driven.yaml").returncode == 0, "the new file is no configuration")
+    picture = (tmp / "drive.svg").read_text()
+    expect("front_left" in picture and "moved " in picture, "the picture names no sensor")
+    for name, more in (("odom", "  odometry_topic: /odom\n"), ("tf", "  odometry_frame: odom\n")):
+        write_bag(tmp / f"{name}.bag", table, name == "tf")
+        _, done = calibrate_drive(tmp, capture, tmp / f"{name}.bag", more, ("--json",))
+        expect(done.returncode == 0, done.stderr)
+        for sensor, value in json.loads(done.stdout)["sensors"].items():
+            for a, b in zip(value["after"]["xyz"], found["sensors"][sensor]["after"]["xyz"]):
+                expect(abs(a - b) < 2e-4, f"{name}: {sensor}: {value['after']}, by the table {found['sensors'][sensor]['after']}")
+
+
+def check_topics(tmp, capture, yaws):
+    """The same from the messages of a bag alone."""
+    done = run("replay", "-c", ROOT / "config/demo.yaml", capture, "--rate", "max", "--bag", tmp / "messages.bag")
+    expect((tmp / "messages.bag").exists(), done.stderr)
+    sensors = "".join(f"  {name}: {{topic: {name}/scan, pose: {{xyz: [0, {y}, 0.35], rpy_deg: [0, 0, {45 * y}]}}}}\n" for name, y in (("front_left", 1), ("front_right", -1)))
+    (tmp / "topics.yaml").write_text("sensors:\n" + sensors)
+    done = run("calibrate", "-c", tmp / "topics.yaml", "--bag", tmp / "messages.bag", "--motion", tmp / "straight.odometry.csv", "--json")
+    expect(done.returncode == 0, done.stderr)
+    for found, yaw in zip(json.loads(done.stdout)["sensors"].values(), yaws):
+        expect(abs(found["after"]["rpy_deg"][2] - yaw) < 0.01, f"{found}, from packets {yaw}")
+    done = run("calibrate", "-c", tmp / "topics.yaml")
+    expect(done.returncode == 2 and "a capture or --bag is required" in done.stderr, done.stderr)
+
+
+def check_drives_that_show_little(tmp):
+    capture = make_capture(tmp / "circle", driving(CONSTANT))
+    _, done = calibrate_drive(tmp, capture, tmp / "circle.odometry.csv")
+    expect(done.returncode == 1 and not (tmp / "driven.yaml").exists(), done.stdout + done.stderr)
+    expect("x, y, yaw, time offset in base_frame: not determined" in done.stdout and "changing turn rate" in done.stdout, done.stdout)
+    capture = make_capture(tmp / "straight", driving(STRAIGHT))
+    _, done = calibrate_drive(tmp, capture, tmp / "straight.odometry.csv", arguments=("--picture", tmp / "straight.png"))
+    expect(done.returncode == 0 and "x, y, time offset in base_frame: not determined" in done.stdout and "drive curves" in done.stdout, done.stdout)
+    sensors = {name: yaml.safe_load((tmp / "driven.yaml").read_text())["sensors"][name] for name in ("front_left", "front_right")}
+    for name, y in (("front_left", 1.0), ("front_right", -1.0)):
+        pose = sensors[name]["pose"]
+        expect(pose["xyz"] == [0, y, 0.35] and "time_offset" not in sensors[name], f"{name}: {sensors[name]}")
+        expect(abs(pose["rpy_deg"][2] - ON_VEHICLE[name][1][2]) < 0.15, f"{name}: {pose}")
+    check_topics(tmp, capture, [sensors[name]["pose"]["rpy_deg"][2] for name in sensors])
+    for motion, words in ((tmp / "missing.csv", "no poses"), (ROOT / "config/demo.yaml", "expected a bag"), (tmp / "text.csv", ":2: 'far away'; expected stamp,x,y,yaw")):
+        (tmp / "text.csv").write_text("stamp,x,y,yaw\nfar away\n")
+        _, done = calibrate_drive(tmp, capture, motion)
+        expect(done.returncode == 1 and words in done.stderr, f"{motion}: {done.stderr}")
+    _, done = calibrate_drive(tmp, capture, tmp / "straight.odometry.csv", arguments=("--picture", "x.gif"))
+    expect(done.returncode == 2 and "neither a .png nor a .svg" in done.stderr, done.stderr)
+
+
 def main():
     with folder() as tmp:
+        check_drive(tmp)
+        check_drives_that_show_little(tmp)
         capture = make_capture(tmp / "parked", parked())
         check_found(tmp, capture)
         check_refused(tmp)

@@ -216,8 +216,11 @@ def main():
         make_capture(tmp / "drive", SCENE.format(duration=DURATION, legs=legs))
         write_motion(tmp / "tf.bag", way, DURATION, True)
         write_motion(tmp / "odom.bag", way, DURATION, False)
-        for name, motion in (("tf", "  odometry_frame: odom"), ("odom", "  odometry_topic: /odom")):
-            rms, p99, silent, health = errors(tmp, way, motion, tmp / f"{name}.bag")
+        table = "".join(f"{START + i / 50:.6f},{x!r},{y!r},{yaw!r}\n" for i in range(int(DURATION * 50) + 1) for x, y, yaw in [way.at(i / 50)])
+        write(tmp / "table.csv", "stamp,x,y,yaw\n" + table)
+        for name, motion, file in (("tf", "  odometry_frame: odom", "tf.bag"), ("odom", "  odometry_topic: /odom", "odom.bag"),
+                                   ("table as tf", "  odometry_frame: odom", "table.csv"), ("table", "  odometry_topic: /odom", "table.csv")):
+            rms, p99, silent, health = errors(tmp, way, motion, tmp / file)
             print(f"{name}: rms {rms * 1000:.2f} mm, p99 {p99 * 1000:.2f} mm, {silent:.1%} NaN, {health}")
             expect(rms <= 0.001 and p99 <= 0.003, f"{name}: rms {rms * 1000:.2f} mm, p99 {p99 * 1000:.2f} mm")
             expect(health == {"publishing"}, f"{name}: {health}")

@@ -2,10 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/ros/in/tf_poses.h"
 
+#include <fmt/format.h>
+#include <geometry_msgs/TransformStamped.h>
 #include <tf2/exceptions.h>
 #include <tf2_ros/transform_listener.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
 #include <stdexcept>
 
 #include "daemon/ros/messages/bags_module.h"
@@ -104,11 +109,24 @@ void TfPoses::connected(RosCallbackThread& ros) {
   listening_ = true;
 }
 
-BagPoses::BagPoses(const std::string& path, const std::string& odometry_topic)
-    : BufferPoses(bag_kept_s), is_there_(!path.empty()) {
+BagPoses::BagPoses(const std::string& path, const VehicleConfig& vehicle)
+    : BufferPoses(bag_kept_s), vehicle_(vehicle), is_there_(!path.empty()) {
   if (!is_there_) return;
+  if (path.size() > 4 && path.compare(path.size() - 4, 4, ".csv") == 0)
+    read_table(path);
+  else
+    read_bag(path);
+  std::stable_sort(odometry_.begin(), odometry_.end(),
+                   [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
+}
+
+void BagPoses::read_bag(const std::string& path) {
   const auto use_transforms = [this](const tf2_msgs::TFMessage& message, bool is_static) {
-    for (const auto& transform : message.transforms) buffer_.setTransform(transform, "bag", is_static);
+    for (const auto& transform : message.transforms) {
+      buffer_.setTransform(transform, "bag", is_static);
+      if (!is_static && ros_frame(transform.header.frame_id) == ros_frame(vehicle_.odometry_frame))
+        moved_.push_back(from_ros(transform.header.stamp));
+    }
   };
   const auto use_odometry = [this](const nav_msgs::Odometry& message) {
     const auto& pose = message.pose.pose;
@@ -116,13 +134,58 @@ BagPoses::BagPoses(const std::string& path, const std::string& odometry_topic)
     child_ = message.child_frame_id;
   };
   try {
-    bags_function<decltype(lidard_read_poses)>("lidard_read_poses")(path, odometry_topic, use_transforms,
-                                                                    use_odometry);
+    bags_function<decltype(lidard_read_poses)>("lidard_read_poses")(path, vehicle_.odometry_topic,
+                                                                    use_transforms, use_odometry);
   } catch (const std::exception& problem) {
     throw std::runtime_error(path + ": " + problem.what() + "; expected a bag with /tf or the odometry");
   }
-  std::stable_sort(odometry_.begin(), odometry_.end(),
-                   [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
+}
+
+void BagPoses::read_table(const std::string& path) {
+  std::ifstream file(path);
+  std::string line;
+  for (std::size_t number = 1; std::getline(file, line); ++number) {
+    double stamp = 0, x = 0, y = 0, yaw = 0;
+    const bool read = std::sscanf(line.c_str(), "%lf , %lf , %lf , %lf", &stamp, &x, &y, &yaw) == 4 &&
+                      std::isfinite(stamp + x + y + yaw);
+    const bool title = number == 1 && !read;
+    if (!read && !title)
+      throw std::runtime_error(
+          fmt::format("{}:{}: '{}'; expected stamp,x,y,yaw: s, m, m, rad", path, number, line));
+    if (read) odometry_.push_back({Stamp{} + span_from_seconds(stamp), make_pose({x, y, 0}, {0, 0, yaw})});
+  }
+  if (odometry_.empty()) throw std::runtime_error(path + ": no poses; expected rows of stamp,x,y,yaw");
+  child_ = vehicle_.base_frame;
+  if (vehicle_.odometry_frame.empty()) return;
+  for (const auto& [at, pose] : odometry_) {
+    geometry_msgs::TransformStamped moved;
+    moved.header.stamp = to_ros(at), moved.header.frame_id = ros_frame(vehicle_.odometry_frame);
+    moved.child_frame_id = ros_frame(vehicle_.base_frame);
+    const Eigen::Quaterniond turn(pose.linear());
+    moved.transform.translation.x = pose.translation().x(),
+    moved.transform.translation.y = pose.translation().y();
+    moved.transform.rotation.z = turn.z(), moved.transform.rotation.w = turn.w();
+    buffer_.setTransform(moved, "table", false);
+  }
+}
+
+std::vector<StampedPose> BagPoses::track() {
+  std::vector<StampedPose> poses;
+  std::string why_not;
+  Pose base = Pose::Identity(), pose;
+  const bool is_base = child_.empty() || ros_frame(child_) == ros_frame(vehicle_.base_frame);
+  for (const auto& [stamp, child] : odometry_) {
+    if (is_base || lookup(child_, vehicle_.base_frame, stamp, base, why_not))
+      poses.push_back({stamp, child * base});
+  }
+  if (!poses.empty() || vehicle_.odometry_frame.empty()) return poses;
+  std::sort(moved_.begin(), moved_.end());
+  moved_.erase(std::unique(moved_.begin(), moved_.end()), moved_.end());
+  for (const Stamp stamp : moved_) {
+    if (lookup(vehicle_.odometry_frame, vehicle_.base_frame, stamp, pose, why_not))
+      poses.push_back({stamp, pose});
+  }
+  return poses;
 }
 
 bool BagPoses::lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
@@ -132,6 +195,7 @@ bool BagPoses::lookup(const std::string& parent, const std::string& child, Stamp
 }
 
 void BagPoses::feed(Pipeline& pipeline, Stamp until) {
+  if (vehicle_.odometry_topic.empty()) return;
   for (; next_ < odometry_.size() && odometry_[next_].stamp <= until; ++next_) {
     const auto& [stamp, pose] = odometry_[next_];
     pipeline.pose_message(stamp, pose, child_, stamp);

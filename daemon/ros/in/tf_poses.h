@@ -44,22 +44,30 @@ class TfPoses final : public BufferPoses, public RosComponent {
   std::atomic<bool> listening_{false};
 };
 
-/// Poses from the /tf and /tf_static (and optional nav_msgs/Odometry) of a recorded bag, for deskewing in a
-/// replay without a ROS master. Only poses stamped before the requested time are used, as live.
+/// Poses from the /tf and /tf_static (and optional nav_msgs/Odometry) of a recorded bag, or from a table with
+/// rows of stamp (s since the epoch), x, y (m), yaw (rad), for a replay without a ROS master. Only poses
+/// stamped before the requested time are used, as live.
 class BagPoses final : public BufferPoses {
  public:
-  /// Reads the bag. An empty path: there is none, and all poses are configured. `odometry_topic` may be
-  /// empty. Throws std::runtime_error that names the file.
-  BagPoses(const std::string& path, const std::string& odometry_topic);
+  /// Reads a bag, or a file whose name ends with .csv. An empty path: there is none, and all poses are
+  /// configured. Throws std::runtime_error that names the file.
+  BagPoses(const std::string& path, const VehicleConfig& vehicle);
   bool lookup(const std::string& parent, const std::string& child, Stamp stamp, Pose& pose,
               std::string& why_not) override;
   /// Passes the odometry's messages after the last call, up to `until`, to the pipeline.
   void feed(Pipeline& pipeline, Stamp until);
+  /// All poses of base_frame, by stamp: of the odometry's topic, of odometry_frame on tf, or of the table.
+  std::vector<StampedPose> track();
 
  private:
+  void read_bag(const std::string& path);
+  void read_table(const std::string& path);
+
+  const VehicleConfig vehicle_;
   const bool is_there_;
   std::vector<StampedPose> odometry_;
   std::string child_;
+  std::vector<Stamp> moved_;  // when tf moved something in odometry_frame
   std::size_t next_ = 0;
 };
 

@@ -118,8 +118,11 @@ TEST(MountCheck, FindsAMountShiftedByFiveCentimetresWithinTwoSeconds) {
 TEST(MountCheck, NoticesAMountThatIsKnockedOnTheWay) {
   CheckedVehicle vehicle(paper_room());
   EXPECT_FALSE(vehicle.drive({}, 0, 10).misaligned);
-  EXPECT_TRUE(vehicle.drive({1.0, 0, 0}, 10, 5).misaligned);
-  EXPECT_FALSE(vehicle.drive({}, 15, 20).misaligned);
+  const OverlapState state = vehicle.drive({1.0, 0, 0}, 10, 5);
+  EXPECT_TRUE(state.misaligned);
+  EXPECT_NEAR(seconds(state.since.value_or(Stamp{}) - Stamp{1'000'000'000}), 10.5, 0.6)
+      << "the first look that shows it";
+  EXPECT_FALSE(vehicle.drive({}, 15, 20).since);
 }
 
 TEST(MountCheck, MotionThatIsNotKnownIsNotTakenForAWrongMount) {

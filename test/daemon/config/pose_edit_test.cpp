@@ -18,26 +18,41 @@ TEST(PoseEdit, ReplacesNumbersAndLeavesAllElseAsItIs) {
   const char* const text =
       "# yard truck\nsensors:\n  left:   # front\n    model: sick_microscan3\n"
       "    pose: {xyz: [0, 1, 0.35], rpy_deg: [0, 0, 45]}   # by tape\n  right: {pose: {xyz: [0, 0, 0]}}\n";
-  EXPECT_EQ(with_poses(text, {{"left", wanted}}),
+  EXPECT_EQ(with_mounts(text, {{"left", {wanted, {}}}}),
             "# yard truck\nsensors:\n  left:   # front\n    model: sick_microscan3\n"
             "    pose: {xyz: [1.25, -0.5, 0.3], rpy_deg: [0, 0, 90]}   # by tape\n  right: {pose: {xyz: [0, "
             "0, 0]}}\n");
 }
 
 TEST(PoseEdit, KeepsTheUnitOfAnglesAndAddsThoseThatAreMissing) {
-  EXPECT_EQ(with_poses("sensors: {a: {pose: {rpy: [0, 0, 0], xyz: [0, 0, 0]}}}", {{"a", wanted}}),
+  EXPECT_EQ(with_mounts("sensors: {a: {pose: {rpy: [0, 0, 0], xyz: [0, 0, 0]}}}", {{"a", {wanted, {}}}}),
             "sensors: {a: {pose: {rpy: [0, 0, 1.570796], xyz: [1.25, -0.5, 0.3]}}}");
-  EXPECT_EQ(with_poses("sensors: {a: {pose: {xyz: [0, 0, 0]}}}", {{"a", wanted}}),
+  EXPECT_EQ(with_mounts("sensors: {a: {pose: {xyz: [0, 0, 0]}}}", {{"a", {wanted, {}}}}),
             "sensors: {a: {pose: {xyz: [1.25, -0.5, 0.3], rpy_deg: [0, 0, 90]}}}");
   EXPECT_EQ(
-      with_poses("sensors:\n  a:\n    pose:\n      xyz: [0, 0, 0]\n    model: b\n", {{"a", wanted}}),
+      with_mounts("sensors:\n  a:\n    pose:\n      xyz: [0, 0, 0]\n    model: b\n", {{"a", {wanted, {}}}}),
       "sensors:\n  a:\n    pose:\n      xyz: [1.25, -0.5, 0.3]\n      rpy_deg: [0, 0, 90]\n    model: b\n");
+}
+
+TEST(PoseEdit, WritesATimeOffsetInPlaceOfTheOldOneOrBesideThePose) {
+  const MountEdit edit{wanted, -0.0123};
+  EXPECT_EQ(
+      with_mounts("sensors: {a: {time_offset: 0.5, pose: {xyz: [0, 0, 0], rpy: [0, 0, 0]}}}", {{"a", edit}}),
+      "sensors: {a: {time_offset: -0.0123, pose: {xyz: [1.25, -0.5, 0.3], rpy: [0, 0, 1.570796]}}}");
+  EXPECT_EQ(with_mounts("sensors: {a: {model: b, pose: {xyz: [0, 0, 0], rpy: [0, 0, 0]}}}", {{"a", edit}}),
+            "sensors: {a: {model: b, time_offset: -0.0123, pose: {xyz: [1.25, -0.5, 0.3], rpy: [0, 0, "
+            "1.570796]}}}");
+  EXPECT_EQ(
+      with_mounts("sensors:\n  a:   # left\n    pose: {xyz: [0, 0, 0], rpy: [0, 0, 0]}  # tape\n",
+                  {{"a", edit}}),
+      "sensors:\n  a:   # left\n    time_offset: -0.0123\n    pose: {xyz: [1.25, -0.5, 0.3], rpy: [0, 0, "
+      "1.570796]}  # tape\n");
 }
 
 TEST(PoseEdit, NamesTheLineOfAPoseThatItCannotReplace) {
   try {
-    with_poses("sensors:\n  a:\n    pose:\n      xyz:\n        - 0\n        - 0\n        - 0\n",
-               {{"a", wanted}});
+    with_mounts("sensors:\n  a:\n    pose:\n      xyz:\n        - 0\n        - 0\n        - 0\n",
+                {{"a", {wanted, {}}}});
     FAIL() << "was replaced";
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("line 5: write the pose of a as {xyz: [x, y, z], rpy_deg"));

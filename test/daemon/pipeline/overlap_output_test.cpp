@@ -73,6 +73,8 @@ TEST(OverlapOutput, WarnsWithinTwoSecondsOfAMountThatIsTurnedAndSaysByHowMuch) {
   const DiagnosticItem item = status_after(2.1, 0.5, 0);
   EXPECT_EQ(item.health, Health::warn);
   EXPECT_THAT(item.message, HasSubstr("left and right do not agree"));
+  EXPECT_THAT(item.message, ::testing::ContainsRegex("since 00:00:0[01] UTC; `lidard calibrate"))
+      << item.message;
   EXPECT_THAT(item.message, ::testing::ContainsRegex("right by yaw \\+0\\.(4|5)[0-9]+ deg")) << item.message;
 }
 

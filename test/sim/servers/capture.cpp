@@ -53,6 +53,19 @@ void write_digest(const std::string& prefix, bool with_truth) {
   write_file(prefix + ".digest", text.data(), text.size());
 }
 
+/// For `--motion` of lidard.
+void write_odometry(const Scene& scene, const std::string& path) {
+  std::string text = "stamp,x,y,yaw\n";
+  for (const auto& [stamp, place] : odometry_of(scene)) {
+    char line[128];
+    std::snprintf(line, sizeof line, "%lld.%09lld,%.6f,%.6f,%.8f\n",
+                  static_cast<long long>(stamp.ns / 1'000'000'000),
+                  static_cast<long long>(stamp.ns % 1'000'000'000), place.x, place.y, place.yaw);
+    text += line;
+  }
+  write_file(path, text.data(), text.size());
+}
+
 }  // namespace
 
 std::uint32_t file_crc32(const std::string& path) {
@@ -85,6 +98,7 @@ CaptureSummary make_capture(const Scene& scene, const std::string& prefix, bool 
     return true;
   });
   pcap.close();
+  if (scene.odometry) write_odometry(scene, prefix + ".odometry.csv");
   if (with_truth) {
     const auto bytes = truth.bytes();
     write_file(prefix + ".truth", reinterpret_cast<const char*>(bytes.data()), bytes.size());

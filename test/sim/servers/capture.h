@@ -16,8 +16,8 @@ struct CaptureSummary {
 };
 
 /// Drives through the scene and writes PREFIX.pcap, PREFIX.truth (unless told not to: the scene tells the
-/// truth as well) and the lines about them in PREFIX.digest (other lines of that file stay). Throws
-/// std::runtime_error.
+/// truth as well), PREFIX.odometry.csv if the scene has odometry, and the lines about pcap and truth in
+/// PREFIX.digest (other lines of that file stay). Throws std::runtime_error.
 CaptureSummary make_capture(const Scene& scene, const std::string& prefix, bool with_truth = true);
 
 /// CRC-32 (IEEE 802.3, as in zlib) of a file; throws std::runtime_error.

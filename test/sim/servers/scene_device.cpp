@@ -83,7 +83,7 @@ std::unique_ptr<TcpDevice> live_device(const SceneDevice& setup, const Scene& sc
     std::vector<Answer> answers;
     for (const Beam& beam : beams_of(begin, begin - power_on, beams)) {
       Answer& answer = answers.emplace_back();
-      add_echo(entry, look(scene, entry, beam.ray, beam.time + shift), *rng, answer);
+      add_echo(entry, beam.laser, look(scene, entry, beam.ray, beam.time + shift), *rng, answer);
     }
     return answers;
   };

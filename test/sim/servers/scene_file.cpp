@@ -120,8 +120,19 @@ Trajectory parse_trajectory(const YamlReader& yaml) {
   return {start, twists};
 }
 
+OdometrySettings parse_odometry(const YamlReader& yaml) {
+  yaml.allow({"rate", "scale", "turn_scale", "noise", "turn_noise_deg"});
+  OdometrySettings odometry;
+  odometry.rate = yaml.positive("rate", odometry.rate);
+  odometry.scale = yaml.positive("scale", 1), odometry.turn_scale = yaml.positive("turn_scale", 1);
+  odometry.way_noise = yaml.not_negative("noise", 0);
+  odometry.turn_noise = yaml.not_negative("turn_noise_deg", 0) * rad_per_deg;
+  return odometry;
+}
+
 void parse_vehicle(const YamlReader& yaml, Scene& scene) {
-  yaml.allow({"start", "path", "body"});
+  yaml.allow({"start", "path", "body", "odometry"});
+  if (yaml.has("odometry")) scene.odometry = parse_odometry(yaml.at("odometry"));
   scene.trajectory = parse_trajectory(yaml);
   if (yaml.has("body")) scene.body = parse_objects(yaml.at("body"));
 }

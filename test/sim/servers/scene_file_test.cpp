@@ -70,6 +70,7 @@ TEST(SceneFile, EveryMistakeIsToldWithItsPlace) {
       with("objects: [{cylinder: {radius: 1, height: 1, waypoints: [{at: 1, center: [0, 0, 0]}, {at: 1, "
            "center: [0, 0, 1]}]}}]\n"),
       HasSubstr("times must ascend"));
+  EXPECT_THAT(with("vehicle: {odometry: {rate: 0}}\n"), HasSubstr("s.yaml:5:"));
   EXPECT_THAT(with("objects: 5\n"), HasSubstr("s.yaml:5:10: expected a list"));
   EXPECT_THAT(with("ground: {z: low}\n"), HasSubstr("'low' is not a number"));
   EXPECT_THAT(with("seed: 1.5\n"), HasSubstr("not a whole number"));
@@ -87,6 +88,8 @@ TEST(SceneFile, EveryMistakeOfASensorIsToldWithItsPlace) {
   EXPECT_THAT(sensor("velodyne_vlp16", "from: here"), HasSubstr("'here' is not an address with a port"));
   EXPECT_THAT(sensor("velodyne_vlp16", "from: '10.0.0.1:70000'"), HasSubstr("not an address with a port"));
   EXPECT_THAT(sensor("velodyne_vlp16", from + "noise: -1"), HasSubstr("must not be negative"));
+  EXPECT_THAT(sensor("velodyne_vlp16", from + "range_offset: far"), HasSubstr("'far' is not a number"));
+  EXPECT_THAT(sensor("velodyne_vlp16", from + "knocked: {by: 1}"), HasSubstr("unknown key 'by'"));
   EXPECT_THAT(sensor("velodyne_vlp16", from + "options: {return_mode: first}"),
               HasSubstr("unknown return mode"));
   EXPECT_THAT(sensor("velodyne_vlp16", from + "options: {pps_locked: 1}"), HasSubstr("true or false"));

@@ -32,16 +32,38 @@ Pose parse_pose(const YamlReader& yaml) {
   return make_pose(yaml.at("xyz").vector3(), rpy);
 }
 
+/// A mount that is not where it was any more: a shift in the vehicle's frame and a turn about its own axes.
+void parse_knock(const YamlReader& yaml, SensorEntry& sensor) {
+  yaml.allow({"at", "xyz", "rpy_deg"});
+  sensor.knocked_at = yaml.number("at", 0);
+  const Eigen::Vector3d none = Eigen::Vector3d::Zero();
+  sensor.knocked = sensor.mount;
+  sensor.knocked.translation() += yaml.has("xyz") ? yaml.at("xyz").vector3() : none;
+  sensor.knocked.rotate(make_pose(none, yaml.has("rpy_deg")
+                                            ? Eigen::Vector3d(yaml.at("rpy_deg").vector3() * rad_per_deg)
+                                            : none)
+                            .linear());
+}
+
+std::vector<double> parse_offsets(const YamlReader& yaml) {
+  if (!yaml.node().IsSequence()) return {yaml.number()};
+  std::vector<double> offsets;
+  for (std::size_t i = 0; i < yaml.list(); ++i) offsets.push_back(yaml.at(i).number());
+  return offsets;
+}
+
 }  // namespace
 
 SensorEntry parse_sensor(const std::string& name, const YamlReader& yaml) {
   yaml.allow({"model", "pose", "from", "to", "phase_ms", "clock_offset", "latency_us", "jitter_us", "noise",
-              "divergence_mrad", "range_min", "range_max", "options"});
+              "divergence_mrad", "range_min", "range_max", "range_offset", "knocked", "options"});
   const SceneModel& model = find_model(yaml.at("model"));
   SensorEntry sensor;
   sensor.name = name;
   sensor.model = model.name;
   if (yaml.has("pose")) sensor.mount = parse_pose(yaml.at("pose"));
+  if (yaml.has("knocked")) parse_knock(yaml.at("knocked"), sensor);
+  if (yaml.has("range_offset")) sensor.range_offsets = parse_offsets(yaml.at("range_offset"));
   sensor.from = yaml.at("from").endpoint();
   sensor.to = yaml.at("to").endpoint();
   sensor.phase = milliseconds(yaml.not_negative("phase_ms", 0));

@@ -83,12 +83,12 @@ class Station {
       const Hit& near = left.distance <= right.distance ? left : right;
       const Hit& far = left.distance <= right.distance ? right : left;
       if (far.distance - near.distance > echo_separation) {
-        add_echo(entry_, near, rng_, answer);
-        add_echo(entry_, far, rng_, answer);
+        add_echo(entry_, beam.laser, near, rng_, answer);
+        add_echo(entry_, beam.laser, far, rng_, answer);
         return answer;
       }
     }
-    add_echo(entry_, look(scene_, entry_, beam.ray, beam.time), rng_, answer);
+    add_echo(entry_, beam.laser, look(scene_, entry_, beam.ray, beam.time), rng_, answer);
     return answer;
   }
 

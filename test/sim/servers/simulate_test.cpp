@@ -45,6 +45,65 @@ TEST(Simulation, EachBeamLooksFromWhereTheVehicleIsAtThatMoment) {
   }
 }
 
+TEST(Simulation, AKnockedMountSeesFromElsewhereFromThenOn) {
+  const Scene scene =
+      room("sick_microscan3",
+           "pose: {xyz: [0.5, 0.2, 0.1]}, knocked: {at: 0.1, xyz: [0.03, 0, 0], rpy_deg: [0, 0, "
+           "0.5]}, options: {}",
+           "", "0.2");
+  const SensorEntry& sensor = scene.sensors[0];
+  EXPECT_TRUE(sensor.knocked.isApprox(make_pose({0.53, 0.2, 0.1}, {0, 0, 0.5 * rad_per_deg}), 1e-12));
+  std::size_t after = 0;
+  for (const KeptPacket& packet : all_packets(scene)) {
+    for (const SlotTruth& slot : packet.measurement.slots) {
+      const bool is_knocked = scene.elapsed(slot.time) >= 0.1;
+      after += is_knocked ? 1 : 0;
+      const Eigen::Vector3d world = (is_knocked ? sensor.knocked : sensor.mount) * slot.xyz;
+      ASSERT_NEAR(std::max(std::abs(world.x()), std::abs(world.y())), 5, 1e-9);
+    }
+  }
+  EXPECT_GT(after, 100U);
+}
+
+TEST(Simulation, OffsetsOfRangesAreAddedPerScannerOrPerLaser) {
+  const auto off_by = [](const std::string& model, const std::string& offset, const auto& expected) {
+    const Scene scene = room(model, "range_offset: " + offset + ", options: {}");
+    std::size_t judged = 0;
+    for (const KeptPacket& packet : all_packets(scene)) {
+      for (const SlotTruth& slot : packet.measurement.slots) {
+        if (!std::isfinite(slot.exact) || !std::isfinite(slot.wire)) continue;
+        ASSERT_NEAR(slot.wire - slot.exact, expected(slot), 0.003) << model;  // steps of the wire
+        ++judged;
+      }
+    }
+    EXPECT_GT(judged, 300U) << model;
+  };
+  off_by("sick_microscan3", "0.02", [](const SlotTruth&) { return 0.02; });
+  off_by("velodyne_vlp16", "[0.02, -0.03]", [](const SlotTruth& slot) {
+    return slot.laser == 0 ? 0.02 : slot.laser == 1 ? -0.03 : 0;
+  });
+}
+
+TEST(Simulation, OdometryIsWrongByItsScalesAndItsWalk) {
+  const std::string path = "vehicle: {path: [{duration: 100, speed: 1, yaw_rate_deg: 9}], odometry: {";
+  const auto last = [&](const std::string& keys, unsigned seed = 1) {
+    Scene scene = room("sick_microscan3", "options: {}", path + keys + "}}\n", "20");
+    scene.seed = seed;
+    const auto readings = odometry_of(scene);
+    EXPECT_EQ(readings.size(), 1001U);
+    EXPECT_NEAR(seconds(readings.back().stamp - scene.start), 20, 1e-6);
+    return readings.back().place;
+  };
+  EXPECT_NEAR(last("scale: 1").yaw, pi_d, 1e-9);
+  EXPECT_NEAR(last("scale: 1").y, 40 / pi_d, 1e-6);
+  EXPECT_NEAR(last("scale: 1.01").y, 40.4 / pi_d, 1e-6);
+  EXPECT_NEAR(last("turn_scale: 0.5").yaw, pi_d / 2, 1e-9);
+  double turns = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed)
+    turns += std::pow(last("turn_noise_deg: 0.1", seed).yaw - pi_d, 2) / 40;
+  EXPECT_NEAR(std::sqrt(turns) / rad_per_deg, 0.1 * std::sqrt(20), 0.12) << "the root of the way";
+}
+
 TEST(Simulation, VehicleMotionTakesAPointFromOneMomentToAnother) {
   const Scene scene = room("sick_microscan3", "options: {}", drive_past);
   const Stamp later = scene.start + Span(80'000'000);

@@ -21,6 +21,13 @@ struct GroundCover {
   double reflectivity = 0.2;
 };
 
+/// Odometry of the vehicle and how wrong it is.
+struct OdometrySettings {
+  double rate = 50;                      ///< Hz
+  double scale = 1, turn_scale = 1;      ///< of distances and of turns
+  double way_noise = 0, turn_noise = 0;  ///< m and rad, standard deviations after 1 m of a random walk
+};
+
 /// Everything that is simulated. World frame: z up, the vehicle drives on z = 0.
 struct Scene {
   Stamp start;
@@ -30,6 +37,7 @@ struct Scene {
   std::vector<Object> objects;
   std::vector<Object> body;  ///< of the vehicle, in its own frame
   Trajectory trajectory;
+  std::optional<OdometrySettings> odometry;
   std::vector<SensorEntry> sensors;
 
   /// Seconds since the start.
@@ -40,7 +48,13 @@ struct Scene {
 
 /// What a ray of a sensor (in its own frame) meets first at `time`.
 Hit look(const Scene& scene, const SensorEntry& sensor, const Ray& ray, Stamp time);
-/// Adds what the sensor measures of a hit in its range.
-void add_echo(const SensorEntry& sensor, const Hit& hit, Rng& rng, Answer& answer);
+/// Adds what a laser of the sensor measures of a hit in its range.
+void add_echo(const SensorEntry& sensor, std::size_t laser, const Hit& hit, Rng& rng, Answer& answer);
+/// What the odometry says from the start to the end, first at the origin.
+struct OdometryReading {
+  Stamp stamp;
+  Pose2 place;
+};
+std::vector<OdometryReading> odometry_of(const Scene& scene);
 
 }  // namespace lidard::sim

@@ -94,15 +94,23 @@ struct SensorEntry {
   std::string name;
   std::string model;
   Pose mount = Pose::Identity();  ///< in the vehicle's frame
+  /// The mount after somebody knocked it, and s after the start of the scene when that was.
+  Pose knocked = Pose::Identity();
+  double knocked_at = no_hit;
   Endpoint from, to;
-  Span phase{0};          ///< measures this long after the start of the scene
-  Span clock_offset{0};   ///< the device's clock minus the true time
-  Span latency{20'000};   ///< from the last firing to the wire
-  Span jitter{0};         ///< up to that much more, evenly distributed
-  double noise = 0;       ///< m, standard deviation of a distance
-  double divergence = 0;  ///< rad, horizontal width of a beam; 0: one exact ray
-  double range_min = 0;   ///< m
-  double range_max = 0;   ///< m
+  Span phase{0};                      ///< measures this long after the start of the scene
+  Span clock_offset{0};               ///< the device's clock minus the true time
+  Span latency{20'000};               ///< from the last firing to the wire
+  Span jitter{0};                     ///< up to that much more, evenly distributed
+  double noise = 0;                   ///< m, standard deviation of a distance
+  double divergence = 0;              ///< rad, horizontal width of a beam; 0: one exact ray
+  double range_min = 0;               ///< m
+  double range_max = 0;               ///< m
+  std::vector<double> range_offsets;  ///< m, added to each distance; one for all lasers, or one per laser
+  double range_offset(std::size_t laser) const {
+    if (range_offsets.size() == 1) return range_offsets[0];
+    return laser < range_offsets.size() ? range_offsets[laser] : 0;
+  }
   ModelMaker make;
   DeviceMaker make_device;                         ///< empty: the sensor sends UDP datagrams
   std::shared_ptr<const SafetySettings> settings;  ///< of a sensor with a CoLa 2 port beside its datagrams

@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/mounts/placement.h"
+
+namespace lidard {
+
+/// A pose in the plane with the information that surfaces give of it.
+struct MatchedPose {
+  PlanarPose pose;
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< of x, y (1/m^2) and yaw (1/rad^2)
+  std::size_t pairs = 0;
+};
+
+/// Improves a pose that takes surfaces of `b` to those of `a`, from a start that is right to some
+/// centimetres: each surface of `b` against the nearest of `a` that the same laser saw.
+MatchedPose refine_match(const std::vector<Surface>& a, const std::vector<Surface>& b, PlanarPose a_from_b);
+
+}  // namespace lidard
