@@ -46,8 +46,6 @@ const ModelRow& row_of(const Model& model) { return *static_cast<const ModelRow*
 
 }  // namespace
 
-bool operator==(const LaserCalibration& a, const LaserCalibration& b) { return all_of(a) == all_of(b); }
-
 std::vector<std::uint16_t> rings_by_elevation(const Calibration& calibration) {
   std::vector<std::size_t> order(calibration.lasers.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -114,6 +112,10 @@ Calibration table_of(const ModelRow& row) {
 }
 
 }  // namespace velodyne
+
+bool operator==(const LaserCalibration& a, const LaserCalibration& b) {
+  return velodyne::all_of(a) == velodyne::all_of(b);
+}
 
 using velodyne::row_of;
 

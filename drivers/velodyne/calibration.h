@@ -8,11 +8,13 @@
 
 #include "drivers/calibration.h"
 
-namespace lidard::velodyne {
-
-struct ModelRow;
+namespace lidard {
 
 bool operator==(const LaserCalibration& a, const LaserCalibration& b);
+
+namespace velodyne {
+
+struct ModelRow;
 
 /// Rings in ascending order of elevation, equal ones in order of the laser's number.
 std::vector<std::uint16_t> rings_by_elevation(const Calibration& calibration);
@@ -74,4 +76,5 @@ class CalibratedGeometry {
 /// The model's table as a calibration: angles and heights.
 Calibration table_of(const ModelRow& row);
 
-}  // namespace lidard::velodyne
+}  // namespace velodyne
+}  // namespace lidard

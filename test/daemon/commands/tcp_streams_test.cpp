@@ -141,7 +141,7 @@ TEST(DecodeTcp, SaysWhatWasFoundAndWhyItCannotBeRead) {
     EXPECT_THAT(why_undecoded(model, all, 9), HasSubstr("20 rejected for field"));
     EXPECT_THAT(why_undecoded(model, all, 9), HasSubstr("2112 over TCP: LMDscandata of a SICK scanner"));
     const auto first = [](std::size_t n) { return n == 0; };
-    EXPECT_THAT(why_undecoded(model, first), HasSubstr("no telegram ends"));
+    EXPECT_THAT(why_undecoded(model, first), HasSubstr("no telegram is complete"));
   }
 }
 
