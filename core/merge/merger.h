@@ -68,8 +68,6 @@ class Merger {
   std::uint64_t bad_times() const { return bad_times_; }
   /// When the beams of a source's newest sweep were measured; none if it has none.
   std::optional<SweepTimes> times(std::size_t source) const;
-  /// True if the source has a sweep and all its poses are known.
-  bool poses_cover(std::size_t source, const MergeMoment& moment) const;
   /// What is known of each beam; nullptr if no profile needs it.
   const Visibility* visibility() const { return visibility_ ? &*visibility_ : nullptr; }
   /// A source's sweep as the last merge placed it; nullptr: it was not used, or no surfaces are computed.
