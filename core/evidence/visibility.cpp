@@ -279,8 +279,8 @@ bool Visibility::is_covered(std::size_t beam, std::size_t sources) {
   const Inside& body = inside_[beam];
   const std::size_t last = table_.step_at(end);
   Walk walk{beam, sources, last, witness_ < sources ? witness_ : 0};
-  // What cannot be seen lies nearest; from another place it may be seen.
-  if (observing_ < sources) walk.source = rows_ == 1 ? observing_ : 0;
+  // What cannot be seen lies nearest.
+  if (observing_ < sources) walk.source = observing_;
   blind_to_[beam] = 0;
   body_at_[beam] = infinite;
   bool body_ahead = body.end > 0;
@@ -329,9 +329,23 @@ bool Visibility::cross_step(Walk& walk, std::size_t step, bool from_body, bool c
   return false;
 }
 
+/// Of a way that begins where one place is blind: from where on some source sees it to be free.
+float Visibility::seen_from(std::size_t beam) const {
+  const std::size_t end = table_.step_at(blind_to_[beam]);
+  for (std::size_t m = begin_[beam] > 0 ? table_.step_at(begin_[beam]) + 1 : 0; m < end; ++m) {
+    for (std::size_t s = 0; s < observing_; ++s) {
+      const std::size_t row = row_of(s);
+      if (maps_[s].size() > 0 && maps_[s].is_free(table_.place(beam, row, m), table_.place(beam, row, m + 1)))
+        return table_.edge(m);
+    }
+  }
+  return blind_to_[beam];
+}
+
 BeamState Visibility::decide(std::size_t beam) {
   if (!has_hit(beam)) return is_covered(beam, observing_) ? BeamState::free : BeamState::unobserved;
   if (!is_covered(beam, maps_.size())) return BeamState::gap;
+  if (rows_ > 1 && blind_to_[beam] > 0) blind_to_[beam] = seen_from(beam);
   bool seen = ways_[beam] <= begin_[beam];
   for (std::size_t s = 0; s < maps_.size() && !seen; ++s)
     seen = maps_[s].size() > 0 && maps_[s].is_free(way_ends_[s][beam]);

@@ -107,6 +107,7 @@ class Visibility {
   /// True if the part from `from` m to walk.at, here_ to there_, may stay unseen.
   bool accept_unseen(Walk& walk, float from);
   bool is_open_to_some(const Walk& walk) const;
+  float seen_from(std::size_t beam) const;
   bool is_seen_all_along(std::size_t beam) const;
   FreeSpaceMap::Place place_at(std::size_t source, std::size_t beam, float range) const {
     return maps_[source].place_of(range * raster_.cosine(beam), range * raster_.sine(beam));

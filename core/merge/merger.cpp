@@ -79,12 +79,6 @@ std::optional<SweepTimes> Merger::times(std::size_t source) const {
   return sources_[source].times;
 }
 
-bool Merger::poses_cover(std::size_t source, const MergeMoment& moment) const {
-  if (moment.track == nullptr || !sources_[source].stamp) return false;
-  const SweepTimes& times = sources_[source].times;
-  return moment.track->covers(times.first, times.last()) && moment.track->covers(moment.at, moment.at);
-}
-
 bool Merger::with_intensities(const std::vector<char>& use) const {
   for (std::size_t s = 0; s < sources_.size(); ++s) {
     if (use[s] != 0 && sources_[s].stamp && !sources_[s].has_intensities) return false;

@@ -67,8 +67,6 @@ class Merger {
   std::uint64_t bad_times() const { return bad_times_; }
   /// Times of the beams of a source's newest sweep; nullopt if it has none.
   std::optional<SweepTimes> times(std::size_t source) const;
-  /// True if the source has a sweep and all its poses are known.
-  bool poses_cover(std::size_t source, const MergeMoment& moment) const;
   /// The state of every beam; nullptr if no profile needs it.
   const Visibility* visibility() const { return visibility_ ? &*visibility_ : nullptr; }
   /// A source's sweep as placed by the last merge; nullptr if it was not used or no surfaces are computed.

@@ -245,19 +245,16 @@ class Forecast {
     question_reach(entry, group, reach);
     // Of several each sees where another one is blind.
     if (lidars.size() == 1) question_origins(entry, group, *config_.find_sensor(lidars[0]));
-    const auto all_placed = [&](const std::string& frame) {
-      return std::all_of(lidars.begin(), lidars.end(),
-                         [&](const std::string& lidar) { return is_placed(lidar, frame); });
-    };
-    std::set<std::string> unplaced;
+    std::set<std::string> unplaced, unknown;
     for (const std::string& lidar : lidars) {
       if (!is_placed(lidar, vehicle.base_frame)) unplaced.insert(lidar);
     }
-    std::set<std::string> unknown;
     std::size_t lost = 0;
     for (const std::string& frame : group.virtual_laser_scan) {
-      if (all_placed(frame)) continue;
-      ++lost;
+      const auto placed = static_cast<std::size_t>(std::count_if(
+          lidars.begin(), lidars.end(), [&](const std::string& lidar) { return is_placed(lidar, frame); }));
+      if (placed == lidars.size()) continue;
+      if (placed == 0) ++lost;
       if (!is_known(vehicle.base_frame, frame)) unknown.insert(frame);
       unknown.insert(unplaced.begin(), unplaced.end());
     }

@@ -84,8 +84,10 @@ struct Scene {
 
 /// By who looks: the first lidar alone, the second one alone, and both.
 struct Counts {
-  std::size_t right[3] = {0, 0, 0}, through[3] = {0, 0, 0}, phantom[3] = {0, 0, 0}, free[3] = {0, 0, 0};
-  std::size_t lost = 0;        // right of one of them alone, but not of both
+  std::size_t right[3] = {0, 0, 0}, through[3] = {0, 0, 0}, free[3] = {0, 0, 0};
+  double blind[3] = {0, 0,
+                     0};  // m in all, of beams that all show right: the begin of the way that nobody sees
+  std::size_t lost = 0;   // right of one of them alone, but not of both
   std::size_t newly_free = 0;  // falsely, and not so of one alone
 
   void add(const Scene& scene, Profile profile, CutMode mode = CutMode::slice) {
@@ -99,9 +101,13 @@ struct Counts {
         is_false[i] = scene.is_falsely_free(scans[i], beam);
         right[i] += is_right[i] ? 1 : 0;
         free[i] += scans[i].statuses[beam] == BeamStatus::none ? 1 : 0;
-        if (is_right[i] || scans[i].statuses[beam] != BeamStatus::hit) continue;
-        ++(static_cast<double>(scans[i].ranges[beam]) > scene.truth(scene.grid.angle(beam)) ? through
-                                                                                            : phantom)[i];
+        through[i] += !is_right[i] && scans[i].statuses[beam] == BeamStatus::hit &&
+                              static_cast<double>(scans[i].ranges[beam]) > scene.truth(scene.grid.angle(beam))
+                          ? 1
+                          : 0;
+      }
+      if (is_right[0] && is_right[1] && is_right[2]) {
+        for (int i = 0; i < 3; ++i) blind[i] += static_cast<double>(scans[i].free_from[beam]);
       }
       lost += (is_right[0] || is_right[1]) && !is_right[2] ? 1 : 0;
       newly_free += is_false[2] && !is_false[0] && !is_false[1] ? 1 : 0;
@@ -118,6 +124,10 @@ TEST(TwoLidars, NothingIsFalselyFreeAndMoreIsRightThanOfEitherAlone) {
       EXPECT_EQ(counts.free[2], 0U) << "the yard is closed";
       EXPECT_GT(counts.right[2], std::max(counts.right[0], counts.right[1]));
       EXPECT_LT(counts.lost, counts.right[2] / 100);
+      EXPECT_LE(counts.through[2], counts.right[2] * 12 / 1000);
+      // The plane at the lidars' height begins at their own places.
+      if (which == 1) continue;
+      EXPECT_LT(counts.blind[2], 0.95 * std::min(counts.blind[0], counts.blind[1]));
     }
   }
 }

@@ -225,6 +225,31 @@ TEST_F(Check, AVirtualScanWhoseFrameOrCloudHasNoPoseIsSaidAtOnce) {
                 "--bag, snapshot) nothing comes out: configure it\n");
 }
 
+TEST_F(Check, AMergedCloudIsSaidToNeedPosesAndTopicsOfOthers) {
+  EXPECT_EQ(check("sensors:\n"
+                  "  roof: {model: velodyne_vlp16, pose: {xyz: [0, 0, 2]}}\n"
+                  "  mast: {model: velodyne_vlp16, ip_port: 2369}\n"
+                  "  rear: {topic: /rear/points, pose: {xyz: [0, 0, 1]}}\n"
+                  "merged_clouds:\n"
+                  "  all: {sources: [roof, mast, rear]}\n"
+                  "  nowhere: {sources: [roof], destination_frame: gripper}\n"
+                  "virtual_scans:\n"
+                  "  some: {cloud_topic: all, virtual_laser_scan: [low], poses: {low: {xyz: [0, 0, 1]}}, "
+                  "profile: strict}\n"),
+            0)
+      << err_.str();
+  const std::string tf = " from tf only; without tf (replay --bag, snapshot) ";
+  const std::string topic =
+      ": rear comes from /rear/points, which another node must publish; a replay of captures is without it\n";
+  EXPECT_EQ(err_.str(),
+            path_ + ":6:3: merged_clouds.all: the pose of mast comes" + tf +
+                "what needs it is left out: configure it\n" + path_ + ":6:3: merged_clouds.all" + topic +
+                path_ + ":7:3: merged_clouds.nowhere: the pose of destination_frame gripper comes" + tf +
+                "nothing comes out: configure it\n" + path_ +
+                ":9:3: virtual_scans.some: the pose of mast comes" + tf +
+                "what needs it is left out: configure it\n" + path_ + ":9:3: virtual_scans.some" + topic);
+}
+
 TEST_F(Check, MistakesGiveExitCode78AndOneLine) {
   EXPECT_EQ(check("sensors: {rear: {topc: scan}}\n"), 78);
   EXPECT_EQ(out_.str(), "");
