@@ -31,6 +31,7 @@ constexpr double standing_m = 0.03;
 // Share of the evidence that is required for a direction.
 constexpr double determined_share = 0.02;
 constexpr double mad_to_sigma = 1.4826;
+constexpr double looks_to_confirm = 8;
 
 /// The three parameters with yaw as a length, so that they can be compared.
 struct Solution {
@@ -253,6 +254,17 @@ void MountCheck::judge(const Memory& memory, OverlapState& state) const {
   state.misaligned = state.beams >= enough_beams && std::max(std::abs(state.median), state.shift) > limit;
 }
 
+/// What was seen for a while before a knock would lessen the correction: it is forgotten once the knock
+/// shows. A few looks later it is known whether it was one.
+void MountCheck::date_knock(Stamp stamp, Memory& memory, OverlapState& state) {
+  if (memory.since_knock && memory.weight < looks_to_confirm) state.misaligned = true;
+  if (state.misaligned == state.since.has_value()) return;
+  state.since = state.misaligned ? std::optional(stamp) : std::nullopt;
+  const bool is_knock = state.misaligned && memory.weight >= looks_to_confirm;
+  if (is_knock) memory = Memory{};
+  memory.since_knock = is_knock;
+}
+
 void MountCheck::look(Stamp stamp, const std::vector<const PlacedScan*>& sweeps,
                       const std::vector<Eigen::Vector2d>& places, bool deskewed) {
   if (last_look_ && *last_look_ - stamp > restart_limit) reset();
@@ -272,10 +284,7 @@ void MountCheck::look(Stamp stamp, const std::vector<const PlacedScan*>& sweeps,
     compare(facets_[state.first], facets_[state.second], places[state.second]);
     remember(std::exp(-since / memory_s), memories_[i]);
     judge(memories_[i], state);
-    if (!state.misaligned)
-      state.since.reset();
-    else if (!state.since)
-      state.since = stamp;
+    date_knock(stamp, memories_[i], state);
   }
 }
 

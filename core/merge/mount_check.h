@@ -65,6 +65,7 @@ class MountCheck {
   struct Memory {
     double weight = 0, beams = 0, median = 0, mad = 0, rest = 0;
     double evidence = 0;  // of beams
+    bool since_knock = false;
     Eigen::Matrix3d levers = Eigen::Matrix3d::Zero();
     Eigen::Vector3d pulls = Eigen::Vector3d::Zero();
   };
@@ -78,6 +79,7 @@ class MountCheck {
   void learn(Memory& memory);
   void remember(double kept, Memory& memory);
   void judge(const Memory& memory, OverlapState& state) const;
+  static void date_knock(Stamp stamp, Memory& memory, OverlapState& state);
   template <typename Value>
   double median_of(Value value);
 

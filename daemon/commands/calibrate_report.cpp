@@ -90,8 +90,7 @@ std::string Drive::advice() const {
   if (turned < 60 * rad_per_deg) return "drive curves to both sides, such as an eight";
   if (std::sqrt(std::max(0.0, square / count - std::pow(sum / count, 2))) / step < 0.15)
     return "at a constant turn rate a time offset looks like another place: drive with changing turn rate, "
-           "such as an "
-           "eight";
+           "such as an eight";
   return "drive longer, with changing turn rate, where walls and boxes stand on several sides";
 }
 

@@ -5,6 +5,7 @@
 a drive with its odometry, and what these show nothing of is refused."""
 import json
 import math
+import re
 
 import rosbag
 import rospy
@@ -198,8 +199,28 @@ def check_drives_that_show_little(tmp):
     expect(done.returncode == 2 and "neither a .png nor a .svg" in done.stderr, done.stderr)
 
 
+def check_watch(tmp):
+    """A mount that somebody knocks while the daemon runs is reported: how far, since when, and what to do."""
+    begin = 1767226643.456
+    for name, knock, words in (("turned", {"rpy_deg": [0, 0, 0.5]}, r"front_right by yaw \+0\.[45]\d+ deg"), ("shifted", {"xyz": [0, 0.03, 0]}, r"y \+0\.0[23]\d m")):
+        scene = yaml.safe_load(driving([{"duration": 15, "speed": 0, "yaw_rate_deg": 0}]))
+        for sensor, x, y, yaw in (("front_left", 0, 1, 45), ("front_right", 0, -1, -45)):
+            scene["sensors"][sensor] |= {"pose": {"xyz": [x, y, 0.35], "rpy_deg": [0, 0, yaw]}, "range_offset": 0, "latency_us": 20}
+        scene["sensors"]["front_right"]["knocked"] = {"at": 4, **knock}
+        capture = make_capture(tmp / name, yaml.safe_dump(scene | {"start": "2026-01-01T00:17:23.456Z"}))
+        done = run("replay", "-c", ROOT / "config/demo.yaml", capture, "--rate", "max", "--bag", tmp / f"{name}.bag")
+        messages = []
+        with rosbag.Bag(str(tmp / f"{name}.bag")) as bag:
+            for _, message, _ in bag.read_messages(["/diagnostics"]):
+                messages += [(message.header.stamp.to_sec() - begin, one.message) for one in message.status if "do not agree on where" in one.message]
+        expect(messages and 4 < messages[0][0] < 14, f"{name}: knocked after 4 s: {messages[:1]} {done.stderr}")
+        last = messages[-1][1]
+        expect(re.search(words, last) and re.search(r"since 00:17:(2[789]|3[0-7]) UTC; `lidard calibrate", last), f"{name}: {last}")
+
+
 def main():
     with folder() as tmp:
+        check_watch(tmp)
         check_drive(tmp)
         check_drives_that_show_little(tmp)
         capture = make_capture(tmp / "parked", parked())

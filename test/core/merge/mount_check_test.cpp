@@ -120,6 +120,7 @@ TEST(MountCheck, NoticesAMountThatIsKnockedOnTheWay) {
   EXPECT_FALSE(vehicle.drive({}, 0, 10).misaligned);
   const OverlapState state = vehicle.drive({1.0, 0, 0}, 10, 5);
   EXPECT_TRUE(state.misaligned);
+  EXPECT_NEAR(state.correction[0] / degree, 1, 0.05) << "what was seen before the knock is forgotten";
   EXPECT_NEAR(seconds(state.since.value_or(Stamp{}) - Stamp{1'000'000'000}), 10.5, 0.6)
       << "the first look that shows it";
   EXPECT_FALSE(vehicle.drive({}, 15, 20).since);
