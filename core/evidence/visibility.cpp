@@ -99,11 +99,6 @@ void Visibility::begin() {
   for (FreeSpaceMap& map : maps_) map.clear();
 }
 
-void Visibility::compute(const std::vector<const PlacedScan*>& sweeps) {
-  combine(sweeps);
-  compute();
-}
-
 void Visibility::compute() {
   for (FreeSpaceMap& map : maps_) map.find_runs();
   find_ends();
@@ -143,11 +138,6 @@ void Visibility::find_ends() {
     else if (maps_[s].size() > 0)
       maps_[s].find_places(end_x_.data(), end_y_.data(), beams(), way_ends_[s].data());
   }
-}
-
-bool Visibility::sees_stretch(std::size_t source, std::size_t beam, std::size_t stretch) const {
-  return maps_[source].size() > 0 &&
-         table_.stretch(beam, row_of(source), stretch).is_free(maps_[source].runs());
 }
 
 std::size_t Visibility::free_run(std::size_t source, std::size_t beam, std::size_t from,

@@ -40,7 +40,10 @@ class Visibility {
   /// Sets the beams of a source; call it once and whenever the source moves.
   void set_source(std::size_t source, const BeamRays& rays);
   /// Computes from the newest sweep of every source; nullptr: the source has none.
-  void compute(const std::vector<const PlacedScan*>& sweeps);
+  void compute(const std::vector<const PlacedScan*>& sweeps) {
+    combine(sweeps);
+    compute();
+  }
   /// For what is no sweep: `places` places, from each of which an equal number of sources looks, in turns:
   /// source s looks from place s modulo `places`. The first `observing` sources are what is seen to be free.
   /// Then comes from each place what no beam can see from there; the others are free more likely than not: a
@@ -77,7 +80,10 @@ class Visibility {
   std::size_t row_of(std::size_t source) const { return row_of_[source]; }
   bool is_blind(std::size_t source) const { return source >= observing_ && source < observing_ + rows_; }
   /// This source sees all of stretch `stretch` of the table to be free.
-  bool sees_stretch(std::size_t source, std::size_t beam, std::size_t stretch) const;
+  bool sees_stretch(std::size_t source, std::size_t beam, std::size_t stretch) const {
+    return maps_[source].size() > 0 &&
+           table_.stretch(beam, row_of(source), stretch).is_free(maps_[source].runs());
+  }
   /// The first step in [from, to), all in one stretch, that the source does not see to be free, or `to`.
   std::size_t free_run(std::size_t source, std::size_t beam, std::size_t from, std::size_t to) const;
   /// State of a walk along a beam.

@@ -22,7 +22,8 @@ enum class Backpressure : std::uint8_t {
 };
 
 /// Anything that goes out on a topic; a Stamp is the time of a replay.
-using QueuedContent = std::variant<PlanarScan, Cloud, MergedCloud, DeviceMessage, std::vector<StaticTransform>, Stamp>;
+using QueuedContent =
+    std::variant<PlanarScan, Cloud, MergedCloud, DeviceMessage, std::vector<StaticTransform>, Stamp>;
 
 /// A frame queued for the publishing thread.
 struct QueuedFrame {

@@ -12,7 +12,6 @@
 namespace lidard {
 namespace {
 
-constexpr int preference = 10;
 constexpr std::uint64_t short_slice_ns = 100'000, usual_slice = 0;
 
 /// struct sched_attr of sched_setattr(2), which the C library has from version 2.41 on.
@@ -24,20 +23,18 @@ struct Attributes {
   std::uint64_t runtime = 0, deadline = 0, period = 0;  // ns; runtime: the slice, Linux 6.12
 };
 
-/// What is not permitted stays as it is. Niceness is that of a thread on Linux (setpriority(2)). A policy that
-/// the user has set, as real time, stays.
-void set_priority(int niceness, std::uint64_t slice_ns) {
+/// A policy that the user has set, as real time, stays, and so does the niceness.
+void set_slice(std::uint64_t ns) {
   if (sched_getscheduler(0) != SCHED_OTHER) return;
-  setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + niceness);
   Attributes wanted;
   wanted.nice = getpriority(PRIO_PROCESS, 0);
-  wanted.runtime = slice_ns;
+  wanted.runtime = ns;
   syscall(SYS_sched_setattr, 0, &wanted, 0U);
 }
 
 }  // namespace
 
-void prefer_this_thread() { set_priority(-preference, short_slice_ns); }
-void yield_this_thread() { set_priority(preference, usual_slice); }
+void prefer_this_thread() { set_slice(short_slice_ns); }
+void yield_this_thread() { set_slice(usual_slice); }
 
 }  // namespace lidard

@@ -4,11 +4,12 @@
 
 namespace lidard {
 
-/// Prefers the calling thread, and those that it starts, to other programs, as far as the system permits: 10
-/// steps of niceness, and from Linux 6.12 on a short slice, so that a thread of planar scanners need not wait
-/// until a busy one has used up its own.
+/// Asks for short slices for the calling thread and those that it starts (Linux 6.12, where the system
+/// permits it): a thread that has little to do need not wait until a busy one has used up its slice. Older
+/// kernels let it run at once anyway. The thread gets no larger share of the processors, so it cannot starve
+/// others.
 void prefer_this_thread();
-/// Lets the calling thread give way again: clouds come after planar scanners.
+/// Returns the calling thread to usual slices: clouds come after planar scanners.
 void yield_this_thread();
 
 }  // namespace lidard

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-// The merged cloud of two VLS-128 in dual return mode, on a vehicle that drives a curve: every beam with two returns,
-// which is the most there can be (460 800 returns per turn and lidar). Counters: ms of the processor for taking the two
-// clouds and for merging them, their share of a core at 10 turns/s, and the ms from the arrival of the last cloud to the
-// finished bytes of the message.
+// The merged cloud of two VLS-128 in dual return mode, on a vehicle that drives a curve: every beam with two
+// returns, which is the most there can be (460 800 returns per turn and lidar). Counters: ms of the processor
+// for taking the two clouds and for merging them, their share of a core at 10 turns/s, and the ms from the
+// arrival of the last cloud to the finished bytes of the message.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -34,7 +34,10 @@ Cloud dual_cloud() {
         const double range = 10 + 5 * std::sin(7 * azimuth) + echo;
         cloud.points()[points++] = {static_cast<float>(range * std::cos(azimuth)),
                                     static_cast<float>(-range * std::sin(azimuth)),
-                                    static_cast<float>(0.02 * ring - 1), 50, ring, static_cast<float>(after)};
+                                    static_cast<float>(0.02 * ring - 1),
+                                    50,
+                                    ring,
+                                    static_cast<float>(after)};
       }
     }
   }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Any text as a configuration: it is accepted, and then what `lidard check` prints is read back to the same, or
-// rejected with a place. Corpus: config/*.yaml; -max_len=4096.
+// Any text as a configuration: it is accepted, and then what `lidard check` prints is read back to the same,
+// or rejected with a place. Corpus: config/*.yaml; -max_len=4096.
 #include <cstdlib>
 #include <string>
 

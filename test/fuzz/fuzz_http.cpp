@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Any bytes as what the web server of a Velodyne answers, in any pieces: a dialogue that may write goes on. Each
-// connection gets some of the input; -max_len=8192.
+// Any bytes as what the web server of a Velodyne answers, in any pieces: a dialogue that may write goes on.
+// Each connection gets some of the input; -max_len=8192.
 #include <cstdlib>
 
 #include "drivers/velodyne/web/web_dialogue.h"

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Any bytes as a LaserScan or a PointCloud2 that another node publishes: rejected with a reason, or a frame that
-// keeps the invariants; -max_len=8192.
+// Any bytes as a LaserScan or a PointCloud2 that another node publishes: rejected with a reason, or a frame
+// that keeps the invariants; -max_len=8192.
 #include <ros/serialization.h>
 
 #include <cmath>

@@ -10,7 +10,8 @@
 namespace lidard {
 namespace {
 
-/// A vehicle, two sensors, a merged scan, a virtual scan and a merged cloud, with one place in its text changed.
+/// A vehicle, two sensors, a merged scan, a virtual scan and a merged cloud, with one place in its text
+/// changed.
 Config entries_with(const std::string& before = "", const std::string& after = "") {
   std::string text =
       "vehicle: {base_frame: base, footprint: [[-4, -1], [0.1, -1], [0.1, 1]]}\n"
@@ -30,15 +31,20 @@ Config entries_with(const std::string& before = "", const std::string& after = "
 /// Which entries are equal to those of the text as it is: vehicle, roof, rear, m, v, c.
 std::string equal_ones(const Config& a) {
   const Config b = entries_with();
-  const bool same[] = {a.vehicle == b.vehicle, a.sensors[0] == b.sensors[0], a.sensors[1] == b.sensors[1],
-                       a.merged_scans[0] == b.merged_scans[0], a.virtual_scans[0] == b.virtual_scans[0],
+  const bool same[] = {a.vehicle == b.vehicle,
+                       a.sensors[0] == b.sensors[0],
+                       a.sensors[1] == b.sensors[1],
+                       a.merged_scans[0] == b.merged_scans[0],
+                       a.virtual_scans[0] == b.virtual_scans[0],
                        a.merged_clouds[0] == b.merged_clouds[0]};
   std::string text;
   for (const bool one : same) text += one ? '=' : 'x';
   return text;
 }
 
-TEST(Equality, AnEntryEqualsAnotherOneReadFromTheSameText) { EXPECT_EQ(equal_ones(entries_with()), "======"); }
+TEST(Equality, AnEntryEqualsAnotherOneReadFromTheSameText) {
+  EXPECT_EQ(equal_ones(entries_with()), "======");
+}
 
 TEST(Equality, AnotherValueOfAKeyMakesAnotherEntryOfItsOwnAlone) {
   EXPECT_EQ(equal_ones(entries_with("0.1, 1]", "0.2, 1]")), "x=====");

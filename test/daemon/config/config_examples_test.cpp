@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
-
 #include <yaml-cpp/yaml.h>
 
 #include <cmath>
@@ -54,15 +53,16 @@ void find_used(const YAML::Node& node, const std::string& section, const std::se
     std::string row = section + "." + std::regex_replace(entry.first.Scalar(), std::regex("_deg$"), "");
     if (rows.count(row) == 0) row = section + "." + entry.first.Scalar();
     used.insert(row);
-    const bool has_names = row == "merged_scans.NAME.source_settings" || row.find(".also") != std::string::npos;
+    const bool has_names =
+        row == "merged_scans.NAME.source_settings" || row.find(".also") != std::string::npos;
     if (!entry.second.IsMap()) continue;
     if (!has_names) find_used(entry.second, row, rows, used);
     for (const auto& named : entry.second) {
       if (!has_names || !named.second.IsMap()) continue;
       const bool is_also = row.find(".also") != std::string::npos;
       find_used(named.second,
-                is_also ? "merged_scans.NAME.also.TOPIC, virtual_scans.NAME.also.TOPIC" : row + ".SOURCE", rows,
-                used);
+                is_also ? "merged_scans.NAME.also.TOPIC, virtual_scans.NAME.also.TOPIC" : row + ".SOURCE",
+                rows, used);
     }
   }
 }
@@ -119,7 +119,8 @@ TEST(ExampleConfigs, ShowNearlyEveryKeyThereIs) {
 TEST(ExampleConfigs, NameTheAddressOfEachSensor) {
   for (const std::string& file : examples()) {
     for (const SensorConfig& sensor : load_config(file).sensors)
-      EXPECT_TRUE(sensor.model == nullptr || sensor.ip_address || !sensor.packet_topic.empty()) << file << ": " << sensor.name;
+      EXPECT_TRUE(sensor.model == nullptr || sensor.ip_address || !sensor.packet_topic.empty())
+          << file << ": " << sensor.name;
   }
 }
 

@@ -78,13 +78,14 @@ TEST(Config, AFileInUtf16IsNamedAsSuch) {
 }
 
 TEST(Config, UnknownKeysNearNothingListWhatThereIs) {
+  EXPECT_EQ(error_of("qqqqqq: 1\n"),
+            "f:1:1: unknown key qqqqqq; expected one of vehicle, sensors, merged_scans, merged_clouds, "
+            "virtual_scans, "
+            "blackbox");
   EXPECT_EQ(
-      error_of("qqqqqq: 1\n"),
-      "f:1:1: unknown key qqqqqq; expected one of vehicle, sensors, merged_scans, merged_clouds, virtual_scans, "
-            "blackbox");
-  EXPECT_EQ(error_of("<>: {}\n"),
-            "f:1:1: unknown key <>; expected one of vehicle, sensors, merged_scans, merged_clouds, virtual_scans, "
-            "blackbox");
+      error_of("<>: {}\n"),
+      "f:1:1: unknown key <>; expected one of vehicle, sensors, merged_scans, merged_clouds, virtual_scans, "
+      "blackbox");
 }
 
 TEST(Config, KeysGivenTwiceAreAnError) {
