@@ -144,9 +144,10 @@ def every_loss_is_counted(network, tmp):
         _, sent = send_paced(first[:half - 200], senders, HOST, change)
         later = [(t - datagrams[half - 200][0], *rest) for t, *rest in datagrams[half - 200:half]]
         sent += send_paced(later, senders, HOST)[1]
-        wait_for(lambda: value("roof", "Packets") == sent, 5, f"{sent} packets: {counted('roof')}")
+        # On a busy machine the kernel's buffer loses some, too.
+        wait_for(lambda: (lambda p, _, k: p + k == sent)(*counted("roof")), 5, f"{sent} packets: {counted('roof')}")
         starved, begin = Starved(), time.monotonic()
-        wait_for(lambda: value("roof", "Lost packets") == len(lost), 5, f"{len(lost)} lost packets are counted: {counted('roof')}")
+        wait_for(lambda: (lambda _, l, k: l == len(lost) + k)(*counted("roof")), 5, f"{len(lost)} lost packets are counted: {counted('roof')}")
         print(f"P5: {len(lost)} packets lost on the way, all counted; {sent} sent, {item('sensor roof')['values']['Rejected']}")
         # The buffer holds half a second of them.
         child.send_signal(signal.SIGSTOP)
