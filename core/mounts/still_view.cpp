@@ -12,6 +12,8 @@ namespace lidard {
 namespace {
 
 constexpr std::size_t bins = 1800;  // of a turn of a multi-plane lidar
+// No lidar has more; a cloud of another driver may claim 65535.
+constexpr std::size_t most_rings = 256;
 // A beam counts if so many frames show it: leaves and people give less. A turn of a multi-plane lidar at full
 // speed meets every second bin.
 constexpr double least_share = 0.6, least_share_of_bin = 0.25;
@@ -53,6 +55,7 @@ double StillScans::Samples::median(double enough, double& sigma) const {
 
 bool StillScans::add(const PlanarScan& scan) {
   const auto step = static_cast<double>(scan.angle_increment);
+  if (scan.beams == 0) return false;
   if (frames_ == 0) {
     rings_.assign(1, std::vector<Samples>(scan.beams));
     angle_min_ = static_cast<double>(scan.angle_min), step_ = step;
@@ -77,8 +80,8 @@ void StillScans::add(const Cloud& cloud) {
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Eigen::Vector3f p(points[i].x, points[i].y, points[i].z);
     const float range = p.norm();
-    if (!(range > 0.1F)) continue;
     const std::size_t ring = points[i].ring;
+    if (!(range > 0.1F) || ring >= most_rings) continue;
     if (rings_.size() <= ring) rings_.resize(ring + 1, std::vector<Samples>(bins));
     const double azimuth = std::atan2(static_cast<double>(p.y()), static_cast<double>(p.x())) + pi_d;
     const auto bin = static_cast<std::size_t>(azimuth / step_);

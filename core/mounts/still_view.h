@@ -34,9 +34,10 @@ struct StillView {
 /// that what moves through the view leaves no trace.
 class StillScans {
  public:
-  /// The grids of all scans must agree; others are not added. False: not added.
+  /// The grids of all scans must agree; others, and those without beams, are not added. False: not added.
   bool add(const PlanarScan& scan);
-  /// Returns of a multi-plane lidar by ring and azimuth (steps of 0.2 degrees).
+  /// Returns of a multi-plane lidar by ring and azimuth (steps of 0.2 degrees). Rings from 256 on are left
+  /// out.
   void add(const Cloud& cloud);
   std::size_t frames() const { return frames_; }
   bool is_cloud() const { return cloud_frames_ > 0; }

@@ -81,11 +81,15 @@ def live_rows():
 def system_rows():
     """Figures that system tests print."""
     said = subprocess.run(["/usr/bin/python3", ROOT / "test/system/test_planes_first.py", "20"], stdout=subprocess.PIPE, text=True, check=False).stdout
-    for topic, p50, p99 in re.findall(r"^(\S+) +\d+ frames.* p50 ([\d.]+), p99 ([\d.]+)", said, re.M):
+    latencies = re.findall(r"^(\S+) +\d+ frames.* p50 ([\d.]+), p99 ([\d.]+)", said, re.M)
+    harness.expect(latencies, f"test_planes_first prints no latencies: {said}")
+    for topic, p50, p99 in latencies:
         yield row(f"beside two VLS-128: {topic} p50", "ms", [float(p50)])
         yield row(f"beside two VLS-128: {topic} p99", "ms", [float(p99)])
     said = subprocess.run(["/usr/bin/python3", ROOT / "test/system/test_memory.py"], stdout=subprocess.PIPE, text=True, check=False).stdout
-    for what, peak in re.findall(r"^(eight lidars|two VLS-128).*at most ([\d.]+) MB", said, re.M):
+    peaks = re.findall(r"^(eight lidars|two VLS-128).*at most ([\d.]+) MB", said, re.M)
+    harness.expect(len(peaks) == 2, f"test_memory prints no figures: {said}")
+    for what, peak in peaks:
         yield row(f"memory: {what}", "MB", [float(peak)])
 
 

@@ -50,6 +50,22 @@ TEST(StillView, ScansOfAnotherGridAreNotAdded) {
   EXPECT_EQ(scans.frames(), 1U);
 }
 
+TEST(StillView, AScanWithoutBeamsDoesNotSetTheGrid) {
+  StillScans scans;
+  EXPECT_FALSE(scans.add(scan_of(0)));
+  EXPECT_TRUE(scans.add(scan_of(100)));
+}
+
+TEST(StillView, ACloudWhoseRingsNoLidarHasTakesNoMemory) {
+  StillScans scans;
+  Cloud cloud;
+  cloud.points_bytes.resize(2 * sizeof(CloudPoint));
+  cloud.points()[0] = {1, 0, 0, 0, 3, 0};
+  cloud.points()[1] = {1, 0, 0, 0, 65535, 0};
+  scans.add(cloud);
+  EXPECT_EQ(scans.views(Eigen::Matrix3d::Identity()).size(), 4U);
+}
+
 /// A wall 4 m ahead that ends in a corner; behind the corner a wall goes away.
 TEST(Surfaces, AreCutAtCornersAndKnowTheirErrors) {
   StillScans scans;
