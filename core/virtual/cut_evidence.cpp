@@ -78,38 +78,33 @@ CutEvidence::End CutEvidence::end_abreast(std::size_t i) const {
     const bool same = on_one_surface(i, beam);
     // On one surface every column sees as far as its own return.
     if (!ends(beam) || (same && beam != i && ends(i))) continue;
-    const float end = ray(beam).end * (same ? 1 : 1 - corner_);
+    const float end = end_of(beam) * (same ? 1 : 1 - corner_);
     if (end < nearest.at) nearest = {end, view_->grid().kind[beam] == Beam::point};
   }
   return nearest;
 }
 
-CutEvidence::End CutEvidence::thing_abreast(std::size_t last, std::ptrdiff_t step) const {
+inline CutEvidence::End CutEvidence::thing_abreast(std::size_t last) const {
   End nearest{infinite, true};
   if ((marks_[last] & meets) == 0) return nearest;
   const bool met = (own_marks_[last] & meets) != 0;
   for (const std::size_t beam : abreast(last)) {
     const bool same = on_one_surface(last, beam);
     if ((own_marks_[beam] & meets) == 0 || (same && beam != last && met)) continue;
-    if (is_hidden(beam, static_cast<std::size_t>(static_cast<std::ptrdiff_t>(beam) + step)))
-      nearest.at = std::min(nearest.at, ray(beam).end * (same ? 1 : 1 - corner_));
+    if (is_hidden(beam, static_cast<std::size_t>(static_cast<std::ptrdiff_t>(beam) + step_)))
+      nearest.at = std::min(nearest.at, end_of(beam) * (same ? 1 : 1 - corner_));
   }
   return nearest;
 }
 
 inline CutEvidence::Ray CutEvidence::ray(std::size_t i) const {
-  const BeamEnd e = ends_[i];
-  const float x = axes_[0] * e.x + axes_[1] * e.y + axes_[2] * e.z;
-  const float y = axes_[3] * e.x + axes_[4] * e.y + axes_[5] * e.z;
-  const float end = std::sqrt(x * x + y * y);
-  return {x, y, end, end * sensor_ / std::max(sensor_ - sign_ * view_->above(i), 1e-6F)};
+  return {i, end_of(i) * sensor_ / std::max(sensor_ - sign_ * view_->above(i), 1e-6F)};
 }
 
 inline void CutEvidence::add(const Ray& first, const Ray& seen_along, End end) {
-  const float begin = tilted_ ? (fast_atan2(first.y, first.x) + static_cast<float>(pi_d)) * per_rad_ : 0;
   const Piece free =
       end.at > farthest_ ? Piece{first.at, farthest_, true} : Piece{first.at, end.at, end.hides};
-  wedges_.push_back({free, blind_, {}, seen_along.x, seen_along.y, begin});
+  wedges_.push_back({free, blind_, {}, first.beam, seen_along.beam});
   blind_ = {};
 }
 
@@ -154,19 +149,28 @@ void CutEvidence::claim(Cell& cell, const Piece& piece) const {
     free = {both(free[0], free[1]), Piece{}};
 }
 
-void CutEvidence::claim_wedges() {
+void CutEvidence::find_azimuths(std::size_t Wedge::*beam, std::vector<float>& azimuths) {
   const std::size_t n = wedges_.size();
-  for (auto* list : {&x_, &y_, &azimuths_}) list->resize(n);
+  for (auto* list : {&x_, &y_, &azimuths}) list->resize(n);
   float* const x = x_.data();
   float* const y = y_.data();
-  float* const azimuths = azimuths_.data();
-  for (std::size_t i = 0; i < n; ++i) x[i] = wedges_[i].x, y[i] = wedges_[i].y;
+  float* const to = azimuths.data();
+  for (std::size_t i = 0; i < n; ++i) {
+    const BeamEnd e = ends_[wedges_[i].*beam];
+    x[i] = axes_[0] * e.x + axes_[1] * e.y + axes_[2] * e.z;
+    y[i] = axes_[3] * e.x + axes_[4] * e.y + axes_[5] * e.z;
+  }
   const float per_rad = per_rad_;
-  for (std::size_t i = 0; i < n; ++i)
-    azimuths[i] = (fast_atan2(y[i], x[i]) + static_cast<float>(pi_d)) * per_rad;
+  for (std::size_t i = 0; i < n; ++i) to[i] = (fast_atan2(y[i], x[i]) + static_cast<float>(pi_d)) * per_rad;
+}
+
+void CutEvidence::claim_wedges() {
+  const std::size_t n = wedges_.size();
+  find_azimuths(&Wedge::along, azimuths_);
+  if (tilted_) find_azimuths(&Wedge::first, begins_);
   for (std::size_t i = 0; i < n; ++i) {
     const Wedge& wedge = wedges_[i];
-    const Cells cells = cells_at(azimuths[i]);
+    const Cells cells = cells_at(azimuths_[i]);
     for (std::size_t k = cells.first; wedge.over.exists() && k <= cells.last; ++k) {
       Piece& old = cell(k).over;
       const bool apart = old.exists() && (wedge.over.from > old.to || wedge.over.to < old.from);
@@ -180,21 +184,21 @@ void CutEvidence::claim_wedges() {
       if (old.to <= 0 || wedge.blind.is_shorter(old)) old = wedge.blind;
     }
     if (tilted_ && wedge.free.to >= 0)
-      claim_tilted(wedge, azimuths[i]);
+      claim_tilted(wedge, begins_[i], azimuths_[i]);
     else
       claim(cells, wedge.free);
   }
 }
 
 /// Claims a piece that spans several directions, part by part.
-void CutEvidence::claim_tilted(const Wedge& wedge, float azimuth) {
+void CutEvidence::claim_tilted(const Wedge& wedge, float begin, float azimuth) {
   const auto turn = static_cast<float>(cells_.size());
   const float length = wedge.free.to - wedge.free.from;
-  float span = azimuth - wedge.begin;
+  float span = azimuth - begin;
   span -= turn * std::round(span / turn);
   const float parts = std::max(1.0F, std::ceil(std::fabs(span)));
   for (float part = 0; part < parts; ++part) {
-    float at = wedge.begin + span * (part + 0.5F) / parts;
+    float at = begin + span * (part + 0.5F) / parts;
     at -= at >= turn ? turn : 0;
     claim(cells_at(at < 0 ? at + turn : at),
           {wedge.free.from + length * part / parts, wedge.free.from + length * (part + 1) / parts,
@@ -230,6 +234,9 @@ void CutEvidence::find_wedges(std::size_t column) {
   const std::uint8_t* const marks = marks_.data();
   farthest_ = wall_in_band(column);
   const auto mark = [&](std::size_t k) { return marks[beam(base, k)]; };
+  const auto thing_before = [&](std::size_t next, std::size_t last) {
+    return next < rings_ ? thing_abreast(last) : End{infinite, true};
+  };
   std::size_t k = 0;
   while (k < rings_ && mark(k) == 0) ++k;
   if (k == rings_) return;
@@ -242,19 +249,20 @@ void CutEvidence::find_wedges(std::size_t column) {
     Ray first = ray(beam(base, k));
     if (nearest) blind_ = {0, first.at, false};
     std::size_t last = beam(base, k++);
-    for (; k < rings_ && (mark(k) & crosses) != 0; last = beam(base, k++)) {
-      if ((marks_[last] & meets) != 0 && thing_abreast(last, step_).at < infinite) break;
+    End thing = thing_before(k, last);
+    for (; k < rings_ && (mark(k) & crosses) != 0; last = beam(base, k++), thing = thing_before(k, last)) {
+      if (thing.at < infinite) break;
       if (!tilted_) continue;
       const Ray next = ray(beam(base, k));
       add(first, next, {next.at, false});
       first = next;
     }
-    end_wedge(first, last, k < rings_ && mark(k) != 0 ? beam(base, k) : last);
+    end_wedge(first, last, k < rings_ && mark(k) != 0 ? beam(base, k) : last, thing);
   }
 }
 
 /// `next`: the neighbour of the last crossing beam, or `last` itself if nothing is known of the neighbour.
-void CutEvidence::end_wedge(const Ray& first, std::size_t last, std::size_t next) {
+void CutEvidence::end_wedge(const Ray& first, std::size_t last, std::size_t next, End thing) {
   const Ray seen_along = ray(next);
   if (next == last) {
     add(first, seen_along, {seen_along.at, false});
@@ -262,7 +270,6 @@ void CutEvidence::end_wedge(const Ray& first, std::size_t last, std::size_t next
   }
   const bool crosses_too = (marks_[next] & crosses) != 0;
   const End end = crosses_too ? End{seen_along.at, false} : end_abreast(next);
-  const End thing = thing_abreast(last, step_);
   add(first, seen_along, thing.at < end.at ? End{std::max(ray(last).at, thing.at), true} : end);
   const std::uint8_t top = tops_->verdicts()[next];
   if (crosses_too && thing.at < end.at && (top == PlaneTops::none || top == PlaneTops::likely_below))

@@ -58,17 +58,16 @@ class CutEvidence {
   /// How a beam relates to the plane. `meets`: the beam crosses the plane, and it or a neighbour in the ring
   /// hits an object beyond.
   enum Mark : std::uint8_t { known = 1, crosses = 2, meets = 4 };
-  /// A beam in the plane; `at` is a of the drawing, `end` is e.
+  /// A beam in the plane; `at` is a of the drawing: m, level in the plane, where it crosses the plane or
+  /// would cross it.
   struct Ray {
-    float x = 0, y = 0;  ///< towards its end
-    float end = 0;       ///< m, level in the plane, where it ends
-    float at = 0;        ///< m, level in the plane, where it crosses the plane or would cross it
+    std::size_t beam;
+    float at;
   };
   /// A free piece between neighbouring beams; `blind` is the part that no beam of the column sees.
   struct Wedge {
     Piece free, blind, over;
-    float x, y;   // direction of the beam
-    float begin;  // cells, azimuth of the first beam, for a tilted plane
+    std::size_t first, along;  // beams: the nearest one, and the one in whose direction the piece lies
   };
   /// Where an object that neighbouring beams hit ends the view of a beam.
   struct End {
@@ -81,6 +80,8 @@ class CutEvidence {
   static void mark_agreed(const std::uint8_t* own, const std::uint8_t* before, const std::uint8_t* after,
                           std::uint8_t* marks, std::size_t count);
   Ray ray(std::size_t i) const;
+  /// m, e of the drawing.
+  float end_of(std::size_t i) const { return view_->reaches()[i]; }
   void add(const Ray& first, const Ray& seen_along, End end);
   void add_blind(std::size_t lowest);
   /// A beam and its two neighbours in the ring.
@@ -89,15 +90,16 @@ class CutEvidence {
   /// The nearest end of those beams abreast of `i` that do not cross the plane.
   End end_abreast(std::size_t i) const;
   /// The nearest object that one of three crossing beams hits and that may reach the plane under the next
-  /// beams of their columns, which are `step` away.
-  End thing_abreast(std::size_t last, std::ptrdiff_t step) const;
+  /// beams of their columns.
+  End thing_abreast(std::size_t last) const;
   /// The k-th beam of a column, in order away from the sensor's foot.
   std::size_t beam(std::size_t base, std::size_t k) const { return base + (sign_ > 0 ? k : rings_ - 1 - k); }
   void find_wedges(std::size_t column);
-  void end_wedge(const Ray& first, std::size_t last, std::size_t next);
+  void end_wedge(const Ray& first, std::size_t last, std::size_t next, End thing);
   bool is_hidden(std::size_t before, std::size_t upper) const;
   void claim_wedges();
-  void claim_tilted(const Wedge& wedge, float azimuth);
+  void claim_tilted(const Wedge& wedge, float begin, float azimuth);
+  void find_azimuths(std::size_t Wedge::*beam, std::vector<float>& azimuths);
   Cells cells_at(float azimuth) const;
   float wall_in_band(std::size_t column) const;
   void claim(Cells cells, const Piece& piece);
@@ -113,7 +115,8 @@ class CutEvidence {
   std::vector<std::uint8_t> marks_;      // of the beam and its neighbours in the ring
   float width_ = 1;                      // of a column, in cells
   std::vector<Wedge> wedges_;
-  std::vector<float> x_, y_, azimuths_;  // of the wedges
+  std::vector<float> x_, y_, azimuths_;  // of the wedges; cells from -pi
+  std::vector<float> begins_;            // azimuths of the wedges' first beams, for a tilted plane
   std::size_t rings_ = 0;
   const BeamEnd* ends_ = nullptr;
   std::array<float, 6> axes_{};  // of the frame's x and y in the cloud's frame

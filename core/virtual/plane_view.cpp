@@ -3,6 +3,8 @@
 #include "core/virtual/plane_view.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "core/base/bytes.h"
 
@@ -14,20 +16,39 @@ void PlaneView::set_cloud(const RingGrid& grid, const Ground& ground, const Ring
   ground_ = &ground;
   neighbours_ = &links;
   up_ = up;
+  is_turned_ = false;
   const std::size_t cells = grid.kind.size();
-  resize_amply(cells, heights_);
+  resize_amply(cells, rises_, reaches_, heights_);
   resize_amply(cells + grid.rings(), sides_);
 }
 
 void PlaneView::set_frame(const Pose& virtual_from_cloud) {
-  rotation_ = virtual_from_cloud.linear().cast<float>();
+  const Eigen::Matrix3f rotation = virtual_from_cloud.linear().cast<float>();
+  if (!is_turned_ || rotation != rotation_) turn(rotation);
   translation_ = virtual_from_cloud.translation().cast<float>();
-  rise_ = rotation_.row(2).dot(up_);
-  const float x = rotation_(2, 0), y = rotation_(2, 1), z = rotation_(2, 2), offset = translation_.z();
-  const BeamEnd* const ends = grid_->ends.data();
+  const float offset = translation_.z();
+  const float* const rises = rises_.data();
   float* const to = heights_.data();
   const std::size_t cells = heights_.size();
-  for (std::size_t i = 0; i < cells; ++i) to[i] = x * ends[i].x + y * ends[i].y + z * ends[i].z + offset;
+  for (std::size_t i = 0; i < cells; ++i) to[i] = rises[i] + offset;
+}
+
+void PlaneView::turn(const Eigen::Matrix3f& r) {
+  is_turned_ = true;
+  rotation_ = r;
+  rise_ = r.row(2).dot(up_);
+  const std::array<float, 9> a = {r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1),
+                                  r(1, 2), r(2, 0), r(2, 1), r(2, 2)};
+  const BeamEnd* const ends = grid_->ends.data();
+  float* const rises = rises_.data();
+  float* const reaches = reaches_.data();
+  const std::size_t cells = rises_.size();
+  for (std::size_t i = 0; i < cells; ++i) {
+    const float x = a[0] * ends[i].x + a[1] * ends[i].y + a[2] * ends[i].z;
+    const float y = a[3] * ends[i].x + a[4] * ends[i].y + a[5] * ends[i].z;
+    reaches[i] = std::sqrt(x * x + y * y);
+    rises[i] = a[6] * ends[i].x + a[7] * ends[i].y + a[8] * ends[i].z;
+  }
 }
 
 void PlaneView::set_level(float level) {

@@ -22,7 +22,8 @@ class PlaneView {
   /// Sets the cloud; grid, ground and links must stay alive. `up` is the vertical in the cloud's frame.
   void set_cloud(const RingGrid& grid, const Ground& ground, const RingLinks& links,
                  const Eigen::Vector3f& up);
-  /// Sets the virtual frame.
+  /// Sets the virtual frame. Frames with the same directions of axes share what does not depend on their
+  /// place.
   void set_frame(const Pose& virtual_from_cloud);
   /// Sets the plane z = `level`.
   void set_level(float level);
@@ -37,6 +38,8 @@ class PlaneView {
   float rise() const { return rise_; }
   /// m, height of a beam's end in the frame, by RingGrid::index(); valid only for beams with an end.
   const std::vector<float>& heights() const { return heights_; }
+  /// m from the sensor to a beam's end along the frame's xy plane, by RingGrid::index().
+  const std::vector<float>& reaches() const { return reaches_; }
   /// By RingGrid::index(); the first column is repeated after the last one.
   const std::vector<std::uint8_t>& sides() const { return sides_; }
   /// m above the plane, of a beam's end and of the sensor.
@@ -56,6 +59,8 @@ class PlaneView {
   Raster::Point straight_from(std::size_t i) const;
 
  private:
+  void turn(const Eigen::Matrix3f& rotation);
+
   const RingGrid* grid_ = nullptr;
   const Ground* ground_ = nullptr;
   const RingLinks* neighbours_ = nullptr;
@@ -64,6 +69,8 @@ class PlaneView {
   Eigen::Vector3f translation_ = Eigen::Vector3f::Zero();
   float level_ = 0;
   float rise_ = 1;
+  bool is_turned_ = false;              // rises_ and reaches_ are those of the cloud and rotation_
+  std::vector<float> rises_, reaches_;  // m, of a beam's end above the sensor and level from it
   std::vector<float> heights_;
   std::vector<std::uint8_t> sides_;
 };
