@@ -172,24 +172,34 @@ Eigen::Vector3d ray_of(const BeamRays& rays, std::size_t beam) {
   return Eigen::Vector3f(rays.x[beam], rays.y[beam], rays.z[beam]).cast<double>();
 }
 
+/// Places returns and the ends of free ways of the beams of a stretch, in one component of the plane.
+void place_stretch(const BeamRays& rays, const SweepMotion::Stretch& stretch, Eigen::Index row,
+                   const PlacedScan& sweep, float* at, float* free_end) {
+  const Eigen::Vector4d here = rays.pose.translation().homogeneous();
+  const double own = here[row], from = stretch.from.row(row) * here, change = stretch.change.row(row) * here;
+  const Eigen::Vector4d turn = stretch.from.row(row), turning = stretch.change.row(row);
+  const double a = turn[0], b = turn[1], c = turn[2], da = turning[0], db = turning[1], dc = turning[2];
+  for (std::size_t beam = stretch.begin; beam < stretch.end; ++beam) {
+    const auto since = static_cast<double>(beam - stretch.begin);
+    const double ray = (a + since * da) * static_cast<double>(rays.x[beam]) +
+                       (b + since * db) * static_cast<double>(rays.y[beam]) +
+                       (c + since * dc) * static_cast<double>(rays.z[beam]);
+    const double begin = from + since * change;
+    const auto end = static_cast<double>(sweep.free_to[beam] / rays.level[beam]);
+    at[beam] = static_cast<float>(begin + static_cast<double>(sweep.range[beam]) * ray);
+    free_end[beam] = static_cast<float>(begin + end * ray - own);
+  }
+}
+
 /// Places returns and the ends of free ways of a moving vehicle.
 void place_moving(const BeamRays& rays, const SweepMotion& motion, PlacedScan& sweep) {
   const Eigen::Vector3d& here = rays.pose.translation();
   sweep.free_x.resize(sweep.kind.size());
   sweep.free_y.resize(sweep.kind.size());
-  motion.each_beam([&](std::size_t beam, const SweepMotion::Matrix& transform) {
-    const float range = sweep.range[beam];
-    const Eigen::Vector2d from = transform.topRows<2>() * here.homogeneous();
-    const Eigen::Vector2d ray = transform.topLeftCorner<2, 3>() * ray_of(rays, beam);
-    if (sweep.kind[beam] != Return::nothing) {
-      sweep.x[beam] = static_cast<float>(from.x() + static_cast<double>(range) * ray.x());
-      sweep.y[beam] = static_cast<float>(from.y() + static_cast<double>(range) * ray.y());
-    }
-    if (!(sweep.free_to[beam] > 0)) return;
-    const auto end = static_cast<double>(sweep.free_to[beam] / rays.level[beam]);
-    sweep.free_x[beam] = static_cast<float>(from.x() + end * ray.x() - here.x());
-    sweep.free_y[beam] = static_cast<float>(from.y() + end * ray.y() - here.y());
-  });
+  for (const SweepMotion::Stretch& stretch : motion.stretches()) {
+    place_stretch(rays, stretch, 0, sweep, sweep.x.data(), sweep.free_x.data());
+    place_stretch(rays, stretch, 1, sweep, sweep.y.data(), sweep.free_y.data());
+  }
   for (const PlacedScan::EarlyReturn& early : sweep.early_returns) {
     const Eigen::Vector3d p =
         motion.moved(early.beam, here + static_cast<double>(early.range) * ray_of(rays, early.beam));

@@ -10,9 +10,6 @@ namespace lidard {
 namespace {
 
 constexpr float infinite = std::numeric_limits<float>::infinity();
-// A step that no single source sees completely is checked in this number of parts.
-constexpr int parts_of_step = 4;
-
 }  // namespace
 
 Visibility::Visibility(const ScanGrid& grid, const VisibilitySettings& settings, std::size_t sources)
@@ -32,8 +29,7 @@ Visibility::Visibility(const ScanGrid& grid, const VisibilitySettings& settings,
       end_y_(grid.beams),
       way_ends_(sources, std::vector<FreeSpaceMap::Place>(grid.beams)),
       body_ends_(way_ends_),
-      here_(sources),
-      there_(sources),
+      parts_(sources),
       begin_(grid.beams, 0),
       inside_(grid.beams),
       states_(grid.beams, BeamState::unobserved),
@@ -153,25 +149,27 @@ std::size_t Visibility::free_run(std::size_t source, std::size_t beam, std::size
   return from;
 }
 
-/// From some place no return hides a part between here_ and there_.
-bool Visibility::is_open_to_some(const Walk& walk) const {
+/// From some place no return hides part `part` of a step.
+bool Visibility::is_open_to_some(const Walk& walk, std::size_t part) const {
   for (std::size_t row = 0; row < rows_; ++row) {
     bool open = maps_[row].size() > 0;
     for (std::size_t s = row; s < walk.sources && open; s += rows_)
-      open = maps_[s].hidden_by(here_[row], there_[row]) == infinite;
+      open = maps_[s].hidden_by(parts_[row][part], parts_[row][part + 1]) == infinite;
     if (open) return true;
   }
   return false;
 }
 
-bool Visibility::accept_unseen(Walk& walk, float from) {
+bool Visibility::accept_unseen(Walk& walk, float from, std::size_t part) {
   float behind = infinite;
-  for (std::size_t s = 0; s < walk.sources; ++s)
-    behind = std::min(behind, maps_[s].hidden_by(here_[row_of(s)], there_[row_of(s)]));
+  for (std::size_t s = 0; s < walk.sources; ++s) {
+    const Parts& parts = parts_[row_of(s)];
+    behind = std::min(behind, maps_[s].hidden_by(parts[part], parts[part + 1]));
+  }
   const auto gap = static_cast<float>(settings_.gap);
   if (behind <= gap)
     body_at_[walk.beam] = from;
-  else if (observing_ < maps_.size() && is_open_to_some(walk))
+  else if (observing_ < maps_.size() && is_open_to_some(walk, part))
     behind = infinite;
   const float most = std::max(gap, static_cast<float>(settings_.gap_share) * walk.at);
   walk.unseen += walk.at - from;
@@ -227,27 +225,29 @@ bool Visibility::sees_piece(Walk& walk, std::size_t step, bool from_body, std::s
 }
 
 bool Visibility::accept(Walk& walk, float from, float to) {
-  const auto find_places = [&](float at, std::vector<FreeSpaceMap::Place>& places) {
-    for (std::size_t row = 0; row < rows_; ++row) places[row] = place_at(row, walk.beam, at);
-  };
-  find_places(from, here_);
+  std::array<float, std::tuple_size_v<Parts>> at, x, y;
+  for (std::size_t part = 0; part < at.size(); ++part) {
+    at[part] = part < parts_of_step ? from + (to - from) * static_cast<float>(part) / parts_of_step : to;
+    x[part] = at[part] * raster_.cosine(walk.beam);
+    y[part] = at[part] * raster_.sine(walk.beam);
+  }
+  for (std::size_t row = 0; row < rows_; ++row) {
+    if (maps_[row].size() > 0) maps_[row].find_places(x.data(), y.data(), at.size(), parts_[row].data());
+  }
   bool accepted = true;
-  for (int part = 1; part <= parts_of_step; ++part) {
-    const float at = walk.at;
-    walk.at = part < parts_of_step ? from + (to - from) * static_cast<float>(part) / parts_of_step : to;
-    find_places(walk.at, there_);
+  for (std::size_t part = 0; part < parts_of_step; ++part) {
+    walk.at = at[part + 1];
     std::size_t s = 0;
-    const auto sees = [this](std::size_t source) {
-      const std::size_t row = row_of(source);
-      return maps_[source].size() > 0 && maps_[source].is_free(here_[row], there_[row]);
+    const auto sees = [&](std::size_t source) {
+      const Parts& of = parts_[row_of(source)];
+      return maps_[source].size() > 0 && maps_[source].is_free(of[part], of[part + 1]);
     };
     while (s < walk.sources && !sees(s)) ++s;
     if (s < walk.sources)
       see(walk, s, walk.at);
     else
-      accepted = accept_unseen(walk, at) && accepted;
+      accepted = accept_unseen(walk, at[part], part) && accepted;
     if (!accepted && is_decided(walk.beam)) return false;
-    std::swap(here_, there_);
   }
   return accepted;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -110,9 +111,9 @@ class Visibility {
   bool is_decided(std::size_t beam) const { return !has_hit(beam) || body_at_[beam] <= range_max_; }
   /// True if a step leads through the space shortly behind a return.
   bool may_hold_body(const Walk& walk, std::size_t step) const;
-  /// True if the part from `from` m to walk.at, here_ to there_, may stay unseen.
-  bool accept_unseen(Walk& walk, float from);
-  bool is_open_to_some(const Walk& walk) const;
+  /// True if part `part` of a step, from `from` m to walk.at, may stay unseen.
+  bool accept_unseen(Walk& walk, float from, std::size_t part);
+  bool is_open_to_some(const Walk& walk, std::size_t part) const;
   float seen_from(std::size_t beam) const;
   bool is_seen_all_along(std::size_t beam) const;
   FreeSpaceMap::Place place_at(std::size_t source, std::size_t beam, float range) const {
@@ -146,7 +147,11 @@ class Visibility {
   std::vector<float> end_x_, end_y_;                         // where they end
   std::vector<std::vector<FreeSpaceMap::Place>> way_ends_;   // of each source, by beam
   std::vector<std::vector<FreeSpaceMap::Place>> body_ends_;  // where beams leave the vehicle
-  std::vector<FreeSpaceMap::Place> here_, there_;            // ends of a part of a step, per source
+  /// A step that no single source sees completely is checked in this number of parts.
+  static constexpr std::size_t parts_of_step = 4;
+  /// Where the parts begin, and the end of the last one; so many more that all are computed at once.
+  using Parts = std::array<FreeSpaceMap::Place, 2 * parts_of_step>;
+  std::vector<Parts> parts_;  // of the current step, per place from which sources look
   std::vector<float> begin_;  // m, the vehicle's border if the origin lies inside
   std::vector<Inside> inside_;
   std::vector<BeamState> states_;

@@ -61,14 +61,6 @@ class SweepMotion {
     const Stretch& s = stretches_[std::min(beam / step_, stretches_.size() - 1)];
     return (s.from + static_cast<double>(beam - s.begin) * s.change) * point.homogeneous();
   }
-  /// Calls use(beam, transform) for all beams in order, unless everything stands.
-  template <class Use>
-  void each_beam(Use use) const {
-    for (const Stretch& s : stretches_) {
-      Matrix transform = s.from;
-      for (std::size_t beam = s.begin; beam < s.end; ++beam, transform += s.change) use(beam, transform);
-    }
-  }
 
  private:
   std::vector<Stretch> stretches_;

@@ -3,6 +3,7 @@
 #include "core/virtual/plane_cut.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/base/bytes.h"
@@ -224,46 +225,60 @@ void PlaneCut::draw_slice(const PlaneView& view, const PlaneTops& tops, const Ra
   for (std::size_t k = 0; k < crossings_.size(); ++k) flush(k);
 }
 
-namespace {
-
-/// Draws the part of the line between two returns whose height is in the band.
-void draw_clipped(const PlaneView& view, std::size_t a, std::size_t b, HeightBand band, const Raster& raster,
-                  RangeLayer& layer) {
-  const float za = view.heights()[a];
-  const float zb = view.heights()[b];
-  const auto low = static_cast<float>(band.min);
-  const auto high = static_cast<float>(band.max);
+/// Adds the part of the line between two returns whose height is in the band.
+void PlaneCut::add_clipped(std::size_t a, std::size_t b, float low, float high) {
+  const float za = view_->heights()[a];
+  const float zb = view_->heights()[b];
   if ((za < low && zb < low) || (za > high && zb > high)) return;
   const auto share_at = [&](float z, float limit) { return z == limit ? 0.0F : (limit - za) / (zb - za); };
   const float from = za < low ? share_at(za, low) : za > high ? share_at(za, high) : 0.0F;
   const float to = zb < low ? share_at(zb, low) : zb > high ? share_at(zb, high) : 1.0F;
-  const BeamEnd& begin = view.grid().ends[a];
-  const BeamEnd& end = view.grid().ends[b];
-  raster.draw_segment(view.place(mixed(begin, end, from)), view.place(mixed(begin, end, to)), layer);
+  const BeamEnd& begin = view_->grid().ends[a];
+  const BeamEnd& end = view_->grid().ends[b];
+  lines_.push_back({view_->place(mixed(begin, end, from)), view_->place(mixed(begin, end, to))});
 }
 
-}  // namespace
-
-void draw_band_edges(const PlaneView& view, HeightBand band, const Raster& raster, RangeLayer& layer) {
-  const RingGrid& grid = view.grid();
-  const RingLinks& links = view.links();
-  for (std::size_t c = 0; c < grid.columns(); ++c) {
-    const std::size_t before = c > 0 ? c - 1 : grid.columns() - 1;
-    for (std::size_t r = 0; r < grid.rings(); ++r) {
-      const std::size_t i = grid.index(c, r);
-      const bool on_ground = (view.sides()[i] & PlaneView::on_ground) != 0;
-      if (grid.kind[i] != Beam::point || on_ground) continue;
-      const std::size_t beside = grid.index(grid.after(c), r);
-      const bool level = view.is_surface(i, beside) && links.level(c, r);
-      const bool upright = r + 1 < grid.rings() && view.is_surface(i, i + 1) && links.upright(c, r);
-      if (level) draw_clipped(view, i, beside, band, raster, layer);
-      if (upright) draw_clipped(view, i, i + 1, band, raster, layer);
-      const auto height = static_cast<double>(view.heights()[i]);
-      if (level || upright || height < band.min || height > band.max) continue;
-      if (links.level(before, r) || (r > 0 && links.upright(c, r - 1))) continue;
-      raster.draw_point(view.place(grid.ends[i]), layer);
-    }
+void PlaneCut::add_edges(std::size_t column, HeightBand band) {
+  const RingGrid& grid = view_->grid();
+  const RingLinks& links = view_->links();
+  const auto low = static_cast<float>(band.min), high = static_cast<float>(band.max);
+  const std::size_t before = column > 0 ? column - 1 : grid.columns() - 1;
+  for (std::size_t r = 0; r < grid.rings(); ++r) {
+    const std::size_t i = grid.index(column, r);
+    const bool on_ground = (view_->sides()[i] & PlaneView::on_ground) != 0;
+    if (grid.kind[i] != Beam::point || on_ground) continue;
+    const std::size_t beside = grid.index(grid.after(column), r), above = r + 1 < grid.rings() ? i + 1 : i;
+    const std::array<float, 3> heights = {view_->heights()[i], view_->heights()[beside],
+                                          view_->heights()[above]};
+    if (std::max({heights[0], heights[1], heights[2]}) < low) continue;
+    if (std::min({heights[0], heights[1], heights[2]}) > high) continue;
+    const bool level = view_->is_surface(i, beside) && links.level(column, r);
+    const bool upright = above != i && view_->is_surface(i, above) && links.upright(column, r);
+    if (level) add_clipped(i, beside, low, high);
+    if (upright) add_clipped(i, above, low, high);
+    const auto height = static_cast<double>(heights[0]);
+    if (level || upright || height < band.min || height > band.max) continue;
+    if (links.level(before, r) || (r > 0 && links.upright(column, r - 1))) continue;
+    const Raster::Point point = view_->place(grid.ends[i]);
+    raster_->draw_point(point, *layer_);
   }
+}
+
+void PlaneCut::draw_edges(const PlaneView& view, HeightBand band, const Raster& raster, RangeLayer& layer) {
+  view_ = &view;
+  raster_ = &raster;
+  layer_ = &layer;
+  lines_.clear();
+  for (std::size_t c = 0; c < view.grid().columns(); ++c) add_edges(c, band);
+  const std::size_t count = 2 * lines_.size();
+  for (auto* list : {&x_, &y_, &beams_}) list->resize(count);
+  for (std::size_t k = 0; k < lines_.size(); ++k) {
+    x_[2 * k] = lines_[k].from.x, x_[2 * k + 1] = lines_[k].to.x;
+    y_[2 * k] = lines_[k].from.y, y_[2 * k + 1] = lines_[k].to.y;
+  }
+  raster.positions(x_.data(), y_.data(), count, beams_.data());
+  for (std::size_t k = 0; k < lines_.size(); ++k)
+    raster.draw_segment(lines_[k].from, lines_[k].to, beams_[2 * k], beams_[2 * k + 1], layer);
 }
 
 }  // namespace lidard

@@ -30,6 +30,10 @@ class PlaneCut {
  public:
   /// Draws the cut with the view's plane; `tops` belong to that plane.
   void draw_slice(const PlaneView& view, const PlaneTops& tops, const Raster& raster, RangeLayer& layer);
+  /// Draws the parts of the cloud between two heights of the view's frame: lines between neighbouring returns
+  /// of one surface, clipped to the band, and single returns. draw_slice() draws the cuts with the band's
+  /// limits.
+  void draw_edges(const PlaneView& view, HeightBand band, const Raster& raster, RangeLayer& layer);
 
  private:
   /// Where the plane crosses the surface between a ring and the one beneath it.
@@ -48,6 +52,9 @@ class PlaneCut {
   /// The surface between two returns of neighbouring rings. `top`: the lower return is on the face of an
   /// object, the upper one on its top. `nothing`: the returns are on separate faces.
   enum class Between : std::uint8_t { slope, top, nothing };
+  struct Line {
+    Raster::Point from, to;
+  };
   static constexpr std::size_t no_crossing = static_cast<std::size_t>(-1);
 
   void find_events();
@@ -64,6 +71,8 @@ class PlaneCut {
   Place place_of(std::size_t crossing) const { return {crossings_[crossing].at, beams_[crossing]}; }
   void join(std::size_t a, const Place& at_a, std::size_t b, const Place& at_b);
   void flush(std::size_t crossing) const;
+  void add_clipped(std::size_t a, std::size_t b, float low, float high);
+  void add_edges(std::size_t column, HeightBand band);
 
   // Of the current cut.
   const PlaneView* view_ = nullptr;
@@ -74,12 +83,8 @@ class PlaneCut {
   std::vector<std::uint8_t> events_;   // by index(): a surface may cross the plane beneath this beam
   std::vector<Crossing> crossings_;    // by column and ring
   std::vector<std::uint32_t> firsts_;  // per column, and the end
-  std::vector<float> x_, y_, beams_;   // of the crossings
+  std::vector<Line> lines_;            // of a band
+  std::vector<float> x_, y_, beams_;   // of the crossings, or the ends of the lines
 };
-
-/// Draws the parts of an organised cloud between two heights of the view's frame: lines between neighbouring
-/// returns of one surface, clipped to the band, and single returns. PlaneCut draws the cuts with the band's
-/// limits.
-void draw_band_edges(const PlaneView& view, HeightBand band, const Raster& raster, RangeLayer& layer);
 
 }  // namespace lidard

@@ -213,7 +213,7 @@ void Virtualizer::cut_band(Lidar& lidar, Visibility& visibility, float evidence_
   if (std::isfinite(band_.max)) cut_slice(lidar, visibility, band_.max);
   lidar.view.set_level(evidence_level);
   tops_.find(lidar.view);
-  draw_band_edges(lidar.view, band_, visibility.raster(), visibility.surfaces());
+  cut_.draw_edges(lidar.view, band_, visibility.raster(), visibility.surfaces());
 }
 
 void Virtualizer::project(std::size_t frame, const Pose* virtual_from_cloud,

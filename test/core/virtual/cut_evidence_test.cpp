@@ -245,7 +245,7 @@ struct Slope {
     grid = make_grid(spec).value();
     const Raster raster(grid);
     layer.clear(grid.beams);
-    draw_band_edges(scene.view, band, raster, layer);
+    PlaneCut().draw_edges(scene.view, band, raster, layer);
   }
   /// The nearest and the farthest that is drawn within a quarter of a degree of a column.
   Piece drawn(std::size_t column) const {
