@@ -104,7 +104,10 @@ inline CutEvidence::Ray CutEvidence::ray(std::size_t i) const {
 inline void CutEvidence::add(const Ray& first, const Ray& seen_along, End end) {
   const Piece free =
       end.at > farthest_ ? Piece{first.at, farthest_, true} : Piece{first.at, end.at, end.hides};
-  wedges_.push_back({free, blind_, {}, first.beam, seen_along.beam});
+  const auto nearest = static_cast<std::uint32_t>(first.beam),
+             along = static_cast<std::uint32_t>(seen_along.beam);
+  if (free.exists()) free_.push_back({free, nearest, along});
+  if (blind_.to > 0) blinds_.push_back({blind_, nearest, along});
   blind_ = {};
 }
 
@@ -149,14 +152,15 @@ void CutEvidence::claim(Cell& cell, const Piece& piece) const {
     free = {both(free[0], free[1]), Piece{}};
 }
 
-void CutEvidence::find_azimuths(std::size_t Wedge::*beam, std::vector<float>& azimuths) {
-  const std::size_t n = wedges_.size();
+void CutEvidence::find_azimuths(const std::vector<Wedge>& wedges, std::uint32_t Wedge::*beam,
+                                std::vector<float>& azimuths) {
+  const std::size_t n = wedges.size();
   for (auto* list : {&x_, &y_, &azimuths}) list->resize(n);
   float* const x = x_.data();
   float* const y = y_.data();
   float* const to = azimuths.data();
   for (std::size_t i = 0; i < n; ++i) {
-    const BeamEnd e = ends_[wedges_[i].*beam];
+    const BeamEnd e = ends_[wedges[i].*beam];
     x[i] = axes_[0] * e.x + axes_[1] * e.y + axes_[2] * e.z;
     y[i] = axes_[3] * e.x + axes_[4] * e.y + axes_[5] * e.z;
   }
@@ -164,36 +168,40 @@ void CutEvidence::find_azimuths(std::size_t Wedge::*beam, std::vector<float>& az
   for (std::size_t i = 0; i < n; ++i) to[i] = (fast_atan2(y[i], x[i]) + static_cast<float>(pi_d)) * per_rad;
 }
 
-void CutEvidence::claim_wedges() {
-  const std::size_t n = wedges_.size();
-  find_azimuths(&Wedge::along, azimuths_);
-  if (tilted_) find_azimuths(&Wedge::first, begins_);
-  for (std::size_t i = 0; i < n; ++i) {
-    const Wedge& wedge = wedges_[i];
+template <class Use>
+void CutEvidence::each_cell(const std::vector<Wedge>& wedges, Use use) {
+  find_azimuths(wedges, &Wedge::along, azimuths_);
+  for (std::size_t i = 0; i < wedges.size(); ++i) {
     const Cells cells = cells_at(azimuths_[i]);
-    for (std::size_t k = cells.first; wedge.over.exists() && k <= cells.last; ++k) {
-      Piece& old = cell(k).over;
-      const bool apart = old.exists() && (wedge.over.from > old.to || wedge.over.to < old.from);
-      if (!old.exists() || (apart && wedge.over.from < old.from))
-        old = wedge.over;
-      else if (!apart)
-        old = {std::min(old.from, wedge.over.from), std::max(old.to, wedge.over.to), false};
-    }
-    for (std::size_t k = cells.first; wedge.blind.to > 0 && k <= cells.last; ++k) {
-      Piece& old = cell(k).blind;
-      if (old.to <= 0 || wedge.blind.is_shorter(old)) old = wedge.blind;
-    }
-    if (tilted_ && wedge.free.to >= 0)
-      claim_tilted(wedge, begins_[i], azimuths_[i]);
-    else
-      claim(cells, wedge.free);
+    for (std::size_t k = cells.first; k <= cells.last; ++k) use(cell(k), wedges[i].piece);
   }
 }
 
+void CutEvidence::claim_wedges() {
+  each_cell(overs_, [](Cell& at, const Piece& piece) {
+    Piece& old = at.over;
+    const bool apart = old.exists() && (piece.from > old.to || piece.to < old.from);
+    if (!old.exists() || (apart && piece.from < old.from))
+      old = piece;
+    else if (!apart)
+      old = {std::min(old.from, piece.from), std::max(old.to, piece.to), false};
+  });
+  each_cell(blinds_, [](Cell& at, const Piece& piece) {
+    if (at.blind.to <= 0 || piece.is_shorter(at.blind)) at.blind = piece;
+  });
+  if (!tilted_) {
+    each_cell(free_, [this](Cell& at, const Piece& piece) { claim(at, piece); });
+    return;
+  }
+  find_azimuths(free_, &Wedge::along, azimuths_);
+  find_azimuths(free_, &Wedge::first, begins_);
+  for (std::size_t i = 0; i < free_.size(); ++i) claim_tilted(free_[i].piece, begins_[i], azimuths_[i]);
+}
+
 /// Claims a piece that spans several directions, part by part.
-void CutEvidence::claim_tilted(const Wedge& wedge, float begin, float azimuth) {
+void CutEvidence::claim_tilted(const Piece& piece, float begin, float azimuth) {
   const auto turn = static_cast<float>(cells_.size());
-  const float length = wedge.free.to - wedge.free.from;
+  const float length = piece.to - piece.from;
   float span = azimuth - begin;
   span -= turn * std::round(span / turn);
   const float parts = std::max(1.0F, std::ceil(std::fabs(span)));
@@ -201,8 +209,8 @@ void CutEvidence::claim_tilted(const Wedge& wedge, float begin, float azimuth) {
     float at = begin + span * (part + 0.5F) / parts;
     at -= at >= turn ? turn : 0;
     claim(cells_at(at < 0 ? at + turn : at),
-          {wedge.free.from + length * part / parts, wedge.free.from + length * (part + 1) / parts,
-           wedge.free.hides && part + 1 == parts});
+          {piece.from + length * part / parts, piece.from + length * (part + 1) / parts,
+           piece.hides && part + 1 == parts});
   }
 }
 
@@ -270,10 +278,13 @@ void CutEvidence::end_wedge(const Ray& first, std::size_t last, std::size_t next
   }
   const bool crosses_too = (marks_[next] & crosses) != 0;
   const End end = crosses_too ? End{seen_along.at, false} : end_abreast(next);
-  add(first, seen_along, thing.at < end.at ? End{std::max(ray(last).at, thing.at), true} : end);
+  const bool ended = thing.at < end.at;
+  const End free_end = ended ? End{std::max(ray(last).at, thing.at), true} : end;
+  add(first, seen_along, free_end);
   const std::uint8_t top = tops_->verdicts()[next];
-  if (crosses_too && thing.at < end.at && (top == PlaneTops::none || top == PlaneTops::likely_below))
-    wedges_.back().over = {wedges_.back().free.to, end.at, false};
+  const float from = std::min(free_end.at, farthest_);
+  if (crosses_too && ended && from <= end.at && (top == PlaneTops::none || top == PlaneTops::likely_below))
+    overs_.push_back({{from, end.at, false}, 0, static_cast<std::uint32_t>(next)});
 }
 
 /// Fills cells that were left out between unevenly spaced columns.
@@ -307,7 +318,7 @@ void CutEvidence::find(const PlaneView& view, const PlaneTops& tops, HeightBand 
   step_ = sign_ > 0 ? 1 : -1;
   corner_ = std::min(0.2F, 2 * static_cast<float>(view.grid().step()));
   mark_beams();
-  wedges_.clear();
+  for (auto* list : {&free_, &blinds_, &overs_}) list->clear();
   ends_ = view.grid().ends.data();
   const Eigen::Matrix3f& r = view.rotation();
   axes_ = {r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2)};

@@ -64,10 +64,10 @@ class CutEvidence {
     std::size_t beam;
     float at;
   };
-  /// A free piece between neighbouring beams; `blind` is the part that no beam of the column sees.
+  /// A piece between neighbouring beams: the nearest one, and the one in whose direction the piece lies.
   struct Wedge {
-    Piece free, blind, over;
-    std::size_t first, along;  // beams: the nearest one, and the one in whose direction the piece lies
+    Piece piece;
+    std::uint32_t first, along;  // RingGrid::index()
   };
   /// Where an object that neighbouring beams hit ends the view of a beam.
   struct End {
@@ -98,8 +98,12 @@ class CutEvidence {
   void end_wedge(const Ray& first, std::size_t last, std::size_t next, End thing);
   bool is_hidden(std::size_t before, std::size_t upper) const;
   void claim_wedges();
-  void claim_tilted(const Wedge& wedge, float begin, float azimuth);
-  void find_azimuths(std::size_t Wedge::*beam, std::vector<float>& azimuths);
+  /// Calls use(cell, piece) for all cells of non-tilted wedges.
+  template <class Use>
+  void each_cell(const std::vector<Wedge>& wedges, Use use);
+  void claim_tilted(const Piece& piece, float begin, float azimuth);
+  void find_azimuths(const std::vector<Wedge>& wedges, std::uint32_t Wedge::*beam,
+                     std::vector<float>& azimuths);
   Cells cells_at(float azimuth) const;
   float wall_in_band(std::size_t column) const;
   void claim(Cells cells, const Piece& piece);
@@ -114,7 +118,9 @@ class CutEvidence {
   std::vector<std::uint8_t> own_marks_;  // by RingGrid::index(), of the beam alone
   std::vector<std::uint8_t> marks_;      // of the beam and its neighbours in the ring
   float width_ = 1;                      // of a column, in cells
-  std::vector<Wedge> wedges_;
+  std::vector<Wedge> free_;              // the free pieces,
+  std::vector<Wedge> blinds_;            // what no beam of a column sees,
+  std::vector<Wedge> overs_;             // and ways over objects that are likely lower than the plane
   std::vector<float> x_, y_, azimuths_;  // of the wedges; cells from -pi
   std::vector<float> begins_;            // azimuths of the wedges' first beams, for a tilted plane
   std::size_t rings_ = 0;

@@ -25,6 +25,7 @@ void RingLinks::set(const RingGrid& grid, double noise) {
   grid_ = &grid;
   slack_ = static_cast<float>(3 * noise);
   level_slope_ = slope_of(std::min(grid.step(), 0.2));
+  levels_.assign(grid.kind.size(), Link::not_asked);
   upright_slopes_.assign(grid.rings(), 0);
   for (std::size_t r = 0; r + 1 < grid.rings(); ++r) {
     if (!grid.is_known(r) || !grid.is_known(r + 1)) continue;
@@ -46,6 +47,12 @@ bool RingLinks::grazing(std::size_t a, std::size_t b, std::size_t c, std::size_t
   if (step > longest_grazing_step || step > steady_growth * sides) return false;
   const float limit = (slack_ + line_tolerance) * line.norm();
   return line.cross(end(b) - end(a)).norm() <= limit && line.cross(end(c) - end(a)).norm() <= limit;
+}
+
+bool RingLinks::is_level(std::size_t column, std::size_t ring) const {
+  const std::size_t a = grid_->index(column, ring);
+  const std::size_t b = grid_->index(grid_->after(column), ring);
+  return is_point(a) && is_point(b) && (near(a, b, level_slope_) || grazing_level(column, ring));
 }
 
 bool RingLinks::grazing_level(std::size_t column, std::size_t ring) const {

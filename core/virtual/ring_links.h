@@ -20,8 +20,8 @@ class RingLinks {
   /// Links return `ring` of `column` with that of the next column.
   bool level(std::size_t column, std::size_t ring) const {
     const std::size_t a = grid_->index(column, ring);
-    const std::size_t b = grid_->index(grid_->after(column), ring);
-    return is_point(a) && is_point(b) && (near(a, b, level_slope_) || grazing_level(column, ring));
+    if (levels_[a] == Link::not_asked) levels_[a] = is_level(column, ring) ? Link::linked : Link::apart;
+    return levels_[a] == Link::linked;
   }
   /// Links return `ring` of `column` with that of the next ring.
   bool upright(std::size_t column, std::size_t ring) const;
@@ -30,6 +30,8 @@ class RingLinks {
   float slack() const { return slack_; }
 
  private:
+  enum class Link : std::uint8_t { not_asked, apart, linked };
+
   bool is_point(std::size_t i) const { return grid_->kind[i] == Beam::point; }
   Eigen::Vector3f end(std::size_t i) const {
     const BeamEnd& at = grid_->ends[i];
@@ -41,6 +43,7 @@ class RingLinks {
     const BeamEnd q = grid_->ends[b];
     return (p.x - q.x) * (p.x - q.x) + (p.y - q.y) * (p.y - q.y) + (p.z - q.z) * (p.z - q.z) <= limit * limit;
   }
+  bool is_level(std::size_t column, std::size_t ring) const;
   bool grazing_level(std::size_t column, std::size_t ring) const;
   bool grazing(std::size_t a, std::size_t b, std::size_t c, std::size_t d) const;
   std::size_t before(std::size_t column) const { return column > 0 ? column - 1 : grid_->columns() - 1; }
@@ -49,6 +52,7 @@ class RingLinks {
   float slack_ = 0;
   float level_slope_ = 0;
   std::vector<float> upright_slopes_;  // per ring, to the next one
+  mutable std::vector<Link> levels_;   // answers of level(), which frames ask again and again
 };
 
 /// How ground and objects are distinguished. `plane`: ground is at most `tolerance` above z. `slope`: ground
