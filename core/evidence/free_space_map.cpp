@@ -91,22 +91,27 @@ bool FreeSpaceMap::is_free_between(Place a, Place b) const {
   const std::uint16_t farthest = std::max(a.distance, b.distance);
   std::size_t first = 0, count = 0;
   span_of(a.cell, b.cell, first, count);
-  const float angle = static_cast<float>(count) / per_rad_;
   const std::int16_t near = ordered(nearest);
   const auto not_far = static_cast<std::int16_t>(~ordered(farthest));
   std::int16_t from = ordered(0);
-  for (std::size_t part = 0; count > 0; first += part, count -= part) {
-    part = std::min(count, longest_run);
-    first -= first >= cells_.size() ? cells_.size() : 0;
-    const RunAt run = run_at(first, part);
+  const auto are_free = [&](std::size_t cell, std::size_t length) {
+    const RunAt run = run_at(cell, length);
     const Run one = runs_[run.first], other = runs_[run.second];
     from = std::max({from, one.from, other.from});
-    if (from > near || std::max(one.not_to, other.not_to) > not_far) return false;
+    return from <= near && std::max(one.not_to, other.not_to) <= not_far;
+  };
+  std::size_t rest = count;
+  for (; rest > longest_run; rest -= longest_run) {
+    if (!are_free(first, longest_run)) return false;
+    first += longest_run;
+    first -= first >= cells_.size() ? cells_.size() : 0;
   }
+  if (!are_free(first, rest)) return false;
   if (from == ordered(0)) return true;
   // A way that passes the source comes nearer to it than both of its ends: to nearest * cos(angle / 2) if
   // both ends are equally far away. The way does not pass the source if the farther end lies beyond the
   // nearer one.
+  const float angle = static_cast<float>(count) / per_rad_;
   const auto to_nearest = static_cast<float>(nearest);
   if (to_nearest <= static_cast<float>(farthest) * (1 - angle * angle / 2)) return true;
   const float passing = to_nearest * std::max(0.0F, 1 - angle * angle / 8);

@@ -106,12 +106,11 @@ class FreeSpaceMap {
   bool is_free(Place at) const { return cells_[at.cell].is_free(at.distance); }
   /// True if the straight way between two places is free. Needs up-to-date runs().
   bool is_free(Place a, Place b) const {
-    const std::uint16_t nearest = std::min(a.distance, b.distance);
-    const std::uint16_t farthest = std::max(a.distance, b.distance);
+    // Most ways that are not free show it at one of their ends.
     const Cell first = cells_[a.cell], last = cells_[b.cell];
-    if (!first.is_free(nearest) || !first.is_free(farthest)) return false;
-    if (!last.is_free(nearest) || !last.is_free(farthest)) return false;
-    return std::abs(a.cell - b.cell) <= 1 || is_free_between(a, b);
+    if (!first.is_free(a.distance) || !last.is_free(b.distance)) return false;
+    if (std::abs(a.cell - b.cell) > 1) return is_free_between(a, b);
+    return first.is_free(b.distance) && last.is_free(a.distance);
   }
   /// m from a return that hides a part of the way between two places to the nearer end of that way; the
   /// smallest such distance, infinite if no return hides a part.
