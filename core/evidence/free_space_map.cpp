@@ -212,7 +212,6 @@ void FreeSpaceMap::fill(const PlacedScan& sweep) {
   for (std::size_t beam = 0; beam < beams; ++beam) {
     const float to = sweep.free_to[beam];
     const char hides = sweep.kind[beam] != Return::nothing ? 1 : 0;
-    const Cell own = cell_of(sweep.free_from[beam], to);
     const bool to_next = sweep.linked[beam] != 0;
     const bool to_previous = beam > 0 && sweep.linked[beam - 1] != 0;
     for (std::uint32_t s = first_slot_[beam]; s < first_slot_[beam + 1]; ++s) {
@@ -220,16 +219,18 @@ void FreeSpaceMap::fill(const PlacedScan& sweep) {
       const bool alone = slot.after ? beam + 1 == beams : beam == 0;
       const std::size_t neighbour = alone ? beam : slot.after ? beam + 1 : beam - 1;
       const float other = sweep.free_to[neighbour];
-      cells_[slot.cell] = own;
+      float from = sweep.free_from[beam], end = to;
       hides_[slot.cell] = hides;
       if (slot.after ? to_next : to_previous) {
         // The inverse of the distance changes (nearly) evenly along a straight line.
-        cells_[slot.cell] = cell_of(sweep.free_from[beam], to * other / (other + slot.share * (to - other)));
+        end = to * other / (other + slot.share * (to - other));
       } else if (sweep.kind[neighbour] != Return::nothing && other > 0 && other < to &&
                  slot.share > passed_share_) {
-        cells_[slot.cell] = cell_of(std::max(sweep.free_from[beam], sweep.free_from[neighbour]), other);
+        from = std::max(from, sweep.free_from[neighbour]);
+        end = other;
         hides_[slot.cell] = 1;
       }
+      cells_[slot.cell] = cell_of(from, end);
     }
   }
 }
@@ -237,11 +238,11 @@ void FreeSpaceMap::fill(const PlacedScan& sweep) {
 void FreeSpaceMap::limit(float begin, float end, float from, float a, float b, bool hides) {
   // Both ends of a stretch are included, so that no cell between two stretches is left out.
   constexpr float slack = 0.01F;
-  const auto count = static_cast<std::int64_t>(cells_.size());
+  const auto count = static_cast<std::int32_t>(cells_.size());
   const float width = end - begin;
-  const auto first = static_cast<std::int64_t>(std::ceil(std::min(begin, end) - 0.5F - slack));
+  const auto first = static_cast<std::int32_t>(std::ceil(std::min(begin, end) - 0.5F - slack));
   const float last = std::max(begin, end) - 0.5F + slack;
-  for (std::int64_t cell = first; static_cast<float>(cell) <= last; ++cell) {
+  for (std::int32_t cell = first; static_cast<float>(cell) <= last; ++cell) {
     const auto inside = static_cast<std::size_t>(cell < 0        ? cell + count
                                                  : cell >= count ? cell - count
                                                                  : cell);

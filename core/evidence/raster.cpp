@@ -24,6 +24,9 @@ float beams_to(float x, float y, float first, float per_rad, float turn) {
   return at >= turn ? at - turn : at;
 }
 
+/// Positions are small enough for this conversion, which costs one instruction.
+std::size_t index_of(float at) { return static_cast<std::size_t>(static_cast<std::int32_t>(at)); }
+
 /// A step between two positions, in beams, along the shorter arc.
 float short_way(float span, float turn) {
   if (span > turn / 2) return span - turn;
@@ -105,7 +108,7 @@ void Raster::draw_segment(Point p, Point q, RangeLayer& layer) const {
 }
 
 std::size_t Raster::nearest_beam(float at) const {
-  const auto beam = static_cast<std::size_t>(at + 0.5F);
+  const std::size_t beam = index_of(at + 0.5F);
   // The half beam before the first one belongs to it.
   return beam >= grid_.beams && at >= turn_ - 0.5F ? 0 : beam;
 }
@@ -138,8 +141,8 @@ void Raster::draw_segment(Point p, Point q, float at_p, float at_q, RangeLayer& 
 }
 
 void Raster::fill(Point p, Point q, float from, float to, RangeLayer& layer) const {
-  const auto last = std::min(grid_.beams, static_cast<std::size_t>(to) + 1);
-  for (auto beam = static_cast<std::size_t>(std::ceil(from)); beam < last; ++beam) {
+  const std::size_t last = std::min(grid_.beams, index_of(to) + 1);
+  for (std::size_t beam = index_of(std::ceil(from)); beam < last; ++beam) {
     const float c = cosine_[beam];
     const float s = sine_[beam];
     const float side_p = c * p.y - s * p.x;

@@ -123,7 +123,8 @@ void CutEvidence::add_blind(std::size_t lowest) {
 CutEvidence::Cells CutEvidence::cells_at(float azimuth) const {
   const float half = width_ * overlap / 2;
   const float middle = azimuth + static_cast<float>(cells_.size());
-  return {static_cast<std::size_t>(middle - half + 0.5F), static_cast<std::size_t>(middle + half - 0.5F)};
+  const auto index = [](float at) { return static_cast<std::size_t>(static_cast<std::int32_t>(at)); };
+  return {index(middle - half + 0.5F), index(middle + half - 0.5F)};
 }
 
 void CutEvidence::claim(Cells cells, const Piece& piece) {
