@@ -184,21 +184,31 @@ void Visibility::see(Walk& walk, std::size_t source, float to) {
   witness_ = source;
 }
 
+std::size_t Visibility::free_stretches(std::size_t source, std::size_t beam, std::size_t from,
+                                       std::size_t to) const {
+  constexpr std::size_t many = VisibilityTable::stretch_steps;
+  const FreeSpaceMap& map = maps_[source];
+  if (map.size() == 0) return from;
+  const FreeSpaceMap::Run* const runs = map.runs();
+  const VisibilityTable::Stretch* stretch = &table_.stretch(beam, row_of(source), from / many);
+  for (; from + many <= to && stretch->is_free(runs); from += many) stretch += beams();
+  return from;
+}
+
 std::size_t Visibility::seen_run(Walk& walk, std::size_t from, std::size_t to) {
   constexpr std::size_t many = VisibilityTable::stretch_steps;
   for (std::size_t refused = 0; refused < walk.sources && from < to;) {
     // Another source may see a stretch that one source does not see completely.
-    if (from % many == 0 && from + many <= to) {
-      std::size_t asked = 0;
-      for (; asked < walk.sources && !sees_stretch(walk.source, walk.beam, from / many); ++asked)
-        next_source(walk);
-      if (asked < walk.sources) {
-        from += many;
-        refused = 0;
-        see(walk, walk.source, table_.edge(from));
-        continue;
+    for (std::size_t asked = 0; asked < walk.sources && from % many == 0 && from + many <= to; ++asked) {
+      const std::size_t seen_to = free_stretches(walk.source, walk.beam, from, to);
+      if (seen_to > from) {
+        see(walk, walk.source, table_.edge(seen_to));
+        from = seen_to;
+        asked = refused = 0;
       }
+      if (from + many <= to) next_source(walk);
     }
+    if (from == to) break;
     const std::size_t stop = std::min(to, from / many * many + many);
     const std::size_t seen_to = free_run(walk.source, walk.beam, from, stop);
     refused = seen_to > from ? 0 : refused + 1;

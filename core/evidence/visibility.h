@@ -80,11 +80,9 @@ class Visibility {
   /// The table's row, and the first of the sources that look from one place.
   std::size_t row_of(std::size_t source) const { return row_of_[source]; }
   bool is_blind(std::size_t source) const { return source >= observing_ && source < observing_ + rows_; }
-  /// This source sees all of stretch `stretch` of the table to be free.
-  bool sees_stretch(std::size_t source, std::size_t beam, std::size_t stretch) const {
-    return maps_[source].size() > 0 &&
-           table_.stretch(beam, row_of(source), stretch).is_free(maps_[source].runs());
-  }
+  /// The first stretch in steps [from, to), from a stretch's begin, that the source does not see to be free
+  /// completely.
+  std::size_t free_stretches(std::size_t source, std::size_t beam, std::size_t from, std::size_t to) const;
   /// The first step in [from, to), all in one stretch, that the source does not see to be free, or `to`.
   std::size_t free_run(std::size_t source, std::size_t beam, std::size_t from, std::size_t to) const;
   /// State of a walk along a beam.
