@@ -21,6 +21,8 @@ constexpr float touching = 0.05F;
 constexpr float touching_share = 0.02F;
 // Columns are widened by this factor, so that no cell between two columns is left out.
 constexpr float overlap = 1.05F;
+// Wedges are claimed in blocks of about this number, which stay in the cache.
+constexpr std::size_t block = 512;
 
 }  // namespace
 
@@ -68,7 +70,7 @@ std::array<std::size_t, 3> CutEvidence::abreast(std::size_t i) const {
 
 bool CutEvidence::on_one_surface(std::size_t i, std::size_t beside) const {
   const std::size_t first = beside + rings_ == i || beside > i + rings_ ? beside : i;
-  return i == beside || view_->links().level(first / rings_, i % rings_);
+  return i == beside || view_->links().level_at(first);
 }
 
 CutEvidence::End CutEvidence::end_abreast(std::size_t i) const {
@@ -190,13 +192,14 @@ void CutEvidence::claim_wedges() {
   each_cell(blinds_, [](Cell& at, const Piece& piece) {
     if (at.blind.to <= 0 || piece.is_shorter(at.blind)) at.blind = piece;
   });
-  if (!tilted_) {
+  if (tilted_) {
+    find_azimuths(free_, &Wedge::along, azimuths_);
+    find_azimuths(free_, &Wedge::first, begins_);
+    for (std::size_t i = 0; i < free_.size(); ++i) claim_tilted(free_[i].piece, begins_[i], azimuths_[i]);
+  } else {
     each_cell(free_, [this](Cell& at, const Piece& piece) { claim(at, piece); });
-    return;
   }
-  find_azimuths(free_, &Wedge::along, azimuths_);
-  find_azimuths(free_, &Wedge::first, begins_);
-  for (std::size_t i = 0; i < free_.size(); ++i) claim_tilted(free_[i].piece, begins_[i], azimuths_[i]);
+  for (auto* list : {&free_, &blinds_, &overs_}) list->clear();
 }
 
 /// Claims a piece that spans several directions, part by part.
@@ -319,12 +322,13 @@ void CutEvidence::find(const PlaneView& view, const PlaneTops& tops, HeightBand 
   step_ = sign_ > 0 ? 1 : -1;
   corner_ = std::min(0.2F, 2 * static_cast<float>(view.grid().step()));
   mark_beams();
-  for (auto* list : {&free_, &blinds_, &overs_}) list->clear();
   ends_ = view.grid().ends.data();
   const Eigen::Matrix3f& r = view.rotation();
   axes_ = {r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2)};
-  for (std::size_t c = 0; c < view.grid().columns(); ++c) find_wedges(c);
-  claim_wedges();
+  for (std::size_t c = 0; c < view.grid().columns(); ++c) {
+    find_wedges(c);
+    if (free_.size() + blinds_.size() >= block || c + 1 == view.grid().columns()) claim_wedges();
+  }
   fill_holes();
   for (std::size_t k = 0; k < cells_.size(); ++k) {
     for (std::size_t p = 0; p < pieces; ++p) {

@@ -97,6 +97,7 @@ class CutEvidence {
   void find_wedges(std::size_t column);
   void end_wedge(const Ray& first, std::size_t last, std::size_t next, End thing);
   bool is_hidden(std::size_t before, std::size_t upper) const;
+  /// Claims the wedges found so far.
   void claim_wedges();
   /// Calls use(cell, piece) for all cells of non-tilted wedges.
   template <class Use>

@@ -49,10 +49,10 @@ bool RingLinks::grazing(std::size_t a, std::size_t b, std::size_t c, std::size_t
   return line.cross(end(b) - end(a)).norm() <= limit && line.cross(end(c) - end(a)).norm() <= limit;
 }
 
-bool RingLinks::is_level(std::size_t column, std::size_t ring) const {
-  const std::size_t a = grid_->index(column, ring);
-  const std::size_t b = grid_->index(grid_->after(column), ring);
-  return is_point(a) && is_point(b) && (near(a, b, level_slope_) || grazing_level(column, ring));
+bool RingLinks::is_level(std::size_t i) const {
+  const std::size_t column = i / grid_->rings(), ring = i % grid_->rings();
+  const std::size_t beside = grid_->index(grid_->after(column), ring);
+  return is_point(i) && is_point(beside) && (near(i, beside, level_slope_) || grazing_level(column, ring));
 }
 
 bool RingLinks::grazing_level(std::size_t column, std::size_t ring) const {

@@ -17,11 +17,11 @@ class RingLinks {
   /// The grid must stay alive. `noise`: one standard deviation of a range, m.
   void set(const RingGrid& grid, double noise);
 
-  /// Links return `ring` of `column` with that of the next column.
-  bool level(std::size_t column, std::size_t ring) const {
-    const std::size_t a = grid_->index(column, ring);
-    if (levels_[a] == Link::not_asked) levels_[a] = is_level(column, ring) ? Link::linked : Link::apart;
-    return levels_[a] == Link::linked;
+  /// Links return `ring` of `column` with that of the next column; level_at(): by RingGrid::index().
+  bool level(std::size_t column, std::size_t ring) const { return level_at(grid_->index(column, ring)); }
+  bool level_at(std::size_t i) const {
+    if (levels_[i] == Link::not_asked) levels_[i] = is_level(i) ? Link::linked : Link::apart;
+    return levels_[i] == Link::linked;
   }
   /// Links return `ring` of `column` with that of the next ring.
   bool upright(std::size_t column, std::size_t ring) const;
@@ -43,7 +43,7 @@ class RingLinks {
     const BeamEnd q = grid_->ends[b];
     return (p.x - q.x) * (p.x - q.x) + (p.y - q.y) * (p.y - q.y) + (p.z - q.z) * (p.z - q.z) <= limit * limit;
   }
-  bool is_level(std::size_t column, std::size_t ring) const;
+  bool is_level(std::size_t i) const;
   bool grazing_level(std::size_t column, std::size_t ring) const;
   bool grazing(std::size_t a, std::size_t b, std::size_t c, std::size_t d) const;
   std::size_t before(std::size_t column) const { return column > 0 ? column - 1 : grid_->columns() - 1; }
