@@ -228,8 +228,7 @@ float CutEvidence::wall_in_band(std::size_t column) const {
     if (grid.kind[i] != Beam::point || view_->ground().is_ground[i] != 0) continue;
     const auto height = static_cast<double>(view_->heights()[i]);
     if (!(height >= band_.min && height <= band_.max)) continue;
-    const Raster::Point at = view_->place(grid.ends[i]);
-    nearest = std::min(nearest, std::hypot(at.x - view_->translation().x(), at.y - view_->translation().y()));
+    nearest = std::min(nearest, end_of(i));
   }
   return nearest;
 }

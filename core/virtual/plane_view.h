@@ -32,7 +32,6 @@ class PlaneView {
   const Ground& ground() const { return *ground_; }
   const RingLinks& links() const { return *neighbours_; }
   const Eigen::Matrix3f& rotation() const { return rotation_; }
-  const Eigen::Vector3f& translation() const { return translation_; }
 
   /// m of z in the frame per m upward.
   float rise() const { return rise_; }

@@ -209,10 +209,13 @@ void Virtualizer::cut_slice(Lidar& lidar, Visibility& visibility, double level) 
 }
 
 void Virtualizer::cut_band(Lidar& lidar, Visibility& visibility, float evidence_level) {
-  if (std::isfinite(band_.min)) cut_slice(lidar, visibility, band_.min);
   if (std::isfinite(band_.max)) cut_slice(lidar, visibility, band_.max);
-  lidar.view.set_level(evidence_level);
-  tops_.find(lidar.view);
+  if (std::isfinite(band_.min)) cut_slice(lidar, visibility, band_.min);
+  // Mostly the evidence is that of the band's lower limit, which was cut last.
+  if (!std::isfinite(band_.min) || static_cast<float>(band_.min) != evidence_level) {
+    lidar.view.set_level(evidence_level);
+    tops_.find(lidar.view);
+  }
   cut_.draw_edges(lidar.view, band_, visibility.raster(), visibility.surfaces());
 }
 
