@@ -139,8 +139,10 @@ FreeSpaceMap::Cell FreeSpaceMap::cell_of(float from, float to) const {
   // Rounded up, without a call of the mathematical library.
   auto first = static_cast<std::int32_t>(units);
   first += static_cast<float>(first) < units ? 1 : 0;
-  if (!(to > 0) || last < static_cast<float>(first)) return {};
-  return {static_cast<std::uint16_t>(first), static_cast<std::uint16_t>(last - static_cast<float>(first))};
+  const float span = last - static_cast<float>(first);
+  const bool is_way = to > 0 && span >= 0;
+  return {static_cast<std::uint16_t>(is_way ? first : 0xFFFF),
+          static_cast<std::uint16_t>(is_way ? static_cast<std::int32_t>(span) : 0)};
 }
 
 std::uint16_t FreeSpaceMap::cell_towards(float dx, float dy) const {
@@ -285,11 +287,15 @@ void FreeSpaceMap::fill_moved(const PlacedScan& sweep) {
   starts_.assign(cells_.size(), 0);
   ends_.assign(cells_.size(), -1);
   hides_.assign(cells_.size(), 0);
+  // Local copies let the loop be vectorised.
+  const float per_rad = per_rad_;
+  const float *const x = sweep.free_x.data(), *const y = sweep.free_y.data(),
+                     *const to = sweep.free_to.data();
+  float *const azimuths = azimuths_.data(), *const lengths = lengths_.data();
   for (std::size_t i = 0; i < beams; ++i) {
-    const float x = sweep.free_x[i];
-    const float y = sweep.free_y[i];
-    azimuths_[i] = (fast_atan2(y, x) + static_cast<float>(pi_d)) * per_rad_;
-    lengths_[i] = sweep.free_to[i] > 0 ? std::sqrt(x * x + y * y) : 0;
+    const float length = std::sqrt(x[i] * x[i] + y[i] * y[i]);
+    azimuths[i] = (fast_atan2(y[i], x[i]) + static_cast<float>(pi_d)) * per_rad;
+    lengths[i] = to[i] > 0 ? length : 0;
   }
   const auto is_free = [&](std::size_t i) { return i < beams && lengths_[i] > 0; };
   for (std::size_t i = 0; i < beams; ++i) {

@@ -10,6 +10,7 @@ namespace lidard {
 namespace {
 
 constexpr float infinite = std::numeric_limits<float>::infinity();
+constexpr std::size_t many = VisibilityTable::stretch_steps;
 }  // namespace
 
 Visibility::Visibility(const ScanGrid& grid, const VisibilitySettings& settings, std::size_t sources)
@@ -57,13 +58,13 @@ void Visibility::set_footprint(const Footprint& footprint) {
     const std::size_t border = inside ? 0 : table_.step_at(static_cast<float>(crossing->in));
     inside_[beam] = {border, table_.step_at(end), end};
   }
-  for (std::size_t s = 0; s < maps_.size(); ++s) find_exits(s);
+  for (std::size_t row = 0; row < rows_; ++row) find_exits(row);
 }
 
-void Visibility::find_exits(std::size_t source) {
-  if (maps_[source].size() == 0) return;
+void Visibility::find_exits(std::size_t row) {
+  if (maps_[row].size() == 0) return;
   for (std::size_t beam = 0; beam < beams(); ++beam)
-    body_ends_[source][beam] = place_at(source, beam, inside_[beam].end);
+    body_ends_[row][beam] = place_at(row, beam, inside_[beam].end);
 }
 
 void Visibility::set_source(std::size_t source, const BeamRays& rays) {
@@ -86,7 +87,7 @@ void Visibility::set_place(std::size_t place, float x, float y, double width) {
   widths_.resize(rows_);
   widths_[place] = static_cast<float>(width);
   column_ = *std::max_element(widths_.begin(), widths_.end());
-  for (std::size_t s = place; s < maps_.size(); s += rows_) find_exits(s);
+  find_exits(place);
 }
 
 void Visibility::begin() {
@@ -128,11 +129,9 @@ void Visibility::find_ends() {
     end_x_[beam] = way * raster_.cosine(beam);
     end_y_[beam] = way * raster_.sine(beam);
   }
-  for (std::size_t s = 0; s < maps_.size(); ++s) {
-    if (row_of(s) != s)
-      way_ends_[s] = way_ends_[row_of(s)];
-    else if (maps_[s].size() > 0)
-      maps_[s].find_places(end_x_.data(), end_y_.data(), beams(), way_ends_[s].data());
+  for (std::size_t row = 0; row < rows_; ++row) {
+    if (maps_[row].size() > 0)
+      maps_[row].find_places(end_x_.data(), end_y_.data(), beams(), way_ends_[row].data());
   }
 }
 
@@ -186,26 +185,20 @@ void Visibility::see(Walk& walk, std::size_t source, float to) {
 
 std::size_t Visibility::free_stretches(std::size_t source, std::size_t beam, std::size_t from,
                                        std::size_t to) const {
-  constexpr std::size_t many = VisibilityTable::stretch_steps;
-  const FreeSpaceMap& map = maps_[source];
-  if (map.size() == 0) return from;
-  const FreeSpaceMap::Run* const runs = map.runs();
-  const VisibilityTable::Stretch* stretch = &table_.stretch(beam, row_of(source), from / many);
-  for (; from + many <= to && stretch->is_free(runs); from += many) stretch += beams();
+  if (maps_[source].size() == 0) return from;
+  const FreeSpaceMap::Run* const runs = maps_[source].runs();
+  const std::size_t row = row_of(source);
+  while (from + many <= to && table_.stretch(beam, row, from / many).is_free(runs)) from += many;
   return from;
 }
 
 std::size_t Visibility::seen_run(Walk& walk, std::size_t from, std::size_t to) {
-  constexpr std::size_t many = VisibilityTable::stretch_steps;
   for (std::size_t refused = 0; refused < walk.sources && from < to;) {
     // Another source may see a stretch that one source does not see completely.
     for (std::size_t asked = 0; asked < walk.sources && from % many == 0 && from + many <= to; ++asked) {
       const std::size_t seen_to = free_stretches(walk.source, walk.beam, from, to);
-      if (seen_to > from) {
-        see(walk, walk.source, table_.edge(seen_to));
-        from = seen_to;
-        asked = refused = 0;
-      }
+      if (seen_to > from) asked = refused = 0, see(walk, walk.source, table_.edge(seen_to));
+      from = seen_to;
       if (from + many <= to) next_source(walk);
     }
     if (from == to) break;
@@ -223,10 +216,10 @@ bool Visibility::sees_piece(Walk& walk, std::size_t step, bool from_body, std::s
   const std::size_t beam = walk.beam;
   const bool to_end = to > walk.last;
   for (std::size_t asked = 0; asked < walk.sources; ++asked, next_source(walk)) {
-    const std::size_t s = walk.source;
+    const std::size_t s = walk.source, row = row_of(s);
     if (maps_[s].size() == 0) continue;
-    const auto begin = from_body ? body_ends_[s][beam] : table_.place(beam, row_of(s), step);
-    const auto end = to_end ? way_ends_[s][beam] : table_.place(beam, row_of(s), to);
+    const auto begin = from_body ? body_ends_[row][beam] : table_.place(beam, row, step);
+    const auto end = to_end ? way_ends_[row][beam] : table_.place(beam, row, to);
     if (!maps_[s].is_free(begin, end)) continue;
     see(walk, s, to_end ? ways_[beam] : table_.edge(to));
     return true;
@@ -268,7 +261,7 @@ bool Visibility::may_hold_body(const Walk& walk, std::size_t step) const {
     if (maps_[s].size() == 0) continue;
     const auto begin = table_.place(walk.beam, row_of(s), step);
     const auto end =
-        step < walk.last ? table_.place(walk.beam, row_of(s), step + 1) : way_ends_[s][walk.beam];
+        step < walk.last ? table_.place(walk.beam, row_of(s), step + 1) : way_ends_[row_of(s)][walk.beam];
     behind = std::min(behind, maps_[s].hidden_by(begin, end));
   }
   return behind <= static_cast<float>(settings_.gap);
@@ -286,7 +279,6 @@ bool Visibility::is_covered(std::size_t beam, std::size_t sources) {
   bool body_ahead = body.end > 0;
   bool from_body = false;
   bool covered = true;
-  constexpr std::size_t many = VisibilityTable::stretch_steps;
   for (std::size_t m = 0; walk.at < end;) {
     if (body_ahead && m >= body.from) {
       body_ahead = false;
@@ -348,7 +340,7 @@ BeamState Visibility::decide(std::size_t beam) {
   if (rows_ > 1 && blind_to_[beam] > 0) blind_to_[beam] = seen_from(beam);
   bool seen = ways_[beam] <= begin_[beam];
   for (std::size_t s = 0; s < maps_.size() && !seen; ++s)
-    seen = maps_[s].size() > 0 && maps_[s].is_free(way_ends_[s][beam]);
+    seen = maps_[s].size() > 0 && maps_[s].is_free(way_ends_[row_of(s)][beam]);
   return seen ? BeamState::hit : BeamState::behind;
 }
 

@@ -117,7 +117,7 @@ class Visibility {
   FreeSpaceMap::Place place_at(std::size_t source, std::size_t beam, float range) const {
     return maps_[source].place_of(range * raster_.cosine(beam), range * raster_.sine(beam));
   }
-  void find_exits(std::size_t source);
+  void find_exits(std::size_t row);
 
   VisibilitySettings settings_;
   Raster raster_;
@@ -143,7 +143,7 @@ class Visibility {
   std::vector<float> widths_;  // rad, of the columns at each place
   std::vector<float> ways_;    // m of each beam that must be seen to be free
   std::vector<float> end_x_, end_y_;                         // where they end
-  std::vector<std::vector<FreeSpaceMap::Place>> way_ends_;   // of each source, by beam
+  std::vector<std::vector<FreeSpaceMap::Place>> way_ends_;   // of each row, by beam
   std::vector<std::vector<FreeSpaceMap::Place>> body_ends_;  // where beams leave the vehicle
   /// A step that no single source sees completely is checked in this number of parts.
   static constexpr std::size_t parts_of_step = 4;

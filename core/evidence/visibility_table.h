@@ -43,7 +43,7 @@ class VisibilityTable {
   /// The step that holds `range`, m; at a border the outer one. steps(): beyond the last step.
   std::size_t step_at(float range) const;
   /// The steps of a beam from stretch_steps * k on. Neighbouring beams are neighbours in memory, in the order
-  /// of access; the beam's next stretch stands as many places further as there are beams.
+  /// of access.
   const Stretch& stretch(std::size_t beam, std::size_t source, std::size_t k) const {
     return stretches_[index(beam, source, k)];
   }
