@@ -187,8 +187,8 @@ std::size_t Visibility::free_stretches(std::size_t source, std::size_t beam, std
                                        std::size_t to) const {
   if (maps_[source].size() == 0) return from;
   const FreeSpaceMap::Run* const runs = maps_[source].runs();
-  const std::size_t row = row_of(source);
-  while (from + many <= to && table_.stretch(beam, row, from / many).is_free(runs)) from += many;
+  const auto* stretch = &table_.stretch(beam, row_of(source), from / many);
+  for (; from + many <= to && stretch->is_free(runs); from += many) stretch += beams();
   return from;
 }
 
