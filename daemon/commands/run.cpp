@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <malloc.h>
 
-#include <algorithm>
 #include <atomic>
 #include <boost/asio/signal_set.hpp>
 #include <cstdlib>
@@ -202,7 +201,7 @@ class Daemon {
   void change(std::shared_ptr<const Config> config, Stamp now) {
     for (const auto& warning : config->warnings) log_warn("{}", warning);
     try {
-      ros_.change(*config);
+      ros_.change(*config_, *config);
     } catch (const RosError& error) {
       return end_reload(error.what());
     }
@@ -236,13 +235,11 @@ class Daemon {
     if (std::exchange(wants_reload_, false)) reload();
   }
   bool merges_scans_of_clouds() const {
-    return std::any_of(
-        config_->merged_scans.begin(), config_->merged_scans.end(), [this](const auto& merged) {
-          const auto is_of_clouds = [this](const auto& source) {
-            return config_->worker_of(source) == Worker::clouds;
-          };
-          return std::any_of(merged.laserscan_topics.begin(), merged.laserscan_topics.end(), is_of_clouds);
-        });
+    for (const MergedScanConfig& merged : config_->merged_scans) {
+      for (const std::string& source : merged.laserscan_topics)
+        if (config_->worker_of(source) == Worker::clouds) return true;
+    }
+    return false;
   }
   /// The item on virtual scans that are merged.
   DiagnosticItem hand_over_item() const {

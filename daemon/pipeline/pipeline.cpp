@@ -71,16 +71,6 @@ void Pipeline::add_output(const Entry& entry, List<Output>& before) {
   for (const std::string& name : output.sources()) outlet_.connect(outlet_.source(name), output, place++);
 }
 
-/// A sensor whose data come as messages, of packets for its driver or not. nullptr: it is no longer in the
-/// configuration, and the message was on its way.
-Sensor* Pipeline::topic_sensor(const std::string& name, bool with_driver) {
-  for (const auto& sensor : sensors_) {
-    const SensorConfig& config = sensor->config();
-    if (config.name == name && (config.model != nullptr) == with_driver) return sensor.get();
-  }
-  return nullptr;
-}
-
 /// The sensor of that place in the configuration.
 Sensor& Pipeline::sensor_at(std::size_t place) const {
   const auto has_place = [place](const auto& sensor) { return sensor->place() == place; };
@@ -124,19 +114,27 @@ void Pipeline::handed_over(std::size_t source, const PlanarScan& scan, Stamp rec
   outlet_.feed(source, scan, received);
 }
 
-void Pipeline::packet_message(const std::string& sensor, const Packet& packet, Stamp received) {
+/// Messages of a sensor's topic, of packets for its driver or not.
+template <class Message>
+void Pipeline::sensor_message(const std::string& name, Message& message, Stamp received) {
+  constexpr bool with_driver = std::is_same_v<Message, const Packet>;
   advance(received);
-  if (Sensor* const known = topic_sensor(sensor, true)) known->receive(packet, received);
+  for (const auto& sensor : sensors_) {
+    const SensorConfig& config = sensor->config();
+    if (config.name == name && (config.model != nullptr) == with_driver) sensor->receive(message, received);
+  }
+}
+
+void Pipeline::packet_message(const std::string& sensor, const Packet& packet, Stamp received) {
+  sensor_message(sensor, packet, received);
 }
 
 void Pipeline::scan_message(const std::string& sensor, PlanarScan& scan, Stamp received) {
-  advance(received);
-  if (Sensor* const known = topic_sensor(sensor, false)) known->receive(scan, received);
+  sensor_message(sensor, scan, received);
 }
 
 void Pipeline::cloud_message(const std::string& sensor, Cloud& cloud, Stamp received) {
-  advance(received);
-  if (Sensor* const known = topic_sensor(sensor, false)) known->receive(cloud, received);
+  sensor_message(sensor, cloud, received);
 }
 
 void Pipeline::pose_message(Stamp stamp, const Pose& pose, const std::string& child, Stamp received) {

@@ -132,7 +132,8 @@ class Pipeline final : public MessageReceiver {
 
   Sensor& sensor_at(std::size_t place) const;
   Sensor* owner_of(const Packet& packet);
-  Sensor* topic_sensor(const std::string& name, bool with_driver);
+  template <class Message>
+  void sensor_message(const std::string& name, Message& message, Stamp received);
   void add_sensor(const SensorConfig& entry, std::size_t place, List<Sensor>& before);
   template <class Entry>
   void add_output(const Entry& entry, List<Output>& before);

@@ -30,62 +30,52 @@ class Outline final : public RosComponent {
   const RawMessage outline_;
 };
 
-}  // namespace
+std::array<std::string, 3> motion_topics(const VehicleConfig& vehicle) {
+  return {vehicle.odometry_topic, vehicle.imu_topic, vehicle.speed_topic};
+}
 
-/// The components of one worker, with their configuration.
-struct RosSession::Fed {
-  std::shared_ptr<RosComponent> inputs, motion;
-  std::vector<TopicSource> sources;
-  std::array<std::string, 3> motion_topics;
-};
+}  // namespace
 
 RosSession::RosSession(const Config& config, const RosOptions& options)
     : RosConnection(options, output_topics(config)),
       names_(options.reconfigure),
       poses_(std::make_shared<TfPoses>(step())) {
   add(poses_);
-  for (auto& fed : fed_) fed = std::make_unique<Fed>();
 }
-RosSession::~RosSession() = default;
 
 TransformSource& RosSession::poses() { return *poses_; }
 
 void RosSession::feed(const Config& config, Post post) {
   post_ = std::move(post);
-  renew(config);
+  renew(nullptr, config);
 }
 
-void RosSession::change(const Config& config) {
+void RosSession::change(const Config& before, const Config& config) {
   check_ros_names(output_topics(config));
-  renew(config);
-}
-
-void RosSession::replace(std::shared_ptr<RosComponent>& place, std::shared_ptr<RosComponent> next) {
-  const auto former = std::exchange(place, next);
-  add(std::move(next), former);
+  renew(&before, config);
 }
 
 /// Replaces the components whose configuration changed. The servers of dynamic_reconfigure are always new: a
 /// change by hand ends with the next configuration.
-void RosSession::renew(const Config& config) {
-  for (const Worker worker : {Worker::sensors, Worker::clouds})
-    renew(*fed_[static_cast<std::size_t>(worker)], config, worker);
+void RosSession::renew(const Config* before, const Config& config) {
+  const auto replace = [this](std::shared_ptr<RosComponent>& place, std::shared_ptr<RosComponent> next) {
+    const auto former = std::exchange(place, next);
+    add(std::move(next), former);
+  };
+  for (const Worker worker : {Worker::sensors, Worker::clouds}) {
+    auto& [inputs, motion] = fed_[static_cast<std::size_t>(worker)];
+    const auto sources = topic_sources(config, worker);
+    if (before == nullptr || !(sources == topic_sources(*before, worker)))
+      replace(inputs, std::make_shared<RosInputs>(sources, worker, post_, step()));
+    const VehicleConfig vehicle = vehicle_for(config, worker);
+    if (before == nullptr || motion_topics(vehicle) != motion_topics(vehicle_for(*before, worker)))
+      replace(motion, make_ros_motion(vehicle, worker, post_, step()));
+  }
   replace(reconfigure_, make_ros_reconfigure(changeable_outputs(config, names_), post_));
-  const std::pair shape{config.vehicle.base_frame, config.vehicle.footprint};
-  if (shape != shape_) replace(outline_, std::make_shared<Outline>(config.vehicle));
-  shape_ = shape;
-}
-
-void RosSession::renew(Fed& fed, const Config& config, Worker worker) {
-  auto sources = topic_sources(config, worker);
-  if (fed.inputs == nullptr || !(sources == fed.sources))
-    replace(fed.inputs, std::make_shared<RosInputs>(sources, worker, post_, step()));
-  fed.sources = std::move(sources);
-  const VehicleConfig vehicle = vehicle_for(config, worker);
-  const std::array topics{vehicle.odometry_topic, vehicle.imu_topic, vehicle.speed_topic};
-  if (fed.motion == nullptr || topics != fed.motion_topics)
-    replace(fed.motion, make_ros_motion(vehicle, worker, post_, step()));
-  fed.motion_topics = topics;
+  const VehicleConfig& vehicle = config.vehicle;
+  if (before == nullptr || vehicle.base_frame != before->vehicle.base_frame ||
+      vehicle.footprint != before->vehicle.footprint)
+    replace(outline_, std::make_shared<Outline>(vehicle));
 }
 
 }  // namespace lidard

@@ -5,9 +5,6 @@
 #include <array>
 #include <functional>
 #include <memory>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "daemon/config/config.h"
 #include "daemon/ros/connection.h"
@@ -17,7 +14,6 @@ namespace lidard {
 class MessageReceiver;
 class TfPoses;
 class TransformSource;
-struct TopicSource;
 
 /// The workers' interface to ROS: sinks for frames, poses from tf, and, after feed(), messages of other
 /// nodes and changes of outputs. The same live, in replay and in the drop-ins.
@@ -28,7 +24,6 @@ class RosSession : public RosConnection {
 
   /// Throws RosError.
   RosSession(const Config& config, const RosOptions& options);
-  ~RosSession();
 
   /// tf; must not be used after the session ended.
   TransformSource& poses();
@@ -37,20 +32,19 @@ class RosSession : public RosConnection {
   void feed(const Config& config, Post post);
   /// Applies another configuration, except the topics of sink(), see set_topics(). Throws RosError; then
   /// nothing changes.
-  void change(const Config& config);
+  void change(const Config& before, const Config& config);
 
  private:
-  struct Fed;
-  void replace(std::shared_ptr<RosComponent>& place, std::shared_ptr<RosComponent> next);
-  void renew(const Config& config);
-  void renew(Fed& fed, const Config& config, Worker worker);
+  struct Fed {
+    std::shared_ptr<RosComponent> inputs, motion;
+  };
+  void renew(const Config* before, const Config& config);
 
   const ReconfigureNames names_;
   const std::shared_ptr<TfPoses> poses_;
   Post post_;
-  std::array<std::unique_ptr<Fed>, workers> fed_;
+  std::array<Fed, workers> fed_;
   std::shared_ptr<RosComponent> reconfigure_, outline_;
-  std::pair<std::string, std::vector<Eigen::Vector2d>> shape_;  // of outline_
 };
 
 }  // namespace lidard
