@@ -108,8 +108,9 @@ int into_ros(const ReplayOptions& options, const Config& config, MergedCapture& 
   const auto more_may_come = boost::asio::make_work_guard(messages);
   RosSession session(config, ros);
   Replay replay(options, config, capture, session.sink(), session.poses());
-  session.feed(config, config, replay.pipeline, [&](std::function<void(Stamp)> task) {
-    boost::asio::post(messages, [&replay, task = std::move(task)] { task(replay.player.now()); });
+  session.feed(config, [&](Worker, auto task) {
+    boost::asio::post(messages,
+                      [&replay, task = std::move(task)] { task(replay.pipeline, replay.player.now()); });
   });
   replay.player.rest = [&messages](auto until) {
     messages.poll();

@@ -12,8 +12,8 @@
 
 #include "daemon/commands/commands.h"
 #include "daemon/commands/last_good.h"
-#include "daemon/commands/plan.h"
 #include "daemon/commands/status.h"
+#include "daemon/config/workers.h"
 #include "daemon/live/journal.h"
 #include "daemon/live/process_memory.h"
 #include "daemon/live/runtime_socket.h"
@@ -43,44 +43,51 @@ void log_event(const Event& event) {
   log_line(level, event.source + ": " + event.text);
 }
 
-/// A running daemon. The constructor's thread runs the lane of planes and the daemon's own tasks; the lane of
-/// clouds has another thread, if it is needed.
+/// The configuration with its work divided.
+std::shared_ptr<const Config> divided(Config config) {
+  assign_workers(config);
+  return std::make_shared<const Config>(std::move(config));
+}
+
+/// A running daemon. The constructor's thread is the sensor thread, which does the daemon's own tasks too;
+/// the worker for clouds has another thread, if it is needed.
 class Daemon {
  public:
   /// `trouble`: why `config` is not the content of the file; empty: it is.
   Daemon(const Config& config, const RosOptions& how, std::string trouble)
-      : plan_(std::make_shared<Plan>(config)),
+      : config_(divided(config)),
         last_good_(config.file),
         trouble_(std::move(trouble)),
         clock_([this](Span step) { ros_.set_step(step); }),
-        ros_(plan_->parts[0], plan_->parts[1], how),
+        ros_(*config_, how),
         box_(config.black_box,
              [](bool good, const std::string& sentence) {
                log_line(good ? LogLevel::info : LogLevel::error, "black box: " + sentence);
              }),
-        planes_(plan_->parts[0], clock_, box_, ros_.poses(), ros_.sink(Lane::planes)),
-        clouds_(plan_->parts[1], clock_, box_, ros_.poses(), ros_.sink(Lane::clouds)),
-        signals_(planes_.io(), SIGINT, SIGTERM),
-        requests_(planes_.io(), SIGHUP, SIGUSR1),
-        socket_(planes_.io(),
+        sensors_(*config_, clock_, box_, ros_.poses(), ros_.sink()),
+        clouds_(*config_, clock_, box_, ros_.poses(), ros_.sink(Worker::clouds), Worker::clouds),
+        signals_(sensors_.io(), SIGINT, SIGTERM),
+        requests_(sensors_.io(), SIGHUP, SIGUSR1),
+        socket_(sensors_.io(),
                 {{"status", [this](const auto& reply) { reply(status_json(state(), journal_)); }},
                  {"events", [this](const auto& reply) { reply(events_json(journal_)); }},
                  {"metrics", [this](const auto& reply) { reply(metrics_text(state())); }},
                  {"dump", [this](const auto& reply) {
                     box_.dump([reply](const std::string& said) { reply(said + "\n"); });
                   }}}) {
-    for (const auto& [part, loop] : {std::pair(&plan_->parts[0], &planes_), {&plan_->parts[1], &clouds_}})
-      ros_.feed(*part, config, loop->pipeline(),
-                [loop = loop](std::function<void(Stamp)> task) { loop->post(std::move(task)); });
-    planes_.add_items = [this](auto& items) {
+    ros_.feed(*config_, [this](Worker worker, auto task) {
+      SensorLoop& loop = worker == Worker::clouds ? clouds_ : sensors_;
+      loop.post([&loop, task = std::move(task)](Stamp received) { task(loop.pipeline(), received); });
+    });
+    sensors_.add_items = [this](auto& items) {
       items.push_back(clock_.item());
       items.push_back(configuration_item());
-      if (!plan_->parts[1].hand_over.empty()) items.push_back(hand_over_item());
+      if (merges_scans_of_clouds()) items.push_back(hand_over_item());
       if (auto item = box_.item()) items.push_back(std::move(*item));
     };
-    planes_.on_round = [this] { feed_watchdog(); };
-    planes_.on_tick = [this](Stamp now) { tick(now); };
-    connect_lanes();
+    sensors_.on_round = [this] { feed_watchdog(); };
+    sensors_.on_tick = [this](Stamp now) { tick(now); };
+    connect_workers();
   }
 
   /// Runs until a signal, or until another daemon uses the node's name. Returns the exit code; `left`: false
@@ -89,28 +96,21 @@ class Daemon {
     signals_.async_wait([this](const boost::system::error_code& error, int signal) {
       if (error) return;
       log_info("stopping on signal {}", signal);
-      planes_.stop();
+      sensors_.stop();
     });
     wait_for_signals();
     ros_.start();
-    ros_.sink(Lane::planes).transforms(planes_.pipeline().static_transforms(), clock_.now());
+    ros_.sink().transforms(sensors_.pipeline().static_transforms(), clock_.now());
     if (const std::string trouble = socket_.start(runtime_socket_path()); !trouble.empty())
       log_warn("`lidard status` cannot ask this daemon: {}", trouble);
-    // Report READY once all sockets are open. The lane of clouds runs only if it has sockets.
-    planes_.post([this](Stamp now) {
-      planes_.pipeline().tick(now);
-      if (!plan_->has_clouds()) came_up();
-    });
-    clouds_.post([this](Stamp now) {
-      clouds_.pipeline().tick(now);
-      planes_.post([this](Stamp) { came_up(); });
-    });
-    if (plan_->has_clouds()) clouds_thread_ = std::thread([this] { run_clouds(); });
-    planes_.run();
+    sensors_.post([this](Stamp now) { sensors_.pipeline().tick(now); });
+    // Report READY once all sockets are open.
+    in_clouds([] {}, [this] { came_up(); });
+    sensors_.run();
     service_.stopping();
     socket_.stop();
     box_.finish();
-    planes_.finish();
+    sensors_.finish();
     left = end_clouds();
     left = ros_.stop() && left;
     return exit_code_;
@@ -122,7 +122,20 @@ class Daemon {
     service_.ready(status(ros_.diagnostics(clock_.now())));
     // The configuration in force is the stored copy already.
     if (!trouble_.empty()) return;
-    if (const std::string why = last_good_.keep(plan_->whole); !why.empty()) log_warn("{}", why);
+    if (const std::string why = last_good_.keep(*config_); !why.empty()) log_warn("{}", why);
+  }
+  /// Runs `task` in the worker for clouds, whose thread is started when it first has sensors, then `then` in
+  /// this thread.
+  void in_clouds(std::function<void()> task, std::function<void()> then) {
+    const auto work = [this, task = std::move(task), then = std::move(then)](Stamp now) {
+      task();
+      clouds_.pipeline().tick(now);
+      sensors_.post([then](Stamp) { then(); });
+    };
+    const bool runs = clouds_thread_.joinable();
+    if (!runs && !has_clouds(*config_)) return work(clock_.now());
+    clouds_.post(work);
+    if (!runs) clouds_thread_ = std::thread([this] { run_clouds(); });
   }
   void run_clouds() {
     name_this_thread("lidard-clouds");
@@ -139,21 +152,22 @@ class Daemon {
     ended ? clouds_thread_.join() : clouds_thread_.detach();
     return ended;
   }
-  /// Call it in the thread of the lane of clouds, or before the thread runs.
-  void connect_lanes() {
-    clouds_.pipeline().set_hand_over([this, plan = plan_](std::size_t source, const PlanarScan& scan, Stamp) {
+  /// Call it in the thread of the worker for clouds, or before the thread runs.
+  void connect_workers() {
+    const auto hand_over = [this, config = config_](std::size_t source, const PlanarScan& scan, Stamp) {
       constexpr int most_waiting = 100;
       if (handed_over_ >= most_waiting) {
         ++not_handed_over_;
         return;
       }
       ++handed_over_;
-      planes_.post([this, plan, source, scan](Stamp received) {
+      sensors_.post([this, config, source, scan](Stamp received) {
         --handed_over_;
-        // Source indices belong to the plan.
-        if (plan == plan_) planes_.pipeline().handed_over(source, scan, received);
+        // Numbers of sources belong to a configuration.
+        if (config == config_) sensors_.pipeline().handed_over(source, scan, received);
       });
-    });
+    };
+    clouds_.pipeline().set_hand_over(hand_over);
   }
   void wait_for_signals() {
     requests_.async_wait([this](const boost::system::error_code& error, int signal) {
@@ -171,55 +185,40 @@ class Daemon {
     wants_reload_ = reader_.joinable();
     if (wants_reload_) return;
     service_.reloading();
-    reader_ = std::thread([this, file = plan_->whole.file] {
+    reader_ = std::thread([this, file = config_->file] {
       std::shared_ptr<const Config> config;
       std::string trouble;
       try {
-        config = std::make_shared<Config>(load_config(file));
+        config = divided(load_config(file));
       } catch (const std::exception& error) {
         trouble = error.what();
       }
-      planes_.post(
-          [this, config, trouble](Stamp now) { config ? change(*config, now) : end_reload(trouble); });
+      sensors_.post(
+          [this, config, trouble](Stamp now) { config ? change(config, now) : end_reload(trouble); });
     });
   }
-  void change(const Config& config, Stamp now) {
-    for (const auto& warning : config.warnings) log_warn("{}", warning);
-    next_plan_ = std::make_shared<Plan>(config);
+  /// Switches both workers in order, each in its own thread.
+  void change(std::shared_ptr<const Config> config, Stamp now) {
+    for (const auto& warning : config->warnings) log_warn("{}", warning);
     try {
-      ros_.change(config, next_plan_->parts);
+      ros_.change(*config_, *config);
     } catch (const RosError& error) {
       return end_reload(error.what());
     }
-    switch_over(now);
-  }
-  /// Switches both lanes in order, each in its own thread.
-  void switch_over(Stamp now) {
-    plan_ = std::move(next_plan_);
-    ros_.set_topics(Lane::planes, plan_->topics[0]);
-    planes_.configure(plan_->parts[0]);
-    planes_.pipeline().tick(now);
-    ros_.sink(Lane::planes).transforms(planes_.pipeline().static_transforms(), now);
+    config_ = std::move(config);
+    ros_.set_topics(Worker::sensors, output_topics(*config_));
+    sensors_.configure(*config_);
+    sensors_.pipeline().tick(now);
+    ros_.sink().transforms(sensors_.pipeline().static_transforms(), now);
     const auto switch_clouds = [this] {
-      ros_.set_topics(Lane::clouds, plan_->topics[1]);
-      clouds_.configure(plan_->parts[1]);
-      connect_lanes();
+      ros_.set_topics(Worker::clouds, output_topics(*config_));
+      clouds_.configure(*config_);
+      connect_workers();
     };
-    if (clouds_thread_.joinable()) {
-      clouds_.post([this, switch_clouds](Stamp at) {
-        switch_clouds();
-        clouds_.pipeline().tick(at);
-        planes_.post([this](Stamp) { end_change(); });
-      });
-      return;
-    }
-    switch_clouds();
-    if (plan_->has_clouds()) clouds_thread_ = std::thread([this] { run_clouds(); });
-    end_change();
-  }
-  void end_change() {
-    box_.configure(plan_->whole.black_box);
-    end_reload("");
+    in_clouds(switch_clouds, [this] {
+      box_.configure(config_->black_box);
+      end_reload("");
+    });
   }
   /// `trouble`: why the file was rejected; empty: it is in force.
   void end_reload(const std::string& trouble) {
@@ -228,12 +227,19 @@ class Daemon {
     trouble_ = trouble;
     ++reloads_;
     if (trouble.empty())
-      log_info("{} is in force", plan_->whole.file);
+      log_info("{} is in force", config_->file);
     else
       log_error("{}; nothing is changed, correct it and reload again", trouble);
     came_up();
     malloc_trim(0);  // returns the memory of the former configuration
     if (std::exchange(wants_reload_, false)) reload();
+  }
+  bool merges_scans_of_clouds() const {
+    for (const MergedScanConfig& merged : config_->merged_scans) {
+      for (const std::string& source : merged.laserscan_topics)
+        if (config_->worker_of(source) == Worker::clouds) return true;
+    }
+    return false;
   }
   /// The item on virtual scans that are merged.
   DiagnosticItem hand_over_item() const {
@@ -248,9 +254,9 @@ class Daemon {
   DiagnosticItem configuration_item() const {
     DiagnosticItem item{"configuration"};
     item.logged = true;
-    item.message = "as in " + plan_->whole.file;
+    item.message = "as in " + config_->file;
     if (!trouble_.empty()) item.set(Health::error, trouble_ + "; the last good configuration is in force");
-    item.add("File", plan_->whole.file);
+    item.add("File", config_->file);
     item.add("Reloads", reloads_);
     return item;
   }
@@ -274,11 +280,9 @@ class Daemon {
     std::vector<DiagnosticItem> items = ros_.diagnostics(now);
     DaemonState all{
         ros_.node(), clock_.realtime(now), now - started_, status(items), history_, std::move(items), {}};
-    for (const Lane lane : {Lane::planes, Lane::clouds}) {
-      for (const OutputTopic& topic : plan_->topics[static_cast<std::size_t>(lane)]) {
-        const TopicFigures figures = ros_.figures(lane, topic, now);
-        if (topic.promised || figures.frames > 0) all.topics.emplace_back(topic.name, figures);
-      }
+    for (const OutputTopic& topic : output_topics(*config_)) {
+      const TopicFigures figures = ros_.figures(topic, now);
+      if (topic.promised || figures.frames > 0) all.topics.emplace_back(topic.name, figures);
     }
     return all;
   }
@@ -315,12 +319,12 @@ class Daemon {
     if (conflict.empty() || exit_code_ != exit_ok) return;
     log_error("{}", conflict);
     exit_code_ = exit_failed;
-    planes_.stop();
+    sensors_.stop();
   }
 
-  std::shared_ptr<const Plan> plan_, next_plan_;  // next_plan_: of a running reload
+  std::shared_ptr<const Config> config_;
   const LastGood last_good_;
-  std::string trouble_;  // why plan_ is not the content of the file; empty: it is
+  std::string trouble_;  // why config_ is not the content of the file; empty: it is
   std::uint64_t reloads_ = 0;
   std::thread reader_;  // joinable during a reload
   bool wants_reload_ = false;
@@ -329,12 +333,12 @@ class Daemon {
   Journal journal_{log_event};
   RosSession ros_;
   BlackBox box_;
-  SensorLoop planes_;
+  SensorLoop sensors_;
   SensorLoop clouds_;
   std::thread clouds_thread_;
   std::atomic<bool> clouds_ended_{false};
   std::uint64_t clouds_rounds_ = 0;
-  std::atomic<int> handed_over_{0};  // scans queued from the lane of clouds to that of planes
+  std::atomic<int> handed_over_{0};  // scans queued from the worker for clouds to the sensor thread
   std::atomic<std::uint64_t> not_handed_over_{0};
   boost::asio::signal_set signals_;
   boost::asio::signal_set requests_;  // signals that do not end the daemon

@@ -103,6 +103,11 @@ const SensorConfig* Config::find_sensor(const std::string& name) const {
   return nullptr;
 }
 
+Worker Config::worker_of(const std::string& source) const {
+  const SensorConfig* const sensor = find_sensor(source);
+  return sensor != nullptr ? sensor->worker : cloud_worker;
+}
+
 std::vector<std::string> Config::lidars_of(const VirtualScanConfig& group) const {
   for (const MergedCloudConfig& merged : merged_clouds) {
     if (merged.destination_topic == group.cloud_topic) return merged.sources;
@@ -219,7 +224,6 @@ std::vector<StaticTransform> fixed_poses(const Config& config) {
     if (child != parent && known.insert(child).second) poses.push_back({parent, child, pose});
   };
   const std::string& base = config.vehicle.base_frame;
-  for (const StaticTransform& one : config.poses) add(one.parent, one.child, one.pose);
   for (const SensorConfig& sensor : config.sensors) {
     if (sensor.pose) add(base, sensor.frame_id, *sensor.pose);
   }
@@ -238,13 +242,20 @@ std::vector<StaticTransform> fixed_poses(const Config& config) {
 std::vector<OutputTopic> output_topics(const Config& config) {
   std::vector<OutputTopic> topics;
   for (const auto& sensor : config.sensors) {
-    for (auto& topic : sensor_topics(sensor)) topics.push_back(std::move(topic));
+    for (auto& topic : sensor_topics(sensor)) {
+      topic.worker = sensor.worker;
+      topics.push_back(std::move(topic));
+    }
   }
   for (const auto& merged : config.merged_scans) add_merged(merged, topics);
+  const std::size_t of_clouds = topics.size();
   for (const auto& merged : config.merged_clouds)
     topics.push_back({merged.destination_topic, TopicKind::merged_cloud});
   for (const auto& group : config.virtual_scans) add_virtual(group, topics);
-  for (std::size_t id = 0; id < topics.size(); ++id) topics[id].id = id;
+  for (std::size_t id = 0; id < topics.size(); ++id) {
+    topics[id].id = id;
+    if (id >= of_clouds) topics[id].worker = config.cloud_worker;
+  }
   return topics;
 }
 

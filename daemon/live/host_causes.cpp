@@ -129,18 +129,21 @@ std::string NeighbourWatch::rivals(Clock::time_point now) const {
   return returned_ && now - *returned_ < news ? hardware_ + " and " + before_ : std::string();
 }
 
-HostCauses::HostCauses(const Config& config, const UdpPorts& ports) : ports_(ports) { configure(config); }
+HostCauses::HostCauses(const Config& config, const UdpPorts& ports, Worker worker)
+    : ports_(ports), worker_(worker) {
+  configure(config);
+}
 
 void HostCauses::configure(const Config& config) {
   sensors_ = config.sensors;
   auto known = std::exchange(addresses_, {});
   for (const SensorConfig& each : sensors_) {
-    if (is_received(each) && each.ip_address) addresses_[*each.ip_address] = known[*each.ip_address];
+    if (each.worker == worker_ && is_received(each) && each.ip_address)
+      addresses_[*each.ip_address] = known[*each.ip_address];
   }
-  others_may_talk_ =
-      config.is_not_alone || std::any_of(sensors_.begin(), sensors_.end(), [](const SensorConfig& each) {
-        return is_received(each) && each.model->transport == Transport::tcp;
-      });
+  others_may_talk_ = std::any_of(sensors_.begin(), sensors_.end(), [this](const SensorConfig& each) {
+    return each.worker != worker_ || (is_received(each) && each.model->transport == Transport::tcp);
+  });
 }
 
 void HostCauses::watch_addresses() {

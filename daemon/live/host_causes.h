@@ -41,12 +41,12 @@ class NeighbourWatch {
   std::optional<Clock::time_point> returned_;
 };
 
-/// Reads the state of this host's network when a sensor is silent: at most once per second, and again after
-/// interfaces have changed.
+/// Reads the state of this host's network when a worker's sensor is silent: at most once per second, and
+/// again after interfaces have changed.
 class HostCauses {
  public:
   /// `ports` must outlive this.
-  HostCauses(const Config& config, const UdpPorts& ports);
+  HostCauses(const Config& config, const UdpPorts& ports, Worker worker);
 
   void configure(const Config& config);
   void interfaces_changed() { stale_ = true; }
@@ -70,6 +70,7 @@ class HostCauses {
 
   std::vector<SensorConfig> sensors_;
   const UdpPorts& ports_;
+  const Worker worker_;
   bool others_may_talk_ = false;  // there are senders whose packets ports_ does not count
   std::optional<Snapshot> before_, now_;
   std::map<IpAddress, NeighbourWatch> addresses_;  // of sensors

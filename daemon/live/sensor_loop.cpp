@@ -21,15 +21,17 @@ void log_sensor(const SensorReport& sensor) {
 }  // namespace
 
 SensorLoop::SensorLoop(const Config& config, DaemonClock& clock, BlackBox& box, TransformSource& transforms,
-                       FrameSink& sink)
+                       FrameSink& sink, Worker worker)
     : clock_(clock),
       box_(box),
-      pipeline_(config, transforms, sink),
-      ports_(io_, config,
-             [this](std::vector<Packet>& packets) {
-               handle(packets, [this](const Packet& packet) { pipeline_.packet(packet); });
-             }),
-      host_causes_(config, ports_),
+      pipeline_(config, transforms, sink, worker),
+      ports_(
+          io_, config,
+          [this](std::vector<Packet>& packets) {
+            handle(packets, [this](const Packet& packet) { pipeline_.packet(packet); });
+          },
+          worker),
+      host_causes_(config, ports_, worker),
       connections_(
           io_, config,
           {[this](std::size_t sensor, const Packet& packet) {
@@ -40,7 +42,8 @@ SensorLoop::SensorLoop(const Config& config, DaemonClock& clock, BlackBox& box, 
            [this](std::size_t sensor) { pipeline_.disconnected(sensor); },
            [this](std::size_t sensor) { return pipeline_.frames(sensor); },
            [this](std::size_t sensor) { return host_causes_.trouble(sensor); },
-           [this](std::size_t sensor) { return host_causes_.hint(sensor); }}),
+           [this](std::size_t sensor) { return host_causes_.hint(sensor); }},
+          {}, worker),
       interfaces_(io_,
                   [this] {
                     host_causes_.interfaces_changed();

@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/config/lanes.h"
 #include "daemon/live/black_box.h"
 #include "daemon/live/daemon_clock.h"
 #include "daemon/live/host_causes.h"
@@ -23,20 +22,20 @@
 
 namespace lidard {
 
-/// One lane of a running daemon: its sockets and its pipeline, used only by the thread of run(). Other
+/// One worker of a running daemon: its sockets and its pipeline, used only by the thread of run(). Other
 /// threads post tasks.
 class SensorLoop {
  public:
-  /// `config`: a result of part_of(). The other arguments must outlive this.
+  /// Does what belongs to `worker` in the configuration. The other arguments must outlive this.
   SensorLoop(const Config& config, DaemonClock& clock, BlackBox& box, TransformSource& transforms,
-             FrameSink& sink);
+             FrameSink& sink, Worker worker = Worker::sensors);
 
   boost::asio::io_context& io() { return io_; }
   Pipeline& pipeline() { return pipeline_; }
   /// Called in the thread of run() about ten times per second; on_tick only when no packet is pending.
   std::function<void()> on_round = [] {};
   std::function<void(Stamp now)> on_tick = [](Stamp) {};
-  /// Adds items to the diagnostics of the lane.
+  /// Adds items to the diagnostics.
   std::function<void(std::vector<DiagnosticItem>&)> add_items = [](std::vector<DiagnosticItem>&) {};
 
   /// Runs `task` in the thread of run(), with the time without steps at which it was posted.

@@ -32,8 +32,8 @@ std::string text_of(const TcpState& state, bool streams) {
 }  // namespace
 
 TcpConnections::TcpConnections(boost::asio::io_context& io, const Config& config, ConnectionEvents events,
-                               TcpOptions options)
-    : io_(io), events_(std::move(events)), options_(options) {
+                               TcpOptions options, Worker worker)
+    : io_(io), events_(std::move(events)), options_(options), worker_(worker) {
   configure(config);
 }
 
@@ -41,7 +41,7 @@ void TcpConnections::configure(const Config& config) {
   std::vector<std::unique_ptr<Connection>> before = std::exchange(connections_, {});
   for (std::size_t i = 0; i < config.sensors.size(); ++i) {
     const SensorConfig& sensor = config.sensors[i];
-    if (sensor.model == nullptr) continue;
+    if (sensor.model == nullptr || sensor.worker != worker_) continue;
     const bool streams = sensor.model->transport == Transport::tcp;
     if (sensor.device_port() == 0 || sensor.driver.requests.listen_only) continue;
     const auto same =

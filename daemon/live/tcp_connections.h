@@ -25,13 +25,13 @@ struct ConnectionEvents {
   std::function<std::string(std::size_t sensor)> host_trouble{}, host_hint{};
 };
 
-/// The TCP connections of a configuration: to devices that stream over TCP, and to other devices whose
+/// The TCP connections of a worker's sensors: to devices that stream over TCP, and to other devices whose
 /// drivers request a dialogue.
 class TcpConnections final : public DeviceConnections {
  public:
   /// `options`: for every connection; the device is filled in.
   TcpConnections(boost::asio::io_context& io, const Config& config, ConnectionEvents events,
-                 TcpOptions options = {});
+                 TcpOptions options = {}, Worker worker = Worker::sensors);
 
   /// Applies another configuration. Connections of unchanged entries stay open.
   void configure(const Config& config);
@@ -71,6 +71,7 @@ class TcpConnections final : public DeviceConnections {
   boost::asio::io_context& io_;
   ConnectionEvents events_;
   TcpOptions options_;
+  const Worker worker_;
   std::vector<std::unique_ptr<Connection>> connections_;
   bool started_ = false;
 };

@@ -14,10 +14,11 @@
 
 namespace lidard {
 
-/// The UDP ports of a configuration: one socket per port, shared by the sensors that send there.
+/// The UDP ports of a worker's sensors: one socket per port, shared by the sensors that send there.
 class UdpPorts {
  public:
-  UdpPorts(boost::asio::io_context& io, const Config& config, const UdpSource::Handler& handler);
+  UdpPorts(boost::asio::io_context& io, const Config& config, const UdpSource::Handler& handler,
+           Worker worker = Worker::sensors);
 
   /// Applies another configuration. Unchanged ports continue to receive.
   void configure(const Config& config);
@@ -50,6 +51,7 @@ class UdpPorts {
 
   boost::asio::io_context& io_;
   const UdpSource::Handler handler_;
+  const Worker worker_;
   std::vector<Port> ports_;
   bool started_ = false;
 };

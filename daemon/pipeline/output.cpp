@@ -70,7 +70,6 @@ void Outlet::configure(const Config& config) {
   const auto reports = std::exchange(reports_, {});
   names_.clear();
   for (const SensorConfig& sensor : config.sensors) names_.push_back(sensor.name);
-  names_.insert(names_.end(), config.handed_over.begin(), config.handed_over.end());
   first_topic_ = names_.size();
   for (const OutputTopic& topic : output_topics(config)) {
     const auto known = std::find_if(topics.begin(), topics.end(),
@@ -84,6 +83,7 @@ void Outlet::configure(const Config& config) {
     names_.push_back(topic.name);
   }
   consumers_.assign(names_.size(), {});
+  is_handed_over_.assign(names_.size(), 0);
 }
 
 std::size_t Outlet::source(const std::string& name) const {
@@ -112,19 +112,13 @@ void Outlet::skip(const OutputTopic& topic, Stamp now) {
 
 void Outlet::feed(std::size_t source, const PlanarScan& scan, Stamp now) {
   fed_ = true;
-  for (const Consumer& consumer : consumers_[source]) {
-    if (consumer.output != nullptr)
-      consumer.output->add_scan(consumer.place, scan, now);
-    else
-      hand_over_(consumer.place, scan, now);
-  }
+  if (is_handed_over_[source] != 0) hand_over_(source, scan, now);
+  for (const Consumer& consumer : consumers_[source]) consumer.output->add_scan(consumer.place, scan, now);
 }
 
 void Outlet::feed(std::size_t source, const Cloud& cloud, Stamp now) {
   fed_ = true;
-  for (const Consumer& consumer : consumers_[source]) {
-    if (consumer.output != nullptr) consumer.output->add_cloud(consumer.place, cloud, now);
-  }
+  for (const Consumer& consumer : consumers_[source]) consumer.output->add_cloud(consumer.place, cloud, now);
 }
 
 void Outlet::feed(const OutputTopic& topic, const std::vector<PlacedCloud>& clouds, Stamp instant,
@@ -135,16 +129,14 @@ void Outlet::feed(const OutputTopic& topic, const std::vector<PlacedCloud>& clou
 
 void Outlet::pass_by(std::size_t source, const Cloud& cloud, Stamp now) {
   fed_ = true;
-  for (const Consumer& consumer : consumers_[source]) {
-    if (consumer.output != nullptr) consumer.output->pass_by(consumer.place, cloud, now);
-  }
+  for (const Consumer& consumer : consumers_[source]) consumer.output->pass_by(consumer.place, cloud, now);
 }
 
 bool Outlet::feeds(std::size_t source) const {
   const auto& consumers = consumers_.at(source);
-  return std::any_of(consumers.begin(), consumers.end(), [](const Consumer& consumer) {
-    return consumer.output == nullptr || consumer.output->is_wanted();
-  });
+  return is_handed_over_[source] != 0 ||
+         std::any_of(consumers.begin(), consumers.end(),
+                     [](const Consumer& consumer) { return consumer.output->is_wanted(); });
 }
 
 }  // namespace lidard

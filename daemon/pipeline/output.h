@@ -19,12 +19,11 @@ namespace lidard {
 
 class Output;
 
-/// Passes a scan to the other lane, see Config::hand_over; `source`: its place there.
+/// Passes a scan of the worker for clouds to the sensor thread, which merges it; `source` as of Outlet.
 using HandOver = std::function<void(std::size_t source, const PlanarScan& scan, Stamp now)>;
 
 /// The way on for frames: to the sink, and to the merged and virtual scans that are made of them. Sources
-/// are numbered: sensors by their place in the configuration, then those of the other lane by their place in
-/// Config::handed_over, then topics by OutputTopic::id.
+/// are numbered: sensors by their place in the configuration, then topics by OutputTopic::id.
 class Outlet {
  public:
   /// The sink must outlive this.
@@ -36,16 +35,14 @@ class Outlet {
 
   /// The topic of that name, which must be there.
   const OutputTopic& topic(const std::string& name) const;
-  /// The number of the source of that name: a sensor, one of the other lane, or a virtual scan by its topic.
+  /// The number of the source of that name: a sensor, or a virtual scan by its topic.
   std::size_t source(const std::string& name) const;
   /// From now on `output` gets what the source gives, as its source number `place`.
   void connect(std::size_t source, Output& output, std::size_t place) {
     consumers_.at(source).push_back({&output, place});
   }
-  /// From now on the scans of the source are handed over too, as number `place`.
-  void connect_other_lane(std::size_t source, std::size_t place) {
-    consumers_.at(source).push_back({nullptr, place});
-  }
+  /// From now on the scans of the source are handed over too.
+  void connect_sensor_thread(std::size_t source) { is_handed_over_.at(source) = 1; }
 
   /// To the sink, and to the outputs that are made of a scan on this topic.
   void publish(const OutputTopic& topic, const Payload& payload, Stamp now);
@@ -73,7 +70,7 @@ class Outlet {
 
  private:
   struct Consumer {
-    Output* output;     // nullptr: the other lane
+    Output* output;
     std::size_t place;  // of the source among those of the output
   };
   FrameSink& sink_;
@@ -82,6 +79,7 @@ class Outlet {
   std::vector<OutputReport> reports_;
   std::vector<std::string> names_;                // of the sources; a topic is the source of its scans
   std::vector<std::vector<Consumer>> consumers_;  // by source
+  std::vector<char> is_handed_over_;              // by source
   std::size_t first_topic_ = 0;                   // among the sources
   bool fed_ = false;
 };

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "daemon/config/workers.h"
+
 namespace lidard {
 namespace {
 
@@ -11,8 +13,9 @@ constexpr Span diagnostics_period = std::chrono::seconds(1);
 
 }  // namespace
 
-Pipeline::Pipeline(const Config& config, TransformSource& transforms, FrameSink& sink)
-    : vehicle_(config.vehicle),
+Pipeline::Pipeline(const Config& config, TransformSource& transforms, FrameSink& sink, Worker worker)
+    : worker_(worker),
+      vehicle_(vehicle_for(config, worker)),
       frames_(config, transforms),
       motion_(vehicle_, transforms, frames_),
       outlet_(sink) {
@@ -23,25 +26,32 @@ void Pipeline::configure(const Config& config) {
   List<Sensor> sensors = std::exchange(sensors_, {});
   List<Output> outputs = std::exchange(outputs_, {});
   // What an output shows depends on the vehicle's outline too.
-  if (!(vehicle_ == config.vehicle)) outputs.clear();
-  vehicle_ = config.vehicle;
+  const VehicleConfig vehicle = vehicle_for(config, worker_);
+  if (!(vehicle_ == vehicle)) outputs.clear();
+  vehicle_ = vehicle;
   frames_.configure(config);
   motion_.configure();
   outlet_.configure(config);
   flows_ = {};
   tcp_ports_.clear();
-  for (const SensorConfig& entry : config.sensors) add_sensor(entry, sensors);
-  for (const auto& entry : config.merged_scans) add_output(entry, outputs);
-  for (const auto& entry : config.merged_clouds) add_output(entry, outputs);
-  for (const auto& entry : config.virtual_scans) add_output(entry, outputs);
-  for (std::size_t i = 0; i < config.hand_over.size(); ++i)
-    outlet_.connect_other_lane(outlet_.source(config.hand_over[i]), i);
+  for (std::size_t place = 0; place < config.sensors.size(); ++place) {
+    if (config.sensors[place].worker == worker_) add_sensor(config.sensors[place], place, sensors);
+  }
+  for (const auto& entry : config.merged_scans) {
+    if (worker_ == Worker::sensors) add_output(entry, outputs);
+    for (const auto& name : entry.laserscan_topics) {
+      if (worker_ != Worker::sensors) outlet_.connect_sensor_thread(outlet_.source(name));
+    }
+  }
+  if (config.cloud_worker == worker_) {
+    for (const auto& entry : config.merged_clouds) add_output(entry, outputs);
+    for (const auto& entry : config.virtual_scans) add_output(entry, outputs);
+  }
   knows_next_event_ = false;
   diagnostics_wanted_ = true;
 }
 
-void Pipeline::add_sensor(const SensorConfig& entry, List<Sensor>& before) {
-  const std::size_t place = sensors_.size();
+void Pipeline::add_sensor(const SensorConfig& entry, std::size_t place, List<Sensor>& before) {
   const auto same = std::find_if(before.begin(), before.end(),
                                  [&](const auto& one) { return one && one->config() == entry; });
   sensors_.push_back(same != before.end() ? std::move(*same)
@@ -61,14 +71,10 @@ void Pipeline::add_output(const Entry& entry, List<Output>& before) {
   for (const std::string& name : output.sources()) outlet_.connect(outlet_.source(name), output, place++);
 }
 
-/// A sensor whose data come as messages, of packets for its driver or not. nullptr: it is no longer in the
-/// configuration, and the message was on its way.
-Sensor* Pipeline::topic_sensor(const std::string& name, bool with_driver) {
-  for (const auto& sensor : sensors_) {
-    const SensorConfig& config = sensor->config();
-    if (config.name == name && (config.model != nullptr) == with_driver) return sensor.get();
-  }
-  return nullptr;
+/// The sensor of that place in the configuration.
+Sensor& Pipeline::sensor_at(std::size_t place) const {
+  const auto has_place = [place](const auto& sensor) { return sensor->place() == place; };
+  return **std::find_if(sensors_.begin(), sensors_.end(), has_place);
 }
 
 /// nullptr: nobody's, or of no interest.
@@ -93,34 +99,42 @@ void Pipeline::packet(const Packet& packet) {
 
 void Pipeline::chunk(std::size_t sensor, const Packet& packet) {
   advance(packet.arrival);
-  sensors_.at(sensor)->receive(packet, packet.arrival);
+  sensor_at(sensor).receive(packet, packet.arrival);
 }
 
 void Pipeline::connected(std::size_t sensor, Stamp now) {
   sensor_context_.now = now;
-  sensors_.at(sensor)->connected(now);
+  sensor_at(sensor).connected(now);
 }
 
 void Pipeline::handed_over(std::size_t source, const PlanarScan& scan, Stamp received) {
   advance(received);
   motion_.poll(received);
   motion_.note_data(scan.stamp, received);
-  outlet_.feed(sensors_.size() + source, scan, received);
+  outlet_.feed(source, scan, received);
+}
+
+/// Messages of a sensor's topic, of packets for its driver or not.
+template <class Message>
+void Pipeline::sensor_message(const std::string& name, Message& message, Stamp received) {
+  constexpr bool with_driver = std::is_same_v<Message, const Packet>;
+  advance(received);
+  for (const auto& sensor : sensors_) {
+    const SensorConfig& config = sensor->config();
+    if (config.name == name && (config.model != nullptr) == with_driver) sensor->receive(message, received);
+  }
 }
 
 void Pipeline::packet_message(const std::string& sensor, const Packet& packet, Stamp received) {
-  advance(received);
-  if (Sensor* const known = topic_sensor(sensor, true)) known->receive(packet, received);
+  sensor_message(sensor, packet, received);
 }
 
 void Pipeline::scan_message(const std::string& sensor, PlanarScan& scan, Stamp received) {
-  advance(received);
-  if (Sensor* const known = topic_sensor(sensor, false)) known->receive(scan, received);
+  sensor_message(sensor, scan, received);
 }
 
 void Pipeline::cloud_message(const std::string& sensor, Cloud& cloud, Stamp received) {
-  advance(received);
-  if (Sensor* const known = topic_sensor(sensor, false)) known->receive(cloud, received);
+  sensor_message(sensor, cloud, received);
 }
 
 void Pipeline::pose_message(Stamp stamp, const Pose& pose, const std::string& child, Stamp received) {

@@ -67,8 +67,9 @@ class StartWatch {
 /// frames (outputs), and the way on (outlet), which ends in the sink.
 class Pipeline final : public MessageReceiver {
  public:
-  /// `transforms` and `sink` must outlive the pipeline.
-  Pipeline(const Config& config, TransformSource& transforms, FrameSink& sink);
+  /// Does what belongs to `worker` in the configuration. `transforms` and `sink` must outlive the pipeline.
+  Pipeline(const Config& config, TransformSource& transforms, FrameSink& sink,
+           Worker worker = Worker::sensors);
 
   /// Applies another configuration. Sensors and outputs that are as their entries say go on as if nothing had
   /// happened.
@@ -85,11 +86,11 @@ class Pipeline final : public MessageReceiver {
   /// What came over the connection of a sensor, `sensor` being its place in the configuration.
   void chunk(std::size_t sensor, const Packet& packet);
   void connected(std::size_t sensor, Stamp now);
-  void disconnected(std::size_t sensor) { sensors_.at(sensor)->disconnected(); }
+  void disconnected(std::size_t sensor) { sensor_at(sensor).disconnected(); }
   /// Frames that a sensor's driver has handed on so far.
-  std::uint64_t frames(std::size_t sensor) const { return sensors_.at(sensor)->counters().frames; }
+  std::uint64_t frames(std::size_t sensor) const { return sensor_at(sensor).counters().frames; }
 
-  /// A scan that the other lane hands over; `source`: its place in Config::handed_over.
+  /// A scan that the worker for clouds hands over.
   void handed_over(std::size_t source, const PlanarScan& scan, Stamp received);
 
   void packet_message(const std::string& sensor, const Packet& packet, Stamp received) override;
@@ -129,15 +130,18 @@ class Pipeline final : public MessageReceiver {
   template <class What>
   using List = std::vector<std::unique_ptr<What>>;
 
+  Sensor& sensor_at(std::size_t place) const;
   Sensor* owner_of(const Packet& packet);
-  Sensor* topic_sensor(const std::string& name, bool with_driver);
-  void add_sensor(const SensorConfig& entry, List<Sensor>& before);
+  template <class Message>
+  void sensor_message(const std::string& name, Message& message, Stamp received);
+  void add_sensor(const SensorConfig& entry, std::size_t place, List<Sensor>& before);
   template <class Entry>
   void add_output(const Entry& entry, List<Output>& before);
   void advance_to(Stamp at);
   void publish_diagnostics(Stamp now);
   std::string why_silent(const std::string& source) const;
 
+  const Worker worker_;
   VehicleConfig vehicle_;
   FrameTree frames_;
   VehicleMotion motion_;

@@ -60,6 +60,7 @@ class Sensor final : public DriverOutput {
   Sensor(const SensorConfig& config, std::size_t place, SensorContext& context);
 
   const SensorConfig& config() const { return config_; }
+  std::size_t place() const { return place_; }
   /// Sets another index in the configuration.
   void set_place(std::size_t place) { place_ = place; }
   const Counters& counters() const { return driver_ ? driver_->counters() : topic_counters_; }

@@ -39,7 +39,7 @@ struct DiagnosticItem {
   void add(std::string key, std::uint64_t number) { add(std::move(key), std::to_string(number)); }
 };
 
-/// The items of both lanes. Items with one name are joined, with the worse message and the values of both.
+/// The items of both workers. Items with one name are joined, with the worse message and the values of both.
 inline std::vector<DiagnosticItem> joined(const std::vector<DiagnosticItem>& items,
                                           std::vector<DiagnosticItem> more) {
   std::vector<DiagnosticItem> all = items;

@@ -43,22 +43,21 @@ constexpr auto longest_call = std::chrono::seconds(5);
 struct RosConnection::Impl {
   using Pointer = std::shared_ptr<RosComponent>;
 
-  Impl(RosOptions given, const std::array<const std::vector<OutputTopic>*, 2>& topics)
+  Impl(RosOptions given, const std::vector<OutputTopic>& topics)
       : options(std::move(given)),
         master_uri(choose_master(options.remappings)),
         diagnostics(options.longest_report_age) {
     init_ros(options);
     node = ros::this_node::getName();
     name = std::make_unique<NodeName>(node, master_uri);
-    constexpr std::array<ThreadWatch::Thread, 2> threads{ThreadWatch::publishing,
-                                                         ThreadWatch::publishing_clouds};
-    for (std::size_t i = 0; i < threads.size(); ++i) {
-      check_ros_names(*topics[i]);
-      publishers[i] =
-          std::make_unique<PublisherThread>(options, watch, threads[i], [this, i](const auto& items) {
-            if (diagnostics.set(i, items)) hurry();
+    check_ros_names(topics);
+    for (const Worker worker : {Worker::sensors, Worker::clouds}) {
+      auto& publisher = publisher_of(worker);
+      publisher =
+          std::make_unique<PublisherThread>(options, watch, worker, [this, worker](const auto& items) {
+            if (diagnostics.set(worker, items)) hurry();
           });
-      publishers[i]->set_topics(*topics[i]);
+      publisher->set_topics(topics);
     }
   }
 
@@ -68,7 +67,7 @@ struct RosConnection::Impl {
   DiagnosticsPublisher diagnostics;
   std::unique_ptr<NodeName> name;
   ThreadWatch watch;
-  std::array<std::unique_ptr<PublisherThread>, 2> publishers;  // by number of Lane
+  std::array<std::unique_ptr<PublisherThread>, workers> publishers;
   const std::shared_ptr<std::atomic<Span>> step = std::make_shared<std::atomic<Span>>(Span(0));
 
   std::atomic<bool> stopping{false};
@@ -99,6 +98,9 @@ struct RosConnection::Impl {
   Clock::time_point next_notice = Clock::now();
   Clock::time_point next_diagnostics = Clock::now();
 
+  std::unique_ptr<PublisherThread>& publisher_of(Worker worker) {
+    return publishers[static_cast<std::size_t>(worker)];
+  }
   template <class Figure>
   std::size_t sum(Figure figure) const {
     return figure(*publishers[0]) + figure(*publishers[1]);
@@ -315,9 +317,8 @@ struct RosConnection::Impl {
   }
 };
 
-RosConnection::RosConnection(RosOptions options, const std::vector<OutputTopic>& topics,
-                             const std::vector<OutputTopic>& clouds)
-    : impl_(std::make_shared<Impl>(std::move(options), std::array{&topics, &clouds})) {}
+RosConnection::RosConnection(RosOptions options, const std::vector<OutputTopic>& topics)
+    : impl_(std::make_shared<Impl>(std::move(options), topics)) {}
 RosConnection::~RosConnection() { stop(); }
 
 void RosConnection::add(std::shared_ptr<RosComponent> component, std::shared_ptr<RosComponent> former) {
@@ -330,10 +331,10 @@ void RosConnection::start() {
   impl_->master_thread = std::thread([impl = impl_] { impl->run_master(); });
 }
 
-FrameSink& RosConnection::sink(Lane lane) { return *impl_->publishers[static_cast<std::size_t>(lane)]; }
+FrameSink& RosConnection::sink(Worker worker) { return *impl_->publisher_of(worker); }
 
-void RosConnection::set_topics(Lane lane, const std::vector<OutputTopic>& topics) {
-  impl_->publishers[static_cast<std::size_t>(lane)]->set_topics(topics);
+void RosConnection::set_topics(Worker worker, const std::vector<OutputTopic>& topics) {
+  impl_->publisher_of(worker)->set_topics(topics);
 }
 
 void RosConnection::set_step(Span step) {
@@ -366,8 +367,8 @@ std::string RosConnection::node() const { return impl_->node; }
 
 RosStatus RosConnection::status() const { return impl_->status(); }
 
-TopicFigures RosConnection::figures(Lane lane, const OutputTopic& topic, Stamp now) const {
-  return impl_->publishers[static_cast<std::size_t>(lane)]->figures(topic.name, now);
+TopicFigures RosConnection::figures(const OutputTopic& topic, Stamp now) const {
+  return impl_->publisher_of(topic.worker)->figures(topic.name, now);
 }
 
 std::vector<DiagnosticItem> RosConnection::diagnostics(Stamp now) const {

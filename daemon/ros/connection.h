@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/config/lanes.h"
+#include "daemon/config/config.h"
 #include "daemon/live/topic_watch.h"
 #include "daemon/pipeline/sink.h"
 #include "daemon/ros/master/environment.h"
@@ -27,14 +27,12 @@ struct RosStatus {
   std::uint64_t foreign_stops = 0;  ///< how often this node was shut down from outside
 };
 
-/// Publishes the frames of pipelines, each through a PublisherThread. Only the master thread calls the
+/// Publishes the frames of the workers, each through a PublisherThread. Only the master thread calls the
 /// master, waits for it, and registers again after a restart; RosCallbackThread lives while ROS runs.
 class RosConnection {
  public:
-  /// Calls init_ros(), which may throw RosError. `topics` as of output_topics(), of the pipeline of planes or
-  /// of all; `clouds` those of the other pipeline.
-  RosConnection(RosOptions options, const std::vector<OutputTopic>& topics,
-                const std::vector<OutputTopic>& clouds = {});
+  /// Calls init_ros(), which may throw RosError. `topics` as of output_topics().
+  RosConnection(RosOptions options, const std::vector<OutputTopic>& topics);
   ~RosConnection();
   RosConnection(const RosConnection&) = delete;
   RosConnection& operator=(const RosConnection&) = delete;
@@ -44,11 +42,11 @@ class RosConnection {
   void add(std::shared_ptr<RosComponent> component, std::shared_ptr<RosComponent> former = nullptr);
   void start();
 
-  /// Receives the frames of a pipeline.
-  FrameSink& sink(Lane lane = Lane::planes);
+  /// Receives the frames of a worker.
+  FrameSink& sink(Worker worker = Worker::sensors);
   /// Publishes on other topics, see PublisherThread::set_topics(). To be called in the thread that uses
   /// sink().
-  void set_topics(Lane lane, const std::vector<OutputTopic>& topics);
+  void set_topics(Worker worker, const std::vector<OutputTopic>& topics);
   /// Sets the step of the host's clock since the beginning, which is added to outgoing stamps and subtracted
   /// from incoming ones.
   void set_step(Span step);
@@ -68,7 +66,7 @@ class RosConnection {
   std::string node() const;
   RosStatus status() const;
   /// Figures of a topic; `now` in steady time.
-  TopicFigures figures(Lane lane, const OutputTopic& topic, Stamp now) const;
+  TopicFigures figures(const OutputTopic& topic, Stamp now) const;
   /// The state of everything as /diagnostics has it: the newest items that the sinks got, then those of the
   /// connection, of the topics and of the components; `now` as FrameQueue::figures().
   std::vector<DiagnosticItem> diagnostics(Stamp now) const;

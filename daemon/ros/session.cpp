@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/ros/session.h"
 
-#include <algorithm>
 #include <utility>
 
+#include "daemon/config/workers.h"
 #include "daemon/ros/in/inputs.h"
 #include "daemon/ros/in/output_items.h"
 #include "daemon/ros/in/tf_poses.h"
@@ -12,15 +12,6 @@
 
 namespace lidard {
 namespace {
-
-bool has_output(const Config& config, const ChangeableOutput& output) {
-  const OutputId& id = output.id;
-  if (output.sensor) return config.find_sensor(id.entry) != nullptr;
-  const auto named = [&](const auto& entry) { return entry.name == id.entry; };
-  return id.kind == OutputId::Kind::merged
-             ? std::any_of(config.merged_scans.begin(), config.merged_scans.end(), named)
-             : std::any_of(config.virtual_scans.begin(), config.virtual_scans.end(), named);
-}
 
 /// Publishes the outline of the vehicle, latched.
 class Outline final : public RosComponent {
@@ -39,64 +30,52 @@ class Outline final : public RosComponent {
   const RawMessage outline_;
 };
 
+std::array<std::string, 3> motion_topics(const VehicleConfig& vehicle) {
+  return {vehicle.odometry_topic, vehicle.imu_topic, vehicle.speed_topic};
+}
+
 }  // namespace
 
-/// The components of one pipeline, with their configuration.
-struct RosSession::Fed {
-  Fed(MessageReceiver& pipeline, Post how) : receiver(pipeline), post(std::move(how)) {}
-  MessageReceiver& receiver;
-  const Post post;
-  std::shared_ptr<RosComponent> inputs, motion, reconfigure, outline;
-  std::vector<TopicSource> sources;
-  std::array<std::string, 3> motion_topics;
-  std::pair<std::string, std::vector<Eigen::Vector2d>> shape;
-};
-
-RosSession::RosSession(const Config& planes, const Config& clouds, const RosOptions& options)
-    : RosConnection(options, output_topics(planes), output_topics(clouds)),
-      reconfigure_(options.reconfigure),
+RosSession::RosSession(const Config& config, const RosOptions& options)
+    : RosConnection(options, output_topics(config)),
+      names_(options.reconfigure),
       poses_(std::make_shared<TfPoses>(step())) {
   add(poses_);
 }
-RosSession::~RosSession() = default;
 
 TransformSource& RosSession::poses() { return *poses_; }
 
-void RosSession::feed(const Config& config, const Config& whole, MessageReceiver& pipeline, Post post) {
-  fed_.push_back(std::make_unique<Fed>(pipeline, std::move(post)));
-  renew(*fed_.back(), config, whole);
+void RosSession::feed(const Config& config, Post post) {
+  post_ = std::move(post);
+  renew(nullptr, config);
 }
 
-void RosSession::change(const Config& whole, const std::array<Config, 2>& parts) {
-  check_ros_names(output_topics(whole));
-  for (std::size_t i = 0; i < fed_.size(); ++i) renew(*fed_[i], parts.at(i), whole);
+void RosSession::change(const Config& before, const Config& config) {
+  check_ros_names(output_topics(config));
+  renew(&before, config);
 }
 
 /// Replaces the components whose configuration changed. The servers of dynamic_reconfigure are always new: a
 /// change by hand ends with the next configuration.
-void RosSession::renew(Fed& fed, const Config& config, const Config& whole) {
+void RosSession::renew(const Config* before, const Config& config) {
   const auto replace = [this](std::shared_ptr<RosComponent>& place, std::shared_ptr<RosComponent> next) {
     const auto former = std::exchange(place, next);
     add(std::move(next), former);
   };
-  const VehicleConfig& vehicle = config.vehicle;
-  auto sources = topic_sources(config);
-  if (fed.inputs == nullptr || !(sources == fed.sources)) {
-    replace(fed.inputs, std::make_shared<RosInputs>(sources, fed.post, fed.receiver, step()));
-    fed.sources = std::move(sources);
+  for (const Worker worker : {Worker::sensors, Worker::clouds}) {
+    auto& [inputs, motion] = fed_[static_cast<std::size_t>(worker)];
+    const auto sources = topic_sources(config, worker);
+    if (before == nullptr || !(sources == topic_sources(*before, worker)))
+      replace(inputs, std::make_shared<RosInputs>(sources, worker, post_, step()));
+    const VehicleConfig vehicle = vehicle_for(config, worker);
+    if (before == nullptr || motion_topics(vehicle) != motion_topics(vehicle_for(*before, worker)))
+      replace(motion, make_ros_motion(vehicle, worker, post_, step()));
   }
-  const std::array topics{vehicle.odometry_topic, vehicle.imu_topic, vehicle.speed_topic};
-  if (fed.motion == nullptr || topics != fed.motion_topics)
-    replace(fed.motion, make_ros_motion(vehicle, fed.post, fed.receiver, step()));
-  fed.motion_topics = topics;
-  auto outputs = changeable_outputs(whole, reconfigure_);
-  const auto is_foreign = [&](const ChangeableOutput& output) { return !has_output(config, output); };
-  outputs.erase(std::remove_if(outputs.begin(), outputs.end(), is_foreign), outputs.end());
-  replace(fed.reconfigure, make_ros_reconfigure(std::move(outputs), fed.post, fed.receiver));
-  const std::pair shape{vehicle.base_frame, vehicle.footprint};
-  if (&fed == fed_.front().get() && shape != fed.shape)
-    replace(fed.outline, std::make_shared<Outline>(vehicle));
-  fed.shape = shape;
+  replace(reconfigure_, make_ros_reconfigure(changeable_outputs(config, names_), post_));
+  const VehicleConfig& vehicle = config.vehicle;
+  if (before == nullptr || vehicle.base_frame != before->vehicle.base_frame ||
+      vehicle.footprint != before->vehicle.footprint)
+    replace(outline_, std::make_shared<Outline>(vehicle));
 }
 
 }  // namespace lidard

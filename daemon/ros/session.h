@@ -5,8 +5,6 @@
 #include <array>
 #include <functional>
 #include <memory>
-#include <string>
-#include <vector>
 
 #include "daemon/config/config.h"
 #include "daemon/ros/connection.h"
@@ -16,38 +14,37 @@ namespace lidard {
 class MessageReceiver;
 class TfPoses;
 class TransformSource;
-struct TopicSource;
 
-/// The pipelines' interface to ROS: sinks for frames, poses from tf, and, after feed(), messages of other
+/// The workers' interface to ROS: sinks for frames, poses from tf, and, after feed(), messages of other
 /// nodes and changes of outputs. The same live, in replay and in the drop-ins.
 class RosSession : public RosConnection {
  public:
   /// See RosPost.
-  using Post = std::function<void(std::function<void(Stamp received)> task)>;
+  using Post = std::function<void(Worker worker, std::function<void(MessageReceiver&, Stamp received)> task)>;
 
-  /// With one pipeline. Throws RosError.
-  RosSession(const Config& config, const RosOptions& options) : RosSession(config, Config(), options) {}
-  /// With two pipelines: `clouds` as of part_of().
-  RosSession(const Config& planes, const Config& clouds, const RosOptions& options);
-  ~RosSession();
+  /// Throws RosError.
+  RosSession(const Config& config, const RosOptions& options);
 
   /// tf; must not be used after the session ended.
   TransformSource& poses();
   /// Passes messages of `topic:` and `packet_topic:` sensors, of the vehicle's motion and of
-  /// dynamic_reconfigure to the pipeline, which must outlive the session's use. `config` is that of the
-  /// pipeline. To be called before start(). `whole`: the complete configuration, of which `config` is a part.
-  void feed(const Config& config, const Config& whole, MessageReceiver& pipeline, Post post);
-  /// Applies another configuration, except the topics of sink(), see set_topics(). `parts`: for the pipelines
-  /// in the order of feed(). Throws RosError; then nothing changes.
-  void change(const Config& whole, const std::array<Config, 2>& parts);
+  /// dynamic_reconfigure to the pipelines. To be called before start().
+  void feed(const Config& config, Post post);
+  /// Applies another configuration, except the topics of sink(), see set_topics(). Throws RosError; then
+  /// nothing changes.
+  void change(const Config& before, const Config& config);
 
  private:
-  struct Fed;
-  void renew(Fed& fed, const Config& config, const Config& whole);
+  struct Fed {
+    std::shared_ptr<RosComponent> inputs, motion;
+  };
+  void renew(const Config* before, const Config& config);
 
-  const ReconfigureNames reconfigure_;
+  const ReconfigureNames names_;
   const std::shared_ptr<TfPoses> poses_;
-  std::vector<std::unique_ptr<Fed>> fed_;  // one for each pipeline
+  Post post_;
+  std::array<Fed, workers> fed_;
+  std::shared_ptr<RosComponent> reconfigure_, outline_;
 };
 
 }  // namespace lidard

@@ -69,9 +69,10 @@ class RosComponent {
   std::vector<std::any> kept_;
 };
 
-/// Runs a task in the thread of the pipeline, with the host's or the replay's time at which the task came.
-/// Called in the callback thread; must not wait.
-using RosPost = std::function<void(std::function<void(Stamp received)> task)>;
+/// Runs a task for the pipeline of a worker, in its thread, with the host's or the replay's time at which the
+/// task came. Called in the callback thread; must not wait.
+using RosTask = std::function<void(MessageReceiver& pipeline, Stamp received)>;
+using RosPost = std::function<void(Worker worker, RosTask task)>;
 
 /// Step of the host's clock since the beginning: messages have stamps of the host's clock, pipelines use
 /// steady time.
@@ -84,13 +85,13 @@ inline bool may_still_come(std::chrono::steady_clock::time_point connected_at) {
 }
 
 /// Subscribes to the topics of the vehicle's motion: nav_msgs/Odometry, or sensor_msgs/Imu with a speed
-/// (geometry_msgs/TwistStamped).
-std::shared_ptr<RosComponent> make_ros_motion(const VehicleConfig& vehicle, RosPost post,
-                                              MessageReceiver& receiver, HostStep step);
+/// (geometry_msgs/TwistStamped), for a worker.
+std::shared_ptr<RosComponent> make_ros_motion(const VehicleConfig& vehicle, Worker worker, RosPost post,
+                                              HostStep step);
 /// dynamic_reconfigure servers of the merged and virtual scans. The callback thread answers requests and
 /// passes on what is accepted. The parameter server is written in the master thread, so that a master that
 /// hangs holds up nobody; dynamic_reconfigure::Server would write it in the answering thread.
-std::shared_ptr<RosComponent> make_ros_reconfigure(std::vector<ChangeableOutput> outputs, const RosPost& post,
-                                                   MessageReceiver& receiver);
+std::shared_ptr<RosComponent> make_ros_reconfigure(std::vector<ChangeableOutput> outputs,
+                                                   const RosPost& post);
 
 }  // namespace lidard

@@ -26,9 +26,6 @@ struct LeftOut {
   bool intensities = false;
 };
 
-/// A message's task in the thread of the pipeline.
-using Task = std::function<void(Stamp received)>;
-
 /// The kind of frames that the outputs need from a source.
 std::optional<FrameKind> use_of(const std::string& sensor, const Config& config) {
   for (const auto& merged : config.merged_scans) {
@@ -60,9 +57,10 @@ void judge(const TopicReport& report, bool waits, DiagnosticItem& item) {
 
 }  // namespace
 
-std::vector<TopicSource> topic_sources(const Config& config) {
+std::vector<TopicSource> topic_sources(const Config& config, Worker worker) {
   std::vector<TopicSource> sources;
   for (const auto& sensor : config.sensors) {
+    if (sensor.worker != worker) continue;
     if (sensor.model == nullptr)
       sources.push_back({sensor.name, sensor.topic, false, use_of(sensor.name, config)});
     if (!sensor.packet_topic.empty()) sources.push_back({sensor.name, sensor.packet_topic, true});
@@ -114,9 +112,8 @@ struct RosInputs::Source {
   }
 };
 
-RosInputs::RosInputs(const std::vector<TopicSource>& sources, RosPost post, MessageReceiver& receiver,
-                     HostStep step)
-    : post_(std::move(post)), receiver_(receiver), step_(std::move(step)) {
+RosInputs::RosInputs(const std::vector<TopicSource>& sources, Worker worker, RosPost post, HostStep step)
+    : worker_(worker), post_(std::move(post)), step_(std::move(step)) {
   for (const auto& source : sources) {
     sources_.push_back(std::make_shared<Source>());
     static_cast<TopicSource&>(sources_.back()->report) = source;
@@ -136,14 +133,15 @@ void RosInputs::disconnected() {
 
 template <typename Message, typename Read>
 void RosInputs::subscribe_as(const MessageType& type, const std::shared_ptr<Source>& source, Read read) {
-  const auto receive = [source, read, post = post_](const boost::shared_ptr<const Message>& message) {
+  const auto receive = [source, read, worker = worker_,
+                        post = post_](const boost::shared_ptr<const Message>& message) {
     if (!source->accept()) return;
-    Task task;
+    RosTask task;
     LeftOut left_out;
     if (const char* reason = read(message, task, left_out)) return source->reject(reason);
     source->count(left_out);
-    post([source, task](Stamp received) {
-      task(received);
+    post(worker, [source, task](MessageReceiver& to, Stamp received) {
+      task(to, received);
       source->done();
     });
   };
@@ -156,16 +154,16 @@ void RosInputs::subscribe(const std::shared_ptr<Source>& source, const std::stri
   using sensor_msgs::LaserScan;
   using sensor_msgs::PointCloud2;
   const auto& packets = VelodyneScanMessage::message_type();
-  const auto use = [&receiver = receiver_, sensor = source->report.sensor, step = step_](auto give) {
-    return [=, &receiver](const auto& message, Task& task, LeftOut& left_out) {
-      return give(receiver, sensor, step->load(), message, task, left_out);
+  const auto use = [sensor = source->report.sensor, step = step_](auto give) {
+    return [=](const auto& message, RosTask& task, LeftOut& left_out) {
+      return give(sensor, step->load(), message, task, left_out);
     };
   };
   if (source->report.packets && type == packets.name) {
     subscribe_as<RawMessage>(packets, source,
-                             use([](auto& to, auto& sensor, Span step, auto& message, Task& task, LeftOut&) {
+                             use([](auto& sensor, Span step, auto& message, RosTask& task, LeftOut&) {
                                const ByteView bytes(message->data.message_start, message->size());
-                               task = [=, &to, keeps_bytes = message](Stamp received) {
+                               task = [=, keeps_bytes = message](auto& to, Stamp received) {
                                  read_velodyne_scan(bytes, [&](ByteView packet, Stamp arrival) {
                                    // A missing stamp (1970) is the time of reception.
                                    const Stamp stamp = arrival == Stamp{} ? received : arrival - step;
@@ -176,26 +174,27 @@ void RosInputs::subscribe(const std::shared_ptr<Source>& source, const std::stri
                                return read_velodyne_scan(bytes, [](ByteView, Stamp) {});
                              }));
   } else if (type == type_of<LaserScan>().name && source->accepts(FrameKind::scan)) {
-    subscribe_as<LaserScan>(
-        type_of<LaserScan>(), source,
-        use([](auto& to, auto& sensor, Span step, auto& message, Task& task, LeftOut& left_out) {
-          const auto scan = std::make_shared<PlanarScan>();
-          const char* const error = from_ros(*message, *scan);
-          scan->stamp = scan->stamp - step;
-          left_out.intensities = !intensities_fit(*message);
-          task = [=, &to](Stamp received) { to.scan_message(sensor, *scan, received); };
-          return error;
-        }));
+    subscribe_as<LaserScan>(type_of<LaserScan>(), source,
+                            use([](auto& sensor, Span step, auto& message, RosTask& task, LeftOut& left_out) {
+                              const auto scan = std::make_shared<PlanarScan>();
+                              const char* const error = from_ros(*message, *scan);
+                              scan->stamp = scan->stamp - step;
+                              left_out.intensities = !intensities_fit(*message);
+                              task = [=](auto& to, Stamp received) {
+                                to.scan_message(sensor, *scan, received);
+                              };
+                              return error;
+                            }));
   } else if (type == type_of<PointCloud2>().name && source->accepts(FrameKind::cloud)) {
     subscribe_as<PointCloud2>(
         type_of<PointCloud2>(), source,
-        use([](auto& to, auto& sensor, Span step, auto& message, Task& task, LeftOut& left_out) {
+        use([](auto& sensor, Span step, auto& message, RosTask& task, LeftOut& left_out) {
           const auto cloud = std::make_shared<Cloud>();
           const CloudReading reading = from_ros(*message, *cloud);
           cloud->stamp = cloud->stamp - step;
           cloud->end = cloud->end - step;
           left_out.points = reading.dropped;
-          task = [=, &to](Stamp received) { to.cloud_message(sensor, *cloud, received); };
+          task = [=](auto& to, Stamp received) { to.cloud_message(sensor, *cloud, received); };
           return reading.error;
         }));
   } else {

@@ -25,8 +25,8 @@ struct TopicSource {
   }
 };
 
-/// The topics of a configuration's sensors.
-std::vector<TopicSource> topic_sources(const Config& config);
+/// The topics of a worker's sensors.
+std::vector<TopicSource> topic_sources(const Config& config, Worker worker);
 
 /// Counters of one topic source since the start.
 struct TopicReport : TopicSource {
@@ -45,8 +45,7 @@ struct TopicReport : TopicSource {
 /// asked in the master thread; the callback thread converts and hands the result on.
 class RosInputs : public RosComponent {
  public:
-  RosInputs(const std::vector<TopicSource>& sources, RosPost post, MessageReceiver& receiver,
-            HostStep step = no_step());
+  RosInputs(const std::vector<TopicSource>& sources, Worker worker, RosPost post, HostStep step = no_step());
   ~RosInputs() override;
 
   void connected(RosCallbackThread& ros) override {
@@ -66,8 +65,8 @@ class RosInputs : public RosComponent {
   template <typename Message, typename Read>
   void subscribe_as(const MessageType& type, const std::shared_ptr<Source>& source, Read read);
 
-  RosPost post_;
-  MessageReceiver& receiver_;
+  const Worker worker_;
+  const RosPost post_;
   const HostStep step_;
   std::vector<std::shared_ptr<Source>> sources_;
   RosCallbackThread* ros_ = nullptr;  // while ROS runs

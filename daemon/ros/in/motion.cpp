@@ -16,25 +16,25 @@ namespace {
 
 class RosMotion final : public RosComponent {
  public:
-  RosMotion(const VehicleConfig& vehicle, RosPost post, MessageReceiver& receiver, HostStep step)
+  RosMotion(const VehicleConfig& vehicle, Worker worker, RosPost post, HostStep step)
       : topics_{vehicle.odometry_topic, vehicle.imu_topic, vehicle.speed_topic},
+        worker_(worker),
         post_(std::move(post)),
-        receiver_(receiver),
         step_(std::move(step)) {}
   void connected(RosCallbackThread& ros) override {
     connected_at_ = std::chrono::steady_clock::now();
-    listen<nav_msgs::Odometry>(ros, odometry, [&to = receiver_, step = step_](const nav_msgs::Odometry& m) {
-      return [&to, stamp = from_ros(m.header.stamp) - step->load(),
-              pose = to_pose(m.pose.pose.position, m.pose.pose.orientation),
-              child = m.child_frame_id](Stamp received) { to.pose_message(stamp, pose, child, received); };
+    listen<nav_msgs::Odometry>(ros, odometry, [step = step_](const nav_msgs::Odometry& m) {
+      return [stamp = from_ros(m.header.stamp) - step->load(),
+              pose = to_pose(m.pose.pose.position, m.pose.pose.orientation), child = m.child_frame_id](
+                 auto& to, Stamp received) { to.pose_message(stamp, pose, child, received); };
     });
-    listen<sensor_msgs::Imu>(ros, imu, [&to = receiver_, step = step_](const sensor_msgs::Imu& m) {
+    listen<sensor_msgs::Imu>(ros, imu, [step = step_](const sensor_msgs::Imu& m) {
       const Eigen::Vector3d rates(m.angular_velocity.x, m.angular_velocity.y, m.angular_velocity.z);
-      return [&to, stamp = from_ros(m.header.stamp) - step->load(), rates,
-              frame = m.header.frame_id](Stamp received) { to.turn_message(stamp, rates, frame, received); };
+      return [stamp = from_ros(m.header.stamp) - step->load(), rates, frame = m.header.frame_id](
+                 auto& to, Stamp received) { to.turn_message(stamp, rates, frame, received); };
     });
-    listen<geometry_msgs::TwistStamped>(ros, speed, [&to = receiver_](const auto& m) {
-      return [&to, ahead = m.twist.linear.x](Stamp) { to.speed_message(ahead); };
+    listen<geometry_msgs::TwistStamped>(ros, speed, [](const auto& m) {
+      return [ahead = m.twist.linear.x](auto& to, Stamp) { to.speed_message(ahead); };
     });
   }
   std::vector<DiagnosticItem> diagnostics() override {
@@ -62,7 +62,7 @@ class RosMotion final : public RosComponent {
     if (topics_[topic].empty()) return;
     const auto receive = [this, topic, make_task](const boost::shared_ptr<const Message>& message) {
       ++messages_[topic];
-      post_(make_task(*message));
+      post_(worker_, make_task(*message));
     };
     // A pose that Nagle's algorithm delays is missing for deskewing.
     subscribe<Message>(ros, topics_[topic], queue_length, receive, type_of<Message>(),
@@ -70,8 +70,8 @@ class RosMotion final : public RosComponent {
   }
 
   const std::string topics_[3];  // empty: none
+  const Worker worker_;
   const RosPost post_;
-  MessageReceiver& receiver_;
   const HostStep step_;
   std::atomic<std::uint64_t> messages_[3] = {};
   std::chrono::steady_clock::time_point connected_at_{};
@@ -79,9 +79,9 @@ class RosMotion final : public RosComponent {
 
 }  // namespace
 
-std::shared_ptr<RosComponent> make_ros_motion(const VehicleConfig& vehicle, RosPost post,
-                                              MessageReceiver& receiver, HostStep step) {
-  return std::make_shared<RosMotion>(vehicle, std::move(post), receiver, std::move(step));
+std::shared_ptr<RosComponent> make_ros_motion(const VehicleConfig& vehicle, Worker worker, RosPost post,
+                                              HostStep step) {
+  return std::make_shared<RosMotion>(vehicle, worker, std::move(post), std::move(step));
 }
 
 }  // namespace lidard

@@ -76,9 +76,11 @@ ChangeableOutput merged_output(const MergedScanConfig& merged, const Config& con
   return output;
 }
 
-ChangeableOutput virtual_output(const VirtualScanConfig& group, ReconfigureNames names) {
+ChangeableOutput virtual_output(const VirtualScanConfig& group, const Config& config,
+                                ReconfigureNames names) {
   ChangeableOutput output;
   output.id = {OutputId::Kind::virtual_group, group.name};
+  output.worker = config.cloud_worker;
   output.topics = group.virtual_laser_scan;
   if (!group.output_laser_topic.empty()) output.topics = {group.output_laser_topic};
   output.config = group.output;
@@ -125,6 +127,7 @@ ChangeableOutput sensor_output(const SensorConfig& sensor) {
   ChangeableOutput output;
   output.id.entry = sensor.name;
   output.sensor = sensor;
+  output.worker = sensor.worker;
   for (const auto& limit : sensor_limits) {
     for (const SensorGroup& group : sensor_groups()) {
       for (const auto& key : group.keys) {
@@ -244,7 +247,7 @@ dynamic_reconfigure::ParamDescription described(const OutputItem& item) {
 std::vector<ChangeableOutput> changeable_outputs(const Config& config, ReconfigureNames names) {
   std::vector<ChangeableOutput> outputs;
   for (const auto& merged : config.merged_scans) outputs.push_back(merged_output(merged, config, names));
-  for (const auto& group : config.virtual_scans) outputs.push_back(virtual_output(group, names));
+  for (const auto& group : config.virtual_scans) outputs.push_back(virtual_output(group, config, names));
   std::set<std::string> used;
   for (ChangeableOutput& output : outputs) {
     output.server = output.id.entry;

@@ -111,16 +111,14 @@ struct Server {
 
 class RosReconfigure final : public RosComponent {
  public:
-  RosReconfigure(std::vector<ChangeableOutput> outputs, const RosPost& post, MessageReceiver& receiver) {
+  RosReconfigure(std::vector<ChangeableOutput> outputs, const RosPost& post) {
     for (auto& output : outputs) {
       servers_.push_back(std::make_unique<Server>(std::move(output)));
       Server& server = *servers_.back();
-      server.apply = [&server, &receiver, post] {
-        if (server.output.sensor)
-          return post([&receiver, wanted = *server.output.sensor](Stamp) { receiver.set_sensor(wanted); });
-        post([&receiver, id = server.output.id, config = server.output.config](Stamp) {
-          receiver.set_output(id, config);
-        });
+      server.apply = [&now = server.output, post] {
+        if (now.sensor)
+          return post(now.worker, [wanted = *now.sensor](auto& to, Stamp) { to.set_sensor(wanted); });
+        post(now.worker, [id = now.id, config = now.config](auto& to, Stamp) { to.set_output(id, config); });
       };
     }
   }
@@ -183,9 +181,9 @@ class RosReconfigure final : public RosComponent {
 
 }  // namespace
 
-std::shared_ptr<RosComponent> make_ros_reconfigure(std::vector<ChangeableOutput> outputs, const RosPost& post,
-                                                   MessageReceiver& receiver) {
-  return std::make_shared<RosReconfigure>(std::move(outputs), post, receiver);
+std::shared_ptr<RosComponent> make_ros_reconfigure(std::vector<ChangeableOutput> outputs,
+                                                   const RosPost& post) {
+  return std::make_shared<RosReconfigure>(std::move(outputs), post);
 }
 
 }  // namespace lidard

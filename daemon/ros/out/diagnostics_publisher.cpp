@@ -14,9 +14,9 @@
 
 namespace lidard {
 
-bool DiagnosticsPublisher::set(std::size_t pipeline, const std::vector<DiagnosticItem>& items) {
+bool DiagnosticsPublisher::set(Worker worker, const std::vector<DiagnosticItem>& items) {
   const std::lock_guard lock(mutex_);
-  Newest& newest = newest_.at(pipeline);
+  Newest& newest = newest_.at(static_cast<std::size_t>(worker));
   const bool news = !std::equal(items.begin(), items.end(), newest.items.begin(), newest.items.end(),
                                 [](const auto& a, const auto& b) { return a.health == b.health; });
   newest = {items, std::chrono::steady_clock::now()};

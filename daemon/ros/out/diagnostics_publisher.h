@@ -15,7 +15,7 @@
 
 namespace lidard {
 
-/// Publishes the newest status items of both pipelines on /diagnostics. set() may be called from any thread,
+/// Publishes the newest status items of both workers on /diagnostics. set() may be called from any thread,
 /// the rest belongs to the master thread.
 class DiagnosticsPublisher {
  public:
@@ -25,7 +25,7 @@ class DiagnosticsPublisher {
   /// dead. Empty: never.
   explicit DiagnosticsPublisher(std::optional<Span> longest_age = std::nullopt) : longest_age_(longest_age) {}
   /// True if an item came, went or changed its health: publish at once.
-  bool set(std::size_t pipeline, const std::vector<DiagnosticItem>& items);
+  bool set(Worker worker, const std::vector<DiagnosticItem>& items);
   /// The newest items of both.
   std::vector<DiagnosticItem> items() const {
     const std::lock_guard lock(mutex_);
@@ -48,7 +48,7 @@ class DiagnosticsPublisher {
 
   const std::optional<Span> longest_age_;
   mutable std::mutex mutex_;
-  std::array<Newest, 2> newest_;  // guarded by mutex_
+  std::array<Newest, workers> newest_;  // guarded by mutex_
   ros::Publisher publisher_;
 };
 

@@ -118,12 +118,13 @@ bool PublisherThread::Output::loses() const {
   return lost > 0 && Clock::now() - lost_at.load() < news_of_a_loss;
 }
 
-PublisherThread::PublisherThread(const RosOptions& options, ThreadWatch& watch, ThreadWatch::Thread number,
+PublisherThread::PublisherThread(const RosOptions& options, ThreadWatch& watch, Worker worker,
                                  OnDiagnostics on_diagnostics)
     : block_(options.backpressure == Backpressure::block),
       with_clock_(options.clock),
       watch_(watch),
-      number_(number),
+      worker_(worker),
+      number_(worker == Worker::clouds ? ThreadWatch::publishing_clouds : ThreadWatch::publishing),
       on_diagnostics_(std::move(on_diagnostics)),
       queue_(options.backpressure),
       tf_(add_output("/tf_static", transforms_maker(), 2)),
@@ -140,8 +141,9 @@ PublisherThread::Output& PublisherThread::add_output(const std::string& topic,
 void PublisherThread::set_topics(const std::vector<OutputTopic>& topics) {
   const std::lock_guard lock(list_mutex_);
   for (Output& output : outputs_) output.wanted = &output == &tf_ || (&output == &clock_ && with_clock_);
-  outputs_of_topics_.clear();
+  outputs_of_topics_.assign(topics.size(), nullptr);
   for (const OutputTopic& topic : topics) {
+    if (topic.worker != worker_) continue;
     const MessageRow& row = row_of(topic);
     auto maker = row.maker();
     const auto same = [&](const Output& one) {
@@ -151,7 +153,7 @@ void PublisherThread::set_topics(const std::vector<OutputTopic>& topics) {
     Output& output =
         known != outputs_.end() ? *known : add_output(topic.name, std::move(maker), row.queue_depth);
     output.wanted = true;
-    outputs_of_topics_.push_back(&output);
+    outputs_of_topics_.at(topic.id) = &output;
   }
 }
 
@@ -169,7 +171,7 @@ PublisherThread::Output& PublisherThread::output_of(const QueuedFrame& frame) {
 
 void PublisherThread::start() {
   thread_ = std::thread([this] {
-    if (number_ == ThreadWatch::publishing_clouds) yield_this_thread();
+    if (worker_ == Worker::clouds) yield_this_thread();
     run();
   });
 }

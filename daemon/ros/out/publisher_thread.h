@@ -27,19 +27,18 @@ namespace lidard {
 ros::Publisher make_publisher(const std::string& topic, const MessageType& type, std::size_t queue_size,
                               bool latched, const ros::SubscriberStatusCallback& on_subscriber = {});
 
-/// Publishes the frames of one pipeline: a bounded queue, the publishers, and a thread that converts and
+/// Publishes the frames of one worker: a bounded queue, the publishers, and a thread that converts and
 /// publishes. The calls of FrameSink never wait (unless Backpressure::block), and come from one thread.
 class PublisherThread final : public FrameSink {
  public:
   using OnDiagnostics = std::function<void(const std::vector<DiagnosticItem>&)>;
 
-  /// `watch` must outlive this; `number`: which of its threads this one is.
-  PublisherThread(const RosOptions& options, ThreadWatch& watch, ThreadWatch::Thread number,
-                  OnDiagnostics on_diagnostics);
+  /// `watch` must outlive this.
+  PublisherThread(const RosOptions& options, ThreadWatch& watch, Worker worker, OnDiagnostics on_diagnostics);
   ~PublisherThread() override { stop(); }
 
-  /// From the next call of publish() on these are the topics. A topic that stays keeps its queue, its figures
-  /// and its subscribers; frames waiting on a removed one are published first.
+  /// From the next call of publish() on the topics are those of the worker among these. A topic that stays
+  /// keeps its queue, its figures and its subscribers; frames waiting on a removed one are published first.
   void set_topics(const std::vector<OutputTopic>& topics);
   void start();
   /// Publishes nothing any more.
@@ -126,12 +125,14 @@ class PublisherThread final : public FrameSink {
 
   const bool block_, with_clock_;
   ThreadWatch& watch_;
+  const Worker worker_;
   const ThreadWatch::Thread number_;
   const OnDiagnostics on_diagnostics_;
   FrameQueue queue_;
   std::mutex list_mutex_;
   std::deque<Output> outputs_;              // by slot; guarded by list_mutex_
-  std::vector<Output*> outputs_of_topics_;  // by OutputTopic::id, of the thread that calls publish()
+  std::vector<Output*> outputs_of_topics_;  // by OutputTopic::id, of the thread that calls publish();
+                                            // nullptr: of the other worker
   Output &tf_, &clock_;
   std::mutex send_mutex_;
   std::atomic<bool> ready_{false}, stopping_{false};

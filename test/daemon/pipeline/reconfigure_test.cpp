@@ -9,7 +9,7 @@
 #include <functional>
 #include <sstream>
 
-#include "daemon/config/lanes.h"
+#include "daemon/config/workers.h"
 #include "daemon/pipeline/pipeline.h"
 #include "drivers/capture/pcap_source.h"
 #include "test/support/captures.h"
@@ -49,7 +49,8 @@ void play(const std::function<void(std::size_t, const Packet&)>& each) {
 }
 
 struct Played {
-  explicit Played(Config first) : config(std::move(first)), pipeline(config, none, sink) {}
+  explicit Played(Config first, Worker worker = Worker::sensors)
+      : config(std::move(first)), pipeline(config, none, sink, worker) {}
   Config config;
   NoTransforms none;
   test::RecordingSink sink;
@@ -149,13 +150,15 @@ TEST(PipelineReconfigure, WhatWasSetByHandIsWhatTheFileSaysAgain) {
   EXPECT_EQ(one.sink.scans["bumper"].back().beams, 720U);
 }
 
-TEST(TwoLanes, GiveWhatOnePipelineGives) {
+TEST(TwoWorkers, GiveWhatOnePipelineGives) {
   const std::string text =
       with(demo(), "virtual_scans:",
            "  mixed: {laserscan_topics: [front_left, bumper], profile: flatten}\nvirtual_scans:");
   Played all(parse_config(text, "demo"));
   play([&](std::size_t, const Packet& packet) { all.pipeline.packet(packet); });
-  Played planes(part_of(all.config, Lane::planes)), clouds(part_of(all.config, Lane::clouds));
+  Config config = all.config;
+  assign_workers(config);
+  Played planes(config), clouds(config, Worker::clouds);
   clouds.pipeline.set_hand_over([&](std::size_t source, const PlanarScan& scan, Stamp now) {
     planes.pipeline.handed_over(source, scan, now);
   });

@@ -210,7 +210,7 @@ TEST(RosConnection, WantsACloudWhileSomebodySubscribesAndCountsThoseThatNobodyGe
     EXPECT_TRUE(soon([&] { return !sink.wants(test::roof_points); }));
     sink.skip(test::roof_points, Stamp{2});
     EXPECT_EQ(connection.status().published, 1U);
-    EXPECT_EQ(connection.figures(Lane::planes, test::roof_points, Stamp{2}).frames, 2U);
+    EXPECT_EQ(connection.figures(test::roof_points, Stamp{2}).frames, 2U);
     EXPECT_TRUE(connection.stop());
   });
 }

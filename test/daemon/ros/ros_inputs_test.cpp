@@ -37,35 +37,6 @@ Child talker(const std::string& topic, const Message& message) {
   });
 }
 
-/// Functions posted to the "sensor thread", which here is the test.
-class Posted {
- public:
-  RosPost post() {
-    return [this](std::function<void(Stamp)> f) {
-      const std::lock_guard lock(mutex_);
-      waiting_.push_back(std::move(f));
-    };
-  }
-  /// Runs what comes until `done` or the time is up.
-  bool run_until(const std::function<bool()>& done, std::chrono::milliseconds limit = 120s) {
-    const auto end = std::chrono::steady_clock::now() + limit;
-    while (!done() && std::chrono::steady_clock::now() < end) {
-      std::this_thread::sleep_for(5ms);
-      std::vector<std::function<void(Stamp)>> now;
-      {
-        const std::lock_guard lock(mutex_);
-        now.swap(waiting_);
-      }
-      for (const auto& f : now) f(Stamp{});
-    }
-    return done();
-  }
-
- private:
-  std::mutex mutex_;
-  std::vector<std::function<void(Stamp)>> waiting_;
-};
-
 /// What the pipeline would get.
 struct Seen final : MessageReceiver {
   std::vector<PlanarScan> scans;
@@ -88,9 +59,40 @@ struct Seen final : MessageReceiver {
   std::string set_sensor(const SensorConfig&) override { return {}; }
 };
 
+/// Tasks posted to the "sensor thread", which here is the test.
+class Posted {
+ public:
+  Seen seen;
+
+  RosPost post() {
+    return [this](Worker, RosTask task) {
+      const std::lock_guard lock(mutex_);
+      waiting_.push_back(std::move(task));
+    };
+  }
+  /// Runs what comes until `done` or the time is up.
+  bool run_until(const std::function<bool()>& done, std::chrono::milliseconds limit = 120s) {
+    const auto end = std::chrono::steady_clock::now() + limit;
+    while (!done() && std::chrono::steady_clock::now() < end) {
+      std::this_thread::sleep_for(5ms);
+      std::vector<RosTask> now;
+      {
+        const std::lock_guard lock(mutex_);
+        now.swap(waiting_);
+      }
+      for (const auto& task : now) task(seen, Stamp{});
+    }
+    return done();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<RosTask> waiting_;
+};
+
 std::shared_ptr<RosInputs> add_inputs(RosConnection& connection, const std::vector<TopicSource>& sources,
-                                      RosPost post, MessageReceiver& receiver) {
-  auto inputs = std::make_shared<RosInputs>(sources, std::move(post), receiver);
+                                      RosPost post) {
+  auto inputs = std::make_shared<RosInputs>(sources, Worker::sensors, std::move(post));
   connection.add(inputs);
   return inputs;
 }
@@ -114,9 +116,9 @@ TEST(RosInputs, FindTheTypeOfATopicAndConvertScans) {
     const Child scans = talker("/rear/scan", scan_message());
     master.start();
     Posted posted;
-    Seen seen;
+    Seen& seen = posted.seen;
     RosConnection connection({}, {});
-    const auto inputs = add_inputs(connection, {{"rear", "/rear/scan"}}, posted.post(), seen);
+    const auto inputs = add_inputs(connection, {{"rear", "/rear/scan"}}, posted.post());
 
     connection.start();
     EXPECT_TRUE(posted.run_until([&] { return seen.scans.size() >= 3; }));
@@ -138,10 +140,10 @@ TEST(RosInputs, ConvertCloudsOfAPublisherThatComesLate) {
     const auto sent = cloud.points_bytes;
     const sensor_msgs::PointCloud2 message = test::message_of(cloud);
     Posted posted;
-    Seen seen;
+    Seen& seen = posted.seen;
     const Child clouds = talker("/points", message);  // waits for the master, as we do
     RosConnection connection({}, {});
-    const auto inputs = add_inputs(connection, {{"roof", "points"}}, posted.post(), seen);
+    const auto inputs = add_inputs(connection, {{"roof", "points"}}, posted.post());
 
     connection.start();
     EXPECT_FALSE(posted.run_until([&] { return !seen.clouds.empty(); }, 200ms));
@@ -163,9 +165,9 @@ TEST(RosInputs, CountAndExplainMessagesTheyCannotUse) {
     const Child strings = talker("/words", std_msgs::String());
     master.start();
     Posted posted;
-    Seen seen;
+    Seen& seen = posted.seen;
     RosConnection connection({}, {});
-    const auto inputs = add_inputs(connection, {{"a", "/broken"}, {"b", "/words"}}, posted.post(), seen);
+    const auto inputs = add_inputs(connection, {{"a", "/broken"}, {"b", "/words"}}, posted.post());
 
     connection.start();
     EXPECT_TRUE(posted.run_until([&] { return inputs->report()[0].rejected > 2; }));
@@ -190,9 +192,9 @@ TEST(RosInputs, UseScansWithOddIntensitiesOrWithoutRangesAndCountWhatTheyLeaveOu
     const Child empty_scans = talker("/empty", empty);
     master.start();
     Posted posted;
-    Seen seen;
+    Seen& seen = posted.seen;
     RosConnection connection({}, {});
-    const auto inputs = add_inputs(connection, {{"a", "/odd"}, {"b", "/empty"}}, posted.post(), seen);
+    const auto inputs = add_inputs(connection, {{"a", "/odd"}, {"b", "/empty"}}, posted.post());
 
     connection.start();
     EXPECT_TRUE(posted.run_until([&] {
@@ -214,17 +216,13 @@ TEST(RosInputs, DropAndCountWhatASlowSensorThreadDoesNotTake) {
     RosMaster master;
     const Child scans = talker("/scan", scan_message());
     master.start();
-    std::vector<std::function<void(Stamp)>> never_run;
+    std::vector<RosTask> never_run;
     std::mutex mutex;
-    Seen seen;
     RosConnection connection({}, {});
-    const auto inputs = add_inputs(
-        connection, {{"a", "/scan"}},
-        [&](std::function<void(Stamp)> f) {
-          const std::lock_guard lock(mutex);
-          never_run.push_back(std::move(f));
-        },
-        seen);
+    const auto inputs = add_inputs(connection, {{"a", "/scan"}}, [&](Worker, RosTask task) {
+      const std::lock_guard lock(mutex);
+      never_run.push_back(std::move(task));
+    });
 
     connection.start();
     Posted nothing;
@@ -240,9 +238,9 @@ TEST(RosInputs, HearPublishersAgainAfterTheMasterWasRestarted) {
     auto before = talker("/scan", scan_message());
     master.start();
     Posted posted;
-    Seen seen;
+    Seen& seen = posted.seen;
     RosConnection connection({}, {});
-    const auto inputs = add_inputs(connection, {{"a", "/scan"}}, posted.post(), seen);
+    const auto inputs = add_inputs(connection, {{"a", "/scan"}}, posted.post());
 
     connection.start();
     ASSERT_TRUE(posted.run_until([&] { return !seen.scans.empty(); }));

@@ -154,15 +154,14 @@ struct Listening {
   test::RecordingSink sink;
   Pipeline pipeline{config, poses, sink};
   std::mutex mutex;
-  std::vector<std::function<void(Stamp)>> waiting;
+  std::vector<RosTask> waiting;
   RosConnection connection{{}, {}};
   std::shared_ptr<RosInputs> inputs = std::make_shared<RosInputs>(
-      std::vector<TopicSource>{{"roof", "/velodyne_packets", true}},
-      [this](std::function<void(Stamp)> task) {
+      std::vector<TopicSource>{{"roof", "/velodyne_packets", true}}, Worker::sensors,
+      [this](Worker, RosTask task) {
         const std::lock_guard lock(mutex);
         waiting.push_back(std::move(task));
-      },
-      pipeline);
+      });
 
   Listening() {
     connection.add(inputs);
@@ -172,12 +171,12 @@ struct Listening {
     const auto end = std::chrono::steady_clock::now() + 20s;
     while (!done() && std::chrono::steady_clock::now() < end) {
       std::this_thread::sleep_for(5ms);
-      std::vector<std::function<void(Stamp)>> tasks;
+      std::vector<RosTask> tasks;
       {
         const std::lock_guard lock(mutex);
         tasks.swap(waiting);
       }
-      for (const auto& task : tasks) task(Stamp{1});
+      for (const auto& task : tasks) task(pipeline, Stamp{1});
     }
     return done();
   }
