@@ -18,7 +18,7 @@ ROOMS = {
     "core/evidence": ["core/motion"],
     "core/merge": ["core/evidence"],
     "core/virtual": ["core/evidence"],
-    "core/mounts": ["core/frames"],
+    "core/mounts": ["core/evidence"],
     "drivers": ["core/merge", "core/virtual", "core/mounts"],
     "drivers/net": ["drivers"],
     "drivers/capture": ["drivers"],

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "core/base/angle.h"
-#include "core/mounts/drive_match.h"
+#include "core/mounts/surface_match.h"
 
 namespace lidard {
 namespace {
@@ -104,18 +104,6 @@ struct Move {
   MatchedPose seen;         // of the second sweep in the frame of the first
 };
 
-/// Standard deviation of the ranges of neighbouring beams.
-double noise_of(const std::vector<StillBeam>& beams) {
-  std::vector<double> bends;
-  for (std::size_t i = 1; i + 1 < beams.size(); ++i)
-    bends.push_back(std::abs(beams[i - 1].range - 2 * beams[i].range + beams[i + 1].range));
-  if (bends.empty()) return 0.01;
-  const auto middle = bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 2);
-  std::nth_element(bends.begin(), middle, bends.end());
-  constexpr double bend_to_sigma = 1.4826 / 2.449;
-  return std::clamp(bend_to_sigma * *middle, 0.001, 0.03);
-}
-
 /// The upright surfaces of a sweep, as they are seen from where the sensor was at its stamp.
 std::vector<Surface> surfaces_of(const DriveSweep& sweep, const Matrix3d& tilt, const PlanarPose& mount,
                                  double offset, const DriveTrack& track) {
@@ -141,12 +129,12 @@ std::vector<Surface> surfaces_of(const DriveSweep& sweep, const Matrix3d& tilt, 
     beam.range = beam.point.norm(), beam.height = level.z();
     views[seen.ring].beams.push_back(beam);
   }
-  for (StillView& view : views) {
-    const double sigma = noise_of(view.beams);
-    for (StillBeam& beam : view.beams) beam.sigma = sigma;
-  }
-  if (views.empty()) return {};
-  return views.size() == 1 ? find_surfaces(views[0]) : find_upright(views);
+  std::vector<double> scratch;
+  for (StillView& view : views) estimate_noise(view, scratch);
+  if (views.size() > 1) return find_upright(views);
+  std::vector<Surface> surfaces;
+  if (!views.empty()) find_surfaces(views[0], surfaces);
+  return surfaces;
 }
 
 PlanarPose motion_of(const DriveTrack& track, double from, double to) {

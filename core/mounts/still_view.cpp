@@ -22,13 +22,26 @@ constexpr double least_share = 0.6, least_share_of_bin = 0.25;
 constexpr double finest = 0.0006;
 constexpr double mad_to_sigma = 1.4826;
 
-double median_of(std::vector<float>& values) {
+template <class Value>
+double median_of(std::vector<Value>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return static_cast<double>(*middle);
 }
 
 }  // namespace
+
+void estimate_noise(StillView& view, std::vector<double>& bends) {
+  bends.clear();
+  const std::vector<StillBeam>& beams = view.beams;
+  for (std::size_t i = 1; i + 1 < beams.size(); ++i) {
+    const double bend = std::abs(beams[i - 1].range - 2 * beams[i].range + beams[i + 1].range);
+    if (std::isfinite(bend)) bends.push_back(bend);
+  }
+  constexpr double bend_to_sigma = mad_to_sigma / 2.449;  // square root of 6
+  const double sigma = bends.empty() ? 0.01 : std::clamp(bend_to_sigma * median_of(bends), 0.001, 0.03);
+  for (StillBeam& beam : view.beams) beam.sigma = sigma;
+}
 
 void StillScans::Samples::add(float range, const Eigen::Vector3f& along) {
   ++seen;

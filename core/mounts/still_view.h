@@ -30,6 +30,10 @@ struct StillView {
   bool is_closed = false;  ///< the last beam is a neighbour of the first
 };
 
+/// Sets the standard deviations of the beams of a single sweep, from how ranges of neighbouring beams
+/// differ; `scratch` keeps its memory.
+void estimate_noise(StillView& view, std::vector<double>& scratch);
+
 /// Collects what a sensor measures while the vehicle stands. Each beam becomes the median of its returns, so
 /// that what moves through the view leaves no trace.
 class StillScans {

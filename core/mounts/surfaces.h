@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -23,13 +24,13 @@ struct Surface {
   double offset_by_range = 0, slope_by_range = 0;
   std::size_t ring = 0;
   std::size_t first_beam = 0, last_beam = 0;
-  std::vector<Eigen::Vector2d> points;  ///< a few of its returns
+  std::array<Eigen::Vector2d, 12> points;  ///< some of its returns
 
   double length() const { return to - from; }
 };
 
-/// The straight surfaces of a view.
-std::vector<Surface> find_surfaces(const StillView& view);
+/// Appends the straight surfaces of a view.
+void find_surfaces(const StillView& view, std::vector<Surface>& surfaces);
 /// The surfaces of all lasers of a multi-plane lidar that are upright: another laser sees the same line
 /// higher or lower.
 std::vector<Surface> find_upright(const std::vector<StillView>& views);

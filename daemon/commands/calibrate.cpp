@@ -27,8 +27,10 @@ MountedSensor place_of(CalibratedSensor& sensor) {
   mounted.configured = sensor.configured();
   if (sensor.scans.frames() == 0) return mounted;
   mounted.place.views = sensor.scans.views(sensor.tilt);
-  mounted.place.surfaces =
-      sensor.is_cloud ? find_upright(mounted.place.views) : find_surfaces(mounted.place.views[0]);
+  if (sensor.is_cloud)
+    mounted.place.surfaces = find_upright(mounted.place.views);
+  else
+    find_surfaces(mounted.place.views[0], mounted.place.surfaces);
   mounted.place.height = sensor.ground ? sensor.ground->height : sensor.before.translation().z();
   return mounted;
 }

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/merge/merger.h"
-#include "core/merge/mount_check.h"
+#include "core/mounts/mount_check.h"
 #include "daemon/pipeline/merge_sources.h"
 #include "daemon/pipeline/output.h"
 
@@ -32,15 +32,14 @@ MergeSettings settings_of(const MergedScanConfig& config) {
   return settings;
 }
 
-/// What to add to the pose of the pair's second source, in the output frame.
-std::string correction_of(const OverlapState& pair) {
-  const auto part = [&](std::size_t i, const char* name, double value, const char* unit) {
-    return pair.determined[i] ? fmt::format("{} {:+.3f} {}", name, value, unit)
+/// What to add to the pose of the pair's second source, in the output frame; `sign` -1: to that of the first.
+std::string correction_of(const MountDifference& pair, double sign) {
+  const auto part = [&](std::size_t i, const char* name, double scale, const char* unit) {
+    const auto at = static_cast<Eigen::Index>(i);
+    return pair.determined[i] ? fmt::format("{} {:+.3f} {}", name, sign * scale * pair.correction[at], unit)
                               : fmt::format("{} not determined by the surroundings", name);
   };
-  constexpr double degrees = 57.29577951308232;
-  return part(0, "yaw", pair.correction[0] * degrees, "deg") + ", " + part(1, "x", pair.correction[1], "m") +
-         ", " + part(2, "y", pair.correction[2], "m");
+  return part(2, "yaw", deg_per_rad, "deg") + ", " + part(0, "x", 1, "m") + ", " + part(1, "y", 1, "m");
 }
 
 /// A merged scan: takes the scans of its sources, publishes when one is due.
@@ -89,7 +88,7 @@ class MergedOutput final : public Output {
   void set_scan(const OutputScanConfig& wanted) override {
     config_.output = wanted;
     set_up();
-    mount_check_ = MountCheck(config_.laserscan_topics.size());
+    mount_check_.reset();
     sources_.forget();
   }
   void restart() override {
@@ -109,7 +108,7 @@ class MergedOutput final : public Output {
     DiagnosticItem item = health_of("merged " + config_.name, sources_.counters, now, starting);
     sources_.describe(item, now, starting);
     describe_beams(item);
-    describe_overlap(item);
+    describe_mounts(item);
     sources_.describe_timing(item, now);
     item.add("Sweeps replaced before use", merger_->superseded());
     item.add("Sweeps out of order", merger_->out_of_order());
@@ -173,7 +172,7 @@ class MergedOutput final : public Output {
       places_[s] = merger_->looks_from(s);
     }
     const auto moved = [](SourceUse use) { return use == SourceUse::static_poses; };
-    mount_check_.look(
+    mount_check_.update(
         stamp, compared_, places_,
         poses_.track() != nullptr && std::none_of(sources_.uses().begin(), sources_.uses().end(), moved));
   }
@@ -188,23 +187,24 @@ class MergedOutput final : public Output {
     item.add("Beams free", share(BeamStatus::none));
     item.add("Beams unobserved", share(BeamStatus::invalid));
   }
-  void describe_overlap(DiagnosticItem& item) const {
-    for (const OverlapState& pair : mount_check_.pairs()) {
+  void describe_mounts(DiagnosticItem& item) const {
+    const auto wrong = mount_check_.wrong_source();
+    for (const MountDifference& pair : mount_check_.pairs()) {
       const std::string& first = config_.laserscan_topics[pair.first];
       const std::string& second = config_.laserscan_topics[pair.second];
-      if (pair.beams <= 0) continue;
-      const std::string correction = correction_of(pair);
+      if (pair.surfaces == 0) continue;
       item.add(fmt::format("Mount check {}/{}", first, second),
-               fmt::format("median {:+.1f} mm, MAD {:.1f} mm, {:.0f} beams; mount of {}: {}",
-                           pair.median * 1000, pair.mad * 1000, pair.beams, second, correction));
-      if (!pair.misaligned || item.health != Health::ok) continue;
-      const std::time_t since = pair.since ? pair.since->ns / 1'000'000'000 : 0;
-      item.set(
-          Health::warn,
-          fmt::format(
-              "{0} and {1} do not agree on where surfaces are; correct a mount, e.g. that of {1} by {2} "
-              "(since {3:%H:%M:%S} UTC; `lidard calibrate -c FILE CAPTURE` of the parked vehicle finds it)",
-              first, second, correction, fmt::gmtime(since)));
+               fmt::format("{} surfaces; mount of {}: {}; +- {:.1f} mm, {:.3f} deg", pair.surfaces, second,
+                           correction_of(pair, 1), 1000 * pair.sigma.head<2>().maxCoeff(),
+                           deg_per_rad * pair.sigma[2]));
+      if (!pair.is_wrong || item.health != Health::ok) continue;
+      const bool is_first = wrong == pair.first;
+      item.set(Health::warn,
+               fmt::format(
+                   "{} and {} do not agree on where surfaces are; correct {} {} by {} (since {:%H:%M:%S} "
+                   "UTC; `lidard calibrate -c FILE CAPTURE` of the parked vehicle finds it)",
+                   first, second, wrong ? "the mount of" : "a mount, e.g. that of", is_first ? first : second,
+                   correction_of(pair, is_first ? -1 : 1), fmt::gmtime(pair.since->ns / 1'000'000'000)));
     }
   }
 

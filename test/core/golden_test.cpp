@@ -31,11 +31,12 @@ std::vector<std::uint8_t> random_bytes(std::uint32_t seed, std::size_t count) {
 }
 
 void add(Sums& sums, const MountCheck& mounts) {
-  for (const OverlapState& pair : mounts.pairs()) {
-    for (const double value : {pair.beams, pair.median, pair.mad, pair.shift}) sums.add("mounts", value);
+  for (const MountDifference& pair : mounts.pairs()) {
+    sums.add_exact("surfaces", static_cast<std::int64_t>(pair.surfaces));
+    for (const double value : pair.sigma) sums.add("mounts", value);
     for (const double value : pair.correction) sums.add("correction", value);
     for (const bool is : pair.determined) sums.add_exact("determined", is ? 1 : 0);
-    sums.add_exact("misaligned", pair.misaligned ? 1 : 0);
+    sums.add_exact("wrong", pair.is_wrong ? 1 : 0);
   }
 }
 
@@ -144,7 +145,7 @@ void add_driven_merge(const sim::MergeCase& set_up, const MergeSettings& setting
       sums.add_exact("through", static_cast<std::int64_t>(sweeps.back()->seen_through));
       sums.add_exact("doubtful", static_cast<std::int64_t>(sweeps.back()->mixed_pixels));
     }
-    mounting.look(now, sweeps, places, sweep % 5 != 0);
+    mounting.update(now, sweeps, places, sweep % 5 != 0);
     add(sums, mounting);
     add(sums, merger);
   }

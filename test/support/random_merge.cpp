@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "core/merge/merger.h"
-#include "core/merge/mount_check.h"
+#include "core/mounts/mount_check.h"
 #include "test/sim/world/units.h"
 #include "test/support/random_bytes.h"
 
@@ -66,7 +66,7 @@ std::size_t merge_bytes(const std::uint8_t* data, std::size_t size,
   for (std::size_t s = 0; s < sources; ++s) poses.push_back(read_pose(in));
   PlanarScan scan;
   PlanarScan out[3];
-  MountCheck overlap(sources);
+  MountCheck mounts(sources);
   std::vector<const PlacedScan*> sweeps(sources, nullptr);
   std::vector<Eigen::Vector2d> places(sources, Eigen::Vector2d::Zero());
   Cloud cloud;
@@ -96,11 +96,11 @@ std::size_t merge_bytes(const std::uint8_t* data, std::size_t size,
       sweeps[s] = merger.sweep(s);
       places[s] = merger.looks_from(s);
     }
-    overlap.look(now, sweeps, places, true);
-    for (const OverlapState& pair : overlap.pairs()) {
-      if (!std::isfinite(pair.median) || !pair.correction.allFinite()) std::abort();
+    mounts.update(now, sweeps, places, true);
+    for (const MountDifference& pair : mounts.pairs()) {
+      if (!pair.correction.allFinite() || !pair.sigma.allFinite()) std::abort();
     }
-    if (look) look({out, cloud, merger, report, overlap});
+    if (look) look({out, cloud, merger, report, mounts});
     ++outputs;
   }
   return outputs;

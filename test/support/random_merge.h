@@ -8,7 +8,7 @@
 
 #include "core/frames/cloud.h"
 #include "core/merge/merger.h"
-#include "core/merge/mount_check.h"
+#include "core/mounts/mount_check.h"
 
 namespace lidard::sim {
 

@@ -202,13 +202,17 @@ def check_drives_that_show_little(tmp):
 def check_watch(tmp):
     """A mount that somebody knocks while the daemon runs is reported: how far, since when, and what to do."""
     begin = 1767226643.456
-    for name, knock, words in (("turned", {"rpy_deg": [0, 0, 0.5]}, r"front_right by yaw \+0\.[45]\d+ deg"), ("shifted", {"xyz": [0, 0.03, 0]}, r"y \+0\.0[23]\d m")):
-        scene = yaml.safe_load(driving([{"duration": 15, "speed": 0, "yaw_rate_deg": 0}]))
+    parked = [{"duration": 15, "speed": 0, "yaw_rate_deg": 0}]
+    turned, shifted = r"front_right by yaw \+0\.[45]\d+ deg", r"y \+0\.0[23]\d m"
+    (tmp / "watch.yaml").write_text((ROOT / "config/demo.yaml").read_text().replace("vehicle:\n", "vehicle:\n  odometry_frame: odom\n", 1))
+    for name, legs, knock, words in (("turned", parked, {"rpy_deg": [0, 0, 0.5]}, turned), ("shifted", parked, {"xyz": [0, 0.03, 0]}, shifted),
+                                     ("turned_on_the_way", winding(15), {"rpy_deg": [0, 0, 0.5]}, turned), ("shifted_on_the_way", winding(15), {"xyz": [0, 0.03, 0]}, shifted)):
+        scene = yaml.safe_load(driving(legs))
         for sensor, x, y, yaw in (("front_left", 0, 1, 45), ("front_right", 0, -1, -45)):
             scene["sensors"][sensor] |= {"pose": {"xyz": [x, y, 0.35], "rpy_deg": [0, 0, yaw]}, "range_offset": 0, "latency_us": 20}
         scene["sensors"]["front_right"]["knocked"] = {"at": 4, **knock}
         capture = make_capture(tmp / name, yaml.safe_dump(scene | {"start": "2026-01-01T00:17:23.456Z"}))
-        done = run("replay", "-c", ROOT / "config/demo.yaml", capture, "--rate", "max", "--bag", tmp / f"{name}.bag")
+        done = run("replay", "-c", tmp / "watch.yaml", capture, "--motion", tmp / f"{name}.odometry.csv", "--rate", "max", "--bag", tmp / f"{name}.bag")
         messages = []
         with rosbag.Bag(str(tmp / f"{name}.bag")) as bag:
             for _, message, _ in bag.read_messages(["/diagnostics"]):

@@ -85,7 +85,7 @@ struct Trial {
     }
     MountedSensor sensor;
     sensor.place.views = scans.views(Eigen::Matrix3d::Identity());
-    sensor.place.surfaces = find_surfaces(sensor.place.views[0]);
+    find_surfaces(sensor.place.views[0], sensor.place.surfaces);
     const double direction = between(0, two_pi), far = wrong * between(0, 0.5);
     sensor.configured = {at.x + far * std::cos(direction), at.y + far * std::sin(direction),
                          at.yaw + wrong * between(-20, 20) * rad_per_deg};

@@ -76,7 +76,8 @@ TEST(Surfaces, AreCutAtCornersAndKnowTheirErrors) {
     scan.set_hit(i, static_cast<float>(std::min(ahead, beside)));
   }
   for (int frame = 0; frame < 10; ++frame) scans.add(scan);
-  const auto surfaces = find_surfaces(scans.views(Eigen::Matrix3d::Identity())[0]);
+  std::vector<Surface> surfaces;
+  find_surfaces(scans.views(Eigen::Matrix3d::Identity())[0], surfaces);
   ASSERT_EQ(surfaces.size(), 2U);
   EXPECT_NEAR(surfaces[0].middle.x(), 4, 0.001);
   EXPECT_NEAR(surfaces[0].normal.x(), -1, 1e-4);

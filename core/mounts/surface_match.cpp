@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 the lidard authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/mounts/drive_match.h"
+#include "core/mounts/surface_match.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -18,10 +18,11 @@ constexpr double paired_gate = 0.12, paired_slope = 5 * rad_per_deg, paired_over
 constexpr double common_error = 0.002;
 constexpr double match_freedom = 5;  // of Student's distribution
 
-const Surface* partner_of(const Surface& b, const std::vector<Surface>& a, const PlanarPose& a_from_b) {
+const Surface* partner_of(const Surface& b, const std::vector<Surface>& a, const PlanarPose& a_from_b,
+                          double gate) {
   const Vector2d middle = a_from_b * b.middle, normal = a_from_b.turned(b.normal);
   const Surface* nearest = nullptr;
-  double least = paired_gate;
+  double least = gate;
   for (const Surface& surface : a) {
     if (surface.ring != b.ring || surface.normal.dot(normal) < std::cos(paired_slope)) continue;
     const double off = std::abs(surface.normal.dot(middle - surface.middle)),
@@ -57,15 +58,16 @@ void add_pair(const Surface& a, const Surface& b, const PlanarPose& pose, Eigen:
 
 }  // namespace
 
-MatchedPose refine_match(const std::vector<Surface>& a, const std::vector<Surface>& b, PlanarPose pose) {
+MatchedPose refine_match(const std::vector<Surface>& a, const std::vector<Surface>& b, PlanarPose pose,
+                         double gate) {
   MatchedPose match;
   constexpr int rounds = 6;
-  for (int round = 0; round < rounds; ++round) {
+  for (int round = 0; round < rounds; ++round, gate /= 2) {
     Eigen::Matrix3d levers = Eigen::Matrix3d::Identity();
     Eigen::Vector3d pulls = Eigen::Vector3d::Zero();
     match.pairs = 0;
     for (const Surface& surface : b) {
-      const Surface* const partner = partner_of(surface, a, pose);
+      const Surface* const partner = partner_of(surface, a, pose, std::max(paired_gate, gate));
       if (partner == nullptr) continue;
       ++match.pairs;
       add_pair(*partner, surface, pose, levers, pulls);

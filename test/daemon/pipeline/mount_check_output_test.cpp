@@ -56,21 +56,21 @@ DiagnosticItem status_after(double seconds, double yaw_deg, double x) {
   return sink.item("merged around");
 }
 
-std::string overlap_of(const DiagnosticItem& item) {
+std::string mount_check_of(const DiagnosticItem& item) {
   for (const auto& [key, value] : item.values) {
     if (key == "Mount check left/right") return value;
   }
   return "no such value";
 }
 
-TEST(OverlapOutput, IsFineWhenMountsAreAsConfigured) {
+TEST(MountCheckOutput, IsFineWhenMountsAreAsConfigured) {
   const DiagnosticItem item = status_after(2.1, 0, 0);
   EXPECT_EQ(item.health, Health::ok) << item.message;
-  EXPECT_THAT(overlap_of(item), HasSubstr("beams; mount of right: yaw"));
+  EXPECT_THAT(mount_check_of(item), HasSubstr("surfaces; mount of right: yaw"));
 }
 
-TEST(OverlapOutput, WarnsWithinTwoSecondsOfAMountThatIsTurnedAndSaysByHowMuch) {
-  const DiagnosticItem item = status_after(2.1, 0.5, 0);
+TEST(MountCheckOutput, WarnsWithinTenSecondsOfAMountThatIsTurnedAndSaysByHowMuch) {
+  const DiagnosticItem item = status_after(9, 0.5, 0);
   EXPECT_EQ(item.health, Health::warn);
   EXPECT_THAT(item.message, HasSubstr("left and right do not agree"));
   EXPECT_THAT(item.message, ::testing::ContainsRegex("since 00:00:0[01] UTC; `lidard calibrate"))
@@ -78,10 +78,10 @@ TEST(OverlapOutput, WarnsWithinTwoSecondsOfAMountThatIsTurnedAndSaysByHowMuch) {
   EXPECT_THAT(item.message, ::testing::ContainsRegex("right by yaw \\+0\\.(4|5)[0-9]+ deg")) << item.message;
 }
 
-TEST(OverlapOutput, WarnsOfAMountThatIsShifted) {
-  const DiagnosticItem item = status_after(2.1, 0, 0.05);
+TEST(MountCheckOutput, WarnsOfAMountThatIsShifted) {
+  const DiagnosticItem item = status_after(9, 0, 0.03);
   EXPECT_EQ(item.health, Health::warn);
-  EXPECT_THAT(item.message, ::testing::ContainsRegex("x \\+0\\.0(4|5)[0-9] m")) << item.message;
+  EXPECT_THAT(item.message, ::testing::ContainsRegex("x \\+0\\.0(2|3)[0-9] m")) << item.message;
 }
 
 }  // namespace

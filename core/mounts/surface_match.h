@@ -16,8 +16,9 @@ struct MatchedPose {
   std::size_t pairs = 0;
 };
 
-/// Improves a pose that takes surfaces of `b` to those of `a`, from a start that is right to some
-/// centimetres: each surface of `b` against the nearest of `a` that the same laser saw.
-MatchedPose refine_match(const std::vector<Surface>& a, const std::vector<Surface>& b, PlanarPose a_from_b);
+/// Improves a pose that takes surfaces of `b` to those of `a`, from a start that is right to `gate` (m): each
+/// surface of `b` against the nearest of `a` that the same laser saw.
+MatchedPose refine_match(const std::vector<Surface>& a, const std::vector<Surface>& b, PlanarPose a_from_b,
+                         double gate = 0.12);
 
 }  // namespace lidard

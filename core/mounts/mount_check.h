@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "core/base/time.h"
+#include "core/evidence/placed_scan.h"
+#include "core/mounts/surface_match.h"
+
+namespace lidard {
+
+/// How the mounts of two sources differ from their configuration, against each other.
+struct MountDifference {
+  std::size_t first = 0, second = 0;  ///< the sources
+  std::size_t surfaces = 0;           ///< that both see, in the newest comparison
+  /// What to add to the mount of `second`, in the output frame: x, y (m), yaw (rad).
+  Eigen::Vector3d correction{0, 0, 0};
+  Eigen::Vector3d sigma{0, 0, 0};  ///< standard deviations of a comparison
+  /// False for components that the surfaces do not determine, such as the position along a corridor.
+  std::array<bool, 3> determined{false, false, false};
+  /// The correction exceeds the tolerance beyond chance, since then; the first comparison that showed it.
+  std::optional<Stamp> since{};
+  bool is_wrong = false;  ///< it has exceeded the tolerance for 5 s
+};
+
+/// Compares the upright surfaces that sources see while the vehicle is in operation, as `lidard calibrate`
+/// does with a parked one. A lasting difference means that a mount is not as configured.
+class MountCheck {
+ public:
+  explicit MountCheck(std::size_t sources);
+
+  /// True when the next comparison is due, a few times per second.
+  bool is_due(Stamp stamp) const;
+  /// Compares the newest sweeps of the sources (nullptr: none), measured from `places` in the output frame.
+  /// `deskewed`: the sweeps are deskewed to one instant. Otherwise they are compared only while each source's
+  /// own view shows that the vehicle stands, since motion between two sweeps looks like a wrong mount. Resets
+  /// if the stamp jumps back.
+  void update(Stamp stamp, const std::vector<const PlacedScan*>& sweeps,
+              const std::vector<Eigen::Vector2d>& places, bool deskewed);
+  void reset();
+
+  /// One per pair of sources; `surfaces` is 0 while they have none in common.
+  const std::vector<MountDifference>& pairs() const { return pairs_; }
+  /// The source whose mount is wrong, if the others agree with each other.
+  std::optional<std::size_t> wrong_source() const;
+
+ private:
+  /// Sums of comparisons, with slow decay.
+  struct Memory {
+    Stamp begin{};
+    double weight = 0;
+    Eigen::Matrix3d levers = Eigen::Matrix3d::Zero();  // information of the corrections
+    Eigen::Vector3d pulls = Eigen::Vector3d::Zero();   // information times correction
+    double square = 0;                                 // of the corrections, in their deviations
+    void add(const MatchedPose& look, const Eigen::Vector3d& off, Stamp stamp, double kept);
+  };
+  struct Source {
+    std::vector<Surface> surfaces, before;  // of the newest comparison and the one before
+    bool stands() const;
+  };
+  void find_source(const PlacedScan& sweep, const Eigen::Vector2d& place, std::vector<Surface>& surfaces);
+  void compare(std::size_t pair, const Eigen::Vector2d& offset, Stamp stamp, double kept);
+  static void assess(const Memory& memory, MountDifference& pair);
+
+  std::optional<Stamp> updated_;
+  std::vector<Source> sources_;
+  StillView view_;
+  std::vector<double> scratch_;
+  std::vector<MountDifference> pairs_;
+  std::vector<Memory> memories_, changed_;  // by pair: what holds, and what differs from it
+};
+
+}  // namespace lidard
