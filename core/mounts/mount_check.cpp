@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/base/angle.h"
 
@@ -23,7 +24,7 @@ constexpr std::size_t fewest_surfaces = 2;
 // Larger differences count, m and rad, if they exceed so many standard deviations.
 constexpr double tolerance_m = 0.015, tolerance_rad = 0.25 * rad_per_deg, significant = 2;
 // So many comparisons in a row that differ from the ones before are a mount that has moved.
-constexpr double comparisons_of_change = 5;
+constexpr std::size_t comparisons_of_change = 6;
 // If the surroundings move by less between two comparisons, the vehicle counts as standing: two sweeps are
 // much closer in time. A turn counts by the way of what is 5 m away.
 constexpr double standing_m = 0.03, turning_arm_m = 5;
@@ -86,7 +87,7 @@ bool MountCheck::is_due(Stamp stamp) const {
 }
 
 void MountCheck::Memory::add(const MatchedPose& look, const Vector3d& off, Stamp stamp, double kept) {
-  if (weight == 0) begin = stamp;
+  if (comparisons++ == 0) begin = stamp;
   weight = weight * kept + 1, square = square * kept + off.dot(look.information * off);
   levers = levers * kept + look.information, pulls = pulls * kept + look.information * off;
 }
@@ -132,15 +133,15 @@ void MountCheck::compare(std::size_t index, const Vector2d& offset, Stamp stamp,
   if (pair.surfaces == 0) return;
   const Vector3d off(look.pose.x - offset.x(), look.pose.y - offset.y(), look.pose.yaw);
   const Solution alone = solve(look.information, look.information * (off - pair.correction));
-  const bool differs = memory.weight > 0 && is_large(alone.value, pair.sigma);
+  const bool differs = memory.comparisons > 0 && is_large(alone.value, pair.sigma);
   (differs ? changed : memory).add(look, off, stamp, kept);
   if (!differs) changed = {};
-  if (changed.weight * (2 - kept) > comparisons_of_change) memory = std::exchange(changed, {});
+  if (changed.comparisons >= comparisons_of_change) memory = std::exchange(changed, {});
   assess(memory, pair);
   if (!is_large(pair.correction, pair.sigma))
     pair.since.reset();
-  else if (!pair.since)
-    pair.since = memory.weight < 2 * comparisons_of_change ? memory.begin : stamp;
+  else if (!pair.since)  // a mount that has just moved differs since the first comparison after that
+    pair.since = memory.comparisons < 2 * comparisons_of_change ? memory.begin : stamp;
   pair.is_wrong = pair.since && stamp - *pair.since >= confirmed_after;
 }
 

@@ -53,7 +53,8 @@ class MountCheck {
   /// Sums of comparisons, with slow decay.
   struct Memory {
     Stamp begin{};
-    double weight = 0;
+    std::size_t comparisons = 0;
+    double weight = 0;                                 // of them, decayed as the sums are
     Eigen::Matrix3d levers = Eigen::Matrix3d::Zero();  // information of the corrections
     Eigen::Vector3d pulls = Eigen::Vector3d::Zero();   // information times correction
     double square = 0;                                 // of the corrections, in their deviations

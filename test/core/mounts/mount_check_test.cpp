@@ -36,9 +36,9 @@ struct CheckedVehicle {
     settings.noise = std::max(range_noise, 0.001);
   }
 
-  /// Looks from `begin` s on for `length` s, 25 sweeps a second; the state at the end.
+  /// Looks from `begin` s on for `length` s, a sweep each `period` s; the state at the end.
   const MountDifference& drive(const MountError& error, double begin, double length) {
-    for (double t = begin; t < begin + length; t += 0.04) {
+    for (double t = begin; t < begin + length; t += period) {
       for (std::size_t s = 0; s < 2; ++s) {
         FlatScanner real = configured[s];
         if (s == 1) {
@@ -61,7 +61,8 @@ struct CheckedVehicle {
   FlatWorld world;
   std::vector<FlatScanner> configured;
   SourceSettings settings;
-  double speed = 0;  // m/s; the second scanner measures 20 ms after the first
+  double speed = 0;      // m/s; the second scanner measures 20 ms after the first
+  double period = 0.04;  // s
   bool deskewed = false;
   sim::Rng rng{7};
   PlacedScan sweeps[2];
@@ -123,6 +124,13 @@ TEST(MountCheck, NoticesAMountThatIsKnockedOnTheWay) {
   EXPECT_NEAR(seconds(state.since.value_or(Stamp{}) - Stamp{1'000'000'000}), 10.1, 0.3)
       << "the first look that shows it";
   EXPECT_FALSE(vehicle.drive({}, 19, 5).since);
+}
+
+TEST(MountCheck, NoticesAKnockedMountOfAnOutputThatIsRare) {
+  CheckedVehicle vehicle(paper_room());
+  vehicle.period = 3;
+  EXPECT_FALSE(vehicle.drive({}, 0, 30).is_wrong);
+  EXPECT_TRUE(vehicle.drive({1.0, 0, 0}, 30, 30).is_wrong);
 }
 
 TEST(MountCheck, MotionThatIsNotKnownIsNotTakenForAWrongMount) {
