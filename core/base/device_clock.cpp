@@ -57,12 +57,6 @@ void DeviceClock::reset() {
   restart();
 }
 
-std::int64_t DeviceClock::predicted_offset(std::int64_t device) const {
-  // Rounded without a call of the mathematical library: it is done for each firing sequence.
-  const double gained = slope_ * static_cast<double>(device - base_device_);
-  return base_offset_ + static_cast<std::int64_t>(gained + (gained < 0 ? -0.5 : 0.5));
-}
-
 void DeviceClock::begin(std::int64_t device, std::int64_t offset) {
   if (!(slope_deviation_ > 0)) slope_deviation_ = unknown_drift;
   base_device_ = begun_ = window_begin_ = device;
@@ -202,12 +196,6 @@ void DeviceClock::fit() {
   }
   base_device_ = origin.device;
   base_offset_ = origin.offset + std::llround(lowest);
-}
-
-Stamp DeviceClock::to_host(Span device) const {
-  if (!ready_) return Stamp{device.count()};
-  const std::int64_t offset = mode_ == ClockMode::arrival ? placed_ : predicted_offset(device.count());
-  return Stamp{device.count() + offset};
 }
 
 }  // namespace lidard

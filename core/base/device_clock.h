@@ -32,7 +32,10 @@ class DeviceClock {
   /// estimate.
   void observe(Span device, Stamp arrival);
   /// Host time of a device time near those observed. Epoch + device before the first observation.
-  Stamp to_host(Span device) const;
+  Stamp to_host(Span device) const {
+    const std::int64_t offset = mode_ == ClockMode::arrival ? placed_ : predicted_offset(device.count());
+    return Stamp{device.count() + (ready_ ? offset : 0)};
+  }
   /// True if anything was observed yet.
   bool ready() const { return ready_; }
   /// Restarts caused by a clock step.
@@ -62,7 +65,11 @@ class DeviceClock {
   void halve();
   void fit();
   double likeliest_slope();
-  std::int64_t predicted_offset(std::int64_t device) const;
+  std::int64_t predicted_offset(std::int64_t device) const {
+    // Rounded without a call of the mathematical library: it is done for each firing sequence.
+    const double gained = slope_ * static_cast<double>(device - base_device_);
+    return base_offset_ + static_cast<std::int64_t>(gained + (gained < 0 ? -0.5 : 0.5));
+  }
 
   ClockMode mode_;
   bool ready_ = false, knows_drift_ = false;

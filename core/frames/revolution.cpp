@@ -14,7 +14,8 @@ constexpr Span slowest_turn = std::chrono::seconds(1);
 /// The rate is measured over at least this angle, so that the 0.01 deg steps of the wire do not matter.
 constexpr double rate_angle_deg = 90;
 
-/// A sequence right at the cut begins the new revolution, whichever way the last bit was rounded.
+/// A sequence right at the cut begins the new revolution, whichever way the last bit was rounded; sums of
+/// steps are compared likewise.
 constexpr double rounding_deg = 1e-6;
 
 double wrap_deg(double angle) {
@@ -39,7 +40,7 @@ void RevolutionCutter::reset() {
 
 void RevolutionCutter::measure_rate(double step_deg, Span time) {
   turned_deg_ += step_deg;
-  if (turned_deg_ < rate_angle_deg) return;
+  if (turned_deg_ < rate_angle_deg - rounding_deg) return;
   // Overlapping packets can make it negative: then the period is not known.
   const Span elapsed = std::max(time - turned_since_, Span(0));
   period_ = Span(std::llround(static_cast<double>(elapsed.count()) * 360 / turned_deg_));
@@ -53,6 +54,22 @@ int RevolutionCutter::whole_turns(double step_deg, Span elapsed) const {
   const double turns = static_cast<double>(elapsed.count()) / static_cast<double>(period_.count());
   constexpr double most = 1e6;  // of a period of nanoseconds, which is none
   return std::max(0, static_cast<int>(std::lround(std::min(turns, most) - step_deg / 360)));
+}
+
+Span RevolutionCutter::limit() const {
+  return period_.count() > 0 && period_ < slowest_turn ? period_ * 3 / 2 : slowest_turn * 3 / 2;
+}
+
+bool RevolutionCutter::pass(double first_deg, double last_deg, Span first, Span last) {
+  const double turned = last_deg - azimuth_deg_;
+  if (!started_ || first_deg < azimuth_deg_ || turned + position_deg_ > 360 - rounding_deg) return false;
+  if (turned + turned_deg_ >= rate_angle_deg - rounding_deg || last - frame_start_ > limit()) return false;
+  if (period_.count() > 0 && (first - last_time_) * 2 >= period_) return false;
+  azimuth_deg_ = last_deg;
+  position_deg_ = wrap_quick_deg(last_deg - cut_deg_);
+  turned_deg_ += turned;
+  last_time_ = last;
+  return true;
 }
 
 RevolutionCutter::Verdict RevolutionCutter::next(double azimuth_deg, Span time) {
@@ -76,8 +93,7 @@ RevolutionCutter::Verdict RevolutionCutter::next(double azimuth_deg, Span time) 
     position_deg_ = wrap_quick_deg(azimuth_deg - cut_deg_);
     measure_rate(step + 360.0 * whole, time);
   }
-  const Span limit = period_.count() > 0 && period_ < slowest_turn ? period_ * 3 / 2 : slowest_turn * 3 / 2;
-  if (time - frame_start_ > limit) verdict = Verdict::forced;
+  if (time - frame_start_ > limit()) verdict = Verdict::forced;
   if (verdict != Verdict::same) frame_start_ = time;
   return verdict;
 }

@@ -25,6 +25,10 @@ class RevolutionCutter {
   };
   /// Next firing sequence, in order of time. `azimuth_deg` in [0, 360), `time` the unwrapped device time.
   Verdict next(double azimuth_deg, Span time);
+  /// Accepts several sequences at once, whose azimuths grow from `first_deg` to `last_deg` without a wrap and
+  /// whose times from `first` to `last` are a small part of a turn. False, without effect, unless next()
+  /// would answer `same` to each of them and measure nothing.
+  bool pass(double first_deg, double last_deg, Span first, Span last);
 
   /// Time of one revolution as last measured; 0 while unknown.
   Span period() const { return period_; }
@@ -33,6 +37,8 @@ class RevolutionCutter {
  private:
   void measure_rate(double step_deg, Span time);
   int whole_turns(double step_deg, Span elapsed) const;
+  /// Longest time of a frame.
+  Span limit() const;
 
   double cut_deg_;
   bool started_ = false;

@@ -37,11 +37,20 @@ class CloudBuilder {
   void change(const DriverConfig& wanted) { wanted_ = wanted; }
 
   /// Makes room for a packet; call before its sequences.
-  void begin_packet() { unpacker_.reserve_packet(cloud_); }
+  void begin_packet() {
+    unpacker_.reserve_packet(cloud_);
+    within_ = false;
+  }
+  /// The same for a packet whose azimuths grow without a wrap from the first to the last sequence: most such
+  /// packets lie within a frame as a whole.
+  void begin_even_packet(double first_deg, double last_deg, Span first, Span last) {
+    begin_packet();
+    within_ = in_stream_ && cutter_.pass(first_deg, last_deg, first, last);
+  }
   /// Finds the frame of a sequence whose first laser fires at device time `time` and fills in the dependent
   /// times. Call once per sequence, then append() for each of its returns.
   void place(Sequence& sequence, Span time, const DeviceClock& clock, DriverOutput& out) {
-    auto verdict = cutter_.next(sequence.azimuth_deg, time);
+    auto verdict = within_ ? RevolutionCutter::Verdict::same : cutter_.next(sequence.azimuth_deg, time);
     if (++sequences_ > most_sequences_) verdict = RevolutionCutter::Verdict::forced;
     if (!in_stream_) {
       begin(time, false, clock, out);
@@ -167,6 +176,7 @@ class CloudBuilder {
   std::size_t sequences_ = 0;  // of the current frame
   std::size_t most_sequences_;
   bool in_stream_ = false;
+  bool within_ = false;  // the current frame holds all sequences of the packet
   bool began_at_cut_ = false;
   bool visible_ = true;
   std::size_t last_bytes_ = 0;  // points of the last frame with consumers

@@ -197,8 +197,8 @@ class VelodyneDriver final : public DriverBase {
 
     frames_.unpacker().set_rate(schedule.rate_deg_per_s);
     frames_.set_echoes(layout.echoes);
-    frames_.begin_packet();
     const std::size_t per_block = row_.sequences_per_block();
+    begin_packet(packet, time, schedule, schedule.sequence * static_cast<int>(per_block - 1));
     Sequence sequence{};
     sequence.packet = packet.index;
     for (std::size_t g = 0; g < layout.groups; ++g) {
@@ -220,6 +220,19 @@ class VelodyneDriver final : public DriverBase {
     }
     frames_.end_packet();
     order_.set_turn_rate(turn_rate());
+  }
+
+  /// `into_block`: from the first to the last sequence of a block.
+  void begin_packet(const OrderedPacket& packet, Span time, const FiringSchedule& schedule, Span into_block) {
+    const PacketAzimuths& azimuths = packet.azimuths;
+    const double turn = schedule.rate_deg_per_s * seconds(into_block);
+    const std::size_t last = azimuths.groups - 1;
+    bool even = turn >= 0 && azimuths.hidden_total_deg <= 0 && azimuths.group_deg(last) + turn < 360;
+    for (std::size_t g = 0; g < last && even; ++g)
+      even = azimuths.group_deg(g) + turn <= azimuths.group_deg(g + 1);
+    if (!even) return frames_.begin_packet();
+    frames_.begin_even_packet(azimuths.group_deg(0), azimuths.group_deg(last) + turn,
+                              time + schedule.begin[0], time + schedule.begin[last] + into_block);
   }
 
   void set_timing(const Timing& timing, bool decided) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 #include <vector>
 
 namespace lidard {
@@ -184,6 +185,35 @@ TEST(RevolutionCutter, AFrameLastsOneAndAHalfTurnsAtMostAndASecondAndAHalfUntilT
   for (int ms = 5; ms < 148; ms += 5) EXPECT_FALSE(forced_by(ms)) << ms;
   EXPECT_FALSE(forced_by(149));
   EXPECT_TRUE(forced_by(151));
+}
+
+TEST(RevolutionCutter, SequencesPassedAtOnceLeaveTheStateThatEachOfThemLeaves) {
+  std::mt19937 random(5);
+  for (int cut = 0; cut < 360; cut += 7) {
+    RevolutionCutter each(cut), at_once(cut);
+    auto azimuth = static_cast<double>(random() % 360);
+    Span time{0};
+    int passed = 0;
+    for (int packet = 0; packet < 3000; ++packet) {
+      // A lost packet, a lost turn and a step back now and then.
+      const int lost = random() % 50 == 0 ? static_cast<int>(random() % 2000) : 0;
+      azimuth += 0.2 * lost - (random() % 40 == 0 ? 0.5 : 0);
+      time += sequence * lost;
+      const double first = wrap(azimuth);
+      const bool even = first + 0.2 * 23 < 360;
+      const bool is_passed = even && at_once.pass(first, first + 0.2 * 23, time, time + sequence * 23);
+      passed += is_passed ? 1 : 0;
+      for (int i = 0; i < 24; ++i) {
+        const double now = even ? first + 0.2 * i : wrap(azimuth + 0.2 * i);
+        const Verdict verdict = each.next(now, time + sequence * i);
+        ASSERT_EQ(verdict, is_passed ? Verdict::same : at_once.next(now, time + sequence * i)) << packet;
+      }
+      ASSERT_EQ(each.period(), at_once.period()) << packet;
+      azimuth += 0.2 * 24;
+      time += sequence * 24;
+    }
+    EXPECT_GT(passed, 2000) << "most packets lie within a turn";
+  }
 }
 
 }  // namespace
