@@ -17,7 +17,7 @@ constexpr double most_cells = 65000;
 // Beams farther apart than this are not neighbours; a scan plane that stands nearly upright has such beams.
 constexpr float widest_step = 0.2F;  // rad
 // Runs have 1, 2, 4 ... cells; two runs of the longest kind make the longest run that can be found.
-constexpr std::size_t run_lengths = 7;
+constexpr std::size_t run_lengths = 8;
 constexpr std::size_t longest_run = 2U << (run_lengths - 1U);
 
 }  // namespace
