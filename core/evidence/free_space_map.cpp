@@ -16,9 +16,6 @@ constexpr double widest_cell = 0.2 * rad_per_deg;
 constexpr double most_cells = 65000;
 // Beams farther apart than this are not neighbours; a scan plane that stands nearly upright has such beams.
 constexpr float widest_step = 0.2F;  // rad
-// Runs have 1, 2, 4 ... cells; two runs of the longest kind make the longest run that can be found.
-constexpr std::size_t run_lengths = 8;
-constexpr std::size_t longest_run = 2U << (run_lengths - 1U);
 
 }  // namespace
 
@@ -40,15 +37,6 @@ bool FreeSpaceMap::find_run(std::size_t cell, std::size_t length, RunAt& at) con
   if (length == 0 || length > longest_run) return false;
   at = run_at(cell, length);
   return true;
-}
-
-inline FreeSpaceMap::RunAt FreeSpaceMap::run_at(std::size_t cell, std::size_t length) const {
-  // The binary logarithm.
-  const std::size_t power = std::min<std::size_t>(
-      31U - static_cast<unsigned>(__builtin_clz(static_cast<unsigned>(length))), run_lengths - 1);
-  const std::size_t first = power * (cells_.size() + longest_run) + cell;
-  return {static_cast<std::uint32_t>(first),
-          static_cast<std::uint32_t>(first + length - (std::size_t{1} << power))};
 }
 
 void FreeSpaceMap::find_runs() {

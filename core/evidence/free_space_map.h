@@ -106,11 +106,15 @@ class FreeSpaceMap {
   bool is_free(Place at) const { return cells_[at.cell].is_free(at.distance); }
   /// True if the straight way between two places is free. Needs up-to-date runs().
   bool is_free(Place a, Place b) const {
-    // Most ways that are not free show it at one of their ends.
-    const Cell first = cells_[a.cell], last = cells_[b.cell];
-    if (!first.is_free(a.distance) || !last.is_free(b.distance)) return false;
-    if (std::abs(a.cell - b.cell) > 1) return is_free_between(a, b);
-    return first.is_free(b.distance) && last.is_free(a.distance);
+    const std::size_t cell = std::min(a.cell, b.cell);
+    const std::size_t length = std::max(a.cell, b.cell) - cell + 1;
+    if (length > longest_run) return is_free_between(a, b);
+    const RunAt run = run_at(cell, length);
+    const Run one = runs_[run.first], other = runs_[run.second];
+    const std::int16_t from = std::max(one.from, other.from);
+    if (from > ordered(std::min(a.distance, b.distance))) return false;
+    if (std::max(one.not_to, other.not_to) > ~ordered(std::max(a.distance, b.distance))) return false;
+    return length <= 2 || from == ordered(0) || is_free_between(a, b);
   }
   /// m from a return that hides a part of the way between two places to the nearer end of that way; the
   /// smallest such distance, infinite if no return hides a part.
@@ -133,9 +137,19 @@ class FreeSpaceMap {
     float share;  // 0: in the beam's own direction
   };
   Cell cell_of(float from, float to) const;
+  // Runs have 1, 2, 4 ... cells; two runs of the longest kind make the longest run that can be found.
+  static constexpr std::size_t run_lengths = 8;
+  static constexpr std::size_t longest_run = 2U << (run_lengths - 1U);
   /// find_run() without the check of the length.
-  RunAt run_at(std::size_t cell, std::size_t length) const;
-  /// is_free() for any number of cells, from runs().
+  RunAt run_at(std::size_t cell, std::size_t length) const {
+    // The binary logarithm.
+    const std::size_t power = std::min<std::size_t>(
+        31U - static_cast<unsigned>(__builtin_clz(static_cast<unsigned>(length))), run_lengths - 1);
+    const std::size_t first = power * (cells_.size() + longest_run) + cell;
+    return {static_cast<std::uint32_t>(first),
+            static_cast<std::uint32_t>(first + length - (std::size_t{1} << power))};
+  }
+  /// is_free() for any number of cells and ways that pass the source.
   bool is_free_between(Place a, Place b) const;
   /// The cells from `a` to `b` along the shorter arc.
   void span_of(std::uint16_t a, std::uint16_t b, std::size_t& first, std::size_t& count) const;
