@@ -138,7 +138,7 @@ class FreeSpaceMap {
   };
   Cell cell_of(float from, float to) const;
   // Runs have 1, 2, 4 ... cells; two runs of the longest kind make the longest run that can be found.
-  static constexpr std::size_t run_lengths = 8;
+  static constexpr std::size_t run_lengths = 9;
   static constexpr std::size_t longest_run = 2U << (run_lengths - 1U);
   /// find_run() without the check of the length.
   RunAt run_at(std::size_t cell, std::size_t length) const {

@@ -58,11 +58,12 @@ void Visibility::set_footprint(const Footprint& footprint) {
     const std::size_t border = inside ? 0 : table_.step_at(static_cast<float>(crossing->in));
     inside_[beam] = {border, table_.step_at(end), end};
   }
-  for (std::size_t row = 0; row < rows_; ++row) find_exits(row);
+  for (std::size_t row = 0; row < rows_; ++row) find_ways(row);
 }
 
-void Visibility::find_exits(std::size_t row) {
+void Visibility::find_ways(std::size_t row) {
   if (maps_[row].size() == 0) return;
+  table_.set(row, rows_, raster_, maps_[row], begin_);
   for (std::size_t beam = 0; beam < beams(); ++beam)
     body_ends_[row][beam] = place_at(row, beam, inside_[beam].end);
 }
@@ -70,8 +71,7 @@ void Visibility::find_exits(std::size_t row) {
 void Visibility::set_source(std::size_t source, const BeamRays& rays) {
   const double unit = FreeSpaceMap::unit_for(raster_.grid().range_max);
   maps_[source].set_source(rays, unit, raster_.grid().increment);
-  table_.set(source, maps_.size(), raster_, maps_[source]);
-  find_exits(source);
+  find_ways(source);
 }
 
 void Visibility::set_places(std::size_t places, std::size_t observing) {
@@ -83,11 +83,10 @@ void Visibility::set_places(std::size_t places, std::size_t observing) {
 void Visibility::set_place(std::size_t place, float x, float y, double width) {
   const double unit = FreeSpaceMap::unit_for(raster_.grid().range_max);
   for (std::size_t s = place; s < maps_.size(); s += rows_) maps_[s].set(x, y, width, unit);
-  table_.set(place, rows_, raster_, maps_[place]);
   widths_.resize(rows_);
   widths_[place] = static_cast<float>(width);
   column_ = *std::max_element(widths_.begin(), widths_.end());
-  find_exits(place);
+  find_ways(place);
 }
 
 void Visibility::begin() {
@@ -192,15 +191,20 @@ std::size_t Visibility::free_stretches(std::size_t source, std::size_t beam, std
   return from;
 }
 
+std::size_t Visibility::seen_stretches(Walk& walk, std::size_t from, std::size_t to) {
+  // Another source may see a stretch that one source does not see completely.
+  for (std::size_t asked = 0; asked < walk.sources && from + many <= to; ++asked) {
+    const std::size_t seen_to = free_stretches(walk.source, walk.beam, from, to);
+    if (seen_to > from) asked = 0, see(walk, walk.source, table_.edge(seen_to));
+    from = seen_to;
+    if (from + many <= to) next_source(walk);
+  }
+  return from;
+}
+
 std::size_t Visibility::seen_run(Walk& walk, std::size_t from, std::size_t to) {
   for (std::size_t refused = 0; refused < walk.sources && from < to;) {
-    // Another source may see a stretch that one source does not see completely.
-    for (std::size_t asked = 0; asked < walk.sources && from % many == 0 && from + many <= to; ++asked) {
-      const std::size_t seen_to = free_stretches(walk.source, walk.beam, from, to);
-      if (seen_to > from) asked = refused = 0, see(walk, walk.source, table_.edge(seen_to));
-      from = seen_to;
-      if (from + many <= to) next_source(walk);
-    }
+    if (refused == 0 && from % many == 0) from = seen_stretches(walk, from, to);
     if (from == to) break;
     const std::size_t stop = std::min(to, from / many * many + many);
     const std::size_t seen_to = free_run(walk.source, walk.beam, from, stop);
@@ -285,6 +289,10 @@ bool Visibility::is_covered(std::size_t beam, std::size_t sources) {
       from_body = true;
       m = body.to;
       walk.at = walk.known = body.end;
+      // If the origin lies inside, the table's stretches begin at the border, too. 
+      if (begin_[beam] > 0 && sources <= observing_)
+        m = std::max(m, seen_stretches(walk, m / many * many, last / many * many));
+      if (m > body.to) from_body = false, walk.at = table_.edge(m);
       continue;
     }
     // Try to walk to the end of the way or to the next stretch at once; otherwise stretch by stretch, then

@@ -96,6 +96,8 @@ class Visibility {
   };
   void see(Walk& walk, std::size_t source, float to);
   static void next_source(Walk& walk) { walk.source = walk.source + 1 < walk.sources ? walk.source + 1 : 0; }
+  /// The first stretch in steps [from, to), from a stretch's begin, that no single source sees completely.
+  std::size_t seen_stretches(Walk& walk, std::size_t from, std::size_t to);
   /// The first step in [from, to) that no source sees to be free, or `to`.
   std::size_t seen_run(Walk& walk, std::size_t from, std::size_t to);
   /// True if a source sees the way from step `step` (from the vehicle's border in it) to the begin of step
@@ -117,7 +119,8 @@ class Visibility {
   FreeSpaceMap::Place place_at(std::size_t source, std::size_t beam, float range) const {
     return maps_[source].place_of(range * raster_.cosine(beam), range * raster_.sine(beam));
   }
-  void find_exits(std::size_t row);
+  /// Computes what depends on the place of a row's sources and on the vehicle's outline alone.
+  void find_ways(std::size_t row);
 
   VisibilitySettings settings_;
   Raster raster_;

@@ -66,7 +66,7 @@ VisibilityTable::Stretch VisibilityTable::stretch_of(const std::vector<Place>& p
 }
 
 void VisibilityTable::set(std::size_t source, std::size_t sources, const Raster& raster,
-                          const FreeSpaceMap& map) {
+                          const FreeSpaceMap& map, const std::vector<float>& begins) {
   if (sources != sources_) {
     sources_ = sources;
     stretches_.assign(beams_ * sources * stretches_of_beam_, {});
@@ -84,6 +84,8 @@ void VisibilityTable::set(std::size_t source, std::size_t sources, const Raster&
         places[i] = map.place_of(range * c, range * s);
       }
       std::copy_n(places.begin(), stretch_steps, places_.data() + index(beam, source, k) * stretch_steps);
+      const Place first = map.place_of(begins[beam] * c, begins[beam] * s);
+      for (std::size_t i = 0; i <= stretch_steps && edges_[std::min(k * stretch_steps + i, steps())] < begins[beam]; ++i) places[i] = first;
       Stretch& stretch = stretches_[index(beam, source, k)];
       stretch = stretch_of(places, map);
       const float end = edges_[std::min((k + 1) * stretch_steps, steps())];

@@ -34,8 +34,10 @@ class VisibilityTable {
   /// Computes the steps up to the range_max of the raster's grid.
   explicit VisibilityTable(const Raster& raster);
 
-  /// Fills in source number `source` of `sources`.
-  void set(std::size_t source, std::size_t sources, const Raster& raster, const FreeSpaceMap& map);
+  /// Fills in source number `source` of `sources`. Stretches leave out what lies before `begins`, m of each
+  /// beam.
+  void set(std::size_t source, std::size_t sources, const Raster& raster, const FreeSpaceMap& map,
+           const std::vector<float>& begins);
 
   std::size_t steps() const { return edges_.size() - 1; }
   /// Where step m begins, m from the origin; edge(steps()) is where the last one ends.
