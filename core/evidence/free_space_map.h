@@ -161,15 +161,15 @@ class FreeSpaceMap {
 
   float x_ = 0, y_ = 0;
   float per_meter_ = 1;
-  float per_rad_ = 1;       // cells
-  float half_beam_ = 0;     // cells to the border to the next beam, signed
-  float passed_share_ = 0;  // share of the angle between two beams that belongs to the longer one
-  std::vector<char> hides_;                // per cell: the free way ends at a return
-  std::vector<Run> runs_;                  // by length (1, 2, 4 ... cells), then by first cell
-  std::vector<float> azimuths_;            // cells from -pi, of the ends of moved beams
-  std::vector<float> lengths_;             // m, free ways of moved beams
-  std::vector<float> starts_, ends_;       // m, of each cell's free way; end < 0: none
-  std::vector<Slot> slots_;                // by beam
+  float per_rad_ = 1;                 // cells
+  float half_beam_ = 0;               // cells to the border to the next beam, signed
+  float passed_share_ = 0;            // share of the angle between two beams that belongs to the longer one
+  std::vector<char> hides_;           // per cell: the free way ends at a return
+  std::vector<Run> runs_;             // by length (1, 2, 4 ... cells), then by first cell
+  std::vector<float> azimuths_;       // cells from -pi, of the ends of moved beams
+  std::vector<float> lengths_;        // m, free ways of moved beams
+  std::vector<float> starts_, ends_;  // m, of each cell's free way; end < 0: none
+  std::vector<Slot> slots_;           // by beam
   std::vector<std::uint32_t> first_slot_;  // of each beam, and the end
 };
 

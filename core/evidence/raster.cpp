@@ -145,7 +145,8 @@ void Raster::draw_segment(const Point& p, const Point& q, float at_p, float at_q
   if (to >= turn_) fill(p, q, 0, to - turn_, layer);
 }
 
-inline void Raster::fill(const Point& p, const Point& q, std::size_t first, float to, RangeLayer& layer) const {
+inline void Raster::fill(const Point& p, const Point& q, std::size_t first, float to,
+                         RangeLayer& layer) const {
   const std::size_t last = std::min(grid_.beams, index_of(to) + 1);
   for (std::size_t beam = first; beam < last; ++beam) {
     const float c = cosine_[beam];

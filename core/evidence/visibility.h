@@ -85,6 +85,8 @@ class Visibility {
   std::size_t free_stretches(std::size_t source, std::size_t beam, std::size_t from, std::size_t to) const;
   /// The first step in [from, to), all in one stretch, that the source does not see to be free, or `to`.
   std::size_t free_run(std::size_t source, std::size_t beam, std::size_t from, std::size_t to) const;
+  /// Finds for each wedge the first step of the first stretch that no single source sees in all of its beams.
+  void find_open_wedges();
   /// State of a walk along a beam.
   struct Walk {
     std::size_t beam, sources;
@@ -156,6 +158,7 @@ class Visibility {
   std::vector<float> begin_;  // m, the vehicle's border if the origin lies inside
   std::vector<Inside> inside_;
   std::vector<BeamState> states_;
+  std::vector<std::size_t> open_to_;  // of each wedge
   std::vector<float> covered_;
   std::vector<float> body_at_;   // m to where the way leads into the space behind a return; infinite: nowhere
   std::vector<float> blind_to_;  // m, begin of the way that no beam can see
