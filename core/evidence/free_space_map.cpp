@@ -16,9 +16,6 @@ constexpr double widest_cell = 0.2 * rad_per_deg;
 constexpr double most_cells = 65000;
 // Beams farther apart than this are not neighbours; a scan plane that stands nearly upright has such beams.
 constexpr float widest_step = 0.2F;  // rad
-// Runs have 1, 2, 4 ... cells; two runs of the longest kind make the longest run that can be found.
-constexpr std::size_t run_lengths = 7;
-constexpr std::size_t longest_run = 2U << (run_lengths - 1U);
 
 }  // namespace
 
@@ -30,8 +27,9 @@ void FreeSpaceMap::set(float x, float y, double beam_width, double unit) {
   const double cell = width / std::ceil(width / widest_cell - 1e-3);
   const double count = std::min(std::round(two_pi / cell), most_cells);
   per_rad_ = static_cast<float>(count / (two_pi));
-  cells_.assign(static_cast<std::size_t>(count), {});
-  hides_.assign(cells_.size(), 0);
+  hides_.assign(static_cast<std::size_t>(count), 0);
+  // After the last cell the first cells follow again.
+  runs_.assign(run_lengths * (size() + longest_run), {});
   slots_.clear();
   first_slot_.assign(1, 0);
 }
@@ -42,48 +40,30 @@ bool FreeSpaceMap::find_run(std::size_t cell, std::size_t length, RunAt& at) con
   return true;
 }
 
-inline FreeSpaceMap::RunAt FreeSpaceMap::run_at(std::size_t cell, std::size_t length) const {
-  // The binary logarithm.
-  const std::size_t power = std::min<std::size_t>(
-      31U - static_cast<unsigned>(__builtin_clz(static_cast<unsigned>(length))), run_lengths - 1);
-  const std::size_t first = power * (cells_.size() + longest_run) + cell;
-  return {static_cast<std::uint32_t>(first),
-          static_cast<std::uint32_t>(first + length - (std::size_t{1} << power))};
-}
-
 void FreeSpaceMap::find_runs() {
-  const std::size_t count = cells_.size();
-  if (count == 0) return;
-  // After the last cell the first cells follow again.
-  const std::size_t row = count + longest_run;
-  runs_.resize(run_lengths * row);
-  for (std::size_t i = 0; i < count; ++i) {
-    const Cell cell = cells_[i];
-    const auto to = static_cast<std::uint16_t>(cell.from + cell.span);
-    runs_[i] = {ordered(cell.from), static_cast<std::int16_t>(~ordered(to))};
-  }
-  for (std::size_t i = count; i < row; ++i) runs_[i] = runs_[i - count];
+  const std::size_t row = size() + longest_run;
+  if (size() == 0) return;
+  std::copy_n(runs_.begin(), longest_run, runs_.begin() + static_cast<std::ptrdiff_t>(size()));
   for (std::size_t power = 1; power < run_lengths; ++power) {
     const std::size_t half = std::size_t{1} << (power - 1);
-    const Run* const shorter = runs_.data() + (power - 1) * row;
-    Run* const longer = runs_.data() + power * row;
-    for (std::size_t i = 0; i + 2 * half <= row; ++i) {
-      longer[i].from = std::max(shorter[i].from, shorter[i + half].from);
-      longer[i].not_to = std::max(shorter[i].not_to, shorter[i + half].not_to);
-    }
+    // As one list of numbers, which the processor compares eight at a time.
+    const std::int16_t* const shorter = &runs_[(power - 1) * row].from;
+    std::int16_t* const longer = &runs_[power * row].from;
+    for (std::size_t i = 0; i < 2 * (row + 1 - 2 * half); ++i)
+      longer[i] = std::max(shorter[i], shorter[i + 2 * half]);
   }
 }
 
 void FreeSpaceMap::clear() {
-  std::fill(cells_.begin(), cells_.end(), Cell{});
+  std::fill_n(runs_.begin(), size(), Run{});
   std::fill(hides_.begin(), hides_.end(), char{0});
 }
 
 void FreeSpaceMap::span_of(std::uint16_t a, std::uint16_t b, std::size_t& first, std::size_t& count) const {
   const std::size_t low = std::min(a, b), high = std::max(a, b);
-  const bool around = high - low > cells_.size() / 2;
+  const bool around = high - low > size() / 2;
   first = around ? high : low;
-  count = around ? low + cells_.size() - high + 1 : high - low + 1;
+  count = around ? low + size() - high + 1 : high - low + 1;
 }
 
 bool FreeSpaceMap::is_free_between(Place a, Place b) const {
@@ -104,7 +84,7 @@ bool FreeSpaceMap::is_free_between(Place a, Place b) const {
   for (; rest > longest_run; rest -= longest_run) {
     if (!are_free(first, longest_run)) return false;
     first += longest_run;
-    first -= first >= cells_.size() ? cells_.size() : 0;
+    first -= first >= size() ? size() : 0;
   }
   if (!are_free(first, rest)) return false;
   if (from == ordered(0)) return true;
@@ -122,10 +102,10 @@ float FreeSpaceMap::hidden_by(Place a, Place b) const {
   const std::int32_t nearest = std::min(a.distance, b.distance), farthest = std::max(a.distance, b.distance);
   std::int32_t least = -1;
   std::size_t first = 0, count = 0;
-  if (!cells_.empty()) span_of(a.cell, b.cell, first, count);
+  if (size() > 0) span_of(a.cell, b.cell, first, count);
   for (std::size_t k = first; k < first + count; ++k) {
-    const std::size_t cell = k < cells_.size() ? k : k - cells_.size();
-    const std::int32_t to = cells_[cell].from + cells_[cell].span;
+    const std::size_t cell = k < size() ? k : k - size();
+    const std::int32_t to = runs_[cell].to();
     if (hides_[cell] == 0 || to >= farthest) continue;
     const std::int32_t behind = std::max(0, nearest - to);
     if (least < 0 || behind < least) least = behind;
@@ -133,7 +113,7 @@ float FreeSpaceMap::hidden_by(Place a, Place b) const {
   return least < 0 ? std::numeric_limits<float>::infinity() : static_cast<float>(least) / per_meter_;
 }
 
-FreeSpaceMap::Cell FreeSpaceMap::cell_of(float from, float to) const {
+FreeSpaceMap::Run FreeSpaceMap::run_of(float from, float to) const {
   const float units = std::min(from * per_meter_, 65534.0F);
   const float last = std::min(to * per_meter_, 65533.0F);
   // Rounded up, without a call of the mathematical library.
@@ -141,18 +121,19 @@ FreeSpaceMap::Cell FreeSpaceMap::cell_of(float from, float to) const {
   first += static_cast<float>(first) < units ? 1 : 0;
   const float span = last - static_cast<float>(first);
   const bool is_way = to > 0 && span >= 0;
-  return {static_cast<std::uint16_t>(is_way ? first : 0xFFFF),
-          static_cast<std::uint16_t>(is_way ? static_cast<std::int32_t>(span) : 0)};
+  const std::int32_t length = static_cast<std::int32_t>(span);
+  return {ordered(static_cast<std::uint16_t>(is_way ? first : 0xFFFF)),
+          static_cast<std::int16_t>(~ordered(static_cast<std::uint16_t>(is_way ? first + length : 0xFFFF)))};
 }
 
 std::uint16_t FreeSpaceMap::cell_towards(float dx, float dy) const {
   const auto cell = static_cast<std::size_t>((fast_atan2(dy, dx) + static_cast<float>(pi_d)) * per_rad_);
-  return static_cast<std::uint16_t>(cell < cells_.size() ? cell : 0);
+  return static_cast<std::uint16_t>(cell < size() ? cell : 0);
 }
 
 void FreeSpaceMap::find_places(const float* x, const float* y, std::size_t count, Place* places) const {
   const float at_x = x_, at_y = y_, per_rad = per_rad_, per_meter = per_meter_;
-  const auto cells = static_cast<std::int32_t>(cells_.size());
+  const auto cells = static_cast<std::int32_t>(size());
   // The results equal those of place_of(); the loop is vectorised.
   for (std::size_t i = 0; i < count; ++i) {
     const float dx = x[i] - at_x;
@@ -167,7 +148,7 @@ void FreeSpaceMap::find_places(const float* x, const float* y, std::size_t count
 /// Adds the cells whose middle lies between the direction of a beam and its border to a neighbour, both in
 /// cells from -pi.
 void FreeSpaceMap::add_slots(double beam, double border, bool after) {
-  const auto count = static_cast<double>(cells_.size());
+  const auto count = static_cast<double>(size());
   const double width = 2 * std::fabs(border - beam);
   const double to = std::max(beam, border);
   for (double cell = std::ceil(std::min(beam, border) - 0.5); cell + 0.5 < to; ++cell) {
@@ -232,7 +213,7 @@ void FreeSpaceMap::fill(const PlacedScan& sweep) {
         end = other;
         hides_[slot.cell] = 1;
       }
-      cells_[slot.cell] = cell_of(from, end);
+      runs_[slot.cell] = run_of(from, end);
     }
   }
 }
@@ -240,7 +221,7 @@ void FreeSpaceMap::fill(const PlacedScan& sweep) {
 void FreeSpaceMap::limit(float begin, float end, float from, float a, float b, bool hides) {
   // Both ends of a stretch are included, so that no cell between two stretches is left out.
   constexpr float slack = 0.01F;
-  const auto count = static_cast<std::int32_t>(cells_.size());
+  const auto count = static_cast<std::int32_t>(size());
   const float width = end - begin;
   const auto first = static_cast<std::int32_t>(std::ceil(std::min(begin, end) - 0.5F - slack));
   const float last = std::max(begin, end) - 0.5F + slack;
@@ -281,12 +262,12 @@ void FreeSpaceMap::limit_pair(const PlacedScan& sweep, std::size_t beam, float s
 
 void FreeSpaceMap::fill_moved(const PlacedScan& sweep) {
   const std::size_t beams = sweep.kind.size();
-  const auto count = static_cast<float>(cells_.size());
+  const auto count = static_cast<float>(size());
   azimuths_.resize(beams);
   lengths_.resize(beams);
-  starts_.assign(cells_.size(), 0);
-  ends_.assign(cells_.size(), -1);
-  hides_.assign(cells_.size(), 0);
+  starts_.assign(size(), 0);
+  ends_.assign(size(), -1);
+  hides_.assign(size(), 0);
   // Local copies let the loop be vectorised.
   const float per_rad = per_rad_;
   const float *const x = sweep.free_x.data(), *const y = sweep.free_y.data(),
@@ -313,7 +294,7 @@ void FreeSpaceMap::fill_moved(const PlacedScan& sweep) {
     if (step < -count / 2) step += count;
     if (std::fabs(step) < widest_step * per_rad_) limit_pair(sweep, i, step);
   }
-  for (std::size_t cell = 0; cell < cells_.size(); ++cell) cells_[cell] = cell_of(starts_[cell], ends_[cell]);
+  for (std::size_t cell = 0; cell < size(); ++cell) runs_[cell] = run_of(starts_[cell], ends_[cell]);
 }
 
 }  // namespace lidard

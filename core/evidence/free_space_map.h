@@ -20,7 +20,6 @@ namespace lidard {
 ///         \                 .          a source (S) one after the other. A point of it, d m from S in the
 ///          \          ...../           direction of cell k, is free if from <= d <= to:
 ///           S----------o---x-->
-///                                        uint16(d - from) <= uint16(to - from)    (one comparison)
 ///
 /// Between two linked returns at ranges a and b, on a straight surface, the inverse of the range changes
 /// (nearly) evenly with the angle: at the share t of the way from a to b
@@ -31,25 +30,24 @@ class FreeSpaceMap {
   /// stand at most 100 m from the origin.
   static constexpr double unit_for(double range_max) { return (range_max + 100) / 60000; }
 
-  struct Cell {
-    std::uint16_t from = 0xFFFF;  ///< units
-    std::uint16_t span = 0;
-    bool is_free(std::uint16_t distance) const { return static_cast<std::uint16_t>(distance - from) <= span; }
-  };
+  static std::int16_t ordered(std::uint16_t distance) {
+    return static_cast<std::int16_t>(distance ^ 0x8000U);
+  }
 
-  /// The distances at which all of several neighbouring cells are free. Both limits are signed numbers in the
-  /// same order and `to` is inverted, so that the intersection of two runs is their maximum.
+  /// The distances at which a cell or all of several neighbouring cells are free. Both limits are signed
+  /// numbers in the same order and `to` is inverted, so that the intersection of two runs is their maximum.
   struct Run {
-    std::int16_t from;
-    std::int16_t not_to;
+    std::int16_t from = ordered(0xFFFF);
+    std::int16_t not_to = static_cast<std::int16_t>(~ordered(0xFFFF));
+    std::uint16_t to() const { return static_cast<std::uint16_t>(~not_to ^ 0x8000); }
+    bool is_free(std::uint16_t distance) const {
+      return from <= ordered(distance) && not_to <= ~ordered(distance);
+    }
   };
   /// A run of cells as two entries of runs() that cover it together.
   struct RunAt {
     std::uint32_t first = 0, second = 0;
   };
-  static std::int16_t ordered(std::uint16_t distance) {
-    return static_cast<std::int16_t>(distance ^ 0x8000U);
-  }
 
   /// A point of the output's plane in polar coordinates of the source.
   struct Place {
@@ -81,12 +79,13 @@ class FreeSpaceMap {
   /// Sets the free distances of a cell, m from the source, and whether a return `hides` what is beyond;
   /// replaces earlier evidence.
   void claim(std::size_t cell, float from, float to, bool hides = false) {
-    cells_[cell] = cell_of(from, to);
+    runs_[cell] = run_of(from, to);
     hides_[cell] = hides ? 1 : 0;
   }
 
-  /// Computes runs() from the cells.
+  /// Computes the runs of several cells.
   void find_runs();
+  /// Begins with the cells.
   const Run* runs() const { return runs_.data(); }
   /// Finds the run of `length` cells from `cell` on (with wrap-around) in runs(); false if the run is too
   /// long.
@@ -102,15 +101,18 @@ class FreeSpaceMap {
     // NOLINTNEXTLINE(bugprone-incorrect-roundings)
     return units < 65534.0F ? static_cast<std::uint16_t>(units + 0.5F) : std::uint16_t{65534};
   }
-  const Cell* cells() const { return cells_.data(); }
-  bool is_free(Place at) const { return cells_[at.cell].is_free(at.distance); }
+  bool is_free(Place at) const { return runs_[at.cell].is_free(at.distance); }
   /// True if the straight way between two places is free. Needs up-to-date runs().
   bool is_free(Place a, Place b) const {
-    // Most ways that are not free show it at one of their ends.
-    const Cell first = cells_[a.cell], last = cells_[b.cell];
-    if (!first.is_free(a.distance) || !last.is_free(b.distance)) return false;
-    if (std::abs(a.cell - b.cell) > 1) return is_free_between(a, b);
-    return first.is_free(b.distance) && last.is_free(a.distance);
+    const std::size_t cell = std::min(a.cell, b.cell);
+    const std::size_t length = std::max(a.cell, b.cell) - cell + 1;
+    if (length > longest_run) return is_free_between(a, b);
+    const RunAt run = run_at(cell, length);
+    const Run one = runs_[run.first], other = runs_[run.second];
+    const std::int16_t from = std::max(one.from, other.from);
+    if (from > ordered(std::min(a.distance, b.distance))) return false;
+    if (std::max(one.not_to, other.not_to) > ~ordered(std::max(a.distance, b.distance))) return false;
+    return length <= 2 || from == ordered(0) || is_free_between(a, b);
   }
   /// m from a return that hides a part of the way between two places to the nearer end of that way; the
   /// smallest such distance, infinite if no return hides a part.
@@ -123,7 +125,7 @@ class FreeSpaceMap {
   /// The places of `count` points of the output frame.
   void find_places(const float* x, const float* y, std::size_t count, Place* places) const;
   /// 0: no source is set.
-  std::size_t size() const { return cells_.size(); }
+  std::size_t size() const { return hides_.size(); }
 
  private:
   /// A cell between a beam and the border to a neighbouring beam.
@@ -132,10 +134,20 @@ class FreeSpaceMap {
     bool after;   // on the side of the next beam
     float share;  // 0: in the beam's own direction
   };
-  Cell cell_of(float from, float to) const;
+  Run run_of(float from, float to) const;
+  // Runs have 1, 2, 4 ... cells; two runs of the longest kind make the longest run that can be found.
+  static constexpr std::size_t run_lengths = 9;
+  static constexpr std::size_t longest_run = 2U << (run_lengths - 1U);
   /// find_run() without the check of the length.
-  RunAt run_at(std::size_t cell, std::size_t length) const;
-  /// is_free() for any number of cells, from runs().
+  RunAt run_at(std::size_t cell, std::size_t length) const {
+    // The binary logarithm.
+    const std::size_t power = std::min<std::size_t>(
+        31U - static_cast<unsigned>(__builtin_clz(static_cast<unsigned>(length))), run_lengths - 1);
+    const std::size_t first = power * (size() + longest_run) + cell;
+    return {static_cast<std::uint32_t>(first),
+            static_cast<std::uint32_t>(first + length - (std::size_t{1} << power))};
+  }
+  /// is_free() for any number of cells and ways that pass the source.
   bool is_free_between(Place a, Place b) const;
   /// The cells from `a` to `b` along the shorter arc.
   void span_of(std::uint16_t a, std::uint16_t b, std::size_t& first, std::size_t& count) const;
@@ -149,16 +161,15 @@ class FreeSpaceMap {
 
   float x_ = 0, y_ = 0;
   float per_meter_ = 1;
-  float per_rad_ = 1;       // cells
-  float half_beam_ = 0;     // cells to the border to the next beam, signed
-  float passed_share_ = 0;  // share of the angle between two beams that belongs to the longer one
-  std::vector<Cell> cells_;
-  std::vector<char> hides_;                // per cell: the free way ends at a return
-  std::vector<Run> runs_;                  // by length (1, 2, 4 ... cells), then by first cell
-  std::vector<float> azimuths_;            // cells from -pi, of the ends of moved beams
-  std::vector<float> lengths_;             // m, free ways of moved beams
-  std::vector<float> starts_, ends_;       // m, of each cell's free way; end < 0: none
-  std::vector<Slot> slots_;                // by beam
+  float per_rad_ = 1;                 // cells
+  float half_beam_ = 0;               // cells to the border to the next beam, signed
+  float passed_share_ = 0;            // share of the angle between two beams that belongs to the longer one
+  std::vector<char> hides_;           // per cell: the free way ends at a return
+  std::vector<Run> runs_;             // by length (1, 2, 4 ... cells), then by first cell
+  std::vector<float> azimuths_;       // cells from -pi, of the ends of moved beams
+  std::vector<float> lengths_;        // m, free ways of moved beams
+  std::vector<float> starts_, ends_;  // m, of each cell's free way; end < 0: none
+  std::vector<Slot> slots_;           // by beam
   std::vector<std::uint32_t> first_slot_;  // of each beam, and the end
 };
 

@@ -73,23 +73,25 @@ void Raster::draw(const PlacedScan& sweep, RangeLayer& layer) {
   positions_.resize(n);
   positions(sweep.x.data(), sweep.y.data(), n, positions_.data());
   bool linked_before = false;
+  Point next = n > 0 ? point_of(sweep, 0) : Point{};
   auto corner = sweep.corners.begin();
   for (std::size_t i = 0; i < n; ++i) {
+    const Point p = next;
+    if (i + 1 < n) next = point_of(sweep, i + 1);
     if (sweep.kind[i] != Return::surface) {
       linked_before = false;
       continue;
     }
     const bool linked = sweep.linked[i] != 0;
-    const Point p = point_of(sweep, i);
     if (corner != sweep.corners.end() && corner->beam == i) {
       draw_segment(p, corner->at, layer);
-      draw_segment(corner->at, point_of(sweep, i + 1), layer);
+      draw_segment(corner->at, next, layer);
       ++corner;
     } else if (linked) {
-      draw_segment(p, point_of(sweep, i + 1), positions_[i], positions_[i + 1], layer);
+      draw_segment(p, next, positions_[i], positions_[i + 1], layer);
     }
     if (!linked && !linked_before) draw_point(p, positions_[i], layer);
-    if (linked != linked_before) draw_end(p, point_of(sweep, linked ? i + 1 : i - 1), positions_[i], layer);
+    if (linked != linked_before) draw_end(p, linked ? next : point_of(sweep, i - 1), positions_[i], layer);
     linked_before = linked;
   }
   for (const Point& echo : sweep.early_echoes) draw_point(echo, layer);
@@ -103,7 +105,7 @@ void Raster::draw_mixed_pixels(const PlacedScan& sweep, RangeLayer& layer) const
 
 void Raster::draw_point(Point p, RangeLayer& layer) const { draw_point(p, position(p.x, p.y), layer); }
 
-void Raster::draw_segment(Point p, Point q, RangeLayer& layer) const {
+void Raster::draw_segment(const Point& p, const Point& q, RangeLayer& layer) const {
   draw_segment(p, q, position(p.x, p.y), position(q.x, q.y), layer);
 }
 
@@ -132,17 +134,21 @@ void Raster::draw_end(Point p, Point inner, float at, RangeLayer& layer) const {
   keep_nearer(layer, beam, fits ? drawn_out : range, p.intensity);
 }
 
-void Raster::draw_segment(Point p, Point q, float at_p, float at_q, RangeLayer& layer) const {
+void Raster::draw_segment(const Point& p, const Point& q, float at_p, float at_q, RangeLayer& layer) const {
   const float span = short_way(at_q - at_p, turn_);
   const float from = span < 0 ? at_q : at_p;
   const float to = from + std::fabs(span);
-  fill(p, q, from, to, layer);
+  // Rounded up, without a call of the mathematical library.
+  const auto below = static_cast<std::int32_t>(from);
+  const std::int32_t first = below + (static_cast<float>(below) < from ? 1 : 0);
+  fill(p, q, static_cast<std::size_t>(first), to, layer);
   if (to >= turn_) fill(p, q, 0, to - turn_, layer);
 }
 
-void Raster::fill(Point p, Point q, float from, float to, RangeLayer& layer) const {
+inline void Raster::fill(const Point& p, const Point& q, std::size_t first, float to,
+                         RangeLayer& layer) const {
   const std::size_t last = std::min(grid_.beams, index_of(to) + 1);
-  for (std::size_t beam = index_of(std::ceil(from)); beam < last; ++beam) {
+  for (std::size_t beam = first; beam < last; ++beam) {
     const float c = cosine_[beam];
     const float s = sine_[beam];
     const float side_p = c * p.y - s * p.x;

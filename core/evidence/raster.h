@@ -36,20 +36,20 @@ class Raster {
   /// Draws the mixed pixels of a sweep as points.
   void draw_mixed_pixels(const PlacedScan& sweep, RangeLayer& layer) const;
   void draw_point(Point p, RangeLayer& layer) const;
-  void draw_segment(Point p, Point q, RangeLayer& layer) const;
+  void draw_segment(const Point& p, const Point& q, RangeLayer& layer) const;
   /// Beams from the first one to the azimuth of (x, y), in [0, turn()).
   float position(float x, float y) const;
   /// The positions of `count` points.
   void positions(const float* x, const float* y, std::size_t count, float* at) const;
   /// draw_point() and draw_segment() with known positions.
   void draw_point(Point p, float at, RangeLayer& layer) const;
-  void draw_segment(Point p, Point q, float at_p, float at_q, RangeLayer& layer) const;
+  void draw_segment(const Point& p, const Point& q, float at_p, float at_q, RangeLayer& layer) const;
   /// Draws the end `p` of a surface that comes from `inner` into the beam nearest to it.
   void draw_end(Point p, Point inner, float at, RangeLayer& layer) const;
 
  private:
   std::size_t nearest_beam(float at) const;
-  void fill(Point p, Point q, float from, float to, RangeLayer& layer) const;
+  void fill(const Point& p, const Point& q, std::size_t first, float to, RangeLayer& layer) const;
 
   ScanGrid grid_;
   float turn_;     // beams

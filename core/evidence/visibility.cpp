@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/evidence/visibility.h"
 
-#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -34,6 +33,7 @@ Visibility::Visibility(const ScanGrid& grid, const VisibilitySettings& settings,
       begin_(grid.beams, 0),
       inside_(grid.beams),
       states_(grid.beams, BeamState::unobserved),
+      open_to_(grid.beams / VisibilityTable::wedge_beams + 1),
       covered_(grid.beams, 0),
       body_at_(grid.beams, infinite),
       blind_to_(grid.beams, 0) {
@@ -58,11 +58,12 @@ void Visibility::set_footprint(const Footprint& footprint) {
     const std::size_t border = inside ? 0 : table_.step_at(static_cast<float>(crossing->in));
     inside_[beam] = {border, table_.step_at(end), end};
   }
-  for (std::size_t row = 0; row < rows_; ++row) find_exits(row);
+  for (std::size_t row = 0; row < rows_; ++row) find_ways(row);
 }
 
-void Visibility::find_exits(std::size_t row) {
+void Visibility::find_ways(std::size_t row) {
   if (maps_[row].size() == 0) return;
+  table_.set(row, rows_, raster_, maps_[row], begin_);
   for (std::size_t beam = 0; beam < beams(); ++beam)
     body_ends_[row][beam] = place_at(row, beam, inside_[beam].end);
 }
@@ -70,8 +71,7 @@ void Visibility::find_exits(std::size_t row) {
 void Visibility::set_source(std::size_t source, const BeamRays& rays) {
   const double unit = FreeSpaceMap::unit_for(raster_.grid().range_max);
   maps_[source].set_source(rays, unit, raster_.grid().increment);
-  table_.set(source, maps_.size(), raster_, maps_[source]);
-  find_exits(source);
+  find_ways(source);
 }
 
 void Visibility::set_places(std::size_t places, std::size_t observing) {
@@ -83,11 +83,10 @@ void Visibility::set_places(std::size_t places, std::size_t observing) {
 void Visibility::set_place(std::size_t place, float x, float y, double width) {
   const double unit = FreeSpaceMap::unit_for(raster_.grid().range_max);
   for (std::size_t s = place; s < maps_.size(); s += rows_) maps_[s].set(x, y, width, unit);
-  table_.set(place, rows_, raster_, maps_[place]);
   widths_.resize(rows_);
   widths_[place] = static_cast<float>(width);
   column_ = *std::max_element(widths_.begin(), widths_.end());
-  find_exits(place);
+  find_ways(place);
 }
 
 void Visibility::begin() {
@@ -99,7 +98,22 @@ void Visibility::begin() {
 void Visibility::compute() {
   for (FreeSpaceMap& map : maps_) map.find_runs();
   find_ends();
+  find_open_wedges();
   for (std::size_t beam = 0; beam < beams(); ++beam) states_[beam] = decide(beam);
+}
+
+void Visibility::find_open_wedges() {
+  for (std::size_t wedge = 0, s = 0; wedge < open_to_.size(); ++wedge) {
+    // Stretches before the border of the vehicle are only a point of it.
+    std::size_t k = 0;
+    for (std::size_t refused = 0; refused < observing_ && k < table_.stretches();) {
+      if (maps_[s].size() > 0 && table_.wedge(wedge, row_of(s), k).is_free(maps_[s].runs()))
+        refused = 0, ++k;
+      else
+        ++refused, s = s + 1 < observing_ ? s + 1 : 0;
+    }
+    open_to_[wedge] = k * many;
+  }
 }
 
 void Visibility::combine(const std::vector<const PlacedScan*>& sweeps) {
@@ -192,15 +206,22 @@ std::size_t Visibility::free_stretches(std::size_t source, std::size_t beam, std
   return from;
 }
 
+std::size_t Visibility::seen_stretches(Walk& walk, std::size_t from, std::size_t to) {
+  const std::size_t open = std::min(open_to_[walk.beam / VisibilityTable::wedge_beams], to / many * many);
+  if (walk.sources <= observing_ && open > from) walk.known = table_.edge(from = open);
+  // Another source may see a stretch that one source does not see completely.
+  for (std::size_t asked = 0; asked < walk.sources && from + many <= to; ++asked) {
+    const std::size_t seen_to = free_stretches(walk.source, walk.beam, from, to);
+    if (seen_to > from) asked = 0, see(walk, walk.source, table_.edge(seen_to));
+    from = seen_to;
+    if (from + many <= to) next_source(walk);
+  }
+  return from;
+}
+
 std::size_t Visibility::seen_run(Walk& walk, std::size_t from, std::size_t to) {
   for (std::size_t refused = 0; refused < walk.sources && from < to;) {
-    // Another source may see a stretch that one source does not see completely.
-    for (std::size_t asked = 0; asked < walk.sources && from % many == 0 && from + many <= to; ++asked) {
-      const std::size_t seen_to = free_stretches(walk.source, walk.beam, from, to);
-      if (seen_to > from) asked = refused = 0, see(walk, walk.source, table_.edge(seen_to));
-      from = seen_to;
-      if (from + many <= to) next_source(walk);
-    }
+    if (refused == 0 && from % many == 0) from = seen_stretches(walk, from, to);
     if (from == to) break;
     const std::size_t stop = std::min(to, from / many * many + many);
     const std::size_t seen_to = free_run(walk.source, walk.beam, from, stop);
@@ -285,6 +306,10 @@ bool Visibility::is_covered(std::size_t beam, std::size_t sources) {
       from_body = true;
       m = body.to;
       walk.at = walk.known = body.end;
+      // If the origin lies inside, the table's stretches begin at the border, too.
+      if (begin_[beam] > 0 && sources <= observing_)
+        m = std::max(m, seen_stretches(walk, m / many * many, last / many * many));
+      if (m > body.to) from_body = false, walk.at = table_.edge(m);
       continue;
     }
     // Try to walk to the end of the way or to the next stretch at once; otherwise stretch by stretch, then
@@ -342,59 +367,6 @@ BeamState Visibility::decide(std::size_t beam) {
   for (std::size_t s = 0; s < maps_.size() && !seen; ++s)
     seen = maps_[s].size() > 0 && maps_[s].is_free(way_ends_[row_of(s)][beam]);
   return seen ? BeamState::hit : BeamState::behind;
-}
-
-/// Checks is_covered() by a slower method, for debug builds.
-bool Visibility::is_seen_all_along(std::size_t beam) const {
-  constexpr float apart = 0.01F;  // m
-  for (float at = begin_[beam] + apart; at < ways_[beam]; at += apart) {
-    if (at > table_.edge(inside_[beam].from) && at < inside_[beam].end) continue;
-    bool seen = false;
-    for (std::size_t s = 0; s < observing_ && !seen; ++s)
-      seen = maps_[s].size() > 0 && maps_[s].is_free(place_at(s, beam, at));
-    if (!seen) return false;
-  }
-  return true;
-}
-
-void Visibility::encode(Profile profile, PlanarScan& scan, bool with_intensities) const {
-  raster_.grid().prepare(scan, with_intensities);
-  for (std::size_t beam = 0; beam < beams(); ++beam) {
-    assert(states_[beam] != BeamState::free || is_seen_all_along(beam));
-    float range = nearest_.range[beam];
-    float intensity = nearest_.intensity[beam];
-    bool hit = states_[beam] == BeamState::hit;
-    bool free = states_[beam] == BeamState::free;
-    if (profile == Profile::safety) {
-      if (mixed_pixels_.range[beam] < range) {
-        range = mixed_pixels_.range[beam];
-        intensity = mixed_pixels_.intensity[beam];
-      }
-      // The object may be the one that was hit, seen from its other side.
-      if (body_at_[beam] + static_cast<float>(settings_.gap) + approach_ < range) {
-        range = body_at_[beam];
-        intensity = 0;
-      }
-      hit = range <= scan.range_max;
-      free = free && !hit;
-    }
-    if (free) scan.set_without_hit(beam, BeamStatus::none);
-    if (!hit) continue;
-    if (range < scan.range_min) {
-      scan.set_without_hit(beam, BeamStatus::near);
-    } else {
-      scan.set_hit(beam, range);
-      if (with_intensities) scan.intensities[beam] = intensity;
-    }
-  }
-  if (observing_ == maps_.size()) return;
-  scan.free_from.assign(beams(), 0);
-  for (std::size_t beam = 0; beam < beams(); ++beam) {
-    if (scan.statuses[beam] != BeamStatus::hit) continue;
-    // If the way to a hit is not known to be free, the hit proves no free space.
-    const float range = scan.ranges[beam];
-    scan.free_from[beam] = states_[beam] == BeamState::hit ? std::min(blind_to_[beam], range) : range;
-  }
 }
 
 }  // namespace lidard

@@ -85,6 +85,8 @@ class Visibility {
   std::size_t free_stretches(std::size_t source, std::size_t beam, std::size_t from, std::size_t to) const;
   /// The first step in [from, to), all in one stretch, that the source does not see to be free, or `to`.
   std::size_t free_run(std::size_t source, std::size_t beam, std::size_t from, std::size_t to) const;
+  /// Finds for each wedge the first step of the first stretch that no single source sees in all of its beams.
+  void find_open_wedges();
   /// State of a walk along a beam.
   struct Walk {
     std::size_t beam, sources;
@@ -96,6 +98,8 @@ class Visibility {
   };
   void see(Walk& walk, std::size_t source, float to);
   static void next_source(Walk& walk) { walk.source = walk.source + 1 < walk.sources ? walk.source + 1 : 0; }
+  /// The first stretch in steps [from, to), from a stretch's begin, that no single source sees completely.
+  std::size_t seen_stretches(Walk& walk, std::size_t from, std::size_t to);
   /// The first step in [from, to) that no source sees to be free, or `to`.
   std::size_t seen_run(Walk& walk, std::size_t from, std::size_t to);
   /// True if a source sees the way from step `step` (from the vehicle's border in it) to the begin of step
@@ -117,7 +121,8 @@ class Visibility {
   FreeSpaceMap::Place place_at(std::size_t source, std::size_t beam, float range) const {
     return maps_[source].place_of(range * raster_.cosine(beam), range * raster_.sine(beam));
   }
-  void find_exits(std::size_t row);
+  /// Computes what depends on the place of a row's sources and on the vehicle's outline alone.
+  void find_ways(std::size_t row);
 
   VisibilitySettings settings_;
   Raster raster_;
@@ -153,6 +158,7 @@ class Visibility {
   std::vector<float> begin_;  // m, the vehicle's border if the origin lies inside
   std::vector<Inside> inside_;
   std::vector<BeamState> states_;
+  std::vector<std::size_t> open_to_;  // of each wedge
   std::vector<float> covered_;
   std::vector<float> body_at_;   // m to where the way leads into the space behind a return; infinite: nowhere
   std::vector<float> blind_to_;  // m, begin of the way that no beam can see

@@ -66,13 +66,15 @@ VisibilityTable::Stretch VisibilityTable::stretch_of(const std::vector<Place>& p
 }
 
 void VisibilityTable::set(std::size_t source, std::size_t sources, const Raster& raster,
-                          const FreeSpaceMap& map) {
+                          const FreeSpaceMap& map, const std::vector<float>& begins) {
   if (sources != sources_) {
     sources_ = sources;
     stretches_.assign(beams_ * sources * stretches_of_beam_, {});
     places_.assign(stretches_.size() * stretch_steps, {0, 0xFFFF});
+    wedges_.assign((beams_ / wedge_beams + 1) * sources * stretches_of_beam_, {});
   }
   std::vector<Place> places(stretch_steps + 1);
+  std::vector<std::vector<Place>> in_wedge(stretches_of_beam_);
   for (std::size_t beam = 0; beam < beams_; ++beam) {
     const float c = raster.cosine(beam), s = raster.sine(beam);
     // The range at which the beam passes the source, and the distance between them.
@@ -81,14 +83,24 @@ void VisibilityTable::set(std::size_t source, std::size_t sources, const Raster&
     for (std::size_t k = 0; k < stretches_of_beam_; ++k) {
       for (std::size_t i = 0; i <= stretch_steps; ++i) {
         const float range = edges_[std::min(k * stretch_steps + i, steps())];
-        places[i] = map.place_of(range * c, range * s);
+        const float from = std::max(range, begins[beam]);
+        places[i] = map.place_of(from * c, from * s);
+        if (i == stretch_steps) break;
+        places_[index(beam, source, k) * stretch_steps + i] = map.place_of(range * c, range * s);
       }
-      std::copy_n(places.begin(), stretch_steps, places_.data() + index(beam, source, k) * stretch_steps);
       Stretch& stretch = stretches_[index(beam, source, k)];
       stretch = stretch_of(places, map);
       const float end = edges_[std::min((k + 1) * stretch_steps, steps())];
       if (passing > edges_[std::min(k * stretch_steps, steps())] && passing < end)
         stretch.nearest = std::min(stretch.nearest, passed);
+      // Each beam is followed in the other direction than the beam before, so that all places are one path.
+      Stretch& wedge = wedges_[(beam / wedge_beams * sources_ + source) * stretches_of_beam_ + k];
+      if (beam % wedge_beams == 0) in_wedge[k].clear(), wedge.nearest = stretch.nearest;
+      const std::int16_t nearest = std::min(wedge.nearest, stretch.nearest);
+      if (beam % 2 != 0) std::reverse(places.begin(), places.end());
+      in_wedge[k].insert(in_wedge[k].end(), places.begin(), places.end());
+      if ((beam + 1) % wedge_beams == 0 || beam + 1 == beams_) wedge = stretch_of(in_wedge[k], map);
+      wedge.nearest = std::min(wedge.nearest, nearest);
     }
   }
 }

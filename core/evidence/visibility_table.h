@@ -30,12 +30,16 @@ class VisibilityTable {
     }
   };
   static constexpr std::size_t stretch_steps = 8;
+  /// A wedge is so many neighbouring beams together; the last one may have fewer.
+  static constexpr std::size_t wedge_beams = 8;
 
   /// Computes the steps up to the range_max of the raster's grid.
   explicit VisibilityTable(const Raster& raster);
 
-  /// Fills in source number `source` of `sources`.
-  void set(std::size_t source, std::size_t sources, const Raster& raster, const FreeSpaceMap& map);
+  /// Fills in source number `source` of `sources`. Stretches leave out what lies before `begins`, m of each
+  /// beam.
+  void set(std::size_t source, std::size_t sources, const Raster& raster, const FreeSpaceMap& map,
+           const std::vector<float>& begins);
 
   std::size_t steps() const { return edges_.size() - 1; }
   /// Where step m begins, m from the origin; edge(steps()) is where the last one ends.
@@ -47,6 +51,11 @@ class VisibilityTable {
   const Stretch& stretch(std::size_t beam, std::size_t source, std::size_t k) const {
     return stretches_[index(beam, source, k)];
   }
+  /// The steps of all beams of a wedge from stretch_steps * k on: free if this is free.
+  const Stretch& wedge(std::size_t wedge, std::size_t source, std::size_t k) const {
+    return wedges_[(wedge * sources_ + source) * stretches_of_beam_ + k];
+  }
+  std::size_t stretches() const { return stretches_of_beam_; }
   /// Where step m begins; the next step begins where it ends.
   Place place(std::size_t beam, std::size_t source, std::size_t m) const {
     return places_[index(beam, source, m / stretch_steps) * stretch_steps + m % stretch_steps];
@@ -65,6 +74,7 @@ class VisibilityTable {
   std::size_t stretches_of_beam_;
   std::vector<Place> places_;
   std::vector<Stretch> stretches_;
+  std::vector<Stretch> wedges_;
 };
 
 }  // namespace lidard

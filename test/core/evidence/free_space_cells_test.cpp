@@ -16,7 +16,7 @@ TEST(FreeSpaceMap, AClaimIsRoundedInwardsAndReplacesTheOneBefore) {
   FreeSpaceMap map;
   map.set(0, 0, rad_per_deg, 0.25);
   map.claim(3, 1.1F, 2.9F);
-  const auto& cell = map.cells()[3];
+  const auto& cell = map.runs()[3];
   for (std::uint16_t units = 0; units < 20; ++units) {
     const double meters = 0.25 * units;
     EXPECT_EQ(cell.is_free(units), meters >= 1.1 && meters <= 2.9) << meters;
@@ -58,7 +58,7 @@ TEST(FreeSpaceMap, ARunIsWhatItsCellsHaveInCommonAllAround) {
                                std::max(a.not_to, b.not_to) <= static_cast<std::int16_t>(~near);
       bool all_are_free = true;
       for (std::size_t i = 0; i < length; ++i)
-        all_are_free = all_are_free && map.cells()[(first + i) % map.size()].is_free(map.distance(meters));
+        all_are_free = all_are_free && map.runs()[(first + i) % map.size()].is_free(map.distance(meters));
       ASSERT_EQ(run_is_free, all_are_free) << width << ' ' << first << " + " << length << " at " << meters;
     }
     FreeSpaceMap::RunAt at;

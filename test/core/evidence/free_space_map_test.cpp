@@ -60,14 +60,14 @@ double middle_of(const FreeSpaceMap& map, std::size_t cell) {
 }
 
 bool is_free(const FreeSpaceMap& map, std::size_t cell, double meters) {
-  return map.cells()[cell].is_free(map.distance(static_cast<float>(meters)));
+  return map.runs()[cell].is_free(map.distance(static_cast<float>(meters)));
 }
 
 /// As far as a cell is free, m; 0: nowhere.
 double free_to(const FreeSpaceMap& map, std::size_t cell) {
-  const FreeSpaceMap::Cell& here = map.cells()[cell];
-  if (here.from > map.distance(std::numeric_limits<float>::max())) return 0;
-  return unit * static_cast<double>(here.from + here.span);
+  const FreeSpaceMap::Run& here = map.runs()[cell];
+  if (here.from > FreeSpaceMap::ordered(map.distance(std::numeric_limits<float>::max()))) return 0;
+  return unit * static_cast<double>(here.to());
 }
 
 Fan random_fan(sim::Rng& rng) {

@@ -124,11 +124,10 @@ bool neighbours_agree(const Scene& scene, std::size_t column, double above) {
   return true;
 }
 
-double begin_of(const FreeSpaceMap& map, std::size_t cell) { return unit * map.cells()[cell].from; }
-double end_of(const FreeSpaceMap& map, std::size_t cell) {
-  return unit * (map.cells()[cell].from + map.cells()[cell].span);
-}
-bool has_any(const FreeSpaceMap& map, std::size_t cell) { return map.cells()[cell].from < 65534; }
+int first_unit(const FreeSpaceMap& map, std::size_t cell) { return map.runs()[cell].from + 0x8000; }
+double begin_of(const FreeSpaceMap& map, std::size_t cell) { return unit * first_unit(map, cell); }
+double end_of(const FreeSpaceMap& map, std::size_t cell) { return unit * map.runs()[cell].to(); }
+bool has_any(const FreeSpaceMap& map, std::size_t cell) { return first_unit(map, cell) < 65534; }
 
 void expect_proof(const Scene& scene, const Proof& proof, std::size_t column) {
   const std::size_t cell = scene.cell_of(column);
