@@ -35,7 +35,7 @@ std::string stop_sentence(const CalibratedSensor& sensor) {
           1000 * std::max(sigma_of(e, 0), sigma_of(e, 1)), deg_per_rad * sigma_of(e, 2));
     case MountVerdict::ambiguous:
       return "x, y, yaw: not determined: what it sees fits as well at another place (a bare rectangle, a "
-             "corridor or a round room); "
+             "corridor, a round room or rows of equal columns); "
              "park where walls and boxes stand irregularly";
     case MountVerdict::unconnected:
       return fmt::format(
