@@ -16,6 +16,11 @@ constexpr double smoothing = 0.2;
 // A gap of more than this number of periods is a pause; several pauses in a row are a new period.
 constexpr double pause_share = 1.5;
 constexpr int pauses_to_believe = 3;
+// A source is slower than another if its period is longer by this factor; less may be noise.
+constexpr double slower = 1.1;
+// One of two sweeps is the nearer one if it is so by this share of the period; less would make the choice
+// change with the jitter of every sweep.
+constexpr double nearer_share = 0.03;
 
 }  // namespace
 
@@ -92,13 +97,16 @@ SourceState Scheduler::state(std::size_t index, Stamp now) const {
   return now > wait_end(source) ? SourceState::stale : SourceState::ok;
 }
 
-Stamp Scheduler::wait_end(const Source& source) const {
-  // A source that never delivered has no due time.
-  if (!source.seen) return *first_ + settings_.lost_after;
+Stamp Scheduler::next_arrival(const Source& source) {
   const double period = source.period > 0 ? source.period : usual_period_s;
   // Counted from the stamp, so that a late sweep does not extend the wait for the next one. At most one
   // period of delay is accepted.
-  return source.end + span_from_seconds(period + std::min(source.delay, period)) + deadline();
+  return source.end + span_from_seconds(period + std::min(source.delay, period));
+}
+
+Stamp Scheduler::wait_end(const Source& source) const {
+  // A source that never delivered has no due time.
+  return source.seen ? next_arrival(source) + deadline() : *first_ + settings_.lost_after;
 }
 
 Stamp Scheduler::lost_after(const Source& source) const {
@@ -106,15 +114,43 @@ Stamp Scheduler::lost_after(const Source& source) const {
   return std::max(source.arrival + settings_.lost_after, wait_end(source));
 }
 
-bool Scheduler::all_delivered(Stamp now) const {
-  bool any = false;
+bool Scheduler::is_complete(Stamp now) const {
+  const Source* leader = nullptr;
+  std::optional<Stamp> newest;
   for (std::size_t s = 0; s < sources_.size(); ++s) {
     const Source& source = sources_[s];
-    any = any || source.fresh;
-    if (source.fresh || state(s, now) == SourceState::lost) continue;
-    if (now < wait_end(source)) return false;
+    if (!source.seen && now <= wait_end(source)) return false;
+    if (state(s, now) != SourceState::ok) continue;
+    newest = std::max(newest.value_or(source.end), source.end);
+    // A sweep that missed the last output is no reason for another one.
+    const bool leads = leader == nullptr ||
+                       (source.used != leader->used ? source.used : source.period > slower * leader->period);
+    if (leads) leader = &source;
   }
-  return any;
+  if (leader == nullptr || !leader->fresh) return false;
+  const Stamp instant = leader->end + (*newest - leader->end) / 2;
+  for (std::size_t s = 0; s < sources_.size(); ++s) {
+    const bool other = &sources_[s] != leader && state(s, now) == SourceState::ok;
+    if (other && next_is_awaited(sources_[s], *leader, instant, now)) return false;
+  }
+  return true;
+}
+
+bool Scheduler::next_is_awaited(const Source& source, const Source& leader, Stamp instant, Stamp now) const {
+  if (source.period <= 0) return !source.fresh;
+  const Span period = span_from_seconds(source.period);
+  const double gain =
+      std::abs(seconds(source.end - instant)) - std::abs(seconds(source.end + period - instant));
+  const double least = nearer_share * source.period;
+  // A sweep is used again only if the next one is farther; before the first output nothing was used.
+  if (!source.fresh) return !leader.used || gain > -least;
+  if (gain <= least) return false;
+  const Stamp next = next_arrival(source), leader_next = next_arrival(leader);
+  // The leader's next sweep must not come first: an output would be missing.
+  if (next + span_from_seconds(deadline_share * source.period) > leader_next) return false;
+  // If the source delivers only once between two sweeps of the leader, the wait changes the pairs once and
+  // for all. Otherwise each output would be later.
+  return next + period > leader_next || next <= now + deadline();
 }
 
 bool Scheduler::anything_usable(Stamp now) const {
@@ -142,8 +178,8 @@ bool Scheduler::is_due(Stamp now) {
   if (sources_changed(now)) return true;
   const Source& trigger = sources_[settings_.trigger];
   // If the trigger is overdue, the output continues with the other sources.
-  if (settings_.policy == Policy::trigger && now < wait_end(trigger)) return trigger.fresh;
-  return all_delivered(now);
+  if (settings_.policy == Policy::trigger && now <= wait_end(trigger)) return trigger.fresh;
+  return is_complete(now);
 }
 
 std::optional<Stamp> Scheduler::next_event() const {
@@ -152,10 +188,11 @@ std::optional<Stamp> Scheduler::next_event() const {
     if (now_ && at > *now_ && (!next || at < *next)) next = at;
   };
   for (const Source& source : sources_) {
-    if (first_) consider(wait_end(source));
-    if (!source.seen) continue;
+    if (!first_) break;
+    // Until then the source is good: who adds up how long it was stale looks at both.
+    consider(wait_end(source));
     consider(wait_end(source) + Span(1));
-    consider(lost_after(source) + Span(1));
+    if (source.seen) consider(lost_after(source) + Span(1));
   }
   if (settings_.policy == Policy::rate && next_tick_) consider(*next_tick_);
   return next;

@@ -11,8 +11,9 @@
 
 namespace lidard {
 
-/// When a merged scan is published. `complete`: as soon as every live source has delivered. `rate`: at a
-/// fixed rate. `trigger`: when a selected source has delivered.
+/// When a merged scan is published. `complete`: with each sweep of the slowest live source, as soon as the
+/// sweep of every other one that is nearest in time is there. `rate`: at a fixed rate. `trigger`: when a
+/// selected source has delivered.
 enum class Policy : std::uint8_t { complete, rate, trigger };
 
 /// State of a source. `stale`: its next sweep is overdue (late by the deadline); the source contributes
@@ -74,10 +75,15 @@ class Scheduler {
   };
   void advance(Stamp now);
   static void learn_period(Source& source, double measured);
+  /// When the next sweep of the source is due.
+  static Stamp next_arrival(const Source& source);
   /// End of the wait for the source; afterwards its next sweep is overdue.
   Stamp wait_end(const Source& source) const;
   Stamp lost_after(const Source& source) const;
-  bool all_delivered(Stamp now) const;
+  bool is_complete(Stamp now) const;
+  /// True if the output of the leader's sweep is to wait for the next sweep of the source. `instant`: the
+  /// middle of the sweeps that the source's should be near to.
+  bool next_is_awaited(const Source& source, const Source& leader, Stamp instant, Stamp now) const;
   bool anything_usable(Stamp now) const;
   /// True if a source of the last output has become stale or a lost source has delivered again.
   bool sources_changed(Stamp now) const;

@@ -4,6 +4,8 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -19,6 +21,27 @@ constexpr double inlier_m = 0.04, farthest_m = 25, height_slack_m = 0.7;
 const double steepest = std::cos(25 * rad_per_deg);
 constexpr std::size_t fewest = 200;
 constexpr double range_sigma = 0.01, smallest_sigma = 0.0005;  // m
+
+/// True if one look in most directions meets the plane near and far. Where a ring meets walls, its returns
+/// lie in a plane, too, but at one distance each.
+bool is_seen_near_and_far(const std::vector<Vector3d>& points, const GroundPlane& plane) {
+  constexpr std::size_t sectors = 360;
+  constexpr double far_by_near = 1.3, least_share = 1.0 / 3;
+  std::array<double, sectors> nearest{}, farthest{};
+  for (const Vector3d& p : points) {
+    if (std::abs(plane.up.dot(p) + plane.height) > inlier_m) continue;
+    const double turns = std::atan2(p.y(), p.x()) / two_pi + 0.5;
+    const std::size_t at = std::min(static_cast<std::size_t>(turns * sectors), sectors - 1);
+    nearest[at] = nearest[at] == 0 ? p.norm() : std::min(nearest[at], p.norm());
+    farthest[at] = std::max(farthest[at], p.norm());
+  }
+  double met = 0, deep = 0;
+  for (std::size_t i = 0; i < sectors; ++i) {
+    met += nearest[i] > 0 ? 1 : 0;
+    deep += farthest[i] > far_by_near * nearest[i] ? 1 : 0;
+  }
+  return deep > least_share * met;
+}
 
 }  // namespace
 
@@ -71,7 +94,7 @@ std::optional<GroundPlane> find_ground(const std::vector<Vector3d>& all, const P
     best.height = (best.height - change[2]) / normal.norm();
     best.up = normal.normalized();
   }
-  return best;
+  return is_seen_near_and_far(points, best) ? std::optional(best) : std::nullopt;
 }
 
 double yaw_of(const Eigen::Matrix3d& rotation) { return std::atan2(rotation(1, 0), rotation(0, 0)); }

@@ -25,7 +25,8 @@ constexpr double ground_tilt_sigma = 0.3 * rad_per_deg;  // rad
 constexpr double ground_height_sigma = 0.015;            // m
 
 /// The largest plane below the sensor that lies within 25 degrees and 0.7 m of where `base_from_sensor` has
-/// the plane z = 0; nothing if there is none of 200 points.
+/// the plane z = 0; nothing if there is none of 200 points, or if it is not seen near and far in a third of
+/// the directions that meet it.
 std::optional<GroundPlane> find_ground(const std::vector<Eigen::Vector3d>& points,
                                        const Pose& base_from_sensor);
 

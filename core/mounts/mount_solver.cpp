@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/mounts/mount_solver.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -14,12 +15,15 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr int starts = 24;
+// Starts with about the configured yaw are also tried so far aside, m: rows of equal things fit one thing
+// further, too.
+constexpr double start_aside_m = 0.6;
 // Places nearer to each other than this are one, m and rad.
 constexpr double same_place_m = 0.1, same_place_rad = 3 * rad_per_deg;
 // A place where so many of the judged returns are confirmed is right if no other place comes as near: less
 // where it is about as configured than where it is turned or upside down. In a rectangle with one box the
 // margin is up to 0.03.
-constexpr double least_agreement = 0.9, least_margin = 0.05, least_margin_elsewhere = 0.1;
+constexpr double least_agreement = 0.95, least_margin = 0.05, least_margin_elsewhere = 0.1;
 // Two configured poses are no more wrong than this, m, and per m between them: a sensor that is turned by 20
 // degrees sees another one elsewhere. Nearer to the configured yaw than that, rad, a pose is about as
 // configured.
@@ -32,7 +36,9 @@ constexpr std::size_t coarse_surfaces = 80;
 constexpr std::array<double, 9> biases{0, 0.0005, 0.001, 0.002, 0.003, 0.005, 0.007, 0.010, 0.015};
 constexpr double hidden_bias = 1.4;
 // What is known no better than this, m and rad, is not determined.
-constexpr double worst_m = 0.02, worst_rad = 0.2 * rad_per_deg;
+constexpr double worst_m = 0.01, worst_rad = 0.1 * rad_per_deg;
+// By how much a configured pose may be wrong, standard deviation.
+constexpr double configured_m = 0.3, configured_rad = 10 * rad_per_deg;
 
 SeenPlace mirrored(SeenPlace place) {
   for (StillView& view : place.views) {
@@ -68,6 +74,8 @@ bool is_same_place(const PlanarPose& a, const PlanarPose& b) {
 struct Place {
   PlanarPose pose;
   Agreement agreement;
+  // Farther from the configured place than a tape errs, along a corridor: nothing to find, but a rival.
+  bool is_far;
 };
 
 /// Share of the points of surfaces of `b` that lie on one of `a`: for sensors of which none sees through a
@@ -94,17 +102,24 @@ std::vector<Place> find_places(const SeenPlace& a, const SeenPlace& b, const Pla
   std::vector<Place> places;
   const std::vector<Surface> lines = longest(a.surfaces), others = longest(b.surfaces);
   const double farthest = farthest_start_m + farther_by_distance * std::hypot(configured.x, configured.y);
-  for (int i = 0; i < starts; ++i) {
-    PlanarPose start = configured;
-    start.yaw = std::remainder(start.yaw + two_pi * i / starts, two_pi);
+  const auto try_start = [&](double aside_x, double aside_y, double turn) {
+    const PlanarPose start{configured.x + aside_x, configured.y + aside_y,
+                           std::remainder(configured.yaw + turn, two_pi)};
     const PlanarPose pose = match_surfaces(lines, others, start);
-    if (std::hypot(pose.x - configured.x, pose.y - configured.y) > farthest) continue;
+    const bool is_far = std::hypot(pose.x - configured.x, pose.y - configured.y) > farthest;
+    if (is_far && std::abs(std::remainder(pose.yaw - configured.yaw, two_pi)) > about_as_configured_rad)
+      return;
     if (std::any_of(places.begin(), places.end(),
                     [&](const Place& known) { return is_same_place(known.pose, pose); }))
-      continue;
+      return;
     Agreement found = agreement(a, b, pose);
     if (!a.is_planar() && !b.is_planar()) found = surfaces_met(a, b, pose);
-    places.push_back({pose, found});
+    places.push_back({pose, found, is_far});
+  };
+  for (int i = 0; i < starts; ++i) try_start(0, 0, two_pi * i / starts);
+  for (const int i : {-1, 0, 1}) {
+    for (const double aside : {-start_aside_m, start_aside_m})
+      try_start(aside, 0, two_pi * i / starts), try_start(0, aside, two_pi * i / starts);
   }
   std::stable_sort(places.begin(), places.end(), [](const Place& x, const Place& y) {
     const bool x_judged = x.agreement.judged() >= least_judged,
@@ -148,9 +163,12 @@ Pair find_pair(const std::vector<MountedSensor>& sensors, std::size_t first, std
   pair.pose = places[0].pose, pair.as_found = places[0].agreement;
   pair.margin = places[0].agreement.share() - next;
   const bool agrees = places[0].agreement.share() >= least_agreement;
-  const bool elsewhere = pair.is_mirrored || std::abs(std::remainder(pair.pose.yaw - configured.yaw,
-                                                                     two_pi)) > about_as_configured_rad;
-  pair.is_sure = agrees && pair.margin >= (elsewhere ? least_margin_elsewhere : least_margin);
+  const double turned = std::abs(std::remainder(pair.pose.yaw - configured.yaw, two_pi));
+  const bool elsewhere = pair.is_mirrored || turned > about_as_configured_rad;
+  // A mount may be configured turned by half, but not by a quarter.
+  const bool quarter = turned > about_as_configured_rad && turned < pi_d - about_as_configured_rad;
+  pair.is_sure = agrees && !places[0].is_far && !quarter &&
+                 pair.margin >= (elsewhere ? least_margin_elsewhere : least_margin);
   pair.is_ambiguous = agrees && !pair.is_sure;
   return pair;
 }
@@ -168,19 +186,31 @@ FreeDirection direction_of(const WallFit::Sensor& sensor, const Eigen::Vector3d&
   return free;
 }
 
-/// Moves the pose along the held directions back to where it is configured.
+/// The move of the pose (x, y, yaw) for a move of 1 in a held direction.
+Eigen::Vector3d pose_move(const WallFit::Sensor& sensor, const Eigen::Vector3d& held) {
+  const double rate = held[2] / sensor.lever;
+  const Vector2d arm = Vector2d(sensor.pose.x, sensor.pose.y) - sensor.centre;
+  return {held[0] - rate * arm.y(), held[1] + rate * arm.x(), rate};
+}
+
+/// Moves the pose along the held directions as near to where it is configured as these allow.
 void keep_configured(WallFit::Sensor& sensor, const PlanarPose& configured) {
-  for (int round = 0; round < 3; ++round) {
-    const double turn = std::remainder(configured.yaw - sensor.pose.yaw, two_pi);
-    const Vector2d arm = Vector2d(sensor.pose.x, sensor.pose.y) - sensor.centre;
-    const Vector2d to =
-        Vector2d(configured.x, configured.y) - sensor.centre - PlanarPose{0, 0, turn}.turned(arm);
-    const Eigen::Vector3d whole(to.x(), to.y(), turn * sensor.lever);
+  const Eigen::Vector3d weights(1, 1, configured_m / configured_rad);
+  for (int round = 0; round < 5 && !sensor.held.empty(); ++round) {
+    const PlanarPose& at = sensor.pose;
+    const Eigen::Vector3d off(configured.x - at.x, configured.y - at.y,
+                              std::remainder(configured.yaw - at.yaw, two_pi));
+    Eigen::MatrixXd moves(3, sensor.held.size());
+    for (std::size_t i = 0; i < sensor.held.size(); ++i)
+      moves.col(static_cast<Eigen::Index>(i)) = weights.cwiseProduct(pose_move(sensor, sensor.held[i]));
+    const Eigen::VectorXd far = moves.colPivHouseholderQr().solve(weights.cwiseProduct(off));
     Eigen::Vector3d part = Eigen::Vector3d::Zero();
-    for (const Eigen::Vector3d& held : sensor.held) part += held * held.dot(whole);
-    const double own_turn = part[2] / sensor.lever;
-    const Vector2d at = sensor.centre + PlanarPose{0, 0, own_turn}.turned(arm) + part.head<2>();
-    sensor.pose = {at.x(), at.y(), std::remainder(sensor.pose.yaw + own_turn, two_pi)};
+    for (std::size_t i = 0; i < sensor.held.size(); ++i)
+      part += far[static_cast<Eigen::Index>(i)] * sensor.held[i];
+    const Vector2d arm = Vector2d(at.x, at.y) - sensor.centre;
+    const double turn = part[2] / sensor.lever;
+    const Vector2d to = sensor.centre + PlanarPose{0, 0, turn}.turned(arm) + part.head<2>();
+    sensor.pose = {to.x(), to.y(), std::remainder(at.yaw + turn, two_pi)};
   }
 }
 
@@ -190,23 +220,21 @@ void describe(const WallFit& fit, std::size_t index, const PlanarPose& configure
   estimate.surfaces = sensor.shared;
   estimate.covariance = fit.covariance(index);
   estimate.range_offset = fit.offset_of(index);
-  estimate.determined = {true, true, true};
+  const auto sigma = [&](int c) { return std::sqrt(estimate.covariance(c, c)); };
+  if (sigma(0) > worst_m || sigma(1) > worst_m || sigma(2) > worst_rad) {
+    // x, y and yaw depend on each other: all or none of them is changed.
+    estimate.verdict = MountVerdict::uncertain;
+    estimate.pose = configured;
+    return;
+  }
+  // In a held direction the pose is as wrong as it is configured, and so is each of x, y and yaw that the
+  // direction moves.
   for (const Eigen::Vector3d& held : sensor.held) {
     estimate.free.push_back(direction_of(sensor, held));
-    const double rate = held[2] / sensor.lever;
-    const Vector2d arm = Vector2d(sensor.pose.x, sensor.pose.y) - sensor.centre;
-    const Eigen::Vector3d moved(held[0] - rate * arm.y(), held[1] + rate * arm.x(), held[2]);
-    for (std::size_t c = 0; c < 3; ++c) {
-      if (std::abs(moved[static_cast<Eigen::Index>(c)]) > 0.3 * std::max(1.0, moved.norm()))
-        estimate.determined[c] = false;
-    }
+    const Eigen::Vector3d move = configured_m * pose_move(sensor, held);
+    estimate.covariance += move * move.transpose();
   }
-  const auto sigma = [&](int c) { return std::sqrt(estimate.covariance(c, c)); };
-  if (sigma(0) < worst_m && sigma(1) < worst_m && sigma(2) < worst_rad) return;
-  // x, y and yaw depend on each other: all or none of them is changed.
-  estimate.verdict = MountVerdict::uncertain;
-  estimate.pose = configured;
-  estimate.determined = {false, false, false};
+  estimate.determined = {sigma(0) < worst_m, sigma(1) < worst_m, sigma(2) < worst_rad};
 }
 
 }  // namespace

@@ -73,7 +73,9 @@ bool StillScans::add(const PlanarScan& scan) {
     rings_.assign(1, std::vector<Samples>(scan.beams));
     angle_min_ = static_cast<double>(scan.angle_min), step_ = step;
   }
-  if (rings_.size() != 1 || rings_[0].size() != scan.beams || std::abs(step - step_) > 1e-7) return false;
+  if (rings_.size() != 1 || rings_[0].size() != scan.beams || std::abs(step - step_) > 1e-7 ||
+      std::abs(static_cast<double>(scan.angle_min) - angle_min_) > 0.1 * std::abs(step_))
+    return false;
   ++frames_;
   for (std::size_t i = 0; i < scan.beams; ++i) {
     const double angle = angle_min_ + step_ * static_cast<double>(i);

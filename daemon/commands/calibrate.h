@@ -37,6 +37,7 @@ struct CalibratedSensor {
   const SensorConfig* config;
   Pose before;
   StillScans scans;                // while the vehicle stood
+  std::size_t left_out = 0;        // scans of the stop whose grid is not that of the first one
   std::vector<DriveSweep> sweeps;  // while it drove
   Pose after;
   Eigen::Matrix3d tilt;

@@ -30,7 +30,7 @@ class FrameCollector {
 
   void add(CalibratedSensor& sensor, const PlanarScan& scan) {
     if (stands(scan.stamp)) {
-      if (sensor.scans.frames() < most_scans) sensor.scans.add(scan);
+      if (sensor.scans.frames() < most_scans && !sensor.scans.add(scan)) ++sensor.left_out;
     } else if (DriveSweep* const sweep = next_sweep(sensor, scan.stamp)) {
       sweep->step = std::abs(static_cast<double>(scan.angle_increment));
       for (std::size_t i = 0; i < scan.beams; ++i) {

@@ -35,7 +35,7 @@ std::string stop_sentence(const CalibratedSensor& sensor) {
           1000 * std::max(sigma_of(e, 0), sigma_of(e, 1)), deg_per_rad * sigma_of(e, 2));
     case MountVerdict::ambiguous:
       return "x, y, yaw: not determined: what it sees fits as well at another place (a bare rectangle, a "
-             "corridor or a round room); "
+             "corridor, a round room or rows of equal columns); "
              "park where walls and boxes stand irregularly";
     case MountVerdict::unconnected:
       return fmt::format(
@@ -95,13 +95,20 @@ std::string Drive::advice() const {
 }
 
 std::string calibration_sentence(const CalibratedSensor& sensor, const Drive* drive) {
-  if (drive == nullptr) return stop_sentence(sensor);
+  std::string grids;
+  if (sensor.left_out > 0)
+    grids = fmt::format(
+        "; {} of {} scans of the stop are left out: their beams or angles differ from those of the first "
+        "scan; "
+        "record with unchanged settings of the scanner",
+        sensor.left_out, sensor.left_out + sensor.scans.frames());
+  if (drive == nullptr) return stop_sentence(sensor) + grids;
   std::string text = sensor.scans.frames() == 0
                          ? "no stop: stand 5 s before the drive, so that sensors are found "
                            "against each other, too"
                      : sensor.estimate.verdict == MountVerdict::reference ? "the reference"
                                                                           : stop_sentence(sensor);
-  return text + "; " + drive_sentence(sensor, *drive);
+  return text + grids + "; " + drive_sentence(sensor, *drive);
 }
 
 std::string odometry_sentence(const Drive& drive) {
@@ -159,6 +166,7 @@ nlohmann::json calibration_json(const std::vector<CalibratedSensor>& sensors, co
     const double tilt = ground_tilt_sigma * deg_per_rad;
     all[s.config->name] = {{"verdict", verdicts[static_cast<std::size_t>(s.estimate.verdict)]},
                            {"frames", s.scans.frames()},
+                           {"frames_left_out", s.left_out},
                            {"before", mount(s.before, s.time_offset_before())},
                            {"after", mount(s.after, s.time_offset_after())},
                            {"deviation",

@@ -34,7 +34,7 @@ Keys<ScheduleSettings> policy_rows() {
       {"complete", Policy::complete}, {"rate", Policy::rate}, {"trigger", Policy::trigger}};
   return {
       word("policy", &S::policy, policies,
-           "published when all sources have delivered, at a rate, or when one has delivered"),
+           "published with each sweep of the slowest source, at a rate, or when one has delivered"),
       number("rate", &S::rate, 0.01, most_outputs_per_s, "1/s", "with policy rate").shown_if([](const S& s) {
         return s.policy == Policy::rate;
       })};

@@ -76,6 +76,33 @@ def check_refused(tmp):
     expect("not determined" in done.stdout and not (tmp / "none.yaml").exists(), done.stdout)
 
 
+def check_another_grid(tmp, capture):
+    """A scanner whose beams are changed within a recording: what is left out is told, and the rest is used."""
+    run("replay", "-c", ROOT / "config/demo.yaml", capture, "--rate", "max", "--bag", tmp / "grid.bag")
+    scans = {name: [] for name in ("front_left", "front_right")}
+    with rosbag.Bag(str(tmp / "grid.bag")) as bag:
+        for topic, message, stamp in bag.read_messages([f"/{name}/scan" for name in scans]):
+            scans[topic.split("/")[1]].append((message, stamp))
+    left_out = 0
+    with rosbag.Bag(str(tmp / "changed.bag"), "w") as bag:
+        for name, messages in scans.items():
+            for i, (message, stamp) in enumerate(messages):
+                if name == "front_right" and i >= len(messages) * 2 // 3:
+                    message.ranges, message.intensities, message.angle_increment = message.ranges[::2], message.intensities[::2], 2 * message.angle_increment
+                    left_out += 1
+                bag.write(f"/{name}/scan", message, stamp)
+    sensors = "".join(f"  {name}: {{topic: {name}/scan, pose: {{xyz: [0, {y}, 0.35], rpy_deg: [0, 0, {45 * y}]}}}}\n" for name, y in (("front_left", 1), ("front_right", -1)))
+    (tmp / "grid.yaml").write_text("sensors:\n" + sensors)
+    done = run("calibrate", "-c", tmp / "grid.yaml", "--bag", tmp / "changed.bag", "--json")
+    found = json.loads(done.stdout)["sensors"]
+    whole = len(scans["front_right"])
+    expect([one["frames_left_out"] for one in found.values()] == [0, left_out] and found["front_right"]["frames"] == whole - left_out > 0, done.stdout)
+    expect_pose(found["front_right"]["after"], "front_right")
+    text = run("calibrate", "-c", tmp / "grid.yaml", "--bag", tmp / "changed.bag").stdout
+    lines = [line for line in text.splitlines() if "left out" in line]
+    expect(len(lines) == 1 and lines[0].startswith("front_right: ") and f"{left_out} of {whole} scans of the stop are left out" in lines[0], text)
+
+
 # How late the scanners' datagrams are, us, which their stamps then are, too; and where they are on the vehicle.
 LATE = {"front_left": 12000, "front_right": 5000, "roof": 20}
 ON_VEHICLE = {**KNOCKED, "front_left": ([0.03, 0.98, 0.35], [0, 0, 46.1])}
@@ -230,6 +257,7 @@ def main():
         capture = make_capture(tmp / "parked", parked())
         check_found(tmp, capture)
         check_refused(tmp)
+        check_another_grid(tmp, capture)
         done = run("calibrate", "-c", ROOT / "config/demo.yaml", capture, "--reference", "nobody")
         expect(done.returncode == 1 and "--reference nobody" in done.stderr, done.stderr)
         done = run("calibrate", "-c", tmp / "missing.yaml", capture)

@@ -263,7 +263,7 @@ TEST(Scheduler, LateSweepIsNotUsedOnceItIsTooOld) {
 TEST(Scheduler, SourceThatIsNotThereAtTheStartIsWaitedForOnce) {
   Yard yard({{ms(40), ms(0)}, {ms(40), ms(5), ms(0)}}, {});
   yard.run(std::chrono::seconds(2));
-  EXPECT_EQ(yard.outputs.front().at, ms(400));
+  EXPECT_EQ(yard.outputs.front().at, ms(400) + Span(1));
   EXPECT_NEAR(yard.rate(ms(600), ms(2000)), 25, 1);
   EXPECT_EQ(yard.scheduler.state(1, begin + ms(2000)), SourceState::never);
 }

@@ -5,105 +5,16 @@
 #include <gtest/gtest.h>
 
 #include <functional>
-#include <random>
 
 #include "core/base/angle.h"
+#include "test/core/mounts/parked_trial.h"
 
 namespace lidard {
 namespace {
 
-using Eigen::Vector2d;
-
-/// Walls seen from above.
-struct Place {
-  std::vector<std::pair<Vector2d, Vector2d>> walls;
-
-  void box(const Vector2d& centre, double length, double width, double yaw) {
-    const Vector2d u = PlanarPose{0, 0, yaw}.turned({length / 2, 0}),
-                   v = PlanarPose{0, 0, yaw}.turned({0, width / 2});
-    const Vector2d corners[] = {centre + u + v, centre - u + v, centre - u - v, centre + u - v};
-    for (int i = 0; i < 4; ++i) walls.emplace_back(corners[i], corners[(i + 1) % 4]);
-  }
-  double range(const Vector2d& from, double azimuth) const {
-    const Vector2d ray(std::cos(azimuth), std::sin(azimuth));
-    double nearest = 1e9;
-    for (const auto& [a, b] : walls) {
-      const Vector2d side = b - a, to = a - from;
-      const double across = ray.x() * side.y() - ray.y() * side.x();
-      const double range = (to.x() * side.y() - to.y() * side.x()) / across,
-                   at = (to.x() * ray.y() - to.y() * ray.x()) / across;
-      if (range > 0 && at >= 0 && at <= 1) nearest = std::min(nearest, range);
-    }
-    return nearest;
-  }
-};
-
-/// What is wrong with the ranges of a scanner.
-struct Errors {
-  double noise = 0.01, offset = 0, bias = 0;  // m; the bias is smooth over 10 degrees
-};
-
-/// Vehicles parked in places, with mounts that are configured wrong.
-struct Trial {
-  explicit Trial(unsigned seed) : random(seed) {}
-  std::mt19937 random;
-  Place place;
-  std::vector<PlanarPose> truth;
-  std::vector<MountedSensor> sensors;
-
-  double between(double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random);
-  }
-  double normal() { return std::normal_distribution<double>()(random); }
-  void make_yard() {
-    const double length = between(20, 34), width = between(16, 28);
-    place.box({0, 0}, length, width, between(-0.3, 0.3));
-    for (int i = 0; i < 12; ++i) {
-      const Vector2d centre(between(-length / 2, length / 2), between(-width / 2, width / 2));
-      if (centre.norm() > 4) place.box(centre, between(0.4, 3), between(0.4, 3), between(0, 3));
-    }
-  }
-  /// A scanner of 275 degrees; `wrong`: by how much its configured pose is off at most.
-  void add(const PlanarPose& at, const Errors& errors = {}, bool upside_down = false, double wrong = 1) {
-    const double offset = errors.offset * normal(), phase = between(0, two_pi);
-    StillScans scans;
-    PlanarScan scan;
-    scan.reset(551);
-    scan.set_angles(static_cast<float>(-137.5 * rad_per_deg), static_cast<float>(0.5 * rad_per_deg));
-    for (int frame = 0; frame < 25; ++frame) {
-      for (std::size_t i = 0; i < scan.beams; ++i) {
-        const double angle = static_cast<double>(scan.angle(i));
-        const double range = place.range({at.x, at.y}, at.yaw + (upside_down ? -angle : angle));
-        const double bias = errors.bias * std::sqrt(2.0) * std::sin(angle * 18 + phase);
-        if (range > 40)
-          scan.set_without_hit(i, BeamStatus::none);
-        else
-          scan.set_hit(i, static_cast<float>(
-                              std::round(1000 * (range + offset + bias + errors.noise * normal())) / 1000));
-      }
-      scans.add(scan);
-    }
-    MountedSensor sensor;
-    sensor.place.views = scans.views(Eigen::Matrix3d::Identity());
-    find_surfaces(sensor.place.views[0], sensor.place.surfaces);
-    const double direction = between(0, two_pi), far = wrong * between(0, 0.5);
-    sensor.configured = {at.x + far * std::cos(direction), at.y + far * std::sin(direction),
-                         at.yaw + wrong * between(-20, 20) * rad_per_deg};
-    truth.push_back(at);
-    sensors.push_back(sensor);
-  }
-  void add_three(const Errors& errors = {}) {
-    add({0.5, 1, 0.7}, errors);
-    add({0.5, -1, -0.7}, errors);
-    add({-3, between(-0.5, 0.5), pi_d + between(-0.3, 0.3)}, errors);
-  }
-  /// Error of a sensor's pose against the reference, in base_frame: m, m, rad.
-  Eigen::Vector3d error(const MountSolution& solution, std::size_t i) const {
-    const PlanarPose want = sensors[0].configured * (truth[0].inverse() * truth[i]);
-    const PlanarPose& got = solution.sensors[i].pose;
-    return {got.x - want.x, got.y - want.y, std::remainder(got.yaw - want.yaw, two_pi)};
-  }
-};
+using test::Errors;
+using test::Place;
+using test::Trial;
 
 struct Score {
   double across = 0, yaw = 0, normalised = 0, within = 0;  // rms m, rms rad, rms, share within 2.5 deviations
@@ -186,13 +97,7 @@ TEST(MountSolver, PlacesThatLookAlikeFromSeveralPosesAreRefused) {
   };
   verdict_in([](Place& corridor) { corridor.box({0, 0}, 200, 6, 0.1); });
   verdict_in([](Place& rectangle) { rectangle.box({0.3, 0.4}, 24, 16, 0.2); });
-  verdict_in([](Place& silo) {
-    for (int i = 0; i < 720; ++i) {
-      const double a = two_pi * i / 720, b = two_pi * (i + 1) / 720;
-      silo.walls.emplace_back(Vector2d(1.5 + 8 * std::cos(a), 0.7 + 8 * std::sin(a)),
-                              Vector2d(1.5 + 8 * std::cos(b), 0.7 + 8 * std::sin(b)));
-    }
-  });
+  verdict_in([](Place& silo) { silo.round({1.5, 0.7}, 8, 720); });
   verdict_in([](Place& /*open field*/) {});
 }
 

@@ -47,6 +47,9 @@ TEST(StillView, ScansOfAnotherGridAreNotAdded) {
   StillScans scans;
   EXPECT_TRUE(scans.add(scan_of(100)));
   EXPECT_FALSE(scans.add(scan_of(101)));
+  PlanarScan turned = scan_of(100);
+  turned.set_angles(-0.4F, 0.01F);
+  EXPECT_FALSE(scans.add(turned));
   EXPECT_EQ(scans.frames(), 1U);
 }
 

@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: 2026 the lidard authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// A simulated vehicle that is parked somewhere, with planar scanners whose mounts are configured wrong.
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <random>
+#include <vector>
+
+#include "core/base/angle.h"
+#include "core/mounts/mount_solver.h"
+
+namespace lidard::test {
+
+using Eigen::Vector2d;
+
+struct Wall {
+  Vector2d from, to;
+  bool is_glass = false;  // seen only where a beam meets it squarely; other beams see what is behind
+  double moves = 0;       // m ahead in each frame
+  int frames = 1000;      // until it is gone
+};
+
+/// Walls seen from above.
+struct Place {
+  std::vector<Wall> walls;
+  std::function<double(double azimuth)> grass;  // m, what stands in the way of a beam
+
+  void box(const Vector2d& centre, double length, double width, double yaw) {
+    box(centre, length, width, yaw, Wall{{0, 0}, {0, 0}});
+  }
+  /// A box whose sides are like `side`.
+  void box(const Vector2d& centre, double length, double width, double yaw, Wall side) {
+    const Vector2d u = PlanarPose{0, 0, yaw}.turned({length / 2, 0}),
+                   v = PlanarPose{0, 0, yaw}.turned({0, width / 2});
+    const Vector2d corners[] = {centre + u + v, centre - u + v, centre - u - v, centre + u - v};
+    for (int i = 0; i < 4; ++i) {
+      side.from = corners[i], side.to = corners[(i + 1) % 4];
+      walls.push_back(side);
+    }
+  }
+  void round(const Vector2d& centre, double radius, int sides) {
+    const auto corner = [&](int i) -> Vector2d {
+      return centre + PlanarPose{0, 0, two_pi * i / sides}.turned({radius, 0});
+    };
+    for (int i = 0; i < sides; ++i) walls.push_back({corner(i), corner(i + 1)});
+  }
+  double range(const Vector2d& from, double azimuth, int frame) const {
+    const Vector2d ray(std::cos(azimuth), std::sin(azimuth));
+    double nearest = grass ? grass(azimuth) : 1e9;
+    for (const Wall& wall : walls) {
+      const Vector2d side = wall.to - wall.from, to = wall.from + Vector2d(wall.moves * frame, 0) - from;
+      const double across = ray.x() * side.y() - ray.y() * side.x();
+      const double range = (to.x() * side.y() - to.y() * side.x()) / across,
+                   at = (to.x() * ray.y() - to.y() * ray.x()) / across;
+      const bool shows = frame < wall.frames && (!wall.is_glass || std::abs(across) > 0.97 * side.norm());
+      if (shows && range > 0 && at >= 0 && at <= 1) nearest = std::min(nearest, range);
+    }
+    return nearest;
+  }
+};
+
+/// What is wrong with the ranges of a scanner.
+struct Errors {
+  double noise = 0.01, offset = 0, bias = 0;  // m; the bias is smooth over 10 degrees
+};
+
+/// Vehicles parked in places, with mounts that are configured wrong.
+struct Trial {
+  explicit Trial(unsigned seed) : random(seed) {}
+  std::mt19937 random;
+  Place place;
+  std::vector<PlanarPose> truth;
+  std::vector<MountedSensor> sensors;
+
+  double between(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  }
+  double normal() { return std::normal_distribution<double>()(random); }
+  void make_yard() {
+    const double length = between(20, 34), width = between(16, 28);
+    place.box({0, 0}, length, width, between(-0.3, 0.3));
+    for (int i = 0; i < 12; ++i) {
+      const Vector2d centre(between(-length / 2, length / 2), between(-width / 2, width / 2));
+      if (centre.norm() > 4) place.box(centre, between(0.4, 3), between(0.4, 3), between(0, 3));
+    }
+  }
+  /// A scanner of 0.5 degrees; `wrong`: by how much its configured pose is off at most.
+  void add(const PlanarPose& at, const Errors& errors = {}, bool upside_down = false, double wrong = 1,
+           double from_deg = -137.5, double to_deg = 137.5) {
+    const double offset = errors.offset * normal(), phase = between(0, two_pi);
+    StillScans scans;
+    PlanarScan scan;
+    scan.reset(static_cast<std::size_t>(2 * (to_deg - from_deg)) + 1);
+    scan.set_angles(static_cast<float>(from_deg * rad_per_deg), static_cast<float>(0.5 * rad_per_deg));
+    for (int frame = 0; frame < 25; ++frame) {
+      for (std::size_t i = 0; i < scan.beams; ++i) {
+        const double angle = static_cast<double>(scan.angle(i));
+        const double range = place.range({at.x, at.y}, at.yaw + (upside_down ? -angle : angle), frame);
+        const double bias = errors.bias * std::sqrt(2.0) * std::sin(angle * 18 + phase);
+        if (range > 40)
+          scan.set_without_hit(i, BeamStatus::none);
+        else
+          scan.set_hit(i, static_cast<float>(
+                              std::round(1000 * (range + offset + bias + errors.noise * normal())) / 1000));
+      }
+      scans.add(scan);
+    }
+    MountedSensor sensor;
+    sensor.place.views = scans.views(Eigen::Matrix3d::Identity());
+    find_surfaces(sensor.place.views[0], sensor.place.surfaces);
+    const double direction = between(0, two_pi), far = wrong * between(0, 0.5);
+    sensor.configured = {at.x + far * std::cos(direction), at.y + far * std::sin(direction),
+                         at.yaw + wrong * between(-20, 20) * rad_per_deg};
+    truth.push_back(at);
+    sensors.push_back(sensor);
+  }
+  void add_three(const Errors& errors = {}) {
+    add({0.5, 1, 0.7}, errors);
+    add({0.5, -1, -0.7}, errors);
+    add({-3, between(-0.5, 0.5), pi_d + between(-0.3, 0.3)}, errors);
+  }
+  /// Error of a sensor's pose against the reference, in base_frame: m, m, rad.
+  Eigen::Vector3d error(const MountSolution& solution, std::size_t i) const {
+    const PlanarPose want = sensors[0].configured * (truth[0].inverse() * truth[i]);
+    const PlanarPose& got = solution.sensors[i].pose;
+    return {got.x - want.x, got.y - want.y, std::remainder(got.yaw - want.yaw, two_pi)};
+  }
+};
+
+}  // namespace lidard::test
