@@ -31,7 +31,7 @@ constexpr double farthest_start_m = 1.5, farther_by_distance = 0.5,
                  about_as_configured_rad = 45 * rad_per_deg;
 constexpr std::size_t least_judged = 60;
 // Returns that count against a place beside those that do, so that few returns must agree better.
-constexpr double doubted = 4;
+constexpr double against_a_place = 4;
 constexpr std::size_t coarse_surfaces = 80;
 // Steps of the bias that surfaces may have in common for their beams, m, and what slow biases hide in the
 // fit.
@@ -166,7 +166,7 @@ Pair find_pair(const std::vector<MountedSensor>& sensors, std::size_t first, std
   pair.margin = places[0].agreement.share() - next;
   const auto confirmed = static_cast<double>(pair.as_found.confirmed),
              judged_returns = static_cast<double>(pair.as_found.judged());
-  const bool agrees = confirmed >= least_agreement * (judged_returns + doubted);
+  const bool agrees = confirmed >= least_agreement * (judged_returns + against_a_place);
   const double turned = std::abs(std::remainder(pair.pose.yaw - configured.yaw, two_pi));
   const bool elsewhere = pair.is_mirrored || turned > about_as_configured_rad;
   // A mount may be configured turned by half, but not by a quarter.
