@@ -23,13 +23,15 @@ constexpr double same_place_m = 0.1, same_place_rad = 3 * rad_per_deg;
 // A place where so many of the judged returns are confirmed is right if no other place comes as near: less
 // where it is about as configured than where it is turned or upside down. In a rectangle with one box the
 // margin is up to 0.03.
-constexpr double least_agreement = 0.95, least_margin = 0.05, least_margin_elsewhere = 0.1;
+constexpr double least_agreement = 0.9, least_margin = 0.05, least_margin_elsewhere = 0.1;
 // Two configured poses are no more wrong than this, m, and per m between them: a sensor that is turned by 20
 // degrees sees another one elsewhere. Nearer to the configured yaw than that, rad, a pose is about as
 // configured.
 constexpr double farthest_start_m = 1.5, farther_by_distance = 0.5,
                  about_as_configured_rad = 45 * rad_per_deg;
 constexpr std::size_t least_judged = 60;
+// Returns that count against a place beside those that do, so that few returns must agree better.
+constexpr double against_a_place = 4;
 constexpr std::size_t coarse_surfaces = 80;
 // Steps of the bias that surfaces may have in common for their beams, m, and what slow biases hide in the
 // fit.
@@ -162,7 +164,9 @@ Pair find_pair(const std::vector<MountedSensor>& sensors, std::size_t first, std
   }
   pair.pose = places[0].pose, pair.as_found = places[0].agreement;
   pair.margin = places[0].agreement.share() - next;
-  const bool agrees = places[0].agreement.share() >= least_agreement;
+  const auto confirmed = static_cast<double>(pair.as_found.confirmed),
+             judged_returns = static_cast<double>(pair.as_found.judged());
+  const bool agrees = confirmed >= least_agreement * (judged_returns + against_a_place);
   const double turned = std::abs(std::remainder(pair.pose.yaw - configured.yaw, two_pi));
   const bool elsewhere = pair.is_mirrored || turned > about_as_configured_rad;
   // A mount may be configured turned by half, but not by a quarter.

@@ -104,6 +104,17 @@ void StillScans::add(const Cloud& cloud) {
   }
 }
 
+std::size_t StillScans::stride(const std::vector<Samples>& ring) const {
+  if (!is_cloud()) return 1;
+  std::vector<std::size_t> gaps;
+  for (std::size_t i = 0, last = bins; i < ring.size(); ++i) {
+    if (ring[i].seen == 0) continue;
+    if (last < i) gaps.push_back(i - last);
+    last = i;
+  }
+  return gaps.empty() ? 1 : static_cast<std::size_t>(median_of(gaps));
+}
+
 double StillScans::enough() const {
   return (is_cloud() ? least_share_of_bin : least_share) * static_cast<double>(frames_);
 }
@@ -124,9 +135,14 @@ std::vector<StillView> StillScans::views(const Eigen::Matrix3d& tilt) const {
   std::vector<StillView> views;
   for (std::size_t r = 0; r < rings_.size(); ++r) {
     StillView view;
-    view.ring = r, view.step = std::abs(step_), view.is_closed = is_cloud();
+    const std::size_t usual = stride(rings_[r]);
+    view.ring = r, view.step = std::abs(step_) * static_cast<double>(usual), view.is_closed = is_cloud();
+    std::size_t empty = 0;
     for (std::size_t i = 0; i < rings_[r].size(); ++i) {
       const Samples& samples = rings_[r][i];
+      // Bins between two beams are no gap, nor is a single one that rounding leaves out.
+      empty = is_cloud() && samples.seen == 0 ? empty + 1 : 0;
+      if (empty > 0 && empty != usual + 1) continue;
       StillBeam beam;
       const double range = samples.median(enough(), beam.sigma);
       const double angle = angle_min_ + step_ * static_cast<double>(i);

@@ -63,6 +63,8 @@ class StillScans {
     double median(double enough, double& sigma) const;
   };
   double enough() const;
+  /// How many bins of a multi-plane lidar lie from one beam of the ring to the next.
+  std::size_t stride(const std::vector<Samples>& ring) const;
 
   std::size_t frames_ = 0, cloud_frames_ = 0;
   double angle_min_ = 0, step_ = 0;

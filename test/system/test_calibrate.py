@@ -66,6 +66,25 @@ def check_found(tmp, capture):
     expect("front_left: the reference" in table and "shared surfaces" in table, table)
 
 
+def check_multi_plane(tmp):
+    """The ground and the walls by lidars of other rings, upright and upside down."""
+    for model, roll in (("velodyne_vls128", 0), ("velodyne_hdl64e_s1", 0), ("velodyne_vlp32c", 180), ("velodyne_hdl64e_s3", 180)):
+        scene, config = yaml.safe_load(parked()), yaml.safe_load((ROOT / "config/demo.yaml").read_text())
+        scene["duration"] = 0.7
+        del scene["sensors"]["roof"]["options"], scene["sensors"]["roof"]["clock_offset"]
+        scene["sensors"]["roof"] |= {"model": model, "noise": 0.01, "pose": {"xyz": [0.03, 0.05, 2.04], "rpy_deg": [roll + 0.8, -1.2, 3.5]}}
+        roof = {"model": model, "ip_address": "192.168.1.201", "pose": {"xyz": [0, 0, 1.8], "rpy_deg": [roll, 0, 0]}}
+        (tmp / "rings.yaml").write_text(yaml.safe_dump({"sensors": config["sensors"] | {"roof": roof}}))
+        done = run("calibrate", "-c", tmp / "rings.yaml", make_capture(tmp / f"{model}_{roll}", yaml.safe_dump(scene)), "--json")
+        found = json.loads(done.stdout)["sensors"]["roof"]
+        if model == "velodyne_hdl64e_s3":
+            # Upside down it looks 2 degrees down and sees walls alone.
+            expect(found["deviation"]["z"] is None and found["after"]["xyz"][2] == 1.8, f"{model}: {found}")
+            continue
+        for got, want in zip(found["after"]["xyz"] + found["after"]["rpy_deg"], (0.03, 0.05, 2.04, roll + 0.8, -1.2, 3.5)):
+            expect(abs(math.remainder(got - want, 360)) < 0.01, f"{model}: {found}")
+
+
 def check_refused(tmp):
     walls = [{"wall": {"from": [-100, y], "to": [100, y], "z": [0, 3], "reflectivity": 0.6}} for y in (-4, 4)]
     corridor = make_capture(tmp / "corridor", parked(walls))
@@ -257,6 +276,7 @@ def main():
         capture = make_capture(tmp / "parked", parked())
         check_found(tmp, capture)
         check_refused(tmp)
+        check_multi_plane(tmp)
         check_another_grid(tmp, capture)
         done = run("calibrate", "-c", ROOT / "config/demo.yaml", capture, "--reference", "nobody")
         expect(done.returncode == 1 and "--reference nobody" in done.stderr, done.stderr)

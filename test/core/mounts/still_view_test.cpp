@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/base/angle.h"
 #include "core/mounts/surfaces.h"
 
@@ -57,6 +59,25 @@ TEST(StillView, AScanWithoutBeamsDoesNotSetTheGrid) {
   StillScans scans;
   EXPECT_FALSE(scans.add(scan_of(0)));
   EXPECT_TRUE(scans.add(scan_of(100)));
+}
+
+TEST(StillView, BeamsOfARingAreNeighboursThoughBinsBetweenThemAreEmpty) {
+  for (const double step_deg : {0.27, 1.0}) {
+    StillScans scans;
+    Cloud cloud;
+    const auto count = static_cast<std::size_t>(90 / step_deg);
+    cloud.points_bytes.resize(count * sizeof(CloudPoint));
+    for (std::size_t i = 0; i < count; ++i) {
+      const double azimuth = (step_deg * static_cast<double>(i) - 45) * rad_per_deg;
+      cloud.points()[i] = {4, static_cast<float>(4 * std::tan(azimuth)), 0, 0, 0, 0};
+    }
+    scans.add(cloud);
+    const auto views = scans.views(Eigen::Matrix3d::Identity());
+    std::vector<Surface> surfaces;
+    find_surfaces(views[0], surfaces);
+    ASSERT_EQ(surfaces.size(), 1U) << step_deg;
+    EXPECT_GT(surfaces[0].length(), 7.5) << step_deg;
+  }
 }
 
 TEST(StillView, ACloudWhoseRingsNoLidarHasTakesNoMemory) {
