@@ -136,6 +136,10 @@ class Starved:
     def _now():
         return {pid: waited_for_processor(pid) for pid in [os.getpid(), *(c.pid for c in CHILDREN if c.poll() is None)]}
 
+    def add(self, seconds):
+        """Adds another delay that the machine caused."""
+        self.stolen -= seconds
+
     def seconds(self):
         now = self._now()
         return sum(max(0, waited - self.begin.get(pid, 0)) for pid, waited in now.items()) + stolen() - self.stolen

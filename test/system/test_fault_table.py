@@ -111,6 +111,14 @@ def began():
     return time.monotonic(), Starved()
 
 
+def begin(do):
+    """Does a fault. It begins while `do` runs: a change of the network may wait for seconds for those of other tests."""
+    since, starved = began()
+    do()
+    starved.add(time.monotonic() - since)
+    return since, starved
+
+
 class Lidars(threading.Thread):
     """Sends recorded packets at their pace from as many addresses as are wanted."""
 
@@ -215,31 +223,27 @@ def faults_of_cables(network, tmp, watch, table):
 
 
 def cut_off(network, lidars, devices, table):
-    begun = {}
-    for key in ("cut", "off", "bare", "silent", "refused", "half_open"):
-        begun[key] = began()
-        if key == "cut":
-            network.lidars("link", "set", "dev-lidar1", "down")
-        elif key == "off":
-            network.host("link", "set", "lidar2", "down")
-        elif key == "bare":
-            network.host("address", "delete", "192.168.4.100/24", "dev", "lidar3")
-        elif key == "half_open":
-            network.lidars("address", "delete", "192.168.1.10/24", "dev", "dev-lidar0")
-        else:
-            devices["front" if key == "silent" else "right"].kill()
+    faults = {
+        "cut": lambda: network.lidars("link", "set", "dev-lidar1", "down"),
+        "off": lambda: network.host("link", "set", "lidar2", "down"),
+        "bare": lambda: network.host("address", "delete", "192.168.4.100/24", "dev", "lidar3"),
+        "silent": devices["front"].kill,
+        "refused": devices["right"].kill,
+        "half_open": lambda: network.lidars("address", "delete", "192.168.1.10/24", "dev", "dev-lidar0"),
+    }
+    begun = {key: begin(do) for key, do in faults.items()}
     table.check([f for f in CABLE if f.key in begun], begun)
 
 
 def spoil(lidars, table):
-    begin = began()
+    start = began()
     for address, change in (("192.168.1.202", lambda p, n: p if n % 50 else None), ("192.168.1.203", lambda p, n: p if n % 10 else None),
                             ("192.168.1.204", corrupt)):
         lidars.streams[address][2] = change
     lidars.add("192.168.1.66", 2368)
     lidars.add("192.168.1.209", 2499)
     keys = ("lossy", "lossier", "broken", "stranger", "elsewhere")
-    table.check([f for f in CABLE if f.key in keys], {key: begin for key in keys})
+    table.check([f for f in CABLE if f.key in keys], {key: start for key in keys})
 
 
 def stop(child, table):
@@ -303,9 +307,7 @@ def faults_of_middleware(tmp, watch, table, master):
     config, clock = write(tmp / "ros.yaml", good), Clock(tmp / "clock")
 
     def fault(key, do):
-        begin = began()
-        do()
-        table.check([f for f in MIDDLEWARE if f.key == key], {key: begin})
+        table.check([f for f in MIDDLEWARE if f.key == key], {key: begin(do)})
 
     def reload(text):
         write(config, text)
