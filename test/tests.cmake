@@ -26,6 +26,11 @@ lidard_unity(lidard_support 6)
 set(mills "BoundedTime.*" "VelodyneLoss.*ForEveryModelAndMode" "VelodyneStamp.IsTheEarliest*"
           "VelodyneStream.LossIsCountedExactlyWhateverIsDropped" "VelodyneWholeTurn.*")
 string(REPLACE ";" ":" mills "${mills}")
+# s until a test hangs; sanitizers make programs several times slower.
+set(limit 900)
+if(LIDARD_SANITIZE)
+  set(limit 3600)
+endif()
 set(programs)
 function(lidard_tests folder shards)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/${folder}/*_test.cpp)
@@ -41,7 +46,7 @@ function(lidard_tests folder shards)
   foreach(shard RANGE 1 ${shards})
     math(EXPR index "${shard} - 1")
     add_test(NAME ${folder}.${shard} COMMAND ${name})
-    set_tests_properties(${folder}.${shard} PROPERTIES PROCESSORS 3 TIMEOUT 900 ENVIRONMENT
+    set_tests_properties(${folder}.${shard} PROPERTIES PROCESSORS 3 TIMEOUT ${limit} ENVIRONMENT
       "GTEST_FILTER=-${mills};GTEST_TOTAL_SHARDS=${shards};GTEST_SHARD_INDEX=${index};GTEST_OUTPUT=xml:${CMAKE_CURRENT_BINARY_DIR}/Testing/${folder}.${shard}.xml")
   endforeach()
   set(programs ${programs} $<TARGET_FILE:${name}> PARENT_SCOPE)
@@ -50,7 +55,7 @@ endfunction()
 lidard_tests(core 4 lidard_core)
 lidard_tests(drivers 4 lidard_drivers)
 add_test(NAME drivers.mills COMMAND test_drivers)
-set_tests_properties(drivers.mills PROPERTIES PROCESSORS 3 TIMEOUT 900 LABELS endurance ENVIRONMENT
+set_tests_properties(drivers.mills PROPERTIES PROCESSORS 3 TIMEOUT ${limit} LABELS endurance ENVIRONMENT
   "GTEST_FILTER=${mills};GTEST_OUTPUT=xml:${CMAKE_CURRENT_BINARY_DIR}/Testing/drivers.mills.xml")
 # What users' programs and ira_laser_tools make of scans with; the daemon needs none of them.
 pkg_check_modules(ANCESTOR REQUIRED IMPORTED_TARGET laser_geometry tf pcl_common)
@@ -91,7 +96,7 @@ file(GLOB system_tests CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/system
 foreach(script ${system_tests})
   get_filename_component(name ${script} NAME_WE)
   add_test(NAME system.${name} COMMAND /usr/bin/python3 ${script})
-  set_tests_properties(system.${name} PROPERTIES TIMEOUT 900 SKIP_RETURN_CODE 77
+  set_tests_properties(system.${name} PROPERTIES TIMEOUT ${limit} SKIP_RETURN_CODE 77
     ENVIRONMENT "LIDARD=$<TARGET_FILE:lidard>;LIDARD_SIM=$<TARGET_FILE:lidard-sim>;LIDARD_CLOCK_SHIM=$<TARGET_FILE:clock_shim>;LIDARD_SOURCE_DIR=${CMAKE_CURRENT_SOURCE_DIR}")
   if(name IN_LIST long)
     set_tests_properties(system.${name} PROPERTIES COST 1000)

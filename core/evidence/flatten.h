@@ -72,6 +72,7 @@ class Flattener {
   std::size_t beam_of(float at, double x, double y) const {
     // Five times the rounding error of float.
     const float slack = 1e-6F * raster_.turn();
+    // NOLINTNEXTLINE(bugprone-incorrect-roundings): a result that rounding could change is not sure.
     const auto beam = static_cast<std::size_t>(at + 0.5F);
     const bool sure = std::fabs(at - static_cast<float>(beam)) < 0.5F - slack;
     // The first beam also covers the half beam before it.

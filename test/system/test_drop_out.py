@@ -84,15 +84,16 @@ def both_there(watch, policy, log):
 
 
 def one_dead(watch, policy, killed, starved):
-    gone = watch.first(unobserved, killed, 3, "its sector becomes unobserved") - killed
+    watch.first(unobserved, killed, 3, "its sector becomes unobserved")
     reported = watch.first_state(lambda s: s.level == 2 and "right" in s.message, killed, 3, "ERROR naming it") - killed
     late = starved.seconds()
     time.sleep(2)  # measured time
     check_rate(watch, killed, 2, RATES[policy], starved.seconds(), f"{policy}, one dead")
+    # A daemon that is late may have scans of it to merge after a gap.
+    gone = max((t for t, m in watch.scans() if not unobserved(m)), default=killed) - killed
     print(f"{policy}: sector unobserved {gone * 1000:.0f} ms, ERROR {reported * 1000:.0f} ms after the kill")
     expect(gone < 0.25 + late, f"sector unobserved only after {gone:.3f} s")
     expect(reported < 0.5 + late, f"ERROR only after {reported:.3f} s")
-    expect(all(unobserved(m) for t, m in watch.scans() if t > killed + gone), "and stays so")
 
 
 def comes_back(watch, policy, returned, starved):
