@@ -86,7 +86,8 @@ void VisibilityTable::set(std::size_t source, std::size_t sources, const Raster&
         const float from = std::max(range, begins[beam]);
         places[i] = map.place_of(from * c, from * s);
         if (i == stretch_steps) break;
-        places_[index(beam, source, k) * stretch_steps + i] = map.place_of(range * c, range * s);
+        places_[index(beam, source, k) * stretch_steps + i] =
+            from > range ? map.place_of(range * c, range * s) : places[i];
       }
       Stretch& stretch = stretches_[index(beam, source, k)];
       stretch = stretch_of(places, map);
