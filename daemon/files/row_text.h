@@ -68,7 +68,7 @@ class RowText {
 
   /// Call it now and then, so that the buffer stays small.
   void flush_if_long() {
-    constexpr std::size_t enough = 256 * 1024;
+    constexpr std::size_t enough = 256 * 1024UL;
     if (text_.size() >= enough) flush();
   }
   void close() {

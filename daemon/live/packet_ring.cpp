@@ -14,7 +14,7 @@ namespace lidard {
 namespace {
 
 /// Holds the largest datagram and the largest chunk of a TCP connection.
-constexpr std::size_t block_bytes = 128 * 1024;
+constexpr std::size_t block_bytes = 128 * 1024UL;
 /// One block is written to while another one is read.
 constexpr std::size_t fewest_blocks = 3;
 /// Packets are sorted within this number of bytes, since the threads that add them have different delays.

@@ -12,7 +12,7 @@ namespace lidard::hokuyo {
 namespace {
 
 // A full turn of three echoes with intensities, 10 000 steps (the request has four digits), is less.
-constexpr std::size_t longest_answer = 256 * 1024;
+constexpr std::size_t longest_answer = 256 * 1024UL;
 constexpr unsigned first_code = 0x30;
 constexpr unsigned six_bits = 0x3f;
 constexpr std::size_t longest_number = 11;

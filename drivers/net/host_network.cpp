@@ -165,7 +165,7 @@ std::string holder_of_udp_port(std::uint16_t port) {
     if (!holds_socket(each->path(), entry.inode)) continue;
     std::string name;
     std::getline(std::ifstream(each->path() / "comm"), name);
-    return name + " (process " + process + ")";
+    return name.append(" (process " + process + ")");
   }
   return "a program of user " + entry.user;
 }

@@ -125,7 +125,7 @@ std::string why_disconnected(const Endpoint& device, int error) {
 using boost::asio::ip::tcp;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t read_buffer = 64 * 1024;
+constexpr std::size_t read_buffer = 64 * 1024UL;
 /// Limits the time until other sockets of the thread are read.
 constexpr int reads_per_wakeup = 8;
 /// After a connection that lasted this long, the delay of retries starts again.

@@ -21,7 +21,7 @@ using XmlRpc::XmlRpcValue;
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t longest_answer = 8 * 1024 * 1024;
+constexpr std::size_t longest_answer = 8UL * 1024 * 1024;
 constexpr const char* end_of_answer = "</methodResponse>";
 
 std::vector<SocketAddress> addresses_of(const std::string& host, std::uint16_t port, int flags) {

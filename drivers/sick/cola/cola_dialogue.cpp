@@ -90,6 +90,7 @@ void ColaDialogue::connected(Stamp now, DriverOutput& out) {
 }
 
 /// Continues after a `yield` with the answer, or without one if the device already sends scans.
+// NOLINTNEXTLINE(readability-function-size): the steps of one dialogue are one coroutine.
 void ColaDialogue::script(DriverOutput& out) {
   const DeviceRequests& requests = config_.requests;
   const bool compares = requests.allow_write || requests.skip || config_.publish_multiecho;

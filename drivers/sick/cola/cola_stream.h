@@ -38,7 +38,7 @@ struct ColaTelegram {
 class ColaStream {
  public:
   /// The longest accepted payload, bytes; far more than any real one.
-  static constexpr std::size_t longest = 256 * 1024;
+  static constexpr std::size_t longest = 256 * 1024UL;
 
   explicit ColaStream(Counters& counters) : counters_(counters) {}
 

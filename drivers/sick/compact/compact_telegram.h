@@ -133,7 +133,7 @@ enum class TelegramType : std::uint32_t {
 };
 
 /// Longest accepted telegram; a UDP datagram is at most 64 KiB, and three echoes of a full turn need less.
-constexpr std::size_t max_telegram = 256 * 1024;
+constexpr std::size_t max_telegram = 256 * 1024UL;
 
 /// Head of the telegram that starts at some bytes.
 struct TelegramHead {

@@ -12,7 +12,7 @@ namespace {
 /// After this number of writes a setting counts as refused; reset when the sensor was unreachable.
 constexpr int most_attempts = 3;
 /// More than any answer with its header.
-constexpr std::size_t most_received = 128 * 1024;
+constexpr std::size_t most_received = 128 * 1024UL;
 
 void replace_section(VelodyneTree& tree, const std::string& prefix, const VelodyneTree& section) {
   const auto begin = tree.lower_bound(prefix);

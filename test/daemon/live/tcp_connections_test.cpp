@@ -251,7 +251,9 @@ TEST(TcpConnections, LoseNothingOfOtherSensorsAndLeakNothingWhileOneDisconnectsA
   EXPECT_EQ(b.sink.count("front/scan"), 1100U);
   EXPECT_EQ(b.pipeline.report()[1].counters.packets, sender.sent);
   EXPECT_LE(open_files(), files);
+#ifndef __SANITIZE_ADDRESS__  // which keeps for a while what was freed, and finds leaks itself
   EXPECT_LE(resident() - memory, 512);
+#endif
 }
 
 Packet chunk(std::string_view bytes, const Endpoint& from, const Endpoint& to, bool start = false) {

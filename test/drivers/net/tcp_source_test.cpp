@@ -400,7 +400,9 @@ TEST(TcpSource, LeaksNothingOverAThousandDisconnects) {
   ASSERT_TRUE(b.until([&] { return b.connects == 1201 && peer.accept(); }));
   peer.close_client();
   EXPECT_LE(open_files(), files);
+#ifndef __SANITIZE_ADDRESS__  // which keeps for a while what was freed, and finds leaks itself
   EXPECT_LE(resident() - memory, 256);
+#endif
 }
 
 }  // namespace
