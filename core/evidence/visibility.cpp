@@ -104,7 +104,7 @@ void Visibility::compute() {
 
 void Visibility::find_open_wedges() {
   for (std::size_t wedge = 0, s = 0; wedge < open_to_.size(); ++wedge) {
-    // Stretches before the border of the vehicle are only a point of it.
+    // A stretch inside the vehicle consists of the point where the beam leaves the vehicle.
     std::size_t k = 0;
     for (std::size_t refused = 0; refused < observing_ && k < table_.stretches();) {
       if (maps_[s].size() > 0 && table_.wedge(wedge, row_of(s), k).is_free(maps_[s].runs()))
